@@ -1,0 +1,226 @@
+//! A knob: a named, bounded, explained setting.
+//!
+//! Presets, exporters and crown shapes all describe their settings by [`Knob`]s; the command line,
+//! the schema, the help and the workbench's form are made from these tables.
+
+use std::fmt;
+
+/// What a knob is, apart from its value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Knob {
+    /// What scripts call it: `kill`.
+    pub name: &'static str,
+    /// What values it takes.
+    pub kind: Kind,
+    /// `m`, `deg`, … or empty for a plain number.
+    pub unit: &'static str,
+    /// One line: what turning it does.
+    pub help: &'static str,
+}
+
+/// What values a knob takes. Ranges include both ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// A finite number.
+    Real {
+        /// Smallest.
+        min: f64,
+        /// Largest.
+        max: f64,
+        /// Whether `auto` is a value too.
+        auto: bool,
+    },
+    /// A whole number.
+    Integer {
+        /// Smallest.
+        min: u64,
+        /// Largest.
+        max: u64,
+    },
+    /// A length in metres (`0.4`) or in steps (`17D`); `inf` where `max` is infinite.
+    Length {
+        /// Smallest, metres or steps.
+        min: f64,
+        /// Largest, metres or steps.
+        max: f64,
+        /// Whether `auto` is a value too.
+        auto: bool,
+    },
+    /// One of some words.
+    Choice(&'static [&'static str]),
+    /// `true` or `false`.
+    Switch,
+    /// `x,y,z`.
+    Vector {
+        /// Whether `auto` is a value too.
+        auto: bool,
+    },
+    /// Pairs `height,radius; height,radius; …` in metres.
+    Profile {
+        /// How many pairs.
+        count: usize,
+    },
+}
+
+/// A knob's value.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Value {
+    /// Linden decides, from what it is given.
+    Auto,
+    /// For [`Kind::Real`], and a [`Kind::Length`] in metres.
+    Real(f64),
+    /// For [`Kind::Integer`].
+    Integer(u64),
+    /// For a [`Kind::Length`] in units of the step.
+    Steps(f64),
+    /// For [`Kind::Choice`].
+    Word(String),
+    /// For [`Kind::Switch`].
+    Switch(bool),
+    /// For [`Kind::Vector`].
+    Vector([f64; 3]),
+    /// For [`Kind::Profile`]: height, radius.
+    Profile(Vec<[f64; 2]>),
+}
+
+impl fmt::Display for Value {
+    /// As [`Kind::parse`] reads it back.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Real(x) => write!(f, "{x}"),
+            Self::Integer(n) => write!(f, "{n}"),
+            Self::Steps(x) => write!(f, "{x}D"),
+            Self::Word(word) => f.write_str(word),
+            Self::Switch(on) => write!(f, "{on}"),
+            Self::Vector([x, y, z]) => write!(f, "{x},{y},{z}"),
+            Self::Profile(pairs) => {
+                for (i, [height, radius]) in pairs.iter().enumerate() {
+                    write!(f, "{}{height},{radius}", if i == 0 { "" } else { "; " })?;
+                }
+                Ok(())
+            }
+        }
+    }
+}
+
+impl fmt::Display for Kind {
+    /// What a user may type, with the range: `0.001 to 10, or auto`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let or_auto = |auto: bool| if auto { ", or auto" } else { "" };
+        match *self {
+            Self::Real { min, max, auto } => write!(f, "{} to {}{}", Short(min), Short(max), or_auto(auto)),
+            Self::Integer { min, max } => write!(f, "a whole number, {min} to {max}"),
+            Self::Length { min, max, auto } => {
+                write!(f, "{} to {}, or in steps like 17D{}", Short(min), Short(max), or_auto(auto))
+            }
+            Self::Choice(words) => f.write_str(&words.join(" | ")),
+            Self::Switch => f.write_str("true | false"),
+            Self::Vector { auto } => write!(f, "x,y,z{}", or_auto(auto)),
+            Self::Profile { count } => write!(f, "{count} pairs height,radius; …"),
+        }
+    }
+}
+
+/// A range's end without a tail of zeros.
+struct Short(f64);
+
+impl fmt::Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0.abs() >= 1e6 && self.0.is_finite() {
+            write!(f, "{:e}", self.0)
+        } else {
+            write!(f, "{}", self.0)
+        }
+    }
+}
+
+impl Kind {
+    /// Reads what a user typed.
+    ///
+    /// # Errors
+    /// What was expected instead, without the knob's name.
+    pub fn parse(&self, text: &str) -> Result<Value, String> {
+        let text = text.trim();
+        let value = self.read(text).ok_or_else(|| format!("'{}' is not {self}", printable(text)))?;
+        self.check(&value)?;
+        Ok(value)
+    }
+
+    fn read(&self, text: &str) -> Option<Value> {
+        let number = |t: &str| t.trim().parse::<f64>().ok().filter(|x| !x.is_nan());
+        match self {
+            Self::Real { auto: true, .. } | Self::Length { auto: true, .. } | Self::Vector { auto: true }
+                if text == "auto" =>
+            {
+                Some(Value::Auto)
+            }
+            Self::Real { .. } => number(text).map(Value::Real),
+            Self::Integer { .. } => text.replace('_', "").parse().ok().map(Value::Integer),
+            Self::Length { .. } => match text.strip_suffix('D') {
+                Some(steps) => number(steps).map(Value::Steps),
+                None => number(text.strip_suffix('m').unwrap_or(text)).map(Value::Real),
+            },
+            Self::Choice(words) => words.contains(&text).then(|| Value::Word(text.to_owned())),
+            Self::Switch => text.parse().ok().map(Value::Switch),
+            Self::Vector { .. } => numbers(text, ',').map(Value::Vector),
+            Self::Profile { .. } => {
+                text.split(';').map(|pair| numbers(pair, ',')).collect::<Option<_>>().map(Value::Profile)
+            }
+        }
+    }
+
+    /// Whether a value lies in the range.
+    ///
+    /// # Errors
+    /// What was expected instead, without the knob's name.
+    pub fn check(&self, value: &Value) -> Result<(), String> {
+        let fits = match (self, value) {
+            (Self::Real { auto, .. } | Self::Length { auto, .. } | Self::Vector { auto }, Value::Auto) => {
+                *auto
+            }
+            (Self::Real { min, max, .. } | Self::Length { min, max, .. }, Value::Real(x))
+            | (Self::Length { min, max, .. }, Value::Steps(x)) => min <= x && x <= max,
+            (Self::Integer { min, max }, Value::Integer(n)) => min <= n && n <= max,
+            (Self::Choice(words), Value::Word(word)) => words.contains(&word.as_str()),
+            (Self::Switch, Value::Switch(_)) => true,
+            (Self::Vector { .. }, Value::Vector(v)) => v.iter().all(|x| x.is_finite()),
+            (Self::Profile { count }, Value::Profile(pairs)) => {
+                pairs.len() == *count && pairs.iter().flatten().all(|x| x.is_finite())
+            }
+            _ => false,
+        };
+        if fits { Ok(()) } else { Err(format!("{value} is outside the range: {self}")) }
+    }
+}
+
+/// Exactly `N` numbers between separators.
+fn numbers<const N: usize>(text: &str, separator: char) -> Option<[f64; N]> {
+    let all: Option<Vec<f64>> = text.split(separator).map(|t| t.trim().parse().ok()).collect();
+    all?.try_into().ok()
+}
+
+/// Text from outside, safe to show: control and bidirectional characters become `\u{…}`.
+///
+/// ```
+/// assert_eq!(linden::knob::printable("a\u{1b}[2J"), "a\\u{1b}[2J");
+/// ```
+pub fn printable(text: &str) -> String {
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        let hidden = c.is_control()
+            || matches!(c, '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}' | '\u{61c}' | '\u{2028}' | '\u{2029}');
+        if hidden { shown.extend(c.escape_unicode()) } else { shown.push(c) }
+    }
+    shown
+}
+
+/// The name nearest to what was typed, when one is near enough to be meant.
+pub fn nearest<'a>(typed: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    names
+        .into_iter()
+        .map(|name| (strsim::damerau_levenshtein(typed, name), name))
+        .filter(|&(distance, name)| distance <= 1 + name.len() / 3)
+        .min_by_key(|&(distance, _)| distance)
+        .map(|(_, name)| name)
+}

@@ -1,0 +1,1 @@
+//! L-systems: grammar, forecast, derivation, turtle (ABOP: Prusinkiewicz & Lindenmayer 1990).

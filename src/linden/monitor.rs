@@ -1,0 +1,69 @@
+//! How long work is watched and stopped.
+//!
+//! Every loop that can take longer than a few milliseconds is given a [`Monitor`]: it reports how
+//! far it is and asks whether anybody still wants the result.
+
+/// Watches a piece of work. Called from any thread, often: both methods must be cheap.
+pub trait Monitor: Sync {
+    /// Whether the result is no longer wanted. The work then returns [`Cancelled`] soon.
+    fn is_cancelled(&self) -> bool;
+
+    /// `done` of `total` units (see `stage`) are finished; `total` is `None` where nobody can know.
+    fn advance(&self, stage: Stage, done: u64, total: Option<u64>);
+
+    /// `Err(Cancelled)` when the result is no longer wanted: for `?` inside loops.
+    ///
+    /// # Errors
+    /// [`Cancelled`], and nothing else.
+    fn check(&self) -> Result<(), Cancelled> {
+        if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
+    }
+}
+
+/// What is being done, for a progress line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// Drawing attraction points; unit: points.
+    Scatter,
+    /// Rewriting an L-system; unit: symbols.
+    Derive,
+    /// Walking the turtle; unit: symbols.
+    Turtle,
+    /// Growing by space colonization; unit: attraction points that are decided.
+    Grow,
+    /// Sweeping tubes; unit: axes.
+    Sweep,
+    /// Writing files; unit: bytes.
+    Write,
+}
+
+impl Stage {
+    /// What is going on, and the unit that is counted.
+    pub const fn words(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Scatter => ("scattering", "points"),
+            Self::Derive => ("deriving", "symbols"),
+            Self::Turtle => ("drawing", "symbols"),
+            Self::Grow => ("growing", "points"),
+            Self::Sweep => ("surfacing", "axes"),
+            Self::Write => ("writing", "bytes"),
+        }
+    }
+}
+
+/// The work was stopped because its result was no longer wanted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("cancelled")]
+pub struct Cancelled;
+
+/// Watches nothing and never cancels.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Quiet;
+
+impl Monitor for Quiet {
+    fn is_cancelled(&self) -> bool {
+        false
+    }
+
+    fn advance(&self, _: Stage, _: u64, _: Option<u64>) {}
+}

@@ -1,0 +1,116 @@
+//! What an exporter is given: everything that can be seen, and where it came from.
+
+use std::sync::Arc;
+
+use glam::{Vec2, Vec3};
+
+use crate::skeleton::Skeleton;
+
+/// One tree, dressed: meshes, materials, the skeleton beneath and the recipe that grew it.
+///
+/// Metres, Y up, counter-clockwise triangles seen from outside.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// The tree's name: not empty; printable characters only, but any of them (an exporter makes
+    /// an identifier of it).
+    pub name: String,
+    /// The recipe, one line of printable ASCII (JSON): enough to grow the same tree again.
+    pub recipe: String,
+    /// Parts refer to these by index.
+    pub materials: Vec<Material>,
+    /// The parts of the surface; at least one, none of them empty.
+    pub parts: Vec<Part>,
+    /// The axial tree beneath.
+    pub skeleton: Arc<Skeleton>,
+}
+
+/// A mesh with one material: the wood, say.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// Lower-case ASCII identifier, unique within the scene: `wood`.
+    pub name: String,
+    /// Index into [`Scene::materials`].
+    pub material: usize,
+    /// The geometry.
+    pub mesh: Mesh,
+}
+
+/// Triangles over shared vertices. The vertex arrays are of equal length.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mesh {
+    /// Metres.
+    pub positions: Vec<Vec3>,
+    /// Unit vectors, pointing out.
+    pub normals: Vec<Vec3>,
+    /// Texture coordinates, V up (the origin is the lower left corner of the picture).
+    pub uvs: Vec<Vec2>,
+    /// Vertex indices, counter-clockwise seen from outside.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+impl Mesh {
+    /// Smallest box around the vertices, `None` for a mesh without any.
+    pub fn bounds(&self) -> Option<Bounds> {
+        Bounds::of(self.positions.iter().copied())
+    }
+}
+
+/// An axis-aligned box, metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// The corner with the smallest coordinates.
+    pub min: Vec3,
+    /// The corner with the largest coordinates.
+    pub max: Vec3,
+}
+
+impl Bounds {
+    /// Smallest box around some points, `None` when there are none.
+    pub fn of(points: impl IntoIterator<Item = Vec3>) -> Option<Self> {
+        let mut points = points.into_iter();
+        let first = points.next()?;
+        Some(
+            points
+                .fold(Self { min: first, max: first }, |b, p| Self { min: b.min.min(p), max: b.max.max(p) }),
+        )
+    }
+
+    /// Smallest box around both.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// Edge lengths, metres.
+    pub fn size(self) -> Vec3 {
+        self.max - self.min
+    }
+}
+
+/// How a surface looks, in the terms that glTF and `UsdPreviewSurface` share.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Lower-case ASCII identifier, unique within the scene: `bark`.
+    pub name: String,
+    /// Linear RGB 0..1: the colour where there is no picture; with one, pictures are used as they are.
+    pub base_color: [f32; 3],
+    /// sRGB colours, tileable.
+    pub base_color_picture: Option<Arc<Picture>>,
+    /// Tangent-space normals (OpenGL convention: green points up), tileable.
+    pub normal_picture: Option<Arc<Picture>>,
+    /// 0 mirror .. 1 chalk.
+    pub roughness: f32,
+    /// Whether the back is drawn too.
+    pub double_sided: bool,
+}
+
+/// 8-bit RGBA pixels, rows from the top.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// Pixels per row.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// `width × height × 4` bytes, not premultiplied.
+    pub rgba: Vec<u8>,
+}
