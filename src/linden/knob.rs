@@ -55,6 +55,8 @@ pub enum Kind {
         /// Whether `auto` is a value too.
         auto: bool,
     },
+    /// An sRGB colour, `#rrggbb`.
+    Color,
     /// Pairs `height,radius; height,radius; …` in metres.
     Profile {
         /// How many pairs.
@@ -79,6 +81,8 @@ pub enum Value {
     Switch(bool),
     /// For [`Kind::Vector`].
     Vector([f64; 3]),
+    /// For [`Kind::Color`]: red, green, blue.
+    Color([u8; 3]),
     /// For [`Kind::Profile`]: height, radius.
     Profile(Vec<[f64; 2]>),
 }
@@ -94,6 +98,7 @@ impl fmt::Display for Value {
             Self::Word(word) => f.write_str(word),
             Self::Switch(on) => write!(f, "{on}"),
             Self::Vector([x, y, z]) => write!(f, "{x},{y},{z}"),
+            Self::Color([r, g, b]) => write!(f, "#{r:02x}{g:02x}{b:02x}"),
             Self::Profile(pairs) => {
                 for (i, [height, radius]) in pairs.iter().enumerate() {
                     write!(f, "{}{height},{radius}", if i == 0 { "" } else { "; " })?;
@@ -117,6 +122,7 @@ impl fmt::Display for Kind {
             Self::Choice(words) => f.write_str(&words.join(" | ")),
             Self::Switch => f.write_str("true | false"),
             Self::Vector { auto } => write!(f, "x,y,z{}", or_auto(auto)),
+            Self::Color => f.write_str("a colour #rrggbb"),
             Self::Profile { count } => write!(f, "{count} pairs height,radius; …"),
         }
     }
@@ -164,6 +170,7 @@ impl Kind {
             Self::Choice(words) => words.contains(&text).then(|| Value::Word(text.to_owned())),
             Self::Switch => text.parse().ok().map(Value::Switch),
             Self::Vector { .. } => numbers(text, ',').map(Value::Vector),
+            Self::Color => color(text).map(Value::Color),
             Self::Profile { .. } => {
                 text.split(';').map(|pair| numbers(pair, ',')).collect::<Option<_>>().map(Value::Profile)
             }
@@ -183,7 +190,7 @@ impl Kind {
             | (Self::Length { min, max, .. }, Value::Steps(x)) => min <= x && x <= max,
             (Self::Integer { min, max }, Value::Integer(n)) => min <= n && n <= max,
             (Self::Choice(words), Value::Word(word)) => words.contains(&word.as_str()),
-            (Self::Switch, Value::Switch(_)) => true,
+            (Self::Switch, Value::Switch(_)) | (Self::Color, Value::Color(_)) => true,
             (Self::Vector { .. }, Value::Vector(v)) => v.iter().all(|x| x.is_finite()),
             (Self::Profile { count }, Value::Profile(pairs)) => {
                 pairs.len() == *count && pairs.iter().flatten().all(|x| x.is_finite())
@@ -198,6 +205,13 @@ impl Kind {
 fn numbers<const N: usize>(text: &str, separator: char) -> Option<[f64; N]> {
     let all: Option<Vec<f64>> = text.split(separator).map(|t| t.trim().parse().ok()).collect();
     all?.try_into().ok()
+}
+
+/// `#rrggbb`.
+fn color(text: &str) -> Option<[u8; 3]> {
+    let digits = text.strip_prefix('#').filter(|d| d.len() == 6 && d.is_ascii())?;
+    let byte = |i: usize| u8::from_str_radix(&digits[i..i + 2], 16).ok();
+    Some([byte(0)?, byte(2)?, byte(4)?])
 }
 
 /// Text from outside, safe to show: control and bidirectional characters become `\u{…}`.
@@ -223,4 +237,53 @@ pub fn nearest<'a>(typed: &str, names: impl IntoIterator<Item = &'a str>) -> Opt
         .filter(|&(distance, name)| distance <= 1 + name.len() / 3)
         .min_by_key(|&(distance, _)| distance)
         .map(|(_, name)| name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_shown_is_read_back() {
+        let kinds = [
+            (Kind::Real { min: -1.0, max: 1.0, auto: true }, vec!["auto", "-0.5", "1"]),
+            (Kind::Integer { min: 0, max: u64::MAX }, vec!["0", "18446744073709551615"]),
+            (Kind::Length { min: 0.0, max: f64::INFINITY, auto: false }, vec!["0.4", "17D", "inf"]),
+            (Kind::Choice(&["a", "b"]), vec!["b"]),
+            (Kind::Switch, vec!["true"]),
+            (Kind::Vector { auto: true }, vec!["auto", "0,-1,0.5"]),
+            (Kind::Color, vec!["#0a80ff"]),
+            (Kind::Profile { count: 2 }, vec!["0,2; 1,0.5"]),
+        ];
+        for (kind, texts) in kinds {
+            for text in texts {
+                let value = kind.parse(text).unwrap();
+                assert_eq!(value.to_string(), text, "{kind:?}");
+                assert!(kind.parse("nonsense").unwrap_err().contains("nonsense"), "{kind:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn values_out_of_range_and_nan_are_refused() {
+        let real = Kind::Real { min: 0.0, max: 1.0, auto: false };
+        for text in ["1.1", "-1", "nan", "inf", "auto", ""] {
+            assert!(real.parse(text).is_err(), "{text}");
+        }
+        assert!(Kind::Vector { auto: false }.parse("0,inf,0").is_err());
+        assert!(Kind::Profile { count: 2 }.parse("0,1").is_err());
+        assert!(Kind::Length { min: 1.0, max: 9.0, auto: false }.parse("10D").is_err());
+        assert!(Kind::Color.parse("#12345é").is_err());
+    }
+
+    #[test]
+    fn text_from_outside_cannot_drive_the_terminal() {
+        assert_eq!(printable("ok ü\u{1b}]0;x\u{7}\u{202e}"), "ok ü\\u{1b}]0;x\\u{7}\\u{202e}");
+    }
+
+    #[test]
+    fn the_nearest_name_is_one_that_may_be_meant() {
+        assert_eq!(nearest("pionts", ["points", "step"]), Some("points"));
+        assert_eq!(nearest("zzz", ["points", "step"]), None);
+    }
 }

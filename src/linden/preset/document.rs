@@ -1,0 +1,203 @@
+//! A preset's text as a tree of values with places: TOML as people write it, JSON as recipes carry it.
+
+use std::fmt;
+
+use crate::knob::{Kind, Value, printable};
+
+/// A place in a text, counted from 1; columns in characters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Line.
+    pub line: usize,
+    /// Character within the line.
+    pub column: usize,
+}
+
+impl Place {
+    /// The place of a byte offset.
+    pub fn at(text: &str, offset: usize) -> Self {
+        let mut end = offset.min(text.len());
+        while !text.is_char_boundary(end) {
+            end -= 1;
+        }
+        let before = &text[..end];
+        let start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        Self { line: before.matches('\n').count() + 1, column: before[start..].chars().count() + 1 }
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}", self.line, self.column)
+    }
+}
+
+/// What is wrong with a document and where.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fault {
+    /// `None` where the text has no lines to speak of (JSON) or the fault is something missing.
+    pub place: Option<Place>,
+    /// What was found and what was expected.
+    pub message: String,
+}
+
+impl Fault {
+    pub(super) fn new(place: Option<Place>, message: impl Into<String>) -> Self {
+        Self { place, message: message.into() }
+    }
+}
+
+/// A value and where it stands.
+#[derive(Clone, Debug)]
+pub(super) struct Node {
+    pub place: Option<Place>,
+    pub datum: Datum,
+}
+
+#[derive(Clone, Debug)]
+pub(super) enum Datum {
+    Text(String),
+    Real(f64),
+    Integer(u64),
+    Switch(bool),
+    List(Vec<Node>),
+    Table(Vec<Entry>),
+}
+
+/// A key with its value.
+#[derive(Clone, Debug)]
+pub(super) struct Entry {
+    pub key: String,
+    pub place: Option<Place>,
+    pub node: Node,
+}
+
+impl Node {
+    /// Reads TOML.
+    pub fn from_toml(text: &str) -> Result<Self, Fault> {
+        let table = toml::de::DeTable::parse(text).map_err(|error| {
+            let place = error.span().map(|span| Place::at(text, span.start));
+            Fault::new(place, error.message().trim().replace('\n', ", "))
+        })?;
+        let place = Some(Place { line: 1, column: 1 });
+        Ok(Self { place, datum: Datum::Table(toml_entries(text, table.get_ref())?) })
+    }
+
+    /// Reads JSON.
+    pub fn from_json(text: &str) -> Result<Self, Fault> {
+        let value: serde_json::Value = serde_json::from_str(text).map_err(|error| {
+            let place = Place { line: error.line(), column: error.column() };
+            Fault::new(Some(place), error.to_string())
+        })?;
+        json_node(value)
+    }
+
+    pub fn kind(&self) -> &'static str {
+        match self.datum {
+            Datum::Text(_) => "text",
+            Datum::Real(_) | Datum::Integer(_) => "a number",
+            Datum::Switch(_) => "true or false",
+            Datum::List(_) => "a list",
+            Datum::Table(_) => "a table",
+        }
+    }
+
+    pub fn text(&self, name: &str) -> Result<&str, Fault> {
+        match &self.datum {
+            Datum::Text(text) => Ok(text),
+            _ => Err(self.mismatch(name, "text in quotes")),
+        }
+    }
+
+    pub fn mismatch(&self, name: &str, expected: &str) -> Fault {
+        Fault::new(self.place, format!("'{}' is {}, expected {expected}", printable(name), self.kind()))
+    }
+
+    /// The node as a value of a knob. Text is read as the command line reads it.
+    pub fn value(&self, name: &str, kind: &Kind) -> Result<Value, Fault> {
+        let fault = |message: String| Fault::new(self.place, format!("knob '{name}': {message}"));
+        let value = match (&self.datum, kind) {
+            (Datum::Text(text), _) => return kind.parse(text).map_err(fault),
+            (Datum::Real(x), _) => Value::Real(*x),
+            (Datum::Integer(n), Kind::Integer { .. }) => Value::Integer(*n),
+            (Datum::Integer(n), _) => Value::Real(*n as f64),
+            (Datum::Switch(on), _) => Value::Switch(*on),
+            (Datum::List(items), Kind::Vector { .. }) => {
+                Value::Vector(numbers(items).ok_or_else(|| self.mismatch(name, "three numbers [x, y, z]"))?)
+            }
+            (Datum::List(items), Kind::Profile { .. }) => {
+                let pair = |item: &Self| match &item.datum {
+                    Datum::List(pair) => numbers(pair),
+                    _ => None,
+                };
+                let pairs = items.iter().map(pair).collect::<Option<_>>();
+                Value::Profile(pairs.ok_or_else(|| self.mismatch(name, "pairs [[height, radius], …]"))?)
+            }
+            (Datum::List(_) | Datum::Table(_), _) => return Err(self.mismatch(name, &kind.to_string())),
+        };
+        kind.check(&value).map_err(fault)?;
+        Ok(value)
+    }
+}
+
+/// Exactly `N` numbers.
+fn numbers<const N: usize>(items: &[Node]) -> Option<[f64; N]> {
+    let number = |item: &Node| match item.datum {
+        Datum::Real(x) => Some(x),
+        Datum::Integer(n) => Some(n as f64),
+        _ => None,
+    };
+    items.iter().map(number).collect::<Option<Vec<f64>>>()?.try_into().ok()
+}
+
+fn toml_entries(text: &str, table: &toml::de::DeTable<'_>) -> Result<Vec<Entry>, Fault> {
+    let mut entries = Vec::new();
+    for (key, value) in table {
+        let place = Some(Place::at(text, key.span().start));
+        entries.push(Entry { key: key.get_ref().to_string(), place, node: toml_node(text, value)? });
+    }
+    Ok(entries)
+}
+
+fn toml_node(text: &str, value: &toml::Spanned<toml::de::DeValue<'_>>) -> Result<Node, Fault> {
+    use toml::de::DeValue;
+    let place = Some(Place::at(text, value.span().start));
+    let not_read = |what: &str| Fault::new(place, format!("{what} cannot be read as a number"));
+    let datum = match value.get_ref() {
+        DeValue::String(text) => Datum::Text(text.to_string()),
+        DeValue::Integer(n) => match u64::from_str_radix(n.as_str(), n.radix()) {
+            Ok(n) => Datum::Integer(n),
+            // Negative numbers are no counts; as lengths and angles they are.
+            Err(_) => Datum::Real(n.as_str().parse().map_err(|_| not_read(&printable(n.as_str())))?),
+        },
+        DeValue::Float(x) => Datum::Real(x.as_str().parse().map_err(|_| not_read(&printable(x.as_str())))?),
+        DeValue::Boolean(on) => Datum::Switch(*on),
+        DeValue::Datetime(_) => return Err(Fault::new(place, "a date, where no knob takes one")),
+        DeValue::Array(items) => {
+            Datum::List(items.iter().map(|item| toml_node(text, item)).collect::<Result<_, _>>()?)
+        }
+        DeValue::Table(table) => Datum::Table(toml_entries(text, table)?),
+    };
+    Ok(Node { place, datum })
+}
+
+fn json_node(value: serde_json::Value) -> Result<Node, Fault> {
+    use serde_json::Value as Json;
+    let datum = match value {
+        Json::String(text) => Datum::Text(text),
+        Json::Bool(on) => Datum::Switch(on),
+        Json::Number(n) => match (n.as_u64(), n.as_f64()) {
+            (Some(n), _) => Datum::Integer(n),
+            (None, Some(x)) => Datum::Real(x),
+            (None, None) => return Err(Fault::new(None, format!("{n} cannot be read as a number"))),
+        },
+        Json::Array(items) => Datum::List(items.into_iter().map(json_node).collect::<Result<_, _>>()?),
+        Json::Object(map) => Datum::Table(
+            map.into_iter()
+                .map(|(key, value)| Ok(Entry { key, place: None, node: json_node(value)? }))
+                .collect::<Result<_, _>>()?,
+        ),
+        Json::Null => return Err(Fault::new(None, "null, where every key has a value")),
+    };
+    Ok(Node { place: None, datum })
+}

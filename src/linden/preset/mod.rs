@@ -1,0 +1,256 @@
+//! Presets: a document ⇄ what the pipeline needs, and the table of knobs between them.
+
+mod document;
+mod knobs;
+mod library;
+mod read;
+mod setting;
+mod write;
+
+use std::fmt;
+
+use crate::knob::{Value, nearest, printable};
+use crate::lsystem::Grammar;
+use crate::skeleton::Wood;
+use crate::surface::Tubes;
+use crate::texture::Bark;
+
+pub use document::{Fault, Place};
+pub use knobs::{KNOBS, PresetKnob, Section, shape_knobs};
+pub use library::{Builtin, builtin, builtins};
+pub use setting::Length;
+
+/// Everything that says how a tree grows and looks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Preset {
+    /// What scripts call it: `fir`. Lower-case letters, digits and `-`.
+    pub id: String,
+    /// What people call it.
+    pub name: String,
+    /// Where it is listed: `abop`, `crowns`, `older`, or the user's own.
+    pub group: String,
+    /// One line: what it is.
+    pub summary: String,
+    /// Where it comes from: a paper and figure, a program.
+    pub source: String,
+    /// The root of all random choices.
+    pub seed: u64,
+    /// How it grows.
+    pub generator: Generator,
+    /// How thick it is.
+    pub wood: Wood,
+    /// How its surface is made.
+    pub tubes: Tubes,
+    /// How its bark looks.
+    pub bark: Bark,
+}
+
+/// How a tree grows.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Generator {
+    /// By rewriting.
+    LSystem(LSystem),
+    /// By competing for space.
+    Colonization(Colonization),
+}
+
+/// An L-system and how it is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LSystem {
+    /// As it was written.
+    pub axiom: String,
+    /// As they were written.
+    pub rules: Vec<String>,
+    /// Axiom and rules, understood.
+    pub grammar: Grammar,
+    /// Turn of `+` and the like, degrees.
+    pub angle_deg: f64,
+    /// Rewriting steps.
+    pub derivations: u32,
+    /// Length of an `F`, metres.
+    pub segment_length_m: f64,
+    /// Derivations that give more symbols are refused.
+    pub symbol_limit: u64,
+}
+
+/// Where the attraction points are, and how the tree reaches for them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Colonization {
+    /// What the crown fills.
+    pub space: Space,
+    /// Height of a crown shape's base above the root, metres; `None`: on top of the trunk.
+    pub crown_base_m: Option<f64>,
+    /// How many attraction points are drawn in a crown.
+    pub points: u32,
+    /// `D`: length of a segment, metres; `None`: from the spacing of the points.
+    pub step_m: Option<f64>,
+    /// How far a point pulls.
+    pub influence: Length,
+    /// How near a node must come to a point for it to be reached.
+    pub kill: Length,
+    /// Growth stops after so many iterations.
+    pub max_iterations: u32,
+    /// Growth stops at so many nodes.
+    pub max_nodes: u32,
+    /// Where the tree stands, metres, in the coordinates of the input; `None`: below the crown, at
+    /// the foot of a scan.
+    pub root: Option<[f64; 3]>,
+    /// Height of the bare trunk, metres; `None`: until the first point is in reach.
+    pub trunk_m: Option<f64>,
+    /// Added to every growth direction.
+    pub tropism: [f64; 3],
+    /// `auto`, `y` or `z`: which axis of an input file points up.
+    pub up: String,
+    /// `auto`, `root` or `keep`: whether the tree is moved to stand on the origin.
+    pub origin: String,
+}
+
+/// What the crown fills.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Space {
+    /// One of [`crate::colonization::crown::SHAPES`], with the dimensions that were set.
+    Shape {
+        /// Its id.
+        shape: String,
+        /// What was set of its knobs.
+        dimensions: Vec<(&'static str, Value)>,
+    },
+    /// The inside of a mesh.
+    Envelope {
+        /// The file, relative to the preset's.
+        file: String,
+    },
+    /// Points that are given, as by a scanner.
+    Points {
+        /// The file, relative to the preset's.
+        file: String,
+    },
+}
+
+impl Space {
+    /// The file that is needed beside the preset.
+    pub fn file(&self) -> Option<&str> {
+        match self {
+            Self::Shape { .. } => None,
+            Self::Envelope { file } | Self::Points { file } => Some(file),
+        }
+    }
+}
+
+impl Generator {
+    /// `lsystem` or `colonization`.
+    pub const fn id(&self) -> &'static str {
+        match self {
+            Self::LSystem(_) => "lsystem",
+            Self::Colonization(_) => "colonization",
+        }
+    }
+}
+
+/// What is wrong with a knob that somebody turned.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum KnobError {
+    /// No preset has such a knob.
+    #[error("there is no knob '{name}'{}; '{preset}' has: {}", Meant(.nearest.as_ref()), .known.join(", "))]
+    Unknown {
+        /// What was typed, printable.
+        name: String,
+        /// What may have been meant.
+        nearest: Option<&'static str>,
+        /// Whose knobs were looked through.
+        preset: String,
+        /// All that it has.
+        known: Vec<&'static str>,
+    },
+    /// Other presets have it, this one does not.
+    #[error("'{preset}' has no knob '{name}' ({help}); it has: {}", .known.join(", "))]
+    NotHere {
+        /// The knob.
+        name: &'static str,
+        /// What it does where it exists.
+        help: &'static str,
+        /// The preset.
+        preset: String,
+        /// All that it has.
+        known: Vec<&'static str>,
+    },
+    /// Not a value of the knob.
+    #[error("knob '{name}'{}: {problem}", InUnit(.unit))]
+    Value {
+        /// The knob.
+        name: &'static str,
+        /// Its unit.
+        unit: &'static str,
+        /// What was found and what was expected.
+        problem: String,
+    },
+}
+
+struct Meant<'a>(Option<&'a &'static str>);
+
+impl fmt::Display for Meant<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.map_or(Ok(()), |name| write!(f, " (did you mean '{name}'?)"))
+    }
+}
+
+struct InUnit<'a>(&'a str);
+
+impl fmt::Display for InUnit<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.0.is_empty() { Ok(()) } else { write!(f, " (in {})", self.0) }
+    }
+}
+
+impl Preset {
+    /// The knobs that this preset has, with their values, in the order of the table.
+    pub fn knobs(&self) -> Vec<(PresetKnob, Value)> {
+        let own = KNOBS.iter().copied().chain(self.shape_knobs());
+        own.filter_map(|knob| knob.read(self).map(|value| (knob, value))).collect()
+    }
+
+    /// Turns a knob, as `--set name=text` does. The preset is unchanged when it fails.
+    ///
+    /// ```
+    /// let mut fir = linden::preset::builtin("fir").unwrap().load()?;
+    /// fir.set("points", "500")?;
+    /// let error = fir.set("pionts", "500").unwrap_err();
+    /// assert!(error.to_string().contains("did you mean 'points'?"));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// An unknown name, or a value that the knob does not take.
+    pub fn set(&mut self, name: &str, text: &str) -> Result<(), KnobError> {
+        let own = self.knobs();
+        let Some((knob, _)) = own.iter().find(|(knob, _)| knob.knob.name == name) else {
+            let known: Vec<&'static str> = own.iter().map(|(knob, _)| knob.knob.name).collect();
+            let preset = printable(&self.id);
+            let elsewhere = KNOBS.iter().copied().chain(shape_knobs());
+            return Err(match elsewhere.into_iter().find(|knob| knob.knob.name == name) {
+                Some(PresetKnob { knob, .. }) => {
+                    KnobError::NotHere { name: knob.name, help: knob.help, preset, known }
+                }
+                None => {
+                    let nearest = nearest(name, known.iter().copied());
+                    KnobError::Unknown { name: printable(name), nearest, preset, known }
+                }
+            });
+        };
+        let bad = |problem| KnobError::Value { name: knob.knob.name, unit: knob.knob.unit, problem };
+        let value = knob.knob.kind.parse(text).map_err(bad)?;
+        knob.write(self, value);
+        Ok(())
+    }
+
+    /// The knobs of the crown's shape, none without one.
+    fn shape_knobs(&self) -> impl Iterator<Item = PresetKnob> + use<> {
+        let own = match &self.generator {
+            Generator::Colonization(Colonization { space: Space::Shape { shape, .. }, .. }) => {
+                crate::colonization::crown::shape(shape).ok()
+            }
+            _ => None,
+        };
+        own.into_iter().flat_map(|shape| shape.knobs).map(PresetKnob::of_shape)
+    }
+}

@@ -1,0 +1,267 @@
+//! From a document to a preset.
+
+use super::document::{Datum, Entry, Fault, Node, Place};
+use super::knobs::{KNOBS, PresetKnob, Section, shape_knobs};
+use super::{Colonization, Generator, LSystem, Length, Preset, Space};
+use crate::knob::{nearest, printable};
+use crate::lsystem::{Grammar, GrammarError, Part};
+use crate::skeleton::Wood;
+use crate::surface::Tubes;
+use crate::texture::Bark;
+
+/// Keys before all tables that are no knobs.
+const HEADINGS: [&str; 7] = ["id", "name", "group", "summary", "source", "linden", "input"];
+
+impl Preset {
+    /// Reads a preset document (TOML).
+    ///
+    /// # Errors
+    /// What is wrong, where, and what was expected.
+    pub fn from_toml(text: &str) -> Result<Self, Fault> {
+        read(&Node::from_toml(text)?, Some(text))
+    }
+
+    /// Reads a preset out of a recipe (JSON).
+    ///
+    /// # Errors
+    /// What is wrong and what was expected.
+    pub fn from_json(text: &str) -> Result<Self, Fault> {
+        read(&Node::from_json(text)?, None)
+    }
+
+    /// The preset for a grammar that comes without one.
+    pub fn of_grammar(id: &str, axiom: String, rules: Vec<String>, angle_deg: f64, derivations: u32) -> Result<Self, GrammarError> {
+        let grammar = Grammar::new(&axiom, &rules)?;
+        let lsystem = LSystem { angle_deg, derivations, ..LSystem::of(axiom, rules, grammar) };
+        Ok(Self::of(id, Generator::LSystem(lsystem)))
+    }
+
+    /// The preset for a crown envelope or points that come without one.
+    pub fn of_space(id: &str, space: Space) -> Self {
+        Self::of(id, Generator::Colonization(Colonization::of(space)))
+    }
+
+    fn of(id: &str, generator: Generator) -> Self {
+        Self {
+            id: id.to_owned(),
+            name: id.to_owned(),
+            group: "own".to_owned(),
+            summary: String::new(),
+            source: String::new(),
+            seed: 1,
+            generator,
+            wood: Wood::default(),
+            tubes: Tubes::default(),
+            bark: Bark::default(),
+        }
+    }
+}
+
+impl LSystem {
+    fn of(axiom: String, rules: Vec<String>, grammar: Grammar) -> Self {
+        Self {
+            axiom,
+            rules,
+            grammar,
+            angle_deg: 25.0,
+            derivations: 4,
+            segment_length_m: 0.1,
+            symbol_limit: 50_000_000,
+        }
+    }
+}
+
+impl Colonization {
+    fn of(space: Space) -> Self {
+        Self {
+            space,
+            crown_base_m: None,
+            points: 2000,
+            step_m: None,
+            influence: Length::Auto,
+            kill: Length::Auto,
+            max_iterations: 100_000,
+            max_nodes: 50_000_000,
+            root: None,
+            trunk_m: None,
+            tropism: [0.0; 3],
+            up: "auto".to_owned(),
+            origin: "auto".to_owned(),
+        }
+    }
+}
+
+fn read(document: &Node, text: Option<&str>) -> Result<Preset, Fault> {
+    let Datum::Table(entries) = &document.datum else {
+        return Err(Fault::new(document.place, format!("a preset is a table of keys, this is {}", document.kind())));
+    };
+    let heading = |key: &str| -> Result<Option<String>, Fault> {
+        let found = entries.iter().find(|entry| entry.key == key);
+        found.map(|entry| entry.node.text(key).map(str::to_owned)).transpose()
+    };
+    let generator = match (table(entries, "lsystem")?, table(entries, "colonization")?) {
+        (Some(own), None) => Generator::LSystem(read_lsystem(own, text)?),
+        (None, Some(own)) => Generator::Colonization(read_space(own)?),
+        (Some((_, place)), Some(_)) => {
+            return Err(Fault::new(place, "both [lsystem] and [colonization]: a preset grows one way; keep one"));
+        }
+        (None, None) => {
+            return Err(Fault::new(None, "neither [lsystem] nor [colonization]: add the one that grows the tree"));
+        }
+    };
+    let mut preset = Preset::of("", generator);
+    preset.id = heading("id")?.ok_or_else(|| Fault::new(None, "no 'id': add a line like id = \"my-tree\""))?;
+    preset.name = heading("name")?.unwrap_or_else(|| preset.id.clone());
+    preset.group = heading("group")?.unwrap_or(preset.group);
+    preset.summary = heading("summary")?.unwrap_or_default();
+    preset.source = heading("source")?.unwrap_or_default();
+    for entry in entries {
+        match Section::ALL.iter().find(|section| section.key() == entry.key) {
+            Some(&section) => {
+                if let Datum::Table(own) = &entry.node.datum {
+                    // The crown comes first: its shape decides which dimensions there are.
+                    let (crown, rest): (Vec<&Entry>, Vec<&Entry>) = own.iter().partition(|e| e.key == "crown");
+                    for entry in crown.into_iter().chain(rest) {
+                        turn(&mut preset, section, entry)?;
+                    }
+                } else {
+                    return Err(entry.node.mismatch(&entry.key, "a table"));
+                }
+            }
+            None if HEADINGS.contains(&entry.key.as_str()) => {}
+            None => turn(&mut preset, Section::Tree, entry)?,
+        }
+    }
+    Ok(preset)
+}
+
+/// A table's entries and where it stands.
+type Table<'a> = (&'a [Entry], Option<Place>);
+
+fn table<'a>(entries: &'a [Entry], key: &str) -> Result<Option<Table<'a>>, Fault> {
+    let Some(entry) = entries.iter().find(|entry| entry.key == key) else { return Ok(None) };
+    match &entry.node.datum {
+        Datum::Table(own) => Ok(Some((own, entry.place))),
+        _ => Err(entry.node.mismatch(key, "a table")),
+    }
+}
+
+/// What a section's table may hold besides knobs.
+const fn materials(section: Section) -> &'static [&'static str] {
+    match section {
+        Section::LSystem => &["axiom", "rules"],
+        Section::Colonization => &["envelope", "scan"],
+        _ => &[],
+    }
+}
+
+/// Sets the knob that an entry names.
+fn turn(preset: &mut Preset, section: Section, entry: &Entry) -> Result<(), Fault> {
+    if materials(section).contains(&entry.key.as_str()) {
+        return Ok(());
+    }
+    let own = preset.knobs();
+    let found = own.iter().find(|(knob, _)| knob.section == section && knob.knob.name == entry.key);
+    if let Some((knob, _)) = found {
+        let value = entry.node.value(&entry.key, &knob.knob.kind)?;
+        knob.write(preset, value);
+        return Ok(());
+    }
+    Err(Fault::new(entry.place, unknown(preset, section, &entry.key)))
+}
+
+/// Says why a key is none, and what to do.
+fn unknown(preset: &Preset, section: Section, key: &str) -> String {
+    let key = printable(key);
+    let place = match section {
+        Section::Tree => "at the top of a preset".to_owned(),
+        own => format!("in [{}]", own.key()),
+    };
+    let anywhere: Vec<PresetKnob> = KNOBS.iter().copied().chain(shape_knobs()).collect();
+    if let Some(known) = anywhere.iter().find(|knob| knob.knob.name == key) {
+        return if known.section == section {
+            format!("'{key}' does not belong to this crown; it is a dimension of another shape")
+        } else {
+            let name = known.section.key();
+            format!("'{key}' stands {place}, but belongs {}", if name.is_empty() { "at the top".into() } else { format!("in [{name}]") })
+        };
+    }
+    let own = preset.knobs();
+    let mut names: Vec<&str> =
+        own.iter().filter(|(knob, _)| knob.section == section).map(|(knob, _)| knob.knob.name).collect();
+    names.extend(materials(section));
+    if section == Section::Tree {
+        names.extend(HEADINGS);
+        names.extend(Section::ALL.iter().map(|s| s.key()).filter(|s| !s.is_empty()));
+    }
+    match nearest(&key, names.iter().copied()) {
+        Some(name) => format!("there is no '{key}' {place}; did you mean '{name}'?"),
+        None => format!("there is no '{key}' {place}; expected one of: {}", names.join(", ")),
+    }
+}
+
+fn read_lsystem((entries, place): Table<'_>, text: Option<&str>) -> Result<LSystem, Fault> {
+    let missing = |what: &str| Fault::new(place, format!("[lsystem] has no '{what}'"));
+    let find = |key: &str| entries.iter().find(|entry| entry.key == key).map(|entry| &entry.node);
+    let axiom = find("axiom").ok_or_else(|| missing("axiom"))?;
+    let rules = find("rules").ok_or_else(|| missing("rules"))?;
+    let Datum::List(items) = &rules.datum else {
+        return Err(rules.mismatch("rules", "a list of texts like [\"F -> F[+F]F\"]"));
+    };
+    let axiom_text = axiom.text("axiom")?.to_owned();
+    let texts = items.iter().map(|item| item.text("rules").map(str::to_owned)).collect::<Result<Vec<_>, _>>()?;
+    let grammar = Grammar::new(&axiom_text, &texts).map_err(|error| {
+        let node = match error.part {
+            Part::Axiom => axiom,
+            Part::Rule(index) => items.get(index).unwrap_or(rules),
+        };
+        let place = match (node.place, text) {
+            (Some(start), Some(text)) => Some(inside(text, start, error.column)),
+            (place, _) => place,
+        };
+        Fault::new(place, format!("{}: {}", error.part, error.problem))
+    })?;
+    Ok(LSystem::of(axiom_text, texts, grammar))
+}
+
+/// The place of a string's `column`-th character, where the string's opening quote is at `start`.
+/// Strings over several lines are pointed at as a whole.
+fn inside(text: &str, start: Place, column: usize) -> Place {
+    let line = text.lines().nth(start.line - 1).unwrap_or_default();
+    let mut raw = line.chars().skip(start.column - 1);
+    let quote = raw.next().unwrap_or('"');
+    let rest: Vec<char> = raw.collect();
+    if rest.starts_with(&[quote, quote]) {
+        return start;
+    }
+    let mut at = 0;
+    for _ in 1..column {
+        // An escape is several characters of the file and one of the string.
+        at += match (quote, rest.get(at), rest.get(at + 1)) {
+            ('"', Some('\\'), Some('u')) => 6,
+            ('"', Some('\\'), Some('U')) => 10,
+            ('"', Some('\\'), _) => 2,
+            _ => 1,
+        };
+    }
+    Place { line: start.line, column: start.column + 1 + at }
+}
+
+fn read_space((entries, place): Table<'_>) -> Result<Colonization, Fault> {
+    let file = |key: &str| -> Result<Option<String>, Fault> {
+        let found = entries.iter().find(|entry| entry.key == key);
+        found.map(|entry| entry.node.text(key).map(str::to_owned)).transpose()
+    };
+    let has_crown = entries.iter().any(|entry| entry.key == "crown");
+    let space = match (has_crown, file("envelope")?, file("scan")?) {
+        // The knob `crown` names the shape; until it is read any will do.
+        (true, None, None) => Space::Shape { shape: "dome".to_owned(), dimensions: Vec::new() },
+        (false, Some(file), None) => Space::Envelope { file },
+        (false, None, Some(file)) => Space::Points { file },
+        (false, None, None) => {
+            return Err(Fault::new(place, "[colonization] has none of 'crown', 'envelope' and 'scan'"));
+        }
+        _ => return Err(Fault::new(place, "[colonization] has more than one of 'crown', 'envelope' and 'scan'; keep one")),
+    };
+    Ok(Colonization::of(space))
+}

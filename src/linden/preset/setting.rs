@@ -1,0 +1,121 @@
+//! How a preset's typed fields become a knob's value and back.
+
+use crate::knob::Value;
+
+/// A length that may be given in units of the step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Length {
+    /// Linden decides.
+    Auto,
+    /// Metres; may be infinite.
+    Metres(f64),
+    /// Multiples of the step.
+    Steps(f64),
+}
+
+/// A field that a knob turns.
+pub(super) trait Setting: Sized {
+    fn to_value(&self) -> Value;
+
+    /// `None` when the value is of another kind. A knob checks kind and range before, so that this
+    /// does not happen for values that passed [`crate::knob::Kind::check`].
+    fn from_value(value: Value) -> Option<Self>;
+}
+
+/// Writes a checked value into a field.
+pub(super) fn assign<T: Setting>(field: &mut T, value: Value) {
+    if let Some(new) = T::from_value(value) {
+        *field = new;
+    }
+}
+
+impl Setting for f64 {
+    fn to_value(&self) -> Value {
+        Value::Real(*self)
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        if let Value::Real(x) = value { Some(x) } else { None }
+    }
+}
+
+impl Setting for f32 {
+    fn to_value(&self) -> Value {
+        // By way of the shortest text: 0.1 stays 0.1.
+        Value::Real(self.to_string().parse().unwrap_or(f64::from(*self)))
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        f64::from_value(value).map(|x| x as Self)
+    }
+}
+
+impl Setting for u64 {
+    fn to_value(&self) -> Value {
+        Value::Integer(*self)
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        if let Value::Integer(n) = value { Some(n) } else { None }
+    }
+}
+
+impl Setting for u32 {
+    fn to_value(&self) -> Value {
+        Value::Integer(u64::from(*self))
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        u64::from_value(value).and_then(|n| n.try_into().ok())
+    }
+}
+
+impl Setting for String {
+    fn to_value(&self) -> Value {
+        Value::Word(self.clone())
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        if let Value::Word(word) = value { Some(word) } else { None }
+    }
+}
+
+impl Setting for [f64; 3] {
+    fn to_value(&self) -> Value {
+        Value::Vector(*self)
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        if let Value::Vector(v) = value { Some(v) } else { None }
+    }
+}
+
+impl Setting for Length {
+    fn to_value(&self) -> Value {
+        match *self {
+            Self::Auto => Value::Auto,
+            Self::Metres(x) => Value::Real(x),
+            Self::Steps(x) => Value::Steps(x),
+        }
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        match value {
+            Value::Auto => Some(Self::Auto),
+            Value::Real(x) => Some(Self::Metres(x)),
+            Value::Steps(x) => Some(Self::Steps(x)),
+            _ => None,
+        }
+    }
+}
+
+/// `None` is `auto`.
+impl<T: Setting> Setting for Option<T> {
+    fn to_value(&self) -> Value {
+        self.as_ref().map_or(Value::Auto, T::to_value)
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        if value == Value::Auto { Some(None) } else { T::from_value(value).map(Some) }
+    }
+}

@@ -1,0 +1,108 @@
+//! From a preset to a document: TOML to edit, JSON to carry along.
+
+use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
+
+use super::knobs::Section;
+use super::{Generator, Preset, Space};
+use crate::knob::Value;
+
+impl Serialize for Preset {
+    /// All headings and all knobs, also those that stand at their default: what is written does not
+    /// change when a default does.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        self.serialize_into(&mut map)?;
+        map.end()
+    }
+}
+
+impl Preset {
+    /// The same, into a map that holds more.
+    pub(crate) fn serialize_into<M: SerializeMap>(&self, map: &mut M) -> Result<(), M::Error> {
+        let headings = [
+            ("id", &self.id),
+            ("name", &self.name),
+            ("group", &self.group),
+            ("summary", &self.summary),
+            ("source", &self.source),
+        ];
+        for (key, value) in headings {
+            map.serialize_entry(key, value)?;
+        }
+        for section in Section::ALL {
+            let own = Knobs { preset: self, section };
+            if section == Section::Tree {
+                own.serialize_into(map)?;
+            } else if !own.is_empty() {
+                map.serialize_entry(section.key(), &own)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The preset as a document that people edit.
+    ///
+    /// # Errors
+    /// When a number is too large for TOML (a seed beyond 2^63).
+    pub fn to_toml(&self) -> Result<String, toml::ser::Error> {
+        toml::to_string(self)
+    }
+}
+
+/// One section's table.
+struct Knobs<'a> {
+    preset: &'a Preset,
+    section: Section,
+}
+
+impl Knobs<'_> {
+    fn is_empty(&self) -> bool {
+        self.preset.knobs().iter().all(|(knob, _)| knob.section != self.section)
+    }
+
+    fn serialize_into<M: SerializeMap>(&self, map: &mut M) -> Result<(), M::Error> {
+        match (&self.preset.generator, self.section) {
+            (Generator::LSystem(own), Section::LSystem) => {
+                map.serialize_entry("axiom", &own.axiom)?;
+                map.serialize_entry("rules", &own.rules)?;
+            }
+            (Generator::Colonization(own), Section::Colonization) => match &own.space {
+                Space::Shape { .. } => {}
+                Space::Envelope { file } => map.serialize_entry("envelope", file)?,
+                Space::Points { file } => map.serialize_entry("scan", file)?,
+            },
+            _ => {}
+        }
+        for (knob, value) in self.preset.knobs() {
+            if knob.section == self.section {
+                map.serialize_entry(knob.knob.name, &Plain(value))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Serialize for Knobs<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        self.serialize_into(&mut map)?;
+        map.end()
+    }
+}
+
+/// A value as documents have it: numbers and lists as such, everything else as text.
+pub(crate) struct Plain(pub Value);
+
+impl Serialize for Plain {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match &self.0 {
+            Value::Real(x) if x.is_finite() => serializer.serialize_f64(*x),
+            Value::Integer(n) => serializer.serialize_u64(*n),
+            Value::Switch(on) => serializer.serialize_bool(*on),
+            Value::Vector(v) => v.serialize(serializer),
+            Value::Profile(pairs) => pairs.serialize(serializer),
+            other => serializer.collect_str(other),
+        }
+    }
+}
