@@ -1,1 +1,44 @@
-//! L-systems: grammar, forecast, derivation, turtle (ABOP: Prusinkiewicz & Lindenmayer 1990).
+//! L-systems: grammar, forecast, derivation, turtle.
+//!
+//! ```text
+//! text ──parse──► Grammar ──compile──► Program ──┬── forecast ──► how much it would be
+//!                                                └── derive ────► turtle ──► Branching
+//! ```
+//!
+//! Deterministic and stochastic bracketed 0L-systems after ABOP (Prusinkiewicz & Lindenmayer,
+//! *The Algorithmic Beauty of Plants*, 1990), with its turtle in three dimensions. A [`Grammar`] is
+//! valid by construction: brackets balance, probabilities sum to one, every symbol has a meaning.
+//! What the language does not know yet (parameters in rules, contexts, polygons, organs) is an error
+//! with its place, never a symbol that is passed over.
+//!
+//! The derived string is never in memory: derivation walks the tree of rewritings depth first and
+//! hands each symbol to the turtle as it comes into being. No function here recurses, so neither
+//! derivations nor brackets can exhaust the call stack.
+//!
+//! ```
+//! use linden::{Quiet, lsystem::{Grammar, Settings, forecast, grow}};
+//!
+//! let weed = Grammar::new("F", &["F -> F[+F]F[-F]F"])?;
+//! assert_eq!(forecast(&weed, 5)?.segments, 3125); // ABOP, Fig. 1.24 a
+//! let settings = Settings { derivations: 5, angle_deg: 25.7, segment_m: 0.02, ..Settings::default() };
+//! let grown = grow(&weed, &settings, &Quiet)?;
+//! assert_eq!(grown.branching.positions.len(), 3126); // one node a segment, and the foot
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod command;
+mod derive;
+mod error;
+mod forecast;
+mod grammar;
+mod grow;
+mod parse;
+mod program;
+pub mod text;
+mod turtle;
+
+pub use derive::derive_string;
+pub use error::{GrammarError, LsystemError, Part, Problem};
+pub use forecast::{Forecast, forecast};
+pub use grammar::{Expression, Grammar, Module, Predecessor, Production};
+pub use grow::{Grown, MAX_DERIVATIONS, MAX_NESTING, MAX_SYMBOLS, Settings, grow};

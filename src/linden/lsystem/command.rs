@@ -1,0 +1,95 @@
+//! What each symbol tells the turtle: one table for the parser and for the turtle.
+
+/// A symbol's meaning (ABOP, appendix C).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Command {
+    /// `F`, `G`: forward, drawing a segment. They differ inside polygons only.
+    Draw,
+    /// `f`: forward, drawing nothing.
+    Move,
+    /// `[`: a branch begins.
+    Push,
+    /// `]`: a branch ends.
+    Pop,
+    /// `+` left, `-` right, about U.
+    Yaw(Sense),
+    /// `&` down, `^` up, about L.
+    Pitch(Sense),
+    /// `\` left, `/` right, about H.
+    Roll(Sense),
+    /// `|`: half a turn about U.
+    TurnAround,
+    /// `$`: roll until L is horizontal.
+    Level,
+    /// `!`: thinner, or `!(w)`.
+    Width,
+    /// `'`: the next colour.
+    Colour,
+    /// `%`: cut the rest of the branch.
+    Cut,
+    /// Any other letter or digit: rewritten, not drawn.
+    Silent,
+}
+
+/// Which of two opposite rotations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sense {
+    Left,
+    Right,
+    Down,
+    Up,
+}
+
+/// The largest length, angle or width that an argument may name. Together with the largest segment
+/// and the most symbols it keeps every position far inside the range of `f32`.
+const LARGEST: f64 = 1e6;
+/// The shortest segment: below it, a drawn segment would vanish in `f32`.
+const SHORTEST: f64 = 1e-6;
+
+impl Command {
+    /// The meaning of a symbol; `None` for what is no symbol at all.
+    pub(super) fn of(symbol: char) -> Option<Self> {
+        Some(match symbol {
+            'F' | 'G' => Self::Draw,
+            'f' => Self::Move,
+            '[' => Self::Push,
+            ']' => Self::Pop,
+            '+' => Self::Yaw(Sense::Left),
+            '-' => Self::Yaw(Sense::Right),
+            '&' => Self::Pitch(Sense::Down),
+            '^' => Self::Pitch(Sense::Up),
+            '\\' => Self::Roll(Sense::Left),
+            '/' => Self::Roll(Sense::Right),
+            '|' => Self::TurnAround,
+            '$' => Self::Level,
+            '!' => Self::Width,
+            '\'' => Self::Colour,
+            '%' => Self::Cut,
+            _ if symbol.is_alphanumeric() || symbol == '_' => Self::Silent,
+            _ => return None,
+        })
+    }
+
+    /// The range of the number that may follow in brackets, both ends included; `None` when the
+    /// symbol takes none.
+    pub(super) fn argument_range(self) -> Option<[f64; 2]> {
+        match self {
+            Self::Draw | Self::Width => Some([SHORTEST, LARGEST]),
+            Self::Move | Self::Yaw(_) | Self::Pitch(_) | Self::Roll(_) => Some([-LARGEST, LARGEST]),
+            _ => None,
+        }
+    }
+}
+
+/// Constructs of the wider language that have a sign of their own and are not understood yet.
+pub(super) fn unsupported_sign(symbol: char) -> Option<&'static str> {
+    Some(match symbol {
+        '{' | '}' => "a polygon",
+        '.' => "a polygon's vertex",
+        '~' => "an organ",
+        '<' | '>' => "a context",
+        ':' => "a condition",
+        '#' => "a directive",
+        _ => return None,
+    })
+}
