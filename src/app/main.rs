@@ -1,2 +1,14 @@
-//! The program.
-fn main() {}
+//! The program `linden`: parses the command line, dispatches, and turns errors into exit codes.
+//! Everything that is worth testing alone lives in the libraries.
+
+mod cli;
+mod exit;
+mod progress;
+mod signals;
+mod source;
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    cli::run()
+}

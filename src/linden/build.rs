@@ -1,5 +1,4 @@
 //! Lists the files of `presets/`, so that adding a preset is adding a file.
-#![expect(clippy::print_stdout, reason = "cargo reads what a build script prints")]
 
 use std::error::Error;
 use std::fmt::Write as _;
@@ -18,11 +17,15 @@ fn main() -> Result<(), Box<dyn Error>> {
         let mut beside = String::new();
         for path in others.iter().filter(|path| path.extension().is_some_and(|e| e == "obj" || e == "ply")) {
             let name = path.file_name().ok_or("a file without a name")?.to_string_lossy();
-            write!(beside, "({name:?}, include_bytes!({path:?}).as_slice()), ")?;
+            write!(beside, "({name:?}, include_bytes!({:?}).as_slice()), ", path.to_string_lossy())?;
         }
         for path in documents {
             let id = path.file_stem().ok_or("a file without a name")?.to_string_lossy();
-            writeln!(table, "Builtin {{ id: {id:?}, text: include_str!({path:?}), beside: &[{beside}] }},")?;
+            writeln!(
+                table,
+                "Builtin {{ id: {id:?}, text: include_str!({:?}), beside: &[{beside}] }},",
+                path.to_string_lossy()
+            )?;
         }
     }
     table.push_str("];\n");
@@ -31,7 +34,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 }
 
 fn sorted(folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {
-    let mut paths = fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>, std::io::Error>>()?;
+    let mut paths =
+        fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect::<Result<Vec<_>, std::io::Error>>()?;
     paths.sort();
     Ok(paths)
 }

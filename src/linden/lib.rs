@@ -8,6 +8,7 @@ pub mod colonization;
 pub mod knob;
 pub mod lsystem;
 pub mod monitor;
+pub mod preset;
 pub mod random;
 pub mod scene;
 pub mod skeleton;

@@ -5,6 +5,7 @@ use super::setting::{Setting, assign};
 use super::{Colonization, Generator, LSystem, Preset, Space};
 use crate::colonization::crown::{SHAPES, ShapeKnob};
 use crate::knob::{Kind, Knob, Value};
+use crate::lsystem::{MAX_DERIVATIONS, MAX_SYMBOLS};
 
 /// The table of a document that a knob stands in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,7 +82,8 @@ impl PresetKnob {
         match self.access {
             Access::Field { write, .. } => write(preset, value),
             Access::Dimension(own) => {
-                let Some(Colonization { space: Space::Shape { dimensions, .. }, .. }) = preset.colonization_mut()
+                let Some(Colonization { space: Space::Shape { dimensions, .. }, .. }) =
+                    preset.colonization_mut()
                 else {
                     return;
                 };
@@ -199,27 +201,130 @@ const SHAPE_IDS: [&str; SHAPES.len()] = {
 /// All knobs but those of the crown shapes.
 pub static KNOBS: &[PresetKnob] = &[
     row!(Tree, "seed", integer(0, u64::MAX), "", "the root of all random choices: another seed, another tree", .seed),
-    row!(LSystem, "derivations", integer(0, 10_000), "", "how often the rules are applied", lsystem.derivations),
+    row!(
+        LSystem,
+        "derivations",
+        integer(0, MAX_DERIVATIONS as u64),
+        "",
+        "how often the rules are applied",
+        lsystem.derivations
+    ),
     row!(LSystem, "angle", real(-360.0, 360.0), "deg", "turn of + - & ^ \\ /", lsystem.angle_deg),
     row!(LSystem, "segment_length", real(1e-4, 1e3), "m", "length of an F", lsystem.segment_length_m),
-    row!(LSystem, "symbol_limit", integer(1, 1_000_000_000_000), "symbols", "derivations that would give more are refused", lsystem.symbol_limit),
+    row!(
+        LSystem,
+        "symbol_limit",
+        integer(1, MAX_SYMBOLS),
+        "symbols",
+        "derivations that would give more are refused",
+        lsystem.symbol_limit
+    ),
     PresetKnob {
-        knob: Knob { name: "crown", kind: Kind::Choice(&SHAPE_IDS), unit: "", help: "shape that the attraction points fill" },
+        knob: Knob {
+            name: "crown",
+            kind: Kind::Choice(&SHAPE_IDS),
+            unit: "",
+            help: "shape that the attraction points fill",
+        },
         section: Section::Colonization,
         access: Access::Field { read: Preset::crown, write: Preset::write_crown },
     },
-    row!(Colonization, "crown_base", real_or_auto(0.0, 1e3), "m", "height of the crown's base above the root; auto: on top of the trunk", colonization.crown_base_m),
-    row!(Colonization, "points", integer(1, 100_000_000), "points", "how many attraction points are drawn", colonization.points),
-    row!(Colonization, "step", real_or_auto(1e-5, 1e3), "m", "length of a segment (D); auto: from the spacing of the points", colonization.step_m),
-    row!(Colonization, "influence", length_or_auto(0.0, f64::INFINITY), "m", "how far a point pulls a node", colonization.influence),
-    row!(Colonization, "kill", length_or_auto(0.0, f64::INFINITY), "m", "how near a node must come to a point to reach it; at least the step", colonization.kill),
-    row!(Colonization, "max_iterations", integer(1, 1_000_000_000), "", "growth stops after so many iterations", colonization.max_iterations),
-    row!(Colonization, "max_nodes", integer(2, 4_000_000_000), "nodes", "growth stops at so many nodes", colonization.max_nodes),
-    row!(Colonization, "root", Kind::Vector { auto: true }, "m", "where the tree stands; auto: below the crown, at the foot of a scan", colonization.root),
-    row!(Colonization, "trunk", real_or_auto(0.0, 1e3), "m", "height of the bare trunk; auto: until the first point is in reach", colonization.trunk_m),
-    row!(Colonization, "tropism", Kind::Vector { auto: false }, "", "added to every growth direction (unit length before): 0,0.3,0 grows up", colonization.tropism),
-    row!(Colonization, "up", Kind::Choice(&["auto", "y", "z"]), "", "axis of an input file that points up; auto: z for XYZ, y for PLY and OBJ", colonization.up),
-    row!(Colonization, "origin", Kind::Choice(&["auto", "root", "keep"]), "", "root: the tree is moved to stand on 0,0,0; keep: it stays where its input is; auto: root for points, keep for a mesh", colonization.origin),
+    row!(
+        Colonization,
+        "crown_base",
+        real_or_auto(0.0, 1e3),
+        "m",
+        "height of the crown's base above the root; auto: on top of the trunk",
+        colonization.crown_base_m
+    ),
+    row!(
+        Colonization,
+        "points",
+        integer(1, 100_000_000),
+        "points",
+        "how many attraction points are drawn",
+        colonization.points
+    ),
+    row!(
+        Colonization,
+        "step",
+        real_or_auto(1e-5, 1e3),
+        "m",
+        "length of a segment (D); auto: from the spacing of the points",
+        colonization.step_m
+    ),
+    row!(
+        Colonization,
+        "influence",
+        length_or_auto(0.0, f64::INFINITY),
+        "m",
+        "how far a point pulls a node",
+        colonization.influence
+    ),
+    row!(
+        Colonization,
+        "kill",
+        length_or_auto(0.0, f64::INFINITY),
+        "m",
+        "how near a node must come to a point to reach it; at least the step",
+        colonization.kill
+    ),
+    row!(
+        Colonization,
+        "max_iterations",
+        integer(1, 1_000_000_000),
+        "",
+        "growth stops after so many iterations",
+        colonization.max_iterations
+    ),
+    row!(
+        Colonization,
+        "max_nodes",
+        integer(2, 4_000_000_000),
+        "nodes",
+        "growth stops at so many nodes",
+        colonization.max_nodes
+    ),
+    row!(
+        Colonization,
+        "root",
+        Kind::Vector { auto: true },
+        "m",
+        "where the tree stands; auto: below the crown, at the foot of a scan",
+        colonization.root
+    ),
+    row!(
+        Colonization,
+        "trunk",
+        real_or_auto(0.0, 1e3),
+        "m",
+        "height of the bare trunk; auto: until the first point is in reach",
+        colonization.trunk_m
+    ),
+    row!(
+        Colonization,
+        "tropism",
+        Kind::Vector { auto: false },
+        "",
+        "added to every growth direction (unit length before): 0,0.3,0 grows up",
+        colonization.tropism
+    ),
+    row!(
+        Colonization,
+        "up",
+        Kind::Choice(&["auto", "y", "z"]),
+        "",
+        "axis of an input file that points up; auto: z for XYZ, y for PLY and OBJ",
+        colonization.up
+    ),
+    row!(
+        Colonization,
+        "origin",
+        Kind::Choice(&["auto", "root", "keep"]),
+        "",
+        "root: the tree is moved to stand on 0,0,0; keep: it stays where its input is; auto: root for points, keep for a mesh",
+        colonization.origin
+    ),
     row!(Wood, "radius_exponent", real(1.0, 10.0), "", "n of the pipe model r^n = sum of children's r^n: larger is a thinner trunk", .wood.radius_exponent),
     row!(Wood, "tip_radius", real_or_auto(1e-5, 10.0), "m", "radius of the thinnest twigs; auto: follows from the base", .wood.tip_radius_m),
     row!(Wood, "base_radius", real_or_auto(1e-5, 100.0), "m", "radius at the foot; auto: follows from the tips, or is 1/60 of the height", .wood.base_radius_m),

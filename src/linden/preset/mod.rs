@@ -13,7 +13,7 @@ use crate::knob::{Value, nearest, printable};
 use crate::lsystem::Grammar;
 use crate::skeleton::Wood;
 use crate::surface::Tubes;
-use crate::texture::Bark;
+//BARK use crate::texture::Bark;
 
 pub use document::{Fault, Place};
 pub use knobs::{KNOBS, PresetKnob, Section, shape_knobs};
@@ -41,8 +41,7 @@ pub struct Preset {
     pub wood: Wood,
     /// How its surface is made.
     pub tubes: Tubes,
-    /// How its bark looks.
-    pub bark: Bark,
+    //BARK pub bark: Bark,
 }
 
 /// How a tree grows.

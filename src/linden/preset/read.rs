@@ -7,7 +7,7 @@ use crate::knob::{nearest, printable};
 use crate::lsystem::{Grammar, GrammarError, Part};
 use crate::skeleton::Wood;
 use crate::surface::Tubes;
-use crate::texture::Bark;
+//BARK use crate::texture::Bark;
 
 /// Keys before all tables that are no knobs.
 const HEADINGS: [&str; 7] = ["id", "name", "group", "summary", "source", "linden", "input"];
@@ -30,7 +30,13 @@ impl Preset {
     }
 
     /// The preset for a grammar that comes without one.
-    pub fn of_grammar(id: &str, axiom: String, rules: Vec<String>, angle_deg: f64, derivations: u32) -> Result<Self, GrammarError> {
+    pub fn of_grammar(
+        id: &str,
+        axiom: String,
+        rules: Vec<String>,
+        angle_deg: f64,
+        derivations: u32,
+    ) -> Result<Self, GrammarError> {
         let grammar = Grammar::new(&axiom, &rules)?;
         let lsystem = LSystem { angle_deg, derivations, ..LSystem::of(axiom, rules, grammar) };
         Ok(Self::of(id, Generator::LSystem(lsystem)))
@@ -52,7 +58,7 @@ impl Preset {
             generator,
             wood: Wood::default(),
             tubes: Tubes::default(),
-            bark: Bark::default(),
+            //BARK bark: Bark::default(),
         }
     }
 }
@@ -93,7 +99,10 @@ impl Colonization {
 
 fn read(document: &Node, text: Option<&str>) -> Result<Preset, Fault> {
     let Datum::Table(entries) = &document.datum else {
-        return Err(Fault::new(document.place, format!("a preset is a table of keys, this is {}", document.kind())));
+        return Err(Fault::new(
+            document.place,
+            format!("a preset is a table of keys, this is {}", document.kind()),
+        ));
     };
     let heading = |key: &str| -> Result<Option<String>, Fault> {
         let found = entries.iter().find(|entry| entry.key == key);
@@ -103,14 +112,21 @@ fn read(document: &Node, text: Option<&str>) -> Result<Preset, Fault> {
         (Some(own), None) => Generator::LSystem(read_lsystem(own, text)?),
         (None, Some(own)) => Generator::Colonization(read_space(own)?),
         (Some((_, place)), Some(_)) => {
-            return Err(Fault::new(place, "both [lsystem] and [colonization]: a preset grows one way; keep one"));
+            return Err(Fault::new(
+                place,
+                "both [lsystem] and [colonization]: a preset grows one way; keep one",
+            ));
         }
         (None, None) => {
-            return Err(Fault::new(None, "neither [lsystem] nor [colonization]: add the one that grows the tree"));
+            return Err(Fault::new(
+                None,
+                "neither [lsystem] nor [colonization]: add the one that grows the tree",
+            ));
         }
     };
     let mut preset = Preset::of("", generator);
-    preset.id = heading("id")?.ok_or_else(|| Fault::new(None, "no 'id': add a line like id = \"my-tree\""))?;
+    preset.id =
+        heading("id")?.ok_or_else(|| Fault::new(None, "no 'id': add a line like id = \"my-tree\""))?;
     preset.name = heading("name")?.unwrap_or_else(|| preset.id.clone());
     preset.group = heading("group")?.unwrap_or(preset.group);
     preset.summary = heading("summary")?.unwrap_or_default();
@@ -120,7 +136,8 @@ fn read(document: &Node, text: Option<&str>) -> Result<Preset, Fault> {
             Some(&section) => {
                 if let Datum::Table(own) = &entry.node.datum {
                     // The crown comes first: its shape decides which dimensions there are.
-                    let (crown, rest): (Vec<&Entry>, Vec<&Entry>) = own.iter().partition(|e| e.key == "crown");
+                    let (crown, rest): (Vec<&Entry>, Vec<&Entry>) =
+                        own.iter().partition(|e| e.key == "crown");
                     for entry in crown.into_iter().chain(rest) {
                         turn(&mut preset, section, entry)?;
                     }
@@ -183,7 +200,10 @@ fn unknown(preset: &Preset, section: Section, key: &str) -> String {
             format!("'{key}' does not belong to this crown; it is a dimension of another shape")
         } else {
             let name = known.section.key();
-            format!("'{key}' stands {place}, but belongs {}", if name.is_empty() { "at the top".into() } else { format!("in [{name}]") })
+            format!(
+                "'{key}' stands {place}, but belongs {}",
+                if name.is_empty() { "at the top".into() } else { format!("in [{name}]") }
+            )
         };
     }
     let own = preset.knobs();
@@ -209,7 +229,8 @@ fn read_lsystem((entries, place): Table<'_>, text: Option<&str>) -> Result<LSyst
         return Err(rules.mismatch("rules", "a list of texts like [\"F -> F[+F]F\"]"));
     };
     let axiom_text = axiom.text("axiom")?.to_owned();
-    let texts = items.iter().map(|item| item.text("rules").map(str::to_owned)).collect::<Result<Vec<_>, _>>()?;
+    let texts =
+        items.iter().map(|item| item.text("rules").map(str::to_owned)).collect::<Result<Vec<_>, _>>()?;
     let grammar = Grammar::new(&axiom_text, &texts).map_err(|error| {
         let node = match error.part {
             Part::Axiom => axiom,
@@ -261,7 +282,12 @@ fn read_space((entries, place): Table<'_>) -> Result<Colonization, Fault> {
         (false, None, None) => {
             return Err(Fault::new(place, "[colonization] has none of 'crown', 'envelope' and 'scan'"));
         }
-        _ => return Err(Fault::new(place, "[colonization] has more than one of 'crown', 'envelope' and 'scan'; keep one")),
+        _ => {
+            return Err(Fault::new(
+                place,
+                "[colonization] has more than one of 'crown', 'envelope' and 'scan'; keep one",
+            ));
+        }
     };
     Ok(Colonization::of(space))
 }

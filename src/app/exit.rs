@@ -1,0 +1,64 @@
+//! Exit codes, and which error means which.
+
+use std::process::ExitCode;
+
+use linden::Cancelled;
+
+/// 1: it was tried and failed.
+const FAILED: u8 = 1;
+/// 2: the command line names something that does not exist or cannot be.
+const USAGE: u8 = 2;
+
+/// An error of the command line: exit code 2.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct Usage(pub String);
+
+/// For `?` on errors of the command line.
+pub fn usage(error: impl std::fmt::Display) -> anyhow::Error {
+    Usage(error.to_string()).into()
+}
+
+/// Says what went wrong on standard error, if there is anything to say, and with which code to end.
+pub fn report(error: &anyhow::Error) -> ExitCode {
+    if let Some(signal) = crate::signals::received() {
+        // Whatever failed, failed because of it. Shells expect 128 + signal.
+        return ExitCode::from(128 + signal);
+    }
+    if is_closed_pipe(error) {
+        return ExitCode::SUCCESS;
+    }
+    let code = if error.chain().any(|cause| cause.is::<Usage>()) { USAGE } else { FAILED };
+    say(&format!("error: {}", sentence(error)));
+    ExitCode::from(code)
+}
+
+/// A line on standard error. When even that is gone, nobody is left to tell.
+pub fn say(line: &str) {
+    use std::io::Write as _;
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// The chain of causes in one line, without causes that their effects already quote.
+fn sentence(error: &anyhow::Error) -> String {
+    let mut line = String::new();
+    for cause in error.chain() {
+        let text = cause.to_string();
+        if cause.is::<Cancelled>() || line.contains(&text) {
+            continue;
+        }
+        if !line.is_empty() {
+            line.push_str(": ");
+        }
+        line.push_str(&text);
+    }
+    line
+}
+
+/// Whoever read our standard output has seen enough (`linden list | head`): that is no failure.
+fn is_closed_pipe(error: &anyhow::Error) -> bool {
+    error
+        .chain()
+        .filter_map(|cause| cause.downcast_ref::<std::io::Error>())
+        .any(|io| io.kind() == std::io::ErrorKind::BrokenPipe)
+}

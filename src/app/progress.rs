@@ -1,0 +1,105 @@
+//! Says how far long work is: nothing for half a second, then a bar on a terminal and nothing in a pipe.
+
+use std::io::IsTerminal;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use linden::Monitor;
+use linden::monitor::Stage;
+
+/// Work that is over sooner is not worth a bar.
+const PATIENCE: Duration = Duration::from_millis(500);
+/// Between two looks at the clock's consequences.
+const PACE: Duration = Duration::from_millis(50);
+
+/// Watches the work for a person at a terminal, and for signals.
+pub struct Progress {
+    started: Instant,
+    shows: bool,
+    shown: Mutex<Shown>,
+}
+
+struct Shown {
+    bar: Option<(Stage, ProgressBar)>,
+    last: Instant,
+}
+
+impl Progress {
+    /// Starts the clock.
+    pub fn new() -> Self {
+        let now = Instant::now();
+        let shown = Mutex::new(Shown { bar: None, last: now });
+        Self { started: now, shows: std::io::stderr().is_terminal(), shown }
+    }
+
+    /// Takes the bar away, so that other lines can be written.
+    pub fn clear(&self) {
+        if let Ok(mut shown) = self.shown.lock()
+            && let Some((_, bar)) = shown.bar.take()
+        {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.clear();
+    }
+}
+
+impl Monitor for Progress {
+    fn is_cancelled(&self) -> bool {
+        crate::signals::received().is_some()
+    }
+
+    fn advance(&self, stage: Stage, done: u64, total: Option<u64>) {
+        if !self.shows || self.started.elapsed() < PATIENCE {
+            return;
+        }
+        // Whoever finds another thread drawing has nothing to add.
+        let Ok(mut shown) = self.shown.try_lock() else { return };
+        let is_new = shown.bar.as_ref().is_none_or(|(of, _)| *of != stage);
+        if !is_new && shown.last.elapsed() < PACE {
+            return;
+        }
+        shown.last = Instant::now();
+        if is_new {
+            if let Some((_, old)) = shown.bar.take() {
+                old.finish_and_clear();
+            }
+            shown.bar = Some((stage, bar(stage, total)));
+        }
+        if let Some((_, bar)) = &shown.bar {
+            if let Some(total) = total {
+                bar.set_length(total);
+            }
+            bar.set_position(done);
+        }
+    }
+}
+
+fn bar(stage: Stage, total: Option<u64>) -> ProgressBar {
+    let (doing, unit) = stage.words();
+    let template = match (total, stage) {
+        (Some(_), Stage::Write) => {
+            "{prefix:>11} [{bar:28}] {bytes}/{total_bytes}  {bytes_per_sec}  {eta} left".to_owned()
+        }
+        (None, Stage::Write) => "{prefix:>11} {bytes}  {bytes_per_sec}".to_owned(),
+        (Some(_), _) => {
+            format!("{{prefix:>11}} [{{bar:28}}] {{human_pos}}/{{human_len}} {unit}  {{per_sec}}  {{eta}} left")
+        }
+        (None, _) => format!("{{prefix:>11}} {{human_pos}} {unit}  {{per_sec}}"),
+    };
+    let bar = match total {
+        Some(total) => ProgressBar::new(total),
+        None => ProgressBar::no_length(),
+    };
+    bar.set_draw_target(ProgressDrawTarget::stderr());
+    if let Ok(style) = ProgressStyle::with_template(&template) {
+        bar.set_style(style.progress_chars("=> "));
+    }
+    bar.set_prefix(doing);
+    bar
+}

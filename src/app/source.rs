@@ -1,0 +1,153 @@
+//! SOURCE: a preset's id, a file told by its content, or `-`; with overrides it becomes a recipe.
+
+use std::fs;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc;
+use std::time::Duration;
+
+use anyhow::{Context, bail};
+use linden::input::{InputKind, sniff};
+use linden::knob::printable;
+use linden::lsystem::text;
+use linden::preset::{Fault, Preset, Space, builtin};
+use linden::recipe::{Input, Recipe};
+use linden::{Cancelled, Monitor};
+
+use crate::exit::usage;
+
+/// A recipe and what it is called.
+#[derive(Debug)]
+pub struct Source {
+    /// As the user gave it, printable.
+    pub shown: String,
+    /// What grows.
+    pub recipe: Recipe,
+    /// What the user should know about it.
+    pub notes: Vec<String>,
+}
+
+/// Reads SOURCE and turns the knobs.
+pub fn resolve(source: &str, set: &[(String, String)], monitor: &dyn Monitor) -> anyhow::Result<Source> {
+    let shown = if source == "-" { "standard input".to_owned() } else { printable(source) };
+    let (mut recipe, notes) = load(source, monitor)?;
+    for (name, value) in set {
+        recipe.preset.set(name, value).map_err(usage)?;
+    }
+    Ok(Source { shown, recipe, notes })
+}
+
+fn load(source: &str, monitor: &dyn Monitor) -> anyhow::Result<(Recipe, Vec<String>)> {
+    let path = Path::new(source);
+    let hint = match builtin(source) {
+        Ok(found) => {
+            let preset = found.load().map_err(|fault| locate(found.id, &fault))?;
+            let input = match (space(&preset).and_then(Space::file), space(&preset).and_then(|s| found.input(s))) {
+                (Some(file), Some(bytes)) => Some(Input::read(file, bytes, monitor)?),
+                _ => None,
+            };
+            return Ok((Recipe { preset, input }, Vec::new()));
+        }
+        Err(hint) => hint,
+    };
+    if source == "-" {
+        return read(None, &standard_input(monitor)?, monitor);
+    }
+    if !path.exists() {
+        let meant = hint.map(|id| format!(" (did you mean '{id}'?)")).unwrap_or_default();
+        return Err(usage(format!(
+            "there is no preset and no file '{}'{meant}; 'linden list' shows the presets",
+            printable(source)
+        )));
+    }
+    if path.is_dir() {
+        return Err(usage(format!("'{}' is a directory; name a file in it", printable(source))));
+    }
+    let bytes = fs::read(path).with_context(|| format!("reading {}", show(path)))?;
+    read(Some(path), &bytes, monitor)
+}
+
+/// Makes a recipe of a file's content.
+fn read(path: Option<&Path>, bytes: &[u8], monitor: &dyn Monitor) -> anyhow::Result<(Recipe, Vec<String>)> {
+    let shown = path.map_or_else(|| "standard input".to_owned(), show);
+    let reading = || format!("reading {shown}");
+    let name = path.and_then(Path::file_name).map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+    let kind = sniff(bytes, &name).with_context(reading)?;
+    let id = id_from(&name);
+    let preset = match kind {
+        InputKind::Preset => Preset::from_toml(utf8(bytes, &shown)?).map_err(|fault| locate(&shown, &fault))?,
+        InputKind::Recipe => Preset::from_json(utf8(bytes, &shown)?).map_err(|fault| locate(&shown, &fault))?,
+        InputKind::Grammar => {
+            let own = text::parse(utf8(bytes, &shown)?).map_err(|error| {
+                anyhow::anyhow!("{shown}:{}:{}: {}", error.line, error.column, error.problem)
+            })?;
+            Preset::of_grammar(&id, own.grammar, own.angle_deg, own.derivations)
+        }
+        InputKind::ObjMesh | InputKind::PlyMesh => Preset::of_space(&id, Space::Envelope { file: name.clone() }),
+        InputKind::PlyPoints | InputKind::XyzPoints => Preset::of_space(&id, Space::Points { file: name.clone() }),
+    };
+    let mut notes = Vec::new();
+    let input = match (kind, space(&preset).and_then(Space::file)) {
+        (InputKind::Preset | InputKind::Recipe, Some(file)) => {
+            let beside = path.and_then(Path::parent).map_or_else(PathBuf::new, Path::to_owned).join(file);
+            let bytes = fs::read(&beside).with_context(|| format!("reading {}, which {shown} needs", show(&beside)))?;
+            let input = Input::read(file, &bytes, monitor).with_context(|| format!("reading {}", show(&beside)))?;
+            if kind == InputKind::Recipe && !utf8(&bytes_of(path)?, &shown)?.contains(&format!("{:032x}", input.hash)) {
+                notes.push(format!("{} is not the file that the recipe was made with; another tree will grow", show(&beside)));
+            }
+            Some(input)
+        }
+        (_, Some(_)) => Some(Input::read(&name, bytes, monitor).with_context(reading)?),
+        (_, None) => None,
+    };
+    Ok((Recipe { preset, input }, notes))
+}
+
+fn space(preset: &Preset) -> Option<&Space> {
+    preset.space()
+}
+
+/// Text, or where it stops being one.
+fn utf8<'a>(bytes: &'a [u8], shown: &str) -> anyhow::Result<&'a str> {
+    std::str::from_utf8(bytes).map_err(|error| {
+        let line = bytes[..error.valid_up_to()].iter().filter(|&&b| b == b'\n').count() + 1;
+        anyhow::anyhow!("reading {shown}, line {line}: not UTF-8 text; save the file as UTF-8")
+    })
+}
+
+/// A fault with its file before it, as compilers and editors have it: `my.toml:3:7: …`.
+fn locate(shown: &str, fault: &Fault) -> anyhow::Error {
+    match fault.place {
+        Some(place) => anyhow::anyhow!("{shown}:{place}: {}", fault.message),
+        None => anyhow::anyhow!("{shown}: {}", fault.message),
+    }
+}
+
+/// An id from a file's name: `My tree.v2.txt` gives `My tree.v2`.
+fn id_from(name: &str) -> String {
+    let stem = Path::new(name).file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
+    if stem.is_empty() { "tree".to_owned() } else { stem }
+}
+
+/// A path, safe to show.
+pub fn show(path: &Path) -> String {
+    printable(&path.to_string_lossy())
+}
+
+/// All of standard input. A thread reads it, so that Ctrl-C is heard while nothing comes.
+fn standard_input(monitor: &dyn Monitor) -> anyhow::Result<Vec<u8>> {
+    let (sender, receiver) = mpsc::channel();
+    std::thread::spawn(move || {
+        let mut bytes = Vec::new();
+        let read = std::io::stdin().lock().read_to_end(&mut bytes);
+        let _ = sender.send(read.map(|_| bytes));
+    });
+    loop {
+        match receiver.recv_timeout(Duration::from_millis(20)) {
+            Ok(read) => return read.context("reading standard input"),
+            Err(mpsc::RecvTimeoutError::Timeout) if monitor.is_cancelled() => bail!(Cancelled),
+            Err(mpsc::RecvTimeoutError::Timeout) => {}
+            Err(mpsc::RecvTimeoutError::Disconnected) => bail!("reading standard input: the reader stopped"),
+        }
+    }
+}

@@ -1,0 +1,258 @@
+//! From a preset's `[colonization]` to a branching: where the points are, where the tree stands, how
+//! far it sees, and then growth.
+
+use glam::{DVec3, Vec3};
+
+use super::crown::envelope::Envelope;
+use super::crown::{self, Crown};
+use super::growth::{self, Growth, GrowthRule, Stop};
+use super::{scan, scatter, trunk};
+use crate::grow::GrowError;
+use crate::input::{Up, recenter};
+use crate::monitor::Monitor;
+use crate::preset::{Colonization, Length, Space};
+use crate::random::Key;
+use crate::recipe::{Geometry, Input};
+use crate::skeleton::Branching;
+
+/// Steps between neighbouring points where no step is given.
+const STEPS_PER_SPACING: f64 = 3.0;
+/// Kill distance where none is given: about the points' spacing.
+const KILL_STEPS: f64 = 3.0;
+/// Influence where none is given: the upper end of the range that RLP07 shows (8D to 17D).
+const INFLUENCE_STEPS: f64 = 17.0;
+/// Influence beyond this costs far more time than it changes.
+const WIDE_INFLUENCE_STEPS: f64 = 60.0;
+/// Height of a crown's base, in crown heights, where neither base nor trunk is given.
+const BASE_PER_CROWN_HEIGHT: f64 = 0.25;
+
+/// What grew into the crown.
+pub(crate) struct Plant {
+    /// Where the tree is to stand.
+    pub branching: Branching,
+    /// The attraction points, at the same place as the branching.
+    pub points: Vec<Vec3>,
+    /// Points that were not reached.
+    pub unreached: usize,
+    /// Iterations that placed nodes.
+    pub iterations: u32,
+    /// What the user should know.
+    pub notes: Vec<String>,
+}
+
+/// Points and root in coordinates near the origin, where `f32` is precise.
+struct Site {
+    points: Vec<DVec3>,
+    root: DVec3,
+    /// Where these coordinates have their origin in the input's (turned to Y up).
+    origin: DVec3,
+    /// Typical distance of neighbouring points, metres.
+    spacing_m: f64,
+    /// What suits these points where the user gives none.
+    suggested: Suggested,
+    /// Whether the tree is moved to stand on the origin unless the user says otherwise.
+    moves_to_root: bool,
+    notes: Vec<String>,
+}
+
+/// Distances in metres.
+struct Suggested {
+    step: f64,
+    kill: Length,
+    influence: Length,
+}
+
+impl Suggested {
+    /// For points that fill a volume.
+    fn for_volume(spacing_m: f64) -> Self {
+        Self {
+            step: spacing_m / STEPS_PER_SPACING,
+            kill: Length::Steps(KILL_STEPS),
+            influence: Length::Steps(INFLUENCE_STEPS),
+        }
+    }
+}
+
+pub(crate) fn plant(
+    settings: &Colonization,
+    input: Option<&Input>,
+    key: Key,
+    monitor: &dyn Monitor,
+) -> Result<Plant, GrowError> {
+    let site = match (&settings.space, input.map(|input| (&input.geometry, input.up))) {
+        (Space::Shape { shape, dimensions }, _) => in_shape(settings, shape, dimensions, key, monitor)?,
+        (Space::Envelope { .. }, Some((Geometry::Mesh(mesh), up))) => {
+            in_envelope(settings, mesh, settings.up(up), key, monitor)?
+        }
+        (Space::Points { .. }, Some((Geometry::Points(points), up))) => {
+            at_points(settings, points, settings.up(up), monitor)?
+        }
+        (Space::Envelope { file }, _) => {
+            return Err(GrowError::WrongInput { file: file.clone(), expected: "a mesh" });
+        }
+        (Space::Points { file }, _) => return Err(GrowError::WrongInput { file: file.clone(), expected: "points" }),
+    };
+    let (rule, mut notes) = site.rule(settings);
+    if !(rule.kill >= rule.step) {
+        // Before a trunk is grown in such steps; growth itself would refuse as well.
+        return Err(growth::GrowthError::KillBelowStep { kill: rule.kill, step: rule.step }.into());
+    }
+    let step_m = f64::from(rule.step);
+    let start = match settings.trunk_m {
+        Some(height_m) => {
+            check_trunk(height_m / step_m, rule.max_nodes)?;
+            trunk::straight(site.root, height_m, step_m)
+        }
+        None => {
+            let reach = f64::from(rule.influence);
+            trunk::until_in_reach(site.root, &site.points, reach, step_m, rule.max_nodes as usize)
+        }
+    };
+    let mut points: Vec<Vec3> = site.points.iter().map(|p| p.as_vec3()).collect();
+    let Growth { mut branching, iterations, unreached, stop } = growth::grow(&points, &start, &rule, monitor)?;
+    notes.extend(stop_note(stop, unreached, points.len(), settings));
+    notes.extend(site.notes);
+
+    let to_root = match settings.origin.as_str() {
+        "root" => true,
+        "keep" => false,
+        _ => site.moves_to_root,
+    };
+    let shift = if to_root { -site.root } else { site.origin };
+    if to_root && (site.origin + site.root).length() > 0.0 {
+        let DVec3 { x, y, z } = site.origin + site.root;
+        notes.push(format!("moved to the origin: the root was at {x}, {y}, {z} (Y up); origin=keep leaves it there"));
+    }
+    for position in branching.positions.iter_mut().chain(&mut points) {
+        *position = (position.as_dvec3() + shift).as_vec3();
+    }
+    Ok(Plant { branching, points, unreached, iterations, notes })
+}
+
+/// Refuses a trunk of more segments than there may be nodes, before it is built.
+fn check_trunk(segments: f64, max_nodes: u32) -> Result<(), GrowError> {
+    if segments >= f64::from(max_nodes) {
+        return Err(GrowError::TrunkTooLong { segments: segments.ceil(), max_nodes });
+    }
+    Ok(())
+}
+
+fn stop_note(stop: Stop, unreached: usize, points: usize, settings: &Colonization) -> Option<String> {
+    let left = format!("{unreached} of {points} points were not reached");
+    match stop {
+        Stop::AllReached => None,
+        Stop::NothingInReach => {
+            // A few stragglers are usual; many mean that the crown is in pieces.
+            (unreached * 20 > points).then(|| format!("{left}: they lie beyond the influence distance; raise influence"))
+        }
+        Stop::Stalled => Some(format!("{left}: the step is too short for coordinates of this size")),
+        Stop::MaxIterations => Some(format!("{left}: growth stopped at max_iterations={}", settings.max_iterations)),
+        Stop::MaxNodes => Some(format!("{left}: growth stopped at max_nodes={}", settings.max_nodes)),
+    }
+}
+
+impl Colonization {
+    /// The axis that points up in an input file.
+    fn up(&self, default: Up) -> Up {
+        match self.up.as_str() {
+            "y" => Up::Y,
+            "z" => Up::Z,
+            _ => default,
+        }
+    }
+
+    /// The root that the user gave, turned to Y up.
+    fn given_root(&self, up: Up) -> Option<DVec3> {
+        self.root.map(|root| {
+            let mut place = [DVec3::from_array(root)];
+            up.to_y_up(&mut place);
+            place[0]
+        })
+    }
+}
+
+impl Site {
+    /// The rule in metres, and what to say about it.
+    fn rule(&self, settings: &Colonization) -> (GrowthRule, Vec<String>) {
+        let step = settings.step_m.unwrap_or(self.suggested.step);
+        let metres = |length: Length, suggested: Length| match (length, suggested) {
+            (Length::Metres(x), _) | (Length::Auto, Length::Metres(x)) => x,
+            (Length::Steps(x), _) | (Length::Auto, Length::Steps(x)) => x * step,
+            (Length::Auto, Length::Auto) => step,
+        };
+        let kill = metres(settings.kill, self.suggested.kill);
+        let influence = metres(settings.influence, self.suggested.influence);
+        let mut notes = Vec::new();
+        if influence > WIDE_INFLUENCE_STEPS * step && settings.influence != Length::Auto && self.points.len() >= 100_000 {
+            notes.push(format!(
+                "influence is {:.0} steps; beyond about 20 it costs much time and changes little",
+                influence / step
+            ));
+        }
+        let rule = GrowthRule {
+            step: step as f32,
+            influence: influence as f32,
+            kill: kill as f32,
+            tropism: DVec3::from_array(settings.tropism).as_vec3(),
+            max_iterations: settings.max_iterations,
+            max_nodes: settings.max_nodes,
+        };
+        (rule, notes)
+    }
+}
+
+/// Points in a crown shape on top of the trunk.
+fn in_shape(
+    settings: &Colonization,
+    shape: &str,
+    dimensions: &[(&'static str, crate::knob::Value)],
+    key: Key,
+    monitor: &dyn Monitor,
+) -> Result<Site, GrowError> {
+    let crown = crown::shape(shape)?.of(dimensions)?;
+    let height = f64::from(crown.bounds().max.y);
+    let base = settings.crown_base_m.or(settings.trunk_m).unwrap_or(BASE_PER_CROWN_HEIGHT * height);
+    let root = settings.given_root(Up::Y).unwrap_or(DVec3::ZERO);
+    let mut points = scatter::scatter(&*crown, settings.points as usize, key.named("points"), monitor)?;
+    recenter(&mut points, -DVec3::Y * base);
+    let spacing_m = libm::cbrt(crown.volume_m3() / f64::from(settings.points));
+    Ok(Site {
+        points,
+        root: DVec3::ZERO,
+        origin: root,
+        spacing_m,
+        suggested: Suggested::for_volume(spacing_m),
+        moves_to_root: false,
+        notes: Vec::new(),
+    })
+}
+
+/// Points in a mesh, which stands where its file has it.
+fn in_envelope(
+    settings: &Colonization,
+    mesh: &crate::input::TriangleMesh,
+    up: Up,
+    key: Key,
+    monitor: &dyn Monitor,
+) -> Result<Site, GrowError> {
+    let mut mesh = mesh.clone();
+    up.to_y_up(&mut mesh.positions);
+    let envelope = Envelope::new(&mesh, monitor)?;
+    let foot = envelope.foot();
+    let height = f64::from(envelope.bounds().max.y);
+    // A crown that hangs over the ground of its file stands on a trunk; one that sits on it, or is
+    // nowhere near it, grows from its own base.
+    let clearance = if (0.0..=height).contains(&foot.y) { foot.y } else { 0.0 };
+    let root = settings.given_root(up).map_or(DVec3::NEG_Y * clearance, |root| root - foot);
+    let points = scatter::scatter(&envelope, settings.points as usize, key.named("points"), monitor)?;
+    let spacing_m = libm::cbrt(envelope.volume_m3() / f64::from(settings.points));
+    Ok(Site {
+        points,
+        root,
+        origin: foot,
+        spacing_m,
+        suggested: Suggested::for_volume(spacing_m),
+        moves_to_root: false,
+        notes: envelope.report().warnings(),
+    })
+}

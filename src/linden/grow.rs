@@ -1,0 +1,133 @@
+//! Recipe → skeleton: the one way through both generators.
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use crate::colonization::crown::CrownError;
+use crate::colonization::crown::envelope::EnvelopeError;
+use crate::colonization::growth::GrowthError;
+use crate::colonization::plant::{Plant, plant};
+use crate::colonization::scatter::ScatterError;
+use crate::knob::printable;
+use crate::lsystem::{self, LsystemError};
+use crate::monitor::{Cancelled, Monitor};
+use crate::preset::{Generator, Preset};
+use crate::random::Key;
+use crate::recipe::Recipe;
+use crate::skeleton::{Skeleton, SkeletonError};
+
+/// A grown tree, and how it came about.
+#[derive(Clone, Debug)]
+pub struct Grown {
+    /// The axial tree.
+    pub skeleton: Arc<Skeleton>,
+    /// Length of the derived string; `None` for space colonization.
+    pub symbols: Option<u64>,
+    /// What the tree reached for; `None` for L-systems.
+    pub colonized: Option<Colonized>,
+    /// What the user should know: limits that were hit, meshes that are open.
+    pub notes: Vec<String>,
+}
+
+/// How space colonization went.
+#[derive(Clone, Debug)]
+pub struct Colonized {
+    /// The attraction points, where the tree stands.
+    pub points: Vec<Vec3>,
+    /// How many of them were not reached.
+    pub unreached: usize,
+    /// Iterations that placed nodes.
+    pub iterations: u32,
+}
+
+/// Why a recipe did not grow.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum GrowError {
+    /// Nobody wanted the result any more.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// The L-system.
+    #[error("growing the L-system: {0}")]
+    LSystem(LsystemError),
+    /// The crown's shape.
+    #[error("shaping the crown: {0}")]
+    Crown(#[from] CrownError),
+    /// The crown's mesh.
+    #[error("filling the envelope: {0}")]
+    Envelope(EnvelopeError),
+    /// The points.
+    #[error(transparent)]
+    Scatter(ScatterError),
+    /// Space colonization.
+    #[error(transparent)]
+    Growth(GrowthError),
+    /// The skeleton.
+    #[error("building the skeleton: {0}")]
+    Skeleton(#[from] SkeletonError),
+    /// The recipe's file is missing or holds something else.
+    #[error("the recipe grows into '{}', which must hold {expected}", printable(.file))]
+    WrongInput {
+        /// As the preset names it.
+        file: String,
+        /// What it must hold.
+        expected: &'static str,
+    },
+    /// A trunk of too many segments.
+    #[error("the trunk would have {segments} segments, more than max_nodes={max_nodes}; shorten trunk or lengthen step")]
+    TrunkTooLong {
+        /// Trunk ÷ step.
+        segments: f64,
+        /// The limit.
+        max_nodes: u32,
+    },
+}
+
+/// An error enum whose `Cancelled` is this one's.
+macro_rules! from_cancellable {
+    ($($error:ident => $variant:ident),*) => {$(
+        impl From<$error> for GrowError {
+            fn from(error: $error) -> Self {
+                if let $error::Cancelled(cancelled) = error { Self::Cancelled(cancelled) } else { Self::$variant(error) }
+            }
+        }
+    )*};
+}
+from_cancellable!(LsystemError => LSystem, EnvelopeError => Envelope, ScatterError => Scatter, GrowthError => Growth);
+
+/// Grows the tree of a recipe.
+///
+/// ```
+/// use linden::{Quiet, grow::grow, preset::builtin, recipe::Recipe};
+/// let preset = builtin("abop-a").unwrap().load().map_err(|fault| fault.message)?;
+/// let grown = grow(&Recipe { preset, input: None }, &Quiet)?;
+/// assert_eq!(grown.skeleton.segments(), 3125); // ABOP, Fig. 1.24 a
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// [`GrowError`]: limits, contradictions, nothing in reach, cancelled.
+pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> {
+    let Preset { seed, generator, wood, .. } = &recipe.preset;
+    let key = Key::new(*seed);
+    match generator {
+        Generator::LSystem(own) => {
+            let settings = lsystem::Settings {
+                derivations: own.derivations,
+                angle_deg: own.angle_deg,
+                segment_m: own.segment_length_m,
+                symbol_limit: own.symbol_limit,
+                seed: *seed,
+            };
+            let lsystem::Grown { branching, symbols } = lsystem::grow(&own.grammar, &settings, monitor)?;
+            let skeleton = Arc::new(Skeleton::build(branching, wood)?);
+            Ok(Grown { skeleton, symbols: Some(symbols), colonized: None, notes: Vec::new() })
+        }
+        Generator::Colonization(own) => {
+            let Plant { branching, points, unreached, iterations, notes } =
+                plant(own, recipe.input.as_ref(), key, monitor)?;
+            let skeleton = Arc::new(Skeleton::build(branching, wood)?);
+            Ok(Grown { skeleton, symbols: None, colonized: Some(Colonized { points, unreached, iterations }), notes })
+        }
+    }
+}

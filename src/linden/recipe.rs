@@ -1,0 +1,122 @@
+//! A recipe: a preset, resolved, with the file it needs. Everything to grow the same tree again.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use serde::ser::{Serialize, SerializeMap, Serializer};
+use xxhash_rust::xxh3::xxh3_128;
+
+use crate::input::{InputError, InputKind, PlyData, TriangleMesh, Up, read_obj, read_ply, read_xyz, sniff};
+use crate::knob::printable;
+use crate::monitor::Monitor;
+use crate::preset::Preset;
+
+/// The version of linden that a recipe names: another one may grow another tree.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// Everything that decides a tree.
+#[derive(Clone, Debug)]
+pub struct Recipe {
+    /// With all overrides applied.
+    pub preset: Preset,
+    /// The mesh or points that the preset's space names.
+    pub input: Option<Input>,
+}
+
+/// A file that was read: a crown envelope or attraction points.
+#[derive(Clone, Debug)]
+pub struct Input {
+    /// The file's name without folders, printable.
+    pub name: String,
+    /// XXH3 of its bytes.
+    pub hash: u128,
+    /// Which way is up when nobody says.
+    pub up: Up,
+    /// What it held.
+    pub geometry: Geometry,
+}
+
+/// What an input file held, in the file's axes.
+#[derive(Clone, Debug)]
+pub enum Geometry {
+    /// A surface.
+    Mesh(Arc<TriangleMesh>),
+    /// Places.
+    Points(Arc<Vec<DVec3>>),
+}
+
+impl Input {
+    /// Reads a mesh (OBJ, PLY with faces) or points (PLY without, XYZ).
+    ///
+    /// # Errors
+    /// Anything that is wrong with the file, and files of other kinds.
+    pub fn read(name: &str, bytes: &[u8], monitor: &dyn Monitor) -> Result<Self, InputError> {
+        let (up, geometry) = match sniff(bytes, name)? {
+            InputKind::ObjMesh => (Up::Y, Geometry::Mesh(Arc::new(read_obj(bytes, monitor)?))),
+            InputKind::PlyMesh | InputKind::PlyPoints => {
+                let PlyData { positions, triangles } = read_ply(bytes, monitor)?;
+                let geometry = if triangles.is_empty() {
+                    Geometry::Points(Arc::new(positions))
+                } else {
+                    Geometry::Mesh(Arc::new(TriangleMesh { positions, triangles }))
+                };
+                (Up::Y, geometry)
+            }
+            InputKind::XyzPoints => (Up::Z, Geometry::Points(Arc::new(read_xyz(bytes, monitor)?))),
+            InputKind::TomlPreset | InputKind::TextGrammar | InputKind::JsonRecipe => {
+                let looks = "is a preset, grammar or recipe; expected a mesh (OBJ, PLY) or points (PLY, XYZ)";
+                return Err(InputError::Unknown { looks });
+            }
+        };
+        Ok(Self { name: printable(name), hash: xxh3_128(bytes), up, geometry })
+    }
+
+    const fn kind(&self) -> &'static str {
+        match self.geometry {
+            Geometry::Mesh(_) => "mesh",
+            Geometry::Points(_) => "points",
+        }
+    }
+}
+
+impl Recipe {
+    /// One line of printable ASCII (JSON), as every exported file carries it. It is a preset
+    /// document too: [`Preset::from_json`] reads it.
+    pub fn to_line(&self) -> String {
+        // Neither maps with other keys than text nor failing writers: there is nothing to fail.
+        let json = serde_json::to_string(self).unwrap_or_default();
+        let mut line = String::with_capacity(json.len());
+        for c in json.chars() {
+            if (' '..='~').contains(&c) {
+                line.push(c);
+            } else {
+                for unit in c.encode_utf16(&mut [0; 2]) {
+                    line.push_str(&format!("\\u{unit:04x}"));
+                }
+            }
+        }
+        line
+    }
+}
+
+impl Serialize for Recipe {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("linden", VERSION)?;
+        self.preset.serialize_into(&mut map)?;
+        if let Some(input) = &self.input {
+            map.serialize_entry("input", input)?;
+        }
+        map.end()
+    }
+}
+
+impl Serialize for Input {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("file", &self.name)?;
+        map.serialize_entry("kind", self.kind())?;
+        map.serialize_entry("xxh3", &format!("{:032x}", self.hash))?;
+        map.end()
+    }
+}
