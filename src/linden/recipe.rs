@@ -54,7 +54,7 @@ impl Input {
         let (up, geometry) = match sniff(bytes, name)? {
             InputKind::ObjMesh => (Up::Y, Geometry::Mesh(Arc::new(read_obj(bytes, monitor)?))),
             InputKind::PlyMesh | InputKind::PlyPoints => {
-                let PlyData { positions, triangles } = read_ply(bytes, monitor)?;
+                let PlyData { positions, faces: triangles } = read_ply(bytes, monitor)?;
                 let geometry = if triangles.is_empty() {
                     Geometry::Points(Arc::new(positions))
                 } else {
@@ -63,7 +63,7 @@ impl Input {
                 (Up::Y, geometry)
             }
             InputKind::XyzPoints => (Up::Z, Geometry::Points(Arc::new(read_xyz(bytes, monitor)?))),
-            InputKind::TomlPreset | InputKind::TextGrammar | InputKind::JsonRecipe => {
+            InputKind::Preset | InputKind::Grammar | InputKind::Recipe => {
                 let looks = "is a preset, grammar or recipe; expected a mesh (OBJ, PLY) or points (PLY, XYZ)";
                 return Err(InputError::Unknown { looks });
             }

@@ -56,11 +56,7 @@ pub enum Generator {
 /// An L-system and how it is drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LSystem {
-    /// As it was written.
-    pub axiom: String,
-    /// As they were written.
-    pub rules: Vec<String>,
-    /// Axiom and rules, understood.
+    /// Axiom and rules.
     pub grammar: Grammar,
     /// Turn of `+` and the like, degrees.
     pub angle_deg: f64,
@@ -202,6 +198,11 @@ impl fmt::Display for InUnit<'_> {
 }
 
 impl Preset {
+    /// What the crown fills, `None` for an L-system.
+    pub fn space(&self) -> Option<&Space> {
+        self.colonization().map(|own| &own.space)
+    }
+
     /// The knobs that this preset has, with their values, in the order of the table.
     pub fn knobs(&self) -> Vec<(PresetKnob, Value)> {
         let own = KNOBS.iter().copied().chain(self.shape_knobs());

@@ -4,7 +4,7 @@ use super::document::{Datum, Entry, Fault, Node, Place};
 use super::knobs::{KNOBS, PresetKnob, Section, shape_knobs};
 use super::{Colonization, Generator, LSystem, Length, Preset, Space};
 use crate::knob::{nearest, printable};
-use crate::lsystem::{Grammar, GrammarError, Part};
+use crate::lsystem::{Grammar, Part};
 use crate::skeleton::Wood;
 use crate::surface::Tubes;
 //BARK use crate::texture::Bark;
@@ -30,16 +30,8 @@ impl Preset {
     }
 
     /// The preset for a grammar that comes without one.
-    pub fn of_grammar(
-        id: &str,
-        axiom: String,
-        rules: Vec<String>,
-        angle_deg: f64,
-        derivations: u32,
-    ) -> Result<Self, GrammarError> {
-        let grammar = Grammar::new(&axiom, &rules)?;
-        let lsystem = LSystem { angle_deg, derivations, ..LSystem::of(axiom, rules, grammar) };
-        Ok(Self::of(id, Generator::LSystem(lsystem)))
+    pub fn of_grammar(id: &str, grammar: Grammar, angle_deg: f64, derivations: u32) -> Self {
+        Self::of(id, Generator::LSystem(LSystem { angle_deg, derivations, ..LSystem::of(grammar) }))
     }
 
     /// The preset for a crown envelope or points that come without one.
@@ -64,10 +56,8 @@ impl Preset {
 }
 
 impl LSystem {
-    fn of(axiom: String, rules: Vec<String>, grammar: Grammar) -> Self {
+    fn of(grammar: Grammar) -> Self {
         Self {
-            axiom,
-            rules,
             grammar,
             angle_deg: 25.0,
             derivations: 4,
@@ -242,7 +232,7 @@ fn read_lsystem((entries, place): Table<'_>, text: Option<&str>) -> Result<LSyst
         };
         Fault::new(place, format!("{}: {}", error.part, error.problem))
     })?;
-    Ok(LSystem::of(axiom_text, texts, grammar))
+    Ok(LSystem::of(grammar))
 }
 
 /// The place of a string's `column`-th character, where the string's opening quote is at `start`.

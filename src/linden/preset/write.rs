@@ -64,8 +64,11 @@ impl Knobs<'_> {
     fn serialize_into<M: SerializeMap>(&self, map: &mut M) -> Result<(), M::Error> {
         match (&self.preset.generator, self.section) {
             (Generator::LSystem(own), Section::LSystem) => {
-                map.serialize_entry("axiom", &own.axiom)?;
-                map.serialize_entry("rules", &own.rules)?;
+                // The grammar shows its axiom, then its rules, a line each.
+                let text = own.grammar.to_string();
+                let mut lines = text.lines();
+                map.serialize_entry("axiom", lines.next().unwrap_or_default())?;
+                map.serialize_entry("rules", &lines.collect::<Vec<_>>())?;
             }
             (Generator::Colonization(own), Section::Colonization) => match &own.space {
                 Space::Shape { .. } => {}

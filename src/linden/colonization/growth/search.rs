@@ -1,0 +1,358 @@
+//! The search: which points do new nodes capture?
+//!
+//! A bichromatic reverse-nearest-neighbour search. All new nodes of an iteration go down the tree
+//! together, level by level; a child is entered by the nodes that are nearer to its box than the
+//! farthest of its points is to that point's own nearest node. What is captured comes back as
+//! [`Captures`], to be added up by whoever owns the nodes.
+
+use glam::Vec3;
+use multiversion::multiversion;
+use rayon::prelude::*;
+
+use super::NONE;
+use super::nodes::{Pull, pull};
+use super::tree::{Cluster, DEAD, FAN, Inner, LEAF, Leaf, PointTree, largest};
+use crate::monitor::{Cancelled, Monitor};
+
+/// Below this many (cluster, node) pairs handing work to other threads costs more than it saves.
+const WORTH_SHARING: usize = 256;
+
+/// Most nodes that are sent into one cluster between two questions to the monitor.
+const BATCH: usize = 1024;
+
+/// Nodes of one level of the tree, each with the new tree nodes ("queries") that enter it.
+#[derive(Default)]
+struct Front {
+    /// Ascending.
+    boxes: Vec<u32>,
+    /// Where the queries of each box end; they start where those before it end.
+    ends: Vec<u32>,
+    /// Indices of tree nodes, ascending within each box.
+    queries: Vec<u32>,
+}
+
+impl Front {
+    fn start(&mut self, queries: impl Iterator<Item = u32>) {
+        self.clear();
+        self.queries.extend(queries);
+        self.close(0);
+    }
+
+    fn clear(&mut self) {
+        self.boxes.clear();
+        self.ends.clear();
+        self.queries.clear();
+    }
+
+    /// The queries pushed since the last call belong to `index`.
+    fn close(&mut self, index: u32) {
+        self.boxes.push(index);
+        self.ends.push(self.queries.len() as u32);
+    }
+
+    fn iter(&self) -> impl Iterator<Item = (usize, &[u32])> {
+        let mut start = 0;
+        self.boxes.iter().zip(&self.ends).map(move |(&index, &end)| {
+            let queries = &self.queries[start..end as usize];
+            start = end as usize;
+            (index as usize, queries)
+        })
+    }
+}
+
+/// Reusable memory of one thread.
+#[derive(Default)]
+struct Scratch {
+    /// The root's front first, then level by level; the items' last.
+    fronts: Vec<Front>,
+    masks: Vec<u8>,
+}
+
+impl Scratch {
+    fn with_levels(&mut self, levels: usize) {
+        self.fronts.resize_with(levels + 1, Front::default);
+    }
+}
+
+/// What changed hands.
+#[derive(Default)]
+pub(super) struct Captures {
+    /// Pulls that nodes no longer feel.
+    pub lost: Vec<Pull>,
+    /// Pulls that nodes feel from now on.
+    pub won: Vec<Pull>,
+    /// Points that came within the kill distance.
+    pub deaths: usize,
+}
+
+impl Captures {
+    fn clear(&mut self) {
+        self.lost.clear();
+        self.won.clear();
+        self.deaths = 0;
+    }
+}
+
+/// Sends `queries` into one cluster.
+type Visit = fn(&mut Cluster, &[u32], &[Vec3], f32, &mut Scratch, &mut Captures);
+
+/// The point tree and the memory to search it.
+pub(super) struct Search {
+    pub tree: PointTree,
+    kill2: f32,
+    visit: Visit,
+    top: Scratch,
+    own: Scratch,
+    captures: Captures,
+}
+
+impl Search {
+    /// `kill2`: the squared kill distance.
+    pub fn new(tree: PointTree, kill2: f32) -> Self {
+        Self {
+            tree,
+            kill2,
+            visit: visit_detected,
+            top: Scratch::default(),
+            own: Scratch::default(),
+            captures: Captures::default(),
+        }
+    }
+
+    /// Without the vector instructions that this machine might have beyond its baseline.
+    #[cfg(test)]
+    pub fn portable(tree: PointTree, kill2: f32) -> Self {
+        Self { visit: visit_portable, ..Self::new(tree, kill2) }
+    }
+
+    /// Shows the nodes from `first` on to the points; `record` takes what they captured, piece by
+    /// piece in an order that does not depend on threads.
+    pub fn capture(
+        &mut self,
+        first: usize,
+        positions: &[Vec3],
+        monitor: &dyn Monitor,
+        mut record: impl FnMut(&Captures),
+    ) -> Result<(), Cancelled> {
+        self.top.with_levels(self.tree.top.levels.len());
+        self.top.fronts[0].start(first as u32..positions.len() as u32);
+        descend_all(&self.tree.top.levels, positions, &mut self.top);
+
+        let Some(entered) = self.top.fronts.last() else { return Ok(()) };
+        let mut clusters = self.tree.clusters.iter_mut().enumerate();
+        let work: Vec<(&mut Cluster, &[u32])> = entered
+            .iter()
+            .filter_map(|(index, queries)| {
+                clusters.find(|(i, _)| *i == index).map(|(_, cluster)| (cluster, queries))
+            })
+            .collect();
+
+        let (visit, kill2) = (self.visit, self.kill2);
+        let run = |cluster: &mut Cluster, queries: &[u32], scratch: &mut Scratch, captures: &mut Captures| {
+            for batch in queries.chunks(BATCH) {
+                monitor.check()?;
+                visit(cluster, batch, positions, kill2, scratch, captures);
+            }
+            Ok(())
+        };
+        if entered.queries.len() < WORTH_SHARING || work.len() < 2 || rayon::current_num_threads() == 1 {
+            for (cluster, queries) in work {
+                self.captures.clear();
+                run(cluster, queries, &mut self.own, &mut self.captures)?;
+                record(&self.captures);
+            }
+        } else {
+            let pieces: Vec<Captures> = work
+                .into_par_iter()
+                .map_init(Scratch::default, |scratch, (cluster, queries)| {
+                    let mut captures = Captures::default();
+                    run(cluster, queries, scratch, &mut captures).map(|()| captures)
+                })
+                .collect::<Result<_, _>>()?;
+            for piece in &pieces {
+                record(piece);
+            }
+        }
+        self.refit();
+        Ok(())
+    }
+
+    /// Brings the reaches above the clusters up to date.
+    fn refit(&mut self) {
+        let (clusters, top) = (&self.tree.clusters, &mut self.tree.top);
+        let depth = top.levels.len();
+        if let Some(entered) = self.top.fronts.last() {
+            for &index in &entered.boxes {
+                let (parent, child) = (index as usize / FAN, index as usize % FAN);
+                top.levels[0][parent].reach[child] = clusters[index as usize].pyramid.reach();
+            }
+        }
+        for level in 1..depth {
+            refit_level(&mut top.levels, level, &self.top.fronts[depth - level]);
+        }
+    }
+
+    /// The live points that have a nearest node, in the tree's order: point, squared distance, node.
+    pub fn live(&self, monitor: &dyn Monitor, mut each: impl FnMut(Vec3, f32, u32)) -> Result<(), Cancelled> {
+        for cluster in self.tree.clusters.iter().filter(|cluster| cluster.pyramid.reach() >= 0.0) {
+            monitor.check()?;
+            for leaf in &cluster.leaves {
+                for lane in 0..LEAF {
+                    if leaf.d2[lane] >= 0.0 && leaf.nearest[lane] != NONE {
+                        each(leaf.point(lane), leaf.d2[lane], leaf.nearest[lane]);
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// With AVX2 where the machine has it. Never FMA: a product and a sum round separately, everywhere.
+#[multiversion(targets("x86_64+avx2"))]
+fn visit_detected(
+    cluster: &mut Cluster,
+    queries: &[u32],
+    positions: &[Vec3],
+    kill2: f32,
+    scratch: &mut Scratch,
+    captures: &mut Captures,
+) {
+    visit(cluster, queries, positions, kill2, scratch, captures);
+}
+
+#[cfg(test)]
+fn visit_portable(
+    cluster: &mut Cluster,
+    queries: &[u32],
+    positions: &[Vec3],
+    kill2: f32,
+    scratch: &mut Scratch,
+    captures: &mut Captures,
+) {
+    visit(cluster, queries, positions, kill2, scratch, captures);
+}
+
+#[multiversion(targets("x86_64+avx2"))]
+fn descend_all(levels: &[Vec<Inner>], positions: &[Vec3], scratch: &mut Scratch) {
+    descend(levels, positions, scratch);
+}
+
+#[allow(clippy::inline_always, reason = "must be compiled with the caller's vector instructions")]
+#[inline(always)]
+fn visit(
+    cluster: &mut Cluster,
+    queries: &[u32],
+    positions: &[Vec3],
+    kill2: f32,
+    scratch: &mut Scratch,
+    captures: &mut Captures,
+) {
+    let depth = cluster.pyramid.levels.len();
+    scratch.with_levels(depth);
+    scratch.fronts[0].start(queries.iter().copied());
+    descend(&cluster.pyramid.levels, positions, scratch);
+    let mut changed = false;
+    for (index, queries) in scratch.fronts[depth].iter() {
+        if let Some(reach) = contest(&mut cluster.leaves[index], queries, positions, kill2, captures) {
+            cluster.pyramid.levels[0][index / FAN].reach[index % FAN] = reach;
+            changed = true;
+        }
+    }
+    if changed {
+        for level in 1..depth {
+            refit_level(&mut cluster.pyramid.levels, level, &scratch.fronts[depth - level]);
+        }
+    }
+}
+
+/// From the root's front, which is given, to that of the items.
+#[allow(clippy::inline_always, reason = "must be compiled with the caller's vector instructions")]
+#[inline(always)]
+fn descend(levels: &[Vec<Inner>], positions: &[Vec3], scratch: &mut Scratch) {
+    let Scratch { fronts, masks } = scratch;
+    for (step, level) in levels.iter().rev().enumerate() {
+        let (above, below) = fronts.split_at_mut(step + 1);
+        let (from, to) = (&above[step], &mut below[0]);
+        to.clear();
+        for (index, queries) in from.iter() {
+            let inner = &level[index];
+            masks.clear();
+            masks.extend(queries.iter().map(|&query| inner.entered_by(positions[query as usize])));
+            let mut children = masks.iter().fold(0, |all, mask| all | mask);
+            while children != 0 {
+                let child = children.trailing_zeros();
+                children &= children - 1;
+                for (&query, &mask) in queries.iter().zip(masks.iter()) {
+                    if mask >> child & 1 == 1 {
+                        to.queries.push(query);
+                    }
+                }
+                to.close((index * FAN) as u32 + child);
+            }
+        }
+    }
+}
+
+/// Brings the reaches in `level` up to date where children in the level below changed.
+#[allow(clippy::inline_always, reason = "must be compiled with the caller's vector instructions")]
+#[inline(always)]
+fn refit_level(levels: &mut [Vec<Inner>], level: usize, children: &Front) {
+    let (below, above) = levels.split_at_mut(level);
+    for &index in &children.boxes {
+        let index = index as usize;
+        above[0][index / FAN].reach[index % FAN] = below[level - 1][index].farthest_reach();
+    }
+}
+
+/// Lets the queries compete for the points of a leaf. The new reach, if any point changed hands.
+///
+/// Queries come in ascending order and win only when strictly nearer: of nodes that are equally
+/// near, the one with the lowest index has the point.
+#[allow(clippy::inline_always, reason = "must be compiled with the caller's vector instructions")]
+#[inline(always)]
+fn contest(
+    leaf: &mut Leaf,
+    queries: &[u32],
+    positions: &[Vec3],
+    kill2: f32,
+    captures: &mut Captures,
+) -> Option<f32> {
+    let (mut d2, mut nearest) = (leaf.d2, leaf.nearest);
+    for &query in queries {
+        let node = positions[query as usize];
+        for lane in 0..LEAF {
+            let (x, y, z) = (leaf.x[lane] - node.x, leaf.y[lane] - node.y, leaf.z[lane] - node.z);
+            let distance2 = x * x + y * y + z * z;
+            let nearer = distance2 < d2[lane];
+            d2[lane] = if nearer { distance2 } else { d2[lane] };
+            nearest[lane] = if nearer { query } else { nearest[lane] };
+        }
+    }
+    let mut bits = [0_u32; LEAF];
+    for lane in 0..LEAF {
+        bits[lane] = if nearest[lane] == leaf.nearest[lane] { 0 } else { 1 << lane };
+    }
+    let mut changed = bits.iter().fold(0, |all, bit| all | bit);
+    if changed == 0 {
+        return None;
+    }
+    while changed != 0 {
+        let lane = changed.trailing_zeros() as usize;
+        changed &= changed - 1;
+        let point = leaf.point(lane);
+        let loser = leaf.nearest[lane];
+        if loser != NONE {
+            captures.lost.push(pull(loser, point - positions[loser as usize], leaf.d2[lane]));
+        }
+        if d2[lane] <= kill2 {
+            d2[lane] = DEAD;
+            captures.deaths += 1;
+        } else {
+            let winner = nearest[lane];
+            captures.won.push(pull(winner, point - positions[winner as usize], d2[lane]));
+        }
+    }
+    (leaf.d2, leaf.nearest) = (d2, nearest);
+    Some(largest(&d2))
+}

@@ -1,0 +1,284 @@
+//! The bounding-volume tree over the attraction points.
+//!
+//! Points never move, so the tree is built once: leaves of [`LEAF`] points below inner nodes that
+//! are [`FAN`] wide, both as structures of arrays whose lanes fill vector registers. The lowest
+//! three levels form clusters of up to [`CLUSTER`] points: what one thread works on at a time, small
+//! enough for its second-level cache. How points are dealt to leaves decides the speed only,
+//! never the result.
+//!
+//! Where a tree is full (all clusters but the last few leaves are), it takes 22 bytes a point.
+
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::NONE;
+use crate::monitor::{Cancelled, Monitor};
+
+/// Points per leaf: two AVX2 registers per coordinate.
+pub(super) const LEAF: usize = 16;
+/// Children per inner node: one AVX2 register per side of the boxes.
+pub(super) const FAN: usize = 8;
+/// Most points of one cluster: three levels of inner nodes.
+pub(super) const CLUSTER: usize = LEAF * FAN * FAN * FAN;
+
+/// How many points are looked at between two questions to the monitor.
+const SLICE: usize = 1 << 16;
+
+/// Squared distance of lanes that can never be captured: dead points and padding.
+pub(super) const DEAD: f32 = -1.0;
+
+/// Up to [`LEAF`] points and what is known of each.
+#[derive(Clone)]
+pub(super) struct Leaf {
+    pub x: [f32; LEAF],
+    pub y: [f32; LEAF],
+    pub z: [f32; LEAF],
+    /// Squared distance to the nearest node; just above the squared influence distance while none
+    /// is in reach; [`DEAD`].
+    pub d2: [f32; LEAF],
+    /// The nearest node, or [`NONE`].
+    pub nearest: [u32; LEAF],
+}
+
+impl Leaf {
+    fn of(points: &[Vec3], d2: f32) -> Self {
+        let mut leaf =
+            Self { x: [0.0; LEAF], y: [0.0; LEAF], z: [0.0; LEAF], d2: [DEAD; LEAF], nearest: [NONE; LEAF] };
+        for (lane, p) in points.iter().enumerate() {
+            (leaf.x[lane], leaf.y[lane], leaf.z[lane], leaf.d2[lane]) = (p.x, p.y, p.z, d2);
+        }
+        leaf
+    }
+
+    pub fn point(&self, lane: usize) -> Vec3 {
+        Vec3::new(self.x[lane], self.y[lane], self.z[lane])
+    }
+}
+
+/// The boxes of up to [`FAN`] children.
+#[derive(Clone)]
+pub(super) struct Inner {
+    low: [[f32; FAN]; 3],
+    high: [[f32; FAN]; 3],
+    /// The largest `d2` below each child: a node farther from the box than this captures nothing.
+    pub reach: [f32; FAN],
+}
+
+impl Inner {
+    fn over(boxes: &[Box3], d2: f32) -> Self {
+        let mut inner = Self { low: [[f32::MAX; FAN]; 3], high: [[f32::MIN; FAN]; 3], reach: [DEAD; FAN] };
+        for (child, b) in boxes.iter().enumerate() {
+            for axis in 0..3 {
+                inner.low[axis][child] = b.low[axis];
+                inner.high[axis][child] = b.high[axis];
+            }
+            inner.reach[child] = d2;
+        }
+        inner
+    }
+
+    /// One bit per child in which `node` might be nearer to a point than what that point has.
+    ///
+    /// Exact, not merely close: rounding is monotonic, so the rounded distance to the box is never
+    /// above the rounded distance to a point inside, computed in the same order.
+    #[allow(clippy::inline_always, reason = "must be compiled with the caller's vector instructions")]
+    #[inline(always)]
+    pub fn entered_by(&self, node: Vec3) -> u8 {
+        let mut bits = [0_u32; FAN];
+        for (child, bit) in bits.iter_mut().enumerate() {
+            let x = (self.low[0][child] - node.x).max(node.x - self.high[0][child]).max(0.0);
+            let y = (self.low[1][child] - node.y).max(node.y - self.high[1][child]).max(0.0);
+            let z = (self.low[2][child] - node.z).max(node.z - self.high[2][child]).max(0.0);
+            *bit = if x * x + y * y + z * z < self.reach[child] { 1 << child } else { 0 };
+        }
+        bits.iter().fold(0, |all, bit| all | bit) as u8
+    }
+
+    #[allow(clippy::inline_always, reason = "must be compiled with the caller's vector instructions")]
+    #[inline(always)]
+    pub fn farthest_reach(&self) -> f32 {
+        largest(&self.reach)
+    }
+}
+
+/// The largest of some lanes that are not NaN.
+#[allow(clippy::inline_always, reason = "must be compiled with the caller's vector instructions")]
+#[inline(always)]
+pub(super) fn largest<const LANES: usize>(lanes: &[f32; LANES]) -> f32 {
+    let mut halves = *lanes;
+    let mut width = LANES / 2;
+    while width > 0 {
+        for lane in 0..width {
+            halves[lane] =
+                if halves[lane + width] > halves[lane] { halves[lane + width] } else { halves[lane] };
+        }
+        width /= 2;
+    }
+    halves[0]
+}
+
+/// Levels of inner nodes over numbered items (leaves or clusters); item `i` is child `i % 8` of
+/// node `i / 8`, and so on up to the one root.
+#[derive(Clone)]
+pub(super) struct Pyramid {
+    /// The items' parents first, the root last.
+    pub levels: Vec<Vec<Inner>>,
+}
+
+impl Pyramid {
+    /// `boxes` is not empty.
+    fn over(mut boxes: Vec<Box3>, d2: f32) -> Self {
+        let mut levels = Vec::new();
+        loop {
+            levels.push(boxes.chunks(FAN).map(|children| Inner::over(children, d2)).collect());
+            boxes = boxes.chunks(FAN).map(Box3::around_boxes).collect();
+            if boxes.len() <= 1 {
+                return Self { levels };
+            }
+        }
+    }
+
+    /// The largest `d2` of all.
+    pub fn reach(&self) -> f32 {
+        self.levels.last().and_then(|level| level.first()).map_or(DEAD, Inner::farthest_reach)
+    }
+}
+
+/// Up to [`CLUSTER`] points that lie together.
+#[derive(Clone)]
+pub(super) struct Cluster {
+    pub leaves: Vec<Leaf>,
+    pub pyramid: Pyramid,
+}
+
+impl Cluster {
+    /// Reorders `points`, which are not empty.
+    fn of(points: &mut [Vec3], d2: f32) -> (Self, Box3) {
+        arrange(points);
+        let leaves = points.chunks(LEAF).map(|lanes| Leaf::of(lanes, d2)).collect();
+        let boxes: Vec<Box3> = points.chunks(LEAF).map(Box3::around).collect();
+        let whole = Box3::around_boxes(&boxes);
+        (Self { leaves, pyramid: Pyramid::over(boxes, d2) }, whole)
+    }
+}
+
+/// All points.
+#[derive(Clone)]
+pub(super) struct PointTree {
+    pub clusters: Vec<Cluster>,
+    /// Over the clusters.
+    pub top: Pyramid,
+}
+
+impl PointTree {
+    /// `points` is not empty; each starts without a nearest node, at the squared distance `d2`.
+    pub fn over(points: &[Vec3], d2: f32, monitor: &dyn Monitor) -> Result<Self, Cancelled> {
+        let mut points = points.to_vec();
+        let mut parts = Vec::new();
+        part(&mut points, &mut parts, monitor)?;
+        let built: Vec<(Cluster, Box3)> = parts
+            .into_par_iter()
+            .map(|points| monitor.check().map(|()| Cluster::of(points, d2)))
+            .collect::<Result<_, _>>()?;
+        let (clusters, boxes): (Vec<_>, Vec<_>) = built.into_iter().unzip();
+        Ok(Self { clusters, top: Pyramid::over(boxes, d2) })
+    }
+}
+
+/// Cuts points into clusters, halving the widest extent at about its median.
+fn part<'a>(
+    points: &'a mut [Vec3],
+    parts: &mut Vec<&'a mut [Vec3]>,
+    monitor: &dyn Monitor,
+) -> Result<(), Cancelled> {
+    if points.len() <= CLUSTER {
+        parts.push(points);
+        return Ok(());
+    }
+    let axis = Box3::watched(points, monitor)?.widest();
+    let mut sample: Vec<f32> = points.iter().step_by(points.len() / 255).map(|p| p[axis]).collect();
+    let middle = sample.len() / 2;
+    let (_, &mut median, _) = sample.select_nth_unstable_by(middle, f32::total_cmp);
+
+    // Not the standard selection: one call on ten million points would be deaf to the monitor.
+    let mut below = 0;
+    for start in (0..points.len()).step_by(SLICE) {
+        monitor.check()?;
+        for i in start..points.len().min(start + SLICE) {
+            let small = points[i][axis] < median;
+            points.swap(i, below);
+            below += usize::from(small);
+        }
+    }
+    // Many equal coordinates: any halves will do.
+    let cut = if below == 0 { points.len() / 2 } else { below };
+    let (low, high) = points.split_at_mut(cut);
+    if low.len() + high.len() < 4 * CLUSTER {
+        part(low, parts, monitor)?;
+        return part(high, parts, monitor);
+    }
+    let mut more = Vec::new();
+    let (a, b) = rayon::join(|| part(low, parts, monitor), || part(high, &mut more, monitor));
+    parts.append(&mut more);
+    a.and(b)
+}
+
+/// Sorts the points of one cluster so that each aligned run of `LEAF · FAN^k` lies together.
+fn arrange(points: &mut [Vec3]) {
+    if points.len() <= LEAF {
+        return;
+    }
+    let mut run = LEAF;
+    while run * FAN < points.len() {
+        run *= FAN;
+    }
+    let cut = points.len().div_ceil(run) / 2 * run;
+    let axis = Box3::around(points).widest();
+    points.select_nth_unstable_by(cut, |a, b| a[axis].total_cmp(&b[axis]));
+    let (low, high) = points.split_at_mut(cut);
+    arrange(low);
+    arrange(high);
+}
+
+/// An axis-aligned box, metres.
+#[derive(Clone, Copy)]
+struct Box3 {
+    low: Vec3,
+    high: Vec3,
+}
+
+impl Box3 {
+    const EMPTY: Self = Self { low: Vec3::MAX, high: Vec3::MIN };
+
+    fn union(self, other: Self) -> Self {
+        Self { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
+
+    fn around(points: &[Vec3]) -> Self {
+        points.iter().fold(Self::EMPTY, |b, &p| b.union(Self { low: p, high: p }))
+    }
+
+    fn around_boxes(boxes: &[Self]) -> Self {
+        boxes.iter().fold(Self::EMPTY, |all, &b| all.union(b))
+    }
+
+    fn watched(points: &[Vec3], monitor: &dyn Monitor) -> Result<Self, Cancelled> {
+        let mut all = Self::EMPTY;
+        for slice in points.chunks(SLICE) {
+            monitor.check()?;
+            all = all.union(Self::around(slice));
+        }
+        Ok(all)
+    }
+
+    fn widest(self) -> usize {
+        let size = self.high - self.low;
+        if size.x >= size.y && size.x >= size.z {
+            0
+        } else if size.y >= size.z {
+            1
+        } else {
+            2
+        }
+    }
+}

@@ -1,0 +1,167 @@
+//! Growth against its definition, bit for bit.
+
+mod naive;
+
+use std::sync::LazyLock;
+
+use linden::colonization::{Growth, GrowthRule, grow};
+use linden::random::Key;
+use linden::{Branching, NO_PARENT, Quiet, Vec3};
+use proptest::prelude::*;
+use rayon::ThreadPool;
+
+static POOLS: LazyLock<[ThreadPool; 3]> = LazyLock::new(|| {
+    [1, 2, 5].map(|threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap())
+});
+
+/// Whether every number has the same bits: `==` would let 0.0 pass for -0.0.
+fn bits(branching: &Branching) -> Vec<[u32; 3]> {
+    branching.positions.iter().map(|p| p.to_array().map(f32::to_bits)).collect()
+}
+
+/// Grows with each pool and compares with the definition. `None` if nothing is in reach.
+fn grow_as_defined(points: &[Vec3], start: &Branching, rule: &GrowthRule) -> Option<Growth> {
+    let expected = naive::grow(points, start, rule, naive::each_pair);
+    for pool in POOLS.iter() {
+        let grown = pool.install(|| grow(points, start, rule, &Quiet));
+        let Ok(growth) = grown else {
+            // Refused rather than given back as it came: nothing grew and points are left.
+            assert_eq!(expected.branching, *start, "{grown:?}");
+            assert!(expected.unreached > 0);
+            return None;
+        };
+        assert_eq!(
+            (growth.iterations, growth.unreached, growth.stop),
+            (expected.iterations, expected.unreached, expected.stop)
+        );
+        assert_eq!(growth.branching, expected.branching);
+        assert_eq!(bits(&growth.branching), bits(&expected.branching));
+    }
+    POOLS[0].install(|| grow(points, start, rule, &Quiet)).ok()
+}
+
+fn root(at: Vec3) -> Branching {
+    Branching { positions: vec![at], parents: vec![NO_PARENT], births: vec![0] }
+}
+
+/// Points of every awkward kind, in a cube of about two metres.
+fn points() -> impl Strategy<Value = Vec<Vec3>> {
+    let coordinate = -1.0_f32..1.0;
+    let anywhere = [coordinate.clone(), coordinate.clone(), coordinate].prop_map(Vec3::from);
+    let lattice =
+        [-4_i32..=4, -4..=4, -4..=4].prop_map(|[x, y, z]| Vec3::new(x as f32, y as f32, z as f32) / 4.0);
+    let flat = [-8_i32..=8, -8..=8].prop_map(|[x, y]| Vec3::new(x as f32 / 8.0, 0.0, y as f32 / 8.0));
+    prop_oneof![
+        prop::collection::vec(anywhere.clone(), 1..400),
+        prop::collection::vec(lattice.clone(), 1..200),
+        prop::collection::vec(flat, 1..100),
+        // Each twice.
+        prop::collection::vec(anywhere.clone(), 1..60).prop_map(|some| [some.clone(), some].concat()),
+        // One place, many times.
+        (anywhere.clone(), 1..300_usize).prop_map(|(at, times)| vec![at; times]),
+        // Mirrored in one plane, and in all three.
+        prop::collection::vec(anywhere.clone(), 1..60).prop_map(|some| mirrored(&some, &[0])),
+        prop::collection::vec(prop_oneof![anywhere, lattice], 1..20)
+            .prop_map(|some| mirrored(&some, &[0, 1, 2])),
+    ]
+}
+
+fn mirrored(points: &[Vec3], axes: &[usize]) -> Vec<Vec3> {
+    axes.iter().fold(points.to_vec(), |some, &axis| {
+        let mirrored = some.iter().map(|&p| {
+            let mut q = p;
+            q[axis] = -q[axis];
+            q
+        });
+        some.iter().copied().chain(mirrored).collect()
+    })
+}
+
+/// One to three roots, each with a trunk of up to four nodes; on lattice places, so that nodes tie.
+fn start() -> impl Strategy<Value = Branching> {
+    prop::collection::vec(([-4_i32..=4, -4..=4, -4..=4], 0..4_u32), 1..4).prop_map(|stems| {
+        let mut start = Branching::default();
+        for ([x, y, z], trunk) in stems {
+            for i in 0..=trunk {
+                let parent = if i == 0 { NO_PARENT } else { start.parents.len() as u32 - 1 };
+                let foot = Vec3::new(x as f32, y as f32 + i as f32 * 0.5, z as f32) / 4.0;
+                start.positions.push(foot);
+                start.parents.push(parent);
+                start.births.push(0);
+            }
+        }
+        start
+    })
+}
+
+fn rule() -> impl Strategy<Value = GrowthRule> {
+    let step = prop_oneof![Just(0.125_f32), Just(0.25), 0.05_f32..0.4];
+    let kill = prop_oneof![Just(1.0_f32), Just(2.0), 1.0_f32..5.0];
+    let influence = prop_oneof![Just(1.5_f32), Just(4.0), 2.0_f32..20.0, Just(1e20), Just(f32::INFINITY)];
+    let tropism = prop_oneof![
+        3 => Just(Vec3::ZERO),
+        1 => Just(Vec3::NEG_Y),
+        1 => Just(Vec3::new(0.0, 0.25, 0.0)),
+        1 => [-2.0_f32..2.0, -2.0_f32..2.0, -2.0_f32..2.0].prop_map(Vec3::from),
+    ];
+    let iterations = prop_oneof![3 => Just(500_u32), 1 => 0..20_u32];
+    let nodes = prop_oneof![3 => Just(2000_u32), 1 => 0..60_u32];
+    (step, kill, influence, tropism, iterations, nodes).prop_map(
+        |(step, kill, influence, tropism, max_iterations, max_nodes)| GrowthRule {
+            step,
+            influence: (influence.max(1.1) * kill * step).max(kill * step * 1.1),
+            kill: kill * step,
+            tropism,
+            max_iterations,
+            max_nodes,
+        },
+    )
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+
+    #[test]
+    fn growth_is_the_definition(points in points(), start in start(), rule in rule()) {
+        grow_as_defined(&points, &start, &rule);
+    }
+
+    #[test]
+    fn the_order_of_points_does_not_matter(points in points(), start in start(), rule in rule()) {
+        let turned: Vec<Vec3> = points.iter().rev().copied().collect();
+        prop_assert_eq!(grow(&points, &start, &rule, &Quiet), grow(&turned, &start, &rule, &Quiet));
+    }
+}
+
+/// Uniform in the unit ball.
+fn ball(points: usize) -> Vec<Vec3> {
+    let key = Key::new(3).named("ball");
+    (0..)
+        .map(|i| {
+            let k = key.child(i);
+            Vec3::from([0, 1, 2].map(|axis| k.child(axis).between(-1.0, 1.0) as f32))
+        })
+        .filter(|p| p.length_squared() <= 1.0)
+        .take(points)
+        .collect()
+}
+
+fn coarse(step: f32, influence: f32) -> GrowthRule {
+    GrowthRule {
+        step,
+        influence,
+        kill: 2.0 * step,
+        tropism: Vec3::ZERO,
+        max_iterations: 10_000,
+        max_nodes: 100_000,
+    }
+}
+
+/// Enough points for several clusters and enough nodes at once for several threads.
+#[test]
+fn large_growth_is_the_definition_on_any_number_of_threads() {
+    for influence in [0.5, f32::INFINITY] {
+        let growth = grow_as_defined(&ball(20_000), &root(Vec3::ZERO), &coarse(0.06, influence)).unwrap();
+        assert!(growth.branching.positions.len() > 1000, "{}", growth.branching.positions.len());
+    }
+}
