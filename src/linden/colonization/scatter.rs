@@ -90,7 +90,8 @@ mod tests {
                 pool.install(|| scatter(crown.as_ref(), count, Key::new(9), &Quiet)).unwrap()
             };
             let (one, three, more) = (draw(1, 5000), draw(3, 5000), draw(2, 6000));
-            let bits = |points: &[DVec3]| points.iter().map(|p| p.to_array().map(f64::to_bits)).collect::<Vec<_>>();
+            let bits =
+                |points: &[DVec3]| points.iter().map(|p| p.to_array().map(f64::to_bits)).collect::<Vec<_>>();
             assert_eq!(bits(&one), bits(&three), "{}", shape.id);
             assert_eq!(bits(&one), bits(&more[..5000]), "{}", shape.id);
             assert_ne!(one, scatter(crown.as_ref(), 5000, Key::new(10), &Quiet).unwrap());

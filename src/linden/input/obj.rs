@@ -63,7 +63,11 @@ impl Reader {
     }
 
     /// What follows the third number is passed over: a colour, or a weight that is for curves only.
-    fn vertex<'a>(&mut self, line: usize, mut words: impl Iterator<Item = &'a str>) -> Result<(), InputError> {
+    fn vertex<'a>(
+        &mut self,
+        line: usize,
+        mut words: impl Iterator<Item = &'a str>,
+    ) -> Result<(), InputError> {
         let mut position = [0.0; 3];
         for x in &mut position {
             let word = words.next().unwrap_or_default();
@@ -77,7 +81,8 @@ impl Reader {
         self.polygon.clear();
         for word in words {
             let index = self.index(word).map_err(|expected| error(line, &expected, word))?;
-            if index as usize >= self.mesh.positions.len() && self.ahead.is_none_or(|(most, _)| most < index) {
+            if index as usize >= self.mesh.positions.len() && self.ahead.is_none_or(|(most, _)| most < index)
+            {
                 self.ahead = Some((index, line));
             }
             self.polygon.push(index);

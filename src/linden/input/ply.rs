@@ -178,7 +178,8 @@ impl Header {
                     elements.push(Element { name: name.to_owned(), rows, properties: Vec::new() });
                 }
                 ["property", ref rest @ ..] => {
-                    let element = elements.last_mut().ok_or_else(|| wrong("an element before its properties"))?;
+                    let element =
+                        elements.last_mut().ok_or_else(|| wrong("an element before its properties"))?;
                     let (name, kind) = property(rest).map_err(wrong)?;
                     if element.properties.iter().any(|property| property.name == name) {
                         return Err(wrong("a property that was not there before"));
@@ -386,7 +387,9 @@ fn read_vertices(
         let index = index.ok_or_else(|| whole(&format!("its vertices have no property '{name}'")))?;
         match element.properties[index].kind {
             Kind::Scalar(_) => Ok(index),
-            Kind::List { .. } => Err(whole(&format!("its vertices' property '{name}' is a list, not a number"))),
+            Kind::List { .. } => {
+                Err(whole(&format!("its vertices' property '{name}' is a list, not a number")))
+            }
         }
     };
     let axes = [axis("x")?, axis("y")?, axis("z")?];

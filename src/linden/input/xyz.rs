@@ -32,7 +32,9 @@ pub fn read_xyz(bytes: &[u8], monitor: &dyn Monitor) -> Result<Vec<DVec3>, Input
                 }
                 points.push(point);
             }
-            Err(_) if points.is_empty() && announced.is_none() && !header_seen && row.parse::<u64>().is_ok() => {
+            Err(_)
+                if points.is_empty() && announced.is_none() && !header_seen && row.parse::<u64>().is_ok() =>
+            {
                 announced = row.parse::<u64>().ok();
             }
             Err(_) if points.is_empty() && !header_seen && is_words(row) => header_seen = true,
@@ -75,8 +77,7 @@ pub(super) fn position(row: &str) -> Result<DVec3, String> {
             return Err(format!("3 numbers or more, there are {i}"));
         }
         // Separators are ASCII, so the ends lie between characters.
-        *x = coordinate(&row[start..at])
-            .map_err(|expected| format!("{expected} in column {}", i + 1))?;
+        *x = coordinate(&row[start..at]).map_err(|expected| format!("{expected} in column {}", i + 1))?;
     }
     Ok(DVec3::from(position))
 }
@@ -85,7 +86,9 @@ pub(super) fn position(row: &str) -> Result<DVec3, String> {
 fn has_decimal_commas(row: &str) -> bool {
     let decimal = |column: &&str| {
         let ends = column.split_once(',');
-        ends.is_some_and(|(whole, part)| whole.ends_with(|c: char| c.is_ascii_digit()) && starts_as_number(part))
+        ends.is_some_and(|(whole, part)| {
+            whole.ends_with(|c: char| c.is_ascii_digit()) && starts_as_number(part)
+        })
     };
     let columns = row.split([' ', '\t', ';']).filter(|column| !column.is_empty());
     columns.take(3).filter(decimal).count() == 3
@@ -157,6 +160,9 @@ mod tests {
         assert!(matches!(read("# nothing\n"), Err(InputError::Whole { .. })));
         let error = read("3\n1 2 3\n4 5 6\n").unwrap_err();
         assert!(error.to_string().contains("announces 3 points, 2 follow"), "{error}");
-        assert!(matches!(read_xyz(b"1 2 3\n4 5 \xe4\n", &Quiet), Err(InputError::NotUtf8 { line: 2, byte: 10 })));
+        assert!(matches!(
+            read_xyz(b"1 2 3\n4 5 \xe4\n", &Quiet),
+            Err(InputError::NotUtf8 { line: 2, byte: 10 })
+        ));
     }
 }

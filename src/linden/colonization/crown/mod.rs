@@ -14,6 +14,8 @@ pub mod cylinder;
 pub mod dome;
 pub mod envelope;
 pub mod sphere;
+mod topology;
+mod winding;
 
 use std::f64::consts::TAU;
 
@@ -270,7 +272,8 @@ pub(crate) mod tests {
             counts[(at.x as usize * n + at.y as usize) * n + at.z as usize] += 1;
         }
         let inside = |index: usize| {
-            let corner = min + cell * DVec3::new((index / n / n) as f64, (index / n % n) as f64, (index % n) as f64);
+            let corner =
+                min + cell * DVec3::new((index / n / n) as f64, (index / n % n) as f64, (index % n) as f64);
             (0..125).all(|k| {
                 let fraction = DVec3::new(f64::from(k / 25), f64::from(k / 5 % 5), f64::from(k % 5)) / 4.0;
                 crown.contains(corner + cell * (fraction * 0.999_999 + 5e-7))
@@ -287,7 +290,10 @@ pub(crate) mod tests {
     pub(crate) fn assert_uniform(crown: &dyn Crown) {
         let (statistic, cells) = chi_square_per_freedom(crown, 10);
         assert!(cells >= 40, "only {cells} whole cells");
-        assert!((statistic - 1.0).abs() < 4.5 * (2.0 / cells as f64).sqrt(), "{statistic} over {cells} cells");
+        assert!(
+            (statistic - 1.0).abs() < 4.5 * (2.0 / cells as f64).sqrt(),
+            "{statistic} over {cells} cells"
+        );
     }
 
     /// A cone whose points are drawn by equal slices of height: too many near the apex.
