@@ -5,6 +5,7 @@
 //! Lengths are metres, Y is up, angles in the interface are degrees unless a name says `_rad`.
 
 pub mod colonization;
+pub mod input;
 pub mod knob;
 pub mod lsystem;
 pub mod monitor;

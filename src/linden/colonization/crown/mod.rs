@@ -14,6 +14,8 @@ pub mod cylinder;
 pub mod dome;
 pub mod envelope;
 pub mod sphere;
+mod topology;
+mod winding;
 
 use std::f64::consts::TAU;
 

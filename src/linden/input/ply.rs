@@ -1,0 +1,460 @@
+//! Reads PLY (the Stanford polygon format, Turk 1994): ASCII, binary little- and big-endian.
+//!
+//! Our own reader rather than the crate ply-rs-bw 4.0.1, after reading and trying that: an element
+//! without properties and a count of 4e9 makes it push 4e9 rows from no bytes, ASCII numbers like
+//! `.5`, `1.` and `nan` and comments in Latin-1 stop it, and each value passes a setter chosen
+//! by name.
+//!
+//! What a header announces is held against the bytes that follow before anything is reserved: a row
+//! of binary data takes at least its scalars and its lists' counts, a value of ASCII data two bytes.
+
+use glam::DVec3;
+
+use super::{InputError, ROWS_PER_CHECK, fan, in_range, line_at, quoted};
+use crate::knob::printable;
+use crate::monitor::Monitor;
+
+/// What linden uses of a PLY file.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PlyData {
+    /// The element `vertex`: its properties `x`, `y`, `z`, whatever their types.
+    pub positions: Vec<DVec3>,
+    /// The element `face`, polygons as fans; indices of `positions`, each in range. Empty for points.
+    pub faces: Vec<[u32; 3]>,
+}
+
+/// Reads vertices and faces; further elements and properties, lists too, are passed over.
+///
+/// # Errors
+/// [`InputError`] with the line or the row: a header that is none, announces more than the file
+/// holds, knows unknown types, or has no scalar `x`, `y`, `z`; numbers that are not finite; indices of
+/// no vertex; data that ends early; cancelled.
+pub fn read_ply(bytes: &[u8], monitor: &dyn Monitor) -> Result<PlyData, InputError> {
+    let header = Header::read(bytes)?;
+    let mut data = PlyData::default();
+    let mut body = Body { bytes, at: header.end, encoding: header.encoding };
+    for element in &header.elements {
+        body.can_hold(element)?;
+        match element.name.as_str() {
+            "vertex" => read_vertices(&mut body, element, &mut data.positions, monitor)?,
+            "face" => read_faces(&mut body, element, &mut data.faces, monitor)?,
+            _ => skip(&mut body, element, monitor)?,
+        }
+    }
+    let count = data.positions.len();
+    if count == 0 {
+        return Err(whole("it has no vertices"));
+    }
+    if let Some(index) = data.faces.iter().flatten().find(|&&index| index as usize >= count) {
+        return Err(whole(&format!("a face names vertex {index}, the file has 0 to {}", count - 1)));
+    }
+    Ok(data)
+}
+
+/// Whether the header announces faces.
+pub(super) fn announces_faces(bytes: &[u8]) -> Result<bool, InputError> {
+    Ok(Header::read(bytes)?.elements.iter().any(|element| element.name == "face" && element.rows > 0))
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Encoding {
+    Ascii,
+    LittleEndian,
+    BigEndian,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Scalar {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+impl Scalar {
+    /// By the names of the format's paper, and by those with the number of bits.
+    fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "char" | "int8" => Self::I8,
+            "uchar" | "uint8" => Self::U8,
+            "short" | "int16" => Self::I16,
+            "ushort" | "uint16" => Self::U16,
+            "int" | "int32" => Self::I32,
+            "uint" | "uint32" => Self::U32,
+            "float" | "float32" => Self::F32,
+            "double" | "float64" => Self::F64,
+            _ => return None,
+        })
+    }
+
+    const fn bytes(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+
+    const fn is_integer(self) -> bool {
+        !matches!(self, Self::F32 | Self::F64)
+    }
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Scalar(Scalar),
+    List { count: Scalar, item: Scalar },
+}
+
+struct Property {
+    name: String,
+    kind: Kind,
+}
+
+struct Element {
+    name: String,
+    rows: u64,
+    properties: Vec<Property>,
+}
+
+impl Element {
+    fn error(&self, row: u64, problem: impl Into<String>) -> InputError {
+        InputError::Row { element: printable(&self.name), row, rows: self.rows, problem: problem.into() }
+    }
+}
+
+struct Header {
+    encoding: Encoding,
+    elements: Vec<Element>,
+    /// Where the data starts.
+    end: usize,
+}
+
+/// Longer lines are no header; this ends the search in binary junk early.
+const LINE_LIMIT: usize = 1 << 16;
+
+/// Elements and properties together; names are compared with all before, so there must be an end.
+const DECLARATION_LIMIT: usize = 4096;
+
+impl Header {
+    fn read(bytes: &[u8]) -> Result<Self, InputError> {
+        let mut at = 0;
+        let mut encoding = None;
+        let mut elements: Vec<Element> = Vec::new();
+        let mut declarations = 0;
+        for line in 1.. {
+            let (text, next) = header_line(bytes, at)
+                .ok_or_else(|| whole("its header has no line 'end_header': it is cut off, or no PLY file"))?;
+            at = next;
+            let wrong = |expected: &str| line_error(line, expected, &text);
+            let words: Vec<&str> = text.split_ascii_whitespace().collect();
+            declarations += usize::from(matches!(words[..], ["element" | "property", ..]));
+            if declarations > DECLARATION_LIMIT {
+                return Err(wrong("no more than 4096 elements and properties"));
+            }
+            match words[..] {
+                ["ply"] if line == 1 => {}
+                _ if line == 1 => return Err(wrong("'ply'")),
+                [] | ["comment" | "obj_info", ..] => {}
+                ["format", name, "1.0"] => {
+                    encoding = Some(match name {
+                        "ascii" => Encoding::Ascii,
+                        "binary_little_endian" => Encoding::LittleEndian,
+                        "binary_big_endian" => Encoding::BigEndian,
+                        _ => return Err(wrong("ascii, binary_little_endian or binary_big_endian")),
+                    });
+                }
+                ["format", ..] => return Err(wrong("'format NAME 1.0'")),
+                ["element", name, rows] => {
+                    let rows = rows.parse().map_err(|_| wrong("'element NAME COUNT', a whole number"))?;
+                    if elements.iter().any(|element| element.name == name) {
+                        return Err(wrong("an element that was not there before"));
+                    }
+                    elements.push(Element { name: name.to_owned(), rows, properties: Vec::new() });
+                }
+                ["property", ref rest @ ..] => {
+                    let element =
+                        elements.last_mut().ok_or_else(|| wrong("an element before its properties"))?;
+                    let (name, kind) = property(rest).map_err(wrong)?;
+                    if element.properties.iter().any(|property| property.name == name) {
+                        return Err(wrong("a property that was not there before"));
+                    }
+                    element.properties.push(Property { name: name.to_owned(), kind });
+                }
+                ["end_header"] => break,
+                _ => return Err(wrong("format, comment, obj_info, element, property or end_header")),
+            }
+        }
+        let encoding = encoding.ok_or_else(|| whole("its header has no line 'format'"))?;
+        if elements.iter().all(|element| element.name != "vertex") {
+            return Err(whole("its header has no element 'vertex'"));
+        }
+        if elements.iter().any(|element| element.name == "tristrips") {
+            return Err(whole("its faces are triangle strips, which are not read; save it with plain faces"));
+        }
+        Ok(Self { encoding, elements, end: at })
+    }
+}
+
+/// One line of the header and where the next one starts. Comments may be in any encoding.
+fn header_line(bytes: &[u8], at: usize) -> Option<(String, usize)> {
+    let rest = &bytes[at..bytes.len().min(at + LINE_LIMIT)];
+    let end = rest.iter().position(|&b| b == b'\n' || b == b'\r')?;
+    let pair = rest[end] == b'\r' && bytes.get(at + end + 1) == Some(&b'\n');
+    Some((String::from_utf8_lossy(&rest[..end]).into_owned(), at + end + 1 + usize::from(pair)))
+}
+
+fn property<'a>(words: &[&'a str]) -> Result<(&'a str, Kind), &'static str> {
+    const TYPES: &str = "a type: char, uchar, short, ushort, int, uint, float, double";
+    let scalar = |name: &str| Scalar::named(name).ok_or(TYPES);
+    match *words {
+        ["list", count, item, name] => {
+            let (count, item) = (scalar(count)?, scalar(item)?);
+            if !count.is_integer() {
+                return Err("a list whose count is a whole number");
+            }
+            Ok((name, Kind::List { count, item }))
+        }
+        [kind, name] => Ok((name, Kind::Scalar(scalar(kind)?))),
+        _ => Err("'property TYPE NAME' or 'property list TYPE TYPE NAME'"),
+    }
+}
+
+/// The data behind the header, read value by value.
+struct Body<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    encoding: Encoding,
+}
+
+impl<'a> Body<'a> {
+    fn left(&self) -> usize {
+        self.bytes.len() - self.at
+    }
+
+    /// Refuses an element for which the file is too short whatever its lists hold.
+    fn can_hold(&self, element: &Element) -> Result<(), InputError> {
+        let least = |property: &Property| match (self.encoding, property.kind) {
+            // A digit and a separator.
+            (Encoding::Ascii, _) => 2,
+            (_, Kind::Scalar(scalar) | Kind::List { count: scalar, .. }) => scalar.bytes(),
+        };
+        let row: usize = element.properties.iter().map(least).sum();
+        // The last value of a file needs no separator behind it.
+        let left = self.left() as u64 + 1;
+        if element.rows.checked_mul(row as u64).is_some_and(|needed| needed <= left) {
+            return Ok(());
+        }
+        Err(whole(&format!(
+            "its header announces {} of the element '{}', at least {row} bytes each, and {} bytes are left: \
+             it is cut off, or its header is wrong",
+            element.rows,
+            printable(&element.name),
+            self.left(),
+        )))
+    }
+
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], String> {
+        let bytes = self.bytes[self.at..].first_chunk().ok_or("the data ends here")?;
+        self.at += N;
+        Ok(*bytes)
+    }
+
+    fn word(&mut self) -> Result<&'a str, String> {
+        let rest = &self.bytes[self.at..];
+        let start = rest.iter().position(|b| !b.is_ascii_whitespace()).ok_or("the data ends here")?;
+        let rest = &rest[start..];
+        let end = rest.iter().position(u8::is_ascii_whitespace).unwrap_or(rest.len());
+        self.at += start + end;
+        std::str::from_utf8(&rest[..end]).map_err(|_| "expected a number, found no text".to_owned())
+    }
+
+    /// The next value; every type of the format fits in `f64` exactly.
+    fn number(&mut self, scalar: Scalar) -> Result<f64, String> {
+        match self.encoding {
+            Encoding::Ascii => {
+                let word = self.word()?;
+                let number = word.parse::<f64>();
+                number.map_err(|_| format!("expected a number, found {}", quoted(word)))
+            }
+            Encoding::LittleEndian => Ok(match scalar {
+                Scalar::I8 => i8::from_le_bytes(self.take()?).into(),
+                Scalar::U8 => u8::from_le_bytes(self.take()?).into(),
+                Scalar::I16 => i16::from_le_bytes(self.take()?).into(),
+                Scalar::U16 => u16::from_le_bytes(self.take()?).into(),
+                Scalar::I32 => i32::from_le_bytes(self.take()?).into(),
+                Scalar::U32 => u32::from_le_bytes(self.take()?).into(),
+                Scalar::F32 => f32::from_le_bytes(self.take()?).into(),
+                Scalar::F64 => f64::from_le_bytes(self.take()?),
+            }),
+            Encoding::BigEndian => Ok(match scalar {
+                Scalar::I8 => i8::from_be_bytes(self.take()?).into(),
+                Scalar::U8 => u8::from_be_bytes(self.take()?).into(),
+                Scalar::I16 => i16::from_be_bytes(self.take()?).into(),
+                Scalar::U16 => u16::from_be_bytes(self.take()?).into(),
+                Scalar::I32 => i32::from_be_bytes(self.take()?).into(),
+                Scalar::U32 => u32::from_be_bytes(self.take()?).into(),
+                Scalar::F32 => f32::from_be_bytes(self.take()?).into(),
+                Scalar::F64 => f64::from_be_bytes(self.take()?),
+            }),
+        }
+    }
+
+    /// A list's length.
+    fn count(&mut self, scalar: Scalar) -> Result<usize, String> {
+        let count = self.number(scalar)?;
+        if count >= 0.0 && count <= f64::from(u32::MAX) && count.fract() == 0.0 {
+            Ok(count as usize)
+        } else {
+            Err(format!("a list announces {count} values"))
+        }
+    }
+
+    fn skip_values(&mut self, scalar: Scalar, count: usize) -> Result<(), String> {
+        if self.encoding == Encoding::Ascii {
+            return (0..count).try_for_each(|_| self.word().map(|_| ()));
+        }
+        match count.checked_mul(scalar.bytes()).filter(|&bytes| bytes <= self.left()) {
+            Some(bytes) => self.at += bytes,
+            None => return Err(format!("a list announces {count} values, and the data ends before")),
+        }
+        Ok(())
+    }
+
+    fn skip_property(&mut self, kind: Kind) -> Result<(), String> {
+        match kind {
+            Kind::Scalar(scalar) => self.skip_values(scalar, 1),
+            Kind::List { count, item } => {
+                let count = self.count(count)?;
+                self.skip_values(item, count)
+            }
+        }
+    }
+
+    /// The place of a problem: the line of a text, the row of binary data.
+    fn error(&self, element: &Element, row: u64, problem: &str) -> InputError {
+        let place = match self.encoding {
+            Encoding::Ascii => format!(" (line {})", line_at(self.bytes, self.at)),
+            _ => format!(" (byte {})", self.at),
+        };
+        element.error(row, format!("{problem}{place}"))
+    }
+}
+
+/// Reads an element row by row; `read` takes the value of each property.
+fn each_property(
+    body: &mut Body<'_>,
+    element: &Element,
+    monitor: &dyn Monitor,
+    mut read: impl FnMut(&mut Body<'_>, usize, Kind) -> Result<(), String>,
+    mut end_row: impl FnMut(),
+) -> Result<(), InputError> {
+    if element.properties.is_empty() {
+        return Ok(());
+    }
+    for row in 0..element.rows {
+        if row % ROWS_PER_CHECK as u64 == 0 {
+            monitor.check()?;
+        }
+        for (i, property) in element.properties.iter().enumerate() {
+            read(body, i, property.kind).map_err(|problem| {
+                let problem = format!("property '{}': {problem}", printable(&property.name));
+                body.error(element, row, &problem)
+            })?;
+        }
+        end_row();
+    }
+    Ok(())
+}
+
+fn skip(body: &mut Body<'_>, element: &Element, monitor: &dyn Monitor) -> Result<(), InputError> {
+    each_property(body, element, monitor, |body, _, kind| body.skip_property(kind), || {})
+}
+
+fn read_vertices(
+    body: &mut Body<'_>,
+    element: &Element,
+    positions: &mut Vec<DVec3>,
+    monitor: &dyn Monitor,
+) -> Result<(), InputError> {
+    let axis = |name: &str| {
+        let index = element.properties.iter().position(|property| property.name == name);
+        let index = index.ok_or_else(|| whole(&format!("its vertices have no property '{name}'")))?;
+        match element.properties[index].kind {
+            Kind::Scalar(_) => Ok(index),
+            Kind::List { .. } => {
+                Err(whole(&format!("its vertices' property '{name}' is a list, not a number")))
+            }
+        }
+    };
+    let axes = [axis("x")?, axis("y")?, axis("z")?];
+    // Bounded by the file's size: `can_hold` has seen the bytes.
+    positions.reserve_exact(element.rows as usize);
+    let position = std::cell::Cell::new(DVec3::ZERO);
+    each_property(
+        body,
+        element,
+        monitor,
+        |body, i, kind| match (axes.iter().position(|&axis| axis == i), kind) {
+            (Some(axis), Kind::Scalar(scalar)) => {
+                let x = in_range(body.number(scalar)?).map_err(|expected| format!("expected {expected}"))?;
+                let mut whole = position.get();
+                whole[axis] = x;
+                position.set(whole);
+                Ok(())
+            }
+            _ => body.skip_property(kind),
+        },
+        || positions.push(position.get()),
+    )
+}
+
+fn read_faces(
+    body: &mut Body<'_>,
+    element: &Element,
+    faces: &mut Vec<[u32; 3]>,
+    monitor: &dyn Monitor,
+) -> Result<(), InputError> {
+    let is_corners = |property: &Property| matches!(&*property.name, "vertex_indices" | "vertex_index");
+    let corners = element.properties.iter().position(is_corners);
+    let (corners, count, item) = match corners.map(|i| (i, element.properties[i].kind)) {
+        Some((i, Kind::List { count, item })) if item.is_integer() => (i, count, item),
+        None if element.rows == 0 => return Ok(()),
+        _ => return Err(whole("its faces have no list 'vertex_indices' of whole numbers")),
+    };
+    let mut polygon = Vec::new();
+    each_property(
+        body,
+        element,
+        monitor,
+        |body, i, kind| {
+            if i != corners {
+                return body.skip_property(kind);
+            }
+            polygon.clear();
+            for _ in 0..body.count(count)? {
+                let index = body.number(item)?;
+                if !(index >= 0.0 && index < f64::from(u32::MAX) && index.fract() == 0.0) {
+                    return Err(format!("expected the index of a vertex, found {index}"));
+                }
+                polygon.push(index as u32);
+            }
+            fan(&polygon, faces);
+            Ok(())
+        },
+        || {},
+    )
+}
+
+fn whole(problem: &str) -> InputError {
+    InputError::Whole { format: "PLY", problem: problem.to_owned() }
+}
+
+fn line_error(line: usize, expected: &str, found: &str) -> InputError {
+    InputError::Line { format: "PLY", line, expected: expected.to_owned(), found: quoted(found) }
+}

@@ -1,0 +1,199 @@
+//! Tells what a file is by what it holds; its name only decides between what the content leaves open.
+
+use super::{InputError, lines, ply, text_of, xyz};
+
+/// What a file is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InputKind {
+    /// A preset: TOML.
+    Preset,
+    /// A recipe: JSON.
+    Recipe,
+    /// A grammar in the older text format.
+    Grammar,
+    /// An OBJ mesh: a crown envelope.
+    ObjMesh,
+    /// A PLY file with faces: a crown envelope.
+    PlyMesh,
+    /// A PLY file without faces: attraction points.
+    PlyPoints,
+    /// Rows of numbers: attraction points.
+    XyzPoints,
+}
+
+/// Openings of files that users may try, and what to say.
+const FOREIGN: &[(&[u8], &str)] = &[
+    (b"LASF", "is a LAS or LAZ point cloud; export it as PLY or XYZ"),
+    (b"ASTM-E57", "is an E57 point cloud; export it as PLY or XYZ"),
+    (b"# .PCD", "is a PCD point cloud; export it as PLY or XYZ"),
+    (b"glTF", "is a glTF binary; export the mesh as OBJ or PLY"),
+    (b"Kaydara FBX", "is an FBX file; export the mesh as OBJ or PLY"),
+    (b"BLENDER", "is a Blender file; export the mesh as OBJ or PLY"),
+    (b"PXR-USDC", "is a USD file; export the mesh as OBJ or PLY"),
+    (b"#usda", "is a USD file; export the mesh as OBJ or PLY"),
+    (b"solid ", "is an STL mesh; export it as OBJ or PLY"),
+    (b"OFF\n", "is an OFF mesh; export it as OBJ or PLY"),
+    (b"<", "is XML or HTML, not a preset, a grammar, a mesh or points"),
+    (b"\x89PNG", "is a picture"),
+    (b"\xff\xd8\xff", "is a picture"),
+    (b"\x1f\x8b", "is compressed; unpack it first"),
+    (b"PK\x03\x04", "is compressed; unpack it first"),
+    (b"\x28\xb5\x2f\xfd", "is compressed; unpack it first"),
+    (b"%PDF", "is a PDF document"),
+];
+
+/// Tells what a file is. `file_name` (a name or path, or empty) decides only where the content fits
+/// two kinds, such as a file of nothing but `angle=20`.
+///
+/// Whether the file is whole and right is for its reader to say.
+///
+/// # Errors
+/// [`InputError`]: empty, binary or otherwise unknown content, text that is not UTF-8, a broken PLY
+/// header.
+pub fn sniff(bytes: &[u8], file_name: &str) -> Result<InputKind, InputError> {
+    if bytes.is_empty() {
+        return Err(InputError::Empty);
+    }
+    if bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
+        let faces = ply::announces_faces(bytes)?;
+        return Ok(if faces { InputKind::PlyMesh } else { InputKind::PlyPoints });
+    }
+    if let Some((_, looks)) = FOREIGN.iter().find(|(opening, _)| bytes.starts_with(opening)) {
+        return Err(InputError::Unknown { looks });
+    }
+    let is_utf16 = matches!(bytes, [0xff, 0xfe, ..] | [0xfe, 0xff, ..]);
+    if bytes.contains(&0) && !is_utf16 {
+        return Err(InputError::Unknown { looks: "is binary data of no kind that linden reads" });
+    }
+    let text = text_of(bytes)?;
+    if text.trim_start().starts_with('{') {
+        return Ok(InputKind::Recipe);
+    }
+    let mut assigns = false;
+    for (_, line) in lines(text) {
+        let line = line.trim();
+        if line.is_empty() || xyz::is_comment(line) {
+            continue;
+        }
+        match evidence(line) {
+            Evidence::For(kind) => return Ok(kind),
+            Evidence::PresetOrGrammar => assigns = true,
+            Evidence::None => {}
+        }
+    }
+    if !assigns {
+        let looks = "is text, but no preset, grammar, OBJ or PLY mesh, nor rows of three numbers";
+        return Err(InputError::Unknown { looks });
+    }
+    match extension(file_name).as_str() {
+        "txt" | "l" => Ok(InputKind::Grammar),
+        _ => Ok(InputKind::Preset),
+    }
+}
+
+enum Evidence {
+    For(InputKind),
+    PresetOrGrammar,
+    None,
+}
+
+fn evidence(line: &str) -> Evidence {
+    if xyz::position(line).is_ok() {
+        return Evidence::For(InputKind::XyzPoints);
+    }
+    let (keyword, rest) = line.split_once([' ', '\t']).unwrap_or((line, ""));
+    let is_number = |word: &str| word.parse::<f64>().is_ok();
+    let starts_with_number = rest.split_ascii_whitespace().next().is_some_and(is_number);
+    match keyword {
+        "v" | "vt" | "vn" | "vp" if starts_with_number => return Evidence::For(InputKind::ObjMesh),
+        "f" if rest.trim_start().starts_with(|c: char| c.is_ascii_digit() || c == '-') => {
+            return Evidence::For(InputKind::ObjMesh);
+        }
+        "mtllib" | "usemtl" if !rest.trim_start().starts_with('=') => {
+            return Evidence::For(InputKind::ObjMesh);
+        }
+        _ => {}
+    }
+    if line.starts_with('[') {
+        return Evidence::For(InputKind::Preset);
+    }
+    let Some((key, value)) = line.split_once('=') else { return Evidence::None };
+    let (key, value) = (key.trim(), value.trim());
+    let is_quoted = value.starts_with(['"', '\'']);
+    match key {
+        // TOML knows no bare words as values and no spaces in bare keys.
+        "axiom" if !is_quoted => Evidence::For(InputKind::Grammar),
+        "number of derivations" => Evidence::For(InputKind::Grammar),
+        // A rule with its probability: `F=(0.5)FF`.
+        _ if value.starts_with('(') => Evidence::For(InputKind::Grammar),
+        _ if is_quoted || value.starts_with(['[', '{']) || value == "true" || value == "false" => {
+            Evidence::For(InputKind::Preset)
+        }
+        _ => Evidence::PresetOrGrammar,
+    }
+}
+
+fn extension(file_name: &str) -> String {
+    file_name.rsplit_once('.').map(|(_, extension)| extension.to_ascii_lowercase()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn kind(text: &str) -> InputKind {
+        sniff(text.as_bytes(), "misleading.png").unwrap()
+    }
+
+    #[test]
+    fn content_decides() {
+        use InputKind::{Grammar, ObjMesh, PlyMesh, PlyPoints, Preset, Recipe, XyzPoints};
+        let ply = "ply\nformat ascii 1.0\nelement vertex 0\nelement face ";
+        for (text, expected) in [
+            ("# a preset\nname = \"oak\"\n[growth]\n", Preset),
+            ("angle = 20.0\naxiom = \"F\"\n", Preset),
+            ("[a]\naxiom = 'F'\n", Preset),
+            ("\u{feff}\n  {\"linden\": 1}", Recipe),
+            ("// tree A (pag. 25)\n// number of derivations => MIN\n\naxiom=F\nangle=25.7\n", Grammar),
+            ("angle=22.5\r\nnumber of derivations=3\r\naxiom=F\r\n", Grammar),
+            ("angle=20\nF=(1)FF-[-F+F+F]\n", Grammar),
+            ("# Blender\nmtllib a.mtl\no Cube\nv 1 1 -1\n", ObjMesh),
+            ("o x\nf -3 -2 -1\n", ObjMesh),
+            (&format!("{ply}0\nend_header\n"), PlyPoints),
+            (&format!("{ply}1\nend_header\n"), PlyMesh),
+            ("ply\r\nformat ascii 1.0\r\nelement vertex 9\r\nend_header\r\n", PlyPoints),
+            ("1 2 3\n", XyzPoints),
+            ("//X;Y;Z\n1;2;3;4\n", XyzPoints),
+            ("12\na title\n1.0 2.0 3.0\n", XyzPoints),
+            ("x,y,z\n1,2,3\n", XyzPoints),
+        ] {
+            assert_eq!(kind(text), expected, "{text}");
+        }
+    }
+
+    #[test]
+    fn the_name_breaks_ties_only() {
+        assert_eq!(sniff(b"angle=20\n", "a/b.TXT"), Ok(InputKind::Grammar));
+        assert_eq!(sniff(b"angle=20\n", "b.toml"), Ok(InputKind::Preset));
+        assert_eq!(sniff(b"1 2 3\n", "b.toml"), Ok(InputKind::XyzPoints));
+    }
+
+    #[test]
+    fn what_cannot_be_read_is_said() {
+        assert_eq!(sniff(b"", "a.obj"), Err(InputError::Empty));
+        assert_eq!(sniff(b"\n \n", "a.obj"), Err(InputError::Empty));
+        for (bytes, part) in [
+            (&b"LASF\0\0\x01"[..], "LAS"),
+            (b"\x01\x02\0\x03", "binary"),
+            (b"hello world\nhow are you\n", "is text"),
+            (b"\xff\xfe1\0 \0", "UTF-16"),
+            (b"glTF\x02\0\0\0", "glTF"),
+            (b"axiom=F\n\xff", "not UTF-8"),
+            (b"ply\nelephant\n", "end_header"),
+            (b"ply\n", "end_header"),
+        ] {
+            let error = sniff(bytes, "a.obj").unwrap_err().to_string();
+            assert!(error.contains(part), "{error}");
+        }
+    }
+}

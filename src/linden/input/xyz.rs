@@ -1,0 +1,168 @@
+//! Reads points as rows of numbers: `x y z`, with any further columns.
+
+use glam::DVec3;
+
+use super::{InputError, ROWS_PER_CHECK, coordinate, lines, quoted, text_of};
+use crate::monitor::Monitor;
+
+/// Reads rows of three or more numbers between spaces, tabs, commas or semicolons; columns after
+/// the third are passed over, as are blank lines and comments (`#`, `//`). Before the first row
+/// there may be a line with the number of rows, and one line of any text (a header, a title).
+///
+/// # Errors
+/// [`InputError`] with the line: not UTF-8, fewer than three numbers, numbers that are not finite,
+/// decimal commas; fewer rows than announced; no rows at all; cancelled.
+pub fn read_xyz(bytes: &[u8], monitor: &dyn Monitor) -> Result<Vec<DVec3>, InputError> {
+    let mut points = Vec::new();
+    let mut announced = None;
+    let mut header_seen = false;
+    for (line, row) in lines(text_of(bytes)?) {
+        if line % ROWS_PER_CHECK == 0 {
+            monitor.check()?;
+        }
+        let row = row.trim();
+        if row.is_empty() || is_comment(row) {
+            continue;
+        }
+        match position(row) {
+            Ok(point) => {
+                if points.is_empty() && has_decimal_commas(row) {
+                    let expected = "decimal points (1.5), not decimal commas (1,5)";
+                    return Err(error(line, expected, row));
+                }
+                points.push(point);
+            }
+            Err(_)
+                if points.is_empty() && announced.is_none() && !header_seen && row.parse::<u64>().is_ok() =>
+            {
+                announced = row.parse::<u64>().ok();
+            }
+            Err(_) if points.is_empty() && !header_seen && is_words(row) => header_seen = true,
+            Err(expected) => return Err(error(line, &expected, row)),
+        }
+    }
+    let whole = |problem: String| InputError::Whole { format: "XYZ", problem };
+    if points.is_empty() {
+        return Err(whole("it holds no points; expected rows of three numbers x y z".to_owned()));
+    }
+    match announced {
+        Some(rows) if (points.len() as u64) < rows => {
+            let found = points.len();
+            Err(whole(format!("its first line announces {rows} points, {found} follow: it may be cut off")))
+        }
+        _ => Ok(points),
+    }
+}
+
+/// Whether a line is a comment.
+pub(super) fn is_comment(line: &str) -> bool {
+    line.starts_with('#') || line.starts_with("//")
+}
+
+/// The first three numbers of a row, or what was expected.
+pub(super) fn position(row: &str) -> Result<DVec3, String> {
+    let separator = |b: u8| b.is_ascii_whitespace() || b == b',' || b == b';';
+    let bytes = row.as_bytes();
+    let mut position = [0.0; 3];
+    let mut at = 0;
+    for (i, x) in position.iter_mut().enumerate() {
+        while at < bytes.len() && separator(bytes[at]) {
+            at += 1;
+        }
+        let start = at;
+        while at < bytes.len() && !separator(bytes[at]) {
+            at += 1;
+        }
+        if start == at {
+            return Err(format!("3 numbers or more, there are {i}"));
+        }
+        // Separators are ASCII, so the ends lie between characters.
+        *x = coordinate(&row[start..at]).map_err(|expected| format!("{expected} in column {}", i + 1))?;
+    }
+    Ok(DVec3::from(position))
+}
+
+/// Whether each of three columns has a comma between digits, with other separators around.
+fn has_decimal_commas(row: &str) -> bool {
+    let decimal = |column: &&str| {
+        let ends = column.split_once(',');
+        ends.is_some_and(|(whole, part)| {
+            whole.ends_with(|c: char| c.is_ascii_digit()) && starts_as_number(part)
+        })
+    };
+    let columns = row.split([' ', '\t', ';']).filter(|column| !column.is_empty());
+    columns.take(3).filter(decimal).count() == 3
+}
+
+/// Whether a line is a header and no broken row: its first word is no number, not even `nan`.
+fn is_words(row: &str) -> bool {
+    let first = row.split([' ', '\t', ',', ';']).next().unwrap_or_default();
+    !starts_as_number(first) && first.parse::<f64>().is_err()
+}
+
+fn starts_as_number(row: &str) -> bool {
+    row.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '-' | '+' | '.'))
+}
+
+fn error(line: usize, expected: &str, found: &str) -> InputError {
+    InputError::Line { format: "XYZ", line, expected: expected.to_owned(), found: quoted(found) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::monitor::Quiet;
+
+    fn read(text: &str) -> Result<Vec<DVec3>, InputError> {
+        read_xyz(text.as_bytes(), &Quiet)
+    }
+
+    #[test]
+    fn every_habit_gives_the_same_points() {
+        let expected = [DVec3::new(1.5, -2.0, 3.0), DVec3::new(4.0, 5e-3, -6.25)];
+        for text in [
+            "1.5 -2 3\n4 5e-3 -6.25\n",
+            "1.5\t-2\t3\t255\t0\t0\n4\t.005\t-6.25\t1\t2\t3",
+            "x,y,z,intensity\n1.5,-2.0,3,0.5\n4,0.005,-6.25,abc\n",
+            "//X;Y;Z\r\n1.5;-2;3\r\n\r\n4;5E-3;-6.25\r\n",
+            "# made by a scanner\n  1.5 , -2 , 3  \n 4, 0.005, -6.25\n",
+            "2\n1.5 -2 3\n4 0.005 -6.25\n",
+            "2\na title\n1.5 -2 3 7\n4 0.005 -6.25 7\n",
+            "1.5 -2 3\r4 0.005 -6.25\r",
+        ] {
+            assert_eq!(read(text).as_deref(), Ok(&expected[..]), "{text:?}");
+        }
+    }
+
+    #[test]
+    fn errors_carry_the_line_and_what_was_expected() {
+        for (text, line, expected) in [
+            ("1 2 3\n1 2\n", 2, "3 numbers or more, there are 2"),
+            ("1 2 3\n\n# c\n1 nan 3\n", 4, "a finite number in column 2"),
+            ("1 2 inf\n", 1, "a finite number in column 3"),
+            ("nan nan nan\n1 2 3\n", 1, "a finite number in column 1"),
+            ("1 2 3\n1 2 1e999\n", 2, "a finite number in column 3"),
+            ("1 2 3\nC 1 2 3\n", 2, "a number in column 1"),
+            ("a b c\nd e f\n1 2 3\n", 2, "a number in column 1"),
+            ("1 2 3\n2e10 0 0\n", 2, "a coordinate within ±1e9 in column 1"),
+            ("1,5;2,25;3,0\n", 1, "decimal points (1.5), not decimal commas (1,5)"),
+            ("1,5 2,25 3,0\n", 1, "decimal points (1.5), not decimal commas (1,5)"),
+        ] {
+            let found = read(text).unwrap_err();
+            let InputError::Line { line: at, expected: said, .. } = &found else { panic!("{found}") };
+            assert_eq!((*at, said.as_str()), (line, expected), "{text:?}");
+        }
+    }
+
+    #[test]
+    fn empty_cut_off_and_foreign_files() {
+        assert_eq!(read(""), Err(InputError::Empty));
+        assert!(matches!(read("# nothing\n"), Err(InputError::Whole { .. })));
+        let error = read("3\n1 2 3\n4 5 6\n").unwrap_err();
+        assert!(error.to_string().contains("announces 3 points, 2 follow"), "{error}");
+        assert!(matches!(
+            read_xyz(b"1 2 3\n4 5 \xe4\n", &Quiet),
+            Err(InputError::NotUtf8 { line: 2, byte: 10 })
+        ));
+    }
+}
