@@ -42,7 +42,7 @@ fn load(source: &str, monitor: &dyn Monitor) -> anyhow::Result<(Recipe, Vec<Stri
     let hint = match builtin(source) {
         Ok(found) => {
             let preset = found.load().map_err(|fault| locate(found.id, &fault))?;
-            let input = match (space(&preset).and_then(Space::file), space(&preset).and_then(|s| found.input(s))) {
+            let input = match (preset.space().and_then(Space::file), preset.space().and_then(|s| found.input(s))) {
                 (Some(file), Some(bytes)) => Some(Input::read(file, bytes, monitor)?),
                 _ => None,
             };
@@ -87,13 +87,16 @@ fn read(path: Option<&Path>, bytes: &[u8], monitor: &dyn Monitor) -> anyhow::Res
         InputKind::PlyPoints | InputKind::XyzPoints => Preset::of_space(&id, Space::Points { file: name.clone() }),
     };
     let mut notes = Vec::new();
-    let input = match (kind, space(&preset).and_then(Space::file)) {
+    let input = match (kind, preset.space().and_then(Space::file)) {
         (InputKind::Preset | InputKind::Recipe, Some(file)) => {
             let beside = path.and_then(Path::parent).map_or_else(PathBuf::new, Path::to_owned).join(file);
-            let bytes = fs::read(&beside).with_context(|| format!("reading {}, which {shown} needs", show(&beside)))?;
-            let input = Input::read(file, &bytes, monitor).with_context(|| format!("reading {}", show(&beside)))?;
-            if kind == InputKind::Recipe && !utf8(&bytes_of(path)?, &shown)?.contains(&format!("{:032x}", input.hash)) {
-                notes.push(format!("{} is not the file that the recipe was made with; another tree will grow", show(&beside)));
+            let content = fs::read(&beside).with_context(|| format!("reading {}, which {shown} needs", show(&beside)))?;
+            let input = Input::read(file, &content, monitor).with_context(|| format!("reading {}", show(&beside)))?;
+            if kind == InputKind::Recipe && recipe_hash(bytes).is_some_and(|hash| hash != input.hash_text()) {
+                notes.push(format!(
+                    "{} is not the file that the recipe was made with; another tree will grow",
+                    show(&beside)
+                ));
             }
             Some(input)
         }
@@ -103,8 +106,10 @@ fn read(path: Option<&Path>, bytes: &[u8], monitor: &dyn Monitor) -> anyhow::Res
     Ok((Recipe { preset, input }, notes))
 }
 
-fn space(preset: &Preset) -> Option<&Space> {
-    preset.space()
+/// The hash of the input that a recipe names.
+fn recipe_hash(recipe: &[u8]) -> Option<String> {
+    let document: serde_json::Value = serde_json::from_slice(recipe).ok()?;
+    document.get("input")?.get("xxh3")?.as_str().map(str::to_owned)
 }
 
 /// Text, or where it stops being one.

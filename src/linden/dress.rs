@@ -16,13 +16,12 @@ use crate::surface::{self, SurfaceError};
 pub fn dress(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Scene, SurfaceError> {
     let preset = &recipe.preset;
     let wood = surface::sweep(&grown.skeleton, &preset.tubes, monitor)?;
-    let bark = preset.bark.draw();
     let material = Material {
         name: "bark".to_owned(),
-        base_color: preset.bark.mean_color_linear(),
-        base_color_picture: Some(Arc::new(bark.base_color)),
-        normal_picture: Some(Arc::new(bark.normal)),
-        roughness: preset.bark.roughness,
+        base_color: [0.2, 0.13, 0.08],
+        base_color_picture: None,
+        normal_picture: None,
+        roughness: 0.9,
         double_sided: false,
     };
     let name = if preset.name.trim().is_empty() { &preset.id } else { &preset.name };

@@ -74,7 +74,9 @@ pub enum GrowError {
         expected: &'static str,
     },
     /// A trunk of too many segments.
-    #[error("the trunk would have {segments} segments, more than max_nodes={max_nodes}; shorten trunk or lengthen step")]
+    #[error(
+        "the trunk would have {segments} segments, more than max_nodes={max_nodes}; shorten trunk or lengthen step"
+    )]
     TrunkTooLong {
         /// Trunk ÷ step.
         segments: f64,
@@ -127,7 +129,12 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
             let Plant { branching, points, unreached, iterations, notes } =
                 plant(own, recipe.input.as_ref(), key, monitor)?;
             let skeleton = Arc::new(Skeleton::build(branching, wood)?);
-            Ok(Grown { skeleton, symbols: None, colonized: Some(Colonized { points, unreached, iterations }), notes })
+            Ok(Grown {
+                skeleton,
+                symbols: None,
+                colonized: Some(Colonized { points, unreached, iterations }),
+                notes,
+            })
         }
     }
 }

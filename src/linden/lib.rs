@@ -5,12 +5,15 @@
 //! Lengths are metres, Y is up, angles in the interface are degrees unless a name says `_rad`.
 
 pub mod colonization;
+pub mod dress;
+pub mod grow;
 pub mod input;
 pub mod knob;
 pub mod lsystem;
 pub mod monitor;
 pub mod preset;
 pub mod random;
+pub mod recipe;
 pub mod scene;
 pub mod skeleton;
 pub mod surface;

@@ -71,6 +71,11 @@ impl Input {
         Ok(Self { name: printable(name), hash: xxh3_128(bytes), up, geometry })
     }
 
+    /// The hash as recipes carry it: 32 hexadecimal digits.
+    pub fn hash_text(&self) -> String {
+        format!("{:032x}", self.hash)
+    }
+
     const fn kind(&self) -> &'static str {
         match self.geometry {
             Geometry::Mesh(_) => "mesh",
@@ -116,7 +121,7 @@ impl Serialize for Input {
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("file", &self.name)?;
         map.serialize_entry("kind", self.kind())?;
-        map.serialize_entry("xxh3", &format!("{:032x}", self.hash))?;
+        map.serialize_entry("xxh3", &self.hash_text())?;
         map.end()
     }
 }

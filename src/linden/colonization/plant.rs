@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use super::crown::envelope::Envelope;
 use super::crown::{self, Crown};
 use super::growth::{self, Growth, GrowthRule, Stop};
-use super::{scan, scatter, trunk};
+use super::{scatter, trunk};
 use crate::grow::GrowError;
 use crate::input::{Up, recenter};
 use crate::monitor::Monitor;
@@ -85,12 +85,14 @@ pub(crate) fn plant(
             in_envelope(settings, mesh, settings.up(up), key, monitor)?
         }
         (Space::Points { .. }, Some((Geometry::Points(points), up))) => {
-            at_points(settings, points, settings.up(up), monitor)?
+            todo_points(settings, points, settings.up(up))?
         }
         (Space::Envelope { file }, _) => {
             return Err(GrowError::WrongInput { file: file.clone(), expected: "a mesh" });
         }
-        (Space::Points { file }, _) => return Err(GrowError::WrongInput { file: file.clone(), expected: "points" }),
+        (Space::Points { file }, _) => {
+            return Err(GrowError::WrongInput { file: file.clone(), expected: "points" });
+        }
     };
     let (rule, mut notes) = site.rule(settings);
     if !(rule.kill >= rule.step) {
@@ -109,7 +111,8 @@ pub(crate) fn plant(
         }
     };
     let mut points: Vec<Vec3> = site.points.iter().map(|p| p.as_vec3()).collect();
-    let Growth { mut branching, iterations, unreached, stop } = growth::grow(&points, &start, &rule, monitor)?;
+    let Growth { mut branching, iterations, unreached, stop } =
+        growth::grow(&points, &start, &rule, monitor)?;
     notes.extend(stop_note(stop, unreached, points.len(), settings));
     notes.extend(site.notes);
 
@@ -121,7 +124,9 @@ pub(crate) fn plant(
     let shift = if to_root { -site.root } else { site.origin };
     if to_root && (site.origin + site.root).length() > 0.0 {
         let DVec3 { x, y, z } = site.origin + site.root;
-        notes.push(format!("moved to the origin: the root was at {x}, {y}, {z} (Y up); origin=keep leaves it there"));
+        notes.push(format!(
+            "moved to the origin: the root was at {x}, {y}, {z} (Y up); origin=keep leaves it there"
+        ));
     }
     for position in branching.positions.iter_mut().chain(&mut points) {
         *position = (position.as_dvec3() + shift).as_vec3();
@@ -143,10 +148,13 @@ fn stop_note(stop: Stop, unreached: usize, points: usize, settings: &Colonizatio
         Stop::AllReached => None,
         Stop::NothingInReach => {
             // A few stragglers are usual; many mean that the crown is in pieces.
-            (unreached * 20 > points).then(|| format!("{left}: they lie beyond the influence distance; raise influence"))
+            (unreached * 20 > points)
+                .then(|| format!("{left}: they lie beyond the influence distance; raise influence"))
         }
         Stop::Stalled => Some(format!("{left}: the step is too short for coordinates of this size")),
-        Stop::MaxIterations => Some(format!("{left}: growth stopped at max_iterations={}", settings.max_iterations)),
+        Stop::MaxIterations => {
+            Some(format!("{left}: growth stopped at max_iterations={}", settings.max_iterations))
+        }
         Stop::MaxNodes => Some(format!("{left}: growth stopped at max_nodes={}", settings.max_nodes)),
     }
 }
@@ -183,7 +191,10 @@ impl Site {
         let kill = metres(settings.kill, self.suggested.kill);
         let influence = metres(settings.influence, self.suggested.influence);
         let mut notes = Vec::new();
-        if influence > WIDE_INFLUENCE_STEPS * step && settings.influence != Length::Auto && self.points.len() >= 100_000 {
+        if influence > WIDE_INFLUENCE_STEPS * step
+            && settings.influence != Length::Auto
+            && self.points.len() >= 100_000
+        {
             notes.push(format!(
                 "influence is {:.0} steps; beyond about 20 it costs much time and changes little",
                 influence / step
@@ -255,4 +266,8 @@ fn in_envelope(
         moves_to_root: false,
         notes: envelope.report().warnings(),
     })
+}
+
+fn todo_points(_: &Colonization, _: &[DVec3], _: Up) -> Result<Site, GrowError> {
+    Err(GrowError::WrongInput { file: String::new(), expected: "later" })
 }

@@ -16,7 +16,13 @@ pub fn straight(root: DVec3, height_m: f64, step_m: f64) -> Branching {
 
 /// A stem from `root` in steps until one of the points is within `reach_m`: straight up as long as
 /// that leads nearer, then straight to the nearest point. Ends at `most_nodes` in any case.
-pub fn until_in_reach(root: DVec3, points: &[DVec3], reach_m: f64, step_m: f64, most_nodes: usize) -> Branching {
+pub fn until_in_reach(
+    root: DVec3,
+    points: &[DVec3],
+    reach_m: f64,
+    step_m: f64,
+    most_nodes: usize,
+) -> Branching {
     let mut trunk = Stem::new(root);
     let mut at = root;
     while let Some((distance, nearest)) = nearest(points, at) {
@@ -44,7 +50,13 @@ struct Stem {
 
 impl Stem {
     fn new(root: DVec3) -> Self {
-        Self { branching: Branching { positions: vec![root.as_vec3()], parents: vec![NO_PARENT], births: vec![0] } }
+        Self {
+            branching: Branching {
+                positions: vec![root.as_vec3()],
+                parents: vec![NO_PARENT],
+                births: vec![0],
+            },
+        }
     }
 
     fn push(&mut self, at: DVec3) {
@@ -75,7 +87,8 @@ mod tests {
             (vec![DVec3::new(3.0, -4.0, 2.0)], 0.5),
         ] {
             let trunk = until_in_reach(DVec3::ZERO, &points, reach, 0.1, 1000);
-            let distance = |p: &glam::Vec3| points.iter().map(|q| p.as_dvec3().distance(*q)).fold(f64::MAX, f64::min);
+            let distance =
+                |p: &glam::Vec3| points.iter().map(|q| p.as_dvec3().distance(*q)).fold(f64::MAX, f64::min);
             let (last, before) = trunk.positions.split_last().unwrap();
             assert!(distance(last) <= reach, "in reach at the end");
             assert!(before.iter().all(|p| distance(p) > reach * 0.99), "and not before");

@@ -33,12 +33,22 @@ impl fmt::Display for Place {
 }
 
 /// What is wrong with a document and where.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{}{message}", Before(.place))]
 pub struct Fault {
     /// `None` where the text has no lines to speak of (JSON) or the fault is something missing.
     pub place: Option<Place>,
     /// What was found and what was expected.
     pub message: String,
+}
+
+/// The place before the message, if there is one.
+struct Before<'a>(&'a Option<Place>);
+
+impl fmt::Display for Before<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.map_or(Ok(()), |place| write!(f, "{place}: "))
+    }
 }
 
 impl Fault {

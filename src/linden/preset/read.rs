@@ -57,13 +57,7 @@ impl Preset {
 
 impl LSystem {
     fn of(grammar: Grammar) -> Self {
-        Self {
-            grammar,
-            angle_deg: 25.0,
-            derivations: 4,
-            segment_length_m: 0.1,
-            symbol_limit: 50_000_000,
-        }
+        Self { grammar, angle_deg: 25.0, derivations: 4, segment_length_m: 0.1, symbol_limit: 50_000_000 }
     }
 }
 

@@ -1,0 +1,167 @@
+//! The command line: one file per subcommand, one table ([`Command`]) that parsing, help,
+//! completions and the manual are made from.
+
+mod completions;
+mod export;
+mod list;
+mod man;
+mod preview;
+mod schema;
+mod show;
+mod stats;
+
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use clap::builder::styling::{AnsiColor, Styles};
+use clap::{Args, CommandFactory, Parser, Subcommand};
+use linden::grow::{Grown, grow};
+
+use crate::exit;
+use crate::progress::Progress;
+use crate::source::{self, Source};
+
+const STYLES: Styles = Styles::styled()
+    .header(AnsiColor::Green.on_default().bold())
+    .usage(AnsiColor::Green.on_default().bold())
+    .literal(AnsiColor::Cyan.on_default())
+    .placeholder(AnsiColor::Yellow.on_default());
+
+/// Grows trees from L-systems and space colonization and hands them to every 3D pipeline.
+#[derive(Parser)]
+#[command(name = "linden", version, styles = STYLES, arg_required_else_help = true, max_term_width = 110)]
+#[command(after_help = EXAMPLES)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+const EXAMPLES: &str = "\
+SOURCE is a preset's id ('linden list'), or a file told by its content: a .toml preset, a grammar
+(.txt, .l), a closed mesh (.obj, .ply: a crown envelope), points (.ply, .xyz: as from a scanner),
+or a recipe (.json). '-' is standard input or output.
+
+Examples:
+  linden list
+  linden preview fir
+  linden export fir -o fir.glb -o fir.usda
+  linden export scan.xyz -o tree.glb --set step=0.05
+
+Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.";
+
+#[derive(Subcommand)]
+enum Command {
+    List(list::List),
+    Show(show::Show),
+    Stats(stats::Stats),
+    Preview(preview::Preview),
+    Export(export::Export),
+    Completions(completions::Completions),
+    Man(man::Man),
+    Schema(schema::Schema),
+}
+
+/// What grows: shared by all commands that take a SOURCE.
+#[derive(Args)]
+struct Growing {
+    /// A preset's id, a file, or - for standard input
+    #[arg(value_name = "SOURCE")]
+    source: String,
+
+    /// Turn a knob ('linden show SOURCE' lists them); may be given several times
+    #[arg(long = "set", short, value_name = "KNOB=VALUE")]
+    settings: Vec<String>,
+
+    /// The root of all random choices; the same as --set seed=N
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+}
+
+impl Growing {
+    /// The source with its knobs turned. Notes about it go to standard error.
+    fn resolve(&self, progress: &Progress) -> anyhow::Result<Source> {
+        self.resolve_with(&self.pairs()?, progress)
+    }
+
+    fn resolve_with(&self, pairs: &[(String, String)], progress: &Progress) -> anyhow::Result<Source> {
+        let source = source::resolve(&self.source, pairs, progress)?;
+        notes(&source.notes, progress);
+        Ok(source)
+    }
+
+    /// What `--set` and `--seed` say, as names and values, the seed last.
+    fn pairs(&self) -> anyhow::Result<Vec<(String, String)>> {
+        let mut pairs = Vec::new();
+        for setting in &self.settings {
+            let Some((name, value)) = setting.split_once('=') else {
+                let shown = linden::knob::printable(setting);
+                return Err(exit::usage(format!("--set {shown}: expected KNOB=VALUE, like --set points=500")));
+            };
+            pairs.push((name.trim().to_owned(), value.trim().to_owned()));
+        }
+        pairs.extend(self.seed.map(|seed| ("seed".to_owned(), seed.to_string())));
+        Ok(pairs)
+    }
+}
+
+/// Grows a source; what the user should know goes to standard error.
+fn grown(source: &Source, progress: &Progress) -> anyhow::Result<Grown> {
+    use anyhow::Context as _;
+    let grown = grow(&source.recipe, progress).with_context(|| source.shown.clone())?;
+    notes(&grown.notes, progress);
+    Ok(grown)
+}
+
+fn notes(notes: &[String], progress: &Progress) {
+    if !notes.is_empty() {
+        progress.clear();
+    }
+    for note in notes {
+        exit::say(&format!("note: {note}"));
+    }
+}
+
+/// Writes a result to standard output.
+fn print(text: &str) -> anyhow::Result<()> {
+    use anyhow::Context as _;
+    let mut out = io::stdout().lock();
+    out.write_all(text.as_bytes()).and_then(|()| out.flush()).context("writing to standard output")
+}
+
+/// Writes a result to standard output as JSON.
+fn print_json(value: &impl serde::Serialize) -> anyhow::Result<()> {
+    print(&(serde_json::to_string_pretty(value)? + "\n"))
+}
+
+/// Parses the command line and does what it says.
+pub fn run() -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Help and version go to standard output with 0, mistakes to standard error with 2.
+            let code = u8::try_from(error.exit_code()).unwrap_or(2);
+            let _ = error.print();
+            return ExitCode::from(code);
+        }
+    };
+    let done = crate::signals::listen().map_err(anyhow::Error::from).and_then(|()| cli.command.run());
+    match done {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => exit::report(&error),
+    }
+}
+
+impl Command {
+    fn run(self) -> anyhow::Result<()> {
+        match self {
+            Self::List(own) => own.run(),
+            Self::Show(own) => own.run(),
+            Self::Stats(own) => own.run(),
+            Self::Preview(own) => own.run(),
+            Self::Export(own) => own.run(),
+            Self::Completions(own) => own.run(&mut Cli::command()),
+            Self::Man(own) => own.run(Cli::command()),
+            Self::Schema(own) => own.run(),
+        }
+    }
+}

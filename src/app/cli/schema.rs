@@ -1,0 +1,119 @@
+//! `linden schema`: a JSON Schema of preset documents and of the formats' options, from the same
+//! tables that read them.
+
+use clap::Args;
+use linden::knob::{Kind, Knob};
+use linden::preset::{KNOBS, PresetKnob, Section, shape_knobs};
+use linden_exporters::REGISTRY;
+use serde_json::{Map, Value, json};
+
+/// Print a JSON Schema of preset documents and export options
+#[derive(Args)]
+pub struct Schema {}
+
+impl Schema {
+    pub fn run(self) -> anyhow::Result<()> {
+        super::print_json(&document())
+    }
+}
+
+fn document() -> Value {
+    let mut properties = Map::new();
+    for (key, help) in [
+        ("id", "what scripts call it"),
+        ("name", "what people call it"),
+        ("group", "where it is listed"),
+        ("summary", "one line: what it is"),
+        ("source", "where it comes from"),
+    ] {
+        properties.insert(key.to_owned(), json!({ "type": "string", "description": help }));
+    }
+    let knobs: Vec<PresetKnob> = KNOBS.iter().copied().chain(shape_knobs()).collect();
+    for section in Section::ALL {
+        let mut own: Map<String, Value> = knobs
+            .iter()
+            .filter(|knob| knob.section == section)
+            .map(|knob| (knob.knob.name.to_owned(), of(&knob.knob)))
+            .collect();
+        match section {
+            Section::Tree => {
+                properties.append(&mut own);
+                continue;
+            }
+            Section::LSystem => {
+                own.insert("axiom".to_owned(), json!({ "type": "string" }));
+                own.insert("rules".to_owned(), json!({ "type": "array", "items": { "type": "string" } }));
+            }
+            Section::Colonization => {
+                let file = json!({ "type": "string", "description": "a file, relative to the preset's" });
+                own.insert("envelope".to_owned(), file.clone());
+                own.insert("scan".to_owned(), file);
+            }
+            Section::Wood | Section::Surface | Section::Bark => {}
+        }
+        let table = json!({ "type": "object", "properties": own, "additionalProperties": false });
+        properties.insert(section.key().to_owned(), table);
+    }
+    let formats: Map<String, Value> = REGISTRY
+        .iter()
+        .map(|exporter| exporter.format())
+        .map(|format| {
+            let options: Map<String, Value> = format
+                .options
+                .iter()
+                .map(|spec| {
+                    let mut schema = of(&spec.knob);
+                    schema["default"] = json!(spec.default);
+                    (spec.knob.name.to_owned(), schema)
+                })
+                .collect();
+            let schema = json!({ "description": format.help, "type": "object", "properties": options });
+            (format.id.to_owned(), schema)
+        })
+        .collect();
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "linden preset",
+        "type": "object",
+        "required": ["id"],
+        "oneOf": [{ "required": ["lsystem"] }, { "required": ["colonization"] }],
+        "properties": properties,
+        "$defs": { "export options": { "type": "object", "properties": formats } },
+    })
+}
+
+/// A knob's values as documents have them.
+fn of(knob: &Knob) -> Value {
+    let number = |min: f64, max: f64| {
+        let mut schema = json!({ "type": "number", "minimum": min });
+        if max.is_finite() {
+            schema["maximum"] = json!(max);
+        }
+        schema
+    };
+    let or_auto = |auto: bool, schema: Value| {
+        if auto { json!({ "anyOf": [schema, { "const": "auto" }] }) } else { schema }
+    };
+    let mut schema = match knob.kind {
+        Kind::Real { min, max, auto } => or_auto(auto, number(min, max)),
+        Kind::Integer { min, max } => json!({ "type": "integer", "minimum": min, "maximum": max }),
+        Kind::Length { min, max, auto } => {
+            let text = json!({ "type": "string", "pattern": "^(inf|auto|[0-9.]+D)$" });
+            or_auto(auto, json!({ "anyOf": [number(min, max), text] }))
+        }
+        Kind::Choice(words) => json!({ "enum": words }),
+        Kind::Switch => json!({ "type": "boolean" }),
+        Kind::Vector { auto } => {
+            let vector = json!({ "type": "array", "items": { "type": "number" }, "minItems": 3, "maxItems": 3 });
+            or_auto(auto, vector)
+        }
+        Kind::Color => json!({ "type": "string", "pattern": "^#[0-9a-fA-F]{6}$" }),
+        Kind::Profile { count } => {
+            let pair = json!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 });
+            json!({ "type": "array", "items": pair, "minItems": count, "maxItems": count })
+        }
+    };
+    let unit = if knob.unit.is_empty() { String::new() } else { format!(" ({})", knob.unit) };
+    schema["description"] = json!(format!("{}{unit}", knob.help));
+    schema
+}

@@ -1,0 +1,172 @@
+//! `linden show`: what a source is, its knobs, its forecast.
+
+use clap::Args;
+use linden::knob::{Value, printable};
+use linden::lsystem::forecast;
+use linden::preset::{Generator, Preset, Section, Space};
+use linden::recipe::{Geometry, Input};
+use serde::Serialize;
+
+use super::Growing;
+use crate::progress::Progress;
+
+/// Say what a source is, which knobs it has, and how large it would grow
+#[derive(Args)]
+pub struct Show {
+    #[command(flatten)]
+    growing: Growing,
+
+    /// Machine-readable
+    #[arg(long, conflicts_with = "toml")]
+    json: bool,
+
+    /// As a preset document, to be edited and grown
+    #[arg(long)]
+    toml: bool,
+}
+
+#[derive(Serialize)]
+struct Shown<'a> {
+    source: &'a str,
+    id: &'a str,
+    name: &'a str,
+    group: &'a str,
+    summary: &'a str,
+    origin: &'a str,
+    generator: &'static str,
+    knobs: Vec<KnobRow>,
+    forecast: Option<ForecastRow>,
+    recipe: serde_json::Value,
+}
+
+#[derive(Serialize)]
+struct KnobRow {
+    name: &'static str,
+    section: &'static str,
+    value: String,
+    unit: &'static str,
+    range: String,
+    help: &'static str,
+}
+
+#[derive(Serialize)]
+struct ForecastRow {
+    symbols: f64,
+    segments: f64,
+    depth: u64,
+    exact: bool,
+}
+
+impl Show {
+    pub fn run(self) -> anyhow::Result<()> {
+        let progress = Progress::new();
+        let source = self.growing.resolve(&progress)?;
+        let preset = &source.recipe.preset;
+        if self.toml {
+            return super::print(&preset.to_toml()?);
+        }
+        let knobs: Vec<KnobRow> = preset
+            .knobs()
+            .into_iter()
+            .map(|(knob, value): (_, Value)| KnobRow {
+                name: knob.knob.name,
+                section: knob.section.key(),
+                value: value.to_string(),
+                unit: knob.knob.unit,
+                range: knob.knob.kind.to_string(),
+                help: knob.knob.help,
+            })
+            .collect();
+        let forecast = forecast_of(preset)?;
+        if self.json {
+            return super::print_json(&Shown {
+                source: &source.shown,
+                id: &preset.id,
+                name: &preset.name,
+                group: &preset.group,
+                summary: &preset.summary,
+                origin: &preset.source,
+                generator: preset.generator.id(),
+                knobs,
+                forecast,
+                recipe: serde_json::to_value(&source.recipe)?,
+            });
+        }
+        super::print(&page(preset, source.recipe.input.as_ref(), &knobs, forecast.as_ref()))
+    }
+}
+
+fn forecast_of(preset: &Preset) -> anyhow::Result<Option<ForecastRow>> {
+    let Generator::LSystem(own) = &preset.generator else { return Ok(None) };
+    let forecast = forecast(&own.grammar, own.derivations)?;
+    Ok(Some(ForecastRow {
+        symbols: forecast.symbols as f64,
+        segments: forecast.segments as f64,
+        depth: u64::try_from(forecast.depth).unwrap_or(u64::MAX),
+        exact: forecast.exact,
+    }))
+}
+
+fn page(preset: &Preset, input: Option<&Input>, knobs: &[KnobRow], forecast: Option<&ForecastRow>) -> String {
+    let mut text = format!("{} ({})\n", printable(&preset.name), printable(&preset.id));
+    for line in [&preset.summary, &preset.source].into_iter().filter(|line| !line.is_empty()) {
+        text.push_str(&format!("{}\n", printable(line)));
+    }
+    text.push('\n');
+    match &preset.generator {
+        Generator::LSystem(own) => {
+            text.push_str("grammar\n");
+            for line in own.grammar.to_string().lines() {
+                text.push_str(&format!("  {}\n", printable(line)));
+            }
+        }
+        Generator::Colonization(own) => {
+            let (what, file) = match &own.space {
+                Space::Shape { .. } => ("", None),
+                Space::Envelope { file } => ("crown envelope", Some(file)),
+                Space::Points { file } => ("attraction points", Some(file)),
+            };
+            if let Some(file) = file {
+                text.push_str(&format!("{what}\n  {}{}\n", printable(file), input.map(size).unwrap_or_default()));
+            }
+        }
+    }
+    if let Some(forecast) = forecast {
+        let about = if forecast.exact { "" } else { "about " };
+        text.push_str(&format!(
+            "\nforecast\n  {about}{} symbols, {about}{} segments, branches nested {} deep\n",
+            count(forecast.symbols),
+            count(forecast.segments),
+            forecast.depth
+        ));
+    }
+    let [name_width, value_width] = [
+        knobs.iter().map(|row| row.name.len()).max().unwrap_or(0),
+        knobs.iter().map(|row| row.value.len() + row.unit.len() + 1).max().unwrap_or(0).min(24),
+    ];
+    for section in Section::ALL {
+        let own: Vec<&KnobRow> = knobs.iter().filter(|row| row.section == section.key()).collect();
+        if own.is_empty() {
+            continue;
+        }
+        text.push_str(&format!("\n{}\n", if section.key().is_empty() { "tree" } else { section.key() }));
+        for row in own {
+            let value = format!("{} {}", row.value, row.unit);
+            text.push_str(&format!("  {:name_width$}  {:value_width$}  {}\n", row.name, value.trim_end(), row.help));
+            text.push_str(&format!("  {:name_width$}  {:value_width$}  {}\n", "", "", row.range));
+        }
+    }
+    text
+}
+
+fn size(input: &Input) -> String {
+    match &input.geometry {
+        Geometry::Mesh(mesh) => format!(": {} triangles", mesh.triangles.len()),
+        Geometry::Points(points) => format!(": {} points", points.len()),
+    }
+}
+
+/// A count, in powers of ten where nobody reads the digits.
+fn count(n: f64) -> String {
+    if n < 1e12 { indicatif::HumanCount(n as u64).to_string() } else { format!("{n:.1e}") }
+}

@@ -1,0 +1,143 @@
+//! `linden stats`: grow a source and measure it.
+
+use std::time::Instant;
+
+use anyhow::Context;
+use clap::Args;
+use linden::Vec3;
+use linden::dress::dress;
+use linden::scene::Bounds;
+use linden::surface::topology;
+use serde::Serialize;
+
+use super::Growing;
+use crate::progress::Progress;
+
+/// Grow a source and measure it
+#[derive(Args)]
+pub struct Stats {
+    #[command(flatten)]
+    growing: Growing,
+
+    /// Machine-readable; what does not apply is null
+    #[arg(long)]
+    json: bool,
+}
+
+/// The names and meanings of `--json`: scripts rely on them.
+#[derive(Serialize)]
+struct Report {
+    source: String,
+    seed: u64,
+    generator: &'static str,
+    nodes: usize,
+    segments: usize,
+    axes: usize,
+    max_order: u32,
+    total_length_m: f64,
+    height_m: f64,
+    crown_width_m: f64,
+    trunk_diameter_m: f64,
+    points: Option<usize>,
+    points_unreached: Option<usize>,
+    iterations: Option<u32>,
+    symbols: Option<u64>,
+    triangles: usize,
+    vertices: usize,
+    leaves: usize,
+    watertight: bool,
+    bounds: Corners,
+    skeleton_hash: String,
+    seconds: Seconds,
+}
+
+#[derive(Serialize)]
+struct Corners {
+    min: [f32; 3],
+    max: [f32; 3],
+}
+
+#[derive(Serialize)]
+struct Seconds {
+    grow: f64,
+    dress: f64,
+}
+
+impl Stats {
+    pub fn run(self) -> anyhow::Result<()> {
+        let progress = Progress::new();
+        let source = self.growing.resolve(&progress)?;
+        let started = Instant::now();
+        let grown = super::grown(&source, &progress)?;
+        let grow_s = started.elapsed().as_secs_f64();
+        let started = Instant::now();
+        let scene = dress(&source.recipe, &grown, &progress).with_context(|| source.shown.clone())?;
+        let dress_s = started.elapsed().as_secs_f64();
+
+        let skeleton = &grown.skeleton;
+        let measures = skeleton.measures();
+        let bounds = scene.parts.iter().filter_map(|part| part.mesh.bounds()).reduce(Bounds::union);
+        let bounds = bounds.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO });
+        let colonized = grown.colonized.as_ref();
+        let report = Report {
+            source: source.shown.clone(),
+            seed: source.recipe.preset.seed,
+            generator: source.recipe.preset.generator.id(),
+            nodes: skeleton.positions.len(),
+            segments: skeleton.segments(),
+            axes: skeleton.axes.len(),
+            max_order: measures.max_order,
+            total_length_m: measures.total_length_m,
+            height_m: measures.height_m,
+            crown_width_m: measures.crown_width_m,
+            trunk_diameter_m: measures.trunk_diameter_m,
+            points: colonized.map(|own| own.points.len()),
+            points_unreached: colonized.map(|own| own.unreached),
+            iterations: colonized.map(|own| own.iterations),
+            symbols: grown.symbols,
+            triangles: scene.parts.iter().map(|part| part.mesh.triangles.len()).sum(),
+            vertices: scene.parts.iter().map(|part| part.mesh.positions.len()).sum(),
+            leaves: 0,
+            watertight: scene.parts.iter().all(|part| topology(&part.mesh).watertight()),
+            bounds: Corners { min: bounds.min.to_array(), max: bounds.max.to_array() },
+            skeleton_hash: format!("{:032x}", skeleton.hash()),
+            seconds: Seconds { grow: grow_s, dress: dress_s },
+        };
+        progress.clear();
+        if self.json {
+            return super::print_json(&report);
+        }
+        super::print(&report.table())
+    }
+}
+
+impl Report {
+    fn table(&self) -> String {
+        let count = |n: usize| indicatif::HumanCount(n as u64).to_string();
+        let mut rows = vec![
+            ("source", format!("{} (seed {}, {})", self.source, self.seed, self.generator)),
+            ("height", format!("{:.2} m", self.height_m)),
+            ("crown width", format!("{:.2} m", self.crown_width_m)),
+            ("trunk diameter", format!("{:.3} m at 1.3 m", self.trunk_diameter_m)),
+            ("total length", format!("{:.1} m", self.total_length_m)),
+            ("nodes", count(self.nodes)),
+            ("axes", format!("{}, orders 0 to {}", count(self.axes), self.max_order)),
+        ];
+        if let Some(symbols) = self.symbols {
+            rows.push(("symbols", indicatif::HumanCount(symbols).to_string()));
+        }
+        if let (Some(points), Some(unreached), Some(iterations)) =
+            (self.points, self.points_unreached, self.iterations)
+        {
+            rows.push(("points", format!("{}, {} not reached", count(points), count(unreached))));
+            rows.push(("iterations", count(iterations as usize)));
+        }
+        rows.extend([
+            ("surface", format!("{} triangles, {} vertices", count(self.triangles), count(self.vertices))),
+            ("watertight", if self.watertight { "yes: each axis is closed" } else { "no" }.to_owned()),
+            ("skeleton hash", self.skeleton_hash.clone()),
+            ("time", format!("{:.3} s to grow, {:.3} s to dress", self.seconds.grow, self.seconds.dress)),
+        ]);
+        rows.iter().map(|(name, value)| format!("{name:14}  {value}\n")).collect()
+    }
+}
