@@ -1,1 +1,181 @@
-//! (to come)
+//! Exporters: a [`Scene`] becomes the files that 3D programs read.
+//!
+//! Takes a finished scene, gives bytes; it changes nothing in the scene, draws no random numbers and
+//! reads no clock, so the same scene gives the same bytes on any machine and any number of threads.
+//! Files appear whole or not at all: an exporter writes into a [`Bundle`], and nothing is in its
+//! place before the bundle is committed.
+//!
+//! A format is one module with one [`Exporter`], and one line in [`REGISTRY`].
+//!
+//! ```no_run
+//! use linden_exporters::{Bundle, Options, for_path};
+//! # fn scene() -> linden::scene::Scene { unimplemented!() }
+//! # fn main() -> Result<(), linden_exporters::ExportError> {
+//! let target = std::path::Path::new("fir.glb");
+//! let exporter = for_path(target)?;
+//! let options = Options::new(exporter.format());
+//! let mut bundle = Bundle::create(target)?;
+//! exporter.write(&scene(), &options, &mut bundle, &linden::Quiet)?;
+//! bundle.commit()?;
+//! # Ok(())
+//! # }
+//! ```
+
+// Headers are a few lines, built once; what is long goes through `chunks`.
+#![allow(clippy::format_push_string)]
+
+// Arrays go into the files as they lie in memory, and every format here is little-endian.
+#[cfg(target_endian = "big")]
+compile_error!("linden-exporters writes arrays as they lie in memory and needs a little-endian target");
+
+mod bundle;
+mod chunks;
+mod error;
+mod gltf;
+mod obj;
+mod options;
+mod picture;
+mod ply;
+mod sound;
+mod usda;
+
+use std::path::Path;
+
+use linden::Monitor;
+use linden::knob::nearest;
+use linden::scene::Scene;
+
+pub use bundle::{Bundle, Sink, Written, commit_all, ensure_distinct};
+pub use error::ExportError;
+pub use options::{OptionSpec, Options};
+
+/// What wrote a file, as files say it.
+pub const GENERATOR: &str = concat!("linden ", env!("CARGO_PKG_VERSION"));
+
+/// Writes scenes in one format.
+pub trait Exporter: Sync {
+    /// What the format is called and can do.
+    fn format(&self) -> &'static Format;
+
+    /// Writes `scene` into `bundle`, which the caller then commits.
+    ///
+    /// `options` are made by [`Options::new`] from this exporter's format.
+    ///
+    /// # Errors
+    /// [`ExportError::Scene`] when the scene breaks a promise of its types (a coordinate that is not
+    /// finite, say), [`ExportError::Io`] when the disk refuses, [`ExportError::TooLarge`] when the
+    /// format cannot hold so much, and [`ExportError::Cancelled`].
+    fn write(
+        &self,
+        scene: &Scene,
+        options: &Options,
+        bundle: &mut Bundle,
+        monitor: &dyn Monitor,
+    ) -> Result<(), ExportError>;
+}
+
+/// What a format is called and can do: feeds the command line, its help and the workbench's form.
+#[derive(Debug)]
+pub struct Format {
+    /// What scripts call it: `glb`.
+    pub id: &'static str,
+    /// What people call it.
+    pub name: &'static str,
+    /// Endings that mean this format, without the dot, lower case; the first is the usual one.
+    pub extensions: &'static [&'static str],
+    /// The media type (IANA's where one is registered).
+    pub media_type: &'static str,
+    /// Whether everything is in one file, so that nothing is lost on standard output.
+    pub self_contained: bool,
+    /// One line: what it is good for.
+    pub help: &'static str,
+    /// Settings of this format.
+    pub options: &'static [OptionSpec],
+}
+
+/// All formats. Where two claim an ending, the first has it.
+pub static REGISTRY: &[&dyn Exporter] =
+    &[&obj::Obj, &ply::Ply, &ply::PlySkeleton, &gltf::Gltf, &gltf::Glb, &usda::Usda];
+
+/// The exporter that scripts call `id`.
+///
+/// # Errors
+/// [`ExportError::UnknownFormat`] with the nearest name and the list.
+pub fn find(id: &str) -> Result<&'static dyn Exporter, ExportError> {
+    let ids = || REGISTRY.iter().map(|exporter| exporter.format().id);
+    REGISTRY.iter().copied().find(|exporter| exporter.format().id == id).ok_or_else(|| {
+        ExportError::UnknownFormat {
+            typed: id.to_owned(),
+            nearest: nearest(&id.to_lowercase(), ids()),
+            known: ids().collect(),
+        }
+    })
+}
+
+/// The exporter for a file's ending, in any case.
+///
+/// # Errors
+/// [`ExportError::UnknownExtension`] with the nearest ending and the list.
+pub fn for_path(path: &Path) -> Result<&'static dyn Exporter, ExportError> {
+    let typed = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let endings = || REGISTRY.iter().flat_map(|exporter| exporter.format().extensions).copied();
+    REGISTRY
+        .iter()
+        .copied()
+        .find(|exporter| exporter.format().extensions.contains(&typed.as_str()))
+        .ok_or_else(|| {
+            let mut known: Vec<_> = endings().collect();
+            known.dedup();
+            ExportError::UnknownExtension {
+                path: path.to_owned(),
+                nearest: nearest(&typed, endings()).filter(|_| !typed.is_empty()),
+                known,
+            }
+        })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn formats_are_found_by_id_and_by_ending() {
+        for exporter in REGISTRY {
+            assert_eq!(find(exporter.format().id).unwrap().format().id, exporter.format().id);
+        }
+        let by = |path: &str| for_path(Path::new(path)).unwrap().format().id;
+        assert_eq!(by("a/fir.ply"), "ply");
+        assert_eq!(by("fir.v2.GLB"), "glb");
+        assert_eq!(by("fir.gltf"), "gltf");
+        assert_eq!(by("fir.obj"), "obj");
+        assert_eq!(by("fir.usda"), "usda");
+        assert_eq!(by("fir.usd"), "usda");
+    }
+
+    #[test]
+    fn ids_are_unique() {
+        let mut ids: Vec<_> = REGISTRY.iter().map(|e| e.format().id).collect();
+        ids.sort_unstable();
+        ids.dedup();
+        assert_eq!(ids.len(), REGISTRY.len());
+    }
+
+    #[test]
+    fn an_unknown_format_names_the_nearest_and_all() {
+        let said = find("gtlf").err().unwrap().to_string();
+        assert_eq!(
+            said,
+            "no export format is called 'gtlf' (did you mean 'gltf'?); there are: obj, ply, ply-skeleton, gltf, glb, usda"
+        );
+        let said = for_path(Path::new("fir.usdc")).err().unwrap().to_string();
+        assert!(said.contains("did you mean '.usda'?") && said.contains(".glb"), "{said}");
+        let said = for_path(Path::new("fir")).err().unwrap().to_string();
+        assert!(said.contains("no ending") && !said.contains("did you mean"), "{said}");
+    }
+
+    #[test]
+    fn text_from_outside_is_shown_printable() {
+        let said = find("\u{1b}[2J").err().unwrap().to_string();
+        assert!(!said.contains('\u{1b}'), "{said:?}");
+    }
+}

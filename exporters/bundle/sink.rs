@@ -1,0 +1,62 @@
+//! Where an exporter's bytes go: buffered, counted, cancellable.
+
+use std::io::{self, BufWriter, Write};
+
+use linden::Monitor;
+use linden::monitor::Stage;
+
+use crate::ExportError;
+
+/// Small pieces are gathered to this; larger ones pass by the buffer.
+const BUFFER: usize = 1 << 18;
+/// Between two looks at the monitor: about a millisecond of a fast disk.
+const PIECE: usize = 1 << 20;
+
+/// An open file of a [`crate::Bundle`].
+pub struct Sink<'a> {
+    out: BufWriter<&'a mut (dyn Write + Send)>,
+    what: String,
+    written: u64,
+    total: Option<u64>,
+    monitor: &'a dyn Monitor,
+}
+
+impl<'a> Sink<'a> {
+    pub(super) fn new(
+        out: &'a mut (dyn Write + Send),
+        what: String,
+        total: Option<u64>,
+        monitor: &'a dyn Monitor,
+    ) -> Self {
+        Self { out: BufWriter::with_capacity(BUFFER, out), what, written: 0, total, monitor }
+    }
+
+    /// Writes all of `bytes`.
+    ///
+    /// # Errors
+    /// [`ExportError::Io`] and [`ExportError::Cancelled`].
+    pub fn write(&mut self, bytes: &[u8]) -> Result<(), ExportError> {
+        for piece in bytes.chunks(PIECE) {
+            self.monitor.check()?;
+            self.out.write_all(piece).map_err(|source| self.failed(source))?;
+            self.written += piece.len() as u64;
+            self.monitor.advance(Stage::Write, self.written, self.total);
+        }
+        Ok(())
+    }
+
+    /// Bytes written so far.
+    pub fn written(&self) -> u64 {
+        self.written
+    }
+
+    /// Hands the rest to the system; dropping a sink instead would swallow its last error.
+    pub(super) fn finish(mut self) -> Result<u64, ExportError> {
+        self.out.flush().map_err(|source| self.failed(source))?;
+        Ok(self.written)
+    }
+
+    fn failed(&self, source: io::Error) -> ExportError {
+        ExportError::Io { doing: "writing", what: self.what.clone(), source }
+    }
+}

@@ -1,0 +1,289 @@
+use std::fs;
+use std::io::{self, Write};
+use std::path::Path;
+
+use linden::Quiet;
+
+use super::*;
+
+fn staged(target: &Path, content: &str) -> Bundle {
+    let mut bundle = Bundle::create(target).unwrap();
+    fill(&mut bundle, content).unwrap();
+    bundle
+}
+
+fn fill(bundle: &mut Bundle, content: &str) -> Result<(), ExportError> {
+    bundle.write_main(None, &Quiet, |out| out.write(content.as_bytes()))
+}
+
+fn side(bundle: &mut Bundle, suffix: &str, content: &str) {
+    bundle.write_side(suffix, None, &Quiet, |out| out.write(content.as_bytes())).unwrap();
+}
+
+/// Names in a directory with what the files hold.
+fn listing(dir: &Path) -> Vec<(String, String)> {
+    let mut files: Vec<_> = fs::read_dir(dir)
+        .unwrap()
+        .map(|entry| entry.unwrap())
+        .filter(|entry| entry.path().is_file())
+        .map(|entry| {
+            (entry.file_name().to_string_lossy().into_owned(), fs::read_to_string(entry.path()).unwrap())
+        })
+        .collect();
+    files.sort();
+    files
+}
+
+fn pairs<const N: usize>(files: [(&str, &str); N]) -> Vec<(String, String)> {
+    files.map(|(name, content)| (name.to_owned(), content.to_owned())).to_vec()
+}
+
+#[test]
+fn committed_files_are_there_and_nothing_else() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut bundle = staged(&dir.path().join("fir.obj"), "mesh");
+    side(&mut bundle, ".mtl", "material");
+    assert!(!dir.path().join("fir.obj").exists());
+    let written = bundle.commit().unwrap();
+    assert_eq!(
+        written,
+        [("fir.obj", 4), ("fir.mtl", 8)].map(|(name, bytes)| Written { path: dir.path().join(name), bytes })
+    );
+    assert_eq!(listing(dir.path()), pairs([("fir.mtl", "material"), ("fir.obj", "mesh")]));
+}
+
+#[test]
+fn nothing_remains_of_a_bundle_that_is_dropped_or_fails() {
+    let dir = tempfile::tempdir().unwrap();
+    let target = dir.path().join("fir.obj");
+    fs::write(&target, "before").unwrap();
+    let mut bundle = staged(&target, "mesh");
+    side(&mut bundle, ".mtl", "material");
+    assert!(fs::read_dir(dir.path()).unwrap().count() > 1);
+    drop(bundle);
+    let mut bundle = Bundle::create(&target).unwrap();
+    let failed = bundle.write_side("_x", None, &Quiet, |out| {
+        out.write(b"half")?;
+        Err(linden::Cancelled.into())
+    });
+    assert!(failed.is_err());
+    drop(bundle);
+    assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 1);
+    assert_eq!(listing(dir.path()), pairs([("fir.obj", "before")]));
+}
+
+#[test]
+fn an_unfinished_bundle_is_not_committed() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut bundle = Bundle::create(&dir.path().join("fir.obj")).unwrap();
+    let _ = bundle.write_main(None, &Quiet, |_| Err(linden::Cancelled.into()));
+    assert!(bundle.commit().is_err());
+    assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn what_was_there_is_put_back_when_a_later_file_cannot_be_placed() {
+    let dir = tempfile::tempdir().unwrap();
+    for name in ["fir.obj", "fir.mtl", "oak.ply"] {
+        fs::write(dir.path().join(name), "before").unwrap();
+    }
+    let mut fir = staged(&dir.path().join("fir.obj"), "mesh");
+    side(&mut fir, ".mtl", "material");
+    side(&mut fir, "_bark.png", "picture");
+    let oak = staged(&dir.path().join("oak.ply"), "mesh");
+    let elm = staged(&dir.path().join("zelkova.ply"), "mesh");
+    // Somebody makes a directory where the last main file should go.
+    fs::create_dir(dir.path().join("zelkova.ply")).unwrap();
+    let said = commit_all(vec![fir, oak, elm]).unwrap_err().to_string();
+    assert!(said.contains("zelkova.ply") && said.contains("directory"), "{said}");
+    assert_eq!(
+        listing(dir.path()),
+        pairs([("fir.mtl", "before"), ("fir.obj", "before"), ("oak.ply", "before")])
+    );
+}
+
+#[test]
+fn the_same_target_twice_is_refused_however_it_is_written() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::create_dir(dir.path().join("sub")).unwrap();
+    let a = staged(&dir.path().join("fir.obj"), "a");
+    let b = staged(&dir.path().join("sub/../fir.obj"), "b");
+    let bundles = vec![a, b];
+    assert!(matches!(ensure_distinct(&bundles), Err(ExportError::SameTarget { .. })));
+    assert!(commit_all(bundles).is_err());
+    assert!(listing(dir.path()).is_empty());
+}
+
+#[test]
+fn bundles_share_a_picture_only_when_it_is_the_same() {
+    let dir = tempfile::tempdir().unwrap();
+    let both = |obj: &str, gltf: &str| {
+        let mut a = staged(&dir.path().join("fir.obj"), "a");
+        side(&mut a, "_bark.png", obj);
+        let mut b = staged(&dir.path().join("fir.gltf"), "b");
+        side(&mut b, "_bark.png", gltf);
+        commit_all(vec![a, b])
+    };
+    assert!(both("red", "green").unwrap_err().to_string().contains("fir_bark.png"));
+    assert!(listing(dir.path()).is_empty());
+    both("red", "red").unwrap();
+    assert_eq!(listing(dir.path()), pairs([("fir.gltf", "b"), ("fir.obj", "a"), ("fir_bark.png", "red")]));
+}
+
+#[test]
+fn a_side_file_is_never_somebody_elses_main_file() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut a = staged(&dir.path().join("fir.obj"), "a");
+    side(&mut a, ".mtl", "x");
+    let b = staged(&dir.path().join("fir.mtl"), "x");
+    assert!(matches!(commit_all(vec![a, b]), Err(ExportError::SameTarget { .. })));
+    assert!(listing(dir.path()).is_empty());
+}
+
+#[test]
+fn targets_that_cannot_be_files_say_what_to_do() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("file"), "").unwrap();
+    let locked = dir.path().join("locked.obj");
+    fs::write(&locked, "").unwrap();
+    let mut permissions = fs::metadata(&locked).unwrap().permissions();
+    permissions.set_readonly(true);
+    fs::set_permissions(&locked, permissions).unwrap();
+    let said = |target: &str| {
+        let path = dir.path().join(target);
+        let said = Bundle::create(&path).err().unwrap().to_string();
+        assert!(said.contains(dir.path().to_str().unwrap()), "{said}");
+        said
+    };
+    assert!(said(".").contains("is a directory; name a file in it"));
+    assert!(said("file/").contains("is a directory"));
+    assert!(said("none/fir.obj").contains("none does not exist; create it first"));
+    assert!(said("file/fir.obj").contains("is a file, not a directory"));
+    assert!(said("locked.obj").contains("write-protected; allow writing"));
+    assert!(Bundle::create(Path::new("")).is_err());
+    assert!(Bundle::create(Path::new("/")).is_err());
+    assert!(Bundle::create(Path::new("..")).is_err());
+}
+
+#[cfg(unix)]
+mod unix {
+    use std::os::unix::fs::{PermissionsExt, symlink};
+
+    use super::*;
+
+    fn mode(path: &Path) -> u32 {
+        fs::metadata(path).unwrap().permissions().mode() & 0o777
+    }
+
+    #[test]
+    fn permissions_are_those_of_any_new_file_or_of_the_one_before() {
+        let dir = tempfile::tempdir().unwrap();
+        fs::write(dir.path().join("ordinary"), "").unwrap();
+        staged(&dir.path().join("new.obj"), "").commit().unwrap();
+        assert_eq!(mode(&dir.path().join("new.obj")), mode(&dir.path().join("ordinary")));
+        let old = dir.path().join("old.obj");
+        fs::write(&old, "").unwrap();
+        fs::set_permissions(&old, fs::Permissions::from_mode(0o640)).unwrap();
+        staged(&old, "new").commit().unwrap();
+        assert_eq!(mode(&old), 0o640);
+        assert_eq!(fs::read_to_string(&old).unwrap(), "new");
+    }
+
+    #[test]
+    fn a_link_is_written_through_and_side_files_lie_beside_the_file() {
+        let dir = tempfile::tempdir().unwrap();
+        let far = dir.path().join("far");
+        fs::create_dir(&far).unwrap();
+        for (there, content) in [("there.obj", Some("before")), ("not_yet.obj", None)] {
+            if let Some(content) = content {
+                fs::write(far.join(there), content).unwrap();
+            }
+            let link = dir.path().join(format!("link_to_{there}"));
+            symlink(Path::new("far").join(there), &link).unwrap();
+            let mut bundle = staged(&link, "new");
+            side(&mut bundle, ".mtl", "m");
+            bundle.commit().unwrap();
+            assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+            assert_eq!(fs::read_to_string(far.join(there)).unwrap(), "new");
+            assert!(far.join(there).with_extension("mtl").exists());
+        }
+        let circle = dir.path().join("circle.obj");
+        symlink("circle.obj", &circle).unwrap();
+        assert!(Bundle::create(&circle).err().unwrap().to_string().contains("circle"));
+    }
+
+    #[test]
+    fn a_link_and_its_file_are_the_same_target() {
+        let dir = tempfile::tempdir().unwrap();
+        symlink("fir.obj", dir.path().join("link.obj")).unwrap();
+        let bundles =
+            vec![staged(&dir.path().join("fir.obj"), "a"), staged(&dir.path().join("link.obj"), "b")];
+        assert!(matches!(ensure_distinct(&bundles), Err(ExportError::SameTarget { .. })));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_device_says_so() {
+        let mut bundle = Bundle::create(Path::new("/dev/full")).unwrap();
+        assert!(!bundle.takes_side_files());
+        let said = fill(&mut bundle, "mesh").unwrap_err().to_string();
+        assert!(said.contains("/dev/full") && said.contains("free some space"), "{said}");
+        let mut bundle = Bundle::create(Path::new("/dev/null")).unwrap();
+        fill(&mut bundle, "mesh").unwrap();
+        assert!(bundle.commit().unwrap().is_empty());
+        assert!(!Path::new("/dev/null").is_file());
+    }
+}
+
+/// Takes some bytes and then fails, as a disk that fills up does.
+struct Fills {
+    room: usize,
+    kind: io::ErrorKind,
+}
+
+impl Write for Fills {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        if self.room == 0 {
+            return Err(self.kind.into());
+        }
+        let taken = bytes.len().min(self.room);
+        self.room -= taken;
+        Ok(taken)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+#[test]
+fn every_refusal_of_the_system_names_the_file_and_what_to_do() {
+    for (kind, advice) in [
+        (io::ErrorKind::StorageFull, "free some space"),
+        (io::ErrorKind::QuotaExceeded, "quota"),
+        (io::ErrorKind::PermissionDenied, "choose a directory of yours"),
+        (io::ErrorKind::ReadOnlyFilesystem, "write somewhere else"),
+        (io::ErrorKind::FileTooLarge, "ulimit -f"),
+        (io::ErrorKind::BrokenPipe, "has stopped"),
+    ] {
+        for room in [0, 1_000_000] {
+            let mut bundle = Bundle::stream("standard output", Fills { room, kind });
+            let said = bundle
+                .write_main(None, &Quiet, |out| (0..100_000).try_for_each(|_| out.write(b"0123456789abcdef")))
+                .unwrap_err()
+                .to_string();
+            assert!(said.starts_with("writing standard output failed: ") && said.contains(advice), "{said}");
+        }
+    }
+}
+
+#[test]
+fn a_stream_holds_one_file() {
+    let output = test_output::Output::default();
+    let mut bundle = Bundle::stream("standard output", output.clone());
+    fill(&mut bundle, "mesh").unwrap();
+    assert_eq!(output.bytes(), b"mesh");
+    let said = bundle.write_side(".mtl", None, &Quiet, |_| Ok(())).unwrap_err().to_string();
+    assert!(said.contains("standard output") && said.contains("name a file instead"), "{said}");
+    assert!(bundle.commit().unwrap().is_empty());
+}

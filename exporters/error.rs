@@ -1,0 +1,147 @@
+//! What can go wrong, in words that say what to do next.
+
+use std::io;
+use std::path::PathBuf;
+
+use linden::Cancelled;
+use linden::knob::printable;
+
+/// Why an export failed. Nothing is left behind then.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum ExportError {
+    /// The result was no longer wanted.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// No format has this id.
+    #[error(
+        "no export format is called '{}'{}; there are: {}",
+        printable(typed),
+        did_you_mean(*nearest, ""),
+        known.join(", ")
+    )]
+    UnknownFormat {
+        /// What was asked for.
+        typed: String,
+        /// The id that was probably meant.
+        nearest: Option<&'static str>,
+        /// All ids.
+        known: Vec<&'static str>,
+    },
+    /// No format claims this ending.
+    #[error(
+        "cannot tell the format of {} from its name: {}{}; known endings: .{}; or name the format",
+        printable(&path.to_string_lossy()),
+        path.extension().map_or_else(
+            || "it has no ending".to_owned(),
+            |e| format!("the ending '.{}' is unknown", printable(&e.to_string_lossy()))
+        ),
+        did_you_mean(*nearest, "."),
+        known.join(", .")
+    )]
+    UnknownExtension {
+        /// The file that was asked for.
+        path: PathBuf,
+        /// The ending that was probably meant, without the dot.
+        nearest: Option<&'static str>,
+        /// All endings, without the dot.
+        known: Vec<&'static str>,
+    },
+    /// The format has no such option.
+    #[error(
+        "format {format} has no option '{}'{}; {}",
+        printable(typed),
+        did_you_mean(*nearest, ""),
+        if known.is_empty() { "it has none at all".to_owned() } else { format!("it has: {}", known.join(", ")) }
+    )]
+    UnknownOption {
+        /// The format's id.
+        format: &'static str,
+        /// What was asked for.
+        typed: String,
+        /// The option that was probably meant.
+        nearest: Option<&'static str>,
+        /// All options of the format.
+        known: Vec<&'static str>,
+    },
+    /// The option does not take this value.
+    #[error("option {option} of format {format}: {problem}")]
+    OptionValue {
+        /// The format's id.
+        format: &'static str,
+        /// The option's name.
+        option: &'static str,
+        /// What was expected instead.
+        problem: String,
+    },
+    /// The target cannot be a file.
+    #[error("cannot write {}: {problem}", printable(&path.to_string_lossy()))]
+    Target {
+        /// The target as it was given.
+        path: PathBuf,
+        /// What is in the way, and what to do.
+        problem: String,
+    },
+    /// Two outputs would be the same file.
+    #[error(
+        "two outputs are the same file, {}: give each its own name",
+        printable(&path.to_string_lossy())
+    )]
+    SameTarget {
+        /// The file in question.
+        path: PathBuf,
+    },
+    /// The operating system refused.
+    #[error("{doing} {what} failed: {source}{}", advice(source))]
+    Io {
+        /// `writing`, …
+        doing: &'static str,
+        /// The file as shown to people, or `standard output`.
+        what: String,
+        /// What the operating system said.
+        source: io::Error,
+    },
+    /// The scene breaks a promise of its types, so that any file of it would be broken too.
+    #[error("cannot export {what}: {problem}; this is a fault in the tree's surface, not in the file")]
+    Scene {
+        /// `part 'wood'`, `material 'bark'`, …
+        what: String,
+        /// What is wrong there.
+        problem: String,
+    },
+    /// The format cannot hold so much.
+    #[error("{format} cannot hold {amount}: its limit is {limit}; {advice}")]
+    TooLarge {
+        /// The format's id.
+        format: &'static str,
+        /// How much there is.
+        amount: String,
+        /// How much there may be.
+        limit: &'static str,
+        /// What to do instead.
+        advice: &'static str,
+    },
+}
+
+fn did_you_mean(nearest: Option<&str>, dot: &str) -> String {
+    nearest.map(|name| format!(" (did you mean '{dot}{name}'?)")).unwrap_or_default()
+}
+
+/// What to do about an error of the operating system, with a separator before it.
+fn advice(error: &io::Error) -> &'static str {
+    use io::ErrorKind::{
+        BrokenPipe, FileTooLarge, InvalidFilename, NotFound, PermissionDenied, QuotaExceeded,
+        ReadOnlyFilesystem, StorageFull,
+    };
+    match error.kind() {
+        StorageFull => "; free some space there or write to another disk",
+        QuotaExceeded => "; free some of your quota there or write to another disk",
+        ReadOnlyFilesystem => "; that file system is read-only: write somewhere else",
+        PermissionDenied => "; you may not write there: choose a directory of yours or ask for permission",
+        FileTooLarge => "; the file system or a limit (ulimit -f) allows no file of that size",
+        NotFound => "; the directory is gone: create it again",
+        InvalidFilename => "; the file system does not take that name: choose a shorter or plainer one",
+        BrokenPipe => "; the program that was reading has stopped",
+        _ => "",
+    }
+}

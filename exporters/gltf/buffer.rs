@@ -1,0 +1,214 @@
+//! The binary buffer: where each array lies, and writing it without holding it.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use linden::scene::{Bounds, Part, Scene};
+
+use super::document::{Accessor, Attributes, BufferView, ComponentType};
+use crate::{ExportError, Sink};
+
+const ARRAY_BUFFER: u16 = 34962;
+const ELEMENT_ARRAY_BUFFER: u16 = 34963;
+
+/// Where everything lies: the parts' arrays in order, then the pictures. Every view starts at a
+/// multiple of four, which suits every component type used, and zeros fill the gaps.
+pub(super) struct Layout {
+    pub views: Vec<BufferView>,
+    pub accessors: Vec<Accessor>,
+    pub primitives: Vec<PrimitiveArrays>,
+    blobs: Vec<Vec<u8>>,
+    bytes: u64,
+}
+
+/// Accessors of a part.
+pub(super) struct PrimitiveArrays {
+    first: usize,
+    pub indices: usize,
+}
+
+impl PrimitiveArrays {
+    pub fn attributes(&self) -> Attributes {
+        Attributes { position: self.first, normal: self.first + 1, texcoord_0: self.first + 2 }
+    }
+}
+
+impl Layout {
+    pub fn of_meshes(scene: &Scene, bounds: &[Bounds]) -> Self {
+        let mut layout = Self {
+            views: Vec::new(),
+            accessors: Vec::new(),
+            primitives: Vec::new(),
+            blobs: Vec::new(),
+            bytes: 0,
+        };
+        for (part, bounds) in scene.parts.iter().zip(bounds) {
+            let first = layout.accessors.len();
+            let count = part.mesh.positions.len();
+            let f32s = |layout: &mut Self, shape, bytes| {
+                layout.push(count, shape, ComponentType::F32, bytes, ARRAY_BUFFER);
+            };
+            f32s(&mut layout, "VEC3", 12);
+            f32s(&mut layout, "VEC3", 12);
+            f32s(&mut layout, "VEC2", 8);
+            layout.accessors[first].min = Some(bounds.min.to_array());
+            layout.accessors[first].max = Some(bounds.max.to_array());
+            let kind = index_type(part);
+            let bytes = if kind == ComponentType::U16 { 2 } else { 4 };
+            layout.push(part.mesh.triangles.len() * 3, "SCALAR", kind, bytes, ELEMENT_ARRAY_BUFFER);
+            layout.primitives.push(PrimitiveArrays { first, indices: first + 3 });
+        }
+        layout
+    }
+
+    fn push(&mut self, count: usize, shape: &'static str, kind: ComponentType, bytes: u64, target: u16) {
+        let buffer_view = self.push_view(count as u64 * bytes, Some(target));
+        self.accessors.push(Accessor {
+            buffer_view,
+            component_type: kind,
+            count,
+            shape,
+            min: None,
+            max: None,
+        });
+    }
+
+    fn push_view(&mut self, byte_length: u64, target: Option<u16>) -> usize {
+        let byte_offset = self.bytes;
+        self.bytes = (byte_offset + byte_length).next_multiple_of(4);
+        self.views.push(BufferView { buffer: 0, byte_offset, byte_length, target });
+        self.views.len() - 1
+    }
+
+    /// Puts a file's bytes behind everything else; gives its view.
+    pub fn push_blob(&mut self, bytes: Vec<u8>) -> usize {
+        let view = self.push_view(bytes.len() as u64, None);
+        self.blobs.push(bytes);
+        view
+    }
+
+    /// The buffer's length, a multiple of four.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    /// Writes the buffer.
+    pub fn write(&self, scene: &Scene, out: &mut impl Chunk) -> Result<(), ExportError> {
+        for part in &scene.parts {
+            write_part(part, out)?;
+        }
+        for blob in &self.blobs {
+            out.put(blob)?;
+            out.put(&[0; 3][..blob.len().next_multiple_of(4) - blob.len()])?;
+        }
+        Ok(())
+    }
+}
+
+/// 16 bits where they reach; 65535 itself means "restart" to some hardware and is not allowed.
+fn index_type(part: &Part) -> ComponentType {
+    if u16::try_from(part.mesh.positions.len()).is_ok() { ComponentType::U16 } else { ComponentType::U32 }
+}
+
+fn write_part(part: &Part, out: &mut impl Chunk) -> Result<(), ExportError> {
+    let mesh = &part.mesh;
+    out.put(bytemuck::cast_slice(&mesh.positions))?;
+    out.put(bytemuck::cast_slice(&mesh.normals))?;
+    // V runs down in glTF: the origin is the upper left corner of the picture.
+    let mut down = Vec::with_capacity(PIECE);
+    for uvs in mesh.uvs.chunks(PIECE) {
+        down.clear();
+        down.extend(uvs.iter().map(|uv| [uv.x, 1.0 - uv.y]));
+        out.put(bytemuck::cast_slice(&down))?;
+    }
+    if index_type(part) == ComponentType::U32 {
+        return out.put(bytemuck::cast_slice(&mesh.triangles));
+    }
+    let mut short: Vec<[u16; 3]> = Vec::with_capacity(PIECE.min(mesh.triangles.len()));
+    for triangles in mesh.triangles.chunks(PIECE) {
+        short.clear();
+        short.extend(triangles.iter().map(|triangle| triangle.map(|vertex| vertex as u16)));
+        out.put(bytemuck::cast_slice(&short))?;
+    }
+    out.put(&[0; 2][..mesh.triangles.len() % 2 * 2])
+}
+
+/// Records that are converted at a time.
+const PIECE: usize = 1 << 15;
+
+/// Takes the buffer's bytes in order.
+pub(super) trait Chunk {
+    fn put(&mut self, bytes: &[u8]) -> Result<(), ExportError>;
+}
+
+impl Chunk for Sink<'_> {
+    fn put(&mut self, bytes: &[u8]) -> Result<(), ExportError> {
+        self.write(bytes)
+    }
+}
+
+/// Writes bytes as base64 into a sink.
+pub(super) struct Base64<'s, 'a> {
+    out: &'s mut Sink<'a>,
+    /// Up to two bytes that wait for a third.
+    rest: Vec<u8>,
+    text: String,
+}
+
+impl<'s, 'a> Base64<'s, 'a> {
+    pub fn new(out: &'s mut Sink<'a>) -> Self {
+        Self { out, rest: Vec::new(), text: String::new() }
+    }
+
+    pub fn finish(mut self) -> Result<(), ExportError> {
+        let rest = std::mem::take(&mut self.rest);
+        self.encode(&rest)
+    }
+
+    fn encode(&mut self, bytes: &[u8]) -> Result<(), ExportError> {
+        self.text.clear();
+        STANDARD.encode_string(bytes, &mut self.text);
+        self.out.write(self.text.as_bytes())
+    }
+}
+
+impl Chunk for Base64<'_, '_> {
+    fn put(&mut self, mut bytes: &[u8]) -> Result<(), ExportError> {
+        while !self.rest.is_empty() && self.rest.len() < 3 && !bytes.is_empty() {
+            self.rest.push(bytes[0]);
+            bytes = &bytes[1..];
+        }
+        if self.rest.len() == 3 {
+            let rest = std::mem::take(&mut self.rest);
+            self.encode(&rest)?;
+        }
+        let whole = bytes.len() - bytes.len() % 3;
+        for piece in bytes[..whole].chunks(3 << 16) {
+            self.encode(piece)?;
+        }
+        self.rest.extend_from_slice(&bytes[whole..]);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Bundle;
+    use crate::bundle::test_output::Output;
+
+    #[test]
+    fn base64_does_not_depend_on_the_pieces() {
+        let bytes: Vec<u8> = (0..1000).map(|i| (i * 7 % 256) as u8).collect();
+        for piece in [1, 2, 3, 4, 5, 64, 1000] {
+            let output = Output::default();
+            Bundle::stream("test", output.clone())
+                .write_main(None, &linden::Quiet, |out| {
+                    let mut encoder = Base64::new(out);
+                    bytes.chunks(piece).try_for_each(|piece| encoder.put(piece))?;
+                    encoder.finish()
+                })
+                .unwrap();
+            assert_eq!(output.bytes(), STANDARD.encode(&bytes).into_bytes(), "pieces of {piece}");
+        }
+    }
+}

@@ -1,0 +1,193 @@
+//! The glTF 2.0 document: what of the specification a tree needs, and nothing of where it comes from.
+//!
+//! <https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html>, section 5.
+
+use serde::Serialize;
+use serde_json::value::RawValue;
+
+/// The root. `buffers` stands before everything that carries names from outside: the writer of data
+/// URIs looks for the first one.
+#[derive(Serialize)]
+pub(super) struct Document {
+    pub asset: Asset,
+    pub buffers: [Buffer; 1],
+    pub scene: usize,
+    pub scenes: [SceneRoot; 1],
+    pub nodes: Vec<Node>,
+    pub meshes: Vec<Mesh>,
+    pub materials: Vec<Material>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub textures: Vec<Texture>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub images: Vec<Image>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub samplers: Vec<Sampler>,
+    pub accessors: Vec<Accessor>,
+    #[serde(rename = "bufferViews")]
+    pub buffer_views: Vec<BufferView>,
+}
+
+#[derive(Serialize)]
+pub(super) struct Asset {
+    pub version: &'static str,
+    pub generator: &'static str,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Buffer {
+    pub byte_length: u64,
+    /// None for a GLB's own.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uri: Option<String>,
+}
+
+#[derive(Serialize)]
+pub(super) struct SceneRoot {
+    pub name: String,
+    pub nodes: [usize; 1],
+}
+
+#[derive(Default, Serialize)]
+pub(super) struct Node {
+    pub name: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mesh: Option<usize>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub children: Vec<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extras: Option<Extras>,
+}
+
+/// What only linden reads; other programs keep it.
+#[derive(Serialize)]
+pub(super) struct Extras {
+    /// The recipe, letter by letter: a JSON object where it is one, else a string.
+    pub linden: Box<RawValue>,
+}
+
+#[derive(Serialize)]
+pub(super) struct Mesh {
+    pub name: String,
+    pub primitives: [Primitive; 1],
+}
+
+#[derive(Serialize)]
+pub(super) struct Primitive {
+    pub attributes: Attributes,
+    pub indices: usize,
+    pub material: usize,
+}
+
+/// Accessors of the vertex arrays.
+#[derive(Serialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub(super) struct Attributes {
+    pub position: usize,
+    pub normal: usize,
+    #[serde(rename = "TEXCOORD_0")]
+    pub texcoord_0: usize,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Material {
+    pub name: String,
+    pub pbr_metallic_roughness: PbrMetallicRoughness,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normal_texture: Option<TextureInfo>,
+    pub double_sided: bool,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct PbrMetallicRoughness {
+    /// Linear RGBA.
+    pub base_color_factor: [f32; 4],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub base_color_texture: Option<TextureInfo>,
+    pub metallic_factor: f32,
+    pub roughness_factor: f32,
+}
+
+#[derive(Serialize)]
+pub(super) struct TextureInfo {
+    pub index: usize,
+}
+
+#[derive(Serialize)]
+pub(super) struct Texture {
+    pub sampler: usize,
+    pub source: usize,
+}
+
+/// A picture: beside the file, or in the buffer.
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Image {
+    pub name: String,
+    pub mime_type: &'static str,
+    #[serde(flatten)]
+    pub source: ImageSource,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) enum ImageSource {
+    Uri(String),
+    BufferView(usize),
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Sampler {
+    pub mag_filter: u16,
+    pub min_filter: u16,
+    pub wrap_s: u16,
+    pub wrap_t: u16,
+}
+
+impl Sampler {
+    /// Trilinear, repeating both ways: bark goes round and along a branch.
+    pub const TILING: Self = Self { mag_filter: 9729, min_filter: 9987, wrap_s: 10497, wrap_t: 10497 };
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Accessor {
+    pub buffer_view: usize,
+    pub component_type: ComponentType,
+    pub count: usize,
+    #[serde(rename = "type")]
+    pub shape: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub min: Option<[f32; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub max: Option<[f32; 3]>,
+}
+
+/// Component types by their number in OpenGL.
+#[derive(Clone, Copy, PartialEq, Eq)]
+#[repr(u16)]
+pub(super) enum ComponentType {
+    U16 = 5123,
+    U32 = 5125,
+    F32 = 5126,
+}
+
+impl Serialize for ComponentType {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_u16(*self as u16)
+    }
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct BufferView {
+    pub buffer: usize,
+    pub byte_offset: u64,
+    pub byte_length: u64,
+    /// 34962 for vertices, 34963 for indices, none for pictures.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target: Option<u16>,
+}

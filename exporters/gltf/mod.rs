@@ -1,0 +1,288 @@
+//! glTF 2.0, as `.gltf` with its files beside and as a single `.glb`.
+//!
+//! The recipe is a JSON object under `linden` in the extras of the tree's root node: node extras are
+//! what importers keep (as custom properties in Blender, `userData` in three.js).
+//!
+//! No TANGENTs are written: for a normal texture without them the specification (3.7.2.1) has every
+//! reader compute `MikkTSpace` tangents from positions, normals and texture coordinates. The bark
+//! pictures are drawn for a tangent that runs along U, which is what that computation gives on a
+//! swept tube.
+
+mod buffer;
+mod document;
+
+use linden::Monitor;
+use linden::scene::Scene;
+use serde_json::value::RawValue;
+
+use self::buffer::Layout;
+use self::document::{
+    Asset, Buffer, Document, Extras, Image, ImageSource, Material, Mesh, Node, PbrMetallicRoughness,
+    Primitive, Sampler, SceneRoot, Texture, TextureInfo,
+};
+use crate::options::{OptionSpec, Options};
+use crate::picture::{self, Named};
+use crate::sound;
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR};
+
+/// JSON, with a buffer and pictures beside it.
+pub(crate) struct Gltf;
+
+/// One binary file.
+pub(crate) struct Glb;
+
+const PICTURES: OptionSpec = OptionSpec::switch("pictures", true, "with bark pictures; without, one colour");
+
+static GLTF: Format = Format {
+    id: "gltf",
+    name: "glTF 2.0 (JSON)",
+    extensions: &["gltf"],
+    media_type: "model/gltf+json",
+    self_contained: false,
+    help: "for engines and the web; geometry (.bin) and pictures lie beside it",
+    options: &[
+        PICTURES,
+        OptionSpec::switch("embed", false, "buffer and pictures inside the file, as data URIs"),
+    ],
+};
+
+static GLB: Format = Format {
+    id: "glb",
+    name: "glTF 2.0 (binary)",
+    extensions: &["glb"],
+    media_type: "model/gltf-binary",
+    self_contained: true,
+    help: "for engines and the web: everything in one file",
+    options: &[PICTURES],
+};
+
+impl Exporter for Gltf {
+    fn format(&self) -> &'static Format {
+        &GLTF
+    }
+
+    fn write(
+        &self,
+        scene: &Scene,
+        options: &Options,
+        bundle: &mut Bundle,
+        monitor: &dyn Monitor,
+    ) -> Result<(), ExportError> {
+        let bounds = sound::check(scene, monitor)?;
+        let pictures = if options.is_on("pictures") { picture::pictures(scene) } else { Vec::new() };
+        let embed = options.is_on("embed") || !bundle.takes_side_files();
+        if embed && !options.is_on("embed") {
+            bundle
+                .note("a single stream has no files beside it: buffer and pictures are inside, as data URIs");
+        }
+        let mut layout = Layout::of_meshes(scene, &bounds);
+        if embed {
+            let sources = embedded(&pictures, &mut layout)?;
+            let mut document = document(scene, &pictures, sources, &mut layout);
+            document.buffers[0].uri = Some(DATA_URI.to_owned());
+            let json = json(&document)?;
+            let hole = find(&json, DATA_URI.as_bytes()) + DATA_URI.len();
+            let bytes = json.len() as u64 + layout.bytes().div_ceil(3) * 4;
+            return bundle.write_main(Some(bytes), monitor, |out| {
+                out.write(&json[..hole])?;
+                let mut encoder = buffer::Base64::new(out);
+                layout.write(scene, &mut encoder)?;
+                encoder.finish()?;
+                out.write(&json[hole..])
+            });
+        }
+        let mut sources = Vec::with_capacity(pictures.len());
+        for named in &pictures {
+            let png = picture::encode(named)?;
+            bundle.write_side(&named.suffix, Some(png.len() as u64), monitor, |out| out.write(&png))?;
+            sources.push(ImageSource::Uri(percent_encoded(&bundle.side_name(&named.suffix))));
+        }
+        let mut document = document(scene, &pictures, sources, &mut layout);
+        document.buffers[0].uri = Some(percent_encoded(&bundle.side_name(".bin")));
+        let json = json(&document)?;
+        bundle.write_side(".bin", Some(layout.bytes()), monitor, |out| layout.write(scene, out))?;
+        bundle.write_main(Some(json.len() as u64), monitor, |out| out.write(&json))
+    }
+}
+
+/// How the embedded buffer's URI begins.
+const DATA_URI: &str = "data:application/octet-stream;base64,";
+
+/// Where `needle` first is; the caller has put it there.
+fn find(haystack: &[u8], needle: &[u8]) -> usize {
+    haystack.windows(needle.len()).position(|window| window == needle).unwrap_or_default()
+}
+
+impl Exporter for Glb {
+    fn format(&self) -> &'static Format {
+        &GLB
+    }
+
+    fn write(
+        &self,
+        scene: &Scene,
+        options: &Options,
+        bundle: &mut Bundle,
+        monitor: &dyn Monitor,
+    ) -> Result<(), ExportError> {
+        let bounds = sound::check(scene, monitor)?;
+        let pictures = if options.is_on("pictures") { picture::pictures(scene) } else { Vec::new() };
+        let mut layout = Layout::of_meshes(scene, &bounds);
+        let sources = embedded(&pictures, &mut layout)?;
+        let document = document(scene, &pictures, sources, &mut layout);
+        let mut json = json(&document)?;
+        // Both chunks end at a multiple of four (4.4.3): the buffer does anyway.
+        json.resize(json.len().next_multiple_of(4), b' ');
+        let binary = layout.bytes();
+        let bytes = 12 + 8 + json.len() as u64 + 8 + binary;
+        let too_large = |_| ExportError::TooLarge {
+            format: GLB.id,
+            amount: format!("{bytes} bytes"),
+            limit: "4 GiB",
+            advice: "write .gltf instead, or lower the resolution",
+        };
+        let length = u32::try_from(bytes).map_err(too_large)?;
+        bundle.write_main(Some(bytes), monitor, |out| {
+            out.write(b"glTF")?;
+            // Each fits where the whole does.
+            for word in [2, length, json.len() as u32] {
+                out.write(&word.to_le_bytes())?;
+            }
+            out.write(b"JSON")?;
+            out.write(&json)?;
+            out.write(&(binary as u32).to_le_bytes())?;
+            out.write(b"BIN\0")?;
+            layout.write(scene, out)
+        })
+    }
+}
+
+/// Pictures into the buffer.
+fn embedded(pictures: &[Named<'_>], layout: &mut Layout) -> Result<Vec<ImageSource>, ExportError> {
+    let put = |named| Ok(ImageSource::BufferView(layout.push_blob(picture::encode(named)?)));
+    pictures.iter().map(put).collect()
+}
+
+/// The document, but for the buffer's URI. `sources` tells where each picture is.
+fn document(
+    scene: &Scene,
+    pictures: &[Named<'_>],
+    sources: Vec<ImageSource>,
+    layout: &mut Layout,
+) -> Document {
+    let texture = |picture| picture::index_of(pictures, picture).map(|index| TextureInfo { index });
+    let materials = scene.materials.iter().map(|material| {
+        let base_color_texture = texture(material.base_color_picture.as_ref());
+        // The two are multiplied, and the picture is to be used as it is.
+        let [r, g, b] = if base_color_texture.is_some() { [1.0; 3] } else { material.base_color };
+        Material {
+            name: material.name.clone(),
+            pbr_metallic_roughness: PbrMetallicRoughness {
+                base_color_factor: [r, g, b, 1.0],
+                base_color_texture,
+                metallic_factor: 0.0,
+                roughness_factor: material.roughness,
+            },
+            normal_texture: texture(material.normal_picture.as_ref()),
+            double_sided: material.double_sided,
+        }
+    });
+    let meshes = scene.parts.iter().zip(&layout.primitives).map(|(part, primitive)| Mesh {
+        name: part.name.clone(),
+        primitives: [Primitive {
+            attributes: primitive.attributes(),
+            indices: primitive.indices,
+            material: part.material,
+        }],
+    });
+    let root = Node {
+        name: scene.name.clone(),
+        children: (1..=scene.parts.len()).collect(),
+        extras: recipe(scene).map(|linden| Extras { linden }),
+        ..Node::default()
+    };
+    let leaves = scene.parts.iter().enumerate().map(|(mesh, part)| Node {
+        name: part.name.clone(),
+        mesh: Some(mesh),
+        ..Node::default()
+    });
+    let images = pictures.iter().zip(sources).map(|(named, source)| Image {
+        name: named.suffix.trim_start_matches('_').trim_end_matches(".png").to_owned(),
+        mime_type: "image/png",
+        source,
+    });
+    Document {
+        asset: Asset { version: "2.0", generator: GENERATOR },
+        buffers: [Buffer { byte_length: layout.bytes(), uri: None }],
+        scene: 0,
+        scenes: [SceneRoot { name: scene.name.clone(), nodes: [0] }],
+        nodes: std::iter::once(root).chain(leaves).collect(),
+        meshes: meshes.collect(),
+        materials: materials.collect(),
+        textures: (0..pictures.len()).map(|source| Texture { sampler: 0, source }).collect(),
+        images: images.collect(),
+        samplers: if pictures.is_empty() { Vec::new() } else { vec![Sampler::TILING] },
+        accessors: std::mem::take(&mut layout.accessors),
+        buffer_views: std::mem::take(&mut layout.views),
+    }
+}
+
+/// The recipe letter by letter: parsing and printing again could round a number.
+fn recipe(scene: &Scene) -> Option<Box<RawValue>> {
+    RawValue::from_string(scene.recipe.clone())
+        .or_else(|_| serde_json::value::to_raw_value(&scene.recipe))
+        .ok()
+}
+
+fn json(document: &Document) -> Result<Vec<u8>, ExportError> {
+    serde_json::to_vec(document).map_err(|e| ExportError::Io {
+        doing: "describing",
+        what: "the glTF document".to_owned(),
+        source: e.into(),
+    })
+}
+
+/// A relative URI (RFC 3986): everything but the unreserved characters as `%XX` of its UTF-8.
+fn percent_encoded(name: &str) -> String {
+    let mut uri = String::with_capacity(name.len());
+    for byte in name.bytes() {
+        if byte.is_ascii_alphanumeric() || b"-._~".contains(&byte) {
+            uri.push(byte.into());
+        } else {
+            uri.push_str(&format!("%{byte:02X}"));
+        }
+    }
+    uri
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn uris_are_of_unreserved_characters() {
+        assert_eq!(percent_encoded("a-b_c.d~e.bin"), "a-b_c.d~e.bin");
+        assert_eq!(percent_encoded("Ö l#%"), "%C3%96%20l%23%25");
+    }
+
+    #[test]
+    fn the_recipe_keeps_its_letters() {
+        let with = |recipe: &str| {
+            let scene = Scene {
+                name: String::new(),
+                recipe: recipe.to_owned(),
+                materials: Vec::new(),
+                parts: Vec::new(),
+                skeleton: std::sync::Arc::default(),
+            };
+            serde_json::to_string(&recipe_of(&scene)).unwrap()
+        };
+        let recipe_text = r#"{"z":0.30000000000000004,"a":18446744073709551615}"#;
+        assert_eq!(with(recipe_text), format!(r#"{{"linden":{recipe_text}}}"#));
+        assert_eq!(with("no json"), r#"{"linden":"no json"}"#);
+    }
+
+    fn recipe_of(scene: &Scene) -> Extras {
+        Extras { linden: recipe(scene).unwrap() }
+    }
+}

@@ -1,0 +1,194 @@
+//! Wavefront OBJ with its material library (MTL).
+//!
+//! What every reader agrees on: one index for position, texture coordinate and normal, exactly three
+//! numbers after `v`, `o` and `g` per part, names without spaces. The recipe is the one line that
+//! starts with `# recipe: `.
+
+use linden::Monitor;
+use linden::scene::{Material, Part, Scene};
+use linden::skeleton::NO_PARENT;
+
+use crate::chunks::{self, Text, digits};
+use crate::options::{OptionSpec, Options};
+use crate::picture::{self, Named};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, sound};
+
+/// Wavefront OBJ.
+pub(crate) struct Obj;
+
+static FORMAT: Format = Format {
+    id: "obj",
+    name: "Wavefront OBJ",
+    extensions: &["obj"],
+    media_type: "model/obj",
+    self_contained: false,
+    help: "text that every program reads; materials (.mtl) and pictures lie beside it",
+    options: &[
+        OptionSpec::switch("pictures", true, "bark pictures beside the file; without, one colour"),
+        OptionSpec::switch("lines", false, "the skeleton too, as lines: one per axis"),
+    ],
+};
+
+impl Exporter for Obj {
+    fn format(&self) -> &'static Format {
+        &FORMAT
+    }
+
+    fn write(
+        &self,
+        scene: &Scene,
+        options: &Options,
+        bundle: &mut Bundle,
+        monitor: &dyn Monitor,
+    ) -> Result<(), ExportError> {
+        sound::check(scene, monitor)?;
+        let lines = options.is_on("lines");
+        let vertices: usize = scene.parts.iter().map(|part| part.mesh.positions.len()).sum();
+        if vertices + scene.skeleton.positions.len() > i32::MAX as usize {
+            return Err(ExportError::TooLarge {
+                format: FORMAT.id,
+                amount: format!("{vertices} vertices"),
+                limit: "2 147 483 647",
+                advice: "lower the resolution",
+            });
+        }
+        let library = bundle.takes_side_files().then(|| bundle.side_name(".mtl"));
+        if library.is_some() {
+            let pictures = if options.is_on("pictures") { picture::pictures(scene) } else { Vec::new() };
+            for named in &pictures {
+                let png = picture::encode(named)?;
+                let bytes = Some(png.len() as u64);
+                bundle.write_side(&named.suffix, bytes, monitor, |out| out.write(&png))?;
+            }
+            let mtl = material_library(scene, &pictures, bundle);
+            bundle.write_side(".mtl", Some(mtl.len() as u64), monitor, |out| out.write(mtl.as_bytes()))?;
+        } else {
+            bundle.note("OBJ keeps materials and pictures in files beside it: left out of a single stream");
+        }
+        bundle.write_main(None, monitor, |out| {
+            let mut head = header(scene);
+            if let Some(library) = &library {
+                head += &format!("mtllib {library}\n");
+            }
+            out.write(head.as_bytes())?;
+            let mut before = 0;
+            for part in &scene.parts {
+                write_part(out, scene, part, library.is_some(), before)?;
+                before += part.mesh.positions.len() as u32;
+            }
+            if lines { write_lines(out, scene, before) } else { Ok(()) }
+        })
+    }
+}
+
+fn header(scene: &Scene) -> String {
+    format!(
+        "# {GENERATOR}\n# name: {}\n# recipe: {}\n# units: metres, up axis: Y, triangles counter-clockwise from outside\n",
+        linden::knob::printable(&scene.name),
+        scene.recipe
+    )
+}
+
+/// A name that readers take for one word.
+fn word(name: &str) -> String {
+    name.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect()
+}
+
+fn write_part(
+    out: &mut Sink<'_>,
+    scene: &Scene,
+    part: &Part,
+    materials: bool,
+    before: u32,
+) -> Result<(), ExportError> {
+    let name = word(&part.name);
+    out.write(format!("o {}_{name}\ng {name}\n", word(&scene.name)).as_bytes())?;
+    let mesh = &part.mesh;
+    let count = mesh.positions.len();
+    chunks::write(out, count, |text, range| {
+        vectors::<3>(text, b"v ", &bytemuck::cast_slice(&mesh.positions)[range]);
+    })?;
+    chunks::write(out, count, |text, range| {
+        vectors::<2>(text, b"vt ", &bytemuck::cast_slice(&mesh.uvs)[range]);
+    })?;
+    chunks::write(out, count, |text, range| {
+        vectors::<3>(text, b"vn ", &bytemuck::cast_slice(&mesh.normals)[range]);
+    })?;
+    if materials {
+        out.write(format!("usemtl {}\n", word(&scene.materials[part.material].name)).as_bytes())?;
+    }
+    out.write(b"s 1\n")?;
+    chunks::write(out, mesh.triangles.len(), |text, range| {
+        for triangle in &mesh.triangles[range] {
+            text.byte(b'f');
+            for &vertex in triangle {
+                // The same number for position, texture coordinate and normal.
+                let mut buffer = [0; 10];
+                let number = digits(before + vertex + 1, &mut buffer);
+                for before in [b' ', b'/', b'/'] {
+                    text.byte(before);
+                    text.bytes(number);
+                }
+            }
+            text.byte(b'\n');
+        }
+    })
+}
+
+fn vectors<const N: usize>(text: &mut Text, keyword: &[u8], vectors: &[[f32; N]]) {
+    for vector in vectors {
+        text.bytes(keyword);
+        text.floats(*vector, b" ");
+        text.byte(b'\n');
+    }
+}
+
+/// The skeleton: a polyline per axis, from the node that it leaves from.
+fn write_lines(out: &mut Sink<'_>, scene: &Scene, before: u32) -> Result<(), ExportError> {
+    let skeleton = &scene.skeleton;
+    out.write(format!("o {}_skeleton\ng skeleton\n", word(&scene.name)).as_bytes())?;
+    chunks::write(out, skeleton.positions.len(), |text, range| {
+        vectors::<3>(text, b"v ", &bytemuck::cast_slice(&skeleton.positions)[range]);
+    })?;
+    chunks::write(out, skeleton.axes.len(), |text, range| {
+        for axis in &skeleton.axes[range] {
+            let foot = (axis.parent != NO_PARENT).then_some(axis.parent);
+            let nodes = || foot.iter().chain(skeleton.nodes_of(axis));
+            if nodes().count() < 2 {
+                continue;
+            }
+            text.byte(b'l');
+            for &node in nodes() {
+                text.byte(b' ');
+                text.integer(before + node + 1);
+            }
+            text.byte(b'\n');
+        }
+    })
+}
+
+fn material_library(scene: &Scene, pictures: &[Named<'_>], bundle: &Bundle) -> String {
+    let mut mtl = format!("# {GENERATOR}\n");
+    let file = |picture: Option<_>| {
+        picture::index_of(pictures, picture).map(|i| bundle.side_name(&pictures[i].suffix))
+    };
+    for material in &scene.materials {
+        let Material { name, base_color, base_color_picture, normal_picture, roughness, .. } = material;
+        let color_file = file(base_color_picture.as_ref());
+        // Readers multiply the two, and the picture is to be used as it is.
+        let [r, g, b] = if color_file.is_some() { [1.0; 3] } else { *base_color };
+        // `Pr` is what readers of today take; `Ns` is the same for the others, as Blender converts it.
+        let exponent = 1000.0 * (1.0 - roughness) * (1.0 - roughness);
+        mtl += &format!(
+            "\nnewmtl {}\nKa 0 0 0\nKd {r} {g} {b}\nKs 0 0 0\nNs {exponent}\nPr {roughness}\nd 1\nillum 1\n",
+            word(name)
+        );
+        if let Some(file) = color_file {
+            mtl += &format!("map_Kd {file}\n");
+        }
+        if let Some(file) = file(normal_picture.as_ref()) {
+            mtl += &format!("norm {file}\n");
+        }
+    }
+    mtl
+}

@@ -1,0 +1,125 @@
+//! The settings of a format: a table of knobs, and values checked against it.
+
+use linden::knob::{Kind, Knob, Value, nearest};
+
+use crate::{ExportError, Format};
+
+/// A setting of a format.
+#[derive(Clone, Copy, Debug)]
+pub struct OptionSpec {
+    /// Name, kind and help.
+    pub knob: Knob,
+    /// The value when nothing is said, as a user would type it.
+    pub default: &'static str,
+}
+
+impl OptionSpec {
+    /// `true` or `false`.
+    pub(crate) const fn switch(name: &'static str, default: bool, help: &'static str) -> Self {
+        let knob = Knob { name, kind: Kind::Switch, unit: "", help };
+        Self { knob, default: if default { "true" } else { "false" } }
+    }
+
+    /// One of some words, the first by default.
+    pub(crate) const fn choice(
+        name: &'static str,
+        words: &'static [&'static str],
+        help: &'static str,
+    ) -> Self {
+        Self { knob: Knob { name, kind: Kind::Choice(words), unit: "", help }, default: words[0] }
+    }
+}
+
+/// One value for each setting of a format.
+#[derive(Clone, Debug)]
+pub struct Options {
+    format: &'static Format,
+    /// As many as `format.options`, in its order.
+    values: Vec<Value>,
+}
+
+impl Options {
+    /// The format's defaults.
+    pub fn new(format: &'static Format) -> Self {
+        let default = |spec: &OptionSpec| {
+            // A default that its own kind refuses is a fault in a table; the tests parse them all.
+            spec.knob.kind.parse(spec.default).unwrap_or(Value::Auto)
+        };
+        Self { format, values: format.options.iter().map(default).collect() }
+    }
+
+    /// Sets an option from what a user typed.
+    ///
+    /// # Errors
+    /// [`ExportError::UnknownOption`] with the nearest name, [`ExportError::OptionValue`] with the range.
+    pub fn set(&mut self, name: &str, text: &str) -> Result<(), ExportError> {
+        let names = || self.format.options.iter().map(|spec| spec.knob.name);
+        let Some(index) = names().position(|known| known == name) else {
+            return Err(ExportError::UnknownOption {
+                format: self.format.id,
+                typed: name.to_owned(),
+                nearest: nearest(&name.to_lowercase(), names()),
+                known: names().collect(),
+            });
+        };
+        let knob = &self.format.options[index].knob;
+        self.values[index] = knob.kind.parse(text).map_err(|problem| ExportError::OptionValue {
+            format: self.format.id,
+            option: knob.name,
+            problem,
+        })?;
+        Ok(())
+    }
+
+    /// Names and values, in the table's order.
+    pub fn iter(&self) -> impl Iterator<Item = (&'static str, &Value)> {
+        self.format.options.iter().map(|spec| spec.knob.name).zip(&self.values)
+    }
+
+    /// Whether a [`linden::knob::Kind::Switch`] is on; an option that the format lacks is off.
+    pub(crate) fn is_on(&self, name: &str) -> bool {
+        self.value(name) == Some(&Value::Switch(true))
+    }
+
+    /// Whether a [`linden::knob::Kind::Choice`] has this word.
+    pub(crate) fn is_word(&self, name: &str, word: &str) -> bool {
+        matches!(self.value(name), Some(Value::Word(set)) if set == word)
+    }
+
+    fn value(&self, name: &str) -> Option<&Value> {
+        self.iter().find(|&(known, _)| known == name).map(|(_, value)| value)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{REGISTRY, find};
+
+    #[test]
+    fn every_default_is_a_value_of_its_kind() {
+        for exporter in REGISTRY {
+            for spec in exporter.format().options {
+                let parsed = spec.knob.kind.parse(spec.default);
+                assert!(parsed.is_ok(), "{} {}: {parsed:?}", exporter.format().id, spec.knob.name);
+            }
+        }
+    }
+
+    #[test]
+    fn values_are_checked_against_the_table() {
+        let mut options = Options::new(find("ply").unwrap().format());
+        assert!(options.is_word("encoding", "binary"));
+        options.set("encoding", "ascii").unwrap();
+        assert!(options.is_word("encoding", "ascii"));
+        let said = options.set("encoding", "utf8").unwrap_err().to_string();
+        assert_eq!(said, "option encoding of format ply: 'utf8' is not binary | ascii");
+        let said = options.set("encodin", "ascii").unwrap_err().to_string();
+        assert_eq!(said, "format ply has no option 'encodin' (did you mean 'encoding'?); it has: encoding");
+        let mut options = Options::new(find("obj").unwrap().format());
+        assert!(!options.is_on("lines") && options.is_on("pictures"));
+        options.set("lines", "true").unwrap();
+        assert!(options.is_on("lines"));
+        assert!(options.set("lines", "yes").is_err());
+    }
+}

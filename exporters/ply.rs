@@ -1,0 +1,250 @@
+//! PLY (the Stanford polygon format), as a mesh and as a skeleton.
+//!
+//! Binary little-endian by default. The recipe stands in the comments that start with `recipe: `; a
+//! long one is cut into several, because some readers take only short lines: their texts, joined
+//! without anything between, are the recipe.
+
+use bytemuck::{Pod, Zeroable};
+use glam::{Vec2, Vec3};
+use linden::Monitor;
+use linden::scene::{Part, Scene};
+use linden::skeleton::NO_PARENT;
+
+use crate::chunks::{self, Text};
+use crate::options::{OptionSpec, Options};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, picture, sound};
+
+/// A mesh with normals, texture coordinates and vertex colours.
+pub(crate) struct Ply;
+
+/// Nodes with radii, and edges between them.
+pub(crate) struct PlySkeleton;
+
+const OPTIONS: &[OptionSpec] = &[OptionSpec::choice(
+    "encoding",
+    &["binary", "ascii"],
+    "binary is little-endian, small and fast; ascii can be read by eye",
+)];
+
+static MESH: Format = Format {
+    id: "ply",
+    name: "PLY mesh",
+    extensions: &["ply"],
+    media_type: "application/ply",
+    self_contained: true,
+    help: "mesh with normals, texture coordinates and vertex colours in one small file",
+    options: OPTIONS,
+};
+
+static SKELETON: Format = Format {
+    id: "ply-skeleton",
+    name: "PLY skeleton",
+    // `.ply` alone means the mesh.
+    extensions: &[],
+    media_type: "application/ply",
+    self_contained: true,
+    help: "the axial tree: nodes with radius, birth and order, and edges between them",
+    options: OPTIONS,
+};
+
+/// Some readers take lines of 255 bytes at most.
+const LINE: usize = 200;
+
+impl Exporter for Ply {
+    fn format(&self) -> &'static Format {
+        &MESH
+    }
+
+    fn write(
+        &self,
+        scene: &Scene,
+        options: &Options,
+        bundle: &mut Bundle,
+        monitor: &dyn Monitor,
+    ) -> Result<(), ExportError> {
+        sound::check(scene, monitor)?;
+        let ascii = options.is_word("encoding", "ascii");
+        let vertices: usize = scene.parts.iter().map(|part| part.mesh.positions.len()).sum();
+        let faces: usize = scene.parts.iter().map(|part| part.mesh.triangles.len()).sum();
+        if vertices > i32::MAX as usize || faces > i32::MAX as usize {
+            return Err(too_large(MESH.id, format!("{vertices} vertices and {faces} triangles")));
+        }
+        let mut head = header(scene, ascii);
+        head += &format!("element vertex {vertices}\n");
+        for name in ["x", "y", "z", "nx", "ny", "nz", "s", "t"] {
+            head += &format!("property float {name}\n");
+        }
+        for name in ["red", "green", "blue", "alpha"] {
+            head += &format!("property uchar {name}\n");
+        }
+        head += &format!("element face {faces}\nproperty list uchar int vertex_indices\nend_header\n");
+        let bytes = head.len() + vertices * size_of::<Vertex>() + faces * (1 + size_of::<[u32; 3]>());
+        bundle.write_main((!ascii).then_some(bytes as u64), monitor, |out| {
+            out.write(head.as_bytes())?;
+            for part in &scene.parts {
+                write_vertices(out, scene, part, ascii)?;
+            }
+            let mut before = 0;
+            for part in &scene.parts {
+                write_faces(out, part, before, ascii)?;
+                before += part.mesh.positions.len() as u32;
+            }
+            Ok(())
+        })
+    }
+}
+
+/// A vertex as it lies in a binary file.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+struct Vertex {
+    position: Vec3,
+    normal: Vec3,
+    uv: Vec2,
+    rgba: [u8; 4],
+}
+
+fn write_vertices(out: &mut Sink<'_>, scene: &Scene, part: &Part, ascii: bool) -> Result<(), ExportError> {
+    let mesh = &part.mesh;
+    let [r, g, b] = scene.materials[part.material].base_color.map(picture::srgb);
+    let rgba = [r, g, b, 255];
+    let color = format!(" {r} {g} {b} 255\n");
+    chunks::write(out, mesh.positions.len(), |text, range| {
+        for i in range {
+            let vertex =
+                Vertex { position: mesh.positions[i], normal: mesh.normals[i], uv: mesh.uvs[i], rgba };
+            if ascii {
+                text.floats(vertex.position.to_array(), b" ");
+                text.byte(b' ');
+                text.floats(vertex.normal.to_array(), b" ");
+                text.byte(b' ');
+                text.floats(vertex.uv.to_array(), b" ");
+                text.bytes(color.as_bytes());
+            } else {
+                text.bytes(bytemuck::bytes_of(&vertex));
+            }
+        }
+    })
+}
+
+fn write_faces(out: &mut Sink<'_>, part: &Part, before: u32, ascii: bool) -> Result<(), ExportError> {
+    let triangles = &part.mesh.triangles;
+    chunks::write(out, triangles.len(), |text, range| {
+        for triangle in &triangles[range] {
+            let triangle = triangle.map(|vertex| before + vertex);
+            if ascii {
+                text.byte(b'3');
+                integers(text, &triangle);
+            } else {
+                let mut face = [3; 13];
+                face[1..].copy_from_slice(bytemuck::bytes_of(&triangle));
+                text.bytes(&face);
+            }
+        }
+    })
+}
+
+/// Each after a space, and the end of the line.
+fn integers(text: &mut Text, numbers: &[u32]) {
+    for &n in numbers {
+        text.byte(b' ');
+        text.integer(n);
+    }
+    text.byte(b'\n');
+}
+
+impl Exporter for PlySkeleton {
+    fn format(&self) -> &'static Format {
+        &SKELETON
+    }
+
+    fn write(
+        &self,
+        scene: &Scene,
+        options: &Options,
+        bundle: &mut Bundle,
+        monitor: &dyn Monitor,
+    ) -> Result<(), ExportError> {
+        sound::check(scene, monitor)?;
+        let ascii = options.is_word("encoding", "ascii");
+        let skeleton = &scene.skeleton;
+        let nodes = skeleton.positions.len();
+        if nodes > i32::MAX as usize {
+            return Err(too_large(SKELETON.id, format!("{nodes} nodes")));
+        }
+        let mut orders = vec![0; nodes];
+        for axis in &skeleton.axes {
+            for &node in skeleton.nodes_of(axis) {
+                orders[node as usize] = axis.order;
+            }
+        }
+        let edges: Vec<[u32; 2]> = (0..)
+            .zip(&skeleton.parents)
+            .filter(|&(_, &parent)| parent != NO_PARENT)
+            .map(|(node, &parent)| [parent, node])
+            .collect();
+        let mut head = header(scene, ascii);
+        head += &format!("element vertex {nodes}\n");
+        for name in ["x", "y", "z", "radius"] {
+            head += &format!("property float {name}\n");
+        }
+        head += "property int birth\nproperty int order\n";
+        head += &format!(
+            "element edge {}\nproperty int vertex1\nproperty int vertex2\nend_header\n",
+            edges.len()
+        );
+        let bytes = head.len() + nodes * 24 + edges.len() * 8;
+        bundle.write_main((!ascii).then_some(bytes as u64), monitor, |out| {
+            out.write(head.as_bytes())?;
+            chunks::write(out, nodes, |text, range| {
+                for i in range {
+                    let [x, y, z] = skeleton.positions[i].to_array();
+                    let numbers = [x, y, z, skeleton.radii[i]];
+                    // PLY's `int` is signed; no tree lives for two thousand million steps.
+                    let labels = [skeleton.births[i], orders[i]].map(|n| n.min(i32::MAX as u32));
+                    if ascii {
+                        text.floats(numbers, b" ");
+                        integers(text, &labels);
+                    } else {
+                        text.bytes(bytemuck::bytes_of(&numbers));
+                        text.bytes(bytemuck::bytes_of(&labels));
+                    }
+                }
+            })?;
+            if ascii {
+                chunks::write(out, edges.len(), |text, range| {
+                    for [parent, node] in &edges[range] {
+                        text.integer(*parent);
+                        integers(text, &[*node]);
+                    }
+                })
+            } else {
+                out.write(bytemuck::cast_slice(&edges))
+            }
+        })
+    }
+}
+
+fn header(scene: &Scene, ascii: bool) -> String {
+    let encoding = if ascii { "ascii" } else { "binary_little_endian" };
+    let mut head = format!("ply\nformat {encoding} 1.0\ncomment {GENERATOR}\n");
+    let mut name = linden::knob::printable(&scene.name);
+    while name.len() > LINE {
+        name.pop();
+    }
+    head += &format!("comment name: {name}\n");
+    // ASCII, as has been checked: any byte is the end of a character.
+    let mut rest = scene.recipe.as_str();
+    while let Some((line, after)) =
+        rest.split_at_checked(LINE.min(rest.len())).filter(|(line, _)| !line.is_empty())
+    {
+        head += &format!("comment recipe: {line}\n");
+        rest = after;
+    }
+    head += "comment units: metres, up axis: Y, triangles counter-clockwise from outside\n";
+    head
+}
+
+fn too_large(format: &'static str, amount: String) -> ExportError {
+    ExportError::TooLarge { format, amount, limit: "2 147 483 647 of each", advice: "lower the resolution" }
+}

@@ -1,0 +1,213 @@
+//! Whether a scene keeps the promises of its types: a broken one is refused before a byte is written.
+
+use linden::Monitor;
+use linden::scene::{Bounds, Part, Scene};
+use linden::skeleton::{NO_PARENT, Skeleton};
+use rayon::prelude::*;
+
+use crate::ExportError;
+
+/// Vertices or triangles per piece of parallel work.
+const CHUNK: usize = 1 << 16;
+
+/// Checks every number and index of a scene. Gives the box around each part on the way: smallest and
+/// largest of the stored coordinates, exactly.
+pub(crate) fn check(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Bounds>, ExportError> {
+    let fault =
+        |problem: &str| ExportError::Scene { what: "the scene".to_owned(), problem: problem.to_owned() };
+    if scene.name.is_empty() || scene.name.chars().any(char::is_control) {
+        return Err(fault("its name is empty or holds control characters"));
+    }
+    if !scene.recipe.bytes().all(|byte| (b' '..=b'~').contains(&byte)) {
+        return Err(fault("its recipe is not one line of printable ASCII"));
+    }
+    if scene.parts.is_empty() {
+        return Err(fault("it has no parts"));
+    }
+    for material in &scene.materials {
+        let fault = |problem| ExportError::Scene { what: format!("material '{}'", material.name), problem };
+        let numbers = material.base_color.iter().chain([&material.roughness]);
+        if let Some(x) = numbers.copied().find(|x| !(0.0..=1.0).contains(x)) {
+            return Err(fault(format!("a colour or roughness is {x}, not 0 to 1")));
+        }
+        for picture in [&material.base_color_picture, &material.normal_picture].into_iter().flatten() {
+            let pixels = u64::from(picture.width) * u64::from(picture.height);
+            if pixels == 0 || pixels.checked_mul(4) != Some(picture.rgba.len() as u64) {
+                return Err(fault(format!(
+                    "a picture of {}×{} has {} bytes",
+                    picture.width,
+                    picture.height,
+                    picture.rgba.len()
+                )));
+            }
+        }
+    }
+    check_skeleton(&scene.skeleton)
+        .map_err(|problem| ExportError::Scene { what: "the skeleton".to_owned(), problem })?;
+    scene.parts.iter().map(|part| check_part(scene, part, monitor)).collect()
+}
+
+fn check_part(scene: &Scene, part: &Part, monitor: &dyn Monitor) -> Result<Bounds, ExportError> {
+    let fault = |problem| ExportError::Scene { what: format!("part '{}'", part.name), problem };
+    let mesh = &part.mesh;
+    let count = mesh.positions.len();
+    if part.material >= scene.materials.len() {
+        return Err(fault(format!("it wants material {} of {}", part.material, scene.materials.len())));
+    }
+    if mesh.normals.len() != count || mesh.uvs.len() != count {
+        return Err(fault(format!(
+            "{count} positions, {} normals and {} texture coordinates",
+            mesh.normals.len(),
+            mesh.uvs.len()
+        )));
+    }
+    // OBJ counts from 1 and PLY's indices are signed.
+    if count >= i32::MAX as usize {
+        return Err(fault(format!(
+            "{count} vertices are more than 31 bits can number; lower the resolution"
+        )));
+    }
+    if mesh.triangles.is_empty() {
+        return Err(fault("it has no triangles".to_owned()));
+    }
+    // A number whose exponent is all ones is infinite or none; `|` instead of an early exit lets the
+    // compiler do eight at a time.
+    let broken = |numbers: &[f32]| numbers.iter().fold(false, |any, x| any | !x.is_finite());
+    let numbers_of = [
+        ("position", bytemuck::cast_slice::<_, f32>(&mesh.positions), 3),
+        ("normal", bytemuck::cast_slice(&mesh.normals), 3),
+        ("texture coordinate", bytemuck::cast_slice(&mesh.uvs), 2),
+    ];
+    for (what, numbers, width) in numbers_of {
+        monitor.check()?;
+        if numbers.par_chunks(CHUNK).any(broken) {
+            let at = numbers.iter().position(|x| !x.is_finite()).unwrap_or_default();
+            return Err(fault(format!("a {what} is {} (vertex {})", numbers[at], at / width)));
+        }
+    }
+    monitor.check()?;
+    let largest =
+        mesh.triangles.par_chunks(CHUNK).map(|t| t.iter().flatten().fold(0, |a, &b| a.max(b))).max();
+    if let Some(index) = largest.filter(|&index| index as usize >= count) {
+        return Err(fault(format!("a triangle names vertex {index} of {count}")));
+    }
+    monitor.check()?;
+    mesh.positions
+        .par_chunks(CHUNK)
+        .filter_map(|chunk| Bounds::of(chunk.iter().copied()))
+        .reduce_with(Bounds::union)
+        .ok_or_else(|| fault("it has no vertices".to_owned()))
+}
+
+fn check_skeleton(skeleton: &Skeleton) -> Result<(), String> {
+    let count = skeleton.positions.len();
+    if [skeleton.parents.len(), skeleton.radii.len(), skeleton.births.len()] != [count; 3] {
+        return Err("its arrays differ in length".to_owned());
+    }
+    if let Some(node) =
+        (0..count).find(|&i| !skeleton.positions[i].is_finite() || !skeleton.radii[i].is_finite())
+    {
+        return Err(format!("the position or radius of node {node} is not finite"));
+    }
+    let strange = |&node: &u32| node != NO_PARENT && node as usize >= count;
+    let axes_end = |axis: &linden::skeleton::Axis| u64::from(axis.first) + u64::from(axis.len);
+    if skeleton.parents.iter().any(strange)
+        || skeleton.axes.iter().any(|axis| strange(&axis.parent))
+        || skeleton.axes.iter().any(|axis| axes_end(axis) > skeleton.axis_nodes.len() as u64)
+        || skeleton.axis_nodes.iter().any(|&node| node as usize >= count)
+    {
+        return Err(format!("it names a node beyond its {count}"));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use glam::{Vec2, Vec3};
+    use linden::scene::{Material, Mesh, Picture};
+
+    use super::*;
+    use crate::{Bundle, Options, REGISTRY, bundle::test_output::Output};
+
+    fn scene() -> Scene {
+        let mesh = Mesh {
+            positions: vec![Vec3::ZERO, Vec3::X, Vec3::Y],
+            normals: vec![Vec3::Z; 3],
+            uvs: vec![Vec2::ZERO, Vec2::X, Vec2::Y],
+            triangles: vec![[0, 1, 2]],
+        };
+        let picture = Some(Arc::new(Picture { width: 1, height: 1, rgba: vec![255; 4] }));
+        Scene {
+            name: "leaflet".to_owned(),
+            recipe: "{}".to_owned(),
+            materials: vec![Material {
+                name: "bark".to_owned(),
+                base_color: [0.5; 3],
+                base_color_picture: picture.clone(),
+                normal_picture: picture,
+                roughness: 1.0,
+                double_sided: false,
+            }],
+            parts: vec![Part { name: "wood".to_owned(), material: 0, mesh }],
+            skeleton: Arc::new(Skeleton {
+                positions: vec![Vec3::ZERO, Vec3::Y],
+                parents: vec![NO_PARENT, 0],
+                radii: vec![0.1; 2],
+                births: vec![0, 1],
+                axes: vec![linden::skeleton::Axis { order: 0, parent: NO_PARENT, first: 0, len: 2 }],
+                axis_nodes: vec![0, 1],
+            }),
+        }
+    }
+
+    type Break = (&'static str, fn(&mut Scene));
+
+    #[test]
+    fn every_format_refuses_every_broken_scene_before_writing() {
+        let breakages: [Break; 15] = [
+            ("part 'wood': a position is NaN (vertex 1)", |s| s.parts[0].mesh.positions[1].y = f32::NAN),
+            ("part 'wood': a normal is inf (vertex 2)", |s| s.parts[0].mesh.normals[2].x = f32::INFINITY),
+            ("a texture coordinate is -inf (vertex 0)", |s| s.parts[0].mesh.uvs[0].y = f32::NEG_INFINITY),
+            ("names vertex 3 of 3", |s| s.parts[0].mesh.triangles[0][1] = 3),
+            ("3 positions, 3 normals and 2 texture", |s| s.parts[0].mesh.uvs.truncate(2)),
+            ("no triangles", |s| s.parts[0].mesh.triangles.clear()),
+            ("material 1 of 1", |s| s.parts[0].material = 1),
+            ("no parts", |s| s.parts.clear()),
+            ("its name", |s| s.name = "a\nb".to_owned()),
+            ("its recipe", |s| s.recipe = "{}\nv 0 0 0".to_owned()),
+            ("a colour or roughness is NaN", |s| s.materials[0].roughness = f32::NAN),
+            ("a picture of 7×1 has 4 bytes", |s| {
+                s.materials[0].normal_picture =
+                    Some(Arc::new(Picture { width: 7, height: 1, rgba: vec![0; 4] }));
+            }),
+            ("the skeleton: the position or radius of node 1", |s| {
+                Arc::make_mut(&mut s.skeleton).radii[1] = f32::NAN;
+            }),
+            ("beyond its 2", |s| Arc::make_mut(&mut s.skeleton).axes[0].len = 3),
+            ("differ in length", |s| Arc::make_mut(&mut s.skeleton).births.truncate(1)),
+        ];
+        for exporter in REGISTRY {
+            for (expected, break_it) in breakages {
+                let mut scene = scene();
+                break_it(&mut scene);
+                let output = Output::default();
+                let mut bundle = Bundle::stream("test", output.clone());
+                let options = Options::new(exporter.format());
+                let said =
+                    exporter.write(&scene, &options, &mut bundle, &linden::Quiet).unwrap_err().to_string();
+                assert!(said.contains(expected), "{}: {said:?} lacks {expected:?}", exporter.format().id);
+                assert!(output.bytes().is_empty());
+            }
+            let mut bundle = Bundle::stream("test", Output::default());
+            exporter.write(&scene(), &Options::new(exporter.format()), &mut bundle, &linden::Quiet).unwrap();
+        }
+    }
+
+    #[test]
+    fn bounds_are_the_stored_numbers() {
+        let bounds = check(&scene(), &linden::Quiet).unwrap();
+        assert_eq!(bounds, [Bounds { min: Vec3::ZERO, max: Vec3::new(1.0, 1.0, 0.0) }]);
+    }
+}

@@ -1,0 +1,85 @@
+//! Names and strings as USD text takes them.
+
+use std::collections::BTreeSet;
+
+/// A prim's name from any name: ASCII letters, digits and `_`, no digit first (releases before 24.03
+/// know no other letters).
+pub(super) fn identifier(name: &str) -> String {
+    let mut identifier: String =
+        name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+    if identifier.starts_with(|c: char| c.is_ascii_digit()) || identifier.is_empty() {
+        identifier.insert(0, '_');
+    }
+    identifier
+}
+
+/// Siblings' names.
+#[derive(Default)]
+pub(super) struct Names(BTreeSet<String>);
+
+impl Names {
+    /// An identifier that no sibling has had.
+    pub fn unique(&mut self, name: &str) -> String {
+        let plain = identifier(name);
+        let mut unique = plain.clone();
+        let mut number = 2;
+        while !self.0.insert(unique.clone()) {
+            unique = format!("{plain}_{number}");
+            number += 1;
+        }
+        unique
+    }
+}
+
+/// A string literal.
+pub(super) fn quoted(text: &str) -> String {
+    let mut literal = String::with_capacity(text.len() + 2);
+    literal.push('"');
+    for c in text.chars() {
+        match c {
+            '"' | '\\' => literal.extend(['\\', c]),
+            '\n' => literal.push_str("\\n"),
+            c if c.is_ascii_control() => literal.push_str(&format!("\\x{:02x}", c as u32)),
+            c => literal.push(c),
+        }
+    }
+    literal.push('"');
+    literal
+}
+
+/// `(x, y, z)`.
+pub(super) fn tuple(numbers: [f32; 3]) -> String {
+    let [x, y, z] = numbers;
+    format!("({x}, {y}, {z})")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_becomes_an_identifier() {
+        for (name, expected) in [
+            ("fir", "fir"),
+            ("Tilia × europaea", "Tilia___europaea"),
+            ("3rd", "_3rd"),
+            ("松", "_"),
+            ("a\"b", "a_b"),
+        ] {
+            assert_eq!(identifier(name), expected);
+        }
+    }
+
+    #[test]
+    fn siblings_differ() {
+        let mut names = Names::default();
+        let given = ["a b", "a_b", "a_b_2", "a-b"].map(|name| names.unique(name));
+        assert_eq!(given, ["a_b", "a_b_2", "a_b_2_2", "a_b_3"]);
+    }
+
+    #[test]
+    fn strings_cannot_be_left() {
+        assert_eq!(quoted(r#"a"b\c"#), r#""a\"b\\c""#);
+        assert_eq!(quoted("a\n\u{1}é"), "\"a\\n\\x01é\"");
+    }
+}
