@@ -1,1 +1,94 @@
-//! (to come)
+//! Draws trees on the CPU: camera + [`Skeleton`](linden::Skeleton) → RGBA pixels → PNG bytes.
+//!
+//! Takes values, gives values: this crate opens no file and writes to no terminal. The same
+//! skeleton, camera, style and size give the same bytes.
+//!
+//! | module | is |
+//! |---|---|
+//! | [`camera`] | where the picture is taken from, and how the tree is framed |
+//! | [`style`] | what it is painted with |
+//! | [`color`] | the colour spaces and ramps behind it |
+//! | [`skeleton`] | tapered strokes for the axial tree |
+//! | [`png`] | pixels → PNG bytes |
+//!
+//! A drawer of surfaces stands beside [`skeleton`] once there is one: it shares everything else.
+
+pub mod camera;
+pub mod color;
+pub mod png;
+pub mod skeleton;
+pub mod style;
+
+mod canvas;
+
+pub use crate::png::encode_png;
+pub use camera::{Camera, Extent, View};
+pub use skeleton::draw_skeleton;
+pub use style::{Background, Paint, Style};
+
+/// The longest side of a picture, pixels: 8192² pixels are 268 MB.
+pub const MAX_SIDE: u32 = 8192;
+
+/// A picture's size in pixels, each side from 1 to [`MAX_SIDE`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    width: u32,
+    height: u32,
+}
+
+impl Size {
+    /// Checks the sides.
+    ///
+    /// # Errors
+    /// [`RasterError::Size`] when a side is 0 or longer than [`MAX_SIDE`].
+    pub fn new(width: u32, height: u32) -> Result<Self, RasterError> {
+        if (1..=MAX_SIDE).contains(&width) && (1..=MAX_SIDE).contains(&height) {
+            Ok(Self { width, height })
+        } else {
+            Err(RasterError::Size { width, height })
+        }
+    }
+
+    /// Pixels per row.
+    pub const fn width(self) -> u32 {
+        self.width
+    }
+
+    /// Rows.
+    pub const fn height(self) -> u32 {
+        self.height
+    }
+}
+
+/// Why there is no picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RasterError {
+    /// A side is 0 or too long.
+    #[error("a picture of {width}×{height} pixels cannot be drawn: each side must be 1 to {MAX_SIDE} pixels")]
+    Size {
+        /// Pixels per row that were asked for.
+        width: u32,
+        /// Rows that were asked for.
+        height: u32,
+    },
+    /// The skeleton has no node.
+    #[error("there is nothing to draw: the skeleton has no node; let the generator grow for more steps")]
+    Empty,
+    /// A node is somewhere that no picture can show.
+    #[error("node {0} of the skeleton cannot be drawn: its position or radius is not a finite number")]
+    NotFinite(usize),
+    /// The skeleton's arrays contradict each other.
+    #[error(
+        "the skeleton cannot be drawn: node {0} lacks a radius, a birth step, an axis or an earlier parent"
+    )]
+    Inconsistent(usize),
+    /// Nobody wants the picture any more.
+    #[error("drawing was cancelled")]
+    Cancelled,
+}
+
+impl From<linden::Cancelled> for RasterError {
+    fn from(_: linden::Cancelled) -> Self {
+        Self::Cancelled
+    }
+}

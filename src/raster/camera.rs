@@ -1,0 +1,315 @@
+//! Where the picture is taken from.
+//!
+//! A [`Camera`] turns around the tree and looks at its middle; it becomes a [`View`] once the tree's
+//! [`Extent`] and the picture's size are known. The extent is a solid of revolution, which looks the
+//! same from every yaw: a turntable neither clips the tree nor changes its scale.
+
+use glam::{Vec2, Vec3};
+use linden::Skeleton;
+
+use crate::Size;
+
+/// Half of the angle over the picture's longer side, degrees: mild, as a long lens from across the
+/// road. A tree gains depth and its trunk stays upright.
+const HALF_ANGLE_DEG: f32 = 13.0;
+/// The share of the picture's half side that the tree may fill.
+const FILL: f32 = 0.94;
+/// A tree without any extent is framed as if it were this large, metres.
+const SMALLEST_EXTENT_M: f32 = 1e-7;
+
+/// An orbit camera with a mild perspective.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Turns the camera around the tree, degrees: 0 looks from +Z, 90 from +X.
+    pub yaw_deg: f32,
+    /// Lifts the camera, degrees: 0 looks from the side, 90 from above. Clamped to -90..90.
+    pub pitch_deg: f32,
+    /// 1 frames the whole tree, 2 shows it twice as large. A longer lens, not a nearer place, so
+    /// nothing ever comes behind the camera. Clamped to 0.01..1000.
+    pub zoom: f32,
+    /// Shifts the picture, in halves of its shorter side: right and up.
+    pub pan: Vec2,
+    /// What is framed; `None` for the tree itself. One extent for several pictures keeps the scale.
+    pub extent: Option<Extent>,
+}
+
+impl Default for Camera {
+    /// A little from above, turned so that depth shows.
+    fn default() -> Self {
+        Self::orbit(30.0, 8.0)
+    }
+}
+
+impl Camera {
+    /// From a direction, the whole tree in the frame.
+    pub const fn orbit(yaw_deg: f32, pitch_deg: f32) -> Self {
+        Self { yaw_deg, pitch_deg, zoom: 1.0, pan: Vec2::ZERO, extent: None }
+    }
+
+    /// From +Z.
+    pub const fn front() -> Self {
+        Self::orbit(0.0, 0.0)
+    }
+
+    /// From +X.
+    pub const fn side() -> Self {
+        Self::orbit(90.0, 0.0)
+    }
+
+    /// From above, +Z at the lower edge.
+    pub const fn top() -> Self {
+        Self::orbit(0.0, 90.0)
+    }
+
+    /// Sets up the projection for a tree and a size.
+    pub fn view(&self, tree: Extent, size: Size) -> View {
+        let extent = self.extent.unwrap_or(tree);
+        let (sin_yaw, cos_yaw) = sincos_deg(finite_or(self.yaw_deg, 0.0));
+        let (sin_pitch, cos_pitch) = sincos_deg(finite_or(self.pitch_deg, 0.0).clamp(-90.0, 90.0));
+        let right = Vec3::new(cos_yaw, 0.0, -sin_yaw);
+        let toward = Vec3::new(cos_pitch * sin_yaw, sin_pitch, cos_pitch * cos_yaw);
+        let up = toward.cross(right);
+
+        let half = Vec2::new(size.width() as f32, size.height() as f32) / 2.0;
+        let focal_px = half.max_element() / tan_deg(HALF_ANGLE_DEG);
+        // How far a point may lie off the picture's axis for each metre in front of the lens.
+        let slope = half * FILL / focal_px;
+        let (distance, rise) = extent.fit(slope, sin_pitch, cos_pitch);
+        let zoom = finite_or(self.zoom, 1.0).clamp(0.01, 1000.0);
+        let pan = if self.pan.is_finite() { self.pan } else { Vec2::ZERO } * half.min_element();
+        View {
+            right,
+            up,
+            toward,
+            target: extent.middle() + up * rise,
+            distance,
+            focal_px: focal_px * zoom,
+            middle_px: half + Vec2::new(pan.x, -pan.y),
+        }
+    }
+}
+
+/// How many rings of equal height an [`Extent`] has.
+pub const RINGS: usize = 24;
+
+/// A solid of revolution around a tree, metres: upright rings, each as wide as the tree is there.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// Where its axis stands.
+    pub x: f32,
+    /// Where its axis stands.
+    pub z: f32,
+    /// The lower end.
+    pub bottom: f32,
+    /// The upper end.
+    pub top: f32,
+    /// The radius of each ring, from the lowest to the highest.
+    pub radii: [f32; RINGS],
+}
+
+impl Extent {
+    /// The solid around a skeleton's nodes (as balls of their radii) and some points.
+    /// `None` when there is neither.
+    pub fn of(skeleton: &Skeleton, points: &[Vec3]) -> Option<Self> {
+        let balls = || {
+            let nodes = skeleton.positions.iter().copied().zip(skeleton.radii.iter().copied());
+            nodes.chain(points.iter().filter(|p| p.is_finite()).map(|&p| (p, 0.0)))
+        };
+        let (min, max) = balls().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), (p, r)| {
+            (min.min(p - Vec3::splat(r)), max.max(p + Vec3::splat(r)))
+        });
+        if min.cmpgt(max).any() {
+            return None;
+        }
+        let middle = min + (max - min) / 2.0;
+        let mut radii = [0.0_f32; RINGS];
+        let per_metre = RINGS as f32 / (max.y - min.y).max(SMALLEST_EXTENT_M);
+        let ring = |y: f32| (((y - min.y) * per_metre) as usize).min(RINGS - 1);
+        let reach = |p: Vec3, r: f32| Vec2::new(p.x - middle.x, p.z - middle.z).length() + r;
+        let mut widen = |low: f32, high: f32, reach: f32| {
+            for radius in &mut radii[ring(low)..=ring(high)] {
+                *radius = radius.max(reach);
+            }
+        };
+        for (p, r) in balls() {
+            widen(p.y - r, p.y + r, reach(p, r));
+        }
+        // An internode may cross rings in which no node lies. The distance from an axis is convex
+        // along it, so no place of it reaches farther than the farther end.
+        let tips = skeleton.positions.iter().zip(&skeleton.radii);
+        for (&parent, (&tip, r)) in skeleton.parents.iter().zip(tips) {
+            let parent = parent as usize;
+            let (Some(&base), Some(base_r)) = (skeleton.positions.get(parent), skeleton.radii.get(parent))
+            else {
+                continue;
+            };
+            let r = r.max(*base_r);
+            if ring(base.y) != ring(tip.y) {
+                widen(base.y.min(tip.y), base.y.max(tip.y), reach(base, r).max(reach(tip, r)));
+            }
+        }
+        Some(Self { x: middle.x, z: middle.z, bottom: min.y, top: max.y, radii })
+    }
+
+    /// The widest ring's radius, metres.
+    pub fn radius(&self) -> f32 {
+        self.radii.iter().copied().fold(0.0, f32::max)
+    }
+
+    fn middle(&self) -> Vec3 {
+        Vec3::new(self.x, self.bottom + (self.top - self.bottom) / 2.0, self.z)
+    }
+
+    /// The lens' distance from the middle, and how far the aim is lifted in the picture's plane, so
+    /// that the whole solid lies within `slope` and touches it.
+    ///
+    /// A point (x, y, z) in the camera's axes around the aim is inside where |x| ≤ kx (d - z) and
+    /// |y| ≤ ky (d - z): linear, so the rings' rims decide, and the largest value of a linear form
+    /// over a circle of radius R is R times its length. Solved for the smallest d.
+    fn fit(&self, slope: Vec2, sin_pitch: f32, cos_pitch: f32) -> (f32, f32) {
+        let half_height = ((self.top - self.bottom) / 2.0).max(SMALLEST_EXTENT_M);
+        let (kx, ky) = (1.0 / slope.x, 1.0 / slope.y);
+        let (mut sideways, mut upper, mut lower) = (0.0_f32, f32::NEG_INFINITY, f32::NEG_INFINITY);
+        for (i, radius) in self.radii.iter().enumerate() {
+            let radius = radius.max(SMALLEST_EXTENT_M);
+            for rim in [i, i + 1] {
+                let y = half_height * (2.0 * rim as f32 / RINGS as f32 - 1.0);
+                sideways = sideways.max(y * sin_pitch + radius * Vec2::new(kx, cos_pitch).length());
+                let (near, far) = (cos_pitch - ky * sin_pitch, cos_pitch + ky * sin_pitch);
+                upper = upper.max(y * (sin_pitch + ky * cos_pitch) + radius * near.abs());
+                lower = lower.max(y * (sin_pitch - ky * cos_pitch) + radius * far.abs());
+            }
+        }
+        // Lifting the aim by c lowers the upper need by ky c and raises the lower one as much.
+        (sideways.max(f32::midpoint(upper, lower)), (upper - lower) / (2.0 * ky))
+    }
+}
+
+/// A camera set up for one tree and one size.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct View {
+    right: Vec3,
+    up: Vec3,
+    toward: Vec3,
+    target: Vec3,
+    distance: f32,
+    focal_px: f32,
+    middle_px: Vec2,
+}
+
+/// A point in the picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Projected {
+    /// Pixels from the upper left corner, right and down.
+    pub at: Vec2,
+    /// Metres from the lens along its axis; larger is farther.
+    pub depth_m: f32,
+    /// Pixels per metre there.
+    pub scale: f32,
+}
+
+impl View {
+    /// Where a point appears.
+    pub fn project(&self, point: Vec3) -> Projected {
+        let p = self.turn(point - self.target);
+        // The fit keeps what is framed in front of the lens; what is not framed may lie behind.
+        let depth_m = (self.distance - p.z).max(self.distance * 1e-3);
+        let scale = self.focal_px / depth_m;
+        Projected { at: self.middle_px + Vec2::new(p.x, -p.y) * scale, depth_m, scale }
+    }
+
+    /// A direction in the camera's axes: right, up, toward the lens.
+    pub fn turn(&self, direction: Vec3) -> Vec3 {
+        Vec3::new(direction.dot(self.right), direction.dot(self.up), direction.dot(self.toward))
+    }
+
+    /// Whether the camera stands above the horizontal plane at a height.
+    pub fn is_above(&self, height_m: f32) -> bool {
+        (self.target + self.toward * self.distance).y > height_m
+    }
+}
+
+fn finite_or(x: f32, fallback: f32) -> f32 {
+    if x.is_finite() { x } else { fallback }
+}
+
+fn sincos_deg(degrees: f32) -> (f32, f32) {
+    libm::sincosf((degrees % 360.0).to_radians())
+}
+
+fn tan_deg(degrees: f32) -> f32 {
+    libm::tanf(degrees.to_radians())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn can() -> Extent {
+        Extent { x: 3.0, z: -2.0, bottom: -0.5, top: 11.0, radii: [4.0; RINGS] }
+    }
+
+    /// Points all over the cylinder's rims.
+    fn rims(e: Extent) -> impl Iterator<Item = Vec3> {
+        (0..720).flat_map(move |i| {
+            let (s, c) = libm::sincosf((i as f32 / 2.0).to_radians());
+            [e.bottom, e.top].map(|y| Vec3::new(e.x + e.radius() * c, y, e.z + e.radius() * s))
+        })
+    }
+
+    #[test]
+    fn the_cylinder_stays_in_the_frame_and_touches_it() {
+        for (w, h) in [(800, 1000), (1000, 300), (64, 72), (300, 2000)] {
+            let size = Size::new(w, h).unwrap();
+            for pitch in [-90.0, -35.0, 0.0, 8.0, 40.0, 75.0, 90.0] {
+                let view = Camera::orbit(17.0, pitch).view(can(), size);
+                let (mut x, mut y) = (0.0_f32, 0.0_f32);
+                for p in rims(can()) {
+                    let at = view.project(p).at / Vec2::new(w as f32, h as f32) * 2.0 - Vec2::ONE;
+                    (x, y) = (x.max(at.x.abs()), y.max(at.y.abs()));
+                }
+                assert!(x <= FILL + 1e-3 && y <= FILL + 1e-3, "{w}x{h} pitch {pitch}: {x} {y}");
+                assert!(x.max(y) > FILL - 2e-3, "{w}x{h} pitch {pitch} leaves room: {x} {y}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_turntable_keeps_the_scale() {
+        let size = Size::new(640, 480).unwrap();
+        let at = |yaw| Camera::orbit(yaw, 12.0).view(can(), size).project(Vec3::new(3.0, 11.0, -2.0));
+        let first = at(0.0);
+        for yaw in [1.0, 45.0, 133.0, 359.0, -720.0] {
+            let other = at(yaw);
+            assert!((other.at - first.at).length() < 0.01, "{yaw}: {other:?} {first:?}");
+            assert!((other.scale / first.scale - 1.0).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn directions_are_what_their_names_say() {
+        let size = Size::new(100, 100).unwrap();
+        let e = Extent { x: 0.0, z: 0.0, bottom: -1.0, top: 1.0, radii: [1.0; RINGS] };
+        let x = |c: Camera, p| c.view(e, size).project(p).at.x;
+        let y = |c: Camera, p| c.view(e, size).project(p).at.y;
+        assert!(x(Camera::front(), Vec3::X) > 60.0 && y(Camera::front(), Vec3::Y) < 40.0);
+        assert!(x(Camera::side(), Vec3::NEG_Z) > 60.0);
+        assert!(y(Camera::top(), Vec3::Z) > 60.0 && x(Camera::top(), Vec3::X) > 60.0);
+        let near = Camera::front().view(e, size).project(Vec3::Z);
+        let far = Camera::front().view(e, size).project(Vec3::NEG_Z);
+        assert!(near.depth_m < far.depth_m && near.scale > far.scale);
+    }
+
+    #[test]
+    fn nonsense_is_harmless() {
+        let camera = Camera {
+            yaw_deg: f32::NAN,
+            pitch_deg: 1e30,
+            zoom: f32::INFINITY,
+            pan: Vec2::NAN,
+            ..Camera::default()
+        };
+        let p = camera.view(can(), Size::new(9, 9).unwrap()).project(Vec3::ZERO);
+        assert!(p.at.is_finite() && p.scale.is_finite());
+    }
+}

@@ -1,0 +1,277 @@
+use glam::{Vec2, Vec3};
+use linden::scene::Picture;
+use linden::skeleton::Axis;
+use linden::{Monitor, NO_PARENT, Quiet, Skeleton};
+
+use super::draw_skeleton;
+use super::strokes::HAIR_PX;
+use crate::{Background, Camera, Extent, MAX_SIDE, Paint, RasterError, Size, Style};
+
+#[path = "sample.rs"]
+mod sample;
+
+/// One stem through some points.
+fn stem(nodes: &[(Vec3, f32)]) -> Skeleton {
+    let n = nodes.len() as u32;
+    Skeleton {
+        positions: nodes.iter().map(|n| n.0).collect(),
+        parents: (0..n).map(|i| i.checked_sub(1).unwrap_or(NO_PARENT)).collect(),
+        radii: nodes.iter().map(|n| n.1).collect(),
+        births: (0..n).collect(),
+        axes: vec![Axis { order: 0, parent: NO_PARENT, first: 0, len: n }],
+        axis_nodes: (0..n).collect(),
+    }
+}
+
+fn size(width: u32, height: u32) -> Size {
+    Size::new(width, height).unwrap()
+}
+
+fn draw(skeleton: &Skeleton, camera: &Camera, style: &Style, size: Size) -> Picture {
+    draw_skeleton(skeleton, camera, style, size, &Quiet).unwrap()
+}
+
+fn alpha(picture: &Picture, x: u32, y: u32) -> u8 {
+    picture.rgba[((y * picture.width + x) * 4 + 3) as usize]
+}
+
+/// The summed coverage of a row, pixels.
+fn ink(picture: &Picture, y: u32) -> f32 {
+    (0..picture.width).map(|x| f32::from(alpha(picture, x, y)) / 255.0).sum()
+}
+
+#[test]
+fn a_thick_stem_covers_what_geometry_says() {
+    let thick = stem(&[(Vec3::ZERO, 0.5), (Vec3::new(0.0, 4.0, 0.0), 0.5)]);
+    let (w, h) = (200, 300);
+    let camera = Camera::front();
+    let picture = draw(&thick, &camera, &Style::over_dark(), size(w, h));
+    // Independent of the outline code: a pixel's middle is inside where its ray passes the stem's
+    // axis closer than the radius. Similar triangles, in the plane of the axis.
+    let view = camera.view(Extent::of(&thick, &[]).unwrap(), size(w, h));
+    let (foot, head) = (view.project(Vec3::ZERO), view.project(Vec3::Y * 4.0));
+    let metres_per_px = 4.0 / foot.at.distance(head.at);
+    let mut inside = 0;
+    for y in 0..h {
+        for x in 0..w {
+            let p = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
+            let away_m = (p.x - foot.at.x).abs() * metres_per_px;
+            // Above the head the stroke ends in a half disc.
+            let over_m = ((head.at.y - p.y) * metres_per_px).max(0.0);
+            let from_edge_px = (0.5 - away_m.hypot(over_m)) / metres_per_px;
+            let above_foot_px = foot.at.y - p.y;
+            let expected = from_edge_px.min(above_foot_px);
+            if expected > 1.0 {
+                assert_eq!(alpha(&picture, x, y), 255, "{x} {y} is inside");
+                inside += 1;
+            } else if expected < -1.0 {
+                assert_eq!(alpha(&picture, x, y), 0, "{x} {y} is outside");
+            }
+        }
+    }
+    assert!(inside > 10_000, "the stem should fill much of the picture: {inside}");
+}
+
+#[test]
+fn width_follows_the_radius() {
+    let cone = stem(&[(Vec3::ZERO, 0.4), (Vec3::Y * 2.0, 0.2), (Vec3::Y * 4.0, 0.1)]);
+    let picture = draw(&cone, &Camera::front(), &Style::over_dark(), size(200, 400));
+    let view = Camera::front().view(Extent::of(&cone, &[]).unwrap(), size(200, 400));
+    for (y_m, radius_m) in [(0.5, 0.35), (1.0, 0.3), (1.5, 0.25), (3.0, 0.15), (3.5, 0.125)] {
+        let p = view.project(Vec3::Y * y_m);
+        let expected = 2.0 * radius_m * p.scale;
+        let found = ink(&picture, p.at.y as u32);
+        assert!((found - expected).abs() < 0.05 * expected + 0.5, "{y_m} m: {found} px, not {expected}");
+    }
+}
+
+#[test]
+fn a_hair_fades_but_stays() {
+    let mut last = f32::INFINITY;
+    for radius in [1e-2, 4e-3, 2e-3, 1e-3, 3e-4] {
+        let picture = draw(
+            &stem(&[(Vec3::ZERO, radius), (Vec3::Y, radius)]),
+            &Camera::front(),
+            &Style::over_dark(),
+            size(50, 50),
+        );
+        let found = ink(&picture, 25);
+        assert!(found > 0.01 && found < last, "radius {radius}: {found}, before {last}");
+        last = found;
+    }
+    assert!(last < HAIR_PX / 4.0);
+}
+
+#[test]
+fn the_whole_tree_stays_in_the_frame() {
+    let tree = sample::tree(3, 2);
+    for (w, h) in [(90, 120), (160, 60)] {
+        for yaw in [0.0, 37.0, 90.0, 200.0, 333.0] {
+            for pitch in [-80.0, -20.0, 0.0, 8.0, 30.0, 60.0, 90.0] {
+                let picture = draw(&tree, &Camera::orbit(yaw, pitch), &Style::over_dark(), size(w, h));
+                let rim = (0..w)
+                    .flat_map(|x| [(x, 0), (x, h - 1)])
+                    .chain((0..h).flat_map(|y| [(0, y), (w - 1, y)]));
+                for (x, y) in rim {
+                    assert_eq!(alpha(&picture, x, y), 0, "{w}x{h} yaw {yaw} pitch {pitch}: {x} {y}");
+                }
+                assert!((0..h).map(|y| ink(&picture, y)).sum::<f32>() > 50.0);
+            }
+        }
+    }
+}
+
+#[test]
+fn an_internode_across_rings_stays_in_the_frame() {
+    // The middle of the long internode lies at heights where only the thin stem has nodes.
+    let mut gallows = stem(&[(Vec3::ZERO, 0.05), (Vec3::Y * 2.5, 0.05), (Vec3::Y * 5.0, 0.05)]);
+    gallows.positions.push(Vec3::new(4.0, 0.0, 0.0));
+    gallows.parents.push(2);
+    gallows.radii.push(0.05);
+    gallows.births.push(3);
+    gallows.axes.push(Axis { order: 1, parent: 2, first: 3, len: 1 });
+    gallows.axis_nodes.push(3);
+    for yaw in [0.0, 45.0, 180.0] {
+        let picture = draw(&gallows, &Camera::orbit(yaw, 10.0), &Style::over_dark(), size(60, 100));
+        assert!((0..100).all(|y| alpha(&picture, 0, y) == 0 && alpha(&picture, 59, y) == 0), "{yaw}");
+    }
+}
+
+#[test]
+fn the_same_bytes_again() {
+    let tree = sample::tree(5, 2);
+    let once = || draw(&tree, &Camera::default(), &Style::studio(), size(120, 160));
+    assert_eq!(once(), once());
+}
+
+#[test]
+fn tiles_show_no_seam() {
+    // Wider than one tile of 2048 drawn pixels at twice the size: the same tree in a frame that is
+    // one tile wide must have the same pixels where both show it.
+    let tree = sample::tree(5, 2);
+    let extent = Extent::of(&tree, &[]);
+    let camera = Camera { extent, ..Camera::default() };
+    let wide = draw(&tree, &camera, &Style::over_dark(), size(2000, 400));
+    let seam = 1024 * 4;
+    // The stroke pieces left and right of the seam are covered alike: no column is empty or doubled.
+    let column = |x: usize| -> f32 {
+        wide.rgba.chunks_exact(2000 * 4).map(|row| f32::from(row[x * 4 + 3])).sum::<f32>() / 255.0
+    };
+    let (left, right) = (column(seam / 4 - 1), column(seam / 4));
+    let inside = (column(seam / 4 - 2), column(seam / 4 + 1));
+    assert!((left - right).abs() <= 3.0 + (inside.0 - inside.1).abs(), "{left} {right} {inside:?}");
+    assert!(left > 0.0 && right > 0.0, "the seam should cut the tree");
+}
+
+#[test]
+fn what_is_nearer_hides_what_is_farther() {
+    // Two stems with the colours of their orders, one behind the other, seen from both sides.
+    let near = Vec3::new(0.0, 0.0, 1.0);
+    let mut pair = stem(&[(near, 0.3), (near + Vec3::Y * 3.0, 0.3)]);
+    let other = stem(&[(-near, 0.3), (-near + Vec3::Y * 3.0, 0.3)]);
+    pair.positions.extend(other.positions);
+    pair.parents.extend([NO_PARENT, 2]);
+    pair.radii.extend(other.radii);
+    pair.births.extend([9, 9]);
+    pair.axes.push(Axis { order: 0, parent: NO_PARENT, first: 2, len: 2 });
+    pair.axis_nodes.extend([2, 3]);
+    let style = Style { paint: Paint::Birth, haze_amount: 0.0, ..Style::over_dark() };
+    let middle = |yaw| {
+        let p = draw(&pair, &Camera::orbit(yaw, 0.0), &style, size(60, 60));
+        let at = (30 * 60 + 30) * 4;
+        [p.rgba[at], p.rgba[at + 2]].map(i32::from)
+    };
+    let ([red_near, blue_near], [red_far, blue_far]) = (middle(0.0), middle(180.0));
+    assert!(blue_near > red_near && red_far > blue_far, "early is blue, late is yellow");
+}
+
+#[test]
+fn transparent_where_nothing_is_and_opaque_over_a_backdrop() {
+    let tree = sample::tree(1, 1);
+    let clear = draw(&tree, &Camera::front(), &Style::over_light(), size(40, 40));
+    assert_eq!(&clear.rgba[..4], &[0; 4]);
+    let plain = Style { background: Background::Plain([10, 200, 30]), ..Style::over_light() };
+    let picture = draw(&tree, &Camera::front(), &plain, size(40, 40));
+    assert!(picture.rgba.chunks_exact(4).all(|p| p[3] == 255));
+    for (c, expected) in picture.rgba[..3].iter().zip([10_u8, 200, 30]) {
+        assert!(c.abs_diff(expected) <= 1, "{c} {expected}");
+    }
+}
+
+#[test]
+fn points_are_dots() {
+    let one = stem(&[(Vec3::ZERO, 0.01), (Vec3::Y, 0.01)]);
+    let points = [Vec3::new(0.5, 0.5, 0.0)];
+    let style = Style { points: &points, point: [255, 0, 0], haze_amount: 0.0, ..Style::over_dark() };
+    let picture = draw(&one, &Camera::front(), &style, size(400, 400));
+    let at = Camera::front().view(Extent::of(&one, &points).unwrap(), size(400, 400)).project(points[0]).at;
+    let start = ((at.y as u32 * 400 + at.x as u32) * 4) as usize;
+    let [r, g, _, a] = picture.rgba[start..start + 4] else { panic!() };
+    assert!(r > 200 && g < 40 && a > 100, "{r} {g} {a}");
+}
+
+#[test]
+fn degenerate_skeletons_are_drawn() {
+    let at = Vec3::new(2.0, 3.0, 4.0);
+    let cases = [
+        ("one node", stem(&[(at, 0.1)])),
+        ("all in one place", stem(&[(at, 0.1), (at, 0.1), (at, 0.05)])),
+        ("without any width", stem(&[(at, 0.0), (at, 0.0)])),
+        ("a horizontal line", stem(&[(Vec3::ZERO, 0.1), (Vec3::X * 9.0, 0.1)])),
+        ("toward the lens", stem(&[(Vec3::ZERO, 0.1), (Vec3::Z * 9.0, 0.1)])),
+        ("huge", stem(&[(Vec3::ZERO, 1e3), (Vec3::Y * 1e7, 1e2)])),
+        ("tiny", stem(&[(Vec3::ZERO, 1e-7), (Vec3::Y * 1e-6, 1e-7)])),
+    ];
+    for (name, skeleton) in cases {
+        for (w, h) in [(1, 1), (1, 50), (33, 20)] {
+            let picture = draw(&skeleton, &Camera::default(), &Style::studio(), size(w, h));
+            assert_eq!(picture.rgba.len(), (w * h * 4) as usize, "{name}");
+        }
+        let picture = draw(&skeleton, &Camera::front(), &Style::over_dark(), size(33, 21));
+        let total: f32 = (0..21).map(|y| ink(&picture, y)).sum();
+        let nothing_to_see = name == "without any width";
+        assert!(total > 0.1 || nothing_to_see, "{name}: {total}");
+    }
+}
+
+#[test]
+fn what_cannot_be_drawn_is_an_error() {
+    let fails = |skeleton: &Skeleton| {
+        draw_skeleton(skeleton, &Camera::default(), &Style::studio(), size(8, 8), &Quiet).unwrap_err()
+    };
+    assert_eq!(fails(&Skeleton::default()), RasterError::Empty);
+    assert_eq!(fails(&stem(&[(Vec3::ZERO, 0.1), (Vec3::NAN, 0.1)])), RasterError::NotFinite(1));
+    let mut short = stem(&[(Vec3::ZERO, 0.1), (Vec3::Y, 0.1)]);
+    short.radii.pop();
+    assert_eq!(fails(&short), RasterError::Inconsistent(1));
+    let mut late = stem(&[(Vec3::ZERO, 0.1), (Vec3::Y, 0.1)]);
+    late.parents[1] = 1;
+    assert_eq!(fails(&late), RasterError::Inconsistent(1));
+    let mut stray = stem(&[(Vec3::ZERO, 0.1), (Vec3::Y, 0.1)]);
+    stray.axis_nodes[1] = 77;
+    assert_eq!(fails(&stray), RasterError::Inconsistent(77));
+
+    let error = Size::new(MAX_SIDE + 1, 5).unwrap_err();
+    assert!(error.to_string().contains("8193") && error.to_string().contains("8192"), "{error}");
+    assert!(Size::new(0, 5).is_err());
+}
+
+#[test]
+fn the_largest_picture_is_drawn() {
+    let tree = stem(&[(Vec3::ZERO, 0.1), (Vec3::Y * 5.0, 0.05)]);
+    let picture = draw(&tree, &Camera::front(), &Style::over_dark(), size(MAX_SIDE, 24));
+    assert!(alpha(&picture, MAX_SIDE / 2, 12) > 0 && alpha(&picture, 5, 12) == 0);
+}
+
+#[test]
+fn a_cancelled_monitor_stops_the_work() {
+    struct Stop;
+    impl Monitor for Stop {
+        fn is_cancelled(&self) -> bool {
+            true
+        }
+        fn advance(&self, _: linden::monitor::Stage, _: u64, _: Option<u64>) {}
+    }
+    let result = draw_skeleton(&sample::tree(1, 2), &Camera::default(), &Style::studio(), size(8, 8), &Stop);
+    assert_eq!(result, Err(RasterError::Cancelled));
+}
