@@ -88,7 +88,9 @@ fn bar(stage: Stage, total: Option<u64>) -> ProgressBar {
         }
         (None, Stage::Write) => "{prefix:>11} {bytes}  {bytes_per_sec}".to_owned(),
         (Some(_), _) => {
-            format!("{{prefix:>11}} [{{bar:28}}] {{human_pos}}/{{human_len}} {unit}  {{per_sec}}  {{eta}} left")
+            format!(
+                "{{prefix:>11}} [{{bar:28}}] {{human_pos}}/{{human_len}} {unit}  {{per_sec}}  {{eta}} left"
+            )
         }
         (None, _) => format!("{{prefix:>11}} {{human_pos}} {unit}  {{per_sec}}"),
     };

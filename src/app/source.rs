@@ -42,10 +42,11 @@ fn load(source: &str, monitor: &dyn Monitor) -> anyhow::Result<(Recipe, Vec<Stri
     let hint = match builtin(source) {
         Ok(found) => {
             let preset = found.load().map_err(|fault| locate(found.id, &fault))?;
-            let input = match (preset.space().and_then(Space::file), preset.space().and_then(|s| found.input(s))) {
-                (Some(file), Some(bytes)) => Some(Input::read(file, bytes, monitor)?),
-                _ => None,
-            };
+            let input =
+                match (preset.space().and_then(Space::file), preset.space().and_then(|s| found.input(s))) {
+                    (Some(file), Some(bytes)) => Some(Input::read(file, bytes, monitor)?),
+                    _ => None,
+                };
             return Ok((Recipe { preset, input }, Vec::new()));
         }
         Err(hint) => hint,
@@ -75,23 +76,33 @@ fn read(path: Option<&Path>, bytes: &[u8], monitor: &dyn Monitor) -> anyhow::Res
     let kind = sniff(bytes, &name).with_context(reading)?;
     let id = id_from(&name);
     let preset = match kind {
-        InputKind::Preset => Preset::from_toml(utf8(bytes, &shown)?).map_err(|fault| locate(&shown, &fault))?,
-        InputKind::Recipe => Preset::from_json(utf8(bytes, &shown)?).map_err(|fault| locate(&shown, &fault))?,
+        InputKind::Preset => {
+            Preset::from_toml(utf8(bytes, &shown)?).map_err(|fault| locate(&shown, &fault))?
+        }
+        InputKind::Recipe => {
+            Preset::from_json(utf8(bytes, &shown)?).map_err(|fault| locate(&shown, &fault))?
+        }
         InputKind::Grammar => {
             let own = text::parse(utf8(bytes, &shown)?).map_err(|error| {
                 anyhow::anyhow!("{shown}:{}:{}: {}", error.line, error.column, error.problem)
             })?;
             Preset::of_grammar(&id, own.grammar, own.angle_deg, own.derivations)
         }
-        InputKind::ObjMesh | InputKind::PlyMesh => Preset::of_space(&id, Space::Envelope { file: name.clone() }),
-        InputKind::PlyPoints | InputKind::XyzPoints => Preset::of_space(&id, Space::Points { file: name.clone() }),
+        InputKind::ObjMesh | InputKind::PlyMesh => {
+            Preset::of_space(&id, Space::Envelope { file: name.clone() })
+        }
+        InputKind::PlyPoints | InputKind::XyzPoints => {
+            Preset::of_space(&id, Space::Points { file: name.clone() })
+        }
     };
     let mut notes = Vec::new();
     let input = match (kind, preset.space().and_then(Space::file)) {
         (InputKind::Preset | InputKind::Recipe, Some(file)) => {
             let beside = path.and_then(Path::parent).map_or_else(PathBuf::new, Path::to_owned).join(file);
-            let content = fs::read(&beside).with_context(|| format!("reading {}, which {shown} needs", show(&beside)))?;
-            let input = Input::read(file, &content, monitor).with_context(|| format!("reading {}", show(&beside)))?;
+            let content = fs::read(&beside)
+                .with_context(|| format!("reading {}, which {shown} needs", show(&beside)))?;
+            let input =
+                Input::read(file, &content, monitor).with_context(|| format!("reading {}", show(&beside)))?;
             if kind == InputKind::Recipe && recipe_hash(bytes).is_some_and(|hash| hash != input.hash_text()) {
                 notes.push(format!(
                     "{} is not the file that the recipe was made with; another tree will grow",

@@ -19,7 +19,9 @@ impl Man {
             Some(name) => {
                 let found = command.get_subcommands().find(|own| own.get_name() == name).cloned();
                 let shown = linden::knob::printable(&name);
-                let found = found.ok_or_else(|| usage(format!("there is no command '{shown}'; 'linden help' lists them")))?;
+                let found = found.ok_or_else(|| {
+                    usage(format!("there is no command '{shown}'; 'linden help' lists them"))
+                })?;
                 found.name(format!("linden-{name}"))
             }
         };

@@ -95,7 +95,9 @@ impl Growing {
         for setting in &self.settings {
             let Some((name, value)) = setting.split_once('=') else {
                 let shown = linden::knob::printable(setting);
-                return Err(exit::usage(format!("--set {shown}: expected KNOB=VALUE, like --set points=500")));
+                return Err(exit::usage(format!(
+                    "--set {shown}: expected KNOB=VALUE, like --set points=500"
+                )));
             };
             pairs.push((name.trim().to_owned(), value.trim().to_owned()));
         }

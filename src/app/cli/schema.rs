@@ -104,12 +104,14 @@ fn of(knob: &Knob) -> Value {
         Kind::Choice(words) => json!({ "enum": words }),
         Kind::Switch => json!({ "type": "boolean" }),
         Kind::Vector { auto } => {
-            let vector = json!({ "type": "array", "items": { "type": "number" }, "minItems": 3, "maxItems": 3 });
+            let vector =
+                json!({ "type": "array", "items": { "type": "number" }, "minItems": 3, "maxItems": 3 });
             or_auto(auto, vector)
         }
         Kind::Color => json!({ "type": "string", "pattern": "^#[0-9a-fA-F]{6}$" }),
         Kind::Profile { count } => {
-            let pair = json!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 });
+            let pair =
+                json!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 });
             json!({ "type": "array", "items": pair, "minItems": count, "maxItems": count })
         }
     };

@@ -127,7 +127,11 @@ fn page(preset: &Preset, input: Option<&Input>, knobs: &[KnobRow], forecast: Opt
                 Space::Points { file } => ("attraction points", Some(file)),
             };
             if let Some(file) = file {
-                text.push_str(&format!("{what}\n  {}{}\n", printable(file), input.map(size).unwrap_or_default()));
+                text.push_str(&format!(
+                    "{what}\n  {}{}\n",
+                    printable(file),
+                    input.map(size).unwrap_or_default()
+                ));
             }
         }
     }
@@ -152,7 +156,12 @@ fn page(preset: &Preset, input: Option<&Input>, knobs: &[KnobRow], forecast: Opt
         text.push_str(&format!("\n{}\n", if section.key().is_empty() { "tree" } else { section.key() }));
         for row in own {
             let value = format!("{} {}", row.value, row.unit);
-            text.push_str(&format!("  {:name_width$}  {:value_width$}  {}\n", row.name, value.trim_end(), row.help));
+            text.push_str(&format!(
+                "  {:name_width$}  {:value_width$}  {}\n",
+                row.name,
+                value.trim_end(),
+                row.help
+            ));
             text.push_str(&format!("  {:name_width$}  {:value_width$}  {}\n", "", "", row.range));
         }
     }

@@ -1,0 +1,160 @@
+//! `linden preview`: a picture of the skeleton, in the terminal or as PNG.
+
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use clap::Args;
+use linden::scene::Picture;
+use linden_exporters::Bundle;
+use linden_raster::{Background, Camera, Paint, Size, Style, draw_skeleton, encode_png};
+use linden_terminal::{CellStyle, ColorDepth, Glyphs, Image, TerminalSize, draw_cells};
+
+use super::Growing;
+use crate::exit::usage;
+use crate::progress::Progress;
+
+/// Draw a source: in the terminal, or as a PNG file
+#[derive(Args)]
+pub struct Preview {
+    #[command(flatten)]
+    growing: Growing,
+
+    /// Write a PNG file; - is standard output
+    #[arg(short, long, value_name = "FILE.png")]
+    output: Option<PathBuf>,
+
+    /// WIDTHxHEIGHT: pixels of a file (800x1000 when not given), columns and rows of a terminal
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    size: Option<(u32, u32)>,
+
+    /// Turn round the tree, degrees
+    #[arg(long, default_value_t = 30.0, allow_negative_numbers = true, value_parser = angle)]
+    yaw: f32,
+
+    /// Look from above, degrees
+    #[arg(long, default_value_t = 8.0, allow_negative_numbers = true, value_parser = angle)]
+    pitch: f32,
+
+    /// Closer (above 1) or farther (below 1)
+    #[arg(long, default_value_t = 1.0, value_parser = zoom)]
+    zoom: f32,
+
+    /// What colour tells: wood, order, radius or birth
+    #[arg(long, default_value = "wood", value_parser = paint)]
+    color: Paint,
+
+    /// 'studio', 'transparent' or #rrggbb; a terminal shows its own unless another is given
+    #[arg(long, value_parser = background)]
+    background: Option<Background>,
+
+    /// Show the attraction points
+    #[arg(long)]
+    points: bool,
+}
+
+/// Pixels of a file when nobody says.
+const FILE_SIZE: (u32, u32) = (800, 1000);
+
+impl Preview {
+    pub fn run(self) -> anyhow::Result<()> {
+        let progress = Progress::new();
+        // A place that cannot be written to is found before anything grows.
+        let target = self.output.as_deref().map(png_target).transpose()?;
+        let source = self.growing.resolve(&progress)?;
+        let grown = super::grown(&source, &progress)?;
+        let points = grown.colonized.as_ref().filter(|_| self.points).map(|own| own.points.as_slice());
+        let camera = Camera { zoom: self.zoom, ..Camera::orbit(self.yaw, self.pitch) };
+        let draw = |style: Style<'_>, (width, height): (u32, u32)| -> anyhow::Result<Picture> {
+            let mut style = Style { paint: self.color, points: points.unwrap_or_default(), ..style };
+            if let Some(background) = self.background {
+                style.background = background;
+                style.ground_shadow &= background != Background::Transparent;
+            }
+            let size = Size::new(width, height).map_err(usage)?;
+            draw_skeleton(&grown.skeleton, &camera, &style, size, &progress)
+                .with_context(|| source.shown.clone())
+        };
+        let Some(mut bundle) = target else {
+            let terminal = TerminalSize::of_stdout();
+            // The last row is for the prompt.
+            let (columns, rows) =
+                self.size.unwrap_or((terminal.columns.into(), terminal.rows.saturating_sub(1).into()));
+            let (columns, rows) = (cells(columns)?, cells(rows)?);
+            let picture = draw(
+                Style::over_dark(),
+                linden_terminal::cells::square_pixels(columns, rows, terminal.cell_aspect),
+            )?;
+            let colors = ColorDepth::detect(|name| std::env::var(name).ok(), std::io::stdout().is_terminal());
+            let image = Image::new(picture.width, picture.height, &picture.rgba)?;
+            let glyphs = if colors == ColorDepth::None { Glyphs::Braille } else { Glyphs::Quadrants };
+            let style = CellStyle { glyphs, colors, ..CellStyle::default() };
+            progress.clear();
+            return super::print(&draw_cells(&image, columns, rows, &style));
+        };
+        let png = encode_png(&draw(Style::studio(), self.size.unwrap_or(FILE_SIZE))?)?;
+        progress.clear();
+        bundle.write_main(Some(png.len() as u64), &progress, |sink| sink.write(&png))?;
+        bundle.commit()?;
+        Ok(())
+    }
+}
+
+fn png_target(path: &Path) -> anyhow::Result<Bundle> {
+    if path == Path::new("-") {
+        return Ok(Bundle::stream("standard output", std::io::stdout()));
+    }
+    let is_png = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
+    if !is_png && !path.exists() {
+        return Err(usage(format!("previews are PNG files: name it like {}.png", crate::source::show(path))));
+    }
+    Ok(Bundle::create(path)?)
+}
+
+fn cells(n: u32) -> anyhow::Result<u16> {
+    u16::try_from(n.max(1))
+        .ok()
+        .filter(|&n| n <= 1000)
+        .ok_or_else(|| usage(format!("{n} is too many cells: at most 1000")))
+}
+
+fn size(text: &str) -> Result<(u32, u32), String> {
+    let pair = text
+        .split_once(['x', '×', ','])
+        .and_then(|(w, h)| Some((w.trim().parse().ok()?, h.trim().parse().ok()?)));
+    pair.ok_or_else(|| "expected WIDTHxHEIGHT, like 800x1000".to_owned())
+}
+
+fn angle(text: &str) -> Result<f32, String> {
+    finite(text).ok_or_else(|| "expected degrees, like 30".to_owned())
+}
+
+fn zoom(text: &str) -> Result<f32, String> {
+    finite(text)
+        .filter(|z| (0.01..=1000.0).contains(z))
+        .ok_or_else(|| "expected a number from 0.01 to 1000".to_owned())
+}
+
+fn finite(text: &str) -> Option<f32> {
+    text.parse().ok().filter(|x: &f32| x.is_finite())
+}
+
+fn paint(text: &str) -> Result<Paint, String> {
+    Paint::named(text).ok_or_else(|| {
+        let known: Vec<String> =
+            Paint::ALL.iter().map(|(name, _, help)| format!("{name} ({help})")).collect();
+        format!("expected one of: {}", known.join(", "))
+    })
+}
+
+fn background(text: &str) -> Result<Background, String> {
+    use linden::knob::{Kind, Value};
+    match text {
+        "transparent" => Ok(Background::Transparent),
+        "studio" => Ok(Style::studio().background),
+        _ => match Kind::Color.parse(text) {
+            Ok(Value::Color(color)) => Ok(Background::Plain(color)),
+            _ => Err("expected 'studio', 'transparent' or a colour #rrggbb".to_owned()),
+        },
+    }
+}
