@@ -74,12 +74,11 @@ impl Export {
         let written = commit_all(bundles)?;
         progress.clear();
         // The list of files is the result, unless a file itself is.
-        let lines: String = written
-            .iter()
-            .map(|file| {
-                format!("{}  {}\n", crate::source::show(&file.path), indicatif::BinaryBytes(file.bytes))
-            })
-            .collect();
+        let mut lines = String::new();
+        for file in &written {
+            let size = indicatif::BinaryBytes(file.bytes);
+            lines.push_str(&format!("{}  {size}\n", crate::source::show(&file.path)));
+        }
         if streams == 0 { super::print(&lines) } else { Ok(()) }
     }
 
@@ -123,9 +122,14 @@ fn default_path(id: &str, exporter: &dyn Exporter) -> PathBuf {
     let format = exporter.format();
     let stem: String =
         id.chars().map(|c| if std::path::is_separator(c) || c.is_control() { '-' } else { c }).collect();
-    let ending = format.extensions.first().copied().unwrap_or(format.id);
-    let variant = format.id.strip_prefix(ending).unwrap_or_default();
-    PathBuf::from(format!("{stem}{variant}.{ending}"))
+    match format.extensions.first() {
+        Some(ending) => PathBuf::from(format!("{stem}.{ending}")),
+        // A second flavour of an ending: `ply-skeleton`.
+        None => {
+            let (ending, flavour) = format.id.split_once('-').unwrap_or((format.id, "flavour"));
+            PathBuf::from(format!("{stem}-{flavour}.{ending}"))
+        }
+    }
 }
 
 /// Each `FORMAT.OPTION` must belong to a format that is written.

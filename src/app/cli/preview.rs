@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
-use linden::scene::Picture;
+use linden::scene::{Bounds, Picture};
+use linden::{Skeleton, Vec3};
 use linden_exporters::Bundle;
 use linden_raster::{Background, Camera, Paint, Size, Style, draw_skeleton, encode_png};
 use linden_terminal::{CellStyle, ColorDepth, Glyphs, Image, TerminalSize, draw_cells};
@@ -24,13 +25,13 @@ pub struct Preview {
     #[arg(short, long, value_name = "FILE.png")]
     output: Option<PathBuf>,
 
-    /// WIDTHxHEIGHT: pixels of a file (800x1000 when not given), columns and rows of a terminal
+    /// Width x height: pixels of a file (800x1000 when not given), columns and rows of a terminal
     #[arg(long, value_name = "WxH", value_parser = size)]
     size: Option<(u32, u32)>,
 
-    /// Turn round the tree, degrees
-    #[arg(long, default_value_t = 30.0, allow_negative_numbers = true, value_parser = angle)]
-    yaw: f32,
+    /// Turn round the tree, degrees; when not given 30, or the broad side of a flat tree
+    #[arg(long, allow_negative_numbers = true, value_parser = angle)]
+    yaw: Option<f32>,
 
     /// Look from above, degrees
     #[arg(long, default_value_t = 8.0, allow_negative_numbers = true, value_parser = angle)]
@@ -64,7 +65,10 @@ impl Preview {
         let source = self.growing.resolve(&progress)?;
         let grown = super::grown(&source, &progress)?;
         let points = grown.colonized.as_ref().filter(|_| self.points).map(|own| own.points.as_slice());
-        let camera = Camera { zoom: self.zoom, ..Camera::orbit(self.yaw, self.pitch) };
+        let camera = Camera {
+            zoom: self.zoom,
+            ..Camera::orbit(self.yaw.unwrap_or_else(|| broad_side(&grown.skeleton)), self.pitch)
+        };
         let draw = |style: Style<'_>, (width, height): (u32, u32)| -> anyhow::Result<Picture> {
             let mut style = Style { paint: self.color, points: points.unwrap_or_default(), ..style };
             if let Some(background) = self.background {
@@ -97,6 +101,19 @@ impl Preview {
         bundle.write_main(Some(png.len() as u64), &progress, |sink| sink.write(&png))?;
         bundle.commit()?;
         Ok(())
+    }
+}
+
+/// The yaw that shows a flat tree (the plane systems of ABOP) from its broad side.
+fn broad_side(skeleton: &Skeleton) -> f32 {
+    const FLAT: f32 = 0.01;
+    let size = Bounds::of(skeleton.positions.iter().copied()).map_or(Vec3::ONE, Bounds::size);
+    if size.z < FLAT * size.x {
+        0.0
+    } else if size.x < FLAT * size.z {
+        90.0
+    } else {
+        30.0
     }
 }
 

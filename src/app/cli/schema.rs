@@ -12,6 +12,7 @@ use serde_json::{Map, Value, json};
 pub struct Schema {}
 
 impl Schema {
+    #[expect(clippy::unused_self, reason = "every command is run by value")]
     pub fn run(self) -> anyhow::Result<()> {
         super::print_json(&document())
     }

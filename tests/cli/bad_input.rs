@@ -1,0 +1,195 @@
+//! Bad input: a clear message, the right code, and nothing written.
+
+use crate::program::Folder;
+
+/// Runs `linden export SOURCE -o out.glb` (and more arguments) on bad input and checks what is said.
+fn refused(folder: &Folder, code: i32, args: &[&str], says: &[&str]) {
+    let before = folder.content();
+    let said = folder.run(args);
+    assert_eq!(said.code, Some(code), "{args:?}: {}", said.err);
+    assert_eq!(said.out, "", "{args:?}");
+    for fragment in says {
+        assert!(said.err.contains(fragment), "{args:?} does not say {fragment:?}: {}", said.err);
+    }
+    assert!(!said.err.contains("panicked"), "{args:?}: {}", said.err);
+    assert!(said.err.trim_end().lines().count() <= 7, "a message, not a page: {}", said.err);
+    let raw = said.err.chars().any(|c| c.is_control() && c != '\n');
+    assert!(!raw, "{args:?}: raw control characters in {:?}", said.err);
+    assert_eq!(folder.content(), before, "{args:?} wrote something");
+}
+
+/// One bad file, given as the source.
+fn refused_file(name: &str, content: impl AsRef<[u8]>, says: &[&str]) {
+    let folder = Folder::new();
+    folder.write(name, content);
+    refused(&folder, 1, &["export", name, "-o", "out.glb"], says);
+}
+
+fn refused_usage(args: &[&str], says: &[&str]) {
+    refused(&Folder::new(), 2, args, says);
+}
+
+#[test]
+fn names_that_do_not_exist() {
+    refused_usage(&["export", "fri", "-o", "x.glb"], &["'fri'", "did you mean 'fir'", "linden list"]);
+    refused_usage(&["export", "fir", "-o", "x.glbb"], &["x.glbb", "did you mean '.glb'"]);
+    refused_usage(&["export", "fir", "-o", "x.glb", "--format", "gtlf"], &["'gtlf'", "did you mean 'gltf'"]);
+    refused_usage(&["export", "fir"], &["-o fir.glb"]);
+    refused_usage(&["export", "fir", "-o", "-"], &["--format"]);
+    refused_usage(&["exprot", "fir"], &["export"]);
+    refused_usage(&["preview", "fir", "-o", "fir.jpg"], &["PNG"]);
+    refused_usage(&["preview", "fir", "-o", "fir.png", "--size", "90000x1"], &["8192"]);
+}
+
+#[test]
+fn knobs_turned_wrong() {
+    let fir = |setting: &'static str| ["export", "fir", "-o", "x.glb", "--set", setting];
+    refused_usage(&fir("pionts=3"), &["'pionts'", "did you mean 'points'"]);
+    refused_usage(&fir("points=0"), &["'points'", "1 to 100000000"]);
+    refused_usage(&fir("step=-1"), &["'step'", "in m", "0.00001 to 1000"]);
+    refused_usage(&fir("step=nan"), &["'step'"]);
+    refused_usage(&fir("root=1,2"), &["'root'", "x,y,z"]);
+    refused_usage(&fir("root=1,inf,2"), &["'root'"]);
+    refused_usage(&fir("angle=20"), &["no knob 'angle'"]);
+    refused_usage(&fir("points"), &["KNOB=VALUE"]);
+    refused_usage(&fir("obj.lines=true"), &["obj"]);
+    refused_usage(&fir("glb.lines=true"), &["glb", "'lines'"]);
+    refused_usage(&fir("crown=cube"), &["'crown'", "cone"]);
+}
+
+#[test]
+fn growth_that_cannot_be() {
+    let folder = Folder::new();
+    let fir = |settings: &[&'static str], says: &[&str]| {
+        let mut args = vec!["export", "fir", "-o", "x.glb"];
+        args.extend(settings.iter().flat_map(|setting| ["--set", setting]));
+        refused(&folder, 1, &args, says);
+    };
+    fir(&["kill=0.1"], &["0.1 m", "0.2 m", "kill", "step"]);
+    // The crown hangs 100 m above a bare root that sees 1 m.
+    fir(&["trunk=0", "crown_base=100", "influence=1"], &["m away", "influence", "trunk"]);
+    fir(&["trunk=900", "step=0.00002", "kill=3D", "max_nodes=1000"], &["trunk", "max_nodes=1000"]);
+}
+
+#[test]
+fn rules_that_explode_are_refused_at_once() {
+    let folder = Folder::new();
+    folder.write("boom.txt", "axiom=F\nangle=20\nnumber of derivations=60\nF=(1)FF\n");
+    let started = std::time::Instant::now();
+    refused(&folder, 1, &["export", "boom.txt", "-o", "x.glb"], &["50000000", "symbols", "25 derivations"]);
+    // 2^60 symbols would take years; this is no measurement.
+    assert!(started.elapsed().as_secs() < 20);
+}
+
+#[test]
+fn grammars_with_mistakes() {
+    let grammar = |rules: &str| format!("axiom=F\nangle=20\nnumber of derivations=2\n{rules}\n");
+    refused_file("g.txt", grammar("F=(0.5)FF\nF=(0.4)F"), &["g.txt", "'F'", "0.9"]);
+    refused_file("g.txt", grammar("F=(1)F[+F"), &["g.txt:4:7", "never closed"]);
+    refused_file("g.txt", grammar("F=(1)F]F"), &["g.txt:4:7", "never opened"]);
+    refused_file("g.txt", "axiom=F\nangle=twenty\nnumber of derivations=2\n", &["g.txt:2:7", "twenty"]);
+    refused_file("g.txt", b"axiom=F\nangle=20\xff\nnumber of derivations=2\n", &["g.txt", "line 2", "UTF-8"]);
+}
+
+#[test]
+fn presets_with_mistakes() {
+    refused_file(
+        "p.toml",
+        "id = \"p\"\n[colonization]\ncrown = \"cone\"\npionts = 3\n",
+        &["p.toml:4:1", "did you mean 'points'"],
+    );
+    refused_file(
+        "p.toml",
+        "id = \"p\"\n[colonization]\ncrown = \"cone\"\npoints = -3\n",
+        &["p.toml:4:10", "'points'"],
+    );
+    refused_file(
+        "p.toml",
+        "id = \"p\"\n[lsystem]\naxiom = \"F\"\nrules = [\"F -> F[+F\"]\n",
+        &["p.toml:4:17", "never closed"],
+    );
+    refused_file("p.toml", "id = \"p\"\n[colonization\n", &["p.toml:2:"]);
+    refused_file("p.toml", "id = \"p\"\n", &["p.toml", "[lsystem]", "[colonization]"]);
+    refused_file("p.toml", "id = \"p\"\n[colonization]\nenvelope = \"none.obj\"\n", &["none.obj"]);
+}
+
+#[test]
+fn meshes_and_points_with_mistakes() {
+    refused_file("m.obj", "", &["m.obj", "empty"]);
+    refused_file("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", &["m.obj"]);
+    refused_file("m.obj", "v 0 0 0\nv 1 0 nan\nv 0 1 0\nf 1 2 3\n", &["m.obj", "line 2"]);
+    // A flat sheet encloses nothing.
+    refused_file("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n", &["m.obj", "enclose"]);
+    refused_file("p.xyz", "0 0 0\n1 1 inf\n", &["p.xyz", "line 2"]);
+    refused_file("p.xyz", "0 0 0\n1 1\n", &["p.xyz", "line 2"]);
+
+    let header = |vertices: &str, x: &str| {
+        format!(
+            "ply\nformat binary_little_endian 1.0\nelement vertex {vertices}\nproperty {x} x\nproperty float y\nproperty float z\nend_header\n"
+        )
+    };
+    refused_file("p.ply", header("4000000000", "float") + "0123456789", &["p.ply", "4000000000"]);
+    refused_file("p.ply", header("2", "list uchar float") + &"0".repeat(90), &["p.ply", "list"]);
+    refused_file("p.ply", header("9", "float") + "0123456789ab0123456789ab", &["p.ply"]);
+    refused_file("p.ply", header("1", "quaternion") + "0123456789ab", &["p.ply", "quaternion"]);
+}
+
+#[test]
+fn file_names_are_never_printed_raw() {
+    let name = "evil\u{1b}]0;owned\u{7}\u{202e}.txt";
+    refused_file(
+        name,
+        "axiom=F\nangle=20\nnumber of derivations=2\nF=(1)F[+F\n",
+        &["\\u{1b}", "\\u{202e}", "never closed"],
+    );
+    refused_usage(&["export", name, "-o", "x.glb"], &["\\u{1b}"]);
+    refused_usage(&["export", "fir", "-o", "x.glb", "--set", "a\u{1b}=1"], &["\\u{1b}"]);
+    refused_usage(&["export", "fir", "-o", "x.glb", "--format", "\u{1b}[2J"], &["\\u{1b}"]);
+}
+
+#[cfg(unix)]
+#[test]
+fn places_that_cannot_be_written_to() {
+    use std::os::unix::fs::PermissionsExt;
+
+    let folder = Folder::new();
+    std::fs::create_dir(folder.file("dir.glb")).unwrap();
+    refused(&folder, 1, &["export", "fir", "-o", "dir.glb"], &["dir.glb", "directory"]);
+    refused(&folder, 1, &["export", "fir", "-o", "none/x.glb"], &["none"]);
+    refused(&folder, 1, &["export", "fir", "-o", "ok.obj", "-o", "none/x.glb"], &["none"]);
+    refused(&folder, 1, &["export", "fir", "-o", "x.glb", "-o", "./x.glb"], &["x.glb", "same file"]);
+    refused(&folder, 1, &["preview", "fir", "-o", "none/x.png"], &["none"]);
+
+    std::fs::create_dir(folder.file("locked")).unwrap();
+    std::fs::set_permissions(folder.file("locked"), std::fs::Permissions::from_mode(0o555)).unwrap();
+    // Root may write anywhere: then there is nothing to refuse.
+    if std::fs::write(folder.file("locked/probe"), "").is_err() {
+        refused(&folder, 1, &["export", "fir", "-o", "locked/x.glb"], &["locked"]);
+    }
+    std::fs::set_permissions(folder.file("locked"), std::fs::Permissions::from_mode(0o755)).unwrap();
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_said_and_an_older_file_survives() {
+    // The device that is always full.
+    let folder = Folder::new();
+    refused(
+        &folder,
+        1,
+        &["export", "fir", "-o", "/dev/full", "--format", "glb"],
+        &["/dev/full", "free some space"],
+    );
+
+    // A limit on file sizes fails in the middle of a file, as a full disk does.
+    folder.write("old.obj", "an older file");
+    let before = folder.content();
+    let script =
+        format!("ulimit -f 64; trap '' XFSZ; exec {} export fir -o old.obj", env!("CARGO_BIN_EXE_linden"));
+    let output =
+        std::process::Command::new("bash").args(["-c", &script]).current_dir(folder.path()).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("old.obj") && said.contains("ulimit"), "{said}");
+    assert_eq!(folder.content(), before);
+}

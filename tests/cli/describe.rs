@@ -1,0 +1,214 @@
+//! list, show, stats, preview, completions, man, schema, help.
+
+use crate::program::Folder;
+
+const COMMANDS: [&str; 8] = ["list", "show", "stats", "preview", "export", "completions", "man", "schema"];
+
+#[test]
+fn help_names_every_command_and_every_command_has_help_and_a_manual() {
+    let folder = Folder::new();
+    let help = folder.run(&["--help"]).done().out;
+    for command in COMMANDS {
+        assert!(help.lines().any(|line| line.trim_start().starts_with(command)), "{command} in {help}");
+        let own = folder.run(&[command, "--help"]).done().out;
+        assert!(own.contains(&format!("Usage: linden {command}")), "{own}");
+        let manual = folder.run(&["man", command]).done().out;
+        assert!(manual.contains(&format!(".TH linden-{command}")), "{manual}");
+    }
+    assert!(folder.run(&["--version"]).done().out.starts_with("linden 0."));
+}
+
+#[test]
+fn without_a_command_it_is_a_matter_of_usage() {
+    let said = Folder::new().run(&[]);
+    assert_eq!((said.code, said.out.as_str()), (Some(2), ""));
+    assert!(said.err.contains("linden export fir -o fir.glb"), "{}", said.err);
+}
+
+#[test]
+fn the_list_names_the_presets_that_are_promised() {
+    let folder = Folder::new();
+    let text = folder.run(&["list"]).done().out;
+    let rows = folder.run(&["list", "--json"]).done().json();
+    let ids: Vec<&str> = rows.as_array().unwrap().iter().map(|row| row["id"].as_str().unwrap()).collect();
+    for id in [
+        "abop-a",
+        "abop-b",
+        "abop-c",
+        "abop-d",
+        "abop-e",
+        "abop-f",
+        "bush-3d",
+        "abop-stochastic",
+        "older-a",
+        "older-b",
+        "older-c",
+        "older-d",
+        "older-e",
+        "older-f",
+        "older-c-stochastic",
+        "simple",
+        "fir",
+        "cypress",
+        "cylinder",
+        "sphere",
+        "heart",
+    ] {
+        assert!(ids.contains(&id) && text.contains(&format!("  {id} ")), "{id}");
+    }
+    let formats = folder.run(&["list", "--exporters", "--json"]).done().json();
+    let ids: Vec<&str> = formats.as_array().unwrap().iter().map(|row| row["id"].as_str().unwrap()).collect();
+    assert_eq!(ids, ["obj", "ply", "ply-skeleton", "gltf", "glb", "usda"]);
+}
+
+#[test]
+fn show_tells_forecast_and_knobs() {
+    let folder = Folder::new();
+    let text = folder.run(&["show", "abop-a"]).done().out;
+    // ABOP, Fig. 1.24 a: 7811 symbols, 3125 F.
+    assert!(text.contains("7,811 symbols, 3,125 segments"), "{text}");
+    assert!(text.contains("F -> F[+F]F[-F]F"), "{text}");
+
+    let shown = folder.run(&["show", "fir", "--json", "--set", "points=77", "--seed", "5"]).done().json();
+    assert_eq!(shown["generator"], "colonization");
+    let knob = |name: &str| {
+        let knobs = shown["knobs"].as_array().unwrap();
+        knobs.iter().find(|row| row["name"] == name).unwrap_or_else(|| panic!("no knob {name}")).clone()
+    };
+    for name in [
+        "points",
+        "step",
+        "influence",
+        "kill",
+        "max_iterations",
+        "max_nodes",
+        "root",
+        "trunk",
+        "tropism",
+        "seed",
+        "radius_exponent",
+        "tip_radius",
+        "base_radius",
+        "up",
+    ] {
+        assert!(!knob(name)["help"].as_str().unwrap().is_empty());
+    }
+    assert_eq!((knob("points")["value"].as_str(), knob("seed")["value"].as_str()), (Some("77"), Some("5")));
+    assert_eq!(knob("influence")["value"], "50D");
+}
+
+#[test]
+fn what_show_writes_as_a_document_grows_the_same_tree() {
+    let folder = Folder::new();
+    for id in ["fir", "cypress", "abop-stochastic"] {
+        let document = folder.run(&["show", id, "--toml", "--seed", "9"]).done().out;
+        folder.write("own.toml", &document);
+        let hash = |args: &[&str]| folder.run(args).done().json()["skeleton_hash"].clone();
+        let original = hash(&["stats", id, "--seed", "9", "--json"]);
+        assert_eq!(hash(&["stats", "own.toml", "--json"]), original, "{id}: {document}");
+        assert_ne!(hash(&["stats", id, "--seed", "8", "--json"]), original, "{id}: the seed matters");
+    }
+}
+
+#[test]
+fn stats_carry_every_promised_key_and_add_up() {
+    let folder = Folder::new();
+    let fir = folder.run(&["stats", "fir", "--json"]).done().json();
+    let weed = folder.run(&["stats", "abop-b", "--json"]).done().json();
+    for key in [
+        "source",
+        "seed",
+        "generator",
+        "nodes",
+        "segments",
+        "axes",
+        "max_order",
+        "total_length_m",
+        "height_m",
+        "crown_width_m",
+        "trunk_diameter_m",
+        "points",
+        "points_unreached",
+        "iterations",
+        "symbols",
+        "triangles",
+        "vertices",
+        "leaves",
+        "watertight",
+        "bounds",
+        "skeleton_hash",
+        "seconds",
+    ] {
+        assert!(fir.get(key).is_some() && weed.get(key).is_some(), "{key}");
+    }
+    // ABOP, Fig. 1.24 b.
+    assert_eq!((weed["symbols"].as_u64(), weed["segments"].as_u64()), (Some(9373), Some(3125)));
+    assert!(weed["points"].is_null() && fir["symbols"].is_null());
+    assert_eq!(fir["points"], 1000);
+    assert_eq!(fir["watertight"], true);
+    let height = fir["height_m"].as_f64().unwrap();
+    // A cone of 10 m on a trunk of 2 m.
+    assert!((9.0..12.2).contains(&height), "{height}");
+    let top = fir["bounds"]["max"][1].as_f64().unwrap() - fir["bounds"]["min"][1].as_f64().unwrap();
+    assert!((height - top).abs() < 0.1, "the surface is as high as the skeleton");
+    assert!(fir["seconds"]["grow"].is_number() && fir["seconds"]["dress"].is_number());
+}
+
+#[test]
+fn previews_have_the_size_and_the_background_that_was_asked_for() {
+    let folder = Folder::new();
+    folder
+        .run(&["preview", "fir", "-o", "fir.png", "--size", "120x90", "--background", "transparent"])
+        .done();
+    let decoder = png::Decoder::new(std::io::Cursor::new(folder.read("fir.png")));
+    let mut reader = decoder.read_info().unwrap();
+    let mut rgba = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut rgba).unwrap();
+    assert_eq!((info.width, info.height), (120, 90));
+    let opaque = rgba.chunks(4).filter(|p| p[3] > 200).count();
+    assert_eq!(rgba[3], 0, "the corner is empty");
+    assert!((50..5000).contains(&opaque), "{opaque} pixels of tree");
+
+    let turned = |yaw: &str| folder.run(&["preview", "fir", "-o", "-", "--yaw", yaw]).done().bytes;
+    assert!(turned("0").starts_with(b"\x89PNG"));
+    assert_ne!(turned("0"), turned("90"));
+    assert_eq!(turned("45"), turned("45"), "the same picture again");
+}
+
+#[test]
+fn a_preview_without_a_file_is_text_of_the_terminals_size() {
+    let folder = Folder::new();
+    let plain = folder.run(&["preview", "cypress", "--size", "40x20"]).done().out;
+    assert!(!plain.contains('\u{1b}'), "no colours in a pipe");
+    assert_eq!(plain.lines().count(), 20);
+    assert!(plain.lines().all(|line| line.chars().count() <= 40));
+    assert!(plain.chars().filter(|c| ('\u{2801}'..='\u{28ff}').contains(c)).count() > 40, "{plain}");
+}
+
+#[test]
+fn completions_know_the_options_for_every_shell() {
+    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
+        let text = Folder::new().run(&["completions", shell]).done().out;
+        assert!(text.contains("preview") && text.contains("background"), "{shell}");
+    }
+}
+
+#[test]
+fn the_schema_fits_the_documents_that_show_writes() {
+    let folder = Folder::new();
+    let schema = folder.run(&["schema"]).done().json();
+    for id in ["fir", "cypress", "heart", "abop-d"] {
+        let document = folder.run(&["show", id, "--json"]).done().json()["recipe"].clone();
+        for (section, own) in document.as_object().unwrap() {
+            if ["linden", "input"].contains(&section.as_str()) {
+                continue;
+            }
+            let described = &schema["properties"][section];
+            assert!(described.is_object(), "{section}");
+            for key in own.as_object().into_iter().flatten().map(|(key, _)| key) {
+                assert!(described["properties"][key].is_object(), "{section}.{key}");
+            }
+        }
+    }
+    assert!(schema["$defs"]["export options"]["properties"]["obj"].is_object());
+}

@@ -1,0 +1,42 @@
+//! Standard input and output in pipes.
+
+use std::io::Read;
+use std::process::Stdio;
+
+use crate::program::{Folder, linden};
+
+#[test]
+fn a_dash_reads_standard_input_and_writes_standard_output() {
+    let folder = Folder::new();
+    let grammar = b"axiom=F\nangle=20\nnumber of derivations=2\nF=(1)F[+F]F\n";
+    let obj = folder.run_with(grammar, &["export", "-", "-o", "-", "--format", "obj"]);
+    assert_eq!(obj.code, Some(0), "{}", obj.err);
+    assert!(obj.out.lines().any(|line| line.starts_with("f ")));
+    assert!(!obj.out.contains("mtllib"), "no file can lie beside a pipe");
+
+    let glb = folder.run(&["export", "simple", "-o", "-", "--format", "glb"]).done();
+    assert!(glb.bytes.starts_with(b"glTF"));
+    let length = u32::from_le_bytes(glb.bytes[8..12].try_into().unwrap());
+    assert_eq!(length as usize, glb.bytes.len(), "nothing but the file on standard output");
+    assert!(folder.names().is_empty());
+}
+
+#[test]
+fn a_reader_that_stops_early_is_no_failure() {
+    for args in [&["list"][..], &["show", "fir"], &["export", "sphere", "-o", "-", "--format", "obj"]] {
+        let mut child = linden().args(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let mut out = child.stdout.take().unwrap();
+        out.read_exact(&mut [0; 8]).unwrap();
+        drop(out);
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{args:?}: {}", String::from_utf8_lossy(&output.stderr));
+        assert!(output.stderr.is_empty(), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
+#[test]
+fn nothing_is_said_on_the_way_when_standard_error_is_a_pipe() {
+    let said =
+        Folder::new().run(&["stats", "sphere", "--set", "points=300000", "--set", "step=0.02", "--json"]);
+    assert_eq!((said.code, said.err.as_str()), (Some(0), ""), "no bar, no colours");
+}
