@@ -15,7 +15,7 @@ use glam::{DMat3, DVec3};
 /// the tests' shapes is 0.011, against the 0.5 that decides.
 const FAR: f64 = 2.5;
 
-/// Triangles in a leaf: four were slower to build and no faster to ask.
+/// Triangles in a leaf.
 const LEAF: usize = 8;
 
 /// A tree over triangles that answers with winding numbers.
