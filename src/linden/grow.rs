@@ -8,6 +8,7 @@ use crate::colonization::crown::CrownError;
 use crate::colonization::crown::envelope::EnvelopeError;
 use crate::colonization::growth::GrowthError;
 use crate::colonization::plant::{Plant, plant};
+use crate::colonization::scan::ScanError;
 use crate::colonization::scatter::ScatterError;
 use crate::knob::printable;
 use crate::lsystem::{self, LsystemError};
@@ -59,6 +60,9 @@ pub enum GrowError {
     /// The points.
     #[error(transparent)]
     Scatter(ScatterError),
+    /// The scan.
+    #[error("preparing the points: {0}")]
+    Scan(ScanError),
     /// Space colonization.
     #[error(transparent)]
     Growth(GrowthError),
@@ -95,7 +99,7 @@ macro_rules! from_cancellable {
         }
     )*};
 }
-from_cancellable!(LsystemError => LSystem, EnvelopeError => Envelope, ScatterError => Scatter, GrowthError => Growth);
+from_cancellable!(LsystemError => LSystem, EnvelopeError => Envelope, ScatterError => Scatter, ScanError => Scan, GrowthError => Growth);
 
 /// Grows the tree of a recipe.
 ///

@@ -1,5 +1,6 @@
 //! The program as scripts see it: what it prints, what it writes, with which code it ends.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot go on fails")]
 mod bad_input;
 mod describe;
 mod interrupt;

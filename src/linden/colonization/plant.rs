@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use super::crown::envelope::Envelope;
 use super::crown::{self, Crown};
 use super::growth::{self, Growth, GrowthRule, Stop};
-use super::{scatter, trunk};
+use super::{scan, scatter, trunk};
 use crate::grow::GrowError;
 use crate::input::{Up, recenter};
 use crate::monitor::Monitor;
@@ -46,8 +46,6 @@ struct Site {
     root: DVec3,
     /// Where these coordinates have their origin in the input's (turned to Y up).
     origin: DVec3,
-    /// Typical distance of neighbouring points, metres.
-    spacing_m: f64,
     /// What suits these points where the user gives none.
     suggested: Suggested,
     /// Whether the tree is moved to stand on the origin unless the user says otherwise.
@@ -85,7 +83,7 @@ pub(crate) fn plant(
             in_envelope(settings, mesh, settings.up(up), key, monitor)?
         }
         (Space::Points { .. }, Some((Geometry::Points(points), up))) => {
-            todo_points(settings, points, settings.up(up))?
+            at_points(settings, points, settings.up(up), key, monitor)?
         }
         (Space::Envelope { file }, _) => {
             return Err(GrowError::WrongInput { file: file.clone(), expected: "a mesh" });
@@ -125,7 +123,7 @@ pub(crate) fn plant(
     if to_root && (site.origin + site.root).length() > 0.0 {
         let DVec3 { x, y, z } = site.origin + site.root;
         notes.push(format!(
-            "moved to the origin: the root was at {x}, {y}, {z} (Y up); origin=keep leaves it there"
+            "moved to the origin: the root was at {x:.3}, {y:.3}, {z:.3} (Y up); origin=keep leaves it there"
         ));
     }
     for position in branching.positions.iter_mut().chain(&mut points) {
@@ -231,7 +229,6 @@ fn in_shape(
         points,
         root: DVec3::ZERO,
         origin: root,
-        spacing_m,
         suggested: Suggested::for_volume(spacing_m),
         moves_to_root: false,
         notes: Vec::new(),
@@ -261,13 +258,69 @@ fn in_envelope(
         points,
         root,
         origin: foot,
-        spacing_m,
         suggested: Suggested::for_volume(spacing_m),
         moves_to_root: false,
         notes: envelope.report().warnings(),
     })
 }
 
-fn todo_points(_: &Colonization, _: &[DVec3], _: Up) -> Result<Site, GrowError> {
-    Err(GrowError::WrongInput { file: String::new(), expected: "later" })
+/// Points that somebody measured, moved near the origin.
+fn at_points(
+    settings: &Colonization,
+    points: &[DVec3],
+    up: Up,
+    key: Key,
+    monitor: &dyn Monitor,
+) -> Result<Site, GrowError> {
+    let mut points = points.to_vec();
+    up.to_y_up(&mut points);
+    let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let origin = if points.is_empty() { DVec3::ZERO } else { ((low + high) * 0.5).round() };
+    recenter(&mut points, origin);
+    let given_root = settings.given_root(up).map(|root| root - origin);
+    if settings.contract {
+        let scan = scan::prepare(&points, settings.step_m, monitor)?;
+        return Ok(Site {
+            points: scan.points,
+            root: given_root.unwrap_or(scan.root),
+            origin,
+            suggested: Suggested {
+                step: scan.step_m,
+                kill: Length::Metres(scan.kill_m),
+                influence: Length::Metres(scan.influence_m),
+            },
+            moves_to_root: true,
+            notes: scan_notes(&scan.report),
+        });
+    }
+    let spacing_m = scan::point_spacing_m(&points).unwrap_or(1.0);
+    let root = match given_root {
+        Some(root) => root,
+        None => scan::foot(&points).ok_or(growth::GrowthError::NoPoints)?,
+    };
+    // Lattices and mirrored models make pulls cancel.
+    scatter::jitter(&mut points, spacing_m * 1e-3, key.named("jitter"));
+    Ok(Site {
+        points,
+        root,
+        origin,
+        suggested: Suggested::for_volume(spacing_m),
+        moves_to_root: true,
+        notes: Vec::new(),
+    })
+}
+
+fn scan_notes(report: &scan::ScanReport) -> Vec<String> {
+    let mut notes = Vec::new();
+    if report.ground_points > 0 {
+        notes.push(format!("{} points were taken for ground and left out", report.ground_points));
+    }
+    if report.bridges > 0 {
+        notes.push(format!(
+            "the scan has {} gaps, the longest {:.2} m; branches were led across them",
+            report.bridges, report.longest_bridge_m
+        ));
+    }
+    notes
 }

@@ -311,6 +311,14 @@ pub static KNOBS: &[PresetKnob] = &[
     ),
     row!(
         Colonization,
+        "contract",
+        Kind::Switch,
+        "",
+        "for given points: they lie on bark, as a scanner's do, and are moved onto the axes of branches first",
+        colonization.contract
+    ),
+    row!(
+        Colonization,
         "up",
         Kind::Choice(&["auto", "y", "z"]),
         "",

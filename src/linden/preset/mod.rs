@@ -94,6 +94,9 @@ pub struct Colonization {
     pub trunk_m: Option<f64>,
     /// Added to every growth direction.
     pub tropism: [f64; 3],
+    /// Whether given points lie on the surface of a tree, as a scanner's do, and are moved onto its
+    /// axes first.
+    pub contract: bool,
     /// `auto`, `y` or `z`: which axis of an input file points up.
     pub up: String,
     /// `auto`, `root` or `keep`: whether the tree is moved to stand on the origin.

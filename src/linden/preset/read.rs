@@ -75,6 +75,7 @@ impl Colonization {
             root: None,
             trunk_m: None,
             tropism: [0.0; 3],
+            contract: true,
             up: "auto".to_owned(),
             origin: "auto".to_owned(),
         }

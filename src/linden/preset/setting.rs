@@ -80,6 +80,16 @@ impl Setting for String {
     }
 }
 
+impl Setting for bool {
+    fn to_value(&self) -> Value {
+        Value::Switch(*self)
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        if let Value::Switch(on) = value { Some(on) } else { None }
+    }
+}
+
 impl Setting for [f64; 3] {
     fn to_value(&self) -> Value {
         Value::Vector(*self)

@@ -97,6 +97,11 @@ pub fn point_spacing_m(points: &[DVec3]) -> Option<f64> {
     squared.get(squared.len() / 2).map(|squared| squared.sqrt()).filter(|spacing| spacing.is_finite())
 }
 
+/// The foot of the stem: where a tree among these points stands. `None` without points.
+pub fn foot(points: &[DVec3]) -> Option<DVec3> {
+    (!points.is_empty()).then(|| Foot::find(points).root)
+}
+
 /// Makes a scan ready for growth. `points` are metres, Y up, near the origin; `step_m` is the length of
 /// an internode if the user chose one.
 ///
