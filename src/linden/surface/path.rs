@@ -39,6 +39,7 @@ pub(super) fn rings(stations: impl Iterator<Item = Station>, rings: &mut Vec<Rin
     if stations.len() < 2 {
         return;
     }
+    soften(&mut stations);
     let kept = without_folds(&stations);
     let mut along = 0.0;
     let mut side = kept[0].1.any_orthonormal_vector();
@@ -49,6 +50,27 @@ pub(super) fn rings(stations: impl Iterator<Item = Station>, rings: &mut Vec<Rin
             side = transport(side, before_tangent, tangent);
         }
         rings.push(Ring { center: station.position, radius: station.radius, tangent, side, along });
+    }
+}
+
+/// Length, in radii, over which a change of radius is spread.
+const SOFTNESS: f32 = 2.0;
+
+/// Spreads the pipe model's steps, which end all at once above a fork, along the axis as wood does.
+///
+/// A first-order low-pass over the arc length, up and then down, so that nothing is shifted. The
+/// ends keep their radii, and radii that only shrink still only shrink.
+fn soften(stations: &mut [Station]) {
+    let share = |length: f32, radius: f32| length / (length + SOFTNESS * radius);
+    for i in 1..stations.len() - 1 {
+        let (before, own) = (stations[i - 1], stations[i]);
+        let share = share(before.position.distance(own.position), own.radius);
+        stations[i].radius = before.radius + share * (own.radius - before.radius);
+    }
+    for i in (1..stations.len() - 1).rev() {
+        let (own, after) = (stations[i], stations[i + 1]);
+        let share = share(own.position.distance(after.position), own.radius);
+        stations[i].radius = after.radius + share * (own.radius - after.radius);
     }
 }
 
@@ -176,6 +198,21 @@ mod tests {
             let spin = a.tangent.cross(a.side).dot(b.side);
             assert!(spin.abs() < 0.02, "{spin}");
         }
+    }
+
+    #[test]
+    fn a_step_of_the_radius_is_spread_and_stays_monotonous() {
+        let radius = |i: usize| if i < 20 { 0.2 } else { 0.1 };
+        let stations = (0..60).map(|i| Station { position: Vec3::Y * (0.05 * i as f32), radius: radius(i) });
+        let mut out = Vec::new();
+        rings(stations, &mut out);
+        assert_eq!((out[0].radius, out[59].radius), (0.2, 0.1));
+        assert!(out.windows(2).all(|pair| pair[1].radius <= pair[0].radius));
+        let steepest = out.windows(2).map(|p| p[0].radius - p[1].radius).fold(0.0, f32::max);
+        assert!(steepest < 0.025, "a quarter of the step at most, was {steepest}");
+        // As much wood is added above the step as is taken below it.
+        let moved: f32 = out.iter().enumerate().map(|(i, ring)| ring.radius - radius(i)).sum();
+        assert!(moved.abs() < 0.2, "{moved}");
     }
 
     #[test]
