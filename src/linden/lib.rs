@@ -11,6 +11,7 @@ pub mod monitor;
 pub mod random;
 pub mod scene;
 pub mod skeleton;
+pub mod texture;
 
 pub use glam::{DVec3, Vec2, Vec3};
 pub use monitor::{Cancelled, Monitor, Quiet};
