@@ -17,6 +17,7 @@ pub mod recipe;
 pub mod scene;
 pub mod skeleton;
 pub mod surface;
+pub mod texture;
 
 pub use glam::{DVec3, Vec2, Vec3};
 pub use monitor::{Cancelled, Monitor, Quiet};

@@ -177,6 +177,9 @@ fn inked(parts: &[Light], width: usize, behind: [f32; 3]) -> Vec<bool> {
     contrast.iter().enumerate().map(drawn).collect()
 }
 
+/// Steps of a channel by which neighbouring cells may differ and still share a colour.
+const INDISTINCT: u8 = 3;
+
 /// Writes cells and remembers which colours are set.
 struct Pen {
     text: String,
@@ -199,7 +202,7 @@ impl Pen {
             Glyphs::Halves => 0b11,
             Glyphs::Braille => 0xff,
         };
-        let ink = self.colors.nearest(split.ink);
+        let ink = self.settle(self.colors.nearest(split.ink));
         let Some(paper) = split.paper else {
             if split.drawn == 0 {
                 self.pending += 1;
@@ -208,7 +211,7 @@ impl Pen {
             }
             return;
         };
-        let paper = self.colors.nearest(paper);
+        let paper = self.settle(self.colors.nearest(paper));
         if split.drawn == 0 || ink == paper {
             // One colour: whichever way it is set already.
             if self.ink == paper {
@@ -230,9 +233,18 @@ impl Pen {
         if drawn == 0 {
             self.pending += 1;
         } else {
-            let ink = self.colors.nearest(bytes(ink));
+            let ink = self.settle(self.colors.nearest(bytes(ink)));
             self.put(glyph(glyphs, drawn), Some(ink), Some(Color::Default));
         }
+    }
+
+    /// A colour that is set already where it differs by less than can be seen: it costs no bytes.
+    fn settle(&self, color: Color) -> Color {
+        let near = |set: Color| match (set, color) {
+            (Color::Rgb(a), Color::Rgb(b)) => (0..3).all(|i| a[i].abs_diff(b[i]) <= INDISTINCT),
+            _ => false,
+        };
+        [self.ink, self.paper].into_iter().find(|&set| near(set)).unwrap_or(color)
     }
 
     /// A character in some colours; `None` where it does not matter.

@@ -1,5 +1,9 @@
 //! How many colours a terminal shows, and the nearest of them.
 
+use std::sync::LazyLock;
+
+use crate::grid::decode;
+
 /// How colours are said to a terminal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum ColorDepth {
@@ -95,32 +99,69 @@ const ANSI_16: [[u8; 3]; 16] = [
     [255, 255, 255],
 ];
 
-/// The levels of the 6×6×6 cube, entries 16 to 231.
-const CUBE: [u8; 6] = [0, 95, 135, 175, 215, 255];
-
-fn distance(a: [u8; 3], b: [u8; 3]) -> u32 {
-    (0..3).map(|i| u32::from(a[i].abs_diff(b[i])).pow(2)).sum()
+/// xterm's entries from 16 on: a 6×6×6 cube, then 24 greys. Themes leave them alone.
+fn xterm(entry: u8) -> [u8; 3] {
+    const LEVELS: [u8; 6] = [0, 95, 135, 175, 215, 255];
+    if entry >= 232 {
+        return [8 + 10 * (entry - 232); 3];
+    }
+    let at = usize::from(entry.saturating_sub(16));
+    [LEVELS[at / 36], LEVELS[at / 6 % 6], LEVELS[at % 6]]
 }
+
+/// A palette by how its colours look.
+struct Palette {
+    first: u8,
+    looks: Vec<[f32; 3]>,
+}
+
+impl Palette {
+    fn new(first: u8, colors: impl Iterator<Item = [u8; 3]>) -> Self {
+        Self { first, looks: colors.map(oklab).collect() }
+    }
+
+    /// The entry that looks nearest. In sRGB the nearest of few colours is often of another hue, and
+    /// bark turns into patches of green and pink.
+    fn nearest(&self, srgb: [u8; 3]) -> u8 {
+        let [l, a, b] = oklab(srgb);
+        let (mut best, mut least) = (0, f32::INFINITY);
+        for (i, c) in self.looks.iter().enumerate() {
+            let (dl, da, db) = (l - c[0], a - c[1], b - c[2]);
+            let distance = dl * dl + HUE_WEIGHT * (da * da + db * db);
+            if distance < least {
+                (best, least) = (i, distance);
+            }
+        }
+        self.first + best as u8
+    }
+}
+
+/// How much more a difference in hue and chroma counts than one in lightness.
+const HUE_WEIGHT: f32 = 2.0;
 
 fn nearest_16(srgb: [u8; 3]) -> u8 {
-    (0..16).min_by_key(|&i| distance(srgb, ANSI_16[i as usize])).unwrap_or(0)
+    static PALETTE: LazyLock<Palette> = LazyLock::new(|| Palette::new(0, ANSI_16.into_iter()));
+    PALETTE.nearest(srgb)
 }
 
-/// Among the entries 16 to 255. Squared distance adds up over the channels, so the nearest corner of
-/// the cube is the nearest level of each channel, and the nearest grey the one nearest to the mean.
 fn nearest_256(srgb: [u8; 3]) -> u8 {
-    let level = srgb.map(|c| (0..6).min_by_key(|&i| c.abs_diff(CUBE[i as usize])).unwrap_or(0_u8));
-    let corner = level.map(|i| CUBE[usize::from(i)]);
-    // Greys 232 to 255 are 8, 18, … 238. Their nearest to three channels is the nearest to the
-    // mean: 3 (g - 8) / 10, rounded, without a fraction.
-    let sum: u32 = srgb.iter().map(|&c| u32::from(c)).sum();
-    let step = (sum.saturating_sub(24) + 15) / 30;
-    let step = step.min(23) as u8;
-    if distance(srgb, [8 + 10 * step; 3]) < distance(srgb, corner) {
-        232 + step
-    } else {
-        16 + 36 * level[0] + 6 * level[1] + level[2]
-    }
+    static PALETTE: LazyLock<Palette> = LazyLock::new(|| Palette::new(16, (16..=255).map(xterm)));
+    PALETTE.nearest(srgb)
+}
+
+/// Lightness, green-red and blue-yellow (Björn Ottosson 2020, "A perceptual color space for image
+/// processing").
+fn oklab(srgb: [u8; 3]) -> [f32; 3] {
+    static LIGHT: LazyLock<[f32; 256]> = LazyLock::new(|| std::array::from_fn(|i| decode(i as f32 / 255.0)));
+    let [r, g, b] = srgb.map(|c| LIGHT[usize::from(c)]);
+    let l = libm::cbrtf(0.412_221_46 * r + 0.536_332_55 * g + 0.051_445_995 * b);
+    let m = libm::cbrtf(0.211_903_5 * r + 0.680_699_5 * g + 0.107_396_96 * b);
+    let s = libm::cbrtf(0.088_302_46 * r + 0.281_718_85 * g + 0.629_978_7 * b);
+    [
+        0.210_454_26 * l + 0.793_617_8 * m - 0.004_072_047 * s,
+        1.977_998_5 * l - 2.428_592_2 * m + 0.450_593_7 * s,
+        0.025_904_037 * l + 0.782_771_77 * m - 0.808_675_77 * s,
+    ]
 }
 
 #[cfg(test)]
@@ -162,6 +203,26 @@ mod tests {
         }
     }
 
+    /// CIE L*a*b* by its definition (white D65): the palette's choice is judged by another metric
+    /// than the one that made it.
+    fn lab(srgb: [u8; 3]) -> [f64; 3] {
+        let [r, g, b] = srgb.map(|c| {
+            let c = f64::from(c) / 255.0;
+            if c <= 0.040_45 { c / 12.92 } else { libm::pow((c + 0.055) / 1.055, 2.4) }
+        });
+        let f =
+            |t: f64| if t > 216.0 / 24389.0 { libm::cbrt(t) } else { (24389.0 / 27.0 * t + 16.0) / 116.0 };
+        let x = f((0.412_456_4 * r + 0.357_576_1 * g + 0.180_437_5 * b) / 0.950_47);
+        let y = f(0.212_672_9 * r + 0.715_152_2 * g + 0.072_175 * b);
+        let z = f((0.019_333_9 * r + 0.119_192 * g + 0.950_304_1 * b) / 1.088_83);
+        [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
+    }
+
+    fn difference(a: [u8; 3], b: [u8; 3]) -> f64 {
+        let (a, b) = (lab(a), lab(b));
+        libm::sqrt((0..3).map(|i| (a[i] - b[i]) * (a[i] - b[i])).sum())
+    }
+
     /// The palette as xterm's 256colres.pl computes it.
     fn palette(i: u8) -> [u8; 3] {
         if i >= 232 {
@@ -172,24 +233,35 @@ mod tests {
     }
 
     #[test]
-    fn no_entry_of_the_palette_is_nearer() {
-        for r in (0..=255_u8).step_by(5) {
-            for g in (0..=255_u8).step_by(5) {
-                for b in (0..=255_u8).step_by(5) {
-                    let c = [r, g, b];
-                    let best = (16..=255).map(|i| distance(c, palette(i))).min().unwrap();
-                    let found = nearest_256(c);
-                    assert_eq!(distance(c, palette(found)), best, "{c:?} became {found}");
-                }
-            }
+    fn the_palette_is_xterms() {
+        for i in 16..=255 {
+            assert_eq!(xterm(i), palette(i), "{i}");
+            assert_eq!(palette(nearest_256(palette(i))), palette(i), "{i} is its own nearest");
         }
     }
 
     #[test]
-    fn greys_are_found_too() {
-        for g in 0..=255_u8 {
-            let best = (16..=255).map(|i| distance([g; 3], palette(i))).min().unwrap();
-            assert_eq!(distance([g; 3], palette(nearest_256([g; 3]))), best, "{g}");
+    fn entries_look_nearest() {
+        let (mut worst, mut excess, mut n) = (0.0_f64, 0.0, 0.0);
+        for at in 0..16_u32.pow(3) {
+            let c = [at / 256, at / 16 % 16, at % 16].map(|v| (v * 17) as u8);
+            let best = (16..=255).map(|i| difference(c, palette(i))).fold(f64::INFINITY, f64::min);
+            let found = difference(c, palette(nearest_256(c)));
+            worst = worst.max(found - best);
+            excess += found - best;
+            n += 1.0;
+        }
+        // Two metrics of sight disagree somewhat; a wrong entry would be 20 to 100 away.
+        assert!(excess / n < 2.5, "mean excess {}", excess / n);
+        assert!(worst < 25.0, "worst excess {worst}");
+    }
+
+    #[test]
+    fn oklab_of_known_colors() {
+        // CSS Color 4, sample conversions: red and white.
+        for (c, expected) in [([255, 0, 0], [0.627_96, 0.224_86, 0.125_85]), ([255; 3], [1.0, 0.0, 0.0])] {
+            let found = oklab(c);
+            assert!((0..3).all(|i| (found[i] - expected[i]).abs() < 1e-3), "{found:?}");
         }
     }
 
