@@ -1,27 +1,68 @@
-//! Skeleton → scene: everything that is to be seen. Uses no randomness of its own.
+//! Skeleton → scene: everything that is to be seen.
 
 use std::sync::Arc;
 
 use crate::grow::Grown;
 use crate::knob::printable;
-use crate::monitor::Monitor;
+use crate::monitor::{Cancelled, Monitor};
+use crate::random::Key;
 use crate::recipe::Recipe;
 use crate::scene::{Material, Part, Scene};
 use crate::surface::{self, SurfaceError};
+use crate::texture::{BarkError, BarkPictures};
 
-/// Gives a grown tree its surface and materials.
+/// Bark scatters light in all directions; nothing on it shines.
+const BARK_ROUGHNESS: f32 = 0.9;
+
+/// Why a tree has no scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum DressError {
+    /// The result was no longer wanted.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// The surface.
+    #[error(transparent)]
+    Surface(SurfaceError),
+    /// The bark's pictures.
+    #[error(transparent)]
+    Bark(BarkError),
+}
+
+impl From<SurfaceError> for DressError {
+    fn from(error: SurfaceError) -> Self {
+        if let SurfaceError::Cancelled(cancelled) = error {
+            Self::Cancelled(cancelled)
+        } else {
+            Self::Surface(error)
+        }
+    }
+}
+
+impl From<BarkError> for DressError {
+    fn from(error: BarkError) -> Self {
+        if let BarkError::Cancelled(cancelled) = error {
+            Self::Cancelled(cancelled)
+        } else {
+            Self::Bark(error)
+        }
+    }
+}
+
+/// Gives a grown tree its surface and materials. Only the bark's pictures use the seed.
 ///
 /// # Errors
-/// [`SurfaceError`]: too large, or cancelled.
-pub fn dress(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Scene, SurfaceError> {
+/// [`DressError`]: too large, or cancelled.
+pub fn dress(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Scene, DressError> {
     let preset = &recipe.preset;
     let wood = surface::sweep(&grown.skeleton, &preset.tubes, monitor)?;
+    let bark = preset.bark.bark(Key::new(preset.seed).named("bark"));
+    let BarkPictures { base_color, normal } = bark.draw(monitor)?;
     let material = Material {
         name: "bark".to_owned(),
-        base_color: [0.2, 0.13, 0.08],
-        base_color_picture: None,
-        normal_picture: None,
-        roughness: 0.9,
+        base_color: bark.color.map(linear),
+        base_color_picture: Some(base_color),
+        normal_picture: Some(normal),
+        roughness: BARK_ROUGHNESS,
         double_sided: false,
     };
     let name = if preset.name.trim().is_empty() { &preset.id } else { &preset.name };
@@ -32,4 +73,10 @@ pub fn dress(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Sc
         parts: vec![Part { name: "wood".to_owned(), material: 0, mesh: wood }],
         skeleton: Arc::clone(&grown.skeleton),
     })
+}
+
+/// Linear light of an sRGB channel (IEC 61966-2-1).
+fn linear(srgb: u8) -> f32 {
+    let c = f32::from(srgb) / 255.0;
+    if c <= 0.040_45 { c / 12.92 } else { libm::powf((c + 0.055) / 1.055, 2.4) }
 }

@@ -56,7 +56,10 @@ pub enum Kind {
         auto: bool,
     },
     /// An sRGB colour, `#rrggbb`.
-    Color,
+    Color {
+        /// Whether `auto` is a value too.
+        auto: bool,
+    },
     /// Pairs `height,radius; height,radius; …` in metres.
     Profile {
         /// How many pairs.
@@ -122,7 +125,7 @@ impl fmt::Display for Kind {
             Self::Choice(words) => f.write_str(&words.join(" | ")),
             Self::Switch => f.write_str("true | false"),
             Self::Vector { auto } => write!(f, "x,y,z{}", or_auto(auto)),
-            Self::Color => f.write_str("a colour #rrggbb"),
+            Self::Color { auto } => write!(f, "a colour #rrggbb{}", or_auto(auto)),
             Self::Profile { count } => write!(f, "{count} pairs height,radius; …"),
         }
     }
@@ -156,7 +159,10 @@ impl Kind {
     fn read(&self, text: &str) -> Option<Value> {
         let number = |t: &str| t.trim().parse::<f64>().ok().filter(|x| !x.is_nan());
         match self {
-            Self::Real { auto: true, .. } | Self::Length { auto: true, .. } | Self::Vector { auto: true }
+            Self::Real { auto: true, .. }
+            | Self::Length { auto: true, .. }
+            | Self::Vector { auto: true }
+            | Self::Color { auto: true }
                 if text == "auto" =>
             {
                 Some(Value::Auto)
@@ -170,7 +176,7 @@ impl Kind {
             Self::Choice(words) => words.contains(&text).then(|| Value::Word(text.to_owned())),
             Self::Switch => text.parse().ok().map(Value::Switch),
             Self::Vector { .. } => numbers(text, ',').map(Value::Vector),
-            Self::Color => color(text).map(Value::Color),
+            Self::Color { .. } => color(text).map(Value::Color),
             Self::Profile { .. } => {
                 text.split(';').map(|pair| numbers(pair, ',')).collect::<Option<_>>().map(Value::Profile)
             }
@@ -183,14 +189,18 @@ impl Kind {
     /// What was expected instead, without the knob's name.
     pub fn check(&self, value: &Value) -> Result<(), String> {
         let fits = match (self, value) {
-            (Self::Real { auto, .. } | Self::Length { auto, .. } | Self::Vector { auto }, Value::Auto) => {
-                *auto
-            }
+            (
+                Self::Real { auto, .. }
+                | Self::Length { auto, .. }
+                | Self::Vector { auto }
+                | Self::Color { auto },
+                Value::Auto,
+            ) => *auto,
             (Self::Real { min, max, .. } | Self::Length { min, max, .. }, Value::Real(x))
             | (Self::Length { min, max, .. }, Value::Steps(x)) => min <= x && x <= max,
             (Self::Integer { min, max }, Value::Integer(n)) => min <= n && n <= max,
             (Self::Choice(words), Value::Word(word)) => words.contains(&word.as_str()),
-            (Self::Switch, Value::Switch(_)) | (Self::Color, Value::Color(_)) => true,
+            (Self::Switch, Value::Switch(_)) | (Self::Color { .. }, Value::Color(_)) => true,
             (Self::Vector { .. }, Value::Vector(v)) => v.iter().all(|x| x.is_finite()),
             (Self::Profile { count }, Value::Profile(pairs)) => {
                 pairs.len() == *count && pairs.iter().flatten().all(|x| x.is_finite())
@@ -252,7 +262,7 @@ mod tests {
             (Kind::Choice(&["a", "b"]), vec!["b"]),
             (Kind::Switch, vec!["true"]),
             (Kind::Vector { auto: true }, vec!["auto", "0,-1,0.5"]),
-            (Kind::Color, vec!["#0a80ff"]),
+            (Kind::Color { auto: true }, vec!["auto", "#0a80ff"]),
             (Kind::Profile { count: 2 }, vec!["0,2; 1,0.5"]),
         ];
         for (kind, texts) in kinds {
@@ -273,7 +283,7 @@ mod tests {
         assert!(Kind::Vector { auto: false }.parse("0,inf,0").is_err());
         assert!(Kind::Profile { count: 2 }.parse("0,1").is_err());
         assert!(Kind::Length { min: 1.0, max: 9.0, auto: false }.parse("10D").is_err());
-        assert!(Kind::Color.parse("#12345é").is_err());
+        assert!(Kind::Color { auto: false }.parse("#12345é").is_err());
     }
 
     #[test]

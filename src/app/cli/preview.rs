@@ -169,7 +169,7 @@ fn background(text: &str) -> Result<Background, String> {
     match text {
         "transparent" => Ok(Background::Transparent),
         "studio" => Ok(Style::studio().background),
-        _ => match Kind::Color.parse(text) {
+        _ => match (Kind::Color { auto: false }).parse(text) {
             Ok(Value::Color(color)) => Ok(Background::Plain(color)),
             _ => Err("expected 'studio', 'transparent' or a colour #rrggbb".to_owned()),
         },

@@ -109,7 +109,7 @@ fn of(knob: &Knob) -> Value {
                 json!({ "type": "array", "items": { "type": "number" }, "minItems": 3, "maxItems": 3 });
             or_auto(auto, vector)
         }
-        Kind::Color => json!({ "type": "string", "pattern": "^#[0-9a-fA-F]{6}$" }),
+        Kind::Color { auto } => or_auto(auto, json!({ "type": "string", "pattern": "^#[0-9a-fA-F]{6}$" })),
         Kind::Profile { count } => {
             let pair =
                 json!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 });

@@ -6,6 +6,7 @@ use super::{Colonization, Generator, LSystem, Preset, Space};
 use crate::colonization::crown::{SHAPES, ShapeKnob};
 use crate::knob::{Kind, Knob, Value};
 use crate::lsystem::{MAX_DERIVATIONS, MAX_SYMBOLS};
+use crate::texture::BarkStyle;
 
 /// The table of a document that a knob stands in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -198,6 +199,17 @@ const SHAPE_IDS: [&str; SHAPES.len()] = {
     ids
 };
 
+/// The names of all kinds of bark.
+const BARK_STYLES: [&str; BarkStyle::ALL.len()] = {
+    let mut names = [""; BarkStyle::ALL.len()];
+    let mut i = 0;
+    while i < names.len() {
+        names[i] = BarkStyle::ALL[i].0;
+        i += 1;
+    }
+    names
+};
+
 /// All knobs but those of the crown shapes.
 pub static KNOBS: &[PresetKnob] = &[
     row!(Tree, "seed", integer(0, u64::MAX), "", "the root of all random choices: another seed, another tree", .seed),
@@ -338,4 +350,9 @@ pub static KNOBS: &[PresetKnob] = &[
     row!(Wood, "base_radius", real_or_auto(1e-5, 100.0), "m", "radius at the foot; auto: follows from the tips, or is 1/60 of the height", .wood.base_radius_m),
     row!(Surface, "sides", integer(3, 128), "", "sides of the thickest wood; thinner wood has fewer, down to 3", .tubes.sides),
     row!(Surface, "bark_tile", real(0.01, 100.0), "m", "edge of the square of bark that one picture covers", .tubes.bark_tile_m),
+    row!(Bark, "bark", Kind::Choice(&BARK_STYLES), "", "kind of bark", .bark.style),
+    row!(Bark, "bark_color", Kind::Color { auto: true }, "sRGB", "mean colour; auto: the usual one of its kind", .bark.color),
+    row!(Bark, "bark_relief", real_or_auto(0.0, 0.5), "", "depth of the furrows, as a share of the picture's side; auto: the usual one of its kind", .bark.relief),
+    row!(Bark, "bark_grain", real(0.0, 3.0), "", "strength of the grain: 0 polished, 1 usual", .bark.grain),
+    row!(Bark, "bark_size", integer(16, 4096), "px", "side of the drawn pictures", .bark.size_px),
 ];

@@ -11,9 +11,10 @@ use std::fmt;
 
 use crate::knob::{Value, nearest, printable};
 use crate::lsystem::Grammar;
+use crate::random::Key;
 use crate::skeleton::Wood;
 use crate::surface::Tubes;
-//BARK use crate::texture::Bark;
+use crate::texture::{Bark, BarkStyle};
 
 pub use document::{Fault, Place};
 pub use knobs::{KNOBS, PresetKnob, Section, shape_knobs};
@@ -41,7 +42,43 @@ pub struct Preset {
     pub wood: Wood,
     /// How its surface is made.
     pub tubes: Tubes,
-    //BARK pub bark: Bark,
+    /// How its bark looks.
+    pub bark: BarkLook,
+}
+
+/// How bark looks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BarkLook {
+    /// What kind of bark.
+    pub style: BarkStyle,
+    /// Mean colour, sRGB; `None`: the style's own.
+    pub color: Option<[u8; 3]>,
+    /// Depth of furrows as a share of the picture's side; `None`: the style's own.
+    pub relief: Option<f32>,
+    /// Strength of the grain; 1 is usual.
+    pub grain: f32,
+    /// Side of the pictures, pixels.
+    pub size_px: u32,
+}
+
+impl Default for BarkLook {
+    fn default() -> Self {
+        Self { style: BarkStyle::default(), color: None, relief: None, grain: 1.0, size_px: 512 }
+    }
+}
+
+impl BarkLook {
+    /// The bark to draw.
+    pub fn bark(&self, key: Key) -> Bark {
+        let usual = Bark::new(self.style, key);
+        Bark {
+            color: self.color.unwrap_or(usual.color),
+            relief: self.relief.unwrap_or(usual.relief),
+            roughness: self.grain,
+            size_px: self.size_px,
+            ..usual
+        }
+    }
 }
 
 /// How a tree grows.

@@ -2,12 +2,11 @@
 
 use super::document::{Datum, Entry, Fault, Node, Place};
 use super::knobs::{KNOBS, PresetKnob, Section, shape_knobs};
-use super::{Colonization, Generator, LSystem, Length, Preset, Space};
+use super::{BarkLook, Colonization, Generator, LSystem, Length, Preset, Space};
 use crate::knob::{nearest, printable};
 use crate::lsystem::{Grammar, Part};
 use crate::skeleton::Wood;
 use crate::surface::Tubes;
-//BARK use crate::texture::Bark;
 
 /// Keys before all tables that are no knobs.
 const HEADINGS: [&str; 7] = ["id", "name", "group", "summary", "source", "linden", "input"];
@@ -50,7 +49,7 @@ impl Preset {
             generator,
             wood: Wood::default(),
             tubes: Tubes::default(),
-            //BARK bark: Bark::default(),
+            bark: BarkLook::default(),
         }
     }
 }

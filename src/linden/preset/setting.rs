@@ -1,6 +1,7 @@
 //! How a preset's typed fields become a knob's value and back.
 
 use crate::knob::Value;
+use crate::texture::BarkStyle;
 
 /// A length that may be given in units of the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -87,6 +88,27 @@ impl Setting for bool {
 
     fn from_value(value: Value) -> Option<Self> {
         if let Value::Switch(on) = value { Some(on) } else { None }
+    }
+}
+
+impl Setting for [u8; 3] {
+    fn to_value(&self) -> Value {
+        Value::Color(*self)
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        if let Value::Color(color) = value { Some(color) } else { None }
+    }
+}
+
+impl Setting for BarkStyle {
+    fn to_value(&self) -> Value {
+        let name = Self::ALL.iter().find(|(_, style, _)| style == self).map_or("", |(name, _, _)| name);
+        Value::Word(name.to_owned())
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        String::from_value(value).and_then(|name| Self::named(&name))
     }
 }
 
