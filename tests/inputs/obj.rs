@@ -44,7 +44,7 @@ fn mangled_files_give_a_value_or_an_error() {
     for i in 0..3000 {
         let key = Key::new(8).child(i);
         let mut bytes = text.clone();
-        for k in 0..1 + key.bits() % 4 {
+        for k in 0..=key.bits() % 4 {
             let at = (key.child(k).named("at").unit() * bytes.len() as f64) as usize;
             bytes[at] = key.child(k).named("to").bits() as u8;
         }

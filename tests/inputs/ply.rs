@@ -204,7 +204,7 @@ fn mangled_files_give_a_value_or_an_error() {
         for k in 0..3000 {
             let key = Key::new(i as u64).child(k);
             let mut bytes = source.clone();
-            for n in 0..1 + key.bits() % 4 {
+            for n in 0..=key.bits() % 4 {
                 let at = (key.child(n).named("at").unit() * bytes.len() as f64) as usize;
                 bytes[at] = key.child(n).named("to").bits() as u8;
             }

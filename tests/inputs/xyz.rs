@@ -35,7 +35,7 @@ fn mangled_files_give_a_value_or_an_error() {
     for i in 0..3000 {
         let key = Key::new(2).child(i);
         let mut bytes = text.clone().into_bytes();
-        for k in 0..1 + key.bits() % 3 {
+        for k in 0..=key.bits() % 3 {
             let at = (key.child(k).named("at").unit() * bytes.len() as f64) as usize;
             bytes[at] = key.child(k).named("to").bits() as u8;
         }
