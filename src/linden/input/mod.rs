@@ -156,7 +156,7 @@ fn text_of(bytes: &[u8]) -> Result<&str, InputError> {
 
 /// The number of the line, from 1, that a byte lies in.
 fn line_at(bytes: &[u8], byte: usize) -> usize {
-    1 + bytes[..byte.min(bytes.len())].iter().filter(|&&b| b == b'\n').count()
+    bytes[..byte.min(bytes.len())].split(|&b| b == b'\n').count()
 }
 
 /// Lines and their numbers from 1, whichever system wrote them: `\n`, `\r\n`, or `\r` alone.

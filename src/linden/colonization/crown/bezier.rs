@@ -42,7 +42,7 @@ fn build(dimensions: &Dimensions) -> Result<Box<dyn Crown>, CrownError> {
     let bad = |problem: &str| CrownError::BadValue { knob: "profile", problem: problem.to_owned() };
     let pairs: [[f64; 2]; 4] =
         dimensions.profile("profile")?.try_into().map_err(|_| bad("expected 4 pairs height,radius"))?;
-    if pairs.iter().flatten().any(|x| !(x.abs() <= SIZE_LIMIT_M)) {
+    if pairs.iter().flatten().any(|x| x.is_nan() || x.abs() > SIZE_LIMIT_M) {
         return Err(bad(&format!("a height or radius is beyond {SIZE_LIMIT_M} m")));
     }
     if pairs.iter().any(|pair| pair[1] < 0.0) {
@@ -51,7 +51,7 @@ fn build(dimensions: &Dimensions) -> Result<Box<dyn Crown>, CrownError> {
     let solid = Revolved::new(pairs);
     let fill = solid.volume_m3 / solid.cylinder_m3();
     // NaN when the curve has no height or no radius at all.
-    if !(fill >= LEAST_FILL) {
+    if fill.is_nan() || fill < LEAST_FILL {
         let problem = "the profile is flat or a thread; move its control points apart in height and radius";
         return Err(CrownError::Hollow { shape: "bezier", problem: problem.to_owned() });
     }

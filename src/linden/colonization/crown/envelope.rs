@@ -148,7 +148,9 @@ impl Envelope {
         let cells =
             Cells::new(low - foot, high - foot, surface.closed.then_some(&triangles), &tree, monitor)?;
         let probes = cells.probe(&tree, monitor)?;
-        if probes.hits < LEAST_HITS {
+        // A sheet, however bent, surrounds by three quarters only what a sharp fold of it holds; an
+        // open bowl a good part of its inside.
+        if probes.hits < LEAST_HITS || 10 * probes.deep < probes.hits {
             return Err(nothing);
         }
         let exact = surface.closed && surface.components == 1;
@@ -236,6 +238,8 @@ struct Cells {
 
 struct Probes {
     hits: u64,
+    /// Hits that the surface surrounds by three quarters or more.
+    deep: u64,
     inverted: u64,
     volume_m3: f64,
 }
@@ -331,11 +335,12 @@ impl Cells {
             monitor.check()?;
             let (point, _) = self.draw(key.child(i));
             let winding = tree.winding(point);
-            Ok((u64::from(winding.abs() >= 0.5), u64::from(winding <= -0.5)))
+            let depth = winding.abs();
+            Ok([depth >= 0.5, depth >= 0.75, winding <= -0.5].map(u64::from))
         };
-        let sum = |a: (u64, u64), b: (u64, u64)| Ok((a.0 + b.0, a.1 + b.1));
-        let (hits, inverted) = (0..PROBES).into_par_iter().map(one).try_reduce(|| (0, 0), sum)?;
+        let sum = |a: [u64; 3], b: [u64; 3]| Ok([a[0] + b[0], a[1] + b[1], a[2] + b[2]]);
+        let [hits, deep, inverted] = (0..PROBES).into_par_iter().map(one).try_reduce(|| [0; 3], sum)?;
         let kept_m3 = self.cell.element_product() * self.kept.len() as f64;
-        Ok(Probes { hits, inverted, volume_m3: kept_m3 * hits as f64 / PROBES as f64 })
+        Ok(Probes { hits, deep, inverted, volume_m3: kept_m3 * hits as f64 / PROBES as f64 })
     }
 }

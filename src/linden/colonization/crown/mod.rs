@@ -70,7 +70,7 @@ pub struct ShapeKnob {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CrownError {
     /// No shape of this name.
-    #[error("no crown shape is called '{name}'{}; the shapes are: {}", suggestion(.hint), shape_names())]
+    #[error("no crown shape is called '{name}'{}; the shapes are: {}", suggestion(*.hint), shape_names())]
     UnknownShape {
         /// What was asked for, printable.
         name: String,
@@ -105,7 +105,7 @@ pub enum CrownError {
     },
 }
 
-fn suggestion(hint: &Option<&str>) -> String {
+fn suggestion(hint: Option<&str>) -> String {
     hint.map(|h| format!(" (did you mean '{h}'?)")).unwrap_or_default()
 }
 

@@ -45,10 +45,11 @@ impl Foot {
         let enough = wood.get(wood.len() / 2).map_or(0.0, |median| 0.5 * median);
         let first = way.iter().position(|&(_, wood)| wood >= enough && wood > 0.0).unwrap_or(0);
         let centre = grid.centre(way[first].0);
-        let (low, high) =
-            (grid.bottom + layer_m * (first as f64 - 1.0), grid.bottom + layer_m * (first as f64 + 3.0));
         let is_near = |p: &DVec3| (p.x - centre.0).abs().max((p.z - centre.1).abs()) <= 1.5 * grid.cell_m;
-        let stem: Vec<&DVec3> = points.iter().filter(|p| (low..high).contains(&p.y) && is_near(p)).collect();
+        let from_layer = |n: f64| grid.bottom + layer_m * (first as f64 + n);
+        let (low, high) = (from_layer(-1.0), from_layer(3.0));
+        let stem: Vec<DVec3> =
+            points.iter().copied().filter(|p| (low..high).contains(&p.y) && is_near(p)).collect();
         let foot_m = stem.iter().map(|p| p.y).fold(f64::INFINITY, f64::min);
         let foot_m = if foot_m.is_finite() { foot_m } else { bottom };
         let root = DVec3::new(
@@ -56,12 +57,18 @@ impl Foot {
             foot_m,
             median(stem.iter().map(|p| p.z)).unwrap_or(centre.1),
         );
-        Self { root, radius_m: 1.5 * grid.cell_m, ground_m: 2.0 * layer_m, floor_m: foot_m - layer_m }
+        // Above the lowest layer there is bark and no ground: the median distance is the stem's radius, a
+        // little more where it leans. Twice that leaves room for roots.
+        let away = |p: &DVec3| DVec3::new(p.x - root.x, 0.0, p.z - root.z).length();
+        let bark = median(stem.iter().filter(|p| p.y > foot_m + layer_m).map(away));
+        let widest = 1.5 * grid.cell_m;
+        let radius_m = bark.map_or(widest, |radius| (2.0 * radius).clamp(0.1 * widest, widest));
+        Self { root, radius_m, ground_m: 2.0 * layer_m, floor_m: foot_m - layer_m }
     }
 
     /// Whether a point belongs to the ground or below it rather than to the tree.
     pub fn is_ground(&self, p: DVec3) -> bool {
-        let away = (p.x - self.root.x).abs().max((p.z - self.root.z).abs()) > self.radius_m;
+        let away = DVec3::new(p.x - self.root.x, 0.0, p.z - self.root.z).length() > self.radius_m;
         p.y < self.floor_m || (away && p.y < self.root.y + self.ground_m)
     }
 }

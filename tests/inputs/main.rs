@@ -1,0 +1,11 @@
+//! What users bring: meshes, points, scans; well made, hostile, and from other programs.
+
+#![allow(clippy::unwrap_used, reason = "what the tests share may fail them too")]
+#![allow(clippy::format_push_string, clippy::format_collect, reason = "the files written here are small")]
+
+mod envelope;
+mod obj;
+mod ply;
+mod scan;
+mod shapes;
+mod xyz;

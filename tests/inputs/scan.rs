@@ -1,0 +1,211 @@
+//! Synthetic scans of a tree whose axes are known.
+
+use std::f64::consts::TAU;
+
+use linden::colonization::scan::{Scan, ScanError, point_spacing_m, prepare};
+use linden::random::Key;
+use linden::{DVec3, Quiet};
+
+use crate::shapes::in_box;
+
+/// A limb: a straight cone frustum.
+struct Limb {
+    from: DVec3,
+    to: DVec3,
+    radius: (f64, f64),
+}
+
+const STEM_RADIUS_M: f64 = 0.15;
+
+fn limbs() -> Vec<Limb> {
+    let limb = |from: [f64; 3], to: [f64; 3], radius| Limb { from: from.into(), to: to.into(), radius };
+    vec![
+        limb([0.0, 0.0, 0.0], [0.2, 4.0, 0.1], (STEM_RADIUS_M, 0.10)),
+        limb([0.2, 4.0, 0.1], [0.3, 7.5, 0.0], (0.10, 0.02)),
+        limb([0.15, 3.0, 0.07], [2.4, 5.0, 0.6], (0.06, 0.02)),
+        limb([0.2, 3.9, 0.1], [-2.0, 6.0, -0.4], (0.06, 0.02)),
+        limb([0.2, 4.4, 0.1], [0.4, 6.4, 2.2], (0.05, 0.02)),
+    ]
+}
+
+/// Points on the bark, about 2.5 cm apart, a little noisy.
+fn bark(limbs: &[Limb], key: Key) -> Vec<DVec3> {
+    let mut points = Vec::new();
+    for (l, limb) in limbs.iter().enumerate() {
+        let axis = limb.to - limb.from;
+        let along = axis.normalize();
+        let (u, v) = along.any_orthonormal_pair();
+        let count = (axis.length() * TAU * 0.5 * (limb.radius.0 + limb.radius.1) / (0.025 * 0.025)) as u64;
+        for i in 0..count {
+            let key = key.child(l as u64).child(i);
+            let (t, turn) = (key.child(0).unit(), key.child(1).unit() * TAU);
+            let radius =
+                limb.radius.0 + (limb.radius.1 - limb.radius.0) * t + key.child(2).between(-4e-3, 4e-3);
+            points.push(limb.from + axis * t + radius * (u * libm::cos(turn) + v * libm::sin(turn)));
+        }
+    }
+    points
+}
+
+fn scan() -> Vec<DVec3> {
+    bark(&limbs(), Key::new(1))
+}
+
+fn to_axis(p: DVec3) -> f64 {
+    let away = |limb: &Limb| {
+        let axis = limb.to - limb.from;
+        let t = ((p - limb.from).dot(axis) / axis.length_squared()).clamp(0.0, 1.0);
+        p.distance(limb.from + axis * t)
+    };
+    limbs().iter().map(away).fold(f64::INFINITY, f64::min)
+}
+
+fn prepared(points: &[DVec3]) -> Scan {
+    prepare(points, None, &Quiet).unwrap()
+}
+
+/// What holds for every scan of the known tree.
+fn assert_follows_the_axes(scan: &Scan) {
+    let root_off = DVec3::new(scan.root.x, 0.0, scan.root.z).length();
+    assert!(root_off < 0.5 * STEM_RADIUS_M && scan.root.y.abs() < 0.1, "root {}", scan.root);
+    let mut off: Vec<f64> = scan.points.iter().map(|&p| to_axis(p)).collect();
+    off.sort_by(f64::total_cmp);
+    let (middle, most) = (off[off.len() / 2], off[off.len() * 95 / 100]);
+    assert!(middle < 0.03 && most < 0.12, "points lie {middle} (median), {most} (95 %) off the axes");
+    for limb in limbs() {
+        let reached = scan.points.iter().map(|p| p.distance(limb.to)).fold(f64::INFINITY, f64::min);
+        assert!(reached < 0.25, "the tip at {} is {reached} away", limb.to);
+    }
+    // One strand: below the limbs the points are in the middle of the stem, not on its bark.
+    for &p in scan.points.iter().filter(|p| (0.3..2.5).contains(&p.y)) {
+        assert!(to_axis(p) < 0.5 * STEM_RADIUS_M, "{p} is a strand of its own");
+    }
+    // Without gaps: growth with the suggested influence always has a next point.
+    let mut connected = vec![false; scan.points.len()];
+    let mut queue = vec![scan.root];
+    while let Some(at) = queue.pop() {
+        for (i, p) in scan.points.iter().enumerate() {
+            if !connected[i] && p.distance(at) <= 0.5 * scan.influence_m {
+                connected[i] = true;
+                queue.push(*p);
+            }
+        }
+    }
+    let cut_off = connected.iter().filter(|&&c| !c).count();
+    assert_eq!(cut_off, 0, "of {} points", scan.points.len());
+}
+
+#[test]
+fn a_clean_scan_becomes_its_axes() {
+    let scan = prepared(&scan());
+    assert_follows_the_axes(&scan);
+    assert!(scan.kill_m >= scan.step_m && scan.influence_m > scan.kill_m);
+    assert!(scan.report.spacing_m > 0.005 && scan.report.spacing_m < 0.025, "{:?}", scan.report);
+}
+
+#[test]
+fn ground_strays_and_gaps_do_no_harm() {
+    let mut points = scan();
+    let key = Key::new(2);
+    // Ground, 5 m wide; a stray far below and two high above; no stem between 1.0 and 1.6 m.
+    points.extend(
+        (0..6000).map(|i| in_box(key.child(i), DVec3::new(-2.5, -0.05, -2.5), DVec3::new(2.5, 0.03, 2.5))),
+    );
+    points.extend([DVec3::new(1.0, -8.0, 0.0), DVec3::new(-3.0, 12.0, 1.0), DVec3::new(3.0, 12.5, 1.0)]);
+    points.retain(|p| !(1.0..1.6).contains(&p.y));
+    let scan = prepared(&points);
+    assert_follows_the_axes(&scan);
+    assert!(scan.report.ground_points > 4000, "{:?}", scan.report);
+    assert!(
+        scan.report.bridges > 0 && (0.5..0.8).contains(&scan.report.longest_bridge_m),
+        "{:?}",
+        scan.report
+    );
+    let in_gap = scan.points.iter().filter(|p| (1.0..1.6).contains(&p.y)).count();
+    assert!(in_gap >= 4, "{in_gap}");
+}
+
+#[test]
+fn a_branch_that_hangs_lower_than_the_foot_is_not_the_root() {
+    let mut points = scan();
+    let hanging = |from: [f64; 3], to: [f64; 3], radius| Limb { from: from.into(), to: to.into(), radius };
+    points.extend(bark(
+        &[
+            hanging([2.4, 5.0, 0.6], [3.0, 4.0, 0.8], (0.02, 0.015)),
+            hanging([3.0, 4.0, 0.8], [3.1, -0.3, 0.8], (0.015, 0.01)),
+        ],
+        Key::new(3),
+    ));
+    let scan = prepared(&points);
+    assert!(DVec3::new(scan.root.x, 0.0, scan.root.z).length() < 0.5 * STEM_RADIUS_M, "{}", scan.root);
+}
+
+#[test]
+fn a_stem_seen_from_one_side_is_one_strand() {
+    let mut points = scan();
+    points.retain(|p| p.y > 2.5 || p.x > 0.03 * p.y);
+    let scan = prepared(&points);
+    let strands = |y: f64| {
+        let mut near: Vec<DVec3> =
+            scan.points.iter().copied().filter(|p| (p.y - y).abs() < scan.step_m).collect();
+        near.retain(|p| DVec3::new(p.x, 0.0, p.z).length() < 1.0);
+        near.iter().map(|p| p.distance(near[0])).fold(0.0, f64::max)
+    };
+    for y in [0.5, 1.0, 1.5, 2.0] {
+        assert!(strands(y) < 3.0 * scan.step_m, "{} wide at {y}", strands(y));
+    }
+}
+
+#[test]
+fn spacing_is_the_median_over_different_places() {
+    let mut points: Vec<DVec3> = (0..100).map(|i| DVec3::new(0.1 * f64::from(i), 0.0, 0.0)).collect();
+    points.extend(points.clone());
+    points.push(DVec3::new(500.0, 0.0, 0.0));
+    assert!((point_spacing_m(&points).unwrap() - 0.1).abs() < 1e-9);
+    assert_eq!(point_spacing_m(&[]), None);
+    assert_eq!(point_spacing_m(&[DVec3::ONE; 9]), None);
+}
+
+#[test]
+fn a_tree_of_another_size_is_the_same_tree() {
+    let points = scan();
+    // A power of two changes no significand.
+    let large: Vec<DVec3> = points.iter().map(|p| *p * 16.0).collect();
+    let (small, large) = (prepared(&points), prepared(&large));
+    assert_eq!(small.points.iter().map(|p| *p * 16.0).collect::<Vec<_>>(), large.points);
+    assert_eq!((small.root * 16.0, small.kill_m * 16.0), (large.root, large.kill_m));
+}
+
+#[test]
+fn threads_change_nothing() {
+    let run = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| prepared(&scan()))
+    };
+    assert_eq!(run(1), run(4));
+}
+
+#[test]
+fn what_is_no_tree_is_refused() {
+    for points in [vec![], vec![DVec3::ONE], vec![DVec3::ONE; 500], vec![DVec3::X, DVec3::Y, DVec3::Z]] {
+        assert!(matches!(prepare(&points, None, &Quiet), Err(ScanError::TooFew { .. })));
+    }
+    let mut points = scan();
+    points[7].y = f64::INFINITY;
+    assert_eq!(prepare(&points, None, &Quiet), Err(ScanError::NotFinite { index: 7 }));
+    // Flat, straight, huge: odd, but nothing breaks.
+    for scale in [DVec3::new(1.0, 0.0, 1.0), DVec3::new(0.0, 1.0, 0.0), DVec3::splat(1e6), DVec3::splat(1e-6)]
+    {
+        let odd: Vec<DVec3> = scan().iter().map(|p| *p * scale).collect();
+        if let Ok(scan) = prepare(&odd, None, &Quiet) {
+            assert!(scan.points.iter().all(|p| p.is_finite()) && scan.step_m > 0.0);
+        }
+    }
+}
+
+#[test]
+fn a_chosen_step_decides_the_detail() {
+    let coarse = prepare(&scan(), Some(0.2), &Quiet).unwrap();
+    assert_eq!(coarse.step_m, 0.2);
+    assert!(coarse.points.len() * 2 < prepared(&scan()).points.len());
+}
