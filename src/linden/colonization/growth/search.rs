@@ -27,27 +27,51 @@ struct Front {
     boxes: Vec<u32>,
     /// Where the queries of each box end; they start where those before it end.
     ends: Vec<u32>,
-    /// Indices of tree nodes, ascending within each box.
+    /// Indices of tree nodes, ascending within each box; what lies beyond the last end is stale.
     queries: Vec<u32>,
 }
 
 impl Front {
-    fn start(&mut self, queries: impl Iterator<Item = u32>) {
-        self.clear();
-        self.queries.extend(queries);
-        self.close(0);
+    /// All queries at the root.
+    fn start(&mut self, queries: impl ExactSizeIterator<Item = u32>) {
+        self.clear(queries.len());
+        self.boxes.push(0);
+        self.ends.push(queries.len() as u32);
+        for (slot, query) in self.queries.iter_mut().zip(queries) {
+            *slot = query;
+        }
     }
 
-    fn clear(&mut self) {
+    /// Empty, with room for so many queries.
+    fn clear(&mut self, room: usize) {
         self.boxes.clear();
         self.ends.clear();
-        self.queries.clear();
+        if self.queries.len() < room {
+            self.queries.resize(room, 0);
+        }
     }
 
-    /// The queries pushed since the last call belong to `index`.
-    fn close(&mut self, index: u32) {
+    /// How many queries there are, counted once for every box they enter.
+    fn entries(&self) -> usize {
+        self.ends.last().map_or(0, |&end| end as usize)
+    }
+
+    /// Adds a box and those of the queries whose bit is set.
+    ///
+    /// Whether a query enters a box is nearly random: a branch would be guessed wrong too often, so
+    /// every query is written and the place advances or not.
+    #[allow(clippy::inline_always, reason = "must be compiled with the caller's vector instructions")]
+    #[inline(always)]
+    fn enter(&mut self, index: u32, queries: &[u32], masks: &[u8], bit: u32) {
+        let start = self.entries();
+        let room = &mut self.queries[start..start + queries.len()];
+        let mut entered = 0;
+        for (&query, &mask) in queries.iter().zip(masks) {
+            room[entered] = query;
+            entered += usize::from(mask >> bit & 1);
+        }
         self.boxes.push(index);
-        self.ends.push(self.queries.len() as u32);
+        self.ends.push((start + entered) as u32);
     }
 
     fn iter(&self) -> impl Iterator<Item = (usize, &[u32])> {
@@ -155,7 +179,7 @@ impl Search {
             }
             Ok(())
         };
-        if entered.queries.len() < WORTH_SHARING || work.len() < 2 || rayon::current_num_threads() == 1 {
+        if entered.entries() < WORTH_SHARING || work.len() < 2 || rayon::current_num_threads() == 1 {
             for (cluster, queries) in work {
                 self.captures.clear();
                 run(cluster, queries, &mut self.own, &mut self.captures)?;
@@ -274,21 +298,21 @@ fn descend(levels: &[Vec<Inner>], positions: &[Vec3], scratch: &mut Scratch) {
     for (step, level) in levels.iter().rev().enumerate() {
         let (above, below) = fronts.split_at_mut(step + 1);
         let (from, to) = (&above[step], &mut below[0]);
-        to.clear();
+        to.clear(from.entries() * FAN);
         for (index, queries) in from.iter() {
             let inner = &level[index];
             masks.clear();
-            masks.extend(queries.iter().map(|&query| inner.entered_by(positions[query as usize])));
-            let mut children = masks.iter().fold(0, |all, mask| all | mask);
+            let mut children = 0;
+            // A loop, not an iterator's `extend`: that would be compiled apart, without the vectors.
+            for &query in queries {
+                let mask = inner.entered_by(positions[query as usize]);
+                masks.push(mask);
+                children |= mask;
+            }
             while children != 0 {
                 let child = children.trailing_zeros();
                 children &= children - 1;
-                for (&query, &mask) in queries.iter().zip(masks.iter()) {
-                    if mask >> child & 1 == 1 {
-                        to.queries.push(query);
-                    }
-                }
-                to.close((index * FAN) as u32 + child);
+                to.enter((index * FAN) as u32 + child, queries, masks, child);
             }
         }
     }
@@ -324,9 +348,9 @@ fn contest(
         for lane in 0..LEAF {
             let (x, y, z) = (leaf.x[lane] - node.x, leaf.y[lane] - node.y, leaf.z[lane] - node.z);
             let distance2 = x * x + y * y + z * z;
-            let nearer = distance2 < d2[lane];
-            d2[lane] = if nearer { distance2 } else { d2[lane] };
-            nearest[lane] = if nearer { query } else { nearest[lane] };
+            nearest[lane] = if distance2 < d2[lane] { query } else { nearest[lane] };
+            // Not `if` again: the compiler would keep the lanes in memory and store under a mask.
+            d2[lane] = d2[lane].min(distance2);
         }
     }
     let mut bits = [0_u32; LEAF];
