@@ -10,7 +10,7 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 
 use super::NONE;
-use super::nodes::{Pull, pull};
+use super::influence::{Pull, pull};
 use super::tree::{Cluster, DEAD, FAN, Inner, LEAF, Leaf, PointTree, largest};
 use crate::monitor::{Cancelled, Monitor};
 
@@ -19,6 +19,9 @@ const WORTH_SHARING: usize = 256;
 
 /// Most nodes that are sent into one cluster between two questions to the monitor.
 const BATCH: usize = 1024;
+
+/// Most pulls that a list keeps memory for: 64 KiB.
+const KEPT: usize = 4096;
 
 /// Nodes of one level of the tree, each with the new tree nodes ("queries") that enter it.
 #[derive(Default)]
@@ -110,9 +113,12 @@ pub(super) struct Captures {
 }
 
 impl Captures {
+    /// Empty; keeps a little memory, not what one great capture took.
     fn clear(&mut self) {
-        self.lost.clear();
-        self.won.clear();
+        for pulls in [&mut self.lost, &mut self.won] {
+            pulls.clear();
+            pulls.shrink_to(KEPT);
+        }
         self.deaths = 0;
     }
 }
@@ -127,7 +133,8 @@ pub(super) struct Search {
     visit: Visit,
     top: Scratch,
     own: Scratch,
-    captures: Captures,
+    /// One for each cluster that is entered at the same time.
+    captures: Vec<Captures>,
 }
 
 impl Search {
@@ -139,7 +146,7 @@ impl Search {
             visit: visit_detected,
             top: Scratch::default(),
             own: Scratch::default(),
-            captures: Captures::default(),
+            captures: vec![Captures::default()],
         }
     }
 
@@ -149,14 +156,14 @@ impl Search {
         Self { visit: visit_portable, ..Self::new(tree, kill2) }
     }
 
-    /// Shows the nodes from `first` on to the points; `record` takes what they captured, piece by
-    /// piece in an order that does not depend on threads.
+    /// Shows the nodes from `first` on to the points; `record` takes what they captured, in one or
+    /// more calls.
     pub fn capture(
         &mut self,
         first: usize,
         positions: &[Vec3],
         monitor: &dyn Monitor,
-        mut record: impl FnMut(&Captures),
+        mut record: impl FnMut(&[Captures]),
     ) -> Result<(), Cancelled> {
         self.top.with_levels(self.tree.top.levels.len());
         self.top.fronts[0].start(first as u32..positions.len() as u32);
@@ -180,22 +187,25 @@ impl Search {
             Ok(())
         };
         if entered.entries() < WORTH_SHARING || work.len() < 2 || rayon::current_num_threads() == 1 {
+            // One after the other, each recorded while it is still in the cache.
             for (cluster, queries) in work {
-                self.captures.clear();
-                run(cluster, queries, &mut self.own, &mut self.captures)?;
-                record(&self.captures);
+                self.captures[0].clear();
+                run(cluster, queries, &mut self.own, &mut self.captures[0])?;
+                record(&self.captures[..1]);
             }
         } else {
-            let pieces: Vec<Captures> = work
-                .into_par_iter()
-                .map_init(Scratch::default, |scratch, (cluster, queries)| {
-                    let mut captures = Captures::default();
-                    run(cluster, queries, scratch, &mut captures).map(|()| captures)
-                })
-                .collect::<Result<_, _>>()?;
-            for piece in &pieces {
-                record(piece);
+            let count = work.len();
+            if self.captures.len() < count {
+                self.captures.resize_with(count, Captures::default);
             }
+            work.into_par_iter().zip(&mut self.captures).try_for_each_init(
+                Scratch::default,
+                |scratch, ((cluster, queries), captures)| {
+                    captures.clear();
+                    run(cluster, queries, scratch, captures)
+                },
+            )?;
+            record(&self.captures[..count]);
         }
         self.refit();
         Ok(())
