@@ -1,56 +1,221 @@
+//! Growth beside brute force and beside a kd-tree that is rebuilt in every iteration.
+//!
+//! `cargo bench -p linden-tests --bench growth` fills the table in about a minute and a half;
+//! `-- --quick` leaves out all above 10 000 points, `-- --large` adds ten million.
+//!
+//! Points are uniform in the unit ball, the root is its centre, the step half the mean spacing of the
+//! points, the kill distance two steps. Each time is the median of several runs. With one thread it
+//! is CPU time where the system tells it (Linux), so that a busy machine does not count; with two it
+//! is time on the wall, and `x 1` compares it with one thread's on the wall, run in turn. Of the two
+//! peers only the search for nearest nodes is timed, not their other bookkeeping.
+
+#[path = "../colonization/naive.rs"]
+mod naive;
+
+use std::cell::Cell;
+use std::time::Instant;
+
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use linden::colonization::{Growth, GrowthRule, grow};
+use linden::random::Key;
+use linden::{Branching, NO_PARENT, Quiet, Vec3};
+use multiversion::multiversion;
+use peak_alloc::PeakAlloc;
+use rayon::ThreadPool;
+
+#[global_allocator]
+static MEMORY: PeakAlloc = PeakAlloc;
+
+thread_local! {
+    /// CPU seconds that a peer spent on searching.
+    static SEARCHING: Cell<f64> = const { Cell::new(0.0) };
+}
+
+struct Setting {
+    points: usize,
+    /// In steps.
+    influence: f32,
+    runs: usize,
+    brute_force: bool,
+    kd_tree: bool,
+}
+
 fn main() {
-    use linden::colonization::*;
-    use linden::random::Key;
-    use linden::*;
-    use std::time::Instant;
-    for (n, infl) in
-        [(10_000usize, 8.0f32), (100_000, 8.0), (100_000, 20.), (100_000, f32::INFINITY), (1_000_000, 8.0)]
-    {
-        let key = Key::new(1);
-        let mut pts = vec![];
-        let mut i = 0;
-        while pts.len() < n {
-            let k = key.child(i);
-            i += 1;
-            let p = Vec3::new(
-                k.child(0).between(-1., 1.) as f32,
-                k.child(1).between(-1., 1.) as f32,
-                k.child(2).between(-1., 1.) as f32,
-            );
-            if p.length_squared() <= 1.0 {
-                pts.push(p)
-            }
+    let asked = |flag: &str| std::env::args().any(|arg| arg == flag);
+    let mut settings =
+        vec![Setting { points: 10_000, influence: 8.0, runs: 15, brute_force: true, kd_tree: true }];
+    if !asked("--quick") {
+        for influence in [8.0, 20.0, f32::INFINITY] {
+            let kd_tree = influence == 8.0;
+            settings.push(Setting { points: 100_000, influence, runs: 7, brute_force: false, kd_tree });
         }
-        let spacing = (4.18879 / n as f64).cbrt() as f32;
-        let d = 0.5 * spacing;
-        let rule = GrowthRule {
-            step: d,
-            influence: infl * d,
-            kill: 2.0 * d,
-            tropism: Vec3::ZERO,
-            max_iterations: 100000,
-            max_nodes: 10_000_000,
-        };
-        let start = Branching { positions: vec![Vec3::ZERO], parents: vec![NO_PARENT], births: vec![0] };
-        for threads in [1] {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let mut best = f64::MAX;
-            let mut g = None;
-            for _ in 0..3 {
-                let t = Instant::now();
-                g = Some(pool.install(|| grow(&pts, &start, &rule, &Quiet).unwrap()));
-                best = best.min(t.elapsed().as_secs_f64());
-            }
-            let g = g.unwrap();
-            println!(
-                "{n} {infl} t{threads} nodes {} it {} un {} {:?} {:.4}s {:.0} ns/node",
-                g.branching.positions.len(),
-                g.iterations,
-                g.unreached,
-                g.stop,
-                best,
-                best * 1e9 / g.branching.positions.len() as f64
-            );
+        settings.push(Setting {
+            points: 1_000_000,
+            influence: 8.0,
+            runs: 5,
+            brute_force: false,
+            kd_tree: false,
+        });
+    }
+    if asked("--large") {
+        settings.push(Setting {
+            points: 10_000_000,
+            influence: 8.0,
+            runs: 1,
+            brute_force: false,
+            kd_tree: false,
+        });
+    }
+    println!(
+        "{:>9} {:>4} {:>8} {:>5} | {:>8} {:>8} {:>4} {:>8} {:>8} | {:>8} {:>6} | {:>8} {:>6}",
+        "points",
+        "di/D",
+        "nodes",
+        "iter.",
+        "1 thread",
+        "2",
+        "x 1",
+        "ns/node",
+        "B/point",
+        "brute",
+        "ratio",
+        "kd-tree",
+        "ratio"
+    );
+    for setting in &settings {
+        row(setting);
+    }
+}
+
+fn row(setting: &Setting) {
+    let &Setting { points: n, influence, runs, .. } = setting;
+    let points = ball(n);
+    let step = 0.5 * (4.0 / 3.0 * std::f64::consts::PI / n as f64).cbrt() as f32;
+    let rule = GrowthRule {
+        step,
+        influence: influence * step,
+        kill: 2.0 * step,
+        tropism: Vec3::ZERO,
+        max_iterations: u32::MAX,
+        max_nodes: u32::MAX,
+    };
+    let root = Branching { positions: vec![Vec3::ZERO], parents: vec![NO_PARENT], births: vec![0] };
+    let [one, two] =
+        [1, 2].map(|threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap());
+    let ours = |pool: &ThreadPool| pool.install(|| timed(|| grow(&points, &root, &rule, &Quiet).unwrap()));
+
+    let before = MEMORY.current_usage();
+    MEMORY.reset_peak_usage();
+    let Timed { value: growth, .. } = ours(&one);
+    let bytes = MEMORY.peak_usage() - before;
+    let nodes = growth.branching.positions.len();
+    let (mut cpu, mut wall, mut shared) = (Vec::new(), Vec::new(), Vec::new());
+    for _ in 0..runs {
+        let alone = ours(&one);
+        cpu.push(alone.cpu);
+        wall.push(alone.wall);
+        let both = ours(&two);
+        shared.push(both.wall);
+        assert_eq!(both.value, growth, "threads must not matter");
+    }
+    let (cpu, wall, shared) = (median(cpu), median(wall), median(shared));
+    print!(
+        "{n:>9} {influence:>4} {nodes:>8} {:>5} | {cpu:>8.4} {shared:>8.4} {:>4.2} {:>8.0} {:>8.1} |",
+        growth.iterations,
+        wall / shared,
+        cpu / nodes as f64 * 1e9,
+        bytes as f64 / n as f64,
+    );
+    for (wanted, search) in [(setting.brute_force, each_pair as naive::Nearest), (setting.kd_tree, kd_tree)] {
+        if wanted {
+            SEARCHING.set(0.0);
+            let grown = naive::grow(&points, &root, &rule, search);
+            // A kd-tree may break ties otherwise, and then a few nodes differ.
+            assert!(grown.branching.positions.len().abs_diff(nodes) <= nodes / 100);
+            print!(" {:>8.3} {:>5.0}x |", SEARCHING.get(), SEARCHING.get() / cpu);
+        } else {
+            print!(" {:>8} {:>6} |", "-", "-");
         }
     }
+    println!();
+    drop::<Growth>(growth);
+}
+
+struct Timed<T> {
+    value: T,
+    cpu: f64,
+    wall: f64,
+}
+
+/// `cpu` is meaningful where `work` stays on the calling thread.
+fn timed<T>(work: impl FnOnce() -> T) -> Timed<T> {
+    let (clock, started) = (cpu_seconds(), Instant::now());
+    let value = work();
+    let wall = started.elapsed().as_secs_f64();
+    let cpu = clock.zip(cpu_seconds()).map_or(wall, |(before, after)| after - before);
+    Timed { value, cpu, wall }
+}
+
+/// What the calling thread has used, where the system tells.
+fn cpu_seconds() -> Option<f64> {
+    let status = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    Some(status.split(' ').next()?.parse::<f64>().ok()? * 1e-9)
+}
+
+fn median(mut some: Vec<f64>) -> f64 {
+    some.sort_by(f64::total_cmp);
+    some[some.len() / 2]
+}
+
+fn ball(points: usize) -> Vec<Vec3> {
+    let key = Key::new(1).named("ball");
+    (0..)
+        .map(|i| {
+            let k = key.child(i);
+            Vec3::from([0, 1, 2].map(|axis| k.child(axis).between(-1.0, 1.0) as f32))
+        })
+        .filter(|p| p.length_squared() <= 1.0)
+        .take(points)
+        .collect()
+}
+
+fn each_pair(points: &[Vec3], nodes: &[Vec3]) -> Vec<(usize, f32)> {
+    let searched = timed(|| points.chunks(8).flat_map(|eight| nearest_of_eight(eight, nodes)).collect());
+    SEARCHING.set(SEARCHING.get() + searched.cpu);
+    searched.value
+}
+
+/// As good as brute force gets: eight points at a time, with AVX2 where there is any.
+#[multiversion(targets("x86_64+avx2"))]
+fn nearest_of_eight(points: &[Vec3], nodes: &[Vec3]) -> Vec<(usize, f32)> {
+    let lanes =
+        |axis: usize| -> [f32; 8] { std::array::from_fn(|lane| points[lane.min(points.len() - 1)][axis]) };
+    let (xs, ys, zs) = (lanes(0), lanes(1), lanes(2));
+    let (mut d2, mut nearest) = ([f32::INFINITY; 8], [0_u32; 8]);
+    for (index, node) in nodes.iter().enumerate() {
+        for lane in 0..8 {
+            let (x, y, z) = (xs[lane] - node.x, ys[lane] - node.y, zs[lane] - node.z);
+            let distance2 = x * x + y * y + z * z;
+            let nearer = distance2 < d2[lane];
+            d2[lane] = if nearer { distance2 } else { d2[lane] };
+            nearest[lane] = if nearer { index as u32 } else { nearest[lane] };
+        }
+    }
+    (0..points.len()).map(|lane| (nearest[lane] as usize, d2[lane])).collect()
+}
+
+fn kd_tree(points: &[Vec3], nodes: &[Vec3]) -> Vec<(usize, f32)> {
+    let searched = timed(|| {
+        let nodes: Vec<[f32; 3]> = nodes.iter().map(Vec3::to_array).collect();
+        let tree: ImmutableKdTree<f32, 3> = ImmutableKdTree::new_from_slice(&nodes).unwrap();
+        points
+            .iter()
+            .map(|point| {
+                let found = tree.query(&point.to_array()).nearest_one::<SquaredEuclidean<f32>>().execute();
+                (found.item as usize, found.distance)
+            })
+            .collect()
+    });
+    SEARCHING.set(SEARCHING.get() + searched.cpu);
+    searched.value
 }

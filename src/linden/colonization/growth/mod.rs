@@ -31,7 +31,7 @@
 //! Nodes never move and never leave, so a point's nearest node changes only when a new node is
 //! nearer. Each iteration therefore sends only the new nodes through a bounding-volume tree over
 //! the points ([`search`]); what they capture is taken out of the old nodes' sums and added to the
-//! new ones' ([`nodes`]). A stretch of the tree is one thread's work; threads return what was
+//! new ones' ([`influence`]). A stretch of the tree is one thread's work; threads return what was
 //! captured, and integer sums do not mind the order.
 //!
 //! # Memory
@@ -40,6 +40,7 @@
 //! while a list of them moves to a larger place. With 0.65 nodes a point, as in a crown
 //! filled to half its points' spacing, that is about 75 bytes a point at the peak.
 
+mod influence;
 mod nodes;
 mod search;
 mod tree;
@@ -48,6 +49,7 @@ use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
 use glam::Vec3;
+use rayon::prelude::*;
 
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::skeleton::{Branching, NO_PARENT};
@@ -57,6 +59,9 @@ use tree::PointTree;
 
 /// No node.
 const NONE: u32 = u32::MAX;
+
+/// Fewer nodes than this are asked to grow by one thread.
+const WORTH_SHARING: usize = 1024;
 
 /// Coordinates and steps beyond this are refused: their squares would overflow.
 const FARTHEST_M: f32 = 1e9;
@@ -382,13 +387,8 @@ impl Colony<'_> {
         // The sums are written while the positions are read.
         let positions = std::mem::take(&mut nodes.branching.positions);
         let done = search.capture(first, &positions, self.monitor, |captures| {
-            for pull in &captures.lost {
-                nodes.lose(pull);
-            }
-            for pull in &captures.won {
-                nodes.win(pull);
-            }
-            *live -= captures.deaths;
+            nodes.influences.record(captures);
+            *live -= captures.iter().map(|some| some.deaths).sum::<usize>();
         });
         nodes.branching.positions = positions;
         done?;
@@ -400,9 +400,10 @@ impl Colony<'_> {
     fn children(&mut self) -> Result<Vec<(u32, Vec3)>, Cancelled> {
         self.monitor.check()?;
         let GrowthRule { step, tropism, .. } = *self.rule;
-        let dirty = self.nodes.take_dirty();
+        let dirty = self.nodes.influences.take_dirty();
         Ok(dirty
-            .iter()
+            .par_iter()
+            .with_min_len(WORTH_SHARING)
             .filter_map(|&node| self.nodes.pulled(node, step, tropism).map(|child| (node, child)))
             .collect())
     }
@@ -451,4 +452,34 @@ fn out_of_reach(
 /// The order in which points are followed: by distance, then by coordinates.
 fn before((a2, a): (f32, Vec3), (b2, b): (f32, Vec3)) -> bool {
     a2.total_cmp(&b2).then(a.x.total_cmp(&b.x)).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z)).is_lt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::monitor::Quiet;
+    use crate::random::Key;
+
+    #[test]
+    fn vector_instructions_do_not_change_a_bit() {
+        let key = Key::new(5);
+        let points: Vec<Vec3> = (0..20_000)
+            .map(|i| Vec3::from([0, 1, 2].map(|axis| key.child(i).child(axis).between(-1.0, 1.0) as f32)))
+            .collect();
+        let root = Branching { positions: vec![Vec3::ZERO], parents: vec![NO_PARENT], births: vec![0] };
+        for influence in [0.4, f32::INFINITY] {
+            let rule = GrowthRule {
+                step: 0.03,
+                influence,
+                kill: 0.06,
+                tropism: Vec3::new(0.0, 0.2, 0.0),
+                max_iterations: 1000,
+                max_nodes: 100_000,
+            };
+            let detected = grow_with(&points, &root, &rule, &Quiet, Search::new).unwrap();
+            let portable = grow_with(&points, &root, &rule, &Quiet, Search::portable).unwrap();
+            assert!(detected.branching.positions.len() > 5000);
+            assert_eq!(detected, portable);
+        }
+    }
 }

@@ -1,55 +1,22 @@
-//! The growing nodes: where they are, what pulls them, what they grew.
-//!
-//! Pulls are summed as integers. An integer sum does not depend on the order of its terms and can
-//! be taken back term by term, so keeping sums up to date while points change hands gives the same
-//! bits as adding them up anew, on any number of threads.
+//! The growing nodes: where they are and what they grow next.
 
 use glam::{DVec3, Vec3};
 
 use super::NONE;
+use super::influence::Influences;
 use crate::skeleton::{Branching, NO_PARENT};
-
-/// 1 in the fixed-point numbers of a pull: sums of 2^32 of them still fit 64 bits.
-const ONE: f32 = (1_u32 << 30) as f32;
 
 /// What is left of a unit vector when something of about the same length cancels it.
 const VANISHING: f64 = 1e-9;
 
-/// The unit vector from a node towards a point, in fixed point.
-#[derive(Clone, Copy)]
-pub(super) struct Pull {
-    pub node: u32,
-    vector: [i32; 3],
-}
-
-/// What a point that lies at `offset` from a node, `distance2 = |offset|²` away, adds to its sum.
-#[allow(clippy::inline_always, reason = "must be compiled with the caller's vector instructions")]
-#[inline(always)]
-pub(super) fn pull(node: u32, offset: Vec3, distance2: f32) -> Pull {
-    // The floor keeps the scale finite where a square underflowed.
-    let scale = ONE / distance2.max(1e-30).sqrt();
-    Pull { node, vector: [(offset.x * scale) as i32, (offset.y * scale) as i32, (offset.z * scale) as i32] }
-}
-
-/// The influenced set of a node, as far as growth needs it.
-#[derive(Clone, Copy, Default)]
-struct Influence {
-    sum: [i64; 3],
-    points: u32,
-    /// Whether the set changed since the node was last asked to grow.
-    dirty: bool,
-}
-
 /// Nodes, 60 bytes each: 24 are the result, 36 serve growth.
 pub(super) struct Nodes {
     pub branching: Branching,
-    influences: Vec<Influence>,
+    pub influences: Influences,
     /// The last child of each node, or [`NONE`].
     youngest: Vec<u32>,
     /// The child that the same parent grew before, or [`NONE`].
     elder: Vec<u32>,
-    /// Nodes whose influenced set changed, in any order.
-    dirty: Vec<u32>,
 }
 
 impl Nodes {
@@ -57,10 +24,9 @@ impl Nodes {
     pub fn new(start: &Branching) -> Self {
         let mut nodes = Self {
             branching: start.clone(),
-            influences: Vec::new(),
+            influences: Influences::default(),
             youngest: Vec::new(),
             elder: Vec::new(),
-            dirty: Vec::new(),
         };
         for &parent in &start.parents {
             nodes.adopt(parent);
@@ -73,8 +39,8 @@ impl Nodes {
     }
 
     fn adopt(&mut self, parent: u32) {
-        let index = self.influences.len() as u32;
-        self.influences.push(Influence::default());
+        let index = self.youngest.len() as u32;
+        self.influences.add_node();
         self.youngest.push(NONE);
         self.elder.push(if parent == NO_PARENT {
             NONE
@@ -89,7 +55,7 @@ impl Nodes {
         reserve(&mut self.branching.positions, more);
         reserve(&mut self.branching.parents, more);
         reserve(&mut self.branching.births, more);
-        reserve(&mut self.influences, more);
+        self.influences.reserve(more);
         reserve(&mut self.youngest, more);
         reserve(&mut self.elder, more);
         for &(parent, position) in children {
@@ -100,47 +66,9 @@ impl Nodes {
         }
     }
 
-    pub fn lose(&mut self, pull: &Pull) {
-        let influence = &mut self.influences[pull.node as usize];
-        for (sum, part) in influence.sum.iter_mut().zip(pull.vector) {
-            *sum -= i64::from(part);
-        }
-        influence.points -= 1;
-        if !influence.dirty {
-            influence.dirty = true;
-            self.dirty.push(pull.node);
-        }
-    }
-
-    pub fn win(&mut self, pull: &Pull) {
-        let influence = &mut self.influences[pull.node as usize];
-        for (sum, part) in influence.sum.iter_mut().zip(pull.vector) {
-            *sum += i64::from(part);
-        }
-        influence.points += 1;
-        if !influence.dirty {
-            influence.dirty = true;
-            self.dirty.push(pull.node);
-        }
-    }
-
-    /// Nodes whose influenced set changed since the last call, ascending.
-    pub fn take_dirty(&mut self) -> Vec<u32> {
-        let mut dirty = std::mem::take(&mut self.dirty);
-        dirty.sort_unstable();
-        for &node in &dirty {
-            self.influences[node as usize].dirty = false;
-        }
-        dirty
-    }
-
     /// Where the influenced set makes `node` grow, unless it is empty or pulls nowhere.
     pub fn pulled(&self, node: u32, step: f32, tropism: Vec3) -> Option<Vec3> {
-        let Influence { sum: [x, y, z], points, .. } = self.influences[node as usize];
-        if points == 0 {
-            return None;
-        }
-        let bent = unit(DVec3::new(x as f64, y as f64, z as f64))? + tropism.as_dvec3();
+        let bent = unit(self.influences.sum(node)?)? + tropism.as_dvec3();
         // Tropism that cancels the pull leaves rounding, which points nowhere.
         (bent.abs().max_element() > VANISHING).then(|| unit(bent))?.and_then(|n| self.child(node, n, step))
     }
@@ -174,7 +102,7 @@ fn unit(vector: DVec3) -> Option<DVec3> {
 }
 
 /// Room for `more`, growing by a quarter: at millions of nodes a doubling would be the peak of memory.
-fn reserve<T>(all: &mut Vec<T>, more: usize) {
+pub(super) fn reserve<T>(all: &mut Vec<T>, more: usize) {
     if all.capacity() - all.len() < more {
         all.reserve_exact(more.max(all.len() / 4).max(64));
     }

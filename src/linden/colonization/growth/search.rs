@@ -10,7 +10,7 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 
 use super::NONE;
-use super::nodes::{Pull, pull};
+use super::influence::{Pull, pull};
 use super::tree::{Cluster, DEAD, FAN, Inner, LEAF, Leaf, PointTree, largest};
 use crate::monitor::{Cancelled, Monitor};
 
@@ -20,6 +20,9 @@ const WORTH_SHARING: usize = 256;
 /// Most nodes that are sent into one cluster between two questions to the monitor.
 const BATCH: usize = 1024;
 
+/// Most pulls that a list keeps memory for: 64 KiB.
+const KEPT: usize = 4096;
+
 /// Nodes of one level of the tree, each with the new tree nodes ("queries") that enter it.
 #[derive(Default)]
 struct Front {
@@ -27,27 +30,51 @@ struct Front {
     boxes: Vec<u32>,
     /// Where the queries of each box end; they start where those before it end.
     ends: Vec<u32>,
-    /// Indices of tree nodes, ascending within each box.
+    /// Indices of tree nodes, ascending within each box; what lies beyond the last end is stale.
     queries: Vec<u32>,
 }
 
 impl Front {
-    fn start(&mut self, queries: impl Iterator<Item = u32>) {
-        self.clear();
-        self.queries.extend(queries);
-        self.close(0);
+    /// All queries at the root.
+    fn start(&mut self, queries: impl ExactSizeIterator<Item = u32>) {
+        self.clear(queries.len());
+        self.boxes.push(0);
+        self.ends.push(queries.len() as u32);
+        for (slot, query) in self.queries.iter_mut().zip(queries) {
+            *slot = query;
+        }
     }
 
-    fn clear(&mut self) {
+    /// Empty, with room for so many queries.
+    fn clear(&mut self, room: usize) {
         self.boxes.clear();
         self.ends.clear();
-        self.queries.clear();
+        if self.queries.len() < room {
+            self.queries.resize(room, 0);
+        }
     }
 
-    /// The queries pushed since the last call belong to `index`.
-    fn close(&mut self, index: u32) {
+    /// How many queries there are, counted once for every box they enter.
+    fn entries(&self) -> usize {
+        self.ends.last().map_or(0, |&end| end as usize)
+    }
+
+    /// Adds a box and those of the queries whose bit is set.
+    ///
+    /// Whether a query enters a box is nearly random: a branch would be guessed wrong too often, so
+    /// every query is written and the place advances or not.
+    #[allow(clippy::inline_always, reason = "must be compiled with the caller's vector instructions")]
+    #[inline(always)]
+    fn enter(&mut self, index: u32, queries: &[u32], masks: &[u8], bit: u32) {
+        let start = self.entries();
+        let room = &mut self.queries[start..start + queries.len()];
+        let mut entered = 0;
+        for (&query, &mask) in queries.iter().zip(masks) {
+            room[entered] = query;
+            entered += usize::from(mask >> bit & 1);
+        }
         self.boxes.push(index);
-        self.ends.push(self.queries.len() as u32);
+        self.ends.push((start + entered) as u32);
     }
 
     fn iter(&self) -> impl Iterator<Item = (usize, &[u32])> {
@@ -86,9 +113,12 @@ pub(super) struct Captures {
 }
 
 impl Captures {
+    /// Empty; keeps a little memory, not what one great capture took.
     fn clear(&mut self) {
-        self.lost.clear();
-        self.won.clear();
+        for pulls in [&mut self.lost, &mut self.won] {
+            pulls.clear();
+            pulls.shrink_to(KEPT);
+        }
         self.deaths = 0;
     }
 }
@@ -103,7 +133,8 @@ pub(super) struct Search {
     visit: Visit,
     top: Scratch,
     own: Scratch,
-    captures: Captures,
+    /// One for each cluster that is entered at the same time.
+    captures: Vec<Captures>,
 }
 
 impl Search {
@@ -115,7 +146,7 @@ impl Search {
             visit: visit_detected,
             top: Scratch::default(),
             own: Scratch::default(),
-            captures: Captures::default(),
+            captures: vec![Captures::default()],
         }
     }
 
@@ -125,14 +156,14 @@ impl Search {
         Self { visit: visit_portable, ..Self::new(tree, kill2) }
     }
 
-    /// Shows the nodes from `first` on to the points; `record` takes what they captured, piece by
-    /// piece in an order that does not depend on threads.
+    /// Shows the nodes from `first` on to the points; `record` takes what they captured, in one or
+    /// more calls.
     pub fn capture(
         &mut self,
         first: usize,
         positions: &[Vec3],
         monitor: &dyn Monitor,
-        mut record: impl FnMut(&Captures),
+        mut record: impl FnMut(&[Captures]),
     ) -> Result<(), Cancelled> {
         self.top.with_levels(self.tree.top.levels.len());
         self.top.fronts[0].start(first as u32..positions.len() as u32);
@@ -155,23 +186,26 @@ impl Search {
             }
             Ok(())
         };
-        if entered.queries.len() < WORTH_SHARING || work.len() < 2 || rayon::current_num_threads() == 1 {
+        if entered.entries() < WORTH_SHARING || work.len() < 2 || rayon::current_num_threads() == 1 {
+            // One after the other, each recorded while it is still in the cache.
             for (cluster, queries) in work {
-                self.captures.clear();
-                run(cluster, queries, &mut self.own, &mut self.captures)?;
-                record(&self.captures);
+                self.captures[0].clear();
+                run(cluster, queries, &mut self.own, &mut self.captures[0])?;
+                record(&self.captures[..1]);
             }
         } else {
-            let pieces: Vec<Captures> = work
-                .into_par_iter()
-                .map_init(Scratch::default, |scratch, (cluster, queries)| {
-                    let mut captures = Captures::default();
-                    run(cluster, queries, scratch, &mut captures).map(|()| captures)
-                })
-                .collect::<Result<_, _>>()?;
-            for piece in &pieces {
-                record(piece);
+            let count = work.len();
+            if self.captures.len() < count {
+                self.captures.resize_with(count, Captures::default);
             }
+            work.into_par_iter().zip(&mut self.captures).try_for_each_init(
+                Scratch::default,
+                |scratch, ((cluster, queries), captures)| {
+                    captures.clear();
+                    run(cluster, queries, scratch, captures)
+                },
+            )?;
+            record(&self.captures[..count]);
         }
         self.refit();
         Ok(())
@@ -274,21 +308,21 @@ fn descend(levels: &[Vec<Inner>], positions: &[Vec3], scratch: &mut Scratch) {
     for (step, level) in levels.iter().rev().enumerate() {
         let (above, below) = fronts.split_at_mut(step + 1);
         let (from, to) = (&above[step], &mut below[0]);
-        to.clear();
+        to.clear(from.entries() * FAN);
         for (index, queries) in from.iter() {
             let inner = &level[index];
             masks.clear();
-            masks.extend(queries.iter().map(|&query| inner.entered_by(positions[query as usize])));
-            let mut children = masks.iter().fold(0, |all, mask| all | mask);
+            let mut children = 0;
+            // A loop, not an iterator's `extend`: that would be compiled apart, without the vectors.
+            for &query in queries {
+                let mask = inner.entered_by(positions[query as usize]);
+                masks.push(mask);
+                children |= mask;
+            }
             while children != 0 {
                 let child = children.trailing_zeros();
                 children &= children - 1;
-                for (&query, &mask) in queries.iter().zip(masks.iter()) {
-                    if mask >> child & 1 == 1 {
-                        to.queries.push(query);
-                    }
-                }
-                to.close((index * FAN) as u32 + child);
+                to.enter((index * FAN) as u32 + child, queries, masks, child);
             }
         }
     }
@@ -324,9 +358,9 @@ fn contest(
         for lane in 0..LEAF {
             let (x, y, z) = (leaf.x[lane] - node.x, leaf.y[lane] - node.y, leaf.z[lane] - node.z);
             let distance2 = x * x + y * y + z * z;
-            let nearer = distance2 < d2[lane];
-            d2[lane] = if nearer { distance2 } else { d2[lane] };
-            nearest[lane] = if nearer { query } else { nearest[lane] };
+            nearest[lane] = if distance2 < d2[lane] { query } else { nearest[lane] };
+            // Not `if` again: the compiler would keep the lanes in memory and store under a mask.
+            d2[lane] = d2[lane].min(distance2);
         }
     }
     let mut bits = [0_u32; LEAF];

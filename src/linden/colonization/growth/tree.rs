@@ -19,7 +19,9 @@ pub(super) const LEAF: usize = 16;
 /// Children per inner node: one AVX2 register per side of the boxes.
 pub(super) const FAN: usize = 8;
 /// Most points of one cluster: three levels of inner nodes.
-pub(super) const CLUSTER: usize = LEAF * FAN * FAN * FAN;
+const CLUSTER: usize = LEAF * FAN * FAN * FAN;
+/// Clusters that there should be at least, so that threads find work of equal size.
+const CLUSTERS: usize = 64;
 
 /// How many points are looked at between two questions to the monitor.
 const SLICE: usize = 1 << 16;
@@ -175,7 +177,11 @@ impl PointTree {
     pub fn over(points: &[Vec3], d2: f32, monitor: &dyn Monitor) -> Result<Self, Cancelled> {
         let mut points = points.to_vec();
         let mut parts = Vec::new();
-        part(&mut points, &mut parts, monitor)?;
+        let capacity = [CLUSTER, CLUSTER / FAN]
+            .into_iter()
+            .find(|capacity| points.len() / capacity >= CLUSTERS)
+            .unwrap_or(CLUSTER / FAN / FAN);
+        part(&mut points, capacity, &mut parts, monitor)?;
         let built: Vec<(Cluster, Box3)> = parts
             .into_par_iter()
             .map(|points| monitor.check().map(|()| Cluster::of(points, d2)))
@@ -188,15 +194,16 @@ impl PointTree {
 /// Cuts points into clusters, halving the widest extent at about its median.
 fn part<'a>(
     points: &'a mut [Vec3],
+    capacity: usize,
     parts: &mut Vec<&'a mut [Vec3]>,
     monitor: &dyn Monitor,
 ) -> Result<(), Cancelled> {
-    if points.len() <= CLUSTER {
+    if points.len() <= capacity {
         parts.push(points);
         return Ok(());
     }
     let axis = Box3::watched(points, monitor)?.widest();
-    let mut sample: Vec<f32> = points.iter().step_by(points.len() / 255).map(|p| p[axis]).collect();
+    let mut sample: Vec<f32> = points.iter().step_by(points.len().div_ceil(256)).map(|p| p[axis]).collect();
     let middle = sample.len() / 2;
     let (_, &mut median, _) = sample.select_nth_unstable_by(middle, f32::total_cmp);
 
@@ -214,11 +221,12 @@ fn part<'a>(
     let cut = if below == 0 { points.len() / 2 } else { below };
     let (low, high) = points.split_at_mut(cut);
     if low.len() + high.len() < 4 * CLUSTER {
-        part(low, parts, monitor)?;
-        return part(high, parts, monitor);
+        part(low, capacity, parts, monitor)?;
+        return part(high, capacity, parts, monitor);
     }
     let mut more = Vec::new();
-    let (a, b) = rayon::join(|| part(low, parts, monitor), || part(high, &mut more, monitor));
+    let (a, b) =
+        rayon::join(|| part(low, capacity, parts, monitor), || part(high, capacity, &mut more, monitor));
     parts.append(&mut more);
     a.and(b)
 }
