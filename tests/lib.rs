@@ -1,1 +1,3 @@
-//! (to come)
+//! What the tests and benchmarks across crates share.
+
+pub mod fixtures;
