@@ -49,7 +49,7 @@ mod tests {
     #[test]
     fn indices_lead_to_the_values_and_no_value_is_twice() {
         let grid: Vec<_> =
-            (0u8..200).map(|i| Vec2::new(f32::from(i * 7 % 5), f32::from(i % 3) - 1.0)).collect();
+            (0u16..200).map(|i| Vec2::new(f32::from(i * 7 % 5), f32::from(i % 3) - 1.0)).collect();
         let (once, indices) = indexed(&grid).unwrap();
         assert_eq!(once.len(), 15);
         assert!(indices.iter().zip(&grid).all(|(&index, value)| once[index as usize] == *value));
