@@ -128,7 +128,7 @@ fn did_you_mean(nearest: Option<&str>, dot: &str) -> String {
 }
 
 /// What to do about an error of the operating system, with a separator before it.
-fn advice(error: &io::Error) -> &'static str {
+pub(crate) fn advice(error: &io::Error) -> &'static str {
     use io::ErrorKind::{
         BrokenPipe, FileTooLarge, InvalidFilename, NotFound, PermissionDenied, QuotaExceeded,
         ReadOnlyFilesystem, StorageFull,

@@ -180,10 +180,11 @@ impl Staged {
         // decides, as for any other program's output.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let file = builder.tempfile_in(dir).map_err(|source| ExportError::Io {
-            doing: "creating",
-            what: show(shown, &name),
-            source,
+        let file = builder.tempfile_in(dir).map_err(|e| {
+            // tempfile tells the temporary name, which means nothing to anybody; the kind says it all
+            // where it is known.
+            let source = if crate::error::advice(&e).is_empty() { e } else { e.kind().into() };
+            ExportError::Io { doing: "creating", what: show(shown, &name), source }
         })?;
         Ok(Self { name, file, bytes: 0, whole: false })
     }

@@ -5,6 +5,8 @@ use base64::engine::general_purpose::STANDARD;
 use linden::scene::{Bounds, Part, Scene};
 
 use super::document::{Accessor, Attributes, BufferView, ComponentType};
+use super::tangents::tangents;
+use crate::picture::{self, Named};
 use crate::{ExportError, Sink};
 
 const ARRAY_BUFFER: u16 = 34962;
@@ -23,17 +25,24 @@ pub(super) struct Layout {
 /// Accessors of a part.
 pub(super) struct PrimitiveArrays {
     first: usize,
+    with_tangents: bool,
     pub indices: usize,
 }
 
 impl PrimitiveArrays {
     pub fn attributes(&self) -> Attributes {
-        Attributes { position: self.first, normal: self.first + 1, texcoord_0: self.first + 2 }
+        Attributes {
+            position: self.first,
+            normal: self.first + 1,
+            texcoord_0: self.first + 2,
+            tangent: self.with_tangents.then_some(self.first + 3),
+        }
     }
 }
 
 impl Layout {
-    pub fn of_meshes(scene: &Scene, bounds: &[Bounds]) -> Self {
+    /// Lays out the parts' arrays; `pictures` are those that will be written.
+    pub fn of_meshes(scene: &Scene, bounds: &[Bounds], pictures: &[Named<'_>]) -> Self {
         let mut layout = Self {
             views: Vec::new(),
             accessors: Vec::new(),
@@ -52,10 +61,16 @@ impl Layout {
             f32s(&mut layout, "VEC2", 8);
             layout.accessors[first].min = Some(bounds.min.to_array());
             layout.accessors[first].max = Some(bounds.max.to_array());
+            let normal_picture = scene.materials[part.material].normal_picture.as_ref();
+            let with_tangents = picture::index_of(pictures, normal_picture).is_some();
+            if with_tangents {
+                f32s(&mut layout, "VEC4", 16);
+            }
             let kind = index_type(part);
             let bytes = if kind == ComponentType::U16 { 2 } else { 4 };
             layout.push(part.mesh.triangles.len() * 3, "SCALAR", kind, bytes, ELEMENT_ARRAY_BUFFER);
-            layout.primitives.push(PrimitiveArrays { first, indices: first + 3 });
+            let indices = layout.accessors.len() - 1;
+            layout.primitives.push(PrimitiveArrays { first, with_tangents, indices });
         }
         layout
     }
@@ -93,8 +108,8 @@ impl Layout {
 
     /// Writes the buffer.
     pub fn write(&self, scene: &Scene, out: &mut impl Chunk) -> Result<(), ExportError> {
-        for part in &scene.parts {
-            write_part(part, out)?;
+        for (part, primitive) in scene.parts.iter().zip(&self.primitives) {
+            write_part(part, primitive.with_tangents, out)?;
         }
         for blob in &self.blobs {
             out.put(blob)?;
@@ -109,7 +124,7 @@ fn index_type(part: &Part) -> ComponentType {
     if u16::try_from(part.mesh.positions.len()).is_ok() { ComponentType::U16 } else { ComponentType::U32 }
 }
 
-fn write_part(part: &Part, out: &mut impl Chunk) -> Result<(), ExportError> {
+fn write_part(part: &Part, with_tangents: bool, out: &mut impl Chunk) -> Result<(), ExportError> {
     let mesh = &part.mesh;
     out.put(bytemuck::cast_slice(&mesh.positions))?;
     out.put(bytemuck::cast_slice(&mesh.normals))?;
@@ -119,6 +134,9 @@ fn write_part(part: &Part, out: &mut impl Chunk) -> Result<(), ExportError> {
         down.clear();
         down.extend(uvs.iter().map(|uv| [uv.x, 1.0 - uv.y]));
         out.put(bytemuck::cast_slice(&down))?;
+    }
+    if with_tangents {
+        out.put(bytemuck::cast_slice(&tangents(mesh)))?;
     }
     if index_type(part) == ComponentType::U32 {
         return out.put(bytemuck::cast_slice(&mesh.triangles));

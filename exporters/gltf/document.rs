@@ -85,6 +85,8 @@ pub(super) struct Primitive {
 pub(super) struct Attributes {
     pub position: usize,
     pub normal: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tangent: Option<usize>,
     #[serde(rename = "TEXCOORD_0")]
     pub texcoord_0: usize,
 }

@@ -3,13 +3,11 @@
 //! The recipe is a JSON object under `linden` in the extras of the tree's root node: node extras are
 //! what importers keep (as custom properties in Blender, `userData` in three.js).
 //!
-//! No TANGENTs are written: for a normal texture without them the specification (3.7.2.1) has every
-//! reader compute `MikkTSpace` tangents from positions, normals and texture coordinates. The bark
-//! pictures are drawn for a tangent that runs along U, which is what that computation gives on a
-//! swept tube.
+//! Parts with a normal picture carry TANGENTs: see [`tangents`].
 
 mod buffer;
 mod document;
+mod tangents;
 
 use linden::Monitor;
 use linden::scene::Scene;
@@ -75,7 +73,7 @@ impl Exporter for Gltf {
             bundle
                 .note("a single stream has no files beside it: buffer and pictures are inside, as data URIs");
         }
-        let mut layout = Layout::of_meshes(scene, &bounds);
+        let mut layout = Layout::of_meshes(scene, &bounds, &pictures);
         if embed {
             let sources = embedded(&pictures, &mut layout)?;
             let mut document = document(scene, &pictures, sources, &mut layout);
@@ -127,7 +125,7 @@ impl Exporter for Glb {
     ) -> Result<(), ExportError> {
         let bounds = sound::check(scene, monitor)?;
         let pictures = if options.is_on("pictures") { picture::pictures(scene) } else { Vec::new() };
-        let mut layout = Layout::of_meshes(scene, &bounds);
+        let mut layout = Layout::of_meshes(scene, &bounds, &pictures);
         let sources = embedded(&pictures, &mut layout)?;
         let document = document(scene, &pictures, sources, &mut layout);
         let mut json = json(&document)?;

@@ -11,6 +11,7 @@
 //! `userProperties:linden:recipe` (what importers keep). The skeleton has purpose `guide`: it lies
 //! inside the wood, and a renderer that drew it would show it through every gap.
 
+mod indexed;
 mod material;
 mod syntax;
 
@@ -172,7 +173,13 @@ fn write_mesh(
     let count = mesh.positions.len();
     array(out, "point3f[] points", count, "", |text, i| vector(text, mesh.positions[i].to_array()))?;
     array(out, "normal3f[] normals", count, vertex, |text, i| vector(text, mesh.normals[i].to_array()))?;
-    array(out, "texCoord2f[] primvars:st", count, vertex, |text, i| vector(text, mesh.uvs[i].to_array()))?;
+    let st = "texCoord2f[] primvars:st";
+    if let Some((once, indices)) = indexed::indexed(&mesh.uvs) {
+        array(out, st, once.len(), vertex, |text, i| vector(text, once[i].to_array()))?;
+        array(out, "int[] primvars:st:indices", indices.len(), "", |text, i| text.integer(indices[i]))?;
+    } else {
+        array(out, st, count, vertex, |text, i| vector(text, mesh.uvs[i].to_array()))?;
+    }
     out.write(b"        }\n\n")
 }
 
@@ -195,14 +202,10 @@ fn write_skeleton(out: &mut Sink<'_>, skeleton: &Skeleton, name: &str) -> Result
         let thickness = own.iter().map(|&node| skeleton.radii[node as usize]);
         radii.extend(foot(axis).and(thickness.clone().next()).into_iter().chain(thickness));
     }
-    let points = || nodes.iter().map(|&node| skeleton.positions[node as usize]);
-    let Some(extent) = points()
-        .zip(&radii)
-        .map(|(p, &r)| Bounds { min: p - Vec3::splat(r), max: p + Vec3::splat(r) })
-        .reduce(Bounds::union)
-    else {
-        return Ok(());
-    };
+    let points = nodes.iter().map(|&node| skeleton.positions[node as usize]);
+    let Some(Bounds { min, max }) = Bounds::of(points) else { return Ok(()) };
+    // By the widest curve all round, as UsdGeomCurves computes it.
+    let reach = Vec3::splat(radii.iter().copied().fold(0.0, f32::max));
     let head = format!(
         r#"        def BasisCurves "{name}"
         {{
@@ -211,8 +214,8 @@ fn write_skeleton(out: &mut Sink<'_>, skeleton: &Skeleton, name: &str) -> Result
             uniform token type = "linear"
             uniform token wrap = "nonperiodic"
 "#,
-        tuple(extent.min.to_array()),
-        tuple(extent.max.to_array()),
+        tuple((min - reach).to_array()),
+        tuple((max + reach).to_array()),
     );
     out.write(head.as_bytes())?;
     let per = |what| format!(" (\n                interpolation = \"{what}\"\n            )");

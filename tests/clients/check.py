@@ -1,0 +1,254 @@
+#!/usr/bin/env python3
+"""Checks every exported file of a directory with the clients that people have:
+
+    target/clients/venv/bin/python tests/clients/check.py DIRECTORY
+
+usd-core's and NVIDIA's validators, the Khronos glTF validator, trimesh; what all of those are blind
+to (`geometry`); and across the files of one stem, whether they hold the same tree (`agreement`).
+Prints a line per file and check; any error or warning makes the exit code 1.
+"""
+
+import json
+import logging
+import subprocess
+import sys
+import tempfile
+from collections import defaultdict
+from pathlib import Path
+
+import numpy as np
+
+import readers
+
+HERE = Path(__file__).resolve().parent
+
+# What NVIDIA's validator says of every file of ours that is no fault of the file, and why.
+NVIDIA_ALLOWED = {
+    # It wants binary files instead of text; text is what this format is for.
+    "UsdAsciiPerformanceChecker",
+    # Vertices along a seam share their place: they differ in their texture coordinates. Welding them
+    # would take face-varying index arrays six times as long as what it saves.
+    "WeldChecker",
+}
+
+def geometry(tree):
+    """Faults of one file's arrays."""
+    for file in tree.files:
+        if not file.is_file():
+            yield f"refers to {file.name}, which is not there"
+    if not tree.recipe:
+        yield "carries no recipe"
+    else:
+        try:
+            json.loads(tree.recipe)
+        except ValueError as e:
+            yield f"its recipe is no JSON: {e}"
+    if not tree.meshes and tree.edges is None:
+        yield "holds neither mesh nor skeleton"
+    if tree.edges is not None:
+        if not np.isfinite(tree.nodes).all():
+            yield "a node is not finite"
+        if (tree.nodes[:, 3] <= 0).any():
+            yield "a radius is not above zero"
+        if tree.edges.size and not (0 <= tree.edges.min() and tree.edges.max() < len(tree.nodes)):
+            yield "an edge names a node that is not there"
+    for mesh in tree.meshes:
+        yield from (f"{mesh.name}: {fault}" for fault in mesh_faults(mesh))
+
+
+def mesh_faults(mesh):
+    count = len(mesh.positions)
+    if not count == len(mesh.normals) == len(mesh.uvs):
+        yield f"{count} positions, {len(mesh.normals)} normals, {len(mesh.uvs)} texture coordinates"
+        return
+    for name, array in [("position", mesh.positions), ("normal", mesh.normals), ("uv", mesh.uvs)]:
+        if not np.isfinite(array).all():
+            yield f"a {name} is not finite"
+            return
+    if len(mesh.triangles) == 0:
+        yield "no triangles"
+        return
+    if mesh.triangles.min() < 0 or mesh.triangles.max() >= count:
+        yield "an index names a vertex that is not there"
+        return
+    used = np.zeros(count, bool)
+    used[mesh.triangles] = True
+    if not used.all():
+        yield f"{(~used).sum()} vertices belong to no triangle"
+    lengths = np.linalg.norm(mesh.normals, axis=1)
+    if np.abs(lengths - 1).max() > 1e-4:
+        yield f"a normal is {lengths[np.abs(lengths - 1).argmax()]} long"
+    across = face_normals(mesh)
+    mean = mesh.normals[mesh.triangles].sum(axis=1)
+    against = (across * mean).sum(axis=1) < 0
+    if against.any():
+        yield f"{against.sum()} triangles wind against their normals"
+    if mesh.bounds is not None:
+        declared = np.array(mesh.bounds, dtype=np.float32)
+        actual = np.array([mesh.positions.min(axis=0), mesh.positions.max(axis=0)], dtype=np.float32)
+        if not (declared == actual).all():
+            yield f"declares bounds {declared.tolist()}, has {actual.tolist()}"
+
+
+def face_normals(mesh):
+    """Twice the area of each triangle, along its normal."""
+    a, b, c = (mesh.positions[mesh.triangles[:, i]] for i in range(3))
+    return np.cross(b - a, c - a)
+
+
+def agreement(trees):
+    """Faults between the files of one tree: (path, fault)."""
+    def measures(tree):
+        meshes = tree.meshes
+        area = sum(np.linalg.norm(face_normals(m), axis=1).sum() / 2 for m in meshes)
+        # Where texture coordinates lie on the surface, weighted by area: catches a flipped V.
+        textured = sum((np.linalg.norm(face_normals(m), axis=1)[:, None] *
+                        m.uvs[m.triangles].mean(axis=1)).sum(axis=0) / 2 for m in meshes)
+        low = np.min([m.positions.min(axis=0) for m in meshes], axis=0)
+        high = np.max([m.positions.max(axis=0) for m in meshes], axis=0)
+        return sum(len(m.triangles) for m in meshes), np.array([area, *textured, *low, *high])
+
+    meshed = [(path, measures(tree)) for path, tree in trees if tree.meshes]
+    for path, (triangles, numbers) in meshed[1:]:
+        first, (first_triangles, first_numbers) = meshed[0]
+        if triangles != first_triangles:
+            yield path, f"{triangles} triangles, {first.name} has {first_triangles}"
+        elif not np.allclose(numbers, first_numbers, rtol=1e-5, atol=1e-5):
+            yield path, f"area, texture or bounds {numbers.tolist()}, {first.name} has {first_numbers.tolist()}"
+    recipes = [(path, json.loads(tree.recipe)) for path, tree in trees]
+    for path, recipe in recipes[1:]:
+        if recipe != recipes[0][1]:
+            yield path, f"another recipe than {recipes[0][0].name}"
+
+
+def with_trimesh(path, tree):
+    """Whether trimesh finds the same triangles, closed."""
+    import trimesh
+
+    if tree.edges is not None and not tree.meshes:
+        loaded = trimesh.load(path)
+        count = len(loaded.vertices)
+        if count != len(tree.nodes):
+            yield f"{count} vertices of {len(tree.nodes)} nodes"
+        return
+    loaded = trimesh.load_scene(path, process=False)
+    meshes = list(loaded.geometry.values())
+    found = sum(len(m.faces) for m in meshes if hasattr(m, "faces"))
+    expected = sum(len(m.triangles) for m in tree.meshes)
+    if found != expected:
+        yield f"{found} triangles of {expected}"
+    for mesh in meshes:
+        if not hasattr(mesh, "faces"):
+            continue
+        mesh.merge_vertices(merge_tex=True, merge_norm=True)
+        if not mesh.is_watertight or not mesh.is_winding_consistent or mesh.volume <= 0:
+            yield "the surface is open or inside out"
+
+
+def with_usd_core(path):
+    from pxr import Usd, UsdValidation
+
+    stage = Usd.Stage.Open(str(path))
+    validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
+    for error in UsdValidation.ValidationContext(validators).Validate(stage):
+        if error.GetType() in (UsdValidation.ValidationErrorType.Error, UsdValidation.ValidationErrorType.Warn):
+            yield f"{error.GetName()}: {error.GetMessage()}"
+
+
+def with_nvidia(path):
+    with tempfile.TemporaryDirectory() as directory:
+        report = Path(directory) / "report.json"
+        command = [Path(sys.executable).parent / "nvidia_usd_validate", "--json-output", report, path]
+        done = subprocess.run(command, capture_output=True, text=True)
+        if not report.is_file():
+            yield f"nvidia_usd_validate gave no report: {done.stderr.strip()[-500:]}"
+            return
+        for rule in json.loads(report.read_text())["rules"]:
+            for issue in rule["issues"]:
+                name = issue["rule"]["name"]
+                if issue["severity"] != "INFO" and name not in NVIDIA_ALLOWED:
+                    where = (issue["at"] or {}).get("path", "")
+                    yield f"{issue['severity']} {name}: {issue['message']} {where}"
+
+
+def with_khronos(paths):
+    """Faults by path."""
+    clients = Path(sys.executable).parent.parent.parent
+    command = ["node", HERE / "gltf_validate.mjs", clients / "node_modules", *paths]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        sys.exit(f"the Khronos validator does not run: {done.stderr.strip()}; run {HERE / 'setup.sh'}")
+    names = ["error", "warning"]  # then information and hints: unused texture coordinates, say
+    return {
+        Path(file): [f"{names[m['severity']]} {m['code']}: {m['message']} {m.get('pointer', '')}"
+                     for m in issues["messages"] if m["severity"] < len(names)]
+        for file, issues in json.loads(done.stdout).items()
+    }
+
+
+def check(directory, clients=True):
+    """All faults of a directory: [(path, check, fault)], and [(path, check)] of what was fine."""
+    paths = sorted(p for p in Path(directory).iterdir()
+                   if p.suffix in (".obj", ".ply", ".gltf", ".glb", ".usda"))
+    faults, fine = [], []
+
+    def note(path, name, found):
+        found = list(found)
+        faults.extend((path, name, fault) for fault in found)
+        if not found:
+            fine.append((path, name))
+
+    def guarded(found):
+        # A file that a reader stumbles over is at fault, not the program.
+        try:
+            yield from found
+        except Exception as e:
+            yield f"{type(e).__name__}: {e}"
+
+    trees = {}
+    for path in paths:
+        try:
+            trees[path] = readers.read(path)
+        except Exception as e:
+            faults.append((path, "geometry", f"{type(e).__name__}: {e}"))
+            continue
+        note(path, "geometry", guarded(geometry(trees[path])))
+        if clients:
+            note(path, "trimesh", guarded(with_trimesh(path, trees[path]))) if path.suffix != ".usda" else None
+            if path.suffix == ".usda":
+                note(path, "usd-core", guarded(with_usd_core(path)))
+                note(path, "nvidia", guarded(with_nvidia(path)))
+    if clients and (of_khronos := [p for p in paths if p.suffix in (".gltf", ".glb")]):
+        for path, found in with_khronos(of_khronos).items():
+            note(path, "khronos", found)
+    stems = defaultdict(list)
+    for path, tree in trees.items():
+        stems[path.stem].append((path, tree))
+    for of_stem in stems.values():
+        if len(of_stem) > 1:
+            # What a file's own check has found would only be found again.
+            if not any(path in (p for p, _ in of_stem) for path, _, _ in faults):
+                found = list(agreement(of_stem))
+                faults.extend((path, "agreement", fault) for path, fault in found)
+                if not found:
+                    fine.append((of_stem[0][0].with_suffix(".*"), "agreement"))
+    if not paths:
+        faults.append((Path(directory), "check", "holds no exported files"))
+    return faults, fine
+
+
+def main():
+    if len(sys.argv) != 2 or not Path(sys.argv[1]).is_dir():
+        sys.exit(__doc__)
+    logging.disable(logging.WARNING)
+    faults, fine = check(sys.argv[1])
+    for path, name in fine:
+        print(f"ok     {path.name!r} {name}")
+    for path, name, fault in faults:
+        print(f"FAULT  {path.name!r} {name}: {fault}")
+    print(f"{len(fine)} checks passed, {len(faults)} faults")
+    sys.exit(1 if faults else 0)
+
+
+if __name__ == "__main__":
+    main()

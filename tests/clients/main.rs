@@ -1,0 +1,9 @@
+//! What other programs make of our files.
+
+// A test's helpers panic like the test itself.
+#![allow(clippy::unwrap_used, clippy::expect_used)]
+
+mod outside;
+mod presets;
+mod read_back;
+mod references;

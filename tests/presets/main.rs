@@ -1,0 +1,91 @@
+//! Every built-in preset: it loads, it grows the same tree as ever, its surface is sound.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot go on fails")]
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use linden::Quiet;
+use linden::grow::grow;
+use linden::preset::{Preset, builtins};
+use linden::surface::{Topology, sweep, topology};
+use linden_tests::presets::recipe;
+
+#[test]
+fn each_document_says_what_and_whence() {
+    for builtin in builtins() {
+        let preset = builtin.load().unwrap_or_else(|fault| panic!("{}: {fault}", builtin.id));
+        assert_eq!(preset.id, builtin.id, "the id is the file's name");
+        for (what, text) in [("name", &preset.name), ("summary", &preset.summary), ("source", &preset.source)]
+        {
+            assert!(!text.is_empty(), "{} has no {what}", builtin.id);
+        }
+        assert!(
+            !preset.summary.ends_with('.') && preset.summary.len() < 90,
+            "{}: {}",
+            builtin.id,
+            preset.summary
+        );
+    }
+}
+
+/// The document that a preset is written as gives the preset back, as TOML and as a recipe's JSON.
+#[test]
+fn documents_survive_writing_and_reading() {
+    for builtin in builtins() {
+        let preset = builtin.load().unwrap();
+        assert_eq!(Preset::from_toml(&preset.to_toml().unwrap()).unwrap(), preset, "{}", builtin.id);
+        let line = recipe(builtin).to_line();
+        assert!(line.bytes().all(|b| (b' '..=b'~').contains(&b)), "printable ASCII: {line}");
+        assert_eq!(Preset::from_json(&line).unwrap(), preset, "{}", builtin.id);
+    }
+}
+
+#[test]
+fn each_surface_is_closed_unfolded_and_finite() {
+    for builtin in builtins() {
+        let recipe = recipe(builtin);
+        let grown = grow(&recipe, &Quiet).unwrap();
+        let mesh = sweep(&grown.skeleton, &recipe.preset.tubes, &Quiet).unwrap();
+        assert_eq!(topology(&mesh), Topology::default(), "{}", builtin.id);
+        assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-4), "{}", builtin.id);
+        assert_eq!(grown.colonized.map_or(0, |own| own.unreached), 0, "{}", builtin.id);
+    }
+}
+
+/// The same tree again tomorrow. After a change that is meant to change trees:
+/// `LINDEN_UPDATE=1 cargo test -p linden-tests --test presets`.
+#[test]
+fn each_tree_is_the_one_it_was() {
+    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("presets/trees.txt");
+    let mut trees = String::from("# preset, nodes, axes, hash of the skeleton\n");
+    for builtin in builtins() {
+        let skeleton = grow(&recipe(builtin), &Quiet).unwrap().skeleton;
+        let (nodes, axes) = (skeleton.positions.len(), skeleton.axes.len());
+        writeln!(trees, "{} {nodes} {axes} {:032x}", builtin.id, skeleton.hash()).unwrap();
+    }
+    if std::env::var_os("LINDEN_UPDATE").is_some() {
+        std::fs::write(&golden, &trees).unwrap();
+    }
+    let expected = std::fs::read_to_string(&golden).unwrap();
+    for (now, then) in trees.lines().zip(expected.lines()) {
+        assert_eq!(now, then, "a preset grows another tree (see LINDEN_UPDATE above)");
+    }
+    assert_eq!(
+        trees.lines().count(),
+        expected.lines().count(),
+        "presets came or went (see LINDEN_UPDATE above)"
+    );
+}
+
+#[test]
+fn any_number_of_threads_grows_the_same_tree() {
+    let on = |threads: usize, id: &str| {
+        let builtin = builtins().iter().find(|own| own.id == id).unwrap();
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| grow(&recipe(builtin), &Quiet).unwrap().skeleton.hash())
+    };
+    for id in ["heart", "sphere", "abop-stochastic"] {
+        assert_eq!(on(1, id), on(4, id), "{id}");
+    }
+}

@@ -1,0 +1,109 @@
+#!/usr/bin/env python3
+"""Renders an exported file with Blender's Cycles, to see what Blender makes of it:
+
+    python tests/render/render.py FILE OUT.png [--size 640] [--samples 32] [--view front|side|top|detail]
+
+Runs in a Python with Blender as a module (pip install bpy==5.0.1, Python 3.11): `bpy` is large and
+no test needs it. Reads .glb .gltf .obj .ply .usda .usd, frames what it finds, adds sun and sky.
+"""
+
+import argparse
+import math
+import sys
+from pathlib import Path
+
+import bpy
+from mathutils import Vector
+
+
+def load(path):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    kind = path.suffix.lower()
+    if kind in (".glb", ".gltf"):
+        bpy.ops.import_scene.gltf(filepath=str(path))
+    elif kind == ".obj":
+        bpy.ops.wm.obj_import(filepath=str(path))
+    elif kind == ".ply":
+        # PLY says nothing of axes that Blender reads; ours are Y-up.
+        bpy.ops.wm.ply_import(filepath=str(path), forward_axis="NEGATIVE_Z", up_axis="Y")
+    elif kind in (".usda", ".usd", ".usdc"):
+        bpy.ops.wm.usd_import(filepath=str(path))
+    else:
+        sys.exit(f"no importer for {path.name}")
+    meshes = [o for o in bpy.context.scene.objects if o.type == "MESH"]
+    if not meshes:
+        sys.exit(f"Blender found no mesh in {path.name}")
+    return meshes
+
+
+def show_vertex_colors(meshes):
+    """A file without materials (PLY) is seen by its vertex colours."""
+    for mesh in (o.data for o in meshes if not o.data.materials and o.data.color_attributes):
+        material = bpy.data.materials.new("vertex colors")
+        material.use_nodes = True
+        nodes = material.node_tree
+        color = nodes.nodes.new("ShaderNodeVertexColor")
+        color.layer_name = mesh.color_attributes[0].name
+        nodes.links.new(color.outputs["Color"], nodes.nodes["Principled BSDF"].inputs["Base Color"])
+        mesh.materials.append(material)
+
+
+def frame(meshes, view):
+    corners = [o.matrix_world @ Vector(c) for o in meshes for c in o.bound_box]
+    low = Vector(map(min, zip(*corners)))
+    high = Vector(map(max, zip(*corners)))
+    middle, size = (low + high) / 2, (high - low).length
+    toward = {"front": Vector((0.25, -1, 0.15)), "side": Vector((1, 0.1, 0.15)),
+              "top": Vector((0.01, -0.05, 1)), "detail": Vector((0.25, -1, 0.15))}[view].normalized()
+    camera = bpy.data.cameras.new("camera")
+    camera.lens = 50
+    camera.clip_end = 100 * size
+    distance = 0.5 * size / math.tan(camera.angle / 2) * (0.45 if view == "detail" else 1.05)
+    looking = bpy.data.objects.new("camera", camera)
+    looking.location = middle + toward * distance
+    looking.rotation_euler = (-toward).to_track_quat("-Z", "Y").to_euler()
+    bpy.context.collection.objects.link(looking)
+    bpy.context.scene.camera = looking
+
+
+def light():
+    sun = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))
+    sun.data.energy = 3
+    sun.data.angle = math.radians(2)
+    sun.rotation_euler = (math.radians(50), 0, math.radians(-35))
+    bpy.context.collection.objects.link(sun)
+    world = bpy.data.worlds.new("sky")
+    world.use_nodes = True
+    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.55, 0.7, 0.9, 1)
+    world.node_tree.nodes["Background"].inputs["Strength"].default_value = 0.6
+    bpy.context.scene.world = world
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("file", type=Path)
+    parser.add_argument("out", type=Path)
+    parser.add_argument("--size", type=int, default=640)
+    parser.add_argument("--samples", type=int, default=32)
+    parser.add_argument("--view", choices=["front", "side", "top", "detail"], default="front")
+    arguments = parser.parse_args()
+    meshes = load(arguments.file.resolve())
+    show_vertex_colors(meshes)
+    frame(meshes, arguments.view)
+    light()
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    scene.cycles.samples = arguments.samples
+    scene.cycles.use_denoising = False
+    scene.cycles.seed = 1
+    scene.view_settings.view_transform = "Standard"
+    scene.render.resolution_x = scene.render.resolution_y = arguments.size
+    scene.render.filepath = str(arguments.out.resolve())
+    scene.render.image_settings.file_format = "PNG"
+    bpy.ops.render.render(write_still=True)
+    triangles = sum(len(m.data.loop_triangles) or len(m.data.polygons) for m in meshes)
+    print(f"{arguments.file.name}: {len(meshes)} meshes, {triangles} triangles -> {arguments.out}")
+
+
+if __name__ == "__main__":
+    main()
