@@ -247,12 +247,28 @@ impl Pieces {
     }
 }
 
+/// The median of each coordinate: unlike the mean it stays in the stem where weeds or a thin
+/// twig hang on one side of it.
+fn middle(points: &mut [DVec3]) -> DVec3 {
+    let half = points.len() / 2;
+    DVec3::from([0, 1, 2].map(|axis| {
+        points.sort_unstable_by(|a, b| a[axis].total_cmp(&b[axis]));
+        // Between the two in the middle, if there are two.
+        0.5 * (points[half][axis] + points[(points.len() - 1) / 2][axis])
+    }))
+}
+
 /// Centres of cross-sections and the section each hangs on.
 pub(super) struct Sections {
     /// The root, then sections before those that hang on them.
     pub centres: Vec<DVec3>,
     /// [`None`] for the root only.
     pub parents: Vec<Option<u32>>,
+    /// How many points each centre stands for.
+    sizes: Vec<f64>,
+    /// Sections on which none hangs though there is bark beyond them: no tips, but shards of a
+    /// cross-section that was reached over two bridges.
+    shards: Vec<bool>,
 }
 
 impl Sections {
@@ -271,25 +287,31 @@ impl Sections {
         let length = |i: u32| ways.length[i as usize];
         order.sort_unstable_by(|&a, &b| length(a).total_cmp(&length(b)).then(a.cmp(&b)));
         let mut section_of = vec![u32::MAX; graph.points.len()];
-        let mut sections = Self { centres: vec![root], parents: vec![None] };
-        let mut sizes = vec![1.0];
+        let mut parents = vec![None];
+        let mut members: Vec<Vec<DVec3>> = vec![vec![root]];
         for &i in &order {
             let piece = pieces.of(i) as usize;
             if section_of[piece] == u32::MAX {
-                section_of[piece] = sections.centres.len() as u32;
+                section_of[piece] = members.len() as u32;
                 let before = ways.before[i as usize];
-                let parent = (before != i).then(|| section_of[pieces.of(before) as usize]);
-                sections.parents.push(parent);
-                sections.centres.push(DVec3::ZERO);
-                sizes.push(0.0);
+                parents.push((before != i).then(|| section_of[pieces.of(before) as usize]));
+                members.push(Vec::new());
             }
-            let section = section_of[piece] as usize;
-            sections.centres[section] += graph.points[i as usize];
-            sizes[section] += 1.0;
+            members[section_of[piece] as usize].push(graph.points[i as usize]);
         }
-        for (centre, size) in sections.centres.iter_mut().zip(sizes) {
-            *centre /= size;
+        let centres = members.iter_mut().map(|points| middle(points)).collect();
+        let sizes = members.iter().map(|points| points.len() as f64).collect();
+        // Points beyond a section, and no section that hangs on it.
+        let mut shards = vec![false; members.len()];
+        for &(a, b) in &graph.links {
+            if level(a) < level(b) && graph.distance(a, b) <= graph.reach {
+                shards[section_of[pieces.of(a) as usize] as usize] = true;
+            }
         }
+        for parent in parents.iter().flatten() {
+            shards[*parent as usize] = false;
+        }
+        let mut sections = Self { centres, parents, sizes, shards };
         // The foot is a start as a whole, some sections high: one above the other.
         for i in 1..sections.centres.len() {
             if sections.parents[i].is_none() {
@@ -297,13 +319,17 @@ impl Sections {
                 let away = |j: &u32| sections.centres[*j as usize].distance_squared(centre);
                 let nearest = (0..i as u32).min_by(|a, b| away(a).total_cmp(&away(b)));
                 sections.parents[i] = nearest;
+                if let Some(parent) = nearest {
+                    sections.shards[parent as usize] = false;
+                }
             }
         }
         sections
     }
 
-    /// Moves each centre halfway to the middle of its neighbours along the way with the most
-    /// sections beyond: takes out the zigzag of one-sided sections, keeps ends and forks.
+    /// Moves each centre towards the middle of its neighbours along the way with the most sections
+    /// beyond: halfway between equals, farther where its own points are few (a section at the rim of a gap
+    /// sees one side of the stem only). Takes out zigzag, keeps ends.
     pub fn smooth(&mut self, rounds: usize) {
         let count = self.centres.len();
         let mut beyond = vec![1_u32; count];
@@ -326,17 +352,28 @@ impl Sections {
             for i in 0..count {
                 if let (Some(parent), Some(child)) = (self.parents[i], main[i]) {
                     let middle = 0.5 * (old[parent as usize] + old[child as usize]);
-                    self.centres[i] = 0.5 * (old[i] + middle);
+                    let around = self.sizes[parent as usize] + self.sizes[child as usize];
+                    self.centres[i] = old[i].lerp(middle, around / (around + 2.0 * self.sizes[i]));
                 }
             }
         }
     }
 
-    /// The centres, and points between those farther apart than `spacing`.
+    /// The centres, and points between those farther apart than `spacing`: at most some fifty times as
+    /// many as centres, with wider spacing if that does not do. (Dust a thousand kilometres away must
+    /// not take all memory.)
     pub fn points(&self, spacing: f64) -> Vec<DVec3> {
+        let from = |parent: &Option<u32>| parent.map(|parent| self.centres[parent as usize]);
+        let links = self.centres.iter().zip(&self.parents);
+        let total: f64 =
+            links.map(|(&centre, parent)| from(parent).map_or(0.0, |p| p.distance(centre))).sum();
+        let spacing = spacing.max(total / (50.0 * self.centres.len() as f64 + 1000.0));
         let mut points = Vec::with_capacity(self.centres.len());
-        for (&centre, &parent) in self.centres.iter().zip(&self.parents) {
-            if let Some(from) = parent.map(|parent| self.centres[parent as usize]) {
+        for (i, (&centre, parent)) in self.centres.iter().zip(&self.parents).enumerate() {
+            if self.shards[i] {
+                continue;
+            }
+            if let Some(from) = from(parent) {
                 let parts = (from.distance(centre) / spacing).ceil().max(1.0) as u32;
                 points.extend((1..parts).map(|k| from.lerp(centre, f64::from(k) / f64::from(parts))));
             }

@@ -14,8 +14,10 @@ pub(super) struct Foot {
     pub radius_m: f64,
     /// Height above the root up to which points away from the stem count as ground.
     pub ground_m: f64,
-    /// Stray points below.
+    /// Points below are strays.
     pub floor_m: f64,
+    /// From the root to the top; strays above do not count.
+    pub height_m: f64,
 }
 
 /// Layers over the height of the cloud; only the lower ones are searched for the stem.
@@ -63,7 +65,8 @@ impl Foot {
         let bark = median(stem.iter().filter(|p| p.y > foot_m + layer_m).map(away));
         let widest = 1.5 * grid.cell_m;
         let radius_m = bark.map_or(widest, |radius| (2.0 * radius).clamp(0.1 * widest, widest));
-        Self { root, radius_m, ground_m: 2.0 * layer_m, floor_m: foot_m - layer_m }
+        let (ground_m, floor_m, height_m) = (2.0 * layer_m, foot_m - layer_m, top - foot_m);
+        Self { root, radius_m, ground_m, floor_m, height_m }
     }
 
     /// Whether a point belongs to the ground or below it rather than to the tree.

@@ -11,7 +11,14 @@
 //! 4. sections along the distance from the foot, bridges over gaps (`contract`), smoothing;
 //! 5. points along the links of the sections, so that growth finds its next point within a few steps.
 //!
-//! Everything is deterministic and takes O(n log n).
+//! Everything is deterministic and takes O(n log n): a million points 1.3 s on two cores.
+//!
+//! Measured with the suggested lengths on two laser scans of leafy real trees (6 992 points, 10 m high,
+//! 5 cm apart, 0.7 m of the stem missing; 15 130 points, 5 m high, 1.4 cm apart): no point unreached, one
+//! stem; from a scanned point to the nearest node 0.24 and 0.05 m on average, 0.47 and 0.12 m at the 95th
+//! percentile (leaves and bark are off the axis); from a node to the nearest scanned point 0.17 and
+//! 0.04 m, 0.33 and 0.09 m. The points as scanned, with the same lengths, left 6 770 and 2 781 unreached,
+//! the second with five strands in the stem.
 
 mod contract;
 mod foot;
@@ -117,8 +124,8 @@ pub fn prepare(points: &[DVec3], step_m: Option<f64>, monitor: &dyn Monitor) -> 
     let foot = Foot::find(points);
     let tree: Vec<DVec3> = points.iter().copied().filter(|&p| !foot.is_ground(p)).collect();
     let ground_points = points.len() - tree.len();
-    let height_m = tree.iter().map(|p| p.y - foot.root.y).fold(0.0, f64::max);
-    let detail_m = step_m.unwrap_or_else(|| (2.0 * spacing_m).max(height_m / 250.0));
+    let chosen_m = step_m.filter(|step| step.is_finite() && *step > 0.0);
+    let detail_m = chosen_m.unwrap_or_else(|| (2.0 * spacing_m).max(foot.height_m / 250.0));
     monitor.check()?;
     let thinned = thin(&tree, detail_m);
     if thinned.len() < LEAST_POINTS {
@@ -165,7 +172,7 @@ const REACH: f64 = 3.0;
 const SECTION: f64 = 3.0;
 
 /// Rounds of smoothing the sections' centres.
-const SMOOTHING: usize = 3;
+const SMOOTHING: usize = 6;
 
 /// The suggested influence distance, in steps.
 const INFLUENCE: f64 = 6.0;
