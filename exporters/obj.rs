@@ -8,7 +8,7 @@ use linden::Monitor;
 use linden::scene::{Material, Part, Scene};
 use linden::skeleton::NO_PARENT;
 
-use crate::chunks::{self, Text, digits};
+use crate::chunks::{self, Digits, Text};
 use crate::options::{OptionSpec, Options};
 use crate::picture::{self, Named};
 use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, sound};
@@ -106,13 +106,13 @@ fn write_part(
     let mesh = &part.mesh;
     let count = mesh.positions.len();
     chunks::write(out, count, |text, range| {
-        vectors::<3>(text, b"v ", &bytemuck::cast_slice(&mesh.positions)[range]);
+        vectors::<3, _>(text, b"v ", &bytemuck::cast_slice(&mesh.positions)[range]);
     })?;
     chunks::write(out, count, |text, range| {
-        vectors::<2>(text, b"vt ", &bytemuck::cast_slice(&mesh.uvs)[range]);
+        vectors::<2, _>(text, b"vt ", &bytemuck::cast_slice(&mesh.uvs)[range]);
     })?;
     chunks::write(out, count, |text, range| {
-        vectors::<3>(text, b"vn ", &bytemuck::cast_slice(&mesh.normals)[range]);
+        vectors::<3, _>(text, b"vn ", &bytemuck::cast_slice(&mesh.normals)[range]);
     })?;
     if materials {
         out.write(format!("usemtl {}\n", word(&scene.materials[part.material].name)).as_bytes())?;
@@ -123,11 +123,10 @@ fn write_part(
             text.byte(b'f');
             for &vertex in triangle {
                 // The same number for position, texture coordinate and normal.
-                let mut buffer = [0; 10];
-                let number = digits(before + vertex + 1, &mut buffer);
-                for before in [b' ', b'/', b'/'] {
+                let number = Digits::of(before + vertex + 1);
+                for before in *b" //" {
                     text.byte(before);
-                    text.bytes(number);
+                    text.digits(number);
                 }
             }
             text.byte(b'\n');
@@ -135,7 +134,7 @@ fn write_part(
     })
 }
 
-fn vectors<const N: usize>(text: &mut Text, keyword: &[u8], vectors: &[[f32; N]]) {
+fn vectors<const N: usize, const K: usize>(text: &mut Text, keyword: &[u8; K], vectors: &[[f32; N]]) {
     for vector in vectors {
         text.bytes(keyword);
         text.floats(*vector, b" ");
@@ -148,7 +147,7 @@ fn write_lines(out: &mut Sink<'_>, scene: &Scene, before: u32) -> Result<(), Exp
     let skeleton = &scene.skeleton;
     out.write(format!("o {}_skeleton\ng skeleton\n", word(&scene.name)).as_bytes())?;
     chunks::write(out, skeleton.positions.len(), |text, range| {
-        vectors::<3>(text, b"v ", &bytemuck::cast_slice(&skeleton.positions)[range]);
+        vectors::<3, _>(text, b"v ", &bytemuck::cast_slice(&skeleton.positions)[range]);
     })?;
     chunks::write(out, skeleton.axes.len(), |text, range| {
         for axis in &skeleton.axes[range] {

