@@ -24,7 +24,7 @@ const CLUSTER: usize = LEAF * FAN * FAN * FAN;
 const CLUSTERS: usize = 64;
 
 /// How many points are looked at between two questions to the monitor.
-const SLICE: usize = 1 << 16;
+pub(super) const SLICE: usize = 1 << 16;
 
 /// Squared distance of lanes that can never be captured: dead points and padding.
 pub(super) const DEAD: f32 = -1.0;
