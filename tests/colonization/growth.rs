@@ -173,6 +173,20 @@ fn large_growth_is_the_definition_on_any_number_of_threads() {
     }
 }
 
+/// More new nodes at once than one thread deals out and one batch takes, many of them in one place.
+#[test]
+fn a_forest_of_many_roots_is_the_definition() {
+    let roots: Vec<Vec3> = ball(3_000).into_iter().map(|p| (p * 8.0).round() / 8.0).collect();
+    let start =
+        Branching { parents: vec![NO_PARENT; roots.len()], births: vec![0; roots.len()], positions: roots };
+    let rule = GrowthRule { kill: 0.02, ..coarse(0.02, 0.1) };
+    let growth = grow_as_defined(&ball(6_000), &start, &rule).unwrap();
+    let most = (1..=growth.iterations)
+        .map(|i| growth.branching.births.iter().filter(|&&birth| birth == i).count())
+        .max();
+    assert!(most > Some(1024), "{most:?}");
+}
+
 fn dome(points: usize) -> Vec<Vec3> {
     let key = Key::new(11).named("dome");
     (0..)
