@@ -175,7 +175,12 @@ pub(super) struct PointTree {
 impl PointTree {
     /// `points` is not empty; each starts without a nearest node, at the squared distance `d2`.
     pub fn over(points: &[Vec3], d2: f32, monitor: &dyn Monitor) -> Result<Self, Cancelled> {
-        let mut points = points.to_vec();
+        let given = points;
+        let mut points = Vec::with_capacity(given.len());
+        for slice in given.chunks(SLICE) {
+            monitor.check()?;
+            points.extend_from_slice(slice);
+        }
         let mut parts = Vec::new();
         let capacity = [CLUSTER, CLUSTER / FAN]
             .into_iter()
