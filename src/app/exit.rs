@@ -28,7 +28,7 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     if is_closed_pipe(error) {
         return ExitCode::SUCCESS;
     }
-    let code = if error.chain().any(|cause| cause.is::<Usage>()) { USAGE } else { FAILED };
+    let code = if error.chain().any(<dyn std::error::Error>::is::<Usage>) { USAGE } else { FAILED };
     say(&format!("error: {}", sentence(error)));
     ExitCode::from(code)
 }

@@ -1,5 +1,7 @@
 //! Growth against its definition, bit for bit.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up fails")]
+
 mod naive;
 
 use std::collections::BTreeSet;
@@ -62,8 +64,10 @@ fn points() -> impl Strategy<Value = Vec<Vec3>> {
         (anywhere.clone(), 1..300_usize).prop_map(|(at, times)| vec![at; times]),
         // Mirrored in one plane, and in all three.
         prop::collection::vec(anywhere.clone(), 1..60).prop_map(|some| mirrored(&some, &[0])),
-        prop::collection::vec(prop_oneof![anywhere, lattice], 1..20)
+        prop::collection::vec(prop_oneof![anywhere.clone(), lattice], 1..20)
             .prop_map(|some| mirrored(&some, &[0, 1, 2])),
+        // Mirrored sideways only: pulls add up to one direction, again and again.
+        prop::collection::vec(anywhere, 1..10).prop_map(|some| mirrored(&some, &[0, 2])),
     ]
 }
 
@@ -79,8 +83,9 @@ fn mirrored(points: &[Vec3], axes: &[usize]) -> Vec<Vec3> {
 }
 
 /// One to three roots, each with a trunk of up to four nodes; on lattice places, so that nodes tie.
+/// Or a root in the centre, where the pulls of mirrored points meet.
 fn start() -> impl Strategy<Value = Branching> {
-    prop::collection::vec(([-4_i32..=4, -4..=4, -4..=4], 0..4_u32), 1..4).prop_map(|stems| {
+    let stems = prop::collection::vec(([-4_i32..=4, -4..=4, -4..=4], 0..4_u32), 1..4).prop_map(|stems| {
         let mut start = Branching::default();
         for ([x, y, z], trunk) in stems {
             for i in 0..=trunk {
@@ -92,7 +97,8 @@ fn start() -> impl Strategy<Value = Branching> {
             }
         }
         start
-    })
+    });
+    prop_oneof![2 => stems, 1 => Just(root(Vec3::ZERO))]
 }
 
 fn rule() -> impl Strategy<Value = GrowthRule> {
@@ -167,6 +173,20 @@ fn large_growth_is_the_definition_on_any_number_of_threads() {
     }
 }
 
+/// More new nodes at once than one thread deals out and one batch takes, many of them in one place.
+#[test]
+fn a_forest_of_many_roots_is_the_definition() {
+    let roots: Vec<Vec3> = ball(3_000).into_iter().map(|p| (p * 8.0).round() / 8.0).collect();
+    let start =
+        Branching { parents: vec![NO_PARENT; roots.len()], births: vec![0; roots.len()], positions: roots };
+    let rule = GrowthRule { kill: 0.02, ..coarse(0.02, 0.1) };
+    let growth = grow_as_defined(&ball(6_000), &start, &rule).unwrap();
+    let most = (1..=growth.iterations)
+        .map(|i| growth.branching.births.iter().filter(|&&birth| birth == i).count())
+        .max();
+    assert!(most > Some(1024), "{most:?}");
+}
+
 fn dome(points: usize) -> Vec<Vec3> {
     let key = Key::new(11).named("dome");
     (0..)
@@ -207,7 +227,7 @@ fn a_dome_bears_as_many_nodes_as_other_programs_report() {
 #[test]
 fn a_ball_has_as_many_nodes_as_the_prototype_grew() {
     for (points, nodes) in [(10_000, 6_600.0), (100_000, 65_600.0)] {
-        let step = 0.5 * (4.0 / 3.0 * std::f32::consts::PI / points as f32).cbrt();
+        let step = 0.5 * libm::cbrtf(4.0 / 3.0 * std::f32::consts::PI / points as f32);
         let growth = grow(&ball(points), &root(Vec3::ZERO), &coarse(step, 8.0 * step), &Quiet).unwrap();
         let ratio = growth.branching.positions.len() as f64 / nodes;
         assert!((0.98..1.02).contains(&ratio), "{points} points: {ratio} of {nodes} nodes");

@@ -80,8 +80,8 @@ pub fn grow(points: &[Vec3], start: &Branching, rule: &GrowthRule, nearest: Near
         }
         // Rescue.
         if children.is_empty() {
-            for v in 0..sets.len() {
-                let nearest = sets[v].iter().copied().min_by(|&a, &b| {
+            for (v, set) in sets.iter().enumerate() {
+                let nearest = set.iter().copied().min_by(|&a, &b| {
                     let (da, db) = (distance2(a, tree.positions[v]), distance2(b, tree.positions[v]));
                     da.total_cmp(&db)
                         .then(a.x.total_cmp(&b.x))

@@ -102,7 +102,7 @@ fn forecast_of(preset: &Preset) -> anyhow::Result<Option<ForecastRow>> {
     Ok(Some(ForecastRow {
         symbols: forecast.symbols as f64,
         segments: forecast.segments as f64,
-        depth: u64::try_from(forecast.depth).unwrap_or(u64::MAX),
+        depth: forecast.depth,
         exact: forecast.exact,
     }))
 }

@@ -138,6 +138,10 @@ impl Report {
             ("skeleton hash", self.skeleton_hash.clone()),
             ("time", format!("{:.3} s to grow, {:.3} s to dress", self.seconds.grow, self.seconds.dress)),
         ]);
-        rows.iter().map(|(name, value)| format!("{name:14}  {value}\n")).collect()
+        let mut text = String::new();
+        for (name, value) in rows {
+            text.push_str(&format!("{name:14}  {value}\n"));
+        }
+        text
     }
 }

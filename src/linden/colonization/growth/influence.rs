@@ -119,7 +119,7 @@ fn record_range(of: &mut [Influence], first: u32, captures: &[Captures], dirty: 
             dirty.push(node);
         }
     };
-    for &Captures { ref lost, ref won, .. } in captures {
+    for Captures { lost, won, .. } in captures {
         for &Pull { node, vector } in lost {
             if let Some(influence) = of.get_mut(node.wrapping_sub(first) as usize) {
                 for (sum, part) in influence.sum.iter_mut().zip(vector) {

@@ -17,6 +17,11 @@ use crate::monitor::{Cancelled, Monitor};
 /// Below this many (cluster, node) pairs handing work to other threads costs more than it saves.
 const WORTH_SHARING: usize = 256;
 
+/// Below this many new nodes one thread finds out which clusters they enter.
+const WORTH_SPLITTING: usize = 1024;
+/// Otherwise so many at most: their findings are put together by one.
+const MOST_SHARES: usize = 8;
+
 /// Most nodes that are sent into one cluster between two questions to the monitor.
 const BATCH: usize = 1024;
 
@@ -77,6 +82,26 @@ impl Front {
         self.ends.push((start + entered) as u32);
     }
 
+    /// The boxes of several fronts, each with all its queries. The fronts' queries ascend from one
+    /// front to the next.
+    fn merge(&mut self, fronts: &[&Self]) {
+        self.clear(fronts.iter().map(|front| front.entries()).sum());
+        let mut rest: Vec<_> = fronts.iter().map(|front| front.iter().peekable()).collect();
+        let mut end = 0;
+        while let Some(index) =
+            rest.iter_mut().filter_map(|boxes| boxes.peek().map(|&(index, _)| index)).min()
+        {
+            for boxes in &mut rest {
+                if let Some((_, queries)) = boxes.next_if(|&(other, _)| other == index) {
+                    self.queries[end..end + queries.len()].copy_from_slice(queries);
+                    end += queries.len();
+                }
+            }
+            self.boxes.push(index as u32);
+            self.ends.push(end as u32);
+        }
+    }
+
     fn iter(&self) -> impl Iterator<Item = (usize, &[u32])> {
         let mut start = 0;
         self.boxes.iter().zip(&self.ends).map(move |(&index, &end)| {
@@ -131,7 +156,10 @@ pub(super) struct Search {
     pub tree: PointTree,
     kill2: f32,
     visit: Visit,
-    top: Scratch,
+    /// How the new nodes came to the clusters: one for each share of them.
+    ways: Vec<Scratch>,
+    /// The clusters and the new nodes that enter them.
+    entered: Front,
     own: Scratch,
     /// One for each cluster that is entered at the same time.
     captures: Vec<Captures>,
@@ -144,7 +172,8 @@ impl Search {
             tree,
             kill2,
             visit: visit_detected,
-            top: Scratch::default(),
+            ways: Vec::new(),
+            entered: Front::default(),
             own: Scratch::default(),
             captures: vec![Captures::default()],
         }
@@ -165,11 +194,8 @@ impl Search {
         monitor: &dyn Monitor,
         mut record: impl FnMut(&[Captures]),
     ) -> Result<(), Cancelled> {
-        self.top.with_levels(self.tree.top.levels.len());
-        self.top.fronts[0].start(first as u32..positions.len() as u32);
-        descend_all(&self.tree.top.levels, positions, &mut self.top);
-
-        let Some(entered) = self.top.fronts.last() else { return Ok(()) };
+        self.distribute(first, positions);
+        let entered = &self.entered;
         let mut clusters = self.tree.clusters.iter_mut().enumerate();
         let work: Vec<(&mut Cluster, &[u32])> = entered
             .iter()
@@ -211,18 +237,40 @@ impl Search {
         Ok(())
     }
 
+    /// Finds the clusters that the nodes from `first` on enter.
+    fn distribute(&mut self, first: usize, positions: &[Vec3]) {
+        let levels = &self.tree.top.levels;
+        let shares = rayon::current_num_threads().min(MOST_SHARES);
+        let queries = positions.len() - first;
+        let share = if queries < WORTH_SPLITTING { queries } else { queries.div_ceil(shares) };
+        self.ways.resize_with(queries.div_ceil(share.max(1)), Scratch::default);
+        let descend = |(turn, way): (usize, &mut Scratch)| {
+            let start = first + turn * share;
+            way.with_levels(levels.len());
+            way.fronts[0].start(start as u32..positions.len().min(start + share) as u32);
+            descend_all(levels, positions, way);
+        };
+        if self.ways.len() > 1 {
+            self.ways.par_iter_mut().enumerate().for_each(descend);
+        } else {
+            self.ways.iter_mut().enumerate().for_each(descend);
+        }
+        let ends: Vec<&Front> = self.ways.iter().filter_map(|way| way.fronts.last()).collect();
+        self.entered.merge(&ends);
+    }
+
     /// Brings the reaches above the clusters up to date.
     fn refit(&mut self) {
         let (clusters, top) = (&self.tree.clusters, &mut self.tree.top);
         let depth = top.levels.len();
-        if let Some(entered) = self.top.fronts.last() {
-            for &index in &entered.boxes {
-                let (parent, child) = (index as usize / FAN, index as usize % FAN);
-                top.levels[0][parent].reach[child] = clusters[index as usize].pyramid.reach();
-            }
+        for &index in &self.entered.boxes {
+            let (parent, child) = (index as usize / FAN, index as usize % FAN);
+            top.levels[0][parent].reach[child] = clusters[index as usize].pyramid.reach();
         }
         for level in 1..depth {
-            refit_level(&mut top.levels, level, &self.top.fronts[depth - level]);
+            for way in &self.ways {
+                refit_level(&mut top.levels, level, &way.fronts[depth - level]);
+            }
         }
     }
 

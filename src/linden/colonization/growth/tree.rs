@@ -24,7 +24,7 @@ const CLUSTER: usize = LEAF * FAN * FAN * FAN;
 const CLUSTERS: usize = 64;
 
 /// How many points are looked at between two questions to the monitor.
-const SLICE: usize = 1 << 16;
+pub(super) const SLICE: usize = 1 << 16;
 
 /// Squared distance of lanes that can never be captured: dead points and padding.
 pub(super) const DEAD: f32 = -1.0;
@@ -175,7 +175,12 @@ pub(super) struct PointTree {
 impl PointTree {
     /// `points` is not empty; each starts without a nearest node, at the squared distance `d2`.
     pub fn over(points: &[Vec3], d2: f32, monitor: &dyn Monitor) -> Result<Self, Cancelled> {
-        let mut points = points.to_vec();
+        let given = points;
+        let mut points = Vec::with_capacity(given.len());
+        for slice in given.chunks(SLICE) {
+            monitor.check()?;
+            points.extend_from_slice(slice);
+        }
         let mut parts = Vec::new();
         let capacity = [CLUSTER, CLUSTER / FAN]
             .into_iter()
