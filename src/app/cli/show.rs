@@ -46,6 +46,9 @@ struct KnobRow {
     value: String,
     unit: &'static str,
     range: String,
+    /// Whether the unit belongs behind the value (`auto` and `17D` have none).
+    #[serde(skip)]
+    is_number: bool,
     help: &'static str,
 }
 
@@ -71,6 +74,7 @@ impl Show {
             .map(|(knob, value): (_, Value)| KnobRow {
                 name: knob.knob.name,
                 section: knob.section.key(),
+                is_number: matches!(value, Value::Real(_) | Value::Integer(_) | Value::Vector(_)),
                 value: value.to_string(),
                 unit: knob.knob.unit,
                 range: knob.knob.kind.to_string(),
@@ -112,10 +116,9 @@ fn page(preset: &Preset, input: Option<&Input>, knobs: &[KnobRow], forecast: Opt
     for line in [&preset.summary, &preset.source].into_iter().filter(|line| !line.is_empty()) {
         text.push_str(&format!("{}\n", printable(line)));
     }
-    text.push('\n');
     match &preset.generator {
         Generator::LSystem(own) => {
-            text.push_str("grammar\n");
+            text.push_str("\ngrammar\n");
             for line in own.grammar.to_string().lines() {
                 text.push_str(&format!("  {}\n", printable(line)));
             }
@@ -128,7 +131,7 @@ fn page(preset: &Preset, input: Option<&Input>, knobs: &[KnobRow], forecast: Opt
             };
             if let Some(file) = file {
                 text.push_str(&format!(
-                    "{what}\n  {}{}\n",
+                    "\n{what}\n  {}{}\n",
                     printable(file),
                     input.map(size).unwrap_or_default()
                 ));
@@ -155,7 +158,7 @@ fn page(preset: &Preset, input: Option<&Input>, knobs: &[KnobRow], forecast: Opt
         }
         text.push_str(&format!("\n{}\n", if section.key().is_empty() { "tree" } else { section.key() }));
         for row in own {
-            let value = format!("{} {}", row.value, row.unit);
+            let value = if row.is_number { format!("{} {}", row.value, row.unit) } else { row.value.clone() };
             text.push_str(&format!(
                 "  {:name_width$}  {:value_width$}  {}\n",
                 row.name,
