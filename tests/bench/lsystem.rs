@@ -3,6 +3,7 @@
 //! `cargo bench -p linden-tests --bench lsystem`. Beside linden stand what a program writes first
 //! (whole strings through a map, then the turtle) and the crate symbios with its 3D turtle; the same
 //! run on the same machine gives the ratios.
+#![expect(clippy::expect_used, reason = "a benchmark that cannot run stops")]
 
 use divan::counter::ItemsCount;
 use linden::lsystem::{Grammar, Settings, derive_string, forecast, grow};
@@ -73,7 +74,7 @@ fn grow_symbios(bencher: divan::Bencher) {
     });
 }
 
-#[divan::bench(name = "derive: linden")]
+#[divan::bench(name = "derive: linden, as a string")]
 fn derive_linden(bencher: divan::Bencher) {
     let (grammar, settings) = weed();
     bencher.counter(ItemsCount::new(SYMBOLS)).bench(|| derive_string(&grammar, &settings));

@@ -6,8 +6,11 @@ use linden::lsystem::{Forecast, Grammar, Settings, derive_string, forecast, grow
 use crate::naive::{self, Rules};
 use crate::{assert_sound, segments};
 
-/// ABOP, Fig. 1.24: derivations, axiom, rules, then length, F and `[`, from the growth matrices.
-const FIGURE_1_24: [(u32, &str, &[(char, &str)], [usize; 3]); 6] = [
+/// Derivations, axiom, rules; then length, F and `[`.
+type Figure = (u32, &'static str, &'static [(char, &'static str)], [usize; 3]);
+
+/// ABOP, Fig. 1.24 a to f; the counts follow from the growth matrices.
+const FIGURE_1_24: [Figure; 6] = [
     (5, "F", &[('F', "F[+F]F[-F]F")], [7811, 3125, 1562]),
     (5, "F", &[('F', "F[+F]F[-F][F]")], [9373, 3125, 2343]),
     (4, "F", &[('F', "FF-[-F+F+F]+[+F-F-F]")], [11116, 4096, 1170]),
