@@ -14,7 +14,8 @@ pub struct Forecast {
     pub symbols: u128,
     /// Segments drawn: `F` and `G`. Saturates at `u128::MAX`.
     pub segments: u128,
-    /// Most branches open at once; for a stochastic system, the most that is possible.
+    /// Most branches open at once; for a stochastic system, the most that is possible. A lower bound
+    /// when `symbols` is saturated.
     pub depth: u64,
     /// Whether the counts are exact. Those of a stochastic system are expectations, rounded; the
     /// standard deviation of one tree is often a third of them.
@@ -56,6 +57,8 @@ pub(super) fn most_within(program: &Program, derivations: u32, limit: u64) -> Op
 trait Count: Copy + PartialEq {
     const ZERO: Self;
     const ONE: Self;
+    /// Where counting stops.
+    const MOST: Self;
     fn plus(self, other: Self) -> Self;
     /// Counted with a probability. Where counts are exact, probabilities are 0 or 1.
     fn weighed(self, probability: f64) -> Self;
@@ -65,6 +68,7 @@ trait Count: Copy + PartialEq {
 impl Count for u128 {
     const ZERO: Self = 0;
     const ONE: Self = 1;
+    const MOST: Self = Self::MAX;
 
     fn plus(self, other: Self) -> Self {
         self.saturating_add(other)
@@ -82,6 +86,7 @@ impl Count for u128 {
 impl Count for f64 {
     const ZERO: Self = 0.0;
     const ONE: Self = 1.0;
+    const MOST: Self = Self::MAX;
 
     fn plus(self, other: Self) -> Self {
         // Stays finite, so that nothing times an overflow is nothing.
@@ -110,6 +115,12 @@ struct Tally<C> {
 
 impl<C: Count> Tally<C> {
     const NOTHING: Self = Self { symbols: C::ZERO, segments: C::ZERO, depth: 0, cuts: 0.0 };
+
+    /// Whether nothing changes any more. The depth under a count beyond counting does not matter.
+    fn settled_since(&self, before: &Self) -> bool {
+        let depth_settled = self.depth == before.depth || self.symbols == C::MOST;
+        depth_settled && Self { depth: before.depth, ..*self } == *before
+    }
 
     fn forecast(self, exact: bool) -> Forecast {
         Forecast { symbols: self.symbols.whole(), segments: self.segments.whole(), depth: self.depth, exact }
@@ -163,13 +174,13 @@ impl<'a, C: Count> Growth<'a, C> {
         fits
     }
 
-    /// One derivation more. `false` when it changed nothing, and so never will.
+    /// One derivation more. `false` when it changed nothing that counts, and so never will.
     fn derive(&mut self) -> bool {
         for i in 0..self.next.len() {
             self.next[i] = self.tally_of_rewrite(i);
         }
         let old = &mut self.tallies[..self.next.len()];
-        let changed = *old != self.next[..];
+        let changed = old.iter().zip(&self.next).any(|(old, new)| !new.settled_since(old));
         old.copy_from_slice(&self.next);
         changed
     }

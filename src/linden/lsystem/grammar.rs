@@ -7,8 +7,8 @@ use super::error::{GrammarError, Part, Problem};
 use super::parse;
 
 /// How far the probabilities of one predecessor may be from 1 in sum: what thirds written with six
-/// decimals need.
-const PROBABILITY_TOLERANCE: f64 = 1e-6;
+/// decimals need, and a hair for the rounding of the sum.
+const PROBABILITY_TOLERANCE: f64 = 1e-6 + 1e-12;
 
 /// A stochastic or deterministic bracketed 0L-system.
 ///

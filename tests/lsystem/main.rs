@@ -1,0 +1,40 @@
+//! L-systems against the literature's figures, a rewriting by definition, and positions by hand.
+#![expect(clippy::unwrap_used, reason = "what a test cannot unwrap fails it, in its helpers too")]
+
+mod chance;
+mod figures;
+mod language;
+mod limits;
+mod naive;
+mod older;
+mod presets;
+mod properties;
+mod turtle;
+
+use linden::lsystem::{Grammar, Grown, Settings, grow};
+use linden::{Branching, NO_PARENT, Quiet};
+
+/// Grows an axiom without rules, one metre a segment.
+fn drawn(axiom: &str, angle_deg: f64) -> Branching {
+    let grammar = Grammar::new::<&str>(axiom, &[]).unwrap();
+    let settings = Settings { derivations: 0, angle_deg, segment_m: 1.0, ..Settings::default() };
+    grow(&grammar, &settings, &Quiet).unwrap().branching
+}
+
+/// What every branching structure keeps: arrays of one length, parents first, no segment without
+/// length.
+fn assert_sound(grown: &Grown) {
+    let Branching { positions, parents, births } = &grown.branching;
+    assert_eq!((positions.len(), positions.len()), (parents.len(), births.len()));
+    for (node, &parent) in parents.iter().enumerate() {
+        assert!(positions[node].is_finite());
+        if parent != NO_PARENT {
+            assert!((parent as usize) < node, "node {node} grows from {parent}");
+            assert_ne!(positions[parent as usize], positions[node], "segment {node} has no length");
+        }
+    }
+}
+
+fn segments(branching: &Branching) -> usize {
+    branching.parents.iter().filter(|&&parent| parent != NO_PARENT).count()
+}
