@@ -22,7 +22,7 @@ const KILL_STEPS: f64 = 3.0;
 /// Influence where none is given: the upper end of the range that RLP07 shows (8D to 17D).
 const INFLUENCE_STEPS: f64 = 17.0;
 /// Influence beyond this costs far more time than it changes.
-const WIDE_INFLUENCE_STEPS: f64 = 60.0;
+const WIDE_INFLUENCE_STEPS: f64 = 20.0;
 /// Height of a crown's base, in crown heights, where neither base nor trunk is given.
 const BASE_PER_CROWN_HEIGHT: f64 = 0.25;
 

@@ -8,11 +8,16 @@ mod path;
 mod topology;
 mod tube;
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use bytemuck::allocation::zeroed_vec;
 use rayon::prelude::*;
 
+use self::path::{Ring, Station};
+use self::tube::{Amount, Roundness, Target};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::scene::Mesh;
-use crate::skeleton::{NO_PARENT, Skeleton};
+use crate::skeleton::{Axis, NO_PARENT, Skeleton};
 
 pub use topology::{Topology, topology};
 
@@ -61,57 +66,99 @@ const AXES_PER_TASK: usize = 128;
 /// [`SurfaceError::Cancelled`], or more vertices than 32-bit indices can name.
 pub fn sweep(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Result<Mesh, SurfaceError> {
     let thickest = skeleton.radii.iter().copied().fold(0.0, f32::max);
-    let roundness = tube::Roundness::new(tubes.sides, thickest);
-    let total = skeleton.axes.len() as u64;
-    let done = std::sync::atomic::AtomicU64::new(0);
-    let pieces = skeleton
+    let roundness = Roundness::new(tubes.sides, thickest);
+    let tile_m = tubes.bark_tile_m;
+    let plans = skeleton
         .axes
         .par_chunks(AXES_PER_TASK)
         .map(|axes| {
-            let mut mesh = Mesh::default();
-            let mut rings = Vec::new();
-            for axis in axes {
-                monitor.check()?;
-                let own = skeleton.nodes_of(axis);
-                let base = (axis.parent != NO_PARENT).then_some(axis.parent);
-                let stations = base.into_iter().chain(own.iter().copied()).map(|node| path::Station {
-                    position: skeleton.positions[node as usize],
-                    // A lateral is as thick at its root inside the parent as at its first own node.
-                    radius: skeleton.radii[if Some(node) == base { own[0] } else { node } as usize],
-                });
-                path::rings(stations, &mut rings);
-                tube::sweep(&rings, roundness, tubes.bark_tile_m, &mut mesh);
-            }
-            let before = done.fetch_add(axes.len() as u64, std::sync::atomic::Ordering::Relaxed);
-            monitor.advance(Stage::Sweep, before + axes.len() as u64, Some(total));
-            Ok(mesh)
+            monitor.check()?;
+            Ok(Plan::new(skeleton, axes, &roundness, tile_m))
         })
-        .collect::<Result<Vec<Mesh>, Cancelled>>()?;
-    concatenate(pieces)
-}
+        .collect::<Result<Vec<Plan>, Cancelled>>()?;
 
-/// One mesh from many, in order.
-fn concatenate(pieces: Vec<Mesh>) -> Result<Mesh, SurfaceError> {
-    let vertices: usize = pieces.iter().map(|m| m.positions.len()).sum();
+    let vertices: usize = plans.iter().map(|plan| plan.amount.vertices).sum();
+    let triangles = plans.iter().map(|plan| plan.amount.triangles).sum();
     // The largest index is left out: glTF reserves it.
     if vertices >= u32::MAX as usize {
         return Err(SurfaceError::TooLarge { vertices });
     }
-    let triangles = pieces.iter().map(|m| m.triangles.len()).sum();
-    let mut whole = Mesh {
-        positions: Vec::with_capacity(vertices),
-        normals: Vec::with_capacity(vertices),
-        uvs: Vec::with_capacity(vertices),
-        triangles: Vec::with_capacity(triangles),
+    let mut mesh = Mesh {
+        positions: zeroed_vec(vertices),
+        normals: zeroed_vec(vertices),
+        uvs: zeroed_vec(vertices),
+        triangles: zeroed_vec(triangles),
     };
-    for piece in pieces {
-        let offset = whole.positions.len() as u32;
-        whole.positions.extend_from_slice(&piece.positions);
-        whole.normals.extend_from_slice(&piece.normals);
-        whole.uvs.extend_from_slice(&piece.uvs);
-        whole.triangles.extend(piece.triangles.iter().map(|t| t.map(|i| i + offset)));
+    let done = AtomicU64::new(0);
+    slices(&mut mesh, &plans).into_par_iter().zip(&plans).try_for_each(|(mut target, plan)| {
+        monitor.check()?;
+        let mut first = 0;
+        for &end in &plan.ends {
+            tube::sweep(&plan.rings[first..end], &roundness, tile_m, &mut target);
+            first = end;
+        }
+        let before = done.fetch_add(plan.ends.len() as u64, Ordering::Relaxed);
+        monitor.advance(Stage::Sweep, before + plan.ends.len() as u64, Some(skeleton.axes.len() as u64));
+        Ok::<(), Cancelled>(())
+    })?;
+    Ok(mesh)
+}
+
+/// The rings of some axes, and how large their tubes will be.
+struct Plan {
+    rings: Vec<Ring>,
+    /// Where each axis' rings end.
+    ends: Vec<usize>,
+    amount: Amount,
+}
+
+impl Plan {
+    fn new(skeleton: &Skeleton, axes: &[Axis], roundness: &Roundness, tile_m: f32) -> Self {
+        let mut plan =
+            Self { rings: Vec::new(), ends: Vec::with_capacity(axes.len()), amount: Amount::default() };
+        let mut stations = Vec::new();
+        for axis in axes {
+            let own = skeleton.nodes_of(axis);
+            let station = |node: u32, thick: u32| Station {
+                position: skeleton.positions[node as usize],
+                radius: skeleton.radii[thick as usize],
+            };
+            stations.clear();
+            if axis.parent != NO_PARENT {
+                // A lateral is as thick at its root inside the parent as at its first own node.
+                stations.push(station(axis.parent, own[0]));
+            }
+            stations.extend(own.iter().map(|&node| station(node, node)));
+            let first = plan.rings.len();
+            path::rings(&mut stations, &mut plan.rings);
+            let amount = tube::amount(&plan.rings[first..], roundness, tile_m);
+            plan.amount.vertices += amount.vertices;
+            plan.amount.triangles += amount.triangles;
+            plan.ends.push(plan.rings.len());
+        }
+        plan
     }
-    Ok(whole)
+}
+
+/// Each plan's own part of the mesh, in order.
+fn slices<'a>(mesh: &'a mut Mesh, plans: &[Plan]) -> Vec<Target<'a>> {
+    let Mesh { positions, normals, uvs, triangles } = mesh;
+    let mut rest = (&mut positions[..], &mut normals[..], &mut uvs[..], &mut triangles[..]);
+    let mut first = 0;
+    plans
+        .iter()
+        .map(|plan| {
+            let Amount { vertices, triangles } = plan.amount;
+            let (positions, p) = std::mem::take(&mut rest.0).split_at_mut(vertices);
+            let (normals, n) = std::mem::take(&mut rest.1).split_at_mut(vertices);
+            let (uvs, u) = std::mem::take(&mut rest.2).split_at_mut(vertices);
+            let (triangles, t) = std::mem::take(&mut rest.3).split_at_mut(triangles);
+            rest = (p, n, u, t);
+            let target = Target { positions, normals, uvs, triangles, first, done: Amount::default() };
+            first += vertices as u32;
+            target
+        })
+        .collect()
 }
 
 #[cfg(test)]

@@ -26,21 +26,19 @@ pub(super) struct Ring {
 /// sheared so much that its normals no longer fit its faces.
 const SHARPEST_TURN: f32 = -0.8;
 
-/// Chooses rings along the stations (base to apex) so that no ring cuts through its neighbour, and
+/// Chooses rings along the stations (base to apex), appends them to `rings`, so that no ring cuts through its neighbour, and
 /// gives them parallel transport frames.
 ///
 /// A station whose ring would cut the previous one (a sharp turn of thick wood, coinciding nodes)
 /// is passed over. The base is always kept, the apex unless it stands on the base; fewer than two
 /// distinct stations give no rings.
-pub(super) fn rings(stations: impl Iterator<Item = Station>, rings: &mut Vec<Ring>) {
-    rings.clear();
-    let mut stations: Vec<Station> = stations.collect();
+pub(super) fn rings(stations: &mut Vec<Station>, rings: &mut Vec<Ring>) {
     stations.dedup_by(|next, kept| !distinct(kept, next));
     if stations.len() < 2 {
         return;
     }
-    soften(&mut stations);
-    let kept = without_folds(&stations);
+    soften(stations);
+    let kept = without_folds(stations);
     let mut along = 0.0;
     let mut side = kept[0].1.any_orthonormal_vector();
     for (i, &(station, tangent)) in kept.iter().enumerate() {
@@ -176,7 +174,7 @@ mod tests {
     fn along(points: &[(f32, f32, f32)], radius: f32) -> Vec<Ring> {
         let stations = points.iter().map(|&(x, y, z)| Station { position: Vec3::new(x, y, z), radius });
         let mut out = Vec::new();
-        rings(stations, &mut out);
+        rings(&mut stations.collect(), &mut out);
         out
     }
 
@@ -205,7 +203,7 @@ mod tests {
         let radius = |i: usize| if i < 20 { 0.2 } else { 0.1 };
         let stations = (0..60).map(|i| Station { position: Vec3::Y * (0.05 * i as f32), radius: radius(i) });
         let mut out = Vec::new();
-        rings(stations, &mut out);
+        rings(&mut stations.collect(), &mut out);
         assert_eq!((out[0].radius, out[59].radius), (0.2, 0.1));
         assert!(out.windows(2).all(|pair| pair[1].radius <= pair[0].radius));
         let steepest = out.windows(2).map(|p| p[0].radius - p[1].radius).fold(0.0, f32::max);
