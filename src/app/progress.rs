@@ -1,10 +1,11 @@
 //! Says how far long work is: nothing for half a second, then a bar on a terminal and nothing in a pipe.
 
+use std::fmt::Write;
 use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use linden::Monitor;
 use linden::monitor::Stage;
 
@@ -61,7 +62,7 @@ impl Monitor for Progress {
         // Whoever finds another thread drawing has nothing to add.
         let Ok(mut shown) = self.shown.try_lock() else { return };
         let is_new = shown.bar.as_ref().is_none_or(|(of, _)| *of != stage);
-        if !is_new && shown.last.elapsed() < PACE {
+        if !is_new && shown.last.elapsed() < PACE && total != Some(done) {
             return;
         }
         shown.last = Instant::now();
@@ -76,6 +77,9 @@ impl Monitor for Progress {
                 bar.set_length(total);
             }
             bar.set_position(done);
+            if total == Some(done) {
+                bar.force_draw();
+            }
         }
     }
 }
@@ -88,11 +92,9 @@ fn bar(stage: Stage, total: Option<u64>) -> ProgressBar {
         }
         (None, Stage::Write) => "{prefix:>11} {bytes}  {bytes_per_sec}".to_owned(),
         (Some(_), _) => {
-            format!(
-                "{{prefix:>11}} [{{bar:28}}] {{human_pos}}/{{human_len}} {unit}  {{per_sec}}  {{eta}} left"
-            )
+            format!("{{prefix:>11}} [{{bar:28}}] {{human_pos}}/{{human_len}} {unit}  {{rate}}  {{eta}} left")
         }
-        (None, _) => format!("{{prefix:>11}} {{human_pos}} {unit}  {{per_sec}}"),
+        (None, _) => format!("{{prefix:>11}} {{human_pos}} {unit}  {{rate}}"),
     };
     let bar = match total {
         Some(total) => ProgressBar::new(total),
@@ -100,7 +102,11 @@ fn bar(stage: Stage, total: Option<u64>) -> ProgressBar {
     };
     bar.set_draw_target(ProgressDrawTarget::stderr());
     if let Ok(style) = ProgressStyle::with_template(&template) {
-        bar.set_style(style.progress_chars("=> "));
+        let rate = |state: &ProgressState, out: &mut dyn Write| {
+            // The line is drawn again in a moment: a failure to write it is nothing to stop for.
+            let _ = write!(out, "{}/s", HumanCount(state.per_sec() as u64));
+        };
+        bar.set_style(style.with_key("rate", rate).progress_chars("=> "));
     }
     bar.set_prefix(doing);
     bar

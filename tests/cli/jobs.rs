@@ -52,6 +52,76 @@ fn a_grammar_an_envelope_and_points_grow_without_a_preset() {
 }
 
 #[test]
+fn an_open_or_inverted_envelope_is_said_so_and_works() {
+    let folder = Folder::new();
+    folder.write("open.obj", BOX.replace("f 8 7 6 5\n", ""));
+    let said = folder.run(&["stats", "open.obj", "--json"]);
+    assert!(said.err.contains("open"), "{}", said.err);
+    assert!(said.json()["nodes"].as_u64().unwrap() > 100);
+
+    let inverted: String = BOX
+        .lines()
+        .map(|line| match line.strip_prefix("f ") {
+            Some(corners) => format!("f {}\n", corners.split(' ').rev().collect::<Vec<_>>().join(" ")),
+            None => format!("{line}\n"),
+        })
+        .collect();
+    folder.write("inverted.obj", inverted);
+    let said = folder.run(&["stats", "inverted.obj", "--json"]);
+    assert!(said.err.contains("look inward"), "{}", said.err);
+    assert!(said.json()["nodes"].as_u64().unwrap() > 100);
+}
+
+/// Points on the bark of a leaning stem of 3 m with two limbs of 1.5 m, as a scanner gives them: Z
+/// up, somewhere in the country, a column of intensities behind.
+fn scan() -> String {
+    use std::fmt::Write as _;
+    let mut text = String::new();
+    let mut limb = |from: [f64; 3], to: [f64; 3], radius: f64| {
+        for i in 0..60 {
+            let t = f64::from(i) / 60.0;
+            for k in 0..8 {
+                let (sin, cos) = libm::sincos(f64::from(k + i % 2) * 0.785);
+                let [x, y, z] = [0, 1, 2].map(|axis| from[axis] + (to[axis] - from[axis]) * t);
+                let (x, y) = (x + radius * cos + 85_000.0, y + radius * sin + 446_000.0);
+                writeln!(text, "{x:.3} {y:.3} {z:.3} {}", i * k).unwrap();
+            }
+        }
+    };
+    limb([0.0, 0.0, 12.0], [0.3, 0.0, 15.0], 0.1);
+    limb([0.2, 0.0, 14.0], [1.4, 0.0, 14.9], 0.04);
+    limb([0.25, 0.0, 14.5], [-0.9, 0.0, 15.4], 0.04);
+    text
+}
+
+#[test]
+fn a_scan_stands_up_at_the_origin_and_looks_like_the_tree() {
+    let folder = Folder::new();
+    folder.write("scan.xyz", scan());
+    let said = folder.run(&["export", "scan.xyz", "-o", "tree.glb"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert!(said.err.contains("moved to the origin") && said.err.contains("origin=keep"), "{}", said.err);
+    assert!(folder.read("tree.glb").starts_with(b"glTF"));
+
+    let stats = folder.run(&["stats", "scan.xyz", "--json"]).json();
+    let number = |path: &str| stats.pointer(path).and_then(serde_json::Value::as_f64).unwrap();
+    assert!((3.1..3.6).contains(&number("/height_m")), "{stats}");
+    assert!((1.8..2.6).contains(&(number("/bounds/max/0") - number("/bounds/min/0"))), "{stats}");
+    assert!(number("/bounds/max/2") - number("/bounds/min/2") < 0.5, "flat as scanned: {stats}");
+    assert!(number("/bounds/min/1").abs() < 0.1, "it stands on the ground: {stats}");
+    // 3 m of stem and two limbs of 1.5 m, not a strand for every row of points.
+    assert!((5.0..8.0).contains(&number("/total_length_m")), "{stats}");
+    assert_eq!(number("/points_unreached"), 0.0);
+
+    let kept = folder.run(&["stats", "scan.xyz", "--json", "--set", "origin=keep"]).json();
+    let x = kept.pointer("/bounds/min/0").and_then(serde_json::Value::as_f64).unwrap();
+    assert!((84_998.0..85_000.5).contains(&x), "{kept}");
+    // Taken as Y up, the same points lie on their side.
+    let lying = folder.run(&["stats", "scan.xyz", "--json", "--set", "up=y"]).json();
+    assert!(lying["height_m"].as_f64().unwrap() < 1.0, "{lying}");
+}
+
+#[test]
 fn a_recipe_from_a_file_grows_the_same_tree_again() {
     let folder = Folder::new();
     folder.write("envelope.obj", BOX);

@@ -9,7 +9,7 @@ mod write;
 
 use std::fmt;
 
-use crate::knob::{Value, nearest, printable};
+use crate::knob::{Knob, Value, nearest, printable};
 use crate::lsystem::Grammar;
 use crate::random::Key;
 use crate::skeleton::Wood;
@@ -183,15 +183,15 @@ impl Generator {
 }
 
 /// What is wrong with a knob that somebody turned.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum KnobError {
     /// No preset has such a knob.
-    #[error("there is no knob '{name}'{}; '{preset}' has: {}", Meant(.nearest.as_ref()), .known.join(", "))]
+    #[error("there is no knob '{name}'{}; '{preset}' has: {}", Meant(.nearest.as_deref()), .known.join(", "))]
     Unknown {
         /// What was typed, printable.
         name: String,
         /// What may have been meant.
-        nearest: Option<&'static str>,
+        nearest: Option<Box<Knob>>,
         /// Whose knobs were looked through.
         preset: String,
         /// All that it has.
@@ -221,11 +221,13 @@ pub enum KnobError {
     },
 }
 
-struct Meant<'a>(Option<&'a &'static str>);
+struct Meant<'a>(Option<&'a Knob>);
 
 impl fmt::Display for Meant<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.map_or(Ok(()), |name| write!(f, " (did you mean '{name}'?)"))
+        self.0.map_or(Ok(()), |knob| {
+            write!(f, " (did you mean '{}'{}: {}?)", knob.name, InUnit(knob.unit), knob.kind)
+        })
     }
 }
 
@@ -255,7 +257,7 @@ impl Preset {
     /// let mut fir = linden::preset::builtin("fir").unwrap().load()?;
     /// fir.set("points", "500")?;
     /// let error = fir.set("pionts", "500").unwrap_err();
-    /// assert!(error.to_string().contains("did you mean 'points'?"));
+    /// assert!(error.to_string().contains("did you mean 'points'"));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
@@ -273,6 +275,8 @@ impl Preset {
                 }
                 None => {
                     let nearest = nearest(name, known.iter().copied());
+                    let meant = own.iter().find(|(knob, _)| Some(knob.knob.name) == nearest);
+                    let nearest = meant.map(|(knob, _)| Box::new(knob.knob));
                     KnobError::Unknown { name: printable(name), nearest, preset, known }
                 }
             });

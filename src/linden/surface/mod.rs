@@ -1,7 +1,7 @@
 //! The skin of the wood: one closed tube per axis.
 //!
-//! An axis becomes a sequence of rings in parallel transport frames ([`path`]), neighbouring rings
-//! are joined, both ends are closed ([`tube`]). A lateral starts on its parent's centre line, inside
+//! An axis becomes a sequence of rings in parallel transport frames (`path`), neighbouring rings
+//! are joined, both ends are closed (`tube`). A lateral starts on its parent's centre line, inside
 //! the parent's tube. Uses no randomness; the mesh is bit-identical for any number of threads.
 
 mod path;

@@ -1,6 +1,9 @@
 //! Measures whether a surface is closed, from its triangles alone.
 
+use std::cmp::Ordering;
+
 use glam::Vec3;
+use rayon::prelude::*;
 
 use crate::scene::Mesh;
 
@@ -27,34 +30,41 @@ impl Topology {
 /// Measures a mesh.
 pub fn topology(mesh: &Mesh) -> Topology {
     let welded = weld(&mesh.positions);
-    // An edge that one triangle runs forward and another backward cancels out.
-    let mut edges: Vec<(u32, u32, bool)> = Vec::with_capacity(mesh.triangles.len() * 3);
-    let mut result = Topology::default();
-    for triangle in &mesh.triangles {
+    let sums = mesh.triangles.par_iter().map(|triangle| {
         let [a, b, c] = triangle.map(|i| welded[i as usize]);
-        for (from, to) in [(a, b), (b, c), (c, a)] {
-            edges.push((from.min(to), from.max(to), from < to));
-        }
         let [p, q, r] = triangle.map(|i| mesh.positions[i as usize].as_dvec3());
         let normal = (q - p).cross(r - p);
         let leaning: Vec3 = triangle.iter().map(|&i| mesh.normals[i as usize]).sum();
-        if a == b || b == c || c == a || normal.length_squared() == 0.0 {
-            result.degenerate += 1;
-        } else if normal.dot(leaning.as_dvec3()) <= 0.0 {
-            result.flipped += 1;
+        let degenerate = a == b || b == c || c == a || normal.length_squared() == 0.0;
+        let flipped = !degenerate && normal.dot(leaning.as_dvec3()) <= 0.0;
+        (usize::from(degenerate), usize::from(flipped))
+    });
+    let (degenerate, flipped) = sums.reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
+    let not_finite = mesh.positions.iter().chain(&mesh.normals).filter(|v| !v.is_finite()).count()
+        + mesh.uvs.iter().filter(|v| !v.is_finite()).count();
+    Topology { open_edges: open_edges(&mesh.triangles, &welded), degenerate, flipped, not_finite }
+}
+
+/// Edges that are not run as often one way as the other.
+fn open_edges(triangles: &[[u32; 3]], welded: &[u32]) -> usize {
+    let (mut rising, mut falling) = (Vec::new(), Vec::new());
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|i| u64::from(welded[i as usize]));
+        for (from, to) in [(a, b), (b, c), (c, a)] {
+            if from < to { rising.push(from << 32 | to) } else { falling.push(to << 32 | from) }
         }
     }
-    edges.sort_unstable();
-    result.open_edges = edges
-        .chunk_by(|x, y| (x.0, x.1) == (y.0, y.1))
-        .map(|same| {
-            let forward = same.iter().filter(|e| e.2).count();
-            forward.abs_diff(same.len() - forward)
-        })
-        .sum();
-    result.not_finite = mesh.positions.iter().chain(&mesh.normals).filter(|v| !v.is_finite()).count()
-        + mesh.uvs.iter().filter(|v| !v.is_finite()).count();
-    result
+    rayon::join(|| rising.par_sort_unstable(), || falling.par_sort_unstable());
+    // The two lists are merged; what one has more often than the other is open.
+    let (mut i, mut j, mut open) = (0, 0, 0);
+    while i < rising.len() && j < falling.len() {
+        match rising[i].cmp(&falling[j]) {
+            Ordering::Equal => (i, j) = (i + 1, j + 1),
+            Ordering::Less => (i, open) = (i + 1, open + 1),
+            Ordering::Greater => (j, open) = (j + 1, open + 1),
+        }
+    }
+    open + (rising.len() - i) + (falling.len() - j)
 }
 
 /// For each vertex the lowest index of a vertex at exactly the same place.
@@ -62,7 +72,7 @@ fn weld(positions: &[Vec3]) -> Vec<u32> {
     // Adding zero makes -0.0 and 0.0 one place.
     let key = |i: u32| (positions[i as usize] + Vec3::ZERO).to_array().map(f32::to_bits);
     let mut order: Vec<u32> = (0..positions.len() as u32).collect();
-    order.sort_unstable_by_key(|&i| (key(i), i));
+    order.par_sort_unstable_by_key(|&i| (key(i), i));
     let mut welded = vec![0; positions.len()];
     for same in order.chunk_by(|&a, &b| key(a) == key(b)) {
         for &i in same {
