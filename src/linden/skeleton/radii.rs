@@ -22,8 +22,9 @@ pub struct Wood {
 const BASE_PER_HEIGHT: f64 = 1.0 / 60.0;
 
 impl Default for Wood {
+    /// Leonardo's rule: the cross-section is the same above and below a fork.
     fn default() -> Self {
-        Self { radius_exponent: 2.3, tip_radius_m: None, base_radius_m: None }
+        Self { radius_exponent: 2.0, tip_radius_m: None, base_radius_m: None }
     }
 }
 
