@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::color::linear;
 use crate::grow::Grown;
 use crate::knob::printable;
-use crate::monitor::{Cancelled, Monitor};
+use crate::monitor::{Cancelled, Monitor, from_cancellable};
 use crate::random::Key;
 use crate::recipe::Recipe;
 use crate::scene::{Material, Part, Scene};
@@ -29,25 +29,7 @@ pub enum DressError {
     Bark(BarkError),
 }
 
-impl From<SurfaceError> for DressError {
-    fn from(error: SurfaceError) -> Self {
-        if let SurfaceError::Cancelled(cancelled) = error {
-            Self::Cancelled(cancelled)
-        } else {
-            Self::Surface(error)
-        }
-    }
-}
-
-impl From<BarkError> for DressError {
-    fn from(error: BarkError) -> Self {
-        if let BarkError::Cancelled(cancelled) = error {
-            Self::Cancelled(cancelled)
-        } else {
-            Self::Bark(error)
-        }
-    }
-}
+from_cancellable!(DressError: SurfaceError => Surface, BarkError => Bark);
 
 /// Gives a grown tree its surface and materials. Only the bark's pictures use the seed.
 ///

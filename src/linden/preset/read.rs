@@ -3,7 +3,7 @@
 use super::document::{Datum, Entry, Fault, Node, Place};
 use super::knobs::{KNOBS, PresetKnob, Section, shape_knobs};
 use super::{BarkLook, Colonization, Generator, LSystem, Length, Preset, Space};
-use crate::knob::{nearest, printable};
+use crate::knob::{did_you_mean, nearest, printable};
 use crate::lsystem::{Grammar, Part};
 use crate::skeleton::Wood;
 use crate::surface::Tubes;
@@ -199,7 +199,7 @@ fn unknown(preset: &Preset, section: Section, key: &str) -> String {
         names.extend(Section::ALL.iter().map(|s| s.key()).filter(|s| !s.is_empty()));
     }
     match nearest(&key, names.iter().copied()) {
-        Some(name) => format!("there is no '{key}' {place}; did you mean '{name}'?"),
+        found @ Some(_) => format!("there is no '{key}' {place}{}", did_you_mean(found)),
         None => format!("there is no '{key}' {place}; expected one of: {}", names.join(", ")),
     }
 }
