@@ -2,7 +2,7 @@
 
 use super::document::{Datum, Entry, Fault, Node, Place};
 use super::knobs::{KNOBS, PresetKnob, Section, shape_knobs};
-use super::{BarkLook, Colonization, Generator, LSystem, Length, Preset, Space};
+use super::{BarkLook, Colonization, Generator, LSystem, Length, Origin, Preset, Space, UpAxis};
 use crate::knob::{did_you_mean, nearest, printable};
 use crate::lsystem::{Grammar, Part};
 use crate::skeleton::Wood;
@@ -75,8 +75,8 @@ impl Colonization {
             trunk_m: None,
             tropism: [0.0; 3],
             contract: true,
-            up: "auto".to_owned(),
-            origin: "auto".to_owned(),
+            up: UpAxis::Auto,
+            origin: Origin::Auto,
         }
     }
 }
