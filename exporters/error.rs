@@ -4,7 +4,7 @@ use std::io;
 use std::path::PathBuf;
 
 use linden::Cancelled;
-use linden::knob::printable;
+use linden::knob::{did_you_mean, printable};
 
 /// Why an export failed. Nothing is left behind then.
 #[derive(Debug, thiserror::Error)]
@@ -17,7 +17,7 @@ pub enum ExportError {
     #[error(
         "no export format is called '{}'{}; there are: {}",
         printable(typed),
-        did_you_mean(*nearest, ""),
+        did_you_mean(*nearest),
         known.join(", ")
     )]
     UnknownFormat {
@@ -36,7 +36,7 @@ pub enum ExportError {
             || "it has no ending".to_owned(),
             |e| format!("the ending '.{}' is unknown", printable(&e.to_string_lossy()))
         ),
-        did_you_mean(*nearest, "."),
+        did_you_mean(nearest.map(|ending| format!(".{ending}")).as_deref()),
         known.join(", .")
     )]
     UnknownExtension {
@@ -51,7 +51,7 @@ pub enum ExportError {
     #[error(
         "format {format} has no option '{}'{}; {}",
         printable(typed),
-        did_you_mean(*nearest, ""),
+        did_you_mean(*nearest),
         if known.is_empty() { "it has none at all".to_owned() } else { format!("it has: {}", known.join(", ")) }
     )]
     UnknownOption {
@@ -121,10 +121,6 @@ pub enum ExportError {
         /// What to do instead.
         advice: &'static str,
     },
-}
-
-fn did_you_mean(nearest: Option<&str>, dot: &str) -> String {
-    nearest.map(|name| format!(" (did you mean '{dot}{name}'?)")).unwrap_or_default()
 }
 
 /// What to do about an error of the operating system, with a separator before it.

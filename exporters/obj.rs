@@ -55,10 +55,9 @@ impl Exporter for Obj {
         let library = bundle.takes_side_files().then(|| bundle.side_name(".mtl"));
         if library.is_some() {
             let pictures = if options.is_on("pictures") { picture::pictures(scene) } else { Vec::new() };
-            for named in &pictures {
-                let png = picture::encode(named)?;
+            for (named, png) in pictures.iter().zip(picture::compress(&pictures)?) {
                 let bytes = Some(png.len() as u64);
-                bundle.write_side(&named.suffix, bytes, monitor, |out| out.write(&png))?;
+                bundle.write_side(&named.suffix, bytes, monitor, |out| out.write(png))?;
             }
             let mtl = material_library(scene, &pictures, bundle);
             bundle.write_side(".mtl", Some(mtl.len() as u64), monitor, |out| out.write(mtl.as_bytes()))?;

@@ -31,13 +31,13 @@ pub(crate) fn check(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Bounds>,
             return Err(fault(format!("a colour or roughness is {x}, not 0 to 1")));
         }
         for picture in [&material.base_color_picture, &material.normal_picture].into_iter().flatten() {
-            let pixels = u64::from(picture.width) * u64::from(picture.height);
-            if pixels == 0 || pixels.checked_mul(4) != Some(picture.rgba.len() as u64) {
+            let pixels = u64::from(picture.width()) * u64::from(picture.height());
+            if pixels == 0 || pixels.checked_mul(4) != Some(picture.rgba().len() as u64) {
                 return Err(fault(format!(
                     "a picture of {}×{} has {} bytes",
-                    picture.width,
-                    picture.height,
-                    picture.rgba.len()
+                    picture.width(),
+                    picture.height(),
+                    picture.rgba().len()
                 )));
             }
         }
@@ -126,7 +126,8 @@ mod tests {
     use std::sync::Arc;
 
     use glam::{Vec2, Vec3};
-    use linden::scene::{Material, Mesh, Picture};
+    use linden::picture::Picture;
+    use linden::scene::{Material, Mesh};
 
     use super::*;
     use crate::{Bundle, Options, REGISTRY, bundle::test_output::Output};
@@ -138,7 +139,7 @@ mod tests {
             uvs: vec![Vec2::ZERO, Vec2::X, Vec2::Y],
             triangles: vec![[0, 1, 2]],
         };
-        let picture = Some(Arc::new(Picture { width: 1, height: 1, rgba: vec![255; 4] }));
+        let picture = Some(Arc::new(Picture::new(1, 1, vec![255; 4])));
         Scene {
             name: "leaflet".to_owned(),
             recipe: "{}".to_owned(),
@@ -179,8 +180,7 @@ mod tests {
             ("its recipe", |s| s.recipe = "{}\nv 0 0 0".to_owned()),
             ("a colour or roughness is NaN", |s| s.materials[0].roughness = f32::NAN),
             ("a picture of 7×1 has 4 bytes", |s| {
-                s.materials[0].normal_picture =
-                    Some(Arc::new(Picture { width: 7, height: 1, rgba: vec![0; 4] }));
+                s.materials[0].normal_picture = Some(Arc::new(Picture::new(7, 1, vec![0; 4])));
             }),
             ("the skeleton: the position or radius of node 1", |s| {
                 Arc::make_mut(&mut s.skeleton).radii[1] = f32::NAN;

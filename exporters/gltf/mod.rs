@@ -90,9 +90,8 @@ impl Exporter for Gltf {
             });
         }
         let mut sources = Vec::with_capacity(pictures.len());
-        for named in &pictures {
-            let png = picture::encode(named)?;
-            bundle.write_side(&named.suffix, Some(png.len() as u64), monitor, |out| out.write(&png))?;
+        for (named, png) in pictures.iter().zip(picture::compress(&pictures)?) {
+            bundle.write_side(&named.suffix, Some(png.len() as u64), monitor, |out| out.write(png))?;
             sources.push(ImageSource::Uri(percent_encoded(&bundle.side_name(&named.suffix))));
         }
         let mut document = document(scene, &pictures, sources, &mut layout);
@@ -157,8 +156,8 @@ impl Exporter for Glb {
 
 /// Pictures into the buffer.
 fn embedded(pictures: &[Named<'_>], layout: &mut Layout) -> Result<Vec<ImageSource>, ExportError> {
-    let put = |named| Ok(ImageSource::BufferView(layout.push_blob(picture::encode(named)?)));
-    pictures.iter().map(put).collect()
+    let put = |png: &[u8]| ImageSource::BufferView(layout.push_blob(png.to_vec()));
+    Ok(picture::compress(pictures)?.into_iter().map(put).collect())
 }
 
 /// The document, but for the buffer's URI. `sources` tells where each picture is.

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use linden::scene::{Material, Picture};
+use linden::picture::Picture;
+use linden::scene::Material;
 
 use super::syntax::tuple;
 

@@ -62,9 +62,8 @@ impl Exporter for Usda {
             );
             pictures.clear();
         }
-        for named in &pictures {
-            let png = picture::encode(named)?;
-            bundle.write_side(&named.suffix, Some(png.len() as u64), monitor, |out| out.write(&png))?;
+        for (named, png) in pictures.iter().zip(picture::compress(&pictures)?) {
+            bundle.write_side(&named.suffix, Some(png.len() as u64), monitor, |out| out.write(png))?;
         }
         let files: Vec<_> = pictures.iter().map(|named| bundle.side_name(&named.suffix)).collect();
         let root = identifier(&scene.name);

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use anyhow::{Context, bail};
 use linden::input::{InputKind, sniff};
-use linden::knob::printable;
+use linden::knob::{did_you_mean, printable};
 use linden::lsystem::text;
 use linden::preset::{Fault, Preset, Space, builtin};
 use linden::recipe::{Input, Recipe};
@@ -55,10 +55,10 @@ fn load(source: &str, monitor: &dyn Monitor) -> anyhow::Result<(Recipe, Vec<Stri
         return read(None, &standard_input(monitor)?, monitor);
     }
     if !path.exists() {
-        let meant = hint.map(|id| format!(" (did you mean '{id}'?)")).unwrap_or_default();
         return Err(usage(format!(
-            "there is no preset and no file '{}'{meant}; 'linden list' shows the presets",
-            printable(source)
+            "there is no preset and no file '{}'{}; 'linden list' shows the presets",
+            printable(source),
+            did_you_mean(hint)
         )));
     }
     if path.is_dir() {

@@ -2,9 +2,10 @@
 
 use std::sync::Arc;
 
+use crate::color::linear;
 use crate::grow::Grown;
 use crate::knob::printable;
-use crate::monitor::{Cancelled, Monitor};
+use crate::monitor::{Cancelled, Monitor, from_cancellable};
 use crate::random::Key;
 use crate::recipe::Recipe;
 use crate::scene::{Material, Part, Scene};
@@ -28,25 +29,7 @@ pub enum DressError {
     Bark(BarkError),
 }
 
-impl From<SurfaceError> for DressError {
-    fn from(error: SurfaceError) -> Self {
-        if let SurfaceError::Cancelled(cancelled) = error {
-            Self::Cancelled(cancelled)
-        } else {
-            Self::Surface(error)
-        }
-    }
-}
-
-impl From<BarkError> for DressError {
-    fn from(error: BarkError) -> Self {
-        if let BarkError::Cancelled(cancelled) = error {
-            Self::Cancelled(cancelled)
-        } else {
-            Self::Bark(error)
-        }
-    }
-}
+from_cancellable!(DressError: SurfaceError => Surface, BarkError => Bark);
 
 /// Gives a grown tree its surface and materials. Only the bark's pictures use the seed.
 ///
@@ -59,7 +42,7 @@ pub fn dress(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Sc
     let BarkPictures { base_color, normal } = bark.draw(monitor)?;
     let material = Material {
         name: "bark".to_owned(),
-        base_color: bark.color.map(linear),
+        base_color: linear(bark.color),
         base_color_picture: Some(base_color),
         normal_picture: Some(normal),
         roughness: BARK_ROUGHNESS,
@@ -73,10 +56,4 @@ pub fn dress(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Sc
         parts: vec![Part { name: "wood".to_owned(), material: 0, mesh: wood }],
         skeleton: Arc::clone(&grown.skeleton),
     })
-}
-
-/// Linear light of an sRGB channel (IEC 61966-2-1).
-fn linear(srgb: u8) -> f32 {
-    let c = f32::from(srgb) / 255.0;
-    if c <= 0.040_45 { c / 12.92 } else { libm::powf((c + 0.055) / 1.055, 2.4) }
 }

@@ -12,7 +12,7 @@ use crate::colonization::scan::ScanError;
 use crate::colonization::scatter::ScatterError;
 use crate::knob::printable;
 use crate::lsystem::{self, LsystemError};
-use crate::monitor::{Cancelled, Monitor};
+use crate::monitor::{Cancelled, Monitor, from_cancellable};
 use crate::preset::{Generator, Preset};
 use crate::random::Key;
 use crate::recipe::Recipe;
@@ -89,17 +89,7 @@ pub enum GrowError {
     },
 }
 
-/// An error enum whose `Cancelled` is this one's.
-macro_rules! from_cancellable {
-    ($($error:ident => $variant:ident),*) => {$(
-        impl From<$error> for GrowError {
-            fn from(error: $error) -> Self {
-                if let $error::Cancelled(cancelled) = error { Self::Cancelled(cancelled) } else { Self::$variant(error) }
-            }
-        }
-    )*};
-}
-from_cancellable!(LsystemError => LSystem, EnvelopeError => Envelope, ScatterError => Scatter, ScanError => Scan, GrowthError => Growth);
+from_cancellable!(GrowError: LsystemError => LSystem, EnvelopeError => Envelope, ScatterError => Scatter, ScanError => Scan, GrowthError => Growth);
 
 /// Grows the tree of a recipe.
 ///

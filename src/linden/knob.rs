@@ -249,6 +249,15 @@ pub fn nearest<'a>(typed: &str, names: impl IntoIterator<Item = &'a str>) -> Opt
         .map(|(_, name)| name)
 }
 
+/// What [`nearest`] found, as messages have it behind the name that was typed; nothing for nothing.
+///
+/// ```
+/// assert_eq!(linden::knob::did_you_mean(Some("fir")), " (did you mean 'fir'?)");
+/// ```
+pub fn did_you_mean(nearest: Option<&str>) -> String {
+    nearest.map(|name| format!(" (did you mean '{name}'?)")).unwrap_or_default()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -5,12 +5,14 @@
 //! Lengths are metres, Y is up, angles in the interface are degrees unless a name says `_rad`.
 
 pub mod colonization;
+pub mod color;
 pub mod dress;
 pub mod grow;
 pub mod input;
 pub mod knob;
 pub mod lsystem;
 pub mod monitor;
+pub mod picture;
 pub mod preset;
 pub mod random;
 pub mod recipe;

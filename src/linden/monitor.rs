@@ -56,6 +56,19 @@ impl Stage {
 #[error("cancelled")]
 pub struct Cancelled;
 
+/// Wraps errors of single stages in the error of the whole. What each calls `Cancelled` becomes the
+/// whole's own `Cancelled`, so that callers look in one place.
+macro_rules! from_cancellable {
+    ($whole:ident: $($error:ident => $variant:ident),*) => {$(
+        impl From<$error> for $whole {
+            fn from(error: $error) -> Self {
+                if let $error::Cancelled(cancelled) = error { Self::Cancelled(cancelled) } else { Self::$variant(error) }
+            }
+        }
+    )*};
+}
+pub(crate) use from_cancellable;
+
 /// Watches nothing and never cancels.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Quiet;

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
+use crate::picture::Picture;
 use crate::skeleton::Skeleton;
 
 /// One tree, dressed: meshes, materials, the skeleton beneath and the recipe that grew it.
@@ -102,15 +103,4 @@ pub struct Material {
     pub roughness: f32,
     /// Whether the back is drawn too.
     pub double_sided: bool,
-}
-
-/// 8-bit RGBA pixels, rows from the top.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Picture {
-    /// Pixels per row.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// `width × height × 4` bytes, not premultiplied.
-    pub rgba: Vec<u8>,
 }

@@ -6,10 +6,11 @@
 //! a soft gradient shows bands.
 
 use glam::{Vec2, Vec3};
-use linden::scene::Picture;
+use linden::color::encode;
+use linden::picture::Picture;
 use tiny_skia::Pixmap;
 
-use crate::color::{encode, encoded, linear};
+use crate::color::{encoded, linear};
 use crate::style::Background;
 use crate::{Extent, RasterError, Size, View};
 
@@ -65,7 +66,7 @@ pub(crate) fn compose(
             }
         }
     }
-    Ok(Picture { width, height, rgba })
+    Ok(Picture::new(width, height, rgba))
 }
 
 /// What is behind the tree, with the shadow on it.

@@ -1,7 +1,7 @@
-//! Draws trees on the CPU: camera + [`Skeleton`](linden::Skeleton) → RGBA pixels → PNG bytes.
+//! Draws trees on the CPU: camera + [`Skeleton`](linden::Skeleton) → RGBA pixels.
 //!
 //! Takes values, gives values: this crate opens no file and writes to no terminal. The same
-//! skeleton, camera, style and size give the same bytes.
+//! skeleton, camera, style and size give the same pixels.
 //!
 //! | module | is |
 //! |---|---|
@@ -9,19 +9,16 @@
 //! | [`style`] | what it is painted with |
 //! | [`color`] | the colour spaces and ramps behind it |
 //! | [`skeleton`] | tapered strokes for the axial tree |
-//! | [`png`] | pixels → PNG bytes |
 //!
 //! A drawer of surfaces stands beside [`skeleton`] once there is one: it shares everything else.
 
 pub mod camera;
 pub mod color;
-pub mod png;
 pub mod skeleton;
 pub mod style;
 
 mod canvas;
 
-pub use crate::png::encode_png;
 pub use camera::{Camera, Extent, View};
 pub use skeleton::draw_skeleton;
 pub use style::{Background, Paint, Style};

@@ -87,8 +87,8 @@ fn assert_gltf_is(path: &Path, scene: &Scene, with_pictures: bool) {
     }
     if with_pictures {
         let source = scene.materials[0].base_color_picture.as_ref().unwrap();
-        assert_eq!((images[0].width, images[0].height), (source.width, source.height));
-        let rgb: Vec<u8> = source.rgba.chunks(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
+        assert_eq!((images[0].width, images[0].height), (source.width(), source.height()));
+        let rgb: Vec<u8> = source.rgba().chunks(4).flat_map(|p| [p[0], p[1], p[2]]).collect();
         assert!(images[0].pixels == rgb);
         assert!(document.materials().next().unwrap().normal_texture().is_some());
     } else {

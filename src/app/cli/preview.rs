@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
-use linden::scene::{Bounds, Picture};
+use linden::picture::Picture;
+use linden::scene::Bounds;
 use linden::{Skeleton, Vec3};
 use linden_exporters::Bundle;
-use linden_raster::{Background, Camera, Paint, Size, Style, draw_skeleton, encode_png};
+use linden_raster::{Background, Camera, Paint, Size, Style, draw_skeleton};
 use linden_terminal::{CellStyle, ColorDepth, Glyphs, Image, TerminalSize, draw_cells};
 
 use super::Growing;
@@ -90,13 +91,13 @@ impl Preview {
                 linden_terminal::cells::square_pixels(columns, rows, terminal.cell_aspect),
             )?;
             let colors = ColorDepth::detect(|name| std::env::var(name).ok(), std::io::stdout().is_terminal());
-            let image = Image::new(picture.width, picture.height, &picture.rgba)?;
+            let image = Image::new(picture.width(), picture.height(), picture.rgba())?;
             let glyphs = if colors == ColorDepth::None { Glyphs::Braille } else { Glyphs::Quadrants };
             let style = CellStyle { glyphs, colors, ..CellStyle::default() };
             progress.clear();
             return super::print(&draw_cells(&image, columns, rows, &style));
         };
-        let png = encode_png(&draw(Style::studio(), self.size.unwrap_or(FILE_SIZE))?)?;
+        let png = draw(Style::studio(), self.size.unwrap_or(FILE_SIZE))?.srgb_png()?;
         progress.clear();
         bundle.write_main(Some(png.len() as u64), &progress, |sink| sink.write(&png))?;
         bundle.commit()?;

@@ -10,7 +10,7 @@ use super::{scan, scatter, trunk};
 use crate::grow::GrowError;
 use crate::input::{Up, recenter};
 use crate::monitor::Monitor;
-use crate::preset::{Colonization, Length, Space};
+use crate::preset::{Colonization, Length, Origin, Space, UpAxis};
 use crate::random::Key;
 use crate::recipe::{Geometry, Input};
 use crate::skeleton::Branching;
@@ -114,10 +114,10 @@ pub(crate) fn plant(
     notes.extend(stop_note(stop, unreached, points.len(), settings));
     notes.extend(site.notes);
 
-    let to_root = match settings.origin.as_str() {
-        "root" => true,
-        "keep" => false,
-        _ => site.moves_to_root,
+    let to_root = match settings.origin {
+        Origin::Root => true,
+        Origin::Keep => false,
+        Origin::Auto => site.moves_to_root,
     };
     let shift = if to_root { -site.root } else { site.origin };
     if to_root && (site.origin + site.root).length() > 0.0 {
@@ -160,10 +160,10 @@ fn stop_note(stop: Stop, unreached: usize, points: usize, settings: &Colonizatio
 impl Colonization {
     /// The axis that points up in an input file.
     fn up(&self, default: Up) -> Up {
-        match self.up.as_str() {
-            "y" => Up::Y,
-            "z" => Up::Z,
-            _ => default,
+        match self.up {
+            UpAxis::Y => Up::Y,
+            UpAxis::Z => Up::Z,
+            UpAxis::Auto => default,
         }
     }
 

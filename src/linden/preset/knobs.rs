@@ -1,7 +1,7 @@
 //! The table of all knobs that presets have. Documents, the command line, the schema, the help and
 //! the workbench's form are made from it; a new knob is a field and a row.
 
-use super::setting::{Setting, assign};
+use super::setting::{Origin, Setting, UpAxis, assign};
 use super::{Colonization, Generator, LSystem, Preset, Space};
 use crate::colonization::crown::{SHAPES, ShapeKnob};
 use crate::knob::{Kind, Knob, Value};
@@ -332,7 +332,7 @@ pub static KNOBS: &[PresetKnob] = &[
     row!(
         Colonization,
         "up",
-        Kind::Choice(&["auto", "y", "z"]),
+        Kind::Choice(UpAxis::WORDS),
         "",
         "axis of an input file that points up; auto: z for XYZ, y for PLY and OBJ",
         colonization.up
@@ -340,7 +340,7 @@ pub static KNOBS: &[PresetKnob] = &[
     row!(
         Colonization,
         "origin",
-        Kind::Choice(&["auto", "root", "keep"]),
+        Kind::Choice(Origin::WORDS),
         "",
         "root: the tree is moved to stand on 0,0,0; keep: it stays where its input is; auto: root for points, keep for a mesh",
         colonization.origin

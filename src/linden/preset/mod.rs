@@ -19,7 +19,7 @@ use crate::texture::{Bark, BarkStyle};
 pub use document::{Fault, Place};
 pub use knobs::{KNOBS, PresetKnob, Section, shape_knobs};
 pub use library::{Builtin, builtin, builtins};
-pub use setting::Length;
+pub use setting::{Length, Origin, UpAxis};
 
 /// Everything that says how a tree grows and looks.
 #[derive(Clone, Debug, PartialEq)]
@@ -134,10 +134,10 @@ pub struct Colonization {
     /// Whether given points lie on the surface of a tree, as a scanner's do, and are moved onto its
     /// axes first.
     pub contract: bool,
-    /// `auto`, `y` or `z`: which axis of an input file points up.
-    pub up: String,
-    /// `auto`, `root` or `keep`: whether the tree is moved to stand on the origin.
-    pub origin: String,
+    /// Which axis of an input file points up.
+    pub up: UpAxis,
+    /// Whether the tree is moved to stand on the origin.
+    pub origin: Origin,
 }
 
 /// What the crown fills.

@@ -2,8 +2,8 @@
 
 use super::document::{Datum, Entry, Fault, Node, Place};
 use super::knobs::{KNOBS, PresetKnob, Section, shape_knobs};
-use super::{BarkLook, Colonization, Generator, LSystem, Length, Preset, Space};
-use crate::knob::{nearest, printable};
+use super::{BarkLook, Colonization, Generator, LSystem, Length, Origin, Preset, Space, UpAxis};
+use crate::knob::{did_you_mean, nearest, printable};
 use crate::lsystem::{Grammar, Part};
 use crate::skeleton::Wood;
 use crate::surface::Tubes;
@@ -75,8 +75,8 @@ impl Colonization {
             trunk_m: None,
             tropism: [0.0; 3],
             contract: true,
-            up: "auto".to_owned(),
-            origin: "auto".to_owned(),
+            up: UpAxis::Auto,
+            origin: Origin::Auto,
         }
     }
 }
@@ -199,7 +199,7 @@ fn unknown(preset: &Preset, section: Section, key: &str) -> String {
         names.extend(Section::ALL.iter().map(|s| s.key()).filter(|s| !s.is_empty()));
     }
     match nearest(&key, names.iter().copied()) {
-        Some(name) => format!("there is no '{key}' {place}; did you mean '{name}'?"),
+        found @ Some(_) => format!("there is no '{key}' {place}{}", did_you_mean(found)),
         None => format!("there is no '{key}' {place}; expected one of: {}", names.join(", ")),
     }
 }

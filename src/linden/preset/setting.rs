@@ -14,6 +14,57 @@ pub enum Length {
     Steps(f64),
 }
 
+/// A field that is one of some words: the type, its words in a table, and the way back.
+macro_rules! words {
+    ($(#[$doc:meta])* $name:ident { $($(#[$own:meta])* $variant:ident = $word:literal),* }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum $name { $($(#[$own])* $variant),* }
+
+        impl $name {
+            /// The words of all variants.
+            pub const WORDS: &[&'static str] = &[$($word),*];
+        }
+
+        impl Setting for $name {
+            fn to_value(&self) -> Value {
+                Value::Word(match self { $(Self::$variant => $word),* }.to_owned())
+            }
+
+            fn from_value(value: Value) -> Option<Self> {
+                match String::from_value(value)?.as_str() {
+                    $($word => Some(Self::$variant),)*
+                    _ => None,
+                }
+            }
+        }
+    };
+}
+
+words! {
+    /// Which axis of an input file points up.
+    UpAxis {
+        /// The one that is usual for the format: z for XYZ, y for PLY and OBJ.
+        Auto = "auto",
+        /// y.
+        Y = "y",
+        /// z.
+        Z = "z"
+    }
+}
+
+words! {
+    /// Whether a tree is moved to stand on the origin.
+    Origin {
+        /// Moved when it grows into given points, kept in a mesh.
+        Auto = "auto",
+        /// Moved.
+        Root = "root",
+        /// Kept where its input is.
+        Keep = "keep"
+    }
+}
+
 /// A field that a knob turns.
 pub(super) trait Setting: Sized {
     fn to_value(&self) -> Value;

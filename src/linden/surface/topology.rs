@@ -1,9 +1,10 @@
 //! Measures whether a surface is closed, from its triangles alone.
 
-use std::cmp::Ordering;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use glam::Vec3;
 use rayon::prelude::*;
+use xxhash_rust::xxh3::xxh3_64;
 
 use crate::scene::Mesh;
 
@@ -47,44 +48,99 @@ pub fn topology(mesh: &Mesh) -> Topology {
 
 /// Edges that are not run as often one way as the other.
 fn open_edges(triangles: &[[u32; 3]], welded: &[u32]) -> usize {
-    let (mut rising, mut falling) = (Vec::new(), Vec::new());
-    for triangle in triangles {
-        let [a, b, c] = triangle.map(|i| u64::from(welded[i as usize]));
-        for (from, to) in [(a, b), (b, c), (c, a)] {
-            if from < to { rising.push(from << 32 | to) } else { falling.push(to << 32 | from) }
-        }
-    }
-    rayon::join(|| rising.par_sort_unstable(), || falling.par_sort_unstable());
-    // The two lists are merged; what one has more often than the other is open.
-    let (mut i, mut j, mut open) = (0, 0, 0);
-    while i < rising.len() && j < falling.len() {
-        match rising[i].cmp(&falling[j]) {
-            Ordering::Equal => (i, j) = (i + 1, j + 1),
-            Ordering::Less => (i, open) = (i + 1, open + 1),
-            Ordering::Greater => (j, open) = (j + 1, open + 1),
-        }
-    }
-    open + (rising.len() - i) + (falling.len() - j)
+    // Each edge stands with its lower vertex, as its higher one and whether it rises.
+    let edges = || {
+        triangles.iter().flat_map(|triangle| {
+            let [a, b, c] = triangle.map(|i| welded[i as usize]);
+            [(a, b), (b, c), (c, a)].map(|(from, to)| (from.min(to) as usize, (from.max(to), from < to)))
+        })
+    };
+    let at_vertex = Groups::new(welded.len(), edges);
+    let open = at_vertex.par_sorted(|edges| {
+        let ways = |same: &[(u32, bool)]| {
+            let rising = same.iter().filter(|(_, rises)| *rises).count();
+            rising.abs_diff(same.len() - rising)
+        };
+        edges.chunk_by(|a, b| a.0 == b.0).map(ways).sum::<usize>()
+    });
+    open.sum()
 }
 
 /// For each vertex the lowest index of a vertex at exactly the same place.
 fn weld(positions: &[Vec3]) -> Vec<u32> {
+    /// Enough for pieces that a cache holds, few enough to be written side by side.
+    const PIECES: usize = 4096;
     // Adding zero makes -0.0 and 0.0 one place.
     let key = |i: u32| (positions[i as usize] + Vec3::ZERO).to_array().map(f32::to_bits);
-    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
-    order.par_sort_unstable_by_key(|&i| (key(i), i));
-    let mut welded = vec![0; positions.len()];
-    for same in order.chunk_by(|&a, &b| key(a) == key(b)) {
-        for &i in same {
-            welded[i as usize] = same[0];
+    let hash = |i| xxh3_64(bytemuck::cast_slice(&key(i)));
+    let hashes: Vec<u64> = (0..positions.len() as u32).into_par_iter().map(hash).collect();
+    // Vertices at the same place have the same hash and so come into the same piece.
+    let pieces = Groups::new(PIECES, || {
+        hashes.iter().zip(0..).map(|(&hash, i): (_, u32)| (hash as usize % PIECES, ((hash >> 32) as u32, i)))
+    });
+    let welded: Vec<AtomicU32> = (0..positions.len()).into_par_iter().map(|_| AtomicU32::new(0)).collect();
+    pieces
+        .par_sorted(|piece| {
+            for alike in piece.chunk_by_mut(|a, b| a.0 == b.0) {
+                alike.sort_unstable_by_key(|&(_, i)| (key(i), i));
+                for same in alike.chunk_by(|a, b| key(a.1) == key(b.1)) {
+                    for &(_, i) in same {
+                        welded[i as usize].store(same[0].1, Ordering::Relaxed);
+                    }
+                }
+            }
+        })
+        .collect::<()>();
+    welded.into_iter().map(AtomicU32::into_inner).collect()
+}
+
+/// Items in numbered groups: a counting sort, in time and memory proportional to both.
+struct Groups<T> {
+    /// Where each group starts, and where the last one ends.
+    starts: Vec<usize>,
+    items: Vec<T>,
+}
+
+impl<T: Copy + Default + Ord + Send + Sync> Groups<T> {
+    /// Groups what `items` gives, each time the same pairs of group and item.
+    fn new<I: Iterator<Item = (usize, T)>>(groups: usize, items: impl Fn() -> I) -> Self {
+        // While items are dealt, `starts[group + 1]` is where the group's next one goes.
+        let mut starts = vec![0; groups + 2];
+        for (group, _) in items() {
+            starts[group + 2] += 1;
         }
+        let mut total = 0;
+        for start in &mut starts {
+            total += *start;
+            *start = total;
+        }
+        let mut dealt = vec![T::default(); total];
+        for (group, item) in items() {
+            dealt[starts[group + 1]] = item;
+            starts[group + 1] += 1;
+        }
+        starts.pop();
+        Self { starts, items: dealt }
     }
-    welded
+
+    /// What `look` makes of each group, given sorted.
+    fn par_sorted<R: Send>(
+        &self,
+        look: impl Fn(&mut [T]) -> R + Sync + Send,
+    ) -> impl ParallelIterator<Item = R> {
+        self.starts.par_windows(2).map_init(Vec::new, move |group, range| {
+            group.clear();
+            group.extend_from_slice(&self.items[range[0]..range[1]]);
+            group.sort_unstable();
+            look(group)
+        })
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Key;
     use glam::Vec2;
 
     /// A tetrahedron with vertices of its own for each face.
@@ -121,5 +177,43 @@ mod tests {
         let mut broken = tetrahedron();
         broken.normals[2].y = f32::NAN;
         assert_eq!(topology(&broken).not_finite, 1);
+    }
+
+    /// Counts by looking at every pair.
+    fn by_definition(mesh: &Mesh) -> (usize, Vec<u32>) {
+        let welded: Vec<u32> = (mesh.positions.iter())
+            .map(|p| mesh.positions.iter().position(|q| p == q).unwrap() as u32)
+            .collect();
+        let edges: Vec<[u32; 2]> = (mesh.triangles.iter())
+            .flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]])
+            .map(|edge| edge.map(|i| welded[i as usize]))
+            .collect();
+        let runs = |a: u32, b: u32| edges.iter().filter(|&&edge| edge == [a, b]).count();
+        let count = mesh.positions.len() as u32;
+        let open = (0..count).flat_map(|a| (a + 1..count).map(move |b| (a, b)));
+        (open.map(|(a, b)| runs(a, b).abs_diff(runs(b, a))).sum(), welded)
+    }
+
+    #[test]
+    fn soups_are_welded_and_counted_as_the_definition_says() {
+        for seed in 0..50 {
+            let key = Key::new(seed);
+            // Few places, so that many vertices share one; 0 and -0 are one place.
+            let place =
+                |k: Key| (k.unit() * 3.0).floor() as f32 * if k.child(9).unit() < 0.5 { 1.0 } else { -1.0 };
+            let positions: Vec<Vec3> =
+                (0..40).map(|i| Vec3::from([0, 1, 2].map(|axis| place(key.child(i).child(axis))))).collect();
+            let corner = |i: u64, c: u64| (key.named("t").child(i).child(c).unit() * 40.0) as u32;
+            let triangles: Vec<[u32; 3]> = (0..60).map(|i| [0, 1, 2].map(|c| corner(i, c))).collect();
+            let mesh = Mesh { positions, triangles, ..Mesh::default() };
+            let (open, welded) = by_definition(&mesh);
+            assert_eq!(weld(&mesh.positions), welded, "seed {seed}");
+            // An edge from a place to itself is run one way only.
+            let to_itself = (mesh.triangles.iter())
+                .flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]])
+                .filter(|edge| welded[edge[0] as usize] == welded[edge[1] as usize])
+                .count();
+            assert_eq!(open_edges(&mesh.triangles, &welded), open + to_itself, "seed {seed}");
+        }
     }
 }

@@ -10,9 +10,10 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use super::periodic::{Cells, Noise, Octaves, smoothstep};
+use crate::color::{encode, linear};
 use crate::monitor::{Cancelled, Monitor};
+use crate::picture::Picture;
 use crate::random::Key;
-use crate::scene::Picture;
 
 /// What kind of bark.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -47,7 +48,7 @@ impl BarkStyle {
 /// use linden::{Quiet, random::Key};
 /// let bark = Bark { size_px: 64, ..Bark::new(BarkStyle::Plated, Key::new(7).named("bark")) };
 /// let pictures = bark.draw(&Quiet).unwrap();
-/// assert_eq!(pictures.base_color.rgba.len(), 64 * 64 * 4);
+/// assert_eq!(pictures.base_color.rgba().len(), 64 * 64 * 4);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bark {
@@ -122,7 +123,7 @@ impl Bark {
         let base_color = colors(&spots, n, self.color);
         monitor.check()?;
         let normal = normals(&spots, n, relief);
-        let picture = |rgba| Arc::new(Picture { width: size, height: size, rgba });
+        let picture = |rgba| Arc::new(Picture::new(size, size, rgba));
         Ok(BarkPictures { base_color: picture(base_color), normal: picture(normal) })
     }
 }
@@ -293,7 +294,7 @@ impl Surface {
 
 /// sRGB pixels whose mean, in linear light, is the colour asked for.
 fn colors(spots: &[Spot], n: usize, color: [u8; 3]) -> Vec<u8> {
-    let wanted = Vec3::from(color.map(|c| decode(f32::from(c) / 255.0)));
+    let wanted = Vec3::from(linear(color));
     // Summed row by row in their order: the same bits whatever the threads do.
     let mean = |gain: Vec3| -> Vec3 {
         let rows: Vec<Vec3> = spots
@@ -325,16 +326,6 @@ fn colors(spots: &[Spot], n: usize, color: [u8; 3]) -> Vec<u8> {
 
 /// Steps of the table from light to code value: fine enough that the darkest codes are all reached.
 const CURVE_STEPS: usize = 16_384;
-
-/// IEC 61966-2-1, the curve from code value to light.
-fn decode(c: f32) -> f32 {
-    if c <= 0.040_45 { c / 12.92 } else { libm::powf((c + 0.055) / 1.055, 2.4) }
-}
-
-/// IEC 61966-2-1, the curve from light to code value.
-fn encode(c: f32) -> f32 {
-    if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * libm::powf(c, 1.0 / 2.4) - 0.055 }
-}
 
 /// Tangent-space normals by central differences across the edges.
 fn normals(spots: &[Spot], n: usize, relief: f32) -> Vec<u8> {

@@ -1,4 +1,5 @@
 use super::*;
+use crate::color::decode;
 use crate::monitor::{Quiet, Stage};
 
 fn pictures(style: BarkStyle, size_px: u32) -> BarkPictures {
@@ -6,14 +7,14 @@ fn pictures(style: BarkStyle, size_px: u32) -> BarkPictures {
 }
 
 fn pixel(picture: &Picture, x: u32, y: u32) -> [i32; 3] {
-    let n = picture.width;
+    let n = picture.width();
     let at = (((y % n) * n + x % n) * 4) as usize;
-    [picture.rgba[at], picture.rgba[at + 1], picture.rgba[at + 2]].map(i32::from)
+    [picture.rgba()[at], picture.rgba()[at + 1], picture.rgba()[at + 2]].map(i32::from)
 }
 
 /// Mean difference between a row and the next, or a column and the next, over all channels.
 fn step(picture: &Picture, after: u32, by_row: bool) -> f64 {
-    let n = picture.width;
+    let n = picture.width();
     let at = |along: u32, across: u32| {
         if by_row { pixel(picture, along, across) } else { pixel(picture, across, along) }
     };
@@ -46,7 +47,7 @@ fn pictures_continue_across_their_edges() {
 #[test]
 fn normals_are_unit_and_point_out() {
     for (name, style, _) in BarkStyle::ALL {
-        for p in pictures(style, 128).normal.rgba.chunks_exact(4) {
+        for p in pictures(style, 128).normal.rgba().chunks_exact(4) {
             let [x, y, z] = [p[0], p[1], p[2]].map(|c| f64::from(c) / 127.5 - 1.0);
             let length = libm::sqrt(x * x + y * y + z * z);
             assert!((length - 1.0).abs() < 0.012 && z > 0.0 && p[3] == 255, "{name}: {x} {y} {z}");
@@ -79,8 +80,9 @@ fn the_mean_is_the_colour_asked_for() {
             let bark = Bark { color, size_px: 128, ..Bark::new(style, Key::new(2)) };
             let picture = bark.draw(&Quiet).unwrap().base_color;
             for c in 0..3 {
-                let mean = picture.rgba.chunks_exact(4).map(|p| decode(f32::from(p[c]) / 255.0)).sum::<f32>()
-                    / (128.0 * 128.0);
+                let mean =
+                    picture.rgba().chunks_exact(4).map(|p| decode(f32::from(p[c]) / 255.0)).sum::<f32>()
+                        / (128.0 * 128.0);
                 let found = encode(mean) * 255.0;
                 assert!((found - f32::from(color[c])).abs() < 2.0, "{name} {color:?}: {found}");
             }
@@ -148,7 +150,7 @@ fn odd_wishes_are_met_or_refused() {
     for size_px in [1, 2, 7] {
         let drawn =
             Bark { size_px, relief: f32::NAN, roughness: f32::INFINITY, ..bark }.draw(&Quiet).unwrap();
-        assert_eq!(drawn.normal.rgba.len(), (size_px * size_px * 4) as usize);
+        assert_eq!(drawn.normal.rgba().len(), (size_px * size_px * 4) as usize);
     }
 }
 

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use linden::Quiet;
-use linden_raster::{Camera, Paint, Size, Style, draw_skeleton, encode_png};
+use linden_raster::{Camera, Paint, Size, Style, draw_skeleton};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder: PathBuf = std::env::args_os().nth(1).unwrap_or_else(|| ".".into()).into();
@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                 draw_skeleton(&tree, &Camera::default(), &style, Size::new(width, height)?, &Quiet)?;
             let drawn = start.elapsed();
             let start = Instant::now();
-            let png = encode_png(&picture)?;
+            let png = picture.srgb_png()?;
             println!(
                 "{name} {width}x{height}, {} nodes: drawn in {:.1} ms, PNG in {:.1} ms, {} KB",
                 tree.positions.len(),
@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         for (ground, style) in [("studio", Style::studio()), ("dark", Style::over_dark())] {
             let style = Style { paint, ..style };
             let picture = draw_skeleton(&tree, &Camera::default(), &style, Size::new(400, 500)?, &Quiet)?;
-            std::fs::write(folder.join(format!("paint-{name}-{ground}.png")), encode_png(&picture)?)?;
+            std::fs::write(folder.join(format!("paint-{name}-{ground}.png")), picture.srgb_png()?)?;
         }
     }
     Ok(())

@@ -11,7 +11,7 @@ mod strokes;
 mod tests;
 
 use glam::Vec3;
-use linden::scene::Picture;
+use linden::picture::Picture;
 use linden::{Monitor, NO_PARENT, Skeleton};
 
 use crate::canvas::{self, Backdrop};

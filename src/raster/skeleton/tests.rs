@@ -1,5 +1,5 @@
 use glam::{Vec2, Vec3};
-use linden::scene::Picture;
+use linden::picture::Picture;
 use linden::skeleton::Axis;
 use linden::{Monitor, NO_PARENT, Quiet, Skeleton};
 
@@ -32,12 +32,12 @@ fn draw(skeleton: &Skeleton, camera: &Camera, style: &Style, size: Size) -> Pict
 }
 
 fn alpha(picture: &Picture, x: u32, y: u32) -> u8 {
-    picture.rgba[((y * picture.width + x) * 4 + 3) as usize]
+    picture.rgba()[((y * picture.width() + x) * 4 + 3) as usize]
 }
 
 /// The summed coverage of a row, pixels.
 fn ink(picture: &Picture, y: u32) -> f32 {
-    (0..picture.width).map(|x| f32::from(alpha(picture, x, y)) / 255.0).sum()
+    (0..picture.width()).map(|x| f32::from(alpha(picture, x, y)) / 255.0).sum()
 }
 
 #[test]
@@ -155,7 +155,7 @@ fn tiles_show_no_seam() {
     let seam = 1024 * 4;
     // The stroke pieces left and right of the seam are covered alike: no column is empty or doubled.
     let column = |x: usize| -> f32 {
-        wide.rgba.chunks_exact(2000 * 4).map(|row| f32::from(row[x * 4 + 3])).sum::<f32>() / 255.0
+        wide.rgba().chunks_exact(2000 * 4).map(|row| f32::from(row[x * 4 + 3])).sum::<f32>() / 255.0
     };
     let (left, right) = (column(seam / 4 - 1), column(seam / 4));
     let inside = (column(seam / 4 - 2), column(seam / 4 + 1));
@@ -179,7 +179,7 @@ fn what_is_nearer_hides_what_is_farther() {
     let middle = |yaw| {
         let p = draw(&pair, &Camera::orbit(yaw, 0.0), &style, size(60, 60));
         let at = (30 * 60 + 30) * 4;
-        [p.rgba[at], p.rgba[at + 2]].map(i32::from)
+        [p.rgba()[at], p.rgba()[at + 2]].map(i32::from)
     };
     let ([red_near, blue_near], [red_far, blue_far]) = (middle(0.0), middle(180.0));
     assert!(blue_near > red_near && red_far > blue_far, "early is blue, late is yellow");
@@ -189,11 +189,11 @@ fn what_is_nearer_hides_what_is_farther() {
 fn transparent_where_nothing_is_and_opaque_over_a_backdrop() {
     let tree = sample::tree(1, 1);
     let clear = draw(&tree, &Camera::front(), &Style::over_light(), size(40, 40));
-    assert_eq!(&clear.rgba[..4], &[0; 4]);
+    assert_eq!(&clear.rgba()[..4], &[0; 4]);
     let plain = Style { background: Background::Plain([10, 200, 30]), ..Style::over_light() };
     let picture = draw(&tree, &Camera::front(), &plain, size(40, 40));
-    assert!(picture.rgba.chunks_exact(4).all(|p| p[3] == 255));
-    for (c, expected) in picture.rgba[..3].iter().zip([10_u8, 200, 30]) {
+    assert!(picture.rgba().chunks_exact(4).all(|p| p[3] == 255));
+    for (c, expected) in picture.rgba()[..3].iter().zip([10_u8, 200, 30]) {
         assert!(c.abs_diff(expected) <= 1, "{c} {expected}");
     }
 }
@@ -206,7 +206,7 @@ fn points_are_dots() {
     let picture = draw(&one, &Camera::front(), &style, size(400, 400));
     let at = Camera::front().view(Extent::of(&one, &points).unwrap(), size(400, 400)).project(points[0]).at;
     let start = ((at.y as u32 * 400 + at.x as u32) * 4) as usize;
-    let [r, g, _, a] = picture.rgba[start..start + 4] else { panic!() };
+    let [r, g, _, a] = picture.rgba()[start..start + 4] else { panic!() };
     assert!(r > 200 && g < 40 && a > 100, "{r} {g} {a}");
 }
 
@@ -225,7 +225,7 @@ fn degenerate_skeletons_are_drawn() {
     for (name, skeleton) in cases {
         for (w, h) in [(1, 1), (1, 50), (33, 20)] {
             let picture = draw(&skeleton, &Camera::default(), &Style::studio(), size(w, h));
-            assert_eq!(picture.rgba.len(), (w * h * 4) as usize, "{name}");
+            assert_eq!(picture.rgba().len(), (w * h * 4) as usize, "{name}");
         }
         let picture = draw(&skeleton, &Camera::front(), &Style::over_dark(), size(33, 21));
         let total: f32 = (0..21).map(|y| ink(&picture, y)).sum();

@@ -21,7 +21,7 @@ use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3, Vec3};
 
-use crate::knob::{Kind, Knob, Value, nearest, printable};
+use crate::knob::{Kind, Knob, Value, did_you_mean, nearest, printable};
 use crate::random::Key;
 use crate::scene::Bounds;
 
@@ -70,7 +70,7 @@ pub struct ShapeKnob {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum CrownError {
     /// No shape of this name.
-    #[error("no crown shape is called '{name}'{}; the shapes are: {}", suggestion(*.hint), shape_names())]
+    #[error("no crown shape is called '{name}'{}; the shapes are: {}", did_you_mean(*.hint), shape_names())]
     UnknownShape {
         /// What was asked for, printable.
         name: String,
@@ -103,10 +103,6 @@ pub enum CrownError {
         /// Why, and what to change.
         problem: String,
     },
-}
-
-fn suggestion(hint: Option<&str>) -> String {
-    hint.map(|h| format!(" (did you mean '{h}'?)")).unwrap_or_default()
 }
 
 fn shape_names() -> String {

@@ -182,7 +182,6 @@ mod tests {
                 let exact = triangles.iter().map(|t| solid_angle(t, q)).sum::<f64>() / (4.0 * PI);
                 worst = worst.max((tree.winding(q) - exact).abs());
             }
-            println!("worst {worst}");
             assert!(worst < 0.02, "{worst}");
         }
     }
