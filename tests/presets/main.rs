@@ -47,7 +47,7 @@ fn each_surface_is_closed_unfolded_and_finite() {
         let recipe = recipe(builtin);
         let grown = grow(&recipe, &Quiet).unwrap();
         let mesh = sweep(&grown.skeleton, &recipe.preset.tubes, &Quiet).unwrap();
-        assert_eq!(topology(&mesh), Topology::default(), "{}", builtin.id);
+        assert_eq!(topology(&mesh, &Quiet).unwrap(), Topology::default(), "{}", builtin.id);
         assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-4), "{}", builtin.id);
         assert_eq!(grown.colonized.map_or(0, |own| own.unreached), 0, "{}", builtin.id);
     }

@@ -29,6 +29,15 @@ fn document() -> Value {
     ] {
         properties.insert(key.to_owned(), json!({ "type": "string", "description": help }));
     }
+    // What a recipe has besides.
+    properties.insert(
+        "linden".to_owned(),
+        json!({ "type": "string", "description": "version that made the recipe" }),
+    );
+    properties.insert(
+        "input".to_owned(),
+        json!({ "type": "object", "description": "file that the recipe was made with" }),
+    );
     let knobs: Vec<PresetKnob> = KNOBS.iter().copied().chain(shape_knobs()).collect();
     for section in Section::ALL {
         let mut own: Map<String, Value> = knobs
@@ -79,6 +88,7 @@ fn document() -> Value {
         "required": ["id"],
         "oneOf": [{ "required": ["lsystem"] }, { "required": ["colonization"] }],
         "properties": properties,
+        "additionalProperties": false,
         "$defs": { "export options": { "type": "object", "properties": formats } },
     })
 }
@@ -99,7 +109,7 @@ fn of(knob: &Knob) -> Value {
         Kind::Real { min, max, auto } => or_auto(auto, number(min, max)),
         Kind::Integer { min, max } => json!({ "type": "integer", "minimum": min, "maximum": max }),
         Kind::Length { min, max, auto } => {
-            let text = json!({ "type": "string", "pattern": "^(inf|auto|[0-9.]+D)$" });
+            let text = json!({ "type": "string", "pattern": "^(inf|[0-9]+([.][0-9]+)?D)$" });
             or_auto(auto, json!({ "anyOf": [number(min, max), text] }))
         }
         Kind::Choice(words) => json!({ "enum": words }),

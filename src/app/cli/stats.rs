@@ -5,9 +5,8 @@ use std::time::Instant;
 use anyhow::Context;
 use clap::Args;
 use linden::Vec3;
-use linden::dress::dress;
 use linden::scene::Bounds;
-use linden::surface::topology;
+use linden::surface::{sweep, topology};
 use serde::Serialize;
 
 use super::Growing;
@@ -71,13 +70,14 @@ impl Stats {
         let grown = super::grown(&source, &progress)?;
         let grow_s = started.elapsed().as_secs_f64();
         let started = Instant::now();
-        let scene = dress(&source.recipe, &grown, &progress).with_context(|| source.shown.clone())?;
+        // The surface alone: the bark's pictures are not measured, and take longer than all else.
+        let mesh = sweep(&grown.skeleton, &source.recipe.preset.tubes, &progress)
+            .with_context(|| source.shown.clone())?;
         let dress_s = started.elapsed().as_secs_f64();
 
         let skeleton = &grown.skeleton;
         let measures = skeleton.measures();
-        let bounds = scene.parts.iter().filter_map(|part| part.mesh.bounds()).reduce(Bounds::union);
-        let bounds = bounds.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO });
+        let bounds = mesh.bounds().unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO });
         let colonized = grown.colonized.as_ref();
         let report = Report {
             source: source.shown.clone(),
@@ -95,10 +95,10 @@ impl Stats {
             points_unreached: colonized.map(|own| own.unreached),
             iterations: colonized.map(|own| own.iterations),
             symbols: grown.symbols,
-            triangles: scene.parts.iter().map(|part| part.mesh.triangles.len()).sum(),
-            vertices: scene.parts.iter().map(|part| part.mesh.positions.len()).sum(),
+            triangles: mesh.triangles.len(),
+            vertices: mesh.positions.len(),
             leaves: 0,
-            watertight: scene.parts.iter().all(|part| topology(&part.mesh).watertight()),
+            watertight: topology(&mesh, &progress)?.watertight(),
             bounds: Corners { min: bounds.min.to_array(), max: bounds.max.to_array() },
             skeleton_hash: format!("{:032x}", skeleton.hash()),
             seconds: Seconds { grow: grow_s, dress: dress_s },

@@ -191,7 +191,7 @@ mod tests {
         assert!((volume(&mesh) - polygon * (4.0 + 0.1 / 3.0)).abs() < 1e-6);
         // Bands of 2 × 16 over two segments, the tip's 16, the base's 14.
         assert_eq!(mesh.triangles.len(), 2 * 2 * 16 + 16 + 14);
-        assert_eq!(topology(&mesh), Topology::default());
+        assert_eq!(topology(&mesh, &Quiet).unwrap(), Topology::default());
     }
 
     /// Random walks that branch, with thick wood on short steps: everything that folds a tube.
@@ -216,7 +216,7 @@ mod tests {
         for seed in 0..400 {
             let skeleton = gnarled(seed);
             let mesh = sweep(&skeleton, &Tubes::default(), &Quiet).unwrap();
-            assert_eq!(topology(&mesh), Topology::default(), "seed {seed}");
+            assert_eq!(topology(&mesh, &Quiet).unwrap(), Topology::default(), "seed {seed}");
             assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-5));
             assert!(volume(&mesh) > 0.0);
         }

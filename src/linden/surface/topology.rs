@@ -6,6 +6,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use xxhash_rust::xxh3::xxh3_64;
 
+use crate::monitor::{Cancelled, Monitor};
 use crate::scene::Mesh;
 
 /// What the triangles say about the surface, after vertices at the same place are made one.
@@ -24,13 +25,16 @@ pub struct Topology {
 impl Topology {
     /// Closed and consistently wound: each tube keeps water in. Tubes may overlap one another.
     pub fn watertight(&self) -> bool {
-        self.open_edges == 0 && self.degenerate == 0
+        self.open_edges == 0 && self.degenerate == 0 && self.not_finite == 0
     }
 }
 
 /// Measures a mesh.
-pub fn topology(mesh: &Mesh) -> Topology {
-    let welded = weld(&mesh.positions);
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn topology(mesh: &Mesh, monitor: &dyn Monitor) -> Result<Topology, Cancelled> {
+    let welded = weld(&mesh.positions, monitor)?;
     let sums = mesh.triangles.par_iter().map(|triangle| {
         let [a, b, c] = triangle.map(|i| welded[i as usize]);
         let [p, q, r] = triangle.map(|i| mesh.positions[i as usize].as_dvec3());
@@ -40,14 +44,17 @@ pub fn topology(mesh: &Mesh) -> Topology {
         let flipped = !degenerate && normal.dot(leaning.as_dvec3()) <= 0.0;
         (usize::from(degenerate), usize::from(flipped))
     });
+    monitor.check()?;
     let (degenerate, flipped) = sums.reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
     let not_finite = mesh.positions.iter().chain(&mesh.normals).filter(|v| !v.is_finite()).count()
         + mesh.uvs.iter().filter(|v| !v.is_finite()).count();
-    Topology { open_edges: open_edges(&mesh.triangles, &welded), degenerate, flipped, not_finite }
+    monitor.check()?;
+    let open_edges = open_edges(&mesh.triangles, &welded, monitor)?;
+    Ok(Topology { open_edges, degenerate, flipped, not_finite })
 }
 
 /// Edges that are not run as often one way as the other.
-fn open_edges(triangles: &[[u32; 3]], welded: &[u32]) -> usize {
+fn open_edges(triangles: &[[u32; 3]], welded: &[u32], monitor: &dyn Monitor) -> Result<usize, Cancelled> {
     // Each edge stands with its lower vertex, as its higher one and whether it rises.
     let edges = || {
         triangles.iter().flat_map(|triangle| {
@@ -56,6 +63,7 @@ fn open_edges(triangles: &[[u32; 3]], welded: &[u32]) -> usize {
         })
     };
     let at_vertex = Groups::new(welded.len(), edges);
+    monitor.check()?;
     let open = at_vertex.par_sorted(|edges| {
         let ways = |same: &[(u32, bool)]| {
             let rising = same.iter().filter(|(_, rises)| *rises).count();
@@ -63,22 +71,24 @@ fn open_edges(triangles: &[[u32; 3]], welded: &[u32]) -> usize {
         };
         edges.chunk_by(|a, b| a.0 == b.0).map(ways).sum::<usize>()
     });
-    open.sum()
+    Ok(open.sum())
 }
 
 /// For each vertex the lowest index of a vertex at exactly the same place.
-fn weld(positions: &[Vec3]) -> Vec<u32> {
+fn weld(positions: &[Vec3], monitor: &dyn Monitor) -> Result<Vec<u32>, Cancelled> {
     /// Enough for pieces that a cache holds, few enough to be written side by side.
     const PIECES: usize = 4096;
     // Adding zero makes -0.0 and 0.0 one place.
     let key = |i: u32| (positions[i as usize] + Vec3::ZERO).to_array().map(f32::to_bits);
     let hash = |i| xxh3_64(bytemuck::cast_slice(&key(i)));
     let hashes: Vec<u64> = (0..positions.len() as u32).into_par_iter().map(hash).collect();
+    monitor.check()?;
     // Vertices at the same place have the same hash and so come into the same piece.
     let pieces = Groups::new(PIECES, || {
         hashes.iter().zip(0..).map(|(&hash, i): (_, u32)| (hash as usize % PIECES, ((hash >> 32) as u32, i)))
     });
     let welded: Vec<AtomicU32> = (0..positions.len()).into_par_iter().map(|_| AtomicU32::new(0)).collect();
+    monitor.check()?;
     pieces
         .par_sorted(|piece| {
             for alike in piece.chunk_by_mut(|a, b| a.0 == b.0) {
@@ -91,7 +101,7 @@ fn weld(positions: &[Vec3]) -> Vec<u32> {
             }
         })
         .collect::<()>();
-    welded.into_iter().map(AtomicU32::into_inner).collect()
+    Ok(welded.into_iter().map(AtomicU32::into_inner).collect())
 }
 
 /// Items in numbered groups: a counting sort, in time and memory proportional to both.
@@ -143,6 +153,10 @@ mod tests {
     use crate::random::Key;
     use glam::Vec2;
 
+    fn measured(mesh: &Mesh) -> Topology {
+        topology(mesh, &crate::Quiet).unwrap()
+    }
+
     /// A tetrahedron with vertices of its own for each face.
     fn tetrahedron() -> Mesh {
         let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
@@ -160,23 +174,23 @@ mod tests {
 
     #[test]
     fn a_tetrahedron_is_closed_and_each_damage_is_seen() {
-        assert_eq!(topology(&tetrahedron()), Topology::default());
+        assert_eq!(measured(&tetrahedron()), Topology::default());
 
         let mut hole = tetrahedron();
         hole.triangles.pop();
-        assert_eq!(topology(&hole).open_edges, 3);
+        assert_eq!(measured(&hole).open_edges, 3);
 
         let mut turned = tetrahedron();
         turned.triangles[0].swap(0, 1);
-        assert_eq!((topology(&turned).open_edges, topology(&turned).flipped), (6, 1));
+        assert_eq!((measured(&turned).open_edges, measured(&turned).flipped), (6, 1));
 
         let mut flat = tetrahedron();
         flat.positions[0] = flat.positions[1];
-        assert_eq!(topology(&flat).degenerate, 1);
+        assert_eq!(measured(&flat).degenerate, 1);
 
         let mut broken = tetrahedron();
         broken.normals[2].y = f32::NAN;
-        assert_eq!(topology(&broken).not_finite, 1);
+        assert_eq!(measured(&broken).not_finite, 1);
     }
 
     /// Counts by looking at every pair.
@@ -207,13 +221,13 @@ mod tests {
             let triangles: Vec<[u32; 3]> = (0..60).map(|i| [0, 1, 2].map(|c| corner(i, c))).collect();
             let mesh = Mesh { positions, triangles, ..Mesh::default() };
             let (open, welded) = by_definition(&mesh);
-            assert_eq!(weld(&mesh.positions), welded, "seed {seed}");
+            assert_eq!(weld(&mesh.positions, &crate::Quiet), Ok(welded.clone()), "seed {seed}");
             // An edge from a place to itself is run one way only.
             let to_itself = (mesh.triangles.iter())
                 .flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]])
                 .filter(|edge| welded[edge[0] as usize] == welded[edge[1] as usize])
                 .count();
-            assert_eq!(open_edges(&mesh.triangles, &welded), open + to_itself, "seed {seed}");
+            assert_eq!(open_edges(&mesh.triangles, &welded, &crate::Quiet), Ok(open + to_itself), "seed {seed}");
         }
     }
 }
