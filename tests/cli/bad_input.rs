@@ -117,6 +117,22 @@ fn presets_with_mistakes() {
 }
 
 #[test]
+fn a_mistake_as_long_as_a_file_is_quoted_in_one_short_line() {
+    let long = "A".repeat(20_000_000);
+    let folder = Folder::new();
+    for (name, content) in [
+        ("p.toml", format!("id = \"p\"\n[colonization]\ncrown = \"cone\"\n{long} = 3\n")),
+        ("p.toml", format!("id = \"p\"\n[colonization]\ncrown = \"{long}\"\n")),
+    ] {
+        folder.write(name, content);
+        let said = folder.run(&["show", name]);
+        assert_eq!(said.code, Some(1));
+        assert!(said.err.len() < 600, "{} bytes", said.err.len());
+        assert!(said.err.contains("AAA…"), "{}", said.err);
+    }
+}
+
+#[test]
 fn meshes_and_points_with_mistakes() {
     refused_file("m.obj", "", &["m.obj", "empty"]);
     refused_file("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", &["m.obj"]);
