@@ -192,6 +192,31 @@ fn places_that_cannot_be_written_to() {
     std::fs::set_permissions(folder.file("locked"), std::fs::Permissions::from_mode(0o755)).unwrap();
 }
 
+#[test]
+fn what_the_tree_grows_from_is_never_replaced() {
+    let folder = Folder::new();
+    let cube = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    folder.write("crown.obj", cube);
+    folder.write("own.toml", "id = \"own\"\n[colonization]\nenvelope = \"crown.obj\"\n");
+    let grown_from = "grown from that file";
+    // The default name of a mesh in the format of a mesh is its own.
+    refused(&folder, 1, &["export", "crown.obj", "--format", "obj"], &["crown.obj", grown_from]);
+    refused(&folder, 1, &["export", "crown.obj", "-o", "./crown.obj"], &["crown.obj", grown_from]);
+    refused(
+        &folder,
+        1,
+        &["export", "own.toml", "-o", "own.toml", "--format", "obj"],
+        &["own.toml", grown_from],
+    );
+    refused(
+        &folder,
+        1,
+        &["export", "own.toml", "-o", "x.glb", "-o", "crown.obj"],
+        &["crown.obj", grown_from],
+    );
+    refused(&folder, 2, &["preview", "fir", "-o", "own.toml"], &["own.toml", "PNG"]);
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_is_said_and_an_older_file_survives() {
