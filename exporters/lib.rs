@@ -45,7 +45,7 @@ use linden::Monitor;
 use linden::knob::nearest;
 use linden::scene::Scene;
 
-pub use bundle::{Bundle, Sink, Written, commit_all, ensure_distinct};
+pub use bundle::{Bundle, Sink, Written, commit_all, ensure_distinct, ensure_spared};
 pub use error::ExportError;
 pub use options::{OptionSpec, Options};
 

@@ -33,6 +33,25 @@ pub fn ensure_distinct(bundles: &[Bundle]) -> Result<(), ExportError> {
     Ok(())
 }
 
+/// Checks that no file of a bundle would replace one of `sources`, which the tree is grown from.
+/// Side files are known once they are written.
+///
+/// # Errors
+/// [`ExportError::Target`].
+pub fn ensure_spared(bundles: &[Bundle], sources: &[PathBuf]) -> Result<(), ExportError> {
+    // A source that is gone by now cannot be replaced any more.
+    let sources: BTreeSet<PathBuf> = sources.iter().filter_map(|path| fs::canonicalize(path).ok()).collect();
+    for Files { shown, dir, main, sides, .. } in bundles.iter().filter_map(files_of) {
+        if let Some(staged) =
+            std::iter::once(main).chain(sides).find(|staged| sources.contains(&dir.join(&staged.name)))
+        {
+            let problem = "the tree is grown from that file; choose another name".to_owned();
+            return Err(ExportError::Target { path: under(shown, &staged.name), problem });
+        }
+    }
+    Ok(())
+}
+
 /// Puts the files of all bundles in their places: side files first and main files last, so that
 /// nothing ever refers to a file that is not there. When one cannot be placed, those already placed
 /// are taken back and what was there before is put back. Bundles may share side files (the same

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use linden::Monitor;
 use tempfile::NamedTempFile;
 
-pub use commit::{Written, commit_all, ensure_distinct};
+pub use commit::{Written, commit_all, ensure_distinct, ensure_spared};
 pub use sink::Sink;
 use target::Resolved;
 

@@ -25,19 +25,27 @@ pub struct Source {
     pub recipe: Recipe,
     /// What the user should know about it.
     pub notes: Vec<String>,
+    /// The files that it was read from, which no output may replace.
+    pub files: Vec<PathBuf>,
 }
 
 /// Reads SOURCE and turns the knobs.
 pub fn resolve(source: &str, set: &[(String, String)], monitor: &dyn Monitor) -> anyhow::Result<Source> {
     let shown = if source == "-" { "standard input".to_owned() } else { printable(source) };
-    let (mut recipe, notes) = load(source, monitor)?;
+    let mut files = Vec::new();
+    let (mut recipe, notes) = load(source, &mut files, monitor)?;
     for (name, value) in set {
         recipe.preset.set(name, value).map_err(usage)?;
     }
-    Ok(Source { shown, recipe, notes })
+    Ok(Source { shown, recipe, notes, files })
 }
 
-fn load(source: &str, monitor: &dyn Monitor) -> anyhow::Result<(Recipe, Vec<String>)> {
+/// Reads a source; `files` takes what it was read from.
+fn load(
+    source: &str,
+    files: &mut Vec<PathBuf>,
+    monitor: &dyn Monitor,
+) -> anyhow::Result<(Recipe, Vec<String>)> {
     let path = Path::new(source);
     let hint = match builtin(source) {
         Ok(found) => {
@@ -52,7 +60,7 @@ fn load(source: &str, monitor: &dyn Monitor) -> anyhow::Result<(Recipe, Vec<Stri
         Err(hint) => hint,
     };
     if source == "-" {
-        return read(None, &standard_input(monitor)?, monitor);
+        return read(None, &standard_input(monitor)?, files, monitor);
     }
     if !path.exists() {
         return Err(usage(format!(
@@ -65,11 +73,17 @@ fn load(source: &str, monitor: &dyn Monitor) -> anyhow::Result<(Recipe, Vec<Stri
         return Err(usage(format!("'{}' is a directory; name a file in it", printable(source))));
     }
     let bytes = fs::read(path).with_context(|| format!("reading {}", show(path)))?;
-    read(Some(path), &bytes, monitor)
+    files.push(path.to_owned());
+    read(Some(path), &bytes, files, monitor)
 }
 
 /// Makes a recipe of a file's content.
-fn read(path: Option<&Path>, bytes: &[u8], monitor: &dyn Monitor) -> anyhow::Result<(Recipe, Vec<String>)> {
+fn read(
+    path: Option<&Path>,
+    bytes: &[u8],
+    files: &mut Vec<PathBuf>,
+    monitor: &dyn Monitor,
+) -> anyhow::Result<(Recipe, Vec<String>)> {
     let shown = path.map_or_else(|| "standard input".to_owned(), show);
     let reading = || format!("reading {shown}");
     let name = path.and_then(Path::file_name).map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
@@ -109,6 +123,7 @@ fn read(path: Option<&Path>, bytes: &[u8], monitor: &dyn Monitor) -> anyhow::Res
                     show(&beside)
                 ));
             }
+            files.push(beside);
             Some(input)
         }
         (_, Some(_)) => Some(Input::read(&name, bytes, monitor).with_context(reading)?),

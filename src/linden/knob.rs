@@ -151,7 +151,7 @@ impl Kind {
     /// What was expected instead, without the knob's name.
     pub fn parse(&self, text: &str) -> Result<Value, String> {
         let text = text.trim();
-        let value = self.read(text).ok_or_else(|| format!("'{}' is not {self}", printable(text)))?;
+        let value = self.read(text).ok_or_else(|| format!("'{}' is not {self}", excerpt(text)))?;
         self.check(&value)?;
         Ok(value)
     }
@@ -239,12 +239,29 @@ pub fn printable(text: &str) -> String {
     shown
 }
 
+/// Text from outside as messages quote it: [`printable`], and cut off where it becomes a page.
+///
+/// ```
+/// assert_eq!(linden::knob::excerpt("kill"), "kill");
+/// assert!(linden::knob::excerpt(&"A".repeat(5000)).len() < 70);
+/// ```
+pub fn excerpt(text: &str) -> String {
+    const SHOWN: usize = 60;
+    match text.char_indices().nth(SHOWN) {
+        Some((end, _)) => printable(&text[..end]) + "…",
+        None => printable(text),
+    }
+}
+
 /// The name nearest to what was typed, when one is near enough to be meant.
 pub fn nearest<'a>(typed: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let allowed = |name: &str| 1 + name.len() / 3;
     names
         .into_iter()
+        // Comparing takes memory of the product of both lengths, and what was typed may be a whole file.
+        .filter(|name| typed.chars().nth(name.chars().count() + allowed(name)).is_none())
         .map(|name| (strsim::damerau_levenshtein(typed, name), name))
-        .filter(|&(distance, name)| distance <= 1 + name.len() / 3)
+        .filter(|&(distance, name)| distance <= allowed(name))
         .min_by_key(|&(distance, _)| distance)
         .map(|(_, name)| name)
 }
@@ -304,5 +321,12 @@ mod tests {
     fn the_nearest_name_is_one_that_may_be_meant() {
         assert_eq!(nearest("pionts", ["points", "step"]), Some("points"));
         assert_eq!(nearest("zzz", ["points", "step"]), None);
+        assert_eq!(nearest("pointsss", ["points"]), Some("points"));
+    }
+
+    #[test]
+    fn a_name_as_long_as_a_file_is_compared_with_nothing() {
+        // A table of distances to it would take gigabytes.
+        assert_eq!(nearest(&"A".repeat(100_000_000), ["points", "step"]), None);
     }
 }

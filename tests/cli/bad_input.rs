@@ -117,6 +117,22 @@ fn presets_with_mistakes() {
 }
 
 #[test]
+fn a_mistake_as_long_as_a_file_is_quoted_in_one_short_line() {
+    let long = "A".repeat(20_000_000);
+    let folder = Folder::new();
+    for (name, content) in [
+        ("p.toml", format!("id = \"p\"\n[colonization]\ncrown = \"cone\"\n{long} = 3\n")),
+        ("p.toml", format!("id = \"p\"\n[colonization]\ncrown = \"{long}\"\n")),
+    ] {
+        folder.write(name, content);
+        let said = folder.run(&["show", name]);
+        assert_eq!(said.code, Some(1));
+        assert!(said.err.len() < 600, "{} bytes", said.err.len());
+        assert!(said.err.contains("AAA…"), "{}", said.err);
+    }
+}
+
+#[test]
 fn meshes_and_points_with_mistakes() {
     refused_file("m.obj", "", &["m.obj", "empty"]);
     refused_file("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n", &["m.obj"]);
@@ -174,6 +190,31 @@ fn places_that_cannot_be_written_to() {
         refused(&folder, 1, &["export", "fir", "-o", "locked/x.glb"], &["locked"]);
     }
     std::fs::set_permissions(folder.file("locked"), std::fs::Permissions::from_mode(0o755)).unwrap();
+}
+
+#[test]
+fn what_the_tree_grows_from_is_never_replaced() {
+    let folder = Folder::new();
+    let cube = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    folder.write("crown.obj", cube);
+    folder.write("own.toml", "id = \"own\"\n[colonization]\nenvelope = \"crown.obj\"\n");
+    let grown_from = "grown from that file";
+    // The default name of a mesh in the format of a mesh is its own.
+    refused(&folder, 1, &["export", "crown.obj", "--format", "obj"], &["crown.obj", grown_from]);
+    refused(&folder, 1, &["export", "crown.obj", "-o", "./crown.obj"], &["crown.obj", grown_from]);
+    refused(
+        &folder,
+        1,
+        &["export", "own.toml", "-o", "own.toml", "--format", "obj"],
+        &["own.toml", grown_from],
+    );
+    refused(
+        &folder,
+        1,
+        &["export", "own.toml", "-o", "x.glb", "-o", "crown.obj"],
+        &["crown.obj", grown_from],
+    );
+    refused(&folder, 2, &["preview", "fir", "-o", "own.toml"], &["own.toml", "PNG"]);
 }
 
 #[cfg(target_os = "linux")]

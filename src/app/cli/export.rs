@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Args;
 use linden::dress::dress;
-use linden_exporters::{Bundle, Exporter, Options, REGISTRY, commit_all, ensure_distinct, find, for_path};
+use linden_exporters::{
+    Bundle, Exporter, Options, REGISTRY, commit_all, ensure_distinct, ensure_spared, find, for_path,
+};
 
 use super::Growing;
 use crate::exit::usage;
@@ -27,11 +29,10 @@ pub struct Export {
     format: Vec<String>,
 }
 
-/// One output: who writes it, with which options, where.
+/// One output: who writes it, with which options.
 struct Job {
     exporter: &'static dyn Exporter,
     options: Options,
-    bundle: Bundle,
 }
 
 impl Export {
@@ -44,6 +45,7 @@ impl Export {
         check_formats(&of_formats, &outputs)?;
         // Every target is tried before anything grows.
         let mut jobs = Vec::new();
+        let mut bundles = Vec::new();
         for (exporter, path) in outputs {
             let mut options = Options::new(exporter.format());
             for (name, value) in &of_formats {
@@ -51,26 +53,26 @@ impl Export {
                     options.set(name, value).map_err(usage)?;
                 }
             }
-            let bundle = if path == Path::new("-") {
+            bundles.push(if path == Path::new("-") {
                 Bundle::stream("standard output", std::io::stdout())
             } else {
                 Bundle::create(&path)?
-            };
-            jobs.push(Job { exporter, options, bundle });
+            });
+            jobs.push(Job { exporter, options });
         }
-        let streams = jobs.iter().filter(|job| !job.bundle.takes_side_files()).count();
+        let streams = bundles.iter().filter(|bundle| !bundle.takes_side_files()).count();
         if streams > 1 {
             return Err(usage("only one output can be standard output: name files for the others"));
         }
+        ensure_distinct(&bundles)?;
+        ensure_spared(&bundles, &source.files)?;
         let grown = super::grown(&source, &progress)?;
         let scene = dress(&source.recipe, &grown, &progress).with_context(|| source.shown.clone())?;
-        let mut bundles = Vec::new();
-        for Job { exporter, options, mut bundle } in jobs {
-            exporter.write(&scene, &options, &mut bundle, &progress)?;
+        for (Job { exporter, options }, bundle) in jobs.iter().zip(&mut bundles) {
+            exporter.write(&scene, options, bundle, &progress)?;
             super::notes(bundle.notes(), &progress);
-            bundles.push(bundle);
         }
-        ensure_distinct(&bundles)?;
+        ensure_spared(&bundles, &source.files)?;
         let written = commit_all(bundles)?;
         progress.clear();
         // The list of files is the result, unless a file itself is.

@@ -123,7 +123,9 @@ fn png_target(path: &Path) -> anyhow::Result<Bundle> {
         return Ok(Bundle::stream("standard output", std::io::stdout()));
     }
     let is_png = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
-    if !is_png && !path.exists() {
+    // Devices and pipes have names of their own; any other file would be lost to a typing mistake.
+    let is_stream = path.metadata().is_ok_and(|meta| !meta.is_file() && !meta.is_dir());
+    if !is_png && !is_stream {
         return Err(usage(format!("previews are PNG files: name it like {}.png", crate::source::show(path))));
     }
     Ok(Bundle::create(path)?)

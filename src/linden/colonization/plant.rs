@@ -105,7 +105,13 @@ pub(crate) fn plant(
         }
         None => {
             let reach = f64::from(rule.influence);
-            trunk::until_in_reach(site.root, &site.points, reach, step_m, rule.max_nodes as usize)
+            // The way cannot be shorter than to the nearest point.
+            let way_m =
+                site.points.iter().map(|p| p.distance(site.root)).fold(f64::INFINITY, f64::min) - reach;
+            if way_m.is_finite() {
+                check_trunk(way_m / step_m, rule.max_nodes)?;
+            }
+            trunk::until_in_reach(site.root, &site.points, reach, step_m, rule.max_nodes as usize, monitor)?
         }
     };
     let mut points: Vec<Vec3> = site.points.iter().map(|p| p.as_vec3()).collect();

@@ -2,7 +2,11 @@
 
 use glam::DVec3;
 
+use crate::monitor::{Cancelled, Monitor};
 use crate::skeleton::{Branching, NO_PARENT};
+
+/// Points that are looked at between two looks at the monitor: about a millisecond.
+const POINTS_PER_CHECK: usize = 1 << 20;
 
 /// A stem from `root`, straight up for `height_m`, in segments of at most `step_m`.
 pub fn straight(root: DVec3, height_m: f64, step_m: f64) -> Branching {
@@ -16,16 +20,26 @@ pub fn straight(root: DVec3, height_m: f64, step_m: f64) -> Branching {
 
 /// A stem from `root` in steps until one of the points is within `reach_m`: straight up as long as
 /// that leads nearer, then straight to the nearest point. Ends at `most_nodes` in any case.
+///
+/// # Errors
+/// [`Cancelled`]: a far root in short steps takes steps times points.
 pub fn until_in_reach(
     root: DVec3,
     points: &[DVec3],
     reach_m: f64,
     step_m: f64,
     most_nodes: usize,
-) -> Branching {
+    monitor: &dyn Monitor,
+) -> Result<Branching, Cancelled> {
     let mut trunk = Stem::new(root);
     let mut at = root;
+    let mut looked_at = 0;
     while let Some((distance, nearest)) = nearest(points, at) {
+        looked_at += points.len();
+        if looked_at >= POINTS_PER_CHECK {
+            looked_at = 0;
+            monitor.check()?;
+        }
         // A hair inside, so that rounding to f32 does not take it out of reach again.
         if distance <= reach_m * 0.999 || trunk.branching.positions.len() >= most_nodes {
             break;
@@ -35,7 +49,7 @@ pub fn until_in_reach(
         at = if leads_nearer { up } else { at + (nearest - at) * (step_m / distance).min(1.0) };
         trunk.push(at);
     }
-    trunk.branching
+    Ok(trunk.branching)
 }
 
 /// Distance and place of the point nearest to `at`.
@@ -69,6 +83,7 @@ impl Stem {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::monitor::{Quiet, Stage};
 
     #[test]
     fn a_given_height_is_met_exactly_in_equal_steps() {
@@ -86,12 +101,25 @@ mod tests {
             (vec![DVec3::new(8.0, 1.0, 0.0)], 0.5),
             (vec![DVec3::new(3.0, -4.0, 2.0)], 0.5),
         ] {
-            let trunk = until_in_reach(DVec3::ZERO, &points, reach, 0.1, 1000);
+            let trunk = until_in_reach(DVec3::ZERO, &points, reach, 0.1, 1000, &Quiet).unwrap();
             let distance =
                 |p: &glam::Vec3| points.iter().map(|q| p.as_dvec3().distance(*q)).fold(f64::MAX, f64::min);
             let (last, before) = trunk.positions.split_last().unwrap();
             assert!(distance(last) <= reach, "in reach at the end");
             assert!(before.iter().all(|p| distance(p) > reach * 0.99), "and not before");
         }
+    }
+
+    #[test]
+    fn a_long_way_to_the_crown_can_be_cancelled() {
+        struct Unwanted;
+        impl Monitor for Unwanted {
+            fn is_cancelled(&self) -> bool {
+                true
+            }
+            fn advance(&self, _: Stage, _: u64, _: Option<u64>) {}
+        }
+        let far = vec![DVec3::Y * 1e8; 1000];
+        assert_eq!(until_in_reach(DVec3::ZERO, &far, 1.0, 0.1, usize::MAX, &Unwanted), Err(Cancelled));
     }
 }

@@ -20,7 +20,7 @@ pub use ply::{PlyData, read_ply};
 pub use sniff::{InputKind, sniff};
 pub use xyz::read_xyz;
 
-use crate::knob::printable;
+use crate::knob::excerpt;
 use crate::monitor::Cancelled;
 
 /// Triangles over shared vertices, as a file has them: neither closed nor oriented nor welded.
@@ -167,13 +167,8 @@ fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
 
 /// What stands in a file, short and printable, in quotes.
 fn quoted(text: &str) -> String {
-    const SHOWN: usize = 60;
     let text = text.trim();
-    match text.char_indices().nth(SHOWN) {
-        Some((end, _)) => format!("'{}…'", printable(&text[..end])),
-        None if text.is_empty() => "nothing".to_owned(),
-        None => format!("'{}'", printable(text)),
-    }
+    if text.is_empty() { "nothing".to_owned() } else { format!("'{}'", excerpt(text)) }
 }
 
 /// A polygon as a fan around its first corner.

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::knob::printable;
+use crate::knob::{excerpt, printable};
 use crate::monitor::Cancelled;
 
 /// What was wrong at one place of a text.
@@ -68,22 +68,13 @@ impl Problem {
     }
 
     pub(super) fn unsupported(what: &str, written: &str) -> Self {
-        Self::Unsupported { construct: format!("{what} ('{}')", shortened(written)) }
+        Self::Unsupported { construct: format!("{what} ('{}')", excerpt(written)) }
     }
 }
 
 /// A character between quotes, printable.
 fn quoted(symbol: char) -> String {
     format!("'{}'", printable(symbol.encode_utf8(&mut [0; 4])))
-}
-
-/// Printable, and no longer than a line of a terminal bears.
-pub(super) fn shortened(text: &str) -> String {
-    const LONGEST: usize = 40;
-    match text.char_indices().nth(LONGEST) {
-        Some((end, _)) => format!("{}…", printable(&text[..end])),
-        None => printable(text),
-    }
 }
 
 /// Which of a grammar's strings.

@@ -1,8 +1,9 @@
 //! Strings to modules and productions.
 
 use super::command::{Command, unsupported_sign};
-use super::error::{GrammarError, Part, Problem, shortened};
+use super::error::{GrammarError, Part, Problem};
 use super::grammar::{Expression, Module, Predecessor, Production};
+use crate::knob::excerpt;
 
 /// A problem at a byte offset of the string that was read.
 #[derive(Debug)]
@@ -150,7 +151,7 @@ impl<'a> Reader<'a> {
         let number = match written.parse::<f64>() {
             Ok(number) if min <= number && number <= max => number,
             Ok(_) => {
-                let number = shortened(written);
+                let number = excerpt(written);
                 return Err(self.misread(Problem::OutOfRange { number, min, max }));
             }
             Err(_) => return Err(self.misread(no_number(written))),

@@ -12,9 +12,10 @@
 //! three keys, each exactly once, or a rule as [`Grammar::new`] reads it, its probability in
 //! brackets. Either line ending, a byte-order mark and blanks around anything are accepted.
 
-use super::error::{Part, Problem, shortened};
+use super::error::{Part, Problem};
 use super::grammar::Grammar;
 use super::grow::{ANGLE_RANGE_DEG, MAX_DERIVATIONS};
+use crate::knob::excerpt;
 
 /// What a file of the older format says.
 #[derive(Clone, Debug, PartialEq)]
@@ -90,13 +91,12 @@ impl<'a> Piece<'a> {
     }
 
     fn expected(self, expected: &str) -> ParseError {
-        let found =
-            if self.text.is_empty() { "the end".into() } else { format!("'{}'", shortened(self.text)) };
+        let found = if self.text.is_empty() { "the end".into() } else { format!("'{}'", excerpt(self.text)) };
         self.error(Problem::Expected { expected: expected.into(), found })
     }
 
     fn out_of_range(self, min: f64, max: f64) -> ParseError {
-        self.error(Problem::OutOfRange { number: shortened(self.text), min, max })
+        self.error(Problem::OutOfRange { number: excerpt(self.text), min, max })
     }
 }
 

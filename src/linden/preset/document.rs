@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::knob::{Kind, Value, printable};
+use crate::knob::{Kind, Value, excerpt};
 
 /// A place in a text, counted from 1; columns in characters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,7 +120,7 @@ impl Node {
     }
 
     pub fn mismatch(&self, name: &str, expected: &str) -> Fault {
-        Fault::new(self.place, format!("'{}' is {}, expected {expected}", printable(name), self.kind()))
+        Fault::new(self.place, format!("'{}' is {}, expected {expected}", excerpt(name), self.kind()))
     }
 
     /// The node as a value of a knob. Text is read as the command line reads it.
@@ -178,9 +178,9 @@ fn toml_node(text: &str, value: &toml::Spanned<toml::de::DeValue<'_>>) -> Result
         DeValue::Integer(n) => match u64::from_str_radix(n.as_str(), n.radix()) {
             Ok(n) => Datum::Integer(n),
             // Negative numbers are no counts; as lengths and angles they are.
-            Err(_) => Datum::Real(n.as_str().parse().map_err(|_| not_read(&printable(n.as_str())))?),
+            Err(_) => Datum::Real(n.as_str().parse().map_err(|_| not_read(&excerpt(n.as_str())))?),
         },
-        DeValue::Float(x) => Datum::Real(x.as_str().parse().map_err(|_| not_read(&printable(x.as_str())))?),
+        DeValue::Float(x) => Datum::Real(x.as_str().parse().map_err(|_| not_read(&excerpt(x.as_str())))?),
         DeValue::Boolean(on) => Datum::Switch(*on),
         DeValue::Datetime(_) => return Err(Fault::new(place, "a date, where no knob takes one")),
         DeValue::Array(items) => {

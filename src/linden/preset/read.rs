@@ -3,7 +3,7 @@
 use super::document::{Datum, Entry, Fault, Node, Place};
 use super::knobs::{KNOBS, PresetKnob, Section, shape_knobs};
 use super::{BarkLook, Colonization, Generator, LSystem, Length, Origin, Preset, Space, UpAxis};
-use crate::knob::{did_you_mean, nearest, printable};
+use crate::knob::{did_you_mean, excerpt, nearest};
 use crate::lsystem::{Grammar, Part};
 use crate::skeleton::Wood;
 use crate::surface::Tubes;
@@ -173,7 +173,7 @@ fn turn(preset: &mut Preset, section: Section, entry: &Entry) -> Result<(), Faul
 
 /// Says why a key is none, and what to do.
 fn unknown(preset: &Preset, section: Section, key: &str) -> String {
-    let key = printable(key);
+    let key = excerpt(key);
     let place = match section {
         Section::Tree => "at the top of a preset".to_owned(),
         own => format!("in [{}]", own.key()),
