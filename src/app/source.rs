@@ -30,8 +30,8 @@ pub struct Source {
 }
 
 /// Reads SOURCE and turns the knobs.
-pub fn resolve(source: &str, set: &[(String, String)], monitor: &dyn Monitor) -> anyhow::Result<Source> {
-    let shown = if source == "-" { "standard input".to_owned() } else { printable(source) };
+pub fn resolve(source: &Path, set: &[(String, String)], monitor: &dyn Monitor) -> anyhow::Result<Source> {
+    let shown = if source == Path::new("-") { "standard input".to_owned() } else { show(source) };
     let mut files = Vec::new();
     let (mut recipe, notes) = load(source, &mut files, monitor)?;
     for (name, value) in set {
@@ -42,12 +42,12 @@ pub fn resolve(source: &str, set: &[(String, String)], monitor: &dyn Monitor) ->
 
 /// Reads a source; `files` takes what it was read from.
 fn load(
-    source: &str,
+    path: &Path,
     files: &mut Vec<PathBuf>,
     monitor: &dyn Monitor,
 ) -> anyhow::Result<(Recipe, Vec<String>)> {
-    let path = Path::new(source);
-    let hint = match builtin(source) {
+    // What is not Unicode is no id, but may be a file.
+    let hint = match path.to_str().map_or(Err(None), builtin) {
         Ok(found) => {
             let preset = found.load().map_err(|fault| locate(found.id, &fault))?;
             let input =
@@ -59,18 +59,18 @@ fn load(
         }
         Err(hint) => hint,
     };
-    if source == "-" {
+    if path == Path::new("-") {
         return read(None, &standard_input(monitor)?, files, monitor);
     }
     if !path.exists() {
         return Err(usage(format!(
             "there is no preset and no file '{}'{}; 'linden list' shows the presets",
-            printable(source),
+            show(path),
             did_you_mean(hint)
         )));
     }
     if path.is_dir() {
-        return Err(usage(format!("'{}' is a directory; name a file in it", printable(source))));
+        return Err(usage(format!("'{}' is a directory; name a file in it", show(path))));
     }
     let bytes = fs::read(path).with_context(|| format!("reading {}", show(path)))?;
     files.push(path.to_owned());

@@ -77,9 +77,45 @@ pub enum GrowError {
         /// What it must hold.
         expected: &'static str,
     },
+    /// No iteration placed a node.
+    #[error(
+        "nothing grew: {reached} of {points} points lie within the kill distance ({kill_m} m) of the root or \
+         trunk from the start; lower kill or step, or move root away"
+    )]
+    NothingGrew {
+        /// All attraction points.
+        points: usize,
+        /// Those that were used up at the start.
+        reached: usize,
+        /// Metres.
+        kill_m: f32,
+    },
+    /// Single precision cannot hold a tree there.
+    #[error(
+        "the tree would stand {farthest_m:.0} m from the origin, where coordinates in single precision are \
+         {gap_m:.1e} m apart, too coarse for steps of {step_m} m; use origin=root, or a nearer root"
+    )]
+    TooFar {
+        /// Largest coordinate of the root, metres.
+        farthest_m: f64,
+        /// Distance of neighbouring numbers there, metres.
+        gap_m: f64,
+        /// Length of a segment, metres.
+        step_m: f64,
+    },
+    /// A tree that is thinner at its base than at its tips.
+    #[error(
+        "base_radius is {base_m} m and tip_radius {tip_m} m: wood is not thinner at its base; change one of them"
+    )]
+    Radii {
+        /// Metres.
+        base_m: f64,
+        /// Metres.
+        tip_m: f64,
+    },
     /// A trunk of too many segments.
     #[error(
-        "the trunk would have {segments} segments, more than max_nodes={max_nodes}; shorten trunk or lengthen step"
+        "the trunk would have {segments:.0} segments, more than max_nodes={max_nodes}; shorten trunk or lengthen step"
     )]
     TrunkTooLong {
         /// Trunk ÷ step.
@@ -105,6 +141,11 @@ from_cancellable!(GrowError: LsystemError => LSystem, EnvelopeError => Envelope,
 /// [`GrowError`]: limits, contradictions, nothing in reach, cancelled.
 pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> {
     let Preset { seed, generator, wood, .. } = &recipe.preset;
+    if let (Some(base_m), Some(tip_m)) = (wood.base_radius_m, wood.tip_radius_m)
+        && base_m < tip_m
+    {
+        return Err(GrowError::Radii { base_m, tip_m });
+    }
     let key = Key::new(*seed);
     match generator {
         Generator::LSystem(own) => {

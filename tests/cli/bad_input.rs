@@ -71,6 +71,10 @@ fn growth_that_cannot_be() {
     fir(&["kill=0.1"], &["0.1 m", "0.2 m", "kill", "step"]);
     // The crown hangs 100 m above a bare root that sees 1 m.
     fir(&["trunk=0", "crown_base=100", "influence=1"], &["m away", "influence", "trunk"]);
+    fir(&["root=1e8,0,0"], &["100000000 m", "origin=root"]);
+    fir(&["root=1e300,0,0"], &["origin=root"]);
+    fir(&["step=1000", "kill=3D"], &["nothing grew", "1000 of 1000 points", "kill"]);
+    fir(&["base_radius=0.01", "tip_radius=0.02"], &["base_radius", "tip_radius"]);
     fir(&["trunk=900", "step=0.00002", "kill=3D", "max_nodes=1000"], &["trunk", "max_nodes=1000"]);
 }
 
@@ -112,6 +116,7 @@ fn presets_with_mistakes() {
         &["p.toml:4:17", "never closed"],
     );
     refused_file("p.toml", "id = \"p\"\n[colonization\n", &["p.toml:2:"]);
+    refused_file("p.toml", "id = \"\"\n[colonization]\ncrown = \"cone\"\n", &["p.toml:1:6", "'id' is empty"]);
     refused_file("p.toml", "id = \"p\"\n", &["p.toml", "[lsystem]", "[colonization]"]);
     refused_file("p.toml", "id = \"p\"\n[colonization]\nenvelope = \"none.obj\"\n", &["none.obj"]);
 }
@@ -140,6 +145,7 @@ fn meshes_and_points_with_mistakes() {
     // A flat sheet encloses nothing.
     refused_file("m.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n", &["m.obj", "enclose"]);
     refused_file("p.xyz", "0 0 0\n1 1 inf\n", &["p.xyz", "line 2"]);
+    refused_file("p.xyz", "1 1 1\n".repeat(20), &["p.xyz", "at least"]);
     refused_file("p.xyz", "0 0 0\n1 1\n", &["p.xyz", "line 2"]);
 
     let header = |vertices: &str, x: &str| {

@@ -40,3 +40,19 @@ fn nothing_is_said_on_the_way_when_standard_error_is_a_pipe() {
         Folder::new().run(&["stats", "sphere", "--set", "points=300000", "--set", "step=0.02", "--json"]);
     assert_eq!((said.code, said.err.as_str()), (Some(0), ""), "no bar, no colours");
 }
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_file_name_that_is_not_unicode_is_a_file_name() {
+    use std::ffi::OsStr;
+    use std::os::unix::ffi::OsStrExt;
+
+    let folder = Folder::new();
+    let name = OsStr::from_bytes(b"b\xe4um.txt");
+    std::fs::write(folder.path().join(name), "axiom=F\nangle=20\nnumber of derivations=2\nF=(1)F[+F]F\n")
+        .unwrap();
+    let output =
+        linden().arg("export").arg(name).args(["-o", "x.obj"]).current_dir(folder.path()).output().unwrap();
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(folder.read("x.obj").len() > 1000);
+}

@@ -91,7 +91,7 @@ impl Export {
         match (self.output.as_slice(), formats.as_slice()) {
             ([], []) => Err(usage(format!(
                 "say where to write: linden export {0} -o {0}.glb; formats: {1}",
-                linden::knob::printable(&self.growing.source),
+                crate::source::show(&self.growing.source),
                 ids().join(", ")
             ))),
             ([], formats) => Ok(formats.iter().map(|&e| (e, default_path(id, e))).collect()),

@@ -11,6 +11,7 @@ mod show;
 mod stats;
 
 use std::io::{self, Write};
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 use clap::builder::styling::{AnsiColor, Styles};
@@ -66,7 +67,7 @@ enum Command {
 struct Growing {
     /// A preset's id, a file, or - for standard input
     #[arg(value_name = "SOURCE")]
-    source: String,
+    source: PathBuf,
 
     /// Turn a knob ('linden show SOURCE' lists them); may be given several times
     #[arg(long = "set", short, value_name = "KNOB=VALUE")]

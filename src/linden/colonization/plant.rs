@@ -117,6 +117,10 @@ pub(crate) fn plant(
     let mut points: Vec<Vec3> = site.points.iter().map(|p| p.as_vec3()).collect();
     let Growth { mut branching, iterations, unreached, stop } =
         growth::grow(&points, &start, &rule, monitor)?;
+    if iterations == 0 {
+        let (points, kill_m) = (points.len(), rule.kill);
+        return Err(GrowError::NothingGrew { points, reached: points - unreached, kill_m });
+    }
     notes.extend(stop_note(stop, unreached, points.len(), settings));
     notes.extend(site.notes);
 
@@ -135,7 +139,22 @@ pub(crate) fn plant(
     for position in branching.positions.iter_mut().chain(&mut points) {
         *position = (position.as_dvec3() + shift).as_vec3();
     }
+    notes.extend(check_precision(site.root + shift, step_m)?);
     Ok(Plant { branching, points, unreached, iterations, notes })
+}
+
+/// Refuses a place where single precision, which all mesh formats have, cannot hold the tree, and
+/// says so where it can but shows.
+fn check_precision(root: DVec3, step_m: f64) -> Result<Option<String>, GrowError> {
+    let farthest_m = root.abs().max_element();
+    // Between neighbouring numbers of this size.
+    let gap_m = farthest_m * f64::from(f32::EPSILON);
+    if !(gap_m <= step_m / 8.0) {
+        return Err(GrowError::TooFar { farthest_m, gap_m, step_m });
+    }
+    Ok((gap_m > step_m / 100.0).then(|| {
+        format!("{farthest_m:.0} m from the origin, coordinates are rounded to {gap_m:.1e} m: origin=root is more exact")
+    }))
 }
 
 /// Refuses a trunk of more segments than there may be nodes, before it is built.
@@ -199,10 +218,7 @@ impl Site {
             && settings.influence != Length::Auto
             && self.points.len() >= 100_000
         {
-            notes.push(format!(
-                "influence is {:.0} steps; beyond about 20 it costs much time and changes little",
-                influence / step
-            ));
+            notes.push("influence is beyond 20 steps, which costs much time and changes little".to_owned());
         }
         let rule = GrowthRule {
             step: step as f32,

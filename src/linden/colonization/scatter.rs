@@ -2,6 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use bytemuck::allocation::try_zeroed_vec;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -37,9 +38,8 @@ pub fn scatter(
     key: Key,
     monitor: &dyn Monitor,
 ) -> Result<Vec<DVec3>, ScatterError> {
-    let mut points = Vec::new();
-    points.try_reserve_exact(count).map_err(|_| ScatterError::Memory { count })?;
-    points.resize(count, DVec3::ZERO);
+    // Memory that nobody has touched yet: its pages come as the points do, and Ctrl-C is heard.
+    let mut points: Vec<DVec3> = try_zeroed_vec(count).map_err(|()| ScatterError::Memory { count })?;
     let done = AtomicU64::new(0);
     points.par_chunks_mut(CHUNK).enumerate().try_for_each(|(chunk, points)| {
         monitor.check()?;

@@ -111,6 +111,10 @@ fn read(document: &Node, text: Option<&str>) -> Result<Preset, Fault> {
     let mut preset = Preset::of("", generator);
     preset.id =
         heading("id")?.ok_or_else(|| Fault::new(None, "no 'id': add a line like id = \"my-tree\""))?;
+    if preset.id.trim().is_empty() {
+        let place = entries.iter().find(|entry| entry.key == "id").and_then(|entry| entry.node.place);
+        return Err(Fault::new(place, "'id' is empty: name the preset, like id = \"my-tree\""));
+    }
     preset.name = heading("name")?.unwrap_or_else(|| preset.id.clone());
     preset.group = heading("group")?.unwrap_or(preset.group);
     preset.summary = heading("summary")?.unwrap_or_default();

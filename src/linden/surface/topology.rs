@@ -227,7 +227,11 @@ mod tests {
                 .flat_map(|t| [[t[0], t[1]], [t[1], t[2]], [t[2], t[0]]])
                 .filter(|edge| welded[edge[0] as usize] == welded[edge[1] as usize])
                 .count();
-            assert_eq!(open_edges(&mesh.triangles, &welded, &crate::Quiet), Ok(open + to_itself), "seed {seed}");
+            assert_eq!(
+                open_edges(&mesh.triangles, &welded, &crate::Quiet),
+                Ok(open + to_itself),
+                "seed {seed}"
+            );
         }
     }
 }
