@@ -7,16 +7,21 @@
 //!
 //! A format is one module with one [`Exporter`], and one line in [`REGISTRY`].
 //!
-//! ```no_run
+//! ```
+//! use linden::{Quiet, dress::dress, grow::grow, preset::builtin, recipe::Recipe};
 //! use linden_exporters::{Bundle, Options, for_path};
-//! # fn scene() -> linden::scene::Scene { unimplemented!() }
-//! # fn main() -> Result<(), linden_exporters::ExportError> {
-//! let target = std::path::Path::new("fir.glb");
-//! let exporter = for_path(target)?;
-//! let options = Options::new(exporter.format());
-//! let mut bundle = Bundle::create(target)?;
-//! exporter.write(&scene(), &options, &mut bundle, &linden::Quiet)?;
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let recipe = Recipe { preset: builtin("fir").unwrap().load()?, input: None };
+//! let scene = dress(&recipe, &grow(&recipe, &Quiet)?, &Quiet)?;
+//!
+//! let folder = tempfile::tempdir()?;
+//! let target = folder.path().join("fir.glb");
+//! let exporter = for_path(&target)?;
+//! let mut bundle = Bundle::create(&target)?;
+//! exporter.write(&scene, &Options::new(exporter.format()), &mut bundle, &Quiet)?;
+//! assert!(!target.exists(), "nothing is in its place before the commit");
 //! bundle.commit()?;
+//! assert!(target.exists());
 //! # Ok(())
 //! # }
 //! ```
