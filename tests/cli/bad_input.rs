@@ -99,6 +99,18 @@ fn grammars_with_mistakes() {
 }
 
 #[test]
+fn recipes_with_mistakes() {
+    refused_file("r.json", "{\"id\": \"r\", \"id\": \"s\"}", &["r.json:1:", "'id' stands twice"]);
+    refused_file("r.json", "{\"id\": null}", &["r.json:1:", "null"]);
+    refused_file("r.json", "{\"id\": \"r\",", &["r.json:1:"]);
+    refused_file(
+        "r.json",
+        "{\"id\": \"r\", \"lsystem\": {\"axiom\": \"F\", \"rules\": [\"F=F[\"]}}",
+        &["r.json", "never closed"],
+    );
+}
+
+#[test]
 fn presets_with_mistakes() {
     refused_file(
         "p.toml",

@@ -1,6 +1,9 @@
 //! A preset's text as a tree of values with places: TOML as people write it, JSON as recipes carry it.
 
+use std::collections::BTreeSet;
 use std::fmt;
+
+use serde::de::{self, Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
 
 use crate::knob::{Kind, Value, excerpt};
 
@@ -95,11 +98,13 @@ impl Node {
 
     /// Reads JSON.
     pub fn from_json(text: &str) -> Result<Self, Fault> {
-        let value: serde_json::Value = serde_json::from_str(text).map_err(|error| {
+        serde_json::from_str(text).map_err(|error| {
             let place = Place { line: error.line(), column: error.column() };
-            Fault::new(Some(place), error.to_string())
-        })?;
-        json_node(value)
+            // The place stands before the message already.
+            let message = error.to_string();
+            let message = message.rsplit_once(" at line ").map_or(message.as_str(), |(message, _)| message);
+            Fault::new(Some(place), message)
+        })
     }
 
     pub fn kind(&self) -> &'static str {
@@ -191,23 +196,60 @@ fn toml_node(text: &str, value: &toml::Spanned<toml::de::DeValue<'_>>) -> Result
     Ok(Node { place, datum })
 }
 
-fn json_node(value: serde_json::Value) -> Result<Node, Fault> {
-    use serde_json::Value as Json;
-    let datum = match value {
-        Json::String(text) => Datum::Text(text),
-        Json::Bool(on) => Datum::Switch(on),
-        Json::Number(n) => match (n.as_u64(), n.as_f64()) {
-            (Some(n), _) => Datum::Integer(n),
-            (None, Some(x)) => Datum::Real(x),
-            (None, None) => return Err(Fault::new(None, format!("{n} cannot be read as a number"))),
-        },
-        Json::Array(items) => Datum::List(items.into_iter().map(json_node).collect::<Result<_, _>>()?),
-        Json::Object(map) => Datum::Table(
-            map.into_iter()
-                .map(|(key, value)| Ok(Entry { key, place: None, node: json_node(value)? }))
-                .collect::<Result<_, _>>()?,
-        ),
-        Json::Null => return Err(Fault::new(None, "null, where every key has a value")),
-    };
-    Ok(Node { place: None, datum })
+impl<'de> Deserialize<'de> for Node {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let datum = deserializer.deserialize_any(JsonDatum)?;
+        Ok(Self { place: None, datum })
+    }
+}
+
+/// Makes data of JSON. Unlike a map, it notices a key that stands twice.
+struct JsonDatum;
+
+impl<'de> Visitor<'de> for JsonDatum {
+    type Value = Datum;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("text, a number, true, false, a list or an object")
+    }
+
+    fn visit_str<E>(self, text: &str) -> Result<Datum, E> {
+        Ok(Datum::Text(text.to_owned()))
+    }
+
+    fn visit_bool<E>(self, on: bool) -> Result<Datum, E> {
+        Ok(Datum::Switch(on))
+    }
+
+    fn visit_u64<E>(self, n: u64) -> Result<Datum, E> {
+        Ok(Datum::Integer(n))
+    }
+
+    fn visit_i64<E>(self, n: i64) -> Result<Datum, E> {
+        Ok(Datum::Real(n as f64))
+    }
+
+    fn visit_f64<E>(self, x: f64) -> Result<Datum, E> {
+        Ok(Datum::Real(x))
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut items: A) -> Result<Datum, A::Error> {
+        let mut list = Vec::new();
+        while let Some(item) = items.next_element()? {
+            list.push(item);
+        }
+        Ok(Datum::List(list))
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Datum, A::Error> {
+        let mut seen = BTreeSet::new();
+        let mut entries = Vec::new();
+        while let Some((key, node)) = map.next_entry::<String, Node>()? {
+            if !seen.insert(key.clone()) {
+                return Err(de::Error::custom(format!("'{}' stands twice; keep one", excerpt(&key))));
+            }
+            entries.push(Entry { key, place: None, node });
+        }
+        Ok(Datum::Table(entries))
+    }
 }
