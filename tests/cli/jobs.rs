@@ -26,6 +26,7 @@ fn a_preset_becomes_four_files_at_once() {
         names.iter().any(|n| Path::new(n).extension().is_some_and(|e| e == "png")),
         "the bark's picture: {names:?}"
     );
+    assert_eq!(said.out.lines().count(), names.len(), "each file is listed once: {}", said.out);
     assert!(folder.read("fir.glb").starts_with(b"glTF"));
     assert!(folder.read("fir.usda").starts_with(b"#usda 1.0"));
     assert!(folder.read("fir.ply").starts_with(b"ply\n"));

@@ -1,5 +1,6 @@
 //! `linden export`: grow a source and write it in one or more formats.
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
@@ -77,7 +78,9 @@ impl Export {
         progress.clear();
         // The list of files is the result, unless a file itself is.
         let mut lines = String::new();
-        for file in &written {
+        // Formats may share a picture beside them.
+        let mut listed = BTreeSet::new();
+        for file in written.iter().filter(|file| listed.insert(&file.path)) {
             let size = indicatif::BinaryBytes(file.bytes);
             lines.push_str(&format!("{}  {size}\n", crate::source::show(&file.path)));
         }
