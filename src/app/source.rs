@@ -1,7 +1,7 @@
 //! SOURCE: a preset's id, a file told by its content, or `-`; with overrides it becomes a recipe.
 
 use std::fs;
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc;
 use std::time::Duration;
@@ -10,7 +10,7 @@ use anyhow::{Context, bail};
 use linden::input::{InputKind, sniff};
 use linden::knob::{did_you_mean, printable};
 use linden::lsystem::text;
-use linden::preset::{Fault, Preset, Space, builtin};
+use linden::preset::{Fault, Preset, Space, builtin, builtin_file};
 use linden::recipe::{Input, Recipe};
 use linden::{Cancelled, Monitor};
 
@@ -113,8 +113,17 @@ fn read(
     let input = match (kind, preset.space().and_then(Space::file)) {
         (InputKind::Preset | InputKind::Recipe, Some(file)) => {
             let beside = path.and_then(Path::parent).map_or_else(PathBuf::new, Path::to_owned).join(file);
-            let content = fs::read(&beside)
-                .with_context(|| format!("reading {}, which {shown} needs", show(&beside)))?;
+            let content = match (fs::read(&beside), builtin_file(file)) {
+                (Ok(content), _) => {
+                    files.push(beside.clone());
+                    content
+                }
+                (Err(error), Some(content)) if error.kind() == ErrorKind::NotFound => content.to_vec(),
+                (Err(error), _) => {
+                    let reading = format!("reading {}, which {shown} needs", show(&beside));
+                    return Err(anyhow::Error::new(error).context(reading));
+                }
+            };
             let input =
                 Input::read(file, &content, monitor).with_context(|| format!("reading {}", show(&beside)))?;
             if kind == InputKind::Recipe && recipe_hash(bytes).is_some_and(|hash| hash != input.hash_text()) {
@@ -123,7 +132,6 @@ fn read(
                     show(&beside)
                 ));
             }
-            files.push(beside);
             Some(input)
         }
         (_, Some(_)) => Some(Input::read(&name, bytes, monitor).with_context(reading)?),

@@ -145,6 +145,23 @@ fn a_recipe_from_a_file_grows_the_same_tree_again() {
 }
 
 #[test]
+fn the_recipe_of_a_preset_with_a_mesh_of_its_own_needs_no_file_beside() {
+    let folder = Folder::new();
+    let shown = folder.run(&["show", "heart", "--json", "--seed", "4"]).done().json();
+    folder.write("heart.json", shown["recipe"].to_string());
+    folder.write("heart.toml", folder.run(&["show", "heart", "--toml", "--seed", "4"]).done().out);
+    let hash = |source: &[&str]| {
+        folder.run(&[&["stats", "--json"], source].concat()).done().json()["skeleton_hash"].clone()
+    };
+    let original = hash(&["heart", "--seed", "4"]);
+    assert_eq!(hash(&["heart.json"]), original);
+    assert_eq!(hash(&["heart.toml"]), original);
+    // One that lies there is the one that is meant.
+    folder.write("heart.obj", BOX);
+    assert_ne!(hash(&["heart.toml"]), original);
+}
+
+#[test]
 fn the_same_export_is_the_same_bytes_on_any_number_of_threads() {
     let folder = Folder::new();
     let export = |threads: &str, name: &str| {

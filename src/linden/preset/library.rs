@@ -32,6 +32,12 @@ pub fn builtin(id: &str) -> Result<&'static Builtin, Option<&'static str>> {
         .ok_or_else(|| nearest(id, BUILTINS.iter().map(|preset| preset.id)))
 }
 
+/// A file that stands beside a built-in preset. A recipe or a copy of such a preset names it, and it
+/// need not lie beside that too.
+pub fn builtin_file(name: &str) -> Option<&'static [u8]> {
+    BUILTINS.iter().flat_map(|preset| preset.beside).find(|(own, _)| *own == name).map(|&(_, bytes)| bytes)
+}
+
 impl Builtin {
     /// Reads the document.
     ///

@@ -18,7 +18,7 @@ use crate::texture::{Bark, BarkStyle};
 
 pub use document::{Fault, Place};
 pub use knobs::{KNOBS, PresetKnob, Section, shape_knobs};
-pub use library::{Builtin, builtin, builtins};
+pub use library::{Builtin, builtin, builtin_file, builtins};
 pub use setting::{Length, Origin, UpAxis};
 
 /// Everything that says how a tree grows and looks.
