@@ -7,10 +7,12 @@
 //! |---|---|
 //! | [`cells`] | RGBA pixels → text with colours |
 //! | [`color`] | how many colours, and the nearest of them |
+//! | [`input`] | what comes from a terminal: keys, mouse, replies |
 //! | [`size`] | columns and rows |
 
 pub mod cells;
 pub mod color;
+pub mod input;
 pub mod size;
 
 mod grid;
