@@ -1,8 +1,14 @@
 //! What comes from a terminal: keys, the mouse, pasted text, and its replies to queries.
+//!
+//! [`Parser`] makes [`Event`]s of bytes. It has no clock and reads nothing: [`crate::listen`] does.
 
+mod csi;
 mod key;
+mod parser;
+mod reply;
 
 pub use key::{Key, KeyCode, KeyError};
+pub use parser::{PASTE_LIMIT, Parser, STRING_LIMIT};
 
 /// One thing that a terminal said.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -75,14 +81,15 @@ pub enum Reply {
     Background([u8; 3]),
     /// The answer to a kitty graphics query: whether it has them.
     KittyGraphics(bool),
-    /// DECRPM: a private mode, and whether the terminal knows it.
+    /// DECRPM: a private mode, and whether the terminal knows it and can set it.
     Mode {
         /// Its number: 2026 is synchronized output.
         number: u16,
-        /// Whether the terminal knows it.
+        /// Whether the terminal knows it and can set it.
         known: bool,
     },
-    /// DECRQSS: the rendition in force, as it says: tells whether 24-bit colours are kept.
+    /// DECRQSS: the rendition in force, as it says, without the `m`: tells whether 24-bit colours are
+    /// kept.
     Rendition(String),
     /// Pixels of a cell.
     CellPixels {
