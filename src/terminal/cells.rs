@@ -1,4 +1,4 @@
-//! Pictures made of characters: RGBA pixels → text with colours.
+//! Pictures made of characters: RGBA pixels → a grid of cells → text, or a part of a screen.
 //!
 //! A cell of text has two colours, ink and paper, and a character that says which part has which.
 //! For each cell the split with the least error in linear light is taken. Where the picture is
@@ -12,10 +12,16 @@
 //! assert_eq!(draw_cells(&image, 1, 1, &style), "\u{1b}[38;2;255;0;0m▀\u{1b}[0m\n");
 //! ```
 
-use std::fmt::Write;
+mod settle;
 
-use crate::color::{Color, ColorDepth};
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::style::{Color, Modifier};
+
+use crate::color::{ColorDepth, push_color};
 use crate::grid::{Image, Light, bytes, decode, encode};
+use crate::screen::paint_cost;
+use settle::{Level, Rows, settle};
 
 /// Which characters a picture is made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,6 +58,13 @@ pub struct CellStyle {
     pub background: [u8; 3],
 }
 
+impl CellStyle {
+    /// Whether cells have one colour, over the terminal's own background.
+    fn is_monochrome(&self) -> bool {
+        self.colors == ColorDepth::None || self.glyphs == Glyphs::Braille
+    }
+}
+
 impl Default for CellStyle {
     /// Quadrants in 24 bits on a dark terminal.
     fn default() -> Self {
@@ -74,32 +87,198 @@ pub fn square_pixels(columns: u16, rows: u16, cell_aspect: f32) -> (u32, u32) {
 /// its end are left out. Equal neighbours repeat no escape sequence. With [`ColorDepth::None`] there
 /// is none at all, and the parts that are drawn are those that differ from the background.
 pub fn draw_cells(image: &Image, columns: u16, rows: u16, style: &CellStyle) -> String {
-    let (across, down) = style.glyphs.parts();
-    let (across, down) = (usize::from(across), usize::from(down));
-    let (columns, rows) = (usize::from(columns), usize::from(rows));
-    let parts = image.averaged(columns * across, rows * down);
-    let behind = style.background.map(|c| decode(f32::from(c) / 255.0));
-    let monochrome = style.colors == ColorDepth::None || style.glyphs == Glyphs::Braille;
-    let ink = if monochrome { inked(&parts, columns * across, behind) } else { Vec::new() };
+    let seen = Seen::of(image, columns, rows, style);
+    CellPicture {
+        columns,
+        rows,
+        cells: settle(&seen, style, Level::FINE, Rows::Apart),
+        tolerance: Level::FINE.tolerance,
+    }
+    .text()
+}
 
-    let mut pen = Pen::new(style.colors, columns * rows * 10);
-    let mut cell = Vec::with_capacity(across * down);
-    for row in 0..rows {
-        for column in 0..columns {
-            let places = (0..across * down)
-                .map(|i| (row * down + i / across) * columns * across + column * across + i % across);
-            cell.clear();
-            cell.extend(places.clone().map(|at| parts[at]));
-            if monochrome {
-                let drawn = places.enumerate().fold(0, |drawn, (i, at)| drawn | u32::from(ink[at]) << i);
-                pen.monochrome(style.glyphs, drawn, mean(&cell, drawn, behind));
+/// One cell of a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PictureCell {
+    /// What stands in it.
+    pub character: char,
+    /// The character's colour; `None` where it does not show.
+    pub ink: Option<Color>,
+    /// The colour behind it, [`Color::Reset`] for the terminal's own; `None` where it does not show.
+    pub paper: Option<Color>,
+}
+
+/// A picture as cells, rows from the top.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct CellPicture {
+    columns: u16,
+    rows: u16,
+    cells: Vec<PictureCell>,
+    tolerance: u8,
+}
+
+impl CellPicture {
+    /// Draws a picture into `columns × rows` cells, whatever its size: each part of a cell shows the
+    /// mean of the pixels beneath it.
+    ///
+    /// Colours that no eye tells apart are made the same where that saves bytes. If painting the
+    /// cells on an empty screen takes more than `budget` bytes, colours that differ more are made
+    /// the same too, as little as must be; and at last details are left out, so that a picture of
+    /// 400×120 cells still fits into 16 KB.
+    pub fn draw(image: &Image, columns: u16, rows: u16, style: &CellStyle, budget: usize) -> Self {
+        let seen = Seen::of(image, columns, rows, style);
+        let at = |level: Level| {
+            let cells = settle(&seen, style, level, Rows::Joined);
+            Self { columns, rows, cells, tolerance: level.tolerance }
+        };
+        let fits = |picture: &Self| paint_cost(&picture.buffer(), style.colors) <= budget;
+        let fine = at(Level::FINE);
+        if budget >= fine.cells.len() * MOST_PER_CELL || fits(&fine) {
+            return fine;
+        }
+        // The least level that fits, between one that does not and one that does, or is the last.
+        let (mut over, mut best) = (0, None);
+        let mut under = Level::LADDER.len() - 1;
+        while under - over > 1 {
+            let middle = usize::midpoint(over, under);
+            let picture = at(Level::LADDER[middle]);
+            if fits(&picture) {
+                (under, best) = (middle, Some(picture));
             } else {
-                pen.two_colors(style.glyphs, &split(&cell, behind));
+                over = middle;
             }
         }
-        pen.end_line();
+        best.unwrap_or_else(|| at(Level::LADDER[under]))
     }
-    pen.text
+
+    /// Cells across.
+    pub const fn columns(&self) -> u16 {
+        self.columns
+    }
+
+    /// Cells down.
+    pub const fn rows(&self) -> u16 {
+        self.rows
+    }
+
+    /// The cells, row by row from the top.
+    pub fn cells(&self) -> &[PictureCell] {
+        &self.cells
+    }
+
+    /// Steps of a channel by which neighbours may differ and were still given one colour.
+    pub const fn tolerance(&self) -> u8 {
+        self.tolerance
+    }
+
+    /// Puts the picture into an area, from its upper left; what does not fit is left out, and cells
+    /// that the picture has not are left as they are.
+    pub fn put(&self, buffer: &mut Buffer, area: Rect) {
+        let inside = area.intersection(buffer.area);
+        for row in inside.top()..inside.bottom().min(area.y.saturating_add(self.rows)) {
+            for column in inside.left()..inside.right().min(area.x.saturating_add(self.columns)) {
+                let at = usize::from(row - area.y) * usize::from(self.columns) + usize::from(column - area.x);
+                let cell = self.cells[at];
+                let shown = &mut buffer[(column, row)];
+                shown.reset();
+                shown.set_char(cell.character);
+                shown.set_fg(cell.ink.unwrap_or(Color::Reset)).set_bg(cell.paper.unwrap_or(Color::Reset));
+                shown.modifier = Modifier::empty();
+            }
+        }
+    }
+
+    fn buffer(&self) -> Buffer {
+        let area = Rect::new(0, 0, self.columns, self.rows);
+        let mut buffer = Buffer::empty(area);
+        self.put(&mut buffer, area);
+        buffer
+    }
+
+    /// As [`draw_cells`] gives it.
+    fn text(&self) -> String {
+        let mut out = Vec::with_capacity(self.cells.len() * 10);
+        for row in self.cells.chunks(usize::from(self.columns).max(1)) {
+            let (mut ink, mut paper) = (Color::Reset, Color::Reset);
+            let end = row.iter().rposition(|cell| !cell.is_empty()).map_or(0, |last| last + 1);
+            for cell in &row[..end] {
+                let new_ink = cell.ink.filter(|&c| c != ink);
+                let new_paper = cell.paper.filter(|&c| c != paper);
+                if new_ink.is_some() || new_paper.is_some() {
+                    out.extend_from_slice(b"\x1b[");
+                    if let Some(color) = new_ink {
+                        ink = color;
+                        push_color(&mut out, color, 30);
+                    }
+                    if let Some(color) = new_paper {
+                        if new_ink.is_some() {
+                            out.push(b';');
+                        }
+                        paper = color;
+                        push_color(&mut out, color, 40);
+                    }
+                    out.push(b'm');
+                }
+                out.extend_from_slice(cell.character.encode_utf8(&mut [0; 4]).as_bytes());
+            }
+            if ink != Color::Reset || paper != Color::Reset {
+                out.extend_from_slice(b"\x1b[0m");
+            }
+            out.push(b'\n');
+        }
+        if self.columns == 0 {
+            out.resize(usize::from(self.rows), b'\n');
+        }
+        String::from_utf8(out).unwrap_or_default()
+    }
+}
+
+impl PictureCell {
+    /// A cell that nothing is drawn in.
+    const EMPTY: Self = Self { character: ' ', ink: None, paper: Some(Color::Reset) };
+
+    fn is_empty(self) -> bool {
+        self == Self::EMPTY
+    }
+}
+
+/// No cell costs more: two colours of three numbers, a character of three bytes, and a move.
+const MOST_PER_CELL: usize = 52;
+
+/// A picture's cells before their colours are made those of a terminal.
+struct Seen {
+    columns: usize,
+    splits: Vec<Split>,
+}
+
+impl Seen {
+    fn of(image: &Image, columns: u16, rows: u16, style: &CellStyle) -> Self {
+        let (across, down) = style.glyphs.parts();
+        let (across, down) = (usize::from(across), usize::from(down));
+        let (columns, rows) = (usize::from(columns), usize::from(rows));
+        let parts = image.averaged(columns * across, rows * down);
+        let behind = style.background.map(|c| decode(f32::from(c) / 255.0));
+        let monochrome = style.is_monochrome();
+        let ink = if monochrome { inked(&parts, columns * across, behind) } else { Vec::new() };
+
+        let mut splits = Vec::with_capacity(columns * rows);
+        let mut cell = Vec::with_capacity(across * down);
+        for row in 0..rows {
+            for column in 0..columns {
+                let places = (0..across * down)
+                    .map(|i| (row * down + i / across) * columns * across + column * across + i % across);
+                cell.clear();
+                cell.extend(places.clone().map(|at| parts[at]));
+                splits.push(if monochrome {
+                    let drawn = places.enumerate().fold(0, |drawn, (i, at)| drawn | u32::from(ink[at]) << i);
+                    Split { drawn, ink: bytes(mean(&cell, drawn, behind)), paper: None }
+                } else {
+                    split(&cell, behind)
+                });
+            }
+        }
+        Self { columns, splits }
+    }
 }
 
 /// Fainter than this a part counts as transparent.
@@ -177,132 +356,6 @@ fn inked(parts: &[Light], width: usize, behind: [f32; 3]) -> Vec<bool> {
     contrast.iter().enumerate().map(drawn).collect()
 }
 
-/// Steps of a channel by which neighbouring cells may differ and still share a colour.
-const INDISTINCT: u8 = 3;
-
-/// Writes cells and remembers which colours are set.
-struct Pen {
-    text: String,
-    colors: ColorDepth,
-    ink: Color,
-    paper: Color,
-    /// Empty cells that are written only when something follows them on the line.
-    pending: usize,
-}
-
-impl Pen {
-    fn new(colors: ColorDepth, capacity: usize) -> Self {
-        let (ink, paper) = (Color::Default, Color::Default);
-        Self { text: String::with_capacity(capacity), colors, ink, paper, pending: 0 }
-    }
-
-    fn two_colors(&mut self, glyphs: Glyphs, split: &Split) {
-        let all = match glyphs {
-            Glyphs::Quadrants => 0b1111,
-            Glyphs::Halves => 0b11,
-            Glyphs::Braille => 0xff,
-        };
-        let ink = self.settle(self.colors.nearest(split.ink));
-        let Some(paper) = split.paper else {
-            if split.drawn == 0 {
-                self.pending += 1;
-            } else {
-                self.put(glyph(glyphs, split.drawn), Some(ink), Some(Color::Default));
-            }
-            return;
-        };
-        let paper = self.settle(self.colors.nearest(paper));
-        if split.drawn == 0 || ink == paper {
-            // One colour: whichever way it is set already.
-            if self.ink == paper {
-                self.put(glyph(glyphs, all), None, None);
-            } else {
-                self.put(' ', None, Some(paper));
-            }
-            return;
-        }
-        let changes = |ink, paper| u32::from(self.ink != ink) + u32::from(self.paper != paper);
-        if changes(paper, ink) < changes(ink, paper) {
-            self.put(glyph(glyphs, all & !split.drawn), Some(paper), Some(ink));
-        } else {
-            self.put(glyph(glyphs, split.drawn), Some(ink), Some(paper));
-        }
-    }
-
-    fn monochrome(&mut self, glyphs: Glyphs, drawn: u32, ink: [f32; 3]) {
-        if drawn == 0 {
-            self.pending += 1;
-        } else {
-            let ink = self.settle(self.colors.nearest(bytes(ink)));
-            self.put(glyph(glyphs, drawn), Some(ink), Some(Color::Default));
-        }
-    }
-
-    /// A colour that is set already where it differs by less than can be seen: it costs no bytes.
-    fn settle(&self, color: Color) -> Color {
-        let near = |set: Color| match (set, color) {
-            (Color::Rgb(a), Color::Rgb(b)) => (0..3).all(|i| a[i].abs_diff(b[i]) <= INDISTINCT),
-            _ => false,
-        };
-        [self.ink, self.paper].into_iter().find(|&set| near(set)).unwrap_or(color)
-    }
-
-    /// A character in some colours; `None` where it does not matter.
-    fn put(&mut self, character: char, ink: Option<Color>, paper: Option<Color>) {
-        if self.pending > 0 {
-            self.select(None, Some(Color::Default));
-            self.text.extend(std::iter::repeat_n(' ', self.pending));
-            self.pending = 0;
-        }
-        self.select(ink, paper);
-        self.text.push(character);
-    }
-
-    fn select(&mut self, ink: Option<Color>, paper: Option<Color>) {
-        let ink = ink.filter(|&c| c != self.ink);
-        let paper = paper.filter(|&c| c != self.paper);
-        if ink.is_none() && paper.is_none() {
-            return;
-        }
-        self.text.push_str("\u{1b}[");
-        if let Some(c) = ink {
-            self.ink = c;
-            self.code(c, 30);
-        }
-        if let Some(c) = paper {
-            if ink.is_some() {
-                self.text.push(';');
-            }
-            self.paper = c;
-            self.code(c, 40);
-        }
-        self.text.push('m');
-    }
-
-    /// The parameters of "select graphic rendition" (ECMA-48 8.3.117; ISO 8613-6 for 38 and 48):
-    /// `base` is 30 for ink, 40 for paper.
-    fn code(&mut self, color: Color, base: u16) {
-        // Writing to a String cannot fail.
-        let _ = match color {
-            Color::Default => write!(self.text, "{}", base + 9),
-            Color::Indexed(i) if self.colors == ColorDepth::Ansi16 => {
-                write!(self.text, "{}", base + u16::from(i) + if i < 8 { 0 } else { 52 })
-            }
-            Color::Indexed(i) => write!(self.text, "{};5;{i}", base + 8),
-            Color::Rgb([r, g, b]) => write!(self.text, "{};2;{r};{g};{b}", base + 8),
-        };
-    }
-
-    fn end_line(&mut self) {
-        self.pending = 0;
-        if self.ink != Color::Default || self.paper != Color::Default {
-            self.text.push_str("\u{1b}[0m");
-            (self.ink, self.paper) = (Color::Default, Color::Default);
-        }
-        self.text.push('\n');
-    }
-}
-
 /// The character whose parts are drawn. Parts count from the upper left, row by row.
 fn glyph(glyphs: Glyphs, drawn: u32) -> char {
     const QUADRANTS: [char; 16] =
@@ -321,5 +374,5 @@ fn glyph(glyphs: Glyphs, drawn: u32) -> char {
 }
 
 #[cfg(test)]
-#[path = "cells_tests.rs"]
+#[path = "cells/tests.rs"]
 mod tests;

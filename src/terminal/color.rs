@@ -2,6 +2,8 @@
 
 use std::sync::LazyLock;
 
+use ratatui::style::Color;
+
 use crate::grid::decode;
 
 /// How colours are said to a terminal.
@@ -60,23 +62,77 @@ impl ColorDepth {
     /// The nearest colour that this depth has.
     pub(crate) fn nearest(self, srgb: [u8; 3]) -> Color {
         match self {
-            Self::None => Color::Default,
+            Self::None => Color::Reset,
             Self::Ansi16 => Color::Indexed(nearest_16(srgb)),
             Self::Ansi256 => Color::Indexed(nearest_256(srgb)),
-            Self::True => Color::Rgb(srgb),
+            Self::True => Color::Rgb(srgb[0], srgb[1], srgb[2]),
         }
+    }
+
+    /// The nearest colour that this depth has: [`Color::Reset`], [`Color::Indexed`] or [`Color::Rgb`].
+    /// The names of the 16 become their entries.
+    pub(crate) fn map(self, color: Color) -> Color {
+        let entry = match color {
+            Color::Reset => return Color::Reset,
+            _ if self == Self::None => return Color::Reset,
+            Color::Rgb(r, g, b) => return self.nearest([r, g, b]),
+            Color::Indexed(entry) if entry >= 16 && self == Self::Ansi16 => nearest_16(xterm(entry)),
+            Color::Indexed(entry) => entry,
+            Color::Black => 0,
+            Color::Red => 1,
+            Color::Green => 2,
+            Color::Yellow => 3,
+            Color::Blue => 4,
+            Color::Magenta => 5,
+            Color::Cyan => 6,
+            Color::Gray => 7,
+            Color::DarkGray => 8,
+            Color::LightRed => 9,
+            Color::LightGreen => 10,
+            Color::LightYellow => 11,
+            Color::LightBlue => 12,
+            Color::LightMagenta => 13,
+            Color::LightCyan => 14,
+            Color::White => 15,
+        };
+        Color::Indexed(entry)
     }
 }
 
-/// A colour as a terminal is told it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Color {
-    /// The terminal's own.
-    Default,
-    /// An entry of the palette.
-    Indexed(u8),
-    /// sRGB.
-    Rgb([u8; 3]),
+/// Appends the parameters of "select graphic rendition" for a colour (ECMA-48 8.3.117; ISO 8613-6
+/// for 38 and 48). `base` is 30 for ink, 40 for paper. The colour is one that [`ColorDepth`] gave.
+pub(crate) fn push_color(out: &mut Vec<u8>, color: Color, base: u8) {
+    match color {
+        Color::Indexed(entry @ 0..8) => push_number(out, (base + entry).into()),
+        Color::Indexed(entry @ 8..16) => push_number(out, (base + 52 + entry).into()),
+        Color::Indexed(entry) => {
+            push_number(out, (base + 8).into());
+            out.extend_from_slice(b";5;");
+            push_number(out, entry.into());
+        }
+        Color::Rgb(r, g, b) => {
+            push_number(out, (base + 8).into());
+            out.extend_from_slice(b";2;");
+            push_number(out, r.into());
+            out.push(b';');
+            push_number(out, g.into());
+            out.push(b';');
+            push_number(out, b.into());
+        }
+        _ => push_number(out, (base + 9).into()),
+    }
+}
+
+/// Appends a decimal number.
+pub(crate) fn push_number(out: &mut Vec<u8>, number: u16) {
+    let mut divisor = 10_000;
+    while divisor > 1 && number < divisor {
+        divisor /= 10;
+    }
+    while divisor > 0 {
+        out.push(b'0' + (number / divisor % 10) as u8);
+        divisor /= 10;
+    }
 }
 
 /// xterm's first 16 colours. Themes change them, so they are used only where there are no others.
@@ -107,6 +163,16 @@ fn xterm(entry: u8) -> [u8; 3] {
     }
     let at = usize::from(entry.saturating_sub(16));
     [LEVELS[at / 36], LEVELS[at / 6 % 6], LEVELS[at % 6]]
+}
+
+/// How a colour looks that [`ColorDepth`] gave; nobody knows how the terminal's own does.
+pub(crate) fn look(color: Color) -> Option<[u8; 3]> {
+    match color {
+        Color::Rgb(r, g, b) => Some([r, g, b]),
+        Color::Indexed(entry @ 0..16) => Some(ANSI_16[usize::from(entry)]),
+        Color::Indexed(entry) => Some(xterm(entry)),
+        _ => None,
+    }
 }
 
 /// A palette by how its colours look.

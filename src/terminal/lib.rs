@@ -7,18 +7,28 @@
 //! |---|---|
 //! | [`cells`] | RGBA pixels → text with colours |
 //! | [`color`] | how many colours, and the nearest of them |
+//! | [`display`] | frames → the terminal, pictures never before text |
+//! | [`graphics`] | pictures of pixels: kitty, iTerm2, sixel |
 //! | [`input`] | what comes from a terminal: bytes → keys, mouse, replies |
 //! | [`listen`] | threads that wait for the terminal and for signals |
+//! | [`output`] | a thread that writes |
+//! | [`pacing`] | how many bytes of pictures may be on their way |
 //! | [`probe`] | what a terminal can do: queries, replies, conclusions |
+//! | [`screen`] | what the terminal shows, and the fewest bytes that change it |
 //! | [`session`] | the terminal while it is ours: taken, and given back whatever happens |
 //! | [`size`] | columns and rows |
 //! | [`tty`] | the terminal's descriptors |
 
 pub mod cells;
 pub mod color;
+pub mod display;
+pub mod graphics;
 pub mod input;
 pub mod listen;
+pub mod output;
+pub mod pacing;
 pub mod probe;
+pub mod screen;
 pub mod session;
 pub mod size;
 pub mod tty;
@@ -26,10 +36,15 @@ pub mod tty;
 mod grid;
 mod sequences;
 
-pub use cells::{CellStyle, Glyphs, draw_cells};
+pub use cells::{CellPicture, CellStyle, Glyphs, PictureCell, draw_cells};
 pub use color::ColorDepth;
+pub use display::{Display, Settings, Stats};
+pub use graphics::{Encoded, Graphic, Protocol};
 pub use grid::{Image, ImageError};
 pub use listen::{Incoming, Listener, listen};
+pub use output::Output;
+pub use pacing::Pacer;
+pub use screen::{Allowance, Composed, Frame, Screen, ScreenOptions};
 pub use session::{Modes, Session};
 pub use size::TerminalSize;
 pub use tty::{Tty, WindowSize};

@@ -1,0 +1,213 @@
+//! Frames → the terminal: the newest frame, its text at once, its pictures as the link takes them.
+//!
+//! Nothing here waits, and nothing is done without a cause: [`Display::pump`] sends what may be sent,
+//! and is called after a frame ([`Display::present`] does), when a write is done, when a reply has
+//! come, and at [`Display::wake_at`].
+
+use std::time::{Duration, Instant};
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+
+use crate::color::ColorDepth;
+use crate::graphics::Graphic;
+use crate::output::{Busy, Counts, Output};
+use crate::pacing::{Pacer, QUERY};
+use crate::screen::{Allowance, Frame, Screen, ScreenOptions};
+
+/// What is known of the terminal; more of it may become known later.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Settings {
+    /// How many colours it shows.
+    pub colors: ColorDepth,
+    /// Whether it has synchronized output (private mode 2026).
+    pub synchronized: bool,
+    /// Whether it is on another machine.
+    pub remote: bool,
+    /// Whether erasing takes the background that is set (all but GNU screen).
+    pub erases_in_color: bool,
+}
+
+/// What was sent, and what is known of the link.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stats {
+    /// Bytes, and what they were.
+    pub written: Counts,
+    /// Frames that were presented.
+    pub frames: u64,
+    /// Bytes of pictures that may be unanswered.
+    pub window: usize,
+    /// The last round trip, queues included.
+    pub round_trip: Option<Duration>,
+    /// The shortest of late.
+    pub shortest_round_trip: Option<Duration>,
+    /// Bytes a second.
+    pub rate: Option<f64>,
+    /// Whether the terminal answers no queries.
+    pub mute: bool,
+}
+
+/// A terminal that shows frames.
+#[derive(Debug)]
+pub struct Display {
+    output: Output,
+    screen: Screen,
+    pacer: Pacer,
+    size: (u16, u16),
+    wanted: Option<Wanted>,
+    /// Whether the newest frame is not yet all sent.
+    rest: bool,
+    frames: u64,
+}
+
+/// A frame that owns its parts.
+#[derive(Debug)]
+struct Wanted {
+    buffer: Buffer,
+    cursor: Option<(u16, u16)>,
+    late: Vec<Rect>,
+    graphic: Option<Graphic>,
+}
+
+impl Settings {
+    const fn screen(self) -> ScreenOptions {
+        let Self { colors, synchronized, erases_in_color, .. } = self;
+        ScreenOptions { colors, synchronized, erases_in_color }
+    }
+}
+
+impl Display {
+    /// A terminal of so many columns and rows, of which nothing is known that it shows.
+    pub fn new(size: (u16, u16), output: Output, settings: Settings) -> Self {
+        Self {
+            output,
+            screen: Screen::new(settings.screen()),
+            pacer: Pacer::new(settings.remote),
+            size,
+            wanted: None,
+            rest: false,
+            frames: 0,
+        }
+    }
+
+    /// What is shown from now on. A frame of another size than the terminal's is dropped: it was
+    /// drawn before a resize, and the next one follows.
+    pub fn present(
+        &mut self,
+        buffer: Buffer,
+        cursor: Option<(u16, u16)>,
+        late: Vec<Rect>,
+        graphic: Option<Graphic>,
+        now: Instant,
+    ) {
+        if buffer.area != Rect::new(0, 0, self.size.0, self.size.1) {
+            return;
+        }
+        self.frames += 1;
+        self.wanted = Some(Wanted { buffer, cursor, late, graphic });
+        self.rest = true;
+        self.pump(now);
+    }
+
+    /// Sends what may be sent.
+    pub fn pump(&mut self, now: Instant) {
+        let Some(wanted) = &self.wanted else { return };
+        if !self.rest || !self.output.is_idle() {
+            return;
+        }
+        let frame = Frame {
+            buffer: &wanted.buffer,
+            cursor: wanted.cursor,
+            late: &wanted.late,
+            graphic: wanted.graphic.as_ref(),
+        };
+        let paced = self.pacer.allowance(now);
+        let allowance = Allowance { paced, atomic: self.pacer.atomic_allowance(now) };
+        let composed = self.screen.compose(&frame, allowance);
+        self.rest = composed.rest;
+        if composed.bytes.is_empty() {
+            return;
+        }
+        let mut bytes = composed.bytes;
+        if self.pacer.asks(bytes.len()) {
+            bytes.extend_from_slice(QUERY);
+        }
+        self.pacer.sent(bytes.len(), now);
+        // The output is idle: it takes them. If it did not, nothing of the screen would be known.
+        if let Err(Busy(_)) = self.output.send(bytes, composed.picture) {
+            self.screen.invalidate();
+            self.rest = true;
+        }
+    }
+
+    /// The output has written what it had.
+    pub fn written(&mut self, now: Instant) {
+        self.pump(now);
+    }
+
+    /// The terminal has answered a query of the [`Pacer`]'s.
+    pub fn acked(&mut self, now: Instant) {
+        self.pacer.acked(now);
+        // A picture in one piece may have been held back by what was known of the link.
+        self.rest |= self.wanted.as_ref().is_some_and(|wanted| wanted.graphic.is_some());
+        self.pump(now);
+    }
+
+    /// When [`Display::pump`] wants to be called if nothing else happens before.
+    pub fn wake_at(&self) -> Option<Instant> {
+        if self.rest && self.output.is_idle() { self.pacer.wake_at() } else { None }
+    }
+
+    /// The terminal's size has changed. The next frame must have it; all of it is sent.
+    pub fn resize(&mut self, columns: u16, rows: u16) {
+        self.size = (columns, rows);
+        self.wanted = None;
+        self.rest = false;
+        self.screen.invalidate();
+    }
+
+    /// What the terminal shows is no longer known: all is sent again. After a resumption, and when a
+    /// window of tmux gets the focus.
+    pub fn invalidate(&mut self, now: Instant) {
+        self.screen.invalidate();
+        self.rest = self.wanted.is_some();
+        self.pump(now);
+    }
+
+    /// More is known of the terminal.
+    pub fn set_settings(&mut self, settings: Settings, now: Instant) {
+        self.screen.set_options(settings.screen());
+        self.rest = self.wanted.is_some();
+        self.pump(now);
+    }
+
+    /// What must be written before the screen is given back: pictures are removed. Nothing is sent
+    /// by the display afterwards until the next frame.
+    pub fn farewell(&mut self) -> Vec<u8> {
+        self.wanted = None;
+        self.rest = false;
+        self.screen.farewell()
+    }
+
+    /// The way to the terminal: for its state, and for bytes beside the frames.
+    pub const fn output(&mut self) -> &mut Output {
+        &mut self.output
+    }
+
+    /// What was sent so far, and what is known of the link.
+    pub fn stats(&self) -> Stats {
+        Stats {
+            written: self.output.counts(),
+            frames: self.frames,
+            window: self.pacer.window(),
+            round_trip: self.pacer.round_trip(),
+            shortest_round_trip: self.pacer.shortest_round_trip(),
+            rate: self.pacer.rate(),
+            mute: self.pacer.is_mute(),
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "display/tests.rs"]
+mod tests;

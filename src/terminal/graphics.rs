@@ -1,0 +1,318 @@
+//! Pictures of pixels: how they are said to terminals that have them, and which one stands.
+//!
+//! [`encode`] is the work, and is done away from the main thread. What it gives is sent by
+//! [`Screen`](crate::Screen): kitty's in pieces of any size, between which text may go; iTerm2's and
+//! sixels in one piece, so they are sent only where the link takes them at once.
+//!
+//! The cells of a picture's area are blank as long as it stands, so that nothing shines through its
+//! transparent parts. A new picture of kitty's is placed before the old one is deleted.
+
+mod kitty;
+mod pixels;
+
+use std::sync::Arc;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use ratatui::layout::Rect;
+
+use kitty::Transmission;
+use pixels::Pixels;
+
+use crate::grid::{Image, ImageError};
+
+/// How pictures are said to a terminal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Protocol {
+    /// kitty's graphics protocol, with PNG.
+    Kitty,
+    /// iTerm2's inline pictures (OSC 1337), with PNG.
+    Iterm2,
+    /// DEC's sixels, 256 colours.
+    Sixel,
+}
+
+/// A picture as a protocol says it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Encoded {
+    protocol: Protocol,
+    /// kitty: base64 of a PNG. Else a whole escape sequence.
+    bytes: Vec<u8>,
+    opaque: bool,
+    width: u32,
+    height: u32,
+}
+
+/// A picture of pixels over some cells.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Graphic {
+    /// Tells one picture from another.
+    pub generation: u64,
+    /// The cells that it covers.
+    pub area: Rect,
+    /// The picture.
+    pub data: Arc<Encoded>,
+}
+
+/// A picture that could not be encoded.
+#[derive(Debug, thiserror::Error)]
+pub enum EncodeError {
+    /// The pixels are not what the size says.
+    #[error(transparent)]
+    Size(#[from] ImageError),
+    /// The PNG could not be written.
+    #[error(
+        "a picture of {width}×{height} pixels cannot be written as PNG: {source}; show it in cells instead"
+    )]
+    Png {
+        /// Pixels across.
+        width: u32,
+        /// Pixels down.
+        height: u32,
+        /// What went wrong.
+        source: png::EncodingError,
+    },
+    /// The sixels could not be made.
+    #[error(
+        "a picture of {width}×{height} pixels cannot be written as sixels: {source}; show it in cells instead"
+    )]
+    Sixel {
+        /// Pixels across.
+        width: u32,
+        /// Pixels down.
+        height: u32,
+        /// What went wrong.
+        source: icy_sixel::SixelError,
+    },
+}
+
+impl Encoded {
+    /// Bytes that showing it costs, without the few of its placement.
+    pub fn len(&self) -> usize {
+        self.bytes.len()
+    }
+
+    /// Whether there are none, which is never.
+    pub fn is_empty(&self) -> bool {
+        self.bytes.is_empty()
+    }
+
+    /// How it is said.
+    pub const fn protocol(&self) -> Protocol {
+        self.protocol
+    }
+
+    /// Pixels of the picture as it is sent: fewer than were given where the budget asked for it.
+    pub const fn size(&self) -> (u32, u32) {
+        (self.width, self.height)
+    }
+
+    /// Whether it comes in pieces, or in one that is not too large.
+    pub(crate) fn may_be_sent(&self, atomic: usize) -> bool {
+        self.protocol == Protocol::Kitty || self.bytes.len() <= atomic
+    }
+}
+
+/// Says a picture (RGBA, sRGB, not premultiplied) in a protocol, for an area of cells.
+///
+/// Where more than `budget` bytes would be needed, a PNG is made smaller by half, more than once if
+/// must be: terminals stretch it over the area. Sixels cannot be stretched; they get fewer colours,
+/// and may stay above the budget. Their height is cut to whole bands of 6, beyond which a terminal
+/// would scroll.
+///
+/// # Errors
+/// [`EncodeError`] when the pixels are not what the size says, or the encoder refuses them.
+pub fn encode(
+    protocol: Protocol,
+    rgba: &[u8],
+    (width, height): (u32, u32),
+    area: Rect,
+    budget: usize,
+) -> Result<Encoded, EncodeError> {
+    Image::new(width, height, rgba)?;
+    let mut pixels = Pixels::new(width, height, rgba);
+    let opaque = pixels.is_opaque();
+    if protocol == Protocol::Sixel {
+        let (bytes, height) = sixels(&pixels, budget)?;
+        return Ok(Encoded { protocol, bytes, opaque, width, height });
+    }
+    loop {
+        let png = pixels.png()?;
+        let bytes = match protocol {
+            Protocol::Iterm2 => inline_file(&png, area),
+            Protocol::Kitty | Protocol::Sixel => STANDARD.encode(&png).into_bytes(),
+        };
+        let (width, height) = (pixels.width, pixels.height);
+        if bytes.len() <= budget || width.max(height) < 16 {
+            return Ok(Encoded { protocol, bytes, opaque, width, height });
+        }
+        pixels = pixels.halved();
+    }
+}
+
+/// iTerm2's sequence (<https://iterm2.com/documentation-images.html>): the size in cells, stretched.
+fn inline_file(png: &[u8], area: Rect) -> Vec<u8> {
+    let mut bytes = format!(
+        "\x1b]1337;File=inline=1;size={};width={};height={};preserveAspectRatio=0;doNotMoveCursor=1:",
+        png.len(),
+        area.width,
+        area.height
+    )
+    .into_bytes();
+    bytes.extend_from_slice(STANDARD.encode(png).as_bytes());
+    bytes.push(b'\x07');
+    bytes
+}
+
+/// The sequence, and how many rows of pixels it has.
+fn sixels(pixels: &Pixels<'_>, budget: usize) -> Result<(Vec<u8>, u32), EncodeError> {
+    const BAND: u32 = 6;
+    let (width, height) = (pixels.width, (pixels.height / BAND * BAND).max(pixels.height.min(BAND)));
+    let rows = &pixels.rgba[..width as usize * height as usize * 4];
+    let refused = |source| EncodeError::Sixel { width, height, source };
+    let image = icy_sixel::SixelImage::try_from_rgba(rows.to_vec(), width as usize, height as usize)
+        .map_err(refused)?;
+    let mut text = String::new();
+    // Dithering breaks up the runs that sixels live from: less of it with fewer colours.
+    for (max_colors, diffusion) in [(256, 0.5), (128, 0.0), (32, 0.0), (12, 0.0)] {
+        let options = icy_sixel::EncodeOptions { max_colors, diffusion, ..Default::default() };
+        text = image.encode_with(&options).map_err(refused)?;
+        if text.len() <= budget {
+            break;
+        }
+    }
+    // The move to a next band would scroll a terminal whose last row the picture ends in.
+    let cut = text.strip_suffix("$-\x1b\\").map(|kept| kept.len());
+    if let Some(kept) = cut {
+        text.truncate(kept);
+        text.push_str("\x1b\\");
+    }
+    Ok((text.into_bytes(), height))
+}
+
+/// Which picture a terminal shows, and which one is on its way.
+#[derive(Debug, Default)]
+pub(crate) struct Canvas {
+    standing: Option<Standing>,
+    coming: Option<Transmission>,
+    last_id: u32,
+}
+
+/// A picture that is shown.
+#[derive(Clone, Copy, Debug)]
+struct Standing {
+    generation: u64,
+    area: Rect,
+    /// kitty's number, for others 0.
+    id: u32,
+}
+
+/// How far a picture is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Placement {
+    /// It is shown.
+    Standing,
+    /// There is more to send.
+    Unfinished,
+    /// All is there to [`Canvas::place`] it.
+    Ready,
+}
+
+impl Canvas {
+    /// The cells that are beneath a picture.
+    pub fn covered(&self) -> Option<Rect> {
+        self.standing.map(|standing| standing.area)
+    }
+
+    /// Whether a picture is shown where it should be.
+    pub fn stands(&self, graphic: &Graphic) -> bool {
+        self.standing.is_some_and(|s| s.generation == graphic.generation && s.area == graphic.area)
+    }
+
+    /// Ends what is no longer wanted. Gives the area whose cells must be painted to remove a picture.
+    pub fn prepare(&mut self, wanted: Option<&Graphic>, out: &mut Vec<u8>) -> Option<Rect> {
+        if let Some(coming) = &self.coming
+            && wanted.is_none_or(|graphic| graphic.generation != coming.generation)
+        {
+            coming.abandon(out);
+            self.coming = None;
+        }
+        let standing = self.standing?;
+        // In the same place the old picture stays until the new one is there; the same picture in
+        // another place is moved.
+        let stays = wanted.is_some_and(|graphic| {
+            graphic.area == standing.area
+                || standing.id != 0
+                    && graphic.generation == standing.generation
+                    && graphic.data.protocol == Protocol::Kitty
+        });
+        if stays { None } else { self.remove(out) }
+    }
+
+    fn remove(&mut self, out: &mut Vec<u8>) -> Option<Rect> {
+        let standing = self.standing.take()?;
+        if standing.id != 0 {
+            kitty::delete(standing.id, out);
+            return None;
+        }
+        Some(standing.area)
+    }
+
+    /// Ends and removes everything; cells are not painted.
+    pub fn remove_all(&mut self, out: &mut Vec<u8>) {
+        if let Some(coming) = self.coming.take() {
+            coming.abandon(out);
+        }
+        self.remove(out);
+    }
+
+    /// Sends what is allowed of a picture that comes in pieces.
+    pub fn send(&mut self, graphic: &Graphic, allowed: usize, out: &mut Vec<u8>) -> Placement {
+        if self.stands(graphic) {
+            return Placement::Standing;
+        }
+        if graphic.data.protocol != Protocol::Kitty
+            || self.standing.is_some_and(|s| s.id != 0 && s.generation == graphic.generation)
+        {
+            return Placement::Ready;
+        }
+        let coming = self.coming.get_or_insert_with(|| {
+            // Small numbers, of which none is in use: two at most are.
+            self.last_id = self.last_id % 9_999 + 1;
+            Transmission::new(self.last_id, graphic.generation)
+        });
+        if coming.send(&graphic.data.bytes, allowed, out) { Placement::Ready } else { Placement::Unfinished }
+    }
+
+    /// Whether what is beneath a picture must be painted anew so that the old one is gone.
+    pub fn needs_fresh_cells(&self, graphic: &Graphic) -> bool {
+        graphic.data.protocol != Protocol::Kitty && !graphic.data.opaque && self.standing.is_some()
+    }
+
+    /// Whether the cursor is somewhere else once a picture is placed.
+    pub fn moves_cursor(graphic: &Graphic) -> bool {
+        graphic.data.protocol != Protocol::Kitty
+    }
+
+    /// Shows a picture, whose upper left cell the cursor is in, and deletes the one before.
+    pub fn place(&mut self, graphic: &Graphic, out: &mut Vec<u8>) {
+        let old = self.standing.take();
+        let id = if graphic.data.protocol == Protocol::Kitty {
+            let moved = old.filter(|old| old.generation == graphic.generation).map(|old| old.id);
+            let id = moved.or(self.coming.take().map(|coming| coming.id)).unwrap_or_default();
+            kitty::place(id, graphic.area, out);
+            id
+        } else {
+            out.extend_from_slice(&graphic.data.bytes);
+            0
+        };
+        if let Some(old) = old.filter(|old| old.id != 0 && old.id != id) {
+            kitty::delete(old.id, out);
+        }
+        self.standing = Some(Standing { generation: graphic.generation, area: graphic.area, id });
+    }
+}
+
+#[cfg(test)]
+#[path = "graphics/tests.rs"]
+mod tests;

@@ -1,0 +1,299 @@
+//! How many bytes of pictures may be on their way, so that a key's answer never waits long behind them.
+//!
+//! After each piece of a picture the terminal is asked for its status ([`QUERY`]). Its reply says that
+//! the piece has been read, and how long that took. What it took beyond the shortest round trip was
+//! spent in queues, where the next key's answer would wait too. So the window of bytes that may be
+//! unanswered grows while queues are short and shrinks when they get long, as in LEDBAT (RFC 6817) and
+//! TCP Vegas (Brakmo and Peterson 1995); growth is that of slow start only as long as the spacing of
+//! replies shows a link that is much faster.
+//!
+//! A terminal that never answers is recognised. It gets no more queries, and a fixed rate.
+//!
+//! Time comes from the caller.
+
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+/// Asks for the terminal's status (DSR 5, ECMA-48 8.3.35); the reply is
+/// [`Reply::Status`](crate::input::Reply::Status).
+pub const QUERY: &[u8] = b"\x1b[5n";
+
+/// Fewer bytes are a key's answer: they are neither counted nor asked after.
+pub const KEY_SIZED: usize = 256;
+
+/// The smallest window: what a link of 12.5 kB/s takes in 0.12 s.
+const LEAST_WINDOW: usize = 1536;
+/// The largest.
+const MOST_WINDOW: usize = 1 << 20;
+/// What a terminal on this machine gets before its first reply.
+const LOCAL_WINDOW: usize = 256 << 10;
+/// The smallest piece worth a frame and a query of its own.
+const LEAST_PIECE: usize = 512;
+/// Time in queues below which the window grows.
+const SHORT_QUEUE: Duration = Duration::from_millis(15);
+/// Time in queues above which it shrinks.
+const LONG_QUEUE: Duration = Duration::from_millis(35);
+/// How long the first reply may take, beside what the bytes take on a link of [`SLOW`].
+const PATIENCE: Duration = Duration::from_millis(1500);
+/// Bytes a second of the slowest link that is thought of.
+const SLOW: f64 = 8192.0;
+/// What a terminal that does not answer gets: bytes a second, and at once.
+const MUTE_RATE: f64 = 65536.0;
+const MUTE_PIECE: usize = 8192;
+/// How long the shortest round trip is believed: routes change.
+const MEMORY: Duration = Duration::from_secs(30);
+/// How long a picture that comes in one piece may take.
+const ATOMIC: Duration = Duration::from_millis(250);
+/// Unanswered pieces one after the other, after which a terminal that once answered counts as mute.
+const LOST_LIMIT: u32 = 3;
+
+/// Decides when pictures are sent.
+#[derive(Clone, Debug)]
+pub struct Pacer {
+    remote: bool,
+    window: usize,
+    /// What was asked after and not answered, the oldest first.
+    unanswered: VecDeque<Piece>,
+    in_flight: usize,
+    heard: bool,
+    mute: bool,
+    lost: u32,
+    /// Replies that may still come to questions that were given up.
+    stale: usize,
+    trip: Shortest,
+    last_trip: Option<Duration>,
+    /// Bytes a second.
+    rate: Option<f64>,
+    /// When the last reply came, while others were awaited.
+    last_reply: Option<Instant>,
+    /// The window is not moved down again before this is answered.
+    reduced_at: Option<Instant>,
+    /// When a mute terminal may get the next piece.
+    next: Option<Instant>,
+}
+
+/// Bytes that were sent together.
+#[derive(Clone, Copy, Debug)]
+struct Piece {
+    sent: Instant,
+    bytes: usize,
+}
+
+/// The least of the last half minute to minute.
+#[derive(Clone, Copy, Debug, Default)]
+struct Shortest {
+    before: Option<Duration>,
+    now: Option<(Instant, Duration)>,
+}
+
+impl Shortest {
+    fn add(&mut self, trip: Duration, now: Instant) {
+        match &mut self.now {
+            Some((since, least)) if now.duration_since(*since) < MEMORY => *least = trip.min(*least),
+            slot => {
+                self.before = slot.map(|(_, least)| least);
+                *slot = Some((now, trip));
+            }
+        }
+    }
+
+    fn get(self) -> Option<Duration> {
+        self.before.into_iter().chain(self.now.map(|(_, least)| least)).min()
+    }
+}
+
+impl Pacer {
+    /// For a terminal on another machine, or on this one.
+    pub fn new(remote: bool) -> Self {
+        Self {
+            remote,
+            window: if remote { LEAST_WINDOW } else { LOCAL_WINDOW },
+            unanswered: VecDeque::new(),
+            in_flight: 0,
+            heard: false,
+            mute: false,
+            lost: 0,
+            stale: 0,
+            trip: Shortest::default(),
+            last_trip: None,
+            rate: None,
+            last_reply: None,
+            reduced_at: None,
+            next: None,
+        }
+    }
+
+    /// How many bytes of pictures may be sent now in one piece: 0, or enough for a useful one.
+    pub fn allowance(&mut self, now: Instant) -> usize {
+        self.give_up(now);
+        if self.mute {
+            return match self.next {
+                _ if !self.remote => usize::MAX,
+                Some(next) if next > now => 0,
+                _ => MUTE_PIECE,
+            };
+        }
+        // Several pieces are in flight, so that replies tell early and the link is never empty.
+        let piece = (self.window / 4).max(LEAST_PIECE);
+        if self.window.saturating_sub(self.in_flight) < piece { 0 } else { piece }
+    }
+
+    /// Whether [`QUERY`] is to be appended to so many bytes.
+    pub fn asks(&self, bytes: usize) -> bool {
+        !self.mute && bytes > KEY_SIZED
+    }
+
+    /// So many bytes were sent, with [`QUERY`] if [`Pacer::asks`] said so.
+    pub fn sent(&mut self, bytes: usize, now: Instant) {
+        if bytes <= KEY_SIZED {
+            return;
+        }
+        if self.mute {
+            let from = self.next.map_or(now, |next| next.max(now));
+            self.next = Some(from + Duration::from_secs_f64(bytes as f64 / MUTE_RATE));
+            return;
+        }
+        self.unanswered.push_back(Piece { sent: now, bytes });
+        self.in_flight += bytes;
+    }
+
+    /// The terminal has answered.
+    pub fn acked(&mut self, now: Instant) {
+        let Some(&piece) = self.unanswered.front() else {
+            // To a question that was given up: it does answer, only slowly.
+            self.stale = self.stale.saturating_sub(1);
+            self.mute &= self.heard || self.stale > 0;
+            self.revive();
+            return;
+        };
+        let trip = now.duration_since(piece.sent);
+        let least = self.trip.get();
+        if self.stale > 0 && least.is_some_and(|least| trip < least * 6 / 10) {
+            self.stale -= 1;
+            return;
+        }
+        self.unanswered.pop_front();
+        self.in_flight -= piece.bytes;
+        self.trip.add(trip, now);
+        self.last_trip = Some(trip);
+        (self.heard, self.lost) = (true, 0);
+        self.measure(piece, now);
+        self.steer(piece, trip, now);
+        self.last_reply = (!self.unanswered.is_empty()).then_some(now);
+    }
+
+    /// A terminal that was taken for mute speaks.
+    fn revive(&mut self) {
+        self.mute = false;
+        self.heard = true;
+        self.lost = 0;
+        self.next = None;
+    }
+
+    /// The rate from the time between two replies, of which the second was already awaited when the
+    /// first came: then the link was busy with its piece, unless that was sent late, which makes the
+    /// result too small. So the largest counts, and fades.
+    fn measure(&mut self, piece: Piece, now: Instant) {
+        let Some(last) = self.last_reply.filter(|&last| piece.sent <= last) else { return };
+        // Replies that come together say no more than "fast".
+        let seconds = now.duration_since(last).as_secs_f64().max(0.000_25);
+        let found = piece.bytes as f64 / seconds;
+        self.rate =
+            Some(self.rate.map_or(found, |rate| if found > rate { found } else { rate * 0.9 + found * 0.1 }));
+    }
+
+    fn steer(&mut self, piece: Piece, trip: Duration, now: Instant) {
+        let least = self.trip.get().unwrap_or(trip);
+        let queued = trip.saturating_sub(least);
+        if queued < SHORT_QUEUE {
+            let room = self.rate.map(|rate| rate * (least + SHORT_QUEUE).as_secs_f64());
+            let gain = if room.is_some_and(|room| self.window as f64 * 2.0 < room) { 1 } else { 4 };
+            // Only a window that is used grows.
+            if self.in_flight + piece.bytes + LEAST_PIECE >= self.window / 2 {
+                self.window = (self.window + piece.bytes / gain).min(MOST_WINDOW);
+            }
+        } else if queued > LONG_QUEUE && self.reduced_at.is_none_or(|at| piece.sent > at) {
+            // To what was read in the shortest trip; once for all that is in flight.
+            let share = (least + SHORT_QUEUE).as_secs_f64() / trip.as_secs_f64();
+            self.window = ((self.window as f64 * share.max(0.5)) as usize).max(LEAST_WINDOW);
+            self.reduced_at = Some(now);
+        }
+    }
+
+    /// When questions that were not answered are given up.
+    fn deadline(&self) -> Option<Instant> {
+        let first = self.unanswered.front()?;
+        let patience = self.trip.get().map_or(PATIENCE, |trip| (trip * 4).max(PATIENCE));
+        Some(first.sent + patience + Duration::from_secs_f64(self.in_flight as f64 / SLOW))
+    }
+
+    fn give_up(&mut self, now: Instant) {
+        if self.deadline().is_none_or(|deadline| deadline > now) {
+            return;
+        }
+        self.stale += self.unanswered.len();
+        self.unanswered.clear();
+        self.in_flight = 0;
+        self.last_reply = None;
+        self.lost += 1;
+        self.window = if self.remote { LEAST_WINDOW } else { self.window };
+        self.mute = !self.heard || self.lost >= LOST_LIMIT;
+    }
+
+    /// When [`Pacer::allowance`] may be more than now, without a reply.
+    pub fn wake_at(&self) -> Option<Instant> {
+        if self.mute { self.next } else { self.deadline() }
+    }
+
+    /// The largest picture that may be sent in one piece now: what the link takes in a quarter of a
+    /// second. 0 as long as other bytes are on their way or nothing is known of a remote link.
+    pub fn atomic_allowance(&mut self, now: Instant) -> usize {
+        self.give_up(now);
+        if !self.remote || self.mute {
+            return usize::MAX;
+        }
+        match self.rate {
+            Some(rate) if self.unanswered.is_empty() => (rate * ATOMIC.as_secs_f64()) as usize,
+            _ => 0,
+        }
+    }
+
+    /// Whether a picture of so many bytes may be sent in one piece now.
+    pub fn fits_atomic(&mut self, bytes: usize, now: Instant) -> bool {
+        bytes <= self.atomic_allowance(now)
+    }
+
+    /// Bytes that may be unanswered.
+    pub const fn window(&self) -> usize {
+        self.window
+    }
+
+    /// Bytes that are.
+    pub const fn in_flight(&self) -> usize {
+        self.in_flight
+    }
+
+    /// The last round trip, queues included.
+    pub const fn round_trip(&self) -> Option<Duration> {
+        self.last_trip
+    }
+
+    /// The shortest round trip of late.
+    pub fn shortest_round_trip(&self) -> Option<Duration> {
+        self.trip.get()
+    }
+
+    /// Bytes a second that the link takes, as far as that could be seen.
+    pub const fn rate(&self) -> Option<f64> {
+        self.rate
+    }
+
+    /// Whether the terminal answers no queries.
+    pub const fn is_mute(&self) -> bool {
+        self.mute
+    }
+}
+
+#[cfg(test)]
+#[path = "pacing/tests.rs"]
+mod tests;

@@ -1,0 +1,549 @@
+//! What the terminal shows, and the fewest bytes that bring it to what it should show.
+//!
+//! A frame's text is sent first and whole. Its pictures come after, as many bytes at a time as the
+//! caller allows; what was sent is remembered cell by cell, so that a newer frame may take over at any
+//! moment. Nothing is sent twice, and a frame that looks like the one before costs no byte.
+//!
+//! Buffers are ratatui's. [`CellDiffOption`](ratatui::buffer::CellDiffOption)s are not looked at,
+//! except for a forced width; control characters are shown as blanks.
+//!
+//! ```
+//! use linden_terminal::{Allowance, Frame, Screen, ScreenOptions};
+//! use ratatui::buffer::Buffer;
+//! let mut screen = Screen::new(ScreenOptions::default());
+//! let buffer = Buffer::with_lines(["linden"]);
+//! let frame = Frame { buffer: &buffer, cursor: None, late: &[], graphic: None };
+//! let first = screen.compose(&frame, Allowance::ALL);
+//! assert!(first.bytes.starts_with(b"\x1b[m\x1b[2J\x1b[Hlinden") && !first.rest);
+//! assert!(screen.compose(&frame, Allowance::ALL).bytes.is_empty());
+//! ```
+
+mod encoder;
+mod look;
+
+use ratatui::buffer::{Buffer, Cell};
+use ratatui::layout::Rect;
+use ratatui::style::Color;
+
+use crate::color::ColorDepth;
+use crate::graphics::{Canvas, Graphic, Placement};
+use encoder::Encoder;
+use look::{Look, is_doubtful, width};
+
+/// How a terminal is spoken to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ScreenOptions {
+    /// How many colours it shows; with none, bold, reversed and the like stay.
+    pub colors: ColorDepth,
+    /// Whether it has synchronized output (private mode 2026): a frame appears at once.
+    pub synchronized: bool,
+    /// Whether erasing takes the pen's background, as nearly all terminals have it (terminfo's `bce`;
+    /// GNU screen has not).
+    pub erases_in_color: bool,
+}
+
+impl Default for ScreenOptions {
+    /// 24 bits, erasing in colour, not synchronized.
+    fn default() -> Self {
+        Self { colors: ColorDepth::True, synchronized: false, erases_in_color: true }
+    }
+}
+
+/// What should be shown.
+#[derive(Clone, Copy, Debug)]
+pub struct Frame<'a> {
+    /// The cells. Its area starts at the terminal's upper left.
+    pub buffer: &'a Buffer,
+    /// Column and row of the cursor, which is hidden without.
+    pub cursor: Option<(u16, u16)>,
+    /// Areas whose cells may come later: pictures.
+    pub late: &'a [Rect],
+    /// A picture of pixels over some of the cells. Until it can be shown the cells are.
+    pub graphic: Option<&'a Graphic>,
+}
+
+/// How many bytes of pictures may be sent now.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Allowance {
+    /// Of what can be sent piece by piece.
+    pub paced: usize,
+    /// The largest picture that may be sent in one piece.
+    pub atomic: usize,
+}
+
+impl Allowance {
+    /// Everything.
+    pub const ALL: Self = Self { paced: usize::MAX, atomic: usize::MAX };
+    /// Text alone.
+    pub const NONE: Self = Self { paced: 0, atomic: 0 };
+}
+
+/// What is to be written, in one piece.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Composed {
+    /// For the terminal.
+    pub bytes: Vec<u8>,
+    /// How many of them are pictures'.
+    pub picture: usize,
+    /// Whether there is more to send of this frame.
+    pub rest: bool,
+}
+
+/// What is known of a cell that the terminal shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Known {
+    /// Nothing.
+    No,
+    /// It shows the cell of the same place in `shown`.
+    Yes,
+    /// It is covered by the wide character to its left.
+    Covered,
+}
+
+/// A terminal's screen, as it is once all that was composed has arrived.
+#[derive(Debug)]
+pub struct Screen {
+    options: ScreenOptions,
+    shown: Buffer,
+    known: Vec<Known>,
+    encoder: Encoder,
+    /// Whether the cursor is visible, if that is known.
+    cursor: Option<bool>,
+    canvas: Canvas,
+    /// All must be sent again, from a clear screen.
+    invalid: bool,
+    /// The row that the last allowance ended in: the next one goes on there, so that frames which
+    /// follow each other closely reach the lower rows too.
+    resume: u16,
+}
+
+/// The longest that one cell can be: a move, two colours of three numbers, modifiers and a
+/// character; beyond it there are clusters of many characters, which pictures do not have.
+const LONGEST_CELL: usize = 96;
+
+/// A shorter run of blanks is printed.
+const SHORTEST_ERASED: u16 = 9;
+
+impl Screen {
+    /// A terminal of which nothing is known.
+    pub fn new(options: ScreenOptions) -> Self {
+        Self {
+            options,
+            shown: Buffer::empty(Rect::ZERO),
+            known: Vec::new(),
+            encoder: Encoder::new(),
+            cursor: None,
+            canvas: Canvas::default(),
+            invalid: true,
+            resume: 0,
+        }
+    }
+
+    /// What the terminal shows is no longer known (it was resized, or something else has written to
+    /// it): the next frame starts from a clear screen.
+    pub fn invalidate(&mut self) {
+        self.invalid = true;
+    }
+
+    /// How the terminal is spoken to from now on. All is sent again if its colours have changed.
+    pub fn set_options(&mut self, options: ScreenOptions) {
+        self.invalid |= options.colors != self.options.colors;
+        self.options = options;
+    }
+
+    /// Removes pictures and leaves a plain pen: for the end of the program, before the screen is
+    /// given back.
+    pub fn farewell(&mut self) -> Vec<u8> {
+        let mut out = Vec::new();
+        self.canvas.remove_all(&mut out);
+        self.encoder.plain(&mut out);
+        self.invalid = true;
+        out
+    }
+
+    /// The bytes that bring the terminal nearer to a frame: all of its text, and of its pictures as
+    /// much as is allowed.
+    pub fn compose(&mut self, frame: &Frame<'_>, allowance: Allowance) -> Composed {
+        let mut cleared = Vec::new();
+        if self.invalid || frame.buffer.area != self.shown.area {
+            self.clear(frame.buffer.area, &mut cleared);
+        }
+        let mut out = Vec::new();
+        let wanted = frame.graphic.filter(|graphic| {
+            let inside = graphic.area.intersection(frame.buffer.area) == graphic.area;
+            let possible = self.canvas.stands(graphic) || graphic.data.may_be_sent(allowance.atomic);
+            inside && possible && !graphic.area.is_empty()
+        });
+        if let Some(uncovered) = self.canvas.prepare(wanted, &mut out) {
+            self.forget(uncovered);
+        }
+        let plan = Plan::new(frame, self.canvas.covered());
+        self.paint_text(frame.buffer, &plan, &mut out);
+        let text = out.len();
+        let mut rest = self.paint_late(frame.buffer, &plan, allowance.paced, &mut out);
+        if let Some(graphic) = wanted
+            && !rest
+        {
+            let left = allowance.paced.saturating_sub(out.len() - text);
+            rest = self.place(graphic, frame.buffer, left, &mut out);
+        }
+        let picture = out.len() - text;
+        self.settle_cursor(frame, &mut out);
+
+        let bytes = if out.is_empty() {
+            cleared
+        } else if self.options.synchronized {
+            [&cleared, &b"\x1b[?2026h"[..], &out, b"\x1b[?2026l"].concat()
+        } else if cleared.is_empty() {
+            out
+        } else {
+            [cleared, out].concat()
+        };
+        Composed { bytes, picture, rest }
+    }
+
+    /// Starts from nothing: outside of synchronized output, in which tmux loses what follows a clear.
+    fn clear(&mut self, area: Rect, out: &mut Vec<u8>) {
+        self.canvas.remove_all(out);
+        out.extend_from_slice(b"\x1b[m\x1b[2J");
+        self.encoder = Encoder::new();
+        self.cursor = None;
+        self.shown = Buffer::empty(area);
+        self.known.clear();
+        self.known.resize(self.shown.content.len(), Known::Yes);
+        self.invalid = false;
+        self.resume = 0;
+    }
+
+    /// What is shown in an area is no longer known.
+    fn forget(&mut self, area: Rect) {
+        let area = area.intersection(self.shown.area);
+        for row in area.top()..area.bottom() {
+            let from = self.shown.index_of(area.x, row);
+            self.known[from..from + usize::from(area.width)].fill(Known::No);
+        }
+    }
+
+    fn paint_text(&mut self, buffer: &Buffer, plan: &Plan, out: &mut Vec<u8>) {
+        for row in 0..buffer.area.height {
+            self.paint_row(buffer, plan, row, false, usize::MAX, out);
+        }
+    }
+
+    /// Whether there is more to send.
+    fn paint_late(&mut self, buffer: &Buffer, plan: &Plan, allowed: usize, out: &mut Vec<u8>) -> bool {
+        let rows = plan.late_rows.clone();
+        if rows.is_empty() {
+            return false;
+        }
+        let end = out.len().saturating_add(allowed);
+        let first = if rows.contains(&self.resume) { self.resume } else { rows.start };
+        for row in (first..rows.end).chain(rows.start..first) {
+            if !self.paint_row(buffer, plan, row, true, end, out) {
+                self.resume = row;
+                return true;
+            }
+        }
+        self.resume = rows.start;
+        false
+    }
+
+    /// Sends the cells of a row that are, or are not, late and look otherwise than they should.
+    /// Whether it could be finished before the output's end.
+    fn paint_row(
+        &mut self,
+        buffer: &Buffer,
+        plan: &Plan,
+        row: u16,
+        late: bool,
+        end: usize,
+        out: &mut Vec<u8>,
+    ) -> bool {
+        let columns = buffer.area.width;
+        let mut column = 0;
+        while column < columns {
+            let at = usize::from(row) * usize::from(columns) + usize::from(column);
+            let cell = plan.cell(buffer, at);
+            let taken = width(cell).clamp(1, columns - column);
+            if plan.late[at] != late || self.shows(cell, at, taken, columns - column) {
+                column += taken;
+                continue;
+            }
+            if out.len().saturating_add(LONGEST_CELL) > end {
+                return false;
+            }
+            let look = Look::of(cell, columns - column, self.options.colors);
+            column += match self.blank_run(buffer, plan, look, (column, row), late) {
+                Some(run) => {
+                    self.erase(run, (column, row), out);
+                    run.cells
+                }
+                None => self.print(cell, look, (column, row), out),
+            };
+        }
+        true
+    }
+
+    /// Whether the terminal shows a cell that takes so many columns. A cell that looks the same
+    /// is remembered in its newer form.
+    fn shows(&mut self, cell: &Cell, at: usize, taken: u16, room: u16) -> bool {
+        if self.known[at] != Known::Yes {
+            return false;
+        }
+        let trail = &self.known[at + 1..at + usize::from(taken)];
+        let shown = &self.shown.content[at];
+        if shown == cell {
+            return taken == 1 || width(cell) > room || trail.iter().all(|&known| known == Known::Covered);
+        }
+        let same = taken == 1
+            && width(shown) <= 1
+            && Look::of(shown, room, self.options.colors) == Look::of(cell, room, self.options.colors);
+        if same {
+            self.shown.content[at] = cell.clone();
+        }
+        same
+    }
+
+    /// A run of equal blanks from a cell on that are shorter to erase than to print.
+    fn blank_run(
+        &self,
+        buffer: &Buffer,
+        plan: &Plan,
+        look: Look<'_>,
+        (column, row): (u16, u16),
+        late: bool,
+    ) -> Option<Run> {
+        let paper = look.blank_paper()?;
+        if paper != Color::Reset && !self.options.erases_in_color {
+            return None;
+        }
+        let columns = buffer.area.width;
+        let row_start = usize::from(row) * usize::from(columns);
+        let (mut end, mut changed) = (column, column);
+        while end < columns {
+            let at = row_start + usize::from(end);
+            let cell = plan.cell(buffer, at);
+            if plan.late[at] != late
+                || width(cell) > 1
+                || Look::of(cell, columns - end, self.options.colors) != look
+            {
+                break;
+            }
+            end += 1;
+            if self.known[at] != Known::Yes
+                || Look::of(&self.shown.content[at], columns - end + 1, self.options.colors) != look
+            {
+                changed = end;
+            }
+        }
+        let cells = changed - column;
+        let to_end = end == columns && cells > 3;
+        (to_end || cells >= SHORTEST_ERASED).then_some(Run { cells, to_end, paper })
+    }
+
+    fn erase(&mut self, run: Run, (column, row): (u16, u16), out: &mut Vec<u8>) {
+        self.encoder.go(out, column, row);
+        self.encoder.erase(out, run.paper, (!run.to_end).then_some(run.cells));
+        let at = self.shown.index_of(column, row);
+        let mut blank = Cell::EMPTY;
+        blank.set_bg(run.paper);
+        let cells = at..at + usize::from(run.cells);
+        self.overwrite(cells.clone());
+        self.shown.content[cells].fill(blank);
+    }
+
+    /// How many columns the cell takes.
+    fn print(&mut self, cell: &Cell, look: Look<'_>, (column, row): (u16, u16), out: &mut Vec<u8>) -> u16 {
+        let columns = self.shown.area.width;
+        let at = self.shown.index_of(column, row);
+        let (taken, doubtful) = match look {
+            Look::Text { symbol, .. } if symbol != " " => (width(cell), is_doubtful(symbol)),
+            // Also a character that does not fit.
+            _ => (1, false),
+        };
+        if !self.reprint_gap(column, row, out) {
+            self.encoder.go(out, column, row);
+        }
+        if doubtful && taken > 1 {
+            // A terminal that takes fewer columns for it shows blanks in the others.
+            let blank = Look::of(&Cell::EMPTY, 1, self.options.colors);
+            for _ in 0..taken {
+                self.encoder.print(out, blank);
+            }
+            self.encoder.lose_column();
+            self.encoder.go(out, column, row);
+        }
+        self.encoder.print(out, look);
+        let cells = at..at + usize::from(taken);
+        self.overwrite(cells.clone());
+        self.known[cells].fill(Known::Covered);
+        self.known[at] = Known::Yes;
+        self.shown.content[at] = cell.clone();
+        if doubtful {
+            self.encoder.lose_column()
+        } else {
+            self.encoder.advance(taken, columns)
+        }
+        taken
+    }
+
+    /// Prints the few cells between the cursor and a column again where that is shorter than a move.
+    fn reprint_gap(&mut self, column: u16, row: u16, out: &mut Vec<u8>) -> bool {
+        let Some((from, at_row)) = self.encoder.cursor() else { return false };
+        if at_row != row || column <= from || column - from > 3 {
+            return false;
+        }
+        let gap = self.shown.index_of(from, row)..self.shown.index_of(column, row);
+        let mut printed = [b' '; 3];
+        for (i, at) in gap.clone().enumerate() {
+            let look = Look::of(&self.shown.content[at], 1, self.options.colors);
+            let symbol = match look {
+                Look::Text { symbol, .. } => symbol,
+                look if look.blank_paper().is_some() => " ",
+                Look::Quarters { .. } => return false,
+            };
+            match symbol.as_bytes() {
+                [byte] if self.known[at] == Known::Yes && self.encoder.fits(look) => printed[i] = *byte,
+                _ => return false,
+            }
+        }
+        out.extend_from_slice(&printed[..gap.len()]);
+        self.encoder.advance(gap.len() as u16, self.shown.area.width);
+        true
+    }
+
+    /// Some cells of a row are overwritten. What becomes of the rest of a wide character of which
+    /// a part is overwritten is the terminal's choice.
+    fn overwrite(&mut self, cells: std::ops::Range<usize>) {
+        let columns = usize::from(self.shown.area.width);
+        let row = cells.start / columns * columns..cells.start / columns * columns + columns;
+        if self.known[cells.start] == Known::Covered {
+            for at in (row.start..cells.start).rev() {
+                let covered = self.known[at] == Known::Covered;
+                self.known[at] = Known::No;
+                if !covered {
+                    break;
+                }
+            }
+        }
+        let covered = |known: &&mut Known| **known == Known::Covered;
+        for known in self.known[cells.end..row.end].iter_mut().take_while(covered) {
+            *known = Known::No;
+        }
+        self.known[cells].fill(Known::Yes);
+    }
+
+    /// Whether there is more to send of a picture of pixels.
+    fn place(&mut self, graphic: &Graphic, buffer: &Buffer, allowed: usize, out: &mut Vec<u8>) -> bool {
+        match self.canvas.send(graphic, allowed, out) {
+            Placement::Standing => false,
+            Placement::Unfinished => true,
+            Placement::Ready => {
+                // Where the picture is transparent, nothing must shine through.
+                if self.canvas.needs_fresh_cells(graphic) {
+                    self.forget(graphic.area);
+                }
+                let plan = Plan::beneath(buffer, graphic.area);
+                for row in graphic.area.top()..graphic.area.bottom() {
+                    self.paint_row(buffer, &plan, row, true, usize::MAX, out);
+                }
+                self.encoder.go(out, graphic.area.x, graphic.area.y);
+                self.canvas.place(graphic, out);
+                if Canvas::moves_cursor(graphic) {
+                    self.encoder.lose_cursor();
+                }
+                false
+            }
+        }
+    }
+
+    /// Shows or hides the cursor. It is put back where it belongs if anything was written.
+    fn settle_cursor(&mut self, frame: &Frame<'_>, out: &mut Vec<u8>) {
+        let area = frame.buffer.area;
+        let place = frame.cursor.filter(|&(x, y)| x < area.width && y < area.height);
+        if let Some((column, row)) = place {
+            self.encoder.go(out, column, row);
+        }
+        if self.cursor != Some(place.is_some()) {
+            out.extend_from_slice(if place.is_some() { b"\x1b[?25h" } else { b"\x1b[?25l" });
+            self.cursor = Some(place.is_some());
+        }
+    }
+}
+
+/// Bytes that a buffer costs on an empty screen.
+pub(crate) fn paint_cost(buffer: &Buffer, colors: ColorDepth) -> usize {
+    let mut screen = Screen::new(ScreenOptions { colors, ..ScreenOptions::default() });
+    let late = [buffer.area];
+    let frame = Frame { buffer, cursor: None, late: &late, graphic: None };
+    screen.compose(&frame, Allowance::ALL).picture
+}
+
+/// Blanks of one colour.
+#[derive(Clone, Copy)]
+struct Run {
+    cells: u16,
+    /// Whether nothing else follows on the row.
+    to_end: bool,
+    paper: Color,
+}
+
+/// Which cells come when, and which are beneath a picture of pixels.
+struct Plan {
+    late: Vec<bool>,
+    covered: Vec<bool>,
+    late_rows: std::ops::Range<u16>,
+}
+
+impl Plan {
+    fn new(frame: &Frame<'_>, covered: Option<Rect>) -> Self {
+        let area = frame.buffer.area;
+        let mut plan =
+            Self { late: vec![false; frame.buffer.content.len()], covered: Vec::new(), late_rows: 0..0 };
+        for &rect in frame.late {
+            let rect = rect.intersection(area);
+            if rect.is_empty() {
+                continue;
+            }
+            mark(&mut plan.late, frame.buffer, rect);
+            plan.late_rows = if plan.late_rows.is_empty() {
+                rect.top()..rect.bottom()
+            } else {
+                plan.late_rows.start.min(rect.top())..plan.late_rows.end.max(rect.bottom())
+            };
+        }
+        if let Some(rect) = covered {
+            plan.cover(frame.buffer, rect);
+        }
+        plan
+    }
+
+    /// The cells beneath a picture alone.
+    fn beneath(buffer: &Buffer, area: Rect) -> Self {
+        let mut late = vec![false; buffer.content.len()];
+        mark(&mut late, buffer, area);
+        Self { covered: late.clone(), late, late_rows: area.top()..area.bottom() }
+    }
+
+    fn cover(&mut self, buffer: &Buffer, rect: Rect) {
+        self.covered.resize(buffer.content.len(), false);
+        mark(&mut self.covered, buffer, rect.intersection(buffer.area));
+    }
+
+    /// What should be shown at a place.
+    fn cell<'a>(&self, buffer: &'a Buffer, at: usize) -> &'a Cell {
+        const BLANK: &Cell = &Cell::EMPTY;
+        if self.covered.get(at) == Some(&true) { BLANK } else { &buffer.content[at] }
+    }
+}
+
+fn mark(marks: &mut [bool], buffer: &Buffer, rect: Rect) {
+    for row in rect.top()..rect.bottom() {
+        let from = buffer.index_of(rect.x, row);
+        marks[from..from + usize::from(rect.width)].fill(true);
+    }
+}
+
+#[cfg(test)]
+#[path = "screen/tests.rs"]
+mod tests;

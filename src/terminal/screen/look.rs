@@ -1,0 +1,155 @@
+//! What a cell looks like: two cells that look the same need no bytes between them.
+
+use ratatui::buffer::{Cell, CellWidth};
+use ratatui::style::{Color, Modifier};
+
+use crate::color::ColorDepth;
+
+/// The characters that are a cell's quarters: bit 0 is the upper left, bit 3 the lower right.
+pub(crate) const QUADRANTS: [&str; 16] =
+    [" ", "▘", "▝", "▀", "▖", "▌", "▞", "▛", "▗", "▚", "▐", "▜", "▄", "▙", "▟", "█"];
+
+/// All four quarters.
+const FULL: u8 = 15;
+
+/// Modifiers that show where there is no ink.
+const VISIBLE_ON_BLANK: Modifier = Modifier::REVERSED
+    .union(Modifier::UNDERLINED)
+    .union(Modifier::SLOW_BLINK)
+    .union(Modifier::RAPID_BLINK)
+    .union(Modifier::CROSSED_OUT);
+
+/// A cell as it is seen, in a terminal's own colours. Equal looks are the same picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Look<'a> {
+    /// Quarters in two colours. `None` is a colour that nothing has. Where both can be exchanged,
+    /// the upper left quarter has the paper, so that a look has one form.
+    Quarters { drawn: u8, ink: Option<Color>, paper: Option<Color> },
+    /// Anything else.
+    Text { symbol: &'a str, ink: Color, paper: Color, underline: Color, modifier: Modifier },
+}
+
+impl<'a> Look<'a> {
+    /// How a cell looks with so many colours.
+    pub fn of(cell: &'a Cell, room: u16, colors: ColorDepth) -> Self {
+        let symbol = symbol(cell, room);
+        let mut modifier = cell.modifier;
+        if symbol == " " {
+            modifier &= VISIBLE_ON_BLANK;
+        }
+        let (ink, paper) = (colors.map(cell.fg), colors.map(cell.bg));
+        if modifier.is_empty()
+            && let Some(drawn) = QUADRANTS.iter().position(|&quadrant| quadrant == symbol)
+        {
+            return Self::quarters(drawn as u8, ink, paper);
+        }
+        let underline = if modifier.contains(Modifier::UNDERLINED) && colors >= ColorDepth::Ansi256 {
+            colors.map(cell.underline_color)
+        } else {
+            Color::Reset
+        };
+        Self::Text { symbol, ink, paper, underline, modifier }
+    }
+
+    fn quarters(drawn: u8, ink: Color, paper: Color) -> Self {
+        let own = |color: Color| color == Color::Reset;
+        match drawn {
+            0 => Self::blank(paper),
+            _ if ink == paper && !own(ink) => Self::blank(paper),
+            FULL if !own(ink) => Self::blank(ink),
+            FULL => Self::Quarters { drawn, ink: Some(ink), paper: None },
+            _ if drawn & 1 == 1 && !own(ink) && !own(paper) => {
+                Self::Quarters { drawn: FULL & !drawn, ink: Some(paper), paper: Some(ink) }
+            }
+            _ => Self::Quarters { drawn, ink: Some(ink), paper: Some(paper) },
+        }
+    }
+
+    /// Nothing but paper.
+    pub const fn blank(paper: Color) -> Self {
+        Self::Quarters { drawn: 0, ink: None, paper: Some(paper) }
+    }
+
+    /// The same picture with ink and paper exchanged, where a terminal can show it so: its own
+    /// foreground is no paper, and its own background no ink.
+    pub fn exchanged(self) -> Option<Self> {
+        let Self::Quarters { drawn, ink, paper } = self else { return None };
+        let known = |color: Option<Color>| color != Some(Color::Reset);
+        (known(ink) && known(paper)).then_some(Self::Quarters {
+            drawn: FULL & !drawn,
+            ink: paper,
+            paper: ink,
+        })
+    }
+
+    /// The paper, if there is nothing else.
+    pub fn blank_paper(self) -> Option<Color> {
+        match self {
+            Self::Quarters { drawn: 0, paper, .. } => paper,
+            _ => None,
+        }
+    }
+}
+
+/// What is printed for a cell, in at most `room` columns: nothing that could be a command to the
+/// terminal, and nothing that would run over the edge.
+fn symbol(cell: &Cell, room: u16) -> &str {
+    let symbol = cell.symbol();
+    if width(cell) > room || symbol.chars().any(char::is_control) || width(cell) == 0 { " " } else { symbol }
+}
+
+/// Columns that a cell's symbol takes: 0 for what cannot be printed.
+pub(crate) fn width(cell: &Cell) -> u16 {
+    let symbol = cell.symbol();
+    match symbol.as_bytes() {
+        [] => 0,
+        [byte] => u16::from(!byte.is_ascii_control()),
+        // Blocks, lines and braille, which pictures are made of: U+2500..U+259F, U+2800..U+28FF.
+        [0xe2, 0x94..=0x96 | 0xa0..=0xa3, _] => 1,
+        _ if symbol.chars().any(char::is_control) => 0,
+        _ => cell.cell_width(),
+    }
+}
+
+/// Whether terminals disagree about the columns that a symbol takes: sequences of several characters.
+pub(crate) fn is_doubtful(symbol: &str) -> bool {
+    symbol.chars().nth(1).is_some()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn look(symbol: &'static str, ink: Color, paper: Color) -> Look<'static> {
+        let cell = Box::leak(Box::new(Cell::new(symbol)));
+        cell.set_fg(ink).set_bg(paper);
+        Look::of(cell, 2, ColorDepth::True)
+    }
+
+    #[test]
+    fn the_same_picture_has_one_look() {
+        let (a, b) = (Color::Rgb(1, 2, 3), Color::Rgb(4, 5, 6));
+        assert_eq!(look("▀", a, b), look("▄", b, a));
+        assert_eq!(look("▛", a, b), look("▗", b, a));
+        assert_eq!(look("█", a, b), look(" ", b, a));
+        assert_eq!(look("▚", a, a), look(" ", b, a));
+        assert_eq!(look("█", a, b).exchanged().and_then(Look::exchanged), Some(look(" ", b, a)));
+    }
+
+    #[test]
+    fn the_terminals_own_colours_are_not_exchanged() {
+        let a = Color::Rgb(1, 2, 3);
+        assert_ne!(look("▀", a, Color::Reset), look("▄", Color::Reset, a));
+        assert_ne!(look("█", Color::Reset, a), look(" ", a, Color::Reset));
+        assert_eq!(look("▀", a, Color::Reset).exchanged(), None);
+    }
+
+    #[test]
+    fn commands_to_the_terminal_are_blank() {
+        for bad in ["\u{1b}", "\u{7f}", "\n", "\u{9b}", "a\u{1b}[2J", "", "\u{301}"] {
+            let mut cell = Cell::EMPTY;
+            cell.set_symbol(bad);
+            assert_eq!(Look::of(&cell, 2, ColorDepth::True), Look::blank(Color::Reset), "{bad:?}");
+        }
+    }
+}
