@@ -5,17 +5,14 @@
 //! same from every yaw: a turntable neither clips the tree nor changes its scale.
 
 use glam::{Vec2, Vec3};
-use linden::Skeleton;
 
-use crate::Size;
+use crate::{Extent, Size};
 
 /// Half of the angle over the picture's longer side, degrees: mild, as a long lens from across the
 /// road. A tree gains depth and its trunk stays upright.
 const HALF_ANGLE_DEG: f32 = 13.0;
 /// The share of the picture's half side that the tree may fill.
 const FILL: f32 = 0.94;
-/// A tree without any extent is framed as if it were this large, metres.
-const SMALLEST_EXTENT_M: f32 = 1e-7;
 
 /// An orbit camera with a mild perspective.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,102 +86,6 @@ impl Camera {
     }
 }
 
-/// How many rings of equal height an [`Extent`] has.
-pub const RINGS: usize = 24;
-
-/// A solid of revolution around a tree, metres: upright rings, each as wide as the tree is there.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Extent {
-    /// Where its axis stands.
-    pub x: f32,
-    /// Where its axis stands.
-    pub z: f32,
-    /// The lower end.
-    pub bottom: f32,
-    /// The upper end.
-    pub top: f32,
-    /// The radius of each ring, from the lowest to the highest.
-    pub radii: [f32; RINGS],
-}
-
-impl Extent {
-    /// The solid around a skeleton's nodes (as balls of their radii) and some points.
-    /// `None` when there is neither.
-    pub fn of(skeleton: &Skeleton, points: &[Vec3]) -> Option<Self> {
-        let balls = || {
-            let nodes = skeleton.positions.iter().copied().zip(skeleton.radii.iter().copied());
-            nodes.chain(points.iter().filter(|p| p.is_finite()).map(|&p| (p, 0.0)))
-        };
-        let (min, max) = balls().fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(min, max), (p, r)| {
-            (min.min(p - Vec3::splat(r)), max.max(p + Vec3::splat(r)))
-        });
-        if min.cmpgt(max).any() {
-            return None;
-        }
-        let middle = min + (max - min) / 2.0;
-        let mut radii = [0.0_f32; RINGS];
-        let per_metre = RINGS as f32 / (max.y - min.y).max(SMALLEST_EXTENT_M);
-        let ring = |y: f32| (((y - min.y) * per_metre) as usize).min(RINGS - 1);
-        let reach = |p: Vec3, r: f32| Vec2::new(p.x - middle.x, p.z - middle.z).length() + r;
-        let mut widen = |low: f32, high: f32, reach: f32| {
-            for radius in &mut radii[ring(low)..=ring(high)] {
-                *radius = radius.max(reach);
-            }
-        };
-        for (p, r) in balls() {
-            widen(p.y - r, p.y + r, reach(p, r));
-        }
-        // An internode may cross rings in which no node lies. The distance from an axis is convex
-        // along it, so no place of it reaches farther than the farther end.
-        let tips = skeleton.positions.iter().zip(&skeleton.radii);
-        for (&parent, (&tip, r)) in skeleton.parents.iter().zip(tips) {
-            let parent = parent as usize;
-            let (Some(&base), Some(base_r)) = (skeleton.positions.get(parent), skeleton.radii.get(parent))
-            else {
-                continue;
-            };
-            let r = r.max(*base_r);
-            if ring(base.y) != ring(tip.y) {
-                widen(base.y.min(tip.y), base.y.max(tip.y), reach(base, r).max(reach(tip, r)));
-            }
-        }
-        Some(Self { x: middle.x, z: middle.z, bottom: min.y, top: max.y, radii })
-    }
-
-    /// The widest ring's radius, metres.
-    pub fn radius(&self) -> f32 {
-        self.radii.iter().copied().fold(0.0, f32::max)
-    }
-
-    fn middle(&self) -> Vec3 {
-        Vec3::new(self.x, self.bottom + (self.top - self.bottom) / 2.0, self.z)
-    }
-
-    /// The lens' distance from the middle, and how far the aim is lifted in the picture's plane, so
-    /// that the whole solid lies within `slope` and touches it.
-    ///
-    /// A point (x, y, z) in the camera's axes around the aim is inside where |x| ≤ kx (d - z) and
-    /// |y| ≤ ky (d - z): linear, so the rings' rims decide, and the largest value of a linear form
-    /// over a circle of radius R is R times its length. Solved for the smallest d.
-    fn fit(&self, slope: Vec2, sin_pitch: f32, cos_pitch: f32) -> (f32, f32) {
-        let half_height = ((self.top - self.bottom) / 2.0).max(SMALLEST_EXTENT_M);
-        let (kx, ky) = (1.0 / slope.x, 1.0 / slope.y);
-        let (mut sideways, mut upper, mut lower) = (0.0_f32, f32::NEG_INFINITY, f32::NEG_INFINITY);
-        for (i, radius) in self.radii.iter().enumerate() {
-            let radius = radius.max(SMALLEST_EXTENT_M);
-            for rim in [i, i + 1] {
-                let y = half_height * (2.0 * rim as f32 / RINGS as f32 - 1.0);
-                sideways = sideways.max(y * sin_pitch + radius * Vec2::new(kx, cos_pitch).length());
-                let (near, far) = (cos_pitch - ky * sin_pitch, cos_pitch + ky * sin_pitch);
-                upper = upper.max(y * (sin_pitch + ky * cos_pitch) + radius * near.abs());
-                lower = lower.max(y * (sin_pitch - ky * cos_pitch) + radius * far.abs());
-            }
-        }
-        // Lifting the aim by c lowers the upper need by ky c and raises the lower one as much.
-        (sideways.max(f32::midpoint(upper, lower)), (upper - lower) / (2.0 * ky))
-    }
-}
-
 /// A camera set up for one tree and one size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct View {
@@ -223,6 +124,21 @@ impl View {
         Vec3::new(direction.dot(self.right), direction.dot(self.up), direction.dot(self.toward))
     }
 
+    /// Pixels per metre at what the camera looks at, the tree's axis: what a scale bar shows.
+    pub fn scale_at_target(&self) -> f32 {
+        self.focal_px / self.distance
+    }
+
+    /// Pixels per metre one metre from the lens.
+    pub(crate) fn scale_at_nearness(&self) -> f32 {
+        self.focal_px
+    }
+
+    /// Level, to the right in the picture; length 1.
+    pub const fn right(&self) -> Vec3 {
+        self.right
+    }
+
     /// Whether the camera stands above the horizontal plane at a height.
     pub fn is_above(&self, height_m: f32) -> bool {
         (self.target + self.toward * self.distance).y > height_m
@@ -244,9 +160,10 @@ fn tan_deg(degrees: f32) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::extent::RINGS;
 
     fn can() -> Extent {
-        Extent { x: 3.0, z: -2.0, bottom: -0.5, top: 11.0, radii: [4.0; RINGS] }
+        Extent { x: 3.0, z: -2.0, bottom: -0.5, top: 11.0, radii: [4.0; RINGS], person: None }
     }
 
     /// Points all over the cylinder's rims.
@@ -289,7 +206,7 @@ mod tests {
     #[test]
     fn directions_are_what_their_names_say() {
         let size = Size::new(100, 100).unwrap();
-        let e = Extent { x: 0.0, z: 0.0, bottom: -1.0, top: 1.0, radii: [1.0; RINGS] };
+        let e = Extent { x: 0.0, z: 0.0, bottom: -1.0, top: 1.0, radii: [1.0; RINGS], person: None };
         let x = |c: Camera, p| c.view(e, size).project(p).at.x;
         let y = |c: Camera, p| c.view(e, size).project(p).at.y;
         assert!(x(Camera::front(), Vec3::X) > 60.0 && y(Camera::front(), Vec3::Y) < 40.0);
@@ -298,6 +215,15 @@ mod tests {
         let near = Camera::front().view(e, size).project(Vec3::Z);
         let far = Camera::front().view(e, size).project(Vec3::NEG_Z);
         assert!(near.depth_m < far.depth_m && near.scale > far.scale);
+    }
+
+    #[test]
+    fn the_scale_is_what_a_metre_measures_there() {
+        let view = Camera::orbit(40.0, 20.0).view(can(), Size::new(300, 500).unwrap());
+        let axis = Vec3::new(3.0, 5.25, -2.0);
+        let metre = view.project(axis + view.right() / 2.0).at - view.project(axis - view.right() / 2.0).at;
+        // The aim may lie above or below the axis' middle, in the plane of the picture: same depth.
+        assert!((metre.length() / view.scale_at_target() - 1.0).abs() < 1e-4, "{metre}");
     }
 
     #[test]

@@ -1,71 +1,65 @@
-//! Tiles that are drawn larger than they are shown, and what is behind them.
+//! The picture while it is being drawn, and what is behind it.
 //!
-//! tiny-skia covers a pixel in steps of a quarter and cannot take coordinates past 8191. Small
-//! pictures are therefore drawn at two or four times their size and averaged in linear light, and
-//! all pictures in tiles. The backdrop is computed per pixel, in floats and dithered: without that
-//! a soft gradient shows bands.
+//! A picture is drawn in bands of rows, in parallel. No pixel depends on how the rows are divided, so
+//! any number of threads gives the same bytes. Light is added up in linear floats; the backdrop is
+//! computed per pixel and dithered: without that a soft gradient shows bands.
 
-use glam::{Vec2, Vec3};
+use std::sync::LazyLock;
+
+use glam::{Vec2, Vec3, Vec4};
+use linden::Monitor;
 use linden::color::encode;
 use linden::picture::Picture;
-use tiny_skia::Pixmap;
+use rayon::prelude::*;
 
-use crate::color::{encoded, linear};
+use crate::color::linear;
 use crate::style::Background;
-use crate::{Extent, RasterError, Size, View};
+use crate::{RasterError, Size, View};
 
-/// The longest side of what tiny-skia draws at once.
-const TILE_PX: u32 = 2048;
+/// Rows of a band: enough to share what is done once a band.
+const BAND: u32 = 32;
+/// The most bands, so that looking through all strokes for each is little work.
+const MOST_BANDS: u32 = 256;
 
-/// A rectangle of the picture while it is being drawn.
-pub(crate) struct Tile {
-    /// Premultiplied sRGB, transparent at first.
-    pub pixmap: Pixmap,
-    /// The tile's upper left corner, pixels of the finished picture.
-    pub origin: Vec2,
-    /// Drawn pixels per pixel of the finished picture, along one side.
-    pub factor: f32,
+/// Some rows of a picture.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Rows {
+    /// The uppermost, from the picture's upper edge.
+    pub top: u32,
+    /// How many.
+    pub height: u32,
+    /// Pixels per row: the picture's.
+    pub width: u32,
 }
 
-/// How many times larger than shown a picture is drawn.
-pub(crate) fn oversampling(size: Size) -> u32 {
-    match size.width().max(size.height()) {
-        0..=256 => 4,
-        257..=2048 => 2,
-        _ => 1,
-    }
+/// How many rows the bands of a picture have (the last one fewer).
+pub(crate) fn band_height(size: Size) -> u32 {
+    BAND.max(size.height().div_ceil(MOST_BANDS))
 }
 
-/// Draws all tiles by `draw` and lays them over the backdrop.
+/// Draws all bands by `draw`, which is given their pixels (premultiplied linear light, transparent
+/// at first), and lays them over the backdrop.
 pub(crate) fn compose(
     size: Size,
     backdrop: &Backdrop,
-    mut draw: impl FnMut(&mut Tile) -> Result<(), RasterError>,
+    monitor: &dyn Monitor,
+    draw: impl Fn(Rows, &mut [Vec4]) -> Result<(), RasterError> + Sync,
 ) -> Result<Picture, RasterError> {
     let (width, height) = (size.width(), size.height());
-    let factor = oversampling(size);
-    let side = TILE_PX / factor;
-    let light = Light::new();
-    let mut rgba = vec![0; width as usize * height as usize * 4];
-    for top in (0..height).step_by(side as usize) {
-        for left in (0..width).step_by(side as usize) {
-            let (w, h) = (side.min(width - left), side.min(height - top));
-            let Some(pixmap) = Pixmap::new(w * factor, h * factor) else {
-                return Err(RasterError::Size { width, height });
-            };
-            let origin = Vec2::new(left as f32, top as f32);
-            let mut tile = Tile { pixmap, origin, factor: factor as f32 };
-            draw(&mut tile)?;
-            for y in 0..h {
-                let start = ((top + y) as usize * width as usize + left as usize) * 4;
-                let row = rgba[start..start + w as usize * 4].as_chunks_mut::<4>().0;
-                for (x, pixel) in row.iter_mut().enumerate() {
-                    let over = light.average(&tile.pixmap, x as u32, y, factor);
-                    *pixel = backdrop.below(over, left + x as u32, top + y, height, &light);
-                }
-            }
+    let per_row = width as usize * 4;
+    let band = band_height(size);
+    let mut rgba = vec![0; per_row * height as usize];
+    rgba.par_chunks_mut(per_row * band as usize).enumerate().try_for_each(|(i, bytes)| {
+        monitor.check()?;
+        let rows = Rows { top: i as u32 * band, height: (bytes.len() / per_row) as u32, width };
+        let mut pixels = vec![Vec4::ZERO; bytes.len() / 4];
+        draw(rows, &mut pixels)?;
+        let places = (0..rows.height).flat_map(|y| (0..width).map(move |x| (x, y)));
+        for ((out, pixel), (x, y)) in bytes.as_chunks_mut::<4>().0.iter_mut().zip(&pixels).zip(places) {
+            *out = backdrop.below(*pixel, x, rows.top + y, height, &LIGHT);
         }
-    }
+        Ok::<(), RasterError>(())
+    })?;
     Ok(Picture::new(width, height, rgba))
 }
 
@@ -85,10 +79,11 @@ struct Shadow {
 const SHADOW_DEPTH: f32 = 0.5;
 
 impl Backdrop {
-    /// `extent` is the tree's when it throws a shadow, on the plane through `ground`, where it stands.
-    pub(crate) fn new(background: Background, view: &View, ground: Vec3, extent: Option<Extent>) -> Self {
-        let shadow = extent.filter(|_| view.is_above(ground.y)).map(|e| {
-            let reach = 0.6 * e.radius();
+    /// `radius_m` is the crown's when the tree throws a shadow, on the plane through `ground`, where it
+    /// stands.
+    pub(crate) fn new(background: Background, view: &View, ground: Vec3, radius_m: Option<f32>) -> Self {
+        let shadow = radius_m.filter(|_| view.is_above(ground.y)).map(|radius_m| {
+            let reach = 0.6 * radius_m;
             let at = |dx: f32, dz: f32| view.project(ground + Vec3::new(dx * reach, 0.0, dz * reach)).at;
             let middle = at(0.0, 0.0);
             // Largest reach right and down over the rim, by its two conjugate half-axes.
@@ -100,7 +95,8 @@ impl Backdrop {
     }
 
     /// The finished pixel: what was drawn (premultiplied linear light), and this behind it.
-    fn below(&self, (light, alpha): (Vec3, f32), x: u32, y: u32, height: u32, curve: &Light) -> [u8; 4] {
+    fn below(&self, drawn: Vec4, x: u32, y: u32, height: u32, curve: &Light) -> [u8; 4] {
+        let (light, alpha) = (drawn.truncate(), drawn.w.clamp(0.0, 1.0));
         let at = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
         let shade = self.shadow.as_ref().map_or(0.0, |s| {
             let away = (at - s.middle) / s.half_axes;
@@ -148,6 +144,8 @@ struct Light {
 /// Steps of the table from light to code value; between them the curve is all but straight.
 const ENCODE_STEPS: usize = 8192;
 
+static LIGHT: LazyLock<Light> = LazyLock::new(Light::new);
+
 impl Light {
     fn new() -> Self {
         let decoded = std::array::from_fn(|i| linear([i as u8; 3]).x);
@@ -172,36 +170,4 @@ impl Light {
             a + (b - a) * (at - below as f32)
         }))
     }
-
-    /// The mean of the drawn pixels under one shown pixel: premultiplied linear light, and alpha.
-    fn average(&self, pixmap: &Pixmap, x: u32, y: u32, factor: u32) -> (Vec3, f32) {
-        let (mut light, mut alpha) = (Vec3::ZERO, 0.0);
-        let data = pixmap.data().as_chunks::<4>().0;
-        for row in y * factor..(y + 1) * factor {
-            let start = (row * pixmap.width() + x * factor) as usize;
-            for &[r, g, b, a] in &data[start..start + factor as usize] {
-                if a == 0 {
-                    continue;
-                }
-                let whole = f32::from(a) / 255.0;
-                let [r, g, b] = [r, g, b].map(|c| match a {
-                    255 => self.decoded[usize::from(c)],
-                    _ => {
-                        self.decoded
-                            [((u32::from(c) * 255 + u32::from(a) / 2) / u32::from(a)).min(255) as usize]
-                    }
-                });
-                light += Vec3::new(r, g, b) * whole;
-                alpha += whole;
-            }
-        }
-        let share = 1.0 / (factor * factor) as f32;
-        (light * share, alpha * share)
-    }
-}
-
-/// Linear light as tiny-skia's colour.
-pub(crate) fn skia_color(light: Vec3, alpha: f32) -> tiny_skia::Color {
-    let c = encoded(light);
-    tiny_skia::Color::from_rgba(c.x, c.y, c.z, alpha.clamp(0.0, 1.0)).unwrap_or(tiny_skia::Color::TRANSPARENT)
 }

@@ -5,23 +5,37 @@
 //!
 //! | module | is |
 //! |---|---|
-//! | [`camera`] | where the picture is taken from, and how the tree is framed |
+//! | [`camera`] | where the picture is taken from |
+//! | [`extent`] | what is framed |
 //! | [`style`] | what it is painted with |
 //! | [`color`] | the colour spaces and ramps behind it |
-//! | [`skeleton`] | tapered strokes for the axial tree |
+//! | [`skeleton`] | the axial tree as tapered strokes |
+//! | [`surface`] | meshes, shaded |
+//! | [`person`], [`scale`] | how large it all is |
 //!
-//! A drawer of surfaces stands beside [`skeleton`] once there is one: it shares everything else.
+//! Both drawers share the light (`light`), the strokes (`strokes`: twigs thinner than a pixel are strokes
+//! on a surface too) and the backdrop (`canvas`).
 
 pub mod camera;
 pub mod color;
+pub mod extent;
+pub mod person;
+pub mod scale;
 pub mod skeleton;
 pub mod style;
+pub mod surface;
 
 mod canvas;
+mod light;
+mod strokes;
 
-pub use camera::{Camera, Extent, View};
+pub use camera::{Camera, View};
+pub use extent::Extent;
+pub use person::{PERSON_M, Person};
+pub use scale::nice_length_m;
 pub use skeleton::draw_skeleton;
 pub use style::{Background, Paint, Style};
+pub use surface::{Surface, draw_surface};
 
 /// The longest side of a picture, pixels: 8192² pixels are 268 MB.
 pub const MAX_SIDE: u32 = 8192;
@@ -79,6 +93,11 @@ pub enum RasterError {
         "the skeleton cannot be drawn: node {0} lacks a radius, a birth step, an axis or an earlier parent"
     )]
     Inconsistent(usize),
+    /// A mesh contradicts itself.
+    #[error(
+        "part {0} of the surface cannot be drawn: its material, a corner of a triangle, a normal or a texture coordinate is missing, or a vertex is not at a finite place"
+    )]
+    Mesh(usize),
     /// Nobody wants the picture any more.
     #[error("drawing was cancelled")]
     Cancelled,

@@ -1,6 +1,9 @@
 //! What a picture is painted with.
 
 use glam::Vec3;
+use linden::Skeleton;
+
+use crate::Extent;
 
 /// What the colour of the wood says.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -63,9 +66,46 @@ pub struct Style<'a> {
     pub points: &'a [Vec3],
     /// The dots' colour.
     pub point: [u8; 3],
+    /// Polylines, metres, drawn as thin lines: the crown's outline.
+    pub outline: &'a [Vec<Vec3>],
+    /// The lines' colour.
+    pub line: [u8; 3],
+    /// Whether a person stands beside the tree, for scale: see [`Extent::with_person`].
+    pub person: bool,
+    /// The person's colour.
+    pub person_color: [u8; 3],
+    /// Draws a skeleton as it was at this step: the nodes born by then that stand on others born by
+    /// then, as thick as they are now. What is framed stays the same. A surface has no births: sweep
+    /// [`Skeleton::until`] instead, which also has the radii of that time.
+    pub until: Option<u32>,
+    /// Draws less, fast: for a picture that is replaced in a moment. Of many fine twigs some stand
+    /// for all, the same ones from every side.
+    pub draft: bool,
+    /// The light on surfaces: 1 before a bright backdrop, more where the picture is laid over
+    /// something dark.
+    pub exposure: f32,
 }
 
 impl Style<'_> {
+    /// Everything that a picture of a skeleton shows, which is what it frames when the camera has no
+    /// extent: the tree, the points, the outline, and the person if there is to be one and the plant
+    /// is large enough ([`Extent::person`] tells). `None` when there is nothing at all.
+    pub fn extent(&self, skeleton: &Skeleton) -> Option<Extent> {
+        let extent = self.extent_without_person(skeleton)?;
+        Some(match foot(skeleton).filter(|_| self.person) {
+            Some(foot) => extent.with_person(foot.y),
+            None => extent,
+        })
+    }
+
+    pub(crate) fn extent_without_person(&self, skeleton: &Skeleton) -> Option<Extent> {
+        if self.outline.is_empty() {
+            return Extent::of(skeleton, self.points);
+        }
+        let all: Vec<Vec3> = self.points.iter().chain(self.outline.iter().flatten()).copied().collect();
+        Extent::of(skeleton, &all)
+    }
+
     /// For a picture file: a bright backdrop and a soft shadow.
     pub const fn studio() -> Self {
         Self {
@@ -78,6 +118,13 @@ impl Style<'_> {
             ground_shadow: true,
             points: &[],
             point: [40, 122, 184],
+            outline: &[],
+            line: [70, 128, 150],
+            person: false,
+            person_color: [150, 157, 166],
+            until: None,
+            draft: false,
+            exposure: 1.0,
         }
     }
 
@@ -93,6 +140,13 @@ impl Style<'_> {
             ground_shadow: false,
             points: &[],
             point: [96, 176, 232],
+            outline: &[],
+            line: [94, 150, 170],
+            person: false,
+            person_color: [98, 108, 126],
+            until: None,
+            draft: false,
+            exposure: 1.7,
         }
     }
 
@@ -100,4 +154,9 @@ impl Style<'_> {
     pub const fn over_light() -> Self {
         Self { background: Background::Transparent, ground_shadow: false, ..Self::studio() }
     }
+}
+
+/// The node that the tree stands on.
+pub(crate) fn foot(skeleton: &Skeleton) -> Option<Vec3> {
+    skeleton.positions.iter().copied().reduce(|a, b| if b.y < a.y { b } else { a })
 }

@@ -1,15 +1,17 @@
-//! `linden preview`: a picture of the skeleton, in the terminal or as PNG.
+//! `linden preview`: a picture of the skeleton or the surface, in the terminal or as PNG.
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use clap::Args;
+use clap::{Args, ValueEnum};
+use linden::colonization;
+use linden::dress::dress;
 use linden::picture::Picture;
 use linden::scene::Bounds;
 use linden::{Skeleton, Vec3};
 use linden_exporters::Bundle;
-use linden_raster::{Background, Camera, Paint, Size, Style, draw_skeleton};
+use linden_raster::{Background, Camera, Paint, Size, Style, Surface, draw_skeleton, draw_surface};
 use linden_terminal::{CellStyle, ColorDepth, Glyphs, Image, TerminalSize, draw_cells};
 
 use super::Growing;
@@ -42,7 +44,11 @@ pub struct Preview {
     #[arg(long, default_value_t = 1.0, value_parser = zoom)]
     zoom: f32,
 
-    /// What colour tells: wood, order, radius or birth
+    /// The skeleton's strokes, or the surface as it would be exported
+    #[arg(long, value_enum, default_value_t = Look::Skeleton)]
+    look: Look,
+
+    /// What colour tells of a skeleton: wood, order, radius or birth
     #[arg(long, default_value = "wood", value_parser = paint)]
     color: Paint,
 
@@ -53,6 +59,21 @@ pub struct Preview {
     /// Show the attraction points
     #[arg(long)]
     points: bool,
+
+    /// Show the crown's outline
+    #[arg(long)]
+    outline: bool,
+
+    /// Stand a person of 1.75 m beside the tree; tiny plants have none
+    #[arg(long)]
+    person: bool,
+}
+
+/// What is drawn.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Look {
+    Skeleton,
+    Surface,
 }
 
 /// Pixels of a file when nobody says.
@@ -66,19 +87,39 @@ impl Preview {
         let source = self.growing.resolve(&progress)?;
         let grown = super::grown(&source, &progress)?;
         let points = grown.colonized.as_ref().filter(|_| self.points).map(|own| own.points.as_slice());
+        let outline = if self.outline {
+            colonization::outline(&source.recipe, &progress).with_context(|| source.shown.clone())?
+        } else {
+            Vec::new()
+        };
+        let scene = match self.look {
+            Look::Surface => {
+                Some(dress(&source.recipe, &grown, &progress).with_context(|| source.shown.clone())?)
+            }
+            Look::Skeleton => None,
+        };
         let camera = Camera {
             zoom: self.zoom,
             ..Camera::orbit(self.yaw.unwrap_or_else(|| broad_side(&grown.skeleton)), self.pitch)
         };
         let draw = |style: Style<'_>, (width, height): (u32, u32)| -> anyhow::Result<Picture> {
-            let mut style = Style { paint: self.color, points: points.unwrap_or_default(), ..style };
+            let mut style = Style {
+                paint: self.color,
+                points: points.unwrap_or_default(),
+                outline: &outline,
+                person: self.person,
+                ..style
+            };
             if let Some(background) = self.background {
                 style.background = background;
                 style.ground_shadow &= background != Background::Transparent;
             }
             let size = Size::new(width, height).map_err(usage)?;
-            draw_skeleton(&grown.skeleton, &camera, &style, size, &progress)
-                .with_context(|| source.shown.clone())
+            let drawn = match &scene {
+                Some(scene) => draw_surface(&Surface::from(scene), &camera, &style, size, &progress),
+                None => draw_skeleton(&grown.skeleton, &camera, &style, size, &progress),
+            };
+            drawn.with_context(|| source.shown.clone())
         };
         let Some(mut bundle) = target else {
             let terminal = TerminalSize::of_stdout();

@@ -8,3 +8,4 @@ pub mod scatter;
 pub mod trunk;
 
 pub use growth::{Growth, GrowthError, GrowthRule, Stop, grow};
+pub use plant::outline;

@@ -10,9 +10,9 @@ use super::{scan, scatter, trunk};
 use crate::grow::GrowError;
 use crate::input::{Up, recenter};
 use crate::monitor::Monitor;
-use crate::preset::{Colonization, Length, Origin, Space, UpAxis};
+use crate::preset::{Colonization, Generator, Length, Origin, Space, UpAxis};
 use crate::random::Key;
-use crate::recipe::{Geometry, Input};
+use crate::recipe::{Geometry, Input, Recipe};
 use crate::skeleton::Branching;
 
 /// Steps between neighbouring points where no step is given.
@@ -78,9 +78,11 @@ pub(crate) fn plant(
     monitor: &dyn Monitor,
 ) -> Result<Plant, GrowError> {
     let site = match (&settings.space, input.map(|input| (&input.geometry, input.up))) {
-        (Space::Shape { shape, dimensions }, _) => in_shape(settings, shape, dimensions, key, monitor)?,
+        (Space::Shape { shape, dimensions }, _) => {
+            Standing::shape(settings, shape, dimensions)?.fill(settings, key, monitor)?
+        }
         (Space::Envelope { .. }, Some((Geometry::Mesh(mesh), up))) => {
-            in_envelope(settings, mesh, settings.up(up), key, monitor)?
+            Standing::envelope(settings, mesh, settings.up(up), monitor)?.fill(settings, key, monitor)?
         }
         (Space::Points { .. }, Some((Geometry::Points(points), up))) => {
             at_points(settings, points, settings.up(up), key, monitor)?
@@ -124,13 +126,8 @@ pub(crate) fn plant(
     notes.extend(stop_note(stop, unreached, points.len(), settings));
     notes.extend(site.notes);
 
-    let to_root = match settings.origin {
-        Origin::Root => true,
-        Origin::Keep => false,
-        Origin::Auto => site.moves_to_root,
-    };
-    let shift = if to_root { -site.root } else { site.origin };
-    if to_root && (site.origin + site.root).length() > 0.0 {
+    let shift = settings.shift(site.root, site.origin, site.moves_to_root);
+    if settings.moves_to_root(site.moves_to_root) && (site.origin + site.root).length() > 0.0 {
         let DVec3 { x, y, z } = site.origin + site.root;
         notes.push(format!(
             "moved to the origin: the root was at {x:.3}, {y:.3}, {z:.3} (Y up); origin=keep leaves it there"
@@ -183,6 +180,20 @@ fn stop_note(stop: Stop, unreached: usize, points: usize, settings: &Colonizatio
 }
 
 impl Colonization {
+    /// Whether the tree is moved to stand on the origin.
+    fn moves_to_root(&self, unless_told: bool) -> bool {
+        match self.origin {
+            Origin::Root => true,
+            Origin::Keep => false,
+            Origin::Auto => unless_told,
+        }
+    }
+
+    /// From the coordinates of the [`Site`] to where the tree is to stand.
+    fn shift(&self, root: DVec3, origin: DVec3, moves_unless_told: bool) -> DVec3 {
+        if self.moves_to_root(moves_unless_told) { -root } else { origin }
+    }
+
     /// The axis that points up in an input file.
     fn up(&self, default: Up) -> Up {
         match self.up {
@@ -232,58 +243,95 @@ impl Site {
     }
 }
 
-/// Points in a crown shape on top of the trunk.
-fn in_shape(
-    settings: &Colonization,
-    shape: &str,
-    dimensions: &[(&'static str, crate::knob::Value)],
-    key: Key,
-    monitor: &dyn Monitor,
-) -> Result<Site, GrowError> {
-    let crown = crown::shape(shape)?.of(dimensions)?;
-    let height = f64::from(crown.bounds().max.y);
-    let base = settings.crown_base_m.or(settings.trunk_m).unwrap_or(BASE_PER_CROWN_HEIGHT * height);
-    let root = settings.given_root(Up::Y).unwrap_or(DVec3::ZERO);
-    let mut points = scatter::scatter(&*crown, settings.points as usize, key.named("points"), monitor)?;
-    recenter(&mut points, -DVec3::Y * base);
-    let spacing_m = libm::cbrt(crown.volume_m3() / f64::from(settings.points));
-    Ok(Site {
-        points,
-        root: DVec3::ZERO,
-        origin: root,
-        suggested: Suggested::for_volume(spacing_m),
-        moves_to_root: false,
-        notes: Vec::new(),
-    })
+/// A crown, and where it is to stand.
+struct Standing {
+    crown: Box<dyn Crown>,
+    /// From the crown's own coordinates to those of the [`Site`]: up, metres.
+    lift: f64,
+    /// As in [`Site`].
+    root: DVec3,
+    /// As in [`Site`].
+    origin: DVec3,
+    notes: Vec<String>,
 }
 
-/// Points in a mesh, which stands where its file has it.
-fn in_envelope(
-    settings: &Colonization,
-    mesh: &crate::input::TriangleMesh,
-    up: Up,
-    key: Key,
-    monitor: &dyn Monitor,
-) -> Result<Site, GrowError> {
-    let mut mesh = mesh.clone();
-    up.to_y_up(&mut mesh.positions);
-    let envelope = Envelope::new(&mesh, monitor)?;
-    let foot = envelope.foot();
-    let height = f64::from(envelope.bounds().max.y);
-    // A crown that hangs over the ground of its file stands on a trunk; one that sits on it, or is
-    // nowhere near it, grows from its own base.
-    let clearance = if (0.0..=height).contains(&foot.y) { foot.y } else { 0.0 };
-    let root = settings.given_root(up).map_or(DVec3::NEG_Y * clearance, |root| root - foot);
-    let points = scatter::scatter(&envelope, settings.points as usize, key.named("points"), monitor)?;
-    let spacing_m = libm::cbrt(envelope.volume_m3() / f64::from(settings.points));
-    Ok(Site {
-        points,
-        root,
-        origin: foot,
-        suggested: Suggested::for_volume(spacing_m),
-        moves_to_root: false,
-        notes: envelope.report().warnings(),
-    })
+impl Standing {
+    /// A crown shape on top of the trunk.
+    fn shape(
+        settings: &Colonization,
+        shape: &str,
+        dimensions: &[(&'static str, crate::knob::Value)],
+    ) -> Result<Self, GrowError> {
+        let crown = crown::shape(shape)?.of(dimensions)?;
+        let height = f64::from(crown.bounds().max.y);
+        let lift = settings.crown_base_m.or(settings.trunk_m).unwrap_or(BASE_PER_CROWN_HEIGHT * height);
+        let origin = settings.given_root(Up::Y).unwrap_or(DVec3::ZERO);
+        Ok(Self { crown, lift, root: DVec3::ZERO, origin, notes: Vec::new() })
+    }
+
+    /// A mesh, which stands where its file has it.
+    fn envelope(
+        settings: &Colonization,
+        mesh: &crate::input::TriangleMesh,
+        up: Up,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, GrowError> {
+        let mut mesh = mesh.clone();
+        up.to_y_up(&mut mesh.positions);
+        let envelope = Envelope::new(&mesh, monitor)?;
+        let foot = envelope.foot();
+        let height = f64::from(envelope.bounds().max.y);
+        // A crown that hangs over the ground of its file stands on a trunk; one that sits on it, or is
+        // nowhere near it, grows from its own base.
+        let clearance = if (0.0..=height).contains(&foot.y) { foot.y } else { 0.0 };
+        let root = settings.given_root(up).map_or(DVec3::NEG_Y * clearance, |root| root - foot);
+        let notes = envelope.report().warnings();
+        Ok(Self { crown: Box::new(envelope), lift: 0.0, root, origin: foot, notes })
+    }
+
+    /// Fills it with points.
+    fn fill(self, settings: &Colonization, key: Key, monitor: &dyn Monitor) -> Result<Site, GrowError> {
+        let Self { crown, lift, root, origin, notes } = self;
+        let mut points = scatter::scatter(&*crown, settings.points as usize, key.named("points"), monitor)?;
+        if lift != 0.0 {
+            recenter(&mut points, -DVec3::Y * lift);
+        }
+        let spacing_m = libm::cbrt(crown.volume_m3() / f64::from(settings.points));
+        let suggested = Suggested::for_volume(spacing_m);
+        Ok(Site { points, root, origin, suggested, moves_to_root: false, notes })
+    }
+}
+
+/// Polylines that draw the crown of a recipe, metres, where the tree of [`crate::grow::grow`]
+/// stands. None for L-systems and given points, which have no crown to draw.
+///
+/// ```
+/// use linden::{Quiet, colonization::outline, preset::builtin, recipe::Recipe};
+/// let preset = builtin("cypress").unwrap().load().map_err(|fault| fault.message)?;
+/// assert!(!outline(&Recipe { preset, input: None }, &Quiet)?.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// Those of growing that have to do with the crown: its dimensions, its mesh; cancelled.
+pub fn outline(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Vec<Vec<Vec3>>, GrowError> {
+    let Generator::Colonization(settings) = &recipe.preset.generator else { return Ok(Vec::new()) };
+    let standing = match (&settings.space, recipe.input.as_ref().map(|input| (&input.geometry, input.up))) {
+        (Space::Shape { shape, dimensions }, _) => Standing::shape(settings, shape, dimensions)?,
+        (Space::Envelope { .. }, Some((Geometry::Mesh(mesh), up))) => {
+            Standing::envelope(settings, mesh, settings.up(up), monitor)?
+        }
+        (Space::Envelope { file }, _) => {
+            return Err(GrowError::WrongInput { file: file.clone(), expected: "a mesh" });
+        }
+        (Space::Points { .. }, _) => return Ok(Vec::new()),
+    };
+    let shift = settings.shift(standing.root, standing.origin, false) + DVec3::Y * standing.lift;
+    let mut lines = standing.crown.outline();
+    for place in lines.iter_mut().flatten() {
+        *place = (place.as_dvec3() + shift).as_vec3();
+    }
+    Ok(lines)
 }
 
 /// Points that somebody measured, moved near the origin.

@@ -6,6 +6,7 @@
 mod axes;
 mod measure;
 mod radii;
+mod young;
 
 use glam::Vec3;
 use xxhash_rust::xxh3::Xxh3;
@@ -145,7 +146,7 @@ impl Skeleton {
         branching.validate()?;
         let Branching { positions, parents, births } = branching;
         let tips = radii::count_tips(&parents);
-        let radii = radii::pipe_model(&positions, &tips, wood);
+        let radii = radii::Thickness::new(&positions, &tips, wood).radii(&tips);
         let (axes, axis_nodes) = axes::decompose(&positions, &parents, &tips);
         Ok(Self { positions, parents, radii, births, axes, axis_nodes })
     }

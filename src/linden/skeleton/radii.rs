@@ -40,31 +40,43 @@ pub(super) fn count_tips(parents: &[u32]) -> Vec<u32> {
     tips
 }
 
-/// Radii from the tip counts: with equal tips the pipe model is `r = r_tip · tips^(1/n)` exactly.
-///
-/// With both ends given the base wins, and nothing is thinner than the tip radius.
-pub(super) fn pipe_model(positions: &[Vec3], tips: &[u32], wood: &Wood) -> Vec<f32> {
-    let most = f64::from(tips.iter().copied().max().unwrap_or(1));
-    let relative = |count: f64| libm::pow(count, 1.0 / wood.radius_exponent);
-    let from_base = |base: f64| base / relative(most);
-    let (unit, thinnest) = match (wood.tip_radius_m, wood.base_radius_m) {
-        (Some(tip), None) => (tip, tip),
-        (tip, Some(base)) => (from_base(base), tip.unwrap_or(0.0).min(base)),
-        (None, None) => {
-            let height =
-                Bounds::of(positions.iter().copied()).map_or(0.0, |b| f64::from(b.size().max_element()));
-            (from_base(height * BASE_PER_HEIGHT), 0.0)
-        }
-    };
-    // Most nodes carry few tips: pow is slow, a small table is not.
-    let table: Vec<f32> =
-        (0..4096).map(|count| (unit * relative(f64::from(count))).max(thinnest) as f32).collect();
-    tips.iter()
-        .map(|&count| match table.get(count as usize) {
-            Some(&radius) => radius,
-            None => (unit * relative(f64::from(count))).max(thinnest) as f32,
-        })
-        .collect()
+/// The pipe model with its constants found.
+pub(super) struct Thickness {
+    /// Of a pipe, metres.
+    unit: f64,
+    /// Nothing is thinner, metres.
+    thinnest: f64,
+    exponent: f64,
+}
+
+impl Thickness {
+    /// For a whole tree. With both ends given the base wins, and nothing is thinner than the tip
+    /// radius.
+    pub fn new(positions: &[Vec3], tips: &[u32], wood: &Wood) -> Self {
+        let most = f64::from(tips.iter().copied().max().unwrap_or(1));
+        let exponent = wood.radius_exponent;
+        let from_base = |base: f64| base / libm::pow(most, 1.0 / exponent);
+        let (unit, thinnest) = match (wood.tip_radius_m, wood.base_radius_m) {
+            (Some(tip), None) => (tip, tip),
+            (tip, Some(base)) => (from_base(base), tip.unwrap_or(0.0).min(base)),
+            (None, None) => {
+                let height =
+                    Bounds::of(positions.iter().copied()).map_or(0.0, |b| f64::from(b.size().max_element()));
+                (from_base(height * BASE_PER_HEIGHT), 0.0)
+            }
+        };
+        Self { unit, thinnest, exponent }
+    }
+
+    /// Radii from the tip counts: with equal tips the pipe model is `r = r_tip · tips^(1/n)` exactly.
+    pub fn radii(&self, tips: &[u32]) -> Vec<f32> {
+        let of = |count: u32| {
+            (self.unit * libm::pow(f64::from(count), 1.0 / self.exponent)).max(self.thinnest) as f32
+        };
+        // Most nodes carry few tips: pow is slow, a small table is not.
+        let table: Vec<f32> = (0..4096).map(of).collect();
+        tips.iter().map(|&count| table.get(count as usize).copied().unwrap_or_else(|| of(count))).collect()
+    }
 }
 
 #[cfg(test)]
@@ -85,7 +97,7 @@ mod tests {
         let tips = count_tips(&PARENTS);
         for exponent in [1.8, 2.0, 2.5, 3.0] {
             let wood = Wood { radius_exponent: exponent, tip_radius_m: Some(0.01), base_radius_m: None };
-            let radii = pipe_model(&positions(), &tips, &wood);
+            let radii = Thickness::new(&positions(), &tips, &wood).radii(&tips);
             for node in 0..PARENTS.len() {
                 let children: Vec<usize> =
                     (0..PARENTS.len()).filter(|&c| PARENTS[c] == node as u32).collect();
@@ -104,10 +116,10 @@ mod tests {
     fn a_given_base_is_kept_and_a_given_tip_is_the_least() {
         let tips = count_tips(&PARENTS);
         let both = Wood { radius_exponent: 2.0, tip_radius_m: Some(0.4), base_radius_m: Some(0.5) };
-        let radii = pipe_model(&positions(), &tips, &both);
+        let radii = Thickness::new(&positions(), &tips, &both).radii(&tips);
         assert_eq!(radii[0], 0.5);
         assert!(radii.iter().all(|&r| r >= 0.4));
-        let neither = pipe_model(&positions(), &tips, &Wood::default());
+        let neither = Thickness::new(&positions(), &tips, &Wood::default()).radii(&tips);
         assert!((neither[0] - 3.0 / 60.0).abs() < 1e-6, "the height is 3 m");
     }
 }

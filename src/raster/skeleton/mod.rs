@@ -1,20 +1,21 @@
 //! The axial tree as tapered strokes.
 //!
-//! Each internode is the outline of a cone between two balls, as wide as its radii look from the
-//! lens. Strokes are drawn far to near; thick ones one by one with light across them, thin ones in
-//! groups of like depth and colour, so that a million twigs cost some thousand fills. What is
-//! thinner than a hair is drawn as a hair and fades instead of vanishing.
+//! Each internode is a cone between two balls, as wide as its radii look from the lens. Strokes are
+//! drawn far to near, thick ones with light across them. What is thinner than a hair is drawn as a
+//! hair and fades instead of vanishing.
 
-mod paint;
-mod strokes;
 #[cfg(test)]
 mod tests;
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use linden::picture::Picture;
 use linden::{Monitor, NO_PARENT, Skeleton};
 
 use crate::canvas::{self, Backdrop};
+use crate::light::Air;
+use crate::strokes::overlay;
+use crate::strokes::trace::Tracer;
+use crate::style::foot;
 use crate::{Camera, Extent, RasterError, Size, Style};
 
 /// Draws the axial tree, framed by the camera.
@@ -31,21 +32,48 @@ pub fn draw_skeleton(
     monitor: &dyn Monitor,
 ) -> Result<Picture, RasterError> {
     check(skeleton)?;
-    let extent = Extent::of(skeleton, style.points).ok_or(RasterError::Empty)?;
-    let view = camera.view(extent, size);
-    let strokes = strokes::trace(skeleton, extent, &view, style, size, monitor)?;
-    let groups = paint::Order::new(&strokes, monitor)?;
-    let foot = foot(skeleton);
-    let backdrop = Backdrop::new(style.background, &view, foot, style.ground_shadow.then_some(extent));
-    canvas::compose(size, &backdrop, |tile| groups.draw(&strokes, tile, monitor))
+    monitor.check()?;
+    let own = style.extent_without_person(skeleton).ok_or(RasterError::Empty)?;
+    let foot = foot(skeleton).ok_or(RasterError::Empty)?;
+    let framed = framed(camera, style, own, foot);
+    let view = camera.view(framed, size);
+    let air = Air::new(&own, &view, style);
+    let mut runs = Tracer::new(skeleton, &view, &air, style, size).trace(monitor)?;
+    overlay::trace(style, &framed, &view, &air, size, monitor, &mut runs)?;
+    runs.sort(monitor)?;
+    let shadow_m = style.ground_shadow.then(|| match style.until {
+        Some(step) => reach_m(skeleton, step, Vec2::new(foot.x, foot.z)),
+        None => own.radius(),
+    });
+    let backdrop = Backdrop::new(style.background, &view, foot, shadow_m);
+    canvas::compose(size, &backdrop, monitor, |rows, pixels| runs.paint(rows, pixels, monitor))
 }
 
-/// The node that the tree stands on.
-fn foot(skeleton: &Skeleton) -> Vec3 {
-    skeleton.positions.iter().copied().reduce(|a, b| if b.y < a.y { b } else { a }).unwrap_or_default()
+/// What the picture frames: the camera's extent or the tree's own, with the person if there is to
+/// be one.
+pub(crate) fn framed(camera: &Camera, style: &Style, own: Extent, foot: Vec3) -> Extent {
+    match camera.extent {
+        None if style.person => own.with_person(foot.y),
+        None => own,
+        // Asked for after the frame was made: beside the tree all the same.
+        Some(extent) if style.person && extent.person.is_none() => {
+            Extent { person: own.with_person(foot.y).person, ..extent }
+        }
+        Some(extent) => extent,
+    }
 }
 
-fn check(skeleton: &Skeleton) -> Result<(), RasterError> {
+/// How far a tree reached from its foot at a step, level, metres.
+fn reach_m(skeleton: &Skeleton, step: u32, foot: Vec2) -> f32 {
+    let present = skeleton.born_by(step);
+    let nodes = skeleton.positions.iter().zip(&skeleton.radii).zip(present);
+    nodes
+        .filter(|(_, there)| *there)
+        .map(|((p, r), _)| Vec2::new(p.x, p.z).distance(foot) + r)
+        .fold(0.0, f32::max)
+}
+
+pub(crate) fn check(skeleton: &Skeleton) -> Result<(), RasterError> {
     let n = skeleton.positions.len();
     if n == 0 {
         return Err(RasterError::Empty);

@@ -4,7 +4,7 @@ use linden::skeleton::Axis;
 use linden::{Monitor, NO_PARENT, Quiet, Skeleton};
 
 use super::draw_skeleton;
-use super::strokes::HAIR_PX;
+use crate::strokes::trace::HAIR_PX;
 use crate::{Background, Camera, Extent, MAX_SIDE, Paint, RasterError, Size, Style};
 
 #[path = "sample.rs"]

@@ -202,23 +202,13 @@ impl Crown for Envelope {
         }
     }
 
-    /// Cuts by seven level planes and two upright ones: segments of two points.
+    /// Cuts by seven level planes and two upright ones.
     fn outline(&self) -> Vec<Vec<Vec3>> {
         const LEVELS: u32 = 8;
         let height = f64::from(self.bounds.max.y);
         let level = |i: u32| (DVec3::Y, height * f64::from(i) / f64::from(LEVELS));
         let planes = (1..LEVELS).map(level).chain([(DVec3::X, 0.0), (DVec3::Z, 0.0)]);
-        let cut = |(normal, distance): (DVec3, f64)| {
-            self.surface.triangles.iter().filter_map(move |triangle| {
-                let [a, b, c] = triangle.map(|v| self.surface.positions[v as usize]);
-                let mut ends = [(a, b), (b, c), (c, a)].into_iter().filter_map(|(from, to)| {
-                    let (f, t) = (from.dot(normal) - distance, to.dot(normal) - distance);
-                    ((f < 0.0) != (t < 0.0)).then(|| from.lerp(to, f / (f - t)).as_vec3())
-                });
-                Some(vec![ends.next()?, ends.next()?])
-            })
-        };
-        planes.flat_map(cut).collect()
+        planes.flat_map(|(normal, distance)| self.surface.cut(normal, distance)).collect()
     }
 
     fn volume_m3(&self) -> f64 {

@@ -13,6 +13,7 @@ pub mod cone;
 pub mod cylinder;
 pub mod dome;
 pub mod envelope;
+mod section;
 pub mod sphere;
 mod topology;
 mod winding;

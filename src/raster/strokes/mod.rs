@@ -1,0 +1,108 @@
+//! Strokes: whatever is drawn as a line or a dot.
+//!
+//! A stroke is tapered and lies in the picture's plane. Strokes that follow each other along a line
+//! make a run; runs are drawn far to near. Within a run nothing is counted twice: where the parts
+//! of a polyline meet, the pixel shows the line, not a knot.
+
+pub(crate) mod coverage;
+pub(crate) mod overlay;
+pub(crate) mod paint;
+pub(crate) mod trace;
+
+use glam::{Vec2, Vec3};
+
+use crate::light::Bar;
+
+/// A tapered stroke.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Stroke {
+    /// Ends, pixels. The same point for a dot.
+    pub ends: [Vec2; 2],
+    /// Half widths there, pixels.
+    pub half_widths: [f32; 2],
+    /// From the lens, metres.
+    pub depth_m: f32,
+    /// How much of what is behind it hides.
+    pub alpha: f32,
+    /// Linear light; before the light of `bar` falls on it where there is one.
+    pub color: Vec3,
+    /// For thick strokes of wood: the light across, and how much of it there is.
+    pub bar: Option<(Bar, f32)>,
+    /// For thick strokes, whether the ends are round; for thin ones, whether the end reaches half a
+    /// pixel farther, over the seam to another run.
+    pub round: [bool; 2],
+}
+
+/// How the strokes of a run are covered.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// Cut ends that add up where two strokes meet.
+    Thin,
+    /// Round ends; where strokes overlap, the one that covers more counts.
+    Thick,
+}
+
+/// Consecutive strokes that are drawn as one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Run {
+    pub first: u32,
+    pub len: u32,
+    pub kind: Kind,
+    /// Of the middle, from the lens, metres.
+    pub depth_m: f32,
+    /// Rows that it touches, pixels.
+    pub rows: [f32; 2],
+}
+
+/// Strokes in one run: enough for any twig, few enough to be sorted by depth and to be cancelled.
+const LONGEST_RUN: u32 = 64;
+
+/// Runs and their strokes.
+#[derive(Debug, Default)]
+pub(crate) struct Runs {
+    pub strokes: Vec<Stroke>,
+    pub runs: Vec<Run>,
+}
+
+impl Runs {
+    /// Adds a stroke of its own.
+    pub fn begin(&mut self, kind: Kind, stroke: Stroke) {
+        let first = self.strokes.len() as u32;
+        self.runs.push(Run { first, len: 1, kind, depth_m: stroke.depth_m, rows: rows(&stroke) });
+        self.strokes.push(stroke);
+    }
+
+    /// Adds a stroke that starts where the last one ends: to its run where both are of a kind and,
+    /// within `slice_m`, of a depth.
+    pub fn follow(&mut self, kind: Kind, mut stroke: Stroke, slice_m: f32) {
+        let begun = self.runs.last().map(|run| self.strokes[run.first as usize].depth_m);
+        if let (Some(run), Some(begun)) = (self.runs.last_mut(), begun) {
+            let near = (stroke.depth_m - begun).abs() <= slice_m;
+            if near && run.kind == kind && run.len < LONGEST_RUN {
+                run.len += 1;
+                let [top, bottom] = rows(&stroke);
+                run.rows = [run.rows[0].min(top), run.rows[1].max(bottom)];
+                run.depth_m = f32::midpoint(begun, stroke.depth_m);
+                self.strokes.push(stroke);
+                return;
+            }
+            if kind == Kind::Thin && run.kind == Kind::Thin {
+                stroke.round[0] = true;
+            }
+        }
+        self.begin(kind, stroke);
+    }
+
+    /// Adds all of another.
+    pub fn append(&mut self, other: &Self) {
+        let shift = self.strokes.len() as u32;
+        self.strokes.extend_from_slice(&other.strokes);
+        self.runs.extend(other.runs.iter().map(|run| Run { first: run.first + shift, ..*run }));
+    }
+}
+
+fn rows(stroke: &Stroke) -> [f32; 2] {
+    let reach = stroke.half_widths[0].max(stroke.half_widths[1]) + 1.5;
+    let [a, b] = stroke.ends.map(|p| p.y);
+    [a.min(b) - reach, a.max(b) + reach]
+}

@@ -1,0 +1,119 @@
+//! What is drawn beside the wood: attraction points, the crown's outline, a person.
+
+use glam::{Vec2, Vec3};
+use linden::Monitor;
+
+use super::trace::dot;
+use super::{Kind, Runs, Stroke};
+use crate::color::linear;
+use crate::light::Air;
+use crate::person::{LIMBS, Person};
+use crate::{Extent, RasterError, Size, Style, View};
+
+/// Points between two looks at the monitor.
+const CHECK_EVERY: usize = 1 << 14;
+/// Opacity of the outline before the tree and behind it.
+const LINE_ALPHA: [f32; 2] = [0.75, 0.3];
+
+/// Everything that the style lays over the tree.
+pub(crate) fn trace(
+    style: &Style,
+    framed: &Extent,
+    view: &View,
+    air: &Air,
+    size: Size,
+    monitor: &dyn Monitor,
+    runs: &mut Runs,
+) -> Result<(), RasterError> {
+    let frame = Vec2::new(size.width() as f32, size.height() as f32);
+    let color = linear(style.point);
+    let radius_px = (frame.min_element() / 400.0).clamp(0.5, 3.0);
+    for (i, &point) in style.points.iter().enumerate() {
+        if i % CHECK_EVERY == 0 {
+            monitor.check()?;
+        }
+        let seen = view.project(point);
+        if point.is_finite() && seen.at.cmpge(Vec2::ZERO).all() && seen.at.cmple(frame).all() {
+            runs.begin(Kind::Thick, dot(seen, radius_px, air.haze(color, seen.depth_m), 0.8));
+        }
+    }
+    let half_px = (frame.min_element() / 500.0).clamp(0.7, 2.0) / 2.0;
+    for (i, line) in style.outline.iter().enumerate() {
+        if i % 1024 == 0 {
+            monitor.check()?;
+        }
+        outline(line, half_px, linear(style.line), framed, view, air, frame, runs);
+    }
+    if style.person
+        && let Some(person) = framed.person
+    {
+        draw_person(person, linear(style.person_color), framed, view, runs);
+    }
+    Ok(())
+}
+
+/// One polyline, in pieces that are short enough to be sorted among the branches.
+#[expect(clippy::too_many_arguments, reason = "all of it is one line's whereabouts")]
+fn outline(
+    line: &[Vec3],
+    half_px: f32,
+    color: Vec3,
+    framed: &Extent,
+    view: &View,
+    air: &Air,
+    frame: Vec2,
+    runs: &mut Runs,
+) {
+    let longest_m = (framed.height().max(2.0 * framed.radius()) / 24.0).max(1e-6);
+    for (i, pair) in line.windows(2).enumerate() {
+        let [from, to] = [pair[0], pair[1]];
+        if !from.is_finite() || !to.is_finite() {
+            continue;
+        }
+        let pieces = (from.distance(to) / longest_m).ceil().clamp(1.0, 64.0);
+        for k in 0..pieces as u32 {
+            let at = |n: u32| view.project(from.lerp(to, n as f32 / pieces));
+            let (a, b) = (at(k), at(k + 1));
+            let margin = Vec2::splat(2.0);
+            if a.at.max(b.at).cmplt(-margin).any() || a.at.min(b.at).cmpgt(frame + margin).any() {
+                continue;
+            }
+            let depth_m = f32::midpoint(a.depth_m, b.depth_m);
+            let [before, behind] = LINE_ALPHA;
+            let stroke = Stroke {
+                ends: [a.at, b.at],
+                half_widths: [half_px; 2],
+                depth_m,
+                alpha: before + (behind - before) * air.way(depth_m),
+                color: air.haze(color, depth_m),
+                bar: None,
+                round: [false; 2],
+            };
+            let is_first = i == 0 && k == 0;
+            if is_first {
+                runs.begin(Kind::Thin, stroke);
+            } else {
+                runs.follow(Kind::Thin, stroke, air.slice_m());
+            }
+        }
+    }
+}
+
+/// Turned to the lens, upright as seen.
+fn draw_person(person: Person, color: Vec3, framed: &Extent, view: &View, runs: &mut Runs) {
+    let place = person.place(framed, view);
+    let seen = view.project(place);
+    for limb in &LIMBS {
+        let at = limb.ends.map(|p| view.project(place + view.right() * p.x + Vec3::Y * p.y).at);
+        let stroke = Stroke {
+            ends: at,
+            half_widths: limb.radii.map(|r| r * seen.scale),
+            depth_m: seen.depth_m,
+            alpha: 1.0,
+            color,
+            bar: None,
+            round: [true; 2],
+        };
+        runs.begin(Kind::Thick, stroke);
+    }
+}

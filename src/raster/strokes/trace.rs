@@ -1,0 +1,333 @@
+//! Skeleton → strokes in the picture's plane: where, how wide, how far, what colour.
+
+use std::borrow::Cow;
+
+use glam::{Vec2, Vec3};
+use linden::skeleton::Axis;
+use linden::{Monitor, NO_PARENT, Skeleton};
+use rayon::prelude::*;
+
+use super::{Kind, Runs, Stroke};
+use crate::camera::Projected;
+use crate::color::{linear, ramp};
+use crate::light::{Air, Bar};
+use crate::{Paint, RasterError, Size, Style, View};
+
+/// Narrower than this, pixels, a stroke keeps its width and fades.
+pub(crate) const HAIR_PX: f32 = 0.85;
+/// How a stroke fades below a hair: 1 keeps its share of the pixel, less lets twigs show.
+const FADE: f32 = 0.72;
+/// With less ink than this share of a pixel a stroke is not drawn: under one step of 8 bits.
+const INVISIBLE: f32 = 1.0 / 300.0;
+/// Stroke widths from which light is drawn across, pixels.
+const THICK_PX: f32 = 2.5;
+/// Thin internodes of one axis are joined until they look this long, pixels.
+const MERGE_PX: f32 = 1.0;
+/// The same in a draft.
+const MERGE_DRAFT_PX: f32 = 2.5;
+/// Axes that one task traces.
+const AXES_PER_TASK: usize = 256;
+
+/// Traces a skeleton.
+pub(crate) struct Tracer<'a> {
+    skeleton: &'a Skeleton,
+    view: &'a View,
+    air: &'a Air<'a>,
+    colors: Colors<'a>,
+    frame: Vec2,
+    merge_px: f32,
+    /// Strokes that look wider are left out: a surface shows them.
+    widest_px: f32,
+    present: Option<Vec<bool>>,
+    thinned: Option<Thinned>,
+}
+
+/// One end of a stroke.
+#[derive(Clone, Copy)]
+struct End {
+    at_m: Vec3,
+    radius_m: f32,
+    seen: Projected,
+}
+
+impl End {
+    fn width_px(&self) -> f32 {
+        2.0 * self.radius_m.max(0.0) * self.seen.scale
+    }
+}
+
+impl<'a> Tracer<'a> {
+    /// For a whole skeleton, or as much of it as the style asks for.
+    pub fn new(
+        skeleton: &'a Skeleton,
+        view: &'a View,
+        air: &'a Air<'a>,
+        style: &'a Style,
+        size: Size,
+    ) -> Self {
+        Self {
+            skeleton,
+            view,
+            air,
+            colors: Colors::new(skeleton, style),
+            frame: Vec2::new(size.width() as f32, size.height() as f32),
+            merge_px: if style.draft { MERGE_DRAFT_PX } else { MERGE_PX },
+            widest_px: f32::INFINITY,
+            present: style.until.map(|step| skeleton.born_by(step)),
+            thinned: if style.draft { Thinned::new(skeleton) } else { None },
+        }
+    }
+
+    /// Only what is too thin for a surface to be seen, in one colour (linear light).
+    pub fn only_hairs(self, color: Vec3) -> Self {
+        Self {
+            widest_px: HAIR_PX,
+            present: None,
+            colors: Colors { plain: Some(color), ..self.colors },
+            ..self
+        }
+    }
+
+    /// All strokes, axis by axis.
+    pub fn trace(&self, monitor: &dyn Monitor) -> Result<Runs, RasterError> {
+        let traced = self.skeleton.axes.par_chunks(AXES_PER_TASK).enumerate().map(|(chunk, axes)| {
+            monitor.check()?;
+            let mut runs = Runs::default();
+            for (i, axis) in axes.iter().enumerate() {
+                self.axis(chunk * AXES_PER_TASK + i, axis, &mut runs);
+            }
+            Ok(runs)
+        });
+        let parts = traced.collect::<Result<Vec<Runs>, RasterError>>()?;
+        let mut all = Runs::default();
+        all.strokes.reserve(parts.iter().map(|part| part.strokes.len()).sum());
+        all.runs.reserve(parts.iter().map(|part| part.runs.len()).sum());
+        for part in &parts {
+            all.append(part);
+        }
+        Ok(all)
+    }
+
+    fn end(&self, at_m: Vec3, radius_m: f32) -> End {
+        End { at_m, radius_m, seen: self.view.project(at_m) }
+    }
+
+    fn node(&self, i: u32) -> End {
+        self.end(self.skeleton.positions[i as usize], self.skeleton.radii[i as usize])
+    }
+
+    /// The nodes of an axis that are there.
+    fn nodes(&self, axis: &Axis) -> &[u32] {
+        let all = self.skeleton.nodes_of(axis);
+        match &self.present {
+            Some(present) => &all[..all.iter().take_while(|&&i| present[i as usize]).count()],
+            None => all,
+        }
+    }
+
+    /// The strokes of one axis. Internodes that look shorter than a pixel are drawn together.
+    fn axis(&self, index: usize, axis: &Axis, runs: &mut Runs) {
+        let nodes = self.nodes(axis);
+        let (Some(&first), Some(&apex)) = (nodes.first(), nodes.last()) else { return };
+        let widen = match &self.thinned {
+            Some(thinned) if !thinned.kept[index] => return,
+            Some(thinned) if axis.order >= thinned.from_order => thinned.widen,
+            _ => 1.0,
+        };
+        let is_stem = axis.parent == NO_PARENT;
+        let (mut start, rest) = if is_stem {
+            (self.node(first), &nodes[1..])
+        } else {
+            // A lateral leaves its parent at the bark and with its own width.
+            let (parent, tip) = (self.node(axis.parent), self.node(first));
+            let base = leave(parent.at_m, tip.at_m, parent.radius_m);
+            (self.end(base, tip.radius_m.min(parent.radius_m)), nodes)
+        };
+        let mut foot = is_stem;
+        let mut joined = false;
+        for &i in rest {
+            let end = self.node(i);
+            let near = end.seen.at.distance_squared(start.seen.at) < self.merge_px * self.merge_px;
+            if near && i != apex && start.width_px() < THICK_PX {
+                continue;
+            }
+            if let Some((kind, stroke)) = self.stroke([start, end], i, widen, !foot) {
+                if joined {
+                    runs.follow(kind, stroke, self.air.slice_m());
+                } else {
+                    runs.begin(kind, stroke);
+                }
+                joined = true;
+            } else {
+                joined = false;
+            }
+            (start, foot) = (end, false);
+        }
+        // Nothing but a foot: a ball, so that the smallest tree is seen too.
+        if is_stem && rest.is_empty() && self.widest_px == f32::INFINITY {
+            let radius_px = (start.width_px() / 2.0).max(HAIR_PX / 2.0);
+            runs.begin(Kind::Thick, dot(start.seen, radius_px, self.colors.of(first), 1.0));
+        }
+    }
+
+    fn stroke(&self, ends: [End; 2], node: u32, widen: f32, round_base: bool) -> Option<(Kind, Stroke)> {
+        let [a, b] = ends;
+        let widths = ends.map(|end| end.width_px() * widen);
+        let wide = widths[0].max(widths[1]).max(HAIR_PX);
+        let (p, q) = (a.seen.at, b.seen.at);
+        if p.max(q).cmplt(Vec2::splat(-wide)).any() || p.min(q).cmpgt(self.frame + wide).any() {
+            return None;
+        }
+        let mean = f32::midpoint(widths[0], widths[1]);
+        let alpha = if mean < HAIR_PX { libm::powf(mean / HAIR_PX, FADE) } else { 1.0 };
+        if mean > self.widest_px || alpha * (p.distance(q) + wide).min(1.0) < INVISIBLE {
+            return None;
+        }
+        let depth_m = f32::midpoint(a.seen.depth_m, b.seen.depth_m);
+        let bar = Bar::along(self.view.turn(b.at_m - a.at_m).normalize_or(Vec3::Y));
+        let volume = self.air.light_at((a.at_m + b.at_m) / 2.0);
+        let plain = self.colors.of(node);
+        let (kind, color, bar, round) = if mean >= THICK_PX {
+            (Kind::Thick, self.air.haze(plain, depth_m), Some((bar, volume)), [round_base, true])
+        } else {
+            (Kind::Thin, self.air.haze(plain * (volume * bar.mean()), depth_m), None, [false; 2])
+        };
+        let half_widths = widths.map(|w| w.max(HAIR_PX) / 2.0);
+        Some((kind, Stroke { ends: [p, q], half_widths, depth_m, alpha, color, bar, round }))
+    }
+}
+
+/// The point where the way from `base` to `tip` leaves most of the wood around `base`.
+fn leave(base: Vec3, tip: Vec3, radius_m: f32) -> Vec3 {
+    let way = tip - base;
+    base + way * (0.7 * radius_m / way.length().max(1e-9)).min(0.5)
+}
+
+/// A disc.
+pub(super) fn dot(seen: Projected, radius_px: f32, color: Vec3, alpha: f32) -> Stroke {
+    let (ends, half_widths, depth_m) = ([seen.at; 2], [radius_px; 2], seen.depth_m);
+    Stroke { ends, half_widths, depth_m, alpha, color, bar: None, round: [true; 2] }
+}
+
+/// Which axes stand for all in a draft.
+struct Thinned {
+    kept: Vec<bool>,
+    /// Axes of lower order are all kept, as wide as they are.
+    from_order: u32,
+    /// How much wider those are that stand for others.
+    widen: f32,
+}
+
+/// About as many nodes as a draft shows.
+const DRAFT_NODES: usize = 20_000;
+
+impl Thinned {
+    /// `None` when all can be kept. Depends on the skeleton alone: as the camera turns, nothing comes
+    /// or goes.
+    fn new(skeleton: &Skeleton) -> Option<Self> {
+        if skeleton.positions.len() <= DRAFT_NODES {
+            return None;
+        }
+        let most = skeleton.axes.iter().map(|axis| axis.order).max().unwrap_or(0) as usize;
+        let mut nodes_of_order = vec![0_usize; most + 1];
+        for axis in &skeleton.axes {
+            nodes_of_order[axis.order as usize] += axis.len as usize;
+        }
+        // Low orders are kept while they leave half of the room to the rest.
+        let (mut from_order, mut whole) = (0, 0);
+        while from_order < most && whole + nodes_of_order[from_order] <= DRAFT_NODES / 2 {
+            whole += nodes_of_order[from_order];
+            from_order += 1;
+        }
+        let fine = skeleton.positions.len() - whole;
+        let share = (DRAFT_NODES - whole) as f32 / fine as f32;
+        let from_order = from_order as u32;
+        // Where an axis is left out, so is what it carries: nothing hangs in the air. The chances
+        // along a branch are the same draw, so that those below do not thin out twice.
+        let mut draw = vec![0.0_f32; skeleton.axes.len()];
+        let mut axis_of = vec![0_u32; skeleton.positions.len()];
+        let mut kept = vec![true; skeleton.axes.len()];
+        for (i, axis) in skeleton.axes.iter().enumerate() {
+            for &node in skeleton.nodes_of(axis) {
+                axis_of[node as usize] = i as u32;
+            }
+            if axis.order < from_order || axis.parent == NO_PARENT {
+                continue;
+            }
+            let parent = axis_of[axis.parent as usize] as usize;
+            draw[i] = if axis.order == from_order { scattered(i) } else { draw[parent] };
+            kept[i] = draw[i] < share;
+        }
+        // Light and ink of those that are missing, in part: wider twigs also hide each other more.
+        let widen = libm::powf(1.0 / share, 0.7).min(4.0);
+        Some(Self { kept, from_order, widen })
+    }
+}
+
+/// Evenly over 0..1 for consecutive numbers: multiples of the golden ratio (Weyl's sequence).
+fn scattered(i: usize) -> f32 {
+    (i as u32).wrapping_mul(0x9E37_79B9) as f32 / 4_294_967_296.0
+}
+
+/// What each node is painted with, before light.
+struct Colors<'a> {
+    values: Values<'a>,
+    /// Lowest value, and 1 ÷ (highest − lowest).
+    scale: [f32; 2],
+    table: Vec<Vec3>,
+    /// One colour for all.
+    plain: Option<Vec3>,
+}
+
+enum Values<'a> {
+    /// As logarithms: a tip is as far from a twig as a bough from a trunk.
+    Radii(&'a [f32]),
+    Steps(Cow<'a, [u32]>),
+}
+
+impl<'a> Colors<'a> {
+    fn new(skeleton: &'a Skeleton, style: &Style) -> Self {
+        let values = match style.paint {
+            Paint::Wood | Paint::Radius => Values::Radii(&skeleton.radii),
+            Paint::Birth => Values::Steps(Cow::Borrowed(&skeleton.births)),
+            Paint::Order => {
+                let mut orders = vec![0; skeleton.positions.len()];
+                for axis in &skeleton.axes {
+                    for &node in skeleton.nodes_of(axis) {
+                        orders[node as usize] = axis.order;
+                    }
+                }
+                Values::Steps(Cow::Owned(orders))
+            }
+        };
+        let scale = match &values {
+            Values::Radii(radii) => {
+                let positive = radii.iter().copied().filter(|&r| r > 0.0);
+                let (min, max) = positive.fold((f32::INFINITY, 0.0_f32), |(a, b), r| (a.min(r), b.max(r)));
+                let span = libm::logf(max / min);
+                // All alike: as thick as any can be.
+                if span > 1e-6 { [libm::logf(min), 1.0 / span] } else { [f32::MIN, 1.0] }
+            }
+            Values::Steps(steps) => [0.0, 1.0 / steps.iter().copied().max().unwrap_or(0).max(1) as f32],
+        };
+        let (trunk, twig) = (linear(style.trunk), linear(style.twig));
+        let color = |t| if style.paint == Paint::Wood { twig.lerp(trunk, t) } else { ramp(t) };
+        let table = (0_u8..=255).map(|i| color(f32::from(i) / 255.0)).collect();
+        Self { values, scale, table, plain: None }
+    }
+
+    fn of(&self, node: u32) -> Vec3 {
+        if let Some(plain) = self.plain {
+            return plain;
+        }
+        let value = match &self.values {
+            Values::Radii(radii) => match radii[node as usize] {
+                r if r > 0.0 => libm::logf(r),
+                _ => self.scale[0],
+            },
+            Values::Steps(steps) => steps[node as usize] as f32,
+        };
+        let share = ((value - self.scale[0]) * self.scale[1]).clamp(0.0, 1.0);
+        self.table[(share * 255.0 + 0.5) as usize]
+    }
+}

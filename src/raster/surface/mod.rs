@@ -1,0 +1,113 @@
+//! Meshes, shaded: a depth buffer, several samples a pixel, light per vertex.
+//!
+//! What is too thin for samples to find it reliably is not left to them: wood that looks thinner
+//! than a hair is drawn from the skeleton, as strokes that fade ([`crate::skeleton`] has the same),
+//! and its triangles are left out. So twigs neither vanish nor sparkle when the camera turns.
+
+mod samples;
+#[cfg(test)]
+mod tests;
+mod texels;
+mod triangles;
+
+use glam::Vec3;
+use linden::picture::Picture;
+use linden::scene::{Material, Part, Scene};
+use linden::{Monitor, Skeleton};
+
+use self::samples::Samples;
+use self::triangles::Triangles;
+use crate::canvas::{self, Backdrop};
+use crate::light::Air;
+use crate::skeleton::{check, framed};
+use crate::strokes::Runs;
+use crate::strokes::overlay;
+use crate::strokes::trace::Tracer;
+use crate::style::foot;
+use crate::{Camera, Extent, RasterError, Size, Style};
+
+/// What is to be drawn: parts of a scene and what belongs to them.
+#[derive(Clone, Copy, Debug)]
+pub struct Surface<'a> {
+    /// The meshes.
+    pub parts: &'a [Part],
+    /// Parts refer to these by index.
+    pub materials: &'a [Material],
+    /// The axial tree that the wood was swept from: it frames the picture, and where the wood is
+    /// thinner than a hair it is drawn instead. May be empty; then the meshes are all there is.
+    pub skeleton: &'a Skeleton,
+}
+
+impl<'a> From<&'a Scene> for Surface<'a> {
+    fn from(scene: &'a Scene) -> Self {
+        Self { parts: &scene.parts, materials: &scene.materials, skeleton: &scene.skeleton }
+    }
+}
+
+/// Draws a surface in the colours of its materials, framed as [`crate::draw_skeleton`] frames its
+/// skeleton. [`Style::paint`] and [`Style::until`] mean nothing here.
+///
+/// # Errors
+/// [`RasterError::Empty`] with neither triangles nor nodes; [`RasterError::Mesh`] with the first
+/// part that cannot be drawn; those of the skeleton; [`RasterError::Cancelled`] soon after the
+/// monitor is.
+pub fn draw_surface(
+    surface: &Surface,
+    camera: &Camera,
+    style: &Style,
+    size: Size,
+    monitor: &dyn Monitor,
+) -> Result<Picture, RasterError> {
+    let has_skeleton = !surface.skeleton.positions.is_empty();
+    if has_skeleton {
+        check(surface.skeleton)?;
+    }
+    for (i, part) in surface.parts.iter().enumerate() {
+        monitor.check()?;
+        triangles::check(part, surface.materials).ok_or(RasterError::Mesh(i))?;
+    }
+    let vertices = || surface.parts.iter().flat_map(|part| &part.mesh.positions).copied();
+    let (own, foot) = if let (Some(own), Some(foot)) =
+        (style.extent_without_person(surface.skeleton).filter(|_| has_skeleton), foot(surface.skeleton))
+    {
+        (own, foot)
+    } else {
+        let all: Vec<Vec3> = vertices().collect();
+        let lowest = vertices().reduce(|a, b| if b.y < a.y { b } else { a });
+        let own = Extent::of(surface.skeleton, &all).ok_or(RasterError::Empty)?;
+        (own, lowest.ok_or(RasterError::Empty)?)
+    };
+    let framed = framed(camera, style, own, foot);
+    let view = camera.view(framed, size);
+    let air = Air::new(&own, &view, style);
+
+    let mut runs = Runs::default();
+    if has_skeleton {
+        let bark = surface.materials.first().map_or(Vec3::ONE, triangles::mean_color);
+        let tracer = Tracer::new(surface.skeleton, &view, &air, style, size);
+        runs = tracer.only_hairs(bark * style.exposure).trace(monitor)?;
+    }
+    overlay::trace(style, &framed, &view, &air, size, monitor, &mut runs)?;
+    runs.sort(monitor)?;
+
+    let factor = samples_per_side(size, style.draft);
+    let triangles = Triangles::new(surface, &view, &air, style, size, factor, monitor)?;
+    let backdrop = Backdrop::new(style.background, &view, foot, style.ground_shadow.then(|| own.radius()));
+    canvas::compose(size, &backdrop, monitor, |rows, pixels| {
+        let mut samples = Samples::new(rows, factor);
+        triangles.draw(rows, &mut samples, monitor)?;
+        runs.paint(rows, &mut samples, monitor)?;
+        samples.resolve(pixels);
+        Ok(())
+    })
+}
+
+/// Samples along a pixel's side.
+fn samples_per_side(size: Size, draft: bool) -> u32 {
+    let full = match size.width().max(size.height()) {
+        0..=256 => 4,
+        257..=2048 => 3,
+        _ => 2,
+    };
+    if draft { full / 2 } else { full }
+}

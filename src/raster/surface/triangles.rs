@@ -1,0 +1,313 @@
+//! Triangles → samples.
+
+use glam::{Vec2, Vec3};
+use linden::Monitor;
+use linden::scene::{Material, Part};
+use rayon::prelude::*;
+
+use super::Surface;
+use super::samples::Samples;
+use super::texels::Texels;
+use crate::canvas::{Rows, band_height};
+use crate::light::{Air, on_surface};
+use crate::strokes::trace::HAIR_PX;
+use crate::{RasterError, Size, Style, View};
+
+/// Triangles that one task looks at.
+const AT_ONCE: usize = 1 << 13;
+
+/// Whether a part can be drawn: arrays of a length, indices that name vertices, finite places.
+pub(super) fn check(part: &Part, materials: &[Material]) -> Option<()> {
+    let mesh = &part.mesh;
+    let count = mesh.positions.len();
+    let lengths = mesh.normals.len() == count && mesh.uvs.len() == count;
+    let sound = lengths
+        && part.material < materials.len()
+        && mesh.triangles.par_iter().all(|t| t.iter().all(|&v| (v as usize) < count))
+        && mesh.positions.par_iter().all(|p| p.is_finite());
+    sound.then_some(())
+}
+
+/// A material's colour from afar, linear light.
+pub(super) fn mean_color(material: &Material) -> Vec3 {
+    let picture = material.base_color_picture.as_deref();
+    let texels = picture.and_then(|picture| Texels::new(picture, u32::MAX));
+    texels.map_or(Vec3::from(material.base_color), |texels| texels.mean())
+}
+
+/// A vertex in the picture.
+#[derive(Clone, Copy)]
+struct Vertex {
+    /// Samples from the upper left corner.
+    at: Vec2,
+    /// 1 ÷ metres from the lens.
+    nearness: f32,
+    light: f32,
+    /// The haze's share.
+    haze: f32,
+    uv: Vec2,
+}
+
+/// A part in the picture.
+struct Seen<'a> {
+    part: &'a Part,
+    vertices: Vec<Vertex>,
+    base_color: Vec3,
+    texels: Option<Texels>,
+    /// Along the side of its picture.
+    side: f32,
+}
+
+/// Some triangles of one part, sorted into bands of rows.
+struct Bin {
+    part: usize,
+    bands: Vec<Vec<u32>>,
+    /// The smallest number of texels on a sample's side that any of them has.
+    finest: f32,
+}
+
+/// All triangles that can be seen.
+pub(super) struct Triangles<'a> {
+    parts: Vec<Seen<'a>>,
+    bins: Vec<Bin>,
+    band_height: u32,
+    haze: Vec3,
+}
+
+impl<'a> Triangles<'a> {
+    pub fn new(
+        surface: &Surface<'a>,
+        view: &View,
+        air: &Air,
+        style: &Style,
+        size: Size,
+        factor: u32,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, RasterError> {
+        let band_height = band_height(size);
+        let camera = Lens { view, air, exposure: style.exposure, factor };
+        let mut parts = Vec::with_capacity(surface.parts.len());
+        let mut bins = Vec::new();
+        for (i, part) in surface.parts.iter().enumerate() {
+            let material = &surface.materials[part.material];
+            let vertices = camera.see(part, material.double_sided, monitor)?;
+            let picture = material.base_color_picture.as_deref();
+            let side = picture.map_or(0.0, |p| libm::sqrtf(p.width() as f32 * p.height() as f32));
+            let sorter = Sorter {
+                part,
+                vertices: &vertices,
+                texels: side,
+                double_sided: material.double_sided,
+                // What the skeleton's strokes show in its place.
+                hair: (!surface.skeleton.positions.is_empty()).then(|| HAIR_PX * factor as f32),
+                size: [size.width() * factor, size.height() * factor].map(|n| n as f32),
+                scale: view.scale_at_nearness() * factor as f32,
+                band: (band_height * factor) as f32,
+                bands: size.height().div_ceil(band_height) as usize,
+            };
+            let sorted = part.mesh.triangles.par_chunks(AT_ONCE).enumerate().map(|(chunk, triangles)| {
+                monitor.check()?;
+                Ok(sorter.sort(i, chunk * AT_ONCE, triangles))
+            });
+            let sorted = sorted.collect::<Result<Vec<Bin>, RasterError>>()?;
+            let finest = sorted.iter().map(|bin| bin.finest).fold(f32::INFINITY, f32::min);
+            bins.extend(sorted);
+            let texels = picture.and_then(|picture| Texels::new(picture, halvings(finest)));
+            let base_color = Vec3::from(material.base_color);
+            parts.push(Seen { part, vertices, base_color, texels, side });
+        }
+        Ok(Self { parts, bins, band_height, haze: air.color() })
+    }
+
+    /// Draws what lies in a band of rows.
+    pub fn draw(&self, rows: Rows, samples: &mut Samples, monitor: &dyn Monitor) -> Result<(), RasterError> {
+        let band = (rows.top / self.band_height) as usize;
+        for bin in &self.bins {
+            monitor.check()?;
+            let seen = &self.parts[bin.part];
+            for &triangle in &bin.bands[band] {
+                let corners = seen.part.mesh.triangles[triangle as usize];
+                self.triangle(seen, corners.map(|v| seen.vertices[v as usize]), rows, samples);
+            }
+        }
+        Ok(())
+    }
+
+    fn triangle(&self, seen: &Seen, corners: [Vertex; 3], rows: Rows, samples: &mut Samples) {
+        let [a, b, c] = corners;
+        let (ab, ac) = (b.at - a.at, c.at - a.at);
+        let area = ab.perp_dot(ac);
+        let first_row = (rows.top * samples.factor) as f32;
+        let height = (rows.height * samples.factor) as f32;
+        let [top, bottom] = [f32::min, f32::max].map(|of| of(of(a.at.y, b.at.y), c.at.y) - first_row - 0.5);
+        let (top, bottom) = (top.ceil().max(0.0), bottom.floor().min(height - 1.0));
+        if !(top <= bottom) || area == 0.0 {
+            return;
+        }
+        // Weights of b and c: linear in x and y, 0 and 1 where they should be.
+        let over = 1.0 / area;
+        let (bx, by) = (ac.y * over, -ac.x * over);
+        let (cx, cy) = (-ab.y * over, ab.x * over);
+        let slopes = [bx, cx, -(bx + cx)];
+        let width = samples.width();
+        let halved = seen.texels.as_ref().map(|_| halvings(fineness(corners, area) * seen.side));
+        for row in top as u32..=bottom as u32 {
+            let y = row as f32 + 0.5 + first_row - a.at.y;
+            // Where this row crosses the corner a's column.
+            let (wb, wc) = (by * y, cy * y);
+            let (mut from, mut to) = (-a.at.x, width as f32 - a.at.x);
+            for (weight, slope) in [wb, wc, 1.0 - wb - wc].into_iter().zip(slopes) {
+                let zero = -weight / slope;
+                if slope > 0.0 {
+                    from = from.max(zero);
+                } else if slope < 0.0 {
+                    to = to.min(zero);
+                } else if weight < 0.0 {
+                    to = f32::NEG_INFINITY;
+                }
+            }
+            let start = (from + a.at.x - 0.5).ceil().max(0.0);
+            let end = (to + a.at.x - 0.5).floor().min(width as f32 - 1.0);
+            if !(start <= end) {
+                continue;
+            }
+            let line = row as usize * width as usize;
+            for x in start as u32..=end as u32 {
+                let dx = x as f32 + 0.5 - a.at.x;
+                let (wb, wc) = (wb + bx * dx, wc + cx * dx);
+                let mix = |of: fn(&Vertex) -> f32| of(&a) + (of(&b) - of(&a)) * wb + (of(&c) - of(&a)) * wc;
+                let nearness = mix(|v| v.nearness);
+                let at = line + x as usize;
+                if nearness <= samples.nearness[at] {
+                    continue;
+                }
+                samples.nearness[at] = nearness;
+                let color = match (&seen.texels, halved) {
+                    (Some(texels), Some(halved)) => {
+                        texels.at(a.uv + (b.uv - a.uv) * wb + (c.uv - a.uv) * wc, halved)
+                    }
+                    _ => seen.base_color,
+                };
+                let light = (color * mix(|v| v.light)).lerp(self.haze, mix(|v| v.haze));
+                samples.light[at] = light.extend(1.0);
+            }
+        }
+    }
+}
+
+/// Pictures on a sample's side.
+fn fineness(corners: [Vertex; 3], area: f32) -> f32 {
+    let [a, b, c] = corners;
+    libm::sqrtf(((b.uv - a.uv).perp_dot(c.uv - a.uv) / area).abs())
+}
+
+/// How often a picture is to be halved for about one texel a sample.
+fn halvings(texels: f32) -> u32 {
+    if texels.is_finite() && texels >= 1.0 { libm::log2f(texels) as u32 } else { 0 }
+}
+
+/// Where vertices are seen, and in what light.
+struct Lens<'a> {
+    view: &'a View,
+    air: &'a Air<'a>,
+    exposure: f32,
+    factor: u32,
+}
+
+impl Lens<'_> {
+    fn see(
+        &self,
+        part: &Part,
+        double_sided: bool,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Vertex>, RasterError> {
+        let mesh = &part.mesh;
+        let one = |i: usize| {
+            let place = mesh.positions[i];
+            let seen = self.view.project(place);
+            let mut normal = self.view.turn(mesh.normals[i]);
+            if double_sided && normal.z < 0.0 {
+                normal = -normal;
+            }
+            let light = self.air.light_at(place) * on_surface(normal) * self.exposure;
+            Vertex {
+                at: seen.at * self.factor as f32,
+                nearness: 1.0 / seen.depth_m,
+                light,
+                haze: self.air.thickness(seen.depth_m),
+                uv: mesh.uvs[i],
+            }
+        };
+        let chunks = mesh.positions.len().div_ceil(AT_ONCE);
+        let parts = (0..chunks).into_par_iter().map(|chunk| {
+            monitor.check()?;
+            let range = chunk * AT_ONCE..((chunk + 1) * AT_ONCE).min(mesh.positions.len());
+            Ok(range.map(one).collect())
+        });
+        Ok(parts.collect::<Result<Vec<Vec<Vertex>>, RasterError>>()?.concat())
+    }
+}
+
+/// Finds out which triangles can be seen, and where.
+struct Sorter<'a> {
+    part: &'a Part,
+    vertices: &'a [Vertex],
+    /// Along the side of the picture on it; 0 without one.
+    texels: f32,
+    double_sided: bool,
+    /// Wood narrower than this, samples, is left out.
+    hair: Option<f32>,
+    /// Samples.
+    size: [f32; 2],
+    /// Samples per metre, for a nearness of 1.
+    scale: f32,
+    /// Rows of samples in a band.
+    band: f32,
+    bands: usize,
+}
+
+impl Sorter<'_> {
+    fn sort(&self, part: usize, first: usize, triangles: &[[u32; 3]]) -> Bin {
+        let mut bin = Bin { part, bands: vec![Vec::new(); self.bands], finest: f32::INFINITY };
+        for (i, corners) in triangles.iter().enumerate() {
+            let seen = corners.map(|v| self.vertices[v as usize]);
+            let [a, b, c] = seen.map(|v| v.at);
+            // Counter-clockwise from outside, and rows run downwards.
+            let area = (b - a).perp_dot(c - a);
+            if area == 0.0 || (area > 0.0 && !self.double_sided) {
+                continue;
+            }
+            let (low, high) = (a.min(b).min(c) - 0.5, a.max(b).max(c) - 0.5);
+            // Between the samples, or off the picture.
+            let (first_x, last_x) = (low.x.ceil().max(0.0), high.x.floor().min(self.size[0] - 1.0));
+            let (first_y, last_y) = (low.y.ceil().max(0.0), high.y.floor().min(self.size[1] - 1.0));
+            if !(first_x <= last_x && first_y <= last_y) || self.is_hair(*corners, seen) {
+                continue;
+            }
+            if self.texels > 0.0 {
+                bin.finest = bin.finest.min(fineness(seen, area) * self.texels);
+            }
+            for band in (first_y / self.band) as usize..=(last_y / self.band) as usize {
+                bin.bands[band].push((first + i) as u32);
+            }
+        }
+        bin
+    }
+
+    /// Whether a triangle lies on wood that is thinner than a hair. Its normals tell: over an edge
+    /// round a bar they turn by as much as the edge is long, in radii.
+    fn is_hair(&self, corners: [u32; 3], seen: [Vertex; 3]) -> bool {
+        let Some(hair) = self.hair else { return false };
+        let mesh = &self.part.mesh;
+        [(0, 1), (1, 2), (2, 0)].into_iter().any(|(i, k)| {
+            // On such a bar no edge that turns is longer than the bar is wide.
+            if (seen[i].at - seen[k].at).length_squared() > hair * hair {
+                return false;
+            }
+            let [v, w] = [corners[i], corners[k]].map(|v| v as usize);
+            let turn = mesh.normals[v].distance(mesh.normals[w]);
+            let length = mesh.positions[v].distance(mesh.positions[w]);
+            2.0 * length * self.scale * seen[i].nearness < hair * turn
+        })
+    }
+}
