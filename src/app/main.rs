@@ -2,6 +2,7 @@
 //! Everything that is worth testing alone lives in the libraries.
 
 mod cli;
+mod config;
 mod exit;
 mod progress;
 mod signals;

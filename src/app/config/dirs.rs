@@ -1,0 +1,127 @@
+//! Where configuration and state are: the XDG base directories, or where the user says.
+//!
+//! <https://specifications.freedesktop.org/basedir-spec/0.8/>: the variables that count must name
+//! absolute paths; others are ignored.
+
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+/// The two directories, where they can be known. Neither needs to exist.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Dirs {
+    /// What the user writes: settings, themes, keymap, presets.
+    pub config: Option<PathBuf>,
+    /// What linden writes: the session.
+    pub state: Option<PathBuf>,
+}
+
+/// Why there is no [`Dirs::config`], and what to do.
+pub const NO_CONFIG: &str =
+    "there is no home directory to look for settings and presets in; set HOME, or LINDEN_CONFIG_DIR";
+/// Why there is no [`Dirs::state`], and what to do.
+pub const NO_STATE: &str = "there is no home directory to keep the session in; set HOME, or LINDEN_STATE_DIR";
+
+impl Dirs {
+    /// What the environment says: `LINDEN_CONFIG_DIR` before `$XDG_CONFIG_HOME/linden` before
+    /// `$HOME/.config/linden`, and `LINDEN_STATE_DIR` before `$XDG_STATE_HOME/linden` before
+    /// `$HOME/.local/state/linden`.
+    pub fn new(lookup: impl Fn(&str) -> Option<OsString>) -> Self {
+        let path = |name: &str| lookup(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+        let find = |own: &str, xdg: &str, below_home: &str| {
+            // What the user names may be relative; it stays what it was when the program started.
+            let own = path(own).map(|dir| std::path::absolute(&dir).unwrap_or(dir));
+            let absolute = |name: &str| path(name).filter(|dir| dir.is_absolute());
+            let base = || absolute(xdg).or_else(|| absolute("HOME").map(|home| home.join(below_home)));
+            own.or_else(|| base().map(|base| base.join("linden")))
+        };
+        Self {
+            config: find("LINDEN_CONFIG_DIR", "XDG_CONFIG_HOME", ".config"),
+            state: find("LINDEN_STATE_DIR", "XDG_STATE_HOME", ".local/state"),
+        }
+    }
+
+    /// Of this process.
+    pub fn of_environment() -> Self {
+        Self::new(|name| std::env::var_os(name))
+    }
+
+    /// The settings.
+    pub fn settings(&self) -> Option<PathBuf> {
+        self.in_config("config.toml")
+    }
+
+    /// The keymap.
+    pub fn keymap(&self) -> Option<PathBuf> {
+        self.in_config("keymap.toml")
+    }
+
+    /// The user's own presets and grammars.
+    pub fn presets(&self) -> Option<PathBuf> {
+        self.in_config("presets")
+    }
+
+    /// The user's own themes, `NAME.toml` each.
+    pub fn themes(&self) -> Option<PathBuf> {
+        self.in_config("themes")
+    }
+
+    /// What was there last time.
+    pub fn session(&self) -> Option<PathBuf> {
+        self.state.as_deref().map(|dir| dir.join("session.toml"))
+    }
+
+    fn in_config(&self, name: impl AsRef<Path>) -> Option<PathBuf> {
+        self.config.as_deref().map(|dir| dir.join(name))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(environment: &[(&str, &str)]) -> Dirs {
+        Dirs::new(|name| environment.iter().find(|(own, _)| *own == name).map(|(_, value)| value.into()))
+    }
+
+    fn paths(config: &str, state: &str) -> Dirs {
+        Dirs { config: Some(config.into()), state: Some(state.into()) }
+    }
+
+    #[test]
+    fn the_most_particular_variable_counts() {
+        let home = ("HOME", "/h");
+        assert_eq!(of(&[home]), paths("/h/.config/linden", "/h/.local/state/linden"));
+        let xdg = [home, ("XDG_CONFIG_HOME", "/c"), ("XDG_STATE_HOME", "/s")];
+        assert_eq!(of(&xdg), paths("/c/linden", "/s/linden"));
+        let own = [xdg.as_slice(), &[("LINDEN_CONFIG_DIR", "/a"), ("LINDEN_STATE_DIR", "/b")]].concat();
+        assert_eq!(of(&own), paths("/a", "/b"));
+    }
+
+    #[test]
+    fn without_a_home_there_is_what_is_named() {
+        assert_eq!(of(&[]), Dirs::default());
+        assert_eq!(of(&[("HOME", ""), ("XDG_STATE_HOME", "/s")]).state, Some("/s/linden".into()));
+        assert_eq!(of(&[]).presets(), None);
+        assert_eq!(of(&[]).session(), None);
+    }
+
+    #[test]
+    fn relative_paths_are_ignored_in_xdg_and_made_absolute_in_ours() {
+        assert_eq!(of(&[("HOME", "/h"), ("XDG_CONFIG_HOME", "c")]).config, Some("/h/.config/linden".into()));
+        let here = std::env::current_dir().unwrap();
+        assert_eq!(of(&[("LINDEN_CONFIG_DIR", "my")]).config, Some(here.join("my")));
+    }
+
+    #[test]
+    fn this_process_has_what_its_environment_says() {
+        assert_eq!(Dirs::of_environment(), Dirs::new(|name| std::env::var_os(name)));
+    }
+
+    #[test]
+    fn each_file_has_its_place() {
+        let dirs = paths("/c", "/s");
+        let all = [dirs.settings(), dirs.keymap(), dirs.presets(), dirs.themes(), dirs.session()];
+        let expected = ["/c/config.toml", "/c/keymap.toml", "/c/presets", "/c/themes", "/s/session.toml"];
+        assert_eq!(all.map(Option::unwrap), expected.map(PathBuf::from));
+    }
+}

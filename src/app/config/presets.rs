@@ -1,0 +1,256 @@
+//! The user's own presets and grammars: the files of `presets/` and of the folders in it.
+//!
+//! Listing reads and checks documents; the meshes and point clouds that they name are read when a tree
+//! is grown (see [`crate::source::resolve`], which takes an entry's path), here it is only seen to that
+//! they are there. What cannot be read is listed too, with its complaint.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use linden::Monitor;
+use linden::input::{InputKind, sniff};
+use linden::knob::excerpt;
+use linden::lsystem::text;
+use linden::preset::{Place, Preset, Space, builtin_file};
+
+use super::files::{self, Existing, Readers};
+use super::{Complaint, of_fault};
+use crate::source::show;
+
+/// Larger than any document; scans are larger, but are not listed by their content.
+const MAX_BYTES: u64 = 64 << 20;
+/// More are no library that a person looks through.
+const MAX_ENTRIES: usize = 10_000;
+/// The group of what lies in `presets/` itself and names none.
+const OWN: &str = "own";
+
+/// A file that may grow. Its texts are from outside: show them through `printable`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UserPreset {
+    /// What [`crate::source::resolve`] takes.
+    pub path: PathBuf,
+    /// The file's name without its ending, as for built-in presets.
+    pub id: String,
+    /// What people call it.
+    pub name: String,
+    /// The folder it lies in; else what the document says, else `own`.
+    pub group: String,
+    /// One line: what it is.
+    pub summary: String,
+    /// Where it comes from.
+    pub source: String,
+    /// Whether it can be read.
+    pub state: Result<(), Complaint>,
+}
+
+/// Lists the presets and grammars in a directory (`*.toml`, `*.txt`, `*.l`) and in the folders in it,
+/// by group and id. Hidden files are left out, folders in folders too. No directory, no presets.
+///
+/// The complaints are about directories; a file's own is with its entry. When the monitor cancels, the
+/// list is what was read until then.
+pub fn list(dir: &Path, monitor: &dyn Monitor) -> (Vec<UserPreset>, Vec<Complaint>) {
+    let mut complaints = Vec::new();
+    let mut paths = Vec::new();
+    for path in names(dir, &mut complaints) {
+        // A link that leads in a circle is no directory, and complained about when it is read.
+        if has_ending(&path) {
+            paths.push((path, None));
+        } else if path.is_dir() {
+            let group = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let own = names(&path, &mut complaints).into_iter().filter(|path| has_ending(path));
+            paths.extend(own.map(|path| (path, Some(group.clone()))));
+        }
+    }
+    if paths.len() > MAX_ENTRIES {
+        let message = format!("has {} files, and {MAX_ENTRIES} are listed; move some away", paths.len());
+        complaints.push(Complaint::new(dir, message));
+        paths.truncate(MAX_ENTRIES);
+    }
+    let mut presets = Vec::new();
+    for (path, folder) in paths {
+        if monitor.is_cancelled() {
+            break;
+        }
+        presets.push(entry(path, folder));
+    }
+    presets.sort_by(|a, b| (&a.group, &a.id, &a.path).cmp(&(&b.group, &b.id, &b.path)));
+    (presets, complaints)
+}
+
+/// What is in a directory, in order, without what is hidden.
+fn names(dir: &Path, complaints: &mut Vec<Complaint>) -> Vec<PathBuf> {
+    let mut failed = |error: &std::io::Error| {
+        complaints.push(Complaint::new(dir, format!("cannot be listed: {error}")));
+    };
+    let read = match fs::read_dir(dir) {
+        Ok(read) => read,
+        Err(error) => {
+            if error.kind() != ErrorKind::NotFound {
+                failed(&error);
+            }
+            return Vec::new();
+        }
+    };
+    let mut paths = Vec::new();
+    for entry in read {
+        match entry {
+            Ok(entry) if entry.file_name().as_encoded_bytes().starts_with(b".") => {}
+            Ok(entry) => paths.push(entry.path()),
+            Err(error) => {
+                failed(&error);
+                break;
+            }
+        }
+    }
+    paths.sort();
+    paths
+}
+
+fn has_ending(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|ending| ["toml", "txt", "l"].iter().any(|own| ending.eq_ignore_ascii_case(own)))
+}
+
+fn entry(path: PathBuf, folder: Option<String>) -> UserPreset {
+    let id = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let (read, state) = match read(&path, &id) {
+        Ok((preset, state)) => (Some(preset), state),
+        Err(complaint) => (None, Err(complaint)),
+    };
+    let of = |field: fn(&Preset) -> &str| read.as_ref().map(|preset| field(preset).to_owned());
+    UserPreset {
+        name: of(|preset| &preset.name).unwrap_or_else(|| id.clone()),
+        group: folder.or_else(|| of(|preset| &preset.group)).unwrap_or_else(|| OWN.to_owned()),
+        summary: of(|preset| &preset.summary).unwrap_or_default(),
+        source: of(|preset| &preset.source).unwrap_or_default(),
+        id,
+        path,
+        state,
+    }
+}
+
+/// Reads a document as [`crate::source::resolve`] will, but for the file that it names.
+fn read(path: &Path, id: &str) -> Result<(Preset, Result<(), Complaint>), Complaint> {
+    let gone = || Complaint::new(path, "is gone");
+    let bytes = files::read(path, MAX_BYTES)?.ok_or_else(gone)?;
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let kind = sniff(&bytes, &name).map_err(|error| Complaint::new(path, error.to_string()))?;
+    let preset = match kind {
+        InputKind::Preset => {
+            let text = files::into_text(path, bytes)?;
+            Preset::from_toml(&text).map_err(|fault| of_fault(path, &fault))?
+        }
+        InputKind::Recipe => {
+            let text = files::into_text(path, bytes)?;
+            Preset::from_json(&text).map_err(|fault| of_fault(path, &fault))?
+        }
+        InputKind::Grammar => {
+            let text = files::into_text(path, bytes)?;
+            let own = text::parse(&text).map_err(|error| {
+                let place = Place { line: error.line, column: error.column };
+                Complaint::at(path, Some(place), error.problem.to_string())
+            })?;
+            let mut preset = Preset::of_grammar(id, own.grammar, own.angle_deg, own.derivations);
+            preset.summary = own.comments.into_iter().find(|line| !line.is_empty()).unwrap_or_default();
+            return Ok((preset, Ok(())));
+        }
+        InputKind::ObjMesh | InputKind::PlyMesh => {
+            return Ok((Preset::of_space(id, Space::Envelope { file: name }), Ok(())));
+        }
+        InputKind::PlyPoints | InputKind::XyzPoints => {
+            return Ok((Preset::of_space(id, Space::Points { file: name }), Ok(())));
+        }
+    };
+    let state = match preset.space().and_then(Space::file) {
+        Some(file) if builtin_file(file).is_none() => {
+            let beside = path.with_file_name("").join(file);
+            if beside.is_file() {
+                Ok(())
+            } else {
+                let message = format!("needs the file {}, which is not there", show(&beside));
+                Err(Complaint::new(path, message))
+            }
+        }
+        _ => Ok(()),
+    };
+    Ok((preset, state))
+}
+
+/// Why a preset was not saved.
+#[derive(Debug, thiserror::Error)]
+pub enum SaveError {
+    /// The id cannot be the name of a file.
+    #[error("'{0}' cannot be a preset's id: {1}; use letters, digits, '-' and '_'")]
+    Id(String, &'static str),
+    /// There is a preset of that id.
+    #[error("there is a preset '{id}' already ({}); save under another id, or overwrite it", show(.path))]
+    Exists {
+        /// The id, printable.
+        id: String,
+        /// Its file.
+        path: PathBuf,
+    },
+    /// It is no preset.
+    #[error("{0}")]
+    Document(Complaint),
+    /// The file could not be written; what was there before still is.
+    #[error("writing {}: {source}", show(.path))]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why not.
+        source: std::io::Error,
+    },
+}
+
+/// Saves a document as `ID.toml` in a directory, which is made if need be: the whole file or nothing.
+/// Returns where it is.
+pub fn save(dir: &Path, id: &str, toml: &str, overwrite: bool) -> Result<PathBuf, SaveError> {
+    check_id(id).map_err(|why| SaveError::Id(excerpt(id), why))?;
+    let path = dir.join(format!("{id}.toml"));
+    // What could not be listed and grown afterwards is no preset.
+    Preset::from_toml(toml).map_err(|fault| SaveError::Document(of_fault(&path, &fault)))?;
+    let existing = if overwrite { Existing::Replace } else { Existing::Keep };
+    match files::write(&path, toml.as_bytes(), Readers::Umask, existing) {
+        Ok(()) => Ok(path),
+        Err(error) if error.kind() == ErrorKind::AlreadyExists && !overwrite => {
+            Err(SaveError::Exists { id: excerpt(id), path })
+        }
+        Err(source) => Err(SaveError::Write { path, source }),
+    }
+}
+
+/// Whether an id is a file's name on every system that a preset may be copied to.
+fn check_id(id: &str) -> Result<(), &'static str> {
+    if id.is_empty() {
+        return Err("it is empty");
+    }
+    if id.len() > 100 {
+        return Err("it is too long");
+    }
+    if id.starts_with(['.', '-']) {
+        return Err("it begins with a dot or a dash");
+    }
+    if id.ends_with(['.', ' ']) || id.starts_with(' ') {
+        return Err("it begins or ends with a blank or a dot");
+    }
+    if id.chars().any(|c| "/\\:*?\"<>|".contains(c)) {
+        return Err("it has characters that file names cannot have");
+    }
+    if linden::knob::printable(id) != id {
+        return Err("it has characters that cannot be seen");
+    }
+    // Devices of Windows, whatever their ending.
+    let stem = id.split('.').next().unwrap_or(id).to_ascii_lowercase();
+    let numbered =
+        |name: &str| stem.strip_prefix(name).is_some_and(|rest| matches!(rest.as_bytes(), [b'1'..=b'9']));
+    if ["con", "prn", "aux", "nul"].contains(&stem.as_str()) || numbered("com") || numbered("lpt") {
+        return Err("it is the name of a device");
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+#[path = "presets_tests.rs"]
+mod tests;
