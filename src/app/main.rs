@@ -4,9 +4,11 @@
 mod cli;
 mod config;
 mod exit;
+mod jobs;
 mod progress;
 mod signals;
 mod source;
+mod tui;
 
 use std::process::ExitCode;
 

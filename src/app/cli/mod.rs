@@ -10,6 +10,8 @@ mod schema;
 mod show;
 mod stats;
 
+pub use preview::broad_side;
+
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;

@@ -147,7 +147,7 @@ impl Preview {
 }
 
 /// The yaw that shows a flat tree (the plane systems of ABOP) from its broad side.
-fn broad_side(skeleton: &Skeleton) -> f32 {
+pub fn broad_side(skeleton: &Skeleton) -> f32 {
     const FLAT: f32 = 0.01;
     let size = Bounds::of(skeleton.positions.iter().copied()).map_or(Vec3::ONE, Bounds::size);
     if size.z < FLAT * size.x {

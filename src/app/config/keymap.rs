@@ -96,6 +96,11 @@ impl Keymap {
         own.or_else(|| self.commands.get(&(GLOBAL, key))).copied()
     }
 
+    /// What a key runs in exactly this context.
+    pub fn lookup(&self, context: &str, key: Key) -> Option<&'static str> {
+        self.commands.get(&(context, key)).copied()
+    }
+
     /// The keys of a command, the first for hints; none for one that is unbound or unknown.
     pub fn keys_of(&self, id: &str) -> &[Key] {
         self.keys.get(id).map_or(&[], Vec::as_slice)

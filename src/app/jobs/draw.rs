@@ -1,0 +1,287 @@
+//! Drawing what is on screen, and making of the pixels what the terminal shows.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use linden::Skeleton;
+use linden::dress::{DressError, dress};
+use linden::picture::Picture;
+use linden::scene::Scene;
+use linden_raster::{Camera, Paint, RasterError, Size, Style, Surface, draw_skeleton, draw_surface};
+use linden_terminal::cells::{CellPicture, square_pixels};
+use linden_terminal::graphics::{Encoded, Protocol, encode};
+use linden_terminal::probe::{Capabilities, Graphics};
+use linden_terminal::{CellStyle, ColorDepth, Glyphs, Image};
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+
+use super::{Shown, Watcher};
+
+/// Most bytes of a draft, and of a full picture, over a network.
+const DRAFT_BYTES: usize = 16_000;
+const FULL_BYTES: usize = 100_000;
+/// The longer side of a picture that a terminal shows as pixels.
+const LONGEST_PX: u32 = 1400;
+/// A draft in pixels is so many times coarser.
+const DRAFT_SCALE: u32 = 2;
+/// A cell's pixels where a terminal does not tell: what most fonts come near.
+const USUAL_CELL_PX: (u16, u16) = (10, 20);
+
+/// What is drawn of the tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Look {
+    /// Its axes as strokes.
+    Skeleton(Paint),
+    /// Its surface, shaded.
+    Surface,
+}
+
+/// How carefully.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Detail {
+    /// At once, while keys come.
+    Draft,
+    /// As well as it can be.
+    Full,
+}
+
+/// A picture that should be on screen.
+#[derive(Clone, Debug)]
+pub struct DrawRequest {
+    /// The tree.
+    pub shown: Arc<Shown>,
+    /// The step of growth that is drawn, `None` for the grown tree.
+    pub stage: Option<u32>,
+    /// From where.
+    pub camera: Camera,
+    /// What of it.
+    pub look: Look,
+    /// With its attraction points.
+    pub points: bool,
+    /// With its crown's outline.
+    pub outline: bool,
+    /// With a person beside it.
+    pub person: bool,
+    /// The cells that it fills.
+    pub area: Rect,
+    /// What shows it.
+    pub medium: Medium,
+    /// How carefully.
+    pub detail: Detail,
+}
+
+/// What a terminal shows pictures with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Medium {
+    /// A protocol for pixels, `None` for characters.
+    pub graphics: Option<Protocol>,
+    /// Characters.
+    pub glyphs: Glyphs,
+    /// Colours.
+    pub colors: ColorDepth,
+    /// What is behind, sRGB.
+    pub background: [u8; 3],
+    /// Whether that is dark.
+    pub dark: bool,
+    /// Pixels of a cell, across and down.
+    pub cell_px: (u16, u16),
+    /// Whether each byte goes over a network.
+    pub remote: bool,
+}
+
+/// A picture, ready for the screen.
+#[derive(Debug)]
+pub struct Painted {
+    /// What was asked for.
+    pub request: DrawRequest,
+    /// As characters: what is shown beneath dialogs, and where there is nothing else.
+    pub cells: CellPicture,
+    /// As pixels.
+    pub graphic: Option<Arc<Encoded>>,
+    /// Columns of cells a metre takes at the tree's axis.
+    columns_per_m: f32,
+    /// Whether a person stands beside the tree.
+    pub shows_person: bool,
+    /// How long drawing took.
+    pub took: Duration,
+}
+
+impl DrawRequest {
+    /// Whether another request is for the same picture, whatever the detail.
+    pub fn is_of(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.shown, &other.shown)
+            && self.stage == other.stage
+            && self.camera == other.camera
+            && self.look == other.look
+            && (self.points, self.outline, self.person) == (other.points, other.outline, other.person)
+            && self.area == other.area
+            && self.medium == other.medium
+    }
+}
+
+impl Painted {
+    /// Puts the picture into an area; while the screen changes size, as much of it as fits.
+    pub fn put(&self, area: Rect, buffer: &mut Buffer) {
+        self.cells.put(buffer, area);
+    }
+
+    /// A round length in metres that takes at most so many columns, and its columns.
+    pub fn scale_bar(&self, most_columns: f32) -> Option<(f32, f32)> {
+        linden_raster::nice_length_m(most_columns, self.columns_per_m)
+    }
+}
+
+impl Medium {
+    /// What a terminal's capabilities come to.
+    pub fn of(terminal: &Capabilities) -> Self {
+        let cell_px = terminal.cell_px.value;
+        let (dark, colors) = (terminal.dark.value, terminal.colors.value);
+        let usual = if dark { [16, 16, 18] } else { [250, 250, 250] };
+        Self {
+            graphics: match terminal.graphics.value {
+                Graphics::Kitty => Some(Protocol::Kitty),
+                Graphics::Sixel => Some(Protocol::Sixel),
+                Graphics::Iterm2 => Some(Protocol::Iterm2),
+                Graphics::Cells => None,
+            },
+            glyphs: if colors == ColorDepth::None { Glyphs::Braille } else { terminal.glyphs.value },
+            colors,
+            background: terminal.background.value.unwrap_or(usual),
+            dark,
+            cell_px: cell_px.unwrap_or(USUAL_CELL_PX),
+            remote: terminal.remote.value,
+        }
+    }
+}
+
+/// Draws pictures, one after the other, and keeps what the next one may need.
+#[derive(Default)]
+pub struct Painter {
+    scene: Option<(Arc<Shown>, Scene)>,
+    stage: Option<(Arc<Shown>, u32, Option<Arc<Skeleton>>)>,
+}
+
+impl Painter {
+    /// Draws a picture; `None` when nobody wants it any more.
+    pub fn paint(&mut self, request: DrawRequest, watcher: &Watcher<'_>) -> Option<Result<Painted, String>> {
+        match self.paint_or_stop(request, watcher) {
+            Ok(painted) => Some(Ok(painted)),
+            Err(None) => None,
+            Err(Some(why)) => Some(Err(why)),
+        }
+    }
+
+    /// `Err(None)` when nobody wants it any more.
+    fn paint_or_stop(
+        &mut self,
+        request: DrawRequest,
+        watcher: &Watcher<'_>,
+    ) -> Result<Painted, Option<String>> {
+        let start = Instant::now();
+        let medium = request.medium;
+        let area = request.area;
+        let (wide, high) = medium.cell_px;
+        let aspect = f32::from(wide) / f32::from(high.max(1));
+        let (width, height) = match medium.graphics {
+            None => square_pixels(area.width, area.height, aspect),
+            Some(_) => pixels(area, medium.cell_px, request.detail),
+        };
+        let size = Size::new(width, height).map_err(|error| Some(error.to_string()))?;
+        let picture = self.draw(&request, size, watcher)?;
+        let image = Image::new(width, height, picture.rgba()).map_err(|error| Some(error.to_string()))?;
+        let budget = match (request.detail, medium.remote) {
+            (Detail::Draft, true) => DRAFT_BYTES,
+            (Detail::Full, true) => FULL_BYTES,
+            (_, false) => usize::MAX,
+        };
+        let style = CellStyle { glyphs: medium.glyphs, colors: medium.colors, background: medium.background };
+        // Cells of full pictures stay within their budget at home too: nobody sees the difference.
+        let cells = CellPicture::draw(&image, area.width, area.height, &style, budget.min(FULL_BYTES));
+        let graphic = match medium.graphics {
+            None => None,
+            Some(protocol) => {
+                let encoded = encode(protocol, picture.rgba(), (width, height), area, budget);
+                Some(Arc::new(encoded.map_err(|error| Some(error.to_string()))?))
+            }
+        };
+        let view = request.camera.view(request.shown.extent(true, false), size);
+        let columns_per_m = view.scale_at_target() * f32::from(area.width) / width as f32;
+        let shows_person = request.camera.extent.is_some_and(|extent| extent.person.is_some());
+        Ok(Painted { cells, graphic, columns_per_m, shows_person, took: start.elapsed(), request })
+    }
+
+    /// The pixels; `Err(None)` when nobody wants them any more.
+    fn draw(
+        &mut self,
+        request: &DrawRequest,
+        size: Size,
+        watcher: &Watcher<'_>,
+    ) -> Result<Picture, Option<String>> {
+        let shown = &request.shown;
+        let base = if request.medium.dark { Style::over_dark() } else { Style::over_light() };
+        let points = shown.grown.colonized.as_ref().map_or(&[][..], |own| &own.points);
+        let style = Style {
+            paint: if let Look::Skeleton(paint) = request.look { paint } else { base.paint },
+            points: if request.points { points } else { &[] },
+            outline: if request.outline { &shown.outline } else { &[] },
+            person: request.person,
+            draft: request.detail == Detail::Draft,
+            ..base
+        };
+        let drawn = match (request.look, request.stage) {
+            (Look::Surface, None) => {
+                let scene = self.scene(shown, watcher)?;
+                draw_surface(&Surface::from(scene), &request.camera, &style, size, watcher)
+            }
+            (_, None) => draw_skeleton(&shown.grown.skeleton, &request.camera, &style, size, watcher),
+            (_, Some(step)) => {
+                let Some(skeleton) = self.stage(shown, step, watcher)? else {
+                    let bytes = size.width() as usize * size.height() as usize * 4;
+                    return Ok(Picture::new(size.width(), size.height(), vec![0; bytes]));
+                };
+                draw_skeleton(&skeleton, &request.camera, &style, size, watcher)
+            }
+        };
+        drawn.map_err(|error| if error == RasterError::Cancelled { None } else { Some(error.to_string()) })
+    }
+
+    /// The surface of a tree.
+    fn scene(&mut self, shown: &Arc<Shown>, watcher: &Watcher<'_>) -> Result<&Scene, Option<String>> {
+        if !self.scene.as_ref().is_some_and(|(of, _)| Arc::ptr_eq(of, shown)) {
+            self.scene = None;
+            let scene = dress(&shown.recipe, &shown.grown, watcher).map_err(|error| match error {
+                DressError::Cancelled(_) => None,
+                other => Some(other.to_string()),
+            })?;
+            self.scene = Some((Arc::clone(shown), scene));
+        }
+        // It has just been put there.
+        self.scene.as_ref().map(|(_, scene)| scene).ok_or(None)
+    }
+
+    /// A tree as it was at a step; `None` while there is nothing of it.
+    fn stage(
+        &mut self,
+        shown: &Arc<Shown>,
+        step: u32,
+        watcher: &Watcher<'_>,
+    ) -> Result<Option<Arc<Skeleton>>, Option<String>> {
+        if let Some((of, at, skeleton)) = &self.stage
+            && Arc::ptr_eq(of, shown)
+            && *at == step
+        {
+            return Ok(skeleton.clone());
+        }
+        let skeleton = super::grow::stage(shown, step, watcher)?;
+        self.stage = Some((Arc::clone(shown), step, skeleton.clone()));
+        Ok(skeleton)
+    }
+}
+
+/// Pixels of a picture over so many cells: in the cells' proportions, not more than can be seen.
+fn pixels(area: Rect, (wide, high): (u16, u16), detail: Detail) -> (u32, u32) {
+    let (width, height) = (u32::from(area.width) * u32::from(wide), u32::from(area.height) * u32::from(high));
+    let coarser = if detail == Detail::Draft { DRAFT_SCALE } else { 1 };
+    let shrink = width.max(height).div_ceil(LONGEST_PX).max(1) * coarser;
+    ((width / shrink).max(1), (height / shrink).max(1))
+}

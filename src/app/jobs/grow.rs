@@ -1,0 +1,107 @@
+//! Growing what is on screen.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use glam::Vec3;
+use linden::Skeleton;
+use linden::colonization::outline;
+use linden::grow::{GrowError, Grown, grow};
+use linden::preset::Generator;
+use linden::recipe::Recipe;
+use linden::skeleton::{Measures, SkeletonError};
+use linden_raster::{Extent, RasterError};
+
+use super::Watcher;
+
+/// A tree that grew, and what is known of it.
+#[derive(Debug)]
+pub struct Shown {
+    /// What it grew from.
+    pub recipe: Arc<Recipe>,
+    /// The tree.
+    pub grown: Grown,
+    /// What a forester would measure.
+    pub measures: Measures,
+    /// What pictures frame: the tree.
+    own: Extent,
+    /// The tree, its attraction points and its crown.
+    wide: Extent,
+    /// What the tree stands on, metres.
+    ground_m: f32,
+    /// The crown's outline; empty for what has no crown.
+    pub outline: Vec<Vec<Vec3>>,
+    /// The last derivation or iteration.
+    pub steps: u32,
+    /// How long it took.
+    pub took: Duration,
+}
+
+/// Grows a recipe; `None` when nobody wants the result any more.
+pub fn grow_shown(recipe: &Arc<Recipe>, watcher: &Watcher<'_>) -> Option<Result<Arc<Shown>, String>> {
+    let start = Instant::now();
+    let grown = match grow(recipe, watcher) {
+        Ok(grown) => grown,
+        Err(GrowError::Cancelled(_)) => return None,
+        Err(error) => return Some(Err(error.to_string())),
+    };
+    let points = grown.colonized.as_ref().map_or(&[][..], |own| &own.points);
+    let outline = match outline(recipe, watcher) {
+        Ok(outline) => outline,
+        Err(GrowError::Cancelled(_)) => return None,
+        // The tree grew in it a moment ago.
+        Err(error) => return Some(Err(error.to_string())),
+    };
+    let skeleton = &grown.skeleton;
+    let around: Vec<Vec3> = points.iter().chain(outline.iter().flatten()).copied().collect();
+    let (Some(own), Some(wide)) = (Extent::of(skeleton, &[]), Extent::of(skeleton, &around)) else {
+        return Some(Err(RasterError::Empty.to_string()));
+    };
+    Some(Ok(Arc::new(Shown {
+        recipe: Arc::clone(recipe),
+        measures: skeleton.measures(),
+        own,
+        wide,
+        ground_m: skeleton.positions.iter().map(|p| p.y).fold(f32::INFINITY, f32::min),
+        outline,
+        steps: skeleton.births.iter().copied().max().unwrap_or(0),
+        took: start.elapsed(),
+        grown,
+    })))
+}
+
+/// A tree as it was at a step of its growth: at an iteration of colonization, or at a derivation,
+/// for which the L-system is derived again (its symbols are not kept from one to the next). `None`
+/// while nothing is drawn; `Err(None)` when nobody wants it any more.
+pub fn stage(
+    shown: &Shown,
+    step: u32,
+    watcher: &Watcher<'_>,
+) -> Result<Option<Arc<Skeleton>>, Option<String>> {
+    let mut recipe = (*shown.recipe).clone();
+    let Generator::LSystem(own) = &mut recipe.preset.generator else {
+        let young = shown.grown.skeleton.until(step, &recipe.preset.wood);
+        return Ok(Some(Arc::new(young)).filter(|young| !young.positions.is_empty()));
+    };
+    own.derivations = step;
+    match grow(&recipe, watcher) {
+        Ok(grown) => Ok(Some(grown.skeleton)),
+        Err(GrowError::Cancelled(_)) => Err(None),
+        Err(GrowError::Skeleton(SkeletonError::Empty)) => Ok(None),
+        Err(error) => Err(Some(error.to_string())),
+    }
+}
+
+impl Shown {
+    /// What pictures frame: the tree; with what it grew in when that is shown; with a person when
+    /// one is to stand there and the plant is large enough.
+    pub fn extent(&self, wide: bool, person: bool) -> Extent {
+        let extent = if wide { self.wide } else { self.own };
+        if person { extent.with_person(self.ground_m) } else { extent }
+    }
+
+    /// The yaw that shows a flat tree (the plane systems of ABOP) from its broad side.
+    pub fn broad_side_deg(&self) -> f32 {
+        crate::cli::broad_side(&self.grown.skeleton)
+    }
+}

@@ -1,0 +1,263 @@
+//! One worker, newest wins.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use linden::Monitor;
+use linden::monitor::Stage;
+
+/// Names of worker threads begin with this: their panics become messages, not the end of the program.
+pub const THREAD_PREFIX: &str = "linden-job-";
+
+/// Between two reports of progress: nobody reads faster, and over SSH each costs bytes.
+const REPORT_EVERY: Duration = Duration::from_millis(120);
+
+/// What a lane says of a request.
+#[derive(Debug)]
+pub struct Answer<T> {
+    /// The request's number, as [`Lane::submit`] gave it.
+    pub number: u64,
+    /// What it says.
+    pub done: Done<T>,
+}
+
+/// How far a request is.
+#[derive(Debug)]
+pub enum Done<T> {
+    /// Still at it.
+    Progress {
+        /// What is being done.
+        stage: Stage,
+        /// Units finished.
+        done: u64,
+        /// Of so many, where anybody can know.
+        total: Option<u64>,
+    },
+    /// Here it is. A lane may give several for one request (a gallery).
+    Value(T),
+    /// The work panicked, which is our fault.
+    Broken(String),
+    /// It is over, with or without a value: the last that is said of a request.
+    Finished,
+}
+
+/// A worker thread with one place for the next request.
+pub struct Lane<R> {
+    shared: Arc<Shared<R>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+struct Shared<R> {
+    slot: Mutex<Slot<R>>,
+    filled: Condvar,
+    /// The number of the newest request. Older work is cancelled.
+    newest: AtomicU64,
+}
+
+struct Slot<R> {
+    next: Option<(u64, R)>,
+    closed: bool,
+}
+
+/// Watches one request's work: cancelled as soon as there is a newer one.
+pub struct Watcher<'a> {
+    number: u64,
+    newest: &'a AtomicU64,
+    report: &'a (dyn Fn(Stage, u64, Option<u64>) + Sync),
+    last: Mutex<Option<(Stage, Instant)>>,
+}
+
+impl<R: Send + 'static> Lane<R> {
+    /// Starts the worker. `work` is given each request and a place to put values; `send` takes what
+    /// it says and returns quickly.
+    ///
+    /// # Errors
+    /// When the system has no thread left.
+    pub fn start<T: 'static>(
+        name: &str,
+        send: impl Fn(Answer<T>) + Send + Sync + 'static,
+        mut work: impl FnMut(R, &Watcher<'_>, &dyn Fn(T)) + Send + 'static,
+    ) -> std::io::Result<Self> {
+        let shared = Arc::new(Shared {
+            slot: Mutex::new(Slot { next: None, closed: false }),
+            filled: Condvar::new(),
+            newest: AtomicU64::new(0),
+        });
+        let own = Arc::clone(&shared);
+        let thread = std::thread::Builder::new().name(format!("{THREAD_PREFIX}{name}")).spawn(move || {
+            lower_priority();
+            while let Some((number, request)) = own.wait() {
+                let report = |stage, done, total| {
+                    send(Answer { number, done: Done::Progress { stage, done, total } });
+                };
+                let watcher =
+                    Watcher { number, newest: &own.newest, report: &report, last: Mutex::new(None) };
+                let give = |value| send(Answer { number, done: Done::Value(value) });
+                let worked = catch_unwind(AssertUnwindSafe(|| work(request, &watcher, &give)));
+                if let Err(panic) = worked {
+                    send(Answer { number, done: Done::Broken(said(&*panic)) });
+                }
+                send(Answer { number, done: Done::Finished });
+            }
+        })?;
+        Ok(Self { shared, thread: Some(thread) })
+    }
+
+    /// Hands in a request; whatever was under way or waiting is dropped. Returns its number.
+    pub fn submit(&self, request: R) -> u64 {
+        let mut slot = self.shared.slot.lock().unwrap_or_else(PoisonError::into_inner);
+        let number = self.shared.newest.fetch_add(1, Ordering::Relaxed) + 1;
+        slot.next = Some((number, request));
+        self.shared.filled.notify_one();
+        number
+    }
+
+    /// Drops whatever is under way or waiting.
+    pub fn cancel(&self) {
+        let mut slot = self.shared.slot.lock().unwrap_or_else(PoisonError::into_inner);
+        self.shared.newest.fetch_add(1, Ordering::Relaxed);
+        slot.next = None;
+    }
+}
+
+impl<R> Drop for Lane<R> {
+    /// Cancels and waits for the worker, which hears it within milliseconds.
+    fn drop(&mut self) {
+        {
+            let mut slot = self.shared.slot.lock().unwrap_or_else(PoisonError::into_inner);
+            slot.closed = true;
+            slot.next = None;
+            self.shared.newest.fetch_add(1, Ordering::Relaxed);
+            self.shared.filled.notify_one();
+        }
+        if let Some(thread) = self.thread.take() {
+            // Its panics were caught.
+            let _ = thread.join();
+        }
+    }
+}
+
+impl<R> Shared<R> {
+    /// The next request, `None` when there will be no more.
+    fn wait(&self) -> Option<(u64, R)> {
+        let mut slot = self.slot.lock().unwrap_or_else(PoisonError::into_inner);
+        loop {
+            if slot.closed {
+                return None;
+            }
+            if let Some(next) = slot.next.take() {
+                return Some(next);
+            }
+            slot = self.filled.wait(slot).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+}
+
+impl Monitor for Watcher<'_> {
+    fn is_cancelled(&self) -> bool {
+        self.newest.load(Ordering::Relaxed) != self.number
+    }
+
+    fn advance(&self, stage: Stage, done: u64, total: Option<u64>) {
+        // Whoever finds another thread reporting has nothing to add.
+        let Ok(mut last) = self.last.try_lock() else { return };
+        let now = Instant::now();
+        match *last {
+            Some((of, at)) if of == stage && now - at < REPORT_EVERY => {}
+            // Work that is over at once is not worth a report.
+            None => *last = Some((stage, now)),
+            Some(_) => {
+                *last = Some((stage, now));
+                (self.report)(stage, done, total);
+            }
+        }
+    }
+}
+
+/// Lets the interface come first: on a busy machine keys are answered before trees are grown.
+pub fn lower_priority() {
+    // On Linux this is the thread's own; elsewhere, or where it is refused, nothing is lost.
+    #[cfg(target_os = "linux")]
+    let _ = rustix::process::nice(10);
+}
+
+/// What a panic said.
+fn said(panic: &(dyn std::any::Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(|s| (*s).to_owned());
+    text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".to_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc;
+
+    use super::*;
+
+    #[test]
+    fn the_newest_request_wins_and_cancels_the_one_before() {
+        let (sender, answers) = mpsc::channel();
+        let (entered, is_in) = mpsc::channel();
+        let lane = Lane::start(
+            "test",
+            move |answer: Answer<u32>| drop(sender.send(answer)),
+            move |request: u32, watcher, give| {
+                entered.send(request).unwrap();
+                while request == 1 && !watcher.is_cancelled() {
+                    std::thread::yield_now();
+                }
+                if !watcher.is_cancelled() {
+                    give(request);
+                }
+            },
+        )
+        .unwrap();
+        lane.submit(1);
+        assert_eq!(is_in.recv().unwrap(), 1);
+        let two = lane.submit(2);
+        let first = answers.recv().unwrap();
+        assert!(first.number < two && matches!(first.done, Done::Finished), "{first:?}");
+        let second = answers.recv().unwrap();
+        assert!(second.number == two && matches!(second.done, Done::Value(2)), "{second:?}");
+    }
+
+    #[test]
+    fn a_panic_is_an_answer_and_the_lane_goes_on() {
+        let (sender, answers) = mpsc::channel();
+        let lane = Lane::start(
+            "test",
+            move |answer: Answer<u32>| drop(sender.send(answer)),
+            |request: u32, _, give| {
+                assert_ne!(request, 1, "one");
+                give(request);
+            },
+        )
+        .unwrap();
+        lane.submit(1);
+        assert!(matches!(answers.recv().unwrap().done, Done::Broken(why) if why.contains("one")));
+        assert!(matches!(answers.recv().unwrap().done, Done::Finished));
+        lane.submit(3);
+        assert!(matches!(answers.recv().unwrap().done, Done::Value(3)));
+    }
+
+    #[test]
+    fn dropping_a_lane_ends_work_that_would_go_on_for_ever() {
+        let (entered, is_in) = mpsc::channel();
+        let lane = Lane::start(
+            "test",
+            |_: Answer<()>| {},
+            move |(): (), watcher, _| {
+                entered.send(()).unwrap();
+                while !watcher.is_cancelled() {
+                    std::thread::yield_now();
+                }
+            },
+        )
+        .unwrap();
+        lane.submit(());
+        is_in.recv().unwrap();
+        drop(lane);
+    }
+}

@@ -1,0 +1,17 @@
+//! Work beside the interface: growing, drawing, reading, exporting. Keys never wait for it.
+//!
+//! A [`Lane`] does one thing at a time and the newest request wins: what is under way is cancelled
+//! inside its loops (through [`Monitor`]), and what it still says carries the number of a request
+//! that nobody waits for any more.
+
+mod draw;
+mod grow;
+mod lane;
+mod relay;
+mod thumbnail;
+
+pub use draw::{Detail, DrawRequest, Look, Medium, Painted, Painter};
+pub use grow::{Shown, grow_shown};
+pub use lane::{Answer, Done, Lane, THREAD_PREFIX, Watcher, lower_priority};
+pub use relay::Relay;
+pub use thumbnail::Thumbnail;

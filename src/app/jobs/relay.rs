@@ -1,0 +1,128 @@
+//! Newest wins, but whoever is nearly done may finish.
+//!
+//! Keys repeat thirty times a second. If each cancelled the work of the one before, a tree that takes
+//! 50 ms would never be seen while a key is held. So a request waits while the one before is young,
+//! and cancels it when it has become old.
+
+use std::time::{Duration, Instant};
+
+use super::Lane;
+
+/// A lane, and the request that waits for it.
+pub struct Relay<R> {
+    lane: Lane<R>,
+    running: Option<(u64, Instant)>,
+    waiting: Option<R>,
+    patience: Duration,
+}
+
+impl<R: Send + 'static> Relay<R> {
+    /// A relay that lets work finish that is younger than `patience`.
+    pub fn new(lane: Lane<R>, patience: Duration) -> Self {
+        Self { lane, running: None, waiting: None, patience }
+    }
+
+    /// Hands in a request.
+    pub fn want(&mut self, request: R, now: Instant) {
+        self.waiting = Some(request);
+        self.advance(now);
+    }
+
+    /// The lane said that it finished a request.
+    pub fn finished(&mut self, number: u64, now: Instant) {
+        if self.running.is_some_and(|(running, _)| running == number) {
+            self.running = None;
+        }
+        self.advance(now);
+    }
+
+    /// Submits what waits, if it has waited long enough.
+    pub fn advance(&mut self, now: Instant) {
+        let is_free = self.running.is_none_or(|(_, since)| now >= since + self.patience);
+        if is_free && let Some(request) = self.waiting.take() {
+            self.running = Some((self.lane.submit(request), now));
+        }
+    }
+
+    /// Drops whatever is under way or waiting.
+    pub fn cancel(&mut self) {
+        self.waiting = None;
+        self.running = None;
+        self.lane.cancel();
+    }
+
+    /// Whether an answer is to a request that was not cancelled.
+    pub fn is_current(&self, number: u64) -> bool {
+        self.running.is_some_and(|(running, _)| running == number)
+    }
+
+    /// Whether nothing is under way.
+    pub fn is_idle(&self) -> bool {
+        self.running.is_none()
+    }
+
+    /// When [`Relay::advance`] should be called though nothing was said.
+    pub fn wake_at(&self) -> Option<Instant> {
+        let (_, since) = self.running.filter(|_| self.waiting.is_some())?;
+        Some(since + self.patience)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::mpsc;
+
+    use linden::Monitor;
+
+    use super::super::{Answer, Done};
+    use super::*;
+
+    #[test]
+    fn young_work_finishes_and_old_work_is_cancelled() {
+        let (sender, answers) = mpsc::channel();
+        let (go, gate) = mpsc::channel::<()>();
+        let lane = Lane::start(
+            "test",
+            move |answer: Answer<&'static str>| drop(sender.send(answer)),
+            move |request: &'static str, watcher, give| {
+                if request == "slow" {
+                    while !watcher.is_cancelled() {
+                        std::thread::yield_now();
+                    }
+                    return;
+                }
+                gate.recv().unwrap();
+                give(request);
+            },
+        )
+        .unwrap();
+        let mut relay = Relay::new(lane, Duration::from_secs(1));
+        let start = Instant::now();
+        relay.want("a", start);
+        relay.want("b", start + Duration::from_millis(1));
+        relay.want("c", start + Duration::from_millis(2));
+        assert_eq!(relay.wake_at(), Some(start + Duration::from_secs(1)));
+        let mut values = Vec::new();
+        go.send(()).unwrap();
+        go.send(()).unwrap();
+        while values.len() < 2 {
+            let answer = answers.recv().unwrap();
+            match answer.done {
+                Done::Value(value) => values.push(value),
+                Done::Finished => relay.finished(answer.number, start + Duration::from_millis(3)),
+                other => panic!("{other:?}"),
+            }
+        }
+        assert_eq!(values, ["a", "c"], "the first finished, the second was overtaken while it waited");
+
+        let answer = answers.recv().unwrap();
+        relay.finished(answer.number, start);
+        assert!(relay.is_idle() && relay.wake_at().is_none());
+        relay.want("slow", start);
+        go.send(()).unwrap();
+        relay.want("d", start + Duration::from_millis(900));
+        relay.advance(start + Duration::from_millis(1001));
+        let values: Vec<_> = answers.iter().map(|answer| answer.done).take(2).collect();
+        assert!(matches!(values[..], [Done::Finished, Done::Value("d")]), "{values:?}");
+    }
+}

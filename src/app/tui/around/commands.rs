@@ -1,0 +1,264 @@
+//! The rows of what is around the tree.
+
+use super::{Page, Palette, line, palette, yank};
+use crate::tui::command::{Command, Context, free};
+use crate::tui::effect::Effect;
+use crate::tui::model::{Layer, Model, Pane};
+
+fn has_no_tree(model: &Model) -> Option<String> {
+    model.tree.is_none().then(|| "no preset is chosen".to_owned())
+}
+
+fn focus_by(model: &mut Model, by: usize) {
+    let at = Pane::ALL.iter().position(|pane| *pane == model.focus).unwrap_or(0);
+    model.focus_on(Pane::ALL[(at + by) % Pane::ALL.len()]);
+}
+
+fn scroll(model: &mut Model, by: isize) {
+    let height = usize::from(model.size.1.saturating_sub(4));
+    if let Some(Layer::Page(page)) = model.layers.last_mut() {
+        let most = page.lines.len().saturating_sub(height);
+        page.scroll = page.scroll.min(most).saturating_add_signed(by).min(most);
+    }
+}
+
+/// The rows of this room.
+pub const COMMANDS: &[Command] = &[
+    Command {
+        id: "help",
+        context: Context::Global,
+        keys: &["?", "f1"],
+        title: "Help",
+        help: "Shows all commands with their keys",
+        hint: Some(90),
+        hindrance: free,
+        run: |model, _| {
+            let page = Page::help(model);
+            model.layers.push(Layer::Page(page));
+        },
+    },
+    Command {
+        id: "palette",
+        context: Context::Global,
+        keys: &[":"],
+        title: "Palette",
+        help: "Finds any command by its name",
+        hint: Some(92),
+        hindrance: free,
+        run: |model, _| model.layers.push(Layer::Palette(Palette::new())),
+    },
+    Command {
+        id: "messages",
+        context: Context::Global,
+        keys: &["m"],
+        title: "Messages",
+        help: "Shows what was said, with every complaint about files of yours",
+        hint: None,
+        hindrance: free,
+        run: |model, _| {
+            let page = Page::messages(model);
+            model.layers.push(Layer::Page(page));
+        },
+    },
+    Command {
+        id: "focus-next",
+        context: Context::Global,
+        keys: &["tab"],
+        title: "Next pane",
+        help: "Moves to the next pane: presets, picture, knobs",
+        hint: Some(28),
+        hindrance: free,
+        run: |model, _| focus_by(model, 1),
+    },
+    Command {
+        id: "focus-previous",
+        context: Context::Global,
+        keys: &["shift-tab"],
+        title: "Previous pane",
+        help: "Moves to the pane before",
+        hint: None,
+        hindrance: free,
+        run: |model, _| focus_by(model, Pane::ALL.len() - 1),
+    },
+    Command {
+        id: "yank-command",
+        context: Context::Global,
+        keys: &["y"],
+        title: "Copy command",
+        help: "Copies the command line that exports what is on screen (through the terminal, so over SSH too)",
+        hint: Some(50),
+        hindrance: has_no_tree,
+        run: |model, effects| {
+            if let Some(tree) = &model.tree {
+                let text = yank::command_line(tree);
+                let first = text.lines().next().unwrap_or_default().to_owned();
+                effects.push(Effect::Copy(text));
+                model.say(format!("copied: {first}"));
+            }
+        },
+    },
+    Command {
+        id: "yank-recipe",
+        context: Context::Global,
+        keys: &["Y"],
+        title: "Copy recipe",
+        help: "Copies the recipe: one line of JSON that grows this tree anywhere",
+        hint: None,
+        hindrance: has_no_tree,
+        run: |model, effects| {
+            if let Some(tree) = &model.tree {
+                effects.push(Effect::Copy(tree.recipe().to_line()));
+                model.say("copied the recipe: one line of JSON, which linden takes as a SOURCE");
+            }
+        },
+    },
+    Command {
+        id: "quit",
+        context: Context::Global,
+        keys: &["q"],
+        title: "Quit",
+        help: "Leaves; what is on screen comes back next time",
+        hint: Some(99),
+        hindrance: free,
+        run: |_, effects| effects.push(Effect::Quit),
+    },
+    Command {
+        id: "interrupt",
+        context: Context::Always,
+        keys: &["ctrl-c"],
+        title: "Interrupt",
+        help: "Closes the dialog; without one, leaves",
+        hint: None,
+        hindrance: free,
+        run: |model, effects| {
+            if model.layers.is_empty() {
+                effects.push(Effect::Quit);
+            } else {
+                while !model.layers.is_empty() {
+                    back(model, effects);
+                }
+            }
+        },
+    },
+    Command {
+        id: "suspend",
+        context: Context::Always,
+        keys: &["ctrl-z"],
+        title: "Suspend",
+        help: "Goes back to the shell; 'fg' comes back here",
+        hint: None,
+        hindrance: free,
+        run: |_, effects| effects.push(Effect::Suspend),
+    },
+    Command {
+        id: "redraw",
+        context: Context::Always,
+        keys: &["ctrl-l"],
+        title: "Redraw",
+        help: "Paints the whole screen anew, when something else wrote over it",
+        hint: None,
+        hindrance: free,
+        run: |_, effects| effects.push(Effect::Redraw),
+    },
+    Command {
+        id: "prompt-accept",
+        context: Context::Prompt,
+        keys: &["enter"],
+        title: "Accept",
+        help: "Takes what was typed",
+        hint: Some(10),
+        hindrance: free,
+        run: |model, effects| match model.layers.last() {
+            Some(Layer::Palette(_)) => palette::accept(model, effects),
+            _ => line::accept(model, effects),
+        },
+    },
+    Command {
+        id: "prompt-cancel",
+        context: Context::Prompt,
+        keys: &["esc"],
+        title: "Cancel",
+        help: "Leaves everything as it was",
+        hint: Some(11),
+        hindrance: free,
+        run: back,
+    },
+    Command {
+        id: "page-down",
+        context: Context::Page,
+        keys: &["j", "down"],
+        title: "Down",
+        help: "Scrolls down",
+        hint: Some(10),
+        hindrance: free,
+        run: |model, _| scroll(model, 1),
+    },
+    Command {
+        id: "page-up",
+        context: Context::Page,
+        keys: &["k", "up"],
+        title: "Up",
+        help: "Scrolls up",
+        hint: Some(11),
+        hindrance: free,
+        run: |model, _| scroll(model, -1),
+    },
+    Command {
+        id: "page-page-down",
+        context: Context::Page,
+        keys: &["pagedown", "ctrl-d", "space"],
+        title: "Page down",
+        help: "Scrolls a page down",
+        hint: None,
+        hindrance: free,
+        run: |model, _| scroll(model, isize::from(model.size.1 as i16 - 5).max(1)),
+    },
+    Command {
+        id: "page-page-up",
+        context: Context::Page,
+        keys: &["pageup", "ctrl-u"],
+        title: "Page up",
+        help: "Scrolls a page up",
+        hint: None,
+        hindrance: free,
+        run: |model, _| scroll(model, -isize::from(model.size.1 as i16 - 5).max(1)),
+    },
+    Command {
+        id: "page-first",
+        context: Context::Page,
+        keys: &["g", "home"],
+        title: "Top",
+        help: "Scrolls to the top",
+        hint: None,
+        hindrance: free,
+        run: |model, _| scroll(model, isize::MIN),
+    },
+    Command {
+        id: "page-last",
+        context: Context::Page,
+        keys: &["G", "end"],
+        title: "Bottom",
+        help: "Scrolls to the bottom",
+        hint: None,
+        hindrance: free,
+        run: |model, _| scroll(model, isize::MAX),
+    },
+    Command {
+        id: "page-close",
+        context: Context::Page,
+        keys: &["esc", "q", "enter", "?"],
+        title: "Close",
+        help: "Closes the page",
+        hint: Some(20),
+        hindrance: free,
+        run: back,
+    },
+];
+
+/// One level back.
+fn back(model: &mut Model, effects: &mut crate::tui::effect::Effects) {
+    match model.layers.last() {
+        Some(Layer::Line(_)) => line::cancel(model, effects),
+        _ => drop(model.layers.pop()),
+    }
+}

@@ -1,0 +1,60 @@
+//! What is around the tree: help, the palette, typed lines, messages, carrying on elsewhere, leaving.
+
+mod commands;
+mod line;
+mod page;
+mod palette;
+pub mod view;
+mod yank;
+
+use linden_terminal::input::{Key, Mouse};
+
+pub use commands::COMMANDS;
+pub use line::{Line, Purpose};
+pub use page::Page;
+pub use palette::Palette;
+
+use super::effect::Effects;
+use super::model::{Config, Layer, Model};
+use crate::config::presets::UserPreset;
+
+/// A key that means no command, while a line is typed.
+pub fn typed(model: &mut Model, key: Key, effects: &mut Effects) {
+    match model.layers.last_mut() {
+        Some(Layer::Line(line)) => {
+            if line.typed(key) {
+                line::changed(model, effects);
+            }
+        }
+        Some(Layer::Palette(palette)) => palette.typed(key),
+        _ => {}
+    }
+}
+
+/// Pasted text, while a line is typed: as one line.
+pub fn pasted(model: &mut Model, text: &str, effects: &mut Effects) {
+    match model.layers.last_mut() {
+        Some(Layer::Line(line)) => {
+            line.pasted(text);
+            line::changed(model, effects);
+        }
+        Some(Layer::Palette(palette)) => palette.pasted(text),
+        _ => {}
+    }
+}
+
+/// The mouse on a row of the palette.
+pub fn clicked(model: &mut Model, row: usize, mouse: Mouse, effects: &mut Effects) {
+    palette::clicked(model, row, mouse, effects);
+}
+
+/// The configuration was read, at the start or because it changed on disk.
+pub fn configured(model: &mut Model, config: Config, presets: Vec<UserPreset>) {
+    let complaints: Vec<String> = config.complaints.iter().map(ToString::to_string).collect();
+    model.config = config;
+    model.library.set_user(presets);
+    // The last one is on screen, all are on the page of messages.
+    for complaint in complaints {
+        model.say_error(complaint);
+    }
+}

@@ -1,0 +1,46 @@
+//! What the model asks of the world. The update gives values; only the runtime acts.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use linden::recipe::Recipe;
+
+use super::export::ExportOrder;
+use super::tree::Place;
+
+/// One thing to be done outside of the model.
+#[derive(Debug)]
+pub enum Effect {
+    /// Leave, with the terminal as it was.
+    Quit,
+    /// Stop as Ctrl-Z does, and come back.
+    Suspend,
+    /// Paint everything anew.
+    Redraw,
+    /// Read a preset; answered by `Msg::Loaded`.
+    Load(Place),
+    /// Put text on the clipboard (OSC 52).
+    Copy(String),
+    /// Save a preset in the user's folder; answered by `Msg::Saved`.
+    Save {
+        /// Its id.
+        id: String,
+        /// What to save.
+        recipe: Arc<Recipe>,
+        /// Whether one of that id may be replaced.
+        overwrite: bool,
+    },
+    /// Open text in `$EDITOR`; answered by `Msg::Edited`.
+    Edit(String),
+    /// Open a file in `$EDITOR`; what changes in it comes back through hot reload.
+    EditFile(PathBuf),
+    /// Export in the background; answered by `Msg::Exported`.
+    Export(ExportOrder),
+    /// Stop the export that is under way.
+    CancelExport,
+    /// Read the user's presets, theme, keymap and settings again; answered by `Msg::Configured`.
+    Reconfigure,
+}
+
+/// What an update asks for, in order.
+pub type Effects = Vec<Effect>;

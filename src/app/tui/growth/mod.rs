@@ -1,0 +1,142 @@
+//! Growth, played: derivation by derivation, iteration by iteration.
+//!
+//! The step on screen is a number; what a tree looked like then is the painter's business. A step is
+//! shown only when the picture of the one before has come, so a slow tree plays slower, not ragged.
+
+mod commands;
+pub mod view;
+
+use std::time::{Duration, Instant};
+
+use linden::preset::Generator;
+
+pub use commands::COMMANDS;
+
+use super::model::Model;
+use super::picture;
+use crate::jobs::Shown;
+
+/// A whole growth by iterations takes about so long.
+const WHOLE: Duration = Duration::from_secs(8);
+/// A derivation of an L-system is looked at for so long.
+const DERIVATION: Duration = Duration::from_millis(900);
+
+/// Where the playing is.
+#[derive(Debug, Default)]
+pub struct Playback {
+    /// The step on screen, `None` for the grown tree.
+    step: Option<u32>,
+    /// When the last step came, while it plays.
+    playing: Option<Instant>,
+    /// Until the next step.
+    pause: Duration,
+}
+
+impl Playback {
+    /// The step on screen, `None` for the grown tree.
+    pub fn step(&self) -> Option<u32> {
+        self.step
+    }
+
+    /// Whether it plays.
+    pub fn is_playing(&self) -> bool {
+        self.playing.is_some()
+    }
+
+    /// When the next step is due.
+    pub fn next_frame(&self) -> Option<Instant> {
+        self.playing.map(|last| last + self.pause)
+    }
+
+    /// Shows the grown tree.
+    pub fn stop(&mut self) {
+        *self = Self::default();
+    }
+}
+
+/// The tree whose growth is played.
+fn shown(model: &Model) -> Option<&Shown> {
+    model.tree.as_ref()?.shown.as_deref()
+}
+
+/// Whether steps are derivations of an L-system.
+fn derives(shown: &Shown) -> bool {
+    matches!(shown.recipe.preset.generator, Generator::LSystem(_))
+}
+
+/// The last step: the grown tree.
+pub fn last_step(shown: &Shown) -> u32 {
+    match &shown.recipe.preset.generator {
+        Generator::LSystem(own) => own.derivations,
+        Generator::Colonization(_) => shown.steps,
+    }
+}
+
+/// Steps at once, and the pause after them.
+fn tempo(model: &Model, shown: &Shown) -> (u32, Duration) {
+    if derives(shown) {
+        return (1, DERIVATION);
+    }
+    let frame = picture::frame_time(model);
+    let frames = (WHOLE.as_millis() / frame.as_millis()).max(1) as u32;
+    (last_step(shown).div_ceil(frames).max(1), frame)
+}
+
+/// Goes to a step; the last one is the grown tree.
+pub fn go_to(model: &mut Model, step: u32) {
+    let Some(last) = shown(model).map(last_step) else { return };
+    model.growth.step = (step < last).then_some(step);
+    if model.growth.step.is_none() {
+        model.growth.playing = None;
+    }
+}
+
+/// Plays from here, from the start when the tree is grown; or pauses.
+fn play_or_pause(model: &mut Model) {
+    if model.growth.playing.take().is_some() {
+        return;
+    }
+    let Some(tree) = shown(model) else { return };
+    let (_, pause) = tempo(model, tree);
+    let now = model.now;
+    model.growth.step = Some(model.growth.step.unwrap_or(0));
+    model.growth.playing = Some(now);
+    model.growth.pause = pause;
+}
+
+/// Some steps on or back; pauses.
+fn step_by(model: &mut Model, by: i64) {
+    let Some(tree) = shown(model) else { return };
+    let last = last_step(tree);
+    // One key is one derivation, or a hundredth of many iterations.
+    let stride = if derives(tree) { 1 } else { i64::from(last.div_ceil(100).max(1)) };
+    let at = i64::from(model.growth.step.unwrap_or(last));
+    model.growth.playing = None;
+    go_to(model, (at + by * stride).clamp(0, i64::from(last)) as u32);
+}
+
+/// Time has passed.
+pub fn tick(model: &mut Model) {
+    let Some(due) = model.growth.next_frame() else { return };
+    if model.now < due {
+        return;
+    }
+    let Some(tree) = shown(model) else { return model.growth.stop() };
+    // The picture of this step has to be seen before the next.
+    let is_seen =
+        model.picture.painted.as_ref().is_some_and(|painted| painted.request.stage == model.growth.step);
+    let (steps, pause) = tempo(model, tree);
+    if !is_seen {
+        // Looked at again when the picture comes, and at the latest then.
+        model.growth.playing = Some(model.now);
+        model.growth.pause = pause.min(Duration::from_millis(40));
+        return;
+    }
+    let next = model.growth.step.unwrap_or(0).saturating_add(steps);
+    model.growth.playing = Some(model.now);
+    model.growth.pause = pause;
+    go_to(model, next);
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,88 @@
+//! Which entries a filter leaves, and in which order.
+
+use nucleo_matcher::pattern::{CaseMatching, Normalization, Pattern};
+use nucleo_matcher::{Config, Matcher, Utf32Str};
+
+use super::{Entry, Row};
+
+/// The rows of the list: all groups with their headings, or the matches, the best first.
+pub fn rows(entries: &[Entry], filter: &str) -> Vec<Row> {
+    if filter.trim().is_empty() {
+        return grouped(entries);
+    }
+    let pattern = Pattern::parse(filter, CaseMatching::Ignore, Normalization::Smart);
+    let mut matcher = Matcher::new(Config::DEFAULT);
+    let mut buffer = Vec::new();
+    let mut found: Vec<(u32, usize, Vec<u32>)> = Vec::new();
+    for (i, entry) in entries.iter().enumerate() {
+        let mut marks = Vec::new();
+        let id = pattern.indices(Utf32Str::new(&entry.id, &mut buffer), &mut matcher, &mut marks);
+        marks.sort_unstable();
+        marks.dedup();
+        let about = format!("{} {} {}", entry.name, entry.group, entry.summary);
+        let about = pattern.score(Utf32Str::new(&about, &mut buffer), &mut matcher);
+        // A hit in the id is meant more often than one in the description.
+        let score = id.map(|score| 2 * score).into_iter().chain(about).max();
+        if let Some(score) = score {
+            found.push((score, i, if id.is_some() { marks } else { Vec::new() }));
+        }
+    }
+    found.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
+    found.into_iter().map(|(_, i, marks)| Row::Entry(i, marks)).collect()
+}
+
+fn grouped(entries: &[Entry]) -> Vec<Row> {
+    let mut groups: Vec<&str> = Vec::new();
+    for entry in entries {
+        if !groups.contains(&entry.group.as_str()) {
+            groups.push(&entry.group);
+        }
+    }
+    let mut rows = Vec::with_capacity(entries.len() + groups.len());
+    for group in groups {
+        rows.push(Row::Heading(group.to_owned()));
+        let own = entries.iter().enumerate().filter(|(_, entry)| entry.group == group);
+        rows.extend(own.map(|(i, _)| Row::Entry(i, Vec::new())));
+    }
+    rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Library;
+    use super::*;
+
+    fn ids(filter: &str) -> Vec<String> {
+        let library = Library::builtin();
+        let rows = rows(&library.entries, filter);
+        rows.iter()
+            .filter_map(
+                |row| if let Row::Entry(i, _) = row { Some(library.get(*i).id.clone()) } else { None },
+            )
+            .collect()
+    }
+
+    #[test]
+    fn without_a_filter_everything_is_there_once() {
+        let mut all = ids("");
+        assert_eq!(all.len(), linden::preset::builtins().len());
+        all.sort();
+        all.dedup();
+        assert_eq!(all.len(), linden::preset::builtins().len());
+    }
+
+    #[test]
+    fn the_best_match_comes_first_and_what_does_not_match_is_gone() {
+        assert_eq!(ids("fir")[0], "fir");
+        assert_eq!(ids("bush")[0], "bush-3d");
+        assert_eq!(ids("abpc")[0], "abop-c", "letters may be left out");
+        assert!(ids("zzqx").is_empty());
+    }
+
+    #[test]
+    fn matched_letters_are_marked() {
+        let library = Library::builtin();
+        let Row::Entry(_, marks) = &rows(&library.entries, "fir")[0] else { panic!() };
+        assert_eq!(marks, &[0, 1, 2]);
+    }
+}

@@ -1,0 +1,281 @@
+//! The rows of the picture's room.
+
+use glam::Vec2;
+use linden_raster::Camera;
+
+use super::{Look, turn_by, zoom_by};
+use crate::tui::command::{Command, Context, free};
+use crate::tui::model::Model;
+
+/// Degrees a key.
+const TURN_DEG: f32 = 6.0;
+/// Share of the picture's half a key.
+const PAN: f32 = 0.08;
+/// Closer by a key.
+const ZOOM: f32 = 1.2;
+
+fn orbit(model: &mut Model, yaw: f32, pitch: f32) {
+    let camera = &mut model.picture.camera;
+    turn_by(camera, yaw);
+    camera.pitch_deg = (camera.pitch_deg + pitch).clamp(-90.0, 90.0);
+}
+
+fn pan(model: &mut Model, right: f32, up: f32) {
+    // The tree moves against the camera.
+    model.picture.camera.pan -= Vec2::new(right, up) * PAN;
+}
+
+fn look_from(model: &mut Model, from: Camera) {
+    model.picture.turn(None);
+    let camera = &mut model.picture.camera;
+    (camera.yaw_deg, camera.pitch_deg) = (from.yaw_deg, from.pitch_deg);
+}
+
+fn has_no_tree(model: &Model) -> Option<String> {
+    model
+        .tree
+        .as_ref()
+        .and_then(|tree| tree.shown.as_ref())
+        .is_none()
+        .then(|| "no tree has grown yet".to_owned())
+}
+
+fn has_no_points(model: &Model) -> Option<String> {
+    let shown = model.tree.as_ref().and_then(|tree| tree.shown.as_ref());
+    match shown.map(|shown| shown.grown.colonized.is_some()) {
+        Some(true) => None,
+        Some(false) => {
+            Some("this tree grows by rewriting; it has no attraction points and no crown".to_owned())
+        }
+        None => has_no_tree(model),
+    }
+}
+
+fn has_no_crown(model: &Model) -> Option<String> {
+    let shown = model.tree.as_ref().and_then(|tree| tree.shown.as_ref());
+    has_no_points(model).or_else(|| {
+        shown
+            .is_some_and(|shown| shown.outline.is_empty())
+            .then(|| "given points have no crown around them".to_owned())
+    })
+}
+
+fn cycle_look(model: &mut Model, by: usize) {
+    let at = Look::ALL.iter().position(|look| *look == model.picture.look).unwrap_or(0);
+    model.picture.look = Look::ALL[(at + by) % Look::ALL.len()];
+    let name = model.picture.look.name();
+    model.say(format!("drawn: {name}"));
+}
+
+/// The rows of this room.
+pub const COMMANDS: &[Command] = &[
+    Command {
+        id: "orbit-left",
+        context: Context::Picture,
+        keys: &["left", "h"],
+        title: "Orbit left",
+        help: "Goes round the tree to the left",
+        hint: None,
+        hindrance: free,
+        run: |model, _| orbit(model, -TURN_DEG, 0.0),
+    },
+    Command {
+        id: "orbit-right",
+        context: Context::Picture,
+        keys: &["right", "l"],
+        title: "Orbit",
+        help: "Goes round the tree to the right",
+        hint: Some(10),
+        hindrance: free,
+        run: |model, _| orbit(model, TURN_DEG, 0.0),
+    },
+    Command {
+        id: "orbit-up",
+        context: Context::Picture,
+        keys: &["up", "k"],
+        title: "Orbit up",
+        help: "Looks more from above",
+        hint: None,
+        hindrance: free,
+        run: |model, _| orbit(model, 0.0, TURN_DEG),
+    },
+    Command {
+        id: "orbit-down",
+        context: Context::Picture,
+        keys: &["down", "j"],
+        title: "Orbit down",
+        help: "Looks more from below",
+        hint: None,
+        hindrance: free,
+        run: |model, _| orbit(model, 0.0, -TURN_DEG),
+    },
+    Command {
+        id: "pan-left",
+        context: Context::Picture,
+        keys: &["shift-left", "H"],
+        title: "Pan left",
+        help: "Moves the view to the left",
+        hint: None,
+        hindrance: free,
+        run: |model, _| pan(model, -1.0, 0.0),
+    },
+    Command {
+        id: "pan-right",
+        context: Context::Picture,
+        keys: &["shift-right", "L"],
+        title: "Pan right",
+        help: "Moves the view to the right",
+        hint: None,
+        hindrance: free,
+        run: |model, _| pan(model, 1.0, 0.0),
+    },
+    Command {
+        id: "pan-up",
+        context: Context::Picture,
+        keys: &["shift-up", "K"],
+        title: "Pan up",
+        help: "Moves the view up",
+        hint: None,
+        hindrance: free,
+        run: |model, _| pan(model, 0.0, 1.0),
+    },
+    Command {
+        id: "pan-down",
+        context: Context::Picture,
+        keys: &["shift-down", "J"],
+        title: "Pan down",
+        help: "Moves the view down",
+        hint: None,
+        hindrance: free,
+        run: |model, _| pan(model, 0.0, -1.0),
+    },
+    Command {
+        id: "zoom-in",
+        context: Context::Picture,
+        keys: &["+", "="],
+        title: "Closer",
+        help: "Comes closer",
+        hint: Some(12),
+        hindrance: free,
+        run: |model, _| zoom_by(model, ZOOM),
+    },
+    Command {
+        id: "zoom-out",
+        context: Context::Picture,
+        keys: &["-"],
+        title: "Farther",
+        help: "Goes away from the tree",
+        hint: None,
+        hindrance: free,
+        run: |model, _| zoom_by(model, 1.0 / ZOOM),
+    },
+    Command {
+        id: "view-reset",
+        context: Context::Picture,
+        keys: &["0", "r"],
+        title: "Whole tree",
+        help: "Frames the whole tree again",
+        hint: Some(14),
+        hindrance: has_no_tree,
+        run: |model, _| {
+            model.picture.turn(None);
+            super::reset(model);
+            if let Some(shown) = model.tree.as_ref().and_then(|tree| tree.shown.clone()) {
+                super::first_look(model, &shown);
+            }
+        },
+    },
+    Command {
+        id: "view-front",
+        context: Context::Picture,
+        keys: &["1"],
+        title: "From the front",
+        help: "Looks from the front, level",
+        hint: None,
+        hindrance: free,
+        run: |model, _| look_from(model, Camera::front()),
+    },
+    Command {
+        id: "view-side",
+        context: Context::Picture,
+        keys: &["2"],
+        title: "From the side",
+        help: "Looks from the right side, level",
+        hint: None,
+        hindrance: free,
+        run: |model, _| look_from(model, Camera::side()),
+    },
+    Command {
+        id: "view-top",
+        context: Context::Picture,
+        keys: &["3"],
+        title: "From above",
+        help: "Looks straight down",
+        hint: None,
+        hindrance: free,
+        run: |model, _| look_from(model, Camera::top()),
+    },
+    Command {
+        id: "turntable",
+        context: Context::Global,
+        keys: &["t"],
+        title: "Turntable",
+        help: "Turns the tree by itself; again, or the mouse, stops it",
+        hint: Some(40),
+        hindrance: has_no_tree,
+        run: |model, _| {
+            let now = model.now;
+            model.picture.turn(if model.picture.is_turning() { None } else { Some(now) });
+        },
+    },
+    Command {
+        id: "look-next",
+        context: Context::Global,
+        keys: &["c"],
+        title: "Look",
+        help: "Draws the tree otherwise: as skeleton, by axis order, by radius, by birth step, as shaded surface",
+        hint: Some(42),
+        hindrance: free,
+        run: |model, _| cycle_look(model, 1),
+    },
+    Command {
+        id: "look-previous",
+        context: Context::Global,
+        keys: &["C"],
+        title: "Look back",
+        help: "Draws the tree as before in the round of looks",
+        hint: None,
+        hindrance: free,
+        run: |model, _| cycle_look(model, Look::ALL.len() - 1),
+    },
+    Command {
+        id: "overlay-points",
+        context: Context::Global,
+        keys: &["P"],
+        title: "Attraction points",
+        help: "Shows or hides the points that the tree reaches for",
+        hint: None,
+        hindrance: has_no_points,
+        run: |model, _| model.picture.points = !model.picture.points,
+    },
+    Command {
+        id: "overlay-outline",
+        context: Context::Global,
+        keys: &["O"],
+        title: "Crown outline",
+        help: "Shows or hides the crown that the tree fills",
+        hint: None,
+        hindrance: has_no_crown,
+        run: |model, _| model.picture.outline = !model.picture.outline,
+    },
+    Command {
+        id: "overlay-scale",
+        context: Context::Global,
+        keys: &["M"],
+        title: "Scale and person",
+        help: "Shows or hides the scale bar and the person beside the tree",
+        hint: None,
+        hindrance: free,
+        run: |model, _| model.picture.scale = !model.picture.scale,
+    },
+];

@@ -1,0 +1,235 @@
+//! The picture, and how it is looked at.
+
+mod commands;
+pub mod view;
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use glam::Vec2;
+use linden_raster::{Camera, Paint};
+use linden_terminal::input::{Button, Mouse, MouseAction};
+
+pub use commands::COMMANDS;
+
+use super::frame;
+use super::model::{Model, QUIET};
+pub use crate::jobs::Look;
+use crate::jobs::{Detail, DrawRequest, Medium, Painted, Shown};
+
+/// Degrees a second of the turntable.
+const TURN_PER_SECOND_DEG: f32 = 24.0;
+/// Frames a second of what moves by itself: here, and where each costs bytes on a network.
+const FRAME: Duration = Duration::from_millis(66);
+const FRAME_REMOTE: Duration = Duration::from_millis(250);
+/// A full picture that takes less is drawn at once, without a draft before it.
+const FAST: Duration = Duration::from_millis(14);
+/// Degrees a cell of dragging.
+const DRAG_DEG: f32 = 3.0;
+
+impl Look {
+    /// All, in the order in which a key goes through them.
+    pub const ALL: [Self; 5] = [
+        Self::Skeleton(Paint::Wood),
+        Self::Skeleton(Paint::Order),
+        Self::Skeleton(Paint::Radius),
+        Self::Skeleton(Paint::Birth),
+        Self::Surface,
+    ];
+
+    /// What it is called, here and in the session's file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Surface => "surface",
+            Self::Skeleton(Paint::Wood) => "skeleton",
+            Self::Skeleton(Paint::Order) => "order",
+            Self::Skeleton(Paint::Radius) => "radius",
+            Self::Skeleton(Paint::Birth) => "birth",
+        }
+    }
+
+    /// The look of a name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|look| look.name() == name)
+    }
+}
+
+/// How the tree is looked at.
+pub struct PictureState {
+    /// From where.
+    pub camera: Camera,
+    /// What is drawn.
+    pub look: Look,
+    /// Whether attraction points are.
+    pub points: bool,
+    /// Whether the crown's outline is.
+    pub outline: bool,
+    /// Whether a person stands beside it, and a scale bar below.
+    pub scale: bool,
+    /// When the turntable last moved; `None` when it stands.
+    turning: Option<Instant>,
+    /// What is on screen.
+    pub painted: Option<Box<Painted>>,
+    /// Where the pointer was while a button is down.
+    drag: Option<(u16, u16)>,
+    /// Whether full pictures come fast enough to do without drafts.
+    fast: bool,
+}
+
+impl Default for PictureState {
+    fn default() -> Self {
+        Self {
+            camera: Camera::default(),
+            look: Look::Skeleton(Paint::Wood),
+            points: false,
+            outline: false,
+            scale: true,
+            turning: None,
+            painted: None,
+            drag: None,
+            fast: false,
+        }
+    }
+}
+
+impl PictureState {
+    /// Whether the turntable turns.
+    pub fn is_turning(&self) -> bool {
+        self.turning.is_some()
+    }
+
+    /// Starts or stops the turntable.
+    pub fn turn(&mut self, now: Option<Instant>) {
+        self.turning = now;
+    }
+
+    /// When the turntable moves next.
+    pub fn next_frame(&self) -> Option<Instant> {
+        // The next frame waits for the last one: a slow picture slows the turntable, not the keys.
+        self.turning.map(|last| last + FRAME)
+    }
+
+    /// Whether a better picture is to be drawn as soon as nothing happens.
+    pub fn waits_for_quiet(&self, model: &Model) -> bool {
+        !is_moving(model)
+            && model.now < model.last_input + QUIET
+            && self.painted.as_ref().is_some_and(|painted| painted.request.detail == Detail::Draft)
+    }
+}
+
+/// Whether something moves by itself.
+fn is_moving(model: &Model) -> bool {
+    model.picture.is_turning() || model.growth.is_playing()
+}
+
+/// The pause between frames of what moves by itself.
+pub fn frame_time(model: &Model) -> Duration {
+    if model.terminal.remote.value { FRAME_REMOTE } else { FRAME }
+}
+
+/// Turns the turntable.
+pub fn tick(model: &mut Model) {
+    let frame = frame_time(model);
+    if let Some(last) = model.picture.turning
+        && model.now >= last + frame
+    {
+        let seconds = model.now.saturating_duration_since(last).as_secs_f32().min(0.5);
+        turn_by(&mut model.picture.camera, TURN_PER_SECOND_DEG * seconds);
+        model.picture.turning = Some(model.now);
+    }
+}
+
+/// Turns round the tree.
+fn turn_by(camera: &mut Camera, degrees: f32) {
+    camera.yaw_deg = (camera.yaw_deg + degrees).rem_euclid(360.0);
+}
+
+/// Another tree is on screen: the whole of it, from its broad side once it has grown.
+pub fn reset(model: &mut Model) {
+    let picture = &mut model.picture;
+    picture.camera.zoom = 1.0;
+    picture.camera.pan = Vec2::ZERO;
+    picture.drag = None;
+}
+
+/// The picture that should be on screen, `None` when there is nothing to draw or no room.
+pub fn wanted(model: &Model) -> Option<DrawRequest> {
+    let shown = model.tree.as_ref()?.shown.as_ref()?;
+    let area = frame::picture_area(model)?;
+    let hurried = !model.picture.fast && (is_moving(model) || model.now < model.last_input + QUIET);
+    let picture = &model.picture;
+    Some(DrawRequest {
+        shown: Arc::clone(shown),
+        stage: model.growth.step(),
+        camera: Camera {
+            extent: Some(shown.extent(picture.points || picture.outline, picture.scale)),
+            ..picture.camera
+        },
+        look: picture.look,
+        points: picture.points,
+        outline: picture.outline,
+        person: picture.scale,
+        area,
+        medium: Medium::of(&model.terminal),
+        detail: if hurried { Detail::Draft } else { Detail::Full },
+    })
+}
+
+/// A picture is there.
+pub fn painted(model: &mut Model, painted: Painted) {
+    if painted.request.detail == Detail::Full {
+        model.picture.fast = painted.took < FAST && !model.terminal.remote.value;
+    }
+    model.picture.painted = Some(Box::new(painted));
+}
+
+/// A tree grew for the first time: it is looked at from its broad side.
+pub fn first_look(model: &mut Model, shown: &Shown) {
+    model.picture.camera.yaw_deg = shown.broad_side_deg();
+    model.picture.camera.pitch_deg = 8.0;
+}
+
+/// The pointer moves with a button down that went down in the picture: orbit, or pan with Shift or
+/// another button. Whether that was it.
+pub fn dragged(model: &mut Model, mouse: Mouse) -> bool {
+    let Some(from) = model.picture.drag else { return false };
+    let MouseAction::Drag(button) = mouse.action else {
+        model.picture.drag = None;
+        return false;
+    };
+    let right = f32::from(mouse.column) - f32::from(from.0);
+    let down = f32::from(mouse.row) - f32::from(from.1);
+    model.picture.drag = Some((mouse.column, mouse.row));
+    let camera = &mut model.picture.camera;
+    if button != Button::Left || mouse.shift {
+        let area = frame::picture_area(model).unwrap_or_default();
+        let half = f32::from(area.width.min(2 * area.height).max(2)) / 2.0;
+        let camera = &mut model.picture.camera;
+        camera.pan += Vec2::new(right, -2.0 * down) / half;
+    } else {
+        turn_by(camera, -right * DRAG_DEG);
+        camera.pitch_deg = (camera.pitch_deg + 2.0 * down * DRAG_DEG).clamp(-90.0, 90.0);
+    }
+    true
+}
+
+/// The mouse in the picture.
+pub fn mouse(model: &mut Model, mouse: Mouse) {
+    match mouse.action {
+        MouseAction::Press(_) => {
+            model.picture.turn(None);
+            model.picture.drag = Some((mouse.column, mouse.row));
+        }
+        MouseAction::WheelUp => zoom_by(model, 1.15),
+        MouseAction::WheelDown => zoom_by(model, 1.0 / 1.15),
+        _ => {}
+    }
+}
+
+/// Comes closer, or goes away.
+fn zoom_by(model: &mut Model, factor: f32) {
+    let camera = &mut model.picture.camera;
+    camera.zoom = (camera.zoom * factor).clamp(0.1, 200.0);
+    // What is in the middle stays there.
+    camera.pan *= factor;
+}

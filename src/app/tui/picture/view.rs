@@ -1,0 +1,115 @@
+//! The picture's pane, painted.
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::text::Span;
+use unicode_width::UnicodeWidthStr;
+
+use super::Look;
+use crate::jobs::Painted;
+use crate::tui::frame::{View, clipped, thousands};
+use crate::tui::model::Model;
+use crate::tui::tree::Growing;
+
+/// From this height on, the lowest row tells the scale.
+const WITH_SCALE: u16 = 8;
+
+/// The cells of the picture, and the row of the scale below (empty where there is no room).
+pub fn split(inner: Rect) -> (Rect, Rect) {
+    if inner.height < WITH_SCALE {
+        return (inner, Rect { height: 0, ..inner });
+    }
+    let picture = Rect { height: inner.height - 1, ..inner };
+    (picture, Rect { y: picture.bottom(), height: 1, ..inner })
+}
+
+/// What the pane's border says beside its name.
+pub fn heading(model: &Model) -> Vec<Span<'static>> {
+    let theme = &model.config.theme;
+    let picture = &model.picture;
+    let mut words = Vec::new();
+    if picture.look != Look::ALL[0] {
+        words.push(picture.look.name());
+    }
+    for (on, word) in
+        [(picture.points, "points"), (picture.outline, "crown"), (picture.is_turning(), "turning")]
+    {
+        if on {
+            words.push(word);
+        }
+    }
+    if words.is_empty() {
+        Vec::new()
+    } else {
+        vec![Span::styled(format!("· {} ", words.join(" · ")), theme.dim)]
+    }
+}
+
+/// Paints the picture, or why there is none.
+pub fn view(model: &Model, inner: Rect, buffer: &mut Buffer, view: &mut View) {
+    let theme = &model.config.theme;
+    let (area, scale) = split(inner);
+    if let Some(painted) = &model.picture.painted
+        && model.tree.as_ref().is_some_and(|tree| tree.shown.is_some())
+    {
+        view.late.push(area);
+        painted.put(area, buffer);
+        if model.picture.scale && !scale.is_empty() {
+            scale_bar(model, painted, scale, buffer);
+        }
+    }
+    let say = |buffer: &mut Buffer, y: u16, text: &str, style| {
+        let text = clipped(text, area.width.into());
+        let x = area.x + (area.width - text.width() as u16) / 2;
+        buffer.set_stringn(x, y, text, area.width.into(), style);
+    };
+    let Some(tree) = &model.tree else {
+        if !area.is_empty() && model.loading.is_some() {
+            say(buffer, area.y + area.height / 2, "reading …", theme.dim);
+        }
+        return;
+    };
+    if area.is_empty() {
+        return;
+    }
+    if let Some(fault) = tree.fault.as_ref().filter(|_| tree.shown.is_none()) {
+        say(buffer, area.y + area.height / 2, fault, theme.error);
+    } else if let Some(growing) = &tree.growing {
+        say(buffer, area.y, &words(growing), theme.busy);
+    } else if tree.shown.is_none() {
+        say(buffer, area.y + area.height / 2, "growing …", theme.dim);
+    }
+}
+
+/// How far the growing is, in words.
+fn words(growing: &Growing) -> String {
+    let (doing, unit) = growing.stage.words();
+    match growing.total {
+        Some(total) => format!("{doing} {} of {} {unit}", thousands(growing.done), thousands(total)),
+        None => format!("{doing} {} {unit}", thousands(growing.done)),
+    }
+}
+
+/// `├────┤ 2 m`, as long as two metres are at the tree's axis.
+fn scale_bar(model: &Model, painted: &Painted, area: Rect, buffer: &mut Buffer) {
+    let theme = &model.config.theme;
+    let most = f32::from(area.width) / 3.0;
+    let Some((length_m, columns)) = painted.scale_bar(most) else { return };
+    let columns = (columns.round() as usize).max(2);
+    let label = if length_m >= 1.0 {
+        format!("{length_m} m")
+    } else if length_m >= 0.01 {
+        format!("{} cm", (length_m * 100.0).round())
+    } else {
+        format!("{} mm", (length_m * 1000.0).round())
+    };
+    let bar = format!("├{}┤ {label}", "─".repeat(columns - 2));
+    buffer.set_stringn(area.x, area.y, &bar, area.width.into(), theme.scale_bar);
+    if painted.shows_person {
+        let text = "person 1.75 m";
+        let width = text.width() as u16;
+        if usize::from(area.width) > bar.width() + text.width() + 2 {
+            buffer.set_stringn(area.right() - width, area.y, text, width.into(), theme.person);
+        }
+    }
+}
