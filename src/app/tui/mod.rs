@@ -25,7 +25,10 @@ mod growth;
 mod library;
 mod model;
 mod picture;
+mod runtime;
 mod shape;
 mod tree;
 mod update;
 mod vary;
+
+pub use runtime::{End, Start, run};

@@ -258,6 +258,14 @@ impl Model {
         self.push(Weight::Error, text.into());
     }
 
+    /// What was wrong with what the user configured. The last one is on screen, all are on the page
+    /// of messages.
+    pub fn say_complaints(&mut self) {
+        for complaint in std::mem::take(&mut self.config.complaints) {
+            self.say_error(complaint.to_string());
+        }
+    }
+
     fn push(&mut self, weight: Weight, text: String) {
         let text = linden::knob::printable(&text);
         let stays = if weight == Weight::Note { MESSAGE_STAYS } else { 2 * MESSAGE_STAYS };

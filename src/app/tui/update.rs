@@ -13,6 +13,7 @@ use super::effect::Effects;
 use super::model::{Config, Layer, Model, Target};
 use super::tree::{Growing, Place};
 use super::{around, export, growth, library, picture, shape, vary};
+use crate::config::Complaint;
 use crate::config::presets::UserPreset;
 use crate::jobs::{Painted, Shown, Thumbnail};
 use crate::source::Source;
@@ -47,8 +48,10 @@ pub enum Msg {
     Saved(Result<(String, PathBuf), String>),
     /// Text comes back from `$EDITOR`, or why not.
     Edited(Result<String, String>),
-    /// The configuration and the user's presets were read.
-    Configured(Box<Config>, Vec<UserPreset>),
+    /// The configuration was read anew.
+    Configured(Box<Config>),
+    /// The user's presets were read, and what could not be.
+    Presets(Vec<UserPreset>, Vec<Complaint>),
     /// Files changed on disk.
     Changed(Vec<PathBuf>),
 }
@@ -90,7 +93,11 @@ pub fn update(model: &mut Model, msg: Msg, now: Instant) -> Effects {
         Msg::Export(news) => export::news(model, news),
         Msg::Saved(saved) => shape::saved(model, saved, &mut effects),
         Msg::Edited(text) => shape::edited(model, text),
-        Msg::Configured(config, presets) => around::configured(model, *config, presets),
+        Msg::Configured(config) => {
+            model.config = *config;
+            model.say_complaints();
+        }
+        Msg::Presets(presets, complaints) => library::listed(model, presets, complaints),
         Msg::Changed(files) => library::changed(model, &files, &mut effects),
     }
     effects

@@ -66,6 +66,12 @@ impl Overrides {
         Ok(overrides)
     }
 
+    /// What is said here, and what another says where nothing is.
+    #[must_use]
+    pub fn or(self, other: Self) -> Self {
+        Self { graphics: self.graphics.or(other.graphics), colors: self.colors.or(other.colors) }
+    }
+
     /// How pictures are drawn: `kitty`, `sixel`, `iterm2`, `quadrants`, `halves`, `braille`, or `auto`
     /// for what is found. `from` says where that stood: a flag, a variable, a key of a file. The last
     /// call counts.

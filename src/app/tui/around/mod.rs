@@ -15,8 +15,7 @@ pub use page::Page;
 pub use palette::Palette;
 
 use super::effect::Effects;
-use super::model::{Config, Layer, Model};
-use crate::config::presets::UserPreset;
+use super::model::{Layer, Model};
 
 /// A key that means no command, while a line is typed.
 pub fn typed(model: &mut Model, key: Key, effects: &mut Effects) {
@@ -46,15 +45,4 @@ pub fn pasted(model: &mut Model, text: &str, effects: &mut Effects) {
 /// The mouse on a row of the palette.
 pub fn clicked(model: &mut Model, row: usize, mouse: Mouse, effects: &mut Effects) {
     palette::clicked(model, row, mouse, effects);
-}
-
-/// The configuration was read, at the start or because it changed on disk.
-pub fn configured(model: &mut Model, config: Config, presets: Vec<UserPreset>) {
-    let complaints: Vec<String> = config.complaints.iter().map(ToString::to_string).collect();
-    model.config = config;
-    model.library.set_user(presets);
-    // The last one is on screen, all are on the page of messages.
-    for complaint in complaints {
-        model.say_error(complaint);
-    }
 }

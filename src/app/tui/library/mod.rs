@@ -18,6 +18,7 @@ use super::effect::{Effect, Effects};
 use super::model::{Layer, Model, Pane};
 use super::picture;
 use super::tree::{Place, Tree};
+use crate::config::Complaint;
 use crate::config::presets::UserPreset;
 use crate::source::Source;
 
@@ -101,7 +102,7 @@ impl Library {
             place: Place::File(own.path),
             id: own.id,
             name: own.name,
-            group: if own.group.is_empty() { "yours".to_owned() } else { format!("yours/{}", own.group) },
+            group: if own.group == "own" { "yours".to_owned() } else { format!("yours: {}", own.group) },
             summary: own.summary,
             source: own.source,
             fault: own.state.err().map(|complaint| complaint.to_string()),
@@ -153,6 +154,12 @@ impl Library {
         found.is_some()
     }
 
+    /// Sets the filter.
+    pub fn filter_by(&mut self, text: &str) {
+        text.clone_into(&mut self.filter);
+        self.arrange();
+    }
+
     /// Filters anew. The cursor stays where it is if it can, else it goes to the best match.
     fn arrange(&mut self) {
         self.rows = filter::rows(&self.entries, &self.filter);
@@ -179,8 +186,7 @@ impl Library {
 
 /// Sets the filter, as it is typed.
 pub fn set_filter(model: &mut Model, text: &str, effects: &mut Effects) {
-    text.clone_into(&mut model.library.filter);
-    model.library.arrange();
+    model.library.filter_by(text);
     show_selected(model, effects);
 }
 
@@ -253,6 +259,14 @@ fn reread(model: &mut Model, place: Place, recipe: Recipe) {
             tree.reloaded(recipe);
         }
         _ => take(model, Tree::new(place, recipe)),
+    }
+}
+
+/// The user's presets were read, and what could not be.
+pub fn listed(model: &mut Model, presets: Vec<UserPreset>, complaints: Vec<Complaint>) {
+    model.library.set_user(presets);
+    for complaint in complaints {
+        model.say_error(complaint.to_string());
     }
 }
 

@@ -72,6 +72,8 @@ pub struct PictureState {
     pub painted: Option<Box<Painted>>,
     /// Where the pointer was while a button is down.
     drag: Option<(u16, u16)>,
+    /// Whether the next tree is looked at from where the camera is.
+    keeps_camera: bool,
     /// Whether full pictures come fast enough to do without drafts.
     fast: bool,
 }
@@ -87,6 +89,7 @@ impl Default for PictureState {
             turning: None,
             painted: None,
             drag: None,
+            keeps_camera: false,
             fast: false,
         }
     }
@@ -114,6 +117,14 @@ impl PictureState {
         !is_moving(model)
             && model.now < model.last_input + QUIET
             && self.painted.as_ref().is_some_and(|painted| painted.request.detail == Detail::Draft)
+    }
+}
+
+impl PictureState {
+    /// Looks from where it was looked from last time, also when the tree has grown.
+    pub fn restore(&mut self, yaw_deg: f32, pitch_deg: f32, zoom: f32, pan: Vec2) {
+        self.camera = Camera { yaw_deg, pitch_deg, zoom, pan, extent: None };
+        self.keeps_camera = true;
     }
 }
 
@@ -147,9 +158,12 @@ fn turn_by(camera: &mut Camera, degrees: f32) {
 /// Another tree is on screen: the whole of it, from its broad side once it has grown.
 pub fn reset(model: &mut Model) {
     let picture = &mut model.picture;
+    picture.drag = None;
+    if picture.keeps_camera {
+        return;
+    }
     picture.camera.zoom = 1.0;
     picture.camera.pan = Vec2::ZERO;
-    picture.drag = None;
 }
 
 /// The picture that should be on screen, `None` when there is nothing to draw or no room.
@@ -185,6 +199,9 @@ pub fn painted(model: &mut Model, painted: Painted) {
 
 /// A tree grew for the first time: it is looked at from its broad side.
 pub fn first_look(model: &mut Model, shown: &Shown) {
+    if std::mem::take(&mut model.picture.keeps_camera) {
+        return;
+    }
     model.picture.camera.yaw_deg = shown.broad_side_deg();
     model.picture.camera.pitch_deg = 8.0;
 }

@@ -6,31 +6,35 @@
 
 mod effects;
 mod jobs;
+mod memory;
 mod probing;
+mod setup;
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
-use anyhow::Context as _;
-use linden_terminal::display::Display;
 use linden_terminal::input::{Event, Reply};
-use linden_terminal::listen::{Incoming, Listener, listen};
-use linden_terminal::probe::{Capabilities, Overrides};
-use linden_terminal::session::{Modes, Session, install_panic_hook};
-use linden_terminal::tty::Tty;
+use linden_terminal::probe::Overrides;
+use linden_terminal::session::install_panic_hook;
+use linden_terminal::{
+    Capabilities, Display, Graphic, Incoming, Listener, Modes, Output, Session, Settings as DisplaySettings, Tty,
+    listen,
+};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
-use self::jobs::{Desk, LoadRequest};
+use self::jobs::Desk;
+use self::memory::Memory;
 use self::probing::Probing;
-use super::command;
 use super::frame;
-use super::model::{Config, Model};
+use super::model::{Layer, Model};
 use super::update::{Msg, update};
+use crate::config::watch::Watch;
 use crate::jobs::THREAD_PREFIX;
 
 /// How a workbench begins.
+#[derive(Default)]
 pub struct Start {
     /// What to show first; what was on screen last time when `None`.
     pub source: Option<PathBuf>,
@@ -61,9 +65,13 @@ enum Happening {
     Msg(Box<Msg>),
 }
 
-/// The most happenings that are taken in before a frame is painted.
+/// The most happenings that are taken in before a frame is painted: a pasted page does not keep the
+/// screen from showing where it is.
 const MOST_AT_ONCE: usize = 256;
+/// How long the last bytes may take when the program ends.
+const FAREWELL: Duration = Duration::from_millis(300);
 
+/// Everything that is not the model.
 struct Runtime {
     model: Model,
     desk: Desk,
@@ -72,7 +80,286 @@ struct Runtime {
     session: Session,
     listener: Listener,
     tty: Tty,
+    memory: Memory,
+    watch: Option<Watch>,
     sender: Sender<Happening>,
     end: Option<End>,
-    dirty: bool,
+    /// Whether the model may look different from the last frame.
+    is_stale: bool,
+    /// The number of the picture on screen, for terminals that show pixels.
+    generation: u64,
+    shown_picture: Option<std::sync::Arc<linden_terminal::Encoded>>,
+    keys: stats::Latency,
+}
+
+mod stats;
+
+/// Opens the workbench on a terminal and stays until it is left.
+///
+/// # Errors
+/// When the terminal cannot be taken, or the system refuses a thread.
+pub fn run(tty: Tty, start: Start) -> anyhow::Result<End> {
+    install_panic_hook(THREAD_PREFIX, |_| {});
+    let (sender, happenings) = channel();
+    let mut runtime = Runtime::start(tty, start, &sender)?;
+    runtime.paint();
+    // Whatever takes time comes after the first frame.
+    runtime.settle_in();
+    runtime.follow(&happenings);
+    Ok(runtime.leave())
+}
+
+impl Runtime {
+    fn start(tty: Tty, start: Start, sender: &Sender<Happening>) -> anyhow::Result<Self> {
+        let now = Instant::now();
+        let size = tty.size();
+        let mut probing = Probing::new(start.overrides);
+        let (config, overrides_told) = setup::configuration(&mut probing);
+        probing.take_window(size);
+        let capabilities = probing.conclude();
+        let (memory, remembered, complaints) = Memory::load(&config, start.source.is_none() && start.set.is_empty());
+        let mut model = Model::new(config, capabilities, (size.columns, size.rows), now);
+        for complaint in overrides_told.into_iter().chain(complaints) {
+            model.say_error(complaint);
+        }
+        model.say_complaints();
+        let session = Session::start(tty.clone(), Modes { mouse: model.config.settings.mouse })?;
+        let to_loop = sender.clone();
+        let listener = listen(tty.clone(), move |incoming| to_loop.send(Happening::Incoming(incoming)).is_ok())?;
+        let to_loop = sender.clone();
+        let output = Output::new(tty.clone(), move || drop(to_loop.send(Happening::Written)))?;
+        let display = Display::new(model.size, output, display_settings(&model.terminal));
+        let desk = Desk::start(sender)?;
+        memory::restore(&mut model, &remembered);
+        let mut runtime = Self {
+            model,
+            desk,
+            display,
+            probing,
+            session,
+            listener,
+            tty,
+            memory,
+            watch: None,
+            sender: sender.clone(),
+            end: None,
+            is_stale: true,
+            generation: 0,
+            shown_picture: None,
+            keys: stats::Latency::new(start.stats),
+        };
+        runtime.open(start.source, start.set, &remembered);
+        Ok(runtime)
+    }
+
+    /// What is done once the first frame is on its way.
+    fn settle_in(&mut self) {
+        let now = Instant::now();
+        self.probing.begin(&mut self.display, &self.session, now);
+        self.list_presets();
+        self.watch_files();
+    }
+
+    /// Takes in what happens until the end.
+    fn follow(&mut self, happenings: &Receiver<Happening>) {
+        while self.end.is_none() {
+            self.sync();
+            if self.is_stale && self.display.output().is_idle() {
+                self.paint();
+            }
+            let first = match self.wake_at() {
+                None => happenings.recv().map_err(|_| RecvTimeoutError::Disconnected),
+                Some(at) => happenings.recv_timeout(at.saturating_duration_since(Instant::now())),
+            };
+            match first {
+                Ok(first) => {
+                    self.take(first);
+                    for next in happenings.try_iter().take(MOST_AT_ONCE) {
+                        self.take(next);
+                    }
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => self.end = Some(End::Hangup),
+            }
+            self.tick();
+        }
+    }
+
+    /// When to wake though nothing happens; `None` sleeps.
+    fn wake_at(&self) -> Option<Instant> {
+        [self.model.wake_at(), self.display.wake_at(), self.desk.wake_at(), self.probing.wake_at()]
+            .into_iter()
+            .flatten()
+            .min()
+    }
+
+    /// What time brings.
+    fn tick(&mut self) {
+        let now = Instant::now();
+        if self.model.wake_at().is_some_and(|at| at <= now) {
+            self.update(Msg::Tick);
+        }
+        if self.display.wake_at().is_some_and(|at| at <= now) {
+            self.display.pump(now);
+        }
+        if self.probing.expire(&self.session, now) {
+            self.know_terminal(now);
+        }
+        // What can no longer be written to is gone.
+        if self.display.output().error().is_some() {
+            self.end.get_or_insert(End::Hangup);
+        }
+    }
+
+    fn take(&mut self, happening: Happening) {
+        let now = Instant::now();
+        match happening {
+            Happening::Written => self.display.written(now),
+            Happening::Job(news) => {
+                if let Some(msg) = self.desk.hear(news, now) {
+                    self.update(msg);
+                }
+            }
+            Happening::Msg(msg) => self.update(*msg),
+            Happening::Incoming(incoming) => match incoming {
+                Incoming::Input(events) => {
+                    for event in events {
+                        self.input(event, now);
+                    }
+                }
+                Incoming::Resized => self.resize(),
+                Incoming::Continued => {
+                    if self.session.resume().is_ok() {
+                        self.resize();
+                        self.display.invalidate(now);
+                    }
+                }
+                Incoming::Suspend => self.suspend(),
+                Incoming::Terminate(signal) => self.end = Some(End::Signal(signal)),
+                Incoming::Hangup => self.end = Some(End::Hangup),
+            },
+        }
+    }
+
+    fn input(&mut self, event: Event, now: Instant) {
+        match event {
+            Event::Reply(Reply::Status) => self.display.acked(now),
+            Event::Reply(reply) => {
+                if self.probing.take(&reply, &self.session) {
+                    self.know_terminal(now);
+                }
+            }
+            Event::Focus(true) => {
+                // tmux and others lose pictures while the window is not seen.
+                if self.model.terminal.multiplexer.value.is_some() {
+                    self.display.invalidate(now);
+                }
+            }
+            Event::Focus(false) => {}
+            Event::Key(_) | Event::Mouse(_) | Event::Paste(_) => {
+                self.keys.pressed(now);
+                self.update(Msg::Input(event));
+            }
+        }
+    }
+
+    /// Takes a message into the model and does what it asks for.
+    fn update(&mut self, msg: Msg) {
+        self.is_stale = true;
+        for effect in update(&mut self.model, msg, Instant::now()) {
+            self.act(effect);
+        }
+    }
+
+    /// Asks the jobs for what the model wants.
+    fn sync(&mut self) {
+        // What is there already is a message, after which something else may be wanted.
+        while let Some(msg) = self.desk.sync(&self.model, Instant::now()) {
+            self.update(msg);
+        }
+    }
+
+    fn resize(&mut self) {
+        let size = self.tty.size();
+        self.probing.take_window(size);
+        self.display.resize(size.columns, size.rows);
+        self.update(Msg::Resized(size.columns, size.rows));
+    }
+
+    /// More is known of the terminal.
+    fn know_terminal(&mut self, now: Instant) {
+        let capabilities = self.probing.conclude();
+        if capabilities == self.model.terminal {
+            return;
+        }
+        self.display.set_settings(display_settings(&capabilities), now);
+        let complaints = setup::theme(&mut self.model.config, &capabilities);
+        for complaint in complaints {
+            self.model.say_error(complaint.to_string());
+        }
+        self.update(Msg::Terminal(Box::new(capabilities)));
+    }
+
+    /// Paints the model and hands the frame over.
+    fn paint(&mut self) {
+        let now = Instant::now();
+        self.model.now = now;
+        self.model.stats = self.keys.line(&self.display.stats());
+        let mut buffer = Buffer::empty(Rect::new(0, 0, self.model.size.0, self.model.size.1));
+        let view = frame::view(&self.model, &mut buffer);
+        self.model.regions = view.regions;
+        let graphic = self.graphic();
+        self.display.present(buffer, view.cursor, view.late, graphic, now);
+        self.is_stale = false;
+        self.keys.painted(now);
+    }
+
+    /// The picture as pixels, where the terminal shows such and nothing lies over it.
+    fn graphic(&mut self) -> Option<Graphic> {
+        let is_covered = self.model.layers.iter().any(|layer| !matches!(layer, Layer::Line(_)));
+        let painted = self.model.picture.painted.as_ref().filter(|_| !is_covered)?;
+        let area = frame::picture_area(&self.model)?;
+        let data = painted.graphic.as_ref().filter(|_| painted.request.area == area)?;
+        if !self.shown_picture.as_ref().is_some_and(|shown| std::sync::Arc::ptr_eq(shown, data)) {
+            self.generation += 1;
+            self.shown_picture = Some(std::sync::Arc::clone(data));
+        }
+        self.session.expect_images(true);
+        Some(Graphic { generation: self.generation, area, data: std::sync::Arc::clone(data) })
+    }
+
+    /// Gives the terminal back and keeps what is restored next time.
+    fn leave(mut self) -> End {
+        let end = self.end.unwrap_or(End::Quit);
+        if end != End::Hangup {
+            // The last frame may still be on its way to a slow terminal.
+            self.display.output().flush(FAREWELL);
+            let bytes = self.display.farewell();
+            if self.display.output().send(bytes, 0).is_ok() {
+                self.display.output().flush(FAREWELL);
+            }
+        }
+        self.session.restore();
+        let complaint = self.memory.keep(&self.model);
+        if end == End::Quit {
+            if let Some(complaint) = complaint {
+                crate::exit::say(&format!("note: {complaint}"));
+            }
+            if let Some(stats) = self.keys.report(&self.display.stats()) {
+                crate::exit::say(&stats);
+            }
+        }
+        end
+    }
+}
+
+/// What the display has to know of a terminal.
+fn display_settings(terminal: &Capabilities) -> DisplaySettings {
+    use linden_terminal::probe::Multiplexer;
+    DisplaySettings {
+        colors: terminal.colors.value,
+        synchronized: terminal.synchronized.value,
+        remote: terminal.remote.value,
+        erases_in_color: terminal.multiplexer.value != Some(Multiplexer::Screen),
+    }
 }

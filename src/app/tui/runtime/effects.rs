@@ -1,0 +1,234 @@
+//! Doing what the model asks for.
+
+use std::io::Write as _;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use base64::Engine as _;
+use base64::prelude::BASE64_STANDARD;
+use linden::Quiet;
+
+use super::jobs::LoadRequest;
+use super::{End, Happening, Runtime, memory, setup};
+use crate::config::presets;
+use crate::config::session::Session;
+use crate::config::watch::Watch;
+use crate::tui::effect::Effect;
+use crate::tui::model::Config;
+use crate::tui::tree::Place;
+use crate::tui::update::Msg;
+
+/// Terminals drop longer clipboards.
+const LONGEST_COPY: usize = 74_000;
+
+impl Runtime {
+    pub(super) fn act(&mut self, effect: Effect) {
+        match effect {
+            Effect::Quit => self.end = Some(End::Quit),
+            Effect::Suspend => self.suspend(),
+            Effect::Redraw => {
+                self.resize();
+                self.display.invalidate(Instant::now());
+            }
+            Effect::Load(place) => self.desk.load(LoadRequest { place, set: Vec::new() }),
+            Effect::Copy(text) => self.copy(&text),
+            Effect::Save { id, recipe, overwrite } => {
+                let saved = self.save(&id, &recipe.preset, overwrite);
+                self.update(Msg::Saved(saved));
+            }
+            Effect::Edit(text) => {
+                let edited = self.edit(&text);
+                self.update(Msg::Edited(edited));
+            }
+            Effect::EditFile(path) => {
+                if let Err(why) = self.edit_file(&path) {
+                    self.model.say_error(why);
+                }
+            }
+            Effect::Export(_) | Effect::CancelExport => {}
+            Effect::Reconfigure => self.reconfigure(),
+        }
+    }
+
+    /// Shows what was asked for, or what was there last time, or the first of the list.
+    pub(super) fn open(&mut self, source: Option<PathBuf>, set: Vec<(String, String)>, remembered: &Session) {
+        let (place, set) = match source {
+            Some(source) => {
+                let place = source.to_str().map_or_else(|| Place::File(source.clone()), memory::place);
+                (place, set)
+            }
+            None => match &remembered.source {
+                Some(source) => (memory::place(source), remembered.knobs.clone()),
+                None => {
+                    let first = self.model.library.entry().map(|entry| entry.place.clone());
+                    (first.unwrap_or(Place::Builtin("fir")), set)
+                }
+            },
+        };
+        self.model.library.select_place(&place);
+        self.model.loading = Some(place.clone());
+        self.desk.load(LoadRequest { place, set });
+    }
+
+    /// Stops as Ctrl-Z does, and comes back.
+    pub(super) fn suspend(&mut self) {
+        self.display.output().flush(Duration::from_millis(200));
+        self.listener.pause();
+        let suspended = self.session.suspend();
+        self.listener.resume();
+        match suspended {
+            Ok(true) => {}
+            Ok(false) => self.model.say_warning("nothing could bring linden back: it runs without a shell"),
+            Err(error) => self.model.say_error(format!("suspending: {error}")),
+        }
+        self.resize();
+        self.display.invalidate(Instant::now());
+    }
+
+    /// Puts text on the clipboard of the terminal's machine.
+    fn copy(&mut self, text: &str) {
+        if text.len() > LONGEST_COPY {
+            self.model.say_warning(format!(
+                "{} bytes are more than terminals take into their clipboard; export and use the file's recipe",
+                text.len()
+            ));
+            return;
+        }
+        if std::env::var_os("TMUX").is_some() {
+            // tmux keeps OSC 52 of programs to itself unless told otherwise, but has a way of its own.
+            let child = Command::new("tmux")
+                .args(["load-buffer", "-w", "-"])
+                .stdin(Stdio::piped())
+                .stdout(Stdio::null())
+                .stderr(Stdio::null())
+                .spawn();
+            if let Ok(mut child) = child {
+                let text = text.to_owned();
+                // It may hang; nobody waits for it here.
+                std::thread::spawn(move || {
+                    if let Some(mut input) = child.stdin.take() {
+                        let _ = input.write_all(text.as_bytes());
+                    }
+                    let _ = child.wait();
+                });
+            }
+        }
+        let bytes = format!("\u{1b}]52;c;{}\u{7}", BASE64_STANDARD.encode(text));
+        self.display.beside(bytes.into_bytes());
+    }
+
+    fn save(
+        &mut self,
+        id: &str,
+        preset: &linden::preset::Preset,
+        overwrite: bool,
+    ) -> Result<(String, PathBuf), String> {
+        let dir = self.model.config.dirs.presets().ok_or("there is no folder for presets")?;
+        let mut preset = preset.clone();
+        id.clone_into(&mut preset.id);
+        let text = preset.to_toml().map_err(|error| error.to_string())?;
+        let path = presets::save(&dir, id, &text, overwrite).map_err(|error| error.to_string())?;
+        Ok((id.to_owned(), path))
+    }
+
+    /// Edits text in the user's editor.
+    fn edit(&mut self, text: &str) -> Result<String, String> {
+        let failed = |error: std::io::Error| format!("handing text to the editor: {error}");
+        let mut file = tempfile::Builder::new().prefix("linden-").suffix(".txt").tempfile().map_err(failed)?;
+        file.write_all(text.as_bytes()).and_then(|()| file.flush()).map_err(failed)?;
+        self.edit_file(file.path())?;
+        // Editors may put another file in its place.
+        std::fs::read_to_string(file.path()).map_err(|error| format!("reading the edited text: {error}"))
+    }
+
+    /// Gives the terminal to the user's editor until it ends.
+    fn edit_file(&mut self, path: &std::path::Path) -> Result<(), String> {
+        let words = editor(self.model.config.settings.editor.as_deref())?;
+        self.display.output().flush(Duration::from_millis(200));
+        self.listener.pause();
+        self.session.restore();
+        let status = Command::new(&words[0]).args(&words[1..]).arg(path).status();
+        let resumed = self.session.resume();
+        self.listener.resume();
+        self.resize();
+        self.display.invalidate(Instant::now());
+        if let Err(error) = resumed {
+            tracing::debug!(%error, "taking the terminal again");
+            self.end = Some(End::Hangup);
+        }
+        let name = linden::knob::printable(&words.join(" "));
+        match status {
+            Ok(status) if status.success() => Ok(()),
+            Ok(status) => Err(format!("the editor '{name}' ended with {status}; nothing was taken over")),
+            Err(error) => Err(format!(
+                "starting the editor '{name}': {error}; set 'editor' in config.toml, VISUAL or EDITOR"
+            )),
+        }
+    }
+
+    /// Reads the user's presets, off this thread: a home on a network may take its time.
+    pub(super) fn list_presets(&mut self) {
+        let Some(dir) = self.model.config.dirs.presets() else { return };
+        let sender = self.sender.clone();
+        std::thread::spawn(move || {
+            let (found, complaints) = presets::list(&dir, &Quiet);
+            // Nobody listens only when the program ends.
+            drop(sender.send(Happening::Msg(Box::new(Msg::Presets(found, complaints)))));
+        });
+    }
+
+    /// Watches the user's files from now on.
+    pub(super) fn watch_files(&mut self) {
+        if !self.model.config.settings.reload {
+            self.watch = None;
+            return;
+        }
+        let Some(dir) = self.model.config.dirs.config.clone() else { return };
+        let sender = self.sender.clone();
+        let (watch, complaints) = Watch::new(&[dir], move |files| {
+            drop(sender.send(Happening::Msg(Box::new(Msg::Changed(files)))));
+        });
+        for complaint in complaints {
+            self.model.say_warning(complaint.to_string());
+        }
+        self.watch = Some(watch);
+        self.watch_source();
+    }
+
+    /// Watches what the tree on screen was read from.
+    pub(super) fn watch_source(&mut self) {
+        let Some(watch) = &self.watch else { return };
+        let files = self.model.tree.as_ref().map(crate::tui::tree::Tree::files).unwrap_or_default();
+        for complaint in watch.also(&files) {
+            self.model.say_warning(complaint.to_string());
+        }
+    }
+
+    fn reconfigure(&mut self) {
+        let (Config { theme, keymap, settings, complaints, dirs }, told) = setup::configuration(&mut self.probing);
+        let mouse_changes = settings.mouse != self.model.config.settings.mouse;
+        if mouse_changes && let Err(error) = self.session.set_mouse(settings.mouse) {
+            self.model.say_error(format!("switching the mouse: {error}"));
+        }
+        self.list_presets();
+        for complaint in told {
+            self.model.say_error(complaint);
+        }
+        let config = Config { dirs, theme, keymap, settings, complaints };
+        self.update(Msg::Configured(Box::new(config)));
+        self.know_terminal(Instant::now());
+    }
+}
+
+/// The user's editor as words.
+fn editor(setting: Option<&str>) -> Result<Vec<String>, String> {
+    let of = |name: &str| std::env::var(name).ok().filter(|value| !value.trim().is_empty());
+    let line = setting
+        .map(str::to_owned)
+        .or_else(|| of("VISUAL"))
+        .or_else(|| of("EDITOR"))
+        .unwrap_or_else(|| "vi".to_owned());
+    let words = shell_words::split(&line).map_err(|error| format!("the editor's command line: {error}"))?;
+    if words.is_empty() { Err("the editor's command line is empty".to_owned()) } else { Ok(words) }
+}

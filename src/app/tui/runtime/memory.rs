@@ -1,0 +1,92 @@
+//! What is restored next time.
+
+use std::path::PathBuf;
+
+use glam::Vec2;
+
+use crate::config::session::{Camera, Session, SessionFile};
+use crate::tui::model::{Config, Model, Pane};
+use crate::tui::picture::Look;
+use crate::tui::tree::Place;
+
+/// The file, and what it said.
+pub struct Memory {
+    file: SessionFile,
+    /// What was remembered and is handed on as it was: what this session has no say in.
+    rest: Session,
+    is_on: bool,
+}
+
+impl Memory {
+    /// Reads what was kept; nothing of it is used when `wanted` is false or the settings say so.
+    pub fn load(config: &Config, wanted: bool) -> (Self, Session, Vec<String>) {
+        let is_on = config.settings.restore;
+        let path = config.dirs.session().filter(|_| is_on);
+        let (file, session, complaints) = SessionFile::load(path);
+        let used = if wanted { session.clone() } else { Session { export: session.export.clone(), ..Session::default() } };
+        (Self { file, rest: session, is_on }, used, complaints.iter().map(ToString::to_string).collect())
+    }
+
+    /// Keeps what is on screen; a complaint when that cannot be.
+    pub fn keep(&mut self, model: &Model) -> Option<String> {
+        if !self.is_on || model.config.dirs.session().is_none() {
+            return None;
+        }
+        let session = remembered(model, &self.rest);
+        self.file.save(&session).err().map(|complaint| complaint.to_string())
+    }
+}
+
+/// Puts back how things were looked at. The tree itself is loaded as any other.
+pub fn restore(model: &mut Model, session: &Session) {
+    if let Some(look) = Look::named(&session.look) {
+        model.picture.look = look;
+    }
+    if let Some(pane) = Pane::ALL.into_iter().find(|pane| pane.title().to_lowercase() == session.focus) {
+        model.focus_on(pane);
+    }
+    model.picture.scale = model.config.settings.person || model.config.settings.scale_bar;
+    if session.source.is_some() {
+        let Camera { yaw_deg, pitch_deg, zoom, pan: [right, up] } = session.camera;
+        model.picture.restore(yaw_deg as f32, pitch_deg as f32, zoom as f32, Vec2::new(right as f32, up as f32));
+    }
+    model.library.filter_by(&session.filter);
+}
+
+/// What is on screen, as the file has it.
+fn remembered(model: &Model, rest: &Session) -> Session {
+    let camera = &model.picture.camera;
+    let mut session = Session {
+        look: model.picture.look.name().to_owned(),
+        focus: model.focus.title().to_lowercase(),
+        filter: model.library.filter.clone(),
+        camera: Camera {
+            yaw_deg: camera.yaw_deg.into(),
+            pitch_deg: camera.pitch_deg.into(),
+            zoom: camera.zoom.into(),
+            pan: [camera.pan.x.into(), camera.pan.y.into()],
+        },
+        source: None,
+        grammar: None,
+        knobs: Vec::new(),
+        ..rest.clone()
+    };
+    let Some(tree) = &model.tree else { return session };
+    session.source = match &tree.place {
+        Place::Builtin(id) => Some((*id).to_owned()),
+        Place::File(path) => std::path::absolute(path).ok().and_then(|path| path.to_str().map(str::to_owned)),
+    };
+    match tree.overrides() {
+        Some(knobs) => {
+            session.knobs = knobs.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
+        }
+        // What knobs cannot say: the whole preset.
+        None => session.grammar = Some(tree.recipe().to_line()),
+    }
+    session
+}
+
+/// Where a remembered source is.
+pub fn place(source: &str) -> Place {
+    linden::preset::builtin(source).map_or_else(|_| Place::File(PathBuf::from(source)), |own| Place::Builtin(own.id))
+}
