@@ -60,7 +60,7 @@ pub const PALETTE: &[Hue] = &[
     hue("heather", "what was changed", "#d6b0e6", "#723987", Color::Magenta),
     hue("sky", "keys and references", "#93cbdd", "#145a70", Color::Cyan),
     hue("soil", "ground of dialogs", "#20241e", "#f1f2e8", Color::Reset),
-    hue("grass", "ground of the selection", "#34422d", "#d8e6c8", Color::Reset),
+    hue("grass", "ground of the selection", "#34422d", "#cbdeb6", Color::Reset),
     hue("dusk", "ground of the selection elsewhere, and of inputs", "#2a2f28", "#e7eadd", Color::Reset),
 ];
 
@@ -181,7 +181,7 @@ roles! {
     input: "a line that is typed into", ink("paper").on("dusk"), UNDERLINED;
     input_cursor: "the place that is typed at", Paint { fg: None, bg: None, modifiers: REVERSED }, REVERSED;
     placeholder: "what stands in an empty line", ink("mist").on("dusk"), DIM;
-    line_number: "numbers of lines in the grammar's editor", ink("bark"), DIM;
+    line_number: "numbers of lines in the grammar's editor", ink("mist"), DIM;
     symbol: "symbols in the grammar's editor", ink("paper"), NONE;
     operator: "turns, brackets and arrows in the grammar's editor", ink("sky"), NONE;
     number: "numbers in the grammar's editor", ink("amber"), NONE;
