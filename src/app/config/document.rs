@@ -69,6 +69,11 @@ impl<'t> Document<'t> {
         key: &str,
         names: impl IntoIterator<Item = &'n str>,
     ) {
+        if self.complaints.len() >= MAX_COMPLAINTS {
+            // Nobody will read it: no need to look for what was meant.
+            self.unsaid += 1;
+            return;
+        }
         let names: Vec<&str> = names.into_iter().collect();
         let shown = excerpt(key);
         let hint = match nearest(key, names.iter().copied()) {

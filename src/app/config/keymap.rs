@@ -17,7 +17,7 @@ use toml::de::{DeTable, DeValue};
 use super::Complaint;
 use super::document::{Document, entries, text_of};
 
-/// A command: its id, the context that it belongs to, and the keys that it has from the start.
+/// A command: its id, which stands once in the table, the context that it belongs to, and the keys that it has from the start.
 pub type Row = (&'static str, &'static str, &'static [&'static str]);
 
 /// The context of commands that can be run everywhere.
@@ -38,6 +38,12 @@ struct Wish {
     row: Row,
     keys: Vec<(Key, Range<usize>)>,
     span: Range<usize>,
+}
+
+impl Wish {
+    fn has_cancel(&self) -> bool {
+        self.keys.iter().any(|(key, _)| *key == CANCEL)
+    }
 }
 
 impl Keymap {
@@ -78,7 +84,10 @@ impl Keymap {
             keymap.grant(&mut document, wish);
         }
         for &(id, context, names) in table {
+            // A command that got none of the keys it was to have keeps those it had.
             let wish = wishes.iter().find(|wish| wish.row.0 == id);
+            let wish =
+                wish.filter(|wish| wish.keys.is_empty() || wish.has_cancel() || keymap.keys.contains_key(id));
             for key in names.iter().filter_map(|name| name.parse::<Key>().ok()) {
                 if key == CANCEL {
                     keymap.bind(id, context, key);
@@ -207,6 +216,10 @@ fn collect(
             document.unknown(&span, "command", &full, table.iter().map(|(id, ..)| *id));
             continue;
         };
+        if wishes.iter().any(|wish| wish.row.0 == row.0) {
+            document.complain(&span, format!("'{}' stands twice; keep one", row.0));
+            continue;
+        }
         let items: Vec<&Spanned<DeValue<'_>>> = match value.get_ref() {
             DeValue::Array(items) => items.iter().collect(),
             _ => vec![value],
@@ -349,6 +362,8 @@ mod tests {
         assert_eq!(keymap.command("picture", key("r")), None);
         assert_eq!(keymap.command("picture", key("n")), Some("seed"));
         assert_eq!(read("[keys]\ncamera.reset = \"0\"").0.keys_of("camera.reset"), [key("0")]);
+        let (keymap, complaints) = read("[keys]\n\"camera.reset\" = \"0\"\ncamera.reset = \"1\"");
+        assert_eq!((keymap.keys_of("camera.reset"), complaints.len()), (&[key("0")][..], 1));
     }
 
     #[test]
@@ -380,6 +395,9 @@ mod tests {
         both(&complaints, ["undo", "redo"]);
         assert_eq!(keymap.command("form", key("x")), Some("undo"));
         assert_eq!(keymap.keys_of("redo"), [key("y")]);
+        let (keymap, complaints) = read("[keys]\nundo = \"x\"\nredo = \"x\"");
+        both(&complaints, ["undo", "redo"]);
+        assert_eq!(keymap.keys_of("redo"), [key("ctrl-r")]);
         // The file takes a default away.
         let (keymap, complaints) = read("[keys]\nundo = \"r\"");
         both(&complaints, ["undo", "reset"]);

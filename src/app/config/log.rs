@@ -168,6 +168,16 @@ mod tests {
     }
 
     #[test]
+    fn a_process_has_one_log() {
+        let dir = tempfile::tempdir().unwrap();
+        let request = Request { file: dir.path().join("linden.log"), level: LevelFilter::WARN };
+        request.start().unwrap();
+        tracing::warn!("now");
+        assert!(fs::read_to_string(&request.file).unwrap().contains("WARN"));
+        assert!(request.start().unwrap_err().message.contains("cannot be logged to"));
+    }
+
+    #[test]
     fn what_is_no_file_is_refused() {
         let dir = tempfile::tempdir().unwrap();
         for path in [dir.path(), Path::new("/dev/tty"), Path::new("/dev/null")] {

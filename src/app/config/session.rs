@@ -12,7 +12,8 @@ use serde::{Deserialize, Serialize};
 use super::files::{self, Existing, Readers};
 use super::{Complaint, dirs};
 
-/// Raised whenever an older linden would misread what a newer one writes.
+/// Raised whenever an older linden would misread what a newer one writes. A key that it does not know it
+/// leaves out.
 const VERSION: u32 = 1;
 
 /// A grammar of that size is not edited in a terminal.
@@ -21,7 +22,7 @@ const MAX_BYTES: u64 = 16 << 20;
 /// What was there last time. All of it is from outside: names may be gone, and texts are shown
 /// through `printable`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default)]
 pub struct Session {
     /// SOURCE: a preset's id, or an absolute path; `None` before anything was chosen, and for a path
     /// that is not Unicode.
@@ -46,7 +47,7 @@ pub struct Session {
 
 /// From where the tree was looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default)]
 pub struct Camera {
     /// Around the vertical, degrees.
     pub yaw_deg: f64,
@@ -60,7 +61,7 @@ pub struct Camera {
 
 /// What was exported last.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
+#[serde(default)]
 pub struct Export {
     /// Files that were written to.
     pub targets: Vec<String>,
@@ -129,27 +130,21 @@ impl SessionFile {
     pub fn load(path: Option<PathBuf>) -> (Self, Session, Vec<Complaint>) {
         let mut file = Self { path, text: None, keep_old: false };
         let Some(path) = file.path.as_deref() else { return (file, Session::default(), Vec::new()) };
-        let text = match files::read_text(path, MAX_BYTES) {
-            Ok(Some(text)) => text,
-            Ok(None) => return (file, Session::default(), Vec::new()),
-            Err(complaint) => {
-                file.keep_old = true;
-                return (file, Session::default(), vec![complaint]);
-            }
-        };
-        match parse(path, &text) {
-            Ok((session, complaints)) => {
+        let found = files::read_text(path, MAX_BYTES)
+            .and_then(|text| text.map(|text| parse(path, &text).map(|read| (text, read))).transpose());
+        match found {
+            Ok(None) => (file, Session::default(), Vec::new()),
+            Ok(Some((text, (session, complaints)))) => {
                 file.text = Some(text);
                 (file, session, complaints)
             }
-            Err(mut complaint) => {
+            Err(complaint) => {
                 let kept = aside(path);
                 let kept = kept.file_name().unwrap_or_default().to_string_lossy();
-                let told =
-                    format!("{}; beginning anew, the old session will be kept as {kept}", complaint.message);
-                complaint = Complaint { message: told, ..complaint };
+                let message =
+                    format!("{}; beginning anew, and keeping this file as {kept}", complaint.message);
                 file.keep_old = true;
-                (file, Session::default(), vec![complaint])
+                (file, Session::default(), vec![Complaint { message, ..complaint }])
             }
         }
     }
@@ -205,10 +200,7 @@ fn parse(path: &Path, text: &str) -> Result<(Session, Vec<Complaint>), Complaint
         }
         None => return Err(Complaint::new(path, "says no version")),
     }
-    let mut table: toml::Table = toml::from_str(text).map_err(|error| fault(&error))?;
-    table.remove("version");
-    // The table has no places; where a value is of the wrong kind the message names its key.
-    let mut session: Session = table.try_into().map_err(|error| fault(&error))?;
+    let mut session: Session = toml::from_str(text).map_err(|error| fault(&error))?;
     let mut complaints = Vec::new();
     if !session.camera.is_sound() {
         complaints.push(Complaint::new(path, "[camera] stands where nothing can be seen; using its start"));
@@ -266,10 +258,10 @@ mod tests {
             ("version = 2\nwhat = 1\n", None, "newer"),
             ("version = 0\n", None, "older"),
             ("source = \"fir\"\n", None, "no version"),
-            ("version = 1\nsource = = 3\n", Some(2), "old"),
-            ("version = 1\nsource = 3\n", None, "old"),
-            ("version = 1\ncolour = 3\n", None, "colour"),
-            ("version = \"1\"\n", Some(1), "old"),
+            ("version = 1\nsource = = 3\n", Some(2), "keeping"),
+            ("version = 1\nsource = 3\n", Some(2), "keeping"),
+            ("version = 1\n\n[camera]\nyaw_deg = 1.0\npan = [1.0]\n", Some(5), "keeping"),
+            ("version = \"1\"\n", Some(1), "keeping"),
         ] {
             let dir = tempfile::tempdir().unwrap();
             fs::create_dir_all(at(&dir).parent().unwrap()).unwrap();
@@ -286,6 +278,15 @@ mod tests {
             assert_eq!(fs::read_to_string(aside(&at(&dir))).unwrap(), text);
             assert_eq!(SessionFile::load(Some(at(&dir))).1, session());
         }
+    }
+
+    #[test]
+    fn keys_of_a_later_linden_are_left_out() {
+        let dir = tempfile::tempdir().unwrap();
+        fs::create_dir_all(at(&dir).parent().unwrap()).unwrap();
+        fs::write(at(&dir), "version = 1\nfilter = \"x\"\nsounds = true\n[export]\ncloud = 1\n").unwrap();
+        let (_, read, complaints) = SessionFile::load(Some(at(&dir)));
+        assert_eq!((read.filter.as_str(), complaints), ("x", vec![]));
     }
 
     #[test]

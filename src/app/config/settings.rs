@@ -181,7 +181,7 @@ pub const SETTINGS: &[Setting] = &[
             }
         },
     },
-    switch!(person, "a person of 1.75 m beside the tree"),
+    switch!(person, "a person beside the tree, for its size"),
     switch!(scale_bar, "a scale bar in the picture"),
     Setting {
         name: "turntable",

@@ -28,10 +28,19 @@ pub struct Hue {
     pub dark: &'static str,
     /// On a light terminal, `#rrggbb`.
     pub light: &'static str,
+    /// With 16 colours, which the terminal's own theme decides. `Reset` is its text or background: a
+    /// ground of unknown contrast is none, and what stands on it is marked as in `plain`.
+    pub ansi: Color,
 }
 
-const fn hue(name: &'static str, help: &'static str, dark: &'static str, light: &'static str) -> Hue {
-    Hue { name, help, dark, light }
+const fn hue(
+    name: &'static str,
+    help: &'static str,
+    dark: &'static str,
+    light: &'static str,
+    ansi: Color,
+) -> Hue {
+    Hue { name, help, dark, light, ansi }
 }
 
 /// The colours of the built-in themes: bark, moss and leaves, a few blossoms for what must be seen.
@@ -40,19 +49,19 @@ const fn hue(name: &'static str, help: &'static str, dark: &'static str, light: 
 /// all inks but `bark` and `moss` have a contrast of at least 4.5, as WCAG 2.2 asks of text (1.4.3);
 /// `moss` has 3, as it asks of controls (1.4.11); `bark` only decorates.
 pub const PALETTE: &[Hue] = &[
-    hue("paper", "text", "#e6e4da", "#2a2d26"),
-    hue("mist", "text of less weight", "#a9ae9f", "#565d4e"),
-    hue("bark", "lines that only divide", "#555d50", "#b4baa6"),
-    hue("moss", "lines that say where one is", "#84ad6b", "#4d7732"),
-    hue("leaf", "what stands out", "#a7d48a", "#35611c"),
-    hue("lichen", "success", "#8fd6b4", "#146245"),
-    hue("amber", "warnings and what moves", "#e8c57f", "#7a4c00"),
-    hue("rowan", "errors", "#f59a93", "#a31f2c"),
-    hue("heather", "what was changed", "#d6b0e6", "#723987"),
-    hue("sky", "keys and references", "#93cbdd", "#145a70"),
-    hue("soil", "ground of dialogs", "#20241e", "#f1f2e8"),
-    hue("grass", "ground of the selection", "#34422d", "#d8e6c8"),
-    hue("dusk", "ground of the selection elsewhere, and of inputs", "#2a2f28", "#e7eadd"),
+    hue("paper", "text", "#e6e4da", "#2a2d26", Color::Reset),
+    hue("mist", "text of less weight", "#a9ae9f", "#565d4e", Color::Reset),
+    hue("bark", "lines that only divide", "#555d50", "#b4baa6", Color::DarkGray),
+    hue("moss", "lines that say where one is", "#84ad6b", "#4d7732", Color::Green),
+    hue("leaf", "what stands out", "#a7d48a", "#35611c", Color::Green),
+    hue("lichen", "success", "#8fd6b4", "#146245", Color::Green),
+    hue("amber", "warnings and what moves", "#e8c57f", "#7a4c00", Color::Yellow),
+    hue("rowan", "errors", "#f59a93", "#a31f2c", Color::Red),
+    hue("heather", "what was changed", "#d6b0e6", "#723987", Color::Magenta),
+    hue("sky", "keys and references", "#93cbdd", "#145a70", Color::Cyan),
+    hue("soil", "ground of dialogs", "#20241e", "#f1f2e8", Color::Reset),
+    hue("grass", "ground of the selection", "#34422d", "#cbdeb6", Color::Reset),
+    hue("dusk", "ground of the selection elsewhere, and of inputs", "#2a2f28", "#e7eadd", Color::Reset),
 ];
 
 /// What a role takes from the palette.
@@ -172,7 +181,7 @@ roles! {
     input: "a line that is typed into", ink("paper").on("dusk"), UNDERLINED;
     input_cursor: "the place that is typed at", Paint { fg: None, bg: None, modifiers: REVERSED }, REVERSED;
     placeholder: "what stands in an empty line", ink("mist").on("dusk"), DIM;
-    line_number: "numbers of lines in the grammar's editor", ink("bark"), DIM;
+    line_number: "numbers of lines in the grammar's editor", ink("mist"), DIM;
     symbol: "symbols in the grammar's editor", ink("paper"), NONE;
     operator: "turns, brackets and arrows in the grammar's editor", ink("sky"), NONE;
     number: "numbers in the grammar's editor", ink("amber"), NONE;
@@ -189,12 +198,12 @@ pub const BUILT_IN: [&str; 3] = ["dark", "light", "plain"];
 impl Theme {
     /// The built-in theme for dark backgrounds.
     pub fn dark() -> Self {
-        Self::paint("dark", false, &colors(false))
+        Self::paint("dark", false, &colors(false, ColorDepth::True))
     }
 
     /// The built-in theme for light backgrounds.
     pub fn light() -> Self {
-        Self::paint("light", true, &colors(true))
+        Self::paint("light", true, &colors(true, ColorDepth::True))
     }
 
     /// The built-in theme without colours: bold, dim, underlined and reversed say it all.
@@ -221,6 +230,14 @@ impl Theme {
             let mut style = Style::new().add_modifier(role.paint.modifiers);
             style.fg = color(role.paint.fg);
             style.bg = color(role.paint.bg);
+            let wants_mark = match role.paint.bg {
+                Some(_) => style.bg == Some(Color::Reset),
+                None => role.paint.fg.is_some() && style.fg == Some(Color::Reset),
+            };
+            if wants_mark {
+                style.bg = None;
+                style.add_modifier |= role.plain;
+            }
             *(role.slot)(&mut theme) = style;
         }
         theme
@@ -229,15 +246,16 @@ impl Theme {
     /// The theme that was asked for: `auto`, a built-in one, or a file in `themes/`.
     ///
     /// `light` is whether the terminal's background is (see [`is_light`]); it decides what `auto` is.
-    /// Without colours every theme is `plain`. What cannot be read is replaced by `auto`.
+    /// Without colours every theme is `plain`; with 16 the palette is the terminal's. What cannot be read
+    /// is replaced by `auto`.
     pub fn load(dirs: &Dirs, name: &str, light: bool, depth: ColorDepth) -> (Self, Vec<Complaint>) {
         if depth == ColorDepth::None {
             return (Self::plain(light), Vec::new());
         }
-        if let Some(theme) = Self::built_in(name, light) {
+        if let Some(theme) = Self::built_in(name, light, depth) {
             return (theme, Vec::new());
         }
-        let auto = || if light { Self::light() } else { Self::dark() };
+        let auto = || Self::auto(light, depth);
         let file_name = format!("{name}.toml");
         let Some(dir) = dirs.themes() else {
             let complaint = format!("the theme '{}' cannot be read: {NO_CONFIG}", excerpt(name));
@@ -255,20 +273,28 @@ impl Theme {
             return (auto(), vec![Complaint::new(&file, message)]);
         }
         match text_of(&file) {
-            Ok(text) => Self::read(&file, &text, name, light),
+            Ok(text) => Self::read(&file, &text, name, light, depth),
             Err(complaint) => (auto(), vec![complaint]),
         }
     }
 
     /// The theme in a text; `file` is for the complaints.
-    pub fn read(file: &Path, text: &str, name: &str, light: bool) -> (Self, Vec<Complaint>) {
+    pub fn read(
+        file: &Path,
+        text: &str,
+        name: &str,
+        light: bool,
+        depth: ColorDepth,
+    ) -> (Self, Vec<Complaint>) {
         let (mut document, root) = Document::parse(file, text);
         let entries = entries(&root);
         let mut base = "auto".to_owned();
         let mut own_colors: Option<&DeTable<'_>> = None;
         for (key, _, value) in &entries {
             match (*key, value.get_ref()) {
-                ("extends", DeValue::String(found)) if Self::built_in(found, light).is_some() => {
+                ("extends", DeValue::String(found))
+                    if found == "auto" || BUILT_IN.contains(&found.as_ref()) =>
+                {
                     base = found.to_string();
                 }
                 ("extends", _) => document.mismatch("extends", value, "auto, dark, light or plain"),
@@ -282,7 +308,7 @@ impl Theme {
             _ => light,
         };
         let is_plain = base == "plain";
-        let mut palette = if is_plain { Vec::new() } else { colors(light) };
+        let mut palette = if is_plain { Vec::new() } else { colors(light, depth) };
         if let Some(own) = own_colors {
             read_colors(&mut document, own, &mut palette);
         }
@@ -290,7 +316,12 @@ impl Theme {
         name.clone_into(&mut theme.name);
         for (key, span, value) in &entries {
             if let Some(role) = ROLES.iter().find(|role| role.name == *key) {
-                restyle(&mut document, key, value, &palette, (role.slot)(&mut theme));
+                let style = (role.slot)(&mut theme);
+                if !is_plain && value.get_ref().get("bg").is_some() {
+                    // Marks that stand for a ground are for where there is none.
+                    style.add_modifier = role.paint.modifiers;
+                }
+                restyle(&mut document, key, value, &palette, style);
             } else if !matches!(*key, "extends" | "colors") {
                 let names = ROLES.iter().map(|role| role.name).chain(["extends", "colors"]);
                 document.unknown(span, "role", key, names);
@@ -299,14 +330,18 @@ impl Theme {
         (theme, document.finish())
     }
 
-    fn built_in(name: &str, light: bool) -> Option<Self> {
+    fn built_in(name: &str, light: bool, depth: ColorDepth) -> Option<Self> {
         match name {
-            "dark" => Some(Self::dark()),
-            "light" => Some(Self::light()),
+            "dark" => Some(Self::auto(false, depth)),
+            "light" => Some(Self::auto(true, depth)),
             "plain" => Some(Self::plain(light)),
-            "auto" => Some(if light { Self::light() } else { Self::dark() }),
+            "auto" => Some(Self::auto(light, depth)),
             _ => None,
         }
+    }
+
+    fn auto(light: bool, depth: ColorDepth) -> Self {
+        Self::paint(if light { "light" } else { "dark" }, light, &colors(light, depth))
     }
 }
 
@@ -331,9 +366,13 @@ fn luminance(rgb: [u8; 3]) -> f64 {
 }
 
 /// The palette of a built-in theme.
-fn colors(light: bool) -> Vec<(String, Color)> {
-    let of = |hue: &Hue| Some((hue.name.to_owned(), hex(if light { hue.light } else { hue.dark })?));
-    PALETTE.iter().filter_map(of).collect()
+fn colors(light: bool, depth: ColorDepth) -> Vec<(String, Color)> {
+    let of = |hue: &Hue| match (depth, light) {
+        (ColorDepth::Ansi16 | ColorDepth::None, _) => Some(hue.ansi),
+        (_, true) => hex(hue.light),
+        (_, false) => hex(hue.dark),
+    };
+    PALETTE.iter().filter_map(|hue| Some((hue.name.to_owned(), of(hue)?))).collect()
 }
 
 /// The sixteen colours that a terminal's own theme decides.

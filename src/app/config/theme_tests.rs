@@ -14,7 +14,7 @@ fn rgb(color: Color) -> [u8; 3] {
 }
 
 fn read(text: &str) -> (Theme, Vec<Complaint>) {
-    Theme::read(Path::new("themes/moor.toml"), text, "moor", false)
+    Theme::read(Path::new("themes/moor.toml"), text, "moor", false, ColorDepth::True)
 }
 
 #[test]
@@ -29,7 +29,7 @@ fn contrast_is_wcags() {
 #[test]
 fn text_can_be_read_on_every_ground() {
     for (theme, backgrounds) in [Theme::dark(), Theme::light()].iter().zip(BACKGROUNDS) {
-        let palette = colors(theme.light);
+        let palette = colors(theme.light, ColorDepth::True);
         let color = |name: &str| rgb(palette.iter().find(|(own, _)| own == name).unwrap().1);
         let mut grounds = backgrounds.to_vec();
         grounds.extend(["soil", "grass", "dusk"].map(color));
@@ -48,16 +48,25 @@ fn text_can_be_read_on_every_ground() {
 }
 
 #[test]
+fn the_selection_is_seen_on_every_background() {
+    for (light, backgrounds) in [false, true].into_iter().zip(BACKGROUNDS) {
+        let palette = colors(light, ColorDepth::True);
+        let color = |name: &str| rgb(palette.iter().find(|(own, _)| own == name).unwrap().1);
+        for ground in backgrounds.into_iter().chain(["soil", "dusk"].map(color)) {
+            let found = contrast(color("grass"), ground);
+            assert!(found >= 1.15, "light {light} on {ground:x?}: {found:.2}");
+        }
+    }
+}
+
+#[test]
 fn only_lines_and_bars_are_drawn_in_inks_too_faint_for_text() {
     let faint: Vec<&str> = ROLES
         .iter()
         .filter(|role| matches!(role.paint.fg, Some("bark" | "moss")))
         .map(|role| role.name)
         .collect();
-    assert_eq!(
-        faint,
-        ["border", "border_focused", "gauge_track", "scrollbar", "popup_border", "line_number"]
-    );
+    assert_eq!(faint, ["border", "border_focused", "gauge_track", "scrollbar", "popup_border"]);
 }
 
 #[test]
@@ -90,6 +99,30 @@ fn plain_has_no_colours_and_still_tells_what_matters() {
     assert_ne!(plain.error, plain.text);
     let dirs = Dirs::default();
     assert_eq!(Theme::load(&dirs, "dark", false, ColorDepth::None), (plain, vec![]));
+}
+
+#[test]
+fn sixteen_colours_are_the_terminals_and_mark_what_has_no_ground() {
+    for light in [false, true] {
+        let (theme, _) = Theme::load(&Dirs::default(), "auto", light, ColorDepth::Ansi16);
+        for role in ROLES {
+            let style = theme.style(role);
+            let is_ansi = |color: Color| color == Color::Reset || ANSI.iter().any(|(_, own)| *own == color);
+            assert!(style.fg.is_none_or(is_ansi) && style.bg.is_none(), "{}: {style:?}", role.name);
+        }
+        assert!(theme.selected.add_modifier.contains(REVERSED));
+        assert!(theme.dim.add_modifier.contains(DIM) && theme.text.add_modifier.is_empty());
+        assert_eq!(theme.error.fg, Some(Color::Red));
+    }
+    // What the user says counts there too.
+    let text = "extends = \"dark\"\nhint = { bg = \"soil\" }\nselected_unfocused = { bg = \"green\" }\n\
+                [colors]\ngrass = \"blue\"\n";
+    let (theme, complaints) = Theme::read(Path::new("x"), text, "moor", false, ColorDepth::Ansi16);
+    assert_eq!(complaints, []);
+    assert_eq!(theme.selected.bg, Some(Color::Blue));
+    assert!(!theme.selected.add_modifier.contains(REVERSED));
+    assert_eq!(theme.selected_unfocused.bg, Some(Color::Green));
+    assert!(!theme.selected_unfocused.add_modifier.contains(UNDERLINED));
 }
 
 #[test]
@@ -168,7 +201,7 @@ fn the_example_is_commented_out_and_says_what_dark_is() {
         })
         .collect();
     // On a light terminal, so that `extends` and the palette are seen to count.
-    let (theme, complaints) = Theme::read(Path::new("x"), &active, "moor", true);
+    let (theme, complaints) = Theme::read(Path::new("x"), &active, "moor", true, ColorDepth::Ansi256);
     assert_eq!(complaints, []);
     assert_eq!(theme, named(Theme::dark()));
     assert!(ROLES.iter().all(|role| active.contains(&format!("\n{} = {{", role.name))));
