@@ -89,7 +89,7 @@ fn child() {
             let mut program = Program::start();
             drop(program.listener);
             program.session.restore();
-            let end = std::time::Instant::now() + Duration::from_secs(60);
+            let end = std::time::Instant::now() + Duration::from_mins(1);
             writeln!(program.log, "deaf").unwrap();
             while std::time::Instant::now() < end {
                 std::thread::sleep(Duration::from_millis(50));
@@ -97,7 +97,7 @@ fn child() {
         }
         "replies" => {
             let mut program = Program::start();
-            program.session.expect_replies(Some(Duration::from_secs(60)));
+            program.session.expect_replies(Some(Duration::from_mins(1)));
             program.session.expect_images(true);
             program.until_q();
         }
@@ -129,9 +129,10 @@ fn child() {
         }
         "stalled" => {
             let mut program = Program::start();
-            program.session.expect_replies(Some(Duration::from_secs(60)));
+            program.session.expect_replies(Some(Duration::from_mins(1)));
             let mut tty = program.tty.clone();
-            std::thread::spawn(move || while tty.write(&[b'x'; 65536]).is_ok() {});
+            let picture = "x".repeat(65536);
+            std::thread::spawn(move || while tty.write(picture.as_bytes()).is_ok() {});
             std::thread::sleep(Duration::from_millis(200));
             program.session.restore();
             program.say("restored");

@@ -1,4 +1,5 @@
 //! The terminal is taken and given back, whatever happens; seen from the other end of it.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 mod child;
 mod terminal;
@@ -140,11 +141,7 @@ fn the_signal_ends_the_program_after_the_terminal_is_given_back() {
         let mut shell =
             terminal.start_in_shell(&format!("trap : INT QUIT HUP TERM; {script}"), "raise", &log.path());
         log.wait_for("ready");
-        // The child is the shell's only one.
-        let children =
-            std::fs::read_to_string(format!("/proc/{0}/task/{0}/children", shell.pid().as_raw_nonzero()));
-        let child = children.unwrap().trim().parse().unwrap();
-        kill_process(rustix::process::Pid::from_raw(child).unwrap(), signal).unwrap();
+        kill_process(shell.child(), signal).unwrap();
         terminal.wait_for(&format!("status:{}.", 128 + signal.as_raw()));
         shell.wait();
         assert!(terminal.position(GIVEN_BACK) < terminal.position("status:"));
@@ -185,6 +182,25 @@ fn ctrl_z_and_back() {
         shell.wait();
         assert!(!terminal.is_raw());
     }
+}
+
+#[test]
+fn stopped_by_others_and_ended_in_the_background() {
+    let (mut terminal, log) = (Terminal::new(false), Log::new());
+    let script =
+        "set -m; $CHILD; stty sane; echo stopped.; read -r line; kill %1; wait %1; echo \"ended:$?.\"";
+    let mut shell = terminal.start_in_shell(script, "loop", &log.path());
+    log.wait_for("ready");
+    kill_process(shell.child(), Signal::STOP).unwrap();
+    terminal.wait_for("stopped.");
+    // The shell has the terminal, and had no help in getting it.
+    assert!(!terminal.is_raw() && !terminal.shown().contains(GIVEN_BACK));
+    let shells = terminal.settings();
+    terminal.press("\n");
+    terminal.wait_for("ended:0.");
+    shell.wait();
+    assert!(terminal.position(GIVEN_BACK) < terminal.position("ended:0."));
+    assert_eq!(terminal.settings(), shells, "what is the shell's was left to it");
 }
 
 #[test]

@@ -3,12 +3,14 @@
 use std::io::{Read, Write};
 use std::os::fd::OwnedFd;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use linden_terminal::Tty;
 use portable_pty::{Child, CommandBuilder, MasterPty, PtyPair, PtySize, native_pty_system};
 use rustix::fs::{Mode, OFlags};
+use rustix::process::Pid;
 
 /// Longer than anything here takes on any machine: what is not there by then does not come.
 const PATIENCE: Duration = Duration::from_secs(30);
@@ -144,8 +146,15 @@ impl Program {
         eventually("the program's end", || self.0.try_wait().unwrap()).exit_code()
     }
 
-    pub fn pid(&self) -> rustix::process::Pid {
-        rustix::process::Pid::from_raw(self.0.process_id().unwrap() as i32).unwrap()
+    pub fn pid(&self) -> Pid {
+        Pid::from_raw(self.0.process_id().unwrap() as i32).unwrap()
+    }
+
+    /// A shell's only child.
+    pub fn child(&self) -> Pid {
+        let output =
+            Command::new("ps").args(["-o", "pid=", "--ppid", &self.pid().to_string()]).output().unwrap();
+        Pid::from_raw(String::from_utf8(output.stdout).unwrap().trim().parse().unwrap()).unwrap()
     }
 }
 
