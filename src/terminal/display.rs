@@ -58,6 +58,8 @@ pub struct Display {
     /// Whether the newest frame is not yet all sent.
     rest: bool,
     frames: u64,
+    /// Bytes that are no part of the screen.
+    beside: Vec<u8>,
 }
 
 /// A frame that owns its parts.
@@ -87,6 +89,7 @@ impl Display {
             wanted: None,
             rest: false,
             frames: 0,
+            beside: Vec::new(),
         }
     }
 
@@ -111,6 +114,12 @@ impl Display {
 
     /// Sends what may be sent.
     pub fn pump(&mut self, now: Instant) {
+        if !self.beside.is_empty() && self.output.is_idle() {
+            // The output is idle: it takes them.
+            let bytes = std::mem::take(&mut self.beside);
+            self.pacer.sent(bytes.len(), now);
+            drop(self.output.send(bytes, 0));
+        }
         let Some(wanted) = &self.wanted else { return };
         if !self.rest || !self.output.is_idle() {
             return;
@@ -178,6 +187,13 @@ impl Display {
     pub fn set_settings(&mut self, settings: Settings, now: Instant) {
         self.screen.set_options(settings.screen());
         self.rest = self.wanted.is_some();
+        self.pump(now);
+    }
+
+    /// Sends bytes that are no part of the screen (a clipboard, a query), as soon as the output takes
+    /// them, between two frames.
+    pub fn beside(&mut self, bytes: Vec<u8>, now: Instant) {
+        self.beside.extend_from_slice(&bytes);
         self.pump(now);
     }
 

@@ -44,6 +44,7 @@ pub use grid::{Image, ImageError};
 pub use listen::{Incoming, Listener, listen};
 pub use output::Output;
 pub use pacing::Pacer;
+pub use probe::Capabilities;
 pub use screen::{Allowance, Composed, Frame, Screen, ScreenOptions};
 pub use session::{Modes, Session};
 pub use size::TerminalSize;

@@ -4,7 +4,7 @@
 //! ESC, silence tells the key from a sequence, so one more look is taken.
 
 use std::io::{self, PipeReader, PipeWriter, Read as _, Write as _};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
@@ -14,7 +14,7 @@ use signal_hook::SigId;
 use signal_hook::consts::{SIGCONT, SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP, SIGWINCH};
 use signal_hook::flag::register_conditional_default;
 use signal_hook::iterator::{Handle, Signals};
-use signal_hook::low_level::unregister;
+use signal_hook::low_level::{raise, unregister};
 
 use crate::input::{Event, Parser};
 use crate::tty::{Tty, wait, wait_any};
@@ -54,11 +54,19 @@ struct Shared {
     closed: Arc<AtomicBool>,
     /// SIGTSTP has its default effect: while an editor has the terminal, its Ctrl-Z stops us both.
     stops: Arc<AtomicBool>,
-    /// The window had another size while the terminal was somebody else's.
-    resized: AtomicBool,
+    /// Whose the signals are: [`OURS`], [`THEIRS`], or [`RETURNING`].
+    signals: AtomicU8,
     /// Ends the wait of the input thread.
     wake: PipeWriter,
 }
+
+/// Signals are meant for us.
+const OURS: u8 = 0;
+/// Keys that make signals are typed at another program.
+const THEIRS: u8 = 1;
+/// They are ours after the next SIGWINCH. Signals that came before it are passed on before it, so
+/// the Ctrl-C that ended the other program is not taken for ours, however late its turn comes.
+const RETURNING: u8 = 2;
 
 /// Bytes read at once: a paste or a mouse that is dragged comes in few pieces.
 const READ_BYTES: usize = 64 * 1024;
@@ -74,8 +82,8 @@ pub fn listen(tty: Tty, send: impl Fn(Incoming) -> bool + Send + Clone + 'static
     let (closed, stops) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicBool::new(false)));
     keep_defaults(&closed, &stops)?;
     let signals = Signals::new([SIGCONT, SIGHUP, SIGINT, SIGQUIT, SIGTERM, SIGTSTP, SIGWINCH])?;
-    let (paused, resized) = (AtomicBool::new(false), AtomicBool::new(false));
-    let shared = Arc::new(Shared { tty, paused, closed, stops, resized, wake });
+    let paused = AtomicBool::new(false);
+    let shared = Arc::new(Shared { tty, paused, closed, stops, signals: AtomicU8::new(OURS), wake });
     // From here on an early return ends what was begun.
     let listener = Listener { shared: Arc::clone(&shared), signals: signals.handle() };
     let (to_input, to_signals) = (Arc::clone(&shared), shared);
@@ -110,14 +118,20 @@ impl Listener {
     pub fn pause(&self) {
         let reading = self.shared.tty.reading();
         self.shared.paused.store(true, Ordering::Release);
+        self.shared.signals.store(THEIRS, Ordering::Release);
         self.shared.stops.store(true, Ordering::Release);
         drop(reading);
         self.wake();
     }
 
-    /// The terminal is ours again. What was half read before is forgotten.
+    /// The terminal is ours again. What was half read before is forgotten. [`Incoming::Resized`]
+    /// follows, whether or not the window changed meanwhile.
     pub fn resume(&self) {
         self.shared.stops.store(false, Ordering::Release);
+        self.shared.signals.store(RETURNING, Ordering::Release);
+        if raise(SIGWINCH).is_err() {
+            self.shared.signals.store(OURS, Ordering::Release);
+        }
         self.shared.paused.store(false, Ordering::Release);
         self.wake();
     }
@@ -200,14 +214,10 @@ impl<S: Fn(Incoming) -> bool> Input<S> {
         }
     }
 
-    /// Somebody changed the state, or the listener is gone (`Err`).
+    /// Somebody changed the state; `Err` when the listener is gone.
     fn awake(&mut self) -> Result<(), ()> {
         let heard = self.woken.read(&mut [0; 64]);
         if self.shared.closed.load(Ordering::Acquire) || !heard.is_ok_and(|count| count > 0) {
-            return Err(());
-        }
-        let is_ours = !self.shared.paused.load(Ordering::Acquire);
-        if is_ours && self.shared.resized.swap(false, Ordering::AcqRel) && !(self.send)(Incoming::Resized) {
             return Err(());
         }
         Ok(())
@@ -244,16 +254,18 @@ impl<S: Fn(Incoming) -> bool> Input<S> {
 /// The signal thread.
 fn pass_signals(mut signals: Signals, shared: &Shared, send: impl Fn(Incoming) -> bool) {
     for signal in signals.forever() {
-        let paused = shared.paused.load(Ordering::Acquire);
+        let whose = shared.signals.load(Ordering::Acquire);
         let incoming = match signal {
-            SIGWINCH if paused => {
-                shared.resized.store(true, Ordering::Release);
-                continue;
+            SIGWINCH if whose == THEIRS => continue,
+            SIGWINCH => {
+                // A pause that begins now stays one.
+                let (order, otherwise) = (Ordering::AcqRel, Ordering::Acquire);
+                let _ = shared.signals.compare_exchange(RETURNING, OURS, order, otherwise);
+                Incoming::Resized
             }
-            SIGWINCH => Incoming::Resized,
             // Typed at the other program, which has done with it what it wanted. SIGTSTP has already
             // stopped us, and who has the terminal takes it again by itself.
-            SIGINT | SIGQUIT | SIGTSTP | SIGCONT if paused => continue,
+            SIGINT | SIGQUIT | SIGTSTP | SIGCONT if whose != OURS => continue,
             SIGTSTP => Incoming::Suspend,
             SIGCONT => Incoming::Continued,
             _ => Incoming::Terminate(signal),

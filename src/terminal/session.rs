@@ -26,7 +26,7 @@ use crate::tty::{Tty, wait};
 /// How long the terminal may keep us from writing what gives it back.
 const WRITE_LIMIT: Duration = Duration::from_millis(500);
 /// The longest wait for replies that are on their way, whatever the caller thinks.
-const REPLIES_LIMIT: Duration = Duration::from_millis(500);
+const REPLIES_LIMIT: Duration = Duration::from_secs(1);
 
 /// What a session asks of the terminal beyond keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -116,7 +116,7 @@ impl Session {
     }
 
     /// Tells that replies are awaited, and how long the slowest may take (a few round trips; at
-    /// most half a second is waited), or that none are: giving back then waits for none.
+    /// most a second is waited), or that none are: giving back then waits for none.
     pub fn expect_replies(&self, within: Option<Duration>) {
         if let Some(held) = held().as_mut() {
             held.replies = within;

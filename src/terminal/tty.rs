@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{Mode, OFlags};
-use rustix::io::{Errno, retry_on_intr};
+use rustix::io::Errno;
 use rustix::termios::{isatty, tcgetwinsize, ttyname};
 
 /// A terminal that is both standard input and standard output. Copies are the same terminal.
@@ -191,7 +191,14 @@ impl Tty {
 
 impl io::Write for Tty {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        Ok(retry_on_intr(|| rustix::io::write(&self.0.output, bytes))?)
+        loop {
+            match rustix::io::write(&self.0.output, bytes) {
+                // Another program has made the terminal one that does not wait, and left it so.
+                Err(Errno::AGAIN) => wait(&self.0.output, PollFlags::OUT, None).map(drop)?,
+                Err(Errno::INTR) => {}
+                written => return Ok(written?),
+            }
+        }
     }
 
     fn flush(&mut self) -> io::Result<()> {

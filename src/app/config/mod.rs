@@ -17,8 +17,6 @@
 //! | [`watch`] | tells when one of them changes | |
 //! | [`log`] | the log file, on request | |
 
-#![cfg_attr(not(test), expect(dead_code, reason = "the workbench, which reads all this, is not wired yet"))]
-
 pub mod dirs;
 mod document;
 mod files;

@@ -115,7 +115,7 @@ impl Runtime {
             }
         }
         let bytes = format!("\u{1b}]52;c;{}\u{7}", BASE64_STANDARD.encode(text));
-        self.display.beside(bytes.into_bytes());
+        self.display.beside(bytes.into_bytes(), Instant::now());
     }
 
     fn save(

@@ -46,11 +46,9 @@ impl Probing {
             return;
         }
         // The first frame is on its way: the queries go behind it.
-        display.output().flush(PATIENCE);
-        if display.output().send(bytes, 0).is_ok() {
-            session.expect_replies(Some(Duration::from_millis(300)));
-            self.until = Some(now + PATIENCE);
-        }
+        display.beside(bytes, now);
+        session.expect_replies(Some(Duration::from_millis(300)));
+        self.until = Some(now + PATIENCE);
     }
 
     /// Takes a reply; whether the terminal has to be judged anew.

@@ -30,10 +30,7 @@ pub fn configuration(probing: &mut Probing) -> (Config, Vec<String>) {
     }
     probing.overrides = std::mem::take(&mut probing.overrides).or(overrides);
     let table = key_table();
-    let (keymap, own) = match dirs.keymap() {
-        Some(file) => Keymap::load(&file, &table),
-        None => (Keymap::defaults(&table), Vec::new()),
-    };
+    let (keymap, own) = Keymap::load(dirs.keymap().as_deref(), &table);
     complaints.extend(own);
     let mut config = Config { dirs, theme: Theme::dark(), keymap, settings, complaints };
     let capabilities = probing.conclude();
