@@ -30,9 +30,9 @@ const LOCAL_WINDOW: usize = 256 << 10;
 /// The smallest piece worth a frame and a query of its own.
 const LEAST_PIECE: usize = 512;
 /// Time in queues below which the window grows.
-const SHORT_QUEUE: Duration = Duration::from_millis(15);
+const SHORT_QUEUE: Duration = Duration::from_millis(10);
 /// Time in queues above which it shrinks.
-const LONG_QUEUE: Duration = Duration::from_millis(35);
+const LONG_QUEUE: Duration = Duration::from_millis(25);
 /// How long the first reply may take, beside what the bytes take on a link of [`SLOW`].
 const PATIENCE: Duration = Duration::from_millis(1500);
 /// Bytes a second of the slowest link that is thought of.
@@ -40,6 +40,7 @@ const SLOW: f64 = 8192.0;
 /// What a terminal that does not answer gets: bytes a second, and at once.
 const MUTE_RATE: f64 = 65536.0;
 const MUTE_PIECE: usize = 8192;
+const MEBIBYTE: f64 = 1_048_576.0;
 /// How long the shortest round trip is believed: routes change.
 const MEMORY: Duration = Duration::from_secs(30);
 /// How long a picture that comes in one piece may take.
@@ -62,8 +63,12 @@ pub struct Pacer {
     stale: usize,
     trip: Shortest,
     last_trip: Option<Duration>,
-    /// Bytes a second.
-    rate: Option<f64>,
+    /// What a mebibyte takes on the link.
+    mebibyte: Shortest,
+    /// The last few times in queues, of which the least counts: replies come now and then late.
+    queued: [Duration; 3],
+    /// Whether queues have never been seen yet.
+    starting: bool,
     /// When the last reply came, while others were awaited.
     last_reply: Option<Instant>,
     /// The window is not moved down again before this is answered.
@@ -116,7 +121,9 @@ impl Pacer {
             stale: 0,
             trip: Shortest::default(),
             last_trip: None,
-            rate: None,
+            mebibyte: Shortest::default(),
+            queued: [Duration::MAX; 3],
+            starting: true,
             last_reply: None,
             reduced_at: None,
             next: None,
@@ -133,8 +140,9 @@ impl Pacer {
                 _ => MUTE_PIECE,
             };
         }
-        // Several pieces are in flight, so that replies tell early and the link is never empty.
-        let piece = (self.window / 4).max(LEAST_PIECE);
+        // Many pieces are in flight, so that replies tell early, and the time that one takes by
+        // itself is not taken for a queue.
+        let piece = (self.window / 16).max(LEAST_PIECE);
         if self.window.saturating_sub(self.in_flight) < piece { 0 } else { piece }
     }
 
@@ -192,25 +200,34 @@ impl Pacer {
 
     /// The rate from the time between two replies, of which the second was already awaited when the
     /// first came: then the link was busy with its piece, unless that was sent late, which makes the
-    /// result too small. So the largest counts, and fades.
+    /// result too small. So the largest of late counts.
     fn measure(&mut self, piece: Piece, now: Instant) {
         let Some(last) = self.last_reply.filter(|&last| piece.sent <= last) else { return };
         // Replies that come together say no more than "fast".
         let seconds = now.duration_since(last).as_secs_f64().max(0.000_25);
-        let found = piece.bytes as f64 / seconds;
-        self.rate =
-            Some(self.rate.map_or(found, |rate| if found > rate { found } else { rate * 0.9 + found * 0.1 }));
+        self.mebibyte.add(Duration::from_secs_f64(MEBIBYTE / piece.bytes as f64 * seconds), now);
     }
 
     fn steer(&mut self, piece: Piece, trip: Duration, now: Instant) {
         let least = self.trip.get().unwrap_or(trip);
-        let queued = trip.saturating_sub(least);
+        // What a piece takes by itself is no queue; the shortest trips have it for a small one.
+        let rate = self.rate().unwrap_or(f64::INFINITY);
+        let own = piece.bytes.saturating_sub(LEAST_PIECE) as f64 / rate;
+        let queued = trip.saturating_sub(least).saturating_sub(Duration::from_secs_f64(own));
+        self.queued.rotate_right(1);
+        self.queued[0] = queued;
+        let queued = self.queued.into_iter().min().unwrap_or(queued);
+        self.starting &= queued < SHORT_QUEUE;
         if queued < SHORT_QUEUE {
-            let room = self.rate.map(|rate| rate * (least + SHORT_QUEUE).as_secs_f64());
-            let gain = if room.is_some_and(|room| self.window as f64 * 2.0 < room) { 1 } else { 4 };
+            let full = rate * least.as_secs_f64();
+            let growth = match self.window as f64 {
+                window if self.starting && window * 2.0 < full => piece.bytes,
+                window if window < full * 0.8 => piece.bytes / 4,
+                _ => piece.bytes / 8,
+            };
             // Only a window that is used grows.
             if self.in_flight + piece.bytes + LEAST_PIECE >= self.window / 2 {
-                self.window = (self.window + piece.bytes / gain).min(MOST_WINDOW);
+                self.window = (self.window + growth).min(MOST_WINDOW);
             }
         } else if queued > LONG_QUEUE && self.reduced_at.is_none_or(|at| piece.sent > at) {
             // To what was read in the shortest trip; once for all that is in flight.
@@ -252,7 +269,7 @@ impl Pacer {
         if !self.remote || self.mute {
             return usize::MAX;
         }
-        match self.rate {
+        match self.rate() {
             Some(rate) if self.unanswered.is_empty() => (rate * ATOMIC.as_secs_f64()) as usize,
             _ => 0,
         }
@@ -284,8 +301,8 @@ impl Pacer {
     }
 
     /// Bytes a second that the link takes, as far as that could be seen.
-    pub const fn rate(&self) -> Option<f64> {
-        self.rate
+    pub fn rate(&self) -> Option<f64> {
+        self.mebibyte.get().map(|time| MEBIBYTE / time.as_secs_f64())
     }
 
     /// Whether the terminal answers no queries.
