@@ -9,6 +9,7 @@ mod preview;
 mod schema;
 mod show;
 mod stats;
+mod workbench;
 
 pub use preview::broad_side;
 
@@ -32,11 +33,14 @@ const STYLES: Styles = Styles::styled()
 
 /// Grows trees from L-systems and space colonization and hands them to every 3D pipeline.
 #[derive(Parser)]
-#[command(name = "linden", version, styles = STYLES, arg_required_else_help = true, max_term_width = 110)]
+#[command(name = "linden", version, styles = STYLES, max_term_width = 110, args_conflicts_with_subcommands = true)]
 #[command(after_help = EXAMPLES)]
 struct Cli {
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
+
+    #[command(flatten)]
+    terminal: workbench::Terminal,
 }
 
 const EXAMPLES: &str = "\
@@ -44,7 +48,11 @@ SOURCE is a preset's id ('linden list'), or a file told by its content: a .toml 
 (.txt, .l), a closed mesh (.obj, .ply: a crown envelope), points (.ply, .xyz: as from a scanner),
 or a recipe (.json). '-' is standard input or output.
 
+Without a command, linden opens the workbench.
+
 Examples:
+  linden
+  linden open fir --set points=3000
   linden list
   linden preview fir
   linden export fir -o fir.glb -o fir.usda
@@ -54,6 +62,7 @@ Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.";
 
 #[derive(Subcommand)]
 enum Command {
+    Open(workbench::Open),
     List(list::List),
     Show(show::Show),
     Stats(stats::Stats),
@@ -149,7 +158,12 @@ pub fn run() -> ExitCode {
             return ExitCode::from(code);
         }
     };
-    let done = crate::signals::listen().map_err(anyhow::Error::from).and_then(|()| cli.command.run());
+    let done = match cli.command {
+        // The workbench hears signals in its own way, and gives the terminal back first.
+        None => cli.terminal.open(None, Vec::new()),
+        Some(Command::Open(open)) => open.run(),
+        Some(command) => crate::signals::listen().map_err(anyhow::Error::from).and_then(|()| command.run()),
+    };
     match done {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => exit::report(&error),
@@ -159,6 +173,7 @@ pub fn run() -> ExitCode {
 impl Command {
     fn run(self) -> anyhow::Result<()> {
         match self {
+            Self::Open(own) => own.run(),
             Self::List(own) => own.run(),
             Self::Show(own) => own.run(),
             Self::Stats(own) => own.run(),
