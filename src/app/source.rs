@@ -62,6 +62,21 @@ fn load(
     if path == Path::new("-") {
         return read(None, &standard_input(monitor)?, files, monitor);
     }
+    ensure_is_file(path, hint)?;
+    let bytes = fs::read(path).with_context(|| format!("reading {}", show(path)))?;
+    files.push(path.to_owned());
+    read(Some(path), &bytes, files, monitor)
+}
+
+/// Whether there is such a source at all, without reading it: for what is read later.
+pub fn ensure_there(path: &Path) -> anyhow::Result<()> {
+    match path.to_str().map_or(Err(None), builtin) {
+        Ok(_) => Ok(()),
+        Err(hint) => ensure_is_file(path, hint),
+    }
+}
+
+fn ensure_is_file(path: &Path, hint: Option<&str>) -> anyhow::Result<()> {
     if !path.exists() {
         return Err(usage(format!(
             "there is no preset and no file '{}'{}; 'linden list' shows the presets",
@@ -72,9 +87,7 @@ fn load(
     if path.is_dir() {
         return Err(usage(format!("'{}' is a directory; name a file in it", show(path))));
     }
-    let bytes = fs::read(path).with_context(|| format!("reading {}", show(path)))?;
-    files.push(path.to_owned());
-    read(Some(path), &bytes, files, monitor)
+    Ok(())
 }
 
 /// Makes a recipe of a file's content.

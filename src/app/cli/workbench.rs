@@ -10,6 +10,7 @@ use linden_terminal::tty::OpenError;
 use super::Growing;
 use crate::config::log::Request;
 use crate::exit::usage;
+use crate::source;
 use crate::tui::{End, Start, run};
 
 /// Open the workbench on a source; without one, linden opens it where it was left
@@ -45,6 +46,7 @@ pub struct Terminal {
 impl Open {
     pub fn run(self) -> anyhow::Result<()> {
         let set = self.growing.pairs()?;
+        source::ensure_there(&self.growing.source)?;
         self.terminal.open(Some(self.growing.source), set)
     }
 }

@@ -14,7 +14,7 @@ use super::growth::Playback;
 use super::library::Library;
 use super::picture::PictureState;
 use super::shape::{Form, GrammarEditor};
-use super::tree::{Place, Tree};
+use super::tree::{Changes, Place, Tree};
 use super::vary::Gallery;
 use crate::config::Complaint;
 use crate::config::dirs::Dirs;
@@ -45,6 +45,8 @@ pub struct Model {
     pub library: Library,
     /// What is being read.
     pub loading: Option<Place>,
+    /// What is to be changed of it then.
+    pub changes: Option<(Place, Changes)>,
     /// The tree on screen.
     pub tree: Option<Tree>,
     /// How it is looked at.
@@ -204,6 +206,7 @@ impl Model {
             side: Pane::Presets,
             library: Library::builtin(),
             loading: None,
+            changes: None,
             tree: None,
             picture: PictureState::default(),
             growth: Playback::default(),

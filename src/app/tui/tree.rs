@@ -44,6 +44,15 @@ pub struct Tree {
     pub growing: Option<Growing>,
 }
 
+/// What is to be changed of a tree as soon as its document is read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Changes {
+    /// Knobs, as `--set` has them.
+    pub knobs: Vec<(String, String)>,
+    /// A whole recipe instead, where knobs cannot say it.
+    pub whole: Option<String>,
+}
+
 /// How far growing is.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Growing {
@@ -124,6 +133,26 @@ impl Tree {
         self.change(preset, follows);
         self.last_nudge = Some((name, now));
         Ok(())
+    }
+
+    /// Makes changes that were asked for before the document was read: one step of undo. What cannot
+    /// be made is said, and the rest is made.
+    pub fn apply(&mut self, changes: &Changes) -> Vec<String> {
+        let mut complaints = Vec::new();
+        let mut preset = self.current.preset.clone();
+        if let Some(text) = &changes.whole {
+            match Preset::from_json(text) {
+                Ok(own) => preset = own,
+                Err(fault) => complaints.push(format!("the tree of last time: {}", fault.message)),
+            }
+        }
+        for (name, value) in &changes.knobs {
+            if let Err(error) = preset.set(name, value) {
+                complaints.push(error.to_string());
+            }
+        }
+        self.replace(preset);
+        complaints
     }
 
     /// Replaces the whole preset (an edited grammar, a variation), as one step of undo.

@@ -236,7 +236,15 @@ pub fn loaded(model: &mut Model, place: Place, source: Result<Box<Source>, Strin
             for note in notes {
                 model.say(note);
             }
-            reread(model, place, recipe);
+            reread(model, place.clone(), recipe);
+            // Changes for another preset are for one that the user has left.
+            if let Some((_, changes)) = model.changes.take().filter(|(of, _)| *of == place)
+                && let Some(tree) = &mut model.tree
+            {
+                for complaint in tree.apply(&changes) {
+                    model.say_error(complaint);
+                }
+            }
         }
         Err(why) => model.say_error(why),
     }

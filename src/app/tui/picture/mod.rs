@@ -17,8 +17,6 @@ use super::model::{Model, QUIET};
 pub use crate::jobs::Look;
 use crate::jobs::{Detail, DrawRequest, Medium, Painted, Shown};
 
-/// Degrees a second of the turntable.
-const TURN_PER_SECOND_DEG: f32 = 24.0;
 /// Frames a second of what moves by itself: here, and where each costs bytes on a network.
 const FRAME: Duration = Duration::from_millis(66);
 const FRAME_REMOTE: Duration = Duration::from_millis(250);
@@ -145,7 +143,8 @@ pub fn tick(model: &mut Model) {
         && model.now >= last + frame
     {
         let seconds = model.now.saturating_duration_since(last).as_secs_f32().min(0.5);
-        turn_by(&mut model.picture.camera, TURN_PER_SECOND_DEG * seconds);
+        let speed = model.config.settings.turntable_deg_per_s as f32;
+        turn_by(&mut model.picture.camera, speed * seconds);
         model.picture.turning = Some(model.now);
     }
 }
@@ -172,17 +171,18 @@ pub fn wanted(model: &Model) -> Option<DrawRequest> {
     let area = frame::picture_area(model)?;
     let hurried = !model.picture.fast && (is_moving(model) || model.now < model.last_input + QUIET);
     let picture = &model.picture;
+    let person = picture.scale && model.config.settings.person;
     Some(DrawRequest {
         shown: Arc::clone(shown),
         stage: model.growth.step(),
         camera: Camera {
-            extent: Some(shown.extent(picture.points || picture.outline, picture.scale)),
+            extent: Some(shown.extent(picture.points || picture.outline, person)),
             ..picture.camera
         },
         look: picture.look,
         points: picture.points,
         outline: picture.outline,
-        person: picture.scale,
+        person,
         area,
         medium: Medium::of(&model.terminal),
         detail: if hurried { Detail::Draft } else { Detail::Full },

@@ -54,7 +54,7 @@ pub fn view(model: &Model, inner: Rect, buffer: &mut Buffer, view: &mut View) {
     {
         view.late.push(area);
         painted.put(area, buffer);
-        if model.picture.scale && !scale.is_empty() {
+        if model.picture.scale && model.config.settings.scale_bar && !scale.is_empty() {
             scale_bar(model, painted, scale, buffer);
         }
     }

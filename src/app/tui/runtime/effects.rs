@@ -9,14 +9,13 @@ use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 use linden::Quiet;
 
-use super::jobs::LoadRequest;
 use super::{End, Happening, Runtime, memory, setup};
 use crate::config::presets;
 use crate::config::session::Session;
 use crate::config::watch::Watch;
 use crate::tui::effect::Effect;
 use crate::tui::model::Config;
-use crate::tui::tree::Place;
+use crate::tui::tree::{Changes, Place};
 use crate::tui::update::Msg;
 
 /// Terminals drop longer clipboards.
@@ -31,7 +30,7 @@ impl Runtime {
                 self.resize();
                 self.display.invalidate(Instant::now());
             }
-            Effect::Load(place) => self.desk.load(LoadRequest { place, set: Vec::new() }),
+            Effect::Load(place) => self.desk.load(place),
             Effect::Copy(text) => self.copy(&text),
             Effect::Save { id, recipe, overwrite } => {
                 let saved = self.save(&id, &recipe.preset, overwrite);
@@ -53,22 +52,24 @@ impl Runtime {
 
     /// Shows what was asked for, or what was there last time, or the first of the list.
     pub(super) fn open(&mut self, source: Option<PathBuf>, set: Vec<(String, String)>, remembered: &Session) {
-        let (place, set) = match source {
-            Some(source) => {
+        let (place, changes) = match (source, &remembered.source) {
+            (Some(source), _) => {
                 let place = source.to_str().map_or_else(|| Place::File(source.clone()), memory::place);
-                (place, set)
+                (place, Changes { knobs: set, whole: None })
             }
-            None => match &remembered.source {
-                Some(source) => (memory::place(source), remembered.knobs.clone()),
-                None => {
-                    let first = self.model.library.entry().map(|entry| entry.place.clone());
-                    (first.unwrap_or(Place::Builtin("fir")), set)
-                }
-            },
+            (None, Some(source)) => {
+                let Session { knobs, grammar, .. } = remembered.clone();
+                (memory::place(source), Changes { knobs, whole: grammar })
+            }
+            (None, None) => {
+                let first = self.model.library.entry().map(|entry| entry.place.clone());
+                (first.unwrap_or(Place::Builtin("fir")), Changes { knobs: set, whole: None })
+            }
         };
         self.model.library.select_place(&place);
         self.model.loading = Some(place.clone());
-        self.desk.load(LoadRequest { place, set });
+        self.model.changes = Some((place.clone(), changes));
+        self.desk.load(place);
     }
 
     /// Stops as Ctrl-Z does, and comes back.
@@ -135,7 +136,8 @@ impl Runtime {
     /// Edits text in the user's editor.
     fn edit(&mut self, text: &str) -> Result<String, String> {
         let failed = |error: std::io::Error| format!("handing text to the editor: {error}");
-        let mut file = tempfile::Builder::new().prefix("linden-").suffix(".txt").tempfile().map_err(failed)?;
+        let mut file =
+            tempfile::Builder::new().prefix("linden-").suffix(".txt").tempfile().map_err(failed)?;
         file.write_all(text.as_bytes()).and_then(|()| file.flush()).map_err(failed)?;
         self.edit_file(file.path())?;
         // Editors may put another file in its place.
@@ -193,6 +195,7 @@ impl Runtime {
             self.model.say_warning(complaint.to_string());
         }
         self.watch = Some(watch);
+        self.watched.clear();
         self.watch_source();
     }
 
@@ -200,13 +203,18 @@ impl Runtime {
     pub(super) fn watch_source(&mut self) {
         let Some(watch) = &self.watch else { return };
         let files = self.model.tree.as_ref().map(crate::tui::tree::Tree::files).unwrap_or_default();
+        if files == self.watched {
+            return;
+        }
+        self.watched.clone_from(&files);
         for complaint in watch.also(&files) {
             self.model.say_warning(complaint.to_string());
         }
     }
 
     fn reconfigure(&mut self) {
-        let (Config { theme, keymap, settings, complaints, dirs }, told) = setup::configuration(&mut self.probing);
+        let (Config { theme, keymap, settings, complaints, dirs }, told) =
+            setup::configuration(&mut self.probing);
         let mouse_changes = settings.mouse != self.model.config.settings.mouse;
         if mouse_changes && let Err(error) = self.session.set_mouse(settings.mouse) {
             self.model.say_error(format!("switching the mouse: {error}"));

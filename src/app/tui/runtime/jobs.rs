@@ -3,7 +3,7 @@
 //! What has to be grown and drawn follows from the model, whatever led there: after each round of
 //! messages [`Desk::sync`] compares what the model wants with what was asked for last.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
@@ -32,15 +32,9 @@ pub enum News {
     Draw(Answer<Result<Box<Painted>, String>>),
 }
 
-/// A preset to read, with knobs to turn.
-pub struct LoadRequest {
-    pub place: Place,
-    pub set: Vec<(String, String)>,
-}
-
 /// The lanes.
 pub struct Desk {
-    load: Lane<LoadRequest>,
+    load: Lane<Place>,
     grow: Relay<Arc<Recipe>>,
     draw: Relay<DrawRequest>,
     /// The recipe that was asked for last.
@@ -92,8 +86,8 @@ impl Desk {
     }
 
     /// Reads a preset.
-    pub fn load(&self, request: LoadRequest) {
-        self.load.submit(request);
+    pub fn load(&self, place: Place) {
+        self.load.submit(place);
     }
 
     /// What a lane said, as a message for the model.
@@ -177,17 +171,13 @@ impl Desk {
 }
 
 /// Reads a preset, on its lane.
-fn read(
-    request: LoadRequest,
-    watcher: &Watcher<'_>,
-    give: &dyn Fn((Place, Result<Box<Source>, String>)),
-) {
-    let path = match &request.place {
+fn read(place: Place, watcher: &Watcher<'_>, give: &dyn Fn((Place, Result<Box<Source>, String>))) {
+    let path = match &place {
         Place::Builtin(id) => PathBuf::from(id),
         Place::File(path) => path.clone(),
     };
-    let resolved = source::resolve(Path::new(&path), &request.set, watcher);
+    let resolved = source::resolve(&path, &[], watcher);
     if !linden::Monitor::is_cancelled(watcher) {
-        give((request.place, resolved.map(Box::new).map_err(|error| format!("{error:#}"))));
+        give((place, resolved.map(Box::new).map_err(|error| format!("{error:#}"))));
     }
 }
