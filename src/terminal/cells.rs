@@ -21,7 +21,7 @@ use ratatui::style::{Color, Modifier};
 use crate::color::{ColorDepth, push_color};
 use crate::grid::{Image, Light, bytes, decode, encode};
 use crate::screen::paint_cost;
-use settle::{Level, Rows, settle};
+use settle::{Level, Nearest, Rows, settle};
 
 /// Which characters a picture is made of.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -60,7 +60,7 @@ pub struct CellStyle {
 
 impl CellStyle {
     /// Whether cells have one colour, over the terminal's own background.
-    fn is_monochrome(&self) -> bool {
+    fn is_monochrome(self) -> bool {
         self.colors == ColorDepth::None || self.glyphs == Glyphs::Braille
     }
 }
@@ -87,11 +87,11 @@ pub fn square_pixels(columns: u16, rows: u16, cell_aspect: f32) -> (u32, u32) {
 /// its end are left out. Equal neighbours repeat no escape sequence. With [`ColorDepth::None`] there
 /// is none at all, and the parts that are drawn are those that differ from the background.
 pub fn draw_cells(image: &Image, columns: u16, rows: u16, style: &CellStyle) -> String {
-    let seen = Seen::of(image, columns, rows, style);
+    let seen = Seen::of(image, columns, rows, *style);
     CellPicture {
         columns,
         rows,
-        cells: settle(&seen, style, Level::FINE, Rows::Apart),
+        cells: settle(&seen, &mut Nearest::new(style.colors), *style, Level::FINE, Rows::Apart),
         tolerance: Level::FINE.tolerance,
     }
     .text()
@@ -126,9 +126,10 @@ impl CellPicture {
     /// the same too, as little as must be; and at last details are left out, so that a picture of
     /// 400×120 cells still fits into 16 KB.
     pub fn draw(image: &Image, columns: u16, rows: u16, style: &CellStyle, budget: usize) -> Self {
-        let seen = Seen::of(image, columns, rows, style);
-        let at = |level: Level| {
-            let cells = settle(&seen, style, level, Rows::Joined);
+        let seen = Seen::of(image, columns, rows, *style);
+        let mut nearest = Nearest::new(style.colors);
+        let mut at = |level: Level| {
+            let cells = settle(&seen, &mut nearest, *style, level, Rows::Joined);
             Self { columns, rows, cells, tolerance: level.tolerance }
         };
         let fits = |picture: &Self| paint_cost(&picture.buffer(), style.colors) <= budget;
@@ -242,6 +243,16 @@ impl PictureCell {
     }
 }
 
+/// Bytes that a picture may cost that is followed by a better one soon.
+pub const DRAFT_BUDGET: usize = 16 << 10;
+
+/// Bytes that a picture may cost that stays: what no eye can tell from more, and at most 100 KB.
+pub const fn full_budget(columns: u16, rows: u16) -> usize {
+    // 19.6 KB for 64×36 cells.
+    let bytes = columns as usize * rows as usize * 17 / 2;
+    if bytes < 100 << 10 { bytes } else { 100 << 10 }
+}
+
 /// No cell costs more: two colours of three numbers, a character of three bytes, and a move.
 const MOST_PER_CELL: usize = 52;
 
@@ -252,7 +263,7 @@ struct Seen {
 }
 
 impl Seen {
-    fn of(image: &Image, columns: u16, rows: u16, style: &CellStyle) -> Self {
+    fn of(image: &Image, columns: u16, rows: u16, style: CellStyle) -> Self {
         let (across, down) = style.glyphs.parts();
         let (across, down) = (usize::from(across), usize::from(down));
         let (columns, rows) = (usize::from(columns), usize::from(rows));

@@ -115,8 +115,8 @@ impl Encoded {
 
 /// Says a picture (RGBA, sRGB, not premultiplied) in a protocol, for an area of cells.
 ///
-/// Where more than `budget` bytes would be needed, a PNG is made smaller by half, more than once if
-/// must be: terminals stretch it over the area. Sixels cannot be stretched; they get fewer colours,
+/// Where more than `budget` bytes would be needed, a PNG gets 32 shades a channel, and if that is not
+/// enough, fewer pixels, as many as fit: terminals stretch it over the area. Sixels cannot be stretched; they get fewer colours,
 /// and may stay above the budget. Their height is cut to whole bands of 6, beyond which a terminal
 /// would scroll.
 ///
@@ -136,17 +136,33 @@ pub fn encode(
         let (bytes, height) = sixels(&pixels, budget)?;
         return Ok(Encoded { protocol, bytes, opaque, width, height });
     }
+    let mut exact = true;
     loop {
-        let png = pixels.png()?;
-        let bytes = match protocol {
-            Protocol::Iterm2 => inline_file(&png, area),
-            Protocol::Kitty | Protocol::Sixel => STANDARD.encode(&png).into_bytes(),
-        };
+        // Thin lines before nothing are best left unfiltered, soft gradients are not.
+        let mut bytes = said(protocol, &pixels.png(png::Filter::NoFilter)?, area);
+        if bytes.len() > budget {
+            let filtered = said(protocol, &pixels.png(png::Filter::Adaptive)?, area);
+            bytes = if filtered.len() < bytes.len() { filtered } else { bytes };
+        }
         let (width, height) = (pixels.width, pixels.height);
         if bytes.len() <= budget || width.max(height) < 16 {
             return Ok(Encoded { protocol, bytes, opaque, width, height });
         }
-        pixels = pixels.halved();
+        if !exact {
+            // So many pixels take about so many bytes; noise takes a second round.
+            let share = budget as f64 / bytes.len() as f64;
+            pixels = pixels.reduced((share * 0.95).sqrt().clamp(0.2, 0.9))?;
+        }
+        pixels.coarsen();
+        exact = false;
+    }
+}
+
+/// A PNG as a protocol says it.
+fn said(protocol: Protocol, png: &[u8], area: Rect) -> Vec<u8> {
+    match protocol {
+        Protocol::Iterm2 => inline_file(png, area),
+        Protocol::Kitty | Protocol::Sixel => STANDARD.encode(png).into_bytes(),
     }
 }
 
@@ -182,7 +198,7 @@ fn sixels(pixels: &Pixels<'_>, budget: usize) -> Result<(Vec<u8>, u32), EncodeEr
         }
     }
     // The move to a next band would scroll a terminal whose last row the picture ends in.
-    let cut = text.strip_suffix("$-\x1b\\").map(|kept| kept.len());
+    let cut = text.strip_suffix("$-\x1b\\").map(str::len);
     if let Some(kept) = cut {
         text.truncate(kept);
         text.push_str("\x1b\\");

@@ -240,7 +240,7 @@ mod tests {
             rig.open.send(n).unwrap();
         }
         rig.output.send(b"abcdef".to_vec(), 0).unwrap();
-        assert!(rig.output.flush(Duration::from_secs(60)));
+        assert!(rig.output.flush(Duration::from_mins(1)));
         assert_eq!(rig.written.try_iter().collect::<Vec<_>>(), [b"ab".to_vec(), b"cdef".to_vec()]);
     }
 
@@ -251,7 +251,7 @@ mod tests {
         rig.output.send(b"lost".to_vec(), 0).unwrap();
         rig.done.recv().unwrap();
         assert_eq!(rig.output.error().map(|error| error.kind()), Some(ErrorKind::BrokenPipe));
-        assert!(!rig.output.flush(Duration::from_secs(60)), "nothing is waited for");
+        assert!(!rig.output.flush(Duration::from_mins(1)), "nothing is waited for");
         assert_eq!(rig.output.send(b"more".to_vec(), 0), Ok(()), "what comes after is thrown away");
     }
 

@@ -56,8 +56,7 @@ pub struct Pacer {
     /// What was asked after and not answered, the oldest first.
     unanswered: VecDeque<Piece>,
     in_flight: usize,
-    heard: bool,
-    mute: bool,
+    answers: Answers,
     lost: u32,
     /// Replies that may still come to questions that were given up.
     stale: usize,
@@ -75,6 +74,16 @@ pub struct Pacer {
     reduced_at: Option<Instant>,
     /// When a mute terminal may get the next piece.
     next: Option<Instant>,
+}
+
+/// Whether a terminal answers queries.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Answers {
+    /// It was not asked yet, or has still time.
+    Unknown,
+    Yes,
+    /// It gets no more queries.
+    Never,
 }
 
 /// Bytes that were sent together.
@@ -115,8 +124,7 @@ impl Pacer {
             window: if remote { LEAST_WINDOW } else { LOCAL_WINDOW },
             unanswered: VecDeque::new(),
             in_flight: 0,
-            heard: false,
-            mute: false,
+            answers: Answers::Unknown,
             lost: 0,
             stale: 0,
             trip: Shortest::default(),
@@ -133,7 +141,7 @@ impl Pacer {
     /// How many bytes of pictures may be sent now in one piece: 0, or enough for a useful one.
     pub fn allowance(&mut self, now: Instant) -> usize {
         self.give_up(now);
-        if self.mute {
+        if self.is_mute() {
             return match self.next {
                 _ if !self.remote => usize::MAX,
                 Some(next) if next > now => 0,
@@ -148,7 +156,7 @@ impl Pacer {
 
     /// Whether [`QUERY`] is to be appended to so many bytes.
     pub fn asks(&self, bytes: usize) -> bool {
-        !self.mute && bytes > KEY_SIZED
+        !self.is_mute() && bytes > KEY_SIZED
     }
 
     /// So many bytes were sent, with [`QUERY`] if [`Pacer::asks`] said so.
@@ -156,7 +164,7 @@ impl Pacer {
         if bytes <= KEY_SIZED {
             return;
         }
-        if self.mute {
+        if self.is_mute() {
             let from = self.next.map_or(now, |next| next.max(now));
             self.next = Some(from + Duration::from_secs_f64(bytes as f64 / MUTE_RATE));
             return;
@@ -170,8 +178,7 @@ impl Pacer {
         let Some(&piece) = self.unanswered.front() else {
             // To a question that was given up: it does answer, only slowly.
             self.stale = self.stale.saturating_sub(1);
-            self.mute &= self.heard || self.stale > 0;
-            self.revive();
+            (self.answers, self.lost, self.next) = (Answers::Yes, 0, None);
             return;
         };
         let trip = now.duration_since(piece.sent);
@@ -184,18 +191,10 @@ impl Pacer {
         self.in_flight -= piece.bytes;
         self.trip.add(trip, now);
         self.last_trip = Some(trip);
-        (self.heard, self.lost) = (true, 0);
+        (self.answers, self.lost) = (Answers::Yes, 0);
         self.measure(piece, now);
         self.steer(piece, trip, now);
         self.last_reply = (!self.unanswered.is_empty()).then_some(now);
-    }
-
-    /// A terminal that was taken for mute speaks.
-    fn revive(&mut self) {
-        self.mute = false;
-        self.heard = true;
-        self.lost = 0;
-        self.next = None;
     }
 
     /// The rate from the time between two replies, of which the second was already awaited when the
@@ -220,10 +219,12 @@ impl Pacer {
         self.starting &= queued < SHORT_QUEUE;
         if queued < SHORT_QUEUE {
             let full = rate * least.as_secs_f64();
+            // A large text may have been more than the window: it proves nothing about pictures.
+            let bytes = piece.bytes.min(self.window / 4);
             let growth = match self.window as f64 {
-                window if self.starting && window * 2.0 < full => piece.bytes,
-                window if window < full * 0.8 => piece.bytes / 4,
-                _ => piece.bytes / 8,
+                window if self.starting && full.is_finite() && window * 2.0 < full => bytes,
+                window if window < full * 0.8 => bytes / 4,
+                _ => bytes / 8,
             };
             // Only a window that is used grows.
             if self.in_flight + piece.bytes + LEAST_PIECE >= self.window / 2 {
@@ -254,19 +255,21 @@ impl Pacer {
         self.last_reply = None;
         self.lost += 1;
         self.window = if self.remote { LEAST_WINDOW } else { self.window };
-        self.mute = !self.heard || self.lost >= LOST_LIMIT;
+        if self.answers == Answers::Unknown || self.lost >= LOST_LIMIT {
+            self.answers = Answers::Never;
+        }
     }
 
     /// When [`Pacer::allowance`] may be more than now, without a reply.
     pub fn wake_at(&self) -> Option<Instant> {
-        if self.mute { self.next } else { self.deadline() }
+        if self.is_mute() { self.next } else { self.deadline() }
     }
 
     /// The largest picture that may be sent in one piece now: what the link takes in a quarter of a
     /// second. 0 as long as other bytes are on their way or nothing is known of a remote link.
     pub fn atomic_allowance(&mut self, now: Instant) -> usize {
         self.give_up(now);
-        if !self.remote || self.mute {
+        if !self.remote || self.is_mute() {
             return usize::MAX;
         }
         match self.rate() {
@@ -306,8 +309,8 @@ impl Pacer {
     }
 
     /// Whether the terminal answers no queries.
-    pub const fn is_mute(&self) -> bool {
-        self.mute
+    pub fn is_mute(&self) -> bool {
+        self.answers == Answers::Never
     }
 }
 

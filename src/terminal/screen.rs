@@ -380,9 +380,9 @@ impl Screen {
         self.known[at] = Known::Yes;
         self.shown.content[at] = cell.clone();
         if doubtful {
-            self.encoder.lose_column()
+            self.encoder.lose_column();
         } else {
-            self.encoder.advance(taken, columns)
+            self.encoder.advance(taken, columns);
         }
         taken
     }

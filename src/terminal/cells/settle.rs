@@ -30,9 +30,9 @@ impl Level {
         Self { tolerance: 40, block: 1 },
         Self { tolerance: 56, block: 1 },
         Self { tolerance: 80, block: 1 },
-        Self { tolerance: 80, block: 2 },
-        Self { tolerance: 100, block: 4 },
-        Self { tolerance: 120, block: 8 },
+        Self { tolerance: 40, block: 2 },
+        Self { tolerance: 64, block: 4 },
+        Self { tolerance: 100, block: 8 },
         Self { tolerance: 160, block: 16 },
         Self { tolerance: 200, block: 32 },
         Self { tolerance: 255, block: 128 },
@@ -49,8 +49,15 @@ pub(super) enum Rows {
 }
 
 /// Gives all cells their colours.
-pub(super) fn settle(seen: &Seen, style: &CellStyle, level: Level, rows: Rows) -> Vec<PictureCell> {
-    let mut pen = Pen::new(*style, level.tolerance, rows);
+pub(super) fn settle(
+    seen: &Seen,
+    nearest: &mut Nearest,
+    style: CellStyle,
+    level: Level,
+    rows: Rows,
+) -> Vec<PictureCell> {
+    let tolerance = level.tolerance;
+    let mut pen = Pen { style, tolerance, rows, ink: OWN, paper: OWN, pending: false, nearest };
     let mut cells = Vec::with_capacity(seen.splits.len());
     for (row, splits) in seen.splits.chunks(seen.columns.max(1)).enumerate() {
         if rows == Rows::Apart {
@@ -76,7 +83,7 @@ struct Set {
 const OWN: Set = Set { color: Color::Reset, look: None };
 
 /// Remembers which colours are set.
-struct Pen {
+struct Pen<'a> {
     style: CellStyle,
     tolerance: u8,
     rows: Rows,
@@ -84,15 +91,10 @@ struct Pen {
     paper: Set,
     /// Whether empty cells stand before the next one.
     pending: bool,
-    nearest: Nearest,
+    nearest: &'a mut Nearest,
 }
 
-impl Pen {
-    fn new(style: CellStyle, tolerance: u8, rows: Rows) -> Self {
-        let nearest = Nearest::new(style.colors);
-        Self { style, tolerance, rows, ink: OWN, paper: OWN, pending: false, nearest }
-    }
-
+impl Pen<'_> {
     fn start_row(&mut self) {
         (self.ink, self.paper, self.pending) = (OWN, OWN, false);
     }
@@ -163,7 +165,7 @@ impl Pen {
         }
     }
 
-    /// The one colour of a block, or none where most of it is empty.
+    /// The one colour of a block, or none where little is drawn.
     fn mixed(&mut self, block: &[Split]) -> PictureCell {
         let parts = if self.style.glyphs == Glyphs::Quadrants { 4 } else { 2 };
         let (mut sum, mut n) = ([0_u32; 3], 0);
@@ -176,7 +178,8 @@ impl Pen {
                 }
             }
         }
-        if n * 2 < parts * block.len() as u32 {
+        // A quarter is enough: twigs are thin.
+        if n * 4 < parts * block.len() as u32 {
             return PictureCell::EMPTY;
         }
         let paper = self.settle(sum.map(|c| (c / n.max(1)) as u8));
@@ -214,19 +217,22 @@ fn near(a: [u8; 3], b: [u8; 3], tolerance: u8) -> bool {
 }
 
 /// The nearest colours of a palette, remembered: pictures have few.
-struct Nearest {
+pub(super) struct Nearest {
     colors: ColorDepth,
     found: Vec<Option<([u8; 3], Set)>>,
 }
 
+/// Colours that are remembered.
+const PLACES: usize = 8192;
+
 impl Nearest {
-    fn new(colors: ColorDepth) -> Self {
+    pub fn new(colors: ColorDepth) -> Self {
         let palette = matches!(colors, ColorDepth::Ansi16 | ColorDepth::Ansi256);
-        Self { colors, found: if palette { vec![None; 4096] } else { Vec::new() } }
+        Self { colors, found: if palette { vec![None; PLACES] } else { Vec::new() } }
     }
 
     fn of(&mut self, srgb: [u8; 3]) -> Set {
-        let at = srgb.iter().fold(0_usize, |hash, &c| hash.wrapping_mul(131).wrapping_add(c.into())) % 4096;
+        let at = srgb.iter().fold(0_usize, |hash, &c| hash.wrapping_mul(131).wrapping_add(c.into())) % PLACES;
         if let Some(Some((known, set))) = self.found.get(at)
             && *known == srgb
         {

@@ -317,3 +317,125 @@ fn any_size_of_picture_and_area() {
     }
     assert_eq!(square_pixels(64, 36, 0.5), (128, 144));
 }
+
+/// Opaque noise, noise with holes, and a soft gradient.
+fn hard_pictures(width: u32, height: u32) -> [Vec<u8>; 3] {
+    let mut holes = noise(width, height);
+    for (i, pixel) in holes.chunks_exact_mut(4).enumerate() {
+        pixel[3] = if (i * 7919) % 11 < 5 { 0 } else { 255 };
+    }
+    [noise(width, height), holes, gradient(width as usize, height as usize)]
+}
+
+#[test]
+fn any_picture_keeps_its_budget() {
+    for (columns, rows) in [(64, 36), (200, 60), (400, 120), (1, 1), (400, 1)] {
+        let (w, h) = (u32::from(columns) * 2, u32::from(rows) * 2);
+        for (which, rgba) in hard_pictures(w, h).iter().enumerate() {
+            let image = Image::new(w, h, rgba).unwrap();
+            for colors in [ColorDepth::True, ColorDepth::Ansi256, ColorDepth::Ansi16, ColorDepth::None] {
+                for glyphs in [Glyphs::Quadrants, Glyphs::Braille] {
+                    if glyphs == Glyphs::Braille && matches!(colors, ColorDepth::Ansi16 | ColorDepth::Ansi256)
+                    {
+                        continue;
+                    }
+                    let style = CellStyle { glyphs, colors, ..CellStyle::default() };
+                    for budget in [DRAFT_BUDGET, full_budget(columns, rows).max(1000)] {
+                        let picture = CellPicture::draw(&image, columns, rows, &style, budget);
+                        let bytes = paint_cost(&picture.buffer(), colors);
+                        let what = format!("{columns}x{rows} picture {which} {colors:?} {glyphs:?}");
+                        assert!(bytes <= budget, "{what}: {bytes} > {budget}");
+                        assert!(
+                            bytes > budget / 40 || bytes > 300 || columns == 1,
+                            "{what}: nothing left: {bytes}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_smaller_budget_changes_colours_by_no_more_than_its_tolerance() {
+    let image = gradient(128, 72);
+    let image = Image::new(128, 72, &image).unwrap();
+    let style = CellStyle::default();
+    let quarters = |cell: &PictureCell| -> [[u8; 3]; 4] {
+        let rgb = |color| match color {
+            Some(Color::Rgb(r, g, b)) => [r, g, b],
+            other => panic!("{other:?}"),
+        };
+        std::array::from_fn(|i| {
+            let (x, y) = ((i % 2) as f32 * 0.5 + 0.25, (i / 2) as f32 * 0.5 + 0.25);
+            if has_ink(cell.character, x, y) { rgb(cell.ink) } else { rgb(cell.paper) }
+        })
+    };
+    let exact = CellPicture::draw(&image, 64, 36, &style, usize::MAX);
+    assert_eq!(exact.tolerance(), 3);
+    let mut last = 3;
+    for budget in [16_000, 12_000, 8_000] {
+        let picture = CellPicture::draw(&image, 64, 36, &style, budget);
+        let tolerance = picture.tolerance();
+        assert!(tolerance >= last && tolerance <= 80, "{budget}: {tolerance}");
+        last = tolerance;
+        for (a, b) in exact.cells().iter().zip(picture.cells()) {
+            for (a, b) in quarters(a).into_iter().zip(quarters(b)) {
+                // A cell's two colours become their mean, which then becomes a colour that is near.
+                let most = 2 * tolerance + 3;
+                assert!((0..3).all(|c| a[c].abs_diff(b[c]) <= most), "{budget}: {a:?} {b:?} {tolerance}");
+            }
+        }
+    }
+    assert!(last > 3);
+}
+
+#[test]
+fn a_picture_is_put_into_its_area_alone() {
+    let image = noise(8, 8);
+    let picture =
+        CellPicture::draw(&Image::new(8, 8, &image).unwrap(), 4, 4, &CellStyle::default(), usize::MAX);
+    let mut before = Buffer::empty(Rect::new(0, 0, 10, 6));
+    before.set_style(before.area, ratatui::style::Style::new().bg(Color::Blue));
+    let mut buffer = before.clone();
+    // Larger than the picture to the right, smaller below, beyond the screen.
+    picture.put(&mut buffer, Rect::new(3, 4, 20, 3));
+    for (x, y) in (0..10).flat_map(|x| (0..6).map(move |y| (x, y))) {
+        let inside = (3..7).contains(&x) && (4..6).contains(&y);
+        let cell = &buffer[(x, y)];
+        if inside {
+            let wanted = picture.cells()[usize::from(y - 4) * 4 + usize::from(x - 3)];
+            assert_eq!(cell.symbol(), wanted.character.to_string());
+            assert_eq!(wanted.paper.unwrap_or(cell.bg), cell.bg);
+        } else {
+            assert_eq!(cell, &before[(x, y)], "{x} {y}");
+        }
+    }
+}
+
+#[test]
+fn what_a_buffer_shows_is_what_the_text_shows() {
+    let mut image = gradient(32, 32);
+    for pixel in image.chunks_exact_mut(4).skip(200).take(300) {
+        pixel[3] = 0;
+    }
+    let image = Image::new(32, 32, &image).unwrap();
+    let text = interpret(&draw_cells(&image, 16, 8, &CellStyle::default()));
+    let picture = CellPicture::draw(&image, 16, 8, &CellStyle::default(), usize::MAX);
+    for (row, line) in text.iter().enumerate() {
+        for (column, shown) in line.iter().enumerate() {
+            let cell = &picture.cells()[row * 16 + column];
+            for at in [(0.2, 0.2), (0.8, 0.2), (0.2, 0.8), (0.8, 0.8)] {
+                let here = if has_ink(shown.character, at.0, at.1) { shown.ink } else { shown.paper };
+                let there = if has_ink(cell.character, at.0, at.1) { cell.ink } else { cell.paper };
+                match (here, there) {
+                    (None, None | Some(Color::Reset)) => {}
+                    (Some(a), Some(Color::Rgb(r, g, b))) => {
+                        assert!((0..3).all(|c| a[c].abs_diff([r, g, b][c]) <= 6), "{row} {column}");
+                    }
+                    other => panic!("{row} {column}: {other:?}"),
+                }
+            }
+        }
+    }
+}

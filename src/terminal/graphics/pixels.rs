@@ -1,9 +1,10 @@
-//! Pixels → PNG, and to half the size.
+//! Pixels → PNG, and to fewer pixels.
 
 use std::borrow::Cow;
+use std::sync::LazyLock;
 
 use super::EncodeError;
-use crate::grid::{decode, encode};
+use crate::grid::{Image, bytes};
 
 /// RGBA, sRGB, not premultiplied.
 pub(super) struct Pixels<'a> {
@@ -23,13 +24,14 @@ impl<'a> Pixels<'a> {
     }
 
     /// 8 bits a channel; without alpha where there is none.
-    pub fn png(&self) -> Result<Vec<u8>, EncodeError> {
+    pub fn png(&self, filter: png::Filter) -> Result<Vec<u8>, EncodeError> {
         let (width, height) = (self.width, self.height);
         let refused = |source| EncodeError::Png { width, height, source };
         let mut bytes = Vec::new();
         let mut encoder = png::Encoder::new(&mut bytes, width, height);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_compression(png::Compression::Balanced);
+        encoder.set_filter(filter);
         let opaque = self.is_opaque();
         encoder.set_color(if opaque { png::ColorType::Rgb } else { png::ColorType::Rgba });
         let rgb: Cow<'_, [u8]> = if opaque {
@@ -43,27 +45,40 @@ impl<'a> Pixels<'a> {
         Ok(bytes)
     }
 
-    /// The mean of each 2×2 pixels, in linear light.
-    pub fn halved(&self) -> Pixels<'static> {
-        let light: [f32; 256] = std::array::from_fn(|i| decode(i as f32 / 255.0));
-        let (width, height) = (self.width.div_ceil(2), self.height.div_ceil(2));
-        let mut rgba = Vec::with_capacity(width as usize * height as usize * 4);
-        for y in 0..height {
-            for x in 0..width {
-                let (mut sum, mut alpha) = ([0.0_f32; 3], 0.0_f32);
-                for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
-                    let (x, y) = ((x * 2 + dx).min(self.width - 1), (y * 2 + dy).min(self.height - 1));
-                    let pixel = &self.rgba[(y as usize * self.width as usize + x as usize) * 4..][..4];
-                    let a = f32::from(pixel[3]);
-                    for (sum, &c) in sum.iter_mut().zip(pixel) {
-                        *sum += a * light[usize::from(c)];
-                    }
-                    alpha += a;
-                }
-                let c = sum.map(|c| if alpha > 0.0 { (encode(c / alpha) * 255.0 + 0.5) as u8 } else { 0 });
-                rgba.extend_from_slice(&[c[0], c[1], c[2], (alpha / 4.0 + 0.5) as u8]);
+    /// Rounds channels to 32 shades, black and white included; what is wholly transparent has no
+    /// colour.
+    pub fn coarsen(&mut self) {
+        let shades: [u8; 256] = std::array::from_fn(|c| ((c * 31 + 127) / 255 * 255 / 31) as u8);
+        for pixel in self.rgba.to_mut().chunks_exact_mut(4) {
+            if pixel[3] == 0 {
+                pixel.fill(0);
+            }
+            for c in pixel {
+                *c = shades[usize::from(*c)];
             }
         }
-        Pixels { width, height, rgba: Cow::Owned(rgba) }
+    }
+
+    /// The same picture with sides of `factor` (below 1) their length: the means of the pixels, in
+    /// linear light.
+    pub fn reduced(&self, factor: f64) -> Result<Pixels<'static>, EncodeError> {
+        let side = |pixels: u32| ((f64::from(pixels) * factor) as u32).clamp(1, pixels);
+        let (width, height) = (side(self.width), side(self.height));
+        let image = Image::new(self.width, self.height, &self.rgba)?;
+        let mut rgba = Vec::with_capacity(width as usize * height as usize * 4);
+        for light in image.averaged(width as usize, height as usize) {
+            let unmixed =
+                |c: f32| if light.alpha > 0.0 { CODES[(c / light.alpha * STEPS) as usize & MASK] } else { 0 };
+            rgba.extend(light.rgb.map(unmixed));
+            rgba.push((light.alpha * 255.0 + 0.5) as u8);
+        }
+        Ok(Pixels { width, height, rgba: Cow::Owned(rgba) })
     }
 }
+
+/// sRGB bytes by linear light, in steps so fine that in the darkest tones five of them are one byte.
+static CODES: LazyLock<Vec<u8>> =
+    LazyLock::new(|| (0..=MASK).map(|i| bytes([(i as f32 + 0.5) / STEPS; 3])[0]).collect());
+/// Steps from black to white; there is room above for what rounding adds.
+const STEPS: f32 = 16_384.0;
+const MASK: usize = 0x7fff;

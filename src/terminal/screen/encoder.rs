@@ -172,6 +172,16 @@ impl Encoder {
         }
         let from = out.len();
         difference(out, self.pen, target);
+        // Nothing is switched off: a plain pen is of no use.
+        let gone = |from: Color, to: Color| from != to && to == Color::Reset;
+        if (self.pen.modifier - target.modifier).is_empty()
+            && !gone(self.pen.ink, target.ink)
+            && !gone(self.pen.paper, target.paper)
+            && !gone(self.pen.underline, target.underline)
+        {
+            self.pen = target;
+            return;
+        }
         let middle = out.len();
         // From a plain pen it may be shorter, and what does not show is not set again; a colour
         // that may be wanted again is worth more than two bytes.

@@ -33,15 +33,13 @@ impl<'a> Look<'a> {
     /// How a cell looks with so many colours.
     pub fn of(cell: &'a Cell, room: u16, colors: ColorDepth) -> Self {
         let symbol = symbol(cell, room);
-        let mut modifier = cell.modifier;
-        if symbol == " " {
-            modifier &= VISIBLE_ON_BLANK;
-        }
+        let quadrant = quadrant(symbol);
+        let modifier = if quadrant == Some(0) { cell.modifier & VISIBLE_ON_BLANK } else { cell.modifier };
         let (ink, paper) = (colors.map(cell.fg), colors.map(cell.bg));
         if modifier.is_empty()
-            && let Some(drawn) = QUADRANTS.iter().position(|&quadrant| quadrant == symbol)
+            && let Some(drawn) = quadrant
         {
-            return Self::quarters(drawn as u8, ink, paper);
+            return Self::quarters(drawn, ink, paper);
         }
         let underline = if modifier.contains(Modifier::UNDERLINED) && colors >= ColorDepth::Ansi256 {
             colors.map(cell.underline_color)
@@ -91,11 +89,29 @@ impl<'a> Look<'a> {
     }
 }
 
+/// Which quarters a symbol draws: the inverse of [`QUADRANTS`], by its bytes.
+fn quadrant(symbol: &str) -> Option<u8> {
+    // U+2596 to U+259F.
+    const CORNERS: [u8; 10] = [4, 8, 1, 13, 9, 7, 11, 2, 6, 14];
+    match *symbol.as_bytes() {
+        [b' '] => Some(0),
+        [0xe2, 0x96, last] => match last {
+            0x80 => Some(3),
+            0x84 => Some(12),
+            0x88 => Some(FULL),
+            0x8c => Some(5),
+            0x90 => Some(10),
+            0x96..=0x9f => Some(CORNERS[usize::from(last - 0x96)]),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
 /// What is printed for a cell, in at most `room` columns: nothing that could be a command to the
 /// terminal, and nothing that would run over the edge.
 fn symbol(cell: &Cell, room: u16) -> &str {
-    let symbol = cell.symbol();
-    if width(cell) > room || symbol.chars().any(char::is_control) || width(cell) == 0 { " " } else { symbol }
+    if (1..=room).contains(&width(cell)) { cell.symbol() } else { " " }
 }
 
 /// Columns that a cell's symbol takes: 0 for what cannot be printed.
@@ -134,6 +150,14 @@ mod tests {
         assert_eq!(look("█", a, b), look(" ", b, a));
         assert_eq!(look("▚", a, a), look(" ", b, a));
         assert_eq!(look("█", a, b).exchanged().and_then(Look::exchanged), Some(look(" ", b, a)));
+    }
+
+    #[test]
+    fn quadrants_are_found_by_their_bytes() {
+        for (drawn, symbol) in QUADRANTS.into_iter().enumerate() {
+            assert_eq!(quadrant(symbol), Some(drawn as u8), "{symbol}");
+        }
+        assert!(["a", "▁", "▏", "▒", "■", "木"].iter().all(|other| quadrant(other).is_none()));
     }
 
     #[test]
