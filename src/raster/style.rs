@@ -146,13 +146,19 @@ impl Style<'_> {
             person_color: [98, 108, 126],
             until: None,
             draft: false,
-            exposure: 1.7,
+            exposure: 2.4,
         }
     }
 
     /// To be laid over something bright.
     pub const fn over_light() -> Self {
-        Self { background: Background::Transparent, ground_shadow: false, ..Self::studio() }
+        Self {
+            background: Background::Transparent,
+            ground_shadow: false,
+            haze_amount: 0.34,
+            exposure: 0.85,
+            ..Self::studio()
+        }
     }
 }
 

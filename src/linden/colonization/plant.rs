@@ -394,3 +394,57 @@ fn scan_notes(report: &scan::ScanReport) -> Vec<String> {
     }
     notes
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grow::grow;
+    use crate::monitor::Quiet;
+    use crate::preset::builtin;
+    use crate::scene::Bounds;
+
+    fn recipe(id: &str, settings: &[(&str, &str)]) -> Recipe {
+        let row = builtin(id).unwrap();
+        let mut preset = row.load().unwrap_or_else(|fault| panic!("{id}: {fault}"));
+        for (knob, value) in settings {
+            preset.set(knob, value).unwrap();
+        }
+        let input = preset
+            .space()
+            .and_then(|space| Some(Input::read(space.file()?, row.input(space)?, &Quiet).unwrap()));
+        Recipe { preset, input }
+    }
+
+    #[test]
+    fn the_outline_stands_where_the_points_are() {
+        let cases: [(&str, &[(&str, &str)]); 7] = [
+            ("fir", &[]),
+            ("cypress", &[("crown_base", "3")]),
+            ("sphere", &[("root", "5,2,-3")]),
+            ("sphere", &[("root", "5,2,-3"), ("origin", "root")]),
+            ("heart", &[]),
+            ("heart", &[("origin", "root")]),
+            ("simple", &[("origin", "keep")]),
+        ];
+        for (id, settings) in cases {
+            let recipe = recipe(id, settings);
+            let points = grow(&recipe, &Quiet).unwrap().colonized.unwrap().points;
+            let lines = outline(&recipe, &Quiet).unwrap();
+            let bounds = |places: &mut dyn Iterator<Item = Vec3>| Bounds::of(places).unwrap();
+            let (inner, outer) = (bounds(&mut points.into_iter()), bounds(&mut lines.into_iter().flatten()));
+            // Many points in a solid come near its box on all sides; cuts through a mesh miss its ends
+            // by at most an eighth.
+            let slack = outer.size().max_element() * 0.15;
+            for (a, b) in [(inner.min, outer.min), (inner.max, outer.max)] {
+                assert!((a - b).abs().max_element() < slack, "{id} {settings:?}: {a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_has_no_crown_has_no_outline() {
+        assert_eq!(outline(&recipe("abop-c", &[]), &Quiet).unwrap(), Vec::<Vec<Vec3>>::new());
+        let missing = Recipe { input: None, ..recipe("heart", &[]) };
+        assert!(matches!(outline(&missing, &Quiet), Err(GrowError::WrongInput { .. })));
+    }
+}

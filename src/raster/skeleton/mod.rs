@@ -5,6 +5,8 @@
 //! hair and fades instead of vanishing.
 
 #[cfg(test)]
+pub(crate) mod sample;
+#[cfg(test)]
 mod tests;
 
 use glam::{Vec2, Vec3};

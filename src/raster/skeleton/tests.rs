@@ -3,12 +3,9 @@ use linden::picture::Picture;
 use linden::skeleton::Axis;
 use linden::{Monitor, NO_PARENT, Quiet, Skeleton};
 
-use super::draw_skeleton;
+use super::{draw_skeleton, sample};
 use crate::strokes::trace::HAIR_PX;
 use crate::{Background, Camera, Extent, MAX_SIDE, Paint, RasterError, Size, Style};
-
-#[path = "sample.rs"]
-mod sample;
 
 /// One stem through some points.
 fn stem(nodes: &[(Vec3, f32)]) -> Skeleton {
@@ -195,6 +192,182 @@ fn transparent_where_nothing_is_and_opaque_over_a_backdrop() {
     assert!(picture.rgba().chunks_exact(4).all(|p| p[3] == 255));
     for (c, expected) in picture.rgba()[..3].iter().zip([10_u8, 200, 30]) {
         assert!(c.abs_diff(expected) <= 1, "{c} {expected}");
+    }
+}
+
+#[test]
+fn a_tubes_area_is_what_geometry_says() {
+    // Leaning tubes of many widths, hairs among them: the silhouette is a quadrilateral and a half
+    // disc at the tip.
+    for radius in [0.02_f32, 0.08, 0.3, 0.5] {
+        for lean in [0.0_f32, 0.3, 1.7, 4.0] {
+            let tip = Vec3::new(lean, 4.0, 0.0);
+            let tube = stem(&[(Vec3::ZERO, radius), (tip / 2.0, radius), (tip, radius)]);
+            let camera = Camera::front();
+            let picture = draw(&tube, &camera, &Style::over_dark(), size(200, 240));
+            let view = camera.view(Extent::of(&tube, &[]).unwrap(), size(200, 240));
+            let (foot, tip) = (view.project(Vec3::ZERO), view.project(tip));
+            let width = radius * (foot.scale + tip.scale);
+            let cap = std::f32::consts::PI * width * width / 8.0;
+            let expected = foot.at.distance(tip.at) * width + if width > 2.5 { cap } else { 0.0 };
+            let found: f32 = (0..240).map(|y| ink(&picture, y)).sum();
+            assert!((found / expected - 1.0).abs() < 0.012, "{radius} {lean}: {found}, not {expected}");
+        }
+    }
+}
+
+#[test]
+fn a_line_of_many_nodes_looks_like_one_of_two() {
+    for radius in [0.004, 0.012, 0.03, 0.4] {
+        let node = |i: u32, n: u32| (Vec3::new(0.7, 5.0, -2.0) * (i as f32 / n as f32), radius);
+        let [two, many] = [1, 700].map(|n| stem(&(0..=n).map(|i| node(i, n)).collect::<Vec<_>>()));
+        let [two, many] =
+            [two, many].map(|s| draw(&s, &Camera::default(), &Style::over_dark(), size(90, 300)));
+        let places = (0..300).flat_map(|y| (0..90).map(move |x| (x, y)));
+        let most = places.map(|(x, y)| (alpha(&two, x, y).abs_diff(alpha(&many, x, y)), x, y)).max();
+        // At the edge of a seam between two runs a fifth may be too much.
+        assert!(most <= Some((56, 90, 300)), "{radius}: {most:?}");
+        let [two, many] = [two, many].map(|p| (0..300).map(|y| ink(&p, y)).sum::<f32>());
+        assert!((two / many - 1.0).abs() < 0.01, "{radius}: {two} {many}");
+    }
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bytes() {
+    let tree = sample::tree(5, 3);
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| draw(&tree, &Camera::default(), &Style::studio(), size(120, 200)))
+    };
+    let one = with(1);
+    assert!([2, 3, 8].into_iter().all(|threads| with(threads) == one));
+}
+
+/// Rows of the column range in which anything is.
+fn rows_with(picture: &Picture, columns: std::ops::Range<u32>) -> Vec<u32> {
+    (0..picture.height()).filter(|&y| columns.clone().any(|x| alpha(picture, x, y) > 127)).collect()
+}
+
+#[test]
+fn the_person_is_as_tall_as_a_person() {
+    let tree = stem(&[(Vec3::ZERO, 0.1), (Vec3::Y * 9.0, 0.05)]);
+    let style = Style { person: true, ..Style::over_dark() };
+    for (w, h) in [(60, 90), (300, 500)] {
+        for yaw in [0.0, 77.0, 200.0] {
+            let camera = Camera::orbit(yaw, 0.0);
+            let picture = draw(&tree, &camera, &style, size(w, h));
+            let extent = style.extent(&tree).unwrap();
+            assert!(extent.person.is_some());
+            let view = camera.view(extent, size(w, h));
+            let trunk = view.project(Vec3::ZERO).at.x;
+            let right = (trunk + 0.2 * view.scale_at_target()).ceil() as u32;
+            let rows = rows_with(&picture, right..w);
+            let expected = 1.75 * view.scale_at_target();
+            assert!(
+                (rows.len() as f32 - expected).abs() <= 1.5,
+                "{w}x{h}: {} px, not {expected}",
+                rows.len()
+            );
+            // The feet are on the tree's ground.
+            let ground = view.project(Vec3::ZERO).at.y;
+            assert!((*rows.last().unwrap() as f32 + 1.0 - ground).abs() <= 1.5);
+            // Nobody is cut off.
+            assert!((0..h).all(|y| alpha(&picture, w - 1, y) == 0));
+        }
+    }
+}
+
+#[test]
+fn tiny_plants_have_no_person() {
+    let style = Style { person: true, ..Style::over_dark() };
+    for (height_m, expected) in [(0.3, false), (0.5, false), (0.7, true), (3.0, true)] {
+        let plant = stem(&[(Vec3::ZERO, 0.01), (Vec3::Y * height_m, 0.01)]);
+        let extent = style.extent(&plant).unwrap();
+        assert_eq!(extent.person.is_some(), expected, "{height_m} m");
+        // Taken into the frame where there is one, and the frame is the plant's where there is none.
+        let top_m = if expected { f32::max(1.75, height_m) } else { height_m };
+        assert!((extent.top - top_m).abs() < 0.02);
+        let lone = Style::over_dark();
+        let same = draw(&plant, &Camera::front(), &style, size(40, 60))
+            == draw(&plant, &Camera::front(), &lone, size(40, 60));
+        assert_eq!(same, !expected);
+    }
+}
+
+#[test]
+fn the_outline_is_framed_and_dimmer_behind() {
+    let tree = stem(&[(Vec3::ZERO, 0.02), (Vec3::Y * 2.0, 0.02)]);
+    let line = |z: f32| vec![Vec3::new(-3.0, 1.0, z), Vec3::new(3.0, 1.0, z)];
+    let lines = [line(3.0), line(-3.0)];
+    let style = Style { outline: &lines, haze_amount: 0.0, ..Style::over_dark() };
+    let (w, h) = (120, 80);
+    let camera = Camera::orbit(0.0, 10.0);
+    let picture = draw(&tree, &camera, &style, size(w, h));
+    let view = camera.view(style.extent(&tree).unwrap(), size(w, h));
+    let at = |z: f32| {
+        let p = view.project(Vec3::new(1.0, 1.0, z)).at;
+        // The line may lie between two rows.
+        let rows = [p.y - 1.0, p.y, p.y + 1.0].map(|y| u32::from(alpha(&picture, p.x as u32, y as u32)));
+        rows.iter().sum::<u32>()
+    };
+    assert!(at(3.0) > at(-3.0) + 20 && at(-3.0) > 20, "{} {}", at(3.0), at(-3.0));
+    let rim = (0..w).flat_map(|x| [(x, 0), (x, h - 1)]).chain((0..h).flat_map(|y| [(0, y), (w - 1, y)]));
+    for (x, y) in rim {
+        assert_eq!(alpha(&picture, x, y), 0, "{x} {y}");
+    }
+    // Turned round, the other one is in front: still in the frame.
+    let turned = draw(&tree, &Camera::orbit(137.0, 10.0), &style, size(w, h));
+    assert!((0..h).all(|y| alpha(&turned, 0, y) == 0 && alpha(&turned, w - 1, y) == 0));
+}
+
+#[test]
+fn until_a_step_nothing_later_is_drawn_and_the_frame_stays() {
+    let mut tree = sample::tree(5, 2);
+    for births in [false, true] {
+        if births {
+            // Births that do not rise: what stands on nothing is not drawn either.
+            for (i, birth) in tree.births.iter_mut().enumerate() {
+                *birth = (i as u32).wrapping_mul(2_654_435_761) >> 28;
+            }
+        }
+        let step = 9;
+        let there = tree.born_by(step);
+        // What is gone has no width, which draws nothing.
+        let mut rest = tree.clone();
+        for axis in &mut rest.axes {
+            let nodes = &tree.axis_nodes[axis.first as usize..(axis.first + axis.len) as usize];
+            axis.len = nodes.iter().take_while(|&&n| there[n as usize]).count() as u32;
+        }
+        let style = Style { until: Some(step), ..Style::over_dark() };
+        let young = draw(&tree, &Camera::default(), &style, size(80, 100));
+        assert_eq!(young, draw(&rest, &Camera::default(), &Style::over_dark(), size(80, 100)));
+        let whole = Style { until: Some(u32::MAX), ..style };
+        let full = draw(&tree, &Camera::default(), &Style::over_dark(), size(80, 100));
+        assert_eq!(draw(&tree, &Camera::default(), &whole, size(80, 100)), full);
+        assert_ne!(young, full);
+    }
+}
+
+#[test]
+fn a_draft_looks_like_the_tree() {
+    let tree = sample::tree(2, 4);
+    assert!(tree.positions.len() > 100_000);
+    let draft = Style { draft: true, ..Style::over_dark() };
+    for yaw in [0.0, 50.0] {
+        let camera = Camera::orbit(yaw, 8.0);
+        let full = draw(&tree, &camera, &Style::over_dark(), size(64, 72));
+        let quick = draw(&tree, &camera, &draft, size(64, 72));
+        // Blocks of 8 × 8 pixels are as full.
+        for by in 0..9 {
+            for bx in 0..8 {
+                let block = |p: &Picture| -> f32 {
+                    let inside = (0..64).map(|i| alpha(p, bx * 8 + i % 8, by * 8 + i / 8));
+                    inside.map(|a| f32::from(a) / 255.0).sum::<f32>() / 64.0
+                };
+                let (a, b) = (block(&full), block(&quick));
+                assert!((a - b).abs() < 0.15, "yaw {yaw}, block {bx} {by}: {a} {b}");
+            }
+        }
     }
 }
 

@@ -4,7 +4,8 @@
 //! make a run; runs are drawn far to near. Within a run nothing is counted twice: where the parts
 //! of a polyline meet, the pixel shows the line, not a knot.
 
-pub(crate) mod coverage;
+mod coverage;
+mod draft;
 pub(crate) mod overlay;
 pub(crate) mod paint;
 pub(crate) mod trace;
@@ -28,9 +29,19 @@ pub(crate) struct Stroke {
     pub color: Vec3,
     /// For thick strokes of wood: the light across, and how much of it there is.
     pub bar: Option<(Bar, f32)>,
-    /// For thick strokes, whether the ends are round; for thin ones, whether the end reaches half a
-    /// pixel farther, over the seam to another run.
-    pub round: [bool; 2],
+    pub caps: [Cap; 2],
+}
+
+/// How a stroke ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Cap {
+    /// In a half disc: where thick wood ends or bends.
+    Round,
+    /// Across.
+    Cut,
+    /// Across, up to half a pixel farther: where another run takes over. Two half covered pixels over
+    /// each other would let through a quarter of what is behind.
+    Seam,
 }
 
 /// How the strokes of a run are covered.
@@ -55,7 +66,9 @@ pub(crate) struct Run {
 }
 
 /// Strokes in one run: enough for any twig, few enough to be sorted by depth and to be cancelled.
-const LONGEST_RUN: u32 = 64;
+const LONGEST_RUN: u32 = 256;
+/// Cosine of the bend up to which thick wood may be cut across at a seam.
+const STRAIGHT: f32 = 0.995;
 
 /// Runs and their strokes.
 #[derive(Debug, Default)]
@@ -86,8 +99,16 @@ impl Runs {
                 self.strokes.push(stroke);
                 return;
             }
-            if kind == Kind::Thin && run.kind == Kind::Thin {
-                stroke.round[0] = true;
+            if kind == Kind::Thick && run.kind == Kind::Thin {
+                stroke.caps[0] = Cap::Round;
+            }
+            let straight =
+                kind == Kind::Thin || self.strokes.last().is_some_and(|last| is_straight(last, &stroke));
+            if kind == run.kind && straight {
+                stroke.caps[0] = Cap::Seam;
+                if let (Kind::Thick, Some(last)) = (kind, self.strokes.last_mut()) {
+                    last.caps[1] = Cap::Cut;
+                }
             }
         }
         self.begin(kind, stroke);
@@ -99,6 +120,11 @@ impl Runs {
         self.strokes.extend_from_slice(&other.strokes);
         self.runs.extend(other.runs.iter().map(|run| Run { first: run.first + shift, ..*run }));
     }
+}
+
+fn is_straight(first: &Stroke, second: &Stroke) -> bool {
+    let way = |stroke: &Stroke| (stroke.ends[1] - stroke.ends[0]).normalize_or_zero();
+    way(first).dot(way(second)) > STRAIGHT
 }
 
 fn rows(stroke: &Stroke) -> [f32; 2] {

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3};
 use linden::Monitor;
 
 use super::trace::dot;
-use super::{Kind, Runs, Stroke};
+use super::{Cap, Kind, Runs, Stroke};
 use crate::color::linear;
 use crate::light::Air;
 use crate::person::{LIMBS, Person};
@@ -87,7 +87,7 @@ fn outline(
                 alpha: before + (behind - before) * air.way(depth_m),
                 color: air.haze(color, depth_m),
                 bar: None,
-                round: [false; 2],
+                caps: [Cap::Cut; 2],
             };
             let is_first = i == 0 && k == 0;
             if is_first {
@@ -112,7 +112,7 @@ fn draw_person(person: Person, color: Vec3, framed: &Extent, view: &View, runs: 
             alpha: 1.0,
             color,
             bar: None,
-            round: [true; 2],
+            caps: [Cap::Round; 2],
         };
         runs.begin(Kind::Thick, stroke);
     }

@@ -5,7 +5,7 @@ use linden::Monitor;
 use rayon::prelude::*;
 
 use super::coverage::Edge;
-use super::{Kind, Run, Runs, Stroke};
+use super::{Cap, Kind, Run, Runs, Stroke};
 use crate::RasterError;
 use crate::canvas::Rows;
 
@@ -114,6 +114,12 @@ impl Brush {
     }
 }
 
+/// How far a stroke goes on beyond a seam, pixels. In the pixel of the seam each of the two is half
+/// there; with so much more of the second, both over each other hide as much as one.
+fn overlap(stroke: &Stroke) -> f32 {
+    stroke.alpha / (4.0 - 2.0 * stroke.alpha.min(1.0))
+}
+
 /// A stroke with its directions.
 struct Placed<'a> {
     stroke: &'a Stroke,
@@ -138,7 +144,8 @@ impl<'a> Placed<'a> {
             // Seen along its axis a hair is a dot as wide as itself.
             let short = (stroke.half_widths[0] * 2.0 - length).max(0.0) / 2.0;
             let before = if length <= 1e-3 { short } else { 0.0 };
-            let [before, after] = stroke.round.map(|reaches| if reaches { before.max(0.5) } else { before });
+            let [before, after] =
+                stroke.caps.map(|cap| if cap == Cap::Seam { before.max(overlap(stroke)) } else { before });
             start -= along * before;
             length += before + after;
         }
@@ -201,8 +208,13 @@ impl<'a> Placed<'a> {
                 } else {
                     self.edge.between(away - half, away + half)
                 };
-                let cut = if self.stroke.round[0] { 1.0 } else { self.edge.before(t) };
-                across * cut
+                let cut = |cap: Cap, inside: f32| match cap {
+                    Cap::Round => 1.0,
+                    Cap::Cut => self.edge.before(inside),
+                    Cap::Seam => self.edge.before(inside + overlap(self.stroke)),
+                };
+                let [start, end] = self.stroke.caps;
+                across * cut(start, t) * cut(end, self.length - t)
             }
         }
     }

@@ -1,13 +1,15 @@
 //! Skeleton → strokes in the picture's plane: where, how wide, how far, what colour.
 
 use std::borrow::Cow;
+use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3};
 use linden::skeleton::Axis;
 use linden::{Monitor, NO_PARENT, Skeleton};
 use rayon::prelude::*;
 
-use super::{Kind, Runs, Stroke};
+use super::draft::Thinned;
+use super::{Cap, Kind, Runs, Stroke};
 use crate::camera::Projected;
 use crate::color::{linear, ramp};
 use crate::light::{Air, Bar};
@@ -129,11 +131,8 @@ impl<'a> Tracer<'a> {
     fn axis(&self, index: usize, axis: &Axis, runs: &mut Runs) {
         let nodes = self.nodes(axis);
         let (Some(&first), Some(&apex)) = (nodes.first(), nodes.last()) else { return };
-        let widen = match &self.thinned {
-            Some(thinned) if !thinned.kept[index] => return,
-            Some(thinned) if axis.order >= thinned.from_order => thinned.widen,
-            _ => 1.0,
-        };
+        let widen = self.thinned.as_ref().map_or(Some(1.0), |thinned| thinned.widening(index));
+        let Some(widen) = widen else { return };
         let is_stem = axis.parent == NO_PARENT;
         let (mut start, rest) = if is_stem {
             (self.node(first), &nodes[1..])
@@ -143,15 +142,16 @@ impl<'a> Tracer<'a> {
             let base = leave(parent.at_m, tip.at_m, parent.radius_m);
             (self.end(base, tip.radius_m.min(parent.radius_m)), nodes)
         };
-        let mut foot = is_stem;
+        // A stem is cut at the ground; whatever follows a stroke, where that one ends in a disc.
+        let mut base = if is_stem { Cap::Cut } else { Cap::Round };
         let mut joined = false;
         for &i in rest {
             let end = self.node(i);
             let near = end.seen.at.distance_squared(start.seen.at) < self.merge_px * self.merge_px;
-            if near && i != apex && start.width_px() < THICK_PX {
+            if near && i != apex {
                 continue;
             }
-            if let Some((kind, stroke)) = self.stroke([start, end], i, widen, !foot) {
+            if let Some((kind, stroke)) = self.stroke([start, end], i, widen, base) {
                 if joined {
                     runs.follow(kind, stroke, self.air.slice_m());
                 } else {
@@ -161,7 +161,7 @@ impl<'a> Tracer<'a> {
             } else {
                 joined = false;
             }
-            (start, foot) = (end, false);
+            (start, base) = (end, if joined { Cap::Cut } else { Cap::Round });
         }
         // Nothing but a foot: a ball, so that the smallest tree is seen too.
         if is_stem && rest.is_empty() && self.widest_px == f32::INFINITY {
@@ -170,7 +170,7 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    fn stroke(&self, ends: [End; 2], node: u32, widen: f32, round_base: bool) -> Option<(Kind, Stroke)> {
+    fn stroke(&self, ends: [End; 2], node: u32, widen: f32, base: Cap) -> Option<(Kind, Stroke)> {
         let [a, b] = ends;
         let widths = ends.map(|end| end.width_px() * widen);
         let wide = widths[0].max(widths[1]).max(HAIR_PX);
@@ -179,7 +179,7 @@ impl<'a> Tracer<'a> {
             return None;
         }
         let mean = f32::midpoint(widths[0], widths[1]);
-        let alpha = if mean < HAIR_PX { libm::powf(mean / HAIR_PX, FADE) } else { 1.0 };
+        let alpha = FADING.of(mean / HAIR_PX);
         if mean > self.widest_px || alpha * (p.distance(q) + wide).min(1.0) < INVISIBLE {
             return None;
         }
@@ -187,13 +187,27 @@ impl<'a> Tracer<'a> {
         let bar = Bar::along(self.view.turn(b.at_m - a.at_m).normalize_or(Vec3::Y));
         let volume = self.air.light_at((a.at_m + b.at_m) / 2.0);
         let plain = self.colors.of(node);
-        let (kind, color, bar, round) = if mean >= THICK_PX {
-            (Kind::Thick, self.air.haze(plain, depth_m), Some((bar, volume)), [round_base, true])
+        let (kind, color, bar, caps) = if mean >= THICK_PX {
+            (Kind::Thick, self.air.haze(plain, depth_m), Some((bar, volume)), [base, Cap::Round])
         } else {
-            (Kind::Thin, self.air.haze(plain * (volume * bar.mean()), depth_m), None, [false; 2])
+            (Kind::Thin, self.air.haze(plain * (volume * bar.mean()), depth_m), None, [Cap::Cut; 2])
         };
         let half_widths = widths.map(|w| w.max(HAIR_PX) / 2.0);
-        Some((kind, Stroke { ends: [p, q], half_widths, depth_m, alpha, color, bar, round }))
+        Some((kind, Stroke { ends: [p, q], half_widths, depth_m, alpha, color, bar, caps }))
+    }
+}
+
+/// How opaque a stroke is, by its share of a hair: a power in a table.
+struct Fading([f32; 257]);
+
+static FADING: LazyLock<Fading> =
+    LazyLock::new(|| Fading(std::array::from_fn(|i| libm::powf(i as f32 / 256.0, FADE))));
+
+impl Fading {
+    fn of(&self, share: f32) -> f32 {
+        let at = share.clamp(0.0, 1.0) * 256.0;
+        let below = (at as usize).min(255);
+        self.0[below] + (self.0[below + 1] - self.0[below]) * (at - below as f32)
     }
 }
 
@@ -206,67 +220,7 @@ fn leave(base: Vec3, tip: Vec3, radius_m: f32) -> Vec3 {
 /// A disc.
 pub(super) fn dot(seen: Projected, radius_px: f32, color: Vec3, alpha: f32) -> Stroke {
     let (ends, half_widths, depth_m) = ([seen.at; 2], [radius_px; 2], seen.depth_m);
-    Stroke { ends, half_widths, depth_m, alpha, color, bar: None, round: [true; 2] }
-}
-
-/// Which axes stand for all in a draft.
-struct Thinned {
-    kept: Vec<bool>,
-    /// Axes of lower order are all kept, as wide as they are.
-    from_order: u32,
-    /// How much wider those are that stand for others.
-    widen: f32,
-}
-
-/// About as many nodes as a draft shows.
-const DRAFT_NODES: usize = 20_000;
-
-impl Thinned {
-    /// `None` when all can be kept. Depends on the skeleton alone: as the camera turns, nothing comes
-    /// or goes.
-    fn new(skeleton: &Skeleton) -> Option<Self> {
-        if skeleton.positions.len() <= DRAFT_NODES {
-            return None;
-        }
-        let most = skeleton.axes.iter().map(|axis| axis.order).max().unwrap_or(0) as usize;
-        let mut nodes_of_order = vec![0_usize; most + 1];
-        for axis in &skeleton.axes {
-            nodes_of_order[axis.order as usize] += axis.len as usize;
-        }
-        // Low orders are kept while they leave half of the room to the rest.
-        let (mut from_order, mut whole) = (0, 0);
-        while from_order < most && whole + nodes_of_order[from_order] <= DRAFT_NODES / 2 {
-            whole += nodes_of_order[from_order];
-            from_order += 1;
-        }
-        let fine = skeleton.positions.len() - whole;
-        let share = (DRAFT_NODES - whole) as f32 / fine as f32;
-        let from_order = from_order as u32;
-        // Where an axis is left out, so is what it carries: nothing hangs in the air. The chances
-        // along a branch are the same draw, so that those below do not thin out twice.
-        let mut draw = vec![0.0_f32; skeleton.axes.len()];
-        let mut axis_of = vec![0_u32; skeleton.positions.len()];
-        let mut kept = vec![true; skeleton.axes.len()];
-        for (i, axis) in skeleton.axes.iter().enumerate() {
-            for &node in skeleton.nodes_of(axis) {
-                axis_of[node as usize] = i as u32;
-            }
-            if axis.order < from_order || axis.parent == NO_PARENT {
-                continue;
-            }
-            let parent = axis_of[axis.parent as usize] as usize;
-            draw[i] = if axis.order == from_order { scattered(i) } else { draw[parent] };
-            kept[i] = draw[i] < share;
-        }
-        // Light and ink of those that are missing, in part: wider twigs also hide each other more.
-        let widen = libm::powf(1.0 / share, 0.7).min(4.0);
-        Some(Self { kept, from_order, widen })
-    }
-}
-
-/// Evenly over 0..1 for consecutive numbers: multiples of the golden ratio (Weyl's sequence).
-fn scattered(i: usize) -> f32 {
-    (i as u32).wrapping_mul(0x9E37_79B9) as f32 / 4_294_967_296.0
+    Stroke { ends, half_widths, depth_m, alpha, color, bar: None, caps: [Cap::Round; 2] }
 }
 
 /// What each node is painted with, before light.

@@ -1,1 +1,255 @@
+use std::f32::consts::PI;
+use std::sync::atomic::{AtomicU32, Ordering};
 
+use glam::{Vec2, Vec3};
+use linden::monitor::Stage;
+use linden::picture::Picture;
+use linden::scene::{Material, Mesh, Part};
+use linden::skeleton::{Branching, Wood};
+use linden::surface::{Tubes, sweep};
+use linden::{Monitor, NO_PARENT, Quiet, Skeleton};
+
+use super::{Surface, draw_surface};
+use crate::skeleton::sample;
+use crate::{Camera, Extent, RasterError, Size, Style, draw_skeleton};
+
+fn material(base_color: [f32; 3]) -> Material {
+    Material {
+        name: "plain".to_owned(),
+        base_color,
+        base_color_picture: None,
+        normal_picture: None,
+        roughness: 1.0,
+        double_sided: false,
+    }
+}
+
+fn part(mesh: Mesh, material: usize) -> Part {
+    Part { name: "part".to_owned(), material, mesh }
+}
+
+/// A ball of many triangles, counter-clockwise from outside.
+fn ball(middle: Vec3, radius: f32) -> Mesh {
+    let (rings, sides) = (60_u32, 120_u32);
+    let mut mesh = Mesh::default();
+    for i in 0..=rings {
+        for k in 0..=sides {
+            let (sin_a, cos_a) = libm::sincosf(PI * i as f32 / rings as f32);
+            let (sin_b, cos_b) = libm::sincosf(2.0 * PI * k as f32 / sides as f32);
+            let normal = Vec3::new(sin_a * cos_b, cos_a, -sin_a * sin_b);
+            mesh.positions.push(middle + normal * radius);
+            mesh.normals.push(normal);
+            mesh.uvs.push(Vec2::ZERO);
+        }
+    }
+    for i in 0..rings {
+        for k in 0..sides {
+            let (a, b) = (i * (sides + 1) + k, (i + 1) * (sides + 1) + k);
+            mesh.triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
+        }
+    }
+    mesh
+}
+
+fn size(width: u32, height: u32) -> Size {
+    Size::new(width, height).unwrap()
+}
+
+fn draw(parts: &[Part], materials: &[Material], skeleton: &Skeleton, camera: &Camera, size: Size) -> Picture {
+    let surface = Surface { parts, materials, skeleton };
+    draw_surface(&surface, camera, &Style::over_dark(), size, &Quiet).unwrap()
+}
+
+fn ink(picture: &Picture) -> f32 {
+    picture.rgba().chunks_exact(4).map(|p| f32::from(p[3]) / 255.0).sum()
+}
+
+/// A grown tree and its skin.
+fn tree(depth: u32) -> (Skeleton, Vec<Part>) {
+    let skeleton = sample::tree(7, depth);
+    let mesh = sweep(&skeleton, &Tubes::default(), &Quiet).unwrap();
+    (skeleton, vec![part(mesh, 0)])
+}
+
+#[test]
+fn a_balls_silhouette_is_the_circle_of_its_tangents() {
+    let (middle, radius) = (Vec3::new(1.0, 2.0, 3.0), 1.5);
+    let parts = [part(ball(middle, radius), 0)];
+    let none = Skeleton::default();
+    for (w, h) in [(100, 120), (300, 280)] {
+        for pitch in [0.0, 35.0, -60.0] {
+            let camera = Camera::orbit(25.0, pitch);
+            let picture = draw(&parts, &[material([0.5; 3])], &none, &camera, size(w, h));
+            let view = camera.view(Extent::of(&none, &parts[0].mesh.positions).unwrap(), size(w, h));
+            let seen = view.project(middle);
+            // The lens' rays that touch a ball at distance d make a cone of sine r/d; the ball is near
+            // the picture's middle, where the cone is cut in a circle.
+            let sine = radius / seen.depth_m;
+            let radius_px = sine / (1.0 - sine * sine).sqrt() * seen.scale * seen.depth_m;
+            let expected = PI * radius_px * radius_px;
+            let found = ink(&picture);
+            assert!((found / expected - 1.0).abs() < 0.01, "{w}x{h} pitch {pitch}: {found}, not {expected}");
+            for y in 0..h {
+                for x in 0..w {
+                    let away = Vec2::new(x as f32 + 0.5, y as f32 + 0.5).distance(seen.at) - radius_px;
+                    let alpha = picture.rgba()[((y * w + x) * 4 + 3) as usize];
+                    if away < -1.5 {
+                        assert_eq!(alpha, 255, "{x} {y} is inside");
+                    } else if away > 1.5 {
+                        assert_eq!(alpha, 0, "{x} {y} is outside");
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_is_nearer_hides_what_is_farther() {
+    // Through each other: the nearer half of each ball is seen, in any order of the parts.
+    let red = part(ball(Vec3::Z * 0.5, 1.0), 0);
+    let blue = part(ball(Vec3::NEG_Z * 0.5, 1.0), 1);
+    let materials = [material([1.0, 0.0, 0.0]), material([0.0, 0.0, 1.0])];
+    let none = Skeleton::default();
+    let pixel = |parts: &[Part], yaw: f32, x: u32| {
+        let picture = draw(parts, &materials, &none, &Camera::orbit(yaw, 0.0), size(80, 80));
+        let at = ((40 * 80 + x) * 4) as usize;
+        [picture.rgba()[at], picture.rgba()[at + 2]]
+    };
+    for parts in [[red.clone(), blue.clone()], [blue, red]] {
+        let ([red, blue], [red_behind, blue_behind]) = (pixel(&parts, 0.0, 40), pixel(&parts, 180.0, 40));
+        assert!(red > 2 * blue && blue_behind > 2 * red_behind, "{red} {blue} {red_behind} {blue_behind}");
+        // From +X, where +Z is on the left.
+        let (left, right) = (pixel(&parts, 90.0, 30), pixel(&parts, 90.0, 50));
+        assert!(left[0] > 2 * left[1] && right[1] > 2 * right[0], "{left:?} {right:?}");
+    }
+}
+
+#[test]
+fn backs_are_not_drawn_unless_they_are_to_be() {
+    let mut inside_out = ball(Vec3::ZERO, 1.0);
+    for triangle in &mut inside_out.triangles {
+        triangle.swap(1, 2);
+    }
+    inside_out.triangles.truncate(60 * 120);
+    let parts = [part(inside_out, 0)];
+    let none = Skeleton::default();
+    let seen = |double_sided, pitch| {
+        let materials = [Material { double_sided, ..material([0.5; 3]) }];
+        ink(&draw(&parts, &materials, &none, &Camera::orbit(0.0, pitch), size(60, 60)))
+    };
+    // The upper half of a ball, which looks inward.
+    assert!(seen(false, 60.0) < 0.5 * seen(true, 60.0));
+    assert!(seen(false, -90.0) > 0.95 * seen(true, -90.0));
+}
+
+#[test]
+fn twigs_thinner_than_a_hair_are_strokes() {
+    // A stem that no sample would find reliably.
+    let branching = Branching {
+        positions: (0..9).map(|i| Vec3::new(0.02 * (i % 2) as f32, i as f32 * 0.25, 0.0)).collect(),
+        parents: (0..9_u32).map(|i| i.checked_sub(1).unwrap_or(NO_PARENT)).collect(),
+        births: vec![0; 9],
+    };
+    let mut before = f32::INFINITY;
+    for radius_m in [0.01, 0.004, 0.001, 0.0003] {
+        let wood = Wood { tip_radius_m: Some(radius_m), ..Wood::default() };
+        let skeleton = Skeleton::build(branching.clone(), &wood).unwrap();
+        let parts = [part(sweep(&skeleton, &Tubes::default(), &Quiet).unwrap(), 0)];
+        let (mut least, mut most) = (f32::INFINITY, 0.0_f32);
+        for yaw in 0..24 {
+            let camera = Camera::orbit(yaw as f32 * 3.7, 5.0);
+            let shaded = ink(&draw(&parts, &[material([0.5; 3])], &skeleton, &camera, size(48, 54)));
+            let strokes = draw_skeleton(&skeleton, &camera, &Style::over_dark(), size(48, 54), &Quiet);
+            assert!((shaded / ink(&strokes.unwrap()) - 1.0).abs() < 0.02, "{radius_m} m, yaw {yaw}");
+            (least, most) = (least.min(shaded), most.max(shaded));
+        }
+        assert!(most / least < 1.1, "{radius_m} m: between {least} and {most}");
+        assert!(most < before && least > 0.0);
+        before = most;
+    }
+}
+
+#[test]
+fn a_tree_covers_what_its_skeleton_covers() {
+    let (skeleton, parts) = tree(2);
+    for (w, h) in [(64, 72), (128, 144), (500, 600)] {
+        let camera = Camera::default();
+        let shaded = ink(&draw(&parts, &[material([0.4; 3])], &skeleton, &camera, size(w, h)));
+        let strokes = draw_skeleton(&skeleton, &camera, &Style::over_dark(), size(w, h), &Quiet).unwrap();
+        let ratio = shaded / ink(&strokes);
+        assert!((0.93..1.07).contains(&ratio), "{w}x{h}: {ratio}");
+    }
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_bytes() {
+    let (skeleton, parts) = tree(2);
+    let materials = [material([0.4; 3])];
+    let with = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| draw(&parts, &materials, &skeleton, &Camera::default(), size(150, 180)))
+    };
+    let one = with(1);
+    assert!([2, 3, 8].into_iter().all(|threads| with(threads) == one));
+}
+
+#[test]
+fn cancelling_stops_soon() {
+    /// Cancels at the n-th look, and counts the looks.
+    struct After(u32, AtomicU32);
+    impl Monitor for After {
+        fn is_cancelled(&self) -> bool {
+            self.1.fetch_add(1, Ordering::Relaxed) >= self.0
+        }
+        fn advance(&self, _: Stage, _: u64, _: Option<u64>) {}
+    }
+    let (skeleton, parts) = tree(2);
+    let materials = [material([0.4; 3])];
+    let surface = Surface { parts: &parts, materials: &materials, skeleton: &skeleton };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+    let mut looks = 0;
+    for after in 0.. {
+        let monitor = After(after, AtomicU32::new(0));
+        let result = pool.install(|| {
+            draw_surface(&surface, &Camera::default(), &Style::studio(), size(90, 300), &monitor)
+        });
+        let looked = monitor.1.into_inner();
+        if result.is_ok() {
+            looks = looked;
+            break;
+        }
+        assert_eq!(result, Err(RasterError::Cancelled));
+        // Whoever was at work elsewhere looks once more.
+        assert!(looked <= after + 4, "{looked} looks after {after}");
+    }
+    assert!(looks > 20, "{looks} looks in all");
+}
+
+#[test]
+fn meshes_that_contradict_themselves_are_refused() {
+    let sound = part(ball(Vec3::ZERO, 1.0), 0);
+    let spoilt: [fn(&mut Part); 5] = [
+        |part| part.material = 1,
+        |part| part.mesh.triangles[7][2] = 1_000_000,
+        |part| part.mesh.positions[3].x = f32::NAN,
+        |part| part.mesh.normals.truncate(5),
+        |part| part.mesh.uvs.clear(),
+    ];
+    let materials = [material([0.5; 3])];
+    let draw = |parts: &[Part]| {
+        let surface = Surface { parts, materials: &materials, skeleton: &Skeleton::default() };
+        draw_surface(&surface, &Camera::default(), &Style::studio(), size(9, 9), &Quiet)
+    };
+    for spoil in spoilt {
+        let mut parts = [sound.clone(), sound.clone()];
+        spoil(&mut parts[1]);
+        assert_eq!(draw(&parts), Err(RasterError::Mesh(1)));
+    }
+    assert_eq!(draw(&[]), Err(RasterError::Empty));
+    // Strange normals and places on pictures are nothing to stop for.
+    let mut strange = sound;
+    strange.mesh.normals[50] = Vec3::NAN;
+    strange.mesh.uvs[70] = Vec2::splat(f32::INFINITY);
+    assert!(draw(&[strange]).is_ok());
+}

@@ -36,11 +36,18 @@ pub(super) fn mean_color(material: &Material) -> Vec3 {
 }
 
 /// A vertex in the picture.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Default)]
 struct Vertex {
     /// Samples from the upper left corner.
     at: Vec2,
     /// 1 ÷ metres from the lens.
+    nearness: f32,
+}
+
+/// A corner of a triangle that is drawn.
+#[derive(Clone, Copy)]
+struct Corner {
+    at: Vec2,
     nearness: f32,
     light: f32,
     /// The haze's share.
@@ -56,6 +63,7 @@ struct Seen<'a> {
     texels: Option<Texels>,
     /// Along the side of its picture.
     side: f32,
+    double_sided: bool,
 }
 
 /// Some triangles of one part, sorted into bands of rows.
@@ -68,29 +76,29 @@ struct Bin {
 
 /// All triangles that can be seen.
 pub(super) struct Triangles<'a> {
+    lens: Lens<'a>,
     parts: Vec<Seen<'a>>,
     bins: Vec<Bin>,
     band_height: u32,
-    haze: Vec3,
 }
 
 impl<'a> Triangles<'a> {
     pub fn new(
         surface: &Surface<'a>,
-        view: &View,
-        air: &Air,
+        view: &'a View,
+        air: &'a Air<'a>,
         style: &Style,
         size: Size,
         factor: u32,
         monitor: &dyn Monitor,
     ) -> Result<Self, RasterError> {
         let band_height = band_height(size);
-        let camera = Lens { view, air, exposure: style.exposure, factor };
+        let lens = Lens { view, air, exposure: style.exposure, factor };
         let mut parts = Vec::with_capacity(surface.parts.len());
         let mut bins = Vec::new();
         for (i, part) in surface.parts.iter().enumerate() {
             let material = &surface.materials[part.material];
-            let vertices = camera.see(part, material.double_sided, monitor)?;
+            let vertices = lens.place(&part.mesh.positions, monitor)?;
             let picture = material.base_color_picture.as_deref();
             let side = picture.map_or(0.0, |p| libm::sqrtf(p.width() as f32 * p.height() as f32));
             let sorter = Sorter {
@@ -99,7 +107,7 @@ impl<'a> Triangles<'a> {
                 texels: side,
                 double_sided: material.double_sided,
                 // What the skeleton's strokes show in its place.
-                hair: (!surface.skeleton.positions.is_empty()).then(|| HAIR_PX * factor as f32),
+                hair: (!surface.skeleton.positions.is_empty()).then_some(HAIR_PX * factor as f32),
                 size: [size.width() * factor, size.height() * factor].map(|n| n as f32),
                 scale: view.scale_at_nearness() * factor as f32,
                 band: (band_height * factor) as f32,
@@ -114,9 +122,16 @@ impl<'a> Triangles<'a> {
             bins.extend(sorted);
             let texels = picture.and_then(|picture| Texels::new(picture, halvings(finest)));
             let base_color = Vec3::from(material.base_color);
-            parts.push(Seen { part, vertices, base_color, texels, side });
+            parts.push(Seen {
+                part,
+                vertices,
+                base_color,
+                texels,
+                side,
+                double_sided: material.double_sided,
+            });
         }
-        Ok(Self { parts, bins, band_height, haze: air.color() })
+        Ok(Self { lens, parts, bins, band_height })
     }
 
     /// Draws what lies in a band of rows.
@@ -127,13 +142,13 @@ impl<'a> Triangles<'a> {
             let seen = &self.parts[bin.part];
             for &triangle in &bin.bands[band] {
                 let corners = seen.part.mesh.triangles[triangle as usize];
-                self.triangle(seen, corners.map(|v| seen.vertices[v as usize]), rows, samples);
+                self.triangle(seen, corners.map(|v| self.lens.light(seen, v)), rows, samples);
             }
         }
         Ok(())
     }
 
-    fn triangle(&self, seen: &Seen, corners: [Vertex; 3], rows: Rows, samples: &mut Samples) {
+    fn triangle(&self, seen: &Seen, corners: [Corner; 3], rows: Rows, samples: &mut Samples) {
         let [a, b, c] = corners;
         let (ab, ac) = (b.at - a.at, c.at - a.at);
         let area = ab.perp_dot(ac);
@@ -150,7 +165,8 @@ impl<'a> Triangles<'a> {
         let (cx, cy) = (-ab.y * over, ab.x * over);
         let slopes = [bx, cx, -(bx + cx)];
         let width = samples.width();
-        let halved = seen.texels.as_ref().map(|_| halvings(fineness(corners, area) * seen.side));
+        let halved =
+            seen.texels.as_ref().map(|_| halvings(fineness(corners.map(|c| c.uv), area) * seen.side));
         for row in top as u32..=bottom as u32 {
             let y = row as f32 + 0.5 + first_row - a.at.y;
             // Where this row crosses the corner a's column.
@@ -175,7 +191,7 @@ impl<'a> Triangles<'a> {
             for x in start as u32..=end as u32 {
                 let dx = x as f32 + 0.5 - a.at.x;
                 let (wb, wc) = (wb + bx * dx, wc + cx * dx);
-                let mix = |of: fn(&Vertex) -> f32| of(&a) + (of(&b) - of(&a)) * wb + (of(&c) - of(&a)) * wc;
+                let mix = |of: fn(&Corner) -> f32| of(&a) + (of(&b) - of(&a)) * wb + (of(&c) - of(&a)) * wc;
                 let nearness = mix(|v| v.nearness);
                 let at = line + x as usize;
                 if nearness <= samples.nearness[at] {
@@ -188,17 +204,16 @@ impl<'a> Triangles<'a> {
                     }
                     _ => seen.base_color,
                 };
-                let light = (color * mix(|v| v.light)).lerp(self.haze, mix(|v| v.haze));
+                let light = (color * mix(|v| v.light)).lerp(self.lens.air.color(), mix(|v| v.haze));
                 samples.light[at] = light.extend(1.0);
             }
         }
     }
 }
 
-/// Pictures on a sample's side.
-fn fineness(corners: [Vertex; 3], area: f32) -> f32 {
-    let [a, b, c] = corners;
-    libm::sqrtf(((b.uv - a.uv).perp_dot(c.uv - a.uv) / area).abs())
+/// Pictures on a sample's side, of a triangle of twice an area in samples.
+fn fineness([a, b, c]: [Vec2; 3], area: f32) -> f32 {
+    libm::sqrtf(((b - a).perp_dot(c - a) / area).abs())
 }
 
 /// How often a picture is to be halved for about one texel a sample.
@@ -215,36 +230,35 @@ struct Lens<'a> {
 }
 
 impl Lens<'_> {
-    fn see(
-        &self,
-        part: &Part,
-        double_sided: bool,
-        monitor: &dyn Monitor,
-    ) -> Result<Vec<Vertex>, RasterError> {
-        let mesh = &part.mesh;
-        let one = |i: usize| {
-            let place = mesh.positions[i];
-            let seen = self.view.project(place);
-            let mut normal = self.view.turn(mesh.normals[i]);
-            if double_sided && normal.z < 0.0 {
-                normal = -normal;
-            }
-            let light = self.air.light_at(place) * on_surface(normal) * self.exposure;
-            Vertex {
-                at: seen.at * self.factor as f32,
-                nearness: 1.0 / seen.depth_m,
-                light,
-                haze: self.air.thickness(seen.depth_m),
-                uv: mesh.uvs[i],
-            }
-        };
-        let chunks = mesh.positions.len().div_ceil(AT_ONCE);
-        let parts = (0..chunks).into_par_iter().map(|chunk| {
+    fn place(&self, positions: &[Vec3], monitor: &dyn Monitor) -> Result<Vec<Vertex>, RasterError> {
+        let mut vertices = vec![Vertex::default(); positions.len()];
+        let chunks = vertices.par_chunks_mut(AT_ONCE).zip(positions.par_chunks(AT_ONCE));
+        chunks.try_for_each(|(vertices, positions)| {
             monitor.check()?;
-            let range = chunk * AT_ONCE..((chunk + 1) * AT_ONCE).min(mesh.positions.len());
-            Ok(range.map(one).collect())
-        });
-        Ok(parts.collect::<Result<Vec<Vec<Vertex>>, RasterError>>()?.concat())
+            for (vertex, &place) in vertices.iter_mut().zip(positions) {
+                let seen = self.view.project(place);
+                *vertex = Vertex { at: seen.at * self.factor as f32, nearness: 1.0 / seen.depth_m };
+            }
+            Ok::<(), RasterError>(())
+        })?;
+        Ok(vertices)
+    }
+
+    /// Most triangles of a large tree are twigs that nobody sees, so light waits until one is drawn.
+    fn light(&self, seen: &Seen, vertex: u32) -> Corner {
+        let (mesh, vertex) = (&seen.part.mesh, vertex as usize);
+        let mut normal = self.view.turn(mesh.normals[vertex]);
+        if seen.double_sided && normal.z < 0.0 {
+            normal = -normal;
+        }
+        let Vertex { at, nearness } = seen.vertices[vertex];
+        Corner {
+            at,
+            nearness,
+            light: self.air.light_at(mesh.positions[vertex]) * on_surface(normal) * self.exposure,
+            haze: self.air.thickness(1.0 / nearness),
+            uv: mesh.uvs[vertex],
+        }
     }
 }
 
@@ -285,7 +299,9 @@ impl Sorter<'_> {
                 continue;
             }
             if self.texels > 0.0 {
-                bin.finest = bin.finest.min(fineness(seen, area) * self.texels);
+                bin.finest = bin
+                    .finest
+                    .min(fineness(corners.map(|v| self.part.mesh.uvs[v as usize]), area) * self.texels);
             }
             for band in (first_y / self.band) as usize..=(last_y / self.band) as usize {
                 bin.bands[band].push((first + i) as u32);
