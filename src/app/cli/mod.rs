@@ -34,6 +34,7 @@ const STYLES: Styles = Styles::styled()
 /// Grows trees from L-systems and space colonization and hands them to every 3D pipeline.
 #[derive(Parser)]
 #[command(name = "linden", version, styles = STYLES, max_term_width = 110, args_conflicts_with_subcommands = true)]
+#[command(override_usage = "linden [OPTIONS] [COMMAND]")]
 #[command(after_help = EXAMPLES)]
 struct Cli {
     #[command(subcommand)]

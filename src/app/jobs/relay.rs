@@ -81,11 +81,13 @@ mod tests {
     fn young_work_finishes_and_old_work_is_cancelled() {
         let (sender, answers) = mpsc::channel();
         let (go, gate) = mpsc::channel::<()>();
+        let (entered, is_in) = mpsc::channel::<()>();
         let lane = Lane::start(
             "test",
             move |answer: Answer<&'static str>| drop(sender.send(answer)),
             move |request: &'static str, watcher, give| {
                 if request == "slow" {
+                    entered.send(()).unwrap();
                     while !watcher.is_cancelled() {
                         std::thread::yield_now();
                     }
@@ -119,6 +121,7 @@ mod tests {
         relay.finished(answer.number, start);
         assert!(relay.is_idle() && relay.wake_at().is_none());
         relay.want("slow", start);
+        is_in.recv().unwrap();
         go.send(()).unwrap();
         relay.want("d", start + Duration::from_millis(900));
         relay.advance(start + Duration::from_millis(1001));
