@@ -24,6 +24,9 @@ const FULL_BYTES: usize = 100_000;
 const LONGEST_PX: u32 = 1400;
 /// A draft in pixels is so many times coarser.
 const DRAFT_SCALE: u32 = 2;
+/// Sides of the thickest tube, and pixels of the bark's side, on a screen.
+const MOST_SIDES: u32 = 12;
+const MOST_BARK_PX: u32 = 256;
 /// A cell's pixels where a terminal does not tell: what most fonts come near.
 const USUAL_CELL_PX: (u16, u16) = (10, 20);
 
@@ -229,7 +232,8 @@ impl Painter {
             ..base
         };
         let drawn = match (request.look, request.stage) {
-            (Look::Surface, None) => {
+            // Until the surface is there, its skeleton is: a draft does not wait.
+            (Look::Surface, None) if request.detail == Detail::Full || self.has_scene(shown) => {
                 let scene = self.scene(shown, watcher)?;
                 draw_surface(&Surface::from(scene), &request.camera, &style, size, watcher)
             }
@@ -245,11 +249,18 @@ impl Painter {
         drawn.map_err(|error| if error == RasterError::Cancelled { None } else { Some(error.to_string()) })
     }
 
-    /// The surface of a tree.
+    fn has_scene(&self, shown: &Arc<Shown>) -> bool {
+        self.scene.as_ref().is_some_and(|(of, _)| Arc::ptr_eq(of, shown))
+    }
+
+    /// The surface of a tree, no finer than a screen shows: exports have all of it.
     fn scene(&mut self, shown: &Arc<Shown>, watcher: &Watcher<'_>) -> Result<&Scene, Option<String>> {
-        if !self.scene.as_ref().is_some_and(|(of, _)| Arc::ptr_eq(of, shown)) {
+        if !self.has_scene(shown) {
             self.scene = None;
-            let scene = dress(&shown.recipe, &shown.grown, watcher).map_err(|error| match error {
+            let mut recipe = (*shown.recipe).clone();
+            recipe.preset.tubes.sides = recipe.preset.tubes.sides.min(MOST_SIDES);
+            recipe.preset.bark.size_px = recipe.preset.bark.size_px.min(MOST_BARK_PX);
+            let scene = dress(&recipe, &shown.grown, watcher).map_err(|error| match error {
                 DressError::Cancelled(_) => None,
                 other => Some(other.to_string()),
             })?;

@@ -87,6 +87,9 @@ pub fn update(model: &mut Model, msg: Msg, now: Instant) -> Effects {
         Msg::Painted(painted) => picture::painted(model, *painted),
         Msg::NotPainted(why) => model.say_error(format!("drawing: {why}")),
         Msg::Broken(doing, why) => {
+            if let Some(tree) = &mut model.tree {
+                tree.growing = None;
+            }
             model.say_error(format!("{doing} failed, which is a fault in linden: {why}; please report it"));
         }
         Msg::Thumbnail(thumbnail) => vary::thumbnail(model, *thumbnail),

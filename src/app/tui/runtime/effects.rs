@@ -13,6 +13,7 @@ use super::{End, Happening, Runtime, memory, setup};
 use crate::config::presets;
 use crate::config::session::Session;
 use crate::config::watch::Watch;
+use crate::jobs::THREAD_PREFIX;
 use crate::tui::effect::Effect;
 use crate::tui::model::Config;
 use crate::tui::tree::{Changes, Place};
@@ -107,7 +108,7 @@ impl Runtime {
             if let Ok(mut child) = child {
                 let text = text.to_owned();
                 // It may hang; nobody waits for it here.
-                std::thread::spawn(move || {
+                aside("clipboard", move || {
                     if let Some(mut input) = child.stdin.take() {
                         let _ = input.write_all(text.as_bytes());
                     }
@@ -173,7 +174,7 @@ impl Runtime {
     pub(super) fn list_presets(&mut self) {
         let Some(dir) = self.model.config.dirs.presets() else { return };
         let sender = self.sender.clone();
-        std::thread::spawn(move || {
+        aside("presets", move || {
             let (found, complaints) = presets::list(&dir, &Quiet);
             // Nobody listens only when the program ends.
             drop(sender.send(Happening::Msg(Box::new(Msg::Presets(found, complaints)))));
@@ -226,6 +227,14 @@ impl Runtime {
         let config = Config { dirs, theme, keymap, settings, complaints };
         self.update(Msg::Configured(Box::new(config)));
         self.know_terminal(Instant::now());
+    }
+}
+
+/// Does something small that may take its time. Without a thread it is not done: nothing depends on it.
+fn aside(name: &str, work: impl FnOnce() + Send + 'static) {
+    let spawned = std::thread::Builder::new().name(format!("{THREAD_PREFIX}{name}")).spawn(work);
+    if let Err(error) = spawned {
+        tracing::debug!(%error, name, "no thread");
     }
 }
 

@@ -31,7 +31,7 @@ use super::frame;
 use super::model::{Layer, Model};
 use super::update::{Msg, update};
 use crate::config::watch::Watch;
-use crate::jobs::THREAD_PREFIX;
+use crate::jobs::{THREAD_PREFIX, lower_priority};
 
 /// How a workbench begins.
 #[derive(Default)]
@@ -101,7 +101,14 @@ mod stats;
 /// # Errors
 /// When the terminal cannot be taken, or the system refuses a thread.
 pub fn run(tty: Tty, start: Start) -> anyhow::Result<End> {
-    install_panic_hook(THREAD_PREFIX, |_| {});
+    install_panic_hook(THREAD_PREFIX, |panic| tracing::error!(%panic, "a job panicked"));
+    // Trees grow on all cores, but keys come first. When there is a pool already, that is no harm.
+    let pool = rayon::ThreadPoolBuilder::new()
+        .thread_name(|index| format!("{THREAD_PREFIX}pool-{index}"))
+        .start_handler(|_| lower_priority());
+    if let Err(error) = pool.build_global() {
+        tracing::debug!(%error, "the thread pool");
+    }
     let (sender, happenings) = channel();
     let mut runtime = Runtime::start(tty, start, &sender)?;
     runtime.paint();
