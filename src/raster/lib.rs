@@ -1,7 +1,7 @@
-//! Draws trees on the CPU: camera + [`Skeleton`](linden::Skeleton) → RGBA pixels.
+//! Draws trees on the CPU: camera + [`Skeleton`](linden::Skeleton) or [`Surface`] → RGBA pixels.
 //!
-//! Takes values, gives values: this crate opens no file and writes to no terminal. The same
-//! skeleton, camera, style and size give the same pixels.
+//! Takes values, gives values: this crate opens no file and writes to no terminal. The same tree,
+//! camera, style and size give the same pixels, whatever the number of threads.
 //!
 //! | module | is |
 //! |---|---|

@@ -7,8 +7,10 @@ mod sample;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use linden::Quiet;
-use linden_raster::{Camera, Paint, Size, Style, draw_skeleton};
+use linden::scene::{Material, Part};
+use linden::surface::{Tubes, sweep};
+use linden::{Quiet, Skeleton};
+use linden_raster::{Camera, Paint, Size, Style, Surface, draw_skeleton, draw_surface};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let folder: PathBuf = std::env::args_os().nth(1).unwrap_or_else(|| ".".into()).into();
@@ -41,5 +43,25 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             std::fs::write(folder.join(format!("paint-{name}-{ground}.png")), picture.srgb_png()?)?;
         }
     }
+    let (parts, materials) = skin(&tree)?;
+    let surface = Surface { parts: &parts, materials: &materials, skeleton: &tree };
+    for (ground, style) in [("studio", Style::studio()), ("dark", Style::over_dark())] {
+        let style = Style { person: true, ..style };
+        let picture = draw_surface(&surface, &Camera::default(), &style, Size::new(400, 500)?, &Quiet)?;
+        std::fs::write(folder.join(format!("surface-{ground}.png")), picture.srgb_png()?)?;
+    }
     Ok(())
+}
+
+fn skin(tree: &Skeleton) -> Result<(Vec<Part>, Vec<Material>), Box<dyn std::error::Error>> {
+    let mesh = sweep(tree, &Tubes::default(), &Quiet)?;
+    let bark = Material {
+        name: "bark".to_owned(),
+        base_color: [0.16, 0.1, 0.06],
+        base_color_picture: None,
+        normal_picture: None,
+        roughness: 0.9,
+        double_sided: false,
+    };
+    Ok((vec![Part { name: "wood".to_owned(), material: 0, mesh }], vec![bark]))
 }

@@ -27,22 +27,26 @@ pub(crate) fn trace(
 ) -> Result<(), RasterError> {
     let frame = Vec2::new(size.width() as f32, size.height() as f32);
     let color = linear(style.point);
-    let radius_px = (frame.min_element() / 400.0).clamp(0.5, 3.0);
+    let (radius_px, alpha) = faded(frame.min_element() / 400.0, 0.5, 3.0);
     for (i, &point) in style.points.iter().enumerate() {
         if i % CHECK_EVERY == 0 {
             monitor.check()?;
         }
         let seen = view.project(point);
         if point.is_finite() && seen.at.cmpge(Vec2::ZERO).all() && seen.at.cmple(frame).all() {
-            runs.begin(Kind::Thick, dot(seen, radius_px, air.haze(color, seen.depth_m), 0.8));
+            runs.begin(
+                Kind::Thick,
+                dot(seen, radius_px, air.haze(color, seen.depth_m), 0.85 * alpha * alpha),
+            );
         }
     }
-    let half_px = (frame.min_element() / 500.0).clamp(0.7, 2.0) / 2.0;
+    let (width_px, alpha) = faded(frame.min_element() / 500.0, 0.7, 2.0);
+    let pen = Pen { half_px: width_px / 2.0, alpha, color: linear(style.line) };
     for (i, line) in style.outline.iter().enumerate() {
         if i % 1024 == 0 {
             monitor.check()?;
         }
-        outline(line, half_px, linear(style.line), framed, view, air, frame, runs);
+        outline(line, &pen, framed, view, air, frame, runs);
     }
     if style.person
         && let Some(person) = framed.person
@@ -52,18 +56,21 @@ pub(crate) fn trace(
     Ok(())
 }
 
-/// One polyline, in pieces that are short enough to be sorted among the branches.
-#[expect(clippy::too_many_arguments, reason = "all of it is one line's whereabouts")]
-fn outline(
-    line: &[Vec3],
+/// What an outline is drawn with.
+struct Pen {
     half_px: f32,
+    alpha: f32,
     color: Vec3,
-    framed: &Extent,
-    view: &View,
-    air: &Air,
-    frame: Vec2,
-    runs: &mut Runs,
-) {
+}
+
+/// A width between two, and how opaque it is: in a small picture, what should be thinner still must
+/// not bury the tree.
+fn faded(ideal_px: f32, least_px: f32, most_px: f32) -> (f32, f32) {
+    (ideal_px.clamp(least_px, most_px), libm::sqrtf((ideal_px / least_px).min(1.0)))
+}
+
+/// One polyline, in pieces that are short enough to be sorted among the branches.
+fn outline(line: &[Vec3], pen: &Pen, framed: &Extent, view: &View, air: &Air, frame: Vec2, runs: &mut Runs) {
     let longest_m = (framed.height().max(2.0 * framed.radius()) / 24.0).max(1e-6);
     for (i, pair) in line.windows(2).enumerate() {
         let [from, to] = [pair[0], pair[1]];
@@ -82,10 +89,10 @@ fn outline(
             let [before, behind] = LINE_ALPHA;
             let stroke = Stroke {
                 ends: [a.at, b.at],
-                half_widths: [half_px; 2],
+                half_widths: [pen.half_px; 2],
                 depth_m,
-                alpha: before + (behind - before) * air.way(depth_m),
-                color: air.haze(color, depth_m),
+                alpha: pen.alpha * (before + (behind - before) * air.way(depth_m)),
+                color: air.haze(pen.color, depth_m),
                 bar: None,
                 caps: [Cap::Cut; 2],
             };

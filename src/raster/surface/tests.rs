@@ -253,3 +253,20 @@ fn meshes_that_contradict_themselves_are_refused() {
     strange.mesh.uvs[70] = Vec2::splat(f32::INFINITY);
     assert!(draw(&[strange]).is_ok());
 }
+
+#[test]
+fn any_camera_and_any_size_are_harmless() {
+    let (skeleton, parts) = tree(1);
+    let letter = Picture::new(3, 5, (0..60).map(|i| i * 4).collect());
+    let bark = Material { base_color_picture: Some(std::sync::Arc::new(letter)), ..material([0.4; 3]) };
+    let tiny = Extent { bottom: 0.5, top: 0.6, ..Extent::of(&skeleton, &[]).unwrap() };
+    for zoom in [0.01, 1.0, 1000.0] {
+        for extent in [None, Some(Extent { radii: [1e-3; crate::extent::RINGS], ..tiny })] {
+            for (w, h) in [(1, 1), (70, 3), (5, 200)] {
+                let camera = Camera { zoom, extent, pan: Vec2::new(0.3, -0.9), ..Camera::default() };
+                let picture = draw(&parts, std::slice::from_ref(&bark), &skeleton, &camera, size(w, h));
+                assert_eq!(picture.rgba().len(), (w * h * 4) as usize);
+            }
+        }
+    }
+}

@@ -218,7 +218,7 @@ fn fineness([a, b, c]: [Vec2; 3], area: f32) -> f32 {
 
 /// How often a picture is to be halved for about one texel a sample.
 fn halvings(texels: f32) -> u32 {
-    if texels.is_finite() && texels >= 1.0 { libm::log2f(texels) as u32 } else { 0 }
+    if texels >= 1.0 { libm::log2f(texels) as u32 } else { 0 }
 }
 
 /// Where vertices are seen, and in what light.
