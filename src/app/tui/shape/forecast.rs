@@ -48,10 +48,10 @@ mod tests {
     #[test]
     fn abops_tree_is_counted() {
         let mut preset = linden::preset::builtin("abop-a").unwrap().load().unwrap();
-        // n of F -> F[+F]F[-F]F: 5^k segments, and 8 symbols for each step of each F beside it.
+        // F -> F[+F]F[-F]F: 5^5 segments, and six other symbols for each F that was rewritten: 781.
         assert_eq!(
             line(&preset).unwrap(),
-            "9 373 symbols, 3 125 segments, 5 branches deep after 5 derivations"
+            "7 811 symbols, 3 125 segments, 5 branches deep after 5 derivations"
         );
         preset.set("derivations", "20").unwrap();
         assert!(line(&preset).unwrap().ends_with("more than the symbol_limit of 50 000 000"));

@@ -174,9 +174,9 @@ pub fn finish(model: &mut Model, effects: &mut Effects) {
 pub fn step(model: &mut Model, back: bool) {
     change(model, |text| {
         if back {
-            text.undo()
+            text.undo();
         } else {
-            text.redo()
+            text.redo();
         }
         true
     });

@@ -56,10 +56,10 @@ fn real(x: f64, [min, max]: [f64; 2], up: bool, nudge: Nudge) -> f64 {
     let step = round_step(scale(x, min, max)) * nudge.factor();
     let sign = if up { 1.0 } else { -1.0 };
     // On the grid of the step, so that 0.1 + 0.2 stays 0.3.
-    let moved = ((x / step + sign).round() * step).clamp(min, max);
+    let moved = (x / step + sign).round() * step;
     // As many digits as the step has: products of floats have a tail.
     let digits = (-libm::floor(libm::log10(step))).max(0.0) + 1.0;
-    format!("{moved:.*}", digits as usize).parse().unwrap_or(moved)
+    format!("{moved:.*}", digits as usize).parse().unwrap_or(moved).clamp(min, max)
 }
 
 fn whole(n: u64, max: u64, up: bool, nudge: Nudge) -> u64 {

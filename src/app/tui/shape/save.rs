@@ -29,7 +29,8 @@ pub fn proposed(model: &Model) -> String {
         _ => id,
     };
     let is_free = |id: &String| model.library.places().all(|(own, _)| own != id);
-    (2..).map(|n: u64| format!("{stem}-{n}")).find(is_free).unwrap_or_default()
+    // Nobody has more; and who has chooses a name.
+    (2..100_000).map(|n: u32| format!("{stem}-{n}")).find(is_free).unwrap_or_default()
 }
 
 /// The file that a preset of that id is saved in.
@@ -124,18 +125,10 @@ pub fn documents(
         }
         found.push((own, bytes));
     }
-    let preset = renamed(recipe, from, id, &path).preset;
-    let text = preset.to_toml().map_err(|error| {
-        if preset.seed > i64::MAX as u64 {
-            format!(
-                "the seed {} is too large for a preset's file: choose one up to {}",
-                preset.seed,
-                i64::MAX
-            )
-        } else {
-            format!("writing the preset: {error}")
-        }
-    })?;
+    let text = renamed(recipe, from, id, &path)
+        .preset
+        .to_toml()
+        .map_err(|error| format!("writing the preset: {error}"))?;
     found.push((name, text.into_bytes()));
     Ok(found)
 }

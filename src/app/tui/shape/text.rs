@@ -10,7 +10,7 @@ const MOST_REMEMBERED: usize = 32 << 20;
 /// Text and a cursor in it.
 #[derive(Debug, Default)]
 pub struct Text {
-    text: String,
+    content: String,
     /// Byte offset of the cursor, at a character's beginning or the end.
     at: usize,
     /// The column that Up and Down keep to past shorter lines.
@@ -31,22 +31,22 @@ enum Edit {
 impl Text {
     /// A text with the cursor at its beginning.
     pub fn new(text: &str) -> Self {
-        Self { text: normal(text), ..Self::default() }
+        Self { content: normal(text), ..Self::default() }
     }
 
     /// The text, its lines ended by `\n`.
     pub fn as_str(&self) -> &str {
-        &self.text
+        &self.content
     }
 
     /// The lines; at least one.
     pub fn lines(&self) -> impl Iterator<Item = &str> {
-        self.text.split('\n')
+        self.content.split('\n')
     }
 
     /// Line and character of the cursor, from 0.
     pub fn cursor(&self) -> (usize, usize) {
-        let before = &self.text[..self.at];
+        let before = &self.content[..self.at];
         (before.matches('\n').count(), before[self.line_start()..].chars().count())
     }
 
@@ -96,7 +96,7 @@ impl Text {
             (KeyCode::Left, ..) | (KeyCode::Char('b'), _, true) => self.at = self.word_before(),
             (KeyCode::Right, ..) | (KeyCode::Char('f'), _, true) => self.at = self.word_after(),
             (KeyCode::Home, true, _) => self.at = 0,
-            (KeyCode::End, true, _) => self.at = self.text.len(),
+            (KeyCode::End, true, _) => self.at = self.content.len(),
             (KeyCode::Home, ..) | (KeyCode::Char('a'), true, _) => self.at = self.line_start(),
             (KeyCode::End, ..) | (KeyCode::Char('e'), true, _) => self.at = self.line_end(),
             (KeyCode::Up | KeyCode::Down | KeyCode::PageUp | KeyCode::PageDown, ..) => {
@@ -124,12 +124,12 @@ impl Text {
     /// its line and character if it can.
     pub fn replace(&mut self, text: &str) -> bool {
         let text = normal(text);
-        if text == self.text {
+        if text == self.content {
             return false;
         }
         let (line, column) = self.cursor();
         self.remember(None);
-        self.text = text;
+        self.content = text;
         self.at = 0;
         self.place(line, column);
         true
@@ -148,7 +148,7 @@ impl Text {
     /// One step back.
     pub fn undo(&mut self) {
         if let Some((text, at)) = self.past.pop() {
-            let now = std::mem::replace(&mut self.text, text);
+            let now = std::mem::replace(&mut self.content, text);
             self.future.push((now, std::mem::replace(&mut self.at, at)));
             self.settle();
         }
@@ -157,7 +157,7 @@ impl Text {
     /// One step forward again.
     pub fn redo(&mut self) {
         if let Some((text, at)) = self.future.pop() {
-            let now = std::mem::replace(&mut self.text, text);
+            let now = std::mem::replace(&mut self.content, text);
             self.past.push((now, std::mem::replace(&mut self.at, at)));
             self.settle();
         }
@@ -173,7 +173,7 @@ impl Text {
             return false;
         }
         self.remember(edit);
-        self.text.insert_str(self.at, text);
+        self.content.insert_str(self.at, text);
         self.at += text.len();
         true
     }
@@ -184,14 +184,14 @@ impl Text {
         }
         self.remember(edit);
         self.at = range.start;
-        self.text.replace_range(range, "");
+        self.content.replace_range(range, "");
         true
     }
 
     /// Keeps the text for undo, unless the change goes on with the last one.
     fn remember(&mut self, edit: Option<Edit>) {
         if edit.is_none() || self.last != edit {
-            self.past.push((self.text.clone(), self.at));
+            self.past.push((self.content.clone(), self.at));
             let mut held: usize = self.past.iter().map(|(text, _)| text.len()).sum();
             while held > MOST_REMEMBERED && self.past.len() > 1 {
                 held -= self.past.remove(0).0.len();
@@ -205,46 +205,49 @@ impl Text {
     fn place(&mut self, line: usize, column: usize) {
         let mut start = 0;
         for _ in 0..line {
-            match self.text[start..].find('\n') {
+            match self.content[start..].find('\n') {
                 Some(end) => start += end + 1,
                 None => break,
             }
         }
         self.at = start;
         let end = self.line_end();
-        self.at = self.text[start..end].char_indices().nth(column).map_or(end, |(i, _)| start + i);
+        self.at = self.content[start..end].char_indices().nth(column).map_or(end, |(i, _)| start + i);
     }
 
     fn line_start(&self) -> usize {
-        self.text[..self.at].rfind('\n').map_or(0, |end| end + 1)
+        self.content[..self.at].rfind('\n').map_or(0, |end| end + 1)
     }
 
     fn line_end(&self) -> usize {
-        self.text[self.at..].find('\n').map_or(self.text.len(), |end| self.at + end)
+        self.content[self.at..].find('\n').map_or(self.content.len(), |end| self.at + end)
     }
 
     /// So many characters before the cursor.
     fn before(&self, characters: usize) -> usize {
-        self.text[..self.at].char_indices().rev().take(characters).last().map_or(self.at, |(i, _)| i)
+        self.content[..self.at].char_indices().rev().take(characters).last().map_or(self.at, |(i, _)| i)
     }
 
     fn after(&self, characters: usize) -> usize {
-        self.text[self.at..].char_indices().nth(characters).map_or(self.text.len(), |(i, _)| self.at + i)
+        self.content[self.at..]
+            .char_indices()
+            .nth(characters)
+            .map_or(self.content.len(), |(i, _)| self.at + i)
     }
 
     /// Where the word before the cursor begins: past blanks, then letters or then signs.
     fn word_before(&self) -> usize {
-        let before = self.text[..self.at].trim_end();
+        let before = self.content[..self.at].trim_end();
         let Some(kind) = before.chars().next_back().map(is_letter) else { return 0 };
         before.trim_end_matches(|c: char| !c.is_whitespace() && is_letter(c) == kind).len()
     }
 
     /// Where the word after the cursor ends.
     fn word_after(&self) -> usize {
-        let after = self.text[self.at..].trim_start();
-        let Some(kind) = after.chars().next().map(is_letter) else { return self.text.len() };
+        let after = self.content[self.at..].trim_start();
+        let Some(kind) = after.chars().next().map(is_letter) else { return self.content.len() };
         let rest = after.trim_start_matches(|c: char| !c.is_whitespace() && is_letter(c) == kind);
-        self.text.len() - rest.len()
+        self.content.len() - rest.len()
     }
 }
 

@@ -15,8 +15,8 @@ use crate::tui::frame::{View, clipped};
 use crate::tui::model::{Layer, Model, Pane, Target};
 use crate::tui::tree::{Tree, grammar_of};
 
-/// Rows that explain what the cursor is on, where there is room: a fourth of the form, within these.
-const ABOUT: [u16; 2] = [4, 10];
+/// Rows that explain what the cursor is on, where there is room: a third of the form, within these.
+const ABOUT: [u16; 2] = [4, 9];
 /// Columns of a knob's name.
 const NAME: u16 = 18;
 /// The mark of what differs from the document, and of what was refused.
@@ -41,7 +41,7 @@ pub fn view(model: &Model, area: Rect, buffer: &mut Buffer, view: &mut View) {
         buffer.set_stringn(area.x, area.y, text, area.width.into(), theme.dim);
         return;
     };
-    let about = if area.height >= 12 { (area.height / 4).clamp(ABOUT[0], ABOUT[1]) } else { 0 };
+    let about = if area.height >= 12 { (area.height / 3).clamp(ABOUT[0], ABOUT[1]) } else { 0 };
     let list = Rect { height: area.height - about, ..area };
     let rows = rows(&tree.wanted().preset);
     let chosen = spot(model, &rows);
@@ -261,7 +261,14 @@ impl FormView<'_> {
             }
             // No more than is needed: nobody counts to 2^64.
             Kind::Integer { max: u64::MAX, .. } => vec![Span::styled("any whole number from 0", theme.unit)],
-            kind => vec![Span::styled(format!("{kind}{unit}"), theme.unit)],
+            kind @ (Kind::Real { .. } | Kind::Length { .. }) => {
+                // The unit stands with the numbers: 0 to 10 m, or auto.
+                let kind = kind.to_string();
+                let (numbers, or) = kind.split_at(kind.find(", or ").unwrap_or(kind.len()));
+                vec![Span::styled(format!("{numbers}{unit}{or}"), theme.unit)]
+            }
+            kind if unit.is_empty() => vec![Span::styled(kind.to_string(), theme.unit)],
+            kind => vec![Span::styled(format!("{kind} ({})", own.knob.unit), theme.unit)],
         };
         if self.tree.is_turned(own)
             && let Some(other) = own.read(&self.other().preset)
