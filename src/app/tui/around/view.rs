@@ -97,8 +97,7 @@ pub fn palette(model: &Model, palette: &Palette, body: Rect, buffer: &mut Buffer
 pub fn line(model: &Model, line: &Line, body: Rect, buffer: &mut Buffer, view: &mut View) {
     let theme = &model.config.theme;
     let has_place = match line.purpose {
-        Purpose::Filter { .. } => view.cursor.is_some(),
-        Purpose::Knob(_) => view.cursor.is_some(),
+        Purpose::Filter { .. } | Purpose::Knob(_) => view.cursor.is_some(),
         Purpose::SaveAs | Purpose::Replace(_) => false,
     };
     if has_place || body.is_empty() {

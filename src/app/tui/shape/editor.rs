@@ -103,6 +103,10 @@ fn body_of(
             x += width;
         }
         let length = line.chars().count();
+        if i == cursor.0 && cursor.1 < length && cursor.1 >= skipped && view.cursor.is_none() {
+            // Wide characters may have pushed it out.
+            view.cursor = Some((area.right().saturating_sub(1), y));
+        }
         if x < area.right() {
             // What is missing is missing past the end.
             buffer[(x, y)].set_style(wrong(editor, (i, length), Style::new(), theme));

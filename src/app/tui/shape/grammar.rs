@@ -261,6 +261,11 @@ pub fn take_text(model: &mut Model, text: &str) {
 /// Changes the text, and what follows from it.
 fn change(model: &mut Model, edit: impl FnOnce(&mut Text) -> bool) {
     let Some(Layer::Grammar(editor)) = model.layers.last_mut() else { return };
+    // Its file may have been read again, and say something else now.
+    if model.tree.as_ref().is_none_or(|tree| tree.grammar().is_none()) {
+        model.layers.pop();
+        return model.say_warning("the tree on screen has no grammar any more; its editor was closed");
+    }
     if edit(&mut editor.text) {
         let text = editor.text.as_str();
         let read = parse_grammar(text);

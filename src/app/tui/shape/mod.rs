@@ -224,6 +224,9 @@ pub fn saved(model: &mut Model, saved: Result<(String, PathBuf), String>, effect
                 let from = tree.place.clone();
                 let renamed = |recipe: &_| save::renamed(recipe, &from, &id, &path);
                 tree.was_saved(Place::File(path.clone()), renamed);
+                // The list has it at once, not only when the folder was read again.
+                model.library.add_file(path.clone(), tree.preset());
+                model.library.select_place(&tree.place);
             }
             effects.push(super::effect::Effect::Reconfigure);
         }

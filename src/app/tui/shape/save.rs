@@ -163,7 +163,7 @@ fn input(from: &Place, recipe: &Recipe) -> Result<Vec<u8>, String> {
 /// and where its document is. There is never a document without the file that it needs.
 ///
 /// # Errors
-/// What is wrong, and that nothing of that id was changed.
+/// What is wrong. A document of that id is as it was.
 pub fn write(
     dir: &Path,
     id: &str,
@@ -185,10 +185,11 @@ pub fn write(
     let mut found = documents(dir, id, from, recipe)?;
     let Some((_, document)) = found.pop() else { return Err("there is nothing to save".to_owned()) };
     let document = String::from_utf8(document).map_err(|error| error.to_string())?;
+    let mut added = None;
     for (name, bytes) in found {
         let file = dir.join(name);
         match files::write(&file, &bytes, Readers::Umask, Existing::Keep) {
-            Ok(()) => {}
+            Ok(()) => added = Some(file),
             // The same file is there from the last time, or its owner has agreed to another.
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {
                 if fs::read(&file).ok().as_deref() != Some(&bytes) {
@@ -205,6 +206,14 @@ pub fn write(
             Err(error) => return Err(format!("writing {}: {error}", show(&file))),
         }
     }
-    let path = presets::save(dir, id, &document, overwrite).map_err(|error| error.to_string())?;
-    Ok((id.to_owned(), path))
+    match presets::save(dir, id, &document, overwrite) {
+        Ok(path) => Ok((id.to_owned(), path)),
+        Err(error) => {
+            if let Some(file) = added {
+                // Nothing names it.
+                let _ = fs::remove_file(file);
+            }
+            Err(error.to_string())
+        }
+    }
 }

@@ -109,7 +109,7 @@ fn reset_revert_compare_undo_and_redo() {
 fn keys_that_are_held_are_one_step_of_undo_and_there_and_back_is_none() {
     let mut bench = Bench::new("fir");
     let now = bench.model.now;
-    let mut press = |bench: &mut Bench, key: &str, ms| {
+    let press = |bench: &mut Bench, key: &str, ms| {
         let event = Event::Key(key.parse().unwrap());
         crate::tui::update::update(&mut bench.model, Msg::Input(event), now + Duration::from_millis(ms));
     };
@@ -125,7 +125,7 @@ fn keys_that_are_held_are_one_step_of_undo_and_there_and_back_is_none() {
     assert!(!bench.tree().can_undo());
     // The same value typed again is no change that the next one could join.
     press(&mut bench, "right", 9000);
-    bench.model.tree.as_mut().unwrap().set("seed", "1", now + Duration::from_millis(20_000)).unwrap();
+    bench.model.tree.as_mut().unwrap().set("seed", "1", now + Duration::from_secs(20)).unwrap();
     bench.model.tree.as_mut().unwrap().set("seed", "7", now + Duration::from_millis(20_100)).unwrap();
     bench.keys("u");
     assert_eq!((bench.value("seed"), bench.value("points")), ("1".to_owned(), "1020".to_owned()));
@@ -213,10 +213,10 @@ fn the_grammar_is_edited_in_place_and_grows_as_it_is_typed() {
 /// The cell where the text is wrong.
 fn underlined(buffer: &ratatui::buffer::Buffer) -> Option<(u16, u16)> {
     let area = buffer.area;
-    let cells = (0..area.height).flat_map(|y| (0..area.width).map(move |x| (x, y)));
+    let mut cells = (0..area.height).flat_map(|y| (0..area.width).map(move |x| (x, y)));
     let is_wrong =
         |&(x, y): &(u16, u16)| buffer[(x, y)].modifier.contains(Modifier::UNDERLINED | Modifier::BOLD);
-    cells.filter(is_wrong).last()
+    cells.rfind(is_wrong)
 }
 
 #[test]

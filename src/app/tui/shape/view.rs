@@ -19,8 +19,10 @@ use crate::tui::tree::{Tree, grammar_of};
 const ABOUT: [u16; 2] = [4, 9];
 /// Columns of a knob's name.
 const NAME: u16 = 18;
-/// The mark of what differs from the document, and of what was refused.
+/// The marks of what differs from the document, of the same while the document is looked at, and of
+/// what was refused.
 const TURNED: &str = "●";
+const ASIDE: &str = "○";
 const REFUSED: &str = "✗";
 
 /// What the pane's border says beside its name.
@@ -45,7 +47,17 @@ pub fn view(model: &Model, area: Rect, buffer: &mut Buffer, view: &mut View) {
     let list = Rect { height: area.height - about, ..area };
     let rows = rows(&tree.wanted().preset);
     let chosen = spot(model, &rows);
-    let form = FormView { model, tree, chosen, culprit: culprit(tree) };
+    let other = if tree.compares { tree.recipe() } else { tree.saved() };
+    let form = FormView {
+        model,
+        tree,
+        chosen,
+        culprit: culprit(tree),
+        other: &other.preset,
+        other_rules: grammar_of(&other.preset)
+            .map(|grammar| super::grammar::lines(grammar).0)
+            .unwrap_or_default(),
+    };
     let at = rows.iter().position(|row| row.spot().is_some() && row.spot() == chosen).unwrap_or(0);
     let first = first_row(at, rows.len(), list.height.into());
     for (y, (i, row)) in (list.y..list.bottom()).zip(rows.iter().enumerate().skip(first)) {
@@ -105,6 +117,10 @@ struct FormView<'a> {
     tree: &'a Tree,
     chosen: Option<Spot>,
     culprit: Option<&'static str>,
+    /// What is compared with: the saved preset, or the own one while the saved one is looked at.
+    other: &'a Preset,
+    /// Its grammar, a line each.
+    other_rules: Vec<String>,
 }
 
 impl FormView<'_> {
@@ -126,7 +142,13 @@ impl FormView<'_> {
             }
             Row::Rule(_, text) => {
                 buffer.set_style(area, base);
-                self.mark(self.is_other_rule(text).then_some(TURNED), base, area, buffer);
+                let is_other = !self.other_rules.contains(text);
+                self.mark(
+                    is_other.then_some(if self.tree.compares { ASIDE } else { TURNED }),
+                    base,
+                    area,
+                    buffer,
+                );
                 let inner = Rect { x: area.x + 1, width: area.width.saturating_sub(1), ..area };
                 let text = clipped(text, inner.width.into());
                 buffer.set_stringn(inner.x, inner.y, text, inner.width.into(), base.patch(theme.value));
@@ -142,17 +164,6 @@ impl FormView<'_> {
         let theme = &self.model.config.theme;
         let style = if mark == Some(REFUSED) { theme.error } else { theme.modified };
         buffer.set_stringn(area.x, area.y, mark.unwrap_or(" "), area.width.into(), base.patch(style));
-    }
-
-    /// Whether a line of the grammar is not one of the other version's.
-    fn is_other_rule(&self, line: &str) -> bool {
-        let Some(grammar) = grammar_of(&self.other().preset) else { return true };
-        self.tree.is_modified() && !super::grammar::lines(grammar).0.iter().any(|own| own == line)
-    }
-
-    /// What is compared with: the saved recipe, or the own one while the saved one is looked at.
-    fn other(&self) -> &linden::recipe::Recipe {
-        if self.tree.compares { self.tree.recipe() } else { self.tree.saved() }
     }
 
     #[expect(clippy::too_many_arguments, reason = "a row is painted from everything that there is to it")]
@@ -172,7 +183,7 @@ impl FormView<'_> {
         let mark = if refused {
             Some(REFUSED)
         } else {
-            turned.then_some(if self.tree.compares { "○" } else { TURNED })
+            turned.then_some(if self.tree.compares { ASIDE } else { TURNED })
         };
         self.mark(mark, base, area, buffer);
         let name_width = (area.width / 2).min(NAME);
@@ -270,8 +281,11 @@ impl FormView<'_> {
             kind if unit.is_empty() => vec![Span::styled(kind.to_string(), theme.unit)],
             kind => vec![Span::styled(format!("{kind} ({})", own.knob.unit), theme.unit)],
         };
+        if typed(self.model).is_some() && !complete::words(own.knob.name).is_empty() {
+            range.push(Span::styled(" · Tab completes", theme.dim));
+        }
         if self.tree.is_turned(own)
-            && let Some(other) = own.read(&self.other().preset)
+            && let Some(other) = own.read(self.other)
         {
             let whose = if self.tree.compares { "yours" } else { "saved" };
             range.push(Span::styled(format!(" · {whose}: {}", with_unit(own, &other)), theme.modified));
