@@ -46,16 +46,9 @@ pub struct Tree {
     pub growing: Option<Growing>,
 }
 
-/// Changes that are one step of undo together.
-struct Series {
-    of: SeriesOf,
-    /// What the last of them made. Only while it is on screen, another can join.
-    made: Arc<Recipe>,
-}
-
-/// What changes of a series have in common.
+/// Changes that are one step of undo together, by what they have in common.
 #[derive(Clone, Copy, PartialEq)]
-enum SeriesOf {
+enum Series {
     /// Nudges of one knob; when the last one was.
     Knob(&'static str, Instant),
     /// One editing of the grammar.
@@ -136,9 +129,9 @@ impl Tree {
     pub fn set(&mut self, name: &'static str, text: &str, now: Instant) -> Result<(), KnobError> {
         let mut preset = self.current.preset.clone();
         preset.set(name, text)?;
-        let follows = matches!(self.going_on(), Some(SeriesOf::Knob(last, at))
+        let follows = matches!(self.series, Some(Series::Knob(last, at))
             if last == name && now.saturating_duration_since(at) < ONE_STEP);
-        self.change(preset, follows, Some(SeriesOf::Knob(name, now)));
+        self.change(preset, follows, Some(Series::Knob(name, now)));
         Ok(())
     }
 
@@ -165,8 +158,8 @@ impl Tree {
             let mut preset = self.current.preset.clone();
             let Generator::LSystem(own) = &mut preset.generator else { return };
             own.grammar = grammar;
-            let follows = self.going_on() == Some(SeriesOf::Grammar);
-            self.change(preset, follows, Some(SeriesOf::Grammar));
+            let follows = self.series == Some(Series::Grammar);
+            self.change(preset, follows, Some(Series::Grammar));
         }
         if let Some(grammar) = self.grammar().cloned() {
             self.draft = Some(Draft { text: text.to_owned(), grammar });
@@ -190,12 +183,7 @@ impl Tree {
         (self.grammar() == Some(&draft.grammar)).then_some(&draft.text)
     }
 
-    /// The series that another change may join.
-    fn going_on(&self) -> Option<SeriesOf> {
-        self.series.as_ref().filter(|series| Arc::ptr_eq(&series.made, &self.current)).map(|series| series.of)
-    }
-
-    fn change(&mut self, preset: Preset, follows: bool, series: Option<SeriesOf>) {
+    fn change(&mut self, preset: Preset, follows: bool, series: Option<Series>) {
         self.compares = false;
         if preset == self.current.preset {
             return;
@@ -206,7 +194,7 @@ impl Tree {
             self.current = self.past.pop().unwrap_or_else(|| Arc::clone(&self.current));
         } else {
             let next = Arc::new(Recipe { preset, input: self.current.input.clone() });
-            self.series = series.map(|of| Series { of, made: Arc::clone(&next) });
+            self.series = series;
             let last = std::mem::replace(&mut self.current, next);
             if !follows {
                 self.past.push(last);
