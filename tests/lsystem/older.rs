@@ -132,3 +132,26 @@ fn probabilities_may_miss_one_by_a_millionth() {
     let coarse = thirds.replace("333333", "33333");
     assert!(text::parse(&format!("{head}{coarse}")).is_err());
 }
+
+/// Where a mistake in an edited grammar is, and what is said about it.
+#[test]
+fn mistakes_in_an_edited_grammar_are_pointed_at() {
+    for (text, message) in [
+        ("", "line 1, column 1: no line says 'axiom=…'"),
+        ("axiom =", "line 1, column 8: expected a symbol, found the end"),
+        ("axiom = F\n\nF -> F[+F\n", "line 3, column 7: '[' opens a branch that is never closed"),
+        ("axiom = F\n  F -> F]", "line 2, column 9: ']' closes a branch that was never opened"),
+        (
+            "axiom = F\nF -> (0.5) FF",
+            "line 2, column 1: the probabilities of the rules for 'F' sum to 0.5, not to 1",
+        ),
+        ("axiom = F\naxiom = G", "line 2, column 1: 'axiom' was already given in line 1; keep one of them"),
+        (
+            "axiom = F\nangle = 3",
+            "line 2, column 1: expected 'axiom = …', a rule 'F -> …' or a comment '//' (angle and derivations are \
+             knobs of their own), found 'angle = 3'",
+        ),
+    ] {
+        assert_eq!(text::parse_grammar(text).unwrap_err().to_string(), message, "{text:?}");
+    }
+}

@@ -59,10 +59,26 @@ proptest! {
     }
 
     #[test]
+    fn a_grammar_as_text_is_read_back(axiom in word(), rules in rules()) {
+        prop_assume!(!axiom.is_empty());
+        let grammar = Grammar::new(&axiom, &naive::written(&rules)).unwrap();
+        let written = text::write_grammar(&grammar);
+        prop_assert_eq!(text::parse_grammar(&written), Ok(grammar.clone()), "{}", written);
+        // Comments, blank lines, other line endings and the axiom at the end change nothing.
+        let (axiom, rules) = written.split_once('\n').unwrap();
+        let rules = rules.replace('\n', " \r\n\n  // F -> nothing\r\n");
+        prop_assert_eq!(text::parse_grammar(&format!("{rules}{axiom}")), Ok(grammar));
+    }
+
+    #[test]
     fn any_text_is_read_or_refused_with_a_place(text in r"(axiom=|angle=|number of derivations=|F=|[ -~λ\n\r→]){0,20}") {
         if let Err(error) = text::parse(&text) {
             prop_assert!(error.line >= 1 && error.column >= 1);
             prop_assert!(error.line <= text.lines().count().max(1));
+        }
+        if let Err(error) = text::parse_grammar(&text) {
+            let line = text.lines().nth(error.line - 1).unwrap_or_default();
+            prop_assert!((1..=line.chars().count() + 1).contains(&error.column), "{}: {:?}", error, line);
         }
         if let Err(error) = Grammar::new(&text, &[&text]) {
             prop_assert!(text.is_char_boundary(error.offset));

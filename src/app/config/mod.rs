@@ -19,7 +19,7 @@
 
 pub mod dirs;
 mod document;
-mod files;
+pub mod files;
 pub mod keymap;
 pub mod log;
 pub mod presets;

@@ -221,8 +221,8 @@ pub fn save(dir: &Path, id: &str, toml: &str, overwrite: bool) -> Result<PathBuf
     }
 }
 
-/// Whether an id is a file's name on every system that a preset may be copied to.
-fn check_id(id: &str) -> Result<(), &'static str> {
+/// Whether an id is a file's name on every system that a preset may be copied to; else why not.
+pub fn check_id(id: &str) -> Result<(), &'static str> {
     if id.is_empty() {
         return Err("it is empty");
     }

@@ -21,10 +21,12 @@ pub enum Effect {
     Load(Place),
     /// Put text on the clipboard (OSC 52).
     Copy(String),
-    /// Save a preset in the user's folder; answered by `Msg::Saved`.
+    /// Save a preset in the user's folder ([`super::shape::save::write`]); answered by `Msg::Saved`.
     Save {
         /// Its id.
         id: String,
+        /// Where its document was: what lies beside it comes along.
+        from: Place,
         /// What to save.
         recipe: Arc<Recipe>,
         /// Whether one of that id may be replaced.

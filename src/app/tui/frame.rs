@@ -130,7 +130,7 @@ pub fn view(model: &Model, buffer: &mut Buffer) -> View {
             Layer::Line(line) => around::view::line(model, line, body, buffer, &mut view),
             Layer::Gallery(gallery) => vary::view::view(model, gallery, body, buffer, &mut view),
             Layer::Export(dialog) => export::view::view(model, dialog, body, buffer, &mut view),
-            Layer::Grammar(editor) => shape::grammar::view(model, editor, body, buffer, &mut view),
+            Layer::Grammar(editor) => shape::editor::view(model, editor, body, buffer, &mut view),
         }
     }
     view

@@ -165,6 +165,8 @@ pub enum Target {
     Thumbnail(usize),
     /// A row of the export dialog.
     ExportRow(usize),
+    /// The text of the grammar's editor.
+    Grammar,
     /// A row of the palette.
     PaletteRow(usize),
     /// A command, by its id: a hint of the footer.

@@ -4,9 +4,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use linden::knob::{Kind, Value};
+use linden::lsystem::Grammar;
 use linden::monitor::Stage;
-use linden::preset::{KnobError, Preset, PresetKnob};
+use linden::preset::{Generator, KnobError, Preset, PresetKnob};
 use linden::recipe::Recipe;
 
 use crate::jobs::Shown;
@@ -33,7 +33,9 @@ pub struct Tree {
     current: Arc<Recipe>,
     past: Vec<Arc<Recipe>>,
     future: Vec<Arc<Recipe>>,
-    last_nudge: Option<(&'static str, Instant)>,
+    /// The changes that were made last, when more may join them as one step of undo.
+    series: Option<Series>,
+    draft: Option<Draft>,
     /// Whether the saved one is looked at for comparison (A/B).
     pub compares: bool,
     /// The last that grew. Stays on screen while another grows, and when another cannot.
@@ -51,6 +53,22 @@ pub struct Changes {
     pub knobs: Vec<(String, String)>,
     /// A whole recipe instead, where knobs cannot say it.
     pub whole: Option<String>,
+}
+
+/// Changes that are one step of undo together, by what they have in common.
+#[derive(Clone, Copy, PartialEq)]
+enum Series {
+    /// Nudges of one knob; when the last one was.
+    Knob(&'static str, Instant),
+    /// One editing of the grammar.
+    Grammar,
+}
+
+/// The grammar as it was typed, with its comments and its mistakes.
+struct Draft {
+    text: String,
+    /// What grew when it was typed: the draft is shown again as long as that does.
+    grammar: Grammar,
 }
 
 /// How far growing is.
@@ -74,7 +92,8 @@ impl Tree {
             current: recipe,
             past: Vec::new(),
             future: Vec::new(),
-            last_nudge: None,
+            series: None,
+            draft: None,
             compares: false,
             shown: None,
             fault: None,
@@ -127,11 +146,9 @@ impl Tree {
     pub fn set(&mut self, name: &'static str, text: &str, now: Instant) -> Result<(), KnobError> {
         let mut preset = self.current.preset.clone();
         preset.set(name, text)?;
-        let follows = self
-            .last_nudge
-            .is_some_and(|(last, at)| last == name && now.saturating_duration_since(at) < ONE_STEP);
-        self.change(preset, follows);
-        self.last_nudge = Some((name, now));
+        let follows = matches!(self.series, Some(Series::Knob(last, at))
+            if last == name && now.saturating_duration_since(at) < ONE_STEP);
+        self.change(preset, follows, Some(Series::Knob(name, now)));
         Ok(())
     }
 
@@ -155,21 +172,70 @@ impl Tree {
         complaints
     }
 
-    /// Replaces the whole preset (an edited grammar, a variation), as one step of undo.
+    /// Replaces the whole preset (a variation, all knobs as saved), as one step of undo.
     pub fn replace(&mut self, preset: Preset) {
-        self.change(preset, false);
-        self.last_nudge = None;
+        self.change(preset, false, None);
     }
 
-    fn change(&mut self, preset: Preset, follows: bool) {
+    /// The grammar, `None` for a tree that grows by colonization.
+    pub fn grammar(&self) -> Option<&Grammar> {
+        grammar_of(self.preset())
+    }
+
+    /// Begins an editing of the grammar: what is [typed](Self::type_grammar) from here on is one step
+    /// of undo.
+    pub fn begin_editing(&mut self) {
+        self.series = None;
+    }
+
+    /// Takes a grammar's text as it is being typed. A text that can be read grows; of one that cannot
+    /// the text is kept, and the last good grammar stays. A tree without a grammar stays as it is.
+    pub fn type_grammar(&mut self, text: &str, read: Option<Grammar>) {
+        if let Some(grammar) = read {
+            let mut preset = self.current.preset.clone();
+            let Generator::LSystem(own) = &mut preset.generator else { return };
+            own.grammar = grammar;
+            let follows = self.series == Some(Series::Grammar);
+            self.change(preset, follows, Some(Series::Grammar));
+        }
+        if let Some(grammar) = self.grammar().cloned() {
+            self.draft = Some(Draft { text: text.to_owned(), grammar });
+        }
+    }
+
+    /// Gives the grammar of the document back, as one step of undo.
+    pub fn reset_grammar(&mut self) {
+        let mut preset = self.current.preset.clone();
+        if let (Generator::LSystem(own), Some(saved)) =
+            (&mut preset.generator, grammar_of(&self.saved.preset))
+        {
+            own.grammar = saved.clone();
+            self.replace(preset);
+        }
+    }
+
+    /// The grammar's text as it was typed, when what grew from it then still does.
+    pub fn draft(&self) -> Option<&str> {
+        let draft = self.draft.as_ref()?;
+        (self.grammar() == Some(&draft.grammar)).then_some(&draft.text)
+    }
+
+    fn change(&mut self, preset: Preset, follows: bool, series: Option<Series>) {
         self.compares = false;
         if preset == self.current.preset {
             return;
         }
-        let next = Arc::new(Recipe { preset, input: self.current.input.clone() });
-        let last = std::mem::replace(&mut self.current, next);
-        if !follows {
-            self.past.push(last);
+        if follows && self.past.last().is_some_and(|before| before.preset == preset) {
+            // Back where the series began: there is nothing to undo.
+            self.series = None;
+            self.current = self.past.pop().unwrap_or_else(|| Arc::clone(&self.current));
+        } else {
+            let next = Arc::new(Recipe { preset, input: self.current.input.clone() });
+            self.series = series;
+            let last = std::mem::replace(&mut self.current, next);
+            if !follows {
+                self.past.push(last);
+            }
         }
         self.future.clear();
     }
@@ -188,7 +254,7 @@ impl Tree {
     pub fn undo(&mut self) {
         if let Some(before) = self.past.pop() {
             self.future.push(std::mem::replace(&mut self.current, before));
-            self.last_nudge = None;
+            self.series = None;
             self.compares = false;
         }
     }
@@ -197,28 +263,51 @@ impl Tree {
     pub fn redo(&mut self) {
         if let Some(after) = self.future.pop() {
             self.past.push(std::mem::replace(&mut self.current, after));
-            self.last_nudge = None;
+            self.series = None;
             self.compares = false;
         }
     }
 
-    /// The document was saved or read again: what differs from it is counted anew, and nothing that
-    /// was changed is lost.
+    /// The document was read again, and changes were made here: what differs from it is counted anew,
+    /// and nothing that was changed is lost.
     pub fn saved_as(&mut self, place: Place, recipe: Arc<Recipe>) {
         self.place = place;
         self.saved = recipe;
+        self.series = None;
+    }
+
+    /// What is on screen was saved: nothing differs from the document, and what undo leads back to
+    /// are changes of that preset.
+    ///
+    /// `renamed` makes of a recipe what the document has of it, its name and the name of its file.
+    pub fn was_saved(&mut self, place: Place, renamed: impl Fn(&Recipe) -> Recipe) {
+        for recipe in self.past.iter_mut().chain(&mut self.future).chain([&mut self.current]) {
+            let own = renamed(recipe);
+            // What stays the same stays the same tree, which need not grow again.
+            if own.preset != recipe.preset {
+                *recipe = Arc::new(own);
+            }
+        }
+        self.place = place;
+        self.saved = Arc::clone(&self.current);
+        self.series = None;
+        self.compares = false;
     }
 
     /// The document was read again, and nothing was changed here: the new one grows, and one undo
     /// leads back.
     pub fn reloaded(&mut self, recipe: Recipe) {
+        let hash = |recipe: &Recipe| recipe.input.as_ref().map(|input| input.hash);
         if recipe.preset == self.current.preset {
-            // A mesh beside it may have changed all the same.
-            self.current = Arc::new(recipe);
+            // A mesh beside it may have changed all the same; where nothing has, nothing grows anew.
+            if hash(&recipe) != hash(&self.current) {
+                self.current = Arc::new(recipe);
+            }
         } else {
             self.past.push(std::mem::replace(&mut self.current, Arc::new(recipe)));
         }
         self.future.clear();
+        self.series = None;
         self.saved = Arc::clone(&self.current);
     }
 
@@ -240,96 +329,9 @@ impl Tree {
     }
 }
 
-/// How far a key nudges a knob.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Nudge {
-    /// Alt: a tenth of the usual.
-    Fine,
-    /// The usual.
-    Usual,
-    /// Shift: ten times the usual.
-    Coarse,
-}
-
-/// The value one nudge up or down from here, as [`Preset::set`] reads it; `None` where there is no
-/// such thing (a list of numbers has to be typed).
-///
-/// Numbers move by about 2 % of themselves on round numbers, within their range, so that
-/// 0.02 m and 20 000 points are both some ten keys away from their double.
-pub fn nudged(kind: &Kind, value: &Value, up: bool, nudge: Nudge) -> Option<String> {
-    let sign = if up { 1.0 } else { -1.0 };
-    let real = |x: f64, min: f64, max: f64| -> f64 {
-        let step = step_of(x, min, max)
-            * match nudge {
-                Nudge::Fine => 0.1,
-                Nudge::Usual => 1.0,
-                Nudge::Coarse => 10.0,
-            };
-        // On the grid of the step, so that 0.1 + 0.2 stays 0.3.
-        let moved = ((x / step + sign).round() * step).clamp(min, max);
-        let digits = (-libm::floor(libm::log10(step))).max(0.0) + 1.0;
-        format!("{moved:.*}", digits as usize).parse().unwrap_or(moved)
-    };
-    let value = match (kind, value) {
-        (Kind::Real { min, max, .. }, Value::Real(x)) => Value::Real(real(*x, *min, *max)),
-        (Kind::Length { min, max, .. }, Value::Real(x)) if x.is_finite() => Value::Real(real(*x, *min, *max)),
-        (Kind::Length { min, max, .. }, Value::Steps(x)) if x.is_finite() => {
-            Value::Steps(real(*x, *min, *max))
-        }
-        (Kind::Integer { min, max }, Value::Integer(n)) => {
-            let step = match nudge {
-                Nudge::Fine => 1,
-                Nudge::Usual => (*n / 200).max(1),
-                Nudge::Coarse => (*n / 20).max(10),
-            };
-            let step = if *n >= 200 && nudge != Nudge::Fine { round_down(step) } else { step };
-            let moved = if up { n.saturating_add(step) } else { n.saturating_sub(step) };
-            Value::Integer(moved.clamp(*min, *max))
-        }
-        (Kind::Choice(words), Value::Word(word)) => {
-            let at = words.iter().position(|w| w == word)?;
-            let next = if up { at + 1 } else { at + words.len() - 1 };
-            Value::Word(words[next % words.len()].to_owned())
-        }
-        (Kind::Switch, Value::Switch(on)) => Value::Switch(!on),
-        _ => return None,
-    };
-    Some(value.to_string())
-}
-
-/// A round step for a number: 1, 2 or 5 times a power of ten, about 2 % of it.
-fn step_of(x: f64, min: f64, max: f64) -> f64 {
-    let range = max - min;
-    let scale =
-        if x == 0.0 { if range.is_finite() { (range / 20.0).min(1.0) } else { 1.0 } } else { x.abs() };
-    let about = scale * 0.03;
-    let power = libm::pow(10.0, libm::floor(libm::log10(about)));
-    let lead = about / power;
-    power
-        * if lead >= 5.0 {
-            5.0
-        } else if lead >= 2.0 {
-            2.0
-        } else {
-            1.0
-        }
-}
-
-/// The largest 1, 2 or 5 times a power of ten that is not above `n`.
-fn round_down(n: u64) -> u64 {
-    let mut power = 1_u64;
-    while n / 10 >= power {
-        power *= 10;
-    }
-    let lead = n / power;
-    power
-        * if lead >= 5 {
-            5
-        } else if lead >= 2 {
-            2
-        } else {
-            1
-        }
+/// A preset's grammar.
+pub fn grammar_of(preset: &Preset) -> Option<&Grammar> {
+    if let Generator::LSystem(own) = &preset.generator { Some(&own.grammar) } else { None }
 }
 
 #[cfg(test)]
@@ -346,7 +348,7 @@ mod tests {
         let mut tree = fir();
         let start = Instant::now();
         let mut states = vec![tree.preset().clone()];
-        for (i, (name, value)) in [("seed", "5"), ("points", "500"), ("seed", "2")].into_iter().enumerate() {
+        for (i, (name, value)) in [("seed", "3"), ("points", "500"), ("seed", "2")].into_iter().enumerate() {
             tree.set(name, value, start + Duration::from_secs(10 * i as u64)).unwrap();
             states.push(tree.preset().clone());
         }
@@ -398,50 +400,5 @@ mod tests {
             [("seed", "9".to_owned()), ("crown", "bezier".to_owned()), ("points", "777".to_owned())]
         );
         assert_eq!(fir().overrides(), Some(Vec::new()));
-    }
-
-    #[test]
-    fn every_knob_of_every_preset_can_be_nudged_and_stays_in_its_range() {
-        for builtin in linden::preset::builtins() {
-            let preset = builtin.load().unwrap();
-            for (row, value) in preset.knobs() {
-                for up in [true, false] {
-                    for nudge in [Nudge::Fine, Nudge::Usual, Nudge::Coarse] {
-                        let mut text = value.to_string();
-                        for _ in 0..40 {
-                            let Some(next) =
-                                nudged(&row.knob.kind, &row.knob.kind.parse(&text).unwrap(), up, nudge)
-                            else {
-                                break;
-                            };
-                            assert!(
-                                row.knob.kind.parse(&next).is_ok(),
-                                "{} {}: {next}",
-                                builtin.id,
-                                row.knob.name
-                            );
-                            assert!(next.len() < 14, "{} {text} -> {next}", row.knob.name);
-                            text = next;
-                        }
-                    }
-                }
-            }
-        }
-    }
-
-    #[test]
-    fn nudges_are_round() {
-        let real = Kind::Real { min: 0.0, max: 100.0, auto: false };
-        let n = |x: f64, up, nudge| nudged(&real, &Value::Real(x), up, nudge).unwrap();
-        assert_eq!(n(25.7, true, Nudge::Usual), "26");
-        assert_eq!(n(0.02, true, Nudge::Usual), "0.0205");
-        assert_eq!(n(0.1, true, Nudge::Usual), "0.102");
-        assert_eq!(n(99.9, true, Nudge::Coarse), "100");
-        let whole = Kind::Integer { min: 1, max: 1_000_000 };
-        let n = |x: u64, up, nudge| nudged(&whole, &Value::Integer(x), up, nudge).unwrap();
-        assert_eq!(n(1, false, Nudge::Coarse), "1");
-        assert_eq!(n(5, true, Nudge::Usual), "6");
-        assert_eq!(n(2000, true, Nudge::Usual), "2010");
-        assert_eq!(n(2000, true, Nudge::Coarse), "2100");
     }
 }

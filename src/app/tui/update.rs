@@ -166,6 +166,7 @@ fn on_mouse(model: &mut Model, mouse: Mouse, effects: &mut Effects) {
         }
         Target::Preset(row) => library::clicked(model, row, mouse, effects),
         Target::Knob(row) => shape::clicked(model, row, mouse, effects),
+        Target::Grammar => shape::grammar::mouse(model, mouse),
         Target::Thumbnail(cell) => vary::clicked(model, cell, mouse, effects),
         Target::ExportRow(row) => export::clicked(model, row, mouse, effects),
         Target::PaletteRow(row) => around::clicked(model, row, mouse, effects),

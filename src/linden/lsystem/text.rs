@@ -11,6 +11,9 @@
 //! A line is empty, a comment (`//` at its beginning: further on, `//` is two rolls), one of the
 //! three keys, each exactly once, or a rule as [`Grammar::new`] reads it, its probability in
 //! brackets. Either line ending, a byte-order mark and blanks around anything are accepted.
+//!
+//! The same lines without the two numbers are a grammar as people edit it: [`write_grammar`] and
+//! [`parse_grammar`].
 
 use super::error::{Part, Problem};
 use super::grammar::Grammar;
@@ -104,6 +107,8 @@ const AXIOM: &str = "axiom";
 const ANGLE: &str = "angle";
 const DERIVATIONS: &str = "number of derivations";
 const LINES: &str = "'axiom=', 'angle=', 'number of derivations=', a comment '//' or a rule 'F=(1)…'";
+const GRAMMAR_LINES: &str =
+    "'axiom = …', a rule 'F -> …' or a comment '//' (angle and derivations are knobs of their own)";
 
 /// Reads a text of the older format.
 ///
@@ -117,9 +122,8 @@ pub fn parse(text: &str) -> Result<TextGrammar, ParseError> {
     let mut rules = Vec::new();
     let mut comments = Vec::new();
     let mut last_line = 1;
-    for (i, text) in text.strip_prefix('\u{feff}').unwrap_or(text).lines().enumerate() {
-        last_line = i + 1;
-        let line = Piece { text, line: i + 1, column: 1 }.trim();
+    for line in lines(text) {
+        last_line = line.line;
         if let Some(comment) = line.text.strip_prefix("//") {
             comments.push(comment.trim().to_owned());
         } else if let Some(value) = line.value_of(AXIOM) {
@@ -145,6 +149,50 @@ pub fn parse(text: &str) -> Result<TextGrammar, ParseError> {
         grammar: grammar(axiom, &rules)?,
         comments,
     })
+}
+
+/// A grammar as people edit it: `axiom = F`, then a rule a line.
+///
+/// ```
+/// use linden::lsystem::{Grammar, text::{parse_grammar, write_grammar}};
+/// let grammar = Grammar::new("X", &["X -> F[+X]F[-X]+X", "F -> FF"])?;
+/// let text = write_grammar(&grammar);
+/// assert_eq!(text, "axiom = X\nX -> F[+X]F[-X]+X\nF -> FF\n");
+/// assert_eq!(parse_grammar(&text)?, grammar);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub fn write_grammar(grammar: &Grammar) -> String {
+    format!("{AXIOM} = {grammar}")
+}
+
+/// Reads a grammar as people edit it: an axiom, rules, comments and empty lines in any order.
+///
+/// # Errors
+/// The first thing that cannot be understood, with its place: an unknown line, a repeated or missing
+/// axiom, or what [`Grammar::new`] refuses.
+pub fn parse_grammar(text: &str) -> Result<Grammar, ParseError> {
+    let mut axiom = None;
+    let mut rules = Vec::new();
+    for line in lines(text) {
+        if line.text.is_empty() || line.text.starts_with("//") {
+            continue;
+        }
+        if let Some(value) = line.value_of(AXIOM) {
+            once(&mut axiom, AXIOM, line, value)?;
+        } else if is_word(line.text) {
+            return Err(line.expected(GRAMMAR_LINES));
+        } else {
+            rules.push(line);
+        }
+    }
+    let missing = ParseError { line: 1, column: 1, problem: Problem::Missing { key: AXIOM } };
+    grammar(axiom.ok_or(missing)?, &rules)
+}
+
+/// The lines of a text without the blanks around them.
+fn lines(text: &str) -> impl Iterator<Item = Piece<'_>> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    text.lines().enumerate().map(|(i, text)| Piece { text, line: i + 1, column: 1 }.trim())
 }
 
 /// Keeps a key's value, unless it has one.

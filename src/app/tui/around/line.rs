@@ -48,17 +48,27 @@ impl Line {
     }
 
     /// What stands before the line.
-    pub fn label(&self) -> &'static str {
-        match self.purpose {
-            Purpose::Filter { .. } => "filter",
-            Purpose::Knob(_) => "value",
-            Purpose::SaveAs => "save as",
-            Purpose::Replace(_) => "there is one of that name; type 'yes' to replace it",
+    pub fn label(&self) -> String {
+        match &self.purpose {
+            Purpose::Filter { .. } => "filter".to_owned(),
+            Purpose::Knob(_) => "value".to_owned(),
+            Purpose::SaveAs => "save as".to_owned(),
+            Purpose::Replace(id) => format!("replace '{}'? yes or no", linden::knob::excerpt(id)),
         }
     }
 
     /// A key; whether it changed the text.
     pub fn typed(&mut self, key: Key) -> bool {
+        if let Purpose::Knob(name) = self.purpose
+            && matches!(key.code, KeyCode::Tab | KeyCode::Down | KeyCode::Up)
+        {
+            let forward = key.code != KeyCode::Up && !key.shift;
+            let word = shape::complete(name, self.text(), forward);
+            return word.is_some_and(|word| {
+                self.input = Input::new(word.to_owned());
+                true
+            });
+        }
         edit(&mut self.input, key)
     }
 
@@ -136,7 +146,7 @@ pub fn changed(model: &mut Model, effects: &mut Effects) {
             library::set_filter(model, &text, effects);
         }
         Purpose::Knob(name) => {
-            let text = line.text().to_owned();
+            let text = shape::completed(name, line.text()).to_owned();
             let problem = model.tree.as_ref().and_then(|tree| {
                 let mut preset = tree.preset().clone();
                 preset.set(name, &text).err().map(|error| error.to_string())
@@ -145,7 +155,14 @@ pub fn changed(model: &mut Model, effects: &mut Effects) {
                 line.problem = problem;
             }
         }
-        Purpose::SaveAs | Purpose::Replace(_) => line.problem = None,
+        Purpose::SaveAs => {
+            let id = line.text().trim().to_owned();
+            let problem = shape::save::problem(&id);
+            if let Some(Layer::Line(line)) = model.layers.last_mut() {
+                line.problem = problem;
+            }
+        }
+        Purpose::Replace(_) => line.problem = None,
     }
 }
 
@@ -160,14 +177,16 @@ pub fn accept(model: &mut Model, effects: &mut Effects) {
         Purpose::Knob(name) => {
             if line.problem.is_none() {
                 model.layers.pop();
-                shape::turn(model, name, &text);
+                shape::turn(model, name, shape::completed(name, &text));
             }
         }
         Purpose::SaveAs => {
-            let taken =
-                model.config.dirs.presets().is_some_and(|dir| dir.join(format!("{text}.toml")).exists());
+            // What is wrong with it is on screen.
+            if line.problem.is_some() {
+                return;
+            }
             model.layers.pop();
-            if taken {
+            if shape::save::replaces(model, &text) {
                 model.layers.push(Layer::Line(Line::new(Purpose::Replace(text), "")));
             } else {
                 save(model, text, false, effects);
@@ -175,7 +194,7 @@ pub fn accept(model: &mut Model, effects: &mut Effects) {
         }
         Purpose::Replace(id) => {
             model.layers.pop();
-            if text == "yes" {
+            if matches!(text.to_lowercase().as_str(), "y" | "yes") {
                 save(model, id, true, effects);
             } else {
                 model.say("not saved");
@@ -186,7 +205,22 @@ pub fn accept(model: &mut Model, effects: &mut Effects) {
 
 fn save(model: &mut Model, id: String, overwrite: bool, effects: &mut Effects) {
     if let Some(tree) = &model.tree {
-        effects.push(Effect::Save { id, recipe: std::sync::Arc::clone(tree.recipe()), overwrite });
+        let recipe = std::sync::Arc::clone(tree.recipe());
+        effects.push(Effect::Save { id, from: tree.place.clone(), recipe, overwrite });
+    }
+}
+
+/// What is said of a line at the bottom, above it: what is wrong, or what Enter would do.
+pub fn remark(model: &Model, line: &Line) -> Option<(bool, String)> {
+    match &line.purpose {
+        Purpose::SaveAs => Some(match &line.problem {
+            Some(problem) => (true, problem.clone()),
+            None => (false, shape::save::consequence(model, line.text().trim())),
+        }),
+        Purpose::Replace(_) => {
+            Some((true, "the whole file is written anew; comments in it are lost".to_owned()))
+        }
+        Purpose::Filter { .. } | Purpose::Knob(_) => None,
     }
 }
 

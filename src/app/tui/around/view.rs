@@ -97,8 +97,7 @@ pub fn palette(model: &Model, palette: &Palette, body: Rect, buffer: &mut Buffer
 pub fn line(model: &Model, line: &Line, body: Rect, buffer: &mut Buffer, view: &mut View) {
     let theme = &model.config.theme;
     let has_place = match line.purpose {
-        Purpose::Filter { .. } => view.cursor.is_some(),
-        Purpose::Knob(_) => view.cursor.is_some(),
+        Purpose::Filter { .. } | Purpose::Knob(_) => view.cursor.is_some(),
         Purpose::SaveAs | Purpose::Replace(_) => false,
     };
     if has_place || body.is_empty() {
@@ -110,4 +109,14 @@ pub fn line(model: &Model, line: &Line, body: Rect, buffer: &mut Buffer, view: &
     buffer.set_stringn(row.x, row.y, &label, row.width.into(), theme.key);
     let x = row.x + label.width() as u16;
     line.paint(Rect { x, width: row.right().saturating_sub(x), ..row }, buffer, view, theme);
+    if let Some((is_problem, remark)) = line::remark(model, line)
+        && body.height >= 2
+    {
+        let above = Rect { y: row.y - 1, ..row };
+        let style = theme.popup.patch(if is_problem { theme.warning } else { theme.dim });
+        ratatui::widgets::Clear.render(above, buffer);
+        buffer.set_style(above, style);
+        let text = clipped(&format!(" {remark}"), above.width.into());
+        buffer.set_stringn(above.x, above.y, text, above.width.into(), style);
+    }
 }

@@ -132,6 +132,11 @@ impl Library {
         &self.entries[index]
     }
 
+    /// The ids and places of all that is listed, whatever the filter hides.
+    pub fn places(&self) -> impl Iterator<Item = (&str, &Place)> {
+        self.entries.iter().map(|entry| (entry.id.as_str(), &entry.place))
+    }
+
     /// The selected entry.
     pub fn entry(&self) -> Option<&Entry> {
         self.entries.get(self.selected)

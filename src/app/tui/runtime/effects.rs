@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 use linden::Quiet;
+use linden::recipe::Recipe;
 
 use super::{End, Happening, Runtime, memory, setup};
 use crate::config::presets;
@@ -16,6 +17,7 @@ use crate::config::watch::Watch;
 use crate::jobs::THREAD_PREFIX;
 use crate::tui::effect::Effect;
 use crate::tui::model::Config;
+use crate::tui::shape::save;
 use crate::tui::tree::{Changes, Place};
 use crate::tui::update::Msg;
 
@@ -33,8 +35,8 @@ impl Runtime {
             }
             Effect::Load(place) => self.desk.load(place),
             Effect::Copy(text) => self.copy(&text),
-            Effect::Save { id, recipe, overwrite } => {
-                let saved = self.save(&id, &recipe.preset, overwrite);
+            Effect::Save { id, from, recipe, overwrite } => {
+                let saved = self.save(&id, &from, &recipe, overwrite);
                 self.update(Msg::Saved(saved));
             }
             Effect::Edit(text) => {
@@ -121,16 +123,14 @@ impl Runtime {
     }
 
     fn save(
-        &mut self,
+        &self,
         id: &str,
-        preset: &linden::preset::Preset,
+        from: &Place,
+        recipe: &Recipe,
         overwrite: bool,
     ) -> Result<(String, PathBuf), String> {
         let dir = self.model.config.dirs.presets().ok_or("there is no folder for presets")?;
-        let mut preset = preset.clone();
-        id.clone_into(&mut preset.id);
-        let text = preset.to_toml().map_err(|error| error.to_string())?;
-        let path = presets::save(&dir, id, &text, overwrite).map_err(|error| error.to_string())?;
+        let path = save::write(&dir, id, from, recipe, overwrite)?;
         Ok((id.to_owned(), path))
     }
 

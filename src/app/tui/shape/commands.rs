@@ -1,10 +1,14 @@
 //! The rows of the form's room.
 
-use super::{nudge, selected, step, turn};
+use linden::preset::Space;
+
+use super::nudge::Nudge;
+use super::{grammar, nudge, open, save, selected, selected_rule, step, turn};
 use crate::tui::around::{Line, Purpose};
 use crate::tui::command::{Command, Context, free};
+use crate::tui::effect::Effect;
 use crate::tui::model::{Layer, Model, Pane};
-use crate::tui::tree::{Nudge, Tree};
+use crate::tui::tree::{Place, Tree, grammar_of};
 
 fn has_no_tree(model: &Model) -> Option<String> {
     model.tree.is_none().then(|| "no preset is chosen".to_owned())
@@ -16,6 +20,46 @@ fn unless(model: &Model, can: impl Fn(&Tree) -> bool, why: &str) -> Option<Strin
 
 fn is_unmodified(model: &Model) -> Option<String> {
     unless(model, Tree::is_modified, "nothing differs from the saved preset")
+}
+
+fn has_no_grammar(model: &Model) -> Option<String> {
+    // What is being read will take this tree's place, and with it what is typed.
+    let reading = || model.loading.is_some().then(|| "another preset is being read".to_owned());
+    let id = || model.tree.as_ref().map(|tree| linden::knob::excerpt(&tree.preset().id)).unwrap_or_default();
+    unless(
+        model,
+        |tree| tree.grammar().is_some(),
+        &format!("'{}' grows by colonization; it has no grammar", id()),
+    )
+    .or_else(reading)
+}
+
+/// The file that `$EDITOR` opens when there is no grammar to edit.
+fn own_file(tree: &Tree) -> Result<std::path::PathBuf, String> {
+    let Place::File(path) = &tree.place else {
+        return Err("the preset is built in; save it as one of your own first".to_owned());
+    };
+    let input = tree.saved().preset.space().and_then(Space::file);
+    if input.is_some() && input == path.file_name().and_then(|name| name.to_str()) {
+        return Err("the file is a mesh or a scan, no text; save the tree as a preset first".to_owned());
+    }
+    Ok(path.clone())
+}
+
+const fn editing(
+    id: &'static str,
+    keys: &'static [&'static str],
+    title: &'static str,
+    help: &'static str,
+    hint: Option<u8>,
+    hindrance: fn(&Model) -> Option<String>,
+    run: fn(&mut Model, &mut crate::tui::effect::Effects),
+) -> Command {
+    Command { id, context: Context::Grammar, keys, title, help, hint, hindrance, run }
+}
+
+fn unless_typed(model: &Model, can: fn(&grammar::GrammarEditor) -> bool, why: &str) -> Option<String> {
+    grammar::editor(model).is_none_or(|editor| !can(editor)).then(|| why.to_owned())
 }
 
 const fn nudging(
@@ -144,29 +188,33 @@ pub const COMMANDS: &[Command] = &[
         context: Context::Shape,
         keys: &["enter", "i"],
         title: "Type",
-        help: "Types the knob's value; what is wrong with it is said at once",
+        help: "Types the knob's value, flips a switch, opens the grammar",
         hint: Some(12),
         hindrance: has_no_tree,
-        run: |model, _| {
-            if let Some((row, value)) = selected(model) {
-                let line = Line::new(Purpose::Knob(row.knob.name), &value.to_string());
-                model.layers.push(Layer::Line(line));
-            }
-        },
+        run: |model, _| open(model),
     },
     Command {
         id: "knob-reset",
         context: Context::Shape,
         keys: &["r", "backspace"],
         title: "Reset",
-        help: "Gives the knob the saved preset's value back",
+        help: "Gives the knob, or the grammar, the saved preset's value back",
         hint: Some(14),
         hindrance: |model| {
-            let turned = |tree: &Tree| selected(model).is_some_and(|(row, _)| tree.is_turned(&row));
-            unless(model, turned, "the knob is as saved")
+            let rule = selected_rule(model).is_some();
+            let turned = |tree: &Tree| {
+                (rule && tree.grammar() != grammar_of(&tree.saved().preset))
+                    || selected(model).is_some_and(|(row, _)| tree.is_turned(&row))
+            };
+            unless(model, turned, "this is as saved")
         },
         run: |model, _| {
-            let Some((row, _)) = selected(model) else { return };
+            let Some((row, _)) = selected(model) else {
+                if let Some(tree) = &mut model.tree {
+                    tree.reset_grammar();
+                }
+                return;
+            };
             let saved = model.tree.as_ref().and_then(|tree| row.read(&tree.saved().preset));
             match saved {
                 Some(value) => turn(model, row.knob.name, &value.to_string()),
@@ -249,10 +297,98 @@ pub const COMMANDS: &[Command] = &[
             })
         },
         run: |model, _| {
-            let id = model.tree.as_ref().map(|tree| tree.preset().id.clone()).unwrap_or_default();
-            model.layers.push(Layer::Line(Line::new(Purpose::SaveAs, &id)));
+            let id = save::proposed(model);
+            let mut line = Line::new(Purpose::SaveAs, &id);
+            line.problem = save::problem(&id);
+            model.layers.push(Layer::Line(line));
         },
     },
+    Command {
+        id: "grammar",
+        context: Context::Global,
+        keys: &["x"],
+        title: "Edit grammar",
+        help: "Opens the axiom and the rules as text; what is typed grows at once",
+        hint: Some(34),
+        hindrance: has_no_grammar,
+        run: |model, _| {
+            let row = selected_rule(model).unwrap_or(0);
+            grammar::open(model, row);
+        },
+    },
+    Command {
+        id: "external",
+        context: Context::Global,
+        keys: &["E"],
+        title: "Edit in $EDITOR",
+        help: "Opens the grammar in $EDITOR, or the file of a preset of your own that has none",
+        hint: None,
+        hindrance: |model| match &model.tree {
+            Some(tree) if tree.grammar().is_none() => own_file(tree).err(),
+            _ => has_no_grammar(model),
+        },
+        run: |model, effects| {
+            let Some(tree) = &model.tree else { return };
+            match own_file(tree) {
+                Ok(path) if tree.grammar().is_none() => effects.push(Effect::EditFile(path)),
+                _ => grammar::hand_over(model, effects),
+            }
+        },
+    },
+    editing(
+        "grammar-done",
+        &["ctrl-s"],
+        "Done",
+        "Closes the editor; when something is wrong, goes there instead",
+        Some(10),
+        free,
+        grammar::finish,
+    ),
+    editing(
+        "grammar-close",
+        &["esc"],
+        "Close",
+        "Closes the editor; the last rules that could be read grow",
+        Some(11),
+        free,
+        grammar::close,
+    ),
+    editing(
+        "grammar-undo",
+        &["ctrl-u"],
+        "Undo typing",
+        "Takes back what was typed last",
+        Some(12),
+        |model| unless_typed(model, grammar::GrammarEditor::can_undo, "nothing was typed"),
+        |model, _| grammar::step(model, true),
+    ),
+    editing(
+        "grammar-redo",
+        &["ctrl-r"],
+        "Redo typing",
+        "Types again what was taken back",
+        None,
+        |model| unless_typed(model, grammar::GrammarEditor::can_redo, "nothing was taken back"),
+        |model, _| grammar::step(model, false),
+    ),
+    editing(
+        "grammar-revert",
+        &["ctrl-x"],
+        "Revert text",
+        "Gives the text back that the editor was opened with; undo leads back",
+        Some(14),
+        |model| unless_typed(model, grammar::GrammarEditor::is_changed, "the text is as it was"),
+        |model, _| grammar::revert(model),
+    ),
+    editing(
+        "grammar-external",
+        &["alt-e"],
+        "Text in $EDITOR",
+        "Goes on with the text in $EDITOR",
+        Some(16),
+        free,
+        |model, effects| grammar::hand_over(model, effects),
+    ),
     Command {
         id: "shape",
         context: Context::Presets,

@@ -1,29 +1,298 @@
 //! The grammar as text, edited in place or in `$EDITOR`.
+//!
+//! What is typed grows as soon as it can be read; what cannot be read is pointed at, and the last
+//! good tree stays. One editing, from opening to closing, is one step of the form's undo; the editor
+//! has an undo of its own. What was typed is kept with the tree, mistakes and comments too, and stands
+//! there again when the editor is opened the next time.
 
+use std::fmt::{self, Write as _};
+
+use linden::knob::printable;
 use linden::lsystem::Grammar;
-use linden_terminal::input::Key;
-use ratatui::buffer::Buffer;
+use linden::lsystem::text::{ParseError, parse_grammar, write_grammar};
+use linden_terminal::input::{Key, Mouse, MouseAction};
 use ratatui::layout::Rect;
 
-use crate::tui::frame::View;
-use crate::tui::model::Model;
+use super::text::Text;
+use crate::tui::effect::{Effect, Effects};
+use crate::tui::model::{Layer, Model, Target};
+use crate::tui::tree::Tree;
+
+/// Stands above the text in `$EDITOR`, and is taken away again.
+const HEADER: &str = "\
+// An axiom, and a rule a line: F -> F[+F]F, or with a probability F -> (0.5) F[+F]F
+// Lines like this one are comments. What is wrong is shown in linden, with this text.
+";
+/// Rules that the form lists; the editor has all.
+const MOST_LISTED: usize = 100;
+/// Characters of a rule that the form looks at.
+const MOST_SHOWN: usize = 300;
 
 /// The grammar's editor.
-pub struct GrammarEditor {}
+#[derive(Debug)]
+pub struct GrammarEditor {
+    pub(super) text: Text,
+    /// The text when the editor was opened.
+    opened: String,
+    /// What is wrong with the text.
+    pub(super) fault: Option<ParseError>,
+    /// The first line and column on screen, as they were left: they move only as far as the cursor
+    /// makes them.
+    pub(super) scroll: (usize, usize),
+}
 
-/// The grammar, a line each: the axiom, then the productions.
-pub fn lines(_grammar: &Grammar) -> Vec<String> {
-    Vec::new()
+impl GrammarEditor {
+    fn new(text: &str) -> Self {
+        let text = Text::new(text);
+        Self {
+            opened: text.as_str().to_owned(),
+            fault: parse_grammar(text.as_str()).err(),
+            text,
+            scroll: (0, 0),
+        }
+    }
+
+    /// Puts the cursor where the text is wrong.
+    fn go_to_fault(&mut self) {
+        if let Some(fault) = &self.fault {
+            self.text.go_to(fault.line - 1, fault.column - 1);
+        }
+    }
+
+    /// Whether there is something to undo in the text.
+    pub fn can_undo(&self) -> bool {
+        self.text.can_undo()
+    }
+
+    /// Whether there is something to redo in the text.
+    pub fn can_redo(&self) -> bool {
+        self.text.can_redo()
+    }
+
+    /// Whether the text differs from what it was when the editor was opened.
+    pub fn is_changed(&self) -> bool {
+        self.text.as_str() != self.opened
+    }
+
+    /// The first line and column on screen, for a text of so many cells.
+    pub(super) fn scrolled(&self, width: usize, height: usize) -> (usize, usize) {
+        let (line, column) = self.text.cursor();
+        let within =
+            |scroll: usize, at: usize, cells: usize| scroll.clamp((at + 1).saturating_sub(cells.max(1)), at);
+        (within(self.scroll.0, line, height), within(self.scroll.1, column, width))
+    }
+}
+
+/// The open editor.
+pub fn editor(model: &Model) -> Option<&GrammarEditor> {
+    if let Some(Layer::Grammar(editor)) = model.layers.last() { Some(editor) } else { None }
+}
+
+fn editor_mut(model: &mut Model) -> Option<&mut GrammarEditor> {
+    if let Some(Layer::Grammar(editor)) = model.layers.last_mut() { Some(editor) } else { None }
+}
+
+/// The grammar for the form, a line each: the axiom, then the first rules, each cut where it becomes a
+/// page; and how many rules there are beyond.
+pub fn lines(grammar: &Grammar) -> (Vec<String>, usize) {
+    let mut axiom = Cut(String::from("axiom = "));
+    // The one error there is: enough was written.
+    let _ = grammar.axiom().iter().try_for_each(|module| write!(axiom, "{module}"));
+    let productions = grammar.productions();
+    let rules = productions.iter().take(MOST_LISTED).map(|rule| {
+        let mut line = Cut(String::new());
+        let _ = write!(line, "{rule}");
+        line.0
+    });
+    (std::iter::once(axiom.0).chain(rules).collect(), productions.len().saturating_sub(MOST_LISTED))
+}
+
+/// Takes text until it is enough.
+struct Cut(String);
+
+impl fmt::Write for Cut {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        self.0.push_str(text);
+        if self.0.len() > MOST_SHOWN { Err(fmt::Error) } else { Ok(()) }
+    }
+}
+
+/// The text to edit: as it was typed last, else as the grammar says it.
+fn text_of(tree: &Tree) -> Option<String> {
+    let written = || tree.grammar().map(write_grammar);
+    tree.draft().map(str::to_owned).or_else(written)
+}
+
+/// Opens the editor, with the cursor on the form's row of the grammar: 0 is the axiom.
+pub fn open(model: &mut Model, row: usize) {
+    let Some(tree) = &mut model.tree else { return };
+    let Some(text) = text_of(tree) else { return };
+    tree.begin_editing();
+    let mut editor = GrammarEditor::new(&text);
+    if editor.fault.is_some() {
+        editor.go_to_fault();
+    } else if let Some(line) = line_of(&text, row) {
+        editor.text.go_to(line, usize::MAX);
+    }
+    model.layers.push(Layer::Grammar(Box::new(editor)));
+}
+
+/// The line of a good text that holds the axiom (0) or a rule (from 1).
+fn line_of(text: &str, row: usize) -> Option<usize> {
+    let counts = |line: &str| !line.trim().is_empty() && !line.trim_start().starts_with("//");
+    let is_axiom =
+        |line: &str| line.trim_start().strip_prefix("axiom").is_some_and(|rest| rest.contains('='));
+    let lines = text.lines().enumerate().filter(|(_, line)| counts(line));
+    let of = |axiom: bool| lines.clone().filter(move |(_, line)| is_axiom(line) == axiom);
+    let found = if row == 0 { of(true).next() } else { of(false).nth(row - 1) };
+    found.map(|(line, _)| line)
+}
+
+/// Esc: closes the editor.
+pub fn close(model: &mut Model, _: &mut Effects) {
+    if let Some(editor) = editor(model) {
+        let is_bad = editor.fault.is_some();
+        model.layers.pop();
+        if is_bad {
+            model.say_warning(
+                "the last rules that could be read grow; what you typed is there when you come back",
+            );
+        }
+    }
+}
+
+/// Closes the editor when all is well, else goes to what is not.
+pub fn finish(model: &mut Model, effects: &mut Effects) {
+    match editor_mut(model) {
+        Some(editor) if editor.fault.is_some() => editor.go_to_fault(),
+        _ => close(model, effects),
+    }
+    keep_scroll(model);
+}
+
+/// Undoes or redoes in the text.
+pub fn step(model: &mut Model, back: bool) {
+    change(model, |text| {
+        if back {
+            text.undo();
+        } else {
+            text.redo();
+        }
+        true
+    });
+}
+
+/// Gives the text back that the editor was opened with.
+pub fn revert(model: &mut Model) {
+    let Some(opened) = editor(model).map(|editor| editor.opened.clone()) else { return };
+    change(model, |text| text.replace(&opened));
+}
+
+/// Hands the text to `$EDITOR`.
+pub fn hand_over(model: &Model, effects: &mut Effects) {
+    let typed = editor(model).map(|editor| editor.text.as_str().to_owned());
+    if let Some(text) = typed.or_else(|| model.tree.as_ref().and_then(text_of)) {
+        effects.push(Effect::Edit(format!("{HEADER}{text}")));
+    }
 }
 
 /// A key for the editor.
-pub fn typed(_model: &mut Model, _key: Key) {}
+pub fn typed(model: &mut Model, key: Key) {
+    change(model, |text| text.key(key));
+}
 
 /// Pasted text for the editor.
-pub fn pasted(_model: &mut Model, _text: &str) {}
+pub fn pasted(model: &mut Model, pasted: &str) {
+    change(model, |text| text.paste(pasted));
+}
 
-/// Takes an edited grammar.
-pub fn take_text(_model: &mut Model, _text: &str) {}
+/// The mouse over the editor's text.
+pub fn mouse(model: &mut Model, mouse: Mouse) {
+    let area = text_area(model);
+    let Some(editor) = editor_mut(model) else { return };
+    let (line, _) = editor.text.cursor();
+    match mouse.action {
+        MouseAction::Press(_) => {
+            let (first, skipped) = editor.scrolled(area.width.into(), area.height.into());
+            let (x, y) = (mouse.column.saturating_sub(area.x), mouse.row.saturating_sub(area.y));
+            editor.text.go_to(first + usize::from(y), skipped + usize::from(x));
+        }
+        MouseAction::WheelUp => editor.text.go_to(line.saturating_sub(3), 0),
+        MouseAction::WheelDown => editor.text.go_to(line + 3, 0),
+        _ => {}
+    }
+    keep_scroll(model);
+}
 
-/// Paints the editor.
-pub fn view(_model: &Model, _editor: &GrammarEditor, _body: Rect, _buffer: &mut Buffer, _view: &mut View) {}
+/// Takes the text that comes back from `$EDITOR`: as one step of undo, and into linden's editor when
+/// something is wrong with it.
+pub fn take_text(model: &mut Model, text: &str) {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text).replace("\r\n", "\n");
+    let text = HEADER.lines().fold(text.as_str(), |text, line| {
+        text.strip_prefix(line).map_or(text, |rest| rest.strip_prefix('\n').unwrap_or(rest))
+    });
+    if editor(model).is_some() {
+        change(model, |own| own.replace(text));
+        if let Some(editor) = editor_mut(model) {
+            editor.go_to_fault();
+        }
+        return keep_scroll(model);
+    }
+    let Some(tree) = &mut model.tree else { return };
+    let Some(before) = tree.grammar().cloned() else {
+        return model.say_warning("the tree on screen has no grammar any more; the text was not taken over");
+    };
+    tree.begin_editing();
+    match parse_grammar(text) {
+        Ok(grammar) => {
+            let same = grammar == before;
+            tree.type_grammar(text, Some(grammar));
+            tree.begin_editing();
+            model.say(if same { "the grammar is as it was" } else { "the edited grammar grows" });
+        }
+        Err(fault) => {
+            tree.type_grammar(text, None);
+            model.say_warning(fault.to_string());
+            open(model, 0);
+        }
+    }
+}
+
+/// Changes the text, and what follows from it.
+fn change(model: &mut Model, edit: impl FnOnce(&mut Text) -> bool) {
+    let Some(Layer::Grammar(editor)) = model.layers.last_mut() else { return };
+    // Its file may have been read again, and say something else now.
+    if model.tree.as_ref().is_none_or(|tree| tree.grammar().is_none()) {
+        model.layers.pop();
+        return model.say_warning("the tree on screen has no grammar any more; its editor was closed");
+    }
+    if edit(&mut editor.text) {
+        let text = editor.text.as_str();
+        let read = parse_grammar(text);
+        if let Some(tree) = &mut model.tree {
+            tree.type_grammar(text, read.as_ref().ok().cloned());
+        }
+        editor.fault = read.err();
+    }
+    keep_scroll(model);
+}
+
+/// Where the text was in the last frame.
+fn text_area(model: &Model) -> Rect {
+    let found = model.regions.iter().rev().find(|(_, target)| *target == Target::Grammar);
+    found.map(|(area, _)| *area).unwrap_or_default()
+}
+
+fn keep_scroll(model: &mut Model) {
+    let area = text_area(model);
+    if let Some(editor) = editor_mut(model)
+        && !area.is_empty()
+    {
+        editor.scroll = editor.scrolled(area.width.into(), area.height.into());
+    }
+}
+
+/// What is wrong, for the editor's last lines.
+pub(super) fn said(fault: &ParseError) -> String {
+    printable(&fault.to_string())
+}

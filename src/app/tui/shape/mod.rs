@@ -1,31 +1,47 @@
 //! The form of knobs, made from the preset's own table; undo, comparison, saving; the grammar.
 
 mod commands;
+mod complete;
+pub mod editor;
+mod forecast;
 pub mod grammar;
+mod nudge;
+pub mod save;
+mod text;
 pub mod view;
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use linden::knob::Value;
-use linden::preset::{Generator, Preset, PresetKnob, Section};
+use linden::knob::{Kind, Value};
+use linden::preset::{Preset, PresetKnob, Section};
 use linden_terminal::input::{Key, Mouse, MouseAction};
 
 pub use commands::COMMANDS;
+pub use complete::{complete, completed};
 pub use grammar::GrammarEditor;
 
+use self::nudge::{Nudge, nudged};
+use super::around::{Line, Purpose};
 use super::effect::Effects;
-use super::model::{Model, Pane};
+use super::model::{Layer, Model, Pane};
 use super::picture;
-use super::tree::{Nudge, Place, nudged};
+use super::tree::{Place, Tree, grammar_of};
 use crate::jobs::Shown;
 
 /// Where the cursor is in the form.
 #[derive(Debug, Default)]
 pub struct Form {
-    /// The name of the knob that the cursor is on; by name, so that it stays when a choice brings
-    /// other knobs.
-    selected: Option<&'static str>,
+    selected: Option<Spot>,
+}
+
+/// A row that the cursor can be on. By name, so that it stays when a choice brings other knobs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Spot {
+    /// A knob.
+    Knob(&'static str),
+    /// The grammar's axiom (0) or one of its rules (from 1).
+    Rule(usize),
 }
 
 /// A row of the form.
@@ -33,10 +49,23 @@ pub struct Form {
 pub enum Row {
     /// A section's heading.
     Heading(Section),
-    /// A line of the grammar.
-    Rule(String),
+    /// The grammar's axiom (0) or one of its rules (from 1), as text.
+    Rule(usize, String),
+    /// So many rules more, which only the editor shows.
+    MoreRules(usize),
     /// A knob with its value.
     Knob(PresetKnob, Value),
+}
+
+impl Row {
+    /// What the cursor is on when it is on this row; `None` where it cannot be.
+    pub const fn spot(&self) -> Option<Spot> {
+        match self {
+            Self::Knob(own, _) => Some(Spot::Knob(own.knob.name)),
+            Self::Rule(index, _) => Some(Spot::Rule(*index)),
+            Self::Heading(_) | Self::MoreRules(_) => None,
+        }
+    }
 }
 
 impl Form {
@@ -58,44 +87,84 @@ pub fn rows(preset: &Preset) -> Vec<Row> {
         if section != Section::Tree {
             rows.push(Row::Heading(section));
         }
-        if let (Section::LSystem, Generator::LSystem(lsystem)) = (section, &preset.generator) {
-            rows.extend(grammar::lines(&lsystem.grammar).into_iter().map(Row::Rule));
+        if let (Section::LSystem, Some(grammar)) = (section, grammar_of(preset)) {
+            let (lines, more) = grammar::lines(grammar);
+            rows.extend(lines.into_iter().enumerate().map(|(i, line)| Row::Rule(i, line)));
+            rows.extend((more > 0).then_some(Row::MoreRules(more)));
         }
         rows.extend(own.into_iter().map(|(row, value)| Row::Knob(*row, value.clone())));
     }
     rows
 }
 
-/// The knob that the cursor is on, with its value.
-pub fn selected(model: &Model) -> Option<(PresetKnob, Value)> {
-    let knobs = model.tree.as_ref()?.preset().knobs();
-    let at = knobs.iter().position(|(row, _)| Some(row.knob.name) == model.form.selected).unwrap_or(0);
-    knobs.into_iter().nth(at)
+/// Where the cursor is, among these rows: at the top when what it was on is gone.
+pub fn spot(model: &Model, rows: &[Row]) -> Option<Spot> {
+    let mut all = rows.iter().filter_map(Row::spot);
+    let first = all.clone().next();
+    all.find(|spot| Some(*spot) == model.form.selected).or(first)
 }
 
-/// Moves the cursor by so many knobs.
+/// The knob that the cursor is on, with its value; `None` on a line of the grammar.
+pub fn selected(model: &Model) -> Option<(PresetKnob, Value)> {
+    let rows = rows(model.tree.as_ref()?.preset());
+    let spot = spot(model, &rows)?;
+    rows.into_iter().find_map(|row| match row {
+        Row::Knob(own, value) if Spot::Knob(own.knob.name) == spot => Some((own, value)),
+        _ => None,
+    })
+}
+
+/// The line of the grammar that the cursor is on.
+fn selected_rule(model: &Model) -> Option<usize> {
+    match spot(model, &rows(model.tree.as_ref()?.preset()))? {
+        Spot::Rule(index) => Some(index),
+        Spot::Knob(_) => None,
+    }
+}
+
+/// Moves the cursor by so many rows.
 fn step(model: &mut Model, by: isize) {
     let Some(tree) = &model.tree else { return };
-    let names: Vec<_> = in_order(tree.preset());
-    let at = names.iter().position(|name| Some(*name) == model.form.selected).unwrap_or(0);
-    let to = at.saturating_add_signed(by).min(names.len().saturating_sub(1));
-    model.form.selected = names.get(to).copied();
-}
-
-/// The knobs as the form has them, section by section.
-fn in_order(preset: &Preset) -> Vec<&'static str> {
-    let knob = |row| if let Row::Knob(own, _) = row { Some(own.knob.name) } else { None };
-    rows(preset).into_iter().filter_map(knob).collect()
+    let rows = rows(tree.preset());
+    let spots: Vec<_> = rows.iter().filter_map(Row::spot).collect();
+    let at = spots.iter().position(|own| Some(*own) == spot(model, &rows)).unwrap_or(0);
+    let to = at.saturating_add_signed(by).min(spots.len().saturating_sub(1));
+    model.form.selected = spots.get(to).copied();
 }
 
 /// Nudges the selected knob.
 fn nudge(model: &mut Model, up: bool, how: Nudge) {
-    let Some((row, value)) = selected(model) else { return };
-    let Some(text) = nudged(&row.knob.kind, &value, up, how) else {
-        model.say(format!("{} is typed: press Enter ({})", row.knob.name, row.knob.kind));
-        return;
+    let Some((row, value)) = selected(model) else {
+        return model.say("a line of the grammar is typed: press Enter");
     };
-    turn(model, row.knob.name, &text);
+    // What is left to linden is nudged from what linden has made of it.
+    let now = model.tree.as_ref().and_then(|tree| resolved(tree, &row)).filter(|_| value == Value::Auto);
+    match nudged(&row.knob.kind, now.as_ref().unwrap_or(&value), up, how) {
+        Some(text) => turn(model, row.knob.name, &text),
+        None => model.say(format!("{} is typed: press Enter ({})", row.knob.name, row.knob.kind)),
+    }
+}
+
+/// What a knob that stands at `auto` is on the tree on screen, where that can be seen.
+pub fn resolved(tree: &Tree, row: &PresetKnob) -> Option<Value> {
+    if row.knob.name == "bark_relief" {
+        let bark = tree.preset().bark.bark(linden::random::Key::new(tree.preset().seed));
+        return Some(Value::Real(rounded(bark.relief)));
+    }
+    let shown = tree.shown.as_ref().filter(|shown| Arc::ptr_eq(&shown.recipe, tree.recipe()))?;
+    let skeleton = &shown.grown.skeleton;
+    match row.knob.name {
+        "base_radius" => skeleton.radii.first().map(|radius| Value::Real(rounded(*radius))),
+        "tip_radius" => {
+            skeleton.radii.iter().copied().reduce(f32::min).map(|radius| Value::Real(rounded(radius)))
+        }
+        _ => None,
+    }
+}
+
+/// Three digits of a number.
+fn rounded(x: f32) -> f64 {
+    format!("{x:.2e}").parse().unwrap_or(f64::from(x))
 }
 
 /// Turns a knob to what was typed; says why not.
@@ -106,6 +175,18 @@ pub fn turn(model: &mut Model, name: &'static str, text: &str) {
     {
         model.say_warning(error.to_string());
     }
+}
+
+/// Enter: types the knob's value, flips a switch, opens the grammar.
+fn open(model: &mut Model) {
+    if let Some(rule) = selected_rule(model) {
+        return grammar::open(model, rule);
+    }
+    let Some((row, value)) = selected(model) else { return };
+    if row.knob.kind == Kind::Switch {
+        return nudge(model, true, Nudge::Usual);
+    }
+    model.layers.push(Layer::Line(Line::new(Purpose::Knob(row.knob.name), &value.to_string())));
 }
 
 /// The wanted recipe grew, or why not.
@@ -140,9 +221,12 @@ pub fn saved(model: &mut Model, saved: Result<(String, PathBuf), String>, effect
             let shown = crate::source::show(&path);
             model.say(format!("saved as '{id}' in {shown}"));
             if let Some(tree) = &mut model.tree {
-                let mut recipe = (**tree.recipe()).clone();
-                recipe.preset.id = id;
-                tree.saved_as(Place::File(path), Arc::new(recipe));
+                let from = tree.place.clone();
+                let renamed = |recipe: &_| save::renamed(recipe, &from, &id, &path);
+                tree.was_saved(Place::File(path.clone()), renamed);
+                // The list has it at once, not only when the folder was read again.
+                model.library.add_file(path.clone(), tree.preset());
+                model.library.select_place(&tree.place);
             }
             effects.push(super::effect::Effect::Reconfigure);
         }
@@ -177,21 +261,30 @@ pub fn wheel(model: &mut Model, mouse: Mouse) {
     }
 }
 
-/// The mouse on a row of the form: selects; the wheel turns the knob with Ctrl, else moves on.
+/// The mouse on a row of the form: selects, and on a selected line of the grammar opens it; the wheel
+/// turns the knob with Ctrl, else moves on.
 pub fn clicked(model: &mut Model, row: usize, mouse: Mouse, _effects: &mut Effects) {
     let Some(tree) = &model.tree else { return };
-    let Some(Row::Knob(own, _)) = rows(tree.preset()).into_iter().nth(row) else {
-        return wheel(model, mouse);
-    };
+    let rows = rows(tree.preset());
+    let Some(own) = rows.get(row).and_then(Row::spot) else { return wheel(model, mouse) };
     match mouse.action {
         MouseAction::Press(_) => {
+            let again = model.focus == Pane::Shape && spot(model, &rows) == Some(own);
             model.focus_on(Pane::Shape);
-            model.form.selected = Some(own.knob.name);
+            model.form.selected = Some(own);
+            if again {
+                open(model);
+            }
         }
         MouseAction::WheelUp | MouseAction::WheelDown if mouse.ctrl => {
-            model.form.selected = Some(own.knob.name);
+            model.form.selected = Some(own);
             nudge(model, mouse.action == MouseAction::WheelUp, Nudge::Usual);
         }
         _ => wheel(model, mouse),
     }
 }
+
+#[cfg(test)]
+mod testing;
+#[cfg(test)]
+mod tests;

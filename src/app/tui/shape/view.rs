@@ -1,25 +1,38 @@
 //! The form, painted.
 
 use linden::knob::{Kind, Value};
-use linden::preset::{PresetKnob, Section};
+use linden::preset::{Preset, PresetKnob, Section};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
+use ratatui::style::{Color, Style};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Paragraph, Widget, Wrap};
+use unicode_width::UnicodeWidthStr;
 
-use super::{Row, rows, selected};
-use crate::tui::around::Purpose;
+use super::{Row, Spot, complete, forecast, resolved, rows, spot};
+use crate::tui::around::{Line as Typed, Purpose};
 use crate::tui::frame::{View, clipped};
 use crate::tui::model::{Layer, Model, Pane, Target};
-use crate::tui::tree::Tree;
+use crate::tui::tree::{Tree, grammar_of};
 
-/// Rows that explain the selected knob, where there is room.
-const ABOUT: u16 = 4;
+/// Rows that explain what the cursor is on, where there is room: a third of the form, within these.
+const ABOUT: [u16; 2] = [4, 9];
+/// Columns of a knob's name.
+const NAME: u16 = 18;
+/// The marks of what differs from the document, of the same while the document is looked at, and of
+/// what was refused.
+const TURNED: &str = "●";
+const ASIDE: &str = "○";
+const REFUSED: &str = "✗";
 
 /// What the pane's border says beside its name.
 pub fn heading(model: &Model) -> Vec<Span<'static>> {
-    let modified = model.tree.as_ref().is_some_and(Tree::is_modified);
-    if modified { vec![Span::styled("● modified ", model.config.theme.modified)] } else { Vec::new() }
+    let theme = &model.config.theme;
+    match &model.tree {
+        Some(tree) if tree.compares => vec![Span::styled("○ as saved ", theme.warning)],
+        Some(tree) if tree.is_modified() => vec![Span::styled("● modified ", theme.modified)],
+        _ => Vec::new(),
+    }
 }
 
 /// Paints the form.
@@ -30,38 +43,44 @@ pub fn view(model: &Model, area: Rect, buffer: &mut Buffer, view: &mut View) {
         buffer.set_stringn(area.x, area.y, text, area.width.into(), theme.dim);
         return;
     };
-    let about = if area.height >= 3 * ABOUT { ABOUT } else { 0 };
+    let about = if area.height >= 12 { (area.height / 3).clamp(ABOUT[0], ABOUT[1]) } else { 0 };
     let list = Rect { height: area.height - about, ..area };
-    let preset = &tree.wanted().preset;
-    let rows = rows(preset);
-    let chosen = selected(model).map(|(row, _)| row.knob.name);
-    let is_chosen = |row: &Row| matches!(row, Row::Knob(own, _) if Some(own.knob.name) == chosen);
-    let at = rows.iter().position(is_chosen).unwrap_or(0);
+    let rows = rows(&tree.wanted().preset);
+    let chosen = spot(model, &rows);
+    let other = if tree.compares { tree.recipe() } else { tree.saved() };
+    let form = FormView {
+        model,
+        tree,
+        chosen,
+        culprit: culprit(tree),
+        other: &other.preset,
+        other_rules: grammar_of(&other.preset)
+            .map(|grammar| super::grammar::lines(grammar).0)
+            .unwrap_or_default(),
+    };
+    let at = rows.iter().position(|row| row.spot().is_some() && row.spot() == chosen).unwrap_or(0);
     let first = first_row(at, rows.len(), list.height.into());
     for (y, (i, row)) in (list.y..list.bottom()).zip(rows.iter().enumerate().skip(first)) {
         let place = Rect { y, height: 1, ..list };
-        match row {
-            Row::Heading(section) => heading_row(model, *section, place, buffer),
-            Row::Rule(text) => {
-                buffer.set_stringn(
-                    place.x + 1,
-                    y,
-                    clipped(text, usize::from(place.width).saturating_sub(1)),
-                    place.width.into(),
-                    theme.text,
-                );
-            }
-            Row::Knob(own, value) => {
-                view.regions.push((place, Target::Knob(i)));
-                knob_row(model, tree, own, value, is_chosen(row), place, buffer, view);
-            }
+        if row.spot().is_some() {
+            view.regions.push((place, Target::Knob(i)));
         }
+        form.row(row, place, buffer, view);
     }
-    if about > 0
-        && let Some((own, _)) = selected(model)
+    let about = Rect { y: list.bottom(), height: about, ..area };
+    if let Some(row) = rows.get(at) {
+        form.explain(row, about, buffer);
+    }
+    // Without room to explain, what is wrong with what is typed still has to be said.
+    if about.is_empty()
+        && list.height >= 2
+        && let Some(problem) = typed(model).and_then(|line| line.problem.as_ref())
     {
-        let area = Rect { y: list.bottom(), height: about, ..area };
-        explain(model, &own, area, buffer);
+        let last = list.bottom() - 1;
+        let y = if view.cursor.is_some_and(|(_, y)| y == last) { last - 1 } else { last };
+        buffer.set_style(Rect { y, height: 1, ..list }, theme.error);
+        let text = format!("{:<width$}", clipped(problem, list.width.into()), width = list.width.into());
+        buffer.set_stringn(list.x, y, text, list.width.into(), theme.error);
     }
 }
 
@@ -71,88 +90,243 @@ pub fn first_row(cursor: usize, rows: usize, height: usize) -> usize {
     cursor.saturating_sub(height / 2).min(most)
 }
 
-fn heading_row(model: &Model, section: Section, area: Rect, buffer: &mut Buffer) {
-    let name = match section {
+/// The value that is being typed.
+fn typed(model: &Model) -> Option<&Typed> {
+    match model.layers.last() {
+        Some(Layer::Line(line)) if matches!(line.purpose, Purpose::Knob(_)) => Some(line),
+        _ => None,
+    }
+}
+
+/// The knob that a tree's fault is about: the first that the advice names, behind the last colon or
+/// semicolon, else the first that is named at all.
+pub fn culprit(tree: &Tree) -> Option<&'static str> {
+    let fault = tree.fault.as_ref()?;
+    let knobs = tree.wanted().preset.knobs();
+    let first_in = |text: &str| {
+        text.split(|c: char| !c.is_alphanumeric() && c != '_')
+            .find_map(|word| knobs.iter().map(|(row, _)| row.knob.name).find(|name| *name == word))
+    };
+    let advice = fault.rsplit([':', ';']).next().unwrap_or(fault);
+    first_in(advice).or_else(|| first_in(fault))
+}
+
+/// What rows are painted from.
+struct FormView<'a> {
+    model: &'a Model,
+    tree: &'a Tree,
+    chosen: Option<Spot>,
+    culprit: Option<&'static str>,
+    /// What is compared with: the saved preset, or the own one while the saved one is looked at.
+    other: &'a Preset,
+    /// Its grammar, a line each.
+    other_rules: Vec<String>,
+}
+
+impl FormView<'_> {
+    fn row(&self, row: &Row, area: Rect, buffer: &mut Buffer, view: &mut View) {
+        let theme = &self.model.config.theme;
+        let chosen = row.spot().is_some() && row.spot() == self.chosen;
+        let base = match (chosen, self.model.focus == Pane::Shape) {
+            (true, true) => theme.selected,
+            (true, false) => theme.selected_unfocused,
+            (false, _) => theme.text,
+        };
+        match row {
+            Row::Heading(section) => {
+                buffer.set_stringn(area.x, area.y, title(*section), area.width.into(), theme.heading);
+            }
+            Row::MoreRules(more) => {
+                let text = clipped(&format!(" … and {more} more rules"), area.width.into());
+                buffer.set_stringn(area.x, area.y, text, area.width.into(), theme.dim);
+            }
+            Row::Rule(_, text) => {
+                buffer.set_style(area, base);
+                let is_other = !self.other_rules.contains(text);
+                self.mark(
+                    is_other.then_some(if self.tree.compares { ASIDE } else { TURNED }),
+                    base,
+                    area,
+                    buffer,
+                );
+                let inner = Rect { x: area.x + 1, width: area.width.saturating_sub(1), ..area };
+                let text = clipped(text, inner.width.into());
+                buffer.set_stringn(inner.x, inner.y, text, inner.width.into(), base.patch(theme.value));
+            }
+            Row::Knob(own, value) => {
+                buffer.set_style(area, base);
+                self.knob(own, value, chosen, base, area, buffer, view);
+            }
+        }
+    }
+
+    fn mark(&self, mark: Option<&str>, base: Style, area: Rect, buffer: &mut Buffer) {
+        let theme = &self.model.config.theme;
+        let style = if mark == Some(REFUSED) { theme.error } else { theme.modified };
+        buffer.set_stringn(area.x, area.y, mark.unwrap_or(" "), area.width.into(), base.patch(style));
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "a row is painted from everything that there is to it")]
+    fn knob(
+        &self,
+        own: &PresetKnob,
+        value: &Value,
+        chosen: bool,
+        base: Style,
+        area: Rect,
+        buffer: &mut Buffer,
+        view: &mut View,
+    ) {
+        let theme = &self.model.config.theme;
+        let turned = self.tree.is_turned(own);
+        let refused = self.culprit == Some(own.knob.name);
+        let mark = if refused {
+            Some(REFUSED)
+        } else {
+            turned.then_some(if self.tree.compares { ASIDE } else { TURNED })
+        };
+        self.mark(mark, base, area, buffer);
+        let name_width = (area.width / 2).min(NAME);
+        let name = clipped(own.knob.name, usize::from(name_width));
+        let name_style = if refused { base.patch(theme.error) } else { base };
+        buffer.set_stringn(area.x + 1, area.y, name, name_width.into(), name_style);
+        let x = area.x + 1 + name_width + 1;
+        let field = Rect { x, width: area.right().saturating_sub(x), ..area };
+        if let Some(line) = typed(self.model).filter(|_| chosen) {
+            // What is longer than its field takes the name's place too.
+            let long = line.text().width() + 1 > usize::from(field.width);
+            let whole = Rect { x: area.x + 1, width: area.width.saturating_sub(1), ..area };
+            line.paint(if long { whole } else { field }, buffer, view, theme);
+            return;
+        }
+        let text = clipped(&with_unit(own, value), field.width.into());
+        let style = base.patch(if turned && !self.tree.compares { theme.modified } else { theme.value });
+        buffer.set_stringn(field.x, field.y, text, field.width.into(), style);
+        if let (Kind::Color { .. }, Value::Color([r, g, b])) = (own.knob.kind, value)
+            && field.width > 10
+            && self.model.terminal.colors.value != linden_terminal::ColorDepth::None
+        {
+            buffer.set_string(field.x + 8, field.y, "  ", Style::new().bg(Color::Rgb(*r, *g, *b)));
+        }
+    }
+
+    /// What the cursor's row is about: what is wrong, what it does, what it takes, what it was.
+    fn explain(&self, row: &Row, area: Rect, buffer: &mut Buffer) {
+        if area.is_empty() {
+            return;
+        }
+        let theme = &self.model.config.theme;
+        let name = match row {
+            Row::Knob(own, _) => own.knob.name,
+            Row::Rule(0, _) => "axiom",
+            _ => "rule",
+        };
+        let rule =
+            format!("─ {name} {}", "─".repeat(usize::from(area.width).saturating_sub(name.width() + 3)));
+        let mut lines = vec![Line::styled(clipped(&rule, area.width.into()), theme.border)];
+        let line = typed(self.model);
+        let problem = line.and_then(|line| line.problem.as_deref());
+        if let Some(problem) = problem.or(self.tree.fault.as_deref()) {
+            lines.push(Line::styled(linden::knob::printable(problem), theme.error));
+        }
+        match row {
+            Row::Knob(own, value) => self.explain_knob(own, value, &mut lines),
+            Row::Rule(_, text) => {
+                if text.width() + 1 > usize::from(area.width) {
+                    lines.push(Line::styled(linden::knob::printable(text), theme.value));
+                }
+                lines.push(Line::styled("Enter edits the grammar; E opens it in $EDITOR", theme.text));
+            }
+            Row::Heading(_) | Row::MoreRules(_) => {}
+        }
+        let is_grown_by = matches!(row, Row::Rule(..))
+            || matches!(row, Row::Knob(own, _) if own.section == Section::LSystem);
+        if is_grown_by && let Some(line) = forecast::line(&self.as_typed()) {
+            lines.push(Line::styled(line, theme.info));
+        }
+        if let Row::Knob(own, value) = row
+            && with_unit(own, value).width() > usize::from(area.width.saturating_sub(NAME + 2))
+        {
+            lines.push(Line::styled(value.to_string(), theme.value));
+        }
+        Paragraph::new(lines).wrap(Wrap { trim: true }).render(area, buffer);
+    }
+
+    fn explain_knob(&self, own: &PresetKnob, value: &Value, lines: &mut Vec<Line<'static>>) {
+        let theme = &self.model.config.theme;
+        lines.push(Line::styled(own.knob.help, theme.text));
+        let unit = if own.knob.unit.is_empty() { String::new() } else { format!(" {}", own.knob.unit) };
+        let mut range = match own.knob.kind {
+            // The words, the one that is meant marked.
+            Kind::Choice(words) => {
+                let meant = typed(self.model).map_or_else(
+                    || value.to_string(),
+                    |line| complete::completed(own.knob.name, line.text()).to_owned(),
+                );
+                let mut spans = Vec::new();
+                for word in words {
+                    let style = if *word == meant { theme.selected } else { theme.unit };
+                    spans.extend([Span::styled(*word, style), Span::raw(" ")]);
+                }
+                spans
+            }
+            // No more than is needed: nobody counts to 2^64.
+            Kind::Integer { max: u64::MAX, .. } => vec![Span::styled("any whole number from 0", theme.unit)],
+            kind @ (Kind::Real { .. } | Kind::Length { .. }) => {
+                // The unit stands with the numbers: 0 to 10 m, or auto.
+                let kind = kind.to_string();
+                let (numbers, or) = kind.split_at(kind.find(", or ").unwrap_or(kind.len()));
+                vec![Span::styled(format!("{numbers}{unit}{or}"), theme.unit)]
+            }
+            kind if unit.is_empty() => vec![Span::styled(kind.to_string(), theme.unit)],
+            kind => vec![Span::styled(format!("{kind} ({})", own.knob.unit), theme.unit)],
+        };
+        if typed(self.model).is_some() && !complete::words(own.knob.name).is_empty() {
+            range.push(Span::styled(" · Tab completes", theme.dim));
+        }
+        if self.tree.is_turned(own)
+            && let Some(other) = own.read(self.other)
+        {
+            let whose = if self.tree.compares { "yours" } else { "saved" };
+            range.push(Span::styled(format!(" · {whose}: {}", with_unit(own, &other)), theme.modified));
+        }
+        if *value == Value::Auto
+            && let Some(now) = resolved(self.tree, own)
+        {
+            range.push(Span::styled(format!(" · now {}", with_unit(own, &now)), theme.value));
+        }
+        lines.push(Line::from(range));
+    }
+
+    /// The preset as it would be with what is being typed.
+    fn as_typed(&self) -> Preset {
+        let mut preset = self.tree.wanted().preset.clone();
+        if let Some(line) = typed(self.model)
+            && let Purpose::Knob(name) = line.purpose
+        {
+            // What is wrong with it is said elsewhere.
+            let _ = preset.set(name, line.text());
+        }
+        preset
+    }
+}
+
+const fn title(section: Section) -> &'static str {
+    match section {
         Section::Tree => "Tree",
         Section::LSystem => "L-system",
         Section::Colonization => "Colonization",
         Section::Wood => "Wood",
         Section::Surface => "Surface",
         Section::Bark => "Bark",
-    };
-    buffer.set_stringn(area.x, area.y, name, area.width.into(), model.config.theme.heading);
-}
-
-#[expect(clippy::too_many_arguments, reason = "a row is painted from everything that there is to it")]
-fn knob_row(
-    model: &Model,
-    tree: &Tree,
-    own: &PresetKnob,
-    value: &Value,
-    chosen: bool,
-    area: Rect,
-    buffer: &mut Buffer,
-    view: &mut View,
-) {
-    let theme = &model.config.theme;
-    let turned = tree.is_turned(own) && !tree.compares;
-    let base = match (chosen, model.focus == Pane::Shape) {
-        (true, true) => theme.selected,
-        (true, false) => theme.selected_unfocused,
-        (false, _) => theme.text,
-    };
-    buffer.set_style(area, base);
-    let mark = if turned { "●" } else { " " };
-    buffer.set_stringn(area.x, area.y, mark, area.width.into(), base.patch(theme.modified));
-    let name_width = (area.width / 2).min(18);
-    buffer.set_stringn(
-        area.x + 1,
-        area.y,
-        clipped(own.knob.name, usize::from(name_width)),
-        name_width.into(),
-        base,
-    );
-    let x = area.x + 1 + name_width + 1;
-    let width = area.right().saturating_sub(x);
-    if let Some(Layer::Line(line)) = model.layers.last()
-        && chosen
-        && matches!(line.purpose, Purpose::Knob(_))
-    {
-        line.paint(Rect { x, width, ..area }, buffer, view, theme);
-        return;
-    }
-    let unit = if own.knob.unit.is_empty() || matches!(value, Value::Auto | Value::Steps(_)) {
-        String::new()
-    } else {
-        format!(" {}", own.knob.unit)
-    };
-    let text = clipped(&format!("{value}{unit}"), width.into());
-    let style = base.patch(if turned { theme.modified } else { theme.value });
-    buffer.set_stringn(x, area.y, text, width.into(), style);
-    if let (Kind::Color { .. }, Value::Color([r, g, b])) = (own.knob.kind, value)
-        && width > 10
-        && model.terminal.colors.value != linden_terminal::ColorDepth::None
-    {
-        let swatch = ratatui::style::Style::new().bg(ratatui::style::Color::Rgb(*r, *g, *b));
-        buffer.set_string(x + 8, area.y, "  ", swatch);
     }
 }
 
-/// What the selected knob does, its range, and what is wrong with what is typed.
-fn explain(model: &Model, own: &PresetKnob, area: Rect, buffer: &mut Buffer) {
-    let theme = &model.config.theme;
-    let unit = if own.knob.unit.is_empty() { String::new() } else { format!(" {}", own.knob.unit) };
-    let mut lines = vec![
-        Line::styled("─".repeat(area.width.into()), theme.border),
-        Line::styled(own.knob.help, theme.text),
-    ];
-    let problem = match model.layers.last() {
-        Some(Layer::Line(line)) => line.problem.clone(),
-        _ => None,
-    };
-    match problem.or_else(|| model.tree.as_ref().and_then(|tree| tree.fault.clone())) {
-        Some(problem) => lines.push(Line::styled(problem, theme.error)),
-        None => lines.push(Line::styled(format!("{}{unit}", own.knob.kind), theme.unit)),
+/// A value with its unit, where it has one.
+fn with_unit(own: &PresetKnob, value: &Value) -> String {
+    match value {
+        Value::Real(x) if x.is_finite() && !own.knob.unit.is_empty() => format!("{value} {}", own.knob.unit),
+        Value::Integer(_) if own.knob.unit == "px" => format!("{value} px"),
+        _ => value.to_string(),
     }
-    Paragraph::new(lines).wrap(Wrap { trim: true }).render(area, buffer);
 }

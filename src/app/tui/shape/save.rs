@@ -1,0 +1,219 @@
+//! A tree saved as a preset of the user's, with the file that it grows into.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use linden::Quiet;
+use linden::knob::excerpt;
+use linden::preset::{Colonization, Generator, Space, builtin, builtin_file};
+use linden::recipe::{Input, Recipe};
+
+use crate::config::files::{self, Existing, Readers};
+use crate::config::presets;
+use crate::source::show;
+use crate::tui::model::Model;
+use crate::tui::tree::Place;
+
+/// The id that saving proposes: a preset of the user's keeps its own, of any other it is a copy with
+/// the first number that is free.
+pub fn proposed(model: &Model) -> String {
+    let Some(tree) = &model.tree else { return String::new() };
+    let id = &tree.preset().id;
+    if file_of(model, id).is_some_and(|path| tree.place == Place::File(path)) {
+        return id.clone();
+    }
+    // What was numbered already goes on counting: fir-2, fir-3.
+    let stem = match id.rsplit_once('-') {
+        Some((stem, number)) if !stem.is_empty() && number.parse::<u32>().is_ok() => stem,
+        _ => id,
+    };
+    let is_free = |id: &String| model.library.places().all(|(own, _)| own != id);
+    // Nobody has more; and who has chooses a name.
+    (2..100_000).map(|n: u32| format!("{stem}-{n}")).find(is_free).unwrap_or_default()
+}
+
+/// The file that a preset of that id is saved in.
+fn file_of(model: &Model, id: &str) -> Option<PathBuf> {
+    Some(model.config.dirs.presets()?.join(format!("{id}.toml")))
+}
+
+/// Why a tree cannot be saved under an id.
+pub fn problem(id: &str) -> Option<String> {
+    presets::check_id(id).err().map(|why| format!("'{}' cannot be a preset's id: {why}", excerpt(id)))
+}
+
+/// What saving under an id would mean, for who is typing it.
+pub fn consequence(model: &Model, id: &str) -> String {
+    if replaces(model, id) {
+        "there is one of that name; you will be asked before it is replaced".to_owned()
+    } else if builtin(id).is_ok() {
+        "a built-in preset has that name; on a command line it means the built-in one".to_owned()
+    } else {
+        match file_of(model, id) {
+            Some(path) => format!("goes to {}", show(&path)),
+            None => String::new(),
+        }
+    }
+}
+
+/// Whether a preset of the user's would be replaced.
+pub fn replaces(model: &Model, id: &str) -> bool {
+    let Some(path) = file_of(model, id) else { return false };
+    let place = Place::File(path);
+    model.library.places().any(|(_, own)| *own == place)
+}
+
+/// A recipe as the preset `id` has it, saved in the file `path`: a copy has its id for a name, and the
+/// file that it grows into stands beside it under its own name.
+pub fn renamed(recipe: &Recipe, from: &Place, id: &str, path: &Path) -> Recipe {
+    let mut recipe = recipe.clone();
+    if recipe.preset.id != id {
+        id.clone_into(&mut recipe.preset.id);
+        id.clone_into(&mut recipe.preset.name);
+    }
+    if let Some(own) = beside(&recipe, from, id, path) {
+        if let Some(input) = &mut recipe.input {
+            input.name.clone_from(&own);
+        }
+        if let Generator::Colonization(Colonization {
+            space: Space::Envelope { file } | Space::Points { file },
+            ..
+        }) = &mut recipe.preset.generator
+        {
+            *file = own;
+        }
+    }
+    recipe
+}
+
+/// The name that the file beside a saved preset gets; `None` when there is none, or when it lies there
+/// already.
+fn beside(recipe: &Recipe, from: &Place, id: &str, path: &Path) -> Option<String> {
+    let file = recipe.preset.space().and_then(Space::file)?;
+    if matches!(from, Place::File(own) if own.parent() == path.parent()) {
+        return None;
+    }
+    let ending = Path::new(file).extension().and_then(|ending| ending.to_str());
+    Some(ending.map_or_else(|| format!("{id}-input"), |ending| format!("{id}.{ending}")))
+}
+
+/// The files of a preset, by name: the file that it grows into, if that is not there already, then the
+/// document. Reads the former where the recipe's own document named it.
+///
+/// # Errors
+/// What cannot be written as TOML, and a file that is gone or is not the one that grew.
+pub fn documents(
+    dir: &Path,
+    id: &str,
+    from: &Place,
+    recipe: &Recipe,
+) -> Result<Vec<(String, Vec<u8>)>, String> {
+    let name = format!("{id}.toml");
+    let path = dir.join(&name);
+    let mut found = Vec::new();
+    if let Some(own) = beside(recipe, from, id, &path) {
+        let bytes = input(from, recipe)?;
+        // A file may have changed since it was read; what is saved is what is on screen.
+        let now = Input::read(&own, &bytes, &Quiet).map_err(|error| error.to_string())?;
+        if recipe.input.as_ref().is_some_and(|input| input.hash != now.hash) {
+            let file = recipe.preset.space().and_then(Space::file).unwrap_or_default();
+            return Err(format!(
+                "{} is not the file any more that the tree on screen grew into; nothing was saved, open it again",
+                excerpt(file)
+            ));
+        }
+        found.push((own, bytes));
+    }
+    let text = renamed(recipe, from, id, &path)
+        .preset
+        .to_toml()
+        .map_err(|error| format!("writing the preset: {error}"))?;
+    found.push((name, text.into_bytes()));
+    Ok(found)
+}
+
+/// The bytes of the file that a recipe grows into.
+fn input(from: &Place, recipe: &Recipe) -> Result<Vec<u8>, String> {
+    let Some(space) = recipe.preset.space() else { return Ok(Vec::new()) };
+    let file = space.file().unwrap_or_default();
+    let built_in = || builtin_file(file).map(<[u8]>::to_vec);
+    let path = match from {
+        Place::Builtin(id) => {
+            let own = builtin(id).ok().and_then(|own| own.input(space)).map(<[u8]>::to_vec);
+            return own
+                .or_else(built_in)
+                .ok_or_else(|| format!("there is no built-in file '{}'", excerpt(file)));
+        }
+        Place::File(path) => path.with_file_name("").join(file),
+    };
+    match fs::read(&path) {
+        Ok(bytes) => Ok(bytes),
+        Err(error)
+            if error.kind() == ErrorKind::NotFound
+                && let Some(bytes) = built_in() =>
+        {
+            Ok(bytes)
+        }
+        Err(error) => Err(format!("reading {}, which the preset needs: {error}", show(&path))),
+    }
+}
+
+/// Saves a preset into a directory, which is made if need be, and gives what `Msg::Saved` says: its id
+/// and where its document is. There is never a document without the file that it needs.
+///
+/// # Errors
+/// What is wrong. A document of that id is as it was.
+pub fn write(
+    dir: &Path,
+    id: &str,
+    from: &Place,
+    recipe: &Recipe,
+    overwrite: bool,
+) -> Result<(String, PathBuf), String> {
+    if let Err(why) = presets::check_id(id) {
+        return Err(format!("'{}' cannot be a preset's id: {why}", excerpt(id)));
+    }
+    let path = dir.join(format!("{id}.toml"));
+    if !overwrite && fs::symlink_metadata(&path).is_ok() {
+        return Err(format!(
+            "there is a preset '{}' already ({}); choose another id",
+            excerpt(id),
+            show(&path)
+        ));
+    }
+    let mut found = documents(dir, id, from, recipe)?;
+    let Some((_, document)) = found.pop() else { return Err("there is nothing to save".to_owned()) };
+    let document = String::from_utf8(document).map_err(|error| error.to_string())?;
+    let mut added = None;
+    for (name, bytes) in found {
+        let file = dir.join(name);
+        match files::write(&file, &bytes, Readers::Umask, Existing::Keep) {
+            Ok(()) => added = Some(file),
+            // The same file is there from the last time, or its owner has agreed to another.
+            Err(error) if error.kind() == ErrorKind::AlreadyExists => {
+                if fs::read(&file).ok().as_deref() != Some(&bytes) {
+                    if !overwrite {
+                        return Err(format!(
+                            "there is another file {} already; choose another id",
+                            show(&file)
+                        ));
+                    }
+                    files::write(&file, &bytes, Readers::Umask, Existing::Replace)
+                        .map_err(|error| format!("writing {}: {error}", show(&file)))?;
+                }
+            }
+            Err(error) => return Err(format!("writing {}: {error}", show(&file))),
+        }
+    }
+    match presets::save(dir, id, &document, overwrite) {
+        Ok(path) => Ok((id.to_owned(), path)),
+        Err(error) => {
+            if let Some(file) = added {
+                // Nothing names it.
+                let _ = fs::remove_file(file);
+            }
+            Err(error.to_string())
+        }
+    }
+}

@@ -1,0 +1,615 @@
+//! The room's commands through its keys, its views, and what undo promises.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::Duration;
+
+use linden::Quiet;
+use linden_terminal::input::Event;
+use proptest::prelude::*;
+use ratatui::style::Modifier;
+
+use super::testing::{Bench, text};
+use super::*;
+use crate::config::theme::Theme;
+use crate::tui::effect::Effect;
+use crate::tui::update::Msg;
+
+#[test]
+fn keys_go_through_the_form_and_turn_knobs() {
+    let mut bench = Bench::new("fir");
+    assert_eq!(bench.value("seed"), "1");
+    bench.keys("right right left L");
+    assert_eq!(bench.value("seed"), "12");
+    bench.keys("j");
+    let below = selected(&bench.model).unwrap().0.knob.name;
+    assert_ne!(below, "seed");
+    bench.keys("k");
+    assert_eq!(selected(&bench.model).unwrap().0.knob.name, "seed");
+    bench.keys("G");
+    assert_eq!(selected(&bench.model).unwrap().0.knob.name, "bark_size");
+    bench.keys("pageup pageup pageup pageup pageup pagedown g");
+    assert_eq!(selected(&bench.model).unwrap().0.knob.name, "seed");
+    bench.on("points").keys("alt-right");
+    assert_eq!(bench.value("points"), "1002");
+    bench.keys("alt-left H");
+    assert_eq!(bench.value("points"), "800");
+}
+
+#[test]
+fn a_value_is_typed_and_what_is_wrong_is_said_at_once() {
+    let mut bench = Bench::new("fir");
+    bench.on("kill").keys("enter ctrl-u").typed("17D").keys("enter");
+    assert_eq!(bench.value("kill"), "17D");
+    bench.keys("i ctrl-u").typed("-1");
+    let problem = typed_problem(&bench).unwrap();
+    assert!(problem.contains("outside the range"), "{problem}");
+    // What is wrong is not taken, and the line stays.
+    bench.keys("enter");
+    assert_eq!(bench.value("kill"), "17D");
+    bench.keys("esc");
+    assert!(bench.model.layers.is_empty());
+    bench.on("step").keys("enter ctrl-u").typed("au").keys("enter");
+    assert_eq!(bench.value("step"), "auto");
+    assert_eq!(bench.tree().overrides().unwrap().len(), 2);
+}
+
+fn typed_problem(bench: &Bench) -> Option<String> {
+    match bench.model.layers.last() {
+        Some(Layer::Line(line)) => line.problem.clone(),
+        _ => None,
+    }
+}
+
+#[test]
+fn choices_are_completed_while_they_are_typed_and_switches_flip() {
+    let mut bench = Bench::new("fir");
+    bench.on("crown").keys("enter ctrl-u").typed("cyl");
+    assert_eq!(typed_problem(&bench), None);
+    let (buffer, _) = bench.paint(100, 40);
+    assert!(text(&buffer).contains("cylinder"));
+    bench.keys("enter");
+    assert_eq!(bench.value("crown"), "cylinder");
+    bench.keys("enter down");
+    bench.keys("enter");
+    assert_ne!(bench.value("crown"), "cylinder");
+    let before = bench.value("contract");
+    bench.on("contract").keys("enter");
+    assert_ne!(bench.value("contract"), before);
+    assert!(bench.model.layers.is_empty());
+}
+
+#[test]
+fn reset_revert_compare_undo_and_redo() {
+    let mut bench = Bench::new("fir");
+    bench.keys("r");
+    assert_eq!(bench.said(), "Reset: this is as saved");
+    bench.on("points").keys("right right").on("seed").keys("right");
+    bench.keys("r");
+    assert_eq!((bench.value("seed"), bench.value("points")), ("1".to_owned(), "1040".to_owned()));
+    bench.keys("b");
+    assert!(bench.tree().compares);
+    assert!(Arc::ptr_eq(bench.tree().wanted(), bench.tree().saved()));
+    let (buffer, _) = bench.on("points").paint(100, 40);
+    let shown = text(&buffer);
+    assert!(shown.contains("○ as saved") && shown.contains("yours: 1040"), "{shown}");
+    bench.keys("b R");
+    assert!(!bench.tree().is_modified());
+    bench.keys("u");
+    assert_eq!(bench.value("points"), "1040");
+    bench.keys("u u u u");
+    assert!(!bench.tree().is_modified() && !bench.tree().can_undo());
+    bench.keys("ctrl-r ctrl-r");
+    assert_eq!(bench.value("points"), "1040");
+    bench.keys("ctrl-r ctrl-r ctrl-r ctrl-r");
+    assert_eq!(bench.said(), "Redo: nothing was undone");
+}
+
+#[test]
+fn keys_that_are_held_are_one_step_of_undo_and_there_and_back_is_none() {
+    let mut bench = Bench::new("fir");
+    let now = bench.model.now;
+    let press = |bench: &mut Bench, key: &str, ms| {
+        let event = Event::Key(key.parse().unwrap());
+        crate::tui::update::update(&mut bench.model, Msg::Input(event), now + Duration::from_millis(ms));
+    };
+    bench.on("points");
+    press(&mut bench, "right", 0);
+    press(&mut bench, "right", 300);
+    press(&mut bench, "right", 900);
+    assert_eq!(bench.value("points"), "1060");
+    bench.keys("u");
+    assert!(!bench.tree().is_modified() && !bench.tree().can_undo());
+    press(&mut bench, "right", 5000);
+    press(&mut bench, "left", 5100);
+    assert!(!bench.tree().can_undo());
+    // The same value typed again is no change that the next one could join.
+    press(&mut bench, "right", 9000);
+    bench.model.tree.as_mut().unwrap().set("seed", "1", now + Duration::from_secs(20)).unwrap();
+    bench.model.tree.as_mut().unwrap().set("seed", "7", now + Duration::from_millis(20_100)).unwrap();
+    bench.keys("u");
+    assert_eq!((bench.value("seed"), bench.value("points")), ("1".to_owned(), "1020".to_owned()));
+}
+
+#[test]
+fn what_is_auto_is_nudged_from_what_it_is_now() {
+    let mut bench = Bench::new("fir");
+    bench.on("base_radius").keys("enter ctrl-u").typed("auto").keys("enter").grow();
+    assert_eq!(bench.value("base_radius"), "auto");
+    let (buffer, _) = bench.paint(100, 40);
+    assert!(text(&buffer).contains("0.177 m"), "{}", text(&buffer));
+    bench.keys("right");
+    let value: f64 = bench.value("base_radius").parse().unwrap();
+    let grown = f64::from(bench.tree().shown.as_ref().unwrap().grown.skeleton.radii[0]);
+    assert!((value / grown - 1.0).abs() < 0.06, "{value} {grown}");
+    bench.on("trunk").keys("enter ctrl-u").typed("auto").keys("enter right");
+    assert!(bench.said().starts_with("trunk is typed"), "{}", bench.said());
+}
+
+#[test]
+fn a_tree_that_cannot_grow_marks_the_knob() {
+    for (preset, sets, culprit) in [
+        ("abop-a", &[("derivations", "30")][..], "derivations"),
+        ("abop-a", &[("derivations", "0"), ("symbol_limit", "1")], "derivations"),
+        ("abop-stochastic", &[("derivations", "40")], "derivations"),
+        ("fir", &[("base_radius", "0.001"), ("tip_radius", "0.1")], "base_radius"),
+        ("fir", &[("kill", "0.001")], "kill"),
+        ("fir", &[("influence", "1D")], "influence"),
+        ("fir", &[("trunk", "1000"), ("max_nodes", "100")], "trunk"),
+    ] {
+        let mut bench = Bench::new(preset);
+        for (name, value) in sets {
+            let now = bench.model.now;
+            bench.model.tree.as_mut().unwrap().set(name, value, now).unwrap();
+        }
+        bench.grow();
+        let Some(fault) = bench.tree().fault.clone() else {
+            assert_eq!(sets[0].1, "0", "{preset} {sets:?}");
+            continue;
+        };
+        assert_eq!(view::culprit(bench.tree()), Some(culprit), "{fault}");
+        let (buffer, _) = bench.on(culprit).paint(100, 40);
+        let shown = text(&buffer);
+        assert!(shown.contains(&format!("✗{culprit}")), "{shown}");
+        // The last good tree stays, and turning back heals.
+        bench.keys("R").grow();
+        assert_eq!(bench.tree().fault, None);
+    }
+}
+
+#[test]
+fn the_grammar_is_edited_in_place_and_grows_as_it_is_typed() {
+    let mut bench = Bench::new("abop-a");
+    let before = bench.tree().grammar().unwrap().clone();
+    bench.keys("x");
+    assert!(grammar::editor(&bench.model).is_some());
+    bench.keys("down end").typed("[+F]");
+    assert_eq!(bench.tree().grammar().unwrap().to_string(), "F\nF -> F[+F]F[-F]F[+F]\n");
+    // What cannot be read keeps the last good grammar, and says where.
+    bench.typed("[+F");
+    assert_eq!(bench.tree().grammar().unwrap().to_string(), "F\nF -> F[+F]F[-F]F[+F]\n");
+    let (buffer, view) = bench.paint(100, 30);
+    let shown = text(&buffer);
+    assert!(shown.contains("line 2, column 21: '[' opens a branch that is never closed"), "{shown}");
+    let (x, y) = underlined(&buffer).unwrap();
+    assert_eq!(buffer[(x, y)].symbol(), "[");
+    assert_eq!(view.cursor, Some((x + 3, y)));
+    // Done goes to the mistake instead of closing.
+    bench.keys("ctrl-s");
+    assert_eq!(grammar::editor(&bench.model).unwrap().text.cursor(), (1, 20));
+    bench.keys("esc");
+    assert!(bench.model.layers.is_empty() && bench.said().contains("last rules"));
+    // The text is there again with its mistake; mended, it grows.
+    bench.keys("x end").typed("]").keys("ctrl-s");
+    assert!(bench.model.layers.is_empty());
+    assert_eq!(bench.tree().grammar().unwrap().to_string(), "F\nF -> F[+F]F[-F]F[+F][+F]\n");
+    // Each editing is one step of undo.
+    bench.keys("u u");
+    assert!(*bench.tree().grammar().unwrap() == before && !bench.tree().can_undo());
+    bench.keys("ctrl-r");
+    assert_eq!(bench.tree().grammar().unwrap().to_string(), "F\nF -> F[+F]F[-F]F[+F]\n");
+}
+
+/// The cell where the text is wrong.
+fn underlined(buffer: &ratatui::buffer::Buffer) -> Option<(u16, u16)> {
+    let area = buffer.area;
+    let mut cells = (0..area.height).flat_map(|y| (0..area.width).map(move |x| (x, y)));
+    let is_wrong =
+        |&(x, y): &(u16, u16)| buffer[(x, y)].modifier.contains(Modifier::UNDERLINED | Modifier::BOLD);
+    cells.rfind(is_wrong)
+}
+
+#[test]
+fn the_editors_own_undo_revert_and_comments() {
+    let mut bench = Bench::new("abop-a");
+    let before = bench.tree().grammar().unwrap().clone();
+    bench.keys("x ctrl-u");
+    assert_eq!(bench.said(), "Undo typing: nothing was typed");
+    bench.keys("ctrl-end").typed("// mine\n\n");
+    bench.send(Msg::Input(Event::Paste("G -> FF\r\nX -> G\n".to_owned())));
+    assert_eq!(bench.tree().grammar().unwrap().productions().len(), 3);
+    bench.keys("ctrl-u");
+    assert_eq!(bench.tree().grammar().unwrap().productions().len(), 1);
+    bench.keys("ctrl-r");
+    assert_eq!(bench.tree().grammar().unwrap().productions().len(), 3);
+    bench.keys("ctrl-x");
+    assert!(*bench.tree().grammar().unwrap() == before);
+    bench.keys("ctrl-u esc x");
+    let text = grammar::editor(&bench.model).unwrap().text.as_str().to_owned();
+    assert!(text.contains("// mine\n\nG -> FF\nX -> G\n"), "comments stay with the tree: {text}");
+    // Keys that mean something outside are letters here, and nothing panics on any of them.
+    bench.keys("q u E / : ? tab f1 f12 insert alt-x");
+    assert!(grammar::editor(&bench.model).is_some());
+    bench.keys("ctrl-c");
+    assert!(bench.model.layers.is_empty());
+}
+
+#[test]
+fn enter_on_a_rule_opens_the_editor_there_and_r_gives_the_saved_grammar_back() {
+    let mut bench = Bench::new("abop-stochastic");
+    bench.on("derivations").keys("k k");
+    let rule = selected_rule(&bench.model).unwrap();
+    assert!(selected(&bench.model).is_none() && rule >= 2);
+    bench.keys("right");
+    assert!(bench.said().contains("typed"));
+    bench.keys("enter");
+    let (line, column) = grammar::editor(&bench.model).unwrap().text.cursor();
+    assert_eq!(line, rule);
+    assert!(column > 5);
+    bench.typed("F").keys("esc");
+    assert!(bench.tree().is_modified());
+    let (buffer, _) = bench.paint(100, 40);
+    assert!(text(&buffer).contains("●F ->"), "{}", text(&buffer));
+    bench.keys("r");
+    assert!(!bench.tree().is_modified());
+}
+
+#[test]
+fn the_mouse_selects_rows_opens_them_and_puts_the_cursor_into_the_text() {
+    let mut bench = Bench::new("abop-a");
+    let (buffer, _) = bench.paint(100, 30);
+    let lines: Vec<String> = text(&buffer).lines().map(str::to_owned).collect();
+    let row = lines.iter().position(|line| line.contains("F -> F[+F]F[-F]F")).unwrap() as u16;
+    bench.press(10, row);
+    assert_eq!(selected_rule(&bench.model), Some(1));
+    bench.press(10, row);
+    assert!(grammar::editor(&bench.model).is_some());
+    let (_, view) = bench.paint(100, 30);
+    let (area, _) =
+        *view.regions.iter().rev().find(|(_, target)| *target == crate::tui::model::Target::Grammar).unwrap();
+    bench.press(area.x + 3, area.y);
+    assert_eq!(grammar::editor(&bench.model).unwrap().text.cursor(), (0, 3));
+    bench.press(area.right() - 1, area.bottom() - 1);
+    assert_eq!(grammar::editor(&bench.model).unwrap().text.cursor().0, 2);
+}
+
+#[test]
+fn an_editor_of_ones_own_takes_the_text_and_loses_nothing() {
+    let mut bench = Bench::new("abop-a");
+    bench.keys("E");
+    let Some(Effect::Edit(handed)) = bench.effects.pop() else { panic!("no text was handed over") };
+    assert!(handed.starts_with("// ") && handed.ends_with("axiom = F\nF -> F[+F]F[-F]F\n"), "{handed}");
+    bench.send(Msg::Edited(Ok(handed.clone())));
+    assert!(!bench.tree().is_modified() && bench.said() == "the grammar is as it was");
+    bench.send(Msg::Edited(Ok(handed.replace("[-F]", "[-FF]"))));
+    assert_eq!(bench.tree().grammar().unwrap().to_string(), "F\nF -> F[+F]F[-FF]F\n");
+    assert!(bench.model.layers.is_empty());
+    bench.keys("u");
+    assert!(!bench.tree().is_modified() && !bench.tree().can_undo());
+    // A mistake comes back into linden's editor, with the whole text.
+    bench.send(Msg::Edited(Ok(handed.replace("[-F]", "[-F"))));
+    let editor = grammar::editor(&bench.model).unwrap();
+    assert_eq!(editor.text.as_str(), "axiom = F\nF -> F[+F]F[-FF\n");
+    assert_eq!(editor.text.cursor(), (1, 11));
+    assert!(!bench.tree().is_modified());
+    bench.keys("alt-e");
+    let Some(Effect::Edit(handed)) = bench.effects.pop() else { panic!("no text was handed over") };
+    bench.send(Msg::Edited(Ok(handed.replace("[-FF", "[-F]F"))));
+    assert!(grammar::editor(&bench.model).unwrap().fault.is_none());
+    bench.send(Msg::Edited(Err("the editor ended with 1".to_owned())));
+    assert!(grammar::editor(&bench.model).is_some());
+}
+
+#[test]
+fn colonized_trees_say_that_they_have_no_grammar() {
+    let mut bench = Bench::new("fir");
+    bench.keys("x");
+    assert_eq!(bench.said(), "Edit grammar: 'fir' grows by colonization; it has no grammar");
+    bench.keys("E");
+    assert_eq!(bench.said(), "Edit in $EDITOR: the preset is built in; save it as one of your own first");
+    assert!(bench.effects.is_empty());
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("mine.toml");
+    std::fs::write(&path, linden::preset::builtin("fir").unwrap().text).unwrap();
+    let mut bench = Bench::at(Place::File(path.clone()), dir.path().to_owned());
+    bench.keys("E");
+    assert!(matches!(&bench.effects[..], [Effect::EditFile(own)] if *own == path), "{:?}", bench.effects);
+    let mesh = dir.path().join("crown.obj");
+    std::fs::write(&mesh, linden::preset::builtin_file("heart.obj").unwrap()).unwrap();
+    let mut bench = Bench::at(Place::File(mesh), dir.path().to_owned());
+    bench.keys("E");
+    assert!(bench.said().contains("a mesh or a scan") && bench.effects.is_empty(), "{}", bench.said());
+}
+
+/// Does what the model asks for, as the runtime does.
+fn save(bench: &mut Bench, dir: &Path) {
+    let Some(Effect::Save { id, from, recipe, overwrite }) = bench.effects.pop() else {
+        panic!("nothing was to be saved: {}", bench.said())
+    };
+    bench.send(Msg::Saved(save::write(dir, &id, &from, &recipe, overwrite)));
+    bench.list(dir);
+}
+
+#[test]
+fn a_copy_is_saved_with_its_mesh_and_is_what_was_on_screen() {
+    let dir = tempfile::tempdir().unwrap();
+    let presets = dir.path().join("presets");
+    let mut bench = Bench::at(Place::Builtin("heart"), dir.path().to_owned());
+    bench.on("points").keys("right");
+    bench.keys("s enter");
+    save(&mut bench, &presets);
+    assert!(bench.said().starts_with("saved as 'heart-2' in "), "{}", bench.said());
+    let mut names: Vec<_> = std::fs::read_dir(&presets).unwrap().map(|e| e.unwrap().file_name()).collect();
+    names.sort();
+    assert_eq!(names, ["heart-2.obj", "heart-2.toml"]);
+
+    let read = crate::source::resolve(&presets.join("heart-2.toml"), &[], &Quiet).unwrap();
+    assert!(read.files.contains(&presets.join("heart-2.obj")), "its own mesh, not the built-in one");
+    let tree = bench.tree();
+    assert!(read.recipe.preset == *tree.preset(), "what is read is what is on screen");
+    assert!(!tree.is_modified());
+    let (mine, theirs) = (tree.recipe().input.as_ref().unwrap(), read.recipe.input.as_ref().unwrap());
+    assert_eq!((mine.hash, &mine.name), (theirs.hash, &theirs.name));
+    let preset = tree.preset();
+    assert_eq!((preset.id.as_str(), preset.name.as_str()), ("heart-2", "heart-2"));
+    assert!(preset.source.starts_with("linden; any closed OBJ"));
+
+    // Undo leads back to changes of the new preset, and saving it again asks, then replaces it.
+    bench.keys("u");
+    assert_eq!((bench.tree().preset().id.as_str(), bench.value("points").as_str()), ("heart-2", "3000"));
+    assert!(bench.tree().is_modified());
+    bench.keys("s enter");
+    let (buffer, _) = bench.paint(80, 24);
+    let shown = text(&buffer);
+    assert!(shown.contains("replace 'heart-2'? yes or no") && shown.contains("comments"), "{shown}");
+    bench.typed("no\n");
+    assert!(bench.effects.iter().all(|effect| !matches!(effect, Effect::Save { .. })));
+    bench.keys("s enter").typed("yes\n");
+    save(&mut bench, &presets);
+    let read = crate::source::resolve(&presets.join("heart-2.toml"), &[], &Quiet).unwrap();
+    assert!(read.recipe.preset == *bench.tree().preset());
+    assert_eq!(std::fs::read_dir(&presets).unwrap().count(), 2);
+    // The next copy has a number of its own.
+    bench.keys("s ctrl-u").typed("heart-3").keys("enter");
+    save(&mut bench, &presets);
+    // It lies in the same folder: one mesh is enough.
+    assert_eq!(std::fs::read_dir(&presets).unwrap().count(), 3);
+    assert!(crate::source::resolve(&presets.join("heart-3.toml"), &[], &Quiet).is_ok());
+}
+
+#[test]
+fn an_id_is_checked_while_it_is_typed() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut bench = Bench::at(Place::Builtin("fir"), dir.path().to_owned());
+    bench.keys("s ctrl-u").typed("a/b");
+    assert!(typed_problem(&bench).unwrap().contains("file names cannot have"));
+    let (buffer, _) = bench.paint(100, 24);
+    assert!(text(&buffer).contains("'a/b' cannot be a preset's id"));
+    bench.keys("enter");
+    assert!(bench.effects.is_empty() && !bench.model.layers.is_empty());
+    bench.keys("ctrl-u").typed("fir");
+    assert_eq!(typed_problem(&bench), None);
+    let (buffer, _) = bench.paint(100, 24);
+    assert!(text(&buffer).contains("means the built-in one"));
+    bench.keys("esc");
+    assert!(bench.model.layers.is_empty());
+}
+
+#[test]
+fn what_cannot_be_saved_whole_is_not_saved() {
+    let dir = tempfile::tempdir().unwrap();
+    let source = dir.path().join("crown.obj");
+    std::fs::write(&source, linden::preset::builtin_file("heart.obj").unwrap()).unwrap();
+    let place = Place::File(source.clone());
+    let recipe = crate::source::resolve(&source, &[], &Quiet).unwrap().recipe;
+    let presets = dir.path().join("presets");
+    // The mesh changes after it was read.
+    std::fs::write(&source, [linden::preset::builtin_file("heart.obj").unwrap(), b"# more\n"].concat())
+        .unwrap();
+    let error = save::write(&presets, "copy", &place, &recipe, false).unwrap_err();
+    assert!(error.contains("not the file any more"), "{error}");
+    std::fs::remove_file(&source).unwrap();
+    let error = save::write(&presets, "copy", &place, &recipe, true).unwrap_err();
+    assert!(error.contains("crown.obj, which the preset needs"), "{error}");
+    assert!(!presets.exists());
+    // A file of that name is somebody's.
+    let heart = crate::source::resolve(Path::new("heart"), &[], &Quiet).unwrap().recipe;
+    std::fs::create_dir(&presets).unwrap();
+    std::fs::write(presets.join("mine.obj"), "v 0 0 0").unwrap();
+    let error = save::write(&presets, "mine", &Place::Builtin("heart"), &heart, false).unwrap_err();
+    assert!(error.contains("another file"), "{error}");
+    assert!(!presets.join("mine.toml").exists());
+}
+
+/// Whatever is on the form, at the sizes that a pane has.
+#[test]
+fn the_form_at_three_sizes() {
+    let mut bench = Bench::new("abop-stochastic");
+    bench.on("derivations").keys("right");
+    for (columns, rows) in [(38, 20), (20, 5), (60, 40)] {
+        let (buffer, _) = bench.paint(columns, rows);
+        insta::assert_snapshot!(format!("form_{columns}x{rows}"), text(&buffer));
+    }
+    let mut bench = Bench::new("cypress");
+    bench.on("profile").keys("enter");
+    let (buffer, _) = bench.paint(44, 20);
+    insta::assert_snapshot!("form_profile_typed", text(&buffer));
+}
+
+#[test]
+fn the_editor_at_three_sizes() {
+    let mut bench = Bench::new("abop-stochastic");
+    bench.keys("x ctrl-end").typed("// F -> λ is no rule\nF -> F[+(3)F");
+    for (columns, rows) in [(38, 20), (20, 5), (60, 40)] {
+        let (buffer, _) = bench.paint(columns, rows);
+        insta::assert_snapshot!(format!("editor_{columns}x{rows}"), text(&buffer));
+    }
+}
+
+#[test]
+fn every_theme_shows_the_cursor_what_was_changed_and_what_is_wrong() {
+    for theme in [Theme::dark(), Theme::light(), Theme::plain(false)] {
+        let mut bench = Bench::new("abop-a");
+        bench.model.config.theme = theme;
+        bench.on("derivations").keys("right").on("angle");
+        let (buffer, _) = bench.paint(100, 40);
+        let lines: Vec<String> = text(&buffer).lines().map(str::to_owned).collect();
+        let y = |name: &str| lines.iter().position(|line| line.contains(name)).unwrap() as u16;
+        let style = |name: &str, x: u16| buffer[(x, y(name))].style();
+        // A usual knob, the one under the cursor, and the one that was turned: three looks, and marks.
+        assert_ne!(style("segment_length", 3), style("angle ", 3));
+        assert_ne!(style("segment_length", 20), style("derivations", 20));
+        assert!(lines[usize::from(y("derivations"))].contains("●derivations"));
+        bench.keys("x down end").typed("]");
+        let (buffer, _) = bench.paint(100, 40);
+        let (x, y) = underlined(&buffer).unwrap();
+        assert_eq!(buffer[(x, y)].symbol(), "]");
+    }
+}
+
+#[test]
+fn nothing_panics_at_any_size() {
+    for preset in ["abop-stochastic", "cypress"] {
+        let mut bench = Bench::new(preset);
+        let scripts = ["", "enter", "esc x down end F [ ", "esc s", "/ u", "b"];
+        for script in scripts {
+            bench.keys(script);
+            for columns in (1..40).chain([72, 110, 400]) {
+                for rows in (1..14).chain([120]) {
+                    bench.paint(columns, rows);
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn what_a_file_says_does_not_reach_the_screen_raw() {
+    let mut bench = Bench::new("abop-a");
+    bench.keys("x");
+    bench.send(Msg::Input(Event::Paste("// \u{1b}[2J\u{202e}e\u{301}\u{200b}漢\n".to_owned())));
+    let (buffer, _) = bench.paint(80, 24);
+    let shown = text(&buffer);
+    assert!(!shown.contains('\u{1b}') && !shown.contains('\u{202e}'), "{shown}");
+    assert!(shown.contains("// ·[2J·e··漢"), "{shown}");
+}
+
+#[test]
+fn a_grammar_of_any_length_is_listed_in_a_page() {
+    let rules: Vec<String> = (0..5000)
+        .map(|i| format!("{} -> {}", char::from_u32(0x4e00 + i).unwrap(), "F".repeat(900)))
+        .collect();
+    let grammar = linden::lsystem::Grammar::new("F", &rules).unwrap();
+    let (listed, more) = grammar::lines(&grammar);
+    assert_eq!((listed.len(), more), (101, 4900));
+    assert!(listed.iter().all(|line| line.len() < 400));
+}
+
+#[derive(Clone, Debug)]
+enum Deed {
+    Key(&'static str),
+    Type(&'static str, &'static str),
+    Grammar(&'static str),
+}
+
+fn deeds() -> impl Strategy<Value = Vec<(Deed, u64)>> {
+    let keys = prop::sample::select(vec![
+        "right",
+        "left",
+        "L",
+        "H",
+        "alt-right",
+        "j",
+        "k",
+        "G",
+        "g",
+        "r",
+        "R",
+        "b",
+        "u",
+        "u",
+        "ctrl-r",
+        "i esc",
+        "x esc",
+    ]);
+    let values = prop::sample::select(vec![
+        ("seed", "7"),
+        ("seed", "1"),
+        ("derivations", "2"),
+        ("angle", "25.7"),
+        ("angle", "nonsense"),
+        ("bark", "birch"),
+    ]);
+    let texts = prop::sample::select(vec!["F", "[+F]", "]", "\n", "\n\n// F", "\nG -> F"]);
+    let deed = prop_oneof![
+        6 => keys.prop_map(Deed::Key),
+        2 => values.prop_map(|(name, value)| Deed::Type(name, value)),
+        1 => texts.prop_map(Deed::Grammar),
+    ];
+    prop::collection::vec((deed, prop::sample::select(vec![10_u64, 300, 5000])), 1..40)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(150))]
+
+    /// Whatever is done to the form: each step back is another tree, the way back ends where it began,
+    /// and the way forward leads through the same trees to what was on screen.
+    #[test]
+    fn undo_and_redo_walk_one_path(deeds in deeds()) {
+        let mut bench = Bench::new("abop-a");
+        let start = bench.tree().preset().clone();
+        for (deed, ms) in deeds {
+            bench.model.now += Duration::from_millis(ms);
+            let now = bench.model.now;
+            let mut press = |names: &str| for name in names.split_whitespace() {
+                let event = Event::Key(name.parse().unwrap());
+                crate::tui::update::update(&mut bench.model, Msg::Input(event), now);
+            };
+            match deed {
+                Deed::Key(keys) => press(keys),
+                Deed::Type(name, value) => {
+                    let before = bench.tree().preset().clone();
+                    if bench.model.tree.as_mut().unwrap().set(name, value, now).is_err() {
+                        prop_assert!(bench.tree().preset() == &before);
+                    }
+                }
+                Deed::Grammar(text) => {
+                    press("x ctrl-end backspace");
+                    bench.typed(text);
+                    bench.keys("esc");
+                }
+            }
+            prop_assert!(bench.model.layers.is_empty());
+        }
+        let end = Arc::clone(bench.tree().recipe());
+        let tree = bench.model.tree.as_mut().unwrap();
+        let mut path = Vec::new();
+        while tree.can_redo() {
+            tree.redo();
+        }
+        let last = Arc::clone(tree.recipe());
+        while tree.can_undo() {
+            let here = Arc::clone(tree.recipe());
+            tree.undo();
+            prop_assert!(tree.preset() != &here.preset, "a step that changes nothing");
+            path.push(here);
+        }
+        prop_assert!(*tree.preset() == start && !tree.is_modified());
+        for expected in path.iter().rev() {
+            tree.redo();
+            prop_assert!(Arc::ptr_eq(tree.recipe(), expected));
+        }
+        prop_assert!(Arc::ptr_eq(tree.recipe(), &last));
+        prop_assert!(path.iter().any(|own| Arc::ptr_eq(own, &end)) || end.preset == start);
+    }
+}
