@@ -19,7 +19,7 @@ use super::{Shown, Watcher};
 
 /// Most bytes of a draft, and of a full picture, over a network.
 const DRAFT_BYTES: usize = 16_000;
-const FULL_BYTES: usize = 100_000;
+pub(super) const FULL_BYTES: usize = 100_000;
 /// The longer side of a picture that a terminal shows as pixels.
 const LONGEST_PX: u32 = 1400;
 /// A draft in pixels is so many times coarser.
@@ -155,6 +155,31 @@ impl Medium {
             remote: terminal.remote.value,
         }
     }
+
+    /// What trees are painted with over this background.
+    pub(super) const fn style(&self) -> Style<'static> {
+        if self.dark { Style::over_dark() } else { Style::over_light() }
+    }
+
+    /// Pixels of a picture that so many cells show as characters.
+    pub(super) fn pixels_of_cells(&self, columns: u16, rows: u16) -> (u32, u32) {
+        let (wide, high) = self.cell_px;
+        square_pixels(columns, rows, f32::from(wide) / f32::from(high.max(1)))
+    }
+
+    /// A picture as characters, in so many columns and rows and about so many bytes.
+    pub(super) fn cells(
+        &self,
+        picture: &Picture,
+        size: Size,
+        (columns, rows): (u16, u16),
+        budget: usize,
+    ) -> Result<CellPicture, String> {
+        let image =
+            Image::new(size.width(), size.height(), picture.rgba()).map_err(|error| error.to_string())?;
+        let style = CellStyle { glyphs: self.glyphs, colors: self.colors, background: self.background };
+        Ok(CellPicture::draw(&image, columns, rows, &style, budget))
+    }
 }
 
 /// Draws pictures, one after the other, and keeps what the next one may need.
@@ -183,23 +208,19 @@ impl Painter {
         let start = Instant::now();
         let medium = request.medium;
         let area = request.area;
-        let (wide, high) = medium.cell_px;
-        let aspect = f32::from(wide) / f32::from(high.max(1));
         let (width, height) = match medium.graphics {
-            None => square_pixels(area.width, area.height, aspect),
+            None => medium.pixels_of_cells(area.width, area.height),
             Some(_) => pixels(area, medium.cell_px, request.detail),
         };
         let size = Size::new(width, height).map_err(|error| Some(error.to_string()))?;
         let picture = self.draw(&request, size, watcher)?;
-        let image = Image::new(width, height, picture.rgba()).map_err(|error| Some(error.to_string()))?;
         let budget = match (request.detail, medium.remote) {
             (Detail::Draft, true) => DRAFT_BYTES,
             (Detail::Full, true) => FULL_BYTES,
             (_, false) => usize::MAX,
         };
-        let style = CellStyle { glyphs: medium.glyphs, colors: medium.colors, background: medium.background };
         // Cells of full pictures stay within their budget at home too: nobody sees the difference.
-        let cells = CellPicture::draw(&image, area.width, area.height, &style, budget.min(FULL_BYTES));
+        let cells = medium.cells(&picture, size, (area.width, area.height), budget.min(FULL_BYTES))?;
         let graphic = match medium.graphics {
             None => None,
             Some(protocol) => {
@@ -221,7 +242,7 @@ impl Painter {
         watcher: &Watcher<'_>,
     ) -> Result<Picture, Option<String>> {
         let shown = &request.shown;
-        let base = if request.medium.dark { Style::over_dark() } else { Style::over_light() };
+        let base = request.medium.style();
         let points = shown.grown.colonized.as_ref().map_or(&[][..], |own| &own.points);
         let style = Style {
             paint: if let Look::Skeleton(paint) = request.look { paint } else { base.paint },

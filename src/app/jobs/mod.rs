@@ -5,13 +5,13 @@
 //! that nobody waits for any more.
 
 mod draw;
+mod gallery;
 mod grow;
 mod lane;
 mod relay;
-mod thumbnail;
 
 pub use draw::{Detail, DrawRequest, Look, Medium, Painted, Painter};
+pub use gallery::{GalleryRequest, SmallPicture, Thumbnail, paint_gallery};
 pub use grow::{Shown, grow_shown};
 pub use lane::{Answer, Done, Lane, THREAD_PREFIX, Watcher, lower_priority};
 pub use relay::Relay;
-pub use thumbnail::Thumbnail;

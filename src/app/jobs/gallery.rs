@@ -1,0 +1,379 @@
+//! Small pictures of one tree with one knob turned many ways: a gallery of seeds, a sweep.
+//!
+//! A picture is given as soon as its tree has grown, from the first to the last: as strokes, in the
+//! scale that is known by then. What can be better when all have grown (a surface, the scale that is
+//! common to all) is given once more. So there is something to see early, and no tree waits for the
+//! largest.
+
+use std::sync::Arc;
+
+use glam::Vec2;
+use linden::dress::{DressError, dress};
+use linden::grow::{GrowError, Grown, grow};
+use linden::knob::Value;
+use linden::lsystem::LsystemError;
+use linden::picture::Picture;
+use linden::preset::{Generator, PresetKnob, Section, Space};
+use linden::recipe::{Geometry, Recipe};
+use linden::{Cancelled, Monitor, Skeleton};
+use linden_raster::extent::RINGS;
+use linden_raster::{Camera, Extent, RasterError, Size, Style, Surface, draw_skeleton, draw_surface};
+use linden_terminal::cells::CellPicture;
+
+use super::draw::FULL_BYTES;
+use super::{Look, Medium, Shown};
+
+/// Larger trees are not grown for a small picture. A tree that is on screen already is drawn whatever
+/// its size.
+const MOST_SYMBOLS: u64 = 5_000_000;
+const MOST_POINTS: usize = 1_000_000;
+const MOST_NODES: u32 = 1_000_000;
+/// Grown trees are kept until all have grown, as long as they have no more nodes than this together
+/// (some 40 bytes each); others are grown again if they have to be drawn again.
+const KEPT_NODES: usize = 500_000;
+/// Side of the pictures of bark, pixels: what a picture of a few dozen pixels shows of it is its mean.
+const BARK_PX: u32 = 64;
+
+/// Pictures that should be on screen.
+#[derive(Clone, Debug)]
+pub struct GalleryRequest {
+    /// The tree that is varied.
+    pub base: Arc<Recipe>,
+    /// The knob that is turned.
+    pub knob: &'static str,
+    /// To what, for each picture.
+    pub values: Vec<Value>,
+    /// The base, where it has grown already.
+    pub known: Option<Arc<Shown>>,
+    /// From where; each tree is framed whole.
+    pub camera: Camera,
+    /// What of it.
+    pub look: Look,
+    /// Whether all are in one scale, or each fills its own picture.
+    pub one_scale: bool,
+    /// Columns and rows of each picture.
+    pub cells: (u16, u16),
+    /// What shows it.
+    pub medium: Medium,
+}
+
+/// One picture of a gallery, or why there is none.
+#[derive(Debug)]
+pub struct Thumbnail {
+    /// What was asked for.
+    pub request: Arc<GalleryRequest>,
+    /// Which of its values.
+    pub index: usize,
+    /// The picture, or a few words on why there is none.
+    pub result: Result<SmallPicture, String>,
+}
+
+/// A small picture of a tree.
+#[derive(Debug)]
+pub struct SmallPicture {
+    /// The picture.
+    pub cells: CellPicture,
+    /// Nodes of the tree.
+    pub nodes: usize,
+    /// Its height, metres.
+    pub height_m: f64,
+}
+
+impl GalleryRequest {
+    /// Whether another request is for the same pictures, whatever is known of the base.
+    pub fn is_of(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.base, &other.base)
+            && (self.knob, &self.values) == (other.knob, &other.values)
+            && self.camera == other.camera
+            && (self.look, self.one_scale, self.cells) == (other.look, other.one_scale, other.cells)
+            && self.medium == other.medium
+    }
+
+    /// The recipe of a picture: the base with its knob turned, the base itself where that changes
+    /// nothing.
+    ///
+    /// # Errors
+    /// What the knob does not take.
+    pub fn recipe(&self, index: usize) -> Result<Arc<Recipe>, String> {
+        let value = &self.values[index];
+        if self.row().and_then(|row| row.read(&self.base.preset)).as_ref() == Some(value) {
+            return Ok(Arc::clone(&self.base));
+        }
+        let mut preset = self.base.preset.clone();
+        preset.set(self.knob, &value.to_string()).map_err(|error| error.to_string())?;
+        Ok(Arc::new(Recipe { preset, input: self.base.input.clone() }))
+    }
+
+    fn row(&self) -> Option<PresetKnob> {
+        self.base.preset.knobs().into_iter().map(|(row, _)| row).find(|row| row.knob.name == self.knob)
+    }
+
+    /// Whether all trees have the base's skeleton: only what covers it differs.
+    fn shares_skeleton(&self) -> bool {
+        self.row().is_some_and(|row| matches!(row.section, Section::Surface | Section::Bark))
+    }
+}
+
+impl Thumbnail {
+    /// What the knob was turned to.
+    pub fn value(&self) -> &Value {
+        &self.request.values[self.index]
+    }
+}
+
+/// Paints the pictures of a gallery, and gives each as soon as it is there; some are given a second
+/// time, better. Returns early when nobody wants them any more.
+pub fn paint_gallery(request: GalleryRequest, monitor: &dyn Monitor, give: &dyn Fn(Thumbnail)) {
+    let size = {
+        let (columns, rows) = request.cells;
+        let (width, height) = request.medium.pixels_of_cells(columns, rows);
+        Size::new(width, height)
+    };
+    let request = Arc::new(request);
+    let give = |index, result| give(Thumbnail { request: Arc::clone(&request), index, result });
+    match size {
+        Ok(size) => {
+            // Cancelled: there is nobody to tell.
+            let _ = Studio { request: &request, size, monitor }.paint_all(&give);
+        }
+        Err(error) => (0..request.values.len()).for_each(|index| give(index, Err(error.to_string()))),
+    }
+}
+
+/// A tree that grew, as far as pictures need it.
+#[derive(Clone)]
+struct Sitter {
+    recipe: Arc<Recipe>,
+    skeleton: Arc<Skeleton>,
+    extent: Extent,
+}
+
+/// Why there is no picture.
+enum NoPicture {
+    Cancelled,
+    Because(String),
+}
+
+impl From<Cancelled> for NoPicture {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
+}
+
+struct Studio<'a> {
+    request: &'a GalleryRequest,
+    size: Size,
+    monitor: &'a dyn Monitor,
+}
+
+impl Studio<'_> {
+    fn paint_all(&self, give: &dyn Fn(usize, Result<SmallPicture, String>)) -> Result<(), Cancelled> {
+        let Self { request, .. } = self;
+        let give = |index, result| match result {
+            Ok(picture) => {
+                give(index, Ok(picture));
+                Ok(())
+            }
+            Err(NoPicture::Because(why)) => {
+                give(index, Err(why));
+                Ok(())
+            }
+            Err(NoPicture::Cancelled) => Err(Cancelled),
+        };
+        let has_surface = request.look == Look::Surface;
+        let shares_skeleton = request.shares_skeleton();
+        let mut extents: Vec<Extent> = request.known.iter().map(|known| known.extent(false, false)).collect();
+        let mut shared = None;
+        let mut kept_nodes = 0;
+        // For each tree that grew: what its picture framed, and the tree itself while there is room.
+        let mut drawn: Vec<Option<(Extent, Option<Sitter>)>> = Vec::with_capacity(request.values.len());
+        for index in 0..request.values.len() {
+            let sitter = match self.grow(index, shared.as_ref()) {
+                Ok(sitter) => sitter,
+                Err(why) => {
+                    give(index, Err(why))?;
+                    drawn.push(None);
+                    continue;
+                }
+            };
+            if !extents.contains(&sitter.extent) {
+                extents.push(sitter.extent);
+            }
+            let frame = if request.one_scale { around(&extents) } else { sitter.extent };
+            give(index, self.strokes(&sitter, frame))?;
+            if shares_skeleton {
+                shared.get_or_insert_with(|| Arc::clone(&sitter.skeleton));
+            }
+            let nodes = if shares_skeleton { 0 } else { sitter.skeleton.positions.len() };
+            let is_kept = (request.one_scale || has_surface) && kept_nodes + nodes <= KEPT_NODES;
+            kept_nodes += if is_kept { nodes } else { 0 };
+            drawn.push(Some((frame, is_kept.then_some(sitter))));
+        }
+        let common = around(&extents);
+        for (index, drawn) in drawn.into_iter().enumerate() {
+            let Some((frame, kept)) = drawn else { continue };
+            let last = if request.one_scale { common } else { frame };
+            if last == frame && !has_surface {
+                continue;
+            }
+            let sitter = kept.map_or_else(|| self.grow(index, shared.as_ref()), Ok);
+            give(index, sitter.and_then(|sitter| self.best(&sitter, last)))?;
+        }
+        Ok(())
+    }
+
+    /// Grows one of the trees, unless it is too large for that.
+    fn grow(&self, index: usize, shared: Option<&Arc<Skeleton>>) -> Result<Sitter, NoPicture> {
+        self.monitor.check()?;
+        let recipe = self.request.recipe(index).map_err(NoPicture::Because)?;
+        if let Some(known) = &self.request.known
+            && (Arc::ptr_eq(&known.recipe, &recipe) || self.request.shares_skeleton())
+        {
+            let skeleton = Arc::clone(&known.grown.skeleton);
+            return Ok(Sitter { recipe, skeleton, extent: known.extent(false, false) });
+        }
+        let skeleton = match shared {
+            Some(skeleton) => Arc::clone(skeleton),
+            None => grow_within_limits(&recipe, self.monitor)?,
+        };
+        let Some(extent) = Extent::of(&skeleton, &[]) else {
+            return Err(NoPicture::Because(RasterError::Empty.to_string()));
+        };
+        Ok(Sitter { recipe, skeleton, extent })
+    }
+
+    /// A tree as well as it can be drawn.
+    fn best(&self, sitter: &Sitter, frame: Extent) -> Result<SmallPicture, NoPicture> {
+        if self.request.look != Look::Surface {
+            return self.strokes(sitter, frame);
+        }
+        let mut recipe = (*sitter.recipe).clone();
+        recipe.preset.bark.size_px = recipe.preset.bark.size_px.min(BARK_PX);
+        let grown = Grown {
+            skeleton: Arc::clone(&sitter.skeleton),
+            symbols: None,
+            colonized: None,
+            notes: Vec::new(),
+        };
+        let scene = dress(&recipe, &grown, self.monitor).map_err(|error| match error {
+            DressError::Cancelled(_) => NoPicture::Cancelled,
+            other => NoPicture::Because(other.to_string()),
+        })?;
+        let surface = Surface::from(&scene);
+        let camera = self.camera(frame);
+        let drawn = draw_surface(&surface, &camera, &self.request.medium.style(), self.size, self.monitor);
+        self.small(sitter, drawn)
+    }
+
+    /// A tree as strokes.
+    fn strokes(&self, sitter: &Sitter, frame: Extent) -> Result<SmallPicture, NoPicture> {
+        let base = self.request.medium.style();
+        let paint = if let Look::Skeleton(paint) = self.request.look { paint } else { base.paint };
+        let style = Style { paint, ..base };
+        let drawn = draw_skeleton(&sitter.skeleton, &self.camera(frame), &style, self.size, self.monitor);
+        self.small(sitter, drawn)
+    }
+
+    fn camera(&self, frame: Extent) -> Camera {
+        Camera { extent: Some(frame), ..self.request.camera }
+    }
+
+    /// Pixels as cells, with what is said below them.
+    fn small(&self, sitter: &Sitter, drawn: Result<Picture, RasterError>) -> Result<SmallPicture, NoPicture> {
+        let picture = drawn.map_err(|error| match error {
+            RasterError::Cancelled => NoPicture::Cancelled,
+            other => NoPicture::Because(other.to_string()),
+        })?;
+        let GalleryRequest { medium, cells, values, .. } = self.request;
+        // Together they cost no more than one large picture.
+        let budget = FULL_BYTES / values.len().max(1);
+        let cells = medium.cells(&picture, self.size, *cells, budget).map_err(NoPicture::Because)?;
+        let nodes = sitter.skeleton.positions.len();
+        Ok(SmallPicture { cells, nodes, height_m: sitter.skeleton.measures().height_m })
+    }
+}
+
+/// Grows a tree, unless it would be larger than small pictures are worth. A tree that is cut off at a
+/// limit of ours is no tree of the recipe's, so it is refused.
+fn grow_within_limits(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Arc<Skeleton>, NoPicture> {
+    let too_large = |what: String| NoPicture::Because(format!("too large for a small picture: {what}"));
+    let mut limited = recipe.clone();
+    let mut limits_nodes = false;
+    match &mut limited.preset.generator {
+        Generator::LSystem(own) => own.symbol_limit = own.symbol_limit.min(MOST_SYMBOLS),
+        Generator::Colonization(own) => {
+            let points = match (&own.space, recipe.input.as_ref().map(|input| &input.geometry)) {
+                (Space::Points { .. }, Some(Geometry::Points(points))) => points.len(),
+                _ => own.points as usize,
+            };
+            if points > MOST_POINTS {
+                return Err(too_large(format!("{points} points")));
+            }
+            limits_nodes = own.max_nodes > MOST_NODES;
+            own.max_nodes = own.max_nodes.min(MOST_NODES);
+        }
+    }
+    match grow(&limited, monitor) {
+        Ok(grown) if limits_nodes && grown.skeleton.positions.len() >= MOST_NODES as usize => {
+            Err(too_large(format!("over {MOST_NODES} nodes")))
+        }
+        Ok(grown) => Ok(grown.skeleton),
+        Err(GrowError::Cancelled(_)) => Err(NoPicture::Cancelled),
+        Err(GrowError::LSystem(LsystemError::TooManySymbols { symbols, limit, .. })) => {
+            let symbols = if symbols > u128::from(u32::MAX) {
+                format!("{:.0e}", symbols as f64)
+            } else {
+                symbols.to_string()
+            };
+            Err(if limit == MOST_SYMBOLS {
+                too_large(format!("{symbols} symbols"))
+            } else {
+                NoPicture::Because(format!("{symbols} symbols, over its limit of {limit}"))
+            })
+        }
+        Err(GrowError::LSystem(error)) => Err(NoPicture::Because(first_clause(&error.to_string()))),
+        Err(error) => Err(NoPicture::Because(first_clause(&error.to_string()))),
+    }
+}
+
+/// What is wrong, without what to do about it: a small picture has room for no more.
+fn first_clause(text: &str) -> String {
+    text.split("; ").next().unwrap_or(text).to_owned()
+}
+
+/// What holds all of some extents: pictures that frame it show their trees in one scale, on one ground.
+fn around(all: &[Extent]) -> Extent {
+    if let [one] = all {
+        return *one;
+    }
+    let least = |of: &dyn Fn(&Extent) -> f32| all.iter().map(of).fold(f32::INFINITY, f32::min);
+    let most = |of: &dyn Fn(&Extent) -> f32| all.iter().map(of).fold(f32::NEG_INFINITY, f32::max);
+    let mut whole = Extent {
+        x: f32::midpoint(least(&|e| e.x - e.radius()), most(&|e| e.x + e.radius())),
+        z: f32::midpoint(least(&|e| e.z - e.radius()), most(&|e| e.z + e.radius())),
+        bottom: least(&|e| e.bottom),
+        top: most(&|e| e.top),
+        radii: [0.0; RINGS],
+        person: None,
+    };
+    let rim = |e: &Extent, ring: usize| e.bottom + e.height() * ring as f32 / RINGS as f32;
+    for own in all {
+        let off = Vec2::new(own.x - whole.x, own.z - whole.z).length();
+        for ring in 0..RINGS {
+            let (low, high) = (rim(&whole, ring), rim(&whole, ring + 1));
+            // What is flat lies in the rings that it touches.
+            let reaches = |i: &usize| {
+                let (from, to) = (rim(own, *i), rim(own, *i + 1));
+                if from < to { from < high && to > low } else { from <= high && to >= low }
+            };
+            if let Some(widest) = (0..RINGS).filter(reaches).map(|i| own.radii[i]).reduce(f32::max) {
+                whole.radii[ring] = whole.radii[ring].max(widest + off);
+            }
+        }
+    }
+    whole
+}
+
+#[cfg(test)]
+#[path = "gallery_tests.rs"]
+mod tests;
