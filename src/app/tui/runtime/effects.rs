@@ -130,8 +130,7 @@ impl Runtime {
         overwrite: bool,
     ) -> Result<(String, PathBuf), String> {
         let dir = self.model.config.dirs.presets().ok_or("there is no folder for presets")?;
-        let path = save::write(&dir, id, from, recipe, overwrite)?;
-        Ok((id.to_owned(), path))
+        save::write(&dir, id, from, recipe, overwrite)
     }
 
     /// Edits text in the user's editor.

@@ -11,12 +11,16 @@ use std::time::{Duration, Instant};
 use linden::recipe::Recipe;
 
 use super::Happening;
-use crate::jobs::{Answer, Done, DrawRequest, Lane, Painted, Painter, Relay, Shown, Watcher, grow_shown};
+use crate::jobs::{
+    Answer, Done, DrawRequest, GalleryRequest, Lane, Painted, Painter, Relay, Shown, Thumbnail, Watcher,
+    grow_shown, paint_gallery,
+};
 use crate::source::{self, Source};
 use crate::tui::model::Model;
 use crate::tui::picture;
 use crate::tui::tree::{Growing, Place};
 use crate::tui::update::Msg;
+use crate::tui::vary;
 
 /// Growing that is younger than this may finish though another tree is wanted meanwhile.
 const GROWING_PATIENCE: Duration = Duration::from_millis(250);
@@ -30,6 +34,7 @@ pub enum News {
     Load(Answer<(Place, Result<Box<Source>, String>)>),
     Grow(Answer<Result<Arc<Shown>, String>>),
     Draw(Answer<Result<Box<Painted>, String>>),
+    Gallery(Answer<Thumbnail>),
 }
 
 /// The lanes.
@@ -37,6 +42,9 @@ pub struct Desk {
     load: Lane<Place>,
     grow: Relay<Arc<Recipe>>,
     draw: Relay<DrawRequest>,
+    gallery: Lane<GalleryRequest>,
+    /// The gallery that was asked for last.
+    asked_gallery: Option<GalleryRequest>,
     /// The recipe that was asked for last.
     asked_recipe: Option<Arc<Recipe>>,
     /// The picture that was asked for last.
@@ -48,34 +56,24 @@ pub struct Desk {
 impl Desk {
     /// Starts the lanes.
     pub fn start(sender: &Sender<Happening>) -> std::io::Result<Self> {
-        let send = |wrap: fn(_) -> News| {
-            let sender = sender.clone();
-            // Nobody listens only when the program ends.
-            move |answer| drop(sender.send(Happening::Job(wrap(answer))))
-        };
-        let load = {
-            let sender = sender.clone();
-            Lane::start("read", move |answer| drop(sender.send(Happening::Job(News::Load(answer)))), read)?
-        };
-        let grow = Lane::start("grow", send(News::Grow), |recipe: Arc<Recipe>, watcher, give| {
+        let load = Lane::start("read", send(sender, News::Load), read)?;
+        let grow = Lane::start("grow", send(sender, News::Grow), |recipe: Arc<Recipe>, watcher, give| {
             if let Some(grown) = grow_shown(&recipe, watcher) {
                 give(grown);
             }
         })?;
-        let draw = {
-            let sender = sender.clone();
-            let mut painter = Painter::default();
-            Lane::start(
-                "draw",
-                move |answer| drop(sender.send(Happening::Job(News::Draw(answer)))),
-                move |request: DrawRequest, watcher, give| {
-                    if let Some(painted) = painter.paint(request, watcher) {
-                        give(painted.map(Box::new));
-                    }
-                },
-            )?
-        };
+        let mut painter = Painter::default();
+        let draw = Lane::start("draw", send(sender, News::Draw), move |request, watcher, give| {
+            if let Some(painted) = painter.paint(request, watcher) {
+                give(painted.map(Box::new));
+            }
+        })?;
+        let gallery = Lane::start("gallery", send(sender, News::Gallery), |request, watcher, give| {
+            paint_gallery(request, watcher, give);
+        })?;
         Ok(Self {
+            gallery,
+            asked_gallery: None,
             load,
             grow: Relay::new(grow, GROWING_PATIENCE),
             draw: Relay::new(draw, DRAWING_PATIENCE),
@@ -123,6 +121,11 @@ impl Desk {
                 Done::Broken(why) => Some(Msg::Broken("drawing", why)),
                 Done::Progress { .. } => None,
             },
+            News::Gallery(answer) => match answer.done {
+                Done::Value(thumbnail) => Some(Msg::Thumbnail(Box::new(thumbnail))),
+                Done::Broken(why) => Some(Msg::Broken("drawing the gallery", why)),
+                Done::Progress { .. } | Done::Finished => None,
+            },
         }
     }
 
@@ -140,6 +143,19 @@ impl Desk {
                     return Some(Msg::Grown(Ok(shown)));
                 }
                 self.grow.want(Arc::clone(wanted), now);
+            }
+        }
+        match (vary::wanted(model), &self.asked_gallery) {
+            (None, None) => {}
+            (None, Some(_)) => {
+                self.asked_gallery = None;
+                self.gallery.cancel();
+            }
+            (Some(wanted), asked) => {
+                if !asked.as_ref().is_some_and(|asked| asked.is_of(&wanted)) {
+                    self.asked_gallery = Some(wanted.clone());
+                    self.gallery.submit(wanted);
+                }
             }
         }
         if let Some(wanted) = picture::wanted(model) {
@@ -168,6 +184,15 @@ impl Desk {
             self.kept.remove(0);
         }
     }
+}
+
+/// A way for a lane to say things to the loop. Nobody listens only when the program ends.
+fn send<T>(
+    sender: &Sender<Happening>,
+    wrap: fn(Answer<T>) -> News,
+) -> impl Fn(Answer<T>) + Send + Sync + use<T> {
+    let sender = sender.clone();
+    move |answer| drop(sender.send(Happening::Job(wrap(answer))))
 }
 
 /// Reads a preset, on its lane.
