@@ -285,6 +285,8 @@ pub fn clicked(model: &mut Model, row: usize, mouse: Mouse, _effects: &mut Effec
 }
 
 #[cfg(test)]
+mod save_tests;
+#[cfg(test)]
 mod testing;
 #[cfg(test)]
 mod tests;

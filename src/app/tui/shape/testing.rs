@@ -17,7 +17,7 @@ use crate::jobs::{Answer, Done, Lane, grow_shown};
 use crate::tui::command;
 use crate::tui::effect::Effects;
 use crate::tui::frame::{self, View};
-use crate::tui::model::{Config, Model, Pane};
+use crate::tui::model::{Config, Layer, Model, Pane};
 use crate::tui::tree::{Place, Tree};
 use crate::tui::update::{Msg, update};
 
@@ -132,6 +132,14 @@ impl Bench {
     pub fn on(&mut self, name: &'static str) -> &mut Self {
         self.model.form.selected = Some(super::Spot::Knob(name));
         self
+    }
+
+    /// What is wrong with the line that is being typed.
+    pub fn problem(&self) -> Option<String> {
+        match self.model.layers.last() {
+            Some(Layer::Line(line)) => line.problem.clone(),
+            _ => None,
+        }
     }
 
     /// What the footer says.

@@ -1,10 +1,8 @@
 //! The room's commands through its keys, its views, and what undo promises.
 
-use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
 
-use linden::Quiet;
 use linden_terminal::input::Event;
 use proptest::prelude::*;
 use ratatui::style::Modifier;
@@ -42,7 +40,7 @@ fn a_value_is_typed_and_what_is_wrong_is_said_at_once() {
     bench.on("kill").keys("enter ctrl-u").typed("17D").keys("enter");
     assert_eq!(bench.value("kill"), "17D");
     bench.keys("i ctrl-u").typed("-1");
-    let problem = typed_problem(&bench).unwrap();
+    let problem = bench.problem().unwrap();
     assert!(problem.contains("outside the range"), "{problem}");
     // What is wrong is not taken, and the line stays.
     bench.keys("enter");
@@ -54,18 +52,11 @@ fn a_value_is_typed_and_what_is_wrong_is_said_at_once() {
     assert_eq!(bench.tree().overrides().unwrap().len(), 2);
 }
 
-fn typed_problem(bench: &Bench) -> Option<String> {
-    match bench.model.layers.last() {
-        Some(Layer::Line(line)) => line.problem.clone(),
-        _ => None,
-    }
-}
-
 #[test]
 fn choices_are_completed_while_they_are_typed_and_switches_flip() {
     let mut bench = Bench::new("fir");
     bench.on("crown").keys("enter ctrl-u").typed("cyl");
-    assert_eq!(typed_problem(&bench), None);
+    assert_eq!(bench.problem(), None);
     let (buffer, _) = bench.paint(100, 40);
     assert!(text(&buffer).contains("cylinder"));
     bench.keys("enter");
@@ -329,106 +320,6 @@ fn colonized_trees_say_that_they_have_no_grammar() {
     let mut bench = Bench::at(Place::File(mesh), dir.path().to_owned());
     bench.keys("E");
     assert!(bench.said().contains("a mesh or a scan") && bench.effects.is_empty(), "{}", bench.said());
-}
-
-/// Does what the model asks for, as the runtime does.
-fn save(bench: &mut Bench, dir: &Path) {
-    let Some(Effect::Save { id, from, recipe, overwrite }) = bench.effects.pop() else {
-        panic!("nothing was to be saved: {}", bench.said())
-    };
-    bench.send(Msg::Saved(save::write(dir, &id, &from, &recipe, overwrite)));
-    bench.list(dir);
-}
-
-#[test]
-fn a_copy_is_saved_with_its_mesh_and_is_what_was_on_screen() {
-    let dir = tempfile::tempdir().unwrap();
-    let presets = dir.path().join("presets");
-    let mut bench = Bench::at(Place::Builtin("heart"), dir.path().to_owned());
-    bench.on("points").keys("right");
-    bench.keys("s enter");
-    save(&mut bench, &presets);
-    assert!(bench.said().starts_with("saved as 'heart-2' in "), "{}", bench.said());
-    let mut names: Vec<_> = std::fs::read_dir(&presets).unwrap().map(|e| e.unwrap().file_name()).collect();
-    names.sort();
-    assert_eq!(names, ["heart-2.obj", "heart-2.toml"]);
-
-    let read = crate::source::resolve(&presets.join("heart-2.toml"), &[], &Quiet).unwrap();
-    assert!(read.files.contains(&presets.join("heart-2.obj")), "its own mesh, not the built-in one");
-    let tree = bench.tree();
-    assert!(read.recipe.preset == *tree.preset(), "what is read is what is on screen");
-    assert!(!tree.is_modified());
-    let (mine, theirs) = (tree.recipe().input.as_ref().unwrap(), read.recipe.input.as_ref().unwrap());
-    assert_eq!((mine.hash, &mine.name), (theirs.hash, &theirs.name));
-    let preset = tree.preset();
-    assert_eq!((preset.id.as_str(), preset.name.as_str()), ("heart-2", "heart-2"));
-    assert!(preset.source.starts_with("linden; any closed OBJ"));
-
-    // Undo leads back to changes of the new preset, and saving it again asks, then replaces it.
-    bench.keys("u");
-    assert_eq!((bench.tree().preset().id.as_str(), bench.value("points").as_str()), ("heart-2", "3000"));
-    assert!(bench.tree().is_modified());
-    bench.keys("s enter");
-    let (buffer, _) = bench.paint(80, 24);
-    let shown = text(&buffer);
-    assert!(shown.contains("replace 'heart-2'? yes or no") && shown.contains("comments"), "{shown}");
-    bench.typed("no\n");
-    assert!(bench.effects.iter().all(|effect| !matches!(effect, Effect::Save { .. })));
-    bench.keys("s enter").typed("yes\n");
-    save(&mut bench, &presets);
-    let read = crate::source::resolve(&presets.join("heart-2.toml"), &[], &Quiet).unwrap();
-    assert!(read.recipe.preset == *bench.tree().preset());
-    assert_eq!(std::fs::read_dir(&presets).unwrap().count(), 2);
-    // The next copy has a number of its own.
-    bench.keys("s ctrl-u").typed("heart-3").keys("enter");
-    save(&mut bench, &presets);
-    // It lies in the same folder: one mesh is enough.
-    assert_eq!(std::fs::read_dir(&presets).unwrap().count(), 3);
-    assert!(crate::source::resolve(&presets.join("heart-3.toml"), &[], &Quiet).is_ok());
-}
-
-#[test]
-fn an_id_is_checked_while_it_is_typed() {
-    let dir = tempfile::tempdir().unwrap();
-    let mut bench = Bench::at(Place::Builtin("fir"), dir.path().to_owned());
-    bench.keys("s ctrl-u").typed("a/b");
-    assert!(typed_problem(&bench).unwrap().contains("file names cannot have"));
-    let (buffer, _) = bench.paint(100, 24);
-    assert!(text(&buffer).contains("'a/b' cannot be a preset's id"));
-    bench.keys("enter");
-    assert!(bench.effects.is_empty() && !bench.model.layers.is_empty());
-    bench.keys("ctrl-u").typed("fir");
-    assert_eq!(typed_problem(&bench), None);
-    let (buffer, _) = bench.paint(100, 24);
-    assert!(text(&buffer).contains("means the built-in one"));
-    bench.keys("esc");
-    assert!(bench.model.layers.is_empty());
-}
-
-#[test]
-fn what_cannot_be_saved_whole_is_not_saved() {
-    let dir = tempfile::tempdir().unwrap();
-    let source = dir.path().join("crown.obj");
-    std::fs::write(&source, linden::preset::builtin_file("heart.obj").unwrap()).unwrap();
-    let place = Place::File(source.clone());
-    let recipe = crate::source::resolve(&source, &[], &Quiet).unwrap().recipe;
-    let presets = dir.path().join("presets");
-    // The mesh changes after it was read.
-    std::fs::write(&source, [linden::preset::builtin_file("heart.obj").unwrap(), b"# more\n"].concat())
-        .unwrap();
-    let error = save::write(&presets, "copy", &place, &recipe, false).unwrap_err();
-    assert!(error.contains("not the file any more"), "{error}");
-    std::fs::remove_file(&source).unwrap();
-    let error = save::write(&presets, "copy", &place, &recipe, true).unwrap_err();
-    assert!(error.contains("crown.obj, which the preset needs"), "{error}");
-    assert!(!presets.exists());
-    // A file of that name is somebody's.
-    let heart = crate::source::resolve(Path::new("heart"), &[], &Quiet).unwrap().recipe;
-    std::fs::create_dir(&presets).unwrap();
-    std::fs::write(presets.join("mine.obj"), "v 0 0 0").unwrap();
-    let error = save::write(&presets, "mine", &Place::Builtin("heart"), &heart, false).unwrap_err();
-    assert!(error.contains("another file"), "{error}");
-    assert!(!presets.join("mine.toml").exists());
 }
 
 /// Whatever is on the form, at the sizes that a pane has.
