@@ -70,6 +70,11 @@ impl Estimate {
         })
     }
 
+    /// Triangles that a format's files hold: none where it holds the skeleton alone.
+    pub fn triangles_of(&self, format: &Format) -> u64 {
+        if format.id == "ply-skeleton" { 0 } else { self.triangles }
+    }
+
     /// Bytes of all files of a format with these options. 0 for a format that nobody measured.
     ///
     /// Text was measured over the built-in presets, in bytes a vertex or node without indices:

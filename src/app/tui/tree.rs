@@ -73,6 +73,14 @@ impl Tree {
         }
     }
 
+    /// The files that it was read from.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let Place::File(path) = &self.place else { return Vec::new() };
+        let beside = self.saved.preset.space().and_then(linden::preset::Space::file);
+        let beside = beside.and_then(|file| path.parent().map(|folder| folder.join(file)));
+        std::iter::once(path.clone()).chain(beside).collect()
+    }
+
     /// What should be on screen: the current recipe, or the saved one while comparing.
     pub fn wanted(&self) -> &Arc<Recipe> {
         if self.compares { &self.saved } else { &self.current }
