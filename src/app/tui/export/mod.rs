@@ -23,9 +23,10 @@ pub use view::status;
 use self::dialog::{Spot, Start};
 use super::effect::{Effect, Effects};
 use super::model::{Layer, Model};
+use super::tree::Tree;
 use crate::config::session::{self, Session};
 pub use crate::jobs::{ExportNews, ExportOrder};
-use crate::jobs::{Inquiry, WHOLE};
+use crate::jobs::{Inquiry, Shown, WHOLE};
 use crate::source::show;
 
 /// Exports that may wait; each keeps a tree in memory.
@@ -106,7 +107,12 @@ pub fn wanted(model: &Model) -> Option<Inquiry> {
         _ => None,
     })?;
     let tree = model.tree.as_ref()?;
-    Some(dialog.inquiry(tree.shown.as_ref(), tree.files()))
+    Some(dialog.inquiry(current(tree), tree.files()))
+}
+
+/// The tree as it grew, `None` while what is on screen is an older one.
+fn current(tree: &Tree) -> Option<&Arc<Shown>> {
+    tree.shown.as_ref().filter(|shown| Arc::ptr_eq(&shown.recipe, tree.wanted()))
 }
 
 /// An export's progress or end, or what was found out for the dialog.
@@ -245,7 +251,7 @@ fn start(model: &mut Model, effects: &mut Effects) {
     };
     let Some(tree) = &model.tree else { return };
     let recipe = Arc::clone(tree.wanted());
-    let shown = tree.shown.as_ref().filter(|shown| Arc::ptr_eq(&shown.recipe, &recipe)).cloned();
+    let shown = current(tree).cloned();
     let exporting = &mut model.exporting;
     exporting.last = last;
     exporting.numbers += 1;

@@ -9,6 +9,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::{Paragraph, Widget, Wrap};
 use unicode_width::UnicodeWidthStr;
 
+use super::current;
 use super::dialog::{ExportDialog, FormatChoice, Spot, Start};
 use crate::jobs::{Finding, WHOLE};
 use crate::tui::around::paint;
@@ -65,9 +66,10 @@ pub fn view(model: &Model, dialog: &ExportDialog, body: Rect, buffer: &mut Buffe
     }
     let heading = u16::from(area.height >= 8);
     let about = if area.height >= 8 { ABOUT } else { 0 };
-    let estimate = model.tree.as_ref().and_then(|tree| dialog.estimate(tree.shown.as_ref()?));
+    let shown = model.tree.as_ref().and_then(current);
+    let estimate = shown.and_then(|shown| dialog.estimate(shown));
     if heading > 0 {
-        heading_row(model, estimate, Rect { height: 1, ..area }, buffer);
+        heading_row(model, shown.is_some(), estimate, Rect { height: 1, ..area }, buffer);
     }
     let list = Rect { y: area.y + heading, height: area.height - heading - about, ..area };
     let at = spots.iter().position(|spot| *spot == dialog.cursor).unwrap_or(0);
@@ -84,19 +86,32 @@ pub fn view(model: &Model, dialog: &ExportDialog, body: Rect, buffer: &mut Buffe
 }
 
 /// What the surface amounts to.
-fn heading_row(model: &Model, estimate: Option<Estimate>, area: Rect, buffer: &mut Buffer) {
-    let is_growing = model.tree.as_ref().is_some_and(|tree| {
-        tree.shown.as_ref().is_none_or(|shown| !std::sync::Arc::ptr_eq(&shown.recipe, tree.wanted()))
-    });
+fn heading_row(model: &Model, has_grown: bool, estimate: Option<Estimate>, area: Rect, buffer: &mut Buffer) {
     let text = match estimate {
-        _ if is_growing => "the tree is still growing; sizes are told when it has".to_owned(),
+        _ if !has_grown => "the tree is still growing; sizes are told when it has".to_owned(),
         None => "estimating …".to_owned(),
-        Some(own) => {
-            format!("about {} vertices, {} triangles", thousands(own.vertices), thousands(own.triangles))
-        }
+        Some(own) => format!("about {} vertices, {} triangles", count(own.vertices), count(own.triangles)),
     };
     let text = clipped(&format!(" {text}"), area.width.into());
     buffer.set_stringn(area.x, area.y, text, area.width.into(), model.config.theme.popup_dim);
+}
+
+/// An estimated number, to two digits: the others would promise too much.
+fn count(n: u64) -> String {
+    let unit = 10_u64.pow(n.max(1).ilog10().saturating_sub(1));
+    thousands((n + unit / 2) / unit * unit)
+}
+
+/// An estimated length of files, to two or three digits.
+fn length(bytes: u64) -> String {
+    let (mut amount, mut unit) = (bytes as f64, "B");
+    for larger in ["KiB", "MiB", "GiB", "TiB"] {
+        if amount >= 999.5 {
+            (amount, unit) = (amount / 1024.0, larger);
+        }
+    }
+    let digits = usize::from(amount < 9.95 && unit != "B");
+    format!("{amount:.digits$} {unit}")
 }
 
 /// A row that is painted.
@@ -154,10 +169,10 @@ impl Row<'_> {
         let tick = if own.chosen { "[x]" } else { "[ ]" };
         let end = match self.estimate.filter(|_| own.chosen && self.area.width >= 60) {
             Some(estimate) => {
-                let bytes = indicatif::BinaryBytes(estimate.bytes(format, &own.options));
+                let bytes = length(estimate.bytes(format, &own.options));
                 let triangles = match estimate.triangles_of(format) {
                     0 => String::new(),
-                    triangles => format!("{} triangles, ", thousands(triangles)),
+                    triangles => format!("{} triangles, ", count(triangles)),
                 };
                 self.right(&format!(" {triangles}about {bytes} "), base.patch(theme.value), buffer)
             }
@@ -254,11 +269,7 @@ impl Row<'_> {
                     let of = |own: &FormatChoice| estimate.bytes(own.exporter.format(), &own.options);
                     self.dialog.chosen().map(of).sum()
                 });
-                let about = if bytes == 0 {
-                    String::new()
-                } else {
-                    format!(", about {}", indicatif::BinaryBytes(bytes))
-                };
+                let about = if bytes == 0 { String::new() } else { format!(", about {}", length(bytes)) };
                 format!(" Export {count} {noun}{about} ")
             }
         };
@@ -345,5 +356,38 @@ fn said(model: &Model, dialog: &ExportDialog) -> (String, Style) {
                 ),
             },
         },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn estimates_promise_two_digits() {
+        for (n, shown) in
+            [(0, "0"), (7, "7"), (96, "96"), (995, "1 000"), (1914, "1 900"), (52_560, "53 000")]
+        {
+            assert_eq!(count(n), shown);
+        }
+        for (bytes, shown) in [
+            (0, "0 B"),
+            (999, "999 B"),
+            (1000, "1.0 KiB"),
+            (788_634, "770 KiB"),
+            (1 << 20, "1.0 MiB"),
+            (52_000_000, "50 MiB"),
+            (3 << 40, "3.0 TiB"),
+        ] {
+            assert_eq!(length(bytes), shown);
+        }
+    }
+
+    #[test]
+    fn a_long_path_loses_its_beginning() {
+        assert_eq!(end_of("/a/b/fir.glb", 20), "/a/b/fir.glb");
+        assert_eq!(end_of("/a/b/fir.glb", 8), "…fir.glb");
+        assert_eq!(end_of("木木木", 4), "…木");
+        assert_eq!(end_of("fir", 0), "");
     }
 }
