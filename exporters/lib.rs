@@ -36,6 +36,7 @@ compile_error!("linden-exporters writes arrays as they lie in memory and needs a
 mod bundle;
 mod chunks;
 mod error;
+mod estimate;
 mod gltf;
 mod obj;
 mod options;
@@ -50,8 +51,9 @@ use linden::Monitor;
 use linden::knob::nearest;
 use linden::scene::Scene;
 
-pub use bundle::{Bundle, Sink, Written, commit_all, ensure_distinct, ensure_spared};
+pub use bundle::{Bundle, Existing, Sink, Written, commit_all, ensure_distinct, ensure_spared, examine};
 pub use error::ExportError;
+pub use estimate::Estimate;
 pub use options::{OptionSpec, Options};
 
 /// What wrote a file, as files say it.

@@ -20,6 +20,7 @@ use tempfile::NamedTempFile;
 pub use commit::{Written, commit_all, ensure_distinct, ensure_spared};
 pub use sink::Sink;
 use target::Resolved;
+pub use target::{Existing, examine};
 
 use crate::ExportError;
 

@@ -23,11 +23,55 @@ pub(super) enum Resolved {
     Stream(Box<dyn Write + Send>),
 }
 
-/// Follows links and finds out whether a file can stand there.
+/// What is at a target before an export.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Existing {
+    /// Nothing: a file will be new.
+    Nothing,
+    /// A file that would be replaced.
+    File,
+    /// A pipe or a device, which is written to as it is.
+    Stream,
+}
+
+/// Finds out what is at a target, and whether it can be written to as far as looking tells: what
+/// [`Bundle::create`](super::Bundle::create) would refuse is refused here, but nothing is opened or
+/// made.
+///
+/// # Errors
+/// [`ExportError::Target`] and [`ExportError::Io`].
+pub fn examine(target: &Path) -> Result<Existing, ExportError> {
+    Ok(match locate(target)? {
+        Located::Stream(_) => Existing::Stream,
+        Located::File { exists: true, .. } => Existing::File,
+        Located::File { exists: false, .. } => Existing::Nothing,
+    })
+}
+
+/// Finds out whether a file can stand at a target, and opens what is no file.
 pub(super) fn resolve(target: &Path) -> Result<Resolved, ExportError> {
+    match locate(target)? {
+        Located::File { shown, dir, name, .. } => Ok(Resolved::File { shown, dir, name }),
+        Located::Stream(path) => match File::options().write(true).open(path) {
+            Ok(file) => Ok(Resolved::Stream(Box::new(file))),
+            Err(source) => Err(looking(target, source)),
+        },
+    }
+}
+
+enum Located {
+    File { shown: PathBuf, dir: PathBuf, name: OsString, exists: bool },
+    Stream(PathBuf),
+}
+
+fn looking(target: &Path, source: io::Error) -> ExportError {
+    ExportError::Io { doing: "looking at", what: printable(&target.to_string_lossy()), source }
+}
+
+/// Follows links.
+fn locate(target: &Path) -> Result<Located, ExportError> {
     let fault = |problem: String| ExportError::Target { path: target.to_owned(), problem };
-    let io_fault =
-        |source| ExportError::Io { doing: "looking at", what: printable(&target.to_string_lossy()), source };
+    let io_fault = |source| looking(target, source);
     let ends_in_separator = target
         .as_os_str()
         .as_encoded_bytes()
@@ -37,25 +81,22 @@ pub(super) fn resolve(target: &Path) -> Result<Resolved, ExportError> {
         return Err(fault("that is a directory; name a file in it".to_owned()));
     }
     let path = follow(target).map_err(io_fault)?;
-    match fs::metadata(&path) {
+    let exists = match fs::metadata(&path) {
         Ok(meta) if meta.is_dir() => return Err(fault("that is a directory; name a file in it".to_owned())),
-        Ok(meta) if !meta.is_file() => {
-            let file = File::options().write(true).open(&path).map_err(io_fault)?;
-            return Ok(Resolved::Stream(Box::new(file)));
-        }
+        Ok(meta) if !meta.is_file() => return Ok(Located::Stream(path)),
         Ok(meta) if meta.permissions().readonly() => {
             return Err(fault(
                 "that file is write-protected; allow writing to it (chmod u+w) or choose another name"
                     .to_owned(),
             ));
         }
-        Ok(_) => {}
-        Err(e) if e.kind() == io::ErrorKind::NotFound => {}
+        Ok(_) => true,
+        Err(e) if e.kind() == io::ErrorKind::NotFound => false,
         Err(e) if e.kind() == io::ErrorKind::NotADirectory => {
             return Err(fault("something on the way there is a file, not a directory".to_owned()));
         }
         Err(e) => return Err(io_fault(e)),
-    }
+    };
     let Some(name) = path.file_name() else {
         return Err(fault("that is not the name of a file".to_owned()));
     };
@@ -74,7 +115,7 @@ pub(super) fn resolve(target: &Path) -> Result<Resolved, ExportError> {
         }
         Err(e) => return Err(io_fault(e)),
     };
-    Ok(Resolved::File { shown: shown.to_owned(), dir, name: name.to_owned() })
+    Ok(Located::File { shown: shown.to_owned(), dir, name: name.to_owned(), exists })
 }
 
 /// What a path points at in the end, which need not exist.

@@ -152,6 +152,7 @@ fn targets_that_cannot_be_files_say_what_to_do() {
     let said = |target: &str| {
         let path = dir.path().join(target);
         let said = Bundle::create(&path).err().unwrap().to_string();
+        assert_eq!(examine(&path).unwrap_err().to_string(), said, "looking says it too");
         assert!(said.contains(dir.path().to_str().unwrap()), "{said}");
         said
     };
@@ -163,6 +164,17 @@ fn targets_that_cannot_be_files_say_what_to_do() {
     assert!(Bundle::create(Path::new("")).is_err());
     assert!(Bundle::create(Path::new("/")).is_err());
     assert!(Bundle::create(Path::new("..")).is_err());
+}
+
+#[test]
+fn looking_at_a_target_tells_what_is_there_and_leaves_it() {
+    let dir = tempfile::tempdir().unwrap();
+    fs::write(dir.path().join("fir.obj"), "before").unwrap();
+    assert_eq!(examine(&dir.path().join("fir.obj")).unwrap(), Existing::File);
+    assert_eq!(examine(&dir.path().join("oak.obj")).unwrap(), Existing::Nothing);
+    #[cfg(unix)]
+    assert_eq!(examine(Path::new("/dev/null")).unwrap(), Existing::Stream);
+    assert_eq!(listing(dir.path()), pairs([("fir.obj", "before")]));
 }
 
 #[cfg(unix)]

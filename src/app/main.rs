@@ -8,6 +8,7 @@ mod jobs;
 mod progress;
 mod signals;
 mod source;
+mod targets;
 mod tui;
 
 use std::process::ExitCode;

@@ -1,18 +1,16 @@
 //! `linden export`: grow a source and write it in one or more formats.
 
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
 use linden::dress::dress;
-use linden_exporters::{
-    Bundle, Exporter, Options, REGISTRY, commit_all, ensure_distinct, ensure_spared, find, for_path,
-};
+use linden_exporters::{Bundle, Exporter, Options, REGISTRY, find, for_path};
 
 use super::Growing;
 use crate::exit::usage;
 use crate::progress::Progress;
+use crate::targets::{Batch, Output, default_name};
 
 /// Grow a source and write it for 3D programs
 #[derive(Args)]
@@ -30,12 +28,6 @@ pub struct Export {
     format: Vec<String>,
 }
 
-/// One output: who writes it, with which options.
-struct Job {
-    exporter: &'static dyn Exporter,
-    options: Options,
-}
-
 impl Export {
     pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
@@ -44,9 +36,7 @@ impl Export {
         let source = self.growing.resolve_with(&own, &progress)?;
         let outputs = self.outputs(&source.recipe.preset.id)?;
         check_formats(&of_formats, &outputs)?;
-        // Every target is tried before anything grows.
-        let mut jobs = Vec::new();
-        let mut bundles = Vec::new();
+        let mut batch = Vec::new();
         for (exporter, path) in outputs {
             let mut options = Options::new(exporter.format());
             for (name, value) in &of_formats {
@@ -54,33 +44,28 @@ impl Export {
                     options.set(name, value).map_err(usage)?;
                 }
             }
-            bundles.push(if path == Path::new("-") {
-                Bundle::stream("standard output", std::io::stdout())
-            } else {
-                Bundle::create(&path)?
-            });
-            jobs.push(Job { exporter, options });
+            batch.push(Output { exporter, options, path });
         }
-        let streams = bundles.iter().filter(|bundle| !bundle.takes_side_files()).count();
+        // Every target is tried before anything grows.
+        let mut batch = Batch::open(batch, source.files.clone(), |output| {
+            if output.path == Path::new("-") {
+                Ok(Bundle::stream("standard output", std::io::stdout()))
+            } else {
+                Bundle::create(&output.path)
+            }
+        })?;
+        let streams = batch.streams();
         if streams > 1 {
             return Err(usage("only one output can be standard output: name files for the others"));
         }
-        ensure_distinct(&bundles)?;
-        ensure_spared(&bundles, &source.files)?;
         let grown = super::grown(&source, &progress)?;
         let scene = dress(&source.recipe, &grown, &progress).with_context(|| source.shown.clone())?;
-        for (Job { exporter, options }, bundle) in jobs.iter().zip(&mut bundles) {
-            exporter.write(&scene, options, bundle, &progress)?;
-            super::notes(bundle.notes(), &progress);
-        }
-        ensure_spared(&bundles, &source.files)?;
-        let written = commit_all(bundles)?;
+        batch.write(&scene, &progress, |notes| super::notes(notes, &progress))?;
+        let written = batch.commit()?;
         progress.clear();
         // The list of files is the result, unless a file itself is.
         let mut lines = String::new();
-        // Formats may share a picture beside them.
-        let mut listed = BTreeSet::new();
-        for file in written.iter().filter(|file| listed.insert(&file.path)) {
+        for file in written {
             let size = indicatif::BinaryBytes(file.bytes);
             lines.push_str(&format!("{}  {size}\n", crate::source::show(&file.path)));
         }
@@ -97,7 +82,7 @@ impl Export {
                 crate::source::show(&self.growing.source),
                 ids().join(", ")
             ))),
-            ([], formats) => Ok(formats.iter().map(|&e| (e, default_path(id, e))).collect()),
+            ([], formats) => Ok(formats.iter().map(|&e| (e, default_name(id, e).into())).collect()),
             (paths, []) => paths
                 .iter()
                 .map(|path| {
@@ -118,21 +103,6 @@ impl Export {
                 formats.len(),
                 paths.len()
             ))),
-        }
-    }
-}
-
-/// `fir.glb`, or `fir-skeleton.ply` where another format has the plain name.
-fn default_path(id: &str, exporter: &dyn Exporter) -> PathBuf {
-    let format = exporter.format();
-    let stem: String =
-        id.chars().map(|c| if std::path::is_separator(c) || c.is_control() { '-' } else { c }).collect();
-    match format.extensions.first() {
-        Some(ending) => PathBuf::from(format!("{stem}.{ending}")),
-        // A second flavour of an ending: `ply-skeleton`.
-        None => {
-            let (ending, flavour) = format.id.split_once('-').unwrap_or((format.id, "flavour"));
-            PathBuf::from(format!("{stem}-{flavour}.{ending}"))
         }
     }
 }

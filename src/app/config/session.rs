@@ -67,6 +67,8 @@ pub struct Export {
     pub targets: Vec<String>,
     /// Ids of formats.
     pub formats: Vec<String>,
+    /// Options that are not as they are by default, as `--set` takes them: FORMAT.OPTION and value.
+    pub options: Vec<(String, String)>,
 }
 
 impl Default for Session {
@@ -223,7 +225,11 @@ mod tests {
             hints_seen: vec!["orbit".into(), "yank".into()],
             knobs: vec![("points".into(), "500".into()), ("kill".into(), "3D".into())],
             camera: Camera { yaw_deg: -12.5, pitch_deg: 90.0, zoom: 0.3, pan: [0.1, -2e-7] },
-            export: Export { targets: vec!["fir.glb".into()], formats: vec!["gltf".into(), "usda".into()] },
+            export: Export {
+                targets: vec!["fir.glb".into()],
+                formats: vec!["gltf".into(), "usda".into()],
+                options: vec![("gltf.embed".into(), "true".into())],
+            },
         }
     }
 

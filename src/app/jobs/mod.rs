@@ -5,13 +5,17 @@
 //! that nobody waits for any more.
 
 mod draw;
+mod export;
 mod gallery;
 mod grow;
 mod lane;
+mod look;
 mod relay;
 
 pub use draw::{Detail, DrawRequest, Look, Medium, Painted, Painter};
+pub use export::{ExportNews, ExportOrder, WHOLE, run as run_export};
 pub use gallery::{GalleryRequest, SmallPicture, Thumbnail, paint_gallery};
 pub use grow::{Shown, grow_shown};
 pub use lane::{Answer, Done, Lane, THREAD_PREFIX, Watcher, lower_priority};
+pub use look::{Finding, Findings, Inquiry, look};
 pub use relay::Relay;

@@ -25,6 +25,8 @@ pub enum Context {
     Gallery,
     /// The export dialog.
     Export,
+    /// A line of the export dialog that is being typed.
+    ExportLine,
     /// The grammar's editor.
     Grammar,
     /// Pages of text: help, messages.
@@ -35,13 +37,14 @@ pub enum Context {
 
 impl Context {
     /// All, in the order of help.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::Global,
         Self::Presets,
         Self::Picture,
         Self::Shape,
         Self::Gallery,
         Self::Export,
+        Self::ExportLine,
         Self::Grammar,
         Self::Page,
         Self::Prompt,
@@ -58,6 +61,7 @@ impl Context {
             Self::Shape => "shape",
             Self::Gallery => "gallery",
             Self::Export => "export",
+            Self::ExportLine => "export-line",
             Self::Grammar => "grammar",
             Self::Page => "page",
             Self::Prompt => "prompt",
@@ -74,6 +78,7 @@ impl Context {
             Self::Shape => "In the knobs",
             Self::Gallery => "In the gallery",
             Self::Export => "While exporting",
+            Self::ExportLine => "While typing where to export to",
             Self::Grammar => "In the grammar",
             Self::Page => "In a page of text",
             Self::Prompt => "While typing a line",

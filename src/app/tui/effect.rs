@@ -36,7 +36,7 @@ pub enum Effect {
     Edit(String),
     /// Open a file in `$EDITOR`; what changes in it comes back through hot reload.
     EditFile(PathBuf),
-    /// Export in the background; answered by `Msg::Exported`.
+    /// Export in the background; answered by `Msg::Export`.
     Export(ExportOrder),
     /// Stop the export that is under way.
     CancelExport,

@@ -144,7 +144,7 @@ impl Layer {
             Self::Page(_) => Context::Page,
             Self::Palette(_) | Self::Line(_) => Context::Prompt,
             Self::Gallery(_) => Context::Gallery,
-            Self::Export(_) => Context::Export,
+            Self::Export(dialog) => dialog.context(),
             Self::Grammar(_) => Context::Grammar,
         }
     }

@@ -93,7 +93,7 @@ pub fn update(model: &mut Model, msg: Msg, now: Instant) -> Effects {
             model.say_error(format!("{doing} failed, which is a fault in linden: {why}; please report it"));
         }
         Msg::Thumbnail(thumbnail) => vary::thumbnail(model, *thumbnail),
-        Msg::Export(news) => export::news(model, news),
+        Msg::Export(news) => export::news(model, news, &mut effects),
         Msg::Saved(saved) => shape::saved(model, saved, &mut effects),
         Msg::Edited(text) => shape::edited(model, text),
         Msg::Configured(config) => {

@@ -3,6 +3,7 @@
 use super::{Page, Palette, line, palette, yank};
 use crate::tui::command::{Command, Context, free};
 use crate::tui::effect::Effect;
+use crate::tui::export;
 use crate::tui::model::{Layer, Model, Pane};
 
 fn has_no_tree(model: &Model) -> Option<String> {
@@ -120,7 +121,7 @@ pub const COMMANDS: &[Command] = &[
         help: "Leaves; what is on screen comes back next time",
         hint: Some(99),
         hindrance: free,
-        run: |_, effects| effects.push(Effect::Quit),
+        run: quit,
     },
     Command {
         id: "interrupt",
@@ -132,7 +133,7 @@ pub const COMMANDS: &[Command] = &[
         hindrance: free,
         run: |model, effects| {
             if model.layers.is_empty() {
-                effects.push(Effect::Quit);
+                quit(model, effects);
             } else {
                 while !model.layers.is_empty() {
                     back(model, effects);
@@ -254,6 +255,13 @@ pub const COMMANDS: &[Command] = &[
         run: back,
     },
 ];
+
+/// Leaves, unless an export would be lost that nobody was asked about.
+fn quit(model: &mut Model, effects: &mut crate::tui::effect::Effects) {
+    if export::may_leave(model) {
+        effects.push(Effect::Quit);
+    }
+}
 
 /// One level back.
 fn back(model: &mut Model, effects: &mut crate::tui::effect::Effects) {

@@ -10,8 +10,8 @@ mod yank;
 use linden_terminal::input::{Key, Mouse};
 
 pub use commands::COMMANDS;
-pub use line::{Line, Purpose};
-pub use page::Page;
+pub use line::{Line, Purpose, edit, paint, paste};
+pub use page::{Page, PageLine};
 pub use palette::Palette;
 
 use super::effect::Effects;

@@ -1,45 +1,326 @@
-//! The export dialog, and the export that runs while one goes on.
+//! The export dialog, and the exports that run while one goes on.
+//!
+//! The dialog asks nothing of a disk itself: what it wants to know is [`wanted`], which the runtime
+//! hands to [`look`](crate::jobs::look) on a lane, and the answer comes as news. One export runs at a
+//! time; others wait in line.
 
+mod commands;
+mod dialog;
 pub mod view;
 
-use linden_terminal::input::{Key, Mouse};
-use ratatui::text::Span;
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
 
-use super::command::Command;
-use super::effect::Effects;
-use super::model::Model;
+use linden::monitor::Stage;
+use linden_terminal::input::{Button, Key, Mouse, MouseAction};
 
-/// What the dialog offers.
-pub struct ExportDialog {}
+pub use commands::COMMANDS;
+pub use dialog::ExportDialog;
+pub use view::status;
 
-/// The export under way.
+use self::dialog::{Spot, Start};
+use super::effect::{Effect, Effects};
+use super::model::{Layer, Model};
+use super::tree::Tree;
+use crate::config::session::{self, Session};
+pub use crate::jobs::{ExportNews, ExportOrder};
+use crate::jobs::{Inquiry, Shown, WHOLE};
+use crate::source::show;
+
+/// Exports that may wait; each keeps a tree in memory.
+const MOST_WAITING: usize = 8;
+/// Exports that the page of files tells of.
+const MOST_REPORTS: usize = 20;
+/// Within this a second key leaves for good.
+const LEAVING: Duration = Duration::from_secs(8);
+
+/// The export under way, those that wait, those that are done, and what was chosen last.
 #[derive(Debug, Default)]
-pub struct Exporting {}
-
-/// What to export.
-#[derive(Debug)]
-pub struct ExportOrder {}
-
-/// What an export says.
-#[derive(Debug)]
-pub enum ExportNews {}
-
-/// What the footer says of the export under way.
-pub fn status(_model: &Model) -> Vec<Span<'static>> {
-    Vec::new()
+pub struct Exporting {
+    last: session::Export,
+    running: Option<Running>,
+    waiting: VecDeque<ExportOrder>,
+    /// The newest first.
+    reports: VecDeque<Report>,
+    /// Numbers that were given to orders.
+    numbers: u64,
+    leave_asked: Option<Instant>,
 }
 
-/// An export's progress or end.
-pub fn news(_model: &mut Model, _news: ExportNews) {}
+/// The export under way.
+#[derive(Debug)]
+struct Running {
+    number: u64,
+    /// `fir.glb +2`.
+    name: String,
+    doing: Option<Stage>,
+    /// In parts of [`WHOLE`].
+    done: u64,
+}
+
+/// An export that is done.
+#[derive(Debug)]
+struct Report {
+    files: Vec<(PathBuf, u64)>,
+    notes: Vec<String>,
+}
+
+impl Exporting {
+    /// Takes over what was chosen last time.
+    pub fn remember(&mut self, session: &Session) {
+        self.last = session.export.clone();
+    }
+
+    /// What was chosen last, for next time.
+    pub fn to_session(&self) -> session::Export {
+        self.last.clone()
+    }
+}
+
+/// Whether an export is under way.
+pub fn is_running(model: &Model) -> bool {
+    model.exporting.running.is_some()
+}
+
+/// Whether the workbench can be left: not before somebody was asked, who has an export running. To
+/// ask again soon is to leave.
+pub fn may_leave(model: &mut Model) -> bool {
+    if !is_running(model) {
+        return true;
+    }
+    let now = model.now;
+    let asked = model.exporting.leave_asked.replace(now);
+    if asked.is_some_and(|at| now.saturating_duration_since(at) < LEAVING) {
+        return true;
+    }
+    model.say_warning("an export is running; once more leaves and cancels it, with nothing written");
+    false
+}
+
+/// What the dialog wants to know, `None` without a dialog. To be asked whenever it differs from what
+/// was asked last; answered by [`ExportNews::Found`].
+pub fn wanted(model: &Model) -> Option<Inquiry> {
+    let dialog = model.layers.iter().find_map(|layer| match layer {
+        Layer::Export(dialog) => Some(dialog),
+        _ => None,
+    })?;
+    let tree = model.tree.as_ref()?;
+    Some(dialog.inquiry(current(tree), tree.files()))
+}
+
+/// The tree as it grew, `None` while what is on screen is an older one.
+fn current(tree: &Tree) -> Option<&Arc<Shown>> {
+    tree.shown.as_ref().filter(|shown| Arc::ptr_eq(&shown.recipe, tree.wanted()))
+}
+
+/// An export's progress or end, or what was found out for the dialog.
+pub fn news(model: &mut Model, news: ExportNews, effects: &mut Effects) {
+    match news {
+        ExportNews::Progress { doing, done } => {
+            if let Some(running) = &mut model.exporting.running {
+                running.doing = Some(doing);
+                running.done = done.min(WHOLE);
+            }
+        }
+        ExportNews::Done { number, files, notes } => {
+            model.say(done(&files));
+            model.exporting.reports.push_front(Report { files, notes });
+            model.exporting.reports.truncate(MOST_REPORTS);
+            ended(model, number, effects);
+        }
+        ExportNews::Failed { number, why } => {
+            model.say_error(format!("the export failed, nothing was written: {why}"));
+            ended(model, number, effects);
+        }
+        ExportNews::Cancelled { number } => {
+            model.say("the export was cancelled, nothing was written");
+            ended(model, number, effects);
+        }
+        ExportNews::Broken(why) => {
+            model.say_error(format!(
+                "exporting failed, which is a fault in linden: {why}; nothing was written; please report it"
+            ));
+            if let Some(Running { number, .. }) = model.exporting.running {
+                ended(model, number, effects);
+            }
+        }
+        ExportNews::Estimated(shown, estimate) => {
+            if let Some(dialog) = dialog(model) {
+                dialog.take_estimate(shown, estimate);
+            }
+        }
+        ExportNews::Found(findings) => {
+            if dialog(model).is_some_and(|dialog| dialog.take(*findings)) {
+                decide(model, effects);
+            }
+        }
+    }
+}
+
+/// `exported /a/fir.glb and 2 more, 3.4 MiB; E lists them`.
+fn done(files: &[(PathBuf, u64)]) -> String {
+    let bytes = indicatif::BinaryBytes(files.iter().map(|(_, bytes)| bytes).sum());
+    match files {
+        [] => "exported".to_owned(),
+        [(only, _)] => format!("exported {}, {bytes}", show(only)),
+        [(first, _), rest @ ..] => format!("exported {} and {} more, {bytes}", show(first), rest.len()),
+    }
+}
+
+/// An order came to its end: the next one begins. What was cancelled has made way already.
+fn ended(model: &mut Model, number: u64, effects: &mut Effects) {
+    let exporting = &mut model.exporting;
+    if exporting.running.as_ref().is_some_and(|running| running.number == number) {
+        exporting.running = None;
+        begin_next(exporting, effects);
+    }
+}
+
+fn begin_next(exporting: &mut Exporting, effects: &mut Effects) {
+    let Some(order) = exporting.waiting.pop_front() else { return };
+    let name = order.outputs.first().and_then(|own| own.path.file_name()).unwrap_or_default();
+    let mut name = linden::knob::printable(&name.to_string_lossy());
+    if order.outputs.len() > 1 {
+        name.push_str(&format!(" +{}", order.outputs.len() - 1));
+    }
+    exporting.running = Some(Running { number: order.number, name, doing: None, done: 0 });
+    effects.push(Effect::Export(order));
+}
+
+/// Stops the export under way. Its end need not be waited for: the lane does one thing at a time.
+fn cancel(model: &mut Model, effects: &mut Effects) {
+    if model.exporting.running.take().is_some() {
+        effects.push(Effect::CancelExport);
+        model.say("cancelling the export");
+        begin_next(&mut model.exporting, effects);
+    }
+}
+
+/// The dialog, if it is open.
+fn dialog(model: &mut Model) -> Option<&mut ExportDialog> {
+    model.layers.iter_mut().find_map(|layer| match layer {
+        Layer::Export(dialog) => Some(&mut **dialog),
+        _ => None,
+    })
+}
+
+/// Why there is nothing to export.
+fn has_nothing(model: &Model) -> Option<String> {
+    let Some(tree) = &model.tree else { return Some("no preset is chosen".to_owned()) };
+    tree.fault.as_ref().map(|fault| format!("the tree did not grow: {fault}"))
+}
+
+/// The button was pressed.
+fn press(model: &mut Model) {
+    let why = has_nothing(model).or_else(|| {
+        let is_full = model.exporting.waiting.len() >= MOST_WAITING;
+        is_full.then(|| format!("{MOST_WAITING} exports wait already; let some finish"))
+    });
+    if let Some(why) = why {
+        return model.say_warning(format!("Export: {why}"));
+    }
+    let Some(dialog) = dialog(model) else { return };
+    if dialog.chosen().next().is_none() {
+        return model.say_warning("Export: no format is chosen; Space ticks one");
+    }
+    dialog.press();
+}
+
+/// Everything is known that the start waits for: it starts, asks, or says what is in the way.
+fn decide(model: &mut Model, effects: &mut Effects) {
+    let Some(dialog) = dialog(model) else { return };
+    if let Some((format, why)) = dialog.unfit() {
+        dialog.go_to(Spot::Target(format));
+        return model.say_warning(format!("Export: {why}"));
+    }
+    if dialog.replaced().is_empty() {
+        start(model, effects);
+    } else {
+        dialog.start = Start::Asking;
+    }
+}
+
+/// Hands the order in and closes the dialog.
+fn start(model: &mut Model, effects: &mut Effects) {
+    let Some((outputs, replaces, last)) =
+        dialog(model).map(|own| (own.outputs(), own.replaced(), own.choices()))
+    else {
+        return;
+    };
+    let Some(tree) = &model.tree else { return };
+    let recipe = Arc::clone(tree.wanted());
+    let shown = current(tree).cloned();
+    let exporting = &mut model.exporting;
+    exporting.last = last;
+    exporting.numbers += 1;
+    let number = exporting.numbers;
+    let sources = tree.files();
+    exporting.waiting.push_back(ExportOrder { number, recipe, shown, outputs, replaces, sources });
+    model.layers.retain(|layer| !matches!(layer, Layer::Export(_)));
+    if is_running(model) {
+        model.say("the export waits for the one before it");
+    } else {
+        begin_next(&mut model.exporting, effects);
+    }
+}
+
+/// Enter: ticks, turns, types or presses what is at the cursor.
+fn enter(model: &mut Model) {
+    let Some(dialog) = dialog(model) else { return };
+    match dialog.cursor {
+        Spot::Start if dialog.start == Start::Asking => {
+            model.say("y replaces the files, n does not");
+        }
+        Spot::Start => press(model),
+        Spot::Target(_) => dialog.begin_line(),
+        Spot::Format(_) | Spot::Option(..) => {
+            if !dialog.toggle() {
+                dialog.begin_line();
+            }
+        }
+    }
+}
 
 /// A key for the dialog's line.
-pub fn typed(_model: &mut Model, _key: Key, _effects: &mut Effects) {}
+pub fn typed(model: &mut Model, key: Key, _effects: &mut Effects) {
+    if let Some(dialog) = dialog(model) {
+        dialog.typed(key);
+    }
+}
 
 /// Pasted text for the dialog's line.
-pub fn pasted(_model: &mut Model, _text: &str) {}
+pub fn pasted(model: &mut Model, text: &str) {
+    if let Some(dialog) = dialog(model) {
+        dialog.pasted(text);
+    }
+}
 
-/// The mouse on a row.
-pub fn clicked(_model: &mut Model, _row: usize, _mouse: Mouse, _effects: &mut Effects) {}
+/// The mouse on a row: a click does what Enter does there, the wheel moves the cursor.
+pub fn clicked(model: &mut Model, row: usize, mouse: Mouse, _effects: &mut Effects) {
+    let Some(dialog) = dialog(model) else { return };
+    match mouse.action {
+        MouseAction::Press(Button::Left) => {
+            let Some(spot) = dialog.spots().get(row).copied() else { return };
+            if dialog.line.is_some() {
+                if dialog.cursor == spot {
+                    return;
+                }
+                // What was typed counts, as in any form.
+                dialog.accept_line();
+                if dialog.line.is_some() {
+                    return;
+                }
+            }
+            dialog.go_to(spot);
+            enter(model);
+        }
+        MouseAction::WheelUp if dialog.line.is_none() => dialog.step(-1),
+        MouseAction::WheelDown if dialog.line.is_none() => dialog.step(1),
+        _ => {}
+    }
+}
 
-/// The rows of this room.
-pub const COMMANDS: &[Command] = &[];
+#[cfg(test)]
+mod tests;

@@ -1,11 +1,393 @@
-//! The export dialog, painted.
+//! The export dialog, painted, and what the footer says of the export under way.
 
+use linden::knob::{Kind, Value};
+use linden_exporters::Estimate;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
+use ratatui::style::Style;
+use ratatui::text::{Line, Span};
+use ratatui::widgets::{Paragraph, Widget, Wrap};
+use unicode_width::UnicodeWidthStr;
 
-use super::ExportDialog;
-use crate::tui::frame::View;
-use crate::tui::model::Model;
+use super::current;
+use super::dialog::{ExportDialog, FormatChoice, Spot, Start};
+use crate::jobs::{Finding, WHOLE};
+use crate::tui::around::paint;
+use crate::tui::frame::{View, centered, clipped, dialog as boxed, thousands};
+use crate::tui::model::{Model, Target};
+use crate::tui::shape::view::first_row;
+
+/// Columns of the dialog, where there is room.
+const COLUMNS: u16 = 92;
+/// Rows below the list: a line, and what is to be said of the row at the cursor.
+const ABOUT: u16 = 4;
+/// Columns of a format's id, the longest being `ply-skeleton`.
+const ID: usize = 13;
+/// Columns before what belongs to a format.
+const INDENT: u16 = 4;
+/// Columns of an option's name.
+const NAME: usize = 10;
+/// Columns of the footer's bar.
+const BAR: u64 = 10;
+/// Columns of a name in the footer.
+const SHORT: usize = 18;
+
+/// What the footer says of the export under way.
+pub fn status(model: &Model) -> Vec<Span<'static>> {
+    let Some(running) = &model.exporting.running else { return Vec::new() };
+    let theme = &model.config.theme;
+    let full = (running.done * BAR / WHOLE) as usize;
+    let doing = running.doing.map_or("exporting", |stage| stage.words().0);
+    let mut spans = vec![
+        Span::styled(format!(" {doing} "), theme.busy),
+        Span::styled(clipped(&running.name, SHORT), theme.text),
+        Span::raw(" "),
+        Span::styled("█".repeat(full), theme.gauge),
+        Span::styled("░".repeat(BAR as usize - full), theme.gauge_track),
+        Span::styled(format!(" {} % ", running.done * 100 / WHOLE), theme.text),
+    ];
+    if !model.exporting.waiting.is_empty() {
+        spans.push(Span::styled(format!("+{} ", model.exporting.waiting.len()), theme.dim));
+    }
+    spans
+}
 
 /// Paints the dialog.
-pub fn view(_model: &Model, _dialog: &ExportDialog, _body: Rect, _buffer: &mut Buffer, _view: &mut View) {}
+pub fn view(model: &Model, dialog: &ExportDialog, body: Rect, buffer: &mut Buffer, view: &mut View) {
+    let spots = dialog.spots();
+    // The frame, a heading, the rows, and what is said of one.
+    let height = (spots.len() as u16).saturating_add(3 + ABOUT);
+    let outer = centered(COLUMNS, height.min(body.height.saturating_sub(2).max(body.height.min(8))), body);
+    let name = model.tree.as_ref().map_or("", |tree| tree.wanted().preset.id.as_str());
+    let title = clipped(&format!("Export {name}"), usize::from(outer.width).saturating_sub(4));
+    let area = boxed(model, &title, outer, buffer, view);
+    if area.is_empty() {
+        return;
+    }
+    let heading = u16::from(area.height >= 8);
+    let about = if area.height >= 8 { ABOUT } else { 0 };
+    let shown = model.tree.as_ref().and_then(current);
+    let estimate = shown.and_then(|shown| dialog.estimate(shown));
+    if heading > 0 {
+        heading_row(model, shown.is_some(), estimate, Rect { height: 1, ..area }, buffer);
+    }
+    let list = Rect { y: area.y + heading, height: area.height - heading - about, ..area };
+    let at = spots.iter().position(|spot| *spot == dialog.cursor).unwrap_or(0);
+    let first = first_row(at, spots.len(), list.height.into());
+    for (y, (i, spot)) in (list.y..list.bottom()).zip(spots.iter().enumerate().skip(first)) {
+        let row = Rect { y, height: 1, ..list };
+        view.regions.push((row, Target::ExportRow(i)));
+        let painter = Row { model, dialog, estimate, chosen: i == at, area: row };
+        painter.paint(*spot, buffer, view);
+    }
+    if about > 0 {
+        explain(model, dialog, Rect { y: list.bottom(), height: about, ..area }, buffer);
+    }
+}
+
+/// What the surface amounts to.
+fn heading_row(model: &Model, has_grown: bool, estimate: Option<Estimate>, area: Rect, buffer: &mut Buffer) {
+    let text = match estimate {
+        _ if !has_grown => "the tree is still growing; sizes are told when it has".to_owned(),
+        None => "estimating …".to_owned(),
+        Some(own) => format!("about {} vertices, {} triangles", count(own.vertices), count(own.triangles)),
+    };
+    let text = clipped(&format!(" {text}"), area.width.into());
+    buffer.set_stringn(area.x, area.y, text, area.width.into(), model.config.theme.popup_dim);
+}
+
+/// An estimated number, to two digits: the others would promise too much.
+fn count(n: u64) -> String {
+    let unit = 10_u64.pow(n.max(1).ilog10().saturating_sub(1));
+    thousands((n + unit / 2) / unit * unit)
+}
+
+/// An estimated length of files, to two or three digits.
+fn length(bytes: u64) -> String {
+    let (mut amount, mut unit) = (bytes as f64, "B");
+    for larger in ["KiB", "MiB", "GiB", "TiB"] {
+        if amount >= 999.5 {
+            (amount, unit) = (amount / 1024.0, larger);
+        }
+    }
+    let digits = usize::from(amount < 9.95 && unit != "B");
+    format!("{amount:.digits$} {unit}")
+}
+
+/// A row that is painted.
+struct Row<'m> {
+    model: &'m Model,
+    dialog: &'m ExportDialog,
+    estimate: Option<Estimate>,
+    /// Whether the cursor is on it.
+    chosen: bool,
+    area: Rect,
+}
+
+impl Row<'_> {
+    fn paint(&self, spot: Spot, buffer: &mut Buffer, view: &mut View) {
+        let theme = &self.model.config.theme;
+        let base = if self.chosen { theme.selected } else { theme.popup };
+        buffer.set_style(self.area, base);
+        match spot {
+            Spot::Format(i) => self.format(&self.dialog.formats[i], base, buffer),
+            Spot::Option(i, k) => self.option(&self.dialog.formats[i], k, base, buffer, view),
+            Spot::Target(i) => self.target(&self.dialog.formats[i], base, buffer, view),
+            Spot::Start => self.start(buffer, view),
+        }
+    }
+
+    /// The typed line, where this row is being typed.
+    fn line(&self, x: u16, buffer: &mut Buffer, view: &mut View) -> bool {
+        let Some(line) = self.dialog.line.as_ref().filter(|_| self.chosen) else { return false };
+        let area = Rect { x, width: self.area.right().saturating_sub(x), ..self.area };
+        paint(&line.input, area, buffer, view, &self.model.config.theme);
+        true
+    }
+
+    /// Text from a column on, cut where the row or `end` is reached; gives where it stops.
+    fn text(&self, x: u16, end: u16, text: &str, style: Style, buffer: &mut Buffer) -> u16 {
+        let room = usize::from(end.min(self.area.right()).saturating_sub(x));
+        let text = clipped(text, room);
+        if room > 0 {
+            buffer.set_stringn(x, self.area.y, &text, room, style);
+        }
+        x + text.width() as u16
+    }
+
+    /// Text at the right end; gives where it begins.
+    fn right(&self, text: &str, style: Style, buffer: &mut Buffer) -> u16 {
+        let width = (text.width() as u16).min(self.area.width);
+        let x = self.area.right() - width;
+        self.text(x, self.area.right(), text, style, buffer);
+        x
+    }
+
+    fn format(&self, own: &FormatChoice, base: Style, buffer: &mut Buffer) {
+        let theme = &self.model.config.theme;
+        let format = own.exporter.format();
+        let tick = if own.chosen { "[x]" } else { "[ ]" };
+        let end = match self.estimate.filter(|_| own.chosen && self.area.width >= 60) {
+            Some(estimate) => {
+                let bytes = length(estimate.bytes(format, &own.options));
+                let triangles = match estimate.triangles_of(format) {
+                    0 => String::new(),
+                    triangles => format!("{} triangles, ", count(triangles)),
+                };
+                self.right(&format!(" {triangles}about {bytes} "), base.patch(theme.value), buffer)
+            }
+            None => self.area.right(),
+        };
+        let mark = if own.chosen { base.patch(theme.accent) } else { base };
+        let x = self.text(self.area.x + 1, end, tick, mark, buffer);
+        self.text(x + 1, end, format.id, mark, buffer);
+        let x = x + 1 + ID as u16;
+        let about = if own.chosen { format.name } else { format.help };
+        self.text(x, end, about, if self.chosen { base } else { theme.popup_dim }, buffer);
+    }
+
+    fn option(&self, own: &FormatChoice, index: usize, base: Style, buffer: &mut Buffer, view: &mut View) {
+        let Some((spec, value)) = own.option(index) else { return };
+        let theme = &self.model.config.theme;
+        let end = self.area.right();
+        let x = self.area.x + 1 + INDENT;
+        if let (Kind::Switch, Value::Switch(on)) = (spec.knob.kind, value) {
+            let x = self.text(x, end, if *on { "[x] " } else { "[ ] " }, base.patch(theme.value), buffer);
+            self.text(x, end, spec.knob.name, base, buffer);
+            self.about(x + NAME as u16 + 1, spec.knob.help, base, buffer);
+            return;
+        }
+        let x = self.text(x, end, spec.knob.name, base, buffer) + 1;
+        if self.line(x, buffer, view) {
+            return;
+        }
+        let text = match spec.knob.kind {
+            Kind::Choice(_) => format!("‹ {value} ›"),
+            _ => format!("{value} {}", spec.knob.unit),
+        };
+        let x = self.text(x, end, &text, base.patch(theme.value), buffer);
+        self.about(x + 2, spec.knob.help, base, buffer);
+    }
+
+    /// What an option does, where there is room to say it.
+    fn about(&self, x: u16, help: &str, base: Style, buffer: &mut Buffer) {
+        if self.area.right().saturating_sub(x) >= 16 {
+            let dim = self.model.config.theme.popup_dim;
+            self.text(x, self.area.right(), help, if self.chosen { base } else { dim }, buffer);
+        }
+    }
+
+    fn target(&self, own: &FormatChoice, base: Style, buffer: &mut Buffer, view: &mut View) {
+        let theme = &self.model.config.theme;
+        let x = self.text(self.area.x + 1 + INDENT, self.area.right(), "to ", base, buffer);
+        if self.line(x, buffer, view) {
+            return;
+        }
+        let (told, style) = match self.dialog.finding(&own.target) {
+            Some(Finding::Replaces) => ("replaces a file".to_owned(), theme.warning),
+            Some(Finding::Unfit(why)) => (format!("! {why}"), theme.error),
+            Some(Finding::Free) | None => (String::new(), base),
+        };
+        // Half of the row at most says what is wrong; all of it stands below when the cursor is here.
+        let told = clipped(&told, usize::from(self.area.width / 2));
+        let end = if told.is_empty() {
+            self.area.right()
+        } else {
+            self.right(&format!("{told} "), base.patch(style), buffer).saturating_sub(1)
+        };
+        // The name matters most: a long path loses its beginning.
+        let room = usize::from(end.saturating_sub(x));
+        self.text(x, end, &end_of(&own.target, room), base.patch(theme.path), buffer);
+    }
+
+    fn start(&self, buffer: &mut Buffer, view: &mut View) {
+        let theme = &self.model.config.theme;
+        let row = self.area;
+        buffer.set_style(row, theme.popup);
+        let count = self.dialog.chosen().count();
+        if self.dialog.start == Start::Asking {
+            let there = self.dialog.replaced().len();
+            let question = if there == 1 { " Replace the file?" } else { " Replace these files?" }.to_owned();
+            let mut x = self.text(row.x, row.right(), &question, theme.warning, buffer) + 1;
+            for (id, words) in [("export-yes", "yes"), ("export-no", "no")] {
+                let key = self.model.config.keymap.keys_of(id).first().map(ToString::to_string);
+                let words = format!(" {} {words} ", key.unwrap_or_default());
+                let end = self.text(x, row.right(), &words, theme.button, buffer);
+                if end > x && end <= row.right() {
+                    view.regions.push((Rect { x, width: end - x, ..row }, Target::Command(id)));
+                }
+                x = end + 1;
+            }
+            return;
+        }
+        let words = match (self.dialog.start, count) {
+            (Start::Looking, _) => " looking at the targets … ".to_owned(),
+            (_, 0) => " Export: no format is ticked ".to_owned(),
+            (_, count) => {
+                let noun = if count == 1 { "format" } else { "formats" };
+                let bytes: u64 = self.estimate.map_or(0, |estimate| {
+                    let of = |own: &FormatChoice| estimate.bytes(own.exporter.format(), &own.options);
+                    self.dialog.chosen().map(of).sum()
+                });
+                let about = if bytes == 0 { String::new() } else { format!(", about {}", length(bytes)) };
+                format!(" Export {count} {noun}{about} ")
+            }
+        };
+        let style = match (self.chosen, count) {
+            (_, 0) => theme.disabled,
+            (true, _) => theme.button_focused,
+            (false, _) => theme.button,
+        };
+        self.text(row.x + 1, row.right(), &format!("[{words}]"), style, buffer);
+    }
+}
+
+/// The end of a text in so many columns, with an ellipsis before it.
+fn end_of(text: &str, width: usize) -> String {
+    let text = linden::knob::printable(text);
+    let mut rest = text.as_str();
+    if rest.width() <= width {
+        return text;
+    }
+    while rest.width() + 1 > width {
+        let mut chars = rest.chars();
+        if chars.next().is_none() {
+            return String::new();
+        }
+        rest = chars.as_str();
+    }
+    format!("…{rest}")
+}
+
+/// What is to be said of the row at the cursor: what is wrong, what may follow, or what it is for.
+fn explain(model: &Model, dialog: &ExportDialog, area: Rect, buffer: &mut Buffer) {
+    let theme = &model.config.theme;
+    let rule = Line::styled("─".repeat(area.width.into()), theme.popup_border);
+    let (text, style) = said(model, dialog);
+    let text = Line::styled(linden::knob::printable(&text), style);
+    Paragraph::new(vec![rule, text]).wrap(Wrap { trim: true }).render(area, buffer);
+}
+
+fn said(model: &Model, dialog: &ExportDialog) -> (String, Style) {
+    let theme = &model.config.theme;
+    if let Some(line) = &dialog.line {
+        if let Some(problem) = &line.problem {
+            return (problem.clone(), theme.error);
+        }
+        if !line.offers.is_empty() {
+            // Their directory stands in the line.
+            let name = |offer: &String| {
+                let own = offer.trim_end_matches('/');
+                offer[own.rfind('/').map_or(0, |at| at + 1)..].to_owned()
+            };
+            return (line.offers.iter().map(name).collect::<Vec<_>>().join("  "), theme.popup);
+        }
+    }
+    let told = |target: &str| match dialog.finding(target) {
+        Some(Finding::Unfit(why)) => Some((why.clone(), theme.error)),
+        Some(Finding::Replaces) => {
+            Some(("there is a file of that name, which would be replaced".to_owned(), theme.warning))
+        }
+        Some(Finding::Free) | None => None,
+    };
+    let typed = dialog.line.as_ref().map(|line| line.input.value());
+    match dialog.cursor {
+        Spot::Format(i) => (dialog.formats[i].exporter.format().help.to_owned(), theme.popup),
+        Spot::Option(i, k) => match dialog.formats[i].option(k) {
+            Some((spec, _)) => (format!("{} ({})", spec.knob.help, spec.knob.kind), theme.popup),
+            None => (String::new(), theme.popup),
+        },
+        Spot::Target(i) => told(typed.unwrap_or(&dialog.formats[i].target)).unwrap_or_else(|| {
+            let words =
+                "where the file goes; files that belong to it lie beside it. Tab completes, ~/ is home";
+            (words.to_owned(), theme.popup_dim)
+        }),
+        Spot::Start => match dialog.start {
+            Start::Asking => {
+                let files: Vec<_> =
+                    dialog.replaced().iter().map(|path| path.to_string_lossy().into_owned()).collect();
+                (format!("there already: {}", files.join(", ")), theme.warning)
+            }
+            _ => match dialog.unfit() {
+                Some((_, why)) => (why, theme.error),
+                None => (
+                    "all files appear together when all are written, or none does".to_owned(),
+                    theme.popup_dim,
+                ),
+            },
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn estimates_promise_two_digits() {
+        for (n, shown) in
+            [(0, "0"), (7, "7"), (96, "96"), (995, "1 000"), (1914, "1 900"), (52_560, "53 000")]
+        {
+            assert_eq!(count(n), shown);
+        }
+        for (bytes, shown) in [
+            (0, "0 B"),
+            (999, "999 B"),
+            (1000, "1.0 KiB"),
+            (788_634, "770 KiB"),
+            (1 << 20, "1.0 MiB"),
+            (52_000_000, "50 MiB"),
+            (3 << 40, "3.0 TiB"),
+        ] {
+            assert_eq!(length(bytes), shown);
+        }
+    }
+
+    #[test]
+    fn a_long_path_loses_its_beginning() {
+        assert_eq!(end_of("/a/b/fir.glb", 20), "/a/b/fir.glb");
+        assert_eq!(end_of("/a/b/fir.glb", 8), "…fir.glb");
+        assert_eq!(end_of("木木木", 4), "…木");
+        assert_eq!(end_of("fir", 0), "");
+    }
+}

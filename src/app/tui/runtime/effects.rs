@@ -48,7 +48,8 @@ impl Runtime {
                     self.model.say_error(why);
                 }
             }
-            Effect::Export(_) | Effect::CancelExport => {}
+            Effect::Export(order) => self.desk.export(order),
+            Effect::CancelExport => self.desk.cancel_export(),
             Effect::Reconfigure => self.reconfigure(),
         }
     }

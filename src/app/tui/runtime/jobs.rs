@@ -12,10 +12,11 @@ use linden::recipe::Recipe;
 
 use super::Happening;
 use crate::jobs::{
-    Answer, Done, DrawRequest, GalleryRequest, Lane, Painted, Painter, Relay, Shown, Thumbnail, Watcher,
-    grow_shown, paint_gallery,
+    Answer, Done, DrawRequest, ExportNews, ExportOrder, GalleryRequest, Inquiry, Lane, Painted, Painter,
+    Relay, Shown, Thumbnail, Watcher, grow_shown, look, paint_gallery, run_export,
 };
 use crate::source::{self, Source};
+use crate::tui::export;
 use crate::tui::model::Model;
 use crate::tui::picture;
 use crate::tui::tree::{Growing, Place};
@@ -35,6 +36,8 @@ pub enum News {
     Grow(Answer<Result<Arc<Shown>, String>>),
     Draw(Answer<Result<Box<Painted>, String>>),
     Gallery(Answer<Thumbnail>),
+    Export(Answer<ExportNews>),
+    Look(Answer<ExportNews>),
 }
 
 /// The lanes.
@@ -43,6 +46,10 @@ pub struct Desk {
     grow: Relay<Arc<Recipe>>,
     draw: Relay<DrawRequest>,
     gallery: Lane<GalleryRequest>,
+    export: Lane<ExportOrder>,
+    look: Lane<Inquiry>,
+    /// What the export dialog asked last.
+    asked_look: Option<Inquiry>,
     /// The gallery that was asked for last.
     asked_gallery: Option<GalleryRequest>,
     /// The recipe that was asked for last.
@@ -71,7 +78,16 @@ impl Desk {
         let gallery = Lane::start("gallery", send(sender, News::Gallery), |request, watcher, give| {
             paint_gallery(request, watcher, give);
         })?;
+        let export = Lane::start("export", send(sender, News::Export), |order, watcher, give| {
+            run_export(order, watcher, give);
+        })?;
+        let look = Lane::start("look", send(sender, News::Look), |inquiry, watcher, give| {
+            look(inquiry, watcher, give);
+        })?;
         Ok(Self {
+            export,
+            look,
+            asked_look: None,
             gallery,
             asked_gallery: None,
             load,
@@ -86,6 +102,16 @@ impl Desk {
     /// Reads a preset.
     pub fn load(&self, place: Place) {
         self.load.submit(place);
+    }
+
+    /// Exports.
+    pub fn export(&self, order: ExportOrder) {
+        self.export.submit(order);
+    }
+
+    /// Stops the export that is under way.
+    pub fn cancel_export(&self) {
+        self.export.cancel();
     }
 
     /// What a lane said, as a message for the model.
@@ -121,6 +147,12 @@ impl Desk {
                 Done::Broken(why) => Some(Msg::Broken("drawing", why)),
                 Done::Progress { .. } => None,
             },
+            News::Export(answer) => ExportNews::heard(answer.done).map(Msg::Export),
+            News::Look(answer) => match answer.done {
+                Done::Value(news) => Some(Msg::Export(news)),
+                Done::Broken(why) => Some(Msg::Broken("looking at targets", why)),
+                Done::Progress { .. } | Done::Finished => None,
+            },
             News::Gallery(answer) => match answer.done {
                 Done::Value(thumbnail) => Some(Msg::Thumbnail(Box::new(thumbnail))),
                 Done::Broken(why) => Some(Msg::Broken("drawing the gallery", why)),
@@ -144,6 +176,15 @@ impl Desk {
                 }
                 self.grow.want(Arc::clone(wanted), now);
             }
+        }
+        match export::wanted(model) {
+            Some(inquiry) if self.asked_look.as_ref() != Some(&inquiry) => {
+                self.asked_look = Some(inquiry.clone());
+                self.look.submit(inquiry);
+            }
+            Some(_) => {}
+            None if self.asked_look.take().is_some() => self.look.cancel(),
+            None => {}
         }
         match (vary::wanted(model), &self.asked_gallery) {
             (None, None) => {}

@@ -59,6 +59,7 @@ pub fn restore(model: &mut Model, session: &Session) {
         );
     }
     model.library.filter_by(&session.filter);
+    model.exporting.remember(session);
 }
 
 /// What is on screen, as the file has it.
@@ -74,6 +75,7 @@ fn remembered(model: &Model, rest: &Session) -> Session {
             zoom: camera.zoom.into(),
             pan: [camera.pan.x.into(), camera.pan.y.into()],
         },
+        export: model.exporting.to_session(),
         source: None,
         grammar: None,
         knobs: Vec::new(),

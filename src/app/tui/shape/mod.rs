@@ -5,7 +5,7 @@ mod complete;
 pub mod editor;
 mod forecast;
 pub mod grammar;
-mod nudge;
+pub mod nudge;
 pub mod save;
 mod text;
 pub mod view;

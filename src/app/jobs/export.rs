@@ -1,0 +1,244 @@
+//! Exporting what is on screen: `dress` → write → all files into their places, or none.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+
+use linden::Monitor;
+use linden::dress::dress;
+use linden::grow::{Grown, grow};
+use linden::monitor::Stage;
+use linden::recipe::Recipe;
+use linden_exporters::{Bundle, Estimate, Existing, examine};
+
+use super::{Done, Findings, Shown};
+use crate::source::show;
+use crate::targets::{Batch, Output, expand};
+
+/// What to export.
+#[derive(Debug)]
+pub struct ExportOrder {
+    /// Tells it from other orders: its news carry it.
+    pub number: u64,
+    /// The tree.
+    pub recipe: Arc<Recipe>,
+    /// The tree as it grew, so that it need not grow again.
+    pub shown: Option<Arc<Shown>>,
+    /// What is written where; `~/` may still stand before a path.
+    pub outputs: Vec<Output>,
+    /// Targets whose file may be replaced: those that the user was asked about.
+    pub replaces: Vec<PathBuf>,
+    /// Files that the tree is grown from, which are never replaced.
+    pub sources: Vec<PathBuf>,
+}
+
+/// What an export says, and what was found out for the dialog.
+#[derive(Debug)]
+pub enum ExportNews {
+    /// How far the export under way is.
+    Progress {
+        /// What is being done.
+        doing: Stage,
+        /// Of the whole, in parts of [`WHOLE`].
+        done: u64,
+    },
+    /// The files are in their places.
+    Done {
+        /// The order's number.
+        number: u64,
+        /// Absolute paths, as far as the system tells, and lengths in bytes.
+        files: Vec<(PathBuf, u64)>,
+        /// What the user should know.
+        notes: Vec<String>,
+    },
+    /// It failed, and nothing was left behind.
+    Failed {
+        /// The order's number.
+        number: u64,
+        /// Why, and what to do.
+        why: String,
+    },
+    /// It was cancelled, and nothing was left behind.
+    Cancelled {
+        /// The order's number.
+        number: u64,
+    },
+    /// The export under way panicked, which is our fault.
+    Broken(String),
+    /// What a tree will amount to.
+    Estimated(Arc<Shown>, Estimate),
+    /// What the dialog wanted to know.
+    Found(Box<Findings>),
+}
+
+impl ExportNews {
+    /// What the lane of exports says, as news.
+    pub fn heard(said: Done<Self>) -> Option<Self> {
+        match said {
+            Done::Value(news) => Some(news),
+            Done::Progress { stage, done, .. } => Some(Self::Progress { doing: stage, done }),
+            Done::Broken(why) => Some(Self::Broken(why)),
+            Done::Finished => None,
+        }
+    }
+}
+
+/// A whole export, for [`ExportNews::Progress`].
+pub const WHOLE: u64 = 1000;
+/// The share of the whole that growing takes where the tree has not grown yet, and that the surface
+/// takes of what is left then. Rough: what they take beside writing depends on the disk.
+const GROWING: f64 = 0.4;
+const DRESSING: f64 = 0.3;
+
+/// Carries an order out, on its lane. Progress goes through the watcher, everything else is said;
+/// the last that is said of an order is `Done`, `Failed` or `Cancelled`.
+pub fn run(order: ExportOrder, watcher: &dyn Monitor, say: &dyn Fn(ExportNews)) {
+    let number = order.number;
+    say(match export(order, watcher) {
+        Ok((files, notes)) => ExportNews::Done { number, files, notes },
+        // Whatever failed then, failed because of it.
+        Err(_) if watcher.is_cancelled() => ExportNews::Cancelled { number },
+        Err(error) => ExportNews::Failed { number, why: format!("{error:#}") },
+    });
+}
+
+/// Files with their lengths, and notes.
+type Exported = (Vec<(PathBuf, u64)>, Vec<String>);
+
+fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported> {
+    let ExportOrder { recipe, shown, mut outputs, replaces, sources, .. } = order;
+    let home = std::env::home_dir();
+    for output in &mut outputs {
+        ensure_expected(output, &replaces, home.as_deref())?;
+    }
+    let targets: Vec<PathBuf> = outputs.iter().map(|output| output.path.clone()).collect();
+    let replaced: Vec<bool> =
+        targets.iter().map(|path| matches!(examine(path), Ok(Existing::File))).collect();
+    let planned = outputs.clone();
+    let mut batch = Batch::open(outputs, sources, |output| Bundle::create(&output.path))?;
+    let gauge = Gauge::new(watcher);
+    let again: Grown;
+    let grown = match &shown {
+        Some(shown) => &shown.grown,
+        None => {
+            gauge.begin(GROWING, None);
+            again = grow(&recipe, &gauge)?;
+            &again
+        }
+    };
+    let estimate = Estimate::new(&recipe, &grown.skeleton, watcher)?;
+    gauge.begin(DRESSING, None);
+    let scene = dress(&recipe, grown, &gauge)?;
+    let bytes: Vec<u64> =
+        planned.iter().map(|own| estimate.bytes(own.exporter.format(), &own.options).max(1)).collect();
+    let mut notes = grown.notes.clone();
+    // Each output takes its share of what is left.
+    let mut left: u64 = bytes.iter().sum();
+    let mut rest = bytes.iter();
+    let mut next = || {
+        if let Some(&own) = rest.next() {
+            gauge.begin(own as f64 / left.max(1) as f64, Some(own));
+            left -= own;
+        }
+    };
+    next();
+    batch.write(&scene, &gauge, |told| {
+        notes.extend_from_slice(told);
+        next();
+    })?;
+    // What came to be there meanwhile was not asked about.
+    for (path, replaced) in targets.iter().zip(replaced) {
+        if !replaced && !matches!(examine(path), Ok(Existing::Nothing)) {
+            anyhow::bail!(
+                "{} came to be there while it was exported; export again to replace it",
+                show(path)
+            );
+        }
+    }
+    // After this there is no way back.
+    watcher.check()?;
+    let files = batch.commit()?.into_iter().map(|file| (absolute(file.path), file.bytes)).collect();
+    notes.dedup();
+    Ok((files, notes))
+}
+
+/// Makes the path of an output what it means, and refuses what the user does not expect to be there.
+fn ensure_expected(output: &mut Output, replaces: &[PathBuf], home: Option<&Path>) -> anyhow::Result<()> {
+    let may_replace = replaces.contains(&output.path);
+    if let Some(typed) = output.path.to_str() {
+        output.path = expand(typed, home);
+    }
+    match examine(&output.path)? {
+        Existing::Stream => anyhow::bail!(NO_STREAM),
+        Existing::File if !may_replace => {
+            anyhow::bail!("{} is there already; export again to replace it", show(&output.path))
+        }
+        Existing::File | Existing::Nothing => Ok(()),
+    }
+}
+
+/// Opening a pipe waits until somebody reads, and nobody would see why.
+pub const NO_STREAM: &str = "that is a pipe or a device; 'linden export' writes to those";
+
+fn absolute(path: PathBuf) -> PathBuf {
+    std::path::absolute(&path).unwrap_or(path)
+}
+
+/// Makes one gauge of all steps, for whoever watches the whole.
+struct Gauge<'w> {
+    watcher: &'w dyn Monitor,
+    step: Mutex<Step>,
+}
+
+/// The step under way.
+struct Step {
+    /// Where it begins and ends, of 1.
+    from: f64,
+    to: f64,
+    /// Bytes that it will write, where it writes.
+    bytes: Option<u64>,
+    /// Bytes of its files that are written, and of the one being written.
+    before: u64,
+    last: u64,
+}
+
+impl<'w> Gauge<'w> {
+    fn new(watcher: &'w dyn Monitor) -> Self {
+        Self { watcher, step: Mutex::new(Step { from: 0.0, to: 0.0, bytes: None, before: 0, last: 0 }) }
+    }
+
+    /// Begins the next step, which takes a share of what is left of the whole.
+    fn begin(&self, share: f64, bytes: Option<u64>) {
+        let mut step = self.step.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let from = step.to;
+        *step = Step { from, to: from + share * (1.0 - from), bytes, before: 0, last: 0 };
+    }
+}
+
+impl Monitor for Gauge<'_> {
+    fn is_cancelled(&self) -> bool {
+        self.watcher.is_cancelled()
+    }
+
+    fn advance(&self, stage: Stage, done: u64, total: Option<u64>) {
+        // Whoever finds another thread reporting has nothing to add.
+        let Ok(mut step) = self.step.try_lock() else { return };
+        let (done, total) = match step.bytes {
+            Some(bytes) if stage == Stage::Write => {
+                // Each file counts from 0.
+                if done < step.last {
+                    step.before += step.last;
+                }
+                step.last = done;
+                (step.before + done, bytes)
+            }
+            _ => (done, total.unwrap_or(0)),
+        };
+        let share = if total == 0 { 0.0 } else { (done as f64 / total as f64).min(1.0) };
+        let whole = step.from + share * (step.to - step.from);
+        self.watcher.advance(stage, (whole * WHOLE as f64) as u64, Some(WHOLE));
+    }
+}
+
+#[cfg(test)]
+#[path = "export_tests.rs"]
+mod tests;

@@ -1,0 +1,271 @@
+//! Finding out what the export dialog wants to know. Looking at a disk may take its time, or for
+//! ever where a network is gone: so it has a lane of its own, and the newest question wins.
+
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use linden::{Cancelled, Monitor};
+use linden_exporters::{Estimate, Existing, examine};
+
+use super::export::NO_STREAM;
+use super::{ExportNews, Shown};
+use crate::targets::expand;
+
+/// What the export dialog wants to know.
+#[derive(Clone, Debug)]
+pub struct Inquiry {
+    /// Raised when all of it is to be found out anew.
+    pub round: u32,
+    /// Targets as they were typed.
+    pub targets: Vec<String>,
+    /// A path that is being typed, up to the cursor, to be completed.
+    pub completes: Option<String>,
+    /// A tree to be estimated.
+    pub shown: Option<Arc<Shown>>,
+    /// Files that must not be replaced.
+    pub sources: Vec<PathBuf>,
+}
+
+impl PartialEq for Inquiry {
+    /// Trees are compared by where they are.
+    fn eq(&self, other: &Self) -> bool {
+        self.round == other.round
+            && self.targets == other.targets
+            && self.completes == other.completes
+            && self.sources == other.sources
+            && self.shown.as_ref().map(Arc::as_ptr) == other.shown.as_ref().map(Arc::as_ptr)
+    }
+}
+
+/// What was found out.
+#[derive(Debug)]
+pub struct Findings {
+    /// What was asked.
+    pub inquiry: Inquiry,
+    /// For each target.
+    pub targets: Vec<Finding>,
+    /// Lines that what is being typed may go on to be, directories with a separator at their end.
+    pub completions: Vec<String>,
+}
+
+/// What was found out about a target.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Finding {
+    /// A file there will be new.
+    Free,
+    /// A file there would be replaced.
+    Replaces,
+    /// No file can be written there, and why.
+    Unfit(String),
+}
+
+/// Entries of a directory that are looked at to complete a name: more than anybody has, few enough
+/// to be over soon.
+const MOST_ENTRIES: usize = 20_000;
+/// Names that are given back.
+const MOST_COMPLETIONS: usize = 500;
+
+/// Finds out what is asked, on its lane. What takes no disk is said first.
+pub fn look(inquiry: Inquiry, watcher: &dyn Monitor, say: &dyn Fn(ExportNews)) {
+    let _: Result<(), Cancelled> = find_out(inquiry, watcher, say);
+}
+
+fn find_out(inquiry: Inquiry, watcher: &dyn Monitor, say: &dyn Fn(ExportNews)) -> Result<(), Cancelled> {
+    if let Some(shown) = &inquiry.shown {
+        let estimate = Estimate::new(&shown.recipe, &shown.grown.skeleton, watcher)?;
+        say(ExportNews::Estimated(Arc::clone(shown), estimate));
+    }
+    let home = std::env::home_dir();
+    let targets = findings(&inquiry, home.as_deref(), watcher)?;
+    let completions = match &inquiry.completes {
+        Some(typed) => completions(typed, home.as_deref(), watcher)?,
+        None => Vec::new(),
+    };
+    say(ExportNews::Found(Box::new(Findings { inquiry, targets, completions })));
+    Ok(())
+}
+
+fn findings(
+    inquiry: &Inquiry,
+    home: Option<&Path>,
+    watcher: &dyn Monitor,
+) -> Result<Vec<Finding>, Cancelled> {
+    // A source that is gone by now cannot be replaced any more.
+    let sources: Vec<PathBuf> =
+        inquiry.sources.iter().filter_map(|path| fs::canonicalize(path).ok()).collect();
+    let mut taken = BTreeMap::<(PathBuf, OsString), &str>::new();
+    let mut found = Vec::new();
+    for typed in &inquiry.targets {
+        watcher.check()?;
+        let path = expand(typed, home);
+        let twice = place_of(&path).and_then(|place| taken.insert(place, typed)).is_some();
+        found.push(if typed.is_empty() {
+            Finding::Unfit("type where the file is to be".to_owned())
+        } else if twice {
+            Finding::Unfit("another format goes there too; give each its own name".to_owned())
+        } else if fs::canonicalize(&path).is_ok_and(|own| sources.contains(&own)) {
+            Finding::Unfit("the tree is grown from that file; choose another name".to_owned())
+        } else {
+            finding(&path)
+        });
+    }
+    Ok(found)
+}
+
+fn finding(path: &Path) -> Finding {
+    match examine(path) {
+        Ok(Existing::Stream) => Finding::Unfit(NO_STREAM.to_owned()),
+        Ok(_) if !is_writable(directory_of(path)) => {
+            Finding::Unfit("you may not write to that directory; choose one of yours".to_owned())
+        }
+        Ok(Existing::Nothing) => Finding::Free,
+        Ok(Existing::File) => Finding::Replaces,
+        Err(error) => {
+            // The path stands before it on the screen.
+            let told = error.to_string();
+            let own = format!("cannot write {}: ", linden::knob::printable(&path.to_string_lossy()));
+            Finding::Unfit(told.strip_prefix(&own).map(str::to_owned).unwrap_or(told))
+        }
+    }
+}
+
+fn directory_of(path: &Path) -> &Path {
+    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// A directory without links, and a name in it.
+fn place_of(path: &Path) -> Option<(PathBuf, OsString)> {
+    Some((fs::canonicalize(directory_of(path)).ok()?, path.file_name()?.to_owned()))
+}
+
+/// Whether files can be made in a directory, as far as its permissions tell.
+fn is_writable(directory: &Path) -> bool {
+    #[cfg(unix)]
+    return rustix::fs::access(directory, rustix::fs::Access::WRITE_OK).is_ok();
+    #[cfg(not(unix))]
+    return directory.is_dir();
+}
+
+/// What a path that is being typed may go on to be, sorted. Hidden names only for who asks for them;
+/// names that are not Unicode cannot be typed.
+fn completions(typed: &str, home: Option<&Path>, watcher: &dyn Monitor) -> Result<Vec<String>, Cancelled> {
+    let end = typed.rfind(std::path::is_separator).map_or(0, |at| at + 1);
+    let (before, start) = typed.split_at(end);
+    if before.is_empty() && start == "~" && home.is_some() {
+        return Ok(vec!["~/".to_owned()]);
+    }
+    let directory = if before.is_empty() { PathBuf::from(".") } else { expand(before, home) };
+    let Ok(entries) = fs::read_dir(directory) else { return Ok(Vec::new()) };
+    let mut found = Vec::new();
+    for entry in entries.take(MOST_ENTRIES) {
+        watcher.check()?;
+        let Ok(entry) = entry else { continue };
+        let name = entry.file_name();
+        let Some(name) = name.to_str().filter(|name| name.starts_with(start)) else { continue };
+        if name.starts_with('.') && !start.starts_with('.') {
+            continue;
+        }
+        let is_directory = match entry.file_type() {
+            Ok(kind) if kind.is_symlink() => entry.path().is_dir(),
+            Ok(kind) => kind.is_dir(),
+            Err(_) => false,
+        };
+        found.push(format!("{before}{name}{}", if is_directory { "/" } else { "" }));
+        if found.len() == MOST_COMPLETIONS {
+            break;
+        }
+    }
+    found.sort_unstable();
+    Ok(found)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::cell::RefCell;
+
+    use linden::Quiet;
+
+    use super::*;
+
+    fn asked(targets: &[&str], completes: Option<&str>, sources: Vec<PathBuf>) -> Findings {
+        let targets = targets.iter().map(|target| (*target).to_owned()).collect();
+        let inquiry =
+            Inquiry { round: 1, targets, completes: completes.map(str::to_owned), shown: None, sources };
+        let said = RefCell::new(None);
+        look(inquiry, &Quiet, &|news| *said.borrow_mut() = Some(news));
+        match said.into_inner() {
+            Some(ExportNews::Found(found)) => *found,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    fn unfit(finding: &Finding) -> &str {
+        match finding {
+            Finding::Unfit(why) => why,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn targets_are_told_apart() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name).to_str().unwrap().to_owned();
+        fs::write(at("old.obj"), "before").unwrap();
+        fs::write(at("crown.obj"), "source").unwrap();
+        fs::create_dir(at("sub")).unwrap();
+        let names = ["new.glb", "old.obj", "sub", "none/fir.ply", "crown.obj", "sub/../new.glb"];
+        let targets = names.map(at);
+        let found = asked(&targets.each_ref().map(String::as_str), None, vec![at("crown.obj").into()]);
+        assert_eq!(found.targets[..2], [Finding::Free, Finding::Replaces]);
+        assert!(unfit(&found.targets[2]).starts_with("that is a directory"), "{found:?}");
+        assert!(unfit(&found.targets[3]).contains("does not exist; create it first"), "{found:?}");
+        assert!(unfit(&found.targets[4]).contains("grown from that file"), "{found:?}");
+        assert!(unfit(&found.targets[5]).contains("another format"), "{found:?}");
+        let found = asked(&["", "/dev/null"], None, Vec::new());
+        assert!(unfit(&found.targets[0]).contains("type where"));
+        #[cfg(unix)]
+        assert!(unfit(&found.targets[1]).contains("pipe or a device"));
+        assert_eq!(fs::read_to_string(at("old.obj")).unwrap(), "before");
+    }
+
+    #[test]
+    fn names_are_completed_with_directories_marked() {
+        let dir = tempfile::tempdir().unwrap();
+        for name in ["fir.glb", "fig", ".hidden", "oak"] {
+            fs::write(dir.path().join(name), "").unwrap();
+        }
+        fs::create_dir(dir.path().join("fields")).unwrap();
+        let base = format!("{}/", dir.path().to_str().unwrap());
+        let complete = |start: &str| -> Vec<String> {
+            let found = asked(&[], Some(&format!("{base}{start}")), Vec::new()).completions;
+            found.iter().map(|line| line.strip_prefix(&base).unwrap().to_owned()).collect()
+        };
+        assert_eq!(complete("fi"), ["fields/", "fig", "fir.glb"]);
+        assert_eq!(complete(""), ["fields/", "fig", "fir.glb", "oak"]);
+        assert_eq!(complete("."), [".hidden"]);
+        assert!(complete("x").is_empty());
+        assert!(asked(&[], Some("/nowhere/at/all"), Vec::new()).completions.is_empty());
+    }
+
+    #[test]
+    fn the_home_directory_keeps_its_short_name() {
+        let dir = tempfile::tempdir().unwrap();
+        fs::create_dir(dir.path().join("trees")).unwrap();
+        let complete = |typed| completions(typed, Some(dir.path()), &Quiet).unwrap();
+        assert_eq!(complete("~/t"), ["~/trees/"]);
+        assert_eq!(complete("~"), ["~/"]);
+    }
+
+    #[test]
+    fn a_directory_of_any_size_is_over_soon() {
+        let dir = tempfile::tempdir().unwrap();
+        for i in 0..MOST_COMPLETIONS + 50 {
+            fs::write(dir.path().join(format!("{i:04}")), "").unwrap();
+        }
+        let typed = format!("{}/", dir.path().to_str().unwrap());
+        assert_eq!(completions(&typed, None, &Quiet).unwrap().len(), MOST_COMPLETIONS);
+    }
+}

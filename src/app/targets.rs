@@ -1,0 +1,148 @@
+//! What is exported where: the part of an export that the command line and the workbench share.
+//!
+//! All targets are tried before anything grows, all files are written under temporary names, and all
+//! of them come into their places together or none does.
+
+use std::collections::BTreeSet;
+use std::fmt;
+use std::path::{Path, PathBuf};
+
+use linden::Monitor;
+use linden::scene::Scene;
+use linden_exporters::{
+    Bundle, ExportError, Exporter, Options, Written, commit_all, ensure_distinct, ensure_spared,
+};
+
+/// One output: who writes it, with which options, where.
+#[derive(Clone)]
+pub struct Output {
+    /// The format.
+    pub exporter: &'static dyn Exporter,
+    /// Its options.
+    pub options: Options,
+    /// The main file.
+    pub path: PathBuf,
+}
+
+impl fmt::Debug for Output {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Output")
+            .field("format", &self.exporter.format().id)
+            .field("options", &self.options.iter().collect::<Vec<_>>())
+            .field("path", &self.path)
+            .finish()
+    }
+}
+
+/// Outputs whose places were tried and found free.
+pub struct Batch {
+    outputs: Vec<Output>,
+    bundles: Vec<Bundle>,
+    /// What the tree is grown from, and must not be replaced.
+    sources: Vec<PathBuf>,
+}
+
+impl Batch {
+    /// Tries all places; `bundle` makes a bundle of an output.
+    ///
+    /// # Errors
+    /// The first place that cannot be written to, two that are the same, or one that the tree is
+    /// grown from.
+    pub fn open(
+        outputs: Vec<Output>,
+        sources: Vec<PathBuf>,
+        bundle: impl Fn(&Output) -> Result<Bundle, ExportError>,
+    ) -> Result<Self, ExportError> {
+        let bundles = outputs.iter().map(bundle).collect::<Result<Vec<_>, _>>()?;
+        ensure_distinct(&bundles)?;
+        ensure_spared(&bundles, &sources)?;
+        Ok(Self { outputs, bundles, sources })
+    }
+
+    /// How many outputs are streams: they hold one file each, and it goes out as it is made.
+    pub fn streams(&self) -> usize {
+        self.bundles.iter().filter(|bundle| !bundle.takes_side_files()).count()
+    }
+
+    /// Writes one output after another; `told` hears of each when it is written, with what the user
+    /// should know about it.
+    ///
+    /// # Errors
+    /// Those of the exporters.
+    pub fn write(
+        &mut self,
+        scene: &Scene,
+        monitor: &dyn Monitor,
+        mut told: impl FnMut(&[String]),
+    ) -> Result<(), ExportError> {
+        for (output, bundle) in self.outputs.iter().zip(&mut self.bundles) {
+            output.exporter.write(scene, &output.options, bundle, monitor)?;
+            told(bundle.notes());
+        }
+        Ok(())
+    }
+
+    /// Puts all files in their places; gives each once, though formats may share a picture.
+    ///
+    /// # Errors
+    /// As [`commit_all`], and when a file beside a main one would replace what the tree is grown from.
+    pub fn commit(self) -> Result<Vec<Written>, ExportError> {
+        ensure_spared(&self.bundles, &self.sources)?;
+        let mut written = commit_all(self.bundles)?;
+        let mut listed = BTreeSet::new();
+        written.retain(|file| listed.insert(file.path.clone()));
+        Ok(written)
+    }
+}
+
+/// `fir.glb`, or `fir-skeleton.ply` where another format has the plain name.
+pub fn default_name(id: &str, exporter: &dyn Exporter) -> String {
+    let format = exporter.format();
+    let stem: String =
+        id.chars().map(|c| if std::path::is_separator(c) || c.is_control() { '-' } else { c }).collect();
+    match format.extensions.first() {
+        Some(ending) => format!("{stem}.{ending}"),
+        // A second flavour of an ending: `ply-skeleton`.
+        None => {
+            let (ending, flavour) = format.id.split_once('-').unwrap_or((format.id, "flavour"));
+            format!("{stem}-{flavour}.{ending}")
+        }
+    }
+}
+
+/// A path as it was typed: `~/` is the home directory, where one is known. (On a command line the
+/// shell has done that.)
+pub fn expand(typed: &str, home: Option<&Path>) -> PathBuf {
+    match (typed.strip_prefix("~/"), home) {
+        (Some(rest), Some(home)) => home.join(rest),
+        (None, Some(home)) if typed == "~" => home.to_owned(),
+        _ => PathBuf::from(typed),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use linden_exporters::REGISTRY;
+
+    use super::*;
+
+    #[test]
+    fn default_names_are_distinct_and_stay_in_their_directory() {
+        for id in ["fir", "a/b", "a\u{1b}b", ".."] {
+            let names: BTreeSet<_> = REGISTRY.iter().map(|own| default_name(id, *own)).collect();
+            assert_eq!(names.len(), REGISTRY.len());
+            assert!(names.iter().all(|name| Path::new(name).components().count() == 1), "{names:?}");
+        }
+        assert_eq!(default_name("fir", linden_exporters::find("ply-skeleton").unwrap()), "fir-skeleton.ply");
+    }
+
+    #[test]
+    fn only_a_leading_tilde_means_home() {
+        let home = Some(Path::new("/h"));
+        assert_eq!(expand("~/a b/fir.glb", home), Path::new("/h/a b/fir.glb"));
+        assert_eq!(expand("~", home), Path::new("/h"));
+        assert_eq!(expand("~x/fir.glb", home), Path::new("~x/fir.glb"));
+        assert_eq!(expand("a/~/fir.glb", home), Path::new("a/~/fir.glb"));
+        assert_eq!(expand("~/fir.glb", None), Path::new("~/fir.glb"));
+    }
+}

@@ -1,0 +1,217 @@
+//! The rows of the export's room.
+
+use super::dialog::{ExportDialog, Start};
+use super::{cancel, dialog, enter, has_nothing, is_running, press, start};
+use crate::tui::around::{Page, PageLine};
+use crate::tui::command::{Command, Context, free};
+use crate::tui::effect::Effects;
+use crate::tui::model::{Layer, Model, Weight};
+
+/// A row of the dialog.
+const fn row(
+    id: &'static str,
+    keys: &'static [&'static str],
+    title: &'static str,
+    help: &'static str,
+    hint: Option<u8>,
+    run: fn(&mut Model, &mut Effects),
+) -> Command {
+    Command { id, context: Context::Export, keys, title, help, hint, hindrance: free, run }
+}
+
+/// A row of a line in the dialog.
+const fn line(
+    id: &'static str,
+    keys: &'static [&'static str],
+    title: &'static str,
+    help: &'static str,
+    hint: Option<u8>,
+    run: fn(&mut Model, &mut Effects),
+) -> Command {
+    Command { id, context: Context::ExportLine, keys, title, help, hint, hindrance: free, run }
+}
+
+fn with(model: &mut Model, act: impl FnOnce(&mut ExportDialog)) {
+    if let Some(dialog) = dialog(model) {
+        act(dialog);
+    }
+}
+
+fn step(model: &mut Model, by: isize) {
+    with(model, |dialog| dialog.step(by));
+}
+
+fn nudge(model: &mut Model, up: bool) {
+    with(model, |dialog| {
+        dialog.nudge(up);
+    });
+}
+
+fn close(model: &mut Model) {
+    model.layers.retain(|layer| !matches!(layer, Layer::Export(_)));
+}
+
+fn asks(model: &Model) -> bool {
+    matches!(model.layers.last(), Some(Layer::Export(dialog)) if dialog.start == Start::Asking)
+}
+
+fn asks_nothing(model: &Model) -> Option<String> {
+    (!asks(model)).then(|| "nothing is asked".to_owned())
+}
+
+/// What was exported, the newest first.
+fn files(model: &Model) -> Page {
+    let mut lines = Vec::new();
+    let text = |weight, text: String| PageLine::Text(weight, linden::knob::printable(&text));
+    for report in &model.exporting.reports {
+        let bytes = indicatif::BinaryBytes(report.files.iter().map(|(_, bytes)| bytes).sum());
+        let count = report.files.len();
+        let noun = if count == 1 { "file" } else { "files" };
+        lines.push(PageLine::Heading(format!("{count} {noun}, {bytes}")));
+        for (path, bytes) in &report.files {
+            let size = indicatif::BinaryBytes(*bytes).to_string();
+            lines.push(text(Weight::Note, format!("{size:>12}  {}", path.to_string_lossy())));
+        }
+        for note in &report.notes {
+            lines.push(text(Weight::Warning, format!("  note: {note}")));
+        }
+        lines.push(text(Weight::Note, String::new()));
+    }
+    Page { title: "Exported files", lines, scroll: 0 }
+}
+
+/// The rows of this room.
+pub const COMMANDS: &[Command] = &[
+    Command {
+        id: "export",
+        context: Context::Global,
+        keys: &["e"],
+        title: "Export",
+        help: "Writes the tree on screen for 3D programs",
+        hint: Some(40),
+        hindrance: has_nothing,
+        run: |model, _| {
+            let Some(tree) = &model.tree else { return };
+            let dialog = ExportDialog::new(&model.exporting.last, &tree.wanted().preset.id);
+            model.layers.push(Layer::Export(Box::new(dialog)));
+        },
+    },
+    Command {
+        id: "export-cancel",
+        context: Context::Global,
+        keys: &["X"],
+        title: "Cancel export",
+        help: "Stops the export under way; nothing of it is left behind",
+        hint: Some(41),
+        hindrance: |model| (!is_running(model)).then(|| "nothing is being exported".to_owned()),
+        run: cancel,
+    },
+    Command {
+        id: "export-files",
+        context: Context::Global,
+        keys: &["E"],
+        title: "Exported files",
+        help: "Lists the files that were exported, with their sizes and notes",
+        hint: None,
+        hindrance: |model| model.exporting.reports.is_empty().then(|| "nothing was exported yet".to_owned()),
+        run: |model, _| {
+            let page = files(model);
+            model.layers.push(Layer::Page(page));
+        },
+    },
+    Command {
+        id: "export-yes",
+        context: Context::Export,
+        keys: &["y"],
+        title: "Replace",
+        help: "Replaces the files that are there",
+        hint: Some(5),
+        hindrance: asks_nothing,
+        run: start,
+    },
+    Command {
+        id: "export-no",
+        context: Context::Export,
+        keys: &["n"],
+        title: "Do not replace",
+        help: "Leaves the files that are there, and does not export",
+        hint: Some(6),
+        hindrance: asks_nothing,
+        run: |model, _| with(model, |dialog| dialog.start = Start::Idle),
+    },
+    row("export-next", &["j", "down"], "Next row", "Goes to the row below", None, |m, _| step(m, 1)),
+    row("export-previous", &["k", "up"], "Previous row", "Goes to the row above", None, |m, _| step(m, -1)),
+    row("export-first", &["g", "home"], "First row", "Goes to the first format", None, |m, _| {
+        step(m, isize::MIN);
+    }),
+    row("export-last", &["G", "end"], "Last row", "Goes to the button", None, |m, _| step(m, isize::MAX)),
+    row(
+        "export-toggle",
+        &["space"],
+        "Tick",
+        "Ticks a format, turns a switch over, or goes to the next choice",
+        Some(10),
+        |m, _| {
+            with(m, |dialog| {
+                dialog.toggle();
+            });
+        },
+    ),
+    row(
+        "export-more",
+        &["right", "l"],
+        "Next choice",
+        "Changes the option to its next value",
+        None,
+        |m, _| {
+            nudge(m, true);
+        },
+    ),
+    row(
+        "export-less",
+        &["left", "h"],
+        "Choice before",
+        "Changes the option to the value before",
+        None,
+        |m, _| nudge(m, false),
+    ),
+    row(
+        "export-enter",
+        &["enter"],
+        "Change",
+        "Ticks, turns, types or presses what the cursor is on",
+        Some(12),
+        |m, _| enter(m),
+    ),
+    row("export-start", &["x", "ctrl-s"], "Export", "Starts the export, from any row", Some(14), |m, _| {
+        press(m);
+    }),
+    row(
+        "export-close",
+        &["esc", "q"],
+        "Close",
+        "Closes the dialog, or takes the question back",
+        Some(20),
+        |m, _| {
+            if asks(m) {
+                with(m, |dialog| dialog.start = Start::Idle);
+            } else {
+                close(m);
+            }
+        },
+    ),
+    line("export-line-accept", &["enter"], "Accept", "Takes what was typed", Some(10), |m, _| {
+        with(m, ExportDialog::accept_line);
+    }),
+    line(
+        "export-line-complete",
+        &["tab"],
+        "Complete",
+        "Goes on with the name as far as it is clear, and offers the rest",
+        Some(11),
+        |m, _| with(m, ExportDialog::complete),
+    ),
+    line("export-line-cancel", &["esc"], "Cancel", "Leaves the line as it was", Some(12), |m, _| {
+        with(m, |dialog| dialog.line = None);
+    }),
+];

@@ -1,0 +1,396 @@
+//! What the dialog offers: formats, their options, and where each goes. All of it is made from the
+//! exporters' registry; nothing here knows a format.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use linden::knob::{Kind, Value};
+use linden_exporters::{Estimate, Exporter, OptionSpec, Options, REGISTRY};
+use linden_terminal::input::Key;
+use tui_input::Input;
+
+use crate::config::session;
+use crate::jobs::{Finding, Findings, Inquiry, Shown};
+use crate::targets::{Output, default_name};
+use crate::tui::around::{edit, paste};
+use crate::tui::command::Context;
+use crate::tui::shape::nudge::{Nudge, nudged};
+
+/// What is chosen when nothing was ever exported: one file that most programs take.
+const FIRST_CHOICE: &str = "glb";
+
+/// What the dialog offers.
+pub struct ExportDialog {
+    /// As many as the registry has, in its order.
+    pub formats: Vec<FormatChoice>,
+    /// Where the cursor is; by what it is on, so that it stays when rows come and go.
+    pub cursor: Spot,
+    /// The line that is typed, at the cursor.
+    pub line: Option<Typing>,
+    /// How far the start is.
+    pub start: Start,
+    /// What was found out about targets, by what was typed.
+    findings: BTreeMap<String, Finding>,
+    /// What the tree will amount to.
+    estimate: Option<(Arc<Shown>, Estimate)>,
+    /// Raised whenever everything is to be found out anew.
+    round: u32,
+    id: String,
+}
+
+/// A format, chosen or not.
+pub struct FormatChoice {
+    /// The format.
+    pub exporter: &'static dyn Exporter,
+    /// Whether it is written.
+    pub chosen: bool,
+    /// Its options.
+    pub options: Options,
+    /// Where, as it was typed.
+    pub target: String,
+}
+
+/// What a row is about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Spot {
+    /// A format, by its place in the registry.
+    Format(usize),
+    /// An option of a chosen format.
+    Option(usize, usize),
+    /// Where a chosen format goes.
+    Target(usize),
+    /// The button.
+    Start,
+}
+
+/// How far the start is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// Nothing was pressed.
+    Idle,
+    /// The button was pressed, and the targets are looked at.
+    Looking,
+    /// Files would be replaced: yes or no.
+    Asking,
+}
+
+/// A line that is typed.
+pub struct Typing {
+    /// What was typed.
+    pub input: Input,
+    /// What is wrong with it.
+    pub problem: Option<String>,
+    /// What it may go on to be, where that is more than one.
+    pub offers: Vec<String>,
+    /// What is being completed: what stood before the cursor.
+    completes: Option<String>,
+}
+
+impl Typing {
+    fn new(text: &str) -> Self {
+        Self { input: Input::new(text.to_owned()), problem: None, offers: Vec::new(), completes: None }
+    }
+
+    fn changed(&mut self) {
+        self.problem = None;
+        self.offers.clear();
+        self.completes = None;
+    }
+}
+
+impl FormatChoice {
+    /// An option's row of the format's table, and its value.
+    pub fn option(&self, index: usize) -> Option<(&'static OptionSpec, &Value)> {
+        let spec = self.exporter.format().options.get(index)?;
+        Some((spec, self.options.iter().nth(index)?.1))
+    }
+}
+
+impl ExportDialog {
+    /// The dialog for a tree's id, with what was chosen last.
+    pub fn new(last: &session::Export, id: &str) -> Self {
+        let known = |format: &str| REGISTRY.iter().any(|own| own.format().id == format);
+        let is_first = !last.formats.iter().any(|format| known(format));
+        let choice = |exporter: &&'static dyn Exporter| {
+            let format = exporter.format();
+            let mut options = Options::new(format);
+            for (name, value) in &last.options {
+                // What another version had is left out.
+                if let Some((_, name)) = name.split_once('.').filter(|(own, _)| *own == format.id) {
+                    let _ = options.set(name, value);
+                }
+            }
+            let own = last.formats.iter().position(|known| known == format.id);
+            let before = own.and_then(|at| last.targets.get(at)).or(last.targets.first());
+            let directory = before.map_or("", |target| directory_of(target));
+            FormatChoice {
+                exporter: *exporter,
+                chosen: own.is_some() || (is_first && format.id == FIRST_CHOICE),
+                options,
+                target: format!("{directory}{}", default_name(id, *exporter)),
+            }
+        };
+        let formats: Vec<_> = REGISTRY.iter().map(choice).collect();
+        let cursor = formats.iter().position(|own| own.chosen).unwrap_or(0);
+        Self {
+            formats,
+            cursor: Spot::Format(cursor),
+            line: None,
+            start: Start::Idle,
+            findings: BTreeMap::new(),
+            estimate: None,
+            round: 0,
+            id: id.to_owned(),
+        }
+    }
+
+    /// Where its keys are.
+    pub const fn context(&self) -> Context {
+        if self.line.is_some() { Context::ExportLine } else { Context::Export }
+    }
+
+    /// The rows from the top.
+    pub fn spots(&self) -> Vec<Spot> {
+        let mut spots = Vec::new();
+        for (i, own) in self.formats.iter().enumerate() {
+            spots.push(Spot::Format(i));
+            if own.chosen {
+                spots.extend((0..own.exporter.format().options.len()).map(|k| Spot::Option(i, k)));
+                spots.push(Spot::Target(i));
+            }
+        }
+        spots.push(Spot::Start);
+        spots
+    }
+
+    /// Formats that are written.
+    pub fn chosen(&self) -> impl Iterator<Item = &FormatChoice> {
+        self.formats.iter().filter(|own| own.chosen)
+    }
+
+    /// Moves the cursor by so many rows.
+    pub fn step(&mut self, by: isize) {
+        let spots = self.spots();
+        let at = spots.iter().position(|spot| *spot == self.cursor).unwrap_or(0);
+        self.go_to(spots[at.saturating_add_signed(by).min(spots.len() - 1)]);
+    }
+
+    /// Moves the cursor; a question that was asked is taken back.
+    pub fn go_to(&mut self, spot: Spot) {
+        self.cursor = spot;
+        self.start = Start::Idle;
+    }
+
+    /// Ticks a format, turns a switch over, goes to the next choice; whether there was any of it.
+    pub fn toggle(&mut self) -> bool {
+        if let Spot::Format(i) = self.cursor {
+            self.formats[i].chosen = !self.formats[i].chosen;
+            self.start = Start::Idle;
+            return true;
+        }
+        let is_toggled = self.option().is_some_and(|(_, spec, _)| is_toggled(spec));
+        is_toggled && self.nudge(true)
+    }
+
+    /// Changes the option at the cursor by one; whether that can be.
+    pub fn nudge(&mut self, up: bool) -> bool {
+        let Some((i, spec, value)) = self.option() else { return false };
+        let Some(text) = nudged(&spec.knob.kind, value, up, Nudge::Usual) else { return false };
+        self.start = Start::Idle;
+        // What a nudge gives is a value of its kind.
+        self.formats[i].options.set(spec.knob.name, &text).is_ok()
+    }
+
+    /// The option at the cursor: its format's place, its row, its value.
+    fn option(&self) -> Option<(usize, &'static OptionSpec, &Value)> {
+        let Spot::Option(i, k) = self.cursor else { return None };
+        let (spec, value) = self.formats.get(i)?.option(k)?;
+        Some((i, spec, value))
+    }
+
+    /// Begins to type what is at the cursor, where that can be typed.
+    pub fn begin_line(&mut self) {
+        let text = match self.cursor {
+            Spot::Target(i) => self.formats[i].target.clone(),
+            Spot::Option(..) => self.option().map(|(_, _, value)| value.to_string()).unwrap_or_default(),
+            Spot::Format(_) | Spot::Start => return,
+        };
+        self.start = Start::Idle;
+        self.line = Some(Typing::new(&text));
+    }
+
+    /// Takes what was typed; a value that the option refuses stays, with the reason.
+    pub fn accept_line(&mut self) {
+        let Some(line) = &mut self.line else { return };
+        let text = line.input.value().trim().to_owned();
+        match self.cursor {
+            Spot::Target(i) => {
+                let own = &mut self.formats[i];
+                own.target = text;
+                // A directory is named: the file in it has its usual name.
+                if own.target.ends_with(std::path::is_separator) {
+                    own.target.push_str(&default_name(&self.id, own.exporter));
+                }
+            }
+            Spot::Option(i, k) => {
+                let spec = &self.formats[i].exporter.format().options[k];
+                if let Err(error) = self.formats[i].options.set(spec.knob.name, &text) {
+                    line.problem = Some(error.to_string());
+                    return;
+                }
+            }
+            Spot::Format(_) | Spot::Start => {}
+        }
+        self.line = None;
+    }
+
+    /// A key for the line.
+    pub fn typed(&mut self, key: Key) {
+        if let Some(line) = &mut self.line
+            && edit(&mut line.input, key)
+        {
+            line.changed();
+        }
+    }
+
+    /// Pasted text for the line.
+    pub fn pasted(&mut self, text: &str) {
+        if let Some(line) = &mut self.line {
+            paste(&mut line.input, text);
+            line.changed();
+        }
+    }
+
+    /// Asks what the path before the cursor may go on to be.
+    pub fn complete(&mut self) {
+        let is_path = matches!(self.cursor, Spot::Target(_));
+        if let Some(line) = self.line.as_mut().filter(|_| is_path) {
+            line.completes = Some(line.input.value().chars().take(line.input.cursor()).collect());
+        }
+    }
+
+    /// The button: everything is looked at anew, and then it starts or asks.
+    pub fn press(&mut self) {
+        self.cursor = Spot::Start;
+        self.start = Start::Looking;
+        self.round = self.round.wrapping_add(1);
+    }
+
+    /// What has to be found out, `shown` being the tree on screen.
+    pub fn inquiry(&self, shown: Option<&Arc<Shown>>, sources: Vec<PathBuf>) -> Inquiry {
+        let target = |(i, own): (usize, &FormatChoice)| match &self.line {
+            Some(line) if self.cursor == Spot::Target(i) => line.input.value().trim().to_owned(),
+            _ => own.target.clone(),
+        };
+        let chosen = self.formats.iter().enumerate().filter(|(_, own)| own.chosen);
+        Inquiry {
+            round: self.round,
+            targets: chosen.map(target).collect(),
+            completes: self.line.as_ref().and_then(|line| line.completes.clone()),
+            shown: shown.filter(|shown| self.estimate(shown).is_none()).cloned(),
+            sources,
+        }
+    }
+
+    /// Takes what was found out; gives whether everything is known that the start waits for.
+    pub fn take(&mut self, findings: Findings) -> bool {
+        let Findings { inquiry, targets, completions } = findings;
+        if let Some(line) = &mut self.line
+            && line.completes.is_some()
+            && line.completes == inquiry.completes
+        {
+            complete(line, completions);
+        }
+        self.findings = inquiry.targets.into_iter().zip(targets).collect();
+        self.start == Start::Looking && inquiry.round == self.round
+    }
+
+    /// Takes what a tree will amount to.
+    pub fn take_estimate(&mut self, shown: Arc<Shown>, estimate: Estimate) {
+        self.estimate = Some((shown, estimate));
+    }
+
+    /// What a tree will amount to, once it is known.
+    pub fn estimate(&self, shown: &Arc<Shown>) -> Option<Estimate> {
+        self.estimate.as_ref().filter(|(own, _)| Arc::ptr_eq(own, shown)).map(|(_, estimate)| *estimate)
+    }
+
+    /// What was found out about what stands in a line.
+    pub fn finding(&self, target: &str) -> Option<&Finding> {
+        self.findings.get(target.trim())
+    }
+
+    /// The first format that cannot be written where it should go, and why.
+    pub fn unfit(&self) -> Option<(usize, String)> {
+        let mut chosen = self.formats.iter().enumerate().filter(|(_, own)| own.chosen);
+        let why = |(i, own): (usize, &FormatChoice)| match self.finding(&own.target) {
+            Some(Finding::Unfit(why)) => Some((i, why.clone())),
+            _ => None,
+        };
+        chosen.find_map(why)
+    }
+
+    /// Targets whose file would be replaced.
+    pub fn replaced(&self) -> Vec<PathBuf> {
+        let is_there = |own: &&FormatChoice| self.finding(&own.target) == Some(&Finding::Replaces);
+        self.chosen().filter(is_there).map(|own| PathBuf::from(&own.target)).collect()
+    }
+
+    /// What is written where.
+    pub fn outputs(&self) -> Vec<Output> {
+        let output = |own: &FormatChoice| Output {
+            exporter: own.exporter,
+            options: own.options.clone(),
+            path: PathBuf::from(&own.target),
+        };
+        self.chosen().map(output).collect()
+    }
+
+    /// What was chosen, for next time.
+    pub fn choices(&self) -> session::Export {
+        let mut options = Vec::new();
+        for own in &self.formats {
+            let format = own.exporter.format();
+            for (spec, (name, value)) in format.options.iter().zip(own.options.iter()) {
+                if spec.knob.kind.parse(spec.default).as_ref() != Ok(value) {
+                    options.push((format!("{}.{name}", format.id), value.to_string()));
+                }
+            }
+        }
+        session::Export {
+            targets: self.chosen().map(|own| own.target.clone()).collect(),
+            formats: self.chosen().map(|own| own.exporter.format().id.to_owned()).collect(),
+            options,
+        }
+    }
+}
+
+/// Whether an option has so few values that keys go through them.
+pub fn is_toggled(spec: &OptionSpec) -> bool {
+    matches!(spec.knob.kind, Kind::Switch | Kind::Choice(_))
+}
+
+/// A target's directory as it was typed, with the separator at its end; nothing for the current one.
+fn directory_of(target: &str) -> &str {
+    target.rfind(std::path::is_separator).map_or("", |at| &target[..=at])
+}
+
+/// Goes on with a line as far as all completions agree, and offers them.
+fn complete(line: &mut Typing, completions: Vec<String>) {
+    let Some(typed) = line.completes.take() else { return };
+    let Some((first, rest)) = completions.split_first() else {
+        line.problem = Some("no name there begins like that".to_owned());
+        return;
+    };
+    let common = rest.iter().fold(first.as_str(), |common, other| {
+        let same = common.char_indices().zip(other.chars()).find(|((_, a), b)| a != b);
+        let end = same.map_or(common.len().min(other.len()), |((at, _), _)| at);
+        &common[..end]
+    });
+    let cursor = common.chars().count();
+    let behind: String = line.input.value().chars().skip(typed.chars().count()).collect();
+    line.input = Input::new(format!("{common}{behind}")).with_cursor(cursor);
+    line.problem = None;
+    line.offers = if completions.len() > 1 { completions } else { Vec::new() };
+}

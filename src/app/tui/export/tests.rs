@@ -1,0 +1,657 @@
+use std::fs;
+use std::path::Path;
+use std::sync::mpsc;
+
+use linden::Quiet;
+use linden::recipe::Recipe;
+use linden_terminal::input::{Event, KeyCode};
+use linden_terminal::probe::{Capabilities, Environment, Findings, Overrides};
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::style::Modifier;
+use tempfile::TempDir;
+
+use super::*;
+use crate::config::dirs::Dirs;
+use crate::config::keymap::Keymap;
+use crate::config::settings::Settings;
+use crate::config::theme::Theme;
+use crate::jobs::{Answer, Done, Lane, Shown, grow_shown, look, run_export};
+use crate::tui::command::{self, Context};
+use crate::tui::frame;
+use crate::tui::model::{Config, Target, Weight};
+use crate::tui::tree::{Place, Tree};
+use crate::tui::update::{Msg, update};
+
+/// A workbench with a tree that has grown, and a directory to export to.
+struct Bench {
+    model: Model,
+    dir: TempDir,
+    asked: Option<Inquiry>,
+}
+
+fn grown(recipe: &Arc<Recipe>) -> Arc<Shown> {
+    let (sender, answers) = mpsc::channel();
+    let lane = Lane::start(
+        "test",
+        move |answer: Answer<Result<Arc<Shown>, String>>| drop(sender.send(answer.done)),
+        |recipe: Arc<Recipe>, watcher, give| give(grow_shown(&recipe, watcher).unwrap()),
+    )
+    .unwrap();
+    lane.submit(Arc::clone(recipe));
+    let value = |said| if let Done::Value(shown) = said { Some(shown) } else { None };
+    answers.iter().find_map(value).unwrap().unwrap()
+}
+
+fn empty_model() -> Model {
+    let rows: Vec<_> = command::all().map(|own| (own.id, own.context.id(), own.keys)).collect();
+    let config = Config {
+        dirs: Dirs::default(),
+        theme: Theme::dark(),
+        keymap: Keymap::defaults(&rows),
+        settings: Settings::default(),
+        complaints: Vec::new(),
+    };
+    let terminal =
+        Capabilities::conclude(&Findings::default(), &Environment::default(), &Overrides::default());
+    Model::new(config, terminal, (100, 30), Instant::now())
+}
+
+impl Bench {
+    fn new() -> Self {
+        let dir = tempfile::tempdir().unwrap();
+        let mut model = empty_model();
+        let preset = linden::preset::builtin("older-c").unwrap().load().unwrap();
+        let mut tree = Tree::new(Place::Builtin("older-c"), Recipe { preset, input: None });
+        tree.shown = Some(grown(tree.wanted()));
+        model.tree = Some(tree);
+        let last = dir.path().join("last.glb").to_str().unwrap().to_owned();
+        let export = session::Export { targets: vec![last], formats: vec!["glb".into()], options: vec![] };
+        model.exporting.remember(&Session { export, ..Session::default() });
+        Self { model, dir, asked: None }
+    }
+
+    fn send(&mut self, msg: Msg) -> Effects {
+        let now = self.model.now;
+        let mut effects = update(&mut self.model, msg, now);
+        // As the runtime does: what the model wants to know is found out.
+        while let Some(wanted) = wanted(&self.model)
+            && self.asked.as_ref() != Some(&wanted)
+        {
+            self.asked = Some(wanted.clone());
+            let said = std::cell::RefCell::new(Vec::new());
+            look(wanted, &Quiet, &|news| said.borrow_mut().push(news));
+            for news in said.into_inner() {
+                effects.extend(update(&mut self.model, Msg::Export(news), now));
+            }
+        }
+        effects
+    }
+
+    /// Presses keys, named as in keymaps, one after another.
+    fn keys(&mut self, keys: &str) -> Effects {
+        let mut effects = Effects::new();
+        for key in keys.split_whitespace() {
+            effects.extend(self.send(Msg::Input(Event::Key(key.parse().unwrap()))));
+        }
+        effects
+    }
+
+    fn type_text(&mut self, text: &str) {
+        for c in text.chars() {
+            self.send(Msg::Input(Event::Key(Key::char(c))));
+        }
+    }
+
+    /// Replaces what stands in the line.
+    fn retype(&mut self, text: &str) {
+        self.keys("ctrl-u");
+        self.type_text(text);
+    }
+
+    fn dialog(&self) -> &ExportDialog {
+        match self.model.layers.last() {
+            Some(Layer::Export(dialog)) => dialog,
+            _ => panic!("the dialog is not open"),
+        }
+    }
+
+    fn is_open(&self) -> bool {
+        !self.model.layers.is_empty()
+    }
+
+    fn at(&self, name: &str) -> String {
+        self.dir.path().join(name).to_str().unwrap().to_owned()
+    }
+
+    fn go_to(&mut self, wanted: Spot) {
+        self.keys("g");
+        for _ in 0..50 {
+            if self.dialog().cursor == wanted {
+                return;
+            }
+            self.keys("j");
+        }
+        panic!("{wanted:?} is not in the list");
+    }
+
+    fn said(&self) -> (Weight, &str) {
+        let message = self.model.message.as_ref().unwrap();
+        (message.weight, &message.text)
+    }
+
+    /// The only order among some effects.
+    fn order(mut effects: Effects) -> ExportOrder {
+        assert_eq!(effects.len(), 1, "{effects:?}");
+        match effects.remove(0) {
+            Effect::Export(order) => order,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    fn screen(&mut self, columns: u16, rows: u16) -> (Buffer, frame::View) {
+        self.send(Msg::Resized(columns, rows));
+        let mut buffer = Buffer::empty(Rect::new(0, 0, columns, rows));
+        let view = frame::view(&self.model, &mut buffer);
+        self.model.regions.clone_from(&view.regions);
+        (buffer, view)
+    }
+
+    fn text(&mut self, columns: u16, rows: u16) -> String {
+        let text = text_of(&self.screen(columns, rows).0);
+        // The directory has another name each time.
+        text.replace(self.dir.path().to_str().unwrap(), "DIR")
+    }
+
+    fn click(&mut self, wanted: Target) -> Effects {
+        let (_, view) = self.screen(100, 30);
+        let (area, _) = *view.regions.iter().rev().find(|(_, target)| *target == wanted).unwrap();
+        let action = MouseAction::Press(Button::Left);
+        let (column, row) = (area.x + 1, area.y);
+        let mouse = Mouse { action, column, row, shift: false, alt: false, ctrl: false };
+        self.send(Msg::Input(Event::Mouse(mouse)))
+    }
+
+    fn click_spot(&mut self, spot: Spot) -> Effects {
+        let row = self.dialog().spots().iter().position(|own| *own == spot).unwrap();
+        self.click(Target::ExportRow(row))
+    }
+}
+
+fn text_of(buffer: &Buffer) -> String {
+    let mut text = String::new();
+    for y in 0..buffer.area.height {
+        let mut line: String = (0..buffer.area.width).map(|x| buffer[(x, y)].symbol()).collect();
+        line.truncate(line.trim_end().len());
+        text += &line;
+        text.push('\n');
+    }
+    text
+}
+
+fn place_of(format: &str) -> usize {
+    linden_exporters::REGISTRY.iter().position(|own| own.format().id == format).unwrap()
+}
+
+fn formats(order: &ExportOrder) -> Vec<&'static str> {
+    order.outputs.iter().map(|own| own.exporter.format().id).collect()
+}
+
+#[test]
+fn without_a_tree_the_command_says_why() {
+    let mut model = empty_model();
+    let now = model.now;
+    update(&mut model, Msg::Input(Event::Key(Key::char('e'))), now);
+    assert!(model.layers.is_empty());
+    assert_eq!(model.message.unwrap().text, "Export: no preset is chosen");
+}
+
+#[test]
+fn the_first_time_one_file_goes_to_the_current_directory() {
+    let mut bench = Bench::new();
+    bench.model.exporting = Exporting::default();
+    bench.keys("e");
+    let chosen: Vec<_> = bench.dialog().chosen().map(|own| own.target.clone()).collect();
+    assert_eq!(chosen, ["older-c.glb"]);
+    assert_eq!(bench.dialog().cursor, Spot::Format(place_of("glb")));
+}
+
+#[test]
+fn two_formats_an_option_and_a_target_are_ordered_as_chosen() {
+    let mut bench = Bench::new();
+    bench.keys("e");
+    let (ply, glb) = (place_of("ply"), place_of("glb"));
+    bench.go_to(Spot::Format(ply));
+    bench.keys("space j right j enter");
+    assert_eq!(bench.dialog().context(), Context::ExportLine);
+    let target = bench.at("q x/jk.ply");
+    fs::create_dir(bench.dir.path().join("q x")).unwrap();
+    bench.retype(&target);
+    assert_eq!(bench.dialog().formats[ply].target, bench.at("older-c.ply"), "not yet");
+    bench.keys("enter");
+    bench.go_to(Spot::Option(glb, 0));
+    bench.keys("space");
+    let order = Bench::order(bench.keys("G enter"));
+    assert!(!bench.is_open());
+
+    assert_eq!(formats(&order), ["ply", "glb"]);
+    assert_eq!(order.outputs[0].path, Path::new(&target));
+    assert_eq!(order.outputs[1].path, Path::new(&bench.at("older-c.glb")));
+    let values =
+        |i: usize| order.outputs[i].options.iter().map(|(n, v)| format!("{n}={v}")).collect::<Vec<_>>();
+    assert_eq!(values(0), ["encoding=ascii"]);
+    assert_eq!(values(1), ["pictures=false"]);
+    let tree = bench.model.tree.as_ref().unwrap();
+    assert!(Arc::ptr_eq(&order.recipe, tree.wanted()));
+    assert!(Arc::ptr_eq(order.shown.as_ref().unwrap(), tree.shown.as_ref().unwrap()));
+    assert!(order.replaces.is_empty());
+
+    // What was chosen is there next time, also through a session.
+    let export = bench.model.exporting.to_session();
+    assert_eq!(export.formats, ["ply", "glb"]);
+    assert_eq!(export.targets, [target.clone(), bench.at("older-c.glb")]);
+    let pair = |name: &str, value: &str| (name.to_owned(), value.to_owned());
+    assert_eq!(export.options, [pair("ply.encoding", "ascii"), pair("glb.pictures", "false")]);
+    bench.model.exporting = Exporting::default();
+    bench.model.exporting.remember(&Session { export: export.clone(), ..Session::default() });
+    bench.keys("e");
+    assert_eq!(bench.dialog().formats[ply].target, bench.at("q x/older-c.ply"), "its own directory");
+    assert_eq!(bench.dialog().choices().options, export.options);
+    assert_eq!(bench.dialog().choices().formats, export.formats);
+}
+
+#[test]
+fn a_tree_that_still_grows_is_ordered_without_one_that_is_older() {
+    let mut bench = Bench::new();
+    bench.model.tree.as_mut().unwrap().set("seed", "99", Instant::now()).unwrap();
+    bench.keys("e");
+    let order = Bench::order(bench.keys("x"));
+    assert!(order.shown.is_none());
+    assert_eq!(order.recipe.preset.seed, 99);
+}
+
+#[test]
+fn files_that_are_there_are_asked_about() {
+    let mut bench = Bench::new();
+    fs::write(bench.at("older-c.glb"), "before").unwrap();
+    bench.keys("e");
+    assert!(bench.text(100, 30).contains("replaces a file"));
+    assert!(bench.keys("x").is_empty());
+    assert_eq!(bench.dialog().start, Start::Asking);
+    let text = bench.text(100, 30);
+    assert!(text.contains("Replace the file?") && text.contains("y yes") && text.contains("n no"), "{text}");
+    // Enter, which is pressed without reading, is no answer.
+    assert!(bench.keys("enter").is_empty());
+    assert!(bench.keys("n").is_empty());
+    assert_eq!((bench.dialog().start, bench.is_open()), (Start::Idle, true));
+    assert!(bench.keys("y").is_empty(), "nothing is asked any more");
+    assert!(bench.keys("x esc").is_empty());
+    assert!(bench.is_open(), "Esc is no, and the dialog stays");
+    // Moving away takes the question back.
+    assert!(bench.keys("x k y").is_empty());
+    let order = Bench::order(bench.keys("x y"));
+    assert_eq!(order.replaces, [Path::new(&bench.at("older-c.glb"))]);
+}
+
+#[test]
+fn the_answer_is_of_the_moment_that_the_button_was_pressed() {
+    let mut bench = Bench::new();
+    bench.keys("e");
+    assert_eq!(bench.dialog().finding(&bench.at("older-c.glb")), Some(&crate::jobs::Finding::Free));
+    fs::write(bench.at("older-c.glb"), "meanwhile").unwrap();
+    assert!(bench.keys("x").is_empty());
+    assert_eq!(bench.dialog().start, Start::Asking);
+}
+
+#[test]
+fn targets_that_cannot_be_written_are_said_in_place() {
+    let mut bench = Bench::new();
+    bench.keys("e");
+    let glb = place_of("glb");
+    bench.go_to(Spot::Target(glb));
+    bench.keys("enter");
+    let missing = bench.at("none/fir.glb");
+    bench.retype(&missing);
+    assert!(bench.text(100, 30).contains("does not exist; create it first"), "while it is typed");
+    bench.keys("enter g");
+    assert!(bench.keys("x").is_empty());
+    assert_eq!(bench.dialog().cursor, Spot::Target(glb), "the cursor goes where the fault is");
+    let (weight, text) = bench.said();
+    assert!(weight == Weight::Warning && text.contains("create it first"), "{text}");
+    // A directory is taken as where the file goes.
+    bench.keys("enter");
+    let directory = format!("{}/", bench.dir.path().to_str().unwrap());
+    bench.retype(&directory);
+    bench.keys("enter");
+    assert_eq!(bench.dialog().formats[glb].target, bench.at("older-c.glb"));
+    // Without its separator it is a file of that name, which cannot be.
+    bench.keys("enter");
+    bench.retype(directory.trim_end_matches('/'));
+    bench.keys("enter x");
+    assert!(bench.said().1.contains("is a directory"), "{}", bench.said().1);
+    bench.keys("enter");
+    bench.retype("");
+    bench.keys("enter x");
+    assert!(bench.said().1.contains("type where"), "{}", bench.said().1);
+}
+
+#[test]
+fn two_formats_cannot_go_to_one_file() {
+    let mut bench = Bench::new();
+    bench.keys("e");
+    bench.go_to(Spot::Format(place_of("ply")));
+    bench.keys("space");
+    bench.go_to(Spot::Target(place_of("ply")));
+    bench.keys("enter");
+    let taken = bench.at("older-c.glb");
+    bench.retype(&taken);
+    bench.keys("enter");
+    assert!(bench.keys("x").is_empty());
+    assert!(bench.said().1.contains("another format"), "{}", bench.said().1);
+}
+
+#[test]
+fn no_format_is_nothing_to_export() {
+    let mut bench = Bench::new();
+    bench.keys("e space");
+    assert!(bench.keys("x").is_empty());
+    assert!(bench.said().1.contains("no format is chosen"));
+}
+
+#[test]
+fn names_are_completed_and_offered() {
+    let mut bench = Bench::new();
+    fs::create_dir_all(bench.dir.path().join("forest/old")).unwrap();
+    fs::write(bench.at("fork.glb"), "").unwrap();
+    bench.keys("e");
+    bench.go_to(Spot::Target(place_of("glb")));
+    bench.keys("enter");
+    let start = bench.at("f");
+    bench.retype(&start);
+    bench.keys("tab");
+    let line = |bench: &Bench| bench.dialog().line.as_ref().unwrap().input.value().to_owned();
+    assert_eq!(line(&bench), bench.at("for"));
+    assert_eq!(bench.dialog().line.as_ref().unwrap().offers, [bench.at("forest/"), bench.at("fork.glb")]);
+    assert!(bench.text(100, 30).contains("forest/  fork.glb"), "{}", bench.text(100, 30));
+    bench.type_text("e");
+    assert!(bench.dialog().line.as_ref().unwrap().offers.is_empty());
+    bench.keys("tab");
+    assert_eq!(line(&bench), bench.at("forest/"));
+    bench.keys("tab");
+    assert_eq!(line(&bench), bench.at("forest/old/"));
+    bench.type_text("zz");
+    bench.keys("tab");
+    assert!(bench.dialog().line.as_ref().unwrap().problem.as_ref().unwrap().contains("no name"));
+    // What stands behind the cursor stays.
+    let start = bench.at("fores");
+    bench.retype(&format!("{start}#"));
+    bench.keys("left tab");
+    assert_eq!(line(&bench), format!("{}#", bench.at("forest/")));
+}
+
+#[test]
+fn esc_leaves_the_line_and_then_the_dialog_and_nothing_is_kept() {
+    let mut bench = Bench::new();
+    bench.keys("e");
+    let before = bench.model.exporting.to_session();
+    bench.go_to(Spot::Target(place_of("glb")));
+    bench.keys("enter");
+    bench.retype("x q j k.glb");
+    bench.keys("esc");
+    assert_eq!(bench.dialog().formats[place_of("glb")].target, bench.at("older-c.glb"));
+    bench.keys("esc");
+    assert!(!bench.is_open());
+    assert_eq!(bench.model.exporting.to_session(), before);
+}
+
+#[test]
+fn pasted_text_goes_into_the_line_only() {
+    let mut bench = Bench::new();
+    bench.keys("e");
+    bench.send(Msg::Input(Event::Paste("x".into())));
+    assert!(bench.is_open());
+    bench.go_to(Spot::Target(place_of("glb")));
+    bench.keys("enter ctrl-u");
+    bench.send(Msg::Input(Event::Paste("~/a\u{1b}b.glb\n".into())));
+    bench.keys("enter");
+    assert_eq!(bench.dialog().formats[place_of("glb")].target, "~/ab.glb");
+}
+
+#[test]
+fn the_mouse_ticks_turns_types_and_presses() {
+    let mut bench = Bench::new();
+    bench.keys("e");
+    let ply = place_of("ply");
+    bench.click_spot(Spot::Format(ply));
+    assert!(bench.dialog().formats[ply].chosen);
+    bench.click_spot(Spot::Option(ply, 0));
+    assert_eq!(bench.dialog().formats[ply].option(0).unwrap().1.to_string(), "ascii");
+    bench.click_spot(Spot::Target(ply));
+    let typed = bench.at("clicked.ply");
+    bench.retype(&typed);
+    // A click elsewhere takes what was typed.
+    fs::write(&typed, "before").unwrap();
+    assert!(bench.click_spot(Spot::Start).is_empty());
+    assert_eq!(bench.dialog().start, Start::Asking);
+    let order = Bench::order(bench.click(Target::Command("export-yes")));
+    assert_eq!(order.outputs[0].path, Path::new(&typed));
+    assert_eq!(order.replaces, [Path::new(&typed)]);
+}
+
+/// Carries an order out as its lane does.
+fn carried_out(order: ExportOrder) -> Msg {
+    let said = std::cell::RefCell::new(Vec::new());
+    run_export(order, &Quiet, &|news| said.borrow_mut().push(news));
+    Msg::Export(said.into_inner().pop().unwrap())
+}
+
+#[test]
+fn what_is_done_is_told_and_listed() {
+    let mut bench = Bench::new();
+    bench.keys("e");
+    bench.go_to(Spot::Format(place_of("obj")));
+    bench.keys("space");
+    assert!(bench.model.command_of(Key::char('X')).is_none(), "a dialog is open");
+    let order = Bench::order(bench.keys("x"));
+    assert!(is_running(&bench.model));
+    let number = order.number;
+    bench.send(Msg::Export(ExportNews::Progress { doing: Stage::Write, done: 420 }));
+    let text = bench.text(100, 30);
+    assert!(text.contains("writing older-c.obj +1 ████░░░░░░ 42 %"), "{text}");
+    bench.send(carried_out(order));
+    assert!(!is_running(&bench.model) && status(&bench.model).is_empty());
+    let (weight, text) = bench.said();
+    assert_eq!(weight, Weight::Note);
+    assert!(text.contains(&bench.at("older-c.obj")) && text.contains("and 4 more"), "{text}");
+    bench.keys("E");
+    let text = bench.text(100, 30);
+    assert!(text.contains("Exported files") && text.contains("5 files"), "{text}");
+    for name in ["older-c.obj", "older-c.mtl", "older-c_bark.png", "older-c.glb"] {
+        assert!(text.contains(&format!("DIR/{name}")), "{text}");
+        assert!(Path::new(&bench.at(name)).exists());
+    }
+    // News of an order that has ended change nothing.
+    bench.send(Msg::Export(ExportNews::Cancelled { number }));
+    assert!(!is_running(&bench.model));
+}
+
+#[test]
+fn exports_wait_in_line_and_cancelling_lets_the_next_one_go() {
+    let mut bench = Bench::new();
+    assert!(bench.keys("X").is_empty());
+    assert!(bench.said().1.contains("nothing is being exported"));
+    bench.keys("e");
+    let first = Bench::order(bench.keys("x"));
+    bench.keys("e");
+    assert!(bench.keys("x").is_empty());
+    assert!(!bench.is_open() && bench.said().1.contains("waits"));
+    let effects = bench.keys("X");
+    let [Effect::CancelExport, Effect::Export(second)] = &effects[..] else { panic!("{effects:?}") };
+    assert!(second.number > first.number);
+    // The first one says late that it ended, and the second is still under way.
+    bench.send(Msg::Export(ExportNews::Cancelled { number: first.number }));
+    assert!(is_running(&bench.model));
+    let news = ExportNews::Failed { number: second.number, why: "full".into() };
+    assert!(bench.send(Msg::Export(news)).is_empty());
+    assert!(!is_running(&bench.model));
+    assert_eq!(bench.said(), (Weight::Error, "the export failed, nothing was written: full"));
+
+    for _ in 0..=MOST_WAITING {
+        bench.keys("e x");
+    }
+    bench.keys("e x");
+    assert!(bench.is_open() && bench.said().1.contains("wait already"));
+    // Each end begins the next, a panic too.
+    let effects = bench.send(Msg::Export(ExportNews::Broken("oops".into())));
+    assert!(matches!(effects[..], [Effect::Export(_)]));
+    assert!(bench.said().1.contains("fault in linden"));
+}
+
+#[test]
+fn leaving_while_it_runs_is_asked_about() {
+    let mut bench = Bench::new();
+    assert!(matches!(bench.keys("q")[..], [Effect::Quit]));
+    bench.keys("e x");
+    assert!(bench.keys("q").is_empty());
+    assert!(bench.said().1.contains("once more"));
+    assert!(matches!(bench.keys("q")[..], [Effect::Quit]));
+    assert!(matches!(bench.keys("ctrl-c")[..], [Effect::Quit]));
+    bench.model.now += LEAVING;
+    assert!(bench.keys("ctrl-c").is_empty(), "asked too long ago");
+}
+
+#[test]
+fn every_key_of_the_room_runs_its_command_in_its_place() {
+    let mut bench = Bench::new();
+    for own in COMMANDS {
+        bench.model.layers.clear();
+        if own.context != Context::Global {
+            bench.keys("e");
+        }
+        if own.context == Context::ExportLine {
+            bench.go_to(Spot::Target(place_of("glb")));
+            bench.keys("enter");
+        }
+        for key in own.keys {
+            assert_eq!(bench.model.command_of(key.parse().unwrap()), Some(own.id), "{key}");
+        }
+    }
+    // While a line is typed all letters are letters.
+    for c in ' '..='~' {
+        assert_eq!(bench.model.command_of(Key::char(c)), None, "{c}");
+    }
+    assert_eq!(bench.model.command_of(Key::plain(KeyCode::Left)), None);
+}
+
+#[test]
+fn the_cursor_stays_on_what_it_is_on() {
+    let mut bench = Bench::new();
+    bench.keys("e G");
+    assert_eq!(bench.dialog().cursor, Spot::Start);
+    bench.keys("k j j j");
+    assert_eq!(bench.dialog().cursor, Spot::Start);
+    bench.keys("g k");
+    assert_eq!(bench.dialog().cursor, Spot::Format(0));
+    bench.keys("space space j");
+    assert_eq!(bench.dialog().cursor, Spot::Format(1));
+}
+
+#[test]
+fn the_dialog_at_80_by_24() {
+    let mut bench = Bench::new();
+    bench.model.exporting = Exporting::default();
+    bench.keys("e");
+    insta::assert_snapshot!(bench.text(80, 24));
+}
+
+#[test]
+fn the_dialog_at_three_sizes_in_three_themes() {
+    for theme in [Theme::dark(), Theme::light(), Theme::plain(false)] {
+        let mut bench = Bench::new();
+        bench.model.config.theme = theme;
+        fs::write(bench.at("older-c.glb"), "").unwrap();
+        bench.keys("e");
+        for (columns, rows) in [(60, 16), (80, 24), (160, 50)] {
+            let (buffer, view) = bench.screen(columns, rows);
+            let text = text_of(&buffer);
+            for words in ["Export older-c", "[x] glb", "to ", "older-c.glb", "replaces a file"] {
+                assert!(text.contains(words), "{columns}×{rows} {words}\n{text}");
+            }
+            // The row at the cursor looks unlike the others, in any theme.
+            let rows: Vec<_> =
+                view.regions.iter().filter(|(_, target)| matches!(target, Target::ExportRow(_))).collect();
+            let at = bench.dialog().spots().iter().position(|spot| *spot == bench.dialog().cursor).unwrap();
+            let looks = |wanted: bool| {
+                let cell =
+                    rows.iter().find(|(_, target)| (*target == Target::ExportRow(at)) == wanted).unwrap();
+                let cell = &buffer[(cell.0.right() - 1, cell.0.y)];
+                (cell.bg, cell.modifier.contains(Modifier::REVERSED))
+            };
+            assert_ne!(looks(true), looks(false), "{columns}×{rows:?}");
+        }
+        bench.keys("x");
+        assert!(bench.text(80, 24).contains("Replace the file?"));
+    }
+}
+
+#[test]
+fn estimates_are_on_screen_for_what_is_ticked() {
+    let mut bench = Bench::new();
+    bench.keys("e");
+    let tree = bench.model.tree.as_ref().unwrap();
+    let estimate = bench.dialog().estimate(tree.shown.as_ref().unwrap()).unwrap();
+    assert!((2550..2650).contains(&estimate.triangles));
+    let text = bench.text(100, 30);
+    assert!(text.contains("2 600 triangles, about 770 KiB"), "{text}");
+    // One of an older tree is not told.
+    bench.model.tree.as_mut().unwrap().set("seed", "99", Instant::now()).unwrap();
+    let text = bench.text(100, 30);
+    assert!(text.contains("still growing") && !text.contains("770 KiB"), "{text}");
+}
+
+#[test]
+fn no_size_panics_and_the_cursor_stays_on_screen() {
+    let mut bench = Bench::new();
+    fs::write(bench.at("older-c.glb"), "").unwrap();
+    let long = bench.at(&"木".repeat(70));
+    let look = |bench: &mut Bench| {
+        for columns in (1..24).chain([40, 79, 80, 111, 400]) {
+            for rows in (1..14).chain([24, 120]) {
+                let (buffer, view) = bench.screen(columns, rows);
+                for (area, _) in &view.regions {
+                    assert_eq!(buffer.area.intersection(*area), *area, "{columns}×{rows}");
+                }
+                if let Some(at) = view.cursor {
+                    assert!(buffer.area.contains(at.into()), "{columns}×{rows} {at:?}");
+                }
+            }
+        }
+    };
+    bench.keys("e");
+    look(&mut bench);
+    bench.keys("x");
+    look(&mut bench);
+    bench.go_to(Spot::Target(place_of("glb")));
+    bench.keys("enter");
+    bench.retype(&long);
+    look(&mut bench);
+    bench.keys("enter");
+    look(&mut bench);
+    bench.keys("x");
+    look(&mut bench);
+}
+
+#[test]
+fn text_from_outside_cannot_drive_the_terminal() {
+    let mut bench = Bench::new();
+    let mut last = bench.model.exporting.to_session();
+    last.targets = vec![format!("{}\u{202e}/x.glb", bench.at("\u{1b}[2J"))];
+    bench.model.exporting.remember(&Session { export: last, ..Session::default() });
+    bench.keys("e j j");
+    for keys in ["", "enter", "enter", "x"] {
+        bench.keys(keys);
+        let text = bench.text(160, 40);
+        assert!(!text.contains('\u{1b}') && !text.contains('\u{202e}'), "{text}");
+        assert!(text.contains("u{1b}"), "{text}");
+    }
+}
