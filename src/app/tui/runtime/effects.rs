@@ -135,7 +135,8 @@ impl Runtime {
     /// Edits text in the user's editor.
     fn edit(&mut self, text: &str) -> Result<String, String> {
         let failed = |error: std::io::Error| format!("handing text to the editor: {error}");
-        let mut file = tempfile::Builder::new().prefix("linden-").suffix(".txt").tempfile().map_err(failed)?;
+        let mut file =
+            tempfile::Builder::new().prefix("linden-").suffix(".txt").tempfile().map_err(failed)?;
         file.write_all(text.as_bytes()).and_then(|()| file.flush()).map_err(failed)?;
         self.edit_file(file.path())?;
         // Editors may put another file in its place.
@@ -206,7 +207,8 @@ impl Runtime {
     }
 
     fn reconfigure(&mut self) {
-        let (Config { theme, keymap, settings, complaints, dirs }, told) = setup::configuration(&mut self.probing);
+        let (Config { theme, keymap, settings, complaints, dirs }, told) =
+            setup::configuration(&mut self.probing);
         let mouse_changes = settings.mouse != self.model.config.settings.mouse;
         if mouse_changes && let Err(error) = self.session.set_mouse(settings.mouse) {
             self.model.say_error(format!("switching the mouse: {error}"));

@@ -177,11 +177,7 @@ impl Desk {
 }
 
 /// Reads a preset, on its lane.
-fn read(
-    request: LoadRequest,
-    watcher: &Watcher<'_>,
-    give: &dyn Fn((Place, Result<Box<Source>, String>)),
-) {
+fn read(request: LoadRequest, watcher: &Watcher<'_>, give: &dyn Fn((Place, Result<Box<Source>, String>))) {
     let path = match &request.place {
         Place::Builtin(id) => PathBuf::from(id),
         Place::File(path) => path.clone(),

@@ -23,7 +23,11 @@ impl Memory {
         let is_on = config.settings.restore;
         let path = config.dirs.session().filter(|_| is_on);
         let (file, session, complaints) = SessionFile::load(path);
-        let used = if wanted { session.clone() } else { Session { export: session.export.clone(), ..Session::default() } };
+        let used = if wanted {
+            session.clone()
+        } else {
+            Session { export: session.export.clone(), ..Session::default() }
+        };
         (Self { file, rest: session, is_on }, used, complaints.iter().map(ToString::to_string).collect())
     }
 
@@ -48,7 +52,12 @@ pub fn restore(model: &mut Model, session: &Session) {
     model.picture.scale = model.config.settings.person || model.config.settings.scale_bar;
     if session.source.is_some() {
         let Camera { yaw_deg, pitch_deg, zoom, pan: [right, up] } = session.camera;
-        model.picture.restore(yaw_deg as f32, pitch_deg as f32, zoom as f32, Vec2::new(right as f32, up as f32));
+        model.picture.restore(
+            yaw_deg as f32,
+            pitch_deg as f32,
+            zoom as f32,
+            Vec2::new(right as f32, up as f32),
+        );
     }
     model.library.filter_by(&session.filter);
 }
@@ -88,5 +97,6 @@ fn remembered(model: &Model, rest: &Session) -> Session {
 
 /// Where a remembered source is.
 pub fn place(source: &str) -> Place {
-    linden::preset::builtin(source).map_or_else(|_| Place::File(PathBuf::from(source)), |own| Place::Builtin(own.id))
+    linden::preset::builtin(source)
+        .map_or_else(|_| Place::File(PathBuf::from(source)), |own| Place::Builtin(own.id))
 }

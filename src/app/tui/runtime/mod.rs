@@ -18,8 +18,8 @@ use linden_terminal::input::{Event, Reply};
 use linden_terminal::probe::Overrides;
 use linden_terminal::session::install_panic_hook;
 use linden_terminal::{
-    Capabilities, Display, Graphic, Incoming, Listener, Modes, Output, Session, Settings as DisplaySettings, Tty,
-    listen,
+    Capabilities, Display, Graphic, Incoming, Listener, Modes, Output, Session, Settings as DisplaySettings,
+    Tty, listen,
 };
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
@@ -117,7 +117,8 @@ impl Runtime {
         let (config, overrides_told) = setup::configuration(&mut probing);
         probing.take_window(size);
         let capabilities = probing.conclude();
-        let (memory, remembered, complaints) = Memory::load(&config, start.source.is_none() && start.set.is_empty());
+        let (memory, remembered, complaints) =
+            Memory::load(&config, start.source.is_none() && start.set.is_empty());
         let mut model = Model::new(config, capabilities, (size.columns, size.rows), now);
         for complaint in overrides_told.into_iter().chain(complaints) {
             model.say_error(complaint);
@@ -125,7 +126,8 @@ impl Runtime {
         model.say_complaints();
         let session = Session::start(tty.clone(), Modes { mouse: model.config.settings.mouse })?;
         let to_loop = sender.clone();
-        let listener = listen(tty.clone(), move |incoming| to_loop.send(Happening::Incoming(incoming)).is_ok())?;
+        let listener =
+            listen(tty.clone(), move |incoming| to_loop.send(Happening::Incoming(incoming)).is_ok())?;
         let to_loop = sender.clone();
         let output = Output::new(tty.clone(), move || drop(to_loop.send(Happening::Written)))?;
         let display = Display::new(model.size, output, display_settings(&model.terminal));
@@ -324,7 +326,9 @@ impl Runtime {
             self.generation += 1;
             self.shown_picture = Some(std::sync::Arc::clone(data));
         }
-        self.session.expect_images(true);
+        if data.protocol() == linden_terminal::graphics::Protocol::Kitty {
+            self.session.expect_images(true);
+        }
         Some(Graphic { generation: self.generation, area, data: std::sync::Arc::clone(data) })
     }
 

@@ -39,7 +39,8 @@ impl Latency {
     /// The figures of the moment, for the title's end.
     pub fn line(&self, stats: &Stats) -> Option<String> {
         self.is_on.then(|| {
-            let trip = stats.round_trip.map_or_else(String::new, |trip| format!(" · {} ms", trip.as_millis()));
+            let trip =
+                stats.round_trip.map_or_else(String::new, |trip| format!(" · {} ms", trip.as_millis()));
             format!(" {} KB{trip} ", (stats.written.text + stats.written.picture) / 1000)
         })
     }
