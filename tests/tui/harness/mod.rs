@@ -226,6 +226,21 @@ impl Workbench {
         self.monitor.times_of(byte)
     }
 
+    /// How long a byte is in the queue of a link, which takes the bytes as they were sent. Computed
+    /// from when they were, so that it does not matter how late this test's own terminal was.
+    pub fn queue_of(&self, byte: usize, link: Link) -> Duration {
+        let (mut free, mut start) = (self.started, 0);
+        for (came, bytes) in self.monitor.pieces(0) {
+            let until = bytes.min(byte + 1 - start);
+            free = free.max(came) + link.time_of(until);
+            start += bytes;
+            if start > byte {
+                return free.saturating_duration_since(came);
+            }
+        }
+        Duration::ZERO
+    }
+
     /// The bytes in the pieces in which they came, with times.
     pub fn pieces_from(&self, from: usize) -> Vec<(Instant, usize)> {
         self.monitor.pieces(from)
