@@ -208,8 +208,12 @@ impl Painter {
         let start = Instant::now();
         let medium = request.medium;
         let area = request.area;
-        let (width, height) = match medium.graphics {
+        // Sixels cannot be stretched, so that a coarse draft would not fill its area.
+        let sixels = medium.graphics == Some(Protocol::Sixel);
+        let protocol = medium.graphics.filter(|_| !sixels || request.detail == Detail::Full);
+        let (width, height) = match protocol {
             None => medium.pixels_of_cells(area.width, area.height),
+            Some(Protocol::Sixel) => exact_pixels(area, medium.cell_px),
             Some(_) => pixels(area, medium.cell_px, request.detail),
         };
         let size = Size::new(width, height).map_err(|error| Some(error.to_string()))?;
@@ -221,13 +225,20 @@ impl Painter {
         };
         // Cells of full pictures stay within their budget at home too: nobody sees the difference.
         let cells = medium.cells(&picture, size, (area.width, area.height), budget.min(FULL_BYTES))?;
-        let graphic = match medium.graphics {
+        let graphic = match protocol {
             None => None,
             Some(protocol) => {
                 let encoded = encode(protocol, picture.rgba(), (width, height), area, budget);
-                Some(Arc::new(encoded.map_err(|error| Some(error.to_string()))?))
+                let encoded = encoded.map_err(|error| Some(error.to_string()))?;
+                // Nor can they be made smaller at will: where they are too many bytes, cells show.
+                (encoded.len() <= budget).then(|| Arc::new(encoded))
             }
         };
+        let style = CellStyle { glyphs: medium.glyphs, colors: medium.colors, background: medium.background };
+        // Cells of full pictures stay within their budget at home too: nobody sees the difference.
+        // Those that only stand until the pixels come, or below a dialog, are a draft.
+        let for_cells = if graphic.is_some() && medium.remote { DRAFT_BYTES } else { budget.min(FULL_BYTES) };
+        let cells = CellPicture::draw(&image, area.width, area.height, &style, for_cells);
         let view = request.camera.view(request.shown.extent(true, false), size);
         let columns_per_m = view.scale_at_target() * f32::from(area.width) / width as f32;
         let shows_person = request.camera.extent.is_some_and(|extent| extent.person.is_some());
@@ -310,9 +321,14 @@ impl Painter {
     }
 }
 
+/// Pixels of a picture that fills so many cells one to one.
+fn exact_pixels(area: Rect, (wide, high): (u16, u16)) -> (u32, u32) {
+    ((u32::from(area.width) * u32::from(wide)).max(1), (u32::from(area.height) * u32::from(high)).max(1))
+}
+
 /// Pixels of a picture over so many cells: in the cells' proportions, not more than can be seen.
-fn pixels(area: Rect, (wide, high): (u16, u16), detail: Detail) -> (u32, u32) {
-    let (width, height) = (u32::from(area.width) * u32::from(wide), u32::from(area.height) * u32::from(high));
+fn pixels(area: Rect, cell_px: (u16, u16), detail: Detail) -> (u32, u32) {
+    let (width, height) = exact_pixels(area, cell_px);
     let coarser = if detail == Detail::Draft { DRAFT_SCALE } else { 1 };
     let shrink = width.max(height).div_ceil(LONGEST_PX).max(1) * coarser;
     ((width / shrink).max(1), (height / shrink).max(1))

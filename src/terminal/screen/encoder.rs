@@ -24,7 +24,12 @@ struct Wanted {
     paper: Option<Color>,
     underline: Color,
     modifier: Modifier,
+    /// Modifiers that may be on all the same, because nothing shows them.
+    unseen: Modifier,
 }
+
+/// Modifiers that change letters alone: between bold words blanks may be bold too.
+const OF_LETTERS: Modifier = Modifier::BOLD.union(Modifier::ITALIC);
 
 /// What switches a modifier on and off (ECMA-48 8.3.117).
 const MODIFIERS: [(Modifier, u8, u8); 9] = [
@@ -131,7 +136,13 @@ impl Encoder {
         // What is erased takes the paper alone, but some terminals take underlining too.
         self.select(
             out,
-            Wanted { ink: None, paper: Some(paper), underline: Color::Reset, modifier: Modifier::empty() },
+            Wanted {
+                ink: None,
+                paper: Some(paper),
+                underline: Color::Reset,
+                modifier: Modifier::empty(),
+                unseen: OF_LETTERS,
+            },
         );
         out.extend_from_slice(b"\x1b[");
         match cells {
@@ -148,7 +159,7 @@ impl Encoder {
         let wanted = Wanted::of(look);
         wanted.ink.is_none_or(|ink| ink == self.pen.ink)
             && wanted.paper.is_none_or(|paper| paper == self.pen.paper)
-            && wanted.modifier == self.pen.modifier
+            && wanted.modifier == self.pen.modifier - wanted.unseen
             && wanted.underline == self.pen.underline
     }
 
@@ -165,7 +176,7 @@ impl Encoder {
             ink: wanted.ink.unwrap_or(self.pen.ink),
             paper: wanted.paper.unwrap_or(self.pen.paper),
             underline: wanted.underline,
-            modifier: wanted.modifier,
+            modifier: wanted.modifier | (self.pen.modifier & wanted.unseen),
         };
         if target == self.pen {
             return;
@@ -188,6 +199,7 @@ impl Encoder {
         let bare = Pen {
             ink: wanted.ink.unwrap_or(Color::Reset),
             paper: wanted.paper.unwrap_or(Color::Reset),
+            modifier: wanted.modifier,
             ..target
         };
         let lost = if bare == target { 0 } else { 6 };
@@ -214,13 +226,17 @@ impl Encoder {
 impl Wanted {
     fn of(look: Look<'_>) -> Self {
         match look {
-            Look::Quarters { ink, paper, .. } => {
-                Self { ink, paper, underline: Color::Reset, modifier: Modifier::empty() }
-            }
+            Look::Quarters { ink, paper, drawn } => Self {
+                ink,
+                paper,
+                underline: Color::Reset,
+                modifier: Modifier::empty(),
+                unseen: if drawn == 0 { OF_LETTERS } else { Modifier::empty() },
+            },
             Look::Text { ink, paper, underline, modifier, symbol } => {
                 // Reversed and struck-out blanks show the ink.
                 let ink = (symbol != " " || !modifier.is_empty()).then_some(ink);
-                Self { ink, paper: Some(paper), underline, modifier }
+                Self { ink, paper: Some(paper), underline, modifier, unseen: Modifier::empty() }
             }
         }
     }

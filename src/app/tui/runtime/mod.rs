@@ -337,7 +337,9 @@ impl Runtime {
             self.generation += 1;
             self.shown_picture = Some(std::sync::Arc::clone(data));
         }
-        self.session.expect_images(true);
+        if data.protocol() == linden_terminal::graphics::Protocol::Kitty {
+            self.session.expect_images(true);
+        }
         Some(Graphic { generation: self.generation, area, data: std::sync::Arc::clone(data) })
     }
 

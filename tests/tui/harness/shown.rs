@@ -1,0 +1,105 @@
+//! A screen as tests look at it.
+
+use vt100::Screen;
+
+/// What a screen shows at a moment.
+#[derive(Clone)]
+pub struct Shown {
+    screen: Screen,
+}
+
+/// How a cell looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Look {
+    pub foreground: vt100::Color,
+    pub background: vt100::Color,
+    pub bold: bool,
+    pub inverse: bool,
+    pub underline: bool,
+}
+
+impl Shown {
+    pub fn new(screen: Screen) -> Self {
+        Self { screen }
+    }
+
+    /// Columns and rows.
+    pub fn size(&self) -> (u16, u16) {
+        let (rows, columns) = self.screen.size();
+        (columns.get(), rows.get())
+    }
+
+    /// A row of text.
+    pub fn row(&self, row: u16) -> String {
+        self.screen.rows(0, self.size().0).nth(row.into()).unwrap_or_default()
+    }
+
+    /// All rows.
+    pub fn rows(&self) -> Vec<String> {
+        self.screen.rows(0, self.size().0).collect()
+    }
+
+    /// The rows of text, one below the other.
+    pub fn text(&self) -> String {
+        self.rows().join("\n")
+    }
+
+    /// The lowest row.
+    pub fn footer(&self) -> String {
+        self.row(self.size().1 - 1)
+    }
+
+    /// The rows between some columns.
+    pub fn columns(&self, from: u16, to: u16) -> Vec<String> {
+        self.screen.rows(from, to - from).collect()
+    }
+
+    /// How a cell looks.
+    pub fn look(&self, column: u16, row: u16) -> Look {
+        let cell = self.screen.cell(row, column).unwrap();
+        Look {
+            foreground: cell.fgcolor(),
+            background: cell.bgcolor(),
+            bold: cell.bold(),
+            inverse: cell.inverse(),
+            underline: cell.underline(),
+        }
+    }
+
+    /// The column and row where a text is first.
+    pub fn find(&self, text: &str) -> Option<(u16, u16)> {
+        self.rows().iter().zip(0..).find_map(|(line, row)| {
+            let at = line.find(text)?;
+            Some((line[..at].chars().count() as u16, row))
+        })
+    }
+
+    /// Whether two screens show the same, with colours.
+    pub fn is_same(&self, other: &Self) -> bool {
+        self.screen.contents_formatted() == other.screen.contents_formatted()
+    }
+
+    /// Cells between some columns and rows that are not blank: how much of a picture is there.
+    pub fn painted(&self, columns: std::ops::Range<u16>, rows: std::ops::Range<u16>) -> usize {
+        let is_painted = |column: u16, row: u16| {
+            self.screen.cell(row, column).is_some_and(|cell| !cell.contents().trim().is_empty())
+        };
+        rows.map(|row| columns.clone().filter(|column| is_painted(*column, row)).count()).sum()
+    }
+
+    pub fn is_alternate(&self) -> bool {
+        self.screen.alternate_screen()
+    }
+
+    pub fn hides_cursor(&self) -> bool {
+        self.screen.hide_cursor()
+    }
+
+    pub fn pastes_in_brackets(&self) -> bool {
+        self.screen.bracketed_paste()
+    }
+
+    pub fn hears_mouse(&self) -> bool {
+        self.screen.mouse_protocol_mode() != vt100::MouseProtocolMode::None
+    }
+}

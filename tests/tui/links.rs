@@ -1,0 +1,96 @@
+//! Slow links. What is asserted is what stands in the queue of the link before a key's answer, in
+//! bytes: divided by the link's rate, and with the round trip, that is how long the answer takes.
+
+use std::time::{Duration, Instant};
+
+use crate::harness::{Answers, Home, Link, Setup, Workbench, eventually};
+
+pub struct Case {
+    pub name: &'static str,
+    pub link: Link,
+    /// From a key to its answer, with a picture on its way.
+    pub budget: Duration,
+}
+
+pub const CASES: [Case; 2] = [
+    Case {
+        name: "12.5 kB/s, 150 ms",
+        link: Link { bytes_per_second: 12_500.0, round_trip: Duration::from_millis(150) },
+        budget: Duration::from_millis(300),
+    },
+    Case {
+        name: "125 kB/s, 100 ms",
+        link: Link { bytes_per_second: 125_000.0, round_trip: Duration::from_millis(100) },
+        budget: Duration::from_millis(150),
+    },
+];
+
+/// The row of the knob that the cursor is on: the one with another background.
+fn cursor(screen: &vt100::Screen) -> Option<u16> {
+    let (rows, columns) = screen.size();
+    let background = |row| screen.cell(row, columns.get() - 10).map(vt100::Cell::bgcolor);
+    (2..rows.get() - 8).find(|row| background(*row) != background(0))
+}
+
+/// How keys were answered while a picture was on its way, one after the other.
+pub struct Answered {
+    /// From the key to what is sent for it: the program's own time.
+    pub program: Duration,
+    /// What that waited for in the queue of the link, itself included.
+    pub queued: Duration,
+    /// From the key to the answer on the screen.
+    pub whole: Duration,
+}
+
+/// Presses keys of the form, each when a new picture has set out.
+pub fn answers(case: &Case, keys: usize) -> Vec<Answered> {
+    let home = Home::new();
+    let setup = Setup::new(120, 40).over_ssh().answers(Answers::Plain).link(case.link);
+    let workbench = setup.args(&["open", "fir"]).start(&home);
+    workbench.wait_for_tree();
+    workbench.keys("\t\t");
+    workbench.settle();
+    (0..keys).map(|round| answered(&workbench, case.link, if round % 4 < 2 { "j" } else { "k" })).collect()
+}
+
+fn answered(workbench: &Workbench, link: Link, key: &str) -> Answered {
+    // Another look is another picture.
+    let before = workbench.sent();
+    workbench.keys("c");
+    eventually("a picture on its way", || {
+        (workbench.sent() > before + 1500 && workbench.queued() > 0).then_some(())
+    });
+    let (sent, pressed) = (workbench.sent(), Instant::now());
+    workbench.keys(key);
+    workbench.settle();
+    // Where in the stream the cursor moves.
+    let bytes = workbench.bytes();
+    let mut parser = vt100::Parser::new(40.try_into().unwrap(), 120.try_into().unwrap(), 0);
+    parser.process(&bytes[..sent]);
+    let start = cursor(parser.screen());
+    let answer = (sent..bytes.len()).find(|at| {
+        parser.process(&bytes[*at..=*at]);
+        cursor(parser.screen()).is_some_and(|row| Some(row) != start)
+    });
+    let answer = answer.expect("the cursor moves");
+    let (came, shown) = workbench.times_of(answer);
+    Answered {
+        program: came.saturating_duration_since(pressed + link.round_trip / 2),
+        queued: workbench.queue_of(answer, link),
+        whole: shown.unwrap().saturating_duration_since(pressed),
+    }
+}
+
+#[test]
+fn pictures_leave_room_for_keys() {
+    for case in &CASES {
+        let mut waits: Vec<Duration> =
+            answers(case, 9).iter().map(|a| case.link.round_trip + a.queued).collect();
+        waits.sort_unstable();
+        println!("{}: round trip and queue {waits:?}", case.name);
+        let median = waits[waits.len() / 2];
+        assert!(median <= case.budget, "{}: {waits:?}", case.name);
+        // A single one may have met a long piece.
+        assert!(waits[waits.len() - 1] <= 2 * case.budget, "{}: {waits:?}", case.name);
+    }
+}

@@ -1,0 +1,18 @@
+//! The workbench as a person at a terminal has it: the real program on a pseudo-terminal.
+//!
+//! Bytes, counts and order are asserted, not times: a machine that is busy makes everything late and
+//! nothing different. What must be fast is measured by `cargo bench -p linden-app --bench tui`.
+#![cfg(target_os = "linux")]
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+mod budgets;
+mod carried_on;
+mod colors;
+mod given_back;
+mod growing;
+mod harness;
+mod links;
+mod own_files;
+mod sizes;
+mod start;
+mod untrusted;

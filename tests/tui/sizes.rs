@@ -1,0 +1,140 @@
+//! Windows of any size, changed at any moment.
+
+use crate::harness::{End, Home, Setup, Workbench};
+
+const SIZES: [(u16, u16); 16] = [
+    (1, 1),
+    (2, 1),
+    (1, 40),
+    (200, 2),
+    (3, 3),
+    (7, 5),
+    (20, 4),
+    (71, 24),
+    (72, 24),
+    (80, 24),
+    (109, 30),
+    (110, 30),
+    (150, 12),
+    (40, 120),
+    (400, 120),
+    (80, 3),
+];
+
+/// Keys that open and close everything, and move about.
+const KEYS: [&str; 26] = [
+    "j", "k", "\t", "l", "h", "?", "G", "g", "\x1b[6~", "\x1b", ":", "or", "\x1b[B", "\x7f", "\x1b", "/",
+    "fi", "\x1b", "c", "t", "t", "m", "\x1b\x0c", "p", "P", "O",
+];
+
+/// Which panes' titles are in a row.
+fn panes(row: &str) -> Vec<&'static str> {
+    ["Presets", "Picture", "Shape"].into_iter().filter(|title| row.contains(title)).collect()
+}
+
+#[test]
+fn panes_come_with_columns() {
+    let home = Home::new();
+    let workbench = Workbench::open(&home, 109, 30, &["open", "fir"]);
+    for (columns, rows, shown) in [
+        (110, 30, &["Presets", "Picture", "Shape"][..]),
+        (109, 30, &["Presets", "Picture"]),
+        (72, 24, &["Presets", "Picture"]),
+        (200, 60, &["Presets", "Picture", "Shape"]),
+        (71, 24, &["Presets"]),
+    ] {
+        workbench.resize(columns, rows);
+        workbench.settle();
+        let screen = workbench.screen();
+        if columns < 72 {
+            // Tabs, then the one pane.
+            assert_eq!(panes(&screen.row(1)), ["Presets", "Picture", "Shape"], "{}", screen.text());
+            assert_eq!(panes(&screen.row(2)), shown, "{}", screen.text());
+            workbench.keys("\t");
+            workbench.wait_for("the next pane", |screen| panes(&screen.row(2)) == ["Picture"]);
+        } else {
+            assert_eq!(panes(&screen.row(1)), shown, "{columns}x{rows}:\n{}", screen.text());
+        }
+        // Whatever the size: the corners are where they belong.
+        let text = screen.row(rows - 2);
+        assert!(text.starts_with('╰') && text.ends_with('╯'), "{columns}x{rows}: {text}");
+        assert_eq!(text.chars().count(), usize::from(columns));
+    }
+}
+
+#[test]
+fn it_starts_at_any_size() {
+    for (columns, rows) in SIZES {
+        let home = Home::new();
+        let mut workbench = Setup::new(columns, rows).args(&["open", "fir"]).start(&home);
+        workbench.wait_for_bytes("a frame", |bytes| bytes.len() > 60);
+        workbench.settle();
+        workbench.keys("q");
+        assert_eq!(workbench.wait_exit(), End::Code(0), "{columns}x{rows}");
+    }
+}
+
+#[test]
+fn every_dialog_bears_every_size() {
+    let home = Home::new();
+    let mut workbench = Workbench::open(&home, 80, 24, &["open", "fir"]);
+    for opens in ["?", ":", "/fi", "s", "m"] {
+        workbench.keys(opens);
+        for (columns, rows) in SIZES {
+            workbench.resize(columns, rows);
+            workbench.keys("\x1b[B\x1b[A");
+            std::thread::sleep(std::time::Duration::from_millis(15));
+        }
+        workbench.keys("\x03");
+        workbench.resize(80, 24);
+        workbench.settle();
+        // Ctrl-C has closed what was open. Where nothing is, it leaves.
+        assert!(panes(&workbench.screen().row(1)).len() == 2, "{opens:?}:\n{}", workbench.screen().text());
+    }
+    workbench.keys("q");
+    assert_eq!(workbench.wait_exit(), End::Code(0));
+}
+
+#[test]
+fn storms_of_sizes_and_keys_pass() {
+    // Numbers that look random and are the same each time (splitmix64).
+    let mut state = 7_u64;
+    let mut next = move |below: usize| {
+        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) % below as u64) as usize
+    };
+    let home = Home::new();
+    let mut workbench = Workbench::open(&home, 80, 24, &["open", "fir"]);
+    for _ in 0..300 {
+        if next(3) == 0 {
+            let (columns, rows) = if next(2) == 0 {
+                SIZES[next(SIZES.len())]
+            } else {
+                (1 + next(220) as u16, 1 + next(70) as u16)
+            };
+            workbench.resize(columns, rows);
+        }
+        workbench.keys(KEYS[next(KEYS.len())]);
+        // At any moment of what follows.
+        std::thread::sleep(std::time::Duration::from_millis(next(12) as u64));
+    }
+    // Out of whatever is open, to the list.
+    workbench.resize(80, 24);
+    workbench.keys("\x1b");
+    workbench.settle();
+    workbench.keys("\x1b");
+    workbench.settle();
+    workbench.keys("\x0c");
+    workbench.settle();
+    let screen = workbench.screen();
+    assert!(screen.row(0).starts_with(" linden "), "{}", screen.text());
+    assert!(panes(&screen.row(1)).len() == 2 || screen.text().contains("╭ "), "{}", screen.text());
+    workbench.resize(120, 40);
+    workbench.keys("q");
+    std::thread::sleep(std::time::Duration::from_millis(300));
+    workbench.keys("q");
+    assert_eq!(workbench.wait_exit(), End::Code(0));
+}
