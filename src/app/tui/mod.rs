@@ -30,5 +30,6 @@ mod shape;
 mod tree;
 mod update;
 mod vary;
+mod wrap;
 
 pub use runtime::{End, Start, run};
