@@ -10,7 +10,6 @@ use unicode_width::UnicodeWidthStr;
 use super::model::{Layer, Model, Pane, Target};
 use super::{around, export, growth, library, picture, shape, vary};
 
-
 /// Three panes from here.
 const THREE: u16 = 110;
 /// Two panes from here; below, one, with tabs.

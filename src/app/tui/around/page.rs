@@ -96,11 +96,14 @@ impl Page {
         let sections = self.lines.iter().filter(|line| matches!(line, PageLine::Heading(_))).count();
         let is_double = sections > 1 && body.width >= TWO;
         let outer = if is_double { (2 * COLUMN + BETWEEN + 4).min(body.width) } else { COLUMN + 4 };
-        let most = body.height.saturating_sub(2).max(body.height.min(6));
-        let area = centered(outer, most, body);
-        let text = padded(inside(area));
+        // Below the title, where there is room for one.
+        let top = u16::from(body.height > 6);
+        let below = Rect { y: body.y + top, height: body.height - top, ..body };
+        let mut area = centered(outer, below.height, below);
+        let mut text = padded(inside(area));
         let width = if is_double { text.width.saturating_sub(BETWEEN) / 2 } else { text.width };
-        let keys = self.lines.iter().map(|line| if let PageLine::Keys(keys, _) = line { keys.width() } else { 0 });
+        let keys =
+            self.lines.iter().map(|line| if let PageLine::Keys(keys, _) = line { keys.width() } else { 0 });
         let keys = keys.max().unwrap_or(0).min(MOST_KEYS).min(usize::from(width) / 3);
         let mut blocks: Vec<Vec<PageLine>> = Vec::new();
         for line in &self.lines {
@@ -117,6 +120,9 @@ impl Page {
         } else {
             vec![stacked(&blocks)]
         };
+        let laid = columns.iter().map(Vec::len).max().unwrap_or(0).max(3);
+        let spare = usize::from(text.height).saturating_sub(laid) as u16;
+        (area.height, text.height) = (area.height - spare, text.height - spare);
         Laid { area, text, columns, width, keys }
     }
 

@@ -4,10 +4,10 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use unicode_width::UnicodeWidthStr;
 
+use super::footer::key_label;
 use super::line::{self, Line, Purpose};
 use super::page::{Page, PageLine};
 use super::palette::{Found, Palette};
-use super::footer::key_label;
 use crate::tui::frame::{View, centered, clipped, dialog};
 use crate::tui::model::{Model, Target, Weight};
 

@@ -179,7 +179,9 @@ fn about(model: &Model, area: Rect) -> Vec<(String, Style)> {
     let source_rows = left - summary.len();
     rows.extend(summary.into_iter().map(|row| (row, theme.text)));
     if !source.is_empty() && source_rows > 0 {
-        rows.extend(wrapped_within(&entry.source, width, source_rows).into_iter().map(|row| (row, theme.dim)));
+        rows.extend(
+            wrapped_within(&entry.source, width, source_rows).into_iter().map(|row| (row, theme.dim)),
+        );
     }
     rows
 }
