@@ -40,6 +40,8 @@ pub use runtime::{End, Start, run};
 #[cfg(test)]
 mod hint_tests;
 #[cfg(test)]
+mod keys_tests;
+#[cfg(test)]
 mod random_tests;
 #[cfg(test)]
 mod view_tests;

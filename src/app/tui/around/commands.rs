@@ -51,7 +51,7 @@ pub const COMMANDS: &[Command] = &[
         keys: &[":"],
         title: "Palette",
         help: "Finds any command by its name",
-        hint: Some(92),
+        hint: Some(95),
         hindrance: free,
         run: |model, _| {
             let palette = Palette::new(model);
@@ -129,7 +129,7 @@ pub const COMMANDS: &[Command] = &[
         keys: &["q"],
         title: "Quit",
         help: "Leaves; what is on screen comes back next time",
-        hint: Some(99),
+        hint: Some(91),
         hindrance: free,
         run: |_, effects| effects.push(Effect::Quit),
     },

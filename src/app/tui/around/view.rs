@@ -2,6 +2,7 @@
 
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
+use ratatui::widgets::{Clear, Widget as _};
 use unicode_width::UnicodeWidthStr;
 
 use super::footer::key_label;
@@ -119,7 +120,7 @@ fn palette_row(model: &Model, own: &Found<'_>, chosen: bool, row: Rect, buffer: 
         .collect();
     let keys = keys.join(" ");
     let about = own.hindrance.unwrap_or(own.command.help);
-    let style = if can_be_used { dimmed(theme.popup_dim) } else { base.patch(theme.warning) };
+    let style = dimmed(if can_be_used { theme.popup_dim } else { theme.warning });
     let from = NAME + 2;
     let room = width.saturating_sub(from + keys.width() + 2);
     if room >= 8 {
@@ -127,7 +128,7 @@ fn palette_row(model: &Model, own: &Found<'_>, chosen: bool, row: Rect, buffer: 
     }
     let wide = keys.width() as u16 + 1;
     if usize::from(wide) + own.command.title.width() + 2 <= width {
-        buffer.set_stringn(row.right() - wide, row.y, &keys, width, base.patch(theme.key));
+        buffer.set_stringn(row.right() - wide, row.y, &keys, width, dimmed(theme.key));
     }
 }
 
@@ -145,6 +146,7 @@ pub fn line(model: &Model, line: &Line, body: Rect, buffer: &mut Buffer, view: &
     }
     let row = Rect { y: body.bottom() - 1, height: 1, ..body };
     let label = clipped(&format!(" {}: ", line.label()), usize::from(body.width).saturating_sub(4));
+    Clear.render(row, buffer);
     buffer.set_style(row, theme.input);
     buffer.set_stringn(row.x, row.y, &label, row.width.into(), theme.key);
     let x = row.x + label.width() as u16;
