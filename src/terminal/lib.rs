@@ -1,7 +1,8 @@
 //! The terminal as a device: how large it is, what colours it knows, and pictures made of characters.
 //!
 //! This crate knows nothing of trees. What depends on the environment is given the environment as a
-//! value, so all of it can be tested; only [`size::TerminalSize::of_stdout`] and [`tty::Tty`] touch the terminal.
+//! value, so all of it can be tested; only [`size::TerminalSize::of_stdout`], and what is given a
+//! [`tty::Tty`], touch the terminal.
 //!
 //! | module | is |
 //! |---|---|

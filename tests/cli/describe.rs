@@ -2,7 +2,8 @@
 
 use crate::program::Folder;
 
-const COMMANDS: [&str; 8] = ["list", "show", "stats", "preview", "export", "completions", "man", "schema"];
+const COMMANDS: [&str; 10] =
+    ["open", "list", "show", "stats", "preview", "export", "doctor", "completions", "man", "schema"];
 
 #[test]
 fn help_names_every_command_and_every_command_has_help_and_a_manual() {

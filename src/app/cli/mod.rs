@@ -2,6 +2,7 @@
 //! completions and the manual are made from.
 
 mod completions;
+mod doctor;
 mod export;
 mod list;
 mod man;
@@ -58,6 +59,7 @@ Examples:
   linden preview fir
   linden export fir -o fir.glb -o fir.usda
   linden export scan.xyz -o tree.glb --set step=0.05
+  linden doctor
 
 Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.";
 
@@ -69,6 +71,7 @@ enum Command {
     Stats(stats::Stats),
     Preview(preview::Preview),
     Export(export::Export),
+    Doctor(doctor::Doctor),
     Completions(completions::Completions),
     Man(man::Man),
     Schema(schema::Schema),
@@ -180,6 +183,7 @@ impl Command {
             Self::Stats(own) => own.run(),
             Self::Preview(own) => own.run(),
             Self::Export(own) => own.run(),
+            Self::Doctor(own) => own.run(),
             Self::Completions(own) => own.run(&mut Cli::command()),
             Self::Man(own) => own.run(Cli::command()),
             Self::Schema(own) => own.run(),

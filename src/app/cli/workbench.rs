@@ -23,9 +23,9 @@ pub struct Open {
     terminal: Terminal,
 }
 
-/// How the workbench uses the terminal.
+/// What the user says of the terminal.
 #[derive(Args, Default)]
-pub struct Terminal {
+pub struct Look {
     /// How pictures are shown: auto, kitty, sixel, iterm2, quadrants, halves or braille
     #[arg(long, value_name = "HOW")]
     graphics: Option<String>,
@@ -33,6 +33,13 @@ pub struct Terminal {
     /// How many colours there are: auto, truecolor, 256, 16 or none
     #[arg(long, value_name = "DEPTH")]
     colors: Option<String>,
+}
+
+/// How the workbench uses the terminal.
+#[derive(Args, Default)]
+pub struct Terminal {
+    #[command(flatten)]
+    look: Look,
 
     /// Show bytes and times, and sum them up at the end
     #[arg(long)]
@@ -68,14 +75,16 @@ impl Terminal {
             )),
             other => other.into(),
         })?;
-        let overrides = self.overrides()?;
+        let overrides = self.look.overrides()?;
         match run(tty, Start { source, set, overrides, stats: self.stats })? {
             End::Quit => Ok(()),
             End::Signal(signal) => raise(signal),
             End::Hangup => raise(signal_hook::consts::SIGHUP),
         }
     }
+}
 
+impl Look {
     /// What the flags say of the terminal.
     pub fn overrides(&self) -> anyhow::Result<Overrides> {
         let mut overrides = Overrides::default();

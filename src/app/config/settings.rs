@@ -5,6 +5,7 @@ use std::fmt;
 use std::path::Path;
 
 use linden::knob::{Kind, Value, excerpt};
+use linden_terminal::probe::Overrides;
 use linden_terminal::{ColorDepth, Glyphs};
 
 use super::Complaint;
@@ -253,6 +254,16 @@ impl Settings {
         }
     }
 
+    /// What they say of the terminal.
+    pub fn overrides(&self) -> Overrides {
+        const FILE: &str = "config.toml";
+        let mut overrides = Overrides::default();
+        // Every word of the two tables is one that is understood; a test tries them.
+        let _ = overrides.set_graphics(&word_of(&GRAPHICS, self.graphics).to_string(), FILE);
+        let _ = overrides.set_colors(&word_of(&COLORS, self.colors).to_string(), FILE);
+        overrides
+    }
+
     /// The settings in a text; `file` is for the complaints.
     pub fn read(file: &Path, text: &str) -> (Self, Vec<Complaint>) {
         let mut settings = Self::default();
@@ -330,6 +341,7 @@ mod tests {
                 assert_eq!(complaints, []);
                 let setting = SETTINGS.iter().find(|setting| setting.name == key).unwrap();
                 assert_eq!(setting.value(&settings).to_string(), *word);
+                assert_eq!(settings.overrides() == Overrides::default(), *word == "auto", "{key} = {word}");
             }
         }
     }

@@ -223,8 +223,6 @@ impl Painter {
             (Detail::Full, true) => FULL_BYTES,
             (_, false) => usize::MAX,
         };
-        // Cells of full pictures stay within their budget at home too: nobody sees the difference.
-        let cells = medium.cells(&picture, size, (area.width, area.height), budget.min(FULL_BYTES))?;
         let graphic = match protocol {
             None => None,
             Some(protocol) => {
@@ -234,11 +232,10 @@ impl Painter {
                 (encoded.len() <= budget).then(|| Arc::new(encoded))
             }
         };
-        let style = CellStyle { glyphs: medium.glyphs, colors: medium.colors, background: medium.background };
         // Cells of full pictures stay within their budget at home too: nobody sees the difference.
         // Those that only stand until the pixels come, or below a dialog, are a draft.
         let for_cells = if graphic.is_some() && medium.remote { DRAFT_BYTES } else { budget.min(FULL_BYTES) };
-        let cells = CellPicture::draw(&image, area.width, area.height, &style, for_cells);
+        let cells = medium.cells(&picture, size, (area.width, area.height), for_cells)?;
         let view = request.camera.view(request.shown.extent(true, false), size);
         let columns_per_m = view.scale_at_target() * f32::from(area.width) / width as f32;
         let shows_person = request.camera.extent.is_some_and(|extent| extent.person.is_some());

@@ -47,7 +47,7 @@ pub enum Done<T> {
 /// A worker thread with one place for the next request.
 pub struct Lane<R> {
     shared: Arc<Shared<R>>,
-    thread: Option<JoinHandle<()>>,
+    thread: JoinHandle<()>,
 }
 
 struct Shared<R> {
@@ -103,7 +103,7 @@ impl<R: Send + 'static> Lane<R> {
                 send(Answer { number, done: Done::Finished });
             }
         })?;
-        Ok(Self { shared, thread: Some(thread) })
+        Ok(Self { shared, thread })
     }
 
     /// Hands in a request; whatever was under way or waiting is dropped. Returns its number.
@@ -123,24 +123,35 @@ impl<R: Send + 'static> Lane<R> {
     }
 }
 
-impl<R> Drop for Lane<R> {
-    /// Cancels and waits for the worker, which hears it within milliseconds.
-    fn drop(&mut self) {
-        {
-            let mut slot = self.shared.slot.lock().unwrap_or_else(PoisonError::into_inner);
-            slot.closed = true;
-            slot.next = None;
-            self.shared.newest.fetch_add(1, Ordering::Relaxed);
-            self.shared.filled.notify_one();
-        }
-        if let Some(thread) = self.thread.take() {
-            // Its panics were caught.
-            let _ = thread.join();
+impl<R> Lane<R> {
+    /// Cancels, and waits for the worker at most so long: what it has begun to write is taken away by
+    /// then. A worker that hangs in the system (on a network that is gone) is left.
+    pub fn finish(self, patience: Duration) {
+        self.shared.close();
+        let end = Instant::now() + patience;
+        while !self.thread.is_finished() && Instant::now() < end {
+            std::thread::sleep(Duration::from_millis(2));
         }
     }
 }
 
+impl<R> Drop for Lane<R> {
+    /// Cancels. The worker hears it within milliseconds, unless it hangs in the system: nobody waits.
+    fn drop(&mut self) {
+        self.shared.close();
+    }
+}
+
 impl<R> Shared<R> {
+    /// There will be no more requests.
+    fn close(&self) {
+        let mut slot = self.slot.lock().unwrap_or_else(PoisonError::into_inner);
+        slot.closed = true;
+        slot.next = None;
+        self.newest.fetch_add(1, Ordering::Relaxed);
+        self.filled.notify_one();
+    }
+
     /// The next request, `None` when there will be no more.
     fn wait(&self) -> Option<(u64, R)> {
         let mut slot = self.slot.lock().unwrap_or_else(PoisonError::into_inner);
@@ -153,6 +164,16 @@ impl<R> Shared<R> {
             }
             slot = self.filled.wait(slot).unwrap_or_else(PoisonError::into_inner);
         }
+    }
+}
+
+#[cfg(test)]
+impl Watcher<'static> {
+    /// Watches work that nobody overtakes.
+    pub fn idle() -> Self {
+        static NEWEST: AtomicU64 = AtomicU64::new(0);
+        fn unheard(_: Stage, _: u64, _: Option<u64>) {}
+        Self { number: 0, newest: &NEWEST, report: &unheard, last: Mutex::new(None) }
     }
 }
 
@@ -243,8 +264,9 @@ mod tests {
     }
 
     #[test]
-    fn dropping_a_lane_ends_work_that_would_go_on_for_ever() {
+    fn a_lane_that_is_finished_ends_work_that_would_go_on_for_ever() {
         let (entered, is_in) = mpsc::channel();
+        let (left, is_out) = mpsc::channel();
         let lane = Lane::start(
             "test",
             |_: Answer<()>| {},
@@ -253,11 +275,13 @@ mod tests {
                 while !watcher.is_cancelled() {
                     std::thread::yield_now();
                 }
+                left.send(()).unwrap();
             },
         )
         .unwrap();
         lane.submit(());
         is_in.recv().unwrap();
-        drop(lane);
+        lane.finish(Duration::from_secs(600));
+        assert!(is_out.try_recv().is_ok());
     }
 }

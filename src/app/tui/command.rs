@@ -131,6 +131,11 @@ pub fn find(id: &str) -> Option<&'static Command> {
     all().find(|command| command.id == id)
 }
 
+/// The table as keymaps are read against.
+pub fn key_table() -> Vec<crate::config::keymap::Row> {
+    all().map(|command| (command.id, command.context.id(), command.keys)).collect()
+}
+
 /// Runs a command, or says why it cannot be used.
 pub fn run(command: &Command, model: &mut Model, effects: &mut Effects) {
     match (command.hindrance)(model) {

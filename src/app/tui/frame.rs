@@ -2,12 +2,12 @@
 
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
+use ratatui::style::Style;
 use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, BorderType, Widget};
 use unicode_width::UnicodeWidthStr;
 
-use super::command::{self, Command, Context};
-use super::model::{Model, Pane, Target, Weight};
+use super::model::{Layer, Model, Pane, Target};
 use super::{around, export, growth, library, picture, shape, vary};
 
 /// Three panes from here.
@@ -58,12 +58,12 @@ impl Layout {
         }
         let [presets, middle, shape] = &mut layout.panes;
         if columns >= THREE {
-            let (left, right) = if columns >= 150 { (32, 46) } else { (27, 38) };
+            let (left, right) = if columns >= 150 { (34, 46) } else { (30, 38) };
             *presets = Rect { width: left, ..body };
             *shape = Rect { x: columns - right, width: right, ..body };
             *middle = Rect { x: left, width: columns - left - right, ..body };
         } else if columns >= TWO {
-            let left = if side == Pane::Shape { 36 } else { 27 };
+            let left = if side == Pane::Shape { 36 } else { 30 };
             *(if side == Pane::Shape { shape } else { presets }) = Rect { width: left, ..body };
             *middle = Rect { x: left, width: columns - left, ..body };
         } else {
@@ -120,20 +120,32 @@ pub fn view(model: &Model, buffer: &mut Buffer) -> View {
             Pane::Shape => shape::view::view(model, inner, buffer, &mut view),
         }
     }
-    footer(model, layout.footer, buffer, &mut view);
-    let body = Rect::new(0, 0, model.size.0, model.size.1);
+    let (screen, body) = (Rect::new(0, 0, model.size.0, model.size.1), dialog_body(model));
+    let is_line = matches!(model.layers.last(), Some(Layer::Line(_)));
+    if is_line {
+        // A line without a place of its own is typed in the footer.
+        around::footer::view(model, layout.footer, buffer, &mut view);
+    }
     for layer in &model.layers {
-        use super::model::Layer;
         match layer {
             Layer::Page(page) => around::view::page(model, page, body, buffer, &mut view),
             Layer::Palette(palette) => around::view::palette(model, palette, body, buffer, &mut view),
-            Layer::Line(line) => around::view::line(model, line, body, buffer, &mut view),
+            Layer::Line(line) => around::view::line(model, line, screen, buffer, &mut view),
             Layer::Gallery(gallery) => vary::view::view(model, gallery, body, buffer, &mut view),
             Layer::Export(dialog) => export::view::view(model, dialog, body, buffer, &mut view),
             Layer::Grammar(editor) => shape::editor::view(model, editor, body, buffer, &mut view),
         }
     }
+    if !is_line {
+        around::footer::view(model, layout.footer, buffer, &mut view);
+    }
     view
+}
+
+/// Where dialogs may lie: above the footer, which has their hints.
+pub fn dialog_body(model: &Model) -> Rect {
+    let footer = Layout::of(model).footer.height;
+    Rect::new(0, 0, model.size.0, model.size.1 - footer)
 }
 
 /// Draws a pane's border with its title; gives the inside.
@@ -148,7 +160,7 @@ fn border(model: &Model, pane: Pane, area: Rect, buffer: &mut Buffer, view: &mut
     let name = if focused { theme.title_focused } else { theme.title };
     let mut top = vec![Span::styled(format!(" {} ", pane.title()), name)];
     match pane {
-        Pane::Presets => {}
+        Pane::Presets => top.extend(library::view::heading(model)),
         Pane::Picture => top.extend(picture::view::heading(model)),
         Pane::Shape => top.extend(shape::view::heading(model)),
     }
@@ -161,40 +173,60 @@ fn border(model: &Model, pane: Pane, area: Rect, buffer: &mut Buffer, view: &mut
     inner
 }
 
-/// What is on screen, in one line.
+/// What is on screen, in one line: as many of the figures as have room.
 fn title(model: &Model, area: Rect, buffer: &mut Buffer) {
     if area.is_empty() {
         return;
     }
     let theme = &model.config.theme;
-    let mut spans = vec![Span::styled(" linden ", theme.title_focused)];
-    if let Some(tree) = &model.tree {
-        let preset = &tree.wanted().preset;
-        let name = if preset.name.is_empty() { &preset.id } else { &preset.name };
-        spans.push(Span::styled(format!(" {} ", linden::knob::excerpt(name)), theme.accent));
-        if tree.compares {
-            spans.push(Span::styled("as saved ", theme.warning));
-        } else if tree.is_modified() {
-            spans.push(Span::styled("● modified ", theme.modified));
-        }
-        spans.push(Span::styled(format!(" seed {} ", preset.seed), theme.dim));
-        if let Some(shown) = &tree.shown {
-            let m = &shown.measures;
-            let text = format!(
-                " {} nodes · {} m tall · crown {} m · order {} ",
-                thousands(shown.grown.skeleton.positions.len() as u64),
-                metres(m.height_m),
-                metres(m.crown_width_m),
-                m.max_order
-            );
-            spans.push(Span::styled(text, theme.dim));
+    let stats = model.stats.as_deref().unwrap_or_default();
+    let right = (stats.width() as u16).min(area.width);
+    buffer.set_stringn(area.right() - right, area.y, stats, right.into(), theme.dim);
+    let mut row = Row { x: area.x + 1, end: area.right() - right, y: area.y, buffer };
+    row.put("linden", theme.title_focused, 2);
+    let Some(tree) = &model.tree else { return };
+    let preset = &tree.wanted().preset;
+    let name = if preset.name.is_empty() { &preset.id } else { &preset.name };
+    row.put(&linden::knob::excerpt(name), theme.accent, 2);
+    if tree.compares {
+        row.put("as saved", theme.warning, 2);
+    } else if tree.is_modified() {
+        row.put("● modified", theme.modified, 2);
+    }
+    let mut figures = vec![format!("seed {}", preset.seed)];
+    if let Some(shown) = &tree.shown {
+        let m = &shown.measures;
+        figures.push(format!("{} nodes", thousands(shown.grown.skeleton.positions.len() as u64)));
+        figures.push(format!("{} m tall", metres(m.height_m)));
+        figures.push(format!("crown {} m", metres(m.crown_width_m)));
+        figures.push(format!("order {}", m.max_order));
+    }
+    for (i, figure) in figures.iter().enumerate() {
+        let text = if i == 0 { figure.clone() } else { format!("· {figure}") };
+        if !row.put(&text, theme.dim, 1) {
+            break;
         }
     }
-    fit(&mut spans, area.width);
-    Line::from(spans).render(area, buffer);
-    if let Some(stats) = &model.stats {
-        let width = (stats.width() as u16).min(area.width);
-        buffer.set_stringn(area.right() - width, area.y, stats, width.into(), theme.dim);
+}
+
+/// A row that is filled from the left.
+struct Row<'b> {
+    x: u16,
+    end: u16,
+    y: u16,
+    buffer: &'b mut Buffer,
+}
+
+impl Row<'_> {
+    /// Puts a text and so many cells of air behind it, if it has room; whether it had.
+    fn put(&mut self, text: &str, style: Style, air: u16) -> bool {
+        let width = text.width() as u16;
+        if self.x + width > self.end {
+            return false;
+        }
+        self.buffer.set_string(self.x, self.y, text, style);
+        self.x += width + air;
+        true
     }
 }
 
@@ -213,101 +245,6 @@ fn tabs(model: &Model, area: Rect, buffer: &mut Buffer, view: &mut View) {
         view.regions.push((Rect::new(x, area.y, width, 1), Target::Pane(pane)));
         x += width + 1;
     }
-}
-
-/// A message, or what can be done here.
-fn footer(model: &Model, area: Rect, buffer: &mut Buffer, view: &mut View) {
-    if area.is_empty() {
-        return;
-    }
-    let theme = &model.config.theme;
-    let right = Line::from(export::status(model));
-    let width = (right.width() as u16).min(area.width / 2);
-    right.render(Rect { x: area.right() - width, width, ..area }, buffer);
-    let area = Rect { width: area.width - width, ..area };
-    if let Some(message) = &model.message {
-        let style = match message.weight {
-            Weight::Note => theme.info,
-            Weight::Warning => theme.warning,
-            Weight::Error => theme.error,
-        };
-        buffer.set_stringn(area.x, area.y, format!(" {}", message.text), area.width.into(), style);
-        return;
-    }
-    let mut x = area.x + 1;
-    for (command, key) in hints(model) {
-        let words = format!(" {}", command.title);
-        let (key_width, width) = (key.width() as u16, (key.width() + words.width()) as u16);
-        if x + width > area.right() {
-            break;
-        }
-        buffer.set_string(x, area.y, &key, theme.key);
-        buffer.set_string(x + key_width, area.y, &words, theme.hint);
-        view.regions.push((Rect::new(x, area.y, width, 1), Target::Command(command.id)));
-        x += width + 2;
-    }
-}
-
-/// What the footer offers: the commands of this place that can be used, with their first key.
-pub fn hints(model: &Model) -> Vec<(&'static Command, String)> {
-    let here = model.context();
-    let outer: &[Context] = if model.layers.is_empty() { &[Context::Global, Context::Always] } else { &[] };
-    let mut found: Vec<&Command> = command::all()
-        .filter(|command| command.context == here || outer.contains(&command.context))
-        .filter(|command| command.hint.is_some() && (command.hindrance)(model).is_none())
-        .collect();
-    found.sort_by_key(|command| command.hint);
-    found
-        .into_iter()
-        .filter_map(|command| {
-            let key = model.config.keymap.keys_of(command.id).first()?;
-            Some((command, key_label(&key.to_string())))
-        })
-        .collect()
-}
-
-/// A key as people know it: arrows as arrows.
-pub fn key_label(key: &str) -> String {
-    let mut label = String::new();
-    let mut rest = key;
-    while let Some((held, after)) = rest.split_once('-').filter(|(_, after)| !after.is_empty()) {
-        label.push_str(match held {
-            "ctrl" => "^",
-            "alt" => "Alt-",
-            "shift" => "⇧",
-            _ => break,
-        });
-        rest = after;
-    }
-    label.push_str(match rest {
-        "left" => "←",
-        "right" => "→",
-        "up" => "↑",
-        "down" => "↓",
-        "enter" => "Enter",
-        "esc" => "Esc",
-        "tab" => "Tab",
-        "space" => "Space",
-        "pageup" => "PgUp",
-        "pagedown" => "PgDn",
-        "backspace" => "Backspace",
-        other => other,
-    });
-    label
-}
-
-/// Cuts spans off where the line ends.
-fn fit(spans: &mut Vec<Span<'_>>, width: u16) {
-    let mut left = usize::from(width);
-    let mut keep = 0;
-    for span in spans.iter() {
-        if span.width() > left && keep > 0 {
-            break;
-        }
-        left = left.saturating_sub(span.width());
-        keep += 1;
-    }
-    spans.truncate(keep);
 }
 
 /// Text from outside or of any length in so many cells: cut with an ellipsis.

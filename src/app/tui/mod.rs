@@ -27,8 +27,21 @@ mod model;
 mod picture;
 mod runtime;
 mod shape;
+#[cfg(test)]
+mod testing;
 mod tree;
 mod update;
 mod vary;
+mod wrap;
 
+pub use command::key_table;
 pub use runtime::{End, Start, run};
+
+#[cfg(test)]
+mod hint_tests;
+#[cfg(test)]
+mod keys_tests;
+#[cfg(test)]
+mod random_tests;
+#[cfg(test)]
+mod view_tests;

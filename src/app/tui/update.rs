@@ -103,6 +103,7 @@ pub fn update(model: &mut Model, msg: Msg, now: Instant) -> Effects {
         Msg::Presets(presets, complaints) => library::listed(model, presets, complaints),
         Msg::Changed(files) => library::changed(model, &files, &mut effects),
     }
+    around::refresh(model);
     effects
 }
 
@@ -174,6 +175,7 @@ fn on_mouse(model: &mut Model, mouse: Mouse, effects: &mut Effects) {
             model.growth.stop();
             growth::go_to(model, step);
         }
-        Target::Command(_) | Target::Growth(_) | Target::Dialog => {}
+        Target::Dialog => around::wheel(model, mouse),
+        Target::Command(_) | Target::Growth(_) => {}
     }
 }

@@ -1,6 +1,6 @@
 //! What a terminal can do: what to ask it, what it said, and what follows.
 //!
-//! All of it is values: [`queries`] are bytes that somebody else sends, after the first frame;
+//! All of it but [`ask`] is values: [`queries`] are bytes that somebody else sends, after the first frame;
 //! [`Findings`] collect the replies as they come, however late; [`Capabilities::conclude`] is a
 //! function of them, of the [`Environment`] and of what the user insists on ([`Overrides`]). It can
 //! be called at any time, before the first reply as after the last.
@@ -18,11 +18,13 @@
 //! assert_eq!(found.graphics.why, "the terminal says so (DA1: 4)");
 //! ```
 
+mod ask;
 mod capabilities;
 mod environment;
 mod findings;
 mod overrides;
 
+pub use ask::ask;
 pub use capabilities::{Capabilities, Graphics, Told};
 pub use environment::{Environment, Multiplexer};
 pub use findings::{Findings, queries};

@@ -4,6 +4,7 @@ use super::{Page, Palette, line, palette, yank};
 use crate::tui::command::{Command, Context, free};
 use crate::tui::effect::Effect;
 use crate::tui::export;
+use crate::tui::frame;
 use crate::tui::model::{Layer, Model, Pane};
 
 fn has_no_tree(model: &Model) -> Option<String> {
@@ -16,10 +17,17 @@ fn focus_by(model: &mut Model, by: usize) {
 }
 
 fn scroll(model: &mut Model, by: isize) {
-    let height = usize::from(model.size.1.saturating_sub(4));
+    let body = frame::dialog_body(model);
     if let Some(Layer::Page(page)) = model.layers.last_mut() {
-        let most = page.lines.len().saturating_sub(height);
-        page.scroll = page.scroll.min(most).saturating_add_signed(by).min(most);
+        page.scroll_by(by, body);
+    }
+}
+
+/// A page less a line, so that the eye finds where it was.
+fn page_rows(model: &Model) -> isize {
+    match model.layers.last() {
+        Some(Layer::Page(page)) => (page.lay(frame::dialog_body(model)).text.height as isize - 1).max(1),
+        _ => 1,
     }
 }
 
@@ -44,9 +52,12 @@ pub const COMMANDS: &[Command] = &[
         keys: &[":"],
         title: "Palette",
         help: "Finds any command by its name",
-        hint: Some(92),
+        hint: Some(95),
         hindrance: free,
-        run: |model, _| model.layers.push(Layer::Palette(Palette::new())),
+        run: |model, _| {
+            let palette = Palette::new(model);
+            model.layers.push(Layer::Palette(palette));
+        },
     },
     Command {
         id: "messages",
@@ -119,7 +130,7 @@ pub const COMMANDS: &[Command] = &[
         keys: &["q"],
         title: "Quit",
         help: "Leaves; what is on screen comes back next time",
-        hint: Some(99),
+        hint: Some(91),
         hindrance: free,
         run: quit,
     },
@@ -212,7 +223,7 @@ pub const COMMANDS: &[Command] = &[
         help: "Scrolls a page down",
         hint: None,
         hindrance: free,
-        run: |model, _| scroll(model, isize::from(model.size.1 as i16 - 5).max(1)),
+        run: |model, _| scroll(model, page_rows(model)),
     },
     Command {
         id: "page-page-up",
@@ -222,7 +233,7 @@ pub const COMMANDS: &[Command] = &[
         help: "Scrolls a page up",
         hint: None,
         hindrance: free,
-        run: |model, _| scroll(model, -isize::from(model.size.1 as i16 - 5).max(1)),
+        run: |model, _| scroll(model, -page_rows(model)),
     },
     Command {
         id: "page-first",

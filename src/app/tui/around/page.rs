@@ -1,8 +1,22 @@
 //! Pages of text to scroll: help, messages.
 
+use ratatui::layout::Rect;
+use unicode_width::UnicodeWidthStr;
+
+use super::footer::key_label;
 use crate::tui::command::{self, Context};
-use crate::tui::frame::key_label;
+use crate::tui::frame::{centered, inside};
 use crate::tui::model::{Model, Weight};
+use crate::tui::wrap::wrapped;
+
+/// The widest column of text that is pleasant to read.
+const COLUMN: u16 = 92;
+/// Two columns from this width on.
+const TWO: u16 = 126;
+/// Between two columns.
+const BETWEEN: u16 = 3;
+/// The widest keys that text is aligned behind.
+const MOST_KEYS: usize = 18;
 
 /// A page of text.
 pub struct Page {
@@ -10,11 +24,11 @@ pub struct Page {
     pub title: &'static str,
     /// Its lines.
     pub lines: Vec<PageLine>,
-    /// The first line on screen.
+    /// The first row on screen.
     pub scroll: usize,
 }
 
-/// A line of a page.
+/// A line of a page, or a row of it on screen.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PageLine {
     /// A heading.
@@ -23,6 +37,20 @@ pub enum PageLine {
     Keys(String, String),
     /// Text.
     Text(Weight, String),
+}
+
+/// A page as it is on a screen.
+pub struct Laid {
+    /// With its border.
+    pub area: Rect,
+    /// Where its text is.
+    pub text: Rect,
+    /// One column of rows or two.
+    pub columns: Vec<Vec<PageLine>>,
+    /// Cells of a column.
+    pub width: u16,
+    /// Cells of the keys in it.
+    pub keys: usize,
 }
 
 impl Page {
@@ -48,7 +76,6 @@ impl Page {
                     .collect();
                 lines.push(PageLine::Keys(keys.join(" "), command.help.to_owned()));
             }
-            lines.push(PageLine::Text(Weight::Note, String::new()));
         }
         Self { title: "Help", lines, scroll: 0 }
     }
@@ -62,4 +89,98 @@ impl Page {
         }
         Self { title: "Messages", lines, scroll: 0 }
     }
+
+    /// Its rows on a screen of that size: wrapped, in two columns where it has sections and there is
+    /// room.
+    pub fn lay(&self, body: Rect) -> Laid {
+        let sections = self.lines.iter().filter(|line| matches!(line, PageLine::Heading(_))).count();
+        let is_double = sections > 1 && body.width >= TWO;
+        let outer = if is_double { (2 * COLUMN + BETWEEN + 4).min(body.width) } else { COLUMN + 4 };
+        // Below the title, where there is room for one.
+        let top = u16::from(body.height > 6);
+        let below = Rect { y: body.y + top, height: body.height - top, ..body };
+        let mut area = centered(outer, below.height, below);
+        let mut text = padded(inside(area));
+        let width = if is_double { text.width.saturating_sub(BETWEEN) / 2 } else { text.width };
+        let keys =
+            self.lines.iter().map(|line| if let PageLine::Keys(keys, _) = line { keys.width() } else { 0 });
+        let keys = keys.max().unwrap_or(0).min(MOST_KEYS).min(usize::from(width) / 3);
+        let mut blocks: Vec<Vec<PageLine>> = Vec::new();
+        for line in &self.lines {
+            if blocks.is_empty() || matches!(line, PageLine::Heading(_)) {
+                blocks.push(Vec::new());
+            }
+            if let Some(block) = blocks.last_mut() {
+                block.extend(rows(line, width.into(), keys));
+            }
+        }
+        let columns = if is_double {
+            let (left, right) = blocks.split_at(fairest(&blocks));
+            vec![stacked(left), stacked(right)]
+        } else {
+            vec![stacked(&blocks)]
+        };
+        let laid = columns.iter().map(Vec::len).max().unwrap_or(0).max(3);
+        let spare = usize::from(text.height).saturating_sub(laid) as u16;
+        (area.height, text.height) = (area.height - spare, text.height - spare);
+        Laid { area, text, columns, width, keys }
+    }
+
+    /// Scrolls by so many rows, as far as there are some.
+    pub fn scroll_by(&mut self, by: isize, body: Rect) {
+        let most = self.lay(body).most_scroll();
+        self.scroll = self.scroll.min(most).saturating_add_signed(by).min(most);
+    }
+}
+
+impl Laid {
+    /// Rows of the longest column.
+    pub fn rows(&self) -> usize {
+        self.columns.iter().map(Vec::len).max().unwrap_or(0)
+    }
+
+    /// The first row when the last is in sight.
+    pub fn most_scroll(&self) -> usize {
+        self.rows().saturating_sub(self.text.height.into())
+    }
+}
+
+/// A cell of air on both sides, where there is room.
+fn padded(area: Rect) -> Rect {
+    if area.width < 24 { area } else { Rect { x: area.x + 1, width: area.width - 2, ..area } }
+}
+
+/// A line in rows of so many cells.
+fn rows(line: &PageLine, width: usize, keys: usize) -> Vec<PageLine> {
+    match line {
+        PageLine::Heading(text) => vec![PageLine::Heading(text.clone())],
+        PageLine::Text(weight, text) => {
+            wrapped(text, width).into_iter().map(|row| PageLine::Text(*weight, row)).collect()
+        }
+        PageLine::Keys(own, text) => {
+            // Keys that are wider than their column take a cell or two of the text.
+            let first = keys.max(own.width());
+            let mut words = wrapped(text, width.saturating_sub(first + 2));
+            if own.width() > keys && words.len() > 1 {
+                words = wrapped(text, width.saturating_sub(keys + 2));
+                let mut rows = vec![PageLine::Keys(own.clone(), String::new())];
+                rows.extend(words.into_iter().map(|row| PageLine::Keys(String::new(), row)));
+                return rows;
+            }
+            let mut left = Some(own.clone());
+            words.into_iter().map(|row| PageLine::Keys(left.take().unwrap_or_default(), row)).collect()
+        }
+    }
+}
+
+/// Sections one below the other, with an empty row between them.
+fn stacked(blocks: &[Vec<PageLine>]) -> Vec<PageLine> {
+    let empty = PageLine::Text(Weight::Note, String::new());
+    blocks.join(&empty)
+}
+
+/// How many sections the left of two columns has, so that neither is much longer than the other.
+fn fairest(blocks: &[Vec<PageLine>]) -> usize {
+    let height = |own: &[Vec<PageLine>]| own.iter().map(|block| block.len() + 1).sum::<usize>();
+    (1..blocks.len()).min_by_key(|at| height(&blocks[..*at]).max(height(&blocks[*at..]))).unwrap_or(0)
 }

@@ -127,6 +127,11 @@ impl Library {
         &self.rows
     }
 
+    /// How many entries there are, listed or not.
+    pub fn len(&self) -> usize {
+        self.entries.len()
+    }
+
     /// An entry by its index.
     pub fn get(&self, index: usize) -> &Entry {
         &self.entries[index]

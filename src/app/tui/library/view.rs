@@ -2,8 +2,8 @@
 
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
-use ratatui::text::Line as TextLine;
-use ratatui::widgets::{Paragraph, Widget, Wrap};
+use ratatui::style::Style;
+use ratatui::text::Span;
 use unicode_width::UnicodeWidthStr;
 
 use super::{Entry, Row};
@@ -11,9 +11,23 @@ use crate::tui::around::Purpose;
 use crate::tui::frame::{View, clipped};
 use crate::tui::model::{Layer, Model, Pane, Target};
 use crate::tui::shape::view::first_row;
+use crate::tui::wrap::{wrapped, wrapped_within};
 
-/// Rows that tell about the selected preset, where there is room.
-const ABOUT: u16 = 6;
+/// The most rows that tell about the selected preset, and the height that it takes for them.
+const ABOUT: u16 = 9;
+const WITH_ABOUT: u16 = 16;
+/// Names begin behind ids of so many cells; longer ids push them on.
+const IDS: usize = 9;
+
+/// What the pane's border says beside its name: how many a filter leaves.
+pub fn heading(model: &Model) -> Vec<Span<'static>> {
+    let library = &model.library;
+    if library.filter.trim().is_empty() {
+        return Vec::new();
+    }
+    let found = library.rows().iter().filter(|row| matches!(row, Row::Entry(..))).count();
+    vec![Span::styled(format!("{found} of {} ", library.len()), model.config.theme.dim)]
+}
 
 /// Paints the list.
 pub fn view(model: &Model, mut area: Rect, buffer: &mut Buffer, view: &mut View) {
@@ -45,21 +59,33 @@ pub fn view(model: &Model, mut area: Rect, buffer: &mut Buffer, view: &mut View)
         area.y += 1;
         area.height -= 1;
     }
-    let about = if area.height >= 3 * ABOUT { ABOUT } else { 0 };
-    let list = Rect { height: area.height - about, ..area };
+    let about = about(model, area);
+    let height = about.len() as u16;
+    let list = Rect { height: area.height - height, ..area };
     if library.rows().is_empty() {
         buffer.set_stringn(list.x, list.y, "nothing matches", list.width.into(), theme.dim);
     }
     let cursor = library.selected_row();
-    let first = first_row(cursor.unwrap_or(0), library.rows().len(), list.height.into());
-    for (y, (i, row)) in (list.y..list.bottom()).zip(library.rows().iter().enumerate().skip(first)) {
+    let rows = library.rows();
+    let headings = rows.iter().filter(|row| matches!(row, Row::Heading(_))).count();
+    // Where all of it has room, groups stand apart.
+    let air = u16::from(rows.len() + headings <= usize::from(list.height));
+    let first = first_row(cursor.unwrap_or(0), rows.len(), list.height.into());
+    let mut y = list.y;
+    for (i, row) in rows.iter().enumerate().skip(first) {
+        if i > 0 && matches!(row, Row::Heading(_)) {
+            y += air;
+        }
+        if y >= list.bottom() {
+            break;
+        }
         let place = Rect { y, height: 1, ..list };
         match row {
             Row::Heading(group) => {
                 buffer.set_stringn(
                     place.x,
                     y,
-                    clipped(&title(group), place.width.into()),
+                    clipped(title(group, place.width.into()), place.width.into()),
                     place.width.into(),
                     theme.heading,
                 );
@@ -69,24 +95,24 @@ pub fn view(model: &Model, mut area: Rect, buffer: &mut Buffer, view: &mut View)
                 entry_row(model, library.get(*index), marks, cursor == Some(i), place, buffer);
             }
         }
+        y += 1;
     }
-    if about > 0
-        && let Some(entry) = library.entry()
-    {
-        tell(model, entry, Rect { y: list.bottom(), height: about, ..area }, buffer);
+    for (y, (text, style)) in (list.bottom()..area.bottom()).zip(about) {
+        buffer.set_stringn(area.x, y, text, area.width.into(), style);
     }
 }
 
 /// A group as a heading.
-fn title(group: &str) -> String {
+fn title(group: &str, width: usize) -> &str {
     match group {
-        "abop" => "The Algorithmic Beauty of Plants".to_owned(),
-        "crowns" => "Crowns".to_owned(),
-        "older" => "Older trees".to_owned(),
-        "species" => "Species".to_owned(),
-        "yours" => "Yours".to_owned(),
-        "opened" => "Opened".to_owned(),
-        other => other.to_owned(),
+        "abop" if width >= 28 => "Algorithmic Beauty of Plants",
+        "abop" => "ABOP",
+        "crowns" => "Crowns",
+        "older" => "Older trees",
+        "species" => "Species",
+        "yours" => "Yours",
+        "opened" => "Opened",
+        other => other,
     }
 }
 
@@ -122,24 +148,40 @@ fn entry_row(model: &Model, entry: &Entry, marks: &[u32], chosen: bool, area: Re
             }
         }
     }
-    let left = room.saturating_sub(id.width() + 2);
-    if left >= 8 && !entry.name.is_empty() {
-        let name = clipped(&entry.name, left);
-        let x = area.right() - name.width() as u16;
-        buffer.set_stringn(x, area.y, name, left, if chosen { base } else { theme.dim });
+    let from = IDS.max(id.width()) + 2;
+    let left = room.saturating_sub(from);
+    // What the id says already need not be said again.
+    let says_more = !entry.name.is_empty() && !entry.name.eq_ignore_ascii_case(&entry.id);
+    let fits = entry.name.width() <= left || (from == IDS + 2 && left >= 8);
+    if says_more && fits {
+        let style = if chosen { base } else { theme.dim };
+        buffer.set_stringn(area.x + 2 + from as u16, area.y, clipped(&entry.name, left), left, style);
     }
 }
 
-/// What the selected preset is and where it comes from.
-fn tell(model: &Model, entry: &Entry, area: Rect, buffer: &mut Buffer) {
+/// What the selected preset is and where it comes from, as rows; none where there is no room.
+fn about(model: &Model, area: Rect) -> Vec<(String, Style)> {
     let theme = &model.config.theme;
-    let safe = |text: &str| linden::knob::printable(text);
-    let mut lines = vec![TextLine::styled("─".repeat(area.width.into()), theme.border)];
+    let Some(entry) = model.library.entry().filter(|_| area.height >= WITH_ABOUT) else { return Vec::new() };
+    let width = usize::from(area.width);
+    let most = usize::from((area.height / 3).min(ABOUT));
+    let mut rows = vec![("─".repeat(width), theme.border)];
     if let Some(fault) = &entry.fault {
-        lines.push(TextLine::styled(safe(fault), theme.error));
-    } else {
-        lines.push(TextLine::styled(safe(&entry.summary), theme.text));
-        lines.push(TextLine::styled(safe(&entry.source), theme.dim));
+        rows.extend(wrapped_within(fault, width, most - 1).into_iter().map(|row| (row, theme.error)));
+        return rows;
     }
-    Paragraph::new(lines).wrap(Wrap { trim: true }).render(area, buffer);
+    let name = if entry.name.is_empty() { &entry.id } else { &entry.name };
+    rows.push((clipped(name, width), theme.accent));
+    let left = most - rows.len();
+    let source = if entry.source.is_empty() { Vec::new() } else { wrapped(&entry.source, width) };
+    // The source may take what the summary leaves, and a third of the room in any case.
+    let summary = wrapped_within(&entry.summary, width, left - source.len().min(left / 3));
+    let source_rows = left - summary.len();
+    rows.extend(summary.into_iter().map(|row| (row, theme.text)));
+    if !source.is_empty() && source_rows > 0 {
+        rows.extend(
+            wrapped_within(&entry.source, width, source_rows).into_iter().map(|row| (row, theme.dim)),
+        );
+    }
+    rows
 }

@@ -64,8 +64,9 @@ pub fn view(model: &Model, inner: Rect, buffer: &mut Buffer, view: &mut View) {
         buffer.set_stringn(x, y, text, area.width.into(), style);
     };
     let Some(tree) = &model.tree else {
-        if !area.is_empty() && model.loading.is_some() {
-            say(buffer, area.y + area.height / 2, "reading …", theme.dim);
+        if !area.is_empty() {
+            let text = if model.loading.is_some() { "reading …" } else { "choose a preset" };
+            say(buffer, area.y + area.height / 2, text, theme.dim);
         }
         return;
     };

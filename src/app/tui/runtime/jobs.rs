@@ -27,6 +27,8 @@ use crate::tui::vary;
 const GROWING_PATIENCE: Duration = Duration::from_millis(250);
 /// The same for drawing.
 const DRAWING_PATIENCE: Duration = Duration::from_millis(120);
+/// How long an export that is cancelled at the end may take to take its files away.
+const EXPORT_PATIENCE: Duration = Duration::from_secs(2);
 /// Trees that are kept for undo and comparison: as many as have so many nodes together.
 const KEPT_NODES: usize = 2_000_000;
 
@@ -107,6 +109,11 @@ impl Desk {
     /// Exports.
     pub fn export(&self, order: ExportOrder) {
         self.export.submit(order);
+    }
+
+    /// Ends. An export that is under way takes its files away first.
+    pub fn finish(self) {
+        self.export.finish(EXPORT_PATIENCE);
     }
 
     /// Stops the export that is under way.

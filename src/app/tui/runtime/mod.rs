@@ -356,6 +356,7 @@ impl Runtime {
         }
         self.session.restore();
         let complaint = self.memory.keep(&self.model);
+        self.desk.finish();
         if end == End::Quit {
             if let Some(complaint) = complaint {
                 crate::exit::say(&format!("note: {complaint}"));

@@ -12,7 +12,8 @@ use super::grid::Grid;
 use super::sweep::SEED;
 use super::{Gallery, Page, progress, sheet};
 use crate::jobs::{SmallPicture, Thumbnail};
-use crate::tui::frame::{View, clipped, dialog, key_label, metres, thousands};
+use crate::tui::around::footer::key_label;
+use crate::tui::frame::{View, clipped, dialog, metres, thousands};
 use crate::tui::model::{Model, Target};
 
 /// The commands that choose a picture, from the first on.

@@ -10,8 +10,9 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
 use linden_terminal::input::{Event, Key, KeyCode};
+use linden_terminal::probe::{Environment, Graphics, Overrides, ask};
 use linden_terminal::tty::{OpenError, Stream};
-use linden_terminal::{Incoming, Modes, Session, Tty, WindowSize, listen};
+use linden_terminal::{Capabilities, Incoming, Modes, Session, Tty, WindowSize, listen};
 use rustix::process::{Signal, kill_process};
 
 use terminal::{Program, Terminal, eventually};
@@ -62,6 +63,40 @@ fn the_terminal_is_taken_and_given_back() {
     terminal.wait_for(&format!("{QUIET}{GIVEN_BACK}"));
     assert!(terminal.position(TAKEN) < terminal.position(QUIET));
     assert_eq!(terminal.shown().matches(GIVEN_BACK).count(), 1, "given back once");
+}
+
+#[test]
+fn a_terminal_is_asked_and_left_as_it_was() {
+    let mut terminal = Terminal::new(false);
+    let before = terminal.settings();
+    let tty = terminal.tty();
+    let environment = Environment::from_pairs([("TERM", "xterm-256color")]);
+    let asking = std::thread::spawn(move || ask(&tty, &environment, Duration::from_secs(20)));
+    terminal.wait_for("\x1b[c");
+    assert!(terminal.is_raw());
+    terminal.press("x\x1bP>|there 2.0\x1b\\\x1b]11;rgb:ffff/ff");
+    terminal.press("ff/eeee\x1b\\\x1b[?62;4c");
+    let findings = asking.join().unwrap().unwrap();
+    assert!(findings.is_complete());
+    let found = Capabilities::conclude(
+        &findings,
+        &Environment::from_pairs([("TERM", "xterm-256color")]),
+        &Overrides::default(),
+    );
+    assert_eq!((found.name.value.as_str(), found.dark.value), ("there 2.0", false));
+    assert_eq!(found.graphics.value, Graphics::Sixel);
+    assert_eq!(found.cell_px.value, Some((9, 18)), "the system knows it");
+    assert_eq!(terminal.settings(), before);
+}
+
+#[test]
+fn a_terminal_that_says_nothing_is_not_waited_for_longer_than_asked() {
+    let terminal = Terminal::new(false);
+    let before = terminal.settings();
+    let environment = Environment::from_pairs([("TERM", "xterm-256color")]);
+    let findings = ask(&terminal.tty(), &environment, Duration::from_millis(50)).unwrap();
+    assert!(findings.is_settled() && !findings.is_complete());
+    assert_eq!(terminal.settings(), before);
 }
 
 #[test]

@@ -1,0 +1,205 @@
+//! The lowest row: a message, or what can be done here.
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::text::Line;
+use unicode_width::UnicodeWidthStr;
+
+use crate::tui::command::{self, Command, Context};
+use crate::tui::export;
+use crate::tui::frame::{View, clipped};
+use crate::tui::model::{Model, Target, Weight};
+
+/// Hints from this place on have their room before all others: the ways to help and out.
+const RESERVED: u8 = 90;
+/// Between two hints.
+const GAP: u16 = 2;
+
+/// Paints the row.
+pub fn view(model: &Model, area: Rect, buffer: &mut Buffer, view: &mut View) {
+    if area.is_empty() {
+        return;
+    }
+    let right = Line::from(export::status(model));
+    let width = (right.width() as u16).min(area.width / 2);
+    ratatui::widgets::Widget::render(right, Rect { x: area.right() - width, width, ..area }, buffer);
+    let area = Rect { width: area.width - width, ..area };
+    if model.message.is_some() {
+        message(model, area, buffer, view);
+    } else {
+        let hints = hints(model);
+        paint(model, &fitting(&hints, area.width.saturating_sub(1)), area, buffer, view);
+    }
+}
+
+/// What was said last; when it is longer than the row, the key that shows all of it.
+fn message(model: &Model, area: Rect, buffer: &mut Buffer, view: &mut View) {
+    let theme = &model.config.theme;
+    let Some(message) = &model.message else { return };
+    let style = match message.weight {
+        Weight::Note => theme.info,
+        Weight::Warning => theme.warning,
+        Weight::Error => theme.error,
+    };
+    let mut room = area.width.saturating_sub(1);
+    let whole = message.text.width() <= usize::from(room);
+    if !whole && let Some(more) = hint(model, "messages") {
+        let width = more.width();
+        if room > 3 * width {
+            room -= width + GAP;
+            let place = Rect { x: area.right() - width - 1, width: width + 1, ..area };
+            paint(model, &[more], place, buffer, view);
+        }
+    }
+    buffer.set_stringn(area.x + 1, area.y, clipped(&message.text, room.into()), room.into(), style);
+}
+
+/// A command that the footer offers, with the key that runs it.
+pub struct Hint {
+    /// The command.
+    pub command: &'static Command,
+    /// Its key as people know it.
+    pub key: String,
+}
+
+impl Hint {
+    fn width(&self) -> u16 {
+        (self.key.width() + 1 + self.command.title.width()) as u16
+    }
+}
+
+/// What can be done here: the commands that can be used, what matters most first, each with its
+/// first key.
+pub fn hints(model: &Model) -> Vec<Hint> {
+    let here = model.context();
+    let outer: &[Context] = if model.layers.is_empty() { &[Context::Global, Context::Always] } else { &[] };
+    let mut found: Vec<&Command> = command::all()
+        .filter(|command| command.context == here || outer.contains(&command.context))
+        .filter(|command| command.hint.is_some() && (command.hindrance)(model).is_none())
+        .collect();
+    found.sort_by_key(|command| command.hint);
+    found.into_iter().filter_map(|command| hint(model, command.id)).collect()
+}
+
+/// A command with its first key that is not taken by another one here.
+fn hint(model: &Model, id: &str) -> Option<Hint> {
+    let command = command::find(id)?;
+    let runs_it = |key: &&linden_terminal::input::Key| model.command_of(**key) == Some(command.id);
+    let key = model.config.keymap.keys_of(id).iter().find(runs_it)?;
+    Some(Hint { command, key: key_label(&key.to_string()) })
+}
+
+/// Those that have room, whole, in their order: the reserved ones first, then as many of the others
+/// as fit before them.
+fn fitting(hints: &[Hint], width: u16) -> Vec<&Hint> {
+    let is_reserved = |hint: &Hint| hint.command.hint.is_some_and(|place| place >= RESERVED);
+    let mut left = width;
+    let mut takes = |hint: &Hint| {
+        // The last one needs no gap behind it.
+        let fits = hint.width() <= left;
+        if fits {
+            left = left.saturating_sub(hint.width() + GAP);
+        }
+        fits
+    };
+    let mut kept: Vec<usize> = Vec::new();
+    for (i, hint) in hints.iter().enumerate().filter(|(_, hint)| is_reserved(hint)) {
+        if takes(hint) {
+            kept.push(i);
+        }
+    }
+    for (i, hint) in hints.iter().enumerate().filter(|(_, hint)| !is_reserved(hint)) {
+        if !takes(hint) {
+            break;
+        }
+        kept.push(i);
+    }
+    kept.sort_unstable();
+    kept.into_iter().map(|i| &hints[i]).collect()
+}
+
+fn paint<'h>(
+    model: &Model,
+    hints: &[impl std::borrow::Borrow<Hint> + 'h],
+    area: Rect,
+    buffer: &mut Buffer,
+    view: &mut View,
+) {
+    let theme = &model.config.theme;
+    let mut x = area.x + 1;
+    for hint in hints.iter().map(std::borrow::Borrow::borrow) {
+        let place = Rect { x, width: hint.width(), ..area };
+        buffer.set_string(x, area.y, &hint.key, theme.key);
+        buffer.set_string(x + hint.key.width() as u16 + 1, area.y, hint.command.title, theme.hint);
+        view.regions.push((place, Target::Command(hint.command.id)));
+        x += hint.width() + GAP;
+    }
+}
+
+/// A key as people know it: arrows as arrows, `^R`, `Shift-→`, `Alt-←`.
+pub fn key_label(key: &str) -> String {
+    let mut label = String::new();
+    let mut rest = key;
+    let mut is_ctrl = false;
+    while let Some((held, after)) = rest.split_once('-').filter(|(_, after)| !after.is_empty()) {
+        match held {
+            "ctrl" => is_ctrl = true,
+            "alt" => label.push_str("Alt-"),
+            "shift" => label.push_str("Shift-"),
+            _ => break,
+        }
+        rest = after;
+    }
+    let named = match rest {
+        "left" => "←",
+        "right" => "→",
+        "up" => "↑",
+        "down" => "↓",
+        "enter" => "Enter",
+        "esc" => "Esc",
+        "tab" => "Tab",
+        "space" => "Space",
+        "home" => "Home",
+        "end" => "End",
+        "pageup" => "PgUp",
+        "pagedown" => "PgDn",
+        "backspace" => "Backspace",
+        "delete" => "Del",
+        "insert" => "Ins",
+        other => other,
+    };
+    let is_function = named.len() > 1 && named.starts_with('f') && named[1..].parse::<u8>().is_ok();
+    match (is_ctrl, named.chars().count()) {
+        (true, 1) => label + "^" + &named.to_uppercase(),
+        (true, _) => format!("Ctrl-{label}{named}"),
+        (false, _) if is_function => label + &named.to_uppercase(),
+        (false, _) => label + named,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_called_what_people_call_them() {
+        let expected = [
+            ("j", "j"),
+            ("G", "G"),
+            ("-", "-"),
+            ("ctrl-r", "^R"),
+            ("ctrl-left", "^←"),
+            ("ctrl-enter", "Ctrl-Enter"),
+            ("shift-right", "Shift-→"),
+            ("alt-left", "Alt-←"),
+            ("shift-tab", "Shift-Tab"),
+            ("f1", "F1"),
+            ("f", "f"),
+            ("pagedown", "PgDn"),
+            ("ctrl--", "^-"),
+        ];
+        for (key, label) in expected {
+            assert_eq!(key_label(key), label);
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! The README's table of keys is the table of commands.
+
+use std::path::Path;
+
+use linden_terminal::ColorDepth;
+
+use super::around::footer::key_label;
+use super::command::{self, Context};
+use crate::config::keymap::Keymap;
+use crate::config::settings::Settings;
+use crate::config::theme::Theme;
+
+const BEGIN: &str = "<!-- keys: LINDEN_UPDATE=1 cargo test -p linden-app --bins keys -->\n";
+const END: &str = "<!-- /keys -->";
+
+/// A row for each place: keys and what they do.
+fn table() -> String {
+    let mut text = "| where | keys |\n|---|---|\n".to_owned();
+    for context in Context::ALL {
+        let commands =
+            command::all().filter(|command| command.context == context && !command.keys.is_empty());
+        let words: Vec<String> = commands
+            .map(|command| {
+                let keys: Vec<String> =
+                    command.keys.iter().map(|key| format!("`{}`", key_label(key))).collect();
+                format!("{} {}", keys.join(" "), command.title.replace(' ', "\u{a0}"))
+            })
+            .collect();
+        if !words.is_empty() {
+            text += &format!("| {} | {} |\n", context.title(), words.join(" · "));
+        }
+    }
+    text
+}
+
+#[test]
+fn the_readme_s_files_can_be_read() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../README.md");
+    let readme = std::fs::read_to_string(&path).unwrap();
+    let mut read = Vec::new();
+    for file in
+        readme.split("```toml\n").skip(1).filter_map(|rest| rest.split_once("```")).map(|(file, _)| file)
+    {
+        let name = file.lines().next().unwrap_or_default().trim_start_matches("# ");
+        let complaints = match name {
+            "config.toml" => Settings::read(Path::new(name), file).1,
+            "keymap.toml" => Keymap::read(Path::new(name), file, &command::key_table()).1,
+            "themes/moor.toml" => Theme::read(Path::new(name), file, "moor", false, ColorDepth::True).1,
+            _ => continue,
+        };
+        assert_eq!(complaints, [], "{file}");
+        read.push(name.to_owned());
+    }
+    assert_eq!(read, ["config.toml", "keymap.toml", "themes/moor.toml"]);
+}
+
+#[test]
+fn the_readme_has_the_keys_as_they_are() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../README.md");
+    let readme = std::fs::read_to_string(&path).unwrap();
+    let (before, rest) = readme.split_once(BEGIN).expect("the README has the beginning of the table");
+    let (found, after) = rest.split_once(END).expect("the README has the end of the table");
+    let table = table();
+    if found != table && std::env::var_os("LINDEN_UPDATE").is_some() {
+        std::fs::write(&path, format!("{before}{BEGIN}{table}{END}{after}")).unwrap();
+        return;
+    }
+    assert!(
+        found == table,
+        "the README's table of keys is old; run: LINDEN_UPDATE=1 cargo test -p linden-app --bins keys"
+    );
+}

@@ -1,0 +1,265 @@
+//! A workbench without a terminal, threads or files, for tests.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use linden_terminal::input::{Event, Key, Mouse, MouseAction};
+use linden_terminal::probe::{Environment, Findings, Overrides};
+use linden_terminal::{Capabilities, CellPicture, CellStyle, Image};
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::style::{Color, Modifier, Style};
+
+use super::command::{self, key_table};
+use super::effect::Effect;
+use super::frame;
+use super::model::{Config, Model};
+use super::picture;
+use super::tree::Place;
+use super::update::{Msg, update};
+use crate::config::dirs::Dirs;
+use crate::config::keymap::Keymap;
+use crate::config::settings::Settings;
+use crate::config::theme::Theme;
+use crate::jobs::{Painter, Watcher, grow_shown};
+use crate::source;
+
+/// From one message to the next.
+const BETWEEN: Duration = Duration::from_millis(100);
+
+/// A model, its clock, and the work of the runtime done on the spot.
+pub struct Bench {
+    /// The model.
+    pub model: Model,
+    /// What it asked for and nobody did.
+    pub effects: Vec<Effect>,
+    now: Instant,
+    painter: Option<Painter>,
+    /// The last picture that was drawn; on the screen it is blank.
+    pub drawn: CellPicture,
+}
+
+impl Bench {
+    /// An empty workbench on a dark terminal with 24-bit colours.
+    pub fn new(columns: u16, rows: u16) -> Self {
+        Self::on(columns, rows, &[("COLORTERM", "truecolor")], "auto")
+    }
+
+    /// The same on a terminal of which the environment says more, with a theme.
+    pub fn on(columns: u16, rows: u16, says: &[(&'static str, &str)], theme: &str) -> Self {
+        let pairs = [("TERM", "xterm-256color")].into_iter().chain(says.iter().copied());
+        let environment = Environment::from_pairs(pairs);
+        let terminal = Capabilities::conclude(&Findings::default(), &environment, &Overrides::default());
+        let home = |name: &str| Some(PathBuf::from("/nowhere").join(name));
+        let dirs = Dirs { config: home("config"), state: home("state") };
+        let (theme, complaints) = Theme::load(&dirs, theme, !terminal.dark.value, terminal.colors.value);
+        assert!(complaints.is_empty(), "{complaints:?}");
+        let keymap = Keymap::defaults(&key_table());
+        let config = Config { dirs, theme, keymap, settings: Settings::default(), complaints };
+        let now = Instant::now();
+        let model = Model::new(config, terminal, (columns, rows), now);
+        let nothing = Image::new(1, 1, &[0; 4]).unwrap();
+        let drawn = CellPicture::draw(&nothing, 1, 1, &CellStyle::default(), usize::MAX);
+        Self { model, effects: Vec::new(), now, painter: Some(Painter::default()), drawn }
+    }
+
+    /// Draws no pictures from now on: for tests that make hundreds of workbenches.
+    pub fn without_pictures(self) -> Self {
+        Self { painter: None, ..self }
+    }
+
+    /// A workbench with a small tree on screen: ABOP's first, derived twice.
+    pub fn grown(columns: u16, rows: u16) -> Self {
+        Self::new(columns, rows).with_tree()
+    }
+
+    /// Puts that tree on screen.
+    pub fn with_tree(mut self) -> Self {
+        let place = Place::Builtin("abop-a");
+        self.model.library.select_place(&place);
+        self.model.loading = Some(place.clone());
+        let set = [("derivations".to_owned(), "2".to_owned())];
+        let source = source::resolve(Path::new("abop-a"), &set, &linden::Quiet).unwrap();
+        self.msg(Msg::Loaded(place, Ok(Box::new(source))));
+        self.settle();
+        self
+    }
+
+    /// A message, a moment after the last.
+    pub fn msg(&mut self, msg: Msg) {
+        self.now += BETWEEN;
+        let effects = update(&mut self.model, msg, self.now);
+        self.effects.extend(effects);
+        // The mouse means what was last seen.
+        self.model.regions = self.paint().1.regions;
+    }
+
+    /// Time passes, and what waits for it happens.
+    pub fn wait(&mut self, time: Duration) {
+        self.now += time;
+        self.msg(Msg::Tick);
+    }
+
+    /// Keys by their names, one after the other: `j j enter`.
+    pub fn keys(&mut self, keys: &str) -> &mut Self {
+        for key in keys.split(' ').filter(|key| !key.is_empty()) {
+            self.press(key.parse().unwrap());
+        }
+        self
+    }
+
+    /// A key.
+    pub fn press(&mut self, key: Key) {
+        self.msg(Msg::Input(Event::Key(key)));
+    }
+
+    /// The letters of a text as keys.
+    pub fn types(&mut self, text: &str) -> &mut Self {
+        for c in text.chars() {
+            self.press(Key::char(c));
+        }
+        self
+    }
+
+    /// The mouse.
+    pub fn mouse(&mut self, action: MouseAction, column: u16, row: u16) {
+        let mouse = Mouse { action, column, row, shift: false, alt: false, ctrl: false };
+        self.msg(Msg::Input(Event::Mouse(mouse)));
+    }
+
+    /// Runs a command as its key does.
+    pub fn run(&mut self, id: &str) {
+        self.now += BETWEEN;
+        (self.model.now, self.model.last_input) = (self.now, self.now);
+        let mut effects = Vec::new();
+        command::run(command::find(id).unwrap(), &mut self.model, &mut effects);
+        self.effects.extend(effects);
+        self.model.regions = self.paint().1.regions;
+    }
+
+    /// Reads what is to be read.
+    pub fn load(&mut self) {
+        for effect in std::mem::take(&mut self.effects) {
+            match effect {
+                Effect::Load(place) => {
+                    let path = match &place {
+                        Place::Builtin(id) => PathBuf::from(id),
+                        Place::File(path) => path.clone(),
+                    };
+                    let source = source::resolve(&path, &[], &linden::Quiet);
+                    let source = source.map(Box::new).map_err(|error| format!("{error:#}"));
+                    self.msg(Msg::Loaded(place, source));
+                }
+                other => self.effects.push(other),
+            }
+        }
+    }
+
+    /// Reads, grows and draws until nothing is left to do.
+    pub fn settle(&mut self) -> &mut Self {
+        self.load();
+        if let Some(tree) = &self.model.tree
+            && !tree.shown.as_ref().is_some_and(|shown| Arc::ptr_eq(&shown.recipe, tree.wanted()))
+        {
+            let recipe = Arc::clone(tree.wanted());
+            let grown = grow_shown(&recipe, &Watcher::idle()).unwrap();
+            self.msg(Msg::Grown(grown));
+        }
+        // Nothing is done for so long that the picture is wanted in full.
+        self.wait(Duration::from_secs(1));
+        if let Some(painter) = &mut self.painter
+            && let Some(wanted) = picture::wanted(&self.model)
+            && !self.model.picture.painted.as_ref().is_some_and(|painted| painted.request.is_of(&wanted))
+        {
+            let mut painted = painter.paint(wanted, &Watcher::idle()).unwrap().unwrap();
+            // As on a machine that is neither fast nor slow.
+            painted.took = Duration::from_millis(50);
+            self.drawn = painted.cells.clone();
+            // What pictures show is other tests' business: here they are blank.
+            let nothing = Image::new(1, 1, &[0; 4]).unwrap();
+            let area = painted.request.area;
+            painted.cells =
+                CellPicture::draw(&nothing, area.width, area.height, &CellStyle::default(), usize::MAX);
+            self.msg(Msg::Painted(Box::new(painted)));
+        }
+        self
+    }
+
+    fn paint(&self) -> (Buffer, frame::View) {
+        let mut buffer = Buffer::empty(Rect::new(0, 0, self.model.size.0, self.model.size.1));
+        let view = frame::view(&self.model, &mut buffer);
+        (buffer, view)
+    }
+
+    /// The screen as text.
+    pub fn screen(&self) -> String {
+        let (buffer, _) = self.paint();
+        let mut text = String::new();
+        for y in 0..buffer.area.height {
+            let mut row = String::new();
+            let mut skip = 0;
+            for x in 0..buffer.area.width {
+                if skip > 0 {
+                    skip -= 1;
+                    continue;
+                }
+                let symbol = buffer[(x, y)].symbol();
+                skip = unicode_width::UnicodeWidthStr::width(symbol).saturating_sub(1);
+                row.push_str(symbol);
+            }
+            text.push_str(row.trim_end());
+            text.push('\n');
+        }
+        text
+    }
+
+    /// The styles of the screen: for each row its runs, a letter for each style and how far it goes,
+    /// and what the letters stand for.
+    pub fn styles(&self) -> String {
+        let (buffer, _) = self.paint();
+        let mut known: Vec<Style> = Vec::new();
+        let mut text = String::new();
+        for y in 0..buffer.area.height {
+            let mut runs: Vec<(usize, u16)> = Vec::new();
+            for x in 0..buffer.area.width {
+                let cell = &buffer[(x, y)];
+                let style = Style { add_modifier: cell.modifier, ..Style::new().fg(cell.fg).bg(cell.bg) };
+                let own = known.iter().position(|own| *own == style).unwrap_or_else(|| {
+                    known.push(style);
+                    known.len() - 1
+                });
+                match runs.last_mut() {
+                    Some((last, length)) if *last == own => *length += 1,
+                    _ => runs.push((own, 1)),
+                }
+            }
+            let runs = runs.iter().map(|(own, n)| format!("{}{n}", letter(*own)));
+            text += &runs.collect::<Vec<_>>().join(" ");
+            text.push('\n');
+        }
+        for (i, style) in known.iter().enumerate() {
+            let _ = writeln!(text, "{} = {}", letter(i), described(style));
+        }
+        text
+    }
+}
+
+fn letter(i: usize) -> char {
+    let letters = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ";
+    letters.chars().nth(i).unwrap_or('?')
+}
+
+fn described(style: &Style) -> String {
+    let mut words = Vec::new();
+    for (name, color) in [("", style.fg), ("on ", style.bg)] {
+        if let Some(color) = color.filter(|color| *color != Color::Reset) {
+            words.push(format!("{name}{color}"));
+        }
+    }
+    if style.add_modifier != Modifier::empty() {
+        words.push(format!("{:?}", style.add_modifier).to_lowercase());
+    }
+    if words.is_empty() { "plain".to_owned() } else { words.join(", ") }
+}

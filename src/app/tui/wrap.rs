@@ -1,0 +1,85 @@
+//! Text in lines of so many cells.
+
+use unicode_width::{UnicodeWidthChar, UnicodeWidthStr};
+
+/// Breaks a text at its spaces into lines of at most `width` cells; words that are longer are broken
+/// where they must be. Printable whatever it is given. Never empty: no text is one empty line.
+pub fn wrapped(text: &str, width: usize) -> Vec<String> {
+    let width = width.max(1);
+    let text = linden::knob::printable(text);
+    let mut lines = vec![String::new()];
+    let mut used = 0;
+    for word in text.split(' ').filter(|word| !word.is_empty()) {
+        let gap = usize::from(used > 0);
+        if used + gap + word.width() <= width {
+            if let Some(line) = lines.last_mut() {
+                line.push_str(if gap > 0 { " " } else { "" });
+                line.push_str(word);
+            }
+            used += gap + word.width();
+            continue;
+        }
+        if used > 0 {
+            lines.push(String::new());
+            used = 0;
+        }
+        for c in word.chars() {
+            let wide = c.width().unwrap_or(0);
+            if used > 0 && used + wide > width {
+                lines.push(String::new());
+                used = 0;
+            }
+            if let Some(line) = lines.last_mut() {
+                line.push(c);
+            }
+            used += wide;
+        }
+    }
+    lines
+}
+
+/// The same in at most `most` lines; the last one ends with an ellipsis when more would follow.
+pub fn wrapped_within(text: &str, width: usize, most: usize) -> Vec<String> {
+    let mut lines = wrapped(text, width);
+    if lines.len() > most {
+        lines.truncate(most);
+        if let Some(last) = lines.last_mut() {
+            while last.width() + 1 > width.max(1) && last.pop().is_some() {}
+            last.truncate(last.trim_end_matches([' ', ',', ':', ';']).len());
+            last.push('…');
+        }
+    }
+    lines
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_break_at_spaces_and_long_words_where_they_must() {
+        assert_eq!(wrapped("a bc def", 4), ["a bc", "def"]);
+        assert_eq!(wrapped("abcdefgh i", 3), ["abc", "def", "gh", "i"]);
+        assert_eq!(wrapped("", 5), [""]);
+        assert_eq!(wrapped("年輪 の木", 4), ["年輪", "の木"]);
+        assert_eq!(wrapped("a\u{1b}b", 20), ["a\\u{1b}b"]);
+    }
+
+    #[test]
+    fn no_line_is_too_wide_and_no_word_is_lost() {
+        let text = "one two  three-and-a-half 年輪年輪年輪 five";
+        for width in 2..40 {
+            let lines = wrapped(text, width);
+            assert!(lines.iter().all(|line| line.width() <= width), "{width}: {lines:?}");
+            let joined: String = lines.concat().split(' ').collect();
+            assert_eq!(joined, text.split(' ').collect::<String>(), "{width}");
+        }
+    }
+
+    #[test]
+    fn what_is_cut_says_so() {
+        assert_eq!(wrapped_within("one two three", 5, 2), ["one", "two…"]);
+        assert_eq!(wrapped_within("one two", 7, 1), ["one two"]);
+        assert_eq!(wrapped_within("one, two", 4, 1), ["one…"]);
+    }
+}
