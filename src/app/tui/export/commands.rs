@@ -109,7 +109,7 @@ pub const COMMANDS: &[Command] = &[
     Command {
         id: "export-files",
         context: Context::Global,
-        keys: &["E"],
+        keys: &["F"],
         title: "Exported files",
         help: "Lists the files that were exported, with their sizes and notes",
         hint: None,
