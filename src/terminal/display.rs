@@ -192,8 +192,8 @@ impl Display {
 
     /// Sends bytes that are no part of the screen (a clipboard, a query), as soon as the output takes
     /// them, between two frames.
-    pub fn beside(&mut self, bytes: Vec<u8>, now: Instant) {
-        self.beside.extend_from_slice(&bytes);
+    pub fn beside(&mut self, bytes: &[u8], now: Instant) {
+        self.beside.extend_from_slice(bytes);
         self.pump(now);
     }
 

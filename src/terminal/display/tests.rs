@@ -225,3 +225,26 @@ fn farewell_removes_pictures_and_sends_nothing_more() {
     rig.settle();
     assert!(rig.writes.is_empty() && rig.display.wake_at().is_none());
 }
+
+#[test]
+fn bytes_beside_the_frames_come_once_and_whole() {
+    let mut rig = Rig::new(SETTINGS);
+    rig.present(&frame("frame", 1));
+    // The writer is busy with the frame, or has just finished it.
+    rig.display.beside(b"\x1b]52;c;bGluZGVu\x07", rig.now);
+    let mut all = Vec::new();
+    loop {
+        while !rig.display.output().is_idle() {
+            rig.done.recv_timeout(Duration::from_mins(1)).expect("a write ends");
+        }
+        let bytes = std::mem::take(&mut *rig.sink.0.lock().unwrap());
+        if bytes.is_empty() {
+            break;
+        }
+        all.push(bytes);
+        rig.display.written(rig.now);
+    }
+    let all = all.concat();
+    let found = all.windows(16).filter(|window| *window == b"\x1b]52;c;bGluZGVu\x07").count();
+    assert_eq!(found, 1, "{:?}", String::from_utf8_lossy(&all));
+}

@@ -120,7 +120,7 @@ impl Runtime {
             }
         }
         let bytes = format!("\u{1b}]52;c;{}\u{7}", BASE64_STANDARD.encode(text));
-        self.display.beside(bytes.into_bytes(), Instant::now());
+        self.display.beside(bytes.as_bytes(), Instant::now());
     }
 
     fn save(

@@ -46,7 +46,7 @@ impl Probing {
             return;
         }
         // The first frame is on its way: the queries go behind it.
-        display.beside(bytes, now);
+        display.beside(&bytes, now);
         session.expect_replies(Some(Duration::from_millis(300)));
         self.until = Some(now + PATIENCE);
     }
