@@ -3,7 +3,6 @@
 use super::{Page, Palette, line, palette, yank};
 use crate::tui::command::{Command, Context, free};
 use crate::tui::effect::Effect;
-use crate::tui::frame;
 use crate::tui::model::{Layer, Model, Pane};
 
 fn has_no_tree(model: &Model) -> Option<String> {
@@ -16,7 +15,7 @@ fn focus_by(model: &mut Model, by: usize) {
 }
 
 fn scroll(model: &mut Model, by: isize) {
-    let body = frame::dialog_body(model);
+    let body = crate::tui::frame::dialog_body(model);
     if let Some(Layer::Page(page)) = model.layers.last_mut() {
         page.scroll_by(by, body);
     }
@@ -24,8 +23,9 @@ fn scroll(model: &mut Model, by: isize) {
 
 /// A page less a line, so that the eye finds where it was.
 fn page_rows(model: &Model) -> isize {
+    let body = crate::tui::frame::dialog_body(model);
     match model.layers.last() {
-        Some(Layer::Page(page)) => (page.lay(frame::dialog_body(model)).text.height as isize - 1).max(1),
+        Some(Layer::Page(page)) => (page.lay(body).text.height as isize - 1).max(1),
         _ => 1,
     }
 }
@@ -51,7 +51,7 @@ pub const COMMANDS: &[Command] = &[
         keys: &[":"],
         title: "Palette",
         help: "Finds any command by its name",
-        hint: Some(95),
+        hint: Some(100),
         hindrance: free,
         run: |model, _| {
             let palette = Palette::new(model);
@@ -129,7 +129,7 @@ pub const COMMANDS: &[Command] = &[
         keys: &["q"],
         title: "Quit",
         help: "Leaves; what is on screen comes back next time",
-        hint: Some(91),
+        hint: Some(99),
         hindrance: free,
         run: |_, effects| effects.push(Effect::Quit),
     },

@@ -13,7 +13,7 @@ use linden_terminal::input::{Key, Mouse, MouseAction};
 pub use commands::COMMANDS;
 pub use line::{Line, Purpose};
 pub use page::Page;
-pub use palette::{Palette, refresh};
+pub use palette::Palette;
 
 use super::effect::Effects;
 use super::model::{Layer, Model};
@@ -24,12 +24,8 @@ const WHEEL: isize = 3;
 /// A key that means no command, while a line is typed.
 pub fn typed(model: &mut Model, key: Key, effects: &mut Effects) {
     match model.layers.last_mut() {
-        Some(Layer::Line(line)) => {
-            if line.typed(key) {
-                line::changed(model, effects);
-            }
-        }
         Some(Layer::Palette(palette)) => palette.typed(key),
+        Some(Layer::Line(line)) if line.typed(key) => line::changed(model, effects),
         _ => {}
     }
 }
@@ -44,6 +40,11 @@ pub fn pasted(model: &mut Model, text: &str, effects: &mut Effects) {
         Some(Layer::Palette(palette)) => palette.pasted(text),
         _ => {}
     }
+}
+
+/// Something happened: what the palette says of its commands may be old.
+pub fn refresh(model: &mut Model) {
+    palette::refresh(model);
 }
 
 /// The wheel over a dialog: scrolls a page, moves in the palette.

@@ -57,7 +57,7 @@ pub fn scrollbar(model: &Model, bar: Rect, first: usize, rows: usize, buffer: &m
     }
     let thumb = (height * shown / rows).clamp(1, height);
     let most = rows - shown;
-    let from = if most == 0 { 0 } else { (height - thumb) * first.min(most) / most };
+    let from = ((height - thumb) * first.min(most)).checked_div(most).unwrap_or(0);
     for y in from..from + thumb {
         buffer.set_string(bar.x, bar.y + y as u16, "┃", model.config.theme.scrollbar);
     }
@@ -137,8 +137,7 @@ fn palette_row(model: &Model, own: &Found<'_>, chosen: bool, row: Rect, buffer: 
 pub fn line(model: &Model, line: &Line, body: Rect, buffer: &mut Buffer, view: &mut View) {
     let theme = &model.config.theme;
     let has_place = match line.purpose {
-        Purpose::Filter { .. } => view.cursor.is_some(),
-        Purpose::Knob(_) => view.cursor.is_some(),
+        Purpose::Filter { .. } | Purpose::Knob(_) => view.cursor.is_some(),
         Purpose::SaveAs | Purpose::Replace(_) => false,
     };
     if has_place || body.is_empty() {
