@@ -23,10 +23,16 @@ const WHEEL: isize = 3;
 
 /// A key that means no command, while a line is typed.
 pub fn typed(model: &mut Model, key: Key, effects: &mut Effects) {
-    match model.layers.last_mut() {
-        Some(Layer::Palette(palette)) => palette.typed(key),
-        Some(Layer::Line(line)) if line.typed(key) => line::changed(model, effects),
-        _ => {}
+    let has_changed = match model.layers.last_mut() {
+        Some(Layer::Line(line)) => line.typed(key),
+        Some(Layer::Palette(palette)) => {
+            palette.typed(key);
+            false
+        }
+        _ => false,
+    };
+    if has_changed {
+        line::changed(model, effects);
     }
 }
 
