@@ -317,7 +317,7 @@ mod tests {
         let mut tree = fir();
         let start = Instant::now();
         let mut states = vec![tree.preset().clone()];
-        for (i, (name, value)) in [("seed", "1"), ("points", "500"), ("seed", "2")].into_iter().enumerate() {
+        for (i, (name, value)) in [("seed", "5"), ("points", "500"), ("seed", "2")].into_iter().enumerate() {
             tree.set(name, value, start + Duration::from_secs(10 * i as u64)).unwrap();
             states.push(tree.preset().clone());
         }

@@ -3,6 +3,7 @@
 use super::{Page, Palette, line, palette, yank};
 use crate::tui::command::{Command, Context, free};
 use crate::tui::effect::Effect;
+use crate::tui::frame;
 use crate::tui::model::{Layer, Model, Pane};
 
 fn has_no_tree(model: &Model) -> Option<String> {
@@ -15,7 +16,7 @@ fn focus_by(model: &mut Model, by: usize) {
 }
 
 fn scroll(model: &mut Model, by: isize) {
-    let body = crate::tui::frame::dialog_body(model);
+    let body = frame::dialog_body(model);
     if let Some(Layer::Page(page)) = model.layers.last_mut() {
         page.scroll_by(by, body);
     }
@@ -23,7 +24,7 @@ fn scroll(model: &mut Model, by: isize) {
 
 /// A page less a line, so that the eye finds where it was.
 fn page_rows(model: &Model) -> isize {
-    let body = crate::tui::frame::dialog_body(model);
+    let body = frame::dialog_body(model);
     match model.layers.last() {
         Some(Layer::Page(page)) => (page.lay(body).text.height as isize - 1).max(1),
         _ => 1,

@@ -13,7 +13,7 @@ use linden_terminal::input::{Key, Mouse, MouseAction};
 pub use commands::COMMANDS;
 pub use line::{Line, Purpose};
 pub use page::Page;
-pub use palette::Palette;
+pub use palette::{Palette, refresh};
 
 use super::effect::Effects;
 use super::model::{Layer, Model};
@@ -46,11 +46,6 @@ pub fn pasted(model: &mut Model, text: &str, effects: &mut Effects) {
         Some(Layer::Palette(palette)) => palette.pasted(text),
         _ => {}
     }
-}
-
-/// Something happened: what the palette says of its commands may be old.
-pub fn refresh(model: &mut Model) {
-    palette::refresh(model);
 }
 
 /// The wheel over a dialog: scrolls a page, moves in the palette.
