@@ -9,6 +9,7 @@ use clap::{Args, ValueEnum};
 use linden_terminal::probe::{Environment, Findings, ask};
 use linden_terminal::tty::OpenError;
 use linden_terminal::{Capabilities, ColorDepth, Tty};
+use rustix::fs::Access;
 use serde::Serialize;
 
 use super::workbench::Look;
@@ -286,7 +287,6 @@ fn can_be_written(path: &Path) -> bool {
             return false;
         }
     }
-    use rustix::fs::Access;
     at.is_dir() && rustix::fs::access(&at, Access::WRITE_OK | Access::EXEC_OK).is_ok()
 }
 

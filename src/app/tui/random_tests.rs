@@ -48,7 +48,7 @@ impl Dice {
 fn no_order_of_events_breaks_the_workbench() {
     let keys: Vec<Key> =
         command::all().flat_map(|command| command.keys).map(|key| key.parse().unwrap()).collect();
-    for round in 0..24 {
+    for round in 0..60 {
         let mut dice = Dice { seed: Seed::new(round), thrown: 0 };
         let mut bench = Bench::grown(100, 30);
         for _ in 0..150 {

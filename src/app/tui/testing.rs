@@ -76,12 +76,17 @@ impl Bench {
     }
 
     /// Puts that tree on screen.
-    pub fn with_tree(mut self) -> Self {
-        let place = Place::Builtin("abop-a");
+    pub fn with_tree(self) -> Self {
+        self.with("abop-a")
+    }
+
+    /// Puts an L-system's tree on screen, derived twice.
+    pub fn with(mut self, id: &'static str) -> Self {
+        let place = Place::Builtin(id);
         self.model.library.select_place(&place);
         self.model.loading = Some(place.clone());
         let set = [("derivations".to_owned(), "2".to_owned())];
-        let source = source::resolve(Path::new("abop-a"), &set, &linden::Quiet).unwrap();
+        let source = source::resolve(Path::new(id), &set, &linden::Quiet).unwrap();
         self.msg(Msg::Loaded(place, Ok(Box::new(source))));
         self.settle();
         self

@@ -157,7 +157,7 @@ fn light_and_dark_show_the_same_text() {
 fn from_one_cell_on_everything_can_be_painted() {
     for columns in (1..=24).chain([71, 72, 109, 110, 126, 150, 400]) {
         for rows in (1..=8).chain([20, 120]) {
-            for keys in ["", "tab", "shift-tab enter", "?", ":", "m", "/", "s", "("] {
+            for keys in ["", "tab", "shift-tab enter", "?", ":", ": z z z", "m", "/", "/ z z z", "s", "("] {
                 let mut bench = Bench::new(columns, rows);
                 bench.keys(keys);
                 bench.screen();

@@ -25,8 +25,9 @@ fn scroll(model: &mut Model, by: isize) {
 
 /// A page less a line, so that the eye finds where it was.
 fn page_rows(model: &Model) -> isize {
+    let body = frame::dialog_body(model);
     match model.layers.last() {
-        Some(Layer::Page(page)) => (page.lay(frame::dialog_body(model)).text.height as isize - 1).max(1),
+        Some(Layer::Page(page)) => (page.lay(body).text.height as isize - 1).max(1),
         _ => 1,
     }
 }
@@ -52,7 +53,7 @@ pub const COMMANDS: &[Command] = &[
         keys: &[":"],
         title: "Palette",
         help: "Finds any command by its name",
-        hint: Some(95),
+        hint: Some(100),
         hindrance: free,
         run: |model, _| {
             let palette = Palette::new(model);
@@ -130,7 +131,7 @@ pub const COMMANDS: &[Command] = &[
         keys: &["q"],
         title: "Quit",
         help: "Leaves; what is on screen comes back next time",
-        hint: Some(91),
+        hint: Some(99),
         hindrance: free,
         run: quit,
     },

@@ -23,14 +23,16 @@ const WHEEL: isize = 3;
 
 /// A key that means no command, while a line is typed.
 pub fn typed(model: &mut Model, key: Key, effects: &mut Effects) {
-    match model.layers.last_mut() {
-        Some(Layer::Line(line)) => {
-            if line.typed(key) {
-                line::changed(model, effects);
-            }
+    let has_changed = match model.layers.last_mut() {
+        Some(Layer::Line(line)) => line.typed(key),
+        Some(Layer::Palette(palette)) => {
+            palette.typed(key);
+            false
         }
-        Some(Layer::Palette(palette)) => palette.typed(key),
-        _ => {}
+        _ => false,
+    };
+    if has_changed {
+        line::changed(model, effects);
     }
 }
 

@@ -57,7 +57,7 @@ pub fn scrollbar(model: &Model, bar: Rect, first: usize, rows: usize, buffer: &m
     }
     let thumb = (height * shown / rows).clamp(1, height);
     let most = rows - shown;
-    let from = if most == 0 { 0 } else { (height - thumb) * first.min(most) / most };
+    let from = ((height - thumb) * first.min(most)).checked_div(most).unwrap_or(0);
     for y in from..from + thumb {
         buffer.set_string(bar.x, bar.y + y as u16, "┃", model.config.theme.scrollbar);
     }
@@ -79,7 +79,7 @@ pub fn palette(model: &Model, palette: &Palette, body: Rect, buffer: &mut Buffer
     line::paint(&palette.input, input, buffer, view, theme);
     let found = palette.found();
     let list = Rect { y: area.y + 1, height: area.height - 1, ..area };
-    if found.is_empty() {
+    if found.is_empty() && !list.is_empty() {
         buffer.set_stringn(list.x, list.y, " nothing matches", list.width.into(), theme.popup_dim);
     }
     let first = crate::tui::shape::view::first_row(palette.selected, found.len(), list.height.into());
