@@ -54,7 +54,7 @@ fn with_no_color_there_is_none() {
         let workbench = setup.args(&["open", "fir"]).start(&home);
         let bytes = tour(&workbench);
         for rendition in renditions(&bytes) {
-            assert_eq!(colors(&rendition), [], "{name}: {rendition}");
+            assert_eq!(colors(&rendition), Vec::<u16>::new(), "{name}: {rendition}");
         }
         // The tree is there all the same: in dots.
         workbench.keys("c");

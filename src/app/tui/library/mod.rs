@@ -194,9 +194,12 @@ impl Library {
     }
 }
 
-/// Sets the filter, as it is typed.
+/// Sets the filter, as it is typed: the cursor is on the best match.
 pub fn set_filter(model: &mut Model, text: &str, effects: &mut Effects) {
     model.library.filter_by(text);
+    if !text.is_empty() {
+        model.library.step(isize::MIN);
+    }
     show_selected(model, effects);
 }
 
