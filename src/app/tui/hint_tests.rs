@@ -27,7 +27,7 @@ fn state(bench: &Bench) -> String {
     let model = &bench.model;
     let picture = &model.picture;
     format!(
-        "{}\n{:?}\n{:?} {:?} {} {} {}\n{:?} {:?}\n{:?} {:?}",
+        "{}\n{:?}\n{:?} {:?} {} {} {}\n{:?} {:?}\n{:?} {:?} {:?}",
         bench.screen(),
         picture.camera,
         model.context(),
@@ -39,6 +39,8 @@ fn state(bench: &Bench) -> String {
         model.growth.is_playing(),
         model.tree.as_ref().map(|tree| (tree.overrides(), tree.compares, tree.can_redo())),
         bench.effects,
+        // What the jobs are asked for.
+        super::export::wanted(model).map(|inquiry| (inquiry.round, inquiry.completes)),
     )
 }
 
@@ -57,13 +59,20 @@ fn situations() -> &'static [Path] {
 }
 
 fn find_situations() -> Vec<Path> {
-    let panes: [Path; 3] = [vec![], vec!["focus-next"], vec!["focus-previous", "knob-next"]];
+    // From the seed over the grammar to the first knob of the L-system.
+    let knob = || vec!["focus-previous", "knob-next", "knob-next", "knob-next"];
+    let panes: [Path; 3] = [vec![], vec!["focus-next"], knob()];
     let mut all: Vec<Path> = panes.to_vec();
-    all.push(vec!["focus-previous", "knob-next", "knob-more"]);
-    all.push(vec!["focus-previous", "knob-next", "knob-more", "undo"]);
+    all.push([knob(), vec!["knob-more"]].concat());
+    all.push([knob(), vec!["knob-more", "undo"]].concat());
     all.push(vec!["growth-start"]);
     all.push(vec!["focus-next", "zoom-in"]);
     all.push(vec!["help", "page-last"]);
+    // The rows of the first format: its options, then its target.
+    for row in 1..5 {
+        let first = vec!["export", "export-first", "export-toggle"];
+        all.push([first, vec!["export-next"; row]].concat());
+    }
     let mut seen: BTreeSet<Context> = panes.iter().map(|path| bench(path).model.context()).collect();
     let mut from = all.clone();
     while let Some(path) = from.pop() {

@@ -463,7 +463,7 @@ fn what_is_done_is_told_and_listed() {
     let (weight, text) = bench.said();
     assert_eq!(weight, Weight::Note);
     assert!(text.contains(&bench.at("older-c.obj")) && text.contains("and 4 more"), "{text}");
-    bench.keys("E");
+    bench.keys("F");
     let text = bench.text(100, 30);
     assert!(text.contains("Exported files") && text.contains("5 files"), "{text}");
     for name in ["older-c.obj", "older-c.mtl", "older-c_bark.png", "older-c.glb"] {

@@ -26,7 +26,9 @@ fn has_no_seed(model: &Model, end: u64) -> Option<String> {
 }
 
 fn cannot_sweep(model: &Model) -> Option<String> {
-    let Some((row, current)) = shape::selected(model) else { return has_no_tree(model) };
+    let Some((row, current)) = shape::selected(model) else {
+        return has_no_tree(model).or_else(|| Some("the cursor is on the grammar; choose a knob".to_owned()));
+    };
     if row.knob.name == SEED {
         return has_no_chance(model);
     }
