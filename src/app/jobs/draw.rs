@@ -17,9 +17,10 @@ use ratatui::layout::Rect;
 
 use super::{Shown, Watcher};
 
-/// Most bytes of a draft, and of a full picture, over a network.
-const DRAFT_BYTES: usize = 16_000;
-const FULL_BYTES: usize = 100_000;
+/// Most bytes of a draft, and of a full picture, over a network: 16 and 100 KB, less what frames the
+/// pieces in which they are sent.
+const DRAFT_BYTES: usize = 15_500;
+const FULL_BYTES: usize = 96_000;
 /// The longer side of a picture that a terminal shows as pixels.
 const LONGEST_PX: u32 = 1400;
 /// A draft in pixels is so many times coarser.
