@@ -17,10 +17,9 @@ use ratatui::layout::Rect;
 
 use super::{Shown, Watcher};
 
-/// Most bytes of a draft, and of a full picture, over a network: 16 and 100 KB, less what frames the
-/// pieces in which they are sent.
-const DRAFT_BYTES: usize = 15_500;
-const FULL_BYTES: usize = 96_000;
+/// Most bytes of a draft, and of a full picture, over a network.
+const DRAFT_BYTES: usize = 16_000;
+const FULL_BYTES: usize = 100_000;
 /// The longer side of a picture that a terminal shows as pixels.
 const LONGEST_PX: u32 = 1400;
 /// A draft in pixels is so many times coarser.
@@ -202,7 +201,9 @@ impl Painter {
         let graphic = match protocol {
             None => None,
             Some(protocol) => {
-                let encoded = encode(protocol, picture.rgba(), (width, height), area, budget);
+                // What frames the pieces in which it is sent comes on top.
+                let payload = budget / 25 * 24;
+                let encoded = encode(protocol, picture.rgba(), (width, height), area, payload);
                 let encoded = encoded.map_err(|error| Some(error.to_string()))?;
                 // Nor can they be made smaller at will: where they are too many bytes, cells show.
                 (encoded.len() <= budget).then(|| Arc::new(encoded))
