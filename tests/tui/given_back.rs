@@ -109,7 +109,7 @@ fn without_a_shell_ctrl_z_says_why_it_does_not_stop() {
     workbench.keys("\x1a");
     workbench.wait_for_text("runs without a shell");
     workbench.keys("?");
-    workbench.wait_for_text("Help");
+    workbench.wait_for_text("╭ Help");
 }
 
 #[test]

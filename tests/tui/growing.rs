@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use crate::harness::{Home, Setup, Workbench};
+use super::harness::{Home, Setup, Workbench};
 
 /// Some hundred thousand nodes: seconds, on any machine.
 pub const LARGE: [&str; 6] = ["open", "sphere", "--set", "points=150000", "--set", "step=0.02"];
@@ -37,7 +37,7 @@ fn each_key_is_answered_before_the_tree_has_grown() {
         answered.push(pressed.elapsed());
     }
     workbench.keys("?");
-    workbench.wait_for_text("Help");
+    workbench.wait_for_text("╭ Help");
     workbench.keys("\x1b");
     workbench.wait_for("the form", |screen| screen.footer().contains("More"));
     // All of that while no tree was there yet.

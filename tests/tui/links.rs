@@ -3,7 +3,7 @@
 
 use std::time::{Duration, Instant};
 
-use crate::harness::{Answers, Home, Link, Setup, Workbench, eventually};
+use super::harness::{Answers, Home, Link, Setup, Workbench, eventually};
 
 pub struct Case {
     pub name: &'static str,

@@ -79,7 +79,7 @@ fn a_preset_that_changes_on_disk_changes_on_screen() {
     home.write("config/presets/mine.toml", GOOD.replace("200", "321").replace("Mine", "Other"));
     let screen = workbench.wait_for("the new tree", |screen| {
         screen.row(0).contains("Other")
-            && screen.text().contains("321 points")
+            && screen.knob("points").contains("321")
             && !screen.row(0).contains(&before)
     });
     assert!(!screen.text().contains("modified"));
@@ -94,7 +94,7 @@ fn a_preset_that_changes_on_disk_changes_on_screen() {
     assert!(screen.painted(40..90, 3..36) > 60, "{}", screen.text());
     // And back.
     home.write("config/presets/mine.toml", GOOD.replace("200", "222"));
-    workbench.wait_for_text("222 points");
+    workbench.wait_for("the points", |screen| screen.knob("points").contains("222"));
     workbench.wait_for("the first name", |screen| screen.row(0).contains("Mine"));
 }
 
@@ -110,20 +110,21 @@ fn changes_that_were_made_here_are_kept_when_the_file_changes() {
     home.write("config/presets/mine.toml", GOOD.replace("200", "321"));
     workbench.wait_for_text("your changes are kept");
     let screen = workbench.screen();
-    assert!(screen.text().contains("200 points"), "{}", screen.text());
+    assert!(screen.knob("points").contains("200"), "{}", screen.text());
 }
 
 #[test]
 fn a_preset_that_is_put_into_the_folder_is_listed() {
     let home = Home::new();
     std::fs::create_dir_all(home.file("config/presets")).unwrap();
-    let workbench = Workbench::open(&home, 140, 40, &["open", "fir"]);
+    // So high that the whole list is in sight.
+    let workbench = Workbench::open(&home, 140, 90, &["open", "fir"]);
     assert!(!workbench.screen().text().contains("Yours"));
     home.write("config/presets/mine.toml", GOOD);
     workbench.wait_for_text("Yours");
-    workbench.wait_for_text("Mine");
+    workbench.wait_for_text("mine");
     std::fs::remove_file(home.file("config/presets/mine.toml")).unwrap();
-    workbench.wait_for("the list without it", |screen| !screen.text().contains("Mine"));
+    workbench.wait_for("the list without it", |screen| !screen.text().contains("mine"));
 }
 
 #[test]
@@ -133,14 +134,14 @@ fn a_keymap_is_followed_and_followed_again() {
     let workbench = Workbench::open(&home, 140, 40, &["open", "fir"]);
     workbench.keys("?");
     workbench.settle();
-    assert!(!workbench.screen().text().contains("Help "), "{}", workbench.screen().text());
+    assert!(!workbench.screen().text().contains("╭ Help"), "{}", workbench.screen().text());
     workbench.keys("\x1b[15~");
-    workbench.wait_for_text("Help");
+    workbench.wait_for_text("╭ Help");
     workbench.keys("\x1b");
     workbench.settle();
     home.write("config/keymap.toml", "[keys]\nhelp = [\"?\"]\n");
     std::thread::sleep(std::time::Duration::from_secs(1));
     workbench.settle();
     workbench.keys("?");
-    workbench.wait_for_text("Help");
+    workbench.wait_for_text("╭ Help");
 }

@@ -120,7 +120,7 @@ fn replies_that_come_late_or_broken_are_not_typed() {
     assert_eq!(workbench.screen().text(), before.text());
     // And it still listens.
     workbench.keys("?");
-    workbench.wait_for_text("Help");
+    workbench.wait_for_text("╭ Help");
 }
 
 #[test]

@@ -12,10 +12,13 @@ const EVIL: &str = "\u{1b}[31mEVIL\u{1b}[2J\u{1b}]52;c;ZXZpbA==\u{7}\u{1b}]0;evi
 fn in_toml(text: &str) -> String {
     text.chars()
         .map(|c| {
-            if c.is_control() || (c as u32) > 0x2000 { format!("\\u{:04x}", c as u32) } else { c.to_string() }
+            if c.is_control() || c == '\\' || c as u32 > 0x2000 {
+                format!("\\u{:04x}", c as u32)
+            } else {
+                c.to_string()
+            }
         })
-        .collect::<String>()
-        .replace("\u{1b}", "")
+        .collect()
 }
 
 /// Fails when anything of [`EVIL`] is in what was sent as it stood in the file.

@@ -226,7 +226,9 @@ impl Painter {
         let graphic = match protocol {
             None => None,
             Some(protocol) => {
-                let encoded = encode(protocol, picture.rgba(), (width, height), area, budget);
+                // What frames the pieces in which it is sent comes on top.
+                let payload = budget / 25 * 24;
+                let encoded = encode(protocol, picture.rgba(), (width, height), area, payload);
                 let encoded = encoded.map_err(|error| Some(error.to_string()))?;
                 // Nor can they be made smaller at will: where they are too many bytes, cells show.
                 (encoded.len() <= budget).then(|| Arc::new(encoded))

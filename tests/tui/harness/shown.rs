@@ -44,6 +44,12 @@ impl Shown {
         self.rows().join("\n")
     }
 
+    /// The row of the form that has a knob, from its name on.
+    pub fn knob(&self, name: &str) -> String {
+        let begins = |row: &String| Some(row[row.rfind(&format!("{name} "))?..].to_owned());
+        self.rows().iter().find_map(begins).unwrap_or_default()
+    }
+
     /// The lowest row.
     pub fn footer(&self) -> String {
         self.row(self.size().1 - 1)
