@@ -104,14 +104,25 @@ pub fn edit(input: &mut Input, key: Key) -> bool {
     input.handle(request).is_some_and(|change| change.value)
 }
 
-/// Inserts text, without line breaks and control characters.
+/// The most characters that pasting makes a line: no path is longer, and each is looked at again
+/// with every key.
+const LONGEST: usize = 4096;
+
+/// Inserts text, without line breaks and control characters, as far as there is room for it.
 pub fn paste(input: &mut Input, text: &str) {
-    for c in text.trim_end().chars() {
-        let c = if c == '\n' || c == '\t' { ' ' } else { c };
-        if !c.is_control() {
-            let _ = input.handle(InputRequest::InsertChar(c));
-        }
-    }
+    let room = LONGEST.saturating_sub(input.value().chars().count());
+    // Terminals send the Return key for the breaks of pasted lines.
+    let pasted: String = text
+        .trim_end()
+        .chars()
+        .map(|c| if matches!(c, '\n' | '\r' | '\t') { ' ' } else { c })
+        .filter(|c| !c.is_control())
+        .take(room)
+        .collect();
+    let at = input.cursor();
+    let behind = at + pasted.chars().count();
+    let value = input.value().chars().take(at).chain(pasted.chars()).chain(input.value().chars().skip(at));
+    *input = Input::new(value.collect()).with_cursor(behind);
 }
 
 /// Paints an input into a row, scrolled so that its cursor is in sight.
@@ -230,5 +241,26 @@ pub fn cancel(model: &mut Model, effects: &mut Effects) {
         && let Purpose::Filter { before } = line.purpose
     {
         library::set_filter(model, &before, effects);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pasted_text_goes_in_at_the_cursor_as_one_line() {
+        let mut input = Input::new("äz".to_owned()).with_cursor(1);
+        paste(&mut input, "b\r\tc\u{1b}\u{7}\n\n");
+        assert_eq!((input.value(), input.cursor()), ("äb  cz", 5));
+    }
+
+    #[test]
+    fn what_is_pasted_has_an_end() {
+        let mut input = Input::new("a".to_owned());
+        paste(&mut input, &"ö".repeat(1 << 20));
+        assert_eq!((input.value().chars().count(), input.cursor()), (LONGEST, LONGEST));
+        paste(&mut input, "more");
+        assert_eq!(input.value().chars().count(), LONGEST);
     }
 }
