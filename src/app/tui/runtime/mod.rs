@@ -9,6 +9,8 @@ mod jobs;
 mod memory;
 mod probing;
 mod setup;
+mod stats;
+mod watchdog;
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -27,6 +29,7 @@ use ratatui::layout::Rect;
 use self::jobs::Desk;
 use self::memory::Memory;
 use self::probing::Probing;
+use self::watchdog::Watchdog;
 use super::frame;
 use super::model::{Layer, Model};
 use super::update::{Msg, update};
@@ -92,9 +95,8 @@ struct Runtime {
     generation: u64,
     shown_picture: Option<std::sync::Arc<linden_terminal::Encoded>>,
     keys: stats::Latency,
+    watchdog: Watchdog,
 }
-
-mod stats;
 
 /// Opens the workbench on a terminal and stays until it is left.
 ///
@@ -135,8 +137,12 @@ impl Runtime {
         model.say_complaints();
         let session = Session::start(tty.clone(), Modes { mouse: model.config.settings.mouse })?;
         let to_loop = sender.clone();
-        let listener =
-            listen(tty.clone(), move |incoming| to_loop.send(Happening::Incoming(incoming)).is_ok())?;
+        let watchdog = Watchdog::default();
+        let own = watchdog.clone();
+        let listener = listen(tty.clone(), move |incoming| {
+            own.watch(&incoming);
+            to_loop.send(Happening::Incoming(incoming)).is_ok()
+        })?;
         let to_loop = sender.clone();
         let output = Output::new(tty.clone(), move || drop(to_loop.send(Happening::Written)))?;
         let display = Display::new(model.size, output, display_settings(&model.terminal));
@@ -159,6 +165,7 @@ impl Runtime {
             generation: 0,
             shown_picture: None,
             keys: stats::Latency::new(start.stats),
+            watchdog,
         };
         runtime.open(start.source, start.set, &remembered);
         Ok(runtime)
@@ -345,6 +352,7 @@ impl Runtime {
 
     /// Gives the terminal back and keeps what is restored next time.
     fn leave(mut self) -> End {
+        self.watchdog.heard();
         let end = self.end.unwrap_or(End::Quit);
         if end != End::Hangup {
             // The last frame may still be on its way to a slow terminal.
