@@ -1,6 +1,6 @@
 //! What the footer offers is what the keys do; what cannot be done says why.
 
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
 
 use linden_terminal::input::Key;
@@ -8,12 +8,6 @@ use linden_terminal::input::Key;
 use super::around::footer::{hints, key_label};
 use super::command::{self, Context};
 use super::testing::Bench;
-
-/// Screens of dialogs that are looked into for ways to others.
-const MOST_SCREENS: usize = 400;
-
-/// Commands that do something only where there are files.
-const NEEDS_FILES: &[&str] = &["export-line-complete"];
 
 /// How a situation comes about: commands that are run on a workbench with a tree.
 type Path = Vec<&'static str>;
@@ -55,7 +49,8 @@ fn assert_same(a: &Bench, b: &Bench, what: &str) {
     }
 }
 
-/// Situations in every context that has commands: each pane, then whatever commands open from there.
+/// Situations in every context that can be reached: each pane, then whatever commands open from
+/// there, and once more.
 fn situations() -> &'static [Path] {
     static ALL: OnceLock<Vec<Path>> = OnceLock::new();
     ALL.get_or_init(find_situations)
@@ -68,33 +63,21 @@ fn find_situations() -> Vec<Path> {
     all.push(vec!["focus-previous", "knob-next", "knob-more", "undo"]);
     all.push(vec!["growth-start"]);
     all.push(vec!["focus-next", "zoom-in"]);
-    all.push(vec!["help"]);
     all.push(vec!["help", "page-last"]);
-    let mut reached: BTreeSet<Context> = all.iter().map(|path| bench(path).model.context()).collect();
-    let mut wanted: BTreeSet<Context> = command::all().map(|command| command.context).collect();
-    wanted.retain(|context| !matches!(context, Context::Always | Context::Global));
-    // Some rows of a dialog open what others do not: screens that were not seen yet are looked into.
-    let mut seen = BTreeSet::new();
-    let mut from: VecDeque<Path> = all.iter().cloned().collect();
-    while let Some(path) = from.pop_front().filter(|_| seen.len() < MOST_SCREENS) {
+    let mut seen: BTreeSet<Context> = panes.iter().map(|path| bench(path).model.context()).collect();
+    let mut from = all.clone();
+    while let Some(path) = from.pop() {
         let here = bench(&path);
-        let context = here.model.context();
         for command in command::all() {
-            let is_heard = command.context == context
-                || (here.model.layers.is_empty() && command.context == Context::Global);
-            if reached.is_superset(&wanted) {
-                return all;
-            }
+            let is_heard = command.context == here.model.context() || command.context == Context::Global;
             if !is_heard || (command.hindrance)(&here.model).is_some() {
                 continue;
             }
-            let next: Path = path.iter().copied().chain([command.id]).collect();
-            let there = bench(&next);
-            if reached.insert(there.model.context()) {
+            let mut next = path.clone();
+            next.push(command.id);
+            if seen.insert(bench(&next).model.context()) {
                 all.push(next.clone());
-            }
-            if !there.model.layers.is_empty() && seen.insert(there.screen()) {
-                from.push_back(next);
+                from.push(next);
             }
         }
     }
@@ -133,7 +116,7 @@ fn every_hinted_key_does_what_it_says() {
     }
     // What is at its end already has nothing to do, but somewhere it has.
     for (id, something) in does {
-        assert!(something || NEEDS_FILES.contains(&id), "{id} is offered and never does anything");
+        assert!(something, "{id} is offered and never does anything");
     }
 }
 
