@@ -12,7 +12,7 @@ fn refused(folder: &Folder, code: i32, args: &[&str], says: &[&str]) {
         assert!(said.err.contains(fragment), "{args:?} does not say {fragment:?}: {}", said.err);
     }
     assert!(!said.err.contains("panicked"), "{args:?}: {}", said.err);
-    assert!(said.err.trim_end().lines().count() <= 7, "a message, not a page: {}", said.err);
+    assert!(said.err.trim_end().lines().count() <= 8, "a message, not a page: {}", said.err);
     let raw = said.err.chars().any(|c| c.is_control() && c != '\n');
     assert!(!raw, "{args:?}: raw control characters in {:?}", said.err);
     assert_eq!(folder.content(), before, "{args:?} wrote something");
