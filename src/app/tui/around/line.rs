@@ -104,9 +104,13 @@ pub fn edit(input: &mut Input, key: Key) -> bool {
     input.handle(request).is_some_and(|change| change.value)
 }
 
+/// Characters that a line takes of a paste: each is inserted by itself, which takes longer the longer
+/// the line is.
+const LONGEST_PASTE: usize = 4096;
+
 /// Inserts text, without line breaks and control characters.
 pub fn paste(input: &mut Input, text: &str) {
-    for c in text.trim_end().chars() {
+    for c in text.trim_end().chars().take(LONGEST_PASTE) {
         let c = if c == '\n' || c == '\t' { ' ' } else { c };
         if !c.is_control() {
             let _ = input.handle(InputRequest::InsertChar(c));
