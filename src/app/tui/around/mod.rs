@@ -25,7 +25,8 @@ const WHEEL: isize = 3;
 pub fn typed(model: &mut Model, key: Key, effects: &mut Effects) {
     match model.layers.last_mut() {
         Some(Layer::Line(line)) => {
-            if line.typed(key) {
+            let has_changed = line.typed(key);
+            if has_changed {
                 line::changed(model, effects);
             }
         }

@@ -57,7 +57,7 @@ pub fn scrollbar(model: &Model, bar: Rect, first: usize, rows: usize, buffer: &m
     }
     let thumb = (height * shown / rows).clamp(1, height);
     let most = rows - shown;
-    let from = if most == 0 { 0 } else { (height - thumb) * first.min(most) / most };
+    let from = ((height - thumb) * first.min(most)).checked_div(most).unwrap_or(0);
     for y in from..from + thumb {
         buffer.set_string(bar.x, bar.y + y as u16, "┃", model.config.theme.scrollbar);
     }
