@@ -116,7 +116,12 @@ impl Display {
     pub fn pump(&mut self, now: Instant) {
         if !self.beside.is_empty() && self.output.is_idle() {
             // The output is idle: it takes them.
-            let bytes = std::mem::take(&mut self.beside);
+            // They may leave a plain pen behind (the queries do), so they start from one.
+            let mut bytes = self.screen.put_pen_down();
+            bytes.append(&mut self.beside);
+            if self.pacer.asks(bytes.len()) {
+                bytes.extend_from_slice(QUERY);
+            }
             self.pacer.sent(bytes.len(), now);
             drop(self.output.send(bytes, 0));
         }
@@ -197,12 +202,15 @@ impl Display {
         self.pump(now);
     }
 
-    /// What must be written before the screen is given back: pictures are removed. Nothing is sent
-    /// by the display afterwards until the next frame.
+    /// What must be written before the screen is given back: what waits beside the frames, and what
+    /// removes pictures. Nothing is sent by the display afterwards until the next frame.
     pub fn farewell(&mut self) -> Vec<u8> {
         self.wanted = None;
         self.rest = false;
-        self.screen.farewell()
+        // What was copied a moment ago is copied.
+        let mut bytes = std::mem::take(&mut self.beside);
+        bytes.extend_from_slice(&self.screen.farewell());
+        bytes
     }
 
     /// The way to the terminal: for its state, and for bytes beside the frames.

@@ -153,6 +153,13 @@ impl Screen {
         self.options = options;
     }
 
+    /// Leaves a plain pen, for bytes that others make and that may set one.
+    pub fn put_pen_down(&mut self) -> Vec<u8> {
+        let mut out = Vec::new();
+        self.encoder.plain(&mut out);
+        out
+    }
+
     /// Removes pictures and leaves a plain pen: for the end of the program, before the screen is
     /// given back.
     pub fn farewell(&mut self) -> Vec<u8> {

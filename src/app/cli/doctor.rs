@@ -9,7 +9,6 @@ use clap::{Args, ValueEnum};
 use linden_terminal::probe::{Environment, Findings, ask};
 use linden_terminal::tty::OpenError;
 use linden_terminal::{Capabilities, ColorDepth, Tty};
-use rustix::fs::Access;
 use serde::Serialize;
 
 use super::workbench::Look;
@@ -281,6 +280,7 @@ fn directories(dirs: &Dirs) -> Vec<Directory> {
 
 /// Whether files can be put there, after making what is missing of the path.
 fn can_be_written(path: &Path) -> bool {
+    use rustix::fs::Access;
     let mut at: PathBuf = path.to_owned();
     while std::fs::symlink_metadata(&at).is_err() {
         if !at.pop() {

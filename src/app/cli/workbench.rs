@@ -45,8 +45,11 @@ pub struct Terminal {
     #[arg(long)]
     stats: bool,
 
-    /// Write what happens into a file (`LINDEN_LOG_LEVEL`: error, warn, info, debug, trace)
-    #[arg(long, value_name = "FILE")]
+    #[arg(
+        long,
+        value_name = "FILE",
+        help = "Write what happens into a file (LINDEN_LOG_LEVEL: error, warn, info, debug, trace)"
+    )]
     log: Option<PathBuf>,
 }
 
@@ -73,7 +76,7 @@ impl Terminal {
                 "the workbench needs a terminal, and {stream} is none. Without one, try:\n  \
                  linden list\n  linden preview fir -o fir.png\n  linden export fir -o fir.glb"
             )),
-            other @ OpenError::Descriptor { .. } => other.into(),
+            OpenError::Descriptor { .. } => error.into(),
         })?;
         let overrides = self.look.overrides()?;
         match run(tty, Start { source, set, overrides, stats: self.stats })? {

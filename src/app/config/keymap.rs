@@ -99,12 +99,6 @@ impl Keymap {
         (keymap, document.finish())
     }
 
-    /// What a key runs: the context's own command, else the global one.
-    pub fn command(&self, context: &str, key: Key) -> Option<&'static str> {
-        let own = self.commands.get(&(context, key));
-        own.or_else(|| self.commands.get(&(GLOBAL, key))).copied()
-    }
-
     /// What a key runs in exactly this context.
     pub fn lookup(&self, context: &str, key: Key) -> Option<&'static str> {
         self.commands.get(&(context, key)).copied()
@@ -338,13 +332,18 @@ mod tests {
         Keymap::read(Path::new("keymap.toml"), text, TABLE)
     }
 
+    /// What a key runs where it is pressed: the context's own command, else the global one.
+    fn command(keymap: &Keymap, context: &str, key: Key) -> Option<&'static str> {
+        keymap.lookup(context, key).or_else(|| keymap.lookup(GLOBAL, key))
+    }
+
     #[test]
     fn defaults_are_found_by_context_then_globally() {
         let keymap = Keymap::defaults(TABLE);
-        assert_eq!(keymap.command("form", key("r")), Some("reset"));
-        assert_eq!(keymap.command("picture", key("r")), Some("camera.reset"));
-        assert_eq!(keymap.command("picture", key("q")), Some("quit"));
-        assert_eq!(keymap.command(GLOBAL, key("r")), None);
+        assert_eq!(command(&keymap, "form", key("r")), Some("reset"));
+        assert_eq!(command(&keymap, "picture", key("r")), Some("camera.reset"));
+        assert_eq!(command(&keymap, "picture", key("q")), Some("quit"));
+        assert_eq!(command(&keymap, GLOBAL, key("r")), None);
         assert_eq!(keymap.keys_of("help"), [key("?"), key("f1")]);
         assert_eq!(keymap.keys_of("nothing"), []);
         assert_eq!(read(""), (keymap, vec![]));
@@ -356,11 +355,11 @@ mod tests {
             read("[keys]\nundo = [\"u\", \"ctrl-z\"]\nhelp = []\n\"camera.reset\" = \"0\"\nseed = \"n\"\n");
         assert_eq!(complaints, []);
         assert_eq!(keymap.keys_of("undo"), [key("u"), key("ctrl-z")]);
-        assert_eq!(keymap.command("form", key("ctrl-z")), Some("undo"));
-        assert_eq!(keymap.command("form", key("?")), None);
+        assert_eq!(command(&keymap, "form", key("ctrl-z")), Some("undo"));
+        assert_eq!(command(&keymap, "form", key("?")), None);
         assert_eq!(keymap.keys_of("camera.reset"), [key("0")]);
-        assert_eq!(keymap.command("picture", key("r")), None);
-        assert_eq!(keymap.command("picture", key("n")), Some("seed"));
+        assert_eq!(command(&keymap, "picture", key("r")), None);
+        assert_eq!(command(&keymap, "picture", key("n")), Some("seed"));
         assert_eq!(read("[keys]\ncamera.reset = \"0\"").0.keys_of("camera.reset"), [key("0")]);
         let (keymap, complaints) = read("[keys]\n\"camera.reset\" = \"0\"\ncamera.reset = \"1\"");
         assert_eq!((keymap.keys_of("camera.reset"), complaints.len()), (&[key("0")][..], 1));
@@ -393,7 +392,7 @@ mod tests {
         // Both in the file: the first one keeps it, the second one its other keys.
         let (keymap, complaints) = read("[keys]\nundo = \"x\"\nredo = [\"x\", \"y\"]");
         both(&complaints, ["undo", "redo"]);
-        assert_eq!(keymap.command("form", key("x")), Some("undo"));
+        assert_eq!(command(&keymap, "form", key("x")), Some("undo"));
         assert_eq!(keymap.keys_of("redo"), [key("y")]);
         let (keymap, complaints) = read("[keys]\nundo = \"x\"\nredo = \"x\"");
         both(&complaints, ["undo", "redo"]);
@@ -401,22 +400,22 @@ mod tests {
         // The file takes a default away.
         let (keymap, complaints) = read("[keys]\nundo = \"r\"");
         both(&complaints, ["undo", "reset"]);
-        assert_eq!(keymap.command("form", key("r")), Some("undo"));
+        assert_eq!(command(&keymap, "form", key("r")), Some("undo"));
         assert_eq!(keymap.keys_of("reset"), []);
         // A context's command hides a global one, there only.
         let (keymap, complaints) = read("[keys]\nundo = \"q\"");
         both(&complaints, ["undo", "quit"]);
-        assert_eq!(keymap.command("form", key("q")), Some("undo"));
-        assert_eq!(keymap.command("picture", key("q")), Some("quit"));
+        assert_eq!(command(&keymap, "form", key("q")), Some("undo"));
+        assert_eq!(command(&keymap, "picture", key("q")), Some("quit"));
         // A global one of the user's goes before a context's default.
         let (keymap, complaints) = read("[keys]\nhelp = \"u\"");
         both(&complaints, ["help", "undo"]);
-        assert_eq!(keymap.command("form", key("u")), Some("help"));
+        assert_eq!(command(&keymap, "form", key("u")), Some("help"));
         // Both in the file, one of them global.
         let (keymap, complaints) = read("[keys]\nhelp = \"x\"\nundo = \"x\"");
         both(&complaints, ["help", "undo"]);
-        assert_eq!(keymap.command("form", key("x")), Some("undo"));
-        assert_eq!(keymap.command("picture", key("x")), Some("help"));
+        assert_eq!(command(&keymap, "form", key("x")), Some("undo"));
+        assert_eq!(command(&keymap, "picture", key("x")), Some("help"));
         // Freed in the same file: nothing to report. Other contexts are no conflict.
         assert_eq!(read("[keys]\nundo = \"r\"\nreset = []").1, []);
         assert_eq!(read("[keys]\nundo = \"x\"\nseed = \"x\"").1, []);
@@ -430,7 +429,7 @@ mod tests {
             let (keymap, complaints) = read(&format!("[keys]\n{text}"));
             assert_eq!(complaints.len(), said, "{text}: {complaints:?}");
             assert!(complaints.iter().all(|c| c.message.contains("always cancels")), "{complaints:?}");
-            assert_eq!(keymap.command("form", CANCEL), Some("quit"), "{text}");
+            assert_eq!(command(&keymap, "form", CANCEL), Some("quit"), "{text}");
         }
         assert_eq!(read("[keys]\nquit = []").0.keys_of("quit"), [CANCEL]);
         assert_eq!(read("[keys]\nundo = \"ctrl-c\"").0.keys_of("undo"), [key("u")]);

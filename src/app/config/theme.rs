@@ -100,7 +100,6 @@ pub struct Role {
     pub paint: Paint,
     /// In the theme `plain`, which has no colours.
     pub plain: Modifier,
-    read: fn(&Theme) -> Style,
     slot: fn(&mut Theme) -> &mut Style,
 }
 
@@ -123,7 +122,6 @@ macro_rules! roles {
             help: $help,
             paint: $paint,
             plain: $plain,
-            read: |theme| theme.$name,
             slot: |theme| &mut theme.$name,
         }),*];
 
@@ -202,6 +200,7 @@ impl Theme {
     }
 
     /// The built-in theme for light backgrounds.
+    #[cfg(test)]
     pub fn light() -> Self {
         Self::paint("light", true, &colors(true, ColorDepth::True))
     }
@@ -213,11 +212,6 @@ impl Theme {
             *(role.slot)(&mut theme) = Style::new().add_modifier(role.plain);
         }
         theme
-    }
-
-    /// The style of a role by its name, for documentation and previews.
-    pub fn style(&self, role: &Role) -> Style {
-        (role.read)(self)
     }
 
     /// `dark` or `light`, with these colours.
@@ -343,26 +337,6 @@ impl Theme {
     fn auto(light: bool, depth: ColorDepth) -> Self {
         Self::paint(if light { "light" } else { "dark" }, light, &colors(light, depth))
     }
-}
-
-/// Whether a background is light: whether black text on it has more contrast than white.
-pub fn is_light(background: [u8; 3]) -> bool {
-    contrast(background, [0; 3]) > contrast(background, [255; 3])
-}
-
-/// The contrast ratio of two colours, 1 to 21 (WCAG 2.2, "contrast ratio").
-pub fn contrast(a: [u8; 3], b: [u8; 3]) -> f64 {
-    let (a, b) = (luminance(a), luminance(b));
-    (a.max(b) + 0.05) / (a.min(b) + 0.05)
-}
-
-/// Relative luminance, 0 to 1 (WCAG 2.2, "relative luminance").
-fn luminance(rgb: [u8; 3]) -> f64 {
-    let linear = rgb.map(|byte| {
-        let c = f64::from(byte) / 255.0;
-        if c <= 0.04045 { c / 12.92 } else { libm::pow((c + 0.055) / 1.055, 2.4) }
-    });
-    0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
 }
 
 /// The palette of a built-in theme.

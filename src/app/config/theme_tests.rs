@@ -13,6 +13,26 @@ fn rgb(color: Color) -> [u8; 3] {
     }
 }
 
+/// The style of a role.
+fn style(theme: &Theme, role: &Role) -> Style {
+    *(role.slot)(&mut theme.clone())
+}
+
+/// The contrast ratio of two colours, 1 to 21 (WCAG 2.2, "contrast ratio").
+fn contrast(a: [u8; 3], b: [u8; 3]) -> f64 {
+    let (a, b) = (luminance(a), luminance(b));
+    (a.max(b) + 0.05) / (a.min(b) + 0.05)
+}
+
+/// Relative luminance, 0 to 1 (WCAG 2.2, "relative luminance").
+fn luminance(rgb: [u8; 3]) -> f64 {
+    let linear = rgb.map(|byte| {
+        let c = f64::from(byte) / 255.0;
+        if c <= 0.04045 { c / 12.92 } else { libm::pow((c + 0.055) / 1.055, 2.4) }
+    });
+    0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+}
+
 fn read(text: &str) -> (Theme, Vec<Complaint>) {
     Theme::read(Path::new("themes/moor.toml"), text, "moor", false, ColorDepth::True)
 }
@@ -23,7 +43,6 @@ fn contrast_is_wcags() {
     assert!((contrast([10, 20, 30], [10, 20, 30]) - 1.0).abs() < 1e-9);
     // The grey that is known as the lightest to pass on white, and the next one, which fails.
     assert!(contrast([0x76; 3], [255; 3]) >= 4.5 && contrast([0x77; 3], [255; 3]) < 4.5);
-    assert!(is_light([0xfd, 0xf6, 0xe3]) && !is_light([0x1e, 0x1e, 0x2e]));
 }
 
 #[test]
@@ -78,7 +97,7 @@ fn every_role_is_painted_from_the_palette() {
         }
         assert!(ANSI.iter().all(|(ansi, _)| !names.contains(ansi)));
         for theme in [Theme::dark(), Theme::light()] {
-            let style = theme.style(role);
+            let style = style(&theme, role);
             assert_eq!(style.fg.is_some(), role.paint.fg.is_some(), "{}", role.name);
             assert_eq!(style.bg.is_some(), role.paint.bg.is_some(), "{}", role.name);
         }
@@ -89,7 +108,7 @@ fn every_role_is_painted_from_the_palette() {
 fn plain_has_no_colours_and_still_tells_what_matters() {
     let plain = Theme::plain(false);
     for role in ROLES {
-        let style = plain.style(role);
+        let style = style(&plain, role);
         assert_eq!((style.fg, style.bg), (None, None), "{}", role.name);
     }
     assert_ne!(plain.selected, plain.text);
@@ -106,7 +125,7 @@ fn sixteen_colours_are_the_terminals_and_mark_what_has_no_ground() {
     for light in [false, true] {
         let (theme, _) = Theme::load(&Dirs::default(), "auto", light, ColorDepth::Ansi16);
         for role in ROLES {
-            let style = theme.style(role);
+            let style = style(&theme, role);
             let is_ansi = |color: Color| color == Color::Reset || ANSI.iter().any(|(_, own)| *own == color);
             assert!(style.fg.is_none_or(is_ansi) && style.bg.is_none(), "{}: {style:?}", role.name);
         }

@@ -1,7 +1,6 @@
 //! Growing what is on screen.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 use glam::Vec3;
 use linden::Skeleton;
@@ -33,13 +32,10 @@ pub struct Shown {
     pub outline: Vec<Vec<Vec3>>,
     /// The last derivation or iteration.
     pub steps: u32,
-    /// How long it took.
-    pub took: Duration,
 }
 
 /// Grows a recipe; `None` when nobody wants the result any more.
 pub fn grow_shown(recipe: &Arc<Recipe>, watcher: &Watcher<'_>) -> Option<Result<Arc<Shown>, String>> {
-    let start = Instant::now();
     let grown = match grow(recipe, watcher) {
         Ok(grown) => grown,
         Err(GrowError::Cancelled(_)) => return None,
@@ -65,7 +61,6 @@ pub fn grow_shown(recipe: &Arc<Recipe>, watcher: &Watcher<'_>) -> Option<Result<
         ground_m: skeleton.positions.iter().map(|p| p.y).fold(f32::INFINITY, f32::min),
         outline,
         steps: skeleton.births.iter().copied().max().unwrap_or(0),
-        took: start.elapsed(),
         grown,
     })))
 }

@@ -281,7 +281,7 @@ mod tests {
         .unwrap();
         lane.submit(());
         is_in.recv().unwrap();
-        lane.finish(Duration::from_secs(600));
+        lane.finish(Duration::from_mins(10));
         assert!(is_out.try_recv().is_ok());
     }
 }

@@ -42,6 +42,8 @@ mod hint_tests;
 #[cfg(test)]
 mod keys_tests;
 #[cfg(test)]
+mod pace_tests;
+#[cfg(test)]
 mod random_tests;
 #[cfg(test)]
 mod view_tests;

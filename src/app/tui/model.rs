@@ -12,7 +12,7 @@ use super::command::Context;
 use super::export::{ExportDialog, Exporting};
 use super::growth::Playback;
 use super::library::Library;
-use super::picture::PictureState;
+use super::picture::{self, PictureState};
 use super::shape::{Form, GrammarEditor};
 use super::tree::{Changes, Place, Tree};
 use super::vary::Gallery;
@@ -250,17 +250,17 @@ impl Model {
 
     /// Something happened.
     pub fn say(&mut self, text: impl Into<String>) {
-        self.push(Weight::Note, text.into());
+        self.push(Weight::Note, &text.into());
     }
 
     /// Something did not happen.
     pub fn say_warning(&mut self, text: impl Into<String>) {
-        self.push(Weight::Warning, text.into());
+        self.push(Weight::Warning, &text.into());
     }
 
     /// Something failed.
     pub fn say_error(&mut self, text: impl Into<String>) {
-        self.push(Weight::Error, text.into());
+        self.push(Weight::Error, &text.into());
     }
 
     /// What was wrong with what the user configured. The last one is on screen, all are on the page
@@ -271,8 +271,8 @@ impl Model {
         }
     }
 
-    fn push(&mut self, weight: Weight, text: String) {
-        let text = linden::knob::printable(&text);
+    fn push(&mut self, weight: Weight, text: &str) {
+        let text = linden::knob::printable(text);
         let stays = if weight == Weight::Note { MESSAGE_STAYS } else { 2 * MESSAGE_STAYS };
         let message = Message { weight, text, until: self.now + stays };
         tracing::debug!(?weight, text = message.text, "message");
@@ -288,6 +288,6 @@ impl Model {
     pub fn wake_at(&self) -> Option<Instant> {
         let message = self.message.as_ref().map(|message| message.until);
         let quiet = self.picture.waits_for_quiet(self).then(|| self.last_input + QUIET);
-        [message, quiet, self.picture.next_frame(), self.growth.next_frame()].into_iter().flatten().min()
+        [message, quiet, picture::next_frame(self), self.growth.next_frame()].into_iter().flatten().min()
     }
 }

@@ -114,6 +114,15 @@ impl Tree {
         if self.compares { &self.saved } else { &self.current }
     }
 
+    /// Whether a tree that grew is shown: the wanted one, or one on the way to it. While a key is
+    /// held each tree is overtaken before it has grown, and none would ever be seen.
+    pub fn takes(&self, grown: &Shown) -> bool {
+        let is_wanted = |shown: &Shown| Arc::ptr_eq(&shown.recipe, self.wanted());
+        let is_late = self.shown.as_ref().is_none_or(|shown| is_wanted(shown));
+        let is_on_the_way = self.series.is_some() && !is_late && grown.recipe.preset.id == self.preset().id;
+        is_wanted(grown) || is_on_the_way
+    }
+
     /// The recipe with all changes.
     pub fn recipe(&self) -> &Arc<Recipe> {
         &self.current

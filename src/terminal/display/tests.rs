@@ -248,3 +248,49 @@ fn bytes_beside_the_frames_come_once_and_whole() {
     let found = all.windows(16).filter(|window| *window == b"\x1b]52;c;bGluZGVu\x07").count();
     assert_eq!(found, 1, "{:?}", String::from_utf8_lossy(&all));
 }
+
+#[test]
+fn long_bytes_beside_the_frames_are_asked_after_like_any_others() {
+    let mut rig = Rig::new(SETTINGS);
+    let copied = format!("\x1b]52;c;{}\x07", "QUJD".repeat(200));
+    rig.display.beside(copied.as_bytes(), rig.now);
+    while !rig.display.output().is_idle() {
+        rig.done.recv_timeout(Duration::from_mins(1)).expect("a write ends");
+    }
+    let written = std::mem::take(&mut *rig.sink.0.lock().unwrap());
+    assert_eq!(written, [copied.as_bytes(), QUERY].concat());
+    // Its answer is the only one that comes: nothing is left that is given up later.
+    rig.display.acked(rig.now + Duration::from_millis(50));
+    rig.display.pump(rig.now + Duration::from_mins(1));
+    assert!(!rig.display.stats().mute);
+}
+
+#[test]
+fn what_was_copied_last_goes_out_with_the_farewell() {
+    let mut rig = Rig::new(SETTINGS);
+    rig.present(&frame("one", 1));
+    // If the first frame is still being written, this waits; if not, it went out at once.
+    rig.display.beside(b"\x1b]52;c;QUJD\x07", rig.now);
+    let waiting = rig.display.farewell();
+    while !rig.display.output().is_idle() {
+        rig.done.recv_timeout(Duration::from_mins(1)).expect("a write ends");
+    }
+    let written = [std::mem::take(&mut *rig.sink.0.lock().unwrap()), waiting].concat();
+    assert_eq!(written.windows(4).filter(|part| part == b"QUJD").count(), 1);
+}
+
+#[test]
+fn a_query_that_uses_the_pen_costs_the_next_frame_no_colour() {
+    let mut rig = Rig::new(SETTINGS);
+    for text in ["red", "redder"] {
+        let mut buffer = Buffer::empty(Rect::new(0, 0, 120, 40));
+        buffer.set_string(0, 0, text, Style::new().fg(Color::Red));
+        rig.present(&buffer);
+        rig.settle();
+        rig.display.beside(b"\x1b[48;2;12;34;56m\x1b[m", rig.now);
+        rig.settle();
+    }
+    let colors: Vec<_> = (0..6).map(|x| rig.terminal.screen().cell(0, x).unwrap().fgcolor()).collect();
+    assert_eq!(colors, [colors[0]; 6]);
+    assert!(colors[0] != vt100::Color::Default);
+}

@@ -249,9 +249,10 @@ pub fn loaded(model: &mut Model, place: Place, source: Result<Box<Source>, Strin
             for note in notes {
                 model.say(note);
             }
-            reread(model, place.clone(), recipe);
             // Changes for another preset are for one that the user has left.
-            if let Some((_, changes)) = model.changes.take().filter(|(of, _)| *of == place)
+            let changes = model.changes.take().filter(|(of, _)| *of == place);
+            reread(model, place, recipe);
+            if let Some((_, changes)) = changes
                 && let Some(tree) = &mut model.tree
             {
                 for complaint in tree.apply(&changes) {

@@ -53,6 +53,7 @@ impl Look {
 }
 
 /// How the tree is looked at.
+#[expect(clippy::struct_excessive_bools, reason = "switches that have nothing to do with each other")]
 pub struct PictureState {
     /// From where.
     pub camera: Camera,
@@ -104,12 +105,6 @@ impl PictureState {
         self.turning = now;
     }
 
-    /// When the turntable moves next.
-    pub fn next_frame(&self) -> Option<Instant> {
-        // The next frame waits for the last one: a slow picture slows the turntable, not the keys.
-        self.turning.map(|last| last + FRAME)
-    }
-
     /// Whether a better picture is to be drawn as soon as nothing happens.
     pub fn waits_for_quiet(&self, model: &Model) -> bool {
         !is_moving(model)
@@ -136,11 +131,15 @@ pub fn frame_time(model: &Model) -> Duration {
     if model.terminal.remote.value { FRAME_REMOTE } else { FRAME }
 }
 
+/// When the turntable moves next.
+pub fn next_frame(model: &Model) -> Option<Instant> {
+    model.picture.turning.map(|last| last + frame_time(model))
+}
+
 /// Turns the turntable.
 pub fn tick(model: &mut Model) {
-    let frame = frame_time(model);
     if let Some(last) = model.picture.turning
-        && model.now >= last + frame
+        && next_frame(model).is_some_and(|due| due <= model.now)
     {
         let seconds = model.now.saturating_duration_since(last).as_secs_f32().min(0.5);
         let speed = model.config.settings.turntable_deg_per_s as f32;
@@ -246,7 +245,8 @@ pub fn mouse(model: &mut Model, mouse: Mouse) {
 /// Comes closer, or goes away.
 fn zoom_by(model: &mut Model, factor: f32) {
     let camera = &mut model.picture.camera;
-    camera.zoom = (camera.zoom * factor).clamp(0.1, 200.0);
-    // What is in the middle stays there.
-    camera.pan *= factor;
+    let zoom = (camera.zoom * factor).clamp(0.1, 200.0);
+    // What is in the middle stays there, also where it comes no closer.
+    camera.pan *= zoom / camera.zoom;
+    camera.zoom = zoom;
 }

@@ -29,12 +29,18 @@ const GROWING_PATIENCE: Duration = Duration::from_millis(250);
 const DRAWING_PATIENCE: Duration = Duration::from_millis(120);
 /// How long an export that is cancelled at the end may take to take its files away.
 const EXPORT_PATIENCE: Duration = Duration::from_secs(2);
-/// Trees that are kept for undo and comparison: as many as have so many nodes together.
+/// Trees that are kept for undo and comparison: as many as have so many nodes and attraction points
+/// together (some 40 and 12 bytes each).
 const KEPT_NODES: usize = 2_000_000;
+/// What a tree counts at the least: its recipe and its outline take room however small it is.
+const LEAST_NODES: usize = 1_000;
+
+/// A preset that was read, or why not.
+type Read = (Place, Result<Box<Source>, String>);
 
 /// What a lane said.
 pub enum News {
-    Load(Answer<(Place, Result<Box<Source>, String>)>),
+    Load(Answer<Read>),
     Grow(Answer<Result<Arc<Shown>, String>>),
     Draw(Answer<Result<Box<Painted>, String>>),
     Gallery(Answer<Thumbnail>),
@@ -45,6 +51,9 @@ pub enum News {
 /// The lanes.
 pub struct Desk {
     load: Lane<Place>,
+    /// The number of the preset that was asked for last: of a file that changes twice, the first
+    /// reading must not pass for the second.
+    asked_load: u64,
     grow: Relay<Arc<Recipe>>,
     draw: Relay<DrawRequest>,
     gallery: Lane<GalleryRequest>,
@@ -93,6 +102,7 @@ impl Desk {
             gallery,
             asked_gallery: None,
             load,
+            asked_load: 0,
             grow: Relay::new(grow, GROWING_PATIENCE),
             draw: Relay::new(draw, DRAWING_PATIENCE),
             asked_recipe: None,
@@ -102,8 +112,8 @@ impl Desk {
     }
 
     /// Reads a preset.
-    pub fn load(&self, place: Place) {
-        self.load.submit(place);
+    pub fn load(&mut self, place: Place) {
+        self.asked_load = self.load.submit(place);
     }
 
     /// Exports.
@@ -124,6 +134,7 @@ impl Desk {
     /// What a lane said, as a message for the model.
     pub fn hear(&mut self, news: News, now: Instant) -> Option<Msg> {
         match news {
+            News::Load(answer) if answer.number != self.asked_load => None,
             News::Load(answer) => match answer.done {
                 Done::Value((place, source)) => Some(Msg::Loaded(place, source)),
                 Done::Broken(why) => Some(Msg::Broken("reading", why)),
@@ -175,11 +186,15 @@ impl Desk {
         if let Some(tree) = &model.tree {
             let wanted = tree.wanted();
             if !self.asked_recipe.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, wanted)) {
-                self.asked_recipe = Some(Arc::clone(wanted));
+                let last = self.asked_recipe.replace(Arc::clone(wanted));
                 if let Some(shown) = self.kept.iter().find(|shown| Arc::ptr_eq(&shown.recipe, wanted)) {
                     let shown = Arc::clone(shown);
                     self.grow.cancel();
                     return Some(Msg::Grown(Ok(shown)));
+                }
+                // A tree on the way to the wanted one may finish; that of another preset is of no use.
+                if last.is_some_and(|last| last.preset.id != wanted.preset.id) {
+                    self.grow.cancel();
                 }
                 self.grow.want(Arc::clone(wanted), now);
             }
@@ -189,9 +204,8 @@ impl Desk {
                 self.asked_look = Some(inquiry.clone());
                 self.look.submit(inquiry);
             }
-            Some(_) => {}
             None if self.asked_look.take().is_some() => self.look.cancel(),
-            None => {}
+            Some(_) | None => {}
         }
         match (vary::wanted(model), &self.asked_gallery) {
             (None, None) => {}
@@ -212,9 +226,11 @@ impl Desk {
             if !is_painted && !self.asked_picture.as_ref().is_some_and(is_there) {
                 self.asked_picture = Some(wanted.clone());
                 self.draw.want(wanted, now);
-            } else if is_painted {
-                // Whatever was asked for after it is not wanted any more.
-                self.asked_picture = model.picture.painted.as_ref().map(|painted| painted.request.clone());
+            } else if is_painted && self.asked_picture.as_ref().is_some_and(|asked| !asked.is_of(&wanted)) {
+                // What was asked for after it is not wanted any more. If it comes all the same, because
+                // it was done already, the wanted one is asked for again.
+                self.asked_picture = None;
+                self.draw.cancel();
             }
         }
         None
@@ -227,10 +243,15 @@ impl Desk {
 
     fn keep(&mut self, shown: Arc<Shown>) {
         self.kept.push(shown);
-        let nodes = |shown: &Arc<Shown>| shown.grown.skeleton.positions.len();
-        while self.kept.len() > 1 && self.kept.iter().map(nodes).sum::<usize>() > KEPT_NODES {
-            self.kept.remove(0);
-        }
+        let mut nodes = 0;
+        let fitting = self.kept.iter().rev().take_while(|shown| {
+            let points = shown.grown.colonized.as_ref().map_or(0, |own| own.points.len());
+            nodes += (shown.grown.skeleton.positions.len() + points).max(LEAST_NODES);
+            nodes <= KEPT_NODES
+        });
+        // The newest in any case.
+        let count = fitting.count().max(1);
+        self.kept.drain(..self.kept.len() - count);
     }
 }
 
@@ -244,7 +265,7 @@ fn send<T>(
 }
 
 /// Reads a preset, on its lane.
-fn read(place: Place, watcher: &Watcher<'_>, give: &dyn Fn((Place, Result<Box<Source>, String>))) {
+fn read(place: Place, watcher: &Watcher<'_>, give: &dyn Fn(Read)) {
     let path = match &place {
         Place::Builtin(id) => PathBuf::from(id),
         Place::File(path) => path.clone(),

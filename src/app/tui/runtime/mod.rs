@@ -322,8 +322,8 @@ impl Runtime {
 
     /// Paints the model and hands the frame over.
     fn paint(&mut self) {
+        // The model's clock stands: what waits for a time that passes here would not be woken for it.
         let now = Instant::now();
-        self.model.now = now;
         self.model.stats = self.keys.line(&self.display.stats());
         let mut buffer = Buffer::empty(Rect::new(0, 0, self.model.size.0, self.model.size.1));
         let view = frame::view(&self.model, &mut buffer);

@@ -13,14 +13,29 @@ const PATIENCE: Duration = Duration::from_millis(1500);
 pub struct Probing {
     environment: Environment,
     findings: Findings,
-    pub overrides: Overrides,
+    /// What the command line says.
+    flags: Overrides,
+    /// That, and what environment and settings say.
+    overrides: Overrides,
     until: Option<Instant>,
 }
 
 impl Probing {
-    /// Nothing is known yet but the environment.
-    pub fn new(overrides: Overrides) -> Self {
-        Self { environment: Environment::of_process(), findings: Findings::default(), overrides, until: None }
+    /// Nothing is known yet but the environment, and what the command line says.
+    pub fn new(flags: Overrides) -> Self {
+        Self {
+            environment: Environment::of_process(),
+            findings: Findings::default(),
+            overrides: flags.clone(),
+            flags,
+            until: None,
+        }
+    }
+
+    /// Takes what environment and settings say, in place of what they said before. The command line
+    /// comes first.
+    pub fn take_overrides(&mut self, overrides: Overrides) {
+        self.overrides = self.flags.clone().or(overrides);
     }
 
     /// What follows from all that is known.

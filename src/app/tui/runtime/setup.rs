@@ -1,7 +1,7 @@
 //! Reading what the user configured.
 
-use linden_terminal::probe::Overrides;
 use linden_terminal::Capabilities;
+use linden_terminal::probe::Overrides;
 
 use super::probing::Probing;
 use crate::config::Complaint;
@@ -23,7 +23,7 @@ pub fn configuration(probing: &mut Probing) -> (Config, Vec<String>) {
         Ok(own) => overrides = own.or(overrides),
         Err(error) => told.push(error.to_string()),
     }
-    probing.overrides = std::mem::take(&mut probing.overrides).or(overrides);
+    probing.take_overrides(overrides);
     let table = command::key_table();
     let (keymap, own) = Keymap::load(dirs.keymap().as_deref(), &table);
     complaints.extend(own);

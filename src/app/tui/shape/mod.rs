@@ -194,8 +194,7 @@ pub fn grown(model: &mut Model, grown: Result<Arc<Shown>, String>) {
     let Some(tree) = &mut model.tree else { return };
     tree.growing = None;
     match grown {
-        // What grew for another recipe comes too late.
-        Ok(shown) if !Arc::ptr_eq(&shown.recipe, tree.wanted()) => {}
+        Ok(shown) if !tree.takes(&shown) => {}
         Ok(shown) => {
             tree.fault = None;
             let is_first = tree.shown.is_none();
