@@ -62,7 +62,7 @@ pub fn view(model: &Model, mut area: Rect, buffer: &mut Buffer, view: &mut View)
     let about = about(model, area);
     let height = about.len() as u16;
     let list = Rect { height: area.height - height, ..area };
-    if library.rows().is_empty() {
+    if library.rows().is_empty() && !list.is_empty() {
         buffer.set_stringn(list.x, list.y, "nothing matches", list.width.into(), theme.dim);
     }
     let cursor = library.selected_row();
@@ -184,4 +184,19 @@ fn about(model: &Model, area: Rect) -> Vec<(String, Style)> {
         );
     }
     rows
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::tui::testing::Bench;
+
+    #[test]
+    fn a_filter_that_matches_nothing_bears_every_height() {
+        for rows in 1..8 {
+            for open in ["/", ":"] {
+                let mut bench = Bench::new(20, rows).without_pictures();
+                bench.keys(open).types("zzqx");
+            }
+        }
+    }
 }
