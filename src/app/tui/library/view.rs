@@ -185,3 +185,18 @@ fn about(model: &Model, area: Rect) -> Vec<(String, Style)> {
     }
     rows
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::tui::testing::Bench;
+
+    #[test]
+    fn a_filter_that_matches_nothing_bears_every_height() {
+        for rows in 1..8 {
+            for open in ["/", ":"] {
+                let mut bench = Bench::new(20, rows).without_pictures();
+                bench.keys(open).types("zzqx");
+            }
+        }
+    }
+}

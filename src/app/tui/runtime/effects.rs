@@ -216,6 +216,7 @@ impl Runtime {
     fn reconfigure(&mut self) {
         let (Config { theme, keymap, settings, complaints, dirs }, told) =
             setup::configuration(&mut self.probing);
+        let reload_changes = settings.reload != self.model.config.settings.reload;
         let mouse_changes = settings.mouse != self.model.config.settings.mouse;
         if mouse_changes && let Err(error) = self.session.set_mouse(settings.mouse) {
             self.model.say_error(format!("switching the mouse: {error}"));
@@ -226,6 +227,9 @@ impl Runtime {
         }
         let config = Config { dirs, theme, keymap, settings, complaints };
         self.update(Msg::Configured(Box::new(config)));
+        if reload_changes {
+            self.watch_files();
+        }
         self.know_terminal(Instant::now());
     }
 }
