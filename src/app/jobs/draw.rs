@@ -210,10 +210,12 @@ impl Painter {
         let area = request.area;
         // Sixels cannot be stretched, so that a coarse draft would not fill its area.
         let sixels = medium.graphics == Some(Protocol::Sixel);
-        let protocol = medium.graphics.filter(|_| !sixels || request.detail == Detail::Full);
+        let (wide, high) = exact_pixels(area, medium.cell_px);
+        let can_be_exact = request.detail == Detail::Full && wide.max(high) <= linden_raster::MAX_SIDE;
+        let protocol = medium.graphics.filter(|_| !sixels || can_be_exact);
         let (width, height) = match protocol {
             None => medium.pixels_of_cells(area.width, area.height),
-            Some(Protocol::Sixel) => exact_pixels(area, medium.cell_px),
+            Some(Protocol::Sixel) => (wide, high),
             Some(_) => pixels(area, medium.cell_px, request.detail),
         };
         let size = Size::new(width, height).map_err(|error| Some(error.to_string()))?;

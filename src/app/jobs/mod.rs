@@ -15,6 +15,8 @@ mod relay;
 pub use draw::{Detail, DrawRequest, Look, Medium, Painted, Painter};
 pub use export::{ExportNews, ExportOrder, WHOLE, run as run_export};
 pub use gallery::{GalleryRequest, SmallPicture, Thumbnail, paint_gallery};
+#[cfg(test)]
+pub use grow::stage;
 pub use grow::{Shown, grow_shown};
 pub use lane::{Answer, Done, Lane, THREAD_PREFIX, Watcher, lower_priority};
 pub use look::{Finding, Findings, Inquiry, look};

@@ -52,6 +52,8 @@ pub enum Msg {
     Configured(Box<Config>),
     /// The user's presets were read, and what could not be.
     Presets(Vec<UserPreset>, Vec<Complaint>),
+    /// Something of the user's cannot be had, one line each.
+    Complaints(Vec<String>),
     /// Files changed on disk.
     Changed(Vec<PathBuf>),
 }
@@ -84,9 +86,18 @@ pub fn update(model: &mut Model, msg: Msg, now: Instant) -> Effects {
             }
         }
         Msg::Grown(grown) => shape::grown(model, grown),
-        Msg::Painted(painted) => picture::painted(model, *painted),
-        Msg::NotPainted(why) => model.say_error(format!("drawing: {why}")),
+        Msg::Painted(painted) => {
+            picture::painted(model, *painted);
+            growth::seen(model);
+        }
+        Msg::NotPainted(why) => {
+            model.growth.pause();
+            model.say_error(format!("drawing: {why}"));
+        }
         Msg::Broken(doing, why) => {
+            // Nothing that is waited for comes any more.
+            model.loading = None;
+            model.growth.pause();
             if let Some(tree) = &mut model.tree {
                 tree.growing = None;
             }
@@ -101,6 +112,11 @@ pub fn update(model: &mut Model, msg: Msg, now: Instant) -> Effects {
             model.say_complaints();
         }
         Msg::Presets(presets, complaints) => library::listed(model, presets, complaints),
+        Msg::Complaints(said) => {
+            for complaint in said {
+                model.say_warning(complaint);
+            }
+        }
         Msg::Changed(files) => library::changed(model, &files, &mut effects),
     }
     around::refresh(model);

@@ -10,7 +10,12 @@ pub fn command_line(tree: &Tree) -> String {
         .map(|c| if c.is_alphanumeric() || matches!(c, '-' | '_' | '.') { c } else { '-' })
         .collect();
     let target = format!("{stem}.glb");
-    let Some(overrides) = tree.overrides() else {
+    // A path that a terminal would obey is not pasted into one.
+    let is_safe = match &tree.place {
+        Place::Builtin(_) => true,
+        Place::File(path) => path.to_str().is_some_and(|path| linden::knob::printable(path) == path),
+    };
+    let Some(overrides) = tree.overrides().filter(|_| is_safe) else {
         // What knobs cannot say goes along as a whole.
         let recipe = tree.recipe().to_line();
         return format!("linden export - -o {target} <<'END'\n{recipe}\nEND");
@@ -53,6 +58,16 @@ mod tests {
                 "profile=0,1; 2,2; 6,1; 9,0"
             ]
         );
+    }
+
+    #[test]
+    fn a_path_that_a_terminal_would_obey_is_not_copied() {
+        let preset = linden::preset::builtin("fir").unwrap().load().unwrap();
+        let tree =
+            Tree::new(Place::File("a\u{1b}[201~\nrm -r x.toml".into()), Recipe { preset, input: None });
+        let line = command_line(&tree);
+        assert!(!line.contains('\u{1b}') && !line.contains("rm -r"), "{line}");
+        assert!(line.starts_with("linden export - -o fir.glb <<'END'\n"));
     }
 
     #[test]

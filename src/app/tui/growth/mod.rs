@@ -30,6 +30,8 @@ pub struct Playback {
     playing: Option<Instant>,
     /// Until the next step.
     pause: Duration,
+    /// Whether the next step is due, and waits for the picture of this one.
+    waits: bool,
 }
 
 impl Playback {
@@ -45,7 +47,13 @@ impl Playback {
 
     /// When the next step is due.
     pub fn next_frame(&self) -> Option<Instant> {
-        self.playing.map(|last| last + self.pause)
+        self.playing.filter(|_| !self.waits).map(|last| last + self.pause)
+    }
+
+    /// Stays at the step that is on screen.
+    pub fn pause(&mut self) {
+        self.playing = None;
+        self.waits = false;
     }
 
     /// Shows the grown tree.
@@ -87,14 +95,14 @@ pub fn go_to(model: &mut Model, step: u32) {
     let Some(last) = shown(model).map(last_step) else { return };
     model.growth.step = (step < last).then_some(step);
     if model.growth.step.is_none() {
-        model.growth.playing = None;
+        model.growth.pause();
     }
 }
 
 /// Plays from here, from the start when the tree is grown; or pauses.
 fn play_or_pause(model: &mut Model) {
-    if model.growth.playing.take().is_some() {
-        return;
+    if model.growth.is_playing() {
+        return model.growth.pause();
     }
     let Some(tree) = shown(model) else { return };
     let (_, pause) = tempo(model, tree);
@@ -111,31 +119,37 @@ fn step_by(model: &mut Model, by: i64) {
     // One key is one derivation, or a hundredth of many iterations.
     let stride = if derives(tree) { 1 } else { i64::from(last.div_ceil(100).max(1)) };
     let at = i64::from(model.growth.step.unwrap_or(last));
-    model.growth.playing = None;
+    model.growth.pause();
     go_to(model, (at + by * stride).clamp(0, i64::from(last)) as u32);
 }
 
 /// Time has passed.
 pub fn tick(model: &mut Model) {
-    let Some(due) = model.growth.next_frame() else { return };
-    if model.now < due {
-        return;
+    if model.growth.next_frame().is_some_and(|due| due <= model.now) {
+        advance(model);
     }
+}
+
+/// A picture is there: what waited for it goes on.
+pub fn seen(model: &mut Model) {
+    if model.growth.waits {
+        advance(model);
+    }
+}
+
+/// The next step, once the picture of this one was seen.
+fn advance(model: &mut Model) {
     let Some(tree) = shown(model) else { return model.growth.stop() };
-    // The picture of this step has to be seen before the next.
-    let is_seen =
-        model.picture.painted.as_ref().is_some_and(|painted| painted.request.stage == model.growth.step);
+    let painted = model.picture.painted.as_ref();
+    let is_seen = painted.is_some_and(|painted| painted.request.stage == model.growth.step);
     let (steps, pause) = tempo(model, tree);
-    if !is_seen {
-        // Looked at again when the picture comes, and at the latest then.
+    model.growth.waits = !is_seen;
+    if is_seen {
+        let next = model.growth.step.unwrap_or(0).saturating_add(steps);
         model.growth.playing = Some(model.now);
-        model.growth.pause = pause.min(Duration::from_millis(40));
-        return;
+        model.growth.pause = pause;
+        go_to(model, next);
     }
-    let next = model.growth.step.unwrap_or(0).saturating_add(steps);
-    model.growth.playing = Some(model.now);
-    model.growth.pause = pause;
-    go_to(model, next);
 }
 
 #[cfg(test)]

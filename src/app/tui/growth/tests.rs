@@ -1,1 +1,73 @@
+use std::sync::Arc;
+use std::time::Duration;
 
+use linden::recipe::Recipe;
+
+use crate::jobs::{Watcher, grow_shown, stage};
+use crate::tui::testing::Bench;
+
+/// Longer than any step is looked at.
+const STEP: Duration = Duration::from_secs(1);
+
+#[test]
+fn every_derivation_is_seen_once_and_the_last_is_the_grown_tree() {
+    let mut bench = Bench::grown(130, 34);
+    bench.keys("p");
+    let mut seen = Vec::new();
+    while bench.model.growth.is_playing() {
+        bench.settle();
+        seen.push(bench.model.picture.painted.as_ref().and_then(|painted| painted.request.stage));
+        bench.wait(STEP);
+        assert!(seen.len() < 10, "{seen:?}");
+    }
+    assert_eq!(seen, [Some(0), Some(1)], "the second derivation is the grown tree");
+    assert_eq!(bench.model.growth.step(), None);
+}
+
+#[test]
+fn a_step_waits_for_the_picture_of_the_one_before_and_wakes_nobody() {
+    let mut bench = Bench::grown(130, 34);
+    bench.keys("p");
+    for _ in 0..3 {
+        bench.wait(STEP);
+    }
+    assert_eq!(bench.model.growth.step(), Some(0), "no picture came");
+    assert!(bench.model.growth.is_playing() && bench.model.growth.next_frame().is_none());
+    bench.settle();
+    assert_eq!(bench.model.growth.step(), Some(1), "the picture came, and the next step was due");
+}
+
+#[test]
+fn keys_and_the_bar_go_where_they_say() {
+    let mut bench = Bench::grown(130, 34);
+    for (keys, step) in [
+        (",", Some(1)),
+        (",", Some(0)),
+        (",", Some(0)),
+        (".", Some(1)),
+        (".", None),
+        ("(", Some(0)),
+        (")", None),
+    ] {
+        bench.keys(keys);
+        assert_eq!(bench.model.growth.step(), step, "{keys}");
+        assert!(!bench.model.growth.is_playing());
+    }
+    bench.keys("p p");
+    assert!(!bench.model.growth.is_playing(), "the second pauses");
+    bench.keys("j").settle();
+    assert_eq!(bench.model.growth.step(), None, "another tree is shown as it is");
+}
+
+#[test]
+fn a_stage_of_colonization_has_what_was_born_until_then() {
+    let preset = linden::preset::builtin("fir").unwrap().load().unwrap();
+    let recipe = Arc::new(Recipe { preset, input: None });
+    let shown = grow_shown(&recipe, &Watcher::idle()).unwrap().unwrap();
+    let births = &shown.grown.skeleton.births;
+    for step in [1, shown.steps / 2, shown.steps] {
+        let young = stage(&shown, step, &Watcher::idle()).unwrap().unwrap();
+        let expected = births.iter().filter(|birth| **birth <= step).count();
+        assert_eq!(young.positions.len(), expected, "{step}");
+    }
+}

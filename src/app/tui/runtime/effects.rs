@@ -13,7 +13,6 @@ use linden::recipe::Recipe;
 use super::{End, Happening, Runtime, memory, setup};
 use crate::config::presets;
 use crate::config::session::Session;
-use crate::config::watch::Watch;
 use crate::jobs::THREAD_PREFIX;
 use crate::tui::effect::Effect;
 use crate::tui::model::Config;
@@ -181,36 +180,16 @@ impl Runtime {
         });
     }
 
-    /// Watches the user's files from now on.
+    /// Watches the user's files from now on, if they want that.
     pub(super) fn watch_files(&mut self) {
-        if !self.model.config.settings.reload {
-            self.watch = None;
-            return;
-        }
-        let Some(dir) = self.model.config.dirs.config.clone() else { return };
-        let sender = self.sender.clone();
-        let (watch, complaints) = Watch::new(&[dir], move |files| {
-            drop(sender.send(Happening::Msg(Box::new(Msg::Changed(files)))));
-        });
-        for complaint in complaints {
-            self.model.say_warning(complaint.to_string());
-        }
-        self.watch = Some(watch);
-        self.watched.clear();
-        self.watch_source();
+        let config = &self.model.config;
+        self.watching.directory(config.dirs.config.clone().filter(|_| config.settings.reload));
     }
 
     /// Watches what the tree on screen was read from.
     pub(super) fn watch_source(&mut self) {
-        let Some(watch) = &self.watch else { return };
         let files = self.model.tree.as_ref().map(crate::tui::tree::Tree::files).unwrap_or_default();
-        if files == self.watched {
-            return;
-        }
-        self.watched.clone_from(&files);
-        for complaint in watch.also(&files) {
-            self.model.say_warning(complaint.to_string());
-        }
+        self.watching.files(files);
     }
 
     fn reconfigure(&mut self) {

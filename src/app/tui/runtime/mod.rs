@@ -11,6 +11,7 @@ mod probing;
 mod setup;
 mod stats;
 mod watchdog;
+mod watching;
 
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -30,10 +31,10 @@ use self::jobs::Desk;
 use self::memory::Memory;
 use self::probing::Probing;
 use self::watchdog::Watchdog;
+use self::watching::Watching;
 use super::frame;
 use super::model::{Layer, Model};
 use super::update::{Msg, update};
-use crate::config::watch::Watch;
 use crate::jobs::{THREAD_PREFIX, lower_priority};
 
 /// How a workbench begins.
@@ -84,9 +85,7 @@ struct Runtime {
     listener: Listener,
     tty: Tty,
     memory: Memory,
-    watch: Option<Watch>,
-    /// The files beside the configuration that are watched.
-    watched: Vec<PathBuf>,
+    watching: Watching,
     sender: Sender<Happening>,
     end: Option<End>,
     /// Whether the model may look different from the last frame.
@@ -157,8 +156,7 @@ impl Runtime {
             listener,
             tty,
             memory,
-            watch: None,
-            watched: Vec::new(),
+            watching: Watching::start(sender)?,
             sender: sender.clone(),
             end: None,
             is_stale: true,

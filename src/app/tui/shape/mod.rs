@@ -264,7 +264,8 @@ pub fn wheel(model: &mut Model, mouse: Mouse) {
 /// turns the knob with Ctrl, else moves on.
 pub fn clicked(model: &mut Model, row: usize, mouse: Mouse, _effects: &mut Effects) {
     let Some(tree) = &model.tree else { return };
-    let rows = rows(tree.preset());
+    // As they are on screen.
+    let rows = rows(&tree.wanted().preset);
     let Some(own) = rows.get(row).and_then(Row::spot) else { return wheel(model, mouse) };
     match mouse.action {
         MouseAction::Press(_) => {
