@@ -85,7 +85,8 @@ fn at_rest_nothing_is_sent_and_nothing_wakes() {
 fn pictures_over_a_network_stay_within_their_budget() {
     for (columns, rows) in SIZES {
         for answers in [Answers::TrueColor, Answers::Plain] {
-            for source in ["fir", "sphere"] {
+            {
+                let source = "sphere";
                 let home = Home::new();
                 let setup = Setup::new(columns, rows).over_ssh().answers(answers).args(&["open", source]);
                 let workbench = setup.start(&home);
