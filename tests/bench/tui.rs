@@ -5,8 +5,6 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a bench that cannot go on stops")]
 #![allow(clippy::print_stdout, reason = "its table is its result")]
 
-#[path = "../tui/growing.rs"]
-mod growing;
 #[path = "../tui/harness/mod.rs"]
 #[allow(dead_code, reason = "tests use the rest")]
 mod harness;
@@ -105,7 +103,7 @@ fn keys_while_growing(baseline: Duration) {
     let mut times = Vec::new();
     let home = Home::new();
     for _ in 0..3 {
-        let workbench = growing::while_it_grows(&home);
+        let workbench = Workbench::while_it_grows(&home);
         workbench.keys("\t\t");
         workbench.wait_for("the form", |screen| screen.footer().contains("More"));
         // Progress is shown too, now and then: what comes next may be that, and not the answer. So
@@ -124,15 +122,11 @@ fn keys_while_growing(baseline: Duration) {
 
 /// From a key to the bytes that move the form's cursor.
 fn cursor_time(workbench: &Workbench, key: &str) -> Duration {
-    let cursor = |screen: &harness::Shown| {
-        let plain = screen.look(110, 0).background;
-        (2..30).find(|row| screen.look(110, *row).background != plain)
-    };
-    let before = cursor(&workbench.screen());
+    let before = workbench.screen().form_cursor();
     let sent = workbench.sent();
     let pressed = Instant::now();
     workbench.keys(key);
-    workbench.wait_for("the cursor", |screen| cursor(screen) != before);
+    workbench.wait_for("the cursor", |screen| screen.form_cursor() != before);
     // The write that moved it is the last one in which the row changed, or the one before.
     let pieces = workbench.pieces_from(sent);
     let (came, _) = pieces.iter().find(|(_, bytes)| *bytes > 60).copied().unwrap_or(pieces[0]);

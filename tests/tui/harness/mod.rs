@@ -20,12 +20,12 @@ use rustix::process::{Pid, Signal, kill_process};
 
 pub use process::{End, Process};
 pub use sequences::{Token, tokens};
-pub use shown::{Look, Shown};
+pub use shown::{Shown, form_cursor};
 pub use terminal::{Answers, Link};
 use terminal::{Keyboard, Monitor};
 
 /// Longer than anything here takes on any machine: what is not there by then does not come.
-pub const PATIENCE: Duration = Duration::from_secs(60);
+pub const PATIENCE: Duration = Duration::from_mins(1);
 /// A program that has done nothing for so long waits for something; longer than the pause between a
 /// draft and the full picture.
 const REST: Duration = Duration::from_millis(400);
@@ -191,6 +191,15 @@ impl Workbench {
         workbench
     }
 
+    /// Starts the program on some hundred thousand nodes, which take seconds on any machine; they have
+    /// begun to grow.
+    pub fn while_it_grows(home: &Home) -> Self {
+        let args = ["open", "sphere", "--set", "points=150000", "--set", "step=0.02"];
+        let workbench = Setup::new(120, 40).args(&args).start(home);
+        workbench.wait_for("the preset", |screen| screen.row(0).contains("Sphere"));
+        workbench
+    }
+
     /// Types text, or any other bytes that a terminal sends.
     pub fn keys(&self, text: &str) {
         self.keyboard.as_ref().unwrap().press(text.as_bytes());
@@ -346,9 +355,8 @@ impl Workbench {
 impl Drop for Workbench {
     fn drop(&mut self) {
         self.process.kill();
-        // The screen of a test that fails.
         if std::thread::panicking() {
-            eprintln!("{}", self.screen().text());
+            print!("{}", self.screen().text() + "\n");
         }
     }
 }

@@ -8,16 +8,6 @@ pub struct Shown {
     screen: Screen,
 }
 
-/// How a cell looks.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Look {
-    pub foreground: vt100::Color,
-    pub background: vt100::Color,
-    pub bold: bool,
-    pub inverse: bool,
-    pub underline: bool,
-}
-
 impl Shown {
     pub fn new(screen: Screen) -> Self {
         Self { screen }
@@ -60,29 +50,9 @@ impl Shown {
         self.screen.rows(from, to - from).collect()
     }
 
-    /// How a cell looks.
-    pub fn look(&self, column: u16, row: u16) -> Look {
-        let cell = self.screen.cell(row, column).unwrap();
-        Look {
-            foreground: cell.fgcolor(),
-            background: cell.bgcolor(),
-            bold: cell.bold(),
-            inverse: cell.inverse(),
-            underline: cell.underline(),
-        }
-    }
-
-    /// The column and row where a text is first.
-    pub fn find(&self, text: &str) -> Option<(u16, u16)> {
-        self.rows().iter().zip(0..).find_map(|(line, row)| {
-            let at = line.find(text)?;
-            Some((line[..at].chars().count() as u16, row))
-        })
-    }
-
-    /// Whether two screens show the same, with colours.
-    pub fn is_same(&self, other: &Self) -> bool {
-        self.screen.contents_formatted() == other.screen.contents_formatted()
+    /// The row of the form that the cursor is on.
+    pub fn form_cursor(&self) -> Option<u16> {
+        form_cursor(&self.screen)
     }
 
     /// Cells between some columns and rows that are not blank: how much of a picture is there.
@@ -108,4 +78,11 @@ impl Shown {
     pub fn hears_mouse(&self) -> bool {
         self.screen.mouse_protocol_mode() != vt100::MouseProtocolMode::None
     }
+}
+
+/// The row of the form that the cursor is on: the one with another background.
+pub fn form_cursor(screen: &Screen) -> Option<u16> {
+    let (rows, columns) = screen.size();
+    let background = |row| screen.cell(row, columns.get() - 10).map(vt100::Cell::bgcolor);
+    (2..rows.get().saturating_sub(8)).find(|row| background(*row) != background(0))
 }

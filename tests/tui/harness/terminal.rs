@@ -22,7 +22,7 @@ pub enum Answers {
     Kitty,
     /// That it has sixels, and 24 bits.
     Sixel,
-    /// That it is WezTerm, which has iTerm2's pictures, and 24 bits.
+    /// That it is `WezTerm`, which has iTerm2's pictures, and 24 bits.
     Iterm2,
 }
 
