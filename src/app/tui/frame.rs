@@ -187,7 +187,8 @@ fn title(model: &Model, area: Rect, buffer: &mut Buffer) {
     let Some(tree) = &model.tree else { return };
     let preset = &tree.wanted().preset;
     let name = if preset.name.is_empty() { &preset.id } else { &preset.name };
-    row.put(&linden::knob::excerpt(name), theme.accent, 2);
+    // A name of any length leaves room for what follows.
+    row.put(&clipped(name, usize::from(area.width / 3).max(12)), theme.accent, 2);
     if tree.compares {
         row.put("as saved", theme.warning, 2);
     } else if tree.is_modified() {

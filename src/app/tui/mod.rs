@@ -46,4 +46,6 @@ mod pace_tests;
 #[cfg(test)]
 mod random_tests;
 #[cfg(test)]
+mod small_tests;
+#[cfg(test)]
 mod view_tests;

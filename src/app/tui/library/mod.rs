@@ -268,10 +268,13 @@ pub fn loaded(model: &mut Model, place: Place, source: Result<Box<Source>, Strin
 fn reread(model: &mut Model, place: Place, recipe: Recipe) {
     if let Place::File(path) = &place {
         model.library.add_file(path.clone(), &recipe.preset);
+        model.library.select_place(&place);
     }
     match &mut model.tree {
         Some(tree) if tree.place == place && tree.is_modified() => {
-            model.say_warning("the file changed on disk; your changes are kept, undo leads back to them");
+            model.say_warning(
+                "the file changed on disk; your changes are kept, and 'Revert all' takes what the file says",
+            );
             if let Some(tree) = &mut model.tree {
                 tree.saved_as(place, std::sync::Arc::new(recipe));
             }
