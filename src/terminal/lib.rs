@@ -11,7 +11,7 @@
 //! | [`display`] | frames → the terminal, pictures never before text |
 //! | [`graphics`] | pictures of pixels: kitty, iTerm2, sixel |
 //! | [`input`] | what comes from a terminal: bytes → keys, mouse, replies |
-//! | [`listen`] | threads that wait for the terminal and for signals |
+//! | [`mod@listen`] | threads that wait for the terminal and for signals |
 //! | [`output`] | a thread that writes |
 //! | [`pacing`] | how many bytes of pictures may be on their way |
 //! | [`probe`] | what a terminal can do: queries, replies, conclusions |

@@ -1,6 +1,6 @@
 //! What comes from a terminal: keys, the mouse, pasted text, and its replies to queries.
 //!
-//! [`Parser`] makes [`Event`]s of bytes. It has no clock and reads nothing: [`crate::listen`] does.
+//! [`Parser`] makes [`Event`]s of bytes. It has no clock and reads nothing: [`mod@crate::listen`] does.
 
 mod csi;
 mod key;
