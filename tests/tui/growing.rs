@@ -12,7 +12,7 @@ fn is_growing(workbench: &Workbench) -> bool {
 #[test]
 fn each_key_is_answered_before_the_tree_has_grown() {
     let home = Home::new();
-    let workbench = Workbench::while_it_grows(&home);
+    let workbench = Workbench::while_it_grows(&home, 150_000);
     workbench.keys("\t\t");
     workbench.wait_for("the form's hints", |screen| screen.footer().contains("More"));
     for round in 0..20 {
@@ -37,7 +37,7 @@ fn each_key_is_answered_before_the_tree_has_grown() {
 #[test]
 fn a_knob_that_is_turned_ends_the_growing_of_what_is_no_longer_wanted() {
     let home = Home::new();
-    let workbench = Workbench::while_it_grows(&home);
+    let workbench = Workbench::while_it_grows(&home, 150_000);
     // Back to a small tree: another preset.
     workbench.keys("G");
     workbench.wait_for("a small tree", |screen| {

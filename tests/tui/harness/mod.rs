@@ -191,10 +191,10 @@ impl Workbench {
         workbench
     }
 
-    /// Starts the program on some hundred thousand nodes, which take seconds on any machine; they have
-    /// begun to grow.
-    pub fn while_it_grows(home: &Home) -> Self {
-        let args = ["open", "sphere", "--set", "points=150000", "--set", "step=0.02"];
+    /// Starts the program on so many points, which take about as many nodes; they have begun to grow.
+    pub fn while_it_grows(home: &Home, points: u32) -> Self {
+        let points = format!("points={points}");
+        let args = ["open", "sphere", "--set", &points, "--set", "step=0.02"];
         let workbench = Setup::new(120, 40).args(&args).start(home);
         workbench.wait_for("the preset", |screen| screen.row(0).contains("Sphere"));
         workbench
