@@ -44,4 +44,6 @@ mod keys_tests;
 #[cfg(test)]
 mod random_tests;
 #[cfg(test)]
+mod small_tests;
+#[cfg(test)]
 mod view_tests;

@@ -79,7 +79,7 @@ pub fn palette(model: &Model, palette: &Palette, body: Rect, buffer: &mut Buffer
     line::paint(&palette.input, input, buffer, view, theme);
     let found = palette.found();
     let list = Rect { y: area.y + 1, height: area.height - 1, ..area };
-    if found.is_empty() {
+    if found.is_empty() && !list.is_empty() {
         buffer.set_stringn(list.x, list.y, " nothing matches", list.width.into(), theme.popup_dim);
     }
     let first = crate::tui::shape::view::first_row(palette.selected, found.len(), list.height.into());

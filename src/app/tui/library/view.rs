@@ -62,7 +62,7 @@ pub fn view(model: &Model, mut area: Rect, buffer: &mut Buffer, view: &mut View)
     let about = about(model, area);
     let height = about.len() as u16;
     let list = Rect { height: area.height - height, ..area };
-    if library.rows().is_empty() {
+    if library.rows().is_empty() && !list.is_empty() {
         buffer.set_stringn(list.x, list.y, "nothing matches", list.width.into(), theme.dim);
     }
     let cursor = library.selected_row();

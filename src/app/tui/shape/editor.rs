@@ -44,7 +44,9 @@ pub fn view(model: &Model, editor: &GrammarEditor, body: Rect, buffer: &mut Buff
     if let Some(fault) = &editor.fault {
         let style = theme.popup.patch(theme.error).remove_modifier(Modifier::UNDERLINED);
         Paragraph::new(said(fault)).style(style).wrap(Wrap { trim: true }).render(below, buffer);
-    } else if let Some(line) = model.tree.as_ref().and_then(|tree| forecast::line(tree.preset())) {
+    } else if let Some(line) = model.tree.as_ref().and_then(|tree| forecast::line(tree.preset()))
+        && !below.is_empty()
+    {
         buffer.set_stringn(
             below.x,
             below.y,
