@@ -346,6 +346,9 @@ impl Runtime {
     /// Gives the terminal back and keeps what is restored next time.
     fn leave(mut self) -> End {
         let end = self.end.unwrap_or(End::Quit);
+        // In a terminal that is given back, Ctrl-C throws away what is about to be read: the read
+        // would wait for a line, and the end for the read.
+        self.listener.pause();
         if end != End::Hangup {
             // The last frame may still be on its way to a slow terminal.
             self.display.output().flush(FAREWELL);
