@@ -352,6 +352,9 @@ impl Runtime {
     fn leave(mut self) -> End {
         self.watchdog.heard();
         let end = self.end.unwrap_or(End::Quit);
+        // In a terminal that is given back, Ctrl-C throws away what is about to be read: the read
+        // would wait for a line, and the end for the read.
+        self.listener.pause();
         if end != End::Hangup {
             // The last frame may still be on its way to a slow terminal.
             self.display.output().flush(FAREWELL);
