@@ -159,7 +159,7 @@ pub fn news(model: &mut Model, news: ExportNews, effects: &mut Effects) {
     }
 }
 
-/// `exported /a/fir.glb and 2 more, 3.4 MiB; E lists them`.
+/// `exported /a/fir.glb and 2 more, 3.4 MiB; F lists them`.
 fn done(files: &[(PathBuf, u64)]) -> String {
     let bytes = indicatif::BinaryBytes(files.iter().map(|(_, bytes)| bytes).sum());
     match files {
