@@ -111,6 +111,17 @@ pub const fn free(_: &Model) -> Option<String> {
     None
 }
 
+/// For commands that need a preset.
+pub fn without_preset(model: &Model) -> Option<String> {
+    model.tree.is_none().then(|| "no preset is chosen".to_owned())
+}
+
+/// For commands that need a tree on screen.
+pub fn without_tree(model: &Model) -> Option<String> {
+    let shown = model.tree.as_ref().and_then(|tree| tree.shown.as_ref());
+    shown.is_none().then(|| "no tree has grown yet".to_owned())
+}
+
 /// All commands, room by room.
 pub fn all() -> impl Iterator<Item = &'static Command> {
     [

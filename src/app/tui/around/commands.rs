@@ -1,15 +1,11 @@
 //! The rows of what is around the tree.
 
 use super::{Page, Palette, line, palette, yank};
-use crate::tui::command::{Command, Context, free};
+use crate::tui::command::{Command, Context, free, without_preset};
 use crate::tui::effect::Effect;
 use crate::tui::export;
 use crate::tui::frame;
 use crate::tui::model::{Layer, Model, Pane};
-
-fn has_no_tree(model: &Model) -> Option<String> {
-    model.tree.is_none().then(|| "no preset is chosen".to_owned())
-}
 
 fn focus_by(model: &mut Model, by: usize) {
     let at = Pane::ALL.iter().position(|pane| *pane == model.focus).unwrap_or(0);
@@ -100,7 +96,7 @@ pub const COMMANDS: &[Command] = &[
         title: "Copy command",
         help: "Copies the command line that exports what is on screen (through the terminal, so over SSH too)",
         hint: Some(50),
-        hindrance: has_no_tree,
+        hindrance: without_preset,
         run: |model, effects| {
             if let Some(tree) = &model.tree {
                 let text = yank::command_line(tree);
@@ -117,7 +113,7 @@ pub const COMMANDS: &[Command] = &[
         title: "Copy recipe",
         help: "Copies the recipe: one line of JSON that grows this tree anywhere",
         hint: None,
-        hindrance: has_no_tree,
+        hindrance: without_preset,
         run: |model, effects| {
             if let Some(tree) = &model.tree {
                 effects.push(Effect::Copy(tree.recipe().to_line()));

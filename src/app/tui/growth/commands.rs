@@ -1,15 +1,11 @@
 //! The rows of the room where growth is played.
 
 use super::{go_to, last_step, play_or_pause, shown, step_by};
-use crate::tui::command::{Command, Context};
+use crate::tui::command::{Command, Context, without_tree};
 use crate::tui::model::Model;
 
-fn has_no_tree(model: &Model) -> Option<String> {
-    shown(model).is_none().then(|| "no tree has grown yet".to_owned())
-}
-
 fn cannot_play(model: &Model) -> Option<String> {
-    has_no_tree(model).or_else(|| {
+    without_tree(model).or_else(|| {
         let never_grew = shown(model).is_some_and(|shown| last_step(shown) == 0);
         never_grew.then(|| "this tree has no steps: it was there at once".to_owned())
     })

@@ -4,7 +4,7 @@ use glam::Vec2;
 use linden_raster::Camera;
 
 use super::{Look, turn_by, zoom_by};
-use crate::tui::command::{Command, Context, free};
+use crate::tui::command::{Command, Context, free, without_tree};
 use crate::tui::model::Model;
 
 /// Degrees a key.
@@ -31,15 +31,6 @@ fn look_from(model: &mut Model, from: Camera) {
     (camera.yaw_deg, camera.pitch_deg) = (from.yaw_deg, from.pitch_deg);
 }
 
-fn has_no_tree(model: &Model) -> Option<String> {
-    model
-        .tree
-        .as_ref()
-        .and_then(|tree| tree.shown.as_ref())
-        .is_none()
-        .then(|| "no tree has grown yet".to_owned())
-}
-
 fn has_no_points(model: &Model) -> Option<String> {
     let shown = model.tree.as_ref().and_then(|tree| tree.shown.as_ref());
     match shown.map(|shown| shown.grown.colonized.is_some()) {
@@ -47,7 +38,7 @@ fn has_no_points(model: &Model) -> Option<String> {
         Some(false) => {
             Some("this tree grows by rewriting; it has no attraction points and no crown".to_owned())
         }
-        None => has_no_tree(model),
+        None => without_tree(model),
     }
 }
 
@@ -176,7 +167,7 @@ pub const COMMANDS: &[Command] = &[
         title: "Whole tree",
         help: "Frames the whole tree again",
         hint: Some(14),
-        hindrance: has_no_tree,
+        hindrance: without_tree,
         run: |model, _| {
             model.picture.turn(None);
             super::reset(model);
@@ -222,7 +213,7 @@ pub const COMMANDS: &[Command] = &[
         title: "Turntable",
         help: "Turns the tree by itself; again, or the mouse, stops it",
         hint: Some(40),
-        hindrance: has_no_tree,
+        hindrance: without_tree,
         run: |model, _| {
             let now = model.now;
             model.picture.turn(if model.picture.is_turning() { None } else { Some(now) });

@@ -5,17 +5,14 @@ use linden::preset::Space;
 use super::nudge::Nudge;
 use super::{grammar, nudge, open, save, selected, selected_rule, step, turn};
 use crate::tui::around::{Line, Purpose};
-use crate::tui::command::{Command, Context, free};
+use crate::tui::command::{Command, Context, free, without_preset};
 use crate::tui::effect::Effect;
 use crate::tui::model::{Layer, Model, Pane};
 use crate::tui::tree::{Place, Tree, grammar_of};
 
-fn has_no_tree(model: &Model) -> Option<String> {
-    model.tree.is_none().then(|| "no preset is chosen".to_owned())
-}
-
 fn unless(model: &Model, can: impl Fn(&Tree) -> bool, why: &str) -> Option<String> {
-    has_no_tree(model).or_else(|| model.tree.as_ref().is_some_and(|tree| !can(tree)).then(|| why.to_owned()))
+    without_preset(model)
+        .or_else(|| model.tree.as_ref().is_some_and(|tree| !can(tree)).then(|| why.to_owned()))
 }
 
 fn is_unmodified(model: &Model) -> Option<String> {
@@ -70,7 +67,7 @@ const fn nudging(
     hint: Option<u8>,
     run: fn(&mut Model, &mut crate::tui::effect::Effects),
 ) -> Command {
-    Command { id, context: Context::Shape, keys, title, help, hint, hindrance: has_no_tree, run }
+    Command { id, context: Context::Shape, keys, title, help, hint, hindrance: without_preset, run }
 }
 
 /// The rows of this room.
@@ -82,7 +79,7 @@ pub const COMMANDS: &[Command] = &[
         title: "Next knob",
         help: "Goes to the knob below",
         hint: None,
-        hindrance: has_no_tree,
+        hindrance: without_preset,
         run: |model, _| step(model, 1),
     },
     Command {
@@ -92,7 +89,7 @@ pub const COMMANDS: &[Command] = &[
         title: "Previous knob",
         help: "Goes to the knob above",
         hint: None,
-        hindrance: has_no_tree,
+        hindrance: without_preset,
         run: |model, _| step(model, -1),
     },
     Command {
@@ -102,7 +99,7 @@ pub const COMMANDS: &[Command] = &[
         title: "First knob",
         help: "Goes to the top of the form",
         hint: None,
-        hindrance: has_no_tree,
+        hindrance: without_preset,
         run: |model, _| step(model, isize::MIN),
     },
     Command {
@@ -112,7 +109,7 @@ pub const COMMANDS: &[Command] = &[
         title: "Last knob",
         help: "Goes to the bottom of the form",
         hint: None,
-        hindrance: has_no_tree,
+        hindrance: without_preset,
         run: |model, _| step(model, isize::MAX),
     },
     Command {
@@ -122,7 +119,7 @@ pub const COMMANDS: &[Command] = &[
         title: "Knobs: page down",
         help: "Goes eight knobs down",
         hint: None,
-        hindrance: has_no_tree,
+        hindrance: without_preset,
         run: |model, _| step(model, 8),
     },
     Command {
@@ -132,7 +129,7 @@ pub const COMMANDS: &[Command] = &[
         title: "Knobs: page up",
         help: "Goes eight knobs up",
         hint: None,
-        hindrance: has_no_tree,
+        hindrance: without_preset,
         run: |model, _| step(model, -8),
     },
     nudging(
@@ -190,7 +187,7 @@ pub const COMMANDS: &[Command] = &[
         title: "Type",
         help: "Types the knob's value, flips a switch, opens the grammar",
         hint: Some(12),
-        hindrance: has_no_tree,
+        hindrance: without_preset,
         run: |model, _| open(model),
     },
     Command {
@@ -287,7 +284,7 @@ pub const COMMANDS: &[Command] = &[
         help: "Saves the tree as a preset of your own",
         hint: Some(38),
         hindrance: |model| {
-            has_no_tree(model).or_else(|| {
+            without_preset(model).or_else(|| {
                 model
                     .config
                     .dirs

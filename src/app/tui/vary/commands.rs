@@ -3,16 +3,12 @@
 use super::chance::has_chance;
 use super::sweep::{SEED, SPREADS, Series, USUAL_SPREAD};
 use super::{Page, Way, choose, gallery, go, go_back, open, reroll, spread_by, take, turn_page};
-use crate::tui::command::{Command, Context, free};
+use crate::tui::command::{Command, Context, free, without_preset};
 use crate::tui::model::Model;
 use crate::tui::shape;
 
-fn has_no_tree(model: &Model) -> Option<String> {
-    model.tree.is_none().then(|| "no preset is chosen".to_owned())
-}
-
 fn has_no_chance(model: &Model) -> Option<String> {
-    has_no_tree(model).or_else(|| {
+    without_preset(model).or_else(|| {
         let is_certain = model.tree.as_ref().is_some_and(|tree| !has_chance(tree.preset()));
         is_certain.then(|| "nothing in this tree is left to chance".to_owned())
     })
@@ -27,7 +23,8 @@ fn has_no_seed(model: &Model, end: u64) -> Option<String> {
 
 fn cannot_sweep(model: &Model) -> Option<String> {
     let Some((row, current)) = shape::selected(model) else {
-        return has_no_tree(model).or_else(|| Some("the cursor is on the grammar; choose a knob".to_owned()));
+        return without_preset(model)
+            .or_else(|| Some("the cursor is on the grammar; choose a knob".to_owned()));
     };
     if row.knob.name == SEED {
         return has_no_chance(model);
