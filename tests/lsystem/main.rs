@@ -2,11 +2,13 @@
 #![expect(clippy::unwrap_used, reason = "what a test cannot unwrap fails it, in its helpers too")]
 
 mod chance;
+mod contexts;
 mod figures;
 mod language;
 mod limits;
 mod naive;
 mod older;
+mod parametric;
 mod presets;
 mod properties;
 mod turtle;

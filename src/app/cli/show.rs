@@ -58,6 +58,7 @@ struct ForecastRow {
     segments: f64,
     depth: u64,
     exact: bool,
+    at_least: bool,
 }
 
 impl Show {
@@ -108,6 +109,7 @@ fn forecast_of(preset: &Preset) -> anyhow::Result<Option<ForecastRow>> {
         segments: forecast.segments as f64,
         depth: forecast.depth,
         exact: forecast.exact,
+        at_least: forecast.at_least,
     }))
 }
 
@@ -139,11 +141,16 @@ fn page(preset: &Preset, input: Option<&Input>, knobs: &[KnobRow], forecast: Opt
         }
     }
     if let Some(forecast) = forecast {
-        let about = if forecast.exact { "" } else { "about " };
+        let about = match forecast {
+            ForecastRow { at_least: true, .. } => "at least ",
+            ForecastRow { exact: true, .. } => "",
+            _ => "about ",
+        };
         text.push_str(&format!(
-            "\nforecast\n  {about}{} symbols, {about}{} segments, branches nested {} deep\n",
+            "\nforecast\n  {about}{} symbols, {about}{} segments, branches nested {}{} deep\n",
             count(forecast.symbols),
             count(forecast.segments),
+            if forecast.at_least { about } else { "" },
             forecast.depth
         ));
     }

@@ -1,6 +1,6 @@
 //! Growing: from a grammar and settings to a branching structure, within limits.
 
-use super::derive::derive;
+use super::derive::{Way, derive};
 use super::error::LsystemError;
 use super::forecast::{self, Forecast};
 use super::grammar::Grammar;
@@ -86,14 +86,14 @@ pub fn grow(grammar: &Grammar, settings: &Settings, monitor: &dyn Monitor) -> Re
     let program = Program::compile(grammar);
     let forecast = settings.admit(&program)?;
     let nothing = LsystemError::NothingDrawn { derivations: settings.derivations };
-    if forecast.segments == 0 {
+    if forecast.segments == 0 && !forecast.at_least {
         return Err(nothing);
     }
     let total = forecast.exact.then_some(forecast.symbols as u64);
     // Exact, or unknown: an expectation is no reason to allocate.
     let segments = if forecast.exact { forecast.segments as usize } else { 0 };
     let mut turtle = Turtle::new(&program, settings, segments);
-    let symbols = derive(&program, settings, total, monitor, &mut turtle)?;
+    let symbols = derive(&program, settings, Way::Best, total, monitor, &mut turtle)?;
     let branching = turtle.into_branching();
     if branching.positions.is_empty() { Err(nothing) } else { Ok(Grown { branching, symbols }) }
 }
@@ -107,14 +107,14 @@ impl Settings {
         check_real("segment_m", self.segment_m, SEGMENT_RANGE_M)?;
         check_whole("symbol_limit", limit, 1, MAX_SYMBOLS)?;
         let forecast = forecast::of_program(program, derivations);
-        let Forecast { symbols, depth, exact, .. } = forecast;
+        let Forecast { symbols, depth, exact, at_least, .. } = forecast;
         if symbols > limit.into() {
             let fits = forecast::most_within(program, derivations, limit);
-            return Err(LsystemError::TooManySymbols { derivations, symbols, exact, limit, fits });
+            return Err(LsystemError::TooManySymbols { derivations, symbols, exact, at_least, limit, fits });
         }
         // The most that a stochastic system can nest may be far from what it does: then the turtle
         // counts.
-        if exact && depth > MAX_NESTING as u64 {
+        if (exact || at_least && !program.random) && depth > MAX_NESTING as u64 {
             return Err(LsystemError::NestedTooDeeply { derivations, limit: MAX_NESTING });
         }
         Ok(forecast)

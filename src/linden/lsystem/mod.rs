@@ -27,8 +27,10 @@
 //! ```
 
 mod command;
+mod context;
 mod derive;
 mod error;
+mod expression;
 mod forecast;
 mod grammar;
 mod grow;
@@ -37,8 +39,8 @@ mod program;
 pub mod text;
 mod turtle;
 
-pub use derive::derive_string;
+pub use derive::{Derived, Way, derive_by, derive_string};
 pub use error::{GrammarError, LsystemError, Part, Problem};
 pub use forecast::{Forecast, forecast};
-pub use grammar::{Expression, Grammar, Module, Predecessor, Production};
+pub use grammar::{Definition, Expression, Grammar, Module, Pattern, Production};
 pub use grow::{Grown, MAX_DERIVATIONS, MAX_NESTING, MAX_SYMBOLS, Settings, grow};
