@@ -1,10 +1,10 @@
 //! How much memory work takes, told before it is taken.
 //!
-//! A [`Monitor`] says how many bytes may be held at once ([`Monitor::memory_limit`]) and how many of
-//! them are spoken for ([`Monitor::memory_held`]). Each stage forecasts its peak, what it gives
-//! included, and asks [`Monitor::admit`] before it allocates; where nobody can know the peak, it asks
-//! again whenever a list is about to move to a larger place. Forecasts count the large arrays exactly
-//! and leave out what does not grow with the tree: a few hundred kilobytes ([`SLACK_BYTES`]).
+//! A [`Monitor`] says how many bytes may be held at once ([`Monitor::memory_limit`]). Each stage
+//! forecasts its peak, what it gives included, and asks [`Monitor::admit`] before it allocates; where
+//! nobody can know the peak, it asks again whenever a list is about to move to a larger place. What a
+//! caller keeps meanwhile counts too: it hands its stages a monitor that is [`Holding`] so much.
+//! Forecasts count what grows with the tree and leave out the rest ([`SLACK_BYTES`]).
 
 use std::fmt;
 
@@ -77,14 +77,15 @@ pub const fn bytes_grown<T>(count: usize) -> u64 {
     bytes_of::<T>(places).saturating_add(bytes_of::<T>(places / 2))
 }
 
-/// A monitor of which some memory is spoken for: what the caller keeps while a stage runs.
+/// A monitor for a stage while the caller keeps some memory: what the stage asks for is asked on top
+/// of that.
 pub struct Holding<'a> {
     monitor: &'a dyn Monitor,
     bytes: u64,
 }
 
 impl<'a> Holding<'a> {
-    /// `bytes` more than `monitor` knows of are held.
+    /// `bytes` are held beside what `monitor` knows of.
     pub fn new(monitor: &'a dyn Monitor, bytes: u64) -> Self {
         Self { monitor, bytes }
     }
@@ -103,8 +104,8 @@ impl Monitor for Holding<'_> {
         self.monitor.memory_limit()
     }
 
-    fn memory_held(&self) -> u64 {
-        self.monitor.memory_held().saturating_add(self.bytes)
+    fn admit(&self, doing: &'static str, bytes: u64, advice: &'static str) -> Result<(), OverMemory> {
+        self.monitor.admit(doing, self.bytes.saturating_add(bytes), advice)
     }
 }
 

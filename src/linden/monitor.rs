@@ -27,20 +27,15 @@ pub trait Monitor: Sync {
         u64::MAX
     }
 
-    /// Bytes that are held already by whoever asked for the work, of those in the limit.
-    fn memory_held(&self) -> u64 {
-        0
-    }
-
-    /// Whether `bytes` more may be held: asked before they are allocated. `doing` and `advice` are
+    /// Whether `bytes` may be held at once: asked before they are allocated. `doing` and `advice` are
     /// for the message: `sweeping the surface`, `lower sides`.
     ///
     /// # Errors
     /// [`OverMemory`], and nothing else.
     fn admit(&self, doing: &'static str, bytes: u64, advice: &'static str) -> Result<(), OverMemory> {
-        let (needs_bytes, limit_bytes) = (self.memory_held().saturating_add(bytes), self.memory_limit());
-        if needs_bytes > limit_bytes {
-            return Err(OverMemory { doing, needs_bytes, limit_bytes, advice });
+        let limit_bytes = self.memory_limit();
+        if bytes > limit_bytes {
+            return Err(OverMemory { doing, needs_bytes: bytes, limit_bytes, advice });
         }
         Ok(())
     }
