@@ -38,6 +38,7 @@ mod chunks;
 mod error;
 mod estimate;
 mod gltf;
+mod memory;
 mod obj;
 mod options;
 mod picture;

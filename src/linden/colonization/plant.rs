@@ -9,6 +9,7 @@ use super::growth::{self, Growth, GrowthRule, Stop};
 use super::{scan, scatter, trunk};
 use crate::grow::GrowError;
 use crate::input::{Up, recenter};
+use crate::memory::{Holding, bytes_of};
 use crate::monitor::Monitor;
 use crate::preset::{Colonization, Generator, Length, Origin, Space, UpAxis};
 use crate::random::Key;
@@ -117,8 +118,9 @@ pub(crate) fn plant(
         }
     };
     let mut points: Vec<Vec3> = site.points.iter().map(|p| p.as_vec3()).collect();
+    let held = bytes_of::<DVec3>(site.points.capacity()) + bytes_of::<Vec3>(points.capacity());
     let Growth { mut branching, iterations, unreached, stop } =
-        growth::grow(&points, &start, &rule, monitor)?;
+        growth::grow(&points, &start, &rule, &Holding::new(monitor, held))?;
     if iterations == 0 {
         let (points, kill_m) = (points.len(), rule.kill);
         return Err(GrowError::NothingGrew { points, reached: points - unreached, kill_m });

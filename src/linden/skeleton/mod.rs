@@ -5,6 +5,7 @@
 
 mod axes;
 mod measure;
+mod memory;
 mod radii;
 mod young;
 

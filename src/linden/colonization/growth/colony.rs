@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::nodes::Nodes;
 use super::search::Search;
-use super::{Growth, GrowthError, GrowthRule, Stop};
+use super::{ADVICE, DOING, Growth, GrowthError, GrowthRule, Stop, bytes_at};
 use crate::monitor::{Cancelled, Monitor, Stage};
 
 /// Fewer nodes than this are asked to grow by one thread.
@@ -48,6 +48,7 @@ impl Colony<'_> {
             }
             let cut = children.len() > room;
             children.truncate(room);
+            self.monitor.admit(DOING, bytes_at(self.points, &self.nodes, children.len()), ADVICE)?;
             iterations += 1;
             let first = self.nodes.len();
             self.nodes.extend(&children, iterations);

@@ -48,6 +48,7 @@ mod tree;
 
 use glam::Vec3;
 
+use crate::memory::OverMemory;
 use crate::monitor::{Cancelled, Monitor};
 use crate::skeleton::{Branching, NO_PARENT};
 use colony::Colony;
@@ -188,6 +189,9 @@ pub enum GrowthError {
         /// Metres.
         influence_m: f32,
     },
+    /// The points, or the nodes that grow, would take more memory than there may be.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
     /// Nobody wants the result any more.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -243,6 +247,7 @@ fn grow_with(
 
     // A node is in reach when its distance is strictly below the next number.
     let beyond = (rule.influence * rule.influence).next_up();
+    monitor.admit(DOING, points.len() as u64 * BUILD_BYTES_PER_POINT, ADVICE)?;
     let tree = PointTree::over(points, beyond, monitor)?;
     let mut colony = Colony {
         nodes: Nodes::new(start),
@@ -257,6 +262,22 @@ fn grow_with(
         return Err(out_of_reach(points, start, rule, monitor)?);
     }
     colony.run()
+}
+
+/// For messages about memory.
+const DOING: &str = "growing by space colonization";
+const ADVICE: &str = "lower points or max_nodes, or lengthen step";
+
+/// Bytes a point while the tree over the points is built, and those that the first nodes capture at once.
+const BUILD_BYTES_PER_POINT: u64 = 80;
+/// Bytes a point for the tree and its search.
+const BYTES_PER_POINT: u64 = 24;
+/// Bytes that a child takes until it is a node.
+const BYTES_PER_CHILD: u64 = 40;
+
+/// The peak while so many children become nodes.
+fn bytes_at(points: usize, nodes: &Nodes, children: usize) -> u64 {
+    points as u64 * BYTES_PER_POINT + nodes.bytes_with(children) + children as u64 * BYTES_PER_CHILD
 }
 
 impl GrowthRule {

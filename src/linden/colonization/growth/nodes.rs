@@ -9,6 +9,9 @@ use crate::skeleton::{Branching, NO_PARENT};
 /// What is left of a unit vector when something of about the same length cancels it.
 const VANISHING: f64 = 1e-9;
 
+/// Of a node: 24 are the result, 40 serve growth.
+const BYTES: u64 = 64;
+
 /// Nodes, 60 bytes each: 24 are the result, 36 serve growth.
 pub(super) struct Nodes {
     pub branching: Branching,
@@ -36,6 +39,16 @@ impl Nodes {
 
     pub fn len(&self) -> usize {
         self.branching.positions.len()
+    }
+
+    /// The peak while `more` are added.
+    pub fn bytes_with(&self, more: usize) -> u64 {
+        const LARGEST: u64 = 32;
+        let (len, capacity) = (self.len() as u64, self.branching.positions.capacity() as u64);
+        let room =
+            if capacity - len < more as u64 { len + (more as u64).max(len / 4).max(64) } else { capacity };
+        // The largest list moves while the others are there.
+        room * BYTES + if room == capacity { 0 } else { len * LARGEST }
     }
 
     fn adopt(&mut self, parent: u32) {
