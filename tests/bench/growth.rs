@@ -98,7 +98,8 @@ fn row(setting: &Setting) {
         max_iterations: u32::MAX,
         max_nodes: u32::MAX,
     };
-    let root = Branching { positions: vec![Vec3::ZERO], parents: vec![NO_PARENT], births: vec![0] };
+    let root =
+        Branching { positions: vec![Vec3::ZERO], parents: vec![NO_PARENT], births: vec![0], radii: None };
     let [one, two] =
         [1, 2].map(|threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap());
     let ours = |pool: &ThreadPool| pool.install(|| timed(|| grow(&points, &root, &rule, &Quiet).unwrap()));

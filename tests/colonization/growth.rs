@@ -44,7 +44,7 @@ fn grow_as_defined(points: &[Vec3], start: &Branching, rule: &GrowthRule) -> Opt
 }
 
 fn root(at: Vec3) -> Branching {
-    Branching { positions: vec![at], parents: vec![NO_PARENT], births: vec![0] }
+    Branching { positions: vec![at], parents: vec![NO_PARENT], births: vec![0], radii: None }
 }
 
 /// Points of every awkward kind, in a cube of about two metres.
@@ -177,8 +177,12 @@ fn large_growth_is_the_definition_on_any_number_of_threads() {
 #[test]
 fn a_forest_of_many_roots_is_the_definition() {
     let roots: Vec<Vec3> = ball(3_000).into_iter().map(|p| (p * 8.0).round() / 8.0).collect();
-    let start =
-        Branching { parents: vec![NO_PARENT; roots.len()], births: vec![0; roots.len()], positions: roots };
+    let start = Branching {
+        parents: vec![NO_PARENT; roots.len()],
+        births: vec![0; roots.len()],
+        positions: roots,
+        radii: None,
+    };
     let rule = GrowthRule { kill: 0.02, ..coarse(0.02, 0.1) };
     let growth = grow_as_defined(&ball(6_000), &start, &rule).unwrap();
     let most = (1..=growth.iterations)

@@ -20,6 +20,7 @@ fn roots(places: &[Vec3]) -> Branching {
         positions: places.to_vec(),
         parents: vec![NO_PARENT; places.len()],
         births: vec![0; places.len()],
+        radii: None,
     }
 }
 
@@ -186,6 +187,7 @@ fn the_start_is_kept_as_it_is() {
         positions: vec![Vec3::ZERO, 0.5 * Vec3::Y],
         parents: vec![NO_PARENT, 0],
         births: vec![7, 9],
+        radii: None,
     };
     let growth = grow(&[3.0 * Vec3::Y], &start, &RULE, &Quiet).unwrap();
     assert_eq!(growth.branching.positions[..2], start.positions);

@@ -24,7 +24,7 @@ fn drawn(axiom: &str, angle_deg: f64) -> Branching {
 /// What every branching structure keeps: arrays of one length, parents first, no segment without
 /// length.
 fn assert_sound(grown: &Grown) {
-    let Branching { positions, parents, births } = &grown.branching;
+    let Branching { positions, parents, births, .. } = &grown.branching;
     assert_eq!((positions.len(), positions.len()), (parents.len(), births.len()));
     for (node, &parent) in parents.iter().enumerate() {
         assert!(positions[node].is_finite());

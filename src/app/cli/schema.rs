@@ -120,10 +120,18 @@ fn of(knob: &Knob) -> Value {
             or_auto(auto, vector)
         }
         Kind::Color { auto } => or_auto(auto, json!({ "type": "string", "pattern": "^#[0-9a-fA-F]{6}$" })),
-        Kind::Profile { count } => {
+        Kind::Profile { least, most } => {
             let pair =
                 json!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 });
-            json!({ "type": "array", "items": pair, "minItems": count, "maxItems": count })
+            json!({ "type": "array", "items": pair, "minItems": least, "maxItems": most })
+        }
+        Kind::Reals { min, max, most } => {
+            json!({ "type": "array", "items": number(min, max), "minItems": 1, "maxItems": most })
+        }
+        Kind::Words(words) => json!({ "type": "array", "items": { "enum": words }, "uniqueItems": true }),
+        Kind::Colors { most } => {
+            let color = json!({ "type": "string", "pattern": "^#[0-9a-fA-F]{6}$" });
+            json!({ "type": "array", "items": color, "minItems": 1, "maxItems": most })
         }
     };
     let unit = if knob.unit.is_empty() { String::new() } else { format!(" ({})", knob.unit) };

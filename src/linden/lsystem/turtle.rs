@@ -138,6 +138,7 @@ impl Turtle {
             positions: Vec::with_capacity(segments + 1),
             parents: Vec::with_capacity(segments + 1),
             births: Vec::with_capacity(segments + 1),
+            radii: None,
         };
         Self {
             actions: program.commands().map(|(command, number)| action(command, number, settings)).collect(),

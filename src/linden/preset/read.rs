@@ -2,7 +2,7 @@
 
 use super::document::{Datum, Entry, Fault, Node, Place};
 use super::knobs::{KNOBS, PresetKnob, Section, shape_knobs};
-use super::{BarkLook, Colonization, Generator, LSystem, Length, Origin, Preset, Space, UpAxis};
+use super::{BarkLook, Colonization, Generator, LSystem, Preset, Space};
 use crate::knob::{did_you_mean, excerpt, nearest};
 use crate::lsystem::{Grammar, Part};
 use crate::skeleton::Wood;
@@ -50,33 +50,6 @@ impl Preset {
             wood: Wood::default(),
             tubes: Tubes::default(),
             bark: BarkLook::default(),
-        }
-    }
-}
-
-impl LSystem {
-    fn of(grammar: Grammar) -> Self {
-        Self { grammar, angle_deg: 25.0, derivations: 4, segment_length_m: 0.1, symbol_limit: 50_000_000 }
-    }
-}
-
-impl Colonization {
-    fn of(space: Space) -> Self {
-        Self {
-            space,
-            crown_base_m: None,
-            points: 2000,
-            step_m: None,
-            influence: Length::Auto,
-            kill: Length::Auto,
-            max_iterations: 100_000,
-            max_nodes: 50_000_000,
-            root: None,
-            trunk_m: None,
-            tropism: [0.0; 3],
-            contract: true,
-            up: UpAxis::Auto,
-            origin: Origin::Auto,
         }
     }
 }

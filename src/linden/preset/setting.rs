@@ -173,6 +173,27 @@ impl Setting for [f64; 3] {
     }
 }
 
+/// Numbers per branching order, say.
+impl Setting for Vec<f64> {
+    fn to_value(&self) -> Value {
+        Value::Reals(self.clone())
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        if let Value::Reals(numbers) = value { Some(numbers) } else { None }
+    }
+}
+
+impl Setting for Vec<[u8; 3]> {
+    fn to_value(&self) -> Value {
+        Value::Colors(self.clone())
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        if let Value::Colors(colors) = value { Some(colors) } else { None }
+    }
+}
+
 impl Setting for Length {
     fn to_value(&self) -> Value {
         match *self {

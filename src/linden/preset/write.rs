@@ -105,6 +105,11 @@ impl Serialize for Plain {
             Value::Switch(on) => serializer.serialize_bool(*on),
             Value::Vector(v) => v.serialize(serializer),
             Value::Profile(pairs) => pairs.serialize(serializer),
+            Value::Reals(numbers) => numbers.serialize(serializer),
+            Value::Words(words) => words.serialize(serializer),
+            Value::Colors(colors) => {
+                serializer.collect_seq(colors.iter().map(|&color| Value::Color(color).to_string()))
+            }
             other => serializer.collect_str(other),
         }
     }

@@ -78,6 +78,7 @@ mod tests {
             positions: vec![Vec3::ZERO, Vec3::Y, Vec3::Y * 2.0, Vec3::new(3.0, 1.0, 0.0)],
             parents: vec![NO_PARENT, 0, 1, 1],
             births: vec![0; 4],
+            radii: None,
         };
         let wood = Wood { radius_exponent: 1.0, tip_radius_m: Some(0.1), base_radius_m: None };
         let skeleton = Skeleton::build(branching, &wood).unwrap();

@@ -174,7 +174,7 @@ mod tests {
 
     fn tree(positions: Vec<Vec3>, parents: Vec<u32>, wood: &Wood) -> Skeleton {
         let births = vec![0; positions.len()];
-        Skeleton::build(Branching { positions, parents, births }, wood).unwrap()
+        Skeleton::build(Branching { positions, parents, births, radii: None }, wood).unwrap()
     }
 
     fn volume(mesh: &Mesh) -> f64 {

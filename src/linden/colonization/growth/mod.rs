@@ -203,7 +203,7 @@ pub enum GrowthError {
 /// use linden::colonization::growth::{GrowthRule, Stop, grow};
 /// use linden::{Branching, NO_PARENT, Quiet, Vec3};
 ///
-/// let root = Branching { positions: vec![Vec3::ZERO], parents: vec![NO_PARENT], births: vec![0] };
+/// let root = Branching { positions: vec![Vec3::ZERO], parents: vec![NO_PARENT], births: vec![0], radii: None };
 /// let rule = GrowthRule {
 ///     step: 0.1,
 ///     influence: 2.0,
@@ -289,7 +289,7 @@ fn fit(position: Vec3) -> bool {
 }
 
 fn check_start(start: &Branching) -> Result<(), GrowthError> {
-    let Branching { positions, parents, births } = start;
+    let Branching { positions, parents, births, .. } = start;
     let nodes = positions.len();
     if nodes == 0 {
         return Err(GrowthError::NoStart);
@@ -354,7 +354,8 @@ mod tests {
         let points: Vec<Vec3> = (0..20_000)
             .map(|i| Vec3::from([0, 1, 2].map(|axis| key.child(i).child(axis).between(-1.0, 1.0) as f32)))
             .collect();
-        let root = Branching { positions: vec![Vec3::ZERO], parents: vec![NO_PARENT], births: vec![0] };
+        let root =
+            Branching { positions: vec![Vec3::ZERO], parents: vec![NO_PARENT], births: vec![0], radii: None };
         for influence in [0.4, f32::INFINITY] {
             let rule = GrowthRule {
                 step: 0.03,
