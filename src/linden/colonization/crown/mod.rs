@@ -9,12 +9,15 @@
 //! Every sample is uniform in volume and depends on its key alone.
 
 pub mod bezier;
+pub mod compound;
 pub mod cone;
 pub mod cylinder;
 pub mod dome;
 pub mod ellipsoid;
 pub mod envelope;
+pub mod favor;
 pub mod lathe;
+pub mod placed;
 pub mod revolution;
 mod section;
 pub mod sphere;
