@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 
 use super::crown::envelope::Envelope;
 use super::crown::{self, Crown};
-use super::growth::{self, Growth, GrowthRule, Stop};
+use super::growth::{self, Growth, GrowthRule, Habit, Stop};
 use super::{scan, scatter, trunk};
 use crate::grow::GrowError;
 use crate::input::{Up, recenter};
@@ -117,7 +117,7 @@ pub(crate) fn plant(
         }
     };
     let mut points: Vec<Vec3> = site.points.iter().map(|p| p.as_vec3()).collect();
-    let Growth { mut branching, iterations, unreached, stop } =
+    let Growth { mut branching, iterations, unreached, stop, captured: _ } =
         growth::grow(&points, &start, &rule, monitor)?;
     if iterations == 0 {
         let (points, kill_m) = (points.len(), rule.kill);
@@ -172,6 +172,7 @@ fn stop_note(stop: Stop, unreached: usize, points: usize, settings: &Colonizatio
                 .then(|| format!("{left}: they lie beyond the influence distance; raise influence"))
         }
         Stop::Stalled => Some(format!("{left}: the step is too short for coordinates of this size")),
+        Stop::Blocked => Some(format!("{left}: obstacles or max_children were in the way")),
         Stop::MaxIterations => {
             Some(format!("{left}: growth stopped at max_iterations={}", settings.max_iterations))
         }
@@ -238,6 +239,7 @@ impl Site {
             tropism: DVec3::from_array(settings.tropism).as_vec3(),
             max_iterations: settings.max_iterations,
             max_nodes: settings.max_nodes,
+            habit: Habit::PLAIN,
         };
         (rule, notes)
     }
