@@ -1,5 +1,7 @@
 //! What habits are for: the forms that they give, and that growth ends whatever they ask.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot be set up fails")]
+
 use linden::colonization::{
     Attraction, Growth, GrowthError, GrowthRule, Habit, Meet, Obstacle, Stop, grow, grow_among,
 };
