@@ -84,7 +84,7 @@ pub(crate) fn plant(
     };
     let mut points: Vec<Vec3> = site.points.iter().map(|p| p.as_vec3()).collect();
     let held = bytes_of::<DVec3>(site.points.capacity()) + bytes_of::<Vec3>(points.capacity());
-    let Growth { mut branching, iterations, unreached, stop } =
+    let Growth { mut branching, iterations, unreached, stop, captured: _ } =
         growth::grow(&points, &start, &rule, &Holding::new(monitor, held))?;
     if iterations == 0 {
         let (points, kill_m) = (points.len(), rule.kill);
@@ -139,6 +139,7 @@ fn stop_note(stop: Stop, unreached: usize, points: usize, settings: &Colonizatio
                 .then(|| format!("{left}: they lie beyond the influence distance; raise influence"))
         }
         Stop::Stalled => Some(format!("{left}: the step is too short for coordinates of this size")),
+        Stop::Blocked => Some(format!("{left}: obstacles or max_children were in the way")),
         Stop::MaxIterations => {
             Some(format!("{left}: growth stopped at max_iterations={}", settings.max_iterations))
         }
