@@ -120,6 +120,9 @@ impl State {
 pub(super) struct Turtle {
     /// By module identifier.
     actions: Vec<Action>,
+    /// By module identifier, for modules whose arguments are computed.
+    commands: Vec<Command>,
+    settings: Settings,
     state: State,
     stack: Vec<State>,
     branching: Branching,
@@ -128,7 +131,6 @@ pub(super) struct Turtle {
     feet: Vec<Option<u32>>,
     /// How many of `feet` a state on the stack may know; later ones are the turtle's own.
     shared_feet: usize,
-    derivations: u32,
 }
 
 impl Turtle {
@@ -141,13 +143,17 @@ impl Turtle {
             radii: None,
         };
         Self {
-            actions: program.commands().map(|(command, number)| action(command, number, settings)).collect(),
+            actions: program
+                .commands()
+                .map(|(command, numbers)| action(command, numbers, settings))
+                .collect(),
+            commands: program.commands().map(|(command, _)| command).collect(),
+            settings: *settings,
             state: State::start(),
             stack: Vec::new(),
             branching,
             feet: vec![None],
             shared_feet: 0,
-            derivations: settings.derivations,
         }
     }
 
@@ -199,11 +205,36 @@ impl Turtle {
 
     fn push(&mut self) -> Result<(), LsystemError> {
         if self.stack.len() == MAX_NESTING {
-            let derivations = self.derivations;
+            let derivations = self.settings.derivations;
             return Err(LsystemError::NestedTooDeeply { derivations, limit: MAX_NESTING });
         }
         self.stack.push(self.state);
         self.shared_feet = self.feet.len();
+        Ok(())
+    }
+
+    fn obey(&mut self, action: Action, birth: u32) -> Result<(), LsystemError> {
+        match action {
+            Action::Nothing => {}
+            Action::Draw { length_m } => self.draw(length_m, birth),
+            Action::Move { length_m } => self.move_on(length_m),
+            Action::Push => self.push()?,
+            // Grammars are balanced: there always is a state.
+            Action::Pop => self.state = self.stack.pop().unwrap_or(self.state),
+            Action::Yaw(turn) => {
+                turn.apply(&mut self.state.heading, &mut self.state.left);
+                self.state.count_turn();
+            }
+            Action::Pitch(turn) => {
+                turn.apply(&mut self.state.up, &mut self.state.heading);
+                self.state.count_turn();
+            }
+            Action::Roll(turn) => {
+                turn.apply(&mut self.state.up, &mut self.state.left);
+                self.state.count_turn();
+            }
+            Action::Level => self.state.level(),
+        }
         Ok(())
     }
 }
@@ -211,38 +242,24 @@ impl Turtle {
 impl Sink for Turtle {
     fn take(&mut self, modules: &[u32], birth: u32) -> Result<(), LsystemError> {
         for &id in modules {
-            match self.actions[id as usize] {
-                Action::Nothing => {}
-                Action::Draw { length_m } => self.draw(length_m, birth),
-                Action::Move { length_m } => self.move_on(length_m),
-                Action::Push => self.push()?,
-                // Grammars are balanced: there always is a state.
-                Action::Pop => self.state = self.stack.pop().unwrap_or(self.state),
-                Action::Yaw(turn) => {
-                    turn.apply(&mut self.state.heading, &mut self.state.left);
-                    self.state.count_turn();
-                }
-                Action::Pitch(turn) => {
-                    turn.apply(&mut self.state.up, &mut self.state.heading);
-                    self.state.count_turn();
-                }
-                Action::Roll(turn) => {
-                    turn.apply(&mut self.state.up, &mut self.state.left);
-                    self.state.count_turn();
-                }
-                Action::Level => self.state.level(),
-            }
+            self.obey(self.actions[id as usize], birth)?;
         }
         Ok(())
     }
+
+    fn apply(&mut self, module: u32, arguments: &[f64], birth: u32) -> Result<(), LsystemError> {
+        self.obey(action(self.commands[module as usize], arguments, &self.settings), birth)
+    }
 }
 
-fn action(command: Command, number: Option<f64>, settings: &Settings) -> Action {
+fn action(command: Command, arguments: &[f64], settings: &Settings) -> Action {
+    // The first of several arguments is the turtle's (ABOP, section 1.10.1).
+    let number = arguments.first().copied();
     let length_m = settings.segment_m * number.unwrap_or(1.0);
     let degrees = number.unwrap_or(settings.angle_deg);
     let turn = |positive| Turn::by_degrees(if positive { degrees } else { -degrees });
     match command {
-        Command::Draw => Action::Draw { length_m },
+        Command::Draw | Command::DrawUnrecorded => Action::Draw { length_m },
         Command::Move => Action::Move { length_m },
         Command::Push => Action::Push,
         Command::Pop => Action::Pop,
@@ -251,7 +268,14 @@ fn action(command: Command, number: Option<f64>, settings: &Settings) -> Action 
         Command::Roll(sense) => Action::Roll(turn(sense == Sense::Left)),
         Command::TurnAround => Action::Yaw(Turn::HALF),
         Command::Level => Action::Level,
-        // A branching structure has no widths and no colours; `%` has done its work by now.
-        Command::Width | Command::Colour | Command::Cut | Command::Silent => Action::Nothing,
+        // A branching structure has no widths, colours, polygons or organs; `%` has done its work by now.
+        Command::Width
+        | Command::Colour
+        | Command::PolygonBegin
+        | Command::PolygonVertex
+        | Command::PolygonEnd
+        | Command::Organ
+        | Command::Cut
+        | Command::Silent => Action::Nothing,
     }
 }
