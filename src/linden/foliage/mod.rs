@@ -12,7 +12,7 @@ use glam::Vec3;
 
 use crate::scene::Bounds;
 
-pub use mesh::{FoliageError, Foliage, meshes};
+pub use mesh::{Foliage, FoliageError, meshes};
 pub use prototype::{PROTOTYPES, Prototype, prototype};
 
 /// The most corners that one polygon may have: far more than any leaf's outline, few enough for the
@@ -99,10 +99,7 @@ impl Organs {
             let bounds = boxes[self.placed.prototypes[i] as usize];
             let corner = move |n: u32, Bounds { min, max }: Bounds| {
                 let pick = |axis: u32, low: f32, high: f32| if n >> axis & 1 == 0 { low } else { high };
-                self.place(
-                    i,
-                    Vec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z)),
-                )
+                self.place(i, Vec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z)))
             };
             bounds.into_iter().flat_map(move |bounds| (0..8).map(move |n| corner(n, bounds)))
         });

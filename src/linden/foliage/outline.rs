@@ -111,12 +111,16 @@ impl Filler {
         }
         let base = at(*self.distinct.first()?);
         let away = |i: u32| at(i) - base;
-        let far = self.distinct.iter().copied().reduce(|a, b| {
-            if away(b).length_squared() > away(a).length_squared() { b } else { a }
-        })?;
-        let widest = self.distinct.iter().map(|&i| away(far).cross(away(i))).reduce(|a, b| {
-            if b.length_squared() > a.length_squared() { b } else { a }
-        })?;
+        let far = self
+            .distinct
+            .iter()
+            .copied()
+            .reduce(|a, b| if away(b).length_squared() > away(a).length_squared() { b } else { a })?;
+        let widest = self
+            .distinct
+            .iter()
+            .map(|&i| away(far).cross(away(i)))
+            .reduce(|a, b| if b.length_squared() > a.length_squared() { b } else { a })?;
         if widest.length() > least { widest.try_normalize() } else { None }
     }
 
@@ -214,8 +218,9 @@ mod tests {
         for seed in 0..300 {
             let key = Key::new(seed);
             let coordinate = |i: u64| (key.child(i).unit() * 4.0).floor() as f32;
-            let corners: Vec<Vec3> =
-                (0..12).map(|i| Vec3::new(coordinate(3 * i), coordinate(3 * i + 1), coordinate(3 * i + 2))).collect();
+            let corners: Vec<Vec3> = (0..12)
+                .map(|i| Vec3::new(coordinate(3 * i), coordinate(3 * i + 1), coordinate(3 * i + 2)))
+                .collect();
             if let Some(filled) = filler.fill(&corners, Vec3::Y, Vec3::Z) {
                 assert!(filled.triangles.iter().all(|&i| (i as usize) < filled.corners.len()));
             }

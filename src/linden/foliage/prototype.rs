@@ -91,7 +91,7 @@ fn blossom() -> Mesh {
     for petal in 0..PETALS {
         let (sin, cos) = libm::sincosf(TAU * petal as f32 / PETALS as f32);
         let out = Vec3::new(sin * reach, rise, cos * reach);
-        let across = Vec3::new(cos, 0.0, -sin);
+        let across = Vec3::new(-cos, 0.0, sin);
         let up = across.cross(out);
         let base = mesh.positions.len() as u32;
         for (along, half) in SECTIONS {
@@ -234,7 +234,10 @@ mod tests {
             }
             assert!(used.iter().all(|&used| used), "{name}");
             assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-5), "{name}");
-            assert!(mesh.uvs.iter().all(|uv| uv.cmpge(Vec2::ZERO).all() && uv.cmple(Vec2::ONE).all()), "{name}");
+            assert!(
+                mesh.uvs.iter().all(|uv| uv.cmpge(Vec2::ZERO).all() && uv.cmple(Vec2::ONE).all()),
+                "{name}"
+            );
             let size = mesh.bounds().unwrap().size();
             let (extent, axis) = if own.letter == 'K' { (size.x, "across") } else { (size.y, "long") };
             assert!((extent - 1.0).abs() < 0.06, "{name} is {extent} {axis}");

@@ -95,6 +95,7 @@ impl Command {
     pub(super) fn argument_range(self) -> Option<[f64; 2]> {
         match self {
             Self::Draw | Self::DrawUnrecorded | Self::Width => Some([SHORTEST, LARGEST]),
+            Self::Colour => Some([0.0, LARGEST]),
             Self::Move | Self::Yaw(_) | Self::Pitch(_) | Self::Roll(_) => Some([-LARGEST, LARGEST]),
             _ => None,
         }
