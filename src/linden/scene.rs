@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use bytemuck::allocation::zeroed_vec;
 use glam::{Vec2, Vec3};
 
 use crate::picture::Picture;
@@ -50,6 +51,16 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// All zero: memory that nobody has touched yet.
+    pub(crate) fn zeroed(vertices: usize, triangles: usize) -> Self {
+        Self {
+            positions: zeroed_vec(vertices),
+            normals: zeroed_vec(vertices),
+            uvs: zeroed_vec(vertices),
+            triangles: zeroed_vec(triangles),
+        }
+    }
+
     /// Smallest box around the vertices, `None` for a mesh without any.
     pub fn bounds(&self) -> Option<Bounds> {
         Bounds::of(self.positions.iter().copied())

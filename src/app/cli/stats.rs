@@ -6,7 +6,7 @@ use anyhow::Context;
 use clap::Args;
 use linden::Vec3;
 use linden::scene::Bounds;
-use linden::surface::{sweep, topology};
+use linden::surface::survey;
 use serde::Serialize;
 
 use super::Growing;
@@ -70,14 +70,15 @@ impl Stats {
         let grown = super::grown(&source, &progress)?;
         let grow_s = started.elapsed().as_secs_f64();
         let started = Instant::now();
-        // The surface alone: the bark's pictures are not measured, and take longer than all else.
-        let mesh = sweep(&grown.skeleton, &source.recipe.preset.tubes, &progress)
+        // The surface alone, and never the whole of it: trees can be measured that no mesh format holds.
+        // The bark's pictures are not measured, and take longer than all else.
+        let surface = survey(&grown.skeleton, &source.recipe.preset.tubes, &progress)
             .with_context(|| source.shown.clone())?;
         let dress_s = started.elapsed().as_secs_f64();
 
         let skeleton = &grown.skeleton;
         let measures = skeleton.measures();
-        let bounds = mesh.bounds().unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO });
+        let bounds = surface.bounds.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO });
         let colonized = grown.colonized.as_ref();
         let report = Report {
             source: source.shown.clone(),
@@ -95,10 +96,10 @@ impl Stats {
             points_unreached: colonized.map(|own| own.unreached),
             iterations: colonized.map(|own| own.iterations),
             symbols: grown.symbols,
-            triangles: mesh.triangles.len(),
-            vertices: mesh.positions.len(),
+            triangles: surface.triangles,
+            vertices: surface.vertices,
             leaves: 0,
-            watertight: topology(&mesh, &progress)?.watertight(),
+            watertight: surface.topology.watertight(),
             bounds: Corners { min: bounds.min.to_array(), max: bounds.max.to_array() },
             skeleton_hash: format!("{:032x}", skeleton.hash()),
             seconds: Seconds { grow: grow_s, dress: dress_s },
