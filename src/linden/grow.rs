@@ -10,12 +10,14 @@ use crate::colonization::growth::GrowthError;
 use crate::colonization::plant::{Plant, plant};
 use crate::colonization::scan::ScanError;
 use crate::colonization::scatter::ScatterError;
+use crate::foliage::Organs;
 use crate::knob::printable;
 use crate::lsystem::{self, LsystemError};
+use crate::memory::{Holding, OverMemory, bytes_of};
 use crate::monitor::{Cancelled, Monitor, from_cancellable};
 use crate::preset::{Generator, Preset};
 use crate::random::Key;
-use crate::recipe::Recipe;
+use crate::recipe::{Input, Recipe};
 use crate::skeleton::{Skeleton, SkeletonError};
 
 /// A grown tree, and how it came about.
@@ -23,6 +25,8 @@ use crate::skeleton::{Skeleton, SkeletonError};
 pub struct Grown {
     /// The axial tree.
     pub skeleton: Arc<Skeleton>,
+    /// What grows on it.
+    pub organs: Arc<Organs>,
     /// Length of the derived string; `None` for space colonization.
     pub symbols: Option<u64>,
     /// What the tree reached for; `None` for L-systems.
@@ -42,12 +46,23 @@ pub struct Colonized {
     pub iterations: u32,
 }
 
+impl Grown {
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> u64 {
+        let points = self.colonized.as_ref().map_or(0, |own| own.points.capacity());
+        self.skeleton.bytes() + bytes_of::<Vec3>(points)
+    }
+}
+
 /// Why a recipe did not grow.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum GrowError {
     /// Nobody wanted the result any more.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+    /// There is no memory for what comes next.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
     /// The L-system.
     #[error("growing the L-system: {0}")]
     LSystem(LsystemError),
@@ -146,26 +161,31 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
     {
         return Err(GrowError::Radii { base_m, tip_m });
     }
+    let monitor: &dyn Monitor = &Holding::new(monitor, recipe.input.as_ref().map_or(0, Input::bytes));
     let key = Key::new(*seed);
     match generator {
         Generator::LSystem(own) => {
-            let settings = lsystem::Settings {
-                derivations: own.derivations,
-                angle_deg: own.angle_deg,
-                segment_m: own.segment_length_m,
-                symbol_limit: own.symbol_limit,
-                seed: *seed,
-            };
-            let lsystem::Grown { branching, symbols } = lsystem::grow(&own.grammar, &settings, monitor)?;
+            let settings = own.settings(*seed);
+            let lsystem::Grown { branching, organs, symbols } =
+                lsystem::grow(&own.grammar, &settings, monitor)?;
+            branching.admit_build(monitor)?;
             let skeleton = Arc::new(Skeleton::build(branching, wood)?);
-            Ok(Grown { skeleton, symbols: Some(symbols), colonized: None, notes: Vec::new() })
+            Ok(Grown {
+                skeleton,
+                organs: Arc::new(organs),
+                symbols: Some(symbols),
+                colonized: None,
+                notes: Vec::new(),
+            })
         }
         Generator::Colonization(own) => {
             let Plant { branching, points, unreached, iterations, notes } =
                 plant(own, recipe.input.as_ref(), key, monitor)?;
+            branching.admit_build(&Holding::new(monitor, bytes_of::<Vec3>(points.capacity())))?;
             let skeleton = Arc::new(Skeleton::build(branching, wood)?);
             Ok(Grown {
                 skeleton,
+                organs: Arc::default(),
                 symbols: None,
                 colonized: Some(Colonized { points, unreached, iterations }),
                 notes,

@@ -62,8 +62,27 @@ pub enum Kind {
     },
     /// Pairs `height,radius; height,radius; …` in metres.
     Profile {
-        /// How many pairs.
-        count: usize,
+        /// Fewest pairs.
+        least: usize,
+        /// Most pairs.
+        most: usize,
+    },
+    /// Numbers separated by blanks or commas: one per branching order, say, the last for all
+    /// further ones.
+    Reals {
+        /// Smallest.
+        min: f64,
+        /// Largest.
+        max: f64,
+        /// Most numbers; at least one is needed.
+        most: usize,
+    },
+    /// Some of some words, in the order in which they count, each at most once; or `none`.
+    Words(&'static [&'static str]),
+    /// One or more sRGB colours, `#rrggbb #rrggbb …`.
+    Colors {
+        /// Most colours.
+        most: usize,
     },
 }
 
@@ -88,6 +107,12 @@ pub enum Value {
     Color([u8; 3]),
     /// For [`Kind::Profile`]: height, radius.
     Profile(Vec<[f64; 2]>),
+    /// For [`Kind::Reals`].
+    Reals(Vec<f64>),
+    /// For [`Kind::Words`]; empty for `none`.
+    Words(Vec<String>),
+    /// For [`Kind::Colors`].
+    Colors(Vec<[u8; 3]>),
 }
 
 impl fmt::Display for Value {
@@ -108,8 +133,23 @@ impl fmt::Display for Value {
                 }
                 Ok(())
             }
+            Self::Reals(numbers) => listed(f, numbers),
+            Self::Words(words) if words.is_empty() => f.write_str(NO_WORDS),
+            Self::Words(words) => listed(f, words),
+            Self::Colors(colors) => listed(f, colors.iter().map(|&color| Self::Color(color))),
         }
     }
+}
+
+/// What stands for an empty list of words.
+const NO_WORDS: &str = "none";
+
+/// Separated by blanks, as [`Kind::parse`] takes lists apart.
+fn listed<T: fmt::Display>(f: &mut fmt::Formatter<'_>, items: impl IntoIterator<Item = T>) -> fmt::Result {
+    for (i, item) in items.into_iter().enumerate() {
+        write!(f, "{}{item}", if i == 0 { "" } else { " " })?;
+    }
+    Ok(())
 }
 
 impl fmt::Display for Kind {
@@ -126,7 +166,13 @@ impl fmt::Display for Kind {
             Self::Switch => f.write_str("true | false"),
             Self::Vector { auto } => write!(f, "x,y,z{}", or_auto(auto)),
             Self::Color { auto } => write!(f, "a colour #rrggbb{}", or_auto(auto)),
-            Self::Profile { count } => write!(f, "{count} pairs height,radius; …"),
+            Self::Profile { least, most } if least == most => write!(f, "{least} pairs height,radius; …"),
+            Self::Profile { least, most } => write!(f, "{least} to {most} pairs height,radius; …"),
+            Self::Reals { min, max, most } => {
+                write!(f, "up to {most} numbers, {} to {}, like 1 0.5", Short(min), Short(max))
+            }
+            Self::Words(words) => write!(f, "some of: {}; or {NO_WORDS}", words.join(" ")),
+            Self::Colors { most } => write!(f, "up to {most} colours #rrggbb"),
         }
     }
 }
@@ -180,6 +226,13 @@ impl Kind {
             Self::Profile { .. } => {
                 text.split(';').map(|pair| numbers(pair, ',')).collect::<Option<_>>().map(Value::Profile)
             }
+            Self::Reals { .. } => items(text).map(number).collect::<Option<_>>().map(Value::Reals),
+            Self::Words(_) if text == NO_WORDS => Some(Value::Words(Vec::new())),
+            Self::Words(words) => {
+                let known = |word: &str| words.contains(&word).then(|| word.to_owned());
+                items(text).map(known).collect::<Option<_>>().map(Value::Words)
+            }
+            Self::Colors { .. } => items(text).map(color).collect::<Option<_>>().map(Value::Colors),
         }
     }
 
@@ -202,13 +255,26 @@ impl Kind {
             (Self::Choice(words), Value::Word(word)) => words.contains(&word.as_str()),
             (Self::Switch, Value::Switch(_)) | (Self::Color { .. }, Value::Color(_)) => true,
             (Self::Vector { .. }, Value::Vector(v)) => v.iter().all(|x| x.is_finite()),
-            (Self::Profile { count }, Value::Profile(pairs)) => {
-                pairs.len() == *count && pairs.iter().flatten().all(|x| x.is_finite())
+            (Self::Profile { least, most }, Value::Profile(pairs)) => {
+                (least..=most).contains(&&pairs.len()) && pairs.iter().flatten().all(|x| x.is_finite())
             }
+            (Self::Reals { min, max, most }, Value::Reals(numbers)) => {
+                (1..=*most).contains(&numbers.len()) && numbers.iter().all(|x| min <= x && x <= max)
+            }
+            (Self::Words(words), Value::Words(chosen)) => chosen
+                .iter()
+                .enumerate()
+                .all(|(i, word)| words.contains(&word.as_str()) && !chosen[..i].contains(word)),
+            (Self::Colors { most }, Value::Colors(colors)) => (1..=*most).contains(&colors.len()),
             _ => false,
         };
         if fits { Ok(()) } else { Err(format!("{value} is outside the range: {self}")) }
     }
+}
+
+/// The items of a list, which blanks or commas separate.
+fn items(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|c: char| c == ',' || c.is_whitespace()).filter(|item| !item.is_empty())
 }
 
 /// Exactly `N` numbers between separators.
@@ -289,7 +355,11 @@ mod tests {
             (Kind::Switch, vec!["true"]),
             (Kind::Vector { auto: true }, vec!["auto", "0,-1,0.5"]),
             (Kind::Color { auto: true }, vec!["auto", "#0a80ff"]),
-            (Kind::Profile { count: 2 }, vec!["0,2; 1,0.5"]),
+            (Kind::Profile { least: 2, most: 2 }, vec!["0,2; 1,0.5"]),
+            (Kind::Profile { least: 1, most: 3 }, vec!["0,2", "0,2; 1,0.5; 2,0"]),
+            (Kind::Reals { min: -1.0, max: 1.0, most: 3 }, vec!["0.5", "1 0.5 -0.25"]),
+            (Kind::Words(&["a", "b"]), vec!["none", "b a"]),
+            (Kind::Colors { most: 2 }, vec!["#0a80ff", "#0a80ff #000000"]),
         ];
         for (kind, texts) in kinds {
             for text in texts {
@@ -307,7 +377,16 @@ mod tests {
             assert!(real.parse(text).is_err(), "{text}");
         }
         assert!(Kind::Vector { auto: false }.parse("0,inf,0").is_err());
-        assert!(Kind::Profile { count: 2 }.parse("0,1").is_err());
+        assert!(Kind::Profile { least: 2, most: 3 }.parse("0,1").is_err());
+        assert!(Kind::Profile { least: 1, most: 1 }.parse("0,1; 2,1").is_err());
+        let reals = Kind::Reals { min: 0.0, max: 1.0, most: 2 };
+        for text in ["", "2", "nan", "0 0 0", "0;1"] {
+            assert!(reals.parse(text).is_err(), "{text}");
+        }
+        assert_eq!(reals.parse("0.5, 1"), Ok(Value::Reals(vec![0.5, 1.0])), "commas separate, too");
+        assert!(Kind::Words(&["a", "b"]).parse("a a").is_err(), "each at most once");
+        assert!(Kind::Words(&["a", "b"]).parse("a none").is_err());
+        assert!(Kind::Colors { most: 1 }.parse("#000000 #ffffff").is_err());
         assert!(Kind::Length { min: 1.0, max: 9.0, auto: false }.parse("10D").is_err());
         assert!(Kind::Color { auto: false }.parse("#12345é").is_err());
     }

@@ -7,10 +7,12 @@
 pub mod colonization;
 pub mod color;
 pub mod dress;
+pub mod foliage;
 pub mod grow;
 pub mod input;
 pub mod knob;
 pub mod lsystem;
+pub mod memory;
 pub mod monitor;
 pub mod picture;
 pub mod preset;

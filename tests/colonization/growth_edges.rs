@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use linden::colonization::{GrowthError, GrowthRule, Stop, grow};
+use linden::colonization::{GrowthError, GrowthRule, Habit, Stop, grow};
 use linden::monitor::Stage;
 use linden::{Branching, Cancelled, Monitor, NO_PARENT, Quiet, Vec3};
 
@@ -13,6 +13,7 @@ const RULE: GrowthRule = GrowthRule {
     tropism: Vec3::ZERO,
     max_iterations: 1000,
     max_nodes: 1000,
+    habit: Habit::PLAIN,
 };
 
 fn roots(places: &[Vec3]) -> Branching {
@@ -20,6 +21,7 @@ fn roots(places: &[Vec3]) -> Branching {
         positions: places.to_vec(),
         parents: vec![NO_PARENT; places.len()],
         births: vec![0; places.len()],
+        radii: None,
     }
 }
 
@@ -186,6 +188,7 @@ fn the_start_is_kept_as_it_is() {
         positions: vec![Vec3::ZERO, 0.5 * Vec3::Y],
         parents: vec![NO_PARENT, 0],
         births: vec![7, 9],
+        radii: None,
     };
     let growth = grow(&[3.0 * Vec3::Y], &start, &RULE, &Quiet).unwrap();
     assert_eq!(growth.branching.positions[..2], start.positions);

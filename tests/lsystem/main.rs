@@ -4,14 +4,19 @@
 mod chance;
 mod contexts;
 mod figures;
+mod habit;
 mod language;
 mod limits;
 mod naive;
 mod older;
+mod organs;
 mod parametric;
+mod polygon;
 mod presets;
 mod properties;
+mod tropism;
 mod turtle;
+mod width;
 
 use linden::lsystem::{Grammar, Grown, Settings, grow};
 use linden::{Branching, NO_PARENT, Quiet};
@@ -23,10 +28,18 @@ fn drawn(axiom: &str, angle_deg: f64) -> Branching {
     grow(&grammar, &settings, &Quiet).unwrap().branching
 }
 
+/// Grows an axiom without rules, with some settings changed.
+fn drawn_with(axiom: &str, change: impl FnOnce(&mut Settings)) -> Grown {
+    let grammar = Grammar::new::<&str>(axiom, &[]).unwrap();
+    let mut settings = Settings { derivations: 0, segment_m: 1.0, ..Settings::default() };
+    change(&mut settings);
+    grow(&grammar, &settings, &Quiet).unwrap()
+}
+
 /// What every branching structure keeps: arrays of one length, parents first, no segment without
 /// length.
 fn assert_sound(grown: &Grown) {
-    let Branching { positions, parents, births } = &grown.branching;
+    let Branching { positions, parents, births, .. } = &grown.branching;
     assert_eq!((positions.len(), positions.len()), (parents.len(), births.len()));
     for (node, &parent) in parents.iter().enumerate() {
         assert!(positions[node].is_finite());

@@ -25,6 +25,7 @@ fn document() -> Value {
         ("name", "what people call it"),
         ("group", "where it is listed"),
         ("summary", "one line: what it is"),
+        ("about", "a paragraph: what to look for"),
         ("source", "where it comes from"),
     ] {
         properties.insert(key.to_owned(), json!({ "type": "string", "description": help }));
@@ -59,7 +60,7 @@ fn document() -> Value {
                 own.insert("envelope".to_owned(), file.clone());
                 own.insert("scan".to_owned(), file);
             }
-            Section::Wood | Section::Surface | Section::Bark => {}
+            Section::Wood | Section::Surface | Section::Bark | Section::Foliage => {}
         }
         let table = json!({ "type": "object", "properties": own, "additionalProperties": false });
         properties.insert(section.key().to_owned(), table);
@@ -120,10 +121,18 @@ fn of(knob: &Knob) -> Value {
             or_auto(auto, vector)
         }
         Kind::Color { auto } => or_auto(auto, json!({ "type": "string", "pattern": "^#[0-9a-fA-F]{6}$" })),
-        Kind::Profile { count } => {
+        Kind::Profile { least, most } => {
             let pair =
                 json!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 });
-            json!({ "type": "array", "items": pair, "minItems": count, "maxItems": count })
+            json!({ "type": "array", "items": pair, "minItems": least, "maxItems": most })
+        }
+        Kind::Reals { min, max, most } => {
+            json!({ "type": "array", "items": number(min, max), "minItems": 1, "maxItems": most })
+        }
+        Kind::Words(words) => json!({ "type": "array", "items": { "enum": words }, "uniqueItems": true }),
+        Kind::Colors { most } => {
+            let color = json!({ "type": "string", "pattern": "^#[0-9a-fA-F]{6}$" });
+            json!({ "type": "array", "items": color, "minItems": 1, "maxItems": most })
         }
     };
     let unit = if knob.unit.is_empty() { String::new() } else { format!(" ({})", knob.unit) };

@@ -33,6 +33,7 @@ struct Shown<'a> {
     group: &'a str,
     summary: &'a str,
     origin: &'a str,
+    about: &'a str,
     generator: &'static str,
     knobs: Vec<KnobRow>,
     forecast: Option<ForecastRow>,
@@ -59,6 +60,8 @@ struct ForecastRow {
     depth: u64,
     exact: bool,
     at_least: bool,
+    /// Of nodes and skeleton, without a surface; `null` where nobody can know.
+    memory_bytes: Option<u64>,
 }
 
 impl Show {
@@ -91,6 +94,7 @@ impl Show {
                 group: &preset.group,
                 summary: &preset.summary,
                 origin: &preset.source,
+                about: &preset.about,
                 generator: preset.generator.id(),
                 knobs,
                 forecast,
@@ -110,12 +114,13 @@ fn forecast_of(preset: &Preset) -> anyhow::Result<Option<ForecastRow>> {
         depth: forecast.depth,
         exact: forecast.exact,
         at_least: forecast.at_least,
+        memory_bytes: forecast.skeleton_bytes(),
     }))
 }
 
 fn page(preset: &Preset, input: Option<&Input>, knobs: &[KnobRow], forecast: Option<&ForecastRow>) -> String {
     let mut text = format!("{} ({})\n", printable(&preset.name), printable(&preset.id));
-    for line in [&preset.summary, &preset.source].into_iter().filter(|line| !line.is_empty()) {
+    for line in [&preset.summary, &preset.source, &preset.about].into_iter().filter(|line| !line.is_empty()) {
         text.push_str(&format!("{}\n", printable(line)));
     }
     match &preset.generator {
@@ -153,6 +158,9 @@ fn page(preset: &Preset, input: Option<&Input>, knobs: &[KnobRow], forecast: Opt
             if forecast.at_least { about } else { "" },
             forecast.depth
         ));
+        if let Some(bytes) = forecast.memory_bytes {
+            text.push_str(&format!("  {about}{} of memory for its skeleton\n", linden::memory::Bytes(bytes)));
+        }
     }
     let [name_width, value_width] = [
         knobs.iter().map(|row| row.name.len()).max().unwrap_or(0),

@@ -69,6 +69,7 @@ impl Stem {
                 positions: vec![root.as_vec3()],
                 parents: vec![NO_PARENT],
                 births: vec![0],
+                radii: None,
             },
         }
     }

@@ -18,6 +18,7 @@ use super::error::LsystemError;
 use super::grammar::Grammar;
 use super::grow::check_derivations;
 use super::program::{Group, Program};
+use crate::skeleton::Skeleton;
 use graph::Graph;
 use growth::Growth;
 
@@ -37,6 +38,14 @@ pub struct Forecast {
     /// Whether there may be more: counting to the end would have taken too long. Then neither the
     /// counts nor the depth are exact.
     pub at_least: bool,
+}
+
+impl Forecast {
+    /// Bytes that nodes and skeleton take while the skeleton is built, about: how many axes there will
+    /// be is not known; a third of the nodes is taken for one. `None` beyond what can be counted.
+    pub fn skeleton_bytes(&self) -> Option<u64> {
+        Skeleton::build_bytes(usize::try_from(self.segments.checked_add(1)?).ok()?)
+    }
 }
 
 /// Counts what `derivations` steps give.

@@ -124,6 +124,14 @@ impl Node {
         }
     }
 
+    fn number(&self) -> Option<f64> {
+        match self.datum {
+            Datum::Real(x) => Some(x),
+            Datum::Integer(n) => Some(n as f64),
+            _ => None,
+        }
+    }
+
     pub fn mismatch(&self, name: &str, expected: &str) -> Fault {
         Fault::new(self.place, format!("'{}' is {}, expected {expected}", excerpt(name), self.kind()))
     }
@@ -148,6 +156,15 @@ impl Node {
                 let pairs = items.iter().map(pair).collect::<Option<_>>();
                 Value::Profile(pairs.ok_or_else(|| self.mismatch(name, "pairs [[height, radius], …]"))?)
             }
+            (Datum::List(items), Kind::Reals { .. }) => {
+                let numbers = items.iter().map(Self::number).collect::<Option<_>>();
+                Value::Reals(numbers.ok_or_else(|| self.mismatch(name, "numbers [x, y, …]"))?)
+            }
+            (Datum::List(items), Kind::Words(_) | Kind::Colors { .. }) => {
+                let words = items.iter().map(|item| item.text(name)).collect::<Result<Vec<_>, _>>()?;
+                let listed = if words.is_empty() { "none".to_owned() } else { words.join(" ") };
+                return kind.parse(&listed).map_err(fault);
+            }
             (Datum::List(_) | Datum::Table(_), _) => return Err(self.mismatch(name, &kind.to_string())),
         };
         kind.check(&value).map_err(fault)?;
@@ -157,12 +174,7 @@ impl Node {
 
 /// Exactly `N` numbers.
 fn numbers<const N: usize>(items: &[Node]) -> Option<[f64; N]> {
-    let number = |item: &Node| match item.datum {
-        Datum::Real(x) => Some(x),
-        Datum::Integer(n) => Some(n as f64),
-        _ => None,
-    };
-    items.iter().map(number).collect::<Option<Vec<f64>>>()?.try_into().ok()
+    items.iter().map(Node::number).collect::<Option<Vec<f64>>>()?.try_into().ok()
 }
 
 fn toml_entries(text: &str, table: &toml::de::DeTable<'_>) -> Result<Vec<Entry>, Fault> {

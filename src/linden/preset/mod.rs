@@ -1,25 +1,32 @@
 //! Presets: a document ⇄ what the pipeline needs, and the table of knobs between them.
 
+mod bark;
+mod colonization;
 mod document;
+mod foliage;
 mod knobs;
 mod library;
+mod lsystem;
 mod read;
 mod setting;
+mod surface;
+mod wood;
 mod write;
 
 use std::fmt;
 
 use crate::knob::{Knob, Value, nearest, printable};
-use crate::lsystem::Grammar;
-use crate::random::Key;
 use crate::skeleton::Wood;
 use crate::surface::Tubes;
-use crate::texture::{Bark, BarkStyle};
 
+pub use bark::BarkLook;
+pub use colonization::{Colonization, Space};
 pub use document::{Fault, Place};
+pub use foliage::FoliageLook;
 pub use knobs::{KNOBS, PresetKnob, Section, shape_knobs};
 pub use library::{Builtin, builtin, builtin_file, builtins};
-pub use setting::{Length, Origin, UpAxis};
+pub use lsystem::LSystem;
+pub use setting::{Habit, Length, Origin, UpAxis};
 
 /// Everything that says how a tree grows and looks.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +41,8 @@ pub struct Preset {
     pub summary: String,
     /// Where it comes from: a paper and figure, a program.
     pub source: String,
+    /// What to look for, in a paragraph: what a book's picture of it shows, say. May be empty.
+    pub about: String,
     /// The root of all random choices.
     pub seed: u64,
     /// How it grows.
@@ -44,41 +53,8 @@ pub struct Preset {
     pub tubes: Tubes,
     /// How its bark looks.
     pub bark: BarkLook,
-}
-
-/// How bark looks.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BarkLook {
-    /// What kind of bark.
-    pub style: BarkStyle,
-    /// Mean colour, sRGB; `None`: the style's own.
-    pub color: Option<[u8; 3]>,
-    /// Depth of furrows as a share of the picture's side; `None`: the style's own.
-    pub relief: Option<f32>,
-    /// Strength of the grain; 1 is usual.
-    pub grain: f32,
-    /// Side of the pictures, pixels.
-    pub size_px: u32,
-}
-
-impl Default for BarkLook {
-    fn default() -> Self {
-        Self { style: BarkStyle::default(), color: None, relief: None, grain: 1.0, size_px: 512 }
-    }
-}
-
-impl BarkLook {
-    /// The bark to draw.
-    pub fn bark(&self, key: Key) -> Bark {
-        let usual = Bark::new(self.style, key);
-        Bark {
-            color: self.color.unwrap_or(usual.color),
-            relief: self.relief.unwrap_or(usual.relief),
-            roughness: self.grain,
-            size_px: self.size_px,
-            ..usual
-        }
-    }
+    /// How its leaves look.
+    pub foliage: FoliageLook,
 }
 
 /// How a tree grows.
@@ -88,88 +64,6 @@ pub enum Generator {
     LSystem(LSystem),
     /// By competing for space.
     Colonization(Colonization),
-}
-
-/// An L-system and how it is drawn.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LSystem {
-    /// Axiom and rules.
-    pub grammar: Grammar,
-    /// Turn of `+` and the like, degrees.
-    pub angle_deg: f64,
-    /// Rewriting steps.
-    pub derivations: u32,
-    /// Length of an `F`, metres.
-    pub segment_length_m: f64,
-    /// Derivations that give more symbols are refused.
-    pub symbol_limit: u64,
-}
-
-/// Where the attraction points are, and how the tree reaches for them.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Colonization {
-    /// What the crown fills.
-    pub space: Space,
-    /// Height of a crown shape's base above the root, metres; `None`: on top of the trunk.
-    pub crown_base_m: Option<f64>,
-    /// How many attraction points are drawn in a crown.
-    pub points: u32,
-    /// `D`: length of a segment, metres; `None`: from the spacing of the points.
-    pub step_m: Option<f64>,
-    /// How far a point pulls.
-    pub influence: Length,
-    /// How near a node must come to a point for it to be reached.
-    pub kill: Length,
-    /// Growth stops after so many iterations.
-    pub max_iterations: u32,
-    /// Growth stops at so many nodes.
-    pub max_nodes: u32,
-    /// Where the tree stands, metres, in the coordinates of the input; `None`: below the crown, at
-    /// the foot of a scan.
-    pub root: Option<[f64; 3]>,
-    /// Height of the bare trunk, metres; `None`: until the first point is in reach.
-    pub trunk_m: Option<f64>,
-    /// Added to every growth direction.
-    pub tropism: [f64; 3],
-    /// Whether given points lie on the surface of a tree, as a scanner's do, and are moved onto its
-    /// axes first.
-    pub contract: bool,
-    /// Which axis of an input file points up.
-    pub up: UpAxis,
-    /// Whether the tree is moved to stand on the origin.
-    pub origin: Origin,
-}
-
-/// What the crown fills.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Space {
-    /// One of [`crate::colonization::crown::SHAPES`], with the dimensions that were set.
-    Shape {
-        /// Its id.
-        shape: String,
-        /// What was set of its knobs.
-        dimensions: Vec<(&'static str, Value)>,
-    },
-    /// The inside of a mesh.
-    Envelope {
-        /// The file, relative to the preset's.
-        file: String,
-    },
-    /// Points that are given, as by a scanner.
-    Points {
-        /// The file, relative to the preset's.
-        file: String,
-    },
-}
-
-impl Space {
-    /// The file that is needed beside the preset.
-    pub fn file(&self) -> Option<&str> {
-        match self {
-            Self::Shape { .. } => None,
-            Self::Envelope { file } | Self::Points { file } => Some(file),
-        }
-    }
 }
 
 impl Generator {

@@ -2,14 +2,14 @@
 
 use super::document::{Datum, Entry, Fault, Node, Place};
 use super::knobs::{KNOBS, PresetKnob, Section, shape_knobs};
-use super::{BarkLook, Colonization, Generator, LSystem, Length, Origin, Preset, Space, UpAxis};
+use super::{BarkLook, Colonization, FoliageLook, Generator, LSystem, Preset, Space};
 use crate::knob::{did_you_mean, excerpt, nearest};
 use crate::lsystem::{Grammar, Part};
 use crate::skeleton::Wood;
 use crate::surface::Tubes;
 
 /// Keys before all tables that are no knobs.
-const HEADINGS: [&str; 7] = ["id", "name", "group", "summary", "source", "linden", "input"];
+const HEADINGS: [&str; 8] = ["id", "name", "group", "summary", "source", "about", "linden", "input"];
 
 impl Preset {
     /// Reads a preset document (TOML).
@@ -45,38 +45,13 @@ impl Preset {
             group: "own".to_owned(),
             summary: String::new(),
             source: String::new(),
+            about: String::new(),
             seed: 1,
             generator,
             wood: Wood::default(),
             tubes: Tubes::default(),
             bark: BarkLook::default(),
-        }
-    }
-}
-
-impl LSystem {
-    fn of(grammar: Grammar) -> Self {
-        Self { grammar, angle_deg: 25.0, derivations: 4, segment_length_m: 0.1, symbol_limit: 50_000_000 }
-    }
-}
-
-impl Colonization {
-    fn of(space: Space) -> Self {
-        Self {
-            space,
-            crown_base_m: None,
-            points: 2000,
-            step_m: None,
-            influence: Length::Auto,
-            kill: Length::Auto,
-            max_iterations: 100_000,
-            max_nodes: 50_000_000,
-            root: None,
-            trunk_m: None,
-            tropism: [0.0; 3],
-            contract: true,
-            up: UpAxis::Auto,
-            origin: Origin::Auto,
+            foliage: FoliageLook::default(),
         }
     }
 }
@@ -119,6 +94,7 @@ fn read(document: &Node, text: Option<&str>) -> Result<Preset, Fault> {
     preset.group = heading("group")?.unwrap_or(preset.group);
     preset.summary = heading("summary")?.unwrap_or_default();
     preset.source = heading("source")?.unwrap_or_default();
+    preset.about = heading("about")?.unwrap_or_default();
     for entry in entries {
         match Section::ALL.iter().find(|section| section.key() == entry.key) {
             Some(&section) => {

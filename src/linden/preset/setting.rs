@@ -65,6 +65,16 @@ words! {
     }
 }
 
+words! {
+    /// How an L-system's plant stands.
+    Habit {
+        /// On one upright stem.
+        Tree = "tree",
+        /// On several that lean.
+        Shrub = "shrub"
+    }
+}
+
 /// A field that a knob turns.
 pub(super) trait Setting: Sized {
     fn to_value(&self) -> Value;
@@ -170,6 +180,27 @@ impl Setting for [f64; 3] {
 
     fn from_value(value: Value) -> Option<Self> {
         if let Value::Vector(v) = value { Some(v) } else { None }
+    }
+}
+
+/// Numbers per branching order, say.
+impl Setting for Vec<f64> {
+    fn to_value(&self) -> Value {
+        Value::Reals(self.clone())
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        if let Value::Reals(numbers) = value { Some(numbers) } else { None }
+    }
+}
+
+impl Setting for Vec<[u8; 3]> {
+    fn to_value(&self) -> Value {
+        Value::Colors(self.clone())
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        if let Value::Colors(colors) = value { Some(colors) } else { None }
     }
 }
 

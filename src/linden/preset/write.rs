@@ -30,6 +30,9 @@ impl Preset {
         for (key, value) in headings {
             map.serialize_entry(key, value)?;
         }
+        if !self.about.is_empty() {
+            map.serialize_entry("about", &self.about)?;
+        }
         for section in Section::ALL {
             let own = Knobs { preset: self, section };
             if section == Section::Tree {
@@ -105,6 +108,11 @@ impl Serialize for Plain {
             Value::Switch(on) => serializer.serialize_bool(*on),
             Value::Vector(v) => v.serialize(serializer),
             Value::Profile(pairs) => pairs.serialize(serializer),
+            Value::Reals(numbers) => numbers.serialize(serializer),
+            Value::Words(words) => words.serialize(serializer),
+            Value::Colors(colors) => {
+                serializer.collect_seq(colors.iter().map(|&color| Value::Color(color).to_string()))
+            }
             other => serializer.collect_str(other),
         }
     }

@@ -4,13 +4,16 @@
 //! sees in it: axes with their orders, and radii. Nodes come parents before children.
 
 mod axes;
+mod cylinders;
 mod measure;
+mod memory;
 mod radii;
 mod young;
 
 use glam::Vec3;
 use xxhash_rust::xxh3::Xxh3;
 
+pub use cylinders::Cylinder;
 pub use measure::Measures;
 pub use radii::Wood;
 
@@ -28,6 +31,9 @@ pub struct Branching {
     pub parents: Vec<u32>,
     /// The derivation step or iteration in which the node appeared, 0 for what was there at first.
     pub births: Vec<u32>,
+    /// Metres, where the generator itself says how thick the wood is (a grammar's `!`, a scan's
+    /// bark); `None`: the [`Wood`] decides.
+    pub radii: Option<Vec<f32>>,
 }
 
 /// One axis: a chain of internodes from its base to its apex.
@@ -133,6 +139,7 @@ impl Skeleton {
     ///     positions: vec![Vec3::ZERO, Vec3::Y, Vec3::new(0.0, 2.0, 0.0), Vec3::new(1.0, 2.0, 0.0)],
     ///     parents: vec![NO_PARENT, 0, 1, 1],
     ///     births: vec![0, 1, 2, 2],
+    ///     radii: None,
     /// };
     /// let tree = Skeleton::build(fork, &Default::default())?;
     /// assert_eq!(tree.axes.len(), 2);
@@ -144,7 +151,7 @@ impl Skeleton {
     /// When the branching is no tree: see [`Branching::validate`].
     pub fn build(branching: Branching, wood: &Wood) -> Result<Self, SkeletonError> {
         branching.validate()?;
-        let Branching { positions, parents, births } = branching;
+        let Branching { positions, parents, births, .. } = branching;
         let tips = radii::count_tips(&parents);
         let radii = radii::Thickness::new(&positions, &tips, wood).radii(&tips);
         let (axes, axis_nodes) = axes::decompose(&positions, &parents, &tips);

@@ -29,6 +29,7 @@ impl Skeleton {
     ///     positions: vec![Vec3::ZERO, Vec3::Y, Vec3::Y * 2.0, Vec3::X + Vec3::Y],
     ///     parents: vec![NO_PARENT, 0, 1, 1],
     ///     births: vec![0, 1, 2, 2],
+    ///     radii: None,
     /// };
     /// let tree = Skeleton::build(fork, &wood)?;
     /// let young = tree.until(1, &wood);
@@ -47,6 +48,7 @@ impl Skeleton {
             positions: Vec::with_capacity(count),
             parents: Vec::with_capacity(count),
             births: Vec::with_capacity(count),
+            radii: None,
         };
         let mut index = vec![NO_PARENT; there.len()];
         for node in (0..there.len()).filter(|&node| there[node]) {
@@ -56,7 +58,7 @@ impl Skeleton {
             young.parents.push(if parent == NO_PARENT { NO_PARENT } else { index[parent as usize] });
             young.births.push(self.births[node]);
         }
-        let Branching { positions, parents, births } = young;
+        let Branching { positions, parents, births, .. } = young;
         let tips = radii::count_tips(&parents);
         let thickness = radii::Thickness::new(&self.positions, &radii::count_tips(&self.parents), wood);
         let radii = thickness.radii(&tips);
@@ -112,6 +114,7 @@ mod tests {
             positions: there.iter().map(|&n| all.positions[n as usize]).collect(),
             parents: there.iter().map(|&n| new(all.parents[n as usize])).collect(),
             births: there.iter().map(|&n| all.births[n as usize]).collect(),
+            radii: None,
         }
     }
 

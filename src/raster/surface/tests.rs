@@ -150,6 +150,7 @@ fn twigs_thinner_than_a_hair_are_strokes() {
         positions: (0..9).map(|i| Vec3::new(0.02 * (i % 2) as f32, i as f32 * 0.25, 0.0)).collect(),
         parents: (0..9_u32).map(|i| i.checked_sub(1).unwrap_or(NO_PARENT)).collect(),
         births: vec![0; 9],
+        radii: None,
     };
     let mut before = f32::INFINITY;
     for radius_m in [0.01, 0.004, 0.001, 0.0003] {

@@ -213,7 +213,13 @@ mod tests {
                             assert!(
                                 matches!(
                                     current,
-                                    Value::Auto | Value::Vector(_) | Value::Profile(_) | Value::Color(_)
+                                    Value::Auto
+                                        | Value::Vector(_)
+                                        | Value::Profile(_)
+                                        | Value::Color(_)
+                                        | Value::Reals(_)
+                                        | Value::Words(_)
+                                        | Value::Colors(_)
                                 ) || current == Value::Real(f64::INFINITY),
                                 "{} {name} = {current}",
                                 builtin.id

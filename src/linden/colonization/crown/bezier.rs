@@ -23,7 +23,7 @@ pub const SHAPE: Shape = Shape {
     knobs: &[ShapeKnob {
         knob: Knob {
             name: "profile",
-            kind: Kind::Profile { count: 4 },
+            kind: Kind::Profile { least: 4, most: 4 },
             unit: "m",
             help: "four control points height,radius of the curve that is turned about the axis",
         },

@@ -1,0 +1,61 @@
+//! `[bark]`: how it looks.
+
+use super::knobs::{PresetKnob, integer, real, real_or_auto, row};
+use crate::knob::Kind;
+use crate::random::Key;
+use crate::texture::{Bark, BarkStyle};
+
+/// How bark looks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BarkLook {
+    /// What kind of bark.
+    pub style: BarkStyle,
+    /// Mean colour, sRGB; `None`: the style's own.
+    pub color: Option<[u8; 3]>,
+    /// Depth of furrows as a share of the picture's side; `None`: the style's own.
+    pub relief: Option<f32>,
+    /// Strength of the grain; 1 is usual.
+    pub grain: f32,
+    /// Side of the pictures, pixels.
+    pub size_px: u32,
+}
+
+impl Default for BarkLook {
+    fn default() -> Self {
+        Self { style: BarkStyle::default(), color: None, relief: None, grain: 1.0, size_px: 512 }
+    }
+}
+
+impl BarkLook {
+    /// The bark to draw.
+    pub fn bark(&self, key: Key) -> Bark {
+        let usual = Bark::new(self.style, key);
+        Bark {
+            color: self.color.unwrap_or(usual.color),
+            relief: self.relief.unwrap_or(usual.relief),
+            roughness: self.grain,
+            size_px: self.size_px,
+            ..usual
+        }
+    }
+}
+
+/// The names of all kinds of bark.
+const BARK_STYLES: [&str; BarkStyle::ALL.len()] = {
+    let mut names = [""; BarkStyle::ALL.len()];
+    let mut i = 0;
+    while i < names.len() {
+        names[i] = BarkStyle::ALL[i].0;
+        i += 1;
+    }
+    names
+};
+
+/// The section's knobs.
+pub(super) const KNOBS: &[PresetKnob] = &[
+    row!(Bark, "bark", Kind::Choice(&BARK_STYLES), "", "kind of bark", .bark.style),
+    row!(Bark, "bark_color", Kind::Color { auto: true }, "sRGB", "mean colour; auto: the usual one of its kind", .bark.color),
+    row!(Bark, "bark_relief", real_or_auto(0.0, 0.5), "", "depth of the furrows, as a share of the picture's side; auto: the usual one of its kind", .bark.relief),
+    row!(Bark, "bark_grain", real(0.0, 3.0), "", "strength of the grain: 0 polished, 1 usual", .bark.grain),
+    row!(Bark, "bark_size", integer(16, 4096), "px", "side of the drawn pictures", .bark.size_px),
+];

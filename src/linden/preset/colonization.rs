@@ -1,0 +1,254 @@
+//! `[colonization]`: where the attraction points are, and how the tree reaches for them.
+
+use super::knobs::{Access, PresetKnob, Section, integer, length_or_auto, real_or_auto, row};
+use super::setting::{Length, Origin, UpAxis};
+use super::{Generator, Preset};
+use crate::colonization::crown::SHAPES;
+use crate::knob::{Kind, Knob, Value};
+
+/// Where the attraction points are, and how the tree reaches for them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Colonization {
+    /// What the crown fills.
+    pub space: Space,
+    /// Height of a crown shape's base above the root, metres; `None`: on top of the trunk.
+    pub crown_base_m: Option<f64>,
+    /// How many attraction points are drawn in a crown.
+    pub points: u32,
+    /// `D`: length of a segment, metres; `None`: from the spacing of the points.
+    pub step_m: Option<f64>,
+    /// How far a point pulls.
+    pub influence: Length,
+    /// How near a node must come to a point for it to be reached.
+    pub kill: Length,
+    /// Growth stops after so many iterations.
+    pub max_iterations: u32,
+    /// Growth stops at so many nodes.
+    pub max_nodes: u32,
+    /// Where the tree stands, metres, in the coordinates of the input; `None`: below the crown, at
+    /// the foot of a scan.
+    pub root: Option<[f64; 3]>,
+    /// Height of the bare trunk, metres; `None`: until the first point is in reach.
+    pub trunk_m: Option<f64>,
+    /// Added to every growth direction.
+    pub tropism: [f64; 3],
+    /// Whether given points lie on the surface of a tree, as a scanner's do, and are moved onto its
+    /// axes first.
+    pub contract: bool,
+    /// Which axis of an input file points up.
+    pub up: UpAxis,
+    /// Whether the tree is moved to stand on the origin.
+    pub origin: Origin,
+}
+
+/// What the crown fills.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Space {
+    /// One of [`crate::colonization::crown::SHAPES`], with the dimensions that were set.
+    Shape {
+        /// Its id.
+        shape: String,
+        /// What was set of its knobs.
+        dimensions: Vec<(&'static str, Value)>,
+    },
+    /// The inside of a mesh.
+    Envelope {
+        /// The file, relative to the preset's.
+        file: String,
+    },
+    /// Points that are given, as by a scanner.
+    Points {
+        /// The file, relative to the preset's.
+        file: String,
+    },
+}
+
+impl Space {
+    /// The file that is needed beside the preset.
+    pub fn file(&self) -> Option<&str> {
+        match self {
+            Self::Shape { .. } => None,
+            Self::Envelope { file } | Self::Points { file } => Some(file),
+        }
+    }
+}
+
+impl Colonization {
+    /// A space with everything else as it is when nobody says.
+    pub(super) fn of(space: Space) -> Self {
+        Self {
+            space,
+            crown_base_m: None,
+            points: 2000,
+            step_m: None,
+            influence: Length::Auto,
+            kill: Length::Auto,
+            max_iterations: 100_000,
+            max_nodes: 50_000_000,
+            root: None,
+            trunk_m: None,
+            tropism: [0.0; 3],
+            contract: true,
+            up: UpAxis::Auto,
+            origin: Origin::Auto,
+        }
+    }
+}
+
+/// The ids of all crown shapes.
+const SHAPE_IDS: [&str; SHAPES.len()] = {
+    let mut ids = [""; SHAPES.len()];
+    let mut i = 0;
+    while i < ids.len() {
+        ids[i] = SHAPES[i].id;
+        i += 1;
+    }
+    ids
+};
+
+/// The section's knobs, without those of the crown shapes.
+pub(super) const KNOBS: &[PresetKnob] = &[
+    PresetKnob {
+        knob: Knob {
+            name: "crown",
+            kind: Kind::Choice(&SHAPE_IDS),
+            unit: "",
+            help: "shape that the attraction points fill",
+        },
+        section: Section::Colonization,
+        access: Access::Field { read: Preset::crown, write: Preset::write_crown },
+    },
+    row!(
+        Colonization,
+        "crown_base",
+        real_or_auto(0.0, 1e3),
+        "m",
+        "height of the crown's base above the root; auto: on top of the trunk",
+        colonization.crown_base_m
+    ),
+    row!(
+        Colonization,
+        "points",
+        integer(1, 100_000_000),
+        "points",
+        "how many attraction points are drawn",
+        colonization.points
+    ),
+    row!(
+        Colonization,
+        "step",
+        real_or_auto(1e-5, 1e3),
+        "m",
+        "length of a segment (D); auto: from the spacing of the points",
+        colonization.step_m
+    ),
+    row!(
+        Colonization,
+        "influence",
+        length_or_auto(0.0, f64::INFINITY),
+        "m",
+        "how far a point pulls a node",
+        colonization.influence
+    ),
+    row!(
+        Colonization,
+        "kill",
+        length_or_auto(0.0, f64::INFINITY),
+        "m",
+        "how near a node must come to a point to reach it; at least the step",
+        colonization.kill
+    ),
+    row!(
+        Colonization,
+        "max_iterations",
+        integer(1, 1_000_000_000),
+        "",
+        "growth stops after so many iterations",
+        colonization.max_iterations
+    ),
+    row!(
+        Colonization,
+        "max_nodes",
+        integer(2, 4_000_000_000),
+        "nodes",
+        "growth stops at so many nodes",
+        colonization.max_nodes
+    ),
+    row!(
+        Colonization,
+        "root",
+        Kind::Vector { auto: true },
+        "m",
+        "where the tree stands; auto: below the crown, at the foot of a scan",
+        colonization.root
+    ),
+    row!(
+        Colonization,
+        "trunk",
+        real_or_auto(0.0, 1e3),
+        "m",
+        "height of the bare trunk; auto: until the first point is in reach",
+        colonization.trunk_m
+    ),
+    row!(
+        Colonization,
+        "tropism",
+        Kind::Vector { auto: false },
+        "",
+        "added to every growth direction (unit length before): 0,0.3,0 grows up",
+        colonization.tropism
+    ),
+    row!(
+        Colonization,
+        "contract",
+        Kind::Switch,
+        "",
+        "for given points: they lie on bark, as a scanner's do, and are moved onto the axes of branches first",
+        colonization.contract
+    ),
+    row!(
+        Colonization,
+        "up",
+        Kind::Choice(UpAxis::WORDS),
+        "",
+        "axis of an input file that points up; auto: z for XYZ, y for PLY and OBJ",
+        colonization.up
+    ),
+    row!(
+        Colonization,
+        "origin",
+        Kind::Choice(Origin::WORDS),
+        "",
+        "root: the tree is moved to stand on 0,0,0; keep: it stays where its input is; auto: root for points, keep for a mesh",
+        colonization.origin
+    ),
+];
+
+impl Preset {
+    pub(super) fn colonization(&self) -> Option<&Colonization> {
+        if let Generator::Colonization(own) = &self.generator { Some(own) } else { None }
+    }
+
+    pub(super) fn colonization_mut(&mut self) -> Option<&mut Colonization> {
+        if let Generator::Colonization(own) = &mut self.generator { Some(own) } else { None }
+    }
+
+    fn crown(&self) -> Option<Value> {
+        match &self.colonization()?.space {
+            Space::Shape { shape, .. } => Some(Value::Word(shape.clone())),
+            _ => None,
+        }
+    }
+
+    /// Another crown shape keeps the dimensions that it shares with the one before.
+    fn write_crown(&mut self, value: Value) {
+        let (Some(own), Value::Word(word)) = (self.colonization_mut(), value) else { return };
+        if let Space::Shape { shape, dimensions } = &mut own.space {
+            let fits = |name: &str| {
+                SHAPES.iter().any(|s| s.id == word && s.knobs.iter().any(|own| own.knob.name == name))
+            };
+            dimensions.retain(|(name, _)| fits(name));
+            *shape = word;
+        }
+    }
+}
