@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use bytemuck::allocation::zeroed_vec;
 use glam::{Vec2, Vec3};
 
 use crate::memory::bytes_of;
@@ -63,6 +64,16 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// All zero: memory that nobody has touched yet.
+    pub(crate) fn zeroed(vertices: usize, triangles: usize) -> Self {
+        Self {
+            positions: zeroed_vec(vertices),
+            normals: zeroed_vec(vertices),
+            uvs: zeroed_vec(vertices),
+            triangles: zeroed_vec(triangles),
+        }
+    }
+
     /// Bytes that so many take.
     pub const fn bytes_for(vertices: usize, triangles: usize) -> u64 {
         bytes_of::<([f32; 3], [f32; 3], [f32; 2])>(vertices) + bytes_of::<[u32; 3]>(triangles)

@@ -1,8 +1,6 @@
 //! What is fed with anything, and what must hold then. A target panics when something does not; it
 //! gives a line that says what became of the input (the kind of error, or of success), so that inputs
 //! which lead to a new line are worth keeping.
-//!
-//! Shared with `fuzz/`, where libFuzzer finds the inputs.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 

@@ -33,6 +33,7 @@ struct Shown<'a> {
     group: &'a str,
     summary: &'a str,
     origin: &'a str,
+    about: &'a str,
     generator: &'static str,
     knobs: Vec<KnobRow>,
     forecast: Option<ForecastRow>,
@@ -92,6 +93,7 @@ impl Show {
                 group: &preset.group,
                 summary: &preset.summary,
                 origin: &preset.source,
+                about: &preset.about,
                 generator: preset.generator.id(),
                 knobs,
                 forecast,
@@ -116,7 +118,7 @@ fn forecast_of(preset: &Preset) -> anyhow::Result<Option<ForecastRow>> {
 
 fn page(preset: &Preset, input: Option<&Input>, knobs: &[KnobRow], forecast: Option<&ForecastRow>) -> String {
     let mut text = format!("{} ({})\n", printable(&preset.name), printable(&preset.id));
-    for line in [&preset.summary, &preset.source].into_iter().filter(|line| !line.is_empty()) {
+    for line in [&preset.summary, &preset.source, &preset.about].into_iter().filter(|line| !line.is_empty()) {
         text.push_str(&format!("{}\n", printable(line)));
     }
     match &preset.generator {

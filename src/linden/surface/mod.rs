@@ -5,12 +5,12 @@
 //! the parent's tube. Uses no randomness; the mesh is bit-identical for any number of threads.
 
 mod path;
+mod survey;
 mod topology;
 mod tube;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use bytemuck::allocation::zeroed_vec;
 use rayon::prelude::*;
 
 use self::path::{Ring, Station};
@@ -20,6 +20,7 @@ use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::scene::Mesh;
 use crate::skeleton::{Axis, NO_PARENT, Skeleton};
 
+pub use survey::{Survey, survey};
 pub use topology::{Topology, topology};
 
 /// How the skin is made.
@@ -96,12 +97,7 @@ pub fn sweep(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Resul
     }
     let planned: u64 = plans.iter().map(Plan::bytes).sum();
     monitor.admit(DOING, planned + Mesh::bytes_for(vertices, triangles), ADVICE)?;
-    let mut mesh = Mesh {
-        positions: zeroed_vec(vertices),
-        normals: zeroed_vec(vertices),
-        uvs: zeroed_vec(vertices),
-        triangles: zeroed_vec(triangles),
-    };
+    let mut mesh = Mesh::zeroed(vertices, triangles);
     let done = AtomicU64::new(0);
     slices(&mut mesh, &plans).into_par_iter().zip(&plans).try_for_each(|(mut target, plan)| {
         monitor.check()?;
@@ -214,7 +210,7 @@ mod tests {
     }
 
     /// Random walks that branch, with thick wood on short steps: everything that folds a tube.
-    fn gnarled(seed: u64) -> Skeleton {
+    pub(super) fn gnarled(seed: u64) -> Skeleton {
         let key = Key::new(seed);
         let mut positions = vec![Vec3::ZERO];
         let mut parents = vec![NO_PARENT];
