@@ -10,6 +10,7 @@ use crate::colonization::growth::GrowthError;
 use crate::colonization::plant::{Plant, plant};
 use crate::colonization::scan::ScanError;
 use crate::colonization::scatter::ScatterError;
+use crate::foliage::Organs;
 use crate::knob::printable;
 use crate::lsystem::{self, LsystemError};
 use crate::memory::{Holding, OverMemory, bytes_of};
@@ -24,6 +25,8 @@ use crate::skeleton::{Skeleton, SkeletonError};
 pub struct Grown {
     /// The axial tree.
     pub skeleton: Arc<Skeleton>,
+    /// What grows on it.
+    pub organs: Arc<Organs>,
     /// Length of the derived string; `None` for space colonization.
     pub symbols: Option<u64>,
     /// What the tree reached for; `None` for L-systems.
@@ -162,17 +165,18 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
     let key = Key::new(*seed);
     match generator {
         Generator::LSystem(own) => {
-            let settings = lsystem::Settings {
-                derivations: own.derivations,
-                angle_deg: own.angle_deg,
-                segment_m: own.segment_length_m,
-                symbol_limit: own.symbol_limit,
-                seed: *seed,
-            };
-            let lsystem::Grown { branching, symbols } = lsystem::grow(&own.grammar, &settings, monitor)?;
+            let settings = own.settings(*seed);
+            let lsystem::Grown { branching, organs, symbols } =
+                lsystem::grow(&own.grammar, &settings, monitor)?;
             branching.admit_build(monitor)?;
             let skeleton = Arc::new(Skeleton::build(branching, wood)?);
-            Ok(Grown { skeleton, symbols: Some(symbols), colonized: None, notes: Vec::new() })
+            Ok(Grown {
+                skeleton,
+                organs: Arc::new(organs),
+                symbols: Some(symbols),
+                colonized: None,
+                notes: Vec::new(),
+            })
         }
         Generator::Colonization(own) => {
             let Plant { branching, points, unreached, iterations, notes } =
@@ -181,6 +185,7 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
             let skeleton = Arc::new(Skeleton::build(branching, wood)?);
             Ok(Grown {
                 skeleton,
+                organs: Arc::default(),
                 symbols: None,
                 colonized: Some(Colonized { points, unreached, iterations }),
                 notes,
