@@ -17,6 +17,8 @@ use crate::{Paint, RasterError, Style};
 const PER_TASK: usize = 256;
 /// About as many organs as a draft shows.
 const DRAFT_ORGANS: usize = 20_000;
+/// The share of its light that a leaf has from all around, much of it through itself.
+const THROUGH: f32 = 0.45;
 /// A pixel is not worth a blend below this coverage.
 const NOTHING: f32 = 1.0 / 1024.0;
 
@@ -91,7 +93,7 @@ impl Leaf<'_> {
             let normal = tracer.view.turn(normal.normalize_or(Vec3::Y));
             // The backs are lit as the fronts are.
             let normal = if normal.z < 0.0 { -normal } else { normal };
-            let light = tracer.air.light_at(middle) * on_surface(normal);
+            let light = tracer.air.light_at(middle) * (THROUGH + (1.0 - THROUGH) * on_surface(normal));
             facets.push(Facet { corners: at, color: tracer.air.haze(color * light, depth_m) });
             far_m += depth_m;
             seen += 1.0;
