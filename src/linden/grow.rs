@@ -13,10 +13,11 @@ use crate::colonization::scatter::ScatterError;
 use crate::foliage::Organs;
 use crate::knob::printable;
 use crate::lsystem::{self, LsystemError};
+use crate::memory::{Holding, OverMemory, bytes_of};
 use crate::monitor::{Cancelled, Monitor, from_cancellable};
 use crate::preset::{Generator, Preset};
 use crate::random::Key;
-use crate::recipe::Recipe;
+use crate::recipe::{Input, Recipe};
 use crate::skeleton::{Skeleton, SkeletonError};
 
 /// A grown tree, and how it came about.
@@ -45,12 +46,23 @@ pub struct Colonized {
     pub iterations: u32,
 }
 
+impl Grown {
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> u64 {
+        let points = self.colonized.as_ref().map_or(0, |own| own.points.capacity());
+        self.skeleton.bytes() + self.organs.bytes() + bytes_of::<Vec3>(points)
+    }
+}
+
 /// Why a recipe did not grow.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum GrowError {
     /// Nobody wanted the result any more.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+    /// There is no memory for what comes next.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
     /// The L-system.
     #[error("growing the L-system: {0}")]
     LSystem(LsystemError),
@@ -149,12 +161,14 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
     {
         return Err(GrowError::Radii { base_m, tip_m });
     }
+    let monitor: &dyn Monitor = &Holding::new(monitor, recipe.input.as_ref().map_or(0, Input::bytes));
     let key = Key::new(*seed);
     match generator {
         Generator::LSystem(own) => {
             let settings = own.settings(*seed);
             let lsystem::Grown { branching, organs, symbols } =
                 lsystem::grow(&own.grammar, &settings, monitor)?;
+            branching.admit_build(&Holding::new(monitor, organs.bytes()))?;
             let skeleton = Arc::new(Skeleton::build(branching, wood)?);
             Ok(Grown {
                 skeleton,
@@ -167,6 +181,7 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
         Generator::Colonization(own) => {
             let Plant { branching, points, unreached, iterations, notes } =
                 plant(own, recipe.input.as_ref(), key, monitor)?;
+            branching.admit_build(&Holding::new(monitor, bytes_of::<Vec3>(points.capacity())))?;
             let skeleton = Arc::new(Skeleton::build(branching, wood)?);
             Ok(Grown {
                 skeleton,

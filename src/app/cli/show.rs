@@ -59,6 +59,8 @@ struct ForecastRow {
     segments: f64,
     depth: u64,
     exact: bool,
+    /// Of nodes and skeleton, without a surface; `null` where nobody can know.
+    memory_bytes: Option<u64>,
 }
 
 impl Show {
@@ -110,6 +112,7 @@ fn forecast_of(preset: &Preset) -> anyhow::Result<Option<ForecastRow>> {
         segments: forecast.segments as f64,
         depth: forecast.depth,
         exact: forecast.exact,
+        memory_bytes: forecast.skeleton_bytes(),
     }))
 }
 
@@ -148,6 +151,9 @@ fn page(preset: &Preset, input: Option<&Input>, knobs: &[KnobRow], forecast: Opt
             count(forecast.segments),
             forecast.depth
         ));
+        if let Some(bytes) = forecast.memory_bytes {
+            text.push_str(&format!("  {about}{} of memory for its skeleton\n", linden::memory::Bytes(bytes)));
+        }
     }
     let [name_width, value_width] = [
         knobs.iter().map(|row| row.name.len()).max().unwrap_or(0),

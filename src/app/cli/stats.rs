@@ -38,6 +38,7 @@ struct Report {
     height_m: f64,
     crown_width_m: f64,
     trunk_diameter_m: f64,
+    wood_volume_m3: f64,
     points: Option<usize>,
     points_unreached: Option<usize>,
     iterations: Option<u32>,
@@ -98,6 +99,7 @@ impl Stats {
             height_m: measures.height_m,
             crown_width_m: measures.crown_width_m,
             trunk_diameter_m: measures.trunk_diameter_m,
+            wood_volume_m3: measures.wood_volume_m3,
             points: colonized.map(|own| own.points.len()),
             points_unreached: colonized.map(|own| own.unreached),
             iterations: colonized.map(|own| own.iterations),
@@ -127,6 +129,7 @@ impl Report {
             ("crown width", format!("{:.2} m", self.crown_width_m)),
             ("trunk diameter", format!("{:.3} m at 1.3 m", self.trunk_diameter_m)),
             ("total length", format!("{:.1} m", self.total_length_m)),
+            ("wood volume", format!("{:.3} m³", self.wood_volume_m3)),
             ("nodes", count(self.nodes)),
             ("axes", format!("{}, orders 0 to {}", count(self.axes), self.max_order)),
         ];

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::outline::Filler;
 use super::{Organs, PROTOTYPES};
+use crate::memory::OverMemory;
 use crate::monitor::{Cancelled, Monitor};
 use crate::scene::Mesh;
 
@@ -26,6 +27,9 @@ pub enum FoliageError {
     /// The result was no longer wanted.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+    /// There is no memory for it.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
     /// More vertices than an index of 32 bits can name.
     #[error(
         "the foliage would have {vertices} vertices, more than the 4294967294 that mesh formats can index; use fewer derivations"
@@ -45,11 +49,14 @@ pub enum FoliageError {
 /// # Errors
 /// [`FoliageError`]: too large, or cancelled.
 pub fn meshes(organs: &Organs, colors: usize, monitor: &dyn Monitor) -> Result<Vec<Foliage>, FoliageError> {
-    let vertices = organs.amount().0;
+    let (vertices, triangles) = organs.amount();
     // The largest index is left out: glTF reserves it.
     if vertices >= u32::MAX.into() {
         return Err(FoliageError::TooLarge { vertices });
     }
+    // The pieces of all tasks, grown one by one, and then the whole.
+    let bytes = Mesh::bytes_for(vertices as usize, triangles as usize);
+    monitor.admit("shaping the leaves", bytes.saturating_mul(4), "use fewer derivations")?;
     let tasks = organs.len().div_ceil(PER_TASK);
     let pieces = (0..tasks).into_par_iter().map(|task| {
         monitor.check()?;

@@ -10,6 +10,7 @@ mod prototype;
 
 use glam::Vec3;
 
+use crate::memory::bytes_of;
 use crate::scene::Bounds;
 
 pub use mesh::{Foliage, FoliageError, Shaper, meshes};
@@ -93,6 +94,21 @@ impl Organs {
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Bytes that they take, reserved places included.
+    pub fn bytes(&self) -> u64 {
+        let growth = |own: &Growth| own.nodes.capacity() + own.colors.capacity() + own.births.capacity();
+        let Self { polygons, placed } = self;
+        let vectors = [&polygons.corners, &polygons.headings, &polygons.ups]
+            .into_iter()
+            .chain([&placed.positions, &placed.headings, &placed.ups])
+            .map(Vec::capacity)
+            .sum();
+        let words = polygons.ends.capacity() + placed.sizes_m.capacity();
+        bytes_of::<Vec3>(vectors)
+            + bytes_of::<u32>(words + growth(&polygons.growth) + growth(&placed.growth))
+            + bytes_of::<u8>(placed.prototypes.capacity())
     }
 
     /// How an organ hangs on the wood: the polygons are counted first, then the organs of the table.

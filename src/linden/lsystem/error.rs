@@ -4,6 +4,7 @@ use std::fmt;
 
 use crate::foliage::PROTOTYPES;
 use crate::knob::{excerpt, printable};
+use crate::memory::OverMemory;
 use crate::monitor::Cancelled;
 
 /// What was wrong at one place of a text.
@@ -220,6 +221,9 @@ pub enum LsystemError {
         /// Its range.
         expected: String,
     },
+    /// The structure would take more memory than there may be.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
     /// Nobody wanted the result any more.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

@@ -158,8 +158,12 @@ pub fn grow(grammar: &Grammar, settings: &Settings, monitor: &dyn Monitor) -> Re
     }
     let total = forecast.exact.then_some(forecast.symbols as u64);
     // Exact, or unknown: an expectation is no reason to allocate.
-    let segments = if forecast.exact { forecast.segments as usize * stems as usize } else { 0 };
-    let mut turtle = Turtle::new(&program, settings, segments);
+    let (segments, depth) = if forecast.exact {
+        (forecast.segments as usize * stems as usize, forecast.depth as usize)
+    } else {
+        (0, 0)
+    };
+    let mut turtle = Turtle::new(&program, settings, segments, depth, monitor)?;
     let mut symbols = 0;
     for stem in 0..stems {
         // The first stem is that of the tree.

@@ -11,6 +11,8 @@ use super::polygon::Herbarium;
 use super::program::Program;
 use super::variation::Chance;
 use crate::foliage::{Organs, prototype};
+use crate::memory::{OverMemory, bytes_grown, bytes_of};
+use crate::monitor::Monitor;
 use crate::random::Key;
 use crate::skeleton::{Branching, NO_PARENT};
 
@@ -80,8 +82,12 @@ struct State {
     width: f64,
 }
 
+/// For messages about memory.
+const DOING: &str = "drawing the L-system";
+const ADVICE: &str = "use fewer derivations";
+
 /// Walks, and leaves nodes and organs behind.
-pub(super) struct Turtle {
+pub(super) struct Turtle<'a> {
     /// By module identifier.
     actions: Vec<Action>,
     /// By module identifier, for modules whose arguments are computed.
@@ -99,12 +105,25 @@ pub(super) struct Turtle {
     /// Whether the next module names an organ.
     is_placing: bool,
     chance: Option<Chance>,
+    monitor: &'a dyn Monitor,
 }
 
-impl Turtle {
+impl<'a> Turtle<'a> {
     /// `segments` is how many segments there will be, 0 when nobody knows.
-    pub(super) fn new(program: &Program, settings: &Settings, segments: usize) -> Self {
+    ///
+    /// # Errors
+    /// [`OverMemory`] where so many would take too much.
+    pub(super) fn new(
+        program: &Program,
+        settings: &Settings,
+        segments: usize,
+        depth: usize,
+        monitor: &'a dyn Monitor,
+    ) -> Result<Self, OverMemory> {
         let sets_widths = program.commands().any(|(command, _)| command == Command::Width);
+        let radii = bytes_of::<f32>(if sets_widths { segments + 1 } else { 0 });
+        let nodes = Branching::bytes_for(segments + 1) + radii;
+        monitor.admit(DOING, nodes + bytes_grown::<State>(depth.min(MAX_NESTING)), ADVICE)?;
         let branching = Branching {
             positions: Vec::with_capacity(segments + 1),
             parents: Vec::with_capacity(segments + 1),
@@ -112,7 +131,7 @@ impl Turtle {
             radii: sets_widths.then(|| Vec::with_capacity(segments + 1)),
         };
         let numbers = program.commands().map(|(_, numbers)| numbers.first().copied().unwrap_or(1.0));
-        Self {
+        Ok(Self {
             actions: program
                 .commands()
                 .map(|(command, numbers)| action(command, numbers, settings))
@@ -128,7 +147,8 @@ impl Turtle {
             herbarium: Herbarium::default(),
             is_placing: false,
             chance: None,
-        }
+            monitor,
+        })
     }
 
     /// Puts the turtle where a stem begins: at the origin, rolled by one angle and then leaning by
@@ -173,7 +193,10 @@ impl Turtle {
         (self.branching, organs)
     }
 
-    fn node(&mut self, position: DVec3, parent: u32, birth: u32) -> u32 {
+    fn node(&mut self, position: DVec3, parent: u32, birth: u32) -> Result<u32, OverMemory> {
+        if self.branching.positions.len() == self.branching.positions.capacity() {
+            self.branching.make_room(DOING, ADVICE, self.monitor)?;
+        }
         self.branching.positions.push(position.as_vec3());
         self.branching.parents.push(parent);
         self.branching.births.push(birth);
@@ -181,54 +204,55 @@ impl Turtle {
             let radius_m = 0.5 * self.state.width * self.settings.segment_width_m;
             radii.push(radius_m.clamp(RADII_M[0], RADII_M[1]) as f32);
         }
-        self.branching.positions.len() as u32 - 1
+        Ok(self.branching.positions.len() as u32 - 1)
     }
 
-    fn draw(&mut self, length_m: f64, birth: u32) {
+    fn draw(&mut self, length_m: f64, birth: u32) -> Result<(), OverMemory> {
         if length_m == 0.0 {
-            return;
+            return Ok(());
         }
         if self.state.is_adrift {
-            self.land();
+            self.land()?;
         }
         let start = match self.state.anchor {
             Anchor::Node(node) => node,
-            Anchor::Foot(foot) => self.stand(foot as usize, birth),
+            Anchor::Foot(foot) => self.stand(foot as usize, birth)?,
         };
         let length_m = self.chance.as_mut().map_or(length_m, |chance| chance.length_m(length_m));
         self.state.position += self.state.frame.heading * length_m;
         // What single precision cannot show is no segment of its own.
         if self.state.position.as_vec3() != self.branching.positions[start as usize] {
-            let node = self.node(self.state.position, start, birth);
+            let node = self.node(self.state.position, start, birth)?;
             self.state.anchor = Anchor::Node(node);
             self.state.node = node;
         }
         if self.settings.susceptibility != 0.0 {
             self.state.frame.bend(DVec3::from(self.settings.tropism), self.settings.susceptibility);
         }
+        Ok(())
     }
 
     /// The node of the foot that the turtle stands at.
-    fn stand(&mut self, foot: usize, birth: u32) -> u32 {
+    fn stand(&mut self, foot: usize, birth: u32) -> Result<u32, OverMemory> {
         if let Some(node) = self.feet[foot].node {
-            return node;
+            return Ok(node);
         }
-        let node = self.node(self.state.position, NO_PARENT, birth);
+        let node = self.node(self.state.position, NO_PARENT, birth)?;
         self.feet[foot].node = Some(node);
-        node
+        Ok(node)
     }
 
-    fn move_on(&mut self, length_m: f64) {
+    fn move_on(&mut self, length_m: f64) -> Result<(), OverMemory> {
         if length_m == 0.0 {
-            return;
+            return Ok(());
         }
         let length_m = self.chance.as_mut().map_or(length_m, |chance| chance.length_m(length_m));
         self.state.position += self.state.frame.heading * length_m;
-        self.put_foot();
+        self.put_foot()
     }
 
     /// Makes the turtle's place one where a stem may start.
-    fn put_foot(&mut self) {
+    fn put_foot(&mut self) -> Result<(), OverMemory> {
         self.state.is_adrift = false;
         let position = self.state.position;
         // A foot that nobody else knows, and that nothing stands on, moves along.
@@ -237,15 +261,29 @@ impl Turtle {
             && self.feet[foot as usize].node.is_none()
         {
             self.feet[foot as usize].position = position;
-            return;
+            return Ok(());
+        }
+        if self.feet.len() == self.feet.capacity() {
+            self.admit(bytes_grown::<Foot>(self.feet.len() + 1))?;
         }
         self.state.anchor = Anchor::Foot(self.feet.len() as u32);
         self.feet.push(Foot { position, node: None });
+        Ok(())
+    }
+
+    /// Asks for memory beside the nodes and organs that there are.
+    fn admit(&self, bytes: u64) -> Result<(), OverMemory> {
+        self.monitor.admit(DOING, self.branching.bytes() + self.herbarium.bytes() + bytes, ADVICE)
+    }
+
+    /// Asks before the lists of organs move to larger places.
+    fn make_room_for_organ(&self) -> Result<(), OverMemory> {
+        if self.herbarium.is_full() { self.admit(2 * self.herbarium.bytes()) } else { Ok(()) }
     }
 
     /// Wood again, after an outline: an outline that closed leads back to where it began, any other one
     /// is a way without wood.
-    fn land(&mut self) {
+    fn land(&mut self) -> Result<(), OverMemory> {
         let anchor = match self.state.anchor {
             Anchor::Node(node) => self.branching.positions[node as usize].as_dvec3(),
             Anchor::Foot(foot) => self.feet[foot as usize].position,
@@ -254,8 +292,9 @@ impl Turtle {
         let rounding = anchor.abs().max_element() * f64::from(f32::EPSILON);
         if self.state.position.distance(anchor) <= BACK * self.settings.segment_m + rounding {
             self.state.is_adrift = false;
+            Ok(())
         } else {
-            self.put_foot();
+            self.put_foot()
         }
     }
 
@@ -307,9 +346,9 @@ impl Turtle {
         match action {
             Action::Nothing => {}
             Action::Draw { length_m, is_edge } if is_outlining => self.go_along_edge(length_m, is_edge)?,
-            Action::Draw { length_m, .. } => self.draw(length_m, birth),
+            Action::Draw { length_m, .. } => self.draw(length_m, birth)?,
             Action::Move { length_m } if is_outlining => self.go_along_edge(length_m, true)?,
-            Action::Move { length_m } => self.move_on(length_m),
+            Action::Move { length_m } => self.move_on(length_m)?,
             Action::Push => self.push()?,
             Action::Pop => self.pop(),
             Action::Turn(axis, turn) => self.turn(axis, turn),
@@ -323,7 +362,10 @@ impl Turtle {
                 self.herbarium.begin(&self.state.frame, self.state.node, self.state.color);
             }
             Action::PolygonVertex => self.herbarium.corner(self.state.position)?,
-            Action::PolygonEnd => self.herbarium.end(birth)?,
+            Action::PolygonEnd => {
+                self.make_room_for_organ()?;
+                self.herbarium.end(birth)?;
+            }
             Action::Organ => self.is_placing = true,
         }
         Ok(())
@@ -342,6 +384,7 @@ impl Turtle {
         let size_m = size * self.settings.segment_m;
         // What is too small for single precision is not there.
         if size_m as f32 > 0.0 {
+            self.make_room_for_organ()?;
             self.herbarium.place(prototype, size_m, position, &frame, [node, color, birth]);
         }
         Ok(())
@@ -363,7 +406,7 @@ impl State {
     }
 }
 
-impl Sink for Turtle {
+impl Sink for Turtle<'_> {
     fn take(&mut self, modules: &[u32], birth: u32) -> Result<(), LsystemError> {
         for &id in modules {
             if self.is_placing {
