@@ -50,7 +50,7 @@ impl Grown {
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
         let points = self.colonized.as_ref().map_or(0, |own| own.points.capacity());
-        self.skeleton.bytes() + bytes_of::<Vec3>(points)
+        self.skeleton.bytes() + self.organs.bytes() + bytes_of::<Vec3>(points)
     }
 }
 
@@ -168,7 +168,7 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
             let settings = own.settings(*seed);
             let lsystem::Grown { branching, organs, symbols } =
                 lsystem::grow(&own.grammar, &settings, monitor)?;
-            branching.admit_build(monitor)?;
+            branching.admit_build(&Holding::new(monitor, organs.bytes()))?;
             let skeleton = Arc::new(Skeleton::build(branching, wood)?);
             Ok(Grown {
                 skeleton,
