@@ -8,4 +8,4 @@ pub mod scatter;
 pub mod trunk;
 
 pub use growth::{Growth, GrowthError, GrowthRule, Stop, grow};
-pub use plant::outline;
+pub use plant::{PartError, outline};

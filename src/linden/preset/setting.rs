@@ -65,6 +65,32 @@ words! {
     }
 }
 
+words! {
+    /// What a part of a crown does.
+    Role {
+        /// Its inside belongs to the crown of the tree above it in the document.
+        Add = "add",
+        /// Its inside does not.
+        Subtract = "subtract",
+        /// Another tree with a root of its own, which competes for the same points.
+        Tree = "tree",
+        /// A solid without points, which branches do not enter.
+        Obstacle = "obstacle",
+        /// A place where fewer points are.
+        Shade = "shade"
+    }
+}
+
+words! {
+    /// What a branch does that meets an obstacle.
+    Meet {
+        /// It turns aside.
+        Around = "around",
+        /// It ends.
+        Stop = "stop"
+    }
+}
+
 /// A field that a knob turns.
 pub(super) trait Setting: Sized {
     fn to_value(&self) -> Value;
