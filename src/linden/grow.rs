@@ -13,10 +13,11 @@ use crate::colonization::scan::ScanError;
 use crate::colonization::scatter::ScatterError;
 use crate::knob::printable;
 use crate::lsystem::{self, LsystemError};
+use crate::memory::{Holding, OverMemory, bytes_of};
 use crate::monitor::{Cancelled, Monitor, from_cancellable};
 use crate::preset::{Generator, Preset};
 use crate::random::Key;
-use crate::recipe::Recipe;
+use crate::recipe::{Input, Recipe};
 use crate::skeleton::{Skeleton, SkeletonError};
 
 /// A grown tree, and how it came about.
@@ -43,12 +44,23 @@ pub struct Colonized {
     pub iterations: u32,
 }
 
+impl Grown {
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> u64 {
+        let points = self.colonized.as_ref().map_or(0, |own| own.points.capacity());
+        self.skeleton.bytes() + bytes_of::<Vec3>(points)
+    }
+}
+
 /// Why a recipe did not grow.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum GrowError {
     /// Nobody wanted the result any more.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+    /// There is no memory for what comes next.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
     /// The L-system.
     #[error("growing the L-system: {0}")]
     LSystem(LsystemError),
@@ -166,6 +178,7 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
     {
         return Err(GrowError::Radii { base_m, tip_m });
     }
+    let monitor: &dyn Monitor = &Holding::new(monitor, recipe.inputs.iter().map(Input::bytes).sum::<u64>());
     let key = Key::new(*seed);
     match generator {
         Generator::LSystem(own) => {
@@ -177,11 +190,13 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
                 seed: *seed,
             };
             let lsystem::Grown { branching, symbols } = lsystem::grow(&own.grammar, &settings, monitor)?;
+            branching.admit_build(monitor)?;
             let skeleton = Arc::new(Skeleton::build(branching, wood)?);
             Ok(Grown { skeleton, symbols: Some(symbols), colonized: None, notes: Vec::new() })
         }
         Generator::Colonization(own) => {
             let Plant { branching, points, unreached, iterations, notes } = plant(own, recipe, key, monitor)?;
+            branching.admit_build(&Holding::new(monitor, bytes_of::<Vec3>(points.capacity())))?;
             let skeleton = Arc::new(Skeleton::build(branching, wood)?);
             Ok(Grown {
                 skeleton,

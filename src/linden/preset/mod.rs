@@ -26,7 +26,7 @@ pub use knobs::{KNOBS, PresetKnob, Section, shape_knobs};
 pub use library::{Builtin, RecipeError, builtin, builtin_file, builtins};
 pub use lsystem::LSystem;
 pub use part::{MOST_PARTS, PART_CROWN, PART_KNOBS, Part, PartKnob, Solid};
-pub use setting::{Length, Meet, Origin, Role, UpAxis};
+pub use setting::{Length, Origin, Role, UpAxis};
 
 /// Everything that says how a tree grows and looks.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,6 +41,8 @@ pub struct Preset {
     pub summary: String,
     /// Where it comes from: a paper and figure, a program.
     pub source: String,
+    /// What to look for, in a paragraph: what a book's picture of it shows, say. May be empty.
+    pub about: String,
     /// The root of all random choices.
     pub seed: u64,
     /// How it grows.

@@ -6,7 +6,8 @@
 use super::colonization::SHAPE_IDS;
 use super::document::{Datum, Entry, Fault, Node};
 use super::knobs::{real, real_or_auto};
-use super::setting::{Meet, Role, Setting, assign};
+use super::setting::{MEETINGS, Role, Setting, assign};
+use crate::colonization::Meet;
 use crate::colonization::crown::{self, Shape};
 use crate::knob::{Kind, Knob, Value, did_you_mean, excerpt, nearest};
 
@@ -125,7 +126,7 @@ pub const PART_KNOBS: &[PartKnob] = &[
     ),
     row!(
         "meet",
-        Kind::Choice(Meet::WORDS),
+        Kind::Choice(MEETINGS),
         "",
         &[Role::Obstacle],
         "what a branch does that meets the obstacle: turn aside, or end",

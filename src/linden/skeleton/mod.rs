@@ -4,13 +4,16 @@
 //! sees in it: axes with their orders, and radii. Nodes come parents before children.
 
 mod axes;
+mod cylinders;
 mod measure;
+mod memory;
 mod radii;
 mod young;
 
 use glam::Vec3;
 use xxhash_rust::xxh3::Xxh3;
 
+pub use cylinders::Cylinder;
 pub use measure::Measures;
 pub use radii::Wood;
 

@@ -13,6 +13,7 @@ use glam::{DVec3, Vec3};
 
 use super::growth::{self, Growth, Stop};
 use crate::grow::GrowError;
+use crate::memory::{Holding, bytes_of};
 use crate::monitor::Monitor;
 use crate::preset::{Colonization, Space};
 use crate::random::Key;
@@ -63,8 +64,13 @@ pub(crate) fn plant(
     }
     let start = stems::start(&site, settings, &rule, monitor)?;
     let mut points: Vec<Vec3> = site.points.iter().map(|p| p.as_vec3()).collect();
-    let Growth { mut branching, iterations, unreached, stop } =
-        growth::grow(&points, &start, &rule, monitor)?;
+    let held = bytes_of::<DVec3>(site.points.capacity()) + bytes_of::<Vec3>(points.capacity());
+    let solids: Vec<_> =
+        site.grove.obstacles.iter().map(|own| (|p| own.solid.contains(p), own.meet)).collect();
+    let obstacles: Vec<growth::Obstacle> =
+        solids.iter().map(|(contains, meet)| growth::Obstacle { contains, meet: *meet }).collect();
+    let Growth { mut branching, iterations, unreached, stop, captured: _ } =
+        growth::grow_among(&points, &start, &rule, &obstacles, &Holding::new(monitor, held))?;
     if iterations == 0 {
         let (points, kill_m) = (points.len(), rule.kill);
         return Err(GrowError::NothingGrew { points, reached: points - unreached, kill_m });
@@ -111,6 +117,7 @@ fn stop_note(stop: Stop, unreached: usize, points: usize, settings: &Colonizatio
                 .then(|| format!("{left}: they lie beyond the influence distance; raise influence"))
         }
         Stop::Stalled => Some(format!("{left}: the step is too short for coordinates of this size")),
+        Stop::Blocked => Some(format!("{left}: obstacles or max_children were in the way")),
         Stop::MaxIterations => {
             Some(format!("{left}: growth stopped at max_iterations={}", settings.max_iterations))
         }

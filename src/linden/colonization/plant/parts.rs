@@ -108,12 +108,14 @@ impl Standing {
             crown: Box::new(Placed::new(crown, DVec3::Y * lift, 0.0, 1.0)),
         };
         let mut trees = vec![Tree { pieces: vec![(0, first)], root: foot, trunk_m: settings.trunk_m }];
+        let mut meshes = Vec::new();
         for (i, part) in parts.iter().enumerate() {
             monitor.check()?;
-            let (solid, warnings) = solid(part, settings, recipe, monitor).map_err(|error| match error {
-                SolidError::Part(problem) => about(i + 1, parts, problem),
-                SolidError::Other(error) => error,
-            })?;
+            let (solid, warnings) =
+                solid(part, &mut meshes, settings, recipe, monitor).map_err(|error| match error {
+                    SolidError::Part(problem) => about(i + 1, parts, problem),
+                    SolidError::Other(error) => error,
+                })?;
             notes.extend(warnings.into_iter().map(|note| format!("part {}: {note}", i + 1)));
             let (at, root) = place(part, &solid, foot, origin);
             let crown: Box<dyn Crown> = Box::new(Placed::new(solid.crown, at, part.turn_deg, part.scale));
@@ -185,9 +187,11 @@ impl<E: Into<PartError>> From<E> for SolidError {
     }
 }
 
-/// The solid, and what the user should know of it.
+/// The solid, and what the user should know of it. A mesh that several parts are is made ready once:
+/// `meshes` keeps those that are.
 fn solid(
     part: &Part,
+    meshes: &mut Vec<(String, Arc<Envelope>)>,
     settings: &Colonization,
     recipe: &Recipe,
     monitor: &dyn Monitor,
@@ -198,6 +202,10 @@ fn solid(
             Ok((Raw { crown, foot: None }, Vec::new()))
         }
         Solid::Mesh { file } => {
+            if let Some((_, known)) = meshes.iter().find(|(own, _)| own == file) {
+                let crown = Box::new(Arc::clone(known));
+                return Ok((Raw { crown, foot: Some(known.foot()) }, Vec::new()));
+            }
             let input = recipe.input(file).map(|input| (&input.geometry, input.up));
             let Some((Geometry::Mesh(mesh), up)) = input else {
                 let error = GrowError::WrongInput { file: file.clone(), expected: "a mesh" };
@@ -205,7 +213,8 @@ fn solid(
             };
             let mut mesh = (**mesh).clone();
             settings.up(up).to_y_up(&mut mesh.positions);
-            let envelope = Envelope::new(&mesh, monitor)?;
+            let envelope = Arc::new(Envelope::new(&mesh, monitor)?);
+            meshes.push((file.clone(), Arc::clone(&envelope)));
             let (foot, notes) = (Some(envelope.foot()), envelope.report().warnings());
             Ok((Raw { crown: Box::new(envelope), foot }, notes))
         }
@@ -229,7 +238,7 @@ fn place(part: &Part, solid: &Raw, foot: DVec3, origin: DVec3) -> (DVec3, DVec3)
 /// Takes away the points in obstacles and, each by its own chance, those in shade; point `i` by
 /// `key.child(i)`, so that fewer points are still a prefix of more.
 pub(super) fn clear(
-    points: Vec<DVec3>,
+    mut points: Vec<DVec3>,
     obstacles: &[Obstacle],
     shades: &[Shade],
     key: Key,
@@ -250,8 +259,8 @@ pub(super) fn clear(
         Ok(is_free && shades.iter().enumerate().all(is_lit))
     };
     let kept: Vec<bool> = points.par_iter().enumerate().map(stays).collect::<Result<_, Cancelled>>()?;
-    let points: Vec<DVec3> =
-        points.into_iter().zip(kept).filter_map(|(p, stays)| stays.then_some(p)).collect();
+    let mut kept = kept.into_iter();
+    points.retain(|_| kept.next() == Some(true));
     if points.is_empty() {
         return Err(GrowError::NoRoom { points: scattered });
     }

@@ -3,11 +3,12 @@
 use glam::DVec3;
 
 use super::site::Site;
-use crate::colonization::growth::GrowthRule;
+use crate::colonization::growth::{GrowthRule, Habit};
 use crate::preset::{Colonization, Length};
 
 /// Influence beyond this costs far more time than it changes.
 const WIDE_INFLUENCE_STEPS: f64 = 20.0;
+
 impl Site {
     /// The rule in metres, and what to say about it.
     pub(super) fn rule(&self, settings: &Colonization) -> (GrowthRule, Vec<String>) {
@@ -33,6 +34,7 @@ impl Site {
             tropism: DVec3::from_array(settings.tropism).as_vec3(),
             max_iterations: settings.max_iterations,
             max_nodes: settings.max_nodes,
+            habit: Habit::PLAIN,
         };
         (rule, notes)
     }

@@ -5,8 +5,9 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::colonization::crown::Crown;
+use crate::colonization::growth::Meet;
 use crate::input::Up;
-use crate::preset::{Colonization, Length, Meet, Origin, UpAxis};
+use crate::preset::{Colonization, Length, Origin, UpAxis};
 
 /// Steps between neighbouring points where no step is given.
 const STEPS_PER_SPACING: f64 = 3.0;
