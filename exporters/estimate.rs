@@ -228,7 +228,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let target = dir.path().join("tree.any");
         for builtin in builtins() {
-            let recipe = Recipe { preset: builtin.load().unwrap(), input: None };
+            let recipe = Recipe { preset: builtin.load().unwrap(), inputs: Vec::new() };
             // What grows in a mesh needs its file.
             let Ok(grown) = grow(&recipe, &Quiet) else { continue };
             let estimate = Estimate::new(&recipe, &grown, &Quiet).unwrap();
@@ -264,7 +264,7 @@ mod tests {
         ] {
             let mut preset = linden::preset::builtin("older-f").unwrap().load().unwrap();
             preset.set(knob, value).unwrap();
-            let recipe = Recipe { preset, input: None };
+            let recipe = Recipe { preset, inputs: Vec::new() };
             let grown = grow(&recipe, &Quiet).unwrap();
             let estimate = Estimate::new(&recipe, &grown, &Quiet).unwrap();
             let scene = dress(&recipe, &grown, &Quiet).unwrap();

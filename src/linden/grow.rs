@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use crate::colonization::PartError;
 use crate::colonization::crown::CrownError;
 use crate::colonization::crown::envelope::EnvelopeError;
 use crate::colonization::growth::GrowthError;
@@ -69,6 +70,25 @@ pub enum GrowError {
     /// The crown's shape.
     #[error("shaping the crown: {0}")]
     Crown(#[from] CrownError),
+    /// A part of the crown.
+    #[error("shaping the crown, part {number} ({what}): {problem}")]
+    Part {
+        /// Counted from 1, in the order of the document.
+        number: usize,
+        /// Its role and what it is, printable.
+        what: String,
+        /// Why, and what to do.
+        problem: PartError,
+    },
+    /// Obstacles and shade take all points away.
+    #[error(
+        "all {points} attraction points lie in obstacles or shade; make these smaller, move them, or ask for \
+         more points"
+    )]
+    NoRoom {
+        /// How many were scattered.
+        points: usize,
+    },
     /// The crown's mesh.
     #[error("filling the envelope: {0}")]
     Envelope(EnvelopeError),
@@ -147,7 +167,7 @@ from_cancellable!(GrowError: LsystemError => LSystem, EnvelopeError => Envelope,
 /// ```
 /// use linden::{Quiet, grow::grow, preset::builtin, recipe::Recipe};
 /// let preset = builtin("abop-a").unwrap().load().map_err(|fault| fault.message)?;
-/// let grown = grow(&Recipe { preset, input: None }, &Quiet)?;
+/// let grown = grow(&Recipe { preset, inputs: Vec::new() }, &Quiet)?;
 /// assert_eq!(grown.skeleton.segments(), 3125); // ABOP, Fig. 1.24 a
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -161,7 +181,7 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
     {
         return Err(GrowError::Radii { base_m, tip_m });
     }
-    let monitor: &dyn Monitor = &Holding::new(monitor, recipe.input.as_ref().map_or(0, Input::bytes));
+    let monitor: &dyn Monitor = &Holding::new(monitor, recipe.inputs.iter().map(Input::bytes).sum::<u64>());
     let key = Key::new(*seed);
     match generator {
         Generator::LSystem(own) => {
@@ -179,8 +199,7 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
             })
         }
         Generator::Colonization(own) => {
-            let Plant { branching, points, unreached, iterations, notes } =
-                plant(own, recipe.input.as_ref(), key, monitor)?;
+            let Plant { branching, points, unreached, iterations, notes } = plant(own, recipe, key, monitor)?;
             branching.admit_build(&Holding::new(monitor, bytes_of::<Vec3>(points.capacity())))?;
             let skeleton = Arc::new(Skeleton::build(branching, wood)?);
             Ok(Grown {

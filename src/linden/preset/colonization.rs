@@ -1,8 +1,8 @@
 //! `[colonization]`: where the attraction points are, and how the tree reaches for them.
 
-use super::knobs::{Access, PresetKnob, Section, integer, length_or_auto, real_or_auto, row};
+use super::knobs::{Access, PresetKnob, Section, integer, length_or_auto, real, real_or_auto, row};
 use super::setting::{Length, Origin, UpAxis};
-use super::{Generator, Preset};
+use super::{Generator, Part, Preset};
 use crate::colonization::crown::SHAPES;
 use crate::knob::{Kind, Knob, Value};
 
@@ -11,10 +11,17 @@ use crate::knob::{Kind, Knob, Value};
 pub struct Colonization {
     /// What the crown fills.
     pub space: Space,
+    /// What else there is: pieces of the crown, other trees, obstacles, shade. In the order of the
+    /// document, which matters: each adds to or takes from what was there before.
+    pub parts: Vec<Part>,
     /// Height of a crown shape's base above the root, metres; `None`: on top of the trunk.
     pub crown_base_m: Option<f64>,
     /// How many attraction points are drawn in a crown.
     pub points: u32,
+    /// How far points gather near the crown's surface, 0 to 1; see [`crate::colonization::crown::favor`].
+    pub shell_density: f64,
+    /// How far points gather at the crown's top, 0 to 1.
+    pub top_density: f64,
     /// `D`: length of a segment, metres; `None`: from the spacing of the points.
     pub step_m: Option<f64>,
     /// How far a point pulls.
@@ -78,8 +85,11 @@ impl Colonization {
     pub(super) fn of(space: Space) -> Self {
         Self {
             space,
+            parts: Vec::new(),
             crown_base_m: None,
             points: 2000,
+            shell_density: 0.0,
+            top_density: 0.0,
             step_m: None,
             influence: Length::Auto,
             kill: Length::Auto,
@@ -96,7 +106,7 @@ impl Colonization {
 }
 
 /// The ids of all crown shapes.
-const SHAPE_IDS: [&str; SHAPES.len()] = {
+pub(super) const SHAPE_IDS: [&str; SHAPES.len()] = {
     let mut ids = [""; SHAPES.len()];
     let mut i = 0;
     while i < ids.len() {
@@ -133,6 +143,22 @@ pub(super) const KNOBS: &[PresetKnob] = &[
         "points",
         "how many attraction points are drawn",
         colonization.points
+    ),
+    row!(
+        Colonization,
+        "shell_density",
+        real(0.0, 1.0),
+        "",
+        "how far the points gather near the crown's surface; 0: evenly, 1: the heart has a twentieth of its density",
+        colonization.shell_density
+    ),
+    row!(
+        Colonization,
+        "top_density",
+        real(0.0, 1.0),
+        "",
+        "how far the points gather at the crown's top; 0: evenly, 1: the base has a twentieth of its density",
+        colonization.top_density
     ),
     row!(
         Colonization,
