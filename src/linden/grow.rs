@@ -125,6 +125,9 @@ pub enum GrowError {
         /// Metres.
         kill_m: f32,
     },
+    /// Obstacles stand in every way.
+    #[error("nothing grew: obstacles stand in the way of every first step; move root, or what is in the way")]
+    WalledIn,
     /// Single precision cannot hold a tree there.
     #[error(
         "the tree would stand {farthest_m:.0} m from the origin, where coordinates in single precision are \

@@ -71,6 +71,9 @@ pub(crate) fn plant(
         solids.iter().map(|(contains, meet)| growth::Obstacle { contains, meet: *meet }).collect();
     let Growth { mut branching, iterations, unreached, stop, captured: _ } =
         growth::grow_among(&points, &start, &rule, &obstacles, &Holding::new(monitor, held))?;
+    if iterations == 0 && stop == Stop::Blocked {
+        return Err(GrowError::WalledIn);
+    }
     if iterations == 0 {
         let (points, kill_m) = (points.len(), rule.kill);
         return Err(GrowError::NothingGrew { points, reached: points - unreached, kill_m });
