@@ -16,13 +16,16 @@ use crate::monitor::{Cancelled, Monitor, from_cancellable};
 use crate::preset::{Generator, Preset};
 use crate::random::Key;
 use crate::recipe::Recipe;
-use crate::skeleton::{Skeleton, SkeletonError};
+use crate::skeleton::refine::{RefineError, refine};
+use crate::skeleton::{Branching, Skeleton, SkeletonError, Wood};
 
 /// A grown tree, and how it came about.
 #[derive(Clone, Debug)]
 pub struct Grown {
     /// The axial tree.
     pub skeleton: Arc<Skeleton>,
+    /// What its radii were made by, with the rule settled: for [`Skeleton::until`].
+    pub wood: Wood,
     /// Length of the derived string; `None` for space colonization.
     pub symbols: Option<u64>,
     /// What the tree reached for; `None` for L-systems.
@@ -66,6 +69,9 @@ pub enum GrowError {
     /// Space colonization.
     #[error(transparent)]
     Growth(GrowthError),
+    /// Refinement.
+    #[error("refining the branches: {0}")]
+    Refine(RefineError),
     /// The skeleton.
     #[error("building the skeleton: {0}")]
     Skeleton(#[from] SkeletonError),
@@ -125,7 +131,7 @@ pub enum GrowError {
     },
 }
 
-from_cancellable!(GrowError: LsystemError => LSystem, EnvelopeError => Envelope, ScatterError => Scatter, ScanError => Scan, GrowthError => Growth);
+from_cancellable!(GrowError: LsystemError => LSystem, EnvelopeError => Envelope, ScatterError => Scatter, ScanError => Scan, GrowthError => Growth, RefineError => Refine);
 
 /// Grows the tree of a recipe.
 ///
@@ -157,19 +163,38 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
                 seed: *seed,
             };
             let lsystem::Grown { branching, symbols } = lsystem::grow(&own.grammar, &settings, monitor)?;
-            let skeleton = Arc::new(Skeleton::build(branching, wood)?);
-            Ok(Grown { skeleton, symbols: Some(symbols), colonized: None, notes: Vec::new() })
+            let (skeleton, wood) = build(branching, &recipe.preset, own.symbol_limit, monitor)?;
+            Ok(Grown { skeleton, wood, symbols: Some(symbols), colonized: None, notes: Vec::new() })
         }
         Generator::Colonization(own) => {
             let Plant { branching, points, unreached, iterations, notes } =
                 plant(own, recipe.input.as_ref(), key, monitor)?;
-            let skeleton = Arc::new(Skeleton::build(branching, wood)?);
+            let (skeleton, wood) = build(branching, &recipe.preset, own.max_nodes.into(), monitor)?;
             Ok(Grown {
                 skeleton,
+                wood,
                 symbols: None,
                 colonized: Some(Colonized { points, unreached, iterations }),
                 notes,
             })
         }
     }
+}
+
+/// What both generators' branchings go through: refinement, axes, radii.
+fn build(
+    branching: Branching,
+    preset: &Preset,
+    most_nodes: u64,
+    monitor: &dyn Monitor,
+) -> Result<(Arc<Skeleton>, Wood), GrowError> {
+    let branching = if preset.refinement.steps.is_empty() {
+        branching
+    } else {
+        branching.validate()?;
+        refine(branching, None, &preset.refinement, most_nodes, monitor)?
+    };
+    let wood = preset.wood.settled(branching.radii.is_some());
+    let skeleton = Skeleton::build_keyed(branching, &wood, preset.wood_key())?;
+    Ok((Arc::new(skeleton), wood))
 }

@@ -251,6 +251,7 @@ impl Studio<'_> {
         recipe.preset.bark.size_px = recipe.preset.bark.size_px.min(BARK_PX);
         let grown = Grown {
             skeleton: Arc::clone(&sitter.skeleton),
+            wood: recipe.preset.wood,
             symbols: None,
             colonized: None,
             notes: Vec::new(),

@@ -75,7 +75,7 @@ pub fn stage(
 ) -> Result<Option<Arc<Skeleton>>, Option<String>> {
     let mut recipe = (*shown.recipe).clone();
     let Generator::LSystem(own) = &mut recipe.preset.generator else {
-        let young = shown.grown.skeleton.until(step, &recipe.preset.wood);
+        let young = shown.grown.skeleton.until(step, &shown.grown.wood, recipe.preset.wood_key());
         return Ok(Some(Arc::new(young)).filter(|young| !young.positions.is_empty()));
     };
     own.derivations = step;

@@ -6,6 +6,7 @@ use super::{BarkLook, Colonization, Generator, LSystem, Preset, Space};
 use crate::knob::{did_you_mean, excerpt, nearest};
 use crate::lsystem::{Grammar, Part};
 use crate::skeleton::Wood;
+use crate::skeleton::refine::Refinement;
 use crate::surface::Tubes;
 
 /// Keys before all tables that are no knobs.
@@ -47,6 +48,7 @@ impl Preset {
             source: String::new(),
             seed: 1,
             generator,
+            refinement: Refinement::default(),
             wood: Wood::default(),
             tubes: Tubes::default(),
             bark: BarkLook::default(),
