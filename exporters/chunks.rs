@@ -16,6 +16,20 @@ const CHUNKS_PER_THREAD: usize = 8;
 /// Bounds memory on machines with many threads: two batches of this many chunks, some 20 MB.
 const MOST_CHUNKS: usize = 96;
 
+/// Bytes that a record takes in a text that has doubled when it was a little too short, about.
+const BYTES_PER_RECORD: u64 = 160;
+
+/// The chunks of a batch, when there are so many records.
+fn batch(count: usize) -> usize {
+    let batch = (rayon::current_num_threads() * CHUNKS_PER_THREAD).min(MOST_CHUNKS);
+    batch.min(count.div_ceil(CHUNK)).max(1)
+}
+
+/// Bytes that [`write`] holds at once.
+pub(crate) fn bytes(count: usize) -> u64 {
+    (2 * batch(count) * CHUNK.min(count)) as u64 * BYTES_PER_RECORD
+}
+
 /// Writes `count` records: `format` appends those of a range to the text, for one range after another
 /// on any thread. Formatting goes on while earlier chunks are being written.
 pub(crate) fn write(
@@ -23,8 +37,7 @@ pub(crate) fn write(
     count: usize,
     format: impl Fn(&mut Text, Range<usize>) + Sync,
 ) -> Result<(), ExportError> {
-    let batch = (rayon::current_num_threads() * CHUNKS_PER_THREAD).min(MOST_CHUNKS);
-    let batch = batch.min(count.div_ceil(CHUNK)).max(1);
+    let batch = batch(count);
     let mut writing: Vec<Text> = (0..batch).map(|_| Text::default()).collect();
     let mut formatting: Vec<Text> = (0..batch).map(|_| Text::default()).collect();
     let fill = |texts: &mut [Text], first: usize| {

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use linden::Cancelled;
 use linden::knob::{did_you_mean, printable};
+use linden::memory::OverMemory;
 
 /// Why an export failed. Nothing is left behind then.
 #[derive(Debug, thiserror::Error)]
@@ -13,6 +14,9 @@ pub enum ExportError {
     /// The result was no longer wanted.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+    /// Writing would take more memory than there may be.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
     /// No format has this id.
     #[error(
         "no export format is called '{}'{}; there are: {}",

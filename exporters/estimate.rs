@@ -77,7 +77,7 @@ impl Estimate {
 
     /// Triangles that a format's files hold: none where it holds the skeleton alone.
     pub fn triangles_of(&self, format: &Format) -> u64 {
-        if format.id == "ply-skeleton" { 0 } else { self.triangles }
+        if matches!(format.id, "ply-skeleton" | "qsm") { 0 } else { self.triangles }
     }
 
     /// Bytes of all files of a format with these options. 0 for a format that nobody measured.
@@ -109,6 +109,12 @@ impl Estimate {
             "ply" => return vertices * 36 + triangles * 13 + recipe + 500,
             "ply-skeleton" if ascii => 50.0 * nodes as f64 + (recipe + 400) as f64,
             "ply-skeleton" => return nodes * 32 + recipe + 400,
+            "qsm" => {
+                let comments = if options.is_on("comments") { recipe + 150 } else { 0 };
+                // Flat trees have fewer digits than round ones.
+                let row = 74.0 + 4.0 * mean_digits(nodes);
+                row * nodes as f64 + (comments + 150) as f64
+            }
             "gltf" | "glb" => {
                 let tangent = if pictures > 0 { 16 } else { 0 };
                 let index = if u16::try_from(vertices).is_ok() { 2 } else { 4 };

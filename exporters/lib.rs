@@ -38,10 +38,12 @@ mod chunks;
 mod error;
 mod estimate;
 mod gltf;
+mod memory;
 mod obj;
 mod options;
 mod picture;
 mod ply;
+mod qsm;
 mod sound;
 mod usda;
 
@@ -102,7 +104,7 @@ pub struct Format {
 
 /// All formats. Where two claim an ending, the first has it.
 pub static REGISTRY: &[&dyn Exporter] =
-    &[&obj::Obj, &ply::Ply, &ply::PlySkeleton, &gltf::Gltf, &gltf::Glb, &usda::Usda];
+    &[&obj::Obj, &ply::Ply, &ply::PlySkeleton, &gltf::Gltf, &gltf::Glb, &usda::Usda, &qsm::Qsm];
 
 /// The exporter that scripts call `id`.
 ///
@@ -172,7 +174,7 @@ mod tests {
         let said = find("gtlf").err().unwrap().to_string();
         assert_eq!(
             said,
-            "no export format is called 'gtlf' (did you mean 'gltf'?); there are: obj, ply, ply-skeleton, gltf, glb, usda"
+            "no export format is called 'gtlf' (did you mean 'gltf'?); there are: obj, ply, ply-skeleton, gltf, glb, usda, qsm"
         );
         let said = for_path(Path::new("fir.usdc")).err().unwrap().to_string();
         assert!(said.contains("did you mean '.usda'?") && said.contains(".glb"), "{said}");

@@ -11,7 +11,7 @@ use linden::skeleton::NO_PARENT;
 use crate::chunks::{self, Digits, Text};
 use crate::options::{OptionSpec, Options};
 use crate::picture::{self, Named};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, sound};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, memory, sound};
 
 /// Wavefront OBJ.
 pub(crate) struct Obj;
@@ -53,8 +53,10 @@ impl Exporter for Obj {
             });
         }
         let library = bundle.takes_side_files().then(|| bundle.side_name(".mtl"));
+        let with_pictures = library.is_some() && options.is_on("pictures");
+        let pictures = if with_pictures { picture::pictures(scene) } else { Vec::new() };
+        memory::admit(scene, &pictures, memory::formatting(scene), monitor)?;
         if library.is_some() {
-            let pictures = if options.is_on("pictures") { picture::pictures(scene) } else { Vec::new() };
             for (named, png) in pictures.iter().zip(picture::compress(&pictures)?) {
                 let bytes = Some(png.len() as u64);
                 bundle.write_side(&named.suffix, bytes, monitor, |out| out.write(png))?;

@@ -5,12 +5,13 @@
 //! without anything between, are the recipe.
 
 use linden::Monitor;
+use linden::memory::{bytes_grown, bytes_of};
 use linden::scene::{Part, Scene};
 use linden::skeleton::NO_PARENT;
 
 use crate::chunks::{self, Text};
 use crate::options::{OptionSpec, Options};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, picture, sound};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, memory, picture, sound};
 
 /// A mesh with normals, texture coordinates and vertex colours.
 pub(crate) struct Ply;
@@ -61,6 +62,7 @@ impl Exporter for Ply {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         sound::check(scene, monitor)?;
+        memory::admit(scene, &[], memory::formatting(scene), monitor)?;
         let ascii = options.is_word("encoding", "ascii");
         let vertices: usize = scene.parts.iter().map(|part| part.mesh.positions.len()).sum();
         let faces: usize = scene.parts.iter().map(|part| part.mesh.triangles.len()).sum();
@@ -158,6 +160,9 @@ impl Exporter for PlySkeleton {
         if nodes > i32::MAX as usize {
             return Err(too_large(SKELETON.id, format!("{nodes} nodes")));
         }
+        // Orders and edges stay while records are formatted; the edges grew one by one.
+        let own = bytes_of::<u32>(nodes) + bytes_grown::<[u32; 2]>(nodes) + chunks::bytes(nodes);
+        memory::admit(scene, &[], own, monitor)?;
         let mut orders = vec![0; nodes];
         for axis in &skeleton.axes {
             for &node in skeleton.nodes_of(axis) {

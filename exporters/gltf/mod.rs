@@ -20,8 +20,8 @@ use self::document::{
 };
 use crate::options::{OptionSpec, Options};
 use crate::picture::{self, Named};
-use crate::sound;
 use crate::{Bundle, ExportError, Exporter, Format, GENERATOR};
+use crate::{memory, sound};
 
 /// JSON, with a buffer and pictures beside it.
 pub(crate) struct Gltf;
@@ -68,6 +68,7 @@ impl Exporter for Gltf {
     ) -> Result<(), ExportError> {
         let bounds = sound::check(scene, monitor)?;
         let pictures = if options.is_on("pictures") { picture::pictures(scene) } else { Vec::new() };
+        memory::admit(scene, &pictures, tangents_bytes(scene, &pictures), monitor)?;
         let embed = options.is_on("embed") || !bundle.takes_side_files();
         if embed && !options.is_on("embed") {
             bundle
@@ -102,6 +103,11 @@ impl Exporter for Gltf {
     }
 }
 
+/// Tangents are all made before any is written, a part after the other.
+fn tangents_bytes(scene: &Scene, pictures: &[picture::Named<'_>]) -> u64 {
+    if pictures.is_empty() { 0 } else { memory::largest(scene, memory::per_vertex::<[f32; 4]>) }
+}
+
 /// How the embedded buffer's URI begins.
 const DATA_URI: &str = "data:application/octet-stream;base64,";
 
@@ -124,6 +130,7 @@ impl Exporter for Glb {
     ) -> Result<(), ExportError> {
         let bounds = sound::check(scene, monitor)?;
         let pictures = if options.is_on("pictures") { picture::pictures(scene) } else { Vec::new() };
+        memory::admit(scene, &pictures, tangents_bytes(scene, &pictures), monitor)?;
         let mut layout = Layout::of_meshes(scene, &bounds, &pictures);
         let sources = embedded(&pictures, &mut layout)?;
         let document = document(scene, &pictures, sources, &mut layout);

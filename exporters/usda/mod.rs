@@ -17,14 +17,15 @@ mod syntax;
 
 use glam::Vec3;
 use linden::Monitor;
+use linden::memory::bytes_of;
 use linden::scene::{Bounds, Part, Scene};
 use linden::skeleton::{Axis, NO_PARENT, Skeleton};
 
 use self::syntax::{Names, identifier, quoted, tuple};
 use crate::chunks::{self, Text};
 use crate::options::{OptionSpec, Options};
-use crate::sound;
 use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, picture};
+use crate::{memory, sound};
 
 /// OpenUSD as text.
 pub(crate) struct Usda;
@@ -62,6 +63,13 @@ impl Exporter for Usda {
             );
             pictures.clear();
         }
+        // Texture coordinates each once: a table of indices, at most half full, the values, an index a vertex.
+        let indexed = |part: &Part| {
+            let vertices = part.mesh.positions.len();
+            bytes_of::<u32>((2 * vertices).next_power_of_two()) + memory::per_vertex::<([f32; 2], u32)>(part)
+        };
+        let own = memory::largest(scene, indexed) + memory::formatting(scene);
+        memory::admit(scene, &pictures, own, monitor)?;
         for (named, png) in pictures.iter().zip(picture::compress(&pictures)?) {
             bundle.write_side(&named.suffix, Some(png.len() as u64), monitor, |out| out.write(png))?;
         }

@@ -5,6 +5,7 @@ mod cli;
 mod config;
 mod exit;
 mod jobs;
+mod memory;
 mod progress;
 mod signals;
 mod source;

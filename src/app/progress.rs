@@ -55,6 +55,10 @@ impl Monitor for Progress {
         crate::signals::received().is_some()
     }
 
+    fn memory_limit(&self) -> u64 {
+        crate::memory::limit()
+    }
+
     fn advance(&self, stage: Stage, done: u64, total: Option<u64>) {
         if !self.shows || self.started.elapsed() < PATIENCE {
             return;

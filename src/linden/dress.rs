@@ -5,9 +5,10 @@ use std::sync::Arc;
 use crate::color::linear;
 use crate::grow::Grown;
 use crate::knob::printable;
+use crate::memory::Holding;
 use crate::monitor::{Cancelled, Monitor, from_cancellable};
 use crate::random::Key;
-use crate::recipe::Recipe;
+use crate::recipe::{Input, Recipe};
 use crate::scene::{Material, Part, Scene};
 use crate::surface::{self, SurfaceError};
 use crate::texture::{BarkError, BarkPictures};
@@ -37,9 +38,11 @@ from_cancellable!(DressError: SurfaceError => Surface, BarkError => Bark);
 /// [`DressError`]: too large, or cancelled.
 pub fn dress(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Scene, DressError> {
     let preset = &recipe.preset;
+    let held = grown.bytes() + recipe.input.as_ref().map_or(0, Input::bytes);
+    let monitor: &dyn Monitor = &Holding::new(monitor, held);
     let wood = surface::sweep(&grown.skeleton, &preset.tubes, monitor)?;
     let bark = preset.bark.bark(Key::new(preset.seed).named("bark"));
-    let BarkPictures { base_color, normal } = bark.draw(monitor)?;
+    let BarkPictures { base_color, normal } = bark.draw(&Holding::new(monitor, wood.bytes()))?;
     let material = Material {
         name: "bark".to_owned(),
         base_color: linear(bark.color),

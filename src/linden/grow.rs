@@ -6,16 +6,17 @@ use glam::Vec3;
 
 use crate::colonization::crown::CrownError;
 use crate::colonization::crown::envelope::EnvelopeError;
-use crate::colonization::growth::GrowthError;
+use crate::colonization::growth::{GrowthError, NodeSet};
 use crate::colonization::plant::{Plant, plant};
 use crate::colonization::scan::ScanError;
 use crate::colonization::scatter::ScatterError;
 use crate::knob::printable;
 use crate::lsystem::{self, LsystemError};
+use crate::memory::{Holding, OverMemory, bytes_of};
 use crate::monitor::{Cancelled, Monitor, from_cancellable};
 use crate::preset::{Generator, Preset};
 use crate::random::Key;
-use crate::recipe::Recipe;
+use crate::recipe::{Input, Recipe};
 use crate::skeleton::refine::{RefineError, refine};
 use crate::skeleton::{Branching, Skeleton, SkeletonError, Wood};
 
@@ -45,12 +46,23 @@ pub struct Colonized {
     pub iterations: u32,
 }
 
+impl Grown {
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> u64 {
+        let points = self.colonized.as_ref().map_or(0, |own| own.points.capacity());
+        self.skeleton.bytes() + bytes_of::<Vec3>(points)
+    }
+}
+
 /// Why a recipe did not grow.
 #[derive(Clone, Debug, thiserror::Error)]
 pub enum GrowError {
     /// Nobody wanted the result any more.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+    /// There is no memory for what comes next.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
     /// The L-system.
     #[error("growing the L-system: {0}")]
     LSystem(LsystemError),
@@ -152,6 +164,7 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
     {
         return Err(GrowError::Radii { base_m, tip_m });
     }
+    let monitor: &dyn Monitor = &Holding::new(monitor, recipe.input.as_ref().map_or(0, Input::bytes));
     let key = Key::new(*seed);
     match generator {
         Generator::LSystem(own) => {
@@ -163,13 +176,15 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
                 seed: *seed,
             };
             let lsystem::Grown { branching, symbols } = lsystem::grow(&own.grammar, &settings, monitor)?;
-            let (skeleton, wood) = build(branching, &recipe.preset, own.symbol_limit, monitor)?;
+            let (skeleton, wood) = build(branching, None, &recipe.preset, own.symbol_limit, monitor)?;
             Ok(Grown { skeleton, wood, symbols: Some(symbols), colonized: None, notes: Vec::new() })
         }
         Generator::Colonization(own) => {
-            let Plant { branching, points, unreached, iterations, notes } =
+            let Plant { branching, captured, points, unreached, iterations, notes } =
                 plant(own, recipe.input.as_ref(), key, monitor)?;
-            let (skeleton, wood) = build(branching, &recipe.preset, own.max_nodes.into(), monitor)?;
+            let monitor = &Holding::new(monitor, bytes_of::<Vec3>(points.capacity()));
+            let most = own.max_nodes.into();
+            let (skeleton, wood) = build(branching, Some(&captured), &recipe.preset, most, monitor)?;
             Ok(Grown {
                 skeleton,
                 wood,
@@ -184,6 +199,7 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
 /// What both generators' branchings go through: refinement, axes, radii.
 fn build(
     branching: Branching,
+    captured: Option<&NodeSet>,
     preset: &Preset,
     most_nodes: u64,
     monitor: &dyn Monitor,
@@ -192,8 +208,11 @@ fn build(
         branching
     } else {
         branching.validate()?;
-        refine(branching, None, &preset.refinement, most_nodes, monitor)?
+        let nodes = branching.parents.len();
+        let captured = captured.map(|set| (0..nodes).map(|node| set.contains(node)).collect());
+        refine(branching, captured, &preset.refinement, most_nodes, monitor)?
     };
+    branching.admit_build(&preset.wood, monitor)?;
     let wood = preset.wood.settled(branching.radii.is_some());
     let skeleton = Skeleton::build_keyed(branching, &wood, preset.wood_key())?;
     Ok((Arc::new(skeleton), wood))

@@ -11,6 +11,7 @@ pub mod grow;
 pub mod input;
 pub mod knob;
 pub mod lsystem;
+pub mod memory;
 pub mod monitor;
 pub mod picture;
 pub mod preset;

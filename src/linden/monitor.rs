@@ -1,9 +1,12 @@
 //! How long work is watched and stopped.
 //!
 //! Every loop that can take longer than a few milliseconds is given a [`Monitor`]: it reports how
-//! far it is and asks whether anybody still wants the result.
+//! far it is and asks whether anybody still wants the result. Work that allocates in proportion to
+//! what the user asks for also asks whether there is memory for it ([`Monitor::admit`]).
 
-/// Watches a piece of work. Called from any thread, often: both methods must be cheap.
+use crate::memory::OverMemory;
+
+/// Watches a piece of work. Called from any thread, often: all methods must be cheap.
 pub trait Monitor: Sync {
     /// Whether the result is no longer wanted. The work then returns [`Cancelled`] soon.
     fn is_cancelled(&self) -> bool;
@@ -17,6 +20,24 @@ pub trait Monitor: Sync {
     /// [`Cancelled`], and nothing else.
     fn check(&self) -> Result<(), Cancelled> {
         if self.is_cancelled() { Err(Cancelled) } else { Ok(()) }
+    }
+
+    /// Bytes that the work may hold at once. See [`memory`](crate::memory).
+    fn memory_limit(&self) -> u64 {
+        u64::MAX
+    }
+
+    /// Whether `bytes` may be held at once: asked before they are allocated. `doing` and `advice` are
+    /// for the message: `sweeping the surface`, `lower sides`.
+    ///
+    /// # Errors
+    /// [`OverMemory`], and nothing else.
+    fn admit(&self, doing: &'static str, bytes: u64, advice: &'static str) -> Result<(), OverMemory> {
+        let limit_bytes = self.memory_limit();
+        if bytes > limit_bytes {
+            return Err(OverMemory { doing, needs_bytes: bytes, limit_bytes, advice });
+        }
+        Ok(())
     }
 }
 

@@ -8,6 +8,7 @@ use xxhash_rust::xxh3::xxh3_128;
 
 use crate::input::{InputError, InputKind, PlyData, TriangleMesh, Up, read_obj, read_ply, read_xyz, sniff};
 use crate::knob::printable;
+use crate::memory::bytes_of;
 use crate::monitor::Monitor;
 use crate::preset::Preset;
 
@@ -46,6 +47,16 @@ pub enum Geometry {
 }
 
 impl Input {
+    /// Bytes that its geometry takes.
+    pub fn bytes(&self) -> u64 {
+        match &self.geometry {
+            Geometry::Mesh(mesh) => {
+                bytes_of::<DVec3>(mesh.positions.capacity()) + bytes_of::<[u32; 3]>(mesh.triangles.capacity())
+            }
+            Geometry::Points(points) => bytes_of::<DVec3>(points.capacity()),
+        }
+    }
+
     /// Reads a mesh (OBJ, PLY with faces) or points (PLY without, XYZ).
     ///
     /// # Errors

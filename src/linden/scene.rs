@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
+use bytemuck::allocation::zeroed_vec;
 use glam::{Vec2, Vec3};
 
+use crate::memory::bytes_of;
 use crate::picture::Picture;
 use crate::skeleton::Skeleton;
 
@@ -23,6 +25,18 @@ pub struct Scene {
     pub parts: Vec<Part>,
     /// The axial tree beneath.
     pub skeleton: Arc<Skeleton>,
+}
+
+impl Scene {
+    /// Bytes that it takes: skeleton, meshes and pixels.
+    pub fn bytes(&self) -> u64 {
+        let pixels =
+            |picture: &Option<Arc<Picture>>| picture.as_ref().map_or(0, |own| own.rgba().len() as u64);
+        let pictures = |own: &Material| pixels(&own.base_color_picture) + pixels(&own.normal_picture);
+        self.skeleton.bytes()
+            + self.materials.iter().map(pictures).sum::<u64>()
+            + self.parts.iter().map(|part| part.mesh.bytes()).sum::<u64>()
+    }
 }
 
 /// A mesh with one material: the wood, say.
@@ -50,6 +64,29 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// All zero: memory that nobody has touched yet.
+    pub(crate) fn zeroed(vertices: usize, triangles: usize) -> Self {
+        Self {
+            positions: zeroed_vec(vertices),
+            normals: zeroed_vec(vertices),
+            uvs: zeroed_vec(vertices),
+            triangles: zeroed_vec(triangles),
+        }
+    }
+
+    /// Bytes that so many take.
+    pub const fn bytes_for(vertices: usize, triangles: usize) -> u64 {
+        bytes_of::<([f32; 3], [f32; 3], [f32; 2])>(vertices) + bytes_of::<[u32; 3]>(triangles)
+    }
+
+    /// Bytes that it takes, reserved places included.
+    pub fn bytes(&self) -> u64 {
+        let Self { positions, normals, uvs, triangles } = self;
+        bytes_of::<Vec3>(positions.capacity() + normals.capacity())
+            + bytes_of::<Vec2>(uvs.capacity())
+            + bytes_of::<[u32; 3]>(triangles.capacity())
+    }
+
     /// Smallest box around the vertices, `None` for a mesh without any.
     pub fn bounds(&self) -> Option<Bounds> {
         Bounds::of(self.positions.iter().copied())

@@ -19,7 +19,7 @@ use std::cell::Cell;
 use std::time::Instant;
 
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
-use linden::colonization::{GrowthRule, grow};
+use linden::colonization::{GrowthRule, Habit, grow};
 use linden::random::Key;
 use linden::{Branching, NO_PARENT, Quiet, Vec3};
 use multiversion::multiversion;
@@ -97,6 +97,7 @@ fn row(setting: &Setting) {
         tropism: Vec3::ZERO,
         max_iterations: u32::MAX,
         max_nodes: u32::MAX,
+        habit: Habit::PLAIN,
     };
     let root =
         Branching { positions: vec![Vec3::ZERO], parents: vec![NO_PARENT], births: vec![0], radii: None };
@@ -131,7 +132,7 @@ fn row(setting: &Setting) {
     for (wanted, search) in peers {
         if wanted {
             SEARCHING.set(0.0);
-            let grown = naive::grow(&points, &root, &rule, search);
+            let grown = naive::grow(&points, &root, &rule, &[], search);
             // A kd-tree may break ties otherwise, and then a few nodes differ.
             assert!(grown.branching.positions.len().abs_diff(nodes) <= nodes / 100);
             print!(" | {:>8.3} {:>4.0}x", SEARCHING.get(), SEARCHING.get() / cpu);

@@ -160,6 +160,7 @@ fn text_is_the_same_on_any_number_of_threads() {
         ("usda", "tree.usda", &[]),
         ("ply", "tree.ply", &[("encoding", "ascii")]),
         ("ply-skeleton", "tree.ply", &[("encoding", "ascii")]),
+        ("qsm", "tree.csv", &[]),
     ] {
         let bytes = [1, 3].map(|threads| {
             let target = dir.path().join(name);

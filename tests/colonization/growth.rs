@@ -7,14 +7,14 @@ mod naive;
 use std::collections::BTreeSet;
 use std::sync::LazyLock;
 
-use linden::colonization::{Growth, GrowthRule, Stop, grow};
+use linden::colonization::{Attraction, Growth, GrowthRule, Habit, Meet, Obstacle, Stop, grow, grow_among};
 use linden::random::Key;
-use linden::{Branching, NO_PARENT, Quiet, Vec3};
+use linden::{Branching, DVec3, NO_PARENT, Quiet, Vec3};
 use proptest::prelude::*;
 use rayon::ThreadPool;
 
 static POOLS: LazyLock<[ThreadPool; 3]> = LazyLock::new(|| {
-    [1, 2, 5].map(|threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap())
+    [1, 2, 8].map(|threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap())
 });
 
 /// Whether every number has the same bits: `==` would let 0.0 pass for -0.0.
@@ -24,12 +24,23 @@ fn bits(branching: &Branching) -> Vec<[u32; 3]> {
 
 /// Grows with each pool and compares with the definition. `None` if nothing is in reach.
 fn grow_as_defined(points: &[Vec3], start: &Branching, rule: &GrowthRule) -> Option<Growth> {
-    let expected = naive::grow(points, start, rule, naive::each_pair);
+    grow_among_as_defined(points, start, rule, &[])
+}
+
+fn grow_among_as_defined(
+    points: &[Vec3],
+    start: &Branching,
+    rule: &GrowthRule,
+    obstacles: &[Obstacle],
+) -> Option<Growth> {
+    let expected = naive::grow(points, start, rule, obstacles, naive::each_pair);
+    let mut last = None;
     for pool in POOLS.iter() {
-        let grown = pool.install(|| grow(points, start, rule, &Quiet));
+        let grown = pool.install(|| grow_among(points, start, rule, obstacles, &Quiet));
         let Ok(growth) = grown else {
             // Refused rather than given back as it came: nothing grew and points are left.
             assert_eq!(expected.branching, *start, "{grown:?}");
+            assert_eq!(expected.stop, Stop::NothingInReach);
             assert!(expected.unreached > 0);
             return None;
         };
@@ -39,8 +50,10 @@ fn grow_as_defined(points: &[Vec3], start: &Branching, rule: &GrowthRule) -> Opt
         );
         assert_eq!(growth.branching, expected.branching);
         assert_eq!(bits(&growth.branching), bits(&expected.branching));
+        assert_eq!(growth.captured.iter().collect::<Vec<_>>(), expected.captured);
+        last = Some(growth);
     }
-    POOLS[0].install(|| grow(points, start, rule, &Quiet)).ok()
+    last
 }
 
 fn root(at: Vec3) -> Branching {
@@ -121,8 +134,75 @@ fn rule() -> impl Strategy<Value = GrowthRule> {
             tropism,
             max_iterations,
             max_nodes,
+            habit: Habit::PLAIN,
         },
     )
+}
+
+/// None to all of what habits can ask.
+fn habit() -> impl Strategy<Value = Habit> {
+    let by_order = || {
+        prop_oneof![
+            2 => Just(Vec::new()),
+            1 => prop::collection::vec(prop_oneof![-1.0_f32..1.0, Just(-1.0), Just(0.0)], 1..4),
+        ]
+    };
+    let light = prop_oneof![Just(Vec3::Y), [-2.0_f32..2.0, 0.1_f32..2.0, -2.0_f32..2.0].prop_map(Vec3::from)];
+    let gravity = prop_oneof![2 => Just(0.0_f32), 1 => -1.0_f32..2.0];
+    let control = prop_oneof![2 => Just(0.0_f32), 1 => Just(1.0), 2 => 0.0_f32..1.0];
+    let attraction = prop_oneof![Just(Attraction::Nearest), Just(Attraction::All)];
+    let children = prop_oneof![2 => Just(u32::MAX), 1 => 1..4_u32];
+    let waves = (prop_oneof![1 => Just(1_u32), 2 => 2..6_u32], prop_oneof![Just(0_u32), 1..8_u32]);
+    (attraction, by_order(), by_order(), light, gravity, control, children, waves).prop_map(
+        |(attraction, gravitropism, phototropism, light, gravity, apical_control, max_children, waves)| {
+            Habit {
+                attraction,
+                gravitropism,
+                phototropism,
+                light,
+                gravity,
+                apical_control,
+                max_children,
+                waves: waves.0,
+                wave_interval: waves.1,
+            }
+        },
+    )
+}
+
+/// A ball, a slab with or without a hole, or half of everything.
+#[derive(Clone, Debug)]
+enum Solid {
+    Ball(Vec3, f32),
+    Wall { at: f32, thickness: f32, hole: f32 },
+    Below(f32),
+}
+
+impl Solid {
+    fn contains(&self, place: DVec3) -> bool {
+        let place = place.as_vec3();
+        match *self {
+            Self::Ball(centre, radius) => place.distance_squared(centre) < radius * radius,
+            Self::Wall { at, thickness, hole } => {
+                (place.x - at).abs() < thickness && (place.y * place.y + place.z * place.z) >= hole * hole
+            }
+            Self::Below(height) => place.y < height,
+        }
+    }
+}
+
+fn obstacles() -> impl Strategy<Value = Vec<(Solid, Meet)>> {
+    let solid = prop_oneof![
+        ([-1.0_f32..1.0, -1.0_f32..1.0, -1.0_f32..1.0], 0.1_f32..0.8)
+            .prop_map(|(at, radius)| Solid::Ball(Vec3::from(at), radius)),
+        (-1.0_f32..1.0, 0.05_f32..0.3, 0.0_f32..0.4).prop_map(|(at, thickness, hole)| Solid::Wall {
+            at,
+            thickness,
+            hole
+        }),
+        (-1.0_f32..0.5).prop_map(Solid::Below),
+    ];
+    prop::collection::vec((solid, prop_oneof![2 => Just(Meet::Around), 1 => Just(Meet::Stop)]), 1..4)
 }
 
 proptest! {
@@ -131,6 +211,30 @@ proptest! {
     #[test]
     fn growth_is_the_definition(points in points(), start in start(), rule in rule()) {
         grow_as_defined(&points, &start, &rule);
+    }
+
+    #[test]
+    fn growth_with_habits_is_the_definition(
+        points in points(), start in start(), rule in rule(), habit in habit(),
+    ) {
+        grow_as_defined(&points, &start, &GrowthRule { habit, max_nodes: rule.max_nodes.min(600), ..rule });
+    }
+
+    #[test]
+    fn growth_among_obstacles_is_the_definition(
+        points in points(), start in start(), rule in rule(), habit in prop_oneof![Just(Habit::PLAIN), habit()],
+        obstacles in obstacles(),
+    ) {
+        let rule = GrowthRule { habit, max_nodes: rule.max_nodes.min(600), ..rule };
+        let inside: Vec<_> = obstacles.iter().map(|(solid, _)| |place| solid.contains(place)).collect();
+        let solids: Vec<Obstacle> =
+            obstacles.iter().zip(&inside).map(|((_, meet), contains)| Obstacle { contains, meet: *meet }).collect();
+        if let Ok(growth) = grow_among(&points, &start, &rule, &solids, &Quiet) {
+            for place in &growth.branching.positions {
+                prop_assert!(obstacles.iter().all(|(solid, _)| !solid.contains(place.as_dvec3())));
+            }
+            grow_among_as_defined(&points, &start, &rule, &solids);
+        }
     }
 
     #[test]
@@ -161,6 +265,7 @@ fn coarse(step: f32, influence: f32) -> GrowthRule {
         tropism: Vec3::ZERO,
         max_iterations: 10_000,
         max_nodes: 100_000,
+        habit: Habit::PLAIN,
     }
 }
 
@@ -189,6 +294,29 @@ fn a_forest_of_many_roots_is_the_definition() {
         .map(|i| growth.branching.births.iter().filter(|&&birth| birth == i).count())
         .max();
     assert!(most > Some(1024), "{most:?}");
+}
+
+/// The same with what habits add, alone and together.
+#[test]
+fn large_growth_with_habits_is_the_definition_on_any_number_of_threads() {
+    let all = Habit { attraction: Attraction::All, ..Habit::PLAIN };
+    let waves = Habit { waves: 4, wave_interval: 6, ..Habit::PLAIN };
+    let excurrent = Habit { apical_control: 0.7, gravitropism: vec![0.8, -0.1], ..Habit::PLAIN };
+    let together = Habit {
+        attraction: Attraction::All,
+        phototropism: vec![0.0, 0.3],
+        light: Vec3::new(1.0, 1.0, 0.0),
+        gravity: 0.2,
+        max_children: 3,
+        ..Habit { apical_control: 0.3, ..waves.clone() }
+    };
+    for habit in [all, waves, excurrent, together] {
+        for influence in [0.3, f32::INFINITY] {
+            let rule = GrowthRule { habit: habit.clone(), ..coarse(0.08, influence) };
+            let growth = grow_as_defined(&ball(2_000), &root(Vec3::ZERO), &rule).unwrap();
+            assert!(growth.branching.positions.len() > 500, "{}", growth.branching.positions.len());
+        }
+    }
 }
 
 fn dome(points: usize) -> Vec<Vec3> {

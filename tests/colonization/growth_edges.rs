@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use linden::colonization::{GrowthError, GrowthRule, Stop, grow};
+use linden::colonization::{GrowthError, GrowthRule, Habit, Stop, grow};
 use linden::monitor::Stage;
 use linden::{Branching, Cancelled, Monitor, NO_PARENT, Quiet, Vec3};
 
@@ -13,6 +13,7 @@ const RULE: GrowthRule = GrowthRule {
     tropism: Vec3::ZERO,
     max_iterations: 1000,
     max_nodes: 1000,
+    habit: Habit::PLAIN,
 };
 
 fn roots(places: &[Vec3]) -> Branching {

@@ -22,9 +22,11 @@ use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use linden::grow::{Grown, grow};
 
-use crate::exit;
+use crate::config::dirs::Dirs;
+use crate::config::settings::Settings;
 use crate::progress::Progress;
 use crate::source::{self, Source};
+use crate::{exit, memory};
 
 const STYLES: Styles = Styles::styled()
     .header(AnsiColor::Green.on_default().bold())
@@ -43,6 +45,10 @@ struct Cli {
 
     #[command(flatten)]
     terminal: workbench::Terminal,
+
+    /// The most memory that work may hold at once, like 4G; auto is half of what there is
+    #[arg(long, value_name = "BYTES", global = true)]
+    memory: Option<String>,
 }
 
 const EXAMPLES: &str = "\
@@ -162,6 +168,9 @@ pub fn run() -> ExitCode {
             return ExitCode::from(code);
         }
     };
+    if let Err(error) = limit_memory(cli.memory.as_deref()) {
+        return exit::report(&error);
+    }
     let done = match cli.command {
         // The workbench hears signals in its own way, and gives the terminal back first.
         None => cli.terminal.open(None, Vec::new()),
@@ -172,6 +181,26 @@ pub fn run() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => exit::report(&error),
     }
+}
+
+/// The limit that the flag, the variable or `config.toml` sets, whichever comes first.
+fn limit_memory(flag: Option<&str>) -> anyhow::Result<()> {
+    let variable = std::env::var(memory::VARIABLE).ok().filter(|text| !text.is_empty());
+    let chosen = match (flag, &variable) {
+        (Some(text), _) => {
+            memory::parse(text).map_err(|problem| exit::usage(format!("--memory: {problem}")))?
+        }
+        (None, Some(text)) => {
+            memory::parse(text).map_err(|problem| exit::usage(format!("{}: {problem}", memory::VARIABLE)))?
+        }
+        (None, None) => {
+            let dirs = Dirs::of_environment();
+            // What is wrong in the file is said where it is shown: in the workbench, by the doctor.
+            Settings::load(dirs.settings().as_deref()).0.memory_bytes
+        }
+    };
+    memory::set_limit(chosen);
+    Ok(())
 }
 
 impl Command {

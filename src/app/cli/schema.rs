@@ -25,6 +25,7 @@ fn document() -> Value {
         ("name", "what people call it"),
         ("group", "where it is listed"),
         ("summary", "one line: what it is"),
+        ("about", "a paragraph: what to look for"),
         ("source", "where it comes from"),
     ] {
         properties.insert(key.to_owned(), json!({ "type": "string", "description": help }));

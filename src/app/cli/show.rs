@@ -33,6 +33,7 @@ struct Shown<'a> {
     group: &'a str,
     summary: &'a str,
     origin: &'a str,
+    about: &'a str,
     generator: &'static str,
     knobs: Vec<KnobRow>,
     forecast: Option<ForecastRow>,
@@ -58,6 +59,8 @@ struct ForecastRow {
     segments: f64,
     depth: u64,
     exact: bool,
+    /// Of nodes and skeleton, without a surface; `null` where nobody can know.
+    memory_bytes: Option<u64>,
 }
 
 impl Show {
@@ -90,6 +93,7 @@ impl Show {
                 group: &preset.group,
                 summary: &preset.summary,
                 origin: &preset.source,
+                about: &preset.about,
                 generator: preset.generator.id(),
                 knobs,
                 forecast,
@@ -108,12 +112,13 @@ fn forecast_of(preset: &Preset) -> anyhow::Result<Option<ForecastRow>> {
         segments: forecast.segments as f64,
         depth: forecast.depth,
         exact: forecast.exact,
+        memory_bytes: forecast.skeleton_bytes(),
     }))
 }
 
 fn page(preset: &Preset, input: Option<&Input>, knobs: &[KnobRow], forecast: Option<&ForecastRow>) -> String {
     let mut text = format!("{} ({})\n", printable(&preset.name), printable(&preset.id));
-    for line in [&preset.summary, &preset.source].into_iter().filter(|line| !line.is_empty()) {
+    for line in [&preset.summary, &preset.source, &preset.about].into_iter().filter(|line| !line.is_empty()) {
         text.push_str(&format!("{}\n", printable(line)));
     }
     match &preset.generator {
@@ -146,6 +151,9 @@ fn page(preset: &Preset, input: Option<&Input>, knobs: &[KnobRow], forecast: Opt
             count(forecast.segments),
             forecast.depth
         ));
+        if let Some(bytes) = forecast.memory_bytes {
+            text.push_str(&format!("  {about}{} of memory for its skeleton\n", linden::memory::Bytes(bytes)));
+        }
     }
     let [name_width, value_width] = [
         knobs.iter().map(|row| row.name.len()).max().unwrap_or(0),

@@ -6,7 +6,7 @@ use anyhow::Context;
 use clap::Args;
 use linden::Vec3;
 use linden::scene::Bounds;
-use linden::surface::{sweep, topology};
+use linden::surface::survey;
 use serde::Serialize;
 
 use super::Growing;
@@ -37,6 +37,7 @@ struct Report {
     height_m: f64,
     crown_width_m: f64,
     trunk_diameter_m: f64,
+    wood_volume_m3: f64,
     points: Option<usize>,
     points_unreached: Option<usize>,
     iterations: Option<u32>,
@@ -70,14 +71,15 @@ impl Stats {
         let grown = super::grown(&source, &progress)?;
         let grow_s = started.elapsed().as_secs_f64();
         let started = Instant::now();
-        // The surface alone: the bark's pictures are not measured, and take longer than all else.
-        let mesh = sweep(&grown.skeleton, &source.recipe.preset.tubes, &progress)
+        // The surface alone, and never the whole of it: trees can be measured that no mesh format holds.
+        // The bark's pictures are not measured, and take longer than all else.
+        let surface = survey(&grown.skeleton, &source.recipe.preset.tubes, &progress)
             .with_context(|| source.shown.clone())?;
         let dress_s = started.elapsed().as_secs_f64();
 
         let skeleton = &grown.skeleton;
         let measures = skeleton.measures();
-        let bounds = mesh.bounds().unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO });
+        let bounds = surface.bounds.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO });
         let colonized = grown.colonized.as_ref();
         let report = Report {
             source: source.shown.clone(),
@@ -91,14 +93,15 @@ impl Stats {
             height_m: measures.height_m,
             crown_width_m: measures.crown_width_m,
             trunk_diameter_m: measures.trunk_diameter_m,
+            wood_volume_m3: measures.wood_volume_m3,
             points: colonized.map(|own| own.points.len()),
             points_unreached: colonized.map(|own| own.unreached),
             iterations: colonized.map(|own| own.iterations),
             symbols: grown.symbols,
-            triangles: mesh.triangles.len(),
-            vertices: mesh.positions.len(),
+            triangles: surface.triangles,
+            vertices: surface.vertices,
             leaves: 0,
-            watertight: topology(&mesh, &progress)?.watertight(),
+            watertight: surface.topology.watertight(),
             bounds: Corners { min: bounds.min.to_array(), max: bounds.max.to_array() },
             skeleton_hash: format!("{:032x}", skeleton.hash()),
             seconds: Seconds { grow: grow_s, dress: dress_s },
@@ -120,6 +123,7 @@ impl Report {
             ("crown width", format!("{:.2} m", self.crown_width_m)),
             ("trunk diameter", format!("{:.3} m at 1.3 m", self.trunk_diameter_m)),
             ("total length", format!("{:.1} m", self.total_length_m)),
+            ("wood volume", format!("{:.3} m³", self.wood_volume_m3)),
             ("nodes", count(self.nodes)),
             ("axes", format!("{}, orders 0 to {}", count(self.axes), self.max_order)),
         ];

@@ -10,6 +10,7 @@ use linden_terminal::{ColorDepth, Glyphs};
 
 use super::Complaint;
 use super::document::{Document, entries, scalar, text_of};
+use crate::memory;
 
 /// What the user has set, defaults for the rest.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +36,8 @@ pub struct Settings {
     pub reload: bool,
     /// Whether the session of last time is restored.
     pub restore: bool,
+    /// Bytes that work may hold at once; `None`: half of what there is.
+    pub memory_bytes: Option<u64>,
 }
 
 /// How pictures are sent to the terminal.
@@ -70,6 +73,8 @@ pub struct Setting {
 pub enum Takes {
     /// Those of a knob.
     Kind(Kind),
+    /// An amount of memory.
+    Memory,
     /// Any text of one line; what it stands for.
     Text(&'static str),
 }
@@ -198,6 +203,23 @@ pub const SETTINGS: &[Setting] = &[
     },
     switch!(reload, "read presets and these files again when they change"),
     switch!(restore, "begin where the last session ended"),
+    Setting {
+        name: "memory",
+        takes: Takes::Memory,
+        unit: "",
+        help: "the most memory that work may hold at once; auto is half of what there is",
+        read: |settings| {
+            let mebibytes = |bytes: u64| format!("{}M", bytes >> 20);
+            Value::Word(settings.memory_bytes.map_or_else(|| "auto".to_owned(), mebibytes))
+        },
+        write: |settings, value| {
+            if let Value::Word(text) = value
+                && let Ok(bytes) = memory::parse(text)
+            {
+                settings.memory_bytes = bytes;
+            }
+        },
+    },
 ];
 
 impl Default for Settings {
@@ -213,6 +235,7 @@ impl Default for Settings {
             turntable_deg_per_s: 30.0,
             reload: true,
             restore: true,
+            memory_bytes: None,
         }
     }
 }
@@ -222,6 +245,7 @@ impl fmt::Display for Takes {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Kind(kind) => kind.fmt(f),
+            Self::Memory => f.write_str(memory::TAKES),
             Self::Text(what) => f.write_str(what),
         }
     }
@@ -236,6 +260,7 @@ impl Setting {
     fn parse(&self, text: &str) -> Result<Value, String> {
         match self.takes {
             Takes::Kind(kind) => kind.parse(text),
+            Takes::Memory => memory::parse(text).map(|_| Value::Word(text.to_owned())),
             Takes::Text(what) if text.chars().any(char::is_control) => {
                 Err(format!("'{}' has control characters; expected {what}", excerpt(text)))
             }
@@ -311,7 +336,8 @@ mod tests {
     #[test]
     fn every_setting_can_be_set() {
         let text = "theme = \"moor\"\ngraphics = \"halves\"\ncolors = 256\nmouse = false\neditor = \"hx -c x\"\n\
-                    person = false\nscale_bar = false\nturntable = -12.5\nreload = false\nrestore = false\n";
+                    person = false\nscale_bar = false\nmemory = \"512M\"\n\
+                    turntable = -12.5\nreload = false\nrestore = false\n";
         let (settings, complaints) = read(text);
         assert_eq!(complaints, []);
         let expected = Settings {
@@ -325,6 +351,7 @@ mod tests {
             turntable_deg_per_s: -12.5,
             reload: false,
             restore: false,
+            memory_bytes: Some(512 << 20),
         };
         assert_eq!(settings, expected);
         // A setting that the text above forgets would still stand at its default.

@@ -219,6 +219,10 @@ impl Monitor for Gauge<'_> {
         self.watcher.is_cancelled()
     }
 
+    fn memory_limit(&self) -> u64 {
+        self.watcher.memory_limit()
+    }
+
     fn advance(&self, stage: Stage, done: u64, total: Option<u64>) {
         // Whoever finds another thread reporting has nothing to add.
         let Ok(mut step) = self.step.try_lock() else { return };

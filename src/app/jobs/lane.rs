@@ -182,6 +182,10 @@ impl Monitor for Watcher<'_> {
         self.newest.load(Ordering::Relaxed) != self.number
     }
 
+    fn memory_limit(&self) -> u64 {
+        crate::memory::limit()
+    }
+
     fn advance(&self, stage: Stage, done: u64, total: Option<u64>) {
         // Whoever finds another thread reporting has nothing to add.
         let Ok(mut last) = self.last.try_lock() else { return };

@@ -7,5 +7,7 @@ pub mod scan;
 pub mod scatter;
 pub mod trunk;
 
-pub use growth::{Growth, GrowthError, GrowthRule, Stop, grow};
+pub use growth::{
+    Attraction, Growth, GrowthError, GrowthRule, Habit, Meet, NodeSet, Obstacle, Stop, grow, grow_among,
+};
 pub use plant::outline;

@@ -7,6 +7,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::crown::Crown;
+use crate::memory::{OverMemory, bytes_of};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::random::Key;
 
@@ -19,6 +20,9 @@ pub enum ScatterError {
     /// Nobody wants them any more.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+    /// They would take more memory than there may be.
+    #[error(transparent)]
+    Over(#[from] OverMemory),
     /// There is no memory for them.
     #[error("scattering {count} points in the crown: no memory for {} MB; ask for fewer points", .count / 41_667)]
     Memory {
@@ -38,6 +42,7 @@ pub fn scatter(
     key: Key,
     monitor: &dyn Monitor,
 ) -> Result<Vec<DVec3>, ScatterError> {
+    monitor.admit("scattering points in the crown", bytes_of::<DVec3>(count), "lower points")?;
     // Memory that nobody has touched yet: its pages come as the points do, and Ctrl-C is heard.
     let mut points: Vec<DVec3> = try_zeroed_vec(count).map_err(|()| ScatterError::Memory { count })?;
     let done = AtomicU64::new(0);

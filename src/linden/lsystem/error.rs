@@ -3,6 +3,7 @@
 use std::fmt;
 
 use crate::knob::{excerpt, printable};
+use crate::memory::OverMemory;
 use crate::monitor::Cancelled;
 
 /// What was wrong at one place of a text.
@@ -173,6 +174,9 @@ pub enum LsystemError {
         /// Its range.
         expected: String,
     },
+    /// The structure would take more memory than there may be.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
     /// Nobody wanted the result any more.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

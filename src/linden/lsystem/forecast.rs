@@ -5,6 +5,7 @@ use super::error::LsystemError;
 use super::grammar::Grammar;
 use super::grow::check_derivations;
 use super::program::{Program, Word};
+use crate::skeleton::Skeleton;
 
 /// How much a derivation gives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,6 +21,14 @@ pub struct Forecast {
     /// Whether the counts are exact. Those of a stochastic system are expectations, rounded; the
     /// standard deviation of one tree is often a third of them.
     pub exact: bool,
+}
+
+impl Forecast {
+    /// Bytes that nodes and skeleton take while the skeleton is built, about: how many axes there will
+    /// be is not known; a third of the nodes is taken for one. `None` beyond what can be counted.
+    pub fn skeleton_bytes(&self) -> Option<u64> {
+        Skeleton::build_bytes(usize::try_from(self.segments.checked_add(1)?).ok()?)
+    }
 }
 
 /// Counts what `derivations` steps give.

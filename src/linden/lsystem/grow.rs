@@ -91,8 +91,9 @@ pub fn grow(grammar: &Grammar, settings: &Settings, monitor: &dyn Monitor) -> Re
     }
     let total = forecast.exact.then_some(forecast.symbols as u64);
     // Exact, or unknown: an expectation is no reason to allocate.
-    let segments = if forecast.exact { forecast.segments as usize } else { 0 };
-    let mut turtle = Turtle::new(&program, settings, segments);
+    let (segments, depth) =
+        if forecast.exact { (forecast.segments as usize, forecast.depth as usize) } else { (0, 0) };
+    let mut turtle = Turtle::new(&program, settings, segments, depth, monitor)?;
     let symbols = derive(&program, settings, total, monitor, &mut turtle)?;
     let branching = turtle.into_branching();
     if branching.positions.is_empty() { Err(nothing) } else { Ok(Grown { branching, symbols }) }

@@ -7,6 +7,8 @@ use super::derive::Sink;
 use super::error::LsystemError;
 use super::grow::{MAX_NESTING, Settings};
 use super::program::Program;
+use crate::memory::{OverMemory, bytes_grown};
+use crate::monitor::Monitor;
 use crate::skeleton::{Branching, NO_PARENT};
 
 /// Rotations between two re-orthonormalisations. Each rotation adds an error of about 1e-16 to the
@@ -116,8 +118,12 @@ impl State {
     }
 }
 
+/// For messages about memory.
+const DOING: &str = "drawing the L-system";
+const ADVICE: &str = "use fewer derivations";
+
 /// Walks, and leaves nodes behind.
-pub(super) struct Turtle {
+pub(super) struct Turtle<'a> {
     /// By module identifier.
     actions: Vec<Action>,
     state: State,
@@ -129,18 +135,30 @@ pub(super) struct Turtle {
     /// How many of `feet` a state on the stack may know; later ones are the turtle's own.
     shared_feet: usize,
     derivations: u32,
+    monitor: &'a dyn Monitor,
 }
 
-impl Turtle {
+impl<'a> Turtle<'a> {
     /// `segments` is how many segments there will be, 0 when nobody knows.
-    pub(super) fn new(program: &Program, settings: &Settings, segments: usize) -> Self {
+    ///
+    /// # Errors
+    /// [`OverMemory`] where so many would take too much.
+    pub(super) fn new(
+        program: &Program,
+        settings: &Settings,
+        segments: usize,
+        depth: usize,
+        monitor: &'a dyn Monitor,
+    ) -> Result<Self, OverMemory> {
+        let bytes = Branching::bytes_for(segments + 1) + bytes_grown::<State>(depth.min(MAX_NESTING));
+        monitor.admit(DOING, bytes, ADVICE)?;
         let branching = Branching {
             positions: Vec::with_capacity(segments + 1),
             parents: Vec::with_capacity(segments + 1),
             births: Vec::with_capacity(segments + 1),
             radii: None,
         };
-        Self {
+        Ok(Self {
             actions: program.commands().map(|(command, number)| action(command, number, settings)).collect(),
             state: State::start(),
             stack: Vec::new(),
@@ -148,42 +166,47 @@ impl Turtle {
             feet: vec![None],
             shared_feet: 0,
             derivations: settings.derivations,
-        }
+            monitor,
+        })
     }
 
     pub(super) fn into_branching(self) -> Branching {
         self.branching
     }
 
-    fn node(&mut self, position: DVec3, parent: u32, birth: u32) -> u32 {
+    fn node(&mut self, position: DVec3, parent: u32, birth: u32) -> Result<u32, OverMemory> {
+        if self.branching.positions.len() == self.branching.positions.capacity() {
+            self.branching.make_room(DOING, ADVICE, self.monitor)?;
+        }
         self.branching.positions.push(position.as_vec3());
         self.branching.parents.push(parent);
         self.branching.births.push(birth);
-        self.branching.positions.len() as u32 - 1
+        Ok(self.branching.positions.len() as u32 - 1)
     }
 
-    fn draw(&mut self, length_m: f64, birth: u32) {
+    fn draw(&mut self, length_m: f64, birth: u32) -> Result<(), OverMemory> {
         let start = match self.state.anchor {
             Anchor::Node(node) => node,
-            Anchor::Foot(foot) => self.stand(foot as usize, birth),
+            Anchor::Foot(foot) => self.stand(foot as usize, birth)?,
         };
         self.state.position += self.state.heading * length_m;
-        self.state.anchor = Anchor::Node(self.node(self.state.position, start, birth));
+        self.state.anchor = Anchor::Node(self.node(self.state.position, start, birth)?);
+        Ok(())
     }
 
     /// The node of the foot that the turtle stands at.
-    fn stand(&mut self, foot: usize, birth: u32) -> u32 {
+    fn stand(&mut self, foot: usize, birth: u32) -> Result<u32, OverMemory> {
         if let Some(node) = self.feet[foot] {
-            return node;
+            return Ok(node);
         }
-        let node = self.node(self.state.position, NO_PARENT, birth);
+        let node = self.node(self.state.position, NO_PARENT, birth)?;
         self.feet[foot] = Some(node);
-        node
+        Ok(node)
     }
 
-    fn move_on(&mut self, length_m: f64) {
+    fn move_on(&mut self, length_m: f64) -> Result<(), OverMemory> {
         if length_m == 0.0 {
-            return;
+            return Ok(());
         }
         self.state.position += self.state.heading * length_m;
         // A foot that nobody else knows, and that nothing stands on, moves along.
@@ -191,10 +214,15 @@ impl Turtle {
             && foot as usize >= self.shared_feet
             && self.feet[foot as usize].is_none()
         {
-            return;
+            return Ok(());
+        }
+        if self.feet.len() == self.feet.capacity() {
+            let feet = bytes_grown::<Option<u32>>(self.feet.len() + 1);
+            self.monitor.admit(DOING, self.branching.bytes() + feet, ADVICE)?;
         }
         self.state.anchor = Anchor::Foot(self.feet.len() as u32);
         self.feet.push(None);
+        Ok(())
     }
 
     fn push(&mut self) -> Result<(), LsystemError> {
@@ -208,13 +236,13 @@ impl Turtle {
     }
 }
 
-impl Sink for Turtle {
+impl Sink for Turtle<'_> {
     fn take(&mut self, modules: &[u32], birth: u32) -> Result<(), LsystemError> {
         for &id in modules {
             match self.actions[id as usize] {
                 Action::Nothing => {}
-                Action::Draw { length_m } => self.draw(length_m, birth),
-                Action::Move { length_m } => self.move_on(length_m),
+                Action::Draw { length_m } => self.draw(length_m, birth)?,
+                Action::Move { length_m } => self.move_on(length_m)?,
                 Action::Push => self.push()?,
                 // Grammars are balanced: there always is a state.
                 Action::Pop => self.state = self.stack.pop().unwrap_or(self.state),

@@ -40,6 +40,8 @@ pub struct Preset {
     pub summary: String,
     /// Where it comes from: a paper and figure, a program.
     pub source: String,
+    /// What to look for, in a paragraph: what a book's picture of it shows, say. May be empty.
+    pub about: String,
     /// The root of all random choices.
     pub seed: u64,
     /// How it grows.

@@ -10,7 +10,7 @@ use crate::skeleton::refine::Refinement;
 use crate::surface::Tubes;
 
 /// Keys before all tables that are no knobs.
-const HEADINGS: [&str; 7] = ["id", "name", "group", "summary", "source", "linden", "input"];
+const HEADINGS: [&str; 8] = ["id", "name", "group", "summary", "source", "about", "linden", "input"];
 
 impl Preset {
     /// Reads a preset document (TOML).
@@ -46,6 +46,7 @@ impl Preset {
             group: "own".to_owned(),
             summary: String::new(),
             source: String::new(),
+            about: String::new(),
             seed: 1,
             generator,
             refinement: Refinement::default(),
@@ -94,6 +95,7 @@ fn read(document: &Node, text: Option<&str>) -> Result<Preset, Fault> {
     preset.group = heading("group")?.unwrap_or(preset.group);
     preset.summary = heading("summary")?.unwrap_or_default();
     preset.source = heading("source")?.unwrap_or_default();
+    preset.about = heading("about")?.unwrap_or_default();
     for entry in entries {
         match Section::ALL.iter().find(|section| section.key() == entry.key) {
             Some(&section) => {

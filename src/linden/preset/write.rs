@@ -30,6 +30,9 @@ impl Preset {
         for (key, value) in headings {
             map.serialize_entry(key, value)?;
         }
+        if !self.about.is_empty() {
+            map.serialize_entry("about", &self.about)?;
+        }
         for section in Section::ALL {
             let own = Knobs { preset: self, section };
             if section == Section::Tree {

@@ -17,6 +17,8 @@ pub struct Measures {
     pub crown_width_m: f64,
     /// Of the thickest stem, 1.3 m above its foot along the stem (at its foot when it is shorter).
     pub trunk_diameter_m: f64,
+    /// Of all wood, segment by segment, cubic metres: [`super::Cylinder`]s, overlaps at forks counted twice.
+    pub wood_volume_m3: f64,
     /// Highest axis order.
     pub max_order: u32,
 }
@@ -30,6 +32,7 @@ impl Skeleton {
             height_m: f64::from(size.y),
             crown_width_m: f64::midpoint(f64::from(size.x), f64::from(size.z)),
             trunk_diameter_m: self.trunk_diameter(),
+            wood_volume_m3: self.cylinders().iter().map(super::Cylinder::volume_m3).sum(),
             max_order: self.axes.iter().map(|a| a.order).max().unwrap_or(0),
         }
     }

@@ -4,7 +4,9 @@
 //! sees in it: axes with their orders, and radii. Nodes come parents before children.
 
 mod axes;
+mod cylinders;
 mod measure;
+mod memory;
 mod radii;
 pub mod refine;
 mod young;
@@ -15,8 +17,10 @@ use xxhash_rust::xxh3::Xxh3;
 
 use crate::random::Key;
 
+pub use cylinders::Cylinder;
 pub use measure::Measures;
 pub use radii::{Span, Width, Wood};
+
 /// The parent of a node that stands at the foot of a stem.
 pub const NO_PARENT: u32 = u32::MAX;
 

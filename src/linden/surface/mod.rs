@@ -6,20 +6,22 @@
 
 mod curve;
 mod path;
+mod survey;
 mod topology;
 mod tube;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use bytemuck::allocation::zeroed_vec;
 use rayon::prelude::*;
 
 use self::path::{Ring, Station};
 use self::tube::{Amount, Roundness, Target};
+use crate::memory::{OverMemory, bytes_of};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::scene::Mesh;
 use crate::skeleton::{Axis, NO_PARENT, Skeleton};
 
+pub use survey::{Survey, survey};
 pub use topology::{Topology, topology};
 
 /// How the skin is made.
@@ -46,6 +48,9 @@ pub enum SurfaceError {
     /// The result was no longer wanted.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+    /// It would take more memory than there may be.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
     /// More vertices than an index of 32 bits can name.
     #[error(
         "the surface would have {vertices} vertices, more than the 4294967294 that mesh formats can index; grow a smaller tree or lower the knobs 'sides' and 'rings'"
@@ -55,6 +60,10 @@ pub enum SurfaceError {
         vertices: usize,
     },
 }
+
+/// For messages about memory.
+const DOING: &str = "sweeping the surface";
+const ADVICE: &str = "lower sides or grow a smaller tree";
 
 /// Axes that one task sweeps: enough to amortise it, few enough to share the work and to cancel.
 const AXES_PER_TASK: usize = 128;
@@ -68,6 +77,10 @@ const AXES_PER_TASK: usize = 128;
 /// # Errors
 /// [`SurfaceError::Cancelled`], or more vertices than 32-bit indices can name.
 pub fn sweep(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Result<Mesh, SurfaceError> {
+    // A ring for each node and one more for each lateral, at most, and those between; lists of rings
+    // grow one by one.
+    let most = (skeleton.positions.len() + skeleton.axes.len()).saturating_mul(tubes.rings as usize);
+    monitor.admit(DOING, bytes_of::<Ring>(most).saturating_mul(2), ADVICE)?;
     let thickest = skeleton.radii.iter().copied().fold(0.0, f32::max);
     let roundness = Roundness::new(tubes.sides, thickest);
     let &Tubes { rings, bark_tile_m: tile_m, .. } = tubes;
@@ -86,12 +99,9 @@ pub fn sweep(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Resul
     if vertices >= u32::MAX as usize {
         return Err(SurfaceError::TooLarge { vertices });
     }
-    let mut mesh = Mesh {
-        positions: zeroed_vec(vertices),
-        normals: zeroed_vec(vertices),
-        uvs: zeroed_vec(vertices),
-        triangles: zeroed_vec(triangles),
-    };
+    let planned: u64 = plans.iter().map(Plan::bytes).sum();
+    monitor.admit(DOING, planned + Mesh::bytes_for(vertices, triangles), ADVICE)?;
+    let mut mesh = Mesh::zeroed(vertices, triangles);
     let done = AtomicU64::new(0);
     slices(&mut mesh, &plans).into_par_iter().zip(&plans).try_for_each(|(mut target, plan)| {
         monitor.check()?;
@@ -116,6 +126,12 @@ struct Plan {
 }
 
 impl Plan {
+    fn bytes(&self) -> u64 {
+        bytes_of::<Self>(1)
+            + bytes_of::<Ring>(self.rings.capacity())
+            + bytes_of::<usize>(self.ends.capacity())
+    }
+
     fn new(skeleton: &Skeleton, axes: &[Axis], rings: u32, roundness: &Roundness, tile_m: f32) -> Self {
         let mut plan =
             Self { rings: Vec::new(), ends: Vec::with_capacity(axes.len()), amount: Amount::default() };
@@ -199,7 +215,7 @@ mod tests {
     }
 
     /// Random walks that branch, with thick wood on short steps: everything that folds a tube.
-    fn gnarled(seed: u64) -> Skeleton {
+    pub(super) fn gnarled(seed: u64) -> Skeleton {
         let key = Key::new(seed);
         let mut positions = vec![Vec3::ZERO];
         let mut parents = vec![NO_PARENT];

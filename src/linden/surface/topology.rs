@@ -23,6 +23,15 @@ pub struct Topology {
 }
 
 impl Topology {
+    pub(super) fn and(self, other: Self) -> Self {
+        Self {
+            open_edges: self.open_edges + other.open_edges,
+            degenerate: self.degenerate + other.degenerate,
+            flipped: self.flipped + other.flipped,
+            not_finite: self.not_finite + other.not_finite,
+        }
+    }
+
     /// Closed and consistently wound: each tube keeps water in. Tubes may overlap one another.
     pub fn watertight(&self) -> bool {
         self.open_edges == 0 && self.degenerate == 0 && self.not_finite == 0

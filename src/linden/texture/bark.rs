@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::periodic::{Cells, Noise, Octaves, smoothstep};
 use crate::color::{encode, linear};
+use crate::memory::{OverMemory, bytes_of};
 use crate::monitor::{Cancelled, Monitor};
 use crate::picture::Picture;
 use crate::random::Key;
@@ -82,6 +83,9 @@ pub enum BarkError {
     /// The size is 0 or too large.
     #[error("a bark picture of {0}×{0} pixels cannot be drawn: choose 1 to {max}", max = Bark::MAX_SIZE_PX)]
     Size(u32),
+    /// It would take more memory than there may be.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
     /// Nobody wants the picture any more.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -111,6 +115,9 @@ impl Bark {
             return Err(BarkError::Size(size));
         }
         let n = size as usize;
+        // What is drawn, and two pictures of four bytes a pixel.
+        let bytes = bytes_of::<(Spot, [u8; 8])>(n * n);
+        monitor.admit("drawing the bark", bytes, "lower bark_size")?;
         let roughness = if self.roughness.is_finite() { self.roughness.clamp(0.0, 3.0) } else { 1.0 };
         let surface = Surface::new(self.style, roughness, self.key);
         let mut spots = vec![Spot::default(); n * n];

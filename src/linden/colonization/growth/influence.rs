@@ -20,7 +20,7 @@ const WORTH_SHARING: usize = 1 << 13;
 #[derive(Clone, Copy)]
 pub(super) struct Pull {
     node: u32,
-    vector: [i32; 3],
+    pub vector: [i32; 3],
 }
 
 /// What a point that lies at `offset` from a node, `distance2 = |offset|²` away, adds to its sum.
@@ -57,6 +57,11 @@ impl Influences {
     /// A node that nothing pulls at.
     pub fn add_node(&mut self) {
         self.of.push(Influence::default());
+    }
+
+    /// Whether any point pulls at `node`.
+    pub fn any(&self, node: u32) -> bool {
+        self.of[node as usize].points > 0
     }
 
     /// The sum of the pulls at `node`, `None` when there are none.

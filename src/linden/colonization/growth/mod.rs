@@ -8,8 +8,8 @@
 //! - **Distance.** `d² = x·x + y·y + z·z` of the coordinate differences, each operation rounded to
 //!   `f32`, in this order; it is compared with the rounded squares of the distances in the rule.
 //! - **Influence.** A live point influences the nearest node, if that is not beyond the influence
-//!   distance; of equally near nodes the one with the lowest index. `S(v)` is the set of points that
-//!   influence the node `v`.
+//!   distance; of equally near nodes the one with the lowest index. `N(v)` is the set of points that
+//!   have `v` as that node, and `S(v)`, the points that pull at `v`, is the same.
 //! - **Growth.** In each iteration, in the order of their indices, every node whose `S(v)` is not
 //!   empty and is not what it was one iteration before (before the first: empty) grows one child
 //!   `v + step · n`, where `n = normalize(normalize(Σ (s−v)/|s−v|) + tropism)` over `S(v)`. Nothing
@@ -18,7 +18,7 @@
 //!   grow the same child again; without this guard two symmetric points make the rule endless.)
 //! - **Sums.** `(s−v)/|s−v|` is cut to a multiple of 2⁻³⁰ per component; these are summed as
 //!   integers, all after that is `f64`, and the child is rounded to `f32`.
-//! - **Rescue.** When no node grows so, because pulls cancel, each node with a live `S(v)` grows
+//! - **Rescue.** When no node grows so, because pulls cancel, each node with a live `N(v)` grows
 //!   towards the nearest point in it (of equally near ones, the least by x, then y, then z), without
 //!   tropism; the exceptions above hold.
 //! - **Kill.** After the children of an iteration are all there, and once before the first, points
@@ -27,12 +27,49 @@
 //!   reached amid an iteration: its children are then placed in the order of their parents until
 //!   there is no more room, points die as always, and growth ends.
 //!
+//! # Habits
+//! What [`Habit`] adds, also as defined here. A habit that is not used leaves every bit as it is.
+//!
+//! - **Order.** The first child of a node continues its axis, later ones begin laterals of the next
+//!   order; roots begin stems of order 0. Orders stop at 255.
+//! - **Direction.** In place of the tropism stands, in `f64`, `tropism + p·light/|light|` with
+//!   `g − gravity·l` added to its y: `p` and `g` are the phototropism and gravitropism of the order
+//!   that the child will have, `l` is the distance in metres between the node and its root, seen from above.
+//! - **Attraction.** With [`Attraction::All`], `S(v)` is the set of all live points within the
+//!   influence distance of `v` if `N(v)` is not empty, and empty otherwise. (Were it not for `N(v)`,
+//!   every node near a live point would grow, and a branch among three points, which no step brings
+//!   nearer to any of them, would go to and fro for ever.)
+//! - **Apical control.** A node that has a child waits as long as it is among the topmost share
+//!   `apical_control` of its axis, whose tip grows: `rank > (1 − apical_control) · rank of the tip`,
+//!   where rank counts internodes from the axis' base, and the tip was placed in the iteration before
+//!   (before the first iteration: always). A node that waits is asked again in each iteration, be its
+//!   `S(v)` changed or not; when no node grows, all that wait are asked at once, before any rescue.
+//!   At 0.5 an axis twice as long as where a lateral leaves it lets it go; at 1 laterals leave when
+//!   the axis has its length: an excurrent form. (Apical control, not dominance: of which branches
+//!   grow most, not which buds break. Wilson 2000, *Apical control of branch growth and angle in woody
+//!   plants*, Am. J. Bot. 87.)
+//! - **Children.** A node with `max_children` children grows no more. Its points wait for others.
+//! - **Obstacles.** A child is in an obstacle if its place is, or the middle of its internode (so a
+//!   wall thinner than half a step may be stepped through). It is then not grown if one of these
+//!   obstacles is to be stopped at; otherwise the direction `n` is turned to the first of `n·cos t +
+//!   (u·cos a + w·sin a)·sin t` that leads into no obstacle, if any: `t` = 15°, 30° … 90°, and for each
+//!   `a` = 0°, ±45°, ±90°, ±135°, 180°, with `u` the unit vector square to `n` on the side of +y (of +x
+//!   if `|n.y| > 0.99`) and `w = n × u`. A turned child must still win points of its own to grow on,
+//!   so that dead ends are ends.
+//! - **Waves.** Point `i` of `n` belongs to wave `⌊i·waves/n⌋`. Only the points of waves that are active
+//!   influence, pull or die. The first is active before the first iteration. The next becomes active
+//!   before an iteration if no active point lives, if `wave_interval` iterations (if not 0) were made
+//!   since the last one, and whenever growth would end for other reasons than a limit. Its points then
+//!   have the nearest of all nodes; those within the kill distance die at once.
+//!
 //! # How it runs
 //! Nodes never move and never leave, so a point's nearest node changes only when a new node is
 //! nearer. Each iteration therefore sends only the new nodes through a bounding-volume tree over
 //! the points (`search`); what they capture is taken out of the old nodes' sums and added to the
 //! new ones' (`influence`). A stretch of the tree is one thread's work; threads return what was
-//! captured, and integer sums do not mind the order.
+//! captured, and integer sums do not mind the order. Each wave has a tree of its own, built when it
+//! becomes active. Sums over all points in reach (`surroundings`) are made when a node first has
+//! a point of its own; after that a small tree over the points that died since takes pulls out again.
 //!
 //! # Memory
 //! Beside the points that are given: 12 bytes a point while the tree is built, then 22 a point for
@@ -40,10 +77,16 @@
 //! place larger by a quarter. In a crown filled at half its points' spacing there are 0.65 nodes a
 //! point: about 62 bytes a point; ten million points were grown in 0.75 GB, those points included.
 
+mod axes;
 mod colony;
+mod error;
 mod influence;
+mod node_set;
 mod nodes;
+mod obstacle;
+mod rule;
 mod search;
+mod surroundings;
 mod tree;
 
 use glam::Vec3;
@@ -51,7 +94,10 @@ use glam::Vec3;
 use crate::monitor::{Cancelled, Monitor};
 use crate::skeleton::{Branching, NO_PARENT};
 use colony::Colony;
-use nodes::Nodes;
+pub use error::GrowthError;
+pub use node_set::NodeSet;
+pub use obstacle::{Meet, Obstacle};
+pub use rule::{Attraction, GrowthRule, Habit};
 use search::Search;
 use tree::PointTree;
 
@@ -60,25 +106,6 @@ const NONE: u32 = u32::MAX;
 
 /// Coordinates and steps beyond this are refused: their squares would overflow.
 const FARTHEST_M: f32 = 1e9;
-
-/// How nodes follow points. Lengths in metres.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct GrowthRule {
-    /// Length of an internode, `D` in RLP07; above zero.
-    pub step: f32,
-    /// How far a point makes itself felt, `d_i`; above `kill`, may be infinite. Beyond about 20 steps
-    /// it costs far more time than it changes.
-    pub influence: f32,
-    /// How near a node must come to a point to use it up, `d_k`; not below `step`, or growth would
-    /// step over points for ever.
-    pub kill: f32,
-    /// Added to each unit direction of growth: `(0, 0.2, 0)` bends branches up a little.
-    pub tropism: Vec3,
-    /// The most iterations.
-    pub max_iterations: u32,
-    /// The most nodes, those at the start included.
-    pub max_nodes: u32,
-}
 
 /// What has grown, and why it stopped.
 #[derive(Clone, Debug, PartialEq)]
@@ -92,6 +119,9 @@ pub struct Growth {
     pub unreached: usize,
     /// Why growth ended.
     pub stop: Stop,
+    /// Nodes that were of use: each has had points of which it was the nearest node, or was the
+    /// nearest to one that died. All others are barren tips.
+    pub captured: NodeSet,
 }
 
 /// Why growth ended. A limit is named only if it kept something from growing.
@@ -104,106 +134,27 @@ pub enum Stop {
     /// Points are in reach, but rounding loses every step towards them: the step is too short for
     /// coordinates of this size.
     Stalled,
+    /// Points are in reach, but obstacles or [`Habit::max_children`] keep nodes from growing towards
+    /// them.
+    Blocked,
     /// [`GrowthRule::max_iterations`] have been made.
     MaxIterations,
     /// [`GrowthRule::max_nodes`] are there.
     MaxNodes,
 }
 
-/// Why nothing can grow.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum GrowthError {
-    /// A length of the rule is zero, negative, not a number, or too long.
-    #[error(
-        "cannot grow: {knob} is {value} m, but must be above zero and at most {FARTHEST_M:e} m \
-         (only influence may be infinite)"
-    )]
-    Length {
-        /// `step`, `influence` or `kill`.
-        knob: &'static str,
-        /// Metres.
-        value: f32,
-    },
-    /// A component of the tropism is not finite.
-    #[error("cannot grow: tropism is ({}, {}, {}), but must be finite", .0.x, .0.y, .0.z)]
-    Tropism(Vec3),
-    /// Growth would step over points for ever.
-    #[error(
-        "cannot grow: the kill distance, {kill} m, is shorter than the step, {step} m, so nodes would step \
-         over points without using them up; raise kill to at least {step} m or shorten step"
-    )]
-    KillBelowStep {
-        /// Metres.
-        kill: f32,
-        /// Metres.
-        step: f32,
-    },
-    /// Every point would die before it could be felt.
-    #[error(
-        "cannot grow: the influence distance, {influence} m, is not above the kill distance, {kill} m, so \
-         points would be used up before they are felt; raise influence or lower kill"
-    )]
-    InfluenceWithinKill {
-        /// Metres.
-        influence: f32,
-        /// Metres.
-        kill: f32,
-    },
-    /// There is nothing to grow towards.
-    #[error("cannot grow: there are no attraction points; ask for at least one")]
-    NoPoints,
-    /// Points are counted in 32 bits.
-    #[error("cannot grow: {0} attraction points are more than the {max} that can be counted", max = u32::MAX)]
-    TooManyPoints(usize),
-    /// A point has a coordinate that is not finite or too large.
-    #[error(
-        "cannot grow: attraction point {index} lies at ({}, {}, {}), but coordinates must be finite and within \
-         ±{FARTHEST_M:e} m; remove or move it", .at.x, .at.y, .at.z
-    )]
-    Point {
-        /// Index into the points given.
-        index: usize,
-        /// Metres.
-        at: Vec3,
-    },
-    /// There is nothing to grow from.
-    #[error("cannot grow: there is no node to grow from; give at least a root")]
-    NoStart,
-    /// The nodes to grow from are not a branching structure.
-    #[error("cannot grow: node {index} of the start {problem}")]
-    Start {
-        /// Index of the node.
-        index: usize,
-        /// What is wrong with it.
-        problem: &'static str,
-    },
-    /// No live point is within the influence distance of a node at the start.
-    #[error(
-        "cannot grow: nothing is in reach; the nearest attraction point is {nearest_m} m away and the influence \
-         distance is {influence_m} m; raise influence, or let a trunk lead to the crown"
-    )]
-    NothingInReach {
-        /// Distance of the nearest live point from the nearest node, metres.
-        nearest_m: f32,
-        /// Metres.
-        influence_m: f32,
-    },
-    /// Nobody wants the result any more.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-}
-
 /// Grows nodes from `start` into `points` until every point is used up or a limit is reached.
 ///
 /// The start is a root, with the nodes of a trunk if there is one, or several of these; it is kept
-/// as it is, births included. The order of the points does not matter. Progress counts the points
-/// that are used up.
+/// as it is, births included. The order of the points matters to waves only. Progress counts the
+/// points that are used up.
 ///
 /// ```
-/// use linden::colonization::growth::{GrowthRule, Stop, grow};
+/// use linden::colonization::growth::{GrowthRule, Habit, Stop, grow};
 /// use linden::{Branching, NO_PARENT, Quiet, Vec3};
 ///
-/// let root = Branching { positions: vec![Vec3::ZERO], parents: vec![NO_PARENT], births: vec![0], radii: None };
+/// let root =
+///     Branching { positions: vec![Vec3::ZERO], parents: vec![NO_PARENT], births: vec![0], radii: None };
 /// let rule = GrowthRule {
 ///     step: 0.1,
 ///     influence: 2.0,
@@ -211,6 +162,7 @@ pub enum GrowthError {
 ///     tropism: Vec3::ZERO,
 ///     max_iterations: 1000,
 ///     max_nodes: 1000,
+///     habit: Habit::PLAIN,
 /// };
 /// let growth = grow(&[Vec3::new(0.0, 1.0, 0.0)], &root, &rule, &Quiet)?;
 /// assert_eq!(growth.stop, Stop::AllReached);
@@ -227,60 +179,56 @@ pub fn grow(
     rule: &GrowthRule,
     monitor: &dyn Monitor,
 ) -> Result<Growth, GrowthError> {
-    grow_with(points, start, rule, monitor, Search::new)
+    grow_among(points, start, rule, &[], monitor)
+}
+
+/// [`grow`] where there are obstacles.
+///
+/// # Errors
+/// Those of [`grow`], and if a node of the start is inside an obstacle.
+pub fn grow_among(
+    points: &[Vec3],
+    start: &Branching,
+    rule: &GrowthRule,
+    obstacles: &[Obstacle],
+    monitor: &dyn Monitor,
+) -> Result<Growth, GrowthError> {
+    grow_with(points, start, rule, obstacles, monitor, Search::new)
 }
 
 fn grow_with(
     points: &[Vec3],
     start: &Branching,
     rule: &GrowthRule,
+    obstacles: &[Obstacle],
     monitor: &dyn Monitor,
-    search: impl FnOnce(PointTree, f32) -> Search,
+    search: impl Fn(PointTree, f32) -> Search,
 ) -> Result<Growth, GrowthError> {
     rule.check()?;
-    check_start(start)?;
+    check_start(start, obstacles)?;
     check_points(points, monitor)?;
-
-    // A node is in reach when its distance is strictly below the next number.
-    let beyond = (rule.influence * rule.influence).next_up();
-    let tree = PointTree::over(points, beyond, monitor)?;
-    let mut colony = Colony {
-        nodes: Nodes::new(start),
-        search: search(tree, rule.kill * rule.kill),
-        rule,
-        monitor,
-        points: points.len(),
-        live: points.len(),
-    };
-    colony.settle(0)?;
-    if colony.live > 0 && !colony.reaches_any()? {
+    monitor.admit(DOING, points.len() as u64 * BUILD_BYTES_PER_POINT, ADVICE)?;
+    let growth = Colony::new(points, start, rule, obstacles, monitor, search).run()?;
+    if growth.iterations == 0 && growth.stop == Stop::NothingInReach {
         return Err(out_of_reach(points, start, rule, monitor)?);
     }
-    colony.run()
+    Ok(growth)
 }
 
-impl GrowthRule {
-    fn check(&self) -> Result<(), GrowthError> {
-        let &Self { step, influence, kill, tropism, .. } = self;
-        for (knob, value, most) in
-            [("step", step, FARTHEST_M), ("kill", kill, FARTHEST_M), ("influence", influence, f32::INFINITY)]
-        {
-            // Written so that NaN fails.
-            if !(value > 0.0 && value <= most) {
-                return Err(GrowthError::Length { knob, value });
-            }
-        }
-        if !tropism.is_finite() {
-            return Err(GrowthError::Tropism(tropism));
-        }
-        if kill < step {
-            return Err(GrowthError::KillBelowStep { kill, step });
-        }
-        if influence <= kill {
-            return Err(GrowthError::InfluenceWithinKill { influence, kill });
-        }
-        Ok(())
-    }
+/// For messages about memory.
+const DOING: &str = "growing by space colonization";
+const ADVICE: &str = "lower points or max_nodes, or lengthen step";
+
+/// Bytes a point while the tree over the points is built, and those that the first nodes capture at once.
+const BUILD_BYTES_PER_POINT: u64 = 80;
+/// Bytes a point for the tree and its search.
+const BYTES_PER_POINT: u64 = 24;
+/// Bytes that a child takes until it is a node.
+const BYTES_PER_CHILD: u64 = 40;
+
+/// The peak while so many children become nodes.
+fn bytes_at(points: usize, nodes: &nodes::Nodes, children: usize) -> u64 {
+    points as u64 * BYTES_PER_POINT + nodes.bytes_with(children) + children as u64 * BYTES_PER_CHILD
 }
 
 /// Whether squares of differences cannot overflow. False for NaN.
@@ -288,7 +236,7 @@ fn fit(position: Vec3) -> bool {
     position.abs().cmple(Vec3::splat(FARTHEST_M)).all()
 }
 
-fn check_start(start: &Branching) -> Result<(), GrowthError> {
+fn check_start(start: &Branching, obstacles: &[Obstacle]) -> Result<(), GrowthError> {
     let Branching { positions, parents, births, .. } = start;
     let nodes = positions.len();
     if nodes == 0 {
@@ -307,6 +255,9 @@ fn check_start(start: &Branching) -> Result<(), GrowthError> {
         }
         if parents[index] != NO_PARENT && parents[index] as usize >= index {
             return wrong(index, "does not come after its parent");
+        }
+        if obstacles.iter().any(|obstacle| (obstacle.contains)(positions[index].as_dvec3())) {
+            return wrong(index, "is inside an obstacle; move the root, or the obstacle");
         }
     }
     Ok(())
@@ -364,9 +315,12 @@ mod tests {
                 tropism: Vec3::new(0.0, 0.2, 0.0),
                 max_iterations: 1000,
                 max_nodes: 100_000,
+                habit: Habit::PLAIN,
             };
-            let detected = grow_with(&points, &root, &rule, &Quiet, Search::new).unwrap();
-            let portable = grow_with(&points, &root, &rule, &Quiet, Search::portable).unwrap();
+            let grown = |search: fn(PointTree, f32) -> Search| {
+                grow_with(&points, &root, &rule, &[], &Quiet, search).unwrap()
+            };
+            let (detected, portable) = (grown(Search::new), grown(Search::portable));
             assert!(detected.branching.positions.len() > 5000);
             assert_eq!(detected, portable);
         }

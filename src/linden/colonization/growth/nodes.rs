@@ -2,29 +2,51 @@
 
 use glam::{DVec3, Vec3};
 
-use super::NONE;
+use super::axes::Axes;
 use super::influence::Influences;
+use super::obstacle::{self, Obstacle};
+use super::{GrowthRule, NONE};
 use crate::skeleton::{Branching, NO_PARENT};
 
 /// What is left of a unit vector when something of about the same length cancels it.
 const VANISHING: f64 = 1e-9;
 
-/// Nodes, 60 bytes each: 24 are the result, 36 serve growth.
-pub(super) struct Nodes {
+/// Of a node: 24 are the result, 40 serve growth.
+const BYTES: u64 = 64;
+
+/// Nodes, 60 bytes each: 24 are the result, 36 serve growth. Habits may need more.
+pub(super) struct Nodes<'a> {
     pub branching: Branching,
     pub influences: Influences,
+    rule: &'a GrowthRule,
+    obstacles: &'a [Obstacle<'a>],
+    axes: Option<Axes>,
     /// The last child of each node, or [`NONE`].
     youngest: Vec<u32>,
     /// The child that the same parent grew before, or [`NONE`].
     elder: Vec<u32>,
 }
 
-impl Nodes {
+/// What comes of a node that is asked to grow.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Shoot {
+    /// A child at this place.
+    Child(Vec3),
+    /// Nothing: no direction, or no new place.
+    Nothing,
+    /// Nothing, because of an obstacle or of the children that there are.
+    Blocked,
+}
+
+impl<'a> Nodes<'a> {
     /// Parents of `start` come before their children.
-    pub fn new(start: &Branching) -> Self {
+    pub fn new(start: &Branching, rule: &'a GrowthRule, obstacles: &'a [Obstacle<'a>]) -> Self {
         let mut nodes = Self {
-            branching: start.clone(),
+            branching: Branching { radii: None, ..start.clone() },
             influences: Influences::default(),
+            rule,
+            obstacles,
+            axes: rule.habit.needs_axes().then(Axes::default),
             youngest: Vec::new(),
             elder: Vec::new(),
         };
@@ -38,15 +60,31 @@ impl Nodes {
         self.branching.positions.len()
     }
 
+    /// The peak while `more` are added.
+    pub fn bytes_with(&self, more: usize) -> u64 {
+        const LARGEST: u64 = 32;
+        let (len, capacity) = (self.len() as u64, self.branching.positions.capacity() as u64);
+        let room =
+            if capacity - len < more as u64 { len + (more as u64).max(len / 4).max(64) } else { capacity };
+        // The largest list moves while the others are there.
+        room * BYTES + if room == capacity { 0 } else { len * LARGEST }
+    }
+
     fn adopt(&mut self, parent: u32) {
         let index = self.youngest.len() as u32;
         self.influences.add_node();
         self.youngest.push(NONE);
-        self.elder.push(if parent == NO_PARENT {
+        let elder = if parent == NO_PARENT {
             NONE
         } else {
             std::mem::replace(&mut self.youngest[parent as usize], index)
-        });
+        };
+        self.elder.push(elder);
+        match &mut self.axes {
+            Some(axes) if parent == NO_PARENT => axes.add_root(),
+            Some(axes) => axes.add_child(parent, elder == NONE),
+            None => (),
+        }
     }
 
     /// Adds children, each with its parent.
@@ -58,6 +96,9 @@ impl Nodes {
         self.influences.reserve(more);
         reserve(&mut self.youngest, more);
         reserve(&mut self.elder, more);
+        if let Some(axes) = &mut self.axes {
+            axes.reserve(more);
+        }
         for &(parent, position) in children {
             self.branching.positions.push(position);
             self.branching.parents.push(parent);
@@ -66,32 +107,74 @@ impl Nodes {
         }
     }
 
-    /// Where the influenced set makes `node` grow, unless it is empty or pulls nowhere.
-    pub fn pulled(&self, node: u32, step: f32, tropism: Vec3) -> Option<Vec3> {
-        let bent = unit(self.influences.sum(node)?)? + tropism.as_dvec3();
-        // Tropism that cancels the pull leaves rounding, which points nowhere.
-        (bent.abs().max_element() > VANISHING).then(|| unit(bent))?.and_then(|n| self.child(node, n, step))
+    /// Whether apical control lets `node` grow in the iteration after `iterations`.
+    pub fn waits(&self, node: u32, iterations: u32) -> bool {
+        let share = self.rule.habit.apical_control;
+        let Some(axes) = self.axes.as_ref().filter(|_| share > 0.0) else { return false };
+        self.youngest[node as usize] != NONE
+            && (iterations == 0 || self.branching.births[axes.tip(node) as usize] == iterations)
+            && axes.is_near_tip(node, share)
     }
 
-    /// Where `node` grows towards `point`.
-    pub fn drawn(&self, node: u32, point: Vec3, step: f32) -> Option<Vec3> {
+    /// What `node` grows where `sum` pulls it.
+    pub fn pulled(&self, node: u32, sum: DVec3) -> Shoot {
+        let Some(pull) = unit(sum) else { return Shoot::Nothing };
+        let bent = pull + self.bend(node);
+        // Tropism that cancels the pull leaves rounding, which points nowhere.
+        match unit(bent) {
+            Some(direction) if bent.abs().max_element() > VANISHING => self.child(node, direction),
+            _ => Shoot::Nothing,
+        }
+    }
+
+    /// What `node` grows towards `point`.
+    pub fn drawn(&self, node: u32, point: Vec3) -> Shoot {
         let offset = point.as_dvec3() - self.branching.positions[node as usize].as_dvec3();
-        self.child(node, unit(offset)?, step)
+        unit(offset).map_or(Shoot::Nothing, |direction| self.child(node, direction))
+    }
+
+    /// What is added to the unit pull at `node`: as it suits the axis that the child will be on.
+    fn bend(&self, node: u32) -> DVec3 {
+        let Some(axes) = &self.axes else { return self.rule.tropism.as_dvec3() };
+        let positions = &self.branching.positions;
+        let lever = positions[node as usize].as_dvec3() - positions[axes.root(node) as usize].as_dvec3();
+        let lateral = self.youngest[node as usize] != NONE;
+        self.rule.bend(
+            axes.order(node).saturating_add(u8::from(lateral)),
+            (lever.x * lever.x + lever.z * lever.z).sqrt(),
+        )
     }
 
     /// One step from `node`, unless rounding loses it or that child exists.
-    fn child(&self, node: u32, direction: DVec3, step: f32) -> Option<Vec3> {
+    fn child(&self, node: u32, direction: DVec3) -> Shoot {
         let positions = &self.branching.positions;
         let from = positions[node as usize];
-        let child = (from.as_dvec3() + f64::from(step) * direction).as_vec3();
-        let mut sibling = self.youngest[node as usize];
-        while sibling != NONE {
-            if positions[sibling as usize] == child {
-                return None;
-            }
-            sibling = self.elder[sibling as usize];
+        if self.is_full(node) {
+            return Shoot::Blocked;
         }
-        (child != from).then_some(child)
+        let place = |direction: DVec3| (from.as_dvec3() + f64::from(self.rule.step) * direction).as_vec3();
+        let straight = place(direction);
+        let Some(child) = obstacle::turned(self.obstacles, from, direction, straight, place) else {
+            return Shoot::Blocked;
+        };
+        if child == from || self.children(node).any(|sibling| positions[sibling as usize] == child) {
+            // Aside it would go, but it has been there.
+            return if child == straight { Shoot::Nothing } else { Shoot::Blocked };
+        }
+        Shoot::Child(child)
+    }
+
+    fn is_full(&self, node: u32) -> bool {
+        let most = self.rule.habit.max_children;
+        most != u32::MAX && self.children(node).count() >= most as usize
+    }
+
+    /// The youngest first.
+    fn children(&self, node: u32) -> impl Iterator<Item = u32> {
+        let known = |child: u32| (child != NONE).then_some(child);
+        std::iter::successors(known(self.youngest[node as usize]), move |&child| {
+            known(self.elder[child as usize])
+        })
     }
 }
 

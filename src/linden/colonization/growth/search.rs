@@ -25,6 +25,9 @@ const MOST_SHARES: usize = 8;
 /// Most nodes that are sent into one cluster between two questions to the monitor.
 const BATCH: usize = 1024;
 
+/// A squared kill distance that nothing is within.
+const NEVER: f32 = -1.0;
+
 /// Most pulls that a list keeps memory for: 64 KiB.
 const KEPT: usize = 4096;
 
@@ -134,7 +137,15 @@ pub(super) struct Captures {
     /// Pulls that nodes feel from now on.
     pub won: Vec<Pull>,
     /// Points that came within the kill distance.
-    pub deaths: usize,
+    pub deaths: Vec<Death>,
+}
+
+/// The end of a point.
+#[derive(Clone, Copy)]
+pub(super) struct Death {
+    /// The nearest node.
+    pub node: u32,
+    pub point: Vec3,
 }
 
 impl Captures {
@@ -144,7 +155,8 @@ impl Captures {
             pulls.clear();
             pulls.shrink_to(KEPT);
         }
-        self.deaths = 0;
+        self.deaths.clear();
+        self.deaths.shrink_to(KEPT);
     }
 }
 
@@ -206,9 +218,14 @@ impl Search {
 
         let (visit, kill2) = (self.visit, self.kill2);
         let run = |cluster: &mut Cluster, queries: &[u32], scratch: &mut Scratch, captures: &mut Captures| {
+            // Who is nearest when a point dies is known when all batches have been there.
+            let many = queries.len() > BATCH;
             for batch in queries.chunks(BATCH) {
                 monitor.check()?;
-                visit(cluster, batch, positions, kill2, scratch, captures);
+                visit(cluster, batch, positions, if many { NEVER } else { kill2 }, scratch, captures);
+            }
+            if many {
+                bury(cluster, positions, kill2, captures);
             }
             Ok(())
         };
@@ -272,6 +289,23 @@ impl Search {
                 refit_level(&mut top.levels, level, &way.fronts[depth - level]);
             }
         }
+    }
+
+    /// Shows all nodes to points that have seen none, and returns what each has captured at the end.
+    pub fn awaken(&mut self, positions: &[Vec3], monitor: &dyn Monitor) -> Result<Captures, Cancelled> {
+        let mut captured = Captures::default();
+        self.capture(0, positions, monitor, |captures| {
+            captured.deaths.extend(captures.iter().flat_map(|some| &some.deaths));
+        })?;
+        self.live(monitor, |point, d2, node| {
+            captured.won.push(pull(node, point - positions[node as usize], d2));
+        })?;
+        Ok(captured)
+    }
+
+    /// Whether no point lives.
+    pub fn is_done(&self) -> bool {
+        self.tree.top.reach() < 0.0
     }
 
     /// The live points that have a nearest node, in the tree's order: point, squared distance, node.
@@ -429,7 +463,7 @@ fn contest(
         }
         if d2[lane] <= kill2 {
             d2[lane] = DEAD;
-            captures.deaths += 1;
+            captures.deaths.push(Death { node: nearest[lane], point });
         } else {
             let winner = nearest[lane];
             captures.won.push(pull(winner, point - positions[winner as usize], d2[lane]));
@@ -437,4 +471,26 @@ fn contest(
     }
     (leaf.d2, leaf.nearest) = (d2, nearest);
     Some(largest(&d2))
+}
+
+/// Lets the points die that are within the kill distance of their nearest node.
+fn bury(cluster: &mut Cluster, positions: &[Vec3], kill2: f32, captures: &mut Captures) {
+    for (index, leaf) in cluster.leaves.iter_mut().enumerate() {
+        for lane in 0..LEAF {
+            let (d2, node) = (leaf.d2[lane], leaf.nearest[lane]);
+            if (0.0..=kill2).contains(&d2) && node != NONE {
+                let point = leaf.point(lane);
+                captures.lost.push(pull(node, point - positions[node as usize], d2));
+                captures.deaths.push(Death { node, point });
+                leaf.d2[lane] = DEAD;
+            }
+        }
+        cluster.pyramid.levels[0][index / FAN].reach[index % FAN] = largest(&leaf.d2);
+    }
+    for level in 1..cluster.pyramid.levels.len() {
+        let (below, above) = cluster.pyramid.levels.split_at_mut(level);
+        for (index, child) in below[level - 1].iter().enumerate() {
+            above[0][index / FAN].reach[index % FAN] = child.farthest_reach();
+        }
+    }
 }

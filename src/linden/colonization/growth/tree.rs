@@ -20,6 +20,8 @@ pub(super) const LEAF: usize = 16;
 pub(super) const FAN: usize = 8;
 /// Most points of one cluster: three levels of inner nodes.
 const CLUSTER: usize = LEAF * FAN * FAN * FAN;
+/// Levels over as many items as can be counted.
+const MOST_LEVELS: usize = 12;
 /// Clusters that there should be at least, so that threads find work of equal size.
 const CLUSTERS: usize = 64;
 
@@ -96,6 +98,21 @@ impl Inner {
         bits.iter().fold(0, |all, bit| all | bit) as u8
     }
 
+    /// One bit per child that may have a live point not farther from `node` than `distance2` says.
+    #[allow(clippy::inline_always, reason = "must be compiled with the caller's vector instructions")]
+    #[inline(always)]
+    fn within(&self, node: Vec3, distance2: f32) -> u8 {
+        let mut bits = [0_u32; FAN];
+        for (child, bit) in bits.iter_mut().enumerate() {
+            let x = (self.low[0][child] - node.x).max(node.x - self.high[0][child]).max(0.0);
+            let y = (self.low[1][child] - node.y).max(node.y - self.high[1][child]).max(0.0);
+            let z = (self.low[2][child] - node.z).max(node.z - self.high[2][child]).max(0.0);
+            let most = if self.reach[child] >= 0.0 { distance2 } else { DEAD };
+            *bit = if x * x + y * y + z * z <= most { 1 << child } else { 0 };
+        }
+        bits.iter().fold(0, |all, bit| all | bit) as u8
+    }
+
     #[allow(clippy::inline_always, reason = "must be compiled with the caller's vector instructions")]
     #[inline(always)]
     pub fn farthest_reach(&self) -> f32 {
@@ -140,9 +157,60 @@ impl Pyramid {
         }
     }
 
+    /// The items that may have live points not farther from `node` than `distance2` says.
+    #[allow(clippy::inline_always, reason = "must be compiled with the caller's vector instructions")]
+    #[inline(always)]
+    pub fn within(&self, node: Vec3, distance2: f32) -> Within<'_> {
+        let mut within =
+            Within { levels: &self.levels, node, distance2, open: [(0, 0); MOST_LEVELS], depth: 0 };
+        within.enter(0);
+        within
+    }
+
     /// The largest `d2` of all.
     pub fn reach(&self) -> f32 {
         self.levels.last().and_then(|level| level.first()).map_or(DEAD, Inner::farthest_reach)
+    }
+}
+
+/// A walk down a [`Pyramid`].
+pub(super) struct Within<'a> {
+    levels: &'a [Vec<Inner>],
+    node: Vec3,
+    distance2: f32,
+    /// From the root down: an inner node, and which of its children are still to be entered.
+    open: [(u32, u8); MOST_LEVELS],
+    depth: usize,
+}
+
+impl Within<'_> {
+    /// The inner node `index` of the level that is `depth` below the root.
+    #[allow(clippy::inline_always, reason = "must be compiled with the caller's vector instructions")]
+    #[inline(always)]
+    fn enter(&mut self, index: u32) {
+        let inner = &self.levels[self.levels.len() - 1 - self.depth][index as usize];
+        self.open[self.depth] = (index, inner.within(self.node, self.distance2));
+        self.depth += 1;
+    }
+
+    /// Not an iterator: the adapters would be compiled apart, without the vectors.
+    #[allow(clippy::inline_always, reason = "must be compiled with the caller's vector instructions")]
+    #[inline(always)]
+    pub fn next(&mut self) -> Option<usize> {
+        while self.depth > 0 {
+            let (index, children) = &mut self.open[self.depth - 1];
+            if *children == 0 {
+                self.depth -= 1;
+                continue;
+            }
+            let child = *index * FAN as u32 + children.trailing_zeros();
+            *children &= *children - 1;
+            if self.depth == self.levels.len() {
+                return Some(child as usize);
+            }
+            self.enter(child);
+        }
+        None
     }
 }
 

@@ -30,6 +30,7 @@ use rayon::prelude::*;
 use self::contract::{Graph, Sections};
 use self::foot::Foot;
 use self::neighbours::Neighbours;
+use crate::memory::OverMemory;
 use crate::monitor::{Cancelled, Monitor};
 
 /// A scan made ready for growth; lengths in metres, Y up.
@@ -81,6 +82,9 @@ pub enum ScanError {
         /// Counted from 0.
         index: usize,
     },
+    /// It would take more memory than there may be.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
     /// Nobody wants it any more.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -115,6 +119,8 @@ pub fn foot(points: &[DVec3]) -> Option<DVec3> {
 /// # Errors
 /// [`ScanError`]: too few points, positions that are not finite, cancelled.
 pub fn prepare(points: &[DVec3], step_m: Option<f64>, monitor: &dyn Monitor) -> Result<Scan, ScanError> {
+    let bytes = points.len() as u64 * BYTES_PER_POINT;
+    monitor.admit("preparing the scan", bytes, "thin the points out")?;
     if let Some(index) = points.iter().position(|p| !p.is_finite()) {
         return Err(ScanError::NotFinite { index });
     }
@@ -164,6 +170,9 @@ pub fn prepare(points: &[DVec3], step_m: Option<f64>, monitor: &dyn Monitor) -> 
         },
     })
 }
+
+/// The peak with the points given: the tree for their spacing while it is built (measured).
+const BYTES_PER_POINT: u64 = 96;
 
 /// Links reach this many details far.
 const REACH: f64 = 3.0;

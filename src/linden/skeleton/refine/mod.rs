@@ -18,6 +18,7 @@ use glam::Vec3;
 use super::axes::successors;
 use super::radii::pipe::count_tips;
 use super::{Branching, NO_PARENT};
+use crate::memory::{OverMemory, bytes_of};
 use crate::monitor::{Cancelled, Monitor, Stage};
 
 /// One way to change a branching.
@@ -89,6 +90,9 @@ pub enum RefineError {
     /// Nobody wanted the result any more.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+    /// It would take more memory than there may be.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
     /// Subdivision makes more nodes than are allowed.
     #[error(
         "'subdivide' would give {nodes} nodes, more than the limit of {limit}; lower subdivisions, take \
@@ -123,7 +127,7 @@ pub enum RefineError {
 /// ```
 ///
 /// # Errors
-/// [`RefineError`]: too many nodes, or cancelled.
+/// [`RefineError`]: too many nodes, too much memory, or cancelled.
 ///
 /// # Panics
 /// Where the branching does not pass [`Branching::validate`] (a tree of one node may), or `captured`
@@ -138,6 +142,7 @@ pub fn refine(
     let mut shoots = Shoots { branching, captured, most_nodes };
     for (done, step) in refinement.steps.iter().enumerate() {
         monitor.check()?;
+        shoots.admit(0, monitor)?;
         monitor.advance(Stage::Refine, done as u64, Some(refinement.steps.len() as u64));
         (step.apply)(&mut shoots, refinement, monitor)?;
     }
@@ -157,6 +162,18 @@ const NODES_PER_CHECK: usize = 1 << 16;
 impl Shoots {
     fn len(&self) -> usize {
         self.branching.parents.len()
+    }
+
+    /// Asks for what a step holds: the branching, room for `new` nodes beside it, and scratch memory,
+    /// at most a position and two indices a node.
+    fn admit(&self, new: usize, monitor: &dyn Monitor) -> Result<(), OverMemory> {
+        let captured = usize::from(self.captured.is_some());
+        let made = Branching::bytes_for(new)
+            + bytes_of::<f32>(if self.branching.radii.is_some() { new } else { 0 })
+            + bytes_of::<bool>(new * captured);
+        let scratch = bytes_of::<([f32; 3], [u32; 2], [bool; 2])>(self.len());
+        let held = self.branching.bytes() + bytes_of::<bool>(self.len() * captured);
+        monitor.admit("refining the branches", held + made + scratch, "take steps out of refine")
     }
 
     /// For each node the child that continues its axis as far as can be told without radii: the one

@@ -33,6 +33,7 @@ fn once(shoots: &mut Shoots, monitor: &dyn Monitor) -> Result<(), RefineError> {
     if nodes as u64 > limit {
         return Err(RefineError::TooManyNodes { nodes: nodes as u64, limit });
     }
+    shoots.admit(nodes, monitor)?;
     let successor = shoots.successors();
     let mut new = Branching {
         positions: Vec::with_capacity(nodes),

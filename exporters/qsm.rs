@@ -1,0 +1,87 @@
+//! A table of cylinders (CSV), one row per segment: what forestry calls a quantitative structure model.
+//!
+//! Columns as `TreeQSM` (Raumonen et al. 2013) gives them, named with their units: identifiers count from
+//! 1 and a parent of 0 is none; parents stand before children, the cylinders of a branch one after
+//! another. Branch 1 is the stem, its order 0. Length and the volume `π r² l` add up to what
+//! `linden stats` says.
+//!
+//! The recipe is the one line that starts with `# recipe: `, before the header; readers that know no
+//! comments get a bare table with `comments=false`, and the recipe is then lost.
+
+use linden::Monitor;
+use linden::scene::Scene;
+use linden::skeleton::Cylinder;
+
+use crate::chunks::{self, Text};
+use crate::options::{OptionSpec, Options};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, sound};
+
+/// A table of cylinders.
+pub(crate) struct Qsm;
+
+static FORMAT: Format = Format {
+    id: "qsm",
+    name: "Cylinder table (QSM)",
+    extensions: &["csv"],
+    media_type: "text/csv",
+    self_contained: true,
+    help: "one cylinder per segment for measuring: start, axis, length, radius, parent, branch, order",
+    options: &[OptionSpec::switch(
+        "comments",
+        true,
+        "lines with # before the header: recipe and units; off for readers that know no comments",
+    )],
+};
+
+const HEADER: &str = "id,parent,branch,branch_order,position_in_branch,start_x_m,start_y_m,start_z_m,\
+                      axis_x,axis_y,axis_z,length_m,radius_m,birth\n";
+
+impl Exporter for Qsm {
+    fn format(&self) -> &'static Format {
+        &FORMAT
+    }
+
+    fn write(
+        &self,
+        scene: &Scene,
+        options: &Options,
+        bundle: &mut Bundle,
+        monitor: &dyn Monitor,
+    ) -> Result<(), ExportError> {
+        sound::check(scene, monitor)?;
+        let mut head = String::new();
+        if options.is_on("comments") {
+            head = format!(
+                "# {GENERATOR}\n# name: {}\n# recipe: {}\n# units: metres, up axis: Y; parent 0: none\n",
+                linden::knob::printable(&scene.name),
+                scene.recipe
+            );
+        }
+        head += HEADER;
+        let skeleton = &scene.skeleton;
+        let cylinders = skeleton.cylinders();
+        bundle.write_main(None, monitor, |out| {
+            out.write(head.as_bytes())?;
+            chunks::write(out, cylinders.len(), |text, range| {
+                for index in range {
+                    let cylinder = &cylinders[index];
+                    let order = skeleton.axes[cylinder.axis as usize].order;
+                    row(text, index as u32, cylinder, order, skeleton.births[cylinder.node as usize]);
+                }
+            })
+        })
+    }
+}
+
+fn row(text: &mut Text, index: u32, cylinder: &Cylinder, order: u32, birth: u32) {
+    let parent = cylinder.parent.map_or(0, |parent| parent + 1);
+    for n in [index + 1, parent, cylinder.axis + 1, order, cylinder.place + 1] {
+        text.integer(n);
+        text.byte(b',');
+    }
+    let ([x, y, z], [dx, dy, dz]) = (cylinder.start.to_array(), cylinder.direction.to_array());
+    text.floats([x, y, z, dx, dy, dz, cylinder.length_m, cylinder.radius_m], b",");
+    text.byte(b',');
+    text.integer(birth);
+    text.byte(b'\n');
+}

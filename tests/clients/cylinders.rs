@@ -1,0 +1,119 @@
+//! The cylinder table, read as any CSV reader would, is the tree: for every built-in preset.
+
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+use std::fs;
+use std::sync::Arc;
+
+use linden::grow::grow;
+use linden::preset::builtins;
+use linden::{DVec3, NO_PARENT, Quiet, Skeleton};
+use linden_tests::fixtures::{RECIPE, export, scene};
+use linden_tests::presets::recipe;
+
+struct Row(BTreeMap<String, f64>);
+
+impl Row {
+    fn number(&self, column: &str) -> f64 {
+        self.0[column]
+    }
+
+    fn index(&self, column: &str) -> usize {
+        let number = self.number(column);
+        assert_eq!(number.fract(), 0.0, "{column}");
+        number as usize
+    }
+
+    fn place(&self, column: &str, unit: &str) -> DVec3 {
+        DVec3::from(["x", "y", "z"].map(|axis| self.number(&format!("{column}_{axis}{unit}"))))
+    }
+
+    fn end(&self) -> DVec3 {
+        self.place("start", "_m") + self.place("axis", "") * self.number("length_m")
+    }
+}
+
+/// Comments, header, rows.
+fn read(text: &str) -> (Vec<&str>, Vec<Row>) {
+    let comments: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("# ")).collect();
+    let mut lines = text.lines().skip(comments.len());
+    let header: Vec<&str> = lines.next().unwrap().split(',').collect();
+    let row = |line: &str| {
+        let fields: Vec<f64> = line.split(',').map(|field| field.parse().unwrap()).collect();
+        assert_eq!(fields.len(), header.len(), "{line}");
+        Row(header.iter().map(|&column| column.to_owned()).zip(fields).collect())
+    };
+    (comments, lines.map(row).collect())
+}
+
+fn table(skeleton: Arc<Skeleton>, options: &[(&str, &str)]) -> String {
+    let dir = tempfile::tempdir().unwrap();
+    let target = dir.path().join("tree.csv");
+    let scene = linden::scene::Scene { skeleton, ..scene(3, 5) };
+    export(&scene, "qsm", options, &target).unwrap();
+    fs::read_to_string(target).unwrap()
+}
+
+/// Frusta between the radii of a segment's nodes, a lateral's first as thick as its first node.
+fn frusta_m3(skeleton: &Skeleton) -> f64 {
+    let mut bases = vec![false; skeleton.positions.len()];
+    for axis in skeleton.axes.iter().filter(|axis| axis.parent != NO_PARENT) {
+        bases[skeleton.nodes_of(axis)[0] as usize] = true;
+    }
+    let of = |node: usize| {
+        let parent = skeleton.parents[node] as usize;
+        let upper = f64::from(skeleton.radii[node]);
+        let lower = if bases[node] { upper } else { f64::from(skeleton.radii[parent]) };
+        let length = f64::from(skeleton.positions[node].distance(skeleton.positions[parent]));
+        PI / 3.0 * length * (lower * lower + lower * upper + upper * upper)
+    };
+    (0..skeleton.positions.len()).filter(|&node| skeleton.parents[node] != NO_PARENT).map(of).sum()
+}
+
+#[test]
+fn every_preset_is_its_table_of_cylinders() {
+    for builtin in builtins() {
+        let skeleton = grow(&recipe(builtin), &Quiet).unwrap().skeleton;
+        let text = table(Arc::clone(&skeleton), &[]);
+        let (comments, rows) = read(&text);
+        let (id, measures) = (builtin.id, skeleton.measures());
+        assert!(comments.iter().any(|line| line.strip_prefix("recipe: ") == Some(RECIPE)));
+        assert_eq!(rows.len(), skeleton.segments(), "{id}");
+
+        let length: f64 = rows.iter().map(|row| row.number("length_m")).sum();
+        assert!((length / measures.total_length_m - 1.0).abs() < 1e-6, "{id}: {length} {measures:?}");
+        let volume: f64 =
+            rows.iter().map(|row| PI * row.number("radius_m").powi(2) * row.number("length_m")).sum();
+        for expected in [measures.wood_volume_m3, frusta_m3(&skeleton)] {
+            assert!((volume / expected - 1.0).abs() < 1e-5, "{id}: {volume} {expected}");
+        }
+        let order = rows.iter().map(|row| row.index("branch_order")).max().unwrap();
+        assert_eq!(order, measures.max_order as usize, "{id}");
+
+        // Each stands on the one that it names, and continues its branch or starts the next order.
+        let size = f64::from(skeleton.positions.iter().fold(0.0_f32, |m, p| m.max(p.abs().max_element())));
+        for (i, row) in rows.iter().enumerate() {
+            assert_eq!(row.index("id"), i + 1, "{id}");
+            assert!((row.place("axis", "").length() - 1.0).abs() < 1e-5, "{id} {i}");
+            let Some(below) = row.index("parent").checked_sub(1).map(|parent| &rows[parent]) else {
+                continue;
+            };
+            assert!(row.index("parent") <= i, "{id}: parents come first");
+            assert!(below.end().distance(row.place("start", "_m")) < 1e-5 * (1.0 + size), "{id} {i}");
+            let continues = below.index("branch") == row.index("branch");
+            let steps = ["branch_order", "position_in_branch"].map(|c| row.number(c) - below.number(c));
+            if continues {
+                assert_eq!(steps, [0.0, 1.0], "{id} {i}");
+            } else {
+                assert_eq!((steps[0], row.index("position_in_branch")), (1.0, 1), "{id} {i}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_bare_table_starts_with_its_header() {
+    let text = table(Arc::clone(&scene(3, 5).skeleton), &[("comments", "false")]);
+    assert!(text.starts_with("id,parent,branch,"), "{text}");
+    assert!(!text.contains('#'));
+}

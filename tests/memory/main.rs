@@ -1,0 +1,196 @@
+//! Forecasts of memory against an allocator that counts: no stage takes more than it asked for, and
+//! none asks for absurdly more than it takes.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use linden::dress::dress;
+use linden::grow::{GrowError, grow};
+use linden::memory::{Bytes, OverMemory, SLACK_BYTES};
+use linden::monitor::Stage;
+use linden::preset::{builtin, builtins};
+use linden::recipe::{Geometry, Input, Recipe};
+use linden::surface::sweep;
+use linden::{DVec3, Monitor, Quiet};
+use linden_exporters::{Bundle, Options, REGISTRY};
+use linden_tests::presets::recipe;
+use peak_alloc::PeakAlloc;
+
+#[global_allocator]
+static ALLOCATOR: PeakAlloc = PeakAlloc;
+
+/// Notes the most that was asked for.
+#[derive(Default)]
+struct Forecasts {
+    most: AtomicU64,
+    limit: Option<u64>,
+}
+
+impl Monitor for Forecasts {
+    fn is_cancelled(&self) -> bool {
+        false
+    }
+
+    fn advance(&self, _: Stage, _: u64, _: Option<u64>) {}
+
+    fn memory_limit(&self) -> u64 {
+        self.limit.unwrap_or(u64::MAX)
+    }
+
+    fn admit(&self, doing: &'static str, bytes: u64, advice: &'static str) -> Result<(), OverMemory> {
+        self.most.fetch_max(bytes, Ordering::Relaxed);
+        let limit_bytes = self.memory_limit();
+        if bytes > limit_bytes {
+            return Err(OverMemory { doing, needs_bytes: bytes, limit_bytes, advice });
+        }
+        Ok(())
+    }
+}
+
+/// What some work took at its peak beyond what was there before, and what it forecast; `held` bytes of
+/// the forecast were there before.
+fn measured<T>(held: u64, work: impl FnOnce(&Forecasts) -> T) -> (T, u64, u64) {
+    let forecasts = Forecasts::default();
+    let before = ALLOCATOR.current_usage();
+    ALLOCATOR.reset_peak_usage();
+    let done = work(&forecasts);
+    let peak = ALLOCATOR.peak_usage().saturating_sub(before) as u64;
+    (done, held + peak, forecasts.most.into_inner())
+}
+
+/// Above this, careless forecasts show; below, what does not grow with the tree does.
+const LARGE_BYTES: u64 = 32 << 20;
+
+fn compare(what: &str, peak: u64, forecast: u64, faults: &mut Vec<String>) {
+    let line = format!("{what}: peak {}, forecast {}", Bytes(peak), Bytes(forecast));
+    println!("{line}, {:.2}", forecast as f64 / peak as f64);
+    let careless = peak > LARGE_BYTES && forecast as f64 > 1.5 * peak as f64;
+    if peak > forecast + SLACK_BYTES || careless {
+        faults.push(line);
+    }
+}
+
+/// Of the [`spread`], what is written too: long lists of each kind, and large pictures.
+const WRITTEN: [&str; 3] = ["abop-a [", "abop-stochastic [", "simple ["];
+
+fn turned(id: &str, settings: &[(&str, &str)]) -> Recipe {
+    let mut recipe = recipe(builtin(id).unwrap());
+    for (knob, value) in settings {
+        recipe.preset.set(knob, value).unwrap();
+    }
+    recipe
+}
+
+/// Points on a helix about a stem, as a scanner might see them.
+fn scan(count: u32) -> Recipe {
+    let place = |i: u32| {
+        let (t, turn) = (f64::from(i) / f64::from(count), f64::from(i) * 0.1);
+        DVec3::new(0.2 * libm::cos(turn), 12.0 * t, 0.2 * libm::sin(turn))
+    };
+    let text: String = (0..count).map(place).map(|p| format!("{} {} {}\n", p.x, -p.z, p.y)).collect();
+    let input = Input::read("scan.xyz", text.as_bytes(), &Quiet).unwrap();
+    let space = linden::preset::Space::Points { file: "scan.xyz".to_owned() };
+    assert!(matches!(&input.geometry, Geometry::Points(points) if points.len() == count as usize));
+    Recipe { preset: linden::preset::Preset::of_space("scan", space), input: Some(input) }
+}
+
+/// A spread of generators, sizes and surfaces.
+fn spread() -> Vec<(String, Recipe)> {
+    let mut all: Vec<(String, Recipe)> =
+        builtins().iter().map(|builtin| (builtin.id.to_owned(), recipe(builtin))).collect();
+    let turns: [(&str, &[(&str, &str)]); 11] = [
+        ("abop-a", &[("derivations", "8"), ("sides", "3"), ("bark_size", "64")]),
+        ("abop-b", &[("derivations", "8"), ("sides", "5")]),
+        ("abop-stochastic", &[("derivations", "10"), ("sides", "3"), ("bark_size", "64")]),
+        ("abop-e", &[("derivations", "9"), ("bark_size", "64")]),
+        ("fir", &[("points", "20000")]),
+        ("fir", &[("points", "150000"), ("sides", "4")]),
+        ("sphere", &[("points", "400000"), ("influence", "8D"), ("kill", "2D"), ("sides", "3")]),
+        ("sphere", &[("points", "300000"), ("influence", "inf"), ("sides", "3")]),
+        ("cypress", &[("points", "100000"), ("kill", "12D"), ("sides", "64")]),
+        ("heart", &[("points", "200000")]),
+        ("simple", &[("bark_size", "1024"), ("bark", "plated")]),
+    ];
+    all.extend(turns.map(|(id, settings)| (format!("{id} {settings:?}"), turned(id, settings))));
+    all.push(("scan".to_owned(), scan(400_000)));
+    all
+}
+
+#[test]
+fn no_stage_takes_more_than_it_forecast() {
+    let mut faults = Vec::new();
+    // Threads, tables and the like are made once.
+    let first = turned("fir", &[]);
+    dress(&first, &grow(&first, &Quiet).unwrap(), &Quiet).unwrap();
+
+    for (what, recipe) in spread() {
+        let input = recipe.input.as_ref().map_or(0, Input::bytes);
+        let (grown, peak, forecast) = measured(input, |monitor| grow(&recipe, monitor));
+        compare(&format!("{what}: growing"), peak, forecast, &mut faults);
+        let grown = grown.unwrap();
+
+        let (_, peak, forecast) =
+            measured(0, |monitor| sweep(&grown.skeleton, &recipe.preset.tubes, monitor).unwrap());
+        compare(&format!("{what}: sweeping"), peak, forecast, &mut faults);
+
+        let held = input + grown.bytes();
+        let (scene, peak, forecast) = measured(held, |monitor| dress(&recipe, &grown, monitor).unwrap());
+        compare(&format!("{what}: dressing"), peak, forecast, &mut faults);
+
+        if !WRITTEN.iter().any(|start| what.starts_with(start)) {
+            continue;
+        }
+        let target = tempfile::tempdir().unwrap();
+        for exporter in REGISTRY {
+            let format = exporter.format();
+            let scene = drop_pngs(&scene);
+            let (done, peak, forecast) = measured(scene.bytes(), |monitor| {
+                let mut bundle = Bundle::create(&target.path().join("tree.any")).unwrap();
+                exporter.write(&scene, &Options::new(format), &mut bundle, monitor)
+            });
+            done.unwrap();
+            compare(&format!("{what}: writing {}", format.id), peak, forecast, &mut faults);
+        }
+    }
+    assert!(faults.is_empty(), "\n{}", faults.join("\n"));
+
+    // What was forecast is refused one byte below, with both figures, and not much is taken before.
+    let recipe = turned("abop-a", &[("derivations", "8")]);
+    let (_, _, forecast) = measured(0, |monitor| grow(&recipe, monitor).unwrap());
+    let limited = Forecasts { limit: Some(forecast - 1), ..Forecasts::default() };
+    let refused = grow(&recipe, &limited).map(|_| ()).unwrap_err();
+    assert!(matches!(&refused, GrowError::Memory(over) if over.needs_bytes == forecast), "{refused}");
+    let exact = Forecasts { limit: Some(forecast), ..Forecasts::default() };
+    assert!(grow(&recipe, &exact).is_ok());
+
+    // A limit is kept where nobody can know before: a tree of a million points within 8 MiB.
+    let limit = 8 << 20;
+    for recipe in [
+        turned("sphere", &[("points", "1000000")]),
+        turned("abop-stochastic", &[("derivations", "12")]),
+        turned("sphere", &[("points", "20000"), ("influence", "inf"), ("kill", "1D"), ("step", "0.004")]),
+    ] {
+        let before = ALLOCATOR.current_usage();
+        ALLOCATOR.reset_peak_usage();
+        let limited = Forecasts { limit: Some(limit), ..Forecasts::default() };
+        let refused = grow(&recipe, &limited).map(|_| ()).unwrap_err();
+        let peak = ALLOCATOR.peak_usage().saturating_sub(before) as u64;
+        assert!(refused.to_string().contains("more than the memory limit of 8.00 MiB"), "{refused}");
+        assert!(peak <= limit + SLACK_BYTES, "{}: {refused}", Bytes(peak));
+    }
+}
+
+/// The same scene with pictures that nobody has compressed.
+fn drop_pngs(scene: &linden::scene::Scene) -> linden::scene::Scene {
+    let mut scene = scene.clone();
+    for material in &mut scene.materials {
+        for picture in [&mut material.base_color_picture, &mut material.normal_picture].into_iter().flatten()
+        {
+            let fresh =
+                linden::picture::Picture::new(picture.width(), picture.height(), picture.rgba().to_vec());
+            *picture = std::sync::Arc::new(fresh);
+        }
+    }
+    scene
+}
