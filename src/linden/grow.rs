@@ -10,6 +10,7 @@ use crate::colonization::growth::{GrowthError, NodeSet};
 use crate::colonization::plant::{Plant, plant};
 use crate::colonization::scan::ScanError;
 use crate::colonization::scatter::ScatterError;
+use crate::foliage::Organs;
 use crate::knob::printable;
 use crate::lsystem::{self, LsystemError};
 use crate::memory::{Holding, OverMemory, bytes_of};
@@ -27,6 +28,8 @@ pub struct Grown {
     pub skeleton: Arc<Skeleton>,
     /// What its radii were made by, with the rule settled: for [`Skeleton::until`].
     pub wood: Wood,
+    /// What grows on it.
+    pub organs: Arc<Organs>,
     /// Length of the derived string; `None` for space colonization.
     pub symbols: Option<u64>,
     /// What the tree reached for; `None` for L-systems.
@@ -168,26 +171,30 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
     let key = Key::new(*seed);
     match generator {
         Generator::LSystem(own) => {
-            let settings = lsystem::Settings {
-                derivations: own.derivations,
-                angle_deg: own.angle_deg,
-                segment_m: own.segment_length_m,
-                symbol_limit: own.symbol_limit,
-                seed: *seed,
-            };
-            let lsystem::Grown { branching, symbols } = lsystem::grow(&own.grammar, &settings, monitor)?;
-            let (skeleton, wood) = build(branching, None, &recipe.preset, own.symbol_limit, monitor)?;
-            Ok(Grown { skeleton, wood, symbols: Some(symbols), colonized: None, notes: Vec::new() })
+            let settings = own.settings(*seed);
+            let lsystem::Grown { branching, mut organs, symbols } =
+                lsystem::grow(&own.grammar, &settings, monitor)?;
+            let raw = Raw { branching, captured: None, most_nodes: own.symbol_limit };
+            let (skeleton, wood) = build(raw, &mut organs, &recipe.preset, monitor)?;
+            Ok(Grown {
+                skeleton,
+                wood,
+                organs: Arc::new(organs),
+                symbols: Some(symbols),
+                colonized: None,
+                notes: Vec::new(),
+            })
         }
         Generator::Colonization(own) => {
             let Plant { branching, captured, points, unreached, iterations, notes } =
                 plant(own, recipe.input.as_ref(), key, monitor)?;
             let monitor = &Holding::new(monitor, bytes_of::<Vec3>(points.capacity()));
-            let most = own.max_nodes.into();
-            let (skeleton, wood) = build(branching, Some(&captured), &recipe.preset, most, monitor)?;
+            let raw = Raw { branching, captured: Some(captured), most_nodes: own.max_nodes.into() };
+            let (skeleton, wood) = build(raw, &mut Organs::default(), &recipe.preset, monitor)?;
             Ok(Grown {
                 skeleton,
                 wood,
+                organs: Arc::default(),
                 symbols: None,
                 colonized: Some(Colonized { points, unreached, iterations }),
                 notes,
@@ -196,22 +203,31 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
     }
 }
 
-/// What both generators' branchings go through: refinement, axes, radii.
-fn build(
+/// What a generator leaves behind.
+struct Raw {
     branching: Branching,
-    captured: Option<&NodeSet>,
-    preset: &Preset,
+    /// The nodes that were of use, where there is such a thing.
+    captured: Option<NodeSet>,
+    /// The generator's own limit holds for the refined tree too.
     most_nodes: u64,
+}
+
+/// What both generators' branchings go through: refinement, which takes the organs along, then axes
+/// and radii.
+fn build(
+    Raw { mut branching, captured, most_nodes }: Raw,
+    organs: &mut Organs,
+    preset: &Preset,
     monitor: &dyn Monitor,
 ) -> Result<(Arc<Skeleton>, Wood), GrowError> {
-    let branching = if preset.refinement.steps.is_empty() {
-        branching
-    } else {
+    if !preset.refinement.steps.is_empty() {
         branching.validate()?;
         let nodes = branching.parents.len();
         let captured = captured.map(|set| (0..nodes).map(|node| set.contains(node)).collect());
-        refine(branching, captured, &preset.refinement, most_nodes, monitor)?
-    };
+        let mut riders = organs.riders();
+        branching = refine(branching, captured, &mut riders, &preset.refinement, most_nodes, monitor)?;
+        organs.follow(&riders);
+    }
     branching.admit_build(&preset.wood, monitor)?;
     let wood = preset.wood.settled(branching.radii.is_some());
     let skeleton = Skeleton::build_keyed(branching, &wood, preset.wood_key())?;

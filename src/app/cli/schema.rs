@@ -60,7 +60,7 @@ fn document() -> Value {
                 own.insert("envelope".to_owned(), file.clone());
                 own.insert("scan".to_owned(), file);
             }
-            Section::Wood | Section::Surface | Section::Bark => {}
+            Section::Wood | Section::Surface | Section::Bark | Section::Foliage => {}
         }
         let table = json!({ "type": "object", "properties": own, "additionalProperties": false });
         properties.insert(section.key().to_owned(), table);

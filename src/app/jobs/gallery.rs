@@ -252,6 +252,7 @@ impl Studio<'_> {
         let grown = Grown {
             skeleton: Arc::clone(&sitter.skeleton),
             wood: recipe.preset.wood,
+            organs: Arc::default(),
             symbols: None,
             colonized: None,
             notes: Vec::new(),

@@ -17,8 +17,15 @@ const PATIENCE: u64 = 1 << 16;
 
 /// Takes the symbols of the derived string, from first to last.
 pub(super) trait Sink {
-    /// Some consecutive symbols that came into being in the same derivation step.
+    /// Some consecutive modules that came into being in the same derivation step, by their
+    /// identifiers in [`Program::modules`]. Their arguments, if any, are constants and part of the
+    /// identified module ([`Program::commands`]).
     fn take(&mut self, modules: &[u32], birth: u32) -> Result<(), LsystemError>;
+
+    /// One module whose arguments were computed: all finite, at least one, the first in the range of
+    /// the turtle's command. A length may be so short, or 0, that there is nothing to draw.
+    #[expect(dead_code, reason = "rules compute no arguments yet")]
+    fn apply(&mut self, module: u32, arguments: &[f64], birth: u32) -> Result<(), LsystemError>;
 }
 
 /// Derives a string: for small systems, to look at. [`grow`](super::grow) keeps none in memory.
@@ -53,6 +60,16 @@ struct Written {
 impl Sink for Written {
     fn take(&mut self, modules: &[u32], _: u32) -> Result<(), LsystemError> {
         self.text.extend(modules.iter().map(|&id| self.names[id as usize].as_str()));
+        Ok(())
+    }
+
+    fn apply(&mut self, module: u32, arguments: &[f64], _: u32) -> Result<(), LsystemError> {
+        self.text.push_str(&self.names[module as usize]);
+        for (i, argument) in arguments.iter().enumerate() {
+            self.text.push(if i == 0 { '(' } else { ',' });
+            self.text.push_str(&argument.to_string());
+        }
+        self.text.push(')');
         Ok(())
     }
 }

@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::foliage::PROTOTYPES;
 use crate::knob::{excerpt, printable};
 use crate::memory::OverMemory;
 use crate::monitor::Cancelled;
@@ -157,12 +158,58 @@ pub enum LsystemError {
     },
     /// The string holds no symbol that draws.
     #[error(
-        "after {derivations} derivations the string has no F or G, so there is nothing to draw: \
+        "after {derivations} derivations the string has no F or G outside polygons, so there is nothing to draw: \
          use more derivations, or a rule that gives F"
     )]
     NothingDrawn {
         /// What was asked for.
         derivations: u32,
+    },
+    /// `stems` plants together would be more than the limit.
+    #[error(
+        "{stems} stems of {} symbols each are more than the limit of {limit}: use fewer stems or derivations, \
+         or raise the limit", Amount(*.symbols)
+    )]
+    TooManyStems {
+        /// [`Habit::Shrub`](super::Habit::Shrub)'s.
+        stems: u32,
+        /// The forecast of one.
+        symbols: u128,
+        /// [`Settings::symbol_limit`](super::Settings::symbol_limit).
+        limit: u64,
+    },
+    /// `}` without `{`.
+    #[error("a '}}' fills a polygon that no '{{' has begun: each needs one before it, which no '%' cuts off")]
+    PolygonUnopened,
+    /// `{` without `}`.
+    #[error("a '{{' begins a polygon that no '}}' fills: each needs one behind it, which no '%' cuts off")]
+    PolygonUnclosed,
+    /// `.` outside.
+    #[error("a '.' records a vertex, but no polygon is open: put it between '{{' and '}}'")]
+    VertexOutside,
+    /// More vertices than an outline may have.
+    #[error(
+        "a polygon has more than {limit} vertices, which is no leaf: fill it in pieces, or use fewer derivations"
+    )]
+    PolygonTooLarge {
+        /// [`MAX_CORNERS`](crate::foliage::MAX_CORNERS).
+        limit: usize,
+    },
+    /// What stands behind a `~` is not in the table of organs.
+    #[error("'~' is followed by {}, which names no organ; there are: {}", Found(*.found), Organs)]
+    UnknownOrgan {
+        /// The symbol; `None` at the end of the string.
+        found: Option<char>,
+    },
+    /// An organ of no size, or larger than anything.
+    #[error("'~{letter}' is {size} segments large, but must be 0 to {most}")]
+    OrganSize {
+        /// The organ.
+        letter: char,
+        /// Its argument.
+        size: f64,
+        /// The most.
+        most: f64,
     },
     /// A setting outside its range.
     #[error("{name} is {value}, but must be {expected}")]
@@ -180,6 +227,26 @@ pub enum LsystemError {
     /// Nobody wanted the result any more.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+}
+
+struct Found(Option<char>);
+
+impl fmt::Display for Found {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0.map_or("nothing".into(), quoted))
+    }
+}
+
+/// The table, as a message has it.
+struct Organs;
+
+impl fmt::Display for Organs {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, own) in PROTOTYPES.iter().enumerate() {
+            write!(f, "{}{} ({})", if i == 0 { "" } else { ", " }, own.letter, own.name)?;
+        }
+        Ok(())
+    }
 }
 
 /// A count of symbols; past a million in powers of ten, since nobody reads more digits.

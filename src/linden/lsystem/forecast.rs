@@ -1,6 +1,5 @@
 //! How much a derivation would give, without deriving.
 
-use super::command::Command;
 use super::error::LsystemError;
 use super::grammar::Grammar;
 use super::grow::check_derivations;
@@ -150,9 +149,9 @@ struct Growth<'a, C> {
 impl<'a, C: Count> Growth<'a, C> {
     /// No derivations: each module is itself.
     fn new(program: &'a Program) -> Self {
-        let alone = |(command, _)| Tally {
+        let alone = |(command, _): (super::command::Command, _)| Tally {
             symbols: C::ONE,
-            segments: if command == Command::Draw { C::ONE } else { C::ZERO },
+            segments: if command.draws() { C::ONE } else { C::ZERO },
             ..Tally::NOTHING
         };
         let tallies: Vec<_> = program.commands().map(alone).collect();

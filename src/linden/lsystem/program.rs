@@ -12,6 +12,8 @@ use crate::random::Key;
 pub(super) struct Program {
     /// The distinct modules, by identifier; those that are rewritten come first.
     pub modules: Vec<Module>,
+    /// Their arguments.
+    constants: Vec<Vec<f64>>,
     /// How the first modules are rewritten.
     pub rewrites: Vec<Rewrite>,
     /// The identifiers of all words' modules, end to end.
@@ -81,6 +83,7 @@ impl Program {
             alternatives.into_iter().map(|alternatives| Rewrite { alternatives, vanishes_in: u32::MAX });
         let mut program = Self {
             rewrites: rewrites.collect(),
+            constants: compiler.modules.iter().map(|m| argument_of(m).into_iter().collect()).collect(),
             modules: compiler.modules,
             code: compiler.code,
             ordinals: compiler.ordinals,
@@ -104,11 +107,12 @@ impl Program {
         self.rewrites.get(id as usize)
     }
 
-    /// The turtle's command of each module, by identifier.
-    pub(super) fn commands(&self) -> impl Iterator<Item = (Command, Option<f64>)> {
-        self.modules
-            .iter()
-            .map(|module| (Command::of(module.symbol).unwrap_or(Command::Silent), argument_of(module)))
+    /// The turtle's command of each module and its constant arguments, by identifier. Modules whose
+    /// arguments are computed have none here.
+    pub(super) fn commands(&self) -> impl Iterator<Item = (Command, &[f64])> {
+        self.modules.iter().zip(&self.constants).map(|(module, constants)| {
+            (Command::of(module.symbol).unwrap_or(Command::Silent), &constants[..])
+        })
     }
 
     /// A module vanishes in one step more than the slowest module of its successors. Settles what

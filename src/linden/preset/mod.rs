@@ -3,6 +3,7 @@
 mod bark;
 mod colonization;
 mod document;
+mod foliage;
 mod knobs;
 mod library;
 mod lsystem;
@@ -22,10 +23,11 @@ use crate::surface::Tubes;
 pub use bark::BarkLook;
 pub use colonization::{Colonization, Space};
 pub use document::{Fault, Place};
+pub use foliage::FoliageLook;
 pub use knobs::{KNOBS, PresetKnob, Section, shape_knobs};
 pub use library::{Builtin, builtin, builtin_file, builtins};
 pub use lsystem::LSystem;
-pub use setting::{Length, Origin, UpAxis};
+pub use setting::{Habit, Length, Origin, UpAxis};
 
 /// Everything that says how a tree grows and looks.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,6 +56,8 @@ pub struct Preset {
     pub tubes: Tubes,
     /// How its bark looks.
     pub bark: BarkLook,
+    /// How its leaves look.
+    pub foliage: FoliageLook,
 }
 
 /// How a tree grows.

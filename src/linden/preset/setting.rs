@@ -65,6 +65,16 @@ words! {
     }
 }
 
+words! {
+    /// How an L-system's plant stands.
+    Habit {
+        /// On one upright stem.
+        Tree = "tree",
+        /// On several that lean.
+        Shrub = "shrub"
+    }
+}
+
 /// A field that a knob turns.
 pub(super) trait Setting: Sized {
     fn to_value(&self) -> Value;

@@ -1,6 +1,6 @@
 //! Fewer nodes where an axis is all but straight.
 
-use super::{NODES_PER_CHECK, RefineError, Refinement, Shoots, Step};
+use super::{Left, NODES_PER_CHECK, RefineError, Refinement, Shoots, Step};
 use crate::monitor::{Cancelled, Monitor};
 use crate::skeleton::{Branching, NO_PARENT};
 use glam::Vec3;
@@ -21,10 +21,14 @@ const LONGEST_RUN: usize = 64;
 /// The chain and what replaces it are then nowhere farther from each other than the tolerance, in
 /// both directions (their Hausdorff distance): the places near a segment are a convex set, so all of
 /// the chain is near when its nodes are, and the chain passes over every place of the segment.
-fn decimate(shoots: &mut Shoots, refinement: &Refinement, monitor: &dyn Monitor) -> Result<(), RefineError> {
+fn decimate(
+    shoots: &mut Shoots<'_>,
+    refinement: &Refinement,
+    monitor: &dyn Monitor,
+) -> Result<(), RefineError> {
     let tolerance = refinement.decimate_tolerance * mean_segment(&shoots.branching);
     let keep = needed(&shoots.branching, tolerance as f32, monitor)?;
-    Ok(shoots.retain(&keep, monitor)?)
+    Ok(shoots.retain(&keep, Left::Stay, monitor)?)
 }
 
 /// Metres.

@@ -28,7 +28,7 @@ pub struct Step {
     pub name: &'static str,
     /// One line: what it does.
     pub help: &'static str,
-    apply: fn(&mut Shoots, &Refinement, &dyn Monitor) -> Result<(), RefineError>,
+    apply: fn(&mut Shoots<'_>, &Refinement, &dyn Monitor) -> Result<(), RefineError>,
 }
 
 /// All steps, in the order in which RLP07 takes them.
@@ -106,7 +106,19 @@ pub enum RefineError {
     },
 }
 
+/// A thing that hangs on a node, an organ say, and is to stay with it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rider {
+    /// The node.
+    pub node: u32,
+    /// How far refinement has moved it, metres.
+    pub moved: Vec3,
+}
+
 /// Takes all steps of a refinement.
+///
+/// `riders` are moved with their nodes. Where a node is decimated, they stay where they are and hang
+/// on the node below; where a twig is pruned, they go to where it left.
 ///
 /// `captured` says for each node whether it ever was the nearest to an attraction point, where the
 /// generator knows. The result has at most `most_nodes` nodes, or as many as before.
@@ -121,7 +133,7 @@ pub enum RefineError {
 ///     radii: None,
 /// };
 /// let relocate = Refinement { steps: Step::named("relocate").into_iter().collect(), ..Refinement::default() };
-/// let softer = refine(elbow, None, &relocate, 1000, &Quiet)?;
+/// let softer = refine(elbow, None, &mut [], &relocate, 1000, &Quiet)?;
 /// assert_eq!(softer.positions, [Vec3::ZERO, Vec3::Y * 0.5, Vec3::new(0.5, 1.0, 0.0)]);
 /// # Ok::<(), linden::skeleton::refine::RefineError>(())
 /// ```
@@ -131,15 +143,16 @@ pub enum RefineError {
 ///
 /// # Panics
 /// Where the branching does not pass [`Branching::validate`] (a tree of one node may), or `captured`
-/// is of another length.
+/// is of another length, or a rider's node does not exist.
 pub fn refine(
     branching: Branching,
     captured: Option<Vec<bool>>,
+    riders: &mut [Rider],
     refinement: &Refinement,
     most_nodes: u64,
     monitor: &dyn Monitor,
 ) -> Result<Branching, RefineError> {
-    let mut shoots = Shoots { branching, captured, most_nodes };
+    let mut shoots = Shoots { branching, captured, riders, most_nodes };
     for (done, step) in refinement.steps.iter().enumerate() {
         monitor.check()?;
         shoots.admit(0, monitor)?;
@@ -150,18 +163,37 @@ pub fn refine(
 }
 
 /// A branching on its way.
-struct Shoots {
+struct Shoots<'a> {
     branching: Branching,
     captured: Option<Vec<bool>>,
+    riders: &'a mut [Rider],
     most_nodes: u64,
+}
+
+/// What becomes of the riders of nodes that are dropped.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Left {
+    /// They stay where they are: the wood there stays, too.
+    Stay,
+    /// They go to the node below that is kept.
+    Fall,
 }
 
 /// Nodes between two looks at the monitor.
 const NODES_PER_CHECK: usize = 1 << 16;
 
-impl Shoots {
+impl Shoots<'_> {
     fn len(&self) -> usize {
         self.branching.parents.len()
+    }
+
+    /// Moves all nodes, and the riders with them.
+    fn relocate(&mut self, positions: Vec<Vec3>) {
+        for rider in &mut *self.riders {
+            let node = rider.node as usize;
+            rider.moved += positions[node] - self.branching.positions[node];
+        }
+        self.branching.positions = positions;
     }
 
     /// Asks for what a step holds: the branching, room for `new` nodes beside it, and scratch memory,
@@ -186,7 +218,7 @@ impl Shoots {
 
     /// Drops all nodes that are not to be kept; the children of such a node become its parent's, and
     /// what it captured counts for them. Feet must be kept.
-    fn retain(&mut self, keep: &[bool], monitor: &dyn Monitor) -> Result<(), Cancelled> {
+    fn retain(&mut self, keep: &[bool], left: Left, monitor: &dyn Monitor) -> Result<(), Cancelled> {
         let Branching { positions, parents, births, radii } = &mut self.branching;
         if let Some(captured) = &mut self.captured {
             monitor.check()?;
@@ -201,6 +233,16 @@ impl Shoots {
         // Where a node goes, or, of one that is dropped, where the next one below it goes.
         let mut index = vec![NO_PARENT; parents.len()];
         let mut kept = 0;
+        if left == Left::Fall {
+            for rider in &mut *self.riders {
+                let place = positions[rider.node as usize];
+                let mut node = rider.node as usize;
+                while !keep[node] {
+                    node = parents[node] as usize;
+                }
+                rider.moved += positions[node] - place;
+            }
+        }
         for old in 0..parents.len() {
             if old.is_multiple_of(NODES_PER_CHECK) {
                 monitor.check()?;
@@ -216,6 +258,9 @@ impl Shoots {
             }
         }
         parents.truncate(kept as usize);
+        for rider in &mut *self.riders {
+            rider.node = index[rider.node as usize];
+        }
         drop(index);
         monitor.check()?;
         compact(positions, keep);

@@ -1,6 +1,6 @@
 //! Twigs that lead nowhere.
 
-use super::{NODES_PER_CHECK, RefineError, Refinement, Shoots, Step};
+use super::{Left, NODES_PER_CHECK, RefineError, Refinement, Shoots, Step};
 use crate::monitor::Monitor;
 use crate::skeleton::NO_PARENT;
 
@@ -16,15 +16,15 @@ pub(super) const STEP: Step = Step {
 ///
 /// Where it is not known what captured, drops laterals of at most `prune_nodes` nodes that bear no
 /// laterals themselves.
-fn prune(shoots: &mut Shoots, refinement: &Refinement, monitor: &dyn Monitor) -> Result<(), RefineError> {
+fn prune(shoots: &mut Shoots<'_>, refinement: &Refinement, monitor: &dyn Monitor) -> Result<(), RefineError> {
     let keep = match &shoots.captured {
         Some(captured) => fertile(shoots, captured),
         None => all_but_short_laterals(shoots, refinement.prune_nodes, monitor)?,
     };
-    Ok(shoots.retain(&keep, monitor)?)
+    Ok(shoots.retain(&keep, Left::Fall, monitor)?)
 }
 
-fn fertile(shoots: &Shoots, captured: &[bool]) -> Vec<bool> {
+fn fertile(shoots: &Shoots<'_>, captured: &[bool]) -> Vec<bool> {
     let (parents, births) = (&shoots.branching.parents, &shoots.branching.births);
     let mut keep = captured.to_vec();
     for (node, &parent) in parents.iter().enumerate().rev() {
@@ -37,7 +37,7 @@ fn fertile(shoots: &Shoots, captured: &[bool]) -> Vec<bool> {
 }
 
 fn all_but_short_laterals(
-    shoots: &Shoots,
+    shoots: &Shoots<'_>,
     longest: u32,
     monitor: &dyn Monitor,
 ) -> Result<Vec<bool>, RefineError> {
@@ -90,7 +90,7 @@ mod tests {
         let positions: Vec<Vec3> = (0..9).map(|i| Vec3::new(0.0, i as f32, 0.0)).collect();
         let all = tree(positions, &parents);
         let only = Refinement { steps: vec![STEP], ..Refinement::default() };
-        let left = refine(all.clone(), Some(captured.to_vec()), &only, 100, &Quiet).unwrap();
+        let left = refine(all.clone(), Some(captured.to_vec()), &mut [], &only, 100, &Quiet).unwrap();
         let heights: Vec<f32> = left.positions.iter().map(|p| p.y).collect();
         assert_eq!(heights, [0.0, 1.0, 2.0, 3.0, 7.0]);
         assert_eq!(left.parents, [NO_PARENT, 0, 1, 2, 2]);

@@ -1,6 +1,9 @@
 //! Smaller branching angles.
 
-use super::{NODES_PER_CHECK, RefineError, Refinement, Shoots, Step};
+use glam::Vec3;
+use rayon::prelude::*;
+
+use super::{RefineError, Refinement, Shoots, Step};
 use crate::monitor::Monitor;
 use crate::skeleton::{Branching, NO_PARENT};
 
@@ -15,19 +18,20 @@ pub(super) const STEP: Step = Step {
 ///
 /// Each segment becomes a mean of itself and of the one before it, so that it turns towards that
 /// one, and no way from a foot to a node gets longer; tips lose a share of their last segment.
-fn relocate(shoots: &mut Shoots, refinement: &Refinement, monitor: &dyn Monitor) -> Result<(), RefineError> {
+fn relocate(
+    shoots: &mut Shoots<'_>,
+    refinement: &Refinement,
+    monitor: &dyn Monitor,
+) -> Result<(), RefineError> {
     let share = refinement.relocate_share as f32;
-    let Branching { positions, parents, .. } = &mut shoots.branching;
-    // From the last node to the first, a parent has not moved when its children do.
-    for node in (0..parents.len()).rev() {
-        if node.is_multiple_of(NODES_PER_CHECK) {
-            monitor.check()?;
-        }
-        if parents[node] != NO_PARENT {
-            let toward = positions[parents[node] as usize] - positions[node];
-            positions[node] += toward * share;
-        }
-    }
+    let Branching { positions, parents, .. } = &shoots.branching;
+    monitor.check()?;
+    let towards = |(&own, &parent): (&Vec3, &u32)| match parent {
+        NO_PARENT => own,
+        parent => own + (positions[parent as usize] - own) * share,
+    };
+    let moved = positions.par_iter().zip(parents).map(towards).collect();
+    shoots.relocate(moved);
     Ok(())
 }
 

@@ -15,12 +15,16 @@ pub(super) const STEP: Step = Step {
 /// Moves each node halfway onto the straight line between its neighbours along the axis: to
 /// `(a + 2 p + b) / 4` where segments are equally long. Feet and tips stay where they are; a fork
 /// follows the axis that runs on through it, and its laterals start where it then is.
-fn smooth(shoots: &mut Shoots, refinement: &Refinement, monitor: &dyn Monitor) -> Result<(), RefineError> {
+fn smooth(
+    shoots: &mut Shoots<'_>,
+    refinement: &Refinement,
+    monitor: &dyn Monitor,
+) -> Result<(), RefineError> {
     let successor = shoots.successors();
-    let Branching { positions, parents, .. } = &mut shoots.branching;
     for _ in 0..refinement.smooth_rounds {
         monitor.check()?;
-        *positions = (0..parents.len())
+        let Branching { positions, parents, .. } = &shoots.branching;
+        let moved = (0..parents.len())
             .into_par_iter()
             .map(|node| match (parents[node], successor[node]) {
                 (NO_PARENT, _) | (_, NO_PARENT) => positions[node],
@@ -30,6 +34,7 @@ fn smooth(shoots: &mut Shoots, refinement: &Refinement, monitor: &dyn Monitor) -
                 }
             })
             .collect();
+        shoots.relocate(moved);
     }
     Ok(())
 }

@@ -18,14 +18,18 @@ pub(super) const STEP: Step = Step {
 /// Feet and tips stay where they are; a fork follows the axis that runs on through it, and its
 /// laterals start where it then is. A new node is born with the end of its segment. Where radii are
 /// given it has their mean, on the first segment of a lateral the lateral's own.
-fn subdivide(shoots: &mut Shoots, refinement: &Refinement, monitor: &dyn Monitor) -> Result<(), RefineError> {
+fn subdivide(
+    shoots: &mut Shoots<'_>,
+    refinement: &Refinement,
+    monitor: &dyn Monitor,
+) -> Result<(), RefineError> {
     for _ in 0..refinement.subdivisions {
         once(shoots, monitor)?;
     }
     Ok(())
 }
 
-fn once(shoots: &mut Shoots, monitor: &dyn Monitor) -> Result<(), RefineError> {
+fn once(shoots: &mut Shoots<'_>, monitor: &dyn Monitor) -> Result<(), RefineError> {
     let old = &shoots.branching;
     let feet = old.parents.iter().filter(|&&parent| parent == NO_PARENT).count();
     let nodes = 2 * shoots.len() - feet;
@@ -74,6 +78,11 @@ fn once(shoots: &mut Shoots, monitor: &dyn Monitor) -> Result<(), RefineError> {
         if let (Some(captured), Some(of)) = (&mut captured, &shoots.captured) {
             captured.extend(std::iter::repeat_n(of[node], copies));
         }
+    }
+    for rider in &mut *shoots.riders {
+        let before = old.positions[rider.node as usize];
+        rider.node = index[rider.node as usize];
+        rider.moved += new.positions[rider.node as usize] - before;
     }
     shoots.branching = new;
     shoots.captured = captured;
@@ -139,7 +148,7 @@ mod tests {
     fn too_many_nodes_are_refused_with_the_number() {
         let all = random_tree(1, 100, 0.8);
         let own = Refinement { steps: vec![STEP], subdivisions: 4, ..Refinement::default() };
-        let error = refine(all, None, &own, 500, &Quiet).unwrap_err();
+        let error = refine(all, None, &mut [], &own, 500, &Quiet).unwrap_err();
         assert!(matches!(error, RefineError::TooManyNodes { nodes: 501..=800, limit: 500 }), "{error}");
     }
 }

@@ -13,7 +13,7 @@ pub fn tree(positions: Vec<Vec3>, parents: &[u32]) -> Branching {
 }
 
 pub fn refined(all: Branching, refinement: &Refinement) -> Branching {
-    let done = refine(all, None, refinement, 1 << 20, &Quiet).unwrap();
+    let done = refine(all, None, &mut [], refinement, 1 << 20, &Quiet).unwrap();
     done.validate().unwrap();
     done
 }
