@@ -18,6 +18,7 @@ use std::fmt;
 
 use crate::knob::{Knob, Value, nearest, printable};
 use crate::skeleton::Wood;
+use crate::skeleton::refine::Refinement;
 use crate::surface::Tubes;
 
 pub use bark::BarkLook;
@@ -49,6 +50,8 @@ pub struct Preset {
     pub seed: u64,
     /// How it grows.
     pub generator: Generator,
+    /// What is done to it after growth.
+    pub refinement: Refinement,
     /// How thick it is.
     pub wood: Wood,
     /// How its surface is made.
