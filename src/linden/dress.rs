@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use crate::color::linear;
+use crate::foliage::{self, Foliage, FoliageError};
 use crate::grow::Grown;
 use crate::knob::printable;
 use crate::memory::Holding;
@@ -25,14 +26,21 @@ pub enum DressError {
     /// The surface.
     #[error(transparent)]
     Surface(SurfaceError),
+    /// Leaves and the like.
+    #[error(transparent)]
+    Foliage(FoliageError),
     /// The bark's pictures.
     #[error(transparent)]
     Bark(BarkError),
 }
 
-from_cancellable!(DressError: SurfaceError => Surface, BarkError => Bark);
+from_cancellable!(DressError: SurfaceError => Surface, FoliageError => Foliage, BarkError => Bark);
 
-/// Gives a grown tree its surface and materials. Only the bark's pictures use the seed.
+/// Leaves are a little glossy.
+const LEAF_ROUGHNESS: f32 = 0.6;
+
+/// Gives a grown tree its surface, its foliage (a part for each colour of it) and materials. Only the
+/// bark's pictures use the seed.
 ///
 /// # Errors
 /// [`DressError`]: too large, or cancelled.
@@ -51,12 +59,28 @@ pub fn dress(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Sc
         roughness: BARK_ROUGHNESS,
         double_sided: false,
     };
+    let mut materials = vec![material];
+    let mut parts = vec![Part { name: "wood".to_owned(), material: 0, mesh: wood }];
+    let colors = &preset.foliage.leaf_colors;
+    let wooded = Holding::new(monitor, parts.iter().map(|part| part.mesh.bytes()).sum());
+    for Foliage { color, mesh } in foliage::meshes(&grown.organs, colors.len(), &wooded)? {
+        let name = if color == 0 { "leaves".to_owned() } else { format!("leaves_{color}") };
+        parts.push(Part { name: name.clone(), material: materials.len(), mesh });
+        materials.push(Material {
+            name,
+            base_color: colors.get(color).copied().map_or([0.0; 3], linear),
+            base_color_picture: None,
+            normal_picture: None,
+            roughness: LEAF_ROUGHNESS,
+            double_sided: true,
+        });
+    }
     let name = if preset.name.trim().is_empty() { &preset.id } else { &preset.name };
     Ok(Scene {
         name: printable(name),
         recipe: recipe.to_line(),
-        materials: vec![material],
-        parts: vec![Part { name: "wood".to_owned(), material: 0, mesh: wood }],
+        materials,
+        parts,
         skeleton: Arc::clone(&grown.skeleton),
     })
 }

@@ -11,6 +11,7 @@ use crate::colonization::growth::GrowthError;
 use crate::colonization::plant::{Plant, plant};
 use crate::colonization::scan::ScanError;
 use crate::colonization::scatter::ScatterError;
+use crate::foliage::Organs;
 use crate::knob::printable;
 use crate::lsystem::{self, LsystemError};
 use crate::memory::{Holding, OverMemory, bytes_of};
@@ -25,6 +26,8 @@ use crate::skeleton::{Skeleton, SkeletonError};
 pub struct Grown {
     /// The axial tree.
     pub skeleton: Arc<Skeleton>,
+    /// What grows on it.
+    pub organs: Arc<Organs>,
     /// Length of the derived string; `None` for space colonization.
     pub symbols: Option<u64>,
     /// What the tree reached for; `None` for L-systems.
@@ -48,7 +51,7 @@ impl Grown {
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
         let points = self.colonized.as_ref().map_or(0, |own| own.points.capacity());
-        self.skeleton.bytes() + bytes_of::<Vec3>(points)
+        self.skeleton.bytes() + self.organs.bytes() + bytes_of::<Vec3>(points)
     }
 }
 
@@ -182,17 +185,18 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
     let key = Key::new(*seed);
     match generator {
         Generator::LSystem(own) => {
-            let settings = lsystem::Settings {
-                derivations: own.derivations,
-                angle_deg: own.angle_deg,
-                segment_m: own.segment_length_m,
-                symbol_limit: own.symbol_limit,
-                seed: *seed,
-            };
-            let lsystem::Grown { branching, symbols } = lsystem::grow(&own.grammar, &settings, monitor)?;
-            branching.admit_build(monitor)?;
+            let settings = own.settings(*seed);
+            let lsystem::Grown { branching, organs, symbols } =
+                lsystem::grow(&own.grammar, &settings, monitor)?;
+            branching.admit_build(&Holding::new(monitor, organs.bytes()))?;
             let skeleton = Arc::new(Skeleton::build(branching, wood)?);
-            Ok(Grown { skeleton, symbols: Some(symbols), colonized: None, notes: Vec::new() })
+            Ok(Grown {
+                skeleton,
+                organs: Arc::new(organs),
+                symbols: Some(symbols),
+                colonized: None,
+                notes: Vec::new(),
+            })
         }
         Generator::Colonization(own) => {
             let Plant { branching, points, unreached, iterations, notes } = plant(own, recipe, key, monitor)?;
@@ -200,6 +204,7 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
             let skeleton = Arc::new(Skeleton::build(branching, wood)?);
             Ok(Grown {
                 skeleton,
+                organs: Arc::default(),
                 symbols: None,
                 colonized: Some(Colonized { points, unreached, iterations }),
                 notes,

@@ -7,6 +7,7 @@
 pub mod colonization;
 pub mod color;
 pub mod dress;
+pub mod foliage;
 pub mod grow;
 pub mod input;
 pub mod knob;

@@ -2,14 +2,21 @@
 #![expect(clippy::unwrap_used, reason = "what a test cannot unwrap fails it, in its helpers too")]
 
 mod chance;
+mod contexts;
 mod figures;
+mod habit;
 mod language;
 mod limits;
 mod naive;
 mod older;
+mod organs;
+mod parametric;
+mod polygon;
 mod presets;
 mod properties;
+mod tropism;
 mod turtle;
+mod width;
 
 use linden::lsystem::{Grammar, Grown, Settings, grow};
 use linden::{Branching, NO_PARENT, Quiet};
@@ -19,6 +26,14 @@ fn drawn(axiom: &str, angle_deg: f64) -> Branching {
     let grammar = Grammar::new::<&str>(axiom, &[]).unwrap();
     let settings = Settings { derivations: 0, angle_deg, segment_m: 1.0, ..Settings::default() };
     grow(&grammar, &settings, &Quiet).unwrap().branching
+}
+
+/// Grows an axiom without rules, with some settings changed.
+fn drawn_with(axiom: &str, change: impl FnOnce(&mut Settings)) -> Grown {
+    let grammar = Grammar::new::<&str>(axiom, &[]).unwrap();
+    let mut settings = Settings { derivations: 0, segment_m: 1.0, ..Settings::default() };
+    change(&mut settings);
+    grow(&grammar, &settings, &Quiet).unwrap()
 }
 
 /// What every branching structure keeps: arrays of one length, parents first, no segment without

@@ -5,7 +5,8 @@ use std::time::Instant;
 use anyhow::Context;
 use clap::Args;
 use linden::Vec3;
-use linden::scene::Bounds;
+use linden::foliage::meshes;
+use linden::scene::{Bounds, Mesh};
 use linden::surface::survey;
 use serde::Serialize;
 
@@ -75,11 +76,16 @@ impl Stats {
         // The bark's pictures are not measured, and take longer than all else.
         let surface = survey(&grown.skeleton, &source.recipe.preset.tubes, &progress)
             .with_context(|| source.shown.clone())?;
+        // They take no pictures and little memory.
+        let foliage = meshes(&grown.organs, 1, &progress).with_context(|| source.shown.clone())?;
+        let foliage = foliage.first().map(|own| &own.mesh);
         let dress_s = started.elapsed().as_secs_f64();
 
         let skeleton = &grown.skeleton;
         let measures = skeleton.measures();
-        let bounds = surface.bounds.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO });
+        let leaf_bounds = foliage.and_then(Mesh::bounds);
+        let bounds = surface.bounds.into_iter().chain(leaf_bounds).reduce(Bounds::union);
+        let bounds = bounds.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO });
         let colonized = grown.colonized.as_ref();
         let report = Report {
             source: source.shown.clone(),
@@ -98,9 +104,9 @@ impl Stats {
             points_unreached: colonized.map(|own| own.unreached),
             iterations: colonized.map(|own| own.iterations),
             symbols: grown.symbols,
-            triangles: surface.triangles,
-            vertices: surface.vertices,
-            leaves: 0,
+            triangles: surface.triangles + foliage.map_or(0, |mesh| mesh.triangles.len()),
+            vertices: surface.vertices + foliage.map_or(0, |mesh| mesh.positions.len()),
+            leaves: grown.organs.len(),
             watertight: surface.topology.watertight(),
             bounds: Corners { min: bounds.min.to_array(), max: bounds.max.to_array() },
             skeleton_hash: format!("{:032x}", skeleton.hash()),
@@ -138,6 +144,7 @@ impl Report {
         }
         rows.extend([
             ("surface", format!("{} triangles, {} vertices", count(self.triangles), count(self.vertices))),
+            ("leaves", count(self.leaves)),
             ("watertight", if self.watertight { "yes: each axis is closed" } else { "no" }.to_owned()),
             ("skeleton hash", self.skeleton_hash.clone()),
             ("time", format!("{:.3} s to grow, {:.3} s to dress", self.seconds.grow, self.seconds.dress)),

@@ -3,6 +3,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 
 use linden::Quiet;
+use linden::Skeleton;
 use linden::monitor::Stage;
 use linden_raster::Paint;
 use linden_terminal::{CellStyle, ColorDepth, Glyphs, Image};

@@ -3,8 +3,10 @@
 /// A symbol's meaning (ABOP, appendix C).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Command {
-    /// `F`, `G`: forward, drawing a segment. They differ inside polygons only.
+    /// `F`: forward, drawing a segment; inside a polygon, its end is a vertex.
     Draw,
+    /// `G`: forward, drawing a segment; inside a polygon, its end is no vertex.
+    DrawUnrecorded,
     /// `f`: forward, drawing nothing.
     Move,
     /// `[`: a branch begins.
@@ -25,6 +27,14 @@ pub(super) enum Command {
     Width,
     /// `'`: the next colour.
     Colour,
+    /// `{`: a polygon begins.
+    PolygonBegin,
+    /// `.`: the turtle's place is a vertex of the polygon.
+    PolygonVertex,
+    /// `}`: the polygon is filled.
+    PolygonEnd,
+    /// `~`: the module that follows names an organ to be placed here.
+    Organ,
     /// `%`: cut the rest of the branch.
     Cut,
     /// Any other letter or digit: rewritten, not drawn.
@@ -50,7 +60,8 @@ impl Command {
     /// The meaning of a symbol; `None` for what is no symbol at all.
     pub(super) fn of(symbol: char) -> Option<Self> {
         Some(match symbol {
-            'F' | 'G' => Self::Draw,
+            'F' => Self::Draw,
+            'G' => Self::DrawUnrecorded,
             'f' => Self::Move,
             '[' => Self::Push,
             ']' => Self::Pop,
@@ -64,32 +75,51 @@ impl Command {
             '$' => Self::Level,
             '!' => Self::Width,
             '\'' => Self::Colour,
+            '{' => Self::PolygonBegin,
+            '.' => Self::PolygonVertex,
+            '}' => Self::PolygonEnd,
+            '~' => Self::Organ,
             '%' => Self::Cut,
             _ if symbol.is_alphanumeric() || symbol == '_' => Self::Silent,
             _ => return None,
         })
     }
 
-    /// The range of the number that may follow in brackets, both ends included; `None` when the
-    /// symbol takes none.
+    /// Whether it draws a segment, outside polygons.
+    pub(super) fn draws(self) -> bool {
+        matches!(self, Self::Draw | Self::DrawUnrecorded)
+    }
+
+    /// Whether numbers in brackets may follow. The first is the turtle's (ABOP, section 1.10.1).
+    pub(super) fn takes_arguments(self) -> bool {
+        self == Self::Silent || self.argument_range().is_some()
+    }
+
+    /// The range of the first number in brackets where it is drawn, both ends included; `None` when
+    /// the turtle reads none.
     pub(super) fn argument_range(self) -> Option<[f64; 2]> {
         match self {
-            Self::Draw | Self::Width => Some([SHORTEST, LARGEST]),
+            Self::Draw | Self::DrawUnrecorded | Self::Width => Some([SHORTEST, LARGEST]),
+            Self::Colour => Some([0.0, LARGEST]),
             Self::Move | Self::Yaw(_) | Self::Pitch(_) | Self::Roll(_) => Some([-LARGEST, LARGEST]),
             _ => None,
         }
     }
+
+    /// The same where a rule computes the number: a segment may shrink to nothing.
+    pub(super) fn computed_range(self) -> Option<[f64; 2]> {
+        let [low, high] = self.argument_range()?;
+        Some([if low == SHORTEST { 0.0 } else { low }, high])
+    }
 }
 
-/// Constructs of the wider language that have a sign of their own and are not understood yet.
-pub(super) fn unsupported_sign(symbol: char) -> Option<&'static str> {
+/// What the signs of rules begin, where they stand in their place.
+pub(super) fn sign_of_rules(symbol: char) -> Option<&'static str> {
     Some(match symbol {
-        '{' | '}' => "a polygon",
-        '.' => "a polygon's vertex",
-        '~' => "an organ",
-        '<' | '>' => "a context",
-        ':' => "a condition",
-        '#' => "a directive",
+        '<' => "ends a left context, before the symbol to rewrite",
+        '>' => "begins a right context, after the symbol to rewrite",
+        ':' => "begins a condition, before the arrow",
+        '#' => "begins a line of its own, '#define' or '#ignore'",
         _ => return None,
     })
 }

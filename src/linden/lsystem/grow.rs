@@ -1,12 +1,15 @@
 //! Growing: from a grammar and settings to a branching structure, within limits.
 
-use super::derive::derive;
+use super::derive::{Way, derive};
 use super::error::LsystemError;
 use super::forecast::{self, Forecast};
 use super::grammar::Grammar;
 use super::program::Program;
 use super::turtle::Turtle;
+use super::variation::Variation;
+use crate::foliage::Organs;
 use crate::monitor::Monitor;
+use crate::random::Key;
 use crate::skeleton::Branching;
 
 /// The most derivation steps: far more than any tree has, few enough to walk through.
@@ -19,6 +22,11 @@ pub const MAX_SYMBOLS: u64 = 1 << 30;
 
 pub(super) const ANGLE_RANGE_DEG: [f64; 2] = [-360.0, 360.0];
 const SEGMENT_RANGE_M: [f64; 2] = [1e-6, 1e6];
+/// The most stems of a shrub.
+pub const MAX_STEMS: u32 = 100;
+/// Between neighbouring stems of a shrub, seen from above: the golden angle, with which any number of
+/// stems is spread evenly.
+const GOLDEN_ANGLE_DEG: f64 = 137.507_764_050_037_85;
 
 /// How a grammar is grown.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,12 +41,50 @@ pub struct Settings {
     pub symbol_limit: u64,
     /// The root of all random choices.
     pub seed: u64,
+    /// What `!(1)` is as a diameter, 10⁻⁶ to 10⁶ m.
+    pub segment_width_m: f64,
+    /// What `!` multiplies the width by, 0.01 to 10.
+    pub width_ratio: f64,
+    /// T: where branches bend to. Its length counts; each component −10 to 10.
+    pub tropism: [f64; 3],
+    /// e: after each segment the turtle turns by e·|H × T| radians about H × T (ABOP, p. 58); −10 to 10.
+    pub susceptibility: f64,
+    /// What chance changes.
+    pub variation: Variation,
+    /// One stem or several.
+    pub habit: Habit,
+}
+
+/// How a plant stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Habit {
+    /// On one upright stem.
+    Tree,
+    /// On several: the plant is repeated about its foot, each time with other random choices.
+    Shrub {
+        /// How often, 1 to [`MAX_STEMS`].
+        stems: u32,
+        /// Each leans by so much, −180 to 180 degrees.
+        lean_deg: f64,
+    },
 }
 
 impl Default for Settings {
     /// Four derivations of decimetre segments, at 25.7 degrees, of up to 50 million symbols.
     fn default() -> Self {
-        Self { derivations: 4, angle_deg: 25.7, segment_m: 0.1, symbol_limit: 50_000_000, seed: 0 }
+        Self {
+            derivations: 4,
+            angle_deg: 25.7,
+            segment_m: 0.1,
+            symbol_limit: 50_000_000,
+            seed: 0,
+            segment_width_m: 0.01,
+            width_ratio: 0.7,
+            tropism: [0.0, -1.0, 0.0],
+            susceptibility: 0.0,
+            variation: Variation::default(),
+            habit: Habit::Tree,
+        }
     }
 }
 
@@ -53,8 +99,13 @@ pub struct Grown {
     /// the successor holds the same symbol: with `F -> F[+F]F`, every segment is born in the last
     /// step. A foot is born with the first segment that stands on it. Births therefore need not
     /// rise from parent to child: with `A -> AF`, the oldest segments are at the top.
+    ///
+    /// Radii are there where the grammar holds a `!`: a node's is that of the segment that ends in it,
+    /// a foot's that of its first segment.
     pub branching: Branching,
-    /// The length of the derived string.
+    /// Polygons and organs.
+    pub organs: Organs,
+    /// The length of the derived string, of all stems together.
     pub symbols: u64,
 }
 
@@ -74,7 +125,15 @@ pub struct Grown {
 /// | `$` | roll until L is horizontal; nothing when H is vertical |
 /// | `[` `]` | begin, end a branch |
 /// | `%` | cut the rest of the branch, in every derivation step and here |
-/// | `!` `'` | thinner, next colour: counted, but a [`Branching`] has neither widths nor colours |
+/// | `!` | thinner: the width times [`Settings::width_ratio`]; `!(w)`: a diameter of w segment widths |
+/// | `'` | the next colour for organs; `'(c)`: colour c, from 0 |
+/// | `{` `}` | begin, fill a polygon: between them `F`, `G` and `f` draw no wood |
+/// | `.` | the turtle's place is a vertex of the polygon; so are the ends of `F` and `f`, not those of `G` |
+/// | `~` | the organ that the letter behind it names ([`PROTOTYPES`](crate::foliage::PROTOTYPES)), as many segments large as its argument says |
+///
+/// The vertices of a polygon may be recorded across brackets, and polygons may be nested: what is
+/// recorded belongs to the innermost. The first edge of a polygon also starts at a vertex. A polygon of
+/// fewer than three different vertices is nothing.
 ///
 /// Rotations keep the words of ABOP's appendix C: left is towards +L, down towards −U, a roll to the
 /// left lowers L.
@@ -86,17 +145,41 @@ pub fn grow(grammar: &Grammar, settings: &Settings, monitor: &dyn Monitor) -> Re
     let program = Program::compile(grammar);
     let forecast = settings.admit(&program)?;
     let nothing = LsystemError::NothingDrawn { derivations: settings.derivations };
-    if forecast.segments == 0 {
+    if forecast.segments == 0 && !forecast.at_least {
         return Err(nothing);
+    }
+    let (stems, lean_deg) = match settings.habit {
+        Habit::Tree => (1, 0.0),
+        Habit::Shrub { stems, lean_deg } => (stems, lean_deg),
+    };
+    let limit = settings.symbol_limit;
+    if forecast.symbols.saturating_mul(stems.into()) > limit.into() {
+        return Err(LsystemError::TooManyStems { stems, symbols: forecast.symbols, limit });
     }
     let total = forecast.exact.then_some(forecast.symbols as u64);
     // Exact, or unknown: an expectation is no reason to allocate.
-    let (segments, depth) =
-        if forecast.exact { (forecast.segments as usize, forecast.depth as usize) } else { (0, 0) };
+    let (segments, depth) = if forecast.exact {
+        (forecast.segments as usize * stems as usize, forecast.depth as usize)
+    } else {
+        (0, 0)
+    };
     let mut turtle = Turtle::new(&program, settings, segments, depth, monitor)?;
-    let symbols = derive(&program, settings, total, monitor, &mut turtle)?;
-    let branching = turtle.into_branching();
-    if branching.positions.is_empty() { Err(nothing) } else { Ok(Grown { branching, symbols }) }
+    let mut symbols = 0;
+    for stem in 0..stems {
+        // The first stem is that of the tree.
+        let seed = if stem == 0 {
+            settings.seed
+        } else {
+            Key::new(settings.seed).named("stem").child(stem.into()).bits()
+        };
+        // Chance may make each longer than it is expected to be; together they stay within the limit.
+        let own = Settings { seed, symbol_limit: limit - symbols, ..*settings };
+        turtle.start(GOLDEN_ANGLE_DEG * f64::from(stem), lean_deg, Key::new(seed).named("turtle"));
+        symbols += derive(&program, &own, Way::Best, total, monitor, &mut turtle)?;
+        turtle.finish()?;
+    }
+    let (branching, organs) = turtle.into_parts();
+    if branching.positions.is_empty() { Err(nothing) } else { Ok(Grown { branching, organs, symbols }) }
 }
 
 impl Settings {
@@ -107,18 +190,38 @@ impl Settings {
         check_real("angle_deg", self.angle_deg, ANGLE_RANGE_DEG)?;
         check_real("segment_m", self.segment_m, SEGMENT_RANGE_M)?;
         check_whole("symbol_limit", limit, 1, MAX_SYMBOLS)?;
+        self.check_turtle()?;
         let forecast = forecast::of_program(program, derivations);
-        let Forecast { symbols, depth, exact, .. } = forecast;
+        let Forecast { symbols, depth, exact, at_least, .. } = forecast;
         if symbols > limit.into() {
             let fits = forecast::most_within(program, derivations, limit);
-            return Err(LsystemError::TooManySymbols { derivations, symbols, exact, limit, fits });
+            return Err(LsystemError::TooManySymbols { derivations, symbols, exact, at_least, limit, fits });
         }
         // The most that a stochastic system can nest may be far from what it does: then the turtle
         // counts.
-        if exact && depth > MAX_NESTING as u64 {
+        if (exact || at_least && !program.random) && depth > MAX_NESTING as u64 {
             return Err(LsystemError::NestedTooDeeply { derivations, limit: MAX_NESTING });
         }
         Ok(forecast)
+    }
+}
+
+impl Settings {
+    /// What only the turtle needs.
+    fn check_turtle(&self) -> Result<(), LsystemError> {
+        check_real("segment_width_m", self.segment_width_m, SEGMENT_RANGE_M)?;
+        check_real("width_ratio", self.width_ratio, [0.01, 10.0])?;
+        for component in self.tropism {
+            check_real("tropism", component, [-10.0, 10.0])?;
+        }
+        check_real("susceptibility", self.susceptibility, [-10.0, 10.0])?;
+        let Variation { angle_deg, roll_deg, length } = self.variation;
+        check_real("variation.angle_deg", angle_deg, [0.0, 180.0])?;
+        check_real("variation.roll_deg", roll_deg, [0.0, 180.0])?;
+        check_real("variation.length", length, [0.0, 0.95])?;
+        let Habit::Shrub { stems, lean_deg } = self.habit else { return Ok(()) };
+        check_whole("stems", stems.into(), 1, MAX_STEMS.into())?;
+        check_real("lean_deg", lean_deg, [-180.0, 180.0])
     }
 }
 

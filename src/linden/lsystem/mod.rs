@@ -27,18 +27,24 @@
 //! ```
 
 mod command;
+mod context;
 mod derive;
 mod error;
+mod expression;
 mod forecast;
+mod frame;
 mod grammar;
 mod grow;
 mod parse;
+mod polygon;
 mod program;
 pub mod text;
 mod turtle;
+mod variation;
 
-pub use derive::derive_string;
+pub use derive::{Derived, Way, derive_by, derive_string};
 pub use error::{GrammarError, LsystemError, Part, Problem};
 pub use forecast::{Forecast, forecast};
-pub use grammar::{Expression, Grammar, Module, Predecessor, Production};
-pub use grow::{Grown, MAX_DERIVATIONS, MAX_NESTING, MAX_SYMBOLS, Settings, grow};
+pub use grammar::{Definition, Expression, Grammar, Module, Pattern, Production};
+pub use grow::{Grown, Habit, MAX_DERIVATIONS, MAX_NESTING, MAX_STEMS, MAX_SYMBOLS, Settings, grow};
+pub use variation::Variation;

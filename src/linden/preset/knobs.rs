@@ -1,7 +1,7 @@
 //! The table of all knobs that presets have. Documents, the command line, the schema, the help and
 //! the workbench's form are made from it; a new knob is a field and a row, both in its section's file.
 
-use super::{Colonization, Preset, Space, bark, colonization, lsystem, surface, wood};
+use super::{Colonization, Preset, Space, bark, colonization, foliage, lsystem, surface, wood};
 use crate::colonization::crown::{self, SHAPES, ShapeKnob};
 use crate::knob::{Kind, Knob, Value};
 
@@ -20,12 +20,14 @@ pub enum Section {
     Surface,
     /// `[bark]`
     Bark,
+    /// `[foliage]`
+    Foliage,
 }
 
 impl Section {
     /// All sections, in the order of a document.
-    pub const ALL: [Self; 6] =
-        [Self::Tree, Self::LSystem, Self::Colonization, Self::Wood, Self::Surface, Self::Bark];
+    pub const ALL: [Self; 7] =
+        [Self::Tree, Self::LSystem, Self::Colonization, Self::Wood, Self::Surface, Self::Bark, Self::Foliage];
 
     /// The table's key, empty for [`Section::Tree`].
     pub const fn key(self) -> &'static str {
@@ -36,6 +38,7 @@ impl Section {
             Self::Wood => "wood",
             Self::Surface => "surface",
             Self::Bark => "bark",
+            Self::Foliage => "foliage",
         }
     }
 }
@@ -158,8 +161,8 @@ const TREE: &[PresetKnob] = &[
 ];
 
 /// The rows of all sections, in the order of a document.
-const SECTIONS: [&[PresetKnob]; 6] =
-    [TREE, lsystem::KNOBS, colonization::KNOBS, wood::KNOBS, surface::KNOBS, bark::KNOBS];
+const SECTIONS: [&[PresetKnob]; 7] =
+    [TREE, lsystem::KNOBS, colonization::KNOBS, wood::KNOBS, surface::KNOBS, bark::KNOBS, foliage::KNOBS];
 
 /// How many rows all sections have.
 const COUNT: usize = {

@@ -3,6 +3,7 @@
 mod bark;
 mod colonization;
 mod document;
+mod foliage;
 mod knobs;
 mod library;
 mod lsystem;
@@ -22,11 +23,12 @@ use crate::surface::Tubes;
 pub use bark::BarkLook;
 pub use colonization::{Colonization, Space};
 pub use document::{Fault, Place};
+pub use foliage::FoliageLook;
 pub use knobs::{KNOBS, PresetKnob, Section, shape_knobs};
 pub use library::{Builtin, RecipeError, builtin, builtin_file, builtins};
 pub use lsystem::LSystem;
 pub use part::{MOST_PARTS, PART_CROWN, PART_KNOBS, Part, PartKnob, Solid};
-pub use setting::{Length, Origin, Role, UpAxis};
+pub use setting::{Habit, Length, Origin, Role, UpAxis};
 
 /// Everything that says how a tree grows and looks.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,6 +55,8 @@ pub struct Preset {
     pub tubes: Tubes,
     /// How its bark looks.
     pub bark: BarkLook,
+    /// How its leaves look.
+    pub foliage: FoliageLook,
 }
 
 /// How a tree grows.

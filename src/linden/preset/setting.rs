@@ -67,6 +67,16 @@ words! {
 }
 
 words! {
+    /// How an L-system's plant stands.
+    Habit {
+        /// On one upright stem.
+        Tree = "tree",
+        /// On several that lean.
+        Shrub = "shrub"
+    }
+}
+
+words! {
     /// What a part of a crown does.
     Role {
         /// Its inside belongs to the crown of the tree above it in the document.

@@ -68,6 +68,6 @@ fn a_stage_of_colonization_has_what_was_born_until_then() {
     for step in [1, shown.steps / 2, shown.steps] {
         let young = stage(&shown, step, &Watcher::idle()).unwrap().unwrap();
         let expected = births.iter().filter(|birth| **birth <= step).count();
-        assert_eq!(young.positions.len(), expected, "{step}");
+        assert_eq!(young.skeleton.positions.len(), expected, "{step}");
     }
 }

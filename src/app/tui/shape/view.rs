@@ -319,6 +319,7 @@ const fn title(section: Section) -> &'static str {
         Section::Wood => "Wood",
         Section::Surface => "Surface",
         Section::Bark => "Bark",
+        Section::Foliage => "Foliage",
     }
 }
 

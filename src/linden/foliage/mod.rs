@@ -1,0 +1,172 @@
+//! What grows on the wood: leaves, blossoms, fruit.
+//!
+//! A generator leaves [`Organs`] behind beside the wood: polygons, which are shapes of their own, and
+//! places where an organ of the table [`PROTOTYPES`] grows. [`meshes`] makes triangles of both. Like the
+//! surface of the wood, that uses no randomness and gives the same bits on any number of threads.
+
+mod mesh;
+mod outline;
+mod prototype;
+
+use glam::Vec3;
+
+use crate::memory::bytes_of;
+use crate::scene::Bounds;
+
+pub use mesh::{Foliage, FoliageError, Shaper, meshes};
+pub use prototype::{PROTOTYPES, Prototype, prototype};
+
+/// The most corners that one polygon may have: far more than any leaf's outline, few enough for the
+/// triangulation, whose worst case is cubic.
+pub const MAX_CORNERS: usize = 1000;
+
+/// Everything that grows on the wood.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Organs {
+    /// Shapes of their own.
+    pub polygons: Polygons,
+    /// Organs of the table.
+    pub placed: Placed,
+}
+
+/// Filled outlines, lying in a plane or nearly so. Where nothing else is said, the arrays have an entry
+/// per polygon.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Polygons {
+    /// The corners of all polygons, one polygon after the other, metres.
+    pub corners: Vec<Vec3>,
+    /// Where each polygon's corners end in `corners`.
+    pub ends: Vec<u32>,
+    /// Unit vectors: where the outline was begun towards, V of the picture on it.
+    pub headings: Vec<Vec3>,
+    /// Unit vectors: the side that counts as the upper one.
+    pub ups: Vec<Vec3>,
+    /// How each hangs on the wood.
+    pub growth: Growth,
+}
+
+/// Organs of [`PROTOTYPES`], each with its own frame. Where nothing else is said, the arrays have an
+/// entry per organ.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Placed {
+    /// Indices into [`PROTOTYPES`].
+    pub prototypes: Vec<u8>,
+    /// Where they are attached, metres.
+    pub positions: Vec<Vec3>,
+    /// Unit vectors along the organs.
+    pub headings: Vec<Vec3>,
+    /// Unit vectors, square to the headings: their upper sides.
+    pub ups: Vec<Vec3>,
+    /// What one unit of the prototype is, metres.
+    pub sizes_m: Vec<f32>,
+    /// How each hangs on the wood.
+    pub growth: Growth,
+}
+
+/// What any organ has to do with the tree.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Growth {
+    /// The node of the skeleton that it hangs on.
+    pub nodes: Vec<u32>,
+    /// The turtle's colour index, from 0.
+    pub colors: Vec<u32>,
+    /// The derivation step in which it appeared.
+    pub births: Vec<u32>,
+}
+
+/// What one organ has to do with the tree: an entry of [`Growth`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Hanging {
+    /// The node of the skeleton that it hangs on.
+    pub node: u32,
+    /// The turtle's colour index, from 0.
+    pub color: u32,
+    /// The derivation step in which it appeared.
+    pub birth: u32,
+}
+
+impl Organs {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.polygons.ends.len() + self.placed.prototypes.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Bytes that they take, reserved places included.
+    pub fn bytes(&self) -> u64 {
+        let growth = |own: &Growth| own.nodes.capacity() + own.colors.capacity() + own.births.capacity();
+        let Self { polygons, placed } = self;
+        let vectors = [&polygons.corners, &polygons.headings, &polygons.ups]
+            .into_iter()
+            .chain([&placed.positions, &placed.headings, &placed.ups])
+            .map(Vec::capacity)
+            .sum();
+        let words = polygons.ends.capacity() + placed.sizes_m.capacity();
+        bytes_of::<Vec3>(vectors)
+            + bytes_of::<u32>(words + growth(&polygons.growth) + growth(&placed.growth))
+            + bytes_of::<u8>(placed.prototypes.capacity())
+    }
+
+    /// How an organ hangs on the wood: the polygons are counted first, then the organs of the table.
+    pub fn growth(&self, organ: usize) -> Hanging {
+        let (all, at) = match organ.checked_sub(self.polygons.ends.len()) {
+            None => (&self.polygons.growth, organ),
+            Some(placed) => (&self.placed.growth, placed),
+        };
+        Hanging { node: all.nodes[at], color: all.colors[at], birth: all.births[at] }
+    }
+
+    /// The corners of a polygon.
+    pub fn corners_of(&self, polygon: usize) -> &[Vec3] {
+        let ends = &self.polygons.ends;
+        let start = if polygon == 0 { 0 } else { ends[polygon - 1] as usize };
+        &self.polygons.corners[start..ends[polygon] as usize]
+    }
+
+    /// Points that span what the organs take up: the corners of the polygons, and the corners of a box
+    /// around each organ of the table.
+    pub fn hull(&self) -> impl Iterator<Item = Vec3> {
+        let boxes: Vec<Option<Bounds>> = PROTOTYPES.iter().map(|own| own.mesh().bounds()).collect();
+        let placed = (0..self.placed.prototypes.len()).flat_map(move |i| {
+            let bounds = boxes[self.placed.prototypes[i] as usize];
+            let corner = move |n: u32, Bounds { min, max }: Bounds| {
+                let pick = |axis: u32, low: f32, high: f32| if n >> axis & 1 == 0 { low } else { high };
+                self.place(i, Vec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z)))
+            };
+            bounds.into_iter().flat_map(move |bounds| (0..8).map(move |n| corner(n, bounds)))
+        });
+        self.polygons.corners.iter().copied().chain(placed)
+    }
+
+    /// About how many vertices and triangles [`meshes`] gives: exact for organs of the table and for
+    /// polygons in which no corner is superfluous.
+    pub fn amount(&self) -> (u64, u64) {
+        let corners = self.polygons.corners.len() as u64;
+        let mut sum = (corners, corners.saturating_sub(2 * self.polygons.ends.len() as u64));
+        let mut counts = [0_u64; PROTOTYPES.len()];
+        for &prototype in &self.placed.prototypes {
+            counts[prototype as usize] += 1;
+        }
+        for (own, count) in PROTOTYPES.iter().zip(counts) {
+            let mesh = own.mesh();
+            sum.0 += count * mesh.positions.len() as u64;
+            sum.1 += count * mesh.triangles.len() as u64;
+        }
+        sum
+    }
+
+    /// Where a point of the prototype is on an organ.
+    fn place(&self, organ: usize, local: Vec3) -> Vec3 {
+        self.placed.positions[organ] + self.turn(organ, local) * self.placed.sizes_m[organ]
+    }
+
+    /// A direction of the prototype on an organ.
+    fn turn(&self, organ: usize, local: Vec3) -> Vec3 {
+        let (heading, up) = (self.placed.headings[organ], self.placed.ups[organ]);
+        heading.cross(up) * local.x + heading * local.y + up * local.z
+    }
+}
