@@ -92,7 +92,7 @@ fn scan(count: u32) -> Recipe {
     let input = Input::read("scan.xyz", text.as_bytes(), &Quiet).unwrap();
     let space = linden::preset::Space::Points { file: "scan.xyz".to_owned() };
     assert!(matches!(&input.geometry, Geometry::Points(points) if points.len() == count as usize));
-    Recipe { preset: linden::preset::Preset::of_space("scan", space), input: Some(input) }
+    Recipe { preset: linden::preset::Preset::of_space("scan", space), inputs: vec![input] }
 }
 
 /// A spread of generators, sizes and surfaces.
