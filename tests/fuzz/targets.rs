@@ -10,7 +10,7 @@ use linden::grow::{GrowError, grow};
 use linden::input::{read_obj, read_ply, read_xyz, sniff};
 use linden::lsystem::{Grammar, Settings, derive_string, forecast, text};
 use linden::monitor::Stage;
-use linden::preset::{KNOBS, Preset, Space, builtin_file, shape_knobs};
+use linden::preset::{KNOBS, Preset, builtin_file, shape_knobs};
 use linden::recipe::{Geometry, Input, Recipe};
 use linden::skeleton::{NO_PARENT, Skeleton, SkeletonError};
 use linden::surface::{SurfaceError, topology};

@@ -253,6 +253,7 @@ impl Studio<'_> {
         recipe.preset.bark.size_px = recipe.preset.bark.size_px.min(BARK_PX);
         let grown = Grown {
             skeleton: Arc::clone(&sitter.plant.skeleton),
+            wood: recipe.preset.wood,
             organs: Arc::clone(&sitter.plant.organs),
             symbols: None,
             colonized: None,

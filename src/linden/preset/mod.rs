@@ -18,6 +18,7 @@ use std::fmt;
 
 use crate::knob::{Knob, Value, nearest, printable};
 use crate::skeleton::Wood;
+use crate::skeleton::refine::Refinement;
 use crate::surface::Tubes;
 
 pub use bark::BarkLook;
@@ -28,7 +29,7 @@ pub use knobs::{KNOBS, PresetKnob, Section, shape_knobs};
 pub use library::{Builtin, RecipeError, builtin, builtin_file, builtins};
 pub use lsystem::LSystem;
 pub use part::{MOST_PARTS, PART_CROWN, PART_KNOBS, Part, PartKnob, Solid};
-pub use setting::{Habit, Length, Origin, Role, UpAxis};
+pub use setting::{Habit, Length, Origin, Pull, Role, UpAxis};
 
 /// Everything that says how a tree grows and looks.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,6 +50,8 @@ pub struct Preset {
     pub seed: u64,
     /// How it grows.
     pub generator: Generator,
+    /// What is done to it after growth.
+    pub refinement: Refinement,
     /// How thick it is.
     pub wood: Wood,
     /// How its surface is made.

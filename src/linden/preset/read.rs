@@ -7,6 +7,7 @@ use super::{BarkLook, Colonization, FoliageLook, Generator, LSystem, Preset, Spa
 use crate::knob::{did_you_mean, excerpt, nearest};
 use crate::lsystem::{Grammar, Part};
 use crate::skeleton::Wood;
+use crate::skeleton::refine::Refinement;
 use crate::surface::Tubes;
 
 /// Keys before all tables that are no knobs.
@@ -50,6 +51,7 @@ impl Preset {
             about: String::new(),
             seed: 1,
             generator,
+            refinement: Refinement::default(),
             wood: Wood::default(),
             tubes: Tubes::default(),
             bark: BarkLook::default(),

@@ -92,6 +92,16 @@ words! {
     }
 }
 
+words! {
+    /// Which attraction points pull at a node.
+    Pull {
+        /// Those to which it is the nearest node.
+        Nearest = "nearest",
+        /// All in reach.
+        All = "all"
+    }
+}
+
 /// A field that a knob turns.
 pub(super) trait Setting: Sized {
     fn to_value(&self) -> Value;

@@ -11,7 +11,7 @@ mod stems;
 
 use glam::{DVec3, Vec3};
 
-use super::growth::{self, Growth, Stop};
+use super::growth::{self, Growth, NodeSet, Stop};
 use crate::grow::GrowError;
 use crate::memory::{Holding, bytes_of};
 use crate::monitor::Monitor;
@@ -29,6 +29,8 @@ pub use parts::PartError;
 pub(crate) struct Plant {
     /// Where the tree is to stand.
     pub branching: Branching,
+    /// The nodes that were of use.
+    pub captured: NodeSet,
     /// The attraction points, at the same place as the branching.
     pub points: Vec<Vec3>,
     /// Points that were not reached.
@@ -69,8 +71,11 @@ pub(crate) fn plant(
         site.grove.obstacles.iter().map(|own| (|p| own.solid.contains(p), own.meet)).collect();
     let obstacles: Vec<growth::Obstacle> =
         solids.iter().map(|(contains, meet)| growth::Obstacle { contains, meet: *meet }).collect();
-    let Growth { mut branching, iterations, unreached, stop, captured: _ } =
+    let Growth { mut branching, iterations, unreached, stop, captured } =
         growth::grow_among(&points, &start, &rule, &obstacles, &Holding::new(monitor, held))?;
+    if iterations == 0 && stop == Stop::Blocked {
+        return Err(GrowError::WalledIn);
+    }
     if iterations == 0 {
         let (points, kill_m) = (points.len(), rule.kill);
         return Err(GrowError::NothingGrew { points, reached: points - unreached, kill_m });
@@ -91,7 +96,7 @@ pub(crate) fn plant(
     let others = site.grove.others.iter().flat_map(|stem| [stem.root, stem.root + shift]);
     let farthest_m = others.chain([site.root + shift]).map(|at| at.abs().max_element());
     notes.extend(check_precision(farthest_m.fold(0.0, f64::max), f64::from(rule.step))?);
-    Ok(Plant { branching, points, unreached, iterations, notes })
+    Ok(Plant { branching, captured, points, unreached, iterations, notes })
 }
 
 /// Refuses a place where single precision, which all mesh formats have, cannot hold the tree, and
