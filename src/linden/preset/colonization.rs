@@ -3,7 +3,7 @@
 use super::knobs::{Access, PresetKnob, Section, integer, length_or_auto, real, real_or_auto, row};
 use super::setting::{Length, Origin, Pull, UpAxis};
 use super::{Generator, Part, Preset};
-use crate::colonization::crown::SHAPES;
+use crate::colonization::crown::{self, SHAPES};
 use crate::knob::{Kind, Knob, Value};
 
 /// Where the attraction points are, and how the tree reaches for them.
@@ -372,10 +372,9 @@ impl Preset {
     fn write_crown(&mut self, value: Value) {
         let (Some(own), Value::Word(word)) = (self.colonization_mut(), value) else { return };
         if let Space::Shape { shape, dimensions } = &mut own.space {
-            let fits = |name: &str| {
-                SHAPES.iter().any(|s| s.id == word && s.knobs.iter().any(|own| own.knob.name == name))
-            };
-            dimensions.retain(|(name, _)| fits(name));
+            if let Ok(new) = crown::shape(&word) {
+                *dimensions = new.complete(dimensions);
+            }
             *shape = word;
         }
     }

@@ -88,10 +88,9 @@ impl PresetKnob {
                 else {
                     return;
                 };
-                dimensions.retain(|(name, _)| *name != own.knob.name);
                 dimensions.push((own.knob.name, value));
                 if let Ok(shape) = crown::shape(shape) {
-                    shape.sort(dimensions);
+                    *dimensions = shape.complete(dimensions);
                 }
             }
         }

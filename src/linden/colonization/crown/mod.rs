@@ -178,10 +178,15 @@ impl Shape {
         (self.build)(&Dimensions::of(self, set)?)
     }
 
-    /// Puts dimensions in the order of the shape's knobs: documents and recipes name them in orders of
-    /// their own, and are to give equal presets.
-    pub(crate) fn sort(&self, dimensions: &mut [(&'static str, Value)]) {
-        dimensions.sort_by_key(|(name, _)| self.knobs.iter().position(|own| own.knob.name == *name));
+    /// Every dimension of the shape in the order of its knobs: what was set and fits, else its default.
+    /// Presets hold them so, whichever of them a document names and in what order.
+    pub(crate) fn complete(&self, set: &[(&'static str, Value)]) -> Vec<(&'static str, Value)> {
+        let value = |own: &ShapeKnob| {
+            let fits =
+                |(name, value): &&(&str, Value)| *name == own.knob.name && own.knob.kind.check(value).is_ok();
+            set.iter().rev().find(fits).map_or_else(own.default, |(_, value)| value.clone())
+        };
+        self.knobs.iter().map(|own| (own.knob.name, value(own))).collect()
     }
 }
 
