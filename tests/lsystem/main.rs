@@ -3,6 +3,7 @@
 
 mod chance;
 mod contexts;
+mod definition;
 mod figures;
 mod habit;
 mod language;
@@ -16,6 +17,7 @@ mod presets;
 mod properties;
 mod tropism;
 mod turtle;
+mod whole;
 mod width;
 
 use linden::lsystem::{Grammar, Grown, Settings, grow};

@@ -7,7 +7,7 @@
 //! end. ABOP's example: `BC < S > G[H]M` finds the S of `ABC[DE][SG[HI[JK]L]MNO]`.
 
 use super::command::Command;
-use super::program::{Entry, Group, Program, Sought};
+use super::program::{Contexts, Entry, Group, Program, Sought};
 
 /// Where nothing stands.
 const NOTHING: u32 = u32::MAX;
@@ -50,6 +50,12 @@ fn part(entry: &Entry) -> Part {
 }
 
 impl Neighbours {
+    /// Bytes for a module of a string at most; those of open branches count as modules of their own.
+    pub(super) fn bytes_a_module(program: &Program) -> u64 {
+        let Contexts { left, right } = program.contexts;
+        (u64::from(left) + 2 * u64::from(right)) * size_of::<u32>() as u64
+    }
+
     /// Looks through a string whose brackets balance, as far as the rules of a program need it.
     pub(super) fn find(&mut self, program: &Program, string: &impl Modules) {
         let count = if program.contexts.left { string.count() } else { 0 };

@@ -66,6 +66,27 @@ struct Size {
     values: u64,
 }
 
+impl Size {
+    fn sum(sizes: &[Self]) -> Self {
+        let mut sum = Self::default();
+        for &size in sizes {
+            sum += size;
+        }
+        sum
+    }
+
+    /// What a string of this size takes, and what a step over it takes beside.
+    fn bytes(self, program: &Program) -> u64 {
+        let chance = if program.random { size_of::<Key>() as u64 } else { 0 };
+        let computed = if self.values > 0 { size_of::<u32>() as u64 } else { 0 };
+        // What it is, when it was written, what becomes of it.
+        let module = 3 * size_of::<u32>() as u64 + chance + computed + Neighbours::bytes_a_module(program);
+        self.modules
+            .saturating_mul(module)
+            .saturating_add(self.values.saturating_mul(size_of::<f64>() as u64))
+    }
+}
+
 impl std::ops::AddAssign for Size {
     fn add_assign(&mut self, other: Self) {
         self.modules += other.modules;
@@ -139,7 +160,15 @@ pub(super) fn derive<S: Sink>(outlet: &mut Outlet<'_, S>) -> Result<(), LsystemE
         outlet.monitor.check()?;
         let step = Step::choose(program, &string, &mut neighbours, number, outlet.monitor)?;
         let sizes = step.sizes();
-        outlet.check_limit(sizes.iter().map(|size| size.modules).sum())?;
+        let size = Size::sum(&sizes);
+        outlet.check_limit(size.modules)?;
+        if size.values > u32::MAX.into() {
+            // Places of arguments have 32 bits.
+            outlet.check_limit(u64::MAX)?;
+        }
+        let now = Size { modules: string.modules.len() as u64, values: string.values.len() as u64 };
+        let bytes = now.bytes(program).saturating_add(size.bytes(program));
+        outlet.monitor.admit("deriving the L-system", bytes, "use fewer derivations")?;
         let next = step.write(&sizes)?;
         string = next;
         outlet.monitor.advance(Stage::Derive, string.modules.len() as u64, None);
@@ -284,10 +313,7 @@ impl<'a> Step<'a> {
     /// Writes the next string.
     fn write(&self, sizes: &[Size]) -> Result<Buffer, LsystemError> {
         let random = self.text.program.random;
-        let mut sum = Size::default();
-        for &size in sizes {
-            sum += size;
-        }
+        let sum = Size::sum(sizes);
         let mut next = Buffer::default();
         next.resize(sum, random);
         let outcomes: Vec<Result<(), LsystemError>> = next
