@@ -63,6 +63,7 @@ pub struct Preset {
 }
 
 /// How a tree grows.
+#[allow(clippy::large_enum_variant, reason = "a preset has one, and there are few presets")]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Generator {
     /// By rewriting.
