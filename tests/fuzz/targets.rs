@@ -34,8 +34,8 @@ pub struct Target {
 pub const TARGETS: &[Target] = &[
     Target { name: "grammar", run: grammar, rounds: 6000, words: GRAMMAR },
     Target { name: "text", run: grammar_file, rounds: 6000, words: TEXT },
-    Target { name: "preset", run: preset, rounds: 3000, words: PRESET },
-    Target { name: "recipe", run: recipe, rounds: 3000, words: RECIPE },
+    Target { name: "preset", run: preset, rounds: 1500, words: PRESET },
+    Target { name: "recipe", run: recipe, rounds: 1500, words: RECIPE },
     Target { name: "input", run: input, rounds: 6000, words: INPUT },
     Target { name: "knob", run: knob, rounds: 6000, words: KNOB },
     Target { name: "terminal", run: terminal, rounds: 10_000, words: TERMINAL },

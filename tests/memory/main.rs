@@ -2,6 +2,7 @@
 //! none asks for absurdly more than it takes.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+#![allow(clippy::print_stdout, reason = "--nocapture shows the figures")]
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -88,7 +89,8 @@ fn scan(count: u32) -> Recipe {
         let (t, turn) = (f64::from(i) / f64::from(count), f64::from(i) * 0.1);
         DVec3::new(0.2 * libm::cos(turn), 12.0 * t, 0.2 * libm::sin(turn))
     };
-    let text: String = (0..count).map(place).map(|p| format!("{} {} {}\n", p.x, -p.z, p.y)).collect();
+    let rows: Vec<String> = (0..count).map(place).map(|p| format!("{} {} {}", p.x, -p.z, p.y)).collect();
+    let text = rows.join("\n");
     let input = Input::read("scan.xyz", text.as_bytes(), &Quiet).unwrap();
     let space = linden::preset::Space::Points { file: "scan.xyz".to_owned() };
     assert!(matches!(&input.geometry, Geometry::Points(points) if points.len() == count as usize));
