@@ -8,12 +8,12 @@ use crate::colonization::crown::CrownError;
 use crate::colonization::crown::envelope::EnvelopeError;
 use crate::colonization::growth::GrowthError;
 use crate::colonization::plant::{Plant, plant};
-use crate::colonization::scan::ScanError;
+use crate::colonization::scan::{Fit, Girth, ScanError, fit, girth};
 use crate::colonization::scatter::ScatterError;
 use crate::knob::printable;
 use crate::lsystem::{self, LsystemError};
 use crate::monitor::{Cancelled, Monitor, from_cancellable};
-use crate::preset::{Generator, Preset};
+use crate::preset::{Generator, Preset, ScanRadius};
 use crate::random::Key;
 use crate::recipe::Recipe;
 use crate::skeleton::{Skeleton, SkeletonError};
@@ -40,6 +40,19 @@ pub struct Colonized {
     pub unreached: usize,
     /// Iterations that placed nodes.
     pub iterations: u32,
+    /// How the tree compares with the scan that it grew into; `None` for what is no scan.
+    pub scan: Option<Scanned>,
+}
+
+/// A scan, and how near the tree that grew into it came.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scanned {
+    /// Points of the tree: without ground, strays and noise.
+    pub points: usize,
+    /// Nodes whose radius was measured on points; the others' follow by the pipe model.
+    pub measured_nodes: usize,
+    /// Distances both ways.
+    pub fit: Fit,
 }
 
 /// Why a recipe did not grow.
@@ -161,13 +174,29 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
             Ok(Grown { skeleton, symbols: Some(symbols), colonized: None, notes: Vec::new() })
         }
         Generator::Colonization(own) => {
-            let Plant { branching, points, unreached, iterations, notes } =
+            let Plant { mut branching, points, bark, unreached, iterations, notes } =
                 plant(own, recipe.input.as_ref(), key, monitor)?;
+            let mut measured_nodes = 0;
+            if let (Some(bark), ScanRadius::Points) = (&bark, own.scan_radius)
+                && let Some(Girth { radii, measured }) =
+                    girth(&branching, bark, wood.radius_exponent, monitor)?
+            {
+                branching.radii = Some(radii);
+                measured_nodes = measured;
+            }
             let skeleton = Arc::new(Skeleton::build(branching, wood)?);
+            let scan = match &bark {
+                Some(bark) => fit(bark, &skeleton, monitor)?.map(|fit| Scanned {
+                    points: bark.len(),
+                    measured_nodes,
+                    fit,
+                }),
+                None => None,
+            };
             Ok(Grown {
                 skeleton,
                 symbols: None,
-                colonized: Some(Colonized { points, unreached, iterations }),
+                colonized: Some(Colonized { points, unreached, iterations, scan }),
                 notes,
             })
         }

@@ -24,7 +24,7 @@ pub use document::{Fault, Place};
 pub use knobs::{KNOBS, PresetKnob, Section, shape_knobs};
 pub use library::{Builtin, builtin, builtin_file, builtins};
 pub use lsystem::LSystem;
-pub use setting::{Length, Origin, UpAxis};
+pub use setting::{Length, Origin, ScanRadius, UpAxis};
 
 /// Everything that says how a tree grows and looks.
 #[derive(Clone, Debug, PartialEq)]

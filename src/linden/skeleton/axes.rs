@@ -8,7 +8,7 @@ use super::{Axis, NO_PARENT};
 ///
 /// A child continues the axis if it carries the most tips (it is the thickest by the pipe model);
 /// among equals the straightest, then the first.
-pub(super) fn decompose(positions: &[Vec3], parents: &[u32], tips: &[u32]) -> (Vec<Axis>, Vec<u32>) {
+pub(crate) fn decompose(positions: &[Vec3], parents: &[u32], tips: &[u32]) -> (Vec<Axis>, Vec<u32>) {
     let successor = successors(positions, parents, tips);
     let mut axes: Vec<Axis> = Vec::new();
     let mut axis_nodes: Vec<u32> = Vec::with_capacity(parents.len());

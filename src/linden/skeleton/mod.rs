@@ -12,9 +12,11 @@ mod young;
 use glam::Vec3;
 use xxhash_rust::xxh3::Xxh3;
 
+pub(crate) use axes::decompose;
 pub use cylinders::Cylinder;
 pub use measure::Measures;
 pub use radii::Wood;
+pub(crate) use radii::count_tips;
 
 /// The parent of a node that stands at the foot of a stem.
 pub const NO_PARENT: u32 = u32::MAX;
@@ -150,9 +152,16 @@ impl Skeleton {
     /// When the branching is no tree: see [`Branching::validate`].
     pub fn build(branching: Branching, wood: &Wood) -> Result<Self, SkeletonError> {
         branching.validate()?;
-        let Branching { positions, parents, births, .. } = branching;
+        let Branching { positions, parents, births, radii: given } = branching;
         let tips = radii::count_tips(&parents);
-        let radii = radii::Thickness::new(&positions, &tips, wood).radii(&tips);
+        // What the user says of the foot counts more than what was measured.
+        let radii = match given.filter(|_| wood.base_radius_m.is_none()) {
+            Some(given) => {
+                let thinnest = wood.tip_radius_m.unwrap_or(0.0) as f32;
+                given.into_iter().map(|radius| radius.max(thinnest)).collect()
+            }
+            None => radii::Thickness::new(&positions, &tips, wood).radii(&tips),
+        };
         let (axes, axis_nodes) = axes::decompose(&positions, &parents, &tips);
         Ok(Self { positions, parents, radii, births, axes, axis_nodes })
     }

@@ -9,14 +9,14 @@ mod standing;
 
 use glam::{DVec3, Vec3};
 
-use super::growth::{self, Growth, Stop};
+use super::growth::{self, Growth, GrowthRule, Stop};
 use super::trunk;
 use crate::grow::GrowError;
 use crate::monitor::Monitor;
 use crate::preset::{Colonization, Space};
 use crate::random::Key;
 use crate::recipe::{Geometry, Input};
-use crate::skeleton::Branching;
+use crate::skeleton::{Branching, NO_PARENT};
 use points::at_points;
 use standing::Standing;
 
@@ -28,6 +28,8 @@ pub(crate) struct Plant {
     pub branching: Branching,
     /// The attraction points, at the same place as the branching.
     pub points: Vec<Vec3>,
+    /// What was scanned of the tree, at the same place; `None` for what is no scan.
+    pub bark: Option<Vec<Vec3>>,
     /// Points that were not reached.
     pub unreached: usize,
     /// Iterations that placed nodes.
@@ -50,7 +52,7 @@ pub(crate) fn plant(
             Standing::envelope(settings, mesh, settings.up(up), monitor)?.fill(settings, key, monitor)?
         }
         (Space::Points { .. }, Some((Geometry::Points(points), up))) => {
-            at_points(settings, points, settings.up(up), key, monitor)?
+            at_points(settings, points, up, key, monitor)?
         }
         (Space::Envelope { file }, _) => {
             return Err(GrowError::WrongInput { file: file.clone(), expected: "a mesh" });
@@ -65,22 +67,15 @@ pub(crate) fn plant(
         return Err(growth::GrowthError::KillBelowStep { kill: rule.kill, step: rule.step }.into());
     }
     let step_m = f64::from(rule.step);
-    let start = match settings.trunk_m {
-        Some(height_m) => {
-            check_trunk(height_m / step_m, rule.max_nodes)?;
-            trunk::straight(site.root, height_m, step_m)
-        }
-        None => {
-            let reach = f64::from(rule.influence);
-            // The way cannot be shorter than to the nearest point.
-            let way_m =
-                site.points.iter().map(|p| p.distance(site.root)).fold(f64::INFINITY, f64::min) - reach;
-            if way_m.is_finite() {
-                check_trunk(way_m / step_m, rule.max_nodes)?;
-            }
-            trunk::until_in_reach(site.root, &site.points, reach, step_m, rule.max_nodes as usize, monitor)?
-        }
-    };
+    let root = site.roots.first().copied().unwrap_or_default();
+    let mut start = Branching::default();
+    for &root in &site.roots {
+        let trunk = trunk(settings, &site.points, root, &rule, monitor)?;
+        let before = start.positions.len() as u32;
+        start.parents.extend(trunk.parents.iter().map(|&p| if p == NO_PARENT { p } else { p + before }));
+        start.positions.extend(trunk.positions);
+        start.births.extend(trunk.births);
+    }
     let mut points: Vec<Vec3> = site.points.iter().map(|p| p.as_vec3()).collect();
     let Growth { mut branching, iterations, unreached, stop } =
         growth::grow(&points, &start, &rule, monitor)?;
@@ -91,9 +86,9 @@ pub(crate) fn plant(
     notes.extend(stop_note(stop, unreached, points.len(), settings));
     notes.extend(site.notes);
 
-    let shift = settings.shift(site.root, site.origin, site.moves_to_root);
-    if settings.moves_to_root(site.moves_to_root) && (site.origin + site.root).length() > 0.0 {
-        let DVec3 { x, y, z } = site.origin + site.root;
+    let shift = settings.shift(root, site.origin, site.moves_to_root);
+    if settings.moves_to_root(site.moves_to_root) && (site.origin + root).length() > 0.0 {
+        let DVec3 { x, y, z } = site.origin + root;
         notes.push(format!(
             "moved to the origin: the root was at {x:.3}, {y:.3}, {z:.3} (Y up); origin=keep leaves it there"
         ));
@@ -101,8 +96,32 @@ pub(crate) fn plant(
     for position in branching.positions.iter_mut().chain(&mut points) {
         *position = (position.as_dvec3() + shift).as_vec3();
     }
-    notes.extend(check_precision(site.root + shift, step_m)?);
-    Ok(Plant { branching, points, unreached, iterations, notes })
+    let place = |p: &DVec3| (*p + shift).as_vec3();
+    let bark = site.bark.map(|bark| bark.iter().map(place).collect());
+    notes.extend(check_precision(root + shift, step_m)?);
+    Ok(Plant { branching, points, bark, unreached, iterations, notes })
+}
+
+/// What stands before growth: the trunk of one stem.
+fn trunk(
+    settings: &Colonization,
+    points: &[DVec3],
+    root: DVec3,
+    rule: &GrowthRule,
+    monitor: &dyn Monitor,
+) -> Result<Branching, GrowError> {
+    let step_m = f64::from(rule.step);
+    if let Some(height_m) = settings.trunk_m {
+        check_trunk(height_m / step_m, rule.max_nodes)?;
+        return Ok(trunk::straight(root, height_m, step_m));
+    }
+    let reach = f64::from(rule.influence);
+    // The way cannot be shorter than to the nearest point.
+    let way_m = points.iter().map(|p| p.distance(root)).fold(f64::INFINITY, f64::min) - reach;
+    if way_m.is_finite() {
+        check_trunk(way_m / step_m, rule.max_nodes)?;
+    }
+    Ok(trunk::until_in_reach(root, points, reach, step_m, rule.max_nodes as usize, monitor)?)
 }
 
 /// Refuses a place where single precision, which all mesh formats have, cannot hold the tree, and

@@ -14,7 +14,10 @@ const INFLUENCE_STEPS: f64 = 17.0;
 /// Points and root in coordinates near the origin, where `f32` is precise.
 pub(super) struct Site {
     pub points: Vec<DVec3>,
-    pub root: DVec3,
+    /// What was scanned of the tree, where the points are attraction points made of a scan.
+    pub bark: Option<Vec<DVec3>>,
+    /// Where stems stand, at least one; the first is the tree's place.
+    pub roots: Vec<DVec3>,
     /// Where these coordinates have their origin in the input's (turned to Y up).
     pub origin: DVec3,
     /// What suits these points where the user gives none.
@@ -59,10 +62,15 @@ impl Colonization {
 
     /// The axis that points up in an input file.
     pub(super) fn up(&self, default: Up) -> Up {
+        self.given_up().unwrap_or(default)
+    }
+
+    /// The axis that the user says points up.
+    pub(super) fn given_up(&self) -> Option<Up> {
         match self.up {
-            UpAxis::Y => Up::Y,
-            UpAxis::Z => Up::Z,
-            UpAxis::Auto => default,
+            UpAxis::Y => Some(Up::Y),
+            UpAxis::Z => Some(Up::Z),
+            UpAxis::Auto => None,
         }
     }
 

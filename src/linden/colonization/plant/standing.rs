@@ -70,6 +70,6 @@ impl Standing {
         }
         let spacing_m = libm::cbrt(crown.volume_m3() / f64::from(settings.points));
         let suggested = Suggested::for_volume(spacing_m);
-        Ok(Site { points, root, origin, suggested, moves_to_root: false, notes })
+        Ok(Site { points, bark: None, roots: vec![root], origin, suggested, moves_to_root: false, notes })
     }
 }
