@@ -9,14 +9,14 @@ use crate::colonization::crown::CrownError;
 use crate::colonization::crown::envelope::EnvelopeError;
 use crate::colonization::growth::{GrowthError, NodeSet};
 use crate::colonization::plant::{Plant, plant};
-use crate::colonization::scan::ScanError;
+use crate::colonization::scan::{Fit, Girth, ScanError, fit, girth};
 use crate::colonization::scatter::ScatterError;
 use crate::foliage::Organs;
 use crate::knob::printable;
 use crate::lsystem::{self, LsystemError};
 use crate::memory::{Holding, OverMemory, bytes_of};
 use crate::monitor::{Cancelled, Monitor, from_cancellable};
-use crate::preset::{Generator, Preset};
+use crate::preset::{Generator, Preset, ScanRadius};
 use crate::random::Key;
 use crate::recipe::{Input, Recipe};
 use crate::skeleton::refine::{RefineError, refine};
@@ -48,6 +48,19 @@ pub struct Colonized {
     pub unreached: usize,
     /// Iterations that placed nodes.
     pub iterations: u32,
+    /// How the tree compares with the scan that it grew into; `None` for what is no scan.
+    pub scan: Option<Scanned>,
+}
+
+/// A scan, and how near the tree that grew into it came.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scanned {
+    /// Points of the tree: without ground, strays and noise.
+    pub points: usize,
+    /// Nodes whose radius was measured on points; the others' follow by the pipe model.
+    pub measured_nodes: usize,
+    /// Distances both ways.
+    pub fit: Fit,
 }
 
 impl Grown {
@@ -198,8 +211,8 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
             let lsystem::Grown { branching, mut organs, symbols } =
                 lsystem::grow(&own.grammar, &settings, monitor)?;
             let monitor = &Holding::new(monitor, organs.bytes());
-            let raw = Raw { branching, captured: None, most_nodes: own.symbol_limit };
-            let (skeleton, wood) = build(raw, &mut organs, &recipe.preset, monitor)?;
+            let raw = Raw { branching, captured: None, bark: None, most_nodes: own.symbol_limit };
+            let Built { skeleton, wood, .. } = build(raw, &mut organs, &recipe.preset, monitor)?;
             Ok(Grown {
                 skeleton,
                 wood,
@@ -210,17 +223,29 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
             })
         }
         Generator::Colonization(own) => {
-            let Plant { branching, captured, points, unreached, iterations, notes } =
+            let Plant { branching, captured, points, bark, unreached, iterations, notes } =
                 plant(own, recipe, key, monitor)?;
-            let monitor = &Holding::new(monitor, bytes_of::<Vec3>(points.capacity()));
-            let raw = Raw { branching, captured: Some(captured), most_nodes: own.max_nodes.into() };
-            let (skeleton, wood) = build(raw, &mut Organs::default(), &recipe.preset, monitor)?;
+            let held = bark.as_ref().map_or(0, Vec::capacity) + points.capacity();
+            let monitor = &Holding::new(monitor, bytes_of::<Vec3>(held));
+            let measured = bark.as_deref().filter(|_| own.scan_radius == ScanRadius::Points);
+            let raw =
+                Raw { branching, captured: Some(captured), bark: measured, most_nodes: own.max_nodes.into() };
+            let Built { skeleton, wood, measured_nodes } =
+                build(raw, &mut Organs::default(), &recipe.preset, monitor)?;
+            let scan = match &bark {
+                Some(bark) => fit(bark, &skeleton, monitor)?.map(|fit| Scanned {
+                    points: bark.len(),
+                    measured_nodes,
+                    fit,
+                }),
+                None => None,
+            };
             Ok(Grown {
                 skeleton,
                 wood,
                 organs: Arc::default(),
                 symbols: None,
-                colonized: Some(Colonized { points, unreached, iterations }),
+                colonized: Some(Colonized { points, unreached, iterations, scan }),
                 notes,
             })
         }
@@ -228,22 +253,33 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
 }
 
 /// What a generator leaves behind.
-struct Raw {
+struct Raw<'a> {
     branching: Branching,
     /// The nodes that were of use, where there is such a thing.
     captured: Option<NodeSet>,
+    /// Points on the bark, metres, that are to say how thick the wood is.
+    bark: Option<&'a [Vec3]>,
     /// The generator's own limit holds for the refined tree too.
     most_nodes: u64,
+}
+
+/// What becomes of it.
+struct Built {
+    skeleton: Arc<Skeleton>,
+    /// With its rule settled.
+    wood: Wood,
+    /// Nodes whose radius was measured.
+    measured_nodes: usize,
 }
 
 /// What both generators' branchings go through: refinement, which takes the organs along, then axes
 /// and radii.
 fn build(
-    Raw { mut branching, captured, most_nodes }: Raw,
+    Raw { mut branching, captured, bark, most_nodes }: Raw,
     organs: &mut Organs,
     preset: &Preset,
     monitor: &dyn Monitor,
-) -> Result<(Arc<Skeleton>, Wood), GrowError> {
+) -> Result<Built, GrowError> {
     if !preset.refinement.steps.is_empty() {
         branching.validate()?;
         let nodes = branching.parents.len();
@@ -252,8 +288,17 @@ fn build(
         branching = refine(branching, captured, &mut riders, &preset.refinement, most_nodes, monitor)?;
         organs.follow(&riders);
     }
+    let mut measured_nodes = 0;
+    // What the user says of the foot counts more than what was measured.
+    if let Some(bark) = bark.filter(|_| preset.wood.base_radius_m.is_none())
+        && let Some(Girth { radii, measured }) =
+            girth(&branching, bark, preset.wood.radius_exponent, monitor)?
+    {
+        branching.radii = Some(radii);
+        measured_nodes = measured;
+    }
     branching.admit_build(&preset.wood, monitor)?;
     let wood = preset.wood.settled(branching.radii.is_some());
     let skeleton = Skeleton::build_keyed(branching, &wood, preset.wood_key())?;
-    Ok((Arc::new(skeleton), wood))
+    Ok(Built { skeleton: Arc::new(skeleton), wood, measured_nodes })
 }

@@ -5,7 +5,9 @@ use std::time::Instant;
 use anyhow::Context;
 use clap::Args;
 use linden::Vec3;
+use linden::colonization::scan::Spread;
 use linden::foliage::meshes;
+use linden::grow::Scanned;
 use linden::scene::{Bounds, Mesh};
 use linden::surface::survey;
 use serde::Serialize;
@@ -42,6 +44,7 @@ struct Report {
     points: Option<usize>,
     points_unreached: Option<usize>,
     iterations: Option<u32>,
+    scan: Option<Scan>,
     symbols: Option<u64>,
     triangles: usize,
     vertices: usize,
@@ -50,6 +53,41 @@ struct Report {
     bounds: Corners,
     skeleton_hash: String,
     seconds: Seconds,
+}
+
+/// How the tree compares with the scan that it grew into.
+#[derive(Serialize)]
+struct Scan {
+    /// Scanned points of the tree, without ground, strays and noise.
+    points: usize,
+    /// Nodes whose radius points bear out; the others' follow by the pipe model.
+    measured_nodes: usize,
+    points_to_axis: Distances,
+    points_to_surface: Distances,
+    axis_to_points: Distances,
+    surface_to_points: Distances,
+}
+
+/// The mean, and what 95 % do not exceed.
+#[derive(Serialize)]
+struct Distances {
+    mean_m: f64,
+    p95_m: f64,
+}
+
+impl Scan {
+    fn of(scanned: &Scanned) -> Self {
+        let Scanned { points, measured_nodes, fit } = *scanned;
+        let of = |spread: Spread| Distances { mean_m: spread.mean_m, p95_m: spread.p95_m };
+        Self {
+            points,
+            measured_nodes,
+            points_to_axis: of(fit.points_to_axis),
+            points_to_surface: of(fit.points_to_surface),
+            axis_to_points: of(fit.axis_to_points),
+            surface_to_points: of(fit.surface_to_points),
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -103,6 +141,7 @@ impl Stats {
             points: colonized.map(|own| own.points.len()),
             points_unreached: colonized.map(|own| own.unreached),
             iterations: colonized.map(|own| own.iterations),
+            scan: colonized.and_then(|own| own.scan).as_ref().map(Scan::of),
             symbols: grown.symbols,
             triangles: surface.triangles + foliage.map_or(0, |mesh| mesh.triangles.len()),
             vertices: surface.vertices + foliage.map_or(0, |mesh| mesh.positions.len()),
@@ -141,6 +180,23 @@ impl Report {
         {
             rows.push(("points", format!("{}, {} not reached", count(points), count(unreached))));
             rows.push(("iterations", count(iterations as usize)));
+        }
+        if let Some(scan) = &self.scan {
+            let of = |way: &Distances| {
+                format!("{:.1} mm on average, 95 % within {:.1} mm", 1e3 * way.mean_m, 1e3 * way.p95_m)
+            };
+            rows.push((
+                "scan",
+                format!(
+                    "{} points; radii of {} nodes measured",
+                    count(scan.points),
+                    count(scan.measured_nodes)
+                ),
+            ));
+            rows.push(("points-surface", of(&scan.points_to_surface)));
+            rows.push(("surface-points", of(&scan.surface_to_points)));
+            rows.push(("points-axis", of(&scan.points_to_axis)));
+            rows.push(("axis-points", of(&scan.axis_to_points)));
         }
         rows.extend([
             ("surface", format!("{} triangles, {} vertices", count(self.triangles), count(self.vertices))),

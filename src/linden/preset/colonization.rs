@@ -1,7 +1,7 @@
 //! `[colonization]`: where the attraction points are, and how the tree reaches for them.
 
 use super::knobs::{Access, PresetKnob, Section, integer, length_or_auto, real, real_or_auto, row};
-use super::setting::{Length, Origin, Pull, UpAxis};
+use super::setting::{Length, Origin, Pull, ScanRadius, UpAxis};
 use super::{Generator, Part, Preset};
 use crate::colonization::crown::{self, SHAPES};
 use crate::knob::{Kind, Knob, Value};
@@ -60,6 +60,14 @@ pub struct Colonization {
     /// Whether given points lie on the surface of a tree, as a scanner's do, and are moved onto its
     /// axes first.
     pub contract: bool,
+    /// Where the radii of a scanned tree come from.
+    pub scan_radius: ScanRadius,
+    /// Whether points of a scan that hardly any others are near are left out.
+    pub noise_filter: bool,
+    /// How many stems a scan shows, rounded; `None`: as many as stand apart on the ground.
+    pub stems: Option<f64>,
+    /// Metres for a unit of given points; `None`: 1, or what makes a possible tree of a scan.
+    pub scale: Option<f64>,
     /// Which axis of an input file points up.
     pub up: UpAxis,
     /// Whether the tree is moved to stand on the origin.
@@ -126,6 +134,10 @@ impl Colonization {
             waves: 1,
             wave_interval: 0,
             contract: true,
+            scan_radius: ScanRadius::Points,
+            noise_filter: true,
+            stems: None,
+            scale: None,
             up: UpAxis::Auto,
             origin: Origin::Auto,
         }
@@ -336,10 +348,42 @@ pub(super) const KNOBS: &[PresetKnob] = &[
     ),
     row!(
         Colonization,
+        "scan_radius",
+        Kind::Choice(ScanRadius::WORDS),
+        "",
+        "radii of a scanned tree; points: from the points on its bark, where there are enough; pipe: as of any tree",
+        colonization.scan_radius
+    ),
+    row!(
+        Colonization,
+        "noise_filter",
+        Kind::Switch,
+        "",
+        "points of a scan that hardly any others are near are left out",
+        colonization.noise_filter
+    ),
+    row!(
+        Colonization,
+        "stems",
+        real_or_auto(1.0, 1000.0),
+        "stems",
+        "stems of a scan, each with a root; auto: those that stand clearly apart on the ground",
+        colonization.stems
+    ),
+    row!(
+        Colonization,
+        "scale",
+        real_or_auto(1e-6, 1e6),
+        "m",
+        "metres for a unit of given points; auto: 1, for a scan 0.01 or 0.001 where 1 would make it higher than trees are",
+        colonization.scale
+    ),
+    row!(
+        Colonization,
         "up",
         Kind::Choice(UpAxis::WORDS),
         "",
-        "axis of an input file that points up; auto: z for XYZ, y for PLY and OBJ",
+        "axis of an input file that points up; auto: z for XYZ, y for PLY and OBJ, the other where a scan's stem stands along it",
         colonization.up
     ),
     row!(

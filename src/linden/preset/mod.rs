@@ -29,7 +29,7 @@ pub use knobs::{KNOBS, PresetKnob, Section, shape_knobs};
 pub use library::{Builtin, RecipeError, builtin, builtin_file, builtins};
 pub use lsystem::LSystem;
 pub use part::{MOST_PARTS, PART_CROWN, PART_KNOBS, Part, PartKnob, Solid};
-pub use setting::{Habit, Length, Origin, Pull, Role, UpAxis};
+pub use setting::{Habit, Length, Origin, Pull, Role, ScanRadius, UpAxis};
 
 /// Everything that says how a tree grows and looks.
 #[derive(Clone, Debug, PartialEq)]

@@ -55,6 +55,16 @@ words! {
 }
 
 words! {
+    /// Where the radii of a scanned tree come from.
+    ScanRadius {
+        /// The points on its bark, where there are enough.
+        Points = "points",
+        /// The pipe model.
+        Pipe = "pipe"
+    }
+}
+
+words! {
     /// Whether a tree is moved to stand on the origin.
     Origin {
         /// Moved when it grows into given points, kept in a mesh.

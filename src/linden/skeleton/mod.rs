@@ -19,6 +19,8 @@ use crate::random::Key;
 
 pub use cylinders::Cylinder;
 pub use measure::Measures;
+pub(crate) use radii::axes_by_tips;
+pub(crate) use radii::pipe::count_tips;
 pub use radii::{Span, Width, Wood};
 
 /// The parent of a node that stands at the foot of a stem.

@@ -33,6 +33,8 @@ pub(crate) struct Plant {
     pub captured: NodeSet,
     /// The attraction points, at the same place as the branching.
     pub points: Vec<Vec3>,
+    /// What was scanned of the tree, at the same place; `None` for what is no scan.
+    pub bark: Option<Vec<Vec3>>,
     /// Points that were not reached.
     pub unreached: usize,
     /// Iterations that placed nodes.
@@ -49,9 +51,7 @@ pub(crate) fn plant(
 ) -> Result<Plant, GrowError> {
     let site = match &settings.space {
         Space::Points { file } => match recipe.input(file).map(|input| (&input.geometry, input.up)) {
-            Some((Geometry::Points(points), up)) => {
-                at_points(settings, points, settings.up(up), key, monitor)?
-            }
+            Some((Geometry::Points(points), up)) => at_points(settings, points, up, key, monitor)?,
             _ => return Err(GrowError::WrongInput { file: file.clone(), expected: "points" }),
         },
         Space::Shape { .. } | Space::Envelope { .. } => match Standing::new(settings, recipe, monitor)? {
@@ -93,10 +93,12 @@ pub(crate) fn plant(
     for position in branching.positions.iter_mut().chain(&mut points) {
         *position = (position.as_dvec3() + shift).as_vec3();
     }
+    let place = |p: &DVec3| (*p + shift).as_vec3();
+    let bark = site.bark.map(|bark| bark.iter().map(place).collect());
     let others = site.grove.others.iter().flat_map(|stem| [stem.root, stem.root + shift]);
     let farthest_m = others.chain([site.root + shift]).map(|at| at.abs().max_element());
     notes.extend(check_precision(farthest_m.fold(0.0, f64::max), f64::from(rule.step))?);
-    Ok(Plant { branching, captured, points, unreached, iterations, notes })
+    Ok(Plant { branching, captured, points, bark, unreached, iterations, notes })
 }
 
 /// Refuses a place where single precision, which all mesh formats have, cannot hold the tree, and

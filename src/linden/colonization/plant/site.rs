@@ -19,6 +19,8 @@ const INFLUENCE_STEPS: f64 = 17.0;
 /// Points and root in coordinates near the origin, where `f32` is precise.
 pub(super) struct Site {
     pub points: Vec<DVec3>,
+    /// What was scanned of the tree, where the points are attraction points made of a scan.
+    pub bark: Option<Vec<DVec3>>,
     pub root: DVec3,
     /// What else stands there.
     pub grove: Grove,
@@ -92,10 +94,15 @@ impl Colonization {
 
     /// The axis that points up in an input file.
     pub(super) fn up(&self, default: Up) -> Up {
+        self.given_up().unwrap_or(default)
+    }
+
+    /// The axis that the user says points up.
+    pub(super) fn given_up(&self) -> Option<Up> {
         match self.up {
-            UpAxis::Y => Up::Y,
-            UpAxis::Z => Up::Z,
-            UpAxis::Auto => default,
+            UpAxis::Y => Some(Up::Y),
+            UpAxis::Z => Some(Up::Z),
+            UpAxis::Auto => None,
         }
     }
 

@@ -107,6 +107,6 @@ impl Standing {
         let points = clear(points, &grove.obstacles, &shades, key.named("shade"), monitor)?;
         let spacing_m = libm::cbrt(crown.volume_m3() / f64::from(settings.points));
         let suggested = Suggested::for_volume(spacing_m);
-        Ok(Site { points, root, grove, origin, suggested, moves_to_root: false, notes })
+        Ok(Site { points, bark: None, root, grove, origin, suggested, moves_to_root: false, notes })
     }
 }

@@ -218,7 +218,7 @@ fn of_given(positions: &[Vec3], parents: &[u32], radii: Vec<f32>) -> Built {
     Built { axes, axis_nodes, radii }
 }
 
-fn axes_by_tips(positions: &[Vec3], parents: &[u32]) -> (Vec<Axis>, Vec<u32>) {
+pub(crate) fn axes_by_tips(positions: &[Vec3], parents: &[u32]) -> (Vec<Axis>, Vec<u32>) {
     let tips = pipe::count_tips(parents);
     decompose(positions, parents, move |a, b| tips[a as usize].cmp(&tips[b as usize]))
 }

@@ -14,7 +14,7 @@ use crate::skeleton::NO_PARENT;
 use crate::skeleton::axes::straightness;
 
 /// How many tips (nodes without children) each node carries, itself included when it is one.
-pub(in crate::skeleton) fn count_tips(parents: &[u32]) -> Vec<u32> {
+pub(crate) fn count_tips(parents: &[u32]) -> Vec<u32> {
     let mut tips = vec![0_u32; parents.len()];
     for node in (0..parents.len()).rev() {
         tips[node] = tips[node].max(1);
