@@ -35,7 +35,7 @@ fn arguments_are_numbers() {
     let arguments: Vec<_> = grammar.axiom().iter().map(|m| m.arguments.as_slice()).collect();
     assert_eq!(
         arguments,
-        [[Expression::Number(2.0)], [Expression::Number(-30.5)], [Expression::Number(0.0)]]
+        [[Expression::number(2.0)], [Expression::number(-30.5)], [Expression::number(0.0)]]
     );
 }
 
@@ -47,23 +47,6 @@ fn what_is_written_is_read_back() {
     let (axiom, rules) = text.split_once('\n').unwrap();
     let again = Grammar::new(axiom, &rules.lines().collect::<Vec<_>>()).unwrap();
     assert_eq!(again, grammar);
-}
-
-#[test]
-fn what_is_not_supported_is_named_with_its_place() {
-    let supported = "is not supported yet; take it out, or write the rule without it";
-    for (axiom, rule, message) in [
-        ("F", "A < F > B -> F", format!("rule 1, column 3: a context ('<') {supported}")),
-        ("F", "F > B -> F", format!("rule 1, column 3: a context ('>') {supported}")),
-        ("F", "F : 1 -> F", format!("rule 1, column 3: a condition (':') {supported}")),
-        ("F", "A(l,w) -> F", format!("rule 1, column 2: a rule with parameters ('(l,w) -> F') {supported}")),
-        ("F", "#ignore +-", format!("rule 1, column 1: a directive ('#ignore +-') {supported}")),
-        ("A(1)", "F -> F", format!("axiom, column 2: a symbol with parameters ('A(1)') {supported}")),
-        ("F", "F -> F(2*3)F", format!("rule 1, column 8: arithmetic ('2*3') {supported}")),
-        ("+(1,2)", "F -> F", format!("axiom, column 3: a list of parameters ('1,2') {supported}")),
-    ] {
-        assert_eq!(refusal(axiom, &[rule]), message);
-    }
 }
 
 #[test]
@@ -86,7 +69,7 @@ fn mistakes_are_told_with_what_was_expected() {
         ("F", "F -> ]F[", "rule 1, column 6: ']' closes a branch that was never opened"),
         ("|(3)", "F -> F", "axiom, column 2: expected no number after '|', found '('"),
         ("F(0)", "F -> F", "axiom, column 3: 0 is out of range: 0.000001 to 1000000"),
-        ("F(inf)", "F -> F", "axiom, column 3: inf is out of range: 0.000001 to 1000000"),
+        ("F(1e9)", "F -> F", "axiom, column 3: 1e9 is out of range: 0.000001 to 1000000"),
         (
             "F",
             "F -> (0.5) F",

@@ -22,6 +22,7 @@ fn an_explosion_is_refused_with_what_would_fit() {
             derivations: 60,
             symbols: 1 << 60,
             exact: true,
+            at_least: false,
             limit: 50_000_000,
             fits: Some(25),
         }

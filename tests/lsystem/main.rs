@@ -2,6 +2,7 @@
 #![expect(clippy::unwrap_used, reason = "what a test cannot unwrap fails it, in its helpers too")]
 
 mod chance;
+mod contexts;
 mod figures;
 mod habit;
 mod language;
@@ -9,6 +10,7 @@ mod limits;
 mod naive;
 mod older;
 mod organs;
+mod parametric;
 mod polygon;
 mod presets;
 mod properties;

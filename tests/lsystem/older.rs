@@ -108,7 +108,7 @@ fn mistakes_are_told_with_their_place() {
         (&format!("{head}F=(1)[F[+F]"), "line 4, column 6: '[' opens a branch that is never closed"),
         (
             &format!("{head}F=(x)F"),
-            "line 4, column 4: arithmetic ('x') is not supported yet; take it out, or write the rule without it",
+            "line 4, column 4: unknown name 'x'; '#define x …' would make it a constant",
         ),
         (&format!("{head}F=()F"), "line 4, column 4: expected a number, found ')'"),
         (&format!("{head}F=(1.5)F"), "line 4, column 4: 1.5 is out of range: 0 to 1"),

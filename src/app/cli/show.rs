@@ -59,6 +59,7 @@ struct ForecastRow {
     segments: f64,
     depth: u64,
     exact: bool,
+    at_least: bool,
     /// Of nodes and skeleton, without a surface; `null` where nobody can know.
     memory_bytes: Option<u64>,
 }
@@ -112,6 +113,7 @@ fn forecast_of(preset: &Preset) -> anyhow::Result<Option<ForecastRow>> {
         segments: forecast.segments as f64,
         depth: forecast.depth,
         exact: forecast.exact,
+        at_least: forecast.at_least,
         memory_bytes: forecast.skeleton_bytes(),
     }))
 }
@@ -144,11 +146,16 @@ fn page(preset: &Preset, input: Option<&Input>, knobs: &[KnobRow], forecast: Opt
         }
     }
     if let Some(forecast) = forecast {
-        let about = if forecast.exact { "" } else { "about " };
+        let about = match forecast {
+            ForecastRow { at_least: true, .. } => "at least ",
+            ForecastRow { exact: true, .. } => "",
+            _ => "about ",
+        };
         text.push_str(&format!(
-            "\nforecast\n  {about}{} symbols, {about}{} segments, branches nested {} deep\n",
+            "\nforecast\n  {about}{} symbols, {about}{} segments, branches nested {}{} deep\n",
             count(forecast.symbols),
             count(forecast.segments),
+            if forecast.at_least { about } else { "" },
             forecast.depth
         ));
         if let Some(bytes) = forecast.memory_bytes {

@@ -90,8 +90,13 @@ impl Command {
         matches!(self, Self::Draw | Self::DrawUnrecorded)
     }
 
-    /// The range of the number that may follow in brackets, both ends included; `None` when the
-    /// symbol takes none.
+    /// Whether numbers in brackets may follow. The first is the turtle's (ABOP, section 1.10.1).
+    pub(super) fn takes_arguments(self) -> bool {
+        self == Self::Silent || self.argument_range().is_some()
+    }
+
+    /// The range of the first number in brackets where it is drawn, both ends included; `None` when
+    /// the turtle reads none.
     pub(super) fn argument_range(self) -> Option<[f64; 2]> {
         match self {
             Self::Draw | Self::DrawUnrecorded | Self::Width => Some([SHORTEST, LARGEST]),
@@ -100,14 +105,21 @@ impl Command {
             _ => None,
         }
     }
+
+    /// The same where a rule computes the number: a segment may shrink to nothing.
+    pub(super) fn computed_range(self) -> Option<[f64; 2]> {
+        let [low, high] = self.argument_range()?;
+        Some([if low == SHORTEST { 0.0 } else { low }, high])
+    }
 }
 
-/// Constructs of the wider language that have a sign of their own and are not understood yet.
-pub(super) fn unsupported_sign(symbol: char) -> Option<&'static str> {
+/// What the signs of rules begin, where they stand in their place.
+pub(super) fn sign_of_rules(symbol: char) -> Option<&'static str> {
     Some(match symbol {
-        '<' | '>' => "a context",
-        ':' => "a condition",
-        '#' => "a directive",
+        '<' => "ends a left context, before the symbol to rewrite",
+        '>' => "begins a right context, after the symbol to rewrite",
+        ':' => "begins a condition, before the arrow",
+        '#' => "begins a line of its own, '#define' or '#ignore'",
         _ => return None,
     })
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use crate::foliage::PROTOTYPES;
-use crate::knob::{excerpt, printable};
+use crate::knob::printable;
 use crate::memory::OverMemory;
 use crate::monitor::Cancelled;
 
@@ -18,11 +18,71 @@ pub enum Problem {
         /// What stands here, printable: `'x'`, or `the end`.
         found: String,
     },
-    /// Part of the language in the literature, not of this version.
-    #[error("{construct} is not supported yet; take it out, or write the rule without it")]
-    Unsupported {
-        /// What it is, and how it is written here.
-        construct: String,
+    /// A sign of rules where a symbol should stand.
+    #[error("'{sign}' {what}; it is no symbol")]
+    Misplaced {
+        /// The sign.
+        sign: char,
+        /// What it does in its place.
+        what: &'static str,
+    },
+    /// A name that is neither a parameter of the rule nor defined.
+    #[error("unknown name '{name}'{hint}; '#define {name} …' would make it a constant")]
+    UnknownName {
+        /// As it was written, printable.
+        name: String,
+        /// The nearest name or the known ones, in brackets behind a blank; may be empty.
+        hint: String,
+    },
+    /// A name before a bracket that is no function.
+    #[error("unknown function '{name}'{hint}")]
+    UnknownFunction {
+        /// As it was written, printable.
+        name: String,
+        /// The nearest name or the known ones, in brackets behind a blank.
+        hint: String,
+    },
+    /// A function with too many or too few arguments.
+    #[error("'{name}' takes {expected} {}, found {found}", if *.expected == 1 { "argument" } else { "arguments" })]
+    WrongArguments {
+        /// The function.
+        name: &'static str,
+        /// How many it takes.
+        expected: usize,
+        /// How many there are, or at least are.
+        found: usize,
+    },
+    /// An expression that must have one value for all trees.
+    #[error("'{written}' depends on chance, but must be a constant here")]
+    NotConstant {
+        /// As it was written, printable.
+        written: String,
+    },
+    /// A constant that overflows, or has no value at all.
+    #[error("'{written}' is {value}, which is no number to compute with")]
+    NotFinite {
+        /// As it was written, printable.
+        written: String,
+        /// What it comes to.
+        value: f64,
+    },
+    /// An expression that nobody can follow.
+    #[error("more than {limit} operands wait for their operators; write the expression with fewer brackets")]
+    TooDeep {
+        /// The most that may.
+        limit: usize,
+    },
+    /// A module or a rule with very many parameters.
+    #[error("more than {limit} parameters; use fewer")]
+    TooManyParameters {
+        /// The most there may be.
+        limit: usize,
+    },
+    /// A name that would mean two things.
+    #[error("'{name}' is already defined; use another name")]
+    Redefined {
+        /// The name.
+        name: String,
     },
     /// `]` where no branch is open.
     #[error("']' closes a branch that was never opened")]
@@ -40,11 +100,12 @@ pub enum Problem {
         /// Largest.
         max: f64,
     },
-    /// The rules of one predecessor must share out the probability 1.
+    /// The rules of one predecessor, in the same context and under the same condition, must share out
+    /// the probability 1.
     #[error("the probabilities of the rules for '{predecessor}' sum to {sum}, not to 1")]
     Probabilities {
-        /// Whose rules.
-        predecessor: char,
+        /// Whose rules: their left side, printable.
+        predecessor: String,
         /// What they sum to.
         sum: f64,
     },
@@ -67,10 +128,6 @@ pub enum Problem {
 impl Problem {
     pub(super) fn expected(expected: impl Into<String>, found: Option<char>) -> Self {
         Self::Expected { expected: expected.into(), found: found.map_or("the end".into(), quoted) }
-    }
-
-    pub(super) fn unsupported(what: &str, written: &str) -> Self {
-        Self::Unsupported { construct: format!("{what} ('{}')", excerpt(written)) }
     }
 }
 
@@ -118,7 +175,7 @@ pub enum LsystemError {
     /// Refused before deriving.
     #[error(
         "{derivations} derivations would give {} {} symbols, more than the limit of {limit}: {}",
-        if *.exact { "exactly" } else { "about" }, Amount(*.symbols), Advice(*.fits)
+        if *.exact { "exactly" } else if *.at_least { "at least" } else { "about" }, Amount(*.symbols), Advice(*.fits)
     )]
     TooManySymbols {
         /// What was asked for.
@@ -127,23 +184,40 @@ pub enum LsystemError {
         symbols: u128,
         /// Whether `symbols` is exact, or the expectation of a stochastic system.
         exact: bool,
+        /// Whether it may be more.
+        at_least: bool,
         /// [`Settings::symbol_limit`](super::Settings::symbol_limit).
         limit: u64,
-        /// The most derivations, fewer than asked for, that stay within the limit.
+        /// The most derivations, fewer than asked for, that are known to stay within the limit.
         fits: Option<u32>,
     },
-    /// A stochastic system grew past the limit although its expectation did not.
+    /// A system grew past the limit although its forecast did not.
     #[error(
-        "with the seed {seed}, {derivations} derivations give more than the limit of {limit} symbols: \
-         use fewer derivations, another seed or a higher limit"
+        "{}{derivations} derivations give more than the limit of {limit} symbols: use fewer derivations{} a higher limit",
+        seed.map(|seed| format!("with the seed {seed}, ")).unwrap_or_default(),
+        if seed.is_some() { ", another seed or" } else { " or" }
     )]
     GrewPastLimit {
         /// What was asked for.
         derivations: u32,
-        /// Whose choices.
-        seed: u64,
+        /// Whose choices, where chance has a say.
+        seed: Option<u64>,
         /// [`Settings::symbol_limit`](super::Settings::symbol_limit).
         limit: u64,
+    },
+    /// An argument that a rule computed is no number, or one that the turtle cannot take.
+    #[error(
+        "derivation {derivation} gives {module}: {value} is not {expected}; mend the rule or use fewer derivations"
+    )]
+    Value {
+        /// The module with its arguments.
+        module: String,
+        /// The one that is wrong.
+        value: f64,
+        /// The step that wrote the module; 0 is the axiom.
+        derivation: u32,
+        /// What it should be.
+        expected: String,
     },
     /// More open branches than [`MAX_NESTING`](super::MAX_NESTING).
     #[error(
@@ -268,7 +342,7 @@ impl fmt::Display for Advice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.0 {
             Some(fits) => write!(f, "use {fits} derivations or fewer, or raise the limit"),
-            None => f.write_str("shorten the axiom, or raise the limit"),
+            None => f.write_str("use fewer derivations, shorten the axiom, or raise the limit"),
         }
     }
 }

@@ -1,25 +1,43 @@
 //! How much a derivation would give, without deriving.
+//!
+//! Three ways, none of which takes longer than about a millisecond, by counting its work:
+//!
+//! - rules that look at no arguments: by the growth matrix over symbols (ABOP, section 1.2);
+//! - rules with conditions: by the growth matrix over the modules with their arguments that can come
+//!   up, as far as these can be found;
+//! - rules with contexts: by deriving, as far as that goes.
+//!
+//! Where the work allowed is not enough, what is certain already is a lower bound.
 
+mod graph;
+mod growth;
+
+use super::command::Command;
+use super::derive::{Trial, count};
 use super::error::LsystemError;
 use super::grammar::Grammar;
 use super::grow::check_derivations;
-use super::program::{Program, Word};
+use super::program::{Group, Program};
 use crate::skeleton::Skeleton;
+use graph::Graph;
+use growth::Growth;
 
 /// How much a derivation gives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Forecast {
-    /// The length of the string: symbols with their brackets, an argument not counted. Saturates at
+    /// The length of the string: symbols with their brackets, arguments not counted. Saturates at
     /// `u128::MAX`.
     pub symbols: u128,
     /// Segments drawn: `F` and `G`. Saturates at `u128::MAX`.
     pub segments: u128,
-    /// Most branches open at once; for a stochastic system, the most that is possible. A lower bound
-    /// when `symbols` is saturated.
+    /// Most branches open at once; for a stochastic system, the most that is possible.
     pub depth: u64,
     /// Whether the counts are exact. Those of a stochastic system are expectations, rounded; the
     /// standard deviation of one tree is often a third of them.
     pub exact: bool,
+    /// Whether there may be more: counting to the end would have taken too long. Then neither the
+    /// counts nor the depth are exact.
+    pub at_least: bool,
 }
 
 impl Forecast {
@@ -32,9 +50,16 @@ impl Forecast {
 
 /// Counts what `derivations` steps give.
 ///
-/// The counts of every symbol after k + 1 steps follow from those of its successors after k (ABOP,
-/// section 1.2; the growth matrix applied from the left). Takes time in proportion to derivations
-/// × rules, less when the counts saturate, and no memory that depends on the result.
+/// Takes time in proportion to the text of the grammar and a millisecond at most beyond that, however
+/// many derivations there are, and no memory that depends on the result.
+///
+/// ```
+/// use linden::lsystem::{Grammar, forecast};
+/// let rules = ["A(t) : t < 3 -> F[+A(t+1)]A(t+1)", "A(t) : t >= 3 -> F"];
+/// let counted = forecast(&Grammar::new("A(0)", &rules)?, 100)?;
+/// assert_eq!((counted.segments, counted.exact), (15, true));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 ///
 /// # Errors
 /// [`LsystemError::Setting`] when `derivations` is above [`MAX_DERIVATIONS`](super::MAX_DERIVATIONS).
@@ -45,200 +70,73 @@ pub fn forecast(grammar: &Grammar, derivations: u32) -> Result<Forecast, Lsystem
 }
 
 pub(super) fn of_program(program: &Program, derivations: u32) -> Forecast {
-    if program.stochastic {
-        Growth::<f64>::after(program, derivations).forecast(false)
+    if program.has_contexts() {
+        return of_trial(program, derivations);
+    }
+    let graph = Graph::of(program, derivations);
+    if graph.stochastic {
+        Growth::<f64>::forecast(&graph, derivations)
     } else {
-        Growth::<u128>::after(program, derivations).forecast(true)
+        Growth::<u128>::forecast(&graph, derivations)
     }
 }
 
-/// The most derivations below `derivations` up to which no forecast passes `limit`.
+/// The most derivations below `derivations` of which it is known that no forecast up to there passes
+/// `limit`.
 pub(super) fn most_within(program: &Program, derivations: u32, limit: u64) -> Option<u32> {
-    if program.stochastic {
-        Growth::<f64>::new(program).most_within(derivations, limit)
+    if program.has_contexts() {
+        return None;
+    }
+    let graph = Graph::of(program, derivations);
+    if graph.stochastic {
+        Growth::<f64>::most_within(&graph, derivations, limit)
     } else {
-        Growth::<u128>::new(program).most_within(derivations, limit)
+        Growth::<u128>::most_within(&graph, derivations, limit)
     }
 }
 
-/// A count: exact and saturating, or an expectation.
-trait Count: Copy + PartialEq {
-    const ZERO: Self;
-    const ONE: Self;
-    /// Where counting stops.
-    const MOST: Self;
-    fn plus(self, other: Self) -> Self;
-    /// Counted with a probability. Where counts are exact, probabilities are 0 or 1.
-    fn weighed(self, probability: f64) -> Self;
-    fn whole(self) -> u128;
+/// What a derivation gave that went as far as its work was allowed to.
+fn of_trial(program: &Program, derivations: u32) -> Forecast {
+    let Trial { modules, is_complete } = count(program, derivations);
+    let lasting = lasting(program);
+    let (mut symbols, mut segments, mut depth, mut open) = (0, 0, 0, 0_u64);
+    // A module that is rewritten further on may cut what follows it.
+    let mut sure_to = modules.len();
+    if !is_complete && program.cuts {
+        sure_to = modules.iter().position(|&id| id < program.first_kept).unwrap_or(modules.len());
+    }
+    for &id in &modules[..sure_to] {
+        let command = Command::of(program.modules[id as usize].symbol).unwrap_or(Command::Silent);
+        match command {
+            Command::Push => open += 1,
+            Command::Pop => open -= 1,
+            _ => {}
+        }
+        depth = open.max(depth);
+        let is_kept = is_complete || id >= program.first_kept;
+        symbols += u128::from(is_kept || program.class(id).is_some_and(|class| lasting[class]));
+        segments += u128::from(is_kept && command.draws());
+    }
+    Forecast { symbols, segments, depth, exact: is_complete && !program.random, at_least: !is_complete }
 }
 
-impl Count for u128 {
-    const ZERO: Self = 0;
-    const ONE: Self = 1;
-    const MOST: Self = Self::MAX;
-
-    fn plus(self, other: Self) -> Self {
-        self.saturating_add(other)
-    }
-
-    fn weighed(self, probability: f64) -> Self {
-        if probability > 0.0 { self } else { 0 }
-    }
-
-    fn whole(self) -> u128 {
-        self
-    }
-}
-
-impl Count for f64 {
-    const ZERO: Self = 0.0;
-    const ONE: Self = 1.0;
-    const MOST: Self = Self::MAX;
-
-    fn plus(self, other: Self) -> Self {
-        // Stays finite, so that nothing times an overflow is nothing.
-        (self + other).min(Self::MAX)
-    }
-
-    fn weighed(self, probability: f64) -> Self {
-        self * probability
-    }
-
-    /// Rounded, but what is possible is never none.
-    fn whole(self) -> u128 {
-        if self > 0.0 { (self.round() as u128).max(1) } else { 0 }
-    }
-}
-
-/// What one module, or one word, gives.
-#[derive(Clone, Copy, PartialEq)]
-struct Tally<C> {
-    symbols: C,
-    segments: C,
-    depth: u64,
-    /// The probability that it cuts what follows it in its branch.
-    cuts: f64,
-}
-
-impl<C: Count> Tally<C> {
-    const NOTHING: Self = Self { symbols: C::ZERO, segments: C::ZERO, depth: 0, cuts: 0.0 };
-
-    /// Whether nothing changes any more. The depth under a count beyond counting does not matter.
-    fn settled_since(&self, before: &Self) -> bool {
-        let depth_settled = self.depth == before.depth || self.symbols == C::MOST;
-        depth_settled && Self { depth: before.depth, ..*self } == *before
-    }
-
-    fn forecast(self, exact: bool) -> Forecast {
-        Forecast { symbols: self.symbols.whole(), segments: self.segments.whole(), depth: self.depth, exact }
-    }
-}
-
-/// The tallies of all modules after some number of derivations.
-struct Growth<'a, C> {
-    program: &'a Program,
-    /// By module identifier.
-    tallies: Vec<Tally<C>>,
-    next: Vec<Tally<C>>,
-    /// For each open bracket of the word that is being tallied: the probability that the branch was
-    /// not cut before it.
-    open: Vec<f64>,
-}
-
-impl<'a, C: Count> Growth<'a, C> {
-    /// No derivations: each module is itself.
-    fn new(program: &'a Program) -> Self {
-        let alone = |(command, _): (super::command::Command, _)| Tally {
-            symbols: C::ONE,
-            segments: if command.draws() { C::ONE } else { C::ZERO },
-            ..Tally::NOTHING
-        };
-        let tallies: Vec<_> = program.commands().map(alone).collect();
-        let next = tallies[..program.rewrites.len()].to_vec();
-        Self { program, tallies, next, open: Vec::new() }
-    }
-
-    /// The axiom's tally after some derivations.
-    fn after(program: &'a Program, derivations: u32) -> Tally<C> {
-        let mut growth = Self::new(program);
-        for _ in 0..derivations {
-            if !growth.derive() {
-                break;
+/// For each rewrite whether something of it is left for certain, however often it is rewritten.
+fn lasting(program: &Program) -> Vec<bool> {
+    let mut lasting = vec![!program.cuts; program.rewrites.len()];
+    // Settles what may vanish in one step, then what may in one more; each pass settles one at least.
+    loop {
+        let mut changed = false;
+        for (class, rewrite) in program.rewrites.iter().enumerate() {
+            let words =
+                || program.groups(rewrite).iter().flat_map(|group: &Group| program.alternatives(group));
+            let lasts = |id: &u32| program.class(*id).is_none_or(|class| lasting[class]);
+            if lasting[class] && !words().all(|choice| program.word(choice.word).iter().any(lasts)) {
+                lasting[class] = false;
+                changed = true;
             }
         }
-        growth.tally(program.axiom)
-    }
-
-    fn most_within(mut self, derivations: u32, limit: u64) -> Option<u32> {
-        let mut fits = None;
-        for step in 0..derivations {
-            if self.tally(self.program.axiom).symbols.whole() > u128::from(limit) {
-                break;
-            }
-            fits = Some(step);
-            self.derive();
+        if !changed {
+            return lasting;
         }
-        fits
-    }
-
-    /// One derivation more. `false` when it changed nothing that counts, and so never will.
-    fn derive(&mut self) -> bool {
-        for i in 0..self.next.len() {
-            self.next[i] = self.tally_of_rewrite(i);
-        }
-        let old = &mut self.tallies[..self.next.len()];
-        let changed = old.iter().zip(&self.next).any(|(old, new)| !new.settled_since(old));
-        old.copy_from_slice(&self.next);
-        changed
-    }
-
-    fn tally_of_rewrite(&mut self, index: usize) -> Tally<C> {
-        let program = self.program;
-        let alternatives = &program.rewrites[index].alternatives;
-        if let [(_, word)] = alternatives[..] {
-            return self.tally(word);
-        }
-        let mut sum = Tally::<C>::NOTHING;
-        let mut before = 0.0;
-        for &(up_to, word) in alternatives {
-            let tally = self.tally(word);
-            let probability = up_to - before;
-            before = up_to;
-            sum.symbols = sum.symbols.plus(tally.symbols.weighed(probability));
-            sum.segments = sum.segments.plus(tally.segments.weighed(probability));
-            sum.depth = sum.depth.max(tally.depth);
-            sum.cuts += tally.cuts * probability;
-        }
-        sum
-    }
-
-    /// What a word gives. Its modules are rewritten independently of each other, so the probability
-    /// that nothing before a module has cut its branch is a product.
-    fn tally(&mut self, word: Word) -> Tally<C> {
-        let mut sum = Tally::<C>::NOTHING;
-        let mut uncut = 1.0;
-        self.open.clear();
-        for &id in self.program.word(word) {
-            let tally = &self.tallies[id as usize];
-            match self.program.modules[id as usize].symbol {
-                '[' => {
-                    self.open.push(uncut);
-                    if uncut > 0.0 {
-                        sum.depth = sum.depth.max(self.open.len() as u64);
-                    }
-                }
-                ']' => uncut = self.open.pop().unwrap_or(uncut),
-                _ if uncut > 0.0 => {
-                    sum.depth = sum.depth.max(tally.depth.saturating_add(self.open.len() as u64));
-                }
-                _ => {}
-            }
-            sum.symbols = sum.symbols.plus(tally.symbols.weighed(uncut));
-            sum.segments = sum.segments.plus(tally.segments.weighed(uncut));
-            uncut *= 1.0 - tally.cuts;
-        }
-        sum.cuts = if word.cuts { 1.0 } else { 1.0 - uncut };
-        sum
     }
 }

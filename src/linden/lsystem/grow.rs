@@ -1,6 +1,6 @@
 //! Growing: from a grammar and settings to a branching structure, within limits.
 
-use super::derive::derive;
+use super::derive::{Way, derive};
 use super::error::LsystemError;
 use super::forecast::{self, Forecast};
 use super::grammar::Grammar;
@@ -145,7 +145,7 @@ pub fn grow(grammar: &Grammar, settings: &Settings, monitor: &dyn Monitor) -> Re
     let program = Program::compile(grammar);
     let forecast = settings.admit(&program)?;
     let nothing = LsystemError::NothingDrawn { derivations: settings.derivations };
-    if forecast.segments == 0 {
+    if forecast.segments == 0 && !forecast.at_least {
         return Err(nothing);
     }
     let (stems, lean_deg) = match settings.habit {
@@ -175,7 +175,7 @@ pub fn grow(grammar: &Grammar, settings: &Settings, monitor: &dyn Monitor) -> Re
         // Chance may make each longer than it is expected to be; together they stay within the limit.
         let own = Settings { seed, symbol_limit: limit - symbols, ..*settings };
         turtle.start(GOLDEN_ANGLE_DEG * f64::from(stem), lean_deg, Key::new(seed).named("turtle"));
-        symbols += derive(&program, &own, total, monitor, &mut turtle)?;
+        symbols += derive(&program, &own, Way::Best, total, monitor, &mut turtle)?;
         turtle.finish()?;
     }
     let (branching, organs) = turtle.into_parts();
@@ -192,14 +192,14 @@ impl Settings {
         check_whole("symbol_limit", limit, 1, MAX_SYMBOLS)?;
         self.check_turtle()?;
         let forecast = forecast::of_program(program, derivations);
-        let Forecast { symbols, depth, exact, .. } = forecast;
+        let Forecast { symbols, depth, exact, at_least, .. } = forecast;
         if symbols > limit.into() {
             let fits = forecast::most_within(program, derivations, limit);
-            return Err(LsystemError::TooManySymbols { derivations, symbols, exact, limit, fits });
+            return Err(LsystemError::TooManySymbols { derivations, symbols, exact, at_least, limit, fits });
         }
         // The most that a stochastic system can nest may be far from what it does: then the turtle
         // counts.
-        if exact && depth > MAX_NESTING as u64 {
+        if (exact || at_least && !program.random) && depth > MAX_NESTING as u64 {
             return Err(LsystemError::NestedTooDeeply { derivations, limit: MAX_NESTING });
         }
         Ok(forecast)

@@ -27,8 +27,10 @@
 //! ```
 
 mod command;
+mod context;
 mod derive;
 mod error;
+mod expression;
 mod forecast;
 mod frame;
 mod grammar;
@@ -40,9 +42,9 @@ pub mod text;
 mod turtle;
 mod variation;
 
-pub use derive::derive_string;
+pub use derive::{Derived, Way, derive_by, derive_string};
 pub use error::{GrammarError, LsystemError, Part, Problem};
 pub use forecast::{Forecast, forecast};
-pub use grammar::{Expression, Grammar, Module, Predecessor, Production};
+pub use grammar::{Definition, Expression, Grammar, Module, Pattern, Production};
 pub use grow::{Grown, Habit, MAX_DERIVATIONS, MAX_NESTING, MAX_STEMS, MAX_SYMBOLS, Settings, grow};
 pub use variation::Variation;

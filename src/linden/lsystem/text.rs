@@ -208,12 +208,16 @@ fn once<'a>(
     }
 }
 
-/// Whether a line begins with a word: then it is a key that nobody knows, not a rule.
+/// Whether a line is a key that nobody knows, `leaves=3`, or plain words: not a rule.
 fn is_word(line: &str) -> bool {
-    let first =
-        line.split(['=', '→', '(', '<', '>', ':']).next().unwrap_or(line).trim_end_matches(['-', ' ']);
-    first.chars().count() > 1
-        && !first.starts_with('#')
+    let (first, sign) = match line.find(['=', '→', '(', '<', '>', ':']) {
+        Some(end) => line.split_at(end),
+        None => (line, ""),
+    };
+    let first = first.trim_end();
+    // What else of a rule comes before a sign is a context or an arrow.
+    matches!(sign.chars().next(), None | Some('='))
+        && first.chars().count() > 1
         && first.chars().all(|c| c.is_alphanumeric() || c == ' ')
 }
 

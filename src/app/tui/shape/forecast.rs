@@ -1,25 +1,27 @@
 //! How much an L-system would grow, before it does.
 
-use linden::lsystem;
+use linden::lsystem::{self, Forecast};
 use linden::preset::{Generator, Preset};
 
 use crate::tui::frame::thousands;
 
-/// Modules × derivations that are counted while somebody looks; a longer count would hold up a frame.
-const MOST_WORK: usize = 200_000;
+/// Modules of a grammar's text that are looked through while somebody looks; more would hold up a frame.
+const MOST_MODULES: usize = 20_000;
 
-/// One line on how much a preset's L-system gives; `None` for what is none, and for one that takes
-/// long to count.
+/// One line on how much a preset's L-system gives; `None` for what is none, and for a grammar that is
+/// a book.
 pub fn line(preset: &Preset) -> Option<String> {
     let Generator::LSystem(own) = &preset.generator else { return None };
-    let productions = own.grammar.productions();
-    let modules =
-        own.grammar.axiom().len() + productions.iter().map(|rule| rule.successor.len() + 1).sum::<usize>();
-    if modules.saturating_mul(own.derivations.max(1) as usize) > MOST_WORK {
+    let rules = own.grammar.productions().iter().map(|rule| rule.successor.len() + 1);
+    if own.grammar.axiom().len() + rules.sum::<usize>() > MOST_MODULES {
         return None;
     }
     let forecast = lsystem::forecast(&own.grammar, own.derivations).ok()?;
-    let about = if forecast.exact { "" } else { "about " };
+    let about = match forecast {
+        Forecast { at_least: true, .. } => "at least ",
+        Forecast { exact: true, .. } => "",
+        _ => "about ",
+    };
     let mut line = format!(
         "{about}{} symbols, {} segments, {} branches deep after {} derivations",
         count(forecast.symbols),

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use linden::lsystem::Grammar;
+use linden::lsystem::{Expression, Grammar, Module};
 use linden::preset::{Generator, Preset, Space};
 
 /// Whether another seed may give another skeleton. (Bark is drawn by chance too, and looks alike with
@@ -18,33 +18,38 @@ pub fn has_chance(preset: &Preset) -> bool {
     }
 }
 
-/// Whether a derivation meets a symbol that may become one thing or another.
+/// Whether a derivation meets a module that may become one thing or another. Which conditions hold and
+/// which contexts there are is not looked into: a choice that a rule could lead to counts.
 fn chooses(grammar: &Grammar, derivations: u32) -> bool {
-    let rewritten = |symbol: char| {
-        grammar
-            .productions()
-            .iter()
-            .filter(move |rule| rule.predecessor.symbol == symbol && rule.probability > 0.0)
+    // A module with an argument is another one than the bare symbol.
+    let class = |module: &Module| (module.symbol, module.arguments.len());
+    let rules = |(symbol, arity): (char, usize)| {
+        grammar.productions().iter().filter(move |rule| {
+            let own = &rule.predecessor;
+            (own.symbol, own.parameters.len()) == (symbol, arity) && rule.probability > 0.0
+        })
     };
-    // A module with an argument is another one than the bare symbol, and is kept.
-    let bare = |modules: &[linden::lsystem::Module]| -> Vec<char> {
-        modules.iter().filter(|module| module.arguments.is_empty()).map(|module| module.symbol).collect()
-    };
-    let mut seen: BTreeSet<char> = BTreeSet::new();
-    let mut front = bare(grammar.axiom());
+    let random = |modules: &[Module]| modules.iter().any(|m| m.arguments.iter().any(Expression::is_random));
+    let mut seen: BTreeSet<(char, usize)> = BTreeSet::new();
+    let mut front: Vec<_> = grammar.axiom().iter().map(class).collect();
+    if random(grammar.axiom()) {
+        return true;
+    }
     for _ in 0..derivations {
-        front.retain(|symbol| seen.insert(*symbol));
+        front.retain(|class| seen.insert(*class));
         if front.is_empty() {
             return false;
         }
-        if front.iter().any(|&symbol| rewritten(symbol).nth(1).is_some()) {
+        let met = || front.iter().flat_map(|&class| rules(class));
+        if met().any(|rule| {
+            // Less than 1 and not never: there are others.
+            rule.probability < 1.0 - 1e-6
+                || random(&rule.successor)
+                || rule.condition.as_ref().is_some_and(Expression::is_random)
+        }) {
             return true;
         }
-        front = front
-            .iter()
-            .flat_map(|&symbol| rewritten(symbol))
-            .flat_map(|rule| bare(&rule.successor))
-            .collect();
+        front = met().flat_map(|rule| &rule.successor).map(class).collect();
     }
     false
 }

@@ -1,0 +1,224 @@
+//! What stands around a module in a bracketed string (ABOP, section 1.8).
+//!
+//! A string with brackets is an axial tree. To the left, towards the root, a module has one
+//! neighbour: finished branches are passed over, and before the first module of a branch stands what
+//! the branch leaves from. To the right stands what goes on along the same axis, past branches; a
+//! context looks into a branch where it has brackets itself, and need not follow the branch to its
+//! end. ABOP's example: `BC < S > G[H]M` finds the S of `ABC[DE][SG[HI[JK]L]MNO]`.
+
+use super::command::Command;
+use super::program::{Entry, Group, Program, Sought};
+
+/// Where nothing stands.
+const NOTHING: u32 = u32::MAX;
+
+/// The neighbours of every module of a string.
+#[derive(Debug, Default)]
+pub(super) struct Neighbours {
+    /// Towards the root.
+    left: Vec<u32>,
+    /// Along the axis; of a `[`, the first inside of the branch.
+    right: Vec<u32>,
+    /// Of each `[`, its `]`.
+    close: Vec<u32>,
+    stack: Vec<u32>,
+}
+
+/// A string, as contexts look at it.
+pub(super) trait Modules {
+    fn entry(&self, index: usize) -> &Entry;
+    fn arguments(&self, index: usize) -> &[f64];
+    fn count(&self) -> usize;
+}
+
+/// What a module is in the tree.
+#[derive(PartialEq)]
+enum Part {
+    Open,
+    Close,
+    Ignored,
+    Seen,
+}
+
+fn part(entry: &Entry) -> Part {
+    match entry.symbol {
+        '[' => Part::Open,
+        ']' => Part::Close,
+        _ if entry.is_ignored => Part::Ignored,
+        _ => Part::Seen,
+    }
+}
+
+impl Neighbours {
+    /// Looks through a string whose brackets balance, as far as the rules of a program need it.
+    pub(super) fn find(&mut self, program: &Program, string: &impl Modules) {
+        let count = if program.contexts.left { string.count() } else { 0 };
+        self.left.clear();
+        self.left.resize(count, NOTHING);
+        self.stack.clear();
+        let mut last = NOTHING;
+        for i in 0..count {
+            self.left[i] = last;
+            match part(string.entry(i)) {
+                Part::Open => self.stack.push(last),
+                Part::Close => last = self.stack.pop().unwrap_or(NOTHING),
+                Part::Seen => last = i as u32,
+                Part::Ignored => {}
+            }
+        }
+        let count = if program.contexts.right { string.count() } else { 0 };
+        self.right.clear();
+        self.right.resize(count, NOTHING);
+        self.close.clear();
+        self.close.resize(count, NOTHING);
+        self.stack.clear();
+        let mut next = NOTHING;
+        for i in (0..count).rev() {
+            self.right[i] = next;
+            match part(string.entry(i)) {
+                // Two entries for each branch: its end, and what follows it.
+                Part::Close => {
+                    self.stack.extend([i as u32, next]);
+                    next = NOTHING;
+                }
+                Part::Open => {
+                    next = self.stack.pop().unwrap_or(NOTHING);
+                    self.close[i] = self.stack.pop().unwrap_or(NOTHING);
+                }
+                Part::Seen => next = i as u32,
+                Part::Ignored => {}
+            }
+        }
+    }
+
+    /// Whether the contexts of a group stand around a module. Their arguments, and the module's own,
+    /// are then in `parameters`. Counts its steps in `work`.
+    pub(super) fn surround(
+        &self,
+        group: &Group,
+        string: &impl Modules,
+        index: usize,
+        parameters: &mut Vec<f64>,
+        work: &mut u64,
+    ) -> bool {
+        parameters.clear();
+        parameters.resize(group.parameters, 0.0);
+        let own = string.arguments(index);
+        parameters[group.own..group.own + own.len()].copy_from_slice(own);
+        if !group.left.is_empty() {
+            let mut at = self.left[index];
+            for sought in group.left.iter().copied() {
+                *work += 1;
+                if !is_found(sought, string, at, parameters) {
+                    return false;
+                }
+                at = self.left[at as usize];
+            }
+        }
+        group.right.is_empty() || self.follows(&group.right, string, index, parameters, work)
+    }
+
+    /// Whether a right context follows a module.
+    ///
+    /// A pattern in brackets takes the first branch that holds it, the next one takes a later branch:
+    /// no other choice finds more.
+    fn follows(
+        &self,
+        sought: &[Sought],
+        string: &impl Modules,
+        index: usize,
+        parameters: &mut [f64],
+        work: &mut u64,
+    ) -> bool {
+        /// A branch that is being looked into.
+        struct Branch {
+            /// The bracket of the pattern, and of the string.
+            pattern: usize,
+            open: usize,
+            /// Where the axis stands that it leaves from.
+            axis: u32,
+        }
+        let mut open: Vec<Branch> = Vec::new();
+        // What the next module is the right neighbour of, and from where the next branch is looked for.
+        let mut axis = index as u32;
+        let mut branches = index + 1;
+        let mut i = 0;
+        while let Some(&wanted) = sought.get(i) {
+            *work += 1;
+            let found = match wanted {
+                Sought::Module { .. } => {
+                    let at = self.right[axis as usize];
+                    let found = is_found(wanted, string, at, parameters);
+                    if found {
+                        axis = at;
+                        branches = at as usize + 1;
+                    }
+                    found
+                }
+                Sought::Open => match Self::branch(string, branches, work) {
+                    Some(bracket) => {
+                        open.push(Branch { pattern: i, open: bracket, axis });
+                        axis = bracket as u32;
+                        branches = bracket + 1;
+                        true
+                    }
+                    None => false,
+                },
+                Sought::Close => {
+                    if let Some(branch) = open.pop() {
+                        axis = branch.axis;
+                        branches = self.close[branch.open] as usize + 1;
+                    }
+                    true
+                }
+            };
+            if found {
+                i += 1;
+                continue;
+            }
+            // The innermost branch that is open was the wrong one: look for it further on.
+            let Some(branch) = open.pop() else { return false };
+            axis = branch.axis;
+            branches = self.close[branch.open] as usize + 1;
+            i = branch.pattern;
+        }
+        true
+    }
+
+    /// The next branch that leaves from the same place.
+    fn branch(string: &impl Modules, from: usize, work: &mut u64) -> Option<usize> {
+        for i in from..string.count() {
+            *work += 1;
+            match part(string.entry(i)) {
+                Part::Open => return Some(i),
+                Part::Ignored => {}
+                Part::Close | Part::Seen => return None,
+            }
+        }
+        None
+    }
+}
+
+fn is_found(sought: Sought, string: &impl Modules, at: u32, parameters: &mut [f64]) -> bool {
+    let Sought::Module { kind, first } = sought else { return false };
+    if at == NOTHING || string.entry(at as usize).kind != kind {
+        return false;
+    }
+    let arguments = string.arguments(at as usize);
+    parameters[first as usize..first as usize + arguments.len()].copy_from_slice(arguments);
+    true
+}
+
+/// How many modules of a string a cut at `index` takes: up to the end of the branch.
+pub(super) fn rest_of_branch(string: &impl Modules, index: usize) -> usize {
+    let mut depth = 0_usize;
+    for i in index..string.count() {
+        match Command::of(string.entry(i).symbol) {
+            Some(Command::Push) => depth += 1,
+            Some(Command::Pop) if depth == 0 => return i - index,
+            Some(Command::Pop) => depth -= 1,
+            _ => {}
+        }
+    }
+    string.count() - index
+}
