@@ -58,8 +58,13 @@ impl Estimate {
                 let (base, tip) = (of(base), of(tip));
                 // A lateral has a ring in its parent, as thick as its first own one.
                 let foot = if axis.parent == NO_PARENT { 0 } else { base };
-                let rings = own.len() as u64 + u64::from(foot > 0);
-                let around = own.iter().map(|&node| of(node)).sum::<u64>() + foot;
+                let mut rings = own.len() as u64 + u64::from(foot > 0);
+                let mut around = own.iter().map(|&node| of(node)).sum::<u64>() + foot;
+                if tubes.rings > 1 {
+                    let extra = u64::from(tubes.rings - 1);
+                    around += foot * extra + between(own, tubes.rings, &skeleton.radii, &sides);
+                    rings += (rings - 1) * extra;
+                }
                 // Each ring has a seam; the tip and the base have vertices of their own.
                 vertices += around + rings + base + tip;
                 // Two triangles a side, one at the two ends; then the tip's and the base's.
@@ -136,6 +141,15 @@ impl Estimate {
         };
         text as u64 + pictures
     }
+}
+
+/// The sides of all rings between an axis' nodes.
+fn between(own: &[u32], rings: u32, radii: &[f32], sides: &Sides) -> u64 {
+    let of = |pair: &[u32], k: u32| {
+        let [from, to] = [pair[0], pair[1]].map(|node| radii[node as usize]);
+        sides.of(from + (to - from) * (k as f32 / rings as f32))
+    };
+    own.windows(2).flat_map(|pair| (1..rings).map(move |k| of(pair, k))).sum()
 }
 
 /// How many sides rings get, as the surface decides it: as far from a circle as the thickest, in
@@ -228,7 +242,7 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let target = dir.path().join("tree.any");
         for builtin in builtins() {
-            let recipe = Recipe { preset: builtin.load().unwrap(), input: None };
+            let recipe = Recipe { preset: builtin.load().unwrap(), inputs: Vec::new() };
             // What grows in a mesh needs its file.
             let Ok(grown) = grow(&recipe, &Quiet) else { continue };
             let estimate = Estimate::new(&recipe, &grown, &Quiet).unwrap();
@@ -255,6 +269,8 @@ mod tests {
             ("sides", "3"),
             ("sides", "8"),
             ("sides", "96"),
+            ("rings", "2"),
+            ("rings", "7"),
             ("bark_size", "128"),
             ("bark_size", "1024"),
             ("bark", "smooth"),
@@ -264,7 +280,7 @@ mod tests {
         ] {
             let mut preset = linden::preset::builtin("older-f").unwrap().load().unwrap();
             preset.set(knob, value).unwrap();
-            let recipe = Recipe { preset, input: None };
+            let recipe = Recipe { preset, inputs: Vec::new() };
             let grown = grow(&recipe, &Quiet).unwrap();
             let estimate = Estimate::new(&recipe, &grown, &Quiet).unwrap();
             let scene = dress(&recipe, &grown, &Quiet).unwrap();

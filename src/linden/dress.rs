@@ -46,7 +46,7 @@ const LEAF_ROUGHNESS: f32 = 0.6;
 /// [`DressError`]: too large, or cancelled.
 pub fn dress(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Scene, DressError> {
     let preset = &recipe.preset;
-    let held = grown.bytes() + recipe.input.as_ref().map_or(0, Input::bytes);
+    let held = grown.bytes() + recipe.inputs.iter().map(Input::bytes).sum::<u64>();
     let monitor: &dyn Monitor = &Holding::new(monitor, held);
     let wood = surface::sweep(&grown.skeleton, &preset.tubes, monitor)?;
     let bark = preset.bark.bark(Key::new(preset.seed).named("bark"));

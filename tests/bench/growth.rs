@@ -1,7 +1,8 @@
 //! Growth beside brute force and beside a kd-tree that is rebuilt in every iteration.
 //!
 //! `cargo bench -p linden-tests --bench growth` fills the table in about a minute and a half; `-- --quick`
-//! leaves out all above 10 000 points, `-- --large` adds ten million and the kd-tree at a million.
+//! leaves out all above 10 000 points, `-- --large` adds ten million and the kd-trees at a million,
+//! `-- --only N` leaves out all but N points.
 //!
 //! Points are uniform in the unit ball, the root is its centre, the step half the mean spacing of the
 //! points, the kill distance two steps. Each time is the median of several runs. With one thread it
@@ -81,7 +82,9 @@ fn main() {
         "by eights",
         "kd-tree"
     );
-    for setting in &settings {
+    let only: Option<usize> =
+        std::env::args().skip_while(|arg| arg != "--only").nth(1).map(|points| points.parse().unwrap());
+    for setting in settings.iter().filter(|setting| only.is_none_or(|points| setting.points == points)) {
         row(setting);
     }
 }

@@ -23,7 +23,7 @@ fn scene() -> (Recipe, Grown, Scene) {
     own.grammar = linden::lsystem::Grammar::new("A", &rules).unwrap();
     (own.derivations, own.angle_deg) = (5, 22.5);
     preset.set("leaf_colors", "#406020 #708030 #d04060").unwrap();
-    let recipe = Recipe { preset, input: None };
+    let recipe = Recipe { preset, inputs: Vec::new() };
     let grown = grow(&recipe, &Quiet).unwrap();
     let scene = dress(&recipe, &grown, &Quiet).unwrap();
     (recipe, grown, scene)

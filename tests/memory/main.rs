@@ -92,7 +92,7 @@ fn scan(count: u32) -> Recipe {
     let input = Input::read("scan.xyz", text.as_bytes(), &Quiet).unwrap();
     let space = linden::preset::Space::Points { file: "scan.xyz".to_owned() };
     assert!(matches!(&input.geometry, Geometry::Points(points) if points.len() == count as usize));
-    Recipe { preset: linden::preset::Preset::of_space("scan", space), input: Some(input) }
+    Recipe { preset: linden::preset::Preset::of_space("scan", space), inputs: vec![input] }
 }
 
 /// A spread of generators, sizes and surfaces.
@@ -125,7 +125,7 @@ fn no_stage_takes_more_than_it_forecast() {
     dress(&first, &grow(&first, &Quiet).unwrap(), &Quiet).unwrap();
 
     for (what, recipe) in spread() {
-        let input = recipe.input.as_ref().map_or(0, Input::bytes);
+        let input = recipe.inputs.iter().map(Input::bytes).sum::<u64>();
         let (grown, peak, forecast) = measured(input, |monitor| grow(&recipe, monitor));
         compare(&format!("{what}: growing"), peak, forecast, &mut faults);
         let grown = grown.unwrap();

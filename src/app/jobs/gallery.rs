@@ -13,7 +13,7 @@ use linden::grow::{GrowError, Grown, grow};
 use linden::knob::Value;
 use linden::lsystem::LsystemError;
 use linden::picture::Picture;
-use linden::preset::{Generator, PresetKnob, Section, Space};
+use linden::preset::{Generator, PresetKnob, Section};
 use linden::recipe::{Geometry, Recipe};
 use linden::{Cancelled, Monitor};
 use linden_raster::extent::RINGS;
@@ -102,7 +102,7 @@ impl GalleryRequest {
         }
         let mut preset = self.base.preset.clone();
         preset.set(self.knob, &value.to_string()).map_err(|error| error.to_string())?;
-        Ok(Arc::new(Recipe { preset, input: self.base.input.clone() }))
+        Ok(Arc::new(Recipe { preset, inputs: self.base.inputs.clone() }))
     }
 
     fn row(&self) -> Option<PresetKnob> {
@@ -253,6 +253,7 @@ impl Studio<'_> {
         recipe.preset.bark.size_px = recipe.preset.bark.size_px.min(BARK_PX);
         let grown = Grown {
             skeleton: Arc::clone(&sitter.plant.skeleton),
+            wood: recipe.preset.wood,
             organs: Arc::clone(&sitter.plant.organs),
             symbols: None,
             colonized: None,
@@ -311,8 +312,9 @@ fn grow_within_limits(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Plant, N
     match &mut limited.preset.generator {
         Generator::LSystem(own) => own.symbol_limit = own.symbol_limit.min(MOST_SYMBOLS),
         Generator::Colonization(own) => {
-            let points = match (&own.space, recipe.input.as_ref().map(|input| &input.geometry)) {
-                (Space::Points { .. }, Some(Geometry::Points(points))) => points.len(),
+            let given = own.space.file().and_then(|file| recipe.input(file)).map(|input| &input.geometry);
+            let points = match given {
+                Some(Geometry::Points(points)) => points.len(),
                 _ => own.points as usize,
             };
             if points > MOST_POINTS {

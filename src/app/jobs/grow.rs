@@ -96,7 +96,7 @@ pub fn grow_shown(recipe: &Arc<Recipe>, watcher: &Watcher<'_>) -> Option<Result<
 pub fn stage(shown: &Shown, step: u32, watcher: &Watcher<'_>) -> Result<Option<Plant>, Option<String>> {
     let mut recipe = (*shown.recipe).clone();
     let Generator::LSystem(own) = &mut recipe.preset.generator else {
-        let young = shown.grown.skeleton.until(step, &recipe.preset.wood);
+        let young = shown.grown.skeleton.until(step, &shown.grown.wood, recipe.preset.wood_key());
         let young = Plant { skeleton: Arc::new(young), organs: Arc::default() };
         return Ok(Some(young).filter(|young| !young.skeleton.positions.is_empty()));
     };

@@ -12,6 +12,7 @@ use glam::Vec3;
 
 use crate::memory::bytes_of;
 use crate::scene::Bounds;
+use crate::skeleton::refine::Rider;
 
 pub use mesh::{Foliage, FoliageError, Shaper, meshes};
 pub use prototype::{PROTOTYPES, Prototype, prototype};
@@ -118,6 +119,28 @@ impl Organs {
             Some(placed) => (&self.placed.growth, placed),
         };
         Hanging { node: all.nodes[at], color: all.colors[at], birth: all.births[at] }
+    }
+
+    /// What refinement is to take along: the polygons, then the organs of the table.
+    pub fn riders(&self) -> Vec<Rider> {
+        let nodes = self.polygons.growth.nodes.iter().chain(&self.placed.growth.nodes);
+        nodes.map(|&node| Rider { node, moved: Vec3::ZERO }).collect()
+    }
+
+    /// Goes where refinement took the [`riders`](Self::riders).
+    pub(crate) fn follow(&mut self, riders: &[Rider]) {
+        let (polygons, placed) = riders.split_at(self.polygons.growth.nodes.len());
+        let mut start = 0;
+        for (polygon, rider) in polygons.iter().enumerate() {
+            self.polygons.growth.nodes[polygon] = rider.node;
+            let end = self.polygons.ends[polygon] as usize;
+            self.polygons.corners[start..end].iter_mut().for_each(|corner| *corner += rider.moved);
+            start = end;
+        }
+        for (organ, rider) in placed.iter().enumerate() {
+            self.placed.growth.nodes[organ] = rider.node;
+            self.placed.positions[organ] += rider.moved;
+        }
     }
 
     /// The corners of a polygon.

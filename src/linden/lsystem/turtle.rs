@@ -109,8 +109,8 @@ pub(super) struct Turtle<'a> {
 }
 
 impl<'a> Turtle<'a> {
-    /// `segments` is how many segments there will be, 0 when nobody knows, `depth` how many branches
-    /// are open at once.
+    /// `segments` is how many segments there will be, 0 when nobody knows, `depth` how many branches are
+    /// open at once.
     ///
     /// # Errors
     /// [`OverMemory`] where so many would take too much.

@@ -6,7 +6,8 @@
 //! made from it. A mesh read from a file is a crown too ([`envelope::Envelope`]), without a row: its
 //! dimensions are the file's.
 //!
-//! Every sample is uniform in volume and depends on its key alone.
+//! Every sample is uniform in volume, but for [`favor::Favored`], and depends on its key alone.
+//! Crowns are put together from others by [`compound::Compound`] and moved by [`placed::Placed`].
 
 pub mod bezier;
 pub mod compound;
@@ -26,6 +27,7 @@ pub mod weber_penn;
 mod winding;
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use glam::{DVec2, DVec3, Vec3};
 
@@ -49,6 +51,28 @@ pub trait Crown: Sync + Send {
 
     /// The volume in cubic metres.
     fn volume_m3(&self) -> f64;
+}
+
+impl<C: Crown + ?Sized> Crown for Arc<C> {
+    fn bounds(&self) -> Bounds {
+        (**self).bounds()
+    }
+
+    fn contains(&self, p: DVec3) -> bool {
+        (**self).contains(p)
+    }
+
+    fn sample(&self, key: Key) -> DVec3 {
+        (**self).sample(key)
+    }
+
+    fn outline(&self) -> Vec<Vec<Vec3>> {
+        (**self).outline()
+    }
+
+    fn volume_m3(&self) -> f64 {
+        (**self).volume_m3()
+    }
 }
 
 /// All shapes that are described by knobs. A new shape is its own file and one line here.
@@ -152,6 +176,12 @@ impl Shape {
     /// A name that is no knob of the shape, a value out of range, or dimensions that enclose nothing.
     pub fn of(&self, set: &[(&str, Value)]) -> Result<Box<dyn Crown>, CrownError> {
         (self.build)(&Dimensions::of(self, set)?)
+    }
+
+    /// Puts dimensions in the order of the shape's knobs: documents and recipes name them in orders of
+    /// their own, and are to give equal presets.
+    pub(crate) fn sort(&self, dimensions: &mut [(&'static str, Value)]) {
+        dimensions.sort_by_key(|(name, _)| self.knobs.iter().position(|own| own.knob.name == *name));
     }
 }
 

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::site::{Site, Suggested};
+use super::site::{Grove, Site, Suggested};
 use crate::colonization::growth::GrowthError;
 use crate::colonization::{scan, scatter};
 use crate::grow::GrowError;
@@ -31,6 +31,7 @@ pub(super) fn at_points(
         return Ok(Site {
             points: scan.points,
             root: given_root.unwrap_or(scan.root),
+            grove: Grove::default(),
             origin,
             suggested: Suggested {
                 step: scan.step_m,
@@ -51,6 +52,7 @@ pub(super) fn at_points(
     Ok(Site {
         points,
         root,
+        grove: Grove::default(),
         origin,
         suggested: Suggested::for_volume(spacing_m),
         moves_to_root: true,
