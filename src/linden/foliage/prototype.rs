@@ -151,7 +151,7 @@ fn berry() -> Mesh {
             }
         }
     }
-    compact(mesh)
+    compact(&mesh)
 }
 
 /// A pyramid of three sides, so that it is seen from each.
@@ -196,7 +196,7 @@ fn with_smooth_normals(mut mesh: Mesh) -> Mesh {
 }
 
 /// Without the vertices that no triangle has.
-fn compact(mesh: Mesh) -> Mesh {
+fn compact(mesh: &Mesh) -> Mesh {
     let mut kept = Mesh::default();
     let mut index = vec![None; mesh.positions.len()];
     let mut keep = |vertex: u32| {

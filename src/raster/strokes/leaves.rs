@@ -116,7 +116,7 @@ pub(super) fn each_pixel(facet: &Facet, rows: Rows, mut each: impl FnMut(usize, 
     // Inside is where all three are positive: normal, place on the edge, and how far a pixel reaches.
     let edges = [(a, b), (b, c), (c, a)].map(|(from, to)| {
         let normal = (to - from).perp();
-        (normal, from, (normal.x.abs() + normal.y.abs()) / 2.0)
+        (normal, from, f32::midpoint(normal.x.abs(), normal.y.abs()))
     });
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));
     let (top, bottom) = (rows.top as f32, (rows.top + rows.height) as f32);

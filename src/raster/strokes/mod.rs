@@ -87,23 +87,23 @@ pub(crate) struct Facet {
 pub(crate) struct Runs {
     pub strokes: Vec<Stroke>,
     pub facets: Vec<Facet>,
-    pub runs: Vec<Run>,
+    pub sequence: Vec<Run>,
 }
 
 impl Runs {
     /// Adds a stroke of its own.
     pub fn begin(&mut self, kind: Kind, stroke: Stroke) {
         let first = self.strokes.len() as u32;
-        self.runs.push(Run { first, len: 1, kind, depth_m: stroke.depth_m, rows: rows(&stroke) });
+        self.sequence.push(Run { first, len: 1, kind, depth_m: stroke.depth_m, rows: rows(&stroke) });
         self.strokes.push(stroke);
     }
 
     /// Adds a stroke that starts where the last one ends: to its run where both are of a kind and,
     /// within `slice_m`, of a depth.
     pub fn follow(&mut self, kind: Kind, mut stroke: Stroke, slice_m: f32) {
-        let last = self.runs.last().filter(|run| run.kind != Kind::Facets);
+        let last = self.sequence.last().filter(|run| run.kind != Kind::Facets);
         let begun = last.map(|run| self.strokes[run.first as usize].depth_m);
-        if let (Some(run), Some(begun)) = (self.runs.last_mut(), begun) {
+        if let (Some(run), Some(begun)) = (self.sequence.last_mut(), begun) {
             let near = (stroke.depth_m - begun).abs() <= slice_m;
             if near && run.kind == kind && run.len < LONGEST_RUN {
                 run.len += 1;
@@ -133,7 +133,7 @@ impl Runs {
         let ys = || facets.iter().flat_map(|facet| facet.corners).map(|corner| corner.y);
         let rows = [ys().fold(f32::INFINITY, f32::min), ys().fold(f32::NEG_INFINITY, f32::max)];
         let first = self.facets.len() as u32;
-        self.runs.push(Run { first, len: facets.len() as u32, kind: Kind::Facets, depth_m, rows });
+        self.sequence.push(Run { first, len: facets.len() as u32, kind: Kind::Facets, depth_m, rows });
         self.facets.extend_from_slice(facets);
     }
 
@@ -142,7 +142,7 @@ impl Runs {
         let (strokes, facets) = (self.strokes.len() as u32, self.facets.len() as u32);
         self.strokes.extend_from_slice(&other.strokes);
         self.facets.extend_from_slice(&other.facets);
-        self.runs.extend(other.runs.iter().map(|run| {
+        self.sequence.extend(other.sequence.iter().map(|run| {
             let shift = if run.kind == Kind::Facets { facets } else { strokes };
             Run { first: run.first + shift, ..*run }
         }));

@@ -34,7 +34,7 @@ impl Runs {
         monitor.check()?;
         // The bits of floats that are not negative sort as the floats do.
         let far = |run: &Run| !run.depth_m.max(0.0).to_bits();
-        self.runs.par_sort_unstable_by_key(|run| (far(run), run.first));
+        self.sequence.par_sort_unstable_by_key(|run| (far(run), run.first));
         Ok(())
     }
 
@@ -47,7 +47,7 @@ impl Runs {
     ) -> Result<(), RasterError> {
         let (top, bottom) = (rows.top as f32, (rows.top + rows.height) as f32);
         let mut brush = Brush::new(rows);
-        for (i, run) in self.runs.iter().enumerate() {
+        for (i, run) in self.sequence.iter().enumerate() {
             if i % CHECK_EVERY == 0 {
                 monitor.check()?;
             }

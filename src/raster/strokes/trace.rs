@@ -103,7 +103,7 @@ impl<'a> Tracer<'a> {
         let parts = traced.collect::<Result<Vec<Runs>, RasterError>>()?;
         let mut all = Runs::default();
         all.strokes.reserve(parts.iter().map(|part| part.strokes.len()).sum());
-        all.runs.reserve(parts.iter().map(|part| part.runs.len()).sum());
+        all.sequence.reserve(parts.iter().map(|part| part.sequence.len()).sum());
         for part in &parts {
             all.append(part);
         }
