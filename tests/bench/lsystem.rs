@@ -6,7 +6,8 @@
 #![expect(clippy::expect_used, reason = "a benchmark that cannot run stops")]
 
 use divan::counter::ItemsCount;
-use linden::lsystem::{Grammar, Settings, derive_string, forecast, grow};
+use linden::lsystem::{Grammar, Settings, Way, derive_by, derive_string, forecast, grow};
+use linden::skeleton::{Skeleton, Wood};
 use linden::{DVec3, NO_PARENT, Quiet};
 
 const RULE: &str = "F[+F]F[-F]F";
@@ -91,11 +92,94 @@ fn forecast_abop(bencher: divan::Bencher, derivations: u32) {
     bencher.bench(|| forecast(&grammar, derivations));
 }
 
-/// Grows by a few symbols a step, so that nothing saturates: the slowest kind of forecast.
-#[divan::bench(name = "forecast: linear growth", args = [10_000])]
-fn forecast_linear(bencher: divan::Bencher, derivations: u32) {
-    let grammar = Grammar::new("A", &["A -> F[+L]B", "B -> F[-L]A", "L -> FFL"]).expect("it is balanced");
-    bencher.bench(|| forecast(&grammar, derivations));
+/// Every kind of counting at its longest: growth so slow that nothing saturates, with chance, with
+/// cuts, with conditions that need 30 or 3000 different modules, and with contexts.
+const SLOW: [(&str, &str, &[&str]); 7] = [
+    ("linear growth", "A", &["A -> F[+L]B", "B -> F[-L]A", "L -> FFL"]),
+    ("chance", "A", &["A -> (0.5) F[+L]A", "A -> (0.5) FA", "L -> (0.1) FFL", "L -> (0.9) L"]),
+    ("chance and cuts", "A", &["A -> (0.9) F[+L]A", "A -> (0.1) A%", "L -> FFL"]),
+    ("counters", "A(0)", &["A(t) : t < 29 -> A(t+1)", "A(t) : t >= 29 -> F[+A(5)]A(0)"]),
+    ("long counters", "A(0)", &["A(t) : t < 3000 -> A(t+1)", "A(t) : t >= 3000 -> F[+A(5)]A(0)"]),
+    ("numbers without end", "A(0)", &["A(t) : t >= 0 -> F[+A(t+1)]A(t+2)"]),
+    ("contexts", "FA", &["F < A -> FBA", "A < B -> F", "F > B -> FF"]),
+];
+
+#[divan::bench(name = "forecast: 10 000 derivations", args = SLOW.map(|(name, ..)| name))]
+fn forecast_slow(bencher: divan::Bencher, name: &str) {
+    let found = SLOW.iter().find(|(other, ..)| *other == name);
+    let (_, axiom, rules) = found.expect("the arguments are the table's");
+    let grammar = Grammar::new(axiom, rules).expect("the rules are balanced");
+    bencher.bench(|| forecast(&grammar, 10_000));
+}
+
+/// ABOP, Fig. 2.6 a.
+fn honda(derivations: u32) -> (Grammar, Settings, u64) {
+    let rules = [
+        "#define r1 0.9",
+        "#define r2 0.6",
+        "#define wr 0.707",
+        "A(l,w) -> !(w)F(l)[&(45)B(l*r2,w*wr)]/(137.5)A(l*r1,w*wr)",
+        "B(l,w) -> !(w)F(l)[-(45)$C(l*r2,w*wr)]C(l*r1,w*wr)",
+        "C(l,w) -> !(w)F(l)[+(45)$B(l*r2,w*wr)]B(l*r1,w*wr)",
+    ];
+    let grammar = Grammar::new("A(1,10)", &rules).expect("the rules are ABOP's");
+    let symbols = forecast(&grammar, derivations).expect("it is in range").symbols as u64;
+    (grammar, Settings { derivations, symbol_limit: 1 << 30, ..Settings::default() }, symbols)
+}
+
+#[divan::bench(name = "grow: linden, parametric (ABOP 2.6 a)", args = [12, 20])]
+fn grow_honda(bencher: divan::Bencher, derivations: u32) {
+    let (grammar, settings, symbols) = honda(derivations);
+    bencher.counter(ItemsCount::new(symbols)).bench(|| {
+        let grown = grow(&grammar, &settings, &Quiet).expect("it is within the limit");
+        assert_eq!(grown.symbols, symbols);
+        grown
+    });
+}
+
+#[divan::bench(name = "grow: symbios, parametric (ABOP 2.6 a)", args = [12])]
+fn grow_honda_symbios(bencher: divan::Bencher, derivations: usize) {
+    use symbios_turtle_3d::{TurtleConfig, TurtleInterpreter};
+    let (_, _, symbols) = honda(derivations as u32);
+    bencher.counter(ItemsCount::new(symbols)).bench(|| {
+        let source = "omega: A(1,10)\n\
+            A(l,w) -> !(w) F(l) [ &(45) B(l*0.6,w*0.707) ] /(137.5) A(l*0.9,w*0.707)\n\
+            B(l,w) -> !(w) F(l) [ -(45) $ C(l*0.6,w*0.707) ] C(l*0.9,w*0.707)\n\
+            C(l,w) -> !(w) F(l) [ +(45) $ B(l*0.6,w*0.707) ] B(l*0.9,w*0.707)";
+        let mut system = symbios::System::from_source(source).expect("the rules are ABOP's");
+        system.derive(derivations).expect("it is within the limit");
+        assert_eq!(system.state.len() as u64, symbols);
+        let mut turtle = TurtleInterpreter::new(TurtleConfig::default());
+        turtle.populate_standard_symbols(&system.interner);
+        turtle.build_skeleton(&system.state)
+    });
+}
+
+/// From a grammar to the axes and radii of the tree.
+#[divan::bench(name = "skeleton: linden")]
+fn skeleton_linden(bencher: divan::Bencher) {
+    let (grammar, settings) = weed();
+    bencher.counter(ItemsCount::new(SYMBOLS)).bench(|| {
+        let grown = grow(&grammar, &settings, &Quiet).expect("it is within the limit");
+        Skeleton::build(grown.branching, &Wood::default()).expect("what grew is a tree")
+    });
+}
+
+/// A signal that divides what it passes, on so many threads; strings grow to some 1.6 million.
+#[divan::bench(name = "derive: linden, contexts", args = [1, 2])]
+fn derive_contexts(bencher: divan::Bencher, threads: usize) {
+    let rules = [
+        "#ignore +",
+        "A(a) < A(x) > A(b) -> (0.5) A(x+1)A(a)",
+        "A(a) < A(x) > A(b) -> (0.5) A(b)[+A(x)]A(1)",
+    ];
+    let grammar = Grammar::new("A(1)A(2)A(3)A(4)A(5)", &rules).expect("it is balanced");
+    let settings = Settings { derivations: 26, symbol_limit: 1 << 30, ..Settings::default() };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
+    let mut derive =
+        || pool.install(|| derive_by(&grammar, &settings, Way::Best)).expect("it is within the limit");
+    let symbols = derive().births.len();
+    bencher.counter(ItemsCount::new(symbols)).bench_local(derive);
 }
 
 /// What a program writes first.

@@ -86,3 +86,140 @@ fn places_are_bytes_for_programs_and_columns_for_people() {
     assert_eq!((error.part, error.offset, error.column), (Part::Rule(1), 11, 7));
     assert_eq!(error.problem, Problem::Unopened);
 }
+
+#[test]
+fn what_the_wider_language_gets_wrong_is_told_with_its_place() {
+    for (axiom, rule, message) in [
+        (
+            "F",
+            "A(l) -> F(lenght)",
+            "rule 1, column 11: unknown name 'lenght' (known: l); '#define lenght …' would make it a constant",
+        ),
+        (
+            "F",
+            "A(length) -> F(lenght)",
+            "rule 1, column 16: unknown name 'lenght' (did you mean 'length'?); '#define lenght …' would make it a constant",
+        ),
+        (
+            "F",
+            "A(l,w) -> F(q)",
+            "rule 1, column 13: unknown name 'q' (known: l, w); '#define q …' would make it a constant",
+        ),
+        ("F", "A(l) -> F(sine(l))", "rule 1, column 11: unknown function 'sine' (did you mean 'sin'?)"),
+        ("F", "A(l) -> F(min(l))", "rule 1, column 16: 'min' takes 2 arguments, found 1"),
+        ("F", "A(l) -> F(abs(l,1))", "rule 1, column 16: 'abs' takes 1 argument, found 2"),
+        (
+            "F",
+            "A(l) : l = 3 -> F",
+            "rule 1, column 10: expected an operator ('==' compares, '->' begins the successor), found '='",
+        ),
+        (
+            "F",
+            "A(l) : 1 < l < 3 -> F",
+            "rule 1, column 14: expected one comparison (join two with '&&'), found '<'",
+        ),
+        ("F", "A(l) : l > 3", "rule 1, column 13: expected '->' or '→', found the end"),
+        ("F", "A(l) : (l > 3 -> F", "rule 1, column 15: expected ')', found '-'"),
+        ("F", "A(l) -> F(l+)", "rule 1, column 13: expected a number, found ')'"),
+        ("F", "A(l) -> F(l l)", "rule 1, column 13: expected an operator, ',' or ')', found 'l'"),
+        ("F", "A(3) -> F", "rule 1, column 3: expected the name of a parameter, found '3'"),
+        ("F", "A(x,x) -> F", "rule 1, column 5: 'x' is already defined; use another name"),
+        ("F", "A(x) < B(x) -> F", "rule 1, column 10: 'x' is already defined; use another name"),
+        (
+            "F",
+            "A(sin) -> F",
+            "rule 1, column 3: expected the name of a parameter ('sin' is a function), found 's'",
+        ),
+        ("F", "|(x) -> F", "rule 1, column 2: expected no number after '|', found '('"),
+        ("F", "A < -> F", "rule 1, column 9: expected '->', '→' or '=' after '-', found the end"),
+        ("F", "A > -> F", "rule 1, column 5: expected the right context, found '-'"),
+        ("F", "A > [B -> F", "rule 1, column 5: '[' opens a branch that is never closed"),
+        ("F", "A > B% -> F", "rule 1, column 6: expected a symbol of the right context, found '%'"),
+        (
+            "F",
+            "[B] < A -> F",
+            "rule 1, column 1: expected a symbol that can be rewritten (brackets and '%' cannot), found '['",
+        ),
+        (
+            "F",
+            "A < B < C -> F",
+            "rule 1, column 7: '<' ends a left context, before the symbol to rewrite; it is no symbol",
+        ),
+        ("F", "A -> B:C", "rule 1, column 7: ':' begins a condition, before the arrow; it is no symbol"),
+        (
+            "F",
+            "A -> #B",
+            "rule 1, column 6: '#' begins a line of its own, '#define' or '#ignore'; it is no symbol",
+        ),
+        (
+            "F",
+            "#include F",
+            "rule 1, column 1: expected '#define name value' or '#ignore symbols', found '#include'",
+        ),
+        ("F", "#define 3 4", "rule 1, column 9: expected a name, as in '#define r 0.9', found '3'"),
+        (
+            "F",
+            "#define sin 4",
+            "rule 1, column 9: expected a name of your own ('sin' is a function), found 's'",
+        ),
+        ("F", "#define r", "rule 1, column 10: expected a number, found the end"),
+        ("F", "#define r 1/0", "rule 1, column 11: '1/0' is inf, which is no number to compute with"),
+        (
+            "F",
+            "#define r ran(2)",
+            "rule 1, column 11: 'ran(2)' depends on chance, but must be a constant here",
+        ),
+        ("F", "#define r 2 3", "rule 1, column 13: expected an operator, ',' or ')', found '3'"),
+        (
+            "F",
+            "#ignore +[",
+            "rule 1, column 10: expected a symbol that can be ignored (brackets and '%' cannot), found '['",
+        ),
+        ("F(2-3)", "F -> F", "axiom, column 3: 2-3 = -1 is out of range: 0.000001 to 1000000"),
+        (
+            "F",
+            "A(x) : x > 1 -> (0.5) F",
+            "rule 1, column 1: the probabilities of the rules for 'A(x) : x>1' sum to 0.5, not to 1",
+        ),
+        (
+            "F",
+            "A < B(x) > [C]D -> (0.5+0.1) F",
+            "rule 1, column 1: the probabilities of the rules for 'A < B(x) > [C]D' sum to 0.6, not to 1",
+        ),
+        ("F", "A -> (2*0.7) F", "rule 1, column 7: 2*0.7 = 1.4 is out of range: 0 to 1"),
+    ] {
+        assert_eq!(refusal(axiom, &[rule]), message, "{rule}");
+    }
+    assert_eq!(
+        refusal("F", &["#define r 1", "#define r 2"]),
+        "rule 2, column 9: 'r' is already defined; use another name"
+    );
+    let deep = format!("A(x) -> F({}x{})", "1+(".repeat(40), ")".repeat(40));
+    assert!(refusal("F", &[&deep]).contains("more than 32 operands wait"));
+}
+
+#[test]
+fn rules_are_written_back_as_they_were() {
+    let lines = [
+        "#define r1 0.9",
+        "#define half (r1+0.1)/2",
+        "#ignore +-F/",
+        "A(l,w) : l>r1&&!(w<1||w>=3) -> (half) !(w)F(l*-2^(w-1))[&(45)B(-(l+1)/2-(1-w))]",
+        "A(l,w) : l>r1&&!(w<1||w>=3) -> (1-half) {.~L(2)f.}",
+        "BC(x) < S > G[H(y)]M -> S(x,max(y,0.5))",
+        "F -> FF",
+    ];
+    let grammar = Grammar::new("A(1,10)", &lines).unwrap();
+    assert_eq!(grammar.to_string(), format!("A(1,10)\n{}\n", lines.join("\n")));
+    // The older format's arrow, ABOP's, and blanks anywhere.
+    let same = Grammar::new("F", &["A ( l , w ) : l > 1 → F ( l * 2 )", "B(x) = F(x)"]).unwrap();
+    assert_eq!(same, Grammar::new("F", &["A(l,w):l>1->F(l*2)", "B(x)->F(x)"]).unwrap());
+}
+
+#[test]
+fn long_texts_do_not_exhaust_the_call_stack() {
+    let sum = format!("A(x) -> B({}x)", "1+".repeat(200_000));
+    let grammar = Grammar::new("A(1)", &[sum]).unwrap();
+    assert_eq!(Grammar::new("A(1)", &[grammar.productions()[0].to_string()]).unwrap(), grammar);
+    assert!(refusal("F", &[&format!("A(x) -> B({}x)", "-(".repeat(200_000))]).contains("expected ')'"));
+}

@@ -27,14 +27,16 @@ impl Scope<'_> {
             let constants = self.constants.iter().map(|(name, _)| name.as_str());
             self.parameters.iter().map(String::as_str).chain(constants)
         };
-        let hint = match nearest(name, known()) {
+        // Of names of one letter each is near to every other.
+        let near = nearest(name, known()).filter(|_| name.chars().nth(2).is_some());
+        let hint = match near {
             Some(near) => did_you_mean(Some(near)),
             None => {
                 let list: Vec<&str> = known().take(8).collect();
                 if list.is_empty() {
                     String::new()
                 } else {
-                    format!(" (known are {})", printable(&list.join(", ")))
+                    format!(" (known: {})", printable(&list.join(", ")))
                 }
             }
         };
@@ -241,7 +243,7 @@ fn unknown_function(name: &str) -> Problem {
     let names = || Function::ALL.iter().map(|function| function.name());
     let hint = match nearest(name, names()) {
         Some(near) => did_you_mean(Some(near)),
-        None => format!(" (known are {})", names().collect::<Vec<_>>().join(", ")),
+        None => format!(" (known: {})", names().collect::<Vec<_>>().join(", ")),
     };
     Problem::UnknownFunction { name: excerpt(name), hint }
 }
