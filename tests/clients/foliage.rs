@@ -14,7 +14,7 @@ use crate::outside::{exported, run};
 /// A branch with outlines of three kinds and every organ, in four colours of which three are given.
 fn scene() -> (Recipe, Grown, Scene) {
     let mut preset = builtin("abop-a").unwrap().load().unwrap();
-    preset.name = "Leafy".to_owned();
+    "Leafy".clone_into(&mut preset.name);
     let linden::preset::Generator::LSystem(own) = &mut preset.generator else { panic!("it is one") };
     let rules = [
         "A -> FF[&+FEA]/////[&-F'~LA]///////F~NA",
