@@ -602,11 +602,11 @@ fn estimates_are_on_screen_for_what_is_ticked() {
     let estimate = bench.dialog().estimate(tree.shown.as_ref().unwrap()).unwrap();
     assert!((2550..2650).contains(&estimate.triangles));
     let text = bench.text(100, 30);
-    assert!(text.contains("2 600 triangles, about 770 KiB"), "{text}");
+    assert!(text.contains("2 600 triangles, about 771 KiB"), "{text}");
     // One of an older tree is not told.
     bench.model.tree.as_mut().unwrap().set("seed", "99", Instant::now()).unwrap();
     let text = bench.text(100, 30);
-    assert!(text.contains("still growing") && !text.contains("770 KiB"), "{text}");
+    assert!(text.contains("still growing") && !text.contains("771 KiB"), "{text}");
 }
 
 #[test]
