@@ -4,12 +4,14 @@
 //! deserves); bytes follow from counts and from what each format was measured to need. A test holds
 //! the sum for every built-in preset and format within 30 % of the real files.
 
+use std::collections::BTreeSet;
 use std::f32::consts::PI;
 
+use linden::grow::Grown;
 use linden::monitor::{Cancelled, Monitor};
 use linden::preset::{BarkLook, Preset};
 use linden::recipe::Recipe;
-use linden::skeleton::{NO_PARENT, Skeleton};
+use linden::skeleton::NO_PARENT;
 use linden::texture::BarkStyle;
 
 use crate::{Format, Options};
@@ -21,6 +23,10 @@ pub struct Estimate {
     pub vertices: u64,
     /// Triangles of the surface.
     pub triangles: u64,
+    /// Vertices of the foliage, which has no pictures.
+    foliage_vertices: u64,
+    /// Materials of the foliage.
+    foliage_colors: u64,
     nodes: u64,
     axes: u64,
     /// The recipe's line.
@@ -33,12 +39,13 @@ pub struct Estimate {
 const AXES_PER_CHECK: usize = 4096;
 
 impl Estimate {
-    /// Counts what the surface of a tree will have. Takes about 10 ns a node.
+    /// Counts what the surface and the foliage of a tree will have. Takes about 10 ns a node.
     ///
     /// # Errors
     /// [`Cancelled`].
-    pub fn new(recipe: &Recipe, skeleton: &Skeleton, monitor: &dyn Monitor) -> Result<Self, Cancelled> {
-        let Preset { tubes, bark, .. } = &recipe.preset;
+    pub fn new(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Self, Cancelled> {
+        let Preset { tubes, bark, foliage, .. } = &recipe.preset;
+        let skeleton = &grown.skeleton;
         let thickest_m = skeleton.radii.iter().copied().fold(0.0, f32::max);
         let sides = Sides::new(tubes.sides, thickest_m);
         let (mut vertices, mut triangles) = (0, 0);
@@ -51,8 +58,13 @@ impl Estimate {
                 let (base, tip) = (of(base), of(tip));
                 // A lateral has a ring in its parent, as thick as its first own one.
                 let foot = if axis.parent == NO_PARENT { 0 } else { base };
-                let rings = own.len() as u64 + u64::from(foot > 0);
-                let around = own.iter().map(|&node| of(node)).sum::<u64>() + foot;
+                let mut rings = own.len() as u64 + u64::from(foot > 0);
+                let mut around = own.iter().map(|&node| of(node)).sum::<u64>() + foot;
+                if tubes.rings > 1 {
+                    let extra = u64::from(tubes.rings - 1);
+                    around += foot * extra + between(own, tubes.rings, &skeleton.radii, &sides);
+                    rings += (rings - 1) * extra;
+                }
                 // Each ring has a seam; the tip and the base have vertices of their own.
                 vertices += around + rings + base + tip;
                 // Two triangles a side, one at the two ends; then the tip's and the base's.
@@ -60,9 +72,15 @@ impl Estimate {
                 triangles += base.saturating_sub(2) + tip;
             }
         }
+        let (foliage_vertices, foliage_triangles) = grown.organs.amount();
+        let last = foliage.leaf_colors.len().saturating_sub(1) as u64;
+        let colors: BTreeSet<u64> =
+            (0..grown.organs.len()).map(|i| last.min(grown.organs.growth(i).color.into())).collect();
         Ok(Self {
-            vertices,
-            triangles,
+            vertices: vertices + foliage_vertices,
+            triangles: triangles + foliage_triangles,
+            foliage_vertices,
+            foliage_colors: colors.len() as u64,
             nodes: skeleton.positions.len() as u64,
             axes: skeleton.axes.len() as u64,
             recipe_bytes: recipe.to_line().len() as u64,
@@ -93,10 +111,11 @@ impl Estimate {
                 87.0 * vertices as f64 + faces + lines + (recipe + 500) as f64
             }
             "usda" => {
+                let materials = 900 * self.foliage_colors;
                 // `3, ` and `a, b, c, `.
                 let faces = triangles as f64 * (3.0 * digits + 9.0);
                 let curves = skeleton(options.is_on("skeleton"), 49.0 * (nodes + axes) as f64);
-                85.0 * vertices as f64 + faces + curves + (2 * recipe + 3000) as f64
+                85.0 * vertices as f64 + faces + curves + (2 * recipe + 3000 + materials) as f64
             }
             "ply" if ascii => {
                 94.0 * vertices as f64 + triangles as f64 * (3.0 * digits + 5.0) + (recipe + 500) as f64
@@ -113,14 +132,24 @@ impl Estimate {
             "gltf" | "glb" => {
                 let tangent = if pictures > 0 { 16 } else { 0 };
                 let index = if u16::try_from(vertices).is_ok() { 2 } else { 4 };
-                let buffer = vertices * (32 + tangent) + triangles * 3 * index + pictures;
+                let tangents = tangent * (vertices - self.foliage_vertices);
+                let buffer = vertices * 32 + tangents + triangles * 3 * index + pictures;
                 let buffer = if options.is_on("embed") { buffer.div_ceil(3) * 4 } else { buffer };
-                return buffer + recipe + 1700;
+                return buffer + recipe + 1700 + 900 * self.foliage_colors;
             }
             _ => return 0,
         };
         text as u64 + pictures
     }
+}
+
+/// The sides of all rings between an axis' nodes.
+fn between(own: &[u32], rings: u32, radii: &[f32], sides: &Sides) -> u64 {
+    let of = |pair: &[u32], k: u32| {
+        let [from, to] = [pair[0], pair[1]].map(|node| radii[node as usize]);
+        sides.of(from + (to - from) * (k as f32 / rings as f32))
+    };
+    own.windows(2).flat_map(|pair| (1..rings).map(move |k| of(pair, k))).sum()
 }
 
 /// How many sides rings get, as the surface decides it: as far from a circle as the thickest, in
@@ -213,10 +242,10 @@ mod tests {
         let dir = tempfile::tempdir().unwrap();
         let target = dir.path().join("tree.any");
         for builtin in builtins() {
-            let recipe = Recipe { preset: builtin.load().unwrap(), input: None };
+            let recipe = Recipe { preset: builtin.load().unwrap(), inputs: Vec::new() };
             // What grows in a mesh needs its file.
             let Ok(grown) = grow(&recipe, &Quiet) else { continue };
-            let estimate = Estimate::new(&recipe, &grown.skeleton, &Quiet).unwrap();
+            let estimate = Estimate::new(&recipe, &grown, &Quiet).unwrap();
             let scene = dress(&recipe, &grown, &Quiet).unwrap();
             let mesh = &scene.parts[0].mesh;
             within(builtin.id, estimate.vertices, mesh.positions.len() as u64);
@@ -240,6 +269,8 @@ mod tests {
             ("sides", "3"),
             ("sides", "8"),
             ("sides", "96"),
+            ("rings", "2"),
+            ("rings", "7"),
             ("bark_size", "128"),
             ("bark_size", "1024"),
             ("bark", "smooth"),
@@ -249,9 +280,9 @@ mod tests {
         ] {
             let mut preset = linden::preset::builtin("older-f").unwrap().load().unwrap();
             preset.set(knob, value).unwrap();
-            let recipe = Recipe { preset, input: None };
+            let recipe = Recipe { preset, inputs: Vec::new() };
             let grown = grow(&recipe, &Quiet).unwrap();
-            let estimate = Estimate::new(&recipe, &grown.skeleton, &Quiet).unwrap();
+            let estimate = Estimate::new(&recipe, &grown, &Quiet).unwrap();
             let scene = dress(&recipe, &grown, &Quiet).unwrap();
             let what = format!("{knob}={value}");
             within(&what, estimate.triangles, scene.parts[0].mesh.triangles.len() as u64);

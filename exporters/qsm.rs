@@ -9,12 +9,13 @@
 //! comments get a bare table with `comments=false`, and the recipe is then lost.
 
 use linden::Monitor;
+use linden::memory::bytes_of;
 use linden::scene::Scene;
 use linden::skeleton::Cylinder;
 
 use crate::chunks::{self, Text};
 use crate::options::{OptionSpec, Options};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, sound};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, memory, sound};
 
 /// A table of cylinders.
 pub(crate) struct Qsm;
@@ -49,6 +50,9 @@ impl Exporter for Qsm {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         sound::check(scene, monitor)?;
+        let nodes = scene.skeleton.positions.len();
+        let own = bytes_of::<(Cylinder, Option<u32>)>(nodes) + chunks::bytes(nodes);
+        memory::admit(scene, &[], own, monitor)?;
         let mut head = String::new();
         if options.is_on("comments") {
             head = format!(

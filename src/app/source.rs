@@ -10,7 +10,7 @@ use anyhow::{Context, bail};
 use linden::input::{InputKind, sniff};
 use linden::knob::{did_you_mean, printable};
 use linden::lsystem::text;
-use linden::preset::{Fault, Preset, Space, builtin, builtin_file};
+use linden::preset::{Fault, Preset, RecipeError, Space, builtin, builtin_file};
 use linden::recipe::{Input, Recipe};
 use linden::{Cancelled, Monitor};
 
@@ -49,13 +49,11 @@ fn load(
     // What is not Unicode is no id, but may be a file.
     let hint = match path.to_str().map_or(Err(None), builtin) {
         Ok(found) => {
-            let preset = found.load().map_err(|fault| locate(found.id, &fault))?;
-            let input =
-                match (preset.space().and_then(Space::file), preset.space().and_then(|s| found.input(s))) {
-                    (Some(file), Some(bytes)) => Some(Input::read(file, bytes, monitor)?),
-                    _ => None,
-                };
-            return Ok((Recipe { preset, input }, Vec::new()));
+            let recipe = found.recipe(monitor).map_err(|error| match error {
+                RecipeError::Document(fault) => locate(found.id, &fault),
+                RecipeError::Input(error) => error.into(),
+            })?;
+            return Ok((recipe, Vec::new()));
         }
         Err(hint) => hint,
     };
@@ -123,40 +121,71 @@ fn read(
         }
     };
     let mut notes = Vec::new();
-    let input = match (kind, preset.space().and_then(Space::file)) {
-        (InputKind::Preset | InputKind::Recipe, Some(file)) => {
-            let beside = path.and_then(Path::parent).map_or_else(PathBuf::new, Path::to_owned).join(file);
-            let content = match (fs::read(&beside), builtin_file(file)) {
-                (Ok(content), _) => {
-                    files.push(beside.clone());
-                    content
+    let inputs = match kind {
+        InputKind::Preset | InputKind::Recipe => {
+            let inputs = read_beside(path, &preset, &shown, files, monitor)?;
+            if kind == InputKind::Recipe {
+                let hashes = recipe_hashes(bytes);
+                for (input, _) in inputs.iter().zip(hashes).filter(|(own, then)| own.hash_text() != *then) {
+                    notes.push(format!(
+                        "{} is not the file that the recipe was made with; another tree will grow",
+                        input.name
+                    ));
                 }
-                (Err(error), Some(content)) if error.kind() == ErrorKind::NotFound => content.to_vec(),
-                (Err(error), _) => {
-                    let reading = format!("reading {}, which {shown} needs", show(&beside));
-                    return Err(anyhow::Error::new(error).context(reading));
-                }
-            };
-            let input =
-                Input::read(file, &content, monitor).with_context(|| format!("reading {}", show(&beside)))?;
-            if kind == InputKind::Recipe && recipe_hash(bytes).is_some_and(|hash| hash != input.hash_text()) {
-                notes.push(format!(
-                    "{} is not the file that the recipe was made with; another tree will grow",
-                    show(&beside)
-                ));
             }
-            Some(input)
+            inputs
         }
-        (_, Some(_)) => Some(Input::read(&name, bytes, monitor).with_context(reading)?),
-        (_, None) => None,
+        InputKind::Grammar => Vec::new(),
+        InputKind::ObjMesh | InputKind::PlyMesh | InputKind::PlyPoints | InputKind::XyzPoints => {
+            vec![Input::read(&name, bytes, monitor).with_context(reading)?]
+        }
     };
-    Ok((Recipe { preset, input }, notes))
+    Ok((Recipe { preset, inputs }, notes))
 }
 
-/// The hash of the input that a recipe names.
-fn recipe_hash(recipe: &[u8]) -> Option<String> {
-    let document: serde_json::Value = serde_json::from_slice(recipe).ok()?;
-    document.get("input")?.get("xxh3")?.as_str().map(str::to_owned)
+/// Reads the files that a preset names: beside its document, or else the built-in ones.
+fn read_beside(
+    path: Option<&Path>,
+    preset: &Preset,
+    shown: &str,
+    files: &mut Vec<PathBuf>,
+    monitor: &dyn Monitor,
+) -> anyhow::Result<Vec<Input>> {
+    let folder = path.and_then(Path::parent).map_or_else(PathBuf::new, Path::to_owned);
+    let mut inputs = Vec::new();
+    for file in preset.files() {
+        let beside = folder.join(file);
+        let content = match (fs::read(&beside), builtin_file(file)) {
+            (Ok(content), _) => {
+                files.push(beside.clone());
+                content
+            }
+            (Err(error), Some(content)) if error.kind() == ErrorKind::NotFound => content.to_vec(),
+            (Err(error), _) => {
+                let reading = format!("reading {}, which {shown} needs", show(&beside));
+                return Err(anyhow::Error::new(error).context(reading));
+            }
+        };
+        let input =
+            Input::read(file, &content, monitor).with_context(|| format!("reading {}", show(&beside)))?;
+        inputs.push(input);
+    }
+    Ok(inputs)
+}
+
+/// The hashes of the inputs that a recipe names, in its order. Recipes of before there were parts have
+/// one, by itself.
+fn recipe_hashes(recipe: &[u8]) -> Vec<String> {
+    let Ok(document) = serde_json::from_slice::<serde_json::Value>(recipe) else { return Vec::new() };
+    let inputs = match (document.get("inputs"), document.get("input")) {
+        (Some(serde_json::Value::Array(inputs)), _) => inputs.iter().collect(),
+        (_, Some(input)) => vec![input],
+        _ => Vec::new(),
+    };
+    let hash = |input: &serde_json::Value| {
+        input.get("xxh3").and_then(serde_json::Value::as_str).unwrap_or_default().to_owned()
+    };
+    inputs.into_iter().map(hash).collect()
 }
 
 /// Text, or where it stops being one.

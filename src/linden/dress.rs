@@ -39,13 +39,14 @@ from_cancellable!(DressError: SurfaceError => Surface, FoliageError => Foliage, 
 /// Leaves are a little glossy.
 const LEAF_ROUGHNESS: f32 = 0.6;
 
-/// Gives a grown tree its surface, its foliage (a part and a material for each colour of it) and materials. Only the bark's pictures use the seed.
+/// Gives a grown tree its surface, its foliage (a part for each colour of it) and materials. Only the
+/// bark's pictures use the seed.
 ///
 /// # Errors
 /// [`DressError`]: too large, or cancelled.
 pub fn dress(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Scene, DressError> {
     let preset = &recipe.preset;
-    let held = grown.bytes() + recipe.input.as_ref().map_or(0, Input::bytes);
+    let held = grown.bytes() + recipe.inputs.iter().map(Input::bytes).sum::<u64>();
     let monitor: &dyn Monitor = &Holding::new(monitor, held);
     let wood = surface::sweep(&grown.skeleton, &preset.tubes, monitor)?;
     let bark = preset.bark.bark(Key::new(preset.seed).named("bark"));
@@ -61,7 +62,8 @@ pub fn dress(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Sc
     let mut materials = vec![material];
     let mut parts = vec![Part { name: "wood".to_owned(), material: 0, mesh: wood }];
     let colors = &preset.foliage.leaf_colors;
-    for Foliage { color, mesh } in foliage::meshes(&grown.organs, colors.len(), monitor)? {
+    let wooded = Holding::new(monitor, parts.iter().map(|part| part.mesh.bytes()).sum());
+    for Foliage { color, mesh } in foliage::meshes(&grown.organs, colors.len(), &wooded)? {
         let name = if color == 0 { "leaves".to_owned() } else { format!("leaves_{color}") };
         parts.push(Part { name: name.clone(), material: materials.len(), mesh });
         materials.push(Material {

@@ -4,27 +4,31 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use crate::colonization::PartError;
 use crate::colonization::crown::CrownError;
 use crate::colonization::crown::envelope::EnvelopeError;
-use crate::colonization::growth::GrowthError;
+use crate::colonization::growth::{GrowthError, NodeSet};
 use crate::colonization::plant::{Plant, plant};
-use crate::colonization::scan::ScanError;
+use crate::colonization::scan::{Fit, Girth, ScanError, fit, girth};
 use crate::colonization::scatter::ScatterError;
 use crate::foliage::Organs;
 use crate::knob::printable;
 use crate::lsystem::{self, LsystemError};
 use crate::memory::{Holding, OverMemory, bytes_of};
 use crate::monitor::{Cancelled, Monitor, from_cancellable};
-use crate::preset::{Generator, Preset};
+use crate::preset::{Generator, Preset, ScanRadius};
 use crate::random::Key;
 use crate::recipe::{Input, Recipe};
-use crate::skeleton::{Skeleton, SkeletonError};
+use crate::skeleton::refine::{RefineError, refine};
+use crate::skeleton::{Branching, Skeleton, SkeletonError, Wood};
 
 /// A grown tree, and how it came about.
 #[derive(Clone, Debug)]
 pub struct Grown {
     /// The axial tree.
     pub skeleton: Arc<Skeleton>,
+    /// What its radii were made by, with the rule settled: for [`Skeleton::until`].
+    pub wood: Wood,
     /// What grows on it.
     pub organs: Arc<Organs>,
     /// Length of the derived string; `None` for space colonization.
@@ -44,13 +48,26 @@ pub struct Colonized {
     pub unreached: usize,
     /// Iterations that placed nodes.
     pub iterations: u32,
+    /// How the tree compares with the scan that it grew into; `None` for what is no scan.
+    pub scan: Option<Scanned>,
+}
+
+/// A scan, and how near the tree that grew into it came.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scanned {
+    /// Points of the tree: without ground, strays and noise.
+    pub points: usize,
+    /// Nodes whose radius was measured on points; the others' follow by the pipe model.
+    pub measured_nodes: usize,
+    /// Distances both ways.
+    pub fit: Fit,
 }
 
 impl Grown {
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
         let points = self.colonized.as_ref().map_or(0, |own| own.points.capacity());
-        self.skeleton.bytes() + bytes_of::<Vec3>(points)
+        self.skeleton.bytes() + self.organs.bytes() + bytes_of::<Vec3>(points)
     }
 }
 
@@ -69,6 +86,25 @@ pub enum GrowError {
     /// The crown's shape.
     #[error("shaping the crown: {0}")]
     Crown(#[from] CrownError),
+    /// A part of the crown.
+    #[error("shaping the crown, part {number} ({what}): {problem}")]
+    Part {
+        /// Counted from 1, in the order of the document.
+        number: usize,
+        /// Its role and what it is, printable.
+        what: String,
+        /// Why, and what to do.
+        problem: PartError,
+    },
+    /// Obstacles and shade take all points away.
+    #[error(
+        "all {points} attraction points lie in obstacles or shade; make these smaller, move them, or ask for \
+         more points"
+    )]
+    NoRoom {
+        /// How many were scattered.
+        points: usize,
+    },
     /// The crown's mesh.
     #[error("filling the envelope: {0}")]
     Envelope(EnvelopeError),
@@ -81,6 +117,9 @@ pub enum GrowError {
     /// Space colonization.
     #[error(transparent)]
     Growth(GrowthError),
+    /// Refinement.
+    #[error("refining the branches: {0}")]
+    Refine(RefineError),
     /// The skeleton.
     #[error("building the skeleton: {0}")]
     Skeleton(#[from] SkeletonError),
@@ -105,6 +144,9 @@ pub enum GrowError {
         /// Metres.
         kill_m: f32,
     },
+    /// Obstacles stand in every way.
+    #[error("nothing grew: obstacles stand in the way of every first step; move root, or what is in the way")]
+    WalledIn,
     /// Single precision cannot hold a tree there.
     #[error(
         "the tree would stand {farthest_m:.0} m from the origin, where coordinates in single precision are \
@@ -140,14 +182,14 @@ pub enum GrowError {
     },
 }
 
-from_cancellable!(GrowError: LsystemError => LSystem, EnvelopeError => Envelope, ScatterError => Scatter, ScanError => Scan, GrowthError => Growth);
+from_cancellable!(GrowError: LsystemError => LSystem, EnvelopeError => Envelope, ScatterError => Scatter, ScanError => Scan, GrowthError => Growth, RefineError => Refine);
 
 /// Grows the tree of a recipe.
 ///
 /// ```
 /// use linden::{Quiet, grow::grow, preset::builtin, recipe::Recipe};
 /// let preset = builtin("abop-a").unwrap().load().map_err(|fault| fault.message)?;
-/// let grown = grow(&Recipe { preset, input: None }, &Quiet)?;
+/// let grown = grow(&Recipe { preset, inputs: Vec::new() }, &Quiet)?;
 /// assert_eq!(grown.skeleton.segments(), 3125); // ABOP, Fig. 1.24 a
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -161,17 +203,19 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
     {
         return Err(GrowError::Radii { base_m, tip_m });
     }
-    let monitor: &dyn Monitor = &Holding::new(monitor, recipe.input.as_ref().map_or(0, Input::bytes));
+    let monitor: &dyn Monitor = &Holding::new(monitor, recipe.inputs.iter().map(Input::bytes).sum::<u64>());
     let key = Key::new(*seed);
     match generator {
         Generator::LSystem(own) => {
             let settings = own.settings(*seed);
-            let lsystem::Grown { branching, organs, symbols } =
+            let lsystem::Grown { branching, mut organs, symbols } =
                 lsystem::grow(&own.grammar, &settings, monitor)?;
-            branching.admit_build(monitor)?;
-            let skeleton = Arc::new(Skeleton::build(branching, wood)?);
+            let monitor = &Holding::new(monitor, organs.bytes());
+            let raw = Raw { branching, captured: None, bark: None, most_nodes: own.symbol_limit };
+            let Built { skeleton, wood, .. } = build(raw, &mut organs, &recipe.preset, monitor)?;
             Ok(Grown {
                 skeleton,
+                wood,
                 organs: Arc::new(organs),
                 symbols: Some(symbols),
                 colonized: None,
@@ -179,17 +223,82 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
             })
         }
         Generator::Colonization(own) => {
-            let Plant { branching, points, unreached, iterations, notes } =
-                plant(own, recipe.input.as_ref(), key, monitor)?;
-            branching.admit_build(&Holding::new(monitor, bytes_of::<Vec3>(points.capacity())))?;
-            let skeleton = Arc::new(Skeleton::build(branching, wood)?);
+            let Plant { branching, captured, points, bark, unreached, iterations, notes } =
+                plant(own, recipe, key, monitor)?;
+            let held = bark.as_ref().map_or(0, Vec::capacity) + points.capacity();
+            let monitor = &Holding::new(monitor, bytes_of::<Vec3>(held));
+            let measured = bark.as_deref().filter(|_| own.scan_radius == ScanRadius::Points);
+            let raw =
+                Raw { branching, captured: Some(captured), bark: measured, most_nodes: own.max_nodes.into() };
+            let Built { skeleton, wood, measured_nodes } =
+                build(raw, &mut Organs::default(), &recipe.preset, monitor)?;
+            let scan = match &bark {
+                Some(bark) => fit(bark, &skeleton, monitor)?.map(|fit| Scanned {
+                    points: bark.len(),
+                    measured_nodes,
+                    fit,
+                }),
+                None => None,
+            };
             Ok(Grown {
                 skeleton,
+                wood,
                 organs: Arc::default(),
                 symbols: None,
-                colonized: Some(Colonized { points, unreached, iterations }),
+                colonized: Some(Colonized { points, unreached, iterations, scan }),
                 notes,
             })
         }
     }
+}
+
+/// What a generator leaves behind.
+struct Raw<'a> {
+    branching: Branching,
+    /// The nodes that were of use, where there is such a thing.
+    captured: Option<NodeSet>,
+    /// Points on the bark, metres, that are to say how thick the wood is.
+    bark: Option<&'a [Vec3]>,
+    /// The generator's own limit holds for the refined tree too.
+    most_nodes: u64,
+}
+
+/// What becomes of it.
+struct Built {
+    skeleton: Arc<Skeleton>,
+    /// With its rule settled.
+    wood: Wood,
+    /// Nodes whose radius was measured.
+    measured_nodes: usize,
+}
+
+/// What both generators' branchings go through: refinement, which takes the organs along, then axes
+/// and radii.
+fn build(
+    Raw { mut branching, captured, bark, most_nodes }: Raw,
+    organs: &mut Organs,
+    preset: &Preset,
+    monitor: &dyn Monitor,
+) -> Result<Built, GrowError> {
+    if !preset.refinement.steps.is_empty() {
+        branching.validate()?;
+        let nodes = branching.parents.len();
+        let captured = captured.map(|set| (0..nodes).map(|node| set.contains(node)).collect());
+        let mut riders = organs.riders();
+        branching = refine(branching, captured, &mut riders, &preset.refinement, most_nodes, monitor)?;
+        organs.follow(&riders);
+    }
+    let mut measured_nodes = 0;
+    // What the user says of the foot counts more than what was measured.
+    if let Some(bark) = bark.filter(|_| preset.wood.base_radius_m.is_none())
+        && let Some(Girth { radii, measured }) =
+            girth(&branching, bark, preset.wood.radius_exponent, monitor)?
+    {
+        branching.radii = Some(radii);
+        measured_nodes = measured;
+    }
+    branching.admit_build(&preset.wood, monitor)?;
+    let wood = preset.wood.settled(branching.radii.is_some());
+    let skeleton = Skeleton::build_keyed(branching, &wood, preset.wood_key())?;
+    Ok(Built { skeleton: Arc::new(skeleton), wood, measured_nodes })
 }

@@ -52,6 +52,8 @@ pub enum Stage {
     Turtle,
     /// Growing by space colonization; unit: attraction points that are decided.
     Grow,
+    /// Refining a branching; unit: steps.
+    Refine,
     /// Sweeping tubes; unit: axes.
     Sweep,
     /// Writing files; unit: bytes.
@@ -66,6 +68,7 @@ impl Stage {
             Self::Derive => ("deriving", "symbols"),
             Self::Turtle => ("drawing", "symbols"),
             Self::Grow => ("growing", "points"),
+            Self::Refine => ("refining", "steps"),
             Self::Sweep => ("surfacing", "axes"),
             Self::Write => ("writing", "bytes"),
         }

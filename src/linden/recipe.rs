@@ -1,4 +1,4 @@
-//! A recipe: a preset, resolved, with the file it needs. Everything to grow the same tree again.
+//! A recipe: a preset, resolved, with the files it needs. Everything to grow the same tree again.
 
 use std::sync::Arc;
 
@@ -20,11 +20,12 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 pub struct Recipe {
     /// With all overrides applied.
     pub preset: Preset,
-    /// The mesh or points that the preset's space names.
-    pub input: Option<Input>,
+    /// The meshes or points that the preset names, in the order of [`Preset::files`]. What is missing
+    /// is reported when the tree is to grow.
+    pub inputs: Vec<Input>,
 }
 
-/// A file that was read: a crown envelope or attraction points.
+/// A file that was read: a crown envelope, a mesh of a part, attraction points.
 #[derive(Clone, Debug)]
 pub struct Input {
     /// The file's name without folders, printable.
@@ -96,6 +97,12 @@ impl Input {
 }
 
 impl Recipe {
+    /// What a file held that the preset names.
+    pub fn input(&self, file: &str) -> Option<&Input> {
+        let index = self.preset.files().iter().position(|own| *own == file)?;
+        self.inputs.get(index)
+    }
+
     /// One line of printable ASCII (JSON), as every exported file carries it. It is a preset
     /// document too: [`Preset::from_json`] reads it.
     pub fn to_line(&self) -> String {
@@ -120,8 +127,8 @@ impl Serialize for Recipe {
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("linden", VERSION)?;
         self.preset.serialize_into(&mut map)?;
-        if let Some(input) = &self.input {
-            map.serialize_entry("input", input)?;
+        if !self.inputs.is_empty() {
+            map.serialize_entry("inputs", &self.inputs)?;
         }
         map.end()
     }

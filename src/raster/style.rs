@@ -2,6 +2,7 @@
 
 use glam::Vec3;
 use linden::Skeleton;
+use linden::foliage::Organs;
 
 use crate::Extent;
 
@@ -74,6 +75,11 @@ pub struct Style<'a> {
     pub person: bool,
     /// The person's colour.
     pub person_color: [u8; 3],
+    /// What grows on a skeleton. A surface has it as meshes.
+    pub organs: Option<&'a Organs>,
+    /// The colours of the organs in [`Paint::Wood`], by their index; the last is that of all higher
+    /// ones. Elsewhere organs have the colour of the wood that they hang on.
+    pub leaf_colors: &'a [[u8; 3]],
     /// Draws a skeleton as it was at this step: the nodes born by then that stand on others born by
     /// then, as thick as they are now. What is framed stays the same. A surface has no births: sweep
     /// [`Skeleton::until`] instead, which also has the radii of that time.
@@ -99,10 +105,12 @@ impl Style<'_> {
     }
 
     pub(crate) fn extent_without_person(&self, skeleton: &Skeleton) -> Option<Extent> {
-        if self.outline.is_empty() {
+        let organs = self.organs.filter(|organs| !organs.is_empty());
+        if self.outline.is_empty() && organs.is_none() {
             return Extent::of(skeleton, self.points);
         }
-        let all: Vec<Vec3> = self.points.iter().chain(self.outline.iter().flatten()).copied().collect();
+        let given = self.points.iter().chain(self.outline.iter().flatten()).copied();
+        let all: Vec<Vec3> = given.chain(organs.into_iter().flat_map(Organs::hull)).collect();
         Extent::of(skeleton, &all)
     }
 
@@ -122,6 +130,8 @@ impl Style<'_> {
             line: [70, 128, 150],
             person: false,
             person_color: [150, 157, 166],
+            organs: None,
+            leaf_colors: &[],
             until: None,
             draft: false,
             exposure: 1.0,
@@ -144,6 +154,8 @@ impl Style<'_> {
             line: [94, 150, 170],
             person: false,
             person_color: [98, 108, 126],
+            organs: None,
+            leaf_colors: &[],
             until: None,
             draft: false,
             exposure: 2.4,

@@ -1,7 +1,10 @@
-//! Growth beside brute force and beside a kd-tree that is rebuilt in every iteration.
+//! Growth beside brute force and beside kd-trees that are rebuilt in every iteration: `kd-tree` is
+//! kiddo's, built at once and the fastest to ask, `by points` its other one, to which nodes are added one
+//! by one, as is common.
 //!
 //! `cargo bench -p linden-tests --bench growth` fills the table in about a minute and a half; `-- --quick`
-//! leaves out all above 10 000 points, `-- --large` adds ten million and the kd-tree at a million.
+//! leaves out all above 10 000 points, `-- --large` adds ten million and the kd-trees at a million,
+//! `-- --only N` leaves out all but N points.
 //!
 //! Points are uniform in the unit ball, the root is its centre, the step half the mean spacing of the
 //! points, the kill distance two steps. Each time is the median of several runs. With one thread it
@@ -18,7 +21,7 @@ mod naive;
 use std::cell::Cell;
 use std::time::Instant;
 
-use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use kiddo::{ImmutableKdTree, MutableKdTree, SquaredEuclidean};
 use linden::colonization::{GrowthRule, Habit, grow};
 use linden::random::Key;
 use linden::{Branching, NO_PARENT, Quiet, Vec3};
@@ -67,7 +70,7 @@ fn main() {
         settings.push(setting(10_000_000, 8.0, 1, false, false));
     }
     println!(
-        "{:>9} {:>4} {:>8} {:>5} | {:>8} {:>8} {:>4} {:>7} {:>7} | {:^14} | {:^14} | {:^14}",
+        "{:>9} {:>4} {:>8} {:>5} | {:>8} {:>8} {:>4} {:>7} {:>7} | {:^14} | {:^14} | {:^14} | {:^14}",
         "points",
         "di/D",
         "nodes",
@@ -79,9 +82,12 @@ fn main() {
         "B/point",
         "each pair",
         "by eights",
-        "kd-tree"
+        "kd-tree",
+        "by points"
     );
-    for setting in &settings {
+    let only: Option<usize> =
+        std::env::args().skip_while(|arg| arg != "--only").nth(1).map(|points| points.parse().unwrap());
+    for setting in settings.iter().filter(|setting| only.is_none_or(|points| setting.points == points)) {
         row(setting);
     }
 }
@@ -127,8 +133,12 @@ fn row(setting: &Setting) {
         cpu / nodes as f64 * 1e9,
         bytes as f64 / n as f64,
     );
-    let peers: [(bool, naive::Nearest); 3] =
-        [(setting.brute_force, each_pair), (setting.brute_force, by_eights), (setting.kd_tree, kd_tree)];
+    let peers: [(bool, naive::Nearest); 4] = [
+        (setting.brute_force, each_pair),
+        (setting.brute_force, by_eights),
+        (setting.kd_tree, kd_tree),
+        (setting.kd_tree, kd_tree_by_points),
+    ];
     for (wanted, search) in peers {
         if wanted {
             SEARCHING.set(0.0);
@@ -222,6 +232,23 @@ fn kd_tree(points: &[Vec3], nodes: &[Vec3]) -> Vec<(usize, f32)> {
     searched(|| {
         let nodes: Vec<[f32; 3]> = nodes.iter().map(Vec3::to_array).collect();
         let tree: ImmutableKdTree<f32, 3> = ImmutableKdTree::new_from_slice(&nodes).unwrap();
+        points
+            .iter()
+            .map(|point| {
+                let found = tree.query(&point.to_array()).nearest_one::<SquaredEuclidean<f32>>().execute();
+                (found.item as usize, found.distance)
+            })
+            .collect()
+    })
+}
+
+/// The same with a tree that is built by adding nodes.
+fn kd_tree_by_points(points: &[Vec3], nodes: &[Vec3]) -> Vec<(usize, f32)> {
+    searched(|| {
+        let mut tree: MutableKdTree<f32, 3> = MutableKdTree::default();
+        for (index, node) in nodes.iter().enumerate() {
+            tree.add(&node.to_array(), index as u32).unwrap();
+        }
         points
             .iter()
             .map(|point| {

@@ -201,7 +201,7 @@ fn the_schema_fits_the_documents_that_show_writes() {
     for id in ["fir", "cypress", "heart", "abop-d"] {
         let document = folder.run(&["show", id, "--json"]).done().json()["recipe"].clone();
         for (section, own) in document.as_object().unwrap() {
-            if ["linden", "input"].contains(&section.as_str()) {
+            if ["linden", "inputs"].contains(&section.as_str()) {
                 continue;
             }
             let described = &schema["properties"][section];

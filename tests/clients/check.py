@@ -123,7 +123,7 @@ def agreement(trees):
 
 
 def with_trimesh(path, tree):
-    """Whether trimesh finds the same triangles, closed."""
+    """Whether trimesh finds the same triangles, and the wood closed."""
     import trimesh
 
     if tree.edges is not None and not tree.meshes:
@@ -133,21 +133,34 @@ def with_trimesh(path, tree):
             yield f"{count} vertices of {len(tree.nodes)} nodes"
         return
     loaded = trimesh.load_scene(path, process=False)
-    meshes = list(loaded.geometry.values())
-    found = sum(len(m.faces) for m in meshes if hasattr(m, "faces"))
+    meshes = dict(loaded.geometry)
+    found = sum(len(m.faces) for m in meshes.values() if hasattr(m, "faces"))
     expected = sum(len(m.triangles) for m in tree.meshes)
     if found != expected:
         yield f"{found} triangles of {expected}"
-    for mesh in meshes:
-        if not hasattr(mesh, "faces"):
+    for name, mesh in meshes.items():
+        # Leaves have an edge.
+        if not hasattr(mesh, "faces") or "leaves" in name + str(getattr(mesh.visual, "material", "")):
             continue
-        mesh.merge_vertices(merge_tex=True, merge_norm=True)
-        # Not `is_watertight`: it wants exactly two triangles at an edge, and where a grammar draws two
-        # branches at the very same place there are four, each pair of them closed.
-        directed, times = np.unique(mesh.edges, axis=0, return_counts=True)
-        passes = {(a, b): n for (a, b), n in zip(directed.tolist(), times.tolist())}
-        if any(passes.get((b, a)) != n for (a, b), n in passes.items()) or mesh.volume <= 0:
+        if not is_closed(mesh) and not (path.suffix == ".ply" and is_closed(of_first_color(mesh))):
             yield "the surface is open or inside out"
+
+
+def is_closed(mesh):
+    mesh = mesh.copy()
+    mesh.merge_vertices(merge_tex=True, merge_norm=True)
+    # Not `is_watertight`: it wants exactly two triangles at an edge, and where a grammar draws two
+    # branches at the very same place there are four, each pair of them closed.
+    directed, times = np.unique(mesh.edges, axis=0, return_counts=True)
+    passes = {(a, b): n for (a, b), n in zip(directed.tolist(), times.tolist())}
+    return all(passes.get((b, a)) == n for (a, b), n in passes.items()) and mesh.volume > 0
+
+
+def of_first_color(mesh):
+    """The wood of a PLY, which has all parts in one mesh: wood comes first."""
+    raw = mesh.metadata["_ply_raw"]["vertex"]["data"]
+    is_wood = np.all([raw[name] == raw[name][0] for name in ("red", "green", "blue")], axis=0).ravel()
+    return mesh.submesh([np.flatnonzero(is_wood[mesh.faces].all(axis=1))], append=True, repair=False)
 
 
 def with_usd_core(path):

@@ -82,8 +82,10 @@ fn every_preset_is_its_table_of_cylinders() {
 
         let length: f64 = rows.iter().map(|row| row.number("length_m")).sum();
         assert!((length / measures.total_length_m - 1.0).abs() < 1e-6, "{id}: {length} {measures:?}");
-        let volume: f64 =
-            rows.iter().map(|row| PI * row.number("radius_m").powi(2) * row.number("length_m")).sum();
+        let volume: f64 = rows
+            .iter()
+            .map(|row| PI * row.number("radius_m") * row.number("radius_m") * row.number("length_m"))
+            .sum();
         for expected in [measures.wood_volume_m3, frusta_m3(&skeleton)] {
             assert!((volume / expected - 1.0).abs() < 1e-5, "{id}: {volume} {expected}");
         }

@@ -4,6 +4,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
 mod cylinders;
+mod foliage;
 mod outside;
 mod presets;
 mod read_back;

@@ -256,3 +256,32 @@ fn habits_out_of_range_are_refused_by_name() {
         assert!(matches!(error, GrowthError::Habit { knob, .. } if knob == name), "{error}");
     }
 }
+
+#[test]
+fn each_knob_of_habits_changes_the_tree() {
+    let grown = |settings: &[(&str, &str)]| {
+        let mut preset = linden::preset::builtin("simple").unwrap().load().unwrap();
+        for (knob, value) in settings {
+            preset.set(knob, value).unwrap();
+        }
+        let recipe = linden::recipe::Recipe { preset, input: None };
+        linden::grow::grow(&recipe, &Quiet)
+            .map(|tree| tree.skeleton.positions.clone())
+            .map_err(|e| e.to_string())
+    };
+    let plain = grown(&[]).unwrap();
+    let settings: [&[(&str, &str)]; 7] = [
+        &[("attraction", "all")],
+        &[("gravitropism", "0 -0.5")],
+        &[("phototropism", "0.4"), ("light", "1,1,0")],
+        &[("gravity", "0.2")],
+        &[("apical_control", "0.8")],
+        &[("max_children", "2")],
+        &[("waves", "4"), ("wave_interval", "5")],
+    ];
+    for some in settings {
+        assert_ne!(grown(some).unwrap(), plain, "{some:?}");
+    }
+    assert_eq!(grown(&[("gravitropism", "0 0"), ("waves", "1")]).unwrap(), plain);
+    assert!(grown(&[("light", "0,0,0")]).unwrap_err().contains("light"));
+}

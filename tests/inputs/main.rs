@@ -7,5 +7,7 @@ mod envelope;
 mod obj;
 mod ply;
 mod scan;
+mod scan_back;
+mod scanner;
 mod shapes;
 mod xyz;

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use linden::colonization::scan::{Scan, ScanError, point_spacing_m, prepare};
+use linden::colonization::scan::{Scan, ScanError, ScanRule, point_spacing_m, prepare};
 use linden::random::Key;
 use linden::{DVec3, Quiet};
 
@@ -61,13 +61,13 @@ fn to_axis(p: DVec3) -> f64 {
 }
 
 fn prepared(points: &[DVec3]) -> Scan {
-    prepare(points, None, &Quiet).unwrap()
+    prepare(points, &ScanRule::default(), &Quiet).unwrap()
 }
 
 /// What holds for every scan of the known tree.
 fn assert_follows_the_axes(scan: &Scan) {
-    let root_off = DVec3::new(scan.root.x, 0.0, scan.root.z).length();
-    assert!(root_off < 0.5 * STEM_RADIUS_M && scan.root.y.abs() < 0.1, "root {}", scan.root);
+    let root_off = DVec3::new(scan.roots[0].x, 0.0, scan.roots[0].z).length();
+    assert!(root_off < 0.5 * STEM_RADIUS_M && scan.roots[0].y.abs() < 0.1, "root {}", scan.roots[0]);
     let mut off: Vec<f64> = scan.points.iter().map(|&p| to_axis(p)).collect();
     off.sort_by(f64::total_cmp);
     let (middle, most) = (off[off.len() / 2], off[off.len() * 95 / 100]);
@@ -85,7 +85,7 @@ fn assert_follows_the_axes(scan: &Scan) {
     assert!(off[off.len() - 1] < 0.8 * STEM_RADIUS_M, "a strand of its own: {off:?}");
     // Without gaps: growth with the suggested influence always has a next point.
     let mut connected = vec![false; scan.points.len()];
-    let mut queue = vec![scan.root];
+    let mut queue = vec![scan.roots[0]];
     while let Some(at) = queue.pop() {
         for (i, p) in scan.points.iter().enumerate() {
             if !connected[i] && p.distance(at) <= 0.5 * scan.influence_m {
@@ -152,7 +152,11 @@ fn a_branch_that_hangs_lower_than_the_foot_is_not_the_root() {
         Key::new(3),
     ));
     let scan = prepared(&points);
-    assert!(DVec3::new(scan.root.x, 0.0, scan.root.z).length() < 0.5 * STEM_RADIUS_M, "{}", scan.root);
+    assert!(
+        DVec3::new(scan.roots[0].x, 0.0, scan.roots[0].z).length() < 0.5 * STEM_RADIUS_M,
+        "{}",
+        scan.roots[0]
+    );
 }
 
 #[test]
@@ -188,7 +192,7 @@ fn a_tree_of_another_size_is_the_same_tree() {
     let large: Vec<DVec3> = points.iter().map(|p| *p * 16.0).collect();
     let (small, large) = (prepared(&points), prepared(&large));
     assert_eq!(small.points.iter().map(|p| *p * 16.0).collect::<Vec<_>>(), large.points);
-    assert_eq!((small.root * 16.0, small.kill_m * 16.0), (large.root, large.kill_m));
+    assert_eq!((small.roots[0] * 16.0, small.kill_m * 16.0), (large.roots[0], large.kill_m));
 }
 
 #[test]
@@ -203,16 +207,16 @@ fn threads_change_nothing() {
 #[test]
 fn what_is_no_tree_is_refused() {
     for points in [vec![], vec![DVec3::ONE], vec![DVec3::ONE; 500], vec![DVec3::X, DVec3::Y, DVec3::Z]] {
-        assert!(matches!(prepare(&points, None, &Quiet), Err(ScanError::TooFew { .. })));
+        assert!(matches!(prepare(&points, &ScanRule::default(), &Quiet), Err(ScanError::TooFew { .. })));
     }
     let mut points = scan();
     points[7].y = f64::INFINITY;
-    assert_eq!(prepare(&points, None, &Quiet), Err(ScanError::NotFinite { index: 7 }));
+    assert_eq!(prepare(&points, &ScanRule::default(), &Quiet), Err(ScanError::NotFinite { index: 7 }));
     // Flat, straight, huge: odd, but nothing breaks.
     for scale in [DVec3::new(1.0, 0.0, 1.0), DVec3::new(0.0, 1.0, 0.0), DVec3::splat(1e6), DVec3::splat(1e-6)]
     {
         let odd: Vec<DVec3> = scan().iter().map(|p| *p * scale).collect();
-        if let Ok(scan) = prepare(&odd, None, &Quiet) {
+        if let Ok(scan) = prepare(&odd, &ScanRule::default(), &Quiet) {
             assert!(scan.points.iter().all(|p| p.is_finite()) && scan.step_m > 0.0);
         }
     }
@@ -220,7 +224,7 @@ fn what_is_no_tree_is_refused() {
 
 #[test]
 fn a_chosen_step_decides_the_detail() {
-    let coarse = prepare(&scan(), Some(0.2), &Quiet).unwrap();
+    let coarse = prepare(&scan(), &ScanRule { step_m: Some(0.2), ..ScanRule::default() }, &Quiet).unwrap();
     assert_eq!(coarse.step_m, 0.2);
     assert!(coarse.points.len() * 2 < prepared(&scan()).points.len());
 }

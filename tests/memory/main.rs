@@ -2,6 +2,7 @@
 //! none asks for absurdly more than it takes.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+#![allow(clippy::print_stdout, reason = "--nocapture shows the figures")]
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -88,11 +89,12 @@ fn scan(count: u32) -> Recipe {
         let (t, turn) = (f64::from(i) / f64::from(count), f64::from(i) * 0.1);
         DVec3::new(0.2 * libm::cos(turn), 12.0 * t, 0.2 * libm::sin(turn))
     };
-    let text: String = (0..count).map(place).map(|p| format!("{} {} {}\n", p.x, -p.z, p.y)).collect();
+    let rows: Vec<String> = (0..count).map(place).map(|p| format!("{} {} {}", p.x, -p.z, p.y)).collect();
+    let text = rows.join("\n");
     let input = Input::read("scan.xyz", text.as_bytes(), &Quiet).unwrap();
     let space = linden::preset::Space::Points { file: "scan.xyz".to_owned() };
     assert!(matches!(&input.geometry, Geometry::Points(points) if points.len() == count as usize));
-    Recipe { preset: linden::preset::Preset::of_space("scan", space), input: Some(input) }
+    Recipe { preset: linden::preset::Preset::of_space("scan", space), inputs: vec![input] }
 }
 
 /// A spread of generators, sizes and surfaces.
@@ -125,7 +127,7 @@ fn no_stage_takes_more_than_it_forecast() {
     dress(&first, &grow(&first, &Quiet).unwrap(), &Quiet).unwrap();
 
     for (what, recipe) in spread() {
-        let input = recipe.input.as_ref().map_or(0, Input::bytes);
+        let input = recipe.inputs.iter().map(Input::bytes).sum::<u64>();
         let (grown, peak, forecast) = measured(input, |monitor| grow(&recipe, monitor));
         compare(&format!("{what}: growing"), peak, forecast, &mut faults);
         let grown = grown.unwrap();

@@ -107,6 +107,8 @@ impl Preview {
                 paint: self.color,
                 points: points.unwrap_or_default(),
                 outline: &outline,
+                organs: Some(&grown.organs),
+                leaf_colors: &source.recipe.preset.foliage.leaf_colors,
                 person: self.person,
                 ..style
             };

@@ -3,7 +3,7 @@
 
 use clap::Args;
 use linden::knob::{Kind, Knob};
-use linden::preset::{KNOBS, PresetKnob, Section, shape_knobs};
+use linden::preset::{KNOBS, MOST_PARTS, PART_CROWN, PART_KNOBS, PresetKnob, Section, shape_knobs};
 use linden_exporters::REGISTRY;
 use serde_json::{Map, Value, json};
 
@@ -36,8 +36,16 @@ fn document() -> Value {
         json!({ "type": "string", "description": "version that made the recipe" }),
     );
     properties.insert(
+        "inputs".to_owned(),
+        json!({
+            "type": "array",
+            "items": { "type": "object" },
+            "description": "files that the recipe was made with, in the order in which the preset names them",
+        }),
+    );
+    properties.insert(
         "input".to_owned(),
-        json!({ "type": "object", "description": "file that the recipe was made with" }),
+        json!({ "type": "object", "description": "the one file of an older recipe" }),
     );
     let knobs: Vec<PresetKnob> = KNOBS.iter().copied().chain(shape_knobs()).collect();
     for section in Section::ALL {
@@ -59,6 +67,7 @@ fn document() -> Value {
                 let file = json!({ "type": "string", "description": "a file, relative to the preset's" });
                 own.insert("envelope".to_owned(), file.clone());
                 own.insert("scan".to_owned(), file);
+                own.insert("part".to_owned(), parts());
             }
             Section::Wood | Section::Surface | Section::Bark | Section::Foliage => {}
         }
@@ -92,6 +101,25 @@ fn document() -> Value {
         "additionalProperties": false,
         "$defs": { "export options": { "type": "object", "properties": formats } },
     })
+}
+
+/// The list of a crown's parts.
+fn parts() -> Value {
+    let knobs = PART_KNOBS.iter().map(|row| row.knob).chain([PART_CROWN]);
+    let dimensions = shape_knobs().into_iter().map(|row| row.knob);
+    let mut properties: Map<String, Value> =
+        knobs.chain(dimensions).map(|knob| (knob.name.to_owned(), of(&knob))).collect();
+    let file =
+        json!({ "type": "string", "description": "in place of crown: a mesh, relative to the preset" });
+    properties.insert("mesh".to_owned(), file);
+    let part = json!({
+        "type": "object",
+        "required": ["role"],
+        "oneOf": [{ "required": ["crown"] }, { "required": ["mesh"] }],
+        "properties": properties,
+        "additionalProperties": false,
+    });
+    json!({ "type": "array", "items": part, "maxItems": MOST_PARTS })
 }
 
 /// A knob's values as documents have them.

@@ -4,7 +4,7 @@ use clap::Args;
 use linden::knob::{Value, printable};
 use linden::lsystem::forecast;
 use linden::preset::{Generator, Preset, Section, Space};
-use linden::recipe::{Geometry, Input};
+use linden::recipe::{Geometry, Input, Recipe};
 use serde::Serialize;
 
 use super::Growing;
@@ -101,7 +101,7 @@ impl Show {
                 recipe: serde_json::to_value(&source.recipe)?,
             });
         }
-        super::print(&page(preset, source.recipe.input.as_ref(), &knobs, forecast.as_ref()))
+        super::print(&page(&source.recipe, &knobs, forecast.as_ref()))
     }
 }
 
@@ -118,7 +118,8 @@ fn forecast_of(preset: &Preset) -> anyhow::Result<Option<ForecastRow>> {
     }))
 }
 
-fn page(preset: &Preset, input: Option<&Input>, knobs: &[KnobRow], forecast: Option<&ForecastRow>) -> String {
+fn page(recipe: &Recipe, knobs: &[KnobRow], forecast: Option<&ForecastRow>) -> String {
+    let preset = &recipe.preset;
     let mut text = format!("{} ({})\n", printable(&preset.name), printable(&preset.id));
     for line in [&preset.summary, &preset.source, &preset.about].into_iter().filter(|line| !line.is_empty()) {
         text.push_str(&format!("{}\n", printable(line)));
@@ -140,10 +141,26 @@ fn page(preset: &Preset, input: Option<&Input>, knobs: &[KnobRow], forecast: Opt
                 text.push_str(&format!(
                     "\n{what}\n  {}{}\n",
                     printable(file),
-                    input.map(size).unwrap_or_default()
+                    recipe.input(file).map(size).unwrap_or_default()
                 ));
             }
         }
+    }
+    if !preset.parts().is_empty() {
+        text.push_str("\nparts\n");
+    }
+    for (i, part) in preset.parts().iter().enumerate() {
+        let size = part.file().and_then(|file| recipe.input(file)).map(size).unwrap_or_default();
+        text.push_str(&format!("  {} {}{size}\n", i + 1, part.describe()));
+        // What the line above has said.
+        let said = ["role", "crown"];
+        let line: Vec<String> = part
+            .knobs()
+            .into_iter()
+            .filter(|(knob, _)| !said.contains(&knob.name))
+            .map(|(knob, value)| format!("{} {value}", knob.name))
+            .collect();
+        text.push_str(&format!("    {}\n", line.join("  ")));
     }
     if let Some(forecast) = forecast {
         let about = match forecast {

@@ -5,7 +5,10 @@ use std::time::Instant;
 use anyhow::Context;
 use clap::Args;
 use linden::Vec3;
-use linden::scene::Bounds;
+use linden::colonization::scan::Spread;
+use linden::foliage::meshes;
+use linden::grow::Scanned;
+use linden::scene::{Bounds, Mesh};
 use linden::surface::survey;
 use serde::Serialize;
 
@@ -41,6 +44,7 @@ struct Report {
     points: Option<usize>,
     points_unreached: Option<usize>,
     iterations: Option<u32>,
+    scan: Option<Scan>,
     symbols: Option<u64>,
     triangles: usize,
     vertices: usize,
@@ -49,6 +53,41 @@ struct Report {
     bounds: Corners,
     skeleton_hash: String,
     seconds: Seconds,
+}
+
+/// How the tree compares with the scan that it grew into.
+#[derive(Serialize)]
+struct Scan {
+    /// Scanned points of the tree, without ground, strays and noise.
+    points: usize,
+    /// Nodes whose radius points bear out; the others' follow by the pipe model.
+    measured_nodes: usize,
+    points_to_axis: Distances,
+    points_to_surface: Distances,
+    axis_to_points: Distances,
+    surface_to_points: Distances,
+}
+
+/// The mean, and what 95 % do not exceed.
+#[derive(Serialize)]
+struct Distances {
+    mean_m: f64,
+    p95_m: f64,
+}
+
+impl Scan {
+    fn of(scanned: &Scanned) -> Self {
+        let Scanned { points, measured_nodes, fit } = *scanned;
+        let of = |spread: Spread| Distances { mean_m: spread.mean_m, p95_m: spread.p95_m };
+        Self {
+            points,
+            measured_nodes,
+            points_to_axis: of(fit.points_to_axis),
+            points_to_surface: of(fit.points_to_surface),
+            axis_to_points: of(fit.axis_to_points),
+            surface_to_points: of(fit.surface_to_points),
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -75,11 +114,16 @@ impl Stats {
         // The bark's pictures are not measured, and take longer than all else.
         let surface = survey(&grown.skeleton, &source.recipe.preset.tubes, &progress)
             .with_context(|| source.shown.clone())?;
+        // They take no pictures and little memory.
+        let foliage = meshes(&grown.organs, 1, &progress).with_context(|| source.shown.clone())?;
+        let foliage = foliage.first().map(|own| &own.mesh);
         let dress_s = started.elapsed().as_secs_f64();
 
         let skeleton = &grown.skeleton;
         let measures = skeleton.measures();
-        let bounds = surface.bounds.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO });
+        let leaf_bounds = foliage.and_then(Mesh::bounds);
+        let bounds = surface.bounds.into_iter().chain(leaf_bounds).reduce(Bounds::union);
+        let bounds = bounds.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO });
         let colonized = grown.colonized.as_ref();
         let report = Report {
             source: source.shown.clone(),
@@ -97,10 +141,11 @@ impl Stats {
             points: colonized.map(|own| own.points.len()),
             points_unreached: colonized.map(|own| own.unreached),
             iterations: colonized.map(|own| own.iterations),
+            scan: colonized.and_then(|own| own.scan).as_ref().map(Scan::of),
             symbols: grown.symbols,
-            triangles: surface.triangles,
-            vertices: surface.vertices,
-            leaves: 0,
+            triangles: surface.triangles + foliage.map_or(0, |mesh| mesh.triangles.len()),
+            vertices: surface.vertices + foliage.map_or(0, |mesh| mesh.positions.len()),
+            leaves: grown.organs.len(),
             watertight: surface.topology.watertight(),
             bounds: Corners { min: bounds.min.to_array(), max: bounds.max.to_array() },
             skeleton_hash: format!("{:032x}", skeleton.hash()),
@@ -136,8 +181,26 @@ impl Report {
             rows.push(("points", format!("{}, {} not reached", count(points), count(unreached))));
             rows.push(("iterations", count(iterations as usize)));
         }
+        if let Some(scan) = &self.scan {
+            let of = |way: &Distances| {
+                format!("{:.1} mm on average, 95 % within {:.1} mm", 1e3 * way.mean_m, 1e3 * way.p95_m)
+            };
+            rows.push((
+                "scan",
+                format!(
+                    "{} points; radii of {} nodes measured",
+                    count(scan.points),
+                    count(scan.measured_nodes)
+                ),
+            ));
+            rows.push(("points-surface", of(&scan.points_to_surface)));
+            rows.push(("surface-points", of(&scan.surface_to_points)));
+            rows.push(("points-axis", of(&scan.points_to_axis)));
+            rows.push(("axis-points", of(&scan.axis_to_points)));
+        }
         rows.extend([
             ("surface", format!("{} triangles, {} vertices", count(self.triangles), count(self.vertices))),
+            ("leaves", count(self.leaves)),
             ("watertight", if self.watertight { "yes: each axis is closed" } else { "no" }.to_owned()),
             ("skeleton hash", self.skeleton_hash.clone()),
             ("time", format!("{:.3} s to grow, {:.3} s to dress", self.seconds.grow, self.seconds.dress)),

@@ -130,7 +130,7 @@ fn entry(path: PathBuf, folder: Option<String>) -> UserPreset {
     }
 }
 
-/// Reads a document as [`crate::source::resolve`] will, but for the file that it names.
+/// Reads a document as [`crate::source::resolve`] will, but for the files that it names.
 fn read(path: &Path, id: &str) -> Result<(Preset, Result<(), Complaint>), Complaint> {
     let gone = || Complaint::new(path, "is gone");
     let bytes = files::read(path, MAX_BYTES)?.ok_or_else(gone)?;
@@ -162,17 +162,14 @@ fn read(path: &Path, id: &str) -> Result<(Preset, Result<(), Complaint>), Compla
             return Ok((Preset::of_space(id, Space::Points { file: name }), Ok(())));
         }
     };
-    let state = match preset.space().and_then(Space::file) {
-        Some(file) if builtin_file(file).is_none() => {
+    let missing = |file: &&str| builtin_file(file).is_none() && !path.with_file_name("").join(file).is_file();
+    let state = match preset.files().into_iter().find(missing) {
+        Some(file) => {
             let beside = path.with_file_name("").join(file);
-            if beside.is_file() {
-                Ok(())
-            } else {
-                let message = format!("needs the file {}, which is not there", show(&beside));
-                Err(Complaint::new(path, message))
-            }
+            let message = format!("needs the file {}, which is not there", show(&beside));
+            Err(Complaint::new(path, message))
         }
-        _ => Ok(()),
+        None => Ok(()),
     };
     Ok((preset, state))
 }

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use linden::Skeleton;
 use linden::dress::{DressError, dress};
 use linden::picture::Picture;
 use linden::scene::Scene;
@@ -15,6 +14,7 @@ use linden_terminal::{CellStyle, ColorDepth, Glyphs, Image};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
+use super::grow::Plant;
 use super::{Shown, Watcher};
 
 /// Most bytes of a draft, and of a full picture, over a network.
@@ -186,7 +186,7 @@ impl Medium {
 #[derive(Default)]
 pub struct Painter {
     scene: Option<(Arc<Shown>, Scene)>,
-    stage: Option<(Arc<Shown>, u32, Option<Arc<Skeleton>>)>,
+    stage: Option<(Arc<Shown>, u32, Option<Plant>)>,
 }
 
 impl Painter {
@@ -261,6 +261,7 @@ impl Painter {
             points: if request.points { points } else { &[] },
             outline: if request.outline { &shown.outline } else { &[] },
             person: request.person,
+            leaf_colors: &shown.recipe.preset.foliage.leaf_colors,
             draft: request.detail == Detail::Draft,
             ..base
         };
@@ -270,12 +271,16 @@ impl Painter {
                 let scene = self.scene(shown, watcher)?;
                 draw_surface(&Surface::from(scene), &request.camera, &style, size, watcher)
             }
-            (_, None) => draw_skeleton(&shown.grown.skeleton, &request.camera, &style, size, watcher),
+            (_, None) => {
+                let style = Style { organs: Some(&shown.grown.organs), ..style };
+                draw_skeleton(&shown.grown.skeleton, &request.camera, &style, size, watcher)
+            }
             (_, Some(step)) => {
-                let Some(skeleton) = self.stage(shown, step, watcher)? else {
+                let Some(Plant { skeleton, organs }) = self.stage(shown, step, watcher)? else {
                     let bytes = size.width() as usize * size.height() as usize * 4;
                     return Ok(Picture::new(size.width(), size.height(), vec![0; bytes]));
                 };
+                let style = Style { organs: Some(&organs), ..style };
                 draw_skeleton(&skeleton, &request.camera, &style, size, watcher)
             }
         };
@@ -309,16 +314,16 @@ impl Painter {
         shown: &Arc<Shown>,
         step: u32,
         watcher: &Watcher<'_>,
-    ) -> Result<Option<Arc<Skeleton>>, Option<String>> {
-        if let Some((of, at, skeleton)) = &self.stage
+    ) -> Result<Option<Plant>, Option<String>> {
+        if let Some((of, at, plant)) = &self.stage
             && Arc::ptr_eq(of, shown)
             && *at == step
         {
-            return Ok(skeleton.clone());
+            return Ok(plant.clone());
         }
-        let skeleton = super::grow::stage(shown, step, watcher)?;
-        self.stage = Some((Arc::clone(shown), step, skeleton.clone()));
-        Ok(skeleton)
+        let plant = super::grow::stage(shown, step, watcher)?;
+        self.stage = Some((Arc::clone(shown), step, plant.clone()));
+        Ok(plant)
     }
 }
 

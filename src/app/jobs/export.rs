@@ -125,7 +125,7 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
             &again
         }
     };
-    let estimate = Estimate::new(&recipe, &grown.skeleton, watcher)?;
+    let estimate = Estimate::new(&recipe, grown, watcher)?;
     gauge.begin(DRESSING, None);
     let scene = dress(&recipe, grown, &gauge)?;
     let bytes: Vec<u64> =

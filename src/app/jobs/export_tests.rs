@@ -12,7 +12,7 @@ use crate::jobs::{Answer, Lane};
 use crate::targets::default_name;
 
 fn recipe(id: &str) -> Arc<Recipe> {
-    Arc::new(Recipe { preset: linden::preset::builtin(id).unwrap().load().unwrap(), input: None })
+    Arc::new(Recipe { preset: linden::preset::builtin(id).unwrap().load().unwrap(), inputs: Vec::new() })
 }
 
 fn order(dir: &Path, formats: &[&str]) -> ExportOrder {

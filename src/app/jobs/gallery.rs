@@ -13,14 +13,15 @@ use linden::grow::{GrowError, Grown, grow};
 use linden::knob::Value;
 use linden::lsystem::LsystemError;
 use linden::picture::Picture;
-use linden::preset::{Generator, PresetKnob, Section, Space};
+use linden::preset::{Generator, PresetKnob, Section};
 use linden::recipe::{Geometry, Recipe};
-use linden::{Cancelled, Monitor, Skeleton};
+use linden::{Cancelled, Monitor};
 use linden_raster::extent::RINGS;
 use linden_raster::{Camera, Extent, RasterError, Size, Style, Surface, draw_skeleton, draw_surface};
 use linden_terminal::cells::CellPicture;
 
 use super::draw::FULL_BYTES;
+use super::grow::Plant;
 use super::{Look, Medium, Shown};
 
 /// Larger trees are not grown for a small picture. A tree that is on screen already is drawn whatever
@@ -101,7 +102,7 @@ impl GalleryRequest {
         }
         let mut preset = self.base.preset.clone();
         preset.set(self.knob, &value.to_string()).map_err(|error| error.to_string())?;
-        Ok(Arc::new(Recipe { preset, input: self.base.input.clone() }))
+        Ok(Arc::new(Recipe { preset, inputs: self.base.inputs.clone() }))
     }
 
     fn row(&self) -> Option<PresetKnob> {
@@ -110,7 +111,8 @@ impl GalleryRequest {
 
     /// Whether all trees have the base's skeleton: only what covers it differs.
     fn shares_skeleton(&self) -> bool {
-        self.row().is_some_and(|row| matches!(row.section, Section::Surface | Section::Bark))
+        self.row()
+            .is_some_and(|row| matches!(row.section, Section::Surface | Section::Bark | Section::Foliage))
     }
 }
 
@@ -144,7 +146,7 @@ pub fn paint_gallery(request: GalleryRequest, monitor: &dyn Monitor, give: &dyn 
 #[derive(Clone)]
 struct Sitter {
     recipe: Arc<Recipe>,
-    skeleton: Arc<Skeleton>,
+    plant: Plant,
     extent: Extent,
 }
 
@@ -202,9 +204,9 @@ impl Studio<'_> {
             let frame = if request.one_scale { around(&extents) } else { sitter.extent };
             give(index, self.strokes(&sitter, frame))?;
             if shares_skeleton {
-                shared.get_or_insert_with(|| Arc::clone(&sitter.skeleton));
+                shared.get_or_insert_with(|| sitter.plant.clone());
             }
-            let nodes = if shares_skeleton { 0 } else { sitter.skeleton.positions.len() };
+            let nodes = if shares_skeleton { 0 } else { sitter.plant.skeleton.positions.len() };
             let is_kept = (request.one_scale || has_surface) && kept_nodes + nodes <= KEPT_NODES;
             kept_nodes += if is_kept { nodes } else { 0 };
             drawn.push(Some((frame, is_kept.then_some(sitter))));
@@ -223,23 +225,23 @@ impl Studio<'_> {
     }
 
     /// Grows one of the trees, unless it is too large for that.
-    fn grow(&self, index: usize, shared: Option<&Arc<Skeleton>>) -> Result<Sitter, NoPicture> {
+    fn grow(&self, index: usize, shared: Option<&Plant>) -> Result<Sitter, NoPicture> {
         self.monitor.check()?;
         let recipe = self.request.recipe(index).map_err(NoPicture::Because)?;
         if let Some(known) = &self.request.known
             && (Arc::ptr_eq(&known.recipe, &recipe) || self.request.shares_skeleton())
         {
-            let skeleton = Arc::clone(&known.grown.skeleton);
-            return Ok(Sitter { recipe, skeleton, extent: known.extent(false, false) });
+            let plant = Plant::from(&known.grown);
+            return Ok(Sitter { recipe, plant, extent: known.extent(false, false) });
         }
-        let skeleton = match shared {
-            Some(skeleton) => Arc::clone(skeleton),
+        let plant = match shared {
+            Some(plant) => plant.clone(),
             None => grow_within_limits(&recipe, self.monitor)?,
         };
-        let Some(extent) = Extent::of(&skeleton, &[]) else {
+        let Some(extent) = plant.extent() else {
             return Err(NoPicture::Because(RasterError::Empty.to_string()));
         };
-        Ok(Sitter { recipe, skeleton, extent })
+        Ok(Sitter { recipe, plant, extent })
     }
 
     /// A tree as well as it can be drawn.
@@ -250,8 +252,9 @@ impl Studio<'_> {
         let mut recipe = (*sitter.recipe).clone();
         recipe.preset.bark.size_px = recipe.preset.bark.size_px.min(BARK_PX);
         let grown = Grown {
-            skeleton: Arc::clone(&sitter.skeleton),
-            organs: Arc::default(),
+            skeleton: Arc::clone(&sitter.plant.skeleton),
+            wood: recipe.preset.wood,
+            organs: Arc::clone(&sitter.plant.organs),
             symbols: None,
             colonized: None,
             notes: Vec::new(),
@@ -270,8 +273,14 @@ impl Studio<'_> {
     fn strokes(&self, sitter: &Sitter, frame: Extent) -> Result<SmallPicture, NoPicture> {
         let base = self.request.medium.style();
         let paint = if let Look::Skeleton(paint) = self.request.look { paint } else { base.paint };
-        let style = Style { paint, ..base };
-        let drawn = draw_skeleton(&sitter.skeleton, &self.camera(frame), &style, self.size, self.monitor);
+        let style = Style {
+            paint,
+            organs: Some(&sitter.plant.organs),
+            leaf_colors: &sitter.recipe.preset.foliage.leaf_colors,
+            ..base
+        };
+        let drawn =
+            draw_skeleton(&sitter.plant.skeleton, &self.camera(frame), &style, self.size, self.monitor);
         self.small(sitter, drawn)
     }
 
@@ -289,22 +298,23 @@ impl Studio<'_> {
         // Together they cost no more than one large picture.
         let budget = FULL_BYTES / values.len().max(1);
         let cells = medium.cells(&picture, self.size, *cells, budget).map_err(NoPicture::Because)?;
-        let nodes = sitter.skeleton.positions.len();
-        Ok(SmallPicture { cells, nodes, height_m: sitter.skeleton.measures().height_m })
+        let nodes = sitter.plant.skeleton.positions.len();
+        Ok(SmallPicture { cells, nodes, height_m: sitter.plant.skeleton.measures().height_m })
     }
 }
 
 /// Grows a tree, unless it would be larger than small pictures are worth. A tree that is cut off at a
 /// limit of ours is no tree of the recipe's, so it is refused.
-fn grow_within_limits(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Arc<Skeleton>, NoPicture> {
+fn grow_within_limits(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Plant, NoPicture> {
     let too_large = |what: String| NoPicture::Because(format!("too large for a small picture: {what}"));
     let mut limited = recipe.clone();
     let mut limits_nodes = false;
     match &mut limited.preset.generator {
         Generator::LSystem(own) => own.symbol_limit = own.symbol_limit.min(MOST_SYMBOLS),
         Generator::Colonization(own) => {
-            let points = match (&own.space, recipe.input.as_ref().map(|input| &input.geometry)) {
-                (Space::Points { .. }, Some(Geometry::Points(points))) => points.len(),
+            let given = own.space.file().and_then(|file| recipe.input(file)).map(|input| &input.geometry);
+            let points = match given {
+                Some(Geometry::Points(points)) => points.len(),
                 _ => own.points as usize,
             };
             if points > MOST_POINTS {
@@ -318,7 +328,7 @@ fn grow_within_limits(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Arc<Skel
         Ok(grown) if limits_nodes && grown.skeleton.positions.len() >= MOST_NODES as usize => {
             Err(too_large(format!("over {MOST_NODES} nodes")))
         }
-        Ok(grown) => Ok(grown.skeleton),
+        Ok(grown) => Ok(Plant::from(&grown)),
         Err(GrowError::Cancelled(_)) => Err(NoPicture::Cancelled),
         Err(GrowError::LSystem(LsystemError::TooManySymbols { symbols, limit, .. })) => {
             let symbols = if symbols > u128::from(u32::MAX) {

@@ -3,6 +3,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 
 use linden::Quiet;
+use linden::Skeleton;
 use linden::monitor::Stage;
 use linden_raster::Paint;
 use linden_terminal::{CellStyle, ColorDepth, Glyphs, Image};
@@ -17,7 +18,7 @@ fn base(id: &str, set: &[(&str, &str)]) -> Arc<Recipe> {
     for (name, text) in set {
         preset.set(name, text).unwrap();
     }
-    Arc::new(Recipe { preset, input: None })
+    Arc::new(Recipe { preset, inputs: Vec::new() })
 }
 
 fn request(base: Arc<Recipe>, knob: &'static str, values: Vec<Value>) -> GalleryRequest {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use linden::Skeleton;
 use linden::colonization::outline;
+use linden::foliage::Organs;
 use linden::grow::{GrowError, Grown, grow};
 use linden::preset::Generator;
 use linden::recipe::Recipe;
@@ -12,6 +13,29 @@ use linden::skeleton::{Measures, SkeletonError};
 use linden_raster::{Extent, RasterError};
 
 use super::Watcher;
+
+/// A tree's wood and what grows on it.
+#[derive(Clone, Debug)]
+pub struct Plant {
+    /// The wood.
+    pub skeleton: Arc<Skeleton>,
+    /// Leaves and the like.
+    pub organs: Arc<Organs>,
+}
+
+impl Plant {
+    /// What pictures frame; `None` when there is nothing.
+    pub fn extent(&self) -> Option<Extent> {
+        let hull: Vec<Vec3> = self.organs.hull().collect();
+        Extent::of(&self.skeleton, &hull)
+    }
+}
+
+impl From<&Grown> for Plant {
+    fn from(grown: &Grown) -> Self {
+        Self { skeleton: Arc::clone(&grown.skeleton), organs: Arc::clone(&grown.organs) }
+    }
+}
 
 /// A tree that grew, and what is known of it.
 #[derive(Debug)]
@@ -49,8 +73,9 @@ pub fn grow_shown(recipe: &Arc<Recipe>, watcher: &Watcher<'_>) -> Option<Result<
         Err(error) => return Some(Err(error.to_string())),
     };
     let skeleton = &grown.skeleton;
-    let around: Vec<Vec3> = points.iter().chain(outline.iter().flatten()).copied().collect();
-    let (Some(own), Some(wide)) = (Extent::of(skeleton, &[]), Extent::of(skeleton, &around)) else {
+    let given = points.iter().chain(outline.iter().flatten()).copied();
+    let around: Vec<Vec3> = given.chain(grown.organs.hull()).collect();
+    let (Some(own), Some(wide)) = (Plant::from(&grown).extent(), Extent::of(skeleton, &around)) else {
         return Some(Err(RasterError::Empty.to_string()));
     };
     Some(Ok(Arc::new(Shown {
@@ -68,19 +93,16 @@ pub fn grow_shown(recipe: &Arc<Recipe>, watcher: &Watcher<'_>) -> Option<Result<
 /// A tree as it was at a step of its growth: at an iteration of colonization, or at a derivation,
 /// for which the L-system is derived again (its symbols are not kept from one to the next). `None`
 /// while nothing is drawn; `Err(None)` when nobody wants it any more.
-pub fn stage(
-    shown: &Shown,
-    step: u32,
-    watcher: &Watcher<'_>,
-) -> Result<Option<Arc<Skeleton>>, Option<String>> {
+pub fn stage(shown: &Shown, step: u32, watcher: &Watcher<'_>) -> Result<Option<Plant>, Option<String>> {
     let mut recipe = (*shown.recipe).clone();
     let Generator::LSystem(own) = &mut recipe.preset.generator else {
-        let young = shown.grown.skeleton.until(step, &recipe.preset.wood);
-        return Ok(Some(Arc::new(young)).filter(|young| !young.positions.is_empty()));
+        let young = shown.grown.skeleton.until(step, &shown.grown.wood, recipe.preset.wood_key());
+        let young = Plant { skeleton: Arc::new(young), organs: Arc::default() };
+        return Ok(Some(young).filter(|young| !young.skeleton.positions.is_empty()));
     };
     own.derivations = step;
     match grow(&recipe, watcher) {
-        Ok(grown) => Ok(Some(grown.skeleton)),
+        Ok(grown) => Ok(Some(Plant::from(&grown))),
         Err(GrowError::Cancelled(_)) => Err(None),
         Err(GrowError::Skeleton(SkeletonError::Empty)) => Ok(None),
         Err(error) => Err(Some(error.to_string())),

@@ -75,7 +75,7 @@ pub fn look(inquiry: Inquiry, watcher: &dyn Monitor, say: &dyn Fn(ExportNews)) {
 
 fn find_out(inquiry: Inquiry, watcher: &dyn Monitor, say: &dyn Fn(ExportNews)) -> Result<(), Cancelled> {
     if let Some(shown) = &inquiry.shown {
-        let estimate = Estimate::new(&shown.recipe, &shown.grown.skeleton, watcher)?;
+        let estimate = Estimate::new(&shown.recipe, &shown.grown, watcher)?;
         say(ExportNews::Estimated(Arc::clone(shown), estimate));
     }
     let home = std::env::home_dir();

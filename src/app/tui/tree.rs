@@ -1,6 +1,6 @@
 //! The tree on screen: the document it comes from, what was changed since, and what it grew into.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -104,8 +104,8 @@ impl Tree {
     /// The files that it was read from.
     pub fn files(&self) -> Vec<PathBuf> {
         let Place::File(path) = &self.place else { return Vec::new() };
-        let beside = self.saved.preset.space().and_then(linden::preset::Space::file);
-        let beside = beside.and_then(|file| path.parent().map(|folder| folder.join(file)));
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let beside = self.saved.preset.files().into_iter().map(|file| folder.join(file));
         std::iter::once(path.clone()).chain(beside).collect()
     }
 
@@ -239,7 +239,7 @@ impl Tree {
             self.series = None;
             self.current = self.past.pop().unwrap_or_else(|| Arc::clone(&self.current));
         } else {
-            let next = Arc::new(Recipe { preset, input: self.current.input.clone() });
+            let next = Arc::new(Recipe { preset, inputs: self.current.inputs.clone() });
             self.series = series;
             let last = std::mem::replace(&mut self.current, next);
             if !follows {
@@ -306,7 +306,7 @@ impl Tree {
     /// The document was read again, and nothing was changed here: the new one grows, and one undo
     /// leads back.
     pub fn reloaded(&mut self, recipe: Recipe) {
-        let hash = |recipe: &Recipe| recipe.input.as_ref().map(|input| input.hash);
+        let hash = |recipe: &Recipe| recipe.inputs.iter().map(|input| input.hash).collect::<Vec<_>>();
         if recipe.preset == self.current.preset {
             // A mesh beside it may have changed all the same; where nothing has, nothing grows anew.
             if hash(&recipe) != hash(&self.current) {
@@ -349,7 +349,7 @@ mod tests {
 
     fn fir() -> Tree {
         let preset = linden::preset::builtin("fir").unwrap().load().unwrap();
-        Tree::new(Place::Builtin("fir"), Recipe { preset, input: None })
+        Tree::new(Place::Builtin("fir"), Recipe { preset, inputs: Vec::new() })
     }
 
     #[test]

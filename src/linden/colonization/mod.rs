@@ -10,4 +10,4 @@ pub mod trunk;
 pub use growth::{
     Attraction, Growth, GrowthError, GrowthRule, Habit, Meet, NodeSet, Obstacle, Stop, grow, grow_among,
 };
-pub use plant::outline;
+pub use plant::{PartError, outline};

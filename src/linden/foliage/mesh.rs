@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::outline::Filler;
 use super::{Organs, PROTOTYPES};
+use crate::memory::OverMemory;
 use crate::monitor::{Cancelled, Monitor};
 use crate::scene::Mesh;
 
@@ -26,6 +27,9 @@ pub enum FoliageError {
     /// The result was no longer wanted.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
+    /// There is no memory for it.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
     /// More vertices than an index of 32 bits can name.
     #[error(
         "the foliage would have {vertices} vertices, more than the 4294967294 that mesh formats can index; use fewer derivations"
@@ -45,23 +49,24 @@ pub enum FoliageError {
 /// # Errors
 /// [`FoliageError`]: too large, or cancelled.
 pub fn meshes(organs: &Organs, colors: usize, monitor: &dyn Monitor) -> Result<Vec<Foliage>, FoliageError> {
-    let vertices = organs.amount().0;
+    let (vertices, triangles) = organs.amount();
     // The largest index is left out: glTF reserves it.
     if vertices >= u32::MAX.into() {
         return Err(FoliageError::TooLarge { vertices });
     }
-    let polygons = organs.polygons.ends.len();
+    // The pieces of all tasks, grown one by one, and then the whole.
+    let bytes = Mesh::bytes_for(vertices as usize, triangles as usize);
+    monitor.admit("shaping the leaves", bytes.saturating_mul(4), "use fewer derivations")?;
     let tasks = organs.len().div_ceil(PER_TASK);
     let pieces = (0..tasks).into_par_iter().map(|task| {
         monitor.check()?;
         let mut pieces = Pieces { last: colors.saturating_sub(1), of: Vec::new() };
-        let mut filler = Filler::default();
+        let mut shaper = Shaper::default();
         for organ in task * PER_TASK..organs.len().min((task + 1) * PER_TASK) {
-            match organ.checked_sub(polygons) {
-                None => pieces.polygon(organs, organ, &mut filler),
-                Some(placed) => pieces.placed(organs, placed),
-            }
+            shaper.add(organs, organ, pieces.mesh(organs.growth(organ).color));
         }
+        // Outlines without an inside may have been the only ones of a colour.
+        pieces.of.retain(|piece| !piece.mesh.triangles.is_empty());
         Ok(pieces.of)
     });
     let pieces = pieces.collect::<Result<Vec<_>, Cancelled>>()?;
@@ -92,12 +97,29 @@ impl Pieces {
         });
         &mut self.of[at].mesh
     }
+}
 
-    fn polygon(&mut self, organs: &Organs, polygon: usize, filler: &mut Filler) {
+/// Makes triangles of one organ after the other.
+#[derive(Default)]
+pub struct Shaper {
+    filler: Filler,
+}
+
+impl Shaper {
+    /// Adds an organ (the polygons come first, see [`Organs::growth`]) to a mesh. An outline without an
+    /// inside adds nothing.
+    pub fn add(&mut self, organs: &Organs, organ: usize, mesh: &mut Mesh) {
+        match organ.checked_sub(organs.polygons.ends.len()) {
+            None => self.polygon(organs, organ, mesh),
+            Some(placed) => place(organs, placed, mesh),
+        }
+    }
+
+    fn polygon(&mut self, organs: &Organs, polygon: usize, mesh: &mut Mesh) {
         let own = &organs.polygons;
         let corners = organs.corners_of(polygon);
-        let Some(filled) = filler.fill(corners, own.headings[polygon], own.ups[polygon]) else { return };
-        let mesh = self.mesh(own.growth.colors[polygon]);
+        let filled = self.filler.fill(corners, own.headings[polygon], own.ups[polygon]);
+        let Some(filled) = filled else { return };
         let first = mesh.positions.len() as u32;
         for &(corner, uv) in &filled.corners {
             mesh.positions.push(corners[corner as usize]);
@@ -106,16 +128,15 @@ impl Pieces {
         }
         mesh.triangles.extend(filled.triangles.as_chunks().0.iter().map(|t: &[u32; 3]| t.map(|v| first + v)));
     }
+}
 
-    fn placed(&mut self, organs: &Organs, organ: usize) {
-        let prototype = PROTOTYPES[organs.placed.prototypes[organ] as usize].mesh();
-        let mesh = self.mesh(organs.placed.growth.colors[organ]);
-        let first = mesh.positions.len() as u32;
-        mesh.positions.extend(prototype.positions.iter().map(|&p| organs.place(organ, p)));
-        mesh.normals.extend(prototype.normals.iter().map(|&n| organs.turn(organ, n).normalize_or(Vec3::Y)));
-        mesh.uvs.extend_from_slice(&prototype.uvs);
-        mesh.triangles.extend(prototype.triangles.iter().map(|t| t.map(|v| first + v)));
-    }
+fn place(organs: &Organs, placed: usize, mesh: &mut Mesh) {
+    let prototype = PROTOTYPES[organs.placed.prototypes[placed] as usize].mesh();
+    let first = mesh.positions.len() as u32;
+    mesh.positions.extend(prototype.positions.iter().map(|&p| organs.place(placed, p)));
+    mesh.normals.extend(prototype.normals.iter().map(|&n| organs.turn(placed, n).normalize_or(Vec3::Y)));
+    mesh.uvs.extend_from_slice(&prototype.uvs);
+    mesh.triangles.extend(prototype.triangles.iter().map(|t| t.map(|v| first + v)));
 }
 
 fn append(mesh: &mut Mesh, other: &Mesh) {

@@ -10,9 +10,11 @@ mod prototype;
 
 use glam::Vec3;
 
+use crate::memory::bytes_of;
 use crate::scene::Bounds;
+use crate::skeleton::refine::Rider;
 
-pub use mesh::{Foliage, FoliageError, meshes};
+pub use mesh::{Foliage, FoliageError, Shaper, meshes};
 pub use prototype::{PROTOTYPES, Prototype, prototype};
 
 /// The most corners that one polygon may have: far more than any leaf's outline, few enough for the
@@ -73,6 +75,17 @@ pub struct Growth {
     pub births: Vec<u32>,
 }
 
+/// What one organ has to do with the tree: an entry of [`Growth`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Hanging {
+    /// The node of the skeleton that it hangs on.
+    pub node: u32,
+    /// The turtle's colour index, from 0.
+    pub color: u32,
+    /// The derivation step in which it appeared.
+    pub birth: u32,
+}
+
 impl Organs {
     /// How many there are.
     pub fn len(&self) -> usize {
@@ -82,6 +95,52 @@ impl Organs {
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
+    }
+
+    /// Bytes that they take, reserved places included.
+    pub fn bytes(&self) -> u64 {
+        let growth = |own: &Growth| own.nodes.capacity() + own.colors.capacity() + own.births.capacity();
+        let Self { polygons, placed } = self;
+        let vectors = [&polygons.corners, &polygons.headings, &polygons.ups]
+            .into_iter()
+            .chain([&placed.positions, &placed.headings, &placed.ups])
+            .map(Vec::capacity)
+            .sum();
+        let words = polygons.ends.capacity() + placed.sizes_m.capacity();
+        bytes_of::<Vec3>(vectors)
+            + bytes_of::<u32>(words + growth(&polygons.growth) + growth(&placed.growth))
+            + bytes_of::<u8>(placed.prototypes.capacity())
+    }
+
+    /// How an organ hangs on the wood: the polygons are counted first, then the organs of the table.
+    pub fn growth(&self, organ: usize) -> Hanging {
+        let (all, at) = match organ.checked_sub(self.polygons.ends.len()) {
+            None => (&self.polygons.growth, organ),
+            Some(placed) => (&self.placed.growth, placed),
+        };
+        Hanging { node: all.nodes[at], color: all.colors[at], birth: all.births[at] }
+    }
+
+    /// What refinement is to take along: the polygons, then the organs of the table.
+    pub fn riders(&self) -> Vec<Rider> {
+        let nodes = self.polygons.growth.nodes.iter().chain(&self.placed.growth.nodes);
+        nodes.map(|&node| Rider { node, moved: Vec3::ZERO }).collect()
+    }
+
+    /// Goes where refinement took the [`riders`](Self::riders).
+    pub(crate) fn follow(&mut self, riders: &[Rider]) {
+        let (polygons, placed) = riders.split_at(self.polygons.growth.nodes.len());
+        let mut start = 0;
+        for (polygon, rider) in polygons.iter().enumerate() {
+            self.polygons.growth.nodes[polygon] = rider.node;
+            let end = self.polygons.ends[polygon] as usize;
+            self.polygons.corners[start..end].iter_mut().for_each(|corner| *corner += rider.moved);
+            start = end;
+        }
+        for (organ, rider) in placed.iter().enumerate() {
+            self.placed.growth.nodes[organ] = rider.node;
+            self.placed.positions[organ] += rider.moved;
+        }
     }
 
     /// The corners of a polygon.

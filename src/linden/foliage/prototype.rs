@@ -151,26 +151,29 @@ fn berry() -> Mesh {
             }
         }
     }
-    compact(mesh)
+    compact(&mesh)
 }
 
 /// A pyramid of three sides, so that it is seen from each.
 fn needle() -> Mesh {
     const RADIUS: f32 = 0.025;
     let mut mesh = Mesh::default();
-    for side in 0..=3_u8 {
-        let (sin, cos) = libm::sincosf(TAU * f32::from(side % 3) / 3.0);
-        let out = Vec3::new(sin, 0.0, cos);
-        let u = f32::from(side) / 3.0;
-        push(&mut mesh, out * RADIUS, Vec2::new(u, 0.0));
-        mesh.normals.push(out);
-        if side < 3 {
-            let (sin, cos) = libm::sincosf(TAU * (f32::from(side) + 0.5) / 3.0);
-            push(&mut mesh, Vec3::Y, Vec2::new(u + 1.0 / 6.0, 1.0));
-            mesh.normals.push(Vec3::new(sin, RADIUS, cos).normalize());
+    for side in 0..3_u8 {
+        // From one edge to the next, and the tip between them: sides that shared an edge's foot alone
+        // would be no manifold.
+        for (corner, height) in [(0.0, 0.0), (1.0, 0.0), (0.5, 1.0)] {
+            let turn = f32::from(side) + corner;
+            let (sin, cos) = libm::sincosf(TAU * (turn % 3.0) / 3.0);
+            let out = Vec3::new(sin, 0.0, cos);
+            push(
+                &mut mesh,
+                out * (RADIUS * (1.0 - height)) + Vec3::Y * height,
+                Vec2::new(turn / 3.0, height),
+            );
+            mesh.normals.push((out + Vec3::Y * (RADIUS * height)).normalize());
         }
     }
-    mesh.triangles.extend([0, 2, 4].map(|a| [a, a + 2, a + 1]));
+    mesh.triangles.extend([0, 3, 6].map(|a| [a, a + 1, a + 2]));
     mesh
 }
 
@@ -193,7 +196,7 @@ fn with_smooth_normals(mut mesh: Mesh) -> Mesh {
 }
 
 /// Without the vertices that no triangle has.
-fn compact(mesh: Mesh) -> Mesh {
+fn compact(mesh: &Mesh) -> Mesh {
     let mut kept = Mesh::default();
     let mut index = vec![None; mesh.positions.len()];
     let mut keep = |vertex: u32| {

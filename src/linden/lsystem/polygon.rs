@@ -5,6 +5,7 @@ use glam::{DVec3, Vec3};
 use super::error::LsystemError;
 use super::frame::Frame;
 use crate::foliage::{Growth, MAX_CORNERS, Organs};
+use crate::memory::bytes_of;
 
 /// Collects what grows beside the wood.
 #[derive(Default)]
@@ -28,6 +29,19 @@ impl Herbarium {
     /// Whether moves are edges now, instead of wood.
     pub fn is_outlining(&self) -> bool {
         !self.open.is_empty()
+    }
+
+    /// Bytes that it takes, reserved places included.
+    pub fn bytes(&self) -> u64 {
+        self.organs.bytes() + bytes_of::<Vec3>(self.corners.capacity())
+    }
+
+    /// Whether a list may move to a larger place with the next organ.
+    pub fn is_full(&self) -> bool {
+        let Organs { polygons, placed } = &self.organs;
+        polygons.ends.len() == polygons.ends.capacity()
+            || polygons.corners.capacity() - polygons.corners.len() < self.corners.len()
+            || placed.prototypes.len() == placed.prototypes.capacity()
     }
 
     /// `{`

@@ -11,7 +11,7 @@ use super::polygon::Herbarium;
 use super::program::Program;
 use super::variation::Chance;
 use crate::foliage::{Organs, prototype};
-use crate::memory::{OverMemory, bytes_grown};
+use crate::memory::{OverMemory, bytes_grown, bytes_of};
 use crate::monitor::Monitor;
 use crate::random::Key;
 use crate::skeleton::{Branching, NO_PARENT};
@@ -109,8 +109,8 @@ pub(super) struct Turtle<'a> {
 }
 
 impl<'a> Turtle<'a> {
-    /// `segments` is how many segments there will be, 0 when nobody knows, `depth` how many branches
-    /// are open at once.
+    /// `segments` is how many segments there will be, 0 when nobody knows, `depth` how many branches are
+    /// open at once.
     ///
     /// # Errors
     /// [`OverMemory`] where so many would take too much.
@@ -121,9 +121,10 @@ impl<'a> Turtle<'a> {
         depth: usize,
         monitor: &'a dyn Monitor,
     ) -> Result<Self, OverMemory> {
-        let bytes = Branching::bytes_for(segments + 1) + bytes_grown::<State>(depth.min(MAX_NESTING));
-        monitor.admit(DOING, bytes, ADVICE)?;
         let sets_widths = program.commands().any(|(command, _)| command == Command::Width);
+        let radii = bytes_of::<f32>(if sets_widths { segments + 1 } else { 0 });
+        let nodes = Branching::bytes_for(segments + 1) + radii;
+        monitor.admit(DOING, nodes + bytes_grown::<State>(depth.min(MAX_NESTING)), ADVICE)?;
         let branching = Branching {
             positions: Vec::with_capacity(segments + 1),
             parents: Vec::with_capacity(segments + 1),
@@ -264,12 +265,21 @@ impl<'a> Turtle<'a> {
             return Ok(());
         }
         if self.feet.len() == self.feet.capacity() {
-            let feet = bytes_grown::<Foot>(self.feet.len() + 1);
-            self.monitor.admit(DOING, self.branching.bytes() + feet, ADVICE)?;
+            self.admit(bytes_grown::<Foot>(self.feet.len() + 1))?;
         }
         self.state.anchor = Anchor::Foot(self.feet.len() as u32);
         self.feet.push(Foot { position, node: None });
         Ok(())
+    }
+
+    /// Asks for memory beside the nodes and organs that there are.
+    fn admit(&self, bytes: u64) -> Result<(), OverMemory> {
+        self.monitor.admit(DOING, self.branching.bytes() + self.herbarium.bytes() + bytes, ADVICE)
+    }
+
+    /// Asks before the lists of organs move to larger places.
+    fn make_room_for_organ(&self) -> Result<(), OverMemory> {
+        if self.herbarium.is_full() { self.admit(2 * self.herbarium.bytes()) } else { Ok(()) }
     }
 
     /// Wood again, after an outline: an outline that closed leads back to where it began, any other one
@@ -353,7 +363,10 @@ impl<'a> Turtle<'a> {
                 self.herbarium.begin(&self.state.frame, self.state.node, self.state.color);
             }
             Action::PolygonVertex => self.herbarium.corner(self.state.position)?,
-            Action::PolygonEnd => self.herbarium.end(birth)?,
+            Action::PolygonEnd => {
+                self.make_room_for_organ()?;
+                self.herbarium.end(birth)?;
+            }
             Action::Organ => self.is_placing = true,
         }
         Ok(())
@@ -372,6 +385,7 @@ impl<'a> Turtle<'a> {
         let size_m = size * self.settings.segment_m;
         // What is too small for single precision is not there.
         if size_m as f32 > 0.0 {
+            self.make_room_for_organ()?;
             self.herbarium.place(prototype, size_m, position, &frame, [node, color, birth]);
         }
         Ok(())

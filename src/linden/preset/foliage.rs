@@ -15,9 +15,9 @@ pub struct FoliageLook {
 }
 
 impl Default for FoliageLook {
-    /// From the green of leaves to a blossom's.
+    /// Old leaves and young ones.
     fn default() -> Self {
-        Self { leaf_colors: vec![[74, 122, 48], [122, 154, 62], [206, 92, 116]] }
+        Self { leaf_colors: vec![[74, 122, 48], [122, 154, 62]] }
     }
 }
 

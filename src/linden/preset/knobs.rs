@@ -2,7 +2,7 @@
 //! the workbench's form are made from it; a new knob is a field and a row, both in its section's file.
 
 use super::{Colonization, Preset, Space, bark, colonization, foliage, lsystem, surface, wood};
-use crate::colonization::crown::{SHAPES, ShapeKnob};
+use crate::colonization::crown::{self, SHAPES, ShapeKnob};
 use crate::knob::{Kind, Knob, Value};
 
 /// The table of a document that a knob stands in.
@@ -83,13 +83,15 @@ impl PresetKnob {
         match self.access {
             Access::Field { write, .. } => write(preset, value),
             Access::Dimension(own) => {
-                let Some(Colonization { space: Space::Shape { dimensions, .. }, .. }) =
+                let Some(Colonization { space: Space::Shape { shape, dimensions }, .. }) =
                     preset.colonization_mut()
                 else {
                     return;
                 };
-                dimensions.retain(|(name, _)| *name != own.knob.name);
                 dimensions.push((own.knob.name, value));
+                if let Ok(shape) = crown::shape(shape) {
+                    *dimensions = shape.complete(dimensions);
+                }
             }
         }
     }

@@ -1,7 +1,10 @@
 //! The presets in the program.
 
-use super::{Fault, Preset, Space};
+use super::{Fault, Preset};
+use crate::input::InputError;
 use crate::knob::nearest;
+use crate::monitor::Monitor;
+use crate::recipe::{Input, Recipe};
 
 /// A file of `presets/`, as it was when the program was built.
 #[derive(Clone, Copy, Debug)]
@@ -10,7 +13,7 @@ pub struct Builtin {
     pub id: &'static str,
     /// The document.
     pub text: &'static str,
-    /// The other files of the folder it stands in, by name: crown envelopes.
+    /// The other files of the folder it stands in, by name: crown envelopes and meshes of parts.
     pub beside: &'static [(&'static str, &'static [u8])],
 }
 
@@ -47,9 +50,33 @@ impl Builtin {
         Preset::from_toml(self.text)
     }
 
-    /// The bytes of the file that the preset needs beside it, if it needs one.
-    pub fn input(&self, space: &Space) -> Option<&'static [u8]> {
-        let file = space.file()?;
+    /// The bytes of a file that the preset needs beside it.
+    pub fn input(&self, file: &str) -> Option<&'static [u8]> {
         self.beside.iter().find(|(name, _)| *name == file).map(|&(_, bytes)| bytes)
     }
+
+    /// The preset with its files: what grows.
+    ///
+    /// # Errors
+    /// None that the tests let pass, and [`RecipeError::Input`] when the monitor cancelled.
+    pub fn recipe(&self, monitor: &dyn Monitor) -> Result<Recipe, RecipeError> {
+        let preset = self.load()?;
+        let inputs = preset
+            .files()
+            .into_iter()
+            .filter_map(|file| Some(Input::read(file, self.input(file)?, monitor)))
+            .collect::<Result<_, _>>()?;
+        Ok(Recipe { preset, inputs })
+    }
+}
+
+/// Why a built-in preset cannot be had.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum RecipeError {
+    /// Its document.
+    #[error(transparent)]
+    Document(#[from] Fault),
+    /// A file beside it.
+    #[error(transparent)]
+    Input(#[from] InputError),
 }

@@ -7,6 +7,7 @@ mod foliage;
 mod knobs;
 mod library;
 mod lsystem;
+mod part;
 mod read;
 mod setting;
 mod surface;
@@ -17,6 +18,7 @@ use std::fmt;
 
 use crate::knob::{Knob, Value, nearest, printable};
 use crate::skeleton::Wood;
+use crate::skeleton::refine::Refinement;
 use crate::surface::Tubes;
 
 pub use bark::BarkLook;
@@ -24,9 +26,10 @@ pub use colonization::{Colonization, Space};
 pub use document::{Fault, Place};
 pub use foliage::FoliageLook;
 pub use knobs::{KNOBS, PresetKnob, Section, shape_knobs};
-pub use library::{Builtin, builtin, builtin_file, builtins};
+pub use library::{Builtin, RecipeError, builtin, builtin_file, builtins};
 pub use lsystem::LSystem;
-pub use setting::{Habit, Length, Origin, UpAxis};
+pub use part::{MOST_PARTS, PART_CROWN, PART_KNOBS, Part, PartKnob, Solid};
+pub use setting::{Habit, Length, Origin, Pull, Role, ScanRadius, UpAxis};
 
 /// Everything that says how a tree grows and looks.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,6 +50,8 @@ pub struct Preset {
     pub seed: u64,
     /// How it grows.
     pub generator: Generator,
+    /// What is done to it after growth.
+    pub refinement: Refinement,
     /// How thick it is.
     pub wood: Wood,
     /// How its surface is made.
@@ -58,6 +63,7 @@ pub struct Preset {
 }
 
 /// How a tree grows.
+#[allow(clippy::large_enum_variant, reason = "a preset has one, and there are few presets")]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Generator {
     /// By rewriting.
@@ -137,6 +143,43 @@ impl Preset {
     /// What the crown fills, `None` for an L-system.
     pub fn space(&self) -> Option<&Space> {
         self.colonization().map(|own| &own.space)
+    }
+
+    /// The parts of the crown and the solids near it; none for an L-system.
+    pub fn parts(&self) -> &[Part] {
+        self.colonization().map_or(&[], |own| &own.parts)
+    }
+
+    /// The files that are needed beside the preset, each once, relative to it: what the crown fills,
+    /// then the meshes of the parts. [`crate::recipe::Recipe::inputs`] has them in this order.
+    pub fn files(&self) -> Vec<&str> {
+        let mut files: Vec<&str> = Vec::new();
+        let parts = self.parts().iter().filter_map(Part::file);
+        for file in self.space().and_then(Space::file).into_iter().chain(parts) {
+            if !files.contains(&file) {
+                files.push(file);
+            }
+        }
+        files
+    }
+
+    /// Gives the files of [`Preset::files`] other names, in their order.
+    pub fn rename_files(&mut self, names: &[String]) {
+        let before: Vec<String> = self.files().into_iter().map(str::to_owned).collect();
+        let Some(own) = self.colonization_mut() else { return };
+        let space = match &mut own.space {
+            Space::Shape { .. } => None,
+            Space::Envelope { file } | Space::Points { file } => Some(file),
+        };
+        let parts = own.parts.iter_mut().filter_map(|part| match &mut part.solid {
+            Solid::Shape { .. } => None,
+            Solid::Mesh { file } => Some(file),
+        });
+        for file in space.into_iter().chain(parts) {
+            if let Some(name) = before.iter().position(|own| own == file).and_then(|i| names.get(i)) {
+                file.clone_from(name);
+            }
+        }
     }
 
     /// The knobs that this preset has, with their values, in the order of the table.

@@ -2,14 +2,17 @@
 
 use super::document::{Datum, Entry, Fault, Node, Place};
 use super::knobs::{KNOBS, PresetKnob, Section, shape_knobs};
+use super::part::{self, PART};
 use super::{BarkLook, Colonization, FoliageLook, Generator, LSystem, Preset, Space};
 use crate::knob::{did_you_mean, excerpt, nearest};
 use crate::lsystem::{Grammar, Part};
 use crate::skeleton::Wood;
+use crate::skeleton::refine::Refinement;
 use crate::surface::Tubes;
 
 /// Keys before all tables that are no knobs.
-const HEADINGS: [&str; 8] = ["id", "name", "group", "summary", "source", "about", "linden", "input"];
+const HEADINGS: [&str; 9] =
+    ["id", "name", "group", "summary", "source", "about", "linden", "input", "inputs"];
 
 impl Preset {
     /// Reads a preset document (TOML).
@@ -48,6 +51,7 @@ impl Preset {
             about: String::new(),
             seed: 1,
             generator,
+            refinement: Refinement::default(),
             wood: Wood::default(),
             tubes: Tubes::default(),
             bark: BarkLook::default(),
@@ -131,7 +135,7 @@ fn table<'a>(entries: &'a [Entry], key: &str) -> Result<Option<Table<'a>>, Fault
 const fn materials(section: Section) -> &'static [&'static str] {
     match section {
         Section::LSystem => &["axiom", "rules"],
-        Section::Colonization => &["envelope", "scan"],
+        Section::Colonization => &["envelope", "scan", PART],
         _ => &[],
     }
 }
@@ -253,5 +257,12 @@ fn read_space((entries, place): Table<'_>) -> Result<Colonization, Fault> {
             ));
         }
     };
-    Ok(Colonization::of(space))
+    let mut own = Colonization::of(space);
+    if let Some(entry) = entries.iter().find(|entry| entry.key == PART) {
+        if matches!(own.space, Space::Points { .. }) {
+            return Err(Fault::new(entry.place, "parts need a 'crown' or an 'envelope'; a scan has neither"));
+        }
+        own.parts = part::read(&entry.node)?;
+    }
+    Ok(own)
 }

@@ -1,5 +1,6 @@
 //! How a preset's typed fields become a knob's value and back.
 
+use crate::colonization::Meet;
 use crate::knob::Value;
 use crate::texture::BarkStyle;
 
@@ -54,6 +55,16 @@ words! {
 }
 
 words! {
+    /// Where the radii of a scanned tree come from.
+    ScanRadius {
+        /// The points on its bark, where there are enough.
+        Points = "points",
+        /// The pipe model.
+        Pipe = "pipe"
+    }
+}
+
+words! {
     /// Whether a tree is moved to stand on the origin.
     Origin {
         /// Moved when it grows into given points, kept in a mesh.
@@ -72,6 +83,32 @@ words! {
         Tree = "tree",
         /// On several that lean.
         Shrub = "shrub"
+    }
+}
+
+words! {
+    /// What a part of a crown does.
+    Role {
+        /// Its inside belongs to the crown of the tree above it in the document.
+        Add = "add",
+        /// Its inside does not.
+        Subtract = "subtract",
+        /// Another tree with a root of its own, which competes for the same points.
+        Tree = "tree",
+        /// A solid without points, which branches do not enter.
+        Obstacle = "obstacle",
+        /// A place where fewer points are.
+        Shade = "shade"
+    }
+}
+
+words! {
+    /// Which attraction points pull at a node.
+    Pull {
+        /// Those to which it is the nearest node.
+        Nearest = "nearest",
+        /// All in reach.
+        All = "all"
     }
 }
 
@@ -170,6 +207,28 @@ impl Setting for BarkStyle {
 
     fn from_value(value: Value) -> Option<Self> {
         String::from_value(value).and_then(|name| Self::named(&name))
+    }
+}
+
+/// The words of [`Meet`].
+pub(super) const MEETINGS: &[&str] = &["around", "stop"];
+
+impl Setting for Meet {
+    fn to_value(&self) -> Value {
+        let word = match self {
+            Self::Around => MEETINGS[0],
+            Self::Stop => MEETINGS[1],
+        };
+        Value::Word(word.to_owned())
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        let word = String::from_value(value)?;
+        [Self::Around, Self::Stop]
+            .into_iter()
+            .zip(MEETINGS)
+            .find(|(_, own)| **own == word)
+            .map(|(meet, _)| meet)
     }
 }
 

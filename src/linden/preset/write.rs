@@ -4,7 +4,8 @@ use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
 use super::knobs::Section;
-use super::{Generator, Preset, Space};
+use super::part::PART;
+use super::{Generator, Part, Preset, Space};
 use crate::knob::Value;
 
 impl Serialize for Preset {
@@ -85,6 +86,11 @@ impl Knobs<'_> {
                 map.serialize_entry(knob.knob.name, &Plain(value))?;
             }
         }
+        // Tables come after values.
+        let parts = self.preset.parts();
+        if self.section == Section::Colonization && !parts.is_empty() {
+            map.serialize_entry(PART, parts)?;
+        }
         Ok(())
     }
 }
@@ -93,6 +99,20 @@ impl Serialize for Knobs<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
         self.serialize_into(&mut map)?;
+        map.end()
+    }
+}
+
+impl Serialize for Part {
+    /// All keys that its role has, also those that stand at their default.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        for (knob, value) in self.knobs() {
+            map.serialize_entry(knob.name, &Plain(value))?;
+        }
+        if let Some(file) = self.file() {
+            map.serialize_entry("mesh", file)?;
+        }
         map.end()
     }
 }

@@ -1,31 +1,38 @@
 //! From nodes and parents to axes with orders.
 
+use std::cmp::Ordering;
+
 use glam::Vec3;
 
 use super::{Axis, NO_PARENT};
 
 /// All axes (parents before laterals) and their nodes, axis by axis.
 ///
-/// A child continues the axis if it carries the most tips (it is the thickest by the pipe model);
-/// among equals the straightest, then the first.
-pub(super) fn decompose(positions: &[Vec3], parents: &[u32], tips: &[u32]) -> (Vec<Axis>, Vec<u32>) {
-    let successor = successors(positions, parents, tips);
-    let mut axes: Vec<Axis> = Vec::new();
+/// The greatest child by `compare` (the thicker one) continues the axis; among equals the
+/// straightest, then the first. What `compare` owns is freed before the axes are laid out.
+pub(super) fn decompose(
+    positions: &[Vec3],
+    parents: &[u32],
+    compare: impl Fn(u32, u32) -> Ordering,
+) -> (Vec<Axis>, Vec<u32>) {
+    let mut next = successors(positions, parents, compare);
+    let apexes = next.iter().filter(|&&successor| successor == NO_PARENT).count();
+    let mut axes: Vec<Axis> = Vec::with_capacity(apexes);
     let mut axis_nodes: Vec<u32> = Vec::with_capacity(parents.len());
-    let mut axis_of = vec![0_u32; parents.len()];
-    // A node that continues nothing is the base of an axis; bases come in index order, so that a
-    // lateral always comes after the axis it leaves from.
-    for (base, &parent) in parents.iter().enumerate() {
-        if parent != NO_PARENT && successor[parent as usize] == base as u32 {
+    // Bases come in index order, so that a lateral always comes after the axis it leaves from.
+    for base in 0..parents.len() as u32 {
+        // An entry holds the successor, a higher index, until its node stands in an axis, and the
+        // axis' order from then on. An order is at most the number of nodes below, so never higher.
+        if next[base as usize] <= base {
             continue;
         }
-        let order = if parent == NO_PARENT { 0 } else { axes[axis_of[parent as usize] as usize].order + 1 };
+        let parent = parents[base as usize];
+        let order = if parent == NO_PARENT { 0 } else { next[parent as usize] + 1 };
         let first = axis_nodes.len() as u32;
-        let mut node = base as u32;
+        let mut node = base;
         while node != NO_PARENT {
-            axis_of[node as usize] = axes.len() as u32;
             axis_nodes.push(node);
-            node = successor[node as usize];
+            node = std::mem::replace(&mut next[node as usize], order);
         }
         axes.push(Axis { order, parent, first, len: axis_nodes.len() as u32 - first });
     }
@@ -33,23 +40,29 @@ pub(super) fn decompose(positions: &[Vec3], parents: &[u32], tips: &[u32]) -> (V
 }
 
 /// For each node the child that continues its axis, [`NO_PARENT`] at an apex.
-fn successors(positions: &[Vec3], parents: &[u32], tips: &[u32]) -> Vec<u32> {
+pub(super) fn successors(
+    positions: &[Vec3],
+    parents: &[u32],
+    compare: impl Fn(u32, u32) -> Ordering,
+) -> Vec<u32> {
     let mut best = vec![NO_PARENT; parents.len()];
-    for child in 0..parents.len() {
-        let parent = parents[child];
+    for child in 0..parents.len() as u32 {
+        let parent = parents[child as usize];
         if parent == NO_PARENT {
             continue;
         }
         let rival = best[parent as usize];
-        let wins = rival == NO_PARENT || {
-            let (mine, others) = (tips[child], tips[rival as usize]);
-            mine > others
-                || (mine == others
-                    && straightness(positions, parents, child as u32)
-                        > straightness(positions, parents, rival) + STRAIGHTER)
-        };
+        let wins = rival == NO_PARENT
+            || match compare(child, rival) {
+                Ordering::Greater => true,
+                Ordering::Less => false,
+                Ordering::Equal => {
+                    straightness(positions, parents, child)
+                        > straightness(positions, parents, rival) + STRAIGHTER
+                }
+            };
         if wins {
-            best[parent as usize] = child as u32;
+            best[parent as usize] = child;
         }
     }
     best
@@ -60,7 +73,7 @@ const STRAIGHTER: f32 = 1e-4;
 
 /// Cosine of the angle between the segment that ends in a child and the one before it (straight up
 /// below the first).
-fn straightness(positions: &[Vec3], parents: &[u32], child: u32) -> f32 {
+pub(super) fn straightness(positions: &[Vec3], parents: &[u32], child: u32) -> f32 {
     let parent = parents[child as usize];
     let grandparent = parents[parent as usize];
     let before = if grandparent == NO_PARENT {
@@ -74,9 +87,13 @@ fn straightness(positions: &[Vec3], parents: &[u32], child: u32) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::radii::count_tips;
+    use super::super::radii::pipe::count_tips;
     use super::*;
     use crate::random::Key;
+
+    fn by_tips(tips: &[u32]) -> impl Fn(u32, u32) -> Ordering {
+        |a, b| tips[a as usize].cmp(&tips[b as usize])
+    }
 
     /// A random tree: each node hangs below an earlier one, some stand as roots of their own.
     fn random_tree(seed: u64, len: usize) -> (Vec<Vec3>, Vec<u32>) {
@@ -103,7 +120,7 @@ mod tests {
         for seed in 0..20 {
             let (positions, parents) = random_tree(seed, 300);
             let tips = count_tips(&parents);
-            let (axes, nodes) = decompose(&positions, &parents, &tips);
+            let (axes, nodes) = decompose(&positions, &parents, by_tips(&tips));
 
             let mut sorted = nodes.clone();
             sorted.sort_unstable();
@@ -141,7 +158,7 @@ mod tests {
     fn among_equals_the_straightest_continues() {
         let positions = [(0., 0.), (0., 1.), (0.7, 1.7), (0.1, 2.)].map(|(x, y)| Vec3::new(x, y, 0.0));
         let parents = [NO_PARENT, 0, 1, 1];
-        let (axes, nodes) = decompose(&positions, &parents, &count_tips(&parents));
+        let (axes, nodes) = decompose(&positions, &parents, by_tips(&count_tips(&parents)));
         assert_eq!(nodes, [0, 1, 3, 2]);
         assert_eq!(axes[1], Axis { order: 1, parent: 1, first: 3, len: 1 });
     }

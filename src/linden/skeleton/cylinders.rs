@@ -103,7 +103,7 @@ mod tests {
             births: vec![0; 5],
             radii: None,
         };
-        let wood = Wood { radius_exponent: 1.0, tip_radius_m: Some(0.1), base_radius_m: None };
+        let wood = Wood { radius_exponent: 1.0, tip_radius_m: Some(0.1), ..Wood::default() };
         Skeleton::build(branching, &wood).unwrap()
     }
 

@@ -83,7 +83,7 @@ mod tests {
             births: vec![0; 4],
             radii: None,
         };
-        let wood = Wood { radius_exponent: 1.0, tip_radius_m: Some(0.1), base_radius_m: None };
+        let wood = Wood { radius_exponent: 1.0, tip_radius_m: Some(0.1), ..Wood::default() };
         let skeleton = Skeleton::build(branching, &wood).unwrap();
         let m = skeleton.measures();
         assert_eq!((m.total_length_m, m.height_m, m.crown_width_m, m.max_order), (5.0, 2.0, 1.5, 1));

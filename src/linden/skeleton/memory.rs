@@ -1,7 +1,7 @@
 //! How much memory branchings and skeletons take.
 
-use super::{Axis, Branching, NO_PARENT, Skeleton};
-use crate::memory::{OverMemory, bytes_grown, bytes_of};
+use super::{Axis, Branching, NO_PARENT, Skeleton, Width, Wood};
+use crate::memory::{OverMemory, bytes_of};
 use crate::monitor::Monitor;
 
 impl Branching {
@@ -49,15 +49,28 @@ impl Branching {
     ///
     /// # Errors
     /// [`OverMemory`].
-    pub fn admit_build(&self, monitor: &dyn Monitor) -> Result<(), OverMemory> {
-        monitor.admit("building the skeleton", self.build_bytes(), "grow a smaller tree")
+    pub fn admit_build(&self, wood: &Wood, monitor: &dyn Monitor) -> Result<(), OverMemory> {
+        monitor.admit("building the skeleton", self.build_bytes(wood), "grow a smaller tree")
     }
 
-    /// The peak of [`Skeleton::build`].
-    fn build_bytes(&self) -> u64 {
-        let nodes = self.parents.len();
-        // Tips, radii, successors, axes of nodes, nodes of axes.
-        self.bytes() + 5 * bytes_of::<u32>(nodes) + bytes_grown::<Axis>(self.axes())
+    /// The peak of [`Skeleton::build`]. The tips and pipes are gone when the axes are laid out.
+    fn build_bytes(&self, wood: &Wood) -> u64 {
+        let (nodes, axes) = (self.parents.len(), self.axes());
+        let [word, long] = [bytes_of::<u32>(nodes), bytes_of::<f64>(nodes)];
+        // Successors and nodes of axes.
+        let laid_out = 2 * word + bytes_of::<Axis>(axes);
+        self.bytes()
+            + match wood.settled(self.radii.is_some()).width {
+                // The radii are there; tips are needed to the end.
+                Width::Grammar => word + laid_out,
+                // Keys, counts of laterals, drawn shares; axes of nodes.
+                Width::Order | Width::Taper => {
+                    laid_out.max(word * 3 + bytes_of::<Axis>(axes) + bytes_of::<[f64; 4]>(axes))
+                }
+                Width::Auto | Width::Pipe if wood.angle_share == 0.0 => word + laid_out.max(2 * word),
+                // Tips, pipes, claims; then pipes, successors.
+                Width::Auto | Width::Pipe => (word + 2 * long).max(word + laid_out.max(word + long)),
+            }
     }
 
     /// How many axes it has: each ends in a node without children.
@@ -76,7 +89,8 @@ impl Branching {
 impl Skeleton {
     /// The peak of [`Skeleton::build`] for so many nodes of which a third end an axis.
     pub(crate) fn build_bytes(nodes: usize) -> Option<u64> {
-        let per_node = bytes_of::<([f32; 3], [u32; 7])>(1) + bytes_of::<Axis>(1) / 2;
+        // Parents, births, radii, successors, and tips before the nodes of axes.
+        let per_node = bytes_of::<([f32; 3], [u32; 5])>(1) + bytes_of::<Axis>(1).div_ceil(3);
         (nodes as u64).checked_mul(per_node)
     }
 

@@ -8,14 +8,20 @@ mod cylinders;
 mod measure;
 mod memory;
 mod radii;
+pub mod refine;
 mod young;
 
 use glam::Vec3;
+use radii::Built;
 use xxhash_rust::xxh3::Xxh3;
+
+use crate::random::Key;
 
 pub use cylinders::Cylinder;
 pub use measure::Measures;
-pub use radii::Wood;
+pub(crate) use radii::axes_by_tips;
+pub(crate) use radii::pipe::count_tips;
+pub use radii::{Span, Width, Wood};
 
 /// The parent of a node that stands at the foot of a stem.
 pub const NO_PARENT: u32 = u32::MAX;
@@ -99,6 +105,12 @@ pub enum SkeletonError {
         /// The node.
         node: usize,
     },
+    /// Radii of another number than nodes, or one that is not finite.
+    #[error("node {node} was given a radius that is missing or not finite")]
+    Radius {
+        /// The node.
+        node: usize,
+    },
 }
 
 impl Branching {
@@ -113,6 +125,12 @@ impl Branching {
         }
         if let Some(node) = self.positions.iter().position(|p| !p.is_finite()) {
             return Err(SkeletonError::NotFinite { node });
+        }
+        if let Some(radii) = &self.radii {
+            let strange = radii.iter().position(|radius| !radius.is_finite());
+            if let Some(node) = strange.or((radii.len() != positions).then_some(radii.len().min(positions))) {
+                return Err(SkeletonError::Radius { node });
+            }
         }
         let mut segments = 0_usize;
         for (node, &parent) in self.parents.iter().enumerate() {
@@ -150,11 +168,17 @@ impl Skeleton {
     /// # Errors
     /// When the branching is no tree: see [`Branching::validate`].
     pub fn build(branching: Branching, wood: &Wood) -> Result<Self, SkeletonError> {
+        Self::build_keyed(branching, wood, Key::new(0))
+    }
+
+    /// The same with the key of what [`Width::Taper`] draws; all other rules draw nothing.
+    ///
+    /// # Errors
+    /// When the branching is no tree: see [`Branching::validate`].
+    pub fn build_keyed(branching: Branching, wood: &Wood, key: Key) -> Result<Self, SkeletonError> {
         branching.validate()?;
-        let Branching { positions, parents, births, .. } = branching;
-        let tips = radii::count_tips(&parents);
-        let radii = radii::Thickness::new(&positions, &tips, wood).radii(&tips);
-        let (axes, axis_nodes) = axes::decompose(&positions, &parents, &tips);
+        let Branching { positions, parents, births, radii: given } = branching;
+        let Built { axes, axis_nodes, radii } = radii::build(&positions, &parents, given, wood, key);
         Ok(Self { positions, parents, radii, births, axes, axis_nodes })
     }
 

@@ -1,6 +1,10 @@
 //! The tree as it was at an earlier step.
 
-use super::{Branching, NO_PARENT, Skeleton, Wood, axes, radii};
+use glam::Vec3;
+
+use super::radii::{self, Built};
+use super::{NO_PARENT, Skeleton, Wood};
+use crate::random::Key;
 
 impl Skeleton {
     /// Which nodes were there at a step: born by then, and so were all nodes below them. (Births
@@ -14,17 +18,20 @@ impl Skeleton {
     }
 
     /// The tree at a step: the nodes of [`Skeleton::born_by`], in their order, with axes of their
-    /// own and radii by the pipe model.
+    /// own and radii by the same rule.
     ///
-    /// A twig of the young tree is as thick as one of the whole tree, so the trunk thickens as the
-    /// tree grows. `wood` must be what the whole tree was built with; where it gives no tip radius,
-    /// the one that follows for the whole tree is kept. The result may be a foot without a segment,
-    /// or nothing at all.
+    /// `wood` and `key` must be what the whole tree was built with, [`Wood::settled`]. By the pipe
+    /// model a twig of the young tree is as thick as one of the whole tree, so the trunk thickens as
+    /// the tree grows; where no tip radius is given, the one that follows for the whole tree is
+    /// kept. By order and taper the foot is as thick as the tree has reached of its height; what was
+    /// drawn for an axis holds from its first node on. Radii that were given stay as they are. The
+    /// result may be a foot without a segment, or nothing at all.
     ///
     /// ```
+    /// use linden::random::Key;
     /// use linden::skeleton::Wood;
     /// use linden::{Branching, NO_PARENT, Skeleton, Vec3};
-    /// let wood = Wood { radius_exponent: 2.0, tip_radius_m: None, base_radius_m: Some(0.2) };
+    /// let wood = Wood { base_radius_m: Some(0.2), ..Wood::default() };
     /// let fork = Branching {
     ///     positions: vec![Vec3::ZERO, Vec3::Y, Vec3::Y * 2.0, Vec3::X + Vec3::Y],
     ///     parents: vec![NO_PARENT, 0, 1, 1],
@@ -32,47 +39,41 @@ impl Skeleton {
     ///     radii: None,
     /// };
     /// let tree = Skeleton::build(fork, &wood)?;
-    /// let young = tree.until(1, &wood);
+    /// let young = tree.until(1, &wood, Key::new(0));
     /// assert_eq!(young.positions.len(), 2);
     /// assert_eq!(young.radii[0], tree.radii[2]); // one tip
     /// # Ok::<(), linden::skeleton::SkeletonError>(())
     /// ```
     #[must_use]
-    pub fn until(&self, step: u32, wood: &Wood) -> Self {
+    pub fn until(&self, step: u32, wood: &Wood, key: Key) -> Self {
         let there = self.born_by(step);
-        let count = there.iter().filter(|&&there| there).count();
-        if count == there.len() {
+        let nodes: Vec<u32> = (0..there.len() as u32).filter(|&node| there[node as usize]).collect();
+        if nodes.len() == there.len() {
             return self.clone();
         }
-        let mut young = Branching {
-            positions: Vec::with_capacity(count),
-            parents: Vec::with_capacity(count),
-            births: Vec::with_capacity(count),
-            radii: None,
-        };
         let mut index = vec![NO_PARENT; there.len()];
-        for node in (0..there.len()).filter(|&node| there[node]) {
-            index[node] = young.positions.len() as u32;
-            let parent = self.parents[node];
-            young.positions.push(self.positions[node]);
-            young.parents.push(if parent == NO_PARENT { NO_PARENT } else { index[parent as usize] });
-            young.births.push(self.births[node]);
+        for (new, &old) in nodes.iter().enumerate() {
+            index[old as usize] = new as u32;
         }
-        let Branching { positions, parents, births, .. } = young;
-        let tips = radii::count_tips(&parents);
-        let thickness = radii::Thickness::new(&self.positions, &radii::count_tips(&self.parents), wood);
-        let radii = thickness.radii(&tips);
-        let (axes, axis_nodes) = axes::decompose(&positions, &parents, &tips);
+        let positions: Vec<Vec3> = nodes.iter().map(|&old| self.positions[old as usize]).collect();
+        let births = nodes.iter().map(|&old| self.births[old as usize]).collect();
+        let parent = |&old: &u32| match self.parents[old as usize] {
+            NO_PARENT => NO_PARENT,
+            parent => index[parent as usize],
+        };
+        let parents: Vec<u32> = nodes.iter().map(parent).collect();
+        let Built { axes, axis_nodes, radii } =
+            radii::build_young(self, &nodes, &positions, &parents, wood, key);
         Self { positions, parents, radii, births, axes, axis_nodes }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
-
     use super::*;
-    use crate::random::Key;
+    use crate::skeleton::Branching;
+
+    const KEY: Key = Key::new(0);
 
     /// Stems that branch at random; births rise from parent to child, or are drawn freely.
     fn branching(seed: u64, births_rise: bool) -> Branching {
@@ -123,10 +124,10 @@ mod tests {
         for seed in 0..6 {
             for births_rise in [true, false] {
                 let all = branching(seed, births_rise);
-                let wood = Wood { radius_exponent: 2.3, tip_radius_m: Some(0.01), base_radius_m: None };
+                let wood = Wood { radius_exponent: 2.3, tip_radius_m: Some(0.01), ..Wood::default() };
                 let tree = Skeleton::build(all.clone(), &wood).unwrap();
                 for step in [1, 2, 4, 7, 11, 100] {
-                    let young = tree.until(step, &wood);
+                    let young = tree.until(step, &wood, KEY);
                     match Skeleton::build(filtered(&all, step), &wood) {
                         Ok(expected) => assert_eq!(young, expected, "seed {seed} step {step}"),
                         Err(_) => assert_eq!(young.segments(), 0, "seed {seed} step {step}"),
@@ -144,7 +145,7 @@ mod tests {
             let tip = |tree: &Skeleton| tree.radii.iter().copied().fold(f32::INFINITY, f32::min);
             // What follows for the whole tree is what is given for the young one.
             let given = Wood { tip_radius_m: Some(f64::from(tip(&tree))), base_radius_m: None, ..wood };
-            let young = tree.until(3, &wood);
+            let young = tree.until(3, &wood, KEY);
             let expected = Skeleton::build(filtered(&all, 3), &given).unwrap();
             assert_eq!(young.axes, expected.axes);
             for (a, b) in young.radii.iter().zip(&expected.radii) {
@@ -162,9 +163,9 @@ mod tests {
             *birth += 1;
         }
         let tree = Skeleton::build(all, &Wood::default()).unwrap();
-        assert_eq!(tree.until(0, &Wood::default()), Skeleton::default());
-        let feet = tree.until(1, &Wood::default());
+        assert_eq!(tree.until(0, &Wood::default(), KEY), Skeleton::default());
+        let feet = tree.until(1, &Wood::default(), KEY);
         assert!(!feet.positions.is_empty() && feet.segments() == 0);
-        assert_eq!(tree.until(u32::MAX, &Wood::default()), tree);
+        assert_eq!(tree.until(u32::MAX, &Wood::default(), KEY), tree);
     }
 }

@@ -4,6 +4,7 @@
 //! are joined, both ends are closed (`tube`). A lateral starts on its parent's centre line, inside
 //! the parent's tube. Uses no randomness; the mesh is bit-identical for any number of threads.
 
+mod curve;
 mod path;
 mod survey;
 mod topology;
@@ -29,13 +30,15 @@ pub struct Tubes {
     /// Sides of the thickest ring; thinner ones have fewer, down to 3, with the same relative
     /// deviation from a circle. 3 to 128.
     pub sides: u32,
+    /// Rings per segment, at least 1: with more, the tube follows a smooth curve through the nodes.
+    pub rings: u32,
     /// Edge of the square of bark that the picture shows, metres.
     pub bark_tile_m: f32,
 }
 
 impl Default for Tubes {
     fn default() -> Self {
-        Self { sides: 24, bark_tile_m: 0.5 }
+        Self { sides: 24, rings: 1, bark_tile_m: 0.5 }
     }
 }
 
@@ -50,7 +53,7 @@ pub enum SurfaceError {
     Memory(#[from] OverMemory),
     /// More vertices than an index of 32 bits can name.
     #[error(
-        "the surface would have {vertices} vertices, more than the 4294967294 that mesh formats can index; grow a smaller tree or lower the knob 'sides'"
+        "the surface would have {vertices} vertices, more than the 4294967294 that mesh formats can index; grow a smaller tree or lower the knobs 'sides' and 'rings'"
     )]
     TooLarge {
         /// How many there would be.
@@ -74,18 +77,19 @@ const AXES_PER_TASK: usize = 128;
 /// # Errors
 /// [`SurfaceError::Cancelled`], or more vertices than 32-bit indices can name.
 pub fn sweep(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Result<Mesh, SurfaceError> {
-    // A ring for each node and one more for each lateral, at most; lists of rings grow one by one.
-    let rings = skeleton.positions.len() + skeleton.axes.len();
-    monitor.admit(DOING, bytes_of::<Ring>(rings) * 2, ADVICE)?;
+    // A ring for each node and one more for each lateral, at most, and those between; lists of rings
+    // grow one by one.
+    let most = (skeleton.positions.len() + skeleton.axes.len()).saturating_mul(tubes.rings as usize);
+    monitor.admit(DOING, bytes_of::<Ring>(most).saturating_mul(2), ADVICE)?;
     let thickest = skeleton.radii.iter().copied().fold(0.0, f32::max);
     let roundness = Roundness::new(tubes.sides, thickest);
-    let tile_m = tubes.bark_tile_m;
+    let &Tubes { rings, bark_tile_m: tile_m, .. } = tubes;
     let plans = skeleton
         .axes
         .par_chunks(AXES_PER_TASK)
         .map(|axes| {
             monitor.check()?;
-            Ok(Plan::new(skeleton, axes, &roundness, tile_m))
+            Ok(Plan::new(skeleton, axes, rings, &roundness, tile_m))
         })
         .collect::<Result<Vec<Plan>, Cancelled>>()?;
 
@@ -128,7 +132,7 @@ impl Plan {
             + bytes_of::<usize>(self.ends.capacity())
     }
 
-    fn new(skeleton: &Skeleton, axes: &[Axis], roundness: &Roundness, tile_m: f32) -> Self {
+    fn new(skeleton: &Skeleton, axes: &[Axis], rings: u32, roundness: &Roundness, tile_m: f32) -> Self {
         let mut plan =
             Self { rings: Vec::new(), ends: Vec::with_capacity(axes.len()), amount: Amount::default() };
         let mut stations = Vec::new();
@@ -144,6 +148,7 @@ impl Plan {
                 stations.push(station(axis.parent, own[0]));
             }
             stations.extend(own.iter().map(|&node| station(node, node)));
+            curve::subdivide(&mut stations, rings);
             let first = plan.rings.len();
             path::rings(&mut stations, &mut plan.rings);
             let amount = tube::amount(&plan.rings[first..], roundness, tile_m);
@@ -201,7 +206,7 @@ mod tests {
     fn a_pole_is_the_prism_that_geometry_says() {
         let wood = Wood { tip_radius_m: Some(0.1), ..Wood::default() };
         let pole = tree(vec![Vec3::ZERO, Vec3::Y, Vec3::Y * 4.0], vec![NO_PARENT, 0, 1], &wood);
-        let mesh = sweep(&pole, &Tubes { sides: 16, bark_tile_m: 0.25 }, &Quiet).unwrap();
+        let mesh = sweep(&pole, &Tubes { sides: 16, bark_tile_m: 0.25, ..Tubes::default() }, &Quiet).unwrap();
         let polygon = 16.0 / 2.0 * libm::sin(2.0 * PI / 16.0) * 0.1 * 0.1;
         assert!((volume(&mesh) - polygon * (4.0 + 0.1 / 3.0)).abs() < 1e-6);
         // Bands of 2 × 16 over two segments, the tip's 16, the base's 14.
@@ -238,6 +243,22 @@ mod tests {
     }
 
     #[test]
+    fn more_rings_stay_closed_and_a_pole_stays_a_pole() {
+        for seed in 0..60 {
+            for rings in [2, 5] {
+                let mesh = sweep(&gnarled(seed), &Tubes { rings, ..Tubes::default() }, &Quiet).unwrap();
+                assert_eq!(topology(&mesh, &Quiet).unwrap(), Topology::default(), "seed {seed}, {rings}");
+            }
+        }
+        let wood = Wood { tip_radius_m: Some(0.1), ..Wood::default() };
+        let pole = tree(vec![Vec3::ZERO, Vec3::Y, Vec3::Y * 4.0], vec![NO_PARENT, 0, 1], &wood);
+        let with = |rings| sweep(&pole, &Tubes { sides: 16, rings, ..Tubes::default() }, &Quiet).unwrap();
+        // Two segments of three bands of 2 × 16, the tip's 16, the base's 14.
+        assert_eq!(with(3).triangles.len(), 6 * 2 * 16 + 16 + 14);
+        assert!((volume(&with(3)) - volume(&with(1))).abs() < 1e-5);
+    }
+
+    #[test]
     fn any_number_of_threads_gives_the_same_mesh() {
         let skeleton = gnarled(3);
         let on = |threads| {
@@ -265,7 +286,8 @@ mod tests {
         }
         let skeleton = tree(positions, parents, &Wood { base_radius_m: Some(0.4), ..Wood::default() });
         let tile = 0.5;
-        let mesh = sweep(&skeleton, &Tubes { sides: 24, bark_tile_m: tile }, &Quiet).unwrap();
+        let mesh =
+            sweep(&skeleton, &Tubes { sides: 24, bark_tile_m: tile, ..Tubes::default() }, &Quiet).unwrap();
         let (mut checked, mut areas, mut pictures) = (0, 0.0, 0.0);
         for t in &mesh.triangles {
             let [a, b, c] = t.map(|i| mesh.positions[i as usize].as_dvec3());

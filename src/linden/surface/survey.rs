@@ -33,11 +33,11 @@ const AXES_PER_PIECE: usize = 2048;
 /// [`SurfaceError::Cancelled`]. A mesh of any size can be surveyed.
 pub fn survey(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Result<Survey, SurfaceError> {
     let roundness = Roundness::new(tubes.sides, skeleton.radii.iter().copied().fold(0.0, f32::max));
-    let tile_m = tubes.bark_tile_m;
+    let &Tubes { rings, bark_tile_m: tile_m, .. } = tubes;
     let done = AtomicU64::new(0);
     let pieces = skeleton.axes.par_chunks(AXES_PER_PIECE).map(|axes| {
         monitor.check()?;
-        let plan = Plan::new(skeleton, axes, &roundness, tile_m);
+        let plan = Plan::new(skeleton, axes, rings, &roundness, tile_m);
         let mut mesh = Mesh::zeroed(plan.amount.vertices, plan.amount.triangles);
         for mut target in slices(&mut mesh, std::slice::from_ref(&plan)) {
             let mut first = 0;
@@ -82,9 +82,9 @@ mod tests {
 
     #[test]
     fn a_survey_says_what_the_mesh_is() {
-        for (seed, sides) in [(1, 24), (2, 3), (3, 100)] {
+        for (seed, sides, rings) in [(1, 24, 1), (2, 3, 4), (3, 100, 2)] {
             let skeleton = gnarled(seed);
-            let tubes = Tubes { sides, ..Tubes::default() };
+            let tubes = Tubes { sides, rings, ..Tubes::default() };
             let mesh = sweep(&skeleton, &tubes, &Quiet).unwrap();
             let survey = survey(&skeleton, &tubes, &Quiet).unwrap();
             assert_eq!((survey.vertices, survey.triangles), (mesh.positions.len(), mesh.triangles.len()));

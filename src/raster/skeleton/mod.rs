@@ -1,4 +1,4 @@
-//! The axial tree as tapered strokes.
+//! The axial tree as tapered strokes, and the leaves on it.
 //!
 //! Each internode is a cone between two balls, as wide as its radii look from the lens. Strokes are
 //! drawn far to near, thick ones with light across them. What is thinner than a hair is drawn as a
@@ -15,12 +15,12 @@ use linden::{Monitor, NO_PARENT, Skeleton};
 
 use crate::canvas::{self, Backdrop};
 use crate::light::Air;
-use crate::strokes::overlay;
 use crate::strokes::trace::Tracer;
+use crate::strokes::{leaves, overlay};
 use crate::style::foot;
 use crate::{Camera, Extent, RasterError, Size, Style};
 
-/// Draws the axial tree, framed by the camera.
+/// Draws the axial tree with [`Style::organs`] on it, framed by the camera.
 ///
 /// # Errors
 /// [`RasterError::Empty`] without nodes; [`RasterError::NotFinite`] and
@@ -40,7 +40,9 @@ pub fn draw_skeleton(
     let framed = framed(camera, style, own, foot);
     let view = camera.view(framed, size);
     let air = Air::new(&own, &view, style);
-    let mut runs = Tracer::new(skeleton, &view, &air, style, size).trace(monitor)?;
+    let tracer = Tracer::new(skeleton, &view, &air, style, size);
+    let mut runs = tracer.trace(monitor)?;
+    runs.append(&leaves::trace(&tracer, style, monitor)?);
     overlay::trace(style, &framed, &view, &air, size, monitor, &mut runs)?;
     runs.sort(monitor)?;
     let shadow_m = style.ground_shadow.then(|| match style.until {

@@ -1,4 +1,4 @@
-//! Strokes: whatever is drawn as a line or a dot.
+//! Strokes: whatever is drawn as a line or a dot; and leaves, which lie among them.
 //!
 //! A stroke is tapered and lies in the picture's plane. Strokes that follow each other along a line
 //! make a run; runs are drawn far to near. Within a run nothing is counted twice: where the parts
@@ -6,6 +6,7 @@
 
 mod coverage;
 mod draft;
+pub(crate) mod leaves;
 pub(crate) mod overlay;
 pub(crate) mod paint;
 pub(crate) mod trace;
@@ -51,6 +52,8 @@ pub(crate) enum Kind {
     Thin,
     /// Round ends; where strokes overlap, the one that covers more counts.
     Thick,
+    /// Not strokes but facets: triangles that add up where they meet.
+    Facets,
 }
 
 /// Consecutive strokes that are drawn as one.
@@ -70,26 +73,37 @@ const LONGEST_RUN: u32 = 256;
 /// Cosine of the bend up to which thick wood may be cut across at a seam.
 const STRAIGHT: f32 = 0.995;
 
-/// Runs and their strokes.
+/// A triangle of a leaf.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Facet {
+    /// Pixels.
+    pub corners: [Vec2; 3],
+    /// Linear light.
+    pub color: Vec3,
+}
+
+/// Runs and their strokes and facets.
 #[derive(Debug, Default)]
 pub(crate) struct Runs {
     pub strokes: Vec<Stroke>,
-    pub runs: Vec<Run>,
+    pub facets: Vec<Facet>,
+    pub sequence: Vec<Run>,
 }
 
 impl Runs {
     /// Adds a stroke of its own.
     pub fn begin(&mut self, kind: Kind, stroke: Stroke) {
         let first = self.strokes.len() as u32;
-        self.runs.push(Run { first, len: 1, kind, depth_m: stroke.depth_m, rows: rows(&stroke) });
+        self.sequence.push(Run { first, len: 1, kind, depth_m: stroke.depth_m, rows: rows(&stroke) });
         self.strokes.push(stroke);
     }
 
     /// Adds a stroke that starts where the last one ends: to its run where both are of a kind and,
     /// within `slice_m`, of a depth.
     pub fn follow(&mut self, kind: Kind, mut stroke: Stroke, slice_m: f32) {
-        let begun = self.runs.last().map(|run| self.strokes[run.first as usize].depth_m);
-        if let (Some(run), Some(begun)) = (self.runs.last_mut(), begun) {
+        let last = self.sequence.last().filter(|run| run.kind != Kind::Facets);
+        let begun = last.map(|run| self.strokes[run.first as usize].depth_m);
+        if let (Some(run), Some(begun)) = (self.sequence.last_mut(), begun) {
             let near = (stroke.depth_m - begun).abs() <= slice_m;
             if near && run.kind == kind && run.len < LONGEST_RUN {
                 run.len += 1;
@@ -114,11 +128,24 @@ impl Runs {
         self.begin(kind, stroke);
     }
 
+    /// Adds facets that are drawn as one.
+    pub fn facets(&mut self, facets: &[Facet], depth_m: f32) {
+        let ys = || facets.iter().flat_map(|facet| facet.corners).map(|corner| corner.y);
+        let rows = [ys().fold(f32::INFINITY, f32::min), ys().fold(f32::NEG_INFINITY, f32::max)];
+        let first = self.facets.len() as u32;
+        self.sequence.push(Run { first, len: facets.len() as u32, kind: Kind::Facets, depth_m, rows });
+        self.facets.extend_from_slice(facets);
+    }
+
     /// Adds all of another.
     pub fn append(&mut self, other: &Self) {
-        let shift = self.strokes.len() as u32;
+        let (strokes, facets) = (self.strokes.len() as u32, self.facets.len() as u32);
         self.strokes.extend_from_slice(&other.strokes);
-        self.runs.extend(other.runs.iter().map(|run| Run { first: run.first + shift, ..*run }));
+        self.facets.extend_from_slice(&other.facets);
+        self.sequence.extend(other.sequence.iter().map(|run| {
+            let shift = if run.kind == Kind::Facets { facets } else { strokes };
+            Run { first: run.first + shift, ..*run }
+        }));
     }
 }
 

@@ -5,7 +5,7 @@ use linden::Monitor;
 use rayon::prelude::*;
 
 use super::coverage::Edge;
-use super::{Cap, Kind, Run, Runs, Stroke};
+use super::{Cap, Facet, Kind, Run, Runs, Stroke, leaves};
 use crate::RasterError;
 use crate::canvas::Rows;
 
@@ -34,7 +34,7 @@ impl Runs {
         monitor.check()?;
         // The bits of floats that are not negative sort as the floats do.
         let far = |run: &Run| !run.depth_m.max(0.0).to_bits();
-        self.runs.par_sort_unstable_by_key(|run| (far(run), run.first));
+        self.sequence.par_sort_unstable_by_key(|run| (far(run), run.first));
         Ok(())
     }
 
@@ -47,11 +47,16 @@ impl Runs {
     ) -> Result<(), RasterError> {
         let (top, bottom) = (rows.top as f32, (rows.top + rows.height) as f32);
         let mut brush = Brush::new(rows);
-        for (i, run) in self.runs.iter().enumerate() {
+        for (i, run) in self.sequence.iter().enumerate() {
             if i % CHECK_EVERY == 0 {
                 monitor.check()?;
             }
             if run.rows[1] <= top || run.rows[0] >= bottom {
+                continue;
+            }
+            if run.kind == Kind::Facets {
+                brush.fill(&self.facets[run.first as usize..(run.first + run.len) as usize], run.depth_m);
+                brush.lay(ground);
                 continue;
             }
             let strokes = &self.strokes[run.first as usize..(run.first + run.len) as usize];
@@ -94,11 +99,24 @@ impl Brush {
                     touched.push(pixel as u32);
                 }
                 match kind {
-                    Kind::Thin => laid[pixel] = old + (light * alpha).extend(alpha),
+                    Kind::Thin | Kind::Facets => laid[pixel] = old + (light * alpha).extend(alpha),
                     Kind::Thick if alpha > old.w => laid[pixel] = (light * alpha).extend(alpha),
                     Kind::Thick => return,
                 }
                 depth_m[pixel] = stroke.depth_m;
+            });
+        }
+    }
+
+    fn fill(&mut self, facets: &[Facet], far_m: f32) {
+        let Self { rows, laid, depth_m, touched } = self;
+        for facet in facets {
+            leaves::each_pixel(facet, *rows, |pixel, coverage| {
+                if laid[pixel].w == 0.0 {
+                    touched.push(pixel as u32);
+                }
+                laid[pixel] += (facet.color * coverage).extend(coverage);
+                depth_m[pixel] = far_m;
             });
         }
     }
@@ -200,7 +218,7 @@ impl<'a> Placed<'a> {
     fn cover(&self, t: f32, s: f32, half: f32) -> f32 {
         match self.kind {
             Kind::Thin => self.edge.between(s - half, s + half) * self.edge.between(t - self.length, t),
-            Kind::Thick => {
+            Kind::Thick | Kind::Facets => {
                 let beyond = (-t).max(t - self.length).max(0.0);
                 let away = if beyond > 0.0 { Vec2::new(beyond, s).length() } else { s.abs() };
                 let across = if away + self.edge.reach() <= half {

@@ -33,8 +33,8 @@ const AXES_PER_TASK: usize = 256;
 /// Traces a skeleton.
 pub(crate) struct Tracer<'a> {
     skeleton: &'a Skeleton,
-    view: &'a View,
-    air: &'a Air<'a>,
+    pub view: &'a View,
+    pub air: &'a Air<'a>,
     colors: Colors<'a>,
     frame: Vec2,
     merge_px: f32,
@@ -103,11 +103,31 @@ impl<'a> Tracer<'a> {
         let parts = traced.collect::<Result<Vec<Runs>, RasterError>>()?;
         let mut all = Runs::default();
         all.strokes.reserve(parts.iter().map(|part| part.strokes.len()).sum());
-        all.runs.reserve(parts.iter().map(|part| part.runs.len()).sum());
+        all.sequence.reserve(parts.iter().map(|part| part.sequence.len()).sum());
         for part in &parts {
             all.append(part);
         }
         Ok(all)
+    }
+
+    /// How many nodes there are.
+    pub fn nodes_count(&self) -> usize {
+        self.skeleton.positions.len()
+    }
+
+    /// Whether a node is there already.
+    pub fn is_present(&self, node: u32) -> bool {
+        self.present.as_ref().is_none_or(|present| present[node as usize])
+    }
+
+    /// What a node is painted with, before light.
+    pub fn color_of(&self, node: u32) -> Vec3 {
+        self.colors.of(node)
+    }
+
+    /// Whether any of a triangle may be seen.
+    pub fn is_in_frame(&self, [a, b, c]: [Vec2; 3]) -> bool {
+        a.max(b).max(c).cmpgt(Vec2::ZERO).all() && a.min(b).min(c).cmplt(self.frame).all()
     }
 
     fn end(&self, at_m: Vec3, radius_m: f32) -> End {

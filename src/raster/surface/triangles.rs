@@ -106,8 +106,9 @@ impl<'a> Triangles<'a> {
                 vertices: &vertices,
                 texels: side,
                 double_sided: material.double_sided,
-                // What the skeleton's strokes show in its place.
-                hair: (!surface.skeleton.positions.is_empty()).then_some(HAIR_PX * factor as f32),
+                // What the skeleton's strokes show in its place. They show no leaves.
+                hair: (!surface.skeleton.positions.is_empty() && !material.double_sided)
+                    .then_some(HAIR_PX * factor as f32),
                 size: [size.width() * factor, size.height() * factor].map(|n| n as f32),
                 scale: view.scale_at_nearness() * factor as f32,
                 band: (band_height * factor) as f32,

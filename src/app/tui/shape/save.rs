@@ -1,4 +1,4 @@
-//! A tree saved as a preset of the user's, with the file that it grows into.
+//! A tree saved as a preset of the user's, with the files that it needs.
 
 use std::fs;
 use std::io::ErrorKind;
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use linden::Quiet;
 use linden::knob::excerpt;
-use linden::preset::{Colonization, Generator, Space, builtin, builtin_file};
+use linden::preset::{builtin, builtin_file};
 use linden::recipe::{Input, Recipe};
 
 use crate::config::files::{self, Existing, Readers};
@@ -65,7 +65,7 @@ pub fn replaces(model: &Model, id: &str) -> bool {
 }
 
 /// A recipe as the preset `id` has it, saved in the file `path`: a copy has its id for a name, and the
-/// file that it grows into stands beside it under its own name.
+/// files that it needs stand beside it under its own name.
 pub fn renamed(recipe: &Recipe, from: &Place, id: &str, path: &Path) -> Recipe {
     let mut recipe = recipe.clone();
     if recipe.preset.id != id {
@@ -73,33 +73,31 @@ pub fn renamed(recipe: &Recipe, from: &Place, id: &str, path: &Path) -> Recipe {
         id.clone_into(&mut recipe.preset.name);
     }
     if let Some(own) = beside(&recipe, from, id, path) {
-        if let Some(input) = &mut recipe.input {
-            input.name.clone_from(&own);
+        for (input, name) in recipe.inputs.iter_mut().zip(&own) {
+            input.name.clone_from(name);
         }
-        if let Generator::Colonization(Colonization {
-            space: Space::Envelope { file } | Space::Points { file },
-            ..
-        }) = &mut recipe.preset.generator
-        {
-            *file = own;
-        }
+        recipe.preset.rename_files(&own);
     }
     recipe
 }
 
-/// The name that the file beside a saved preset gets; `None` when there is none, or when it lies there
-/// already.
-fn beside(recipe: &Recipe, from: &Place, id: &str, path: &Path) -> Option<String> {
-    let file = recipe.preset.space().and_then(Space::file)?;
+/// The names that the files beside a saved preset get, in the order of [`linden::preset::Preset::files`];
+/// `None` when they lie there already.
+fn beside(recipe: &Recipe, from: &Place, id: &str, path: &Path) -> Option<Vec<String>> {
     if matches!(from, Place::File(own) if own.parent() == path.parent()) {
         return None;
     }
-    let ending = Path::new(file).extension().and_then(|ending| ending.to_str());
-    Some(ending.map_or_else(|| format!("{id}-input"), |ending| format!("{id}.{ending}")))
+    let name = |(i, file): (usize, &str)| {
+        // No id has a dot in it, so these are no other preset's.
+        let number = if i == 0 { String::new() } else { format!(".{}", i + 1) };
+        let ending = Path::new(file).extension().and_then(|ending| ending.to_str());
+        ending.map_or_else(|| format!("{id}{number}-input"), |ending| format!("{id}{number}.{ending}"))
+    };
+    Some(recipe.preset.files().into_iter().enumerate().map(name).collect())
 }
 
-/// The files of a preset, by name: the file that it grows into, if that is not there already, then the
-/// document. Reads the former where the recipe's own document named it.
+/// The files of a preset, by name: those that it needs, if they are not there already, then the
+/// document. Reads the former where the recipe's own document named them.
 ///
 /// # Errors
 /// What cannot be written as TOML, and a file that is gone or is not the one that grew.
@@ -112,12 +110,13 @@ pub fn documents(
     let name = format!("{id}.toml");
     let path = dir.join(&name);
     let mut found = Vec::new();
-    if let Some(own) = beside(recipe, from, id, &path) {
-        let bytes = input(from, recipe)?;
+    for (file, own) in
+        recipe.preset.files().into_iter().zip(beside(recipe, from, id, &path).unwrap_or_default())
+    {
+        let bytes = input(from, file)?;
         // A file may have changed since it was read; what is saved is what is on screen.
         let now = Input::read(&own, &bytes, &Quiet).map_err(|error| error.to_string())?;
-        if recipe.input.as_ref().is_some_and(|input| input.hash != now.hash) {
-            let file = recipe.preset.space().and_then(Space::file).unwrap_or_default();
+        if recipe.input(file).is_some_and(|input| input.hash != now.hash) {
             return Err(format!(
                 "{} is not the file any more that the tree on screen grew into; nothing was saved, open it again",
                 excerpt(file)
@@ -133,14 +132,12 @@ pub fn documents(
     Ok(found)
 }
 
-/// The bytes of the file that a recipe grows into.
-fn input(from: &Place, recipe: &Recipe) -> Result<Vec<u8>, String> {
-    let Some(space) = recipe.preset.space() else { return Ok(Vec::new()) };
-    let file = space.file().unwrap_or_default();
+/// The bytes of a file that a preset names.
+fn input(from: &Place, file: &str) -> Result<Vec<u8>, String> {
     let built_in = || builtin_file(file).map(<[u8]>::to_vec);
     let path = match from {
         Place::Builtin(id) => {
-            let own = builtin(id).ok().and_then(|own| own.input(space)).map(<[u8]>::to_vec);
+            let own = builtin(id).ok().and_then(|own| own.input(file)).map(<[u8]>::to_vec);
             return own
                 .or_else(built_in)
                 .ok_or_else(|| format!("there is no built-in file '{}'", excerpt(file)));
@@ -160,7 +157,7 @@ fn input(from: &Place, recipe: &Recipe) -> Result<Vec<u8>, String> {
 }
 
 /// Saves a preset into a directory, which is made if need be, and gives what `Msg::Saved` says: its id
-/// and where its document is. There is never a document without the file that it needs.
+/// and where its document is. There is never a document without the files that it needs.
 ///
 /// # Errors
 /// What is wrong. A document of that id is as it was.
@@ -185,11 +182,11 @@ pub fn write(
     let mut found = documents(dir, id, from, recipe)?;
     let Some((_, document)) = found.pop() else { return Err("there is nothing to save".to_owned()) };
     let document = String::from_utf8(document).map_err(|error| error.to_string())?;
-    let mut added = None;
+    let mut added = Vec::new();
     for (name, bytes) in found {
         let file = dir.join(name);
         match files::write(&file, &bytes, Readers::Umask, Existing::Keep) {
-            Ok(()) => added = Some(file),
+            Ok(()) => added.push(file),
             // The same file is there from the last time, or its owner has agreed to another.
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {
                 if fs::read(&file).ok().as_deref() != Some(&bytes) {
@@ -209,7 +206,7 @@ pub fn write(
     match presets::save(dir, id, &document, overwrite) {
         Ok(path) => Ok((id.to_owned(), path)),
         Err(error) => {
-            if let Some(file) = added {
+            for file in added {
                 // Nothing names it.
                 let _ = fs::remove_file(file);
             }

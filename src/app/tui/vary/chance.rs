@@ -9,7 +9,10 @@ use linden::preset::{Generator, Preset, Space};
 /// every seed.)
 pub fn has_chance(preset: &Preset) -> bool {
     match &preset.generator {
-        Generator::LSystem(own) => chooses(&own.grammar, own.derivations),
+        Generator::LSystem(own) => {
+            [own.angle_jitter_deg, own.branch_roll_deg, own.length_jitter].iter().any(|&most| most > 0.0)
+                || chooses(&own.grammar, own.derivations)
+        }
         // Points are scattered, or at least jittered. A scan that is contracted is taken as it is.
         Generator::Colonization(own) => !(own.contract && matches!(own.space, Space::Points { .. })),
     }
@@ -72,7 +75,7 @@ mod tests {
             let grown = |seed| {
                 let mut preset = preset.clone();
                 preset.seed = seed;
-                Arc::clone(&grow(&Recipe { preset, input: None }, &Quiet).unwrap().skeleton)
+                Arc::clone(&grow(&Recipe { preset, inputs: Vec::new() }, &Quiet).unwrap().skeleton)
             };
             let first = grown(1);
             let differs = (2..6).any(|seed| grown(seed).positions != first.positions);

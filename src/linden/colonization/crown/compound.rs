@@ -179,7 +179,7 @@ impl Crown for Compound {
             let lines = piece.crown.outline();
             match piece.operation {
                 Operation::Add => lines,
-                Operation::Subtract => lines.iter().flat_map(|line| dashes(line)).collect(),
+                Operation::Subtract => dashed(&lines),
             }
         };
         self.pieces.iter().flat_map(lines).collect()
@@ -188,6 +188,11 @@ impl Crown for Compound {
     fn volume_m3(&self) -> f64 {
         self.volume_m3
     }
+}
+
+/// Lines as dashes.
+pub fn dashed(lines: &[Vec<Vec3>]) -> Vec<Vec<Vec3>> {
+    lines.iter().flat_map(|line| dashes(line)).collect()
 }
 
 /// Every other piece of a line.

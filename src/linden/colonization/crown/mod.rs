@@ -6,7 +6,8 @@
 //! made from it. A mesh read from a file is a crown too ([`envelope::Envelope`]), without a row: its
 //! dimensions are the file's.
 //!
-//! Every sample is uniform in volume and depends on its key alone.
+//! Every sample is uniform in volume, but for [`favor::Favored`], and depends on its key alone.
+//! Crowns are put together from others by [`compound::Compound`] and moved by [`placed::Placed`].
 
 pub mod bezier;
 pub mod compound;
@@ -26,6 +27,7 @@ pub mod weber_penn;
 mod winding;
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use glam::{DVec2, DVec3, Vec3};
 
@@ -49,6 +51,28 @@ pub trait Crown: Sync + Send {
 
     /// The volume in cubic metres.
     fn volume_m3(&self) -> f64;
+}
+
+impl<C: Crown + ?Sized> Crown for Arc<C> {
+    fn bounds(&self) -> Bounds {
+        (**self).bounds()
+    }
+
+    fn contains(&self, p: DVec3) -> bool {
+        (**self).contains(p)
+    }
+
+    fn sample(&self, key: Key) -> DVec3 {
+        (**self).sample(key)
+    }
+
+    fn outline(&self) -> Vec<Vec<Vec3>> {
+        (**self).outline()
+    }
+
+    fn volume_m3(&self) -> f64 {
+        (**self).volume_m3()
+    }
 }
 
 /// All shapes that are described by knobs. A new shape is its own file and one line here.
@@ -152,6 +176,17 @@ impl Shape {
     /// A name that is no knob of the shape, a value out of range, or dimensions that enclose nothing.
     pub fn of(&self, set: &[(&str, Value)]) -> Result<Box<dyn Crown>, CrownError> {
         (self.build)(&Dimensions::of(self, set)?)
+    }
+
+    /// Every dimension of the shape in the order of its knobs: what was set and fits, else its default.
+    /// Presets hold them so, whichever of them a document names and in what order.
+    pub(crate) fn complete(&self, set: &[(&'static str, Value)]) -> Vec<(&'static str, Value)> {
+        let value = |own: &ShapeKnob| {
+            let fits =
+                |(name, value): &&(&str, Value)| *name == own.knob.name && own.knob.kind.check(value).is_ok();
+            set.iter().rev().find(fits).map_or_else(own.default, |(_, value)| value.clone())
+        };
+        self.knobs.iter().map(|own| (own.knob.name, value(own))).collect()
     }
 }
 

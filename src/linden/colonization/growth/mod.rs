@@ -74,8 +74,9 @@
 //! # Memory
 //! Beside the points that are given: 12 bytes a point while the tree is built, then 22 a point for
 //! the tree and 60 a node (24 of which are the result), plus what a list takes while it moves to a
-//! place larger by a quarter. In a crown filled at half its points' spacing there are 0.65 nodes a
-//! point: about 62 bytes a point; ten million points were grown in 0.75 GB, those points included.
+//! place larger by a quarter (twice as large while it is short). In a crown filled at half its points' spacing there are 0.65 nodes a
+//! point: about 62 bytes a point; ten million points were grown in 0.72 GB, those points included.
+//! Habits that ask for a node's place on its axis take 13 bytes more a node, [`Attraction::All`] 32.
 
 mod axes;
 mod colony;

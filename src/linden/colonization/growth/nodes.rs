@@ -13,6 +13,8 @@ const VANISHING: f64 = 1e-9;
 
 /// Of a node: 24 are the result, 40 serve growth.
 const BYTES: u64 = 64;
+/// Fewer elements than this are cheaper to have room for than to move.
+const MANY: usize = 1 << 18;
 
 /// Nodes, 60 bytes each: 24 are the result, 36 serve growth. Habits may need more.
 pub(super) struct Nodes<'a> {
@@ -154,7 +156,11 @@ impl<'a> Nodes<'a> {
         }
         let place = |direction: DVec3| (from.as_dvec3() + f64::from(self.rule.step) * direction).as_vec3();
         let straight = place(direction);
-        let Some(child) = obstacle::turned(self.obstacles, from, direction, straight, place) else {
+        let child = if self.obstacles.is_empty() {
+            straight
+        } else if let Some(child) = obstacle::turned(self.obstacles, from, direction, straight, place) {
+            child
+        } else {
             return Shoot::Blocked;
         };
         if child == from || self.children(node).any(|sibling| positions[sibling as usize] == child) {
@@ -184,9 +190,11 @@ fn unit(vector: DVec3) -> Option<DVec3> {
     (length > 0.0).then(|| vector / length)
 }
 
-/// Room for `more`, growing by a quarter: at millions of nodes a doubling would be the peak of memory.
+/// Room for `more`, growing by a quarter where there are many: at millions of nodes a doubling would
+/// be the peak of memory.
 pub(super) fn reserve<T>(all: &mut Vec<T>, more: usize) {
     if all.capacity() - all.len() < more {
-        all.reserve_exact(more.max(all.len() / 4).max(64));
+        let growth = if all.len() < MANY { all.len() } else { all.len() / 4 };
+        all.reserve_exact(more.max(growth).max(64));
     }
 }

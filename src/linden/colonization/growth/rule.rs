@@ -76,8 +76,7 @@ impl Habit {
 
     /// Whether nodes must know their place on the axes of the tree.
     pub(super) fn needs_axes(&self) -> bool {
-        !self.gravitropism.is_empty()
-            || !self.phototropism.is_empty()
+        self.gravitropism.iter().chain(&self.phototropism).any(|&some| some != 0.0)
             || self.gravity != 0.0
             || self.apical_control > 0.0
     }

@@ -10,7 +10,7 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 
 use super::NONE;
-use super::influence::{Pull, pull};
+use super::influence::Pulls;
 use super::tree::{Cluster, DEAD, FAN, Inner, LEAF, Leaf, PointTree, largest};
 use crate::monitor::{Cancelled, Monitor};
 
@@ -73,13 +73,13 @@ impl Front {
     /// every query is written and the place advances or not.
     #[allow(clippy::inline_always, reason = "must be compiled with the caller's vector instructions")]
     #[inline(always)]
-    fn enter(&mut self, index: u32, queries: &[u32], masks: &[u8], bit: u32) {
+    fn enter(&mut self, index: u32, queries: &[u32], masks: &[u32], bit: u32) {
         let start = self.entries();
         let room = &mut self.queries[start..start + queries.len()];
         let mut entered = 0;
         for (&query, &mask) in queries.iter().zip(masks) {
             room[entered] = query;
-            entered += usize::from(mask >> bit & 1);
+            entered += (mask >> bit & 1) as usize;
         }
         self.boxes.push(index);
         self.ends.push((start + entered) as u32);
@@ -120,7 +120,7 @@ impl Front {
 struct Scratch {
     /// The root's front first, then level by level; the items' last.
     fronts: Vec<Front>,
-    masks: Vec<u8>,
+    masks: Vec<u32>,
 }
 
 impl Scratch {
@@ -133,9 +133,9 @@ impl Scratch {
 #[derive(Default)]
 pub(super) struct Captures {
     /// Pulls that nodes no longer feel.
-    pub lost: Vec<Pull>,
+    pub lost: Pulls,
     /// Pulls that nodes feel from now on.
-    pub won: Vec<Pull>,
+    pub won: Pulls,
     /// Points that came within the kill distance.
     pub deaths: Vec<Death>,
 }
@@ -152,8 +152,8 @@ impl Captures {
     /// Empty; keeps a little memory, not what one great capture took.
     fn clear(&mut self) {
         for pulls in [&mut self.lost, &mut self.won] {
-            pulls.clear();
-            pulls.shrink_to(KEPT);
+            pulls.made.clear();
+            pulls.made.shrink_to(KEPT);
         }
         self.deaths.clear();
         self.deaths.shrink_to(KEPT);
@@ -298,8 +298,9 @@ impl Search {
             captured.deaths.extend(captures.iter().flat_map(|some| &some.deaths));
         })?;
         self.live(monitor, |point, d2, node| {
-            captured.won.push(pull(node, point - positions[node as usize], d2));
+            captured.won.push(node, point - positions[node as usize], d2);
         })?;
+        captured.won.finish();
         Ok(captured)
     }
 
@@ -375,6 +376,8 @@ fn visit(
             changed = true;
         }
     }
+    captures.lost.finish();
+    captures.won.finish();
     if changed {
         for level in 1..depth {
             refit_level(&mut cluster.pyramid.levels, level, &scratch.fronts[depth - level]);
@@ -393,13 +396,12 @@ fn descend(levels: &[Vec<Inner>], positions: &[Vec3], scratch: &mut Scratch) {
         to.clear(from.entries() * FAN);
         for (index, queries) in from.iter() {
             let inner = &level[index];
-            masks.clear();
+            masks.resize(queries.len(), 0);
             let mut children = 0;
             // A loop, not an iterator's `extend`: that would be compiled apart, without the vectors.
-            for &query in queries {
-                let mask = inner.entered_by(positions[query as usize]);
-                masks.push(mask);
-                children |= mask;
+            for (mask, &query) in masks.iter_mut().zip(queries) {
+                *mask = inner.entered_by(positions[query as usize]);
+                children |= *mask;
             }
             while children != 0 {
                 let child = children.trailing_zeros();
@@ -441,15 +443,15 @@ fn contest(
             let (x, y, z) = (leaf.x[lane] - node.x, leaf.y[lane] - node.y, leaf.z[lane] - node.z);
             let distance2 = x * x + y * y + z * z;
             nearest[lane] = if distance2 < d2[lane] { query } else { nearest[lane] };
-            // Not `if` again: the compiler would keep the lanes in memory and store under a mask.
-            d2[lane] = d2[lane].min(distance2);
+            // Not on the same condition: the compiler would keep the lanes in memory and store under a
+            // mask. Not `min`: it asks for NaN first.
+            d2[lane] = if d2[lane] < distance2 { d2[lane] } else { distance2 };
         }
     }
-    let mut bits = [0_u32; LEAF];
-    for lane in 0..LEAF {
-        bits[lane] = if nearest[lane] == leaf.nearest[lane] { 0 } else { 1 << lane };
+    let mut changed = 0;
+    for (lane, (d2, before)) in d2.iter().zip(&leaf.d2).enumerate() {
+        changed |= u32::from(d2 < before) << lane;
     }
-    let mut changed = bits.iter().fold(0, |all, bit| all | bit);
     if changed == 0 {
         return None;
     }
@@ -459,14 +461,14 @@ fn contest(
         let point = leaf.point(lane);
         let loser = leaf.nearest[lane];
         if loser != NONE {
-            captures.lost.push(pull(loser, point - positions[loser as usize], leaf.d2[lane]));
+            captures.lost.push(loser, point - positions[loser as usize], leaf.d2[lane]);
         }
         if d2[lane] <= kill2 {
             d2[lane] = DEAD;
             captures.deaths.push(Death { node: nearest[lane], point });
         } else {
             let winner = nearest[lane];
-            captures.won.push(pull(winner, point - positions[winner as usize], d2[lane]));
+            captures.won.push(winner, point - positions[winner as usize], d2[lane]);
         }
     }
     (leaf.d2, leaf.nearest) = (d2, nearest);
@@ -480,13 +482,14 @@ fn bury(cluster: &mut Cluster, positions: &[Vec3], kill2: f32, captures: &mut Ca
             let (d2, node) = (leaf.d2[lane], leaf.nearest[lane]);
             if (0.0..=kill2).contains(&d2) && node != NONE {
                 let point = leaf.point(lane);
-                captures.lost.push(pull(node, point - positions[node as usize], d2));
+                captures.lost.push(node, point - positions[node as usize], d2);
                 captures.deaths.push(Death { node, point });
                 leaf.d2[lane] = DEAD;
             }
         }
         cluster.pyramid.levels[0][index / FAN].reach[index % FAN] = largest(&leaf.d2);
     }
+    captures.lost.finish();
     for level in 1..cluster.pyramid.levels.len() {
         let (below, above) = cluster.pyramid.levels.split_at_mut(level);
         for (index, child) in below[level - 1].iter().enumerate() {

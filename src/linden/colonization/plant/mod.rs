@@ -2,33 +2,39 @@
 //! far it sees, and then growth.
 
 mod outline;
+mod parts;
 mod points;
 mod rule;
 mod site;
 mod standing;
+mod stems;
 
 use glam::{DVec3, Vec3};
 
-use super::growth::{self, Growth, Stop};
-use super::trunk;
+use super::growth::{self, Growth, NodeSet, Stop};
 use crate::grow::GrowError;
 use crate::memory::{Holding, bytes_of};
 use crate::monitor::Monitor;
 use crate::preset::{Colonization, Space};
 use crate::random::Key;
-use crate::recipe::{Geometry, Input};
+use crate::recipe::{Geometry, Recipe};
 use crate::skeleton::Branching;
 use points::at_points;
 use standing::Standing;
 
 pub use outline::outline;
+pub use parts::PartError;
 
 /// What grew into the crown.
 pub(crate) struct Plant {
     /// Where the tree is to stand.
     pub branching: Branching,
+    /// The nodes that were of use.
+    pub captured: NodeSet,
     /// The attraction points, at the same place as the branching.
     pub points: Vec<Vec3>,
+    /// What was scanned of the tree, at the same place; `None` for what is no scan.
+    pub bark: Option<Vec<Vec3>>,
     /// Points that were not reached.
     pub unreached: usize,
     /// Iterations that placed nodes.
@@ -39,53 +45,37 @@ pub(crate) struct Plant {
 
 pub(crate) fn plant(
     settings: &Colonization,
-    input: Option<&Input>,
+    recipe: &Recipe,
     key: Key,
     monitor: &dyn Monitor,
 ) -> Result<Plant, GrowError> {
-    let site = match (&settings.space, input.map(|input| (&input.geometry, input.up))) {
-        (Space::Shape { shape, dimensions }, _) => {
-            Standing::shape(settings, shape, dimensions)?.fill(settings, key, monitor)?
-        }
-        (Space::Envelope { .. }, Some((Geometry::Mesh(mesh), up))) => {
-            Standing::envelope(settings, mesh, settings.up(up), monitor)?.fill(settings, key, monitor)?
-        }
-        (Space::Points { .. }, Some((Geometry::Points(points), up))) => {
-            at_points(settings, points, settings.up(up), key, monitor)?
-        }
-        (Space::Envelope { file }, _) => {
-            return Err(GrowError::WrongInput { file: file.clone(), expected: "a mesh" });
-        }
-        (Space::Points { file }, _) => {
-            return Err(GrowError::WrongInput { file: file.clone(), expected: "points" });
-        }
+    let site = match &settings.space {
+        Space::Points { file } => match recipe.input(file).map(|input| (&input.geometry, input.up)) {
+            Some((Geometry::Points(points), up)) => at_points(settings, points, up, key, monitor)?,
+            _ => return Err(GrowError::WrongInput { file: file.clone(), expected: "points" }),
+        },
+        Space::Shape { .. } | Space::Envelope { .. } => match Standing::new(settings, recipe, monitor)? {
+            Some(standing) => standing.fill(settings, key, monitor)?,
+            None => return Err(growth::GrowthError::NoPoints.into()),
+        },
     };
     let (rule, mut notes) = site.rule(settings);
     if !(rule.kill >= rule.step) {
         // Before a trunk is grown in such steps; growth itself would refuse as well.
         return Err(growth::GrowthError::KillBelowStep { kill: rule.kill, step: rule.step }.into());
     }
-    let step_m = f64::from(rule.step);
-    let start = match settings.trunk_m {
-        Some(height_m) => {
-            check_trunk(height_m / step_m, rule.max_nodes)?;
-            trunk::straight(site.root, height_m, step_m)
-        }
-        None => {
-            let reach = f64::from(rule.influence);
-            // The way cannot be shorter than to the nearest point.
-            let way_m =
-                site.points.iter().map(|p| p.distance(site.root)).fold(f64::INFINITY, f64::min) - reach;
-            if way_m.is_finite() {
-                check_trunk(way_m / step_m, rule.max_nodes)?;
-            }
-            trunk::until_in_reach(site.root, &site.points, reach, step_m, rule.max_nodes as usize, monitor)?
-        }
-    };
+    let start = stems::start(&site, settings, &rule, monitor)?;
     let mut points: Vec<Vec3> = site.points.iter().map(|p| p.as_vec3()).collect();
     let held = bytes_of::<DVec3>(site.points.capacity()) + bytes_of::<Vec3>(points.capacity());
-    let Growth { mut branching, iterations, unreached, stop, captured: _ } =
-        growth::grow(&points, &start, &rule, &Holding::new(monitor, held))?;
+    let solids: Vec<_> =
+        site.grove.obstacles.iter().map(|own| (|p| own.solid.contains(p), own.meet)).collect();
+    let obstacles: Vec<growth::Obstacle> =
+        solids.iter().map(|(contains, meet)| growth::Obstacle { contains, meet: *meet }).collect();
+    let Growth { mut branching, iterations, unreached, stop, captured } =
+        growth::grow_among(&points, &start, &rule, &obstacles, &Holding::new(monitor, held))?;
+    if iterations == 0 && stop == Stop::Blocked {
+        return Err(GrowError::WalledIn);
+    }
     if iterations == 0 {
         let (points, kill_m) = (points.len(), rule.kill);
         return Err(GrowError::NothingGrew { points, reached: points - unreached, kill_m });
@@ -103,14 +93,17 @@ pub(crate) fn plant(
     for position in branching.positions.iter_mut().chain(&mut points) {
         *position = (position.as_dvec3() + shift).as_vec3();
     }
-    notes.extend(check_precision(site.root + shift, step_m)?);
-    Ok(Plant { branching, points, unreached, iterations, notes })
+    let place = |p: &DVec3| (*p + shift).as_vec3();
+    let bark = site.bark.map(|bark| bark.iter().map(place).collect());
+    let others = site.grove.others.iter().flat_map(|stem| [stem.root, stem.root + shift]);
+    let farthest_m = others.chain([site.root + shift]).map(|at| at.abs().max_element());
+    notes.extend(check_precision(farthest_m.fold(0.0, f64::max), f64::from(rule.step))?);
+    Ok(Plant { branching, captured, points, bark, unreached, iterations, notes })
 }
 
 /// Refuses a place where single precision, which all mesh formats have, cannot hold the tree, and
 /// says so where it can but shows.
-fn check_precision(root: DVec3, step_m: f64) -> Result<Option<String>, GrowError> {
-    let farthest_m = root.abs().max_element();
+fn check_precision(farthest_m: f64, step_m: f64) -> Result<Option<String>, GrowError> {
     // Between neighbouring numbers of this size.
     let gap_m = farthest_m * f64::from(f32::EPSILON);
     if !(gap_m <= step_m / 8.0) {
@@ -119,14 +112,6 @@ fn check_precision(root: DVec3, step_m: f64) -> Result<Option<String>, GrowError
     Ok((gap_m > step_m / 100.0).then(|| {
         format!("{farthest_m:.0} m from the origin, coordinates are rounded to {gap_m:.1e} m: origin=root is more exact")
     }))
-}
-
-/// Refuses a trunk of more segments than there may be nodes, before it is built.
-fn check_trunk(segments: f64, max_nodes: u32) -> Result<(), GrowError> {
-    if segments >= f64::from(max_nodes) {
-        return Err(GrowError::TrunkTooLong { segments: segments.ceil(), max_nodes });
-    }
-    Ok(())
 }
 
 fn stop_note(stop: Stop, unreached: usize, points: usize, settings: &Colonization) -> Option<String> {

@@ -3,18 +3,19 @@
 use glam::{DVec3, Vec3};
 
 use super::standing::Standing;
+use crate::colonization::crown::compound::dashed;
 use crate::grow::GrowError;
 use crate::monitor::Monitor;
-use crate::preset::{Generator, Space};
-use crate::recipe::{Geometry, Recipe};
+use crate::preset::Generator;
+use crate::recipe::Recipe;
 
 /// Polylines that draw the crown of a recipe, metres, where the tree of [`crate::grow::grow`]
-/// stands. None for L-systems and given points, which have no crown to draw.
+/// stands; obstacles too, and, dashed, what is subtracted or shaded. None for L-systems and given points, which have no crown to draw.
 ///
 /// ```
 /// use linden::{Quiet, colonization::outline, preset::builtin, recipe::Recipe};
 /// let preset = builtin("cypress").unwrap().load().map_err(|fault| fault.message)?;
-/// assert!(!outline(&Recipe { preset, input: None }, &Quiet)?.is_empty());
+/// assert!(!outline(&Recipe { preset, inputs: Vec::new() }, &Quiet)?.is_empty());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -22,18 +23,12 @@ use crate::recipe::{Geometry, Recipe};
 /// Those of growing that have to do with the crown: its dimensions, its mesh; cancelled.
 pub fn outline(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Vec<Vec<Vec3>>, GrowError> {
     let Generator::Colonization(settings) = &recipe.preset.generator else { return Ok(Vec::new()) };
-    let standing = match (&settings.space, recipe.input.as_ref().map(|input| (&input.geometry, input.up))) {
-        (Space::Shape { shape, dimensions }, _) => Standing::shape(settings, shape, dimensions)?,
-        (Space::Envelope { .. }, Some((Geometry::Mesh(mesh), up))) => {
-            Standing::envelope(settings, mesh, settings.up(up), monitor)?
-        }
-        (Space::Envelope { file }, _) => {
-            return Err(GrowError::WrongInput { file: file.clone(), expected: "a mesh" });
-        }
-        (Space::Points { .. }, _) => return Ok(Vec::new()),
-    };
+    let Some(standing) = Standing::new(settings, recipe, monitor)? else { return Ok(Vec::new()) };
     let shift = settings.shift(standing.root, standing.origin, false) + DVec3::Y * standing.lift;
     let mut lines = standing.crown.outline();
+    // With parts, the crown stands where it is to, without a lift.
+    lines.extend(standing.grove.obstacles.iter().flat_map(|obstacle| obstacle.solid.outline()));
+    lines.extend(standing.shades.iter().flat_map(|shade| dashed(&shade.solid.outline())));
     for place in lines.iter_mut().flatten() {
         *place = (place.as_dvec3() + shift).as_vec3();
     }
@@ -46,7 +41,6 @@ mod tests {
     use crate::grow::grow;
     use crate::monitor::Quiet;
     use crate::preset::builtin;
-    use crate::recipe::Input;
     use crate::scene::Bounds;
 
     fn recipe(id: &str, settings: &[(&str, &str)]) -> Recipe {
@@ -55,10 +49,7 @@ mod tests {
         for (knob, value) in settings {
             preset.set(knob, value).unwrap();
         }
-        let input = preset
-            .space()
-            .and_then(|space| Some(Input::read(space.file()?, row.input(space)?, &Quiet).unwrap()));
-        Recipe { preset, input }
+        Recipe { preset, inputs: row.recipe(&Quiet).unwrap().inputs }
     }
 
     #[test]
@@ -90,7 +81,7 @@ mod tests {
     #[test]
     fn what_has_no_crown_has_no_outline() {
         assert_eq!(outline(&recipe("abop-c", &[]), &Quiet).unwrap(), Vec::<Vec<Vec3>>::new());
-        let missing = Recipe { input: None, ..recipe("heart", &[]) };
+        let missing = Recipe { inputs: Vec::new(), ..recipe("heart", &[]) };
         assert!(matches!(outline(&missing, &Quiet), Err(GrowError::WrongInput { .. })));
     }
 }

@@ -2,35 +2,70 @@
 
 use glam::DVec3;
 
-use super::site::{Site, Suggested};
+use super::site::{Grove, Site, Stem, Suggested};
 use crate::colonization::growth::GrowthError;
-use crate::colonization::{scan, scatter};
+use crate::colonization::scan::{self, Scan, ScanRule};
+use crate::colonization::scatter;
 use crate::grow::GrowError;
 use crate::input::{Up, recenter};
 use crate::monitor::Monitor;
 use crate::preset::{Colonization, Length};
 use crate::random::Key;
 
-/// Points that somebody measured, moved near the origin.
+/// Points that somebody measured, moved near the origin; `usual` is the axis that points up in such files.
 pub(super) fn at_points(
     settings: &Colonization,
     points: &[DVec3],
-    up: Up,
+    usual: Up,
     key: Key,
     monitor: &dyn Monitor,
 ) -> Result<Site, GrowError> {
+    let mut notes = Vec::new();
+    let guessed = if settings.contract { scan::unusual_up(points, usual) } else { None };
+    let up = settings.given_up().unwrap_or_else(|| {
+        if let Some(up) = guessed {
+            notes.push(up_note(up));
+        }
+        guessed.unwrap_or(usual)
+    });
     let mut points = points.to_vec();
     up.to_y_up(&mut points);
+    let scale = settings.scale.unwrap_or_else(|| {
+        let scale = if settings.contract { scan::likely_scale(&points) } else { 1.0 };
+        notes.extend(scale_note(scale));
+        scale
+    });
+    if scale != 1.0 {
+        for p in &mut points {
+            *p *= scale;
+        }
+    }
     let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
     let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
     let origin = if points.is_empty() { DVec3::ZERO } else { ((low + high) * 0.5).round() };
     recenter(&mut points, origin);
     let given_root = settings.given_root(up).map(|root| root - origin);
     if settings.contract {
-        let scan = scan::prepare(&points, settings.step_m, monitor)?;
+        let rule = ScanRule {
+            step_m: settings.step_m,
+            noise_filter: settings.noise_filter,
+            // One place that is given is one stem.
+            stems: if given_root.is_some() {
+                Some(1)
+            } else {
+                settings.stems.map(|n| libm::round(n) as usize)
+            },
+        };
+        let scan = scan::prepare(&points, &rule, monitor)?;
+        notes.extend(scan_notes(&scan, &rule));
+        let mut roots = given_root.map_or(scan.roots, |root| vec![root]).into_iter();
+        let root = roots.next().unwrap_or_default();
+        let others = roots.map(|root| Stem { root, trunk_m: settings.trunk_m, crown: None }).collect();
         return Ok(Site {
             points: scan.points,
-            root: given_root.unwrap_or(scan.root),
+            bark: Some(scan.bark),
+            root,
+            grove: Grove { others, ..Grove::default() },
             origin,
             suggested: Suggested {
                 step: scan.step_m,
@@ -38,7 +73,7 @@ pub(super) fn at_points(
                 influence: Length::Metres(scan.influence_m),
             },
             moves_to_root: true,
-            notes: scan_notes(&scan.report),
+            notes,
         });
     }
     let spacing_m = scan::point_spacing_m(&points).unwrap_or(1.0);
@@ -50,18 +85,50 @@ pub(super) fn at_points(
     scatter::jitter(&mut points, spacing_m * 1e-3, key.named("jitter"));
     Ok(Site {
         points,
+        bark: None,
         root,
+        grove: Grove::default(),
         origin,
         suggested: Suggested::for_volume(spacing_m),
         moves_to_root: true,
-        notes: Vec::new(),
+        notes,
     })
 }
 
-fn scan_notes(report: &scan::ScanReport) -> Vec<String> {
+fn up_note(up: Up) -> String {
+    let (axis, other) = if up == Up::Y { ("y", "z") } else { ("z", "y") };
+    format!(
+        "the stem stands along {axis}, which was taken for up though {other} is usual in such files; up={other} forces that"
+    )
+}
+
+fn scale_note(scale: f64) -> Option<String> {
+    let unit = if scale == 0.01 { "centimetres" } else { "millimetres" };
+    (scale != 1.0).then(|| {
+        format!("no tree is so high in metres: coordinates were taken for {unit} (scale={scale}); scale=1 takes them for metres")
+    })
+}
+
+fn scan_notes(scan: &Scan, rule: &ScanRule) -> Vec<String> {
+    let Scan { report, roots, .. } = scan;
     let mut notes = Vec::new();
+    match (rule.stems, roots.len()) {
+        (Some(wanted), found) if found < wanted => {
+            notes.push(format!("stems={wanted}, but only {found} could be told apart near the ground"));
+        }
+        (None, found) if found > 1 => {
+            notes.push(format!("{found} stems stand apart on the ground, each with a root of its own; stems=1 makes one tree of them"));
+        }
+        _ => {}
+    }
     if report.ground_points > 0 {
         notes.push(format!("{} points were taken for ground and left out", report.ground_points));
+    }
+    if report.noise_points > 0 {
+        notes.push(format!(
+            "{} points with hardly any others near them were left out as noise; noise_filter=false keeps them",
+            report.noise_points
+        ));
     }
     if report.bridges > 0 {
         notes.push(format!(

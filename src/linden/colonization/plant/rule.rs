@@ -3,8 +3,8 @@
 use glam::DVec3;
 
 use super::site::Site;
-use crate::colonization::growth::{GrowthRule, Habit};
-use crate::preset::{Colonization, Length};
+use crate::colonization::growth::{Attraction, GrowthRule, Habit};
+use crate::preset::{Colonization, Length, Pull};
 
 /// Influence beyond this costs far more time than it changes.
 const WIDE_INFLUENCE_STEPS: f64 = 20.0;
@@ -34,8 +34,28 @@ impl Site {
             tropism: DVec3::from_array(settings.tropism).as_vec3(),
             max_iterations: settings.max_iterations,
             max_nodes: settings.max_nodes,
-            habit: Habit::PLAIN,
+            habit: settings.habit(),
         };
         (rule, notes)
+    }
+}
+
+impl Colonization {
+    fn habit(&self) -> Habit {
+        let by_order = |numbers: &[f64]| numbers.iter().map(|&x| x as f32).collect();
+        Habit {
+            attraction: match self.attraction {
+                Pull::Nearest => Attraction::Nearest,
+                Pull::All => Attraction::All,
+            },
+            gravitropism: by_order(&self.gravitropism),
+            phototropism: by_order(&self.phototropism),
+            light: DVec3::from_array(self.light).as_vec3(),
+            gravity: self.gravity as f32,
+            apical_control: self.apical_control as f32,
+            max_children: if self.max_children == 0 { u32::MAX } else { self.max_children },
+            waves: self.waves,
+            wave_interval: self.wave_interval,
+        }
     }
 }

@@ -1,7 +1,11 @@
 //! Attraction points and a root, ready to grow, and where they lie in the input's coordinates.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
+use crate::colonization::crown::Crown;
+use crate::colonization::growth::Meet;
 use crate::input::Up;
 use crate::preset::{Colonization, Length, Origin, UpAxis};
 
@@ -11,10 +15,15 @@ const STEPS_PER_SPACING: f64 = 3.0;
 const KILL_STEPS: f64 = 3.0;
 /// Influence where none is given: the upper end of the range that RLP07 shows (8D to 17D).
 const INFLUENCE_STEPS: f64 = 17.0;
+
 /// Points and root in coordinates near the origin, where `f32` is precise.
 pub(super) struct Site {
     pub points: Vec<DVec3>,
+    /// What was scanned of the tree, where the points are attraction points made of a scan.
+    pub bark: Option<Vec<DVec3>>,
     pub root: DVec3,
+    /// What else stands there.
+    pub grove: Grove,
     /// Where these coordinates have their origin in the input's (turned to Y up).
     pub origin: DVec3,
     /// What suits these points where the user gives none.
@@ -22,6 +31,32 @@ pub(super) struct Site {
     /// Whether the tree is moved to stand on the origin unless the user says otherwise.
     pub moves_to_root: bool,
     pub notes: Vec<String>,
+}
+
+/// What stands beside the first tree, in the coordinates of the [`Site`].
+#[derive(Default)]
+pub(super) struct Grove {
+    /// The first tree's own crown, where others compete with it; `None`: all points are its own.
+    pub own: Option<Arc<dyn Crown>>,
+    /// The other trees.
+    pub others: Vec<Stem>,
+    /// What branches do not enter.
+    pub obstacles: Vec<Obstacle>,
+}
+
+/// Another tree.
+pub(super) struct Stem {
+    pub root: DVec3,
+    /// Height of the bare trunk, metres; `None`: until the first point of its crown is in reach.
+    pub trunk_m: Option<f64>,
+    /// What its trunk leads to; `None`: any point.
+    pub crown: Option<Arc<dyn Crown>>,
+}
+
+/// A solid that branches do not enter.
+pub(super) struct Obstacle {
+    pub solid: Box<dyn Crown>,
+    pub meet: Meet,
 }
 
 /// Distances in metres.
@@ -59,10 +94,15 @@ impl Colonization {
 
     /// The axis that points up in an input file.
     pub(super) fn up(&self, default: Up) -> Up {
+        self.given_up().unwrap_or(default)
+    }
+
+    /// The axis that the user says points up.
+    pub(super) fn given_up(&self) -> Option<Up> {
         match self.up {
-            UpAxis::Y => Up::Y,
-            UpAxis::Z => Up::Z,
-            UpAxis::Auto => default,
+            UpAxis::Y => Some(Up::Y),
+            UpAxis::Z => Some(Up::Z),
+            UpAxis::Auto => None,
         }
     }
 

@@ -260,9 +260,9 @@ fn middle(points: &mut [DVec3]) -> DVec3 {
 
 /// Centres of cross-sections and the section each hangs on.
 pub(super) struct Sections {
-    /// The root, then sections before those that hang on them.
+    /// The roots, then sections before those that hang on them.
     pub centres: Vec<DVec3>,
-    /// [`None`] for the root only.
+    /// [`None`] for the roots only.
     pub parents: Vec<Option<u32>>,
     /// How many points each centre stands for.
     sizes: Vec<f64>,
@@ -273,7 +273,7 @@ pub(super) struct Sections {
 
 impl Sections {
     /// Cuts the graph into sections `width` long along the ways from the foot.
-    pub fn new(graph: &Graph, ways: &Ways, root: DVec3, width: f64) -> Self {
+    pub fn new(graph: &Graph, ways: &Ways, roots: &[DVec3], width: f64) -> Self {
         let count = graph.points.len() as u32;
         let level = |i: u32| (ways.length[i as usize] / width) as u64;
         let mut pieces = Pieces::new(graph.points.len());
@@ -287,8 +287,8 @@ impl Sections {
         let length = |i: u32| ways.length[i as usize];
         order.sort_unstable_by(|&a, &b| length(a).total_cmp(&length(b)).then(a.cmp(&b)));
         let mut section_of = vec![u32::MAX; graph.points.len()];
-        let mut parents = vec![None];
-        let mut members: Vec<Vec<DVec3>> = vec![vec![root]];
+        let mut parents = vec![None; roots.len()];
+        let mut members: Vec<Vec<DVec3>> = roots.iter().map(|&root| vec![root]).collect();
         for &i in &order {
             let piece = pieces.of(i) as usize;
             if section_of[piece] == u32::MAX {
@@ -313,7 +313,7 @@ impl Sections {
         }
         let mut sections = Self { centres, parents, sizes, shards };
         // The foot is a start as a whole, some sections high: one above the other.
-        for i in 1..sections.centres.len() {
+        for i in roots.len()..sections.centres.len() {
             if sections.parents[i].is_none() {
                 let centre = sections.centres[i];
                 let away = |j: &u32| sections.centres[*j as usize].distance_squared(centre);

@@ -7,6 +7,7 @@
 use glam::DVec3;
 
 /// The stem's foot, and what is not the tree.
+#[derive(Clone, Copy)]
 pub(super) struct Foot {
     /// In the middle of the stem, at the height of its lowest points.
     pub root: DVec3,

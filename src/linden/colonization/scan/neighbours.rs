@@ -77,6 +77,16 @@ impl Neighbours {
         best
     }
 
+    /// The squared distance to the nearest point, `q` itself included, infinite without one.
+    pub fn nearest_squared(&self, q: DVec3) -> f64 {
+        let mut best = f64::INFINITY;
+        self.search(q, best, |_, squared| {
+            best = best.min(squared);
+            best
+        });
+        best
+    }
+
     /// The `count` points nearest to `q` and nearer than `reach`, by (squared distance, index).
     pub fn nearest(&self, q: DVec3, count: usize, reach: f64, found: &mut Vec<(f64, u32)>) {
         found.clear();

@@ -1,0 +1,81 @@
+//! What growth starts from: a root, or a bare trunk, of each tree.
+
+use glam::DVec3;
+
+use super::site::{Site, Stem};
+use crate::colonization::crown::Crown;
+use crate::colonization::growth::GrowthRule;
+use crate::colonization::trunk;
+use crate::grow::GrowError;
+use crate::monitor::Monitor;
+use crate::preset::Colonization;
+use crate::skeleton::{Branching, NO_PARENT};
+
+/// The stems of all trees of a site, the first tree's first.
+pub(super) fn start(
+    site: &Site,
+    settings: &Colonization,
+    rule: &GrowthRule,
+    monitor: &dyn Monitor,
+) -> Result<Branching, GrowError> {
+    let mut room = Room { step_m: f64::from(rule.step), max_nodes: rule.max_nodes, segments: 0.0 };
+    let reach_m = f64::from(rule.influence);
+    let mut grow = |root: DVec3, trunk_m: Option<f64>, crown: Option<&dyn Crown>| match trunk_m {
+        Some(height_m) => {
+            room.take(height_m)?;
+            Ok(trunk::straight(root, height_m, room.step_m))
+        }
+        None => {
+            let own: Vec<DVec3>;
+            let points = match crown {
+                Some(crown) => {
+                    own = site.points.iter().copied().filter(|p| crown.contains(*p)).collect();
+                    &own
+                }
+                None => &site.points,
+            };
+            // The way cannot be shorter than to the nearest point.
+            let nearest_m = points.iter().map(|p| p.distance(root)).fold(f64::INFINITY, f64::min);
+            if nearest_m.is_finite() {
+                room.take(nearest_m - reach_m)?;
+            }
+            let most_nodes = rule.max_nodes as usize;
+            Ok::<_, GrowError>(trunk::until_in_reach(
+                root,
+                points,
+                reach_m,
+                room.step_m,
+                most_nodes,
+                monitor,
+            )?)
+        }
+    };
+    let mut all = grow(site.root, settings.trunk_m, site.grove.own.as_deref())?;
+    for Stem { root, trunk_m, crown } in &site.grove.others {
+        let Branching { positions, parents, births, .. } = grow(*root, *trunk_m, crown.as_deref())?;
+        let before = all.positions.len() as u32;
+        all.positions.extend(positions);
+        all.parents.extend(parents.iter().map(|&p| if p == NO_PARENT { NO_PARENT } else { p + before }));
+        all.births.extend(births);
+    }
+    Ok(all)
+}
+
+/// How many nodes trunks may have, before they are built.
+struct Room {
+    step_m: f64,
+    max_nodes: u32,
+    /// Of all trunks so far.
+    segments: f64,
+}
+
+impl Room {
+    fn take(&mut self, length_m: f64) -> Result<(), GrowError> {
+        self.segments += (length_m / self.step_m).max(0.0);
+        if self.segments >= f64::from(self.max_nodes) {
+            let segments = self.segments.ceil();
+            return Err(GrowError::TrunkTooLong { segments, max_nodes: self.max_nodes });
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,402 @@
+//! `[[colonization.part]]`: what stands beside, in or around the crown.
+//!
+//! Parts are no flat knobs, but they are read, checked and written by a table of the same kind: a new
+//! key is a field and a row of [`PART_KNOBS`].
+
+use super::colonization::SHAPE_IDS;
+use super::document::{Datum, Entry, Fault, Node};
+use super::knobs::{real, real_or_auto};
+use super::setting::{MEETINGS, Role, Setting, assign};
+use crate::colonization::Meet;
+use crate::colonization::crown::{self, Shape};
+use crate::knob::{Kind, Knob, Value, did_you_mean, excerpt, nearest};
+
+/// A part of a crown, or a solid near it. Places are metres from the tree's foot, Y up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// What it does.
+    pub role: Role,
+    /// What it is.
+    pub solid: Solid,
+    /// Where the centre of its base stands; `None`: a tree's crown on its trunk, a mesh where its
+    /// file has it, anything else at the tree's foot.
+    pub at: Option<[f64; 3]>,
+    /// Turn about the upright through its base centre, degrees.
+    pub turn_deg: f64,
+    /// Its size ÷ that of its dimensions or its file.
+    pub scale: f64,
+    /// For a tree: where it stands; `None`: on the ground below its crown.
+    pub root: Option<[f64; 3]>,
+    /// For a tree: height of its bare trunk, metres; `None`: until the first point is in reach.
+    pub trunk_m: Option<f64>,
+    /// For an obstacle: what a branch does there.
+    pub meet: Meet,
+    /// For shade: how many of the points in it are taken away, of 1.
+    pub share: f64,
+}
+
+/// What a part is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Solid {
+    /// One of [`crate::colonization::crown::SHAPES`], with the dimensions that were set.
+    Shape {
+        /// Its id.
+        shape: String,
+        /// What was set of its knobs.
+        dimensions: Vec<(&'static str, Value)>,
+    },
+    /// The inside of a mesh.
+    Mesh {
+        /// The file, relative to the preset's.
+        file: String,
+    },
+}
+
+/// More parts would make every question for a place slow.
+pub const MOST_PARTS: usize = 256;
+
+/// The key of the list of parts in `[colonization]`.
+pub(super) const PART: &str = "part";
+
+/// A row of the table.
+#[derive(Clone, Copy)]
+pub struct PartKnob {
+    /// Name, kind, unit, help.
+    pub knob: Knob,
+    /// The roles that have it; empty: all.
+    pub roles: &'static [Role],
+    read: fn(&Part) -> Value,
+    write: fn(&mut Part, Value),
+}
+
+macro_rules! row {
+    ($name:literal, $kind:expr, $unit:literal, $roles:expr, $help:literal, $field:ident) => {
+        PartKnob {
+            knob: Knob { name: $name, kind: $kind, unit: $unit, help: $help },
+            roles: $roles,
+            read: |part| part.$field.to_value(),
+            write: |part, value| assign(&mut part.$field, value),
+        }
+    };
+}
+
+/// What a part is; the key `mesh` names a file instead.
+pub const PART_CROWN: Knob = Knob {
+    name: "crown",
+    kind: Kind::Choice(&SHAPE_IDS),
+    unit: "",
+    help: "the part's shape, with the dimensions of a crown of that shape",
+};
+
+/// All keys of a part but what it is and its dimensions.
+pub const PART_KNOBS: &[PartKnob] = &[
+    row!(
+        "role",
+        Kind::Choice(Role::WORDS),
+        "",
+        &[],
+        "what it does: add to or subtract from the crown of the tree above it, grow another tree, stand in the way, take points away",
+        role
+    ),
+    row!(
+        "at",
+        Kind::Vector { auto: true },
+        "m",
+        &[],
+        "where the centre of its base stands, from the first tree's foot; auto: a tree's crown on its trunk, a mesh where its file has it, else 0,0,0",
+        at
+    ),
+    row!("turn", real(-360.0, 360.0), "deg", &[], "turn about the upright through its base centre", turn_deg),
+    row!("scale", real(1e-3, 1e3), "", &[], "its size, as a multiple of its dimensions or its file", scale),
+    row!(
+        "root",
+        Kind::Vector { auto: true },
+        "m",
+        &[Role::Tree],
+        "where the tree stands, from the first tree's foot; auto: on the ground below its crown",
+        root
+    ),
+    row!(
+        "trunk",
+        real_or_auto(0.0, 1e3),
+        "m",
+        &[Role::Tree],
+        "height of the tree's bare trunk; auto: until the first point is in reach",
+        trunk_m
+    ),
+    row!(
+        "meet",
+        Kind::Choice(MEETINGS),
+        "",
+        &[Role::Obstacle],
+        "what a branch does that meets the obstacle: turn aside, or end",
+        meet
+    ),
+    row!(
+        "share",
+        real(0.0, 1.0),
+        "",
+        &[Role::Shade],
+        "how many of the points inside are taken away; 1: all of them",
+        share
+    ),
+];
+
+impl Part {
+    /// A part with everything else as it is when nobody says.
+    pub fn of(role: Role, solid: Solid) -> Self {
+        Self {
+            role,
+            solid,
+            at: None,
+            turn_deg: 0.0,
+            scale: 1.0,
+            root: None,
+            trunk_m: None,
+            meet: Meet::Around,
+            share: 1.0,
+        }
+    }
+
+    /// The mesh that is needed beside the preset.
+    pub fn file(&self) -> Option<&str> {
+        match &self.solid {
+            Solid::Shape { .. } => None,
+            Solid::Mesh { file } => Some(file),
+        }
+    }
+
+    /// What it does and is, as messages have it: `subtract sphere`, `obstacle 'rock.obj'`.
+    pub fn describe(&self) -> String {
+        let role = self.role.to_value();
+        match &self.solid {
+            Solid::Shape { shape, .. } => format!("{role} {}", excerpt(shape)),
+            Solid::Mesh { file } => format!("{role} '{}'", excerpt(file)),
+        }
+    }
+
+    /// The dimensions and keys that this part has, with their values, in the order of a document.
+    pub fn knobs(&self) -> Vec<(Knob, Value)> {
+        let mut all = Vec::new();
+        for row in PART_KNOBS {
+            if row.fits(self.role) {
+                all.push((row.knob, (row.read)(self)));
+            }
+            if row.knob.name == "role"
+                && let Solid::Shape { shape, dimensions } = &self.solid
+            {
+                all.push((PART_CROWN, Value::Word(shape.clone())));
+                for own in crown::shape(shape).into_iter().flat_map(|shape| shape.knobs) {
+                    let set = dimensions.iter().find(|(name, _)| *name == own.knob.name);
+                    let value = set.map_or_else(own.default, |(_, value)| value.clone());
+                    all.push((own.knob, value));
+                }
+            }
+        }
+        all
+    }
+}
+
+impl PartKnob {
+    fn fits(&self, role: Role) -> bool {
+        self.roles.is_empty() || self.roles.contains(&role)
+    }
+}
+
+/// Reads the list of parts.
+pub(super) fn read(node: &Node) -> Result<Vec<Part>, Fault> {
+    let Datum::List(items) = &node.datum else {
+        return Err(node.mismatch(PART, "tables, each headed [[colonization.part]]"));
+    };
+    if items.len() > MOST_PARTS {
+        let message = format!("{} parts are more than the {MOST_PARTS} that a crown may have", items.len());
+        return Err(Fault::new(node.place, message));
+    }
+    items.iter().enumerate().map(|(i, item)| read_one(i + 1, item)).collect()
+}
+
+fn read_one(number: usize, node: &Node) -> Result<Part, Fault> {
+    let Datum::Table(entries) = &node.datum else {
+        return Err(node.mismatch(PART, "tables, each headed [[colonization.part]]"));
+    };
+    // Entries come in the order of their names.
+    let place = entries.iter().filter_map(|entry| entry.place).min_by_key(|p| (p.line, p.column));
+    let place = place.or(node.place);
+    let find = |key: &str| entries.iter().find(|entry| entry.key == key);
+    let role = find("role").ok_or_else(|| {
+        let words = Role::WORDS.join(", ");
+        Fault::new(place, format!("part {number} has no 'role'; give it one of: {words}"))
+    })?;
+    let role = role.node.value("role", &Kind::Choice(Role::WORDS))?;
+    let role = Role::from_value(role).unwrap_or(Role::Add);
+    let (solid, shape) = match (find("crown"), find("mesh")) {
+        (Some(own), None) => {
+            let id = own.node.value("crown", &PART_CROWN.kind)?.to_string();
+            let shape = crown::shape(&id).map_err(|error| Fault::new(own.place, error.to_string()))?;
+            (Solid::Shape { shape: id, dimensions: Vec::new() }, Some(shape))
+        }
+        (None, Some(own)) => (Solid::Mesh { file: own.node.text("mesh")?.to_owned() }, None),
+        (None, None) => {
+            let message = format!("part {number} has neither 'crown' nor 'mesh': say what it is");
+            return Err(Fault::new(place, message));
+        }
+        (Some(_), Some(second)) => {
+            let message = format!("part {number} has both 'crown' and 'mesh'; keep one");
+            return Err(Fault::new(second.place, message));
+        }
+    };
+    let mut part = Part::of(role, solid);
+    for entry in entries.iter().filter(|entry| !["crown", "mesh"].contains(&entry.key.as_str())) {
+        turn(&mut part, shape, number, entry)?;
+    }
+    if let (Solid::Shape { dimensions, .. }, Some(shape)) = (&mut part.solid, shape) {
+        *dimensions = shape.complete(dimensions);
+    }
+    if part.role == Role::Tree && part.root.is_none() && part.at.is_none() && shape.is_some() {
+        let message = format!("part {number} is a tree without a place: give it a 'root' like [6, 0, 0]");
+        return Err(Fault::new(place, message));
+    }
+    Ok(part)
+}
+
+/// Sets the key or dimension that an entry names.
+fn turn(part: &mut Part, shape: Option<&'static Shape>, number: usize, entry: &Entry) -> Result<(), Fault> {
+    let own = shape.map_or(&[][..], |shape| shape.knobs);
+    if let Some(dimension) = own.iter().find(|own| own.knob.name == entry.key) {
+        let value = entry.node.value(&entry.key, &dimension.knob.kind)?;
+        if let Solid::Shape { dimensions, .. } = &mut part.solid {
+            dimensions.push((dimension.knob.name, value));
+        }
+        return Ok(());
+    }
+    let key = excerpt(&entry.key);
+    let Some(row) = PART_KNOBS.iter().find(|row| row.knob.name == entry.key) else {
+        let known = ["crown", "mesh"].into_iter();
+        let known = known.chain(PART_KNOBS.iter().filter(|row| row.fits(part.role)).map(|row| row.knob.name));
+        let known: Vec<&str> = known.chain(own.iter().map(|own| own.knob.name)).collect();
+        let meant = nearest(&entry.key, known.iter().copied());
+        let instead = if meant.is_some() {
+            did_you_mean(meant)
+        } else {
+            format!("; it may have: {}", known.join(", "))
+        };
+        return Err(Fault::new(entry.place, format!("part {number} has no '{key}'{instead}")));
+    };
+    if !row.fits(part.role) {
+        let roles: Vec<String> = row.roles.iter().map(|role| role.to_value().to_string()).collect();
+        let own = part.role.to_value();
+        let message = format!(
+            "'{key}' means nothing in part {number} of role {own}; it belongs to: {}",
+            roles.join(", ")
+        );
+        return Err(Fault::new(entry.place, message));
+    }
+    (row.write)(part, entry.node.value(&entry.key, &row.knob.kind)?);
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::preset::Preset;
+
+    fn document(parts: &str) -> String {
+        format!("id = \"a\"\n[colonization]\ncrown = \"sphere\"\n{parts}")
+    }
+
+    fn message(parts: &str) -> String {
+        Preset::from_toml(&document(parts)).unwrap_err().to_string()
+    }
+
+    const ALL: &str = r#"
+        [[colonization.part]]
+        role = "subtract"
+        crown = "cone"
+        crown_height = 2
+        at = [0, 1.5, 0]
+        [[colonization.part]]
+        role = "tree"
+        crown = "revolution"
+        profile_points = [[0, 1], [2, 3], [5, 0]]
+        root = [6, 0, 1]
+        trunk = 1
+        [[colonization.part]]
+        role = "obstacle"
+        mesh = "rock.obj"
+        meet = "stop"
+        turn = -30
+        scale = 0.5
+        [[colonization.part]]
+        role = "shade"
+        crown = "dome"
+        share = 0.5
+    "#;
+
+    #[test]
+    fn parts_survive_writing_and_reading() {
+        let preset = Preset::from_toml(&document(ALL)).unwrap();
+        let parts = &preset.colonization().unwrap().parts;
+        assert_eq!(parts.len(), 4);
+        assert_eq!(
+            parts[0].solid,
+            Solid::Shape {
+                shape: "cone".into(),
+                dimensions: vec![("crown_height", Value::Real(2.0)), ("crown_radius", Value::Real(5.0))]
+            }
+        );
+        assert_eq!((parts[1].root, parts[1].trunk_m), (Some([6.0, 0.0, 1.0]), Some(1.0)));
+        assert_eq!((parts[2].meet, parts[2].turn_deg, parts[2].scale), (Meet::Stop, -30.0, 0.5));
+        assert_eq!(parts[3].share, 0.5);
+        assert_eq!(
+            parts.iter().map(Part::describe).collect::<Vec<_>>(),
+            ["subtract cone", "tree revolution", "obstacle 'rock.obj'", "shade dome"]
+        );
+        assert_eq!(preset.files(), ["rock.obj"]);
+        let text = preset.to_toml().unwrap();
+        let again = Preset::from_toml(&text).unwrap_or_else(|fault| panic!("{fault}: {text}"));
+        assert_eq!(again, preset);
+        let json = serde_json::to_string(&preset).unwrap();
+        assert_eq!(Preset::from_json(&json).unwrap(), again);
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_part_is_said_with_its_place() {
+        for (parts, place, said) in [
+            ("[[colonization.part]]\ncrown = \"dome\"", "5:1", "no 'role'; give it one of: add, subtract"),
+            ("[[colonization.part]]\nrole = \"add\"", "5:1", "neither 'crown' nor 'mesh'"),
+            ("[[colonization.part]]\nrole = \"ad\"\ncrown = \"dome\"", "5:8", "'ad' is not add | subtract"),
+            ("[[colonization.part]]\nrole = \"add\"\ncrown = \"dom\"", "6:9", "'dom' is not"),
+            ("[[colonization.part]]\nrole = \"add\"\ncrown = \"dome\"\nmesh = \"a.obj\"", "7:1", "both"),
+            (
+                "[[colonization.part]]\nrole = \"add\"\ncrown = \"dome\"\nscael = 2",
+                "7:1",
+                "did you mean 'scale'",
+            ),
+            (
+                "[[colonization.part]]\nrole = \"add\"\ncrown = \"dome\"\ncrown_height = 2",
+                "7:1",
+                "part 1 has no 'crown_height'",
+            ),
+            (
+                "[[colonization.part]]\nrole = \"add\"\ncrown = \"dome\"\nmeet = \"stop\"",
+                "7:1",
+                "of role add; it belongs to: obstacle",
+            ),
+            ("[[colonization.part]]\nrole = \"shade\"\ncrown = \"dome\"\nshare = 2", "7:9", "0 to 1"),
+            ("[[colonization.part]]\nrole = \"tree\"\ncrown = \"dome\"", "5:1", "without a place"),
+            ("part = 3", "4:8", "expected tables"),
+            ("part = [3]", "4:9", "expected tables"),
+        ] {
+            let message = message(parts);
+            assert!(
+                message.starts_with(&format!("{place}: ")) && message.contains(said),
+                "{parts}: {message}"
+            );
+        }
+        let many = "[[colonization.part]]\nrole = \"add\"\ncrown = \"dome\"\n".repeat(MOST_PARTS + 1);
+        assert!(message(&many).contains("257 parts are more than the 256"));
+        let scan = "id = \"a\"\n[colonization]\nscan = \"a.xyz\"\n[[colonization.part]]\nrole = \"add\"\ncrown = \"dome\"";
+        let message = Preset::from_toml(scan).unwrap_err().to_string();
+        assert!(message.contains("parts need a 'crown' or an 'envelope'"), "{message}");
+    }
+}

@@ -1,0 +1,184 @@
+//! Every parser, and whole recipes, fed with a kept corpus and with what chance makes of it.
+//!
+//! The ordinary test takes seconds and the same inputs each time. `tests/fuzz/run SECONDS [TARGET]`
+//! goes on with other ones for as long, keeps what leads somewhere new while it runs, and makes what
+//! fails as small as it can: into `target/fuzz`, from where it is moved to the corpus once it is mended.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot go on fails")]
+
+mod mutate;
+mod targets;
+
+use std::collections::BTreeSet;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+use linden::preset::builtins;
+use linden::random::Key;
+use mutate::{Dice, mutated, turned};
+use peak_alloc::PeakAlloc;
+use targets::{TARGETS, TREE_BYTES, Target};
+
+#[global_allocator]
+static ALLOCATOR: PeakAlloc = PeakAlloc;
+
+/// Bytes that an input may make a parser hold: so many for each of its own, and a constant. The largest
+/// is a mesh: 6 bytes of text can be a point of 24, in a list that moves to a larger place.
+const BYTES_PER_BYTE: usize = 64;
+const CONSTANT_BYTES: usize = 24 << 20;
+
+fn corpus(target: &Target) -> Vec<(PathBuf, Vec<u8>)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus").join(target.name);
+    let mut files: Vec<PathBuf> =
+        std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    files.into_iter().map(|path| (path.clone(), std::fs::read(path).unwrap())).collect()
+}
+
+/// The corpus, and for documents the built-in presets.
+fn seeds(target: &Target) -> Vec<Vec<u8>> {
+    let mut seeds: Vec<Vec<u8>> = corpus(target).into_iter().map(|(_, bytes)| bytes).collect();
+    if matches!(target.name, "preset" | "tree") {
+        seeds.extend(builtins().iter().map(|own| own.load().unwrap().to_toml().unwrap().into_bytes()));
+    }
+    if target.name == "recipe" {
+        let line = |own: &linden::preset::Builtin| {
+            linden::recipe::Recipe { preset: own.load().unwrap(), inputs: Vec::new() }.to_line().into_bytes()
+        };
+        seeds.extend(builtins().iter().map(line));
+    }
+    seeds
+}
+
+/// Runs one input. What became of it, or what is wrong.
+fn tried(target: &Target, bytes: &[u8]) -> Result<String, String> {
+    let before = ALLOCATOR.current_usage();
+    ALLOCATOR.reset_peak_usage();
+    let done = catch_unwind(AssertUnwindSafe(|| (target.run)(bytes)));
+    let peak = ALLOCATOR.peak_usage().saturating_sub(before);
+    let said = done.map_err(|panic| {
+        let text = panic.downcast_ref::<String>().cloned();
+        text.or_else(|| panic.downcast_ref::<&str>().map(|own| (*own).to_owned())).unwrap_or_default()
+    })?;
+    let allowed = if target.name == "tree" { TREE_BYTES as usize } else { bytes.len() * BYTES_PER_BYTE };
+    if peak > allowed + CONSTANT_BYTES {
+        return Err(format!("{peak} bytes of memory for {} of input", bytes.len()));
+    }
+    Ok(shape(&said))
+}
+
+/// What an outcome has in common with others: no numbers, and nothing that is quoted.
+fn shape(said: &str) -> String {
+    let unquoted: String = said.split('\'').step_by(2).collect();
+    unquoted.chars().filter(|c| !c.is_ascii_digit()).take(160).collect()
+}
+
+/// The smallest part of an input that still fails.
+fn minimised(target: &Target, bytes: &[u8]) -> Vec<u8> {
+    let mut smallest = bytes.to_vec();
+    let mut piece = smallest.len() / 2;
+    while piece > 0 {
+        let mut at = 0;
+        while at < smallest.len() {
+            let mut shorter = smallest.clone();
+            shorter.drain(at..(at + piece).min(shorter.len()));
+            if tried(target, &shorter).is_err() { smallest = shorter } else { at += piece }
+        }
+        piece /= 2;
+    }
+    smallest
+}
+
+fn kept(target: &Target, what: &str, bytes: &[u8]) -> PathBuf {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/fuzz").join(target.name);
+    std::fs::create_dir_all(&folder).unwrap();
+    let hash = linden::random::Key::new(bytes.len() as u64);
+    let hash = bytes.iter().fold(hash, |key, &byte| key.child(byte.into())).bits();
+    let path = folder.join(format!("{what}-{hash:016x}"));
+    std::fs::write(&path, bytes).unwrap();
+    path
+}
+
+/// Runs an input; a failure becomes a file and a line.
+fn judged(target: &Target, bytes: &[u8], from: &str) -> Result<String, String> {
+    tried(target, bytes).map_err(|wrong| {
+        let path = kept(target, "fails", &minimised(target, bytes));
+        let shown: String = wrong.chars().take(600).collect();
+        format!("{} ({from}): {shown}\n  smallest input: {}", target.name, path.display())
+    })
+}
+
+fn next(target: &Target, seeds: &[Vec<u8>], key: Key) -> Vec<u8> {
+    // Whole recipes die of a changed byte before anything grows: most get other knobs instead.
+    let is_document = matches!(target.name, "preset" | "tree");
+    let mut dice = Dice::new(key.named("way"));
+    if is_document && dice.below(4) > 0 {
+        let seed = String::from_utf8_lossy(&seeds[dice.below(seeds.len())]).into_owned();
+        return turned(&seed, key);
+    }
+    mutated(seeds, target.words, key)
+}
+
+/// The corpus and `rounds` mutations of it, or as many as `time` allows.
+fn run(target: &Target, time: Option<Duration>) -> Vec<String> {
+    let mut failures = Vec::new();
+    let mut known = BTreeSet::new();
+    for (path, bytes) in corpus(target) {
+        match judged(target, &bytes, &path.file_name().unwrap().to_string_lossy()) {
+            Ok(said) => drop(known.insert(said)),
+            Err(failure) => failures.push(failure),
+        }
+    }
+    let mut seeds = seeds(target);
+    assert!(!seeds.is_empty(), "no corpus for {}", target.name);
+    let started = Instant::now();
+    let key = Key::new(if time.is_some() { started_at() } else { 1 }).named(target.name);
+    for round in 0.. {
+        let over = time.map_or(round >= target.rounds, |time| started.elapsed() >= time);
+        if over || failures.len() >= 5 {
+            break;
+        }
+        let bytes = next(target, &seeds, key.child(round));
+        if time.is_some() {
+            kept_for_hangs(target, &bytes);
+        }
+        match judged(target, &bytes, &format!("round {round}")) {
+            Ok(said) => {
+                if known.insert(said) && time.is_some() {
+                    kept(target, "new", &bytes);
+                    seeds.push(bytes);
+                }
+            }
+            Err(failure) => failures.push(failure),
+        }
+    }
+    failures
+}
+
+/// What runs now: what a hang leaves behind.
+fn kept_for_hangs(target: &Target, bytes: &[u8]) {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/fuzz");
+    std::fs::create_dir_all(&path).unwrap();
+    std::fs::write(path.join(format!("{}-running", target.name)), bytes).unwrap();
+}
+
+/// Other inputs each time that somebody asks for more than the ordinary test.
+fn started_at() -> u64 {
+    std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_secs()
+}
+
+#[test]
+fn nothing_that_is_read_can_do_harm() {
+    let time = std::env::var("LINDEN_FUZZ_SECONDS").ok().map(|text| text.parse().expect("seconds"));
+    let chosen = std::env::var("LINDEN_FUZZ_TARGET").ok().filter(|name| !name.is_empty());
+    let chosen: Vec<&Target> =
+        TARGETS.iter().filter(|target| chosen.as_deref().is_none_or(|name| name == target.name)).collect();
+    assert!(!chosen.is_empty(), "the targets are {:?}", TARGETS.iter().map(|t| t.name).collect::<Vec<_>>());
+    // Panics are caught and told in one line each.
+    std::panic::set_hook(Box::new(|_| {}));
+    let share = time.map(|seconds: u64| Duration::from_secs(seconds) / chosen.len() as u32);
+    let failures: Vec<String> = chosen.into_iter().flat_map(|target| run(target, share)).collect();
+    drop(std::panic::take_hook());
+    assert!(failures.is_empty(), "\n{}", failures.join("\n"));
+}
