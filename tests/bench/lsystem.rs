@@ -6,7 +6,7 @@
 #![expect(clippy::expect_used, reason = "a benchmark that cannot run stops")]
 
 use divan::counter::ItemsCount;
-use linden::lsystem::{Grammar, Settings, Way, derive_by, derive_string, forecast, grow};
+use linden::lsystem::{Grammar, Settings, derive_string, forecast, grow};
 use linden::skeleton::{Skeleton, Wood};
 use linden::{DVec3, NO_PARENT, Quiet};
 
@@ -93,12 +93,12 @@ fn forecast_abop(bencher: divan::Bencher, derivations: u32) {
 }
 
 /// Every kind of counting at its longest: growth so slow that nothing saturates, with chance, with
-/// cuts, with conditions that need 30 or 3000 different modules, and with contexts.
+/// cuts, with conditions that need 20 or 3000 different modules, and with contexts.
 const SLOW: [(&str, &str, &[&str]); 7] = [
     ("linear growth", "A", &["A -> F[+L]B", "B -> F[-L]A", "L -> FFL"]),
     ("chance", "A", &["A -> (0.5) F[+L]A", "A -> (0.5) FA", "L -> (0.1) FFL", "L -> (0.9) L"]),
     ("chance and cuts", "A", &["A -> (0.9) F[+L]A", "A -> (0.1) A%", "L -> FFL"]),
-    ("counters", "A(0)", &["A(t) : t < 29 -> A(t+1)", "A(t) : t >= 29 -> F[+A(5)]A(0)"]),
+    ("counters", "A(0)", &["A(t) : t < 19 -> A(t+1)", "A(t) : t >= 19 -> F[+A(5)]A(0)"]),
     ("long counters", "A(0)", &["A(t) : t < 3000 -> A(t+1)", "A(t) : t >= 3000 -> F[+A(5)]A(0)"]),
     ("numbers without end", "A(0)", &["A(t) : t >= 0 -> F[+A(t+1)]A(t+2)"]),
     ("contexts", "FA", &["F < A -> FBA", "A < B -> F", "F > B -> FF"]),
@@ -165,21 +165,20 @@ fn skeleton_linden(bencher: divan::Bencher) {
     });
 }
 
-/// A signal that divides what it passes, on so many threads; strings grow to some 1.6 million.
+const CELLS: usize = 100_000;
+const STEPS: u32 = 50;
+
+/// Something diffuses along a row of cells: each looks at both neighbours in every step. On so many
+/// threads.
 #[divan::bench(name = "derive: linden, contexts", args = [1, 2])]
 fn derive_contexts(bencher: divan::Bencher, threads: usize) {
-    let rules = [
-        "#ignore +",
-        "A(a) < A(x) > A(b) -> (0.5) A(x+1)A(a)",
-        "A(a) < A(x) > A(b) -> (0.5) A(b)[+A(x)]A(1)",
-    ];
-    let grammar = Grammar::new("A(1)A(2)A(3)A(4)A(5)", &rules).expect("it is balanced");
-    let settings = Settings { derivations: 26, symbol_limit: 1 << 30, ..Settings::default() };
+    let axiom: String = (0..CELLS).map(|cell| format!("M({})", cell % 7)).collect();
+    let grammar = Grammar::new(&axiom, &["M(a) < M(x) > M(b) -> M((a+x+b)/3)"]).expect("it is balanced");
+    let settings = Settings { derivations: STEPS, ..Settings::default() };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
-    let mut derive =
-        || pool.install(|| derive_by(&grammar, &settings, Way::Best)).expect("it is within the limit");
-    let symbols = derive().births.len();
-    bencher.counter(ItemsCount::new(symbols)).bench_local(derive);
+    bencher
+        .counter(ItemsCount::new(CELLS * STEPS as usize))
+        .bench_local(|| pool.install(|| derive_string(&grammar, &settings)));
 }
 
 /// What a program writes first.

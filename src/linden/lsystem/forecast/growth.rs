@@ -3,8 +3,10 @@
 use super::Forecast;
 use super::graph::{Fate, Graph, Item, Span};
 
-/// Items that may be tallied for one forecast: about a millisecond.
-const MOST_WORK: usize = 120_000;
+/// Items that may be tallied in each of the two attempts of a forecast: about a third of a millisecond.
+const MOST_WORK: usize = 30_000;
+/// Products of two counts that squaring may take: about as long.
+const MOST_PRODUCTS: usize = 200_000;
 
 /// A count: exact and saturating, or an expectation.
 pub(super) trait Count: Copy + PartialEq {
@@ -155,26 +157,20 @@ impl<'a, C: Count> Growth<'a, C> {
     fn after_many(graph: &'a Graph, derivations: u32, affordable: u32) -> (Tally<C>, bool) {
         let size = graph.nodes.len() + 2;
         let squarings = 32 - derivations.leading_zeros() as usize;
-        let is_squarable = size.saturating_pow(3).saturating_mul(squarings) <= MOST_WORK;
-        // Until the same is cut in every step, the steps differ.
-        let mut growth = Self::new(graph);
-        let mut left = derivations;
-        let mut afforded = affordable;
-        loop {
-            let before: Vec<f64> = growth.tallies.iter().map(|tally| tally.cuts).collect();
-            if !growth.derive() {
-                return (growth.axiom(), true);
-            }
-            left -= 1;
-            afforded -= 1;
-            let is_settled = growth.tallies.iter().zip(&before).all(|(tally, cuts)| tally.cuts == *cuts);
-            // Probabilities of cuts may creep on for ever; what they change by then is rounded away.
-            if is_squarable && (is_settled || (!C::EXACT && afforded <= affordable / 2)) {
-                return (growth.power(left), true);
-            }
-            // What has saturated or settled by now may be nearly all there is to it.
-            if left == 0 || afforded == 0 {
-                break;
+        let is_squarable = size.saturating_pow(3).saturating_mul(squarings) <= MOST_PRODUCTS;
+        if is_squarable {
+            // Until the same is cut in every step, the steps differ.
+            let mut growth = Self::new(graph);
+            for step in 1..=affordable {
+                let before: Vec<f64> = growth.tallies.iter().map(|tally| tally.cuts).collect();
+                if !growth.derive() {
+                    return (growth.axiom(), true);
+                }
+                let is_settled = growth.tallies.iter().zip(&before).all(|(tally, cuts)| tally.cuts == *cuts);
+                // Probabilities of cuts may creep on for ever; what they change by then is rounded away.
+                if is_settled || (!C::EXACT && step == affordable) {
+                    return (growth.power(derivations - step), true);
+                }
             }
         }
         if let Some(tally) = Self::layered(graph, derivations) {
@@ -239,7 +235,7 @@ impl<'a, C: Count> Growth<'a, C> {
 
     pub(super) fn most_within(graph: &'a Graph, derivations: u32, limit: u64) -> Option<u32> {
         let mut growth = Self::new(graph);
-        let affordable = (4 * MOST_WORK / graph.len().max(1)).max(1) as u32;
+        let affordable = (16 * MOST_WORK / graph.len().max(1)).max(1) as u32;
         let mut fits = None;
         for step in 0..derivations.min(affordable) {
             if growth.axiom().symbols.whole() > u128::from(limit) {
