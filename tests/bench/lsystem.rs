@@ -172,7 +172,8 @@ const STEPS: u32 = 50;
 /// threads.
 #[divan::bench(name = "derive: linden, contexts", args = [1, 2])]
 fn derive_contexts(bencher: divan::Bencher, threads: usize) {
-    let axiom: String = (0..CELLS).map(|cell| format!("M({})", cell % 7)).collect();
+    let axiom: String =
+        (0..CELLS).flat_map(|cell| ['M', '(', char::from(b'0' + (cell % 7) as u8), ')']).collect();
     let grammar = Grammar::new(&axiom, &["M(a) < M(x) > M(b) -> M((a+x+b)/3)"]).expect("it is balanced");
     let settings = Settings { derivations: STEPS, ..Settings::default() };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");

@@ -5,7 +5,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use linden::colonization::outline;
-use linden::dress::{DressError, dress};
+use linden::dress::dress;
 use linden::grow::{GrowError, grow};
 use linden::input::{read_obj, read_ply, read_xyz, sniff};
 use linden::lsystem::{Grammar, Settings, derive_string, forecast, text};
@@ -13,7 +13,7 @@ use linden::monitor::Stage;
 use linden::preset::{KNOBS, Preset, builtin_file, shape_knobs};
 use linden::recipe::{Geometry, Input, Recipe};
 use linden::skeleton::{NO_PARENT, Skeleton, SkeletonError};
-use linden::surface::{SurfaceError, topology};
+use linden::surface::topology;
 use linden::{Monitor, Quiet};
 use linden_exporters::{Bundle, ExportError, Options, REGISTRY};
 use linden_terminal::input::Parser;
@@ -554,12 +554,7 @@ fn grown(mut preset: Preset) -> String {
     sound_skeleton(&grown.skeleton);
     let scene = match dress(&recipe, &grown, &budget) {
         Ok(scene) => scene,
-        Err(error @ (DressError::Cancelled(_) | DressError::Surface(SurfaceError::Memory(_)))) => {
-            return said(&error);
-        }
-        Err(error) => {
-            return said(&error);
-        }
+        Err(error) => return said(&error),
     };
     for part in &scene.parts {
         let found = topology(&part.mesh, &Quiet).expect("nobody cancels");

@@ -70,6 +70,9 @@ pub enum Sought {
     Branch(Vec<Sought>),
 }
 
+/// What a rule writes: symbols with their arguments.
+pub type Successor = Vec<(char, Vec<Expr>)>;
+
 #[derive(Clone, Debug)]
 pub struct Group {
     pub left: Vec<Sought>,
@@ -77,11 +80,11 @@ pub struct Group {
     pub arity: usize,
     pub right: Vec<Sought>,
     pub condition: Option<Expr>,
-    pub alternatives: Vec<(f64, Vec<(char, Vec<Expr>)>)>,
+    pub alternatives: Vec<(f64, Successor)>,
 }
 
 pub struct Definition {
-    pub axiom: Vec<(char, Vec<Expr>)>,
+    pub axiom: Successor,
     pub groups: Vec<Group>,
 }
 
@@ -294,7 +297,7 @@ fn branches<'a>(string: &'a [Letter], place: &mut usize) -> Vec<Part<'a>> {
     parts
 }
 
-fn choose(alternatives: &[(f64, Vec<(char, Vec<Expr>)>)], key: Key) -> &[(char, Vec<Expr>)] {
+fn choose(alternatives: &[(f64, Successor)], key: Key) -> &[(char, Vec<Expr>)] {
     let mut sum = 0.0;
     for (probability, word) in alternatives {
         sum += probability;
@@ -419,14 +422,7 @@ impl Random {
             let right = if around && self.below(3) == 0 { self.sought(2) } else { Vec::new() };
             let (symbol, arity) = (['A', 'B', 'C', '+'][self.below(4)], self.below(3));
             let arity = if symbol == '+' { 0 } else { arity };
-            fn count(sought: &[Sought]) -> usize {
-                let of = |part: &Sought| match part {
-                    Sought::Module(_, arity) => *arity,
-                    Sought::Branch(inner) => count(inner),
-                };
-                sought.iter().map(of).sum()
-            }
-            let parameters = count(&left) + arity + count(&right);
+            let parameters = parameters_of(&left) + arity + parameters_of(&right);
             let condition = (self.below(2) == 0).then(|| self.condition(parameters));
             let shares: &[f64] = [&[1.0][..], &[0.25, 0.75], &[0.5, 0.0, 0.5]][self.below(3)];
             let alternatives = shares.iter().map(|&share| (share, self.word(parameters, 2))).collect();
@@ -440,4 +436,13 @@ impl Random {
         axiom.extend(self.word(0, 2));
         Definition { axiom, groups }
     }
+}
+
+/// How many parameters a context binds.
+fn parameters_of(sought: &[Sought]) -> usize {
+    let of = |part: &Sought| match part {
+        Sought::Module(_, arity) => *arity,
+        Sought::Branch(inner) => parameters_of(inner),
+    };
+    sought.iter().map(of).sum()
 }

@@ -87,6 +87,7 @@ fn places_are_bytes_for_programs_and_columns_for_people() {
     assert_eq!(error.problem, Problem::Unopened);
 }
 
+#[expect(clippy::too_many_lines, reason = "a table")]
 #[test]
 fn what_the_wider_language_gets_wrong_is_told_with_its_place() {
     for (axiom, rule, message) in [
