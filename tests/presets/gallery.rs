@@ -26,14 +26,15 @@ fn the_gallery_shows_each_preset_as_it_is() {
             write!(page, "\n## {group}\n\n| | |\n|---|---|\n").unwrap();
         }
         let recipe = recipe(builtin);
-        let skeleton = grow(&recipe, &Quiet).unwrap().skeleton;
-        let surface = survey(&skeleton, &recipe.preset.tubes, &Quiet).unwrap();
+        let grown = grow(&recipe, &Quiet).unwrap();
+        let skeleton = &grown.skeleton;
+        let surface = survey(skeleton, &recipe.preset.tubes, &Quiet).unwrap();
         let measures = skeleton.measures();
         let about = if preset.about.is_empty() { String::new() } else { format!("<br>{}", preset.about) };
         writeln!(
             page,
             "| ![{id}](pictures/gallery/{id}.png) | **{name}** (`{id}`)<br>{summary}. {source}.{about}<br>\
-             {height:.2} m high, {nodes} nodes on {axes} axes of orders 0 to {order}, {triangles} triangles of wood |",
+             {height:.2} m high, {nodes} nodes on {axes} axes of orders 0 to {order}, {triangles} triangles of wood{leaves} |",
             id = preset.id,
             name = preset.name,
             summary = preset.summary,
@@ -43,6 +44,10 @@ fn the_gallery_shows_each_preset_as_it_is() {
             axes = skeleton.axes.len(),
             order = measures.max_order,
             triangles = surface.triangles,
+            leaves = match grown.organs.len() {
+                0 => String::new(),
+                leaves => format!(", {leaves} leaves and the like"),
+            },
         )
         .unwrap();
         let picture = presets.join(format!("pictures/gallery/{}.png", preset.id));

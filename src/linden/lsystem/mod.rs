@@ -5,15 +5,15 @@
 //!                                                └── derive ────► turtle ──► Branching
 //! ```
 //!
-//! Deterministic and stochastic bracketed 0L-systems after ABOP (Prusinkiewicz & Lindenmayer,
-//! *The Algorithmic Beauty of Plants*, 1990), with its turtle in three dimensions. A [`Grammar`] is
-//! valid by construction: brackets balance, probabilities sum to one, every symbol has a meaning.
-//! What the language does not know yet (parameters in rules, contexts, polygons, organs) is an error
-//! with its place, never a symbol that is passed over.
+//! The L-systems of ABOP (Prusinkiewicz & Lindenmayer, *The Algorithmic Beauty of Plants*, 1990):
+//! bracketed, stochastic, parametric and context-sensitive, with its turtle in three dimensions. A
+//! [`Grammar`] is valid by construction: brackets balance, probabilities sum to one, every symbol and
+//! every name has a meaning. What is not understood is an error with its place, never passed over.
 //!
-//! The derived string is never in memory: derivation walks the tree of rewritings depth first and
-//! hands each symbol to the turtle as it comes into being. No function here recurses, so neither
-//! derivations nor brackets can exhaust the call stack.
+//! Without contexts the derived string is never in memory: derivation walks the tree of rewritings
+//! depth first and hands each symbol to the turtle as it comes into being. With contexts two buffers
+//! take turns, filled in parallel. No function here recurses, so neither derivations nor brackets can
+//! exhaust the call stack.
 //!
 //! ```
 //! use linden::{Quiet, lsystem::{Grammar, Settings, forecast, grow}};
