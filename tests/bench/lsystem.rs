@@ -6,7 +6,7 @@
 #![expect(clippy::expect_used, reason = "a benchmark that cannot run stops")]
 
 use divan::counter::ItemsCount;
-use linden::lsystem::{Grammar, Settings, Way, derive_by, derive_string, forecast, grow};
+use linden::lsystem::{Grammar, Settings, Way, derive_by, derive_string, forecast, grow, grow_by};
 use linden::skeleton::{Skeleton, Wood};
 use linden::{DVec3, NO_PARENT, Quiet};
 
@@ -34,6 +34,19 @@ fn grow_linden(bencher: divan::Bencher) {
         assert_eq!(grown.symbols, SYMBOLS);
         grown
     });
+}
+
+const WAYS: [(u32, Way); 4] = [(8, Way::Best), (8, Way::Walk), (10, Way::Best), (10, Way::Walk)];
+
+/// Placing copies of what was drawn once, and walking all of it: the same nodes.
+#[divan::bench(name = "grow: linden, by macros (Best) and by walking", args = WAYS)]
+fn grow_ways(bencher: divan::Bencher, (derivations, way): (u32, Way)) {
+    let (grammar, settings) = weed();
+    let settings = Settings { derivations, ..settings };
+    let symbols = forecast(&grammar, derivations).expect("it is in range").symbols;
+    bencher
+        .counter(ItemsCount::new(symbols as u64))
+        .bench(|| grow_by(&grammar, &settings, way, &Quiet).expect("it is within the limit"));
 }
 
 #[divan::bench(name = "grow: linden, stochastic (ABOP 1.27, 10 steps)")]
@@ -176,7 +189,7 @@ fn derive_contexts(bencher: divan::Bencher, threads: usize) {
     let grammar = Grammar::new("A(1)A(2)A(3)A(4)A(5)", &rules).expect("it is balanced");
     let settings = Settings { derivations: 26, symbol_limit: 1 << 30, ..Settings::default() };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
-    let mut derive =
+    let derive =
         || pool.install(|| derive_by(&grammar, &settings, Way::Best)).expect("it is within the limit");
     let symbols = derive().births.len();
     bencher.counter(ItemsCount::new(symbols)).bench_local(derive);
