@@ -7,8 +7,11 @@ use proptest::prelude::*;
 use crate::assert_sound;
 use crate::naive::{self, Rules};
 
+/// Derivations, angle in degrees, axiom, rules.
+type Figure = (u32, f64, &'static str, &'static [(char, &'static str)]);
+
 /// ABOP, Fig. 1.24 a to f, with angles and enough derivations for many blocks.
-const FIGURES: [(u32, f64, &str, &[(char, &str)]); 6] = [
+const FIGURES: [Figure; 6] = [
     (7, 25.7, "F", &[('F', "F[+F]F[-F]F")]),
     (7, 20.0, "F", &[('F', "F[+F]F[-F][F]")]),
     (5, 22.5, "F", &[('F', "FF-[-F+F+F]+[+F-F-F]")]),
