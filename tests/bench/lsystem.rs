@@ -6,7 +6,7 @@
 #![expect(clippy::expect_used, reason = "a benchmark that cannot run stops")]
 
 use divan::counter::ItemsCount;
-use linden::lsystem::{Grammar, Settings, derive_string, forecast, grow};
+use linden::lsystem::{Grammar, Settings, Way, derive_string, forecast, grow, grow_by};
 use linden::skeleton::{Skeleton, Wood};
 use linden::{DVec3, NO_PARENT, Quiet};
 
@@ -34,6 +34,19 @@ fn grow_linden(bencher: divan::Bencher) {
         assert_eq!(grown.symbols, SYMBOLS);
         grown
     });
+}
+
+const WAYS: [(u32, Way); 4] = [(8, Way::Best), (8, Way::Walk), (10, Way::Best), (10, Way::Walk)];
+
+/// Placing copies of what was drawn once, and walking all of it: the same nodes.
+#[divan::bench(name = "grow: linden, by macros (Best) and by walking", args = WAYS)]
+fn grow_ways(bencher: divan::Bencher, (derivations, way): (u32, Way)) {
+    let (grammar, settings) = weed();
+    let settings = Settings { derivations, ..settings };
+    let symbols = forecast(&grammar, derivations).expect("it is in range").symbols;
+    bencher
+        .counter(ItemsCount::new(symbols as u64))
+        .bench(|| grow_by(&grammar, &settings, way, &Quiet).expect("it is within the limit"));
 }
 
 #[divan::bench(name = "grow: linden, stochastic (ABOP 1.27, 10 steps)")]

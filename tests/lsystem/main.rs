@@ -5,6 +5,7 @@ mod chance;
 mod contexts;
 mod definition;
 mod figures;
+mod flat;
 mod habit;
 mod language;
 mod limits;

@@ -34,12 +34,15 @@ pub(super) trait Sink {
     fn apply(&mut self, module: u32, arguments: &[f64], birth: u32) -> Result<(), LsystemError>;
 }
 
-/// How a string is derived. All ways give the same.
+/// How a string is derived and drawn. All ways give the same, to the bit.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Way {
-    /// Depth first where no rule looks at its context, else breadth first.
+    /// Drawn by macros where that is exact ([`grow_by`](super::grow_by())), else module by module, depth
+    /// first where no rule looks at its context.
     #[default]
     Best,
+    /// Module by module, depth first where no rule looks at its context, else breadth first.
+    Walk,
     /// Whole strings in memory, step by step, in parallel.
     BreadthFirst,
 }

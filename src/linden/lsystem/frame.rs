@@ -30,6 +30,10 @@ impl Turn {
         Self { sin, cos, degrees }
     }
 
+    pub fn sin_cos(self) -> [f64; 2] {
+        [self.sin, self.cos]
+    }
+
     /// Turns two axes of a frame in their plane, the first towards the second.
     fn apply(self, first: &mut DVec3, second: &mut DVec3) {
         let (a, b) = (*first, *second);

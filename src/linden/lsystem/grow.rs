@@ -2,6 +2,7 @@
 
 use super::derive::{Way, derive};
 use super::error::LsystemError;
+use super::flat::{Flat, Walker};
 use super::forecast::{self, Forecast};
 use super::grammar::Grammar;
 use super::program::Program;
@@ -142,6 +143,25 @@ pub struct Grown {
 /// A setting out of range, a result over a limit (before deriving, by the [`forecast`](super::forecast())),
 /// nothing to draw, or cancellation.
 pub fn grow(grammar: &Grammar, settings: &Settings, monitor: &dyn Monitor) -> Result<Grown, LsystemError> {
+    grow_by(grammar, settings, Way::Best, monitor)
+}
+
+/// As [`grow`], by a way of one's choice.
+///
+/// Macros draw each subtree once and place copies of it. They are exact for systems without chance,
+/// contexts, cuts and arguments whose only turns are `+`, `-` and `|` by an angle of whole hundredths
+/// of a degree, and which hold no `f`, `!` and organs; with one stem, no tropism and no variation.
+/// These are drawn in steps on a grid of 2^-k m that is fine enough for every sum of steps to be free
+/// of rounding.
+///
+/// # Errors
+/// As [`grow`].
+pub fn grow_by(
+    grammar: &Grammar,
+    settings: &Settings,
+    way: Way,
+    monitor: &dyn Monitor,
+) -> Result<Grown, LsystemError> {
     let program = Program::compile(grammar);
     let forecast = settings.admit(&program)?;
     let nothing = LsystemError::NothingDrawn { derivations: settings.derivations };
@@ -157,6 +177,15 @@ pub fn grow(grammar: &Grammar, settings: &Settings, monitor: &dyn Monitor) -> Re
         return Err(LsystemError::TooManyStems { stems, symbols: forecast.symbols, limit });
     }
     let total = forecast.exact.then_some(forecast.symbols as u64);
+    if let Some(flat) = Flat::of(&program, settings, &forecast) {
+        if way == Way::Best {
+            let symbols = forecast.symbols as u64;
+            return Ok(Grown { branching: flat.draw(monitor)?, organs: Organs::default(), symbols });
+        }
+        let mut walker = Walker::new(flat, monitor)?;
+        let symbols = derive(&program, settings, way, total, monitor, &mut walker)?;
+        return Ok(Grown { branching: walker.into_branching(), organs: Organs::default(), symbols });
+    }
     // Exact, or unknown: an expectation is no reason to allocate.
     let (segments, depth) = if forecast.exact {
         (forecast.segments as usize * stems as usize, forecast.depth as usize)
@@ -175,7 +204,7 @@ pub fn grow(grammar: &Grammar, settings: &Settings, monitor: &dyn Monitor) -> Re
         // Chance may make each longer than it is expected to be; together they stay within the limit.
         let own = Settings { seed, symbol_limit: limit - symbols, ..*settings };
         turtle.start(GOLDEN_ANGLE_DEG * f64::from(stem), lean_deg, Key::new(seed).named("turtle"));
-        symbols += derive(&program, &own, Way::Best, total, monitor, &mut turtle)?;
+        symbols += derive(&program, &own, way, total, monitor, &mut turtle)?;
         turtle.finish()?;
     }
     let (branching, organs) = turtle.into_parts();

@@ -12,7 +12,8 @@
 //!
 //! Without contexts the derived string is never in memory: derivation walks the tree of rewritings
 //! depth first and hands each symbol to the turtle as it comes into being. With contexts two buffers
-//! take turns, filled in parallel. No function here recurses, so neither derivations nor brackets can
+//! take turns, filled in parallel. Flat systems are drawn by macros: what comes up again is a copy of
+//! what was drawn once, with the same bits ([`grow_by`]). No function here recurses, so neither derivations nor brackets can
 //! exhaust the call stack.
 //!
 //! ```
@@ -31,6 +32,7 @@ mod context;
 mod derive;
 mod error;
 mod expression;
+mod flat;
 mod forecast;
 mod frame;
 mod grammar;
@@ -46,5 +48,5 @@ pub use derive::{Derived, Way, derive_by, derive_string};
 pub use error::{GrammarError, LsystemError, Part, Problem};
 pub use forecast::{Forecast, forecast};
 pub use grammar::{Definition, Expression, Grammar, Module, Pattern, Production};
-pub use grow::{Grown, Habit, MAX_DERIVATIONS, MAX_NESTING, MAX_STEMS, MAX_SYMBOLS, Settings, grow};
+pub use grow::{Grown, Habit, MAX_DERIVATIONS, MAX_NESTING, MAX_STEMS, MAX_SYMBOLS, Settings, grow, grow_by};
 pub use variation::Variation;
