@@ -62,7 +62,9 @@ pub fn dress(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Sc
     let mut materials = vec![material];
     let mut parts = vec![Part { name: "wood".to_owned(), material: 0, mesh: wood }];
     let colors = &preset.foliage.leaf_colors;
-    let wooded = Holding::new(monitor, parts.iter().map(|part| part.mesh.bytes()).sum());
+    let pictures = [&materials[0].base_color_picture, &materials[0].normal_picture];
+    let pictures: u64 = pictures.into_iter().flatten().map(|picture| picture.rgba().len() as u64).sum();
+    let wooded = Holding::new(monitor, parts[0].mesh.bytes() + pictures);
     for Foliage { color, mesh } in foliage::meshes(&grown.organs, colors.len(), &wooded)? {
         let name = if color == 0 { "leaves".to_owned() } else { format!("leaves_{color}") };
         parts.push(Part { name: name.clone(), material: materials.len(), mesh });

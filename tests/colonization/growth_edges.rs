@@ -251,3 +251,31 @@ fn cancelling_is_noticed_wherever_growth_is() {
         assert!(watch.asked.load(Ordering::Relaxed) <= patience + 64);
     }
 }
+
+/// New nodes come in batches: a point may change hands in each.
+#[test]
+fn a_long_trunk_hands_points_on_from_batch_to_batch() {
+    let nodes = 3000_u16;
+    let start = Branching {
+        positions: (0..nodes).map(|i| Vec3::Y * (f32::from(i) * 0.01)).collect(),
+        parents: (0..u32::from(nodes)).map(|i| i.checked_sub(1).unwrap_or(NO_PARENT)).collect(),
+        births: vec![0; nodes.into()],
+        radii: None,
+    };
+    let top = f32::from(nodes) * 0.01;
+    let points: Vec<Vec3> = (0..40_u8).map(|i| Vec3::new(f32::from(i) * 0.02, top + 1.0, 0.0)).collect();
+    let rule = GrowthRule {
+        step: 0.05,
+        influence: f32::INFINITY,
+        kill: 0.1,
+        tropism: Vec3::ZERO,
+        max_iterations: 1000,
+        max_nodes: 100_000,
+        habit: Habit::PLAIN,
+    };
+    let growth = grow(&points, &start, &rule, &Quiet).unwrap();
+    assert_eq!(growth.stop, Stop::AllReached);
+    // What grows leaves from the top alone.
+    let laterals = growth.branching.parents[nodes.into()..].iter().filter(|&&p| p < u32::from(nodes) - 1);
+    assert_eq!(laterals.count(), 0);
+}

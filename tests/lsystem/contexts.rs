@@ -68,6 +68,14 @@ fn ignored_symbols_are_passed_over_and_others_are_not() {
     assert_eq!(derived("A+B", &["#ignore +", "A < + > B -> -"], 1), "A-B");
 }
 
+/// A second at most, where each looking through all that follow it would take many minutes.
+#[test]
+fn long_rows_of_ignored_symbols_are_passed_over_at_once() {
+    let axiom = format!("A{}[B]", "x".repeat(1_000_000));
+    let rewritten = derived(&axiom, &["#ignore x", "x > [B] -> y", "A > [C] -> D"], 1);
+    assert_eq!(rewritten, format!("A{}[B]", "y".repeat(1_000_000)));
+}
+
 #[test]
 fn contexts_bind_parameters() {
     let rules = ["A(x) < B(y) > C(z)[D(u)] : x+y+z+u > 9 -> S(x,y,z,u)"];

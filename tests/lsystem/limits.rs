@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use linden::lsystem::{Grammar, LsystemError, MAX_NESTING, Settings, derive_string, forecast, grow};
+use linden::lsystem::{Grammar, Habit, LsystemError, MAX_NESTING, Settings, derive_string, forecast, grow};
 use linden::monitor::Stage;
 use linden::{Cancelled, Monitor, Quiet};
 
@@ -76,6 +76,27 @@ fn a_lucky_seed_is_stopped_while_it_grows() {
 }
 
 #[test]
+fn what_is_hardly_expected_is_drawn_when_it_comes() {
+    // A third of a segment is expected, which rounds to none.
+    let grammar = Grammar::new("X", &["X -> (0.33) F", "X -> (0.67)"]).unwrap();
+    let of = |seed| grow(&grammar, &Settings { seed, ..settings(1) }, &Quiet);
+    let drawn = (0..200).filter(|&seed| of(seed).is_ok()).count();
+    assert!((40..95).contains(&drawn), "{drawn}");
+}
+
+#[test]
+fn a_shrub_that_grows_past_the_limit_is_told_with_what_was_asked_for() {
+    let grammar = Grammar::new("X", &[&format!("X -> (0.1) {}", "F".repeat(1000)), "X -> (0.9) F"]).unwrap();
+    let habit = Habit::Shrub { stems: 4, lean_deg: 10.0 };
+    let of = |seed| grow(&grammar, &Settings { seed, habit, symbol_limit: 500, ..settings(1) }, &Quiet);
+    let past: Vec<_> = (0..100).filter_map(|seed| of(seed).err().map(|error| (seed, error))).collect();
+    assert!(past.len() > 10);
+    for (seed, error) in past {
+        assert_eq!(error, LsystemError::GrewPastLimit { derivations: 1, seed: Some(seed), limit: 500 });
+    }
+}
+
+#[test]
 fn nothing_to_draw_is_an_error() {
     let grammar = Grammar::new("X", &["X -> F[+X]"]).unwrap();
     assert_eq!(grow(&grammar, &settings(0), &Quiet), Err(LsystemError::NothingDrawn { derivations: 0 }));
@@ -104,6 +125,10 @@ fn absurd_nesting_is_refused() {
         [format!("A -> (0.999999) F{}A{}", "[".repeat(open), "]".repeat(open)), "A->(0.000001)F".into()];
     let grammar = Grammar::new("A", &rules).unwrap();
     assert_eq!(grow(&grammar, &settings(10_000), &Quiet), Err(error));
+    // Polygons nest as well.
+    let grammar = Grammar::new::<&str>(&format!("F{}", "{".repeat(MAX_NESTING + 1)), &[]).unwrap();
+    let error = grow(&grammar, &settings(0), &Quiet).unwrap_err();
+    assert_eq!(error, LsystemError::NestedTooDeeply { derivations: 0, limit: MAX_NESTING });
 }
 
 #[test]

@@ -10,7 +10,7 @@ use linden::dress::dress;
 use linden::grow::{GrowError, grow};
 use linden::memory::{Bytes, OverMemory, SLACK_BYTES};
 use linden::monitor::Stage;
-use linden::preset::{builtin, builtins};
+use linden::preset::{Preset, builtin, builtins};
 use linden::recipe::{Geometry, Input, Recipe};
 use linden::surface::sweep;
 use linden::{DVec3, Monitor, Quiet};
@@ -97,6 +97,15 @@ fn scan(count: u32) -> Recipe {
     Recipe { preset: linden::preset::Preset::of_space("scan", space), inputs: vec![input] }
 }
 
+/// Whole strings are in memory while the turtle draws the last one. The number of shoots doubles.
+fn contexts(derivations: u32) -> Recipe {
+    let preset = format!(
+        "id = \"contexts\"\n[lsystem]\naxiom = \"FA\"\nrules = [\"F < A -> FA[+FA]\"]\n\
+         derivations = {derivations}\n[surface]\nsides = 3\n[bark]\nbark_size = 64\n"
+    );
+    Recipe { preset: Preset::from_toml(&preset).unwrap(), inputs: Vec::new() }
+}
+
 /// A spread of generators, sizes and surfaces.
 fn spread() -> Vec<(String, Recipe)> {
     let mut all: Vec<(String, Recipe)> =
@@ -115,6 +124,15 @@ fn spread() -> Vec<(String, Recipe)> {
         ("simple", &[("bark_size", "1024"), ("bark", "plated")]),
     ];
     all.extend(turns.map(|(id, settings)| (format!("{id} {settings:?}"), turned(id, settings))));
+    let habits = [
+        ("points", "20000"),
+        ("attraction", "all"),
+        ("gravitropism", "0.2 -0.1"),
+        ("influence", "8D"),
+        ("sides", "3"),
+    ];
+    all.push(("habits".to_owned(), turned("sphere", &habits)));
+    all.push(("contexts".to_owned(), contexts(18)));
     all.push(("scan".to_owned(), scan(400_000)));
     all
 }
@@ -171,6 +189,7 @@ fn no_stage_takes_more_than_it_forecast() {
     for recipe in [
         turned("sphere", &[("points", "1000000")]),
         turned("abop-stochastic", &[("derivations", "12")]),
+        contexts(20),
         turned("sphere", &[("points", "20000"), ("influence", "inf"), ("kill", "1D"), ("step", "0.004")]),
     ] {
         let before = ALLOCATOR.current_usage();

@@ -2,7 +2,6 @@
 
 use clap::Args;
 use linden::knob::{Value, printable};
-use linden::lsystem::forecast;
 use linden::preset::{Generator, Preset, Section, Space};
 use linden::recipe::{Geometry, Input, Recipe};
 use serde::Serialize;
@@ -107,7 +106,7 @@ impl Show {
 
 fn forecast_of(preset: &Preset) -> anyhow::Result<Option<ForecastRow>> {
     let Generator::LSystem(own) = &preset.generator else { return Ok(None) };
-    let forecast = forecast(&own.grammar, own.derivations)?;
+    let forecast = own.forecast()?;
     Ok(Some(ForecastRow {
         symbols: forecast.symbols as f64,
         segments: forecast.segments as f64,

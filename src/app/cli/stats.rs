@@ -8,6 +8,7 @@ use linden::Vec3;
 use linden::colonization::scan::Spread;
 use linden::foliage::meshes;
 use linden::grow::Scanned;
+use linden::memory::Holding;
 use linden::scene::{Bounds, Mesh};
 use linden::surface::survey;
 use serde::Serialize;
@@ -114,8 +115,8 @@ impl Stats {
         // The bark's pictures are not measured, and take longer than all else.
         let surface = survey(&grown.skeleton, &source.recipe.preset.tubes, &progress)
             .with_context(|| source.shown.clone())?;
-        // They take no pictures and little memory.
-        let foliage = meshes(&grown.organs, 1, &progress).with_context(|| source.shown.clone())?;
+        let holding = Holding::new(&progress, grown.bytes());
+        let foliage = meshes(&grown.organs, 1, &holding).with_context(|| source.shown.clone())?;
         let foliage = foliage.first().map(|own| &own.mesh);
         let dress_s = started.elapsed().as_secs_f64();
 

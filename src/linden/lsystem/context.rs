@@ -19,7 +19,7 @@ pub(super) struct Neighbours {
     left: Vec<u32>,
     /// Along the axis; of a `[`, the first inside of the branch.
     right: Vec<u32>,
-    /// Of each `[`, its `]`.
+    /// Of each `[`, its `]`; of each ignored module, the next that is not.
     close: Vec<u32>,
     stack: Vec<u32>,
 }
@@ -59,8 +59,7 @@ impl Neighbours {
     /// Looks through a string whose brackets balance, as far as the rules of a program need it.
     pub(super) fn find(&mut self, program: &Program, string: &impl Modules) {
         let count = if program.contexts.left { string.count() } else { 0 };
-        self.left.clear();
-        self.left.resize(count, NOTHING);
+        renew(&mut self.left, count);
         self.stack.clear();
         let mut last = NOTHING;
         for i in 0..count {
@@ -73,15 +72,19 @@ impl Neighbours {
             }
         }
         let count = if program.contexts.right { string.count() } else { 0 };
-        self.right.clear();
-        self.right.resize(count, NOTHING);
-        self.close.clear();
-        self.close.resize(count, NOTHING);
+        renew(&mut self.right, count);
+        renew(&mut self.close, count);
         self.stack.clear();
-        let mut next = NOTHING;
+        let (mut next, mut ahead) = (NOTHING, NOTHING);
         for i in (0..count).rev() {
             self.right[i] = next;
-            match part(string.entry(i)) {
+            let part = part(string.entry(i));
+            if part == Part::Ignored {
+                self.close[i] = ahead;
+            } else {
+                ahead = i as u32;
+            }
+            match part {
                 // Two entries for each branch: its end, and what follows it.
                 Part::Close => {
                     self.stack.extend([i as u32, next]);
@@ -161,7 +164,7 @@ impl Neighbours {
                     }
                     found
                 }
-                Sought::Open => match Self::branch(string, branches, work) {
+                Sought::Open => match self.branch(string, branches) {
                     Some(bracket) => {
                         open.push(Branch { pattern: i, open: bracket, axis });
                         axis = bracket as u32;
@@ -192,17 +195,18 @@ impl Neighbours {
     }
 
     /// The next branch that leaves from the same place.
-    fn branch(string: &impl Modules, from: usize, work: &mut u64) -> Option<usize> {
-        for i in from..string.count() {
-            *work += 1;
-            match part(string.entry(i)) {
-                Part::Open => return Some(i),
-                Part::Ignored => {}
-                Part::Close | Part::Seen => return None,
-            }
-        }
-        None
+    fn branch(&self, string: &impl Modules, from: usize) -> Option<usize> {
+        let is = |at: usize, wanted: Part| at < string.count() && part(string.entry(at)) == wanted;
+        let at = if is(from, Part::Ignored) { self.close[from] as usize } else { from };
+        is(at, Part::Open).then_some(at)
     }
+}
+
+/// Nothing, `count` times, in no larger a place than that takes or was there.
+fn renew(list: &mut Vec<u32>, count: usize) {
+    list.clear();
+    list.reserve_exact(count);
+    list.resize(count, NOTHING);
 }
 
 fn is_found(sought: Sought, string: &impl Modules, at: u32, parameters: &mut [f64]) -> bool {

@@ -32,6 +32,14 @@ pub(super) trait Sink {
     /// One module whose arguments were computed: all finite, at least one, the first in the range of
     /// the turtle's command. A length may be so short, or 0, that there is nothing to draw.
     fn apply(&mut self, module: u32, arguments: &[f64], birth: u32) -> Result<(), LsystemError>;
+
+    /// Bytes that it holds itself.
+    fn bytes(&self) -> u64 {
+        0
+    }
+
+    /// Derivation holds so many bytes from now on, until it is over.
+    fn hold_beside(&mut self, _bytes: u64) {}
 }
 
 /// How a string is derived and drawn. All ways give the same, to the bit.
@@ -134,6 +142,7 @@ pub(super) fn derive<S: Sink>(
     } else {
         stream::derive(&mut outlet)?;
     }
+    outlet.sink.hold_beside(0);
     monitor.advance(Stage::Turtle, outlet.given, total);
     Ok(outlet.given)
 }

@@ -219,9 +219,9 @@ pub enum LsystemError {
         /// What it should be.
         expected: String,
     },
-    /// More open branches than [`MAX_NESTING`](super::MAX_NESTING).
+    /// More branches or polygons open at once than [`MAX_NESTING`](super::MAX_NESTING).
     #[error(
-        "{derivations} derivations nest branches more than {limit} deep, which is no tree: \
+        "{derivations} derivations nest branches or polygons more than {limit} deep, which is no tree: \
          use fewer derivations"
     )]
     NestedTooDeeply {

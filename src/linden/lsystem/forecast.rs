@@ -5,7 +5,7 @@
 //! - rules that look at no arguments: by the growth matrix over symbols (ABOP, section 1.2);
 //! - rules with conditions: by the growth matrix over the modules with their arguments that can come
 //!   up, as far as these can be found;
-//! - rules with contexts: by deriving, as far as that goes.
+//! - rules with contexts: by deriving, as far as that goes; where chance has a say, one tree.
 //!
 //! Where the work allowed is not enough, what is certain already is a lower bound.
 
@@ -33,7 +33,8 @@ pub struct Forecast {
     /// Most branches open at once; for a stochastic system, the most that is possible.
     pub depth: u64,
     /// Whether the counts are exact. Those of a stochastic system are expectations, rounded; the
-    /// standard deviation of one tree is often a third of them.
+    /// standard deviation of one tree is often a third of them. Where it looks at contexts, they are
+    /// those of one tree, of seed 0.
     pub exact: bool,
     /// Whether there may be more: counting to the end would have taken too long. Then neither the
     /// counts nor the depth are exact.

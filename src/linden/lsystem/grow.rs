@@ -165,7 +165,8 @@ pub fn grow_by(
     let program = Program::compile(grammar);
     let forecast = settings.admit(&program)?;
     let nothing = LsystemError::NothingDrawn { derivations: settings.derivations };
-    if forecast.segments == 0 && !forecast.at_least {
+    // An expectation may be rounded to nothing.
+    if forecast.segments == 0 && forecast.exact {
         return Err(nothing);
     }
     let (stems, lean_deg) = match settings.habit {
@@ -204,7 +205,15 @@ pub fn grow_by(
         // Chance may make each longer than it is expected to be; together they stay within the limit.
         let own = Settings { seed, symbol_limit: limit - symbols, ..*settings };
         turtle.start(GOLDEN_ANGLE_DEG * f64::from(stem), lean_deg, Key::new(seed).named("turtle"));
-        symbols += derive(&program, &own, way, total, monitor, &mut turtle)?;
+        symbols += derive(&program, &own, way, total, monitor, &mut turtle).map_err(|error| {
+            // Users know their own seed and limit, not those of a stem.
+            match error {
+                LsystemError::GrewPastLimit { derivations, seed, .. } => {
+                    LsystemError::GrewPastLimit { derivations, seed: seed.map(|_| settings.seed), limit }
+                }
+                other => other,
+            }
+        })?;
         turtle.finish()?;
     }
     let (branching, organs) = turtle.into_parts();

@@ -31,9 +31,16 @@ impl Herbarium {
         !self.open.is_empty()
     }
 
+    /// How many polygons are open.
+    pub fn depth(&self) -> usize {
+        self.open.len()
+    }
+
     /// Bytes that it takes, reserved places included.
     pub fn bytes(&self) -> u64 {
-        self.organs.bytes() + bytes_of::<Vec3>(self.corners.capacity())
+        self.organs.bytes()
+            + bytes_of::<Vec3>(self.corners.capacity())
+            + bytes_of::<Open>(self.open.capacity())
     }
 
     /// Whether a list may move to a larger place with the next organ.

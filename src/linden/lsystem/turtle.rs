@@ -11,7 +11,7 @@ use super::polygon::Herbarium;
 use super::program::Program;
 use super::variation::Chance;
 use crate::foliage::{Organs, prototype};
-use crate::memory::{OverMemory, bytes_grown, bytes_of};
+use crate::memory::{Holding, OverMemory, bytes_grown, bytes_of};
 use crate::monitor::Monitor;
 use crate::random::Key;
 use crate::skeleton::{Branching, NO_PARENT};
@@ -105,6 +105,8 @@ pub(super) struct Turtle<'a> {
     /// Whether the next module names an organ.
     is_placing: bool,
     chance: Option<Chance>,
+    /// Bytes that derivation holds.
+    beside: u64,
     monitor: &'a dyn Monitor,
 }
 
@@ -148,6 +150,7 @@ impl<'a> Turtle<'a> {
             herbarium: Herbarium::default(),
             is_placing: false,
             chance: None,
+            beside: 0,
             monitor,
         })
     }
@@ -196,7 +199,8 @@ impl<'a> Turtle<'a> {
 
     fn node(&mut self, position: DVec3, parent: u32, birth: u32) -> Result<u32, OverMemory> {
         if self.branching.positions.len() == self.branching.positions.capacity() {
-            self.branching.make_room(DOING, ADVICE, self.monitor)?;
+            let others = self.bytes() - self.branching.bytes() + self.beside;
+            self.branching.make_room(DOING, ADVICE, &Holding::new(self.monitor, others))?;
         }
         self.branching.positions.push(position.as_vec3());
         self.branching.parents.push(parent);
@@ -265,16 +269,16 @@ impl<'a> Turtle<'a> {
             return Ok(());
         }
         if self.feet.len() == self.feet.capacity() {
-            self.admit(bytes_grown::<Foot>(self.feet.len() + 1))?;
+            self.admit(bytes_of::<Foot>(2 * self.feet.capacity()))?;
         }
         self.state.anchor = Anchor::Foot(self.feet.len() as u32);
         self.feet.push(Foot { position, node: None });
         Ok(())
     }
 
-    /// Asks for memory beside the nodes and organs that there are.
+    /// Asks for memory beside what there is.
     fn admit(&self, bytes: u64) -> Result<(), OverMemory> {
-        self.monitor.admit(DOING, self.branching.bytes() + self.herbarium.bytes() + bytes, ADVICE)
+        self.monitor.admit(DOING, self.bytes() + self.beside + bytes, ADVICE)
     }
 
     /// Asks before the lists of organs move to larger places.
@@ -360,6 +364,10 @@ impl<'a> Turtle<'a> {
             Action::Color(color) => self.state.color = color,
             Action::NextColor => self.state.color = self.state.color.saturating_add(1),
             Action::PolygonBegin => {
+                if self.herbarium.depth() == MAX_NESTING {
+                    let derivations = self.settings.derivations;
+                    return Err(LsystemError::NestedTooDeeply { derivations, limit: MAX_NESTING });
+                }
                 self.herbarium.begin(&self.state.frame, self.state.node, self.state.color);
             }
             Action::PolygonVertex => self.herbarium.corner(self.state.position)?,
@@ -426,6 +434,15 @@ impl Sink for Turtle<'_> {
             return self.place(letter, arguments.first().copied().unwrap_or(1.0), birth);
         }
         self.obey(action(self.commands[module as usize], arguments, &self.settings), birth)
+    }
+
+    fn bytes(&self) -> u64 {
+        let own = bytes_of::<Foot>(self.feet.capacity()) + bytes_of::<State>(self.stack.capacity());
+        own + self.branching.bytes() + self.herbarium.bytes()
+    }
+
+    fn hold_beside(&mut self, bytes: u64) {
+        self.beside = bytes;
     }
 }
 

@@ -3,7 +3,9 @@
 use super::knobs::{PresetKnob, integer, real, row};
 use super::{Generator, Habit, Preset};
 use crate::knob::Kind;
-use crate::lsystem::{self, Grammar, MAX_DERIVATIONS, MAX_STEMS, MAX_SYMBOLS, Settings, Variation};
+use crate::lsystem::{
+    self, Forecast, Grammar, LsystemError, MAX_DERIVATIONS, MAX_STEMS, MAX_SYMBOLS, Settings, Variation,
+};
 
 /// An L-system and how it is drawn.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,6 +62,17 @@ impl LSystem {
             stems: 4,
             lean_deg: 15.0,
         }
+    }
+
+    /// How much it gives, all stems of a shrub together.
+    ///
+    /// # Errors
+    /// Those of [`lsystem::forecast`].
+    pub fn forecast(&self) -> Result<Forecast, LsystemError> {
+        let one = lsystem::forecast(&self.grammar, self.derivations)?;
+        let stems = if self.habit == Habit::Shrub { self.stems.into() } else { 1 };
+        let [symbols, segments] = [one.symbols, one.segments].map(|count| count.saturating_mul(stems));
+        Ok(Forecast { symbols, segments, ..one })
     }
 
     /// The settings of its derivation and its turtle.

@@ -32,7 +32,7 @@ impl Skeleton {
             height_m: f64::from(size.y),
             crown_width_m: f64::midpoint(f64::from(size.x), f64::from(size.z)),
             trunk_diameter_m: self.trunk_diameter(),
-            wood_volume_m3: self.cylinders().iter().map(super::Cylinder::volume_m3).sum(),
+            wood_volume_m3: self.wood_volume_m3(),
             max_order: self.axes.iter().map(|a| a.order).max().unwrap_or(0),
         }
     }

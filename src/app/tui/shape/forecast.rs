@@ -1,6 +1,6 @@
 //! How much an L-system would grow, before it does.
 
-use linden::lsystem::{self, Forecast};
+use linden::lsystem::Forecast;
 use linden::preset::{Generator, Preset};
 
 use crate::tui::frame::thousands;
@@ -16,7 +16,7 @@ pub fn line(preset: &Preset) -> Option<String> {
     if own.grammar.axiom().len() + rules.sum::<usize>() > MOST_MODULES {
         return None;
     }
-    let forecast = lsystem::forecast(&own.grammar, own.derivations).ok()?;
+    let forecast = own.forecast().ok()?;
     let about = match forecast {
         Forecast { at_least: true, .. } => "at least ",
         Forecast { exact: true, .. } => "",
@@ -59,6 +59,11 @@ mod tests {
         assert!(line(&preset).unwrap().ends_with("more than the symbol_limit of 50 000 000"));
         preset.set("derivations", "10000").unwrap();
         assert!(line(&preset).unwrap().starts_with("more than 3e38 symbols"));
+        // A shrub is as many plants as it has stems.
+        for (knob, value) in [("derivations", "5"), ("habit", "shrub"), ("stems", "3")] {
+            preset.set(knob, value).unwrap();
+        }
+        assert!(line(&preset).unwrap().starts_with("23 433 symbols, 9 375 segments, 5 branches"));
         assert_eq!(line(&linden::preset::builtin("fir").unwrap().load().unwrap()), None);
     }
 }

@@ -203,7 +203,8 @@ fn record_range(of: &mut [Influence], first: u32, captures: &[Captures], mut mar
                 for (sum, part) in influence.sum.iter_mut().zip(vector) {
                     *sum -= i64::from(part);
                 }
-                influence.points -= 1;
+                // Of a point that changed hands more than once, what was won and lost again is first lost.
+                influence.points = influence.points.wrapping_sub(1);
                 mark(node);
             }
         }
@@ -212,7 +213,7 @@ fn record_range(of: &mut [Influence], first: u32, captures: &[Captures], mut mar
                 for (sum, part) in influence.sum.iter_mut().zip(vector) {
                     *sum += i64::from(part);
                 }
-                influence.points += 1;
+                influence.points = influence.points.wrapping_add(1);
                 mark(node);
             }
         }

@@ -5,14 +5,18 @@ use glam::{DVec3, Vec3};
 use super::axes::Axes;
 use super::influence::Influences;
 use super::obstacle::{self, Obstacle};
-use super::{GrowthRule, NONE};
+use super::{Attraction, GrowthRule, NONE};
 use crate::skeleton::{Branching, NO_PARENT};
 
 /// What is left of a unit vector when something of about the same length cancels it.
 const VANISHING: f64 = 1e-9;
 
-/// Of a node: 24 are the result, 40 serve growth.
+/// Of a node: 24 are the result, 36 serve growth, and a little for the sets that it may stand in.
 const BYTES: u64 = 64;
+/// More for habits that ask for its place on the axes; each may begin one.
+const AXES_BYTES: u64 = 17;
+/// More for [`Attraction::All`].
+const SURROUNDINGS_BYTES: u64 = 32;
 /// Fewer elements than this are cheaper to have room for than to move.
 const MANY: usize = 1 << 18;
 
@@ -68,8 +72,15 @@ impl<'a> Nodes<'a> {
         let (len, capacity) = (self.len() as u64, self.branching.positions.capacity() as u64);
         let room =
             if capacity - len < more as u64 { len + (more as u64).max(len / 4).max(64) } else { capacity };
+        let mut bytes = BYTES;
+        if self.axes.is_some() {
+            bytes += AXES_BYTES;
+        }
+        if self.rule.habit.attraction == Attraction::All {
+            bytes += SURROUNDINGS_BYTES;
+        }
         // The largest list moves while the others are there.
-        room * BYTES + if room == capacity { 0 } else { len * LARGEST }
+        room * bytes + if room == capacity { 0 } else { len * LARGEST }
     }
 
     fn adopt(&mut self, parent: u32) {

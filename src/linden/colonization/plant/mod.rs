@@ -66,7 +66,8 @@ pub(crate) fn plant(
     }
     let start = stems::start(&site, settings, &rule, monitor)?;
     let mut points: Vec<Vec3> = site.points.iter().map(|p| p.as_vec3()).collect();
-    let held = bytes_of::<DVec3>(site.points.capacity()) + bytes_of::<Vec3>(points.capacity());
+    let bark = site.bark.as_ref().map_or(0, Vec::capacity);
+    let held = bytes_of::<DVec3>(site.points.capacity() + bark) + bytes_of::<Vec3>(points.capacity());
     let solids: Vec<_> =
         site.grove.obstacles.iter().map(|own| (|p| own.solid.contains(p), own.meet)).collect();
     let obstacles: Vec<growth::Obstacle> =

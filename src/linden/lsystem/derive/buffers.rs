@@ -166,13 +166,14 @@ pub(super) fn derive<S: Sink>(outlet: &mut Outlet<'_, S>) -> Result<(), LsystemE
             // Places of arguments have 32 bits.
             outlet.check_limit(u64::MAX)?;
         }
-        let now = Size { modules: string.modules.len() as u64, values: string.values.len() as u64 };
-        let bytes = now.bytes(program).saturating_add(size.bytes(program));
+        let bytes = string.size().bytes(program).saturating_add(size.bytes(program));
+        let bytes = bytes.saturating_add(outlet.sink.bytes());
         outlet.monitor.admit("deriving the L-system", bytes, "use fewer derivations")?;
         let next = step.write(&sizes)?;
         string = next;
         outlet.monitor.advance(Stage::Derive, string.modules.len() as u64, None);
     }
+    outlet.sink.hold_beside(string.size().bytes(program));
     let step = Step::choose(program, &string, &mut neighbours, last, outlet.monitor)?;
     step.hand_on(outlet)
 }
@@ -386,6 +387,10 @@ impl<'a> Step<'a> {
 }
 
 impl Buffer {
+    fn size(&self) -> Size {
+        Size { modules: self.modules.len() as u64, values: self.values.len() as u64 }
+    }
+
     fn resize(&mut self, size: Size, random: bool) {
         let modules = size.modules as usize;
         self.modules.resize(modules, 0);

@@ -204,7 +204,9 @@ impl Shoots<'_> {
             + bytes_of::<f32>(if self.branching.radii.is_some() { new } else { 0 })
             + bytes_of::<bool>(new * captured);
         let scratch = bytes_of::<([f32; 3], [u32; 2], [bool; 2])>(self.len());
-        let held = self.branching.bytes() + bytes_of::<bool>(self.len() * captured);
+        let held = self.branching.bytes()
+            + bytes_of::<bool>(self.len() * captured)
+            + bytes_of::<Rider>(self.riders.len());
         monitor.admit("refining the branches", held + made + scratch, "take steps out of refine")
     }
 
