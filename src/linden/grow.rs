@@ -118,7 +118,7 @@ pub enum GrowError {
     #[error(transparent)]
     Growth(GrowthError),
     /// Refinement.
-    #[error("refining the branches: {0}")]
+    #[error("refining: {0}")]
     Refine(RefineError),
     /// The skeleton.
     #[error("building the skeleton: {0}")]

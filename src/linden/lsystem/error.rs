@@ -175,7 +175,8 @@ pub enum LsystemError {
     /// Refused before deriving.
     #[error(
         "{derivations} derivations would give {} {} symbols, more than the limit of {limit}: {}",
-        if *.exact { "exactly" } else if *.at_least { "at least" } else { "about" }, Amount(*.symbols), Advice(*.fits)
+        if *.symbols == u128::MAX { "more than" } else if *.exact { "exactly" } else if *.at_least { "at least" } else { "about" },
+        Amount(*.symbols), Advice(*.fits)
     )]
     TooManySymbols {
         /// What was asked for.
@@ -207,7 +208,8 @@ pub enum LsystemError {
     },
     /// An argument that a rule computed is no number, or one that the turtle cannot take.
     #[error(
-        "derivation {derivation} gives {module}: {value} is not {expected}; mend the rule or use fewer derivations"
+        "derivation {derivation} gives {module}: {} is not {expected}; mend the rule or use fewer derivations",
+        Short(*.value)
     )]
     Value {
         /// The module with its arguments.
@@ -276,7 +278,7 @@ pub enum LsystemError {
         found: Option<char>,
     },
     /// An organ of no size, or larger than anything.
-    #[error("'~{letter}' is {size} segments large, but must be 0 to {most}")]
+    #[error("'~{letter}' is {} segments large, but must be 0 to {most}", Short(*.size))]
     OrganSize {
         /// The organ.
         letter: char,
@@ -329,10 +331,23 @@ struct Amount(u128);
 impl fmt::Display for Amount {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.0 {
-            u128::MAX => f.write_str("more than 3e38"),
+            u128::MAX => f.write_str("3e38"),
             n if n >= 1_000_000_000_000_000 => write!(f, "{:.1e}", n as f64),
             n => write!(f, "{n}"),
         }
+    }
+}
+
+/// A number as people write it: nobody counts the zeros of 1e300.
+pub(super) struct Short(pub f64);
+
+impl fmt::Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(number) = *self;
+        if number != 0.0 && number.is_finite() && !(1e-6..1e15).contains(&number.abs()) {
+            return write!(f, "{number:e}");
+        }
+        write!(f, "{number}")
     }
 }
 
@@ -344,5 +359,28 @@ impl fmt::Display for Advice {
             Some(fits) => write!(f, "use {fits} derivations or fewer, or raise the limit"),
             None => f.write_str("use fewer derivations, shorten the axiom, or raise the limit"),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_in_messages_have_few_digits() {
+        let shown = [1e300, -1e15, 1e-30, 0.0, -2.5, 137.5, f64::INFINITY].map(|own| Short(own).to_string());
+        assert_eq!(shown, ["1e300", "-1e15", "1e-30", "0", "-2.5", "137.5", "inf"]);
+        let wrong = LsystemError::OrganSize { letter: 'L', size: 1e308, most: 10.0 };
+        assert_eq!(wrong.to_string(), "'~L' is 1e308 segments large, but must be 0 to 10");
+        let endless = LsystemError::TooManySymbols {
+            derivations: 1000,
+            symbols: u128::MAX,
+            exact: true,
+            at_least: false,
+            limit: 100,
+            fits: Some(3),
+        };
+        let start = "1000 derivations would give more than 3e38 symbols, more than the limit of 100";
+        assert!(endless.to_string().starts_with(start), "{endless}");
     }
 }

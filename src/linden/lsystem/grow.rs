@@ -1,7 +1,7 @@
 //! Growing: from a grammar and settings to a branching structure, within limits.
 
 use super::derive::{Way, derive};
-use super::error::LsystemError;
+use super::error::{LsystemError, Short};
 use super::flat::{Flat, Walker};
 use super::forecast::{self, Forecast};
 use super::grammar::Grammar;
@@ -278,5 +278,5 @@ fn check_real(name: &'static str, value: f64, [min, max]: [f64; 2]) -> Result<()
     if (min..=max).contains(&value) {
         return Ok(());
     }
-    Err(LsystemError::Setting { name, value: value.to_string(), expected: format!("{min} to {max}") })
+    Err(LsystemError::Setting { name, value: Short(value).to_string(), expected: format!("{min} to {max}") })
 }

@@ -6,6 +6,7 @@ use std::fmt;
 use std::ops::Range;
 
 use super::command::Command;
+use super::error::Short;
 use super::expression::code::{Formula, Inputs, Library, is_true};
 use crate::random::Key;
 
@@ -76,7 +77,7 @@ impl Entry {
 
     /// With arguments.
     pub fn with(&self, arguments: &[f64]) -> String {
-        let list: Vec<String> = arguments.iter().map(f64::to_string).collect();
+        let list: Vec<String> = arguments.iter().map(|own| Short(*own).to_string()).collect();
         if list.is_empty() { self.symbol.to_string() } else { format!("{}({})", self.symbol, list.join(",")) }
     }
 }

@@ -27,6 +27,46 @@ impl Place {
         let start = before.rfind('\n').map_or(0, |newline| newline + 1);
         Self { line: before.matches('\n').count() + 1, column: before[start..].chars().count() + 1 }
     }
+
+    /// The place of what follows a character that stands here.
+    const fn behind(self, character: char) -> Self {
+        match character {
+            '\n' => Self { line: self.line + 1, column: 1 },
+            _ => Self { column: self.column + 1, ..self },
+        }
+    }
+}
+
+/// The places of a text that is asked for many: each answer reads [`Places::STRIDE`] bytes at most,
+/// where [`Place::at`] reads all that stands before.
+struct Places<'a> {
+    text: &'a str,
+    /// The place of the first character at or behind each multiple of the stride, and its offset.
+    marks: Vec<(usize, Place)>,
+}
+
+impl<'a> Places<'a> {
+    const STRIDE: usize = 256;
+
+    fn of(text: &'a str) -> Self {
+        let mut marks = Vec::with_capacity(text.len() / Self::STRIDE + 1);
+        let mut place = Place { line: 1, column: 1 };
+        for (offset, character) in text.char_indices() {
+            if offset >= marks.len() * Self::STRIDE {
+                marks.push((offset, place));
+            }
+            place = place.behind(character);
+        }
+        Self { text, marks }
+    }
+
+    /// The place of a byte offset.
+    fn at(&self, offset: usize) -> Place {
+        let mark = self.marks.partition_point(|(start, _)| *start <= offset).checked_sub(1);
+        let (start, place) = mark.map_or((0, Place { line: 1, column: 1 }), |mark| self.marks[mark]);
+        let before = self.text[start..].char_indices().take_while(|(at, _)| start + at < offset);
+        before.fold(place, |place, (_, character)| place.behind(character))
+    }
 }
 
 impl fmt::Display for Place {
@@ -93,7 +133,7 @@ impl Node {
             Fault::new(place, error.message().trim().replace('\n', ", "))
         })?;
         let place = Some(Place { line: 1, column: 1 });
-        Ok(Self { place, datum: Datum::Table(toml_entries(text, table.get_ref())?) })
+        Ok(Self { place, datum: Datum::Table(toml_entries(&Places::of(text), table.get_ref())?) })
     }
 
     /// Reads JSON.
@@ -177,18 +217,18 @@ fn numbers<const N: usize>(items: &[Node]) -> Option<[f64; N]> {
     items.iter().map(Node::number).collect::<Option<Vec<f64>>>()?.try_into().ok()
 }
 
-fn toml_entries(text: &str, table: &toml::de::DeTable<'_>) -> Result<Vec<Entry>, Fault> {
+fn toml_entries(places: &Places<'_>, table: &toml::de::DeTable<'_>) -> Result<Vec<Entry>, Fault> {
     let mut entries = Vec::new();
     for (key, value) in table {
-        let place = Some(Place::at(text, key.span().start));
-        entries.push(Entry { key: key.get_ref().to_string(), place, node: toml_node(text, value)? });
+        let place = Some(places.at(key.span().start));
+        entries.push(Entry { key: key.get_ref().to_string(), place, node: toml_node(places, value)? });
     }
     Ok(entries)
 }
 
-fn toml_node(text: &str, value: &toml::Spanned<toml::de::DeValue<'_>>) -> Result<Node, Fault> {
+fn toml_node(places: &Places<'_>, value: &toml::Spanned<toml::de::DeValue<'_>>) -> Result<Node, Fault> {
     use toml::de::DeValue;
-    let place = Some(Place::at(text, value.span().start));
+    let place = Some(places.at(value.span().start));
     let not_read = |what: &str| Fault::new(place, format!("{what} cannot be read as a number"));
     let datum = match value.get_ref() {
         DeValue::String(text) => Datum::Text(text.to_string()),
@@ -201,9 +241,9 @@ fn toml_node(text: &str, value: &toml::Spanned<toml::de::DeValue<'_>>) -> Result
         DeValue::Boolean(on) => Datum::Switch(*on),
         DeValue::Datetime(_) => return Err(Fault::new(place, "a date, where no knob takes one")),
         DeValue::Array(items) => {
-            Datum::List(items.iter().map(|item| toml_node(text, item)).collect::<Result<_, _>>()?)
+            Datum::List(items.iter().map(|item| toml_node(places, item)).collect::<Result<_, _>>()?)
         }
-        DeValue::Table(table) => Datum::Table(toml_entries(text, table)?),
+        DeValue::Table(table) => Datum::Table(toml_entries(places, table)?),
     };
     Ok(Node { place, datum })
 }
@@ -263,5 +303,30 @@ impl<'de> Visitor<'de> for JsonDatum {
             entries.push(Entry { key, place: None, node });
         }
         Ok(Datum::Table(entries))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn many_places_are_those_of_one_at_a_time() {
+        let long = "x = [1, é, 𝄞]\r\n".repeat(40) + &"1,é".repeat(700) + "\n\n" + &"a\n".repeat(300);
+        for text in ["", "a", "\n", &long] {
+            let places = Places::of(text);
+            for offset in (0..=text.len()).filter(|offset| text.is_char_boundary(*offset)) {
+                assert_eq!(places.at(offset), Place::at(text, offset), "{offset}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_time_to_read_grows_with_the_text_not_with_its_square() {
+        // With every value's place counted from the beginning this takes hours.
+        let list = format!("x = [{}]", "1,".repeat(2_000_000));
+        let Datum::Table(entries) = Node::from_toml(&list).unwrap().datum else { panic!("a table") };
+        let Datum::List(items) = &entries[0].node.datum else { panic!("a list") };
+        assert_eq!(items.last().unwrap().place, Some(Place { line: 1, column: 4_000_004 }));
     }
 }
