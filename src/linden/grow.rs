@@ -227,6 +227,10 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
                 plant(own, recipe, key, monitor)?;
             let held = bark.as_ref().map_or(0, Vec::capacity) + points.capacity();
             let monitor = &Holding::new(monitor, bytes_of::<Vec3>(held));
+            if let Some(bark) = &bark {
+                let bytes = bark.len() as u64 * MEASURING_BYTES_PER_POINT;
+                monitor.admit("measuring the scan", bytes + branching.bytes(), "thin the points out")?;
+            }
             let measured = bark.as_deref().filter(|_| own.scan_radius == ScanRadius::Points);
             let raw =
                 Raw { branching, captured: Some(captured), bark: measured, most_nodes: own.max_nodes.into() };
@@ -251,6 +255,9 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
         }
     }
 }
+
+/// The nearest segments of all points, and the search for points near segments.
+const MEASURING_BYTES_PER_POINT: u64 = 120;
 
 /// What a generator leaves behind.
 struct Raw<'a> {

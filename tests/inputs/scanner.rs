@@ -18,6 +18,8 @@ use linden_tests::presets::recipe;
 /// A tree to be scanned.
 pub fn tree(id: &str, settings: &[(&str, &str)]) -> (Arc<Skeleton>, Recipe) {
     let mut recipe = recipe(builtin(id).unwrap());
+    // What is scanned has nothing that growing back would not do.
+    recipe.preset.set("refine", "none").unwrap();
     for (knob, value) in settings {
         recipe.preset.set(knob, value).unwrap();
     }

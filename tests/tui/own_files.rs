@@ -37,8 +37,8 @@ fn what_is_broken_is_named_with_its_place() {
         workbench.wait_for_tree();
         if file.contains("presets") {
             // In the list, where it lies; said when it is chosen.
-            workbench.wait_for_text("mine");
             workbench.keys("G");
+            workbench.wait_for_text("mine");
             workbench.settle();
         }
         let said = messages(&workbench) + &workbench.screen().text().replace(['│', '\n'], "");

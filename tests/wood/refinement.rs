@@ -54,6 +54,7 @@ proptest! {
 fn presets_grow_refined() {
     for id in ["simple", "abop-a"] {
         let mut refined = recipe(builtin(id).unwrap());
+        refined.preset.set("refine", "none").unwrap();
         let plain = grow(&refined, &Quiet).unwrap().skeleton;
         refined.preset.set("refine", "prune decimate relocate subdivide").unwrap();
         let tree = grow(&refined, &Quiet).unwrap().skeleton;

@@ -10,6 +10,7 @@ mod survey;
 mod topology;
 mod tube;
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
@@ -81,15 +82,27 @@ pub fn sweep(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Resul
     // grow one by one.
     let most = (skeleton.positions.len() + skeleton.axes.len()).saturating_mul(tubes.rings as usize);
     monitor.admit(DOING, bytes_of::<Ring>(most).saturating_mul(2), ADVICE)?;
-    let thickest = skeleton.radii.iter().copied().fold(0.0, f32::max);
-    let roundness = Roundness::new(tubes.sides, thickest);
+    sweep_some(skeleton, 0..skeleton.axes.len(), &roundness(skeleton, tubes), tubes, monitor)
+}
+
+fn roundness(skeleton: &Skeleton, tubes: &Tubes) -> Roundness {
+    Roundness::new(tubes.sides, skeleton.radii.iter().copied().fold(0.0, f32::max))
+}
+
+/// Sweeps the tubes of some axes.
+fn sweep_some(
+    skeleton: &Skeleton,
+    axes: Range<usize>,
+    roundness: &Roundness,
+    tubes: &Tubes,
+    monitor: &dyn Monitor,
+) -> Result<Mesh, SurfaceError> {
     let &Tubes { rings, bark_tile_m: tile_m, .. } = tubes;
-    let plans = skeleton
-        .axes
+    let plans = skeleton.axes[axes.clone()]
         .par_chunks(AXES_PER_TASK)
         .map(|axes| {
             monitor.check()?;
-            Ok(Plan::new(skeleton, axes, rings, &roundness, tile_m))
+            Ok(Plan::new(skeleton, axes, rings, roundness, tile_m))
         })
         .collect::<Result<Vec<Plan>, Cancelled>>()?;
 
@@ -102,12 +115,12 @@ pub fn sweep(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Resul
     let planned: u64 = plans.iter().map(Plan::bytes).sum();
     monitor.admit(DOING, planned + Mesh::bytes_for(vertices, triangles), ADVICE)?;
     let mut mesh = Mesh::zeroed(vertices, triangles);
-    let done = AtomicU64::new(0);
+    let done = AtomicU64::new(axes.start as u64);
     slices(&mut mesh, &plans).into_par_iter().zip(&plans).try_for_each(|(mut target, plan)| {
         monitor.check()?;
         let mut first = 0;
         for &end in &plan.ends {
-            tube::sweep(&plan.rings[first..end], &roundness, tile_m, &mut target);
+            tube::sweep(&plan.rings[first..end], roundness, tile_m, &mut target);
             first = end;
         }
         let before = done.fetch_add(plan.ends.len() as u64, Ordering::Relaxed);

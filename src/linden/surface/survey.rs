@@ -1,12 +1,8 @@
 //! Measures a surface without keeping it.
 
-use std::sync::atomic::{AtomicU64, Ordering};
-
-use rayon::prelude::*;
-
-use super::{Plan, Roundness, SurfaceError, Topology, Tubes, slices, topology, tube};
-use crate::monitor::{Monitor, Stage};
-use crate::scene::{Bounds, Mesh};
+use super::{SurfaceError, Topology, Tubes, roundness, sweep_some, topology};
+use crate::monitor::Monitor;
+use crate::scene::Bounds;
 use crate::skeleton::Skeleton;
 
 /// What [`sweep`](super::sweep) gives for a skeleton.
@@ -18,44 +14,42 @@ pub struct Survey {
     pub triangles: usize,
     /// The box around it; `None` for no axes.
     pub bounds: Option<Bounds>,
-    /// Whether it is sound: the sum over its pieces, each a few thousand axes. No tube can close
+    /// Whether it is sound: the sum over its pieces, each some ten thousand nodes. No tube can close
     /// another's hole by lying on it, as long as the two are in different pieces.
     pub topology: Topology,
 }
 
-/// Axes that are swept at once: what their mesh takes, and the check of it, fits a few megabytes.
-const AXES_PER_PIECE: usize = 2048;
+/// Nodes that are swept at once, a longer axis apart: their mesh, and the check of it, takes some tens
+/// of megabytes.
+const NODES_PER_PIECE: usize = 1 << 16;
 
 /// Sweeps and checks the tubes of all axes a few at a time, so that trees can be measured whose mesh
 /// would not fit the memory.
 ///
 /// # Errors
-/// [`SurfaceError::Cancelled`]. A mesh of any size can be surveyed.
+/// [`SurfaceError::Cancelled`], or memory. A mesh of any size can be surveyed.
 pub fn survey(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Result<Survey, SurfaceError> {
-    let roundness = Roundness::new(tubes.sides, skeleton.radii.iter().copied().fold(0.0, f32::max));
-    let &Tubes { rings, bark_tile_m: tile_m, .. } = tubes;
-    let done = AtomicU64::new(0);
-    let pieces = skeleton.axes.par_chunks(AXES_PER_PIECE).map(|axes| {
-        monitor.check()?;
-        let plan = Plan::new(skeleton, axes, rings, &roundness, tile_m);
-        let mut mesh = Mesh::zeroed(plan.amount.vertices, plan.amount.triangles);
-        for mut target in slices(&mut mesh, std::slice::from_ref(&plan)) {
-            let mut first = 0;
-            for &end in &plan.ends {
-                tube::sweep(&plan.rings[first..end], &roundness, tile_m, &mut target);
-                first = end;
-            }
-        }
-        let before = done.fetch_add(axes.len() as u64, Ordering::Relaxed);
-        monitor.advance(Stage::Sweep, before + axes.len() as u64, Some(skeleton.axes.len() as u64));
-        Ok(Survey {
+    let roundness = roundness(skeleton, tubes);
+    let mut whole = Survey::default();
+    let mut first = 0;
+    // One after the other, each by all threads: pieces beside each other would pile up.
+    while first < skeleton.axes.len() {
+        let mut nodes = 0;
+        let more = skeleton.axes[first..].iter().take_while(|axis| {
+            nodes += axis.len as usize;
+            nodes <= NODES_PER_PIECE
+        });
+        let end = first + more.count().max(1);
+        let mesh = sweep_some(skeleton, first..end, &roundness, tubes, monitor)?;
+        whole = whole.and(Survey {
             vertices: mesh.positions.len(),
             triangles: mesh.triangles.len(),
             bounds: mesh.bounds(),
             topology: topology(&mesh, monitor)?,
-        })
-    });
-    pieces.try_reduce(Survey::default, |a, b| Ok(a.and(b)))
+        });
+        first = end;
+    }
+    Ok(whole)
 }
 
 impl Survey {

@@ -207,12 +207,13 @@ fn of_pipes(positions: &[Vec3], parents: &[u32], pipes: Pipes, thickness: &Thick
     Built { axes, axis_nodes, radii }
 }
 
-/// Among children of the same radius the one that carries more continues the axis.
+/// The child that carries more continues the axis, among equals the thicker one: measured radii are
+/// noisy, and grammars give children of one fork the same.
 fn of_given(positions: &[Vec3], parents: &[u32], radii: Vec<f32>) -> Built {
     let tips = pipe::count_tips(parents);
     let thicker = |a: u32, b: u32| -> Ordering {
         let (a, b) = (a as usize, b as usize);
-        radii[a].total_cmp(&radii[b]).then(tips[a].cmp(&tips[b]))
+        tips[a].cmp(&tips[b]).then(radii[a].total_cmp(&radii[b]))
     };
     let (axes, axis_nodes) = decompose(positions, parents, thicker);
     Built { axes, axis_nodes, radii }
