@@ -5,8 +5,9 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::colonization::PartError;
-use crate::colonization::crown::CrownError;
 use crate::colonization::crown::envelope::EnvelopeError;
+use crate::colonization::crown::placed::Placed;
+use crate::colonization::crown::{Crown, CrownError};
 use crate::colonization::growth::{GrowthError, NodeSet};
 use crate::colonization::plant::{Plant, plant};
 use crate::colonization::scan::{Fit, Girth, ScanError, fit, girth};
@@ -19,7 +20,7 @@ use crate::monitor::{Cancelled, Monitor, from_cancellable};
 use crate::preset::{Generator, Preset, ScanRadius};
 use crate::random::Key;
 use crate::recipe::{Input, Recipe};
-use crate::skeleton::refine::{RefineError, refine};
+use crate::skeleton::refine::{RefineError, Room, refine};
 use crate::skeleton::{Branching, Skeleton, SkeletonError, Wood};
 
 /// A grown tree, and how it came about.
@@ -211,7 +212,13 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
             let lsystem::Grown { branching, mut organs, symbols } =
                 lsystem::grow(&own.grammar, &settings, monitor)?;
             let monitor = &Holding::new(monitor, organs.bytes());
-            let raw = Raw { branching, captured: None, bark: None, most_nodes: own.symbol_limit };
+            let raw = Raw {
+                branching,
+                captured: None,
+                bark: None,
+                solids: Vec::new(),
+                most_nodes: own.symbol_limit,
+            };
             let Built { skeleton, wood, .. } = build(raw, &mut organs, &recipe.preset, monitor)?;
             Ok(Grown {
                 skeleton,
@@ -223,7 +230,7 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
             })
         }
         Generator::Colonization(own) => {
-            let Plant { branching, captured, points, bark, unreached, iterations, notes } =
+            let Plant { branching, captured, points, bark, solids, unreached, iterations, notes } =
                 plant(own, recipe, key, monitor)?;
             let held = bark.as_ref().map_or(0, Vec::capacity) + points.capacity();
             let monitor = &Holding::new(monitor, bytes_of::<Vec3>(held));
@@ -232,8 +239,8 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
                 monitor.admit("measuring the scan", bytes + branching.bytes(), "thin the points out")?;
             }
             let measured = bark.as_deref().filter(|_| own.scan_radius == ScanRadius::Points);
-            let raw =
-                Raw { branching, captured: Some(captured), bark: measured, most_nodes: own.max_nodes.into() };
+            let (captured, most_nodes) = (Some(captured), own.max_nodes.into());
+            let raw = Raw { branching, captured, bark: measured, solids, most_nodes };
             let Built { skeleton, wood, measured_nodes } =
                 build(raw, &mut Organs::default(), &recipe.preset, monitor)?;
             let scan = match &bark {
@@ -266,6 +273,8 @@ struct Raw<'a> {
     captured: Option<NodeSet>,
     /// Points on the bark, metres, that are to say how thick the wood is.
     bark: Option<&'a [Vec3]>,
+    /// What no branch is to enter, at the same place.
+    solids: Vec<Placed>,
     /// The generator's own limit holds for the refined tree too.
     most_nodes: u64,
 }
@@ -282,17 +291,19 @@ struct Built {
 /// What both generators' branchings go through: refinement, which takes the organs along, then axes
 /// and radii.
 fn build(
-    Raw { mut branching, captured, bark, most_nodes }: Raw,
+    Raw { mut branching, captured, bark, solids, most_nodes }: Raw,
     organs: &mut Organs,
     preset: &Preset,
     monitor: &dyn Monitor,
 ) -> Result<Built, GrowError> {
     if !preset.refinement.steps.is_empty() {
+        let is_barred = |p: Vec3| solids.iter().any(|solid| solid.contains(p.as_dvec3()));
+        let room = Room { most_nodes, is_barred: &is_barred };
         branching.validate()?;
         let nodes = branching.parents.len();
         let captured = captured.map(|set| (0..nodes).map(|node| set.contains(node)).collect());
         let mut riders = organs.riders();
-        branching = refine(branching, captured, &mut riders, &preset.refinement, most_nodes, monitor)?;
+        branching = refine(branching, captured, &mut riders, &preset.refinement, room, monitor)?;
         organs.follow(&riders);
     }
     let mut measured_nodes = 0;

@@ -6,7 +6,7 @@
 use std::io::{self, PipeReader, PipeWriter, Read as _, Write as _};
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use rustix::event::{PollFd, PollFlags};
 use rustix::io::Errno;
@@ -70,6 +70,9 @@ const RETURNING: u8 = 2;
 
 /// Bytes read at once: a paste or a mouse that is dragged comes in few pieces.
 const READ_BYTES: usize = 64 * 1024;
+
+/// Signals that are sent one right after the other come within this.
+const SIGNALS_MEANT_TOGETHER: Duration = Duration::from_millis(20);
 
 /// Listens to a terminal that is in raw mode, and to signals. `send` is called from both threads;
 /// when it says `false`, nobody listens any more and the thread ends. One listener at a time: an
@@ -253,25 +256,40 @@ impl<S: Fn(Incoming) -> bool> Input<S> {
 
 /// The signal thread.
 fn pass_signals(mut signals: Signals, shared: &Shared, send: impl Fn(Incoming) -> bool) {
-    for signal in signals.forever() {
+    let handle = signals.handle();
+    while !handle.is_closed() {
+        let mut arrived: Vec<i32> = signals.wait().collect();
         let whose = shared.signals.load(Ordering::Acquire);
-        let incoming = match signal {
-            SIGWINCH if whose == THEIRS => continue,
-            SIGWINCH => {
-                // A pause that begins now stays one.
-                let (order, otherwise) = (Ordering::AcqRel, Ordering::Acquire);
-                let _ = shared.signals.compare_exchange(RETURNING, OURS, order, otherwise);
-                Incoming::Resized
-            }
-            // Typed at the other program, which has done with it what it wanted. SIGTSTP has already
-            // stopped us, and who has the terminal takes it again by itself.
-            SIGINT | SIGQUIT | SIGTSTP | SIGCONT if whose != OURS => continue,
-            SIGTSTP => Incoming::Suspend,
-            SIGCONT => Incoming::Continued,
-            _ => Incoming::Terminate(signal),
-        };
-        if !send(incoming) {
+        if arrived.contains(&SIGCONT) {
+            // A shell that ends a stopped job sends what ends it, then SIGCONT; they may come to be
+            // seen the other way round. To take a terminal that is the shell's would stop us for good.
+            std::thread::sleep(SIGNALS_MEANT_TOGETHER);
+            arrived.extend(signals.pending());
+            arrived.sort_by_key(|&signal| signal == SIGCONT);
+            arrived.dedup();
+        }
+        if !arrived.into_iter().all(|signal| pass(signal, whose, shared, &send)) {
             return;
         }
     }
+}
+
+/// Whether to go on.
+fn pass(signal: i32, whose: u8, shared: &Shared, send: &impl Fn(Incoming) -> bool) -> bool {
+    let incoming = match signal {
+        SIGWINCH if whose == THEIRS => return true,
+        SIGWINCH => {
+            // A pause that begins now stays one.
+            let (order, otherwise) = (Ordering::AcqRel, Ordering::Acquire);
+            let _ = shared.signals.compare_exchange(RETURNING, OURS, order, otherwise);
+            Incoming::Resized
+        }
+        // Typed at the other program, which has done with it what it wanted. SIGTSTP has already
+        // stopped us, and who has the terminal takes it again by itself.
+        SIGINT | SIGQUIT | SIGTSTP | SIGCONT if whose != OURS => return true,
+        SIGTSTP => Incoming::Suspend,
+        SIGCONT => Incoming::Continued,
+        _ => Incoming::Terminate(signal),
+    };
+    send(incoming)
 }

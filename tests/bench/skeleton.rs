@@ -14,7 +14,7 @@ use std::time::Instant;
 
 use linden::lsystem::{self, Settings};
 use linden::preset::{Generator, builtin};
-use linden::skeleton::refine::{Refinement, STEPS, refine};
+use linden::skeleton::refine::{Refinement, Room, STEPS, refine};
 use linden::skeleton::{Width, Wood};
 use linden::{Branching, Quiet, Skeleton};
 
@@ -55,7 +55,7 @@ fn main() {
     for step in STEPS {
         let rule = Refinement { steps: vec![step], ..Refinement::default() };
         row(step.name, &|all| {
-            black_box(refine(all, None, &mut [], &rule, u64::MAX, &Quiet).unwrap());
+            black_box(refine(all, None, &mut [], &rule, Room::open(u64::MAX), &Quiet).unwrap());
         });
     }
 }

@@ -1,7 +1,7 @@
 use glam::Vec3;
 use linden::grow::grow;
 use linden::preset::builtin;
-use linden::skeleton::refine::{Refinement, Rider, STEPS, Step, refine};
+use linden::skeleton::refine::{Refinement, Rider, Room, STEPS, Step, refine};
 use linden::surface::{Topology, sweep, topology};
 use linden::{NO_PARENT, Quiet};
 use linden_tests::presets::recipe;
@@ -21,7 +21,7 @@ proptest! {
         let rule = |steps: Vec<Step>| Refinement { steps, prune_nodes: nodes, ..Refinement::default() };
         let mut riders: Vec<Rider> =
             (0..all.parents.len() as u32).map(|node| Rider { node, moved: Vec3::ZERO }).collect();
-        let done = refine(all.clone(), None, &mut riders, &rule(steps.clone()), 1 << 20, &Quiet).unwrap();
+        let done = refine(all.clone(), None, &mut riders, &rule(steps.clone()), Room::open(1 << 20), &Quiet).unwrap();
         prop_assert!(done.validate().is_ok());
         let feet = |b: &linden::Branching| -> Vec<Vec3> {
             b.positions.iter().zip(&b.parents).filter(|(_, p)| **p == NO_PARENT).map(|(at, _)| *at).collect()
@@ -30,7 +30,7 @@ proptest! {
         prop_assert!(riders.iter().all(|rider| (rider.node as usize) < done.parents.len()));
         let mut single = all.clone();
         for step in &steps {
-            single = refine(single, None, &mut [], &rule(vec![*step]), 1 << 20, &Quiet).unwrap();
+            single = refine(single, None, &mut [], &rule(vec![*step]), Room::open(1 << 20), &Quiet).unwrap();
         }
         prop_assert_eq!(single, done);
     }
@@ -42,7 +42,7 @@ proptest! {
         let rule = Refinement { steps, ..Refinement::default() };
         let mut riders: Vec<Rider> =
             (0..all.parents.len() as u32).map(|node| Rider { node, moved: Vec3::ZERO }).collect();
-        let done = refine(all.clone(), None, &mut riders, &rule, 1 << 20, &Quiet).unwrap();
+        let done = refine(all.clone(), None, &mut riders, &rule, Room::open(1 << 20), &Quiet).unwrap();
         for (rider, start) in riders.iter().zip(&all.positions) {
             prop_assert!(done.positions[rider.node as usize].distance(*start + rider.moved) < 1e-4);
         }
@@ -78,5 +78,43 @@ fn organs_follow_refinement() {
     assert_eq!(grown.organs.len(), plain.organs.len());
     for (node, at) in grown.organs.placed.growth.nodes.iter().zip(&grown.organs.placed.positions) {
         assert!(grown.skeleton.positions[*node as usize].distance(*at) < 1e-4);
+    }
+}
+
+/// Obstacles: no step takes a node into one that stood outside, and what is far from it goes where it
+/// would have gone.
+#[test]
+fn refinement_stays_out_of_what_is_barred() {
+    let (centre, radius) = (glam::Vec3::new(0.0, 4.0, 0.4), 1.2);
+    let is_barred = |p: glam::Vec3| p.distance(centre) < radius;
+    let all = grow(&recipe(builtin("dome").unwrap()), &Quiet).unwrap();
+    let mut kept_out = 0;
+    for step in ["relocate", "smooth", "subdivide"] {
+        let only = Refinement { steps: vec![Step::named(step).unwrap()], ..Refinement::default() };
+        let mut outside = branching_of(&all.skeleton);
+        // What stands inside goes to the surface first.
+        for p in outside.positions.iter_mut().filter(|p| is_barred(**p)) {
+            *p = centre + (*p - centre).normalize_or(glam::Vec3::Y) * radius * 1.0001;
+        }
+        let room = Room { most_nodes: 1 << 20, is_barred: &is_barred };
+        let held = refine(outside.clone(), None, &mut [], &only, room, &Quiet).unwrap();
+        assert!(held.positions.iter().all(|p| !is_barred(*p)), "{step}");
+        let free = refine(outside, None, &mut [], &only, Room::open(1 << 20), &Quiet).unwrap();
+        kept_out += free.positions.iter().filter(|p| is_barred(**p)).count();
+        if step == "relocate" {
+            for (held, free) in held.positions.iter().zip(&free.positions) {
+                assert!(held == free || is_barred(*free), "{step}: {held} is not {free}");
+            }
+        }
+    }
+    assert!(kept_out > 20, "{kept_out} would have gone in");
+}
+
+fn branching_of(skeleton: &linden::Skeleton) -> linden::Branching {
+    linden::Branching {
+        positions: skeleton.positions.clone(),
+        parents: skeleton.parents.clone(),
+        births: vec![0; skeleton.parents.len()],
+        radii: None,
     }
 }

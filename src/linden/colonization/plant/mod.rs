@@ -11,6 +11,7 @@ mod stems;
 
 use glam::{DVec3, Vec3};
 
+use super::crown::placed::Placed;
 use super::growth::{self, Growth, NodeSet, Stop};
 use crate::grow::GrowError;
 use crate::memory::{Holding, bytes_of};
@@ -35,6 +36,8 @@ pub(crate) struct Plant {
     pub points: Vec<Vec3>,
     /// What was scanned of the tree, at the same place; `None` for what is no scan.
     pub bark: Option<Vec<Vec3>>,
+    /// What no branch is to enter, at the same place.
+    pub solids: Vec<Placed>,
     /// Points that were not reached.
     pub unreached: usize,
     /// Iterations that placed nodes.
@@ -98,8 +101,10 @@ pub(crate) fn plant(
     let bark = site.bark.map(|bark| bark.iter().map(place).collect());
     let others = site.grove.others.iter().flat_map(|stem| [stem.root, stem.root + shift]);
     let farthest_m = others.chain([site.root + shift]).map(|at| at.abs().max_element());
+    let solids = site.grove.obstacles.into_iter();
+    let solids = solids.map(|own| Placed::new(own.solid, shift, 0.0, 1.0)).collect();
     notes.extend(check_precision(farthest_m.fold(0.0, f64::max), f64::from(rule.step))?);
-    Ok(Plant { branching, captured, points, bark, unreached, iterations, notes })
+    Ok(Plant { branching, captured, points, bark, solids, unreached, iterations, notes })
 }
 
 /// Refuses a place where single precision, which all mesh formats have, cannot hold the tree, and

@@ -207,13 +207,17 @@ fn of_pipes(positions: &[Vec3], parents: &[u32], pipes: Pipes, thickness: &Thick
     Built { axes, axis_nodes, radii }
 }
 
-/// The child that carries more continues the axis, among equals the thicker one: measured radii are
-/// noisy, and grammars give children of one fork the same.
+/// Of radii that differ by less, relatively, neither is thicker: what a scan measures is noisy.
+const AS_THICK: f32 = 1.0 / 8.0;
+
+/// The child that carries more continues the axis, among equals one that is clearly thicker.
 fn of_given(positions: &[Vec3], parents: &[u32], radii: Vec<f32>) -> Built {
     let tips = pipe::count_tips(parents);
     let thicker = |a: u32, b: u32| -> Ordering {
         let (a, b) = (a as usize, b as usize);
-        tips[a].cmp(&tips[b]).then(radii[a].total_cmp(&radii[b]))
+        let alike = (radii[a] - radii[b]).abs() <= AS_THICK * radii[a].max(radii[b]);
+        let by_radius = if alike { Ordering::Equal } else { radii[a].total_cmp(&radii[b]) };
+        tips[a].cmp(&tips[b]).then(by_radius)
     };
     let (axes, axis_nodes) = decompose(positions, parents, thicker);
     Built { axes, axis_nodes, radii }

@@ -14,6 +14,7 @@ mod subdivide;
 use std::fmt;
 
 use glam::Vec3;
+use rayon::prelude::*;
 
 use super::axes::successors;
 use super::radii::pipe::count_tips;
@@ -115,16 +116,32 @@ pub struct Rider {
     pub moved: Vec3,
 }
 
+/// What holds refinement back.
+#[derive(Clone, Copy)]
+pub struct Room<'a> {
+    /// The result has at most so many nodes, or as many as before.
+    pub most_nodes: u64,
+    /// Where no node may go: in an obstacle. A node that would go there stays where it is.
+    pub is_barred: &'a (dyn Fn(Vec3) -> bool + Sync),
+}
+
+impl Room<'_> {
+    /// Room for so many nodes, anywhere.
+    pub fn open(most_nodes: u64) -> Self {
+        Self { most_nodes, is_barred: &|_| false }
+    }
+}
+
 /// Takes all steps of a refinement.
 ///
 /// `riders` are moved with their nodes. Where a node is decimated, they stay where they are and hang
 /// on the node below; where a twig is pruned, they go to where it left.
 ///
 /// `captured` says for each node whether it ever was the nearest to an attraction point, where the
-/// generator knows. The result has at most `most_nodes` nodes, or as many as before.
+/// generator knows.
 ///
 /// ```
-/// use linden::skeleton::refine::{Refinement, Step, refine};
+/// use linden::skeleton::refine::{Refinement, Room, Step, refine};
 /// use linden::{Branching, NO_PARENT, Quiet, Vec3};
 /// let elbow = Branching {
 ///     positions: vec![Vec3::ZERO, Vec3::Y, Vec3::Y + Vec3::X],
@@ -133,7 +150,7 @@ pub struct Rider {
 ///     radii: None,
 /// };
 /// let relocate = Refinement { steps: Step::named("relocate").into_iter().collect(), ..Refinement::default() };
-/// let softer = refine(elbow, None, &mut [], &relocate, 1000, &Quiet)?;
+/// let softer = refine(elbow, None, &mut [], &relocate, Room::open(1000), &Quiet)?;
 /// assert_eq!(softer.positions, [Vec3::ZERO, Vec3::Y * 0.5, Vec3::new(0.5, 1.0, 0.0)]);
 /// # Ok::<(), linden::skeleton::refine::RefineError>(())
 /// ```
@@ -149,10 +166,10 @@ pub fn refine(
     captured: Option<Vec<bool>>,
     riders: &mut [Rider],
     refinement: &Refinement,
-    most_nodes: u64,
+    room: Room<'_>,
     monitor: &dyn Monitor,
 ) -> Result<Branching, RefineError> {
-    let mut shoots = Shoots { branching, captured, riders, most_nodes };
+    let mut shoots = Shoots { branching, captured, riders, room };
     for (done, step) in refinement.steps.iter().enumerate() {
         monitor.check()?;
         shoots.admit(0, monitor)?;
@@ -167,7 +184,7 @@ struct Shoots<'a> {
     branching: Branching,
     captured: Option<Vec<bool>>,
     riders: &'a mut [Rider],
-    most_nodes: u64,
+    room: Room<'a>,
 }
 
 /// What becomes of the riders of nodes that are dropped.
@@ -187,8 +204,14 @@ impl Shoots<'_> {
         self.branching.parents.len()
     }
 
-    /// Moves all nodes, and the riders with them.
-    fn relocate(&mut self, positions: Vec<Vec3>) {
+    /// Moves all nodes that have room there, and the riders with them.
+    fn relocate(&mut self, mut positions: Vec<Vec3>) {
+        let is_barred = self.room.is_barred;
+        positions.par_iter_mut().zip(&self.branching.positions).for_each(|(new, &old)| {
+            if *new != old && is_barred(*new) {
+                *new = old;
+            }
+        });
         for rider in &mut *self.riders {
             let node = rider.node as usize;
             rider.moved += positions[node] - self.branching.positions[node];

@@ -77,6 +77,7 @@ fn all_but_short_laterals(
 mod tests {
     use glam::Vec3;
 
+    use super::super::Room;
     use super::super::testing::{refined, tree};
     use super::*;
     use crate::Quiet;
@@ -90,7 +91,8 @@ mod tests {
         let positions: Vec<Vec3> = (0..9).map(|i| Vec3::new(0.0, i as f32, 0.0)).collect();
         let all = tree(positions, &parents);
         let only = Refinement { steps: vec![STEP], ..Refinement::default() };
-        let left = refine(all.clone(), Some(captured.to_vec()), &mut [], &only, 100, &Quiet).unwrap();
+        let left =
+            refine(all.clone(), Some(captured.to_vec()), &mut [], &only, Room::open(100), &Quiet).unwrap();
         let heights: Vec<f32> = left.positions.iter().map(|p| p.y).collect();
         assert_eq!(heights, [0.0, 1.0, 2.0, 3.0, 7.0]);
         assert_eq!(left.parents, [NO_PARENT, 0, 1, 2, 2]);

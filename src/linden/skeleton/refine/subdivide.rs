@@ -15,7 +15,8 @@ pub(super) const STEP: Step = Step {
 /// line between its neighbours along the axis, to `(a + 6 p + b) / 8` where segments are equally
 /// long.
 ///
-/// Feet and tips stay where they are; a fork follows the axis that runs on through it, and its
+/// Feet and tips stay where they are, and so does a node that would go into an obstacle; a segment
+/// whose middle lies in one is not halved. A fork follows the axis that runs on through it, and its
 /// laterals start where it then is. A new node is born with the end of its segment. Where radii are
 /// given it has their mean, on the first segment of a lateral the lateral's own.
 fn subdivide(
@@ -33,12 +34,13 @@ fn once(shoots: &mut Shoots<'_>, monitor: &dyn Monitor) -> Result<(), RefineErro
     let old = &shoots.branching;
     let feet = old.parents.iter().filter(|&&parent| parent == NO_PARENT).count();
     let nodes = 2 * shoots.len() - feet;
-    let limit = shoots.most_nodes.min(u64::from(NO_PARENT - 1));
+    let limit = shoots.room.most_nodes.min(u64::from(NO_PARENT - 1));
     if nodes as u64 > limit {
         return Err(RefineError::TooManyNodes { nodes: nodes as u64, limit });
     }
     shoots.admit(nodes, monitor)?;
     let successor = shoots.successors();
+    let is_barred = shoots.room.is_barred;
     let mut new = Branching {
         positions: Vec::with_capacity(nodes),
         parents: Vec::with_capacity(nodes),
@@ -55,22 +57,27 @@ fn once(shoots: &mut Shoots<'_>, monitor: &dyn Monitor) -> Result<(), RefineErro
         let (parent, above) = (old.parents[node], successor[node]);
         let own = old.positions[node];
         let at = |node: u32| old.positions[node as usize];
-        if parent != NO_PARENT {
-            new.positions.push((own + at(parent)) * 0.5);
-            new.parents.push(index[parent as usize]);
+        let mut below = if parent == NO_PARENT { NO_PARENT } else { index[parent as usize] };
+        let middle = if parent == NO_PARENT { own } else { (own + at(parent)) * 0.5 };
+        let is_halved = parent != NO_PARENT && !is_barred(middle);
+        if is_halved {
+            new.positions.push(middle);
+            new.parents.push(below);
+            below = new.positions.len() as u32 - 1;
             if let (Some(radii), Some(of)) = (&mut new.radii, &old.radii) {
                 let continues = successor[parent as usize] == node as u32;
-                let below = if continues { of[parent as usize] } else { of[node] };
-                radii.push(f32::midpoint(below, of[node]));
+                let foot = if continues { of[parent as usize] } else { of[node] };
+                radii.push(f32::midpoint(foot, of[node]));
             }
         }
-        new.positions.push(match (parent, above) {
+        let round = match (parent, above) {
             (NO_PARENT, _) | (_, NO_PARENT) => own,
-            (below, above) => own.lerp(on_chord(at(below), own, at(above)), 0.25),
-        });
+            (before, after) => own.lerp(on_chord(at(before), own, at(after)), 0.25),
+        };
+        new.positions.push(if round != own && is_barred(round) { own } else { round });
         index[node] = new.positions.len() as u32 - 1;
-        new.parents.push(if parent == NO_PARENT { NO_PARENT } else { index[node] - 1 });
-        let copies = if parent == NO_PARENT { 1 } else { 2 };
+        new.parents.push(below);
+        let copies = if is_halved { 2 } else { 1 };
         new.births.resize(new.positions.len(), old.births[node]);
         if let (Some(radii), Some(of)) = (&mut new.radii, &old.radii) {
             radii.push(of[node]);
@@ -96,7 +103,7 @@ mod tests {
     use super::super::testing::{bending, random_tree, refined, straight_with_lateral, topology, tree};
     use super::*;
     use crate::Quiet;
-    use crate::skeleton::refine::refine;
+    use crate::skeleton::refine::{Room, refine};
 
     fn subdivided(all: Branching, times: u32) -> Branching {
         refined(all, &Refinement { steps: vec![STEP], subdivisions: times, ..Refinement::default() })
@@ -148,7 +155,7 @@ mod tests {
     fn too_many_nodes_are_refused_with_the_number() {
         let all = random_tree(1, 100, 0.8);
         let own = Refinement { steps: vec![STEP], subdivisions: 4, ..Refinement::default() };
-        let error = refine(all, None, &mut [], &own, 500, &Quiet).unwrap_err();
+        let error = refine(all, None, &mut [], &own, Room::open(500), &Quiet).unwrap_err();
         assert!(matches!(error, RefineError::TooManyNodes { nodes: 501..=800, limit: 500 }), "{error}");
     }
 }

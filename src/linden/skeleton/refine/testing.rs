@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use super::{Refinement, refine};
+use super::{Refinement, Room, refine};
 use crate::Quiet;
 use crate::random::Key;
 use crate::skeleton::{Branching, NO_PARENT};
@@ -13,7 +13,7 @@ pub fn tree(positions: Vec<Vec3>, parents: &[u32]) -> Branching {
 }
 
 pub fn refined(all: Branching, refinement: &Refinement) -> Branching {
-    let done = refine(all, None, &mut [], refinement, 1 << 20, &Quiet).unwrap();
+    let done = refine(all, None, &mut [], refinement, Room::open(1 << 20), &Quiet).unwrap();
     done.validate().unwrap();
     done
 }
