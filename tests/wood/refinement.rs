@@ -87,7 +87,7 @@ fn organs_follow_refinement() {
 fn refinement_stays_out_of_what_is_barred() {
     let (centre, radius) = (glam::Vec3::new(0.0, 4.0, 0.4), 1.2);
     let is_barred = |p: glam::Vec3| p.distance(centre) < radius;
-    let all = grow(&recipe(builtin("dome").unwrap()), &Quiet).unwrap();
+    let all = grow(&recipe(builtin("simple").unwrap()), &Quiet).unwrap();
     let mut kept_out = 0;
     for step in ["relocate", "smooth", "subdivide"] {
         let only = Refinement { steps: vec![Step::named(step).unwrap()], ..Refinement::default() };
