@@ -113,9 +113,9 @@ impl Stats {
         let started = Instant::now();
         // The surface alone, and never the whole of it: trees can be measured that no mesh format holds.
         // The bark's pictures are not measured, and take longer than all else.
-        let surface = survey(&grown.skeleton, &source.recipe.preset.tubes, &progress)
-            .with_context(|| source.shown.clone())?;
         let holding = Holding::new(&progress, grown.bytes());
+        let surface = survey(&grown.skeleton, &source.recipe.preset.tubes, &holding)
+            .with_context(|| source.shown.clone())?;
         let foliage = meshes(&grown.organs, 1, &holding).with_context(|| source.shown.clone())?;
         let foliage = foliage.first().map(|own| &own.mesh);
         let dress_s = started.elapsed().as_secs_f64();

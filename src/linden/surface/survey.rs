@@ -1,6 +1,7 @@
 //! Measures a surface without keeping it.
 
-use super::{SurfaceError, Topology, Tubes, roundness, sweep_some, topology};
+use super::topology::topology_bytes;
+use super::{ADVICE, SurfaceError, Topology, Tubes, roundness, sweep_some, topology};
 use crate::monitor::Monitor;
 use crate::scene::Bounds;
 use crate::skeleton::Skeleton;
@@ -41,9 +42,12 @@ pub fn survey(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Resu
         });
         let end = first + more.count().max(1);
         let mesh = sweep_some(skeleton, first..end, &roundness, tubes, monitor)?;
+        let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
+        let bytes = mesh.bytes() + topology_bytes(vertices, triangles);
+        monitor.admit("measuring the surface", bytes, ADVICE)?;
         whole = whole.and(Survey {
-            vertices: mesh.positions.len(),
-            triangles: mesh.triangles.len(),
+            vertices,
+            triangles,
             bounds: mesh.bounds(),
             topology: topology(&mesh, monitor)?,
         });

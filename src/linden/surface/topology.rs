@@ -6,6 +6,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use xxhash_rust::xxh3::xxh3_64;
 
+use crate::memory::bytes_of;
 use crate::monitor::{Cancelled, Monitor};
 use crate::scene::Mesh;
 
@@ -60,6 +61,12 @@ pub fn topology(mesh: &Mesh, monitor: &dyn Monitor) -> Result<Topology, Cancelle
     monitor.check()?;
     let open_edges = open_edges(&mesh.triangles, &welded, monitor)?;
     Ok(Topology { open_edges, degenerate, flipped, not_finite })
+}
+
+/// What [`topology`] takes at its worst, beside the mesh: three edges a triangle, and a few indices a
+/// vertex.
+pub(super) const fn topology_bytes(vertices: usize, triangles: usize) -> u64 {
+    bytes_of::<[(u32, bool); 3]>(triangles) + bytes_of::<[u32; 4]>(vertices)
 }
 
 /// Edges that are not run as often one way as the other.
