@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use linden::color::encode;
 use linden::picture::Picture;
-use linden::scene::Material;
+use linden::scene::{Material, Wrap};
 use rayon::prelude::*;
 
 use crate::ExportError;
@@ -14,6 +14,8 @@ use crate::cast::Look;
 pub(crate) struct Named<'a> {
     pub suffix: String,
     pub picture: &'a Arc<Picture>,
+    /// As its first material has it.
+    pub wrap: Wrap,
 }
 
 /// Every picture of some materials once, in their order, named after its first use.
@@ -25,7 +27,7 @@ pub(crate) fn pictures<'a>(looks: &[Look<'a>]) -> Vec<Named<'a>> {
             if let Some(picture) = picture
                 && !named.iter().any(|known| Arc::ptr_eq(known.picture, picture))
             {
-                named.push(Named { suffix: format!("_{name}{kind}.png"), picture });
+                named.push(Named { suffix: format!("_{name}{kind}.png"), picture, wrap: material.wrap });
             }
         }
     }
