@@ -27,6 +27,10 @@ pub struct Export {
     /// Write these formats: one for all outputs, or one for each; without -o to SOURCE.ENDING
     #[arg(long, value_name = "FORMAT", value_delimiter = ',')]
     format: Vec<String>,
+
+    /// With a camera that frames the tree, sun, sky and ground, in formats that hold them
+    #[arg(long)]
+    scene: bool,
 }
 
 impl Export {
@@ -61,7 +65,9 @@ impl Export {
         }
         let grown = super::grown(&source, &progress)?;
         let scene = dress(&source.recipe, &grown, &progress).with_context(|| source.shown.clone())?;
-        batch.write(&Stage::of(&scene), &progress, |notes| super::notes(notes, &progress))?;
+        let stage = Stage::of(&scene);
+        let stage = if self.scene { stage.in_setting() } else { stage };
+        batch.write(&stage, &progress, |notes| super::notes(notes, &progress))?;
         let written = batch.commit()?;
         progress.clear();
         // The list of files is the result, unless a file itself is.
