@@ -61,7 +61,7 @@ pub fn dress(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Sc
     };
     let mut materials = vec![material];
     let mut parts = vec![Part { name: "wood".to_owned(), material: 0, mesh: wood }];
-    let colors = &preset.foliage.leaf_colors;
+    let colors = &preset.foliage.first.colors;
     let pictures = [&materials[0].base_color_picture, &materials[0].normal_picture];
     let pictures: u64 = pictures.into_iter().flatten().map(|picture| picture.rgba().len() as u64).sum();
     let wooded = Holding::new(monitor, parts[0].mesh.bytes() + pictures);

@@ -276,7 +276,7 @@ impl Studio<'_> {
         let style = Style {
             paint,
             organs: Some(&sitter.plant.organs),
-            leaf_colors: &sitter.recipe.preset.foliage.leaf_colors,
+            leaf_colors: &sitter.recipe.preset.foliage.first.colors,
             ..base
         };
         let drawn =
