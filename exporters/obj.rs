@@ -4,7 +4,10 @@
 //! numbers after `v`, `o` and `g` per part, names without spaces. The recipe is the one line that
 //! starts with `# recipe: `.
 
+use std::sync::Arc;
+
 use linden::Monitor;
+use linden::picture::Picture;
 use linden::scene::{Material, Part, Scene};
 use linden::skeleton::NO_PARENT;
 
@@ -60,6 +63,19 @@ impl Exporter for Obj {
             for (named, png) in pictures.iter().zip(picture::compress(&pictures)?) {
                 let bytes = Some(png.len() as u64);
                 bundle.write_side(&named.suffix, bytes, monitor, |out| out.write(png))?;
+            }
+            let mut cuts: Vec<String> = Vec::new();
+            for material in &scene.materials {
+                let Some(suffix) = cut_out(material, &pictures).filter(|own| !cuts.contains(own)) else {
+                    continue;
+                };
+                let Some(picture) = &material.base_color_picture else { continue };
+                let opacity = Arc::new(opacity(picture));
+                let own = [Named { suffix: suffix.clone(), picture: &opacity, wrap: material.wrap }];
+                for png in picture::compress(&own)? {
+                    bundle.write_side(&suffix, Some(png.len() as u64), monitor, |out| out.write(png))?;
+                }
+                cuts.push(suffix);
             }
             let mtl = material_library(scene, &pictures, bundle);
             bundle.write_side(".mtl", Some(mtl.len() as u64), monitor, |out| out.write(mtl.as_bytes()))?;
@@ -167,6 +183,19 @@ fn write_lines(out: &mut Sink<'_>, scene: &Scene, before: u32) -> Result<(), Exp
     })
 }
 
+/// What the opacity of a material is called, where it has one that is written.
+fn cut_out(material: &Material, pictures: &[Named<'_>]) -> Option<String> {
+    material.cutout?;
+    let color = &pictures[picture::index_of(pictures, material.base_color_picture.as_ref())?];
+    Some(color.suffix.replace(".png", "_opacity.png"))
+}
+
+/// The alpha of a picture in all its channels: readers of `map_d` take the alpha, the green or the mean.
+fn opacity(picture: &Picture) -> Picture {
+    let rgba = picture.rgba().as_chunks::<4>().0.iter().flat_map(|pixel| [pixel[3]; 4]).collect();
+    Picture::new(picture.width(), picture.height(), rgba)
+}
+
 fn material_library(scene: &Scene, pictures: &[Named<'_>], bundle: &Bundle) -> String {
     let mut mtl = format!("# {GENERATOR}\n");
     let file = |picture: Option<_>| {
@@ -185,6 +214,9 @@ fn material_library(scene: &Scene, pictures: &[Named<'_>], bundle: &Bundle) -> S
         );
         if let Some(file) = color_file {
             mtl += &format!("map_Kd {file}\n");
+        }
+        if let Some(file) = cut_out(material, pictures).map(|suffix| bundle.side_name(&suffix)) {
+            mtl += &format!("map_d {file}\n");
         }
         if let Some(file) = file(normal_picture.as_ref()) {
             mtl += &format!("norm {file}\n");

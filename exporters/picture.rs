@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use linden::color::encode;
 use linden::picture::Picture;
-use linden::scene::{Material, Scene};
+use linden::scene::{Material, Scene, Wrap};
 use rayon::prelude::*;
 
 use crate::ExportError;
@@ -13,6 +13,8 @@ use crate::ExportError;
 pub(crate) struct Named<'a> {
     pub suffix: String,
     pub picture: &'a Arc<Picture>,
+    /// As its first material has it.
+    pub wrap: Wrap,
 }
 
 /// Every picture of a scene once, in the order of the materials, named after its first use.
@@ -24,7 +26,11 @@ pub(crate) fn pictures(scene: &Scene) -> Vec<Named<'_>> {
             if let Some(picture) = picture
                 && !named.iter().any(|known| Arc::ptr_eq(known.picture, picture))
             {
-                named.push(Named { suffix: format!("_{}{kind}.png", material.name), picture });
+                named.push(Named {
+                    suffix: format!("_{}{kind}.png", material.name),
+                    picture,
+                    wrap: material.wrap,
+                });
             }
         }
     }

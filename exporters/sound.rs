@@ -30,6 +30,9 @@ pub(crate) fn check(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Bounds>,
         if let Some(x) = numbers.copied().find(|x| !(0.0..=1.0).contains(x)) {
             return Err(fault(format!("a colour or roughness is {x}, not 0 to 1")));
         }
+        if let Some(cutout) = material.cutout.filter(|own| !(*own > 0.0 && *own < 1.0)) {
+            return Err(fault(format!("it is cut out at an alpha of {cutout}, not between 0 and 1")));
+        }
         for picture in [&material.base_color_picture, &material.normal_picture].into_iter().flatten() {
             let pixels = u64::from(picture.width()) * u64::from(picture.height());
             if pixels == 0 || pixels.checked_mul(4) != Some(picture.rgba().len() as u64) {
@@ -150,6 +153,8 @@ mod tests {
                 normal_picture: picture,
                 roughness: 1.0,
                 double_sided: false,
+                cutout: None,
+                wrap: linden::scene::Wrap::Repeat,
             }],
             parts: vec![Part { name: "wood".to_owned(), material: 0, mesh }],
             skeleton: Arc::new(Skeleton {
@@ -167,7 +172,8 @@ mod tests {
 
     #[test]
     fn every_format_refuses_every_broken_scene_before_writing() {
-        let breakages: [Break; 15] = [
+        let breakages: [Break; 16] = [
+            ("cut out at an alpha of 1", |s| s.materials[0].cutout = Some(1.0)),
             ("part 'wood': a position is NaN (vertex 1)", |s| s.parts[0].mesh.positions[1].y = f32::NAN),
             ("part 'wood': a normal is inf (vertex 2)", |s| s.parts[0].mesh.normals[2].x = f32::INFINITY),
             ("a texture coordinate is -inf (vertex 0)", |s| s.parts[0].mesh.uvs[0].y = f32::NEG_INFINITY),

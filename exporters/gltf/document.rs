@@ -2,6 +2,7 @@
 //!
 //! <https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html>, section 5.
 
+use linden::scene::Wrap;
 use serde::Serialize;
 use serde_json::value::RawValue;
 
@@ -99,6 +100,11 @@ pub(super) struct Material {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub normal_texture: Option<TextureInfo>,
     pub double_sided: bool,
+    /// None for what is opaque.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alpha_mode: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alpha_cutoff: Option<f32>,
 }
 
 #[derive(Serialize)]
@@ -150,8 +156,14 @@ pub(super) struct Sampler {
 }
 
 impl Sampler {
-    /// Trilinear, repeating both ways: bark goes round and along a branch.
-    pub const TILING: Self = Self { mag_filter: 9729, min_filter: 9987, wrap_s: 10497, wrap_t: 10497 };
+    /// Trilinear; either repeating both ways (bark goes round and along a branch) or not.
+    pub const fn new(wrap: Wrap) -> Self {
+        let wrap = match wrap {
+            Wrap::Repeat => 10497,
+            Wrap::Clamp => 33071,
+        };
+        Self { mag_filter: 9729, min_filter: 9987, wrap_s: wrap, wrap_t: wrap }
+    }
 }
 
 #[derive(Serialize)]

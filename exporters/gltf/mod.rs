@@ -10,7 +10,7 @@ mod document;
 mod tangents;
 
 use linden::Monitor;
-use linden::scene::Scene;
+use linden::scene::{Scene, Wrap};
 use serde_json::value::RawValue;
 
 use self::buffer::Layout;
@@ -178,6 +178,8 @@ fn document(
     let materials = scene.materials.iter().map(|material| {
         let base_color_texture = texture(material.base_color_picture.as_ref());
         // The two are multiplied, and the picture is to be used as it is.
+        // Without its picture there is nothing to cut.
+        let cutout = material.cutout.filter(|_| base_color_texture.is_some());
         let [r, g, b] = if base_color_texture.is_some() { [1.0; 3] } else { material.base_color };
         Material {
             name: material.name.clone(),
@@ -189,6 +191,8 @@ fn document(
             },
             normal_texture: texture(material.normal_picture.as_ref()),
             double_sided: material.double_sided,
+            alpha_mode: cutout.map(|_| "MASK"),
+            alpha_cutoff: cutout,
         }
     });
     let meshes = scene.parts.iter().zip(&layout.primitives).map(|(part, primitive)| Mesh {
@@ -215,6 +219,12 @@ fn document(
         mime_type: "image/png",
         source,
     });
+    let mut wraps: Vec<Wrap> = pictures.iter().map(|named| named.wrap).collect();
+    wraps.sort_unstable_by_key(|wrap| *wrap == Wrap::Clamp);
+    wraps.dedup();
+    let sampler = |wrap| wraps.iter().position(|own| *own == wrap).unwrap_or_default();
+    let textures: Vec<Texture> =
+        (0..).zip(pictures).map(|(source, named)| Texture { sampler: sampler(named.wrap), source }).collect();
     Document {
         asset: Asset { version: "2.0", generator: GENERATOR },
         buffers: [Buffer { byte_length: layout.bytes(), uri: None }],
@@ -223,9 +233,9 @@ fn document(
         nodes: std::iter::once(root).chain(leaves).collect(),
         meshes: meshes.collect(),
         materials: materials.collect(),
-        textures: (0..pictures.len()).map(|source| Texture { sampler: 0, source }).collect(),
+        textures,
         images: images.collect(),
-        samplers: if pictures.is_empty() { Vec::new() } else { vec![Sampler::TILING] },
+        samplers: wraps.into_iter().map(Sampler::new).collect(),
         accessors: std::mem::take(&mut layout.accessors),
         buffer_views: std::mem::take(&mut layout.views),
     }

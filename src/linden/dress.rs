@@ -10,7 +10,7 @@ use crate::memory::Holding;
 use crate::monitor::{Cancelled, Monitor, from_cancellable};
 use crate::random::Key;
 use crate::recipe::{Input, Recipe};
-use crate::scene::{Material, Part, Scene};
+use crate::scene::{Material, Part, Scene, Wrap};
 use crate::surface::{self, SurfaceError};
 use crate::texture::{BarkError, BarkPictures};
 
@@ -58,6 +58,8 @@ pub fn dress(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Sc
         normal_picture: Some(normal),
         roughness: BARK_ROUGHNESS,
         double_sided: false,
+        cutout: None,
+        wrap: Wrap::Repeat,
     };
     let mut materials = vec![material];
     let mut parts = vec![Part { name: "wood".to_owned(), material: 0, mesh: wood }];
@@ -75,6 +77,8 @@ pub fn dress(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Sc
             normal_picture: None,
             roughness: LEAF_ROUGHNESS,
             double_sided: true,
+            cutout: None,
+            wrap: Wrap::Clamp,
         });
     }
     let name = if preset.name.trim().is_empty() { &preset.id } else { &preset.name };
