@@ -73,7 +73,7 @@ impl Estimate {
             }
         }
         let (foliage_vertices, foliage_triangles) = grown.organs.amount();
-        let last = foliage.first.colors.len().saturating_sub(1) as u64;
+        let last = foliage.turtle_colors().len().saturating_sub(1) as u64;
         let colors: BTreeSet<u64> =
             (0..grown.organs.len()).map(|i| last.min(grown.organs.growth(i).color.into())).collect();
         Ok(Self {

@@ -186,9 +186,9 @@ fn of(knob: &Knob) -> Value {
             json!({ "type": "array", "items": number(min, max), "minItems": 1, "maxItems": most })
         }
         Kind::Words(words) => json!({ "type": "array", "items": { "enum": words }, "uniqueItems": true }),
-        Kind::Colors { most } => {
+        Kind::Colors { most, auto } => {
             let color = json!({ "type": "string", "pattern": "^#[0-9a-fA-F]{6}$" });
-            json!({ "type": "array", "items": color, "minItems": 1, "maxItems": most })
+            or_auto(auto, json!({ "type": "array", "items": color, "minItems": 1, "maxItems": most }))
         }
     };
     let unit = if knob.unit.is_empty() { String::new() } else { format!(" ({})", knob.unit) };

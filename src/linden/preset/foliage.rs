@@ -9,12 +9,16 @@ use super::item::{Field, List, field};
 use super::knobs::{Access, PresetKnob, Section, integer, real, real_or_auto, row};
 use super::setting::{Setting, words};
 use crate::knob::{Kind, Knob, Value};
+use crate::texture::leaf::Outline;
 
 /// The most colours that one kind of organ has.
 const MOST_COLORS: usize = 32;
 
 /// More kinds would make a picture each.
 pub const MOST_KINDS: usize = 8;
+
+/// Old leaves and young ones.
+const TURTLE_COLORS: [[u8; 3]; 2] = [[74, 122, 48], [122, 154, 62]];
 
 /// The key of the list of further kinds in `[foliage]`.
 pub(super) const ALSO: &str = "also";
@@ -61,6 +65,20 @@ words! {
 }
 
 words! {
+    /// What the edge of a blade is like.
+    Edge {
+        /// As usual for its outline.
+        Auto = "auto",
+        /// Without teeth.
+        Entire = "entire",
+        /// Teeth that point to the tip.
+        Serrate = "serrate",
+        /// Rounded teeth.
+        Crenate = "crenate"
+    }
+}
+
+words! {
     /// Which way a leaf's normals point.
     Normals {
         /// Off its own face.
@@ -79,12 +97,20 @@ pub struct LeafKind {
     pub mesh: Option<String>,
     /// A picture of the user's in place of the drawn one: the file, relative to the preset's.
     pub picture: Option<String>,
+    /// The shape of its picture.
+    pub outline: Outline,
     /// From its foot to its tip, metres.
     pub length_m: f64,
     /// Width ÷ length; `None`: as usual for its outline.
     pub width: Option<f64>,
     /// How much lengths differ: 0.2 is 0.8 to 1.2 times.
     pub size_spread: f64,
+    /// Lobes, leaflets or needles; 0: as usual for its outline.
+    pub lobes: u32,
+    /// How deep the bays between lobes are; `None`: as usual for its outline.
+    pub lobe_depth: Option<f64>,
+    /// What its edge is like.
+    pub margin: Edge,
     /// The stalk's share of the length; `None`: as usual for its outline.
     pub petiole: Option<f64>,
     /// Length of a twig card, metres; `None`: four leaves.
@@ -123,11 +149,10 @@ pub struct LeafKind {
     pub offset_m: f64,
     /// Which way normals point.
     pub normals: Normals,
-    /// sRGB, at least one: the upper side in summer. Polygons and organs of a grammar have the i-th
-    /// for the turtle's colour index i; the last is that of all higher ones.
-    pub colors: Vec<[u8; 3]>,
-    /// sRGB, from the first change to the last.
-    pub autumn_colors: Vec<[u8; 3]>,
+    /// sRGB: the upper side in summer; `None`: as usual for its outline. See [`FoliageLook::turtle_colors`].
+    pub colors: Option<Vec<[u8; 3]>>,
+    /// sRGB, from the first change to the last; `None`: as usual for its outline.
+    pub autumn_colors: Option<Vec<[u8; 3]>>,
     /// How much leaves differ in tint, 0 to 1.
     pub tint_spread: f64,
     /// Whether the season leaves them alone.
@@ -139,16 +164,19 @@ pub struct LeafKind {
 }
 
 impl Default for LeafKind {
-    /// Nothing grows; leaves of a hand's length when a form is chosen. Colours: old leaves and young
-    /// ones.
+    /// Nothing grows; leaves of a hand's length when a form is chosen.
     fn default() -> Self {
         Self {
             form: Form::None,
             mesh: None,
             picture: None,
+            outline: Outline::Ovate,
             length_m: 0.08,
             width: None,
             size_spread: 0.2,
+            lobes: 0,
+            lobe_depth: None,
+            margin: Edge::Auto,
             petiole: None,
             twig_length_m: None,
             twig_leaves: 12,
@@ -168,8 +196,8 @@ impl Default for LeafKind {
             jitter_deg: 15.0,
             offset_m: 0.0,
             normals: Normals::Flat,
-            colors: vec![[74, 122, 48], [122, 154, 62]],
-            autumn_colors: vec![[204, 172, 52], [190, 118, 40], [126, 84, 52]],
+            colors: None,
+            autumn_colors: None,
             tint_spread: 0.5,
             evergreen: false,
             keep: 1.0,
@@ -240,19 +268,54 @@ impl FoliageLook {
         std::iter::once(&self.first).chain(&self.also)
     }
 
+    /// What organs of a grammar and polygons are coloured with, sRGB: the i-th is that of the turtle's
+    /// colour index i, the last that of all higher ones.
+    pub fn turtle_colors(&self) -> &[[u8; 3]] {
+        self.first.colors.as_deref().unwrap_or(&TURTLE_COLORS)
+    }
+
     pub(super) fn kinds_mut(&mut self) -> impl Iterator<Item = &mut LeafKind> {
         std::iter::once(&mut self.first).chain(&mut self.also)
     }
 }
 
+/// The names of all outlines.
+const OUTLINES: [&str; Outline::ALL.len()] = {
+    let mut names = [""; Outline::ALL.len()];
+    let mut i = 0;
+    while i < names.len() {
+        names[i] = Outline::ALL[i].0;
+        i += 1;
+    }
+    names
+};
+
+impl Setting for Outline {
+    fn to_value(&self) -> Value {
+        let name = Self::ALL.iter().find(|(_, own, _)| own == self).map_or("", |(name, _, _)| name);
+        Value::Word(name.to_owned())
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        String::from_value(value).and_then(|name| Self::named(&name))
+    }
+}
+
 /// The keys of a kind of organ, beside the files `leaf_mesh` and `leaf_picture`.
-pub const LEAF_KNOBS: [Field<LeafKind>; 29] = [
+pub const LEAF_KNOBS: [Field<LeafKind>; 33] = [
     field!(
         "leaf_form",
         Kind::Choice(Form::WORDS),
         "",
         "what leaves are made of: nothing, one card, two crossed, a curved blade, a card with a whole twig, a fan of leaflets, a tuft of needles, the mesh of leaf_mesh",
         form
+    ),
+    field!(
+        "leaf_outline",
+        Kind::Choice(&OUTLINES),
+        "",
+        "shape of the drawn picture, of one leaf or of a shoot",
+        outline
     ),
     field!(
         "leaf_length",
@@ -276,6 +339,27 @@ pub const LEAF_KNOBS: [Field<LeafKind>; 29] = [
         size_spread
     ),
     field!(
+        "leaf_lobes",
+        integer(0, 400),
+        "",
+        "lobes, leaflets or needles of a leaf, as its outline counts them; 0: as usual",
+        lobes
+    ),
+    field!(
+        "leaf_lobe_depth",
+        real_or_auto(0.0, 1.0),
+        "",
+        "how deep the bays between lobes are: 1 down to the midrib; auto: as usual for its outline",
+        lobe_depth
+    ),
+    field!(
+        "leaf_margin",
+        Kind::Choice(Edge::WORDS),
+        "",
+        "the edge of a blade: without teeth, with pointed or with rounded ones; auto: as usual for its outline",
+        margin
+    ),
+    field!(
         "leaf_petiole",
         real_or_auto(0.0, 0.9),
         "",
@@ -289,13 +373,7 @@ pub const LEAF_KNOBS: [Field<LeafKind>; 29] = [
         "for leaf_form=twig: length of the card; auto: four leaves",
         twig_length_m
     ),
-    field!(
-        "twig_leaves",
-        integer(1, 200),
-        "",
-        "for leaf_form=twig: leaves on the card; leaf_form=fan: leaflets; leaf_form=tuft: cards",
-        twig_leaves
-    ),
+    field!("twig_leaves", integer(1, 200), "", "for leaf_form=twig: leaves on the card", twig_leaves),
     field!(
         "leaf_arrangement",
         Kind::Choice(Arrangement::WORDS),
@@ -368,16 +446,16 @@ pub const LEAF_KNOBS: [Field<LeafKind>; 29] = [
     ),
     field!(
         "leaf_colors",
-        Kind::Colors { most: MOST_COLORS },
+        Kind::Colors { most: MOST_COLORS, auto: true },
         "sRGB",
-        "colours of the upper side in summer; of a grammar's polygons and organs: index 0 of ' has the first, the last repeats",
+        "colours of the upper side in summer; of a grammar's polygons and organs: index 0 of ' has the first, the last repeats; auto: as usual",
         colors
     ),
     field!(
         "autumn_colors",
-        Kind::Colors { most: MOST_COLORS },
+        Kind::Colors { most: MOST_COLORS, auto: true },
         "sRGB",
-        "colours in autumn, from the first change to the last",
+        "colours in autumn, from the first change to the last; auto: as usual for its outline",
         autumn_colors
     ),
     field!("leaf_tint_spread", real(0.0, 1.0), "", "how much leaves differ in tint", tint_spread),

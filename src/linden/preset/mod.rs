@@ -25,7 +25,7 @@ use crate::surface::Tubes;
 pub use bark::BarkLook;
 pub use colonization::{Colonization, Space};
 pub use document::{Fault, Place};
-pub use foliage::{Arrangement, FoliageLook, Form, LEAF_KNOBS, LeafKind, MOST_KINDS, Normals};
+pub use foliage::{Arrangement, Edge, FoliageLook, Form, LEAF_KNOBS, LeafKind, MOST_KINDS, Normals};
 pub use item::Field;
 pub use knobs::{KNOBS, PresetKnob, Section, shape_knobs};
 pub use library::{Builtin, RecipeError, builtin, builtin_file, builtins};
