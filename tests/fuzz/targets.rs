@@ -569,7 +569,7 @@ fn grown(mut preset: Preset) -> String {
     for exporter in REGISTRY {
         let mut bundle = Bundle::stream("memory", std::io::sink());
         let options = Options::new(exporter.format());
-        match exporter.write(&scene, &options, &mut bundle, &budget) {
+        match exporter.write(&linden::stage::Stage::of(&scene), &options, &mut bundle, &budget) {
             Ok(()) => {}
             Err(error @ ExportError::Scene { .. }) => panic!("{}: {error}", exporter.format().id),
             Err(error) => drop(said(&error)),
