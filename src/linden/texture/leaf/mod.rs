@@ -4,13 +4,25 @@
 //! any file format. Nothing here knows of trees or meshes; a [`Cell`] says where in the picture a
 //! variant is, where it is held, and how long one leaf is there.
 
+mod atlas;
+mod blade;
+mod compound;
+mod conifer;
 mod coverage;
+mod field;
+mod figure;
+mod flower;
 mod outline;
-mod shape;
+mod paint;
+mod tint;
+mod twig;
 
 use std::sync::Arc;
 
 use glam::Vec2;
+use rayon::prelude::*;
+
+use self::tint::Tint;
 
 use crate::memory::OverMemory;
 use crate::monitor::{Cancelled, Monitor};
@@ -217,49 +229,27 @@ impl LeafLook {
 
     fn atlas(
         &self,
-        _twig: Option<&TwigLook>,
-        _key: Key,
+        twig: Option<&TwigLook>,
+        key: Key,
         monitor: &dyn Monitor,
     ) -> Result<LeafPictures, LeafError> {
-        let size = self.size_px;
-        if !(1..=Self::MAX_SIZE_PX).contains(&size) {
-            return Err(LeafError::Size(size));
+        if !(1..=Self::MAX_SIZE_PX).contains(&self.size_px) {
+            return Err(LeafError::Size(self.size_px));
         }
         if !(1..=Self::MAX_VARIANTS).contains(&self.variants) {
             return Err(LeafError::Variants(self.variants));
         }
-        let n = size as usize;
-        monitor.admit("drawing leaves", (n * n * 32) as u64, "lower leaf_size")?;
-        let columns = (1..=self.variants).find(|c| c * c >= self.variants).unwrap_or(1);
-        let side = 1.0 / columns as f32;
-        let blade = shape::simple(self);
-        let mut base = vec![0; n * n * 4];
-        let mut cells = Vec::new();
-        for variant in 0..self.variants {
-            monitor.check()?;
-            let corner = Vec2::new((variant % columns) as f32, (variant / columns) as f32) * side;
-            let unit = 0.9 * side;
-            let attach = corner + Vec2::new(0.5, 0.05) * side;
-            let place = |p: Vec2| attach + p * unit;
-            let pixels: Vec<Vec2> = blade
-                .iter()
-                .map(|&p| place(p))
-                .map(|p| Vec2::new(p.x * size as f32, (1.0 - p.y) * size as f32))
-                .collect();
-            let covered = coverage::coverage(&pixels, n, 0..n);
-            let color = self.colors[variant as usize % self.colors.len().max(1)];
-            for (pixel, covered) in base.as_chunks_mut::<4>().0.iter_mut().zip(covered) {
-                if covered > 0.0 {
-                    *pixel = [color[0], color[1], color[2], (covered * 255.0 + 0.5) as u8];
-                }
-            }
-            let (min, max) =
-                blade.iter().fold((attach, attach), |(min, max), &p| (min.min(place(p)), max.max(place(p))));
-            let outline = vec![min, Vec2::new(max.x, min.y), max, Vec2::new(min.x, max.y)];
-            cells.push(Cell { min, max, attach, unit: Vec2::splat(unit), outline, color });
-        }
-        let flat = [128, 128, 255, 255].repeat(n * n);
-        let picture = |rgba| Arc::new(Picture::new(size, size, rgba));
-        Ok(LeafPictures { base_color: picture(base), normal: picture(flat), cells })
+        let figures: Vec<_> = (0..self.variants)
+            .into_par_iter()
+            .map(|variant| {
+                monitor.check()?;
+                let key = key.child(u64::from(variant));
+                Ok(match twig {
+                    Some(twig) => twig::twig(self, twig, variant, key),
+                    None => compound::leaf(self, &Tint::new(self, variant, key.named("tint")), key),
+                })
+            })
+            .collect::<Result<_, Cancelled>>()?;
+        atlas::draw(&figures, self.size_px, key, monitor)
     }
 }

@@ -61,8 +61,20 @@ pub enum Margin {
     Entire,
     /// Teeth that point to the tip.
     Serrate,
+    /// Teeth with smaller ones on their backs: birch, elm, cherry.
+    Doubly,
     /// Rounded teeth.
     Crenate,
+}
+
+impl Margin {
+    /// Every margin: its name for users, and what it looks like.
+    pub const ALL: [(&'static str, Self, &'static str); 4] = [
+        ("entire", Self::Entire, "without teeth"),
+        ("serrate", Self::Serrate, "teeth that point to the tip"),
+        ("doubly", Self::Doubly, "teeth on teeth, as birch and elm"),
+        ("crenate", Self::Crenate, "rounded teeth"),
+    ];
 }
 
 /// How veins run.
@@ -77,6 +89,16 @@ pub enum Veins {
     Parallel,
     /// None that shows.
     None,
+}
+
+impl Veins {
+    /// All patterns: the name for users, and what it looks like.
+    pub const ALL: [(&'static str, Self, &'static str); 4] = [
+        ("pinnate", Self::Pinnate, "from a midrib to both sides"),
+        ("palmate", Self::Palmate, "from the petiole into the lobes"),
+        ("parallel", Self::Parallel, "side by side from foot to tip"),
+        ("none", Self::None, "none that shows"),
+    ];
 }
 
 /// The usual leaf of an outline. See [`super::LeafLook`].
@@ -173,7 +195,7 @@ impl Outline {
             Self::Linear => Usual { veins: Veins::Parallel, ..leaf(0.08, 0.03) },
             Self::Cordate => toothed(leaf(0.92, 0.3), Margin::Serrate, 28, 0.018),
             Self::Orbicular => toothed(leaf(1.0, 0.35), Margin::Crenate, 12, 0.02),
-            Self::Rhombic => toothed(leaf(0.78, 0.25), Margin::Serrate, 16, 0.025),
+            Self::Rhombic => toothed(leaf(0.78, 0.25), Margin::Doubly, 11, 0.035),
             Self::Deltoid => toothed(leaf(0.95, 0.32), Margin::Crenate, 22, 0.012),
             Self::Lobed => Usual { autumn_colors: REDS, ..lobed(leaf(0.58, 0.05), 5, 0.5) },
             Self::Palmate => {
