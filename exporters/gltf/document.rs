@@ -2,15 +2,21 @@
 //!
 //! <https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html>, section 5.
 
+use linden::scene::Wrap;
 use serde::Serialize;
 use serde_json::value::RawValue;
 
 /// The root. `buffers` stands before everything that carries names from outside: the writer of data
 /// URIs looks for the first one.
 #[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
 pub(super) struct Document {
     pub asset: Asset,
     pub buffers: [Buffer; 1],
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub extensions_used: Vec<&'static str>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub extensions_required: Vec<&'static str>,
     pub scene: usize,
     pub scenes: [SceneRoot; 1],
     pub nodes: Vec<Node>,
@@ -23,7 +29,6 @@ pub(super) struct Document {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub samplers: Vec<Sampler>,
     pub accessors: Vec<Accessor>,
-    #[serde(rename = "bufferViews")]
     pub buffer_views: Vec<BufferView>,
 }
 
@@ -45,7 +50,7 @@ pub(super) struct Buffer {
 #[derive(Serialize)]
 pub(super) struct SceneRoot {
     pub name: String,
-    pub nodes: [usize; 1],
+    pub nodes: Vec<usize>,
 }
 
 #[derive(Default, Serialize)]
@@ -53,23 +58,62 @@ pub(super) struct Node {
     pub name: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub translation: Option<[f32; 3]>,
+    /// A unit quaternion: x, y, z, w.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotation: Option<[f32; 4]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scale: Option<[f32; 3]>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub children: Vec<usize>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub extras: Option<Extras>,
+    #[serde(skip_serializing_if = "NodeExtensions::is_empty")]
+    pub extensions: NodeExtensions,
+    #[serde(skip_serializing_if = "Extras::is_empty")]
+    pub extras: Extras,
 }
 
-/// What only linden reads; other programs keep it.
+#[derive(Default, Serialize)]
+pub(super) struct NodeExtensions {
+    #[serde(rename = "MSFT_lod", skip_serializing_if = "Option::is_none")]
+    pub lod: Option<Lod>,
+}
+
+impl NodeExtensions {
+    fn is_empty(&self) -> bool {
+        self.lod.is_none()
+    }
+}
+
+/// `MSFT_lod`: the node is the finest level, and these are the others, finer ones first.
 #[derive(Serialize)]
+pub(super) struct Lod {
+    pub ids: Vec<usize>,
+}
+
+/// What no extension says; other programs keep it.
+#[derive(Default, Serialize)]
 pub(super) struct Extras {
     /// The recipe, letter by letter: a JSON object where it is one, else a string.
-    pub linden: Box<RawValue>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub linden: Option<Box<RawValue>>,
+    /// Down to which share of the picture each level serves (`MSFT_lod` has it in the extras).
+    #[serde(rename = "MSFT_screencoverage", skip_serializing_if = "Vec::is_empty")]
+    pub screen_coverage: Vec<f32>,
+}
+
+impl Extras {
+    fn is_empty(&self) -> bool {
+        self.linden.is_none() && self.screen_coverage.is_empty()
+    }
 }
 
 #[derive(Serialize)]
 pub(super) struct Mesh {
     pub name: String,
-    pub primitives: [Primitive; 1],
+    pub primitives: Vec<Primitive>,
+    #[serde(skip_serializing_if = "Extras::is_empty")]
+    pub extras: Extras,
 }
 
 #[derive(Serialize)]
@@ -99,6 +143,11 @@ pub(super) struct Material {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub normal_texture: Option<TextureInfo>,
     pub double_sided: bool,
+    /// None for what is opaque.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alpha_mode: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alpha_cutoff: Option<f32>,
 }
 
 #[derive(Serialize)]
@@ -150,8 +199,14 @@ pub(super) struct Sampler {
 }
 
 impl Sampler {
-    /// Trilinear, repeating both ways: bark goes round and along a branch.
-    pub const TILING: Self = Self { mag_filter: 9729, min_filter: 9987, wrap_s: 10497, wrap_t: 10497 };
+    /// Trilinear; either repeating both ways (bark goes round and along a branch) or not.
+    pub const fn new(wrap: Wrap) -> Self {
+        let wrap = match wrap {
+            Wrap::Repeat => 10497,
+            Wrap::Clamp => 33071,
+        };
+        Self { mag_filter: 9729, min_filter: 9987, wrap_s: wrap, wrap_t: wrap }
+    }
 }
 
 #[derive(Serialize)]

@@ -8,7 +8,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use linden::Monitor;
-use linden::scene::Scene;
+use linden::stage::Stage;
 use linden_exporters::{
     Bundle, ExportError, Exporter, Options, Written, commit_all, ensure_distinct, ensure_spared,
 };
@@ -71,12 +71,12 @@ impl Batch {
     /// Those of the exporters.
     pub fn write(
         &mut self,
-        scene: &Scene,
+        stage: &Stage<'_>,
         monitor: &dyn Monitor,
         mut told: impl FnMut(&[String]),
     ) -> Result<(), ExportError> {
         for (output, bundle) in self.outputs.iter().zip(&mut self.bundles) {
-            output.exporter.write(scene, &output.options, bundle, monitor)?;
+            output.exporter.write(stage, &output.options, bundle, monitor)?;
             told(bundle.notes());
         }
         Ok(())

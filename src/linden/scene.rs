@@ -140,4 +140,19 @@ pub struct Material {
     pub roughness: f32,
     /// Whether the back is drawn too.
     pub double_sided: bool,
+    /// Where the base colour picture's alpha is below this (above 0, below 1), nothing is drawn: cut
+    /// out, never blended. `None`: all is opaque.
+    pub cutout: Option<f32>,
+    /// What is beyond the pictures' edges.
+    pub wrap: Wrap,
+}
+
+/// What texture coordinates outside of 0..1 show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wrap {
+    /// The picture again: bark.
+    #[default]
+    Repeat,
+    /// The picture's edge: leaves.
+    Clamp,
 }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Args;
 use linden::dress::dress;
+use linden::stage::Stage;
 use linden_exporters::{Bundle, Exporter, Options, REGISTRY, find, for_path};
 
 use super::Growing;
@@ -60,7 +61,7 @@ impl Export {
         }
         let grown = super::grown(&source, &progress)?;
         let scene = dress(&source.recipe, &grown, &progress).with_context(|| source.shown.clone())?;
-        batch.write(&scene, &progress, |notes| super::notes(notes, &progress))?;
+        batch.write(&Stage::of(&scene), &progress, |notes| super::notes(notes, &progress))?;
         let written = batch.commit()?;
         progress.clear();
         // The list of files is the result, unless a file itself is.

@@ -117,13 +117,13 @@ impl Stats {
         let surface = survey(&grown.skeleton, &source.recipe.preset.tubes, &holding)
             .with_context(|| source.shown.clone())?;
         let foliage = meshes(&grown.organs, 1, &holding).with_context(|| source.shown.clone())?;
-        let foliage = foliage.first().map(|own| &own.mesh);
         let dress_s = started.elapsed().as_secs_f64();
 
         let skeleton = &grown.skeleton;
         let measures = skeleton.measures();
-        let leaf_bounds = foliage.and_then(Mesh::bounds);
+        let leaf_bounds = foliage.iter().filter_map(|own| own.mesh.bounds());
         let bounds = surface.bounds.into_iter().chain(leaf_bounds).reduce(Bounds::union);
+        let count = |of: fn(&Mesh) -> usize| foliage.iter().map(|own| of(&own.mesh)).sum::<usize>();
         let bounds = bounds.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO });
         let colonized = grown.colonized.as_ref();
         let report = Report {
@@ -144,8 +144,8 @@ impl Stats {
             iterations: colonized.map(|own| own.iterations),
             scan: colonized.and_then(|own| own.scan).as_ref().map(Scan::of),
             symbols: grown.symbols,
-            triangles: surface.triangles + foliage.map_or(0, |mesh| mesh.triangles.len()),
-            vertices: surface.vertices + foliage.map_or(0, |mesh| mesh.positions.len()),
+            triangles: surface.triangles + count(|mesh| mesh.triangles.len()),
+            vertices: surface.vertices + count(|mesh| mesh.positions.len()),
             leaves: grown.organs.len(),
             watertight: surface.topology.watertight(),
             bounds: Corners { min: bounds.min.to_array(), max: bounds.max.to_array() },

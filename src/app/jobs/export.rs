@@ -141,7 +141,7 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
         }
     };
     next();
-    batch.write(&scene, &gauge, |told| {
+    batch.write(&linden::stage::Stage::of(&scene), &gauge, |told| {
         notes.extend_from_slice(told);
         next();
     })?;

@@ -255,6 +255,7 @@ impl Studio<'_> {
             skeleton: Arc::clone(&sitter.plant.skeleton),
             wood: recipe.preset.wood,
             organs: Arc::clone(&sitter.plant.organs),
+            given: Arc::default(),
             symbols: None,
             colonized: None,
             notes: Vec::new(),
@@ -276,7 +277,7 @@ impl Studio<'_> {
         let style = Style {
             paint,
             organs: Some(&sitter.plant.organs),
-            leaf_colors: &sitter.recipe.preset.foliage.leaf_colors,
+            leaf_colors: sitter.recipe.preset.foliage.turtle_colors(),
             ..base
         };
         let drawn =
