@@ -69,7 +69,7 @@ fn document() -> Value {
                 own.insert("scan".to_owned(), file);
                 own.insert("part".to_owned(), parts());
             }
-            Section::Wood | Section::Surface | Section::Bark | Section::Foliage => {}
+            _ => {}
         }
         let table = json!({ "type": "object", "properties": own, "additionalProperties": false });
         properties.insert(section.key().to_owned(), table);

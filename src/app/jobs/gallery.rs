@@ -111,8 +111,7 @@ impl GalleryRequest {
 
     /// Whether all trees have the base's skeleton: only what covers it differs.
     fn shares_skeleton(&self) -> bool {
-        self.row()
-            .is_some_and(|row| matches!(row.section, Section::Surface | Section::Bark | Section::Foliage))
+        self.row().is_some_and(|row| row.section.covers())
     }
 }
 

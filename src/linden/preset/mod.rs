@@ -2,6 +2,7 @@
 
 mod bark;
 mod colonization;
+mod detail;
 mod document;
 mod foliage;
 mod knobs;
@@ -23,6 +24,7 @@ use crate::surface::Tubes;
 
 pub use bark::BarkLook;
 pub use colonization::{Colonization, Space};
+pub use detail::DetailLook;
 pub use document::{Fault, Place};
 pub use foliage::FoliageLook;
 pub use knobs::{KNOBS, PresetKnob, Section, shape_knobs};
@@ -60,6 +62,8 @@ pub struct Preset {
     pub bark: BarkLook,
     /// How its leaves look.
     pub foliage: FoliageLook,
+    /// How much of it is shown.
+    pub detail: DetailLook,
 }
 
 /// How a tree grows.
