@@ -73,7 +73,7 @@ impl Estimate {
             }
         }
         let (foliage_vertices, foliage_triangles) = grown.organs.amount();
-        let last = foliage.leaf_colors.len().saturating_sub(1) as u64;
+        let last = foliage.turtle_colors().len().saturating_sub(1) as u64;
         let colors: BTreeSet<u64> =
             (0..grown.organs.len()).map(|i| last.min(grown.organs.growth(i).color.into())).collect();
         Ok(Self {
@@ -209,6 +209,7 @@ mod tests {
     use linden::dress::dress;
     use linden::grow::grow;
     use linden::preset::builtins;
+    use linden::stage::Stage;
 
     use super::*;
     use crate::{Bundle, REGISTRY};
@@ -255,7 +256,7 @@ mod tests {
                 let format = exporter.format();
                 for options in all_options(format) {
                     let mut bundle = Bundle::create(&target).unwrap();
-                    exporter.write(&scene, &options, &mut bundle, &Quiet).unwrap();
+                    exporter.write(&Stage::of(&scene), &options, &mut bundle, &Quiet).unwrap();
                     let real = bundle.commit().unwrap().iter().map(|file| file.bytes).sum();
                     // A file of a few pages is mostly what stands around the tree.
                     if real > 32_768 {
@@ -291,7 +292,9 @@ mod tests {
             let what = format!("{knob}={value}");
             within(&what, estimate.triangles, scene.parts[0].mesh.triangles.len() as u64);
             within(&what, estimate.vertices, scene.parts[0].mesh.positions.len() as u64);
-            let pictures = crate::picture::pictures(&scene);
+            let stage = Stage::of(&scene);
+            let cast = crate::cast::Cast::of(&stage, &Quiet).unwrap();
+            let pictures = crate::picture::pictures(&cast.looks);
             let real: usize = crate::picture::compress(&pictures).unwrap().iter().map(|png| png.len()).sum();
             within(&what, estimate.picture_bytes, real as u64);
         }

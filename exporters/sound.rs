@@ -3,12 +3,72 @@
 use linden::Monitor;
 use linden::scene::{Bounds, Part, Scene};
 use linden::skeleton::{NO_PARENT, Skeleton};
+use linden::stage::Stage;
 use rayon::prelude::*;
 
 use crate::ExportError;
 
 /// Vertices or triangles per piece of parallel work.
 const CHUNK: usize = 1 << 16;
+
+/// Checks what a stage says beside its scenes.
+pub(crate) fn check_stage(stage: &Stage<'_>) -> Result<(), ExportError> {
+    let fault = |problem: String| ExportError::Scene { what: "the stage".to_owned(), problem };
+    let strange = |name: &str| name.is_empty() || name.chars().any(char::is_control);
+    if strange(&stage.name) {
+        return Err(fault("its name is empty or holds control characters".to_owned()));
+    }
+    if !is_line(&stage.recipe) {
+        return Err(fault("its recipe is not one line of printable ASCII".to_owned()));
+    }
+    if stage.places.is_empty() {
+        return Err(fault("nothing stands on it".to_owned()));
+    }
+    for (index, plant) in stage.plants.iter().enumerate() {
+        if strange(&plant.name) {
+            return Err(fault(format!("the name of plant {index} is empty or holds control characters")));
+        }
+        let levels = plant.levels().len();
+        if levels == 0 || plant.seasons.iter().any(|season| season.levels.len() != levels) {
+            return Err(fault(format!("the seasons of plant {index} differ in levels, or have none")));
+        }
+    }
+    for (index, place) in stage.places.iter().enumerate() {
+        if place.plant >= stage.plants.len() {
+            return Err(fault(format!(
+                "place {index} is for plant {} of {}",
+                place.plant,
+                stage.plants.len()
+            )));
+        }
+        let is_there = place.position.is_finite() && place.turn_rad.is_finite();
+        if !is_there || !place.scale.is_finite() || place.scale <= 0.0 {
+            return Err(fault(format!("place {index} is nowhere: {place:?}")));
+        }
+    }
+    Ok(())
+}
+
+/// The scene of a stage that holds one tree; its finest level, and its first season: the skeleton is
+/// the same in all of them.
+pub(crate) fn check_single<'a>(
+    stage: &Stage<'a>,
+    format: &'static str,
+    monitor: &dyn Monitor,
+) -> Result<&'a Scene, ExportError> {
+    check_stage(stage)?;
+    let first = stage.plants.first().and_then(|plant| plant.levels().first());
+    let Some(first) = first.filter(|_| stage.is_single()) else {
+        let advice = "write its trees one by one, or the whole as glb or usda";
+        return Err(ExportError::Holds { format, what: "several trees", advice });
+    };
+    check(first.scene, monitor)?;
+    Ok(first.scene)
+}
+
+fn is_line(text: &str) -> bool {
+    text.bytes().all(|byte| (b' '..=b'~').contains(&byte))
+}
 
 /// Checks every number and index of a scene. Gives the box around each part on the way: smallest and
 /// largest of the stored coordinates, exactly.
@@ -18,7 +78,7 @@ pub(crate) fn check(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Bounds>,
     if scene.name.is_empty() || scene.name.chars().any(char::is_control) {
         return Err(fault("its name is empty or holds control characters"));
     }
-    if !scene.recipe.bytes().all(|byte| (b' '..=b'~').contains(&byte)) {
+    if !is_line(&scene.recipe) {
         return Err(fault("its recipe is not one line of printable ASCII"));
     }
     if scene.parts.is_empty() {
@@ -201,13 +261,18 @@ mod tests {
                 let output = Output::default();
                 let mut bundle = Bundle::stream("test", output.clone());
                 let options = Options::new(exporter.format());
-                let said =
-                    exporter.write(&scene, &options, &mut bundle, &linden::Quiet).unwrap_err().to_string();
+                let said = exporter
+                    .write(&Stage::of(&scene), &options, &mut bundle, &linden::Quiet)
+                    .unwrap_err()
+                    .to_string();
                 assert!(said.contains(expected), "{}: {said:?} lacks {expected:?}", exporter.format().id);
                 assert!(output.bytes().is_empty());
             }
             let mut bundle = Bundle::stream("test", Output::default());
-            exporter.write(&scene(), &Options::new(exporter.format()), &mut bundle, &linden::Quiet).unwrap();
+            let scene = scene();
+            exporter
+                .write(&Stage::of(&scene), &Options::new(exporter.format()), &mut bundle, &linden::Quiet)
+                .unwrap();
         }
     }
 

@@ -2,27 +2,29 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use linden::scene::{Bounds, Part, Scene};
+use linden::scene::Mesh;
 
 use super::document::{Accessor, Attributes, BufferView, ComponentType};
 use super::tangents::tangents;
+use crate::cast::{Cast, Piece};
 use crate::picture::{self, Named};
 use crate::{ExportError, Sink};
 
 const ARRAY_BUFFER: u16 = 34962;
 const ELEMENT_ARRAY_BUFFER: u16 = 34963;
 
-/// Where everything lies: the parts' arrays in order, then the pictures. Every view starts at a
+/// Where everything lies: the meshes' arrays in order, then the pictures. Every view starts at a
 /// multiple of four, which suits every component type used, and zeros fill the gaps.
 pub(super) struct Layout {
     pub views: Vec<BufferView>,
     pub accessors: Vec<Accessor>,
+    /// As many as [`Cast::pieces`].
     pub primitives: Vec<PrimitiveArrays>,
     blobs: Vec<Vec<u8>>,
     bytes: u64,
 }
 
-/// Accessors of a part.
+/// Accessors of a mesh.
 pub(super) struct PrimitiveArrays {
     first: usize,
     with_tangents: bool,
@@ -41,8 +43,8 @@ impl PrimitiveArrays {
 }
 
 impl Layout {
-    /// Lays out the parts' arrays; `pictures` are those that will be written.
-    pub fn of_meshes(scene: &Scene, bounds: &[Bounds], pictures: &[Named<'_>]) -> Self {
+    /// Lays out the meshes' arrays; `pictures` are those that will be written.
+    pub fn of_meshes(cast: &Cast<'_>, pictures: &[Named<'_>]) -> Self {
         let mut layout = Self {
             views: Vec::new(),
             accessors: Vec::new(),
@@ -50,9 +52,9 @@ impl Layout {
             blobs: Vec::new(),
             bytes: 0,
         };
-        for (part, bounds) in scene.parts.iter().zip(bounds) {
+        for Piece { mesh, bounds, look, .. } in cast.pieces() {
             let first = layout.accessors.len();
-            let count = part.mesh.positions.len();
+            let count = mesh.positions.len();
             let f32s = |layout: &mut Self, shape, bytes| {
                 layout.push(count, shape, ComponentType::F32, bytes, ARRAY_BUFFER);
             };
@@ -61,14 +63,14 @@ impl Layout {
             f32s(&mut layout, "VEC2", 8);
             layout.accessors[first].min = Some(bounds.min.to_array());
             layout.accessors[first].max = Some(bounds.max.to_array());
-            let normal_picture = scene.materials[part.material].normal_picture.as_ref();
+            let normal_picture = cast.looks[*look].material.normal_picture.as_ref();
             let with_tangents = picture::index_of(pictures, normal_picture).is_some();
             if with_tangents {
                 f32s(&mut layout, "VEC4", 16);
             }
-            let kind = index_type(part);
+            let kind = index_type(mesh);
             let bytes = if kind == ComponentType::U16 { 2 } else { 4 };
-            layout.push(part.mesh.triangles.len() * 3, "SCALAR", kind, bytes, ELEMENT_ARRAY_BUFFER);
+            layout.push(mesh.triangles.len() * 3, "SCALAR", kind, bytes, ELEMENT_ARRAY_BUFFER);
             let indices = layout.accessors.len() - 1;
             layout.primitives.push(PrimitiveArrays { first, with_tangents, indices });
         }
@@ -107,9 +109,9 @@ impl Layout {
     }
 
     /// Writes the buffer.
-    pub fn write(&self, scene: &Scene, out: &mut impl Chunk) -> Result<(), ExportError> {
-        for (part, primitive) in scene.parts.iter().zip(&self.primitives) {
-            write_part(part, primitive.with_tangents, out)?;
+    pub fn write(&self, cast: &Cast<'_>, out: &mut impl Chunk) -> Result<(), ExportError> {
+        for (piece, primitive) in cast.pieces().zip(&self.primitives) {
+            write_mesh(piece.mesh, primitive.with_tangents, out)?;
         }
         for blob in &self.blobs {
             out.put(blob)?;
@@ -120,12 +122,11 @@ impl Layout {
 }
 
 /// 16 bits where they reach; 65535 itself means "restart" to some hardware and is not allowed.
-fn index_type(part: &Part) -> ComponentType {
-    if u16::try_from(part.mesh.positions.len()).is_ok() { ComponentType::U16 } else { ComponentType::U32 }
+fn index_type(mesh: &Mesh) -> ComponentType {
+    if u16::try_from(mesh.positions.len()).is_ok() { ComponentType::U16 } else { ComponentType::U32 }
 }
 
-fn write_part(part: &Part, with_tangents: bool, out: &mut impl Chunk) -> Result<(), ExportError> {
-    let mesh = &part.mesh;
+fn write_mesh(mesh: &Mesh, with_tangents: bool, out: &mut impl Chunk) -> Result<(), ExportError> {
     out.put(bytemuck::cast_slice(&mesh.positions))?;
     out.put(bytemuck::cast_slice(&mesh.normals))?;
     // V runs down in glTF: the origin is the upper left corner of the picture.
@@ -138,7 +139,7 @@ fn write_part(part: &Part, with_tangents: bool, out: &mut impl Chunk) -> Result<
     if with_tangents {
         out.put(bytemuck::cast_slice(&tangents(mesh)))?;
     }
-    if index_type(part) == ComponentType::U32 {
+    if index_type(mesh) == ComponentType::U32 {
         return out.put(bytemuck::cast_slice(&mesh.triangles));
     }
     let mut short: Vec<[u16; 3]> = Vec::with_capacity(PIECE.min(mesh.triangles.len()));

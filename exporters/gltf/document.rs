@@ -9,9 +9,14 @@ use serde_json::value::RawValue;
 /// The root. `buffers` stands before everything that carries names from outside: the writer of data
 /// URIs looks for the first one.
 #[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
 pub(super) struct Document {
     pub asset: Asset,
     pub buffers: [Buffer; 1],
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub extensions_used: Vec<&'static str>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub extensions_required: Vec<&'static str>,
     pub scene: usize,
     pub scenes: [SceneRoot; 1],
     pub nodes: Vec<Node>,
@@ -24,7 +29,6 @@ pub(super) struct Document {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub samplers: Vec<Sampler>,
     pub accessors: Vec<Accessor>,
-    #[serde(rename = "bufferViews")]
     pub buffer_views: Vec<BufferView>,
 }
 
@@ -46,7 +50,7 @@ pub(super) struct Buffer {
 #[derive(Serialize)]
 pub(super) struct SceneRoot {
     pub name: String,
-    pub nodes: [usize; 1],
+    pub nodes: Vec<usize>,
 }
 
 #[derive(Default, Serialize)]
@@ -54,23 +58,62 @@ pub(super) struct Node {
     pub name: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub translation: Option<[f32; 3]>,
+    /// A unit quaternion: x, y, z, w.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotation: Option<[f32; 4]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scale: Option<[f32; 3]>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub children: Vec<usize>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub extras: Option<Extras>,
+    #[serde(skip_serializing_if = "NodeExtensions::is_empty")]
+    pub extensions: NodeExtensions,
+    #[serde(skip_serializing_if = "Extras::is_empty")]
+    pub extras: Extras,
 }
 
-/// What only linden reads; other programs keep it.
+#[derive(Default, Serialize)]
+pub(super) struct NodeExtensions {
+    #[serde(rename = "MSFT_lod", skip_serializing_if = "Option::is_none")]
+    pub lod: Option<Lod>,
+}
+
+impl NodeExtensions {
+    fn is_empty(&self) -> bool {
+        self.lod.is_none()
+    }
+}
+
+/// `MSFT_lod`: the node is the finest level, and these are the others, finer ones first.
 #[derive(Serialize)]
+pub(super) struct Lod {
+    pub ids: Vec<usize>,
+}
+
+/// What no extension says; other programs keep it.
+#[derive(Default, Serialize)]
 pub(super) struct Extras {
     /// The recipe, letter by letter: a JSON object where it is one, else a string.
-    pub linden: Box<RawValue>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub linden: Option<Box<RawValue>>,
+    /// Down to which share of the picture each level serves (`MSFT_lod` has it in the extras).
+    #[serde(rename = "MSFT_screencoverage", skip_serializing_if = "Vec::is_empty")]
+    pub screen_coverage: Vec<f32>,
+}
+
+impl Extras {
+    fn is_empty(&self) -> bool {
+        self.linden.is_none() && self.screen_coverage.is_empty()
+    }
 }
 
 #[derive(Serialize)]
 pub(super) struct Mesh {
     pub name: String,
-    pub primitives: [Primitive; 1],
+    pub primitives: Vec<Primitive>,
+    #[serde(skip_serializing_if = "Extras::is_empty")]
+    pub extras: Extras,
 }
 
 #[derive(Serialize)]

@@ -18,14 +18,16 @@ mod syntax;
 use glam::Vec3;
 use linden::Monitor;
 use linden::memory::bytes_of;
-use linden::scene::{Bounds, Part, Scene};
+use linden::scene::{Bounds, Mesh};
 use linden::skeleton::{Axis, NO_PARENT, Skeleton};
+use linden::stage::Stage;
 
 use self::syntax::{Names, identifier, quoted, tuple};
+use crate::cast::{Cast, Piece};
 use crate::chunks::{self, Text};
+use crate::memory;
 use crate::options::{OptionSpec, Options};
 use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, picture};
-use crate::{memory, sound};
 
 /// OpenUSD as text.
 pub(crate) struct Usda;
@@ -50,13 +52,18 @@ impl Exporter for Usda {
 
     fn write(
         &self,
-        scene: &Scene,
+        stage: &Stage<'_>,
         options: &Options,
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
-        let bounds = sound::check(scene, monitor)?;
-        let mut pictures = if options.is_on("pictures") { picture::pictures(scene) } else { Vec::new() };
+        let cast = Cast::of(stage, monitor)?;
+        let Some((_, model)) = cast.placed(stage).next().filter(|_| stage.is_plain()) else {
+            let advice = "write its trees one by one, or the whole as glb";
+            return Err(ExportError::Holds { format: FORMAT.id, what: "several trees or levels", advice });
+        };
+        let mut pictures =
+            if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
         if !pictures.is_empty() && !bundle.takes_side_files() {
             bundle.note(
                 "USD keeps pictures in files beside it: left out of a single stream, one colour instead",
@@ -64,37 +71,39 @@ impl Exporter for Usda {
             pictures.clear();
         }
         // Texture coordinates each once: a table of indices, at most half full, the values, an index a vertex.
-        let indexed = |part: &Part| {
-            let vertices = part.mesh.positions.len();
-            bytes_of::<u32>((2 * vertices).next_power_of_two()) + memory::per_vertex::<([f32; 2], u32)>(part)
+        let indexed = |mesh: &Mesh| {
+            let vertices = mesh.positions.len();
+            bytes_of::<u32>((2 * vertices).next_power_of_two()) + memory::per_vertex::<([f32; 2], u32)>(mesh)
         };
-        let own = memory::largest(scene, indexed) + memory::formatting(scene);
-        memory::admit(scene, &pictures, own, monitor)?;
+        let own = memory::largest(&cast, indexed) + memory::formatting(&cast);
+        memory::admit(stage, &pictures, own, monitor)?;
         for (named, png) in pictures.iter().zip(picture::compress(&pictures)?) {
             bundle.write_side(&named.suffix, Some(png.len() as u64), monitor, |out| out.write(png))?;
         }
         let files: Vec<_> = pictures.iter().map(|named| bundle.side_name(&named.suffix)).collect();
-        let root = identifier(&scene.name);
+        let root = identifier(&stage.name);
         let mut names = Names::default();
-        let materials: Vec<_> = scene.materials.iter().map(|m| names.unique(&m.name)).collect();
-        let head = header(scene, &root);
+        let materials: Vec<_> = cast.looks.iter().map(|look| names.unique(&look.name)).collect();
+        let head = header(stage, &root);
         bundle.write_main(None, monitor, |out| {
             out.write(head.as_bytes())?;
             out.write(b"    def Scope \"Geometry\"\n    {\n")?;
             let mut names = Names::default();
-            for (part, bounds) in scene.parts.iter().zip(&bounds) {
-                let binding = format!("/{root}/Materials/{}", materials[part.material]);
-                write_mesh(out, scene, part, &names.unique(&part.name), *bounds, &binding)?;
+            for piece in &model.pieces {
+                let binding = format!("/{root}/Materials/{}", materials[piece.look]);
+                write_mesh(out, &cast, piece, &names.unique(piece.name), &binding)?;
             }
             if options.is_on("skeleton") {
-                write_skeleton(out, &scene.skeleton, &names.unique("Skeleton"))?;
+                write_skeleton(out, &model.scene.skeleton, &names.unique("Skeleton"))?;
             }
             out.write(b"    }\n\n    def Scope \"Materials\"\n    {\n")?;
-            for (material, name) in scene.materials.iter().zip(&materials) {
-                let text =
-                    material::describe(material, name, &format!("/{root}/Materials/{name}"), |picture| {
-                        picture::index_of(&pictures, picture).map(|index| files[index].as_str())
-                    });
+            for (look, name) in cast.looks.iter().zip(&materials) {
+                let text = material::describe(
+                    look.material,
+                    name,
+                    &format!("/{root}/Materials/{name}"),
+                    |picture| picture::index_of(&pictures, picture).map(|index| files[index].as_str()),
+                );
                 out.write(text.as_bytes())?;
             }
             out.write(b"    }\n}\n")
@@ -103,9 +112,9 @@ impl Exporter for Usda {
 }
 
 /// The layer's metadata and the root prim up to its children.
-fn header(scene: &Scene, root: &str) -> String {
-    let name = quoted(&scene.name);
-    let recipe = quoted(&scene.recipe);
+fn header(stage: &Stage<'_>, root: &str) -> String {
+    let name = quoted(&stage.name);
+    let recipe = quoted(&stage.recipe);
     let generator = quoted(GENERATOR);
     format!(
         r#"#usda 1.0
@@ -139,14 +148,12 @@ def Xform "{root}" (
 
 fn write_mesh(
     out: &mut Sink<'_>,
-    scene: &Scene,
-    part: &Part,
+    cast: &Cast<'_>,
+    &Piece { mesh, bounds, look, .. }: &Piece<'_>,
     name: &str,
-    bounds: Bounds,
     material: &str,
 ) -> Result<(), ExportError> {
-    let mesh = &part.mesh;
-    let material_of = &scene.materials[part.material];
+    let material_of = cast.looks[look].material;
     let head = format!(
         r#"        def Mesh "{name}" (
             prepend apiSchemas = ["MaterialBindingAPI"]

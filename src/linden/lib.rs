@@ -21,6 +21,7 @@ pub mod random;
 pub mod recipe;
 pub mod scene;
 pub mod skeleton;
+pub mod stage;
 pub mod surface;
 pub mod texture;
 

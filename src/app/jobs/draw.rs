@@ -261,7 +261,7 @@ impl Painter {
             points: if request.points { points } else { &[] },
             outline: if request.outline { &shown.outline } else { &[] },
             person: request.person,
-            leaf_colors: &shown.recipe.preset.foliage.leaf_colors,
+            leaf_colors: shown.recipe.preset.foliage.turtle_colors(),
             draft: request.detail == Detail::Draft,
             ..base
         };

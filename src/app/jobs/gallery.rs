@@ -13,7 +13,7 @@ use linden::grow::{GrowError, Grown, grow};
 use linden::knob::Value;
 use linden::lsystem::LsystemError;
 use linden::picture::Picture;
-use linden::preset::{Generator, PresetKnob, Section};
+use linden::preset::{Generator, PresetKnob};
 use linden::recipe::{Geometry, Recipe};
 use linden::{Cancelled, Monitor};
 use linden_raster::extent::RINGS;
@@ -254,6 +254,7 @@ impl Studio<'_> {
             skeleton: Arc::clone(&sitter.plant.skeleton),
             wood: recipe.preset.wood,
             organs: Arc::clone(&sitter.plant.organs),
+            given: Arc::default(),
             symbols: None,
             colonized: None,
             notes: Vec::new(),
@@ -275,7 +276,7 @@ impl Studio<'_> {
         let style = Style {
             paint,
             organs: Some(&sitter.plant.organs),
-            leaf_colors: &sitter.recipe.preset.foliage.leaf_colors,
+            leaf_colors: sitter.recipe.preset.foliage.turtle_colors(),
             ..base
         };
         let drawn =

@@ -1,5 +1,7 @@
 //! The leaves with fewer of them.
 
+use std::sync::Arc;
+
 use rayon::prelude::*;
 
 use super::wood::GOLDEN;
@@ -34,6 +36,9 @@ impl<'a> Leaves<'a> {
             let range = task * PER_TASK..organs.len().min((task + 1) * PER_TASK);
             Ok(range
                 .map(|organ| {
+                    if let Some(placed) = organ.checked_sub(organs.polygons.ends.len()) {
+                        return organs.mesh(placed).triangles.len() as u32;
+                    }
                     mesh.triangles.clear();
                     mesh.positions.clear();
                     mesh.normals.clear();
@@ -97,7 +102,7 @@ impl<'a> Leaves<'a> {
 
 /// Some of the organs, larger: round the place where they are attached.
 fn selected(all: &Organs, stays: impl Fn(usize) -> bool, scale: f32) -> Organs {
-    let mut some = Organs::default();
+    let mut some = Organs { shapes: Arc::clone(&all.shapes), ..Organs::default() };
     let (own, new) = (&all.polygons, &mut some.polygons);
     for polygon in (0..own.ends.len()).filter(|&polygon| stays(polygon)) {
         let corners = all.corners_of(polygon);

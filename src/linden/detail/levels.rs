@@ -3,14 +3,16 @@
 use std::sync::Arc;
 
 use super::billboard::{Billboard, billboard};
-use super::{Detail, DetailError, Simplified, Simplifier};
-use crate::dress::dress;
+use super::{DetailError, Simplified, Simplifier};
+use crate::dress::Wardrobe;
 use crate::grow::Grown;
 use crate::memory::Holding;
 use crate::monitor::Monitor;
 use crate::preset::Preset;
 use crate::recipe::Recipe;
-use crate::scene::{Material, Scene};
+use crate::scene::Scene;
+use crate::stage::{self, Stage};
+use crate::surface::Tubes;
 
 /// Levels of detail of one tree.
 #[derive(Debug)]
@@ -19,6 +21,16 @@ pub struct Levels {
     pub levels: Vec<Level>,
     /// What the user should know.
     pub notes: Vec<String>,
+}
+
+impl Levels {
+    /// What exporters take.
+    pub fn stage(&self) -> Stage<'_> {
+        let levels = self.levels.iter();
+        let levels = levels.map(|Level { scene, coverage }| stage::Level { scene, coverage: *coverage });
+        // There is one at least.
+        Stage::of_levels(&self.levels[0].scene, levels.collect())
+    }
 }
 
 /// A tree in one level of detail.
@@ -42,8 +54,9 @@ pub fn levels(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<L
     let Preset { detail, .. } = &recipe.preset;
     let mut notes = Vec::new();
     let mut scenes: Vec<Scene> = Vec::new();
+    let wardrobe = Wardrobe::new(recipe, &grown.organs, monitor)?;
     if detail.triangles == 0 && detail.lods <= 1 {
-        scenes.push(dress(recipe, grown, monitor)?);
+        scenes.push(wardrobe.dress(recipe, grown, monitor)?);
     } else {
         let simplifier = Simplifier::new(&recipe.preset, grown, monitor)?;
         let full = simplifier.full_triangles(monitor)?;
@@ -63,7 +76,8 @@ pub fn levels(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<L
             }
             let own = simplifier.within(budget, monitor)?;
             let held = Holding::new(monitor, scenes.iter().map(Scene::bytes).sum());
-            scenes.push(simplifier.scene(&own, recipe, grown, scenes.first(), &held)?);
+            let thin = simplifier.simplified(&own, &held)?;
+            scenes.push(dressed(thin, &wardrobe, recipe, grown, &held)?);
             budget = (budget as f64 * detail.lod_ratio) as u64;
         }
     }
@@ -83,35 +97,36 @@ pub fn levels(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<L
     Ok(Levels { levels: scenes.into_iter().enumerate().map(level).collect(), notes })
 }
 
-impl Simplifier<'_> {
-    /// Dresses a level. Materials are those of `finer`, where there is one: pictures are drawn once.
-    fn scene(
-        &self,
-        detail: &Detail,
-        recipe: &Recipe,
-        grown: &Grown,
-        finer: Option<&Scene>,
-        monitor: &dyn Monitor,
-    ) -> Result<Scene, DetailError> {
-        let Simplified { skeleton, organs, tubes, .. } = self.simplified(detail, monitor)?;
-        let mut own = recipe.clone();
-        own.preset.tubes = tubes;
-        if finer.is_some() {
-            own.preset.bark.size_px = SMALLEST_PICTURE_PX;
-        }
-        let thin = Grown { skeleton: Arc::new(skeleton), organs: Arc::new(organs), ..grown.clone() };
-        let mut scene = dress(&own, &thin, monitor)?;
-        scene.recipe = recipe.to_line();
-        scene.skeleton = Arc::clone(&grown.skeleton);
-        for material in &mut scene.materials {
-            let same = |known: &&Material| known.name == material.name;
-            if let Some(known) = finer.and_then(|finer| finer.materials.iter().find(same)) {
-                material.clone_from(known);
-            }
-        }
-        Ok(scene)
+/// The finest level's wood and leaves, as `triangles` has them, and how the wood is swept: what is
+/// measured where nothing is to be dressed.
+///
+/// # Errors
+/// [`DetailError`].
+pub fn finest(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<(Grown, Tubes), DetailError> {
+    let Preset { detail, tubes, .. } = &recipe.preset;
+    if detail.triangles == 0 {
+        return Ok((grown.clone(), *tubes));
     }
+    let simplifier = Simplifier::new(&recipe.preset, grown, monitor)?;
+    let own = simplifier.within(detail.triangles, monitor)?;
+    let Simplified { skeleton, organs, tubes, .. } = simplifier.simplified(&own, monitor)?;
+    Ok((Grown { skeleton: Arc::new(skeleton), organs: Arc::new(organs), ..grown.clone() }, tubes))
 }
 
-/// Pictures that are drawn to be thrown away.
-const SMALLEST_PICTURE_PX: u32 = 16;
+/// Dresses a level.
+fn dressed(
+    Simplified { skeleton, organs, tubes, .. }: Simplified,
+    wardrobe: &Wardrobe,
+    recipe: &Recipe,
+    grown: &Grown,
+    monitor: &dyn Monitor,
+) -> Result<Scene, DetailError> {
+    let mut own = recipe.clone();
+    own.preset.tubes = tubes;
+    let thin = Grown { skeleton: Arc::new(skeleton), organs: Arc::new(organs), ..grown.clone() };
+    let mut scene = wardrobe.dress(&own, &thin, monitor)?;
+    // Whatever is shown of it, this is the tree.
+    scene.recipe = recipe.to_line();
+    scene.skeleton = Arc::clone(&grown.skeleton);
+    Ok(scene)
+}

@@ -17,6 +17,13 @@ pub struct DetailLook {
     pub billboard_size_px: u32,
 }
 
+impl DetailLook {
+    /// How many levels there will be at most, the planes included.
+    pub const fn levels(&self) -> usize {
+        self.lods as usize + (self.billboard > 0) as usize
+    }
+}
+
 impl Default for DetailLook {
     /// One level, with everything.
     fn default() -> Self {

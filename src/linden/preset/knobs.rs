@@ -1,7 +1,10 @@
 //! The table of all knobs that presets have. Documents, the command line, the schema, the help and
 //! the workbench's form are made from it; a new knob is a field and a row, both in its section's file.
 
-use super::{Colonization, Preset, Space, bark, colonization, detail, foliage, lsystem, surface, wood};
+use super::item::Field;
+use super::{
+    Colonization, LeafKind, Preset, Space, bark, colonization, detail, foliage, lsystem, surface, wood,
+};
 use crate::colonization::crown::{self, SHAPES, ShapeKnob};
 use crate::knob::{Kind, Knob, Value};
 
@@ -72,8 +75,13 @@ pub struct PresetKnob {
 /// How a knob reaches its field.
 #[derive(Clone, Copy)]
 pub(super) enum Access {
-    Field { read: fn(&Preset) -> Option<Value>, write: fn(&mut Preset, Value) },
+    Field {
+        read: fn(&Preset) -> Option<Value>,
+        write: fn(&mut Preset, Value),
+    },
     Dimension(&'static ShapeKnob),
+    /// Of the first kind of leaves.
+    Leaf(Field<LeafKind>),
 }
 
 impl PresetKnob {
@@ -91,6 +99,7 @@ impl PresetKnob {
                 let set = dimensions.iter().find(|(name, _)| *name == own.knob.name);
                 Some(set.map_or_else(own.default, |(_, value)| value.clone()))
             }
+            Access::Leaf(own) => Some((own.read)(&preset.foliage.first)),
         }
     }
 
@@ -109,6 +118,7 @@ impl PresetKnob {
                     *dimensions = shape.complete(dimensions);
                 }
             }
+            Access::Leaf(own) => (own.write)(&mut preset.foliage.first, value),
         }
     }
 }

@@ -1,0 +1,165 @@
+//! The scene graph: what stands where, in which levels of detail.
+//!
+//! A tree alone has a node and a mesh per part. In a forest a plant is one mesh with a primitive per
+//! part, so that a place is a single node, and nodes of the same plant share its mesh.
+
+use linden::stage::{Place, Stage};
+
+use super::buffer::PrimitiveArrays;
+use super::document::{Extras, Lod, Mesh, Node, NodeExtensions, Primitive};
+use super::recipe;
+use crate::cast::{Cast, Piece};
+
+/// The graph and what it refers to. The first node is the root.
+pub(super) struct SceneGraph {
+    pub nodes: Vec<Node>,
+    pub meshes: Vec<Mesh>,
+    pub extensions: Vec<&'static str>,
+}
+
+/// Builds the graph; `arrays` are those of [`Cast::pieces`].
+pub(super) fn nodes(stage: &Stage<'_>, cast: &Cast<'_>, arrays: &[PrimitiveArrays]) -> SceneGraph {
+    let root = Node {
+        name: stage.name.clone(),
+        extras: Extras { linden: recipe(&stage.recipe), ..Extras::default() },
+        ..Node::default()
+    };
+    let mut graph = Graph { stage, cast, nodes: vec![root], meshes: Vec::new(), first_mesh: Vec::new() };
+    graph.add_meshes(arrays);
+    let children: Vec<usize> = if stage.is_plain() {
+        graph.parts(0)
+    } else if stage.is_single() {
+        vec![graph.levels(&stage.places[0], &stage.plants[0].name, Graph::assembly)]
+    } else {
+        let numbered = (1..).zip(&stage.places);
+        numbered
+            .map(|(number, place)| {
+                let name = format!("{}_{number}", stage.plants[place.plant].name);
+                graph.levels(place, &name, Graph::shared)
+            })
+            .collect()
+    };
+    graph.nodes[0].children = children;
+    let has_levels = graph.nodes.iter().any(|node| node.extensions.lod.is_some());
+    SceneGraph {
+        nodes: graph.nodes,
+        meshes: graph.meshes,
+        extensions: Vec::from_iter(has_levels.then_some("MSFT_lod")),
+    }
+}
+
+struct Graph<'a> {
+    stage: &'a Stage<'a>,
+    cast: &'a Cast<'a>,
+    nodes: Vec<Node>,
+    meshes: Vec<Mesh>,
+    /// The first mesh of each model.
+    first_mesh: Vec<usize>,
+}
+
+impl Graph<'_> {
+    fn add_meshes(&mut self, arrays: &[PrimitiveArrays]) {
+        let is_single = self.stage.is_single();
+        let mut arrays = arrays.iter();
+        for (plant, own) in self.stage.plants.iter().enumerate() {
+            let levels = self.cast.levels(plant);
+            for index in 0..self.cast.seasons(plant) * levels {
+                let model = &self.cast.models[self.first_model(plant) + index];
+                let suffix = suffix(index % levels, levels);
+                let primitives =
+                    model.pieces.iter().zip(&mut arrays).map(|(piece, arrays)| primitive(piece, arrays));
+                let primitives: Vec<Primitive> = primitives.collect();
+                self.first_mesh.push(self.meshes.len());
+                if is_single {
+                    self.meshes.extend(model.pieces.iter().zip(primitives).map(|(piece, primitive)| Mesh {
+                        name: format!("{}{suffix}", piece.name),
+                        primitives: vec![primitive],
+                        extras: Extras::default(),
+                    }));
+                } else {
+                    // The forest's recipe is the root's; each tree has its own beside.
+                    let extras = Extras { linden: recipe(&model.scene.recipe), ..Extras::default() };
+                    self.meshes.push(Mesh { name: format!("{}{suffix}", own.name), primitives, extras });
+                }
+            }
+        }
+    }
+
+    fn first_model(&self, plant: usize) -> usize {
+        self.cast.model(plant, 0, 0)
+    }
+
+    fn push(&mut self, node: Node) -> usize {
+        self.nodes.push(node);
+        self.nodes.len() - 1
+    }
+
+    /// A node for each part of a model.
+    fn parts(&mut self, model: usize) -> Vec<usize> {
+        let first = self.first_mesh[model];
+        let count = self.cast.models[model].pieces.len();
+        (first..first + count)
+            .map(|mesh| {
+                let name = self.meshes[mesh].name.clone();
+                self.push(Node { name, mesh: Some(mesh), ..Node::default() })
+            })
+            .collect()
+    }
+
+    /// A tree alone: its parts below a node.
+    fn assembly(&mut self, model: usize, name: String) -> Node {
+        Node { name, children: self.parts(model), ..Node::default() }
+    }
+
+    /// A tree among others: the mesh that they share.
+    fn shared(&mut self, model: usize, name: String) -> Node {
+        Node { name, mesh: Some(self.first_mesh[model]), ..Node::default() }
+    }
+
+    /// A place's plant in all its levels; gives the node of the finest, which names the others.
+    fn levels(
+        &mut self,
+        place: &Place,
+        name: &str,
+        make: impl Fn(&mut Self, usize, String) -> Node,
+    ) -> usize {
+        let levels = self.cast.levels(place.plant);
+        let of_levels: Vec<usize> = (0..levels)
+            .map(|level| {
+                let model = self.cast.model(place.plant, 0, level);
+                let node = make(self, model, format!("{name}{}", suffix(level, levels)));
+                self.push(Node { ..placed(place, node) })
+            })
+            .collect();
+        let (finest, others) = (of_levels[0], &of_levels[1..]);
+        if !others.is_empty() {
+            let coverage = self.stage.plants[place.plant].levels().iter().map(|level| level.coverage);
+            let node = &mut self.nodes[finest];
+            node.extras.screen_coverage = coverage.collect();
+            node.extensions = NodeExtensions { lod: Some(Lod { ids: others.to_vec() }) };
+        }
+        finest
+    }
+}
+
+/// What the name of a level ends in.
+fn suffix(level: usize, levels: usize) -> String {
+    if levels > 1 { format!("_LOD{level}") } else { String::new() }
+}
+
+fn primitive(piece: &Piece<'_>, arrays: &PrimitiveArrays) -> Primitive {
+    Primitive { attributes: arrays.attributes(), indices: arrays.indices, material: piece.look }
+}
+
+/// A node where its plant stands.
+fn placed(place: &Place, node: Node) -> Node {
+    if place.is_origin() {
+        return node;
+    }
+    Node {
+        translation: Some(place.position.to_array()),
+        rotation: (place.turn_rad != 0.0).then(|| place.rotation().to_array()),
+        scale: (place.scale != 1.0).then_some([place.scale; 3]),
+        ..node
+    }
+}
