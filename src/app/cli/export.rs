@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::Args;
-use linden::dress::dress;
-use linden::stage::Stage;
+use linden::detail::levels;
 use linden_exporters::{Bundle, Exporter, Options, REGISTRY, find, for_path};
 
 use super::Growing;
@@ -27,6 +26,22 @@ pub struct Export {
     /// Write these formats: one for all outputs, or one for each; without -o to SOURCE.ENDING
     #[arg(long, value_name = "FORMAT", value_delimiter = ',')]
     format: Vec<String>,
+
+    #[command(flatten)]
+    budget: super::Budget,
+
+    /// So many levels of detail, the same tree with fewer triangles each time; the same as --set lods=N
+    #[arg(long, value_name = "N")]
+    lods: Option<u32>,
+
+    /// Triangles of a level / triangles of the one before; the same as --set lod_ratio=X
+    #[arg(long, value_name = "X")]
+    lod_ratio: Option<f64>,
+
+    /// A last level of crossed planes with pictures of the tree, two or as many as said; the same as
+    /// --set billboard=N
+    #[arg(long, value_name = "PLANES", num_args = 0..=1, default_missing_value = "2")]
+    billboard: Option<u32>,
 }
 
 impl Export {
@@ -34,6 +49,13 @@ impl Export {
         let progress = Progress::new();
         let (own, of_formats): (Vec<_>, Vec<_>) =
             self.growing.pairs()?.into_iter().partition(|(name, _)| !name.contains('.'));
+        let flags = [
+            ("lods", self.lods.map(|n| n.to_string())),
+            ("lod_ratio", self.lod_ratio.map(|x| x.to_string())),
+            ("billboard", self.billboard.map(|n| n.to_string())),
+        ];
+        let flags = flags.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?)));
+        let own: Vec<_> = own.into_iter().chain(self.budget.pair()).chain(flags).collect();
         let source = self.growing.resolve_with(&own, &progress)?;
         let outputs = self.outputs(&source.recipe.preset.id)?;
         check_formats(&of_formats, &outputs)?;
@@ -45,7 +67,8 @@ impl Export {
                     options.set(name, value).map_err(usage)?;
                 }
             }
-            batch.push(Output { exporter, options, path });
+            batch
+                .extend(Output::new(exporter, options, path).in_levels(source.recipe.preset.detail.levels()));
         }
         // Every target is tried before anything grows.
         let mut batch = Batch::open(batch, source.files.clone(), |output| {
@@ -60,8 +83,9 @@ impl Export {
             return Err(usage("only one output can be standard output: name files for the others"));
         }
         let grown = super::grown(&source, &progress)?;
-        let scene = dress(&source.recipe, &grown, &progress).with_context(|| source.shown.clone())?;
-        batch.write(&Stage::of(&scene), &progress, |notes| super::notes(notes, &progress))?;
+        let levels = levels(&source.recipe, &grown, &progress).with_context(|| source.shown.clone())?;
+        super::notes(&levels.notes, &progress);
+        batch.write(&levels.stage(), &progress, |notes| super::notes(notes, &progress))?;
         let written = batch.commit()?;
         progress.clear();
         // The list of files is the result, unless a file itself is.

@@ -99,6 +99,20 @@ struct Growing {
     seed: Option<u64>,
 }
 
+/// How much of it is shown: shared by the commands that make a surface of it.
+#[derive(Args)]
+struct Budget {
+    /// Solve for so many triangles, within 5 %; the same as --set triangles=N
+    #[arg(long, value_name = "N")]
+    triangles: Option<u64>,
+}
+
+impl Budget {
+    fn pair(&self) -> Option<(String, String)> {
+        self.triangles.map(|n| ("triangles".to_owned(), n.to_string()))
+    }
+}
+
 impl Growing {
     /// The source with its knobs turned. Notes about it go to standard error.
     fn resolve(&self, progress: &Progress) -> anyhow::Result<Source> {

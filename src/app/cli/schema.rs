@@ -84,7 +84,7 @@ fn document() -> Value {
                     json!({ "type": "array", "items": kind, "maxItems": MOST_KINDS - 1 }),
                 );
             }
-            Section::Wood | Section::Surface | Section::Bark => {}
+            _ => {}
         }
         let table = json!({ "type": "object", "properties": own, "additionalProperties": false });
         properties.insert(section.key().to_owned(), table);

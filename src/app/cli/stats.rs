@@ -6,6 +6,7 @@ use anyhow::Context;
 use clap::Args;
 use linden::Vec3;
 use linden::colonization::scan::Spread;
+use linden::detail::finest;
 use linden::foliage::meshes;
 use linden::grow::Scanned;
 use linden::memory::Holding;
@@ -21,6 +22,9 @@ use crate::progress::Progress;
 pub struct Stats {
     #[command(flatten)]
     growing: Growing,
+
+    #[command(flatten)]
+    budget: super::Budget,
 
     /// Machine-readable; what does not apply is null
     #[arg(long)]
@@ -106,7 +110,8 @@ struct Seconds {
 impl Stats {
     pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
-        let source = self.growing.resolve(&progress)?;
+        let own: Vec<_> = self.growing.pairs()?.into_iter().chain(self.budget.pair()).collect();
+        let source = self.growing.resolve_with(&own, &progress)?;
         let started = Instant::now();
         let grown = super::grown(&source, &progress)?;
         let grow_s = started.elapsed().as_secs_f64();
@@ -114,9 +119,10 @@ impl Stats {
         // The surface alone, and never the whole of it: trees can be measured that no mesh format holds.
         // The bark's pictures are not measured, and take longer than all else.
         let holding = Holding::new(&progress, grown.bytes());
-        let surface = survey(&grown.skeleton, &source.recipe.preset.tubes, &holding)
-            .with_context(|| source.shown.clone())?;
-        let foliage = meshes(&grown.organs, 1, &holding).with_context(|| source.shown.clone())?;
+        let (shown, tubes) =
+            finest(&source.recipe, &grown, &holding).with_context(|| source.shown.clone())?;
+        let surface = survey(&shown.skeleton, &tubes, &holding).with_context(|| source.shown.clone())?;
+        let foliage = meshes(&shown.organs, 1, &holding).with_context(|| source.shown.clone())?;
         let dress_s = started.elapsed().as_secs_f64();
 
         let skeleton = &grown.skeleton;
@@ -146,7 +152,7 @@ impl Stats {
             symbols: grown.symbols,
             triangles: surface.triangles + count(|mesh| mesh.triangles.len()),
             vertices: surface.vertices + count(|mesh| mesh.positions.len()),
-            leaves: grown.organs.len(),
+            leaves: shown.organs.len(),
             watertight: surface.topology.watertight(),
             bounds: Corners { min: bounds.min.to_array(), max: bounds.max.to_array() },
             skeleton_hash: format!("{:032x}", skeleton.hash()),

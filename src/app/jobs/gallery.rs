@@ -13,7 +13,7 @@ use linden::grow::{GrowError, Grown, grow};
 use linden::knob::Value;
 use linden::lsystem::LsystemError;
 use linden::picture::Picture;
-use linden::preset::{Generator, PresetKnob, Section};
+use linden::preset::{Generator, PresetKnob};
 use linden::recipe::{Geometry, Recipe};
 use linden::{Cancelled, Monitor};
 use linden_raster::extent::RINGS;
@@ -111,8 +111,7 @@ impl GalleryRequest {
 
     /// Whether all trees have the base's skeleton: only what covers it differs.
     fn shares_skeleton(&self) -> bool {
-        self.row()
-            .is_some_and(|row| matches!(row.section, Section::Surface | Section::Bark | Section::Foliage))
+        self.row().is_some_and(|row| row.section.covers())
     }
 }
 

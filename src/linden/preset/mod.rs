@@ -2,6 +2,7 @@
 
 mod bark;
 mod colonization;
+mod detail;
 mod document;
 mod foliage;
 mod item;
@@ -24,6 +25,7 @@ use crate::surface::Tubes;
 
 pub use bark::BarkLook;
 pub use colonization::{Colonization, Space};
+pub use detail::DetailLook;
 pub use document::{Fault, Place};
 pub use foliage::{Arrangement, Edge, FoliageLook, Form, LEAF_KNOBS, LeafKind, MOST_KINDS, Normals};
 pub use item::Field;
@@ -62,6 +64,8 @@ pub struct Preset {
     pub bark: BarkLook,
     /// How its leaves look.
     pub foliage: FoliageLook,
+    /// How much of it is shown.
+    pub detail: DetailLook,
 }
 
 /// How a tree grows.

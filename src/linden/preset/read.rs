@@ -4,7 +4,7 @@ use super::document::{Datum, Entry, Fault, Node, Place};
 use super::foliage;
 use super::knobs::{KNOBS, PresetKnob, Section, shape_knobs};
 use super::part::{self, PART};
-use super::{BarkLook, Colonization, FoliageLook, Generator, LSystem, Preset, Space};
+use super::{BarkLook, Colonization, DetailLook, FoliageLook, Generator, LSystem, Preset, Space};
 use crate::knob::{did_you_mean, excerpt, nearest};
 use crate::lsystem::{Grammar, Part};
 use crate::skeleton::Wood;
@@ -57,6 +57,7 @@ impl Preset {
             tubes: Tubes::default(),
             bark: BarkLook::default(),
             foliage: FoliageLook::default(),
+            detail: DetailLook::default(),
         }
     }
 }
