@@ -104,6 +104,29 @@ pub struct Format {
     pub options: &'static [OptionSpec],
 }
 
+impl Format {
+    /// What becomes of a plant's levels of detail.
+    pub fn levels(&self) -> LevelsIn {
+        match self.id {
+            "obj" | "ply" => LevelsIn::Files,
+            // The skeleton is the same in all of them.
+            "ply-skeleton" | "qsm" => LevelsIn::Nothing,
+            _ => LevelsIn::One,
+        }
+    }
+}
+
+/// Where a format has levels of detail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LevelsIn {
+    /// All in one file.
+    One,
+    /// It holds one: each takes a file of its own.
+    Files,
+    /// Nothing in it depends on the level.
+    Nothing,
+}
+
 /// All formats. Where two claim an ending, the first has it.
 pub static REGISTRY: &[&dyn Exporter] =
     &[&obj::Obj, &ply::Ply, &ply::PlySkeleton, &gltf::Gltf, &gltf::Glb, &usda::Usda, &qsm::Qsm];

@@ -6,6 +6,7 @@
 
 pub mod colonization;
 pub mod color;
+pub mod detail;
 pub mod dress;
 pub mod foliage;
 pub mod grow;

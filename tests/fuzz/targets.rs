@@ -453,7 +453,12 @@ fn input(bytes: &[u8]) -> String {
         Err(error) => drop(said(&error)),
     }
     match Input::read("tree.any", bytes, &budget()) {
-        Ok(input) => if matches!(input.geometry, Geometry::Mesh(_)) { "mesh" } else { "points" }.to_owned(),
+        Ok(input) => match input.geometry {
+            Geometry::Mesh(_) => "mesh",
+            Geometry::Points(_) => "points",
+            Geometry::Picture(_) => "picture",
+        }
+        .to_owned(),
         Err(error) => said(&error),
     }
 }

@@ -19,7 +19,7 @@ fn order(dir: &Path, formats: &[&str]) -> ExportOrder {
     let output = |id: &&str| {
         let exporter = find(id).unwrap();
         let path = dir.join(default_name("tree", exporter));
-        Output { exporter, options: Options::new(exporter.format()), path }
+        Output::new(exporter, Options::new(exporter.format()), path)
     };
     ExportOrder {
         number: 7,

@@ -4,6 +4,7 @@
 //! are joined, both ends are closed (`tube`). A lateral starts on its parent's centre line, inside
 //! the parent's tube. Uses no randomness; the mesh is bit-identical for any number of threads.
 
+mod count;
 mod curve;
 mod path;
 mod survey;
@@ -16,14 +17,16 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::prelude::*;
 
 use self::path::{Ring, Station};
-use self::tube::{Amount, Roundness, Target};
+use self::tube::{Roundness, Target};
 use crate::memory::{OverMemory, bytes_of};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::scene::Mesh;
 use crate::skeleton::{Axis, NO_PARENT, Skeleton};
 
+pub use count::count;
 pub use survey::{Survey, survey};
 pub use topology::{Topology, topology};
+pub use tube::Amount;
 
 /// How the skin is made.
 #[derive(Clone, Copy, Debug, PartialEq)]

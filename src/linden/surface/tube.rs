@@ -49,10 +49,12 @@ impl Roundness {
     }
 }
 
-/// Vertices and triangles.
+/// How much a piece of surface is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Amount {
+pub struct Amount {
+    /// Vertices.
     pub vertices: usize,
+    /// Triangles.
     pub triangles: usize,
 }
 
