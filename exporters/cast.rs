@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 use linden::Monitor;
 use linden::scene::{Bounds, Material, Mesh, Scene};
 use linden::stage::{Place, Stage};
+use linden::wind::PartWind;
 
 use crate::{ExportError, sound};
 
@@ -46,6 +47,8 @@ pub(crate) struct Piece<'a> {
     pub bounds: Bounds,
     /// Index into [`Cast::looks`].
     pub look: usize,
+    /// How it swings.
+    pub wind: Option<&'a PartWind>,
 }
 
 /// A material under a name that no other has.
@@ -84,6 +87,7 @@ impl<'a> Cast<'a> {
                     mesh: &part.mesh,
                     bounds,
                     look: looks[part.material],
+                    wind: part.wind.as_ref(),
                 });
                 cast.models.push(Model { scene, pieces: pieces.collect() });
             }
