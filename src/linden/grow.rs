@@ -21,7 +21,7 @@ use crate::preset::{Generator, Preset, ScanRadius};
 use crate::random::Key;
 use crate::recipe::{Input, Recipe};
 use crate::skeleton::refine::{RefineError, Room, refine};
-use crate::skeleton::{Branching, Skeleton, SkeletonError, Wood};
+use crate::skeleton::{Branching, NO_PARENT, Skeleton, SkeletonError, Wood};
 
 /// A grown tree, and how it came about.
 #[derive(Clone, Debug)]
@@ -260,6 +260,7 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
                 }),
                 None => None,
             };
+            let skeleton = aged(skeleton, own.age, &wood, &recipe.preset);
             let given = Arc::default();
             let monitor = Holding::new(monitor, skeleton.bytes());
             Ok(Grown {
@@ -273,6 +274,21 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
             })
         }
     }
+}
+
+/// The tree as it was after a share of its births; the first segment at least.
+fn aged(skeleton: Arc<Skeleton>, age: f64, wood: &Wood, preset: &Preset) -> Arc<Skeleton> {
+    if age >= 1.0 {
+        return skeleton;
+    }
+    let last = skeleton.births.iter().copied().max().unwrap_or(0);
+    let on_foot = |&node: &usize| {
+        let parent = skeleton.parents[node];
+        parent != NO_PARENT && skeleton.parents[parent as usize] == NO_PARENT
+    };
+    let first = (0..skeleton.parents.len()).filter(on_foot).map(|node| skeleton.births[node]).min();
+    let step = (libm::ceil(age * f64::from(last)) as u32).max(first.unwrap_or(0));
+    Arc::new(skeleton.until(step, wood, preset.wood_key()))
 }
 
 /// The nearest segments of all points, and the search for points near segments.
