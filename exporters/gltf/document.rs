@@ -22,6 +22,10 @@ pub(super) struct Document {
     pub scene: usize,
     pub scenes: [SceneRoot; 1],
     pub nodes: Vec<Node>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub cameras: Vec<Camera>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extensions: Option<DocumentExtensions>,
     pub meshes: Vec<Mesh>,
     pub materials: Vec<Material>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -63,6 +67,8 @@ pub(super) struct Node {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    pub camera: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub translation: Option<[f32; 3]>,
     /// A unit quaternion: x, y, z, w.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -81,12 +87,61 @@ pub(super) struct Node {
 pub(super) struct NodeExtensions {
     #[serde(rename = "MSFT_lod", skip_serializing_if = "Option::is_none")]
     pub lod: Option<Lod>,
+    #[serde(rename = "KHR_lights_punctual", skip_serializing_if = "Option::is_none")]
+    pub light: Option<LightIndex>,
 }
 
 impl NodeExtensions {
     fn is_empty(&self) -> bool {
-        self.lod.is_none()
+        self.lod.is_none() && self.light.is_none()
     }
+}
+
+#[derive(Serialize)]
+pub(super) struct LightIndex {
+    pub light: usize,
+}
+
+#[derive(Serialize)]
+pub(super) struct DocumentExtensions {
+    #[serde(rename = "KHR_lights_punctual")]
+    pub lights: LightList,
+}
+
+#[derive(Serialize)]
+pub(super) struct LightList {
+    pub lights: Vec<Light>,
+}
+
+/// A light of `KHR_lights_punctual` that shines along -Z of its node.
+#[derive(Serialize)]
+pub(super) struct Light {
+    pub name: String,
+    #[serde(rename = "type")]
+    pub kind: &'static str,
+    /// Linear RGB.
+    pub color: [f32; 3],
+    /// Lux, for a directional one.
+    pub intensity: f32,
+}
+
+/// A camera that looks along -Z of its node.
+#[derive(Serialize)]
+pub(super) struct Camera {
+    pub name: &'static str,
+    #[serde(rename = "type")]
+    pub kind: &'static str,
+    pub perspective: Perspective,
+}
+
+#[derive(Serialize)]
+pub(super) struct Perspective {
+    #[serde(rename = "aspectRatio")]
+    pub aspect_ratio: f32,
+    /// Radians.
+    pub yfov: f32,
+    pub zfar: f32,
+    pub znear: f32,
 }
 
 /// `MSFT_lod`: the node is the finest level, and these are the others, finer ones first.
@@ -161,7 +216,25 @@ pub(super) struct Material {
     pub alpha_mode: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alpha_cutoff: Option<f32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extensions: Option<MaterialExtensions>,
 }
+
+#[derive(Serialize)]
+pub(super) struct MaterialExtensions {
+    #[serde(rename = "KHR_materials_unlit", skip_serializing_if = "Option::is_none")]
+    pub unlit: Option<Empty>,
+}
+
+impl MaterialExtensions {
+    pub fn unlit() -> Self {
+        Self { unlit: Some(Empty {}) }
+    }
+}
+
+/// `{}`.
+#[derive(Serialize)]
+pub(super) struct Empty {}
 
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]

@@ -6,15 +6,19 @@
 use linden::stage::{Place, Stage};
 
 use super::buffer::PrimitiveArrays;
-use super::document::{Extras, Lod, Mesh, Node, NodeExtensions, Primitive};
-use super::recipe;
+use super::document::{Camera, Extras, Light, Lod, Mesh, Node, NodeExtensions, Primitive};
 use super::wind::MorphTarget;
+use super::{recipe, setting};
 use crate::cast::{Cast, Piece};
 
-/// The graph and what it refers to. The first node is the root.
+/// The graph and what it refers to. The first node carries the recipe and all plants.
 pub(super) struct SceneGraph {
     pub nodes: Vec<Node>,
+    /// Those that no other node carries.
+    pub roots: Vec<usize>,
     pub meshes: Vec<Mesh>,
+    pub cameras: Vec<Camera>,
+    pub lights: Option<Vec<Light>>,
     pub extensions: Vec<&'static str>,
 }
 
@@ -27,26 +31,36 @@ pub(super) fn nodes(stage: &Stage<'_>, cast: &Cast<'_>, arrays: &[PrimitiveArray
     };
     let mut graph = Graph { stage, cast, nodes: vec![root], meshes: Vec::new(), first_mesh: Vec::new() };
     graph.add_meshes(arrays);
-    let children: Vec<usize> = if stage.is_plain() {
-        graph.parts(0)
-    } else if stage.is_single() {
-        vec![graph.levels(&stage.places[0], &stage.plants[0].name, Graph::assembly)]
-    } else {
-        let numbered = (1..).zip(&stage.places);
-        numbered
-            .map(|(number, place)| {
-                let name = format!("{}_{number}", stage.plants[place.plant].name);
-                graph.levels(place, &name, Graph::shared)
-            })
-            .collect()
-    };
-    graph.nodes[0].children = children;
-    let has_levels = graph.nodes.iter().any(|node| node.extensions.lod.is_some());
-    SceneGraph {
-        nodes: graph.nodes,
-        meshes: graph.meshes,
-        extensions: Vec::from_iter(has_levels.then_some("MSFT_lod")),
+    graph.nodes[0].children = graph.plants();
+    let mut extensions = Vec::new();
+    if graph.nodes.iter().any(|node| node.extensions.lod.is_some()) {
+        extensions.push("MSFT_lod");
     }
+    let Graph { mut nodes, mut meshes, .. } = graph;
+    let (mut roots, mut cameras, mut lights) = (vec![0], Vec::new(), None);
+    if let Some(own) = &stage.setting {
+        extensions.extend(setting::EXTENSIONS);
+        let first = nodes.len();
+        let around = || cast.ground.iter().chain(&cast.dome);
+        for (piece, arrays) in around().zip(&arrays[arrays.len() - around().count()..]) {
+            let name = piece.name.to_owned();
+            nodes.push(Node { name: name.clone(), mesh: Some(meshes.len()), ..Node::default() });
+            let primitives = vec![primitive(piece, arrays)];
+            meshes.push(Mesh { name, primitives, extras: Extras::default() });
+        }
+        nodes.push(setting::camera_node(&own.camera));
+        cameras.push(setting::camera(&own.camera));
+        let shining = setting::lights(own);
+        nodes.extend(
+            shining
+                .iter()
+                .enumerate()
+                .map(|(index, (light, rotation))| setting::light_node(light, *rotation, index)),
+        );
+        lights = Some(shining.into_iter().map(|(light, _)| light).collect());
+        roots.extend(first..nodes.len());
+    }
+    SceneGraph { nodes, roots, meshes, cameras, lights, extensions }
 }
 
 struct Graph<'a> {
@@ -92,6 +106,24 @@ impl Graph<'_> {
                 }
             }
         }
+    }
+
+    /// The nodes of all places.
+    fn plants(&mut self) -> Vec<usize> {
+        let stage = self.stage;
+        if stage.is_single() {
+            if self.cast.levels(0) == 1 {
+                return self.parts(0);
+            }
+            return vec![self.levels(&stage.places[0], &stage.plants[0].name, Self::assembly)];
+        }
+        let numbered = (1..).zip(&stage.places);
+        numbered
+            .map(|(number, place)| {
+                let name = format!("{}_{number}", stage.plants[place.plant].name);
+                self.levels(place, &name, Self::shared)
+            })
+            .collect()
     }
 
     fn first_model(&self, plant: usize) -> usize {
@@ -145,7 +177,8 @@ impl Graph<'_> {
             let coverage = self.stage.plants[place.plant].levels().iter().map(|level| level.coverage);
             let node = &mut self.nodes[finest];
             node.extras.screen_coverage = coverage.collect();
-            node.extensions = NodeExtensions { lod: Some(Lod { ids: others.to_vec() }) };
+            node.extensions =
+                NodeExtensions { lod: Some(Lod { ids: others.to_vec() }), ..NodeExtensions::default() };
         }
         finest
     }
