@@ -20,6 +20,8 @@ const BAND: usize = 64;
 /// Room around each figure, as a share of its cell: what keeps smaller copies of the picture from
 /// mixing neighbours.
 const ROOM: f32 = 0.03;
+/// The least room, pixels, where cells are large enough for it.
+const LEAST_ROOM_PX: f32 = 3.0;
 /// Steps of the table from light to code value.
 const CURVE_STEPS: usize = 16_384;
 
@@ -92,7 +94,8 @@ impl Grid {
         let with = |columns: usize| {
             let rows = figures.len().div_ceil(columns).max(1);
             let cell = Vec2::new(size / columns as f32, size / rows as f32);
-            let scale = (cell * (1.0 - 2.0 * ROOM) / extent).min_element();
+            let room = (cell * ROOM).max(Vec2::splat(LEAST_ROOM_PX)).min(cell / 4.0);
+            let scale = ((cell - 2.0 * room) / extent).min_element();
             let origin =
                 cell / 2.0 + Vec2::new(-f32::midpoint(min.x, max.x), f32::midpoint(min.y, max.y)) * scale;
             Self { size, columns, cell, scale, origin }
