@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::field::Window;
 use super::figure::Figure;
+use super::mip::keep_coverage;
 use super::paint::{Grain, Placed, Spot, rows};
 use super::{Cell, LeafError, LeafPictures};
 use crate::color::encode;
@@ -48,6 +49,7 @@ pub(super) fn draw(
     })?;
     let cells = placed.iter().map(|own| grid.cell(own, &spots)).collect();
     bleed(&mut spots, n, monitor)?;
+    keep_coverage(&mut spots, n);
     let curve: Vec<u8> =
         (0..=CURVE_STEPS).map(|i| (encode(i as f32 / CURVE_STEPS as f32) * 255.0 + 0.5) as u8).collect();
     let (mut colors, mut normals) = (vec![0; n * n * 4], vec![255; n * n * 4]);

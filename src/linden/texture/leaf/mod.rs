@@ -12,6 +12,7 @@ mod coverage;
 mod field;
 mod figure;
 mod flower;
+mod mip;
 mod outline;
 mod paint;
 mod tint;
@@ -129,8 +130,9 @@ pub enum Arrangement {
 /// The pictures of an atlas, both square.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeafPictures {
-    /// sRGB with alpha, not premultiplied, meant to be cut out at one half. Colours go on far outside
-    /// the leaf, so that smaller copies of the picture have no rim.
+    /// sRGB with alpha, not premultiplied, meant to be cut out at one half: what is below that outside
+    /// the leaf keeps smaller copies of the picture from losing it. Colours go on far outside, so that
+    /// they have no rim.
     pub base_color: Arc<Picture>,
     /// Tangent-space normals; OpenGL convention, green points up.
     pub normal: Arc<Picture>,

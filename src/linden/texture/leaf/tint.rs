@@ -12,7 +12,7 @@ const FLUSH: [u8; 3] = [158, 186, 84];
 /// When leaves are full-grown and dark.
 const SUMMER: f32 = 0.25;
 /// When the first leaves turn, and when the last have.
-const TURNING: [f32; 2] = [0.52, 0.95];
+const TURNING: [f32; 2] = [0.54, 1.0];
 
 /// One leaf's colours, linear light.
 #[derive(Clone, Copy, Debug)]
