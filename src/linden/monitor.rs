@@ -54,6 +54,8 @@ pub enum Stage {
     Grow,
     /// Refining a branching; unit: steps.
     Refine,
+    /// Growing leaves; unit: axes.
+    Sprout,
     /// Sweeping tubes; unit: axes.
     Sweep,
     /// Writing files; unit: bytes.
@@ -69,6 +71,7 @@ impl Stage {
             Self::Turtle => ("drawing", "symbols"),
             Self::Grow => ("growing", "points"),
             Self::Refine => ("refining", "steps"),
+            Self::Sprout => ("leafing", "axes"),
             Self::Sweep => ("surfacing", "axes"),
             Self::Write => ("writing", "bytes"),
         }
