@@ -71,7 +71,8 @@ fn sheet(cell: &Cell, across: &[f32], along: &[f32], bend: impl Fn(Vec2) -> Vec3
         for &x in across {
             let at = Vec2::new(x, y);
             mesh.positions.push(bend(at));
-            mesh.uvs.push(cell.attach + at * cell.unit);
+            // Within the cell, whatever the rounding.
+            mesh.uvs.push((cell.attach + at * cell.unit).clamp(cell.min, cell.max));
         }
     }
     let columns = across.len() as u32;
@@ -112,11 +113,27 @@ fn curved(cell: &Cell) -> Mesh {
     sheet(cell, &middle(low.x, high.x), &along, |at| hanging(at, BEND, FOLD))
 }
 
-/// A shoot's card hangs less, and its sides hang too.
+/// How far each card of a twig is rolled about the shoot, radians.
+const ROLL: f32 = 0.6;
+
+/// Two cards that hang a little and cross in the shoot, at an angle at which leaves stand round one: from
+/// the side a level shoot shows leaves too.
 fn twig(cell: &Cell) -> Mesh {
     let (low, high) = extent(cell);
     let along: Vec<f32> = (0..3).map(|i| low.y + (high.y - low.y) * i as f32 / 2.0).collect();
-    sheet(cell, &middle(low.x, high.x), &along, |at| hanging(at, 0.35, -0.3))
+    let flat = sheet(cell, &middle(low.x, high.x), &along, |at| Vec3::new(at.x, at.y, 0.0));
+    let mut all = Mesh::default();
+    for roll in [ROLL, -ROLL] {
+        let turn = Mat3::from_rotation_y(roll);
+        append(&mut all, &flat, |p| turn * p);
+    }
+    for position in &mut all.positions {
+        // The whole shoot hangs: what stands off its axis stays square to it.
+        let bent = hanging(Vec2::new(0.0, position.y), 0.35, 0.0);
+        let (sin, cos) = libm::sincosf(0.35 * position.y);
+        *position = bent + Vec3::new(position.x, position.z * sin, position.z * cos);
+    }
+    with_smooth_normals(all)
 }
 
 /// From edge to edge over the midrib.
