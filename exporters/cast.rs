@@ -7,7 +7,8 @@ use std::collections::BTreeSet;
 
 use linden::Monitor;
 use linden::scene::{Bounds, Material, Mesh, Scene};
-use linden::stage::{Place, Stage};
+use linden::stage::{Ground, Place, Sky, Stage};
+use linden::wind::PartWind;
 
 use crate::{ExportError, sound};
 
@@ -17,6 +18,10 @@ pub(crate) struct Cast<'a> {
     pub models: Vec<Model<'a>>,
     /// Each once.
     pub looks: Vec<Look<'a>>,
+    /// The ground that all stand on.
+    pub ground: Option<Piece<'a>>,
+    /// The sky as a mesh: for formats that have none.
+    pub dome: Option<Piece<'a>>,
     /// By plant: its first model, and how many seasons and levels it has.
     plants: Vec<Range>,
 }
@@ -34,6 +39,8 @@ pub(crate) struct Model<'a> {
     pub scene: &'a Scene,
     /// Its parts.
     pub pieces: Vec<Piece<'a>>,
+    /// Its materials, those that no part has included.
+    pub looks: Vec<usize>,
 }
 
 /// A mesh with one material.
@@ -46,6 +53,8 @@ pub(crate) struct Piece<'a> {
     pub bounds: Bounds,
     /// Index into [`Cast::looks`].
     pub look: usize,
+    /// How it swings.
+    pub wind: Option<&'a PartWind>,
 }
 
 /// A material under a name that no other has.
@@ -57,14 +66,15 @@ pub(crate) struct Look<'a> {
 }
 
 impl<'a> Cast<'a> {
-    /// Checks everything on a stage and lists it.
+    /// Checks the plants of a stage and lists them.
     ///
     /// # Errors
     /// [`ExportError::Scene`] for a stage or scene that breaks a promise of its types, and
     /// [`ExportError::Cancelled`].
     pub fn of(stage: &'a Stage<'_>, monitor: &dyn Monitor) -> Result<Self, ExportError> {
         sound::check_stage(stage)?;
-        let mut cast = Self { models: Vec::new(), looks: Vec::new(), plants: Vec::new() };
+        let mut cast =
+            Self { models: Vec::new(), looks: Vec::new(), ground: None, dome: None, plants: Vec::new() };
         let mut names = BTreeSet::new();
         for plant in &stage.plants {
             let (seasons, levels) = (plant.seasons.len(), plant.levels().len());
@@ -79,16 +89,59 @@ impl<'a> Cast<'a> {
                         cast.look(material, kind, &mut names)
                     })
                     .collect();
-                let pieces = scene.parts.iter().zip(bounds).map(|(part, bounds)| Piece {
-                    name: &part.name,
-                    mesh: &part.mesh,
-                    bounds,
-                    look: looks[part.material],
-                });
-                cast.models.push(Model { scene, pieces: pieces.collect() });
+                let pieces: Vec<Piece<'_>> = scene
+                    .parts
+                    .iter()
+                    .zip(bounds)
+                    .map(|(part, bounds)| Piece {
+                        name: &part.name,
+                        mesh: &part.mesh,
+                        bounds,
+                        look: looks[part.material],
+                        wind: part.wind.as_ref(),
+                    })
+                    .collect();
+                cast.models.push(Model { scene, pieces, looks });
             }
         }
         Ok(cast)
+    }
+
+    /// As [`Cast::of`], for formats that hold what stands around plants too.
+    ///
+    /// # Errors
+    /// As [`Cast::of`].
+    pub fn in_setting(stage: &'a Stage<'_>, monitor: &dyn Monitor) -> Result<Self, ExportError> {
+        let mut cast = Self::of(stage, monitor)?;
+        if let Some(Ground { mesh, material }) = stage.setting.as_ref().map(|setting| &setting.ground) {
+            cast.ground = Some(cast.around("Ground", mesh, material, monitor)?);
+        }
+        Ok(cast)
+    }
+
+    /// As [`Cast::in_setting`], with the sky as a mesh.
+    ///
+    /// # Errors
+    /// As [`Cast::of`].
+    pub fn under_dome(stage: &'a Stage<'_>, monitor: &dyn Monitor) -> Result<Self, ExportError> {
+        let mut cast = Self::in_setting(stage, monitor)?;
+        if let Some(Sky { dome, material, .. }) = stage.setting.as_ref().map(|setting| &setting.sky) {
+            cast.dome = Some(cast.around("Sky", dome, material, monitor)?);
+        }
+        Ok(cast)
+    }
+
+    fn around(
+        &mut self,
+        name: &'a str,
+        mesh: &'a Mesh,
+        material: &'a Material,
+        monitor: &dyn Monitor,
+    ) -> Result<Piece<'a>, ExportError> {
+        let bounds = sound::check_around(name, mesh, material, monitor)?;
+        let mut names = self.looks.iter().map(|look| look.name.clone()).collect();
+        let look = self.look(material, None, &mut names);
+        Ok(Piece { name, mesh, bounds, look, wind: None })
     }
 
     /// The index of a material; lists it if it is new. `kind` is what its plant is called where there
@@ -127,9 +180,9 @@ impl<'a> Cast<'a> {
         self.plants[plant].seasons
     }
 
-    /// All meshes, each once.
+    /// All meshes, each once; ground and sky come last.
     pub fn pieces(&self) -> impl Iterator<Item = &Piece<'a>> {
-        self.models.iter().flat_map(|model| &model.pieces)
+        self.models.iter().flat_map(|model| &model.pieces).chain(&self.ground).chain(&self.dome)
     }
 
     /// What stands where, seen from near.

@@ -196,6 +196,8 @@ fn picture_bytes(look: &BarkLook) -> u64 {
         BarkStyle::Ridged => (0.79, 1.80, 0.045),
         BarkStyle::Smooth => (0.53, 0.54, 0.006),
         BarkStyle::Plated => (0.92, 1.90, 0.035),
+        BarkStyle::Birch => (0.6, 0.7, 0.008),
+        BarkStyle::Peeling => (0.7, 0.9, 0.012),
     };
     let side = f64::from(look.size_px.max(1));
     let coarseness = libm::pow(side / 512.0, -0.45);

@@ -1,7 +1,7 @@
 //! Whether a scene keeps the promises of its types: a broken one is refused before a byte is written.
 
 use linden::Monitor;
-use linden::scene::{Bounds, Part, Scene};
+use linden::scene::{Bounds, Material, Mesh, Part, Scene};
 use linden::skeleton::{NO_PARENT, Skeleton};
 use linden::stage::Stage;
 use rayon::prelude::*;
@@ -84,39 +84,58 @@ pub(crate) fn check(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Bounds>,
     if scene.parts.is_empty() {
         return Err(fault("it has no parts"));
     }
-    for material in &scene.materials {
-        let fault = |problem| ExportError::Scene { what: format!("material '{}'", material.name), problem };
-        let numbers = material.base_color.iter().chain([&material.roughness]);
-        if let Some(x) = numbers.copied().find(|x| !(0.0..=1.0).contains(x)) {
-            return Err(fault(format!("a colour or roughness is {x}, not 0 to 1")));
-        }
-        if let Some(cutout) = material.cutout.filter(|own| !(*own > 0.0 && *own < 1.0)) {
-            return Err(fault(format!("it is cut out at an alpha of {cutout}, not between 0 and 1")));
-        }
-        for picture in [&material.base_color_picture, &material.normal_picture].into_iter().flatten() {
-            let pixels = u64::from(picture.width()) * u64::from(picture.height());
-            if pixels == 0 || pixels.checked_mul(4) != Some(picture.rgba().len() as u64) {
-                return Err(fault(format!(
-                    "a picture of {}×{} has {} bytes",
-                    picture.width(),
-                    picture.height(),
-                    picture.rgba().len()
-                )));
-            }
-        }
-    }
+    scene.materials.iter().try_for_each(check_material)?;
     check_skeleton(&scene.skeleton)
         .map_err(|problem| ExportError::Scene { what: "the skeleton".to_owned(), problem })?;
     scene.parts.iter().map(|part| check_part(scene, part, monitor)).collect()
 }
 
-fn check_part(scene: &Scene, part: &Part, monitor: &dyn Monitor) -> Result<Bounds, ExportError> {
-    let fault = |problem| ExportError::Scene { what: format!("part '{}'", part.name), problem };
-    let mesh = &part.mesh;
-    let count = mesh.positions.len();
-    if part.material >= scene.materials.len() {
-        return Err(fault(format!("it wants material {} of {}", part.material, scene.materials.len())));
+/// As [`check`], for what stands around plants.
+pub(crate) fn check_around(
+    name: &str,
+    mesh: &Mesh,
+    material: &Material,
+    monitor: &dyn Monitor,
+) -> Result<Bounds, ExportError> {
+    check_material(material)?;
+    check_mesh(mesh, &format!("'{name}'"), monitor)
+}
+
+fn check_material(material: &Material) -> Result<(), ExportError> {
+    let fault = |problem| ExportError::Scene { what: format!("material '{}'", material.name), problem };
+    let numbers = material.base_color.iter().chain([&material.roughness]);
+    if let Some(x) = numbers.copied().find(|x| !(0.0..=1.0).contains(x)) {
+        return Err(fault(format!("a colour or roughness is {x}, not 0 to 1")));
     }
+    if let Some(cutout) = material.cutout.filter(|own| !(*own > 0.0 && *own < 1.0)) {
+        return Err(fault(format!("it is cut out at an alpha of {cutout}, not between 0 and 1")));
+    }
+    for picture in [&material.base_color_picture, &material.normal_picture].into_iter().flatten() {
+        let pixels = u64::from(picture.width()) * u64::from(picture.height());
+        if pixels == 0 || pixels.checked_mul(4) != Some(picture.rgba().len() as u64) {
+            return Err(fault(format!(
+                "a picture of {}×{} has {} bytes",
+                picture.width(),
+                picture.height(),
+                picture.rgba().len()
+            )));
+        }
+    }
+    Ok(())
+}
+
+fn check_part(scene: &Scene, part: &Part, monitor: &dyn Monitor) -> Result<Bounds, ExportError> {
+    let what = format!("part '{}'", part.name);
+    if part.material >= scene.materials.len() {
+        let problem = format!("it wants material {} of {}", part.material, scene.materials.len());
+        return Err(ExportError::Scene { what, problem });
+    }
+    check_mesh(&part.mesh, &what, monitor)
+}
+
+fn check_mesh(mesh: &Mesh, what: &str, monitor: &dyn Monitor) -> Result<Bounds, ExportError> {
+    let fault = |problem| ExportError::Scene { what: what.to_owned(), problem };
+    let count = mesh.positions.len();
     if mesh.normals.len() != count || mesh.uvs.len() != count {
         return Err(fault(format!(
             "{count} positions, {} normals and {} texture coordinates",
@@ -216,7 +235,7 @@ mod tests {
                 cutout: None,
                 wrap: linden::scene::Wrap::Repeat,
             }],
-            parts: vec![Part { name: "wood".to_owned(), material: 0, mesh }],
+            parts: vec![Part::new("wood", 0, mesh)],
             skeleton: Arc::new(Skeleton {
                 positions: vec![Vec3::ZERO, Vec3::Y],
                 parents: vec![NO_PARENT, 0],

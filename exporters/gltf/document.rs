@@ -6,6 +6,8 @@ use linden::scene::Wrap;
 use serde::Serialize;
 use serde_json::value::RawValue;
 
+use super::wind::{Animation, MorphTarget};
+
 /// The root. `buffers` stands before everything that carries names from outside: the writer of data
 /// URIs looks for the first one.
 #[derive(Serialize)]
@@ -20,6 +22,10 @@ pub(super) struct Document {
     pub scene: usize,
     pub scenes: [SceneRoot; 1],
     pub nodes: Vec<Node>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub cameras: Vec<Camera>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extensions: Option<DocumentExtensions>,
     pub meshes: Vec<Mesh>,
     pub materials: Vec<Material>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -28,6 +34,8 @@ pub(super) struct Document {
     pub images: Vec<Image>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub samplers: Vec<Sampler>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub animations: Vec<Animation>,
     pub accessors: Vec<Accessor>,
     pub buffer_views: Vec<BufferView>,
 }
@@ -59,6 +67,8 @@ pub(super) struct Node {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    pub camera: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub translation: Option<[f32; 3]>,
     /// A unit quaternion: x, y, z, w.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -77,12 +87,61 @@ pub(super) struct Node {
 pub(super) struct NodeExtensions {
     #[serde(rename = "MSFT_lod", skip_serializing_if = "Option::is_none")]
     pub lod: Option<Lod>,
+    #[serde(rename = "KHR_lights_punctual", skip_serializing_if = "Option::is_none")]
+    pub light: Option<LightIndex>,
 }
 
 impl NodeExtensions {
     fn is_empty(&self) -> bool {
-        self.lod.is_none()
+        self.lod.is_none() && self.light.is_none()
     }
+}
+
+#[derive(Serialize)]
+pub(super) struct LightIndex {
+    pub light: usize,
+}
+
+#[derive(Serialize)]
+pub(super) struct DocumentExtensions {
+    #[serde(rename = "KHR_lights_punctual")]
+    pub lights: LightList,
+}
+
+#[derive(Serialize)]
+pub(super) struct LightList {
+    pub lights: Vec<Light>,
+}
+
+/// A light of `KHR_lights_punctual` that shines along -Z of its node.
+#[derive(Serialize)]
+pub(super) struct Light {
+    pub name: String,
+    #[serde(rename = "type")]
+    pub kind: &'static str,
+    /// Linear RGB.
+    pub color: [f32; 3],
+    /// Lux, for a directional one.
+    pub intensity: f32,
+}
+
+/// A camera that looks along -Z of its node.
+#[derive(Serialize)]
+pub(super) struct Camera {
+    pub name: &'static str,
+    #[serde(rename = "type")]
+    pub kind: &'static str,
+    pub perspective: Perspective,
+}
+
+#[derive(Serialize)]
+pub(super) struct Perspective {
+    #[serde(rename = "aspectRatio")]
+    pub aspect_ratio: f32,
+    /// Radians.
+    pub yfov: f32,
+    pub zfar: f32,
+    pub znear: f32,
 }
 
 /// `MSFT_lod`: the node is the finest level, and these are the others, finer ones first.
@@ -100,11 +159,14 @@ pub(super) struct Extras {
     /// Down to which share of the picture each level serves (`MSFT_lod` has it in the extras).
     #[serde(rename = "MSFT_screencoverage", skip_serializing_if = "Vec::is_empty")]
     pub screen_coverage: Vec<f32>,
+    /// What a mesh's morph targets are called: the extras are where importers look for that.
+    #[serde(rename = "targetNames", skip_serializing_if = "Vec::is_empty")]
+    pub target_names: Vec<&'static str>,
 }
 
 impl Extras {
     fn is_empty(&self) -> bool {
-        self.linden.is_none() && self.screen_coverage.is_empty()
+        self.linden.is_none() && self.screen_coverage.is_empty() && self.target_names.is_empty()
     }
 }
 
@@ -121,6 +183,8 @@ pub(super) struct Primitive {
     pub attributes: Attributes,
     pub indices: usize,
     pub material: usize,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub targets: Vec<MorphTarget>,
 }
 
 /// Accessors of the vertex arrays.
@@ -133,6 +197,10 @@ pub(super) struct Attributes {
     pub tangent: Option<usize>,
     #[serde(rename = "TEXCOORD_0")]
     pub texcoord_0: usize,
+    #[serde(rename = "_WIND", skip_serializing_if = "Option::is_none")]
+    pub wind: Option<usize>,
+    #[serde(rename = "_WINDPIVOT", skip_serializing_if = "Option::is_none")]
+    pub wind_pivot: Option<usize>,
 }
 
 #[derive(Serialize)]
@@ -148,7 +216,25 @@ pub(super) struct Material {
     pub alpha_mode: Option<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub alpha_cutoff: Option<f32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extensions: Option<MaterialExtensions>,
 }
+
+#[derive(Serialize)]
+pub(super) struct MaterialExtensions {
+    #[serde(rename = "KHR_materials_unlit", skip_serializing_if = "Option::is_none")]
+    pub unlit: Option<Empty>,
+}
+
+impl MaterialExtensions {
+    pub fn unlit() -> Self {
+        Self { unlit: Some(Empty {}) }
+    }
+}
+
+/// `{}`.
+#[derive(Serialize)]
+pub(super) struct Empty {}
 
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
@@ -212,15 +298,17 @@ impl Sampler {
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Accessor {
-    pub buffer_view: usize,
+    /// None: all zero.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub buffer_view: Option<usize>,
     pub component_type: ComponentType,
     pub count: usize,
     #[serde(rename = "type")]
     pub shape: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub min: Option<[f32; 3]>,
+    pub min: Option<Vec<f32>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub max: Option<[f32; 3]>,
+    pub max: Option<Vec<f32>>,
 }
 
 /// Component types by their number in OpenGL.

@@ -8,7 +8,9 @@
 mod buffer;
 mod document;
 mod nodes;
+mod setting;
 mod tangents;
+mod wind;
 
 use linden::Monitor;
 use linden::scene::Wrap;
@@ -17,8 +19,8 @@ use serde_json::value::RawValue;
 
 use self::buffer::Layout;
 use self::document::{
-    Asset, Buffer, Document, Image, ImageSource, Material, PbrMetallicRoughness, Sampler, SceneRoot, Texture,
-    TextureInfo,
+    Asset, Buffer, Document, DocumentExtensions, Image, ImageSource, LightList, Material, MaterialExtensions,
+    PbrMetallicRoughness, Sampler, SceneRoot, Texture, TextureInfo,
 };
 use self::nodes::SceneGraph;
 use crate::cast::{Cast, Look};
@@ -70,7 +72,7 @@ impl Exporter for Gltf {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
-        let cast = Cast::of(stage, monitor)?;
+        let cast = Cast::under_dome(stage, monitor)?;
         let pictures = if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
         memory::admit(stage, &pictures, tangents_bytes(&cast, &pictures), monitor)?;
         let embed = options.is_on("embed") || !bundle.takes_side_files();
@@ -132,7 +134,7 @@ impl Exporter for Glb {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
-        let cast = Cast::of(stage, monitor)?;
+        let cast = Cast::under_dome(stage, monitor)?;
         let pictures = if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
         memory::admit(stage, &pictures, tangents_bytes(&cast, &pictures), monitor)?;
         let mut layout = Layout::of_meshes(&cast, &pictures);
@@ -180,7 +182,8 @@ fn document(
     layout: &mut Layout,
 ) -> Document {
     let texture = |picture| picture::index_of(pictures, picture).map(|index| TextureInfo { index });
-    let materials = cast.looks.iter().map(|Look { name, material }| {
+    let unlit = cast.dome.as_ref().map(|dome| dome.look);
+    let materials = cast.looks.iter().enumerate().map(|(index, Look { name, material })| {
         let base_color_texture = texture(material.base_color_picture.as_ref());
         // The two are multiplied, and the picture is to be used as it is.
         // Without its picture there is nothing to cut.
@@ -198,9 +201,12 @@ fn document(
             double_sided: material.double_sided,
             alpha_mode: cutout.map(|_| "MASK"),
             alpha_cutoff: cutout,
+            extensions: (unlit == Some(index)).then(MaterialExtensions::unlit),
         }
     });
-    let SceneGraph { nodes, meshes, extensions } = nodes::nodes(stage, cast, &layout.primitives);
+    let SceneGraph { nodes, roots, meshes, cameras, lights, extensions } =
+        nodes::nodes(stage, cast, &layout.primitives);
+    let animation = wind::animation(cast, &meshes, &nodes, layout);
     let images = pictures.iter().zip(sources).map(|(named, source)| Image {
         name: named.suffix.trim_start_matches('_').trim_end_matches(".png").to_owned(),
         mime_type: "image/png",
@@ -218,13 +224,16 @@ fn document(
         scene: 0,
         extensions_used: extensions,
         extensions_required: Vec::new(),
-        scenes: [SceneRoot { name: stage.name.clone(), nodes: vec![0] }],
+        scenes: [SceneRoot { name: stage.name.clone(), nodes: roots }],
         nodes,
+        cameras,
+        extensions: lights.map(|own| DocumentExtensions { lights: LightList { lights: own } }),
         meshes,
         materials: materials.collect(),
         textures,
         images: images.collect(),
         samplers: wraps.into_iter().map(Sampler::new).collect(),
+        animations: animation.into_iter().collect(),
         accessors: std::mem::take(&mut layout.accessors),
         buffer_views: std::mem::take(&mut layout.views),
     }

@@ -6,14 +6,19 @@
 use linden::stage::{Place, Stage};
 
 use super::buffer::PrimitiveArrays;
-use super::document::{Extras, Lod, Mesh, Node, NodeExtensions, Primitive};
-use super::recipe;
+use super::document::{Camera, Extras, Light, Lod, Mesh, Node, NodeExtensions, Primitive};
+use super::wind::MorphTarget;
+use super::{recipe, setting};
 use crate::cast::{Cast, Piece};
 
-/// The graph and what it refers to. The first node is the root.
+/// The graph and what it refers to. The first node carries the recipe and all plants.
 pub(super) struct SceneGraph {
     pub nodes: Vec<Node>,
+    /// Those that no other node carries.
+    pub roots: Vec<usize>,
     pub meshes: Vec<Mesh>,
+    pub cameras: Vec<Camera>,
+    pub lights: Option<Vec<Light>>,
     pub extensions: Vec<&'static str>,
 }
 
@@ -26,26 +31,36 @@ pub(super) fn nodes(stage: &Stage<'_>, cast: &Cast<'_>, arrays: &[PrimitiveArray
     };
     let mut graph = Graph { stage, cast, nodes: vec![root], meshes: Vec::new(), first_mesh: Vec::new() };
     graph.add_meshes(arrays);
-    let children: Vec<usize> = if stage.is_plain() {
-        graph.parts(0)
-    } else if stage.is_single() {
-        vec![graph.levels(&stage.places[0], &stage.plants[0].name, Graph::assembly)]
-    } else {
-        let numbered = (1..).zip(&stage.places);
-        numbered
-            .map(|(number, place)| {
-                let name = format!("{}_{number}", stage.plants[place.plant].name);
-                graph.levels(place, &name, Graph::shared)
-            })
-            .collect()
-    };
-    graph.nodes[0].children = children;
-    let has_levels = graph.nodes.iter().any(|node| node.extensions.lod.is_some());
-    SceneGraph {
-        nodes: graph.nodes,
-        meshes: graph.meshes,
-        extensions: Vec::from_iter(has_levels.then_some("MSFT_lod")),
+    graph.nodes[0].children = graph.plants();
+    let mut extensions = Vec::new();
+    if graph.nodes.iter().any(|node| node.extensions.lod.is_some()) {
+        extensions.push("MSFT_lod");
     }
+    let Graph { mut nodes, mut meshes, .. } = graph;
+    let (mut roots, mut cameras, mut lights) = (vec![0], Vec::new(), None);
+    if let Some(own) = &stage.setting {
+        extensions.extend(setting::EXTENSIONS);
+        let first = nodes.len();
+        let around = || cast.ground.iter().chain(&cast.dome);
+        for (piece, arrays) in around().zip(&arrays[arrays.len() - around().count()..]) {
+            let name = piece.name.to_owned();
+            nodes.push(Node { name: name.clone(), mesh: Some(meshes.len()), ..Node::default() });
+            let primitives = vec![primitive(piece, arrays)];
+            meshes.push(Mesh { name, primitives, extras: Extras::default() });
+        }
+        nodes.push(setting::camera_node(&own.camera));
+        cameras.push(setting::camera(&own.camera));
+        let shining = setting::lights(own);
+        nodes.extend(
+            shining
+                .iter()
+                .enumerate()
+                .map(|(index, (light, rotation))| setting::light_node(light, *rotation, index)),
+        );
+        lights = Some(shining.into_iter().map(|(light, _)| light).collect());
+        roots.extend(first..nodes.len());
+    }
+    SceneGraph { nodes, roots, meshes, cameras, lights, extensions }
 }
 
 struct Graph<'a> {
@@ -66,23 +81,49 @@ impl Graph<'_> {
             for index in 0..self.cast.seasons(plant) * levels {
                 let model = &self.cast.models[self.first_model(plant) + index];
                 let suffix = suffix(index % levels, levels);
-                let primitives =
-                    model.pieces.iter().zip(&mut arrays).map(|(piece, arrays)| primitive(piece, arrays));
-                let primitives: Vec<Primitive> = primitives.collect();
+                let primitives = model
+                    .pieces
+                    .iter()
+                    .zip(&mut arrays)
+                    .map(|(piece, arrays)| (primitive(piece, arrays), arrays.wind.names.clone()));
+                let primitives: Vec<(Primitive, Vec<&'static str>)> = primitives.collect();
                 self.first_mesh.push(self.meshes.len());
                 if is_single {
-                    self.meshes.extend(model.pieces.iter().zip(primitives).map(|(piece, primitive)| Mesh {
-                        name: format!("{}{suffix}", piece.name),
-                        primitives: vec![primitive],
-                        extras: Extras::default(),
-                    }));
+                    self.meshes.extend(model.pieces.iter().zip(primitives).map(
+                        |(piece, (primitive, target_names))| Mesh {
+                            name: format!("{}{suffix}", piece.name),
+                            primitives: vec![primitive],
+                            extras: Extras { target_names, ..Extras::default() },
+                        },
+                    ));
                 } else {
                     // The forest's recipe is the root's; each tree has its own beside.
-                    let extras = Extras { linden: recipe(&model.scene.recipe), ..Extras::default() };
+                    let linden = recipe(&model.scene.recipe);
+                    let (primitives, names): (Vec<_>, Vec<_>) = primitives.into_iter().unzip();
+                    let target_names = names.into_iter().next().unwrap_or_default();
+                    let extras = Extras { linden, target_names, ..Extras::default() };
                     self.meshes.push(Mesh { name: format!("{}{suffix}", own.name), primitives, extras });
                 }
             }
         }
+    }
+
+    /// The nodes of all places.
+    fn plants(&mut self) -> Vec<usize> {
+        let stage = self.stage;
+        if stage.is_single() {
+            if self.cast.levels(0) == 1 {
+                return self.parts(0);
+            }
+            return vec![self.levels(&stage.places[0], &stage.plants[0].name, Self::assembly)];
+        }
+        let numbered = (1..).zip(&stage.places);
+        numbered
+            .map(|(number, place)| {
+                let name = format!("{}_{number}", stage.plants[place.plant].name);
+                self.levels(place, &name, Self::shared)
+            })
+            .collect()
     }
 
     fn first_model(&self, plant: usize) -> usize {
@@ -136,7 +177,8 @@ impl Graph<'_> {
             let coverage = self.stage.plants[place.plant].levels().iter().map(|level| level.coverage);
             let node = &mut self.nodes[finest];
             node.extras.screen_coverage = coverage.collect();
-            node.extensions = NodeExtensions { lod: Some(Lod { ids: others.to_vec() }) };
+            node.extensions =
+                NodeExtensions { lod: Some(Lod { ids: others.to_vec() }), ..NodeExtensions::default() };
         }
         finest
     }
@@ -148,7 +190,13 @@ fn suffix(level: usize, levels: usize) -> String {
 }
 
 fn primitive(piece: &Piece<'_>, arrays: &PrimitiveArrays) -> Primitive {
-    Primitive { attributes: arrays.attributes(), indices: arrays.indices, material: piece.look }
+    let targets = arrays.wind.targets.iter().map(|&position| MorphTarget { position });
+    Primitive {
+        attributes: arrays.attributes(),
+        indices: arrays.indices,
+        material: piece.look,
+        targets: targets.collect(),
+    }
 }
 
 /// A node where its plant stands.

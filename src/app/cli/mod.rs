@@ -6,6 +6,7 @@ mod doctor;
 mod export;
 mod list;
 mod man;
+mod outputs;
 mod preview;
 mod schema;
 mod show;

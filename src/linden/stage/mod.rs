@@ -15,9 +15,13 @@
 //! # }
 //! ```
 
+mod setting;
+
 use glam::{Quat, Vec3};
 
 use crate::scene::{Bounds, Scene};
+
+pub use setting::{Camera, Ground, Setting, Sky, Sun};
 
 /// Plants at their places, and what stands around them.
 #[derive(Clone, Debug)]
@@ -30,6 +34,8 @@ pub struct Stage<'a> {
     pub plants: Vec<Plant<'a>>,
     /// Where they stand; at least one.
     pub places: Vec<Place>,
+    /// What stands around them, on request.
+    pub setting: Option<Setting>,
 }
 
 /// A plant as it looks in one or more seasons, each in one or more levels of detail.
@@ -159,12 +165,22 @@ impl<'a> Stage<'a> {
             recipe: scene.recipe.clone(),
             plants: vec![plant],
             places: vec![Place::origin(0)],
+            setting: None,
         }
+    }
+
+    /// The same with a camera that frames it, sun, sky and ground.
+    #[must_use]
+    pub fn in_setting(self) -> Self {
+        let setting = Setting::around(&self.outermost());
+        Self { setting, ..self }
     }
 
     /// Whether it is a single tree in a single look and level with nothing around it.
     pub fn is_plain(&self) -> bool {
-        self.is_single() && self.plants.iter().all(|plant| plant.scenes().count() == 1)
+        self.is_single()
+            && self.setting.is_none()
+            && self.plants.iter().all(|plant| plant.scenes().count() == 1)
     }
 
     /// Whether it is a single plant that stands as its scene has it.
@@ -200,9 +216,42 @@ impl<'a> Stage<'a> {
         self.finest().flat_map(|(_, scene)| &scene.parts).map(|part| part.mesh.triangles.len() as u64).sum()
     }
 
+    /// Points of what is seen from near, the outermost in many directions among them: their hull is
+    /// nearly that of all.
+    fn outermost(&self) -> Vec<Vec3> {
+        // Half of the directions of a grid on a cube; the other half is opposite.
+        let steps = || (-2_i8..=2).map(f32::from);
+        let directions: Vec<Vec3> = steps()
+            .flat_map(|x| steps().flat_map(move |y| steps().map(move |z| Vec3::new(x, y, z))))
+            .filter(|d| d.abs().max_element() == 2.0)
+            .collect();
+        let of_plant = |plant: &Plant<'a>| -> Vec<Vec3> {
+            let meshes = plant.levels().first().map_or(&[][..], |level| &level.scene.parts);
+            let positions = || meshes.iter().flat_map(|part| &part.mesh.positions);
+            let mut outermost = vec![(f32::NEG_INFINITY, Vec3::ZERO); directions.len()];
+            for &point in positions() {
+                for (direction, most) in directions.iter().zip(&mut outermost) {
+                    let far = direction.dot(point);
+                    if far > most.0 {
+                        *most = (far, point);
+                    }
+                }
+            }
+            outermost.into_iter().filter(|(far, _)| far.is_finite()).map(|(_, point)| point).collect()
+        };
+        let hulls: Vec<Vec<Vec3>> = self.plants.iter().map(of_plant).collect();
+        let placed = |place: &Place| {
+            let motion = place.motion();
+            let moved = move |&p: &Vec3| motion.map_or(p, |motion| motion.point(p));
+            hulls.get(place.plant).map_or(&[][..], Vec::as_slice).iter().map(moved).collect::<Vec<_>>()
+        };
+        self.places.iter().flat_map(placed).collect()
+    }
+
     /// Bytes that all distinct scenes take.
     pub fn bytes(&self) -> u64 {
-        self.plants.iter().flat_map(Plant::scenes).map(Scene::bytes).sum()
+        self.plants.iter().flat_map(Plant::scenes).map(Scene::bytes).sum::<u64>()
+            + self.setting.iter().map(Setting::bytes).sum::<u64>()
     }
 
     /// Smallest box around everything that is seen from near, metres; `None` where nothing stands.
@@ -283,8 +332,10 @@ mod tests {
         let stage = Stage::of_levels(&fine, levels.to_vec());
         assert_eq!(stage.levels(), 2);
         assert!(!stage.is_plain() && stage.is_single());
-        let at = |level: usize| stage.at_level(level).plants[0].levels()[0].scene as *const Scene;
-        assert_eq!([at(0), at(1), at(7)], [&raw const fine, &raw const coarse, &raw const coarse]);
+        let is = |level: usize, scene: &Scene| {
+            std::ptr::eq(stage.at_level(level).plants[0].levels()[0].scene, scene)
+        };
+        assert!(is(0, &fine) && is(1, &coarse) && is(7, &coarse) && !is(1, &fine));
         assert!(stage.at_level(1).is_plain());
     }
 }

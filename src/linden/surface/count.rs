@@ -2,8 +2,9 @@
 
 use rayon::prelude::*;
 
+use super::plan::{Course, Plan};
 use super::tube::Amount;
-use super::{AXES_PER_TASK, Plan, SurfaceError, Tubes, roundness};
+use super::{AXES_PER_TASK, SurfaceError, Tubes};
 use crate::monitor::{Cancelled, Monitor};
 use crate::skeleton::Skeleton;
 
@@ -13,17 +14,14 @@ use crate::skeleton::Skeleton;
 /// # Errors
 /// [`SurfaceError::Cancelled`], and nothing else.
 pub fn count(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Result<Vec<Amount>, SurfaceError> {
-    let roundness = roundness(skeleton, tubes);
-    let counted = skeleton
-        .axes
-        .par_chunks(AXES_PER_TASK)
-        .map(|axes| {
+    let course = Course::new(skeleton, tubes);
+    let starts: Vec<usize> = (0..skeleton.axes.len()).step_by(AXES_PER_TASK).collect();
+    let counted = starts
+        .into_par_iter()
+        .map(|start| {
             monitor.check()?;
-            let of = |axis| {
-                let axis = std::slice::from_ref(axis);
-                Plan::new(skeleton, axis, tubes.rings, &roundness, tubes.bark_tile_m).amount
-            };
-            Ok(axes.iter().map(of).collect())
+            let axes = start..skeleton.axes.len().min(start + AXES_PER_TASK);
+            Ok(axes.map(|axis| Plan::new(&course, axis..axis + 1).amount).collect())
         })
         .collect::<Result<Vec<Vec<Amount>>, Cancelled>>()?;
     Ok(counted.concat())

@@ -1,7 +1,8 @@
 //! Measures a surface without keeping it.
 
+use super::plan::Course;
 use super::topology::topology_bytes;
-use super::{ADVICE, SurfaceError, Topology, Tubes, roundness, sweep_some, topology};
+use super::{ADVICE, SurfaceError, Topology, Tubes, sweep_some, topology};
 use crate::monitor::Monitor;
 use crate::scene::Bounds;
 use crate::skeleton::Skeleton;
@@ -30,7 +31,7 @@ const NODES_PER_PIECE: usize = 1 << 16;
 /// # Errors
 /// [`SurfaceError::Cancelled`], or memory. A mesh of any size can be surveyed.
 pub fn survey(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Result<Survey, SurfaceError> {
-    let roundness = roundness(skeleton, tubes);
+    let course = Course::new(skeleton, tubes);
     let mut whole = Survey::default();
     let mut first = 0;
     // One after the other, each by all threads: pieces beside each other would pile up.
@@ -41,7 +42,7 @@ pub fn survey(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Resu
             nodes <= NODES_PER_PIECE
         });
         let end = first + more.count().max(1);
-        let mesh = sweep_some(skeleton, first..end, &roundness, tubes, monitor)?;
+        let mesh = sweep_some(&course, first..end, monitor)?;
         let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
         let bytes = mesh.bytes() + topology_bytes(vertices, triangles);
         monitor.admit("measuring the surface", bytes, ADVICE)?;

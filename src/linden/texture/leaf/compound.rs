@@ -99,7 +99,8 @@ fn leaflet(look: &LeafLook, own: BladeLook, tint: &Tint, foot: Vec2, along: Vec2
 fn fan(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
     let (foot, count) = (petiole(look), look.lobes.clamp(1, 31));
     let center = Vec2::new(0.0, foot);
-    let own = BladeLook { outline: Outline::Obovate, ..blade_look(look, Outline::Obovate) };
+    // Chestnut leaflets end in a drawn-out tip.
+    let own = BladeLook { tip: (look.tip + 0.35).min(1.0), ..blade_look(look, Outline::Obovate) };
     let mut figure = Figure::default();
     figure.pieces.push(stalk(center, [PETIOLE * 1.2, PETIOLE], tint.stalk(key), key.named("petiole")));
     let half = (count as f32 - 1.0) / 2.0;
@@ -183,7 +184,7 @@ fn bipinnate(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
                 0.0,
                 foot + (0.86 - foot) * (branch as f32 / (branches as f32 - 0.5).max(1.0)).min(1.0),
             );
-            let angle = 1.05 - 0.45 * t + key.named("angle").between(-0.05, 0.05) as f32;
+            let angle = 1.05 - 0.68 * t * t + key.named("angle").between(-0.05, 0.05) as f32;
             let long =
                 (0.36 - 0.30 * (t - 0.45) * (t - 0.45) * 2.2) * key.named("size").between(0.92, 1.05) as f32;
             let along = Vec2::new(sign, 1.0) * heading(angle) * long;

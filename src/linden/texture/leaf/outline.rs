@@ -198,10 +198,12 @@ impl Outline {
             Self::Rhombic => toothed(leaf(0.78, 0.25), Margin::Doubly, 11, 0.035),
             Self::Deltoid => toothed(leaf(0.95, 0.32), Margin::Crenate, 22, 0.012),
             Self::Lobed => Usual { autumn_colors: REDS, ..lobed(leaf(0.58, 0.05), 5, 0.5) },
-            Self::Palmate => {
-                Usual { veins: Veins::Palmate, autumn_colors: REDS, ..lobed(leaf(1.15, 0.35), 5, 0.55) }
-            }
-            Self::Fan => toothed(parts(leaf(0.32, 0.35), 7), Margin::Serrate, 24, 0.015),
+            Self::Palmate => Usual {
+                veins: Veins::Palmate,
+                autumn_colors: REDS,
+                ..toothed(lobed(leaf(1.15, 0.35), 5, 0.5), Margin::Serrate, 2, 0.1)
+            },
+            Self::Fan => toothed(parts(leaf(0.3, 0.35), 7), Margin::Doubly, 16, 0.014),
             Self::Pinnate => toothed(parts(leaf(0.32, 0.15), 5), Margin::Serrate, 18, 0.012),
             Self::Bipinnate => parts(leaf(0.3, 0.12), 9),
             Self::Palm => Usual { veins: Veins::Parallel, ..parts(leaf(0.05, 0.15), 40) },

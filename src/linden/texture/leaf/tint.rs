@@ -41,11 +41,8 @@ impl Tint {
         // Leaves turn one after another.
         let late = 0.28 * (0.35 + spread) * key.named("late").between(-1.0, 1.0) as f32;
         let turned = (season - TURNING[0]) / (TURNING[1] - TURNING[0]);
-        let turned = if turned > 0.0 {
-            (turned * (1.0 + late) + 0.6 * late * turned.min(1.0)).clamp(0.0, 1.0)
-        } else {
-            0.0
-        };
+        let turned =
+            if turned > 0.0 { (turned + late * (4.0 * turned).min(1.0)).clamp(0.0, 1.0) } else { 0.0 };
         let ramp = |at: f32| -> Vec3 {
             let stops = look.autumn_colors.len();
             let at = at.clamp(0.0, 1.0) * stops as f32;

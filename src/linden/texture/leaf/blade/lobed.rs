@@ -38,9 +38,10 @@ fn side(look: &BladeLook, sign: f32, key: Key) -> (Vec<Vec2>, Vec<Lobe>) {
         let size = 1.0 + 0.13 * uneven(lobe, "size") * (1.0 - bay);
         // Where nothing is left of the width, the last lobe closes over the tip.
         let in_bay = libm::powf(bay, 1.5) * depth;
-        let reach = envelope(t) * size * (1.0 - in_bay);
+        // The blade begins as a wedge.
+        let reach = envelope(t) * size * (1.0 - in_bay) * libm::sqrtf((phase / 0.5).clamp(0.0, 1.0));
         // Lobes lean towards the tip, the more the nearer to it they are.
-        let lean = 1.10 - 0.62 * t - 0.48 * t * t * t;
+        let lean = 1.10 - 0.35 * t - 0.75 * t * t * t * t * t * t;
         let stem = 0.02 + 0.80 * t + 0.018 * uneven(lobe, "place") * (1.0 - bay);
         let direction = heading(lean.max(0.0));
         let from = Vec2::new(0.0, stem);
