@@ -264,7 +264,11 @@ fn sketch(kind: &LeafKind, cell: &Cell, mesh: &Mesh) -> Mesh {
     match kind.form {
         Form::None => {}
         Form::Card | Form::Curved => rhomb(Vec2::ZERO, 0.0, high.y, half, 0.0),
-        Form::Cross => [0.0, quarter].into_iter().for_each(|turn| rhomb(Vec2::ZERO, 0.0, high.y, half, turn)),
+        Form::Cross => {
+            for turn in [0.0, quarter] {
+                rhomb(Vec2::ZERO, 0.0, high.y, half, turn);
+            }
+        }
         Form::Twig => {
             let shown = kind.twig_leaves.min(SKETCHED_LEAVES);
             let length = (kind.length_m / super::look::length_m(kind)) as f32;
@@ -296,7 +300,9 @@ fn sketch(kind: &LeafKind, cell: &Cell, mesh: &Mesh) -> Mesh {
             }
             if let Some(Bounds { min, max }) = mesh.bounds() {
                 let half = (max - min).x.max((max - min).z) / 2.0;
-                [0.0, quarter].into_iter().for_each(|turn| rhomb(Vec2::ZERO, 0.0, 1.0, half, turn));
+                for turn in [0.0, quarter] {
+                    rhomb(Vec2::ZERO, 0.0, 1.0, half, turn);
+                }
             }
         }
     }

@@ -482,25 +482,26 @@ fn what_is_wrong_with_a_leafs_file_is_said() {
     assert!(error.contains("PNG"), "{error}");
 }
 
+/// Grants eight mebibytes.
+struct Small;
+impl Monitor for Small {
+    fn is_cancelled(&self) -> bool {
+        false
+    }
+
+    fn advance(&self, _: crate::monitor::Stage, _: u64, _: Option<u64>) {}
+
+    fn memory_limit(&self) -> u64 {
+        8 << 20
+    }
+}
+
 #[test]
 fn too_many_leaves_are_refused_before_they_grow() {
     let tree = twigs(2000, 10);
     let own = recipe("leaf_form = \"card\"\nleaves_per_m = 100000");
     let error = sprout(&own, &tree, &Arc::default(), &Quiet).unwrap_err();
     assert!(matches!(error, FoliageError::TooMany { .. }), "{error}");
-
-    struct Small;
-    impl Monitor for Small {
-        fn is_cancelled(&self) -> bool {
-            false
-        }
-
-        fn advance(&self, _: crate::monitor::Stage, _: u64, _: Option<u64>) {}
-
-        fn memory_limit(&self) -> u64 {
-            8 << 20
-        }
-    }
     let own = recipe("leaf_form = \"card\"\nleaves_per_m = 1000");
     let error = sprout(&own, &tree, &Arc::default(), &Small).unwrap_err();
     assert!(matches!(error, FoliageError::Memory(_)), "{error}");
