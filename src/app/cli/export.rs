@@ -55,8 +55,8 @@ impl Export {
         let source = self.growing.resolve_with(&own, &progress)?;
         let id = &source.recipe.preset.id;
         let command = format!("linden export {0} -o {0}.glb", crate::source::show(&self.growing.source));
-        let levels = source.recipe.preset.detail.levels();
-        let mut batch = self.outputs.open(id, &command, &of_formats, levels, source.files.clone())?;
+        let count = source.recipe.preset.detail.levels();
+        let mut batch = self.outputs.open(id, &command, &of_formats, count, source.files.clone())?;
         let grown = super::grown(&source, &progress)?;
         let levels = levels(&source.recipe, &grown, &progress).with_context(|| source.shown.clone())?;
         super::notes(&levels.notes, &progress);
