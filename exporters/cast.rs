@@ -8,6 +8,7 @@ use std::collections::BTreeSet;
 use linden::Monitor;
 use linden::scene::{Bounds, Material, Mesh, Scene};
 use linden::stage::{Ground, Place, Sky, Stage};
+use linden::wind::PartWind;
 
 use crate::{ExportError, sound};
 
@@ -52,6 +53,8 @@ pub(crate) struct Piece<'a> {
     pub bounds: Bounds,
     /// Index into [`Cast::looks`].
     pub look: usize,
+    /// How it swings.
+    pub wind: Option<&'a PartWind>,
 }
 
 /// A material under a name that no other has.
@@ -95,6 +98,7 @@ impl<'a> Cast<'a> {
                         mesh: &part.mesh,
                         bounds,
                         look: looks[part.material],
+                        wind: part.wind.as_ref(),
                     })
                     .collect();
                 cast.models.push(Model { scene, pieces, looks });
@@ -137,7 +141,7 @@ impl<'a> Cast<'a> {
         let bounds = sound::check_around(name, mesh, material, monitor)?;
         let mut names = self.looks.iter().map(|look| look.name.clone()).collect();
         let look = self.look(material, None, &mut names);
-        Ok(Piece { name, mesh, bounds, look })
+        Ok(Piece { name, mesh, bounds, look, wind: None })
     }
 
     /// The index of a material; lists it if it is new. `kind` is what its plant is called where there

@@ -235,7 +235,7 @@ mod tests {
                 cutout: None,
                 wrap: linden::scene::Wrap::Repeat,
             }],
-            parts: vec![Part { name: "wood".to_owned(), material: 0, mesh }],
+            parts: vec![Part::new("wood", 0, mesh)],
             skeleton: Arc::new(Skeleton {
                 positions: vec![Vec3::ZERO, Vec3::Y],
                 parents: vec![NO_PARENT, 0],

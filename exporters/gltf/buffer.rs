@@ -6,6 +6,7 @@ use linden::scene::Mesh;
 
 use super::document::{Accessor, Attributes, BufferView, ComponentType};
 use super::tangents::tangents;
+use super::wind::{self, WindArrays};
 use crate::cast::{Cast, Piece};
 use crate::picture::{self, Named};
 use crate::{ExportError, Sink};
@@ -29,6 +30,7 @@ pub(super) struct PrimitiveArrays {
     first: usize,
     with_tangents: bool,
     pub indices: usize,
+    pub wind: WindArrays,
 }
 
 impl PrimitiveArrays {
@@ -38,6 +40,8 @@ impl PrimitiveArrays {
             normal: self.first + 1,
             texcoord_0: self.first + 2,
             tangent: self.with_tangents.then_some(self.first + 3),
+            wind: self.wind.attributes.map(|[wind, _]| wind),
+            wind_pivot: self.wind.attributes.map(|[_, pivot]| pivot),
         }
     }
 }
@@ -52,7 +56,7 @@ impl Layout {
             blobs: Vec::new(),
             bytes: 0,
         };
-        for Piece { mesh, bounds, look, .. } in cast.pieces() {
+        for Piece { mesh, bounds, look, wind, .. } in cast.pieces() {
             let first = layout.accessors.len();
             let count = mesh.positions.len();
             let f32s = |layout: &mut Self, shape, bytes| {
@@ -61,8 +65,8 @@ impl Layout {
             f32s(&mut layout, "VEC3", 12);
             f32s(&mut layout, "VEC3", 12);
             f32s(&mut layout, "VEC2", 8);
-            layout.accessors[first].min = Some(bounds.min.to_array());
-            layout.accessors[first].max = Some(bounds.max.to_array());
+            layout.accessors[first].min = Some(bounds.min.to_array().to_vec());
+            layout.accessors[first].max = Some(bounds.max.to_array().to_vec());
             let normal_picture = cast.looks[*look].material.normal_picture.as_ref();
             let with_tangents = picture::index_of(pictures, normal_picture).is_some();
             if with_tangents {
@@ -72,7 +76,8 @@ impl Layout {
             let bytes = if kind == ComponentType::U16 { 2 } else { 4 };
             layout.push(mesh.triangles.len() * 3, "SCALAR", kind, bytes, ELEMENT_ARRAY_BUFFER);
             let indices = layout.accessors.len() - 1;
-            layout.primitives.push(PrimitiveArrays { first, with_tangents, indices });
+            let wind = wind.map(|own| wind::lay_out(&mut layout, mesh, own)).unwrap_or_default();
+            layout.primitives.push(PrimitiveArrays { first, with_tangents, indices, wind });
         }
         layout
     }
@@ -80,7 +85,7 @@ impl Layout {
     fn push(&mut self, count: usize, shape: &'static str, kind: ComponentType, bytes: u64, target: u16) {
         let buffer_view = self.push_view(count as u64 * bytes, Some(target));
         self.accessors.push(Accessor {
-            buffer_view,
+            buffer_view: Some(buffer_view),
             component_type: kind,
             count,
             shape,
@@ -94,6 +99,43 @@ impl Layout {
         self.bytes = (byte_offset + byte_length).next_multiple_of(4);
         self.views.push(BufferView { buffer: 0, byte_offset, byte_length, target });
         self.views.len() - 1
+    }
+
+    /// A further array with an item per vertex; gives its accessor.
+    pub fn push_vertices(&mut self, count: usize, shape: &'static str, bytes: u64) -> usize {
+        self.push(count, shape, ComponentType::F32, bytes, ARRAY_BUFFER);
+        self.accessors.len() - 1
+    }
+
+    /// Vectors that are all zero and take no place.
+    pub fn push_zeros(&mut self, count: usize) -> usize {
+        let zero = Some(vec![0.0; 3]);
+        self.accessors.push(Accessor {
+            buffer_view: None,
+            component_type: ComponentType::F32,
+            count,
+            shape: "VEC3",
+            min: zero.clone(),
+            max: zero,
+        });
+        self.accessors.len() - 1
+    }
+
+    /// Numbers behind everything else; gives their accessor.
+    pub fn push_numbers(&mut self, numbers: &[f32], with_bounds: bool) -> usize {
+        let view = self.push_blob(bytemuck::cast_slice(numbers).to_vec());
+        let bound = |of: fn(f32, f32) -> f32| {
+            with_bounds.then(|| numbers.iter().copied().reduce(of).into_iter().collect::<Vec<f32>>())
+        };
+        self.accessors.push(Accessor {
+            buffer_view: Some(view),
+            component_type: ComponentType::F32,
+            count: numbers.len(),
+            shape: "SCALAR",
+            min: bound(f32::min),
+            max: bound(f32::max),
+        });
+        self.accessors.len() - 1
     }
 
     /// Puts a file's bytes behind everything else; gives its view.
@@ -112,6 +154,7 @@ impl Layout {
     pub fn write(&self, cast: &Cast<'_>, out: &mut impl Chunk) -> Result<(), ExportError> {
         for (piece, primitive) in cast.pieces().zip(&self.primitives) {
             write_mesh(piece.mesh, primitive.with_tangents, out)?;
+            piece.wind.map_or(Ok(()), |own| wind::write(own, out))?;
         }
         for blob in &self.blobs {
             out.put(blob)?;

@@ -6,6 +6,8 @@ use linden::scene::Wrap;
 use serde::Serialize;
 use serde_json::value::RawValue;
 
+use super::wind::{Animation, MorphTarget};
+
 /// The root. `buffers` stands before everything that carries names from outside: the writer of data
 /// URIs looks for the first one.
 #[derive(Serialize)]
@@ -32,6 +34,8 @@ pub(super) struct Document {
     pub images: Vec<Image>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub samplers: Vec<Sampler>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub animations: Vec<Animation>,
     pub accessors: Vec<Accessor>,
     pub buffer_views: Vec<BufferView>,
 }
@@ -155,11 +159,14 @@ pub(super) struct Extras {
     /// Down to which share of the picture each level serves (`MSFT_lod` has it in the extras).
     #[serde(rename = "MSFT_screencoverage", skip_serializing_if = "Vec::is_empty")]
     pub screen_coverage: Vec<f32>,
+    /// What a mesh's morph targets are called: the extras are where importers look for that.
+    #[serde(rename = "targetNames", skip_serializing_if = "Vec::is_empty")]
+    pub target_names: Vec<&'static str>,
 }
 
 impl Extras {
     fn is_empty(&self) -> bool {
-        self.linden.is_none() && self.screen_coverage.is_empty()
+        self.linden.is_none() && self.screen_coverage.is_empty() && self.target_names.is_empty()
     }
 }
 
@@ -176,6 +183,8 @@ pub(super) struct Primitive {
     pub attributes: Attributes,
     pub indices: usize,
     pub material: usize,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub targets: Vec<MorphTarget>,
 }
 
 /// Accessors of the vertex arrays.
@@ -188,6 +197,10 @@ pub(super) struct Attributes {
     pub tangent: Option<usize>,
     #[serde(rename = "TEXCOORD_0")]
     pub texcoord_0: usize,
+    #[serde(rename = "_WIND", skip_serializing_if = "Option::is_none")]
+    pub wind: Option<usize>,
+    #[serde(rename = "_WINDPIVOT", skip_serializing_if = "Option::is_none")]
+    pub wind_pivot: Option<usize>,
 }
 
 #[derive(Serialize)]
@@ -285,15 +298,17 @@ impl Sampler {
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Accessor {
-    pub buffer_view: usize,
+    /// None: all zero.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub buffer_view: Option<usize>,
     pub component_type: ComponentType,
     pub count: usize,
     #[serde(rename = "type")]
     pub shape: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub min: Option<[f32; 3]>,
+    pub min: Option<Vec<f32>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub max: Option<[f32; 3]>,
+    pub max: Option<Vec<f32>>,
 }
 
 /// Component types by their number in OpenGL.

@@ -10,6 +10,7 @@ mod document;
 mod nodes;
 mod setting;
 mod tangents;
+mod wind;
 
 use linden::Monitor;
 use linden::scene::Wrap;
@@ -205,6 +206,7 @@ fn document(
     });
     let SceneGraph { nodes, roots, meshes, cameras, lights, extensions } =
         nodes::nodes(stage, cast, &layout.primitives);
+    let animation = wind::animation(cast, &meshes, &nodes, layout);
     let images = pictures.iter().zip(sources).map(|(named, source)| Image {
         name: named.suffix.trim_start_matches('_').trim_end_matches(".png").to_owned(),
         mime_type: "image/png",
@@ -231,6 +233,7 @@ fn document(
         textures,
         images: images.collect(),
         samplers: wraps.into_iter().map(Sampler::new).collect(),
+        animations: animation.into_iter().collect(),
         accessors: std::mem::take(&mut layout.accessors),
         buffer_views: std::mem::take(&mut layout.views),
     }

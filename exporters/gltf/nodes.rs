@@ -7,6 +7,7 @@ use linden::stage::{Place, Stage};
 
 use super::buffer::PrimitiveArrays;
 use super::document::{Camera, Extras, Light, Lod, Mesh, Node, NodeExtensions, Primitive};
+use super::wind::MorphTarget;
 use super::{recipe, setting};
 use crate::cast::{Cast, Piece};
 
@@ -80,19 +81,27 @@ impl Graph<'_> {
             for index in 0..self.cast.seasons(plant) * levels {
                 let model = &self.cast.models[self.first_model(plant) + index];
                 let suffix = suffix(index % levels, levels);
-                let primitives =
-                    model.pieces.iter().zip(&mut arrays).map(|(piece, arrays)| primitive(piece, arrays));
-                let primitives: Vec<Primitive> = primitives.collect();
+                let primitives = model
+                    .pieces
+                    .iter()
+                    .zip(&mut arrays)
+                    .map(|(piece, arrays)| (primitive(piece, arrays), arrays.wind.names.clone()));
+                let primitives: Vec<(Primitive, Vec<&'static str>)> = primitives.collect();
                 self.first_mesh.push(self.meshes.len());
                 if is_single {
-                    self.meshes.extend(model.pieces.iter().zip(primitives).map(|(piece, primitive)| Mesh {
-                        name: format!("{}{suffix}", piece.name),
-                        primitives: vec![primitive],
-                        extras: Extras::default(),
-                    }));
+                    self.meshes.extend(model.pieces.iter().zip(primitives).map(
+                        |(piece, (primitive, target_names))| Mesh {
+                            name: format!("{}{suffix}", piece.name),
+                            primitives: vec![primitive],
+                            extras: Extras { target_names, ..Extras::default() },
+                        },
+                    ));
                 } else {
                     // The forest's recipe is the root's; each tree has its own beside.
-                    let extras = Extras { linden: recipe(&model.scene.recipe), ..Extras::default() };
+                    let linden = recipe(&model.scene.recipe);
+                    let (primitives, names): (Vec<_>, Vec<_>) = primitives.into_iter().unzip();
+                    let target_names = names.into_iter().next().unwrap_or_default();
+                    let extras = Extras { linden, target_names, ..Extras::default() };
                     self.meshes.push(Mesh { name: format!("{}{suffix}", own.name), primitives, extras });
                 }
             }
@@ -181,7 +190,13 @@ fn suffix(level: usize, levels: usize) -> String {
 }
 
 fn primitive(piece: &Piece<'_>, arrays: &PrimitiveArrays) -> Primitive {
-    Primitive { attributes: arrays.attributes(), indices: arrays.indices, material: piece.look }
+    let targets = arrays.wind.targets.iter().map(|&position| MorphTarget { position });
+    Primitive {
+        attributes: arrays.attributes(),
+        indices: arrays.indices,
+        material: piece.look,
+        targets: targets.collect(),
+    }
 }
 
 /// A node where its plant stands.

@@ -16,6 +16,7 @@ use crate::recipe::{Input, Recipe};
 use crate::scene::{Material, Part, Scene, Wrap};
 use crate::surface::{self, SurfaceError};
 use crate::texture::{BarkError, BarkPictures};
+use crate::wind::{Blown, Field};
 
 /// Bark scatters light in all directions; nothing on it shines.
 const BARK_ROUGHNESS: f32 = 0.9;
@@ -39,6 +40,10 @@ pub enum DressError {
 
 from_cancellable!(DressError: SurfaceError => Surface, FoliageError => Foliage, BarkError => Bark);
 
+/// For messages about memory.
+const BLOWING: &str = "computing the wind";
+const BLOWING_ADVICE: &str = "use wind=attributes, a budget of triangles, or no wind";
+
 /// Leaves are a little glossy.
 const LEAF_ROUGHNESS: f32 = 0.6;
 
@@ -49,7 +54,10 @@ const LEAF_ROUGHNESS: f32 = 0.6;
 /// [`DressError`]: too large, or cancelled.
 pub fn dress(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Scene, DressError> {
     let held = Holding::new(monitor, grown.bytes());
-    Wardrobe::new(recipe, &grown.organs, &held)?.dress(recipe, grown, monitor)
+    let wardrobe = Wardrobe::new(recipe, &grown.organs, &held)?;
+    let field = Field::of(&recipe.preset, &grown.skeleton);
+    let blown = field.as_ref().map(|field| Blown { field, axes: None });
+    wardrobe.dress(recipe, grown, blown, monitor)
 }
 
 /// What a tree wears: pictures, drawn once for all of its levels of detail and looks.
@@ -107,19 +115,32 @@ impl Wardrobe {
         bark.chain(covers).map(|picture| picture.rgba().len() as u64).sum()
     }
 
-    /// As [`dress`](dress()), with these pictures.
+    /// As [`dress`](dress()), with these pictures and this wind.
     ///
     /// # Errors
     /// [`DressError`].
-    pub fn dress(&self, recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Scene, DressError> {
+    pub(crate) fn dress(
+        &self,
+        recipe: &Recipe,
+        grown: &Grown,
+        blown: Option<Blown<'_>>,
+        monitor: &dyn Monitor,
+    ) -> Result<Scene, DressError> {
         let preset = &recipe.preset;
         let held = grown.bytes() + recipe.inputs.iter().map(Input::bytes).sum::<u64>() + self.bytes();
         let monitor: &dyn Monitor = &Holding::new(monitor, held);
         let wood = surface::sweep(&grown.skeleton, &preset.tubes, monitor)?;
         let mut materials = vec![self.bark.clone()];
-        let mut parts = vec![Part { name: "wood".to_owned(), material: 0, mesh: wood }];
-        let wooded = Holding::new(monitor, parts[0].mesh.bytes());
-        self.leaves(recipe, &grown.organs, &mut materials, &mut parts, &wooded)?;
+        let mut wood = Part::new("wood", 0, wood);
+        if let Some(blown) = blown {
+            let bytes = wood.bytes() + blown.field.bytes_for(wood.mesh.positions.len());
+            monitor.admit(BLOWING, bytes, BLOWING_ADVICE).map_err(SurfaceError::from)?;
+            let tubes = surface::count(&grown.skeleton, &preset.tubes, monitor)?;
+            wood.wind = Some(blown.wood(&wood.mesh, &tubes, monitor)?);
+        }
+        let wooded = Holding::new(monitor, wood.bytes());
+        let mut parts = vec![wood];
+        self.leaves(recipe, &grown.organs, blown, &mut materials, &mut parts, &wooded)?;
         let name = if preset.name.trim().is_empty() { &preset.id } else { &preset.name };
         Ok(Scene {
             name: printable(name),
@@ -135,6 +156,7 @@ impl Wardrobe {
         &self,
         recipe: &Recipe,
         organs: &Organs,
+        blown: Option<Blown<'_>>,
         materials: &mut Vec<Material>,
         parts: &mut Vec<Part>,
         monitor: &dyn Monitor,
@@ -158,7 +180,14 @@ impl Wardrobe {
                 ),
                 Look::Kind(i) => (numbered("leaves", i), cover.map_or([0.0; 3], mean_color)),
             };
-            parts.push(Part { name: name.clone(), material: materials.len(), mesh });
+            let mut part = Part::new(name.clone(), materials.len(), mesh);
+            if let Some(blown) = blown {
+                let held: u64 = parts.iter().skip(1).map(Part::bytes).sum();
+                let bytes = held + part.bytes() + blown.field.bytes_for(part.mesh.positions.len());
+                monitor.admit(BLOWING, bytes, BLOWING_ADVICE)?;
+                part.wind = Some(blown.leaves(&part.mesh, organs, look, colors.len(), monitor)?);
+            }
+            parts.push(part);
             materials.push(Material {
                 name,
                 base_color,

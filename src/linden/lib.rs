@@ -25,6 +25,7 @@ pub mod skeleton;
 pub mod stage;
 pub mod surface;
 pub mod texture;
+pub mod wind;
 
 pub use glam::{DVec3, Vec2, Vec3};
 pub use monitor::{Cancelled, Monitor, Quiet};

@@ -35,6 +35,11 @@ pub struct Export {
     #[arg(long, value_name = "PLANES", num_args = 0..=1, default_missing_value = "2")]
     billboard: Option<u32>,
 
+    /// Wind: a sway loop that viewers play, or the attributes at the vertices alone; the same as
+    /// --set wind=WORD
+    #[arg(long, value_name = "WORD", num_args = 0..=1, default_missing_value = "sway")]
+    wind: Option<String>,
+
     /// With a camera that frames the tree, sun, sky and ground, in formats that hold them
     #[arg(long)]
     scene: bool,
@@ -49,14 +54,15 @@ impl Export {
             ("lods", self.lods.map(|n| n.to_string())),
             ("lod_ratio", self.lod_ratio.map(|x| x.to_string())),
             ("billboard", self.billboard.map(|n| n.to_string())),
+            ("wind", self.wind.clone()),
         ];
         let flags = flags.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?)));
         let own: Vec<_> = own.into_iter().chain(self.budget.pair()).chain(flags).collect();
         let source = self.growing.resolve_with(&own, &progress)?;
         let id = &source.recipe.preset.id;
         let command = format!("linden export {0} -o {0}.glb", crate::source::show(&self.growing.source));
-        let count = source.recipe.preset.detail.levels();
-        let mut batch = self.outputs.open(id, &command, &of_formats, count, source.files.clone())?;
+        let wanted = source.recipe.preset.detail.levels();
+        let mut batch = self.outputs.open(id, &command, &of_formats, wanted, source.files.clone())?;
         let grown = super::grown(&source, &progress)?;
         let levels = levels(&source.recipe, &grown, &progress).with_context(|| source.shown.clone())?;
         super::notes(&levels.notes, &progress);

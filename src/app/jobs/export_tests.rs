@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc;
 
 use linden::Quiet;
+use linden::dress::dress;
 use linden_exporters::{Options, REGISTRY, find};
 
 use super::*;

@@ -13,6 +13,7 @@ use crate::recipe::Recipe;
 use crate::scene::Scene;
 use crate::stage::{self, Stage};
 use crate::surface::Tubes;
+use crate::wind::{Blown, Field};
 
 /// Levels of detail of one tree.
 #[derive(Debug)]
@@ -54,9 +55,11 @@ pub fn levels(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<L
     let Preset { detail, .. } = &recipe.preset;
     let mut notes = Vec::new();
     let mut scenes: Vec<Scene> = Vec::new();
+    let field = Field::of(&recipe.preset, &grown.skeleton);
     let wardrobe = Wardrobe::new(recipe, &grown.organs, monitor)?;
     if detail.triangles == 0 && detail.lods <= 1 {
-        scenes.push(wardrobe.dress(recipe, grown, monitor)?);
+        let blown = field.as_ref().map(|field| Blown { field, axes: None });
+        scenes.push(wardrobe.dress(recipe, grown, blown, monitor)?);
     } else {
         let simplifier = Simplifier::new(&recipe.preset, grown, monitor)?;
         let full = simplifier.full_triangles(monitor)?;
@@ -77,7 +80,7 @@ pub fn levels(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<L
             let own = simplifier.within(budget, monitor)?;
             let held = Holding::new(monitor, scenes.iter().map(Scene::bytes).sum());
             let thin = simplifier.simplified(&own, &held)?;
-            scenes.push(dressed(thin, &wardrobe, recipe, grown, &held)?);
+            scenes.push(dressed(thin, &wardrobe, field.as_ref(), recipe, grown, &held)?);
             budget = (budget as f64 * detail.lod_ratio) as u64;
         }
     }
@@ -115,8 +118,9 @@ pub fn finest(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<(
 
 /// Dresses a level.
 fn dressed(
-    Simplified { skeleton, organs, tubes, .. }: Simplified,
+    Simplified { skeleton, axes, organs, tubes }: Simplified,
     wardrobe: &Wardrobe,
+    field: Option<&Field<'_>>,
     recipe: &Recipe,
     grown: &Grown,
     monitor: &dyn Monitor,
@@ -124,7 +128,8 @@ fn dressed(
     let mut own = recipe.clone();
     own.preset.tubes = tubes;
     let thin = Grown { skeleton: Arc::new(skeleton), organs: Arc::new(organs), ..grown.clone() };
-    let mut scene = wardrobe.dress(&own, &thin, monitor)?;
+    let blown = field.map(|field| Blown { field, axes: Some(&axes) });
+    let mut scene = wardrobe.dress(&own, &thin, blown, monitor)?;
     // Whatever is shown of it, this is the tree.
     scene.recipe = recipe.to_line();
     scene.skeleton = Arc::clone(&grown.skeleton);

@@ -3,7 +3,7 @@
 
 use super::item::Field;
 use super::{
-    Colonization, LeafKind, Preset, Space, bark, colonization, detail, foliage, lsystem, surface, wood,
+    Colonization, LeafKind, Preset, Space, bark, colonization, detail, foliage, lsystem, surface, wind, wood,
 };
 use crate::colonization::crown::{self, SHAPES, ShapeKnob};
 use crate::knob::{Kind, Knob, Value};
@@ -27,11 +27,13 @@ pub enum Section {
     Foliage,
     /// `[detail]`
     Detail,
+    /// `[wind]`
+    Wind,
 }
 
 impl Section {
     /// All sections, in the order of a document.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Tree,
         Self::LSystem,
         Self::Colonization,
@@ -40,11 +42,12 @@ impl Section {
         Self::Bark,
         Self::Foliage,
         Self::Detail,
+        Self::Wind,
     ];
 
     /// Whether its knobs leave the skeleton as it is: they say what covers it and what is shown of it.
     pub const fn covers(self) -> bool {
-        matches!(self, Self::Surface | Self::Bark | Self::Foliage | Self::Detail)
+        matches!(self, Self::Surface | Self::Bark | Self::Foliage | Self::Detail | Self::Wind)
     }
 
     /// The table's key, empty for [`Section::Tree`].
@@ -58,6 +61,7 @@ impl Section {
             Self::Bark => "bark",
             Self::Foliage => "foliage",
             Self::Detail => "detail",
+            Self::Wind => "wind",
         }
     }
 }
@@ -187,7 +191,7 @@ const TREE: &[PresetKnob] = &[
 ];
 
 /// The rows of all sections, in the order of a document.
-const SECTIONS: [&[PresetKnob]; 8] = [
+const SECTIONS: [&[PresetKnob]; 9] = [
     TREE,
     lsystem::KNOBS,
     colonization::KNOBS,
@@ -196,6 +200,7 @@ const SECTIONS: [&[PresetKnob]; 8] = [
     bark::KNOBS,
     foliage::KNOBS,
     detail::KNOBS,
+    wind::KNOBS,
 ];
 
 /// How many rows all sections have.

@@ -13,6 +13,7 @@ mod part;
 mod read;
 mod setting;
 mod surface;
+mod wind;
 mod wood;
 mod write;
 
@@ -34,6 +35,7 @@ pub use library::{Builtin, RecipeError, builtin, builtin_file, builtins};
 pub use lsystem::LSystem;
 pub use part::{MOST_PARTS, PART_CROWN, PART_KNOBS, Part, PartKnob, Solid};
 pub use setting::{Habit, Length, Origin, Pull, Role, ScanRadius, UpAxis};
+pub use wind::WindLook;
 
 /// Everything that says how a tree grows and looks.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,6 +68,8 @@ pub struct Preset {
     pub foliage: FoliageLook,
     /// How much of it is shown.
     pub detail: DetailLook,
+    /// How it moves.
+    pub wind: WindLook,
 }
 
 /// How a tree grows.

@@ -4,7 +4,7 @@ use super::document::{Datum, Entry, Fault, Node, Place};
 use super::foliage;
 use super::knobs::{KNOBS, PresetKnob, Section, shape_knobs};
 use super::part::{self, PART};
-use super::{BarkLook, Colonization, DetailLook, FoliageLook, Generator, LSystem, Preset, Space};
+use super::{BarkLook, Colonization, DetailLook, FoliageLook, Generator, LSystem, Preset, Space, WindLook};
 use crate::knob::{did_you_mean, excerpt, nearest};
 use crate::lsystem::{Grammar, Part};
 use crate::skeleton::Wood;
@@ -58,6 +58,7 @@ impl Preset {
             bark: BarkLook::default(),
             foliage: FoliageLook::default(),
             detail: DetailLook::default(),
+            wind: WindLook::default(),
         }
     }
 }

@@ -65,5 +65,5 @@ fn skin(tree: &Skeleton) -> Result<(Vec<Part>, Vec<Material>), Box<dyn std::erro
         cutout: None,
         wrap: linden::scene::Wrap::Repeat,
     };
-    Ok((vec![Part { name: "wood".to_owned(), material: 0, mesh }], vec![bark]))
+    Ok((vec![Part::new("wood", 0, mesh)], vec![bark]))
 }

@@ -27,7 +27,7 @@ fn material(base_color: [f32; 3]) -> Material {
 }
 
 fn part(mesh: Mesh, material: usize) -> Part {
-    Part { name: "part".to_owned(), material, mesh }
+    Part::new("part", material, mesh)
 }
 
 /// A ball of many triangles, counter-clockwise from outside.

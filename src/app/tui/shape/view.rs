@@ -321,6 +321,7 @@ const fn title(section: Section) -> &'static str {
         Section::Bark => "Bark",
         Section::Foliage => "Foliage",
         Section::Detail => "Levels of detail",
+        Section::Wind => "Wind",
     }
 }
 

@@ -99,7 +99,7 @@ pub fn billboard(scene: &Scene, how: &Billboard, monitor: &dyn Monitor) -> Resul
         name: scene.name.clone(),
         recipe: scene.recipe.clone(),
         materials: vec![material],
-        parts: vec![Part { name: "billboard".to_owned(), material: 0, mesh: sheet.mesh(&frames, foot) }],
+        parts: vec![Part::new("billboard", 0, sheet.mesh(&frames, foot))],
         skeleton: Arc::clone(&scene.skeleton),
     })
 }
@@ -178,7 +178,8 @@ impl Sheet {
         let margins = 2 * MARGIN_PX;
         let height_m = frames.iter().map(|frame| frame.size().y).fold(0.0, f32::max);
         let width_m: f32 = frames.iter().map(|frame| frame.size().x).sum();
-        let room_px = (2 * size_px).saturating_sub(margins * frames.len() as u32).max(size_px / 2);
+        // Each rounds up.
+        let room_px = (2 * size_px).saturating_sub((margins + 1) * frames.len() as u32).max(size_px / 2);
         let texel_m = (height_m / (size_px - margins) as f32).max(width_m / room_px as f32);
         let pixels = |metres: f32| (metres / texel_m).ceil() as u32 + margins;
         let mut next = 0;

@@ -18,7 +18,7 @@ fn material(base_color: [f32; 3], double_sided: bool) -> Material {
 }
 
 fn scene(materials: Vec<Material>, meshes: Vec<Mesh>) -> Scene {
-    let part = |(material, mesh)| Part { name: format!("part{material}"), material, mesh };
+    let part = |(material, mesh)| Part::new(format!("part{material}"), material, mesh);
     Scene {
         name: "test".to_owned(),
         recipe: "{}".to_owned(),
