@@ -18,7 +18,7 @@ use crate::texture::{BarkError, BarkPictures};
 const BARK_ROUGHNESS: f32 = 0.9;
 
 /// Why a tree has no scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum DressError {
     /// The result was no longer wanted.
     #[error(transparent)]

@@ -56,6 +56,8 @@ pub enum Stage {
     Refine,
     /// Sweeping tubes; unit: axes.
     Sweep,
+    /// Contouring wood into one solid; unit: blocks of cells.
+    Solidify,
     /// Writing files; unit: bytes.
     Write,
 }
@@ -70,6 +72,7 @@ impl Stage {
             Self::Grow => ("growing", "points"),
             Self::Refine => ("refining", "steps"),
             Self::Sweep => ("surfacing", "axes"),
+            Self::Solidify => ("making one solid", "blocks"),
             Self::Write => ("writing", "bytes"),
         }
     }
