@@ -103,6 +103,12 @@ impl Default for Tubes {
 /// Why there is no surface.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum SurfaceError {
+    /// Something needs to know which tube each vertex is of.
+    #[error(
+        "with junction=watertight all wood is one solid without tubes: triangles, lods and wind need \
+         junction=overlap or blend (junction_detail says how fine the solid is)"
+    )]
+    NoTubes,
     /// The result was no longer wanted.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
