@@ -21,6 +21,7 @@ mod mesh;
 mod plant;
 mod skeleton;
 mod syntax;
+mod wind;
 
 use std::sync::Arc;
 
@@ -135,12 +136,14 @@ fn write_layer(layer: &mut Layer<'_, '_>, writing: &Writing<'_>, instances: bool
     let stage = writing.stage;
     let root = identifier(&stage.name);
     let generator = quoted(GENERATOR);
+    let pieces: Vec<_> = writing.cast.pieces().collect();
+    let time = wind::sway(&pieces).map_or_else(String::new, wind::time);
     layer.lines(&format!(
         r#"#usda 1.0
 (
     defaultPrim = "{root}"
     doc = {generator}
-    metersPerUnit = 1
+{time}    metersPerUnit = 1
     upAxis = "Y"
 )
 "#

@@ -30,7 +30,7 @@ impl Outputs {
         id: &str,
         command: &str,
         settings: &[(String, String)],
-        levels: u32,
+        levels: usize,
         sources: Vec<PathBuf>,
     ) -> anyhow::Result<Batch> {
         let targets = self.targets(id, command)?;
