@@ -113,6 +113,16 @@ pub enum ExportError {
         /// What is wrong there.
         problem: String,
     },
+    /// The format cannot hold what is on the stage.
+    #[error("{format} cannot hold {what}: {advice}")]
+    Holds {
+        /// The format's id.
+        format: &'static str,
+        /// `several trees`, …
+        what: &'static str,
+        /// What to do instead.
+        advice: &'static str,
+    },
     /// The format cannot hold so much.
     #[error("{format} cannot hold {amount}: its limit is {limit}; {advice}")]
     TooLarge {

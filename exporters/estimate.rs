@@ -73,18 +73,20 @@ impl Estimate {
             }
         }
         let (foliage_vertices, foliage_triangles) = grown.organs.amount();
-        let last = foliage.leaf_colors.len().saturating_sub(1) as u64;
-        let colors: BTreeSet<u64> =
-            (0..grown.organs.len()).map(|i| last.min(grown.organs.growth(i).color.into())).collect();
+        let last = foliage.turtle_colors().len().saturating_sub(1) as u64;
+        let organs = &grown.organs;
+        let own = (0..organs.len()).filter(|&i| organs.color(i).is_none());
+        let colors: BTreeSet<u64> = own.map(|i| last.min(organs.growth(i).color.into())).collect();
+        let kinds: BTreeSet<u8> = organs.shapes.iter().map(|shape| shape.kind).collect();
         Ok(Self {
             vertices: vertices + foliage_vertices,
             triangles: triangles + foliage_triangles,
             foliage_vertices,
-            foliage_colors: colors.len() as u64,
+            foliage_colors: (colors.len() + kinds.len()) as u64,
             nodes: skeleton.positions.len() as u64,
             axes: skeleton.axes.len() as u64,
             recipe_bytes: recipe.to_line().len() as u64,
-            picture_bytes: picture_bytes(bark),
+            picture_bytes: picture_bytes(bark) + kinds.len() as u64 * leaf_picture_bytes(foliage.size_px),
         })
     }
 
@@ -194,6 +196,8 @@ fn picture_bytes(look: &BarkLook) -> u64 {
         BarkStyle::Ridged => (0.79, 1.80, 0.045),
         BarkStyle::Smooth => (0.53, 0.54, 0.006),
         BarkStyle::Plated => (0.92, 1.90, 0.035),
+        BarkStyle::Birch => (0.6, 0.7, 0.008),
+        BarkStyle::Peeling => (0.7, 0.9, 0.012),
     };
     let side = f64::from(look.size_px.max(1));
     let coarseness = libm::pow(side / 512.0, -0.45);
@@ -203,12 +207,19 @@ fn picture_bytes(look: &BarkLook) -> u64 {
     (side * side * coarseness * grain * (color + normal * depth)) as u64
 }
 
+/// Both pictures of a kind of leaves as PNG, about: measured at 512 and 1024 pixels over all outlines.
+fn leaf_picture_bytes(size_px: u32) -> u64 {
+    let side = f64::from(size_px);
+    (side * side * 0.75 * libm::pow(side / 1024.0, -0.3)) as u64
+}
+
 #[cfg(test)]
 mod tests {
     use linden::Quiet;
     use linden::dress::dress;
     use linden::grow::grow;
     use linden::preset::builtins;
+    use linden::stage::Stage;
 
     use super::*;
     use crate::{Bundle, REGISTRY};
@@ -255,7 +266,7 @@ mod tests {
                 let format = exporter.format();
                 for options in all_options(format) {
                     let mut bundle = Bundle::create(&target).unwrap();
-                    exporter.write(&scene, &options, &mut bundle, &Quiet).unwrap();
+                    exporter.write(&Stage::of(&scene), &options, &mut bundle, &Quiet).unwrap();
                     let real = bundle.commit().unwrap().iter().map(|file| file.bytes).sum();
                     // A file of a few pages is mostly what stands around the tree.
                     if real > 32_768 {
@@ -291,7 +302,9 @@ mod tests {
             let what = format!("{knob}={value}");
             within(&what, estimate.triangles, scene.parts[0].mesh.triangles.len() as u64);
             within(&what, estimate.vertices, scene.parts[0].mesh.positions.len() as u64);
-            let pictures = crate::picture::pictures(&scene);
+            let stage = Stage::of(&scene);
+            let cast = crate::cast::Cast::of(&stage, &Quiet).unwrap();
+            let pictures = crate::picture::pictures(&cast.looks);
             let real: usize = crate::picture::compress(&pictures).unwrap().iter().map(|png| png.len()).sum();
             within(&what, estimate.picture_bytes, real as u64);
         }

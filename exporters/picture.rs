@@ -4,27 +4,30 @@ use std::sync::Arc;
 
 use linden::color::encode;
 use linden::picture::Picture;
-use linden::scene::{Material, Scene};
+use linden::scene::{Material, Wrap};
 use rayon::prelude::*;
 
 use crate::ExportError;
+use crate::cast::Look;
 
-/// A picture of a scene, and what its file is called after the stem: `_bark_normal.png`.
+/// A picture on a stage, and what its file is called after the stem: `_bark_normal.png`.
 pub(crate) struct Named<'a> {
     pub suffix: String,
     pub picture: &'a Arc<Picture>,
+    /// As its first material has it.
+    pub wrap: Wrap,
 }
 
-/// Every picture of a scene once, in the order of the materials, named after its first use.
-pub(crate) fn pictures(scene: &Scene) -> Vec<Named<'_>> {
+/// Every picture of some materials once, in their order, named after its first use.
+pub(crate) fn pictures<'a>(looks: &[Look<'a>]) -> Vec<Named<'a>> {
     let mut named: Vec<Named<'_>> = Vec::new();
-    for material in &scene.materials {
+    for Look { name, material } in looks {
         let Material { base_color_picture, normal_picture, .. } = material;
         for (picture, kind) in [(base_color_picture, ""), (normal_picture, "_normal")] {
             if let Some(picture) = picture
                 && !named.iter().any(|known| Arc::ptr_eq(known.picture, picture))
             {
-                named.push(Named { suffix: format!("_{}{kind}.png", material.name), picture });
+                named.push(Named { suffix: format!("_{name}{kind}.png"), picture, wrap: material.wrap });
             }
         }
     }

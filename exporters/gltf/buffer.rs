@@ -2,31 +2,35 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use linden::scene::{Bounds, Part, Scene};
+use linden::scene::Mesh;
 
 use super::document::{Accessor, Attributes, BufferView, ComponentType};
 use super::tangents::tangents;
+use super::wind::{self, WindArrays};
+use crate::cast::{Cast, Piece};
 use crate::picture::{self, Named};
 use crate::{ExportError, Sink};
 
 const ARRAY_BUFFER: u16 = 34962;
 const ELEMENT_ARRAY_BUFFER: u16 = 34963;
 
-/// Where everything lies: the parts' arrays in order, then the pictures. Every view starts at a
+/// Where everything lies: the meshes' arrays in order, then the pictures. Every view starts at a
 /// multiple of four, which suits every component type used, and zeros fill the gaps.
 pub(super) struct Layout {
     pub views: Vec<BufferView>,
     pub accessors: Vec<Accessor>,
+    /// As many as [`Cast::pieces`].
     pub primitives: Vec<PrimitiveArrays>,
     blobs: Vec<Vec<u8>>,
     bytes: u64,
 }
 
-/// Accessors of a part.
+/// Accessors of a mesh.
 pub(super) struct PrimitiveArrays {
     first: usize,
     with_tangents: bool,
     pub indices: usize,
+    pub wind: WindArrays,
 }
 
 impl PrimitiveArrays {
@@ -36,13 +40,15 @@ impl PrimitiveArrays {
             normal: self.first + 1,
             texcoord_0: self.first + 2,
             tangent: self.with_tangents.then_some(self.first + 3),
+            wind: self.wind.attributes.map(|[wind, _]| wind),
+            wind_pivot: self.wind.attributes.map(|[_, pivot]| pivot),
         }
     }
 }
 
 impl Layout {
-    /// Lays out the parts' arrays; `pictures` are those that will be written.
-    pub fn of_meshes(scene: &Scene, bounds: &[Bounds], pictures: &[Named<'_>]) -> Self {
+    /// Lays out the meshes' arrays; `pictures` are those that will be written.
+    pub fn of_meshes(cast: &Cast<'_>, pictures: &[Named<'_>]) -> Self {
         let mut layout = Self {
             views: Vec::new(),
             accessors: Vec::new(),
@@ -50,27 +56,28 @@ impl Layout {
             blobs: Vec::new(),
             bytes: 0,
         };
-        for (part, bounds) in scene.parts.iter().zip(bounds) {
+        for Piece { mesh, bounds, look, wind, .. } in cast.pieces() {
             let first = layout.accessors.len();
-            let count = part.mesh.positions.len();
+            let count = mesh.positions.len();
             let f32s = |layout: &mut Self, shape, bytes| {
                 layout.push(count, shape, ComponentType::F32, bytes, ARRAY_BUFFER);
             };
             f32s(&mut layout, "VEC3", 12);
             f32s(&mut layout, "VEC3", 12);
             f32s(&mut layout, "VEC2", 8);
-            layout.accessors[first].min = Some(bounds.min.to_array());
-            layout.accessors[first].max = Some(bounds.max.to_array());
-            let normal_picture = scene.materials[part.material].normal_picture.as_ref();
+            layout.accessors[first].min = Some(bounds.min.to_array().to_vec());
+            layout.accessors[first].max = Some(bounds.max.to_array().to_vec());
+            let normal_picture = cast.looks[*look].material.normal_picture.as_ref();
             let with_tangents = picture::index_of(pictures, normal_picture).is_some();
             if with_tangents {
                 f32s(&mut layout, "VEC4", 16);
             }
-            let kind = index_type(part);
+            let kind = index_type(mesh);
             let bytes = if kind == ComponentType::U16 { 2 } else { 4 };
-            layout.push(part.mesh.triangles.len() * 3, "SCALAR", kind, bytes, ELEMENT_ARRAY_BUFFER);
+            layout.push(mesh.triangles.len() * 3, "SCALAR", kind, bytes, ELEMENT_ARRAY_BUFFER);
             let indices = layout.accessors.len() - 1;
-            layout.primitives.push(PrimitiveArrays { first, with_tangents, indices });
+            let wind = wind.map(|own| wind::lay_out(&mut layout, mesh, own)).unwrap_or_default();
+            layout.primitives.push(PrimitiveArrays { first, with_tangents, indices, wind });
         }
         layout
     }
@@ -78,7 +85,7 @@ impl Layout {
     fn push(&mut self, count: usize, shape: &'static str, kind: ComponentType, bytes: u64, target: u16) {
         let buffer_view = self.push_view(count as u64 * bytes, Some(target));
         self.accessors.push(Accessor {
-            buffer_view,
+            buffer_view: Some(buffer_view),
             component_type: kind,
             count,
             shape,
@@ -94,6 +101,43 @@ impl Layout {
         self.views.len() - 1
     }
 
+    /// A further array with an item per vertex; gives its accessor.
+    pub fn push_vertices(&mut self, count: usize, shape: &'static str, bytes: u64) -> usize {
+        self.push(count, shape, ComponentType::F32, bytes, ARRAY_BUFFER);
+        self.accessors.len() - 1
+    }
+
+    /// Vectors that are all zero and take no place.
+    pub fn push_zeros(&mut self, count: usize) -> usize {
+        let zero = Some(vec![0.0; 3]);
+        self.accessors.push(Accessor {
+            buffer_view: None,
+            component_type: ComponentType::F32,
+            count,
+            shape: "VEC3",
+            min: zero.clone(),
+            max: zero,
+        });
+        self.accessors.len() - 1
+    }
+
+    /// Numbers behind everything else; gives their accessor.
+    pub fn push_numbers(&mut self, numbers: &[f32], with_bounds: bool) -> usize {
+        let view = self.push_blob(bytemuck::cast_slice(numbers).to_vec());
+        let bound = |of: fn(f32, f32) -> f32| {
+            with_bounds.then(|| numbers.iter().copied().reduce(of).into_iter().collect::<Vec<f32>>())
+        };
+        self.accessors.push(Accessor {
+            buffer_view: Some(view),
+            component_type: ComponentType::F32,
+            count: numbers.len(),
+            shape: "SCALAR",
+            min: bound(f32::min),
+            max: bound(f32::max),
+        });
+        self.accessors.len() - 1
+    }
+
     /// Puts a file's bytes behind everything else; gives its view.
     pub fn push_blob(&mut self, bytes: Vec<u8>) -> usize {
         let view = self.push_view(bytes.len() as u64, None);
@@ -107,9 +151,10 @@ impl Layout {
     }
 
     /// Writes the buffer.
-    pub fn write(&self, scene: &Scene, out: &mut impl Chunk) -> Result<(), ExportError> {
-        for (part, primitive) in scene.parts.iter().zip(&self.primitives) {
-            write_part(part, primitive.with_tangents, out)?;
+    pub fn write(&self, cast: &Cast<'_>, out: &mut impl Chunk) -> Result<(), ExportError> {
+        for (piece, primitive) in cast.pieces().zip(&self.primitives) {
+            write_mesh(piece.mesh, primitive.with_tangents, out)?;
+            piece.wind.map_or(Ok(()), |own| wind::write(own, out))?;
         }
         for blob in &self.blobs {
             out.put(blob)?;
@@ -120,12 +165,11 @@ impl Layout {
 }
 
 /// 16 bits where they reach; 65535 itself means "restart" to some hardware and is not allowed.
-fn index_type(part: &Part) -> ComponentType {
-    if u16::try_from(part.mesh.positions.len()).is_ok() { ComponentType::U16 } else { ComponentType::U32 }
+fn index_type(mesh: &Mesh) -> ComponentType {
+    if u16::try_from(mesh.positions.len()).is_ok() { ComponentType::U16 } else { ComponentType::U32 }
 }
 
-fn write_part(part: &Part, with_tangents: bool, out: &mut impl Chunk) -> Result<(), ExportError> {
-    let mesh = &part.mesh;
+fn write_mesh(mesh: &Mesh, with_tangents: bool, out: &mut impl Chunk) -> Result<(), ExportError> {
     out.put(bytemuck::cast_slice(&mesh.positions))?;
     out.put(bytemuck::cast_slice(&mesh.normals))?;
     // V runs down in glTF: the origin is the upper left corner of the picture.
@@ -138,7 +182,7 @@ fn write_part(part: &Part, with_tangents: bool, out: &mut impl Chunk) -> Result<
     if with_tangents {
         out.put(bytemuck::cast_slice(&tangents(mesh)))?;
     }
-    if index_type(part) == ComponentType::U32 {
+    if index_type(mesh) == ComponentType::U32 {
         return out.put(bytemuck::cast_slice(&mesh.triangles));
     }
     let mut short: Vec<[u16; 3]> = Vec::with_capacity(PIECE.min(mesh.triangles.len()));

@@ -7,25 +7,36 @@
 //!     /Materials/bark     UsdPreviewSurface
 //! ```
 //!
+//! Several plants, or one with what stands around it, are an [`assembly`].
+//!
 //! The recipe stands twice: in the root's `customData` (what USD has it for) and as the attribute
 //! `userProperties:linden:recipe` (what importers keep). The skeleton has purpose `guide`: it lies
 //! inside the wood, and a renderer that drew it would show it through every gap.
 
+mod assembly;
 mod indexed;
+mod layer;
 mod material;
+mod mesh;
+mod plant;
+mod skeleton;
 mod syntax;
 
-use glam::Vec3;
+use std::sync::Arc;
+
 use linden::Monitor;
 use linden::memory::bytes_of;
-use linden::scene::{Bounds, Part, Scene};
-use linden::skeleton::{Axis, NO_PARENT, Skeleton};
+use linden::picture::Picture;
+use linden::scene::{Mesh, Wrap};
+use linden::stage::Stage;
 
-use self::syntax::{Names, identifier, quoted, tuple};
-use crate::chunks::{self, Text};
+use self::layer::Layer;
+use self::plant::{Component, Head};
+use self::syntax::{identifier, quoted};
+use crate::cast::Cast;
 use crate::options::{OptionSpec, Options};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, picture};
-use crate::{memory, sound};
+use crate::picture::{self, Named};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, memory};
 
 /// OpenUSD as text.
 pub(crate) struct Usda;
@@ -40,8 +51,33 @@ static FORMAT: Format = Format {
     options: &[
         OptionSpec::switch("pictures", true, "bark pictures beside the file; without, one colour"),
         OptionSpec::switch("skeleton", true, "the skeleton too, as guide curves: one per axis"),
+        OptionSpec::switch(
+            "instances",
+            false,
+            "the trees of a forest by a PointInstancer instead of references",
+        ),
     ],
 };
+
+/// What all writers of prims need.
+struct Writing<'a> {
+    stage: &'a Stage<'a>,
+    cast: Cast<'a>,
+    pictures: Vec<Named<'a>>,
+    /// The files of `pictures`.
+    files: Vec<String>,
+    /// The file of the sky's picture.
+    sky: Option<String>,
+    with_skeleton: bool,
+    with_lights: bool,
+}
+
+impl Writing<'_> {
+    /// The file of a picture, where it is written.
+    fn file(&self, picture: Option<&Arc<Picture>>) -> Option<&str> {
+        picture::index_of(&self.pictures, picture).map(|index| self.files[index].as_str())
+    }
+}
 
 impl Exporter for Usda {
     fn format(&self) -> &'static Format {
@@ -50,64 +86,56 @@ impl Exporter for Usda {
 
     fn write(
         &self,
-        scene: &Scene,
+        stage: &Stage<'_>,
         options: &Options,
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
-        let bounds = sound::check(scene, monitor)?;
-        let mut pictures = if options.is_on("pictures") { picture::pictures(scene) } else { Vec::new() };
+        let cast = Cast::in_setting(stage, monitor)?;
+        let mut pictures =
+            if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
+        if !pictures.is_empty() {
+            pictures.extend(stage.setting.as_ref().map(|setting| Named {
+                suffix: "_sky.png".to_owned(),
+                picture: &setting.sky.picture,
+                wrap: Wrap::Clamp,
+            }));
+        }
         if !pictures.is_empty() && !bundle.takes_side_files() {
             bundle.note(
                 "USD keeps pictures in files beside it: left out of a single stream, one colour instead",
             );
             pictures.clear();
         }
-        // Texture coordinates each once: a table of indices, at most half full, the values, an index a vertex.
-        let indexed = |part: &Part| {
-            let vertices = part.mesh.positions.len();
-            bytes_of::<u32>((2 * vertices).next_power_of_two()) + memory::per_vertex::<([f32; 2], u32)>(part)
-        };
-        let own = memory::largest(scene, indexed) + memory::formatting(scene);
-        memory::admit(scene, &pictures, own, monitor)?;
+        memory::admit(stage, &pictures, own_bytes(&cast), monitor)?;
         for (named, png) in pictures.iter().zip(picture::compress(&pictures)?) {
             bundle.write_side(&named.suffix, Some(png.len() as u64), monitor, |out| out.write(png))?;
         }
         let files: Vec<_> = pictures.iter().map(|named| bundle.side_name(&named.suffix)).collect();
-        let root = identifier(&scene.name);
-        let mut names = Names::default();
-        let materials: Vec<_> = scene.materials.iter().map(|m| names.unique(&m.name)).collect();
-        let head = header(scene, &root);
+        let sky = stage.setting.as_ref().and_then(|_| files.last().cloned());
+        let with_skeleton = options.is_on("skeleton");
+        let writing = Writing { stage, cast, pictures, files, sky, with_skeleton, with_lights: true };
         bundle.write_main(None, monitor, |out| {
-            out.write(head.as_bytes())?;
-            out.write(b"    def Scope \"Geometry\"\n    {\n")?;
-            let mut names = Names::default();
-            for (part, bounds) in scene.parts.iter().zip(&bounds) {
-                let binding = format!("/{root}/Materials/{}", materials[part.material]);
-                write_mesh(out, scene, part, &names.unique(&part.name), *bounds, &binding)?;
-            }
-            if options.is_on("skeleton") {
-                write_skeleton(out, &scene.skeleton, &names.unique("Skeleton"))?;
-            }
-            out.write(b"    }\n\n    def Scope \"Materials\"\n    {\n")?;
-            for (material, name) in scene.materials.iter().zip(&materials) {
-                let text =
-                    material::describe(material, name, &format!("/{root}/Materials/{name}"), |picture| {
-                        picture::index_of(&pictures, picture).map(|index| files[index].as_str())
-                    });
-                out.write(text.as_bytes())?;
-            }
-            out.write(b"    }\n}\n")
+            write_layer(&mut Layer::new(out), &writing, options.is_on("instances"))
         })
     }
 }
 
-/// The layer's metadata and the root prim up to its children.
-fn header(scene: &Scene, root: &str) -> String {
-    let name = quoted(&scene.name);
-    let recipe = quoted(&scene.recipe);
+/// What writing takes: of one mesh after the other, its texture coordinates each once (a table of
+/// indices, at most half full, the values, an index a vertex).
+fn own_bytes(cast: &Cast<'_>) -> u64 {
+    let indexed = |mesh: &Mesh| {
+        let table = bytes_of::<u32>((2 * mesh.positions.len()).next_power_of_two());
+        table + memory::per_vertex::<([f32; 2], u32)>(mesh)
+    };
+    memory::largest(cast, indexed) + memory::formatting(cast)
+}
+
+fn write_layer(layer: &mut Layer<'_, '_>, writing: &Writing<'_>, instances: bool) -> Result<(), ExportError> {
+    let stage = writing.stage;
+    let root = identifier(&stage.name);
     let generator = quoted(GENERATOR);
-    format!(
+    layer.lines(&format!(
         r#"#usda 1.0
 (
     defaultPrim = "{root}"
@@ -115,156 +143,16 @@ fn header(scene: &Scene, root: &str) -> String {
     metersPerUnit = 1
     upAxis = "Y"
 )
-
-def Xform "{root}" (
-    assetInfo = {{
-        string name = {name}
-        string version = "1"
-    }}
-    customData = {{
-        dictionary linden = {{
-            string generator = {generator}
-            string recipe = {recipe}
-        }}
-    }}
-    displayName = {name}
-    kind = "component"
-)
-{{
-    custom string userProperties:linden:recipe = {recipe}
-
 "#
-    )
-}
-
-fn write_mesh(
-    out: &mut Sink<'_>,
-    scene: &Scene,
-    part: &Part,
-    name: &str,
-    bounds: Bounds,
-    material: &str,
-) -> Result<(), ExportError> {
-    let mesh = &part.mesh;
-    let material_of = &scene.materials[part.material];
-    let head = format!(
-        r#"        def Mesh "{name}" (
-            prepend apiSchemas = ["MaterialBindingAPI"]
-        )
-        {{
-            uniform bool doubleSided = {}
-            float3[] extent = [{}, {}]
-            uniform token orientation = "rightHanded"
-            uniform token subdivisionScheme = "none"
-            rel material:binding = <{material}>
-            color3f[] primvars:displayColor = [{}] (
-                interpolation = "constant"
-            )
-"#,
-        u8::from(material_of.double_sided),
-        tuple(bounds.min.to_array()),
-        tuple(bounds.max.to_array()),
-        tuple(material_of.base_color),
-    );
-    out.write(head.as_bytes())?;
-    let vertex = " (\n                interpolation = \"vertex\"\n            )";
-    array(out, "int[] faceVertexCounts", mesh.triangles.len(), "", |text, _| text.byte(b'3'))?;
-    array(out, "int[] faceVertexIndices", mesh.triangles.len(), "", |text, i| {
-        let [a, b, c] = mesh.triangles[i];
-        text.integer(a);
-        text.bytes(b", ");
-        text.integer(b);
-        text.bytes(b", ");
-        text.integer(c);
-    })?;
-    let count = mesh.positions.len();
-    array(out, "point3f[] points", count, "", |text, i| vector(text, mesh.positions[i].to_array()))?;
-    array(out, "normal3f[] normals", count, vertex, |text, i| vector(text, mesh.normals[i].to_array()))?;
-    let st = "texCoord2f[] primvars:st";
-    if let Some((once, indices)) = indexed::indexed(&mesh.uvs) {
-        array(out, st, once.len(), vertex, |text, i| vector(text, once[i].to_array()))?;
-        array(out, "int[] primvars:st:indices", indices.len(), "", |text, i| text.integer(indices[i]))?;
-    } else {
-        array(out, st, count, vertex, |text, i| vector(text, mesh.uvs[i].to_array()))?;
+    ))?;
+    layer.lines("\n")?;
+    if !stage.is_single() || stage.setting.is_some() {
+        return assembly::write(layer, writing, &root, instances);
     }
-    out.write(b"        }\n\n")
-}
-
-/// Each axis as a chain of straight pieces from the node that it leaves from, as wide as the wood.
-fn write_skeleton(out: &mut Sink<'_>, skeleton: &Skeleton, name: &str) -> Result<(), ExportError> {
-    // Foot (where the axis leaves its parent) and nodes; a curve needs two points.
-    let foot = |axis: &Axis| (axis.parent != NO_PARENT).then_some(axis.parent);
-    let mut axes = Vec::with_capacity(skeleton.axes.len());
-    let mut nodes = Vec::with_capacity(skeleton.positions.len() + skeleton.axes.len());
-    let mut radii = Vec::with_capacity(nodes.capacity());
-    for axis in &skeleton.axes {
-        let own = skeleton.nodes_of(axis);
-        if own.len() + usize::from(foot(axis).is_some()) < 2 || own.is_empty() {
-            continue;
-        }
-        axes.push((axis, (own.len() + usize::from(foot(axis).is_some())) as u32));
-        nodes.extend(foot(axis));
-        nodes.extend(own);
-        // At its foot an axis is as thick as itself, not as the trunk that it leaves.
-        let thickness = own.iter().map(|&node| skeleton.radii[node as usize]);
-        radii.extend(foot(axis).and(thickness.clone().next()).into_iter().chain(thickness));
-    }
-    let points = nodes.iter().map(|&node| skeleton.positions[node as usize]);
-    let Some(Bounds { min, max }) = Bounds::of(points) else { return Ok(()) };
-    // By the widest curve all round, as UsdGeomCurves computes it.
-    let reach = Vec3::splat(radii.iter().copied().fold(0.0, f32::max));
-    let head = format!(
-        r#"        def BasisCurves "{name}"
-        {{
-            float3[] extent = [{}, {}]
-            uniform token purpose = "guide"
-            uniform token type = "linear"
-            uniform token wrap = "nonperiodic"
-"#,
-        tuple((min - reach).to_array()),
-        tuple((max + reach).to_array()),
-    );
-    out.write(head.as_bytes())?;
-    let per = |what| format!(" (\n                interpolation = \"{what}\"\n            )");
-    let node = |i: usize| nodes[i] as usize;
-    array(out, "int[] curveVertexCounts", axes.len(), "", |text, i| text.integer(axes[i].1))?;
-    array(out, "point3f[] points", nodes.len(), "", |text, i| {
-        vector(text, skeleton.positions[node(i)].to_array());
-    })?;
-    array(out, "float[] widths", nodes.len(), &per("vertex"), |text, i| text.float(2.0 * radii[i]))?;
-    array(out, "int[] primvars:linden:order", axes.len(), &per("uniform"), |text, i| {
-        text.integer(axes[i].0.order);
-    })?;
-    array(out, "int[] primvars:linden:birth", nodes.len(), &per("vertex"), |text, i| {
-        text.integer(skeleton.births[node(i)].min(i32::MAX as u32));
-    })?;
-    out.write(b"        }\n\n")
-}
-
-/// An attribute of many elements: `item` formats one.
-fn array(
-    out: &mut Sink<'_>,
-    declaration: &str,
-    count: usize,
-    metadata: &str,
-    item: impl Fn(&mut Text, usize) + Sync,
-) -> Result<(), ExportError> {
-    // Editors and diff choke on a line of a hundred megabytes.
-    const PER_LINE: usize = 64;
-    out.write(format!("            {declaration} = [").as_bytes())?;
-    chunks::write(out, count, |text, range| {
-        for i in range {
-            if i > 0 {
-                text.bytes(if i % PER_LINE == 0 { b",\n" } else { b", " });
-            }
-            item(text, i);
-        }
-    })?;
-    out.write(format!("]{metadata}\n").as_bytes())
-}
-
-fn vector<const N: usize>(text: &mut Text, numbers: [f32; N]) {
-    text.byte(b'(');
-    text.floats(numbers, b", ");
-    text.byte(b')');
+    let component = Component::new(writing, 0, format!("/{root}"));
+    let variants = component.variants();
+    Head { prim: &root, name: &stage.name, recipe: &stage.recipe, kind: "component", variants }
+        .open(layer)?;
+    component.write(layer)?;
+    layer.close()
 }

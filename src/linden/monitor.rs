@@ -54,6 +54,8 @@ pub enum Stage {
     Grow,
     /// Refining a branching; unit: steps.
     Refine,
+    /// Growing leaves; unit: axes.
+    Sprout,
     /// Sweeping tubes; unit: axes.
     Sweep,
     /// Contouring wood into one solid; unit: blocks of cells.
@@ -71,6 +73,7 @@ impl Stage {
             Self::Turtle => ("drawing", "symbols"),
             Self::Grow => ("growing", "points"),
             Self::Refine => ("refining", "steps"),
+            Self::Sprout => ("leafing", "axes"),
             Self::Sweep => ("surfacing", "axes"),
             Self::Solidify => ("making one solid", "blocks"),
             Self::Write => ("writing", "bytes"),

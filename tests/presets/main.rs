@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot go on fails")]
 
 mod gallery;
+mod plants;
 
 use std::fmt::Write as _;
 use std::path::Path;

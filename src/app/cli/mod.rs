@@ -6,6 +6,7 @@ mod doctor;
 mod export;
 mod list;
 mod man;
+mod outputs;
 mod preview;
 mod schema;
 mod show;
@@ -97,6 +98,20 @@ struct Growing {
     /// The root of all random choices; the same as --set seed=N
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
+}
+
+/// How much of it is shown: shared by the commands that make a surface of it.
+#[derive(Args)]
+struct Budget {
+    /// Solve for so many triangles, within 5 %; the same as --set triangles=N
+    #[arg(long, value_name = "N")]
+    triangles: Option<u64>,
+}
+
+impl Budget {
+    fn pair(&self) -> Option<(String, String)> {
+        self.triangles.map(|n| ("triangles".to_owned(), n.to_string()))
+    }
 }
 
 impl Growing {

@@ -6,6 +6,7 @@
 //! parent's tube; on request all wood is one solid (`solid`). Spends none of the seed; the mesh is bit-identical for any number of threads.
 
 mod collar;
+mod count;
 mod curve;
 mod ends;
 mod features;
@@ -23,16 +24,18 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::prelude::*;
 
 use self::plan::{Course, Plan};
-use self::tube::{Amount, Target};
+use self::tube::Target;
 use crate::memory::OverMemory;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::scene::Mesh;
 use crate::skeleton::Skeleton;
 
+pub use count::count;
 pub use features::{COLLAR_RADII, Ends, FLARE_RADII, Features};
 pub use solid::MOST_SOLID_TRIANGLES;
 pub use survey::{Survey, survey};
 pub use topology::{Topology, crowded_edges, topology};
+pub use tube::Amount;
 
 /// How the skin is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,7 +101,7 @@ impl Default for Tubes {
 }
 
 /// Why there is no surface.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SurfaceError {
     /// The result was no longer wanted.
     #[error(transparent)]
@@ -116,14 +119,19 @@ pub enum SurfaceError {
     },
     /// A solid would take too long.
     #[error(
-        "junction=watertight would make about {triangles:.0} triangles, more than {limit}; lower junction_detail, grow a smaller tree, or use junction=blend"
+        "junction=watertight would make about {triangles} triangles, more than {limit}; lower junction_detail, grow a smaller tree, or use junction=blend"
     )]
     TooFine {
         /// About how many there would be.
-        triangles: f64,
+        triangles: u64,
         /// [`MOST_SOLID_TRIANGLES`].
         limit: usize,
     },
+    /// Somebody asked for the tubes of a solid.
+    #[error(
+        "junction=watertight makes one surface of all wood, without axes that could be thinned out to a budget or moved by wind one by one; use junction=blend for these"
+    )]
+    OneSolid,
     /// The solid does not hold in single precision.
     #[error(
         "the solid would not be watertight ({edges} edges and {triangles} triangles fail the check); lower junction_detail, or use junction=blend"

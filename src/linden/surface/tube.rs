@@ -91,14 +91,18 @@ impl Form {
     }
 }
 
-/// Vertices and triangles.
+/// How much a piece of surface is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Amount {
+pub struct Amount {
+    /// Vertices.
     pub vertices: usize,
+    /// Triangles.
     pub triangles: usize,
 }
 
 impl Amount {
+    /// Both together.
+    #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self { vertices: self.vertices + other.vertices, triangles: self.triangles + other.triangles }
     }

@@ -339,11 +339,8 @@ impl ExportDialog {
 
     /// What is written where.
     pub fn outputs(&self) -> Vec<Output> {
-        let output = |own: &FormatChoice| Output {
-            exporter: own.exporter,
-            options: own.options.clone(),
-            path: PathBuf::from(&own.target),
-        };
+        let output =
+            |own: &FormatChoice| Output::new(own.exporter, own.options.clone(), PathBuf::from(&own.target));
         self.chosen().map(output).collect()
     }
 
