@@ -112,7 +112,7 @@ impl Estimate {
                 let lines = skeleton(options.is_on("lines"), 35.0 * nodes as f64);
                 87.0 * vertices as f64 + faces + lines + (recipe + 500) as f64
             }
-            "usda" => {
+            "usda" | "usdz" => {
                 let materials = 900 * self.foliage_colors;
                 // `3, ` and `a, b, c, `.
                 let faces = triangles as f64 * (3.0 * digits + 9.0);

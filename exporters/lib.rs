@@ -130,7 +130,7 @@ pub enum LevelsIn {
 
 /// All formats. Where two claim an ending, the first has it.
 pub static REGISTRY: &[&dyn Exporter] =
-    &[&obj::Obj, &ply::Ply, &ply::PlySkeleton, &gltf::Gltf, &gltf::Glb, &usda::Usda, &qsm::Qsm];
+    &[&obj::Obj, &ply::Ply, &ply::PlySkeleton, &gltf::Gltf, &gltf::Glb, &usda::Usda, &usda::Usdz, &qsm::Qsm];
 
 /// All formats, those of plug-ins on the search path included: see [`find`].
 pub fn exporters() -> Vec<&'static dyn Exporter> {
@@ -206,7 +206,7 @@ mod tests {
         let said = find("gtlf").err().unwrap().to_string();
         assert_eq!(
             said,
-            "no export format is called 'gtlf' (did you mean 'gltf'?); there are: obj, ply, ply-skeleton, gltf, glb, usda, qsm"
+            "no export format is called 'gtlf' (did you mean 'gltf'?); there are: obj, ply, ply-skeleton, gltf, glb, usda, usdz, qsm"
         );
         let said = for_path(Path::new("fir.usdc")).err().unwrap().to_string();
         assert!(said.contains("did you mean '.usda'?") && said.contains(".glb"), "{said}");
