@@ -23,11 +23,7 @@ use crate::ExportError;
 const LUX_PER_UNIT: f32 = 2732.0;
 
 /// Everything below the layer's metadata.
-pub(super) fn write(
-    layer: &mut Layer<'_, '_>,
-    writing: &Writing<'_>,
-    root: &str,
-) -> Result<(), ExportError> {
+pub(super) fn write(layer: &mut Layer<'_, '_>, writing: &Writing<'_>, root: &str) -> Result<(), ExportError> {
     let stage = writing.stage;
     let variants = Variants::default();
     Head { prim: root, name: &stage.name, recipe: &stage.recipe, kind: "assembly", variants }.open(layer)?;

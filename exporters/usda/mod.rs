@@ -79,7 +79,11 @@ static PACKAGE: Format = Format {
         ),
         OptionSpec::switch("pictures", true, "pictures in the package; without, one colour"),
         OptionSpec::switch("skeleton", true, "the skeleton too, as guide curves: one per axis"),
-        OptionSpec::switch("instances", false, "the trees of a forest by a PointInstancer instead of references"),
+        OptionSpec::switch(
+            "instances",
+            false,
+            "the trees of a forest by a PointInstancer instead of references",
+        ),
     ],
 };
 
@@ -97,13 +101,10 @@ struct Writing<'a> {
 }
 
 impl<'a> Writing<'a> {
-    fn new(
-        stage: &'a Stage<'_>,
-        options: &Options,
-        monitor: &dyn Monitor,
-    ) -> Result<Self, ExportError> {
+    fn new(stage: &'a Stage<'_>, options: &Options, monitor: &dyn Monitor) -> Result<Self, ExportError> {
         let cast = Cast::in_setting(stage, monitor)?;
-        let mut pictures = if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
+        let mut pictures =
+            if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
         if !pictures.is_empty() {
             pictures.extend(stage.setting.as_ref().map(|setting| Named {
                 suffix: SKY.to_owned(),
@@ -181,7 +182,8 @@ impl Exporter for Usdz {
         let text = 2 * writing.cast.pieces().map(|piece| text_bytes(piece.mesh)).sum::<u64>();
         memory::admit(&stage, &writing.pictures, own_bytes(&writing.cast) + text, monitor)?;
         writing.name_files(|named| named.suffix.trim_start_matches('_').to_owned());
-        let layer = Sink::gather("the USD layer", monitor, |out| write_layer(&mut Layer::new(out), &writing))?;
+        let layer =
+            Sink::gather("the USD layer", monitor, |out| write_layer(&mut Layer::new(out), &writing))?;
         let mut package = Package::default();
         package.push("tree.usda", &layer)?;
         drop(layer);

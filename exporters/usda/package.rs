@@ -168,7 +168,8 @@ mod tests {
     #[test]
     fn data_begins_at_multiples_of_64() {
         let mut package = Package::default();
-        let files = [("tree.usda", &b"#usda 1.0\n"[..]), ("tree_bark.png", &[7; 100]), ("\u{d6}.png", &[9; 64])];
+        let files =
+            [("tree.usda", &b"#usda 1.0\n"[..]), ("tree_bark.png", &[7; 100]), ("\u{d6}.png", &[9; 64])];
         for (name, data) in files {
             package.push(name, data).unwrap();
         }

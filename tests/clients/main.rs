@@ -9,3 +9,4 @@ mod outside;
 mod presets;
 mod read_back;
 mod references;
+mod stage;
