@@ -10,3 +10,4 @@ mod presets;
 mod read_back;
 mod references;
 mod solid;
+mod stage;
