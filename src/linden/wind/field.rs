@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use super::sway::MOST;
 use super::{Blow, Blown, Motion, PartWind, Sway, Target, Wind};
 use crate::foliage::{Look, Organs, PROTOTYPES, Shaper};
 use crate::memory::bytes_of;
@@ -181,6 +182,12 @@ impl Field<'_> {
     }
 }
 
+/// From amplitudes to targets: all motions at their begin, then each from one end to the other.
+fn ends<const N: usize>(moved: [Vec3; N]) -> impl Iterator<Item = Vec3> {
+    let begin = moved.iter().copied().sum::<Vec3>() * -MOST;
+    std::iter::once(begin).chain(moved.into_iter().map(|own| own * (2.0 * MOST)))
+}
+
 /// Around a stem's foot nothing moves, in radii of it.
 const STILL_RADII: f32 = 2.5;
 
@@ -192,7 +199,7 @@ impl Blown<'_> {
         let mut wind = PartWind {
             motions: Vec::with_capacity(count),
             pivots: Vec::with_capacity(count),
-            targets: self.field.targets(count, &Motion::ALL[..3]),
+            targets: self.field.targets(count, &Motion::ALL[..4]),
             sway: self.field.sway.clone(),
         };
         for (index, tube) in tubes.iter().enumerate() {
@@ -206,7 +213,7 @@ impl Blown<'_> {
                 let sway = own.share(place).min(1.0) * own.flexible;
                 wind.motions.push([own.level as f32, own.phase, sway, 0.0]);
                 wind.pivots.push(own.pivot.extend(place.distance(own.pivot)).to_array());
-                for (target, moved) in wind.targets.iter_mut().zip(own.moved(place)) {
+                for (target, moved) in wind.targets.iter_mut().zip(ends(own.moved(place))) {
                     target.offsets.push(moved);
                 }
             }
@@ -289,7 +296,7 @@ impl Blown<'_> {
             let own = flap * flutter;
             let [stem, with_sine, with_cosine] = carried;
             let moved = [stem, with_sine, with_cosine, own * cos, own * sin];
-            for (target, moved) in wind.targets.iter_mut().zip(moved) {
+            for (target, moved) in wind.targets.iter_mut().zip(ends(moved)) {
                 target.offsets.push(moved);
             }
         }
