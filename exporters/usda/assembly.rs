@@ -152,7 +152,7 @@ fn write_setting(
         let (prim, name) = (names.unique(piece.name), names.unique(&look.material.name));
         let path = format!("/{root}/Setting/Ground");
         layer.open("def Scope \"Geometry\"")?;
-        mesh::write(layer, &writing.cast, piece, &prim, &format!("{path}/Materials/{name}"))?;
+        mesh::write(layer, &writing.cast, piece, "", &prim, &format!("{path}/Materials/{name}"))?;
         layer.close()?;
         layer.lines("\n")?;
         layer.open("def Scope \"Materials\"")?;

@@ -22,6 +22,7 @@ mod package;
 mod plant;
 mod skeleton;
 mod syntax;
+mod wind;
 
 use std::sync::Arc;
 
@@ -214,12 +215,14 @@ fn write_layer(layer: &mut Layer<'_, '_>, writing: &Writing<'_>) -> Result<(), E
     let stage = writing.stage;
     let root = identifier(&stage.name);
     let generator = quoted(GENERATOR);
+    let pieces: Vec<_> = writing.cast.pieces().collect();
+    let time = wind::sway(&pieces).map_or_else(String::new, wind::time);
     layer.lines(&format!(
         r#"#usda 1.0
 (
     defaultPrim = "{root}"
     doc = {generator}
-    metersPerUnit = 1
+{time}    metersPerUnit = 1
     upAxis = "Y"
 )
 "#

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::plan::{Course, Plan};
 use super::tube::Amount;
-use super::{AXES_PER_TASK, SurfaceError, Tubes};
+use super::{AXES_PER_TASK, Junction, SurfaceError, Tubes};
 use crate::monitor::{Cancelled, Monitor};
 use crate::skeleton::Skeleton;
 
@@ -12,8 +12,11 @@ use crate::skeleton::Skeleton;
 /// [`sweep`](super::sweep) writes, tube after tube.
 ///
 /// # Errors
-/// [`SurfaceError::Cancelled`], and nothing else.
+/// [`SurfaceError::Cancelled`], and [`SurfaceError::NoTubes`] where all wood is one solid.
 pub fn count(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Result<Vec<Amount>, SurfaceError> {
+    if tubes.junction == Junction::Watertight {
+        return Err(SurfaceError::NoTubes);
+    }
     let course = Course::new(skeleton, tubes);
     let starts: Vec<usize> = (0..skeleton.axes.len()).step_by(AXES_PER_TASK).collect();
     let counted = starts
