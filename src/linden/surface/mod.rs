@@ -95,7 +95,7 @@ impl Default for Tubes {
             bark_tile_m: 0.5,
             features: Features::default(),
             junction: Junction::Overlap,
-            junction_detail: 48,
+            junction_detail: 32,
         }
     }
 }
