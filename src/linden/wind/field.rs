@@ -122,7 +122,7 @@ impl<'a> Field<'a> {
         let foot = if axis.parent == NO_PARENT { nodes.first().copied() } else { Some(axis.parent) };
         let foot = foot.unwrap_or_default() as usize;
         let pivot = whole.positions[foot];
-        let places = nodes.iter().map(|&node| whole.positions[node as usize]);
+        let mut places = nodes.iter().map(|&node| whole.positions[node as usize]);
         let reach_m = places.clone().map(|place| place.distance(pivot)).fold(0.0, f32::max);
         if axis.parent == NO_PARENT {
             return AxisSwing {
@@ -139,7 +139,7 @@ impl<'a> Field<'a> {
         }
         let base_m = nodes.first().map_or(0.0, |&node| whole.radii[node as usize]);
         let flexible = 1.0 / (1.0 + base_m / (HALF_FLEXIBLE * thickest_m));
-        let along = places.last().map_or(Vec3::Y, |tip| tip - pivot).normalize_or(Vec3::Y);
+        let along = places.next_back().map_or(Vec3::Y, |tip| tip - pivot).normalize_or(Vec3::Y);
         let across = (self.direction + Vec3::Y * HEAVE).reject_from_normalized(along);
         AxisSwing {
             level: axis.order,
