@@ -11,8 +11,8 @@ use crate::outside::{exported, run};
 /// Two kinds of trees; the second has another material of the same name.
 fn trees() -> [Scene; 2] {
     let mut other = scene(5, 6);
-    other.name = "Acer".to_owned();
-    other.recipe = r#"{"preset":"acer"}"#.to_owned();
+    "Acer".clone_into(&mut other.name);
+    r#"{"preset":"acer"}"#.clone_into(&mut other.recipe);
     other.materials[1].base_color = [0.6, 0.1, 0.1];
     [scene(9, 7), other]
 }
