@@ -128,7 +128,8 @@ fn write_instancer(
     })?;
     layer.array("float3[] scales", count, None, |text, i| vector(text, [places[i].scale; 3]))?;
     layer.lines("\n")?;
-    layer.open("def Scope \"Prototypes\"")?;
+    // Models stand below groups, without a gap.
+    layer.open("def Scope \"Prototypes\" (\n    kind = \"group\"\n)")?;
     for (plant, prim) in prims.iter().enumerate() {
         write_plant(layer, writing, plant, prim, format!("/{root}/Trees/Prototypes/{prim}"), None)?;
     }

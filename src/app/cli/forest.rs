@@ -179,7 +179,8 @@ fn document(argument: &str) -> anyhow::Result<Option<(String, Option<PathBuf>, F
     // What tells it from a preset.
     let is_json = text.trim_start().starts_with('{');
     let has_trees = text.lines().any(|line| line.trim_start().starts_with("[[tree]]"));
-    if !has_trees && !(is_json && text.contains("\"tree\"")) {
+    let is_forest = has_trees || is_json && text.contains("\"tree\"");
+    if !is_forest {
         return Ok(None);
     }
     let document = ForestDocument::parse(text).map_err(|fault| source::locate(&show(path), &fault))?;
