@@ -170,6 +170,17 @@ impl<'a> Cast<'a> {
         range.first + season * range.levels + level
     }
 
+    /// All models of a plant.
+    pub fn models_of(&self, plant: usize) -> &[Model<'a>] {
+        let Range { first, seasons, levels } = self.plants[plant];
+        &self.models[first..first + seasons * levels]
+    }
+
+    /// How many distinct plants there are.
+    pub fn plants(&self) -> usize {
+        self.plants.len()
+    }
+
     /// How many levels a plant has.
     pub fn levels(&self, plant: usize) -> usize {
         self.plants[plant].levels

@@ -123,6 +123,16 @@ pub enum ExportError {
         /// What to do instead.
         advice: &'static str,
     },
+    /// A plug-in failed.
+    #[error("the plug-in {program} failed: {problem}{}{}", if said.is_empty() { "" } else { "; it said:\n  " }, said)]
+    Plugin {
+        /// The program's name.
+        program: &'static str,
+        /// What went wrong.
+        problem: String,
+        /// The end of what it said, printable, over several lines.
+        said: String,
+    },
     /// The format cannot hold so much.
     #[error("{format} cannot hold {amount}: its limit is {limit}; {advice}")]
     TooLarge {

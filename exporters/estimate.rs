@@ -112,11 +112,14 @@ impl Estimate {
                 let lines = skeleton(options.is_on("lines"), 35.0 * nodes as f64);
                 87.0 * vertices as f64 + faces + lines + (recipe + 500) as f64
             }
-            "usda" => {
+            "usda" | "usdz" => {
                 let materials = 900 * self.foliage_colors;
                 // `3, ` and `a, b, c, `.
                 let faces = triangles as f64 * (3.0 * digits + 9.0);
-                let curves = skeleton(options.is_on("skeleton"), 49.0 * (nodes + axes) as f64);
+                let curves = skeleton(
+                    options.is_on("skeleton") && !options.is_word("flavor", "ar"),
+                    49.0 * (nodes + axes) as f64,
+                );
                 85.0 * vertices as f64 + faces + curves + (2 * recipe + 3000 + materials) as f64
             }
             "ply" if ascii => {
@@ -135,7 +138,14 @@ impl Estimate {
                 let tangent = if pictures > 0 { 16 } else { 0 };
                 let index = if u16::try_from(vertices).is_ok() { 2 } else { 4 };
                 let tangents = tangent * (vertices - self.foliage_vertices);
-                let buffer = vertices * 32 + tangents + triangles * 3 * index + pictures;
+                let buffer = if options.is_on("quantize") {
+                    // Texture coordinates stay whole where no picture is seen.
+                    let plain = if pictures > 0 { self.foliage_vertices } else { vertices };
+                    vertices * 16 + tangents / 4 + plain * 4
+                } else {
+                    vertices * 32 + tangents
+                };
+                let buffer = buffer + triangles * 3 * index + pictures;
                 let buffer = if options.is_on("embed") { buffer.div_ceil(3) * 4 } else { buffer };
                 return buffer + recipe + 1700 + 900 * self.foliage_colors;
             }
@@ -229,9 +239,10 @@ mod tests {
         assert!((0.7..=1.3).contains(&ratio), "{what}: {estimated} is {ratio:.2} of {real}");
     }
 
-    /// Every choice of switches and words that a format has.
+    /// Every choice of a switch or word that a format has, one at a time.
     fn all_options(format: &'static Format) -> Vec<Options> {
-        let mut all = vec![Options::new(format)];
+        let plain = Options::new(format);
+        let mut all = vec![plain.clone()];
         for spec in format.options {
             let values: Vec<&str> = match spec.knob.kind {
                 linden::knob::Kind::Switch => vec!["false", "true"],
@@ -243,7 +254,8 @@ mod tests {
                 options.set(spec.knob.name, value).unwrap();
                 options
             };
-            all = all.iter().flat_map(|o| values.iter().map(|v| with(o, v)).collect::<Vec<_>>()).collect();
+            let others = values.into_iter().filter(|value| *value != spec.default);
+            all.extend(others.map(|value| with(&plain, value)));
         }
         all
     }

@@ -43,6 +43,7 @@ mod memory;
 mod obj;
 mod options;
 mod picture;
+mod plugin;
 mod ply;
 mod qsm;
 mod sound;
@@ -129,20 +130,25 @@ pub enum LevelsIn {
 
 /// All formats. Where two claim an ending, the first has it.
 pub static REGISTRY: &[&dyn Exporter] =
-    &[&obj::Obj, &ply::Ply, &ply::PlySkeleton, &gltf::Gltf, &gltf::Glb, &usda::Usda, &qsm::Qsm];
+    &[&obj::Obj, &ply::Ply, &ply::PlySkeleton, &gltf::Gltf, &gltf::Glb, &usda::Usda, &usda::Usdz, &qsm::Qsm];
 
-/// The exporter that scripts call `id`.
+/// All formats, those of plug-ins on the search path included: see [`find`].
+pub fn exporters() -> Vec<&'static dyn Exporter> {
+    REGISTRY.iter().copied().chain(plugin::all()).collect()
+}
+
+/// The exporter that scripts call `id`: one of the registry, or else the program `linden-export-ID` on
+/// the search path.
 ///
 /// # Errors
 /// [`ExportError::UnknownFormat`] with the nearest name and the list.
 pub fn find(id: &str) -> Result<&'static dyn Exporter, ExportError> {
     let ids = || REGISTRY.iter().map(|exporter| exporter.format().id);
-    REGISTRY.iter().copied().find(|exporter| exporter.format().id == id).ok_or_else(|| {
-        ExportError::UnknownFormat {
-            typed: id.to_owned(),
-            nearest: nearest(&id.to_lowercase(), ids()),
-            known: ids().collect(),
-        }
+    let own = REGISTRY.iter().copied().find(|exporter| exporter.format().id == id);
+    own.or_else(|| plugin::find(id)).ok_or_else(|| ExportError::UnknownFormat {
+        typed: id.to_owned(),
+        nearest: nearest(&id.to_lowercase(), ids()),
+        known: ids().collect(),
     })
 }
 
@@ -157,6 +163,7 @@ pub fn for_path(path: &Path) -> Result<&'static dyn Exporter, ExportError> {
         .iter()
         .copied()
         .find(|exporter| exporter.format().extensions.contains(&typed.as_str()))
+        .or_else(|| plugin::find(&typed))
         .ok_or_else(|| {
             let mut known: Vec<_> = endings().collect();
             known.dedup();
@@ -199,7 +206,7 @@ mod tests {
         let said = find("gtlf").err().unwrap().to_string();
         assert_eq!(
             said,
-            "no export format is called 'gtlf' (did you mean 'gltf'?); there are: obj, ply, ply-skeleton, gltf, glb, usda, qsm"
+            "no export format is called 'gtlf' (did you mean 'gltf'?); there are: obj, ply, ply-skeleton, gltf, glb, usda, usdz, qsm"
         );
         let said = for_path(Path::new("fir.usdc")).err().unwrap().to_string();
         assert!(said.contains("did you mean '.usda'?") && said.contains(".glb"), "{said}");

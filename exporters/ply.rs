@@ -73,6 +73,13 @@ impl Exporter for Ply {
             return Err(too_large(MESH.id, format!("{vertices} vertices and {faces} triangles")));
         }
         let mut head = header(&stage.name, &stage.recipe, ascii);
+        // Readers see one mesh: which vertices belong together is told here.
+        let mut first = 0;
+        for piece in cast.placed(stage).take(1).flat_map(|(_, model)| &model.pieces) {
+            let count = piece.mesh.positions.len();
+            head += &format!("comment part {}: {count} vertices from {first}\n", piece.name);
+            first += count;
+        }
         head += &format!("element vertex {vertices}\n");
         for name in ["x", "y", "z", "nx", "ny", "nz", "s", "t"] {
             head += &format!("property float {name}\n");
@@ -107,9 +114,8 @@ fn write_vertices(
     ascii: bool,
 ) -> Result<(), ExportError> {
     let mesh = piece.mesh;
-    let [r, g, b] = material.base_color.map(picture::srgb);
-    let rgba = [r, g, b, 255];
-    let color = format!(" {r} {g} {b} 255\n");
+    let plain = material.base_color.map(picture::srgb);
+    let picture = material.base_color_picture.as_deref();
     chunks::write(out, mesh.positions.len(), |text, range| {
         for i in range {
             let (mut position, mut normal) = (mesh.positions[i], mesh.normals[i]);
@@ -119,12 +125,13 @@ fn write_vertices(
             let ([x, y, z], [nx, ny, nz], [s, t]) =
                 (position.to_array(), normal.to_array(), mesh.uvs[i].to_array());
             let numbers = [x, y, z, nx, ny, nz, s, t];
+            let [r, g, b] = picture.map_or(plain, |own| picture::color_at(own, material.wrap, mesh.uvs[i]));
             if ascii {
                 text.floats(numbers, b" ");
-                text.slice(color.as_bytes());
+                integers(text, &[r, g, b, 255].map(u32::from));
             } else {
                 text.bytes(&bytemuck::cast::<_, [u8; 32]>(numbers));
-                text.bytes(&rgba);
+                text.bytes(&[r, g, b, 255]);
             }
         }
     })

@@ -33,6 +33,15 @@ pub(crate) fn check_stage(stage: &Stage<'_>) -> Result<(), ExportError> {
             return Err(fault(format!("the seasons of plant {index} differ in levels, or have none")));
         }
     }
+    let mut stands = vec![false; stage.plants.len()];
+    for place in &stage.places {
+        if let Some(stands) = stands.get_mut(place.plant) {
+            *stands = true;
+        }
+    }
+    if let Some(index) = stands.iter().position(|stands| !stands) {
+        return Err(fault(format!("plant {index} stands nowhere")));
+    }
     for (index, place) in stage.places.iter().enumerate() {
         if place.plant >= stage.plants.len() {
             return Err(fault(format!(

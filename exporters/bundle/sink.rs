@@ -45,6 +45,19 @@ impl<'a> Sink<'a> {
         Ok(())
     }
 
+    /// What `write` writes, in memory.
+    pub(crate) fn gather(
+        what: &str,
+        monitor: &dyn Monitor,
+        write: impl FnOnce(&mut Sink<'_>) -> Result<(), ExportError>,
+    ) -> Result<Vec<u8>, ExportError> {
+        let mut bytes = Vec::new();
+        let mut sink = Sink::new(&mut bytes, what.to_owned(), None, monitor);
+        write(&mut sink)?;
+        sink.finish()?;
+        Ok(bytes)
+    }
+
     /// Bytes written so far.
     pub fn written(&self) -> u64 {
         self.written

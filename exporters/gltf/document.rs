@@ -89,12 +89,29 @@ pub(super) struct NodeExtensions {
     pub lod: Option<Lod>,
     #[serde(rename = "KHR_lights_punctual", skip_serializing_if = "Option::is_none")]
     pub light: Option<LightIndex>,
+    #[serde(rename = "EXT_mesh_gpu_instancing", skip_serializing_if = "Option::is_none")]
+    pub instancing: Option<Instancing>,
 }
 
 impl NodeExtensions {
     fn is_empty(&self) -> bool {
-        self.lod.is_none() && self.light.is_none()
+        self.lod.is_none() && self.light.is_none() && self.instancing.is_none()
     }
+}
+
+/// `EXT_mesh_gpu_instancing`: the node's mesh in many places.
+#[derive(Clone, Copy, Serialize)]
+pub(super) struct Instancing {
+    pub attributes: InstanceAttributes,
+}
+
+/// Accessors with an item per place.
+#[derive(Clone, Copy, Serialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub(super) struct InstanceAttributes {
+    pub translation: usize,
+    pub rotation: usize,
+    pub scale: usize,
 }
 
 #[derive(Serialize)]
@@ -250,6 +267,21 @@ pub(super) struct PbrMetallicRoughness {
 #[derive(Serialize)]
 pub(super) struct TextureInfo {
     pub index: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extensions: Option<TextureExtensions>,
+}
+
+#[derive(Serialize)]
+pub(super) struct TextureExtensions {
+    #[serde(rename = "KHR_texture_transform")]
+    pub transform: TextureTransform,
+}
+
+/// `KHR_texture_transform`: what is stored, scaled and then moved.
+#[derive(Serialize)]
+pub(super) struct TextureTransform {
+    pub offset: [f32; 2],
+    pub scale: [f32; 2],
 }
 
 #[derive(Serialize)]
@@ -302,6 +334,8 @@ pub(super) struct Accessor {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub buffer_view: Option<usize>,
     pub component_type: ComponentType,
+    #[serde(skip_serializing_if = "is_false")]
+    pub normalized: bool,
     pub count: usize,
     #[serde(rename = "type")]
     pub shape: &'static str,
@@ -315,6 +349,7 @@ pub(super) struct Accessor {
 #[derive(Clone, Copy, PartialEq, Eq)]
 #[repr(u16)]
 pub(super) enum ComponentType {
+    I8 = 5120,
     U16 = 5123,
     U32 = 5125,
     F32 = 5126,
@@ -332,7 +367,15 @@ pub(super) struct BufferView {
     pub buffer: usize,
     pub byte_offset: u64,
     pub byte_length: u64,
+    /// Where items are padded.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub byte_stride: Option<u64>,
     /// 34962 for vertices, 34963 for indices, none for pictures.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target: Option<u16>,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks with a reference")]
+fn is_false(is_on: &bool) -> bool {
+    !is_on
 }

@@ -8,6 +8,7 @@
 mod buffer;
 mod document;
 mod nodes;
+mod quantize;
 mod setting;
 mod tangents;
 mod wind;
@@ -20,9 +21,10 @@ use serde_json::value::RawValue;
 use self::buffer::Layout;
 use self::document::{
     Asset, Buffer, Document, DocumentExtensions, Image, ImageSource, LightList, Material, MaterialExtensions,
-    PbrMetallicRoughness, Sampler, SceneRoot, Texture, TextureInfo,
+    PbrMetallicRoughness, Sampler, SceneRoot, Texture, TextureExtensions, TextureInfo, TextureTransform,
 };
 use self::nodes::SceneGraph;
+use self::quantize::Range;
 use crate::cast::{Cast, Look};
 use crate::memory;
 use crate::options::{OptionSpec, Options};
@@ -37,6 +39,28 @@ pub(crate) struct Glb;
 
 const PICTURES: OptionSpec = OptionSpec::switch("pictures", true, "with bark pictures; without, one colour");
 
+const INSTANCES: OptionSpec = OptionSpec::switch(
+    "instances",
+    false,
+    "the trees of a forest by EXT_mesh_gpu_instancing instead of a node each; fewer programs read that",
+);
+
+const QUANTIZE: OptionSpec = OptionSpec::switch(
+    "quantize",
+    false,
+    "vertices in fewer bits (KHR_mesh_quantization): half the size, positions to a 65535th of the height",
+);
+
+/// Whether vertices are to be in fewer bits. Wind's targets move positions by lengths, which the bits of
+/// a cube cannot hold.
+fn is_quantized(cast: &Cast<'_>, options: &Options, bundle: &mut Bundle) -> bool {
+    let has_wind = cast.pieces().any(|piece| piece.wind.is_some());
+    if options.is_on("quantize") && has_wind {
+        bundle.note("quantize is left out: trees that move in the wind need whole numbers");
+    }
+    options.is_on("quantize") && !has_wind
+}
+
 static GLTF: Format = Format {
     id: "gltf",
     name: "glTF 2.0 (JSON)",
@@ -47,6 +71,8 @@ static GLTF: Format = Format {
     options: &[
         PICTURES,
         OptionSpec::switch("embed", false, "buffer and pictures inside the file, as data URIs"),
+        INSTANCES,
+        QUANTIZE,
     ],
 };
 
@@ -57,7 +83,7 @@ static GLB: Format = Format {
     media_type: "model/gltf-binary",
     self_contained: true,
     help: "for engines and the web: everything in one file",
-    options: &[PICTURES],
+    options: &[PICTURES, INSTANCES, QUANTIZE],
 };
 
 impl Exporter for Gltf {
@@ -80,10 +106,11 @@ impl Exporter for Gltf {
             bundle
                 .note("a single stream has no files beside it: buffer and pictures are inside, as data URIs");
         }
-        let mut layout = Layout::of_meshes(&cast, &pictures);
+        let mut layout = Layout::of_meshes(&cast, &pictures, is_quantized(&cast, options, bundle));
         if embed {
             let sources = embedded(&pictures, &mut layout)?;
-            let mut document = document(stage, &cast, &pictures, sources, &mut layout);
+            let mut document =
+                document(stage, &cast, &pictures, sources, options.is_on("instances"), &mut layout);
             document.buffers[0].uri = Some(DATA_URI.to_owned());
             let json = json(&document)?;
             let hole = find(&json, DATA_URI.as_bytes()) + DATA_URI.len();
@@ -101,7 +128,8 @@ impl Exporter for Gltf {
             bundle.write_side(&named.suffix, Some(png.len() as u64), monitor, |out| out.write(png))?;
             sources.push(ImageSource::Uri(percent_encoded(&bundle.side_name(&named.suffix))));
         }
-        let mut document = document(stage, &cast, &pictures, sources, &mut layout);
+        let mut document =
+            document(stage, &cast, &pictures, sources, options.is_on("instances"), &mut layout);
         document.buffers[0].uri = Some(percent_encoded(&bundle.side_name(".bin")));
         let json = json(&document)?;
         bundle.write_side(".bin", Some(layout.bytes()), monitor, |out| layout.write(&cast, out))?;
@@ -137,9 +165,9 @@ impl Exporter for Glb {
         let cast = Cast::under_dome(stage, monitor)?;
         let pictures = if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
         memory::admit(stage, &pictures, tangents_bytes(&cast, &pictures), monitor)?;
-        let mut layout = Layout::of_meshes(&cast, &pictures);
+        let mut layout = Layout::of_meshes(&cast, &pictures, is_quantized(&cast, options, bundle));
         let sources = embedded(&pictures, &mut layout)?;
-        let document = document(stage, &cast, &pictures, sources, &mut layout);
+        let document = document(stage, &cast, &pictures, sources, options.is_on("instances"), &mut layout);
         let mut json = json(&document)?;
         // Both chunks end at a multiple of four (4.4.3): the buffer does anyway.
         json.resize(json.len().next_multiple_of(4), b' ');
@@ -179,33 +207,49 @@ fn document(
     cast: &Cast<'_>,
     pictures: &[Named<'_>],
     sources: Vec<ImageSource>,
+    instances: bool,
     layout: &mut Layout,
 ) -> Document {
-    let texture = |picture| picture::index_of(pictures, picture).map(|index| TextureInfo { index });
+    let quanta = layout.quanta.as_ref();
+    let texture = |look: usize, picture| {
+        let index = picture::index_of(pictures, picture)?;
+        let range = quanta.and_then(|own| own.range(look));
+        let extensions = range.map(|Range { offset, scale }| TextureExtensions {
+            transform: TextureTransform { offset: offset.to_array(), scale: scale.to_array() },
+        });
+        Some(TextureInfo { index, extensions })
+    };
     let unlit = cast.dome.as_ref().map(|dome| dome.look);
-    let materials = cast.looks.iter().enumerate().map(|(index, Look { name, material })| {
-        let base_color_texture = texture(material.base_color_picture.as_ref());
-        // The two are multiplied, and the picture is to be used as it is.
-        // Without its picture there is nothing to cut.
-        let cutout = material.cutout.filter(|_| base_color_texture.is_some());
-        let [r, g, b] = if base_color_texture.is_some() { [1.0; 3] } else { material.base_color };
-        Material {
-            name: name.clone(),
-            pbr_metallic_roughness: PbrMetallicRoughness {
-                base_color_factor: [r, g, b, 1.0],
-                base_color_texture,
-                metallic_factor: 0.0,
-                roughness_factor: material.roughness,
-            },
-            normal_texture: texture(material.normal_picture.as_ref()),
-            double_sided: material.double_sided,
-            alpha_mode: cutout.map(|_| "MASK"),
-            alpha_cutoff: cutout,
-            extensions: (unlit == Some(index)).then(MaterialExtensions::unlit),
-        }
-    });
-    let SceneGraph { nodes, roots, meshes, cameras, lights, extensions } =
-        nodes::nodes(stage, cast, &layout.primitives);
+    let materials: Vec<Material> = cast
+        .looks
+        .iter()
+        .enumerate()
+        .map(|(index, Look { name, material })| {
+            let base_color_texture = texture(index, material.base_color_picture.as_ref());
+            // The two are multiplied, and the picture is to be used as it is.
+            // Without its picture there is nothing to cut.
+            let cutout = material.cutout.filter(|_| base_color_texture.is_some());
+            let [r, g, b] = if base_color_texture.is_some() { [1.0; 3] } else { material.base_color };
+            Material {
+                name: name.clone(),
+                pbr_metallic_roughness: PbrMetallicRoughness {
+                    base_color_factor: [r, g, b, 1.0],
+                    base_color_texture,
+                    metallic_factor: 0.0,
+                    roughness_factor: material.roughness,
+                },
+                normal_texture: texture(index, material.normal_picture.as_ref()),
+                double_sided: material.double_sided,
+                alpha_mode: cutout.map(|_| "MASK"),
+                alpha_cutoff: cutout,
+                extensions: (unlit == Some(index)).then(MaterialExtensions::unlit),
+            }
+        })
+        .collect();
+    let instances =
+        if instances && !stage.is_single() { nodes::lay_out_instances(stage, layout) } else { Vec::new() };
+    let SceneGraph { nodes, roots, meshes, cameras, lights, extensions, required } =
+        nodes::nodes(stage, cast, layout, &instances);
     let animation = wind::animation(cast, &meshes, &nodes, layout);
     let images = pictures.iter().zip(sources).map(|(named, source)| Image {
         name: named.suffix.trim_start_matches('_').trim_end_matches(".png").to_owned(),
@@ -223,13 +267,13 @@ fn document(
         buffers: [Buffer { byte_length: layout.bytes(), uri: None }],
         scene: 0,
         extensions_used: extensions,
-        extensions_required: Vec::new(),
+        extensions_required: required,
         scenes: [SceneRoot { name: stage.name.clone(), nodes: roots }],
         nodes,
         cameras,
         extensions: lights.map(|own| DocumentExtensions { lights: LightList { lights: own } }),
         meshes,
-        materials: materials.collect(),
+        materials,
         textures,
         images: images.collect(),
         samplers: wraps.into_iter().map(Sampler::new).collect(),

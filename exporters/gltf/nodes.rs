@@ -3,10 +3,14 @@
 //! A tree alone has a node and a mesh per part. In a forest a plant is one mesh with a primitive per
 //! part, so that a place is a single node, and nodes of the same plant share its mesh.
 
+use glam::Vec3;
 use linden::stage::{Place, Stage};
 
-use super::buffer::PrimitiveArrays;
-use super::document::{Camera, Extras, Light, Lod, Mesh, Node, NodeExtensions, Primitive};
+use super::buffer::{Layout, PrimitiveArrays};
+use super::document::{
+    Camera, Extras, InstanceAttributes, Instancing, Light, Lod, Mesh, Node, NodeExtensions, Primitive,
+};
+use super::quantize::{self, Cube};
 use super::wind::MorphTarget;
 use super::{recipe, setting};
 use crate::cast::{Cast, Piece};
@@ -20,21 +24,62 @@ pub(super) struct SceneGraph {
     pub cameras: Vec<Camera>,
     pub lights: Option<Vec<Light>>,
     pub extensions: Vec<&'static str>,
+    /// Those without which a reader would show something else.
+    pub required: Vec<&'static str>,
 }
 
-/// Builds the graph; `arrays` are those of [`Cast::pieces`].
-pub(super) fn nodes(stage: &Stage<'_>, cast: &Cast<'_>, arrays: &[PrimitiveArrays]) -> SceneGraph {
+/// What says that a mesh stands in many places.
+const INSTANCING: &str = "EXT_mesh_gpu_instancing";
+
+/// Lays out where each plant stands, for a node per plant instead of one per place.
+pub(super) fn lay_out_instances(stage: &Stage<'_>, layout: &mut Layout) -> Vec<Instancing> {
+    (0..stage.plants.len())
+        .map(|plant| {
+            let cube = layout.quanta.as_ref().map(|own| own.cube(plant));
+            let places = || stage.places.iter().filter(|place| place.plant == plant);
+            let moves: Vec<Move> = places().map(|place| Move::new(place, cube)).collect();
+            let translations: Vec<_> = moves.iter().map(|own| own.translation.to_array()).collect();
+            let rotations: Vec<_> = places().map(|place| place.rotation().to_array()).collect();
+            let scales: Vec<_> = moves.iter().map(|own| [own.scale; 3]).collect();
+            let attributes = InstanceAttributes {
+                translation: layout.push_vectors(&translations, "VEC3"),
+                rotation: layout.push_vectors(&rotations, "VEC4"),
+                scale: layout.push_vectors(&scales, "VEC3"),
+            };
+            Instancing { attributes }
+        })
+        .collect()
+}
+
+/// Builds the graph; `layout` is that of the meshes, `instances` those of every plant or none.
+pub(super) fn nodes(
+    stage: &Stage<'_>,
+    cast: &Cast<'_>,
+    layout: &Layout,
+    instances: &[Instancing],
+) -> SceneGraph {
+    let arrays = &layout.primitives;
     let root = Node {
         name: stage.name.clone(),
         extras: Extras { linden: recipe(&stage.recipe), ..Extras::default() },
         ..Node::default()
     };
-    let mut graph = Graph { stage, cast, nodes: vec![root], meshes: Vec::new(), first_mesh: Vec::new() };
+    let mut graph =
+        Graph { stage, cast, layout, nodes: vec![root], meshes: Vec::new(), first_mesh: Vec::new() };
     graph.add_meshes(arrays);
-    graph.nodes[0].children = graph.plants();
+    graph.nodes[0].children = if instances.is_empty() { graph.plants() } else { graph.instances(instances) };
     let mut extensions = Vec::new();
     if graph.nodes.iter().any(|node| node.extensions.lod.is_some()) {
         extensions.push("MSFT_lod");
+    }
+    let mut required = Vec::new();
+    if layout.quanta.is_some() {
+        extensions.extend(quantize::EXTENSIONS);
+        required.extend(quantize::EXTENSIONS);
+    }
+    if !instances.is_empty() {
+        extensions.push(INSTANCING);
+        required.push(INSTANCING);
     }
     let Graph { mut nodes, mut meshes, .. } = graph;
     let (mut roots, mut cameras, mut lights) = (vec![0], Vec::new(), None);
@@ -60,12 +105,13 @@ pub(super) fn nodes(stage: &Stage<'_>, cast: &Cast<'_>, arrays: &[PrimitiveArray
         lights = Some(shining.into_iter().map(|(light, _)| light).collect());
         roots.extend(first..nodes.len());
     }
-    SceneGraph { nodes, roots, meshes, cameras, lights, extensions }
+    SceneGraph { nodes, roots, meshes, cameras, lights, extensions, required }
 }
 
 struct Graph<'a> {
     stage: &'a Stage<'a>,
     cast: &'a Cast<'a>,
+    layout: &'a Layout,
     nodes: Vec<Node>,
     meshes: Vec<Mesh>,
     /// The first mesh of each model.
@@ -113,7 +159,7 @@ impl Graph<'_> {
         let stage = self.stage;
         if stage.is_single() {
             if self.cast.levels(0) == 1 {
-                return self.parts(0);
+                return self.parts(0, 0);
             }
             return vec![self.levels(&stage.places[0], &stage.plants[0].name, Self::assembly)];
         }
@@ -126,6 +172,24 @@ impl Graph<'_> {
             .collect()
     }
 
+    /// A node for each plant, with all its places.
+    fn instances(&mut self, instances: &[Instancing]) -> Vec<usize> {
+        let stage = self.stage;
+        let mut finest = Vec::new();
+        for (plant, (own, instancing)) in stage.plants.iter().zip(instances).enumerate() {
+            // A node without places would show the plant once.
+            if stage.places.iter().all(|place| place.plant != plant) {
+                continue;
+            }
+            let first = self.nodes.len();
+            finest.push(self.levels(&Place::origin(plant), &own.name, Self::instanced));
+            for node in &mut self.nodes[first..] {
+                node.extensions.instancing = Some(*instancing);
+            }
+        }
+        finest
+    }
+
     fn first_model(&self, plant: usize) -> usize {
         self.cast.model(plant, 0, 0)
     }
@@ -136,25 +200,39 @@ impl Graph<'_> {
     }
 
     /// A node for each part of a model.
-    fn parts(&mut self, model: usize) -> Vec<usize> {
+    fn parts(&mut self, plant: usize, model: usize) -> Vec<usize> {
+        let cube = self.cube(plant);
         let first = self.first_mesh[model];
         let count = self.cast.models[model].pieces.len();
         (first..first + count)
             .map(|mesh| {
                 let name = self.meshes[mesh].name.clone();
-                self.push(Node { name, mesh: Some(mesh), ..Node::default() })
+                let node = Node { name, mesh: Some(mesh), ..Node::default() };
+                self.push(placed(&Place::origin(plant), cube, node))
             })
             .collect()
     }
 
     /// A tree alone: its parts below a node.
-    fn assembly(&mut self, model: usize, name: String) -> Node {
-        Node { name, children: self.parts(model), ..Node::default() }
+    fn assembly(&mut self, place: &Place, model: usize, name: String) -> Node {
+        let node = Node { name, children: self.parts(place.plant, model), ..Node::default() };
+        placed(place, None, node)
     }
 
     /// A tree among others: the mesh that they share.
-    fn shared(&mut self, model: usize, name: String) -> Node {
+    fn shared(&mut self, place: &Place, model: usize, name: String) -> Node {
+        let node = Node { name, mesh: Some(self.first_mesh[model]), ..Node::default() };
+        placed(place, self.cube(place.plant), node)
+    }
+
+    /// A tree in many places: the instances put it where it stands.
+    fn instanced(&mut self, _: &Place, model: usize, name: String) -> Node {
         Node { name, mesh: Some(self.first_mesh[model]), ..Node::default() }
+    }
+
+    /// What a plant's positions are told in, where they are in fewer bits.
+    fn cube(&self, plant: usize) -> Option<Cube> {
+        self.layout.quanta.as_ref().map(|own| own.cube(plant))
     }
 
     /// A place's plant in all its levels; gives the node of the finest, which names the others.
@@ -162,14 +240,14 @@ impl Graph<'_> {
         &mut self,
         place: &Place,
         name: &str,
-        make: impl Fn(&mut Self, usize, String) -> Node,
+        make: impl Fn(&mut Self, &Place, usize, String) -> Node,
     ) -> usize {
         let levels = self.cast.levels(place.plant);
         let of_levels: Vec<usize> = (0..levels)
             .map(|level| {
                 let model = self.cast.model(place.plant, 0, level);
-                let node = make(self, model, format!("{name}{}", suffix(level, levels)));
-                self.push(Node { ..placed(place, node) })
+                let node = make(self, place, model, format!("{name}{}", suffix(level, levels)));
+                self.push(node)
             })
             .collect();
         let (finest, others) = (of_levels[0], &of_levels[1..]);
@@ -199,15 +277,33 @@ fn primitive(piece: &Piece<'_>, arrays: &PrimitiveArrays) -> Primitive {
     }
 }
 
+/// How a mesh is moved and scaled to a place.
+struct Move {
+    translation: Vec3,
+    scale: f32,
+}
+
+impl Move {
+    /// The place's own, after that of the cube which positions are told in.
+    fn new(place: &Place, cube: Option<Cube>) -> Self {
+        let corner = |point: Vec3| place.motion().map_or(point, |motion| motion.point(point));
+        match cube {
+            Some(Cube { corner: own, side }) => Self { translation: corner(own), scale: place.scale * side },
+            None => Self { translation: place.position, scale: place.scale },
+        }
+    }
+}
+
 /// A node where its plant stands.
-fn placed(place: &Place, node: Node) -> Node {
-    if place.is_origin() {
+fn placed(place: &Place, cube: Option<Cube>, node: Node) -> Node {
+    if place.is_origin() && cube.is_none() {
         return node;
     }
+    let Move { translation, scale } = Move::new(place, cube);
     Node {
-        translation: Some(place.position.to_array()),
+        translation: Some(translation.to_array()),
         rotation: (place.turn_rad != 0.0).then(|| place.rotation().to_array()),
-        scale: (place.scale != 1.0).then_some([place.scale; 3]),
+        scale: (scale != 1.0).then_some([scale; 3]),
         ..node
     }
 }

@@ -23,12 +23,7 @@ use crate::ExportError;
 const LUX_PER_UNIT: f32 = 2732.0;
 
 /// Everything below the layer's metadata.
-pub(super) fn write(
-    layer: &mut Layer<'_, '_>,
-    writing: &Writing<'_>,
-    root: &str,
-    instances: bool,
-) -> Result<(), ExportError> {
+pub(super) fn write(layer: &mut Layer<'_, '_>, writing: &Writing<'_>, root: &str) -> Result<(), ExportError> {
     let stage = writing.stage;
     let variants = Variants::default();
     Head { prim: root, name: &stage.name, recipe: &stage.recipe, kind: "assembly", variants }.open(layer)?;
@@ -39,7 +34,7 @@ pub(super) fn write(
         let path = format!("/{root}/Trees/{}", prims[place.plant]);
         write_plant(layer, writing, place.plant, &prims[place.plant], path, Some(place))?;
         layer.close()?;
-    } else if instances {
+    } else if writing.with_instances {
         write_instancer(layer, writing, root, &prims)?;
     } else {
         layer.open("class \"Prototypes\"")?;
@@ -133,7 +128,8 @@ fn write_instancer(
     })?;
     layer.array("float3[] scales", count, None, |text, i| vector(text, [places[i].scale; 3]))?;
     layer.lines("\n")?;
-    layer.open("def Scope \"Prototypes\"")?;
+    // Models stand below groups, without a gap.
+    layer.open("def Scope \"Prototypes\" (\n    kind = \"group\"\n)")?;
     for (plant, prim) in prims.iter().enumerate() {
         write_plant(layer, writing, plant, prim, format!("/{root}/Trees/Prototypes/{prim}"), None)?;
     }
@@ -149,9 +145,7 @@ fn write_setting(
 ) -> Result<(), ExportError> {
     open_group(layer, "Setting")?;
     write_camera(layer, &setting.camera)?;
-    if writing.with_lights {
-        write_lights(layer, writing, setting)?;
-    }
+    write_lights(layer, writing, setting)?;
     if let Some(piece) = &writing.cast.ground {
         layer.open("def Xform \"Ground\" (\n    kind = \"component\"\n)")?;
         let look = &writing.cast.looks[piece.look];
@@ -159,7 +153,7 @@ fn write_setting(
         let (prim, name) = (names.unique(piece.name), names.unique(&look.material.name));
         let path = format!("/{root}/Setting/Ground");
         layer.open("def Scope \"Geometry\"")?;
-        mesh::write(layer, &writing.cast, piece, &prim, &format!("{path}/Materials/{name}"))?;
+        mesh::write(layer, &writing.cast, piece, "", &prim, &format!("{path}/Materials/{name}"))?;
         layer.close()?;
         layer.lines("\n")?;
         layer.open("def Scope \"Materials\"")?;

@@ -3,14 +3,16 @@
 use super::indexed::indexed;
 use super::layer::{Layer, vector};
 use super::syntax::tuple;
+use super::wind;
 use crate::ExportError;
 use crate::cast::{Cast, Piece};
 
-/// A mesh; `material` is the path of the one that is bound.
+/// A mesh below the prim at the path `parent`; `material` is the path of the one that is bound.
 pub(super) fn write(
     layer: &mut Layer<'_, '_>,
     cast: &Cast<'_>,
-    &Piece { mesh, bounds, look, .. }: &Piece<'_>,
+    &Piece { mesh, bounds, look, wind, .. }: &Piece<'_>,
+    parent: &str,
     name: &str,
     material: &str,
 ) -> Result<(), ExportError> {
@@ -29,7 +31,8 @@ color3f[] primvars:displayColor = [{}] (
         tuple(bounds.max.to_array()),
         tuple(material_of.base_color),
     );
-    layer.open(&format!("def Mesh \"{name}\" (\n    prepend apiSchemas = [\"MaterialBindingAPI\"]\n)"))?;
+    let schemas = wind::schemas(wind);
+    layer.open(&format!("def Mesh \"{name}\" (\n    prepend apiSchemas = [{schemas}]\n)"))?;
     layer.lines(&head)?;
     let vertex = Some("vertex");
     layer.array("int[] faceVertexCounts", mesh.triangles.len(), None, |text, _| text.byte(b'3'))?;
@@ -50,6 +53,9 @@ color3f[] primvars:displayColor = [{}] (
         layer.array("int[] primvars:st:indices", indices.len(), None, |text, i| text.integer(indices[i]))?;
     } else {
         layer.array(st, count, vertex, |text, i| vector(text, mesh.uvs[i].to_array()))?;
+    }
+    if let Some(own) = wind {
+        wind::write(layer, own, parent, &format!("{parent}/{name}"))?;
     }
     layer.close()?;
     layer.lines("\n")

@@ -18,9 +18,11 @@ mod indexed;
 mod layer;
 mod material;
 mod mesh;
+mod package;
 mod plant;
 mod skeleton;
 mod syntax;
+mod wind;
 
 use std::sync::Arc;
 
@@ -31,12 +33,13 @@ use linden::scene::{Mesh, Wrap};
 use linden::stage::Stage;
 
 use self::layer::Layer;
+use self::package::Package;
 use self::plant::{Component, Head};
 use self::syntax::{identifier, quoted};
 use crate::cast::Cast;
 use crate::options::{OptionSpec, Options};
 use crate::picture::{self, Named};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, memory};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, memory};
 
 /// OpenUSD as text.
 pub(crate) struct Usda;
@@ -59,6 +62,32 @@ static FORMAT: Format = Format {
     ],
 };
 
+/// OpenUSD in one file.
+pub(crate) struct Usdz;
+
+static PACKAGE: Format = Format {
+    id: "usdz",
+    name: "OpenUSD (package)",
+    extensions: &["usdz"],
+    media_type: "model/vnd.usdz+zip",
+    self_contained: true,
+    help: "USD text and its pictures in one file, for phones and handing on",
+    options: &[
+        OptionSpec::choice(
+            "flavor",
+            &["full", "ar"],
+            "ar leaves out what augmented reality on phones refuses: curves, instancers, lights, setting",
+        ),
+        OptionSpec::switch("pictures", true, "pictures in the package; without, one colour"),
+        OptionSpec::switch("skeleton", true, "the skeleton too, as guide curves: one per axis"),
+        OptionSpec::switch(
+            "instances",
+            false,
+            "the trees of a forest by a PointInstancer instead of references",
+        ),
+    ],
+};
+
 /// What all writers of prims need.
 struct Writing<'a> {
     stage: &'a Stage<'a>,
@@ -69,15 +98,40 @@ struct Writing<'a> {
     /// The file of the sky's picture.
     sky: Option<String>,
     with_skeleton: bool,
-    with_lights: bool,
+    with_instances: bool,
 }
 
-impl Writing<'_> {
+impl<'a> Writing<'a> {
+    fn new(stage: &'a Stage<'_>, options: &Options, monitor: &dyn Monitor) -> Result<Self, ExportError> {
+        let cast = Cast::in_setting(stage, monitor)?;
+        let mut pictures =
+            if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
+        if !pictures.is_empty() {
+            pictures.extend(stage.setting.as_ref().map(|setting| Named {
+                suffix: SKY.to_owned(),
+                picture: &setting.sky.picture,
+                wrap: Wrap::Clamp,
+            }));
+        }
+        let (with_skeleton, with_instances) = (options.is_on("skeleton"), options.is_on("instances"));
+        Ok(Self { stage, cast, pictures, files: Vec::new(), sky: None, with_skeleton, with_instances })
+    }
+
+    /// Says what each picture's file is called.
+    fn name_files(&mut self, name: impl Fn(&Named<'_>) -> String) {
+        self.files = self.pictures.iter().map(name).collect();
+        let is_sky = self.pictures.last().is_some_and(|named| named.suffix == SKY);
+        self.sky = self.files.last().filter(|_| is_sky).cloned();
+    }
+
     /// The file of a picture, where it is written.
     fn file(&self, picture: Option<&Arc<Picture>>) -> Option<&str> {
         picture::index_of(&self.pictures, picture).map(|index| self.files[index].as_str())
     }
 }
+
+/// The suffix of the sky's picture.
+const SKY: &str = "_sky.png";
 
 impl Exporter for Usda {
     fn format(&self) -> &'static Format {
@@ -91,34 +145,60 @@ impl Exporter for Usda {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
-        let cast = Cast::in_setting(stage, monitor)?;
-        let mut pictures =
-            if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
-        if !pictures.is_empty() {
-            pictures.extend(stage.setting.as_ref().map(|setting| Named {
-                suffix: "_sky.png".to_owned(),
-                picture: &setting.sky.picture,
-                wrap: Wrap::Clamp,
-            }));
-        }
-        if !pictures.is_empty() && !bundle.takes_side_files() {
+        let mut writing = Writing::new(stage, options, monitor)?;
+        if !writing.pictures.is_empty() && !bundle.takes_side_files() {
             bundle.note(
                 "USD keeps pictures in files beside it: left out of a single stream, one colour instead",
             );
-            pictures.clear();
+            writing.pictures.clear();
         }
-        memory::admit(stage, &pictures, own_bytes(&cast), monitor)?;
-        for (named, png) in pictures.iter().zip(picture::compress(&pictures)?) {
+        memory::admit(stage, &writing.pictures, own_bytes(&writing.cast), monitor)?;
+        for (named, png) in writing.pictures.iter().zip(picture::compress(&writing.pictures)?) {
             bundle.write_side(&named.suffix, Some(png.len() as u64), monitor, |out| out.write(png))?;
         }
-        let files: Vec<_> = pictures.iter().map(|named| bundle.side_name(&named.suffix)).collect();
-        let sky = stage.setting.as_ref().and_then(|_| files.last().cloned());
-        let with_skeleton = options.is_on("skeleton");
-        let writing = Writing { stage, cast, pictures, files, sky, with_skeleton, with_lights: true };
-        bundle.write_main(None, monitor, |out| {
-            write_layer(&mut Layer::new(out), &writing, options.is_on("instances"))
-        })
+        writing.name_files(|named| bundle.side_name(&named.suffix));
+        bundle.write_main(None, monitor, |out| write_layer(&mut Layer::new(out), &writing))
     }
+}
+
+impl Exporter for Usdz {
+    fn format(&self) -> &'static Format {
+        &PACKAGE
+    }
+
+    fn write(
+        &self,
+        stage: &Stage<'_>,
+        options: &Options,
+        bundle: &mut Bundle,
+        monitor: &dyn Monitor,
+    ) -> Result<(), ExportError> {
+        let is_ar = options.is_word("flavor", "ar");
+        let mut stage = stage.clone();
+        stage.setting = stage.setting.filter(|_| !is_ar);
+        let mut writing = Writing::new(&stage, options, monitor)?;
+        writing.with_skeleton &= !is_ar;
+        writing.with_instances &= !is_ar;
+        // The layer and the package around it are held whole: sizes and sums stand before the data.
+        let text = 2 * writing.cast.pieces().map(|piece| text_bytes(piece.mesh)).sum::<u64>();
+        memory::admit(&stage, &writing.pictures, own_bytes(&writing.cast) + text, monitor)?;
+        writing.name_files(|named| named.suffix.trim_start_matches('_').to_owned());
+        let layer =
+            Sink::gather("the USD layer", monitor, |out| write_layer(&mut Layer::new(out), &writing))?;
+        let mut package = Package::default();
+        package.push("tree.usda", &layer)?;
+        drop(layer);
+        for (file, png) in writing.files.iter().zip(picture::compress(&writing.pictures)?) {
+            package.push(file, png)?;
+        }
+        let bytes = package.finish()?;
+        bundle.write_main(Some(bytes.len() as u64), monitor, |out| out.write(&bytes))
+    }
+}
+
+/// At most what a mesh takes as text, with room for a list that doubles.
+fn text_bytes(mesh: &Mesh) -> u64 {
+    2 * (110 * mesh.positions.len() + 40 * mesh.triangles.len()) as u64
 }
 
 /// What writing takes: of one mesh after the other, its texture coordinates each once (a table of
@@ -131,23 +211,25 @@ fn own_bytes(cast: &Cast<'_>) -> u64 {
     memory::largest(cast, indexed) + memory::formatting(cast)
 }
 
-fn write_layer(layer: &mut Layer<'_, '_>, writing: &Writing<'_>, instances: bool) -> Result<(), ExportError> {
+fn write_layer(layer: &mut Layer<'_, '_>, writing: &Writing<'_>) -> Result<(), ExportError> {
     let stage = writing.stage;
     let root = identifier(&stage.name);
     let generator = quoted(GENERATOR);
+    let pieces: Vec<_> = writing.cast.pieces().collect();
+    let time = wind::sway(&pieces).map_or_else(String::new, wind::time);
     layer.lines(&format!(
         r#"#usda 1.0
 (
     defaultPrim = "{root}"
     doc = {generator}
-    metersPerUnit = 1
+{time}    metersPerUnit = 1
     upAxis = "Y"
 )
 "#
     ))?;
     layer.lines("\n")?;
     if !stage.is_single() || stage.setting.is_some() {
-        return assembly::write(layer, writing, &root, instances);
+        return assembly::write(layer, writing, &root);
     }
     let component = Component::new(writing, 0, format!("/{root}"));
     let variants = component.variants();

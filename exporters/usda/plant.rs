@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 use super::layer::Layer;
 use super::syntax::{Names, quoted};
-use super::{Writing, material, mesh, skeleton};
+use super::{Writing, material, mesh, skeleton, wind};
 use crate::cast::{Model, Piece};
 use crate::{ExportError, GENERATOR};
 
@@ -109,7 +109,12 @@ impl<'a> Component<'a> {
     /// Everything within its prim.
     pub fn write(&self, layer: &mut Layer<'_, '_>) -> Result<(), ExportError> {
         let (levels, seasons) = (self.levels(), self.seasons());
-        layer.open("def Scope \"Geometry\"")?;
+        let geometry = format!("{}/Geometry", self.path);
+        let all: Vec<&Piece<'_>> = self.models().flat_map(|model| &model.pieces).collect();
+        wind::open_geometry(layer, &all)?;
+        if let Some(sway) = wind::sway(&all) {
+            wind::write_rig(layer, &geometry, sway)?;
+        }
         let mut names = Names::default();
         if levels == 1 {
             for piece in self.all_year(0) {
@@ -179,7 +184,8 @@ impl<'a> Component<'a> {
     ) -> Result<(), ExportError> {
         let material = self.materials.get(&piece.look).map_or("", String::as_str);
         let binding = format!("{}/Materials/{material}", self.path);
-        mesh::write(layer, &self.writing.cast, piece, &names.unique(piece.name), &binding)
+        let geometry = format!("{}/Geometry", self.path);
+        mesh::write(layer, &self.writing.cast, piece, &geometry, &names.unique(piece.name), &binding)
     }
 
     /// The pieces that all seasons share.

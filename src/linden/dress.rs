@@ -22,7 +22,7 @@ use crate::wind::{Blown, Field};
 const BARK_ROUGHNESS: f32 = 0.9;
 
 /// Why a tree has no scene.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DressError {
     /// The result was no longer wanted.
     #[error(transparent)]

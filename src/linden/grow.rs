@@ -324,9 +324,9 @@ fn build(
     preset: &Preset,
     monitor: &dyn Monitor,
 ) -> Result<Built, GrowError> {
-    if !preset.refinement.steps.is_empty() {
+    if !preset.refinement.is_idle() {
         let is_barred = |p: Vec3| solids.iter().any(|solid| solid.contains(p.as_dvec3()));
-        let room = Room { most_nodes, is_barred: &is_barred };
+        let room = Room { most_nodes, is_barred: &is_barred, key: preset.wood_key() };
         branching.validate()?;
         let nodes = branching.parents.len();
         let captured = captured.map(|set| (0..nodes).map(|node| set.contains(node)).collect());

@@ -58,6 +58,8 @@ pub enum Stage {
     Sprout,
     /// Sweeping tubes; unit: axes.
     Sweep,
+    /// Contouring wood into one solid; unit: blocks of cells.
+    Solidify,
     /// Writing files; unit: bytes.
     Write,
 }
@@ -73,6 +75,7 @@ impl Stage {
             Self::Refine => ("refining", "steps"),
             Self::Sprout => ("leafing", "axes"),
             Self::Sweep => ("surfacing", "axes"),
+            Self::Solidify => ("making one solid", "blocks"),
             Self::Write => ("writing", "bytes"),
         }
     }

@@ -118,20 +118,25 @@ impl Recipe {
     /// One line of printable ASCII (JSON), as every exported file carries it. It is a preset
     /// document too: [`Preset::from_json`] reads it.
     pub fn to_line(&self) -> String {
-        // Neither maps with other keys than text nor failing writers: there is nothing to fail.
-        let json = serde_json::to_string(self).unwrap_or_default();
-        let mut line = String::with_capacity(json.len());
-        for c in json.chars() {
-            if (' '..='~').contains(&c) {
-                line.push(c);
-            } else {
-                for unit in c.encode_utf16(&mut [0; 2]) {
-                    line.push_str(&format!("\\u{unit:04x}"));
-                }
+        ascii_line(self)
+    }
+}
+
+/// JSON as one line of printable ASCII.
+pub(crate) fn ascii_line(value: &impl Serialize) -> String {
+    // Neither maps with other keys than text nor failing writers: there is nothing to fail.
+    let json = serde_json::to_string(value).unwrap_or_default();
+    let mut line = String::with_capacity(json.len());
+    for c in json.chars() {
+        if (' '..='~').contains(&c) {
+            line.push(c);
+        } else {
+            for unit in c.encode_utf16(&mut [0; 2]) {
+                line.push_str(&format!("\\u{unit:04x}"));
             }
         }
-        line
     }
+    line
 }
 
 impl Serialize for Recipe {

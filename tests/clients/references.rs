@@ -82,6 +82,7 @@ fn a_single_stream_holds_a_whole_file_that_names_no_other() {
                 let text = fs::read_to_string(&file).unwrap();
                 assert!(!text.contains('@') && text.contains("inputs:diffuseColor = (0.2, 0.12, 0.07)"));
             }
+            "usdz" => assert!(fs::read(&file).unwrap().starts_with(b"PK\x03\x04")),
             "qsm" => assert!(fs::read_to_string(&file).unwrap().contains("\nid,parent,branch,")),
             _ => assert!(fs::read(&file).unwrap().starts_with(b"ply\n")),
         }

@@ -3,7 +3,7 @@
 use anyhow::Context;
 use clap::Args;
 use linden::detail::levels;
-use linden_exporters::REGISTRY;
+use linden_exporters::{Exporter, REGISTRY};
 
 use super::Growing;
 use super::outputs::{Outputs, finish};
@@ -61,8 +61,8 @@ impl Export {
         let source = self.growing.resolve_with(&own, &progress)?;
         let id = &source.recipe.preset.id;
         let command = format!("linden export {0} -o {0}.glb", crate::source::show(&self.growing.source));
-        let wanted = source.recipe.preset.detail.levels();
-        let mut batch = self.outputs.open(id, &command, &of_formats, wanted, source.files.clone())?;
+        let planned = source.recipe.preset.detail.levels();
+        let mut batch = self.outputs.open(id, &command, &of_formats, planned, source.files.clone())?;
         let grown = super::grown(&source, &progress)?;
         let levels = levels(&source.recipe, &grown, &progress).with_context(|| source.shown.clone())?;
         super::notes(&levels.notes, &progress);
@@ -73,10 +73,10 @@ impl Export {
     }
 }
 
-/// All formats with what they are good for and their options.
-pub fn format_table() -> String {
+/// Formats with what they are good for and their options.
+pub fn format_table(exporters: &[&'static dyn Exporter]) -> String {
     let mut text = String::new();
-    for format in REGISTRY.iter().map(|exporter| exporter.format()) {
+    for format in exporters.iter().map(|exporter| exporter.format()) {
         text.push_str(&format!("  {:14}{}\n", format.id, format.help));
         for spec in format.options {
             let name = format!("{}.{}", format.id, spec.knob.name);
@@ -92,7 +92,8 @@ pub fn format_table() -> String {
 fn after_help() -> String {
     format!(
         "Formats, and options of formats (--set FORMAT.OPTION=VALUE):\n{}\n\
+         Any other format FOO is written by the program linden-export-FOO on the search path.\n\
          Files appear whole or not at all. Existing files are replaced.",
-        format_table()
+        format_table(REGISTRY)
     )
 }

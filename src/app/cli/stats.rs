@@ -11,7 +11,7 @@ use linden::foliage::meshes;
 use linden::grow::Scanned;
 use linden::memory::Holding;
 use linden::scene::{Bounds, Mesh};
-use linden::surface::survey;
+use linden::surface::{Junction, survey};
 use serde::Serialize;
 
 use super::Growing;
@@ -55,6 +55,9 @@ struct Report {
     vertices: usize,
     leaves: usize,
     watertight: bool,
+    /// Whether all wood is one surface.
+    #[serde(skip)]
+    is_solid: bool,
     bounds: Corners,
     skeleton_hash: String,
     seconds: Seconds,
@@ -154,6 +157,7 @@ impl Stats {
             vertices: surface.vertices + count(|mesh| mesh.positions.len()),
             leaves: shown.organs.len(),
             watertight: surface.topology.watertight(),
+            is_solid: source.recipe.preset.tubes.junction == Junction::Watertight,
             bounds: Corners { min: bounds.min.to_array(), max: bounds.max.to_array() },
             skeleton_hash: format!("{:032x}", skeleton.hash()),
             seconds: Seconds { grow: grow_s, dress: dress_s },
@@ -205,10 +209,15 @@ impl Report {
             rows.push(("points-axis", of(&scan.points_to_axis)));
             rows.push(("axis-points", of(&scan.axis_to_points)));
         }
+        let watertight = match (self.watertight, self.is_solid) {
+            (true, true) => "yes: one solid",
+            (true, false) => "yes: each axis is closed",
+            (false, _) => "no",
+        };
         rows.extend([
             ("surface", format!("{} triangles, {} vertices", count(self.triangles), count(self.vertices))),
             ("leaves", count(self.leaves)),
-            ("watertight", if self.watertight { "yes: each axis is closed" } else { "no" }.to_owned()),
+            ("watertight", watertight.to_owned()),
             ("skeleton hash", self.skeleton_hash.clone()),
             ("time", format!("{:.3} s to grow, {:.3} s to dress", self.seconds.grow, self.seconds.dress)),
         ]);

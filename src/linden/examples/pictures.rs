@@ -33,7 +33,8 @@ fn main() -> Fallible<()> {
         let twig = look.draw_twig(&TwigLook::default(), key, &Quiet)?;
         println!("{name}: leaves {leaf_ms:.0} ms, twigs {:.0} ms", start.elapsed().as_secs_f64() * 1e3);
         save(&folder, name, &drawn)?;
-        leaves.push(Arc::new(lit(&drawn.base_color, &drawn.normal)));
+        let one = LeafLook { variants: 1, ..look }.draw(key, &Quiet)?;
+        leaves.push(Arc::new(lit(&one.base_color, &one.normal)));
         twigs.push(Arc::new(lit(&twig.base_color, &twig.normal)));
     }
     sheet(&leaves, 6, size_px, &folder.join("leaves.png"))?;

@@ -71,7 +71,8 @@ fn sheet(cell: &Cell, across: &[f32], along: &[f32], bend: impl Fn(Vec2) -> Vec3
         for &x in across {
             let at = Vec2::new(x, y);
             mesh.positions.push(bend(at));
-            mesh.uvs.push(cell.attach + at * cell.unit);
+            // Within the cell, whatever the rounding.
+            mesh.uvs.push((cell.attach + at * cell.unit).clamp(cell.min, cell.max));
         }
     }
     let columns = across.len() as u32;
@@ -112,11 +113,27 @@ fn curved(cell: &Cell) -> Mesh {
     sheet(cell, &middle(low.x, high.x), &along, |at| hanging(at, BEND, FOLD))
 }
 
-/// A shoot's card hangs less, and its sides hang too.
+/// How far each card of a twig is rolled about the shoot, radians.
+const ROLL: f32 = 0.6;
+
+/// Two cards that hang a little and cross in the shoot, at an angle at which leaves stand round one: from
+/// the side a level shoot shows leaves too.
 fn twig(cell: &Cell) -> Mesh {
     let (low, high) = extent(cell);
     let along: Vec<f32> = (0..3).map(|i| low.y + (high.y - low.y) * i as f32 / 2.0).collect();
-    sheet(cell, &middle(low.x, high.x), &along, |at| hanging(at, 0.35, -0.3))
+    let flat = sheet(cell, &middle(low.x, high.x), &along, |at| Vec3::new(at.x, at.y, 0.0));
+    let mut all = Mesh::default();
+    for roll in [ROLL, -ROLL] {
+        let turn = Mat3::from_rotation_y(roll);
+        append(&mut all, &flat, |p| turn * p);
+    }
+    for position in &mut all.positions {
+        // The whole shoot hangs: what stands off its axis stays square to it.
+        let bent = hanging(Vec2::new(0.0, position.y), 0.35, 0.0);
+        let (sin, cos) = libm::sincosf(0.35 * position.y);
+        *position = bent + Vec3::new(position.x, position.z * sin, position.z * cos);
+    }
+    with_smooth_normals(all)
 }
 
 /// From edge to edge over the midrib.
@@ -247,7 +264,11 @@ fn sketch(kind: &LeafKind, cell: &Cell, mesh: &Mesh) -> Mesh {
     match kind.form {
         Form::None => {}
         Form::Card | Form::Curved => rhomb(Vec2::ZERO, 0.0, high.y, half, 0.0),
-        Form::Cross => [0.0, quarter].into_iter().for_each(|turn| rhomb(Vec2::ZERO, 0.0, high.y, half, turn)),
+        Form::Cross => {
+            for turn in [0.0, quarter] {
+                rhomb(Vec2::ZERO, 0.0, high.y, half, turn);
+            }
+        }
         Form::Twig => {
             let shown = kind.twig_leaves.min(SKETCHED_LEAVES);
             let length = (kind.length_m / super::look::length_m(kind)) as f32;
@@ -279,7 +300,9 @@ fn sketch(kind: &LeafKind, cell: &Cell, mesh: &Mesh) -> Mesh {
             }
             if let Some(Bounds { min, max }) = mesh.bounds() {
                 let half = (max - min).x.max((max - min).z) / 2.0;
-                [0.0, quarter].into_iter().for_each(|turn| rhomb(Vec2::ZERO, 0.0, 1.0, half, turn));
+                for turn in [0.0, quarter] {
+                    rhomb(Vec2::ZERO, 0.0, 1.0, half, turn);
+                }
             }
         }
     }

@@ -121,7 +121,7 @@ pub(super) fn length_m(kind: &LeafKind) -> f64 {
 
 /// One colour for each cell: for what has a shape of its own.
 fn palette(colors: &[[u8; 3]]) -> Cover {
-    let columns = (1..).find(|n| n * n >= colors.len().max(1)).unwrap_or(1) as u32;
+    let columns = (1..=colors.len()).find(|n| n * n >= colors.len()).unwrap_or(1) as u32;
     let side = columns * SWATCH_PX;
     let mut rgba = Vec::with_capacity((side * side * 4) as usize);
     for y in 0..side {

@@ -15,6 +15,8 @@ mod outline;
 mod pose;
 mod prototype;
 mod sprout;
+#[cfg(test)]
+mod tests;
 
 use std::sync::Arc;
 

@@ -9,7 +9,7 @@ use crate::preset::{Arrangement, LeafKind};
 use crate::random::Key;
 
 /// π (3 - √5), 137.5°: from one leaf of a spiral to the next.
-const GOLDEN_ANGLE: f32 = 2.399_963_3;
+const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 
 /// Where a leaf is, metres, and its unit vectors: along it, and square to that off its upper side.
 #[derive(Clone, Copy, Debug)]
@@ -53,7 +53,7 @@ impl Phyllotaxis {
             Arrangement::Decussate => FRAC_PI_2 * odd + PI * member as f32,
             Arrangement::Whorled => TAU * (member as f32 + odd / 2.0) / self.members as f32,
             Arrangement::Spiral => {
-                let turns = node as f64 * (f64::from(GOLDEN_ANGLE) / std::f64::consts::TAU);
+                let turns = node as f64 * (GOLDEN_ANGLE / std::f64::consts::TAU);
                 TAU * (turns - libm::floor(turns)) as f32
             }
         }

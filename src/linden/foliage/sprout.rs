@@ -195,7 +195,9 @@ impl Field<'_> {
         });
         let pieces = chunks.collect::<Result<Vec<Placed>, Cancelled>>()?;
         placed.reserve(pieces.iter().map(Placed::len).sum());
-        pieces.into_iter().for_each(|piece| placed.append(piece));
+        for piece in pieces {
+            placed.append(piece);
+        }
         Ok(())
     }
 
@@ -358,8 +360,12 @@ impl Placed {
         let Self { prototypes, positions, headings, ups, sizes_m, growth } = self;
         let Growth { nodes, colors, births } = growth;
         prototypes.reserve_exact(more);
-        [positions, headings, ups].into_iter().for_each(|list| list.reserve_exact(more));
-        [nodes, colors, births].into_iter().for_each(|list| list.reserve_exact(more));
+        for list in [positions, headings, ups] {
+            list.reserve_exact(more);
+        }
+        for list in [nodes, colors, births] {
+            list.reserve_exact(more);
+        }
         sizes_m.reserve_exact(more);
     }
 

@@ -191,7 +191,7 @@ impl Default for LeafKind {
             grid: vec![0.0],
             angle_deg: 50.0,
             droop_deg: 10.0,
-            level: 0.7,
+            level: 0.4,
             up: 0.0,
             jitter_deg: 15.0,
             offset_m: 0.0,

@@ -3,7 +3,7 @@
 //! An axis becomes a sequence of stations, smooth (`curve`) and with what makes it wood (`features`,
 //! `collar`), then of rings in parallel transport frames (`path`); neighbouring rings are joined
 //! (`tube`), both ends are closed (`ends`). A lateral starts on its parent's centre line, inside the
-//! parent's tube. Spends none of the seed; the mesh is bit-identical for any number of threads.
+//! parent's tube; on request all wood is one solid (`solid`). Spends none of the seed; the mesh is bit-identical for any number of threads.
 
 mod collar;
 mod count;
@@ -12,6 +12,7 @@ mod ends;
 mod features;
 mod path;
 mod plan;
+mod solid;
 mod spread;
 mod survey;
 mod topology;
@@ -31,8 +32,9 @@ use crate::skeleton::Skeleton;
 
 pub use count::count;
 pub use features::{COLLAR_RADII, Ends, FLARE_RADII, Features};
+pub use solid::MOST_SOLID_TRIANGLES;
 pub use survey::{Survey, survey};
-pub use topology::{Topology, topology};
+pub use topology::{Topology, crowded_edges, topology};
 pub use tube::Amount;
 
 /// How the skin is made.
@@ -47,11 +49,54 @@ pub struct Tubes {
     pub bark_tile_m: f32,
     /// What is added to the bare tubes.
     pub features: Features,
+    /// How tubes meet.
+    pub junction: Junction,
+    /// For [`Junction::Watertight`]: cells of the lattice across the thickest wood, 4 to 512. Wood
+    /// thinner than two cells is made as thick.
+    pub junction_detail: u32,
+}
+
+/// How tubes meet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Junction {
+    /// Each is closed, and a lateral starts within its parent.
+    #[default]
+    Overlap,
+    /// The same with collars: of [`BLEND_COLLAR`] where [`Features::collar`] is 0.
+    Blend,
+    /// All are one solid: closed, without edges of more than two triangles, nothing inside.
+    Watertight,
+}
+
+impl Junction {
+    /// What documents call them.
+    pub const ALL: [(&'static str, Self); 3] =
+        [("overlap", Self::Overlap), ("blend", Self::Blend), ("watertight", Self::Watertight)];
+}
+
+/// The collar of [`Junction::Blend`] where nobody says.
+pub const BLEND_COLLAR: f32 = 0.6;
+
+impl Tubes {
+    /// With what the junction asks for.
+    fn settled(mut self) -> Self {
+        if self.junction == Junction::Blend && self.features.collar == 0.0 {
+            self.features.collar = BLEND_COLLAR;
+        }
+        self
+    }
 }
 
 impl Default for Tubes {
     fn default() -> Self {
-        Self { sides: 24, rings: 1, bark_tile_m: 0.5, features: Features::default() }
+        Self {
+            sides: 24,
+            rings: 1,
+            bark_tile_m: 0.5,
+            features: Features::default(),
+            junction: Junction::Overlap,
+            junction_detail: 32,
+        }
     }
 }
 
@@ -72,6 +117,31 @@ pub enum SurfaceError {
         /// How many there would be.
         vertices: usize,
     },
+    /// A solid would take too long.
+    #[error(
+        "junction=watertight would make about {triangles} triangles, more than {limit}; lower junction_detail, grow a smaller tree, or use junction=blend"
+    )]
+    TooFine {
+        /// About how many there would be.
+        triangles: u64,
+        /// [`MOST_SOLID_TRIANGLES`].
+        limit: usize,
+    },
+    /// Somebody asked for the tubes of a solid.
+    #[error(
+        "junction=watertight makes one surface of all wood, without axes that could be thinned out to a budget or moved by wind one by one; use junction=blend for these"
+    )]
+    OneSolid,
+    /// The solid does not hold in single precision.
+    #[error(
+        "the solid would not be watertight ({edges} edges and {triangles} triangles fail the check); lower junction_detail, or use junction=blend"
+    )]
+    NotWatertight {
+        /// Edges that are open or have more than two triangles.
+        edges: usize,
+        /// Triangles without area.
+        triangles: usize,
+    },
 }
 
 /// For messages about memory.
@@ -88,10 +158,16 @@ const AXES_PER_TASK: usize = 128;
 /// texels stays near one picture per tile on thick and thin wood alike.
 ///
 /// # Errors
-/// [`SurfaceError::Cancelled`], or more vertices than 32-bit indices can name.
+/// [`SurfaceError`]: cancelled, more vertices than 32-bit indices can name, too much memory, or too fine a
+/// solid.
 pub fn sweep(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Result<Mesh, SurfaceError> {
+    let tubes = &tubes.settled();
     monitor.admit(DOING, plan::planned_bytes(skeleton, tubes), ADVICE)?;
-    sweep_some(&Course::new(skeleton, tubes), 0..skeleton.axes.len(), monitor)
+    let course = Course::new(skeleton, tubes);
+    match tubes.junction {
+        Junction::Watertight => solid::solidify(&course, monitor),
+        Junction::Overlap | Junction::Blend => sweep_some(&course, 0..skeleton.axes.len(), monitor),
+    }
 }
 
 /// Sweeps the tubes of some axes.

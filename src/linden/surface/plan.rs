@@ -54,12 +54,13 @@ impl<'a> Course<'a> {
         taper_twig(stations, features.twig_taper);
         curve::subdivide(stations, self.tubes.rings);
         path::prepare(stations);
-        let mut form = Form { axis: index as u32, ..Form::default() };
+        let is_stem = axis.parent == NO_PARENT;
+        let mut form = Form { axis: index as u32, is_stem, ..Form::default() };
         let (Some(&base), Some(&apex)) = (stations.first(), stations.last()) else { return form };
         if apex.radius > features.ends_above_m {
             form.ends = features.ends;
         }
-        if axis.parent == NO_PARENT {
+        if is_stem {
             form.flare = Flare::new(features, base.radius);
             if let Some(flare) = &form.flare {
                 flare.widen(stations);

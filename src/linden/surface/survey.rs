@@ -2,7 +2,7 @@
 
 use super::plan::Course;
 use super::topology::topology_bytes;
-use super::{ADVICE, SurfaceError, Topology, Tubes, sweep_some, topology};
+use super::{ADVICE, Junction, SurfaceError, Topology, Tubes, sweep, sweep_some, topology};
 use crate::monitor::Monitor;
 use crate::scene::Bounds;
 use crate::skeleton::Skeleton;
@@ -31,6 +31,14 @@ const NODES_PER_PIECE: usize = 1 << 16;
 /// # Errors
 /// [`SurfaceError::Cancelled`], or memory. A mesh of any size can be surveyed.
 pub fn survey(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Result<Survey, SurfaceError> {
+    let tubes = &tubes.settled();
+    if tubes.junction == Junction::Watertight {
+        // There is no part of a solid, and no solid that is not kept whole on the way.
+        let mesh = sweep(skeleton, tubes, monitor)?;
+        let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
+        let topology = topology(&mesh, monitor)?;
+        return Ok(Survey { vertices, triangles, bounds: mesh.bounds(), topology });
+    }
     let course = Course::new(skeleton, tubes);
     let mut whole = Survey::default();
     let mut first = 0;
@@ -77,7 +85,6 @@ mod tests {
     use super::super::tests::gnarled;
     use super::*;
     use crate::Quiet;
-    use crate::surface::sweep;
 
     #[test]
     fn a_survey_says_what_the_mesh_is() {

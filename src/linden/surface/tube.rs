@@ -76,6 +76,8 @@ pub(super) struct Form {
     pub ends: Ends,
     /// Which axis of the skeleton it is: splinters differ from one to the next.
     pub axis: u32,
+    /// Whether it stands on the ground.
+    pub is_stem: bool,
 }
 
 impl Form {
@@ -216,7 +218,7 @@ pub(super) fn sweep(
 }
 
 /// Pictures round the girth: a whole number, below one a power of two.
-fn wraps(radius_m: f32, tile_m: f32) -> f32 {
+pub(super) fn wraps(radius_m: f32, tile_m: f32) -> f32 {
     let exact = TAU * radius_m / tile_m;
     if exact >= 1.0 {
         return exact.round();

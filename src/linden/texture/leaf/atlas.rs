@@ -7,6 +7,7 @@ use rayon::prelude::*;
 
 use super::field::Window;
 use super::figure::Figure;
+use super::mip::keep_coverage;
 use super::paint::{Grain, Placed, Spot, rows};
 use super::{Cell, LeafError, LeafPictures};
 use crate::color::encode;
@@ -20,6 +21,8 @@ const BAND: usize = 64;
 /// Room around each figure, as a share of its cell: what keeps smaller copies of the picture from
 /// mixing neighbours.
 const ROOM: f32 = 0.03;
+/// The least room, pixels, where cells are large enough for it.
+const LEAST_ROOM_PX: f32 = 3.0;
 /// Steps of the table from light to code value.
 const CURVE_STEPS: usize = 16_384;
 
@@ -46,6 +49,7 @@ pub(super) fn draw(
     })?;
     let cells = placed.iter().map(|own| grid.cell(own, &spots)).collect();
     bleed(&mut spots, n, monitor)?;
+    keep_coverage(&mut spots, n);
     let curve: Vec<u8> =
         (0..=CURVE_STEPS).map(|i| (encode(i as f32 / CURVE_STEPS as f32) * 255.0 + 0.5) as u8).collect();
     let (mut colors, mut normals) = (vec![0; n * n * 4], vec![255; n * n * 4]);
@@ -92,7 +96,8 @@ impl Grid {
         let with = |columns: usize| {
             let rows = figures.len().div_ceil(columns).max(1);
             let cell = Vec2::new(size / columns as f32, size / rows as f32);
-            let scale = (cell * (1.0 - 2.0 * ROOM) / extent).min_element();
+            let room = (cell * ROOM).max(Vec2::splat(LEAST_ROOM_PX)).min(cell / 4.0);
+            let scale = ((cell - 2.0 * room) / extent).min_element();
             let origin =
                 cell / 2.0 + Vec2::new(-f32::midpoint(min.x, max.x), f32::midpoint(min.y, max.y)) * scale;
             Self { size, columns, cell, scale, origin }

@@ -48,11 +48,6 @@ pub(super) fn blade_look(look: &LeafLook, outline: Outline) -> BladeLook {
     }
 }
 
-/// The petiole's share, such that something of the blade is left.
-fn petiole(look: &LeafLook) -> f32 {
-    if look.petiole.is_finite() { look.petiole.clamp(0.0, 0.9) } else { 0.0 }
-}
-
 /// A curved stalk from the origin to a point.
 fn stalk(to: Vec2, radius: [f32; 2], skin: Skin, key: Key) -> Piece {
     let bow = to.perp() * key.named("bow").between(-0.06, 0.06) as f32;
@@ -66,7 +61,7 @@ fn stalk(to: Vec2, radius: [f32; 2], skin: Skin, key: Key) -> Piece {
 }
 
 fn single(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
-    let foot = petiole(look);
+    let foot = look.petiole;
     let mut figure = Figure::default();
     if foot > 0.0 {
         // A little into the blade, where it becomes the midrib.
@@ -97,7 +92,7 @@ fn leaflet(look: &LeafLook, own: BladeLook, tint: &Tint, foot: Vec2, along: Vec2
 }
 
 fn fan(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
-    let (foot, count) = (petiole(look), look.lobes.clamp(1, 31));
+    let (foot, count) = (look.petiole, look.lobes.clamp(1, 31));
     let center = Vec2::new(0.0, foot);
     // Chestnut leaflets end in a drawn-out tip.
     let own = BladeLook { tip: (look.tip + 0.35).min(1.0), ..blade_look(look, Outline::Obovate) };
@@ -110,9 +105,9 @@ fn fan(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
     for leaflet_index in order {
         let key = key.named("leaflet").child(u64::from(leaflet_index));
         let side = if half > 0.0 { (leaflet_index as f32 - half) / half } else { 0.0 };
-        let angle = side * (0.42 * half).min(2.25) + key.named("angle").between(-0.05, 0.05) as f32;
+        let angle = side * (0.6 * half).min(2.3) + key.named("angle").between(-0.05, 0.05) as f32;
         let length = (1.0 - foot)
-            * (1.0 - 0.10 * side.abs() - 0.34 * side * side)
+            * (1.0 - 0.06 * side.abs() - 0.34 * side * side)
             * key.named("length").between(0.95, 1.03) as f32;
         figure.pieces.push(leaflet(
             look,
@@ -127,7 +122,7 @@ fn fan(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
 }
 
 fn pinnate(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
-    let (foot, pairs) = (petiole(look), look.lobes.clamp(1, 40));
+    let (foot, pairs) = (look.petiole, look.lobes.clamp(1, 40));
     // Leaflets as long as their room along the rachis lets them overlap a little.
     let room = (1.0 - foot) / (pairs as f32 + 1.2);
     let long = (room * 1.18 / look.width.clamp(0.1, 1.5)).clamp(0.12, 0.42);
@@ -160,7 +155,7 @@ fn pinnate(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
 }
 
 fn bipinnate(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
-    let (foot, branches) = (petiole(look), look.lobes.clamp(1, 30));
+    let (foot, branches) = (look.petiole, look.lobes.clamp(1, 30));
     let mut figure = Figure::default();
     let tip = Vec2::new(0.0, 0.86);
     figure.pieces.push(Piece::stroke(
@@ -220,7 +215,7 @@ fn pinna(
 }
 
 fn palm(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
-    let (foot, pairs) = (petiole(look), look.lobes.clamp(2, 120));
+    let (foot, pairs) = (look.petiole, look.lobes.clamp(2, 120));
     let mut figure = Figure::default();
     let points: Vec<Vec2> = (0..=8).map(|i| Vec2::new(0.0, 0.94 * i as f32 / 8.0)).collect();
     let own = BladeLook {
@@ -249,7 +244,7 @@ fn palm(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
 }
 
 fn fern(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
-    let (foot, pairs) = (petiole(look), look.lobes.clamp(2, 60));
+    let (foot, pairs) = (look.petiole, look.lobes.clamp(2, 60));
     let mut figure = Figure::default();
     let room = (1.0 - foot) / pairs as f32;
     let points: Vec<Vec2> = (0..=8).map(|i| Vec2::new(0.0, 0.985 * i as f32 / 8.0)).collect();
@@ -270,7 +265,7 @@ fn fern(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
             }
             let teeth = ((long / room * 2.6) as u32).clamp(2, 16);
             let own = BladeLook {
-                width: (look.width * 0.30 / long.max(0.06)).clamp(0.12, 0.6),
+                width: (look.width * 0.30 / long.max(0.06)).clamp(0.12, 0.42),
                 margin: Margin::Crenate,
                 teeth,
                 tooth_depth: look.width * 0.28 * (0.30 / long.max(0.06)).min(2.0),

@@ -40,7 +40,9 @@ fn shoot(key: Key, color: [u8; 3]) -> Skin {
 fn blade(foot: Vec2, along: Vec2, radius: f32, bow: f32, skin: Skin) -> Piece {
     let across = along.perp() * bow;
     let point = |t: f32| foot + along * t + across * (4.0 * t * (1.0 - t));
-    let points = [point(0.0), point(0.3), point(0.6), point(0.85)];
+    // Bows of few pixels need few corners.
+    let count = if along.length() > 0.5 { 16 } else { 4 };
+    let points: Vec<Vec2> = (0..=count).map(|i| point(0.88 * i as f32 / count as f32)).collect();
     let mut piece = Piece::stroke(&points, [radius * 0.85, radius], skin);
     // The tip: where the stroke ends, it is drawn out to a point.
     piece.outline[points.len()] = point(1.0);

@@ -22,6 +22,8 @@ pub(super) struct Piece {
     pub frame: Affine2,
     /// The midrib is x = bend · y² of its own coordinates.
     pub bend: f32,
+    /// From side to side, about: how far its shadow and its ribs reach follows from it.
+    pub breadth: f32,
     pub skin: Skin,
 }
 
@@ -116,6 +118,7 @@ impl Piece {
             veins: Vec::new(),
             frame: frame(foot, tip - foot, 1.0),
             bend: 0.0,
+            breadth: radius[0] + radius[1],
             skin: Skin { bevel: radius[0].max(radius[1]), ..skin },
         }
     }
@@ -129,7 +132,14 @@ impl Piece {
             })
             .collect();
         let frame = frame(center - Vec2::new(0.0, radius), Vec2::new(0.0, 2.0 * radius), 1.0);
-        Self { outline, veins: Vec::new(), frame, bend: 0.0, skin: Skin { bevel: radius, ..skin } }
+        Self {
+            outline,
+            veins: Vec::new(),
+            frame,
+            bend: 0.0,
+            breadth: 2.0 * radius,
+            skin: Skin { bevel: radius, ..skin },
+        }
     }
 
     /// Moves it.
@@ -142,6 +152,7 @@ impl Piece {
         }
         self.frame = *by * self.frame;
         self.skin.bevel *= scale;
+        self.breadth *= scale;
     }
 }
 

@@ -46,7 +46,7 @@ pub(super) fn blossom(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
         skin.vein_strength *= 0.5;
         skin.patch_share = 0.0;
         skin.mottle = 0.04;
-        (skin.fold, skin.droop, skin.pillow) = (0.12, -0.55, 0.05);
+        (skin.fold, skin.droop, skin.pillow) = (0.05, -0.5, 0.03);
         skin.shadow = 0.22;
         figure
             .pieces
@@ -86,9 +86,12 @@ pub(super) fn fruit(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
             side * spread,
             stalk + radius - 0.12 * side.abs() + key.named("low").between(-0.05, 0.0) as f32,
         );
-        let bow = Vec2::new(side * spread * 0.35, center.y * 0.45);
+        // The stalk bows outwards and comes from above.
         let top = center - Vec2::new(0.0, size * 0.86);
-        figure.pieces.push(Piece::stroke(&[Vec2::ZERO, bow, top], [0.012, 0.010], green));
+        let bow = Vec2::new(top.x * 0.9, top.y * 0.45);
+        let stalk: Vec<Vec2> =
+            (0..=12).map(|i| i as f32 / 12.0).map(|t| bow * (2.0 * t * (1.0 - t)) + top * (t * t)).collect();
+        figure.pieces.push(Piece::stroke(&stalk, [0.012, 0.010], green));
         let color = tint.blade * key.named("light").between(0.8, 1.15) as f32;
         // One cheek has seen more sun.
         let skin = Skin {

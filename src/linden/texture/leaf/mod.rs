@@ -12,6 +12,7 @@ mod coverage;
 mod field;
 mod figure;
 mod flower;
+mod mip;
 mod outline;
 mod paint;
 mod tint;
@@ -129,8 +130,9 @@ pub enum Arrangement {
 /// The pictures of an atlas, both square.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeafPictures {
-    /// sRGB with alpha, not premultiplied, meant to be cut out at one half. Colours go on far outside
-    /// the leaf, so that smaller copies of the picture have no rim.
+    /// sRGB with alpha, not premultiplied, meant to be cut out at one half: what is below that outside
+    /// the leaf keeps smaller copies of the picture from losing it. Colours go on far outside, so that
+    /// they have no rim.
     pub base_color: Arc<Picture>,
     /// Tangent-space normals; OpenGL convention, green points up.
     pub normal: Arc<Picture>,
@@ -180,6 +182,10 @@ impl LeafLook {
     pub const MAX_SIZE_PX: u32 = 4096;
     /// The most variants.
     pub const MAX_VARIANTS: u32 = 64;
+    /// The most lobes, leaflets or needles; more are as many.
+    pub const MOST_LOBES: u32 = 400;
+    /// The most teeth along one side; more are as many.
+    pub const MOST_TEETH: u32 = 100;
 
     /// The usual leaf of an outline: four variants on 1024 pixels, in summer.
     pub fn new(outline: Outline) -> Self {
@@ -227,6 +233,27 @@ impl LeafLook {
         self.atlas(Some(twig), key, monitor)
     }
 
+    /// With numbers that can be drawn: out of range, the nearest that is in it.
+    fn bounded(&self) -> Self {
+        let usual = self.outline.usual();
+        let within = |x: f32, low: f32, high: f32, otherwise: f32| {
+            if x.is_nan() { otherwise } else { x.clamp(low, high) }
+        };
+        Self {
+            width: within(self.width, 0.01, 2.0, usual.width),
+            lobes: self.lobes.min(Self::MOST_LOBES),
+            lobe_depth: within(self.lobe_depth, 0.0, 0.95, usual.lobe_depth),
+            teeth: self.teeth.min(Self::MOST_TEETH),
+            tooth_depth: within(self.tooth_depth, 0.0, 0.3, usual.tooth_depth),
+            tip: within(self.tip, 0.0, 1.0, 0.5),
+            petiole: within(self.petiole, 0.0, 0.9, usual.petiole),
+            vein_strength: within(self.vein_strength, 0.0, 2.0, 1.0),
+            color_spread: within(self.color_spread, 0.0, 1.0, 0.5),
+            season: within(self.season, 0.0, 1.0, 0.35),
+            ..self.clone()
+        }
+    }
+
     fn atlas(
         &self,
         twig: Option<&TwigLook>,
@@ -239,17 +266,21 @@ impl LeafLook {
         if !(1..=Self::MAX_VARIANTS).contains(&self.variants) {
             return Err(LeafError::Variants(self.variants));
         }
+        let look = &self.bounded();
         let figures: Vec<_> = (0..self.variants)
             .into_par_iter()
             .map(|variant| {
                 monitor.check()?;
                 let key = key.child(u64::from(variant));
                 Ok(match twig {
-                    Some(twig) => twig::twig(self, twig, variant, key),
-                    None => compound::leaf(self, &Tint::new(self, variant, key.named("tint")), key),
+                    Some(twig) => twig::twig(look, twig, variant, key),
+                    None => compound::leaf(look, &Tint::new(look, variant, key.named("tint")), key),
                 })
             })
             .collect::<Result<_, Cancelled>>()?;
         atlas::draw(&figures, self.size_px, key, monitor)
     }
 }
+
+#[cfg(test)]
+mod tests;

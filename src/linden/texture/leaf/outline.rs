@@ -116,7 +116,7 @@ pub(super) struct Usual {
 }
 
 /// Broad leaves in summer.
-const GREENS: &[[u8; 3]] = &[[74, 112, 44], [86, 124, 50], [66, 104, 42], [96, 130, 56]];
+const GREENS: &[[u8; 3]] = &[[76, 108, 46], [86, 118, 52], [68, 100, 44], [96, 124, 56]];
 /// Needles.
 const DARK_GREENS: &[[u8; 3]] = &[[52, 82, 44], [60, 92, 50], [46, 76, 44], [68, 98, 52]];
 /// Yellow that goes brown: most trees.
@@ -191,11 +191,11 @@ impl Outline {
             Self::Ovate => leaf(0.62, 0.12),
             Self::Obovate => leaf(0.7, 0.12),
             Self::Elliptic => leaf(0.5, 0.12),
-            Self::Lanceolate => toothed(leaf(0.2, 0.08), Margin::Serrate, 40, 0.004),
+            Self::Lanceolate => toothed(leaf(0.17, 0.08), Margin::Serrate, 40, 0.003),
             Self::Linear => Usual { veins: Veins::Parallel, ..leaf(0.08, 0.03) },
             Self::Cordate => toothed(leaf(0.92, 0.3), Margin::Serrate, 28, 0.018),
             Self::Orbicular => toothed(leaf(1.0, 0.35), Margin::Crenate, 12, 0.02),
-            Self::Rhombic => toothed(leaf(0.78, 0.25), Margin::Doubly, 11, 0.035),
+            Self::Rhombic => toothed(leaf(0.78, 0.25), Margin::Doubly, 10, 0.034),
             Self::Deltoid => toothed(leaf(0.95, 0.32), Margin::Crenate, 22, 0.012),
             Self::Lobed => Usual { autumn_colors: REDS, ..lobed(leaf(0.58, 0.05), 5, 0.5) },
             Self::Palmate => Usual {

@@ -68,8 +68,12 @@ pub(super) fn rows(
     Ok(())
 }
 
-/// How far a piece darkens what is under it, in its own lengths and in pixels at most.
-const SHADOW_REACH: f32 = 0.06;
+/// How far a piece darkens what is under it: in its breadths, and in lengths of the figure at most.
+const SHADOW_REACH: [f32; 2] = [0.5, 0.02];
+/// How far blades bulge between ribs, in their breadths. The broadest have more ribs instead.
+const RIB_REACH: f32 = 0.12;
+/// What counts as the broadest, in lengths of the figure.
+const BROADEST: f32 = 0.6;
 
 /// What is known of a piece's pixels before they are coloured: its window is one pixel larger on all
 /// sides than what is drawn, for the slopes.
@@ -91,9 +95,12 @@ struct Sheet {
 impl Sheet {
     fn of(piece: &Piece, to_pixels: &Affine2, window: &Window) -> Option<Self> {
         let scale = to_pixels.matrix2.x_axis.length();
-        let length = to_pixels.transform_vector2(piece.frame.matrix2.y_axis).length();
         let bevel = piece.skin.bevel * scale;
-        let shadow_reach = if piece.skin.shadow > 0.0 { (SHADOW_REACH * length).max(1.0) } else { 0.0 };
+        let shadow_reach = if piece.skin.shadow > 0.0 {
+            ((SHADOW_REACH[0] * piece.breadth).min(SHADOW_REACH[1]) * scale).max(1.0)
+        } else {
+            0.0
+        };
         let reach = bevel.max(shadow_reach).max(2.0);
         let outline: Vec<Vec2> = piece.outline.iter().map(|&p| to_pixels.transform_point2(p)).collect();
         let (min, max) = outline
@@ -114,7 +121,7 @@ impl Sheet {
         for (from, &to) in last.iter().chain(&outline).zip(&outline) {
             window.along(*from, to, reach, |i, distance, _| edge[i] = edge[i].min(distance));
         }
-        let rib_reach = (0.07 * length).max(2.0);
+        let rib_reach = (RIB_REACH * piece.breadth.min(BROADEST) * scale).max(2.0);
         let mut sheet =
             Self { inner, rib: Vec::new(), rib_reach, vein: Vec::new(), covered, edge, shadow_reach, window };
         sheet.veins(piece, to_pixels, scale);
@@ -228,7 +235,9 @@ impl Sheet {
     fn color(&self, i: usize, skin: &Skin, local: Vec2, grain: &Grain) -> Vec3 {
         let Vec2 { x, y } = local * 0.25 + skin.place;
         let slow = grain.slow.at(x, y);
-        let fine = grain.fine.at(x * 1.7, y * 1.7);
+        // Askew, twice: a lattice along the leaf's own axes would show.
+        let (p, q) = (1.36 * x - 1.02 * y, 1.02 * x + 1.36 * y);
+        let fine = 0.6 * grain.fine.at(p, q) + 0.4 * grain.fine.at(2.3 * q, 2.3 * p);
         let (rib, vein) = match self.rib.get(i) {
             Some(rib) => (rib / self.rib_reach, self.vein[i]),
             None => (1.0, 0.0),

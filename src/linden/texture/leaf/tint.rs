@@ -12,7 +12,7 @@ const FLUSH: [u8; 3] = [158, 186, 84];
 /// When leaves are full-grown and dark.
 const SUMMER: f32 = 0.25;
 /// When the first leaves turn, and when the last have.
-const TURNING: [f32; 2] = [0.52, 0.95];
+const TURNING: [f32; 2] = [0.54, 1.0];
 
 /// One leaf's colours, linear light.
 #[derive(Clone, Copy, Debug)]
@@ -28,13 +28,13 @@ pub(super) struct Tint {
 impl Tint {
     /// Of a variant, or of one leaf on a twig: `key` is its own.
     pub fn new(look: &LeafLook, variant: u32, key: Key) -> Self {
-        let spread = look.color_spread.clamp(0.0, 1.0);
+        let spread = look.color_spread;
         let vary = |name: &str| key.named(name).between(-1.0, 1.0) as f32 * spread;
         let summers = if look.colors.is_empty() { &[[90, 120, 60]][..] } else { &look.colors[..] };
         let summer = Vec3::from(linear(summers[variant as usize % summers.len()]));
         // Lighter or darker, and more or less yellow.
         let summer = summer * (1.0 + 0.22 * vary("light")) * Vec3::new(1.0 + 0.16 * vary("warm"), 1.0, 1.0);
-        let season = if look.season.is_finite() { look.season.clamp(0.0, 1.0) } else { 0.35 };
+        let season = look.season;
         let young = 0.75 * (1.0 - (season / SUMMER).min(1.0));
         let is_green = summer.y > summer.x;
         let green = if is_green { summer.lerp(Vec3::from(linear(FLUSH)), young) } else { summer };
@@ -75,7 +75,7 @@ impl Tint {
             patch: self.patch,
             patch_share: self.patch_share,
             vein: self.vein,
-            vein_strength: 0.62 * look.vein_strength.clamp(0.0, 2.0),
+            vein_strength: 0.62 * look.vein_strength,
             foot: self.blade.lerp(self.vein, 0.3),
             foot_reach: 0.25,
             mottle: 0.13,

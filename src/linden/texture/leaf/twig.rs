@@ -12,12 +12,13 @@ use crate::random::Key;
 /// The twig of a variant. Its length and that of its last leaf are one unit.
 pub(super) fn twig(look: &LeafLook, twig: &TwigLook, variant: u32, key: Key) -> Figure {
     let (wood_m, leaf_m) = (positive(twig.length_m, 0.2), positive(twig.leaf_length_m, 0.08));
+    let angle_deg = if twig.angle_deg.is_nan() { 55.0 } else { twig.angle_deg.clamp(0.0, 180.0) };
     let (wood, long) = (wood_m / (wood_m + leaf_m), leaf_m / (wood_m + leaf_m));
     let leaves = twig.leaves.clamp(1, TwigLook::MAX_LEAVES);
     let mut figure = Figure::default();
     let bend = key.named("bend").between(-0.08, 0.08) as f32;
     // It turns a little at each leaf.
-    let zigzag = if twig.arrangement == Arrangement::Alternate { 0.012 * long } else { 0.0 };
+    let zigzag = if twig.arrangement == Arrangement::Alternate { 0.007 * long } else { 0.0 };
     let axis = |t: f32, place: f32| {
         let turn = libm::cosf(std::f32::consts::PI * place);
         Vec2::new(bend * t * t * wood + zigzag * turn, wood * t)
@@ -39,7 +40,7 @@ pub(super) fn twig(look: &LeafLook, twig: &TwigLook, variant: u32, key: Key) -> 
         place: Vec2::new(key.named("u").unit() as f32, key.named("v").unit() as f32),
         ..Skin::default()
     };
-    let thick = (0.016 * long).max(0.0035) + 0.004 * wood;
+    let thick = (0.010 * long).max(0.0025) + 0.004 * wood;
     // Leaves behind the twig, the twig, leaves before it.
     let mut behind = Vec::new();
     let mut before = Vec::new();
@@ -51,7 +52,7 @@ pub(super) fn twig(look: &LeafLook, twig: &TwigLook, variant: u32, key: Key) -> 
             let is_right = if each == 2 { side == 0 } else { place % 2 == 0 };
             let t = 0.12 + 0.85 * (place as f32 + 0.5) / places as f32;
             let foot = axis(t, place_at(t)) - origin;
-            let angle = (twig.angle_deg.clamp(0.0, 180.0).to_radians() * (1.08 - 0.25 * t)
+            let angle = (angle_deg.to_radians() * (1.08 - 0.25 * t)
                 + key.named("angle").between(-0.16, 0.16) as f32)
                 * if is_right { 1.0 } else { -1.0 };
             // Leaves are smaller at both ends of a twig.
@@ -92,5 +93,5 @@ fn one(look: &LeafLook, variant: u32, foot: Vec2, angle: f32, size: f32, key: Ke
 }
 
 fn positive(x: f32, otherwise: f32) -> f32 {
-    if x.is_finite() && x > 0.0 { x } else { otherwise }
+    if x > 0.0 { x.clamp(1e-3, 1e3) } else { otherwise }
 }

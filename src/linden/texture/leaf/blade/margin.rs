@@ -6,7 +6,7 @@ use crate::random::Key;
 use crate::texture::leaf::outline::Margin;
 
 /// Points to one tooth.
-const PER_TOOTH: usize = 8;
+const PER_TOOTH: usize = 12;
 
 /// The outline with teeth on both sides. It runs from the foot to the tip, where y is largest, and
 /// back; teeth are as many on each side, and smaller at both ends.
@@ -75,19 +75,19 @@ fn side(points: &[Vec2], sign: f32, margin: Margin, teeth: u32, depth: f32, key:
 
 /// How far out and ahead a tooth is on its way from one notch to the next.
 fn sawtooth(t: f32) -> (f32, f32) {
-    const TOP: f32 = 0.76;
+    const TOP: f32 = 0.75;
     if t < TOP {
         let s = t / TOP;
-        (s * (1.25 - 0.25 * s), 0.45 * s * s)
+        (s * (1.15 - 0.15 * s), 0.7 * s * s)
     } else {
         let s = (1.0 - t) / (1.0 - TOP);
-        (s, 0.45 * s)
+        (s, 0.7 * s)
     }
 }
 
 /// A tooth with smaller ones on its back.
 fn doubly(t: f32) -> (f32, f32) {
     let (rise, lead) = sawtooth(t);
-    let (small, _) = sawtooth((t * 4.0).fract());
-    (rise + 0.28 * small, lead)
+    let (small, ahead) = sawtooth((t * 3.0).fract());
+    (rise + 0.35 * small, lead + 0.35 * ahead)
 }

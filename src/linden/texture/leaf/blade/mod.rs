@@ -37,6 +37,8 @@ pub(super) struct Blade {
     pub outline: Vec<Vec2>,
     pub veins: Vec<Vein>,
     pub bend: f32,
+    /// Its width.
+    pub breadth: f32,
 }
 
 impl BladeLook {
@@ -57,7 +59,7 @@ impl BladeLook {
         };
         let veins = veins::veins(&look, &outline, &lobes, key.named("veins"));
         let bend = 0.09 * self.variation * key.named("bend").between(-1.0, 1.0) as f32;
-        let mut blade = Blade { outline, veins, bend };
+        let mut blade = Blade { outline, veins, bend, breadth: look.width };
         let bent = |p: &mut Vec2| p.x += bend * p.y * p.y;
         blade.outline.iter_mut().for_each(bent);
         blade.veins.iter_mut().flat_map(|vein| &mut vein.points).for_each(bent);
@@ -75,7 +77,14 @@ impl Blade {
             radius: vein.radius.map(|r| r * scale),
             is_rib: vein.is_rib,
         });
-        Piece { outline: moved(&self.outline), veins: veins.collect(), frame, bend: self.bend, skin }
+        Piece {
+            outline: moved(&self.outline),
+            veins: veins.collect(),
+            frame,
+            bend: self.bend,
+            breadth: self.breadth * scale,
+            skin,
+        }
     }
 }
 

@@ -74,7 +74,7 @@ fn ribs(look: &BladeLook, outline: &[Vec2], key: Key) -> [Vec<Vein>; 2] {
 
 /// A rib that leaves at an angle from the midrib and turns towards the tip, up to the edge.
 fn rib(start: Vec2, angle: f32, sign: f32, outline: &[Vec2]) -> Option<Vein> {
-    const STEPS: usize = 14;
+    const STEPS: usize = 8;
     let far = Vec2::new(sign, 0.0) * heading(angle).x * 2.0 + Vec2::Y * heading(angle).y * 2.0;
     let reach = crossing(start, start + far, outline)?;
     let length = reach * 2.0;
