@@ -5,7 +5,7 @@
 
 use linden::Quiet;
 use linden::grow::grow;
-use linden::preset::{Form, builtins};
+use linden::preset::{FoliageLook, Form, builtins};
 use linden_tests::presets::recipe;
 use rayon::prelude::*;
 
@@ -44,7 +44,7 @@ const PLANTS: [Facts; 23] = [
     facts("linden", [18.0, 24.0], [8.0, 12.0], Some([0.4, 0.8]), [0.05, 0.12]),
     facts("lombardy-poplar", [18.0, 27.0], [3.0, 4.6], Some([0.5, 0.9]), [0.05, 0.15]),
     facts("london-plane", [20.0, 30.0], [12.0, 20.0], Some([0.7, 1.1]), [0.13, 0.3]),
-    facts("male-fern", [0.6, 1.2], [0.9, 1.6], None, [0.05, 0.2]),
+    facts("male-fern", [0.6, 1.2], [0.9, 1.6], None, [0.1, 0.26]),
     facts("norway-maple", [15.0, 21.0], [11.0, 15.0], Some([0.44, 0.63]), [0.1, 0.25]),
     facts("norway-spruce", [18.0, 24.0], [5.0, 8.0], Some([0.3, 0.5]), [0.05, 0.3]),
     facts("oak", [15.0, 20.0], [15.0, 20.0], Some([0.63, 0.83]), [0.05, 0.14]),
@@ -64,6 +64,9 @@ const UNDERGROUND_M: f32 = 0.15;
 /// leaves is one.
 const ORGANS: std::ops::RangeInclusive<usize> = 5_000..=65_000;
 
+/// Seeds that are grown with their leaves: these differ less than the wood, and take longer.
+const IN_LEAF: u64 = 2;
+
 fn holds(id: &str, seed: u64, what: &str, measured: f64, [least, most]: [f64; 2]) {
     assert!(
         (least..=most).contains(&measured),
@@ -78,6 +81,9 @@ fn each_plant_is_of_the_size_that_its_sources_give() {
         for seed in 1..=10 {
             let mut recipe = recipe(builtin);
             recipe.preset.seed = seed;
+            if seed > IN_LEAF {
+                recipe.preset.foliage = FoliageLook::default();
+            }
             let grown = grow(&recipe, &Quiet).unwrap();
             let skeleton = &grown.skeleton;
             let measures = skeleton.measures();
@@ -89,7 +95,10 @@ fn each_plant_is_of_the_size_that_its_sources_give() {
             }
             let lowest = skeleton.positions.iter().map(|p| p.y).fold(f32::INFINITY, f32::min);
             assert!(lowest >= -UNDERGROUND_M, "{}, seed {seed}: {lowest} m below the ground", plant.id);
-            let leaves = recipe.preset.foliage.kinds().find(|kind| kind.form != Form::None).unwrap();
+            let Some(leaves) = recipe.preset.foliage.kinds().find(|kind| kind.form != Form::None) else {
+                assert!(seed > IN_LEAF, "{} has no leaves", plant.id);
+                continue;
+            };
             if leaves.per_m > 0.0 {
                 holds("leaf length", leaves.length_m, plant.leaf_length_m);
                 let organs = grown.organs.len();
