@@ -180,7 +180,7 @@ impl Splitter {
         let along = b - a;
         let over = 1.0 / along.length_squared().max(f32::MIN_POSITIVE);
         let quarter = (to - from) / 4;
-        let (mut split, mut farthest, mut most) = ((from + to) / 2, 0.0, 0.0);
+        let (mut split, mut farthest, mut most) = (usize::midpoint(from, to), 0.0, 0.0);
         for at in from + 1..to {
             let (place, radius) = self.line[at];
             let t = ((place - a).dot(along) * over).clamp(0.0, 1.0);

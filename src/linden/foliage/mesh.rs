@@ -263,7 +263,8 @@ impl Baker<'_> {
         let dome = shape.and_then(|shape| self.shapes.get(shape)).filter(|shape| shape.is_dome);
         let Some(dome) = dome else {
             for (normal, &local) in normals.iter_mut().zip(&mesh.normals) {
-                *normal = turn(local).normalize_or(Vec3::Y);
+                // Of unit length: so are the prototype's, and the frame is orthonormal.
+                *normal = turn(local);
             }
             return;
         };

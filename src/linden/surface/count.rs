@@ -12,10 +12,11 @@ use crate::skeleton::Skeleton;
 /// [`sweep`](super::sweep) writes, tube after tube.
 ///
 /// # Errors
-/// [`SurfaceError::Cancelled`], and [`SurfaceError::NoTubes`] where all wood is one solid.
+/// [`SurfaceError::Cancelled`], or [`SurfaceError::OneSolid`] for [`Junction::Watertight`].
 pub fn count(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Result<Vec<Amount>, SurfaceError> {
+    let tubes = &tubes.settled();
     if tubes.junction == Junction::Watertight {
-        return Err(SurfaceError::NoTubes);
+        return Err(SurfaceError::OneSolid);
     }
     let course = Course::new(skeleton, tubes);
     let starts: Vec<usize> = (0..skeleton.axes.len()).step_by(AXES_PER_TASK).collect();
@@ -41,7 +42,8 @@ mod tests {
     fn the_counts_are_those_of_the_mesh() {
         for (seed, sides, rings) in [(1, 24, 1), (2, 3, 4), (3, 100, 2)] {
             let skeleton = gnarled(seed);
-            let tubes = Tubes { sides, rings, ..Tubes::default() };
+            let junction = if seed == 1 { Junction::Blend } else { Junction::Overlap };
+            let tubes = Tubes { sides, rings, junction, ..Tubes::default() };
             let mesh = sweep(&skeleton, &tubes, &Quiet).unwrap();
             let counts = count(&skeleton, &tubes, &Quiet).unwrap();
             assert_eq!(counts.len(), skeleton.axes.len());

@@ -95,20 +95,14 @@ impl Default for Tubes {
             bark_tile_m: 0.5,
             features: Features::default(),
             junction: Junction::Overlap,
-            junction_detail: 48,
+            junction_detail: 32,
         }
     }
 }
 
 /// Why there is no surface.
-#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SurfaceError {
-    /// Something needs to know which tube each vertex is of.
-    #[error(
-        "with junction=watertight all wood is one solid without tubes: triangles, lods and wind need \
-         junction=overlap or blend (junction_detail says how fine the solid is)"
-    )]
-    NoTubes,
     /// The result was no longer wanted.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -125,14 +119,19 @@ pub enum SurfaceError {
     },
     /// A solid would take too long.
     #[error(
-        "junction=watertight would make about {triangles:.0} triangles, more than {limit}; lower junction_detail, grow a smaller tree, or use junction=blend"
+        "junction=watertight would make about {triangles} triangles, more than {limit}; lower junction_detail, grow a smaller tree, or use junction=blend"
     )]
     TooFine {
         /// About how many there would be.
-        triangles: f64,
+        triangles: u64,
         /// [`MOST_SOLID_TRIANGLES`].
         limit: usize,
     },
+    /// Somebody asked for the tubes of a solid.
+    #[error(
+        "junction=watertight makes one surface of all wood, without axes that could be thinned out to a budget or moved by wind one by one; use junction=blend for these"
+    )]
+    OneSolid,
     /// The solid does not hold in single precision.
     #[error(
         "the solid would not be watertight ({edges} edges and {triangles} triangles fail the check); lower junction_detail, or use junction=blend"

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
+use super::sway::MOST;
 use super::{Blow, Blown, Motion, PartWind, Sway, Target, Wind};
 use crate::foliage::{Look, Organs, PROTOTYPES, Shaper};
 use crate::memory::bytes_of;
@@ -121,7 +122,7 @@ impl<'a> Field<'a> {
         let foot = if axis.parent == NO_PARENT { nodes.first().copied() } else { Some(axis.parent) };
         let foot = foot.unwrap_or_default() as usize;
         let pivot = whole.positions[foot];
-        let places = nodes.iter().map(|&node| whole.positions[node as usize]);
+        let mut places = nodes.iter().map(|&node| whole.positions[node as usize]);
         let reach_m = places.clone().map(|place| place.distance(pivot)).fold(0.0, f32::max);
         if axis.parent == NO_PARENT {
             return AxisSwing {
@@ -138,7 +139,7 @@ impl<'a> Field<'a> {
         }
         let base_m = nodes.first().map_or(0.0, |&node| whole.radii[node as usize]);
         let flexible = 1.0 / (1.0 + base_m / (HALF_FLEXIBLE * thickest_m));
-        let along = places.last().map_or(Vec3::Y, |tip| tip - pivot).normalize_or(Vec3::Y);
+        let along = places.next_back().map_or(Vec3::Y, |tip| tip - pivot).normalize_or(Vec3::Y);
         let across = (self.direction + Vec3::Y * HEAVE).reject_from_normalized(along);
         AxisSwing {
             level: axis.order,
@@ -181,6 +182,12 @@ impl Field<'_> {
     }
 }
 
+/// From amplitudes to targets: all motions at their begin, then each from one end to the other.
+fn ends<const N: usize>(moved: [Vec3; N]) -> impl Iterator<Item = Vec3> {
+    let begin = moved.iter().copied().sum::<Vec3>() * -MOST;
+    std::iter::once(begin).chain(moved.into_iter().map(|own| own * (2.0 * MOST)))
+}
+
 /// Around a stem's foot nothing moves, in radii of it.
 const STILL_RADII: f32 = 2.5;
 
@@ -192,7 +199,7 @@ impl Blown<'_> {
         let mut wind = PartWind {
             motions: Vec::with_capacity(count),
             pivots: Vec::with_capacity(count),
-            targets: self.field.targets(count, &Motion::ALL[..3]),
+            targets: self.field.targets(count, &Motion::ALL[..4]),
             sway: self.field.sway.clone(),
         };
         for (index, tube) in tubes.iter().enumerate() {
@@ -206,7 +213,7 @@ impl Blown<'_> {
                 let sway = own.share(place).min(1.0) * own.flexible;
                 wind.motions.push([own.level as f32, own.phase, sway, 0.0]);
                 wind.pivots.push(own.pivot.extend(place.distance(own.pivot)).to_array());
-                for (target, moved) in wind.targets.iter_mut().zip(own.moved(place)) {
+                for (target, moved) in wind.targets.iter_mut().zip(ends(own.moved(place))) {
                     target.offsets.push(moved);
                 }
             }
@@ -289,7 +296,7 @@ impl Blown<'_> {
             let own = flap * flutter;
             let [stem, with_sine, with_cosine] = carried;
             let moved = [stem, with_sine, with_cosine, own * cos, own * sin];
-            for (target, moved) in wind.targets.iter_mut().zip(moved) {
+            for (target, moved) in wind.targets.iter_mut().zip(ends(moved)) {
                 target.offsets.push(moved);
             }
         }

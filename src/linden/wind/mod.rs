@@ -3,7 +3,9 @@
 //! A tree swings in three storeys: stems bend as a whole, each branch swings about where it leaves its
 //! parent, leaves flutter. All of it is zero at the foot. Every axis and every leaf has a phase of its
 //! own; since `sin(ωt + φ) = cos φ sin ωt + sin φ cos ωt`, two morph targets for each storey are enough
-//! for any number of phases, and their weights are the same for the whole tree ([`Sway`]).
+//! for any number of phases, and their weights are the same for the whole tree ([`Sway`]). Weights stay
+//! between 0 and 1, for programs that cut off what is beyond (Blender's shape keys): each target goes
+//! from one end of a motion to the other, and [`Motion::Begin`] has all of them at their begin.
 //!
 //! Everything follows from the whole tree's skeleton, so that all levels of detail swing alike. Phases
 //! come from the seed and from places, not from numbers of nodes.
@@ -92,6 +94,8 @@ pub struct Target {
 /// A motion with a weight of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
+    /// To where everything is when all other weights are 0. Its own is 1 while the loop plays.
+    Begin,
     /// Stems bend with the wind, all together.
     Stem,
     /// Branches: the share that goes with the sine.
@@ -106,12 +110,13 @@ pub enum Motion {
 
 impl Motion {
     /// In the order of all lists of them.
-    pub const ALL: [Self; 5] =
-        [Self::Stem, Self::BranchSine, Self::BranchCosine, Self::LeafSine, Self::LeafCosine];
+    pub const ALL: [Self; 6] =
+        [Self::Begin, Self::Stem, Self::BranchSine, Self::BranchCosine, Self::LeafSine, Self::LeafCosine];
 
     /// What files call it: an ASCII identifier.
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Begin => "wind_begin",
             Self::Stem => "wind_stem",
             Self::BranchSine => "wind_branch_sin",
             Self::BranchCosine => "wind_branch_cos",

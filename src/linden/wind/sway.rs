@@ -18,6 +18,11 @@ const FEWEST_FRAMES: u32 = 4 * FRAMES_PER_PERIOD;
 /// How far stems lean with the wind, as a share of how far they go.
 const LEAN: f64 = 0.4;
 
+/// How much stronger the strongest gust is than the mean.
+const GUST: f64 = 0.6;
+/// The most that a motion goes beyond its amplitude, to either side.
+pub(super) const MOST: f32 = 1.0 + GUST as f32;
+
 /// A loop: the last frame is the first again.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sway {
@@ -42,22 +47,23 @@ impl Sway {
         FRAMES_PER_SECOND
     }
 
-    /// A motion's weight at a frame.
+    /// A motion's weight at a frame, 0 to 1: ½ is no motion.
     pub fn weight(&self, motion: Motion, frame: u32) -> f32 {
         let share = f64::from(frame % self.frames) / f64::from(self.frames);
         let angle = |periods: u32| TAU * f64::from(periods) * share;
         // One gust comes and goes in a loop, and a smaller one within it.
         let gust = 0.7 * libm::sin(angle(1) - 1.0) + 0.3 * libm::sin(angle(3));
-        let gust = 1.0 + 0.6 * self.gustiness * gust;
+        let gust = 1.0 + GUST * self.gustiness * gust;
         let most = self.frames / FRAMES_PER_PERIOD;
         let (branches, leaves) = (angle(BRANCH_PERIODS.min(most)), angle(LEAF_PERIODS.min(most)));
         let weight = match motion {
+            Motion::Begin => return 1.0,
             Motion::Stem => LEAN + (1.0 - LEAN) * libm::sin(angle(STEM_PERIODS)),
             Motion::BranchSine => libm::sin(branches),
             Motion::BranchCosine => libm::cos(branches),
             Motion::LeafSine => libm::sin(leaves),
             Motion::LeafCosine => libm::cos(leaves),
         };
-        (gust * weight) as f32
+        (0.5 + gust * weight / (2.0 * f64::from(MOST))) as f32
     }
 }

@@ -89,8 +89,8 @@ fn keep_coverage(covered: &[f32], size: Pixels, cutout: f32) -> Vec<f32> {
     let Some(&least) = ranked.get(wanted.min(ranked.len().saturating_sub(1))) else { return weighed };
     // Linear on either side of the threshold.
     let alpha = |own: f32| {
-        if own == 0.0 {
-            0.0
+        if own == 0.0 || own >= 1.0 {
+            own
         } else if own < least {
             cutout * 0.98 * own / least
         } else {

@@ -188,9 +188,9 @@ mod tests {
         let all = straight_with_lateral();
         let wild = Refinement { sway: 0.1, gnarl: 1.0, ..Refinement::default() };
         let mut more = all.clone();
-        // Another lateral, after all others, on the tip of the first one: it is longer on.
+        // Another lateral, higher on the stem.
         more.positions.push(Vec3::new(1.0, 5.0, 0.0));
-        more.parents.push(6);
+        more.parents.push(3);
         more.births.push(99);
         let (a, b) = (
             refined(all, &Refinement { gnarl: 0.0, ..wild.clone() }),

@@ -40,7 +40,7 @@ pub(super) fn assemble(
     let most = Mesh::bytes_for(vertices.len() * 2, triangles.len());
     let held = bytes_of::<Vertex>(vertices.len()) + bytes_of::<[u32; 3]>(triangles.len());
     monitor.admit(DOING, held + most + topology_bytes(vertices.len() * 2, triangles.len()), ADVICE)?;
-    let mesh = barked(&vertices, triangles, pieces, tile_m, monitor)?;
+    let mesh = barked(&vertices, &triangles, pieces, tile_m, monitor)?;
     let found = topology(&mesh, monitor)?;
     let crowded = crowded_edges(&mesh, monitor)?;
     if !found.watertight() || crowded > 0 {
@@ -99,7 +99,7 @@ fn halves(&[p, q, r, s]: &[u32; 4], vertices: &[Vertex]) -> [[u32; 3]; 2] {
 /// vertex stands once for each pair of coordinates that its triangles ask for.
 fn barked(
     vertices: &[Vertex],
-    triangles: Vec<[u32; 3]>,
+    triangles: &[[u32; 3]],
     pieces: &[Piece],
     tile_m: f32,
     monitor: &dyn Monitor,

@@ -62,14 +62,14 @@ pub(super) fn solidify(course: &Course<'_>, monitor: &dyn Monitor) -> Result<Mes
     }
     let plan = Plan::new(course, 0..course.skeleton.axes.len());
     let pieces = pieces(&plan, &lattice);
-    let triangles = forecast(&pieces, &lattice);
+    let triangles = forecast(&pieces, &lattice) as u64;
     let extent_m = pieces.iter().fold(0.0_f32, |most, p| most.max(p.from.center.abs().max_element()));
     // Beyond, lattice indices and single precision end.
-    if triangles > MOST_SOLID_TRIANGLES as f64 || extent_m > lattice.cell_m * 1e6 {
+    if triangles > MOST_SOLID_TRIANGLES as u64 || extent_m > lattice.cell_m * 1e6 {
         return Err(SurfaceError::TooFine { triangles, limit: MOST_SOLID_TRIANGLES });
     }
     // Quads, cells and vertices on their way, then the mesh.
-    let on_the_way = triangles as u64 * 80 + bytes_of::<Piece>(pieces.len()) + plan.bytes();
+    let on_the_way = triangles * 80 + bytes_of::<Piece>(pieces.len()) + plan.bytes();
     monitor.admit(DOING, on_the_way, ADVICE)?;
     let groups = spread(&pieces, &lattice, monitor)?;
     let bytes = bytes_of::<(IVec3, u32)>(groups.iter().map(|(_, own)| own.len()).sum());

@@ -235,7 +235,9 @@ impl Sheet {
     fn color(&self, i: usize, skin: &Skin, local: Vec2, grain: &Grain) -> Vec3 {
         let Vec2 { x, y } = local * 0.25 + skin.place;
         let slow = grain.slow.at(x, y);
-        let fine = grain.fine.at(x * 1.7, y * 1.7);
+        // Askew, twice: a lattice along the leaf's own axes would show.
+        let (p, q) = (1.36 * x - 1.02 * y, 1.02 * x + 1.36 * y);
+        let fine = 0.6 * grain.fine.at(p, q) + 0.4 * grain.fine.at(2.3 * q, 2.3 * p);
         let (rib, vein) = match self.rib.get(i) {
             Some(rib) => (rib / self.rib_reach, self.vein[i]),
             None => (1.0, 0.0),

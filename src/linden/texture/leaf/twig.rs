@@ -18,7 +18,7 @@ pub(super) fn twig(look: &LeafLook, twig: &TwigLook, variant: u32, key: Key) -> 
     let mut figure = Figure::default();
     let bend = key.named("bend").between(-0.08, 0.08) as f32;
     // It turns a little at each leaf.
-    let zigzag = if twig.arrangement == Arrangement::Alternate { 0.012 * long } else { 0.0 };
+    let zigzag = if twig.arrangement == Arrangement::Alternate { 0.007 * long } else { 0.0 };
     let axis = |t: f32, place: f32| {
         let turn = libm::cosf(std::f32::consts::PI * place);
         Vec2::new(bend * t * t * wood + zigzag * turn, wood * t)
@@ -40,7 +40,7 @@ pub(super) fn twig(look: &LeafLook, twig: &TwigLook, variant: u32, key: Key) -> 
         place: Vec2::new(key.named("u").unit() as f32, key.named("v").unit() as f32),
         ..Skin::default()
     };
-    let thick = (0.016 * long).max(0.0035) + 0.004 * wood;
+    let thick = (0.010 * long).max(0.0025) + 0.004 * wood;
     // Leaves behind the twig, the twig, leaves before it.
     let mut behind = Vec::new();
     let mut before = Vec::new();
