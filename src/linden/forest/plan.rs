@@ -86,7 +86,7 @@ pub enum ForestError {
     },
 }
 
-/// Poisson-disc points by the square of the spacing: what Bridson's way gives, about.
+/// Poisson-disc points by the square of the spacing, at most: where no other disc fits.
 const DENSITY: f64 = 0.7;
 
 impl Forest {

@@ -99,9 +99,10 @@ mod tests {
                 .count();
             assert!(free * 50 < (n * n) as usize, "{side} {spacing}: {free}");
         }
-        // What packs, by the literature: about 0.7 points a spacing squared.
+        // Discs put down at random until no other fits cover 0.547 of a plane (Feder 1980): 0.696 points a
+        // spacing squared. Thirty candidates stop somewhat short of it.
         let count = poisson_disc(100.0, 2.0, Key::new(1), &Quiet).unwrap().len();
-        assert!((1600..1950).contains(&count), "{count}");
+        assert!((1480..1745).contains(&count), "{count}");
     }
 
     #[test]
