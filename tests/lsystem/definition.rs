@@ -331,12 +331,18 @@ pub fn text(string: &[Letter]) -> String {
     let mut text = String::new();
     for letter in string {
         text.push(letter.symbol);
-        let list: Vec<String> = letter.arguments.iter().map(f64::to_string).collect();
+        let list: Vec<String> = letter.arguments.iter().copied().map(number).collect();
         if !list.is_empty() {
             let _ = write!(text, "({})", list.join(","));
         }
     }
     text
+}
+
+/// As derived strings show numbers: the shortest digits, very small and very large ones with an exponent.
+fn number(number: f64) -> String {
+    let plain = number == 0.0 || (1e-6..1e15).contains(&number.abs());
+    if plain { number.to_string() } else { format!("{number:e}") }
 }
 
 /// Makes grammars up.
