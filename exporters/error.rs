@@ -113,6 +113,26 @@ pub enum ExportError {
         /// What is wrong there.
         problem: String,
     },
+    /// The format cannot hold what is on the stage.
+    #[error("{format} cannot hold {what}: {advice}")]
+    Holds {
+        /// The format's id.
+        format: &'static str,
+        /// `several trees`, …
+        what: &'static str,
+        /// What to do instead.
+        advice: &'static str,
+    },
+    /// A plug-in failed.
+    #[error("the plug-in {program} failed: {problem}{}{}", if said.is_empty() { "" } else { "; it said:\n  " }, said)]
+    Plugin {
+        /// The program's name.
+        program: &'static str,
+        /// What went wrong.
+        problem: String,
+        /// The end of what it said, printable, over several lines.
+        said: String,
+    },
     /// The format cannot hold so much.
     #[error("{format} cannot hold {amount}: its limit is {limit}; {advice}")]
     TooLarge {

@@ -1,14 +1,14 @@
-//! Exporters: a [`Scene`] becomes the files that 3D programs read.
+//! Exporters: a [`Stage`] becomes the files that 3D programs read.
 //!
-//! Takes a finished scene, gives bytes; it changes nothing in the scene, draws no random numbers and
-//! reads no clock, so the same scene gives the same bytes on any machine and any number of threads.
+//! Takes a finished stage, gives bytes; it changes nothing on it, draws no random numbers and
+//! reads no clock, so the same stage gives the same bytes on any machine and any number of threads.
 //! Files appear whole or not at all: an exporter writes into a [`Bundle`], and nothing is in its
 //! place before the bundle is committed.
 //!
 //! A format is one module with one [`Exporter`], and one line in [`REGISTRY`].
 //!
 //! ```
-//! use linden::{Quiet, dress::dress, grow::grow, preset::builtin, recipe::Recipe};
+//! use linden::{Quiet, dress::dress, grow::grow, preset::builtin, recipe::Recipe, stage::Stage};
 //! use linden_exporters::{Bundle, Options, for_path};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let recipe = Recipe { preset: builtin("fir").unwrap().load()?, inputs: Vec::new() };
@@ -18,7 +18,7 @@
 //! let target = folder.path().join("fir.glb");
 //! let exporter = for_path(&target)?;
 //! let mut bundle = Bundle::create(&target)?;
-//! exporter.write(&scene, &Options::new(exporter.format()), &mut bundle, &Quiet)?;
+//! exporter.write(&Stage::of(&scene), &Options::new(exporter.format()), &mut bundle, &Quiet)?;
 //! assert!(!target.exists(), "nothing is in its place before the commit");
 //! bundle.commit()?;
 //! assert!(target.exists());
@@ -34,6 +34,7 @@
 compile_error!("linden-exporters writes arrays as they lie in memory and needs a little-endian target");
 
 mod bundle;
+mod cast;
 mod chunks;
 mod error;
 mod estimate;
@@ -42,6 +43,7 @@ mod memory;
 mod obj;
 mod options;
 mod picture;
+mod plugin;
 mod ply;
 mod qsm;
 mod sound;
@@ -51,7 +53,7 @@ use std::path::Path;
 
 use linden::Monitor;
 use linden::knob::nearest;
-use linden::scene::Scene;
+use linden::stage::Stage;
 
 pub use bundle::{Bundle, Existing, Sink, Written, commit_all, ensure_distinct, ensure_spared, examine};
 pub use error::ExportError;
@@ -61,22 +63,23 @@ pub use options::{OptionSpec, Options};
 /// What wrote a file, as files say it.
 pub const GENERATOR: &str = concat!("linden ", env!("CARGO_PKG_VERSION"));
 
-/// Writes scenes in one format.
+/// Writes stages in one format.
 pub trait Exporter: Sync {
     /// What the format is called and can do.
     fn format(&self) -> &'static Format;
 
-    /// Writes `scene` into `bundle`, which the caller then commits.
+    /// Writes `stage` into `bundle`, which the caller then commits.
     ///
     /// `options` are made by [`Options::new`] from this exporter's format.
     ///
     /// # Errors
-    /// [`ExportError::Scene`] when the scene breaks a promise of its types (a coordinate that is not
+    /// [`ExportError::Scene`] when a scene breaks a promise of its types (a coordinate that is not
     /// finite, say), [`ExportError::Io`] when the disk refuses, [`ExportError::TooLarge`] when the
-    /// format cannot hold so much, and [`ExportError::Cancelled`].
+    /// format cannot hold so much, [`ExportError::Holds`] when it cannot hold what is on the stage, and
+    /// [`ExportError::Cancelled`].
     fn write(
         &self,
-        scene: &Scene,
+        stage: &Stage<'_>,
         options: &Options,
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
@@ -102,22 +105,52 @@ pub struct Format {
     pub options: &'static [OptionSpec],
 }
 
+impl Format {
+    /// What becomes of a plant's levels of detail.
+    pub fn levels(&self) -> LevelsIn {
+        match self.id {
+            "obj" | "ply" => LevelsIn::Files,
+            // The skeleton is the same in all of them.
+            "ply-skeleton" | "qsm" => LevelsIn::Nothing,
+            _ => LevelsIn::One,
+        }
+    }
+}
+
+/// Where a format has levels of detail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LevelsIn {
+    /// All in one file.
+    One,
+    /// It holds one: each takes a file of its own.
+    Files,
+    /// Nothing in it depends on the level.
+    Nothing,
+}
+
 /// All formats. Where two claim an ending, the first has it.
 pub static REGISTRY: &[&dyn Exporter] =
-    &[&obj::Obj, &ply::Ply, &ply::PlySkeleton, &gltf::Gltf, &gltf::Glb, &usda::Usda, &qsm::Qsm];
+    &[&obj::Obj, &ply::Ply, &ply::PlySkeleton, &gltf::Gltf, &gltf::Glb, &usda::Usda, &usda::Usdz, &qsm::Qsm];
 
-/// The exporter that scripts call `id`.
+/// All formats, those of plug-ins on the search path included: see [`find`].
+pub fn exporters() -> Vec<&'static dyn Exporter> {
+    let is_ours = |id: &str| REGISTRY.iter().any(|exporter| exporter.format().id == id);
+    let plugins = plugin::all().into_iter().filter(|exporter| !is_ours(exporter.format().id));
+    REGISTRY.iter().copied().chain(plugins).collect()
+}
+
+/// The exporter that scripts call `id`: one of the registry, or else the program `linden-export-ID` on
+/// the search path.
 ///
 /// # Errors
 /// [`ExportError::UnknownFormat`] with the nearest name and the list.
 pub fn find(id: &str) -> Result<&'static dyn Exporter, ExportError> {
     let ids = || REGISTRY.iter().map(|exporter| exporter.format().id);
-    REGISTRY.iter().copied().find(|exporter| exporter.format().id == id).ok_or_else(|| {
-        ExportError::UnknownFormat {
-            typed: id.to_owned(),
-            nearest: nearest(&id.to_lowercase(), ids()),
-            known: ids().collect(),
-        }
+    let own = REGISTRY.iter().copied().find(|exporter| exporter.format().id == id);
+    own.or_else(|| plugin::find(id)).ok_or_else(|| ExportError::UnknownFormat {
+        typed: id.to_owned(),
+        nearest: nearest(&id.to_lowercase(), ids()),
+        known: ids().collect(),
     })
 }
 
@@ -132,6 +165,7 @@ pub fn for_path(path: &Path) -> Result<&'static dyn Exporter, ExportError> {
         .iter()
         .copied()
         .find(|exporter| exporter.format().extensions.contains(&typed.as_str()))
+        .or_else(|| plugin::find(&typed))
         .ok_or_else(|| {
             let mut known: Vec<_> = endings().collect();
             known.dedup();
@@ -174,7 +208,7 @@ mod tests {
         let said = find("gtlf").err().unwrap().to_string();
         assert_eq!(
             said,
-            "no export format is called 'gtlf' (did you mean 'gltf'?); there are: obj, ply, ply-skeleton, gltf, glb, usda, qsm"
+            "no export format is called 'gtlf' (did you mean 'gltf'?); there are: obj, ply, ply-skeleton, gltf, glb, usda, usdz, qsm"
         );
         let said = for_path(Path::new("fir.usdc")).err().unwrap().to_string();
         assert!(said.contains("did you mean '.usda'?") && said.contains(".glb"), "{said}");

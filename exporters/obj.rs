@@ -4,14 +4,20 @@
 //! numbers after `v`, `o` and `g` per part, names without spaces. The recipe is the one line that
 //! starts with `# recipe: `.
 
-use linden::Monitor;
-use linden::scene::{Material, Part, Scene};
-use linden::skeleton::NO_PARENT;
+use std::sync::Arc;
 
+use glam::Vec3;
+use linden::Monitor;
+use linden::picture::Picture;
+use linden::scene::Material;
+use linden::skeleton::{NO_PARENT, Skeleton};
+use linden::stage::{Motion, Place, Stage};
+
+use crate::cast::{Cast, Look, Piece};
 use crate::chunks::{self, Digits, Text};
 use crate::options::{OptionSpec, Options};
 use crate::picture::{self, Named};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, memory, sound};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, memory};
 
 /// Wavefront OBJ.
 pub(crate) struct Obj;
@@ -36,15 +42,19 @@ impl Exporter for Obj {
 
     fn write(
         &self,
-        scene: &Scene,
+        stage: &Stage<'_>,
         options: &Options,
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
-        sound::check(scene, monitor)?;
+        let cast = Cast::of(stage, monitor)?;
         let lines = options.is_on("lines");
-        let vertices: usize = scene.parts.iter().map(|part| part.mesh.positions.len()).sum();
-        if vertices + scene.skeleton.positions.len() > i32::MAX as usize {
+        let of_model = |own: &crate::cast::Model<'_>| {
+            let surface: usize = own.pieces.iter().map(|piece| piece.mesh.positions.len()).sum();
+            surface + if lines { own.scene.skeleton.positions.len() } else { 0 }
+        };
+        let vertices: usize = cast.placed(stage).map(|(_, model)| of_model(model)).sum();
+        if vertices > i32::MAX as usize {
             return Err(ExportError::TooLarge {
                 format: FORMAT.id,
                 amount: format!("{vertices} vertices"),
@@ -54,40 +64,71 @@ impl Exporter for Obj {
         }
         let library = bundle.takes_side_files().then(|| bundle.side_name(".mtl"));
         let with_pictures = library.is_some() && options.is_on("pictures");
-        let pictures = if with_pictures { picture::pictures(scene) } else { Vec::new() };
-        memory::admit(scene, &pictures, memory::formatting(scene), monitor)?;
+        let pictures = if with_pictures { picture::pictures(&cast.looks) } else { Vec::new() };
+        memory::admit(stage, &pictures, memory::formatting(&cast), monitor)?;
         if library.is_some() {
             for (named, png) in pictures.iter().zip(picture::compress(&pictures)?) {
                 let bytes = Some(png.len() as u64);
                 bundle.write_side(&named.suffix, bytes, monitor, |out| out.write(png))?;
             }
-            let mtl = material_library(scene, &pictures, bundle);
+            let mut cuts: Vec<String> = Vec::new();
+            for Look { material, .. } in &cast.looks {
+                let Some(suffix) = cut_out(material, &pictures).filter(|own| !cuts.contains(own)) else {
+                    continue;
+                };
+                let Some(picture) = &material.base_color_picture else { continue };
+                let opacity = Arc::new(opacity(picture));
+                let own = [Named { suffix: suffix.clone(), picture: &opacity, wrap: material.wrap }];
+                for png in picture::compress(&own)? {
+                    bundle.write_side(&suffix, Some(png.len() as u64), monitor, |out| out.write(png))?;
+                }
+                cuts.push(suffix);
+            }
+            let mtl = material_library(&cast.looks, &pictures, bundle);
             bundle.write_side(".mtl", Some(mtl.len() as u64), monitor, |out| out.write(mtl.as_bytes()))?;
         } else {
             bundle.note("OBJ keeps materials and pictures in files beside it: left out of a single stream");
         }
         bundle.write_main(None, monitor, |out| {
-            let mut head = header(scene);
+            let mut head = header(stage);
             if let Some(library) = &library {
                 head += &format!("mtllib {library}\n");
             }
             out.write(head.as_bytes())?;
             let mut before = 0;
-            for part in &scene.parts {
-                write_part(out, scene, part, library.is_some(), before)?;
-                before += part.mesh.positions.len() as u32;
+            for (number, (place, model)) in (1..).zip(cast.placed(stage)) {
+                let name = tree_name(stage, place, number);
+                let motion = place.motion();
+                for piece in &model.pieces {
+                    let look = library.is_some().then(|| &cast.looks[piece.look]);
+                    write_piece(out, &name, piece, motion, look, before)?;
+                    before += piece.mesh.positions.len() as u32;
+                }
             }
-            if lines { write_lines(out, scene, before) } else { Ok(()) }
+            // Skeletons come last: their vertices have neither normal nor texture coordinate, and would
+            // set the numbers of the three apart.
+            for (number, (place, model)) in (1..).zip(cast.placed(stage)).filter(|_| lines) {
+                let skeleton = &model.scene.skeleton;
+                write_lines(out, &tree_name(stage, place, number), skeleton, place.motion(), before)?;
+                before += skeleton.positions.len() as u32;
+            }
+            Ok(())
         })
     }
 }
 
-fn header(scene: &Scene) -> String {
+fn header(stage: &Stage<'_>) -> String {
     format!(
         "# {GENERATOR}\n# name: {}\n# recipe: {}\n# units: metres, up axis: Y, triangles counter-clockwise from outside\n",
-        linden::knob::printable(&scene.name),
-        scene.recipe
+        linden::knob::printable(&stage.name),
+        stage.recipe
     )
+}
+
+/// What the `number`-th tree is called.
+fn tree_name(stage: &Stage<'_>, place: &Place, number: usize) -> String {
+    let plant = word(&stage.plants[place.plant].name);
+    if stage.is_single() { plant } else { format!("{plant}_{number}") }
 }
 
 /// A name that readers take for one word.
@@ -95,28 +136,35 @@ fn word(name: &str) -> String {
     name.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect()
 }
 
-fn write_part(
+/// A part of the tree that is called `tree`; `look` is left out where there is no material library.
+fn write_piece(
     out: &mut Sink<'_>,
-    scene: &Scene,
-    part: &Part,
-    materials: bool,
+    tree: &str,
+    piece: &Piece<'_>,
+    motion: Option<Motion>,
+    look: Option<&Look<'_>>,
     before: u32,
 ) -> Result<(), ExportError> {
-    let name = word(&part.name);
-    out.write(format!("o {}_{name}\ng {name}\n", word(&scene.name)).as_bytes())?;
-    let mesh = &part.mesh;
+    let name = word(piece.name);
+    out.write(format!("o {tree}_{name}\ng {name}\n").as_bytes())?;
+    let mesh = piece.mesh;
     let count = mesh.positions.len();
     chunks::write(out, count, |text, range| {
-        vectors::<3, _>(text, b"v ", &bytemuck::cast_slice(&mesh.positions)[range]);
+        points(text, &mesh.positions[range], motion.as_ref());
     })?;
     chunks::write(out, count, |text, range| {
         vectors::<2, _>(text, b"vt ", &bytemuck::cast_slice(&mesh.uvs)[range]);
     })?;
-    chunks::write(out, count, |text, range| {
-        vectors::<3, _>(text, b"vn ", &bytemuck::cast_slice(&mesh.normals)[range]);
+    chunks::write(out, count, |text, range| match &motion {
+        None => vectors::<3, _>(text, b"vn ", &bytemuck::cast_slice(&mesh.normals)[range]),
+        Some(motion) => {
+            for &normal in &mesh.normals[range] {
+                vectors(text, b"vn ", &[motion.direction(normal).to_array()]);
+            }
+        }
     })?;
-    if materials {
-        out.write(format!("usemtl {}\n", word(&scene.materials[part.material].name)).as_bytes())?;
+    if let Some(look) = look {
+        out.write(format!("usemtl {}\n", word(&look.name)).as_bytes())?;
     }
     out.write(b"s 1\n")?;
     chunks::write(out, mesh.triangles.len(), |text, range| {
@@ -143,12 +191,29 @@ fn vectors<const N: usize, const K: usize>(text: &mut Text, keyword: &[u8; K], v
     }
 }
 
+/// Vertices where they stand.
+fn points(text: &mut Text, points: &[Vec3], motion: Option<&Motion>) {
+    match motion {
+        None => vectors::<3, _>(text, b"v ", bytemuck::cast_slice(points)),
+        Some(motion) => {
+            for &point in points {
+                vectors(text, b"v ", &[motion.point(point).to_array()]);
+            }
+        }
+    }
+}
+
 /// The skeleton: a polyline per axis, from the node that it leaves from.
-fn write_lines(out: &mut Sink<'_>, scene: &Scene, before: u32) -> Result<(), ExportError> {
-    let skeleton = &scene.skeleton;
-    out.write(format!("o {}_skeleton\ng skeleton\n", word(&scene.name)).as_bytes())?;
+fn write_lines(
+    out: &mut Sink<'_>,
+    tree: &str,
+    skeleton: &Skeleton,
+    motion: Option<Motion>,
+    before: u32,
+) -> Result<(), ExportError> {
+    out.write(format!("o {tree}_skeleton\ng skeleton\n").as_bytes())?;
     chunks::write(out, skeleton.positions.len(), |text, range| {
-        vectors::<3, _>(text, b"v ", &bytemuck::cast_slice(&skeleton.positions)[range]);
+        points(text, &skeleton.positions[range], motion.as_ref());
     })?;
     chunks::write(out, skeleton.axes.len(), |text, range| {
         for axis in &skeleton.axes[range] {
@@ -167,13 +232,26 @@ fn write_lines(out: &mut Sink<'_>, scene: &Scene, before: u32) -> Result<(), Exp
     })
 }
 
-fn material_library(scene: &Scene, pictures: &[Named<'_>], bundle: &Bundle) -> String {
+/// What the opacity of a material is called, where it has one that is written.
+fn cut_out(material: &Material, pictures: &[Named<'_>]) -> Option<String> {
+    material.cutout?;
+    let color = &pictures[picture::index_of(pictures, material.base_color_picture.as_ref())?];
+    Some(color.suffix.replace(".png", "_opacity.png"))
+}
+
+/// The alpha of a picture in all its channels: readers of `map_d` take the alpha, the green or the mean.
+fn opacity(picture: &Picture) -> Picture {
+    let rgba = picture.rgba().as_chunks::<4>().0.iter().flat_map(|pixel| [pixel[3]; 4]).collect();
+    Picture::new(picture.width(), picture.height(), rgba)
+}
+
+fn material_library(looks: &[Look<'_>], pictures: &[Named<'_>], bundle: &Bundle) -> String {
     let mut mtl = format!("# {GENERATOR}\n");
     let file = |picture: Option<_>| {
         picture::index_of(pictures, picture).map(|i| bundle.side_name(&pictures[i].suffix))
     };
-    for material in &scene.materials {
-        let Material { name, base_color, base_color_picture, normal_picture, roughness, .. } = material;
+    for Look { name, material } in looks {
+        let Material { base_color, base_color_picture, normal_picture, roughness, .. } = material;
         let color_file = file(base_color_picture.as_ref());
         // Readers multiply the two, and the picture is to be used as it is.
         let [r, g, b] = if color_file.is_some() { [1.0; 3] } else { *base_color };
@@ -185,6 +263,9 @@ fn material_library(scene: &Scene, pictures: &[Named<'_>], bundle: &Bundle) -> S
         );
         if let Some(file) = color_file {
             mtl += &format!("map_Kd {file}\n");
+        }
+        if let Some(file) = cut_out(material, pictures).map(|suffix| bundle.side_name(&suffix)) {
+            mtl += &format!("map_d {file}\n");
         }
         if let Some(file) = file(normal_picture.as_ref()) {
             mtl += &format!("norm {file}\n");

@@ -2,29 +2,33 @@
 
 use std::sync::Arc;
 
+use glam::Vec2;
 use linden::color::encode;
 use linden::picture::Picture;
-use linden::scene::{Material, Scene};
+use linden::scene::{Material, Wrap};
 use rayon::prelude::*;
 
 use crate::ExportError;
+use crate::cast::Look;
 
-/// A picture of a scene, and what its file is called after the stem: `_bark_normal.png`.
+/// A picture on a stage, and what its file is called after the stem: `_bark_normal.png`.
 pub(crate) struct Named<'a> {
     pub suffix: String,
     pub picture: &'a Arc<Picture>,
+    /// As its first material has it.
+    pub wrap: Wrap,
 }
 
-/// Every picture of a scene once, in the order of the materials, named after its first use.
-pub(crate) fn pictures(scene: &Scene) -> Vec<Named<'_>> {
+/// Every picture of some materials once, in their order, named after its first use.
+pub(crate) fn pictures<'a>(looks: &[Look<'a>]) -> Vec<Named<'a>> {
     let mut named: Vec<Named<'_>> = Vec::new();
-    for material in &scene.materials {
+    for Look { name, material } in looks {
         let Material { base_color_picture, normal_picture, .. } = material;
         for (picture, kind) in [(base_color_picture, ""), (normal_picture, "_normal")] {
             if let Some(picture) = picture
                 && !named.iter().any(|known| Arc::ptr_eq(known.picture, picture))
             {
-                named.push(Named { suffix: format!("_{}{kind}.png", material.name), picture });
+                named.push(Named { suffix: format!("_{name}{kind}.png"), picture, wrap: material.wrap });
             }
         }
     }
@@ -50,6 +54,18 @@ pub(crate) fn compress<'a>(named: &[Named<'a>]) -> Result<Vec<&'a [u8]>, ExportE
     named.par_iter().map(png).collect()
 }
 
+/// The sRGB colour of the pixel where a texture coordinate (V up) is. What is cut out has a colour too:
+/// that of the edge nearby.
+pub(crate) fn color_at(picture: &Picture, wrap: Wrap, uv: Vec2) -> [u8; 3] {
+    let index = |x: f32, size: u32| {
+        let x = if wrap == Wrap::Repeat { x - libm::floorf(x) } else { x.clamp(0.0, 1.0) };
+        ((x * size as f32) as u32).min(size - 1) as usize
+    };
+    let (column, row) = (index(uv.x, picture.width()), index(1.0 - uv.y, picture.height()));
+    let at = 4 * (row * picture.width() as usize + column);
+    [0, 1, 2].map(|channel| picture.rgba()[at + channel])
+}
+
 /// Linear 0..1 to sRGB 0..255.
 pub(crate) fn srgb(linear: f32) -> u8 {
     libm::roundf(encode(linear.clamp(0.0, 1.0)) * 255.0) as u8
@@ -58,6 +74,19 @@ pub(crate) fn srgb(linear: f32) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn colors_are_those_of_the_pixel_under_the_coordinate() {
+        // Two by two: red, green above; blue, white below.
+        let rows = [[255, 0, 0, 255], [0, 255, 0, 255], [0, 0, 255, 255], [255, 255, 255, 255]];
+        let picture = Picture::new(2, 2, rows.concat());
+        let at = |wrap, u, v| color_at(&picture, wrap, Vec2::new(u, v));
+        assert_eq!(at(Wrap::Repeat, 0.1, 0.9), [255, 0, 0]);
+        assert_eq!(at(Wrap::Repeat, 1.1, -0.1), [255, 0, 0]);
+        assert_eq!(at(Wrap::Repeat, -0.1, 3.2), [255, 255, 255]);
+        assert_eq!(at(Wrap::Clamp, 1.1, -0.1), [255, 255, 255]);
+        assert_eq!(at(Wrap::Clamp, 0.0, 1.0), [255, 0, 0]);
+    }
 
     #[test]
     fn srgb_agrees_with_the_standards_points() {

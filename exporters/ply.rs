@@ -6,9 +6,11 @@
 
 use linden::Monitor;
 use linden::memory::{bytes_grown, bytes_of};
-use linden::scene::{Part, Scene};
+use linden::scene::Material;
 use linden::skeleton::NO_PARENT;
+use linden::stage::{Motion, Stage};
 
+use crate::cast::{Cast, Piece};
 use crate::chunks::{self, Text};
 use crate::options::{OptionSpec, Options};
 use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, memory, picture, sound};
@@ -56,20 +58,28 @@ impl Exporter for Ply {
 
     fn write(
         &self,
-        scene: &Scene,
+        stage: &Stage<'_>,
         options: &Options,
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
-        sound::check(scene, monitor)?;
-        memory::admit(scene, &[], memory::formatting(scene), monitor)?;
+        let cast = Cast::of(stage, monitor)?;
+        memory::admit(stage, &[], memory::formatting(&cast), monitor)?;
         let ascii = options.is_word("encoding", "ascii");
-        let vertices: usize = scene.parts.iter().map(|part| part.mesh.positions.len()).sum();
-        let faces: usize = scene.parts.iter().map(|part| part.mesh.triangles.len()).sum();
+        let meshes = || cast.placed(stage).flat_map(|(_, model)| &model.pieces).map(|piece| piece.mesh);
+        let vertices: usize = meshes().map(|mesh| mesh.positions.len()).sum();
+        let faces: usize = meshes().map(|mesh| mesh.triangles.len()).sum();
         if vertices > i32::MAX as usize || faces > i32::MAX as usize {
             return Err(too_large(MESH.id, format!("{vertices} vertices and {faces} triangles")));
         }
-        let mut head = header(scene, ascii);
+        let mut head = header(&stage.name, &stage.recipe, ascii);
+        // Readers see one mesh: which vertices belong together is told here.
+        let mut first = 0;
+        for piece in cast.placed(stage).take(1).flat_map(|(_, model)| &model.pieces) {
+            let count = piece.mesh.positions.len();
+            head += &format!("comment part {}: {count} vertices from {first}\n", piece.name);
+            first += count;
+        }
         head += &format!("element vertex {vertices}\n");
         for name in ["x", "y", "z", "nx", "ny", "nz", "s", "t"] {
             head += &format!("property float {name}\n");
@@ -81,42 +91,54 @@ impl Exporter for Ply {
         let bytes = head.len() + vertices * 36 + faces * 13;
         bundle.write_main((!ascii).then_some(bytes as u64), monitor, |out| {
             out.write(head.as_bytes())?;
-            for part in &scene.parts {
-                write_vertices(out, scene, part, ascii)?;
+            for (place, model) in cast.placed(stage) {
+                for piece in &model.pieces {
+                    write_vertices(out, piece, place.motion(), cast.looks[piece.look].material, ascii)?;
+                }
             }
             let mut before = 0;
-            for part in &scene.parts {
-                write_faces(out, part, before, ascii)?;
-                before += part.mesh.positions.len() as u32;
+            for piece in cast.placed(stage).flat_map(|(_, model)| &model.pieces) {
+                write_faces(out, piece, before, ascii)?;
+                before += piece.mesh.positions.len() as u32;
             }
             Ok(())
         })
     }
 }
 
-fn write_vertices(out: &mut Sink<'_>, scene: &Scene, part: &Part, ascii: bool) -> Result<(), ExportError> {
-    let mesh = &part.mesh;
-    let [r, g, b] = scene.materials[part.material].base_color.map(picture::srgb);
-    let rgba = [r, g, b, 255];
-    let color = format!(" {r} {g} {b} 255\n");
+fn write_vertices(
+    out: &mut Sink<'_>,
+    piece: &Piece<'_>,
+    motion: Option<Motion>,
+    material: &Material,
+    ascii: bool,
+) -> Result<(), ExportError> {
+    let mesh = piece.mesh;
+    let plain = material.base_color.map(picture::srgb);
+    let picture = material.base_color_picture.as_deref();
     chunks::write(out, mesh.positions.len(), |text, range| {
         for i in range {
+            let (mut position, mut normal) = (mesh.positions[i], mesh.normals[i]);
+            if let Some(motion) = &motion {
+                (position, normal) = (motion.point(position), motion.direction(normal));
+            }
             let ([x, y, z], [nx, ny, nz], [s, t]) =
-                (mesh.positions[i].to_array(), mesh.normals[i].to_array(), mesh.uvs[i].to_array());
+                (position.to_array(), normal.to_array(), mesh.uvs[i].to_array());
             let numbers = [x, y, z, nx, ny, nz, s, t];
+            let [r, g, b] = picture.map_or(plain, |own| picture::color_at(own, material.wrap, mesh.uvs[i]));
             if ascii {
                 text.floats(numbers, b" ");
-                text.slice(color.as_bytes());
+                integers(text, &[r, g, b, 255].map(u32::from));
             } else {
                 text.bytes(&bytemuck::cast::<_, [u8; 32]>(numbers));
-                text.bytes(&rgba);
+                text.bytes(&[r, g, b, 255]);
             }
         }
     })
 }
 
-fn write_faces(out: &mut Sink<'_>, part: &Part, before: u32, ascii: bool) -> Result<(), ExportError> {
-    let triangles = &part.mesh.triangles;
+fn write_faces(out: &mut Sink<'_>, piece: &Piece<'_>, before: u32, ascii: bool) -> Result<(), ExportError> {
+    let triangles = &piece.mesh.triangles;
     chunks::write(out, triangles.len(), |text, range| {
         for triangle in &triangles[range] {
             let triangle = triangle.map(|vertex| before + vertex);
@@ -148,12 +170,12 @@ impl Exporter for PlySkeleton {
 
     fn write(
         &self,
-        scene: &Scene,
+        stage: &Stage<'_>,
         options: &Options,
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
-        sound::check(scene, monitor)?;
+        let scene = sound::check_single(stage, SKELETON.id, monitor)?;
         let ascii = options.is_word("encoding", "ascii");
         let skeleton = &scene.skeleton;
         let nodes = skeleton.positions.len();
@@ -162,7 +184,7 @@ impl Exporter for PlySkeleton {
         }
         // Orders and edges stay while records are formatted; the edges grew one by one.
         let own = bytes_of::<u32>(nodes) + bytes_grown::<[u32; 2]>(nodes) + chunks::bytes(nodes);
-        memory::admit(scene, &[], own, monitor)?;
+        memory::admit(stage, &[], own, monitor)?;
         let mut orders = vec![0; nodes];
         for axis in &skeleton.axes {
             for &node in skeleton.nodes_of(axis) {
@@ -174,7 +196,7 @@ impl Exporter for PlySkeleton {
             .filter(|&(_, &parent)| parent != NO_PARENT)
             .map(|(node, &parent)| [parent, node])
             .collect();
-        let mut head = header(scene, ascii);
+        let mut head = header(&scene.name, &scene.recipe, ascii);
         head += &format!("element vertex {nodes}\n");
         for name in ["x", "y", "z", "radius"] {
             head += &format!("property float {name}\n");
@@ -216,16 +238,16 @@ impl Exporter for PlySkeleton {
     }
 }
 
-fn header(scene: &Scene, ascii: bool) -> String {
+fn header(name: &str, recipe: &str, ascii: bool) -> String {
     let encoding = if ascii { "ascii" } else { "binary_little_endian" };
     let mut head = format!("ply\nformat {encoding} 1.0\ncomment {GENERATOR}\n");
-    let mut name = linden::knob::printable(&scene.name);
+    let mut name = linden::knob::printable(name);
     while name.len() > LINE {
         name.pop();
     }
     head += &format!("comment name: {name}\n");
     // ASCII, as has been checked: any byte is the end of a character.
-    let mut rest = scene.recipe.as_str();
+    let mut rest = recipe;
     while let Some((line, after)) =
         rest.split_at_checked(LINE.min(rest.len())).filter(|(line, _)| !line.is_empty())
     {

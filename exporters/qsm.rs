@@ -10,8 +10,8 @@
 
 use linden::Monitor;
 use linden::memory::bytes_of;
-use linden::scene::Scene;
 use linden::skeleton::Cylinder;
+use linden::stage::Stage;
 
 use crate::chunks::{self, Text};
 use crate::options::{OptionSpec, Options};
@@ -44,15 +44,15 @@ impl Exporter for Qsm {
 
     fn write(
         &self,
-        scene: &Scene,
+        stage: &Stage<'_>,
         options: &Options,
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
-        sound::check(scene, monitor)?;
+        let scene = sound::check_single(stage, FORMAT.id, monitor)?;
         let nodes = scene.skeleton.positions.len();
         let own = bytes_of::<(Cylinder, Option<u32>)>(nodes) + chunks::bytes(nodes);
-        memory::admit(scene, &[], own, monitor)?;
+        memory::admit(stage, &[], own, monitor)?;
         let mut head = String::new();
         if options.is_on("comments") {
             head = format!(

@@ -1,14 +1,83 @@
 //! Whether a scene keeps the promises of its types: a broken one is refused before a byte is written.
 
 use linden::Monitor;
-use linden::scene::{Bounds, Part, Scene};
+use linden::scene::{Bounds, Material, Mesh, Part, Scene};
 use linden::skeleton::{NO_PARENT, Skeleton};
+use linden::stage::Stage;
 use rayon::prelude::*;
 
 use crate::ExportError;
 
 /// Vertices or triangles per piece of parallel work.
 const CHUNK: usize = 1 << 16;
+
+/// Checks what a stage says beside its scenes.
+pub(crate) fn check_stage(stage: &Stage<'_>) -> Result<(), ExportError> {
+    let fault = |problem: String| ExportError::Scene { what: "the stage".to_owned(), problem };
+    let strange = |name: &str| name.is_empty() || name.chars().any(char::is_control);
+    if strange(&stage.name) {
+        return Err(fault("its name is empty or holds control characters".to_owned()));
+    }
+    if !is_line(&stage.recipe) {
+        return Err(fault("its recipe is not one line of printable ASCII".to_owned()));
+    }
+    if stage.places.is_empty() {
+        return Err(fault("nothing stands on it".to_owned()));
+    }
+    for (index, plant) in stage.plants.iter().enumerate() {
+        if strange(&plant.name) {
+            return Err(fault(format!("the name of plant {index} is empty or holds control characters")));
+        }
+        let levels = plant.levels().len();
+        if levels == 0 || plant.seasons.iter().any(|season| season.levels.len() != levels) {
+            return Err(fault(format!("the seasons of plant {index} differ in levels, or have none")));
+        }
+    }
+    let mut stands = vec![false; stage.plants.len()];
+    for place in &stage.places {
+        if let Some(stands) = stands.get_mut(place.plant) {
+            *stands = true;
+        }
+    }
+    if let Some(index) = stands.iter().position(|stands| !stands) {
+        return Err(fault(format!("plant {index} stands nowhere")));
+    }
+    for (index, place) in stage.places.iter().enumerate() {
+        if place.plant >= stage.plants.len() {
+            return Err(fault(format!(
+                "place {index} is for plant {} of {}",
+                place.plant,
+                stage.plants.len()
+            )));
+        }
+        let is_there = place.position.is_finite() && place.turn_rad.is_finite();
+        if !is_there || !place.scale.is_finite() || place.scale <= 0.0 {
+            return Err(fault(format!("place {index} is nowhere: {place:?}")));
+        }
+    }
+    Ok(())
+}
+
+/// The scene of a stage that holds one tree; its finest level, and its first season: the skeleton is
+/// the same in all of them.
+pub(crate) fn check_single<'a>(
+    stage: &Stage<'a>,
+    format: &'static str,
+    monitor: &dyn Monitor,
+) -> Result<&'a Scene, ExportError> {
+    check_stage(stage)?;
+    let first = stage.plants.first().and_then(|plant| plant.levels().first());
+    let Some(first) = first.filter(|_| stage.is_single()) else {
+        let advice = "write its trees one by one, or the whole as glb or usda";
+        return Err(ExportError::Holds { format, what: "several trees", advice });
+    };
+    check(first.scene, monitor)?;
+    Ok(first.scene)
+}
+
+fn is_line(text: &str) -> bool {
+    text.bytes().all(|byte| (b' '..=b'~').contains(&byte))
+}
 
 /// Checks every number and index of a scene. Gives the box around each part on the way: smallest and
 /// largest of the stored coordinates, exactly.
@@ -18,42 +87,64 @@ pub(crate) fn check(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Bounds>,
     if scene.name.is_empty() || scene.name.chars().any(char::is_control) {
         return Err(fault("its name is empty or holds control characters"));
     }
-    if !scene.recipe.bytes().all(|byte| (b' '..=b'~').contains(&byte)) {
+    if !is_line(&scene.recipe) {
         return Err(fault("its recipe is not one line of printable ASCII"));
     }
     if scene.parts.is_empty() {
         return Err(fault("it has no parts"));
     }
-    for material in &scene.materials {
-        let fault = |problem| ExportError::Scene { what: format!("material '{}'", material.name), problem };
-        let numbers = material.base_color.iter().chain([&material.roughness]);
-        if let Some(x) = numbers.copied().find(|x| !(0.0..=1.0).contains(x)) {
-            return Err(fault(format!("a colour or roughness is {x}, not 0 to 1")));
-        }
-        for picture in [&material.base_color_picture, &material.normal_picture].into_iter().flatten() {
-            let pixels = u64::from(picture.width()) * u64::from(picture.height());
-            if pixels == 0 || pixels.checked_mul(4) != Some(picture.rgba().len() as u64) {
-                return Err(fault(format!(
-                    "a picture of {}×{} has {} bytes",
-                    picture.width(),
-                    picture.height(),
-                    picture.rgba().len()
-                )));
-            }
-        }
-    }
+    scene.materials.iter().try_for_each(check_material)?;
     check_skeleton(&scene.skeleton)
         .map_err(|problem| ExportError::Scene { what: "the skeleton".to_owned(), problem })?;
     scene.parts.iter().map(|part| check_part(scene, part, monitor)).collect()
 }
 
-fn check_part(scene: &Scene, part: &Part, monitor: &dyn Monitor) -> Result<Bounds, ExportError> {
-    let fault = |problem| ExportError::Scene { what: format!("part '{}'", part.name), problem };
-    let mesh = &part.mesh;
-    let count = mesh.positions.len();
-    if part.material >= scene.materials.len() {
-        return Err(fault(format!("it wants material {} of {}", part.material, scene.materials.len())));
+/// As [`check`], for what stands around plants.
+pub(crate) fn check_around(
+    name: &str,
+    mesh: &Mesh,
+    material: &Material,
+    monitor: &dyn Monitor,
+) -> Result<Bounds, ExportError> {
+    check_material(material)?;
+    check_mesh(mesh, &format!("'{name}'"), monitor)
+}
+
+fn check_material(material: &Material) -> Result<(), ExportError> {
+    let fault = |problem| ExportError::Scene { what: format!("material '{}'", material.name), problem };
+    let numbers = material.base_color.iter().chain([&material.roughness]);
+    if let Some(x) = numbers.copied().find(|x| !(0.0..=1.0).contains(x)) {
+        return Err(fault(format!("a colour or roughness is {x}, not 0 to 1")));
     }
+    if let Some(cutout) = material.cutout.filter(|own| !(*own > 0.0 && *own < 1.0)) {
+        return Err(fault(format!("it is cut out at an alpha of {cutout}, not between 0 and 1")));
+    }
+    for picture in [&material.base_color_picture, &material.normal_picture].into_iter().flatten() {
+        let pixels = u64::from(picture.width()) * u64::from(picture.height());
+        if pixels == 0 || pixels.checked_mul(4) != Some(picture.rgba().len() as u64) {
+            return Err(fault(format!(
+                "a picture of {}×{} has {} bytes",
+                picture.width(),
+                picture.height(),
+                picture.rgba().len()
+            )));
+        }
+    }
+    Ok(())
+}
+
+fn check_part(scene: &Scene, part: &Part, monitor: &dyn Monitor) -> Result<Bounds, ExportError> {
+    let what = format!("part '{}'", part.name);
+    if part.material >= scene.materials.len() {
+        let problem = format!("it wants material {} of {}", part.material, scene.materials.len());
+        return Err(ExportError::Scene { what, problem });
+    }
+    check_mesh(&part.mesh, &what, monitor)
+}
+
+fn check_mesh(mesh: &Mesh, what: &str, monitor: &dyn Monitor) -> Result<Bounds, ExportError> {
+    let fault = |problem| ExportError::Scene { what: what.to_owned(), problem };
+    let count = mesh.positions.len();
     if mesh.normals.len() != count || mesh.uvs.len() != count {
         return Err(fault(format!(
             "{count} positions, {} normals and {} texture coordinates",
@@ -150,8 +241,10 @@ mod tests {
                 normal_picture: picture,
                 roughness: 1.0,
                 double_sided: false,
+                cutout: None,
+                wrap: linden::scene::Wrap::Repeat,
             }],
-            parts: vec![Part { name: "wood".to_owned(), material: 0, mesh }],
+            parts: vec![Part::new("wood", 0, mesh)],
             skeleton: Arc::new(Skeleton {
                 positions: vec![Vec3::ZERO, Vec3::Y],
                 parents: vec![NO_PARENT, 0],
@@ -167,7 +260,8 @@ mod tests {
 
     #[test]
     fn every_format_refuses_every_broken_scene_before_writing() {
-        let breakages: [Break; 15] = [
+        let breakages: [Break; 16] = [
+            ("cut out at an alpha of 1", |s| s.materials[0].cutout = Some(1.0)),
             ("part 'wood': a position is NaN (vertex 1)", |s| s.parts[0].mesh.positions[1].y = f32::NAN),
             ("part 'wood': a normal is inf (vertex 2)", |s| s.parts[0].mesh.normals[2].x = f32::INFINITY),
             ("a texture coordinate is -inf (vertex 0)", |s| s.parts[0].mesh.uvs[0].y = f32::NEG_INFINITY),
@@ -195,13 +289,18 @@ mod tests {
                 let output = Output::default();
                 let mut bundle = Bundle::stream("test", output.clone());
                 let options = Options::new(exporter.format());
-                let said =
-                    exporter.write(&scene, &options, &mut bundle, &linden::Quiet).unwrap_err().to_string();
+                let said = exporter
+                    .write(&Stage::of(&scene), &options, &mut bundle, &linden::Quiet)
+                    .unwrap_err()
+                    .to_string();
                 assert!(said.contains(expected), "{}: {said:?} lacks {expected:?}", exporter.format().id);
                 assert!(output.bytes().is_empty());
             }
             let mut bundle = Bundle::stream("test", Output::default());
-            exporter.write(&scene(), &Options::new(exporter.format()), &mut bundle, &linden::Quiet).unwrap();
+            let scene = scene();
+            exporter
+                .write(&Stage::of(&scene), &Options::new(exporter.format()), &mut bundle, &linden::Quiet)
+                .unwrap();
         }
     }
 

@@ -45,6 +45,19 @@ impl<'a> Sink<'a> {
         Ok(())
     }
 
+    /// Appends what `write` writes to bytes in memory.
+    pub(crate) fn gather(
+        what: &str,
+        bytes: &mut Vec<u8>,
+        monitor: &dyn Monitor,
+        write: impl FnOnce(&mut Sink<'_>) -> Result<(), ExportError>,
+    ) -> Result<(), ExportError> {
+        let mut sink = Sink::new(bytes, what.to_owned(), None, monitor);
+        write(&mut sink)?;
+        sink.finish()?;
+        Ok(())
+    }
+
     /// Bytes written so far.
     pub fn written(&self) -> u64 {
         self.written

@@ -2,32 +2,44 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use linden::scene::{Bounds, Part, Scene};
+use linden::scene::Mesh;
 
 use super::document::{Accessor, Attributes, BufferView, ComponentType};
+use super::quantize::{self, Cube, Quanta, Range};
 use super::tangents::tangents;
+use super::wind::{self, WindArrays};
+use crate::cast::{Cast, Piece};
 use crate::picture::{self, Named};
 use crate::{ExportError, Sink};
 
 const ARRAY_BUFFER: u16 = 34962;
 const ELEMENT_ARRAY_BUFFER: u16 = 34963;
 
-/// Where everything lies: the parts' arrays in order, then the pictures. Every view starts at a
+/// Where everything lies: the meshes' arrays in order, then the pictures. Every view starts at a
 /// multiple of four, which suits every component type used, and zeros fill the gaps.
 pub(super) struct Layout {
     pub views: Vec<BufferView>,
     pub accessors: Vec<Accessor>,
+    /// As many as [`Cast::pieces`].
     pub primitives: Vec<PrimitiveArrays>,
+    /// Where vertices are in fewer bits.
+    pub quanta: Option<Quanta>,
     blobs: Vec<Vec<u8>>,
     bytes: u64,
 }
 
-/// Accessors of a part.
+/// Accessors of a mesh.
 pub(super) struct PrimitiveArrays {
     first: usize,
     with_tangents: bool,
+    /// What its vertices are told in, where they are in fewer bits.
+    packing: Option<Packing>,
     pub indices: usize,
+    pub wind: WindArrays,
 }
+
+/// The cube of positions, the range of texture coordinates.
+type Packing = (Cube, Option<Range>);
 
 impl PrimitiveArrays {
     pub fn attributes(&self) -> Attributes {
@@ -36,41 +48,70 @@ impl PrimitiveArrays {
             normal: self.first + 1,
             texcoord_0: self.first + 2,
             tangent: self.with_tangents.then_some(self.first + 3),
+            wind: self.wind.attributes.map(|[wind, _]| wind),
+            wind_pivot: self.wind.attributes.map(|[_, pivot]| pivot),
         }
     }
 }
 
 impl Layout {
-    /// Lays out the parts' arrays; `pictures` are those that will be written.
-    pub fn of_meshes(scene: &Scene, bounds: &[Bounds], pictures: &[Named<'_>]) -> Self {
+    /// Lays out the meshes' arrays; `pictures` are those that will be written. With `quantize` the plants'
+    /// vertices are in fewer bits.
+    pub fn of_meshes(cast: &Cast<'_>, pictures: &[Named<'_>], quantize: bool) -> Self {
         let mut layout = Self {
             views: Vec::new(),
             accessors: Vec::new(),
             primitives: Vec::new(),
+            quanta: quantize.then(|| Quanta::new(cast, pictures)),
             blobs: Vec::new(),
             bytes: 0,
         };
-        for (part, bounds) in scene.parts.iter().zip(bounds) {
+        let of_plants = (0..cast.plants()).flat_map(|plant| {
+            cast.models_of(plant).iter().flat_map(|model| &model.pieces).map(move |_| plant)
+        });
+        // What stands around belongs to none.
+        let plants: Vec<Option<usize>> = of_plants.map(Some).collect();
+        let plants = plants.into_iter().chain(std::iter::repeat(None));
+        for (Piece { mesh, bounds, look, wind, .. }, plant) in cast.pieces().zip(plants) {
             let first = layout.accessors.len();
-            let count = part.mesh.positions.len();
-            let f32s = |layout: &mut Self, shape, bytes| {
-                layout.push(count, shape, ComponentType::F32, bytes, ARRAY_BUFFER);
-            };
-            f32s(&mut layout, "VEC3", 12);
-            f32s(&mut layout, "VEC3", 12);
-            f32s(&mut layout, "VEC2", 8);
-            layout.accessors[first].min = Some(bounds.min.to_array());
-            layout.accessors[first].max = Some(bounds.max.to_array());
-            let normal_picture = scene.materials[part.material].normal_picture.as_ref();
+            let count = mesh.positions.len();
+            let quanta = layout.quanta.as_ref();
+            let packing = plant.and_then(|plant| quanta.map(|own| (own.cube(plant), own.range(*look))));
+            let normal_picture = cast.looks[*look].material.normal_picture.as_ref();
             let with_tangents = picture::index_of(pictures, normal_picture).is_some();
-            if with_tangents {
-                f32s(&mut layout, "VEC4", 16);
+            if let Some((cube, range)) = packing {
+                let i8s = ComponentType::I8;
+                layout.push_packed(count, "VEC3", ComponentType::U16, 8);
+                layout.push_packed(count, "VEC3", i8s, 4);
+                match range {
+                    Some(_) => layout.push_packed(count, "VEC2", ComponentType::U16, 4),
+                    None => layout.push(count, "VEC2", ComponentType::F32, 8, ARRAY_BUFFER),
+                }
+                if with_tangents {
+                    layout.push_packed(count, "VEC4", i8s, 4);
+                }
+                let steps = |point| Some(cube.steps(point).map(f32::from).to_vec());
+                layout.accessors[first].min = steps(bounds.min);
+                layout.accessors[first].max = steps(bounds.max);
+            } else {
+                let f32s = |layout: &mut Self, shape, bytes| {
+                    layout.push(count, shape, ComponentType::F32, bytes, ARRAY_BUFFER);
+                };
+                f32s(&mut layout, "VEC3", 12);
+                f32s(&mut layout, "VEC3", 12);
+                f32s(&mut layout, "VEC2", 8);
+                layout.accessors[first].min = Some(bounds.min.to_array().to_vec());
+                layout.accessors[first].max = Some(bounds.max.to_array().to_vec());
+                if with_tangents {
+                    f32s(&mut layout, "VEC4", 16);
+                }
             }
-            let kind = index_type(part);
+            let kind = index_type(mesh);
             let bytes = if kind == ComponentType::U16 { 2 } else { 4 };
-            layout.push(part.mesh.triangles.len() * 3, "SCALAR", kind, bytes, ELEMENT_ARRAY_BUFFER);
+            layout.push(mesh.triangles.len() * 3, "SCALAR", kind, bytes, ELEMENT_ARRAY_BUFFER);
             let indices = layout.accessors.len() - 1;
-            layout.primitives.push(PrimitiveArrays { first, with_tangents, indices });
+            let wind = wind.map(|own| wind::lay_out(&mut layout, mesh, own)).unwrap_or_default();
+            layout.primitives.push(PrimitiveArrays { first, with_tangents, packing, indices, wind });
         }
         layout
     }
@@ -78,8 +119,9 @@ impl Layout {
     fn push(&mut self, count: usize, shape: &'static str, kind: ComponentType, bytes: u64, target: u16) {
         let buffer_view = self.push_view(count as u64 * bytes, Some(target));
         self.accessors.push(Accessor {
-            buffer_view,
+            buffer_view: Some(buffer_view),
             component_type: kind,
+            normalized: false,
             count,
             shape,
             min: None,
@@ -87,11 +129,74 @@ impl Layout {
         });
     }
 
+    /// Vertices of so many bytes each, padding included, whose integers mean 0 to 1 or -1 to 1.
+    fn push_packed(&mut self, count: usize, shape: &'static str, kind: ComponentType, stride: u64) {
+        self.push(count, shape, kind, stride, ARRAY_BUFFER);
+        if let (Some(accessor), Some(view)) = (self.accessors.last_mut(), self.views.last_mut()) {
+            accessor.normalized = true;
+            view.byte_stride = Some(stride);
+        }
+    }
+
     fn push_view(&mut self, byte_length: u64, target: Option<u16>) -> usize {
         let byte_offset = self.bytes;
         self.bytes = (byte_offset + byte_length).next_multiple_of(4);
-        self.views.push(BufferView { buffer: 0, byte_offset, byte_length, target });
+        self.views.push(BufferView { buffer: 0, byte_offset, byte_length, byte_stride: None, target });
         self.views.len() - 1
+    }
+
+    /// A further array with an item per vertex; gives its accessor.
+    pub fn push_vertices(&mut self, count: usize, shape: &'static str, bytes: u64) -> usize {
+        self.push(count, shape, ComponentType::F32, bytes, ARRAY_BUFFER);
+        self.accessors.len() - 1
+    }
+
+    /// Vectors that are all zero and take no place.
+    pub fn push_zeros(&mut self, count: usize) -> usize {
+        let zero = Some(vec![0.0; 3]);
+        self.accessors.push(Accessor {
+            buffer_view: None,
+            component_type: ComponentType::F32,
+            normalized: false,
+            count,
+            shape: "VEC3",
+            min: zero.clone(),
+            max: zero,
+        });
+        self.accessors.len() - 1
+    }
+
+    /// Vectors behind everything else; gives their accessor.
+    pub fn push_vectors<const N: usize>(&mut self, vectors: &[[f32; N]], shape: &'static str) -> usize {
+        let view = self.push_blob(vectors.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect());
+        self.accessors.push(Accessor {
+            buffer_view: Some(view),
+            component_type: ComponentType::F32,
+            normalized: false,
+            count: vectors.len(),
+            shape,
+            min: None,
+            max: None,
+        });
+        self.accessors.len() - 1
+    }
+
+    /// Numbers behind everything else; gives their accessor.
+    pub fn push_numbers(&mut self, numbers: &[f32], with_bounds: bool) -> usize {
+        let view = self.push_blob(bytemuck::cast_slice(numbers).to_vec());
+        let bound = |of: fn(f32, f32) -> f32| {
+            with_bounds.then(|| numbers.iter().copied().reduce(of).into_iter().collect::<Vec<f32>>())
+        };
+        self.accessors.push(Accessor {
+            buffer_view: Some(view),
+            component_type: ComponentType::F32,
+            normalized: false,
+            count: numbers.len(),
+            shape: "SCALAR",
+            min: bound(f32::min),
+            max: bound(f32::max),
+        });
+        self.accessors.len() - 1
     }
 
     /// Puts a file's bytes behind everything else; gives its view.
@@ -107,9 +212,16 @@ impl Layout {
     }
 
     /// Writes the buffer.
-    pub fn write(&self, scene: &Scene, out: &mut impl Chunk) -> Result<(), ExportError> {
-        for (part, primitive) in scene.parts.iter().zip(&self.primitives) {
-            write_part(part, primitive.with_tangents, out)?;
+    pub fn write(&self, cast: &Cast<'_>, out: &mut impl Chunk) -> Result<(), ExportError> {
+        for (piece, primitive) in cast.pieces().zip(&self.primitives) {
+            match primitive.packing {
+                Some((cube, range)) => {
+                    quantize::write(piece.mesh, cube, range, primitive.with_tangents, out)?;
+                }
+                None => write_vertices(piece.mesh, primitive.with_tangents, out)?,
+            }
+            write_triangles(piece.mesh, out)?;
+            piece.wind.map_or(Ok(()), |own| wind::write(own, out))?;
         }
         for blob in &self.blobs {
             out.put(blob)?;
@@ -120,12 +232,11 @@ impl Layout {
 }
 
 /// 16 bits where they reach; 65535 itself means "restart" to some hardware and is not allowed.
-fn index_type(part: &Part) -> ComponentType {
-    if u16::try_from(part.mesh.positions.len()).is_ok() { ComponentType::U16 } else { ComponentType::U32 }
+fn index_type(mesh: &Mesh) -> ComponentType {
+    if u16::try_from(mesh.positions.len()).is_ok() { ComponentType::U16 } else { ComponentType::U32 }
 }
 
-fn write_part(part: &Part, with_tangents: bool, out: &mut impl Chunk) -> Result<(), ExportError> {
-    let mesh = &part.mesh;
+fn write_vertices(mesh: &Mesh, with_tangents: bool, out: &mut impl Chunk) -> Result<(), ExportError> {
     out.put(bytemuck::cast_slice(&mesh.positions))?;
     out.put(bytemuck::cast_slice(&mesh.normals))?;
     // V runs down in glTF: the origin is the upper left corner of the picture.
@@ -138,7 +249,11 @@ fn write_part(part: &Part, with_tangents: bool, out: &mut impl Chunk) -> Result<
     if with_tangents {
         out.put(bytemuck::cast_slice(&tangents(mesh)))?;
     }
-    if index_type(part) == ComponentType::U32 {
+    Ok(())
+}
+
+fn write_triangles(mesh: &Mesh, out: &mut impl Chunk) -> Result<(), ExportError> {
+    if index_type(mesh) == ComponentType::U32 {
         return out.put(bytemuck::cast_slice(&mesh.triangles));
     }
     let mut short: Vec<[u16; 3]> = Vec::with_capacity(PIECE.min(mesh.triangles.len()));

@@ -2,18 +2,30 @@
 //!
 //! <https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html>, section 5.
 
+use linden::scene::Wrap;
 use serde::Serialize;
 use serde_json::value::RawValue;
+
+use super::wind::{Animation, MorphTarget};
 
 /// The root. `buffers` stands before everything that carries names from outside: the writer of data
 /// URIs looks for the first one.
 #[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
 pub(super) struct Document {
     pub asset: Asset,
     pub buffers: [Buffer; 1],
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub extensions_used: Vec<&'static str>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub extensions_required: Vec<&'static str>,
     pub scene: usize,
     pub scenes: [SceneRoot; 1],
     pub nodes: Vec<Node>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub cameras: Vec<Camera>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extensions: Option<DocumentExtensions>,
     pub meshes: Vec<Mesh>,
     pub materials: Vec<Material>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -22,8 +34,9 @@ pub(super) struct Document {
     pub images: Vec<Image>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub samplers: Vec<Sampler>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub animations: Vec<Animation>,
     pub accessors: Vec<Accessor>,
-    #[serde(rename = "bufferViews")]
     pub buffer_views: Vec<BufferView>,
 }
 
@@ -45,7 +58,7 @@ pub(super) struct Buffer {
 #[derive(Serialize)]
 pub(super) struct SceneRoot {
     pub name: String,
-    pub nodes: [usize; 1],
+    pub nodes: Vec<usize>,
 }
 
 #[derive(Default, Serialize)]
@@ -53,23 +66,133 @@ pub(super) struct Node {
     pub name: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mesh: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub camera: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub translation: Option<[f32; 3]>,
+    /// A unit quaternion: x, y, z, w.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotation: Option<[f32; 4]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scale: Option<[f32; 3]>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub children: Vec<usize>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub extras: Option<Extras>,
+    #[serde(skip_serializing_if = "NodeExtensions::is_empty")]
+    pub extensions: NodeExtensions,
+    #[serde(skip_serializing_if = "Extras::is_empty")]
+    pub extras: Extras,
 }
 
-/// What only linden reads; other programs keep it.
+#[derive(Default, Serialize)]
+pub(super) struct NodeExtensions {
+    #[serde(rename = "MSFT_lod", skip_serializing_if = "Option::is_none")]
+    pub lod: Option<Lod>,
+    #[serde(rename = "KHR_lights_punctual", skip_serializing_if = "Option::is_none")]
+    pub light: Option<LightIndex>,
+    #[serde(rename = "EXT_mesh_gpu_instancing", skip_serializing_if = "Option::is_none")]
+    pub instancing: Option<Instancing>,
+}
+
+impl NodeExtensions {
+    fn is_empty(&self) -> bool {
+        self.lod.is_none() && self.light.is_none() && self.instancing.is_none()
+    }
+}
+
+/// `EXT_mesh_gpu_instancing`: the node's mesh in many places.
+#[derive(Clone, Copy, Serialize)]
+pub(super) struct Instancing {
+    pub attributes: InstanceAttributes,
+}
+
+/// Accessors with an item per place.
+#[derive(Clone, Copy, Serialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub(super) struct InstanceAttributes {
+    pub translation: usize,
+    pub rotation: usize,
+    pub scale: usize,
+}
+
 #[derive(Serialize)]
+pub(super) struct LightIndex {
+    pub light: usize,
+}
+
+#[derive(Serialize)]
+pub(super) struct DocumentExtensions {
+    #[serde(rename = "KHR_lights_punctual")]
+    pub lights: LightList,
+}
+
+#[derive(Serialize)]
+pub(super) struct LightList {
+    pub lights: Vec<Light>,
+}
+
+/// A light of `KHR_lights_punctual` that shines along -Z of its node.
+#[derive(Serialize)]
+pub(super) struct Light {
+    pub name: String,
+    #[serde(rename = "type")]
+    pub kind: &'static str,
+    /// Linear RGB.
+    pub color: [f32; 3],
+    /// Lux, for a directional one.
+    pub intensity: f32,
+}
+
+/// A camera that looks along -Z of its node.
+#[derive(Serialize)]
+pub(super) struct Camera {
+    pub name: &'static str,
+    #[serde(rename = "type")]
+    pub kind: &'static str,
+    pub perspective: Perspective,
+}
+
+#[derive(Serialize)]
+pub(super) struct Perspective {
+    #[serde(rename = "aspectRatio")]
+    pub aspect_ratio: f32,
+    /// Radians.
+    pub yfov: f32,
+    pub zfar: f32,
+    pub znear: f32,
+}
+
+/// `MSFT_lod`: the node is the finest level, and these are the others, finer ones first.
+#[derive(Serialize)]
+pub(super) struct Lod {
+    pub ids: Vec<usize>,
+}
+
+/// What no extension says; other programs keep it.
+#[derive(Default, Serialize)]
 pub(super) struct Extras {
     /// The recipe, letter by letter: a JSON object where it is one, else a string.
-    pub linden: Box<RawValue>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub linden: Option<Box<RawValue>>,
+    /// Down to which share of the picture each level serves (`MSFT_lod` has it in the extras).
+    #[serde(rename = "MSFT_screencoverage", skip_serializing_if = "Vec::is_empty")]
+    pub screen_coverage: Vec<f32>,
+    /// What a mesh's morph targets are called: the extras are where importers look for that.
+    #[serde(rename = "targetNames", skip_serializing_if = "Vec::is_empty")]
+    pub target_names: Vec<&'static str>,
+}
+
+impl Extras {
+    fn is_empty(&self) -> bool {
+        self.linden.is_none() && self.screen_coverage.is_empty() && self.target_names.is_empty()
+    }
 }
 
 #[derive(Serialize)]
 pub(super) struct Mesh {
     pub name: String,
-    pub primitives: [Primitive; 1],
+    pub primitives: Vec<Primitive>,
+    #[serde(skip_serializing_if = "Extras::is_empty")]
+    pub extras: Extras,
 }
 
 #[derive(Serialize)]
@@ -77,6 +200,8 @@ pub(super) struct Primitive {
     pub attributes: Attributes,
     pub indices: usize,
     pub material: usize,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub targets: Vec<MorphTarget>,
 }
 
 /// Accessors of the vertex arrays.
@@ -89,6 +214,10 @@ pub(super) struct Attributes {
     pub tangent: Option<usize>,
     #[serde(rename = "TEXCOORD_0")]
     pub texcoord_0: usize,
+    #[serde(rename = "_WIND", skip_serializing_if = "Option::is_none")]
+    pub wind: Option<usize>,
+    #[serde(rename = "_WINDPIVOT", skip_serializing_if = "Option::is_none")]
+    pub wind_pivot: Option<usize>,
 }
 
 #[derive(Serialize)]
@@ -99,7 +228,30 @@ pub(super) struct Material {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub normal_texture: Option<TextureInfo>,
     pub double_sided: bool,
+    /// None for what is opaque.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alpha_mode: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub alpha_cutoff: Option<f32>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extensions: Option<MaterialExtensions>,
 }
+
+#[derive(Serialize)]
+pub(super) struct MaterialExtensions {
+    #[serde(rename = "KHR_materials_unlit", skip_serializing_if = "Option::is_none")]
+    pub unlit: Option<Empty>,
+}
+
+impl MaterialExtensions {
+    pub fn unlit() -> Self {
+        Self { unlit: Some(Empty {}) }
+    }
+}
+
+/// `{}`.
+#[derive(Serialize)]
+pub(super) struct Empty {}
 
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
@@ -115,6 +267,21 @@ pub(super) struct PbrMetallicRoughness {
 #[derive(Serialize)]
 pub(super) struct TextureInfo {
     pub index: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extensions: Option<TextureExtensions>,
+}
+
+#[derive(Serialize)]
+pub(super) struct TextureExtensions {
+    #[serde(rename = "KHR_texture_transform")]
+    pub transform: TextureTransform,
+}
+
+/// `KHR_texture_transform`: what is stored, scaled and then moved.
+#[derive(Serialize)]
+pub(super) struct TextureTransform {
+    pub offset: [f32; 2],
+    pub scale: [f32; 2],
 }
 
 #[derive(Serialize)]
@@ -150,28 +317,39 @@ pub(super) struct Sampler {
 }
 
 impl Sampler {
-    /// Trilinear, repeating both ways: bark goes round and along a branch.
-    pub const TILING: Self = Self { mag_filter: 9729, min_filter: 9987, wrap_s: 10497, wrap_t: 10497 };
+    /// Trilinear; either repeating both ways (bark goes round and along a branch) or not.
+    pub const fn new(wrap: Wrap) -> Self {
+        let wrap = match wrap {
+            Wrap::Repeat => 10497,
+            Wrap::Clamp => 33071,
+        };
+        Self { mag_filter: 9729, min_filter: 9987, wrap_s: wrap, wrap_t: wrap }
+    }
 }
 
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Accessor {
-    pub buffer_view: usize,
+    /// None: all zero.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub buffer_view: Option<usize>,
     pub component_type: ComponentType,
+    #[serde(skip_serializing_if = "is_false")]
+    pub normalized: bool,
     pub count: usize,
     #[serde(rename = "type")]
     pub shape: &'static str,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub min: Option<[f32; 3]>,
+    pub min: Option<Vec<f32>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub max: Option<[f32; 3]>,
+    pub max: Option<Vec<f32>>,
 }
 
 /// Component types by their number in OpenGL.
 #[derive(Clone, Copy, PartialEq, Eq)]
 #[repr(u16)]
 pub(super) enum ComponentType {
+    I8 = 5120,
     U16 = 5123,
     U32 = 5125,
     F32 = 5126,
@@ -189,7 +367,15 @@ pub(super) struct BufferView {
     pub buffer: usize,
     pub byte_offset: u64,
     pub byte_length: u64,
+    /// Where items are padded.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub byte_stride: Option<u64>,
     /// 34962 for vertices, 34963 for indices, none for pictures.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target: Option<u16>,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks with a reference")]
+fn is_false(is_on: &bool) -> bool {
+    !is_on
 }

@@ -7,21 +7,29 @@
 
 mod buffer;
 mod document;
+mod nodes;
+mod quantize;
+mod setting;
 mod tangents;
+mod wind;
 
 use linden::Monitor;
-use linden::scene::Scene;
+use linden::scene::Wrap;
+use linden::stage::Stage;
 use serde_json::value::RawValue;
 
 use self::buffer::Layout;
 use self::document::{
-    Asset, Buffer, Document, Extras, Image, ImageSource, Material, Mesh, Node, PbrMetallicRoughness,
-    Primitive, Sampler, SceneRoot, Texture, TextureInfo,
+    Asset, Buffer, Document, DocumentExtensions, Image, ImageSource, LightList, Material, MaterialExtensions,
+    PbrMetallicRoughness, Sampler, SceneRoot, Texture, TextureExtensions, TextureInfo, TextureTransform,
 };
+use self::nodes::SceneGraph;
+use self::quantize::Range;
+use crate::cast::{Cast, Look};
+use crate::memory;
 use crate::options::{OptionSpec, Options};
 use crate::picture::{self, Named};
 use crate::{Bundle, ExportError, Exporter, Format, GENERATOR};
-use crate::{memory, sound};
 
 /// JSON, with a buffer and pictures beside it.
 pub(crate) struct Gltf;
@@ -30,6 +38,28 @@ pub(crate) struct Gltf;
 pub(crate) struct Glb;
 
 const PICTURES: OptionSpec = OptionSpec::switch("pictures", true, "with bark pictures; without, one colour");
+
+const INSTANCES: OptionSpec = OptionSpec::switch(
+    "instances",
+    false,
+    "the trees of a forest by EXT_mesh_gpu_instancing instead of a node each; fewer programs read that",
+);
+
+const QUANTIZE: OptionSpec = OptionSpec::switch(
+    "quantize",
+    false,
+    "vertices in fewer bits (KHR_mesh_quantization): half the size, positions to a 65535th of the height",
+);
+
+/// Whether vertices are to be in fewer bits. Wind's targets move positions by lengths, which the bits of
+/// a cube cannot hold.
+fn is_quantized(cast: &Cast<'_>, options: &Options, bundle: &mut Bundle) -> bool {
+    let has_wind = cast.pieces().any(|piece| piece.wind.is_some());
+    if options.is_on("quantize") && has_wind {
+        bundle.note("quantize is left out: trees that move in the wind need whole numbers");
+    }
+    options.is_on("quantize") && !has_wind
+}
 
 static GLTF: Format = Format {
     id: "gltf",
@@ -41,6 +71,8 @@ static GLTF: Format = Format {
     options: &[
         PICTURES,
         OptionSpec::switch("embed", false, "buffer and pictures inside the file, as data URIs"),
+        INSTANCES,
+        QUANTIZE,
     ],
 };
 
@@ -51,7 +83,7 @@ static GLB: Format = Format {
     media_type: "model/gltf-binary",
     self_contained: true,
     help: "for engines and the web: everything in one file",
-    options: &[PICTURES],
+    options: &[PICTURES, INSTANCES, QUANTIZE],
 };
 
 impl Exporter for Gltf {
@@ -61,23 +93,24 @@ impl Exporter for Gltf {
 
     fn write(
         &self,
-        scene: &Scene,
+        stage: &Stage<'_>,
         options: &Options,
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
-        let bounds = sound::check(scene, monitor)?;
-        let pictures = if options.is_on("pictures") { picture::pictures(scene) } else { Vec::new() };
-        memory::admit(scene, &pictures, tangents_bytes(scene, &pictures), monitor)?;
+        let cast = Cast::under_dome(stage, monitor)?;
+        let pictures = if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
+        memory::admit(stage, &pictures, tangents_bytes(&cast, &pictures), monitor)?;
         let embed = options.is_on("embed") || !bundle.takes_side_files();
         if embed && !options.is_on("embed") {
             bundle
                 .note("a single stream has no files beside it: buffer and pictures are inside, as data URIs");
         }
-        let mut layout = Layout::of_meshes(scene, &bounds, &pictures);
+        let mut layout = Layout::of_meshes(&cast, &pictures, is_quantized(&cast, options, bundle));
         if embed {
             let sources = embedded(&pictures, &mut layout)?;
-            let mut document = document(scene, &pictures, sources, &mut layout);
+            let mut document =
+                document(stage, &cast, &pictures, sources, options.is_on("instances"), &mut layout);
             document.buffers[0].uri = Some(DATA_URI.to_owned());
             let json = json(&document)?;
             let hole = find(&json, DATA_URI.as_bytes()) + DATA_URI.len();
@@ -85,7 +118,7 @@ impl Exporter for Gltf {
             return bundle.write_main(Some(bytes), monitor, |out| {
                 out.write(&json[..hole])?;
                 let mut encoder = buffer::Base64::new(out);
-                layout.write(scene, &mut encoder)?;
+                layout.write(&cast, &mut encoder)?;
                 encoder.finish()?;
                 out.write(&json[hole..])
             });
@@ -95,17 +128,18 @@ impl Exporter for Gltf {
             bundle.write_side(&named.suffix, Some(png.len() as u64), monitor, |out| out.write(png))?;
             sources.push(ImageSource::Uri(percent_encoded(&bundle.side_name(&named.suffix))));
         }
-        let mut document = document(scene, &pictures, sources, &mut layout);
+        let mut document =
+            document(stage, &cast, &pictures, sources, options.is_on("instances"), &mut layout);
         document.buffers[0].uri = Some(percent_encoded(&bundle.side_name(".bin")));
         let json = json(&document)?;
-        bundle.write_side(".bin", Some(layout.bytes()), monitor, |out| layout.write(scene, out))?;
+        bundle.write_side(".bin", Some(layout.bytes()), monitor, |out| layout.write(&cast, out))?;
         bundle.write_main(Some(json.len() as u64), monitor, |out| out.write(&json))
     }
 }
 
-/// Tangents are all made before any is written, a part after the other.
-fn tangents_bytes(scene: &Scene, pictures: &[picture::Named<'_>]) -> u64 {
-    if pictures.is_empty() { 0 } else { memory::largest(scene, memory::per_vertex::<[f32; 4]>) }
+/// Tangents are all made before any is written, a mesh after the other.
+fn tangents_bytes(cast: &Cast<'_>, pictures: &[picture::Named<'_>]) -> u64 {
+    if pictures.is_empty() { 0 } else { memory::largest(cast, memory::per_vertex::<[f32; 4]>) }
 }
 
 /// How the embedded buffer's URI begins.
@@ -123,17 +157,17 @@ impl Exporter for Glb {
 
     fn write(
         &self,
-        scene: &Scene,
+        stage: &Stage<'_>,
         options: &Options,
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
-        let bounds = sound::check(scene, monitor)?;
-        let pictures = if options.is_on("pictures") { picture::pictures(scene) } else { Vec::new() };
-        memory::admit(scene, &pictures, tangents_bytes(scene, &pictures), monitor)?;
-        let mut layout = Layout::of_meshes(scene, &bounds, &pictures);
+        let cast = Cast::under_dome(stage, monitor)?;
+        let pictures = if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
+        memory::admit(stage, &pictures, tangents_bytes(&cast, &pictures), monitor)?;
+        let mut layout = Layout::of_meshes(&cast, &pictures, is_quantized(&cast, options, bundle));
         let sources = embedded(&pictures, &mut layout)?;
-        let document = document(scene, &pictures, sources, &mut layout);
+        let document = document(stage, &cast, &pictures, sources, options.is_on("instances"), &mut layout);
         let mut json = json(&document)?;
         // Both chunks end at a multiple of four (4.4.3): the buffer does anyway.
         json.resize(json.len().next_multiple_of(4), b' ');
@@ -156,7 +190,7 @@ impl Exporter for Glb {
             out.write(&json)?;
             out.write(&(binary as u32).to_le_bytes())?;
             out.write(b"BIN\0")?;
-            layout.write(scene, out)
+            layout.write(&cast, out)
         })
     }
 }
@@ -169,73 +203,89 @@ fn embedded(pictures: &[Named<'_>], layout: &mut Layout) -> Result<Vec<ImageSour
 
 /// The document, but for the buffer's URI. `sources` tells where each picture is.
 fn document(
-    scene: &Scene,
+    stage: &Stage<'_>,
+    cast: &Cast<'_>,
     pictures: &[Named<'_>],
     sources: Vec<ImageSource>,
+    instances: bool,
     layout: &mut Layout,
 ) -> Document {
-    let texture = |picture| picture::index_of(pictures, picture).map(|index| TextureInfo { index });
-    let materials = scene.materials.iter().map(|material| {
-        let base_color_texture = texture(material.base_color_picture.as_ref());
-        // The two are multiplied, and the picture is to be used as it is.
-        let [r, g, b] = if base_color_texture.is_some() { [1.0; 3] } else { material.base_color };
-        Material {
-            name: material.name.clone(),
-            pbr_metallic_roughness: PbrMetallicRoughness {
-                base_color_factor: [r, g, b, 1.0],
-                base_color_texture,
-                metallic_factor: 0.0,
-                roughness_factor: material.roughness,
-            },
-            normal_texture: texture(material.normal_picture.as_ref()),
-            double_sided: material.double_sided,
-        }
-    });
-    let meshes = scene.parts.iter().zip(&layout.primitives).map(|(part, primitive)| Mesh {
-        name: part.name.clone(),
-        primitives: [Primitive {
-            attributes: primitive.attributes(),
-            indices: primitive.indices,
-            material: part.material,
-        }],
-    });
-    let root = Node {
-        name: scene.name.clone(),
-        children: (1..=scene.parts.len()).collect(),
-        extras: recipe(scene).map(|linden| Extras { linden }),
-        ..Node::default()
+    let quanta = layout.quanta.as_ref();
+    let texture = |look: usize, picture| {
+        let index = picture::index_of(pictures, picture)?;
+        let range = quanta.and_then(|own| own.range(look));
+        let extensions = range.map(|Range { offset, scale }| TextureExtensions {
+            transform: TextureTransform { offset: offset.to_array(), scale: scale.to_array() },
+        });
+        Some(TextureInfo { index, extensions })
     };
-    let leaves = scene.parts.iter().enumerate().map(|(mesh, part)| Node {
-        name: part.name.clone(),
-        mesh: Some(mesh),
-        ..Node::default()
-    });
+    let unlit = cast.dome.as_ref().map(|dome| dome.look);
+    let materials: Vec<Material> = cast
+        .looks
+        .iter()
+        .enumerate()
+        .map(|(index, Look { name, material })| {
+            let base_color_texture = texture(index, material.base_color_picture.as_ref());
+            // The two are multiplied, and the picture is to be used as it is.
+            // Without its picture there is nothing to cut.
+            let cutout = material.cutout.filter(|_| base_color_texture.is_some());
+            let [r, g, b] = if base_color_texture.is_some() { [1.0; 3] } else { material.base_color };
+            Material {
+                name: name.clone(),
+                pbr_metallic_roughness: PbrMetallicRoughness {
+                    base_color_factor: [r, g, b, 1.0],
+                    base_color_texture,
+                    metallic_factor: 0.0,
+                    roughness_factor: material.roughness,
+                },
+                normal_texture: texture(index, material.normal_picture.as_ref()),
+                double_sided: material.double_sided,
+                alpha_mode: cutout.map(|_| "MASK"),
+                alpha_cutoff: cutout,
+                extensions: (unlit == Some(index)).then(MaterialExtensions::unlit),
+            }
+        })
+        .collect();
+    let instances =
+        if instances && !stage.is_single() { nodes::lay_out_instances(stage, layout) } else { Vec::new() };
+    let SceneGraph { nodes, roots, meshes, cameras, lights, extensions, required } =
+        nodes::nodes(stage, cast, layout, &instances);
+    let animation = wind::animation(cast, &meshes, &nodes, layout);
     let images = pictures.iter().zip(sources).map(|(named, source)| Image {
         name: named.suffix.trim_start_matches('_').trim_end_matches(".png").to_owned(),
         mime_type: "image/png",
         source,
     });
+    let mut wraps: Vec<Wrap> = pictures.iter().map(|named| named.wrap).collect();
+    wraps.sort_unstable_by_key(|wrap| *wrap == Wrap::Clamp);
+    wraps.dedup();
+    let sampler = |wrap| wraps.iter().position(|own| *own == wrap).unwrap_or_default();
+    let textures: Vec<Texture> =
+        (0..).zip(pictures).map(|(source, named)| Texture { sampler: sampler(named.wrap), source }).collect();
     Document {
         asset: Asset { version: "2.0", generator: GENERATOR },
         buffers: [Buffer { byte_length: layout.bytes(), uri: None }],
         scene: 0,
-        scenes: [SceneRoot { name: scene.name.clone(), nodes: [0] }],
-        nodes: std::iter::once(root).chain(leaves).collect(),
-        meshes: meshes.collect(),
-        materials: materials.collect(),
-        textures: (0..pictures.len()).map(|source| Texture { sampler: 0, source }).collect(),
+        extensions_used: extensions,
+        extensions_required: required,
+        scenes: [SceneRoot { name: stage.name.clone(), nodes: roots }],
+        nodes,
+        cameras,
+        extensions: lights.map(|own| DocumentExtensions { lights: LightList { lights: own } }),
+        meshes,
+        materials,
+        textures,
         images: images.collect(),
-        samplers: if pictures.is_empty() { Vec::new() } else { vec![Sampler::TILING] },
+        samplers: wraps.into_iter().map(Sampler::new).collect(),
+        animations: animation.into_iter().collect(),
         accessors: std::mem::take(&mut layout.accessors),
         buffer_views: std::mem::take(&mut layout.views),
     }
 }
 
 /// The recipe letter by letter: parsing and printing again could round a number.
-fn recipe(scene: &Scene) -> Option<Box<RawValue>> {
-    RawValue::from_string(scene.recipe.clone())
-        .or_else(|_| serde_json::value::to_raw_value(&scene.recipe))
-        .ok()
+fn recipe(recipe: &str) -> Option<Box<RawValue>> {
+    RawValue::from_string(recipe.to_owned()).or_else(|_| serde_json::value::to_raw_value(recipe)).ok()
 }
 
 fn json(document: &Document) -> Result<Vec<u8>, ExportError> {
@@ -271,22 +321,12 @@ mod tests {
 
     #[test]
     fn the_recipe_keeps_its_letters() {
-        let with = |recipe: &str| {
-            let scene = Scene {
-                name: String::new(),
-                recipe: recipe.to_owned(),
-                materials: Vec::new(),
-                parts: Vec::new(),
-                skeleton: std::sync::Arc::default(),
-            };
-            serde_json::to_string(&recipe_of(&scene)).unwrap()
+        let with = |text: &str| {
+            let extras = document::Extras { linden: recipe(text), ..document::Extras::default() };
+            serde_json::to_string(&extras).unwrap()
         };
         let recipe_text = r#"{"z":0.30000000000000004,"a":18446744073709551615}"#;
         assert_eq!(with(recipe_text), format!(r#"{{"linden":{recipe_text}}}"#));
         assert_eq!(with("no json"), r#"{"linden":"no json"}"#);
-    }
-
-    fn recipe_of(scene: &Scene) -> Extras {
-        Extras { linden: recipe(scene).unwrap() }
     }
 }

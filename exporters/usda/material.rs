@@ -3,11 +3,11 @@
 use std::sync::Arc;
 
 use linden::picture::Picture;
-use linden::scene::Material;
+use linden::scene::{Material, Wrap};
 
 use super::syntax::tuple;
 
-/// The prim at `path`. `file` gives the file of a picture, where it is written.
+/// The prim at `path`, not indented. `file` gives the file of a picture, where it is written.
 pub(super) fn describe<'f>(
     material: &Material,
     name: &str,
@@ -21,64 +21,91 @@ pub(super) fn describe<'f>(
         None => format!("inputs:diffuseColor = {}", tuple(material.base_color)),
     };
     let bump = match normal {
-        Some(_) => format!("\n                normal3f inputs:normal.connect = <{path}/Normal.outputs:rgb>"),
+        Some(_) => format!("\n        normal3f inputs:normal.connect = <{path}/Normal.outputs:rgb>"),
+        None => String::new(),
+    };
+    // Cut out where the alpha is below the threshold, not blended (UsdPreviewSurface, opacityThreshold).
+    let cut = match material.cutout.filter(|_| color.is_some()) {
+        Some(threshold) => format!(
+            "\n        float inputs:opacity.connect = <{path}/Color.outputs:a>\n        float \
+             inputs:opacityThreshold = {threshold}"
+        ),
         None => String::new(),
     };
     let mut text = format!(
-        r#"        def Material "{name}"
-        {{
-            token outputs:surface.connect = <{path}/Surface.outputs:surface>
+        r#"def Material "{name}"
+{{
+    token outputs:surface.connect = <{path}/Surface.outputs:surface>
 
-            def Shader "Surface"
-            {{
-                uniform token info:id = "UsdPreviewSurface"
-                color3f {diffuse}
-                float inputs:metallic = 0{bump}
-                float inputs:roughness = {}
-                token outputs:surface
-            }}
+    def Shader "Surface"
+    {{
+        uniform token info:id = "UsdPreviewSurface"
+        color3f {diffuse}
+        float inputs:metallic = 0{bump}{cut}
+        float inputs:roughness = {}
+        token outputs:surface
+    }}
 "#,
         material.roughness
     );
     if color.or(normal).is_some() {
         text += r#"
-            def Shader "Coordinates"
-            {
-                uniform token info:id = "UsdPrimvarReader_float2"
-                string inputs:varname = "st"
-                float2 outputs:result
-            }
+    def Shader "Coordinates"
+    {
+        uniform token info:id = "UsdPrimvarReader_float2"
+        string inputs:varname = "st"
+        float2 outputs:result
+    }
 "#;
     }
     if let Some(file) = color {
         let fallback = tuple(material.base_color).replace(')', ", 1)");
-        text += &texture("Color", path, file, "sRGB", &format!("float4 inputs:fallback = {fallback}"));
+        let more = format!("float4 inputs:fallback = {fallback}");
+        let alpha = material.cutout.is_some();
+        let reading = Reading { color_space: "sRGB", wrap: material.wrap, alpha, more: &more };
+        text += &texture("Color", path, file, &reading);
     }
     if let Some(file) = normal {
         // 0..1 in the picture is -1..1 in the vector (UsdPreviewSurface specification, "Normal").
         let decode = "float4 inputs:bias = (-1, -1, -1, 0)
-                float4 inputs:fallback = (0.5, 0.5, 1, 1)
-                float4 inputs:scale = (2, 2, 2, 1)";
-        text += &texture("Normal", path, file, "raw", decode);
+        float4 inputs:fallback = (0.5, 0.5, 1, 1)
+        float4 inputs:scale = (2, 2, 2, 1)";
+        let reading = Reading { color_space: "raw", wrap: material.wrap, alpha: false, more: decode };
+        text += &texture("Normal", path, file, &reading);
     }
-    text + "        }\n\n"
+    text + "}\n\n"
 }
 
-fn texture(name: &str, path: &str, file: &str, color_space: &str, more: &str) -> String {
+/// How a picture is read.
+struct Reading<'a> {
+    color_space: &'a str,
+    wrap: Wrap,
+    /// Whether its alpha is used.
+    alpha: bool,
+    more: &'a str,
+}
+
+fn texture(name: &str, path: &str, file: &str, reading: &Reading<'_>) -> String {
+    let Reading { color_space, more, .. } = reading;
+    let wrap = match reading.wrap {
+        Wrap::Repeat => "repeat",
+        Wrap::Clamp => "clamp",
+    };
+    let alpha = if reading.alpha { "\n        float outputs:a" } else { "" };
     // Names of side files hold nothing that ends or changes an asset path; see `Bundle::side_name`.
     format!(
         r#"
-            def Shader "{name}"
-            {{
-                uniform token info:id = "UsdUVTexture"
-                {more}
-                asset inputs:file = @./{file}@
-                token inputs:sourceColorSpace = "{color_space}"
-                float2 inputs:st.connect = <{path}/Coordinates.outputs:result>
-                token inputs:wrapS = "repeat"
-                token inputs:wrapT = "repeat"
-                float3 outputs:rgb
-            }}
+    def Shader "{name}"
+    {{
+        uniform token info:id = "UsdUVTexture"
+        {more}
+        asset inputs:file = @./{file}@
+        token inputs:sourceColorSpace = "{color_space}"
+        float2 inputs:st.connect = <{path}/Coordinates.outputs:result>
+        token inputs:wrapS = "{wrap}"
+        token inputs:wrapT = "{wrap}"
+        float3 outputs:rgb{alpha}
+    }}
 "#
     )
 }

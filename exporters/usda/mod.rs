@@ -7,25 +7,39 @@
 //!     /Materials/bark     UsdPreviewSurface
 //! ```
 //!
+//! Several plants, or one with what stands around it, are an [`assembly`].
+//!
 //! The recipe stands twice: in the root's `customData` (what USD has it for) and as the attribute
 //! `userProperties:linden:recipe` (what importers keep). The skeleton has purpose `guide`: it lies
 //! inside the wood, and a renderer that drew it would show it through every gap.
 
+mod assembly;
 mod indexed;
+mod layer;
 mod material;
+mod mesh;
+mod package;
+mod plant;
+mod skeleton;
 mod syntax;
+mod wind;
 
-use glam::Vec3;
+use std::sync::Arc;
+
 use linden::Monitor;
 use linden::memory::bytes_of;
-use linden::scene::{Bounds, Part, Scene};
-use linden::skeleton::{Axis, NO_PARENT, Skeleton};
+use linden::picture::Picture;
+use linden::scene::{Mesh, Wrap};
+use linden::stage::Stage;
 
-use self::syntax::{Names, identifier, quoted, tuple};
-use crate::chunks::{self, Text};
+use self::layer::Layer;
+use self::package::Package;
+use self::plant::{Component, Head};
+use self::syntax::{identifier, quoted};
+use crate::cast::Cast;
 use crate::options::{OptionSpec, Options};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, picture};
-use crate::{memory, sound};
+use crate::picture::{self, Named};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, memory};
 
 /// OpenUSD as text.
 pub(crate) struct Usda;
@@ -40,8 +54,84 @@ static FORMAT: Format = Format {
     options: &[
         OptionSpec::switch("pictures", true, "bark pictures beside the file; without, one colour"),
         OptionSpec::switch("skeleton", true, "the skeleton too, as guide curves: one per axis"),
+        OptionSpec::switch(
+            "instances",
+            false,
+            "the trees of a forest by a PointInstancer instead of references",
+        ),
     ],
 };
+
+/// OpenUSD in one file.
+pub(crate) struct Usdz;
+
+static PACKAGE: Format = Format {
+    id: "usdz",
+    name: "OpenUSD (package)",
+    extensions: &["usdz"],
+    media_type: "model/vnd.usdz+zip",
+    self_contained: true,
+    help: "USD text and its pictures in one file, for phones and handing on",
+    options: &[
+        OptionSpec::choice(
+            "flavor",
+            &["full", "ar"],
+            "ar leaves out what augmented reality on phones refuses: curves, instancers, lights, setting",
+        ),
+        OptionSpec::switch("pictures", true, "pictures in the package; without, one colour"),
+        OptionSpec::switch("skeleton", true, "the skeleton too, as guide curves: one per axis"),
+        OptionSpec::switch(
+            "instances",
+            false,
+            "the trees of a forest by a PointInstancer instead of references",
+        ),
+    ],
+};
+
+/// What all writers of prims need.
+struct Writing<'a> {
+    stage: &'a Stage<'a>,
+    cast: Cast<'a>,
+    pictures: Vec<Named<'a>>,
+    /// The files of `pictures`.
+    files: Vec<String>,
+    /// The file of the sky's picture.
+    sky: Option<String>,
+    with_skeleton: bool,
+    with_instances: bool,
+}
+
+impl<'a> Writing<'a> {
+    fn new(stage: &'a Stage<'_>, options: &Options, monitor: &dyn Monitor) -> Result<Self, ExportError> {
+        let cast = Cast::in_setting(stage, monitor)?;
+        let mut pictures =
+            if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
+        if !pictures.is_empty() {
+            pictures.extend(stage.setting.as_ref().map(|setting| Named {
+                suffix: SKY.to_owned(),
+                picture: &setting.sky.picture,
+                wrap: Wrap::Clamp,
+            }));
+        }
+        let (with_skeleton, with_instances) = (options.is_on("skeleton"), options.is_on("instances"));
+        Ok(Self { stage, cast, pictures, files: Vec::new(), sky: None, with_skeleton, with_instances })
+    }
+
+    /// Says what each picture's file is called.
+    fn name_files(&mut self, name: impl Fn(&Named<'_>) -> String) {
+        self.files = self.pictures.iter().map(name).collect();
+        let is_sky = self.pictures.last().is_some_and(|named| named.suffix == SKY);
+        self.sky = self.files.last().filter(|_| is_sky).cloned();
+    }
+
+    /// The file of a picture, where it is written.
+    fn file(&self, picture: Option<&Arc<Picture>>) -> Option<&str> {
+        picture::index_of(&self.pictures, picture).map(|index| self.files[index].as_str())
+    }
+}
+
+/// The suffix of the sky's picture.
+const SKY: &str = "_sky.png";
 
 impl Exporter for Usda {
     fn format(&self) -> &'static Format {
@@ -50,221 +140,110 @@ impl Exporter for Usda {
 
     fn write(
         &self,
-        scene: &Scene,
+        stage: &Stage<'_>,
         options: &Options,
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
-        let bounds = sound::check(scene, monitor)?;
-        let mut pictures = if options.is_on("pictures") { picture::pictures(scene) } else { Vec::new() };
-        if !pictures.is_empty() && !bundle.takes_side_files() {
+        let mut writing = Writing::new(stage, options, monitor)?;
+        if !writing.pictures.is_empty() && !bundle.takes_side_files() {
             bundle.note(
                 "USD keeps pictures in files beside it: left out of a single stream, one colour instead",
             );
-            pictures.clear();
+            writing.pictures.clear();
         }
-        // Texture coordinates each once: a table of indices, at most half full, the values, an index a vertex.
-        let indexed = |part: &Part| {
-            let vertices = part.mesh.positions.len();
-            bytes_of::<u32>((2 * vertices).next_power_of_two()) + memory::per_vertex::<([f32; 2], u32)>(part)
-        };
-        let own = memory::largest(scene, indexed) + memory::formatting(scene);
-        memory::admit(scene, &pictures, own, monitor)?;
-        for (named, png) in pictures.iter().zip(picture::compress(&pictures)?) {
+        memory::admit(stage, &writing.pictures, own_bytes(&writing.cast), monitor)?;
+        for (named, png) in writing.pictures.iter().zip(picture::compress(&writing.pictures)?) {
             bundle.write_side(&named.suffix, Some(png.len() as u64), monitor, |out| out.write(png))?;
         }
-        let files: Vec<_> = pictures.iter().map(|named| bundle.side_name(&named.suffix)).collect();
-        let root = identifier(&scene.name);
-        let mut names = Names::default();
-        let materials: Vec<_> = scene.materials.iter().map(|m| names.unique(&m.name)).collect();
-        let head = header(scene, &root);
-        bundle.write_main(None, monitor, |out| {
-            out.write(head.as_bytes())?;
-            out.write(b"    def Scope \"Geometry\"\n    {\n")?;
-            let mut names = Names::default();
-            for (part, bounds) in scene.parts.iter().zip(&bounds) {
-                let binding = format!("/{root}/Materials/{}", materials[part.material]);
-                write_mesh(out, scene, part, &names.unique(&part.name), *bounds, &binding)?;
-            }
-            if options.is_on("skeleton") {
-                write_skeleton(out, &scene.skeleton, &names.unique("Skeleton"))?;
-            }
-            out.write(b"    }\n\n    def Scope \"Materials\"\n    {\n")?;
-            for (material, name) in scene.materials.iter().zip(&materials) {
-                let text =
-                    material::describe(material, name, &format!("/{root}/Materials/{name}"), |picture| {
-                        picture::index_of(&pictures, picture).map(|index| files[index].as_str())
-                    });
-                out.write(text.as_bytes())?;
-            }
-            out.write(b"    }\n}\n")
-        })
+        writing.name_files(|named| bundle.side_name(&named.suffix));
+        bundle.write_main(None, monitor, |out| write_layer(&mut Layer::new(out), &writing))
     }
 }
 
-/// The layer's metadata and the root prim up to its children.
-fn header(scene: &Scene, root: &str) -> String {
-    let name = quoted(&scene.name);
-    let recipe = quoted(&scene.recipe);
+impl Exporter for Usdz {
+    fn format(&self) -> &'static Format {
+        &PACKAGE
+    }
+
+    fn write(
+        &self,
+        stage: &Stage<'_>,
+        options: &Options,
+        bundle: &mut Bundle,
+        monitor: &dyn Monitor,
+    ) -> Result<(), ExportError> {
+        let is_ar = options.is_word("flavor", "ar");
+        let mut stage = stage.clone();
+        stage.setting = stage.setting.filter(|_| !is_ar);
+        let mut writing = Writing::new(&stage, options, monitor)?;
+        writing.with_skeleton &= !is_ar;
+        writing.with_instances &= !is_ar;
+        // The package is held whole: sizes and sums stand before the data.
+        let nodes = writing.cast.models.iter().map(|model| model.scene.skeleton.positions.len() as u64);
+        let text = writing.cast.pieces().map(|piece| text_bytes(piece.mesh)).sum::<u64>()
+            + CURVE_BYTES_PER_NODE * nodes.sum::<u64>();
+        memory::admit(&stage, &writing.pictures, own_bytes(&writing.cast) + text, monitor)?;
+        writing.name_files(|named| named.suffix.trim_start_matches('_').to_owned());
+        let pictures = picture::compress(&writing.pictures)?;
+        let files: usize = pictures.iter().map(|png| png.len()).sum();
+        let mut package = Package::with_capacity(text as usize + files);
+        package.push_with("tree.usda", |bytes| {
+            Sink::gather("the USD layer", bytes, monitor, |out| write_layer(&mut Layer::new(out), &writing))
+        })?;
+        for (file, png) in writing.files.iter().zip(pictures) {
+            package.push(file, png)?;
+        }
+        let bytes = package.finish()?;
+        bundle.write_main(Some(bytes.len() as u64), monitor, |out| out.write(&bytes))
+    }
+}
+
+/// What a node of the skeleton takes as text (measured).
+const CURVE_BYTES_PER_NODE: u64 = 55;
+
+/// What a mesh takes as text, rather more than less: a vertex was measured to take 85 bytes and a
+/// triangle 9 and its three indices, of which each has the digits of the last one at most.
+fn text_bytes(mesh: &Mesh) -> u64 {
+    let (vertices, triangles) = (mesh.positions.len() as u64, mesh.triangles.len() as u64);
+    let digits = u64::from(vertices.max(1).ilog10()) + 1;
+    4096 + 92 * vertices + (9 + 3 * digits) * triangles
+}
+
+/// What writing takes: of one mesh after the other, its texture coordinates each once (a table of
+/// indices, at most half full, the values, an index a vertex).
+fn own_bytes(cast: &Cast<'_>) -> u64 {
+    let indexed = |mesh: &Mesh| {
+        let table = bytes_of::<u32>((2 * mesh.positions.len()).next_power_of_two());
+        table + memory::per_vertex::<([f32; 2], u32)>(mesh)
+    };
+    memory::largest(cast, indexed) + memory::formatting(cast)
+}
+
+fn write_layer(layer: &mut Layer<'_, '_>, writing: &Writing<'_>) -> Result<(), ExportError> {
+    let stage = writing.stage;
+    let root = identifier(&stage.name);
     let generator = quoted(GENERATOR);
-    format!(
+    let pieces: Vec<_> = writing.cast.pieces().collect();
+    let time = wind::sway(&pieces).map_or_else(String::new, wind::time);
+    layer.lines(&format!(
         r#"#usda 1.0
 (
     defaultPrim = "{root}"
     doc = {generator}
-    metersPerUnit = 1
+{time}    metersPerUnit = 1
     upAxis = "Y"
 )
-
-def Xform "{root}" (
-    assetInfo = {{
-        string name = {name}
-        string version = "1"
-    }}
-    customData = {{
-        dictionary linden = {{
-            string generator = {generator}
-            string recipe = {recipe}
-        }}
-    }}
-    displayName = {name}
-    kind = "component"
-)
-{{
-    custom string userProperties:linden:recipe = {recipe}
-
 "#
-    )
-}
-
-fn write_mesh(
-    out: &mut Sink<'_>,
-    scene: &Scene,
-    part: &Part,
-    name: &str,
-    bounds: Bounds,
-    material: &str,
-) -> Result<(), ExportError> {
-    let mesh = &part.mesh;
-    let material_of = &scene.materials[part.material];
-    let head = format!(
-        r#"        def Mesh "{name}" (
-            prepend apiSchemas = ["MaterialBindingAPI"]
-        )
-        {{
-            uniform bool doubleSided = {}
-            float3[] extent = [{}, {}]
-            uniform token orientation = "rightHanded"
-            uniform token subdivisionScheme = "none"
-            rel material:binding = <{material}>
-            color3f[] primvars:displayColor = [{}] (
-                interpolation = "constant"
-            )
-"#,
-        u8::from(material_of.double_sided),
-        tuple(bounds.min.to_array()),
-        tuple(bounds.max.to_array()),
-        tuple(material_of.base_color),
-    );
-    out.write(head.as_bytes())?;
-    let vertex = " (\n                interpolation = \"vertex\"\n            )";
-    array(out, "int[] faceVertexCounts", mesh.triangles.len(), "", |text, _| text.byte(b'3'))?;
-    array(out, "int[] faceVertexIndices", mesh.triangles.len(), "", |text, i| {
-        let [a, b, c] = mesh.triangles[i];
-        text.integer(a);
-        text.bytes(b", ");
-        text.integer(b);
-        text.bytes(b", ");
-        text.integer(c);
-    })?;
-    let count = mesh.positions.len();
-    array(out, "point3f[] points", count, "", |text, i| vector(text, mesh.positions[i].to_array()))?;
-    array(out, "normal3f[] normals", count, vertex, |text, i| vector(text, mesh.normals[i].to_array()))?;
-    let st = "texCoord2f[] primvars:st";
-    if let Some((once, indices)) = indexed::indexed(&mesh.uvs) {
-        array(out, st, once.len(), vertex, |text, i| vector(text, once[i].to_array()))?;
-        array(out, "int[] primvars:st:indices", indices.len(), "", |text, i| text.integer(indices[i]))?;
-    } else {
-        array(out, st, count, vertex, |text, i| vector(text, mesh.uvs[i].to_array()))?;
+    ))?;
+    layer.lines("\n")?;
+    if !stage.is_single() || stage.setting.is_some() {
+        return assembly::write(layer, writing, &root);
     }
-    out.write(b"        }\n\n")
-}
-
-/// Each axis as a chain of straight pieces from the node that it leaves from, as wide as the wood.
-fn write_skeleton(out: &mut Sink<'_>, skeleton: &Skeleton, name: &str) -> Result<(), ExportError> {
-    // Foot (where the axis leaves its parent) and nodes; a curve needs two points.
-    let foot = |axis: &Axis| (axis.parent != NO_PARENT).then_some(axis.parent);
-    let mut axes = Vec::with_capacity(skeleton.axes.len());
-    let mut nodes = Vec::with_capacity(skeleton.positions.len() + skeleton.axes.len());
-    let mut radii = Vec::with_capacity(nodes.capacity());
-    for axis in &skeleton.axes {
-        let own = skeleton.nodes_of(axis);
-        if own.len() + usize::from(foot(axis).is_some()) < 2 || own.is_empty() {
-            continue;
-        }
-        axes.push((axis, (own.len() + usize::from(foot(axis).is_some())) as u32));
-        nodes.extend(foot(axis));
-        nodes.extend(own);
-        // At its foot an axis is as thick as itself, not as the trunk that it leaves.
-        let thickness = own.iter().map(|&node| skeleton.radii[node as usize]);
-        radii.extend(foot(axis).and(thickness.clone().next()).into_iter().chain(thickness));
-    }
-    let points = nodes.iter().map(|&node| skeleton.positions[node as usize]);
-    let Some(Bounds { min, max }) = Bounds::of(points) else { return Ok(()) };
-    // By the widest curve all round, as UsdGeomCurves computes it.
-    let reach = Vec3::splat(radii.iter().copied().fold(0.0, f32::max));
-    let head = format!(
-        r#"        def BasisCurves "{name}"
-        {{
-            float3[] extent = [{}, {}]
-            uniform token purpose = "guide"
-            uniform token type = "linear"
-            uniform token wrap = "nonperiodic"
-"#,
-        tuple((min - reach).to_array()),
-        tuple((max + reach).to_array()),
-    );
-    out.write(head.as_bytes())?;
-    let per = |what| format!(" (\n                interpolation = \"{what}\"\n            )");
-    let node = |i: usize| nodes[i] as usize;
-    array(out, "int[] curveVertexCounts", axes.len(), "", |text, i| text.integer(axes[i].1))?;
-    array(out, "point3f[] points", nodes.len(), "", |text, i| {
-        vector(text, skeleton.positions[node(i)].to_array());
-    })?;
-    array(out, "float[] widths", nodes.len(), &per("vertex"), |text, i| text.float(2.0 * radii[i]))?;
-    array(out, "int[] primvars:linden:order", axes.len(), &per("uniform"), |text, i| {
-        text.integer(axes[i].0.order);
-    })?;
-    array(out, "int[] primvars:linden:birth", nodes.len(), &per("vertex"), |text, i| {
-        text.integer(skeleton.births[node(i)].min(i32::MAX as u32));
-    })?;
-    out.write(b"        }\n\n")
-}
-
-/// An attribute of many elements: `item` formats one.
-fn array(
-    out: &mut Sink<'_>,
-    declaration: &str,
-    count: usize,
-    metadata: &str,
-    item: impl Fn(&mut Text, usize) + Sync,
-) -> Result<(), ExportError> {
-    // Editors and diff choke on a line of a hundred megabytes.
-    const PER_LINE: usize = 64;
-    out.write(format!("            {declaration} = [").as_bytes())?;
-    chunks::write(out, count, |text, range| {
-        for i in range {
-            if i > 0 {
-                text.bytes(if i % PER_LINE == 0 { b",\n" } else { b", " });
-            }
-            item(text, i);
-        }
-    })?;
-    out.write(format!("]{metadata}\n").as_bytes())
-}
-
-fn vector<const N: usize>(text: &mut Text, numbers: [f32; N]) {
-    text.byte(b'(');
-    text.floats(numbers, b", ");
-    text.byte(b')');
+    let component = Component::new(writing, 0, format!("/{root}"));
+    let variants = component.variants();
+    Head { prim: &root, name: &stage.name, recipe: &stage.recipe, kind: "component", variants }
+        .open(layer)?;
+    component.write(layer)?;
+    layer.close()
 }

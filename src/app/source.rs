@@ -66,6 +66,15 @@ fn load(
     read(Some(path), &bytes, files, monitor)
 }
 
+/// A recipe that stands in a document, with the files that it needs: beside that, or built in.
+pub fn of_recipe(document: &Path, json: &str, monitor: &dyn Monitor) -> anyhow::Result<Source> {
+    let mut files = Vec::new();
+    let shown = show(document);
+    let preset = Preset::from_json(json).map_err(|fault| locate(&shown, &fault))?;
+    let inputs = read_beside(Some(document), &preset, &shown, &mut files, monitor)?;
+    Ok(Source { shown, recipe: Recipe { preset, inputs }, notes: Vec::new(), files })
+}
+
 /// Whether there is such a source at all, without reading it: for what is read later.
 pub fn ensure_there(path: &Path) -> anyhow::Result<()> {
     match path.to_str().map_or(Err(None), builtin) {
@@ -189,7 +198,7 @@ fn recipe_hashes(recipe: &[u8]) -> Vec<String> {
 }
 
 /// Text, or where it stops being one.
-fn utf8<'a>(bytes: &'a [u8], shown: &str) -> anyhow::Result<&'a str> {
+pub fn utf8<'a>(bytes: &'a [u8], shown: &str) -> anyhow::Result<&'a str> {
     std::str::from_utf8(bytes).map_err(|error| {
         let line = bytes[..error.valid_up_to()].iter().filter(|&&b| b == b'\n').count() + 1;
         anyhow::anyhow!("reading {shown}, line {line}: not UTF-8 text; save the file as UTF-8")
@@ -197,7 +206,7 @@ fn utf8<'a>(bytes: &'a [u8], shown: &str) -> anyhow::Result<&'a str> {
 }
 
 /// A fault with its file before it, as compilers and editors have it: `my.toml:3:7: …`.
-fn locate(shown: &str, fault: &Fault) -> anyhow::Error {
+pub fn locate(shown: &str, fault: &Fault) -> anyhow::Error {
     match fault.place {
         Some(place) => anyhow::anyhow!("{shown}:{place}: {}", fault.message),
         None => anyhow::anyhow!("{shown}: {}", fault.message),

@@ -8,9 +8,10 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use linden::Monitor;
-use linden::scene::Scene;
+use linden::stage::Stage;
 use linden_exporters::{
-    Bundle, ExportError, Exporter, Options, Written, commit_all, ensure_distinct, ensure_spared,
+    Bundle, Existing, ExportError, Exporter, LevelsIn, Options, Written, commit_all, ensure_distinct,
+    ensure_spared, examine,
 };
 
 /// One output: who writes it, with which options, where.
@@ -22,6 +23,35 @@ pub struct Output {
     pub options: Options,
     /// The main file.
     pub path: PathBuf,
+    /// The only level of detail in it; `None`: all, as far as the format holds them.
+    pub level: Option<usize>,
+}
+
+impl Output {
+    /// All levels of detail in this file.
+    pub const fn new(exporter: &'static dyn Exporter, options: Options, path: PathBuf) -> Self {
+        Self { exporter, options, path, level: None }
+    }
+
+    /// The files for so many levels of detail: this one, or for a format that holds one level only
+    /// `fir_LOD0.obj`, `fir_LOD1.obj` and so on. A stream stays one, with the finest level.
+    pub fn in_levels(self, levels: usize) -> Vec<Self> {
+        let is_stream = self.path == Path::new("-") || matches!(examine(&self.path), Ok(Existing::Stream));
+        if levels < 2 || is_stream || self.exporter.format().levels() != LevelsIn::Files {
+            return vec![self];
+        }
+        let stem = self.path.file_stem().unwrap_or_default().to_os_string();
+        let path = |level: usize| {
+            let mut name = stem.clone();
+            name.push(format!("_LOD{level}"));
+            if let Some(ending) = self.path.extension() {
+                name.push(".");
+                name.push(ending);
+            }
+            self.path.with_file_name(name)
+        };
+        (0..levels).map(|level| Self { path: path(level), level: Some(level), ..self.clone() }).collect()
+    }
 }
 
 impl fmt::Debug for Output {
@@ -30,6 +60,7 @@ impl fmt::Debug for Output {
             .field("format", &self.exporter.format().id)
             .field("options", &self.options.iter().collect::<Vec<_>>())
             .field("path", &self.path)
+            .field("level", &self.level)
             .finish()
     }
 }
@@ -64,19 +95,24 @@ impl Batch {
         self.bundles.iter().filter(|bundle| !bundle.takes_side_files()).count()
     }
 
-    /// Writes one output after another; `told` hears of each when it is written, with what the user
+    /// Writes one output after another (those of levels that there are in the end); `told` hears of each when it is written, with what the user
     /// should know about it.
     ///
     /// # Errors
     /// Those of the exporters.
     pub fn write(
         &mut self,
-        scene: &Scene,
+        stage: &Stage<'_>,
         monitor: &dyn Monitor,
         mut told: impl FnMut(&[String]),
     ) -> Result<(), ExportError> {
+        let levels = stage.levels();
+        let mut has = self.outputs.iter().map(|output| output.level.is_none_or(|level| level < levels));
+        self.bundles.retain(|_| has.next().unwrap_or(false));
+        self.outputs.retain(|output| output.level.is_none_or(|level| level < levels));
         for (output, bundle) in self.outputs.iter().zip(&mut self.bundles) {
-            output.exporter.write(scene, &output.options, bundle, monitor)?;
+            let own = output.level.map(|level| stage.at_level(level));
+            output.exporter.write(own.as_ref().unwrap_or(stage), &output.options, bundle, monitor)?;
             told(bundle.notes());
         }
         Ok(())

@@ -1,4 +1,5 @@
-//! Lists the files of `presets/`, so that adding a preset is adding a file.
+//! Lists the files of `presets/`, so that adding a preset is adding a file. Those in `forests/` are
+//! documents of forests, all others of trees.
 
 use std::error::Error;
 use std::fmt::Write as _;
@@ -9,6 +10,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let presets = Path::new(&env::var("CARGO_MANIFEST_DIR")?).join("../../presets").canonicalize()?;
     println!("cargo::rerun-if-changed={}", presets.display());
     let mut table = String::from("static BUILTINS: &[Builtin] = &[\n");
+    let mut forests = String::from("static FORESTS: &[BuiltinForest] = &[\n");
     for folder in sorted(&presets)?.iter().filter(|path| path.is_dir()) {
         println!("cargo::rerun-if-changed={}", folder.display());
         let files = sorted(folder)?;
@@ -21,6 +23,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
         for path in documents {
             let id = path.file_stem().ok_or("a file without a name")?.to_string_lossy();
+            if folder.ends_with("forests") {
+                let text = path.to_string_lossy();
+                writeln!(forests, "BuiltinForest {{ id: {id:?}, text: include_str!({text:?}) }},")?;
+                continue;
+            }
             writeln!(
                 table,
                 "Builtin {{ id: {id:?}, text: include_str!({:?}), beside: &[{beside}] }},",
@@ -29,7 +36,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     table.push_str("];\n");
-    fs::write(Path::new(&env::var("OUT_DIR")?).join("builtins.rs"), table)?;
+    forests.push_str("];\n");
+    let out = env::var("OUT_DIR")?;
+    fs::write(Path::new(&out).join("builtins.rs"), table)?;
+    fs::write(Path::new(&out).join("forests.rs"), forests)?;
     Ok(())
 }
 

@@ -2,23 +2,27 @@
 
 use std::sync::Arc;
 
+use glam::Vec3;
+
 use crate::color::linear;
-use crate::foliage::{self, Foliage, FoliageError};
+use crate::foliage::{self, CUTOUT, Cover, Foliage, FoliageError, Look, Organs, Shape};
 use crate::grow::Grown;
 use crate::knob::printable;
 use crate::memory::Holding;
 use crate::monitor::{Cancelled, Monitor, from_cancellable};
+use crate::preset::Preset;
 use crate::random::Key;
 use crate::recipe::{Input, Recipe};
-use crate::scene::{Material, Part, Scene};
+use crate::scene::{Material, Part, Scene, Wrap};
 use crate::surface::{self, SurfaceError};
 use crate::texture::{BarkError, BarkPictures};
+use crate::wind::{Blown, Field};
 
 /// Bark scatters light in all directions; nothing on it shines.
 const BARK_ROUGHNESS: f32 = 0.9;
 
 /// Why a tree has no scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DressError {
     /// The result was no longer wanted.
     #[error(transparent)]
@@ -36,53 +40,171 @@ pub enum DressError {
 
 from_cancellable!(DressError: SurfaceError => Surface, FoliageError => Foliage, BarkError => Bark);
 
+/// For messages about memory.
+const BLOWING: &str = "computing the wind";
+const BLOWING_ADVICE: &str = "use wind=attributes, a budget of triangles, or no wind";
+
 /// Leaves are a little glossy.
 const LEAF_ROUGHNESS: f32 = 0.6;
 
-/// Gives a grown tree its surface, its foliage (a part for each colour of it) and materials. Only the
-/// bark's pictures use the seed.
+/// Gives a grown tree its surface, its foliage (a part for each kind and for each of a grammar's
+/// colours) and materials. Only pictures use the seed.
 ///
 /// # Errors
 /// [`DressError`]: too large, or cancelled.
 pub fn dress(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Scene, DressError> {
-    let preset = &recipe.preset;
-    let held = grown.bytes() + recipe.inputs.iter().map(Input::bytes).sum::<u64>();
-    let monitor: &dyn Monitor = &Holding::new(monitor, held);
-    let wood = surface::sweep(&grown.skeleton, &preset.tubes, monitor)?;
-    let bark = preset.bark.bark(Key::new(preset.seed).named("bark"));
-    let BarkPictures { base_color, normal } = bark.draw(&Holding::new(monitor, wood.bytes()))?;
-    let material = Material {
-        name: "bark".to_owned(),
-        base_color: linear(bark.color),
-        base_color_picture: Some(base_color),
-        normal_picture: Some(normal),
-        roughness: BARK_ROUGHNESS,
-        double_sided: false,
-    };
-    let mut materials = vec![material];
-    let mut parts = vec![Part { name: "wood".to_owned(), material: 0, mesh: wood }];
-    let colors = &preset.foliage.leaf_colors;
-    let pictures = [&materials[0].base_color_picture, &materials[0].normal_picture];
-    let pictures: u64 = pictures.into_iter().flatten().map(|picture| picture.rgba().len() as u64).sum();
-    let wooded = Holding::new(monitor, parts[0].mesh.bytes() + pictures);
-    for Foliage { color, mesh } in foliage::meshes(&grown.organs, colors.len(), &wooded)? {
-        let name = if color == 0 { "leaves".to_owned() } else { format!("leaves_{color}") };
-        parts.push(Part { name: name.clone(), material: materials.len(), mesh });
-        materials.push(Material {
-            name,
-            base_color: colors.get(color).copied().map_or([0.0; 3], linear),
-            base_color_picture: None,
-            normal_picture: None,
-            roughness: LEAF_ROUGHNESS,
-            double_sided: true,
-        });
+    let held = Holding::new(monitor, grown.bytes());
+    let wardrobe = Wardrobe::new(recipe, &grown.organs, &held)?;
+    let field = Field::of(&recipe.preset, &grown.skeleton);
+    let blown = field.as_ref().map(|field| Blown { field, axes: None });
+    wardrobe.dress(recipe, grown, blown, monitor)
+}
+
+/// What a tree wears: pictures, drawn once for all of its levels of detail and looks.
+pub struct Wardrobe {
+    bark: Material,
+    /// By kind; `None` where no organ is of it.
+    covers: Vec<Option<Cover>>,
+    shapes: Vec<Shape>,
+}
+
+impl Wardrobe {
+    /// Draws the pictures that the bark and these organs need.
+    ///
+    /// # Errors
+    /// [`DressError`].
+    pub fn new(recipe: &Recipe, organs: &Organs, monitor: &dyn Monitor) -> Result<Self, DressError> {
+        let Preset { seed, bark, foliage, .. } = &recipe.preset;
+        let bark = bark.bark(Key::new(*seed).named("bark"));
+        let BarkPictures { base_color, normal } = bark.draw(monitor)?;
+        let mut pictures = (base_color.rgba().len() + normal.rgba().len()) as u64;
+        let bark = Material {
+            name: "bark".to_owned(),
+            base_color: linear(bark.color),
+            base_color_picture: Some(base_color),
+            normal_picture: Some(normal),
+            roughness: BARK_ROUGHNESS,
+            double_sided: false,
+            cutout: None,
+            wrap: Wrap::Repeat,
+        };
+        let mut covers: Vec<Option<Cover>> = Vec::new();
+        let mut shapes: Vec<Shape> = Vec::new();
+        for (index, kind) in foliage.kinds().enumerate() {
+            let is_there = organs.shapes.iter().any(|shape| usize::from(shape.kind) == index);
+            let cover = if is_there {
+                let holding = Holding::new(monitor, pictures);
+                let own = foliage::cover(recipe, index, kind, foliage.size_px, &holding)?;
+                let normal = own.normal.as_ref().map_or(0, |normal| normal.rgba().len());
+                pictures += (own.base_color.rgba().len() + normal) as u64;
+                shapes.extend(foliage::kind_shapes(recipe, index, kind, &own.cells)?);
+                Some(own)
+            } else {
+                None
+            };
+            covers.push(cover);
+        }
+        Ok(Self { bark, covers, shapes })
     }
-    let name = if preset.name.trim().is_empty() { &preset.id } else { &preset.name };
-    Ok(Scene {
-        name: printable(name),
-        recipe: recipe.to_line(),
-        materials,
-        parts,
-        skeleton: Arc::clone(&grown.skeleton),
-    })
+
+    /// Bytes of the pictures.
+    fn bytes(&self) -> u64 {
+        let bark = [&self.bark.base_color_picture, &self.bark.normal_picture].into_iter().flatten();
+        let covers = self.covers.iter().flatten();
+        let covers = covers.flat_map(|own| std::iter::once(&own.base_color).chain(own.normal.as_ref()));
+        bark.chain(covers).map(|picture| picture.rgba().len() as u64).sum()
+    }
+
+    /// As [`dress`](dress()), with these pictures and this wind.
+    ///
+    /// # Errors
+    /// [`DressError`].
+    pub(crate) fn dress(
+        &self,
+        recipe: &Recipe,
+        grown: &Grown,
+        blown: Option<Blown<'_>>,
+        monitor: &dyn Monitor,
+    ) -> Result<Scene, DressError> {
+        let preset = &recipe.preset;
+        let held = grown.bytes() + recipe.inputs.iter().map(Input::bytes).sum::<u64>() + self.bytes();
+        let monitor: &dyn Monitor = &Holding::new(monitor, held);
+        let wood = surface::sweep(&grown.skeleton, &preset.tubes, monitor)?;
+        let mut materials = vec![self.bark.clone()];
+        let mut wood = Part::new("wood", 0, wood);
+        if let Some(blown) = blown {
+            let bytes = wood.bytes() + blown.field.bytes_for(wood.mesh.positions.len());
+            monitor.admit(BLOWING, bytes, BLOWING_ADVICE).map_err(SurfaceError::from)?;
+            let tubes = surface::count(&grown.skeleton, &preset.tubes, monitor)?;
+            wood.wind = Some(blown.wood(&wood.mesh, &tubes, monitor)?);
+        }
+        let wooded = Holding::new(monitor, wood.bytes());
+        let mut parts = vec![wood];
+        self.leaves(recipe, &grown.organs, blown, &mut materials, &mut parts, &wooded)?;
+        let name = if preset.name.trim().is_empty() { &preset.id } else { &preset.name };
+        Ok(Scene {
+            name: printable(name),
+            recipe: recipe.to_line(),
+            materials,
+            parts,
+            skeleton: Arc::clone(&grown.skeleton),
+        })
+    }
+
+    /// Adds what grows on the wood, in the pictures of its kinds.
+    fn leaves(
+        &self,
+        recipe: &Recipe,
+        organs: &Organs,
+        blown: Option<Blown<'_>>,
+        materials: &mut Vec<Material>,
+        parts: &mut Vec<Part>,
+        monitor: &dyn Monitor,
+    ) -> Result<(), FoliageError> {
+        let colors = recipe.preset.foliage.turtle_colors();
+        // A recipe with other kinds than the organs grew by: their own shapes fit them at least.
+        let fit = self.shapes.len() == organs.shapes.len();
+        let shapes = if fit { &self.shapes } else { &organs.shapes[..] };
+        for Foliage { look, mesh } in foliage::meshes_of(organs, shapes, colors.len(), monitor)? {
+            let numbered =
+                |name: &str, i: usize| if i == 0 { name.to_owned() } else { format!("{name}_{i}") };
+            let cover = match look {
+                Look::Color(_) => None,
+                Look::Kind(kind) => self.covers.get(kind).and_then(Option::as_ref),
+            };
+            let (name, base_color) = match look {
+                // Both may be there: what a grammar placed itself, and leaves.
+                Look::Color(i) => (
+                    numbered(if organs.shapes.is_empty() { "leaves" } else { "organs" }, i),
+                    colors.get(i).copied().map_or([0.0; 3], linear),
+                ),
+                Look::Kind(i) => (numbered("leaves", i), cover.map_or([0.0; 3], mean_color)),
+            };
+            let mut part = Part::new(name.clone(), materials.len(), mesh);
+            if let Some(blown) = blown {
+                let held: u64 = parts.iter().skip(1).map(Part::bytes).sum();
+                let bytes = held + part.bytes() + blown.field.bytes_for(part.mesh.positions.len());
+                monitor.admit(BLOWING, bytes, BLOWING_ADVICE)?;
+                part.wind = Some(blown.leaves(&part.mesh, organs, look, colors.len(), monitor)?);
+            }
+            parts.push(part);
+            materials.push(Material {
+                name,
+                base_color,
+                base_color_picture: cover.map(|own| Arc::clone(&own.base_color)),
+                normal_picture: cover.and_then(|own| own.normal.clone()),
+                roughness: LEAF_ROUGHNESS,
+                double_sided: true,
+                cutout: cover.filter(|own| own.is_cut_out).map(|_| CUTOUT),
+                wrap: Wrap::Clamp,
+            });
+        }
+        Ok(())
+    }
+}
+
+/// Of all variants, linear.
+fn mean_color(cover: &Cover) -> [f32; 3] {
+    let sum = cover.cells.iter().map(|cell| Vec3::from(linear(cell.color))).sum::<Vec3>();
+    (sum / cover.cells.len().max(1) as f32).to_array()
 }

@@ -12,7 +12,7 @@ use crate::colonization::growth::{GrowthError, NodeSet};
 use crate::colonization::plant::{Plant, plant};
 use crate::colonization::scan::{Fit, Girth, ScanError, fit, girth};
 use crate::colonization::scatter::ScatterError;
-use crate::foliage::Organs;
+use crate::foliage::{FoliageError, Organs, sprout};
 use crate::knob::printable;
 use crate::lsystem::{self, LsystemError};
 use crate::memory::{Holding, OverMemory, bytes_of};
@@ -21,7 +21,7 @@ use crate::preset::{Generator, Preset, ScanRadius};
 use crate::random::Key;
 use crate::recipe::{Input, Recipe};
 use crate::skeleton::refine::{RefineError, Room, refine};
-use crate::skeleton::{Branching, Skeleton, SkeletonError, Wood};
+use crate::skeleton::{Branching, NO_PARENT, Skeleton, SkeletonError, Wood};
 
 /// A grown tree, and how it came about.
 #[derive(Clone, Debug)]
@@ -32,6 +32,8 @@ pub struct Grown {
     pub wood: Wood,
     /// What grows on it.
     pub organs: Arc<Organs>,
+    /// What its grammar placed: without the leaves of the preset.
+    pub given: Arc<Organs>,
     /// Length of the derived string; `None` for space colonization.
     pub symbols: Option<u64>,
     /// What the tree reached for; `None` for L-systems.
@@ -68,7 +70,8 @@ impl Grown {
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
         let points = self.colonized.as_ref().map_or(0, |own| own.points.capacity());
-        self.skeleton.bytes() + self.organs.bytes() + bytes_of::<Vec3>(points)
+        let given = if Arc::ptr_eq(&self.organs, &self.given) { 0 } else { self.given.bytes() };
+        self.skeleton.bytes() + self.organs.bytes() + given + bytes_of::<Vec3>(points)
     }
 }
 
@@ -124,6 +127,9 @@ pub enum GrowError {
     /// The skeleton.
     #[error("building the skeleton: {0}")]
     Skeleton(#[from] SkeletonError),
+    /// The leaves.
+    #[error("growing leaves: {0}")]
+    Foliage(FoliageError),
     /// The recipe's file is missing or holds something else.
     #[error("the recipe grows into '{}', which must hold {expected}", printable(.file))]
     WrongInput {
@@ -183,7 +189,7 @@ pub enum GrowError {
     },
 }
 
-from_cancellable!(GrowError: LsystemError => LSystem, EnvelopeError => Envelope, ScatterError => Scatter, ScanError => Scan, GrowthError => Growth, RefineError => Refine);
+from_cancellable!(GrowError: LsystemError => LSystem, EnvelopeError => Envelope, ScatterError => Scatter, ScanError => Scan, GrowthError => Growth, RefineError => Refine, FoliageError => Foliage);
 
 /// Grows the tree of a recipe.
 ///
@@ -220,10 +226,13 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
                 most_nodes: own.symbol_limit,
             };
             let Built { skeleton, wood, .. } = build(raw, &mut organs, &recipe.preset, monitor)?;
+            let given = Arc::new(organs);
+            let monitor = Holding::new(monitor, skeleton.bytes());
             Ok(Grown {
+                organs: sprout(recipe, &skeleton, &given, &monitor)?,
+                given,
                 skeleton,
                 wood,
-                organs: Arc::new(organs),
                 symbols: Some(symbols),
                 colonized: None,
                 notes: Vec::new(),
@@ -251,16 +260,35 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
                 }),
                 None => None,
             };
+            let skeleton = aged(skeleton, own.age, &wood, &recipe.preset);
+            let given = Arc::default();
+            let monitor = Holding::new(monitor, skeleton.bytes());
             Ok(Grown {
+                organs: sprout(recipe, &skeleton, &given, &monitor)?,
+                given,
                 skeleton,
                 wood,
-                organs: Arc::default(),
                 symbols: None,
                 colonized: Some(Colonized { points, unreached, iterations, scan }),
                 notes,
             })
         }
     }
+}
+
+/// The tree as it was after a share of its births; the first segment at least.
+fn aged(skeleton: Arc<Skeleton>, age: f64, wood: &Wood, preset: &Preset) -> Arc<Skeleton> {
+    if age >= 1.0 {
+        return skeleton;
+    }
+    let last = skeleton.births.iter().copied().max().unwrap_or(0);
+    let on_foot = |&node: &usize| {
+        let parent = skeleton.parents[node];
+        parent != NO_PARENT && skeleton.parents[parent as usize] == NO_PARENT
+    };
+    let first = (0..skeleton.parents.len()).filter(on_foot).map(|node| skeleton.births[node]).min();
+    let step = (libm::ceil(age * f64::from(last)) as u32).max(first.unwrap_or(0));
+    Arc::new(skeleton.until(step, wood, preset.wood_key()))
 }
 
 /// The nearest segments of all points, and the search for points near segments.
@@ -296,9 +324,9 @@ fn build(
     preset: &Preset,
     monitor: &dyn Monitor,
 ) -> Result<Built, GrowError> {
-    if !preset.refinement.steps.is_empty() {
+    if !preset.refinement.is_idle() {
         let is_barred = |p: Vec3| solids.iter().any(|solid| solid.contains(p.as_dvec3()));
-        let room = Room { most_nodes, is_barred: &is_barred };
+        let room = Room { most_nodes, is_barred: &is_barred, key: preset.wood_key() };
         branching.validate()?;
         let nodes = branching.parents.len();
         let captured = captured.map(|set| (0..nodes).map(|node| set.contains(node)).collect());

@@ -83,6 +83,8 @@ pub enum Kind {
     Colors {
         /// Most colours.
         most: usize,
+        /// Whether `auto` is a value too.
+        auto: bool,
     },
 }
 
@@ -172,7 +174,7 @@ impl fmt::Display for Kind {
                 write!(f, "up to {most} numbers, {} to {}, like 1 0.5", Short(min), Short(max))
             }
             Self::Words(words) => write!(f, "some of: {}; or {NO_WORDS}", words.join(" ")),
-            Self::Colors { most } => write!(f, "up to {most} colours #rrggbb"),
+            Self::Colors { most, auto } => write!(f, "up to {most} colours #rrggbb{}", or_auto(auto)),
         }
     }
 }
@@ -209,6 +211,7 @@ impl Kind {
             | Self::Length { auto: true, .. }
             | Self::Vector { auto: true }
             | Self::Color { auto: true }
+            | Self::Colors { auto: true, .. }
                 if text == "auto" =>
             {
                 Some(Value::Auto)
@@ -246,7 +249,8 @@ impl Kind {
                 Self::Real { auto, .. }
                 | Self::Length { auto, .. }
                 | Self::Vector { auto }
-                | Self::Color { auto },
+                | Self::Color { auto }
+                | Self::Colors { auto, .. },
                 Value::Auto,
             ) => *auto,
             (Self::Real { min, max, .. } | Self::Length { min, max, .. }, Value::Real(x))
@@ -265,7 +269,7 @@ impl Kind {
                 .iter()
                 .enumerate()
                 .all(|(i, word)| words.contains(&word.as_str()) && !chosen[..i].contains(word)),
-            (Self::Colors { most }, Value::Colors(colors)) => (1..=*most).contains(&colors.len()),
+            (Self::Colors { most, .. }, Value::Colors(colors)) => (1..=*most).contains(&colors.len()),
             _ => false,
         };
         if fits { Ok(()) } else { Err(format!("{value} is outside the range: {self}")) }
@@ -359,7 +363,8 @@ mod tests {
             (Kind::Profile { least: 1, most: 3 }, vec!["0,2", "0,2; 1,0.5; 2,0"]),
             (Kind::Reals { min: -1.0, max: 1.0, most: 3 }, vec!["0.5", "1 0.5 -0.25"]),
             (Kind::Words(&["a", "b"]), vec!["none", "b a"]),
-            (Kind::Colors { most: 2 }, vec!["#0a80ff", "#0a80ff #000000"]),
+            (Kind::Colors { most: 2, auto: false }, vec!["#0a80ff", "#0a80ff #000000"]),
+            (Kind::Colors { most: 2, auto: true }, vec!["auto", "#0a80ff"]),
         ];
         for (kind, texts) in kinds {
             for text in texts {
@@ -386,7 +391,7 @@ mod tests {
         assert_eq!(reals.parse("0.5, 1"), Ok(Value::Reals(vec![0.5, 1.0])), "commas separate, too");
         assert!(Kind::Words(&["a", "b"]).parse("a a").is_err(), "each at most once");
         assert!(Kind::Words(&["a", "b"]).parse("a none").is_err());
-        assert!(Kind::Colors { most: 1 }.parse("#000000 #ffffff").is_err());
+        assert!(Kind::Colors { most: 1, auto: true }.parse("#000000 #ffffff").is_err());
         assert!(Kind::Length { min: 1.0, max: 9.0, auto: false }.parse("10D").is_err());
         assert!(Kind::Color { auto: false }.parse("#12345é").is_err());
     }

@@ -6,8 +6,10 @@
 
 pub mod colonization;
 pub mod color;
+pub mod detail;
 pub mod dress;
 pub mod foliage;
+pub mod forest;
 pub mod grow;
 pub mod input;
 pub mod knob;
@@ -20,8 +22,10 @@ pub mod random;
 pub mod recipe;
 pub mod scene;
 pub mod skeleton;
+pub mod stage;
 pub mod surface;
 pub mod texture;
+pub mod wind;
 
 pub use glam::{DVec3, Vec2, Vec3};
 pub use monitor::{Cancelled, Monitor, Quiet};

@@ -54,8 +54,12 @@ pub enum Stage {
     Grow,
     /// Refining a branching; unit: steps.
     Refine,
+    /// Growing leaves; unit: axes.
+    Sprout,
     /// Sweeping tubes; unit: axes.
     Sweep,
+    /// Contouring wood into one solid; unit: blocks of cells.
+    Solidify,
     /// Writing files; unit: bytes.
     Write,
 }
@@ -69,7 +73,9 @@ impl Stage {
             Self::Turtle => ("drawing", "symbols"),
             Self::Grow => ("growing", "points"),
             Self::Refine => ("refining", "steps"),
+            Self::Sprout => ("leafing", "axes"),
             Self::Sweep => ("surfacing", "axes"),
+            Self::Solidify => ("making one solid", "blocks"),
             Self::Write => ("writing", "bytes"),
         }
     }

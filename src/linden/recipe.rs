@@ -11,6 +11,10 @@ use crate::knob::printable;
 use crate::memory::bytes_of;
 use crate::monitor::Monitor;
 use crate::preset::Preset;
+use crate::texture::{OwnPicture, own_picture};
+
+/// How a PNG begins.
+const PNG: &[u8] = b"\x89PNG";
 
 /// The version of linden that a recipe names: another one may grow another tree.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -25,7 +29,7 @@ pub struct Recipe {
     pub inputs: Vec<Input>,
 }
 
-/// A file that was read: a crown envelope, a mesh of a part, attraction points.
+/// A file that was read: a crown envelope, a mesh of a part or a leaf, attraction points, a picture.
 #[derive(Clone, Debug)]
 pub struct Input {
     /// The file's name without folders, printable.
@@ -45,6 +49,8 @@ pub enum Geometry {
     Mesh(Arc<TriangleMesh>),
     /// Places.
     Points(Arc<Vec<DVec3>>),
+    /// Pixels.
+    Picture(Arc<OwnPicture>),
 }
 
 impl Input {
@@ -55,14 +61,19 @@ impl Input {
                 bytes_of::<DVec3>(mesh.positions.capacity()) + bytes_of::<[u32; 3]>(mesh.triangles.capacity())
             }
             Geometry::Points(points) => bytes_of::<DVec3>(points.capacity()),
+            Geometry::Picture(own) => own.picture.rgba().len() as u64,
         }
     }
 
-    /// Reads a mesh (OBJ, PLY with faces) or points (PLY without, XYZ).
+    /// Reads a mesh (OBJ, PLY with faces), points (PLY without, XYZ) or a picture (PNG).
     ///
     /// # Errors
     /// Anything that is wrong with the file, and files of other kinds.
     pub fn read(name: &str, bytes: &[u8], monitor: &dyn Monitor) -> Result<Self, InputError> {
+        if bytes.starts_with(PNG) {
+            let geometry = Geometry::Picture(Arc::new(own_picture(bytes, monitor)?));
+            return Ok(Self { name: printable(name), hash: xxh3_128(bytes), up: Up::Y, geometry });
+        }
         let (up, geometry) = match sniff(bytes, name)? {
             InputKind::ObjMesh => (Up::Y, Geometry::Mesh(Arc::new(read_obj(bytes, monitor)?))),
             InputKind::PlyMesh | InputKind::PlyPoints => {
@@ -76,7 +87,7 @@ impl Input {
             }
             InputKind::XyzPoints => (Up::Z, Geometry::Points(Arc::new(read_xyz(bytes, monitor)?))),
             InputKind::Preset | InputKind::Grammar | InputKind::Recipe => {
-                let looks = "is a preset, grammar or recipe; expected a mesh (OBJ, PLY) or points (PLY, XYZ)";
+                let looks = "is a preset, grammar or recipe; expected a mesh (OBJ, PLY), points (PLY, XYZ) or a picture (PNG)";
                 return Err(InputError::Unknown { looks });
             }
         };
@@ -92,6 +103,7 @@ impl Input {
         match self.geometry {
             Geometry::Mesh(_) => "mesh",
             Geometry::Points(_) => "points",
+            Geometry::Picture(_) => "picture",
         }
     }
 }
@@ -106,20 +118,25 @@ impl Recipe {
     /// One line of printable ASCII (JSON), as every exported file carries it. It is a preset
     /// document too: [`Preset::from_json`] reads it.
     pub fn to_line(&self) -> String {
-        // Neither maps with other keys than text nor failing writers: there is nothing to fail.
-        let json = serde_json::to_string(self).unwrap_or_default();
-        let mut line = String::with_capacity(json.len());
-        for c in json.chars() {
-            if (' '..='~').contains(&c) {
-                line.push(c);
-            } else {
-                for unit in c.encode_utf16(&mut [0; 2]) {
-                    line.push_str(&format!("\\u{unit:04x}"));
-                }
+        ascii_line(self)
+    }
+}
+
+/// JSON as one line of printable ASCII.
+pub(crate) fn ascii_line(value: &impl Serialize) -> String {
+    // Neither maps with other keys than text nor failing writers: there is nothing to fail.
+    let json = serde_json::to_string(value).unwrap_or_default();
+    let mut line = String::with_capacity(json.len());
+    for c in json.chars() {
+        if (' '..='~').contains(&c) {
+            line.push(c);
+        } else {
+            for unit in c.encode_utf16(&mut [0; 2]) {
+                line.push_str(&format!("\\u{unit:04x}"));
             }
         }
-        line
     }
+    line
 }
 
 impl Serialize for Recipe {

@@ -8,6 +8,7 @@ use glam::{Vec2, Vec3};
 use crate::memory::bytes_of;
 use crate::picture::Picture;
 use crate::skeleton::Skeleton;
+use crate::wind::PartWind;
 
 /// One tree, dressed: meshes, materials, the skeleton beneath and the recipe that grew it.
 ///
@@ -35,7 +36,7 @@ impl Scene {
         let pictures = |own: &Material| pixels(&own.base_color_picture) + pixels(&own.normal_picture);
         self.skeleton.bytes()
             + self.materials.iter().map(pictures).sum::<u64>()
-            + self.parts.iter().map(|part| part.mesh.bytes()).sum::<u64>()
+            + self.parts.iter().map(Part::bytes).sum::<u64>()
     }
 }
 
@@ -48,6 +49,20 @@ pub struct Part {
     pub material: usize,
     /// The geometry.
     pub mesh: Mesh,
+    /// How its vertices swing; `None`: they do not.
+    pub wind: Option<PartWind>,
+}
+
+impl Part {
+    /// Without wind.
+    pub fn new(name: impl Into<String>, material: usize, mesh: Mesh) -> Self {
+        Self { name: name.into(), material, mesh, wind: None }
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> u64 {
+        self.mesh.bytes() + self.wind.as_ref().map_or(0, PartWind::bytes)
+    }
 }
 
 /// Triangles over shared vertices. The vertex arrays are of equal length.
@@ -140,4 +155,19 @@ pub struct Material {
     pub roughness: f32,
     /// Whether the back is drawn too.
     pub double_sided: bool,
+    /// Where the base colour picture's alpha is below this (above 0, below 1), nothing is drawn: cut
+    /// out, never blended. `None`: all is opaque.
+    pub cutout: Option<f32>,
+    /// What is beyond the pictures' edges.
+    pub wrap: Wrap,
+}
+
+/// What texture coordinates outside of 0..1 show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wrap {
+    /// The picture again: bark.
+    #[default]
+    Repeat,
+    /// The picture's edge: leaves.
+    Clamp,
 }

@@ -265,7 +265,7 @@ fn pass_signals(mut signals: Signals, shared: &Shared, send: impl Fn(Incoming) -
             // seen the other way round. To take a terminal that is the shell's would stop us for good.
             std::thread::sleep(SIGNALS_MEANT_TOGETHER);
             arrived.extend(signals.pending());
-            arrived.sort_by_key(|&signal| signal == SIGCONT);
+            arrived.sort_by_key(|&signal| (signal == SIGCONT, signal));
             arrived.dedup();
         }
         if !arrived.into_iter().all(|signal| pass(signal, whose, shared, &send)) {

@@ -3,6 +3,8 @@
 //! Naive: a cylinder for every segment, each with rings of its own, sines and cosines anew for every
 //! vertex, a mesh that grows by pushing. Both run in turn on one thread, round after round; medians.
 //! The naive surface has neither joined rings nor closed ends, so it has less to do for a vertex.
+//!
+//! Then what collars and flares cost, for a vertex of theirs; and one solid, for a triangle.
 
 #![allow(
     clippy::print_stdout,
@@ -17,7 +19,7 @@ use glam::{Vec2, Vec3};
 use linden::grow::grow;
 use linden::preset::builtin;
 use linden::scene::Mesh;
-use linden::surface::{Tubes, sweep};
+use linden::surface::{Features, Junction, Tubes, sweep};
 use linden::{NO_PARENT, Quiet, Skeleton};
 use linden_tests::presets::recipe;
 
@@ -58,6 +60,48 @@ fn main() {
             per_vertex(a, ours),
             per_vertex(b, ours),
             per_vertex(c, theirs)
+        );
+    }
+    features();
+}
+
+fn features() {
+    let mut recipe = recipe(builtin("sphere").unwrap());
+    recipe.preset.set("points", "8000").unwrap();
+    let skeleton = grow(&recipe, &Quiet).unwrap().skeleton;
+    let bare = Tubes::default();
+    let collar = Features { collar: 0.6, ..Features::default() };
+    let flare = Features { flare: 0.9, flare_ridges: 6, ..Features::default() };
+    let solid = Tubes { junction: Junction::Watertight, junction_detail: 32, ..bare };
+    let ways = [
+        ("bare", bare),
+        ("flare", Tubes { features: flare, ..bare }),
+        ("collar", Tubes { features: collar, ..bare }),
+        ("both", Tubes { features: Features { collar: 0.6, ..flare }, ..bare }),
+        ("solid", solid),
+        ("solid, collar", Tubes { features: collar, ..solid }),
+    ];
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    let mut times = vec![Vec::new(); ways.len()];
+    let mut sizes = vec![(0, 0); ways.len()];
+    for _ in 0..ROUNDS {
+        for (i, (_, tubes)) in ways.iter().enumerate() {
+            let started = Instant::now();
+            let mesh = one.install(|| sweep(&skeleton, tubes, &Quiet).unwrap());
+            times[i].push(started.elapsed().as_secs_f64());
+            sizes[i] = (mesh.positions.len(), mesh.triangles.len());
+        }
+    }
+    println!("\nsphere points=8000        vertices  triangles    ms   ns/vertex   ns/triangle");
+    for (i, (name, _)) in ways.iter().enumerate() {
+        times[i].sort_by(f64::total_cmp);
+        let seconds = times[i][ROUNDS / 2];
+        let (vertices, triangles) = sizes[i];
+        println!(
+            "{name:22} {vertices:>11} {triangles:>10} {:>5.0} {:>11.1} {:>13.1}",
+            seconds * 1e3,
+            seconds / vertices as f64 * 1e9,
+            seconds / triangles as f64 * 1e9
         );
     }
 }

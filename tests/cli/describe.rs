@@ -59,7 +59,7 @@ fn the_list_names_the_presets_that_are_promised() {
     }
     let formats = folder.run(&["list", "--exporters", "--json"]).done().json();
     let ids: Vec<&str> = formats.as_array().unwrap().iter().map(|row| row["id"].as_str().unwrap()).collect();
-    assert_eq!(ids, ["obj", "ply", "ply-skeleton", "gltf", "glb", "usda", "qsm"]);
+    assert_eq!(ids, ["obj", "ply", "ply-skeleton", "gltf", "glb", "usda", "usdz", "qsm"]);
 }
 
 #[test]

@@ -7,4 +7,5 @@ mod doctor;
 mod interrupt;
 mod jobs;
 mod pipes;
+mod plugins;
 mod program;

@@ -1,11 +1,14 @@
 //! Leaves in every format, before every client and read back.
 
+use std::sync::Arc;
+
 use linden::Quiet;
 use linden::dress::dress;
 use linden::grow::{Grown, grow};
+use linden::picture::Picture;
 use linden::preset::builtin;
 use linden::recipe::Recipe;
-use linden::scene::Scene;
+use linden::scene::{Scene, Wrap};
 use linden_exporters::{Estimate, Options, REGISTRY};
 use linden_tests::fixtures::export;
 
@@ -42,6 +45,66 @@ fn every_client_takes_leaves() {
         export(&scene, format.id, &[], &dir.join(name)).unwrap();
     }
     run("check.py", &dir);
+}
+
+/// The same with a disc cut out of the first colour's leaves.
+fn cut_out() -> Scene {
+    let (_, _, mut scene) = scene();
+    "Cut out".clone_into(&mut scene.name);
+    let disc = (0..64 * 64_i32).flat_map(|i| {
+        let (x, y) = (i % 64 - 32, i / 64 - 32);
+        [90, 140, 40, if x * x + y * y < 900 { 255 } else { 0 }]
+    });
+    scene.materials[1].base_color_picture = Some(Arc::new(Picture::new(64, 64, disc.collect())));
+    scene.materials[1].cutout = Some(0.5);
+    scene
+}
+
+#[test]
+fn every_client_takes_cut_out_leaves_and_is_told_where_they_end() {
+    let dir = exported("clients-cut-out");
+    let scene = cut_out();
+    assert_eq!(scene.materials[1].wrap, Wrap::Clamp);
+    for exporter in REGISTRY {
+        let format = exporter.format();
+        let name =
+            format.extensions.first().map_or("cut_out_skeleton.ply".to_owned(), |e| format!("cut_out.{e}"));
+        export(&scene, format.id, &[], &dir.join(name)).unwrap();
+    }
+    run("check.py", &dir);
+
+    let (document, _, images) = gltf::import(dir.join("cut_out.glb")).unwrap();
+    let leaves = document.materials().nth(1).unwrap();
+    assert_eq!((leaves.alpha_mode(), leaves.alpha_cutoff()), (gltf::material::AlphaMode::Mask, Some(0.5)));
+    let bark = document.materials().next().unwrap();
+    assert_eq!(bark.alpha_mode(), gltf::material::AlphaMode::Opaque);
+    let wrap = |own: &gltf::Material<'_>| {
+        let texture = own.pbr_metallic_roughness().base_color_texture().unwrap().texture();
+        (texture.sampler().wrap_s(), images[texture.source().index()].format)
+    };
+    assert_eq!(wrap(&leaves), (gltf::texture::WrappingMode::ClampToEdge, gltf::image::Format::R8G8B8A8));
+    assert_eq!(wrap(&bark), (gltf::texture::WrappingMode::Repeat, gltf::image::Format::R8G8B8));
+
+    let (_, materials) = tobj::load_obj(dir.join("cut_out.obj"), &tobj::GPU_LOAD_OPTIONS).unwrap();
+    let file = materials.unwrap()[1].dissolve_texture.clone().unwrap();
+    let mut mask = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(dir.join(&file)).unwrap()))
+        .read_info()
+        .unwrap();
+    let mut pixels = vec![0; mask.output_buffer_size().unwrap()];
+    mask.next_frame(&mut pixels).unwrap();
+    // A disc of radius 30 of 64, in every channel.
+    let count = |wanted: [u8; 4]| pixels.as_chunks().0.iter().filter(|pixel| **pixel == wanted).count();
+    assert!(count([255; 4]).abs_diff(2827) < 60 && count([255; 4]) + count([0; 4]) == 4096);
+
+    let text = std::fs::read_to_string(dir.join("cut_out.usda")).unwrap();
+    for said in [
+        "inputs:opacity.connect = <",
+        "inputs:opacityThreshold = 0.5",
+        "wrapS = \"clamp\"",
+        "float outputs:a",
+    ] {
+        assert!(text.contains(said), "{said}");
+    }
 }
 
 #[test]

@@ -9,3 +9,5 @@ mod outside;
 mod presets;
 mod read_back;
 mod references;
+mod solid;
+mod stage;

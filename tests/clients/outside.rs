@@ -51,6 +51,7 @@ fn every_client_takes_every_format() {
         ("gltf", "tree.gltf", &[]),
         ("glb", "tree.glb", &[]),
         ("usda", "tree.usda", &[]),
+        ("usdz", "tree.usdz", &[]),
     ] {
         export(&scene, format, options, &dir.join(file)).unwrap();
     }
@@ -69,6 +70,8 @@ fn every_client_takes_every_option() {
         ("gltf", "plain #1.gltf", &[("pictures", "false")]),
         ("gltf", "odd name #2.gltf", &[]),
         ("glb", "plain.glb", &[("pictures", "false")]),
+        ("glb", "quantized.glb", &[("quantize", "true")]),
+        ("usdz", "ar.usdz", &[("flavor", "ar")]),
         ("obj", "odd name #2.obj", &[]),
         ("usda", "odd name #2.usda", &[]),
         ("usda", "plain.usda", &[("pictures", "false"), ("skeleton", "false")]),

@@ -33,10 +33,13 @@ class Tree:
     nodes: np.ndarray | None = None
     recipe: str = ""
     files: list = field(default_factory=list)  # paths that it refers to
+    around: list = field(default_factory=list)  # meshes of the setting: ground and sky
+    is_rounded: bool = False  # whether it stores turns or vertices in 16 bits or less
+    is_instanced: bool = False  # whether it needs a reader that knows instances
 
 
 def read(path: Path) -> Tree:
-    reader = {".obj": obj, ".ply": ply, ".gltf": gltf, ".glb": gltf, ".usda": usda}[path.suffix]
+    reader = {".obj": obj, ".ply": ply, ".gltf": gltf, ".glb": gltf, ".usda": usda, ".usdz": usda}[path.suffix]
     return reader(path)
 
 
@@ -159,28 +162,107 @@ def gltf(path):
     def array(index):
         accessor = document["accessors"][index]
         view = document["bufferViews"][accessor["bufferView"]]
-        dtype = {5123: "<u2", 5125: "<u4", 5126: "<f4"}[accessor["componentType"]]
+        dtype = np.dtype({5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+                         [accessor["componentType"]])
         width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}[accessor["type"]]
         raw = binary[view["byteOffset"]:view["byteOffset"] + view["byteLength"]]
-        return np.frombuffer(raw, dtype)[:accessor["count"] * width].reshape(-1, width)
+        stride = view.get("byteStride", dtype.itemsize * width)
+        rows = np.lib.stride_tricks.as_strided(
+            np.frombuffer(raw, dtype), (accessor["count"], width), (stride, dtype.itemsize))
+        if accessor.get("normalized"):
+            tree.is_rounded = True
+            return np.maximum(rows / np.iinfo(dtype).max, -1.0)
+        return rows
 
-    for mesh in document["meshes"]:
-        (primitive,) = mesh["primitives"]
-        attributes = primitive["attributes"]
-        position = document["accessors"][attributes["POSITION"]]
-        if "TANGENT" in attributes:
-            tangents, normals = array(attributes["TANGENT"]), array(attributes["NORMAL"])
-            assert len(tangents) == len(normals), "TANGENT has another length"
-            assert (np.abs(tangents[:, 3]) == 1).all(), "a tangent has no side"
-            assert np.abs((tangents[:, :3] * normals).sum(axis=1)).max() < 1e-4, "a tangent leaves the surface"
-        uvs = array(attributes["TEXCOORD_0"]).astype(np.float64)
-        tree.meshes.append(Mesh(
-            mesh["name"], array(attributes["POSITION"]).astype(np.float64),
-            array(attributes["NORMAL"]).astype(np.float64), np.stack([uvs[:, 0], 1 - uvs[:, 1]], axis=1),
-            array(primitive["indices"]).astype(np.int64).reshape(-1, 3), (position["min"], position["max"])))
+    def texture(material):
+        """Offset and scale of texture coordinates."""
+        info = document["materials"][material].get("pbrMetallicRoughness", {}).get("baseColorTexture", {})
+        moved = info.get("extensions", {}).get("KHR_texture_transform", {})
+        return np.array(moved.get("offset", [0, 0])), np.array(moved.get("scale", [1, 1]))
+
+    def meshes(index):
+        mesh = document["meshes"][index]
+        for primitive in mesh["primitives"]:
+            attributes = primitive["attributes"]
+            position = document["accessors"][attributes["POSITION"]]
+            positions, normals = array(attributes["POSITION"]), array(attributes["NORMAL"])
+            slack = 2e-2 if normals.dtype != np.float32 else 1e-4
+            if "TANGENT" in attributes:
+                tangents = array(attributes["TANGENT"])
+                assert len(tangents) == len(normals), "TANGENT has another length"
+                assert (np.abs(tangents[:, 3]) == 1).all(), "a tangent has no side"
+                assert np.abs((tangents[:, :3] * normals).sum(axis=1)).max() < slack, "a tangent leaves the surface"
+            offset, scale = texture(primitive["material"])
+            uvs = array(attributes["TEXCOORD_0"]).astype(np.float64) * scale + offset
+            bounds = (position["min"], position["max"])
+            if position.get("normalized"):
+                bounds = None
+                # Eight bits round the length too.
+                normals = normals / np.linalg.norm(normals, axis=1, keepdims=True)
+            yield Mesh(mesh["name"], positions.astype(np.float64), normals.astype(np.float64),
+                       np.stack([uvs[:, 0], 1 - uvs[:, 1]], axis=1),
+                       array(primitive["indices"]).astype(np.int64).reshape(-1, 3), bounds)
+
+    def local(node):
+        x, y, z, w = node.get("rotation", [0, 0, 0, 1])
+        turn = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                         [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                         [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+        matrix = np.eye(4)
+        matrix[:3, :3] = turn * np.array(node.get("scale", [1, 1, 1]))
+        matrix[:3, 3] = node.get("translation", [0, 0, 0])
+        return matrix
+
+    def visit(index, above):
+        node = document["nodes"][index]
+        matrix = above @ local(node)
+        instances = node.get("extensions", {}).get("EXT_mesh_gpu_instancing")
+        if instances:
+            tree.is_instanced = True
+            columns = [array(instances["attributes"][k]) for k in ("TRANSLATION", "ROTATION", "SCALE")]
+            places = [matrix @ local(dict(translation=t, rotation=r, scale=s)) for t, r, s in zip(*columns)]
+        else:
+            places = [matrix]
+        if "mesh" in node:
+            into = tree.around if node["name"] in ("Ground", "Sky") else tree.meshes
+            into.extend(moved(mesh, place) for mesh in meshes(node["mesh"]) for place in places)
+        for child in node.get("children", []):
+            visit(child, matrix)
+
+    for index in document["scenes"][0]["nodes"]:
+        visit(index, np.eye(4))
     root = document["nodes"][document["scenes"][0]["nodes"][0]]
     tree.recipe = json.dumps(root.get("extras", {}).get("linden", ""))
     return tree
+
+
+def moved(mesh, matrix):
+    """A mesh where a node (a matrix of columns) puts it; its bounds are checked where they are declared."""
+    if (matrix == np.eye(4)).all():
+        return mesh
+    if mesh.bounds is not None:
+        actual = np.array([mesh.positions.min(axis=0), mesh.positions.max(axis=0)])
+        assert (np.array(mesh.bounds, dtype=np.float32) == actual.astype(np.float32)).all(), "bounds differ"
+    normals = mesh.normals @ matrix[:3, :3].T
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    positions = mesh.positions @ matrix[:3, :3].T + matrix[:3, 3]
+    return Mesh(mesh.name, positions, normals, mesh.uvs, mesh.triangles)
+
+
+def entries(path):
+    """The names in a usdz; it must be as its specification wants it."""
+    import zipfile
+
+    with zipfile.ZipFile(path) as package:
+        assert package.testzip() is None, "an entry's sum is wrong"
+        infos = package.infolist()
+        assert infos[0].filename.endswith(".usda"), "the layer is not first"
+        data = path.read_bytes()
+        for info in infos:
+            assert info.compress_type == zipfile.ZIP_STORED, f"{info.filename} is compressed"
+            name, extra = struct.unpack_from("<HH", data, info.header_offset + 26)
+            assert (info.header_offset + 30 + name + extra) % 64 == 0, f"{info.filename} is not aligned"
+        return [info.filename for info in infos]
 
 
 def usda(path):
@@ -194,23 +276,45 @@ def usda(path):
     tree = Tree()
     tree.recipe = root.GetAttribute("userProperties:linden:recipe").Get() or ""
     assert root.GetCustomDataByKey("linden:recipe") == tree.recipe, "customData has another recipe"
-    for prim in stage.Traverse():
-        if prim.IsA(UsdGeom.Mesh):
-            mesh = UsdGeom.Mesh(prim)
-            counts = np.array(mesh.GetFaceVertexCountsAttr().Get())
-            assert (counts == 3).all(), "a face is no triangle"
-            numbers = lambda attribute: np.array(attribute.Get(), dtype=np.float64)
-            st = UsdGeom.PrimvarsAPI(prim).GetPrimvar("st")
-            assert mesh.GetNormalsInterpolation() == st.GetInterpolation() == "vertex"
-            indices = np.array(st.GetIndices() or [0])
-            assert 0 <= indices.min() and indices.max() < len(st.Get()), "an index of st names no value"
-            triangles = np.array(mesh.GetFaceVertexIndicesAttr().Get()).astype(np.int64)
-            assert len(triangles) == 3 * len(counts), "faceVertexCounts and faceVertexIndices disagree"
-            tree.meshes.append(Mesh(
-                prim.GetName(), numbers(mesh.GetPointsAttr()), numbers(mesh.GetNormalsAttr()),
-                np.array(st.ComputeFlattened(), dtype=np.float64),
-                triangles.reshape(-1, 3), tuple(np.array(p) for p in mesh.GetExtentAttr().Get())))
-            assert UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0], "no material is bound"
+    packed = entries(path) if path.suffix == ".usdz" else None
+
+    def mesh_of(prim):
+        mesh = UsdGeom.Mesh(prim)
+        counts = np.array(mesh.GetFaceVertexCountsAttr().Get())
+        assert (counts == 3).all(), "a face is no triangle"
+        numbers = lambda attribute: np.array(attribute.Get(), dtype=np.float64)
+        st = UsdGeom.PrimvarsAPI(prim).GetPrimvar("st")
+        assert mesh.GetNormalsInterpolation() == st.GetInterpolation() == "vertex"
+        indices = np.array(st.GetIndices() or [0])
+        assert 0 <= indices.min() and indices.max() < len(st.Get()), "an index of st names no value"
+        triangles = np.array(mesh.GetFaceVertexIndicesAttr().Get()).astype(np.int64)
+        assert len(triangles) == 3 * len(counts), "faceVertexCounts and faceVertexIndices disagree"
+        assert UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0], "no material is bound"
+        return Mesh(
+            prim.GetName(), numbers(mesh.GetPointsAttr()), numbers(mesh.GetNormalsAttr()),
+            np.array(st.ComputeFlattened(), dtype=np.float64),
+            triangles.reshape(-1, 3), tuple(np.array(p) for p in mesh.GetExtentAttr().Get()))
+
+    cache = UsdGeom.XformCache()
+    column = lambda matrix: np.array(matrix).T  # pxr's vectors are rows
+    walk = iter(Usd.PrimRange(stage.GetPseudoRoot(), Usd.TraverseInstanceProxies()))
+    for prim in walk:
+        if prim.IsA(UsdGeom.PointInstancer):
+            walk.PruneChildren()
+            tree.is_instanced = tree.is_rounded = True
+            instancer = UsdGeom.PointInstancer(prim)
+            places = instancer.ComputeInstanceTransformsAtTime(0, 0)
+            prototypes = instancer.GetPrototypesRel().GetTargets()
+            above = column(cache.GetLocalToWorldTransform(prim))
+            for which, place in zip(instancer.GetProtoIndicesAttr().Get(), places):
+                prototype = stage.GetPrimAtPath(prototypes[which])
+                assert not prototype.IsInstanceable(), "a prototype is instanceable"
+                for own in Usd.PrimRange(prototype):
+                    if own.IsA(UsdGeom.Mesh):
+                        tree.meshes.append(moved(mesh_of(own), above @ column(place)))
+        elif prim.IsA(UsdGeom.Mesh):
+            into = tree.around if prim.GetName() == "Ground" else tree.meshes
+            into.append(moved(mesh_of(prim), column(cache.GetLocalToWorldTransform(prim))))
         elif prim.IsA(UsdGeom.BasisCurves):
             curves = UsdGeom.BasisCurves(prim)
             counts = np.array(curves.GetCurveVertexCountsAttr().Get())
@@ -230,5 +334,8 @@ def usda(path):
             file = prim.GetAttribute("inputs:file")
             if file and file.Get():
                 assert file.Get().path.startswith("./"), f"{file.Get()} is not anchored"
-                tree.files.append(path.parent / file.Get().path)
+                if packed is None:
+                    tree.files.append(path.parent / file.Get().path)
+                else:
+                    assert file.Get().path.removeprefix("./") in packed, f"{file.Get()} is not in the package"
     return tree

@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use std::path::Path;
 use std::sync::{Arc, Mutex};
 
+use linden::stage::Stage;
 use linden_exporters::{Bundle, Options, REGISTRY};
 use linden_tests::fixtures::{export, scene};
 
@@ -66,7 +67,7 @@ fn a_single_stream_holds_a_whole_file_that_names_no_other() {
         let format = exporter.format();
         let output = Output::default();
         let mut bundle = Bundle::stream("standard output", output.clone());
-        exporter.write(&scene(3, 5), &Options::new(format), &mut bundle, &linden::Quiet).unwrap();
+        exporter.write(&Stage::of(&scene(3, 5)), &Options::new(format), &mut bundle, &linden::Quiet).unwrap();
         // Everything is there, or the user is told what is not.
         assert_eq!(format.self_contained, bundle.notes().is_empty(), "{}", format.id);
         let file = dir.path().join(format!("alone.{}", format.id));
@@ -81,6 +82,7 @@ fn a_single_stream_holds_a_whole_file_that_names_no_other() {
                 let text = fs::read_to_string(&file).unwrap();
                 assert!(!text.contains('@') && text.contains("inputs:diffuseColor = (0.2, 0.12, 0.07)"));
             }
+            "usdz" => assert!(fs::read(&file).unwrap().starts_with(b"PK\x03\x04")),
             "qsm" => assert!(fs::read_to_string(&file).unwrap().contains("\nid,parent,branch,")),
             _ => assert!(fs::read(&file).unwrap().starts_with(b"ply\n")),
         }
@@ -95,7 +97,7 @@ fn the_formats_of_one_tree_share_their_pictures() {
         let exporter = linden_exporters::find(id).unwrap();
         let mut bundle = Bundle::create(&dir.path().join(format!("tree.{id}"))).unwrap();
         let options = Options::new(exporter.format());
-        exporter.write(&scene, &options, &mut bundle, &linden::Quiet).unwrap();
+        exporter.write(&Stage::of(&scene), &options, &mut bundle, &linden::Quiet).unwrap();
         bundle
     });
     linden_exporters::commit_all(bundles.into()).unwrap();

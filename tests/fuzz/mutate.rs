@@ -112,7 +112,7 @@ fn value(knob: &PresetKnob, dice: &mut Dice) -> String {
             0 => "none".to_owned(),
             first => format!("{} {}", words[first - 1], words[dice.below(words.len())]),
         },
-        Kind::Colors { most } => ["#000000", "#ffffff #00ff00"][dice.below(most.min(2))].to_owned(),
+        Kind::Colors { most, .. } => ["#000000", "#ffffff #00ff00"][dice.below(most.min(2))].to_owned(),
     }
 }
 

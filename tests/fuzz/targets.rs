@@ -453,7 +453,12 @@ fn input(bytes: &[u8]) -> String {
         Err(error) => drop(said(&error)),
     }
     match Input::read("tree.any", bytes, &budget()) {
-        Ok(input) => if matches!(input.geometry, Geometry::Mesh(_)) { "mesh" } else { "points" }.to_owned(),
+        Ok(input) => match input.geometry {
+            Geometry::Mesh(_) => "mesh",
+            Geometry::Points(_) => "points",
+            Geometry::Picture(_) => "picture",
+        }
+        .to_owned(),
         Err(error) => said(&error),
     }
 }
@@ -564,7 +569,7 @@ fn grown(mut preset: Preset) -> String {
     for exporter in REGISTRY {
         let mut bundle = Bundle::stream("memory", std::io::sink());
         let options = Options::new(exporter.format());
-        match exporter.write(&scene, &options, &mut bundle, &budget) {
+        match exporter.write(&linden::stage::Stage::of(&scene), &options, &mut bundle, &budget) {
             Ok(()) => {}
             Err(error @ ExportError::Scene { .. }) => panic!("{}: {error}", exporter.format().id),
             Err(error) => drop(said(&error)),

@@ -1,6 +1,6 @@
 //! `~`: organs of the table.
 
-use linden::foliage::{PROTOTYPES, meshes};
+use linden::foliage::{Look, PROTOTYPES, meshes};
 use linden::lsystem::{Grammar, Settings, grow};
 use linden::{Quiet, Vec3};
 
@@ -58,7 +58,7 @@ fn an_unknown_letter_is_named_with_the_table() {
 fn each_colour_is_a_mesh_and_the_last_repeats() {
     let organs = drawn_with("F~L'''~L'(1)~B{f+f+f}", |_| ()).organs;
     let foliage = meshes(&organs, 3, &Quiet).unwrap();
-    assert_eq!(foliage.iter().map(|own| own.color).collect::<Vec<_>>(), [0, 1, 2]);
+    assert_eq!(foliage.iter().map(|own| own.look).collect::<Vec<_>>(), [0, 1, 2].map(Look::Color));
     let triangles =
         |letter: char| PROTOTYPES.iter().find(|own| own.letter == letter).unwrap().mesh().triangles.len();
     let counts: Vec<usize> = foliage.iter().map(|own| own.mesh.triangles.len()).collect();

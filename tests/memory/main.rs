@@ -167,7 +167,7 @@ fn no_stage_takes_more_than_it_forecast() {
             let scene = drop_pngs(&scene);
             let (done, peak, forecast) = measured(scene.bytes(), |monitor| {
                 let mut bundle = Bundle::create(&target.path().join("tree.any")).unwrap();
-                exporter.write(&scene, &Options::new(format), &mut bundle, monitor)
+                exporter.write(&linden::stage::Stage::of(&scene), &Options::new(format), &mut bundle, monitor)
             });
             done.unwrap();
             compare(&format!("{what}: writing {}", format.id), peak, forecast, &mut faults);

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot go on fails")]
 
 mod gallery;
+mod plants;
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -49,7 +50,8 @@ fn each_surface_is_closed_unfolded_and_finite() {
         let recipe = recipe(builtin);
         let grown = grow(&recipe, &Quiet).unwrap();
         let mesh = sweep(&grown.skeleton, &recipe.preset.tubes, &Quiet).unwrap();
-        assert_eq!(topology(&mesh, &Quiet).unwrap(), Topology::default(), "{}", builtin.id);
+        let found = topology(&mesh, &Quiet).unwrap();
+        assert_eq!(found, Topology::default(), "{}", builtin.id);
         assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-4), "{}", builtin.id);
         assert_eq!(grown.colonized.map_or(0, |own| own.unreached), 0, "{}", builtin.id);
     }

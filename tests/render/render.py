@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
 """Renders an exported file with Blender's Cycles, to see what Blender makes of it:
 
-    python tests/render/render.py FILE OUT.png [--size 640] [--samples 32] [--view front|side|top|detail]
+    python tests/render/render.py FILE OUT.png [--size 640] [--samples 32] [--view front|side|top|detail|own]
 
 Runs in a Python with Blender as a module (pip install bpy==5.0.1, Python 3.11): `bpy` is large and
 no test needs it. Reads .glb .gltf .obj .ply .usda .usd, frames what it finds, adds sun and sky.
+`--view own` adds nothing: it shows a file that has its own camera and light (`linden export --scene`).
 """
 
 import argparse
@@ -18,6 +19,8 @@ from mathutils import Vector
 
 def load(path):
     bpy.ops.wm.read_factory_settings(use_empty=True)
+    # As a new scene has it; a USD's dome light becomes its background.
+    bpy.context.scene.world = bpy.data.worlds.new("World")
     kind = path.suffix.lower()
     if kind in (".glb", ".gltf"):
         bpy.ops.import_scene.gltf(filepath=str(path))
@@ -85,12 +88,18 @@ def main():
     parser.add_argument("out", type=Path)
     parser.add_argument("--size", type=int, default=640)
     parser.add_argument("--samples", type=int, default=32)
-    parser.add_argument("--view", choices=["front", "side", "top", "detail"], default="front")
+    parser.add_argument("--view", choices=["front", "side", "top", "detail", "own"], default="front")
     arguments = parser.parse_args()
     meshes = load(arguments.file.resolve())
     show_vertex_colors(meshes)
-    frame(meshes, arguments.view)
-    light()
+    if arguments.view == "own":
+        cameras = [o for o in bpy.context.scene.objects if o.type == "CAMERA"]
+        if not cameras:
+            sys.exit(f"{arguments.file.name} has no camera")
+        bpy.context.scene.camera = cameras[0]
+    else:
+        frame(meshes, arguments.view)
+        light()
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.cycles.samples = arguments.samples

@@ -96,7 +96,7 @@ fn refinement_stays_out_of_what_is_barred() {
         for p in outside.positions.iter_mut().filter(|p| is_barred(**p)) {
             *p = centre + (*p - centre).normalize_or(glam::Vec3::Y) * radius * 1.0001;
         }
-        let room = Room { most_nodes: 1 << 20, is_barred: &is_barred };
+        let room = Room { is_barred: &is_barred, ..Room::open(1 << 20) };
         let held = refine(outside.clone(), None, &mut [], &only, room, &Quiet).unwrap();
         assert!(held.positions.iter().all(|p| !is_barred(*p)), "{step}");
         let free = refine(outside, None, &mut [], &only, Room::open(1 << 20), &Quiet).unwrap();

@@ -67,7 +67,8 @@ struct FormatRow {
 }
 
 fn exporters(json: bool) -> anyhow::Result<()> {
-    let formats = || linden_exporters::REGISTRY.iter().map(|exporter| exporter.format());
+    let exporters = linden_exporters::exporters();
+    let formats = || exporters.iter().map(|exporter| exporter.format());
     if json {
         let row = |f: &'static linden_exporters::Format| FormatRow {
             id: f.id,
@@ -78,5 +79,5 @@ fn exporters(json: bool) -> anyhow::Result<()> {
         };
         return super::print_json(&formats().map(row).collect::<Vec<_>>());
     }
-    super::print(&super::export::format_table())
+    super::print(&super::export::format_table(&exporters))
 }

@@ -4,8 +4,10 @@
 mod completions;
 mod doctor;
 mod export;
+mod forest;
 mod list;
 mod man;
+mod outputs;
 mod preview;
 mod schema;
 mod show;
@@ -64,6 +66,7 @@ Examples:
   linden list
   linden preview fir
   linden export fir -o fir.glb -o fir.usda
+  linden forest fir:3 simple -o wood.glb --area 60 --scene
   linden export scan.xyz -o tree.glb --set step=0.05
   linden doctor
 
@@ -77,6 +80,7 @@ enum Command {
     Stats(stats::Stats),
     Preview(preview::Preview),
     Export(export::Export),
+    Forest(forest::Forest),
     Doctor(doctor::Doctor),
     Completions(completions::Completions),
     Man(man::Man),
@@ -99,6 +103,20 @@ struct Growing {
     seed: Option<u64>,
 }
 
+/// How much of it is shown: shared by the commands that make a surface of it.
+#[derive(Args)]
+struct Budget {
+    /// Solve for so many triangles, within 5 %; the same as --set triangles=N
+    #[arg(long, value_name = "N")]
+    triangles: Option<u64>,
+}
+
+impl Budget {
+    fn pair(&self) -> Option<(String, String)> {
+        self.triangles.map(|n| ("triangles".to_owned(), n.to_string()))
+    }
+}
+
 impl Growing {
     /// The source with its knobs turned. Notes about it go to standard error.
     fn resolve(&self, progress: &Progress) -> anyhow::Result<Source> {
@@ -113,19 +131,23 @@ impl Growing {
 
     /// What `--set` and `--seed` say, as names and values, the seed last.
     fn pairs(&self) -> anyhow::Result<Vec<(String, String)>> {
-        let mut pairs = Vec::new();
-        for setting in &self.settings {
-            let Some((name, value)) = setting.split_once('=') else {
-                let shown = linden::knob::printable(setting);
-                return Err(exit::usage(format!(
-                    "--set {shown}: expected KNOB=VALUE, like --set points=500"
-                )));
-            };
-            pairs.push((name.trim().to_owned(), value.trim().to_owned()));
-        }
+        let mut pairs = pairs(&self.settings)?;
         pairs.extend(self.seed.map(|seed| ("seed".to_owned(), seed.to_string())));
         Ok(pairs)
     }
+}
+
+/// `KNOB=VALUE` as names and values.
+fn pairs(settings: &[String]) -> anyhow::Result<Vec<(String, String)>> {
+    let mut pairs = Vec::new();
+    for setting in settings {
+        let Some((name, value)) = setting.split_once('=') else {
+            let shown = linden::knob::printable(setting);
+            return Err(exit::usage(format!("--set {shown}: expected KNOB=VALUE, like --set points=500")));
+        };
+        pairs.push((name.trim().to_owned(), value.trim().to_owned()));
+    }
+    Ok(pairs)
 }
 
 /// Grows a source; what the user should know goes to standard error.
@@ -212,6 +234,7 @@ impl Command {
             Self::Stats(own) => own.run(),
             Self::Preview(own) => own.run(),
             Self::Export(own) => own.run(),
+            Self::Forest(own) => own.run(),
             Self::Doctor(own) => own.run(),
             Self::Completions(own) => own.run(&mut Cli::command()),
             Self::Man(own) => own.run(Cli::command()),

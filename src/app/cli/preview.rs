@@ -108,7 +108,7 @@ impl Preview {
                 points: points.unwrap_or_default(),
                 outline: &outline,
                 organs: Some(&grown.organs),
-                leaf_colors: &source.recipe.preset.foliage.leaf_colors,
+                leaf_colors: source.recipe.preset.foliage.turtle_colors(),
                 person: self.person,
                 ..style
             };

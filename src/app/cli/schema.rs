@@ -3,7 +3,9 @@
 
 use clap::Args;
 use linden::knob::{Kind, Knob};
-use linden::preset::{KNOBS, MOST_PARTS, PART_CROWN, PART_KNOBS, PresetKnob, Section, shape_knobs};
+use linden::preset::{
+    KNOBS, LEAF_KNOBS, MOST_KINDS, MOST_PARTS, PART_CROWN, PART_KNOBS, PresetKnob, Section, shape_knobs,
+};
 use linden_exporters::REGISTRY;
 use serde_json::{Map, Value, json};
 
@@ -69,7 +71,20 @@ fn document() -> Value {
                 own.insert("scan".to_owned(), file);
                 own.insert("part".to_owned(), parts());
             }
-            Section::Wood | Section::Surface | Section::Bark | Section::Foliage => {}
+            Section::Foliage => {
+                let kind = json!({
+                    "type": "object",
+                    "required": ["leaf_form"],
+                    "properties": leaf_keys(LEAF_KNOBS.iter().map(|row| row.knob)),
+                    "additionalProperties": false,
+                });
+                own.extend(leaf_keys([]));
+                own.insert(
+                    "also".to_owned(),
+                    json!({ "type": "array", "items": kind, "maxItems": MOST_KINDS - 1 }),
+                );
+            }
+            _ => {}
         }
         let table = json!({ "type": "object", "properties": own, "additionalProperties": false });
         properties.insert(section.key().to_owned(), table);
@@ -103,9 +118,22 @@ fn document() -> Value {
     })
 }
 
+/// Keys of a kind of leaves: knobs, and the files that it may need.
+fn leaf_keys(knobs: impl IntoIterator<Item = Knob>) -> Map<String, Value> {
+    let mut all: Map<String, Value> =
+        knobs.into_iter().map(|knob| (knob.name.to_owned(), of(&knob))).collect();
+    for (key, help) in [
+        ("leaf_mesh", "for leaf_form=mesh: an OBJ file, relative to the preset's"),
+        ("leaf_picture", "in place of the drawn picture: a PNG file, relative to the preset's"),
+    ] {
+        all.insert(key.to_owned(), json!({ "type": "string", "description": help }));
+    }
+    all
+}
+
 /// The list of a crown's parts.
 fn parts() -> Value {
-    let knobs = PART_KNOBS.iter().map(|row| row.knob).chain([PART_CROWN]);
+    let knobs = PART_KNOBS.iter().map(|row| row.field.knob).chain([PART_CROWN]);
     let dimensions = shape_knobs().into_iter().map(|row| row.knob);
     let mut properties: Map<String, Value> =
         knobs.chain(dimensions).map(|knob| (knob.name.to_owned(), of(&knob))).collect();
@@ -158,9 +186,9 @@ fn of(knob: &Knob) -> Value {
             json!({ "type": "array", "items": number(min, max), "minItems": 1, "maxItems": most })
         }
         Kind::Words(words) => json!({ "type": "array", "items": { "enum": words }, "uniqueItems": true }),
-        Kind::Colors { most } => {
+        Kind::Colors { most, auto } => {
             let color = json!({ "type": "string", "pattern": "^#[0-9a-fA-F]{6}$" });
-            json!({ "type": "array", "items": color, "minItems": 1, "maxItems": most })
+            or_auto(auto, json!({ "type": "array", "items": color, "minItems": 1, "maxItems": most }))
         }
     };
     let unit = if knob.unit.is_empty() { String::new() } else { format!(" ({})", knob.unit) };

@@ -206,6 +206,7 @@ fn size(input: &Input) -> String {
     match &input.geometry {
         Geometry::Mesh(mesh) => format!(": {} triangles", mesh.triangles.len()),
         Geometry::Points(points) => format!(": {} points", points.len()),
+        Geometry::Picture(own) => format!(": {}×{} pixels", own.picture.width(), own.picture.height()),
     }
 }
 

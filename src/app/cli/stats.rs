@@ -6,11 +6,12 @@ use anyhow::Context;
 use clap::Args;
 use linden::Vec3;
 use linden::colonization::scan::Spread;
+use linden::detail::finest;
 use linden::foliage::meshes;
 use linden::grow::Scanned;
 use linden::memory::Holding;
 use linden::scene::{Bounds, Mesh};
-use linden::surface::survey;
+use linden::surface::{Junction, survey};
 use serde::Serialize;
 
 use super::Growing;
@@ -21,6 +22,9 @@ use crate::progress::Progress;
 pub struct Stats {
     #[command(flatten)]
     growing: Growing,
+
+    #[command(flatten)]
+    budget: super::Budget,
 
     /// Machine-readable; what does not apply is null
     #[arg(long)]
@@ -51,6 +55,9 @@ struct Report {
     vertices: usize,
     leaves: usize,
     watertight: bool,
+    /// Whether all wood is one surface.
+    #[serde(skip)]
+    is_solid: bool,
     bounds: Corners,
     skeleton_hash: String,
     seconds: Seconds,
@@ -106,7 +113,8 @@ struct Seconds {
 impl Stats {
     pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
-        let source = self.growing.resolve(&progress)?;
+        let own: Vec<_> = self.growing.pairs()?.into_iter().chain(self.budget.pair()).collect();
+        let source = self.growing.resolve_with(&own, &progress)?;
         let started = Instant::now();
         let grown = super::grown(&source, &progress)?;
         let grow_s = started.elapsed().as_secs_f64();
@@ -114,16 +122,17 @@ impl Stats {
         // The surface alone, and never the whole of it: trees can be measured that no mesh format holds.
         // The bark's pictures are not measured, and take longer than all else.
         let holding = Holding::new(&progress, grown.bytes());
-        let surface = survey(&grown.skeleton, &source.recipe.preset.tubes, &holding)
-            .with_context(|| source.shown.clone())?;
-        let foliage = meshes(&grown.organs, 1, &holding).with_context(|| source.shown.clone())?;
-        let foliage = foliage.first().map(|own| &own.mesh);
+        let (shown, tubes) =
+            finest(&source.recipe, &grown, &holding).with_context(|| source.shown.clone())?;
+        let surface = survey(&shown.skeleton, &tubes, &holding).with_context(|| source.shown.clone())?;
+        let foliage = meshes(&shown.organs, 1, &holding).with_context(|| source.shown.clone())?;
         let dress_s = started.elapsed().as_secs_f64();
 
         let skeleton = &grown.skeleton;
         let measures = skeleton.measures();
-        let leaf_bounds = foliage.and_then(Mesh::bounds);
+        let leaf_bounds = foliage.iter().filter_map(|own| own.mesh.bounds());
         let bounds = surface.bounds.into_iter().chain(leaf_bounds).reduce(Bounds::union);
+        let count = |of: fn(&Mesh) -> usize| foliage.iter().map(|own| of(&own.mesh)).sum::<usize>();
         let bounds = bounds.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO });
         let colonized = grown.colonized.as_ref();
         let report = Report {
@@ -144,10 +153,11 @@ impl Stats {
             iterations: colonized.map(|own| own.iterations),
             scan: colonized.and_then(|own| own.scan).as_ref().map(Scan::of),
             symbols: grown.symbols,
-            triangles: surface.triangles + foliage.map_or(0, |mesh| mesh.triangles.len()),
-            vertices: surface.vertices + foliage.map_or(0, |mesh| mesh.positions.len()),
-            leaves: grown.organs.len(),
+            triangles: surface.triangles + count(|mesh| mesh.triangles.len()),
+            vertices: surface.vertices + count(|mesh| mesh.positions.len()),
+            leaves: shown.organs.len(),
             watertight: surface.topology.watertight(),
+            is_solid: source.recipe.preset.tubes.junction == Junction::Watertight,
             bounds: Corners { min: bounds.min.to_array(), max: bounds.max.to_array() },
             skeleton_hash: format!("{:032x}", skeleton.hash()),
             seconds: Seconds { grow: grow_s, dress: dress_s },
@@ -199,10 +209,15 @@ impl Report {
             rows.push(("points-axis", of(&scan.points_to_axis)));
             rows.push(("axis-points", of(&scan.axis_to_points)));
         }
+        let watertight = match (self.watertight, self.is_solid) {
+            (true, true) => "yes: one solid",
+            (true, false) => "yes: each axis is closed",
+            (false, _) => "no",
+        };
         rows.extend([
             ("surface", format!("{} triangles, {} vertices", count(self.triangles), count(self.vertices))),
             ("leaves", count(self.leaves)),
-            ("watertight", if self.watertight { "yes: each axis is closed" } else { "no" }.to_owned()),
+            ("watertight", watertight.to_owned()),
             ("skeleton hash", self.skeleton_hash.clone()),
             ("time", format!("{:.3} s to grow, {:.3} s to dress", self.seconds.grow, self.seconds.dress)),
         ]);

@@ -27,6 +27,8 @@ const DRAFT_SCALE: u32 = 2;
 /// Sides of the thickest tube, and pixels of the bark's side, on a screen.
 const MOST_SIDES: u32 = 12;
 const MOST_BARK_PX: u32 = 256;
+/// Of the side of a picture of leaves, which holds several.
+const MOST_LEAF_PX: u32 = 256;
 /// A cell's pixels where a terminal does not tell: what most fonts come near.
 const USUAL_CELL_PX: (u16, u16) = (10, 20);
 
@@ -261,7 +263,7 @@ impl Painter {
             points: if request.points { points } else { &[] },
             outline: if request.outline { &shown.outline } else { &[] },
             person: request.person,
-            leaf_colors: &shown.recipe.preset.foliage.leaf_colors,
+            leaf_colors: shown.recipe.preset.foliage.turtle_colors(),
             draft: request.detail == Detail::Draft,
             ..base
         };
@@ -276,7 +278,7 @@ impl Painter {
                 draw_skeleton(&shown.grown.skeleton, &request.camera, &style, size, watcher)
             }
             (_, Some(step)) => {
-                let Some(Plant { skeleton, organs }) = self.stage(shown, step, watcher)? else {
+                let Some(Plant { skeleton, organs, .. }) = self.stage(shown, step, watcher)? else {
                     let bytes = size.width() as usize * size.height() as usize * 4;
                     return Ok(Picture::new(size.width(), size.height(), vec![0; bytes]));
                 };
@@ -298,6 +300,7 @@ impl Painter {
             let mut recipe = (*shown.recipe).clone();
             recipe.preset.tubes.sides = recipe.preset.tubes.sides.min(MOST_SIDES);
             recipe.preset.bark.size_px = recipe.preset.bark.size_px.min(MOST_BARK_PX);
+            recipe.preset.foliage.size_px = recipe.preset.foliage.size_px.min(MOST_LEAF_PX);
             let scene = dress(&recipe, &shown.grown, watcher).map_err(|error| match error {
                 DressError::Cancelled(_) => None,
                 other => Some(other.to_string()),

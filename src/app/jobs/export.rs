@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 use linden::Monitor;
-use linden::dress::dress;
+use linden::detail::levels;
 use linden::grow::{Grown, grow};
 use linden::monitor::Stage;
 use linden::recipe::Recipe;
@@ -110,6 +110,11 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
     for output in &mut outputs {
         ensure_expected(output, &replaces, home.as_deref())?;
     }
+    let levels_wanted = recipe.preset.detail.levels();
+    outputs = outputs.into_iter().flat_map(|output| output.in_levels(levels_wanted)).collect();
+    if let Some(there) = outputs.iter().find(|own| own.level.is_some() && own.path.exists()) {
+        anyhow::bail!("{} is there already; remove it, or choose another name", show(&there.path));
+    }
     let targets: Vec<PathBuf> = outputs.iter().map(|output| output.path.clone()).collect();
     let replaced: Vec<bool> =
         targets.iter().map(|path| matches!(examine(path), Ok(Existing::File))).collect();
@@ -127,7 +132,7 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
     };
     let estimate = Estimate::new(&recipe, grown, watcher)?;
     gauge.begin(DRESSING, None);
-    let scene = dress(&recipe, grown, &gauge)?;
+    let levels = levels(&recipe, grown, &gauge)?;
     let bytes: Vec<u64> =
         planned.iter().map(|own| estimate.bytes(own.exporter.format(), &own.options).max(1)).collect();
     let mut notes = grown.notes.clone();
@@ -141,7 +146,8 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
         }
     };
     next();
-    batch.write(&scene, &gauge, |told| {
+    notes.extend_from_slice(&levels.notes);
+    batch.write(&levels.stage(), &gauge, |told| {
         notes.extend_from_slice(told);
         next();
     })?;

@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc;
 
 use linden::Quiet;
+use linden::dress::dress;
 use linden_exporters::{Options, REGISTRY, find};
 
 use super::*;
@@ -19,7 +20,7 @@ fn order(dir: &Path, formats: &[&str]) -> ExportOrder {
     let output = |id: &&str| {
         let exporter = find(id).unwrap();
         let path = dir.join(default_name("tree", exporter));
-        Output { exporter, options: Options::new(exporter.format()), path }
+        Output::new(exporter, Options::new(exporter.format()), path)
     };
     ExportOrder {
         number: 7,
@@ -68,7 +69,7 @@ fn files_are_those_that_each_exporter_writes_alone() {
     let scene = dress(&recipe, &grow(&recipe, &Quiet).unwrap(), &Quiet).unwrap();
     for own in outputs {
         let mut bundle = Bundle::create(&alone.path().join(own.path.file_name().unwrap())).unwrap();
-        own.exporter.write(&scene, &own.options, &mut bundle, &Quiet).unwrap();
+        own.exporter.write(&linden::stage::Stage::of(&scene), &own.options, &mut bundle, &Quiet).unwrap();
         bundle.commit().unwrap();
     }
     let (ours_listed, alone_listed) = (listing(ours.path()), listing(alone.path()));

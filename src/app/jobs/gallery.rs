@@ -9,6 +9,7 @@ use std::sync::Arc;
 
 use glam::Vec2;
 use linden::dress::{DressError, dress};
+use linden::foliage::{FoliageError, sprout};
 use linden::grow::{GrowError, Grown, grow};
 use linden::knob::Value;
 use linden::lsystem::LsystemError;
@@ -34,6 +35,8 @@ const MOST_NODES: u32 = 1_000_000;
 const KEPT_NODES: usize = 500_000;
 /// Side of the pictures of bark, pixels: what a picture of a few dozen pixels shows of it is its mean.
 const BARK_PX: u32 = 64;
+/// Of leaves: what it shows of them is their outline at best.
+const LEAF_PX: u32 = 128;
 
 /// Pictures that should be on screen.
 #[derive(Clone, Debug)]
@@ -111,8 +114,7 @@ impl GalleryRequest {
 
     /// Whether all trees have the base's skeleton: only what covers it differs.
     fn shares_skeleton(&self) -> bool {
-        self.row()
-            .is_some_and(|row| matches!(row.section, Section::Surface | Section::Bark | Section::Foliage))
+        self.row().is_some_and(|row| row.section.covers())
     }
 }
 
@@ -231,17 +233,30 @@ impl Studio<'_> {
         if let Some(known) = &self.request.known
             && (Arc::ptr_eq(&known.recipe, &recipe) || self.request.shares_skeleton())
         {
-            let plant = Plant::from(&known.grown);
-            return Ok(Sitter { recipe, plant, extent: known.extent(false, false) });
+            let plant = self.leafed(&recipe, Plant::from(&known.grown))?;
+            let extent = plant.extent().unwrap_or_else(|| known.extent(false, false));
+            return Ok(Sitter { recipe, plant, extent });
         }
         let plant = match shared {
-            Some(plant) => plant.clone(),
+            Some(plant) => self.leafed(&recipe, plant.clone())?,
             None => grow_within_limits(&recipe, self.monitor)?,
         };
         let Some(extent) = plant.extent() else {
             return Err(NoPicture::Because(RasterError::Empty.to_string()));
         };
         Ok(Sitter { recipe, plant, extent })
+    }
+
+    /// A tree of another recipe with the leaves of this one.
+    fn leafed(&self, recipe: &Recipe, plant: Plant) -> Result<Plant, NoPicture> {
+        if self.request.row().is_none_or(|row| row.section != Section::Foliage) {
+            return Ok(plant);
+        }
+        match sprout(recipe, &plant.skeleton, &plant.given, self.monitor) {
+            Ok(organs) => Ok(Plant { organs, ..plant }),
+            Err(FoliageError::Cancelled(_)) => Err(NoPicture::Cancelled),
+            Err(other) => Err(NoPicture::Because(other.to_string())),
+        }
     }
 
     /// A tree as well as it can be drawn.
@@ -251,10 +266,12 @@ impl Studio<'_> {
         }
         let mut recipe = (*sitter.recipe).clone();
         recipe.preset.bark.size_px = recipe.preset.bark.size_px.min(BARK_PX);
+        recipe.preset.foliage.size_px = recipe.preset.foliage.size_px.min(LEAF_PX);
         let grown = Grown {
             skeleton: Arc::clone(&sitter.plant.skeleton),
             wood: recipe.preset.wood,
             organs: Arc::clone(&sitter.plant.organs),
+            given: Arc::clone(&sitter.plant.given),
             symbols: None,
             colonized: None,
             notes: Vec::new(),
@@ -276,7 +293,7 @@ impl Studio<'_> {
         let style = Style {
             paint,
             organs: Some(&sitter.plant.organs),
-            leaf_colors: &sitter.recipe.preset.foliage.leaf_colors,
+            leaf_colors: sitter.recipe.preset.foliage.turtle_colors(),
             ..base
         };
         let drawn =

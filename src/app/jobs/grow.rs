@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use linden::Skeleton;
 use linden::colonization::outline;
-use linden::foliage::Organs;
+use linden::foliage::{FoliageError, Organs, sprout};
 use linden::grow::{GrowError, Grown, grow};
 use linden::preset::Generator;
 use linden::recipe::Recipe;
@@ -21,6 +21,8 @@ pub struct Plant {
     pub skeleton: Arc<Skeleton>,
     /// Leaves and the like.
     pub organs: Arc<Organs>,
+    /// What a grammar placed of them.
+    pub given: Arc<Organs>,
 }
 
 impl Plant {
@@ -33,7 +35,11 @@ impl Plant {
 
 impl From<&Grown> for Plant {
     fn from(grown: &Grown) -> Self {
-        Self { skeleton: Arc::clone(&grown.skeleton), organs: Arc::clone(&grown.organs) }
+        Self {
+            skeleton: Arc::clone(&grown.skeleton),
+            organs: Arc::clone(&grown.organs),
+            given: Arc::clone(&grown.given),
+        }
     }
 }
 
@@ -97,8 +103,15 @@ pub fn stage(shown: &Shown, step: u32, watcher: &Watcher<'_>) -> Result<Option<P
     let mut recipe = (*shown.recipe).clone();
     let Generator::LSystem(own) = &mut recipe.preset.generator else {
         let young = shown.grown.skeleton.until(step, &shown.grown.wood, recipe.preset.wood_key());
-        let young = Plant { skeleton: Arc::new(young), organs: Arc::default() };
-        return Ok(Some(young).filter(|young| !young.skeleton.positions.is_empty()));
+        if young.positions.is_empty() {
+            return Ok(None);
+        }
+        let organs = match sprout(&recipe, &young, &Arc::default(), watcher) {
+            Ok(organs) => organs,
+            Err(FoliageError::Cancelled(_)) => return Err(None),
+            Err(error) => return Err(Some(error.to_string())),
+        };
+        return Ok(Some(Plant { skeleton: Arc::new(young), organs, given: Arc::default() }));
     };
     own.derivations = step;
     match grow(&recipe, watcher) {

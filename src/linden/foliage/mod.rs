@@ -1,33 +1,57 @@
 //! What grows on the wood: leaves, blossoms, fruit.
 //!
 //! A generator leaves [`Organs`] behind beside the wood: polygons, which are shapes of their own, and
-//! places where an organ of the table [`PROTOTYPES`] grows. [`meshes`] makes triangles of both. Like the
-//! surface of the wood, that uses no randomness and gives the same bits on any number of threads.
+//! places where an organ of the table [`PROTOTYPES`] grows. [`sprout`] adds the leaves of the preset:
+//! it walks the twigs (`axis`), turns each leaf as its arrangement has it (`pose`) and gives it a
+//! variant of what its kind is made of (`form`), which shows a cell of the kind's picture (`look`).
+//! [`meshes`] makes triangles of all. Like the surface of the wood, that uses no randomness and gives
+//! the same bits on any number of threads.
 
+mod axis;
+mod form;
+mod look;
 mod mesh;
 mod outline;
+mod pose;
 mod prototype;
+mod sprout;
+#[cfg(test)]
+mod tests;
+
+use std::sync::Arc;
 
 use glam::Vec3;
 
 use crate::memory::bytes_of;
-use crate::scene::Bounds;
+use crate::scene::{Bounds, Mesh};
 use crate::skeleton::refine::Rider;
 
-pub use mesh::{Foliage, FoliageError, Shaper, meshes};
+pub use form::Shape;
+pub use look::{CUTOUT, Cover, cover};
+pub(crate) use mesh::meshes_of;
+pub use mesh::{Foliage, FoliageError, Look, Shaper, meshes};
 pub use prototype::{PROTOTYPES, Prototype, prototype};
+pub(crate) use sprout::kind_shapes;
+pub use sprout::sprout;
 
 /// The most corners that one polygon may have: far more than any leaf's outline, few enough for the
 /// triangulation, whose worst case is cubic.
 pub const MAX_CORNERS: usize = 1000;
+
+/// The corners of a box: a bit for each axis.
+const ALL_CORNERS: [u32; 8] = [0, 1, 2, 3, 4, 5, 6, 7];
+/// Two that are opposite, and two others.
+const DIAGONALS: [u32; 4] = [0, 7, 1, 6];
 
 /// Everything that grows on the wood.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Organs {
     /// Shapes of their own.
     pub polygons: Polygons,
-    /// Organs of the table.
+    /// Organs of the table, and of the preset's kinds.
     pub placed: Placed,
+    /// The variants of the preset's kinds, those of one kind after those of the other.
+    pub shapes: Arc<[Shape]>,
 }
 
 /// Filled outlines, lying in a plane or nearly so. Where nothing else is said, the arrays have an entry
@@ -46,11 +70,11 @@ pub struct Polygons {
     pub growth: Growth,
 }
 
-/// Organs of [`PROTOTYPES`], each with its own frame. Where nothing else is said, the arrays have an
+/// Organs of [`PROTOTYPES`] and [`Organs::shapes`], each with its own frame. Where nothing else is said, the arrays have an
 /// entry per organ.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Placed {
-    /// Indices into [`PROTOTYPES`].
+    /// Indices into [`PROTOTYPES`], and beyond these into [`Organs::shapes`].
     pub prototypes: Vec<u8>,
     /// Where they are attached, metres.
     pub positions: Vec<Vec3>,
@@ -100,7 +124,7 @@ impl Organs {
     /// Bytes that they take, reserved places included.
     pub fn bytes(&self) -> u64 {
         let growth = |own: &Growth| own.nodes.capacity() + own.colors.capacity() + own.births.capacity();
-        let Self { polygons, placed } = self;
+        let Self { polygons, placed, shapes: _ } = self;
         let vectors = [&polygons.corners, &polygons.headings, &polygons.ups]
             .into_iter()
             .chain([&placed.positions, &placed.headings, &placed.ups])
@@ -150,36 +174,78 @@ impl Organs {
         &self.polygons.corners[start..ends[polygon] as usize]
     }
 
-    /// Points that span what the organs take up: the corners of the polygons, and the corners of a box
-    /// around each organ of the table.
+    /// The variant that an organ of `placed` is, `None` for one of [`PROTOTYPES`].
+    pub fn shape(&self, placed: usize) -> Option<&Shape> {
+        self.shapes.get(usize::from(self.placed.prototypes[placed]).checked_sub(PROTOTYPES.len())?)
+    }
+
+    /// What an organ of `placed` is made of.
+    pub fn mesh(&self, placed: usize) -> &Mesh {
+        let own = usize::from(self.placed.prototypes[placed]) % PROTOTYPES.len();
+        self.shape(placed).map_or_else(|| PROTOTYPES[own].mesh(), |shape| &shape.mesh)
+    }
+
+    /// The mean colour of an organ (the polygons are counted first), sRGB, where its kind has one:
+    /// otherwise its colour index decides.
+    pub fn color(&self, organ: usize) -> Option<[u8; 3]> {
+        self.shape(organ.checked_sub(self.polygons.ends.len())?).map(|shape| shape.color)
+    }
+
+    /// Points that span what the organs take up: the corners of the polygons, of each organ of the
+    /// table the corners of a box around it, and of each leaf, which are many and small, the ends of
+    /// two diagonals.
     pub fn hull(&self) -> impl Iterator<Item = Vec3> {
-        let boxes: Vec<Option<Bounds>> = PROTOTYPES.iter().map(|own| own.mesh().bounds()).collect();
+        let boxes: Vec<Option<Bounds>> = PROTOTYPES
+            .iter()
+            .map(|own| own.mesh().bounds())
+            .chain(self.shapes.iter().map(|own| own.mesh.bounds()))
+            .collect();
         let placed = (0..self.placed.prototypes.len()).flat_map(move |i| {
-            let bounds = boxes[self.placed.prototypes[i] as usize];
+            let prototype = usize::from(self.placed.prototypes[i]);
+            let bounds = boxes.get(prototype).copied().flatten();
             let corner = move |n: u32, Bounds { min, max }: Bounds| {
                 let pick = |axis: u32, low: f32, high: f32| if n >> axis & 1 == 0 { low } else { high };
                 self.place(i, Vec3::new(pick(0, min.x, max.x), pick(1, min.y, max.y), pick(2, min.z, max.z)))
             };
-            bounds.into_iter().flat_map(move |bounds| (0..8).map(move |n| corner(n, bounds)))
+            let corners: &[u32] = if prototype < PROTOTYPES.len() { &ALL_CORNERS } else { &DIAGONALS };
+            bounds.into_iter().flat_map(move |bounds| corners.iter().map(move |&n| corner(n, bounds)))
         });
         self.polygons.corners.iter().copied().chain(placed)
     }
 
-    /// About how many vertices and triangles [`meshes`] gives: exact for organs of the table and for
-    /// polygons in which no corner is superfluous.
+    /// About how many vertices and triangles [`meshes`] gives: exact for organs of the table, for
+    /// leaves, and for polygons in which no corner is superfluous.
     pub fn amount(&self) -> (u64, u64) {
+        let (plain, leaves) = (self.plain_amount(), self.leaf_amount());
+        (plain.0 + leaves.0, plain.1 + leaves.1)
+    }
+
+    /// The part of [`Self::amount`] that has one colour and no picture.
+    pub fn plain_amount(&self) -> (u64, u64) {
         let corners = self.polygons.corners.len() as u64;
-        let mut sum = (corners, corners.saturating_sub(2 * self.polygons.ends.len() as u64));
-        let mut counts = [0_u64; PROTOTYPES.len()];
+        let filled = (corners, corners.saturating_sub(2 * self.polygons.ends.len() as u64));
+        self.sum(0, PROTOTYPES.iter().map(Prototype::mesh), filled)
+    }
+
+    /// The part of [`Self::amount`] that has pictures.
+    fn leaf_amount(&self) -> (u64, u64) {
+        self.sum(PROTOTYPES.len(), self.shapes.iter().map(|own| &own.mesh), (0, 0))
+    }
+
+    /// What is placed of the meshes of the prototypes from `first` on.
+    fn sum<'a>(
+        &self,
+        first: usize,
+        meshes: impl Iterator<Item = &'a Mesh>,
+        (vertices, triangles): (u64, u64),
+    ) -> (u64, u64) {
+        let mut counts = [0_u64; 256];
         for &prototype in &self.placed.prototypes {
-            counts[prototype as usize] += 1;
+            counts[usize::from(prototype)] += 1;
         }
-        for (own, count) in PROTOTYPES.iter().zip(counts) {
-            let mesh = own.mesh();
-            sum.0 += count * mesh.positions.len() as u64;
-            sum.1 += count * mesh.triangles.len() as u64;
-        }
-        sum
+        meshes.zip(&counts[first..]).fold((vertices, triangles), |(vertices, triangles), (mesh, count)| {
+            (vertices + count * mesh.positions.len() as u64, triangles + count * mesh.triangles.len() as u64)
+        })
     }
 
     /// Where a point of the prototype is on an organ.

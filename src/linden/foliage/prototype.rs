@@ -183,7 +183,7 @@ fn push(mesh: &mut Mesh, position: Vec3, uv: Vec2) {
 }
 
 /// The mean of the triangles round each vertex, by area.
-fn with_smooth_normals(mut mesh: Mesh) -> Mesh {
+pub(super) fn with_smooth_normals(mut mesh: Mesh) -> Mesh {
     let mut sums = vec![Vec3::ZERO; mesh.positions.len()];
     for triangle in &mesh.triangles {
         let [a, b, c] = triangle.map(|v| mesh.positions[v as usize]);

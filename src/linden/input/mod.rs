@@ -22,6 +22,7 @@ pub use xyz::read_xyz;
 
 use crate::knob::excerpt;
 use crate::monitor::Cancelled;
+use crate::texture::OwnError;
 
 /// Triangles over shared vertices, as a file has them: neither closed nor oriented nor welded.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -84,6 +85,9 @@ pub enum InputError {
         /// What is wrong, and what to do.
         problem: String,
     },
+    /// A picture that is none.
+    #[error(transparent)]
+    Picture(#[from] OwnError),
     /// Nobody wants it any more.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),

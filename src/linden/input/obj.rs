@@ -111,7 +111,8 @@ impl Reader {
             return Err(error(line, &expected, &(u64::from(index) + 1).to_string()));
         }
         if self.mesh.triangles.is_empty() {
-            let problem = format!("it has {count} vertices and no faces; a crown needs a closed surface");
+            let problem =
+                format!("it has {count} vertices and no faces; crowns, parts and leaves are made of faces");
             return Err(InputError::Whole { format: "OBJ", problem });
         }
         Ok(self.mesh)

@@ -45,7 +45,7 @@ impl Herbarium {
 
     /// Whether a list may move to a larger place with the next organ.
     pub fn is_full(&self) -> bool {
-        let Organs { polygons, placed } = &self.organs;
+        let Organs { polygons, placed, .. } = &self.organs;
         polygons.ends.len() == polygons.ends.capacity()
             || polygons.corners.capacity() - polygons.corners.len() < self.corners.len()
             || placed.prototypes.len() == placed.prototypes.capacity()

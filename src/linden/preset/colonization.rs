@@ -16,6 +16,8 @@ pub struct Colonization {
     pub parts: Vec<Part>,
     /// Height of a crown shape's base above the root, metres; `None`: on top of the trunk.
     pub crown_base_m: Option<f64>,
+    /// How far growth has come: the share of its iterations.
+    pub age: f64,
     /// How many attraction points are drawn in a crown.
     pub points: u32,
     /// How far points gather near the crown's surface, 0 to 1; see [`crate::colonization::crown::favor`].
@@ -113,6 +115,7 @@ impl Colonization {
             space,
             parts: Vec::new(),
             crown_base_m: None,
+            age: 1.0,
             points: 2000,
             shell_density: 0.0,
             top_density: 0.0,
@@ -225,6 +228,14 @@ pub(super) const KNOBS: &[PresetKnob] = &[
         "m",
         "how near a node must come to a point to reach it; at least the step",
         colonization.kill
+    ),
+    row!(
+        Colonization,
+        "age",
+        real(0.0, 1.0),
+        "",
+        "how far growth has come: the young tree after this share of all iterations; 1: the whole tree",
+        colonization.age
     ),
     row!(
         Colonization,

@@ -1,37 +1,620 @@
-//! `[foliage]`: how leaves and the like look.
+//! `[foliage]`: what grows on the twigs, where and how it looks. The first kind's keys stand in the
+//! section itself; each table of `[[foliage.also]]` is a further kind with the same keys.
+//!
+//! One table of rows serves both, the command line, the schema and the workbench: a new key is a field
+//! of [`LeafKind`] and a row of [`LEAF_KNOBS`].
 
-use super::knobs::{Access, PresetKnob, Section};
-use super::setting::{Setting, assign};
-use crate::knob::{Kind, Knob};
+use super::document::{Entry, Fault, Node, Place};
+use super::item::{Field, List, field};
+use super::knobs::{Access, PresetKnob, Section, integer, real, real_or_auto, row};
+use super::setting::{Setting, words};
+use crate::knob::{Kind, Knob, Value};
+use crate::texture::leaf::Outline;
 
-/// The most colours that one plant's organs have.
+/// The most colours that one kind of organ has.
 const MOST_COLORS: usize = 32;
 
-/// How leaves and the like look.
-#[derive(Clone, Debug, PartialEq)]
-pub struct FoliageLook {
-    /// sRGB, at least one. Organs of colour index i have the i-th; the last is that of all higher ones.
-    pub leaf_colors: Vec<[u8; 3]>,
-}
+/// More kinds would make a picture each.
+pub const MOST_KINDS: usize = 8;
 
-impl Default for FoliageLook {
-    /// Old leaves and young ones.
-    fn default() -> Self {
-        Self { leaf_colors: vec![[74, 122, 48], [122, 154, 62]] }
+/// Old leaves and young ones.
+const TURTLE_COLORS: [[u8; 3]; 2] = [[74, 122, 48], [122, 154, 62]];
+
+/// The key of the list of further kinds in `[foliage]`.
+pub(super) const ALSO: &str = "also";
+
+/// The keys that name files, relative to the preset's.
+pub(super) const FILES: [&str; 2] = ["leaf_mesh", "leaf_picture"];
+
+words! {
+    /// What a leaf is made of. Lengths are shares of its own.
+    Form {
+        /// Nothing grows but what a grammar places.
+        None = "none",
+        /// One flat rectangle with the picture.
+        Card = "card",
+        /// Two of them, square to each other.
+        Cross = "cross",
+        /// A blade that is bent along and folded across.
+        Curved = "curved",
+        /// A whole twig with many leaves on one bent card.
+        Twig = "twig",
+        /// Leaflets that spread from one point.
+        Fan = "fan",
+        /// Needles: cards crossed about the heading.
+        Tuft = "tuft",
+        /// The user's own.
+        Mesh = "mesh"
     }
 }
 
-/// The section's knobs. Only L-systems have organs so far.
-pub(super) const KNOBS: &[PresetKnob] = &[PresetKnob {
-    knob: Knob {
-        name: "leaf_colors",
-        kind: Kind::Colors { most: MOST_COLORS },
-        unit: "sRGB",
-        help: "colours of polygons and organs: index 0 of ' has the first, the last repeats",
-    },
-    section: Section::Foliage,
-    access: Access::Field {
-        read: |preset| preset.lsystem().map(|_| preset.foliage.leaf_colors.to_value()),
-        write: |preset, value| assign(&mut preset.foliage.leaf_colors, value),
-    },
-}];
+words! {
+    /// How leaves stand round a twig: phyllotaxis.
+    Arrangement {
+        /// One a node, left and right in turn.
+        Alternate = "alternate",
+        /// Two a node, all in one plane.
+        Opposite = "opposite",
+        /// Two a node, each pair square to the last.
+        Decussate = "decussate",
+        /// Several a node, each whorl in the gaps of the last.
+        Whorled = "whorled",
+        /// One a node, the golden angle on.
+        Spiral = "spiral"
+    }
+}
+
+words! {
+    /// What the edge of a blade is like.
+    Edge {
+        /// As usual for its outline.
+        Auto = "auto",
+        /// Without teeth.
+        Entire = "entire",
+        /// Teeth that point to the tip.
+        Serrate = "serrate",
+        /// Rounded teeth.
+        Crenate = "crenate"
+    }
+}
+
+words! {
+    /// Which way a leaf's normals point.
+    Normals {
+        /// Off its own face.
+        Flat = "flat",
+        /// Mostly out of the crown, so that it is shaded as one soft body.
+        Dome = "dome"
+    }
+}
+
+/// One kind of organ: leaves, needles, flowers, fruit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeafKind {
+    /// What it is made of.
+    pub form: Form,
+    /// For [`Form::Mesh`]: the file, relative to the preset's.
+    pub mesh: Option<String>,
+    /// A picture of the user's in place of the drawn one: the file, relative to the preset's.
+    pub picture: Option<String>,
+    /// The shape of its picture.
+    pub outline: Outline,
+    /// From its foot to its tip, metres.
+    pub length_m: f64,
+    /// Width ÷ length; `None`: as usual for its outline.
+    pub width: Option<f64>,
+    /// How much lengths differ: 0.2 is 0.8 to 1.2 times.
+    pub size_spread: f64,
+    /// Lobes, leaflets or needles; 0: as usual for its outline.
+    pub lobes: u32,
+    /// How deep the bays between lobes are; `None`: as usual for its outline.
+    pub lobe_depth: Option<f64>,
+    /// What its edge is like.
+    pub margin: Edge,
+    /// The stalk's share of the length; `None`: as usual for its outline.
+    pub petiole: Option<f64>,
+    /// Length of a twig card, metres; `None`: four leaves.
+    pub twig_length_m: Option<f64>,
+    /// Leaves on a twig card.
+    pub twig_leaves: u32,
+    /// How they stand round a twig.
+    pub arrangement: Arrangement,
+    /// Leaves a node, where they are whorled.
+    pub whorl: u32,
+    /// Leaves a metre of twig, all together.
+    pub per_m: f64,
+    /// Leaves that spring from one place.
+    pub count: u32,
+    /// None grow on wood that is thicker, metres; `None`: on twigs.
+    pub max_radius_m: Option<f64>,
+    /// None grow on wood that is older, as a share of all births; 1 is any age.
+    pub max_age: f64,
+    /// How much rarer they are at a twig's base than at its tip: 0 not at all, 1 none there.
+    pub tip: f64,
+    /// Whether each twig ends with one.
+    pub terminal: bool,
+    /// Places along and round each segment, the older style; 0 or one number: no grid.
+    pub grid: Vec<f64>,
+    /// Off the twig's axis, degrees.
+    pub angle_deg: f64,
+    /// How far they hang, degrees.
+    pub droop_deg: f64,
+    /// How far blades turn level, 0 to 1.
+    pub level: f64,
+    /// How far headings turn up (1) or down (-1).
+    pub up: f64,
+    /// How far each is turned at random, degrees.
+    pub jitter_deg: f64,
+    /// Off the bark, metres.
+    pub offset_m: f64,
+    /// Which way normals point.
+    pub normals: Normals,
+    /// sRGB: the upper side in summer; `None`: as usual for its outline. See [`FoliageLook::turtle_colors`].
+    pub colors: Option<Vec<[u8; 3]>>,
+    /// sRGB, from the first change to the last; `None`: as usual for its outline.
+    pub autumn_colors: Option<Vec<[u8; 3]>>,
+    /// How much leaves differ in tint, 0 to 1.
+    pub tint_spread: f64,
+    /// Whether the season leaves them alone.
+    pub evergreen: bool,
+    /// The share that is kept.
+    pub keep: f64,
+    /// For a further kind: how many places of the first it takes, of 1; 0: it has its own places.
+    pub share: f64,
+}
+
+impl Default for LeafKind {
+    /// Nothing grows; leaves of a hand's length when a form is chosen.
+    fn default() -> Self {
+        Self {
+            form: Form::None,
+            mesh: None,
+            picture: None,
+            outline: Outline::Ovate,
+            length_m: 0.08,
+            width: None,
+            size_spread: 0.2,
+            lobes: 0,
+            lobe_depth: None,
+            margin: Edge::Auto,
+            petiole: None,
+            twig_length_m: None,
+            twig_leaves: 12,
+            arrangement: Arrangement::Spiral,
+            whorl: 3,
+            per_m: 40.0,
+            count: 1,
+            max_radius_m: None,
+            max_age: 1.0,
+            tip: 0.0,
+            terminal: true,
+            grid: vec![0.0],
+            angle_deg: 50.0,
+            droop_deg: 10.0,
+            level: 0.4,
+            up: 0.0,
+            jitter_deg: 15.0,
+            offset_m: 0.0,
+            normals: Normals::Flat,
+            colors: None,
+            autumn_colors: None,
+            tint_spread: 0.5,
+            evergreen: false,
+            keep: 1.0,
+            share: 0.0,
+        }
+    }
+}
+
+impl LeafKind {
+    /// The files that it needs beside the preset.
+    pub(super) fn files(&self) -> impl Iterator<Item = &str> {
+        [&self.mesh, &self.picture].into_iter().filter_map(Option::as_deref)
+    }
+
+    pub(super) fn files_mut(&mut self) -> impl Iterator<Item = &mut String> {
+        [&mut self.mesh, &mut self.picture].into_iter().filter_map(Option::as_mut)
+    }
+
+    /// The files by their keys.
+    pub(super) fn named_files(&self) -> impl Iterator<Item = (&'static str, &str)> {
+        FILES
+            .into_iter()
+            .zip([&self.mesh, &self.picture])
+            .filter_map(|(key, file)| Some((key, file.as_deref()?)))
+    }
+
+    /// Takes a file's name; whether `key` names one.
+    pub(super) fn take_file(&mut self, key: &str, node: &Node) -> Result<bool, Fault> {
+        let slot = match key {
+            "leaf_mesh" => &mut self.mesh,
+            "leaf_picture" => &mut self.picture,
+            _ => return Ok(false),
+        };
+        let file = node.text(key)?.trim();
+        if file.is_empty() {
+            return Err(Fault::new(
+                node.place,
+                format!("'{key}' is empty; name a file, or take the line out"),
+            ));
+        }
+        *slot = Some(file.to_owned());
+        Ok(true)
+    }
+}
+
+/// Everything that grows on the wood.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FoliageLook {
+    /// 0 flush, 0.35 summer, 0.75 autumn, 1 bare.
+    pub season: f64,
+    /// The side of the drawn pictures, pixels.
+    pub size_px: u32,
+    /// What stands in the section itself.
+    pub first: LeafKind,
+    /// Further kinds.
+    pub also: Vec<LeafKind>,
+}
+
+impl Default for FoliageLook {
+    fn default() -> Self {
+        Self { season: 0.35, size_px: 1024, first: LeafKind::default(), also: Vec::new() }
+    }
+}
+
+impl FoliageLook {
+    /// All kinds, the first one first.
+    pub fn kinds(&self) -> impl Iterator<Item = &LeafKind> {
+        std::iter::once(&self.first).chain(&self.also)
+    }
+
+    /// What organs of a grammar and polygons are coloured with, sRGB: the i-th is that of the turtle's
+    /// colour index i, the last that of all higher ones.
+    pub fn turtle_colors(&self) -> &[[u8; 3]] {
+        self.first.colors.as_deref().unwrap_or(&TURTLE_COLORS)
+    }
+
+    pub(super) fn kinds_mut(&mut self) -> impl Iterator<Item = &mut LeafKind> {
+        std::iter::once(&mut self.first).chain(&mut self.also)
+    }
+}
+
+/// The names of all outlines.
+const OUTLINES: [&str; Outline::ALL.len()] = {
+    let mut names = [""; Outline::ALL.len()];
+    let mut i = 0;
+    while i < names.len() {
+        names[i] = Outline::ALL[i].0;
+        i += 1;
+    }
+    names
+};
+
+impl Setting for Outline {
+    fn to_value(&self) -> Value {
+        let name = Self::ALL.iter().find(|(_, own, _)| own == self).map_or("", |(name, _, _)| name);
+        Value::Word(name.to_owned())
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        String::from_value(value).and_then(|name| Self::named(&name))
+    }
+}
+
+/// The keys of a kind of organ, beside the files `leaf_mesh` and `leaf_picture`.
+pub const LEAF_KNOBS: [Field<LeafKind>; 33] = [
+    field!(
+        "leaf_form",
+        Kind::Choice(Form::WORDS),
+        "",
+        "what leaves are made of: nothing, one card, two crossed, a curved blade, a card with a whole twig, a fan of leaflets, a tuft of needles, the mesh of leaf_mesh",
+        form
+    ),
+    field!(
+        "leaf_outline",
+        Kind::Choice(&OUTLINES),
+        "",
+        "shape of the drawn picture, of one leaf or of a shoot",
+        outline
+    ),
+    field!(
+        "leaf_length",
+        real(5e-4, 10.0),
+        "m",
+        "length of a leaf from the foot of its stalk to its tip",
+        length_m
+    ),
+    field!(
+        "leaf_width",
+        real_or_auto(5e-3, 4.0),
+        "",
+        "width of a blade / its length; auto: as usual for its outline",
+        width
+    ),
+    field!(
+        "leaf_size_spread",
+        real(0.0, 0.95),
+        "",
+        "how much leaves differ in length: 0.2 is 0.8 to 1.2 times",
+        size_spread
+    ),
+    field!(
+        "leaf_lobes",
+        integer(0, 400),
+        "",
+        "lobes, leaflets or needles of a leaf, as its outline counts them; 0: as usual",
+        lobes
+    ),
+    field!(
+        "leaf_lobe_depth",
+        real_or_auto(0.0, 1.0),
+        "",
+        "how deep the bays between lobes are: 1 down to the midrib; auto: as usual for its outline",
+        lobe_depth
+    ),
+    field!(
+        "leaf_margin",
+        Kind::Choice(Edge::WORDS),
+        "",
+        "the edge of a blade: without teeth, with pointed or with rounded ones; auto: as usual for its outline",
+        margin
+    ),
+    field!(
+        "leaf_petiole",
+        real_or_auto(0.0, 0.9),
+        "",
+        "the stalk's share of the length; auto: as usual for its outline",
+        petiole
+    ),
+    field!(
+        "twig_length",
+        real_or_auto(1e-3, 20.0),
+        "m",
+        "for leaf_form=twig: length of the card; auto: four leaves",
+        twig_length_m
+    ),
+    field!("twig_leaves", integer(1, 200), "", "for leaf_form=twig: leaves on the card", twig_leaves),
+    field!(
+        "leaf_arrangement",
+        Kind::Choice(Arrangement::WORDS),
+        "",
+        "how leaves stand round a twig: left and right in turn, pairs in one plane, pairs each square to the last, whorls of leaf_whorl, a spiral of 137.5 degrees",
+        arrangement
+    ),
+    field!("leaf_whorl", integer(1, 64), "", "for leaf_arrangement=whorled: leaves a node", whorl),
+    field!("leaves_per_m", real(0.0, 1e5), "1/m", "leaves a metre of twig, all together", per_m),
+    field!(
+        "leaf_count",
+        integer(1, 64),
+        "",
+        "leaves that spring from one place; more of them are fewer places",
+        count
+    ),
+    field!(
+        "leaf_max_radius",
+        real_or_auto(1e-6, 100.0),
+        "m",
+        "leaves grow only on wood that is thinner; auto: three times the mean radius of tips",
+        max_radius_m
+    ),
+    field!(
+        "leaf_max_age",
+        real(0.0, 1.0),
+        "",
+        "leaves grow only on wood of the last share of growth; 1: of any age",
+        max_age
+    ),
+    field!(
+        "leaf_tip",
+        real(0.0, 1.0),
+        "",
+        "how much rarer leaves are at a twig's base than at its tip: 0 not at all, 1 none there",
+        tip
+    ),
+    field!("leaf_terminal", Kind::Switch, "", "whether each twig ends with a leaf", terminal),
+    field!(
+        "leaf_grid",
+        Kind::Reals { min: 0.0, max: 256.0, most: 2 },
+        "",
+        "the older style: so many leaves along and so many round each segment, in place of leaves_per_m; 0: off",
+        grid
+    ),
+    field!("leaf_angle", real(0.0, 180.0), "deg", "angle of a leaf off its twig", angle_deg),
+    field!("leaf_droop", real(-90.0, 90.0), "deg", "how far leaves hang; less than 0: rise", droop_deg),
+    field!(
+        "leaf_level",
+        real(0.0, 1.0),
+        "",
+        "how far blades turn level: 0 facing the twig's tip, 1 facing the sky",
+        level
+    ),
+    field!("leaf_up", real(-1.0, 1.0), "", "how far leaves point up, less than 0: down", up),
+    field!(
+        "leaf_jitter",
+        real(0.0, 180.0),
+        "deg",
+        "each leaf is turned by up to so much, at random",
+        jitter_deg
+    ),
+    field!("leaf_offset", real(0.0, 10.0), "m", "distance of a leaf's foot off the bark", offset_m),
+    field!(
+        "leaf_normals",
+        Kind::Choice(Normals::WORDS),
+        "",
+        "normals off each leaf's own face, or mostly out of the crown: softer shading",
+        normals
+    ),
+    field!(
+        "leaf_colors",
+        Kind::Colors { most: MOST_COLORS, auto: true },
+        "sRGB",
+        "colours of the upper side in summer; of a grammar's polygons and organs: index 0 of ' has the first, the last repeats; auto: as usual",
+        colors
+    ),
+    field!(
+        "autumn_colors",
+        Kind::Colors { most: MOST_COLORS, auto: true },
+        "sRGB",
+        "colours in autumn, from the first change to the last; auto: as usual for its outline",
+        autumn_colors
+    ),
+    field!("leaf_tint_spread", real(0.0, 1.0), "", "how much leaves differ in tint", tint_spread),
+    field!("evergreen", Kind::Switch, "", "whether the season leaves colour and number alone", evergreen),
+    field!(
+        "leaf_keep",
+        real(0.0, 1.0),
+        "",
+        "the share of leaves that is kept: what a lower share keeps, a higher one keeps too",
+        keep
+    ),
+    field!(
+        "share",
+        real(0.0, 1.0),
+        "",
+        "for a further kind: how many places of the first kind it takes; 0: it has places of its own",
+        share
+    ),
+];
+
+/// How many rows of [`LEAF_KNOBS`] the first kind has: all but the last, `share`.
+const FIRST: usize = LEAF_KNOBS.len() - 1;
+
+/// What is said once for all kinds.
+const TREE_KNOBS: [PresetKnob; 2] = [
+    row!(Foliage, "season", real(0.0, 1.0), "", "0 flush: small and light; 0.35 summer; 0.55 to 0.8 autumn colours; leaves fall from 0.75 on; 1 bare", .foliage.season),
+    row!(Foliage, "leaf_size", integer(16, 4096), "px", "side of the drawn pictures of leaves", .foliage.size_px),
+];
+
+/// The section's knobs.
+pub(super) const KNOBS: &[PresetKnob] = &{
+    let mut all = [TREE_KNOBS[0]; FIRST + TREE_KNOBS.len()];
+    let mut row = 0;
+    while row < FIRST {
+        let field = LEAF_KNOBS[row];
+        all[row] = PresetKnob { knob: field.knob, section: Section::Foliage, access: Access::Leaf(field) };
+        row += 1;
+    }
+    row = 0;
+    while row < TREE_KNOBS.len() {
+        all[FIRST + row] = TREE_KNOBS[row];
+        row += 1;
+    }
+    all
+};
+
+const LIST: List = List {
+    key: ALSO,
+    heading: "[[foliage.also]]",
+    one: "kind",
+    most: (MOST_KINDS - 1, "a plant beside its first"),
+};
+
+/// Reads what the section has beside knobs: further kinds and files. Whether the entry was one of these.
+pub(super) fn read(foliage: &mut FoliageLook, entry: &Entry) -> Result<bool, Fault> {
+    if entry.key == ALSO {
+        foliage.also = LIST.read(&entry.node, read_kind)?;
+        return Ok(true);
+    }
+    foliage.first.take_file(&entry.key, &entry.node)
+}
+
+fn read_kind(number: usize, entries: &[Entry], place: Option<Place>) -> Result<LeafKind, Fault> {
+    let mut kind = LeafKind::default();
+    for entry in entries {
+        if kind.take_file(&entry.key, &entry.node)? {
+            continue;
+        }
+        let Some(row) = LEAF_KNOBS.iter().find(|row| row.knob.name == entry.key) else {
+            let rows = LEAF_KNOBS.iter().map(|row| row.knob.name);
+            return Err(LIST.unknown(number, entry, &rows.chain(FILES).collect::<Vec<_>>()));
+        };
+        (row.write)(&mut kind, entry.node.value(&entry.key, &row.knob.kind)?);
+    }
+    if kind.form == Form::None {
+        let words = Form::WORDS[1..].join(", ");
+        return Err(Fault::new(place, format!("kind {number} has no 'leaf_form'; give it one of: {words}")));
+    }
+    Ok(kind)
+}
+
+impl LeafKind {
+    /// All rows with their values, in the order of a document.
+    pub fn knobs(&self) -> impl Iterator<Item = (Knob, Value)> {
+        LEAF_KNOBS.iter().map(|row| (row.knob, (row.read)(self)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::preset::Preset;
+
+    fn document(foliage: &str) -> String {
+        format!("id = \"a\"\n[colonization]\ncrown = \"sphere\"\n[foliage]\n{foliage}")
+    }
+
+    const APPLE: &str = r##"
+        leaf_form = "curved"
+        leaf_arrangement = "spiral"
+        leaves_per_m = 25
+        leaf_grid = [4, 3]
+        leaf_picture = "apple.png"
+        season = 0.1
+        [[foliage.also]]
+        leaf_form = "mesh"
+        leaf_mesh = "blossom.obj"
+        share = 0.25
+        leaf_colors = ["#ffe8ee"]
+        [[foliage.also]]
+        leaf_form = "tuft"
+    "##;
+
+    #[test]
+    fn kinds_survive_writing_and_reading() {
+        let preset = Preset::from_toml(&document(APPLE)).unwrap();
+        let own = &preset.foliage;
+        assert_eq!((own.first.form, own.first.per_m, own.season), (Form::Curved, 25.0, 0.1));
+        assert_eq!(own.first.grid, [4.0, 3.0]);
+        assert_eq!((own.also[0].form, own.also[0].share), (Form::Mesh, 0.25));
+        assert_eq!(own.also[1], LeafKind { form: Form::Tuft, ..LeafKind::default() });
+        assert_eq!(preset.files(), ["apple.png", "blossom.obj"]);
+        let text = preset.to_toml().unwrap();
+        let again = Preset::from_toml(&text).unwrap_or_else(|fault| panic!("{fault}: {text}"));
+        assert_eq!(again, preset);
+        let json = serde_json::to_string(&preset).unwrap();
+        assert_eq!(Preset::from_json(&json).unwrap(), preset);
+    }
+
+    #[test]
+    fn files_are_renamed_together() {
+        let mut preset = Preset::from_toml(&document(APPLE)).unwrap();
+        preset.rename_files(&["x.png".to_owned(), "y.obj".to_owned()]);
+        assert_eq!(preset.files(), ["x.png", "y.obj"]);
+    }
+
+    #[test]
+    fn what_is_wrong_with_a_kind_is_said_with_its_place() {
+        for (foliage, place, said) in [
+            ("[[foliage.also]]\nshare = 0.1", "6:1", "kind 1 has no 'leaf_form'; give it one of: card"),
+            ("[[foliage.also]]\nleaf_form = \"car\"", "6:13", "'car' is not none | card"),
+            (
+                "[[foliage.also]]\nleaf_form = \"card\"\nleaf_lenght = 2",
+                "7:1",
+                "kind 1 has no 'leaf_lenght' (did you mean 'leaf_length'?)",
+            ),
+            ("also = 3", "5:8", "expected tables, each headed [[foliage.also]]"),
+            ("leaf_mesh = \" \"", "5:13", "'leaf_mesh' is empty"),
+            ("share = 0.5", "5:1", "there is no 'share'"),
+            ("leaf_length = 0", "5:15", "0.0005 to 10"),
+        ] {
+            let message = Preset::from_toml(&document(foliage)).unwrap_err().to_string();
+            assert!(
+                message.starts_with(&format!("{place}: ")) && message.contains(said),
+                "{foliage}: {message}"
+            );
+        }
+        let many = "[[foliage.also]]\nleaf_form = \"card\"\n".repeat(MOST_KINDS);
+        let message = Preset::from_toml(&document(&many)).unwrap_err().to_string();
+        assert!(message.contains("8 kinds are more than the 7"), "{message}");
+    }
+}

@@ -1,7 +1,10 @@
 //! The table of all knobs that presets have. Documents, the command line, the schema, the help and
 //! the workbench's form are made from it; a new knob is a field and a row, both in its section's file.
 
-use super::{Colonization, Preset, Space, bark, colonization, foliage, lsystem, surface, wood};
+use super::item::Field;
+use super::{
+    Colonization, LeafKind, Preset, Space, bark, colonization, detail, foliage, lsystem, surface, wind, wood,
+};
 use crate::colonization::crown::{self, SHAPES, ShapeKnob};
 use crate::knob::{Kind, Knob, Value};
 
@@ -22,12 +25,30 @@ pub enum Section {
     Bark,
     /// `[foliage]`
     Foliage,
+    /// `[detail]`
+    Detail,
+    /// `[wind]`
+    Wind,
 }
 
 impl Section {
     /// All sections, in the order of a document.
-    pub const ALL: [Self; 7] =
-        [Self::Tree, Self::LSystem, Self::Colonization, Self::Wood, Self::Surface, Self::Bark, Self::Foliage];
+    pub const ALL: [Self; 9] = [
+        Self::Tree,
+        Self::LSystem,
+        Self::Colonization,
+        Self::Wood,
+        Self::Surface,
+        Self::Bark,
+        Self::Foliage,
+        Self::Detail,
+        Self::Wind,
+    ];
+
+    /// Whether its knobs leave the skeleton as it is: they say what covers it and what is shown of it.
+    pub const fn covers(self) -> bool {
+        matches!(self, Self::Surface | Self::Bark | Self::Foliage | Self::Detail | Self::Wind)
+    }
 
     /// The table's key, empty for [`Section::Tree`].
     pub const fn key(self) -> &'static str {
@@ -39,6 +60,8 @@ impl Section {
             Self::Surface => "surface",
             Self::Bark => "bark",
             Self::Foliage => "foliage",
+            Self::Detail => "detail",
+            Self::Wind => "wind",
         }
     }
 }
@@ -56,8 +79,13 @@ pub struct PresetKnob {
 /// How a knob reaches its field.
 #[derive(Clone, Copy)]
 pub(super) enum Access {
-    Field { read: fn(&Preset) -> Option<Value>, write: fn(&mut Preset, Value) },
+    Field {
+        read: fn(&Preset) -> Option<Value>,
+        write: fn(&mut Preset, Value),
+    },
     Dimension(&'static ShapeKnob),
+    /// Of the first kind of leaves.
+    Leaf(Field<LeafKind>),
 }
 
 impl PresetKnob {
@@ -75,6 +103,7 @@ impl PresetKnob {
                 let set = dimensions.iter().find(|(name, _)| *name == own.knob.name);
                 Some(set.map_or_else(own.default, |(_, value)| value.clone()))
             }
+            Access::Leaf(own) => Some((own.read)(&preset.foliage.first)),
         }
     }
 
@@ -93,6 +122,7 @@ impl PresetKnob {
                     *dimensions = shape.complete(dimensions);
                 }
             }
+            Access::Leaf(own) => (own.write)(&mut preset.foliage.first, value),
         }
     }
 }
@@ -161,8 +191,17 @@ const TREE: &[PresetKnob] = &[
 ];
 
 /// The rows of all sections, in the order of a document.
-const SECTIONS: [&[PresetKnob]; 7] =
-    [TREE, lsystem::KNOBS, colonization::KNOBS, wood::KNOBS, surface::KNOBS, bark::KNOBS, foliage::KNOBS];
+const SECTIONS: [&[PresetKnob]; 9] = [
+    TREE,
+    lsystem::KNOBS,
+    colonization::KNOBS,
+    wood::KNOBS,
+    surface::KNOBS,
+    bark::KNOBS,
+    foliage::KNOBS,
+    detail::KNOBS,
+    wind::KNOBS,
+];
 
 /// How many rows all sections have.
 const COUNT: usize = {

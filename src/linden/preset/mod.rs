@@ -2,8 +2,10 @@
 
 mod bark;
 mod colonization;
+mod detail;
 mod document;
 mod foliage;
+mod item;
 mod knobs;
 mod library;
 mod lsystem;
@@ -11,6 +13,7 @@ mod part;
 mod read;
 mod setting;
 mod surface;
+mod wind;
 mod wood;
 mod write;
 
@@ -23,13 +26,16 @@ use crate::surface::Tubes;
 
 pub use bark::BarkLook;
 pub use colonization::{Colonization, Space};
+pub use detail::DetailLook;
 pub use document::{Fault, Place};
-pub use foliage::FoliageLook;
+pub use foliage::{Arrangement, Edge, FoliageLook, Form, LEAF_KNOBS, LeafKind, MOST_KINDS, Normals};
+pub use item::Field;
 pub use knobs::{KNOBS, PresetKnob, Section, shape_knobs};
 pub use library::{Builtin, RecipeError, builtin, builtin_file, builtins};
 pub use lsystem::LSystem;
 pub use part::{MOST_PARTS, PART_CROWN, PART_KNOBS, Part, PartKnob, Solid};
 pub use setting::{Habit, Length, Origin, Pull, Role, ScanRadius, UpAxis};
+pub use wind::WindLook;
 
 /// Everything that says how a tree grows and looks.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,6 +66,10 @@ pub struct Preset {
     pub bark: BarkLook,
     /// How its leaves look.
     pub foliage: FoliageLook,
+    /// How much of it is shown.
+    pub detail: DetailLook,
+    /// How it moves.
+    pub wind: WindLook,
 }
 
 /// How a tree grows.
@@ -151,11 +161,12 @@ impl Preset {
     }
 
     /// The files that are needed beside the preset, each once, relative to it: what the crown fills,
-    /// then the meshes of the parts. [`crate::recipe::Recipe::inputs`] has them in this order.
+    /// then the meshes of the parts, then what leaves are made of. [`crate::recipe::Recipe::inputs`] has them in this order.
     pub fn files(&self) -> Vec<&str> {
         let mut files: Vec<&str> = Vec::new();
         let parts = self.parts().iter().filter_map(Part::file);
-        for file in self.space().and_then(Space::file).into_iter().chain(parts) {
+        let leaves = self.foliage.kinds().flat_map(LeafKind::files);
+        for file in self.space().and_then(Space::file).into_iter().chain(parts).chain(leaves) {
             if !files.contains(&file) {
                 files.push(file);
             }
@@ -166,16 +177,20 @@ impl Preset {
     /// Gives the files of [`Preset::files`] other names, in their order.
     pub fn rename_files(&mut self, names: &[String]) {
         let before: Vec<String> = self.files().into_iter().map(str::to_owned).collect();
-        let Some(own) = self.colonization_mut() else { return };
-        let space = match &mut own.space {
+        let (space, parts) = match &mut self.generator {
+            Generator::LSystem(_) => (None, None),
+            Generator::Colonization(own) => (Some(&mut own.space), Some(&mut own.parts)),
+        };
+        let space = space.and_then(|space| match space {
             Space::Shape { .. } => None,
             Space::Envelope { file } | Space::Points { file } => Some(file),
-        };
-        let parts = own.parts.iter_mut().filter_map(|part| match &mut part.solid {
+        });
+        let parts = parts.into_iter().flatten().filter_map(|part| match &mut part.solid {
             Solid::Shape { .. } => None,
             Solid::Mesh { file } => Some(file),
         });
-        for file in space.into_iter().chain(parts) {
+        let leaves = self.foliage.kinds_mut().flat_map(LeafKind::files_mut);
+        for file in space.into_iter().chain(parts).chain(leaves) {
             if let Some(name) = before.iter().position(|own| own == file).and_then(|i| names.get(i)) {
                 file.clone_from(name);
             }

@@ -4,12 +4,13 @@
 //! key is a field and a row of [`PART_KNOBS`].
 
 use super::colonization::SHAPE_IDS;
-use super::document::{Datum, Entry, Fault, Node};
+use super::document::{Entry, Fault, Node, Place};
+use super::item::{Field, List, field};
 use super::knobs::{real, real_or_auto};
-use super::setting::{MEETINGS, Role, Setting, assign};
+use super::setting::{MEETINGS, Role, Setting};
 use crate::colonization::Meet;
 use crate::colonization::crown::{self, Shape};
-use crate::knob::{Kind, Knob, Value, did_you_mean, excerpt, nearest};
+use crate::knob::{Kind, Knob, Value, excerpt};
 
 /// A part of a crown, or a solid near it. Places are metres from the tree's foot, Y up.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,25 +59,21 @@ pub const MOST_PARTS: usize = 256;
 /// The key of the list of parts in `[colonization]`.
 pub(super) const PART: &str = "part";
 
+const LIST: List =
+    List { key: PART, heading: "[[colonization.part]]", one: "part", most: (MOST_PARTS, "a crown") };
+
 /// A row of the table.
 #[derive(Clone, Copy)]
 pub struct PartKnob {
-    /// Name, kind, unit, help.
-    pub knob: Knob,
+    /// Name, kind, unit, help, and the way to the part's field.
+    pub field: Field<Part>,
     /// The roles that have it; empty: all.
     pub roles: &'static [Role],
-    read: fn(&Part) -> Value,
-    write: fn(&mut Part, Value),
 }
 
 macro_rules! row {
     ($name:literal, $kind:expr, $unit:literal, $roles:expr, $help:literal, $field:ident) => {
-        PartKnob {
-            knob: Knob { name: $name, kind: $kind, unit: $unit, help: $help },
-            roles: $roles,
-            read: |part| part.$field.to_value(),
-            write: |part, value| assign(&mut part.$field, value),
-        }
+        PartKnob { field: field!($name, $kind, $unit, $help, $field), roles: $roles }
     };
 }
 
@@ -180,9 +177,9 @@ impl Part {
         let mut all = Vec::new();
         for row in PART_KNOBS {
             if row.fits(self.role) {
-                all.push((row.knob, (row.read)(self)));
+                all.push((row.field.knob, (row.field.read)(self)));
             }
-            if row.knob.name == "role"
+            if row.field.knob.name == "role"
                 && let Solid::Shape { shape, dimensions } = &self.solid
             {
                 all.push((PART_CROWN, Value::Word(shape.clone())));
@@ -205,23 +202,10 @@ impl PartKnob {
 
 /// Reads the list of parts.
 pub(super) fn read(node: &Node) -> Result<Vec<Part>, Fault> {
-    let Datum::List(items) = &node.datum else {
-        return Err(node.mismatch(PART, "tables, each headed [[colonization.part]]"));
-    };
-    if items.len() > MOST_PARTS {
-        let message = format!("{} parts are more than the {MOST_PARTS} that a crown may have", items.len());
-        return Err(Fault::new(node.place, message));
-    }
-    items.iter().enumerate().map(|(i, item)| read_one(i + 1, item)).collect()
+    LIST.read(node, read_one)
 }
 
-fn read_one(number: usize, node: &Node) -> Result<Part, Fault> {
-    let Datum::Table(entries) = &node.datum else {
-        return Err(node.mismatch(PART, "tables, each headed [[colonization.part]]"));
-    };
-    // Entries come in the order of their names.
-    let place = entries.iter().filter_map(|entry| entry.place).min_by_key(|p| (p.line, p.column));
-    let place = place.or(node.place);
+fn read_one(number: usize, entries: &[Entry], place: Option<Place>) -> Result<Part, Fault> {
     let find = |key: &str| entries.iter().find(|entry| entry.key == key);
     let role = find("role").ok_or_else(|| {
         let words = Role::WORDS.join(", ");
@@ -269,19 +253,13 @@ fn turn(part: &mut Part, shape: Option<&'static Shape>, number: usize, entry: &E
         }
         return Ok(());
     }
-    let key = excerpt(&entry.key);
-    let Some(row) = PART_KNOBS.iter().find(|row| row.knob.name == entry.key) else {
-        let known = ["crown", "mesh"].into_iter();
-        let known = known.chain(PART_KNOBS.iter().filter(|row| row.fits(part.role)).map(|row| row.knob.name));
+    let Some(row) = PART_KNOBS.iter().find(|row| row.field.knob.name == entry.key) else {
+        let fitting = PART_KNOBS.iter().filter(|row| row.fits(part.role)).map(|row| row.field.knob.name);
+        let known = ["crown", "mesh"].into_iter().chain(fitting);
         let known: Vec<&str> = known.chain(own.iter().map(|own| own.knob.name)).collect();
-        let meant = nearest(&entry.key, known.iter().copied());
-        let instead = if meant.is_some() {
-            did_you_mean(meant)
-        } else {
-            format!("; it may have: {}", known.join(", "))
-        };
-        return Err(Fault::new(entry.place, format!("part {number} has no '{key}'{instead}")));
+        return Err(LIST.unknown(number, entry, &known));
     };
+    let key = excerpt(&entry.key);
     if !row.fits(part.role) {
         let roles: Vec<String> = row.roles.iter().map(|role| role.to_value().to_string()).collect();
         let own = part.role.to_value();
@@ -291,7 +269,7 @@ fn turn(part: &mut Part, shape: Option<&'static Shape>, number: usize, entry: &E
         );
         return Err(Fault::new(entry.place, message));
     }
-    (row.write)(part, entry.node.value(&entry.key, &row.knob.kind)?);
+    (row.field.write)(part, entry.node.value(&entry.key, &row.field.knob.kind)?);
     Ok(())
 }
 

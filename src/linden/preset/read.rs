@@ -1,9 +1,10 @@
 //! From a document to a preset.
 
 use super::document::{Datum, Entry, Fault, Node, Place};
+use super::foliage;
 use super::knobs::{KNOBS, PresetKnob, Section, shape_knobs};
 use super::part::{self, PART};
-use super::{BarkLook, Colonization, FoliageLook, Generator, LSystem, Preset, Space};
+use super::{BarkLook, Colonization, DetailLook, FoliageLook, Generator, LSystem, Preset, Space, WindLook};
 use crate::knob::{did_you_mean, excerpt, nearest};
 use crate::lsystem::{Grammar, Part};
 use crate::skeleton::Wood;
@@ -56,6 +57,8 @@ impl Preset {
             tubes: Tubes::default(),
             bark: BarkLook::default(),
             foliage: FoliageLook::default(),
+            detail: DetailLook::default(),
+            wind: WindLook::default(),
         }
     }
 }
@@ -136,12 +139,16 @@ const fn materials(section: Section) -> &'static [&'static str] {
     match section {
         Section::LSystem => &["axiom", "rules"],
         Section::Colonization => &["envelope", "scan", PART],
+        Section::Foliage => &[foliage::FILES[0], foliage::FILES[1], foliage::ALSO],
         _ => &[],
     }
 }
 
 /// Sets the knob that an entry names.
 fn turn(preset: &mut Preset, section: Section, entry: &Entry) -> Result<(), Fault> {
+    if section == Section::Foliage && foliage::read(&mut preset.foliage, entry)? {
+        return Ok(());
+    }
     if materials(section).contains(&entry.key.as_str()) {
         return Ok(());
     }

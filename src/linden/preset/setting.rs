@@ -42,6 +42,8 @@ macro_rules! words {
     };
 }
 
+pub(super) use words;
+
 words! {
     /// Which axis of an input file points up.
     UpAxis {

@@ -60,6 +60,9 @@ impl Setting for Vec<Step> {
     }
 }
 
+/// Control points of a trunk's curve, beside its foot.
+const MOST_CONTROLS: usize = 12;
+
 /// The section's knobs.
 pub(super) const KNOBS: &[PresetKnob] = &[
     row!(Wood, "width", Kind::Choice(&WIDTHS), "", "rule for the radii: pipe model, halved per branching order, tapers drawn per axis, or the grammar's own; auto: the grammar's (or scan's) where it gives them, else pipe", .wood.width),
@@ -79,4 +82,7 @@ pub(super) const KNOBS: &[PresetKnob] = &[
     row!(Wood, "relocate_share", real(0.0, 1.0), "", "for refine=relocate: how far each node goes towards its parent; 0.5 is halfway", .refinement.relocate_share),
     row!(Wood, "smooth_rounds", integer(1, 100), "", "for refine=smooth: how often each node is averaged with its neighbours", .refinement.smooth_rounds),
     row!(Wood, "subdivisions", integer(1, 6), "", "for refine=subdivide: how often each segment is halved", .refinement.subdivisions),
+    row!(Wood, "trunk_curve", Kind::Reals { min: -1000.0, max: 1000.0, most: MOST_CONTROLS * 3 }, "m", "control points x y z of a Bezier curve that the trunk is bent onto, from its foot, like 0 3 0 1 6 0; 0: as grown", .refinement.trunk_curve),
+    row!(Wood, "sway", real(0.0, 1.0), "", "how far trunk and limbs swing to the side / their length, at random", .refinement.sway),
+    row!(Wood, "gnarl", real(0.0, 4.0), "", "how far wood bends to and fro over a few times its thickness / that thickness: old wood is gnarled", .refinement.gnarl),
 ];

@@ -3,9 +3,10 @@
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
+use super::foliage::ALSO;
 use super::knobs::Section;
 use super::part::PART;
-use super::{Generator, Part, Preset, Space};
+use super::{Generator, LeafKind, Part, Preset, Space};
 use crate::knob::Value;
 
 impl Serialize for Preset {
@@ -79,6 +80,11 @@ impl Knobs<'_> {
                 Space::Envelope { file } => map.serialize_entry("envelope", file)?,
                 Space::Points { file } => map.serialize_entry("scan", file)?,
             },
+            (_, Section::Foliage) => {
+                for (key, file) in self.preset.foliage.first.named_files() {
+                    map.serialize_entry(key, file)?;
+                }
+            }
             _ => {}
         }
         for (knob, value) in self.preset.knobs() {
@@ -90,6 +96,10 @@ impl Knobs<'_> {
         let parts = self.preset.parts();
         if self.section == Section::Colonization && !parts.is_empty() {
             map.serialize_entry(PART, parts)?;
+        }
+        let kinds = &self.preset.foliage.also;
+        if self.section == Section::Foliage && !kinds.is_empty() {
+            map.serialize_entry(ALSO, kinds)?;
         }
         Ok(())
     }
@@ -112,6 +122,20 @@ impl Serialize for Part {
         }
         if let Some(file) = self.file() {
             map.serialize_entry("mesh", file)?;
+        }
+        map.end()
+    }
+}
+
+impl Serialize for LeafKind {
+    /// All keys, also those that stand at their default.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        for (knob, value) in self.knobs() {
+            map.serialize_entry(knob.name, &Plain(value))?;
+        }
+        for (key, file) in self.named_files() {
+            map.serialize_entry(key, file)?;
         }
         map.end()
     }

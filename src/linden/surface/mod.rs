@@ -1,11 +1,19 @@
 //! The skin of the wood: one closed tube per axis.
 //!
-//! An axis becomes a sequence of rings in parallel transport frames (`path`), neighbouring rings
-//! are joined, both ends are closed (`tube`). A lateral starts on its parent's centre line, inside
-//! the parent's tube. Uses no randomness; the mesh is bit-identical for any number of threads.
+//! An axis becomes a sequence of stations, smooth (`curve`) and with what makes it wood (`features`,
+//! `collar`), then of rings in parallel transport frames (`path`); neighbouring rings are joined
+//! (`tube`), both ends are closed (`ends`). A lateral starts on its parent's centre line, inside the
+//! parent's tube; on request all wood is one solid (`solid`). Spends none of the seed; the mesh is bit-identical for any number of threads.
 
+mod collar;
+mod count;
 mod curve;
+mod ends;
+mod features;
 mod path;
+mod plan;
+mod solid;
+mod spread;
 mod survey;
 mod topology;
 mod tube;
@@ -15,15 +23,19 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-use self::path::{Ring, Station};
-use self::tube::{Amount, Roundness, Target};
-use crate::memory::{OverMemory, bytes_of};
+use self::plan::{Course, Plan};
+use self::tube::Target;
+use crate::memory::OverMemory;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::scene::Mesh;
-use crate::skeleton::{Axis, NO_PARENT, Skeleton};
+use crate::skeleton::Skeleton;
 
+pub use count::count;
+pub use features::{COLLAR_RADII, Ends, FLARE_RADII, Features};
+pub use solid::MOST_SOLID_TRIANGLES;
 pub use survey::{Survey, survey};
-pub use topology::{Topology, topology};
+pub use topology::{Topology, crowded_edges, topology};
+pub use tube::Amount;
 
 /// How the skin is made.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,11 +47,57 @@ pub struct Tubes {
     pub rings: u32,
     /// Edge of the square of bark that the picture shows, metres.
     pub bark_tile_m: f32,
+    /// What is added to the bare tubes.
+    pub features: Features,
+    /// How tubes meet.
+    pub junction: Junction,
+    /// For [`Junction::Watertight`]: cells of the lattice across the thickest wood, 4 to 512. Wood
+    /// thinner than two cells is made as thick.
+    pub junction_detail: u32,
+}
+
+/// How tubes meet.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Junction {
+    /// Each is closed, and a lateral starts within its parent.
+    #[default]
+    Overlap,
+    /// The same with collars: of [`BLEND_COLLAR`] where [`Features::collar`] is 0.
+    Blend,
+    /// All are one solid: closed, without edges of more than two triangles, nothing inside.
+    Watertight,
+}
+
+impl Junction {
+    /// What documents call them.
+    pub const ALL: [(&'static str, Self); 3] =
+        [("overlap", Self::Overlap), ("blend", Self::Blend), ("watertight", Self::Watertight)];
+}
+
+/// The collar of [`Junction::Blend`] where nobody says.
+pub const BLEND_COLLAR: f32 = 0.6;
+
+impl Tubes {
+    /// With what the junction asks for.
+    fn settled(&self) -> Self {
+        let mut own = *self;
+        if own.junction == Junction::Blend && own.features.collar == 0.0 {
+            own.features.collar = BLEND_COLLAR;
+        }
+        own
+    }
 }
 
 impl Default for Tubes {
     fn default() -> Self {
-        Self { sides: 24, rings: 1, bark_tile_m: 0.5 }
+        Self {
+            sides: 24,
+            rings: 1,
+            bark_tile_m: 0.5,
+            features: Features::default(),
+            junction: Junction::Overlap,
+            junction_detail: 32,
+        }
     }
 }
 
@@ -60,6 +118,31 @@ pub enum SurfaceError {
         /// How many there would be.
         vertices: usize,
     },
+    /// A solid would take too long.
+    #[error(
+        "junction=watertight would make about {triangles} triangles, more than {limit}; lower junction_detail, grow a smaller tree, or use junction=blend"
+    )]
+    TooFine {
+        /// About how many there would be.
+        triangles: u64,
+        /// [`MOST_SOLID_TRIANGLES`].
+        limit: usize,
+    },
+    /// Somebody asked for the tubes of a solid.
+    #[error(
+        "junction=watertight makes one surface of all wood, without axes that could be thinned out to a budget or moved by wind one by one; use junction=blend for these"
+    )]
+    OneSolid,
+    /// The solid does not hold in single precision.
+    #[error(
+        "the solid would not be watertight ({edges} edges and {triangles} triangles fail the check); lower junction_detail, or use junction=blend"
+    )]
+    NotWatertight {
+        /// Edges that are open or have more than two triangles.
+        edges: usize,
+        /// Triangles without area.
+        triangles: usize,
+    },
 }
 
 /// For messages about memory.
@@ -76,33 +159,28 @@ const AXES_PER_TASK: usize = 128;
 /// texels stays near one picture per tile on thick and thin wood alike.
 ///
 /// # Errors
-/// [`SurfaceError::Cancelled`], or more vertices than 32-bit indices can name.
+/// [`SurfaceError`]: cancelled, more vertices than 32-bit indices can name, too much memory, or too fine a
+/// solid.
 pub fn sweep(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Result<Mesh, SurfaceError> {
-    // A ring for each node and one more for each lateral, at most, and those between; lists of rings
-    // grow one by one.
-    let most = (skeleton.positions.len() + skeleton.axes.len()).saturating_mul(tubes.rings as usize);
-    monitor.admit(DOING, bytes_of::<Ring>(most).saturating_mul(2), ADVICE)?;
-    sweep_some(skeleton, 0..skeleton.axes.len(), &roundness(skeleton, tubes), tubes, monitor)
-}
-
-fn roundness(skeleton: &Skeleton, tubes: &Tubes) -> Roundness {
-    Roundness::new(tubes.sides, skeleton.radii.iter().copied().fold(0.0, f32::max))
+    let tubes = &tubes.settled();
+    monitor.admit(DOING, plan::planned_bytes(skeleton, tubes), ADVICE)?;
+    let course = Course::new(skeleton, tubes);
+    match tubes.junction {
+        Junction::Watertight => solid::solidify(&course, monitor),
+        Junction::Overlap | Junction::Blend => sweep_some(&course, 0..skeleton.axes.len(), monitor),
+    }
 }
 
 /// Sweeps the tubes of some axes.
-fn sweep_some(
-    skeleton: &Skeleton,
-    axes: Range<usize>,
-    roundness: &Roundness,
-    tubes: &Tubes,
-    monitor: &dyn Monitor,
-) -> Result<Mesh, SurfaceError> {
-    let &Tubes { rings, bark_tile_m: tile_m, .. } = tubes;
-    let plans = skeleton.axes[axes.clone()]
-        .par_chunks(AXES_PER_TASK)
-        .map(|axes| {
+fn sweep_some(course: &Course<'_>, axes: Range<usize>, monitor: &dyn Monitor) -> Result<Mesh, SurfaceError> {
+    let all = course.skeleton.axes.len() as u64;
+    let tile_m = course.tubes.bark_tile_m;
+    let starts: Vec<usize> = axes.clone().step_by(AXES_PER_TASK).collect();
+    let plans = starts
+        .into_par_iter()
+        .map(|start| {
             monitor.check()?;
-            Ok(Plan::new(skeleton, axes, rings, roundness, tile_m))
+            Ok(Plan::new(course, start..axes.end.min(start + AXES_PER_TASK)))
         })
         .collect::<Result<Vec<Plan>, Cancelled>>()?;
 
@@ -118,59 +196,15 @@ fn sweep_some(
     let done = AtomicU64::new(axes.start as u64);
     slices(&mut mesh, &plans).into_par_iter().zip(&plans).try_for_each(|(mut target, plan)| {
         monitor.check()?;
-        let mut first = 0;
-        for &end in &plan.ends {
-            tube::sweep(&plan.rings[first..end], roundness, tile_m, &mut target);
-            first = end;
+        for (rings, form) in plan.axes() {
+            tube::sweep(rings, form, &course.roundness, tile_m, &mut target);
         }
-        let before = done.fetch_add(plan.ends.len() as u64, Ordering::Relaxed);
-        monitor.advance(Stage::Sweep, before + plan.ends.len() as u64, Some(skeleton.axes.len() as u64));
+        let swept = plan.len() as u64;
+        let before = done.fetch_add(swept, Ordering::Relaxed);
+        monitor.advance(Stage::Sweep, before + swept, Some(all));
         Ok::<(), Cancelled>(())
     })?;
     Ok(mesh)
-}
-
-/// The rings of some axes, and how large their tubes will be.
-struct Plan {
-    rings: Vec<Ring>,
-    /// Where each axis' rings end.
-    ends: Vec<usize>,
-    amount: Amount,
-}
-
-impl Plan {
-    fn bytes(&self) -> u64 {
-        bytes_of::<Self>(1)
-            + bytes_of::<Ring>(self.rings.capacity())
-            + bytes_of::<usize>(self.ends.capacity())
-    }
-
-    fn new(skeleton: &Skeleton, axes: &[Axis], rings: u32, roundness: &Roundness, tile_m: f32) -> Self {
-        let mut plan =
-            Self { rings: Vec::new(), ends: Vec::with_capacity(axes.len()), amount: Amount::default() };
-        let mut stations = Vec::new();
-        for axis in axes {
-            let own = skeleton.nodes_of(axis);
-            let station = |node: u32, thick: u32| Station {
-                position: skeleton.positions[node as usize],
-                radius: skeleton.radii[thick as usize],
-            };
-            stations.clear();
-            if axis.parent != NO_PARENT {
-                // A lateral is as thick at its root inside the parent as at its first own node.
-                stations.push(station(axis.parent, own[0]));
-            }
-            stations.extend(own.iter().map(|&node| station(node, node)));
-            curve::subdivide(&mut stations, rings);
-            let first = plan.rings.len();
-            path::rings(&mut stations, &mut plan.rings);
-            let amount = tube::amount(&plan.rings[first..], roundness, tile_m);
-            plan.amount.vertices += amount.vertices;
-            plan.amount.triangles += amount.triangles;
-            plan.ends.push(plan.rings.len());
-        }
-        plan
-    }
 }
 
 /// Each plan's own part of the mesh, in order.
@@ -195,6 +229,9 @@ fn slices<'a>(mesh: &'a mut Mesh, plans: &[Plan]) -> Vec<Target<'a>> {
 }
 
 #[cfg(test)]
+mod features_tests;
+
+#[cfg(test)]
 mod tests {
     use std::f64::consts::PI;
 
@@ -203,14 +240,14 @@ mod tests {
     use super::*;
     use crate::monitor::Quiet;
     use crate::random::Key;
-    use crate::skeleton::{Branching, Wood};
+    use crate::skeleton::{Branching, NO_PARENT, Wood};
 
-    fn tree(positions: Vec<Vec3>, parents: Vec<u32>, wood: &Wood) -> Skeleton {
+    pub(super) fn tree(positions: Vec<Vec3>, parents: Vec<u32>, wood: &Wood) -> Skeleton {
         let births = vec![0; positions.len()];
         Skeleton::build(Branching { positions, parents, births, radii: None }, wood).unwrap()
     }
 
-    fn volume(mesh: &Mesh) -> f64 {
+    pub(super) fn volume(mesh: &Mesh) -> f64 {
         let corner = |i: u32| mesh.positions[i as usize].as_dvec3();
         mesh.triangles.iter().map(|t| corner(t[0]).dot(corner(t[1]).cross(corner(t[2]))) / 6.0).sum()
     }

@@ -26,18 +26,26 @@ pub(super) struct Ring {
 /// sheared so much that its normals no longer fit its faces.
 const SHARPEST_TURN: f32 = -0.8;
 
-/// Chooses rings along the stations (base to apex), appends them to `rings`, so that no ring cuts through its neighbour, and
-/// gives them parallel transport frames.
-///
-/// A station whose ring would cut the previous one (a sharp turn of thick wood, coinciding nodes)
-/// is passed over. The base is always kept, the apex unless it stands on the base; fewer than two
-/// distinct stations give no rings.
-pub(super) fn rings(stations: &mut Vec<Station>, rings: &mut Vec<Ring>) {
+/// Takes out stations that coincide and spreads steps of the radius: what wood looks like before
+/// features are added. Fewer than two stations are none.
+pub(super) fn prepare(stations: &mut Vec<Station>) {
     stations.dedup_by(|next, kept| !distinct(kept, next));
     if stations.len() < 2 {
+        stations.clear();
         return;
     }
     soften(stations);
+}
+
+/// Chooses rings along the stations (base to apex) so that no ring cuts through its neighbour, gives
+/// them parallel transport frames and appends them to `rings`.
+///
+/// A station whose ring would cut the previous one (a sharp turn of thick wood) is passed over. The base
+/// is always kept, the apex unless it stands on the base; fewer than two stations give no rings.
+pub(super) fn rings(stations: &[Station], rings: &mut Vec<Ring>) {
+    if stations.len() < 2 {
+        return;
+    }
     let kept = without_folds(stations);
     let mut along = 0.0;
     let mut side = kept[0].1.any_orthonormal_vector();
@@ -171,11 +179,16 @@ fn looks_outward((a, ta): &(Station, Vec3), (b, tb): &(Station, Vec3)) -> bool {
 mod tests {
     use super::*;
 
+    fn swept(mut stations: Vec<Station>) -> Vec<Ring> {
+        let mut out = Vec::new();
+        prepare(&mut stations);
+        rings(&stations, &mut out);
+        out
+    }
+
     fn along(points: &[(f32, f32, f32)], radius: f32) -> Vec<Ring> {
         let stations = points.iter().map(|&(x, y, z)| Station { position: Vec3::new(x, y, z), radius });
-        let mut out = Vec::new();
-        rings(&mut stations.collect(), &mut out);
-        out
+        swept(stations.collect())
     }
 
     #[test]
@@ -202,8 +215,7 @@ mod tests {
     fn a_step_of_the_radius_is_spread_and_stays_monotonous() {
         let radius = |i: usize| if i < 20 { 0.2 } else { 0.1 };
         let stations = (0..60).map(|i| Station { position: Vec3::Y * (0.05 * i as f32), radius: radius(i) });
-        let mut out = Vec::new();
-        rings(&mut stations.collect(), &mut out);
+        let out = swept(stations.collect());
         assert_eq!((out[0].radius, out[59].radius), (0.2, 0.1));
         assert!(out.windows(2).all(|pair| pair[1].radius <= pair[0].radius));
         let steepest = out.windows(2).map(|p| p[0].radius - p[1].radius).fold(0.0, f32::max);

@@ -1,7 +1,8 @@
 //! Measures a surface without keeping it.
 
+use super::plan::Course;
 use super::topology::topology_bytes;
-use super::{ADVICE, SurfaceError, Topology, Tubes, roundness, sweep_some, topology};
+use super::{ADVICE, Junction, SurfaceError, Topology, Tubes, sweep, sweep_some, topology};
 use crate::monitor::Monitor;
 use crate::scene::Bounds;
 use crate::skeleton::Skeleton;
@@ -30,7 +31,15 @@ const NODES_PER_PIECE: usize = 1 << 16;
 /// # Errors
 /// [`SurfaceError::Cancelled`], or memory. A mesh of any size can be surveyed.
 pub fn survey(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Result<Survey, SurfaceError> {
-    let roundness = roundness(skeleton, tubes);
+    let tubes = &tubes.settled();
+    if tubes.junction == Junction::Watertight {
+        // There is no part of a solid, and no solid that is not kept whole on the way.
+        let mesh = sweep(skeleton, tubes, monitor)?;
+        let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
+        let topology = topology(&mesh, monitor)?;
+        return Ok(Survey { vertices, triangles, bounds: mesh.bounds(), topology });
+    }
+    let course = Course::new(skeleton, tubes);
     let mut whole = Survey::default();
     let mut first = 0;
     // One after the other, each by all threads: pieces beside each other would pile up.
@@ -41,7 +50,7 @@ pub fn survey(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Resu
             nodes <= NODES_PER_PIECE
         });
         let end = first + more.count().max(1);
-        let mesh = sweep_some(skeleton, first..end, &roundness, tubes, monitor)?;
+        let mesh = sweep_some(&course, first..end, monitor)?;
         let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
         let bytes = mesh.bytes() + topology_bytes(vertices, triangles);
         monitor.admit("measuring the surface", bytes, ADVICE)?;
@@ -76,7 +85,6 @@ mod tests {
     use super::super::tests::gnarled;
     use super::*;
     use crate::Quiet;
-    use crate::surface::sweep;
 
     #[test]
     fn a_survey_says_what_the_mesh_is() {

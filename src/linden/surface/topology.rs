@@ -90,6 +90,25 @@ fn open_edges(triangles: &[[u32; 3]], welded: &[u32], monitor: &dyn Monitor) -> 
     Ok(open.sum())
 }
 
+/// Edges of more than two triangles, after vertices at the same place are made one: 0 for a surface
+/// without touching or crossing sheets.
+///
+/// # Errors
+/// [`Cancelled`].
+pub fn crowded_edges(mesh: &Mesh, monitor: &dyn Monitor) -> Result<usize, Cancelled> {
+    let welded = weld(&mesh.positions, monitor)?;
+    let edges = || {
+        mesh.triangles.iter().flat_map(|triangle| {
+            let [a, b, c] = triangle.map(|i| welded[i as usize]);
+            [(a, b), (b, c), (c, a)].map(|(from, to)| (from.min(to) as usize, from.max(to)))
+        })
+    };
+    let at_vertex = Groups::new(welded.len(), edges);
+    monitor.check()?;
+    let crowded = |ends: &mut [u32]| ends.chunk_by(|a, b| a == b).filter(|same| same.len() > 2).count();
+    Ok(at_vertex.par_sorted(crowded).sum())
+}
+
 /// For each vertex the lowest index of a vertex at exactly the same place.
 fn weld(positions: &[Vec3], monitor: &dyn Monitor) -> Result<Vec<u32>, Cancelled> {
     /// Enough for pieces that a cache holds, few enough to be written side by side.

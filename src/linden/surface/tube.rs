@@ -1,9 +1,12 @@
-//! From rings to triangles: bands between rings, a pointed tip, a flat base.
+//! From rings to triangles: bands between rings. What closes them is in `ends`.
 
 use std::f32::consts::{FRAC_1_SQRT_2, PI, TAU};
 
 use glam::{Vec2, Vec3};
 
+use super::collar::Collar;
+use super::ends;
+use super::features::{Ends, Flare};
 use super::path::Ring;
 
 /// Side counts that rings take. Few distinct ones, so that neighbouring rings mostly agree.
@@ -12,7 +15,10 @@ const SIDES: [u32; 14] = [3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 48, 64, 128];
 /// How many sides a radius deserves, and the circles with so many: equal absolute deviation from the
 /// circle on thick and thin wood, set by the sides of the thickest.
 #[derive(Clone, Debug)]
-pub(super) struct Roundness(Vec<Circle>);
+pub(super) struct Roundness {
+    pub thickest_m: f32,
+    circles: Vec<Circle>,
+}
 
 #[derive(Clone, Debug)]
 struct Circle {
@@ -23,12 +29,13 @@ struct Circle {
 }
 
 impl Roundness {
+    /// Circles of up to `sides` sides for radii, and of more for those who need them.
     pub(super) fn new(sides: u32, thickest_m: f32) -> Self {
         // Between circle and polygon, in radii.
         let sagitta = |sides: u32| 1.0 - libm::cosf(PI / sides as f32);
         let circle = |n: u32| Circle {
             // The last one takes whatever is left, however it was rounded.
-            largest_radius_m: if n == sides {
+            largest_radius_m: if n >= sides {
                 f32::INFINITY
             } else {
                 thickest_m * sagitta(sides) / sagitta(n)
@@ -40,20 +47,65 @@ impl Roundness {
                 })
                 .collect(),
         };
-        Self(SIDES.into_iter().filter(|&n| n < sides).chain([sides]).map(circle).collect())
+        let fewer = SIDES.into_iter().filter(|&n| n < sides);
+        let more = SIDES.into_iter().filter(|&n| n > sides);
+        Self { thickest_m, circles: fewer.chain([sides]).chain(more).map(circle).collect() }
     }
 
-    fn circle(&self, radius_m: f32) -> &[(f32, f32)] {
-        let enough = self.0.iter().find(|circle| radius_m <= circle.largest_radius_m);
+    /// The circle for a radius; with at least so many sides, as far as there are.
+    fn circle(&self, radius_m: f32, least_sides: u32) -> &[(f32, f32)] {
+        let is_enough = |circle: &&Circle| {
+            radius_m <= circle.largest_radius_m && circle.corners.len() as u32 > least_sides
+        };
+        let enough = self.circles.iter().find(is_enough).or(self.circles.last());
         enough.map_or(&[], |circle| &circle.corners)
+    }
+
+    pub(super) fn sides(&self, radius_m: f32) -> u32 {
+        self.circle(radius_m, 0).len() as u32 - 1
     }
 }
 
-/// Vertices and triangles.
+/// What turns the rings of one axis into its tube.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Form {
+    /// Of a stem.
+    pub flare: Option<Flare>,
+    /// Of a lateral.
+    pub collar: Option<Box<Collar>>,
+    pub ends: Ends,
+    /// Which axis of the skeleton it is: splinters differ from one to the next.
+    pub axis: u32,
+    /// Whether it stands on the ground.
+    pub is_stem: bool,
+}
+
+impl Form {
+    fn circle<'a>(&self, ring: &Ring, roundness: &'a Roundness) -> &'a [(f32, f32)] {
+        let least = self.flare.map_or(0, |flare| flare.least_sides(ring.along));
+        let wider = match &self.collar {
+            Some(collar) if collar.shapes(ring.along) => 0.5 * collar.fillet_m,
+            _ => 0.0,
+        };
+        roundness.circle(ring.radius + wider, least)
+    }
+}
+
+/// How much a piece of surface is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Amount {
+pub struct Amount {
+    /// Vertices.
     pub vertices: usize,
+    /// Triangles.
     pub triangles: usize,
+}
+
+impl Amount {
+    /// Both together.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        Self { vertices: self.vertices + other.vertices, triangles: self.triangles + other.triangles }
+    }
 }
 
 /// Where a tube is written: slices of exactly its [`Amount`].
@@ -69,11 +121,11 @@ pub(super) struct Target<'a> {
 
 impl Target<'_> {
     /// Index of the next vertex.
-    fn next(&self) -> u32 {
+    pub fn next(&self) -> u32 {
         self.first + self.done.vertices as u32
     }
 
-    fn vertex(&mut self, position: Vec3, normal: Vec3, uv: Vec2) {
+    pub fn vertex(&mut self, position: Vec3, normal: Vec3, uv: Vec2) {
         let i = self.done.vertices;
         self.positions[i] = position;
         self.normals[i] = normal;
@@ -81,17 +133,36 @@ impl Target<'_> {
         self.done.vertices = i + 1;
     }
 
-    fn triangle(&mut self, corners: [u32; 3]) {
+    /// Of a vertex that was written.
+    pub fn position(&self, index: u32) -> Vec3 {
+        self.positions[(index - self.first) as usize]
+    }
+
+    /// Of a vertex that was written.
+    pub fn normal(&self, index: u32) -> Vec3 {
+        self.normals[(index - self.first) as usize]
+    }
+
+    /// Whether a triangle, from the given one on, faces away from its vertices' normals.
+    fn is_folded(&self, first: usize) -> bool {
+        self.triangles[first..self.done.triangles].iter().any(|&corners| {
+            let [a, b, c] = corners.map(|i| self.position(i));
+            let normals = corners.map(|i| self.normal(i)).iter().sum::<Vec3>();
+            (b - a).cross(c - a).dot(normals) < 0.0
+        })
+    }
+
+    pub fn triangle(&mut self, corners: [u32; 3]) {
         self.triangles[self.done.triangles] = corners;
         self.done.triangles += 1;
     }
 }
 
 /// A ring as it stands in the mesh.
-struct Placed {
+pub(super) struct Placed {
     /// Index of the vertex at angle 0; `sides + 1` vertices follow, the last one closes the seam.
-    first: u32,
-    sides: u32,
+    pub first: u32,
+    pub sides: u32,
 }
 
 /// Pictures round the girth between two rings. They follow the radius; where their number changes,
@@ -101,12 +172,10 @@ fn band_wraps(ring: &Ring, next: &Ring, tile_m: f32) -> f32 {
 }
 
 /// How much [`sweep`] writes for the same rings.
-pub(super) fn amount(rings: &[Ring], roundness: &Roundness, tile_m: f32) -> Amount {
+pub(super) fn amount(rings: &[Ring], form: &Form, roundness: &Roundness, tile_m: f32) -> Amount {
     let (Some(base), Some(apex)) = (rings.first(), rings.last()) else { return Amount::default() };
-    let sides = |ring: &Ring| roundness.circle(ring.radius).len() - 1;
-    // The base's disc and the tip's points have vertices of their own.
-    let (base, tip) = (sides(base), sides(apex));
-    let mut amount = Amount { vertices: base + tip, triangles: base - 2 + tip };
+    let sides = |ring: &Ring| form.circle(ring, roundness).len() - 1;
+    let mut amount = ends::base_amount(sides(base), form).and(ends::tip_amount(sides(apex), form.ends));
     let mut before = None;
     for pair in rings.windows(2) {
         let wraps = band_wraps(&pair[0], &pair[1], tile_m);
@@ -121,29 +190,72 @@ pub(super) fn amount(rings: &[Ring], roundness: &Roundness, tile_m: f32) -> Amou
     amount
 }
 
+/// How much of a collar's fillet is laid, from the first that folds nothing: wood that turns within its
+/// own thickness leaves no room for more.
+const EASES: [f32; 4] = [1.0, 0.6, 0.3, 0.0];
+
 /// Writes the tube over some rings (none or at least two).
-pub(super) fn sweep(rings: &[Ring], roundness: &Roundness, tile_m: f32, target: &mut Target<'_>) {
+pub(super) fn sweep(
+    rings: &[Ring],
+    form: &Form,
+    roundness: &Roundness,
+    tile_m: f32,
+    target: &mut Target<'_>,
+) {
+    let before = target.done;
+    for ease in EASES {
+        target.done = before;
+        sweep_eased(rings, Eased { form, ease }, roundness, tile_m, target);
+        if form.collar.is_none() || !target.is_folded(before.triangles) {
+            break;
+        }
+    }
+}
+
+/// A form of whose collar so much is laid.
+#[derive(Clone, Copy)]
+struct Eased<'a> {
+    form: &'a Form,
+    ease: f32,
+}
+
+fn sweep_eased(
+    rings: &[Ring],
+    Eased { form, ease }: Eased<'_>,
+    roundness: &Roundness,
+    tile_m: f32,
+    target: &mut Target<'_>,
+) {
     let (Some(base), Some(apex)) = (rings.first(), rings.last()) else { return };
-    close_base(base, roundness.circle(base.radius), tile_m, target);
+    ends::close_base(base, form, form.circle(base, roundness), tile_m, target);
+    let place = |i: usize, wraps: f32, target: &mut Target<'_>| {
+        let circle = form.circle(&rings[i], roundness);
+        let is_featured = form.flare.is_some_and(|flare| rings[i].along < flare.height_m)
+            || form.collar.as_ref().is_some_and(|collar| collar.shapes(rings[i].along));
+        if is_featured {
+            place_featured(rings, i, Eased { form, ease }, circle, wraps, tile_m, target)
+        } else {
+            place(&rings[i], slope(rings, i, |ring| ring.radius), circle, wraps, tile_m, target)
+        }
+    };
     let mut below: Option<(Placed, f32)> = None;
     for (i, pair) in rings.windows(2).enumerate() {
-        let (ring, next) = (&pair[0], &pair[1]);
-        let wraps = band_wraps(ring, next, tile_m);
+        let wraps = band_wraps(&pair[0], &pair[1], tile_m);
         let bottom = match below.take() {
             Some((placed, same)) if same == wraps => placed,
-            _ => place(ring, slope(rings, i), roundness.circle(ring.radius), wraps, tile_m, target),
+            _ => place(i, wraps, target),
         };
-        let top = place(next, slope(rings, i + 1), roundness.circle(next.radius), wraps, tile_m, target);
+        let top = place(i + 1, wraps, target);
         join(&bottom, &top, target);
         below = Some((top, wraps));
     }
     if let Some((rim, wraps)) = below {
-        close_tip(apex, &rim, wraps, tile_m, target);
+        ends::close_tip(apex, form, &rim, wraps, tile_m, target);
     }
 }
 
 /// Pictures round the girth: a whole number, below one a power of two.
-fn wraps(radius_m: f32, tile_m: f32) -> f32 {
+pub(super) fn wraps(radius_m: f32, tile_m: f32) -> f32 {
     let exact = TAU * radius_m / tile_m;
     if exact >= 1.0 {
         return exact.round();
@@ -157,8 +269,8 @@ fn wraps(radius_m: f32, tile_m: f32) -> f32 {
 }
 
 /// How fast the radius shrinks at a ring: metres per metre, the mean of both sides.
-fn slope(rings: &[Ring], i: usize) -> f32 {
-    let between = |a: &Ring, b: &Ring| (a.radius - b.radius) / (b.along - a.along);
+fn slope(rings: &[Ring], i: usize, radius: impl Fn(&Ring) -> f32) -> f32 {
+    let between = |a: &Ring, b: &Ring| (radius(a) - radius(b)) / (b.along - a.along);
     let before = (i > 0).then(|| between(&rings[i - 1], &rings[i]));
     let after = rings.get(i + 1).map(|next| between(&rings[i], next));
     match (before, after) {
@@ -189,6 +301,38 @@ fn place(
     Placed { first, sides }
 }
 
+/// The same for a ring of a flare or a collar, whose vertices have places and normals of their own.
+fn place_featured(
+    rings: &[Ring],
+    i: usize,
+    Eased { form, ease }: Eased<'_>,
+    circle: &[(f32, f32)],
+    wraps: f32,
+    tile_m: f32,
+    target: &mut Target<'_>,
+) -> Placed {
+    let ring = &rings[i];
+    let (first, sides) = (target.next(), circle.len() as u32 - 1);
+    let across = ring.tangent.cross(ring.side);
+    let v = ring.along / tile_m;
+    for (k, &corner) in circle.iter().enumerate() {
+        let (cos, sin) = corner;
+        let out = ring.side * cos + across * sin;
+        let ridge = |ring: &Ring| form.flare.map_or((1.0, 0.0), |own| own.ridge(ring.along, corner));
+        let (factor, by_angle) = ridge(ring);
+        let radius = ring.radius * factor;
+        let lean = ring.tangent * slope(rings, i, |ring| ring.radius * ridge(ring).0);
+        let around = across * cos - ring.side * sin;
+        let normal = (out + lean - around * (by_angle / factor)).normalize_or(out);
+        let (place, normal) = match &form.collar {
+            Some(collar) => collar.place(ring.center, out, radius, normal, ease),
+            None => (ring.center + out * radius, normal),
+        };
+        target.vertex(place, normal, Vec2::new(wraps * k as f32 / sides as f32, v));
+    }
+    Placed { first, sides }
+}
+
 /// Writes the band between two rings, also when their side counts differ: walks round both and
 /// always advances over the edge whose middle comes first, so that each edge meets the vertex of the
 /// other ring that is nearest to it.
@@ -205,32 +349,5 @@ fn join(below: &Placed, above: &Placed, target: &mut Target<'_>) {
             target.triangle([a, b + 1, b]);
             j += 1;
         }
-    }
-}
-
-/// A bud: the last ring drawn together to a point one radius beyond the apex.
-fn close_tip(ring: &Ring, rim: &Placed, wraps: f32, tile_m: f32, target: &mut Target<'_>) {
-    let point = ring.center + ring.tangent * ring.radius;
-    let v = (ring.along + ring.radius) / tile_m;
-    for k in 0..rim.sides {
-        // A vertex per side, so that the picture is not pinched into the point.
-        let tip = target.next();
-        let u = wraps * (k as f32 + 0.5) / rim.sides as f32;
-        target.vertex(point, ring.tangent, Vec2::new(u, v));
-        target.triangle([rim.first + k, rim.first + k + 1, tip]);
-    }
-}
-
-/// A flat disc that looks back along the axis, with vertices of its own (its edge is sharp).
-fn close_base(ring: &Ring, circle: &[(f32, f32)], tile_m: f32, target: &mut Target<'_>) {
-    let (first, sides) = (target.next(), circle.len() as u32 - 1);
-    let across = ring.tangent.cross(ring.side);
-    for &(cos, sin) in &circle[..sides as usize] {
-        let out = ring.side * cos + across * sin;
-        let uv = Vec2::new(sin, cos) * (ring.radius / tile_m);
-        target.vertex(ring.center + out * ring.radius, -ring.tangent, uv);
-    }
-    for k in 1..sides - 1 {
-        target.triangle([first, first + k + 1, first + k]);
     }
 }

@@ -1,9 +1,14 @@
-//! Pictures that the program draws itself: bark.
+//! Pictures that the program draws itself: bark, leaves of all kinds, and ground.
 //!
-//! Everything here tiles in both directions, uses no randomness but its key's, and gives the same
-//! bytes on any machine.
+//! Everything here uses no randomness but its key's and gives the same bytes on any machine and any
+//! number of threads. Bark tiles in both directions.
 
 mod bark;
+mod ground;
+pub mod leaf;
+mod own;
 mod periodic;
 
 pub use bark::{Bark, BarkError, BarkPictures, BarkStyle};
+pub use ground::{GROUND_TILE_M, ground};
+pub use own::{OwnError, OwnPicture, own_picture};

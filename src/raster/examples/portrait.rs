@@ -62,6 +62,8 @@ fn skin(tree: &Skeleton) -> Result<(Vec<Part>, Vec<Material>), Box<dyn std::erro
         normal_picture: None,
         roughness: 0.9,
         double_sided: false,
+        cutout: None,
+        wrap: linden::scene::Wrap::Repeat,
     };
-    Ok((vec![Part { name: "wood".to_owned(), material: 0, mesh }], vec![bark]))
+    Ok((vec![Part::new("wood", 0, mesh)], vec![bark]))
 }

@@ -46,9 +46,12 @@ pub(crate) fn trace(tracer: &Tracer, style: &Style, monitor: &dyn Monitor) -> Re
             if style.until.is_some_and(|step| hanging.birth > step) || !tracer.is_present(hanging.node) {
                 continue;
             }
-            let own = colors.get((hanging.color as usize).min(colors.len().saturating_sub(1)));
+            let kind = organs.color(organ).map(|color| linear(color) * style.exposure);
+            let own = kind.or_else(|| {
+                colors.get((hanging.color as usize).min(colors.len().saturating_sub(1))).copied()
+            });
             let color = match own {
-                Some(&color) if style.paint == Paint::Wood => color,
+                Some(color) if style.paint == Paint::Wood => color,
                 _ => tracer.color_of(hanging.node),
             };
             leaf.trace(organ, color, &mut runs);

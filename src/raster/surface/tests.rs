@@ -21,11 +21,13 @@ fn material(base_color: [f32; 3]) -> Material {
         normal_picture: None,
         roughness: 1.0,
         double_sided: false,
+        cutout: None,
+        wrap: linden::scene::Wrap::Repeat,
     }
 }
 
 fn part(mesh: Mesh, material: usize) -> Part {
-    Part { name: "part".to_owned(), material, mesh }
+    Part::new("part", material, mesh)
 }
 
 /// A ball of many triangles, counter-clockwise from outside.
@@ -141,6 +143,34 @@ fn backs_are_not_drawn_unless_they_are_to_be() {
     // The upper half of a ball, which looks inward.
     assert!(seen(false, 60.0) < 0.5 * seen(true, 60.0));
     assert!(seen(false, -90.0) > 0.95 * seen(true, -90.0));
+}
+
+#[test]
+fn what_is_cut_out_is_not_drawn_and_hides_nothing() {
+    let red = part(ball(Vec3::ZERO, 1.0), 0);
+    let mut front = ball(Vec3::ZERO, 1.2);
+    front.uvs.fill(glam::Vec2::splat(0.5));
+    let none = Skeleton::default();
+    let seen = |alpha: u8| {
+        let picture = linden::picture::Picture::new(1, 1, vec![0, 0, 255, alpha]);
+        let blue = Material {
+            base_color_picture: Some(std::sync::Arc::new(picture)),
+            cutout: Some(0.5),
+            ..material([1.0; 3])
+        };
+        let materials = [material([1.0, 0.0, 0.0]), blue];
+        let picture = draw(
+            &[red.clone(), part(front.clone(), 1)],
+            &materials,
+            &none,
+            &Camera::orbit(0.0, 0.0),
+            size(80, 80),
+        );
+        let at = ((40 * 80 + 40) * 4) as usize;
+        (picture.rgba()[at], picture.rgba()[at + 2])
+    };
+    let ((red, blue), (red_through, blue_through)) = (seen(200), seen(100));
+    assert!(blue > 2 * red && red_through > 2 * blue_through, "{red} {blue} {red_through} {blue_through}");
 }
 
 #[test]

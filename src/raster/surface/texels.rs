@@ -1,6 +1,6 @@
 //! Pictures on surfaces, halved until their texels are about as large as pixels.
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use linden::picture::Picture;
 
 use crate::color::linear;
@@ -15,7 +15,8 @@ pub(super) struct Texels {
 struct Level {
     width: u32,
     height: u32,
-    colors: Vec<Vec3>,
+    /// Light, and alpha: how much of the texel there is.
+    colors: Vec<Vec4>,
 }
 
 impl Texels {
@@ -34,12 +35,13 @@ impl Texels {
         // Blocks of the picture, which at the edges may be incomplete.
         let block = 1_u32 << finest;
         let (w, h) = (width.div_ceil(block), height.div_ceil(block));
-        let mut sums = vec![(Vec3::ZERO, 0.0_f32); w as usize * h as usize];
+        let mut sums = vec![(Vec4::ZERO, 0.0_f32); w as usize * h as usize];
         for (y, row) in pixels.chunks_exact(width as usize).enumerate() {
             let first = (y as u32 / block * w) as usize;
             for (blocks, sum) in row.chunks(block as usize).zip(&mut sums[first..]) {
-                for &[r, g, b, _] in blocks {
-                    sum.0 += Vec3::new(curve[usize::from(r)], curve[usize::from(g)], curve[usize::from(b)]);
+                for &[r, g, b, a] in blocks {
+                    let [r, g, b] = [r, g, b].map(|code| curve[usize::from(code)]);
+                    sum.0 += Vec4::new(r, g, b, f32::from(a) / 255.0);
                 }
                 sum.1 += blocks.len() as f32;
             }
@@ -52,15 +54,15 @@ impl Texels {
         Some(Self { levels, finest })
     }
 
-    /// The colour at a place, in pictures, V up; of the size that was halved so often.
-    pub fn at(&self, uv: Vec2, halved: u32) -> Vec3 {
+    /// The colour at a place, in pictures, V up, and its alpha; of the size that was halved so often.
+    pub fn at(&self, uv: Vec2, halved: u32) -> Vec4 {
         let wanted = halved.saturating_sub(self.finest) as usize;
         self.levels[wanted.min(self.levels.len() - 1)].at(uv)
     }
 
     /// The mean of all.
     pub fn mean(&self) -> Vec3 {
-        self.levels.last().map_or(Vec3::ONE, |level| level.colors[0])
+        self.levels.last().map_or(Vec3::ONE, |level| level.colors[0].truncate())
     }
 }
 
@@ -84,7 +86,7 @@ impl Level {
     }
 
     /// Between the four nearest texels; the picture repeats.
-    fn at(&self, uv: Vec2) -> Vec3 {
+    fn at(&self, uv: Vec2) -> Vec4 {
         if let [only] = self.colors[..] {
             return only;
         }
@@ -114,11 +116,11 @@ mod tests {
     #[test]
     fn v_points_up_and_the_mean_is_a_mean_of_light() {
         let texels = Texels::new(&halves(), 0).unwrap();
-        assert_eq!(texels.at(Vec2::new(0.5, 0.75), 0), Vec3::ONE);
-        assert_eq!(texels.at(Vec2::new(7.5, -0.75), 0), Vec3::ZERO);
+        assert_eq!(texels.at(Vec2::new(0.5, 0.75), 0), Vec4::ONE);
+        assert_eq!(texels.at(Vec2::new(7.5, -0.75), 0), Vec4::W);
         assert_eq!(texels.mean(), Vec3::splat(0.5));
-        assert_eq!(texels.at(Vec2::new(0.1, 0.1), 9), Vec3::splat(0.5));
-        assert_eq!(texels.at(Vec2::new(0.5, 0.75), 2), Vec3::ONE);
+        assert_eq!(texels.at(Vec2::new(0.1, 0.1), 9), Vec3::splat(0.5).extend(1.0));
+        assert_eq!(texels.at(Vec2::new(0.5, 0.75), 2), Vec4::ONE);
     }
 
     #[test]

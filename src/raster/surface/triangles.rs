@@ -55,6 +55,10 @@ struct Corner {
     uv: Vec2,
 }
 
+/// A picture that cuts outlines is not halved to fewer texels a side: what is left of an atlas of leaves
+/// then still has holes between them.
+const OUTLINE_TEXELS: f32 = 128.0;
+
 /// A part in the picture.
 struct Seen<'a> {
     part: &'a Part,
@@ -64,6 +68,10 @@ struct Seen<'a> {
     /// Along the side of its picture.
     side: f32,
     double_sided: bool,
+    /// Texels of less alpha are not there.
+    cutout: f32,
+    /// Pictures are not halved more often.
+    coarsest: u32,
 }
 
 /// Some triangles of one part, sorted into bands of rows.
@@ -121,7 +129,8 @@ impl<'a> Triangles<'a> {
             let sorted = sorted.collect::<Result<Vec<Bin>, RasterError>>()?;
             let finest = sorted.iter().map(|bin| bin.finest).fold(f32::INFINITY, f32::min);
             bins.extend(sorted);
-            let texels = picture.and_then(|picture| Texels::new(picture, halvings(finest)));
+            let coarsest = if material.cutout.is_some() { halvings(side / OUTLINE_TEXELS) } else { u32::MAX };
+            let texels = picture.and_then(|picture| Texels::new(picture, halvings(finest).min(coarsest)));
             let base_color = Vec3::from(material.base_color);
             parts.push(Seen {
                 part,
@@ -130,6 +139,8 @@ impl<'a> Triangles<'a> {
                 texels,
                 side,
                 double_sided: material.double_sided,
+                cutout: material.cutout.unwrap_or(0.0),
+                coarsest,
             });
         }
         Ok(Self { lens, parts, bins, band_height })
@@ -166,8 +177,10 @@ impl<'a> Triangles<'a> {
         let (cx, cy) = (-ab.y * over, ab.x * over);
         let slopes = [bx, cx, -(bx + cx)];
         let width = samples.width();
-        let halved =
-            seen.texels.as_ref().map(|_| halvings(fineness(corners.map(|c| c.uv), area) * seen.side));
+        let halved = seen
+            .texels
+            .as_ref()
+            .map(|_| halvings(fineness(corners.map(|c| c.uv), area) * seen.side).min(seen.coarsest));
         for row in top as u32..=bottom as u32 {
             let y = row as f32 + 0.5 + first_row - a.at.y;
             // Where this row crosses the corner a's column.
@@ -198,13 +211,17 @@ impl<'a> Triangles<'a> {
                 if nearness <= samples.nearness[at] {
                     continue;
                 }
-                samples.nearness[at] = nearness;
                 let color = match (&seen.texels, halved) {
                     (Some(texels), Some(halved)) => {
-                        texels.at(a.uv + (b.uv - a.uv) * wb + (c.uv - a.uv) * wc, halved)
+                        let texel = texels.at(a.uv + (b.uv - a.uv) * wb + (c.uv - a.uv) * wc, halved);
+                        if texel.w < seen.cutout {
+                            continue;
+                        }
+                        texel.truncate()
                     }
                     _ => seen.base_color,
                 };
+                samples.nearness[at] = nearness;
                 let light = (color * mix(|v| v.light)).lerp(self.lens.air.color(), mix(|v| v.haze));
                 samples.light[at] = light.extend(1.0);
             }

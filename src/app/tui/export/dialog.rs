@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use linden::knob::{Kind, Value};
-use linden_exporters::{Estimate, Exporter, OptionSpec, Options, REGISTRY};
+use linden_exporters::{Estimate, Exporter, OptionSpec, Options, exporters};
 use linden_terminal::input::Key;
 use tui_input::Input;
 
@@ -110,7 +110,8 @@ impl FormatChoice {
 impl ExportDialog {
     /// The dialog for a tree's id, with what was chosen last.
     pub fn new(last: &session::Export, id: &str) -> Self {
-        let known = |format: &str| REGISTRY.iter().any(|own| own.format().id == format);
+        let all = exporters();
+        let known = |format: &str| all.iter().any(|own| own.format().id == format);
         let is_first = !last.formats.iter().any(|format| known(format));
         let choice = |exporter: &&'static dyn Exporter| {
             let format = exporter.format();
@@ -131,7 +132,7 @@ impl ExportDialog {
                 target: format!("{directory}{}", default_name(id, *exporter)),
             }
         };
-        let formats: Vec<_> = REGISTRY.iter().map(choice).collect();
+        let formats: Vec<_> = all.iter().map(choice).collect();
         let cursor = formats.iter().position(|own| own.chosen).unwrap_or(0);
         Self {
             formats,
@@ -156,8 +157,8 @@ impl ExportDialog {
         for (i, own) in self.formats.iter().enumerate() {
             spots.push(Spot::Format(i));
             if own.chosen {
-                spots.extend((0..own.exporter.format().options.len()).map(|k| Spot::Option(i, k)));
                 spots.push(Spot::Target(i));
+                spots.extend((0..own.exporter.format().options.len()).map(|k| Spot::Option(i, k)));
             }
         }
         spots.push(Spot::Start);
@@ -339,11 +340,8 @@ impl ExportDialog {
 
     /// What is written where.
     pub fn outputs(&self) -> Vec<Output> {
-        let output = |own: &FormatChoice| Output {
-            exporter: own.exporter,
-            options: own.options.clone(),
-            path: PathBuf::from(&own.target),
-        };
+        let output =
+            |own: &FormatChoice| Output::new(own.exporter, own.options.clone(), PathBuf::from(&own.target));
         self.chosen().map(output).collect()
     }
 

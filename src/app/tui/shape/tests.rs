@@ -25,7 +25,7 @@ fn keys_go_through_the_form_and_turn_knobs() {
     bench.keys("k");
     assert_eq!(selected(&bench.model).unwrap().0.knob.name, "seed");
     bench.keys("G");
-    assert_eq!(selected(&bench.model).unwrap().0.knob.name, "bark_size");
+    assert_eq!(selected(&bench.model).unwrap().0.knob.name, "gustiness");
     bench.keys("pageup pageup pageup pageup pageup pagedown g");
     assert_eq!(selected(&bench.model).unwrap().0.knob.name, "seed");
     bench.on("points").keys("alt-right");

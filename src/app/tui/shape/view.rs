@@ -320,6 +320,8 @@ const fn title(section: Section) -> &'static str {
         Section::Surface => "Surface",
         Section::Bark => "Bark",
         Section::Foliage => "Foliage",
+        Section::Detail => "Levels of detail",
+        Section::Wind => "Wind",
     }
 }
 

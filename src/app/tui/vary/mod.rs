@@ -151,7 +151,7 @@ pub fn wanted(model: &Model) -> Option<GalleryRequest> {
         return None;
     }
     // Skeletons are alike whatever covers them.
-    let covers = matches!(page.section, Section::Surface | Section::Bark | Section::Foliage);
+    let covers = page.section.covers();
     Some(GalleryRequest {
         base: Arc::clone(tree.recipe()),
         knob: gallery.knob,

@@ -56,7 +56,7 @@ fn press(model: &mut Model, keys: &str) {
 fn sweep(model: &mut Model, name: &str) {
     model.focus_on(Pane::Shape);
     press(model, "g");
-    for _ in 0..60 {
+    for _ in 0..200 {
         if shape::selected(model).unwrap().0.knob.name == name {
             return press(model, "V");
         }

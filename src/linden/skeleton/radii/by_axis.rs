@@ -57,7 +57,7 @@ pub(super) fn by_order(axes: &[Axis], axis_nodes: &[u32], ratio: f64, ends: &End
 
 /// Each axis' key: its parent axis' key and which of that axis' laterals it is, by index of their
 /// first nodes. What is added elsewhere changes no other axis' key.
-pub(super) fn keys(axes: &[Axis], axis_nodes: &[u32], key: Key) -> Vec<Key> {
+pub(in crate::skeleton) fn keys(axes: &[Axis], axis_nodes: &[u32], key: Key) -> Vec<Key> {
     let axis_of = axis_of(axes, axis_nodes);
     let mut laterals = vec![0_u64; axes.len()];
     let mut stems = 0;

@@ -3,13 +3,16 @@
 //! RLP07, section 4, decimates the nodes, moves each halfway towards its parent and subdivides the
 //! result. Each step here takes a [`Branching`] and gives one: parents before children, stems on
 //! their feet, radii and births carried along. Steps draw nothing and take time in proportion to
-//! the nodes. A new step is a file and a line in [`STEPS`].
+//! the nodes. A new step is a file and a line in [`STEPS`]. After them the trunk is bent onto a curve
+//! (`bend`), and axes wander (`wander`), as far as is asked for.
 
+mod bend;
 mod decimate;
 mod prune;
 mod relocate;
 mod smooth;
 mod subdivide;
+mod wander;
 
 use std::fmt;
 
@@ -21,6 +24,7 @@ use super::radii::pipe::count_tips;
 use super::{Branching, NO_PARENT};
 use crate::memory::{OverMemory, bytes_of};
 use crate::monitor::{Cancelled, Monitor, Stage};
+use crate::random::Key;
 
 /// One way to change a branching.
 #[derive(Clone, Copy)]
@@ -69,6 +73,28 @@ pub struct Refinement {
     pub smooth_rounds: u32,
     /// For `subdivide`: how often each segment is halved.
     pub subdivisions: u32,
+    /// x, y, z of the control points of a Bézier curve that starts at the first stem's foot, metres from
+    /// there: the stem is bent onto it. As grown where there is nothing but zeros.
+    pub trunk_curve: Vec<f64>,
+    /// How far axes swing to the side, as a share of their length, about.
+    pub sway: f64,
+    /// How far axes bend to and fro over a few times their thickness, as a share of it, about.
+    pub gnarl: f64,
+}
+
+impl Refinement {
+    /// Whether it leaves everything as it is.
+    pub fn is_idle(&self) -> bool {
+        self.steps.is_empty() && !self.bends() && !self.wanders()
+    }
+
+    fn bends(&self) -> bool {
+        self.trunk_curve.iter().any(|&x| x != 0.0)
+    }
+
+    fn wanders(&self) -> bool {
+        self.sway > 0.0 || self.gnarl > 0.0
+    }
 }
 
 impl Default for Refinement {
@@ -81,6 +107,9 @@ impl Default for Refinement {
             relocate_share: 0.5,
             smooth_rounds: 2,
             subdivisions: 1,
+            trunk_curve: vec![0.0],
+            sway: 0.0,
+            gnarl: 0.0,
         }
     }
 }
@@ -105,6 +134,14 @@ pub enum RefineError {
         /// The limit.
         limit: u64,
     },
+    /// The numbers are no points.
+    #[error(
+        "trunk_curve has {numbers} numbers, and each control point needs three: x y z, metres from the foot, like 0 3 0 1 6 0"
+    )]
+    TrunkCurve {
+        /// How many there are.
+        numbers: usize,
+    },
 }
 
 /// A thing that hangs on a node, an organ say, and is to stay with it.
@@ -123,12 +160,14 @@ pub struct Room<'a> {
     pub most_nodes: u64,
     /// Where no node may go: in an obstacle. A node that would go there stays where it is.
     pub is_barred: &'a (dyn Fn(Vec3) -> bool + Sync),
+    /// What sway and gnarl draw from.
+    pub key: Key,
 }
 
 impl Room<'_> {
     /// Room for so many nodes, anywhere.
     pub fn open(most_nodes: u64) -> Self {
-        Self { most_nodes, is_barred: &|_| false }
+        Self { most_nodes, is_barred: &|_| false, key: Key::new(0) }
     }
 }
 
@@ -156,7 +195,7 @@ impl Room<'_> {
 /// ```
 ///
 /// # Errors
-/// [`RefineError`]: too many nodes, too much memory, or cancelled.
+/// [`RefineError`]: too many nodes, too much memory, numbers that are no points, or cancelled.
 ///
 /// # Panics
 /// Where the branching does not pass [`Branching::validate`] (a tree of one node may), or `captured`
@@ -175,6 +214,15 @@ pub fn refine(
         shoots.admit(0, monitor)?;
         monitor.advance(Stage::Refine, done as u64, Some(refinement.steps.len() as u64));
         (step.apply)(&mut shoots, refinement, monitor)?;
+    }
+    if refinement.bends() {
+        shoots.admit(shoots.len(), monitor)?;
+        bend::bend(&mut shoots, refinement)?;
+    }
+    if refinement.wanders() {
+        // Axes, their keys and nodes, and places.
+        shoots.admit(2 * shoots.len(), monitor)?;
+        wander::wander(&mut shoots, refinement, monitor)?;
     }
     Ok(shoots.branching)
 }

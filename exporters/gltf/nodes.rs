@@ -1,0 +1,309 @@
+//! The scene graph: what stands where, in which levels of detail.
+//!
+//! A tree alone has a node and a mesh per part. In a forest a plant is one mesh with a primitive per
+//! part, so that a place is a single node, and nodes of the same plant share its mesh.
+
+use glam::Vec3;
+use linden::stage::{Place, Stage};
+
+use super::buffer::{Layout, PrimitiveArrays};
+use super::document::{
+    Camera, Extras, InstanceAttributes, Instancing, Light, Lod, Mesh, Node, NodeExtensions, Primitive,
+};
+use super::quantize::{self, Cube};
+use super::wind::MorphTarget;
+use super::{recipe, setting};
+use crate::cast::{Cast, Piece};
+
+/// The graph and what it refers to. The first node carries the recipe and all plants.
+pub(super) struct SceneGraph {
+    pub nodes: Vec<Node>,
+    /// Those that no other node carries.
+    pub roots: Vec<usize>,
+    pub meshes: Vec<Mesh>,
+    pub cameras: Vec<Camera>,
+    pub lights: Option<Vec<Light>>,
+    pub extensions: Vec<&'static str>,
+    /// Those without which a reader would show something else.
+    pub required: Vec<&'static str>,
+}
+
+/// What says that a mesh stands in many places.
+const INSTANCING: &str = "EXT_mesh_gpu_instancing";
+
+/// Lays out where each plant stands, for a node per plant instead of one per place.
+pub(super) fn lay_out_instances(stage: &Stage<'_>, layout: &mut Layout) -> Vec<Instancing> {
+    (0..stage.plants.len())
+        .map(|plant| {
+            let cube = layout.quanta.as_ref().map(|own| own.cube(plant));
+            let places = || stage.places.iter().filter(|place| place.plant == plant);
+            let moves: Vec<Move> = places().map(|place| Move::new(place, cube)).collect();
+            let translations: Vec<_> = moves.iter().map(|own| own.translation.to_array()).collect();
+            let rotations: Vec<_> = places().map(|place| place.rotation().to_array()).collect();
+            let scales: Vec<_> = moves.iter().map(|own| [own.scale; 3]).collect();
+            let attributes = InstanceAttributes {
+                translation: layout.push_vectors(&translations, "VEC3"),
+                rotation: layout.push_vectors(&rotations, "VEC4"),
+                scale: layout.push_vectors(&scales, "VEC3"),
+            };
+            Instancing { attributes }
+        })
+        .collect()
+}
+
+/// Builds the graph; `layout` is that of the meshes, `instances` those of every plant or none.
+pub(super) fn nodes(
+    stage: &Stage<'_>,
+    cast: &Cast<'_>,
+    layout: &Layout,
+    instances: &[Instancing],
+) -> SceneGraph {
+    let arrays = &layout.primitives;
+    let root = Node {
+        name: stage.name.clone(),
+        extras: Extras { linden: recipe(&stage.recipe), ..Extras::default() },
+        ..Node::default()
+    };
+    let mut graph =
+        Graph { stage, cast, layout, nodes: vec![root], meshes: Vec::new(), first_mesh: Vec::new() };
+    graph.add_meshes(arrays);
+    graph.nodes[0].children = if instances.is_empty() { graph.plants() } else { graph.instances(instances) };
+    let mut extensions = Vec::new();
+    if graph.nodes.iter().any(|node| node.extensions.lod.is_some()) {
+        extensions.push("MSFT_lod");
+    }
+    let mut required = Vec::new();
+    if layout.quanta.is_some() {
+        extensions.extend(quantize::EXTENSIONS);
+        required.extend(quantize::EXTENSIONS);
+    }
+    if !instances.is_empty() {
+        extensions.push(INSTANCING);
+        required.push(INSTANCING);
+    }
+    let Graph { mut nodes, mut meshes, .. } = graph;
+    let (mut roots, mut cameras, mut lights) = (vec![0], Vec::new(), None);
+    if let Some(own) = &stage.setting {
+        extensions.extend(setting::EXTENSIONS);
+        let first = nodes.len();
+        let around = || cast.ground.iter().chain(&cast.dome);
+        for (piece, arrays) in around().zip(&arrays[arrays.len() - around().count()..]) {
+            let name = piece.name.to_owned();
+            nodes.push(Node { name: name.clone(), mesh: Some(meshes.len()), ..Node::default() });
+            let primitives = vec![primitive(piece, arrays)];
+            meshes.push(Mesh { name, primitives, extras: Extras::default() });
+        }
+        nodes.push(setting::camera_node(&own.camera));
+        cameras.push(setting::camera(&own.camera));
+        let shining = setting::lights(own);
+        nodes.extend(
+            shining
+                .iter()
+                .enumerate()
+                .map(|(index, (light, rotation))| setting::light_node(light, *rotation, index)),
+        );
+        lights = Some(shining.into_iter().map(|(light, _)| light).collect());
+        roots.extend(first..nodes.len());
+    }
+    SceneGraph { nodes, roots, meshes, cameras, lights, extensions, required }
+}
+
+struct Graph<'a> {
+    stage: &'a Stage<'a>,
+    cast: &'a Cast<'a>,
+    layout: &'a Layout,
+    nodes: Vec<Node>,
+    meshes: Vec<Mesh>,
+    /// The first mesh of each model.
+    first_mesh: Vec<usize>,
+}
+
+impl Graph<'_> {
+    fn add_meshes(&mut self, arrays: &[PrimitiveArrays]) {
+        let is_single = self.stage.is_single();
+        let mut arrays = arrays.iter();
+        for (plant, own) in self.stage.plants.iter().enumerate() {
+            let levels = self.cast.levels(plant);
+            for index in 0..self.cast.seasons(plant) * levels {
+                let model = &self.cast.models[self.first_model(plant) + index];
+                let suffix = suffix(index % levels, levels);
+                let primitives = model
+                    .pieces
+                    .iter()
+                    .zip(&mut arrays)
+                    .map(|(piece, arrays)| (primitive(piece, arrays), arrays.wind.names.clone()));
+                let primitives: Vec<(Primitive, Vec<&'static str>)> = primitives.collect();
+                self.first_mesh.push(self.meshes.len());
+                if is_single {
+                    self.meshes.extend(model.pieces.iter().zip(primitives).map(
+                        |(piece, (primitive, target_names))| Mesh {
+                            name: format!("{}{suffix}", piece.name),
+                            primitives: vec![primitive],
+                            extras: Extras { target_names, ..Extras::default() },
+                        },
+                    ));
+                } else {
+                    // The forest's recipe is the root's; each tree has its own beside.
+                    let linden = recipe(&model.scene.recipe);
+                    let (primitives, names): (Vec<_>, Vec<_>) = primitives.into_iter().unzip();
+                    let target_names = names.into_iter().next().unwrap_or_default();
+                    let extras = Extras { linden, target_names, ..Extras::default() };
+                    self.meshes.push(Mesh { name: format!("{}{suffix}", own.name), primitives, extras });
+                }
+            }
+        }
+    }
+
+    /// The nodes of all places.
+    fn plants(&mut self) -> Vec<usize> {
+        let stage = self.stage;
+        if stage.is_single() {
+            if self.cast.levels(0) == 1 {
+                return self.parts(0, 0);
+            }
+            return vec![self.levels(&stage.places[0], &stage.plants[0].name, Self::assembly)];
+        }
+        let numbered = (1..).zip(&stage.places);
+        numbered
+            .map(|(number, place)| {
+                let name = format!("{}_{number}", stage.plants[place.plant].name);
+                self.levels(place, &name, Self::shared)
+            })
+            .collect()
+    }
+
+    /// A node for each plant, with all its places.
+    fn instances(&mut self, instances: &[Instancing]) -> Vec<usize> {
+        let stage = self.stage;
+        let mut finest = Vec::new();
+        for (plant, (own, instancing)) in stage.plants.iter().zip(instances).enumerate() {
+            // A node without places would show the plant once.
+            if stage.places.iter().all(|place| place.plant != plant) {
+                continue;
+            }
+            let first = self.nodes.len();
+            finest.push(self.levels(&Place::origin(plant), &own.name, Self::instanced));
+            for node in &mut self.nodes[first..] {
+                node.extensions.instancing = Some(*instancing);
+            }
+        }
+        finest
+    }
+
+    fn first_model(&self, plant: usize) -> usize {
+        self.cast.model(plant, 0, 0)
+    }
+
+    fn push(&mut self, node: Node) -> usize {
+        self.nodes.push(node);
+        self.nodes.len() - 1
+    }
+
+    /// A node for each part of a model.
+    fn parts(&mut self, plant: usize, model: usize) -> Vec<usize> {
+        let cube = self.cube(plant);
+        let first = self.first_mesh[model];
+        let count = self.cast.models[model].pieces.len();
+        (first..first + count)
+            .map(|mesh| {
+                let name = self.meshes[mesh].name.clone();
+                let node = Node { name, mesh: Some(mesh), ..Node::default() };
+                self.push(placed(&Place::origin(plant), cube, node))
+            })
+            .collect()
+    }
+
+    /// A tree alone: its parts below a node.
+    fn assembly(&mut self, place: &Place, model: usize, name: String) -> Node {
+        let node = Node { name, children: self.parts(place.plant, model), ..Node::default() };
+        placed(place, None, node)
+    }
+
+    /// A tree among others: the mesh that they share.
+    fn shared(&mut self, place: &Place, model: usize, name: String) -> Node {
+        let node = Node { name, mesh: Some(self.first_mesh[model]), ..Node::default() };
+        placed(place, self.cube(place.plant), node)
+    }
+
+    /// A tree in many places: the instances put it where it stands.
+    fn instanced(&mut self, _: &Place, model: usize, name: String) -> Node {
+        Node { name, mesh: Some(self.first_mesh[model]), ..Node::default() }
+    }
+
+    /// What a plant's positions are told in, where they are in fewer bits.
+    fn cube(&self, plant: usize) -> Option<Cube> {
+        self.layout.quanta.as_ref().map(|own| own.cube(plant))
+    }
+
+    /// A place's plant in all its levels; gives the node of the finest, which names the others.
+    fn levels(
+        &mut self,
+        place: &Place,
+        name: &str,
+        make: impl Fn(&mut Self, &Place, usize, String) -> Node,
+    ) -> usize {
+        let levels = self.cast.levels(place.plant);
+        let of_levels: Vec<usize> = (0..levels)
+            .map(|level| {
+                let model = self.cast.model(place.plant, 0, level);
+                let node = make(self, place, model, format!("{name}{}", suffix(level, levels)));
+                self.push(node)
+            })
+            .collect();
+        let (finest, others) = (of_levels[0], &of_levels[1..]);
+        if !others.is_empty() {
+            let coverage = self.stage.plants[place.plant].levels().iter().map(|level| level.coverage);
+            let node = &mut self.nodes[finest];
+            node.extras.screen_coverage = coverage.collect();
+            node.extensions =
+                NodeExtensions { lod: Some(Lod { ids: others.to_vec() }), ..NodeExtensions::default() };
+        }
+        finest
+    }
+}
+
+/// What the name of a level ends in.
+fn suffix(level: usize, levels: usize) -> String {
+    if levels > 1 { format!("_LOD{level}") } else { String::new() }
+}
+
+fn primitive(piece: &Piece<'_>, arrays: &PrimitiveArrays) -> Primitive {
+    let targets = arrays.wind.targets.iter().map(|&position| MorphTarget { position });
+    Primitive {
+        attributes: arrays.attributes(),
+        indices: arrays.indices,
+        material: piece.look,
+        targets: targets.collect(),
+    }
+}
+
+/// How a mesh is moved and scaled to a place.
+struct Move {
+    translation: Vec3,
+    scale: f32,
+}
+
+impl Move {
+    /// The place's own, after that of the cube which positions are told in.
+    fn new(place: &Place, cube: Option<Cube>) -> Self {
+        let corner = |point: Vec3| place.motion().map_or(point, |motion| motion.point(point));
+        match cube {
+            Some(Cube { corner: own, side }) => Self { translation: corner(own), scale: place.scale * side },
+            None => Self { translation: place.position, scale: place.scale },
+        }
+    }
+}
+
+/// A node where its plant stands.
+fn placed(place: &Place, cube: Option<Cube>, node: Node) -> Node {
+    if place.is_origin() && cube.is_none() {
+        return node;
+    }
+    let Move { translation, scale } = Move::new(place, cube);
+    Node {
+        translation: Some(translation.to_array()),
+        rotation: (place.turn_rad != 0.0).then(|| place.rotation().to_array()),
+        scale: (scale != 1.0).then_some([scale; 3]),
+        ..node
+    }
+}

@@ -1,0 +1,240 @@
+//! Several plants, or one with what stands around it, as an assembly.
+//!
+//! ```text
+//! /wood                  Xform, assembly, the recipe
+//!     /Prototypes/oak_1     class: each distinct plant once
+//!     /Trees                Xform, group
+//!         /oak_1_1            instanceable reference to a prototype
+//!     /Setting              Xform, group: Camera, Sun, Sky, Ground
+//! ```
+//!
+//! With `instances`, `Trees` is a `PointInstancer` that holds its prototypes.
+
+use linden::stage::{Camera, Place, Setting};
+
+use super::layer::{Layer, vector};
+use super::plant::{Component, Head, Variants};
+use super::syntax::{Names, tuple};
+use super::{Writing, material, mesh};
+use crate::ExportError;
+
+/// Lux by unit of intensity. USD leaves the unit to the renderer's exposure: with this one, hazy sunshine
+/// on white paper is a little above 1 where nobody has set one.
+const LUX_PER_UNIT: f32 = 2732.0;
+
+/// Everything below the layer's metadata.
+pub(super) fn write(layer: &mut Layer<'_, '_>, writing: &Writing<'_>, root: &str) -> Result<(), ExportError> {
+    let stage = writing.stage;
+    let variants = Variants::default();
+    Head { prim: root, name: &stage.name, recipe: &stage.recipe, kind: "assembly", variants }.open(layer)?;
+    let mut names = Names::default();
+    let prims: Vec<String> = stage.plants.iter().map(|plant| names.unique(&plant.name)).collect();
+    if let [place] = stage.places.as_slice() {
+        open_group(layer, "Trees")?;
+        let path = format!("/{root}/Trees/{}", prims[place.plant]);
+        write_plant(layer, writing, place.plant, &prims[place.plant], path, Some(place))?;
+        layer.close()?;
+    } else if writing.with_instances {
+        write_instancer(layer, writing, root, &prims)?;
+    } else {
+        layer.open("class \"Prototypes\"")?;
+        for (plant, prim) in prims.iter().enumerate() {
+            write_plant(layer, writing, plant, prim, format!("/{root}/Prototypes/{prim}"), None)?;
+        }
+        layer.close()?;
+        layer.lines("\n")?;
+        open_group(layer, "Trees")?;
+        for (number, place) in (1..).zip(&stage.places) {
+            let prim = &prims[place.plant];
+            let name = names.unique(&format!("{prim}_{number}"));
+            layer.open(&format!(
+                "def Xform \"{name}\" (\n    instanceable = true\n    prepend references = \
+                 </{root}/Prototypes/{prim}>\n)"
+            ))?;
+            layer.lines(&transform(place))?;
+            layer.close()?;
+            layer.lines("\n")?;
+        }
+        layer.close()?;
+    }
+    if let Some(setting) = &stage.setting {
+        layer.lines("\n")?;
+        write_setting(layer, writing, setting, root)?;
+    }
+    layer.close()
+}
+
+fn open_group(layer: &mut Layer<'_, '_>, name: &str) -> Result<(), ExportError> {
+    layer.open(&format!("def Xform \"{name}\" (\n    kind = \"group\"\n)"))
+}
+
+fn write_plant(
+    layer: &mut Layer<'_, '_>,
+    writing: &Writing<'_>,
+    plant: usize,
+    prim: &str,
+    path: String,
+    place: Option<&Place>,
+) -> Result<(), ExportError> {
+    let own = &writing.stage.plants[plant];
+    let component = Component::new(writing, plant, path);
+    let recipe = own.levels().first().map_or("", |level| level.scene.recipe.as_str());
+    let variants = component.variants();
+    Head { prim, name: &own.name, recipe, kind: "component", variants }.open(layer)?;
+    if let Some(place) = place.filter(|place| !place.is_origin()) {
+        layer.lines(&transform(place))?;
+        layer.lines("\n")?;
+    }
+    component.write(layer)?;
+    layer.close()?;
+    layer.lines("\n")
+}
+
+/// Where a plant stands.
+fn transform(place: &Place) -> String {
+    format!(
+        r#"double3 xformOp:translate = {}
+float xformOp:rotateY = {}
+float3 xformOp:scale = {}
+uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateY", "xformOp:scale"]"#,
+        tuple(place.position.to_array()),
+        place.turn_rad.to_degrees(),
+        tuple([place.scale; 3]),
+    )
+}
+
+fn write_instancer(
+    layer: &mut Layer<'_, '_>,
+    writing: &Writing<'_>,
+    root: &str,
+    prims: &[String],
+) -> Result<(), ExportError> {
+    let places = &writing.stage.places;
+    layer.open("def PointInstancer \"Trees\" (\n    kind = \"group\"\n)")?;
+    if let Some(bounds) = writing.stage.bounds() {
+        let (low, high) = (tuple(bounds.min.to_array()), tuple(bounds.max.to_array()));
+        layer.lines(&format!("float3[] extent = [{low}, {high}]"))?;
+    }
+    let paths: Vec<String> = prims.iter().map(|prim| format!("</{root}/Trees/Prototypes/{prim}>")).collect();
+    layer.lines(&format!("rel prototypes = [{}]", paths.join(", ")))?;
+    let count = places.len();
+    layer.array("int[] protoIndices", count, None, |text, i| text.integer(places[i].plant as u32))?;
+    layer.array("point3f[] positions", count, None, |text, i| {
+        vector(text, places[i].position.to_array());
+    })?;
+    layer.array("quath[] orientations", count, None, |text, i| {
+        let turn = places[i].rotation();
+        vector(text, [turn.w, turn.x, turn.y, turn.z]);
+    })?;
+    layer.array("float3[] scales", count, None, |text, i| vector(text, [places[i].scale; 3]))?;
+    layer.lines("\n")?;
+    // Models stand below groups, without a gap.
+    layer.open("def Scope \"Prototypes\" (\n    kind = \"group\"\n)")?;
+    for (plant, prim) in prims.iter().enumerate() {
+        write_plant(layer, writing, plant, prim, format!("/{root}/Trees/Prototypes/{prim}"), None)?;
+    }
+    layer.close()?;
+    layer.close()
+}
+
+fn write_setting(
+    layer: &mut Layer<'_, '_>,
+    writing: &Writing<'_>,
+    setting: &Setting,
+    root: &str,
+) -> Result<(), ExportError> {
+    open_group(layer, "Setting")?;
+    write_camera(layer, &setting.camera)?;
+    write_lights(layer, writing, setting)?;
+    if let Some(piece) = &writing.cast.ground {
+        layer.open("def Xform \"Ground\" (\n    kind = \"component\"\n)")?;
+        let look = &writing.cast.looks[piece.look];
+        let mut names = Names::default();
+        let (prim, name) = (names.unique(piece.name), names.unique(&look.material.name));
+        let path = format!("/{root}/Setting/Ground");
+        layer.open("def Scope \"Geometry\"")?;
+        mesh::write(layer, &writing.cast, piece, "", &prim, &format!("{path}/Materials/{name}"))?;
+        layer.close()?;
+        layer.lines("\n")?;
+        layer.open("def Scope \"Materials\"")?;
+        let of = format!("{path}/Materials/{name}");
+        layer.lines(&material::describe(look.material, &name, &of, |picture| writing.file(picture)))?;
+        layer.close()?;
+        layer.close()?;
+    }
+    layer.close()
+}
+
+fn write_camera(layer: &mut Layer<'_, '_>, camera: &Camera) -> Result<(), ExportError> {
+    // Tenths of a unit, as for film of 24 mm height where a unit is a centimetre.
+    const APERTURE: f32 = 24.0;
+    let focal_length = 0.5 * APERTURE / libm::tanf(0.5 * camera.fov_y_rad);
+    let turn = camera.rotation();
+    layer.open("def Camera \"Camera\"")?;
+    layer.lines(&format!(
+        r#"float2 clippingRange = ({}, {})
+float focalLength = {focal_length}
+float focusDistance = {}
+float horizontalAperture = {}
+token projection = "perspective"
+float verticalAperture = {APERTURE}
+quatf xformOp:orient = ({}, {}, {}, {})
+double3 xformOp:translate = {}
+uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:orient"]"#,
+        camera.near_m,
+        camera.far_m,
+        camera.position.distance(camera.target),
+        APERTURE * camera.aspect,
+        turn.w,
+        turn.x,
+        turn.y,
+        turn.z,
+        tuple(camera.position.to_array()),
+    ))?;
+    layer.close()?;
+    layer.lines("\n")
+}
+
+fn write_lights(
+    layer: &mut Layer<'_, '_>,
+    writing: &Writing<'_>,
+    setting: &Setting,
+) -> Result<(), ExportError> {
+    let Setting { sun, sky, .. } = setting;
+    let turn = sun.rotation();
+    layer.open("def DistantLight \"Sun\"")?;
+    layer.lines(&format!(
+        r#"float inputs:angle = {}
+color3f inputs:color = {}
+float inputs:intensity = {}
+bool inputs:normalize = 1
+quatf xformOp:orient = ({}, {}, {}, {})
+uniform token[] xformOpOrder = ["xformOp:orient"]"#,
+        sun.diameter_rad.to_degrees(),
+        tuple(sun.color),
+        sun.illuminance_lux / LUX_PER_UNIT,
+        turn.w,
+        turn.x,
+        turn.y,
+        turn.z,
+    ))?;
+    layer.close()?;
+    layer.lines("\n")?;
+    layer.open("def DomeLight \"Sky\"")?;
+    // An even dome gives level ground π times its radiance.
+    let radiance = sky.illuminance_lux / LUX_PER_UNIT / std::f32::consts::PI;
+    match writing.sky.as_deref() {
+        Some(file) => layer.lines(&format!(
+            r#"float inputs:intensity = {}
+asset inputs:texture:file = @./{file}@
+token inputs:texture:format = "latlong""#,
+            radiance / sky.mean
+        ))?,
+        None => layer.lines(&format!(
+            "color3f inputs:color = {}\nfloat inputs:intensity = {radiance}",
+            tuple(sky.color)
+        ))?,
+    }
+    layer.close()?;
+    layer.lines("\n")
+}

@@ -1,0 +1,62 @@
+//! A mesh with its normals and texture coordinates.
+
+use super::indexed::indexed;
+use super::layer::{Layer, vector};
+use super::syntax::tuple;
+use super::wind;
+use crate::ExportError;
+use crate::cast::{Cast, Piece};
+
+/// A mesh below the prim at the path `parent`; `material` is the path of the one that is bound.
+pub(super) fn write(
+    layer: &mut Layer<'_, '_>,
+    cast: &Cast<'_>,
+    &Piece { mesh, bounds, look, wind, .. }: &Piece<'_>,
+    parent: &str,
+    name: &str,
+    material: &str,
+) -> Result<(), ExportError> {
+    let material_of = cast.looks[look].material;
+    let head = format!(
+        r#"uniform bool doubleSided = {}
+float3[] extent = [{}, {}]
+uniform token orientation = "rightHanded"
+uniform token subdivisionScheme = "none"
+rel material:binding = <{material}>
+color3f[] primvars:displayColor = [{}] (
+    interpolation = "constant"
+)"#,
+        u8::from(material_of.double_sided),
+        tuple(bounds.min.to_array()),
+        tuple(bounds.max.to_array()),
+        tuple(material_of.base_color),
+    );
+    let schemas = wind::schemas(wind);
+    layer.open(&format!("def Mesh \"{name}\" (\n    prepend apiSchemas = [{schemas}]\n)"))?;
+    layer.lines(&head)?;
+    let vertex = Some("vertex");
+    layer.array("int[] faceVertexCounts", mesh.triangles.len(), None, |text, _| text.byte(b'3'))?;
+    layer.array("int[] faceVertexIndices", mesh.triangles.len(), None, |text, i| {
+        let [a, b, c] = mesh.triangles[i];
+        text.integer(a);
+        text.bytes(b", ");
+        text.integer(b);
+        text.bytes(b", ");
+        text.integer(c);
+    })?;
+    let count = mesh.positions.len();
+    layer.array("point3f[] points", count, None, |text, i| vector(text, mesh.positions[i].to_array()))?;
+    layer.array("normal3f[] normals", count, vertex, |text, i| vector(text, mesh.normals[i].to_array()))?;
+    let st = "texCoord2f[] primvars:st";
+    if let Some((once, indices)) = indexed(&mesh.uvs) {
+        layer.array(st, once.len(), vertex, |text, i| vector(text, once[i].to_array()))?;
+        layer.array("int[] primvars:st:indices", indices.len(), None, |text, i| text.integer(indices[i]))?;
+    } else {
+        layer.array(st, count, vertex, |text, i| vector(text, mesh.uvs[i].to_array()))?;
+    }
+    if let Some(own) = wind {
+        wind::write(layer, own, parent, &format!("{parent}/{name}"))?;
+    }
+    layer.close()?;
+    layer.lines("\n")
+}

@@ -1,0 +1,221 @@
+//! A plant as a component: meshes, skeleton, materials; levels of detail and seasons as variants.
+//!
+//! With both, each variant of `lod` holds what all seasons share and the variants of `season` that hold
+//! the rest, so that wood is not there once a season.
+
+use std::collections::BTreeMap;
+
+use super::layer::Layer;
+use super::syntax::{Names, quoted};
+use super::{Writing, material, mesh, skeleton, wind};
+use crate::cast::{Model, Piece};
+use crate::{ExportError, GENERATOR};
+
+/// What stands before a model's braces, and its recipe.
+pub(super) struct Head<'a> {
+    /// The prim's name, an identifier.
+    pub prim: &'a str,
+    /// As people call it.
+    pub name: &'a str,
+    /// One line.
+    pub recipe: &'a str,
+    /// `component`, `assembly`.
+    pub kind: &'a str,
+    /// Sets of variants that the prim itself has, and what is chosen of all there are.
+    pub variants: Variants,
+}
+
+/// Sets of variants.
+#[derive(Default)]
+pub(super) struct Variants {
+    sets: Vec<&'static str>,
+    chosen: Vec<(&'static str, String)>,
+}
+
+impl Head<'_> {
+    /// Opens the prim.
+    pub fn open(&self, layer: &mut Layer<'_, '_>) -> Result<(), ExportError> {
+        let Self { prim, kind, variants, .. } = self;
+        let name = quoted(self.name);
+        let recipe = quoted(self.recipe);
+        let generator = quoted(GENERATOR);
+        let mut text = format!(
+            r#"def Xform "{prim}" (
+    assetInfo = {{
+        string name = {name}
+        string version = "1"
+    }}
+    customData = {{
+        dictionary linden = {{
+            string generator = {generator}
+            string recipe = {recipe}
+        }}
+    }}
+    displayName = {name}
+    kind = "{kind}"
+"#
+        );
+        if let [first, ..] = variants.sets.as_slice() {
+            text += &format!("    prepend variantSets = \"{first}\"\n    variants = {{\n");
+            for (set, variant) in &variants.chosen {
+                text += &format!("        string {set} = \"{variant}\"\n");
+            }
+            text += "    }\n";
+        }
+        text += ")";
+        layer.open(&text)?;
+        layer.lines(&format!("custom string userProperties:linden:recipe = {recipe}\n\n"))
+    }
+}
+
+/// A plant of the stage, to be written below a prim.
+pub(super) struct Component<'a> {
+    writing: &'a Writing<'a>,
+    plant: usize,
+    /// The prim that it is written below.
+    path: String,
+    /// The prims of its materials, by look.
+    materials: BTreeMap<usize, String>,
+}
+
+impl<'a> Component<'a> {
+    pub fn new(writing: &'a Writing<'a>, plant: usize, path: String) -> Self {
+        let mut own = Self { writing, plant, path, materials: BTreeMap::new() };
+        let mut names = Names::default();
+        for model in own.models() {
+            for &look in &model.looks {
+                let name = &writing.cast.looks[look].material.name;
+                own.materials.entry(look).or_insert_with(|| names.unique(name));
+            }
+        }
+        own
+    }
+
+    /// The sets that the plant's prim has.
+    pub fn variants(&self) -> Variants {
+        let Self { writing: Writing { stage, .. }, .. } = self;
+        let mut variants = Variants::default();
+        if self.levels() > 1 {
+            variants.sets.push("lod");
+            variants.chosen.push(("lod", "LOD0".to_owned()));
+        }
+        if self.seasons() > 1 {
+            variants.sets.push("season");
+            variants.chosen.push(("season", stage.plants[self.plant].seasons[0].name.clone()));
+        }
+        variants
+    }
+
+    /// Everything within its prim.
+    pub fn write(&self, layer: &mut Layer<'_, '_>) -> Result<(), ExportError> {
+        let (levels, seasons) = (self.levels(), self.seasons());
+        let geometry = format!("{}/Geometry", self.path);
+        let all: Vec<&Piece<'_>> = self.models().flat_map(|model| &model.pieces).collect();
+        wind::open_geometry(layer, &all)?;
+        if let Some(sway) = wind::sway(&all) {
+            wind::write_rig(layer, &geometry, sway)?;
+        }
+        let mut names = Names::default();
+        if levels == 1 {
+            for piece in self.all_year(0) {
+                self.mesh(layer, piece, &mut names)?;
+            }
+        }
+        if self.writing.with_skeleton {
+            // It is the same in all levels and seasons.
+            let scene = self.model(0, 0).scene;
+            skeleton::write(layer, &scene.skeleton, &names.unique("Skeleton"))?;
+        }
+        layer.close()?;
+        layer.lines("\n")?;
+        if levels > 1 {
+            layer.open_inline("variantSet \"lod\" =")?;
+            for level in 0..levels {
+                let nested = if seasons > 1 { " (\n    prepend variantSets = \"season\"\n)" } else { "" };
+                layer.open_inline(&format!("\"LOD{level}\"{nested}"))?;
+                self.over_geometry(layer, self.all_year(level).collect())?;
+                if seasons > 1 {
+                    self.of_seasons(layer, level)?;
+                }
+                layer.close()?;
+            }
+            layer.close()?;
+            layer.lines("\n")?;
+        } else if seasons > 1 {
+            self.of_seasons(layer, 0)?;
+        }
+        layer.open("def Scope \"Materials\"")?;
+        for (&look, name) in &self.materials {
+            let look = &self.writing.cast.looks[look];
+            let path = format!("{}/Materials/{name}", self.path);
+            let text = material::describe(look.material, name, &path, |picture| self.writing.file(picture));
+            layer.lines(&text)?;
+        }
+        layer.close()
+    }
+
+    fn of_seasons(&self, layer: &mut Layer<'_, '_>, level: usize) -> Result<(), ExportError> {
+        layer.open_inline("variantSet \"season\" =")?;
+        for (index, season) in self.writing.stage.plants[self.plant].seasons.iter().enumerate() {
+            layer.open_inline(&format!("\"{}\"", season.name))?;
+            let own = self.model(index, level).pieces.iter().filter(|piece| !self.is_all_year(piece, level));
+            self.over_geometry(layer, own.collect())?;
+            layer.close()?;
+        }
+        layer.close()?;
+        layer.lines("\n")
+    }
+
+    fn over_geometry(&self, layer: &mut Layer<'_, '_>, pieces: Vec<&Piece<'_>>) -> Result<(), ExportError> {
+        let mut names = Names::default();
+        layer.open("over \"Geometry\"")?;
+        for piece in pieces {
+            self.mesh(layer, piece, &mut names)?;
+        }
+        layer.close()?;
+        layer.lines("\n")
+    }
+
+    fn mesh(
+        &self,
+        layer: &mut Layer<'_, '_>,
+        piece: &Piece<'_>,
+        names: &mut Names,
+    ) -> Result<(), ExportError> {
+        let material = self.materials.get(&piece.look).map_or("", String::as_str);
+        let binding = format!("{}/Materials/{material}", self.path);
+        let geometry = format!("{}/Geometry", self.path);
+        mesh::write(layer, &self.writing.cast, piece, &geometry, &names.unique(piece.name), &binding)
+    }
+
+    /// The pieces that all seasons share.
+    fn all_year(&self, level: usize) -> impl Iterator<Item = &'a Piece<'a>> {
+        self.model(0, level).pieces.iter().filter(move |piece| self.is_all_year(piece, level))
+    }
+
+    fn is_all_year(&self, piece: &Piece<'_>, level: usize) -> bool {
+        (0..self.seasons()).all(|season| {
+            let same = |own: &&Piece<'_>| own.name == piece.name && own.look == piece.look;
+            let own = self.model(season, level).pieces.iter().find(same);
+            own.is_some_and(|own| std::ptr::eq(own.mesh, piece.mesh) || own.mesh == piece.mesh)
+        })
+    }
+
+    fn model(&self, season: usize, level: usize) -> &'a Model<'a> {
+        let cast = &self.writing.cast;
+        &cast.models[cast.model(self.plant, season, level)]
+    }
+
+    fn models(&self) -> impl Iterator<Item = &'a Model<'a>> + use<'a> {
+        let first = self.writing.cast.model(self.plant, 0, 0);
+        self.writing.cast.models[first..first + self.levels() * self.seasons()].iter()
+    }
+
+    fn levels(&self) -> usize {
+        self.writing.cast.levels(self.plant)
+    }
+
+    fn seasons(&self) -> usize {
+        self.writing.cast.seasons(self.plant)
+    }
+}

@@ -1,0 +1,269 @@
+//! `linden forest`: several kinds of trees on a square of ground, in one file.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
+use linden::detail::{Levels, levels};
+use linden::forest::{
+    FOREST_KNOBS, ForestDocument, Kind, Layout, TreeSource, builtin_forest, builtin_forests,
+};
+use linden::grow::grow;
+use linden::memory::Holding;
+use linden::preset::KnobError;
+use linden::scene::Wrap;
+use linden::stage::{self, Plant, Stage};
+
+use super::outputs::{Outputs, finish};
+use crate::exit::usage;
+use crate::progress::Progress;
+use crate::source::{self, show};
+
+/// Lay out a forest and write it for 3D programs
+///
+/// A few trees of each kind are grown, and stand in many places, turned and sized at random: files hold
+/// each once, where the format can. Trees that compete for light with each other are one tree to linden:
+/// see the preset 'grove'.
+#[derive(Args)]
+#[command(after_help = after_help())]
+pub struct Forest {
+    /// Kinds of trees, each a preset's id or a file, with its part of all trees after a colon; or one
+    /// forest: its id, a .toml file, or the .json of one
+    #[arg(value_name = "PRESET[:SHARE]", required = true)]
+    kinds: Vec<String>,
+
+    #[command(flatten)]
+    layout: LayoutFlags,
+
+    /// Turn a knob of the forest, of all kinds of trees that have it, or of a format (FORMAT.OPTION)
+    #[arg(long = "set", short, value_name = "KNOB=VALUE")]
+    settings: Vec<String>,
+
+    #[command(flatten)]
+    outputs: Outputs,
+
+    /// With a camera that frames the forest, sun, sky and ground, in formats that hold them
+    #[arg(long)]
+    scene: bool,
+}
+
+/// A flag for each knob of a forest.
+struct LayoutFlags {
+    /// Name and value.
+    set: Vec<(&'static str, String)>,
+}
+
+impl Args for LayoutFlags {
+    fn augment_args(command: Command) -> Command {
+        FOREST_KNOBS.iter().map(|own| &own.knob).fold(command, |command, knob| {
+            let mut help = knob.help.to_owned();
+            if let Some(first) = help.get_mut(..1) {
+                first.make_ascii_uppercase();
+            }
+            let unit = if knob.unit.is_empty() { "N" } else { "M" };
+            let flag = knob.name.replace('_', "-");
+            command.arg(Arg::new(knob.name).long(flag).value_name(unit).help(help))
+        })
+    }
+
+    fn augment_args_for_update(command: Command) -> Command {
+        Self::augment_args(command)
+    }
+}
+
+impl FromArgMatches for LayoutFlags {
+    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
+        let of = |name: &'static str| Some((name, matches.get_one::<String>(name)?.clone()));
+        Ok(Self { set: FOREST_KNOBS.iter().filter_map(|own| of(own.knob.name)).collect() })
+    }
+
+    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
+        *self = Self::from_arg_matches(matches)?;
+        Ok(())
+    }
+}
+
+impl Forest {
+    pub fn run(self) -> anyhow::Result<()> {
+        let progress = Progress::new();
+        let (of_formats, own): (Vec<_>, Vec<_>) =
+            super::pairs(&self.settings)?.into_iter().partition(|(name, _)| name.contains('.'));
+        let mut sources = Vec::new();
+        let mut forest = self.resolve(&mut sources, &progress)?;
+        let flags = self.layout.set.iter().map(|(name, value)| ((*name).to_owned(), value.clone()));
+        for (name, value) in own.into_iter().chain(flags) {
+            turn(&mut forest, &name, &value)?;
+        }
+        let command = format!("linden forest {} -o forest.glb", self.kinds.join(" "));
+        let counts = forest.kinds.iter().map(|kind| kind.recipe.preset.detail.levels());
+        let most = counts.max().unwrap_or(1);
+        let mut batch = self.outputs.open(&forest.id, &command, &of_formats, most, sources)?;
+        let plan = forest.plan(&progress).with_context(|| forest.id.clone())?;
+        let mut grown: Vec<Levels> = Vec::with_capacity(plan.trees.len());
+        let mut held = 0;
+        for tree in &plan.trees {
+            let holding = Holding::new(&progress, held);
+            let naming = || tree.name.clone();
+            let wood = grow(&tree.recipe, &holding).with_context(naming)?;
+            let mut own = levels(&tree.recipe, &wood, &holding).with_context(naming)?;
+            let first = plan.trees.iter().position(|first| first.kind == tree.kind);
+            if let Some(first) = first.and_then(|first| grown.get(first)) {
+                share_tiles(first, &mut own);
+            }
+            super::notes(&own.notes, &progress);
+            held += own.levels.iter().map(|level| level.scene.bytes()).sum::<u64>();
+            grown.push(own);
+        }
+        let plants = plan.trees.iter().zip(&grown).map(|(tree, own)| {
+            let levels = own.levels.iter();
+            let levels = levels.map(|own| stage::Level { scene: &own.scene, coverage: own.coverage });
+            Plant::in_levels(tree.name.clone(), levels.collect())
+        });
+        let stage = Stage {
+            name: forest.name.clone(),
+            recipe: forest.to_line(),
+            plants: plants.collect(),
+            places: plan.places,
+            setting: None,
+        };
+        let stage = if self.scene { stage.in_setting() } else { stage };
+        batch.write(&stage, &progress, |notes| super::notes(notes, &progress))?;
+        finish(batch, &progress)
+    }
+
+    /// The forest as it is described, and the files that it was read from.
+    fn resolve(
+        &self,
+        files: &mut Vec<PathBuf>,
+        progress: &Progress,
+    ) -> anyhow::Result<linden::forest::Forest> {
+        if let [only] = self.kinds.as_slice()
+            && let Some((id, path, document)) = document(only)?
+        {
+            files.extend(path.clone());
+            return of_document(&id, path.as_deref(), document, files, progress);
+        }
+        let mut kinds = Vec::new();
+        for kind in &self.kinds {
+            let (name, share) = with_share(kind);
+            let source = source::resolve(Path::new(name), &[], progress)?;
+            super::notes(&source.notes, progress);
+            files.extend(source.files);
+            kinds.push(Kind { recipe: source.recipe, share, size: 1.0 });
+        }
+        let mut forest = linden::forest::Forest::of(kinds.iter().map(|kind| kind.recipe.clone()).collect());
+        forest.kinds = kinds;
+        Ok(forest)
+    }
+}
+
+/// `fir:3`: a name and its share, 1 where none is said.
+fn with_share(kind: &str) -> (&str, f64) {
+    let parsed = kind.rsplit_once(':').and_then(|(name, share)| Some((name, share.parse().ok()?)));
+    parsed.unwrap_or((kind, 1.0))
+}
+
+/// The document that a single argument names, if it is one of a forest: its id, its file, what it says.
+fn document(argument: &str) -> anyhow::Result<Option<(String, Option<PathBuf>, ForestDocument)>> {
+    if let Ok(builtin) = builtin_forest(argument) {
+        let document = builtin.load().map_err(|fault| source::locate(builtin.id, &fault))?;
+        return Ok(Some((builtin.id.to_owned(), None, document)));
+    }
+    let path = Path::new(argument);
+    if !path.extension().is_some_and(|ending| ending == "toml" || ending == "json") || !path.is_file() {
+        return Ok(None);
+    }
+    let bytes = fs::read(path).with_context(|| format!("reading {}", show(path)))?;
+    let text = source::utf8(&bytes, &show(path))?;
+    // What tells it from a preset.
+    let is_json = text.trim_start().starts_with('{');
+    let has_trees = text.lines().any(|line| line.trim_start().starts_with("[[tree]]"));
+    let is_forest = has_trees || is_json && text.contains("\"tree\"");
+    if !is_forest {
+        return Ok(None);
+    }
+    let document = ForestDocument::parse(text).map_err(|fault| source::locate(&show(path), &fault))?;
+    let id = path.file_stem().map_or_else(|| "forest".to_owned(), |stem| stem.to_string_lossy().into_owned());
+    Ok(Some((id, Some(path.to_owned()), document)))
+}
+
+fn of_document(
+    id: &str,
+    path: Option<&Path>,
+    document: ForestDocument,
+    files: &mut Vec<PathBuf>,
+    progress: &Progress,
+) -> anyhow::Result<linden::forest::Forest> {
+    let beside = path.unwrap_or(Path::new(""));
+    let mut kinds = Vec::new();
+    for tree in document.trees {
+        let source = match &tree.source {
+            TreeSource::Recipe(json) => source::of_recipe(beside, json, progress)?,
+            TreeSource::Named(name) => {
+                let named = Path::new(name);
+                let folder = beside.parent().unwrap_or(Path::new(""));
+                let is_id = linden::preset::builtin(name).is_ok();
+                let named = if is_id { named.to_owned() } else { folder.join(named) };
+                source::resolve(&named, &[], progress)?
+            }
+        };
+        super::notes(&source.notes, progress);
+        files.extend(source.files);
+        let mut recipe = source.recipe;
+        for (name, value) in &tree.set {
+            recipe.preset.set(name, value).map_err(usage)?;
+        }
+        kinds.push(Kind { recipe, share: tree.share, size: tree.size });
+    }
+    let name = if document.name.trim().is_empty() { id.to_owned() } else { document.name };
+    let name = linden::knob::printable(&name);
+    Ok(linden::forest::Forest { id: id.to_owned(), name, kinds, layout: document.layout })
+}
+
+/// Turns a knob of the forest, or else of all kinds of trees that have it.
+fn turn(forest: &mut linden::forest::Forest, name: &str, value: &str) -> anyhow::Result<()> {
+    if FOREST_KNOBS.iter().any(|own| own.knob.name == name) {
+        return forest.layout.set(name, value).map_err(usage);
+    }
+    let mut unknown = None;
+    let mut turned = 0;
+    for kind in &mut forest.kinds {
+        match kind.recipe.preset.set(name, value) {
+            Ok(()) => turned += 1,
+            Err(error @ KnobError::Value { .. }) => return Err(usage(error)),
+            Err(error) => unknown = unknown.or(Some(error)),
+        }
+    }
+    match unknown.filter(|_| turned == 0) {
+        Some(error) => Err(usage(error)),
+        None => Ok(()),
+    }
+}
+
+/// Trees of a kind have the same bark: the pictures that tile, which fit any tree.
+fn share_tiles(first: &Levels, own: &mut Levels) {
+    let Some(first) = first.levels.first() else { return };
+    for material in own.levels.iter_mut().flat_map(|level| &mut level.scene.materials) {
+        let same = first.scene.materials.iter().find(|first| first.name == material.name);
+        if let Some(same) = same.filter(|first| first.wrap == Wrap::Repeat && material.wrap == first.wrap) {
+            material.base_color_picture.clone_from(&same.base_color_picture);
+            material.normal_picture.clone_from(&same.normal_picture);
+        }
+    }
+}
+
+fn after_help() -> String {
+    let mut text = "Forests in the program:\n".to_owned();
+    for own in builtin_forests() {
+        let summary = own.load().map(|document| document.summary).unwrap_or_default();
+        text.push_str(&format!("  {:14}{summary}\n", own.id));
+    }
+    let layout = Layout::default();
+    text.push_str("\nKnobs of a forest, and what they are when nobody says:\n");
+    for (knob, value) in layout.knobs() {
+        let unit = if knob.knob.unit.is_empty() { String::new() } else { format!(" {}", knob.knob.unit) };
+        text.push_str(&format!("  {:14}{value}{unit} ({})\n", knob.knob.name, knob.knob.kind));
+    }
+    text + "\nA forest's file:\n  area = 70\n  spacing = 6\n  [[tree]]\n  preset = \"fir\"\n  share = 3\n  size = 1.2"
+}

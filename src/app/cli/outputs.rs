@@ -1,0 +1,122 @@
+//! Where a command writes its files: shared by all that export.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use linden_exporters::{Bundle, Exporter, Options, REGISTRY, find, for_path};
+
+use crate::exit::usage;
+use crate::progress::Progress;
+use crate::targets::{Batch, Output, default_name};
+
+/// What is written where.
+#[derive(Args)]
+pub struct Outputs {
+    /// Write this file, in the format of its ending; may be given several times; - is standard output
+    #[arg(short, long, value_name = "PATH")]
+    output: Vec<PathBuf>,
+
+    /// Write these formats: one for all outputs, or one for each; without -o to SOURCE.ENDING
+    #[arg(long, value_name = "FORMAT", value_delimiter = ',')]
+    format: Vec<String>,
+}
+
+impl Outputs {
+    /// Tries all targets, before anything grows. `id` names files that have no name; `command` is what a
+    /// user who named neither file nor format could have typed; `settings` are `FORMAT.OPTION` and
+    /// value; what grows has so many `levels` of detail, and was read from the `sources`.
+    pub fn open(
+        &self,
+        id: &str,
+        command: &str,
+        settings: &[(String, String)],
+        levels: usize,
+        sources: Vec<PathBuf>,
+    ) -> anyhow::Result<Batch> {
+        let targets = self.targets(id, command)?;
+        check_formats(settings, &targets)?;
+        let mut outputs = Vec::new();
+        for (exporter, path) in targets {
+            let mut options = Options::new(exporter.format());
+            for (name, value) in settings {
+                if let Some((_, name)) = name.split_once('.').filter(|(id, _)| *id == exporter.format().id) {
+                    options.set(name, value).map_err(usage)?;
+                }
+            }
+            outputs.extend(Output::new(exporter, options, path).in_levels(levels));
+        }
+        let batch = Batch::open(outputs, sources, |output| {
+            if output.path == Path::new("-") {
+                Ok(Bundle::stream("standard output", std::io::stdout()))
+            } else {
+                Bundle::create(&output.path)
+            }
+        })?;
+        if batch.streams() > 1 {
+            return Err(usage("only one output can be standard output: name files for the others"));
+        }
+        Ok(batch)
+    }
+
+    /// Which format goes where.
+    fn targets(&self, id: &str, command: &str) -> anyhow::Result<Vec<(&'static dyn Exporter, PathBuf)>> {
+        let formats =
+            self.format.iter().map(|id| find(id.trim())).collect::<Result<Vec<_>, _>>().map_err(usage)?;
+        match (self.output.as_slice(), formats.as_slice()) {
+            ([], []) => Err(usage(format!("say where to write: {command}; formats: {}", ids().join(", ")))),
+            ([], formats) => Ok(formats.iter().map(|&e| (e, default_name(id, e).into())).collect()),
+            (paths, []) => paths
+                .iter()
+                .map(|path| {
+                    if path == Path::new("-") {
+                        return Err(usage(
+                            "standard output has no ending: name its format, like --format obj",
+                        ));
+                    }
+                    Ok((for_path(path).map_err(usage)?, path.clone()))
+                })
+                .collect(),
+            (paths, [one]) => Ok(paths.iter().map(|path| (*one, path.clone())).collect()),
+            (paths, formats) if paths.len() == formats.len() => {
+                Ok(formats.iter().copied().zip(paths.iter().cloned()).collect())
+            }
+            (paths, formats) => Err(usage(format!(
+                "{} formats for {} outputs: name one format for all outputs or one for each",
+                formats.len(),
+                paths.len()
+            ))),
+        }
+    }
+}
+
+/// Puts all files in their places and lists them, unless a file itself is on standard output.
+pub fn finish(batch: Batch, progress: &Progress) -> anyhow::Result<()> {
+    let streams = batch.streams();
+    let written = batch.commit()?;
+    progress.clear();
+    let mut lines = String::new();
+    for file in written {
+        let size = indicatif::BinaryBytes(file.bytes);
+        lines.push_str(&format!("{}  {size}\n", crate::source::show(&file.path)));
+    }
+    if streams == 0 { super::print(&lines) } else { Ok(()) }
+}
+
+/// Each `FORMAT.OPTION` must belong to a format that is written.
+fn check_formats(
+    settings: &[(String, String)],
+    outputs: &[(&'static dyn Exporter, PathBuf)],
+) -> anyhow::Result<()> {
+    for (name, _) in settings {
+        let id = name.split_once('.').map_or("", |(id, _)| id);
+        let exporter = find(id).map_err(usage)?;
+        if outputs.iter().all(|(own, _)| own.format().id != exporter.format().id) {
+            return Err(usage(format!("--set {name}: no output is written as {id}")));
+        }
+    }
+    Ok(())
+}
+
+fn ids() -> Vec<&'static str> {
+    REGISTRY.iter().map(|exporter| exporter.format().id).collect()
+}

@@ -1,0 +1,186 @@
+//! How trees stand: a table of knobs.
+
+use crate::knob::{Kind, Knob, Value, nearest, printable};
+
+/// How trees stand. Lengths are metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layout {
+    /// The root of all random choices.
+    pub seed: u64,
+    /// The side of the square.
+    pub area_m: f64,
+    /// No two trees stand nearer.
+    pub spacing_m: f64,
+    /// How many trees there are; `None`: as many as fit.
+    pub trees: Option<u64>,
+    /// How many trees of each kind are grown.
+    pub distinct: u64,
+    /// Sizes lie within this share below and above.
+    pub size_spread: f64,
+}
+
+impl Default for Layout {
+    fn default() -> Self {
+        Self { seed: 1, area_m: 60.0, spacing_m: 5.0, trees: None, distinct: 3, size_spread: 0.2 }
+    }
+}
+
+/// A setting of a forest.
+#[derive(Debug)]
+pub struct ForestKnob {
+    /// Name, kind and help.
+    pub knob: Knob,
+    read: fn(&Layout) -> Value,
+    write: fn(&mut Layout, Value),
+}
+
+/// All settings of forests.
+pub static FOREST_KNOBS: &[ForestKnob] = &[
+    ForestKnob {
+        knob: Knob {
+            name: "area",
+            kind: Kind::Real { min: 1.0, max: 10_000.0, auto: false },
+            unit: "m",
+            help: "side of the square of ground that the trees stand on",
+        },
+        read: |own| Value::Real(own.area_m),
+        write: |own, value| own.area_m = real(&value, own.area_m),
+    },
+    ForestKnob {
+        knob: Knob {
+            name: "spacing",
+            kind: Kind::Real { min: 0.05, max: 1000.0, auto: false },
+            unit: "m",
+            help: "no two trees stand nearer than this",
+        },
+        read: |own| Value::Real(own.spacing_m),
+        write: |own, value| own.spacing_m = real(&value, own.spacing_m),
+    },
+    ForestKnob {
+        knob: Knob {
+            name: "trees",
+            kind: Kind::Real { min: 1.0, max: 1e6, auto: true },
+            unit: "",
+            help: "how many trees there are; auto: as many as fit",
+        },
+        read: |own| own.trees.map_or(Value::Auto, |n| Value::Real(n as f64)),
+        write: |own, value| {
+            own.trees = if let Value::Real(n) = value { Some(libm::round(n) as u64) } else { None };
+        },
+    },
+    ForestKnob {
+        knob: Knob {
+            name: "distinct",
+            kind: Kind::Integer { min: 1, max: 64 },
+            unit: "",
+            help: "how many different trees of each kind are grown; all others are copies of these",
+        },
+        read: |own| Value::Integer(own.distinct),
+        write: |own, value| own.distinct = integer(&value, own.distinct),
+    },
+    ForestKnob {
+        knob: Knob {
+            name: "size_spread",
+            kind: Kind::Real { min: 0.0, max: 0.9, auto: false },
+            unit: "",
+            help: "trees are up to this share smaller or larger than they grow",
+        },
+        read: |own| Value::Real(own.size_spread),
+        write: |own, value| own.size_spread = real(&value, own.size_spread),
+    },
+    ForestKnob {
+        knob: Knob {
+            name: "seed",
+            kind: Kind::Integer { min: 0, max: u64::MAX },
+            unit: "",
+            help: "the root of all random choices: places, turns, sizes and the seeds of the trees",
+        },
+        read: |own| Value::Integer(own.seed),
+        write: |own, value| own.seed = integer(&value, own.seed),
+    },
+];
+
+fn real(value: &Value, otherwise: f64) -> f64 {
+    if let Value::Real(x) = value { *x } else { otherwise }
+}
+
+fn integer(value: &Value, otherwise: u64) -> u64 {
+    if let Value::Integer(n) = value { *n } else { otherwise }
+}
+
+/// What is wrong with a setting of a forest.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum LayoutError {
+    /// There is no such knob.
+    #[error("a forest has no knob '{}'{}; it has: {}", printable(.name), crate::knob::did_you_mean(*.nearest), .known.join(", "))]
+    Unknown {
+        /// What was typed.
+        name: String,
+        /// What may have been meant.
+        nearest: Option<&'static str>,
+        /// All there are.
+        known: Vec<&'static str>,
+    },
+    /// It does not take that value.
+    #[error("knob '{name}' of a forest: {problem}")]
+    Value {
+        /// The knob.
+        name: &'static str,
+        /// What was found and what was expected.
+        problem: String,
+    },
+}
+
+impl Layout {
+    /// All knobs with their values.
+    pub fn knobs(&self) -> impl Iterator<Item = (&'static ForestKnob, Value)> {
+        FOREST_KNOBS.iter().map(|knob| (knob, (knob.read)(self)))
+    }
+
+    /// Turns a knob.
+    ///
+    /// # Errors
+    /// An unknown name, or a value that the knob does not take.
+    pub fn set(&mut self, name: &str, text: &str) -> Result<(), LayoutError> {
+        let Some(knob) = FOREST_KNOBS.iter().find(|own| own.knob.name == name) else {
+            let known = || FOREST_KNOBS.iter().map(|own| own.knob.name);
+            let nearest = nearest(name, known());
+            return Err(LayoutError::Unknown { name: name.to_owned(), nearest, known: known().collect() });
+        };
+        let bad = |problem| LayoutError::Value { name: knob.knob.name, problem };
+        let value = knob.knob.kind.parse(text).map_err(bad)?;
+        (knob.write)(self, value);
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_knob_reads_what_it_writes() {
+        let mut layout = Layout::default();
+        let typed = [
+            ("area", "12.5"),
+            ("spacing", "2"),
+            ("trees", "40"),
+            ("distinct", "2"),
+            ("size_spread", "0.5"),
+            ("seed", "18446744073709551615"),
+        ];
+        assert_eq!(typed.len(), FOREST_KNOBS.len());
+        for (name, text) in typed {
+            layout.set(name, text).unwrap();
+        }
+        for ((knob, value), (name, text)) in layout.knobs().zip(typed) {
+            assert_eq!((knob.knob.name, value.to_string().as_str()), (name, text));
+        }
+        layout.set("trees", "auto").unwrap();
+        assert_eq!(layout.trees, None);
+        let said = layout.set("spacign", "2").unwrap_err().to_string();
+        assert!(said.contains("did you mean 'spacing'"), "{said}");
+        let said = layout.set("area", "0").unwrap_err().to_string();
+        assert!(said.contains("'area'") && said.contains('1'), "{said}");
+    }
+}

@@ -1,0 +1,96 @@
+//! Forests: several kinds of trees on a square of ground.
+//!
+//! A few trees of each kind are grown, and stand in many places, each turned and sized at random. They
+//! know nothing of each other; trees that compete for light are one tree to linden: the preset `grove`.
+//!
+//! ```
+//! use linden::{Quiet, forest::Forest, preset::builtin, recipe::Recipe};
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let fir = Recipe { preset: builtin("fir").unwrap().load()?, inputs: Vec::new() };
+//! let mut forest = Forest::of(vec![fir]);
+//! forest.layout.set("area", "30")?;
+//! forest.layout.set("spacing", "5")?;
+//! let plan = forest.plan(&Quiet)?;
+//! assert_eq!(plan.trees.len(), 3, "three distinct firs");
+//! assert!(plan.places.len() > 15);
+//! # Ok(())
+//! # }
+//! ```
+
+mod document;
+mod layout;
+mod library;
+mod plan;
+mod spacing;
+
+use serde::ser::{Serialize, SerializeMap, Serializer};
+
+use crate::recipe::{Recipe, VERSION, ascii_line};
+
+pub use document::{ForestDocument, TreeLine, TreeSource};
+pub use layout::{FOREST_KNOBS, ForestKnob, Layout, LayoutError};
+pub use library::{BuiltinForest, builtin_forest, builtin_forests};
+pub use plan::{ForestError, MOST_PLACES, Plan, Tree};
+pub use spacing::poisson_disc;
+
+/// Kinds of trees, and how they are laid out.
+#[derive(Clone, Debug)]
+pub struct Forest {
+    /// What scripts call it.
+    pub id: String,
+    /// What people call it.
+    pub name: String,
+    /// At least one.
+    pub kinds: Vec<Kind>,
+    /// How they stand.
+    pub layout: Layout,
+}
+
+/// A kind of trees.
+#[derive(Clone, Debug)]
+pub struct Kind {
+    /// What grows; the seed is replaced, tree by tree.
+    pub recipe: Recipe,
+    /// Its part of the trees, by the sum of all shares; above 0.
+    pub share: f64,
+    /// How much larger it stands there than it grows.
+    pub size: f64,
+}
+
+impl Forest {
+    /// A forest of some kinds in equal shares, laid out by default.
+    pub fn of(recipes: Vec<Recipe>) -> Self {
+        let names: Vec<&str> = recipes.iter().map(|own| own.preset.id.as_str()).collect();
+        let id = names.join("-") + "-forest";
+        let kinds = recipes.into_iter().map(|recipe| Kind { recipe, share: 1.0, size: 1.0 }).collect();
+        Self { name: id.clone(), id, kinds, layout: Layout::default() }
+    }
+
+    /// One line of printable ASCII (JSON): [`ForestDocument::parse`] reads it.
+    pub fn to_line(&self) -> String {
+        ascii_line(self)
+    }
+}
+
+impl Serialize for Forest {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("linden", VERSION)?;
+        map.serialize_entry("name", &self.name)?;
+        for (knob, value) in self.layout.knobs() {
+            map.serialize_entry(knob.knob.name, &value.to_string())?;
+        }
+        map.serialize_entry("tree", &self.kinds)?;
+        map.end()
+    }
+}
+
+impl Serialize for Kind {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("share", &self.share)?;
+        map.serialize_entry("size", &self.size)?;
+        map.serialize_entry("recipe", &self.recipe)?;
+        map.end()
+    }
+}

@@ -1,0 +1,278 @@
+//! Which trees are grown, and where they stand.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
+use super::{Forest, poisson_disc};
+use crate::memory::OverMemory;
+use crate::monitor::{Cancelled, Monitor};
+use crate::random::Key;
+use crate::recipe::Recipe;
+use crate::stage::Place;
+
+/// More trees than this are refused: every format lists each of them.
+pub const MOST_PLACES: u64 = 1_000_000;
+
+/// What is to be grown, and where it will stand.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The distinct trees, kind by kind.
+    pub trees: Vec<Tree>,
+    /// Where they stand; `plant` is an index into `trees`.
+    pub places: Vec<Place>,
+}
+
+/// A distinct tree.
+#[derive(Clone, Debug)]
+pub struct Tree {
+    /// Unique in the forest: `Fir 2`.
+    pub name: String,
+    /// Index into [`Forest::kinds`].
+    pub kind: usize,
+    /// What grows, with its own seed.
+    pub recipe: Recipe,
+}
+
+/// Why there is no plan of a forest.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum ForestError {
+    /// The result was no longer wanted.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// The grid of the ground.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
+    /// No kind of trees.
+    #[error("a forest needs at least one kind of trees")]
+    Empty,
+    /// A share or size that is none.
+    #[error("the share and the size of '{kind}' must be above 0, not {share} and {size}")]
+    Kind {
+        /// Its preset.
+        kind: String,
+        /// As it was given.
+        share: f64,
+        /// As it was given.
+        size: f64,
+    },
+    /// There is no room for all.
+    #[error(
+        "the forest does not fit: {asked} trees at least {spacing_m} m apart on {area_m} m × {area_m} m, \
+         where {fitting} find room; take a larger area, a smaller spacing or fewer trees"
+    )]
+    Room {
+        /// How many were asked for.
+        asked: u64,
+        /// How many would fit.
+        fitting: u64,
+        /// Metres.
+        spacing_m: f64,
+        /// Metres.
+        area_m: f64,
+    },
+    /// Too many trees.
+    #[error(
+        "about {about} trees {spacing_m} m apart on {area_m} m × {area_m} m are more than {MOST_PLACES}; take \
+         a smaller area or a larger spacing"
+    )]
+    TooMany {
+        /// How many there would be, about.
+        about: u64,
+        /// Metres.
+        spacing_m: f64,
+        /// Metres.
+        area_m: f64,
+    },
+}
+
+/// Poisson-disc points by the square of the spacing, at most: where no other disc fits.
+const DENSITY: f64 = 0.7;
+
+impl Forest {
+    /// Lays the forest out.
+    ///
+    /// # Errors
+    /// [`ForestError`].
+    pub fn plan(&self, monitor: &dyn Monitor) -> Result<Plan, ForestError> {
+        let layout = &self.layout;
+        if self.kinds.is_empty() {
+            return Err(ForestError::Empty);
+        }
+        let is_sound = |x: f64| x.is_finite() && x > 0.0;
+        if let Some(kind) = self.kinds.iter().find(|kind| !is_sound(kind.share) || !is_sound(kind.size)) {
+            let (share, size) = (kind.share, kind.size);
+            return Err(ForestError::Kind {
+                kind: crate::knob::printable(&kind.recipe.preset.id),
+                share,
+                size,
+            });
+        }
+        let (area_m, spacing_m) = (layout.area_m, layout.spacing_m);
+        let about = (DENSITY * (area_m / spacing_m) * (area_m / spacing_m)) as u64;
+        if about > MOST_PLACES {
+            return Err(ForestError::TooMany { about, spacing_m, area_m });
+        }
+        // Grid, points, list of active ones, places.
+        monitor.admit("laying out the forest", about.saturating_mul(160), "take a smaller area")?;
+        let key = Key::new(layout.seed).named("forest");
+        let points = poisson_disc(area_m, spacing_m, key.named("spacing"), monitor)?;
+        let fitting = points.len() as u64;
+        let asked = layout.trees.unwrap_or(fitting);
+        if asked > fitting {
+            return Err(ForestError::Room { asked, fitting, spacing_m, area_m });
+        }
+        // A random order: which of them stay, and which kind each is, has nothing to do with where.
+        let mut order: Vec<usize> = (0..points.len()).collect();
+        order.sort_by_key(|&i| (key.named("order").child(i as u64).bits(), i));
+        order.truncate(asked as usize);
+        let mut places = Vec::with_capacity(order.len());
+        let counts = self.counts(order.len());
+        let mut next = order.into_iter();
+        for (kind, count) in counts.into_iter().enumerate() {
+            for point in next.by_ref().take(count) {
+                places.push((point, self.place(kind, point, points[point], key)));
+            }
+        }
+        // Listed as they were found, each beside its neighbours.
+        places.sort_by_key(|(point, _)| *point);
+        let mut trees = self.trees(key);
+        let mut places: Vec<Place> = places.into_iter().map(|(_, place)| place).collect();
+        drop_unused(&mut trees, &mut places);
+        Ok(Plan { trees, places })
+    }
+
+    /// How many trees of each kind: by largest remainders, so that the shares are kept as exactly as
+    /// whole trees can.
+    fn counts(&self, trees: usize) -> Vec<usize> {
+        let sum: f64 = self.kinds.iter().map(|kind| kind.share).sum();
+        let exact: Vec<f64> = self.kinds.iter().map(|kind| kind.share / sum * trees as f64).collect();
+        let mut counts: Vec<usize> = exact.iter().map(|x| x.floor() as usize).collect();
+        let mut by_remainder: Vec<usize> = (0..counts.len()).collect();
+        by_remainder.sort_by(|&a, &b| {
+            let rest = |i: usize| exact[i] - exact[i].floor();
+            rest(b).total_cmp(&rest(a)).then(a.cmp(&b))
+        });
+        let missing = trees.saturating_sub(counts.iter().sum());
+        for i in by_remainder.into_iter().cycle().take(missing) {
+            counts[i] += 1;
+        }
+        counts
+    }
+
+    fn place(&self, kind: usize, point: usize, [x, z]: [f64; 2], key: Key) -> Place {
+        let Self { layout, kinds, .. } = self;
+        let own = key.named("place").child(point as u64);
+        let which = (own.named("which").unit() * layout.distinct as f64) as usize;
+        let spread = own.named("size").between(1.0 - layout.size_spread, 1.0 + layout.size_spread);
+        Place {
+            plant: kind * layout.distinct as usize + which,
+            position: DVec3::new(x, 0.0, z).as_vec3(),
+            turn_rad: (own.named("turn").unit() * TAU) as f32,
+            scale: (kinds[kind].size * spread) as f32,
+        }
+    }
+
+    /// All distinct trees, with seeds of their own.
+    fn trees(&self, key: Key) -> Vec<Tree> {
+        let mut trees: Vec<Tree> = Vec::new();
+        for (index, kind) in self.kinds.iter().enumerate() {
+            let preset = &kind.recipe.preset;
+            let kind_name = if preset.name.trim().is_empty() { &preset.id } else { &preset.name };
+            let kind_name = crate::knob::printable(kind_name);
+            // The same preset may be there twice, with other settings.
+            let before =
+                self.kinds[..index].iter().filter(|own| own.recipe.preset.name == preset.name).count();
+            for number in 0..self.layout.distinct {
+                let mut recipe = kind.recipe.clone();
+                // 32 bits, so that people can type it.
+                recipe.preset.seed = key.named("tree").child(index as u64).child(number).bits() >> 32;
+                let number = before as u64 * self.layout.distinct + number + 1;
+                trees.push(Tree { name: format!("{kind_name} {number}"), kind: index, recipe });
+            }
+        }
+        trees
+    }
+}
+
+/// Leaves out trees that stand nowhere.
+fn drop_unused(trees: &mut Vec<Tree>, places: &mut [Place]) {
+    let mut is_used = vec![false; trees.len()];
+    for place in &*places {
+        is_used[place.plant] = true;
+    }
+    let mut kept = 0;
+    let renumbered: Vec<usize> = is_used
+        .iter()
+        .map(|&used| {
+            kept += usize::from(used);
+            kept.saturating_sub(1)
+        })
+        .collect();
+    for place in places {
+        place.plant = renumbered[place.plant];
+    }
+    let mut used = is_used.into_iter();
+    trees.retain(|_| used.next().unwrap_or(false));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Quiet;
+    use crate::preset::builtin;
+
+    fn forest(settings: &[(&str, &str)]) -> Forest {
+        let recipe = |id: &str| Recipe { preset: builtin(id).unwrap().load().unwrap(), inputs: Vec::new() };
+        let mut forest = Forest::of(vec![recipe("fir"), recipe("simple"), recipe("cypress")]);
+        for (kind, share) in forest.kinds.iter_mut().zip([3.0, 2.0, 1.0]) {
+            kind.share = share;
+        }
+        for (name, value) in settings {
+            forest.layout.set(name, value).unwrap();
+        }
+        forest
+    }
+
+    #[test]
+    fn shares_are_kept_and_trees_stand_apart() {
+        let plan = forest(&[("trees", "60"), ("distinct", "2")]).plan(&Quiet).unwrap();
+        assert_eq!(plan.places.len(), 60);
+        assert_eq!(plan.trees.len(), 6);
+        let of = |kind: usize| plan.places.iter().filter(|place| place.plant / 2 == kind).count();
+        assert_eq!([of(0), of(1), of(2)], [30, 20, 10]);
+        for (i, a) in plan.places.iter().enumerate() {
+            assert!(plan.places[..i].iter().all(|b| a.position.distance(b.position) >= 4.9999));
+            assert!((0.8..=1.2).contains(&a.scale));
+        }
+        let mut seeds: Vec<u64> = plan.trees.iter().map(|tree| tree.recipe.preset.seed).collect();
+        seeds.sort_unstable();
+        seeds.dedup();
+        assert_eq!(seeds.len(), 6);
+        let names: Vec<&str> = plan.trees.iter().map(|tree| tree.name.as_str()).collect();
+        assert!(names.iter().all(|name| names.iter().filter(|own| *own == name).count() == 1), "{names:?}");
+    }
+
+    #[test]
+    fn a_tree_that_stands_nowhere_is_not_grown() {
+        let plan = forest(&[("trees", "2"), ("distinct", "9")]).plan(&Quiet).unwrap();
+        assert_eq!(plan.places.len(), 2);
+        assert_eq!(plan.trees.len(), 2);
+        assert!(plan.places.iter().all(|place| place.plant < 2));
+    }
+
+    #[test]
+    fn more_than_fit_is_refused_with_both_figures() {
+        let asking = forest(&[("area", "20"), ("trees", "500")]);
+        let said = asking.plan(&Quiet).unwrap_err().to_string();
+        let fitting = forest(&[("area", "20")]).plan(&Quiet).unwrap().places.len();
+        assert!(said.contains("500 trees") && said.contains(&format!("where {fitting} find room")), "{said}");
+        let said = forest(&[("area", "10000"), ("spacing", "0.05")]).plan(&Quiet).unwrap_err().to_string();
+        assert!(said.contains("more than 1000000"), "{said}");
+        let mut none = forest(&[]);
+        none.kinds[1].share = 0.0;
+        assert!(none.plan(&Quiet).unwrap_err().to_string().contains("'simple'"));
+        none.kinds.clear();
+        assert!(matches!(none.plan(&Quiet), Err(ForestError::Empty)));
+    }
+}

@@ -1,0 +1,196 @@
+//! Alpha that keeps its coverage in smaller copies of the picture.
+//!
+//! Programs that show a cut-out picture from afar average its alpha over squares of pixels and cut at
+//! one half: needles, which fill no square by half, vanish. Castaño 2010 ("Computing alpha mipmaps")
+//! scales the alpha of each copy until as much is left as there was. The copies are not ours to
+//! make; instead what is near the leaf, and stays below one half, is raised by one factor for the
+//! whole picture, such that the copies keep on average what the picture has.
+
+use rayon::prelude::*;
+
+use super::paint::Spot;
+
+/// What is not cut out stays below this: one half with room for rounding.
+const MOST: f32 = 0.45;
+/// Pixels along the side of the squares in which coverage is known.
+const BLOCK: usize = 4;
+/// How many halvings are looked at, the first being that to a block.
+const LEVELS: usize = 3;
+/// Steps of the bisection for the factor.
+const STEPS: usize = 12;
+
+/// Means over blocks, `side` to a row.
+struct Blocks {
+    side: usize,
+    values: Vec<f32>,
+}
+
+/// Raises the alpha of what is not cut out.
+pub(super) fn keep_coverage(spots: &mut [Spot], n: usize) {
+    // Copies of smaller pictures show nothing.
+    if n < 8 * BLOCK {
+        return;
+    }
+    let covered = Blocks::of(spots, n);
+    let near = covered.blurred();
+    let wanted = covered.values.iter().sum::<f32>() / covered.values.len() as f32;
+    let (mut low, mut high) = (0.0, 4.0);
+    for _ in 0..STEPS {
+        let gain = f32::midpoint(low, high);
+        if covered.raised(&near, gain).kept() < wanted {
+            low = gain;
+        } else {
+            high = gain;
+        }
+    }
+    // Where nothing lies between all and nothing, all: rather a thick spray than none.
+    let gain = high;
+    spots.par_chunks_mut(n).enumerate().for_each(|(row, line)| {
+        for (column, spot) in line.iter_mut().enumerate() {
+            if spot.alpha < 0.5 {
+                let halo = (gain * near.at(column as f32, row as f32)).min(MOST);
+                spot.alpha = spot.alpha.max(halo);
+            }
+        }
+    });
+}
+
+impl Blocks {
+    fn of(spots: &[Spot], n: usize) -> Self {
+        let side = n / BLOCK;
+        let mut values = vec![0.0; side * side];
+        values.par_chunks_mut(side).enumerate().for_each(|(row, out)| {
+            for line in spots[row * BLOCK * n..].chunks(n).take(BLOCK) {
+                for (out, block) in out.iter_mut().zip(line.chunks_exact(BLOCK)) {
+                    *out += block.iter().map(|spot| spot.alpha).sum::<f32>() / (BLOCK * BLOCK) as f32;
+                }
+            }
+        });
+        Self { side, values }
+    }
+
+    /// The mean of each block and its eight neighbours.
+    fn blurred(&self) -> Self {
+        let last = self.side - 1;
+        let mean = |i: usize| {
+            let (x, y) = (i % self.side, i / self.side);
+            let rows = [y.saturating_sub(1), y, (y + 1).min(last)];
+            let columns = [x.saturating_sub(1), x, (x + 1).min(last)];
+            rows.iter().flat_map(|y| columns.iter().map(move |x| self.values[y * self.side + x])).sum::<f32>()
+                / 9.0
+        };
+        Self { side: self.side, values: (0..self.values.len()).map(mean).collect() }
+    }
+
+    /// What blocks have when their free parts are raised.
+    fn raised(&self, near: &Self, gain: f32) -> Self {
+        let values =
+            self.values.iter().zip(&near.values).map(|(c, near)| c + (1.0 - c) * (gain * near).min(MOST));
+        Self { side: self.side, values: values.collect() }
+    }
+
+    /// The share that is cut out, on average over the levels.
+    fn kept(&self) -> f32 {
+        let mut sum = self.share();
+        let mut level = self.halved();
+        for _ in 1..LEVELS {
+            sum += level.share();
+            level = level.halved();
+        }
+        sum / LEVELS as f32
+    }
+
+    fn share(&self) -> f32 {
+        self.values.iter().filter(|c| **c >= 0.5).count() as f32 / self.values.len() as f32
+    }
+
+    fn halved(&self) -> Self {
+        let side = self.side / 2;
+        let mean = |i: usize| {
+            let corner = i / side * 2 * self.side + i % side * 2;
+            let at = |offset: usize| self.values[corner + offset];
+            (at(0) + at(1) + at(self.side) + at(self.side + 1)) / 4.0
+        };
+        Self { side, values: (0..side * side).map(mean).collect() }
+    }
+
+    /// Between the middles of blocks, at a pixel.
+    fn at(&self, column: f32, row: f32) -> f32 {
+        let place = |pixel: f32| ((pixel + 0.5) / BLOCK as f32 - 0.5).clamp(0.0, (self.side - 1) as f32);
+        let (x, y) = (place(column), place(row));
+        let (left, top) = (x as usize, y as usize);
+        let (right, low) = ((left + 1).min(self.side - 1), (top + 1).min(self.side - 1));
+        let (fx, fy) = (x - left as f32, y - top as f32);
+        let line = |row: usize| {
+            let (a, b) = (self.values[row * self.side + left], self.values[row * self.side + right]);
+            a + (b - a) * fx
+        };
+        line(top) + (line(low) - line(top)) * fy
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const N: usize = 256;
+
+    /// Vertical needles of a pixel, closer together in the middle than outside.
+    fn needles() -> Vec<Spot> {
+        let mut columns = vec![64_usize];
+        while let Some(&last) = columns.last().filter(|x| **x < 192) {
+            columns.push(last + 3 + last.abs_diff(128) / 20);
+        }
+        let alpha = |x: usize| f32::from(columns.contains(&x));
+        let inside = |x: usize, y: usize| (64..192).contains(&x) && (64..192).contains(&y);
+        (0..N * N)
+            .map(|i| (i % N, i / N))
+            .map(|(x, y)| Spot { alpha: if inside(x, y) { alpha(x) } else { 0.0 }, ..Spot::default() })
+            .collect()
+    }
+
+    /// The share that is cut out of a copy, by the definition.
+    fn share(spots: &[Spot], square: usize) -> f64 {
+        let side = N / square;
+        let kept = (0..side * side).filter(|i| {
+            let sum: f32 = (0..square * square)
+                .map(|k| {
+                    let (x, y) = (i % side * square + k % square, i / side * square + k / square);
+                    spots[y * N + x].alpha
+                })
+                .sum();
+            sum >= 0.5 * (square * square) as f32
+        });
+        kept.count() as f64 / (side * side) as f64
+    }
+
+    #[test]
+    fn needles_do_not_vanish_and_the_picture_itself_stays() {
+        let before = needles();
+        let mut after = before.clone();
+        keep_coverage(&mut after, N);
+        let mean = |spots: &[Spot]| [4, 8, 16].map(|square| share(spots, square)).iter().sum::<f64>() / 3.0;
+        assert!(mean(&before) < 0.05, "{}", mean(&before));
+        assert!(
+            mean(&after) > 0.5 * share(&before, 1) && mean(&after) < 1.5 * share(&before, 1),
+            "{}",
+            mean(&after)
+        );
+        assert!((0..N * N).all(|i| (before[i].alpha >= 0.5) == (after[i].alpha >= 0.5)));
+        assert!((0..N * N).all(|i| after[i].alpha >= before[i].alpha));
+    }
+
+    #[test]
+    fn whole_leaves_hardly_change() {
+        let disc: Vec<Spot> = (0..N * N)
+            .map(|i| ((i % N) as f32 - 127.5, (i / N) as f32 - 127.5))
+            .map(|(x, y)| Spot { alpha: f32::from(x * x + y * y < 90.0 * 90.0), ..Spot::default() })
+            .collect();
+        let mut after = disc.clone();
+        keep_coverage(&mut after, N);
+        for square in [2, 4, 8, 16] {
+            let ratio = share(&after, square) / share(&disc, 1);
+            assert!((0.93..1.07).contains(&ratio), "{square}: {ratio}");
+        }
+    }
+}

@@ -1,0 +1,35 @@
+#!/usr/bin/env python3
+"""Every PLY file of a folder, by trimesh: one closed, consistently wound manifold that encloses a volume."""
+
+import sys
+from collections import Counter
+from pathlib import Path
+
+import trimesh
+
+
+def check(path):
+    mesh = trimesh.load(path, process=False)
+    # Vertices stand twice where bark pictures meet.
+    mesh.merge_vertices(merge_tex=True, merge_norm=True)
+    uses = Counter(map(tuple, mesh.edges_sorted.tolist()))
+    boundary = sum(count == 1 for count in uses.values())
+    crowded = sum(count > 2 for count in uses.values())
+    assert boundary == 0 and crowded == 0, f"{boundary} boundary edges, {crowded} non-manifold edges"
+    assert mesh.is_watertight and mesh.is_winding_consistent and mesh.is_volume, "no volume"
+    stems = int(path.stem.rsplit("_", 1)[1])
+    # Each closed surface without handles counts 2; branches that touch make handles, and hollows.
+    assert mesh.body_count >= 1 and mesh.euler_number % 2 == 0, f"Euler number {mesh.euler_number}"
+    outer = [part for part in mesh.split(only_watertight=True) if part.volume > 0]
+    assert len(outer) <= stems, f"{len(outer)} solids for {stems} stems"
+    print(f"{path.name}: {len(mesh.faces)} triangles, {mesh.volume:.4f} m3, Euler number {mesh.euler_number}")
+
+
+failed = False
+for path in sorted(Path(sys.argv[1]).glob("*.ply")):
+    try:
+        check(path)
+    except AssertionError as error:
+        failed = True
+        print(f"{path.name}: {error}", file=sys.stderr)
+sys.exit(failed)
