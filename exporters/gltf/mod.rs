@@ -29,7 +29,7 @@ use crate::cast::{Cast, Look};
 use crate::memory;
 use crate::options::{OptionSpec, Options};
 use crate::picture::{self, Named};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, in_one_season};
 
 /// JSON, with a buffer and pictures beside it.
 pub(crate) struct Gltf;
@@ -98,6 +98,7 @@ impl Exporter for Gltf {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
+        let stage = &in_one_season(stage, &GLTF, bundle);
         let cast = Cast::under_dome(stage, monitor)?;
         let pictures = if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
         memory::admit(stage, &pictures, tangents_bytes(&cast, &pictures), monitor)?;
@@ -162,6 +163,7 @@ impl Exporter for Glb {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
+        let stage = &in_one_season(stage, &GLB, bundle);
         let cast = Cast::under_dome(stage, monitor)?;
         let pictures = if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
         memory::admit(stage, &pictures, tangents_bytes(&cast, &pictures), monitor)?;

@@ -74,10 +74,9 @@ impl Wardrobe {
     /// # Errors
     /// [`DressError`].
     pub fn new(recipe: &Recipe, organs: &Organs, monitor: &dyn Monitor) -> Result<Self, DressError> {
-        let Preset { seed, bark, foliage, .. } = &recipe.preset;
+        let Preset { seed, bark, .. } = &recipe.preset;
         let bark = bark.bark(Key::new(*seed).named("bark"));
         let BarkPictures { base_color, normal } = bark.draw(monitor)?;
-        let mut pictures = (base_color.rgba().len() + normal.rgba().len()) as u64;
         let bark = Material {
             name: "bark".to_owned(),
             base_color: linear(bark.color),
@@ -88,6 +87,22 @@ impl Wardrobe {
             cutout: None,
             wrap: Wrap::Repeat,
         };
+        Self { bark, covers: Vec::new(), shapes: Vec::new() }.in_season(recipe, organs, monitor)
+    }
+
+    /// The same bark with the leaves of another season.
+    ///
+    /// # Errors
+    /// [`DressError`].
+    pub(crate) fn in_season(
+        &self,
+        recipe: &Recipe,
+        organs: &Organs,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, DressError> {
+        let foliage = &recipe.preset.foliage;
+        let bark = [&self.bark.base_color_picture, &self.bark.normal_picture];
+        let mut pictures: u64 = bark.into_iter().flatten().map(|own| own.rgba().len() as u64).sum();
         let mut covers: Vec<Option<Cover>> = Vec::new();
         let mut shapes: Vec<Shape> = Vec::new();
         for (index, kind) in foliage.kinds().enumerate() {
@@ -104,7 +119,7 @@ impl Wardrobe {
             };
             covers.push(cover);
         }
-        Ok(Self { bark, covers, shapes })
+        Ok(Self { bark: self.bark.clone(), covers, shapes })
     }
 
     /// Bytes of the pictures.

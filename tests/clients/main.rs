@@ -9,5 +9,6 @@ mod outside;
 mod presets;
 mod read_back;
 mod references;
+mod seasons;
 mod solid;
 mod stage;

@@ -98,7 +98,7 @@ impl Forest {
         let command = format!("linden forest {} -o forest.glb", self.kinds.join(" "));
         let counts = forest.kinds.iter().map(|kind| kind.recipe.preset.detail.levels());
         let most = counts.max().unwrap_or(1);
-        let mut batch = self.outputs.open(&forest.id, &command, &of_formats, most, sources)?;
+        let mut batch = self.outputs.open(&forest.id, &command, &of_formats, (most, &[]), sources)?;
         let plan = forest.plan(&progress).with_context(|| forest.id.clone())?;
         let mut grown: Vec<Levels> = Vec::with_capacity(plan.trees.len());
         let mut held = 0;
