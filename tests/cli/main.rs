@@ -4,8 +4,11 @@
 mod bad_input;
 mod describe;
 mod doctor;
+mod forest;
 mod interrupt;
 mod jobs;
 mod pipes;
 mod plugins;
 mod program;
+mod same_wood;
+mod seasons;
