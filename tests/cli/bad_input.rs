@@ -246,7 +246,11 @@ fn forests_that_cannot_be() {
     forest(&["fir:0", "simple"], 1, &["'fir'", "above 0"]);
     forest(&["fri"], 2, &["'fri'", "did you mean 'fir'"]);
     forest(&["mixed-wod"], 2, &["did you mean 'mixed-wood'"]);
-    forest(&["simple", "--triangles", "10"], 1, &["Simple", "triangles=10", "ask for at least"]);
+    forest(
+        &["dressed-simple", "--triangles", "10"],
+        1,
+        &["Simple tree in leaf", "triangles=10", "ask for at least"],
+    );
     folder.write("f.toml", "spacing = 3\n[[tree]]\npreset = \"fir\"\nsahre = 2\n");
     forest(&["f.toml"], 1, &["f.toml:4:1", "sahre"]);
     folder.write("f.toml", "spacing = 3\n[[tree]]\npreset = \"none.toml\"\n");
