@@ -95,7 +95,7 @@ impl Sheet {
         for group in &self.group {
             let before = sources.len();
             for builtin in builtins() {
-                if builtin.load()?.group.eq_ignore_ascii_case(group) {
+                if builtin.heading()?.group.eq_ignore_ascii_case(group) {
                     sources.push(PathBuf::from(builtin.id));
                 }
             }
