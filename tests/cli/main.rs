@@ -4,6 +4,7 @@
 mod bad_input;
 mod describe;
 mod doctor;
+mod figures;
 mod forest;
 mod interrupt;
 mod jobs;

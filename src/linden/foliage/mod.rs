@@ -28,8 +28,7 @@ use crate::skeleton::refine::Rider;
 
 pub use form::Shape;
 pub use look::{CUTOUT, Cover, cover};
-pub(crate) use mesh::meshes_of;
-pub use mesh::{Foliage, FoliageError, Look, Shaper, meshes};
+pub use mesh::{Foliage, FoliageError, Look, Shaper, meshes, meshes_of};
 pub use prototype::{PROTOTYPES, Prototype, prototype};
 pub(crate) use sprout::kind_shapes;
 pub use sprout::sprout;
