@@ -76,7 +76,10 @@ fn every_season_is_a_variant_with_the_same_wood() {
             export_stage(&stage, format, &[], &dir.join(format!("tree.{format}"))).unwrap();
         }
         run("seasons.py", &dir);
-        // What is chosen agrees with the formats that hold one season.
+        if name != "levels" {
+            continue;
+        }
+        // All validators once, and what is chosen agrees with the format that holds one season.
         for season in year.seasons.iter().skip(1) {
             fs::remove_file(dir.join(format!("{}.glb", season.0.name))).unwrap();
         }
