@@ -42,6 +42,11 @@ pub(super) struct PrimitiveArrays {
 type Packing = (Cube, Option<Range>);
 
 impl PrimitiveArrays {
+    /// The cube that positions are told in.
+    pub fn cube(&self) -> Option<Cube> {
+        self.packing.map(|(cube, _)| cube)
+    }
+
     pub fn attributes(&self) -> Attributes {
         Attributes {
             position: self.first,
@@ -72,11 +77,13 @@ impl Layout {
         // What stands around belongs to none.
         let plants: Vec<Option<usize>> = of_plants.map(Some).collect();
         let plants = plants.into_iter().chain(std::iter::repeat(None));
-        for (Piece { mesh, bounds, look, wind, .. }, plant) in cast.pieces().zip(plants) {
+        for (piece, plant) in cast.pieces().zip(plants) {
+            let Piece { mesh, bounds, look, wind, .. } = piece;
             let first = layout.accessors.len();
             let count = mesh.positions.len();
             let quanta = layout.quanta.as_ref();
-            let packing = plant.and_then(|plant| quanta.map(|own| (own.cube(plant), own.range(*look))));
+            let packing =
+                plant.and_then(|plant| quanta.map(|own| (own.cube_of(plant, piece), own.range(*look))));
             let normal_picture = cast.looks[*look].material.normal_picture.as_ref();
             let with_tangents = picture::index_of(pictures, normal_picture).is_some();
             if let Some((cube, range)) = packing {
@@ -216,11 +223,11 @@ impl Layout {
         for (piece, primitive) in cast.pieces().zip(&self.primitives) {
             match primitive.packing {
                 Some((cube, range)) => {
-                    quantize::write(piece.mesh, cube, range, primitive.with_tangents, out)?;
+                    quantize::write(&piece.mesh, cube, range, primitive.with_tangents, out)?;
                 }
-                None => write_vertices(piece.mesh, primitive.with_tangents, out)?,
+                None => write_vertices(&piece.mesh, primitive.with_tangents, out)?,
             }
-            write_triangles(piece.mesh, out)?;
+            write_triangles(&piece.mesh, out)?;
             piece.wind.map_or(Ok(()), |own| wind::write(own, out))?;
         }
         for blob in &self.blobs {

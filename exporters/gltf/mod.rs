@@ -23,13 +23,13 @@ use self::document::{
     Asset, Buffer, Document, DocumentExtensions, Image, ImageSource, LightList, Material, MaterialExtensions,
     PbrMetallicRoughness, Sampler, SceneRoot, Texture, TextureExtensions, TextureInfo, TextureTransform,
 };
-use self::nodes::SceneGraph;
+use self::nodes::{SceneGraph, Standing};
 use self::quantize::Range;
 use crate::cast::{Cast, Look};
-use crate::memory;
 use crate::options::{OptionSpec, Options};
 use crate::picture::{self, Named};
 use crate::{Bundle, ExportError, Exporter, Format, GENERATOR};
+use crate::{instances, memory};
 
 /// JSON, with a buffer and pictures beside it.
 pub(crate) struct Gltf;
@@ -42,7 +42,8 @@ const PICTURES: OptionSpec = OptionSpec::switch("pictures", true, "with bark pic
 const INSTANCES: OptionSpec = OptionSpec::switch(
     "instances",
     false,
-    "the trees of a forest by EXT_mesh_gpu_instancing instead of a node each; fewer programs read that",
+    "leaves (in a forest whole trees) as few meshes in many places, by EXT_mesh_gpu_instancing; fewer \
+     programs read that",
 );
 
 const QUANTIZE: OptionSpec = OptionSpec::switch(
@@ -98,9 +99,9 @@ impl Exporter for Gltf {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
-        let cast = Cast::under_dome(stage, monitor)?;
+        let cast = cast(stage, options, bundle, monitor)?;
         let pictures = if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
-        memory::admit(stage, &pictures, tangents_bytes(&cast, &pictures), monitor)?;
+        memory::admit(stage, &pictures, own_bytes(&cast, &pictures), monitor)?;
         let embed = options.is_on("embed") || !bundle.takes_side_files();
         if embed && !options.is_on("embed") {
             bundle
@@ -137,9 +138,25 @@ impl Exporter for Gltf {
     }
 }
 
-/// Tangents are all made before any is written, a mesh after the other.
-fn tangents_bytes(cast: &Cast<'_>, pictures: &[picture::Named<'_>]) -> u64 {
-    if pictures.is_empty() { 0 } else { memory::largest(cast, memory::per_vertex::<[f32; 4]>) }
+fn cast<'a>(
+    stage: &'a Stage<'_>,
+    options: &Options,
+    bundle: &mut Bundle,
+    monitor: &dyn Monitor,
+) -> Result<Cast<'a>, ExportError> {
+    let mut cast = Cast::under_dome(stage, monitor)?;
+    if options.is_on("instances") {
+        instances::unbake(&mut cast, stage, bundle, monitor)?;
+    }
+    Ok(cast)
+}
+
+/// Tangents are all made before any is written, a mesh after the other; where copies stand is there
+/// as it is written too.
+fn own_bytes(cast: &Cast<'_>, pictures: &[picture::Named<'_>]) -> u64 {
+    let tangents =
+        if pictures.is_empty() { 0 } else { memory::largest(cast, memory::per_vertex::<[f32; 4]>) };
+    tangents + 2 * instances::bytes(cast)
 }
 
 /// How the embedded buffer's URI begins.
@@ -162,9 +179,9 @@ impl Exporter for Glb {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
-        let cast = Cast::under_dome(stage, monitor)?;
+        let cast = cast(stage, options, bundle, monitor)?;
         let pictures = if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
-        memory::admit(stage, &pictures, tangents_bytes(&cast, &pictures), monitor)?;
+        memory::admit(stage, &pictures, own_bytes(&cast, &pictures), monitor)?;
         let mut layout = Layout::of_meshes(&cast, &pictures, is_quantized(&cast, options, bundle));
         let sources = embedded(&pictures, &mut layout)?;
         let document = document(stage, &cast, &pictures, sources, options.is_on("instances"), &mut layout);
@@ -246,10 +263,13 @@ fn document(
             }
         })
         .collect();
-    let instances =
-        if instances && !stage.is_single() { nodes::lay_out_instances(stage, layout) } else { Vec::new() };
+    let standing = match (instances, stage.is_single()) {
+        (false, _) => Standing::Plants(Vec::new()),
+        (true, true) => Standing::Leaves(nodes::lay_out_copies(cast, layout)),
+        (true, false) => Standing::Plants(nodes::lay_out_instances(stage, layout)),
+    };
     let SceneGraph { nodes, roots, meshes, cameras, lights, extensions, required } =
-        nodes::nodes(stage, cast, layout, &instances);
+        nodes::nodes(stage, cast, layout, &standing);
     let animation = wind::animation(cast, &meshes, &nodes, layout);
     let images = pictures.iter().zip(sources).map(|(named, source)| Image {
         name: named.suffix.trim_start_matches('_').trim_end_matches(".png").to_owned(),

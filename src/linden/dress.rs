@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::color::linear;
-use crate::foliage::{self, CUTOUT, Cover, Foliage, FoliageError, Look, Organs, Shape};
+use crate::foliage::{self, CUTOUT, Cover, Foliage, FoliageError, Instances, Look, Organs, Shape};
 use crate::grow::Grown;
 use crate::knob::printable;
 use crate::memory::Holding;
@@ -65,7 +65,7 @@ pub struct Wardrobe {
     bark: Material,
     /// By kind; `None` where no organ is of it.
     covers: Vec<Option<Cover>>,
-    shapes: Vec<Shape>,
+    shapes: Arc<[Shape]>,
 }
 
 impl Wardrobe {
@@ -104,7 +104,7 @@ impl Wardrobe {
             };
             covers.push(cover);
         }
-        Ok(Self { bark, covers, shapes })
+        Ok(Self { bark, covers, shapes: shapes.into() })
     }
 
     /// Bytes of the pictures.
@@ -155,7 +155,7 @@ impl Wardrobe {
     fn leaves(
         &self,
         recipe: &Recipe,
-        organs: &Organs,
+        organs: &Arc<Organs>,
         blown: Option<Blown<'_>>,
         materials: &mut Vec<Material>,
         parts: &mut Vec<Part>,
@@ -164,7 +164,7 @@ impl Wardrobe {
         let colors = recipe.preset.foliage.turtle_colors();
         // A recipe with other kinds than the organs grew by: their own shapes fit them at least.
         let fit = self.shapes.len() == organs.shapes.len();
-        let shapes = if fit { &self.shapes } else { &organs.shapes[..] };
+        let shapes = if fit { &self.shapes } else { &organs.shapes };
         for Foliage { look, mesh } in foliage::meshes_of(organs, shapes, colors.len(), monitor)? {
             let numbered =
                 |name: &str, i: usize| if i == 0 { name.to_owned() } else { format!("{name}_{i}") };
@@ -181,6 +181,8 @@ impl Wardrobe {
                 Look::Kind(i) => (numbered("leaves", i), cover.map_or([0.0; 3], mean_color)),
             };
             let mut part = Part::new(name.clone(), materials.len(), mesh);
+            let is_placed = !organs.placed.prototypes.is_empty();
+            part.instances = is_placed.then(|| Instances::of(organs, shapes, colors.len(), look));
             if let Some(blown) = blown {
                 let held: u64 = parts.iter().skip(1).map(Part::bytes).sum();
                 let bytes = held + part.bytes() + blown.field.bytes_for(part.mesh.positions.len());

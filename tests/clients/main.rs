@@ -5,6 +5,7 @@
 
 mod cylinders;
 mod foliage;
+mod instances;
 mod outside;
 mod presets;
 mod read_back;
