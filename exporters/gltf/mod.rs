@@ -7,6 +7,7 @@
 
 mod buffer;
 mod document;
+mod meshopt;
 mod nodes;
 mod quantize;
 mod setting;
@@ -20,9 +21,11 @@ use serde_json::value::RawValue;
 
 use self::buffer::Layout;
 use self::document::{
-    Asset, Buffer, Document, DocumentExtensions, Image, ImageSource, LightList, Material, MaterialExtensions,
-    PbrMetallicRoughness, Sampler, SceneRoot, Texture, TextureExtensions, TextureInfo, TextureTransform,
+    Asset, Buffer, BufferExtensions, Document, DocumentExtensions, Image, ImageSource, LightList, Material,
+    MaterialExtensions, PbrMetallicRoughness, Sampler, SceneRoot, Texture, TextureExtensions, TextureInfo,
+    TextureTransform,
 };
+use self::meshopt::Fallback;
 use self::nodes::{SceneGraph, Standing};
 use self::quantize::Range;
 use crate::cast::{Cast, Look};
@@ -52,6 +55,13 @@ const QUANTIZE: OptionSpec = OptionSpec::switch(
     "vertices in fewer bits (KHR_mesh_quantization): half the size, positions to a 65535th of the height",
 );
 
+const COMPRESS: OptionSpec = OptionSpec::choice(
+    "compress",
+    &["none", "meshopt"],
+    "meshopt: vertices and indices in fewer bytes, without loss (EXT_meshopt_compression); best together \
+     with quantize; engines on the web read it, Blender does not",
+);
+
 /// Whether vertices are to be in fewer bits. Wind's targets move positions by lengths, which the bits of
 /// a cube cannot hold.
 fn is_quantized(cast: &Cast<'_>, options: &Options, bundle: &mut Bundle) -> bool {
@@ -74,6 +84,7 @@ static GLTF: Format = Format {
         OptionSpec::switch("embed", false, "buffer and pictures inside the file, as data URIs"),
         INSTANCES,
         QUANTIZE,
+        COMPRESS,
     ],
 };
 
@@ -84,7 +95,7 @@ static GLB: Format = Format {
     media_type: "model/gltf-binary",
     self_contained: true,
     help: "for engines and the web: everything in one file",
-    options: &[PICTURES, INSTANCES, QUANTIZE],
+    options: &[PICTURES, INSTANCES, QUANTIZE, COMPRESS],
 };
 
 impl Exporter for Gltf {
@@ -110,8 +121,7 @@ impl Exporter for Gltf {
         let mut layout = Layout::of_meshes(&cast, &pictures, is_quantized(&cast, options, bundle));
         if embed {
             let sources = embedded(&pictures, &mut layout)?;
-            let mut document =
-                document(stage, &cast, &pictures, sources, options.is_on("instances"), &mut layout);
+            let mut document = document(stage, &cast, &pictures, sources, options, &mut layout, monitor)?;
             document.buffers[0].uri = Some(DATA_URI.to_owned());
             let json = json(&document)?;
             let hole = find(&json, DATA_URI.as_bytes()) + DATA_URI.len();
@@ -129,8 +139,7 @@ impl Exporter for Gltf {
             bundle.write_side(&named.suffix, Some(png.len() as u64), monitor, |out| out.write(png))?;
             sources.push(ImageSource::Uri(percent_encoded(&bundle.side_name(&named.suffix))));
         }
-        let mut document =
-            document(stage, &cast, &pictures, sources, options.is_on("instances"), &mut layout);
+        let mut document = document(stage, &cast, &pictures, sources, options, &mut layout, monitor)?;
         document.buffers[0].uri = Some(percent_encoded(&bundle.side_name(".bin")));
         let json = json(&document)?;
         bundle.write_side(".bin", Some(layout.bytes()), monitor, |out| layout.write(&cast, out))?;
@@ -184,7 +193,7 @@ impl Exporter for Glb {
         memory::admit(stage, &pictures, own_bytes(&cast, &pictures), monitor)?;
         let mut layout = Layout::of_meshes(&cast, &pictures, is_quantized(&cast, options, bundle));
         let sources = embedded(&pictures, &mut layout)?;
-        let document = document(stage, &cast, &pictures, sources, options.is_on("instances"), &mut layout);
+        let document = document(stage, &cast, &pictures, sources, options, &mut layout, monitor)?;
         let mut json = json(&document)?;
         // Both chunks end at a multiple of four (4.4.3): the buffer does anyway.
         json.resize(json.len().next_multiple_of(4), b' ');
@@ -224,9 +233,10 @@ fn document(
     cast: &Cast<'_>,
     pictures: &[Named<'_>],
     sources: Vec<ImageSource>,
-    instances: bool,
+    options: &Options,
     layout: &mut Layout,
-) -> Document {
+    monitor: &dyn Monitor,
+) -> Result<Document, ExportError> {
     let quanta = layout.quanta.as_ref();
     let texture = |look: usize, picture| {
         let index = picture::index_of(pictures, picture)?;
@@ -263,14 +273,27 @@ fn document(
             }
         })
         .collect();
-    let standing = match (instances, stage.is_single()) {
+    let standing = match (options.is_on("instances"), stage.is_single()) {
         (false, _) => Standing::Plants(Vec::new()),
         (true, true) => Standing::Leaves(nodes::lay_out_copies(cast, layout)),
         (true, false) => Standing::Plants(nodes::lay_out_instances(stage, layout)),
     };
-    let SceneGraph { nodes, roots, meshes, cameras, lights, extensions, required } =
+    let SceneGraph { nodes, roots, meshes, cameras, lights, mut extensions, mut required } =
         nodes::nodes(stage, cast, layout, &standing);
     let animation = wind::animation(cast, &meshes, &nodes, layout);
+    if options.is_word("compress", "meshopt") {
+        let bytes = stage.bytes() + layout.compressing_bytes();
+        monitor.admit("compressing the meshes", bytes, "write without compress, or with quantize")?;
+        layout.compress(cast, monitor)?;
+        extensions.push(meshopt::EXTENSION);
+        required.push(meshopt::EXTENSION);
+    }
+    let fallback = layout.stands_for().map(|byte_length| Buffer {
+        byte_length,
+        uri: None,
+        extensions: Some(BufferExtensions { fallback: Fallback::new() }),
+    });
+    let buffer = Buffer { byte_length: layout.bytes(), uri: None, extensions: None };
     let images = pictures.iter().zip(sources).map(|(named, source)| Image {
         name: named.suffix.trim_start_matches('_').trim_end_matches(".png").to_owned(),
         mime_type: "image/png",
@@ -282,9 +305,9 @@ fn document(
     let sampler = |wrap| wraps.iter().position(|own| *own == wrap).unwrap_or_default();
     let textures: Vec<Texture> =
         (0..).zip(pictures).map(|(source, named)| Texture { sampler: sampler(named.wrap), source }).collect();
-    Document {
+    Ok(Document {
         asset: Asset { version: "2.0", generator: GENERATOR },
-        buffers: [Buffer { byte_length: layout.bytes(), uri: None }],
+        buffers: std::iter::once(buffer).chain(fallback).collect(),
         scene: 0,
         extensions_used: extensions,
         extensions_required: required,
@@ -300,7 +323,7 @@ fn document(
         animations: animation.into_iter().collect(),
         accessors: std::mem::take(&mut layout.accessors),
         buffer_views: std::mem::take(&mut layout.views),
-    }
+    })
 }
 
 /// The recipe letter by letter: parsing and printing again could round a number.

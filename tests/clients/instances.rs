@@ -104,7 +104,9 @@ fn notes(stage: &Stage<'_>, format: &str, options: &[(&str, &str)]) -> (Vec<Stri
     let target = dir.path().join("tree.any");
     let exporter = find(format).unwrap();
     let mut values = Options::new(exporter.format());
-    options.iter().for_each(|(name, value)| values.set(name, value).unwrap());
+    for (name, value) in options {
+        values.set(name, value).unwrap();
+    }
     let mut bundle = Bundle::create(&target).unwrap();
     exporter.write(stage, &values, &mut bundle, &Quiet).unwrap();
     let notes = bundle.notes().to_vec();

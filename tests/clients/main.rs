@@ -3,6 +3,7 @@
 // A test's helpers panic like the test itself.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod compressed;
 mod cylinders;
 mod foliage;
 mod instances;
