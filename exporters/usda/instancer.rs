@@ -7,6 +7,11 @@ use super::layer::{Layer, vector};
 use super::syntax::tuple;
 use crate::ExportError;
 
+/// Digits that readers keep: a half has eleven bits.
+fn to_half(x: f32) -> f32 {
+    libm::roundf(x * 1e5) / 1e5
+}
+
 /// What stands within the instancer's braces before its prototypes, whose paths are given: which of
 /// them is where.
 pub(super) fn write(
@@ -27,7 +32,7 @@ pub(super) fn write(
     })?;
     layer.array("quath[] orientations", count, None, |text, i| {
         let turn = placed[i].1.rotation;
-        vector(text, [turn.w, turn.x, turn.y, turn.z]);
+        vector(text, [turn.w, turn.x, turn.y, turn.z].map(to_half));
     })?;
     layer.array("float3[] scales", count, None, |text, i| vector(text, [placed[i].1.scale; 3]))?;
     layer.lines("\n")

@@ -212,7 +212,7 @@ impl Exporter for Usdz {
 const CURVE_BYTES_PER_NODE: u64 = 55;
 
 /// What a copy's place takes as text, rather more than less.
-const PLACEMENT_BYTES: u64 = 140;
+const PLACEMENT_BYTES: u64 = 120;
 
 /// What a mesh takes as text, rather more than less: a vertex was measured to take 85 bytes and a
 /// triangle 9 and its three indices, of which each has the digits of the last one at most.
