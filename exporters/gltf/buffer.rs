@@ -6,7 +6,7 @@ use linden::Monitor;
 use linden::scene::Mesh;
 
 use super::document::{Accessor, Attributes, BufferView, ComponentType};
-use super::meshopt::{Items, Mode, Packer};
+use super::meshopt::{Items, Mode, Packed, Packer};
 use super::quantize::{self, Cube, Quanta, Range};
 use super::tangents::tangents;
 use super::wind::{self, WindArrays};
@@ -29,8 +29,8 @@ pub(super) struct Layout {
     /// By view: what it consists of.
     items: Vec<Option<Items>>,
     blobs: Vec<Vec<u8>>,
-    /// All bytes, where they are compressed, and the length of the buffer that they stand for.
-    packed: Option<(Vec<u8>, u64)>,
+    /// All bytes, where they are compressed.
+    packed: Option<Packed>,
     bytes: u64,
 }
 
@@ -242,29 +242,29 @@ impl Layout {
     pub fn compress(&mut self, cast: &Cast<'_>, monitor: &dyn Monitor) -> Result<(), ExportError> {
         let mut packer = Packer::new(&self.views, &self.items, monitor);
         self.write(cast, &mut packer)?;
-        let (views, packed, stands_for) = packer.finish();
+        let (views, packed) = packer.finish();
         self.views = views;
-        self.bytes = packed.len() as u64;
-        self.packed = Some((packed, stands_for));
+        self.bytes = packed.bytes;
+        self.packed = Some(packed);
         Ok(())
     }
 
     /// Bytes that compressing takes: what is compressed, and of one view after the other what goes in
-    /// and comes out, three times as they are.
+    /// and comes out, four times as they are.
     pub fn compressing_bytes(&self) -> u64 {
         let largest = self.views.iter().map(|view| view.byte_length).max();
-        self.bytes + 3 * largest.unwrap_or(0)
+        self.bytes + 4 * largest.unwrap_or(0)
     }
 
     /// The length of the buffer that compressed views stand for.
     pub fn stands_for(&self) -> Option<u64> {
-        self.packed.as_ref().map(|(_, bytes)| *bytes)
+        self.packed.as_ref().map(|packed| packed.stands_for)
     }
 
     /// Writes the buffer.
     pub fn write(&self, cast: &Cast<'_>, out: &mut impl Chunk) -> Result<(), ExportError> {
-        if let Some((packed, _)) = &self.packed {
-            return out.put(packed);
+        if let Some(packed) = &self.packed {
+            return packed.write(out);
         }
         for (piece, primitive) in cast.pieces().zip(&self.primitives) {
             match primitive.packing {

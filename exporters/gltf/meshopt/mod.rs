@@ -61,6 +61,26 @@ impl Fallback {
     }
 }
 
+/// A buffer with compressed views.
+pub(super) struct Packed {
+    /// One after the other, each beginning at a multiple of four.
+    pieces: Vec<Vec<u8>>,
+    /// Of all.
+    pub bytes: u64,
+    /// The length of the buffer that compressed views are said to be in.
+    pub stands_for: u64,
+}
+
+impl Packed {
+    pub fn write(&self, out: &mut impl Chunk) -> Result<(), ExportError> {
+        for piece in &self.pieces {
+            out.put(piece)?;
+            out.put(&[0; 3][..piece.len().next_multiple_of(4) - piece.len()])?;
+        }
+        Ok(())
+    }
+}
+
 /// Takes the buffer as it would be written, and makes that of the compressed one.
 pub(super) struct Packer<'a> {
     /// As they lie in what is taken.
@@ -73,37 +93,36 @@ pub(super) struct Packer<'a> {
     /// The view whose bytes come next, and what is there of it.
     view: usize,
     pending: Vec<u8>,
-    packed: Vec<u8>,
-    /// By view: where it begins in `packed`, how long it is there, and whether it is compressed.
-    places: Vec<(u64, u64, bool)>,
+    /// By view: what is written of it, and whether it is compressed.
+    packed: Vec<(Vec<u8>, bool)>,
 }
 
 impl<'a> Packer<'a> {
     pub fn new(views: &'a [BufferView], items: &'a [Option<Items>], monitor: &'a dyn Monitor) -> Self {
-        let (pending, packed, places) = (Vec::new(), Vec::new(), Vec::with_capacity(views.len()));
-        Self { views, items, monitor, taken: 0, view: 0, pending, packed, places }
+        let (pending, packed) = (Vec::new(), Vec::with_capacity(views.len()));
+        Self { views, items, monitor, taken: 0, view: 0, pending, packed }
     }
 
-    /// The views as they lie in the compressed buffer, its bytes, and the length of the buffer that
-    /// compressed views are said to be in.
-    pub fn finish(self) -> (Vec<BufferView>, Vec<u8>, u64) {
-        let mut length: u64 = 0;
-        let place = |((view, items), &(byte_offset, byte_length, is_compressed))| {
-            let view: &BufferView = view;
-            let items: &Option<Items> = items;
-            match items.filter(|_| is_compressed) {
-                None => BufferView { byte_offset, ..view.clone() },
-                Some(Items { mode, stride, count }) => {
+    /// The views as they lie in the compressed buffer, and that.
+    pub fn finish(self) -> (Vec<BufferView>, Packed) {
+        let (mut at, mut length) = (0, 0);
+        let mut views = Vec::with_capacity(self.views.len());
+        for ((view, items), (bytes, is_compressed)) in self.views.iter().zip(self.items).zip(&self.packed) {
+            let (byte_offset, byte_length) = (at, bytes.len() as u64);
+            at = (at + byte_length).next_multiple_of(4);
+            views.push(match *items {
+                Some(Items { mode, stride, count }) if *is_compressed => {
                     let own = BufferView { buffer: 1, byte_offset: length, ..view.clone() };
                     length = (length + view.byte_length).next_multiple_of(4);
                     let compressed =
                         Compressed { buffer: 0, byte_offset, byte_length, byte_stride: stride, mode, count };
                     BufferView { extensions: Some(ViewExtensions { compressed }), ..own }
                 }
-            }
-        };
-        let views = self.views.iter().zip(self.items).zip(&self.places).map(place).collect();
-        (views, self.packed, length)
+                _ => BufferView { byte_offset, ..view.clone() },
+            });
+        }
+        let pieces = self.packed.into_iter().map(|(bytes, _)| bytes).collect();
+        (views, Packed { pieces, bytes: at, stands_for: length })
     }
 
     fn pack(&mut self) -> Result<(), ExportError> {
@@ -119,10 +138,10 @@ impl<'a> Packer<'a> {
         };
         // Noise does not get shorter.
         let encoded = encoded.filter(|own| own.len() < bytes.len());
-        let own = encoded.as_deref().unwrap_or(&bytes);
-        self.places.push((self.packed.len() as u64, own.len() as u64, encoded.is_some()));
-        self.packed.extend_from_slice(own);
-        self.packed.resize(self.packed.len().next_multiple_of(4), 0);
+        self.packed.push(match encoded {
+            Some(own) => (own, true),
+            None => (bytes, false),
+        });
         self.view += 1;
         Ok(())
     }
@@ -145,6 +164,7 @@ impl Chunk for Packer<'_> {
         while let Some(view) = self.views.get(self.view) {
             // Between views there are zeros.
             let gap = view.byte_offset.saturating_sub(self.taken).min(bytes.len() as u64);
+            self.pending.reserve(if gap > 0 { 0 } else { view.byte_length as usize - self.pending.len() });
             let missing = view.byte_length - self.pending.len() as u64;
             let take = if gap > 0 { gap } else { missing.min(bytes.len() as u64) };
             let (front, rest) = bytes.split_at(take as usize);
