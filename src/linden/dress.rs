@@ -74,10 +74,10 @@ impl Wardrobe {
     /// # Errors
     /// [`DressError`].
     pub fn new(recipe: &Recipe, organs: &Organs, monitor: &dyn Monitor) -> Result<Self, DressError> {
-        let Preset { seed, bark, foliage, .. } = &recipe.preset;
+        let Preset { seed, bark, .. } = &recipe.preset;
         let bark = bark.bark(Key::new(*seed).named("bark"));
         let BarkPictures { base_color, normal } = bark.draw(monitor)?;
-        let mut pictures = (base_color.rgba().len() + normal.rgba().len()) as u64;
+        let pictures = (base_color.rgba().len() + normal.rgba().len()) as u64;
         let bark = Material {
             name: "bark".to_owned(),
             base_color: linear(bark.color),
@@ -88,22 +88,7 @@ impl Wardrobe {
             cutout: None,
             wrap: Wrap::Repeat,
         };
-        let mut covers: Vec<Option<Cover>> = Vec::new();
-        let mut shapes: Vec<Shape> = Vec::new();
-        for (index, kind) in foliage.kinds().enumerate() {
-            let is_there = organs.shapes.iter().any(|shape| usize::from(shape.kind) == index);
-            let cover = if is_there {
-                let holding = Holding::new(monitor, pictures);
-                let own = foliage::cover(recipe, index, kind, foliage.size_px, &holding)?;
-                let normal = own.normal.as_ref().map_or(0, |normal| normal.rgba().len());
-                pictures += (own.base_color.rgba().len() + normal) as u64;
-                shapes.extend(foliage::kind_shapes(recipe, index, kind, &own.cells)?);
-                Some(own)
-            } else {
-                None
-            };
-            covers.push(cover);
-        }
+        let (covers, shapes) = covers(recipe, organs, &Holding::new(monitor, pictures))?;
         Ok(Self { bark, covers, shapes: shapes.into() })
     }
 
@@ -203,6 +188,44 @@ impl Wardrobe {
         }
         Ok(())
     }
+}
+
+/// The shapes of leaves as they are dressed: they follow the pictures' outlines, which are finer than those
+/// that the organs grew with ([`Organs::shapes`]).
+///
+/// # Errors
+/// [`FoliageError`].
+pub fn leaf_shapes(
+    recipe: &Recipe,
+    organs: &Organs,
+    monitor: &dyn Monitor,
+) -> Result<Vec<Shape>, FoliageError> {
+    let shapes = covers(recipe, organs, monitor)?.1;
+    Ok(if shapes.len() == organs.shapes.len() { shapes } else { organs.shapes.to_vec() })
+}
+
+/// What covers each kind of which there are organs, and the shapes that fit.
+fn covers(
+    recipe: &Recipe,
+    organs: &Organs,
+    monitor: &dyn Monitor,
+) -> Result<(Vec<Option<Cover>>, Vec<Shape>), FoliageError> {
+    let foliage = &recipe.preset.foliage;
+    let (mut covers, mut shapes) = (Vec::new(), Vec::new());
+    let mut pictures = 0;
+    for (index, kind) in foliage.kinds().enumerate() {
+        if !organs.shapes.iter().any(|shape| usize::from(shape.kind) == index) {
+            covers.push(None);
+            continue;
+        }
+        let holding = Holding::new(monitor, pictures);
+        let own = foliage::cover(recipe, index, kind, foliage.size_px, &holding)?;
+        let normal = own.normal.as_ref().map_or(0, |normal| normal.rgba().len());
+        pictures += (own.base_color.rgba().len() + normal) as u64;
+        shapes.extend(foliage::kind_shapes(recipe, index, kind, &own.cells)?);
+        covers.push(Some(own));
+    }
+    Ok((covers, shapes))
 }
 
 /// Of all variants, linear.

@@ -2,8 +2,20 @@
 
 use crate::program::Folder;
 
-const COMMANDS: [&str; 10] =
-    ["open", "list", "show", "stats", "preview", "export", "doctor", "completions", "man", "schema"];
+const COMMANDS: [&str; 12] = [
+    "open",
+    "list",
+    "show",
+    "stats",
+    "preview",
+    "sheet",
+    "export",
+    "forest",
+    "doctor",
+    "completions",
+    "man",
+    "schema",
+];
 
 #[test]
 fn help_names_every_command_and_every_command_has_help_and_a_manual() {
@@ -155,17 +167,55 @@ fn stats_carry_every_promised_key_and_add_up() {
     assert!(fir["seconds"]["grow"].is_number() && fir["seconds"]["dress"].is_number());
 }
 
+/// A picture's width and height, and its pixels.
+fn pixels(png: &[u8]) -> ((u32, u32), Vec<u8>) {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut bytes).unwrap();
+    bytes.truncate(info.buffer_size());
+    ((info.width, info.height), bytes)
+}
+
+#[test]
+fn a_sheet_is_made_of_the_previews_of_its_trees() {
+    let folder = Folder::new();
+    let sheet =
+        ["sheet", "fir", "older-a", "--seeds", "2", "--size", "60x70", "--columns", "3", "-o", "s.png"];
+    folder.run(&sheet).done();
+    let (size, whole) = pixels(&folder.read("s.png"));
+    assert_eq!(size, (180, 140));
+    let channels = whole.len() / (180 * 140);
+    for (place, (id, seed)) in
+        [("fir", "1"), ("fir", "2"), ("older-a", "1"), ("older-a", "2")].iter().enumerate()
+    {
+        let png = folder.run(&["preview", id, "--seed", seed, "--size", "60x70", "-o", "-"]).done().bytes;
+        let (size, own) = pixels(&png);
+        assert_eq!((size, own.len()), ((60, 70), 60 * 70 * channels));
+        let (left, top) = (place % 3 * 60, place / 3 * 70);
+        for (row, line) in own.chunks(60 * channels).enumerate() {
+            let at = ((top + row) * 180 + left) * channels;
+            assert_eq!(&whole[at..at + line.len()], line, "{id} {seed}, row {row}");
+        }
+    }
+    let last = &whole[((70 * 180) + 120) * channels..][..3];
+    assert_eq!(last, [255; 3], "nothing lies there");
+
+    let said = folder.run(&["sheet", "--group", "Weeds", "-o", "w.png"]);
+    assert_eq!(said.code, Some(2));
+    assert!(said.err.contains("Weeds") && said.err.contains("linden list"), "{}", said.err);
+    let said = folder.run(&["sheet", "fir", "--seeds", "900", "-o", "w.png"]);
+    assert_eq!(said.code, Some(2), "{}", said.err);
+    assert_eq!(folder.names(), ["s.png"]);
+}
+
 #[test]
 fn previews_have_the_size_and_the_background_that_was_asked_for() {
     let folder = Folder::new();
     folder
         .run(&["preview", "fir", "-o", "fir.png", "--size", "120x90", "--background", "transparent"])
         .done();
-    let decoder = png::Decoder::new(std::io::Cursor::new(folder.read("fir.png")));
-    let mut reader = decoder.read_info().unwrap();
-    let mut rgba = vec![0; reader.output_buffer_size().unwrap()];
-    let info = reader.next_frame(&mut rgba).unwrap();
-    assert_eq!((info.width, info.height), (120, 90));
+    let (size, rgba) = pixels(&folder.read("fir.png"));
+    assert_eq!(size, (120, 90));
     let opaque = rgba.chunks(4).filter(|p| p[3] > 200).count();
     assert_eq!(rgba[3], 0, "the corner is empty");
     assert!((50..5000).contains(&opaque), "{opaque} pixels of tree");

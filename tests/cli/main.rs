@@ -4,6 +4,7 @@
 mod bad_input;
 mod describe;
 mod doctor;
+mod figures;
 mod interrupt;
 mod jobs;
 mod pipes;

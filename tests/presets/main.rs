@@ -10,7 +10,7 @@ use std::path::Path;
 
 use linden::Quiet;
 use linden::grow::grow;
-use linden::preset::{Preset, builtins};
+use linden::preset::{Heading, Preset, builtins};
 use linden::surface::{Topology, sweep, topology};
 use linden_tests::presets::recipe;
 
@@ -41,6 +41,19 @@ fn documents_survive_writing_and_reading() {
         let line = recipe(builtin).to_line();
         assert!(line.bytes().all(|b| (b' '..=b'~').contains(&b)), "printable ASCII: {line}");
         assert_eq!(Preset::from_json(&line).unwrap(), preset, "{}", builtin.id);
+    }
+}
+
+#[test]
+fn a_list_shows_what_the_document_says() {
+    for builtin in builtins() {
+        let (head, preset) = (builtin.heading().unwrap(), builtin.load().unwrap());
+        let Heading { name, group, summary, source } = head;
+        assert_eq!(
+            (name, group, summary, source),
+            (preset.name, preset.group, preset.summary, preset.source)
+        );
+        assert_eq!(builtin.id, preset.id);
     }
 }
 

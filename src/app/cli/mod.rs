@@ -10,6 +10,7 @@ mod man;
 mod outputs;
 mod preview;
 mod schema;
+mod sheet;
 mod show;
 mod stats;
 mod workbench;
@@ -79,6 +80,7 @@ enum Command {
     Show(show::Show),
     Stats(stats::Stats),
     Preview(preview::Preview),
+    Sheet(sheet::Sheet),
     Export(export::Export),
     Forest(forest::Forest),
     Doctor(doctor::Doctor),
@@ -233,6 +235,7 @@ impl Command {
             Self::Show(own) => own.run(),
             Self::Stats(own) => own.run(),
             Self::Preview(own) => own.run(),
+            Self::Sheet(own) => own.run(),
             Self::Export(own) => own.run(),
             Self::Forest(own) => own.run(),
             Self::Doctor(own) => own.run(),

@@ -7,8 +7,9 @@ use anyhow::Context;
 use clap::{Args, ValueEnum};
 use linden::colonization;
 use linden::dress::dress;
+use linden::grow::Grown;
 use linden::picture::Picture;
-use linden::scene::Bounds;
+use linden::scene::{Bounds, Scene};
 use linden::{Skeleton, Vec3};
 use linden_exporters::Bundle;
 use linden_raster::{Background, Camera, Paint, Size, Style, Surface, draw_skeleton, draw_surface};
@@ -17,6 +18,7 @@ use linden_terminal::{CellStyle, ColorDepth, Glyphs, Image, TerminalSize, draw_c
 use super::Growing;
 use crate::exit::usage;
 use crate::progress::Progress;
+use crate::source::Source;
 
 /// Draw a source: in the terminal, or as a PNG file
 #[derive(Args)]
@@ -44,13 +46,14 @@ pub struct Preview {
     #[arg(long, default_value_t = 1.0, value_parser = zoom)]
     zoom: f32,
 
-    /// The skeleton's strokes, or the surface as it would be exported
-    #[arg(long, value_enum, default_value_t = Look::Skeleton)]
-    look: Look,
+    /// The skeleton's strokes, or the surface as it would be exported, which is usual for a plant whose
+    /// leaves have pictures
+    #[arg(long, alias = "style", value_enum)]
+    look: Option<Look>,
 
-    /// What colour tells of a skeleton: wood, order, radius or birth
-    #[arg(long, default_value = "wood", value_parser = paint)]
-    color: Paint,
+    /// What colour tells of a skeleton: wood (when not given), order, radius or birth
+    #[arg(long, value_parser = paint)]
+    color: Option<Paint>,
 
     /// 'studio', 'transparent' or #rrggbb; a terminal shows its own unless another is given
     #[arg(long, value_parser = background)]
@@ -71,7 +74,7 @@ pub struct Preview {
 
 /// What is drawn.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Look {
+pub(super) enum Look {
     Skeleton,
     Surface,
 }
@@ -92,36 +95,27 @@ impl Preview {
         } else {
             Vec::new()
         };
-        let scene = match self.look {
-            Look::Surface => {
-                Some(dress(&source.recipe, &grown, &progress).with_context(|| source.shown.clone())?)
-            }
-            Look::Skeleton => None,
-        };
+        // Colours that tell something are those of a skeleton; so are points and outlines inside a crown.
+        let of_skeleton = self.color.is_some() || self.points || self.outline;
+        let look = self.look.or(of_skeleton.then_some(Look::Skeleton));
+        let sitter = Sitter::new(&source, &grown, look, &progress)?;
         let camera = Camera {
             zoom: self.zoom,
             ..Camera::orbit(self.yaw.unwrap_or_else(|| broad_side(&grown.skeleton)), self.pitch)
         };
         let draw = |style: Style<'_>, (width, height): (u32, u32)| -> anyhow::Result<Picture> {
             let mut style = Style {
-                paint: self.color,
+                paint: self.color.unwrap_or_default(),
                 points: points.unwrap_or_default(),
                 outline: &outline,
-                organs: Some(&grown.organs),
-                leaf_colors: source.recipe.preset.foliage.turtle_colors(),
                 person: self.person,
-                ..style
+                ..sitter.styled(style)
             };
             if let Some(background) = self.background {
                 style.background = background;
                 style.ground_shadow &= background != Background::Transparent;
             }
-            let size = Size::new(width, height).map_err(usage)?;
-            let drawn = match &scene {
-                Some(scene) => draw_surface(&Surface::from(scene), &camera, &style, size, &progress),
-                None => draw_skeleton(&grown.skeleton, &camera, &style, size, &progress),
-            };
-            drawn.with_context(|| source.shown.clone())
+            sitter.draw(&camera, &style, Size::new(width, height).map_err(usage)?, &progress)
         };
         let Some(mut bundle) = target else {
             let terminal = TerminalSize::of_stdout();
@@ -148,6 +142,54 @@ impl Preview {
     }
 }
 
+/// A tree that is drawn.
+pub(super) struct Sitter<'a> {
+    source: &'a Source,
+    grown: &'a Grown,
+    /// Dressed, where its surface is shown.
+    scene: Option<Scene>,
+}
+
+impl<'a> Sitter<'a> {
+    /// Dresses the tree where that is wanted, or usual: where leaves have pictures.
+    pub fn new(
+        source: &'a Source,
+        grown: &'a Grown,
+        look: Option<Look>,
+        progress: &Progress,
+    ) -> anyhow::Result<Self> {
+        let shows_surface = match look {
+            Some(look) => look == Look::Surface,
+            None => !grown.organs.shapes.is_empty(),
+        };
+        let scene = shows_surface.then(|| dress(&source.recipe, grown, progress)).transpose();
+        Ok(Self { source, grown, scene: scene.with_context(|| source.shown.clone())? })
+    }
+
+    /// A style with this tree's own leaves.
+    pub fn styled<'b>(&'b self, style: Style<'b>) -> Style<'b> {
+        Style {
+            organs: Some(&self.grown.organs),
+            leaf_colors: self.source.recipe.preset.foliage.turtle_colors(),
+            ..style
+        }
+    }
+
+    pub fn draw(
+        &self,
+        camera: &Camera,
+        style: &Style<'_>,
+        size: Size,
+        progress: &Progress,
+    ) -> anyhow::Result<Picture> {
+        let drawn = match &self.scene {
+            Some(scene) => draw_surface(&Surface::from(scene), camera, style, size, progress),
+            None => draw_skeleton(&self.grown.skeleton, camera, style, size, progress),
+        };
+        drawn.with_context(|| self.source.shown.clone())
+    }
+}
+
 /// The yaw that shows a flat tree (the plane systems of ABOP) from its broad side.
 pub fn broad_side(skeleton: &Skeleton) -> f32 {
     const FLAT: f32 = 0.01;
@@ -161,7 +203,7 @@ pub fn broad_side(skeleton: &Skeleton) -> f32 {
     }
 }
 
-fn png_target(path: &Path) -> anyhow::Result<Bundle> {
+pub(super) fn png_target(path: &Path) -> anyhow::Result<Bundle> {
     if path == Path::new("-") {
         return Ok(Bundle::stream("standard output", std::io::stdout()));
     }
@@ -181,7 +223,7 @@ fn cells(n: u32) -> anyhow::Result<u16> {
         .ok_or_else(|| usage(format!("{n} is too many cells: at most 1000")))
 }
 
-fn size(text: &str) -> Result<(u32, u32), String> {
+pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
     let pair = text
         .split_once(['x', '×', ','])
         .and_then(|(w, h)| Some((w.trim().parse().ok()?, h.trim().parse().ok()?)));

@@ -7,7 +7,8 @@ use clap::Args;
 use linden::Vec3;
 use linden::colonization::scan::Spread;
 use linden::detail::finest;
-use linden::foliage::meshes;
+use linden::dress::leaf_shapes;
+use linden::foliage::meshes_of;
 use linden::grow::Scanned;
 use linden::memory::Holding;
 use linden::scene::{Bounds, Mesh};
@@ -125,7 +126,9 @@ impl Stats {
         let (shown, tubes) =
             finest(&source.recipe, &grown, &holding).with_context(|| source.shown.clone())?;
         let surface = survey(&shown.skeleton, &tubes, &holding).with_context(|| source.shown.clone())?;
-        let foliage = meshes(&shown.organs, 1, &holding).with_context(|| source.shown.clone())?;
+        let shapes =
+            leaf_shapes(&source.recipe, &shown.organs, &holding).with_context(|| source.shown.clone())?;
+        let foliage = meshes_of(&shown.organs, &shapes, 1, &holding).with_context(|| source.shown.clone())?;
         let dress_s = started.elapsed().as_secs_f64();
 
         let skeleton = &grown.skeleton;

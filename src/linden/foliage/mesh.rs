@@ -108,7 +108,10 @@ pub fn meshes(organs: &Organs, colors: usize, monitor: &dyn Monitor) -> Result<V
 }
 
 /// The same with other shapes in place of [`Organs::shapes`], as many of each kind.
-pub(crate) fn meshes_of(
+///
+/// # Errors
+/// As [`meshes`].
+pub fn meshes_of(
     organs: &Organs,
     shapes: &[Shape],
     colors: usize,

@@ -1,6 +1,6 @@
 //! The presets in the program.
 
-use super::{Fault, Preset};
+use super::{Fault, Heading, Preset};
 use crate::input::InputError;
 use crate::knob::nearest;
 use crate::monitor::Monitor;
@@ -48,6 +48,14 @@ impl Builtin {
     /// None that the tests let pass: each built-in document is read there.
     pub fn load(&self) -> Result<Preset, Fault> {
         Preset::from_toml(self.text)
+    }
+
+    /// What a list shows of it: reads a few lines instead of the whole document.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn heading(&self) -> Result<Heading, Fault> {
+        Heading::from_toml(self.text)
     }
 
     /// The bytes of a file that the preset needs beside it.

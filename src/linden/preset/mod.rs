@@ -34,6 +34,7 @@ pub use knobs::{KNOBS, PresetKnob, Section, shape_knobs};
 pub use library::{Builtin, RecipeError, builtin, builtin_file, builtins};
 pub use lsystem::LSystem;
 pub use part::{MOST_PARTS, PART_CROWN, PART_KNOBS, Part, PartKnob, Solid};
+pub use read::Heading;
 pub use setting::{Habit, Length, Origin, Pull, Role, ScanRadius, UpAxis};
 pub use wind::WindLook;
 

@@ -63,16 +63,52 @@ impl Preset {
     }
 }
 
+/// What a list shows of a preset.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Heading {
+    /// As [`Preset::name`].
+    pub name: String,
+    /// As [`Preset::group`]; empty where the document names none.
+    pub group: String,
+    /// As [`Preset::summary`].
+    pub summary: String,
+    /// As [`Preset::source`].
+    pub source: String,
+}
+
+impl Heading {
+    /// Reads what stands before a document's first table: for documents without brackets at the start
+    /// of a line there, which the built-in ones are.
+    pub(super) fn from_toml(text: &str) -> Result<Self, Fault> {
+        let end = text.find("\n[").map_or(text.len(), |at| at + 1);
+        match Node::from_toml(&text[..end])?.datum {
+            Datum::Table(entries) => Self::read(&entries),
+            _ => Ok(Self::default()),
+        }
+    }
+
+    fn read(entries: &[Entry]) -> Result<Self, Fault> {
+        let of = |key| Ok(text_of(entries, key)?.unwrap_or_default());
+        Ok(Self {
+            name: text_of(entries, "name")?.or(text_of(entries, "id")?).unwrap_or_default(),
+            group: of("group")?,
+            summary: of("summary")?,
+            source: of("source")?,
+        })
+    }
+}
+
+fn text_of(entries: &[Entry], key: &str) -> Result<Option<String>, Fault> {
+    let found = entries.iter().find(|entry| entry.key == key);
+    found.map(|entry| entry.node.text(key).map(str::to_owned)).transpose()
+}
+
 fn read(document: &Node, text: Option<&str>) -> Result<Preset, Fault> {
     let Datum::Table(entries) = &document.datum else {
         return Err(Fault::new(
             document.place,
             format!("a preset is a table of keys, this is {}", document.kind()),
         ));
-    };
-    let heading = |key: &str| -> Result<Option<String>, Fault> {
-        let found = entries.iter().find(|entry| entry.key == key);
-        found.map(|entry| entry.node.text(key).map(str::to_owned)).transpose()
     };
     let generator = match (table(entries, "lsystem")?, table(entries, "colonization")?) {
         (Some(own), None) => Generator::LSystem(read_lsystem(own, text)?),
@@ -91,17 +127,16 @@ fn read(document: &Node, text: Option<&str>) -> Result<Preset, Fault> {
         }
     };
     let mut preset = Preset::of("", generator);
-    preset.id =
-        heading("id")?.ok_or_else(|| Fault::new(None, "no 'id': add a line like id = \"my-tree\""))?;
+    preset.id = text_of(entries, "id")?
+        .ok_or_else(|| Fault::new(None, "no 'id': add a line like id = \"my-tree\""))?;
     if preset.id.trim().is_empty() {
         let place = entries.iter().find(|entry| entry.key == "id").and_then(|entry| entry.node.place);
         return Err(Fault::new(place, "'id' is empty: name the preset, like id = \"my-tree\""));
     }
-    preset.name = heading("name")?.unwrap_or_else(|| preset.id.clone());
-    preset.group = heading("group")?.unwrap_or(preset.group);
-    preset.summary = heading("summary")?.unwrap_or_default();
-    preset.source = heading("source")?.unwrap_or_default();
-    preset.about = heading("about")?.unwrap_or_default();
+    let Heading { name, group, summary, source } = Heading::read(entries)?;
+    (preset.name, preset.summary, preset.source) = (name, summary, source);
+    preset.group = if group.is_empty() { preset.group } else { group };
+    preset.about = text_of(entries, "about")?.unwrap_or_default();
     for entry in entries {
         match Section::ALL.iter().find(|section| section.key() == entry.key) {
             Some(&section) => {

@@ -8,7 +8,7 @@ pub mod view;
 
 use std::path::PathBuf;
 
-use linden::preset::{Preset, builtins};
+use linden::preset::{Heading, Preset, builtins};
 use linden::recipe::Recipe;
 use linden_terminal::input::{Mouse, MouseAction};
 
@@ -80,9 +80,11 @@ impl Library {
     /// What is built in.
     pub fn builtin() -> Self {
         // The tests read every built-in document.
-        let entries = builtins()
-            .iter()
-            .filter_map(|own| own.load().ok().map(|preset| Entry::of(Place::Builtin(own.id), &preset)));
+        let entries = builtins().iter().filter_map(|own| {
+            let Heading { name, group, summary, source } = own.heading().ok()?;
+            let (place, id) = (Place::Builtin(own.id), own.id.to_owned());
+            Some(Entry { place, id, name, group, summary, source, fault: None })
+        });
         let mut library = Self {
             entries: entries.collect(),
             filter: String::new(),

@@ -1,0 +1,173 @@
+//! `linden sheet`: a contact sheet of several trees.
+
+use std::path::PathBuf;
+
+use anyhow::Context;
+use clap::Args;
+use linden::picture::Picture;
+use linden::preset::builtins;
+use linden_raster::{Camera, Size, Style};
+
+use super::preview::{Look, Sitter, broad_side, png_target, size};
+use crate::exit::usage;
+use crate::progress::Progress;
+use crate::source;
+
+/// Draw several trees side by side on one PNG file
+#[derive(Args)]
+pub struct Sheet {
+    /// Presets' ids or files, in the order of the sheet
+    #[arg(value_name = "SOURCE", required_unless_present = "group")]
+    sources: Vec<PathBuf>,
+
+    /// All built-in presets of a group, like Plants; may be given several times
+    #[arg(long, value_name = "GROUP")]
+    group: Vec<String>,
+
+    /// Write this PNG file; - is standard output
+    #[arg(short, long, value_name = "FILE.png")]
+    output: PathBuf,
+
+    /// So many trees of each source, with its seed and those that follow
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1000))]
+    seeds: u64,
+
+    /// Turn a knob of every tree; may be given several times
+    #[arg(long = "set", short, value_name = "KNOB=VALUE")]
+    settings: Vec<String>,
+
+    /// Width x height of each tree, pixels
+    #[arg(long, value_name = "WxH", default_value = "240x288", value_parser = size)]
+    size: (u32, u32),
+
+    /// Trees in a row; when not given, a sheet that is a little wider than high
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    columns: Option<u32>,
+
+    /// The skeleton's strokes or the surface; when not given, as 'linden preview' has it
+    #[arg(long, value_enum)]
+    look: Option<Look>,
+}
+
+impl Sheet {
+    pub fn run(self) -> anyhow::Result<()> {
+        let progress = Progress::new();
+        let mut bundle = png_target(&self.output)?;
+        let sources = self.sources()?;
+        let count = u32::try_from(sources.len() as u64 * self.seeds).unwrap_or(u32::MAX);
+        let (width, height) = self.size;
+        let columns = self.columns.unwrap_or_else(|| columns(count, self.size)).min(count);
+        let rows = count.div_ceil(columns);
+        let whole = Size::new(columns.saturating_mul(width), rows.saturating_mul(height)).map_err(usage)?;
+        let own = Size::new(width, height).map_err(usage)?;
+
+        let settings = super::pairs(&self.settings)?;
+        let mut sheet = Mosaic::new(whole.width(), whole.height());
+        let mut place = 0;
+        for path in &sources {
+            for step in 0..self.seeds {
+                let mut pairs = settings.clone();
+                let mut source = source::resolve(path, &pairs, &progress)?;
+                if step > 0 {
+                    let seed = source.recipe.preset.seed.wrapping_add(step);
+                    pairs.push(("seed".to_owned(), seed.to_string()));
+                    source = source::resolve(path, &pairs, &progress)?;
+                }
+                super::notes(&source.notes, &progress);
+                let grown = super::grown(&source, &progress)?;
+                let sitter = Sitter::new(&source, &grown, self.look, &progress)?;
+                let camera = Camera::orbit(broad_side(&grown.skeleton), PITCH_DEG);
+                let picture = sitter.draw(&camera, &sitter.styled(Style::studio()), own, &progress)?;
+                sheet.lay(&picture, place % columns * width, place / columns * height);
+                place += 1;
+            }
+        }
+        let png = sheet.finish().srgb_png().context("compressing the sheet")?;
+        progress.clear();
+        bundle.write_main(Some(png.len() as u64), &progress, |sink| sink.write(&png))?;
+        bundle.commit()?;
+        Ok(())
+    }
+
+    /// What is asked for: groups first, then the sources.
+    fn sources(&self) -> anyhow::Result<Vec<PathBuf>> {
+        let mut sources = Vec::new();
+        for group in &self.group {
+            let before = sources.len();
+            for builtin in builtins() {
+                if builtin.heading()?.group.eq_ignore_ascii_case(group) {
+                    sources.push(PathBuf::from(builtin.id));
+                }
+            }
+            if sources.len() == before {
+                let shown = linden::knob::printable(group);
+                return Err(usage(format!(
+                    "no built-in preset is of the group '{shown}': see 'linden list'"
+                )));
+            }
+        }
+        sources.extend(self.sources.iter().cloned());
+        Ok(sources)
+    }
+}
+
+/// As `linden preview` looks from above.
+const PITCH_DEG: f32 = 8.0;
+
+/// How many in a row give a sheet that is nearest to half as wide again as it is high.
+fn columns(count: u32, (width, height): (u32, u32)) -> u32 {
+    let aspect = |columns: u32| {
+        let rows = count.div_ceil(columns);
+        f64::from(columns) * f64::from(width) / (f64::from(rows) * f64::from(height))
+    };
+    let off = |columns: &u32| (aspect(*columns) - 1.5).abs();
+    (1..=count.max(1)).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(1)
+}
+
+/// A picture that is put together from others; white where none lies.
+struct Mosaic {
+    width: u32,
+    height: u32,
+    rgba: Vec<u8>,
+}
+
+impl Mosaic {
+    fn new(width: u32, height: u32) -> Self {
+        Self { width, height, rgba: vec![255; width as usize * height as usize * 4] }
+    }
+
+    /// Copies a picture that fits, its upper left corner at a column and a row.
+    fn lay(&mut self, picture: &Picture, column: u32, row: u32) {
+        let bytes = picture.width() as usize * 4;
+        for (line, pixels) in picture.rgba().chunks_exact(bytes).enumerate() {
+            let at = ((row as usize + line) * self.width as usize + column as usize) * 4;
+            self.rgba[at..at + bytes].copy_from_slice(pixels);
+        }
+    }
+
+    fn finish(self) -> Picture {
+        Picture::new(self.width, self.height, self.rgba)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sheets_are_a_little_wider_than_high() {
+        assert_eq!(columns(1, (240, 288)), 1);
+        // 7 x 240 by 4 x 288 is 1.46.
+        assert_eq!(columns(28, (240, 288)), 7);
+        assert_eq!(columns(6, (100, 100)), 3);
+    }
+
+    #[test]
+    fn pictures_lie_where_they_were_laid() {
+        let mut sheet = Mosaic::new(3, 2);
+        sheet.lay(&Picture::new(1, 2, vec![1, 2, 3, 4, 5, 6, 7, 8]), 2, 0);
+        let rgba = sheet.finish().rgba().to_vec();
+        assert_eq!((&rgba[8..12], &rgba[20..24]), (&[1, 2, 3, 4][..], &[5, 6, 7, 8][..]));
+        assert!(rgba[..8].iter().chain(&rgba[12..20]).all(|&byte| byte == 255));
+    }
+}

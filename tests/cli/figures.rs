@@ -1,0 +1,95 @@
+//! What `stats` says of a plant is what the files hold, each counted from its own bytes.
+
+use serde_json::Value;
+
+use crate::program::Folder;
+
+/// Both generators, leaves of several forms, one plant with two kinds.
+const PLANTS: [&str; 5] = ["date-palm", "dressed-honda-a", "dressed-simple", "male-fern", "sunflower"];
+
+struct Count {
+    triangles: u64,
+    min: [f64; 3],
+    max: [f64; 3],
+}
+
+impl Count {
+    fn new() -> Self {
+        Self { triangles: 0, min: [f64::INFINITY; 3], max: [f64::NEG_INFINITY; 3] }
+    }
+
+    fn take(&mut self, point: [f64; 3]) {
+        for (axis, &x) in point.iter().enumerate() {
+            self.min[axis] = self.min[axis].min(x);
+            self.max[axis] = self.max[axis].max(x);
+        }
+    }
+}
+
+fn vector(value: &Value) -> [f64; 3] {
+    [0, 1, 2].map(|i| value[i].as_f64().unwrap())
+}
+
+/// From the accessors; and the triangles of all parts but the wood.
+fn of_glb(bytes: &[u8]) -> (Count, u64) {
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    let json: Value = serde_json::from_slice(&bytes[20..20 + length]).unwrap();
+    let (mut count, mut leaves) = (Count::new(), 0);
+    for mesh in json["meshes"].as_array().unwrap() {
+        for primitive in mesh["primitives"].as_array().unwrap() {
+            let accessor = |index: &Value| &json["accessors"][index.as_u64().unwrap() as usize];
+            let triangles = accessor(&primitive["indices"])["count"].as_u64().unwrap() / 3;
+            count.triangles += triangles;
+            leaves += if mesh["name"] == "wood" { 0 } else { triangles };
+            let positions = accessor(&primitive["attributes"]["POSITION"]);
+            count.take(vector(&positions["min"]));
+            count.take(vector(&positions["max"]));
+        }
+    }
+    (count, leaves)
+}
+
+fn of_obj(text: &str) -> Count {
+    let mut count = Count::new();
+    for line in text.lines() {
+        if let Some(numbers) = line.strip_prefix("v ") {
+            let numbers: Vec<f64> = numbers.split(' ').take(3).map(|n| n.parse().unwrap()).collect();
+            count.take([numbers[0], numbers[1], numbers[2]]);
+        }
+        count.triangles += u64::from(line.starts_with("f "));
+    }
+    count
+}
+
+#[test]
+fn stats_and_every_format_agree_on_dressed_plants() {
+    let folder = Folder::new();
+    for plant in PLANTS {
+        let stats = folder.run(&["stats", plant, "--json"]).done().json();
+        folder.run(&["export", plant, "-o", "a.glb", "-o", "a.obj", "-o", "a.ply", "-o", "a.usda"]).done();
+        let (glb, leaf_triangles) = of_glb(&folder.read("a.glb"));
+        let obj = of_obj(&String::from_utf8(folder.read("a.obj")).unwrap());
+        let triangles = stats["triangles"].as_u64().unwrap();
+        assert_eq!((glb.triangles, obj.triangles), (triangles, triangles), "{plant}");
+        let ply = String::from_utf8_lossy(&folder.read("a.ply")).into_owned();
+        assert!(ply.contains(&format!("element face {triangles}\n")), "{plant}");
+        let usda = String::from_utf8(folder.read("a.usda")).unwrap();
+        let lists = usda.split("int[] faceVertexCounts = [").skip(1);
+        let in_usda: usize = lists.map(|list| list[..list.find(']').unwrap()].matches('3').count()).sum();
+        assert_eq!(in_usda as u64, triangles, "{plant}");
+
+        let bounds = &stats["bounds"];
+        for count in [&glb, &obj] {
+            for (found, told) in [(count.min, vector(&bounds["min"])), (count.max, vector(&bounds["max"]))] {
+                let off = found.iter().zip(told).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                assert!(off < 1e-4, "{plant}: {found:?}, told {told:?}");
+            }
+        }
+        let leaves = stats["leaves"].as_u64().unwrap();
+        assert!(leaves > 0 && leaf_triangles >= leaves, "{plant}: {leaves}");
+        // Of one kind, all have the same number of triangles.
+        if plant.starts_with("dressed") || plant == "male-fern" {
+            assert_eq!(leaf_triangles % leaves, 0, "{plant}: {leaf_triangles} of {leaves}");
+        }
+    }
+}
