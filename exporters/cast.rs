@@ -3,9 +3,11 @@
 //! Scenes hold their materials for themselves; the levels of a plant, and trees of a kind, share them.
 //! Equal materials become one here, under a name that no other has.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use linden::Monitor;
+use linden::foliage::Placement;
 use linden::scene::{Bounds, Material, Mesh, Scene};
 use linden::stage::{Ground, Place, Sky, Stage};
 use linden::wind::PartWind;
@@ -46,15 +48,27 @@ pub(crate) struct Model<'a> {
 /// A mesh with one material.
 pub(crate) struct Piece<'a> {
     /// Unique within its model.
-    pub name: &'a str,
+    pub name: Cow<'a, str>,
     /// The geometry.
-    pub mesh: &'a Mesh,
+    pub mesh: Cow<'a, Mesh>,
     /// Smallest and largest of the stored coordinates, exactly.
     pub bounds: Bounds,
     /// Index into [`Cast::looks`].
     pub look: usize,
     /// How it swings.
     pub wind: Option<&'a PartWind>,
+    /// Where it stands, in units of its own, instead of once as it is.
+    pub copies: Option<Stand<'a>>,
+}
+
+/// A mesh of a part that stands in many places.
+pub(crate) struct Stand<'a> {
+    /// The part's name: its copies are together.
+    pub part: &'a str,
+    /// At least one.
+    pub placements: Vec<Placement>,
+    /// Around the boxes of all copies.
+    pub seen: Bounds,
 }
 
 /// A material under a name that no other has.
@@ -63,6 +77,19 @@ pub(crate) struct Look<'a> {
     pub name: String,
     /// The material.
     pub material: &'a Material,
+}
+
+impl Piece<'_> {
+    /// Whether both stand in the same places.
+    pub fn is_placed_as(&self, other: &Self) -> bool {
+        let [own, other] = [self, other].map(|own| own.copies.as_ref().map(|own| &own.placements));
+        own == other
+    }
+
+    /// The part that it is copies of, if it is.
+    pub fn copied_part(&self) -> Option<&str> {
+        self.copies.as_ref().map(|own| own.part)
+    }
 }
 
 impl<'a> Cast<'a> {
@@ -94,11 +121,12 @@ impl<'a> Cast<'a> {
                     .iter()
                     .zip(bounds)
                     .map(|(part, bounds)| Piece {
-                        name: &part.name,
-                        mesh: &part.mesh,
+                        name: Cow::Borrowed(&part.name),
+                        mesh: Cow::Borrowed(&part.mesh),
                         bounds,
                         look: looks[part.material],
                         wind: part.wind.as_ref(),
+                        copies: None,
                     })
                     .collect();
                 cast.models.push(Model { scene, pieces, looks });
@@ -141,7 +169,8 @@ impl<'a> Cast<'a> {
         let bounds = sound::check_around(name, mesh, material, monitor)?;
         let mut names = self.looks.iter().map(|look| look.name.clone()).collect();
         let look = self.look(material, None, &mut names);
-        Ok(Piece { name, mesh, bounds, look, wind: None })
+        let (name, mesh) = (Cow::Borrowed(name), Cow::Borrowed(mesh));
+        Ok(Piece { name, mesh, bounds, look, wind: None, copies: None })
     }
 
     /// The index of a material; lists it if it is new. `kind` is what its plant is called where there
@@ -194,6 +223,11 @@ impl<'a> Cast<'a> {
     /// All meshes, each once; ground and sky come last.
     pub fn pieces(&self) -> impl Iterator<Item = &Piece<'a>> {
         self.models.iter().flat_map(|model| &model.pieces).chain(&self.ground).chain(&self.dome)
+    }
+
+    /// How many copies of pieces stand somewhere.
+    pub fn placements(&self) -> usize {
+        self.pieces().filter_map(|piece| piece.copies.as_ref()).map(|own| own.placements.len()).sum()
     }
 
     /// What stands where, seen from near.

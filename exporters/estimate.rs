@@ -7,12 +7,14 @@
 use std::collections::BTreeSet;
 use std::f32::consts::PI;
 
+use linden::foliage::{Organs, PROTOTYPES};
 use linden::grow::Grown;
 use linden::monitor::{Cancelled, Monitor};
 use linden::preset::{BarkLook, Preset};
 use linden::recipe::Recipe;
 use linden::skeleton::NO_PARENT;
 use linden::texture::BarkStyle;
+use linden::wind::Wind;
 
 use crate::{Format, Options};
 
@@ -25,6 +27,8 @@ pub struct Estimate {
     pub triangles: u64,
     /// Vertices of what has no pictures.
     plain_vertices: u64,
+    /// What instances leave out and put in its place.
+    instanced: Instanced,
     /// Materials of the foliage.
     foliage_colors: u64,
     nodes: u64,
@@ -33,6 +37,36 @@ pub struct Estimate {
     recipe_bytes: u64,
     /// All pictures as PNG.
     picture_bytes: u64,
+}
+
+/// What becomes of foliage as few meshes in many places.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Instanced {
+    /// Vertices and triangles that are not written then, and those of the first that have no pictures.
+    vertices: u64,
+    triangles: u64,
+    plain_vertices: u64,
+    /// Places.
+    copies: u64,
+}
+
+impl Instanced {
+    fn of(organs: &Organs) -> Self {
+        let mut own = Self::default();
+        let mut seen = BTreeSet::new();
+        for (organ, &prototype) in organs.placed.prototypes.iter().enumerate() {
+            own.copies += 1;
+            // The first of each is what the others are copies of.
+            if !seen.insert(prototype) {
+                let mesh = organs.mesh(organ);
+                let vertices = mesh.positions.len() as u64;
+                own.vertices += vertices;
+                own.triangles += mesh.triangles.len() as u64;
+                own.plain_vertices += if usize::from(prototype) < PROTOTYPES.len() { vertices } else { 0 };
+            }
+        }
+        own
+    }
 }
 
 /// Axes between two looks at the monitor.
@@ -82,6 +116,7 @@ impl Estimate {
         let (foliage_vertices, foliage_triangles) = grown.organs.amount();
         let last = foliage.turtle_colors().len().saturating_sub(1) as u64;
         let organs = &grown.organs;
+        let is_still = recipe.preset.wind.wind == Wind::Off;
         let own = (0..organs.len()).filter(|&i| organs.color(i).is_none());
         let colors: BTreeSet<u64> = own.map(|i| last.min(organs.growth(i).color.into())).collect();
         let kinds: BTreeSet<u8> = organs.shapes.iter().map(|shape| shape.kind).collect();
@@ -89,6 +124,8 @@ impl Estimate {
             vertices: vertices + foliage_vertices,
             triangles: triangles + foliage_triangles,
             plain_vertices: grown.organs.plain_amount().0,
+            // What moves in the wind is written one by one.
+            instanced: if is_still { Instanced::of(organs) } else { Instanced::default() },
             foliage_colors: (colors.len() + kinds.len()) as u64,
             nodes: skeleton.positions.len() as u64,
             axes: skeleton.axes.len() as u64,
@@ -107,7 +144,11 @@ impl Estimate {
     /// Text was measured over the built-in presets, in bytes a vertex or node without indices:
     /// those follow from the number of digits.
     pub fn bytes(&self, format: &Format, options: &Options) -> u64 {
-        let Self { vertices, triangles, nodes, axes, recipe_bytes: recipe, .. } = *self;
+        let Self { nodes, axes, recipe_bytes: recipe, .. } = *self;
+        let is_instanced = options.is_on("instances") && !options.is_word("flavor", "ar");
+        let left_out = if is_instanced { self.instanced } else { Instanced::default() };
+        let (vertices, triangles) = (self.vertices - left_out.vertices, self.triangles - left_out.triangles);
+        let plain_vertices = self.plain_vertices - left_out.plain_vertices;
         let pictures = if options.is_on("pictures") { self.picture_bytes } else { 0 };
         let digits = mean_digits(vertices);
         let skeleton = |is_on: bool, bytes: f64| if is_on { bytes } else { 0.0 };
@@ -127,7 +168,8 @@ impl Estimate {
                     options.is_on("skeleton") && !options.is_word("flavor", "ar"),
                     49.0 * (nodes + axes) as f64,
                 );
-                85.0 * vertices as f64 + faces + curves + (2 * recipe + 3000 + materials) as f64
+                let places = 109.0 * left_out.copies as f64;
+                85.0 * vertices as f64 + places + faces + curves + (2 * recipe + 3000 + materials) as f64
             }
             "ply" if ascii => {
                 94.0 * vertices as f64 + triangles as f64 * (3.0 * digits + 5.0) + (recipe + 500) as f64
@@ -144,15 +186,26 @@ impl Estimate {
             "gltf" | "glb" => {
                 let tangent = if pictures > 0 { 16 } else { 0 };
                 let index = if u16::try_from(vertices).is_ok() { 2 } else { 4 };
-                let tangents = tangent * (vertices - self.plain_vertices);
-                let buffer = if options.is_on("quantize") {
-                    // Texture coordinates stay whole where no picture is seen.
-                    let plain = if pictures > 0 { self.plain_vertices } else { vertices };
-                    vertices * 16 + tangents / 4 + plain * 4
+                let tangents = tangent * (vertices - plain_vertices);
+                let is_quantized = options.is_on("quantize");
+                // Texture coordinates stay whole where no picture is seen.
+                let plain = if pictures > 0 { plain_vertices } else { vertices };
+                let meshes = if options.is_word("compress", "meshopt") {
+                    // Measured over the built-in presets.
+                    let (vertex, tangent) = if is_quantized { (9.0, 2.6) } else { (21.6, 9.6) };
+                    let whole = if is_quantized { 2.5 * plain as f64 } else { 0.0 };
+                    let tangents = tangent / 16.0 * tangents as f64;
+                    let indices = 2.1 * triangles as f64;
+                    (vertex * vertices as f64 + whole + tangents + indices) as u64 + 34 * left_out.copies
                 } else {
-                    vertices * 32 + tangents
+                    let of_vertices = if is_quantized {
+                        vertices * 16 + tangents / 4 + plain * 4
+                    } else {
+                        vertices * 32 + tangents
+                    };
+                    of_vertices + triangles * 3 * index + 40 * left_out.copies
                 };
-                let buffer = buffer + triangles * 3 * index + pictures;
+                let buffer = meshes + pictures;
                 let buffer = if options.is_on("embed") { buffer.div_ceil(3) * 4 } else { buffer };
                 return buffer + recipe + 1700 + 900 * self.foliage_colors;
             }
@@ -264,6 +317,16 @@ mod tests {
             let others = values.into_iter().filter(|value| *value != spec.default);
             all.extend(others.map(|value| with(&plain, value)));
         }
+        // Without pictures, of which little else would be seen.
+        let mut smallest = plain;
+        let turned =
+            [("pictures", "false"), ("instances", "true"), ("quantize", "true"), ("compress", "meshopt")];
+        for (name, value) in turned {
+            if format.options.iter().any(|spec| spec.knob.name == name) {
+                smallest.set(name, value).unwrap();
+                all.push(smallest.clone());
+            }
+        }
         all
     }
 
@@ -294,7 +357,8 @@ mod tests {
                     let real = bundle.commit().unwrap().iter().map(|file| file.bytes).sum();
                     // A file of a few pages is mostly what stands around the tree.
                     if real > 32_768 {
-                        let what = format!("{} as {}", builtin.id, format.id);
+                        let values: Vec<String> = options.iter().map(|(_, v)| v.to_string()).collect();
+                        let what = format!("{} as {} {}", builtin.id, format.id, values.join(" "));
                         within(&what, estimate.bytes(format, &options), real);
                     }
                 }

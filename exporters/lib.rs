@@ -39,6 +39,7 @@ mod chunks;
 mod error;
 mod estimate;
 mod gltf;
+mod instances;
 mod memory;
 mod obj;
 mod options;

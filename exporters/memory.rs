@@ -29,13 +29,14 @@ pub(crate) fn admit(
 /// Bytes of the text while the records of one list after the other are formatted.
 pub(crate) fn formatting(cast: &Cast<'_>) -> u64 {
     let records = cast.pieces().map(|piece| piece.mesh.positions.len().max(piece.mesh.triangles.len()));
+    let placements = cast.pieces().filter_map(|piece| Some(piece.copies.as_ref()?.placements.len()));
     let nodes = cast.models.iter().map(|model| model.scene.skeleton.positions.len());
-    chunks::bytes(records.chain(nodes).max().unwrap_or(0))
+    chunks::bytes(records.chain(nodes).chain(placements.max()).max().unwrap_or(0))
 }
 
 /// The most that a mesh takes, where meshes are written one after the other.
 pub(crate) fn largest(cast: &Cast<'_>, bytes: impl Fn(&Mesh) -> u64) -> u64 {
-    cast.pieces().map(|piece| bytes(piece.mesh)).max().unwrap_or(0)
+    cast.pieces().map(|piece| bytes(&piece.mesh)).max().unwrap_or(0)
 }
 
 /// Bytes of a list with one item for each vertex.

@@ -146,9 +146,9 @@ fn write_piece(
     look: Option<&Look<'_>>,
     before: u32,
 ) -> Result<(), ExportError> {
-    let name = word(piece.name);
+    let name = word(&piece.name);
     out.write(format!("o {tree}_{name}\ng {name}\n").as_bytes())?;
-    let mesh = piece.mesh;
+    let mesh = &*piece.mesh;
     let count = mesh.positions.len();
     chunks::write(out, count, |text, range| {
         points(text, &mesh.positions[range], motion.as_ref());

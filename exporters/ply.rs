@@ -67,7 +67,7 @@ impl Exporter for Ply {
         let cast = Cast::of(stage, monitor)?;
         memory::admit(stage, &[], memory::formatting(&cast), monitor)?;
         let ascii = options.is_word("encoding", "ascii");
-        let meshes = || cast.placed(stage).flat_map(|(_, model)| &model.pieces).map(|piece| piece.mesh);
+        let meshes = || cast.placed(stage).flat_map(|(_, model)| &model.pieces).map(|piece| &*piece.mesh);
         let vertices: usize = meshes().map(|mesh| mesh.positions.len()).sum();
         let faces: usize = meshes().map(|mesh| mesh.triangles.len()).sum();
         if vertices > i32::MAX as usize || faces > i32::MAX as usize {
@@ -114,7 +114,7 @@ fn write_vertices(
     material: &Material,
     ascii: bool,
 ) -> Result<(), ExportError> {
-    let mesh = piece.mesh;
+    let mesh = &*piece.mesh;
     let plain = material.base_color.map(picture::srgb);
     let picture = material.base_color_picture.as_deref();
     chunks::write(out, mesh.positions.len(), |text, range| {

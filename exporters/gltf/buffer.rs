@@ -2,9 +2,11 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use linden::Monitor;
 use linden::scene::Mesh;
 
 use super::document::{Accessor, Attributes, BufferView, ComponentType};
+use super::meshopt::{Items, Mode, Packed, Packer};
 use super::quantize::{self, Cube, Quanta, Range};
 use super::tangents::tangents;
 use super::wind::{self, WindArrays};
@@ -24,7 +26,11 @@ pub(super) struct Layout {
     pub primitives: Vec<PrimitiveArrays>,
     /// Where vertices are in fewer bits.
     pub quanta: Option<Quanta>,
+    /// By view: what it consists of.
+    items: Vec<Option<Items>>,
     blobs: Vec<Vec<u8>>,
+    /// All bytes, where they are compressed.
+    packed: Option<Packed>,
     bytes: u64,
 }
 
@@ -42,6 +48,11 @@ pub(super) struct PrimitiveArrays {
 type Packing = (Cube, Option<Range>);
 
 impl PrimitiveArrays {
+    /// The cube that positions are told in.
+    pub fn cube(&self) -> Option<Cube> {
+        self.packing.map(|(cube, _)| cube)
+    }
+
     pub fn attributes(&self) -> Attributes {
         Attributes {
             position: self.first,
@@ -63,7 +74,9 @@ impl Layout {
             accessors: Vec::new(),
             primitives: Vec::new(),
             quanta: quantize.then(|| Quanta::new(cast, pictures)),
+            items: Vec::new(),
             blobs: Vec::new(),
+            packed: None,
             bytes: 0,
         };
         let of_plants = (0..cast.plants()).flat_map(|plant| {
@@ -72,11 +85,13 @@ impl Layout {
         // What stands around belongs to none.
         let plants: Vec<Option<usize>> = of_plants.map(Some).collect();
         let plants = plants.into_iter().chain(std::iter::repeat(None));
-        for (Piece { mesh, bounds, look, wind, .. }, plant) in cast.pieces().zip(plants) {
+        for (piece, plant) in cast.pieces().zip(plants) {
+            let Piece { mesh, bounds, look, wind, .. } = piece;
             let first = layout.accessors.len();
             let count = mesh.positions.len();
             let quanta = layout.quanta.as_ref();
-            let packing = plant.and_then(|plant| quanta.map(|own| (own.cube(plant), own.range(*look))));
+            let packing =
+                plant.and_then(|plant| quanta.map(|own| (own.cube_of(plant, piece), own.range(*look))));
             let normal_picture = cast.looks[*look].material.normal_picture.as_ref();
             let with_tangents = picture::index_of(pictures, normal_picture).is_some();
             if let Some((cube, range)) = packing {
@@ -118,6 +133,8 @@ impl Layout {
 
     fn push(&mut self, count: usize, shape: &'static str, kind: ComponentType, bytes: u64, target: u16) {
         let buffer_view = self.push_view(count as u64 * bytes, Some(target));
+        let mode = if target == ELEMENT_ARRAY_BUFFER { Mode::Triangles } else { Mode::Attributes };
+        self.items[buffer_view] = Some(Items { mode, stride: bytes, count });
         self.accessors.push(Accessor {
             buffer_view: Some(buffer_view),
             component_type: kind,
@@ -141,7 +158,15 @@ impl Layout {
     fn push_view(&mut self, byte_length: u64, target: Option<u16>) -> usize {
         let byte_offset = self.bytes;
         self.bytes = (byte_offset + byte_length).next_multiple_of(4);
-        self.views.push(BufferView { buffer: 0, byte_offset, byte_length, byte_stride: None, target });
+        self.views.push(BufferView {
+            buffer: 0,
+            byte_offset,
+            byte_length,
+            byte_stride: None,
+            target,
+            extensions: None,
+        });
+        self.items.push(None);
         self.views.len() - 1
     }
 
@@ -169,6 +194,8 @@ impl Layout {
     /// Vectors behind everything else; gives their accessor.
     pub fn push_vectors<const N: usize>(&mut self, vectors: &[[f32; N]], shape: &'static str) -> usize {
         let view = self.push_blob(vectors.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect());
+        let stride = size_of::<[f32; N]>() as u64;
+        self.items[view] = Some(Items { mode: Mode::Attributes, stride, count: vectors.len() });
         self.accessors.push(Accessor {
             buffer_view: Some(view),
             component_type: ComponentType::F32,
@@ -211,16 +238,42 @@ impl Layout {
         self.bytes
     }
 
+    /// Compresses everything that has been laid out; nothing may be added afterwards.
+    pub fn compress(&mut self, cast: &Cast<'_>, monitor: &dyn Monitor) -> Result<(), ExportError> {
+        let mut packer = Packer::new(&self.views, &self.items, monitor);
+        self.write(cast, &mut packer)?;
+        let (views, packed) = packer.finish();
+        self.views = views;
+        self.bytes = packed.bytes;
+        self.packed = Some(packed);
+        Ok(())
+    }
+
+    /// Bytes that compressing takes: what is compressed, and of one view after the other what goes in
+    /// and comes out, four times as they are.
+    pub fn compressing_bytes(&self) -> u64 {
+        let largest = self.views.iter().map(|view| view.byte_length).max();
+        self.bytes + 4 * largest.unwrap_or(0)
+    }
+
+    /// The length of the buffer that compressed views stand for.
+    pub fn stands_for(&self) -> Option<u64> {
+        self.packed.as_ref().map(|packed| packed.stands_for)
+    }
+
     /// Writes the buffer.
     pub fn write(&self, cast: &Cast<'_>, out: &mut impl Chunk) -> Result<(), ExportError> {
+        if let Some(packed) = &self.packed {
+            return packed.write(out);
+        }
         for (piece, primitive) in cast.pieces().zip(&self.primitives) {
             match primitive.packing {
                 Some((cube, range)) => {
-                    quantize::write(piece.mesh, cube, range, primitive.with_tangents, out)?;
+                    quantize::write(&piece.mesh, cube, range, primitive.with_tangents, out)?;
                 }
-                None => write_vertices(piece.mesh, primitive.with_tangents, out)?,
+                None => write_vertices(&piece.mesh, primitive.with_tangents, out)?,
             }
-            write_triangles(piece.mesh, out)?;
+            write_triangles(&piece.mesh, out)?;
             piece.wind.map_or(Ok(()), |own| wind::write(own, out))?;
         }
         for blob in &self.blobs {

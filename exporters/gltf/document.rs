@@ -6,6 +6,7 @@ use linden::scene::Wrap;
 use serde::Serialize;
 use serde_json::value::RawValue;
 
+use super::meshopt::{Compressed, Fallback};
 use super::wind::{Animation, MorphTarget};
 
 /// The root. `buffers` stands before everything that carries names from outside: the writer of data
@@ -14,7 +15,7 @@ use super::wind::{Animation, MorphTarget};
 #[serde(rename_all = "camelCase")]
 pub(super) struct Document {
     pub asset: Asset,
-    pub buffers: [Buffer; 1],
+    pub buffers: Vec<Buffer>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub extensions_used: Vec<&'static str>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -53,6 +54,14 @@ pub(super) struct Buffer {
     /// None for a GLB's own.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uri: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extensions: Option<BufferExtensions>,
+}
+
+#[derive(Serialize)]
+pub(super) struct BufferExtensions {
+    #[serde(rename = "EXT_meshopt_compression")]
+    pub fallback: Fallback,
 }
 
 #[derive(Serialize)]
@@ -361,7 +370,7 @@ impl Serialize for ComponentType {
     }
 }
 
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct BufferView {
     pub buffer: usize,
@@ -373,6 +382,14 @@ pub(super) struct BufferView {
     /// 34962 for vertices, 34963 for indices, none for pictures.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub target: Option<u16>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extensions: Option<ViewExtensions>,
+}
+
+#[derive(Clone, Serialize)]
+pub(super) struct ViewExtensions {
+    #[serde(rename = "EXT_meshopt_compression")]
+    pub compressed: Compressed,
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks with a reference")]

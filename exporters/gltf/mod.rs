@@ -7,6 +7,7 @@
 
 mod buffer;
 mod document;
+mod meshopt;
 mod nodes;
 mod quantize;
 mod setting;
@@ -20,16 +21,18 @@ use serde_json::value::RawValue;
 
 use self::buffer::Layout;
 use self::document::{
-    Asset, Buffer, Document, DocumentExtensions, Image, ImageSource, LightList, Material, MaterialExtensions,
-    PbrMetallicRoughness, Sampler, SceneRoot, Texture, TextureExtensions, TextureInfo, TextureTransform,
+    Asset, Buffer, BufferExtensions, Document, DocumentExtensions, Image, ImageSource, LightList, Material,
+    MaterialExtensions, PbrMetallicRoughness, Sampler, SceneRoot, Texture, TextureExtensions, TextureInfo,
+    TextureTransform,
 };
-use self::nodes::SceneGraph;
+use self::meshopt::Fallback;
+use self::nodes::{SceneGraph, Standing};
 use self::quantize::Range;
 use crate::cast::{Cast, Look};
-use crate::memory;
 use crate::options::{OptionSpec, Options};
 use crate::picture::{self, Named};
 use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, in_one_season};
+use crate::{instances, memory};
 
 /// JSON, with a buffer and pictures beside it.
 pub(crate) struct Gltf;
@@ -42,13 +45,21 @@ const PICTURES: OptionSpec = OptionSpec::switch("pictures", true, "with bark pic
 const INSTANCES: OptionSpec = OptionSpec::switch(
     "instances",
     false,
-    "the trees of a forest by EXT_mesh_gpu_instancing instead of a node each; fewer programs read that",
+    "leaves (in a forest whole trees) as few meshes in many places, by EXT_mesh_gpu_instancing; fewer \
+     programs read that",
 );
 
 const QUANTIZE: OptionSpec = OptionSpec::switch(
     "quantize",
     false,
     "vertices in fewer bits (KHR_mesh_quantization): half the size, positions to a 65535th of the height",
+);
+
+const COMPRESS: OptionSpec = OptionSpec::choice(
+    "compress",
+    &["none", "meshopt"],
+    "meshopt: vertices and indices in fewer bytes, without loss (EXT_meshopt_compression); best together \
+     with quantize; engines on the web read it, Blender does not",
 );
 
 /// Whether vertices are to be in fewer bits. Wind's targets move positions by lengths, which the bits of
@@ -73,6 +84,7 @@ static GLTF: Format = Format {
         OptionSpec::switch("embed", false, "buffer and pictures inside the file, as data URIs"),
         INSTANCES,
         QUANTIZE,
+        COMPRESS,
     ],
 };
 
@@ -83,7 +95,7 @@ static GLB: Format = Format {
     media_type: "model/gltf-binary",
     self_contained: true,
     help: "for engines and the web: everything in one file",
-    options: &[PICTURES, INSTANCES, QUANTIZE],
+    options: &[PICTURES, INSTANCES, QUANTIZE, COMPRESS],
 };
 
 impl Exporter for Gltf {
@@ -99,9 +111,9 @@ impl Exporter for Gltf {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         let stage = &in_one_season(stage, &GLTF, bundle);
-        let cast = Cast::under_dome(stage, monitor)?;
+        let cast = cast(stage, options, bundle, monitor)?;
         let pictures = if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
-        memory::admit(stage, &pictures, tangents_bytes(&cast, &pictures), monitor)?;
+        memory::admit(stage, &pictures, own_bytes(&cast, &pictures), monitor)?;
         let embed = options.is_on("embed") || !bundle.takes_side_files();
         if embed && !options.is_on("embed") {
             bundle
@@ -110,8 +122,7 @@ impl Exporter for Gltf {
         let mut layout = Layout::of_meshes(&cast, &pictures, is_quantized(&cast, options, bundle));
         if embed {
             let sources = embedded(&pictures, &mut layout)?;
-            let mut document =
-                document(stage, &cast, &pictures, sources, options.is_on("instances"), &mut layout);
+            let mut document = document(stage, &cast, &pictures, sources, options, &mut layout, monitor)?;
             document.buffers[0].uri = Some(DATA_URI.to_owned());
             let json = json(&document)?;
             let hole = find(&json, DATA_URI.as_bytes()) + DATA_URI.len();
@@ -129,8 +140,7 @@ impl Exporter for Gltf {
             bundle.write_side(&named.suffix, Some(png.len() as u64), monitor, |out| out.write(png))?;
             sources.push(ImageSource::Uri(percent_encoded(&bundle.side_name(&named.suffix))));
         }
-        let mut document =
-            document(stage, &cast, &pictures, sources, options.is_on("instances"), &mut layout);
+        let mut document = document(stage, &cast, &pictures, sources, options, &mut layout, monitor)?;
         document.buffers[0].uri = Some(percent_encoded(&bundle.side_name(".bin")));
         let json = json(&document)?;
         bundle.write_side(".bin", Some(layout.bytes()), monitor, |out| layout.write(&cast, out))?;
@@ -138,9 +148,25 @@ impl Exporter for Gltf {
     }
 }
 
-/// Tangents are all made before any is written, a mesh after the other.
-fn tangents_bytes(cast: &Cast<'_>, pictures: &[picture::Named<'_>]) -> u64 {
-    if pictures.is_empty() { 0 } else { memory::largest(cast, memory::per_vertex::<[f32; 4]>) }
+fn cast<'a>(
+    stage: &'a Stage<'_>,
+    options: &Options,
+    bundle: &mut Bundle,
+    monitor: &dyn Monitor,
+) -> Result<Cast<'a>, ExportError> {
+    let mut cast = Cast::under_dome(stage, monitor)?;
+    if options.is_on("instances") {
+        instances::unbake(&mut cast, stage, bundle, monitor)?;
+    }
+    Ok(cast)
+}
+
+/// Tangents are all made before any is written, a mesh after the other; where copies stand is there
+/// as it is written too.
+fn own_bytes(cast: &Cast<'_>, pictures: &[picture::Named<'_>]) -> u64 {
+    let tangents =
+        if pictures.is_empty() { 0 } else { memory::largest(cast, memory::per_vertex::<[f32; 4]>) };
+    tangents + 2 * instances::bytes(cast)
 }
 
 /// How the embedded buffer's URI begins.
@@ -164,12 +190,12 @@ impl Exporter for Glb {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         let stage = &in_one_season(stage, &GLB, bundle);
-        let cast = Cast::under_dome(stage, monitor)?;
+        let cast = cast(stage, options, bundle, monitor)?;
         let pictures = if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
-        memory::admit(stage, &pictures, tangents_bytes(&cast, &pictures), monitor)?;
+        memory::admit(stage, &pictures, own_bytes(&cast, &pictures), monitor)?;
         let mut layout = Layout::of_meshes(&cast, &pictures, is_quantized(&cast, options, bundle));
         let sources = embedded(&pictures, &mut layout)?;
-        let document = document(stage, &cast, &pictures, sources, options.is_on("instances"), &mut layout);
+        let document = document(stage, &cast, &pictures, sources, options, &mut layout, monitor)?;
         let mut json = json(&document)?;
         // Both chunks end at a multiple of four (4.4.3): the buffer does anyway.
         json.resize(json.len().next_multiple_of(4), b' ');
@@ -209,9 +235,10 @@ fn document(
     cast: &Cast<'_>,
     pictures: &[Named<'_>],
     sources: Vec<ImageSource>,
-    instances: bool,
+    options: &Options,
     layout: &mut Layout,
-) -> Document {
+    monitor: &dyn Monitor,
+) -> Result<Document, ExportError> {
     let quanta = layout.quanta.as_ref();
     let texture = |look: usize, picture| {
         let index = picture::index_of(pictures, picture)?;
@@ -248,11 +275,27 @@ fn document(
             }
         })
         .collect();
-    let instances =
-        if instances && !stage.is_single() { nodes::lay_out_instances(stage, layout) } else { Vec::new() };
-    let SceneGraph { nodes, roots, meshes, cameras, lights, extensions, required } =
-        nodes::nodes(stage, cast, layout, &instances);
+    let standing = match (options.is_on("instances"), stage.is_single()) {
+        (false, _) => Standing::Plants(Vec::new()),
+        (true, true) => Standing::Leaves(nodes::lay_out_copies(cast, layout)),
+        (true, false) => Standing::Plants(nodes::lay_out_instances(stage, layout)),
+    };
+    let SceneGraph { nodes, roots, meshes, cameras, lights, mut extensions, mut required } =
+        nodes::nodes(stage, cast, layout, &standing);
     let animation = wind::animation(cast, &meshes, &nodes, layout);
+    if options.is_word("compress", "meshopt") {
+        let bytes = stage.bytes() + layout.compressing_bytes();
+        monitor.admit("compressing the meshes", bytes, "write without compress, or with quantize")?;
+        layout.compress(cast, monitor)?;
+        extensions.push(meshopt::EXTENSION);
+        required.push(meshopt::EXTENSION);
+    }
+    let fallback = layout.stands_for().map(|byte_length| Buffer {
+        byte_length,
+        uri: None,
+        extensions: Some(BufferExtensions { fallback: Fallback::new() }),
+    });
+    let buffer = Buffer { byte_length: layout.bytes(), uri: None, extensions: None };
     let images = pictures.iter().zip(sources).map(|(named, source)| Image {
         name: named.suffix.trim_start_matches('_').trim_end_matches(".png").to_owned(),
         mime_type: "image/png",
@@ -264,9 +307,9 @@ fn document(
     let sampler = |wrap| wraps.iter().position(|own| *own == wrap).unwrap_or_default();
     let textures: Vec<Texture> =
         (0..).zip(pictures).map(|(source, named)| Texture { sampler: sampler(named.wrap), source }).collect();
-    Document {
+    Ok(Document {
         asset: Asset { version: "2.0", generator: GENERATOR },
-        buffers: [Buffer { byte_length: layout.bytes(), uri: None }],
+        buffers: std::iter::once(buffer).chain(fallback).collect(),
         scene: 0,
         extensions_used: extensions,
         extensions_required: required,
@@ -282,7 +325,7 @@ fn document(
         animations: animation.into_iter().collect(),
         accessors: std::mem::take(&mut layout.accessors),
         buffer_views: std::mem::take(&mut layout.views),
-    }
+    })
 }
 
 /// The recipe letter by letter: parsing and printing again could round a number.

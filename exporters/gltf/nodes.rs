@@ -4,6 +4,7 @@
 //! part, so that a place is a single node, and nodes of the same plant share its mesh.
 
 use glam::Vec3;
+use linden::foliage::Placement;
 use linden::stage::{Place, Stage};
 
 use super::buffer::{Layout, PrimitiveArrays};
@@ -51,13 +52,41 @@ pub(super) fn lay_out_instances(stage: &Stage<'_>, layout: &mut Layout) -> Vec<I
         .collect()
 }
 
-/// Builds the graph; `layout` is that of the meshes, `instances` those of every plant or none.
-pub(super) fn nodes(
-    stage: &Stage<'_>,
-    cast: &Cast<'_>,
-    layout: &Layout,
-    instances: &[Instancing],
-) -> SceneGraph {
+/// Lays out where pieces stand that stand in many places: an entry for each piece.
+pub(super) fn lay_out_copies(cast: &Cast<'_>, layout: &mut Layout) -> Vec<Option<Instancing>> {
+    let cubes: Vec<Option<Cube>> = layout.primitives.iter().map(PrimitiveArrays::cube).collect();
+    let of_piece = |(piece, cube): (&Piece<'_>, Option<Cube>)| {
+        let placements = &piece.copies.as_ref()?.placements;
+        // The cube is within the copy: what is stored is first put where the mesh has it.
+        let moved = |own: &Placement| cube.map_or(own.position, |cube| own.point(cube.corner)).to_array();
+        let scale = |own: &Placement| [own.scale * cube.map_or(1.0, |cube| cube.side); 3];
+        let translations: Vec<_> = placements.iter().map(moved).collect();
+        let rotations: Vec<_> = placements.iter().map(|own| own.rotation.to_array()).collect();
+        let scales: Vec<_> = placements.iter().map(scale).collect();
+        let attributes = InstanceAttributes {
+            translation: layout.push_vectors(&translations, "VEC3"),
+            rotation: layout.push_vectors(&rotations, "VEC4"),
+            scale: layout.push_vectors(&scales, "VEC3"),
+        };
+        Some(Instancing { attributes })
+    };
+    cast.pieces().zip(cubes).map(of_piece).collect()
+}
+
+/// What stands in many places.
+pub(super) enum Standing {
+    /// Plants: an entry for each; none where each place has a node.
+    Plants(Vec<Instancing>),
+    /// Leaves of a plant that stands alone: an entry for each piece.
+    Leaves(Vec<Option<Instancing>>),
+}
+
+/// Builds the graph; `layout` is that of the meshes.
+pub(super) fn nodes(stage: &Stage<'_>, cast: &Cast<'_>, layout: &Layout, standing: &Standing) -> SceneGraph {
+    let (instances, copies) = match standing {
+        Standing::Plants(own) => (own.as_slice(), &[][..]),
+        Standing::Leaves(own) => (&[][..], own.as_slice()),
+    };
     let arrays = &layout.primitives;
     let root = Node {
         name: stage.name.clone(),
@@ -65,7 +94,7 @@ pub(super) fn nodes(
         ..Node::default()
     };
     let mut graph =
-        Graph { stage, cast, layout, nodes: vec![root], meshes: Vec::new(), first_mesh: Vec::new() };
+        Graph { stage, cast, layout, copies, nodes: vec![root], meshes: Vec::new(), first_mesh: Vec::new() };
     graph.add_meshes(arrays);
     graph.nodes[0].children = if instances.is_empty() { graph.plants() } else { graph.instances(instances) };
     let mut extensions = Vec::new();
@@ -77,7 +106,7 @@ pub(super) fn nodes(
         extensions.extend(quantize::EXTENSIONS);
         required.extend(quantize::EXTENSIONS);
     }
-    if !instances.is_empty() {
+    if graph.nodes.iter().any(|node| node.extensions.instancing.is_some()) {
         extensions.push(INSTANCING);
         required.push(INSTANCING);
     }
@@ -88,7 +117,7 @@ pub(super) fn nodes(
         let first = nodes.len();
         let around = || cast.ground.iter().chain(&cast.dome);
         for (piece, arrays) in around().zip(&arrays[arrays.len() - around().count()..]) {
-            let name = piece.name.to_owned();
+            let name = piece.name.to_string();
             nodes.push(Node { name: name.clone(), mesh: Some(meshes.len()), ..Node::default() });
             let primitives = vec![primitive(piece, arrays)];
             meshes.push(Mesh { name, primitives, extras: Extras::default() });
@@ -112,6 +141,8 @@ struct Graph<'a> {
     stage: &'a Stage<'a>,
     cast: &'a Cast<'a>,
     layout: &'a Layout,
+    /// By piece, and so by mesh where each has its own.
+    copies: &'a [Option<Instancing>],
     nodes: Vec<Node>,
     meshes: Vec<Mesh>,
     /// The first mesh of each model.
@@ -208,7 +239,14 @@ impl Graph<'_> {
             .map(|mesh| {
                 let name = self.meshes[mesh].name.clone();
                 let node = Node { name, mesh: Some(mesh), ..Node::default() };
-                self.push(placed(&Place::origin(plant), cube, node))
+                match self.copies.get(mesh).copied().flatten() {
+                    Some(own) => {
+                        let instancing = Some(own);
+                        let extensions = NodeExtensions { instancing, ..NodeExtensions::default() };
+                        self.push(Node { extensions, ..node })
+                    }
+                    None => self.push(placed(&Place::origin(plant), cube, node)),
+                }
             })
             .collect()
     }

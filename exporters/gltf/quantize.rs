@@ -10,7 +10,7 @@ use linden::scene::{Bounds, Mesh};
 use super::buffer::Chunk;
 use super::tangents::tangents;
 use crate::ExportError;
-use crate::cast::Cast;
+use crate::cast::{Cast, Piece};
 use crate::picture::{self, Named};
 
 /// What readers need for positions, and for texture coordinates.
@@ -45,11 +45,10 @@ pub(super) struct Range {
 impl Quanta {
     pub fn new(cast: &Cast<'_>, pictures: &[Named<'_>]) -> Self {
         let cube = |plant: usize| {
-            let bounds =
-                cast.models_of(plant).iter().flat_map(|model| &model.pieces).map(|piece| piece.bounds);
+            let pieces = cast.models_of(plant).iter().flat_map(|model| &model.pieces);
+            let bounds = pieces.filter(|piece| piece.copies.is_none()).map(|piece| piece.bounds);
             let bounds = bounds.reduce(Bounds::union);
-            let Bounds { min, max } = bounds.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ONE });
-            Cube { corner: min, side: (max - min).max_element().max(f32::MIN_POSITIVE) }
+            Cube::around(bounds.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ONE }))
         };
         let range = |look: usize| {
             let material = cast.looks[look].material;
@@ -68,8 +67,14 @@ impl Quanta {
         }
     }
 
+    /// That of a plant's pieces, but for those that are in units of their own.
     pub fn cube(&self, plant: usize) -> Cube {
         self.cubes[plant]
+    }
+
+    /// That of a plant's piece.
+    pub fn cube_of(&self, plant: usize, piece: &Piece<'_>) -> Cube {
+        if piece.copies.is_some() { Cube::around(piece.bounds) } else { self.cube(plant) }
     }
 
     pub fn range(&self, look: usize) -> Option<Range> {
@@ -78,6 +83,10 @@ impl Quanta {
 }
 
 impl Cube {
+    fn around(Bounds { min, max }: Bounds) -> Self {
+        Self { corner: min, side: (max - min).max_element().max(f32::MIN_POSITIVE) }
+    }
+
     /// As it is stored.
     pub fn steps(self, point: Vec3) -> [u16; 3] {
         ((point - self.corner) / self.side * STEPS).to_array().map(|x| libm::roundf(x) as u16)

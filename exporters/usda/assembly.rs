@@ -10,12 +10,13 @@
 //!
 //! With `instances`, `Trees` is a `PointInstancer` that holds its prototypes.
 
+use linden::foliage::Placement;
 use linden::stage::{Camera, Place, Setting};
 
-use super::layer::{Layer, vector};
+use super::layer::Layer;
 use super::plant::{Component, Head, Variants};
 use super::syntax::{Names, tuple};
-use super::{Writing, material, mesh};
+use super::{Writing, instancer, material, mesh};
 use crate::ExportError;
 
 /// Lux by unit of intensity. USD leaves the unit to the renderer's exposure: with this one, hazy sunshine
@@ -109,25 +110,13 @@ fn write_instancer(
     root: &str,
     prims: &[String],
 ) -> Result<(), ExportError> {
-    let places = &writing.stage.places;
+    let placed = writing.stage.places.iter().map(|place| {
+        let Place { position, scale, .. } = *place;
+        (place.plant as u32, Placement { position, rotation: place.rotation(), scale })
+    });
     layer.open("def PointInstancer \"Trees\" (\n    kind = \"group\"\n)")?;
-    if let Some(bounds) = writing.stage.bounds() {
-        let (low, high) = (tuple(bounds.min.to_array()), tuple(bounds.max.to_array()));
-        layer.lines(&format!("float3[] extent = [{low}, {high}]"))?;
-    }
-    let paths: Vec<String> = prims.iter().map(|prim| format!("</{root}/Trees/Prototypes/{prim}>")).collect();
-    layer.lines(&format!("rel prototypes = [{}]", paths.join(", ")))?;
-    let count = places.len();
-    layer.array("int[] protoIndices", count, None, |text, i| text.integer(places[i].plant as u32))?;
-    layer.array("point3f[] positions", count, None, |text, i| {
-        vector(text, places[i].position.to_array());
-    })?;
-    layer.array("quath[] orientations", count, None, |text, i| {
-        let turn = places[i].rotation();
-        vector(text, [turn.w, turn.x, turn.y, turn.z]);
-    })?;
-    layer.array("float3[] scales", count, None, |text, i| vector(text, [places[i].scale; 3]))?;
-    layer.lines("\n")?;
+    let paths: Vec<String> = prims.iter().map(|prim| format!("/{root}/Trees/Prototypes/{prim}")).collect();
+    instancer::write(layer, writing.stage.bounds(), &paths, &placed.collect::<Vec<_>>())?;
     // Models stand below groups, without a gap.
     layer.open("def Scope \"Prototypes\" (\n    kind = \"group\"\n)")?;
     for (plant, prim) in prims.iter().enumerate() {
@@ -150,7 +139,7 @@ fn write_setting(
         layer.open("def Xform \"Ground\" (\n    kind = \"component\"\n)")?;
         let look = &writing.cast.looks[piece.look];
         let mut names = Names::default();
-        let (prim, name) = (names.unique(piece.name), names.unique(&look.material.name));
+        let (prim, name) = (names.unique(&piece.name), names.unique(&look.material.name));
         let path = format!("/{root}/Setting/Ground");
         layer.open("def Scope \"Geometry\"")?;
         mesh::write(layer, &writing.cast, piece, "", &prim, &format!("{path}/Materials/{name}"))?;

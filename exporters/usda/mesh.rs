@@ -11,11 +11,12 @@ use crate::cast::{Cast, Piece};
 pub(super) fn write(
     layer: &mut Layer<'_, '_>,
     cast: &Cast<'_>,
-    &Piece { mesh, bounds, look, wind, .. }: &Piece<'_>,
+    piece: &Piece<'_>,
     parent: &str,
     name: &str,
     material: &str,
 ) -> Result<(), ExportError> {
+    let &Piece { ref mesh, bounds, look, wind, .. } = piece;
     let material_of = cast.looks[look].material;
     let head = format!(
         r#"uniform bool doubleSided = {}

@@ -7,6 +7,8 @@
 //!     /Materials/bark     UsdPreviewSurface
 //! ```
 //!
+//! With `instances`, foliage is a `PointInstancer` per part, which holds its prototypes.
+//!
 //! Several plants, or one with what stands around it, are an [`assembly`].
 //!
 //! The recipe stands twice: in the root's `customData` (what USD has it for) and as the attribute
@@ -15,6 +17,7 @@
 
 mod assembly;
 mod indexed;
+mod instancer;
 mod layer;
 mod material;
 mod mesh;
@@ -39,10 +42,16 @@ use self::syntax::{identifier, quoted};
 use crate::cast::Cast;
 use crate::options::{OptionSpec, Options};
 use crate::picture::{self, Named};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, memory};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, instances, memory};
 
 /// OpenUSD as text.
 pub(crate) struct Usda;
+
+const INSTANCES: OptionSpec = OptionSpec::switch(
+    "instances",
+    false,
+    "leaves (in a forest whole trees) as few meshes in many places, by a PointInstancer",
+);
 
 static FORMAT: Format = Format {
     id: "usda",
@@ -54,11 +63,7 @@ static FORMAT: Format = Format {
     options: &[
         OptionSpec::switch("pictures", true, "bark pictures beside the file; without, one colour"),
         OptionSpec::switch("skeleton", true, "the skeleton too, as guide curves: one per axis"),
-        OptionSpec::switch(
-            "instances",
-            false,
-            "the trees of a forest by a PointInstancer instead of references",
-        ),
+        INSTANCES,
     ],
 };
 
@@ -80,11 +85,7 @@ static PACKAGE: Format = Format {
         ),
         OptionSpec::switch("pictures", true, "pictures in the package; without, one colour"),
         OptionSpec::switch("skeleton", true, "the skeleton too, as guide curves: one per axis"),
-        OptionSpec::switch(
-            "instances",
-            false,
-            "the trees of a forest by a PointInstancer instead of references",
-        ),
+        INSTANCES,
     ],
 };
 
@@ -102,8 +103,17 @@ struct Writing<'a> {
 }
 
 impl<'a> Writing<'a> {
-    fn new(stage: &'a Stage<'_>, options: &Options, monitor: &dyn Monitor) -> Result<Self, ExportError> {
-        let cast = Cast::in_setting(stage, monitor)?;
+    fn new(
+        stage: &'a Stage<'_>,
+        options: &Options,
+        bundle: &mut Bundle,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, ExportError> {
+        let mut cast = Cast::in_setting(stage, monitor)?;
+        let with_instances = options.is_on("instances") && !options.is_word("flavor", "ar");
+        if with_instances {
+            instances::unbake(&mut cast, stage, bundle, monitor)?;
+        }
         let mut pictures =
             if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
         if !pictures.is_empty() {
@@ -113,7 +123,7 @@ impl<'a> Writing<'a> {
                 wrap: Wrap::Clamp,
             }));
         }
-        let (with_skeleton, with_instances) = (options.is_on("skeleton"), options.is_on("instances"));
+        let with_skeleton = options.is_on("skeleton") && !options.is_word("flavor", "ar");
         Ok(Self { stage, cast, pictures, files: Vec::new(), sky: None, with_skeleton, with_instances })
     }
 
@@ -145,7 +155,7 @@ impl Exporter for Usda {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
-        let mut writing = Writing::new(stage, options, monitor)?;
+        let mut writing = Writing::new(stage, options, bundle, monitor)?;
         if !writing.pictures.is_empty() && !bundle.takes_side_files() {
             bundle.note(
                 "USD keeps pictures in files beside it: left out of a single stream, one colour instead",
@@ -176,13 +186,12 @@ impl Exporter for Usdz {
         let is_ar = options.is_word("flavor", "ar");
         let mut stage = stage.clone();
         stage.setting = stage.setting.filter(|_| !is_ar);
-        let mut writing = Writing::new(&stage, options, monitor)?;
-        writing.with_skeleton &= !is_ar;
-        writing.with_instances &= !is_ar;
+        let mut writing = Writing::new(&stage, options, bundle, monitor)?;
         // The package is held whole: sizes and sums stand before the data.
         let nodes = writing.cast.models.iter().map(|model| model.scene.skeleton.positions.len() as u64);
-        let text = writing.cast.pieces().map(|piece| text_bytes(piece.mesh)).sum::<u64>()
-            + CURVE_BYTES_PER_NODE * nodes.sum::<u64>();
+        let text = writing.cast.pieces().map(|piece| text_bytes(&piece.mesh)).sum::<u64>()
+            + CURVE_BYTES_PER_NODE * nodes.sum::<u64>()
+            + PLACEMENT_BYTES * writing.cast.placements() as u64;
         memory::admit(&stage, &writing.pictures, own_bytes(&writing.cast) + text, monitor)?;
         writing.name_files(|named| named.suffix.trim_start_matches('_').to_owned());
         let pictures = picture::compress(&writing.pictures)?;
@@ -202,6 +211,9 @@ impl Exporter for Usdz {
 /// What a node of the skeleton takes as text (measured).
 const CURVE_BYTES_PER_NODE: u64 = 55;
 
+/// What a copy's place takes as text, rather more than less.
+const PLACEMENT_BYTES: u64 = 120;
+
 /// What a mesh takes as text, rather more than less: a vertex was measured to take 85 bytes and a
 /// triangle 9 and its three indices, of which each has the digits of the last one at most.
 fn text_bytes(mesh: &Mesh) -> u64 {
@@ -217,7 +229,7 @@ fn own_bytes(cast: &Cast<'_>) -> u64 {
         let table = bytes_of::<u32>((2 * mesh.positions.len()).next_power_of_two());
         table + memory::per_vertex::<([f32; 2], u32)>(mesh)
     };
-    memory::largest(cast, indexed) + memory::formatting(cast)
+    memory::largest(cast, indexed) + memory::formatting(cast) + 2 * instances::bytes(cast)
 }
 
 fn write_layer(layer: &mut Layer<'_, '_>, writing: &Writing<'_>) -> Result<(), ExportError> {

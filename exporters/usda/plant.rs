@@ -5,9 +5,12 @@
 
 use std::collections::BTreeMap;
 
+use linden::foliage::Placement;
+use linden::scene::Bounds;
+
 use super::layer::Layer;
 use super::syntax::{Names, quoted};
-use super::{Writing, material, mesh, skeleton, wind};
+use super::{Writing, instancer, material, mesh, skeleton, wind};
 use crate::cast::{Model, Piece};
 use crate::{ExportError, GENERATOR};
 
@@ -117,9 +120,7 @@ impl<'a> Component<'a> {
         }
         let mut names = Names::default();
         if levels == 1 {
-            for piece in self.all_year(0) {
-                self.mesh(layer, piece, &mut names)?;
-            }
+            self.pieces(layer, &self.all_year(0).collect::<Vec<_>>(), &mut names)?;
         }
         if self.writing.with_skeleton {
             // It is the same in all levels and seasons.
@@ -133,7 +134,7 @@ impl<'a> Component<'a> {
             for level in 0..levels {
                 let nested = if seasons > 1 { " (\n    prepend variantSets = \"season\"\n)" } else { "" };
                 layer.open_inline(&format!("\"LOD{level}\"{nested}"))?;
-                self.over_geometry(layer, self.all_year(level).collect())?;
+                self.over_geometry(layer, &self.all_year(level).collect::<Vec<_>>())?;
                 if seasons > 1 {
                     self.of_seasons(layer, level)?;
                 }
@@ -159,33 +160,74 @@ impl<'a> Component<'a> {
         for (index, season) in self.writing.stage.plants[self.plant].seasons.iter().enumerate() {
             layer.open_inline(&format!("\"{}\"", season.name))?;
             let own = self.model(index, level).pieces.iter().filter(|piece| !self.is_all_year(piece, level));
-            self.over_geometry(layer, own.collect())?;
+            self.over_geometry(layer, &own.collect::<Vec<_>>())?;
             layer.close()?;
         }
         layer.close()?;
         layer.lines("\n")
     }
 
-    fn over_geometry(&self, layer: &mut Layer<'_, '_>, pieces: Vec<&Piece<'_>>) -> Result<(), ExportError> {
+    fn over_geometry(&self, layer: &mut Layer<'_, '_>, pieces: &[&Piece<'_>]) -> Result<(), ExportError> {
         let mut names = Names::default();
         layer.open("over \"Geometry\"")?;
-        for piece in pieces {
-            self.mesh(layer, piece, &mut names)?;
-        }
+        self.pieces(layer, pieces, &mut names)?;
         layer.close()?;
         layer.lines("\n")
     }
 
+    /// A mesh for each piece that stands as it is, an instancer for the copies of each part.
+    fn pieces(
+        &self,
+        layer: &mut Layer<'_, '_>,
+        pieces: &[&Piece<'_>],
+        names: &mut Names,
+    ) -> Result<(), ExportError> {
+        let is_with =
+            |a: &&Piece<'_>, b: &&Piece<'_>| a.copied_part().is_some() && a.copied_part() == b.copied_part();
+        for together in pieces.chunk_by(is_with) {
+            match together[0].copied_part() {
+                Some(part) => self.instancer(layer, together, &names.unique(part))?,
+                None => self.mesh(layer, together[0], &format!("{}/Geometry", self.path), names)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn instancer(
+        &self,
+        layer: &mut Layer<'_, '_>,
+        pieces: &[&Piece<'_>],
+        name: &str,
+    ) -> Result<(), ExportError> {
+        let path = format!("{}/Geometry/{name}/Prototypes", self.path);
+        let stands = || pieces.iter().filter_map(|piece| piece.copies.as_ref());
+        let bounds = stands().map(|own| own.seen).reduce(Bounds::union);
+        let placed: Vec<(u32, Placement)> =
+            (0..).zip(stands()).flat_map(|(i, own)| own.placements.iter().map(move |at| (i, *at))).collect();
+        let mut names = Names::default();
+        let paths: Vec<String> =
+            pieces.iter().map(|piece| format!("{path}/{}", names.unique(&piece.name))).collect();
+        layer.open(&format!("def PointInstancer \"{name}\""))?;
+        instancer::write(layer, bounds, &paths, &placed)?;
+        layer.open("def Scope \"Prototypes\"")?;
+        let mut names = Names::default();
+        pieces.iter().try_for_each(|piece| self.mesh(layer, piece, &path, &mut names))?;
+        layer.close()?;
+        layer.close()?;
+        layer.lines("\n")
+    }
+
+    /// A mesh below the prim at `parent`.
     fn mesh(
         &self,
         layer: &mut Layer<'_, '_>,
         piece: &Piece<'_>,
+        parent: &str,
         names: &mut Names,
     ) -> Result<(), ExportError> {
         let material = self.materials.get(&piece.look).map_or("", String::as_str);
         let binding = format!("{}/Materials/{material}", self.path);
-        let geometry = format!("{}/Geometry", self.path);
-        mesh::write(layer, &self.writing.cast, piece, &geometry, &names.unique(piece.name), &binding)
+        mesh::write(layer, &self.writing.cast, piece, parent, &names.unique(&piece.name), &binding)
     }
 
     /// The pieces that all seasons share.
@@ -197,7 +239,10 @@ impl<'a> Component<'a> {
         (0..self.seasons()).all(|season| {
             let same = |own: &&Piece<'_>| own.name == piece.name && own.look == piece.look;
             let own = self.model(season, level).pieces.iter().find(same);
-            own.is_some_and(|own| std::ptr::eq(own.mesh, piece.mesh) || own.mesh == piece.mesh)
+            own.is_some_and(|own| {
+                own.is_placed_as(piece)
+                    && (std::ptr::eq(&raw const *own.mesh, &raw const *piece.mesh) || own.mesh == piece.mesh)
+            })
         })
     }
 

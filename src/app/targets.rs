@@ -144,10 +144,14 @@ impl Batch {
         let mut has = self.outputs.iter().map(|output| output.level.is_none_or(|level| level < levels));
         self.bundles.retain(|_| has.next().unwrap_or(false));
         self.outputs.retain(|output| output.level.is_none_or(|level| level < levels));
+        let mut said: Vec<String> = Vec::new();
         for (output, bundle) in self.outputs.iter().zip(&mut self.bundles) {
             let own = output.part_of(stage);
             output.exporter.write(own.as_ref().unwrap_or(stage), &output.options, bundle, monitor)?;
-            told(bundle.notes());
+            // What is true of several outputs is said once.
+            let new: Vec<String> = bundle.notes().iter().filter(|own| !said.contains(own)).cloned().collect();
+            told(&new);
+            said.extend(new);
         }
         Ok(())
     }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::color::linear;
-use crate::foliage::{self, CUTOUT, Cover, Foliage, FoliageError, Look, Organs, Shape};
+use crate::foliage::{self, CUTOUT, Cover, Foliage, FoliageError, Instances, Look, Organs, Shape};
 use crate::grow::Grown;
 use crate::knob::printable;
 use crate::memory::Holding;
@@ -65,7 +65,7 @@ pub struct Wardrobe {
     bark: Material,
     /// By kind; `None` where no organ is of it.
     covers: Vec<Option<Cover>>,
-    shapes: Vec<Shape>,
+    shapes: Arc<[Shape]>,
 }
 
 impl Wardrobe {
@@ -87,7 +87,7 @@ impl Wardrobe {
             cutout: None,
             wrap: Wrap::Repeat,
         };
-        Self { bark, covers: Vec::new(), shapes: Vec::new() }.in_season(recipe, organs, monitor)
+        Self { bark, covers: Vec::new(), shapes: Vec::new().into() }.in_season(recipe, organs, monitor)
     }
 
     /// The same bark with the leaves of another season.
@@ -103,7 +103,7 @@ impl Wardrobe {
         let bark = [&self.bark.base_color_picture, &self.bark.normal_picture];
         let pictures = bark.into_iter().flatten().map(|own| own.rgba().len() as u64).sum();
         let (covers, shapes) = covers(recipe, organs, &Holding::new(monitor, pictures))?;
-        Ok(Self { bark: self.bark.clone(), covers, shapes })
+        Ok(Self { bark: self.bark.clone(), covers, shapes: shapes.into() })
     }
 
     /// Bytes of the pictures.
@@ -154,7 +154,7 @@ impl Wardrobe {
     fn leaves(
         &self,
         recipe: &Recipe,
-        organs: &Organs,
+        organs: &Arc<Organs>,
         blown: Option<Blown<'_>>,
         materials: &mut Vec<Material>,
         parts: &mut Vec<Part>,
@@ -163,7 +163,7 @@ impl Wardrobe {
         let colors = recipe.preset.foliage.turtle_colors();
         // A recipe with other kinds than the organs grew by: their own shapes fit them at least.
         let fit = self.shapes.len() == organs.shapes.len();
-        let shapes = if fit { &self.shapes } else { &organs.shapes[..] };
+        let shapes = if fit { &self.shapes } else { &organs.shapes };
         for Foliage { look, mesh } in foliage::meshes_of(organs, shapes, colors.len(), monitor)? {
             let numbered =
                 |name: &str, i: usize| if i == 0 { name.to_owned() } else { format!("{name}_{i}") };
@@ -180,6 +180,8 @@ impl Wardrobe {
                 Look::Kind(i) => (numbered("leaves", i), cover.map_or([0.0; 3], mean_color)),
             };
             let mut part = Part::new(name.clone(), materials.len(), mesh);
+            let is_placed = !organs.placed.prototypes.is_empty();
+            part.instances = is_placed.then(|| Instances::of(organs, shapes, colors.len(), look));
             if let Some(blown) = blown {
                 let held: u64 = parts.iter().skip(1).map(Part::bytes).sum();
                 let bytes = held + part.bytes() + blown.field.bytes_for(part.mesh.positions.len());

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use bytemuck::allocation::zeroed_vec;
 use glam::{Vec2, Vec3};
 
+use crate::foliage::Instances;
 use crate::memory::bytes_of;
 use crate::picture::Picture;
 use crate::skeleton::Skeleton;
@@ -37,6 +38,8 @@ impl Scene {
         self.skeleton.bytes()
             + self.materials.iter().map(pictures).sum::<u64>()
             + self.parts.iter().map(Part::bytes).sum::<u64>()
+            // All parts hold on to the same organs.
+            + self.parts.iter().find_map(|part| part.instances.as_ref()).map_or(0, Instances::bytes)
     }
 }
 
@@ -51,15 +54,17 @@ pub struct Part {
     pub mesh: Mesh,
     /// How its vertices swing; `None`: they do not.
     pub wind: Option<PartWind>,
+    /// What its mesh was baked from, where that is copies of few meshes.
+    pub instances: Option<Instances>,
 }
 
 impl Part {
-    /// Without wind.
+    /// Without wind, of one piece.
     pub fn new(name: impl Into<String>, material: usize, mesh: Mesh) -> Self {
-        Self { name: name.into(), material, mesh, wind: None }
+        Self { name: name.into(), material, mesh, wind: None, instances: None }
     }
 
-    /// Bytes that it takes.
+    /// Bytes that it takes, without what it shares with other parts.
     pub fn bytes(&self) -> u64 {
         self.mesh.bytes() + self.wind.as_ref().map_or(0, PartWind::bytes)
     }

@@ -58,6 +58,9 @@ fn knobs_turned_wrong() {
     refused_usage(&fir("obj.lines=true"), &["obj"]);
     refused_usage(&fir("glb.lines=true"), &["glb", "'lines'"]);
     refused_usage(&fir("crown=cube"), &["'crown'", "cone"]);
+    refused_usage(&["export", "fir", "--instances", "-o", "x.obj"], &["--instances", "glb", "usda"]);
+    refused_usage(&["export", "fir", "--quantize", "-o", "x.usda"], &["--quantize", "gltf, glb"]);
+    refused_usage(&["export", "fir", "--compress", "zip", "-o", "x.glb"], &["'zip'", "meshopt"]);
 }
 
 #[test]

@@ -37,6 +37,26 @@ fn a_preset_becomes_four_files_at_once() {
 }
 
 #[test]
+fn flags_turn_options_of_every_format_that_has_them() {
+    let folder = Folder::new();
+    let small = ["--set", "bark_size=64", "--set", "leaf_size=64"];
+    let export = |args: &[&str]| folder.run(&[&["export", "dressed-simple"], &small[..], args].concat());
+    export(&["-o", "a.glb", "-o", "a.usda", "-o", "a.obj"]).done();
+    let flags = ["--instances", "--quantize", "--compress", "meshopt"];
+    let said = export(&[&flags[..], &["-o", "b.glb", "-o", "b.usda", "-o", "b.obj"]].concat());
+    assert_eq!(said.err.matches("leaf_normals=dome").count(), 1, "{}", said.err);
+    let [plain, packed] = ["a.glb", "b.glb"].map(|name| folder.read(name));
+    assert!(3 * packed.len() < plain.len(), "{} of {}", packed.len(), plain.len());
+    let json = String::from_utf8_lossy(&packed);
+    for extension in ["EXT_mesh_gpu_instancing", "KHR_mesh_quantization", "EXT_meshopt_compression"] {
+        assert!(json.contains(extension), "{extension}");
+    }
+    assert!(String::from_utf8_lossy(&folder.read("b.usda")).contains("def PointInstancer"));
+    let tree = |name: &str| String::from_utf8_lossy(&folder.read(name)).replace("b.mtl", "a.mtl");
+    assert!(tree("a.obj") == tree("b.obj"), "a format without them is as ever");
+}
+
+#[test]
 fn a_grammar_an_envelope_and_points_grow_without_a_preset() {
     let folder = Folder::new();
     folder.write("treeA.txt", TREE_A);

@@ -138,8 +138,8 @@ def with_trimesh(path, tree):
         if count != len(tree.nodes):
             yield f"{count} vertices of {len(tree.nodes)} nodes"
         return
-    if tree.is_instanced:
-        return  # it would show one of each
+    if tree.is_instanced or tree.is_compressed:
+        return  # it would show one of each, or nothing
     loaded = trimesh.load_scene(path, process=False)
     meshes = dict(loaded.geometry)
     placed = [meshes[loaded.graph[node][1]] for node in loaded.graph.nodes_geometry]

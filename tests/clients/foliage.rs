@@ -15,7 +15,7 @@ use linden_tests::fixtures::export;
 use crate::outside::{exported, run};
 
 /// A branch with outlines of three kinds and every organ, in four colours of which three are given.
-fn scene() -> (Recipe, Grown, Scene) {
+pub fn scene() -> (Recipe, Grown, Scene) {
     let mut preset = builtin("abop-a").unwrap().load().unwrap();
     "Leafy".clone_into(&mut preset.name);
     let linden::preset::Generator::LSystem(own) = &mut preset.generator else { panic!("it is one") };

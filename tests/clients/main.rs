@@ -3,8 +3,10 @@
 // A test's helpers panic like the test itself.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod compressed;
 mod cylinders;
 mod foliage;
+mod instances;
 mod outside;
 mod presets;
 mod read_back;

@@ -6,7 +6,11 @@ readers are as plain as the formats allow, and fail on anything they do not expe
 
 import base64
 import json
+import shutil
 import struct
+import subprocess
+import sys
+import tempfile
 from dataclasses import dataclass, field
 from pathlib import Path
 from urllib.parse import unquote
@@ -36,6 +40,7 @@ class Tree:
     around: list = field(default_factory=list)  # meshes of the setting: ground and sky
     is_rounded: bool = False  # whether it stores turns or vertices in 16 bits or less
     is_instanced: bool = False  # whether it needs a reader that knows instances
+    is_compressed: bool = False  # whether it needs one that decompresses
 
 
 def read(path: Path) -> Tree:
@@ -134,10 +139,9 @@ def ply(path):
     return tree
 
 
-def gltf(path):
-    tree = Tree()
+def container(path):
+    """The JSON and the first buffer of a glTF file, and the file that the buffer is in, if it has its own."""
     data = path.read_bytes()
-    binary = None
     if path.suffix == ".glb":
         magic, version, length, json_length = struct.unpack_from("<4sIII", data)
         assert (magic, version, length) == (b"glTF", 2, len(data)), "the GLB header disagrees"
@@ -145,19 +149,74 @@ def gltf(path):
         at = 20 + json_length
         binary_length, kind = struct.unpack_from("<I4s", data, at)
         assert kind == b"BIN\0" and at + 8 + binary_length == length
-        binary = data[at + 8:]
-    else:
-        document = json.loads(data)
-        uri = document["buffers"][0]["uri"]
-        if uri.startswith("data:"):
-            binary = base64.b64decode(uri.split(",", 1)[1], validate=True)
+        return document, data[at + 8:], None
+    document = json.loads(data)
+    uri = document["buffers"][0]["uri"]
+    if uri.startswith("data:"):
+        return document, base64.b64decode(uri.split(",", 1)[1], validate=True), None
+    file = path.parent / unquote(uri)
+    return document, file.read_bytes(), file
+
+
+MESHOPT = "EXT_meshopt_compression"
+
+
+def views(document, binary):
+    """The bytes of each buffer view; compressed ones are decoded by another program."""
+    assert document["buffers"][0]["byteLength"] == len(binary), "byteLength disagrees with the buffer"
+    all_views = document["bufferViews"]
+    packed = [view for view in all_views if MESHOPT in view.get("extensions", {})]
+    decoded = b""
+    if packed:
+        assert MESHOPT in document["extensionsRequired"], "there is no uncompressed copy"
+        _, fallback = document["buffers"]
+        assert fallback["extensions"][MESHOPT] == {"fallback": True} and "uri" not in fallback
+        for view in packed:
+            own = view["extensions"][MESHOPT]
+            assert (view["buffer"], own["buffer"]) == (1, 0)
+            assert own["byteOffset"] + own["byteLength"] <= len(binary)
+            assert view["byteOffset"] + view["byteLength"] <= fallback["byteLength"]
+            assert view["byteLength"] == own["count"] * own["byteStride"]
+            assert view.get("byteStride", own["byteStride"]) == own["byteStride"]
+        decoded = with_meshoptimizer(document, binary)
+    at, found = 0, []
+    for view in all_views:
+        if MESHOPT in view.get("extensions", {}):
+            found.append(decoded[at:at + view["byteLength"]])
+            at += view["byteLength"]
         else:
-            tree.files.append(path.parent / unquote(uri))
-            binary = tree.files[-1].read_bytes()
+            assert view["buffer"] == 0
+            found.append(binary[view["byteOffset"]:view["byteOffset"] + view["byteLength"]])
+        assert len(found[-1]) == view["byteLength"], "a view leaves its buffer"
+    assert at == len(decoded)
+    return found
+
+
+def with_meshoptimizer(document, binary):
+    clients = Path(sys.executable).parent.parent.parent
+    # setup.sh puts one beside Python where the machine has none.
+    node = shutil.which("node") or Path(sys.executable).with_name("node")
+    with tempfile.TemporaryDirectory() as directory:
+        [text, buffer, out] = [Path(directory) / name for name in ("a.json", "a.bin", "out.bin")]
+        text.write_text(json.dumps(document))
+        buffer.write_bytes(binary)
+        script = Path(__file__).with_name("gltf_meshopt.mjs")
+        done = subprocess.run([node, script, clients / "node_modules", text, buffer, out],
+                              capture_output=True, text=True, check=False)
+        assert done.returncode == 0, f"the decoder says: {done.stderr.strip()[-500:]}"
+        return out.read_bytes()
+
+
+def gltf(path):
+    tree = Tree()
+    document, binary, beside = container(path)
+    if beside:
+        tree.files.append(beside)
+    tree.is_compressed = MESHOPT in document.get("extensionsRequired", [])
     for image in document.get("images", []):
         if "uri" in image:
             tree.files.append(path.parent / unquote(image["uri"]))
-    assert document["buffers"][0]["byteLength"] == len(binary), "byteLength disagrees with the buffer"
+    bytes_of = views(document, binary)
 
     def array(index):
         accessor = document["accessors"][index]
@@ -165,7 +224,7 @@ def gltf(path):
         dtype = np.dtype({5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
                          [accessor["componentType"]])
         width = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}[accessor["type"]]
-        raw = binary[view["byteOffset"]:view["byteOffset"] + view["byteLength"]]
+        raw = bytes_of[accessor["bufferView"]]
         stride = view.get("byteStride", dtype.itemsize * width)
         rows = np.lib.stride_tricks.as_strided(
             np.frombuffer(raw, dtype), (accessor["count"], width), (stride, dtype.itemsize))

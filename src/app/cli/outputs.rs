@@ -20,6 +20,20 @@ pub struct Outputs {
     /// Write these formats: one for all outputs, or one for each; without -o to SOURCE.ENDING
     #[arg(long, value_name = "FORMAT", value_delimiter = ',')]
     format: Vec<String>,
+
+    /// Leaves, in a forest whole trees, as few meshes in many places; the same as --set FORMAT.instances=true
+    /// for each format that has it
+    #[arg(long)]
+    instances: bool,
+
+    /// Vertices in fewer bits; the same as --set FORMAT.quantize=true for each format that has it
+    #[arg(long)]
+    quantize: bool,
+
+    /// Vertices and indices in fewer bytes (meshopt); the same as --set FORMAT.compress=METHOD for each
+    /// format that has it
+    #[arg(long, value_name = "METHOD")]
+    compress: Option<String>,
 }
 
 impl Outputs {
@@ -37,9 +51,14 @@ impl Outputs {
     ) -> anyhow::Result<Batch> {
         let targets = self.targets(id, command)?;
         check_formats(settings, &targets)?;
+        let flags = self.flags();
+        check_flags(&flags, &targets)?;
         let mut outputs = Vec::new();
         for (exporter, path) in targets {
             let mut options = Options::new(exporter.format());
+            for (option, value) in flags.iter().filter(|(option, _)| has(exporter, option)) {
+                options.set(option, value).map_err(usage)?;
+            }
             for (name, value) in settings {
                 if let Some((_, name)) = name.split_once('.').filter(|(id, _)| *id == exporter.format().id) {
                     options.set(name, value).map_err(usage)?;
@@ -59,6 +78,17 @@ impl Outputs {
             return Err(usage("only one output can be standard output: name files for the others"));
         }
         Ok(batch)
+    }
+
+    /// Options that flags turn, in all formats that have them.
+    fn flags(&self) -> Vec<(&'static str, String)> {
+        let switch = |is_on: bool| is_on.then(|| "true".to_owned());
+        let flags = [
+            ("instances", switch(self.instances)),
+            ("quantize", switch(self.quantize)),
+            ("compress", self.compress.clone()),
+        ];
+        flags.into_iter().filter_map(|(option, value)| Some((option, value?))).collect()
     }
 
     /// Which format goes where.
@@ -118,6 +148,28 @@ fn check_formats(
         }
     }
     Ok(())
+}
+
+/// Each flag must mean something to a format that is written.
+fn check_flags(
+    flags: &[(&'static str, String)],
+    outputs: &[(&'static dyn Exporter, PathBuf)],
+) -> anyhow::Result<()> {
+    for (option, _) in flags {
+        if !outputs.iter().any(|(exporter, _)| has(*exporter, option)) {
+            let known = REGISTRY.iter().filter(|exporter| has(**exporter, option));
+            let known: Vec<&str> = known.map(|exporter| exporter.format().id).collect();
+            return Err(usage(format!(
+                "--{option}: no output is written in a format that has it: {}",
+                known.join(", ")
+            )));
+        }
+    }
+    Ok(())
+}
+
+fn has(exporter: &dyn Exporter, option: &str) -> bool {
+    exporter.format().options.iter().any(|spec| spec.knob.name == option)
 }
 
 fn ids() -> Vec<&'static str> {

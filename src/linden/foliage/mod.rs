@@ -9,6 +9,7 @@
 
 mod axis;
 mod form;
+mod instances;
 mod look;
 mod mesh;
 mod outline;
@@ -27,6 +28,7 @@ use crate::scene::{Bounds, Mesh};
 use crate::skeleton::refine::Rider;
 
 pub use form::Shape;
+pub use instances::{Copies, Instances, Placement};
 pub use look::{CUTOUT, Cover, cover};
 pub use mesh::{Foliage, FoliageError, Look, Shaper, meshes, meshes_of};
 pub use prototype::{PROTOTYPES, Prototype, prototype};

@@ -412,6 +412,43 @@ fn any_number_of_threads_gives_the_same_leaves() {
 }
 
 #[test]
+fn instances_expand_to_what_is_baked() {
+    let tree = twigs(20, 6);
+    let mut own = recipe("leaf_form = \"curved\"\nleaf_jitter = 40\nleaf_size_spread = 0.4\nleaf_up = -0.3");
+    own.preset.seed = 5;
+    let organs = grown(&own, &tree);
+    let baked = &meshes(&organs, 1, &Quiet).unwrap()[0];
+    let instances = Instances::of(&organs, &organs.shapes, 1, baked.look);
+    let copies = instances.copies();
+    assert_eq!(copies.len(), organs.shapes.len());
+    assert!(copies.len() > 1 && !instances.has_dome_normals());
+    // Each variant's leaves in their order, as the baked ones are in that of all.
+    let mut next = vec![0; copies.len()];
+    let (mut vertex, mut triangle) = (0, 0);
+    for &prototype in &organs.placed.prototypes {
+        let variant = usize::from(prototype) - PROTOTYPES.len();
+        let Copies { mesh, placements, .. } = &copies[variant];
+        let placement = placements[next[variant]];
+        next[variant] += 1;
+        for (i, (&point, &normal)) in mesh.positions.iter().zip(&mesh.normals).enumerate() {
+            let at = vertex + i;
+            assert!(placement.point(point).distance(baked.mesh.positions[at]) < 2e-5);
+            assert!((placement.rotation * normal).distance(baked.mesh.normals[at]) < 2e-6);
+            assert_eq!(mesh.uvs[i], baked.mesh.uvs[at]);
+        }
+        for own in &mesh.triangles {
+            assert_eq!(own.map(|v| v + vertex as u32), baked.mesh.triangles[triangle]);
+            triangle += 1;
+        }
+        vertex += mesh.positions.len();
+    }
+    assert_eq!(vertex, baked.mesh.positions.len());
+    assert!(copies.iter().zip(next).all(|(own, count)| own.placements.len() == count));
+    let names: BTreeSet<&str> = copies.iter().map(|own| own.name.as_str()).collect();
+    assert_eq!(names.len(), copies.len());
+}
+
+#[test]
 fn dome_normals_point_out_of_the_crown_on_the_side_that_is_seen_from_there() {
     let tree = twigs(300, 6);
     let own = recipe("leaf_form = \"card\"\nleaf_jitter = 90\nleaf_normals = \"dome\"");

@@ -1,0 +1,118 @@
+//! Foliage as few meshes in many places, for formats that have instances.
+//!
+//! A part's mesh ends in copies of a few shapes ([`Instances`]). Here each shape becomes a piece that
+//! stands in many places, and of the part's mesh stays what is before: outlines, which are no copies.
+
+use std::borrow::Cow;
+
+use glam::Vec3;
+use linden::Monitor;
+use linden::foliage::{Copies, Instances};
+use linden::scene::{Bounds, Mesh, Part};
+use linden::stage::Stage;
+
+use crate::cast::{Cast, Piece, Stand};
+use crate::{Bundle, ExportError};
+
+/// The corners of a box: a bit for each axis.
+const CORNERS: u8 = 8;
+
+/// Puts instances in the place of baked foliage, where a plant stands alone: in a forest the trees
+/// themselves are the instances. What moves in the wind stays as it is.
+///
+/// # Errors
+/// [`ExportError::Memory`] and [`ExportError::Cancelled`].
+pub(crate) fn unbake(
+    cast: &mut Cast<'_>,
+    stage: &Stage<'_>,
+    bundle: &mut Bundle,
+    monitor: &dyn Monitor,
+) -> Result<(), ExportError> {
+    if !stage.is_single() {
+        return Ok(());
+    }
+    let all: u64 = own(cast).map(|(_, own)| own.most() as u64 * Instances::BYTES).sum();
+    monitor.admit("placing the leaves", stage.bytes() + all, "write without instances")?;
+    if own(cast).any(|(part, _)| part.wind.is_some()) {
+        bundle.note("instances: leaves that move in the wind are written one by one");
+    }
+    if own(cast).any(|(part, own)| part.wind.is_none() && own.has_dome_normals()) {
+        bundle.note(
+            "instances: leaves have the normals of their own faces; those that point out of the crown \
+             (leaf_normals=dome) differ from copy to copy",
+        );
+    }
+    for model in &mut cast.models {
+        let mut pieces = Vec::with_capacity(model.pieces.len());
+        for (part, piece) in model.scene.parts.iter().zip(std::mem::take(&mut model.pieces)) {
+            monitor.check()?;
+            match &part.instances {
+                Some(own) if part.wind.is_none() => split(part, own, piece, &mut pieces),
+                _ => pieces.push(piece),
+            }
+        }
+        model.pieces = pieces;
+    }
+    Ok(())
+}
+
+/// Parts that have instances.
+fn own<'a>(cast: &Cast<'a>) -> impl Iterator<Item = (&'a Part, &'a Instances)> {
+    let parts = cast.models.iter().flat_map(|model| &model.scene.parts);
+    parts.filter_map(|part| Some((part, part.instances.as_ref()?)))
+}
+
+/// What a part's placements take.
+pub(crate) fn bytes(cast: &Cast<'_>) -> u64 {
+    cast.placements() as u64 * Instances::BYTES
+}
+
+fn split<'a>(part: &'a Part, instances: &'a Instances, piece: Piece<'a>, pieces: &mut Vec<Piece<'a>>) {
+    let copies = instances.copies();
+    let sum = |count: fn(&Mesh) -> usize| -> usize {
+        copies.iter().map(|own| own.placements.len() * count(own.mesh)).sum()
+    };
+    let [vertices, triangles] = [
+        part.mesh.positions.len().checked_sub(sum(|mesh| mesh.positions.len())),
+        part.mesh.triangles.len().checked_sub(sum(|mesh| mesh.triangles.len())),
+    ];
+    let (Some(vertices), Some(triangles)) = (vertices, triangles) else {
+        // The mesh has been changed since.
+        return pieces.push(piece);
+    };
+    let look = piece.look;
+    if triangles > 0 {
+        let mesh = start(&part.mesh, vertices, triangles);
+        let bounds = mesh.bounds().unwrap_or(piece.bounds);
+        pieces.push(Piece { mesh: Cow::Owned(mesh), bounds, ..piece });
+    }
+    for Copies { name, mesh, placements } in copies {
+        let Some(bounds) = mesh.bounds() else { continue };
+        let corner = |i: u8| {
+            let pick = |bit: u8, low: f32, high: f32| if i & bit == 0 { low } else { high };
+            let Bounds { min, max } = bounds;
+            Vec3::new(pick(1, min.x, max.x), pick(2, min.y, max.y), pick(4, min.z, max.z))
+        };
+        let corners = (0..CORNERS).map(corner);
+        let seen = placements.iter().flat_map(|own| corners.clone().map(|at| own.point(at)));
+        let Some(seen) = Bounds::of(seen) else { continue };
+        pieces.push(Piece {
+            name: Cow::Owned(format!("{}_{name}", part.name)),
+            mesh: Cow::Borrowed(mesh),
+            bounds,
+            look,
+            wind: None,
+            copies: Some(Stand { part: &part.name, placements, seen }),
+        });
+    }
+}
+
+/// The first vertices and triangles of a mesh.
+fn start(mesh: &Mesh, vertices: usize, triangles: usize) -> Mesh {
+    Mesh {
+        positions: mesh.positions[..vertices].to_vec(),
+        normals: mesh.normals[..vertices].to_vec(),
+        uvs: mesh.uvs[..vertices].to_vec(),
+        triangles: mesh.triangles[..triangles].to_vec(),
+    }
+}
