@@ -210,7 +210,7 @@ fn eight_digits(n: u32) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use linden::monitor::{Cancelled, Monitor, Stage};
+    use linden::monitor::{Cancelled, Monitor, Phase};
 
     use super::*;
     use crate::Bundle;
@@ -249,7 +249,7 @@ mod tests {
             fn is_cancelled(&self) -> bool {
                 self.0.load(std::sync::atomic::Ordering::Relaxed) > 1_000_000
             }
-            fn advance(&self, _: Stage, done: u64, _: Option<u64>) {
+            fn advance(&self, _: Phase, done: u64, _: Option<u64>) {
                 self.0.store(done, std::sync::atomic::Ordering::Relaxed);
             }
         }

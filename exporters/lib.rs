@@ -108,25 +108,50 @@ pub struct Format {
 
 impl Format {
     /// What becomes of a plant's levels of detail.
-    pub fn levels(&self) -> LevelsIn {
+    pub fn levels(&self) -> LooksIn {
         match self.id {
-            "obj" | "ply" => LevelsIn::Files,
+            "obj" | "ply" => LooksIn::Files,
             // The skeleton is the same in all of them.
-            "ply-skeleton" | "qsm" => LevelsIn::Nothing,
-            _ => LevelsIn::One,
+            "ply-skeleton" | "qsm" => LooksIn::Nothing,
+            _ => LooksIn::One,
+        }
+    }
+
+    /// What becomes of a plant's seasons.
+    pub fn seasons(&self) -> LooksIn {
+        match self.id {
+            "usda" | "usdz" => LooksIn::One,
+            // As for levels.
+            "ply-skeleton" | "qsm" => LooksIn::Nothing,
+            // glTF's variants change materials alone, and leaves have other shapes each season. What is made
+            // of a GLB knows no more.
+            _ => LooksIn::Files,
         }
     }
 }
 
-/// Where a format has levels of detail.
+/// Where a format has levels of detail, or seasons.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LevelsIn {
+pub enum LooksIn {
     /// All in one file.
     One,
     /// It holds one: each takes a file of its own.
     Files,
-    /// Nothing in it depends on the level.
+    /// Nothing in it depends on them.
     Nothing,
+}
+
+/// The stage in the one season that a format holds; whoever expects more is told.
+fn in_one_season<'a>(stage: &Stage<'a>, format: &Format, bundle: &mut Bundle) -> Stage<'a> {
+    if stage.seasons() > 1 {
+        let shown = stage.plants.iter().find_map(|plant| plant.seasons.first());
+        bundle.note(format!(
+            "{} holds one season: '{}' was written; give each a file of its own, or write usda",
+            format.id,
+            shown.map_or("", |season| season.name.as_str()),
+        ));
+    }
+    stage.in_season(0)
 }
 
 /// All formats. Where two claim an ending, the first has it.

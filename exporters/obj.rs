@@ -17,7 +17,7 @@ use crate::cast::{Cast, Look, Piece};
 use crate::chunks::{self, Digits, Text};
 use crate::options::{OptionSpec, Options};
 use crate::picture::{self, Named};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, memory};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, in_one_season, memory};
 
 /// Wavefront OBJ.
 pub(crate) struct Obj;
@@ -47,6 +47,7 @@ impl Exporter for Obj {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
+        let stage = &in_one_season(stage, &FORMAT, bundle);
         let cast = Cast::of(stage, monitor)?;
         let lines = options.is_on("lines");
         let of_model = |own: &crate::cast::Model<'_>| {

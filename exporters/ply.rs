@@ -13,7 +13,7 @@ use linden::stage::{Motion, Stage};
 use crate::cast::{Cast, Piece};
 use crate::chunks::{self, Text};
 use crate::options::{OptionSpec, Options};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, memory, picture, sound};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, in_one_season, memory, picture, sound};
 
 /// A mesh with normals, texture coordinates and vertex colours.
 pub(crate) struct Ply;
@@ -63,6 +63,7 @@ impl Exporter for Ply {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
+        let stage = &in_one_season(stage, &MESH, bundle);
         let cast = Cast::of(stage, monitor)?;
         memory::admit(stage, &[], memory::formatting(&cast), monitor)?;
         let ascii = options.is_word("encoding", "ascii");

@@ -3,7 +3,7 @@
 use std::io::{self, BufWriter, Write};
 
 use linden::Monitor;
-use linden::monitor::Stage;
+use linden::monitor::Phase;
 
 use crate::ExportError;
 
@@ -40,7 +40,7 @@ impl<'a> Sink<'a> {
             self.monitor.check()?;
             self.out.write_all(piece).map_err(|source| self.failed(source))?;
             self.written += piece.len() as u64;
-            self.monitor.advance(Stage::Write, self.written, self.total);
+            self.monitor.advance(Phase::Write, self.written, self.total);
         }
         Ok(())
     }

@@ -31,7 +31,7 @@ use self::quantize::Range;
 use crate::cast::{Cast, Look};
 use crate::options::{OptionSpec, Options};
 use crate::picture::{self, Named};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, in_one_season};
 use crate::{instances, memory};
 
 /// JSON, with a buffer and pictures beside it.
@@ -110,6 +110,7 @@ impl Exporter for Gltf {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
+        let stage = &in_one_season(stage, &GLTF, bundle);
         let cast = cast(stage, options, bundle, monitor)?;
         let pictures = if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
         memory::admit(stage, &pictures, own_bytes(&cast, &pictures), monitor)?;
@@ -188,6 +189,7 @@ impl Exporter for Glb {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
+        let stage = &in_one_season(stage, &GLB, bundle);
         let cast = cast(stage, options, bundle, monitor)?;
         let pictures = if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
         memory::admit(stage, &pictures, own_bytes(&cast, &pictures), monitor)?;

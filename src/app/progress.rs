@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use linden::Monitor;
-use linden::monitor::Stage;
+use linden::monitor::Phase;
 
 /// Work that is over sooner is not worth a bar.
 const PATIENCE: Duration = Duration::from_millis(500);
@@ -22,7 +22,7 @@ pub struct Progress {
 }
 
 struct Shown {
-    bar: Option<(Stage, ProgressBar)>,
+    bar: Option<(Phase, ProgressBar)>,
     last: Instant,
 }
 
@@ -59,7 +59,7 @@ impl Monitor for Progress {
         crate::memory::limit()
     }
 
-    fn advance(&self, stage: Stage, done: u64, total: Option<u64>) {
+    fn advance(&self, stage: Phase, done: u64, total: Option<u64>) {
         if !self.shows || self.started.elapsed() < PATIENCE {
             return;
         }
@@ -88,13 +88,13 @@ impl Monitor for Progress {
     }
 }
 
-fn bar(stage: Stage, total: Option<u64>) -> ProgressBar {
+fn bar(stage: Phase, total: Option<u64>) -> ProgressBar {
     let (doing, unit) = stage.words();
     let template = match (total, stage) {
-        (Some(_), Stage::Write) => {
+        (Some(_), Phase::Write) => {
             "{prefix:>11} [{bar:28}] {bytes}/{total_bytes}  {bytes_per_sec}  {eta} left".to_owned()
         }
-        (None, Stage::Write) => "{prefix:>11} {bytes}  {bytes_per_sec}".to_owned(),
+        (None, Phase::Write) => "{prefix:>11} {bytes}  {bytes_per_sec}".to_owned(),
         (Some(_), _) => {
             format!("{{prefix:>11}} [{{bar:28}}] {{human_pos}}/{{human_len}} {unit}  {{rate}}  {{eta}} left")
         }

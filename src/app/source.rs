@@ -7,6 +7,7 @@ use std::sync::mpsc;
 use std::time::Duration;
 
 use anyhow::{Context, bail};
+use linden::forest::builtin_forest;
 use linden::input::{InputKind, sniff};
 use linden::knob::{did_you_mean, printable};
 use linden::lsystem::text;
@@ -85,6 +86,14 @@ pub fn ensure_there(path: &Path) -> anyhow::Result<()> {
 
 fn ensure_is_file(path: &Path, hint: Option<&str>) -> anyhow::Result<()> {
     if !path.exists() {
+        let forest = path.to_str().map(builtin_forest);
+        if let Some(Ok(forest)) = forest {
+            let id = forest.id;
+            return Err(usage(format!(
+                "'{id}' is a forest, which 'linden forest {id} -o {id}.glb' writes and 'linden show {id}' describes"
+            )));
+        }
+        let hint = hint.or(forest.and_then(|forest| forest.err().flatten()));
         return Err(usage(format!(
             "there is no preset and no file '{}'{}; 'linden list' shows the presets",
             show(path),

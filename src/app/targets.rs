@@ -8,9 +8,10 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use linden::Monitor;
+use linden::season::Season;
 use linden::stage::Stage;
 use linden_exporters::{
-    Bundle, Existing, ExportError, Exporter, LevelsIn, Options, Written, commit_all, ensure_distinct,
+    Bundle, Existing, ExportError, Exporter, LooksIn, Options, Written, commit_all, ensure_distinct,
     ensure_spared, examine,
 };
 
@@ -25,32 +26,64 @@ pub struct Output {
     pub path: PathBuf,
     /// The only level of detail in it; `None`: all, as far as the format holds them.
     pub level: Option<usize>,
+    /// The only season in it, by its name; `None`: all, as far as the format holds them.
+    pub season: Option<String>,
 }
 
 impl Output {
-    /// All levels of detail in this file.
+    /// All levels of detail and seasons in this file.
     pub const fn new(exporter: &'static dyn Exporter, options: Options, path: PathBuf) -> Self {
-        Self { exporter, options, path, level: None }
+        Self { exporter, options, path, level: None, season: None }
+    }
+
+    /// The files for these seasons: this one, or for a format that holds one season only `oak_summer.glb`,
+    /// `oak_autumn.glb` and so on. A stream stays one, with the first that there is.
+    pub fn in_seasons(self, seasons: &[Season]) -> Vec<Self> {
+        if seasons.is_empty() || self.is_stream() || self.exporter.format().seasons() != LooksIn::Files {
+            return vec![self];
+        }
+        let named = |Season { name, .. }: &Season| Self {
+            path: self.path_with(&format!("_{name}")),
+            season: Some(name.clone()),
+            ..self.clone()
+        };
+        seasons.iter().map(named).collect()
     }
 
     /// The files for so many levels of detail: this one, or for a format that holds one level only
     /// `fir_LOD0.obj`, `fir_LOD1.obj` and so on. A stream stays one, with the finest level.
     pub fn in_levels(self, levels: usize) -> Vec<Self> {
-        let is_stream = self.path == Path::new("-") || matches!(examine(&self.path), Ok(Existing::Stream));
-        if levels < 2 || is_stream || self.exporter.format().levels() != LevelsIn::Files {
+        if levels < 2 || self.is_stream() || self.exporter.format().levels() != LooksIn::Files {
             return vec![self];
         }
-        let stem = self.path.file_stem().unwrap_or_default().to_os_string();
-        let path = |level: usize| {
-            let mut name = stem.clone();
-            name.push(format!("_LOD{level}"));
-            if let Some(ending) = self.path.extension() {
-                name.push(".");
-                name.push(ending);
-            }
-            self.path.with_file_name(name)
-        };
+        let path = |level: usize| self.path_with(&format!("_LOD{level}"));
         (0..levels).map(|level| Self { path: path(level), level: Some(level), ..self.clone() }).collect()
+    }
+
+    fn is_stream(&self) -> bool {
+        self.path == Path::new("-") || matches!(examine(&self.path), Ok(Existing::Stream))
+    }
+
+    /// The path with something between the name and its ending.
+    fn path_with(&self, suffix: &str) -> PathBuf {
+        let mut name = self.path.file_stem().unwrap_or_default().to_os_string();
+        name.push(suffix);
+        if let Some(ending) = self.path.extension() {
+            name.push(".");
+            name.push(ending);
+        }
+        self.path.with_file_name(name)
+    }
+
+    /// What of a stage is in this file; `None`: all of it.
+    fn part_of<'s>(&self, stage: &Stage<'s>) -> Option<Stage<'s>> {
+        let index_of = |name: &String| {
+            let mut seasons = stage.plants.iter().map(|plant| &plant.seasons);
+            seasons.find_map(|own| own.iter().position(|season| season.name == *name))
+        };
+        let in_season = self.season.as_ref().and_then(index_of).map(|index| stage.in_season(index));
+        let at_level = self.level.map(|level| in_season.as_ref().unwrap_or(stage).at_level(level));
+        at_level.or(in_season)
     }
 }
 
@@ -61,6 +94,7 @@ impl fmt::Debug for Output {
             .field("options", &self.options.iter().collect::<Vec<_>>())
             .field("path", &self.path)
             .field("level", &self.level)
+            .field("season", &self.season)
             .finish()
     }
 }
@@ -112,7 +146,7 @@ impl Batch {
         self.outputs.retain(|output| output.level.is_none_or(|level| level < levels));
         let mut said: Vec<String> = Vec::new();
         for (output, bundle) in self.outputs.iter().zip(&mut self.bundles) {
-            let own = output.level.map(|level| stage.at_level(level));
+            let own = output.part_of(stage);
             output.exporter.write(own.as_ref().unwrap_or(stage), &output.options, bundle, monitor)?;
             // What is true of several outputs is said once.
             let new: Vec<String> = bundle.notes().iter().filter(|own| !said.contains(own)).cloned().collect();

@@ -77,7 +77,6 @@ impl Wardrobe {
         let Preset { seed, bark, .. } = &recipe.preset;
         let bark = bark.bark(Key::new(*seed).named("bark"));
         let BarkPictures { base_color, normal } = bark.draw(monitor)?;
-        let pictures = (base_color.rgba().len() + normal.rgba().len()) as u64;
         let bark = Material {
             name: "bark".to_owned(),
             base_color: linear(bark.color),
@@ -88,8 +87,23 @@ impl Wardrobe {
             cutout: None,
             wrap: Wrap::Repeat,
         };
+        Self { bark, covers: Vec::new(), shapes: Arc::default() }.in_season(recipe, organs, monitor)
+    }
+
+    /// The same bark with the leaves of another season.
+    ///
+    /// # Errors
+    /// [`DressError`].
+    pub(crate) fn in_season(
+        &self,
+        recipe: &Recipe,
+        organs: &Organs,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, DressError> {
+        let bark = [&self.bark.base_color_picture, &self.bark.normal_picture];
+        let pictures = bark.into_iter().flatten().map(|own| own.rgba().len() as u64).sum();
         let (covers, shapes) = covers(recipe, organs, &Holding::new(monitor, pictures))?;
-        Ok(Self { bark, covers, shapes: shapes.into() })
+        Ok(Self { bark: self.bark.clone(), covers, shapes: shapes.into() })
     }
 
     /// Bytes of the pictures.

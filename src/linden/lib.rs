@@ -21,6 +21,7 @@ pub mod preset;
 pub mod random;
 pub mod recipe;
 pub mod scene;
+pub mod season;
 pub mod skeleton;
 pub mod stage;
 pub mod surface;

@@ -8,7 +8,7 @@
 
 use std::fmt;
 
-use crate::monitor::{Monitor, Stage};
+use crate::monitor::{Monitor, Phase};
 
 /// What a stage may hold beyond its forecast: stacks, tables of constants, lists of pieces, and the
 /// scratch memory of threads. Does not grow with the tree.
@@ -96,7 +96,7 @@ impl Monitor for Holding<'_> {
         self.monitor.is_cancelled()
     }
 
-    fn advance(&self, stage: Stage, done: u64, total: Option<u64>) {
+    fn advance(&self, stage: Phase, done: u64, total: Option<u64>) {
         self.monitor.advance(stage, done, total);
     }
 
@@ -120,7 +120,7 @@ mod tests {
             false
         }
 
-        fn advance(&self, _: Stage, _: u64, _: Option<u64>) {}
+        fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
 
         fn memory_limit(&self) -> u64 {
             self.0

@@ -11,8 +11,8 @@ pub trait Monitor: Sync {
     /// Whether the result is no longer wanted. The work then returns [`Cancelled`] soon.
     fn is_cancelled(&self) -> bool;
 
-    /// `done` of `total` units (see `stage`) are finished; `total` is `None` where nobody can know.
-    fn advance(&self, stage: Stage, done: u64, total: Option<u64>);
+    /// `done` of `total` units (see `phase`) are finished; `total` is `None` where nobody can know.
+    fn advance(&self, phase: Phase, done: u64, total: Option<u64>);
 
     /// `Err(Cancelled)` when the result is no longer wanted: for `?` inside loops.
     ///
@@ -43,7 +43,7 @@ pub trait Monitor: Sync {
 
 /// What is being done, for a progress line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
+pub enum Phase {
     /// Drawing attraction points; unit: points.
     Scatter,
     /// Rewriting an L-system; unit: symbols.
@@ -64,7 +64,7 @@ pub enum Stage {
     Write,
 }
 
-impl Stage {
+impl Phase {
     /// What is going on, and the unit that is counted.
     pub const fn words(self) -> (&'static str, &'static str) {
         match self {
@@ -108,5 +108,5 @@ impl Monitor for Quiet {
         false
     }
 
-    fn advance(&self, _: Stage, _: u64, _: Option<u64>) {}
+    fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
 }

@@ -70,7 +70,8 @@ impl Input {
     /// # Errors
     /// Anything that is wrong with the file, and files of other kinds.
     pub fn read(name: &str, bytes: &[u8], monitor: &dyn Monitor) -> Result<Self, InputError> {
-        if bytes.starts_with(PNG) {
+        // Whatever claims to be a picture is read as one: the picture's reader says best what it is not.
+        if bytes.starts_with(PNG) || name.to_ascii_lowercase().ends_with(".png") {
             let geometry = Geometry::Picture(Arc::new(own_picture(bytes, monitor)?));
             return Ok(Self { name: printable(name), hash: xxh3_128(bytes), up: Up::Y, geometry });
         }

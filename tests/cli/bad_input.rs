@@ -174,6 +174,118 @@ fn meshes_and_points_with_mistakes() {
     refused_file("p.ply", header("1", "quaternion") + "0123456789ab", &["p.ply", "quaternion"]);
 }
 
+/// The signature, a header that says how large it is, a few pixels, the end.
+fn png_of(width: u32, height: u32) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, 1, 1);
+    encoder.set_color(png::ColorType::Rgba);
+    let mut writer = encoder.write_header().unwrap();
+    writer.write_image_data(&[1, 2, 3, 255]).unwrap();
+    drop(writer);
+    // Behind the signature, the chunk's length and its name.
+    bytes[16..20].copy_from_slice(&width.to_be_bytes());
+    bytes[20..24].copy_from_slice(&height.to_be_bytes());
+    let sum = crc32(&bytes[12..29]);
+    bytes[29..33].copy_from_slice(&sum.to_be_bytes());
+    bytes
+}
+
+/// As PNG has it (annex D of its specification).
+fn crc32(bytes: &[u8]) -> u32 {
+    !bytes.iter().fold(!0, |sum, byte| {
+        (0..8).fold(
+            sum ^ u32::from(*byte),
+            |sum, _| if sum & 1 == 1 { sum >> 1 ^ 0xedb8_8320 } else { sum >> 1 },
+        )
+    })
+}
+
+#[test]
+fn files_of_leaves_that_are_none() {
+    let preset = |line: &str| {
+        format!("id = \"p\"\n[colonization]\ncrown = \"cone\"\npoints = 60\n[foliage]\n{line}\n")
+    };
+    let with = |line: &str, file: &str, content: &[u8], says: &[&str]| {
+        let folder = Folder::new();
+        folder.write("p.toml", preset(line));
+        folder.write(file, content);
+        refused(&folder, 1, &["export", "p.toml", "-o", "x.glb", "-o", "x.obj"], says);
+    };
+    let mesh = "leaf_form = \"mesh\"\nleaf_mesh = \"leaf.obj\"";
+    with(mesh, "leaf.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n", &["leaf.obj", "3 vertices and no faces"]);
+    with(mesh, "leaf.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", &["leaf.obj"]);
+    let picture = "leaf_form = \"card\"\nleaf_picture = \"leaf.png\"";
+    with(picture, "leaf.png", &png_of(40_000, 40_000), &["leaf.png", "40000×40000", "8192", "scale it down"]);
+    with(picture, "leaf.png", &png_of(9_000, 10), &["leaf.png", "9000×10", "8192"]);
+    with(
+        picture,
+        "leaf.png",
+        b"hello, I am a picture\n",
+        &["leaf.png", "not a PNG picture", "save it as PNG"],
+    );
+    with(picture, "leaf.png", b"\xff\xd8\xff\xe0\0\x10JFIF", &["leaf.png", "save it as PNG"]);
+    with(picture, "leaf.png", &png_of(64, 64), &["leaf.png", "damaged"]);
+    with(picture, "leaf.png", b"", &["leaf.png"]);
+    let folder = Folder::new();
+    folder.write("p.toml", preset(picture));
+    refused(&folder, 1, &["export", "p.toml", "-o", "x.glb"], &["leaf.png", "p.toml"]);
+    // A picture where a mesh must be, and the other way round.
+    with(&mesh.replace("leaf.obj", "leaf.png"), "leaf.png", &png_of(1, 1), &["leaf.png", "mesh (OBJ)"]);
+    let triangle = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    with(&picture.replace("leaf.png", "leaf.obj"), "leaf.obj", triangle, &["leaf.obj", "picture (PNG)"]);
+}
+
+#[test]
+fn forests_that_cannot_be() {
+    let folder = Folder::new();
+    let forest = |args: &[&str], code: i32, says: &[&str]| {
+        refused(&folder, code, &[&["forest", "-o", "x.glb"][..], args].concat(), says);
+    };
+    forest(&["fir", "--area", "10", "--spacing", "20"], 1, &["20 m apart", "10 m × 10 m", "smaller spacing"]);
+    forest(&["fir", "--area", "20", "--trees", "5000"], 1, &["5000 trees", "find room", "fewer trees"]);
+    forest(&["fir", "--area", "10000", "--spacing", "0.05"], 1, &["more than 1000000", "smaller area"]);
+    forest(&["fir", "--spacing", "-1"], 2, &["'spacing'", "0.05 to 1000"]);
+    forest(&["fir", "--area", "wide"], 2, &["'area'", "1 to 10000"]);
+    forest(&["fir:0", "simple"], 1, &["'fir'", "above 0"]);
+    forest(&["fri"], 2, &["'fri'", "did you mean 'fir'"]);
+    forest(&["mixed-wod"], 2, &["did you mean 'mixed-wood'"]);
+    forest(
+        &["dressed-simple", "--triangles", "10"],
+        1,
+        &["Simple tree in leaf", "triangles=10", "ask for at least"],
+    );
+    folder.write("f.toml", "spacing = 3\n[[tree]]\npreset = \"fir\"\nsahre = 2\n");
+    forest(&["f.toml"], 1, &["f.toml:4:1", "sahre"]);
+    folder.write("f.toml", "spacing = 3\n[[tree]]\npreset = \"none.toml\"\n");
+    forest(&["f.toml"], 2, &["none.toml"]);
+}
+
+#[test]
+fn budgets_levels_and_seasons_that_cannot_be() {
+    let folder = Folder::new();
+    let simple = |args: &[&str], code: i32, says: &[&str]| {
+        refused(
+            &folder,
+            code,
+            &[&["export", "dressed-simple", "-o", "x.glb", "-o", "x.obj"][..], args].concat(),
+            says,
+        );
+    };
+    simple(&["--triangles", "10"], 1, &["triangles=10", "its stem and one leaf alone have", "at least"]);
+    simple(&["--triangles", "few"], 2, &["'few'", "--triangles"]);
+    simple(&["--lods", "0"], 2, &["'lods'", "1 to 8"]);
+    simple(&["--lods", "99"], 2, &["'lods'", "1 to 8"]);
+    simple(&["--lods", "many"], 2, &["'many'", "--lods"]);
+    simple(&["--lods", "3", "--lod-ratio", "7"], 2, &["'lod_ratio'", "0.05 to 0.9"]);
+    simple(&["--billboard", "9"], 2, &["'billboard'", "0 to 4"]);
+    simple(&["--wind", "storm"], 2, &["'wind'", "sway"]);
+    simple(&["--seasons", "atumn"], 2, &["'atumn'", "did you mean 'autumn'", "flush"]);
+    simple(&["--seasons", "late=1.5"], 2, &["late", "'1.5'", "0 to 1"]);
+    simple(&["--seasons", "a/b=0.5"], 2, &["'a/b'", "lower-case letter"]);
+    simple(&["--seasons", "summer,summer"], 2, &["summer", "twice"]);
+    simple(&["--seasons", ","], 2, &["no season is named"]);
+}
+
 #[test]
 fn file_names_are_never_printed_raw() {
     let name = "evil\u{1b}]0;owned\u{7}\u{202e}.txt";

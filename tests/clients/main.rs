@@ -11,5 +11,6 @@ mod outside;
 mod presets;
 mod read_back;
 mod references;
+mod seasons;
 mod solid;
 mod stage;

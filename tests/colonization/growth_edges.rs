@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use linden::colonization::{GrowthError, GrowthRule, Habit, Stop, grow};
-use linden::monitor::Stage;
+use linden::monitor::Phase;
 use linden::{Branching, Cancelled, Monitor, NO_PARENT, Quiet, Vec3};
 
 const RULE: GrowthRule = GrowthRule {
@@ -214,8 +214,8 @@ impl Monitor for Watch {
         self.asked.fetch_add(1, Ordering::Relaxed) >= self.patience
     }
 
-    fn advance(&self, stage: Stage, done: u64, total: Option<u64>) {
-        assert_eq!((stage, total), (Stage::Grow, Some(200_000)));
+    fn advance(&self, stage: Phase, done: u64, total: Option<u64>) {
+        assert_eq!((stage, total), (Phase::Grow, Some(200_000)));
         assert!(self.done.swap(done, Ordering::Relaxed) <= done);
     }
 }

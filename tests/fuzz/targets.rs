@@ -9,7 +9,7 @@ use linden::dress::dress;
 use linden::grow::{GrowError, grow};
 use linden::input::{read_obj, read_ply, read_xyz, sniff};
 use linden::lsystem::{Grammar, Settings, derive_string, forecast, text};
-use linden::monitor::Stage;
+use linden::monitor::Phase;
 use linden::preset::{KNOBS, Preset, builtin_file, shape_knobs};
 use linden::recipe::{Geometry, Input, Recipe};
 use linden::skeleton::{NO_PARENT, Skeleton, SkeletonError};
@@ -307,7 +307,7 @@ impl Monitor for Budget {
         self.looks.fetch_update(Ordering::Relaxed, Ordering::Relaxed, |left| left.checked_sub(1)).is_err()
     }
 
-    fn advance(&self, _: Stage, _: u64, _: Option<u64>) {}
+    fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
 
     fn memory_limit(&self) -> u64 {
         self.memory_bytes

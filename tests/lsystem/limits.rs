@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use linden::lsystem::{Grammar, Habit, LsystemError, MAX_NESTING, Settings, derive_string, forecast, grow};
-use linden::monitor::Stage;
+use linden::monitor::Phase;
 use linden::{Cancelled, Monitor, Quiet};
 
 use crate::segments;
@@ -173,8 +173,8 @@ impl Monitor for Impatient {
         self.reports.load(Ordering::Relaxed) >= self.patience
     }
 
-    fn advance(&self, stage: Stage, done: u64, total: Option<u64>) {
-        assert_eq!(stage, Stage::Turtle);
+    fn advance(&self, stage: Phase, done: u64, total: Option<u64>) {
+        assert_eq!(stage, Phase::Turtle);
         assert!(done <= total.unwrap());
         self.reports.fetch_add(1, Ordering::Relaxed);
     }

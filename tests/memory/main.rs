@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use linden::dress::dress;
 use linden::grow::{GrowError, grow};
 use linden::memory::{Bytes, OverMemory, SLACK_BYTES};
-use linden::monitor::Stage;
+use linden::monitor::Phase;
 use linden::preset::{Preset, builtin, builtins};
 use linden::recipe::{Geometry, Input, Recipe};
 use linden::surface::sweep;
@@ -33,7 +33,7 @@ impl Monitor for Forecasts {
         false
     }
 
-    fn advance(&self, _: Stage, _: u64, _: Option<u64>) {}
+    fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
 
     fn memory_limit(&self) -> u64 {
         self.limit.unwrap_or(u64::MAX)

@@ -17,3 +17,4 @@ mod own_files;
 mod sizes;
 mod start;
 mod untrusted;
+mod wind;

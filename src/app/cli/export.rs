@@ -2,11 +2,13 @@
 
 use anyhow::Context;
 use clap::Args;
-use linden::detail::levels;
+use linden::detail::{levels, year};
+use linden::season::Season;
 use linden_exporters::{Exporter, REGISTRY};
 
 use super::Growing;
 use super::outputs::{Outputs, finish};
+use crate::exit::usage;
 use crate::progress::Progress;
 
 /// Grow a source and write it for 3D programs
@@ -40,10 +42,19 @@ pub struct Export {
     #[arg(long, value_name = "WORD", num_args = 0..=1, default_missing_value = "sway")]
     wind: Option<String>,
 
+    /// The same wood with the leaves of several seasons: names, or names with values of the knob `season`
+    /// like spring=0.05; all named ones when none is given. USD holds them as variants, every other format
+    /// has a file for each
+    #[arg(long, value_name = "LIST", num_args = 0..=1, default_missing_value = ALL_SEASONS)]
+    seasons: Option<String>,
+
     /// With a camera that frames the tree, sun, sky and ground, in formats that hold them
     #[arg(long)]
     scene: bool,
 }
+
+/// The default of `--seasons`.
+const ALL_SEASONS: &str = "flush,summer,autumn,bare";
 
 impl Export {
     pub fn run(self) -> anyhow::Result<()> {
@@ -58,15 +69,25 @@ impl Export {
         ];
         let flags = flags.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?)));
         let own: Vec<_> = own.into_iter().chain(self.budget.pair()).chain(flags).collect();
+        let seasons = self.seasons.as_deref().map(Season::parse_list).transpose().map_err(usage)?;
+        let seasons = seasons.unwrap_or_default();
         let source = self.growing.resolve_with(&own, &progress)?;
         let id = &source.recipe.preset.id;
         let command = format!("linden export {0} -o {0}.glb", crate::source::show(&self.growing.source));
         let planned = source.recipe.preset.detail.levels();
-        let mut batch = self.outputs.open(id, &command, &of_formats, planned, source.files.clone())?;
+        let files = source.files.clone();
+        let mut batch = self.outputs.open(id, &command, &of_formats, (planned, &seasons), files)?;
         let grown = super::grown(&source, &progress)?;
-        let levels = levels(&source.recipe, &grown, &progress).with_context(|| source.shown.clone())?;
-        super::notes(&levels.notes, &progress);
-        let stage = levels.stage();
+        let (one, several);
+        let (stage, notes) = if seasons.is_empty() {
+            one = levels(&source.recipe, &grown, &progress).with_context(|| source.shown.clone())?;
+            (one.stage(), &one.notes)
+        } else {
+            several =
+                year(&source.recipe, &grown, &seasons, &progress).with_context(|| source.shown.clone())?;
+            (several.stage(), &several.notes)
+        };
+        super::notes(notes, &progress);
         let stage = if self.scene { stage.in_setting() } else { stage };
         batch.write(&stage, &progress, |notes| super::notes(notes, &progress))?;
         finish(batch, &progress)

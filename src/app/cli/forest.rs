@@ -7,7 +7,7 @@ use anyhow::Context;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use linden::detail::{Levels, levels};
 use linden::forest::{
-    FOREST_KNOBS, ForestDocument, Kind, Layout, TreeSource, builtin_forest, builtin_forests,
+    FOREST_KNOBS, ForestDocument, Kind, Layout, TreeSource, budgeted, builtin_forest, builtin_forests,
 };
 use linden::grow::grow;
 use linden::memory::Holding;
@@ -63,7 +63,8 @@ impl Args for LayoutFlags {
             }
             let unit = if knob.unit.is_empty() { "N" } else { "M" };
             let flag = knob.name.replace('_', "-");
-            command.arg(Arg::new(knob.name).long(flag).value_name(unit).help(help))
+            command
+                .arg(Arg::new(knob.name).long(flag).value_name(unit).help(help).allow_negative_numbers(true))
         })
     }
 
@@ -98,7 +99,7 @@ impl Forest {
         let command = format!("linden forest {} -o forest.glb", self.kinds.join(" "));
         let counts = forest.kinds.iter().map(|kind| kind.recipe.preset.detail.levels());
         let most = counts.max().unwrap_or(1);
-        let mut batch = self.outputs.open(&forest.id, &command, &of_formats, most, sources)?;
+        let mut batch = self.outputs.open(&forest.id, &command, &of_formats, (most, &[]), sources)?;
         let plan = forest.plan(&progress).with_context(|| forest.id.clone())?;
         let mut grown: Vec<Levels> = Vec::with_capacity(plan.trees.len());
         let mut held = 0;
@@ -106,7 +107,9 @@ impl Forest {
             let holding = Holding::new(&progress, held);
             let naming = || tree.name.clone();
             let wood = grow(&tree.recipe, &holding).with_context(naming)?;
-            let mut own = levels(&tree.recipe, &wood, &holding).with_context(naming)?;
+            let recipe = budgeted(&tree.recipe, &wood, forest.layout.triangles, &holding);
+            let recipe = recipe.with_context(naming)?;
+            let mut own = levels(&recipe, &wood, &holding).with_context(naming)?;
             let first = plan.trees.iter().position(|first| first.kind == tree.kind);
             if let Some(first) = first.and_then(|first| grown.get(first)) {
                 share_tiles(first, &mut own);
@@ -139,10 +142,9 @@ impl Forest {
         progress: &Progress,
     ) -> anyhow::Result<linden::forest::Forest> {
         if let [only] = self.kinds.as_slice()
-            && let Some((id, path, document)) = document(only)?
+            && let Some(described) = Described::find(only)?
         {
-            files.extend(path.clone());
-            return of_document(&id, path.as_deref(), document, files, progress);
+            return described.resolve(files, progress);
         }
         let mut kinds = Vec::new();
         for kind in &self.kinds {
@@ -164,65 +166,85 @@ fn with_share(kind: &str) -> (&str, f64) {
     parsed.unwrap_or((kind, 1.0))
 }
 
-/// The document that a single argument names, if it is one of a forest: its id, its file, what it says.
-fn document(argument: &str) -> anyhow::Result<Option<(String, Option<PathBuf>, ForestDocument)>> {
-    if let Ok(builtin) = builtin_forest(argument) {
-        let document = builtin.load().map_err(|fault| source::locate(builtin.id, &fault))?;
-        return Ok(Some((builtin.id.to_owned(), None, document)));
-    }
-    let path = Path::new(argument);
-    if !path.extension().is_some_and(|ending| ending == "toml" || ending == "json") || !path.is_file() {
-        return Ok(None);
-    }
-    let bytes = fs::read(path).with_context(|| format!("reading {}", show(path)))?;
-    let text = source::utf8(&bytes, &show(path))?;
-    // What tells it from a preset.
-    let is_json = text.trim_start().starts_with('{');
-    let has_trees = text.lines().any(|line| line.trim_start().starts_with("[[tree]]"));
-    let is_forest = has_trees || is_json && text.contains("\"tree\"");
-    if !is_forest {
-        return Ok(None);
-    }
-    let document = ForestDocument::parse(text).map_err(|fault| source::locate(&show(path), &fault))?;
-    let id = path.file_stem().map_or_else(|| "forest".to_owned(), |stem| stem.to_string_lossy().into_owned());
-    Ok(Some((id, Some(path.to_owned()), document)))
+/// A forest's document, as an argument names it.
+pub(super) struct Described {
+    id: String,
+    /// `None`: built in.
+    path: Option<PathBuf>,
+    /// As it stands in the file.
+    pub text: String,
+    pub document: ForestDocument,
 }
 
-fn of_document(
-    id: &str,
-    path: Option<&Path>,
-    document: ForestDocument,
-    files: &mut Vec<PathBuf>,
-    progress: &Progress,
-) -> anyhow::Result<linden::forest::Forest> {
-    let beside = path.unwrap_or(Path::new(""));
-    let mut kinds = Vec::new();
-    for tree in document.trees {
-        let source = match &tree.source {
-            TreeSource::Recipe(json) => source::of_recipe(beside, json, progress)?,
-            TreeSource::Named(name) => {
-                let named = Path::new(name);
-                let folder = beside.parent().unwrap_or(Path::new(""));
-                let is_id = linden::preset::builtin(name).is_ok();
-                let named = if is_id { named.to_owned() } else { folder.join(named) };
-                source::resolve(&named, &[], progress)?
-            }
-        };
-        super::notes(&source.notes, progress);
-        files.extend(source.files);
-        let mut recipe = source.recipe;
-        for (name, value) in &tree.set {
-            recipe.preset.set(name, value).map_err(usage)?;
+impl Described {
+    /// The document that an argument names, if it is one of a forest.
+    pub fn find(argument: &str) -> anyhow::Result<Option<Self>> {
+        if let Ok(builtin) = builtin_forest(argument) {
+            let document = builtin.load().map_err(|fault| source::locate(builtin.id, &fault))?;
+            let (id, text) = (builtin.id.to_owned(), builtin.text.to_owned());
+            return Ok(Some(Self { id, path: None, text, document }));
         }
-        kinds.push(Kind { recipe, share: tree.share, size: tree.size });
+        let path = Path::new(argument);
+        if !path.extension().is_some_and(|ending| ending == "toml" || ending == "json") || !path.is_file() {
+            return Ok(None);
+        }
+        let bytes = fs::read(path).with_context(|| format!("reading {}", show(path)))?;
+        let text = source::utf8(&bytes, &show(path))?;
+        // What tells it from a preset.
+        let is_json = text.trim_start().starts_with('{');
+        let has_trees = text.lines().any(|line| line.trim_start().starts_with("[[tree]]"));
+        let is_forest = has_trees || is_json && text.contains("\"tree\"");
+        if !is_forest {
+            return Ok(None);
+        }
+        let document = ForestDocument::parse(text).map_err(|fault| source::locate(&show(path), &fault))?;
+        let stem = path.file_stem();
+        let id = stem.map_or_else(|| "forest".to_owned(), |stem| stem.to_string_lossy().into_owned());
+        Ok(Some(Self { id, path: Some(path.to_owned()), text: text.to_owned(), document }))
     }
-    let name = if document.name.trim().is_empty() { id.to_owned() } else { document.name };
-    let name = linden::knob::printable(&name);
-    Ok(linden::forest::Forest { id: id.to_owned(), name, kinds, layout: document.layout })
+
+    /// As it was named: an id, or a file.
+    pub fn shown(&self) -> String {
+        self.path.as_deref().map_or_else(|| self.id.clone(), show)
+    }
+
+    /// The forest, its kinds read; `files` takes what it was read from.
+    pub fn resolve(
+        self,
+        files: &mut Vec<PathBuf>,
+        progress: &Progress,
+    ) -> anyhow::Result<linden::forest::Forest> {
+        let Self { id, path, document, .. } = self;
+        files.extend(path.clone());
+        let beside = path.as_deref().unwrap_or(Path::new(""));
+        let mut kinds = Vec::new();
+        for tree in document.trees {
+            let source = match &tree.source {
+                TreeSource::Recipe(json) => source::of_recipe(beside, json, progress)?,
+                TreeSource::Named(name) => {
+                    let named = Path::new(name);
+                    let folder = beside.parent().unwrap_or(Path::new(""));
+                    let is_id = linden::preset::builtin(name).is_ok();
+                    let named = if is_id { named.to_owned() } else { folder.join(named) };
+                    source::resolve(&named, &[], progress)?
+                }
+            };
+            super::notes(&source.notes, progress);
+            files.extend(source.files);
+            let mut recipe = source.recipe;
+            for (name, value) in &tree.set {
+                recipe.preset.set(name, value).map_err(usage)?;
+            }
+            kinds.push(Kind { recipe, share: tree.share, size: tree.size });
+        }
+        let name = if document.name.trim().is_empty() { id.clone() } else { document.name };
+        let name = linden::knob::printable(&name);
+        Ok(linden::forest::Forest { id, name, kinds, layout: document.layout })
+    }
 }
 
 /// Turns a knob of the forest, or else of all kinds of trees that have it.
-fn turn(forest: &mut linden::forest::Forest, name: &str, value: &str) -> anyhow::Result<()> {
+pub(super) fn turn(forest: &mut linden::forest::Forest, name: &str, value: &str) -> anyhow::Result<()> {
     if FOREST_KNOBS.iter().any(|own| own.knob.name == name) {
         return forest.layout.set(name, value).map_err(usage);
     }

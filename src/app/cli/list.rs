@@ -1,10 +1,13 @@
-//! `linden list`: the presets.
+//! `linden list`: the presets, and the forests of them.
 
 use clap::Args;
+use linden::forest::{BuiltinForest, ForestDocument, builtin_forests};
 use linden::preset::{Preset, builtins};
 use serde::Serialize;
 
-/// List the presets, or the export formats
+use crate::source;
+
+/// List the presets and forests, or the export formats
 #[derive(Args)]
 pub struct List {
     /// Machine-readable
@@ -15,6 +18,11 @@ pub struct List {
     #[arg(long)]
     exporters: bool,
 }
+
+/// The group of forests.
+pub(super) const FORESTS: &str = "forests";
+/// What makes a forest, where a preset names its generator.
+pub(super) const FOREST: &str = "forest";
 
 #[derive(Serialize)]
 struct Row {
@@ -31,12 +39,25 @@ impl List {
         if self.exporters {
             return exporters(self.json);
         }
+        let forest = |own: &'static BuiltinForest| {
+            let ForestDocument { name, summary, .. } =
+                own.load().map_err(|fault| source::locate(own.id, &fault))?;
+            Ok(Row {
+                id: own.id.to_owned(),
+                name,
+                group: FORESTS.to_owned(),
+                generator: FOREST,
+                summary,
+                source: String::new(),
+            })
+        };
         let rows = builtins()
             .iter()
             .map(|builtin| {
                 let Preset { id, name, group, summary, source, generator, .. } = builtin.load()?;
                 Ok(Row { id, name, group, generator: generator.id(), summary, source })
             })
+            .chain(builtin_forests().iter().map(forest))
             .collect::<anyhow::Result<Vec<Row>>>()?;
         if self.json {
             return super::print_json(&rows);
@@ -48,7 +69,7 @@ impl List {
             if row.group != group {
                 text.push_str(if group.is_empty() { "" } else { "\n" });
                 text.push_str(&row.group);
-                text.push('\n');
+                text.push_str(if row.generator == FOREST { ", for 'linden forest'\n" } else { "\n" });
                 group = &row.group;
             }
             text.push_str(&format!("  {:width$}  {}\n", row.id, row.summary));

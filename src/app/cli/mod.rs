@@ -5,6 +5,7 @@ mod completions;
 mod doctor;
 mod export;
 mod forest;
+mod forest_page;
 mod list;
 mod man;
 mod outputs;

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
+use linden::season::Season;
 use linden_exporters::{Bundle, Exporter, Options, REGISTRY, find, for_path};
 
 use crate::exit::usage;
@@ -38,13 +39,14 @@ pub struct Outputs {
 impl Outputs {
     /// Tries all targets, before anything grows. `id` names files that have no name; `command` is what a
     /// user who named neither file nor format could have typed; `settings` are `FORMAT.OPTION` and
-    /// value; what grows has so many `levels` of detail, and was read from the `sources`.
+    /// value; what grows has so many `levels` of detail, looks in several `seasons` if any are named, and was
+    /// read from the `sources`.
     pub fn open(
         &self,
         id: &str,
         command: &str,
         settings: &[(String, String)],
-        levels: usize,
+        (levels, seasons): (usize, &[Season]),
         sources: Vec<PathBuf>,
     ) -> anyhow::Result<Batch> {
         let targets = self.targets(id, command)?;
@@ -62,7 +64,8 @@ impl Outputs {
                     options.set(name, value).map_err(usage)?;
                 }
             }
-            outputs.extend(Output::new(exporter, options, path).in_levels(levels));
+            let in_seasons = Output::new(exporter, options, path).in_seasons(seasons);
+            outputs.extend(in_seasons.into_iter().flat_map(|output| output.in_levels(levels)));
         }
         let batch = Batch::open(outputs, sources, |output| {
             if output.path == Path::new("-") {

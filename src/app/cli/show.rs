@@ -1,4 +1,4 @@
-//! `linden show`: what a source is, its knobs, its forecast.
+//! `linden show`: what a source or a forest is, its knobs, its forecast.
 
 use clap::Args;
 use linden::knob::{Value, printable};
@@ -7,6 +7,8 @@ use linden::recipe::{Geometry, Input, Recipe};
 use serde::Serialize;
 
 use super::Growing;
+use super::forest::Described;
+use super::forest_page::{self, As};
 use crate::progress::Progress;
 
 /// Say what a source is, which knobs it has, and how large it would grow
@@ -66,6 +68,16 @@ struct ForecastRow {
 impl Show {
     pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
+        if let Some(named) = self.growing.source.to_str()
+            && let Some(forest) = Described::find(named)?
+        {
+            let how = match (self.json, self.toml) {
+                (true, _) => As::Json,
+                (_, true) => As::Document,
+                _ => As::Page,
+            };
+            return forest_page::show(forest, &self.growing.pairs()?, how, &progress);
+        }
         let source = self.growing.resolve(&progress)?;
         let preset = &source.recipe.preset;
         if self.toml {

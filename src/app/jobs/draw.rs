@@ -3,9 +3,13 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use linden::Skeleton;
 use linden::dress::{DressError, dress};
+use linden::foliage::Organs;
 use linden::picture::Picture;
-use linden::scene::Scene;
+use linden::preset::Preset;
+use linden::scene::{Mesh, Part, Scene};
+use linden::wind::{Blow, Wind, blown};
 use linden_raster::{Camera, Paint, RasterError, Size, Style, Surface, draw_skeleton, draw_surface};
 use linden_terminal::cells::{CellPicture, square_pixels};
 use linden_terminal::graphics::{Encoded, Protocol, encode};
@@ -57,6 +61,8 @@ pub struct DrawRequest {
     pub shown: Arc<Shown>,
     /// The step of growth that is drawn, `None` for the grown tree.
     pub stage: Option<u32>,
+    /// The frame of the wind's loop that the grown tree is drawn at, `None` for a calm.
+    pub wind: Option<u32>,
     /// From where.
     pub camera: Camera,
     /// What of it.
@@ -115,7 +121,7 @@ impl DrawRequest {
     /// Whether another request is for the same picture, whatever the detail.
     pub fn is_of(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.shown, &other.shown)
-            && self.stage == other.stage
+            && (self.stage, self.wind) == (other.stage, other.wind)
             && self.camera == other.camera
             && self.look == other.look
             && (self.points, self.outline, self.person) == (other.points, other.outline, other.person)
@@ -270,12 +276,23 @@ impl Painter {
         let drawn = match (request.look, request.stage) {
             // Until the surface is there, its skeleton is: a draft does not wait.
             (Look::Surface, None) if request.detail == Detail::Full || self.has_scene(shown) => {
-                let scene = self.scene(shown, watcher)?;
-                draw_surface(&Surface::from(scene), &request.camera, &style, size, watcher)
+                let Some(frame) = request.wind else {
+                    let scene = self.scene(shown, false, watcher)?;
+                    return surface(&Surface::from(scene), request, &style, size, watcher);
+                };
+                let (skeleton, _) = blown_at(shown, frame, watcher)?;
+                let scene = self.scene(shown, true, watcher)?;
+                let parts = moved(&scene.parts, frame);
+                let materials = &scene.materials;
+                let blown = Surface { parts: &parts, materials, skeleton: &skeleton };
+                return surface(&blown, request, &style, size, watcher);
             }
             (_, None) => {
-                let style = Style { organs: Some(&shown.grown.organs), ..style };
-                draw_skeleton(&shown.grown.skeleton, &request.camera, &style, size, watcher)
+                let blown = request.wind.map(|frame| blown_at(shown, frame, watcher)).transpose()?;
+                let calm = (&*shown.grown.skeleton, &*shown.grown.organs);
+                let (skeleton, organs) = blown.as_ref().map_or(calm, |(wood, leaves)| (wood, leaves));
+                let style = Style { organs: Some(organs), ..style };
+                draw_skeleton(skeleton, &request.camera, &style, size, watcher)
             }
             (_, Some(step)) => {
                 let Some(Plant { skeleton, organs, .. }) = self.stage(shown, step, watcher)? else {
@@ -286,18 +303,29 @@ impl Painter {
                 draw_skeleton(&skeleton, &request.camera, &style, size, watcher)
             }
         };
-        drawn.map_err(|error| if error == RasterError::Cancelled { None } else { Some(error.to_string()) })
+        drawn.map_err(unless_cancelled)
     }
 
     fn has_scene(&self, shown: &Arc<Shown>) -> bool {
         self.scene.as_ref().is_some_and(|(of, _)| Arc::ptr_eq(of, shown))
     }
 
-    /// The surface of a tree, no finer than a screen shows: exports have all of it.
-    fn scene(&mut self, shown: &Arc<Shown>, watcher: &Watcher<'_>) -> Result<&Scene, Option<String>> {
-        if !self.has_scene(shown) {
+    /// The surface of a tree, no finer than a screen shows: exports have all of it. `sways`: with what
+    /// moves it.
+    fn scene(
+        &mut self,
+        shown: &Arc<Shown>,
+        sways: bool,
+        watcher: &Watcher<'_>,
+    ) -> Result<&Scene, Option<String>> {
+        let can_sway = |scene: &Scene| scene.parts.iter().all(|part| part.wind.is_some());
+        let is_there = self.has_scene(shown)
+            && (!sways || self.scene.as_ref().is_some_and(|(_, scene)| can_sway(scene)));
+        if !is_there {
             self.scene = None;
             let mut recipe = (*shown.recipe).clone();
+            recipe.preset.wind.wind = if sways { Wind::Sway } else { Wind::Off };
+            recipe.preset.wind.blow.strength = wind_strength(&recipe.preset);
             recipe.preset.tubes.sides = recipe.preset.tubes.sides.min(MOST_SIDES);
             recipe.preset.bark.size_px = recipe.preset.bark.size_px.min(MOST_BARK_PX);
             recipe.preset.foliage.size_px = recipe.preset.foliage.size_px.min(MOST_LEAF_PX);
@@ -328,6 +356,46 @@ impl Painter {
         self.stage = Some((Arc::clone(shown), step, plant.clone()));
         Ok(plant)
     }
+}
+
+/// Draws a surface.
+fn surface(
+    surface: &Surface<'_>,
+    request: &DrawRequest,
+    style: &Style<'_>,
+    size: Size,
+    watcher: &Watcher<'_>,
+) -> Result<Picture, Option<String>> {
+    draw_surface(surface, &request.camera, style, size, watcher).map_err(unless_cancelled)
+}
+
+fn unless_cancelled(error: RasterError) -> Option<String> {
+    if error == RasterError::Cancelled { None } else { Some(error.to_string()) }
+}
+
+/// The wind that is played: where a preset has none, a breeze.
+pub fn wind_strength(preset: &Preset) -> f64 {
+    let own = preset.wind.blow.strength;
+    if own > 0.0 { own } else { Blow::default().strength }
+}
+
+/// A tree's wood and leaves at a frame of the wind's loop.
+fn blown_at(shown: &Shown, frame: u32, watcher: &Watcher<'_>) -> Result<(Skeleton, Organs), Option<String>> {
+    let mut preset = shown.recipe.preset.clone();
+    preset.wind.blow.strength = wind_strength(&preset);
+    blown(&preset, &shown.grown.skeleton, &shown.grown.organs, frame, watcher).map_err(|_| None)
+}
+
+/// The parts at a frame of their loop.
+fn moved(parts: &[Part], frame: u32) -> Vec<Part> {
+    let moved = |part: &Part| {
+        let wind = part.wind.as_ref();
+        let positions = wind.and_then(|wind| wind.moved(&part.mesh.positions, frame));
+        let Mesh { normals, uvs, triangles, .. } = part.mesh.clone();
+        let positions = positions.unwrap_or_else(|| part.mesh.positions.clone());
+        Part::new(part.name.clone(), part.material, Mesh { positions, normals, uvs, triangles })
+    };
+    parts.iter().map(moved).collect()
 }
 
 /// Pixels of a picture that fills so many cells one to one.

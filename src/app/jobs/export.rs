@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 use linden::Monitor;
 use linden::detail::levels;
 use linden::grow::{Grown, grow};
-use linden::monitor::Stage;
+use linden::monitor::Phase;
 use linden::recipe::Recipe;
 use linden_exporters::{Bundle, Estimate, Existing, examine};
 
@@ -37,7 +37,7 @@ pub enum ExportNews {
     /// How far the export under way is.
     Progress {
         /// What is being done.
-        doing: Stage,
+        doing: Phase,
         /// Of the whole, in parts of [`WHOLE`].
         done: u64,
     },
@@ -229,11 +229,11 @@ impl Monitor for Gauge<'_> {
         self.watcher.memory_limit()
     }
 
-    fn advance(&self, stage: Stage, done: u64, total: Option<u64>) {
+    fn advance(&self, stage: Phase, done: u64, total: Option<u64>) {
         // Whoever finds another thread reporting has nothing to add.
         let Ok(mut step) = self.step.try_lock() else { return };
         let (done, total) = match step.bytes {
-            Some(bytes) if stage == Stage::Write => {
+            Some(bytes) if stage == Phase::Write => {
                 // Each file counts from 0.
                 if done < step.last {
                     step.before += step.last;

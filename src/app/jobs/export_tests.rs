@@ -89,7 +89,7 @@ impl Monitor for Until {
         self.0.fetch_add(1, Ordering::Relaxed) >= self.1
     }
 
-    fn advance(&self, _: Stage, _: u64, _: Option<u64>) {}
+    fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
 }
 
 #[test]
@@ -160,8 +160,8 @@ impl Monitor for Meanwhile {
         false
     }
 
-    fn advance(&self, stage: Stage, _: u64, _: Option<u64>) {
-        if stage == Stage::Write {
+    fn advance(&self, stage: Phase, _: u64, _: Option<u64>) {
+        if stage == Phase::Write {
             fs::write(&self.0, "theirs").unwrap();
         }
     }
@@ -178,14 +178,14 @@ fn what_comes_to_be_there_meanwhile_is_not_replaced() {
 
 /// Keeps what was reported.
 #[derive(Default)]
-struct Reports(Mutex<Vec<(Stage, u64)>>);
+struct Reports(Mutex<Vec<(Phase, u64)>>);
 
 impl Monitor for Reports {
     fn is_cancelled(&self) -> bool {
         false
     }
 
-    fn advance(&self, stage: Stage, done: u64, total: Option<u64>) {
+    fn advance(&self, stage: Phase, done: u64, total: Option<u64>) {
         assert_eq!(total, Some(WHOLE));
         self.0.lock().unwrap().push((stage, done));
     }
@@ -200,12 +200,12 @@ fn the_gauge_fills_from_nothing_to_nearly_all() {
     assert!(matches!(ran(several, &reports), ExportNews::Done { .. }));
     let reports = reports.0.into_inner().unwrap();
     let written: Vec<u64> =
-        reports.iter().filter(|(stage, _)| *stage == Stage::Write).map(|(_, done)| *done).collect();
+        reports.iter().filter(|(stage, _)| *stage == Phase::Write).map(|(_, done)| *done).collect();
     assert!(written.is_sorted(), "{written:?}");
     let least = ((GROWING + (1.0 - GROWING) * DRESSING) * WHOLE as f64) as u64 - 1;
     assert!(written[0] >= least && written[0] < 3 * WHOLE / 4, "{written:?}");
     assert!((9 * WHOLE / 10..=WHOLE).contains(written.last().unwrap()), "{written:?}");
-    assert!(reports.iter().any(|(stage, done)| *stage == Stage::Sweep && *done < least));
+    assert!(reports.iter().any(|(stage, done)| *stage == Phase::Sweep && *done < least));
 }
 
 #[test]

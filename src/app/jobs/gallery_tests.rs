@@ -4,7 +4,7 @@ use std::sync::mpsc;
 
 use linden::Quiet;
 use linden::Skeleton;
-use linden::monitor::Stage;
+use linden::monitor::Phase;
 use linden_raster::Paint;
 use linden_terminal::{CellStyle, ColorDepth, Glyphs, Image};
 
@@ -212,8 +212,8 @@ impl Monitor for Counter {
         self.is_cancelled.load(Ordering::Relaxed)
     }
 
-    fn advance(&self, stage: Stage, _: u64, _: Option<u64>) {
-        if matches!(stage, Stage::Scatter | Stage::Derive | Stage::Turtle | Stage::Grow) {
+    fn advance(&self, stage: Phase, _: u64, _: Option<u64>) {
+        if matches!(stage, Phase::Scatter | Phase::Derive | Phase::Turtle | Phase::Grow) {
             self.advances.fetch_add(1, Ordering::Relaxed);
         }
     }

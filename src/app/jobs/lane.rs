@@ -7,7 +7,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use linden::Monitor;
-use linden::monitor::Stage;
+use linden::monitor::Phase;
 
 /// Names of worker threads begin with this: their panics become messages, not the end of the program.
 pub const THREAD_PREFIX: &str = "linden-job-";
@@ -30,7 +30,7 @@ pub enum Done<T> {
     /// Still at it.
     Progress {
         /// What is being done.
-        stage: Stage,
+        stage: Phase,
         /// Units finished.
         done: u64,
         /// Of so many, where anybody can know.
@@ -66,8 +66,8 @@ struct Slot<R> {
 pub struct Watcher<'a> {
     number: u64,
     newest: &'a AtomicU64,
-    report: &'a (dyn Fn(Stage, u64, Option<u64>) + Sync),
-    last: Mutex<Option<(Stage, Instant)>>,
+    report: &'a (dyn Fn(Phase, u64, Option<u64>) + Sync),
+    last: Mutex<Option<(Phase, Instant)>>,
 }
 
 impl<R: Send + 'static> Lane<R> {
@@ -172,7 +172,7 @@ impl Watcher<'static> {
     /// Watches work that nobody overtakes.
     pub fn idle() -> Self {
         static NEWEST: AtomicU64 = AtomicU64::new(0);
-        fn unheard(_: Stage, _: u64, _: Option<u64>) {}
+        fn unheard(_: Phase, _: u64, _: Option<u64>) {}
         Self { number: 0, newest: &NEWEST, report: &unheard, last: Mutex::new(None) }
     }
 }
@@ -186,7 +186,7 @@ impl Monitor for Watcher<'_> {
         crate::memory::limit()
     }
 
-    fn advance(&self, stage: Stage, done: u64, total: Option<u64>) {
+    fn advance(&self, stage: Phase, done: u64, total: Option<u64>) {
         // Whoever finds another thread reporting has nothing to add.
         let Ok(mut last) = self.last.try_lock() else { return };
         let now = Instant::now();

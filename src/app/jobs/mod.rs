@@ -12,7 +12,7 @@ mod lane;
 mod look;
 mod relay;
 
-pub use draw::{Detail, DrawRequest, Look, Medium, Painted, Painter};
+pub use draw::{Detail, DrawRequest, Look, Medium, Painted, Painter, wind_strength};
 pub use export::{ExportNews, ExportOrder, WHOLE, run as run_export};
 pub use gallery::{GalleryRequest, SmallPicture, Thumbnail, paint_gallery};
 #[cfg(test)]

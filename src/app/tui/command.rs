@@ -6,7 +6,7 @@
 
 use super::effect::Effects;
 use super::model::Model;
-use super::{around, export, growth, library, picture, shape, vary};
+use super::{around, export, growth, library, picture, shape, vary, wind};
 
 /// Where a command's keys are listened to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -129,6 +129,7 @@ pub fn all() -> impl Iterator<Item = &'static Command> {
         library::COMMANDS,
         picture::COMMANDS,
         growth::COMMANDS,
+        wind::COMMANDS,
         shape::COMMANDS,
         vary::COMMANDS,
         export::COMMANDS,

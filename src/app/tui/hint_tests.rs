@@ -36,7 +36,7 @@ fn state(bench: &Bench) -> String {
         picture.points,
         picture.outline,
         model.growth.step(),
-        model.growth.is_playing(),
+        (model.growth.is_playing(), model.wind.is_blowing()),
         model.tree.as_ref().map(|tree| (tree.overrides(), tree.compares, tree.can_redo())),
         bench.effects,
         // What the jobs are asked for.

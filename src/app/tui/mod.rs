@@ -9,7 +9,7 @@
 //! |---|---|
 //! | [`command`] | the one table of commands |
 //! | [`library`] | the list of presets |
-//! | [`picture`], [`growth`] | the picture and how it is looked at; growth played |
+//! | [`picture`], [`growth`], [`wind`] | the picture and how it is looked at; growth and wind played |
 //! | [`shape`] | the form of knobs, undo, comparison, saving, the grammar's editor |
 //! | [`vary`] | seeds, galleries, sweeps |
 //! | [`export`] | the dialog |
@@ -32,6 +32,7 @@ mod testing;
 mod tree;
 mod update;
 mod vary;
+mod wind;
 mod wrap;
 
 pub use command::key_table;

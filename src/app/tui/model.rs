@@ -16,6 +16,7 @@ use super::picture::{self, PictureState};
 use super::shape::{Form, GrammarEditor};
 use super::tree::{Changes, Place, Tree};
 use super::vary::Gallery;
+use super::wind::{self, Breeze};
 use crate::config::Complaint;
 use crate::config::dirs::Dirs;
 use crate::config::keymap::Keymap;
@@ -53,6 +54,8 @@ pub struct Model {
     pub picture: PictureState,
     /// Growth, played.
     pub growth: Playback,
+    /// The wind in the picture.
+    pub wind: Breeze,
     /// The form of knobs.
     pub form: Form,
     /// Dialogs, the topmost last.
@@ -212,6 +215,7 @@ impl Model {
             tree: None,
             picture: PictureState::default(),
             growth: Playback::default(),
+            wind: Breeze::default(),
             form: Form::default(),
             layers: Vec::new(),
             message: None,
@@ -288,6 +292,7 @@ impl Model {
     pub fn wake_at(&self) -> Option<Instant> {
         let message = self.message.as_ref().map(|message| message.until);
         let quiet = self.picture.waits_for_quiet(self).then(|| self.last_input + QUIET);
-        [message, quiet, picture::next_frame(self), self.growth.next_frame()].into_iter().flatten().min()
+        let frames = [picture::next_frame(self), self.growth.next_frame(), wind::next_frame(self)];
+        [message, quiet].into_iter().chain(frames).flatten().min()
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use linden::lsystem::Grammar;
-use linden::monitor::Stage;
+use linden::monitor::Phase;
 use linden::preset::{Generator, KnobError, Preset, PresetKnob};
 use linden::recipe::Recipe;
 
@@ -75,7 +75,7 @@ struct Draft {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Growing {
     /// What is being done.
-    pub stage: Stage,
+    pub stage: Phase,
     /// Units finished.
     pub done: u64,
     /// Of so many.

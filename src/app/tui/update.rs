@@ -12,7 +12,7 @@ use super::command::{self, find};
 use super::effect::Effects;
 use super::model::{Config, Layer, Model, Target};
 use super::tree::{Growing, Place};
-use super::{around, export, growth, library, picture, shape, vary};
+use super::{around, export, growth, library, picture, shape, vary, wind};
 use crate::config::Complaint;
 use crate::config::presets::UserPreset;
 use crate::jobs::{Painted, Shown, Thumbnail};
@@ -77,6 +77,7 @@ pub fn update(model: &mut Model, msg: Msg, now: Instant) -> Effects {
         Msg::Tick => {
             picture::tick(model);
             growth::tick(model);
+            wind::tick(model);
         }
         Msg::Terminal(capabilities) => model.terminal = *capabilities,
         Msg::Loaded(place, source) => library::loaded(model, place, source, &mut effects),
@@ -89,15 +90,18 @@ pub fn update(model: &mut Model, msg: Msg, now: Instant) -> Effects {
         Msg::Painted(painted) => {
             picture::painted(model, *painted);
             growth::seen(model);
+            wind::seen(model);
         }
         Msg::NotPainted(why) => {
             model.growth.pause();
+            model.wind.stop();
             model.say_error(format!("drawing: {why}"));
         }
         Msg::Broken(doing, why) => {
             // Nothing that is waited for comes any more.
             model.loading = None;
             model.growth.pause();
+            model.wind.stop();
             if let Some(tree) = &mut model.tree {
                 tree.growing = None;
             }
@@ -189,6 +193,7 @@ fn on_mouse(model: &mut Model, mouse: Mouse, effects: &mut Effects) {
         Target::PaletteRow(row) => around::clicked(model, row, mouse, effects),
         Target::Growth(step) if presses => {
             model.growth.stop();
+            model.wind.stop();
             growth::go_to(model, step);
         }
         Target::Dialog => around::wheel(model, mouse),

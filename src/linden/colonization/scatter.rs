@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::crown::Crown;
 use crate::memory::{OverMemory, bytes_of};
-use crate::monitor::{Cancelled, Monitor, Stage};
+use crate::monitor::{Cancelled, Monitor, Phase};
 use crate::random::Key;
 
 /// Points between two looks at the monitor: a millisecond or two in a mesh.
@@ -53,7 +53,7 @@ pub fn scatter(
             *point = crown.sample(key.child(first + i as u64));
         }
         let before = done.fetch_add(points.len() as u64, Ordering::Relaxed);
-        monitor.advance(Stage::Scatter, before + points.len() as u64, Some(count as u64));
+        monitor.advance(Phase::Scatter, before + points.len() as u64, Some(count as u64));
         Ok::<(), ScatterError>(())
     })?;
     Ok(points)
@@ -110,7 +110,7 @@ mod tests {
             fn is_cancelled(&self) -> bool {
                 true
             }
-            fn advance(&self, _: Stage, _: u64, _: Option<u64>) {}
+            fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
         }
         let crown = SHAPES[0].of(&[]).unwrap();
         let scatter_in = |count, monitor: &dyn Monitor| scatter(crown.as_ref(), count, Key::new(1), monitor);

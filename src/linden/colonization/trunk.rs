@@ -84,7 +84,7 @@ impl Stem {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::monitor::{Quiet, Stage};
+    use crate::monitor::{Phase, Quiet};
 
     #[test]
     fn a_given_height_is_met_exactly_in_equal_steps() {
@@ -118,7 +118,7 @@ mod tests {
             fn is_cancelled(&self) -> bool {
                 true
             }
-            fn advance(&self, _: Stage, _: u64, _: Option<u64>) {}
+            fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
         }
         let far = vec![DVec3::Y * 1e8; 1000];
         assert_eq!(until_in_reach(DVec3::ZERO, &far, 1.0, 0.1, usize::MAX, &Unwanted), Err(Cancelled));

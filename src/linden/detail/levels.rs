@@ -3,14 +3,16 @@
 use std::sync::Arc;
 
 use super::billboard::{Billboard, billboard};
-use super::{DetailError, Simplified, Simplifier};
-use crate::dress::Wardrobe;
+use super::{Detail, DetailError, Simplified, Simplifier};
+use crate::dress::{DressError, Wardrobe};
+use crate::foliage::sprout;
 use crate::grow::Grown;
 use crate::memory::Holding;
 use crate::monitor::Monitor;
-use crate::preset::Preset;
+use crate::preset::{Form, Preset};
 use crate::recipe::Recipe;
 use crate::scene::Scene;
+use crate::season::Season;
 use crate::stage::{self, Stage};
 use crate::surface::Tubes;
 use crate::wind::{Blown, Field};
@@ -27,10 +29,8 @@ pub struct Levels {
 impl Levels {
     /// What exporters take.
     pub fn stage(&self) -> Stage<'_> {
-        let levels = self.levels.iter();
-        let levels = levels.map(|Level { scene, coverage }| stage::Level { scene, coverage: *coverage });
         // There is one at least.
-        Stage::of_levels(&self.levels[0].scene, levels.collect())
+        Stage::of_levels(&self.levels[0].scene, self.levels.iter().map(Level::on_stage).collect())
     }
 }
 
@@ -43,6 +43,13 @@ pub struct Level {
     pub coverage: f32,
 }
 
+impl Level {
+    /// What exporters take.
+    pub const fn on_stage(&self) -> stage::Level<'_> {
+        stage::Level { scene: &self.scene, coverage: self.coverage }
+    }
+}
+
 /// The finest level serves down to this share of the picture's height.
 const NEAR: f32 = 0.5;
 
@@ -52,16 +59,113 @@ const NEAR: f32 = 0.5;
 /// # Errors
 /// [`DetailError`]: a budget that is too small, memory, cancelled, whatever dressing finds.
 pub fn levels(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Levels, DetailError> {
-    let Preset { detail, .. } = &recipe.preset;
     let mut notes = Vec::new();
-    let mut scenes: Vec<Scene> = Vec::new();
-    let field = Field::of(&recipe.preset, &grown.skeleton);
+    let plan = Plan::new(&recipe.preset, grown, &mut notes, monitor)?;
     let wardrobe = Wardrobe::new(recipe, &grown.organs, monitor)?;
-    if detail.triangles == 0 && detail.lods <= 1 {
-        let blown = field.as_ref().map(|field| Blown { field, axes: None });
-        scenes.push(wardrobe.dress(recipe, grown, blown, monitor)?);
-    } else {
-        let simplifier = Simplifier::new(&recipe.preset, grown, monitor)?;
+    Ok(Levels { levels: plan.dress(recipe, grown, &wardrobe, monitor)?, notes })
+}
+
+/// One tree through the year, in all levels that its preset asks for.
+#[derive(Debug)]
+pub struct Year {
+    /// At least one; first the one that is shown where there is no choice. All have as many levels.
+    pub seasons: Vec<(Season, Vec<Level>)>,
+    /// What the user should know.
+    pub notes: Vec<String>,
+    /// The tree's own.
+    recipe: String,
+}
+
+impl Year {
+    /// What exporters take.
+    pub fn stage(&self) -> Stage<'_> {
+        // There is one at least, with one level.
+        let mut stage = Stage::of(&self.seasons[0].1[0].scene);
+        stage.recipe.clone_from(&self.recipe);
+        let seasons = self.seasons.iter().map(|(season, levels)| stage::Season {
+            name: season.name.clone(),
+            levels: levels.iter().map(Level::on_stage).collect(),
+        });
+        stage.plants[0].seasons = seasons.collect();
+        stage
+    }
+}
+
+/// Dresses a tree in each of some seasons, as [`levels`] does in its own: the wood is the same in all of
+/// them, level by level, and a leaf that is there in two hangs in the same place. A budget of triangles is
+/// met where the tree has most leaves. First comes the season nearest to the recipe's own.
+///
+/// # Errors
+/// As [`levels`]. Without any season there is that of the recipe.
+pub fn year(
+    recipe: &Recipe,
+    grown: &Grown,
+    seasons: &[Season],
+    monitor: &dyn Monitor,
+) -> Result<Year, DetailError> {
+    let own = recipe.preset.foliage.season;
+    let mut seasons = seasons.to_vec();
+    if seasons.is_empty() {
+        seasons.push(Season { name: "own".to_owned(), season: own });
+    }
+    let away = |at: usize| (seasons[at].season - own).abs();
+    let first = (1..seasons.len()).fold(0, |best, at| if away(at) < away(best) { at } else { best });
+    seasons[..=first].rotate_right(1);
+
+    let mut looks: Vec<(Recipe, Grown)> = Vec::with_capacity(seasons.len());
+    let mut held = grown.bytes();
+    for season in &seasons {
+        let mut recipe = recipe.clone();
+        recipe.preset.foliage.season = season.season;
+        let holding = Holding::new(monitor, held);
+        let sprouting = sprout(&recipe, &grown.skeleton, &grown.given, &holding);
+        let organs = sprouting.map_err(DressError::from).map_err(DetailError::from)?;
+        held += organs.bytes();
+        looks.push((recipe, Grown { organs, ..grown.clone() }));
+    }
+    let amount = |at: usize| looks[at].1.organs.amount().1;
+    let fullest = (1..looks.len()).fold(0, |best, at| if amount(at) > amount(best) { at } else { best });
+
+    let mut notes = Vec::new();
+    if recipe.preset.foliage.kinds().all(|kind| kind.evergreen || kind.form == Form::None) {
+        notes.push("seasons: nothing on this plant changes with them".to_owned());
+    }
+    let plan = Plan::new(&recipe.preset, &looks[fullest].1, &mut notes, monitor)?;
+    let mut wardrobe: Option<Wardrobe> = None;
+    let mut year = Vec::with_capacity(seasons.len());
+    for (season, (recipe, grown)) in seasons.into_iter().zip(&looks) {
+        let holding = Holding::new(monitor, held);
+        let worn = match &wardrobe {
+            Some(before) => before.in_season(recipe, &grown.organs, &holding)?,
+            None => Wardrobe::new(recipe, &grown.organs, &holding)?,
+        };
+        let levels = plan.dress(recipe, grown, &worn, &holding)?;
+        held += levels.iter().map(|level| level.scene.bytes()).sum::<u64>();
+        year.push((season, levels));
+        wardrobe = Some(worn);
+    }
+    Ok(Year { seasons: year, notes, recipe: recipe.to_line() })
+}
+
+/// Which levels there are to be of a tree.
+struct Plan {
+    /// How much each has, finest first; `None`: one with everything.
+    details: Option<Vec<Detail>>,
+}
+
+impl Plan {
+    /// Solves for the budgets that a preset sets.
+    fn new(
+        preset: &Preset,
+        grown: &Grown,
+        notes: &mut Vec<String>,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, DetailError> {
+        let Preset { detail, .. } = preset;
+        if detail.triangles == 0 && detail.lods <= 1 {
+            return Ok(Self { details: None });
+        }
+        let simplifier = Simplifier::new(preset, grown, monitor)?;
         let full = simplifier.full_triangles(monitor)?;
         let least = simplifier.least_triangles(monitor)?;
         let mut budget = if detail.triangles == 0 { full } else { detail.triangles };
@@ -69,6 +173,7 @@ pub fn levels(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<L
             notes.push(format!("triangles={budget}: the tree has no more than {full}"));
             budget = full;
         }
+        let mut details = Vec::new();
         for level in 0..detail.lods.max(1) {
             if level > 0 && budget < least {
                 notes.push(format!(
@@ -77,27 +182,52 @@ pub fn levels(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<L
                 ));
                 break;
             }
-            let own = simplifier.within(budget, monitor)?;
-            let held = Holding::new(monitor, scenes.iter().map(Scene::bytes).sum());
-            let thin = simplifier.simplified(&own, &held)?;
-            scenes.push(dressed(thin, &wardrobe, field.as_ref(), recipe, grown, &held)?);
+            details.push(simplifier.within(budget, monitor)?);
             budget = (budget as f64 * detail.lod_ratio) as u64;
         }
+        Ok(Self { details: Some(details) })
     }
-    if detail.billboard > 0 {
-        let how = Billboard { planes: detail.billboard, size_px: detail.billboard_size_px };
-        let held = Holding::new(monitor, scenes.iter().skip(1).map(Scene::bytes).sum());
-        scenes.push(billboard(&scenes[0], &how, &held)?);
+
+    /// Dresses a tree in these levels, and in what stands for it from afar.
+    fn dress(
+        &self,
+        recipe: &Recipe,
+        grown: &Grown,
+        wardrobe: &Wardrobe,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Level>, DetailError> {
+        let Preset { detail, .. } = &recipe.preset;
+        let field = Field::of(&recipe.preset, &grown.skeleton);
+        let mut scenes: Vec<Scene> = Vec::new();
+        match &self.details {
+            None => {
+                let blown = field.as_ref().map(|field| Blown { field, axes: None });
+                scenes.push(wardrobe.dress(recipe, grown, blown, monitor)?);
+            }
+            Some(details) => {
+                let simplifier = Simplifier::new(&recipe.preset, grown, monitor)?;
+                for own in details {
+                    let held = Holding::new(monitor, scenes.iter().map(Scene::bytes).sum());
+                    let thin = simplifier.simplified(own, &held)?;
+                    scenes.push(dressed(thin, wardrobe, field.as_ref(), recipe, grown, &held)?);
+                }
+            }
+        }
+        if detail.billboard > 0 {
+            let how = Billboard { planes: detail.billboard, size_px: detail.billboard_size_px };
+            let held = Holding::new(monitor, scenes.iter().skip(1).map(Scene::bytes).sum());
+            scenes.push(billboard(&scenes[0], &how, &held)?);
+        }
+        // So many triangles per pixel: the height goes with the root of their number.
+        let step = (detail.lod_ratio as f32).sqrt();
+        let last = scenes.len() - 1;
+        let mut coverage = NEAR / step;
+        let level = |(index, scene)| {
+            coverage *= step;
+            Level { scene, coverage: if index == last { 0.0 } else { coverage } }
+        };
+        Ok(scenes.into_iter().enumerate().map(level).collect())
     }
-    // So many triangles per pixel: the height goes with the root of their number.
-    let step = (detail.lod_ratio as f32).sqrt();
-    let last = scenes.len() - 1;
-    let mut coverage = NEAR / step;
-    let level = |(index, scene)| {
-        coverage *= step;
-        Level { scene, coverage: if index == last { 0.0 } else { coverage } }
-    };
-    Ok(Levels { levels: scenes.into_iter().enumerate().map(level).collect(), notes })
 }
 
 /// The finest level's wood and leaves, as `triangles` has them, and how the wood is swept: what is

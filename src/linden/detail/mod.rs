@@ -27,7 +27,7 @@ use self::billboard::BillboardError;
 use self::leaves::Leaves;
 use self::wood::Wood;
 
-pub use levels::{Level, Levels, finest, levels};
+pub use levels::{Level, Levels, Year, finest, levels, year};
 
 /// How much of a tree is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]

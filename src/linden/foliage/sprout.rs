@@ -15,7 +15,7 @@ use super::mesh::FoliageError;
 use super::pose::{Phyllotaxis, pose};
 use super::{Growth, Organs, PROTOTYPES, Placed, prototype};
 use crate::memory::{Holding, bytes_of};
-use crate::monitor::{Cancelled, Monitor, Stage};
+use crate::monitor::{Cancelled, Monitor, Phase};
 use crate::preset::{Form, LeafKind};
 use crate::random::Key;
 use crate::recipe::{Geometry, Recipe};
@@ -190,7 +190,7 @@ impl Field<'_> {
                 task.axis((chunk * AXES_PER_TASK + i) as u64, axis, monitor)?;
             }
             let before = done.fetch_add(axes.len() as u64, std::sync::atomic::Ordering::Relaxed);
-            monitor.advance(Stage::Sprout, before + axes.len() as u64, Some(skeleton.axes.len() as u64));
+            monitor.advance(Phase::Sprout, before + axes.len() as u64, Some(skeleton.axes.len() as u64));
             Ok(task.placed)
         });
         let pieces = chunks.collect::<Result<Vec<Placed>, Cancelled>>()?;

@@ -526,7 +526,7 @@ impl Monitor for Small {
         false
     }
 
-    fn advance(&self, _: crate::monitor::Stage, _: u64, _: Option<u64>) {}
+    fn advance(&self, _: crate::monitor::Phase, _: u64, _: Option<u64>) {}
 
     fn memory_limit(&self) -> u64 {
         8 << 20

@@ -17,11 +17,26 @@ pub struct Layout {
     pub distinct: u64,
     /// Sizes lie within this share below and above.
     pub size_spread: f64,
+    /// The most triangles that a grown tree has in its finest level, unless its preset has a budget of its
+    /// own; 0: all that there are.
+    pub triangles: u64,
 }
+
+/// Enough that a tree is whole from a few metres on, and a forest of a dozen distinct ones stays well
+/// below 200 MB.
+const TRIANGLES: u64 = 150_000;
 
 impl Default for Layout {
     fn default() -> Self {
-        Self { seed: 1, area_m: 60.0, spacing_m: 5.0, trees: None, distinct: 3, size_spread: 0.2 }
+        Self {
+            seed: 1,
+            area_m: 60.0,
+            spacing_m: 5.0,
+            trees: None,
+            distinct: 3,
+            size_spread: 0.2,
+            triangles: TRIANGLES,
+        }
     }
 }
 
@@ -87,6 +102,16 @@ pub static FOREST_KNOBS: &[ForestKnob] = &[
         },
         read: |own| Value::Real(own.size_spread),
         write: |own, value| own.size_spread = real(&value, own.size_spread),
+    },
+    ForestKnob {
+        knob: Knob {
+            name: "triangles",
+            kind: Kind::Integer { min: 0, max: u32::MAX as u64 },
+            unit: "",
+            help: "the most that each grown tree has in its finest level; 0: all that there are",
+        },
+        read: |own| Value::Integer(own.triangles),
+        write: |own, value| own.triangles = integer(&value, own.triangles),
     },
     ForestKnob {
         knob: Knob {
@@ -167,6 +192,7 @@ mod tests {
             ("trees", "40"),
             ("distinct", "2"),
             ("size_spread", "0.5"),
+            ("triangles", "2000"),
             ("seed", "18446744073709551615"),
         ];
         assert_eq!(typed.len(), FOREST_KNOBS.len());

@@ -25,6 +25,9 @@ mod spacing;
 
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
+use crate::detail::{DetailError, Simplifier};
+use crate::grow::Grown;
+use crate::monitor::Monitor;
 use crate::recipe::{Recipe, VERSION, ascii_line};
 
 pub use document::{ForestDocument, TreeLine, TreeSource};
@@ -32,6 +35,27 @@ pub use layout::{FOREST_KNOBS, ForestKnob, Layout, LayoutError};
 pub use library::{BuiltinForest, builtin_forest, builtin_forests};
 pub use plan::{ForestError, MOST_PLACES, Plan, Tree};
 pub use spacing::poisson_disc;
+
+/// What `recipe` has for levels of detail where no tree of a forest is to have more than so many
+/// triangles: its own budget, if it has one; none for a tree that has no more anyway.
+///
+/// # Errors
+/// [`DetailError`]: memory, or cancelled.
+pub fn budgeted(
+    recipe: &Recipe,
+    grown: &Grown,
+    triangles: u64,
+    monitor: &dyn Monitor,
+) -> Result<Recipe, DetailError> {
+    let mut own = recipe.clone();
+    if triangles > 0
+        && own.preset.detail.triangles == 0
+        && Simplifier::new(&own.preset, grown, monitor)?.full_triangles(monitor)? > triangles
+    {
+        own.preset.detail.triangles = triangles;
+    }
+    Ok(own)
+}
 
 /// Kinds of trees, and how they are laid out.
 #[derive(Clone, Debug)]

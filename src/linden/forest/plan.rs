@@ -71,6 +71,17 @@ pub enum ForestError {
         /// Metres.
         area_m: f64,
     },
+    /// Not even two trees have room.
+    #[error(
+        "the forest does not fit: no two trees stand {spacing_m} m apart on {area_m} m × {area_m} m; take a \
+         larger area or a smaller spacing, or trees=1"
+    )]
+    Alone {
+        /// Metres.
+        spacing_m: f64,
+        /// Metres.
+        area_m: f64,
+    },
     /// Too many trees.
     #[error(
         "about {about} trees {spacing_m} m apart on {area_m} m × {area_m} m are more than {MOST_PLACES}; take \
@@ -109,6 +120,9 @@ impl Forest {
             });
         }
         let (area_m, spacing_m) = (layout.area_m, layout.spacing_m);
+        if spacing_m > area_m && layout.trees != Some(1) {
+            return Err(ForestError::Alone { spacing_m, area_m });
+        }
         let about = (DENSITY * (area_m / spacing_m) * (area_m / spacing_m)) as u64;
         if about > MOST_PLACES {
             return Err(ForestError::TooMany { about, spacing_m, area_m });
@@ -269,6 +283,10 @@ mod tests {
         assert!(said.contains("500 trees") && said.contains(&format!("where {fitting} find room")), "{said}");
         let said = forest(&[("area", "10000"), ("spacing", "0.05")]).plan(&Quiet).unwrap_err().to_string();
         assert!(said.contains("more than 1000000"), "{said}");
+        let said = forest(&[("area", "20"), ("spacing", "21")]).plan(&Quiet).unwrap_err().to_string();
+        assert!(said.contains("21 m apart on 20 m") && said.contains("trees=1"), "{said}");
+        let alone = forest(&[("area", "20"), ("spacing", "21"), ("trees", "1")]);
+        assert_eq!(alone.plan(&Quiet).unwrap().places.len(), 1);
         let mut none = forest(&[]);
         none.kinds[1].share = 0.0;
         assert!(none.plan(&Quiet).unwrap_err().to_string().contains("'simple'"));

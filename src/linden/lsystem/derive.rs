@@ -14,7 +14,7 @@ use super::expression::code::Inputs;
 use super::grammar::Grammar;
 use super::grow::Settings;
 use super::program::{Call, Program, Word};
-use crate::monitor::{Monitor, Quiet, Stage};
+use crate::monitor::{Monitor, Phase, Quiet};
 use crate::random::Key;
 
 pub(super) use buffers::{Trial, count};
@@ -143,7 +143,7 @@ pub(super) fn derive<S: Sink>(
         stream::derive(&mut outlet)?;
     }
     outlet.sink.hold_beside(0);
-    monitor.advance(Stage::Turtle, outlet.given, total);
+    monitor.advance(Phase::Turtle, outlet.given, total);
     Ok(outlet.given)
 }
 
@@ -268,7 +268,7 @@ impl<S: Sink> Outlet<'_, S> {
         if self.spent >= PATIENCE {
             self.spent = 0;
             self.monitor.check()?;
-            self.monitor.advance(Stage::Turtle, self.given, self.total);
+            self.monitor.advance(Phase::Turtle, self.given, self.total);
         }
         Ok(())
     }

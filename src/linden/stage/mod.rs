@@ -204,6 +204,29 @@ impl<'a> Stage<'a> {
         stage
     }
 
+    /// How many seasons there are: the most that a plant has.
+    pub fn seasons(&self) -> usize {
+        self.plants.iter().map(|plant| plant.seasons.len()).max().unwrap_or(0)
+    }
+
+    /// The same with one season of each plant: the `season`-th, or the last that it has. A single plant's
+    /// recipe is then that of its season.
+    #[must_use]
+    pub fn in_season(&self, season: usize) -> Self {
+        let mut stage = self.clone();
+        if self.is_single() && self.seasons() > 1 {
+            let own = self.plants[0].seasons.get(season).or(self.plants[0].seasons.last());
+            if let Some(level) = own.and_then(|own| own.levels.first()) {
+                stage.recipe.clone_from(&level.scene.recipe);
+            }
+        }
+        for plant in &mut stage.plants {
+            let last = plant.seasons.len().saturating_sub(1);
+            plant.seasons = plant.seasons.get(season.min(last)).cloned().into_iter().collect();
+        }
+        stage
+    }
+
     /// What stands where, in the first season and the finest level.
     pub fn finest(&self) -> impl Iterator<Item = (&Place, &'a Scene)> {
         self.places
@@ -323,6 +346,22 @@ mod tests {
             }
         }
         assert_eq!(stage.triangles(), 2 * scene.parts[0].mesh.triangles.len() as u64);
+    }
+
+    #[test]
+    fn a_season_is_its_own_or_the_last() {
+        let (green, bare) = (scene(), scene());
+        let season = |name: &str, scene| Season {
+            name: name.to_owned(),
+            levels: vec![Level { scene, coverage: 0.0 }],
+        };
+        let mut stage = Stage::of(&green);
+        stage.plants[0].seasons = vec![season("summer", &green), season("bare", &bare)];
+        assert_eq!(stage.seasons(), 2);
+        for (asked, name) in [(0, "summer"), (1, "bare"), (9, "bare")] {
+            let own = stage.in_season(asked);
+            assert_eq!((own.seasons(), own.plants[0].seasons[0].name.as_str()), (1, name));
+        }
     }
 
     #[test]

@@ -26,7 +26,7 @@ use rayon::prelude::*;
 use self::plan::{Course, Plan};
 use self::tube::Target;
 use crate::memory::OverMemory;
-use crate::monitor::{Cancelled, Monitor, Stage};
+use crate::monitor::{Cancelled, Monitor, Phase};
 use crate::scene::Mesh;
 use crate::skeleton::Skeleton;
 
@@ -201,7 +201,7 @@ fn sweep_some(course: &Course<'_>, axes: Range<usize>, monitor: &dyn Monitor) ->
         }
         let swept = plan.len() as u64;
         let before = done.fetch_add(swept, Ordering::Relaxed);
-        monitor.advance(Stage::Sweep, before + swept, Some(all));
+        monitor.advance(Phase::Sweep, before + swept, Some(all));
         Ok::<(), Cancelled>(())
     })?;
     Ok(mesh)

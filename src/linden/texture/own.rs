@@ -224,7 +224,7 @@ mod tests {
             fn is_cancelled(&self) -> bool {
                 false
             }
-            fn advance(&self, _: crate::monitor::Stage, _: u64, _: Option<u64>) {}
+            fn advance(&self, _: crate::monitor::Phase, _: u64, _: Option<u64>) {}
             fn memory_limit(&self) -> u64 {
                 1000
             }

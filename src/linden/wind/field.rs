@@ -21,7 +21,7 @@ const STEM_SWING: f32 = 0.05;
 /// How far the tip of the most flexible branch goes, as a share of its length.
 const BRANCH_SWING: f32 = 0.22;
 /// How far the tip of a leaf goes, as a share of its length.
-const LEAF_SWING: f32 = 0.35;
+pub(super) const LEAF_SWING: f32 = 0.35;
 /// A branch of this share of its stem's radius is half as flexible as a twig.
 const HALF_FLEXIBLE: f32 = 0.15;
 /// The share of the swing that goes up and down, so that branches along the wind swing too.
@@ -31,7 +31,7 @@ const WAVE_M: f32 = 9.0;
 /// How much of a period the phases of neighbours differ by chance.
 const CHANCE: f32 = 0.45;
 /// Axes or leaves between two looks at the monitor.
-const PER_CHECK: usize = 1024;
+pub(super) const PER_CHECK: usize = 1024;
 
 /// How everything on a tree swings.
 pub(crate) struct Field<'a> {
@@ -41,14 +41,14 @@ pub(crate) struct Field<'a> {
     axis_of: Vec<u32>,
     key: Key,
     direction: Vec3,
-    strength: f32,
+    pub(super) strength: f32,
     /// `None`: attributes alone.
     sway: Option<Arc<Sway>>,
 }
 
 /// How an axis swings.
 #[derive(Clone, Copy)]
-struct AxisSwing {
+pub(super) struct AxisSwing {
     level: u32,
     pivot: Vec3,
     /// What is nearer to the pivot does not move by itself: the stem's base, the inside of the parent.
@@ -73,7 +73,8 @@ impl AxisSwing {
         (share * share).min(1.5)
     }
 
-    fn moved(&self, place: Vec3) -> [Vec3; 3] {
+    /// Where a place goes: with the stem, with the sine and with the cosine of the branches.
+    pub(super) fn moved(&self, place: Vec3) -> [Vec3; 3] {
         let own = self.tip * self.share(place);
         if self.level == 0 {
             return [own, Vec3::ZERO, Vec3::ZERO];
@@ -93,7 +94,7 @@ impl<'a> Field<'a> {
     }
 
     /// `sway`: with the loop's targets, not the attributes alone.
-    fn new(whole: &'a Skeleton, blow: &Blow, sway: bool, key: Key) -> Self {
+    pub(super) fn new(whole: &'a Skeleton, blow: &Blow, sway: bool, key: Key) -> Self {
         let (sin, cos) = libm::sincos(blow.direction_deg.to_radians());
         let mut field = Self {
             whole,
@@ -154,7 +155,7 @@ impl<'a> Field<'a> {
     }
 
     /// The wave that runs with the wind, and a little chance of the place and direction.
-    fn phase(&self, place: Vec3, heading: Vec3) -> f32 {
+    pub(super) fn phase(&self, place: Vec3, heading: Vec3) -> f32 {
         let bits = |key: Key, x: f32| key.child(u64::from(x.to_bits()));
         let numbers = place.to_array().into_iter().chain(heading.to_array());
         let chance = numbers.fold(self.key, bits).unit() as f32;
@@ -162,8 +163,8 @@ impl<'a> Field<'a> {
         phase - phase.floor()
     }
 
-    /// How a leaf's foot swings with the wood.
-    fn of_node(&self, node: u32) -> &AxisSwing {
+    /// How a node swings, and a leaf's foot with it.
+    pub(super) fn of_node(&self, node: u32) -> &AxisSwing {
         &self.axes[self.axis_of[node as usize] as usize]
     }
 

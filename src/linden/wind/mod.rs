@@ -11,6 +11,7 @@
 //! come from the seed and from places, not from numbers of nodes.
 
 mod field;
+mod moment;
 mod sway;
 
 use glam::Vec3;
@@ -18,6 +19,7 @@ use glam::Vec3;
 use crate::memory::bytes_of;
 
 pub(crate) use field::Field;
+pub use moment::blown;
 pub use sway::Sway;
 
 /// How much of it a tree is given.

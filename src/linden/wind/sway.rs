@@ -47,6 +47,11 @@ impl Sway {
         FRAMES_PER_SECOND
     }
 
+    /// How far a motion is out at a frame, in amplitudes: ±1 without gusts.
+    pub(super) fn swing(&self, motion: Motion, frame: u32) -> f32 {
+        (self.weight(motion, frame) - 0.5) * 2.0 * MOST
+    }
+
     /// A motion's weight at a frame, 0 to 1: ½ is no motion.
     pub fn weight(&self, motion: Motion, frame: u32) -> f32 {
         let share = f64::from(frame % self.frames) / f64::from(self.frames);

@@ -185,3 +185,44 @@ fn all_levels_swing_alike() {
         }
     }
 }
+
+/// Two ways to the same place: morph targets of the surface, and the skeleton itself.
+#[test]
+fn pictures_that_move_show_what_the_targets_say() {
+    for id in ["fir", "abop-flower"] {
+        let (recipe, tree) = grown(id, &[("wind", "sway"), ("wind_strength", "0.8")]);
+        let scene = dress(&recipe, &tree, &Quiet).unwrap();
+        let wood = &scene.parts[0];
+        let frames = wood.wind.as_ref().unwrap().sway.as_ref().unwrap().frames();
+        let feet: Vec<usize> = (0..tree.skeleton.positions.len())
+            .filter(|i| tree.skeleton.parents[*i] == crate::NO_PARENT)
+            .collect();
+        let mut way = 0.0_f32;
+        for frame in [0, frames / 3, frames / 2, frames] {
+            let (blown, leaves) = blown(&recipe.preset, &tree.skeleton, &tree.organs, frame, &Quiet).unwrap();
+            assert_eq!(blown.parents, tree.skeleton.parents);
+            for &foot in &feet {
+                assert_eq!(blown.positions[foot], tree.skeleton.positions[foot], "{id}: it stands still");
+            }
+            let moved = wood.wind.as_ref().unwrap().moved(&wood.mesh.positions, frame).unwrap();
+            // The vertices around a node swing as it does, but for the thickness of the wood.
+            let thick = tree.skeleton.radii.iter().copied().fold(0.0, f32::max);
+            for (vertex, place) in wood.mesh.positions.iter().enumerate().step_by(211) {
+                let distance = |node: &usize| tree.skeleton.positions[*node].distance(*place);
+                let nearest =
+                    (0..blown.positions.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap();
+                let own = blown.positions[nearest] - tree.skeleton.positions[nearest];
+                let gap = (moved[vertex] - *place).distance(own);
+                assert!(gap <= 0.6 * distance(&nearest).max(thick) + 1e-3, "{id} {frame}: {gap}");
+                way = way.max(own.length());
+            }
+            for (heading, up) in leaves.placed.headings.iter().zip(&leaves.placed.ups) {
+                assert!((heading.length() - 1.0).abs() < 1e-4 && heading.dot(*up).abs() < 1e-3);
+            }
+        }
+        assert!(way > 0.01, "{id} moves: {way}");
+        let at =
+            |frame| blown(&recipe.preset, &tree.skeleton, &tree.organs, frame, &Quiet).unwrap().0.positions;
+        assert!(at(0) == at(frames) && at(0) != at(frames / 3), "a loop");
+    }
+}

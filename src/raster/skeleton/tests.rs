@@ -443,7 +443,7 @@ fn a_cancelled_monitor_stops_the_work() {
         fn is_cancelled(&self) -> bool {
             true
         }
-        fn advance(&self, _: linden::monitor::Stage, _: u64, _: Option<u64>) {}
+        fn advance(&self, _: linden::monitor::Phase, _: u64, _: Option<u64>) {}
     }
     let result = draw_skeleton(&sample::tree(1, 2), &Camera::default(), &Style::studio(), size(8, 8), &Stop);
     assert_eq!(result, Err(RasterError::Cancelled));

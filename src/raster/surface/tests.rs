@@ -2,7 +2,7 @@ use std::f32::consts::PI;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use glam::{Vec2, Vec3};
-use linden::monitor::Stage;
+use linden::monitor::Phase;
 use linden::picture::Picture;
 use linden::scene::{Material, Mesh, Part};
 use linden::skeleton::{Branching, Wood};
@@ -233,7 +233,7 @@ fn cancelling_stops_soon() {
         fn is_cancelled(&self) -> bool {
             self.1.fetch_add(1, Ordering::Relaxed) >= self.0
         }
-        fn advance(&self, _: Stage, _: u64, _: Option<u64>) {}
+        fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
     }
     let (skeleton, parts) = tree(2);
     let materials = [material([0.4; 3])];

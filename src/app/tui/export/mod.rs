@@ -13,7 +13,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use linden::monitor::Stage;
+use linden::monitor::Phase;
 use linden_terminal::input::{Button, Key, Mouse, MouseAction};
 
 pub use commands::COMMANDS;
@@ -55,7 +55,7 @@ struct Running {
     number: u64,
     /// `fir.glb +2`.
     name: String,
-    doing: Option<Stage>,
+    doing: Option<Phase>,
     /// In parts of [`WHOLE`].
     done: u64,
 }

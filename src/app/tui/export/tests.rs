@@ -455,7 +455,7 @@ fn what_is_done_is_told_and_listed() {
     let order = Bench::order(bench.keys("x"));
     assert!(is_running(&bench.model));
     let number = order.number;
-    bench.send(Msg::Export(ExportNews::Progress { doing: Stage::Write, done: 420 }));
+    bench.send(Msg::Export(ExportNews::Progress { doing: Phase::Write, done: 420 }));
     let text = bench.text(100, 30);
     assert!(text.contains("writing older-c.obj +1 ████░░░░░░ 42 %"), "{text}");
     bench.send(carried_out(order));

@@ -94,6 +94,9 @@ fn tempo(model: &Model, shown: &Shown) -> (u32, Duration) {
 pub fn go_to(model: &mut Model, step: u32) {
     let Some(last) = shown(model).map(last_step) else { return };
     model.growth.step = (step < last).then_some(step);
+    if model.growth.step.is_some() {
+        model.wind.stop();
+    }
     if model.growth.step.is_none() {
         model.growth.pause();
     }
@@ -107,6 +110,7 @@ fn play_or_pause(model: &mut Model) {
     let Some(tree) = shown(model) else { return };
     let (_, pause) = tempo(model, tree);
     let now = model.now;
+    model.wind.stop();
     model.growth.step = Some(model.growth.step.unwrap_or(0));
     model.growth.playing = Some(now);
     model.growth.pause = pause;

@@ -235,6 +235,7 @@ fn take(model: &mut Model, tree: Tree) {
     }
     model.form.reset();
     model.growth.stop();
+    model.wind.stop();
     picture::reset(model);
 }
 

@@ -123,7 +123,7 @@ impl PictureState {
 
 /// Whether something moves by itself.
 fn is_moving(model: &Model) -> bool {
-    model.picture.is_turning() || model.growth.is_playing()
+    model.picture.is_turning() || model.growth.is_playing() || model.wind.is_blowing()
 }
 
 /// The pause between frames of what moves by itself.
@@ -174,6 +174,7 @@ pub fn wanted(model: &Model) -> Option<DrawRequest> {
     Some(DrawRequest {
         shown: Arc::clone(shown),
         stage: model.growth.step(),
+        wind: model.wind.frame().filter(|_| model.growth.step().is_none()),
         camera: Camera {
             extent: Some(shown.extent(picture.points || picture.outline, person)),
             ..picture.camera

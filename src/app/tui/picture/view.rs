@@ -31,9 +31,12 @@ pub fn heading(model: &Model) -> Vec<Span<'static>> {
     if picture.look != Look::ALL[0] {
         words.push(picture.look.name());
     }
-    for (on, word) in
-        [(picture.points, "points"), (picture.outline, "crown"), (picture.is_turning(), "turning")]
-    {
+    for (on, word) in [
+        (picture.points, "points"),
+        (picture.outline, "crown"),
+        (picture.is_turning(), "turning"),
+        (model.wind.is_blowing(), "wind"),
+    ] {
         if on {
             words.push(word);
         }

@@ -100,6 +100,7 @@ fn open(model: &mut Model, name: &'static str) {
     };
     // What moves beneath would only take time from the pictures.
     model.picture.turn(None);
+    model.wind.stop();
     if model.growth.is_playing() {
         model.growth.stop();
     }

@@ -13,7 +13,7 @@ use super::search::{Captures, Search};
 use super::surroundings::Surroundings;
 use super::tree::PointTree;
 use super::{ADVICE, Attraction, DOING, Growth, GrowthError, GrowthRule, NodeSet, Stop, bytes_at};
-use crate::monitor::{Cancelled, Monitor, Stage};
+use crate::monitor::{Cancelled, Monitor, Phase};
 use crate::skeleton::Branching;
 
 /// Fewer nodes than this are asked to grow by one thread.
@@ -203,7 +203,7 @@ impl<'a, F: Fn(PointTree, f32) -> Search> Colony<'a, F> {
             self.searches.retain(|search| !search.is_done());
         }
         let total = self.points.len() as u64;
-        self.monitor.advance(Stage::Grow, total - self.live as u64, Some(total));
+        self.monitor.advance(Phase::Grow, total - self.live as u64, Some(total));
     }
 
     /// Nodes whose `N(v)` changed since the last call.

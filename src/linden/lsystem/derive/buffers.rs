@@ -13,7 +13,7 @@ use crate::lsystem::error::LsystemError;
 use crate::lsystem::expression::code::Inputs;
 use crate::lsystem::grow::Settings;
 use crate::lsystem::program::{Entry, Group, Program};
-use crate::monitor::{Monitor, Quiet, Stage};
+use crate::monitor::{Monitor, Phase, Quiet};
 use crate::random::Key;
 
 /// Modules that are looked at in one go: some ten microseconds.
@@ -171,7 +171,7 @@ pub(super) fn derive<S: Sink>(outlet: &mut Outlet<'_, S>) -> Result<(), LsystemE
         outlet.monitor.admit("deriving the L-system", bytes, "use fewer derivations")?;
         let next = step.write(&sizes)?;
         string = next;
-        outlet.monitor.advance(Stage::Derive, string.modules.len() as u64, None);
+        outlet.monitor.advance(Phase::Derive, string.modules.len() as u64, None);
     }
     outlet.sink.hold_beside(string.size().bytes(program));
     let step = Step::choose(program, &string, &mut neighbours, last, outlet.monitor)?;

@@ -16,7 +16,7 @@ use super::super::program::Word;
 use super::walk::{Pen, begin, end, put};
 use super::{Action, Flat};
 use crate::memory::{bytes_grown, bytes_of};
-use crate::monitor::{Monitor, Stage};
+use crate::monitor::{Monitor, Phase};
 use crate::skeleton::Branching;
 
 /// The most symbols of a block.
@@ -204,8 +204,8 @@ pub(super) fn draw(mut flat: Flat<'_>, monitor: &dyn Monitor) -> Result<Branchin
         monitor.check()?;
         // Symbols come up in proportion to segments, about.
         let share = (tree.branching.positions.len() - 1) as f64 / flat.segments as f64;
-        monitor.advance(Stage::Turtle, (share * flat.symbols as f64) as u64, total);
+        monitor.advance(Phase::Turtle, (share * flat.symbols as f64) as u64, total);
     }
-    monitor.advance(Stage::Turtle, flat.symbols, total);
+    monitor.advance(Phase::Turtle, flat.symbols, total);
     Ok(end(tree.branching))
 }

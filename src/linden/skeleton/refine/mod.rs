@@ -23,7 +23,7 @@ use super::axes::successors;
 use super::radii::pipe::count_tips;
 use super::{Branching, NO_PARENT};
 use crate::memory::{OverMemory, bytes_of};
-use crate::monitor::{Cancelled, Monitor, Stage};
+use crate::monitor::{Cancelled, Monitor, Phase};
 use crate::random::Key;
 
 /// One way to change a branching.
@@ -212,7 +212,7 @@ pub fn refine(
     for (done, step) in refinement.steps.iter().enumerate() {
         monitor.check()?;
         shoots.admit(0, monitor)?;
-        monitor.advance(Stage::Refine, done as u64, Some(refinement.steps.len() as u64));
+        monitor.advance(Phase::Refine, done as u64, Some(refinement.steps.len() as u64));
         (step.apply)(&mut shoots, refinement, monitor)?;
     }
     if refinement.bends() {

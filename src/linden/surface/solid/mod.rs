@@ -22,7 +22,7 @@ use super::features::Ends;
 use super::plan::{Course, Plan};
 use super::{ADVICE, SurfaceError};
 use crate::memory::{Holding, bytes_of};
-use crate::monitor::{Monitor, Stage};
+use crate::monitor::{Monitor, Phase};
 use crate::scene::Mesh;
 
 /// A solid of more triangles, by the area of its wood, is refused before work begins.
@@ -84,7 +84,7 @@ pub(super) fn solidify(course: &Course<'_>, monitor: &dyn Monitor) -> Result<Mes
             monitor.check()?;
             let block = Block::contour(*place, own, &pieces, &lattice);
             let before = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-            monitor.advance(Stage::Solidify, before + 1, Some(all));
+            monitor.advance(Phase::Solidify, before + 1, Some(all));
             Ok::<Option<Block>, SurfaceError>(block)
         })
         .collect::<Result<Vec<Option<Block>>, SurfaceError>>()?;

@@ -1,6 +1,6 @@
 use super::*;
 use crate::color::decode;
-use crate::monitor::{Quiet, Stage};
+use crate::monitor::{Phase, Quiet};
 
 fn pictures(style: BarkStyle, size_px: u32) -> BarkPictures {
     Bark { size_px, ..Bark::new(style, Key::new(11).named("bark")) }.draw(&Quiet).unwrap()
@@ -161,7 +161,7 @@ fn a_cancelled_monitor_stops_the_work() {
         fn is_cancelled(&self) -> bool {
             true
         }
-        fn advance(&self, _: Stage, _: u64, _: Option<u64>) {}
+        fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
     }
     assert_eq!(Bark::new(BarkStyle::Smooth, Key::new(1)).draw(&Stop), Err(BarkError::Cancelled(Cancelled)));
 }

@@ -1,6 +1,6 @@
 use super::blade::{Blade, BladeLook};
 use super::*;
-use crate::monitor::{Quiet, Stage};
+use crate::monitor::{Phase, Quiet};
 
 fn key() -> Key {
     Key::new(3).named("leaf")
@@ -269,7 +269,7 @@ fn a_cancelled_monitor_stops_the_work() {
         fn is_cancelled(&self) -> bool {
             true
         }
-        fn advance(&self, _: Stage, _: u64, _: Option<u64>) {}
+        fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
     }
     assert_eq!(small(Outline::Fern).draw(key(), &Stop), Err(LeafError::Cancelled(Cancelled)));
 }

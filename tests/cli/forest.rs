@@ -1,0 +1,138 @@
+//! `linden forest`: what stands where, in files as another reader sees them.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+use crate::program::{Folder, linden};
+
+/// The document of a GLB.
+fn glb(bytes: &[u8]) -> Value {
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    assert_eq!(&bytes[16..20], b"JSON");
+    serde_json::from_slice(&bytes[20..20 + length]).unwrap()
+}
+
+/// Trees of a document: mesh and place.
+fn trees(document: &Value) -> Vec<(u64, [f64; 3])> {
+    let nodes = document["nodes"].as_array().unwrap();
+    let root = &nodes[document["scenes"][0]["nodes"][0].as_u64().unwrap() as usize];
+    let children =
+        root["children"].as_array().unwrap().iter().map(|index| &nodes[index.as_u64().unwrap() as usize]);
+    children
+        .map(|node| {
+            let at = |axis: usize| node["translation"][axis].as_f64().unwrap();
+            (node["mesh"].as_u64().unwrap(), [at(0), at(1), at(2)])
+        })
+        .collect()
+}
+
+const SMALL: [&str; 6] = ["--triangles", "3000", "--set", "bark_size=32", "--set", "leaf_size=32"];
+
+#[test]
+fn kinds_in_a_line_make_a_forest_that_keeps_its_spacing_and_shares() {
+    let folder = Folder::new();
+    let line = ["forest", "oak:2", "silver-birch:1", "--area", "48", "--spacing", "6.5", "--seed", "5"];
+    let export = |threads: &str, name: &str| {
+        let run = linden()
+            .env("RAYON_NUM_THREADS", threads)
+            .args(line)
+            .args(SMALL)
+            .args(["-o", name])
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+        folder.read(name)
+    };
+    let one = export("1", "one.glb");
+    assert!(one == export("2", "two.glb"), "one thread and two differ");
+    let document = glb(&one);
+    let stand = trees(&document);
+    assert!((25..50).contains(&stand.len()), "{}", stand.len());
+    for (index, (_, [x, y, z])) in stand.iter().enumerate() {
+        assert!(x.abs() <= 24.0 && z.abs() <= 24.0 && *y == 0.0, "on the ground of 48 m");
+        for (_, [u, _, w]) in &stand[..index] {
+            assert!((x - u).hypot(z - w) >= 6.5 - 1e-4, "{x} {z} and {u} {w}");
+        }
+    }
+    // Each distinct tree is there once, however often it stands.
+    let names: Vec<&str> =
+        document["meshes"].as_array().unwrap().iter().map(|mesh| mesh["name"].as_str().unwrap()).collect();
+    let mut counts = BTreeMap::<&str, usize>::new();
+    for (mesh, _) in &stand {
+        *counts.entry(names[*mesh as usize]).or_default() += 1;
+    }
+    assert_eq!((names.len(), counts.len()), (6, 6), "three of each kind: {names:?}");
+    let of =
+        |kind: &str| counts.iter().filter(|(name, _)| name.contains(kind)).map(|(_, n)| n).sum::<usize>();
+    assert!((of("oak") as f64 - stand.len() as f64 * 2.0 / 3.0).abs() <= 1.0, "{counts:?}");
+    assert_eq!(of("oak") + of("birch"), stand.len());
+    // The budget is that of each distinct tree.
+    let triangles = |mesh: &Value| -> u64 {
+        let indices =
+            mesh["primitives"].as_array().unwrap().iter().map(|own| own["indices"].as_u64().unwrap());
+        indices.map(|index| document["accessors"][index as usize]["count"].as_u64().unwrap() / 3).sum()
+    };
+    for mesh in document["meshes"].as_array().unwrap() {
+        assert!((2850..=3000).contains(&triangles(mesh)), "{} has {}", mesh["name"], triangles(mesh));
+    }
+    let other = folder
+        .run(&[&["forest", "oak:2", "silver-birch:1", "--seed", "6"][..], &SMALL, &["-o", "x.glb"]].concat());
+    assert_eq!(other.code, Some(0), "{}", other.err);
+    assert_ne!(trees(&glb(&folder.read("x.glb"))), stand);
+}
+
+#[test]
+fn the_forests_in_the_program_are_listed_described_and_open() {
+    let folder = Folder::new();
+    let rows = folder.run(&["list", "--json"]).done().json();
+    let ids: Vec<&str> = rows
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|row| row["generator"] == "forest" && row["group"] == "forests")
+        .map(|row| row["id"].as_str().unwrap())
+        .collect();
+    assert_eq!(ids, ["mixed-wood", "orchard"]);
+    let text = folder.run(&["list"]).done().out;
+    assert!(text.contains("\nforests, for 'linden forest'\n  mixed-wood "), "{text}");
+
+    for id in ids {
+        let shown = folder.run(&["show", id, "--json", "--set", "area=30", "--seed", "4"]).done().json();
+        assert_eq!(shown["generator"], "forest");
+        assert_eq!(shown["recipe"]["seed"], "4");
+        let page = folder.run(&["show", id, "--set", "area=30", "--seed", "4"]).done().out;
+        let places = shown["places"].as_u64().unwrap();
+        assert!(page.contains(&format!("a forest of {places} trees")), "{page}");
+        for tree in shown["trees"].as_array().unwrap() {
+            assert!(page.contains(&format!("  {}", tree["id"].as_str().unwrap())), "{page}");
+        }
+        // What is shown is what stands in the file.
+        let args = ["forest", id, "--area", "30", "--seed", "4", "-o", "small.glb"];
+        folder.run(&[&args[..], &SMALL].concat()).done();
+        let document = glb(&folder.read("small.glb"));
+        assert_eq!(trees(&document).len() as u64, places, "{id}");
+        assert_eq!(document["meshes"].as_array().unwrap().len() as u64, shown["distinct"].as_u64().unwrap());
+        // A document of its own lays out the same.
+        folder.write("own.toml", folder.run(&["show", id, "--toml"]).done().out);
+        let own =
+            folder.run(&["show", "own.toml", "--json", "--set", "area=30", "--seed", "4"]).done().json();
+        assert_eq!((&own["places"], &own["trees"]), (&shown["places"], &shown["trees"]));
+    }
+    let said = folder.run(&["export", "orchard", "-o", "x.glb"]);
+    assert_eq!(said.code, Some(2));
+    assert!(said.err.contains("linden forest orchard -o orchard.glb"), "{}", said.err);
+}
+
+/// Nobody sets a knob: files that programs open.
+#[test]
+fn the_mixed_wood_as_it_is_stays_a_file_that_opens() {
+    let folder = Folder::new();
+    folder.run(&["forest", "mixed-wood", "-o", "wood.glb"]).done();
+    let bytes = folder.read("wood.glb");
+    assert!(bytes.len() < 100 << 20, "{} bytes", bytes.len());
+    let document = glb(&bytes);
+    assert_eq!(document["meshes"].as_array().unwrap().len(), 8);
+    assert!(trees(&document).len() > 80);
+}

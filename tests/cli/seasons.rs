@@ -1,0 +1,108 @@
+//! `linden export --seasons`: which files there are, and what is in them.
+
+use crate::program::{Folder, Said};
+
+/// A small tree in leaf, with small pictures.
+const SMALL: [&str; 6] = ["--set", "points=100", "--set", "bark_size=32", "--set", "leaf_size=32"];
+
+fn export(folder: &Folder, preset: &str, args: &[&str]) -> Said {
+    folder.run(&[&["export", preset][..], &SMALL, args].concat())
+}
+
+/// The names of files but for pictures and materials.
+fn main_files(folder: &Folder) -> Vec<String> {
+    let is_side = |name: &String| [".png", ".mtl"].iter().any(|ending| name.ends_with(ending));
+    folder.names().into_iter().filter(|name| !is_side(name)).collect()
+}
+
+/// Positions of the wood and triangles of the leaves in an OBJ file.
+fn wood_and_leaves(folder: &Folder, name: &str) -> (Vec<String>, usize) {
+    let text = String::from_utf8(folder.read(name)).unwrap();
+    let (mut wood, mut leaves, mut is_wood) = (Vec::new(), 0, false);
+    for line in text.lines() {
+        match line.split_once(' ') {
+            Some(("o" | "g", part)) => is_wood = part.contains("wood"),
+            Some(("v", point)) if is_wood => wood.push(point.to_owned()),
+            Some(("f", _)) if !is_wood => leaves += 1,
+            _ => {}
+        }
+    }
+    (wood, leaves)
+}
+
+#[test]
+fn usd_has_variants_and_other_formats_a_file_for_each_season() {
+    let folder = Folder::new();
+    let args = [
+        "-o",
+        "t.obj",
+        "-o",
+        "t.usda",
+        "-o",
+        "t.glb",
+        "-o",
+        "t-s.ply",
+        "--format",
+        "obj,usda,glb,ply-skeleton",
+    ];
+    export(&folder, "dressed-simple", &[&["--seasons"][..], &args].concat()).done();
+    let seasons = ["autumn", "bare", "flush", "summer"];
+    let mut expected = vec!["t-s.ply".to_owned(), "t.usda".to_owned()];
+    expected.extend(seasons.iter().flat_map(|own| [format!("t_{own}.glb"), format!("t_{own}.obj")]));
+    expected.sort();
+    assert_eq!(main_files(&folder), expected);
+
+    let own = |season: &str| wood_and_leaves(&folder, &format!("t_{season}.obj"));
+    let (wood, leaves) = own("summer");
+    assert!(wood.len() > 300 && leaves > 300, "{} {leaves}", wood.len());
+    for season in seasons {
+        assert!(own(season).0 == wood, "the wood of {season} is another");
+        assert_eq!(own(season).1, if season == "bare" { 0 } else { leaves }, "{season}");
+    }
+    let usda = String::from_utf8(folder.read("t.usda")).unwrap();
+    assert!(usda.contains("variantSet \"season\"") && usda.contains("string season = \"summer\""));
+    assert!(seasons.iter().all(|own| usda.contains(&format!("\"{own}\" {{"))), "four variants");
+}
+
+#[test]
+fn levels_come_behind_seasons_and_values_have_the_users_names() {
+    let folder = Folder::new();
+    let args =
+        ["--seasons", "late=0.9,spring=0.05", "--lods", "2", "-o", "t.obj", "-o", "t.glb", "-o", "t.usdz"];
+    export(&folder, "dressed-simple", &[&args[..], &["--set", "season=0.8"]].concat()).done();
+    let expected = [
+        "t.usdz",
+        "t_late.glb",
+        "t_late_LOD0.obj",
+        "t_late_LOD1.obj",
+        "t_spring.glb",
+        "t_spring_LOD0.obj",
+        "t_spring_LOD1.obj",
+    ];
+    assert_eq!(main_files(&folder), expected);
+    for level in [0, 1] {
+        let own = |season: &str| wood_and_leaves(&folder, &format!("t_{season}_LOD{level}.obj"));
+        let (late, spring) = (own("late"), own("spring"));
+        assert!(late.0 == spring.0, "level {level} has one wood");
+        assert!(0 < late.1 && late.1 < spring.1, "{} {}", late.1, spring.1);
+    }
+    // Either file grows again as it is.
+    let text = String::from_utf8(folder.read("t_late_LOD0.obj")).unwrap();
+    let recipe = text.lines().find(|line| line.contains("{\"linden\"")).expect("a recipe");
+    folder.write("late.json", &recipe[recipe.find('{').unwrap()..]);
+    folder.run(&["export", "late.json", "-o", "again.obj"]).done();
+    assert_eq!(wood_and_leaves(&folder, "again_LOD0.obj"), wood_and_leaves(&folder, "t_late_LOD0.obj"));
+}
+
+#[test]
+fn a_stream_has_the_recipes_own_season_and_plants_without_seasons_are_told_of() {
+    let folder = Folder::new();
+    let said = export(&folder, "dressed-simple", &["--seasons", "bare,summer", "--format", "obj", "-o", "-"]);
+    assert_eq!(said.code, Some(0));
+    assert!(said.err.contains("one season") && said.err.contains("'summer'"), "{}", said.err);
+    assert!(said.out.contains("leaves"), "not the bare one");
+    let said =
+        folder.run(&["export", "dressed-fir", "--seasons", "-o", "fir.usda", "--set", "evergreen=true"]);
+    assert_eq!(said.code, Some(0));
+    assert!(said.err.contains("nothing on this plant changes"), "{}", said.err);
+}

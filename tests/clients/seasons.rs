@@ -1,0 +1,125 @@
+//! One wood with the leaves of each season, before the clients.
+
+use std::fs;
+use std::path::Path;
+
+use linden::Quiet;
+use linden::detail::{Year, year};
+use linden::grow::grow;
+use linden::preset::builtin;
+use linden::recipe::Recipe;
+use linden::season::Season;
+use linden_tests::fixtures::export_stage;
+
+use crate::outside::{exported, run};
+
+fn tree(knobs: &[(&str, &str)], seasons: &str) -> (Recipe, Year) {
+    let mut recipe = builtin("dressed-simple").unwrap().recipe(&Quiet).unwrap();
+    for (knob, value) in [("points", "120"), ("bark_size", "32"), ("leaf_size", "64")].iter().chain(knobs) {
+        recipe.preset.set(knob, value).unwrap();
+    }
+    let grown = grow(&recipe, &Quiet).unwrap();
+    let year = year(&recipe, &grown, &Season::parse_list(seasons).unwrap(), &Quiet).unwrap();
+    (recipe, year)
+}
+
+/// Triangles of wood and of leaves in a glTF file, as another reader counts them, and all bytes of the
+/// wood's positions.
+fn counted(file: &Path) -> (usize, usize, Vec<[f32; 3]>) {
+    let (document, buffers, _) = gltf::import(file).unwrap();
+    let (mut wood, mut leaves, mut points) = (0, 0, Vec::new());
+    for mesh in document.meshes() {
+        for primitive in mesh.primitives() {
+            let triangles = primitive.indices().unwrap().count() / 3;
+            if mesh.name().unwrap().starts_with("wood") {
+                wood += triangles;
+                let reader = primitive.reader(|buffer| Some(&buffers[buffer.index()].0[..]));
+                points.extend(reader.read_positions().unwrap());
+            } else {
+                leaves += triangles;
+            }
+        }
+    }
+    (wood, leaves, points)
+}
+
+#[test]
+fn every_season_is_a_variant_with_the_same_wood() {
+    for (name, knobs) in [
+        ("plain", &[][..]),
+        ("levels", &[("lods", "2"), ("lod_ratio", "0.3")]),
+        ("budget", &[("triangles", "9000"), ("season", "0.9")]),
+    ] {
+        let (_, year) = tree(knobs, "flush,summer,autumn,late=0.9,bare");
+        let stage = year.stage();
+        let dir = exported(&format!("clients-seasons-{name}"));
+        let mut expected = serde_json::Map::new();
+        let mut woods = Vec::new();
+        for (index, (season, _)) in year.seasons.iter().enumerate() {
+            let file = dir.join(format!("{}.glb", season.name));
+            // Of the finest level alone: what it has without variants.
+            let stage = stage.in_season(index).at_level(0);
+            export_stage(&stage, "glb", &[], &file).unwrap();
+            let (wood, leaves, points) = counted(&file);
+            expected.insert(season.name.clone(), [wood, leaves].to_vec().into());
+            woods.push(points);
+        }
+        assert!(woods[0].len() > 500 && woods.iter().all(|own| *own == woods[0]), "{name}");
+        let leaves = |season: &str| expected[season][1].as_u64().unwrap();
+        assert!(leaves("flush") == leaves("summer") && leaves("summer") == leaves("autumn"), "{name}");
+        assert!(leaves("summer") > 2 * leaves("late") && leaves("late") > 0 && leaves("bare") == 0, "{name}");
+        let shown = if name == "budget" { "late" } else { "summer" };
+        assert_eq!(year.seasons[0].0.name, shown, "the recipe's own season is chosen");
+        expected.insert("chosen".to_owned(), shown.into());
+        fs::write(dir.join("expected.json"), serde_json::to_vec(&expected).unwrap()).unwrap();
+        for format in ["usda", "usdz"] {
+            export_stage(&stage, format, &[], &dir.join(format!("tree.{format}"))).unwrap();
+        }
+        run("seasons.py", &dir);
+        // What is chosen agrees with the formats that hold one season.
+        for season in year.seasons.iter().skip(1) {
+            fs::remove_file(dir.join(format!("{}.glb", season.0.name))).unwrap();
+        }
+        run("check.py", &dir);
+    }
+}
+
+#[test]
+fn a_budget_is_met_in_the_season_with_most_leaves() {
+    let (_, year) = tree(&[("triangles", "9000")], "bare,summer,late=0.9");
+    let triangles = |name: &str| {
+        let (_, levels) = year.seasons.iter().find(|(season, _)| season.name == name).unwrap();
+        levels[0].scene.parts.iter().map(|part| part.mesh.triangles.len()).sum::<usize>()
+    };
+    assert!((8550..=9000).contains(&triangles("summer")), "{}", triangles("summer"));
+    assert!(triangles("bare") < triangles("late") && triangles("late") < triangles("summer"));
+}
+
+#[test]
+fn a_format_that_holds_one_season_says_which_and_writes_no_other() {
+    let (recipe, year) = tree(&[], "summer,autumn");
+    let stage = year.stage();
+    assert_eq!(stage.recipe, recipe.to_line());
+    let dir = exported("clients-one-season");
+    let alone = dir.join("alone.glb");
+    let both = dir.join("both.glb");
+    export_stage(&stage.in_season(0), "glb", &[], &alone).unwrap();
+    export_stage(&stage, "glb", &[], &both).unwrap();
+    assert!(fs::read(&alone).unwrap() == fs::read(&both).unwrap());
+    for format in ["obj", "ply", "glb", "gltf"] {
+        let exporter = linden_exporters::find(format).unwrap();
+        let options = linden_exporters::Options::new(exporter.format());
+        let mut bundle = linden_exporters::Bundle::create(&dir.join(format!("tree.{format}"))).unwrap();
+        exporter.write(&stage, &options, &mut bundle, &Quiet).unwrap();
+        let [note] = bundle.notes() else { panic!("{format}: {:?}", bundle.notes()) };
+        assert!(note.contains("one season") && note.contains("'summer'"), "{note}");
+    }
+    // A season's file carries the recipe that grows it.
+    let autumn = stage.in_season(1);
+    let document: serde_json::Value = serde_json::from_str(&autumn.recipe).unwrap();
+    assert_eq!(
+        document.pointer("/foliage/season").and_then(serde_json::Value::as_f64),
+        Some(0.75),
+        "{document}"
+    );
+}
