@@ -186,7 +186,8 @@ impl<'a> Component<'a> {
             |a: &&Piece<'_>, b: &&Piece<'_>| a.copied_part().is_some() && a.copied_part() == b.copied_part();
         for together in pieces.chunk_by(is_with) {
             match together[0].copied_part() {
-                Some(part) => self.instancer(layer, together, &names.unique(part))?,
+                // A name that none of the parts has, in whichever variant it stands.
+                Some(part) => self.instancer(layer, together, &names.unique(&format!("{part}_instances")))?,
                 None => self.mesh(layer, together[0], &format!("{}/Geometry", self.path), names)?,
             }
         }
@@ -235,7 +236,14 @@ impl<'a> Component<'a> {
         self.model(0, level).pieces.iter().filter(move |piece| self.is_all_year(piece, level))
     }
 
+    /// Whether it is the same in all seasons, with all that stands in one instancer with it.
     fn is_all_year(&self, piece: &Piece<'_>, level: usize) -> bool {
+        let Some(part) = piece.copied_part() else { return self.is_in_all(piece, level) };
+        let of_seasons = (0..self.seasons()).flat_map(|season| &self.model(season, level).pieces);
+        of_seasons.filter(|own| own.copied_part() == Some(part)).all(|own| self.is_in_all(own, level))
+    }
+
+    fn is_in_all(&self, piece: &Piece<'_>, level: usize) -> bool {
         (0..self.seasons()).all(|season| {
             let same = |own: &&Piece<'_>| own.name == piece.name && own.look == piece.look;
             let own = self.model(season, level).pieces.iter().find(same);

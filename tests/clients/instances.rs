@@ -78,6 +78,25 @@ fn instanced_leaves_have_levels() {
 }
 
 #[test]
+fn seasons_have_instances_of_their_own() {
+    let (_, _, summer) = dressed(&[]);
+    let mut autumn = summer.clone();
+    autumn.materials[1].roughness = 0.9;
+    let mut stage = Stage::of(&summer);
+    let mut late = stage.plants[0].seasons[0].clone();
+    "autumn".clone_into(&mut late.name);
+    late.levels[0].scene = &autumn;
+    stage.plants[0].seasons.push(late);
+    let dir = exported("clients-instances-seasons");
+    export(&summer, "obj", &[], &dir.join("tree.obj")).unwrap();
+    export_stage(&stage, "usda", &[ON], &dir.join("tree.usda")).unwrap();
+    run("check.py", &dir);
+    let text = std::fs::read_to_string(dir.join("tree.usda")).unwrap();
+    let count = |what: &str| text.matches(what).count();
+    assert_eq!((count("def PointInstancer \"leaves_instances\""), count("def Mesh \"wood\"")), (2, 1));
+}
+
+#[test]
 fn each_variant_is_one_mesh_however_many_leaves() {
     let (_, grown, scene) = dressed(&[]);
     let dir = tempfile::tempdir().unwrap();
