@@ -110,7 +110,8 @@ impl<'a> Writing<'a> {
         monitor: &dyn Monitor,
     ) -> Result<Self, ExportError> {
         let mut cast = Cast::in_setting(stage, monitor)?;
-        let with_instances = options.is_on("instances") && !options.is_word("flavor", "ar");
+        let is_ar = options.is_word("flavor", "ar");
+        let with_instances = options.is_on("instances") && !is_ar;
         if with_instances {
             instances::unbake(&mut cast, stage, bundle, monitor)?;
         }
@@ -123,7 +124,7 @@ impl<'a> Writing<'a> {
                 wrap: Wrap::Clamp,
             }));
         }
-        let with_skeleton = options.is_on("skeleton") && !options.is_word("flavor", "ar");
+        let with_skeleton = options.is_on("skeleton") && !is_ar;
         Ok(Self { stage, cast, pictures, files: Vec::new(), sky: None, with_skeleton, with_instances })
     }
 

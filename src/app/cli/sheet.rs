@@ -65,15 +65,11 @@ impl Sheet {
         let mut sheet = Mosaic::new(whole.width(), whole.height());
         let mut place = 0;
         for path in &sources {
+            let mut source = source::resolve(path, &settings, &progress)?;
+            super::notes(&source.notes, &progress);
+            let first = source.recipe.preset.seed;
             for step in 0..self.seeds {
-                let mut pairs = settings.clone();
-                let mut source = source::resolve(path, &pairs, &progress)?;
-                if step > 0 {
-                    let seed = source.recipe.preset.seed.wrapping_add(step);
-                    pairs.push(("seed".to_owned(), seed.to_string()));
-                    source = source::resolve(path, &pairs, &progress)?;
-                }
-                super::notes(&source.notes, &progress);
+                source.recipe.preset.seed = first.wrapping_add(step);
                 let grown = super::grown(&source, &progress)?;
                 let sitter = Sitter::new(&source, &grown, self.look, &progress)?;
                 let camera = Camera::orbit(broad_side(&grown.skeleton), PITCH_DEG);

@@ -44,7 +44,7 @@ fn gnarled_wood_with_everything_stays_closed() {
             flipped += found.flipped;
         }
     }
-    // At flares, where wood turns within its own thickness.
+    // The rest is where wood turns within its own thickness.
     assert!(flipped * 10_000 < triangles, "{flipped} of {triangles} triangles are folded");
 }
 
