@@ -45,8 +45,8 @@ pub struct Export {
     /// The same wood with the leaves of several seasons: names, or names with values of the knob `season`
     /// like spring=0.05; all named ones when none is given. USD holds them as variants, every other format
     /// has a file for each
-    #[arg(long, value_name = "LIST", num_args = 0..=1)]
-    seasons: Option<Option<String>>,
+    #[arg(long, value_name = "LIST", num_args = 0..=1, default_missing_value = "all")]
+    seasons: Option<String>,
 
     /// With a camera that frames the tree, sun, sky and ground, in formats that hold them
     #[arg(long)]
@@ -66,10 +66,10 @@ impl Export {
         ];
         let flags = flags.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?)));
         let own: Vec<_> = own.into_iter().chain(self.budget.pair()).chain(flags).collect();
-        let seasons = match &self.seasons {
+        let seasons = match self.seasons.as_deref() {
             None => Vec::new(),
-            Some(None) => Season::all(),
-            Some(Some(list)) => Season::parse_list(list).map_err(usage)?,
+            Some("all") => Season::all(),
+            Some(list) => Season::parse_list(list).map_err(usage)?,
         };
         let source = self.growing.resolve_with(&own, &progress)?;
         let id = &source.recipe.preset.id;
