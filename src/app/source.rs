@@ -36,9 +36,29 @@ pub fn resolve(source: &Path, set: &[(String, String)], monitor: &dyn Monitor) -
     let mut files = Vec::new();
     let (mut recipe, notes) = load(source, &mut files, monitor)?;
     for (name, value) in set {
-        recipe.preset.set(name, value).map_err(usage)?;
+        if Preset::file_keys().any(|(key, _)| key == name) {
+            put_file(&mut recipe, (name, value), &mut files, monitor)?;
+        } else {
+            recipe.preset.set(name, value).map_err(usage)?;
+        }
     }
     Ok(Source { shown, recipe, notes, files })
+}
+
+/// Reads a file that is named on the command line, in place of the one that the preset names.
+fn put_file(
+    recipe: &mut Recipe,
+    (key, file): (&str, &str),
+    files: &mut Vec<PathBuf>,
+    monitor: &dyn Monitor,
+) -> anyhow::Result<()> {
+    let path = PathBuf::from(file);
+    let reading = || format!("reading {} for '{key}'", show(&path));
+    let bytes = fs::read(&path).with_context(reading)?;
+    let input = Input::read(file, &bytes, monitor).with_context(reading)?;
+    recipe.put_file(key, file, &input);
+    files.push(path);
+    Ok(())
 }
 
 /// Reads a source; `files` takes what it was read from.

@@ -10,12 +10,11 @@ use crate::grow::Grown;
 use crate::knob::printable;
 use crate::memory::Holding;
 use crate::monitor::{Cancelled, Monitor, from_cancellable};
-use crate::preset::Preset;
 use crate::random::Key;
-use crate::recipe::{Input, Recipe};
-use crate::scene::{Material, Part, Scene, Wrap};
+use crate::recipe::{Geometry, Input, Recipe};
+use crate::scene::{Material, Mesh, Part, Scene, Wrap};
 use crate::surface::{self, SurfaceError};
-use crate::texture::{BarkError, BarkPictures};
+use crate::texture::{self, BarkError, BarkPictures};
 use crate::wind::{Blown, Field};
 
 /// Bark scatters light in all directions; nothing on it shines.
@@ -36,6 +35,26 @@ pub enum DressError {
     /// The bark's pictures.
     #[error(transparent)]
     Bark(BarkError),
+    /// A file for the bark that is missing or holds something else.
+    #[error("'{knob}' is '{}', which must hold a picture (PNG)", printable(.file))]
+    NoPicture {
+        /// The preset's key.
+        knob: &'static str,
+        /// As the preset names it.
+        file: String,
+    },
+    /// Normals that do not lie on the picture.
+    #[error(
+        "'bark_normal' has {} × {} pixels and the bark's picture {} × {}: one must be the other, scaled; use \
+         pictures of the same proportions",
+        .normal[0], .normal[1], .picture[0], .picture[1]
+    )]
+    Proportions {
+        /// Width and height, pixels.
+        normal: [u32; 2],
+        /// Width and height, pixels.
+        picture: [u32; 2],
+    },
 }
 
 from_cancellable!(DressError: SurfaceError => Surface, FoliageError => Foliage, BarkError => Bark);
@@ -74,19 +93,7 @@ impl Wardrobe {
     /// # Errors
     /// [`DressError`].
     pub fn new(recipe: &Recipe, organs: &Organs, monitor: &dyn Monitor) -> Result<Self, DressError> {
-        let Preset { seed, bark, .. } = &recipe.preset;
-        let bark = bark.bark(Key::new(*seed).named("bark"));
-        let BarkPictures { base_color, normal } = bark.draw(monitor)?;
-        let bark = Material {
-            name: "bark".to_owned(),
-            base_color: linear(bark.color),
-            base_color_picture: Some(base_color),
-            normal_picture: Some(normal),
-            roughness: BARK_ROUGHNESS,
-            double_sided: false,
-            cutout: None,
-            wrap: Wrap::Repeat,
-        };
+        let bark = bark(recipe, monitor)?;
         Self { bark, covers: Vec::new(), shapes: Vec::new().into() }.in_season(recipe, organs, monitor)
     }
 
@@ -128,7 +135,8 @@ impl Wardrobe {
         let preset = &recipe.preset;
         let held = grown.bytes() + recipe.inputs.iter().map(Input::bytes).sum::<u64>() + self.bytes();
         let monitor: &dyn Monitor = &Holding::new(monitor, held);
-        let wood = surface::sweep(&grown.skeleton, &preset.tubes, monitor)?;
+        let mut wood = surface::sweep(&grown.skeleton, &preset.tubes, monitor)?;
+        stretch(&mut wood, &self.bark);
         let mut materials = vec![self.bark.clone()];
         let mut wood = Part::new("wood", 0, wood);
         if let Some(blown) = blown {
@@ -201,6 +209,59 @@ impl Wardrobe {
             });
         }
         Ok(())
+    }
+}
+
+/// The bark, its pictures drawn or the user's own.
+fn bark(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Material, DressError> {
+    let look = &recipe.preset.bark;
+    let drawn = look.bark(Key::new(recipe.preset.seed).named("bark"));
+    let own = |knob, file: &Option<String>| match file {
+        None => Ok(None),
+        Some(file) => match recipe.input(file).map(|input| &input.geometry) {
+            Some(Geometry::Picture(own)) => Ok(Some(own)),
+            _ => Err(DressError::NoPicture { knob, file: file.clone() }),
+        },
+    };
+    let (color, normal) = (own("bark_picture", &look.picture)?, own("bark_normal", &look.normal)?);
+    let (base_color, mean) = match color {
+        Some(own) => (Some(texture::opaque(&own.picture)), own.cell.color),
+        None => (None, drawn.color),
+    };
+    let normal = normal.map(|own| texture::opaque(&own.picture));
+    let BarkPictures { base_color, normal } = match (base_color, normal) {
+        (Some(base_color), Some(normal)) => BarkPictures { base_color, normal },
+        (Some(base_color), None) => {
+            let normal = texture::normals_by_lightness(&base_color, drawn.relief, monitor)?;
+            BarkPictures { base_color, normal }
+        }
+        (None, Some(normal)) => BarkPictures { normal, ..drawn.draw(monitor)? },
+        (None, None) => drawn.draw(monitor)?,
+    };
+    let [n, p] = [&normal, &base_color].map(|picture| [picture.width(), picture.height()]);
+    // To a pixel of the larger one's side.
+    let [n_area, p_area] = [[n[0], p[1]], [p[0], n[1]]].map(|[w, h]| u64::from(w) * u64::from(h));
+    if n_area.abs_diff(p_area) > u64::from(n[0].max(n[1]).max(p[0]).max(p[1])) {
+        return Err(DressError::Proportions { normal: n, picture: p });
+    }
+    Ok(Material {
+        name: "bark".to_owned(),
+        base_color: linear(mean),
+        base_color_picture: Some(base_color),
+        normal_picture: Some(normal),
+        roughness: BARK_ROUGHNESS,
+        double_sided: false,
+        cutout: None,
+        wrap: Wrap::Repeat,
+    })
+}
+
+/// Lays a bark that is not square on as it is: [`crate::surface::Tubes::bark_tile_m`] is its width.
+fn stretch(wood: &mut Mesh, bark: &Material) {
+    let Some(picture) = &bark.base_color_picture else { return };
+    if picture.width() != picture.height() {
+        let aspect = picture.width() as f32 / picture.height() as f32;
+        wood.uvs.iter_mut().for_each(|uv| uv.y *= aspect);
     }
 }
 

@@ -116,6 +116,21 @@ impl Recipe {
         self.inputs.get(index)
     }
 
+    /// Gives a key that names a file ([`Preset::file_keys`]) another one, `file`, which held `input`.
+    /// Whether there is such a key.
+    pub fn put_file(&mut self, key: &str, file: &str, input: &Input) -> bool {
+        let names = |preset: &Preset| preset.files().into_iter().map(str::to_owned).collect::<Vec<_>>();
+        let before = names(&self.preset);
+        if !self.preset.put_file(key, file) {
+            return false;
+        }
+        let old = std::mem::take(&mut self.inputs);
+        let find = |name: &String| old.get(before.iter().position(|own| own == name)?).cloned();
+        let one = |name: &String| if name == file { Some(input.clone()) } else { find(name) };
+        self.inputs = names(&self.preset).iter().filter_map(one).collect();
+        true
+    }
+
     /// One line of printable ASCII (JSON), as every exported file carries it. It is a preset
     /// document too: [`Preset::from_json`] reads it.
     pub fn to_line(&self) -> String {

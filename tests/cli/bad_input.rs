@@ -215,24 +215,26 @@ fn files_of_leaves_that_are_none() {
     with(mesh, "leaf.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n", &["leaf.obj", "3 vertices and no faces"]);
     with(mesh, "leaf.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n", &["leaf.obj"]);
     let picture = "leaf_form = \"card\"\nleaf_picture = \"leaf.png\"";
-    with(picture, "leaf.png", &png_of(40_000, 40_000), &["leaf.png", "40000×40000", "8192", "scale it down"]);
-    with(picture, "leaf.png", &png_of(9_000, 10), &["leaf.png", "9000×10", "8192"]);
-    with(
-        picture,
-        "leaf.png",
-        b"hello, I am a picture\n",
-        &["leaf.png", "not a PNG picture", "save it as PNG"],
-    );
-    with(picture, "leaf.png", b"\xff\xd8\xff\xe0\0\x10JFIF", &["leaf.png", "save it as PNG"]);
-    with(picture, "leaf.png", &png_of(64, 64), &["leaf.png", "damaged"]);
-    with(picture, "leaf.png", b"", &["leaf.png"]);
+    let barks = ["[bark]\nbark_picture = \"leaf.png\"", "[bark]\nbark_normal = \"leaf.png\""];
+    for picture in [picture, barks[0], barks[1]] {
+        let with = |content: &[u8], says: &[&str]| with(picture, "leaf.png", content, says);
+        with(&png_of(40_000, 40_000), &["leaf.png", "40000×40000", "8192", "scale it down"]);
+        with(&png_of(9_000, 10), &["leaf.png", "9000×10", "8192"]);
+        with(b"hello, I am a picture\n", &["leaf.png", "not a PNG picture", "save it as PNG"]);
+        with(b"\xff\xd8\xff\xe0\0\x10JFIF", &["leaf.png", "save it as PNG"]);
+        with(&png_of(64, 64), &["leaf.png", "damaged"]);
+        with(b"", &["leaf.png"]);
+    }
     let folder = Folder::new();
     folder.write("p.toml", preset(picture));
     refused(&folder, 1, &["export", "p.toml", "-o", "x.glb"], &["leaf.png", "p.toml"]);
     // A picture where a mesh must be, and the other way round.
     with(&mesh.replace("leaf.obj", "leaf.png"), "leaf.png", &png_of(1, 1), &["leaf.png", "mesh (OBJ)"]);
     let triangle = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-    with(&picture.replace("leaf.png", "leaf.obj"), "leaf.obj", triangle, &["leaf.obj", "picture (PNG)"]);
+    for (picture, key) in [(picture, "leaves"), (barks[0], "bark_picture"), (barks[1], "bark_normal")] {
+        let says = [key, "leaf.obj", "picture (PNG)"];
+        with(&picture.replace("leaf.png", "leaf.obj"), "leaf.obj", triangle, &says);
+    }
 }
 
 #[test]

@@ -136,3 +136,37 @@ fn the_mixed_wood_as_it_is_stays_a_file_that_opens() {
     assert_eq!(document["meshes"].as_array().unwrap().len(), 8);
     assert!(trees(&document).len() > 80);
 }
+
+#[test]
+fn trees_that_compete_are_all_different_and_one_growth() {
+    let folder = Folder::new();
+    let line = ["forest", "dressed-simple", "--area", "24", "--spacing", "6", "--trees", "4", "--compete"];
+    let export = |threads: &str, name: &str| {
+        let run = linden()
+            .env("RAYON_NUM_THREADS", threads)
+            .args(line)
+            .args(SMALL)
+            .args(["-o", name])
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+        folder.read(name)
+    };
+    let one = export("1", "one.glb");
+    assert!(one == export("2", "two.glb"), "one thread and two differ");
+    let document = glb(&one);
+    assert_eq!(trees(&document).len(), 1, "they are one growth");
+    let count = |primitive: &Value| {
+        let index = primitive["indices"].as_u64().unwrap() as usize;
+        document["accessors"][index]["count"].as_u64().unwrap() / 3
+    };
+    let triangles: u64 = document["meshes"][0]["primitives"].as_array().unwrap().iter().map(count).sum();
+    assert!((11_400..=12_000).contains(&triangles), "four times the budget of a tree: {triangles}");
+    // The recipe that the file carries makes it again.
+    let root = document["scenes"][0]["nodes"][0].as_u64().unwrap() as usize;
+    folder.write("again.json", document["nodes"][root]["extras"]["linden"].to_string());
+    let said = folder.run(&["forest", "again.json", "-o", "again.glb"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert!(folder.read("again.glb") == one);
+}

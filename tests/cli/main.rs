@@ -8,6 +8,7 @@ mod figures;
 mod forest;
 mod interrupt;
 mod jobs;
+mod own_pictures;
 mod pipes;
 mod plugins;
 mod program;

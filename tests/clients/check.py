@@ -8,6 +8,7 @@ to (`geometry`); and across the files of one stem, whether they hold the same tr
 Prints a line per file and check; any error or warning makes the exit code 1.
 """
 
+import io
 import json
 import logging
 import os
@@ -17,7 +18,7 @@ import sys
 import tempfile
 from collections import defaultdict
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import nullcontext
+from contextlib import nullcontext, redirect_stderr, redirect_stdout
 from itertools import repeat
 from pathlib import Path
 
@@ -160,9 +161,11 @@ def is_closed(mesh):
     mesh.merge_vertices(merge_tex=True, merge_norm=True)
     # Not `is_watertight`: it wants exactly two triangles at an edge, and where a grammar draws two
     # branches at the very same place there are four, each pair of them closed.
-    directed, times = np.unique(mesh.edges, axis=0, return_counts=True)
-    passes = {(a, b): n for (a, b), n in zip(directed.tolist(), times.tolist())}
-    return all(passes.get((b, a)) == n for (a, b), n in passes.items()) and mesh.volume > 0
+    edges = mesh.edges.astype(np.int64)
+    count = len(mesh.vertices)
+    there, times = np.unique(edges[:, 0] * count + edges[:, 1], return_counts=True)
+    back, times_back = np.unique(edges[:, 1] * count + edges[:, 0], return_counts=True)
+    return np.array_equal(there, back) and np.array_equal(times, times_back) and mesh.volume > 0
 
 
 def is_open(name):
@@ -187,12 +190,22 @@ def with_usd_core(path):
 
 
 def with_nvidia(path):
+    # Its command line, but within this process: to load it for each file would take most of the time.
+    from usd_validation_nvidia import cli_main
+
     with tempfile.TemporaryDirectory() as directory:
         report = Path(directory) / "report.json"
-        command = [Path(sys.executable).parent / "nvidia_usd_validate", "--json-output", report, path]
-        done = subprocess.run(command, capture_output=True, text=True)
+        said = io.StringIO()
+        logging.disable(logging.CRITICAL)
+        try:
+            with redirect_stdout(said), redirect_stderr(said):
+                cli_main(["--json-output", str(report), str(path)])
+        except SystemExit:
+            pass  # it exits with 1 for anything that it has to say
+        finally:
+            logging.disable(logging.WARNING)
         if not report.is_file():
-            yield f"nvidia_usd_validate gave no report: {done.stderr.strip()[-500:]}"
+            yield f"nvidia_usd_validate gave no report: {said.getvalue().strip()[-500:]}"
             return
         for rule in json.loads(report.read_text())["rules"]:
             for issue in rule["issues"]:

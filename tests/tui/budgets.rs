@@ -35,23 +35,36 @@ fn costs(workbench: &Workbench, keys: &[&str]) -> Vec<usize> {
     keys.iter().map(|key| cost(workbench, key)).collect()
 }
 
-#[test]
-fn keys_that_leave_the_picture_alone_cost_little() {
-    for (columns, rows, about) in
-        [(120, 14, 0), (80, 14, 0), (80, 24, ABOUT), (120, 40, ABOUT), (200, 60, ABOUT)]
-    {
-        for colors in ["truecolor", "256", "16", "none"] {
-            let home = Home::new();
-            let workbench = Workbench::open(&home, columns, rows, &["open", "fir", "--colors", colors]);
-            workbench.keys("\t\t");
-            workbench.settle();
-            for key in ["j", "k", "j", "k", "j", "k"] {
-                let cost = cost(&workbench, key);
-                println!("{columns}x{rows} {colors} {key}: {cost}");
-                assert!((1..=KEY + about).contains(&cost), "{columns}x{rows} {colors} {key}: {cost}");
-            }
+/// In all depths of colour, in a terminal of some size, where `about` bytes tell of the selected knob.
+fn keys_cost_little(columns: u16, rows: u16, about: usize) {
+    for colors in ["truecolor", "256", "16", "none"] {
+        let home = Home::new();
+        let workbench = Workbench::open(&home, columns, rows, &["open", "fir", "--colors", colors]);
+        workbench.keys("\t\t");
+        workbench.settle();
+        for key in ["j", "k", "j", "k", "j", "k"] {
+            let cost = cost(&workbench, key);
+            println!("{columns}x{rows} {colors} {key}: {cost}");
+            assert!((1..=KEY + about).contains(&cost), "{columns}x{rows} {colors} {key}: {cost}");
         }
     }
+}
+
+#[test]
+fn keys_that_leave_the_picture_alone_cost_little_in_a_low_terminal() {
+    keys_cost_little(120, 14, 0);
+    keys_cost_little(80, 14, 0);
+}
+
+#[test]
+fn keys_that_leave_the_picture_alone_cost_little_in_a_usual_terminal() {
+    keys_cost_little(80, 24, ABOUT);
+    keys_cost_little(120, 40, ABOUT);
+}
+
+#[test]
+fn keys_that_leave_the_picture_alone_cost_little_in_a_large_terminal() {
+    keys_cost_little(200, 60, ABOUT);
 }
 
 #[test]

@@ -23,8 +23,8 @@ use crate::source::{self, show};
 /// Lay out a forest and write it for 3D programs
 ///
 /// A few trees of each kind are grown, and stand in many places, turned and sized at random: files hold
-/// each once, where the format can. Trees that compete for light with each other are one tree to linden:
-/// see the preset 'grove'.
+/// each once, where the format can. With --compete all trees are different: they grow together, each into
+/// the space that the others leave.
 #[derive(Args)]
 #[command(after_help = after_help())]
 pub struct Forest {
@@ -63,8 +63,13 @@ impl Args for LayoutFlags {
             }
             let unit = if knob.unit.is_empty() { "N" } else { "M" };
             let flag = knob.name.replace('_', "-");
-            command
-                .arg(Arg::new(knob.name).long(flag).value_name(unit).help(help).allow_negative_numbers(true))
+            let arg = Arg::new(knob.name).long(flag).help(help);
+            command.arg(match knob.kind {
+                linden::knob::Kind::Switch => {
+                    arg.value_name("BOOL").num_args(0..=1).require_equals(true).default_missing_value("true")
+                }
+                _ => arg.value_name(unit).allow_negative_numbers(true),
+            })
         })
     }
 
@@ -107,7 +112,7 @@ impl Forest {
             let holding = Holding::new(&progress, held);
             let naming = || tree.name.clone();
             let wood = grow(&tree.recipe, &holding).with_context(naming)?;
-            let recipe = budgeted(&tree.recipe, &wood, forest.layout.triangles, &holding);
+            let recipe = budgeted(&tree.recipe, &wood, forest.layout.triangles * tree.stems, &holding);
             let recipe = recipe.with_context(naming)?;
             let mut own = levels(&recipe, &wood, &holding).with_context(naming)?;
             let first = plan.trees.iter().position(|first| first.kind == tree.kind);

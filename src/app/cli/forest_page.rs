@@ -88,8 +88,8 @@ pub(super) fn show(
         generator: FOREST,
         knobs: knobs(&forest),
         trees: trees.collect(),
-        places: plan.places.len(),
-        distinct: plan.trees.len(),
+        places: plan.trees.iter().map(|tree| tree.stems as usize).max().unwrap_or(0).max(plan.places.len()),
+        distinct: plan.trees.iter().map(|tree| tree.stems as usize).sum(),
         recipe: serde_json::from_str(&forest.to_line())?,
         id: forest.id,
     };

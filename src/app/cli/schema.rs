@@ -4,7 +4,8 @@
 use clap::Args;
 use linden::knob::{Kind, Knob};
 use linden::preset::{
-    KNOBS, LEAF_KNOBS, MOST_KINDS, MOST_PARTS, PART_CROWN, PART_KNOBS, PresetKnob, Section, shape_knobs,
+    BarkLook, FileKey, KNOBS, LEAF_KNOBS, LeafKind, MOST_KINDS, MOST_PARTS, PART_CROWN, PART_KNOBS,
+    PresetKnob, Section, shape_knobs,
 };
 use linden_exporters::REGISTRY;
 use serde_json::{Map, Value, json};
@@ -71,14 +72,15 @@ fn document() -> Value {
                 own.insert("scan".to_owned(), file);
                 own.insert("part".to_owned(), parts());
             }
+            Section::Bark => own.extend(files(&BarkLook::FILES)),
             Section::Foliage => {
                 let kind = json!({
                     "type": "object",
                     "required": ["leaf_form"],
-                    "properties": leaf_keys(LEAF_KNOBS.iter().map(|row| row.knob)),
+                    "properties": leaf_keys(),
                     "additionalProperties": false,
                 });
-                own.extend(leaf_keys([]));
+                own.extend(files(&LeafKind::FILES));
                 own.insert(
                     "also".to_owned(),
                     json!({ "type": "array", "items": kind, "maxItems": MOST_KINDS - 1 }),
@@ -119,16 +121,15 @@ fn document() -> Value {
 }
 
 /// Keys of a kind of leaves: knobs, and the files that it may need.
-fn leaf_keys(knobs: impl IntoIterator<Item = Knob>) -> Map<String, Value> {
-    let mut all: Map<String, Value> =
-        knobs.into_iter().map(|knob| (knob.name.to_owned(), of(&knob))).collect();
-    for (key, help) in [
-        ("leaf_mesh", "for leaf_form=mesh: an OBJ file, relative to the preset's"),
-        ("leaf_picture", "in place of the drawn picture: a PNG file, relative to the preset's"),
-    ] {
-        all.insert(key.to_owned(), json!({ "type": "string", "description": help }));
-    }
-    all
+fn leaf_keys() -> Map<String, Value> {
+    let knobs = LEAF_KNOBS.iter().map(|row| (row.knob.name.to_owned(), of(&row.knob)));
+    knobs.chain(files(&LeafKind::FILES)).collect()
+}
+
+/// Keys that name files.
+fn files<T>(rows: &[FileKey<T>]) -> Map<String, Value> {
+    let schema = |help| json!({ "type": "string", "description": help });
+    rows.iter().map(|row| (row.key.to_owned(), schema(row.help))).collect()
 }
 
 /// The list of a crown's parts.

@@ -133,8 +133,14 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
     let estimate = Estimate::new(&recipe, grown, watcher)?;
     gauge.begin(DRESSING, None);
     let levels = levels(&recipe, grown, &gauge)?;
-    let bytes: Vec<u64> =
-        planned.iter().map(|own| estimate.bytes(own.exporter.format(), &own.options).max(1)).collect();
+    let bytes = |own: &Output| {
+        let format = own.exporter.format();
+        match own.level {
+            Some(level) => estimate.level_bytes(level, format, &own.options),
+            None => estimate.bytes(format, &own.options),
+        }
+    };
+    let bytes: Vec<u64> = planned.iter().map(|own| bytes(own).max(1)).collect();
     let mut notes = grown.notes.clone();
     // Each output takes its share of what is left.
     let mut left: u64 = bytes.iter().sum();

@@ -28,6 +28,7 @@ use self::leaves::Leaves;
 use self::wood::Wood;
 
 pub use levels::{Level, Levels, Year, finest, levels, year};
+pub use solve::share_of_wood;
 
 /// How much of a tree is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]

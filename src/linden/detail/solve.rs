@@ -7,6 +7,14 @@ use crate::surface::Tubes;
 /// Wood loses more than leaves do when both get less: `share^WOOD_FIRST` of it stays. From afar a crown
 /// is its leaves.
 const WOOD_FIRST: f64 = 1.25;
+
+/// How many of `budget` triangles are the wood's, where there are `wood` and `leaves` of them in all.
+pub fn share_of_wood(budget: u64, wood: u64, leaves: u64) -> u64 {
+    let share = budget as f64 / (wood + leaves).max(1) as f64;
+    let for_wood = (libm::pow(share.min(1.0), WOOD_FIRST) * wood as f64) as u64;
+    // What leaves cannot use goes to the wood.
+    for_wood.max(budget.saturating_sub(leaves)).min(wood)
+}
 /// As near as this share of the budget is near enough.
 const NEAR: f64 = 0.01;
 /// Halvings of the scale from all to nothing: it ends at a millionth of it.
@@ -52,11 +60,8 @@ impl Simplifier<'_> {
         if budget < least {
             return Err(DetailError::TooFew { budget, least });
         }
-        let share = budget as f64 / (wood + leaves) as f64;
-        let for_wood = (libm::pow(share, WOOD_FIRST) * wood as f64) as u64;
-        // What leaves cannot use goes to the wood, and each needs its least.
-        let for_wood =
-            for_wood.max(budget.saturating_sub(leaves)).clamp(least_wood, budget - self.leaves.least());
+        // Each needs its least.
+        let for_wood = share_of_wood(budget, wood, leaves).clamp(least_wood, budget - self.leaves.least());
         let mut detail = self.wood_within(for_wood, monitor)?;
         let used = self.wood_triangles(&detail, monitor)?;
         detail.leaf_share = self.leaves.share_within(budget.saturating_sub(used));

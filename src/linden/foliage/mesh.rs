@@ -128,7 +128,7 @@ pub fn meshes_of(
     let bytes =
         Mesh::bytes_for(vertices as usize, triangles as usize) + Mesh::bytes_for(corners, corners) * 3;
     monitor.admit("shaping the leaves", bytes, "use fewer derivations or leaves")?;
-    let baker = Baker { organs, shapes, colors, centers: centers(organs, shapes) };
+    let baker = Baker::new(organs, shapes, colors);
     let polygons = organs.polygons.ends.len();
     let tasks = |count: usize, first: usize| {
         (0..count.div_ceil(PER_TASK)).map(move |task| {
@@ -181,15 +181,35 @@ struct Plan {
 /// Slots are the colours, then the kinds.
 struct Baker<'a> {
     organs: &'a Organs,
-    shapes: &'a [Shape],
     colors: usize,
-    /// The middle of each kind's crown, metres.
-    centers: Vec<Vec3>,
+    kinds: usize,
+    /// By index of [`super::Placed::prototypes`].
+    stamps: Vec<Stamp<'a>>,
 }
 
-impl Baker<'_> {
+/// What is the same for all organs of a shape.
+struct Stamp<'a> {
+    mesh: &'a Mesh,
+    /// Where its triangles go; `None`: each organ's colour decides.
+    slot: Option<usize>,
+    /// The middle of its kind's crown, metres, for one with dome normals.
+    dome: Option<Vec3>,
+}
+
+impl<'a> Baker<'a> {
+    fn new(organs: &'a Organs, shapes: &'a [Shape], colors: usize) -> Self {
+        let centers = centers(organs, shapes);
+        let plain = PROTOTYPES.iter().map(|own| Stamp { mesh: own.mesh(), slot: None, dome: None });
+        let shaped = shapes.iter().map(|shape| {
+            let kind = usize::from(shape.kind);
+            let dome = shape.is_dome.then(|| centers[kind]);
+            Stamp { mesh: &shape.mesh, slot: Some(colors + kind), dome }
+        });
+        Self { organs, colors, kinds: centers.len(), stamps: plain.chain(shaped).collect() }
+    }
+
     fn slots(&self) -> usize {
-        self.colors + self.centers.len()
+        self.colors + self.kinds
     }
 
     fn color_slot(&self, color: u32) -> usize {
@@ -210,7 +230,7 @@ impl Baker<'_> {
                 shaper.polygon(self.organs, organ, &mut plan.filled[at].1);
                 continue;
             };
-            let (slot, mesh) = self.shape(placed);
+            let (slot, Stamp { mesh, .. }) = self.stamp(placed);
             let amount = &mut plan.amounts[slot];
             amount.vertices += mesh.positions.len();
             amount.triangles += mesh.triangles.len();
@@ -224,15 +244,11 @@ impl Baker<'_> {
     }
 
     /// The slot and the shape of an organ of the table.
-    fn shape(&self, placed: usize) -> (usize, &Mesh) {
+    fn stamp(&self, placed: usize) -> (usize, &Stamp<'_>) {
         let prototype = usize::from(self.organs.placed.prototypes[placed]);
-        match prototype.checked_sub(PROTOTYPES.len()).and_then(|shape| self.shapes.get(shape)) {
-            Some(shape) => (self.colors + usize::from(shape.kind), &shape.mesh),
-            None => {
-                let color = self.organs.placed.growth.colors[placed];
-                (self.color_slot(color), PROTOTYPES[prototype % PROTOTYPES.len()].mesh())
-            }
-        }
+        // A shape that nobody gave is drawn as one of the table.
+        let stamp = self.stamps.get(prototype).unwrap_or(&self.stamps[prototype % PROTOTYPES.len()]);
+        (stamp.slot.unwrap_or_else(|| self.color_slot(self.organs.placed.growth.colors[placed])), stamp)
     }
 
     fn fill(&self, plan: &Plan, targets: &mut [Target<'_>]) {
@@ -245,12 +261,13 @@ impl Baker<'_> {
         let polygons = self.organs.polygons.ends.len();
         for organ in plan.organs.clone() {
             let Some(placed) = organ.checked_sub(polygons) else { continue };
-            let (slot, mesh) = self.shape(placed);
-            self.place(placed, mesh, &mut targets[slot]);
+            let (slot, stamp) = self.stamp(placed);
+            self.place(placed, stamp, &mut targets[slot]);
         }
     }
 
-    fn place(&self, placed: usize, mesh: &Mesh, target: &mut Target<'_>) {
+    fn place(&self, placed: usize, stamp: &Stamp<'_>, target: &mut Target<'_>) {
+        let mesh = stamp.mesh;
         target.begin(mesh);
         let own = &self.organs.placed;
         let (foot, size) = (own.positions[placed], own.sizes_m[placed]);
@@ -258,28 +275,33 @@ impl Baker<'_> {
         let side = heading.cross(up);
         let turn = |v: Vec3| side * v.x + heading * v.y + up * v.z;
         let positions = target.positions.take(mesh.positions.len());
-        for (at, &local) in positions.iter_mut().zip(&mesh.positions) {
-            *at = foot + turn(local) * size;
-        }
+        copy(positions, &mesh.positions, |local| foot + turn(local) * size);
         let normals = target.normals.take(mesh.normals.len());
-        let shape = usize::from(own.prototypes[placed]).checked_sub(PROTOTYPES.len());
-        let dome = shape.and_then(|shape| self.shapes.get(shape)).filter(|shape| shape.is_dome);
-        let Some(dome) = dome else {
-            for (normal, &local) in normals.iter_mut().zip(&mesh.normals) {
-                // Of unit length: so are the prototype's, and the frame is orthonormal.
-                *normal = turn(local);
-            }
-            return;
-        };
-        let center = self.centers[usize::from(dome.kind)];
-        for ((normal, &local), &at) in normals.iter_mut().zip(&mesh.normals).zip(&*positions) {
-            let own = turn(local);
+        // Of unit length: so are the shape's, and the frame is orthonormal.
+        copy(normals, &mesh.normals, turn);
+        let Some(center) = stamp.dome else { return };
+        for (normal, &at) in normals.iter_mut().zip(&*positions) {
+            let own = *normal;
             let out = (at - center).normalize_or(own);
             // Where the back looks out of the crown, renderers turn the normal round.
             let out = if own.dot(out) < 0.0 { -out } else { out };
             *normal = own.lerp(out, DOME).normalize_or(own);
         }
     }
+}
+
+/// Copies a list, changed one by one. The short lists of cards, of which there are most, are unrolled.
+fn copy<T: Copy, U>(to: &mut [U], from: &[T], change: impl Fn(T) -> U) {
+    if !unrolled::<4, _, _>(to, from, &change) && !unrolled::<2, _, _>(to, from, &change) {
+        to.iter_mut().zip(from).for_each(|(to, &from)| *to = change(from));
+    }
+}
+
+/// Copies a list of N; whether it is one.
+fn unrolled<const N: usize, T: Copy, U>(to: &mut [U], from: &[T], change: impl Fn(T) -> U) -> bool {
+    let (Ok(to), Ok(from)) = (<&mut [U; N]>::try_from(to), <&[T; N]>::try_from(from)) else { return false };
+    *to = from.map(change);
+    true
 }
 
 /// How far dome normals turn from the face's own to out of the crown.
@@ -327,10 +349,8 @@ impl Target<'_> {
     /// What is the same wherever a mesh goes: triangles and texture coordinates.
     fn begin(&mut self, mesh: &Mesh) {
         let first = self.next;
-        for (triangle, &local) in self.triangles.take(mesh.triangles.len()).iter_mut().zip(&mesh.triangles) {
-            *triangle = local.map(|v| first + v);
-        }
-        self.uvs.take(mesh.uvs.len()).copy_from_slice(&mesh.uvs);
+        copy(self.triangles.take(mesh.triangles.len()), &mesh.triangles, |local| local.map(|v| first + v));
+        copy(self.uvs.take(mesh.uvs.len()), &mesh.uvs, |uv| uv);
         self.next += mesh.positions.len() as u32;
     }
 }

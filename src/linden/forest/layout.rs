@@ -20,6 +20,9 @@ pub struct Layout {
     /// The most triangles that a grown tree has in its finest level, unless its preset has a budget of its
     /// own; 0: all that there are.
     pub triangles: u64,
+    /// Whether the trees grow together, each into the space that the others leave: all of one kind, which
+    /// must fill a crown. None is a copy of another then.
+    pub compete: bool,
 }
 
 /// Enough that a tree is whole from a few metres on, and a forest of a dozen distinct ones stays well
@@ -36,6 +39,7 @@ impl Default for Layout {
             distinct: 3,
             size_spread: 0.2,
             triangles: TRIANGLES,
+            compete: false,
         }
     }
 }
@@ -112,6 +116,16 @@ pub static FOREST_KNOBS: &[ForestKnob] = &[
         },
         read: |own| Value::Integer(own.triangles),
         write: |own, value| own.triangles = integer(&value, own.triangles),
+    },
+    ForestKnob {
+        knob: Knob {
+            name: "compete",
+            kind: Kind::Switch,
+            unit: "",
+            help: "whether the trees grow together, each into the space that the others leave: all of one kind, none a copy",
+        },
+        read: |own| Value::Switch(own.compete),
+        write: |own, value| own.compete = if let Value::Switch(on) = value { on } else { own.compete },
     },
     ForestKnob {
         knob: Knob {
@@ -193,6 +207,7 @@ mod tests {
             ("distinct", "2"),
             ("size_spread", "0.5"),
             ("triangles", "2000"),
+            ("compete", "true"),
             ("seed", "18446744073709551615"),
         ];
         assert_eq!(typed.len(), FOREST_KNOBS.len());

@@ -1,7 +1,7 @@
 //! Forests: several kinds of trees on a square of ground.
 //!
 //! A few trees of each kind are grown, and stand in many places, each turned and sized at random. They
-//! know nothing of each other; trees that compete for light are one tree to linden: the preset `grove`.
+//! know nothing of each other, unless they [compete](Layout::compete): then all are one growth.
 //!
 //! ```
 //! use linden::{Quiet, forest::Forest, preset::builtin, recipe::Recipe};
@@ -17,6 +17,7 @@
 //! # }
 //! ```
 
+mod compete;
 mod document;
 mod layout;
 mod library;
@@ -30,6 +31,7 @@ use crate::grow::Grown;
 use crate::monitor::Monitor;
 use crate::recipe::{Recipe, VERSION, ascii_line};
 
+pub use compete::Loner;
 pub use document::{ForestDocument, TreeLine, TreeSource};
 pub use layout::{FOREST_KNOBS, ForestKnob, Layout, LayoutError};
 pub use library::{BuiltinForest, builtin_forest, builtin_forests};

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
+use super::compete::{self, Loner};
 use super::{Forest, poisson_disc};
 use crate::memory::OverMemory;
 use crate::monitor::{Cancelled, Monitor};
@@ -32,6 +33,8 @@ pub struct Tree {
     pub kind: usize,
     /// What grows, with its own seed.
     pub recipe: Recipe,
+    /// How many stems it has: more than one where trees compete.
+    pub stems: u64,
 }
 
 /// Why there is no plan of a forest.
@@ -81,6 +84,33 @@ pub enum ForestError {
         spacing_m: f64,
         /// Metres.
         area_m: f64,
+    },
+    /// Trees that compete are of one kind: they grow by the same rules.
+    #[error("{kinds} kinds of trees do not compete: with compete, name one")]
+    Mixed {
+        /// How many there are.
+        kinds: usize,
+    },
+    /// A kind that grows by itself alone.
+    #[error(
+        "'{kind}' does not compete: {why}; take a tree that fills a crown, like 'fir' or 'oak', or leave out \
+         compete"
+    )]
+    Loner {
+        /// Its preset.
+        kind: String,
+        /// What keeps it from competing.
+        why: Loner,
+    },
+    /// More trees than grow in one growth.
+    #[error(
+        "{stems} trees are more than the {most} that compete at most; take a smaller area or a larger spacing, or trees={most}"
+    )]
+    TooManyStems {
+        /// How many there would be.
+        stems: u64,
+        /// The limit.
+        most: u64,
     },
     /// Too many trees.
     #[error(
@@ -152,8 +182,25 @@ impl Forest {
         places.sort_by_key(|(point, _)| *point);
         let mut trees = self.trees(key);
         let mut places: Vec<Place> = places.into_iter().map(|(_, place)| place).collect();
+        if layout.compete {
+            return self.competing(&trees, places);
+        }
         drop_unused(&mut trees, &mut places);
         Ok(Plan { trees, places })
+    }
+
+    /// All places as one tree, that of the place nearest to the middle.
+    fn competing(&self, trees: &[Tree], mut places: Vec<Place>) -> Result<Plan, ForestError> {
+        if self.kinds.len() > 1 {
+            return Err(ForestError::Mixed { kinds: self.kinds.len() });
+        }
+        let from_middle = |place: &Place| place.position.length_squared();
+        places.sort_by(|a, b| from_middle(a).total_cmp(&from_middle(b)));
+        let (Some(tree), Some(&first)) = (trees.first(), places.first()) else {
+            return Err(ForestError::Empty);
+        };
+        let place = Place { plant: 0, turn_rad: 0.0, ..first };
+        Ok(Plan { trees: vec![compete::together(tree, &places)?], places: vec![place] })
     }
 
     /// How many trees of each kind: by largest remainders, so that the shares are kept as exactly as
@@ -202,7 +249,7 @@ impl Forest {
                 // 32 bits, so that people can type it.
                 recipe.preset.seed = key.named("tree").child(index as u64).child(number).bits() >> 32;
                 let number = before as u64 * self.layout.distinct + number + 1;
-                trees.push(Tree { name: format!("{kind_name} {number}"), kind: index, recipe });
+                trees.push(Tree { name: format!("{kind_name} {number}"), kind: index, recipe, stems: 1 });
             }
         }
         trees
@@ -265,6 +312,50 @@ mod tests {
         assert_eq!(seeds.len(), 6);
         let names: Vec<&str> = plan.trees.iter().map(|tree| tree.name.as_str()).collect();
         assert!(names.iter().all(|name| names.iter().filter(|own| *own == name).count() == 1), "{names:?}");
+    }
+
+    #[test]
+    fn trees_that_compete_are_one_growth_with_a_root_at_each_place() {
+        let kind = |id: &str| Recipe { preset: builtin(id).unwrap().load().unwrap(), inputs: Vec::new() };
+        // A plain crown, and one that is put together.
+        for id in ["dressed-simple", "oak"] {
+            let mut own = Forest::of(vec![kind(id)]);
+            for (knob, value) in [("area", "40"), ("spacing", "8"), ("trees", "5"), ("distinct", "1")] {
+                own.layout.set(knob, value).unwrap();
+            }
+            let apart = own.plan(&Quiet).unwrap();
+            own.layout.set("compete", "true").unwrap();
+            let plan = own.plan(&Quiet).unwrap();
+            let ([tree], [place]) = (plan.trees.as_slice(), plan.places.as_slice()) else { panic!("one") };
+            assert_eq!(tree.stems, 5, "{id}");
+            let grown = crate::grow::grow(&tree.recipe, &Quiet).unwrap();
+            let skeleton = &grown.skeleton;
+            let stems = skeleton.axes.iter().filter(|axis| axis.parent == crate::skeleton::NO_PARENT);
+            let feet = stems.map(|axis| {
+                let foot = skeleton.positions[skeleton.nodes_of(axis)[0] as usize];
+                place.position + foot * place.scale
+            });
+            let in_cm = |places: Vec<glam::Vec3>| {
+                let mut places: Vec<[i32; 2]> =
+                    places.iter().map(|at| [at.x, at.z].map(|x| libm::roundf(x * 100.0) as i32)).collect();
+                places.sort_unstable();
+                places
+            };
+            let wanted = in_cm(apart.places.iter().map(|own| own.position).collect());
+            assert_eq!(in_cm(feet.collect()), wanted, "{id}: a foot at each place, to a centimetre");
+        }
+        let refused = |ids: &[&str], settings: &[(&str, &str)]| {
+            let mut own = Forest::of(ids.iter().map(|id| kind(id)).collect());
+            for (knob, value) in [("compete", "true")].iter().chain(settings) {
+                own.layout.set(knob, value).unwrap();
+            }
+            own.plan(&Quiet).unwrap_err().to_string()
+        };
+        assert!(refused(&["fir", "oak"], &[]).contains("2 kinds"));
+        assert!(refused(&["abop-a"], &[]).contains("'abop-a' does not compete: it grows by an L-system"));
+        assert!(refused(&["grove"], &[]).contains("put together of trees"));
+        let said = refused(&["fir"], &[("area", "100"), ("spacing", "2")]);
+        assert!(said.contains("more than the 257") && said.contains("trees=257"), "{said}");
     }
 
     #[test]

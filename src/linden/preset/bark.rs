@@ -1,5 +1,6 @@
 //! `[bark]`: how it looks.
 
+use super::files::{FileKey, NamesFiles, file_key};
 use super::knobs::{PresetKnob, integer, real, real_or_auto, row};
 use crate::knob::Kind;
 use crate::random::Key;
@@ -16,17 +17,45 @@ pub struct BarkLook {
     pub relief: Option<f32>,
     /// Strength of the grain; 1 is usual.
     pub grain: f32,
-    /// Side of the pictures, pixels.
+    /// Side of the drawn pictures, pixels.
     pub size_px: u32,
+    /// A picture of the user's in place of the drawn one: the file, relative to the preset's. It is as
+    /// wide as [`crate::surface::Tubes::bark_tile_m`] and continues across its edges.
+    pub picture: Option<String>,
+    /// Normals of the user's: the file, relative to the preset's. `None`: they are drawn, those of `picture`
+    /// by its lightness.
+    pub normal: Option<String>,
 }
 
 impl Default for BarkLook {
     fn default() -> Self {
-        Self { style: BarkStyle::default(), color: None, relief: None, grain: 1.0, size_px: 512 }
+        Self {
+            style: BarkStyle::default(),
+            color: None,
+            relief: None,
+            grain: 1.0,
+            size_px: 512,
+            picture: None,
+            normal: None,
+        }
     }
 }
 
 impl BarkLook {
+    /// The keys that name files.
+    pub const FILES: [FileKey<Self>; 2] = [
+        file_key!(
+            "bark_picture",
+            "in place of the drawn picture: a PNG file that tiles, relative to the preset's",
+            picture
+        ),
+        file_key!(
+            "bark_normal",
+            "in place of the drawn normals: a PNG file, OpenGL convention; without it those of bark_picture follow its lightness, bark_relief deep",
+            normal
+        ),
+    ];
+
     /// The bark to draw.
     pub fn bark(&self, key: Key) -> Bark {
         let usual = Bark::new(self.style, key);
@@ -38,6 +67,10 @@ impl BarkLook {
             ..usual
         }
     }
+}
+
+impl NamesFiles for BarkLook {
+    const FILES: &'static [FileKey<Self>] = &Self::FILES;
 }
 
 /// The names of all kinds of bark.
@@ -54,7 +87,7 @@ const BARK_STYLES: [&str; BarkStyle::ALL.len()] = {
 /// The section's knobs.
 pub(super) const KNOBS: &[PresetKnob] = &[
     row!(Bark, "bark", Kind::Choice(&BARK_STYLES), "", "kind of bark", .bark.style),
-    row!(Bark, "bark_color", Kind::Color { auto: true }, "sRGB", "mean colour; auto: the usual one of its kind", .bark.color),
+    row!(Bark, "bark_color", Kind::Color { auto: true }, "sRGB", "mean colour of the drawn picture; auto: the usual one of its kind", .bark.color),
     row!(Bark, "bark_relief", real_or_auto(0.0, 0.5), "", "depth of the furrows, as a share of the picture's side; auto: the usual one of its kind", .bark.relief),
     row!(Bark, "bark_grain", real(0.0, 3.0), "", "strength of the grain: 0 polished, 1 usual", .bark.grain),
     row!(Bark, "bark_size", integer(16, 4096), "px", "side of the drawn pictures", .bark.size_px),

@@ -4,7 +4,8 @@
 //! One table of rows serves both, the command line, the schema and the workbench: a new key is a field
 //! of [`LeafKind`] and a row of [`LEAF_KNOBS`].
 
-use super::document::{Entry, Fault, Node, Place};
+use super::document::{Entry, Fault, Place};
+use super::files::{FileKey, NamesFiles, file_key};
 use super::item::{Field, List, field};
 use super::knobs::{Access, PresetKnob, Section, integer, real, real_or_auto, row};
 use super::setting::{Setting, words};
@@ -22,9 +23,6 @@ const TURTLE_COLORS: [[u8; 3]; 2] = [[74, 122, 48], [122, 154, 62]];
 
 /// The key of the list of further kinds in `[foliage]`.
 pub(super) const ALSO: &str = "also";
-
-/// The keys that name files, relative to the preset's.
-pub(super) const FILES: [&str; 2] = ["leaf_mesh", "leaf_picture"];
 
 words! {
     /// What a leaf is made of. Lengths are shares of its own.
@@ -207,40 +205,19 @@ impl Default for LeafKind {
 }
 
 impl LeafKind {
-    /// The files that it needs beside the preset.
-    pub(super) fn files(&self) -> impl Iterator<Item = &str> {
-        [&self.mesh, &self.picture].into_iter().filter_map(Option::as_deref)
-    }
+    /// The keys that name files.
+    pub const FILES: [FileKey<Self>; 2] = [
+        file_key!("leaf_mesh", "for leaf_form=mesh: an OBJ file, relative to the preset's", mesh),
+        file_key!(
+            "leaf_picture",
+            "in place of the drawn picture: a PNG file, relative to the preset's",
+            picture
+        ),
+    ];
+}
 
-    pub(super) fn files_mut(&mut self) -> impl Iterator<Item = &mut String> {
-        [&mut self.mesh, &mut self.picture].into_iter().filter_map(Option::as_mut)
-    }
-
-    /// The files by their keys.
-    pub(super) fn named_files(&self) -> impl Iterator<Item = (&'static str, &str)> {
-        FILES
-            .into_iter()
-            .zip([&self.mesh, &self.picture])
-            .filter_map(|(key, file)| Some((key, file.as_deref()?)))
-    }
-
-    /// Takes a file's name; whether `key` names one.
-    pub(super) fn take_file(&mut self, key: &str, node: &Node) -> Result<bool, Fault> {
-        let slot = match key {
-            "leaf_mesh" => &mut self.mesh,
-            "leaf_picture" => &mut self.picture,
-            _ => return Ok(false),
-        };
-        let file = node.text(key)?.trim();
-        if file.is_empty() {
-            return Err(Fault::new(
-                node.place,
-                format!("'{key}' is empty; name a file, or take the line out"),
-            ));
-        }
-        *slot = Some(file.to_owned());
-        Ok(true)
-    }
+impl NamesFiles for LeafKind {
+    const FILES: &'static [FileKey<Self>] = &Self::FILES;
 }
 
 /// Everything that grows on the wood.
@@ -515,18 +492,22 @@ pub(super) fn read(foliage: &mut FoliageLook, entry: &Entry) -> Result<bool, Fau
         foliage.also = LIST.read(&entry.node, read_kind)?;
         return Ok(true);
     }
-    foliage.first.take_file(&entry.key, &entry.node)
+    foliage.first.take_file(entry)
 }
 
 fn read_kind(number: usize, entries: &[Entry], place: Option<Place>) -> Result<LeafKind, Fault> {
     let mut kind = LeafKind::default();
     for entry in entries {
-        if kind.take_file(&entry.key, &entry.node)? {
+        if kind.take_file(entry)? {
             continue;
         }
         let Some(row) = LEAF_KNOBS.iter().find(|row| row.knob.name == entry.key) else {
             let rows = LEAF_KNOBS.iter().map(|row| row.knob.name);
-            return Err(LIST.unknown(number, entry, &rows.chain(FILES).collect::<Vec<_>>()));
+            return Err(LIST.unknown(
+                number,
+                entry,
+                &rows.chain(LeafKind::FILES.map(|row| row.key)).collect::<Vec<_>>(),
+            ));
         };
         (row.write)(&mut kind, entry.node.value(&entry.key, &row.knob.kind)?);
     }

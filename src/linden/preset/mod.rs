@@ -4,6 +4,7 @@ mod bark;
 mod colonization;
 mod detail;
 mod document;
+mod files;
 mod foliage;
 mod item;
 mod knobs;
@@ -19,6 +20,7 @@ mod write;
 
 use std::fmt;
 
+use self::files::NamesFiles;
 use crate::knob::{Knob, Value, nearest, printable};
 use crate::skeleton::Wood;
 use crate::skeleton::refine::Refinement;
@@ -28,6 +30,7 @@ pub use bark::BarkLook;
 pub use colonization::{Colonization, Space};
 pub use detail::DetailLook;
 pub use document::{Fault, Place};
+pub use files::FileKey;
 pub use foliage::{Arrangement, Edge, FoliageLook, Form, LEAF_KNOBS, LeafKind, MOST_KINDS, Normals};
 pub use item::Field;
 pub use knobs::{KNOBS, PresetKnob, Section, shape_knobs};
@@ -162,12 +165,14 @@ impl Preset {
     }
 
     /// The files that are needed beside the preset, each once, relative to it: what the crown fills,
-    /// then the meshes of the parts, then what leaves are made of. [`crate::recipe::Recipe::inputs`] has them in this order.
+    /// then the meshes of the parts, then what leaves are made of, then the bark's pictures.
+    /// [`crate::recipe::Recipe::inputs`] has them in this order.
     pub fn files(&self) -> Vec<&str> {
         let mut files: Vec<&str> = Vec::new();
         let parts = self.parts().iter().filter_map(Part::file);
-        let leaves = self.foliage.kinds().flat_map(LeafKind::files);
-        for file in self.space().and_then(Space::file).into_iter().chain(parts).chain(leaves) {
+        let leaves = self.foliage.kinds().flat_map(NamesFiles::named_files);
+        let looks = leaves.chain(self.bark.named_files()).map(|(_, file)| file);
+        for file in self.space().and_then(Space::file).into_iter().chain(parts).chain(looks) {
             if !files.contains(&file) {
                 files.push(file);
             }
@@ -190,12 +195,25 @@ impl Preset {
             Solid::Shape { .. } => None,
             Solid::Mesh { file } => Some(file),
         });
-        let leaves = self.foliage.kinds_mut().flat_map(LeafKind::files_mut);
-        for file in space.into_iter().chain(parts).chain(leaves) {
-            if let Some(name) = before.iter().position(|own| own == file).and_then(|i| names.get(i)) {
-                file.clone_from(name);
+        let renamed = |file: &str| names.get(before.iter().position(|own| own == file)?).cloned();
+        for file in space.into_iter().chain(parts) {
+            if let Some(name) = renamed(file) {
+                *file = name;
             }
         }
+        self.foliage.kinds_mut().for_each(|kind| kind.rename(&renamed));
+        self.bark.rename(&renamed);
+    }
+
+    /// The keys of the bark and of the first kind of leaves that name files, each with its help.
+    pub fn file_keys() -> impl Iterator<Item = (&'static str, &'static str)> {
+        let leaves = LeafKind::FILES.into_iter().map(|row| (row.key, row.help));
+        leaves.chain(BarkLook::FILES.into_iter().map(|row| (row.key, row.help)))
+    }
+
+    /// Gives such a key a file; whether there is such a key.
+    pub(crate) fn put_file(&mut self, key: &str, file: &str) -> bool {
+        self.foliage.first.put_file(key, file) || self.bark.put_file(key, file)
     }
 
     /// The knobs that this preset has, with their values, in the order of the table.

@@ -1,10 +1,13 @@
 //! From a document to a preset.
 
 use super::document::{Datum, Entry, Fault, Node, Place};
+use super::files::NamesFiles;
 use super::foliage;
 use super::knobs::{KNOBS, PresetKnob, Section, shape_knobs};
 use super::part::{self, PART};
-use super::{BarkLook, Colonization, DetailLook, FoliageLook, Generator, LSystem, Preset, Space, WindLook};
+use super::{
+    BarkLook, Colonization, DetailLook, FoliageLook, Generator, LSystem, LeafKind, Preset, Space, WindLook,
+};
 use crate::knob::{did_you_mean, excerpt, nearest};
 use crate::lsystem::{Grammar, Part};
 use crate::skeleton::Wood;
@@ -170,18 +173,24 @@ fn table<'a>(entries: &'a [Entry], key: &str) -> Result<Option<Table<'a>>, Fault
 }
 
 /// What a section's table may hold besides knobs.
-const fn materials(section: Section) -> &'static [&'static str] {
+fn materials(section: Section) -> Vec<&'static str> {
     match section {
-        Section::LSystem => &["axiom", "rules"],
-        Section::Colonization => &["envelope", "scan", PART],
-        Section::Foliage => &[foliage::FILES[0], foliage::FILES[1], foliage::ALSO],
-        _ => &[],
+        Section::LSystem => vec!["axiom", "rules"],
+        Section::Colonization => vec!["envelope", "scan", PART],
+        Section::Bark => BarkLook::FILES.map(|row| row.key).to_vec(),
+        Section::Foliage => LeafKind::FILES.map(|row| row.key).into_iter().chain([foliage::ALSO]).collect(),
+        _ => Vec::new(),
     }
 }
 
 /// Sets the knob that an entry names.
 fn turn(preset: &mut Preset, section: Section, entry: &Entry) -> Result<(), Fault> {
-    if section == Section::Foliage && foliage::read(&mut preset.foliage, entry)? {
+    let is_taken = match section {
+        Section::Bark => preset.bark.take_file(entry)?,
+        Section::Foliage => foliage::read(&mut preset.foliage, entry)?,
+        _ => false,
+    };
+    if is_taken {
         return Ok(());
     }
     if materials(section).contains(&entry.key.as_str()) {

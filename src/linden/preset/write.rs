@@ -3,6 +3,7 @@
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
+use super::files::NamesFiles;
 use super::foliage::ALSO;
 use super::knobs::Section;
 use super::part::PART;
@@ -82,6 +83,11 @@ impl Knobs<'_> {
             },
             (_, Section::Foliage) => {
                 for (key, file) in self.preset.foliage.first.named_files() {
+                    map.serialize_entry(key, file)?;
+                }
+            }
+            (_, Section::Bark) => {
+                for (key, file) in self.preset.bark.named_files() {
                     map.serialize_entry(key, file)?;
                 }
             }

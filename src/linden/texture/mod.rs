@@ -9,6 +9,7 @@ pub mod leaf;
 mod own;
 mod periodic;
 
-pub use bark::{Bark, BarkError, BarkPictures, BarkStyle};
+pub(crate) use bark::opaque;
+pub use bark::{Bark, BarkError, BarkPictures, BarkStyle, normals_by_lightness};
 pub use ground::{GROUND_TILE_M, ground};
 pub use own::{OwnError, OwnPicture, own_picture};

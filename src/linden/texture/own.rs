@@ -26,6 +26,8 @@ pub struct OwnPicture {
     pub picture: Arc<Picture>,
     /// Whether any pixel is less than opaque: whether there is something to cut out.
     pub has_alpha: bool,
+    /// Bytes of the file: about what the picture takes when it is written again.
+    pub file_bytes: u64,
     /// The whole of it, held in the middle of its lower edge; its height is the leaf's length.
     pub cell: Cell,
 }
@@ -119,7 +121,8 @@ pub fn own_picture(bytes: &[u8], monitor: &dyn Monitor) -> Result<OwnPicture, Ow
         outline: vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y],
         color: mean_color(&rgba),
     };
-    Ok(OwnPicture { picture: Arc::new(Picture::new(width, height, rgba)), has_alpha, cell })
+    let picture = Arc::new(Picture::new(width, height, rgba));
+    Ok(OwnPicture { picture, has_alpha, file_bytes: bytes.len() as u64, cell })
 }
 
 /// The mean of what shows, in linear light.

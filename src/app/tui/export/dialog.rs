@@ -313,8 +313,8 @@ impl ExportDialog {
     }
 
     /// What a tree will amount to, once it is known.
-    pub fn estimate(&self, shown: &Arc<Shown>) -> Option<Estimate> {
-        self.estimate.as_ref().filter(|(own, _)| Arc::ptr_eq(own, shown)).map(|(_, estimate)| *estimate)
+    pub fn estimate(&self, shown: &Arc<Shown>) -> Option<&Estimate> {
+        self.estimate.as_ref().filter(|(own, _)| Arc::ptr_eq(own, shown)).map(|(_, estimate)| estimate)
     }
 
     /// What was found out about what stands in a line.

@@ -86,7 +86,7 @@ pub fn view(model: &Model, dialog: &ExportDialog, body: Rect, buffer: &mut Buffe
 }
 
 /// What the surface amounts to.
-fn heading_row(model: &Model, has_grown: bool, estimate: Option<Estimate>, area: Rect, buffer: &mut Buffer) {
+fn heading_row(model: &Model, has_grown: bool, estimate: Option<&Estimate>, area: Rect, buffer: &mut Buffer) {
     let text = match estimate {
         _ if !has_grown => "the tree is still growing; sizes are told when it has".to_owned(),
         None => "estimating …".to_owned(),
@@ -118,7 +118,7 @@ fn length(bytes: u64) -> String {
 struct Row<'m> {
     model: &'m Model,
     dialog: &'m ExportDialog,
-    estimate: Option<Estimate>,
+    estimate: Option<&'m Estimate>,
     /// Whether the cursor is on it.
     chosen: bool,
     area: Rect,

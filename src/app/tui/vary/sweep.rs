@@ -203,9 +203,14 @@ mod tests {
     #[test]
     fn sweeps_of_every_knob_of_every_preset_rise_within_the_range_and_hold_what_is_set() {
         let mut swept = 0;
+        // Most presets leave most knobs where they are: each value of each knob once.
+        let mut seen = std::collections::BTreeSet::new();
         for builtin in linden::preset::builtins() {
             let preset = builtin.load().unwrap();
             for (row, current) in preset.knobs() {
+                if !seen.insert((row.knob.name, current.to_string())) {
+                    continue;
+                }
                 for most in [1, 2, 4, 6, 8, 12, 24] {
                     for spread in 0..SPREADS.len() {
                         let name = row.knob.name;

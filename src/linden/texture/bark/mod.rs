@@ -3,6 +3,7 @@
 //! The height is composed of plates, ridges or layers, bent by slow noise, and grain. Colour follows
 //! it: furrows are dark, what sticks out is weathered, and lichen sits where light and rain come.
 
+mod own;
 mod styles;
 mod surface;
 
@@ -11,6 +12,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use rayon::prelude::*;
 
+pub use self::own::{normals_by_lightness, opaque};
 use self::surface::{Spot, Surface};
 use crate::color::{encode, linear};
 use crate::memory::{OverMemory, bytes_of};
@@ -75,8 +77,8 @@ pub struct Bark {
     pub key: Key,
 }
 
-/// A bark's pictures. Both are square and continue across their edges. U runs round the girth and
-/// V up the branch: the first row is the upper end.
+/// A bark's pictures. Both continue across their edges; those that are drawn are square. U runs round the
+/// girth and V up the branch: the first row is the upper end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BarkPictures {
     /// sRGB, opaque.
@@ -139,7 +141,7 @@ impl Bark {
         let relief = if self.relief.is_finite() { self.relief.clamp(0.0, 0.5) } else { 0.0 };
         let base_color = colors(&spots, n, self.color);
         monitor.check()?;
-        let normal = normals(&spots, n, relief);
+        let normal = normals(|row, column| spots[row * n + column].height, (n, n), relief);
         let picture = |rgba| Arc::new(Picture::new(size, size, rgba));
         Ok(BarkPictures { base_color: picture(base_color), normal: picture(normal) })
     }
@@ -180,16 +182,20 @@ fn colors(spots: &[Spot], n: usize, color: [u8; 3]) -> Vec<u8> {
 /// Steps of the table from light to code value: fine enough that the darkest codes are all reached.
 const CURVE_STEPS: usize = 16_384;
 
-/// Tangent-space normals by central differences across the edges.
-fn normals(spots: &[Spot], n: usize, relief: f32) -> Vec<u8> {
-    // Heights are shares of the relief, which is a share of the side: both cancel the pixel's size.
-    let per_step = relief * n as f32 / 2.0;
-    let mut rgba = vec![255; spots.len() * 4];
-    rgba.par_chunks_mut(4 * n).enumerate().for_each(|(row, pixels)| {
-        let height = |row: usize, column: usize| spots[row * n + column].height;
+/// Tangent-space normals by central differences across the edges, `width` × `height` pixels. Heights, by
+/// row and column, are shares of the relief, which is a share of the width.
+fn normals(
+    heights: impl Fn(usize, usize) -> f32 + Sync,
+    (width, height): (usize, usize),
+    relief: f32,
+) -> Vec<u8> {
+    // The pixel's size cancels.
+    let per_step = relief * width as f32 / 2.0;
+    let mut rgba = vec![255; width * height * 4];
+    rgba.par_chunks_mut(4 * width).enumerate().for_each(|(row, pixels)| {
         for (column, pixel) in pixels.as_chunks_mut::<4>().0.iter_mut().enumerate() {
-            let right = height(row, (column + 1) % n) - height(row, (column + n - 1) % n);
-            let up = height((row + n - 1) % n, column) - height((row + 1) % n, column);
+            let right = heights(row, (column + 1) % width) - heights(row, (column + width - 1) % width);
+            let up = heights((row + height - 1) % height, column) - heights((row + 1) % height, column);
             let normal = Vec3::new(-right * per_step, -up * per_step, 1.0).normalize();
             let [x, y, z] = normal.to_array().map(|c| (c * 127.5 + 128.0) as u8);
             *pixel = [x, y, z, 255];

@@ -65,7 +65,7 @@ fn green_points_up_the_slope_that_faces_up() {
             Spot { height: (1.0 - 6.0 * (x * x + y * y)).max(0.0), tint: Vec3::ONE }
         })
         .collect();
-    let rgba = normals(&spots, n, 0.2);
+    let rgba = normals(|row, column| spots[row * n + column].height, (n, n), 0.2);
     let at = |x: usize, y: usize| [rgba[(y * n + x) * 4], rgba[(y * n + x) * 4 + 1]];
     assert!(at(16, 10)[1] > 140 && at(16, 22)[1] < 116, "{:?} {:?}", at(16, 10), at(16, 22));
     assert!(at(22, 16)[0] > 140 && at(10, 16)[0] < 116);

@@ -1,0 +1,67 @@
+//! Trees that compete: a forest of one kind as one growth in which each tree has its own root and crown.
+
+use super::plan::{ForestError, Tree};
+use crate::knob::printable;
+use crate::preset::{Colonization, Generator, MOST_PARTS, Part, Preset, Role, Solid, Space};
+use crate::recipe::Recipe;
+use crate::stage::Place;
+
+/// Why a kind of trees does not compete.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Loner {
+    /// It grows by rewriting.
+    #[error("it grows by an L-system, which knows of no space")]
+    LSystem,
+    /// It fills what somebody else has drawn or measured.
+    #[error("it grows in a mesh or a scan, which stands where its file has it")]
+    Given,
+    /// It has several stems already, or parts that stand where their file has them.
+    #[error("its crown is put together of trees or of meshes without a place")]
+    Parts,
+}
+
+/// One tree that is all those of some places. The root of the first stands at its origin.
+///
+/// Each has the crown of its kind, as large beside the first as its place says, and as many points more as
+/// one tree has by itself. None is turned: no two grow alike anyway.
+pub(super) fn together(tree: &Tree, places: &[Place]) -> Result<Tree, ForestError> {
+    let alone = |why| ForestError::Loner { kind: printable(&tree.recipe.preset.id), why };
+    let preset = &tree.recipe.preset;
+    let Generator::Colonization(own) = &preset.generator else { return Err(alone(Loner::LSystem)) };
+    let Space::Shape { shape, dimensions } = &own.space else { return Err(alone(Loner::Given)) };
+    let is_unplaced = |part: &Part| part.at.is_none() && matches!(part.solid, Solid::Mesh { .. });
+    if own.parts.iter().any(|part| part.role == Role::Tree || is_unplaced(part)) {
+        return Err(alone(Loner::Parts));
+    }
+    let [first, others @ ..] = places else { return Ok(tree.clone()) };
+    let stems = places.len() as u64;
+    let most = (1 + MOST_PARTS / (1 + own.parts.len())) as u64;
+    if stems > most {
+        return Err(ForestError::TooManyStems { stems, most });
+    }
+    let mut parts = own.parts.clone();
+    for place in others {
+        let size = f64::from(place.scale / first.scale);
+        let root = ((place.position - first.position) / first.scale).as_dvec3().to_array();
+        let from_root = |at: [f64; 3]| [0, 1, 2].map(|i| root[i] + at[i] * size);
+        let crown = Solid::Shape { shape: shape.clone(), dimensions: dimensions.clone() };
+        parts.push(Part {
+            at: own.crown_base_m.map(|height| from_root([0.0, height, 0.0])),
+            scale: size,
+            root: Some(root),
+            trunk_m: own.trunk_m.map(|trunk| trunk * size),
+            ..Part::of(Role::Tree, crown)
+        });
+        parts.extend(own.parts.iter().map(|part| Part {
+            at: Some(from_root(part.at.unwrap_or_default())),
+            scale: part.scale * size,
+            ..part.clone()
+        }));
+    }
+    let points = own.points.saturating_mul(stems as u32);
+    let max_nodes = own.max_nodes.saturating_mul(stems as u32);
+    let grown = Colonization { parts, points, max_nodes, ..own.clone() };
+    let preset = Preset { generator: Generator::Colonization(grown), ..preset.clone() };
+    let recipe = Recipe { preset, inputs: tree.recipe.inputs.clone() };
+    Ok(Tree { recipe, stems, ..tree.clone() })
+}

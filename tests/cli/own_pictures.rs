@@ -1,0 +1,113 @@
+//! Pictures of one's own in place of drawn ones, from the command line and from a preset.
+
+use crate::program::Folder;
+
+const SMALL: [&str; 6] = ["--set", "points=100", "--set", "bark_size=32", "--set", "leaf_size=32"];
+
+/// A PNG of one colour with a stripe of another down its first column, half of it transparent.
+fn striped(width: u32, height: u32) -> (Vec<u8>, Vec<u8>) {
+    let pixel = |i: u32| if i.is_multiple_of(width) { [200, 40, 30, 128] } else { [30, 90, 160, 255] };
+    let rgba: Vec<u8> = (0..width * height).flat_map(pixel).collect();
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.write_header().unwrap().write_image_data(&rgba).unwrap();
+    (bytes, rgba)
+}
+
+/// Width, height and bytes of a pixel of a picture, and its bytes.
+fn pixels(png: &[u8]) -> ([u32; 2], usize, Vec<u8>) {
+    let mut reader = png::Decoder::new(std::io::Cursor::new(png)).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut bytes).unwrap();
+    bytes.truncate(info.buffer_size());
+    ([info.width, info.height], info.color_type.samples(), bytes)
+}
+
+/// From the least to the largest V of the wood's texture coordinates.
+fn wood_v(obj: &str) -> f32 {
+    let (mut low, mut high, mut is_wood) = (f32::MAX, f32::MIN, false);
+    for line in obj.lines() {
+        match line.split_once(' ') {
+            Some(("o" | "g", part)) => is_wood = part.contains("wood"),
+            Some(("vt", uv)) if is_wood => {
+                let v: f32 = uv.split(' ').nth(1).unwrap().parse().unwrap();
+                (low, high) = (low.min(v), high.max(v));
+            }
+            _ => {}
+        }
+    }
+    high - low
+}
+
+/// The picture that a material of an .mtl shows.
+fn map(folder: &Folder, mtl: &str, material: &str, key: &str) -> Vec<u8> {
+    let text = String::from_utf8(folder.read(mtl)).unwrap();
+    let own = text.split("newmtl ").find(|own| own.lines().next().unwrap().contains(material)).unwrap();
+    let line = own.lines().find(|line| line.starts_with(key)).unwrap_or_else(|| panic!("{key} in {own}"));
+    folder.read(line.split(' ').next_back().unwrap())
+}
+
+#[test]
+fn a_png_replaces_bark_and_leaves_and_comes_back_with_the_recipe() {
+    let folder = Folder::new();
+    let ((bark, rgba), (leaf, leaf_rgba)) = (striped(16, 32), striped(8, 8));
+    folder.write("bark.png", &bark);
+    folder.write("leaf.png", &leaf);
+    let run = |args: &[&str]| folder.run(&[&["export"][..], args].concat()).done();
+    run(&[&["dressed-simple", "-o", "drawn.obj"][..], &SMALL].concat());
+    let own = ["--set", "bark_picture=bark.png", "--set", "leaf_picture=leaf.png"];
+    run(&[&["dressed-simple", "-o", "own.obj"][..], &SMALL, &own].concat());
+
+    // The bark as it is but for its holes, its normals drawn of it; the leaf with its holes.
+    let (size, samples, kd) = pixels(&map(&folder, "own.mtl", "bark", "map_Kd"));
+    let colors = |bytes: &[u8], samples: usize| -> Vec<u8> {
+        bytes.chunks(samples).flat_map(|pixel| pixel[..3].to_vec()).collect()
+    };
+    assert_eq!((size, colors(&kd, samples)), ([16, 32], colors(&rgba, 4)));
+    assert!(samples == 3 || kd.chunks(4).all(|pixel| pixel[3] == 255), "bark has no holes");
+    let (size, samples, normals) = pixels(&map(&folder, "own.mtl", "bark", "norm"));
+    assert_eq!(size, [16, 32]);
+    let leaning = normals.chunks(samples).filter(|pixel| pixel[0].abs_diff(128) > 3).count();
+    assert!((32..=4 * 32).contains(&leaning), "{leaning} of 512 lean: those beside the stripe");
+    assert_eq!(pixels(&map(&folder, "own.mtl", "leaves", "map_Kd")).2, leaf_rgba);
+
+    // Twice as high as wide: half as many of them up the trunk.
+    let text = |name: &str| String::from_utf8(folder.read(name)).unwrap();
+    let (drawn, tall) = (wood_v(&text("drawn.obj")), wood_v(&text("own.obj")));
+    assert!((tall - drawn / 2.0).abs() < 1e-3 * drawn, "{drawn} {tall}");
+
+    // A preset with the same, and the recipe in the file, give the same again.
+    let recipe = text("own.obj").lines().find_map(|line| Some(line[line.find("{\"linden\"")?..].to_owned()));
+    folder.write("again.json", recipe.unwrap());
+    run(&["again.json", "-o", "again.obj"]);
+    let faces = |name: &str| {
+        text(name).lines().filter(|own| !own.starts_with("mtllib")).map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert!(faces("again.obj") == faces("own.obj"), "the recipe grows another tree");
+    assert!(map(&folder, "again.mtl", "bark", "map_Kd") == map(&folder, "own.mtl", "bark", "map_Kd"));
+}
+
+#[test]
+fn normals_of_ones_own_must_lie_on_the_picture() {
+    let folder = Folder::new();
+    folder.write("bark.png", striped(16, 32).0);
+    folder.write("normal.png", striped(32, 64).0);
+    folder.write("wide.png", striped(64, 32).0);
+    let with = |normal: &str| {
+        let normal = format!("bark_normal={normal}");
+        let own = ["export", "fir", "-o", "x.glb", "--set", "bark_picture=bark.png", "--set", &normal];
+        folder.run(&own)
+    };
+    with("normal.png").done();
+    assert!(folder.names().contains(&"x.glb".to_owned()));
+    let refused = |normal: &str, says: &[&str]| {
+        let before = folder.content();
+        let said = with(normal);
+        assert_eq!(said.code, Some(1), "{}", said.err);
+        assert!(says.iter().all(|own| said.err.contains(own)), "{}", said.err);
+        assert_eq!(folder.content(), before);
+    };
+    refused("wide.png", &["'bark_normal'", "64 × 32", "16 × 32", "same proportions"]);
+    refused("none.png", &["none.png", "bark_normal"]);
+}
