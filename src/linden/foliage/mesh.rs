@@ -169,6 +169,13 @@ struct Amount {
     triangles: usize,
 }
 
+impl Amount {
+    fn add(&mut self, mesh: &Mesh, times: usize) {
+        self.vertices += times * mesh.positions.len();
+        self.triangles += times * mesh.triangles.len();
+    }
+}
+
 /// What one task will write.
 struct Plan {
     organs: std::ops::Range<usize>,
@@ -220,25 +227,30 @@ impl<'a> Baker<'a> {
         let mut plan = Plan { organs, amounts: vec![Amount::default(); self.slots()], filled: Vec::new() };
         let polygons = self.organs.polygons.ends.len();
         let mut shaper = Shaper::default();
-        for organ in plan.organs.clone() {
-            let Some(placed) = organ.checked_sub(polygons) else {
-                let slot = self.color_slot(self.organs.growth(organ).color);
-                let at = plan.filled.iter().position(|(own, _)| *own == slot).unwrap_or_else(|| {
-                    plan.filled.push((slot, Mesh::default()));
-                    plan.filled.len() - 1
-                });
-                shaper.polygon(self.organs, organ, &mut plan.filled[at].1);
-                continue;
-            };
-            let (slot, Stamp { mesh, .. }) = self.stamp(placed);
-            let amount = &mut plan.amounts[slot];
-            amount.vertices += mesh.positions.len();
-            amount.triangles += mesh.triangles.len();
+        for organ in plan.organs.start..plan.organs.end.min(polygons) {
+            let slot = self.color_slot(self.organs.growth(organ).color);
+            let at = plan.filled.iter().position(|(own, _)| *own == slot).unwrap_or_else(|| {
+                plan.filled.push((slot, Mesh::default()));
+                plan.filled.len() - 1
+            });
+            shaper.polygon(self.organs, organ, &mut plan.filled[at].1);
+        }
+        // Most are of shapes whose slot is known: these are counted, and added up afterwards.
+        let mut counts = [0_usize; 1 << u8::BITS];
+        for placed in self.placed(&plan.organs) {
+            counts[usize::from(self.organs.placed.prototypes[placed])] += 1;
+            let (slot, stamp) = self.stamp(placed);
+            if stamp.slot.is_none() {
+                plan.amounts[slot].add(stamp.mesh, 1);
+            }
+        }
+        for (stamp, count) in self.stamps.iter().zip(counts) {
+            if let Some(slot) = stamp.slot {
+                plan.amounts[slot].add(stamp.mesh, count);
+            }
         }
         for (slot, mesh) in &plan.filled {
-            let amount = &mut plan.amounts[*slot];
-            amount.vertices += mesh.positions.len();
-            amount.triangles += mesh.triangles.len();
+            plan.amounts[*slot].add(mesh, 1);
         }
         plan
     }
@@ -258,12 +270,16 @@ impl<'a> Baker<'a> {
             target.positions.take(mesh.positions.len()).copy_from_slice(&mesh.positions);
             target.normals.take(mesh.normals.len()).copy_from_slice(&mesh.normals);
         }
-        let polygons = self.organs.polygons.ends.len();
-        for organ in plan.organs.clone() {
-            let Some(placed) = organ.checked_sub(polygons) else { continue };
+        for placed in self.placed(&plan.organs) {
             let (slot, stamp) = self.stamp(placed);
             self.place(placed, stamp, &mut targets[slot]);
         }
+    }
+
+    /// Those of some organs that are in the table.
+    fn placed(&self, organs: &std::ops::Range<usize>) -> std::ops::Range<usize> {
+        let polygons = self.organs.polygons.ends.len();
+        organs.start.max(polygons) - polygons..organs.end.max(polygons) - polygons
     }
 
     fn place(&self, placed: usize, stamp: &Stamp<'_>, target: &mut Target<'_>) {
@@ -300,7 +316,10 @@ fn copy<T: Copy, U>(to: &mut [U], from: &[T], change: impl Fn(T) -> U) {
 /// Copies a list of N; whether it is one.
 fn unrolled<const N: usize, T: Copy, U>(to: &mut [U], from: &[T], change: impl Fn(T) -> U) -> bool {
     let (Ok(to), Ok(from)) = (<&mut [U; N]>::try_from(to), <&[T; N]>::try_from(from)) else { return false };
-    *to = from.map(change);
+    // `from.map` is not inlined.
+    for i in 0..N {
+        to[i] = change(from[i]);
+    }
     true
 }
 
