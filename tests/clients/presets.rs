@@ -7,13 +7,14 @@ use linden::preset::builtins;
 use linden_exporters::REGISTRY;
 use linden_tests::fixtures::export;
 use linden_tests::presets::recipe;
+use rayon::prelude::*;
 
 use crate::outside::{exported, run};
 
 #[test]
 fn every_preset_passes_every_client_in_every_format() {
     let dir = exported("presets");
-    for builtin in builtins() {
+    builtins().par_iter().for_each(|builtin| {
         let mut recipe = recipe(builtin);
         if recipe.preset.group == "Plants" {
             // As much as shows every part and every material; a million leaves teach a validator nothing.
@@ -32,6 +33,6 @@ fn every_preset_passes_every_client_in_every_format() {
             };
             export(scene, format.id, &[], &dir.join(name)).unwrap();
         }
-    }
+    });
     run("check.py", &dir);
 }

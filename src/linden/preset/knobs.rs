@@ -3,7 +3,8 @@
 
 use super::item::Field;
 use super::{
-    Colonization, LeafKind, Preset, Space, bark, colonization, detail, foliage, lsystem, surface, wind, wood,
+    Colonization, LeafKind, Preset, Space, bark, colonization, detail, leaf_knobs, lsystem, surface, wind,
+    wood,
 };
 use crate::colonization::crown::{self, SHAPES, ShapeKnob};
 use crate::knob::{Kind, Knob, Value};
@@ -198,7 +199,7 @@ const SECTIONS: [&[PresetKnob]; 9] = [
     wood::KNOBS,
     surface::KNOBS,
     bark::KNOBS,
-    foliage::KNOBS,
+    leaf_knobs::KNOBS,
     detail::KNOBS,
     wind::KNOBS,
 ];
