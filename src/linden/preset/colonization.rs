@@ -24,6 +24,10 @@ pub struct Colonization {
     pub shell_density: f64,
     /// How far points gather at the crown's top, 0 to 1.
     pub top_density: f64,
+    /// How far points gather in clumps, 0 to 1; see [`crate::colonization::crown::clumps`].
+    pub clumps: f64,
+    /// Distance of clumps, metres; `None`: a fifth of the crown's longest side.
+    pub clump_size_m: Option<f64>,
     /// `D`: length of a segment, metres; `None`: from the spacing of the points.
     pub step_m: Option<f64>,
     /// How far a point pulls.
@@ -119,6 +123,8 @@ impl Colonization {
             points: 2000,
             shell_density: 0.0,
             top_density: 0.0,
+            clumps: 0.0,
+            clump_size_m: None,
             step_m: None,
             influence: Length::Auto,
             kill: Length::Auto,
@@ -204,6 +210,22 @@ pub(super) const KNOBS: &[PresetKnob] = &[
         "",
         "how far the points gather at the crown's top; 0: evenly, 1: the base has a twentieth of its density",
         colonization.top_density
+    ),
+    row!(
+        Colonization,
+        "clumps",
+        real(0.0, 1.0),
+        "",
+        "how far the points gather in clumps, as leaves do at the ends of limbs; 0: evenly, 1: a twentieth is left between them",
+        colonization.clumps
+    ),
+    row!(
+        Colonization,
+        "clump_size",
+        real_or_auto(1e-3, 1e3),
+        "m",
+        "distance of neighbouring clumps; auto: a fifth of the crown's longest side",
+        colonization.clump_size_m
     ),
     row!(
         Colonization,

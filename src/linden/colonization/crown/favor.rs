@@ -21,12 +21,13 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::Crown;
+use super::clumps::Clumps;
 use crate::monitor::{Cancelled, Monitor};
 use crate::random::Key;
 use crate::scene::Bounds;
 
 /// What remains of the density where it is least is one less this.
-const STRENGTH: f64 = 0.95;
+pub(super) const STRENGTH: f64 = 0.95;
 
 /// Cubes along the longest side of the crown.
 const CUBES: f64 = 48.0;
@@ -57,6 +58,7 @@ impl Favor {
 pub struct Favored {
     crown: Box<dyn Crown>,
     favor: Favor,
+    clumps: Option<Clumps>,
     /// Absent where depth does not matter.
     depths: Option<Depths>,
 }
@@ -64,16 +66,22 @@ pub struct Favored {
 impl Favored {
     /// # Errors
     /// [`Cancelled`].
-    pub fn new(crown: Box<dyn Crown>, favor: Favor, monitor: &dyn Monitor) -> Result<Self, Cancelled> {
+    pub fn new(
+        crown: Box<dyn Crown>,
+        favor: Favor,
+        clumps: Option<Clumps>,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, Cancelled> {
         let depths = if favor.shell > 0.0 { Some(Depths::of(&*crown, monitor)?) } else { None };
-        Ok(Self { crown, favor, depths })
+        Ok(Self { crown, favor, clumps, depths })
     }
 
     fn density(&self, p: DVec3) -> f64 {
         let Bounds { min, max } = self.crown.bounds();
         let (low, high) = (f64::from(min.y), f64::from(max.y));
         let height = ((p.y - low) / (high - low)).clamp(0.0, 1.0);
-        self.favor.density(self.depths.as_ref().map_or(0.0, |depths| depths.at(p)), height)
+        let own = self.favor.density(self.depths.as_ref().map_or(0.0, |depths| depths.at(p)), height);
+        self.clumps.map_or(own, |clumps| own * clumps.density(p))
     }
 }
 
@@ -86,8 +94,8 @@ impl Crown for Favored {
         self.crown.contains(p)
     }
 
-    /// The density is nowhere below (1 - 0.95)², so 400 attempts at most on average, two or three for
-    /// anything round.
+    /// The density is nowhere below (1 - 0.95)³, so 8000 attempts at most on average, a few for anything
+    /// round.
     fn sample(&self, key: Key) -> DVec3 {
         let mut attempt = 0;
         loop {
@@ -276,7 +284,7 @@ mod tests {
         law: impl Fn(f64) -> f64,
     ) {
         const POINTS: u64 = 60_000;
-        let crown = Favored::new(crown, favor, &Quiet).unwrap();
+        let crown = Favored::new(crown, favor, None, &Quiet).unwrap();
         let mut counts = [0_f64; 10];
         for i in 0..POINTS {
             let p = crown.sample(Key::new(6).child(i));
@@ -314,6 +322,25 @@ mod tests {
         assert!((Favor { shell: 0.0, top: 1.0 }.density(0.5, 0.5) - (1.0 - 0.95 * 0.75)).abs() < 1e-12);
         assert!((Favor { shell: 1.0, top: 0.0 }.density(0.5, 0.5) - (1.0 - 0.95 * 0.875)).abs() < 1e-12);
         assert!((Favor::default().density(0.3, 0.6) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_twentieth_is_left_between_clumps() {
+        const POINTS: u64 = 40_000;
+        let clumps = Clumps { share: 1.0, size_m: 1.2, key: Key::new(5) };
+        let even = ball();
+        let gathered = Favored::new(ball(), Favor::default(), Some(clumps), &Quiet).unwrap();
+        // How many lie where the density is 1, and where it is least.
+        let counts = |crown: &dyn Crown| {
+            let densities = (0..POINTS).map(|i| clumps.density(crown.sample(Key::new(8).child(i))));
+            densities.fold([0.0, 0.0], |[whole, least], density| {
+                [whole + f64::from(density == 1.0), least + f64::from(density < 1.0 - STRENGTH + 1e-9)]
+            })
+        };
+        let ([whole, least], [own_whole, own_least]) = (counts(&*even), counts(&gathered));
+        assert!(whole > 3000.0 && least > 3000.0, "{whole} {least}");
+        let expected = (1.0 - STRENGTH) * least * own_whole / whole;
+        assert!((own_least - expected).abs() < 5.0 * expected.sqrt(), "{own_least} for {expected}");
     }
 
     #[test]

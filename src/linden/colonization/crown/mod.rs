@@ -10,6 +10,7 @@
 //! Crowns are put together from others by [`compound::Compound`] and moved by [`placed::Placed`].
 
 pub mod bezier;
+pub mod clumps;
 pub mod compound;
 pub mod cone;
 pub mod cylinder;

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use super::site::{Obstacle, Stem};
 use super::standing::Standing;
+use crate::colonization::crown::clumps::Clumps;
 use crate::colonization::crown::compound::{Compound, CompoundError, Operation, Piece};
 use crate::colonization::crown::envelope::{Envelope, EnvelopeError};
 use crate::colonization::crown::favor::{Favor, Favored};
@@ -16,6 +17,9 @@ use crate::monitor::{Cancelled, Monitor, from_cancellable};
 use crate::preset::{Colonization, Part, Role, Solid};
 use crate::random::Key;
 use crate::recipe::{Geometry, Recipe};
+
+/// Distance of clumps, in the longest sides of the crown, where nobody says.
+const CLUMP_PER_SIZE: f64 = 0.2;
 
 /// Why a part of a crown cannot be had.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -91,11 +95,18 @@ impl Standing {
         monitor: &dyn Monitor,
     ) -> Result<Self, GrowError> {
         let favor = Favor { shell: settings.shell_density, top: settings.top_density };
+        let clumps = |crown: &dyn Crown| {
+            let auto = || CLUMP_PER_SIZE * f64::from(crown.bounds().size().max_element());
+            let size_m = settings.clump_size_m.unwrap_or_else(auto);
+            let key = Key::new(recipe.preset.seed).named("clumps");
+            (settings.clumps > 0.0).then_some(Clumps { share: settings.clumps, size_m, key })
+        };
         let favored = |crown: Box<dyn Crown>| -> Result<Box<dyn Crown>, Cancelled> {
-            if favor == Favor::default() {
+            let clumps = clumps(&*crown);
+            if favor == Favor::default() && clumps.is_none() {
                 return Ok(crown);
             }
-            Ok(Box::new(Favored::new(crown, favor, monitor)?))
+            Ok(Box::new(Favored::new(crown, favor, clumps, monitor)?))
         };
         let parts = &settings.parts;
         if parts.is_empty() {
