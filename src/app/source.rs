@@ -36,7 +36,7 @@ pub fn resolve(source: &Path, set: &[(String, String)], monitor: &dyn Monitor) -
     let mut files = Vec::new();
     let (mut recipe, notes) = load(source, &mut files, monitor)?;
     for (name, value) in set {
-        if Preset::file_keys().any(|(key, _)| key == name) {
+        if Preset::file_keys().any(|(_, key, _)| key == name) {
             put_file(&mut recipe, (name, value), &mut files, monitor)?;
         } else {
             recipe.preset.set(name, value).map_err(usage)?;

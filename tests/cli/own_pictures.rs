@@ -111,3 +111,13 @@ fn normals_of_ones_own_must_lie_on_the_picture() {
     refused("wide.png", &["'bark_normal'", "64 × 32", "16 × 32", "same proportions"]);
     refused("none.png", &["none.png", "bark_normal"]);
 }
+
+#[test]
+fn a_preset_shows_which_pictures_it_takes() {
+    let folder = Folder::new();
+    folder.write("bark.png", striped(16, 32).0);
+    let page = folder.run(&["show", "fir"]).done().out;
+    assert!(page.lines().any(|line| line.trim_start().starts_with("bark_picture") && line.contains("none")));
+    let page = folder.run(&["show", "fir", "--set", "bark_picture=bark.png"]).done().out;
+    assert!(page.contains("bark.png: 16×32 pixels"), "{page}");
+}

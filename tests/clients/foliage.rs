@@ -47,7 +47,37 @@ fn every_client_takes_leaves() {
     run("check.py", &dir);
 }
 
-/// The same with a disc cut out of the first colour's leaves.
+#[test]
+fn every_client_takes_bark_of_ones_own() {
+    let dir = exported("clients-own-bark");
+    let stripes = |width: u32, height: u32| {
+        let pixels = (0..width * height)
+            .flat_map(|i| if i % width < 3 { [70, 50, 40, 255] } else { [150, 130, 110, 255] });
+        Picture::new(width, height, pixels.collect()).png().unwrap().to_vec()
+    };
+    // Twice as high as wide, its normals drawn or in another size.
+    for (stem, normal) in [("lightness", None), ("normal", Some(stripes(32, 64)))] {
+        let preset = builtin("dressed-simple").unwrap().load().unwrap();
+        let mut recipe = Recipe { preset, inputs: Vec::new() };
+        recipe.preset.set("triangles", "6000").unwrap();
+        let files = [("bark_picture", Some(stripes(16, 32))), ("bark_normal", normal)];
+        for (key, png) in files.into_iter().filter_map(|(key, png)| Some((key, png?))) {
+            let file = format!("{key}.png");
+            let input = linden::recipe::Input::read(&file, &png, &Quiet).unwrap();
+            assert!(recipe.put_file(key, &file, &input));
+        }
+        let grown = grow(&recipe, &Quiet).unwrap();
+        let levels = linden::detail::levels(&recipe, &grown, &Quiet).unwrap();
+        for exporter in REGISTRY {
+            let format = exporter.format();
+            let ending = format.extensions.first().map_or("_skeleton.ply".to_owned(), |e| format!(".{e}"));
+            export(&levels.levels[0].scene, format.id, &[], &dir.join(format!("{stem}{ending}"))).unwrap();
+        }
+    }
+    run("check.py", &dir);
+}
+
+/// The leafy branch with a disc cut out of the first colour's leaves.
 fn cut_out() -> Scene {
     let (_, _, mut scene) = scene();
     "Cut out".clone_into(&mut scene.name);

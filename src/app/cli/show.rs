@@ -210,6 +210,12 @@ fn page(recipe: &Recipe, knobs: &[KnobRow], forecast: Option<&ForecastRow>) -> S
             ));
             text.push_str(&format!("  {:name_width$}  {:value_width$}  {}\n", "", "", row.range));
         }
+        for (_, key, help) in Preset::file_keys().filter(|(own, ..)| *own == section) {
+            let file = preset.file(key);
+            let size = file.and_then(|file| recipe.input(file)).map(size).unwrap_or_default();
+            let value = file.map_or_else(|| "none".to_owned(), |file| printable(file) + &size);
+            text.push_str(&format!("  {key:name_width$}  {value:value_width$}  {help}\n"));
+        }
     }
     text
 }

@@ -207,10 +207,16 @@ impl Preset {
         self.bark.rename(&renamed);
     }
 
-    /// The keys of the bark and of the first kind of leaves that name files, each with its help.
-    pub fn file_keys() -> impl Iterator<Item = (&'static str, &'static str)> {
-        let leaves = LeafKind::FILES.into_iter().map(|row| (row.key, row.help));
-        leaves.chain(BarkLook::FILES.into_iter().map(|row| (row.key, row.help)))
+    /// The keys of the bark and of the first kind of leaves that name files: section, key, help.
+    pub fn file_keys() -> impl Iterator<Item = (Section, &'static str, &'static str)> {
+        let bark = BarkLook::FILES.into_iter().map(|row| (Section::Bark, row.key, row.help));
+        bark.chain(LeafKind::FILES.into_iter().map(|row| (Section::Foliage, row.key, row.help)))
+    }
+
+    /// The file that such a key names.
+    pub fn file(&self, key: &str) -> Option<&str> {
+        let mut all = self.bark.named_files().chain(self.foliage.first.named_files());
+        all.find(|(own, _)| *own == key).map(|(_, file)| file)
     }
 
     /// Gives such a key a file; whether there is such a key.
