@@ -29,10 +29,8 @@ fn trees(document: &Value) -> Vec<(u64, [f64; 3])> {
 
 const SMALL: [&str; 6] = ["--triangles", "3000", "--set", "bark_size=32", "--set", "leaf_size=32"];
 
-#[test]
-fn kinds_in_a_line_make_a_forest_that_keeps_its_spacing_and_shares() {
-    let folder = Folder::new();
-    let line = ["forest", "oak:2", "silver-birch:1", "--area", "48", "--spacing", "6.5", "--seed", "5"];
+/// The file of a small forest, on one thread; on two it is the same.
+fn exported(folder: &Folder, line: &[&str]) -> Vec<u8> {
     let export = |threads: &str, name: &str| {
         let run = linden()
             .env("RAYON_NUM_THREADS", threads)
@@ -47,6 +45,14 @@ fn kinds_in_a_line_make_a_forest_that_keeps_its_spacing_and_shares() {
     };
     let one = export("1", "one.glb");
     assert!(one == export("2", "two.glb"), "one thread and two differ");
+    one
+}
+
+#[test]
+fn kinds_in_a_line_make_a_forest_that_keeps_its_spacing_and_shares() {
+    let folder = Folder::new();
+    let line = ["forest", "oak:2", "silver-birch:1", "--area", "48", "--spacing", "6.5", "--seed", "5"];
+    let one = exported(&folder, &line);
     let document = glb(&one);
     let stand = trees(&document);
     assert!((25..50).contains(&stand.len()), "{}", stand.len());
@@ -141,20 +147,7 @@ fn the_mixed_wood_as_it_is_stays_a_file_that_opens() {
 fn trees_that_compete_are_all_different_and_one_growth() {
     let folder = Folder::new();
     let line = ["forest", "dressed-simple", "--area", "24", "--spacing", "6", "--trees", "4", "--compete"];
-    let export = |threads: &str, name: &str| {
-        let run = linden()
-            .env("RAYON_NUM_THREADS", threads)
-            .args(line)
-            .args(SMALL)
-            .args(["-o", name])
-            .current_dir(folder.path())
-            .output()
-            .unwrap();
-        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-        folder.read(name)
-    };
-    let one = export("1", "one.glb");
-    assert!(one == export("2", "two.glb"), "one thread and two differ");
+    let one = exported(&folder, &line);
     let document = glb(&one);
     assert_eq!(trees(&document).len(), 1, "they are one growth");
     let count = |primitive: &Value| {
