@@ -359,8 +359,8 @@ fn bark_bytes(recipe: &Recipe) -> u64 {
     let look = &recipe.preset.bark;
     match (&look.picture, &look.normal) {
         (None, None) => picture_bytes(look),
-        // Normals follow the picture, and say as much.
-        (Some(file), None) => 2 * file_bytes(recipe, file),
+        // Normals follow the picture and take about twice as much (measured over the drawn barks).
+        (Some(file), None) => 3 * file_bytes(recipe, file),
         (None, Some(file)) => picture_bytes(look) / 2 + file_bytes(recipe, file),
         (Some(picture), Some(normal)) => file_bytes(recipe, picture) + file_bytes(recipe, normal),
     }
@@ -572,6 +572,27 @@ mod tests {
             let pictures = crate::picture::pictures(&cast.looks);
             let real: usize = crate::picture::compress(&pictures).unwrap().iter().map(|png| png.len()).sum();
             within(&what, estimate.picture_bytes, real as u64);
+        }
+    }
+
+    #[test]
+    fn bark_of_ones_own_is_estimated_by_its_file() {
+        let preset = linden::preset::builtin("older-f").unwrap().load().unwrap();
+        let key = linden::random::Key::new(3);
+        for style in [BarkStyle::Ridged, BarkStyle::Plated, BarkStyle::Birch] {
+            let mut recipe = Recipe { preset: preset.clone(), inputs: Vec::new() };
+            let photograph = linden::texture::Bark::new(style, key).draw(&Quiet).unwrap().base_color;
+            let png = photograph.png().unwrap();
+            let input = linden::recipe::Input::read("my.png", png, &Quiet).unwrap();
+            assert!(recipe.put_file("bark_picture", "my.png", &input));
+            let grown = grow(&recipe, &Quiet).unwrap();
+            let estimate = Estimate::new(&recipe, &grown, &Quiet).unwrap();
+            let scene = dress(&recipe, &grown, &Quiet).unwrap();
+            let stage = Stage::of(&scene);
+            let cast = crate::cast::Cast::of(&stage, &Quiet).unwrap();
+            let pictures = crate::picture::pictures(&cast.looks);
+            let real: usize = crate::picture::compress(&pictures).unwrap().iter().map(|png| png.len()).sum();
+            within(&format!("{style:?}"), estimate.picture_bytes, real as u64);
         }
     }
 
