@@ -337,8 +337,8 @@ impl Estimate {
     }
 }
 
-// Of wind, measured over the plants: characters of a vector of four numbers, those of a vector of three
-// and its comma, and what meshopt leaves of both.
+// Of wind: characters of a vector of four numbers, those of a vector of three and its comma, and what
+// meshopt leaves of both. Set by estimate; three plants bear them out within 30 % (test).
 const USD_WIND: f64 = 38.0;
 const USD_TARGET: f64 = 34.0;
 const MESHOPT_WIND: f64 = 0.5;
@@ -359,14 +359,14 @@ fn bark_bytes(recipe: &Recipe) -> u64 {
     let look = &recipe.preset.bark;
     match (&look.picture, &look.normal) {
         (None, None) => picture_bytes(look),
-        // Normals follow the picture and take about twice as much (measured over the drawn barks).
+        // Normals follow the picture and take about twice as much (2.1 times for a ridged bark).
         (Some(file), None) => 3 * file_bytes(recipe, file),
         (None, Some(file)) => picture_bytes(look) / 2 + file_bytes(recipe, file),
         (Some(picture), Some(normal)) => file_bytes(recipe, picture) + file_bytes(recipe, normal),
     }
 }
 
-/// The pictures of a billboard as PNG: two, all planes beside each other in each. Measured over the plants.
+/// The pictures of a billboard as PNG: two, all planes beside each other in each.
 fn billboard_bytes(detail: &DetailLook) -> u64 {
     let side = f64::from(detail.billboard_size_px);
     (f64::from(detail.billboard) * side * side * BILLBOARD_BYTES) as u64
@@ -375,7 +375,8 @@ fn billboard_bytes(detail: &DetailLook) -> u64 {
 /// What stands around the meshes of a further level.
 const LEVEL_BYTES: u64 = 1500;
 
-/// For each pixel of a square as high as a plane: both pictures.
+/// For each pixel of a square as high as a plane: both pictures. Between an oak (0.8) and a fir, whose
+/// needles say more (1.9).
 const BILLBOARD_BYTES: f64 = 1.25;
 
 /// Of a picture of the user's.
