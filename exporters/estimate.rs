@@ -517,9 +517,9 @@ mod tests {
 
     #[test]
     fn estimates_are_near_the_real_files() {
-        let faults = builtins().par_iter().flat_map_iter(|builtin| {
-            all_off(builtin.id, &Recipe { preset: builtin.load().unwrap(), inputs: Vec::new() })
-        });
+        let faults = builtins()
+            .par_iter()
+            .flat_map_iter(|builtin| all_off(builtin.id, &Recipe::new(builtin.load().unwrap())));
         assert_eq!(faults.collect::<Vec<_>>(), [""; 0]);
     }
 
@@ -539,7 +539,7 @@ mod tests {
             for (knob, value) in knobs {
                 preset.set(knob, value).unwrap();
             }
-            all_off(&format!("{id} {knobs:?}"), &Recipe { preset, inputs: Vec::new() })
+            all_off(&format!("{id} {knobs:?}"), &Recipe::new(preset))
         });
         assert_eq!(faults.collect::<Vec<_>>(), [""; 0]);
     }
@@ -561,7 +561,7 @@ mod tests {
         ] {
             let mut preset = linden::preset::builtin("older-f").unwrap().load().unwrap();
             preset.set(knob, value).unwrap();
-            let recipe = Recipe { preset, inputs: Vec::new() };
+            let recipe = Recipe::new(preset);
             let grown = grow(&recipe, &Quiet).unwrap();
             let estimate = Estimate::new(&recipe, &grown, &Quiet).unwrap();
             let scene = dress(&recipe, &grown, &Quiet).unwrap();
@@ -581,7 +581,7 @@ mod tests {
         let preset = linden::preset::builtin("older-f").unwrap().load().unwrap();
         let key = linden::random::Key::new(3);
         for style in [BarkStyle::Ridged, BarkStyle::Plated, BarkStyle::Birch] {
-            let mut recipe = Recipe { preset: preset.clone(), inputs: Vec::new() };
+            let mut recipe = Recipe::new(preset.clone());
             let photograph = linden::texture::Bark::new(style, key).draw(&Quiet).unwrap().base_color;
             let png = photograph.png().unwrap();
             let input = linden::recipe::Input::read("my.png", png, &Quiet).unwrap();

@@ -11,7 +11,7 @@
 //! use linden::{Quiet, dress::dress, grow::grow, preset::builtin, recipe::Recipe, stage::Stage};
 //! use linden_exporters::{Bundle, Options, for_path};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let recipe = Recipe { preset: builtin("fir").unwrap().load()?, inputs: Vec::new() };
+//! let recipe = Recipe::new(builtin("fir").unwrap().load()?);
 //! let scene = dress(&recipe, &grow(&recipe, &Quiet)?, &Quiet)?;
 //!
 //! let folder = tempfile::tempdir()?;

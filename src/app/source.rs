@@ -12,7 +12,7 @@ use linden::input::{InputKind, sniff};
 use linden::knob::{did_you_mean, printable};
 use linden::lsystem::text;
 use linden::preset::{Fault, Preset, RecipeError, Space, builtin, builtin_file};
-use linden::recipe::{Input, Recipe};
+use linden::recipe::{Input, Inputs, Recipe};
 use linden::{Cancelled, Monitor};
 
 use crate::exit::usage;
@@ -163,19 +163,14 @@ fn read(
         InputKind::Preset | InputKind::Recipe => {
             let inputs = read_beside(path, &preset, &shown, files, monitor)?;
             if kind == InputKind::Recipe {
-                let hashes = recipe_hashes(bytes);
-                for (input, _) in inputs.iter().zip(hashes).filter(|(own, then)| own.hash_text() != *then) {
-                    notes.push(format!(
-                        "{} is not the file that the recipe was made with; another tree will grow",
-                        input.name
-                    ));
-                }
+                notes.extend(other_files(bytes, &inputs));
             }
             inputs
         }
-        InputKind::Grammar => Vec::new(),
+        InputKind::Grammar => Inputs::new(),
         InputKind::ObjMesh | InputKind::PlyMesh | InputKind::PlyPoints | InputKind::XyzPoints => {
-            vec![Input::read(&name, bytes, monitor).with_context(reading)?]
+            let input = Input::read(&name, bytes, monitor).with_context(reading)?;
+            [(name, input)].into_iter().collect()
         }
     };
     Ok((Recipe { preset, inputs }, notes))
@@ -188,9 +183,9 @@ fn read_beside(
     shown: &str,
     files: &mut Vec<PathBuf>,
     monitor: &dyn Monitor,
-) -> anyhow::Result<Vec<Input>> {
+) -> anyhow::Result<Inputs> {
     let folder = path.and_then(Path::parent).map_or_else(PathBuf::new, Path::to_owned);
-    let mut inputs = Vec::new();
+    let mut inputs = Inputs::new();
     for file in preset.files() {
         let beside = folder.join(file);
         let content = match (fs::read(&beside), builtin_file(file)) {
@@ -206,24 +201,33 @@ fn read_beside(
         };
         let input =
             Input::read(file, &content, monitor).with_context(|| format!("reading {}", show(&beside)))?;
-        inputs.push(input);
+        inputs.insert(file, input);
     }
     Ok(inputs)
 }
 
-/// The hashes of the inputs that a recipe names, in its order. Recipes of before there were parts have
-/// one, by itself.
-fn recipe_hashes(recipe: &[u8]) -> Vec<String> {
+/// Notes about files that are not those that a recipe was made with.
+fn other_files(recipe: &[u8], inputs: &Inputs) -> Vec<String> {
     let Ok(document) = serde_json::from_slice::<serde_json::Value>(recipe) else { return Vec::new() };
-    let inputs = match (document.get("inputs"), document.get("input")) {
+    // Recipes of before there were parts have one, by itself.
+    let then = match (document.get("inputs"), document.get("input")) {
         (Some(serde_json::Value::Array(inputs)), _) => inputs.iter().collect(),
         (_, Some(input)) => vec![input],
         _ => Vec::new(),
     };
-    let hash = |input: &serde_json::Value| {
-        input.get("xxh3").and_then(serde_json::Value::as_str).unwrap_or_default().to_owned()
+    let hash_then = |name: &str| {
+        let text = |input: &serde_json::Value, key| input.get(key)?.as_str().map(str::to_owned);
+        // Earlier versions wrote names as they are shown.
+        let is_it = |file: String| file == name || file == printable(name);
+        then.iter().find(|input| text(input, "file").is_some_and(is_it)).and_then(|input| text(input, "xxh3"))
     };
-    inputs.into_iter().map(hash).collect()
+    let is_other =
+        |(name, input): &(&str, &Input)| hash_then(name).is_some_and(|then| then != input.hash_text());
+    let note = |(name, _)| {
+        let name = printable(name);
+        format!("{name} is not the file that the recipe was made with; another tree will grow")
+    };
+    inputs.iter().filter(is_other).map(note).collect()
 }
 
 /// Text, or where it stops being one.

@@ -11,7 +11,7 @@ use crate::knob::printable;
 use crate::memory::Holding;
 use crate::monitor::{Cancelled, Monitor, from_cancellable};
 use crate::random::Key;
-use crate::recipe::{Geometry, Input, Recipe};
+use crate::recipe::{Geometry, Recipe};
 use crate::scene::{Material, Mesh, Part, Scene, Wrap};
 use crate::surface::{self, SurfaceError};
 use crate::texture::{self, BarkError, BarkPictures};
@@ -133,7 +133,7 @@ impl Wardrobe {
         monitor: &dyn Monitor,
     ) -> Result<Scene, DressError> {
         let preset = &recipe.preset;
-        let held = grown.bytes() + recipe.inputs.iter().map(Input::bytes).sum::<u64>() + self.bytes();
+        let held = grown.bytes() + recipe.inputs.bytes() + self.bytes();
         let monitor: &dyn Monitor = &Holding::new(monitor, held);
         let mut wood = surface::sweep(&grown.skeleton, &preset.tubes, monitor)?;
         stretch(&mut wood, &self.bark);

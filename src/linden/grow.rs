@@ -19,7 +19,7 @@ use crate::memory::{Holding, OverMemory, bytes_of};
 use crate::monitor::{Cancelled, Monitor, from_cancellable};
 use crate::preset::{Generator, Preset, ScanRadius};
 use crate::random::Key;
-use crate::recipe::{Input, Recipe};
+use crate::recipe::{InputsError, Recipe};
 use crate::skeleton::refine::{RefineError, Room, refine};
 use crate::skeleton::{Branching, NO_PARENT, Skeleton, SkeletonError, Wood};
 
@@ -130,6 +130,9 @@ pub enum GrowError {
     /// The leaves.
     #[error("growing leaves: {0}")]
     Foliage(FoliageError),
+    /// Files that are missing, or that the preset does not name.
+    #[error(transparent)]
+    Inputs(#[from] InputsError),
     /// The recipe's file is missing or holds something else.
     #[error("the recipe grows into '{}', which must hold {expected}", printable(.file))]
     WrongInput {
@@ -196,7 +199,7 @@ from_cancellable!(GrowError: LsystemError => LSystem, EnvelopeError => Envelope,
 /// ```
 /// use linden::{Quiet, grow::grow, preset::builtin, recipe::Recipe};
 /// let preset = builtin("abop-a").unwrap().load().map_err(|fault| fault.message)?;
-/// let grown = grow(&Recipe { preset, inputs: Vec::new() }, &Quiet)?;
+/// let grown = grow(&Recipe::new(preset), &Quiet)?;
 /// assert_eq!(grown.skeleton.segments(), 3125); // ABOP, Fig. 1.24 a
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -204,13 +207,14 @@ from_cancellable!(GrowError: LsystemError => LSystem, EnvelopeError => Envelope,
 /// # Errors
 /// [`GrowError`]: limits, contradictions, nothing in reach, cancelled.
 pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> {
+    recipe.check_inputs()?;
     let Preset { seed, generator, wood, .. } = &recipe.preset;
     if let (Some(base_m), Some(tip_m)) = (wood.base_radius_m, wood.tip_radius_m)
         && base_m < tip_m
     {
         return Err(GrowError::Radii { base_m, tip_m });
     }
-    let monitor: &dyn Monitor = &Holding::new(monitor, recipe.inputs.iter().map(Input::bytes).sum::<u64>());
+    let monitor: &dyn Monitor = &Holding::new(monitor, recipe.inputs.bytes());
     let key = Key::new(*seed);
     match generator {
         Generator::LSystem(own) => {

@@ -1,5 +1,6 @@
 //! A recipe: a preset, resolved, with the files it needs. Everything to grow the same tree again.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use glam::DVec3;
@@ -7,7 +8,7 @@ use serde::ser::{Serialize, SerializeMap, Serializer};
 use xxhash_rust::xxh3::xxh3_128;
 
 use crate::input::{InputError, InputKind, PlyData, TriangleMesh, Up, read_obj, read_ply, read_xyz, sniff};
-use crate::knob::printable;
+use crate::knob::{did_you_mean, nearest, printable};
 use crate::memory::bytes_of;
 use crate::monitor::Monitor;
 use crate::preset::Preset;
@@ -24,16 +25,116 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 pub struct Recipe {
     /// With all overrides applied.
     pub preset: Preset,
-    /// The meshes or points that the preset names, in the order of [`Preset::files`]. What is missing
-    /// is reported when the tree is to grow.
-    pub inputs: Vec<Input>,
+    /// What the files held that the preset names. Missing and unknown ones are errors when the tree is
+    /// to grow ([`Recipe::check_inputs`]).
+    pub inputs: Inputs,
+}
+
+/// Files that were read, by the names that the preset has for them ([`Preset::files`]).
+///
+/// ```
+/// use linden::{Quiet, grow::grow, preset::Preset, recipe::{Input, Recipe}};
+/// let preset = "id = \"shrub\"\n[colonization]\nenvelope = \"hull.obj\"\npoints = 50\ninfluence = inf";
+/// let mut recipe = Recipe::new(Preset::from_toml(preset).unwrap());
+/// let error = grow(&recipe, &Quiet).unwrap_err();
+/// assert!(error.to_string().contains("'hull.obj'"));
+///
+/// let tetrahedron = b"v 0 0 0\nv 2 0 0\nv 1 0 2\nv 1 2 1\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n";
+/// recipe.inputs.insert("hull.obj", Input::read("hull.obj", tetrahedron, &Quiet).unwrap());
+/// assert!(grow(&recipe, &Quiet).is_ok());
+/// ```
+#[derive(Clone, Debug, Default)]
+pub struct Inputs(BTreeMap<String, Input>);
+
+impl Inputs {
+    /// None.
+    pub const fn new() -> Self {
+        Self(BTreeMap::new())
+    }
+
+    /// Adds a file, or replaces the one of that name.
+    pub fn insert(&mut self, name: impl Into<String>, input: Input) {
+        self.0.insert(name.into(), input);
+    }
+
+    /// The file of that name.
+    pub fn get(&self, name: &str) -> Option<&Input> {
+        self.0.get(name)
+    }
+
+    /// All files with their names, by name.
+    pub fn iter(&self) -> impl Iterator<Item = (&str, &Input)> {
+        self.0.iter().map(|(name, input)| (name.as_str(), input))
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// Bytes that their geometry takes.
+    pub fn bytes(&self) -> u64 {
+        self.0.values().map(Input::bytes).sum()
+    }
+}
+
+impl<N: Into<String>> FromIterator<(N, Input)> for Inputs {
+    fn from_iter<I: IntoIterator<Item = (N, Input)>>(inputs: I) -> Self {
+        Self(inputs.into_iter().map(|(name, input)| (name.into(), input)).collect())
+    }
+}
+
+/// A recipe whose files are not those that its preset names.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum InputsError {
+    /// A file that the preset names is not there.
+    #[error("'{}' needs the file '{}', which was not given", printable(.preset), printable(.file))]
+    Missing {
+        /// The preset's id.
+        preset: String,
+        /// As the preset names it.
+        file: String,
+    },
+    /// A file that the preset does not name.
+    #[error(
+        "'{}' names no file '{}'{}; {}",
+        printable(.preset),
+        printable(.file),
+        did_you_mean(.nearest.as_deref()),
+        Named(.known)
+    )]
+    Unknown {
+        /// The preset's id.
+        preset: String,
+        /// As it was given.
+        file: String,
+        /// What may have been meant.
+        nearest: Option<String>,
+        /// The files that the preset names.
+        known: Vec<String>,
+    },
+}
+
+struct Named<'a>(&'a [String]);
+
+impl std::fmt::Display for Named<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if self.0.is_empty() {
+            return f.write_str("it needs none");
+        }
+        let names: Vec<String> = self.0.iter().map(|name| printable(name)).collect();
+        write!(f, "it needs: {}", names.join(", "))
+    }
 }
 
 /// A file that was read: a crown envelope, a mesh of a part or a leaf, attraction points, a picture.
 #[derive(Clone, Debug)]
 pub struct Input {
-    /// The file's name without folders, printable.
-    pub name: String,
     /// XXH3 of its bytes.
     pub hash: u128,
     /// Which way is up when nobody says.
@@ -65,7 +166,8 @@ impl Input {
         }
     }
 
-    /// Reads a mesh (OBJ, PLY with faces), points (PLY without, XYZ) or a picture (PNG).
+    /// Reads a mesh (OBJ, PLY with faces), points (PLY without, XYZ) or a picture (PNG). The file's name
+    /// decides only where its content fits two kinds.
     ///
     /// # Errors
     /// Anything that is wrong with the file, and files of other kinds.
@@ -73,7 +175,7 @@ impl Input {
         // Whatever claims to be a picture is read as one: the picture's reader says best what it is not.
         if bytes.starts_with(PNG) || name.to_ascii_lowercase().ends_with(".png") {
             let geometry = Geometry::Picture(Arc::new(own_picture(bytes, monitor)?));
-            return Ok(Self { name: printable(name), hash: xxh3_128(bytes), up: Up::Y, geometry });
+            return Ok(Self { hash: xxh3_128(bytes), up: Up::Y, geometry });
         }
         let (up, geometry) = match sniff(bytes, name)? {
             InputKind::ObjMesh => (Up::Y, Geometry::Mesh(Arc::new(read_obj(bytes, monitor)?))),
@@ -92,7 +194,7 @@ impl Input {
                 return Err(InputError::Unknown { looks });
             }
         };
-        Ok(Self { name: printable(name), hash: xxh3_128(bytes), up, geometry })
+        Ok(Self { hash: xxh3_128(bytes), up, geometry })
     }
 
     /// The hash as recipes carry it: 32 hexadecimal digits.
@@ -110,25 +212,55 @@ impl Input {
 }
 
 impl Recipe {
+    /// Of a preset that needs no files, or whose files are yet to be put into [`Recipe::inputs`].
+    pub const fn new(preset: Preset) -> Self {
+        Self { preset, inputs: Inputs::new() }
+    }
+
     /// What a file held that the preset names.
     pub fn input(&self, file: &str) -> Option<&Input> {
-        let index = self.preset.files().iter().position(|own| *own == file)?;
-        self.inputs.get(index)
+        self.inputs.get(file)
+    }
+
+    /// Whether there is each file that the preset names, and no other.
+    ///
+    /// # Errors
+    /// [`InputsError`]: the first that is missing or unknown.
+    pub fn check_inputs(&self) -> Result<(), InputsError> {
+        let known = self.preset.files();
+        let preset = || self.preset.id.clone();
+        // What is there under a wrong name says more than what is missing for that.
+        if let Some((file, _)) = self.inputs.iter().find(|(file, _)| !known.contains(file)) {
+            return Err(InputsError::Unknown {
+                preset: preset(),
+                nearest: nearest(file, known.iter().copied()).map(str::to_owned),
+                file: file.to_owned(),
+                known: known.into_iter().map(str::to_owned).collect(),
+            });
+        }
+        match known.into_iter().find(|file| self.inputs.get(file).is_none()) {
+            Some(file) => Err(InputsError::Missing { preset: preset(), file: file.to_owned() }),
+            None => Ok(()),
+        }
     }
 
     /// Gives a key that names a file ([`Preset::file_keys`]) another one, `file`, which held `input`.
     /// Whether there is such a key.
     pub fn put_file(&mut self, key: &str, file: &str, input: &Input) -> bool {
-        let names = |preset: &Preset| preset.files().into_iter().map(str::to_owned).collect::<Vec<_>>();
-        let before = names(&self.preset);
         if !self.preset.put_file(key, file) {
             return false;
         }
-        let old = std::mem::take(&mut self.inputs);
-        let find = |name: &String| old.get(before.iter().position(|own| own == name)?).cloned();
-        let one = |name: &String| if name == file { Some(input.clone()) } else { find(name) };
-        self.inputs = names(&self.preset).iter().filter_map(one).collect();
+        self.inputs.insert(file, input.clone());
+        let known = self.preset.files();
+        self.inputs.0.retain(|name, _| known.contains(&name.as_str()));
         true
+    }
+
+    /// Gives files other names, in the preset and in what was read: `names` has the new ones by the old.
+    pub fn rename_files(&mut self, names: &BTreeMap<String, String>) {
+        self.preset.rename_files(names);
+        let renamed = |(name, input)| (names.get(&name).cloned().unwrap_or(name), input);
+        self.inputs.0 = std::mem::take(&mut self.inputs.0).into_iter().map(renamed).collect();
     }
 
     /// One line of printable ASCII (JSON), as every exported file carries it. It is a preset
@@ -160,19 +292,100 @@ impl Serialize for Recipe {
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("linden", VERSION)?;
         self.preset.serialize_into(&mut map)?;
-        if !self.inputs.is_empty() {
-            map.serialize_entry("inputs", &self.inputs)?;
+        let files = self.preset.files().into_iter();
+        let files: Vec<_> = files.filter_map(|file| Some(NamedInput(file, self.input(file)?))).collect();
+        if !files.is_empty() {
+            map.serialize_entry("inputs", &files)?;
         }
         map.end()
     }
 }
 
-impl Serialize for Input {
+/// As recipes carry it.
+struct NamedInput<'a>(&'a str, &'a Input);
+
+impl Serialize for NamedInput<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("file", &self.name)?;
-        map.serialize_entry("kind", self.kind())?;
-        map.serialize_entry("xxh3", &self.hash_text())?;
+        let Self(name, input) = self;
+        map.serialize_entry("file", name)?;
+        map.serialize_entry("kind", input.kind())?;
+        map.serialize_entry("xxh3", &input.hash_text())?;
         map.end()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::monitor::Quiet;
+
+    /// A leaf of one triangle, and a fruit of two.
+    const LEAF: &[u8] = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    const FRUIT: &[u8] = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 2 4 3\n";
+
+    fn preset() -> Preset {
+        let text = "id = \"apple\"\n[lsystem]\naxiom = \"F~F\"\nrules = []\n[foliage]\nleaf_form = \"mesh\"\n\
+                    leaf_mesh = \"leaf.obj\"\n[[foliage.also]]\nleaf_form = \"mesh\"\nleaf_mesh = \"fruit.obj\"\n";
+        Preset::from_toml(text).unwrap()
+    }
+
+    fn read(bytes: &[u8]) -> Input {
+        Input::read("a.obj", bytes, &Quiet).unwrap()
+    }
+
+    fn triangles(recipe: &Recipe, file: &str) -> Option<usize> {
+        match &recipe.input(file)?.geometry {
+            Geometry::Mesh(mesh) => Some(mesh.triangles.len()),
+            _ => None,
+        }
+    }
+
+    #[test]
+    fn a_file_is_found_by_its_name_alone() {
+        let mut recipe = Recipe::new(preset());
+        assert_eq!(recipe.preset.files(), ["leaf.obj", "fruit.obj"]);
+        recipe.inputs.insert("fruit.obj", read(FRUIT));
+        assert_eq!((triangles(&recipe, "leaf.obj"), triangles(&recipe, "fruit.obj")), (None, Some(2)));
+        let missing = InputsError::Missing { preset: "apple".to_owned(), file: "leaf.obj".to_owned() };
+        assert_eq!(recipe.check_inputs(), Err(missing));
+        let said = crate::grow::grow(&recipe, &Quiet).unwrap_err().to_string();
+        assert_eq!(said, "'apple' needs the file 'leaf.obj', which was not given");
+        recipe.inputs.insert("leaf.obj", read(LEAF));
+        assert_eq!(recipe.check_inputs(), Ok(()));
+        assert_eq!(triangles(&recipe, "leaf.obj"), Some(1));
+    }
+
+    #[test]
+    fn a_file_that_the_preset_does_not_name_is_an_error() {
+        let mut recipe = Recipe::new(preset());
+        recipe.inputs = [("leaf.obj", read(LEAF)), ("friut.obj", read(FRUIT))].into_iter().collect();
+        assert_eq!(
+            recipe.check_inputs().unwrap_err().to_string(),
+            "'apple' names no file 'friut.obj' (did you mean 'fruit.obj'?); it needs: leaf.obj, fruit.obj"
+        );
+    }
+
+    #[test]
+    fn renaming_keeps_what_was_read_with_its_name() {
+        let inputs = [("fruit.obj", read(FRUIT)), ("leaf.obj", read(LEAF))].into_iter().collect();
+        let mut recipe = Recipe { preset: preset(), inputs };
+        // Each gets the other's name.
+        let names = [("leaf.obj", "fruit.obj"), ("fruit.obj", "leaf.obj")];
+        recipe.rename_files(&names.map(|(from, to)| (from.to_owned(), to.to_owned())).into());
+        assert_eq!(recipe.preset.files(), ["fruit.obj", "leaf.obj"]);
+        assert_eq!((triangles(&recipe, "fruit.obj"), triangles(&recipe, "leaf.obj")), (Some(1), Some(2)));
+        assert_eq!(recipe.check_inputs(), Ok(()));
+    }
+
+    #[test]
+    fn a_file_put_in_anothers_place_takes_that_out() {
+        let inputs = [("fruit.obj", read(FRUIT)), ("leaf.obj", read(LEAF))].into_iter().collect();
+        let mut recipe = Recipe { preset: preset(), inputs };
+        assert!(recipe.put_file("leaf_mesh", "fruit.obj", &read(FRUIT)));
+        assert_eq!(recipe.inputs.iter().map(|(name, _)| name).collect::<Vec<_>>(), ["fruit.obj"]);
+        assert_eq!(recipe.check_inputs(), Ok(()));
+        let line = recipe.to_line();
+        assert_eq!(line.matches("\"file\":\"fruit.obj\"").count(), 1, "{line}");
     }
 }

@@ -53,8 +53,8 @@ fn main() {
     let mut preset = Preset::of_space("scan", Space::Points { file: "scan.ply".to_owned() });
     preset.set("origin", "keep").unwrap();
     let geometry = Geometry::Points(Arc::new(points.clone()));
-    let input = Input { name: "scan.ply".to_owned(), hash: 0, up: Up::Y, geometry };
-    let recipe = Recipe { preset, inputs: vec![input] };
+    let input = Input { hash: 0, up: Up::Y, geometry };
+    let recipe = Recipe { preset, inputs: [("scan.ply", input)].into_iter().collect() };
     let grown = grow(&recipe, &Quiet).unwrap();
     println!("{} points, {} nodes; seconds", points.len(), grown.skeleton.positions.len());
     println!("threads   prepare   distances   all of grow");

@@ -26,7 +26,7 @@ pub fn scene() -> (Recipe, Grown, Scene) {
     own.grammar = linden::lsystem::Grammar::new("A", &rules).unwrap();
     (own.derivations, own.angle_deg) = (5, 22.5);
     preset.set("leaf_colors", "#406020 #708030 #d04060").unwrap();
-    let recipe = Recipe { preset, inputs: Vec::new() };
+    let recipe = Recipe::new(preset);
     let grown = grow(&recipe, &Quiet).unwrap();
     let scene = dress(&recipe, &grown, &Quiet).unwrap();
     (recipe, grown, scene)
@@ -58,7 +58,7 @@ fn every_client_takes_bark_of_ones_own() {
     // Twice as high as wide, its normals drawn or in another size.
     for (stem, normal) in [("lightness", None), ("normal", Some(stripes(32, 64)))] {
         let preset = builtin("dressed-simple").unwrap().load().unwrap();
-        let mut recipe = Recipe { preset, inputs: Vec::new() };
+        let mut recipe = Recipe::new(preset);
         recipe.preset.set("triangles", "6000").unwrap();
         let files = [("bark_picture", Some(stripes(16, 32))), ("bark_normal", normal)];
         for (key, png) in files.into_iter().filter_map(|(key, png)| Some((key, png?))) {

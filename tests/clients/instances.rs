@@ -24,7 +24,7 @@ pub fn dressed(settings: &[(&str, &str)]) -> (Recipe, Grown, Scene) {
     for (knob, value) in small.into_iter().chain(settings.iter().copied()) {
         preset.set(knob, value).unwrap();
     }
-    let recipe = Recipe { preset, inputs: Vec::new() };
+    let recipe = Recipe::new(preset);
     let grown = grow(&recipe, &Quiet).unwrap();
     let scene = dress(&recipe, &grown, &Quiet).unwrap();
     (recipe, grown, scene)

@@ -264,7 +264,7 @@ fn each_knob_of_habits_changes_the_tree() {
         for (knob, value) in settings {
             preset.set(knob, value).unwrap();
         }
-        let recipe = linden::recipe::Recipe { preset, inputs: Vec::new() };
+        let recipe = linden::recipe::Recipe::new(preset);
         linden::grow::grow(&recipe, &Quiet)
             .map(|tree| tree.skeleton.positions.clone())
             .map_err(|e| e.to_string())

@@ -44,7 +44,7 @@ fn seeds(target: &Target) -> Vec<Vec<u8>> {
     }
     if target.name == "recipe" {
         let line = |own: &linden::preset::Builtin| {
-            linden::recipe::Recipe { preset: own.load().unwrap(), inputs: Vec::new() }.to_line().into_bytes()
+            linden::recipe::Recipe::new(own.load().unwrap()).to_line().into_bytes()
         };
         seeds.extend(builtins().iter().map(line));
     }

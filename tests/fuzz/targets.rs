@@ -423,13 +423,13 @@ fn sound_preset(preset: Preset) -> String {
     }
     let id = preset.generator.id().to_owned();
     let own_knobs = knobs(&preset);
-    let line = Recipe { preset, inputs: Vec::new() }.to_line();
+    let line = Recipe::new(preset).to_line();
     assert!(line.bytes().all(|byte| (b' '..=b'~').contains(&byte)), "{line:?}");
     for (written, again) in [(&toml, Preset::from_toml(&toml)), (&line, Preset::from_json(&line))] {
         let again = again.unwrap_or_else(|fault| panic!("{fault}, written as {written}"));
         assert_eq!(knobs(&again), own_knobs, "written as {written}");
         assert_eq!(again.to_toml().as_ref(), Ok(&toml));
-        assert_eq!(Recipe { preset: again, inputs: Vec::new() }.to_line(), line);
+        assert_eq!(Recipe::new(again).to_line(), line);
     }
     id
 }
@@ -538,8 +538,8 @@ fn grown(mut preset: Preset) -> String {
     }
     // Whatever file a document names, there is none but the built-in presets' own.
     let heart = builtin_file("heart.obj").unwrap_or_default();
-    let read = |file: &&str| Input::read(file, builtin_file(file).unwrap_or(heart), &Quiet).ok();
-    let inputs = preset.files().iter().filter_map(read).collect();
+    let read = |file: &str| Input::read(file, builtin_file(file).unwrap_or(heart), &Quiet).ok();
+    let inputs = preset.files().into_iter().filter_map(|file| Some((file, read(file)?))).collect();
     let recipe = Recipe { preset, inputs };
     let budget = Budget::new(100_000, TREE_BYTES);
     if let Err(error) = outline(&recipe, &budget) {

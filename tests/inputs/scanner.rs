@@ -154,8 +154,8 @@ pub fn grown_back(points: Vec<DVec3>, settings: &[(&str, &str)]) -> Grown {
         preset.set(knob, value).unwrap();
     }
     let geometry = Geometry::Points(Arc::new(points));
-    let input = Input { name: "scan.ply".to_owned(), hash: 0, up: Up::Y, geometry };
-    grow(&Recipe { preset, inputs: vec![input] }, &Quiet).unwrap()
+    let input = Input { hash: 0, up: Up::Y, geometry };
+    grow(&Recipe { preset, inputs: [("scan.ply", input)].into_iter().collect() }, &Quiet).unwrap()
 }
 
 /// What is compared.

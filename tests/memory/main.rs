@@ -94,7 +94,8 @@ fn scan(count: u32) -> Recipe {
     let input = Input::read("scan.xyz", text.as_bytes(), &Quiet).unwrap();
     let space = linden::preset::Space::Points { file: "scan.xyz".to_owned() };
     assert!(matches!(&input.geometry, Geometry::Points(points) if points.len() == count as usize));
-    Recipe { preset: linden::preset::Preset::of_space("scan", space), inputs: vec![input] }
+    let preset = linden::preset::Preset::of_space("scan", space);
+    Recipe { preset, inputs: [("scan.xyz", input)].into_iter().collect() }
 }
 
 /// Whole strings are in memory while the turtle draws the last one. The number of shoots doubles.
@@ -103,7 +104,7 @@ fn contexts(derivations: u32) -> Recipe {
         "id = \"contexts\"\n[lsystem]\naxiom = \"FA\"\nrules = [\"F < A -> FA[+FA]\"]\n\
          derivations = {derivations}\n[surface]\nsides = 3\n[bark]\nbark_size = 64\n"
     );
-    Recipe { preset: Preset::from_toml(&preset).unwrap(), inputs: Vec::new() }
+    Recipe::new(Preset::from_toml(&preset).unwrap())
 }
 
 /// A spread of generators, sizes and surfaces.
@@ -145,7 +146,7 @@ fn no_stage_takes_more_than_it_forecast() {
     dress(&first, &grow(&first, &Quiet).unwrap(), &Quiet).unwrap();
 
     for (what, recipe) in spread() {
-        let input = recipe.inputs.iter().map(Input::bytes).sum::<u64>();
+        let input = recipe.inputs.bytes();
         let (grown, peak, forecast) = measured(input, |monitor| grow(&recipe, monitor));
         compare(&format!("{what}: growing"), peak, forecast, &mut faults);
         let grown = grown.unwrap();

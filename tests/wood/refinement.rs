@@ -70,7 +70,7 @@ fn presets_grow_refined() {
 fn organs_follow_refinement() {
     let grammar = linden::lsystem::Grammar::new("A", &["A -> F[+F~L]FA"]).unwrap();
     let preset = linden::preset::Preset::of_grammar("leafy", grammar, 50.0, 4);
-    let mut own = linden::recipe::Recipe { preset, inputs: Vec::new() };
+    let mut own = linden::recipe::Recipe::new(preset);
     let plain = grow(&own, &Quiet).unwrap();
     assert!(!plain.organs.is_empty());
     own.preset.set("refine", "relocate subdivide").unwrap();

@@ -13,7 +13,7 @@ use crate::jobs::{Answer, Lane};
 use crate::targets::default_name;
 
 fn recipe(id: &str) -> Arc<Recipe> {
-    Arc::new(Recipe { preset: linden::preset::builtin(id).unwrap().load().unwrap(), inputs: Vec::new() })
+    Arc::new(Recipe::new(linden::preset::builtin(id).unwrap().load().unwrap()))
 }
 
 fn order(dir: &Path, formats: &[&str]) -> ExportOrder {

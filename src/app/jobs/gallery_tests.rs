@@ -18,7 +18,7 @@ fn base(id: &str, set: &[(&str, &str)]) -> Arc<Recipe> {
     for (name, text) in set {
         preset.set(name, text).unwrap();
     }
-    Arc::new(Recipe { preset, inputs: Vec::new() })
+    Arc::new(Recipe::new(preset))
 }
 
 fn request(base: Arc<Recipe>, knob: &'static str, values: Vec<Value>) -> GalleryRequest {

@@ -306,7 +306,9 @@ impl Tree {
     /// The document was read again, and nothing was changed here: the new one grows, and one undo
     /// leads back.
     pub fn reloaded(&mut self, recipe: Recipe) {
-        let hash = |recipe: &Recipe| recipe.inputs.iter().map(|input| input.hash).collect::<Vec<_>>();
+        let hash = |recipe: &Recipe| {
+            recipe.inputs.iter().map(|(name, input)| (name.to_owned(), input.hash)).collect::<Vec<_>>()
+        };
         if recipe.preset == self.current.preset {
             // A mesh beside it may have changed all the same; where nothing has, nothing grows anew.
             if hash(&recipe) != hash(&self.current) {
@@ -349,7 +351,7 @@ mod tests {
 
     fn fir() -> Tree {
         let preset = linden::preset::builtin("fir").unwrap().load().unwrap();
-        Tree::new(Place::Builtin("fir"), Recipe { preset, inputs: Vec::new() })
+        Tree::new(Place::Builtin("fir"), Recipe::new(preset))
     }
 
     #[test]

@@ -21,7 +21,7 @@ fn recipe(foliage: &str) -> Recipe {
     let text =
         format!("id = \"a\"\n[colonization]\ncrown = \"sphere\"\n[foliage]\n{}\n{foliage}", plain.join("\n"));
     let preset = Preset::from_toml(&text).unwrap_or_else(|fault| panic!("{fault}: {text}"));
-    Recipe { preset, inputs: Vec::new() }
+    Recipe::new(preset)
 }
 
 fn built(positions: Vec<Vec3>, parents: Vec<u32>, radii: Vec<f32>) -> Skeleton {
@@ -473,7 +473,7 @@ const PYRAMID: &str = "v 0 1 0\nv 1 1 0\nv 0 1 1\nv 0 3 0\nf 1 2 3\nf 1 2 4\nf 2
 fn with_mesh(text: &str) -> Recipe {
     let mut own =
         recipe("leaf_form = \"mesh\"\nleaf_mesh = \"a.obj\"\nleaf_colors = [\"#ff0000\", \"#00ff00\"]");
-    own.inputs = vec![Input::read("a.obj", text.as_bytes(), &Quiet).unwrap()];
+    own.inputs.insert("a.obj", Input::read("a.obj", text.as_bytes(), &Quiet).unwrap());
     own
 }
 
@@ -549,7 +549,7 @@ fn leaves_of_a_grammar_take_the_form_of_the_first_kind() {
     let text = "id = \"a\"\n[lsystem]\naxiom = \"F~LF~BF\"\nrules = []\n[foliage]\nleaf_size = 32\nleaves_per_m = 0\nleaf_terminal = false\n";
     let grow = |more: &str| {
         let preset = Preset::from_toml(&format!("{text}{more}")).unwrap();
-        crate::grow::grow(&Recipe { preset, inputs: Vec::new() }, &Quiet).unwrap()
+        crate::grow::grow(&Recipe::new(preset), &Quiet).unwrap()
     };
     let (plain, formed) = (grow(""), grow("leaf_form = \"cross\""));
     assert_eq!(plain.skeleton, formed.skeleton);
@@ -582,7 +582,7 @@ fn no_knob_of_leaves_changes_the_wood() {
         preset.set(knob, value).unwrap();
     }
     let hash = |preset: &Preset| {
-        let recipe = Recipe { preset: preset.clone(), inputs: Vec::new() };
+        let recipe = Recipe::new(preset.clone());
         match grow(&recipe, &Quiet) {
             Ok(grown) => Some(grown.skeleton.hash()),
             // The mesh that is not there, and far too many leaves.

@@ -219,7 +219,7 @@ mod tests {
 
     #[test]
     fn a_forest_comes_back_from_its_line() {
-        let recipe = |id: &str| Recipe { preset: builtin(id).unwrap().load().unwrap(), inputs: Vec::new() };
+        let recipe = |id: &str| Recipe::new(builtin(id).unwrap().load().unwrap());
         let mut forest = Forest::of(vec![recipe("fir"), recipe("abop-a")]);
         forest.name = "Fünf \"Tannen\"".to_owned();
         forest.layout.set("seed", "18446744073709551615").unwrap();

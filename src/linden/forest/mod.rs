@@ -6,7 +6,7 @@
 //! ```
 //! use linden::{Quiet, forest::Forest, preset::builtin, recipe::Recipe};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let fir = Recipe { preset: builtin("fir").unwrap().load()?, inputs: Vec::new() };
+//! let fir = Recipe::new(builtin("fir").unwrap().load()?);
 //! let mut forest = Forest::of(vec![fir]);
 //! forest.layout.set("area", "30")?;
 //! forest.layout.set("spacing", "5")?;

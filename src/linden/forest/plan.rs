@@ -284,7 +284,7 @@ mod tests {
     use crate::preset::builtin;
 
     fn forest(settings: &[(&str, &str)]) -> Forest {
-        let recipe = |id: &str| Recipe { preset: builtin(id).unwrap().load().unwrap(), inputs: Vec::new() };
+        let recipe = |id: &str| Recipe::new(builtin(id).unwrap().load().unwrap());
         let mut forest = Forest::of(vec![recipe("fir"), recipe("simple"), recipe("cypress")]);
         for (kind, share) in forest.kinds.iter_mut().zip([3.0, 2.0, 1.0]) {
             kind.share = share;
@@ -316,7 +316,7 @@ mod tests {
 
     #[test]
     fn trees_that_compete_are_one_growth_with_a_root_at_each_place() {
-        let kind = |id: &str| Recipe { preset: builtin(id).unwrap().load().unwrap(), inputs: Vec::new() };
+        let kind = |id: &str| Recipe::new(builtin(id).unwrap().load().unwrap());
         // A plain crown, and one that is put together.
         for id in ["dressed-simple", "oak"] {
             let mut own = Forest::of(vec![kind(id)]);

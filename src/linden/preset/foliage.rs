@@ -342,7 +342,8 @@ mod tests {
     #[test]
     fn files_are_renamed_together() {
         let mut preset = Preset::from_toml(&document(APPLE)).unwrap();
-        preset.rename_files(&["x.png".to_owned(), "y.obj".to_owned()]);
+        let names = [("apple.png", "x.png"), ("blossom.obj", "y.obj"), ("other.obj", "z.obj")];
+        preset.rename_files(&names.map(|(from, to)| (from.to_owned(), to.to_owned())).into());
         assert_eq!(preset.files(), ["x.png", "y.obj"]);
     }
 

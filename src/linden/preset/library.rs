@@ -72,8 +72,9 @@ impl Builtin {
         let inputs = preset
             .files()
             .into_iter()
-            .filter_map(|file| Some(Input::read(file, self.input(file)?, monitor)))
-            .collect::<Result<_, _>>()?;
+            .filter_map(|file| Some((file, self.input(file)?)))
+            .map(|(file, bytes)| Ok((file, Input::read(file, bytes, monitor)?)))
+            .collect::<Result<_, InputError>>()?;
         Ok(Recipe { preset, inputs })
     }
 }

@@ -19,6 +19,7 @@ mod wind;
 mod wood;
 mod write;
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use self::files::NamesFiles;
@@ -168,7 +169,7 @@ impl Preset {
 
     /// The files that are needed beside the preset, each once, relative to it: what the crown fills,
     /// then the meshes of the parts, then what leaves are made of, then the bark's pictures.
-    /// [`crate::recipe::Recipe::inputs`] has them in this order.
+    /// [`crate::recipe::Recipe::inputs`] has them by these names.
     pub fn files(&self) -> Vec<&str> {
         let mut files: Vec<&str> = Vec::new();
         let parts = self.parts().iter().filter_map(Part::file);
@@ -182,9 +183,8 @@ impl Preset {
         files
     }
 
-    /// Gives the files of [`Preset::files`] other names, in their order.
-    pub fn rename_files(&mut self, names: &[String]) {
-        let before: Vec<String> = self.files().into_iter().map(str::to_owned).collect();
+    /// Gives files other names: `names` has the new ones by the old.
+    pub(crate) fn rename_files(&mut self, names: &BTreeMap<String, String>) {
         let (space, parts) = match &mut self.generator {
             Generator::LSystem(_) => (None, None),
             Generator::Colonization(own) => (Some(&mut own.space), Some(&mut own.parts)),
@@ -197,7 +197,7 @@ impl Preset {
             Solid::Shape { .. } => None,
             Solid::Mesh { file } => Some(file),
         });
-        let renamed = |file: &str| names.get(before.iter().position(|own| own == file)?).cloned();
+        let renamed = |file: &str| names.get(file).cloned();
         for file in space.into_iter().chain(parts) {
             if let Some(name) = renamed(file) {
                 *file = name;

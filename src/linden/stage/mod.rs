@@ -6,7 +6,7 @@
 //! ```
 //! use linden::{Quiet, dress::dress, grow::grow, preset::builtin, recipe::Recipe, stage::Stage};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! let recipe = Recipe { preset: builtin("simple").unwrap().load()?, inputs: Vec::new() };
+//! let recipe = Recipe::new(builtin("simple").unwrap().load()?);
 //! let scene = dress(&recipe, &grow(&recipe, &Quiet)?, &Quiet)?;
 //! let stage = Stage::of(&scene);
 //! assert!(stage.is_plain());
@@ -311,7 +311,7 @@ mod tests {
         for (knob, value) in [("points", "50"), ("bark_size", "64")] {
             preset.set(knob, value).unwrap();
         }
-        let recipe = Recipe { preset, inputs: Vec::new() };
+        let recipe = Recipe::new(preset);
         dress(&recipe, &grow(&recipe, &Quiet).unwrap(), &Quiet).unwrap()
     }
 

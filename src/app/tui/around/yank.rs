@@ -43,8 +43,7 @@ mod tests {
     #[test]
     fn a_shell_reads_the_line_as_it_was_meant() {
         let preset = linden::preset::builtin("cypress").unwrap().load().unwrap();
-        let mut tree =
-            Tree::new(Place::File("my trees/c.toml".into()), Recipe { preset, inputs: Vec::new() });
+        let mut tree = Tree::new(Place::File("my trees/c.toml".into()), Recipe::new(preset));
         tree.set("profile", "0,1; 2,2; 6,1; 9,0", Instant::now()).unwrap();
         let words = shell_words::split(&command_line(&tree)).unwrap();
         assert_eq!(
@@ -64,10 +63,7 @@ mod tests {
     #[test]
     fn a_path_that_a_terminal_would_obey_is_not_copied() {
         let preset = linden::preset::builtin("fir").unwrap().load().unwrap();
-        let tree = Tree::new(
-            Place::File("a\u{1b}[201~\nrm -r x.toml".into()),
-            Recipe { preset, inputs: Vec::new() },
-        );
+        let tree = Tree::new(Place::File("a\u{1b}[201~\nrm -r x.toml".into()), Recipe::new(preset));
         let line = command_line(&tree);
         assert!(!line.contains('\u{1b}') && !line.contains("rm -r"), "{line}");
         assert!(line.starts_with("linden export - -o fir.glb <<'END'\n"));
@@ -76,8 +72,7 @@ mod tests {
     #[test]
     fn what_knobs_cannot_say_goes_along_as_a_recipe() {
         let preset = linden::preset::builtin("abop-a").unwrap().load().unwrap();
-        let mut tree =
-            Tree::new(Place::Builtin("abop-a"), Recipe { preset: preset.clone(), inputs: Vec::new() });
+        let mut tree = Tree::new(Place::Builtin("abop-a"), Recipe::new(preset.clone()));
         let mut other = preset;
         if let linden::preset::Generator::LSystem(own) = &mut other.generator {
             own.grammar = linden::lsystem::Grammar::new("F", &["F -> F[+F]F"]).unwrap();

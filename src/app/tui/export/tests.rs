@@ -62,7 +62,7 @@ impl Bench {
         let dir = tempfile::tempdir().unwrap();
         let mut model = empty_model();
         let preset = linden::preset::builtin("older-c").unwrap().load().unwrap();
-        let mut tree = Tree::new(Place::Builtin("older-c"), Recipe { preset, inputs: Vec::new() });
+        let mut tree = Tree::new(Place::Builtin("older-c"), Recipe::new(preset));
         tree.shown = Some(grown(tree.wanted()));
         model.tree = Some(tree);
         let last = dir.path().join("last.glb").to_str().unwrap().to_owned();

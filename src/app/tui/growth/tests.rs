@@ -62,7 +62,7 @@ fn keys_and_the_bar_go_where_they_say() {
 #[test]
 fn a_stage_of_colonization_has_what_was_born_until_then() {
     let preset = linden::preset::builtin("fir").unwrap().load().unwrap();
-    let recipe = Arc::new(Recipe { preset, inputs: Vec::new() });
+    let recipe = Arc::new(Recipe::new(preset));
     let shown = grow_shown(&recipe, &Watcher::idle()).unwrap().unwrap();
     let births = &shown.grown.skeleton.births;
     for step in [1, shown.steps / 2, shown.steps] {

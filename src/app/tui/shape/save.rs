@@ -1,5 +1,6 @@
 //! A tree saved as a preset of the user's, with the files that it needs.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -72,18 +73,15 @@ pub fn renamed(recipe: &Recipe, from: &Place, id: &str, path: &Path) -> Recipe {
         id.clone_into(&mut recipe.preset.id);
         id.clone_into(&mut recipe.preset.name);
     }
-    if let Some(own) = beside(&recipe, from, id, path) {
-        for (input, name) in recipe.inputs.iter_mut().zip(&own) {
-            input.name.clone_from(name);
-        }
-        recipe.preset.rename_files(&own);
+    if let Some(names) = beside(&recipe, from, id, path) {
+        recipe.rename_files(&names);
     }
     recipe
 }
 
-/// The names that the files beside a saved preset get, in the order of [`linden::preset::Preset::files`];
-/// `None` when they lie there already.
-fn beside(recipe: &Recipe, from: &Place, id: &str, path: &Path) -> Option<Vec<String>> {
+/// The names that the files beside a saved preset get, by those that they have; `None` when they lie
+/// there already.
+fn beside(recipe: &Recipe, from: &Place, id: &str, path: &Path) -> Option<BTreeMap<String, String>> {
     if matches!(from, Place::File(own) if own.parent() == path.parent()) {
         return None;
     }
@@ -91,7 +89,8 @@ fn beside(recipe: &Recipe, from: &Place, id: &str, path: &Path) -> Option<Vec<St
         // No id has a dot in it, so these are no other preset's.
         let number = if i == 0 { String::new() } else { format!(".{}", i + 1) };
         let ending = Path::new(file).extension().and_then(|ending| ending.to_str());
-        ending.map_or_else(|| format!("{id}{number}-input"), |ending| format!("{id}{number}.{ending}"))
+        let name = |ending| format!("{id}{number}.{ending}");
+        (file.to_owned(), ending.map_or_else(|| format!("{id}{number}-input"), name))
     };
     Some(recipe.preset.files().into_iter().enumerate().map(name).collect())
 }
@@ -110,16 +109,14 @@ pub fn documents(
     let name = format!("{id}.toml");
     let path = dir.join(&name);
     let mut found = Vec::new();
-    for (file, own) in
-        recipe.preset.files().into_iter().zip(beside(recipe, from, id, &path).unwrap_or_default())
-    {
-        let bytes = input(from, file)?;
+    for (file, own) in beside(recipe, from, id, &path).unwrap_or_default() {
+        let bytes = input(from, &file)?;
         // A file may have changed since it was read; what is saved is what is on screen.
         let now = Input::read(&own, &bytes, &Quiet).map_err(|error| error.to_string())?;
-        if recipe.input(file).is_some_and(|input| input.hash != now.hash) {
+        if recipe.input(&file).is_some_and(|input| input.hash != now.hash) {
             return Err(format!(
                 "{} is not the file any more that the tree on screen grew into; nothing was saved, open it again",
-                excerpt(file)
+                excerpt(&file)
             ));
         }
         found.push((own, bytes));

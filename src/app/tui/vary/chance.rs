@@ -75,7 +75,7 @@ mod tests {
             let grown = |seed| {
                 let mut preset = preset.clone();
                 preset.seed = seed;
-                Arc::clone(&grow(&Recipe { preset, inputs: Vec::new() }, &Quiet).unwrap().skeleton)
+                Arc::clone(&grow(&Recipe::new(preset), &Quiet).unwrap().skeleton)
             };
             let first = grown(1);
             let differs = (2..6).any(|seed| grown(seed).positions != first.positions);

@@ -36,7 +36,7 @@ fn model(id: &'static str, set: &[(&str, &str)], size: (u16, u16)) -> Model {
     for (name, text) in set {
         preset.set(name, text).unwrap();
     }
-    model.tree = Some(Tree::new(Place::Builtin(id), Recipe { preset, inputs: Vec::new() }));
+    model.tree = Some(Tree::new(Place::Builtin(id), Recipe::new(preset)));
     model
 }
 

@@ -15,7 +15,7 @@ use crate::recipe::Recipe;
 /// ```
 /// use linden::{Quiet, colonization::outline, preset::builtin, recipe::Recipe};
 /// let preset = builtin("cypress").unwrap().load().map_err(|fault| fault.message)?;
-/// assert!(!outline(&Recipe { preset, inputs: Vec::new() }, &Quiet)?.is_empty());
+/// assert!(!outline(&Recipe::new(preset), &Quiet)?.is_empty());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 ///
@@ -81,7 +81,7 @@ mod tests {
     #[test]
     fn what_has_no_crown_has_no_outline() {
         assert_eq!(outline(&recipe("abop-c", &[]), &Quiet).unwrap(), Vec::<Vec<Vec3>>::new());
-        let missing = Recipe { inputs: Vec::new(), ..recipe("heart", &[]) };
+        let missing = Recipe::new(recipe("heart", &[]).preset);
         assert!(matches!(outline(&missing, &Quiet), Err(GrowError::WrongInput { .. })));
     }
 }
