@@ -5,6 +5,10 @@
 
 use std::fmt;
 
+/// No coordinate is farther from 0 than this, in documents, on command lines and in input files: it is more
+/// than a place on Earth in millimetres needs, and beyond it growth would walk for ever.
+pub const FARTHEST: f64 = 1e9;
+
 /// What a knob is, apart from its value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Knob {
@@ -50,7 +54,7 @@ pub enum Kind {
     Choice(&'static [&'static str]),
     /// `true` or `false`.
     Switch,
-    /// `x,y,z`.
+    /// `x,y,z`, each within ±[`FARTHEST`].
     Vector {
         /// Whether `auto` is a value too.
         auto: bool,
@@ -60,7 +64,7 @@ pub enum Kind {
         /// Whether `auto` is a value too.
         auto: bool,
     },
-    /// Pairs `height,radius; height,radius; …` in metres.
+    /// Pairs `height,radius; height,radius; …` in metres, each within ±[`FARTHEST`].
     Profile {
         /// Fewest pairs.
         least: usize,
@@ -166,7 +170,7 @@ impl fmt::Display for Kind {
             }
             Self::Choice(words) => f.write_str(&words.join(" | ")),
             Self::Switch => f.write_str("true | false"),
-            Self::Vector { auto } => write!(f, "x,y,z{}", or_auto(auto)),
+            Self::Vector { auto } => write!(f, "x,y,z within ±{}{}", Short(FARTHEST), or_auto(auto)),
             Self::Color { auto } => write!(f, "a colour #rrggbb{}", or_auto(auto)),
             Self::Profile { least, most } if least == most => write!(f, "{least} pairs height,radius; …"),
             Self::Profile { least, most } => write!(f, "{least} to {most} pairs height,radius; …"),
@@ -258,9 +262,9 @@ impl Kind {
             (Self::Integer { min, max }, Value::Integer(n)) => min <= n && n <= max,
             (Self::Choice(words), Value::Word(word)) => words.contains(&word.as_str()),
             (Self::Switch, Value::Switch(_)) | (Self::Color { .. }, Value::Color(_)) => true,
-            (Self::Vector { .. }, Value::Vector(v)) => v.iter().all(|x| x.is_finite()),
+            (Self::Vector { .. }, Value::Vector(v)) => v.iter().all(is_place),
             (Self::Profile { least, most }, Value::Profile(pairs)) => {
-                (least..=most).contains(&&pairs.len()) && pairs.iter().flatten().all(|x| x.is_finite())
+                (least..=most).contains(&&pairs.len()) && pairs.iter().flatten().all(is_place)
             }
             (Self::Reals { min, max, most }, Value::Reals(numbers)) => {
                 (1..=*most).contains(&numbers.len()) && numbers.iter().all(|x| min <= x && x <= max)
@@ -272,8 +276,17 @@ impl Kind {
             (Self::Colors { most, .. }, Value::Colors(colors)) => (1..=*most).contains(&colors.len()),
             _ => false,
         };
-        if fits { Ok(()) } else { Err(format!("{value} is outside the range: {self}")) }
+        if fits {
+            Ok(())
+        } else {
+            Err(format!("{} is outside the range: {self}", excerpt(&value.to_string())))
+        }
     }
+}
+
+/// Whether a coordinate is finite and near enough to be one.
+fn is_place(x: &f64) -> bool {
+    x.abs() <= FARTHEST
 }
 
 /// The items of a list, which blanks or commas separate.
@@ -381,7 +394,11 @@ mod tests {
         for text in ["1.1", "-1", "nan", "inf", "auto", ""] {
             assert!(real.parse(text).is_err(), "{text}");
         }
-        assert!(Kind::Vector { auto: false }.parse("0,inf,0").is_err());
+        for far in ["0,inf,0", "0,nan,0", "3.6,1e60,0", "0,0,-1.1e9"] {
+            assert!(Kind::Vector { auto: false }.parse(far).is_err(), "{far}");
+        }
+        assert!(Kind::Vector { auto: false }.parse("1e9,-1e9,0").is_ok());
+        assert!(Kind::Profile { least: 1, most: 1 }.parse("0,1e60").is_err());
         assert!(Kind::Profile { least: 2, most: 3 }.parse("0,1").is_err());
         assert!(Kind::Profile { least: 1, most: 1 }.parse("0,1; 2,1").is_err());
         let reals = Kind::Reals { min: 0.0, max: 1.0, most: 2 };

@@ -2,7 +2,7 @@
 //! tables that read them.
 
 use clap::Args;
-use linden::knob::{Kind, Knob};
+use linden::knob::{FARTHEST, Kind, Knob};
 use linden::preset::{
     BarkLook, FileKey, KNOBS, LEAF_KNOBS, LeafKind, MOST_KINDS, MOST_PARTS, PART_CROWN, PART_KNOBS,
     PresetKnob, Section, shape_knobs,
@@ -160,6 +160,7 @@ fn of(knob: &Knob) -> Value {
         }
         schema
     };
+    let place = || number(-FARTHEST, FARTHEST);
     let or_auto = |auto: bool, schema: Value| {
         if auto { json!({ "anyOf": [schema, { "const": "auto" }] }) } else { schema }
     };
@@ -173,14 +174,12 @@ fn of(knob: &Knob) -> Value {
         Kind::Choice(words) => json!({ "enum": words }),
         Kind::Switch => json!({ "type": "boolean" }),
         Kind::Vector { auto } => {
-            let vector =
-                json!({ "type": "array", "items": { "type": "number" }, "minItems": 3, "maxItems": 3 });
+            let vector = json!({ "type": "array", "items": place(), "minItems": 3, "maxItems": 3 });
             or_auto(auto, vector)
         }
         Kind::Color { auto } => or_auto(auto, json!({ "type": "string", "pattern": "^#[0-9a-fA-F]{6}$" })),
         Kind::Profile { least, most } => {
-            let pair =
-                json!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 });
+            let pair = json!({ "type": "array", "items": place(), "minItems": 2, "maxItems": 2 });
             json!({ "type": "array", "items": pair, "minItems": least, "maxItems": most })
         }
         Kind::Reals { min, max, most } => {

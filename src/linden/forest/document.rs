@@ -18,8 +18,23 @@ use serde::Deserialize;
 use serde_json::value::RawValue;
 
 use super::Layout;
-use crate::knob::printable;
-use crate::preset::{Fault, Place};
+use crate::knob::{Kind, excerpt, printable};
+use crate::preset::{Datum, Entry, Fault, List, Node, Place};
+
+/// The keys of a forest that are no knobs.
+const HEADINGS: [&str; 3] = ["name", "summary", "linden"];
+
+/// The list of kinds.
+const TREES: List = List { key: "tree", heading: "[[tree]]", one: "tree", most: (1000, "a forest") };
+
+/// What a kind of trees may say.
+const TREE_KEYS: [&str; 4] = ["preset", "share", "size", "set"];
+
+/// Parts of a whole, by their sum.
+const SHARE: Kind = Kind::Real { min: 1e-9, max: 1e9, auto: false };
+
+/// As the scale of a part of a crown.
+const SIZE: Kind = Kind::Real { min: 1e-3, max: 1e3, auto: false };
 
 /// A forest as its document has it: the presets are still names.
 #[derive(Clone, Debug)]
@@ -63,79 +78,121 @@ impl ForestDocument {
     /// What is wrong and where.
     pub fn parse(text: &str) -> Result<Self, Fault> {
         if text.trim_start().starts_with('{') {
-            let raw: Json<'_> = serde_json::from_str(text).map_err(|error| Fault {
-                place: Some(Place { line: error.line(), column: error.column() }),
-                message: format!("not a forest: {}", printable(&error.to_string())),
-            })?;
-            let trees = raw.tree.into_iter().map(|own| {
-                let source = match (own.preset, own.recipe) {
-                    (None, Some(recipe)) => TreeSource::Recipe(recipe.get().to_owned()),
-                    (preset, _) => TreeSource::Named(preset.unwrap_or_default()),
-                };
-                (source, own.share, own.size, own.set)
-            });
-            return Self::of(raw.name, raw.summary, &raw.knobs, trees.collect());
+            return Self::from_json(text);
         }
-        let raw: Toml = toml::from_str(text).map_err(|error| Fault {
-            place: error.span().map(|span| Place::at(text, span.start)),
-            message: format!("not a forest: {}", printable(error.message())),
-        })?;
-        let trees = raw.tree.into_iter();
-        let trees = trees.map(|own| (TreeSource::Named(own.preset), own.share, own.size, own.set));
-        Self::of(raw.name, raw.summary, &raw.knobs, trees.collect())
-    }
-
-    fn of(
-        name: String,
-        summary: String,
-        knobs: &BTreeMap<String, Scalar>,
-        trees: Vec<(TreeSource, f64, f64, BTreeMap<String, Scalar>)>,
-    ) -> Result<Self, Fault> {
-        let fault = |message: String| Fault { place: None, message };
-        let mut layout = Layout::default();
-        // Which version wrote it decides nothing.
-        for (name, value) in knobs.iter().filter(|(name, _)| *name != "linden") {
-            layout.set(name, &value.text()).map_err(|error| fault(error.to_string()))?;
-        }
-        if trees.is_empty() {
-            return Err(fault("a forest needs at least one [[tree]] with its preset".to_owned()));
-        }
-        let trees = trees.into_iter().map(|(source, share, size, set)| {
-            if source == TreeSource::Named(String::new()) {
-                return Err(fault("a [[tree]] needs a preset: preset = \"fir\"".to_owned()));
+        let document = Node::from_toml(text)?;
+        let Datum::Table(entries) = &document.datum else {
+            return Err(Fault { place: document.place, message: "a forest is a table of keys".to_owned() });
+        };
+        let mut own = Self { trees: Vec::new(), ..Self::empty() };
+        for entry in entries {
+            match entry.key.as_str() {
+                "name" => entry.node.text("name")?.clone_into(&mut own.name),
+                "summary" => entry.node.text("summary")?.clone_into(&mut own.summary),
+                "tree" => own.trees = TREES.read(&entry.node, tree_line)?,
+                name => {
+                    let fault = |message| Fault { place: entry.place, message };
+                    let value = typed(entry)?;
+                    if !HEADINGS.contains(&name) {
+                        own.layout.set(name, &value).map_err(|error| fault(error.to_string()))?;
+                    }
+                }
             }
-            let set = set.into_iter().map(|(name, value)| (name, value.text())).collect();
-            Ok(TreeLine { source, share, size, set })
-        });
-        Ok(Self { name, summary, layout, trees: trees.collect::<Result<_, _>>()? })
+        }
+        own.checked()
+    }
+
+    /// Reads what a file carries: JSON.
+    fn from_json(text: &str) -> Result<Self, Fault> {
+        let raw: Json<'_> = serde_json::from_str(text).map_err(|error| Fault {
+            place: Some(Place { line: error.line(), column: error.column() }),
+            message: format!("not a forest: {}", printable(&error.to_string())),
+        })?;
+        let fault = |message: String| Fault { place: None, message };
+        let mut own = Self { name: raw.name, summary: raw.summary, ..Self::empty() };
+        // Which version wrote it decides nothing.
+        for (name, value) in raw.knobs.iter().filter(|(name, _)| !HEADINGS.contains(&name.as_str())) {
+            own.layout.set(name, &value.text()).map_err(|error| fault(error.to_string()))?;
+        }
+        for (number, tree) in (1..).zip(raw.tree) {
+            let source = match (tree.preset, tree.recipe) {
+                (None, Some(recipe)) => TreeSource::Recipe(recipe.get().to_owned()),
+                (Some(preset), _) => TreeSource::Named(preset),
+                (None, None) => return Err(fault(needs_preset(number))),
+            };
+            for (name, kind, x) in [("share", &SHARE, tree.share), ("size", &SIZE, tree.size)] {
+                let value = crate::knob::Value::Real(x);
+                kind.check(&value)
+                    .map_err(|problem| fault(format!("'{name}' of tree {number}: {problem}")))?;
+            }
+            let set = tree.set.into_iter().map(|(name, value)| (name, value.text())).collect();
+            own.trees.push(TreeLine { source, share: tree.share, size: tree.size, set });
+        }
+        own.checked()
+    }
+
+    fn empty() -> Self {
+        let (name, summary) = (String::new(), String::new());
+        Self { name, summary, layout: Layout::default(), trees: Vec::new() }
+    }
+
+    fn checked(self) -> Result<Self, Fault> {
+        if self.trees.is_empty() {
+            let message = "a forest needs at least one [[tree]] with its preset".to_owned();
+            return Err(Fault { place: None, message });
+        }
+        Ok(self)
     }
 }
 
-#[derive(Deserialize)]
-struct Toml {
-    #[serde(default)]
-    name: String,
-    #[serde(default)]
-    summary: String,
-    #[serde(default)]
-    tree: Vec<TomlTree>,
-    #[serde(flatten)]
-    knobs: BTreeMap<String, Scalar>,
+fn needs_preset(number: usize) -> String {
+    format!("tree {number} needs a preset: preset = \"fir\"")
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct TomlTree {
-    preset: String,
-    #[serde(default = "one")]
-    share: f64,
-    #[serde(default = "one")]
-    size: f64,
-    #[serde(default)]
-    set: BTreeMap<String, Scalar>,
+/// One `[[tree]]`.
+fn tree_line(number: usize, entries: &[Entry], place: Option<Place>) -> Result<TreeLine, Fault> {
+    let mut preset = String::new();
+    let (mut share, mut size, mut set) = (1.0, 1.0, BTreeMap::new());
+    let real = |entry: &Entry, kind: &Kind| match entry.node.value(&entry.key, kind)? {
+        crate::knob::Value::Real(x) => Ok(x),
+        _ => Err(entry.node.mismatch(&entry.key, &kind.to_string())),
+    };
+    for entry in entries {
+        match entry.key.as_str() {
+            "preset" => entry.node.text("preset")?.clone_into(&mut preset),
+            "share" => share = real(entry, &SHARE)?,
+            "size" => size = real(entry, &SIZE)?,
+            "set" => {
+                let Datum::Table(knobs) = &entry.node.datum else {
+                    return Err(entry.node.mismatch("set", "a table of knobs like { points = 500 }"));
+                };
+                for knob in knobs {
+                    set.insert(knob.key.clone(), typed(knob)?);
+                }
+            }
+            _ => return Err(TREES.unknown(number, entry, &TREE_KEYS)),
+        }
+    }
+    if preset.trim().is_empty() {
+        return Err(Fault { place, message: needs_preset(number) });
+    }
+    Ok(TreeLine { source: TreeSource::Named(preset), share, size, set })
 }
 
-/// As [`Toml`]; a recipe is kept letter by letter, which only JSON's reader can.
+/// A knob's value as it would be typed.
+fn typed(entry: &Entry) -> Result<String, Fault> {
+    match &entry.node.datum {
+        Datum::Text(text) => Ok(text.clone()),
+        Datum::Real(x) => Ok(x.to_string()),
+        Datum::Integer(n) => Ok(n.to_string()),
+        Datum::Switch(on) => Ok(on.to_string()),
+        Datum::List(_) | Datum::Table(_) => {
+            Err(entry.node.mismatch(&excerpt(&entry.key), "a number, text, true or false"))
+        }
+    }
+}
+
+/// As JSON has it; a recipe is kept letter by letter, which only JSON's reader can.
 struct Json<'a> {
     name: String,
     summary: String,
@@ -240,11 +297,23 @@ mod tests {
     fn faults_are_told_with_their_place() {
         for (text, expected) in [
             ("area = 3\n", "at least one [[tree]]"),
-            ("[[tree]]\n", "missing field `preset`"),
-            ("[[tree]]\npreset = \"fir\"\nshares = 2\n", "3:1: not a forest: unknown field `shares`"),
-            ("arae = 3\n[[tree]]\npreset = \"fir\"\n", "did you mean 'area'"),
-            ("area = 0\n[[tree]]\npreset = \"fir\"\n", "knob 'area'"),
-            ("area = [1]\n[[tree]]\npreset = \"fir\"\n", "not a forest"),
+            ("[[tree]]\n", "tree 1 needs a preset"),
+            (
+                "[[tree]]\npreset = \"fir\"\nshares = 2\n",
+                "3:1: tree 1 has no 'shares' (did you mean 'share'?)",
+            ),
+            (
+                "arae = 3\n[[tree]]\npreset = \"fir\"\n",
+                "1:1: a forest has no knob 'arae' (did you mean 'area'?)",
+            ),
+            ("\narea = 0\n[[tree]]\npreset = \"fir\"\n", "2:1: knob 'area'"),
+            ("area = [1]\n[[tree]]\npreset = \"fir\"\n", "1:8: 'area' is a list"),
+            ("area = 1e60\n[[tree]]\npreset = \"fir\"\n", "1:1: knob 'area' of a forest"),
+            ("[[tree]]\npreset = \"fir\"\nsize = 1e60\n", "3:8: knob 'size'"),
+            ("[[tree]]\npreset = \"fir\"\nshare = 0\n", "3:9: knob 'share'"),
+            ("[[tree]]\npreset = \"fir\"\nset = { root = [1] }\n", "3:16: 'root' is a list"),
+            ("tree = 3\n", "1:8: 'tree' is a number, expected tables, each headed [[tree]]"),
+            ("{\"tree\": [{\"preset\": \"fir\", \"size\": 1e60}]}", "'size' of tree 1"),
             ("{\"tree\": 3}", "1:10: not a forest"),
             ("{\"tree\": [{}]}", "needs a preset"),
             ("{\"tree\": [{\"preset\": \"\\u001b[2J\"}], \"x\": 1}", "no knob 'x'"),

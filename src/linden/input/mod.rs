@@ -20,7 +20,7 @@ pub use ply::{PlyData, read_ply};
 pub use sniff::{InputKind, sniff};
 pub use xyz::read_xyz;
 
-use crate::knob::excerpt;
+use crate::knob::{FARTHEST, excerpt};
 use crate::monitor::Cancelled;
 use crate::texture::OwnError;
 
@@ -122,10 +122,6 @@ pub fn recenter(positions: &mut [DVec3], origin: DVec3) {
     }
 }
 
-/// Coordinates beyond this are no places on Earth in metres (its radius is 6.4e6); their cubes still
-/// lie far within `f64`.
-const COORDINATE_LIMIT: f64 = 1e9;
-
 /// Rows between two looks at the monitor.
 const ROWS_PER_CHECK: usize = 8192;
 
@@ -138,7 +134,7 @@ fn coordinate(token: &str) -> Result<f64, &'static str> {
 fn in_range(x: f64) -> Result<f64, &'static str> {
     if !x.is_finite() {
         Err("a finite number")
-    } else if x.abs() > COORDINATE_LIMIT {
+    } else if x.abs() > FARTHEST {
         Err("a coordinate within ±1e9")
     } else {
         Ok(x)

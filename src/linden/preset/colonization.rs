@@ -164,6 +164,15 @@ pub(super) const SHAPE_IDS: [&str; SHAPES.len()] = {
     ids
 };
 
+/// What to do instead where a crown's shape is said to be a mesh: `instead`, as an end for the message that
+/// `word` is no shape. Empty for other words.
+pub(super) fn mesh_hint(word: &str, instead: &str) -> String {
+    let word = word.trim().to_ascii_lowercase();
+    let is_file = [".obj", ".ply"].iter().any(|ending| word.ends_with(ending));
+    let is_mesh = is_file || ["mesh", "envelope", "file", "obj", "ply"].contains(&word.as_str());
+    if is_mesh { format!("; {instead}") } else { String::new() }
+}
+
 /// A number for each order of axes, the last for all higher ones.
 const BY_ORDER: Kind = Kind::Reals { min: -10.0, max: 10.0, most: 8 };
 

@@ -102,13 +102,13 @@ impl Fault {
 
 /// A value and where it stands.
 #[derive(Clone, Debug)]
-pub(super) struct Node {
+pub(crate) struct Node {
     pub place: Option<Place>,
     pub datum: Datum,
 }
 
 #[derive(Clone, Debug)]
-pub(super) enum Datum {
+pub(crate) enum Datum {
     Text(String),
     Real(f64),
     Integer(u64),
@@ -119,7 +119,7 @@ pub(super) enum Datum {
 
 /// A key with its value.
 #[derive(Clone, Debug)]
-pub(super) struct Entry {
+pub(crate) struct Entry {
     pub key: String,
     pub place: Option<Place>,
     pub node: Node,

@@ -34,7 +34,7 @@ macro_rules! field {
 pub(super) use field;
 
 /// A list of tables.
-pub(super) struct List {
+pub(crate) struct List {
     /// Its key.
     pub key: &'static str,
     /// What stands above each item: `[[colonization.part]]`.

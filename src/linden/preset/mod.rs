@@ -31,10 +31,12 @@ use crate::surface::Tubes;
 pub use bark::BarkLook;
 pub use colonization::{Colonization, Space};
 pub use detail::DetailLook;
+pub(crate) use document::{Datum, Entry, Node};
 pub use document::{Fault, Place};
 pub use files::FileKey;
 pub use foliage::{Arrangement, Edge, FoliageLook, Form, LeafKind, MOST_KINDS, Normals};
 pub use item::Field;
+pub(crate) use item::List;
 pub use knobs::{KNOBS, PresetKnob, Section, shape_knobs};
 pub use leaf_knobs::LEAF_KNOBS;
 pub use library::{Builtin, RecipeError, builtin, builtin_file, builtins};
@@ -261,7 +263,11 @@ impl Preset {
             });
         };
         let bad = |problem| KnobError::Value { name: knob.knob.name, unit: knob.knob.unit, problem };
-        let value = knob.knob.kind.parse(text).map_err(bad)?;
+        let value = knob.knob.kind.parse(text).map_err(|problem| {
+            // No knob names a file: a mesh is what a tree grows into from the start.
+            let hint = colonization::mesh_hint(text, "a mesh is a SOURCE of its own, like crown.obj");
+            bad(if name == "crown" { problem + &hint } else { problem })
+        })?;
         knob.write(self, value);
         Ok(())
     }

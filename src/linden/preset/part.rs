@@ -3,7 +3,7 @@
 //! Parts are no flat knobs, but they are read, checked and written by a table of the same kind: a new
 //! key is a field and a row of [`PART_KNOBS`].
 
-use super::colonization::SHAPE_IDS;
+use super::colonization::{SHAPE_IDS, mesh_hint};
 use super::document::{Entry, Fault, Node, Place};
 use super::item::{Field, List, field};
 use super::knobs::{real, real_or_auto};
@@ -215,7 +215,15 @@ fn read_one(number: usize, entries: &[Entry], place: Option<Place>) -> Result<Pa
     let role = Role::from_value(role).unwrap_or(Role::Add);
     let (solid, shape) = match (find("crown"), find("mesh")) {
         (Some(own), None) => {
-            let id = own.node.value("crown", &PART_CROWN.kind)?.to_string();
+            let id = own.node.value("crown", &PART_CROWN.kind).map_err(|fault| {
+                let word = own.node.text("crown").unwrap_or_default();
+                let hint = mesh_hint(
+                    word,
+                    "a part that is a mesh names it in place of a shape: mesh = \"rock.obj\"",
+                );
+                Fault { message: fault.message + &hint, ..fault }
+            })?;
+            let id = id.to_string();
             let shape = crown::shape(&id).map_err(|error| Fault::new(own.place, error.to_string()))?;
             (Solid::Shape { shape: id, dimensions: Vec::new() }, Some(shape))
         }
@@ -344,6 +352,21 @@ mod tests {
             ("[[colonization.part]]\nrole = \"add\"", "5:1", "neither 'crown' nor 'mesh'"),
             ("[[colonization.part]]\nrole = \"ad\"\ncrown = \"dome\"", "5:8", "'ad' is not add | subtract"),
             ("[[colonization.part]]\nrole = \"add\"\ncrown = \"dom\"", "6:9", "'dom' is not"),
+            (
+                "[[colonization.part]]\nrole = \"add\"\ncrown = \"mesh\"",
+                "6:9",
+                "names it in place of a shape: mesh = \"rock.obj\"",
+            ),
+            (
+                "[[colonization.part]]\nrole = \"tree\"\ncrown = \"dome\"\nroot = [3.6, 1e60, 0]",
+                "7:8",
+                "… is outside the range: x,y,z within ±1e9",
+            ),
+            (
+                "[[colonization.part]]\nrole = \"add\"\ncrown = \"dome\"\nat = [0, 0, -2e9]",
+                "7:6",
+                "within ±1e9",
+            ),
             ("[[colonization.part]]\nrole = \"add\"\ncrown = \"dome\"\nmesh = \"a.obj\"", "7:1", "both"),
             (
                 "[[colonization.part]]\nrole = \"add\"\ncrown = \"dome\"\nscael = 2",

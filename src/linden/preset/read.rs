@@ -1,5 +1,6 @@
 //! From a document to a preset.
 
+use super::colonization::mesh_hint;
 use super::document::{Datum, Entry, Fault, Node, Place};
 use super::files::NamesFiles;
 use super::foliage;
@@ -183,6 +184,10 @@ fn materials(section: Section) -> Vec<&'static str> {
     }
 }
 
+/// For who takes a mesh for a shape of crowns.
+const ENVELOPE_INSTEAD: &str =
+    "a mesh that the crown fills is named in place of a shape: envelope = \"crown.obj\"";
+
 /// Sets the knob that an entry names.
 fn turn(preset: &mut Preset, section: Section, entry: &Entry) -> Result<(), Fault> {
     let is_taken = match section {
@@ -199,7 +204,14 @@ fn turn(preset: &mut Preset, section: Section, entry: &Entry) -> Result<(), Faul
     let own = preset.knobs();
     let found = own.iter().find(|(knob, _)| knob.section == section && knob.knob.name == entry.key);
     if let Some((knob, _)) = found {
-        let value = entry.node.value(&entry.key, &knob.knob.kind)?;
+        let value =
+            entry.node.value(&entry.key, &knob.knob.kind).map_err(|fault| match &entry.node.datum {
+                Datum::Text(word) if entry.key == "crown" => {
+                    let hint = mesh_hint(word, ENVELOPE_INSTEAD);
+                    Fault { message: fault.message + &hint, ..fault }
+                }
+                _ => fault,
+            })?;
         knob.write(preset, value);
         return Ok(());
     }
@@ -208,6 +220,9 @@ fn turn(preset: &mut Preset, section: Section, entry: &Entry) -> Result<(), Faul
 
 /// Says why a key is none, and what to do.
 fn unknown(preset: &Preset, section: Section, key: &str) -> String {
+    if section == Section::Colonization && ["mesh", "crown_mesh", "obj"].contains(&key) {
+        return format!("there is no '{key}' in [colonization]; {ENVELOPE_INSTEAD}");
+    }
     let key = excerpt(key);
     let place = match section {
         Section::Tree => "at the top of a preset".to_owned(),
@@ -299,13 +314,24 @@ fn read_space((entries, place): Table<'_>) -> Result<Colonization, Fault> {
         (false, Some(file), None) => Space::Envelope { file },
         (false, None, Some(file)) => Space::Points { file },
         (false, None, None) => {
-            return Err(Fault::new(place, "[colonization] has none of 'crown', 'envelope' and 'scan'"));
-        }
-        _ => {
+            // What was written instead says best what was meant.
+            if let Some(entry) = entries.iter().find(|entry| entry.key == "mesh") {
+                return Err(Fault::new(entry.place, format!("there is no 'mesh' here; {ENVELOPE_INSTEAD}")));
+            }
             return Err(Fault::new(
                 place,
-                "[colonization] has more than one of 'crown', 'envelope' and 'scan'; keep one",
+                "[colonization] has none of 'crown' (a shape), 'envelope' (a mesh) and 'scan' (points)",
             ));
+        }
+        _ => {
+            let spaces = ["crown", "envelope", "scan"];
+            let mut given: Vec<&Entry> =
+                entries.iter().filter(|entry| spaces.contains(&entry.key.as_str())).collect();
+            given.sort_by_key(|entry| entry.place.map(|place| (place.line, place.column)));
+            let names: Vec<String> = given.iter().map(|entry| format!("'{}'", entry.key)).collect();
+            let message =
+                format!("[colonization] has {}; a crown is one of them: keep one", names.join(" and "));
+            return Err(Fault::new(given.last().and_then(|entry| entry.place).or(place), message));
         }
     };
     let mut own = Colonization::of(space);

@@ -67,6 +67,11 @@ pub(crate) fn plant(
         // Before a trunk is grown in such steps; growth itself would refuse as well.
         return Err(growth::GrowthError::KillBelowStep { kill: rule.kill, step: rule.step }.into());
     }
+    // Before anything grows there: a place that is too far for coordinates is too far for steps, too.
+    let shift = settings.shift(site.root, site.origin, site.moves_to_root);
+    let others = site.grove.others.iter().flat_map(|stem| [stem.root, stem.root + shift]);
+    let farthest_m = others.chain([site.root + shift]).map(|at| at.abs().max_element());
+    notes.extend(check_precision(farthest_m.fold(0.0, f64::max), f64::from(rule.step))?);
     let start = stems::start(&site, settings, &rule, monitor)?;
     let mut points: Vec<Vec3> = site.points.iter().map(|p| p.as_vec3()).collect();
     let bark = site.bark.as_ref().map_or(0, Vec::capacity);
@@ -87,7 +92,6 @@ pub(crate) fn plant(
     notes.extend(stop_note(stop, unreached, points.len(), settings));
     notes.extend(site.notes);
 
-    let shift = settings.shift(site.root, site.origin, site.moves_to_root);
     if settings.moves_to_root(site.moves_to_root) && (site.origin + site.root).length() > 0.0 {
         let DVec3 { x, y, z } = site.origin + site.root;
         notes.push(format!(
@@ -99,11 +103,8 @@ pub(crate) fn plant(
     }
     let place = |p: &DVec3| (*p + shift).as_vec3();
     let bark = site.bark.map(|bark| bark.iter().map(place).collect());
-    let others = site.grove.others.iter().flat_map(|stem| [stem.root, stem.root + shift]);
-    let farthest_m = others.chain([site.root + shift]).map(|at| at.abs().max_element());
     let solids = site.grove.obstacles.into_iter();
     let solids = solids.map(|own| Placed::new(own.solid, shift, 0.0, 1.0)).collect();
-    notes.extend(check_precision(farthest_m.fold(0.0, f64::max), f64::from(rule.step))?);
     Ok(Plant { branching, captured, points, bark, solids, unreached, iterations, notes })
 }
 
