@@ -1,10 +1,16 @@
 //! Synthetic scans of a tree whose axes are known.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use linden::colonization::scan::{Scan, ScanError, ScanRule, point_spacing_m, prepare};
+use linden::grow::{Grown, grow};
+use linden::input::Up;
+use linden::preset::{Preset, Space};
 use linden::random::Key;
-use linden::{DVec3, Quiet};
+use linden::recipe::{Geometry, Input, Recipe};
+use linden::{Cancelled, DVec3, Monitor, Quiet};
 
 use crate::shapes::in_box;
 
@@ -180,9 +186,10 @@ fn spacing_is_the_median_over_different_places() {
     let mut points: Vec<DVec3> = (0..100).map(|i| DVec3::new(0.1 * f64::from(i), 0.0, 0.0)).collect();
     points.extend(points.clone());
     points.push(DVec3::new(500.0, 0.0, 0.0));
-    assert!((point_spacing_m(&points).unwrap() - 0.1).abs() < 1e-9);
-    assert_eq!(point_spacing_m(&[]), None);
-    assert_eq!(point_spacing_m(&[DVec3::ONE; 9]), None);
+    let spacing = |points: &[DVec3]| point_spacing_m(points, &Quiet).unwrap();
+    assert!((spacing(&points).unwrap() - 0.1).abs() < 1e-9);
+    assert_eq!(spacing(&[]), None);
+    assert_eq!(spacing(&[DVec3::ONE; 9]), None);
 }
 
 #[test]
@@ -227,4 +234,82 @@ fn a_chosen_step_decides_the_detail() {
     let coarse = prepare(&scan(), &ScanRule { step_m: Some(0.2), ..ScanRule::default() }, &Quiet).unwrap();
     assert_eq!(coarse.step_m, 0.2);
     assert!(coarse.points.len() * 2 < prepared(&scan()).points.len());
+}
+
+/// The tree that grows from points, as a command line grows it.
+fn grown_from(points: Vec<DVec3>) -> Grown {
+    let mut recipe = Recipe::new(Preset::of_space("own", Space::Points { file: "own.xyz".into() }));
+    let geometry = Geometry::Points(Arc::new(points));
+    recipe.inputs.insert("own.xyz", Input { name: "own.xyz".into(), hash: 0, up: Up::Y, geometry });
+    grow(&recipe, &Quiet).unwrap()
+}
+
+#[test]
+fn rows_that_are_no_points_of_the_tree_change_nothing() {
+    // Somewhere off the scanner, which stands at the origin.
+    let points: Vec<DVec3> = scan().iter().map(|p| *p + DVec3::new(-6.5, -1.4, 48.0)).collect();
+    let clean = grown_from(points.clone());
+    let hash = clean.skeleton.hash();
+    let volume = clean.skeleton.measures().wood_volume_m3;
+    assert!(clean.notes.iter().all(|note| !note.contains("0 0 0") && !note.contains("each place")));
+    for rows in [1, 700, 4000, points.len() + 9, 80_000] {
+        // As scanners write them: between the others.
+        let mut with = points.clone();
+        with.splice(100..100, std::iter::repeat_n(DVec3::ZERO, rows));
+        let grown = grown_from(with);
+        assert_eq!(grown.skeleton.hash(), hash, "{rows} rows");
+        assert_eq!(grown.skeleton.measures().wood_volume_m3, volume);
+        let said = format!("{rows} row");
+        assert!(grown.notes.iter().any(|note| note.starts_with(&said)), "{:?}", grown.notes);
+    }
+    // Each place counts once, and a single point far from all others is none of the tree's.
+    let mut with = points.clone();
+    with.extend(points.iter().copied().filter(|p| p.y > 2.0).cycle().take(9000));
+    with.push(DVec3::new(-9999.0, -9999.0, -9999.0));
+    let grown = grown_from(with);
+    assert_eq!(grown.skeleton.hash(), hash);
+    for said in ["9000 points are where another is", "1 single point far from all others"] {
+        assert!(grown.notes.iter().any(|note| note.contains(said)), "{:?}", grown.notes);
+    }
+}
+
+#[test]
+fn a_scan_of_nothing_but_one_place_says_how_many_it_has() {
+    let rows = vec![DVec3::new(1.0, 2.0, 3.0); 500];
+    let said = prepare(&rows, &ScanRule::default(), &Quiet).unwrap_err();
+    assert_eq!(said, ScanError::TooFew { distinct: 1 });
+    let said = prepare(&[DVec3::ZERO; 500], &ScanRule::default(), &Quiet).unwrap_err();
+    assert_eq!(said, ScanError::TooFew { distinct: 0 });
+}
+
+/// Cancels at the `n`-th look.
+struct After {
+    looks: AtomicU32,
+    most: u32,
+}
+
+impl Monitor for After {
+    fn is_cancelled(&self) -> bool {
+        self.looks.fetch_add(1, Ordering::Relaxed) >= self.most
+    }
+
+    fn advance(&self, _: linden::monitor::Phase, _: u64, _: Option<u64>) {}
+}
+
+#[test]
+fn preparing_is_stopped_wherever_it_is() {
+    let mut points = scan();
+    points.extend(std::iter::repeat_n(DVec3::ZERO, 20_000));
+    let prepare = |most: u32| {
+        let monitor = After { looks: AtomicU32::new(0), most };
+        let prepared = prepare(&points, &ScanRule::default(), &monitor);
+        (prepared, monitor.looks.into_inner())
+    };
+    let (whole, looks) = prepare(u32::MAX);
+    assert!(whole.is_ok());
+    // One for the sample of the spacing, and for each cube at least.
+    assert!(looks as usize > points.len() / 8, "{looks}");
+    for most in (0..60).chain((60..looks).step_by(looks as usize / 40)) {
+        assert_eq!(prepare(most).0, Err(ScanError::Cancelled(Cancelled)), "after {most} of {looks}");
+    }
 }

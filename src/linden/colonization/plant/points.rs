@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::site::{Grove, Site, Stem, Suggested};
 use crate::colonization::growth::GrowthError;
-use crate::colonization::scan::{self, Scan, ScanRule};
+use crate::colonization::scan::{self, Distinct, Scan, ScanReport, ScanRule};
 use crate::colonization::scatter;
 use crate::grow::GrowError;
 use crate::input::{Up, recenter};
@@ -21,14 +21,16 @@ pub(super) fn at_points(
     monitor: &dyn Monitor,
 ) -> Result<Site, GrowError> {
     let mut notes = Vec::new();
-    let guessed = if settings.contract { scan::unusual_up(points, usual) } else { None };
+    // First of all: rows that are no points would have a say in what is up, in metres and in the middle.
+    let Distinct { mut points, repeated, no_returns } = scan::distinct(points, settings.contract, monitor)?;
+    notes.extend(row_notes(repeated, no_returns));
+    let guessed = if settings.contract { scan::unusual_up(&points, usual) } else { None };
     let up = settings.given_up().unwrap_or_else(|| {
         if let Some(up) = guessed {
             notes.push(up_note(up));
         }
         guessed.unwrap_or(usual)
     });
-    let mut points = points.to_vec();
     up.to_y_up(&mut points);
     let scale = settings.scale.unwrap_or_else(|| {
         let scale = if settings.contract { scan::likely_scale(&points) } else { 1.0 };
@@ -40,6 +42,8 @@ pub(super) fn at_points(
             *p *= scale;
         }
     }
+    let far_points = if settings.contract { scan::drop_far(&mut points, monitor)? } else { 0 };
+    notes.extend(far_note(far_points));
     let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
     let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
     let origin = if points.is_empty() { DVec3::ZERO } else { ((low + high) * 0.5).round() };
@@ -56,7 +60,8 @@ pub(super) fn at_points(
                 settings.stems.map(|n| libm::round(n) as usize)
             },
         };
-        let scan = scan::prepare(&points, &rule, monitor)?;
+        let mut scan = scan::prepare_distinct(&points, &rule, monitor)?;
+        scan.report = ScanReport { repeated_points: repeated, no_returns, far_points, ..scan.report };
         notes.extend(scan_notes(&scan, &rule));
         let mut roots = given_root.map_or(scan.roots, |root| vec![root]).into_iter();
         let root = roots.next().unwrap_or_default();
@@ -76,7 +81,7 @@ pub(super) fn at_points(
             notes,
         });
     }
-    let spacing_m = scan::point_spacing_m(&points).unwrap_or(1.0);
+    let spacing_m = scan::point_spacing_m(&points, monitor)?.unwrap_or(1.0);
     let root = match given_root {
         Some(root) => root,
         None => scan::foot(&points).ok_or(GrowthError::NoPoints)?,
@@ -93,6 +98,27 @@ pub(super) fn at_points(
         moves_to_root: true,
         notes,
     })
+}
+
+/// What is said of rows that are no points.
+fn row_notes(repeated: usize, no_returns: usize) -> Vec<String> {
+    let mut notes = Vec::new();
+    if repeated > 0 {
+        let (are, s) = if repeated == 1 { ("is", "") } else { ("are", "s") };
+        notes.push(format!("{repeated} point{s} {are} where another is; each place counts once"));
+    }
+    if no_returns > 0 {
+        let (were, s) = if no_returns == 1 { ("was", "") } else { ("were", "s") };
+        notes.push(format!(
+            "{no_returns} row{s} 0 0 0, which scanners write where nothing came back, {were} left out"
+        ));
+    }
+    notes
+}
+
+fn far_note(far_points: usize) -> Option<String> {
+    let (were, s) = if far_points == 1 { ("was", "") } else { ("were", "s") };
+    (far_points > 0).then(|| format!("{far_points} single point{s} far from all others {were} left out"))
 }
 
 fn up_note(up: Up) -> String {

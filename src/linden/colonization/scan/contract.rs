@@ -49,8 +49,8 @@ pub(super) struct Ways {
 impl Graph {
     /// Links each point with its nearest within `reach`, drops strays, bridges the gaps.
     pub fn new(points: Vec<DVec3>, reach: f64, monitor: &dyn Monitor) -> Result<Self, Cancelled> {
-        let (points, strays) = without_strays(points, reach);
-        let tree = Neighbours::new(&points);
+        let (points, strays) = without_strays(points, reach, monitor)?;
+        let tree = Neighbours::new(&points, monitor)?;
         let mut links = Vec::new();
         let mut pieces = Pieces::new(points.len());
         let mut found = Vec::new();
@@ -98,7 +98,11 @@ impl Graph {
     }
 
     /// The shortest ways from the places where `start` gives a length to begin with (Dijkstra 1959).
-    pub fn ways(&self, start: impl Fn(DVec3) -> Option<f64>) -> Ways {
+    pub fn ways(
+        &self,
+        start: impl Fn(DVec3) -> Option<f64>,
+        monitor: &dyn Monitor,
+    ) -> Result<Ways, Cancelled> {
         let mut cost = vec![f64::INFINITY; self.points.len()];
         let mut length = cost.clone();
         let mut before: Vec<u32> = (0..self.points.len() as u32).collect();
@@ -110,7 +114,12 @@ impl Graph {
                 queue.push(Reverse((l.to_bits(), i)));
             }
         }
+        let mut taken = 0_u32;
         while let Some(Reverse((bits, at))) = queue.pop() {
+            if taken.is_multiple_of(4096) {
+                monitor.check()?;
+            }
+            taken = taken.wrapping_add(1);
             let so_far = f64::from_bits(bits);
             if so_far > cost[at as usize] {
                 continue;
@@ -126,22 +135,35 @@ impl Graph {
                 }
             }
         }
-        Ways { length, before }
+        Ok(Ways { length, before })
     }
 }
 
 /// Leaves out points that have no two others nearby: dust, birds, scattered pulses.
-fn without_strays(points: Vec<DVec3>, reach: f64) -> (Vec<DVec3>, usize) {
-    let tree = Neighbours::new(&points);
+fn without_strays(
+    points: Vec<DVec3>,
+    reach: f64,
+    monitor: &dyn Monitor,
+) -> Result<(Vec<DVec3>, usize), Cancelled> {
+    let tree = Neighbours::new(&points, monitor)?;
     let mut found = Vec::new();
     let before = points.len();
-    let mut is_stray = |&p: &DVec3| {
+    let mut kept = Vec::with_capacity(before);
+    for (i, &p) in points.iter().enumerate() {
+        if i % 1024 == 0 {
+            monitor.check()?;
+        }
         tree.nearest(p, 3, 2.0 * reach, &mut found);
-        found.len() < 3
-    };
-    let kept: Vec<DVec3> = points.iter().copied().filter(|p| !is_stray(p)).collect();
+        if found.len() >= 3 {
+            kept.push(p);
+        }
+    }
     // A cloud so thin that all of it looks stray is the user's own; keep it.
-    if kept.len() * 2 < before { (points, 0) } else { (kept.clone(), before - kept.len()) }
+    if kept.len() * 2 < before {
+        return Ok((points, 0));
+    }
+    let strays = before - kept.len();
+    Ok((kept, strays))
 }
 
 /// Links each point outside the largest piece to the nearest point of several other pieces.
@@ -154,6 +176,7 @@ fn other_bridges(
     monitor: &dyn Monitor,
 ) -> Result<(), Cancelled> {
     let (labels, largest) = pieces.labels();
+    let of_ranges = tree.labels(&labels);
     let limit = (BRIDGE_REACH * reach) * (BRIDGE_REACH * reach);
     let mut nearest: Vec<(f64, u32, u32)> = Vec::new();
     for (from, &p) in (0..).zip(points) {
@@ -164,17 +187,15 @@ fn other_bridges(
             continue;
         }
         nearest.clear();
-        tree.search(p, limit, |to, squared| {
+        tree.search_other(p, limit, (labels[from as usize], &of_ranges), |to, squared| {
             let label = labels[to as usize];
-            if label != labels[from as usize] {
-                match nearest.iter_mut().find(|other| other.2 == label) {
-                    Some(other) if (squared, to) < (other.0, other.1) => *other = (squared, to, label),
-                    Some(_) => {}
-                    None => nearest.push((squared, to, label)),
-                }
-                nearest.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-                nearest.truncate(BRIDGES);
+            match nearest.iter_mut().find(|other| other.2 == label) {
+                Some(other) if (squared, to) < (other.0, other.1) => *other = (squared, to, label),
+                Some(_) => {}
+                None => nearest.push((squared, to, label)),
             }
+            nearest.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            nearest.truncate(BRIDGES);
             if nearest.len() == BRIDGES { nearest[BRIDGES - 1].0.next_up().min(limit) } else { limit }
         });
         links.extend(nearest.iter().flat_map(|&(_, to, _)| [(from, to), (to, from)]));
@@ -190,6 +211,8 @@ fn shortest_bridges(
     monitor: &dyn Monitor,
 ) -> Result<Vec<(f64, u32, u32)>, Cancelled> {
     let (labels, largest) = pieces.labels();
+    // A piece's points lie together: without passing over its ranges at once, each of them would look at all.
+    let of_ranges = tree.labels(&labels);
     let mut best = vec![(f64::INFINITY, 0, 0); points.len()];
     for (from, &p) in (0..).zip(points) {
         if from % 1024 == 0 {
@@ -200,8 +223,8 @@ fn shortest_bridges(
             continue;
         }
         let best = &mut best[label as usize];
-        tree.search(p, best.0, |to, squared| {
-            if labels[to as usize] != label && (squared, from, to) < *best {
+        tree.search_other(p, best.0, (label, &of_ranges), |to, squared| {
+            if (squared, from, to) < *best {
                 *best = (squared, from, to);
             }
             best.0
@@ -380,5 +403,30 @@ impl Sections {
             points.push(centre);
         }
         points
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::monitor::Quiet;
+
+    #[test]
+    fn pieces_far_apart_are_bridged_without_looking_at_all_pairs() {
+        // Two walls of 60 by 60 points, 50 m apart.
+        let wall = |x: f64| {
+            (0..3600_u16).map(move |i| DVec3::new(x, 0.1 * f64::from(i / 60), 0.1 * f64::from(i % 60)))
+        };
+        let points: Vec<DVec3> = wall(0.0).chain(wall(50.0)).collect();
+        let tree = Neighbours::new(&points, &Quiet).unwrap();
+        let mut pieces = Pieces::new(points.len());
+        for i in 1..3600 {
+            pieces.join(0, i);
+            pieces.join(3600, 3600 + i);
+        }
+        let bridges = shortest_bridges(&points, &tree, &mut pieces, &Quiet).unwrap();
+        assert_eq!(bridges, [(2500.0, 3600, 0)]);
+        // 3600 times 7200 are 26 million.
+        assert!(tree.looks() < 400_000, "{}", tree.looks());
     }
 }

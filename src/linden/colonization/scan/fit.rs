@@ -65,18 +65,18 @@ pub fn fit(points: &[Vec3], skeleton: &Skeleton, monitor: &dyn Monitor) -> Resul
 
     monitor.check()?;
     let scanned: Vec<DVec3> = points.iter().map(|p| p.as_dvec3()).collect();
-    let tree = Neighbours::new(&scanned);
-    monitor.check()?;
+    let tree = Neighbours::new(&scanned, monitor)?;
     let nodes: Vec<u32> =
         (0..).zip(parents).filter(|(_, parent)| **parent != NO_PARENT).map(|(n, _)| n).collect();
     let back: Vec<f64> = nodes
         .par_iter()
         .map(|&node| {
+            monitor.check()?;
             let parent = parents[node as usize];
             let ends = [parent, node].map(|n| positions[n as usize].as_dvec3());
-            tree.nearest_squared(ends[0].midpoint(ends[1])).sqrt()
+            Ok(tree.nearest_squared(ends[0].midpoint(ends[1])).sqrt())
         })
-        .collect();
+        .collect::<Result<_, Cancelled>>()?;
     let back_to_surface = nodes.iter().zip(&back).map(|(&n, d)| (d - radius_m(n, 0.5)).abs()).collect();
     let spreads =
         [Spread::of(to_axis), Spread::of(to_surface), Spread::of(back), Spread::of(back_to_surface)];

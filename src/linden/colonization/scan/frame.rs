@@ -41,7 +41,8 @@ pub fn likely_scale(points: &[DVec3]) -> f64 {
     }
 }
 
-fn sample(points: &[DVec3]) -> Vec<DVec3> {
+/// Evenly through the list.
+pub(super) fn sample(points: &[DVec3]) -> Vec<DVec3> {
     points.iter().copied().step_by(points.len().div_ceil(SAMPLE).max(1)).collect()
 }
 

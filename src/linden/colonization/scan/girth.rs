@@ -106,7 +106,9 @@ pub(crate) fn girth(
                     }
                 };
                 let stretch = Stretch { nodes, inside, positions, parents, bark, by_node: &by_node };
-                Ok((index, (0..nodes.len()).map(|i| stretch.circle(i)).collect()))
+                // Thousands of points may lie beside one node.
+                let circle = |i| monitor.check().map(|()| stretch.circle(i));
+                Ok((index, (0..nodes.len()).map(circle).collect::<Result<_, Cancelled>>()?))
             })
             .collect::<Result<_, Cancelled>>()?;
         for (index, found) in found {

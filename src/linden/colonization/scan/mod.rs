@@ -4,7 +4,8 @@
 //! strands, and the gaps behind branches cut the crown off. [`prepare`] therefore moves points
 //! onto axes first, in this order:
 //!
-//! 1. the spacing of the cloud: the median distance of a point to its nearest neighbour at another place;
+//! 1. without rows that are no points of it (`clean`): places that stand there twice, `0 0 0`, single far points;
+//!    then the spacing of the cloud: the median distance of a point to its nearest neighbour;
 //! 2. the feet of the stems (`foot`, `stems`), and without them ground and strays;
 //! 3. thinning: one point, the mean, per cube of the detail's size (twice the spacing, or 1/250 of the
 //!    height if that is more), and without noise: cubes that hardly any points are near;
@@ -39,6 +40,7 @@
 //! What is lost in length are the tips of twigs; leaves beyond them are taken for twigs and make up for that.
 //! Radii of limbs come out too thin on average, the stem's within a few per cent.
 
+mod clean;
 mod contract;
 mod fit;
 mod foot;
@@ -57,6 +59,7 @@ use self::neighbours::Neighbours;
 use crate::memory::OverMemory;
 use crate::monitor::{Cancelled, Monitor};
 
+pub use clean::{Distinct, distinct, drop_far};
 pub use fit::{Fit, Spread, fit};
 pub use frame::{likely_scale, unusual_up};
 pub(crate) use girth::{Girth, girth};
@@ -83,7 +86,13 @@ pub struct Scan {
 /// What a scan is like.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScanReport {
-    /// Median distance to the nearest neighbour at another place.
+    /// Rows whose place stood there before.
+    pub repeated_points: usize,
+    /// Rows `0 0 0`, which scanners write where no pulse came back.
+    pub no_returns: usize,
+    /// Single points far from everything.
+    pub far_points: usize,
+    /// Median distance to the nearest neighbour.
     pub spacing_m: f64,
     /// Points taken for ground, grass or strays below it.
     pub ground_points: usize,
@@ -102,7 +111,7 @@ pub struct ScanReport {
 pub enum ScanError {
     /// Too few points to see a tree in.
     #[error(
-        "the scan has {distinct} points at different places; at least {LEAST_POINTS} are needed to see a tree in it"
+        "the scan has only {distinct} points that are clear of each other; at least {LEAST_POINTS} are needed to see a tree in it"
     )]
     TooFew {
         /// Points at different places.
@@ -128,16 +137,25 @@ const LEAST_POINTS: usize = 8;
 /// Points whose nearest neighbour is looked for, for the median.
 const SPACING_SAMPLE: usize = 100_000;
 
-/// The median distance of a point to its nearest neighbour at another place (duplicates do not
-/// count as neighbours), over at most 100 000 points taken evenly through the list; `None` for fewer than
-/// two places.
-pub fn point_spacing_m(points: &[DVec3]) -> Option<f64> {
-    let tree = Neighbours::new(points);
+/// The median distance of a point to its nearest neighbour at another place, over at most 100 000 points taken
+/// evenly through the places; `None` for fewer than two.
+///
+/// # Errors
+/// [`ScanError`]: memory, cancelled.
+pub fn point_spacing_m(points: &[DVec3], monitor: &dyn Monitor) -> Result<Option<f64>, ScanError> {
+    Ok(spacing_m(&distinct(points, false, monitor)?.points, monitor)?)
+}
+
+/// The same, of points that are all at different places.
+fn spacing_m(points: &[DVec3], monitor: &dyn Monitor) -> Result<Option<f64>, Cancelled> {
+    let tree = Neighbours::new(points, monitor)?;
     let stride = points.len().div_ceil(SPACING_SAMPLE).max(1);
     let sample: Vec<DVec3> = points.iter().copied().step_by(stride).collect();
-    let mut squared: Vec<f64> = sample.par_iter().map(|&p| tree.nearest_other_squared(p)).collect();
+    let nearest = |&p: &DVec3| monitor.check().map(|()| tree.nearest_other_squared(p));
+    let mut squared: Vec<f64> = sample.par_iter().map(nearest).collect::<Result<_, Cancelled>>()?;
     squared.sort_unstable_by(f64::total_cmp);
-    squared.get(squared.len() / 2).map(|squared| squared.sqrt()).filter(|spacing| spacing.is_finite())
+    let median = squared.get(squared.len() / 2).map(|squared| squared.sqrt());
+    Ok(median.filter(|spacing| spacing.is_finite()))
 }
 
 /// The foot of the stem: where a tree among these points stands. `None` without points.
@@ -162,20 +180,33 @@ impl Default for ScanRule {
     }
 }
 
-/// Makes a scan ready for growth. `points` are metres, Y up, near the origin.
+/// Makes a scan ready for growth. `points` are metres, Y up, near the origin; rows that are no points of the tree
+/// are left out ([`distinct`], [`drop_far`]).
 ///
 /// # Errors
 /// [`ScanError`]: too few points, positions that are not finite, cancelled.
 pub fn prepare(points: &[DVec3], rule: &ScanRule, monitor: &dyn Monitor) -> Result<Scan, ScanError> {
-    let bytes = points.len() as u64 * BYTES_PER_POINT;
-    monitor.admit("preparing the scan", bytes, "thin the points out")?;
     if let Some(index) = points.iter().position(|p| !p.is_finite()) {
         return Err(ScanError::NotFinite { index });
     }
+    let Distinct { mut points, repeated, no_returns } = distinct(points, true, monitor)?;
+    let far_points = drop_far(&mut points, monitor)?;
+    let mut scan = prepare_distinct(&points, rule, monitor)?;
+    scan.report = ScanReport { repeated_points: repeated, no_returns, far_points, ..scan.report };
+    Ok(scan)
+}
+
+/// The same of finite points that are all at different places.
+pub(crate) fn prepare_distinct(
+    points: &[DVec3],
+    rule: &ScanRule,
+    monitor: &dyn Monitor,
+) -> Result<Scan, ScanError> {
+    let bytes = points.len() as u64 * BYTES_PER_POINT;
+    monitor.admit("preparing the scan", bytes, "thin the points out")?;
+    let spacing_m = spacing_m(points, monitor)?.ok_or(ScanError::TooFew { distinct: points.len() })?;
     monitor.check()?;
-    let spacing_m = point_spacing_m(points).ok_or(ScanError::TooFew { distinct: points.len().min(1) })?;
-    monitor.check()?;
-    let feet = stems::feet(points, rule.stems);
+    let feet = stems::feet(points, rule.stems, monitor)?;
     let foot = &feet[0];
     let mut bark: Vec<DVec3> = points.iter().copied().filter(|&p| !is_ground(&feet, p)).collect();
     let ground_points = points.len() - bark.len();
@@ -186,7 +217,7 @@ pub fn prepare(points: &[DVec3], rule: &ScanRule, monitor: &dyn Monitor) -> Resu
     let mut noise_points = 0;
     if rule.noise_filter {
         noise_points = bark.len();
-        cubes.drop_noise(&mut bark, NOISE_REACH * detail_m);
+        cubes.drop_noise(&mut bark, NOISE_REACH * detail_m, monitor)?;
         noise_points -= bark.len();
     }
     let thinned = cubes.means;
@@ -211,7 +242,7 @@ pub fn prepare(points: &[DVec3], rule: &ScanRule, monitor: &dyn Monitor) -> Resu
         };
         feet.iter().zip(&nearest).find_map(height)
     };
-    let ways = graph.ways(start);
+    let ways = graph.ways(start, monitor)?;
     let bridges_m = graph.bridges_m(&ways);
     let roots: Vec<DVec3> = feet.iter().map(|foot| foot.root).collect();
     let mut sections = Sections::new(&graph, &ways, &roots, SECTION * detail_m);
@@ -225,6 +256,9 @@ pub fn prepare(points: &[DVec3], rule: &ScanRule, monitor: &dyn Monitor) -> Resu
         influence_m: INFLUENCE * detail_m,
         kill_m: KILL * detail_m,
         report: ScanReport {
+            repeated_points: 0,
+            no_returns: 0,
+            far_points: 0,
             spacing_m,
             ground_points,
             noise_points,
@@ -308,29 +342,35 @@ impl Cubes {
     /// Radius outlier removal: leaves out the cubes with hardly any points within `reach_m` of their mean, and
     /// their points (the others keep their order). A cloud that would lose more than one point in [`MOST_NOISE`]
     /// is thin, not noisy, and stays as it is.
-    fn drop_noise(&mut self, points: &mut Vec<DVec3>, reach_m: f64) {
-        let tree = Neighbours::new(&self.means);
+    fn drop_noise(
+        &mut self,
+        points: &mut Vec<DVec3>,
+        reach_m: f64,
+        monitor: &dyn Monitor,
+    ) -> Result<(), Cancelled> {
+        let tree = Neighbours::new(&self.means, monitor)?;
         let count = |cube: usize| self.ends[cube] - if cube == 0 { 0 } else { self.ends[cube - 1] };
         let near: Vec<u32> = self
             .means
             .par_iter()
             .map(|&mean| {
+                monitor.check()?;
                 let limit = reach_m * reach_m;
                 let mut near = 0;
                 tree.search(mean, limit, |other, _| {
                     near += count(other as usize);
                     limit
                 });
-                near
+                Ok(near)
             })
-            .collect();
+            .collect::<Result<_, Cancelled>>()?;
         let mut sorted = near.clone();
         sorted.sort_unstable();
         let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0);
         let least = LEAST_NEAR.max((NEAR_PART * f64::from(median)) as u32);
         let lost: u64 = (0..near.len()).filter(|&c| near[c] < least).map(|c| u64::from(count(c))).sum();
         if lost == 0 || lost * MOST_NOISE > points.len() as u64 {
-            return;
+            return Ok(());
         }
         let mut is_noise = vec![false; points.len()];
         let mut start = 0;
@@ -347,5 +387,6 @@ impl Cubes {
         // What was cut out has no members any more.
         self.members.clear();
         self.ends.clear();
+        Ok(())
     }
 }

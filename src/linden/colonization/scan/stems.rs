@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use super::foot::Foot;
 use super::neighbours::Neighbours;
+use crate::monitor::{Cancelled, Monitor};
 
 /// The slice, as parts of the height above the foot.
 const SLICE: (f64, f64) = (0.045, 0.11);
@@ -26,15 +27,21 @@ const WEIGHT: f64 = 0.2;
 
 /// All feet, the surest first; `wanted` says how many at most, `None` leaves it to the cloud. At least one:
 /// the one that [`Foot::find`] finds.
-pub(super) fn feet(points: &[DVec3], wanted: Option<usize>) -> Vec<Foot> {
+pub(super) fn feet(
+    points: &[DVec3],
+    wanted: Option<usize>,
+    monitor: &dyn Monitor,
+) -> Result<Vec<Foot>, Cancelled> {
     let main = Foot::find(points);
     if wanted == Some(1) {
-        return vec![main];
+        return Ok(vec![main]);
     }
     let height_m = main.height_m.max(f64::MIN_POSITIVE);
     let (low, high) = (main.root.y + SLICE.0 * height_m, main.root.y + SLICE.1 * height_m);
     let slice: Vec<DVec3> = points.iter().copied().filter(|p| (low..high).contains(&p.y)).collect();
-    let mut columns: Vec<Column> = columns(&super::thin(&slice, APART / 3.0 * height_m), APART * height_m)
+    monitor.check()?;
+    let slice = super::thin(&slice, APART / 3.0 * height_m);
+    let mut columns: Vec<Column> = columns(&slice, APART * height_m, monitor)?
         .into_iter()
         .filter(|column| column.top - column.bottom >= SPANS * (high - low))
         .filter(|column| wanted.is_some() || column.width <= SLIM * height_m)
@@ -55,7 +62,7 @@ pub(super) fn feet(points: &[DVec3], wanted: Option<usize>) -> Vec<Foot> {
             ..main
         })
         .collect();
-    std::iter::once(main).chain(others).collect()
+    Ok(std::iter::once(main).chain(others).collect())
 }
 
 /// Points of the slice that hang together.
@@ -80,8 +87,8 @@ impl Column {
     }
 }
 
-fn columns(points: &[DVec3], apart_m: f64) -> Vec<Column> {
-    let tree = Neighbours::new(points);
+fn columns(points: &[DVec3], apart_m: f64, monitor: &dyn Monitor) -> Result<Vec<Column>, Cancelled> {
+    let tree = Neighbours::new(points, monitor)?;
     let mut column_of = vec![u32::MAX; points.len()];
     let mut columns = Vec::new();
     for first in 0..points.len() {
@@ -94,6 +101,7 @@ fn columns(points: &[DVec3], apart_m: f64) -> Vec<Column> {
         let mut next = 0;
         while let Some(&at) = members.get(next) {
             next += 1;
+            monitor.check()?;
             let limit = apart_m * apart_m;
             tree.search(points[at as usize], limit, |to, _| {
                 if column_of[to as usize] == u32::MAX {
@@ -115,5 +123,5 @@ fn columns(points: &[DVec3], apart_m: f64) -> Vec<Column> {
             points: members.len(),
         });
     }
-    columns
+    Ok(columns)
 }
