@@ -1,12 +1,17 @@
 //! Envelopes against formulas: inside, volume, uniformity, and what broken meshes are told.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use linden::colonization::crown::Crown;
 use linden::colonization::crown::envelope::{Envelope, EnvelopeError};
 use linden::colonization::scatter::scatter;
-use linden::input::TriangleMesh;
+use linden::grow::{Grown, grow};
+use linden::input::{TriangleMesh, Up};
+use linden::preset::{Preset, Space};
 use linden::random::Key;
+use linden::recipe::{Geometry, Input, Recipe};
+use linden::skeleton::{NO_PARENT, Skeleton};
 use linden::{DVec3, Quiet};
 
 use crate::shapes::{ball, in_box, inside_out, together, torus};
@@ -187,4 +192,83 @@ fn points_do_not_depend_on_threads() {
         })
     };
     assert_eq!(draw(1), draw(4));
+}
+
+/// The tree that grows in a mesh, as a command line grows it.
+fn grown_in(mesh: TriangleMesh, knobs: &[(&str, &str)]) -> Grown {
+    let mut preset = Preset::of_space("own", Space::Envelope { file: "own.obj".into() });
+    for (knob, value) in knobs {
+        preset.set(knob, value).unwrap();
+    }
+    let mut recipe = Recipe::new(preset);
+    let geometry = Geometry::Mesh(Arc::new(mesh));
+    recipe.inputs.insert("own.obj", Input { name: "own.obj".into(), hash: 0, up: Up::Y, geometry });
+    grow(&recipe, &Quiet).unwrap()
+}
+
+/// Where its stems stand.
+fn feet(grown: &Grown) -> Vec<DVec3> {
+    let Skeleton { positions, parents, .. } = &*grown.skeleton;
+    let roots = positions.iter().zip(parents).filter(|(_, parent)| **parent == NO_PARENT);
+    roots.map(|(p, _)| p.as_dvec3()).collect()
+}
+
+#[test]
+fn shells_that_stand_apart_are_told_from_crowns_of_several_balls() {
+    let count = |mesh: &TriangleMesh| envelope(mesh).shells(&Quiet).unwrap().len();
+    let at = |x: f64, y: f64, radius| ball(DVec3::new(x, y, 0.0), radius, 24, 32);
+    let apart = together(at(0.0, 3.0, 2.0), &at(5.0, 3.0, 2.0));
+    assert_eq!(count(&apart), 2);
+    // The middle one holds the others together, whatever their order in the file.
+    assert_eq!(count(&together(apart.clone(), &at(2.5, 3.0, 1.0))), 1);
+    assert_eq!(count(&together(at(2.5, 3.0, 1.0), &apart)), 1);
+    // A cavity, the same ball twice as thick, and a ball in a ball beside another.
+    assert_eq!(count(&together(at(0.0, 3.0, 2.0), &inside_out(at(0.0, 3.0, 1.0)))), 1);
+    assert_eq!(count(&together(at(0.0, 3.0, 2.0), &at(0.0, 3.0, 1.0))), 1);
+    assert_eq!(count(&together(apart.clone(), &inside_out(at(5.0, 3.0, 1.0)))), 2);
+    // Boxes that meet, balls that do not.
+    assert_eq!(count(&together(at(0.0, 3.0, 2.0), &at(3.0, 6.0, 2.0))), 2);
+    // In order of the file, each with the middle of its underside and its volume.
+    let shells = envelope(&apart).shells(&Quiet).unwrap();
+    for (shell, x) in shells.iter().zip([-2.5, 2.5]) {
+        assert!((shell.foot() - DVec3::X * x).length() < 0.02, "{}", shell.foot());
+        assert!((shell.volume_m3() / (4.0 / 3.0 * PI * 8.0) - 1.0).abs() < 0.03);
+        assert!(shell.contains(DVec3::new(x, 2.0, 0.0)) && !shell.contains(DVec3::new(-x, 2.0, 0.0)));
+    }
+    // One that is open is nobody's inside.
+    let mut open = apart;
+    open.triangles.pop();
+    assert_eq!(count(&open), 0);
+}
+
+#[test]
+fn each_shell_of_a_mesh_is_a_tree_with_a_root_below_it() {
+    let at = |x: f64, y: f64, radius| ball(DVec3::new(x, y, 1.0), radius, 24, 32);
+    // The first hangs 1 m over the ground, the second 2 m, the third stands on it.
+    let mesh = together(together(at(-7.0, 3.0, 2.0), &at(0.0, 4.5, 2.5)), &at(8.0, 2.0, 2.0));
+    let grown = grown_in(mesh.clone(), &[("points", "600")]);
+    let mut found = feet(&grown);
+    found.sort_by(|a, b| a.x.total_cmp(&b.x));
+    let below = [-7.0, 0.0, 8.0].map(|x| DVec3::new(x, 0.0, 1.0));
+    assert_eq!(found.len(), 3);
+    for (foot, below) in found.iter().zip(below) {
+        assert!((*foot - below).length() < 0.05, "{foot} {below}");
+    }
+    let own = grown.colonized.as_ref().unwrap();
+    assert_eq!(own.points.len(), 1800, "for each tree as many as for one");
+    assert!(own.unreached * 100 < own.points.len(), "{} not reached", own.unreached);
+    assert!(grown.notes.iter().any(|note| note.contains("3 shells that stand apart")), "{:?}", grown.notes);
+    assert!(!grown.notes.iter().any(|note| note.contains("raise influence")), "{:?}", grown.notes);
+
+    // One place that is given is one tree, as it was.
+    let one = grown_in(mesh.clone(), &[("points", "600"), ("root", "0,0,1"), ("influence", "inf")]);
+    assert_eq!((feet(&one).len(), one.colonized.unwrap().points.len()), (1, 600));
+    // A crumb too small for points bears no tree, and that is said.
+    let crumbs = grown_in(together(mesh, &at(20.0, 1.0, 0.1)), &[("points", "600")]);
+    assert_eq!(feet(&crumbs).len(), 3);
+    assert!(
+        crumbs.notes.iter().any(|note| note.contains("1 of the envelope's 4 shells")),
+        "{:?}",
+        crumbs.notes
+    );
 }

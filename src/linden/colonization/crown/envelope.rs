@@ -10,6 +10,7 @@ use std::ops::Range;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
+use super::shells::{Shell, shells};
 use super::topology::Surface;
 use super::winding::WindingTree;
 use super::{Crown, units};
@@ -172,6 +173,15 @@ impl Envelope {
     /// What was found out about the mesh.
     pub fn report(&self) -> EnvelopeReport {
         self.report
+    }
+
+    /// The closed parts that stand apart, each a crown of its own; one or none where there is nothing to tell
+    /// apart.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn shells(&self, monitor: &dyn Monitor) -> Result<Vec<Shell>, Cancelled> {
+        if self.surface.components > 1 { shells(&self.surface, monitor) } else { Ok(Vec::new()) }
     }
 
     /// Where the crown's origin lies in the mesh's own coordinates.

@@ -22,6 +22,7 @@ pub mod lathe;
 pub mod placed;
 pub mod revolution;
 mod section;
+pub mod shells;
 pub mod sphere;
 mod topology;
 pub mod weber_penn;

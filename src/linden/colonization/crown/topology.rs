@@ -74,6 +74,14 @@ impl Surface {
         }
     }
 
+    /// The triangles of each part, in the order of their first ones.
+    pub fn parts(&self) -> Vec<Vec<u32>> {
+        let mut sides = sides(&self.triangles);
+        sides.sort_unstable_by_key(|side| (side.edge, side.triangle));
+        let by_edge: Vec<&[Side]> = sides.chunk_by(|a, b| a.edge == b.edge).collect();
+        Neighbours::new(self.triangles.len(), &by_edge).parts(|_| true, |_, _| ())
+    }
+
     /// The volume by the divergence theorem, below zero for a surface turned inside out. Means
     /// something for a closed surface only.
     pub fn signed_volume_m3(&self) -> f64 {

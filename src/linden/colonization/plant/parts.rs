@@ -11,6 +11,7 @@ use crate::colonization::crown::compound::{Compound, CompoundError, Operation, P
 use crate::colonization::crown::envelope::{Envelope, EnvelopeError};
 use crate::colonization::crown::favor::{Favor, Favored};
 use crate::colonization::crown::placed::Placed;
+use crate::colonization::crown::shells::Inside;
 use crate::colonization::crown::{self, Crown, CrownError};
 use crate::grow::GrowError;
 use crate::monitor::{Cancelled, Monitor, from_cancellable};
@@ -113,7 +114,11 @@ impl Standing {
             self.crown = favored(self.crown)?;
             return Ok(self);
         }
-        let Self { crown, lift, root: foot, origin, mut grove, mut shades, mut notes } = self;
+        if parts.iter().any(|part| matches!(part.role, Role::Add | Role::Subtract)) && self.trees() > 1 {
+            self.as_one_crown();
+        }
+        let trees_of_shells = self.trees() - 1;
+        let Self { crown, lift, root: foot, foot: base, origin, mut grove, mut shades, mut notes } = self;
         let first = Piece {
             operation: Operation::Add,
             crown: Box::new(Placed::new(crown, DVec3::Y * lift, 0.0, 1.0)),
@@ -151,17 +156,23 @@ impl Standing {
             crowns.push(Arc::from(favored(tree.crown(parts, monitor)?)?));
         }
         if crowns.len() > 1 {
-            grove.own = crowns.first().cloned();
+            if trees_of_shells == 0 {
+                grove.own = crowns.first().cloned().map(inside);
+            }
             let other = |(tree, crown): (&Tree, &Arc<dyn Crown>)| Stem {
                 root: tree.root,
                 trunk_m: tree.trunk_m,
-                crown: Some(Arc::clone(crown)),
+                crown: Some(inside(Arc::clone(crown))),
             };
-            grove.others = trees.iter().zip(&crowns).skip(1).map(other).collect();
+            grove.others.extend(trees.iter().zip(&crowns).skip(1).map(other));
         }
         let crown = together(crowns, monitor)?;
-        Ok(Self { crown, lift: 0.0, root: foot, origin, grove, shades, notes })
+        Ok(Self { crown, lift: 0.0, root: foot, foot: base, origin, grove, shades, notes })
     }
+}
+
+fn inside(crown: Arc<dyn Crown>) -> Arc<dyn Inside> {
+    Arc::new(crown)
 }
 
 /// The crowns of all trees as one: where several reach, points are no denser.
@@ -226,7 +237,13 @@ fn solid(
             settings.up(up).to_y_up(&mut mesh.positions);
             let envelope = Arc::new(Envelope::new(&mesh, monitor)?);
             meshes.push((file.clone(), Arc::clone(&envelope)));
-            let (foot, notes) = (Some(envelope.foot()), envelope.report().warnings());
+            let (foot, mut notes) = (Some(envelope.foot()), envelope.report().warnings());
+            let shells = if part.role == Role::Tree { envelope.shells(monitor)?.len() } else { 0 };
+            if shells > 1 {
+                notes.push(format!(
+                    "its mesh has {shells} shells that stand apart, and is the crown of one tree; give each a file and a part of its own"
+                ));
+            }
             Ok((Raw { crown: Box::new(envelope), foot }, notes))
         }
     }

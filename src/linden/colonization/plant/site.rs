@@ -5,6 +5,7 @@ use std::sync::Arc;
 use glam::DVec3;
 
 use crate::colonization::crown::Crown;
+use crate::colonization::crown::shells::Inside;
 use crate::colonization::growth::Meet;
 use crate::input::Up;
 use crate::preset::{Colonization, Length, Origin, UpAxis};
@@ -37,7 +38,7 @@ pub(super) struct Site {
 #[derive(Default)]
 pub(super) struct Grove {
     /// The first tree's own crown, where others compete with it; `None`: all points are its own.
-    pub own: Option<Arc<dyn Crown>>,
+    pub own: Option<Arc<dyn Inside>>,
     /// The other trees.
     pub others: Vec<Stem>,
     /// What branches do not enter.
@@ -50,7 +51,7 @@ pub(super) struct Stem {
     /// Height of the bare trunk, metres; `None`: until the first point of its crown is in reach.
     pub trunk_m: Option<f64>,
     /// What its trunk leads to; `None`: any point.
-    pub crown: Option<Arc<dyn Crown>>,
+    pub crown: Option<Arc<dyn Inside>>,
 }
 
 /// A solid that branches do not enter.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::site::{Site, Stem};
-use crate::colonization::crown::Crown;
+use crate::colonization::crown::shells::Inside;
 use crate::colonization::growth::GrowthRule;
 use crate::colonization::trunk;
 use crate::grow::GrowError;
@@ -20,7 +20,7 @@ pub(super) fn start(
 ) -> Result<Branching, GrowError> {
     let mut room = Room { step_m: f64::from(rule.step), max_nodes: rule.max_nodes, segments: 0.0 };
     let reach_m = f64::from(rule.influence);
-    let mut grow = |root: DVec3, trunk_m: Option<f64>, crown: Option<&dyn Crown>| match trunk_m {
+    let mut grow = |root: DVec3, trunk_m: Option<f64>, crown: Option<&dyn Inside>| match trunk_m {
         Some(height_m) => {
             room.take(height_m)?;
             Ok(trunk::straight(root, height_m, room.step_m))
@@ -29,7 +29,7 @@ pub(super) fn start(
             let own: Vec<DVec3>;
             let points = match crown {
                 Some(crown) => {
-                    own = site.points.iter().copied().filter(|p| crown.contains(*p)).collect();
+                    own = site.points.iter().copied().filter(|p| crown.holds(*p)).collect();
                     &own
                 }
                 None => &site.points,
