@@ -163,3 +163,77 @@ fn trees_that_compete_are_all_different_and_one_growth() {
     assert_eq!(said.code, Some(0), "{}", said.err);
     assert!(folder.read("again.glb") == one);
 }
+
+/// A box as OBJ, its base's middle at `at`, 2 m wide and high.
+fn box_at([x, y, z]: [f64; 3]) -> String {
+    let mut text = String::new();
+    for corner in 0..8 {
+        let on = |bit: u32| f64::from(corner >> bit & 1);
+        text += &format!("v {} {} {}\n", x - 1.0 + 2.0 * on(0), y + 2.0 * on(1), z - 1.0 + 2.0 * on(2));
+    }
+    text + "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n"
+}
+
+/// The box around a GLB's mesh, as its accessor has it.
+fn width_of(document: &Value, mesh: u64) -> [f64; 2] {
+    let accessor = &document["meshes"][mesh as usize]["primitives"][0]["attributes"]["POSITION"];
+    let accessor = &document["accessors"][accessor.as_u64().unwrap() as usize];
+    ["min", "max"].map(|end| accessor[end][0].as_f64().unwrap())
+}
+
+#[test]
+fn several_meshes_are_a_tree_each_where_their_files_have_them() {
+    let folder = Folder::new();
+    folder.write("left.obj", box_at([-5.0, 1.0, 0.0]));
+    folder.write("right.obj", box_at([6.0, 1.0, 0.0]));
+    let knobs = ["--set", "points=300", "--seed", "4", "--set", "bark_size=32"];
+    let line = [&["export", "left.obj", "right.obj", "-o", "wood.glb"][..], &knobs].concat();
+    folder.run(&line).done();
+    let document = glb(&folder.read("wood.glb"));
+    let stand = trees(&document);
+    assert_eq!(stand.len(), 2);
+    for ((mesh, at), middle) in stand.iter().zip([-5.0, 6.0]) {
+        assert_eq!(*at, [0.0; 3]);
+        let [low, high] = width_of(&document, *mesh);
+        assert!(low > middle - 1.3 && high < middle + 1.3 && high > middle && low < middle, "{low} {high}");
+    }
+    let names: Vec<&str> =
+        document["meshes"].as_array().unwrap().iter().map(|mesh| mesh["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["left", "right"]);
+    // Each is what it is alone.
+    folder.run(&[&["export", "right.obj", "-o", "alone.glb"][..], &knobs].concat()).done();
+    let alone = glb(&folder.read("alone.glb"));
+    assert_eq!(width_of(&alone, 0), width_of(&document, stand[1].0));
+    // The two in one file are two trees, too, in every command.
+    let both = box_at([-5.0, 1.0, 0.0]) + &box_at([6.0, 1.0, 0.0]).replace("f ", "f -8 ");
+    let both = both.lines().map(|line| match line.strip_prefix("f -8 ") {
+        // Counted from the last vertex.
+        Some(corners) => {
+            let from_last = |n: &str| (n.parse::<i32>().unwrap() - 9).to_string();
+            format!("f {}\n", corners.split(' ').map(from_last).collect::<Vec<_>>().join(" "))
+        }
+        None => format!("{line}\n"),
+    });
+    folder.write("both.obj", both.collect::<String>());
+    let stats = folder.run(&["stats", "both.obj", "--json", "--set", "points=300"]);
+    assert!(stats.err.contains("2 shells that stand apart"), "{}", stats.err);
+    let report = stats.done().json();
+    assert_eq!((&report["points"], &report["points_unreached"]), (&600.into(), &0.into()));
+    let page = folder.run(&["show", "both.obj"]).done().out;
+    assert!(page.contains("both.obj: 24 triangles, 2 shells that stand apart"), "{page}");
+}
+
+#[test]
+fn what_cannot_stand_side_by_side_is_refused_with_what_to_do() {
+    let folder = Folder::new();
+    let refused = |args: &[&str], code: i32, said: &[&str]| {
+        let run = folder.run(&[&["export"], args, &["-o", "x.glb"]].concat());
+        assert_eq!(run.code, Some(code), "{args:?}: {}", run.err);
+        assert!(said.iter().all(|said| run.err.contains(said)), "{args:?}: {}", run.err);
+    };
+    refused(&["fir", "oak"], 1, &["'fir' and 'oak' would stand at the same place", "linden forest"]);
+    refused(&["fir", "oak", "--set", "spacing=9"], 2, &["'spacing' has no effect"]);
+    refused(&["fir", "oak", "--seasons"], 2, &["--seasons is for one source"]);
+    refused(&["fir", "nope"], 2, &["no preset and no file 'nope'"]);
+    assert!(folder.names().is_empty());
+}

@@ -202,7 +202,7 @@ fn grown_in(mesh: TriangleMesh, knobs: &[(&str, &str)]) -> Grown {
     }
     let mut recipe = Recipe::new(preset);
     let geometry = Geometry::Mesh(Arc::new(mesh));
-    recipe.inputs.insert("own.obj", Input { name: "own.obj".into(), hash: 0, up: Up::Y, geometry });
+    recipe.inputs.insert("own.obj", Input { hash: 0, up: Up::Y, geometry });
     grow(&recipe, &Quiet).unwrap()
 }
 

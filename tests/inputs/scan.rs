@@ -240,7 +240,7 @@ fn a_chosen_step_decides_the_detail() {
 fn grown_from(points: Vec<DVec3>) -> Grown {
     let mut recipe = Recipe::new(Preset::of_space("own", Space::Points { file: "own.xyz".into() }));
     let geometry = Geometry::Points(Arc::new(points));
-    recipe.inputs.insert("own.xyz", Input { name: "own.xyz".into(), hash: 0, up: Up::Y, geometry });
+    recipe.inputs.insert("own.xyz", Input { hash: 0, up: Up::Y, geometry });
     grow(&recipe, &Quiet).unwrap()
 }
 

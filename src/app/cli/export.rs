@@ -1,5 +1,7 @@
 //! `linden export`: grow a source and write it in one or more formats.
 
+use std::path::PathBuf;
+
 use anyhow::Context;
 use clap::Args;
 use linden::detail::{levels, year};
@@ -7,6 +9,7 @@ use linden::season::Season;
 use linden_exporters::{Exporter, REGISTRY};
 
 use super::Growing;
+use super::forest::{Written, side_by_side};
 use super::outputs::{Outputs, finish};
 use crate::exit::usage;
 use crate::progress::Progress;
@@ -17,6 +20,11 @@ use crate::progress::Progress;
 pub struct Export {
     #[command(flatten)]
     growing: Growing,
+
+    /// Further sources for the same files, each tree where its own mesh, scan or root has it; --set turns the
+    /// knobs of all of them. 'linden forest' lays trees out
+    #[arg(value_name = "SOURCE")]
+    further: Vec<PathBuf>,
 
     #[command(flatten)]
     outputs: Outputs,
@@ -71,6 +79,20 @@ impl Export {
             Some("all") => Season::all(),
             Some(list) => Season::parse_list(list).map_err(usage)?,
         };
+        if !self.further.is_empty() {
+            if self.seasons.is_some() {
+                return Err(usage(
+                    "--seasons is for one source: export each by itself, or turn all to one with --set season=summer",
+                ));
+            }
+            let sources: Vec<PathBuf> =
+                std::iter::once(&self.growing.source).chain(&self.further).cloned().collect();
+            let named: Vec<String> = sources.iter().map(|path| crate::source::show(path)).collect();
+            let command = format!("linden export {} -o wood.glb", named.join(" "));
+            let (outputs, scene) = (&self.outputs, self.scene);
+            let written = Written { outputs, of_formats: &of_formats, command, scene };
+            return side_by_side(&sources, &own, written, &progress);
+        }
         let source = self.growing.resolve_with(&own, &progress)?;
         let id = &source.recipe.preset.id;
         let command = format!("linden export {0} -o {0}.glb", crate::source::show(&self.growing.source));

@@ -7,7 +7,8 @@ use anyhow::Context;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use linden::detail::{Levels, levels};
 use linden::forest::{
-    FOREST_KNOBS, ForestDocument, Kind, Layout, TreeSource, budgeted, builtin_forest, builtin_forests,
+    FOREST_KNOBS, ForestDocument, Kind, Layout, Places, SCATTERING, TreeSource, budgeted, builtin_forest,
+    builtin_forests,
 };
 use linden::grow::grow;
 use linden::memory::Holding;
@@ -98,46 +99,14 @@ impl Forest {
         let mut sources = Vec::new();
         let mut forest = self.resolve(&mut sources, &progress)?;
         let flags = self.layout.set.iter().map(|(name, value)| ((*name).to_owned(), value.clone()));
-        for (name, value) in own.into_iter().chain(flags) {
-            turn(&mut forest, &name, &value)?;
+        let turned: Vec<(String, String)> = own.into_iter().chain(flags).collect();
+        for (name, value) in &turned {
+            turn(&mut forest, name, value)?;
         }
+        check_scattering(&forest, &turned)?;
         let command = format!("linden forest {} -o forest.glb", self.kinds.join(" "));
-        let counts = forest.kinds.iter().map(|kind| kind.recipe.preset.detail.levels());
-        let most = counts.max().unwrap_or(1);
-        let mut batch = self.outputs.open(&forest.id, &command, &of_formats, (most, &[]), sources)?;
-        let plan = forest.plan(&progress).with_context(|| forest.id.clone())?;
-        let mut grown: Vec<Levels> = Vec::with_capacity(plan.trees.len());
-        let mut held = 0;
-        for tree in &plan.trees {
-            let holding = Holding::new(&progress, held);
-            let naming = || tree.name.clone();
-            let wood = grow(&tree.recipe, &holding).with_context(naming)?;
-            let recipe = budgeted(&tree.recipe, &wood, forest.layout.triangles * tree.stems, &holding);
-            let recipe = recipe.with_context(naming)?;
-            let mut own = levels(&recipe, &wood, &holding).with_context(naming)?;
-            let first = plan.trees.iter().position(|first| first.kind == tree.kind);
-            if let Some(first) = first.and_then(|first| grown.get(first)) {
-                share_tiles(first, &mut own);
-            }
-            super::notes(&own.notes, &progress);
-            held += own.levels.iter().map(|level| level.scene.bytes()).sum::<u64>();
-            grown.push(own);
-        }
-        let plants = plan.trees.iter().zip(&grown).map(|(tree, own)| {
-            let levels = own.levels.iter();
-            let levels = levels.map(|own| stage::Level { scene: &own.scene, coverage: own.coverage });
-            Plant::in_levels(tree.name.clone(), levels.collect())
-        });
-        let stage = Stage {
-            name: forest.name.clone(),
-            recipe: forest.to_line(),
-            plants: plants.collect(),
-            places: plan.places,
-            setting: None,
-        };
-        let stage = if self.scene { stage.in_setting() } else { stage };
-        batch.write(&stage, &progress, |notes| super::notes(notes, &progress))?;
-        finish(batch, &progress)
+        let written = Written { outputs: &self.outputs, of_formats: &of_formats, command, scene: self.scene };
+        written.write(&forest, sources, &progress)
     }
 
     /// The forest as it is described, and the files that it was read from.
@@ -163,6 +132,114 @@ impl Forest {
         forest.kinds = kinds;
         Ok(forest)
     }
+}
+
+/// What lays trees out by chance has no effect where each has its place.
+fn check_scattering(forest: &linden::forest::Forest, turned: &[(String, String)]) -> anyhow::Result<()> {
+    let without_effect = |(name, _): &&(String, String)| SCATTERING.contains(&name.as_str());
+    match turned.iter().find(without_effect).filter(|_| forest.layout.places == Places::Given) {
+        Some((name, _)) => Err(usage(format!(
+            "'{name}' has no effect where each tree stands at its own place; 'linden forest' lays trees out"
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// How a forest is to be written.
+pub(super) struct Written<'a> {
+    pub outputs: &'a Outputs,
+    /// `FORMAT.OPTION` and value.
+    pub of_formats: &'a [(String, String)],
+    /// What who named neither file nor format could have typed.
+    pub command: String,
+    /// Whether with camera, sun, sky and ground.
+    pub scene: bool,
+}
+
+impl Written<'_> {
+    /// Grows the trees of a forest that was read from `sources`, and writes it.
+    pub fn write(
+        self,
+        forest: &linden::forest::Forest,
+        sources: Vec<PathBuf>,
+        progress: &Progress,
+    ) -> anyhow::Result<()> {
+        let counts = forest.kinds.iter().map(|kind| kind.recipe.preset.detail.levels());
+        let most = counts.max().unwrap_or(1);
+        let mut batch =
+            self.outputs.open(&forest.id, &self.command, self.of_formats, (most, &[]), sources)?;
+        let plan = forest.plan(progress).with_context(|| forest.id.clone())?;
+        let mut grown: Vec<Levels> = Vec::with_capacity(plan.trees.len());
+        let mut held = 0;
+        for tree in &plan.trees {
+            let holding = Holding::new(progress, held);
+            let naming = || tree.name.clone();
+            let wood = grow(&tree.recipe, &holding).with_context(naming)?;
+            let recipe = budgeted(&tree.recipe, &wood, forest.layout.triangles * tree.stems, &holding);
+            let recipe = recipe.with_context(naming)?;
+            let mut own = levels(&recipe, &wood, &holding).with_context(naming)?;
+            let first = plan.trees.iter().position(|first| first.kind == tree.kind);
+            if let Some(first) = first.and_then(|first| grown.get(first)) {
+                share_tiles(first, &mut own);
+            }
+            let about = |note: &String| format!("{}: {note}", tree.name);
+            let said: Vec<String> = wood.notes.iter().map(about).chain(own.notes.iter().cloned()).collect();
+            super::notes(&said, progress);
+            held += own.levels.iter().map(|level| level.scene.bytes()).sum::<u64>();
+            grown.push(own);
+        }
+        let plants = plan.trees.iter().zip(&grown).map(|(tree, own)| {
+            let levels = own.levels.iter();
+            let levels = levels.map(|own| stage::Level { scene: &own.scene, coverage: own.coverage });
+            Plant::in_levels(tree.name.clone(), levels.collect())
+        });
+        let stage = Stage {
+            name: forest.name.clone(),
+            recipe: forest.to_line(),
+            plants: plants.collect(),
+            places: plan.places,
+            setting: None,
+        };
+        let stage = if self.scene { stage.in_setting() } else { stage };
+        batch.write(&stage, progress, |notes| super::notes(notes, progress))?;
+        finish(batch, progress)
+    }
+}
+
+/// Several sources in one file, each tree where its own file has it; `settings` are the knobs that are turned on
+/// all of them.
+pub(super) fn side_by_side(
+    sources: &[PathBuf],
+    settings: &[(String, String)],
+    written: Written<'_>,
+    progress: &Progress,
+) -> anyhow::Result<()> {
+    // Files are named source by source, and so is the seed: here it lays nothing out.
+    let is_own = |(name, _): &&(String, String)| {
+        name == "seed" || linden::preset::Preset::file_keys().any(|(_, key, _)| key == name)
+    };
+    let (own, shared): (Vec<_>, Vec<_>) = settings.iter().partition(is_own);
+    let own: Vec<(String, String)> = own.into_iter().cloned().collect();
+    let shared: Vec<(String, String)> = shared.into_iter().cloned().collect();
+    let mut recipes = Vec::new();
+    let mut files = Vec::new();
+    for path in sources {
+        let source = source::resolve(path, &own, progress)?;
+        super::notes(&source.notes, progress);
+        files.extend(source.files);
+        recipes.push(source.recipe);
+    }
+    let mut forest = linden::forest::Forest::of(recipes);
+    let ids: Vec<&str> = forest.kinds.iter().map(|kind| kind.recipe.preset.id.as_str()).collect();
+    forest.id = ids.join("-");
+    forest.name.clone_from(&forest.id);
+    forest.layout.places = Places::Given;
+    forest.layout.triangles = 0;
+    for (name, value) in &shared {
+        turn(&mut forest, name, value)?;
+    }
+    check_scattering(&forest, &shared)?;
+    written.write(&forest, files, progress)
 }
 
 /// `fir:3`: a name and its share, 1 where none is said.

@@ -68,6 +68,7 @@ Examples:
   linden list
   linden preview fir
   linden export fir -o fir.glb -o fir.usda
+  linden export left.obj right.obj -o both.glb
   linden forest fir:3 simple -o wood.glb --area 60 --scene
   linden export scan.xyz -o tree.glb --set step=0.05
   linden doctor

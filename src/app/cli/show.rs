@@ -1,6 +1,8 @@
 //! `linden show`: what a source or a forest is, its knobs, its forecast.
 
 use clap::Args;
+use linden::Quiet;
+use linden::colonization::crown::envelope::Envelope;
 use linden::knob::{Value, printable};
 use linden::preset::{Generator, Preset, Section, Space};
 use linden::recipe::{Geometry, Input, Recipe};
@@ -149,11 +151,11 @@ fn page(recipe: &Recipe, knobs: &[KnobRow], forecast: Option<&ForecastRow>) -> S
                 Space::Points { file } => ("attraction points", Some(file)),
             };
             if let Some(file) = file {
-                text.push_str(&format!(
-                    "\n{what}\n  {}{}\n",
-                    printable(file),
-                    recipe.input(file).map(size).unwrap_or_default()
-                ));
+                let input = recipe.input(file);
+                let (size, shells) =
+                    (input.map(size).unwrap_or_default(), input.map(shells).unwrap_or_default());
+                let shells = if own.root.is_none() { shells } else { String::new() };
+                text.push_str(&format!("\n{what}\n  {}{size}{shells}\n", printable(file)));
             }
         }
     }
@@ -226,6 +228,14 @@ fn size(input: &Input) -> String {
         Geometry::Points(points) => format!(": {} points", points.len()),
         Geometry::Picture(own) => format!(": {}×{} pixels", own.picture.width(), own.picture.height()),
     }
+}
+
+/// How many trees grow in a crown envelope, where that is more than one.
+fn shells(input: &Input) -> String {
+    let Geometry::Mesh(mesh) = &input.geometry else { return String::new() };
+    // What is wrong with it is said when it is to grow.
+    let count = Envelope::new(mesh, &Quiet).and_then(|own| Ok(own.shells(&Quiet)?.len())).unwrap_or(0);
+    if count > 1 { format!(", {count} shells that stand apart: a tree in each") } else { String::new() }
 }
 
 /// A count, in powers of ten where nobody reads the digits.

@@ -23,7 +23,24 @@ pub struct Layout {
     /// Whether the trees grow together, each into the space that the others leave: all of one kind, which
     /// must fill a crown. None is a copy of another then.
     pub compete: bool,
+    /// What says where trees stand.
+    pub places: Places,
 }
+
+/// What says where trees stand.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Places {
+    /// Chance, on the square.
+    Scattered,
+    /// The trees themselves: each kind once, with its seed, where its mesh, its scan or its `root` has it.
+    Given,
+}
+
+/// The words of [`Places`].
+const PLACES: [&str; 2] = ["scattered", "given"];
+
+/// The settings that mean nothing where the places are given.
+pub const SCATTERING: [&str; 6] = ["area", "spacing", "trees", "distinct", "size_spread", "compete"];
 
 /// Enough that a tree is whole from a few metres on, and a forest of a dozen distinct ones stays well
 /// below 200 MB.
@@ -40,6 +57,7 @@ impl Default for Layout {
             size_spread: 0.2,
             triangles: TRIANGLES,
             compete: false,
+            places: Places::Scattered,
         }
     }
 }
@@ -129,6 +147,22 @@ pub static FOREST_KNOBS: &[ForestKnob] = &[
     },
     ForestKnob {
         knob: Knob {
+            name: "places",
+            kind: Kind::Choice(&PLACES),
+            unit: "",
+            help: "scattered: by chance on the square; given: each kind once, where its mesh, its scan or its root has it",
+        },
+        read: |own| {
+            let word = if own.places == Places::Given { PLACES[1] } else { PLACES[0] };
+            Value::Word(word.to_owned())
+        },
+        write: |own, value| {
+            let is_given = matches!(value, Value::Word(word) if word == PLACES[1]);
+            own.places = if is_given { Places::Given } else { Places::Scattered };
+        },
+    },
+    ForestKnob {
+        knob: Knob {
             name: "seed",
             kind: Kind::Integer { min: 0, max: u64::MAX },
             unit: "",
@@ -208,6 +242,7 @@ mod tests {
             ("size_spread", "0.5"),
             ("triangles", "2000"),
             ("compete", "true"),
+            ("places", "given"),
             ("seed", "18446744073709551615"),
         ];
         assert_eq!(typed.len(), FOREST_KNOBS.len());

@@ -33,7 +33,7 @@ use crate::recipe::{Recipe, VERSION, ascii_line};
 
 pub use compete::Loner;
 pub use document::{ForestDocument, TreeLine, TreeSource};
-pub use layout::{FOREST_KNOBS, ForestKnob, Layout, LayoutError};
+pub use layout::{FOREST_KNOBS, ForestKnob, Layout, LayoutError, Places, SCATTERING};
 pub use library::{BuiltinForest, builtin_forest, builtin_forests};
 pub use plan::{ForestError, MOST_PLACES, Plan, Tree};
 pub use spacing::poisson_disc;

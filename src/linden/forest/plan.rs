@@ -2,12 +2,13 @@
 
 use std::f64::consts::TAU;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::compete::{self, Loner};
-use super::{Forest, poisson_disc};
+use super::{Forest, Kind, Places, poisson_disc};
 use crate::memory::OverMemory;
 use crate::monitor::{Cancelled, Monitor};
+use crate::preset::{Generator, Origin, Space};
 use crate::random::Key;
 use crate::recipe::Recipe;
 use crate::stage::Place;
@@ -112,6 +113,16 @@ pub enum ForestError {
         /// The limit.
         most: u64,
     },
+    /// Two trees with nothing that tells where they stand.
+    #[error(
+        "'{first}' and '{second}' would stand at the same place: give one a root, or let 'linden forest' lay them out"
+    )]
+    SamePlace {
+        /// Its preset.
+        first: String,
+        /// Its preset.
+        second: String,
+    },
     /// Too many trees.
     #[error(
         "about {about} trees {spacing_m} m apart on {area_m} m × {area_m} m are more than {MOST_PLACES}; take \
@@ -148,6 +159,9 @@ impl Forest {
                 share,
                 size,
             });
+        }
+        if layout.places == Places::Given {
+            return self.where_they_are();
         }
         let (area_m, spacing_m) = (layout.area_m, layout.spacing_m);
         if spacing_m > area_m && layout.trees != Some(1) {
@@ -187,6 +201,46 @@ impl Forest {
         }
         drop_unused(&mut trees, &mut places);
         Ok(Plan { trees, places })
+    }
+
+    /// Each kind once, as it is and where it is.
+    fn where_they_are(&self) -> Result<Plan, ForestError> {
+        let mut trees: Vec<Tree> = Vec::new();
+        let mut stand: Vec<(String, [f64; 3])> = Vec::new();
+        for (index, kind) in self.kinds.iter().enumerate() {
+            let mut recipe = kind.recipe.clone();
+            let preset = &mut recipe.preset;
+            let id = crate::knob::printable(&preset.id);
+            // A mesh or a scan stands where its file has it, anything else where its root is.
+            let place = match &mut preset.generator {
+                Generator::Colonization(own) => {
+                    let is_kept = matches!(own.space, Space::Envelope { .. } | Space::Points { .. });
+                    if is_kept && own.origin == Origin::Auto {
+                        own.origin = Origin::Keep;
+                    }
+                    let root = own.root.filter(|_| own.origin != Origin::Root).unwrap_or_default();
+                    (!is_kept || own.origin == Origin::Root).then_some(root)
+                }
+                Generator::LSystem(_) => Some([0.0; 3]),
+            };
+            if let Some(place) = place {
+                if let Some((first, _)) = stand.iter().find(|(_, other)| *other == place) {
+                    return Err(ForestError::SamePlace { first: first.clone(), second: id });
+                }
+                stand.push((id, place));
+            }
+            let name = kind_name(&kind.recipe);
+            let before = self.kinds[..index].iter().filter(|own| kind_name(&own.recipe) == name).count();
+            let name = if before == 0 { name } else { format!("{name} {}", before + 1) };
+            trees.push(Tree { name, kind: index, recipe, stems: 1 });
+        }
+        let place = |(plant, kind): (usize, &Kind)| Place {
+            plant,
+            position: Vec3::ZERO,
+            turn_rad: 0.0,
+            scale: kind.size as f32,
+        };
+        Ok(Plan { trees, places: self.kinds.iter().enumerate().map(place).collect() })
     }
 
     /// All places as one tree, that of the place nearest to the middle.
@@ -239,8 +293,7 @@ impl Forest {
         let mut trees: Vec<Tree> = Vec::new();
         for (index, kind) in self.kinds.iter().enumerate() {
             let preset = &kind.recipe.preset;
-            let kind_name = if preset.name.trim().is_empty() { &preset.id } else { &preset.name };
-            let kind_name = crate::knob::printable(kind_name);
+            let kind_name = kind_name(&kind.recipe);
             // The same preset may be there twice, with other settings.
             let before =
                 self.kinds[..index].iter().filter(|own| own.recipe.preset.name == preset.name).count();
@@ -254,6 +307,13 @@ impl Forest {
         }
         trees
     }
+}
+
+/// What people call it.
+fn kind_name(recipe: &Recipe) -> String {
+    let preset = &recipe.preset;
+    let name = if preset.name.trim().is_empty() { &preset.id } else { &preset.name };
+    crate::knob::printable(name)
 }
 
 /// Leaves out trees that stand nowhere.
