@@ -4,13 +4,14 @@ use clap::Args;
 use linden::Quiet;
 use linden::colonization::crown::envelope::Envelope;
 use linden::knob::{Value, printable};
-use linden::preset::{Generator, Preset, Section, Space};
+use linden::preset::{Generator, Preset, PresetKnob, Section, Space};
 use linden::recipe::{Geometry, Input, Recipe};
 use serde::Serialize;
 
 use super::Growing;
 use super::forest::Described;
 use super::forest_page::{self, As};
+use crate::exit::usage;
 use crate::progress::Progress;
 
 /// Say what a source is, which knobs it has, and how large it would grow
@@ -26,6 +27,10 @@ pub struct Show {
     /// As a preset document, to be edited and grown
     #[arg(long)]
     toml: bool,
+
+    /// Only what differs from the defaults: of the knobs, or of the document with --toml
+    #[arg(long)]
+    changed: bool,
 }
 
 #[derive(Serialize)]
@@ -54,6 +59,9 @@ struct KnobRow {
     #[serde(skip)]
     is_number: bool,
     help: &'static str,
+    /// Whether it differs from what it is when nobody says.
+    #[serde(rename = "changed")]
+    is_changed: bool,
 }
 
 #[derive(Serialize)]
@@ -78,17 +86,30 @@ impl Show {
                 (_, true) => As::Document,
                 _ => As::Page,
             };
+            if self.changed {
+                return Err(usage(
+                    "--changed is for one tree: a forest's page and document name what it says",
+                ));
+            }
             return forest_page::show(forest, &self.growing.pairs()?, how, &progress);
         }
         let source = self.growing.resolve(&progress)?;
         let preset = &source.recipe.preset;
         if self.toml {
-            return super::print(&preset.to_toml()?);
+            let text = if self.changed { preset.to_toml_changed()? } else { preset.to_toml()? };
+            return super::print(&text);
         }
+        let plain = preset.plain().knobs();
+        // A crown's shape is what grows, no matter of defaults.
+        let is_default = |knob: &PresetKnob, value: &Value| {
+            knob.knob.name != "crown"
+                && plain.iter().any(|(own, default)| own.knob.name == knob.knob.name && default == value)
+        };
         let knobs: Vec<KnobRow> = preset
             .knobs()
             .into_iter()
             .map(|(knob, value): (_, Value)| KnobRow {
+                is_changed: !is_default(&knob, &value),
                 name: knob.knob.name,
                 section: knob.section.key(),
                 is_number: matches!(value, Value::Real(_) | Value::Integer(_) | Value::Vector(_)),
@@ -97,6 +118,7 @@ impl Show {
                 range: knob.knob.kind.to_string(),
                 help: knob.knob.help,
             })
+            .filter(|row| row.is_changed || !self.changed)
             .collect();
         let forecast = forecast_of(preset)?;
         if self.json {
@@ -114,7 +136,7 @@ impl Show {
                 recipe: serde_json::to_value(&source.recipe)?,
             });
         }
-        super::print(&page(&source.recipe, &knobs, forecast.as_ref()))
+        super::print(&page(&source.recipe, &knobs, forecast.as_ref(), self.changed))
     }
 }
 
@@ -131,7 +153,7 @@ fn forecast_of(preset: &Preset) -> anyhow::Result<Option<ForecastRow>> {
     }))
 }
 
-fn page(recipe: &Recipe, knobs: &[KnobRow], forecast: Option<&ForecastRow>) -> String {
+fn page(recipe: &Recipe, knobs: &[KnobRow], forecast: Option<&ForecastRow>, only_changed: bool) -> String {
     let preset = &recipe.preset;
     let mut text = format!("{} ({})\n", printable(&preset.name), printable(&preset.id));
     for line in [&preset.summary, &preset.source, &preset.about].into_iter().filter(|line| !line.is_empty()) {
@@ -198,7 +220,10 @@ fn page(recipe: &Recipe, knobs: &[KnobRow], forecast: Option<&ForecastRow>) -> S
     ];
     for section in Section::ALL {
         let own: Vec<&KnobRow> = knobs.iter().filter(|row| row.section == section.key()).collect();
-        if own.is_empty() {
+        let is_shown = |key: &str| !only_changed || preset.file(key).is_some();
+        let files: Vec<_> =
+            Preset::file_keys().filter(|(own, key, _)| *own == section && is_shown(key)).collect();
+        if own.is_empty() && files.is_empty() {
             continue;
         }
         text.push_str(&format!("\n{}\n", if section.key().is_empty() { "tree" } else { section.key() }));
@@ -212,7 +237,7 @@ fn page(recipe: &Recipe, knobs: &[KnobRow], forecast: Option<&ForecastRow>) -> S
             ));
             text.push_str(&format!("  {:name_width$}  {:value_width$}  {}\n", "", "", row.range));
         }
-        for (_, key, help) in Preset::file_keys().filter(|(own, ..)| *own == section) {
+        for (_, key, help) in files {
             let file = preset.file(key);
             let size = file.and_then(|file| recipe.input(file)).map(size).unwrap_or_default();
             let value = file.map_or_else(|| "none".to_owned(), |file| printable(file) + &size);

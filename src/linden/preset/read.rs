@@ -46,7 +46,7 @@ impl Preset {
         Self::of(id, Generator::Colonization(Colonization::of(space)))
     }
 
-    fn of(id: &str, generator: Generator) -> Self {
+    pub(super) fn of(id: &str, generator: Generator) -> Self {
         Self {
             id: id.to_owned(),
             name: id.to_owned(),

@@ -228,9 +228,7 @@ pub fn remark(model: &Model, line: &Line) -> Option<(bool, String)> {
             Some(problem) => (true, problem.clone()),
             None => (false, shape::save::consequence(model, line.text().trim())),
         }),
-        Purpose::Replace(_) => {
-            Some((true, "the whole file is written anew; comments in it are lost".to_owned()))
-        }
+        Purpose::Replace(id) => Some((true, shape::save::loss(model, id).to_owned())),
         Purpose::Filter { .. } | Purpose::Knob(_) => None,
     }
 }

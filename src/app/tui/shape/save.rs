@@ -16,6 +16,9 @@ use crate::source::show;
 use crate::tui::model::Model;
 use crate::tui::tree::Place;
 
+/// No document that people write is larger.
+const MOST_BYTES: u64 = 16 << 20;
+
 /// The id that saving proposes: a preset of the user's keeps its own, of any other it is a copy with
 /// the first number that is free.
 pub fn proposed(model: &Model) -> String {
@@ -121,12 +124,37 @@ pub fn documents(
         }
         found.push((own, bytes));
     }
-    let text = renamed(recipe, from, id, &path)
-        .preset
-        .to_toml()
-        .map_err(|error| format!("writing the preset: {error}"))?;
+    let preset = renamed(recipe, from, id, &path).preset;
+    let text = match document_of(from) {
+        Some(text) => preset.edit_toml(&text).map_err(|error| error.to_string()),
+        None => preset.to_toml().map_err(|error| error.to_string()),
+    };
+    let text = text.map_err(|error| format!("writing the preset: {error}"))?;
     found.push((name, text.into_bytes()));
     Ok(found)
+}
+
+/// The document that a tree comes from, as it stands now: what its author wrote stays where nothing was changed.
+/// `None` for what is no preset's document, like a grammar or a mesh.
+fn document_of(from: &Place) -> Option<String> {
+    match from {
+        Place::Builtin(id) => builtin(id).ok().map(|own| own.text.to_owned()),
+        Place::File(path) => files::read_text(path, MOST_BYTES)
+            .ok()
+            .flatten()
+            .filter(|text| linden::preset::Preset::from_toml(text).is_ok()),
+    }
+}
+
+/// What replacing a preset of the user's does to its file.
+pub fn loss(model: &Model, id: &str) -> &'static str {
+    let is_its_own = file_of(model, id)
+        .is_some_and(|path| model.tree.as_ref().is_some_and(|tree| tree.place == Place::File(path)));
+    if is_its_own {
+        "only what was changed is written; comments stay"
+    } else {
+        "the file is replaced by another document; what it says is lost"
+    }
 }
 
 /// The bytes of a file that a preset names.

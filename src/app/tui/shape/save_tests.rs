@@ -10,6 +10,10 @@ use crate::tui::effect::Effect;
 use crate::tui::tree::Place;
 use crate::tui::update::Msg;
 
+fn written(dir: &Path, name: &str) -> String {
+    std::fs::read_to_string(dir.join(name)).unwrap()
+}
+
 /// Does what the model asks for, as the runtime does.
 fn save(bench: &mut Bench, dir: &Path) {
     let Some(Effect::Save { id, from, recipe, overwrite }) = bench.effects.pop() else {
@@ -37,6 +41,11 @@ fn a_copy_is_saved_with_its_mesh_and_is_what_was_on_screen() {
     let tree = bench.tree();
     assert!(read.recipe.preset == *tree.preset(), "what is read is what is on screen");
     assert!(!tree.is_modified());
+    // What its author wrote is there, but for what was changed.
+    let [first, now] = [linden::preset::builtin("heart").unwrap().text, &written(&presets, "heart-2.toml")]
+        .map(|text| text.lines().map(str::to_owned).collect::<Vec<_>>());
+    let gone: Vec<&String> = first.iter().filter(|line| !now.contains(line)).collect();
+    assert!(gone.len() <= 4 && now.len() <= first.len() + 1, "{gone:?} of {first:?}");
     let of = |recipe: &linden::recipe::Recipe| recipe.input("heart-2.obj").unwrap().hash;
     assert_eq!(of(tree.recipe()), of(&read.recipe));
     let preset = tree.preset();
@@ -50,11 +59,15 @@ fn a_copy_is_saved_with_its_mesh_and_is_what_was_on_screen() {
     bench.keys("s enter");
     let (buffer, _) = bench.paint(80, 24);
     let shown = text(&buffer);
-    assert!(shown.contains("replace 'heart-2'? yes or no") && shown.contains("comments"), "{shown}");
+    assert!(shown.contains("replace 'heart-2'? yes or no") && shown.contains("comments stay"), "{shown}");
     bench.typed("no\n");
     assert!(bench.effects.iter().all(|effect| !matches!(effect, Effect::Save { .. })));
+    // Its owner writes into it meanwhile: that stays.
+    let mine = format!("# mine\n{}", written(&presets, "heart-2.toml"));
+    std::fs::write(presets.join("heart-2.toml"), &mine).unwrap();
     bench.keys("s enter").typed("yes\n");
     save(&mut bench, &presets);
+    assert!(written(&presets, "heart-2.toml").starts_with("# mine\n"));
     let read = crate::source::resolve(&presets.join("heart-2.toml"), &[], &Quiet).unwrap();
     assert!(read.recipe.preset == *bench.tree().preset());
     assert_eq!(std::fs::read_dir(&presets).unwrap().count(), 2);
