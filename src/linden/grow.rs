@@ -51,6 +51,8 @@ pub struct Colonized {
     pub unreached: usize,
     /// Iterations that placed nodes.
     pub iterations: u32,
+    /// Whether the points of a scan showed a crown without a stem, and were grown into as they are.
+    pub is_canopy: bool,
     /// How the tree compares with the scan that it grew into; `None` for what is no scan.
     pub scan: Option<Scanned>,
 }
@@ -243,8 +245,18 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
             })
         }
         Generator::Colonization(own) => {
-            let Plant { branching, captured, points, bark, solids, unreached, iterations, notes } =
-                plant(own, recipe, key, monitor)?;
+            let Plant {
+                branching,
+                captured,
+                points,
+                bark,
+                is_canopy,
+                solids,
+                unreached,
+                iterations,
+                notes,
+                ..
+            } = plant(own, recipe, key, monitor)?;
             let held = bark.as_ref().map_or(0, Vec::capacity) + points.capacity();
             let monitor = &Holding::new(monitor, bytes_of::<Vec3>(held));
             if let Some(bark) = &bark {
@@ -273,7 +285,7 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
                 skeleton,
                 wood,
                 symbols: None,
-                colonized: Some(Colonized { points, unreached, iterations, scan }),
+                colonized: Some(Colonized { points, unreached, iterations, is_canopy, scan }),
                 notes,
             })
         }
@@ -296,7 +308,7 @@ fn aged(skeleton: Arc<Skeleton>, age: f64, wood: &Wood, preset: &Preset) -> Arc<
 }
 
 /// The nearest segments of all points, and the search for points near segments.
-const MEASURING_BYTES_PER_POINT: u64 = 120;
+pub(crate) const MEASURING_BYTES_PER_POINT: u64 = 120;
 
 /// What a generator leaves behind.
 struct Raw<'a> {

@@ -313,3 +313,59 @@ fn preparing_is_stopped_wherever_it_is() {
         assert_eq!(prepare(most).0, Err(ScanError::Cancelled(Cancelled)), "after {most} of {looks}");
     }
 }
+
+/// A dome seen from an aircraft: 758 points on a cap 4 m wide, from 6 to 9 m above the ground, Y up.
+fn dome(seed: u64, ground_m: f64) -> Vec<DVec3> {
+    let key = Key::new(seed);
+    let mut points = Vec::new();
+    for i in 0.. {
+        let key = key.child(i);
+        let [x, z] = [0, 1].map(|axis| key.child(axis).between(-4.0, 4.0));
+        let out = libm::hypot(x, z);
+        if out < 4.0 {
+            let y = 6.0 + 3.0 * (1.0 - out * out / 16.0).sqrt() + key.child(2).between(-0.08, 0.08);
+            points.push(DVec3::new(500.0 + x, y + ground_m, 700.0 + z));
+        }
+        if points.len() == 758 {
+            break;
+        }
+    }
+    points
+}
+
+#[test]
+fn a_canopy_without_a_stem_is_a_crown_on_a_trunk_and_never_a_stub() {
+    for seed in 0..8 {
+        let grown = grown_from(dome(seed, 0.0));
+        let own = grown.colonized.as_ref().unwrap();
+        assert!(own.is_canopy, "seed {seed}");
+        assert!(own.unreached * 50 < own.points.len(), "seed {seed}: {} not reached", own.unreached);
+        let measures = grown.skeleton.measures();
+        assert!((8.7..9.4).contains(&measures.height_m), "seed {seed}: {} m", measures.height_m);
+        assert!((7.0..8.6).contains(&measures.crown_width_m), "seed {seed}: {} m", measures.crown_width_m);
+        let said = grown.notes.iter().find(|note| note.contains("no stem was found")).unwrap();
+        assert!(said.contains("758 points") && said.contains("root=x,y,z"), "{said}");
+        // Below its middle, on the ground: the tree was moved from there to the origin.
+        let moved = grown.notes.iter().find(|note| note.contains("the root was at")).unwrap();
+        let at: Vec<f64> = moved
+            .split(|c: char| !(c.is_ascii_digit() || c == '.' || c == '-'))
+            .filter_map(|word| word.parse().ok())
+            .collect();
+        assert!((at[0] - 500.0).abs() < 0.3 && at[1] == 0.0 && (at[2] - 700.0).abs() < 0.3, "{moved}");
+    }
+    // Heights above the sea say nothing of the ground: a trunk as long as crowns usually have.
+    let grown = grown_from(dome(1, 480.0));
+    let height_m = grown.skeleton.measures().height_m;
+    assert!(grown.colonized.unwrap().is_canopy && (3.2..4.5).contains(&height_m), "{height_m}");
+}
+
+#[test]
+fn no_scan_of_a_tree_is_taken_for_a_canopy() {
+    let thin: Vec<DVec3> = scan().into_iter().step_by(9).collect();
+    let half: Vec<DVec3> = scan().into_iter().filter(|p| p.z > 0.0).collect();
+    for points in [scan(), thin, half] {
+        let grown = grown_from(points);
+        assert!(!grown.colonized.as_ref().unwrap().is_canopy);
+        assert!(grown.notes.iter().all(|note| !note.contains("scanned points lie")), "{:?}", grown.notes);
+    }
+}

@@ -50,6 +50,8 @@ struct Report {
     points: Option<usize>,
     points_unreached: Option<usize>,
     iterations: Option<u32>,
+    /// Whether a scan was a crown without a stem; null for what is no scan.
+    canopy: Option<bool>,
     scan: Option<Scan>,
     symbols: Option<u64>,
     triangles: usize,
@@ -154,6 +156,7 @@ impl Stats {
             points: colonized.map(|own| own.points.len()),
             points_unreached: colonized.map(|own| own.unreached),
             iterations: colonized.map(|own| own.iterations),
+            canopy: colonized.filter(|own| own.is_canopy || own.scan.is_some()).map(|own| own.is_canopy),
             scan: colonized.and_then(|own| own.scan).as_ref().map(Scan::of),
             symbols: grown.symbols,
             triangles: surface.triangles + count(|mesh| mesh.triangles.len()),
@@ -194,6 +197,9 @@ impl Report {
         {
             rows.push(("points", format!("{}, {} not reached", count(points), count(unreached))));
             rows.push(("iterations", count(iterations as usize)));
+        }
+        if self.canopy == Some(true) {
+            rows.push(("scan", "a canopy without a stem: all radii are guessed".to_owned()));
         }
         if let Some(scan) = &self.scan {
             let of = |way: &Distances| {

@@ -1,6 +1,7 @@
 //! From a preset's `[colonization]` to a branching: where the points are, where the tree stands, how
 //! far it sees, and then growth.
 
+mod canopy;
 mod outline;
 mod parts;
 mod points;
@@ -20,7 +21,9 @@ use crate::preset::{Colonization, Space};
 use crate::random::Key;
 use crate::recipe::{Geometry, Recipe};
 use crate::skeleton::Branching;
-use points::at_points;
+use canopy::Verdict;
+use points::{As, at_points};
+use site::Site;
 use standing::Standing;
 
 pub use outline::outline;
@@ -36,12 +39,16 @@ pub(crate) struct Plant {
     pub points: Vec<Vec3>,
     /// What was scanned of the tree, at the same place; `None` for what is no scan.
     pub bark: Option<Vec<Vec3>>,
+    /// Whether the points of a scan were a crown without a stem.
+    pub is_canopy: bool,
     /// What no branch is to enter, at the same place.
     pub solids: Vec<Placed>,
     /// Points that were not reached.
     pub unreached: usize,
     /// Iterations that placed nodes.
     pub iterations: u32,
+    /// Why growth ended.
+    pub stop: Stop,
     /// What the user should know.
     pub notes: Vec<String>,
 }
@@ -52,16 +59,40 @@ pub(crate) fn plant(
     key: Key,
     monitor: &dyn Monitor,
 ) -> Result<Plant, GrowError> {
-    let site = match &settings.space {
-        Space::Points { file } => match recipe.input(file).map(|input| (&input.geometry, input.up)) {
-            Some((Geometry::Points(points), up)) => at_points(settings, points, up, key, monitor)?,
-            _ => return Err(GrowError::WrongInput { file: file.clone(), expected: "points" }),
-        },
-        Space::Shape { .. } | Space::Envelope { .. } => match Standing::new(settings, recipe, monitor)? {
-            Some(standing) => standing.fill(settings, key, monitor)?,
-            None => return Err(growth::GrowthError::NoPoints.into()),
-        },
+    let file = match &settings.space {
+        Space::Points { file } => file,
+        Space::Shape { .. } | Space::Envelope { .. } => {
+            let standing = Standing::new(settings, recipe, monitor)?;
+            let standing = standing.ok_or(growth::GrowthError::NoPoints)?;
+            return grow_at(standing.fill(settings, key, monitor)?, settings, monitor);
+        }
     };
+    let Some((Geometry::Points(points), up)) = recipe.input(file).map(|input| (&input.geometry, input.up))
+    else {
+        return Err(GrowError::WrongInput { file: file.clone(), expected: "points" });
+    };
+    let site = at_points(settings, points, up, key, As::Settings, monitor)?;
+    if !settings.contract {
+        return grow_at(site, settings, monitor);
+    }
+    match grow_at(site, settings, monitor) {
+        Ok(mut plant) => match Verdict::of(&plant, settings, monitor)? {
+            Verdict::Tree => return Ok(plant),
+            Verdict::Partly(note) => {
+                plant.notes.push(note);
+                return Ok(plant);
+            }
+            Verdict::Canopy => {}
+        },
+        Err(GrowError::NothingGrew { .. }) => {}
+        Err(error) => return Err(error),
+    }
+    let site = at_points(settings, points, up, key, As::Canopy, monitor)?;
+    Ok(Plant { is_canopy: true, ..grow_at(site, settings, monitor)? })
+}
+
+/// Grows from the root of a site into its points.
+fn grow_at(site: Site, settings: &Colonization, monitor: &dyn Monitor) -> Result<Plant, GrowError> {
     let (rule, mut notes) = site.rule(settings);
     if !(rule.kill >= rule.step) {
         // Before a trunk is grown in such steps; growth itself would refuse as well.
@@ -105,7 +136,8 @@ pub(crate) fn plant(
     let bark = site.bark.map(|bark| bark.iter().map(place).collect());
     let solids = site.grove.obstacles.into_iter();
     let solids = solids.map(|own| Placed::new(own.solid, shift, 0.0, 1.0)).collect();
-    Ok(Plant { branching, captured, points, bark, solids, unreached, iterations, notes })
+    let is_canopy = false;
+    Ok(Plant { branching, captured, points, bark, is_canopy, solids, unreached, iterations, stop, notes })
 }
 
 /// Refuses a place where single precision, which all mesh formats have, cannot hold the tree, and

@@ -2,6 +2,7 @@
 
 use glam::DVec3;
 
+use super::canopy;
 use super::site::{Grove, Site, Stem, Suggested};
 use crate::colonization::growth::GrowthError;
 use crate::colonization::scan::{self, Distinct, Scan, ScanReport, ScanRule};
@@ -12,12 +13,22 @@ use crate::monitor::Monitor;
 use crate::preset::{Colonization, Length};
 use crate::random::Key;
 
+/// What given points are taken for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum As {
+    /// What the settings say: points on bark, or attraction points.
+    Settings,
+    /// A scan of a crown without a stem.
+    Canopy,
+}
+
 /// Points that somebody measured, moved near the origin; `usual` is the axis that points up in such files.
 pub(super) fn at_points(
     settings: &Colonization,
     points: &[DVec3],
     usual: Up,
     key: Key,
+    what: As,
     monitor: &dyn Monitor,
 ) -> Result<Site, GrowError> {
     let mut notes = Vec::new();
@@ -49,7 +60,7 @@ pub(super) fn at_points(
     let origin = if points.is_empty() { DVec3::ZERO } else { ((low + high) * 0.5).round() };
     recenter(&mut points, origin);
     let given_root = settings.given_root(up).map(|root| root - origin);
-    if settings.contract {
+    if settings.contract && what == As::Settings {
         let rule = ScanRule {
             step_m: settings.step_m,
             noise_filter: settings.noise_filter,
@@ -82,10 +93,14 @@ pub(super) fn at_points(
         });
     }
     let spacing_m = scan::point_spacing_m(&points, monitor)?.unwrap_or(1.0);
-    let root = match given_root {
-        Some(root) => root,
-        None => scan::foot(&points).ok_or(GrowthError::NoPoints)?,
+    let root = match (given_root, what) {
+        (Some(root), _) => root,
+        (None, As::Canopy) => canopy::root_below(&points, origin, settings).ok_or(GrowthError::NoPoints)?,
+        (None, As::Settings) => scan::foot(&points).ok_or(GrowthError::NoPoints)?,
     };
+    if what == As::Canopy {
+        notes.push(canopy::note(points.len(), root + origin, given_root.is_some()));
+    }
     // Lattices and mirrored models make pulls cancel.
     scatter::jitter(&mut points, spacing_m * 1e-3, key.named("jitter"));
     Ok(Site {

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::neighbours::Neighbours;
 use super::segments::Segments;
 use crate::monitor::{Cancelled, Monitor};
-use crate::skeleton::{NO_PARENT, Skeleton};
+use crate::skeleton::{Branching, NO_PARENT, Skeleton};
 
 /// Distances between points and skeleton, both ways. All are exact: to the nearest point of the nearest
 /// segment, not to the nearest node.
@@ -86,6 +86,24 @@ pub fn fit(points: &[Vec3], skeleton: &Skeleton, monitor: &dyn Monitor) -> Resul
         return Ok(None);
     };
     Ok(Some(Fit { points_to_axis, points_to_surface, axis_to_points, surface_to_points }))
+}
+
+/// Points that [`share_near`] looks at.
+const SHARE_SAMPLE: usize = 20_000;
+
+/// How many of `points` lie within `within_m` of a branching's axes, of 1; of at most 20 000 taken evenly.
+pub(crate) fn share_near(
+    branching: &Branching,
+    points: &[Vec3],
+    within_m: f64,
+    monitor: &dyn Monitor,
+) -> Result<f64, Cancelled> {
+    let sample: Vec<Vec3> =
+        points.iter().copied().step_by(points.len().div_ceil(SHARE_SAMPLE).max(1)).collect();
+    let Some(segments) = Segments::new(&branching.positions, &branching.parents) else { return Ok(0.0) };
+    let nearest = segments.nearest(&sample, monitor)?;
+    let near = nearest.iter().filter(|n| n.distance_m <= within_m).count();
+    Ok(near as f64 / sample.len().max(1) as f64)
 }
 
 /// Which nodes are the first of a lateral: its wood starts as thick as they are.
