@@ -57,7 +57,12 @@ fn knobs_turned_wrong() {
     refused_usage(&fir("points"), &["KNOB=VALUE"]);
     refused_usage(&fir("obj.lines=true"), &["obj"]);
     refused_usage(&fir("glb.lines=true"), &["glb", "'lines'"]);
+    refused_usage(&fir("root=0,1e60,0"), &["'root'", "outside the range: x,y,z within ±1e9"]);
     refused_usage(&fir("crown=cube"), &["'crown'", "cone"]);
+    refused_usage(
+        &fir("crown=mesh"),
+        &["'crown'", "'mesh' is not cone", "SOURCE of its own, like crown.obj"],
+    );
     refused_usage(&["export", "fir", "--instances", "-o", "x.obj"], &["--instances", "glb", "usda"]);
     refused_usage(&["export", "fir", "--quantize", "-o", "x.usda"], &["--quantize", "gltf, glb"]);
     refused_usage(&["export", "fir", "--compress", "zip", "-o", "x.glb"], &["'zip'", "meshopt"]);
@@ -375,4 +380,44 @@ fn a_full_disk_is_said_and_an_older_file_survives() {
     assert_eq!(output.status.code(), Some(1), "{said}");
     assert!(said.contains("writing old") && said.contains("ulimit"), "{said}");
     assert_eq!(folder.content(), before);
+}
+
+#[test]
+fn places_too_far_for_growth_are_refused_where_they_stand() {
+    let part = |keys: &str| {
+        format!(
+            "id = \"far\"\n[colonization]\ncrown = \"sphere\"\n[[colonization.part]]\nrole = \"tree\"\ncrown = \"sphere\"\n{keys}\n"
+        )
+    };
+    refused_file("far.toml", part("root = [3.6, 1e60, 0]"), &["far.toml:7:8: knob 'root'", "within ±1e9"]);
+    refused_file("far.toml", part("root = [0, 0, 0]\nat = [-2e9, 0, 0]"), &["far.toml:8:6: knob 'at'"]);
+    let crown =
+        "id = \"far\"\n[colonization]\ncrown = \"revolution\"\nprofile_points = [[0, 1], [1e60, 1]]\n";
+    refused_file("far.toml", crown, &["far.toml:4:18: knob 'profile_points'"]);
+    // Within the range, but coarser than its steps: said before anything grows there.
+    refused_file("far.toml", part("root = [0, 9e8, 0]\ntrunk = 2"), &["single precision"]);
+    let folder = Folder::new();
+    folder.write("wood.toml", "[[tree]]\npreset = \"fir\"\nsize = 1e60\n");
+    refused(
+        &folder,
+        1,
+        &["forest", "wood.toml", "-o", "x.glb"],
+        &["wood.toml:3:8: knob 'size'", "0.001 to 1000"],
+    );
+}
+
+#[test]
+fn a_mesh_in_the_wrong_place_is_told_the_right_one() {
+    let crown = |keys: &str| format!("id = \"a\"\n[colonization]\n{keys}\n");
+    let right = "envelope = \"crown.obj\"";
+    refused_file("a.toml", crown("crown = \"mesh\""), &["a.toml:3:9: knob 'crown'", right]);
+    refused_file("a.toml", crown("crown = \"hull.obj\""), &["a.toml:3:9: knob 'crown'", right]);
+    refused_file("a.toml", crown("mesh = \"hull.obj\""), &["a.toml:3:1", "no 'mesh'", right]);
+    refused_file(
+        "a.toml",
+        crown("crown = \"dome\"\nmesh = \"hull.obj\""),
+        &["a.toml:4:1", "no 'mesh'", right],
+    );
+    let both = crown("crown = \"dome\"\nenvelope = \"hull.obj\"");
+    refused_file("a.toml", both, &["a.toml:4:1", "'crown' and 'envelope'", "keep one"]);
 }

@@ -111,6 +111,30 @@ fn show_tells_forecast_and_knobs() {
 }
 
 #[test]
+fn what_differs_from_the_defaults_is_shown_alone() {
+    let folder = Folder::new();
+    for id in ["oak", "abop-stochastic", "heart"] {
+        let full = folder.run(&["show", id, "--toml"]).done().out;
+        let short = folder.run(&["show", id, "--toml", "--changed"]).done().out;
+        assert!(2 * short.lines().count() < full.lines().count(), "{short}");
+        folder.write("own.toml", &short);
+        let recipe = |source: &str| folder.run(&["show", source, "--json"]).done().json()["recipe"].clone();
+        assert_eq!(recipe("own.toml"), recipe(id), "{short}");
+    }
+    let page = folder.run(&["show", "oak", "--changed", "--set", "gnarl=0.3"]).done().out;
+    let names: Vec<&str> = page.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    assert!(["crown", "points", "base_radius", "gnarl"].iter().all(|name| names.contains(name)), "{page}");
+    assert!(["max_iterations", "width", "lods"].iter().all(|name| !names.contains(name)), "{page}");
+    // As the machine has it: the same knobs, each said to have been changed.
+    let rows = |args: &[&str]| folder.run(args).done().json()["knobs"].as_array().unwrap().clone();
+    let all = rows(&["show", "oak", "--json"]);
+    let changed: Vec<_> = all.iter().filter(|row| row["changed"] == true).cloned().collect();
+    assert!(changed.len() < all.len() / 2);
+    assert_eq!(rows(&["show", "oak", "--json", "--changed"]), changed);
+    assert_eq!(folder.run(&["show", "mixed-wood", "--changed"]).code, Some(2));
+}
+
+#[test]
 fn what_show_writes_as_a_document_grows_the_same_tree() {
     let folder = Folder::new();
     for id in ["fir", "cypress", "abop-stochastic"] {
