@@ -2,16 +2,13 @@
 
 use linden::Monitor;
 use linden::memory::bytes_of;
+use linden::picture::PNG_BYTES_PER_PIXEL;
 use linden::scene::Mesh;
 use linden::stage::Stage;
 
 use crate::cast::Cast;
 use crate::picture::Named;
 use crate::{ExportError, chunks};
-
-/// Bytes a pixel while a picture is compressed: its three colours, filtered, and the file, which moves
-/// to a larger place while it grows (measured).
-const BYTES_PER_PIXEL: u64 = 8;
 
 /// Asks for what a format takes: the stage, its pictures as files, and `own` beside them.
 pub(crate) fn admit(
@@ -21,7 +18,7 @@ pub(crate) fn admit(
     monitor: &dyn Monitor,
 ) -> Result<(), ExportError> {
     let compressing: u64 =
-        pictures.iter().map(|named| named.picture.rgba().len() as u64 / 4 * BYTES_PER_PIXEL).sum();
+        pictures.iter().map(|named| named.picture.rgba().len() as u64 / 4 * PNG_BYTES_PER_PIXEL).sum();
     let bytes = stage.bytes().saturating_add(compressing).saturating_add(own);
     Ok(monitor.admit("writing the files", bytes, "lower sides or bark_size, or grow a smaller tree")?)
 }

@@ -29,17 +29,17 @@ mod wind;
 
 use std::sync::Arc;
 
-use linden::Monitor;
-use linden::memory::bytes_of;
+use linden::memory::{bytes_grown, bytes_of};
 use linden::picture::Picture;
 use linden::scene::{Mesh, Wrap};
 use linden::stage::Stage;
+use linden::{Monitor, Vec3};
 
 use self::layer::Layer;
 use self::package::Package;
 use self::plant::{Component, Head};
 use self::syntax::{identifier, quoted};
-use crate::cast::Cast;
+use crate::cast::{Cast, Piece};
 use crate::options::{OptionSpec, Options};
 use crate::picture::{self, Named};
 use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, instances, memory};
@@ -190,7 +190,7 @@ impl Exporter for Usdz {
         let mut writing = Writing::new(&stage, options, bundle, monitor)?;
         // The package is held whole: sizes and sums stand before the data.
         let nodes = writing.cast.models.iter().map(|model| model.scene.skeleton.positions.len() as u64);
-        let text = writing.cast.pieces().map(|piece| text_bytes(&piece.mesh)).sum::<u64>()
+        let text = writing.cast.pieces().map(text_bytes).sum::<u64>()
             + CURVE_BYTES_PER_NODE * nodes.sum::<u64>()
             + PLACEMENT_BYTES * writing.cast.placements() as u64;
         memory::admit(&stage, &writing.pictures, own_bytes(&writing.cast) + text, monitor)?;
@@ -215,12 +215,22 @@ const CURVE_BYTES_PER_NODE: u64 = 55;
 /// What a copy's place takes as text, rather more than less.
 const PLACEMENT_BYTES: u64 = 120;
 
+/// Of wind, rather more than less: a vector of four numbers, one of three with the comma behind its index.
+const WIND_BYTES: u64 = 46;
+const OFFSET_BYTES: u64 = 40;
+
 /// What a mesh takes as text, rather more than less: a vertex was measured to take 85 bytes and a
 /// triangle 9 and its three indices, of which each has the digits of the last one at most.
-fn text_bytes(mesh: &Mesh) -> u64 {
+fn text_bytes(piece: &Piece<'_>) -> u64 {
+    let mesh = &piece.mesh;
     let (vertices, triangles) = (mesh.positions.len() as u64, mesh.triangles.len() as u64);
     let digits = u64::from(vertices.max(1).ilog10()) + 1;
-    4096 + 92 * vertices + (9 + 3 * digits) * triangles
+    let moved = piece.wind.map_or(0, |wind| {
+        let offsets = wind.targets.iter().flat_map(|target| &target.offsets);
+        let moved = offsets.filter(|offset| **offset != Vec3::ZERO).count() as u64;
+        2 * WIND_BYTES * vertices + (OFFSET_BYTES + digits) * moved
+    });
+    4096 + 92 * vertices + (9 + 3 * digits) * triangles + moved
 }
 
 /// What writing takes: of one mesh after the other, its texture coordinates each once (a table of
@@ -228,7 +238,8 @@ fn text_bytes(mesh: &Mesh) -> u64 {
 fn own_bytes(cast: &Cast<'_>) -> u64 {
     let indexed = |mesh: &Mesh| {
         let table = bytes_of::<u32>((2 * mesh.positions.len()).next_power_of_two());
-        table + memory::per_vertex::<([f32; 2], u32)>(mesh)
+        // Which vertices a target moves, in a list that grows.
+        table + memory::per_vertex::<([f32; 2], u32)>(mesh).max(bytes_grown::<u32>(mesh.positions.len()))
     };
     memory::largest(cast, indexed) + memory::formatting(cast) + 2 * instances::bytes(cast)
 }

@@ -276,7 +276,7 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
                 }),
                 None => None,
             };
-            let skeleton = aged(skeleton, own.age, &wood, &recipe.preset);
+            let skeleton = aged(skeleton, own.age, &wood, &recipe.preset, monitor)?;
             let given = Arc::default();
             let monitor = Holding::new(monitor, skeleton.bytes());
             Ok(Grown {
@@ -293,10 +293,17 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
 }
 
 /// The tree as it was after a share of its births; the first segment at least.
-fn aged(skeleton: Arc<Skeleton>, age: f64, wood: &Wood, preset: &Preset) -> Arc<Skeleton> {
+fn aged(
+    skeleton: Arc<Skeleton>,
+    age: f64,
+    wood: &Wood,
+    preset: &Preset,
+    monitor: &dyn Monitor,
+) -> Result<Arc<Skeleton>, OverMemory> {
     if age >= 1.0 {
-        return skeleton;
+        return Ok(skeleton);
     }
+    skeleton.admit_until(wood, monitor)?;
     let last = skeleton.births.iter().copied().max().unwrap_or(0);
     let on_foot = |&node: &usize| {
         let parent = skeleton.parents[node];
@@ -304,7 +311,7 @@ fn aged(skeleton: Arc<Skeleton>, age: f64, wood: &Wood, preset: &Preset) -> Arc<
     };
     let first = (0..skeleton.parents.len()).filter(on_foot).map(|node| skeleton.births[node]).min();
     let step = (libm::ceil(age * f64::from(last)) as u32).max(first.unwrap_or(0));
-    Arc::new(skeleton.until(step, wood, preset.wood_key()))
+    Ok(Arc::new(skeleton.until(step, wood, preset.wood_key())))
 }
 
 /// The nearest segments of all points, and the search for points near segments.

@@ -2,6 +2,10 @@
 
 use std::sync::OnceLock;
 
+/// Bytes a pixel while a picture is compressed, beside its own: its colours, filtered, and the file, which
+/// moves to a larger place while it grows (measured).
+pub const PNG_BYTES_PER_PIXEL: u64 = 8;
+
 /// 8-bit RGBA pixels, rows from the top.
 ///
 /// ```

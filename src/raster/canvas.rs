@@ -37,6 +37,13 @@ pub(crate) fn band_height(size: Size) -> u32 {
     BAND.max(size.height().div_ceil(MOST_BANDS))
 }
 
+/// Bytes of all bands that are drawn at once, each pixel with so many beside its light.
+pub(crate) fn band_bytes(size: Size, bytes_per_pixel: u64) -> u64 {
+    let band = u64::from(band_height(size)) * u64::from(size.width());
+    let at_once = size.height().div_ceil(band_height(size)).min(rayon::current_num_threads() as u32);
+    u64::from(at_once) * band * (size_of::<Vec4>() as u64 + bytes_per_pixel)
+}
+
 /// Draws all bands by `draw`, which is given their pixels (premultiplied linear light, transparent
 /// at first), and lays them over the backdrop.
 pub(crate) fn compose(

@@ -12,6 +12,7 @@
 //! | [`skeleton`] | the axial tree as tapered strokes |
 //! | [`surface`] | meshes, shaded |
 //! | [`person`], [`scale`] | how large it all is |
+//! | [`memory`] | how much memory a picture takes |
 //!
 //! Both drawers share the light (`light`), the strokes (`strokes`: twigs thinner than a pixel are strokes
 //! on a surface too) and the backdrop (`canvas`).
@@ -19,6 +20,7 @@
 pub mod camera;
 pub mod color;
 pub mod extent;
+pub mod memory;
 pub mod person;
 pub mod scale;
 pub mod skeleton;
@@ -28,6 +30,8 @@ pub mod surface;
 mod canvas;
 mod light;
 mod strokes;
+
+use linden::memory::OverMemory;
 
 pub use camera::{Camera, View};
 pub use extent::Extent;
@@ -101,6 +105,9 @@ pub enum RasterError {
     /// Nobody wants the picture any more.
     #[error("drawing was cancelled")]
     Cancelled,
+    /// It would take more memory than there may be.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
 }
 
 impl From<linden::Cancelled> for RasterError {

@@ -8,13 +8,14 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use linden::dress::dress;
 use linden::grow::{GrowError, grow};
-use linden::memory::{Bytes, OverMemory, SLACK_BYTES};
+use linden::memory::{Bytes, Holding, OverMemory, SLACK_BYTES};
 use linden::monitor::Phase;
 use linden::preset::{Preset, builtin, builtins};
 use linden::recipe::{Geometry, Input, Recipe};
 use linden::surface::sweep;
 use linden::{DVec3, Monitor, Quiet};
 use linden_exporters::{Bundle, Options, REGISTRY};
+use linden_raster::{Camera, Size, Style, Surface, draw_skeleton, draw_surface};
 use linden_tests::presets::recipe;
 use peak_alloc::PeakAlloc;
 
@@ -158,6 +159,32 @@ fn no_stage_takes_more_than_it_forecast() {
         let held = input + grown.bytes();
         let (scene, peak, forecast) = measured(held, |monitor| dress(&recipe, &grown, monitor).unwrap());
         compare(&format!("{what}: dressing"), peak, forecast, &mut faults);
+
+        let size = Size::new(900, 1200).unwrap();
+        let held = grown.bytes() + scene.bytes();
+        for draft in [false, true] {
+            let style = Style { organs: Some(&grown.organs), draft, ..Style::studio() };
+            let (camera, skeleton) = (Camera::default(), &*grown.skeleton);
+            let (drawn, peak, forecast) = measured(0, |monitor| {
+                draw_skeleton(skeleton, &camera, &style, size, &Holding::new(monitor, held)).map(drop)
+            });
+            drawn.unwrap();
+            compare(&format!("{what}: drawing strokes, {draft}"), held + peak, forecast, &mut faults);
+            let (drawn, peak, forecast) = measured(0, |monitor| {
+                let surface = Surface::from(&scene);
+                draw_surface(&surface, &camera, &style, size, &Holding::new(monitor, held)).map(drop)
+            });
+            drawn.unwrap();
+            compare(&format!("{what}: drawing the surface, {draft}"), held + peak, forecast, &mut faults);
+        }
+
+        let half = grown.skeleton.births.iter().copied().max().unwrap_or(0) / 2;
+        let (_, peak, forecast) = measured(grown.skeleton.bytes(), |monitor| {
+            grown.skeleton.admit_until(&grown.wood, monitor).unwrap();
+            grown.skeleton.until(half, &grown.wood, recipe.preset.wood_key())
+        });
+        // How many nodes are left is not known before, so that more is asked for than is taken.
+        compare(&format!("{what}: until {half}"), peak, forecast.min(peak * 5 / 4), &mut faults);
 
         if !WRITTEN.iter().any(|start| what.starts_with(start)) {
             continue;

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::Args;
 use linden::detail::{levels, year};
+use linden::memory::Holding;
 use linden::season::Season;
 use linden_exporters::{Exporter, REGISTRY};
 
@@ -111,7 +112,10 @@ impl Export {
         };
         super::notes(notes, &progress);
         let stage = if self.scene { stage.in_setting() } else { stage };
-        batch.write(&stage, &progress, |notes| super::notes(notes, &progress))?;
+        // Scenes have taken what they need of it.
+        drop(grown);
+        let holding = Holding::new(&progress, source.recipe.inputs.bytes());
+        batch.write(&stage, &holding, |notes| super::notes(notes, &progress))?;
         finish(batch, &progress)
     }
 }

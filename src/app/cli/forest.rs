@@ -170,7 +170,8 @@ impl Written<'_> {
             self.outputs.open(&forest.id, &self.command, self.of_formats, (most, &[]), sources)?;
         let plan = forest.plan(progress).with_context(|| forest.id.clone())?;
         let mut grown: Vec<Levels> = Vec::with_capacity(plan.trees.len());
-        let mut held = 0;
+        let inputs = plan.trees.iter().map(|tree| tree.recipe.inputs.bytes()).sum::<u64>();
+        let mut held = inputs;
         for tree in &plan.trees {
             let holding = Holding::new(progress, held);
             let naming = || tree.name.clone();
@@ -201,7 +202,8 @@ impl Written<'_> {
             setting: None,
         };
         let stage = if self.scene { stage.in_setting() } else { stage };
-        batch.write(&stage, progress, |notes| super::notes(notes, progress))?;
+        let holding = Holding::new(progress, inputs);
+        batch.write(&stage, &holding, |notes| super::notes(notes, progress))?;
         finish(batch, progress)
     }
 }

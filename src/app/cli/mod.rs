@@ -24,6 +24,7 @@ use std::process::ExitCode;
 
 use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Args, CommandFactory, Parser, Subcommand};
+use linden::Monitor;
 use linden::grow::{Grown, grow};
 
 use crate::config::dirs::Dirs;
@@ -50,7 +51,8 @@ struct Cli {
     #[command(flatten)]
     terminal: workbench::Terminal,
 
-    /// The most memory that work may hold at once, like 4G; auto is half of what there is
+    /// The most memory that work may hold at once, like 4G; auto is half of what there is. Up to 32 MiB for
+    /// the program itself come on top
     #[arg(long, value_name = "BYTES", global = true)]
     memory: Option<String>,
 }
@@ -156,8 +158,13 @@ fn pairs(settings: &[String]) -> anyhow::Result<Vec<(String, String)>> {
 
 /// Grows a source; what the user should know goes to standard error.
 fn grown(source: &Source, progress: &Progress) -> anyhow::Result<Grown> {
+    grown_beside(source, progress, progress)
+}
+
+/// The same beside what `holding` knows to be held.
+fn grown_beside(source: &Source, holding: &dyn Monitor, progress: &Progress) -> anyhow::Result<Grown> {
     use anyhow::Context as _;
-    let grown = grow(&source.recipe, progress).with_context(|| source.shown.clone())?;
+    let grown = grow(&source.recipe, holding).with_context(|| source.shown.clone())?;
     notes(&grown.notes, progress);
     Ok(grown)
 }

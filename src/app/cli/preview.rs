@@ -8,10 +8,12 @@ use clap::{Args, ValueEnum};
 use linden::colonization;
 use linden::dress::dress;
 use linden::grow::Grown;
+use linden::memory::Holding;
 use linden::picture::Picture;
 use linden::scene::{Bounds, Scene};
-use linden::{Skeleton, Vec3};
+use linden::{Monitor, Skeleton, Vec3};
 use linden_exporters::Bundle;
+use linden_raster::memory::admit_png;
 use linden_raster::{Background, Camera, Paint, Size, Style, Surface, draw_skeleton, draw_surface};
 use linden_terminal::{CellStyle, ColorDepth, Glyphs, Image, TerminalSize, draw_cells};
 
@@ -88,6 +90,10 @@ impl Preview {
         // A place that cannot be written to is found before anything grows.
         let target = self.output.as_deref().map(png_target).transpose()?;
         let source = self.growing.resolve(&progress)?;
+        if target.is_some() {
+            let (width, height) = self.size.unwrap_or(FILE_SIZE);
+            admit_png(Size::new(width, height).map_err(usage)?, 0, &progress)?;
+        }
         let grown = super::grown(&source, &progress)?;
         let points = grown.colonized.as_ref().filter(|_| self.points).map(|own| own.points.as_slice());
         let outline = if self.outline {
@@ -134,7 +140,9 @@ impl Preview {
             progress.clear();
             return super::print(&draw_cells(&image, columns, rows, &style));
         };
-        let png = draw(Style::studio(), self.size.unwrap_or(FILE_SIZE))?.srgb_png()?;
+        let picture = draw(Style::studio(), self.size.unwrap_or(FILE_SIZE))?;
+        admit_png(Size::new(picture.width(), picture.height())?, sitter.bytes(), &progress)?;
+        let png = picture.srgb_png()?;
         progress.clear();
         bundle.write_main(Some(png.len() as u64), &progress, |sink| sink.write(&png))?;
         bundle.commit()?;
@@ -156,13 +164,13 @@ impl<'a> Sitter<'a> {
         source: &'a Source,
         grown: &'a Grown,
         look: Option<Look>,
-        progress: &Progress,
+        monitor: &dyn Monitor,
     ) -> anyhow::Result<Self> {
         let shows_surface = match look {
             Some(look) => look == Look::Surface,
             None => !grown.organs.shapes.is_empty(),
         };
-        let scene = shows_surface.then(|| dress(&source.recipe, grown, progress)).transpose();
+        let scene = shows_surface.then(|| dress(&source.recipe, grown, monitor)).transpose();
         Ok(Self { source, grown, scene: scene.with_context(|| source.shown.clone())? })
     }
 
@@ -175,16 +183,24 @@ impl<'a> Sitter<'a> {
         }
     }
 
+    /// Bytes that the tree takes, with its surface where that is shown.
+    pub fn bytes(&self) -> u64 {
+        self.source.recipe.inputs.bytes()
+            + self.grown.bytes()
+            + self.scene.as_ref().map_or(0, Scene::bytes)
+    }
+
     pub fn draw(
         &self,
         camera: &Camera,
         style: &Style<'_>,
         size: Size,
-        progress: &Progress,
+        monitor: &dyn Monitor,
     ) -> anyhow::Result<Picture> {
+        let holding = Holding::new(monitor, self.bytes());
         let drawn = match &self.scene {
-            Some(scene) => draw_surface(&Surface::from(scene), camera, style, size, progress),
-            None => draw_skeleton(&self.grown.skeleton, camera, style, size, progress),
+            Some(scene) => draw_surface(&Surface::from(scene), camera, style, size, &holding),
+            None => draw_skeleton(&self.grown.skeleton, camera, style, size, &holding),
         };
         drawn.with_context(|| self.source.shown.clone())
     }

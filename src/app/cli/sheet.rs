@@ -4,8 +4,10 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
+use linden::memory::Holding;
 use linden::picture::Picture;
 use linden::preset::builtins;
+use linden_raster::memory::admit_png;
 use linden_raster::{Camera, Size, Style};
 
 use super::preview::{Look, Sitter, broad_side, png_target, size};
@@ -61,6 +63,8 @@ impl Sheet {
         let whole = Size::new(columns.saturating_mul(width), rows.saturating_mul(height)).map_err(usage)?;
         let own = Size::new(width, height).map_err(usage)?;
 
+        admit_png(whole, 0, &progress)?;
+        let holding = Holding::new(&progress, u64::from(whole.width()) * u64::from(whole.height()) * 4);
         let settings = super::pairs(&self.settings)?;
         let mut sheet = Mosaic::new(whole.width(), whole.height());
         let mut place = 0;
@@ -70,10 +74,10 @@ impl Sheet {
             let first = source.recipe.preset.seed;
             for step in 0..self.seeds {
                 source.recipe.preset.seed = first.wrapping_add(step);
-                let grown = super::grown(&source, &progress)?;
-                let sitter = Sitter::new(&source, &grown, self.look, &progress)?;
+                let grown = super::grown_beside(&source, &holding, &progress)?;
+                let sitter = Sitter::new(&source, &grown, self.look, &holding)?;
                 let camera = Camera::orbit(broad_side(&grown.skeleton), PITCH_DEG);
-                let picture = sitter.draw(&camera, &sitter.styled(Style::studio()), own, &progress)?;
+                let picture = sitter.draw(&camera, &sitter.styled(Style::studio()), own, &holding)?;
                 sheet.lay(&picture, place % columns * width, place / columns * height);
                 place += 1;
             }

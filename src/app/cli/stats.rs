@@ -124,7 +124,7 @@ impl Stats {
         let started = Instant::now();
         // The surface alone, and never the whole of it: trees can be measured that no mesh format holds.
         // The bark's pictures are not measured, and take longer than all else.
-        let holding = Holding::new(&progress, grown.bytes());
+        let holding = Holding::new(&progress, grown.bytes() + source.recipe.inputs.bytes());
         let (shown, tubes) =
             finest(&source.recipe, &grown, &holding).with_context(|| source.shown.clone())?;
         let surface = survey(&shown.skeleton, &tubes, &holding).with_context(|| source.shown.clone())?;

@@ -7,6 +7,7 @@ use linden::Skeleton;
 use linden::colonization::outline;
 use linden::foliage::{FoliageError, Organs, sprout};
 use linden::grow::{GrowError, Grown, grow};
+use linden::memory::Holding;
 use linden::preset::Generator;
 use linden::recipe::Recipe;
 use linden::skeleton::{Measures, SkeletonError};
@@ -101,12 +102,22 @@ pub fn grow_shown(recipe: &Arc<Recipe>, watcher: &Watcher<'_>) -> Option<Result<
 /// while nothing is drawn; `Err(None)` when nobody wants it any more.
 pub fn stage(shown: &Shown, step: u32, watcher: &Watcher<'_>) -> Result<Option<Plant>, Option<String>> {
     let mut recipe = (*shown.recipe).clone();
+    // The whole tree stays while a younger one is shown.
+    let holding = Holding::new(watcher, shown.grown.bytes());
     let Generator::LSystem(own) = &mut recipe.preset.generator else {
+        let organs_bytes = shown.grown.bytes() - shown.grown.skeleton.bytes();
+        let beside = Holding::new(watcher, organs_bytes);
+        shown
+            .grown
+            .skeleton
+            .admit_until(&shown.grown.wood, &beside)
+            .map_err(|over| Some(over.to_string()))?;
         let young = shown.grown.skeleton.until(step, &shown.grown.wood, recipe.preset.wood_key());
         if young.positions.is_empty() {
             return Ok(None);
         }
-        let organs = match sprout(&recipe, &young, &Arc::default(), watcher) {
+        let holding = Holding::new(&holding, young.bytes());
+        let organs = match sprout(&recipe, &young, &Arc::default(), &holding) {
             Ok(organs) => organs,
             Err(FoliageError::Cancelled(_)) => return Err(None),
             Err(error) => return Err(Some(error.to_string())),
@@ -114,7 +125,7 @@ pub fn stage(shown: &Shown, step: u32, watcher: &Watcher<'_>) -> Result<Option<P
         return Ok(Some(Plant { skeleton: Arc::new(young), organs, given: Arc::default() }));
     };
     own.derivations = step;
-    match grow(&recipe, watcher) {
+    match grow(&recipe, &holding) {
         Ok(grown) => Ok(Some(Plant::from(&grown))),
         Err(GrowError::Cancelled(_)) => Err(None),
         Err(GrowError::Skeleton(SkeletonError::Empty)) => Ok(None),

@@ -94,6 +94,26 @@ impl Skeleton {
         (nodes as u64).checked_mul(per_node)
     }
 
+    /// Asks for the memory that [`Skeleton::until`] takes, this tree included. As with
+    /// [`Branching::admit_build`], for all nodes: how many are left is what it finds out.
+    ///
+    /// # Errors
+    /// [`OverMemory`].
+    pub fn admit_until(&self, wood: &Wood, monitor: &dyn Monitor) -> Result<(), OverMemory> {
+        let nodes = self.parents.len();
+        let (word, long) = (bytes_of::<u32>(nodes), bytes_of::<f64>(nodes));
+        // Marks, nodes and their new numbers; the young tree.
+        let young = nodes as u64 + 2 * word + self.bytes();
+        let scratch = match wood.width {
+            Width::Grammar => 3 * word,
+            // Keys of the axes of both, and which axis each node is of.
+            Width::Order | Width::Taper => 4 * word + bytes_of::<[f64; 6]>(self.axes.len()),
+            // Tips, pipes, claims of one of both at a time.
+            Width::Auto | Width::Pipe => 2 * word + 2 * long,
+        };
+        monitor.admit("showing a younger tree", self.bytes() + young + scratch, "grow a smaller tree")
+    }
+
     /// Bytes that it takes, reserved places included.
     pub fn bytes(&self) -> u64 {
         let Self { positions, parents, radii, births, axes, axis_nodes } = self;

@@ -181,12 +181,16 @@ impl Plan {
 
 /// What plans take at most, with the lists of rings that grow one by one.
 pub(super) fn planned_bytes(skeleton: &Skeleton, tubes: &Tubes) -> u64 {
-    let (nodes, axes) = (skeleton.positions.len(), skeleton.axes.len());
+    let places = if tubes.features.collar > 0.0 { bytes_of::<u32>(skeleton.positions.len()) } else { 0 };
+    places + planned_bytes_of(skeleton.positions.len(), skeleton.axes.len(), tubes)
+}
+
+/// The same for some axes of so many nodes, without what is shared by all.
+pub(super) fn planned_bytes_of(nodes: usize, axes: usize, tubes: &Tubes) -> u64 {
     // A ring for each node and one more for each lateral, and those between.
     let most = (nodes + axes).saturating_mul(tubes.rings as usize);
-    let (collars, places) = if tubes.features.collar > 0.0 { (axes, nodes) } else { (0, 0) };
+    let collars = if tubes.features.collar > 0.0 { axes } else { 0 };
     bytes_of::<Ring>(most + collars * MOST_RINGS).saturating_mul(2)
         + bytes_of::<(usize, Form)>(axes)
         + bytes_of::<Collar>(collars)
-        + bytes_of::<u32>(places)
 }

@@ -1,8 +1,8 @@
 //! Measures a surface without keeping it.
 
-use super::plan::Course;
+use super::plan::{Course, planned_bytes_of};
 use super::topology::topology_bytes;
-use super::{ADVICE, Junction, SurfaceError, Topology, Tubes, sweep, sweep_some, topology};
+use super::{ADVICE, DOING, Junction, SurfaceError, Topology, Tubes, sweep, sweep_some, topology};
 use crate::monitor::Monitor;
 use crate::scene::Bounds;
 use crate::skeleton::Skeleton;
@@ -21,9 +21,11 @@ pub struct Survey {
     pub topology: Topology,
 }
 
-/// Nodes that are swept at once, a longer axis apart: their mesh, and the check of it, takes some tens
+/// Vertices that are swept at once, a longer axis apart: their mesh, and the check of it, takes some tens
 /// of megabytes.
-const NODES_PER_PIECE: usize = 1 << 16;
+const VERTICES_PER_PIECE: usize = 1 << 19;
+/// Nodes whose tubes are these, if all are as thick as the trunk; few enough to be worth a task for each thread.
+const NODES_PER_PIECE: [usize; 2] = [1 << 10, 1 << 16];
 
 /// Sweeps and checks the tubes of all axes a few at a time, so that trees can be measured whose mesh
 /// would not fit the memory.
@@ -41,15 +43,20 @@ pub fn survey(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Resu
     }
     let course = Course::new(skeleton, tubes);
     let mut whole = Survey::default();
+    let around = tubes.rings.max(1) as usize * tubes.sides.max(1) as usize;
+    let most = (VERTICES_PER_PIECE / around).clamp(NODES_PER_PIECE[0], NODES_PER_PIECE[1]);
     let mut first = 0;
     // One after the other, each by all threads: pieces beside each other would pile up.
     while first < skeleton.axes.len() {
-        let mut nodes = 0;
-        let more = skeleton.axes[first..].iter().take_while(|axis| {
+        let (mut end, mut nodes) = (first, 0);
+        for axis in &skeleton.axes[first..] {
+            if end > first && nodes + axis.len as usize > most {
+                break;
+            }
             nodes += axis.len as usize;
-            nodes <= NODES_PER_PIECE
-        });
-        let end = first + more.count().max(1);
+            end += 1;
+        }
+        monitor.admit(DOING, planned_bytes_of(nodes, end - first, tubes), ADVICE)?;
         let mesh = sweep_some(&course, first..end, monitor)?;
         let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
         let bytes = mesh.bytes() + topology_bytes(vertices, triangles);

@@ -15,8 +15,10 @@ use linden::{Monitor, NO_PARENT, Skeleton};
 
 use crate::canvas::{self, Backdrop};
 use crate::light::Air;
-use crate::strokes::trace::Tracer;
-use crate::strokes::{leaves, overlay};
+use crate::memory::{Ledger, picture_bytes};
+use crate::strokes::paint::BRUSH_BYTES_PER_PIXEL;
+use crate::strokes::trace::{self, Tracer};
+use crate::strokes::{Runs, leaves, overlay};
 use crate::style::foot;
 use crate::{Camera, Extent, RasterError, Size, Style};
 
@@ -40,16 +42,20 @@ pub fn draw_skeleton(
     let framed = framed(camera, style, own, foot);
     let view = camera.view(framed, size);
     let air = Air::new(&own, &view, style);
+    let ledger = Ledger::new(monitor);
+    ledger.take(picture_bytes(size) + overlay::bytes(style) + trace::bytes(skeleton, style))?;
     let tracer = Tracer::new(skeleton, &view, &air, style, size);
-    let mut runs = tracer.trace(monitor)?;
-    runs.append(&leaves::trace(&tracer, style, monitor)?);
-    overlay::trace(style, &framed, &view, &air, size, monitor, &mut runs)?;
+    let mut pieces = tracer.trace(&ledger, monitor)?;
+    pieces.extend(leaves::trace(&tracer, style, &ledger, monitor)?);
+    pieces.push(overlay::trace(style, &framed, &view, &air, size, monitor)?);
+    let mut runs = Runs::together(pieces, &ledger)?;
     runs.sort(monitor)?;
     let shadow_m = style.ground_shadow.then(|| match style.until {
         Some(step) => reach_m(skeleton, step, Vec2::new(foot.x, foot.z)),
         None => own.radius(),
     });
     let backdrop = Backdrop::new(style.background, &view, foot, shadow_m);
+    ledger.take(canvas::band_bytes(size, BRUSH_BYTES_PER_PIXEL))?;
     canvas::compose(size, &backdrop, monitor, |rows, pixels| runs.paint(rows, pixels, monitor))
 }
 

@@ -11,6 +11,7 @@ use super::{Facet, Runs};
 use crate::canvas::Rows;
 use crate::color::linear;
 use crate::light::on_surface;
+use crate::memory::Ledger;
 use crate::{Paint, RasterError, Style};
 
 /// Organs that one task traces.
@@ -23,9 +24,13 @@ const THROUGH: f32 = 0.45;
 const NOTHING: f32 = 1.0 / 1024.0;
 
 /// Traces the organs of a style.
-pub(crate) fn trace(tracer: &Tracer, style: &Style, monitor: &dyn Monitor) -> Result<Runs, RasterError> {
-    let mut all = Runs::default();
-    let Some(organs) = style.organs.filter(|organs| !organs.is_empty()) else { return Ok(all) };
+pub(crate) fn trace(
+    tracer: &Tracer,
+    style: &Style,
+    ledger: &Ledger<'_>,
+    monitor: &dyn Monitor,
+) -> Result<Vec<Runs>, RasterError> {
+    let Some(organs) = style.organs.filter(|organs| !organs.is_empty()) else { return Ok(Vec::new()) };
     let nodes = tracer.nodes_count();
     let fault = (0..organs.len()).find(|&i| organs.growth(i).node as usize >= nodes);
     if let Some(organ) = fault {
@@ -56,12 +61,10 @@ pub(crate) fn trace(tracer: &Tracer, style: &Style, monitor: &dyn Monitor) -> Re
             };
             leaf.trace(organ, color, &mut runs);
         }
+        ledger.take(runs.bytes())?;
         Ok(runs)
     });
-    for runs in traced.collect::<Result<Vec<Runs>, RasterError>>()? {
-        all.append(&runs);
-    }
-    Ok(all)
+    traced.collect()
 }
 
 /// One organ after the other.

@@ -12,8 +12,10 @@ pub(crate) mod paint;
 pub(crate) mod trace;
 
 use glam::{Vec2, Vec3};
+use linden::memory::{OverMemory, bytes_of};
 
 use crate::light::Bar;
+use crate::memory::Ledger;
 
 /// A tapered stroke.
 #[derive(Clone, Copy, Debug)]
@@ -91,6 +93,13 @@ pub(crate) struct Runs {
 }
 
 impl Runs {
+    /// Bytes that they take, reserved places included.
+    pub fn bytes(&self) -> u64 {
+        bytes_of::<Stroke>(self.strokes.capacity())
+            + bytes_of::<Facet>(self.facets.capacity())
+            + bytes_of::<Run>(self.sequence.capacity())
+    }
+
     /// Adds a stroke of its own.
     pub fn begin(&mut self, kind: Kind, stroke: Stroke) {
         let first = self.strokes.len() as u32;
@@ -137,8 +146,26 @@ impl Runs {
         self.facets.extend_from_slice(facets);
     }
 
+    /// All of some, one after the other.
+    pub fn together(parts: Vec<Self>, ledger: &Ledger<'_>) -> Result<Self, OverMemory> {
+        let sum = |count: fn(&Self) -> usize| parts.iter().map(count).sum::<usize>();
+        let (strokes, facets) = (sum(|own| own.strokes.len()), sum(|own| own.facets.len()));
+        let sequence = sum(|own| own.sequence.len());
+        ledger.take(bytes_of::<Stroke>(strokes) + bytes_of::<Facet>(facets) + bytes_of::<Run>(sequence))?;
+        let mut all = Self {
+            strokes: Vec::with_capacity(strokes),
+            facets: Vec::with_capacity(facets),
+            sequence: Vec::with_capacity(sequence),
+        };
+        for part in parts {
+            ledger.give_back(part.bytes());
+            all.append(&part);
+        }
+        Ok(all)
+    }
+
     /// Adds all of another.
-    pub fn append(&mut self, other: &Self) {
+    fn append(&mut self, other: &Self) {
         let (strokes, facets) = (self.strokes.len() as u32, self.facets.len() as u32);
         self.strokes.extend_from_slice(&other.strokes);
         self.facets.extend_from_slice(&other.facets);

@@ -2,9 +2,10 @@
 
 use glam::{Vec2, Vec3};
 use linden::Monitor;
+use linden::memory::bytes_grown;
 
 use super::trace::dot;
-use super::{Cap, Kind, Runs, Stroke};
+use super::{Cap, Kind, Run, Runs, Stroke};
 use crate::color::linear;
 use crate::light::Air;
 use crate::person::{LIMBS, Person};
@@ -15,6 +16,11 @@ const CHECK_EVERY: usize = 1 << 14;
 /// Opacity of the outline before the tree and behind it.
 const LINE_ALPHA: [f32; 2] = [0.75, 0.3];
 
+/// Bytes that [`trace`] takes at most for the points: a stroke and a run each, in lists that grow.
+pub(crate) fn bytes(style: &Style) -> u64 {
+    bytes_grown::<Stroke>(style.points.len()) + bytes_grown::<Run>(style.points.len())
+}
+
 /// Everything that the style lays over the tree.
 pub(crate) fn trace(
     style: &Style,
@@ -23,8 +29,8 @@ pub(crate) fn trace(
     air: &Air,
     size: Size,
     monitor: &dyn Monitor,
-    runs: &mut Runs,
-) -> Result<(), RasterError> {
+) -> Result<Runs, RasterError> {
+    let mut runs = Runs::default();
     let frame = Vec2::new(size.width() as f32, size.height() as f32);
     let color = linear(style.point);
     let (radius_px, alpha) = faded(frame.min_element() / 400.0, 0.5, 3.0);
@@ -46,14 +52,14 @@ pub(crate) fn trace(
         if i % 1024 == 0 {
             monitor.check()?;
         }
-        outline(line, &pen, framed, view, air, frame, runs);
+        outline(line, &pen, framed, view, air, frame, &mut runs);
     }
     if style.person
         && let Some(person) = framed.person
     {
-        draw_person(person, linear(style.person_color), framed, view, runs);
+        draw_person(person, linear(style.person_color), framed, view, &mut runs);
     }
-    Ok(())
+    Ok(runs)
 }
 
 /// What an outline is drawn with.

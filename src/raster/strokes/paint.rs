@@ -74,6 +74,9 @@ impl Runs {
     }
 }
 
+/// Of a band while runs are painted: light, depth, the list of what was touched.
+pub(crate) const BRUSH_BYTES_PER_PIXEL: u64 = 16 + 4 + 2 * 4;
+
 /// The pixels that one run covers, while it is being drawn.
 struct Brush {
     rows: Rows,

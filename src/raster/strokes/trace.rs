@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3};
+use linden::memory::bytes_of;
 use linden::skeleton::Axis;
 use linden::{Monitor, NO_PARENT, Skeleton};
 use rayon::prelude::*;
@@ -13,6 +14,7 @@ use super::{Cap, Kind, Runs, Stroke};
 use crate::camera::Projected;
 use crate::color::{linear, ramp};
 use crate::light::{Air, Bar};
+use crate::memory::Ledger;
 use crate::{Paint, RasterError, Size, Style, View};
 
 /// Narrower than this, pixels, a stroke keeps its width and fades.
@@ -29,6 +31,14 @@ const MERGE_PX: f32 = 1.0;
 const MERGE_DRAFT_PX: f32 = 2.5;
 /// Axes that one task traces.
 const AXES_PER_TASK: usize = 256;
+
+/// Bytes that [`Tracer::new`] takes: marks and orders of nodes, what a draft keeps of axes.
+pub(crate) fn bytes(skeleton: &Skeleton, style: &Style) -> u64 {
+    let marks = if style.until.is_some() { skeleton.positions.len() as u64 } else { 0 };
+    let orders = if style.paint == Paint::Order { bytes_of::<u32>(skeleton.positions.len()) } else { 0 };
+    let kept = if style.draft { bytes_of::<[u32; 4]>(skeleton.positions.len()) } else { 0 };
+    marks + orders + kept
+}
 
 /// Traces a skeleton.
 pub(crate) struct Tracer<'a> {
@@ -90,24 +100,18 @@ impl<'a> Tracer<'a> {
         }
     }
 
-    /// All strokes, axis by axis.
-    pub fn trace(&self, monitor: &dyn Monitor) -> Result<Runs, RasterError> {
+    /// All strokes, axis by axis, in pieces.
+    pub fn trace(&self, ledger: &Ledger<'_>, monitor: &dyn Monitor) -> Result<Vec<Runs>, RasterError> {
         let traced = self.skeleton.axes.par_chunks(AXES_PER_TASK).enumerate().map(|(chunk, axes)| {
             monitor.check()?;
             let mut runs = Runs::default();
             for (i, axis) in axes.iter().enumerate() {
                 self.axis(chunk * AXES_PER_TASK + i, axis, &mut runs);
             }
+            ledger.take(runs.bytes())?;
             Ok(runs)
         });
-        let parts = traced.collect::<Result<Vec<Runs>, RasterError>>()?;
-        let mut all = Runs::default();
-        all.strokes.reserve(parts.iter().map(|part| part.strokes.len()).sum());
-        all.sequence.reserve(parts.iter().map(|part| part.sequence.len()).sum());
-        for part in &parts {
-            all.append(part);
-        }
-        Ok(all)
+        traced.collect()
     }
 
     /// How many nodes there are.

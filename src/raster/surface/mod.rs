@@ -19,10 +19,11 @@ use self::samples::Samples;
 use self::triangles::Triangles;
 use crate::canvas::{self, Backdrop};
 use crate::light::Air;
+use crate::memory::{Ledger, picture_bytes};
 use crate::skeleton::{check, framed};
-use crate::strokes::Runs;
-use crate::strokes::overlay;
-use crate::strokes::trace::Tracer;
+use crate::strokes::paint::BRUSH_BYTES_PER_PIXEL;
+use crate::strokes::trace::{self, Tracer};
+use crate::strokes::{Runs, overlay};
 use crate::style::foot;
 use crate::{Camera, Extent, RasterError, Size, Style};
 
@@ -81,17 +82,24 @@ pub fn draw_surface(
     let view = camera.view(framed, size);
     let air = Air::new(&own, &view, style);
 
-    let mut runs = Runs::default();
+    let ledger = Ledger::new(monitor);
+    let factor = samples_per_side(size, style.draft);
+    let samples = samples::BYTES * u64::from(factor * factor);
+    // Strokes and triangles come and stay; the bands are asked for beside them before they are made.
+    let bands = canvas::band_bytes(size, BRUSH_BYTES_PER_PIXEL + samples);
+    ledger
+        .take(picture_bytes(size) + bands + overlay::bytes(style) + trace::bytes(surface.skeleton, style))?;
+    let mut pieces = Vec::new();
     if has_skeleton {
         let bark = surface.materials.first().map_or(Vec3::ONE, triangles::mean_color);
         let tracer = Tracer::new(surface.skeleton, &view, &air, style, size);
-        runs = tracer.only_hairs(bark * style.exposure).trace(monitor)?;
+        pieces = tracer.only_hairs(bark * style.exposure).trace(&ledger, monitor)?;
     }
-    overlay::trace(style, &framed, &view, &air, size, monitor, &mut runs)?;
+    pieces.push(overlay::trace(style, &framed, &view, &air, size, monitor)?);
+    let mut runs = Runs::together(pieces, &ledger)?;
     runs.sort(monitor)?;
 
-    let factor = samples_per_side(size, style.draft);
-    let triangles = Triangles::new(surface, &view, &air, style, size, factor, monitor)?;
+    let triangles = Triangles::new(surface, &view, &air, style, (size, factor), &ledger, monitor)?;
     let backdrop = Backdrop::new(style.background, &view, foot, style.ground_shadow.then(|| own.radius()));
     canvas::compose(size, &backdrop, monitor, |rows, pixels| {
         let mut samples = Samples::new(rows, factor);

@@ -5,6 +5,9 @@ use glam::{Vec3, Vec4};
 use crate::canvas::Rows;
 use crate::strokes::paint::Ground;
 
+/// Of a sample.
+pub(super) const BYTES: u64 = (size_of::<f32>() + size_of::<Vec4>()) as u64;
+
 /// The samples of some rows.
 pub(super) struct Samples {
     rows: Rows,

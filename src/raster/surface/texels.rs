@@ -1,6 +1,7 @@
 //! Pictures on surfaces, halved until their texels are about as large as pixels.
 
 use glam::{Vec2, Vec3, Vec4};
+use linden::memory::bytes_of;
 use linden::picture::Picture;
 
 use crate::color::linear;
@@ -20,6 +21,15 @@ struct Level {
 }
 
 impl Texels {
+    /// Bytes that they take for a picture, the sums on the way included.
+    pub fn bytes(picture: &Picture, finest: u32) -> u64 {
+        let finest = finest.min(picture.width().max(picture.height()).max(1).ilog2());
+        let side = |pixels: u32| pixels.div_ceil(1 << finest) as usize;
+        let texels = side(picture.width()) * side(picture.height());
+        // All coarser sizes are a third of the finest.
+        bytes_of::<(Vec4, f32)>(texels) + bytes_of::<Vec4>(texels + texels / 3)
+    }
+
     /// Sizes from the one that was halved `finest` times. `None` for a picture without pixels.
     pub fn new(picture: &Picture, finest: u32) -> Option<Self> {
         let (width, height) = (picture.width(), picture.height());

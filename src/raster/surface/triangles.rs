@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use linden::Monitor;
+use linden::memory::bytes_of;
 use linden::scene::{Material, Part};
 use rayon::prelude::*;
 
@@ -10,6 +11,7 @@ use super::samples::Samples;
 use super::texels::Texels;
 use crate::canvas::{Rows, band_height};
 use crate::light::{Air, on_surface};
+use crate::memory::Ledger;
 use crate::strokes::trace::HAIR_PX;
 use crate::{RasterError, Size, Style, View};
 
@@ -82,6 +84,13 @@ struct Bin {
     finest: f32,
 }
 
+impl Bin {
+    fn bytes(&self) -> u64 {
+        let held: usize = self.bands.iter().map(Vec::capacity).sum();
+        bytes_of::<u32>(held) + bytes_of::<Vec<u32>>(self.bands.capacity())
+    }
+}
+
 /// All triangles that can be seen.
 pub(super) struct Triangles<'a> {
     lens: Lens<'a>,
@@ -96,8 +105,8 @@ impl<'a> Triangles<'a> {
         view: &'a View,
         air: &'a Air<'a>,
         style: &Style,
-        size: Size,
-        factor: u32,
+        (size, factor): (Size, u32),
+        ledger: &Ledger<'_>,
         monitor: &dyn Monitor,
     ) -> Result<Self, RasterError> {
         let band_height = band_height(size);
@@ -106,6 +115,7 @@ impl<'a> Triangles<'a> {
         let mut bins = Vec::new();
         for (i, part) in surface.parts.iter().enumerate() {
             let material = &surface.materials[part.material];
+            ledger.take(bytes_of::<Vertex>(part.mesh.positions.len()))?;
             let vertices = lens.place(&part.mesh.positions, monitor)?;
             let picture = material.base_color_picture.as_deref();
             let side = picture.map_or(0.0, |p| libm::sqrtf(p.width() as f32 * p.height() as f32));
@@ -124,13 +134,17 @@ impl<'a> Triangles<'a> {
             };
             let sorted = part.mesh.triangles.par_chunks(AT_ONCE).enumerate().map(|(chunk, triangles)| {
                 monitor.check()?;
-                Ok(sorter.sort(i, chunk * AT_ONCE, triangles))
+                let bin = sorter.sort(i, chunk * AT_ONCE, triangles);
+                ledger.take(bin.bytes())?;
+                Ok(bin)
             });
             let sorted = sorted.collect::<Result<Vec<Bin>, RasterError>>()?;
             let finest = sorted.iter().map(|bin| bin.finest).fold(f32::INFINITY, f32::min);
             bins.extend(sorted);
             let coarsest = if material.cutout.is_some() { halvings(side / OUTLINE_TEXELS) } else { u32::MAX };
-            let texels = picture.and_then(|picture| Texels::new(picture, halvings(finest).min(coarsest)));
+            let halved = halvings(finest).min(coarsest);
+            ledger.take(picture.map_or(0, |picture| Texels::bytes(picture, halved)))?;
+            let texels = picture.and_then(|picture| Texels::new(picture, halved));
             let base_color = Vec3::from(material.base_color);
             parts.push(Seen {
                 part,

@@ -92,6 +92,7 @@ mod tree;
 
 use glam::Vec3;
 
+use crate::memory::OverMemory;
 use crate::monitor::{Cancelled, Monitor};
 use crate::skeleton::{Branching, NO_PARENT};
 use colony::Colony;
@@ -208,7 +209,7 @@ fn grow_with(
     rule.check()?;
     check_start(start, obstacles)?;
     check_points(points, monitor)?;
-    monitor.admit(DOING, points.len() as u64 * BUILD_BYTES_PER_POINT, ADVICE)?;
+    admit_points(points.len(), 0, monitor)?;
     let growth = Colony::new(points, start, rule, obstacles, monitor, search).run()?;
     if growth.iterations == 0 && growth.stop == Stop::NothingInReach {
         return Err(out_of_reach(points, start, rule, monitor)?);
@@ -226,6 +227,12 @@ const BUILD_BYTES_PER_POINT: u64 = 80;
 const BYTES_PER_POINT: u64 = 24;
 /// Bytes that a child takes until it is a node.
 const BYTES_PER_CHILD: u64 = 40;
+
+/// Asks for what so many points take before the first node grows, beside `held_bytes`.
+pub(crate) fn admit_points(points: usize, held_bytes: u64, monitor: &dyn Monitor) -> Result<(), OverMemory> {
+    let bytes = (points as u64).saturating_mul(BUILD_BYTES_PER_POINT);
+    monitor.admit(DOING, bytes.saturating_add(held_bytes), ADVICE)
+}
 
 /// The peak while so many children become nodes.
 fn bytes_at(points: usize, nodes: &nodes::Nodes, children: usize) -> u64 {

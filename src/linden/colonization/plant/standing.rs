@@ -2,17 +2,18 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::parts::{Shade, clear};
 use super::site::{Grove, Site, Stem, Suggested};
 use crate::colonization::crown::envelope::Envelope;
 use crate::colonization::crown::shells::Shell;
 use crate::colonization::crown::{self, Crown};
-use crate::colonization::scatter;
+use crate::colonization::{growth, scatter};
 use crate::grow::GrowError;
 use crate::input::{TriangleMesh, Up, recenter};
 use crate::knob::Value;
+use crate::memory::bytes_of;
 use crate::monitor::Monitor;
 use crate::preset::{Colonization, Role, Space};
 use crate::random::Key;
@@ -171,6 +172,10 @@ impl Standing {
         let shells = if settings.parts.iter().any(|part| part.role == Role::Tree) { 1 } else { self.trees() };
         let Self { crown, lift, root, foot: _, origin, grove, shades, notes } = self;
         let count = (settings.points as usize).saturating_mul(shells);
+        // Where none of them is taken away again, growth will ask for all; why draw them for nothing?
+        if grove.obstacles.is_empty() && shades.is_empty() {
+            growth::admit_points(count, bytes_of::<(DVec3, Vec3)>(count), monitor)?;
+        }
         let mut points = scatter::scatter(&*crown, count, key.named("points"), monitor)?;
         if lift != 0.0 {
             recenter(&mut points, -DVec3::Y * lift);
