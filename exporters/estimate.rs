@@ -7,6 +7,7 @@ use std::collections::BTreeSet;
 
 use linden::detail::share_of_wood;
 use linden::foliage::{Organs, PROTOTYPES};
+use linden::forecast::Sample;
 use linden::grow::Grown;
 use linden::monitor::{Cancelled, Monitor};
 use linden::preset::{BarkLook, DetailLook, Preset};
@@ -37,6 +38,10 @@ pub struct Estimate {
     /// Those of the billboard.
     billboard_bytes: u64,
     wind: Wind,
+    /// Without a budget.
+    all_triangles: u64,
+    /// Of leaves.
+    kinds: BTreeSet<u8>,
 }
 
 /// What a level of detail amounts to.
@@ -124,7 +129,8 @@ struct Instanced {
 }
 
 impl Instanced {
-    fn of(organs: &Organs) -> Self {
+    /// With so many times the places.
+    fn of(organs: &Organs, times: f64) -> Self {
         let mut own = Self::default();
         let mut seen = BTreeSet::new();
         for (organ, &prototype) in organs.placed.prototypes.iter().enumerate() {
@@ -137,7 +143,13 @@ impl Instanced {
                 own.plain_vertices += if usize::from(prototype) < PROTOTYPES.len() { vertices } else { 0 };
             }
         }
-        own
+        let of = |count: u64| (count as f64 * times) as u64;
+        Self {
+            vertices: of(own.vertices),
+            triangles: of(own.triangles),
+            plain_vertices: of(own.plain_vertices),
+            copies: of(own.copies),
+        }
     }
 }
 
@@ -148,7 +160,29 @@ impl Estimate {
     /// # Errors
     /// [`Cancelled`].
     pub fn new(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Self, Cancelled> {
-        let Preset { tubes, foliage, detail, .. } = &recipe.preset;
+        Self::counted(recipe, grown, &recipe.preset.tubes, [1.0; 2], monitor)
+    }
+
+    /// What a tree that has not grown will have, from a sample of it.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn of_sample(recipe: &Recipe, sample: &Sample, monitor: &dyn Monitor) -> Result<Self, Cancelled> {
+        let times = [sample.wood_times, sample.leaf_times];
+        Self::counted(recipe, &sample.grown, &sample.recipe.preset.tubes, times, monitor)
+    }
+
+    /// Counts a tree's wood and leaves, each so many times.
+    fn counted(
+        recipe: &Recipe,
+        grown: &Grown,
+        tubes: &Tubes,
+        [wood_times, leaf_times]: [f64; 2],
+        monitor: &dyn Monitor,
+    ) -> Result<Self, Cancelled> {
+        let Preset { foliage, detail, .. } = &recipe.preset;
+        let of_wood = |count: u64| (count as f64 * wood_times) as u64;
+        let of_leaves = |count: u64| (count as f64 * leaf_times) as u64;
         let skeleton = &grown.skeleton;
         let tubes = match tubes.junction {
             Junction::Watertight => Tubes { junction: Junction::Overlap, ..*tubes },
@@ -157,14 +191,16 @@ impl Estimate {
         let (mut vertices, mut triangles) = (0, 0);
         match surface::count(skeleton, &tubes, monitor) {
             Ok(counts) => {
-                vertices = counts.iter().map(|own| own.vertices as u64).sum::<u64>();
-                triangles = counts.iter().map(|own| own.triangles as u64).sum::<u64>();
+                vertices = of_wood(counts.iter().map(|own| own.vertices as u64).sum());
+                triangles = of_wood(counts.iter().map(|own| own.triangles as u64).sum());
             }
             Err(SurfaceError::Cancelled(cancelled)) => return Err(cancelled),
             // Counting finds nothing else.
             Err(_) => {}
         }
         let (foliage_vertices, foliage_triangles) = grown.organs.amount();
+        let (foliage_vertices, foliage_triangles) =
+            (of_leaves(foliage_vertices), of_leaves(foliage_triangles));
         let last = foliage.turtle_colors().len().saturating_sub(1) as u64;
         let organs = &grown.organs;
         let wind = recipe.preset.wind.wind;
@@ -177,11 +213,12 @@ impl Estimate {
             None => leaf_picture_bytes(foliage.size_px),
         });
         // What moves in the wind is written one by one.
-        let instanced = if wind == Wind::Off { Instanced::of(organs) } else { Instanced::default() };
+        let instanced =
+            if wind == Wind::Off { Instanced::of(organs, leaf_times) } else { Instanced::default() };
         let all = Amount {
             vertices: vertices + foliage_vertices,
             triangles: triangles + foliage_triangles,
-            plain_vertices: grown.organs.plain_amount().0,
+            plain_vertices: of_leaves(organs.plain_amount().0),
             leaf_vertices: foliage_vertices,
             leaf_triangles: foliage_triangles,
             instanced,
@@ -197,13 +234,31 @@ impl Estimate {
             triangles: finest.triangles,
             levels: (0..detail.lods).map(of_level).collect(),
             foliage_colors: (colors.len() + kinds.len()) as u64,
-            nodes: skeleton.positions.len() as u64,
-            axes: skeleton.axes.len() as u64,
+            nodes: of_wood(skeleton.positions.len() as u64),
+            axes: of_wood(skeleton.axes.len() as u64),
             recipe_bytes: recipe.to_line().len() as u64,
             picture_bytes: bark_bytes(recipe) + leaves.sum::<u64>(),
             billboard_bytes: billboard_bytes(detail),
             wind,
+            all_triangles: all.triangles,
+            kinds,
         })
+    }
+
+    /// Triangles of each level, the finest first.
+    pub(crate) fn level_triangles(&self) -> impl Iterator<Item = f64> {
+        self.levels.iter().map(|level| level.triangles as f64)
+    }
+
+    /// Triangles of the whole tree, whatever its budget.
+    pub(crate) const fn unbudgeted_triangles(&self) -> f64 {
+        self.all_triangles as f64
+    }
+
+    /// Kinds of leaves whose pictures are drawn.
+    pub(crate) fn drawn_kinds(&self, recipe: &Recipe) -> f64 {
+        let kinds = self.kinds.iter().filter_map(|&kind| recipe.preset.foliage.kinds().nth(kind.into()));
+        kinds.filter(|kind| kind.picture.is_none()).count() as f64
     }
 
     /// Triangles that a format's files hold: none where it holds the skeleton alone.

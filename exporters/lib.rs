@@ -47,6 +47,7 @@ mod picture;
 mod plugin;
 mod ply;
 mod qsm;
+mod seconds;
 mod sound;
 mod usda;
 

@@ -4,6 +4,7 @@
 mod cli;
 mod config;
 mod exit;
+mod forecast;
 mod jobs;
 mod memory;
 mod progress;

@@ -11,7 +11,7 @@ use linden::Monitor;
 use linden::season::Season;
 use linden::stage::Stage;
 use linden_exporters::{
-    Bundle, Existing, ExportError, Exporter, LooksIn, Options, Written, commit_all, ensure_distinct,
+    Bundle, Existing, ExportError, Exporter, Format, LooksIn, Options, Written, commit_all, ensure_distinct,
     ensure_spared, examine,
 };
 
@@ -108,6 +108,17 @@ pub struct Batch {
 }
 
 impl Batch {
+    /// The formats that are written, each once, with their options.
+    pub fn formats(&self) -> Vec<(&'static Format, &Options)> {
+        let mut formats: Vec<(&'static Format, &Options)> = Vec::new();
+        for Output { exporter, options, .. } in &self.outputs {
+            if formats.iter().all(|(known, _)| known.id != exporter.format().id) {
+                formats.push((exporter.format(), options));
+            }
+        }
+        formats
+    }
+
     /// Tries all places; `bundle` makes a bundle of an output.
     ///
     /// # Errors

@@ -9,6 +9,7 @@ pub mod color;
 pub mod detail;
 pub mod dress;
 pub mod foliage;
+pub mod forecast;
 pub mod forest;
 pub mod grow;
 pub mod input;

@@ -5,6 +5,7 @@ mod bad_input;
 mod describe;
 mod doctor;
 mod figures;
+mod forecasts;
 mod forest;
 mod interrupt;
 mod jobs;

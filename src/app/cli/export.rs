@@ -13,6 +13,7 @@ use super::Growing;
 use super::forest::{Written, side_by_side};
 use super::outputs::{Outputs, finish};
 use crate::exit::usage;
+use crate::forecast::{Outlook, announce};
 use crate::progress::Progress;
 
 /// Grow a source and write it for 3D programs
@@ -100,6 +101,10 @@ impl Export {
         let planned = source.recipe.preset.detail.levels();
         let files = source.files.clone();
         let mut batch = self.outputs.open(id, &command, &of_formats, (planned, &seasons), files)?;
+        if let Some(outlook) = Outlook::of(&source.recipe, &progress) {
+            let seconds = outlook.export_s(&source.recipe, &batch.formats(), seasons.len());
+            announce(seconds, &outlook.amount());
+        }
         let grown = super::grown(&source, &progress)?;
         let (one, several);
         let (stage, notes) = if seasons.is_empty() {

@@ -18,6 +18,7 @@ use linden::stage::{self, Plant, Stage};
 
 use super::outputs::{Outputs, finish};
 use crate::exit::usage;
+use crate::forecast::{ForestOutlook, announce};
 use crate::progress::Progress;
 use crate::source::{self, show};
 
@@ -169,6 +170,8 @@ impl Written<'_> {
         let mut batch =
             self.outputs.open(&forest.id, &self.command, self.of_formats, (most, &[]), sources)?;
         let plan = forest.plan(progress).with_context(|| forest.id.clone())?;
+        let outlook = ForestOutlook::of(&plan.trees, forest.layout.triangles, progress);
+        announce(outlook.export_s(&batch.formats()), &outlook.amount());
         let mut grown: Vec<Levels> = Vec::with_capacity(plan.trees.len());
         let inputs = plan.trees.iter().map(|tree| tree.recipe.inputs.bytes()).sum::<u64>();
         let mut held = inputs;

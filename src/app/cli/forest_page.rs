@@ -6,7 +6,9 @@ use serde::Serialize;
 
 use super::forest::{Described, turn};
 use super::list::{FOREST, FORESTS};
+use super::size::SizeRow;
 use crate::exit::usage;
+use crate::forecast::ForestOutlook;
 use crate::progress::Progress;
 
 #[derive(Serialize)]
@@ -23,6 +25,8 @@ struct Shown {
     /// How many stand there, and how many of them are grown: the others are copies.
     places: usize,
     distinct: usize,
+    /// Each different tree once.
+    forecast: SizeRow,
     recipe: serde_json::Value,
 }
 
@@ -89,6 +93,7 @@ pub(super) fn show(
         knobs: knobs(&forest),
         trees: trees.collect(),
         places: plan.trees.iter().map(|tree| tree.stems as usize).max().unwrap_or(0).max(plan.places.len()),
+        forecast: ForestOutlook::of(&plan.trees, forest.layout.triangles, progress).size(),
         distinct: plan.trees.iter().map(|tree| tree.stems as usize).sum(),
         recipe: serde_json::from_str(&forest.to_line())?,
         id: forest.id,
@@ -123,6 +128,7 @@ impl Shown {
             let share = 100.0 * tree.share / sum;
             text.push_str(&format!("  {:width$}  {share:2.0} %{size}\n", printable(&tree.id)));
         }
+        text.push_str(&format!("\nforecast, each different tree once\n{}", self.forecast.lines()));
         text.push_str("\nforest\n");
         for row in &self.knobs {
             let value = format!("{} {}", row.value, row.unit);

@@ -13,6 +13,7 @@ mod preview;
 mod schema;
 mod sheet;
 mod show;
+mod size;
 mod stats;
 mod workbench;
 

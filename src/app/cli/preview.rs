@@ -19,6 +19,7 @@ use linden_terminal::{CellStyle, ColorDepth, Glyphs, Image, TerminalSize, draw_c
 
 use super::Growing;
 use crate::exit::usage;
+use crate::forecast::{Outlook, announce};
 use crate::progress::Progress;
 use crate::source::Source;
 
@@ -94,6 +95,12 @@ impl Preview {
             let (width, height) = self.size.unwrap_or(FILE_SIZE);
             admit_png(Size::new(width, height).map_err(usage)?, 0, &progress)?;
         }
+        if let Some(outlook) = Outlook::of(&source.recipe, &progress) {
+            let (width, height) = self.size.filter(|_| target.is_some()).unwrap_or(FILE_SIZE);
+            let pixels = f64::from(width) * f64::from(height);
+            let shows_surface = Sitter::shows_surface(&outlook.sample.grown, self.chosen_look());
+            announce(outlook.picture_s(&source.recipe, pixels, shows_surface), &outlook.amount());
+        }
         let grown = super::grown(&source, &progress)?;
         let points = grown.colonized.as_ref().filter(|_| self.points).map(|own| own.points.as_slice());
         let outline = if self.outline {
@@ -101,10 +108,7 @@ impl Preview {
         } else {
             Vec::new()
         };
-        // Colours that tell something are those of a skeleton; so are points and outlines inside a crown.
-        let of_skeleton = self.color.is_some() || self.points || self.outline;
-        let look = self.look.or(of_skeleton.then_some(Look::Skeleton));
-        let sitter = Sitter::new(&source, &grown, look, &progress)?;
+        let sitter = Sitter::new(&source, &grown, self.chosen_look(), &progress)?;
         let camera = Camera {
             zoom: self.zoom,
             ..Camera::orbit(self.yaw.unwrap_or_else(|| broad_side(&grown.skeleton)), self.pitch)
@@ -150,6 +154,14 @@ impl Preview {
     }
 }
 
+impl Preview {
+    /// Colours that tell something are those of a skeleton; so are points and outlines inside a crown.
+    fn chosen_look(&self) -> Option<Look> {
+        let of_skeleton = self.color.is_some() || self.points || self.outline;
+        self.look.or(of_skeleton.then_some(Look::Skeleton))
+    }
+}
+
 /// A tree that is drawn.
 pub(super) struct Sitter<'a> {
     source: &'a Source,
@@ -166,12 +178,14 @@ impl<'a> Sitter<'a> {
         look: Option<Look>,
         monitor: &dyn Monitor,
     ) -> anyhow::Result<Self> {
-        let shows_surface = match look {
-            Some(look) => look == Look::Surface,
-            None => !grown.organs.shapes.is_empty(),
-        };
-        let scene = shows_surface.then(|| dress(&source.recipe, grown, monitor)).transpose();
+        let scene =
+            Self::shows_surface(grown, look).then(|| dress(&source.recipe, grown, monitor)).transpose();
         Ok(Self { source, grown, scene: scene.with_context(|| source.shown.clone())? })
+    }
+
+    /// Whether it is dressed.
+    pub fn shows_surface(grown: &Grown, look: Option<Look>) -> bool {
+        look.map_or(!grown.organs.shapes.is_empty(), |look| look == Look::Surface)
     }
 
     /// A style with this tree's own leaves.
@@ -185,9 +199,7 @@ impl<'a> Sitter<'a> {
 
     /// Bytes that the tree takes, with its surface where that is shown.
     pub fn bytes(&self) -> u64 {
-        self.source.recipe.inputs.bytes()
-            + self.grown.bytes()
-            + self.scene.as_ref().map_or(0, Scene::bytes)
+        self.source.recipe.inputs.bytes() + self.grown.bytes() + self.scene.as_ref().map_or(0, Scene::bytes)
     }
 
     pub fn draw(

@@ -12,6 +12,7 @@ use linden_raster::{Camera, Size, Style};
 
 use super::preview::{Look, Sitter, broad_side, png_target, size};
 use crate::exit::usage;
+use crate::forecast::{Outlook, announce};
 use crate::progress::Progress;
 use crate::source;
 
@@ -68,9 +69,20 @@ impl Sheet {
         let settings = super::pairs(&self.settings)?;
         let mut sheet = Mosaic::new(whole.width(), whole.height());
         let mut place = 0;
+        let (mut seconds, mut announced) = (0.0, false);
         for path in &sources {
             let mut source = source::resolve(path, &settings, &progress)?;
             super::notes(&source.notes, &progress);
+            if let Some(outlook) = Outlook::of(&source.recipe, &progress).filter(|_| !announced) {
+                let shows_surface = Sitter::shows_surface(&outlook.sample.grown, self.look);
+                let pixels = f64::from(width) * f64::from(height);
+                let each = outlook.picture_s(&source.recipe, pixels, shows_surface);
+                // What is known so far, taken for all that follow.
+                seconds += each * self.seeds as f64;
+                let done = f64::from(place).max(1.0);
+                let all = seconds * (f64::from(count) / (done + self.seeds as f64 - 1.0)).max(1.0);
+                announced = announce(all, &format!("{count} trees, {} each", outlook.amount()));
+            }
             let first = source.recipe.preset.seed;
             for step in 0..self.seeds {
                 source.recipe.preset.seed = first.wrapping_add(step);

@@ -11,7 +11,9 @@ use serde::Serialize;
 use super::Growing;
 use super::forest::Described;
 use super::forest_page::{self, As};
+use super::size::SizeRow;
 use crate::exit::usage;
+use crate::forecast::Outlook;
 use crate::progress::Progress;
 
 /// Say what a source is, which knobs it has, and how large it would grow
@@ -64,14 +66,20 @@ struct KnobRow {
     is_changed: bool,
 }
 
+/// What is not known, or does not apply, is `null`.
 #[derive(Serialize)]
 struct ForecastRow {
-    symbols: f64,
-    segments: f64,
-    depth: u64,
+    /// Of an L-system: length of the derived string, segments drawn, branches open at once.
+    symbols: Option<f64>,
+    segments: Option<f64>,
+    depth: Option<u64>,
+    /// Whether symbols and segments are exact; without these, nodes, leaves and triangles.
     exact: bool,
+    /// Whether there may be more symbols and segments.
     at_least: bool,
-    /// Of nodes and skeleton, without a surface; `null` where nobody can know.
+    #[serde(flatten)]
+    size: Option<SizeRow>,
+    /// Of nodes and skeleton, without a surface.
     memory_bytes: Option<u64>,
 }
 
@@ -120,7 +128,7 @@ impl Show {
             })
             .filter(|row| row.is_changed || !self.changed)
             .collect();
-        let forecast = forecast_of(preset)?;
+        let forecast = forecast_of(&source.recipe, &progress)?;
         if self.json {
             return super::print_json(&Shown {
                 source: &source.shown,
@@ -140,16 +148,39 @@ impl Show {
     }
 }
 
-fn forecast_of(preset: &Preset) -> anyhow::Result<Option<ForecastRow>> {
-    let Generator::LSystem(own) = &preset.generator else { return Ok(None) };
-    let forecast = own.forecast()?;
+/// Symbols by the growth matrix where these are few enough to be counted, the rest from a sample.
+fn forecast_of(recipe: &Recipe, progress: &Progress) -> anyhow::Result<Option<ForecastRow>> {
+    let outlook = Outlook::of(recipe, progress);
+    let size = outlook.as_ref().map(|own| own.size(recipe));
+    let is_whole = outlook.as_ref().is_some_and(|own| own.sample.is_whole());
+    let sampled = outlook.as_ref().and_then(|own| own.sample.skeleton_bytes());
+    let Generator::LSystem(own) = &recipe.preset.generator else {
+        let row = |size| ForecastRow {
+            symbols: None,
+            segments: None,
+            depth: None,
+            exact: is_whole,
+            at_least: false,
+            size: Some(size),
+            memory_bytes: sampled,
+        };
+        return Ok(size.map(row));
+    };
+    let counted = own.forecast()?;
+    let grown = outlook.as_ref().filter(|own| counted.at_least || own.sample.is_whole());
+    let symbols = grown.and_then(|own| own.sample.symbols()).unwrap_or(counted.symbols as f64);
+    let segments = match grown {
+        Some(own) if counted.at_least => own.sample.segments(),
+        _ => counted.segments as f64,
+    };
     Ok(Some(ForecastRow {
-        symbols: forecast.symbols as f64,
-        segments: forecast.segments as f64,
-        depth: forecast.depth,
-        exact: forecast.exact,
-        at_least: forecast.at_least,
-        memory_bytes: forecast.skeleton_bytes(),
+        symbols: Some(symbols),
+        segments: Some(segments),
+        depth: Some(counted.depth),
+        exact: counted.exact || grown.is_some_and(|own| own.sample.wood_times == 1.0),
+        at_least: counted.at_least && grown.is_none(),
+        size,
+        memory_bytes: sampled.or_else(|| counted.skeleton_bytes()),
     }))
 }
 
@@ -198,21 +229,7 @@ fn page(recipe: &Recipe, knobs: &[KnobRow], forecast: Option<&ForecastRow>, only
         text.push_str(&format!("    {}\n", line.join("  ")));
     }
     if let Some(forecast) = forecast {
-        let about = match forecast {
-            ForecastRow { at_least: true, .. } => "at least ",
-            ForecastRow { exact: true, .. } => "",
-            _ => "about ",
-        };
-        text.push_str(&format!(
-            "\nforecast\n  {about}{} symbols, {about}{} segments, branches nested {}{} deep\n",
-            count(forecast.symbols),
-            count(forecast.segments),
-            if forecast.at_least { about } else { "" },
-            forecast.depth
-        ));
-        if let Some(bytes) = forecast.memory_bytes {
-            text.push_str(&format!("  {about}{} of memory for its skeleton\n", linden::memory::Bytes(bytes)));
-        }
+        text.push_str(&forecast.lines());
     }
     let [name_width, value_width] = [
         knobs.iter().map(|row| row.name.len()).max().unwrap_or(0),
@@ -247,6 +264,35 @@ fn page(recipe: &Recipe, knobs: &[KnobRow], forecast: Option<&ForecastRow>, only
     text
 }
 
+impl ForecastRow {
+    fn lines(&self) -> String {
+        let mut text = "\nforecast\n".to_owned();
+        if let (Some(symbols), Some(segments), Some(depth)) = (self.symbols, self.segments, self.depth) {
+            let about = match self {
+                Self { at_least: true, .. } => "at least ",
+                Self { exact: true, .. } => "",
+                _ => "about ",
+            };
+            let deep = if self.at_least { about } else { "" };
+            let [symbols, segments] = [symbols, segments].map(count);
+            text.push_str(&format!(
+                "  {about}{symbols} symbols, {about}{segments} segments, branches nested {deep}{depth} deep\n"
+            ));
+        }
+        if let Some(size) = &self.size {
+            text.push_str(&size.lines());
+        }
+        if let Some(bytes) = self.memory_bytes {
+            let about = if self.at_least { "at least" } else { "about" };
+            text.push_str(&format!(
+                "  {about} {} of memory for its skeleton\n",
+                linden::memory::Bytes(bytes)
+            ));
+        }
+        text
+    }
+}
+
 fn size(input: &Input) -> String {
     match &input.geometry {
         Geometry::Mesh(mesh) => format!(": {} triangles", mesh.triangles.len()),
@@ -264,6 +310,6 @@ fn shells(input: &Input) -> String {
 }
 
 /// A count, in powers of ten where nobody reads the digits.
-fn count(n: f64) -> String {
+pub(super) fn count(n: f64) -> String {
     if n < 1e12 { indicatif::HumanCount(n as u64).to_string() } else { format!("{n:.1e}") }
 }

@@ -16,6 +16,7 @@ use linden::surface::{Junction, survey};
 use serde::Serialize;
 
 use super::Growing;
+use crate::forecast::{Outlook, announce};
 use crate::progress::Progress;
 
 /// Grow a source and measure it
@@ -118,6 +119,9 @@ impl Stats {
         let progress = Progress::new();
         let own: Vec<_> = self.growing.pairs()?.into_iter().chain(self.budget.pair()).collect();
         let source = self.growing.resolve_with(&own, &progress)?;
+        if let Some(outlook) = Outlook::of(&source.recipe, &progress) {
+            announce(outlook.stats_s(&source.recipe), &outlook.amount());
+        }
         let started = Instant::now();
         let grown = super::grown(&source, &progress)?;
         let grow_s = started.elapsed().as_secs_f64();

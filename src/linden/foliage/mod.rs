@@ -32,8 +32,8 @@ pub use instances::{Copies, Instances, Placement};
 pub use look::{CUTOUT, Cover, cover};
 pub use mesh::{Foliage, FoliageError, Look, Shaper, meshes, meshes_of};
 pub use prototype::{PROTOTYPES, Prototype, prototype};
-pub(crate) use sprout::kind_shapes;
 pub use sprout::sprout;
+pub(crate) use sprout::{GROWING, kind_shapes};
 
 /// The most corners that one polygon may have: far more than any leaf's outline, few enough for the
 /// triangulation, whose worst case is cubic.

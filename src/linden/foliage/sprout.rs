@@ -23,6 +23,8 @@ use crate::skeleton::Skeleton;
 
 /// The most leaves: a hundred times what a large tree has.
 const MOST_LEAVES: u64 = 50_000_000;
+/// For messages about memory.
+pub(crate) const GROWING: &str = "growing leaves";
 /// Axes that one task walks.
 const AXES_PER_TASK: usize = 256;
 /// Places between two looks at the monitor.
@@ -234,7 +236,7 @@ impl Field<'_> {
         }
         // In pieces whose lists grow one by one, then as a whole.
         let bytes = (leaves * 5 / 2).saturating_add(there as u64) * Placed::BYTES_EACH;
-        monitor.admit("growing leaves", bytes, "lower leaves_per_m, or take twig cards (leaf_form=twig)")?;
+        monitor.admit(GROWING, bytes, "lower leaves_per_m, or take twig cards (leaf_form=twig)")?;
         Ok(())
     }
 

@@ -247,7 +247,7 @@ impl FoliageLook {
         self.first.colors.as_deref().unwrap_or(&TURTLE_COLORS)
     }
 
-    pub(super) fn kinds_mut(&mut self) -> impl Iterator<Item = &mut LeafKind> {
+    pub(crate) fn kinds_mut(&mut self) -> impl Iterator<Item = &mut LeafKind> {
         std::iter::once(&mut self.first).chain(&mut self.also)
     }
 }

@@ -17,7 +17,7 @@ use super::growth::{self, Growth, NodeSet, Stop};
 use crate::grow::GrowError;
 use crate::memory::{Holding, bytes_of};
 use crate::monitor::Monitor;
-use crate::preset::{Colonization, Space};
+use crate::preset::{Colonization, Length, Space};
 use crate::random::Key;
 use crate::recipe::{Geometry, Recipe};
 use crate::skeleton::Branching;
@@ -28,6 +28,7 @@ use standing::Standing;
 
 pub use outline::outline;
 pub use parts::PartError;
+pub(crate) use site::{INFLUENCE_STEPS, KILL_STEPS};
 
 /// What grew into the crown.
 pub(crate) struct Plant {
@@ -51,6 +52,24 @@ pub(crate) struct Plant {
     pub stop: Stop,
     /// What the user should know.
     pub notes: Vec<String>,
+}
+
+/// How many points of a crown's there must be for a tree as large as any number would make: with a node's
+/// reach, the kill distance, they lie at half of it. Infinite where the step follows from the points.
+pub(crate) fn saturation(
+    settings: &Colonization,
+    recipe: &Recipe,
+    monitor: &dyn Monitor,
+) -> Result<f64, GrowError> {
+    let kill_m = match (settings.kill, settings.step_m) {
+        (Length::Metres(kill_m), _) => kill_m,
+        (Length::Steps(steps), Some(step_m)) => steps * step_m,
+        (Length::Auto, Some(step_m)) => KILL_STEPS * step_m,
+        (_, None) => return Ok(f64::INFINITY),
+    };
+    let standing = Standing::new(settings, recipe, monitor)?;
+    let apart_m = 0.5 * kill_m;
+    Ok(standing.map_or(f64::INFINITY, |own| own.crown.volume_m3() / (apart_m * apart_m * apart_m)))
 }
 
 pub(crate) fn plant(

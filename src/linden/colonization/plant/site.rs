@@ -13,9 +13,9 @@ use crate::preset::{Colonization, Length, Origin, UpAxis};
 /// Steps between neighbouring points where no step is given.
 const STEPS_PER_SPACING: f64 = 3.0;
 /// Kill distance where none is given: about the points' spacing.
-const KILL_STEPS: f64 = 3.0;
+pub(crate) const KILL_STEPS: f64 = 3.0;
 /// Influence where none is given: the upper end of the range that RLP07 shows (8D to 17D).
-const INFLUENCE_STEPS: f64 = 17.0;
+pub(crate) const INFLUENCE_STEPS: f64 = 17.0;
 
 /// Points and root in coordinates near the origin, where `f32` is precise.
 pub(super) struct Site {

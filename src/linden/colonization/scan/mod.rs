@@ -164,6 +164,11 @@ pub fn foot(points: &[DVec3]) -> Option<DVec3> {
     (!points.is_empty()).then(|| Foot::find(points).root)
 }
 
+/// What a scan shows of a tree so high: the length of an internode, metres.
+pub(crate) fn detail_m(spacing_m: f64, height_m: f64) -> f64 {
+    (2.0 * spacing_m).max(height_m / 250.0)
+}
+
 /// How a scan is made ready.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScanRule {
@@ -212,7 +217,7 @@ pub(crate) fn prepare_distinct(
     let mut bark: Vec<DVec3> = points.iter().copied().filter(|&p| !is_ground(&feet, p)).collect();
     let ground_points = points.len() - bark.len();
     let chosen_m = rule.step_m.filter(|step| step.is_finite() && *step > 0.0);
-    let detail_m = chosen_m.unwrap_or_else(|| (2.0 * spacing_m).max(foot.height_m / 250.0));
+    let detail_m = chosen_m.unwrap_or_else(|| detail_m(spacing_m, foot.height_m));
     monitor.check()?;
     let mut cubes = Cubes::new(&bark, detail_m);
     let mut noise_points = 0;

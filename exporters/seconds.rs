@@ -1,0 +1,88 @@
+//! How long dressing and writing take, from rates that were measured.
+//!
+//! On two shared cores (Xeon, 2.0 GHz), release build, medians; `cargo bench -p linden-tests --bench forecast`
+//! prints them beside what was forecast. Other machines differ by a factor; what is said before long work is
+//! meant to tell seconds from minutes.
+
+use linden::preset::Preset;
+use linden::recipe::Recipe;
+use linden::surface::Junction;
+
+use crate::estimate::Estimate;
+use crate::{Format, Options};
+
+/// Sweeping or shaping a triangle, its memory touched for the first time.
+const TRIANGLE_S: f64 = 25e-9;
+/// Measuring one without keeping it: swept, then every edge is looked up.
+const SURVEYED_TRIANGLE_S: f64 = 110e-9;
+/// Drawing a pixel of bark, both pictures.
+const BARK_PIXEL_S: f64 = 250e-9;
+/// Drawing a pixel of leaves, both pictures.
+const LEAF_PIXEL_S: f64 = 400e-9;
+/// Drawing a pixel of a billboard.
+const BILLBOARD_PIXEL_S: f64 = 600e-9;
+/// Compressing a pixel of a picture.
+const PNG_PIXEL_S: f64 = 45e-9;
+/// Solving for a level: triangles of the whole tree are counted again and again.
+const SOLVED_TRIANGLE_S: f64 = 15e-9;
+/// Wind: for each triangle.
+const BLOWN_TRIANGLE_S: f64 = 40e-9;
+/// A triangle of one closed solid, which is contoured cell by cell.
+const SOLID_TRIANGLE_S: f64 = 4e-6;
+/// Writing a byte as text and as it is.
+const TEXT_BYTE_S: f64 = 2.2e-9;
+const BINARY_BYTE_S: f64 = 1.2e-9;
+/// Packing a triangle and its vertices.
+const PACKED_TRIANGLE_S: f64 = 90e-9;
+
+impl Estimate {
+    /// From a skeleton to all levels of a scene, its pictures drawn.
+    pub fn dress_seconds(&self, recipe: &Recipe) -> f64 {
+        let Preset { detail, tubes, foliage, wind, .. } = &recipe.preset;
+        let triangles: f64 = self.level_triangles().sum();
+        let is_solved = detail.triangles > 0 || detail.lods > 1;
+        let solved = if is_solved { SOLVED_TRIANGLE_S * self.unbudgeted_triangles() * 8.0 } else { 0.0 };
+        let swept = match tubes.junction {
+            Junction::Watertight => SOLID_TRIANGLE_S,
+            _ => TRIANGLE_S,
+        };
+        let blown = if wind.wind == linden::wind::Wind::Off { 0.0 } else { BLOWN_TRIANGLE_S };
+        let square = |side: u32| f64::from(side) * f64::from(side);
+        let planes = f64::from(detail.billboard) * square(detail.billboard_size_px);
+        triangles * (swept + blown)
+            + solved
+            + square(recipe.preset.bark.size_px) * BARK_PIXEL_S
+            + self.drawn_kinds(recipe) * square(foliage.size_px) * LEAF_PIXEL_S
+            + planes * BILLBOARD_PIXEL_S
+    }
+
+    /// Measuring the surface and the leaves, as `linden stats` does.
+    pub fn survey_seconds(&self, recipe: &Recipe) -> f64 {
+        let of_triangle = match recipe.preset.tubes.junction {
+            Junction::Watertight => SOLID_TRIANGLE_S,
+            _ => SURVEYED_TRIANGLE_S,
+        };
+        let side = f64::from(recipe.preset.foliage.size_px);
+        self.triangles as f64 * of_triangle + self.drawn_kinds(recipe) * side * side * LEAF_PIXEL_S
+    }
+
+    /// Writing a format with these options; pictures are compressed once for all, by the first.
+    pub fn write_seconds(&self, format: &Format, options: &Options) -> f64 {
+        let of_byte = match format.id {
+            "obj" | "usda" | "usdz" | "qsm" => TEXT_BYTE_S,
+            _ if options.is_word("encoding", "ascii") => TEXT_BYTE_S,
+            _ => BINARY_BYTE_S,
+        };
+        let triangles: f64 = self.level_triangles().sum();
+        let packed = if options.is_word("compress", "meshopt") { triangles * PACKED_TRIANGLE_S } else { 0.0 };
+        self.bytes(format, options) as f64 * of_byte + packed
+    }
+
+    /// Compressing all pictures.
+    pub fn compress_seconds(&self, recipe: &Recipe) -> f64 {
+        let square = |side: u32| f64::from(side) * f64::from(side);
+        let bark = square(recipe.preset.bark.size_px);
+        let leaves = self.drawn_kinds(recipe) * square(recipe.preset.foliage.size_px);
+        2.0 * (bark + leaves) * PNG_PIXEL_S
+    }
+}

@@ -1,0 +1,115 @@
+//! Forecasts against the trees that grow, and their files.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+#![allow(clippy::print_stdout, reason = "--nocapture shows the figures")]
+
+use linden::Quiet;
+use linden::dress::dress;
+use linden::forecast::sample;
+use linden::grow::grow;
+use linden::preset::{builtin, builtins};
+use linden::recipe::Recipe;
+use linden::stage::Stage;
+use linden_exporters::{Bundle, Estimate, Options, REGISTRY};
+use linden_tests::presets::recipe;
+
+/// Forecast ÷ truth of nodes, triangles and bytes; the last only where it is written.
+fn ratios(recipe: &Recipe, is_written: bool) -> Vec<(&'static str, f64)> {
+    let sample = sample(recipe, &Quiet).unwrap();
+    let estimate = Estimate::of_sample(recipe, &sample, &Quiet).unwrap();
+    let grown = grow(recipe, &Quiet).unwrap();
+    let truth = Estimate::new(recipe, &grown, &Quiet).unwrap();
+    let mut all = vec![
+        ("nodes", sample.nodes() / grown.skeleton.positions.len() as f64),
+        ("triangles", estimate.triangles as f64 / truth.triangles as f64),
+    ];
+    if !grown.organs.is_empty() {
+        all.push(("leaves", sample.leaves() / grown.organs.len() as f64));
+    }
+    if is_written {
+        let scene = dress(recipe, &grown, &Quiet).unwrap();
+        let target = tempfile::tempdir().unwrap();
+        for exporter in REGISTRY.iter().filter(|exporter| exporter.format().id == "glb") {
+            let options = Options::new(exporter.format());
+            let mut bundle = Bundle::create(&target.path().join("tree.glb")).unwrap();
+            exporter.write(&Stage::of(&scene), &options, &mut bundle, &Quiet).unwrap();
+            bundle.commit().unwrap();
+            let written: u64 =
+                target.path().read_dir().unwrap().map(|own| own.unwrap().metadata().unwrap().len()).sum();
+            all.push(("glb", estimate.bytes(exporter.format(), &options) as f64 / written as f64));
+            let swept: usize = scene.parts.iter().map(|part| part.mesh.triangles.len()).sum();
+            all.push(("swept", estimate.triangles as f64 / swept as f64));
+        }
+    }
+    println!(
+        "{:22} wood x{:8.2} leaf x{:8.2} {}",
+        recipe.preset.id,
+        sample.wood_times,
+        sample.leaf_times,
+        all.iter().map(|(what, ratio)| format!("{what} {ratio:.2}")).collect::<Vec<_>>().join("  ")
+    );
+    all
+}
+
+fn check(what: &str, recipe: &Recipe, is_written: bool, factor: f64, faults: &mut Vec<String>) {
+    for (count, ratio) in ratios(recipe, is_written) {
+        if !(ratio <= factor && ratio >= 1.0 / factor) {
+            faults.push(format!("{what}: {count} {ratio:.2}"));
+        }
+    }
+}
+
+#[test]
+fn every_preset_is_forecast_within_a_factor_of_two() {
+    let mut faults = Vec::new();
+    for own in builtins() {
+        check(own.id, &recipe(own), true, 2.0, &mut faults);
+    }
+    assert!(faults.is_empty(), "\n{}", faults.join("\n"));
+}
+
+/// Other seeds and knobs than those that anything was fitted on.
+#[test]
+fn larger_trees_are_forecast_from_a_sample() {
+    let mut faults = Vec::new();
+    let turned: [(&str, &[(&str, &str)]); 30] = [
+        ("abop-a", &[("derivations", "8")]),
+        ("abop-stochastic", &[("derivations", "9"), ("seed", "77")]),
+        ("abop-honda-b", &[("derivations", "15")]),
+        ("abop-ternary-b", &[("derivations", "10")]),
+        ("abop-signal-b", &[("derivations", "45")]),
+        ("abop-bush", &[("derivations", "9")]),
+        ("older-shrub", &[("stems", "60")]),
+        ("weeping-willow", &[("seed", "4"), ("leaves_per_m", "400")]),
+        ("wild-cherry", &[("seed", "31"), ("derivations", "14")]),
+        ("norway-spruce", &[("seed", "5"), ("derivations", "26")]),
+        ("scots-pine", &[("seed", "6")]),
+        ("fir", &[("points", "60000")]),
+        ("fir", &[("points", "30000"), ("step", "0.03"), ("seed", "9")]),
+        ("simple", &[("points", "100000"), ("kill", "8D")]),
+        ("sphere", &[("points", "40000"), ("influence", "8D"), ("kill", "2D")]),
+        ("cypress", &[("points", "20000"), ("refine", "relocate subdivide")]),
+        ("cypress", &[("step", "0.02"), ("kill", "1D")]),
+        ("heart", &[("points", "50000")]),
+        ("hollow", &[("points", "50000"), ("seed", "3")]),
+        ("grove", &[("points", "40000")]),
+        ("around-the-stone", &[("points", "30000")]),
+        ("oak", &[("seed", "5"), ("points", "40000")]),
+        ("oak", &[("sides", "64"), ("rings", "4")]),
+        ("beech", &[("points", "50000"), ("leaves_per_m", "90")]),
+        ("linden", &[("points", "3000"), ("seed", "8")]),
+        ("apple", &[("points", "24000"), ("seed", "2")]),
+        ("umbrella-thorn", &[("points", "20000")]),
+        ("olive", &[("points", "30000"), ("age", "0.5")]),
+        ("ash", &[("points", "20000"), ("width", "taper")]),
+        ("box", &[("points", "40000"), ("triangles", "90000")]),
+    ];
+    for (id, settings) in turned {
+        let mut recipe = recipe(builtin(id).unwrap());
+        for (knob, value) in settings {
+            recipe.preset.set(knob, value).unwrap();
+        }
+        check(&format!("{id} {settings:?}"), &recipe, false, 2.0, &mut faults);
+    }
+    assert!(faults.is_empty(), "\n{}", faults.join("\n"));
+}
