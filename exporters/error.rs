@@ -86,6 +86,18 @@ pub enum ExportError {
         /// What is in the way, and what to do.
         problem: String,
     },
+    /// The target's folder is not there. [`make_folders`](crate::make_folders) makes it.
+    #[error(
+        "cannot write {}: the directory {} does not exist; create it first (mkdir -p)",
+        printable(&path.to_string_lossy()),
+        printable(&folder.to_string_lossy())
+    )]
+    NoFolder {
+        /// The target as it was given.
+        path: PathBuf,
+        /// The folder that is missing.
+        folder: PathBuf,
+    },
     /// Two outputs would be the same file.
     #[error(
         "two outputs are the same file, {}: give each its own name",

@@ -45,6 +45,7 @@ mod obj;
 mod options;
 mod picture;
 mod plugin;
+mod plugin_guard;
 mod ply;
 mod qsm;
 mod seconds;
@@ -57,7 +58,10 @@ use linden::Monitor;
 use linden::knob::nearest;
 use linden::stage::Stage;
 
-pub use bundle::{Bundle, Existing, Sink, Written, commit_all, ensure_distinct, ensure_spared, examine};
+pub use bundle::{
+    Bundle, Existing, MadeFolders, Sink, Written, abandon, commit_all, ensure_distinct, ensure_spared,
+    examine, make_folders, write_file,
+};
 pub use error::ExportError;
 pub use estimate::Estimate;
 pub use options::{OptionSpec, Options};

@@ -8,7 +8,8 @@
 //! It is given a GLB of the tree, where its file is to be written, and the recipe as JSON on standard
 //! input. It works in a temporary folder. `LINDEN_NAME` is the tree's name and `LINDEN_VERSION` ours.
 //! What it writes goes to its place when it has ended well, and so do files beside `TARGET` whose names
-//! begin with the target's stem. What it says is shown when it fails; nothing is left behind then.
+//! begin with the target's stem. What it says is shown when it fails; nothing is left behind then. When
+//! linden is killed, the plug-in ends too and its folder goes ([`Workplace`]).
 
 use std::collections::BTreeMap;
 use std::fs::{self, File};
@@ -23,6 +24,7 @@ use linden::knob::printable;
 use linden::stage::Stage;
 
 use crate::gltf::Glb;
+use crate::plugin_guard::Workplace;
 use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Options};
 
 /// What programs' names begin with.
@@ -119,10 +121,9 @@ impl Exporter for Plugin {
             let what = self.format.name.to_owned();
             move |source: io::Error| ExportError::Io { doing, what: what.clone(), source }
         };
-        let folder = tempfile::Builder::new().prefix("linden-").tempdir();
-        let folder = folder.map_err(failed("making a folder for"))?;
+        let mut folder = Workplace::new().map_err(failed("making a folder for"))?;
         let glb = folder.path().join("tree.glb");
-        let mut whole = Bundle::create(&glb)?;
+        let mut whole = Bundle::create(&glb)?.unsynced();
         Glb.write(stage, &Options::new(Glb.format()), &mut whole, monitor)?;
         whole.commit()?;
         let recipe = folder.path().join("recipe.json");
@@ -148,6 +149,7 @@ impl Exporter for Plugin {
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
         let child = command.spawn().map_err(failed("starting"))?;
+        folder.guard(child.id());
         let status = Running(child).wait(monitor)?.map_err(failed("waiting for"))?;
         let problem = |problem: String| ExportError::Plugin {
             program: self.format.name,

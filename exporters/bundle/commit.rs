@@ -1,13 +1,21 @@
 //! Staged files go to their places together, or none does.
+//!
+//! What takes time comes first: syncing, naming, looking. Then each file comes into its place by one
+//! call that swaps it for the one before (the last one simply replaces it), so that at every moment
+//! each place holds the old file or the new one, whole. What was swapped out is the way back until all
+//! are in their places, and then goes. Should we be killed between two files, the next run in that folder
+//! [completes](super::record) what was begun.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::{self, File};
-use std::io::{self, Read};
+use std::fs::File;
+use std::io;
 use std::path::{Path, PathBuf};
 
-use tempfile::NamedTempFile;
-
-use super::{Bundle, Files, Place, Staged, show, under};
+#[cfg(unix)]
+use super::record::Record;
+use super::staged::{PART, Staged, TempName, mode_of, placing, synced};
+use super::system::{FileSystem, again};
+use super::{Bundle, Files, Place};
 use crate::ExportError;
 
 /// A file that an export has left.
@@ -26,8 +34,8 @@ pub struct Written {
 pub fn ensure_distinct(bundles: &[Bundle]) -> Result<(), ExportError> {
     let mut seen = BTreeSet::new();
     for files in bundles.iter().filter_map(files_of) {
-        if !seen.insert(files.dir.join(&files.main.name)) {
-            return Err(ExportError::SameTarget { path: under(&files.shown, &files.main.name) });
+        if !seen.insert(files.main.location.path()) {
+            return Err(ExportError::SameTarget { path: files.main.location.shown_path() });
         }
     }
     Ok(())
@@ -39,14 +47,21 @@ pub fn ensure_distinct(bundles: &[Bundle]) -> Result<(), ExportError> {
 /// # Errors
 /// [`ExportError::Target`].
 pub fn ensure_spared(bundles: &[Bundle], sources: &[PathBuf]) -> Result<(), ExportError> {
-    // A source that is gone by now cannot be replaced any more.
-    let sources: BTreeSet<PathBuf> = sources.iter().filter_map(|path| fs::canonicalize(path).ok()).collect();
-    for Files { shown, dir, main, sides, .. } in bundles.iter().filter_map(files_of) {
-        if let Some(staged) =
-            std::iter::once(main).chain(sides).find(|staged| sources.contains(&dir.join(&staged.name)))
-        {
+    for bundle in bundles {
+        let Some(Files { main, sides, .. }) = files_of(bundle) else { continue };
+        let mut real = BTreeSet::new();
+        for source in sources {
+            match again(|| bundle.system.canonicalize(source)) {
+                Ok(path) => real.extend([path]),
+                // A source that is gone by now cannot be replaced any more.
+                Err(e) if e.kind() == io::ErrorKind::NotFound => {}
+                Err(e) => return Err(super::target::looking(source, e)),
+            }
+        }
+        let mut own = std::iter::once(main).chain(sides).map(|staged| &staged.location);
+        if let Some(location) = own.find(|location| real.contains(&location.path())) {
             let problem = "the tree is grown from that file; choose another name".to_owned();
-            return Err(ExportError::Target { path: under(shown, &staged.name), problem });
+            return Err(ExportError::Target { path: location.shown_path(), problem });
         }
     }
     Ok(())
@@ -57,48 +72,51 @@ pub fn ensure_spared(bundles: &[Bundle], sources: &[PathBuf]) -> Result<(), Expo
 /// are taken back and what was there before is put back. Bundles may share side files (the same
 /// picture beside an OBJ and a glTF) as long as they agree in every byte.
 ///
+/// Files are on the disk before they are placed, and their folders afterwards, unless a bundle is
+/// [unsynced](Bundle::unsynced).
+///
 /// Gives what was written, bundle by bundle, the main file first.
 ///
 /// # Errors
-/// [`ExportError::SameTarget`] and [`ExportError::Io`].
+/// [`ExportError::SameTarget`] and [`ExportError::Io`]. One of `syncing the directory of` comes when all
+/// files are in their places; any other leaves what was there before.
 pub fn commit_all(bundles: Vec<Bundle>) -> Result<Vec<Written>, ExportError> {
     ensure_distinct(&bundles)?;
+    let Some(system) = bundles.first().map(|bundle| bundle.system) else { return Ok(Vec::new()) };
     let mut written = Vec::new();
     let mut mains = Vec::new();
-    let mut sides: BTreeMap<PathBuf, (PathBuf, Staged)> = BTreeMap::new();
+    let mut sides = BTreeMap::new();
+    let mut folders = BTreeMap::new();
     for bundle in bundles {
-        let Place::Files(Files { shown, dir, main, sides: own, .. }) = bundle.place else { continue };
+        let is_synced = bundle.is_synced;
+        let Place::Files(Files { main, sides: own, .. }) = bundle.place else { continue };
         for staged in std::iter::once(&main).chain(&own) {
             if !staged.whole {
                 let source = io::Error::other("its writer has not finished");
-                return Err(ExportError::Io { doing: "placing", what: show(&shown, &staged.name), source });
+                return Err(staged.location.failed("placing", source));
             }
-            written.push(Written { path: under(&shown, &staged.name), bytes: staged.bytes });
+            if is_synced {
+                staged.sync().map_err(|source| staged.location.failed("syncing", source))?;
+                folders.entry(staged.location.folder.clone()).or_insert_with(|| staged.location.clone());
+            }
+            written.push(Written { path: staged.location.shown_path(), bytes: staged.bytes });
         }
         for side in own {
-            let path = dir.join(&side.name);
-            if let Some((_, other)) = sides.get(&path)
-                && !same_bytes(other, &side)
-            {
-                return Err(ExportError::SameTarget { path: under(&shown, &side.name) });
+            let path = side.location.path();
+            if sides.get(&path).is_some_and(|other| !side.holds_same(other)) {
+                return Err(ExportError::SameTarget { path: side.location.shown_path() });
             }
-            sides.insert(path, (shown.clone(), side));
+            sides.insert(path, side);
         }
-        mains.push((dir.join(&main.name), (shown, main)));
+        mains.push(main);
     }
-    if let Some((path, _)) = mains.iter().find(|(path, _)| sides.contains_key(path)) {
-        return Err(ExportError::SameTarget { path: path.clone() });
+    if let Some(main) = mains.iter().find(|main| sides.contains_key(&main.location.path())) {
+        return Err(ExportError::SameTarget { path: main.location.shown_path() });
     }
-    let mut placed = Vec::new();
-    for (path, (shown, staged)) in sides.into_iter().chain(mains) {
-        let what = show(&shown, &staged.name);
-        match place(staged, &path) {
-            Ok(done) => placed.push(done),
-            Err(source) => {
-                let source = take_back(placed, source);
-                return Err(ExportError::Io { doing: "placing", what, source });
-            }
-        }
+    place_all(system, sides.into_values().chain(mains).collect())?;
+    for (folder, location) in folders {
+        let done = again(|| system.open_folder(&folder)).and_then(|open| again(|| system.sync(&open)));
+        synced(done).map_err(|source| location.failed("syncing the directory of", source))?;
     }
     Ok(written)
 }
@@ -106,98 +124,158 @@ pub fn commit_all(bundles: Vec<Bundle>) -> Result<Vec<Written>, ExportError> {
 fn files_of(bundle: &Bundle) -> Option<&Files> {
     match &bundle.place {
         Place::Files(files) => Some(files),
-        Place::Stream { .. } => None,
+        Place::Stream { .. } | Place::Pipe { .. } => None,
     }
 }
 
-/// Whether two staged files hold the same; a file that cannot be read is unlike any other.
-fn same_bytes(a: &Staged, b: &Staged) -> bool {
-    let compare = || -> io::Result<bool> {
-        if a.bytes != b.bytes {
-            return Ok(false);
-        }
-        let (mut a, mut b) = (File::open(a.file.path())?, File::open(b.file.path())?);
-        let mut pieces = [vec![0; 1 << 16], vec![0; 1 << 16]];
-        loop {
-            let read = a.read(&mut pieces[0])?;
-            if read == 0 {
-                return Ok(true);
-            }
-            b.read_exact(&mut pieces[1][..read])?;
-            if pieces[0][..read] != pieces[1][..read] {
-                return Ok(false);
-            }
-        }
-    };
-    compare().unwrap_or(false)
+/// A file that only has to be renamed, and the one that is in its place now.
+struct Ready {
+    staged: Staged,
+    exists: bool,
+    /// The one in its place, locked, so that no other program sweeps it away while it is set aside.
+    before: Option<File>,
 }
 
-/// A file in its place, and the one that was there before under a name of its own.
+/// A file in its place, and the way back.
 struct Placed {
     path: PathBuf,
-    /// Removed when dropped.
-    before: Option<NamedTempFile<()>>,
+    /// The file that was there before; `None`: there was none.
+    before: Option<(TempName, Option<File>)>,
 }
 
-fn place(staged: Staged, path: &Path) -> io::Result<Placed> {
-    let before = match fs::symlink_metadata(path) {
-        Ok(meta) if meta.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
-        Ok(meta) => {
-            if meta.is_file() {
-                keep_permissions(&staged, &meta);
+fn place_all(system: &'static dyn FileSystem, staged: Vec<Staged>) -> Result<(), ExportError> {
+    let mut ready = Vec::with_capacity(staged.len());
+    for staged in staged {
+        let location = staged.location.clone();
+        ready.push(prepare(system, staged).map_err(|source| location.failed("placing", source))?);
+    }
+    let records = records(system, &ready)?;
+    let _guard = placing();
+    let mut placed = Vec::with_capacity(ready.len());
+    let mut rest = ready.into_iter().peekable();
+    while let Some(next) = rest.next() {
+        let location = next.staged.location.clone();
+        match place(system, next, rest.peek().is_none()) {
+            Ok(done) => placed.push(done),
+            Err(source) => {
+                drop(records);
+                let source = take_back(system, placed, source);
+                return Err(location.failed("placing", source));
             }
-            Some(set_aside(path)?)
         }
+    }
+    // Then the way back: as long as there is a record, what is set aside may be asked for.
+    drop(records);
+    drop(placed);
+    Ok(())
+}
+
+/// What is about to be placed, for the next run to complete where several files belong together.
+#[cfg(unix)]
+fn records(system: &'static dyn FileSystem, ready: &[Ready]) -> Result<Vec<Record>, ExportError> {
+    let several = ready.iter().map(|ready| &ready.staged).filter(|_| ready.len() > 1);
+    let failed = |source| ready[0].staged.location.failed("placing", source);
+    let files = several.clone().map(|staged| (staged.temp_path().to_owned(), staged.location.path()));
+    let text = Record::text(system, files).map_err(failed)?;
+    let folders: BTreeSet<&Path> = several.map(|staged| staged.location.folder.as_path()).collect();
+    folders.into_iter().map(|folder| Record::write(system, folder, &text).map_err(failed)).collect()
+}
+
+/// Where files cannot be told from others there are none.
+#[cfg(not(unix))]
+fn records(_: &'static dyn FileSystem, _: &[Ready]) -> Result<(), ExportError> {
+    Ok(())
+}
+
+/// All that can be done for a file before it is placed.
+fn prepare(system: &'static dyn FileSystem, mut staged: Staged) -> io::Result<Ready> {
+    let path = staged.location.path();
+    let there = match again(|| system.symlink_metadata(&path)) {
+        Ok(meta) if meta.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
+        Ok(meta) => Some(meta),
         Err(e) if e.kind() == io::ErrorKind::NotFound => None,
         Err(e) => return Err(e),
     };
-    if let Err(e) = staged.file.persist(path) {
-        // Where links are unknown the place is empty now. Where they are known nothing has changed,
-        // and dropping the second name is all there is to do.
-        if let Some(before) = before.filter(|_| fs::symlink_metadata(path).is_err()) {
-            before.persist(path).map_err(|e| e.error)?;
+    let before = there.as_ref().filter(|meta| meta.is_file()).and_then(|meta| {
+        if let Some(mode) = mode_of(meta) {
+            staged.set_mode(mode);
         }
-        return Err(e.error);
+        let open = again(|| system.open(&path)).ok()?;
+        let _ = again(|| system.try_lock(&open));
+        Some(open)
+    });
+    staged.name()?;
+    Ok(Ready { staged, exists: there.is_some(), before })
+}
+
+fn place(system: &'static dyn FileSystem, ready: Ready, is_last: bool) -> io::Result<Placed> {
+    use io::ErrorKind::{InvalidInput, NotFound, Unsupported};
+    let Ready { staged, exists, before } = ready;
+    let path = staged.location.path();
+    if exists && !is_last {
+        match again(|| system.exchange(staged.temp_path(), &path)) {
+            Ok(()) => {
+                let aside = staged.into_name().map(|name| (name, before));
+                return Ok(Placed { path, before: aside });
+            }
+            // It has vanished: nothing is to be put back.
+            Err(e) if e.kind() == NotFound => {}
+            // The words of systems and file systems that do not know it.
+            Err(e) if matches!(e.kind(), InvalidInput | Unsupported) => {
+                let aside = set_aside(system, &staged, &path, before)?;
+                again(|| system.rename(staged.temp_path(), &path))?;
+                staged.into_name().map(TempName::gone);
+                return Ok(Placed { path, before: Some(aside) });
+            }
+            Err(e) => return Err(e),
+        }
     }
-    Ok(Placed { path: path.to_owned(), before })
+    again(|| system.rename(staged.temp_path(), &path))?;
+    staged.into_name().map(TempName::gone);
+    Ok(Placed { path, before: None })
 }
 
-/// Gives the file at `path` a second name, so that there is no moment without it; where the file
-/// system knows no links, its only other name.
-fn set_aside(path: &Path) -> io::Result<NamedTempFile<()>> {
-    let dir = path.parent().unwrap_or(Path::new("."));
-    tempfile::Builder::new().prefix(".linden-").suffix(".before").make_in(dir, |aside| {
-        fs::hard_link(path, aside).or_else(|e| match e.kind() {
-            // The caller tries another name.
-            io::ErrorKind::AlreadyExists => Err(e),
-            _ => fs::rename(path, aside),
-        })
-    })
-}
-
-/// The replaced file's permissions; a file system without any refuses, and then there is no loss.
-fn keep_permissions(staged: &Staged, replaced: &fs::Metadata) {
-    #[cfg(unix)]
+/// Gives the file at `path` a second name; where the file system knows no links either, a copy has it.
+/// There is no moment without the file.
+fn set_aside(
+    system: &'static dyn FileSystem,
+    staged: &Staged,
+    path: &Path,
+    before: Option<File>,
+) -> io::Result<(TempName, Option<File>)> {
+    let linked = TempName::new(system, &staged.location.folder, PART, |aside| system.link(path, aside));
+    if let Ok((aside, ())) = linked {
+        return Ok((aside, before));
+    }
+    let from = match before {
+        Some(open) => open,
+        None => again(|| system.open(path))?,
+    };
+    let (aside, copy) = staged.copy(&from)?;
+    if let Ok(meta) = from.metadata()
+        && let Some(mode) = mode_of(&meta)
     {
-        use std::os::unix::fs::PermissionsExt;
-        let mode = replaced.permissions().mode() & 0o777;
-        let _ = fs::set_permissions(staged.file.path(), fs::Permissions::from_mode(mode));
+        let _ = again(|| system.set_mode(&copy, mode));
     }
-    #[cfg(not(unix))]
-    let _ = (staged, replaced);
+    Ok((aside, Some(copy)))
 }
 
 /// Undoes everything, last first; gives `why` with what could not be undone.
-fn take_back(placed: Vec<Placed>, why: io::Error) -> io::Error {
+fn take_back(system: &'static dyn FileSystem, placed: Vec<Placed>, why: io::Error) -> io::Error {
     let mut stuck = Vec::new();
     for Placed { path, before } in placed.into_iter().rev() {
-        let undone = match before {
-            Some(before) => before.persist(&path).map_err(|e| e.error),
-            None => fs::remove_file(&path),
+        let undo = || match &before {
+            Some((aside, _)) => again(|| system.rename(aside.path(), &path)),
+            None => again(|| system.remove(&path)),
         };
-        if let Err(e) = undone {
-            stuck.push(format!("{} ({e})", linden::knob::printable(&path.to_string_lossy())));
-        }
+        // What fails once may do so by chance.
+        match undo().or_else(|_| undo()) {
+            Ok(()) => before.map(|(aside, _)| aside.gone()),
+            Err(e) => {
+                stuck.push(format!("{} ({e})", linden::knob::printable(&path.to_string_lossy())));
+                None
+            }
+        };
     }
     if stuck.is_empty() {
         why

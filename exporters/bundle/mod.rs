@@ -1,26 +1,40 @@
 //! The files of one export: written beside the target, renamed into place together.
 //!
-//! There is never half an export. Files are written under temporary names in the target's own
-//! directory (a rename across file systems is a copy, and can fail half-way); dropping a bundle that
-//! was not committed removes them. Standard output is the exception: its bytes go out as they are
-//! made, because a pipe's reader should not have to wait and there is nothing to put back.
+//! There is never half an export. Files are written without a name in the target's folder (a rename
+//! across file systems is a copy, and can fail half-way), or under a temporary one where the system
+//! knows no such files; whatever ends the program, nothing of them remains, or the next run sweeps it.
+//! Standard output, pipes and devices are the exception: their bytes go out as they are made, because a
+//! reader should not have to wait and there is nothing to put back.
+//!
+//! Every call of the operating system goes through [`system::FileSystem`].
 
 mod commit;
+mod folders;
+mod pipe;
+#[cfg(unix)]
+mod record;
+mod single;
 mod sink;
+mod staged;
 mod stem;
+mod system;
 mod target;
 
-use std::ffi::OsString;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use linden::Monitor;
-use tempfile::NamedTempFile;
 
 pub use commit::{Written, commit_all, ensure_distinct, ensure_spared};
+pub use folders::{MadeFolders, make_folders};
+use pipe::Pipe;
+pub use single::write_file;
 pub use sink::Sink;
-use target::Resolved;
+use staged::Staged;
+pub use staged::abandon;
+use system::{FileSystem, System};
 pub use target::{Existing, examine};
+use target::{Located, locate};
 
 use crate::ExportError;
 
@@ -28,72 +42,100 @@ use crate::ExportError;
 pub struct Bundle {
     place: Place,
     notes: Vec<String>,
+    system: &'static dyn FileSystem,
+    /// Whether files are brought to the disk.
+    is_synced: bool,
 }
 
 enum Place {
     Files(Files),
-    Stream { label: String, out: Box<dyn Write + Send> },
+    /// A pipe, a device, or standard output.
+    Pipe {
+        label: String,
+        pipe: Pipe,
+    },
+    Stream {
+        label: String,
+        out: Box<dyn Write + Send>,
+    },
 }
 
 struct Files {
-    /// The directory as it is shown; `.` for the current one.
-    shown: PathBuf,
-    /// The directory itself, without links.
-    dir: PathBuf,
     /// What names of side files start with.
     stem: String,
     main: Staged,
     sides: Vec<Staged>,
 }
 
-/// A file that waits under a temporary name.
-struct Staged {
-    name: OsString,
-    file: NamedTempFile,
-    bytes: u64,
-    /// Whether its writer has finished.
-    whole: bool,
-}
-
 impl Bundle {
     /// A bundle whose main file will be `target`. Follows a symbolic link: the file that it points at
     /// is replaced, and side files lie beside that one. A target that exists but is no regular file
-    /// (`/dev/stdout`, a pipe) is written to directly, as by [`Bundle::stream`].
+    /// (`/dev/null`, a named pipe) is written to directly, as by [`Bundle::stream`]; a pipe's reader is
+    /// waited for when there is something to write.
     ///
-    /// A temporary file is made at once, so that a directory nobody may write to is found before a
-    /// tree is grown.
+    /// A file is made at once, so that a directory nobody may write to is found before a tree is grown.
+    /// What killed programs have left in that directory is swept.
     ///
     /// # Errors
-    /// [`ExportError::Target`] when the target is a directory, is read-only, or its directory is
-    /// missing; [`ExportError::Io`] when nothing can be written there.
+    /// [`ExportError::Target`] when the target is a directory or is read-only,
+    /// [`ExportError::NoFolder`] when its directory is missing; [`ExportError::Io`] when nothing can be
+    /// written there.
     pub fn create(target: &Path) -> Result<Self, ExportError> {
-        let place = match target::resolve(target)? {
-            Resolved::File { shown, dir, name } => {
-                let main = Staged::create(&shown, &dir, name.clone())?;
-                Place::Files(Files {
-                    stem: stem::plain(Path::new(&name)),
-                    shown,
-                    dir,
-                    main,
-                    sides: Vec::new(),
-                })
+        Self::create_on(&System, target)
+    }
+
+    fn create_on(system: &'static dyn FileSystem, target: &Path) -> Result<Self, ExportError> {
+        let place = match locate(system, target)? {
+            Located::File { location, .. } => {
+                staged::sweep(system, &location.folder);
+                let stem = stem::plain(Path::new(&location.name));
+                Place::Files(Files { stem, main: Staged::create(system, location)?, sides: Vec::new() })
             }
-            Resolved::Stream(out) => {
-                Place::Stream { label: linden::knob::printable(&target.to_string_lossy()), out }
-            }
+            Located::Stream(path) => Place::Pipe {
+                label: linden::knob::printable(&target.to_string_lossy()),
+                pipe: Pipe::open(&path).map_err(|source| target::looking(target, source))?,
+            },
         };
-        Ok(Self { place, notes: Vec::new() })
+        Ok(Self { place, notes: Vec::new(), system, is_synced: true })
     }
 
     /// A bundle of a single file that goes to `out` as it is made; `label` names it in messages:
     /// `standard output`.
     pub fn stream(label: &str, out: impl Write + Send + 'static) -> Self {
-        Self { place: Place::Stream { label: label.to_owned(), out: Box::new(out) }, notes: Vec::new() }
+        let place = Place::Stream { label: label.to_owned(), out: Box::new(out) };
+        Self { place, notes: Vec::new(), system: &System, is_synced: true }
+    }
+
+    /// A bundle of a single file that goes to standard output as it is made. A reader that does not
+    /// read is waited for as long as the monitor wants it.
+    pub fn stdout() -> Self {
+        const LABEL: &str = "standard output";
+        #[cfg(unix)]
+        if let Ok(pipe) = Pipe::stdout() {
+            let place = Place::Pipe { label: LABEL.to_owned(), pipe };
+            return Self { place, notes: Vec::new(), system: &System, is_synced: true };
+        }
+        Self::stream(LABEL, std::io::stdout())
+    }
+
+    /// Does not wait until files are on the disk: faster, and a power cut soon afterwards can take them.
+    #[must_use]
+    pub fn unsynced(mut self) -> Self {
+        self.is_synced = false;
+        self
     }
 
     /// Whether files can lie beside the main one.
     pub fn takes_side_files(&self) -> bool {
         matches!(self.place, Place::Files(_))
+    }
+
+    /// The name of a pipe that nobody reads yet: writing to it waits.
+    pub fn unread_pipe(&mut self) -> Option<&str> {
+        match &mut self.place {
+            Place::Pipe { label, pipe } => pipe.is_unread().then_some(label.as_str()),
+            Place::Files(_) | Place::Stream { .. } => None,
+        }
     }
 
     /// What the user should know about this export, one line each.
@@ -117,7 +159,14 @@ impl Bundle {
         write: impl FnOnce(&mut Sink<'_>) -> Result<(), ExportError>,
     ) -> Result<(), ExportError> {
         match &mut self.place {
-            Place::Files(files) => files.main.write(&files.shown, bytes, monitor, write),
+            Place::Files(files) => files.main.write(bytes, monitor, write),
+            Place::Pipe { label, pipe } => {
+                let waiting = |source| sink::failed("opening", label, source);
+                let mut out = pipe.writer(monitor).map_err(waiting)?;
+                let mut sink = Sink::new(&mut out, label.clone(), bytes, monitor);
+                write(&mut sink)?;
+                sink.finish().map(|_| ())
+            }
             Place::Stream { label, out } => {
                 let mut sink = Sink::new(out.as_mut(), label.clone(), bytes, monitor);
                 write(&mut sink)?;
@@ -132,7 +181,7 @@ impl Bundle {
     pub fn side_name(&self, suffix: &str) -> String {
         match &self.place {
             Place::Files(files) => format!("{}{}", files.stem, stem::plain_suffix(suffix)),
-            Place::Stream { .. } => String::new(),
+            Place::Pipe { .. } | Place::Stream { .. } => String::new(),
         }
     }
 
@@ -150,12 +199,16 @@ impl Bundle {
         let name = self.side_name(suffix);
         match &mut self.place {
             Place::Files(files) => {
-                let mut side = Staged::create(&files.shown, &files.dir, name.into())?;
-                side.write(&files.shown, bytes, monitor, write)?;
+                let location = side_location(self.system, &files.main.location, &name)?;
+                if location.folder != files.main.location.folder {
+                    staged::sweep(self.system, &location.folder);
+                }
+                let mut side = Staged::create(self.system, location)?;
+                side.write(bytes, monitor, write)?;
                 files.sides.push(side);
                 Ok(())
             }
-            Place::Stream { label, .. } => Err(ExportError::Target {
+            Place::Pipe { label, .. } | Place::Stream { label, .. } => Err(ExportError::Target {
                 path: PathBuf::from(label.as_str()),
                 problem: format!(
                     "it holds a single file, and '{suffix}' would be another; name a file instead"
@@ -173,45 +226,23 @@ impl Bundle {
     }
 }
 
-impl Staged {
-    fn create(shown: &Path, dir: &Path, name: OsString) -> Result<Self, ExportError> {
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".linden-").suffix(".part");
-        // Temporary files are private by default; these become ordinary files, so that the umask
-        // decides, as for any other program's output.
-        #[cfg(unix)]
-        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let file = builder.tempfile_in(dir).map_err(|e| {
-            // tempfile tells the temporary name, which means nothing to anybody; the kind says it all
-            // where it is known.
-            let source = if crate::error::advice(&e).is_empty() { e } else { e.kind().into() };
-            ExportError::Io { doing: "creating", what: show(shown, &name), source }
-        })?;
-        Ok(Self { name, file, bytes: 0, whole: false })
+/// Where a side file goes: as a main file would, through a link and never over a file that is
+/// write-protected.
+fn side_location(
+    system: &dyn FileSystem,
+    main: &target::Location,
+    name: &str,
+) -> Result<target::Location, ExportError> {
+    let beside = target::Location { name: name.into(), ..main.clone() };
+    let path = beside.shown_path();
+    match locate(system, &path)? {
+        Located::File { location, .. } => Ok(location),
+        Located::Stream(_) => Err(ExportError::Target {
+            path,
+            problem: "that is a pipe or a device, and a file belongs there; remove it or choose another name"
+                .to_owned(),
+        }),
     }
-
-    fn write(
-        &mut self,
-        shown: &Path,
-        bytes: Option<u64>,
-        monitor: &dyn Monitor,
-        write: impl FnOnce(&mut Sink<'_>) -> Result<(), ExportError>,
-    ) -> Result<(), ExportError> {
-        let mut sink = Sink::new(self.file.as_file_mut(), show(shown, &self.name), bytes, monitor);
-        write(&mut sink)?;
-        self.bytes = sink.finish()?;
-        self.whole = true;
-        Ok(())
-    }
-}
-
-/// A file as people know it.
-fn show(dir: &Path, name: &std::ffi::OsStr) -> String {
-    linden::knob::printable(&under(dir, name).to_string_lossy())
-}
-
-fn under(dir: &Path, name: &std::ffi::OsStr) -> PathBuf {
-    if dir == Path::new(".") { name.into() } else { dir.join(name) }
 }
 
 #[cfg(test)]
@@ -241,5 +272,7 @@ pub(crate) mod test_output {
     }
 }
 
+#[cfg(test)]
+mod fault_tests;
 #[cfg(test)]
 mod tests;

@@ -70,6 +70,14 @@ impl<'a> Sink<'a> {
     }
 
     fn failed(&self, source: io::Error) -> ExportError {
-        ExportError::Io { doing: "writing", what: self.what.clone(), source }
+        failed("writing", &self.what, source)
     }
+}
+
+/// What a writer's error means: it may be that of one that was cancelled while it waited.
+pub(super) fn failed(doing: &'static str, what: &str, source: io::Error) -> ExportError {
+    if super::pipe::is_cancelled(&source) {
+        return linden::Cancelled.into();
+    }
+    ExportError::Io { doing, what: what.to_owned(), source }
 }

@@ -1,26 +1,59 @@
 //! What a target is: a file to be, or a pipe that is there already.
 
 use std::ffi::OsString;
-use std::fs::{self, File};
-use std::io::{self, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use linden::knob::printable;
 
+use super::system::{FileSystem, System, again};
 use crate::ExportError;
 
 /// As many as Linux follows.
 const MOST_LINKS: usize = 40;
 
-pub(super) enum Resolved {
-    File {
-        /// The directory as it is shown.
-        shown: PathBuf,
-        /// The directory without links.
-        dir: PathBuf,
-        name: OsString,
-    },
-    Stream(Box<dyn Write + Send>),
+/// A place for a file.
+#[derive(Clone, Debug)]
+pub(super) struct Location {
+    /// The folder as it is shown; `.` for the current one.
+    pub shown_folder: PathBuf,
+    /// The folder itself, without links.
+    pub folder: PathBuf,
+    pub name: OsString,
+}
+
+impl Location {
+    /// The path itself, without links.
+    pub fn path(&self) -> PathBuf {
+        self.folder.join(&self.name)
+    }
+
+    /// The path as people know it.
+    pub fn shown_path(&self) -> PathBuf {
+        if self.shown_folder == Path::new(".") {
+            self.name.clone().into()
+        } else {
+            self.shown_folder.join(&self.name)
+        }
+    }
+
+    /// The same for a message.
+    pub fn shown(&self) -> String {
+        printable(&self.shown_path().to_string_lossy())
+    }
+
+    /// What went wrong here.
+    pub fn failed(&self, doing: &'static str, source: io::Error) -> ExportError {
+        ExportError::Io { doing, what: self.shown(), source }
+    }
+}
+
+/// What a target leads to.
+pub(super) enum Located {
+    /// A file, or the place for one.
+    File { location: Location, exists: bool },
+    /// A pipe or a device.
+    Stream(PathBuf),
 }
 
 /// What is at a target before an export.
@@ -41,35 +74,19 @@ pub enum Existing {
 /// # Errors
 /// [`ExportError::Target`] and [`ExportError::Io`].
 pub fn examine(target: &Path) -> Result<Existing, ExportError> {
-    Ok(match locate(target)? {
+    Ok(match locate(&System, target)? {
         Located::Stream(_) => Existing::Stream,
         Located::File { exists: true, .. } => Existing::File,
         Located::File { exists: false, .. } => Existing::Nothing,
     })
 }
 
-/// Finds out whether a file can stand at a target, and opens what is no file.
-pub(super) fn resolve(target: &Path) -> Result<Resolved, ExportError> {
-    match locate(target)? {
-        Located::File { shown, dir, name, .. } => Ok(Resolved::File { shown, dir, name }),
-        Located::Stream(path) => match File::options().write(true).open(path) {
-            Ok(file) => Ok(Resolved::Stream(Box::new(file))),
-            Err(source) => Err(looking(target, source)),
-        },
-    }
-}
-
-enum Located {
-    File { shown: PathBuf, dir: PathBuf, name: OsString, exists: bool },
-    Stream(PathBuf),
-}
-
-fn looking(target: &Path, source: io::Error) -> ExportError {
+pub(super) fn looking(target: &Path, source: io::Error) -> ExportError {
     ExportError::Io { doing: "looking at", what: printable(&target.to_string_lossy()), source }
 }
 
-/// Follows links.
-fn locate(target: &Path) -> Result<Located, ExportError> {
+/// Follows links, and finds out whether a file can stand where they lead.
+pub(super) fn locate(system: &dyn FileSystem, target: &Path) -> Result<Located, ExportError> {
     let fault = |problem: String| ExportError::Target { path: target.to_owned(), problem };
     let io_fault = |source| looking(target, source);
     let ends_in_separator = target
@@ -77,11 +94,14 @@ fn locate(target: &Path) -> Result<Located, ExportError> {
         .as_encoded_bytes()
         .last()
         .is_some_and(|&byte| std::path::is_separator(byte.into()));
-    if ends_in_separator || target.is_dir() || matches!(target.as_os_str().to_str(), Some("." | "..")) {
+    if ends_in_separator
+        || is_folder(system, target)
+        || matches!(target.as_os_str().to_str(), Some("." | ".."))
+    {
         return Err(fault("that is a directory; name a file in it".to_owned()));
     }
-    let path = follow(target).map_err(io_fault)?;
-    let exists = match fs::metadata(&path) {
+    let path = follow(system, target).map_err(io_fault)?;
+    let exists = match again(|| system.metadata(&path)) {
         Ok(meta) if meta.is_dir() => return Err(fault("that is a directory; name a file in it".to_owned())),
         Ok(meta) if !meta.is_file() => return Ok(Located::Stream(path)),
         Ok(meta) if meta.permissions().readonly() => {
@@ -104,34 +124,58 @@ fn locate(target: &Path) -> Result<Located, ExportError> {
         Some(parent) if !parent.as_os_str().is_empty() => parent,
         _ => Path::new("."),
     };
-    let dir = match fs::canonicalize(shown) {
-        Ok(dir) if dir.is_dir() => dir,
+    let folder = match again(|| system.canonicalize(shown)) {
+        Ok(folder) if is_folder(system, &folder) => folder,
         Ok(_) => {
             return Err(fault(format!("{} is not a directory", printable(&shown.to_string_lossy()))));
         }
         Err(e) if e.kind() == io::ErrorKind::NotFound => {
-            let shown = printable(&shown.to_string_lossy());
-            return Err(fault(format!("the directory {shown} does not exist; create it first (mkdir -p)")));
+            return Err(ExportError::NoFolder { path: target.to_owned(), folder: shown.to_owned() });
         }
         Err(e) => return Err(io_fault(e)),
     };
-    Ok(Located::File { shown: shown.to_owned(), dir, name: name.to_owned(), exists })
+    let location = Location { shown_folder: shown.to_owned(), folder, name: name.to_owned() };
+    Ok(Located::File { location, exists })
+}
+
+fn is_folder(system: &dyn FileSystem, path: &Path) -> bool {
+    again(|| system.metadata(path)).is_ok_and(|meta| meta.is_dir())
 }
 
 /// What a path points at in the end, which need not exist.
-fn follow(target: &Path) -> io::Result<PathBuf> {
+fn follow(system: &dyn FileSystem, target: &Path) -> io::Result<PathBuf> {
     let mut path = target.to_owned();
     for _ in 0..MOST_LINKS {
-        // Whatever hinders looking is found, and told better, by the caller.
-        if !fs::symlink_metadata(&path).is_ok_and(|meta| meta.is_symlink()) {
-            return Ok(path);
+        match again(|| system.symlink_metadata(&path)) {
+            Ok(meta) if meta.is_symlink() => {}
+            Ok(_) => return Ok(path),
+            Err(e) if is_missing(&e) => return Ok(path),
+            // What may be a link must not be taken for a file: it would be replaced.
+            Err(e) => return Err(e),
         }
-        // The magic links of /proc (what /dev/stdout points at) lead to names that are no paths.
-        if fs::metadata(&path).is_ok_and(|meta| !meta.is_file()) {
-            return Ok(path);
+        match again(|| system.metadata(&path)) {
+            // The magic links of /proc (what /dev/stdout points at) lead to names that are no paths.
+            Ok(meta) if !meta.is_file() => return Ok(path),
+            Ok(_) => {}
+            Err(e) if is_missing(&e) || is_circle(&e) => {}
+            Err(e) => return Err(e),
         }
-        let to = fs::read_link(&path)?;
+        let to = again(|| system.read_link(&path))?;
         path = path.parent().unwrap_or(Path::new("")).join(to);
     }
     Err(io::Error::new(io::ErrorKind::InvalidInput, "the symbolic link leads in a circle"))
+}
+
+fn is_missing(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory)
+}
+
+fn is_circle(error: &io::Error) -> bool {
+    #[cfg(unix)]
+    return rustix::io::Errno::from_io_error(error) == Some(rustix::io::Errno::LOOP);
+    #[cfg(not(unix))]
+    {
+        let _ = error;
+        false
+    }
 }

@@ -59,7 +59,6 @@ fn nothing_remains_of_a_bundle_that_is_dropped_or_fails() {
     fs::write(&target, "before").unwrap();
     let mut bundle = staged(&target, "mesh");
     side(&mut bundle, ".mtl", "material");
-    assert!(fs::read_dir(dir.path()).unwrap().count() > 1);
     drop(bundle);
     let mut bundle = Bundle::create(&target).unwrap();
     let failed = bundle.write_side("_x", None, &Quiet, |out| {
@@ -167,6 +166,44 @@ fn targets_that_cannot_be_files_say_what_to_do() {
 }
 
 #[test]
+fn what_a_killed_program_left_is_swept_and_what_lives_is_not() {
+    let dir = tempfile::tempdir().unwrap();
+    let at = |name: &str| dir.path().join(name);
+    // Process numbers are below 2^22 on Linux.
+    for name in [".linden-99999999-0.part", ".linden-99999999-1.part", ".linden-new.part", "fir.part"] {
+        fs::write(at(name), "left").unwrap();
+    }
+    let alive = fs::File::open(at(".linden-99999999-1.part")).unwrap();
+    alive.lock().unwrap();
+    drop(Bundle::create(&at("fir.obj")).unwrap());
+    let names: Vec<_> = listing(dir.path()).into_iter().map(|(name, _)| name).collect();
+    assert_eq!(names, [".linden-99999999-1.part", ".linden-new.part", "fir.part"]);
+    drop(alive);
+    drop(Bundle::create(&at("fir.obj")).unwrap());
+    assert!(!at(".linden-99999999-1.part").exists());
+}
+
+#[test]
+fn folders_are_made_and_go_again_unless_they_are_kept() {
+    let dir = tempfile::tempdir().unwrap();
+    let target = dir.path().join("a/b/fir.obj");
+    assert!(matches!(Bundle::create(&target), Err(ExportError::NoFolder { .. })));
+    let made = make_folders(&target).unwrap();
+    drop(Bundle::create(&target).unwrap());
+    drop(made);
+    assert!(!dir.path().join("a").exists());
+    let made = make_folders(&target).unwrap();
+    staged(&target, "mesh").unsynced().commit().unwrap();
+    // Even then, what holds something stays.
+    drop(made);
+    assert_eq!(fs::read(&target).unwrap(), b"mesh");
+    make_folders(&target).unwrap().keep();
+    fs::write(dir.path().join("file"), "").unwrap();
+    let said = make_folders(&dir.path().join("file/c/fir.obj")).err().unwrap().to_string();
+    assert!(said.starts_with("making the directory") && said.contains("file/c"), "{said}");
+}
+
+#[test]
 fn looking_at_a_target_tells_what_is_there_and_leaves_it() {
     let dir = tempfile::tempdir().unwrap();
     fs::write(dir.path().join("fir.obj"), "before").unwrap();
@@ -231,6 +268,90 @@ mod unix {
         let bundles =
             vec![staged(&dir.path().join("fir.obj"), "a"), staged(&dir.path().join("link.obj"), "b")];
         assert!(matches!(ensure_distinct(&bundles), Err(ExportError::SameTarget { .. })));
+    }
+
+    #[test]
+    fn side_files_are_treated_as_main_ones() {
+        let dir = tempfile::tempdir().unwrap();
+        let at = |name: &str| dir.path().join(name);
+        fs::create_dir(at("far")).unwrap();
+        fs::write(at("far/shared.mtl"), "before").unwrap();
+        symlink("far/shared.mtl", at("fir.mtl")).unwrap();
+        let mut bundle = staged(&at("fir.obj"), "mesh");
+        side(&mut bundle, ".mtl", "material");
+        bundle.commit().unwrap();
+        assert!(fs::symlink_metadata(at("fir.mtl")).unwrap().is_symlink());
+        assert_eq!(fs::read_to_string(at("far/shared.mtl")).unwrap(), "material");
+
+        fs::write(at("oak.mtl"), "before").unwrap();
+        fs::set_permissions(at("oak.mtl"), fs::Permissions::from_mode(0o444)).unwrap();
+        fs::create_dir(at("oak_bark.png")).unwrap();
+        rustix::fs::mknodat(
+            rustix::fs::CWD,
+            at("oak_leaf.png"),
+            rustix::fs::FileType::Fifo,
+            rustix::fs::Mode::from_raw_mode(0o600),
+            0,
+        )
+        .unwrap();
+        let mut bundle = staged(&at("oak.obj"), "mesh");
+        for (suffix, told) in
+            [(".mtl", "write-protected"), ("_bark.png", "is a directory"), ("_leaf.png", "is a pipe")]
+        {
+            let said = bundle.write_side(suffix, None, &Quiet, |_| Ok(())).unwrap_err().to_string();
+            assert!(said.contains(told) && said.contains(&format!("oak{suffix}")), "{said}");
+        }
+        drop(bundle);
+        assert_eq!(fs::read_to_string(at("oak.mtl")).unwrap(), "before");
+    }
+
+    /// Wants nothing any more after so many questions.
+    struct Impatient(std::sync::atomic::AtomicUsize);
+
+    impl linden::Monitor for Impatient {
+        fn is_cancelled(&self) -> bool {
+            let left = self.0.load(std::sync::atomic::Ordering::Relaxed);
+            self.0.store(left.saturating_sub(1), std::sync::atomic::Ordering::Relaxed);
+            left == 0
+        }
+
+        fn advance(&self, _: linden::monitor::Phase, _: u64, _: Option<u64>) {}
+    }
+
+    fn fifo(dir: &Path) -> std::path::PathBuf {
+        let path = dir.join("pipe.obj");
+        let mode = rustix::fs::Mode::from_raw_mode(0o600);
+        rustix::fs::mknodat(rustix::fs::CWD, &path, rustix::fs::FileType::Fifo, mode, 0).unwrap();
+        path
+    }
+
+    #[test]
+    fn a_pipe_is_waited_for_as_long_as_somebody_wants_it() {
+        let dir = tempfile::tempdir().unwrap();
+        let path = fifo(dir.path());
+        // Without a reader.
+        let mut bundle = Bundle::create(&path).unwrap();
+        let write = |bundle: &mut Bundle, content: &[u8], questions: usize| {
+            bundle.write_main(None, &Impatient(questions.into()), |out| out.write(content))
+        };
+        assert!(matches!(write(&mut bundle, b"mesh", 3), Err(ExportError::Cancelled(_))));
+        // With one that does not read.
+        let reader = fs::File::options().read(true).write(true).open(&path).unwrap();
+        let full = vec![b'x'; 1 << 20];
+        assert!(matches!(write(&mut bundle, &full, 40), Err(ExportError::Cancelled(_))));
+        drop((reader, bundle));
+        // With one that comes late.
+        let mut bundle = Bundle::create(&path).unwrap();
+        let reader = std::thread::spawn({
+            let path = path.clone();
+            move || {
+                std::thread::sleep(std::time::Duration::from_millis(100));
+                fs::read(path).unwrap()
+            }
+        });
+        write(&mut bundle, &full, usize::MAX).unwrap();
+        drop(bundle);
+        assert!(reader.join().unwrap() == full);
     }
 
     #[cfg(target_os = "linux")]

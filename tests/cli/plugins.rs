@@ -119,35 +119,83 @@ fn plugins_are_listed_beside_our_own_and_never_instead() {
     assert!(said.err.contains(".plain"), "{}", said.err);
 }
 
+/// A plug-in at work, and what it has started.
+struct AtWork {
+    child: std::process::Child,
+    sleeper: u32,
+    /// Where temporary folders are made.
+    temporary: Folder,
+}
+
+impl AtWork {
+    /// Runs a plug-in that writes the number of a process that it has started to `$LINDEN_TEST_PID`.
+    fn start(shop: &Workshop) -> Self {
+        let (pid, temporary) = (shop.programs.file("pid"), Folder::new());
+        let mut child = shop
+            .command(&["export", "older-a", "-o", "a.foo"])
+            .env("LINDEN_TEST_PID", &pid)
+            .env("TMPDIR", temporary.path())
+            .stderr(Stdio::piped())
+            .stdout(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let begun = Instant::now();
+        let sleeper = loop {
+            let text = std::fs::read_to_string(&pid).unwrap_or_default();
+            if let Some(id) = text.strip_suffix('\n').and_then(|text| text.parse::<u32>().ok()) {
+                break id;
+            }
+            assert!(child.try_wait().unwrap().is_none(), "it ended before it was interrupted");
+            assert!(begun.elapsed() < Duration::from_mins(1), "it never began");
+            std::thread::sleep(Duration::from_millis(10));
+        };
+        assert_eq!(temporary.names().len(), 1);
+        Self { child, sleeper, temporary }
+    }
+
+    fn send(&self, signal: &str) {
+        let id = self.child.id().to_string();
+        assert!(Command::new("kill").args(["-s", signal, &id]).status().unwrap().success());
+    }
+
+    /// The code that linden ends with; what the plug-in has started and its folder end soon.
+    fn end(self) -> Option<i32> {
+        let output = self.child.wait_with_output().unwrap();
+        let begun = Instant::now();
+        // Its process may wait to be collected by init; it does not run any more.
+        let stat = || std::fs::read_to_string(format!("/proc/{}/stat", self.sleeper)).unwrap_or_default();
+        let runs = || Path::new("/proc/self/stat").exists() && !stat().is_empty() && !stat().contains(") Z ");
+        while runs() || !self.temporary.names().is_empty() {
+            let left = self.temporary.names();
+            assert!(begun.elapsed() < Duration::from_mins(1), "it goes on: {} {left:?}", stat());
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        output.status.code()
+    }
+}
+
 #[test]
 fn an_interrupt_ends_a_plugin_and_what_it_started() {
     let shop = Workshop::new("sleep 300 & echo $! > \"$LINDEN_TEST_PID\"; wait");
-    let pid = shop.programs.file("pid");
-    let mut child = shop
-        .command(&["export", "older-a", "-o", "a.foo"])
-        .env("LINDEN_TEST_PID", &pid)
-        .stderr(Stdio::piped())
-        .stdout(Stdio::piped())
-        .spawn()
-        .unwrap();
-    let begun = Instant::now();
-    let sleeper = loop {
-        let text = std::fs::read_to_string(&pid).unwrap_or_default();
-        if let Ok(id) = text.trim().parse::<u32>() {
-            break id;
-        }
-        assert!(child.try_wait().unwrap().is_none(), "it ended before it was interrupted");
-        assert!(begun.elapsed() < Duration::from_mins(1), "it never began");
-        std::thread::sleep(Duration::from_millis(10));
-    };
-    let sent = Command::new("kill").args(["-s", "INT", &child.id().to_string()]).status().unwrap();
-    assert!(sent.success());
-    let output = child.wait_with_output().unwrap();
-    assert_eq!(output.status.code(), Some(130), "{}", String::from_utf8_lossy(&output.stderr));
+    let work = AtWork::start(&shop);
+    work.send("INT");
+    assert_eq!(work.end(), Some(130));
     assert_eq!(shop.work.names(), [""; 0]);
-    // Its process may wait to be collected by init; it does not run any more.
-    let stat = std::fs::read_to_string(format!("/proc/{sleeper}/stat")).unwrap_or_default();
-    assert!(!Path::new("/proc/self/stat").exists() || stat.is_empty() || stat.contains(") Z "), "{stat}");
+}
+
+#[test]
+fn a_second_interrupt_and_a_kill_end_even_a_plugin_that_hears_nothing() {
+    let shop = Workshop::new("trap '' TERM; sleep 300 & echo $! > \"$LINDEN_TEST_PID\"; wait");
+    let work = AtWork::start(&shop);
+    work.send("INT");
+    std::thread::sleep(Duration::from_millis(300));
+    work.send("INT");
+    assert_eq!(work.end(), Some(130));
+    std::fs::remove_file(shop.programs.file("pid")).unwrap();
+    let work = AtWork::start(&shop);
+    work.send("KILL");
+    assert_eq!(work.end(), None);
+    assert_eq!(shop.work.names(), [""; 0]);
 }
 
 #[test]

@@ -1,0 +1,225 @@
+//! The calls of the operating system that a bundle makes, all of them: tests let each fail in turn.
+
+use std::ffi::OsString;
+use std::fs::{self, File, Metadata, TryLockError};
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// What a bundle asks of a file system. Methods are single calls: none tries again, none tidies up.
+pub(super) trait FileSystem: Sync {
+    /// What is at a path, links followed.
+    fn metadata(&self, path: &Path) -> io::Result<Metadata>;
+    /// What is at a path, a link being a link.
+    fn symlink_metadata(&self, path: &Path) -> io::Result<Metadata>;
+    /// Where a link points.
+    fn read_link(&self, path: &Path) -> io::Result<PathBuf>;
+    /// A path without links.
+    fn canonicalize(&self, path: &Path) -> io::Result<PathBuf>;
+    /// The names in a folder.
+    fn names(&self, folder: &Path) -> io::Result<Vec<OsString>>;
+    /// Makes a folder.
+    fn create_folder(&self, path: &Path) -> io::Result<()>;
+    /// Removes an empty folder.
+    fn remove_folder(&self, path: &Path) -> io::Result<()>;
+
+    /// A file without a name in a folder, open for reading and writing: the system takes it back when
+    /// it is closed, however that comes. [`io::ErrorKind::Unsupported`] where there are none.
+    fn create_unnamed(&self, folder: &Path, mode: u32) -> io::Result<File>;
+    /// A new file, open for reading and writing. Its mode is less the umask, as that of any other
+    /// program's output.
+    fn create(&self, path: &Path, mode: u32) -> io::Result<File>;
+    /// A file that is there, for locking it and looking at it; a link is not followed.
+    fn open(&self, path: &Path) -> io::Result<File>;
+    /// A folder, for syncing it.
+    fn open_folder(&self, path: &Path) -> io::Result<File>;
+    /// Takes the lock of an open file, which goes when we end; whether it was free.
+    fn try_lock(&self, file: &File) -> io::Result<bool>;
+    /// Writes at the end; how many bytes were taken.
+    fn write(&self, file: &File, bytes: &[u8]) -> io::Result<usize>;
+    /// Reads from a place; how many bytes there were.
+    fn read_at(&self, file: &File, bytes: &mut [u8], offset: u64) -> io::Result<usize>;
+    /// Sets permissions.
+    fn set_mode(&self, file: &File, mode: u32) -> io::Result<()>;
+    /// Brings what was written, or a folder's names, to the disk.
+    fn sync(&self, file: &File) -> io::Result<()>;
+
+    /// Gives a file from [`FileSystem::create_unnamed`] a name that is not taken.
+    fn link_unnamed(&self, file: &File, path: &Path) -> io::Result<()>;
+    /// Gives a file a second name.
+    fn link(&self, from: &Path, to: &Path) -> io::Result<()>;
+    /// Gives a file another name; what had that name before is gone in the same moment.
+    fn rename(&self, from: &Path, to: &Path) -> io::Result<()>;
+    /// Two files swap their names in one moment. [`io::ErrorKind::Unsupported`] where that is unknown.
+    fn exchange(&self, one: &Path, other: &Path) -> io::Result<()>;
+    /// Takes a name away.
+    fn remove(&self, path: &Path) -> io::Result<()>;
+}
+
+/// Tries a call again as long as a signal interrupts it.
+pub(super) fn again<T>(mut call: impl FnMut() -> io::Result<T>) -> io::Result<T> {
+    loop {
+        match call() {
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            done => return done,
+        }
+    }
+}
+
+/// The file system of this machine.
+pub(super) struct System;
+
+impl FileSystem for System {
+    fn metadata(&self, path: &Path) -> io::Result<Metadata> {
+        fs::metadata(path)
+    }
+
+    fn symlink_metadata(&self, path: &Path) -> io::Result<Metadata> {
+        fs::symlink_metadata(path)
+    }
+
+    fn read_link(&self, path: &Path) -> io::Result<PathBuf> {
+        fs::read_link(path)
+    }
+
+    fn canonicalize(&self, path: &Path) -> io::Result<PathBuf> {
+        fs::canonicalize(path)
+    }
+
+    fn names(&self, folder: &Path) -> io::Result<Vec<OsString>> {
+        fs::read_dir(folder)?.map(|entry| Ok(entry?.file_name())).collect()
+    }
+
+    fn create_folder(&self, path: &Path) -> io::Result<()> {
+        fs::create_dir(path)
+    }
+
+    fn remove_folder(&self, path: &Path) -> io::Result<()> {
+        fs::remove_dir(path)
+    }
+
+    #[cfg(target_os = "linux")]
+    fn create_unnamed(&self, folder: &Path, mode: u32) -> io::Result<File> {
+        use rustix::fs::{Mode, OFlags};
+        let flags = OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC;
+        let file = File::from(rustix::fs::open(folder, flags, Mode::from_raw_mode(mode))?);
+        // It is named by way of this link: without it a file could be written and never placed.
+        fs::symlink_metadata(link_of(&file)).map_err(|_| io::ErrorKind::Unsupported)?;
+        Ok(file)
+    }
+
+    #[cfg(not(target_os = "linux"))]
+    fn create_unnamed(&self, _: &Path, _: u32) -> io::Result<File> {
+        Err(io::ErrorKind::Unsupported.into())
+    }
+
+    fn create(&self, path: &Path, mode: u32) -> io::Result<File> {
+        let mut options = File::options();
+        options.read(true).write(true).create_new(true);
+        #[cfg(unix)]
+        std::os::unix::fs::OpenOptionsExt::mode(&mut options, mode);
+        #[cfg(not(unix))]
+        let _ = mode;
+        options.open(path)
+    }
+
+    fn open(&self, path: &Path) -> io::Result<File> {
+        let open = |writes: bool| {
+            let mut options = File::options();
+            options.read(true).write(writes);
+            #[cfg(unix)]
+            {
+                use std::os::unix::fs::OpenOptionsExt;
+                // A pipe of that name is not waited for.
+                let flags = rustix::fs::OFlags::NOFOLLOW | rustix::fs::OFlags::NONBLOCK;
+                options.custom_flags(flags.bits() as i32);
+            }
+            options.open(path)
+        };
+        // Locks on a network need files that are open for writing.
+        open(true).or_else(|_| open(false))
+    }
+
+    fn open_folder(&self, path: &Path) -> io::Result<File> {
+        #[cfg(unix)]
+        return File::open(path);
+        #[cfg(not(unix))]
+        {
+            let _ = path;
+            Err(io::ErrorKind::Unsupported.into())
+        }
+    }
+
+    fn try_lock(&self, file: &File) -> io::Result<bool> {
+        match file.try_lock() {
+            Ok(()) => Ok(true),
+            Err(TryLockError::WouldBlock) => Ok(false),
+            Err(TryLockError::Error(error)) => Err(error),
+        }
+    }
+
+    fn write(&self, mut file: &File, bytes: &[u8]) -> io::Result<usize> {
+        io::Write::write(&mut file, bytes)
+    }
+
+    fn read_at(&self, file: &File, bytes: &mut [u8], offset: u64) -> io::Result<usize> {
+        #[cfg(unix)]
+        return std::os::unix::fs::FileExt::read_at(file, bytes, offset);
+        #[cfg(windows)]
+        return std::os::windows::fs::FileExt::seek_read(file, bytes, offset);
+    }
+
+    fn set_mode(&self, file: &File, mode: u32) -> io::Result<()> {
+        #[cfg(unix)]
+        return file.set_permissions(std::os::unix::fs::PermissionsExt::from_mode(mode));
+        #[cfg(not(unix))]
+        {
+            let _ = (file, mode);
+            Ok(())
+        }
+    }
+
+    fn sync(&self, file: &File) -> io::Result<()> {
+        file.sync_all()
+    }
+
+    #[cfg(target_os = "linux")]
+    fn link_unnamed(&self, file: &File, path: &Path) -> io::Result<()> {
+        use rustix::fs::{AtFlags, CWD, linkat};
+        Ok(linkat(CWD, link_of(file), CWD, path, AtFlags::SYMLINK_FOLLOW)?)
+    }
+
+    #[cfg(not(target_os = "linux"))]
+    fn link_unnamed(&self, _: &File, _: &Path) -> io::Result<()> {
+        Err(io::ErrorKind::Unsupported.into())
+    }
+
+    fn link(&self, from: &Path, to: &Path) -> io::Result<()> {
+        fs::hard_link(from, to)
+    }
+
+    fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
+        fs::rename(from, to)
+    }
+
+    #[cfg(any(target_os = "linux", target_vendor = "apple"))]
+    fn exchange(&self, one: &Path, other: &Path) -> io::Result<()> {
+        use rustix::fs::{CWD, RenameFlags, renameat_with};
+        Ok(renameat_with(CWD, one, CWD, other, RenameFlags::EXCHANGE)?)
+    }
+
+    #[cfg(not(any(target_os = "linux", target_vendor = "apple")))]
+    fn exchange(&self, _: &Path, _: &Path) -> io::Result<()> {
+        Err(io::ErrorKind::Unsupported.into())
+    }
+
+    fn remove(&self, path: &Path) -> io::Result<()> {
+        fs::remove_file(path)
+    }
+}
+
+/// The link that the system keeps for an open file.
+#[cfg(target_os = "linux")]
+fn link_of(file: &File) -> PathBuf {
+    use std::os::fd::AsRawFd;
+    PathBuf::from(format!("/proc/self/fd/{}", file.as_raw_fd()))
+}
