@@ -14,6 +14,12 @@ const USAGE: u8 = 2;
 #[error("{0}")]
 pub struct Usage(pub String);
 
+/// Whoever read our standard output has seen enough (`linden list | head`), and nothing else was to be
+/// written: that is no failure.
+#[derive(Debug, thiserror::Error)]
+#[error("the program that was reading standard output has stopped")]
+pub struct ReaderGone;
+
 /// For `?` on errors of the command line.
 pub fn usage(error: impl std::fmt::Display) -> anyhow::Error {
     Usage(error.to_string()).into()
@@ -25,7 +31,7 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
         // Whatever failed, failed because of it. Shells expect 128 + signal.
         return ExitCode::from(128 + signal);
     }
-    if is_closed_pipe(error) {
+    if error.is::<ReaderGone>() {
         return ExitCode::SUCCESS;
     }
     let code = if error.chain().any(<dyn std::error::Error>::is::<Usage>) { USAGE } else { FAILED };
@@ -53,12 +59,4 @@ fn sentence(error: &anyhow::Error) -> String {
         line.push_str(&text);
     }
     line
-}
-
-/// Whoever read our standard output has seen enough (`linden list | head`): that is no failure.
-fn is_closed_pipe(error: &anyhow::Error) -> bool {
-    error
-        .chain()
-        .filter_map(|cause| cause.downcast_ref::<std::io::Error>())
-        .any(|io| io.kind() == std::io::ErrorKind::BrokenPipe)
 }

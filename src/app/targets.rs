@@ -11,8 +11,8 @@ use linden::Monitor;
 use linden::season::Season;
 use linden::stage::Stage;
 use linden_exporters::{
-    Bundle, Existing, ExportError, Exporter, Format, LooksIn, Options, Written, commit_all, ensure_distinct,
-    ensure_spared, examine,
+    Bundle, Existing, ExportError, Exporter, Format, LooksIn, MadeFolders, Options, Written, commit_all,
+    ensure_distinct, ensure_spared, examine,
 };
 
 /// One output: who writes it, with which options, where.
@@ -105,6 +105,8 @@ pub struct Batch {
     bundles: Vec<Bundle>,
     /// What the tree is grown from, and must not be replaced.
     sources: Vec<PathBuf>,
+    /// Made for the files, and removed again after them unless they are committed.
+    folders: Vec<MadeFolders>,
 }
 
 impl Batch {
@@ -132,7 +134,23 @@ impl Batch {
         let bundles = outputs.iter().map(bundle).collect::<Result<Vec<_>, _>>()?;
         ensure_distinct(&bundles)?;
         ensure_spared(&bundles, &sources)?;
-        Ok(Self { outputs, bundles, sources })
+        Ok(Self { outputs, bundles, sources, folders: Vec::new() })
+    }
+
+    /// With folders that were made for it.
+    pub fn with_folders(mut self, folders: Vec<MadeFolders>) -> Self {
+        self.folders.extend(folders);
+        self
+    }
+
+    /// Pipes that nobody reads yet: writing to them waits.
+    pub fn unread_pipes(&mut self) -> Vec<String> {
+        self.bundles.iter_mut().filter_map(|own| own.unread_pipe().map(str::to_owned)).collect()
+    }
+
+    /// Whether standard output is all that is written.
+    pub fn is_stdout_alone(&self) -> bool {
+        matches!(self.outputs.as_slice(), [only] if only.path == Path::new("-"))
     }
 
     /// How many outputs are streams: they hold one file each, and it goes out as it is made.
@@ -174,6 +192,7 @@ impl Batch {
     pub fn commit(self) -> Result<Vec<Written>, ExportError> {
         ensure_spared(&self.bundles, &self.sources)?;
         let mut written = commit_all(self.bundles)?;
+        self.folders.into_iter().for_each(MadeFolders::keep);
         let mut listed = BTreeSet::new();
         written.retain(|file| listed.insert(file.path.clone()));
         Ok(written)
@@ -183,8 +202,7 @@ impl Batch {
 /// `fir.glb`, or `fir-skeleton.ply` where another format has the plain name.
 pub fn default_name(id: &str, exporter: &dyn Exporter) -> String {
     let format = exporter.format();
-    let stem: String =
-        id.chars().map(|c| if std::path::is_separator(c) || c.is_control() { '-' } else { c }).collect();
+    let stem = plain_stem(id);
     match format.extensions.first() {
         Some(ending) => format!("{stem}.{ending}"),
         // A second flavour of an ending: `ply-skeleton`.
@@ -193,6 +211,11 @@ pub fn default_name(id: &str, exporter: &dyn Exporter) -> String {
             format!("{stem}-{flavour}.{ending}")
         }
     }
+}
+
+/// An id as the beginning of a file's name.
+pub fn plain_stem(id: &str) -> String {
+    id.chars().map(|c| if std::path::is_separator(c) || c.is_control() { '-' } else { c }).collect()
 }
 
 /// A path as it was typed: `~/` is the home directory, where one is known. (On a command line the

@@ -253,7 +253,9 @@ fn forests_that_cannot_be() {
     forest(&["fir", "--area", "10000", "--spacing", "0.05"], 1, &["more than 1000000", "smaller area"]);
     forest(&["fir", "--spacing", "-1"], 2, &["'spacing'", "0.05 to 1000"]);
     forest(&["fir", "--area", "wide"], 2, &["'area'", "1 to 10000"]);
-    forest(&["fir:0", "simple"], 1, &["'fir'", "above 0"]);
+    forest(&["fir:0", "simple"], 2, &["fir:0", "above 0"]);
+    forest(&["fir:-1"], 2, &["fir:-1", "above 0"]);
+    forest(&["fir:inf"], 2, &["fir:inf", "not inf"]);
     forest(&["fri"], 2, &["'fri'", "did you mean 'fir'"]);
     forest(&["mixed-wod"], 2, &["did you mean 'mixed-wood'"]);
     forest(
@@ -313,11 +315,13 @@ fn places_that_cannot_be_written_to() {
 
     let folder = Folder::new();
     std::fs::create_dir(folder.file("dir.glb")).unwrap();
-    refused(&folder, 1, &["export", "fir", "-o", "dir.glb"], &["dir.glb", "directory"]);
-    refused(&folder, 1, &["export", "fir", "-o", "none/x.glb"], &["none"]);
+    refused(&folder, 2, &["export", "fir", "-o", "dir.glb"], &["dir.glb", "directory", "--format"]);
+    refused(&folder, 1, &["export", "fir", "-o", "none/x.glb"], &["none", "create it", "--mkdir"]);
+    refused(&folder, 1, &["export", "fir", "-o", "none/", "--format", "glb"], &["none/fir.glb", "--mkdir"]);
+    refused(&folder, 1, &["sheet", "fir", "-o", "none/x.png"], &["none", "--mkdir"]);
     refused(&folder, 1, &["export", "fir", "-o", "ok.obj", "-o", "none/x.glb"], &["none"]);
-    refused(&folder, 1, &["export", "fir", "-o", "x.glb", "-o", "./x.glb"], &["x.glb", "same file"]);
-    refused(&folder, 1, &["preview", "fir", "-o", "none/x.png"], &["none"]);
+    refused(&folder, 2, &["export", "fir", "-o", "x.glb", "-o", "./x.glb"], &["x.glb", "same file"]);
+    refused(&folder, 1, &["preview", "fir", "-o", "none/x.png"], &["none", "--mkdir"]);
 
     // Nobody, not even root, makes files there.
     if std::path::Path::new("/proc/self").exists() {

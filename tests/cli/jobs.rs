@@ -226,3 +226,27 @@ fn every_preset_stays_closed_and_sound() {
         assert!((0.3..40.0).contains(&height), "{id} is {height} m high");
     }
 }
+
+#[test]
+fn files_go_into_a_directory_under_the_name_of_what_they_hold() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.file("there")).unwrap();
+    let names = |of: &str| {
+        let mut names: Vec<_> = std::fs::read_dir(folder.file(of))
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    };
+    folder.run(&["export", "older-a", "-o", "there", "--format", "glb,ply-skeleton"]).done();
+    folder.run(&["preview", "older-a", "-o", "there/"]).done();
+    folder.run(&["sheet", "older-a", "-o", "there"]).done();
+    assert_eq!(names("there"), ["older-a-skeleton.ply", "older-a.glb", "older-a.png", "sheet.png"]);
+    folder.run(&["export", "older-a", "-o", "a/b/", "--format", "qsm", "--mkdir", "--no-sync"]).done();
+    folder.run(&["preview", "older-a", "-o", "a/c/x.png", "--mkdir"]).done();
+    assert_eq!((names("a"), names("a/b")), (vec!["b".into(), "c".into()], vec!["older-a.csv".to_owned()]));
+    // What fails leaves no directory behind either.
+    let said = folder.run(&["export", "older-a", "-o", "x/y/older.glb", "-o", "x/y/older.glb", "--mkdir"]);
+    assert_eq!((said.code, folder.file("x").exists()), (Some(2), false), "{}", said.err);
+}

@@ -9,6 +9,7 @@ mod forecasts;
 mod forest;
 mod interrupt;
 mod jobs;
+mod kills;
 mod own_pictures;
 mod pipes;
 mod plugins;

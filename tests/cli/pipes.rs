@@ -35,6 +35,45 @@ fn a_reader_that_stops_early_is_no_failure() {
 }
 
 #[test]
+fn a_reader_that_stops_early_is_a_failure_where_more_was_to_be_written() {
+    let folder = Folder::new();
+    let run = |args: &[&str]| {
+        let mut child = linden()
+            .args(args)
+            .current_dir(folder.path())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(child.stdout.take());
+        let output = child.wait_with_output().unwrap();
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (code, said) = run(&["export", "simple", "-o", "real.glb", "-o", "-", "--format", "glb,obj"]);
+    assert!(code == Some(1) && said.contains("standard output") && said.contains("has stopped"), "{said}");
+    assert!(folder.names().is_empty(), "all outputs or none");
+    let (code, said) = run(&["export", "simple", "-o", "-", "--format", "obj"]);
+    assert_eq!((code, said.as_str()), (Some(0), ""));
+    let (code, said) = run(&["preview", "simple", "-o", "-"]);
+    assert_eq!((code, said.as_str()), (Some(0), ""));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_reader_of_a_named_pipe_that_stops_is_a_failure() {
+    let folder = Folder::new();
+    assert!(std::process::Command::new("mkfifo").arg(folder.file("pipe")).status().unwrap().success());
+    let reader = std::thread::spawn({
+        let pipe = folder.file("pipe");
+        move || std::fs::File::open(pipe).unwrap().read_exact(&mut [0; 8]).unwrap()
+    });
+    let said = folder.run(&["export", "simple", "-o", "pipe", "--format", "obj"]);
+    reader.join().unwrap();
+    assert_eq!(said.code, Some(1), "{}", said.err);
+    assert!(said.err.contains("pipe") && said.err.contains("has stopped"), "{}", said.err);
+}
+
+#[test]
 fn nothing_is_said_on_the_way_when_standard_error_is_a_pipe() {
     let said =
         Folder::new().run(&["stats", "sphere", "--set", "points=300000", "--set", "step=0.02", "--json"]);

@@ -1,6 +1,6 @@
 //! Runs the program in a folder of its own.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -48,7 +48,10 @@ impl Folder {
 
     /// The names of all files.
     pub fn names(&self) -> Vec<String> {
-        self.content().keys().map(|p| p.file_name().unwrap().to_string_lossy().into_owned()).collect()
+        let entries = fs::read_dir(self.path()).unwrap();
+        let names = entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned());
+        // A set is in order.
+        names.collect::<BTreeSet<_>>().into_iter().collect()
     }
 
     /// Runs the program here.

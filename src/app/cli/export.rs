@@ -11,7 +11,7 @@ use linden_exporters::{Exporter, REGISTRY};
 
 use super::Growing;
 use super::forest::{Written, side_by_side};
-use super::outputs::{Outputs, finish};
+use super::outputs::{Outputs, finish, write};
 use crate::exit::usage;
 use crate::forecast::{Outlook, announce};
 use crate::progress::Progress;
@@ -120,7 +120,7 @@ impl Export {
         // Scenes have taken what they need of it.
         drop(grown);
         let holding = Holding::new(&progress, source.recipe.inputs.bytes());
-        batch.write(&stage, &holding, |notes| super::notes(notes, &progress))?;
+        write(&mut batch, &stage, &holding, &progress)?;
         finish(batch, &progress)
     }
 }
@@ -145,7 +145,9 @@ fn after_help() -> String {
     format!(
         "Formats, and options of formats (--set FORMAT.OPTION=VALUE):\n{}\n\
          Any other format FOO is written by the program linden-export-FOO on the search path.\n\
-         Files appear whole or not at all. Existing files are replaced.",
+         Files appear whole or not at all, side files with their main file, and are on the disk when linden \
+         ends (unless --no-sync). Existing files are replaced, links written through, write-protected files \
+         refused.",
         format_table(REGISTRY)
     )
 }

@@ -16,7 +16,7 @@ use linden::preset::KnobError;
 use linden::scene::Wrap;
 use linden::stage::{self, Plant, Stage};
 
-use super::outputs::{Outputs, finish};
+use super::outputs::{Outputs, finish, write};
 use crate::exit::usage;
 use crate::forecast::{ForestOutlook, announce};
 use crate::progress::Progress;
@@ -123,7 +123,7 @@ impl Forest {
         }
         let mut kinds = Vec::new();
         for kind in &self.kinds {
-            let (name, share) = with_share(kind);
+            let (name, share) = with_share(kind)?;
             let source = source::resolve(Path::new(name), &[], progress)?;
             super::notes(&source.notes, progress);
             files.extend(source.files);
@@ -206,7 +206,7 @@ impl Written<'_> {
         };
         let stage = if self.scene { stage.in_setting() } else { stage };
         let holding = Holding::new(progress, inputs);
-        batch.write(&stage, &holding, |notes| super::notes(notes, progress))?;
+        write(&mut batch, &stage, &holding, progress)?;
         finish(batch, progress)
     }
 }
@@ -248,9 +248,17 @@ pub(super) fn side_by_side(
 }
 
 /// `fir:3`: a name and its share, 1 where none is said.
-fn with_share(kind: &str) -> (&str, f64) {
-    let parsed = kind.rsplit_once(':').and_then(|(name, share)| Some((name, share.parse().ok()?)));
-    parsed.unwrap_or((kind, 1.0))
+fn with_share(kind: &str) -> anyhow::Result<(&str, f64)> {
+    let parsed = kind.rsplit_once(':').and_then(|(name, share)| Some((name, share.parse::<f64>().ok()?)));
+    match parsed {
+        None => Ok((kind, 1.0)),
+        Some((_, share)) if share > 0.0 && share.is_finite() => Ok(parsed.unwrap_or((kind, 1.0))),
+        Some((name, share)) => Err(usage(format!(
+            "{}: a share is a part of all trees and must be above 0, not {share}; leave it out for an equal \
+             part, or leave out the kind",
+            linden::knob::printable(&format!("{name}:{share}"))
+        ))),
+    }
 }
 
 /// A forest's document, as an argument names it.

@@ -9,6 +9,7 @@ mod forest_page;
 mod list;
 mod man;
 mod outputs;
+mod placing;
 mod preview;
 mod schema;
 mod sheet;
@@ -183,7 +184,10 @@ fn notes(notes: &[String], progress: &Progress) {
 fn print(text: &str) -> anyhow::Result<()> {
     use anyhow::Context as _;
     let mut out = io::stdout().lock();
-    out.write_all(text.as_bytes()).and_then(|()| out.flush()).context("writing to standard output")
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Err(exit::ReaderGone.into()),
+        done => done.context("writing to standard output"),
+    }
 }
 
 /// Writes a result to standard output as JSON.
@@ -193,6 +197,7 @@ fn print_json(value: &impl serde::Serialize) -> anyhow::Result<()> {
 
 /// Parses the command line and does what it says.
 pub fn run() -> ExitCode {
+    crate::signals::outlive_file_limits();
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {

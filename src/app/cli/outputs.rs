@@ -1,10 +1,14 @@
 //! Where a command writes its files: shared by all that export.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
+use linden::Monitor;
 use linden::season::Season;
-use linden_exporters::{Bundle, Exporter, Options, REGISTRY, find, for_path};
+use linden::stage::Stage;
+use linden_exporters::{Exporter, Options, REGISTRY, find, for_path};
+
+use super::placing::{Placing, as_sole_output, explained, in_folder, is_dash, is_folder, waiting};
 
 use crate::exit::usage;
 use crate::progress::Progress;
@@ -13,7 +17,8 @@ use crate::targets::{Batch, Output, default_name};
 /// What is written where.
 #[derive(Args)]
 pub struct Outputs {
-    /// Write this file, in the format of its ending; may be given several times; - is standard output
+    /// Write this file, in the format of its ending, or into this directory, with --format; may be given
+    /// several times; - is standard output
     #[arg(short, long, value_name = "PATH")]
     output: Vec<PathBuf>,
 
@@ -34,6 +39,9 @@ pub struct Outputs {
     /// format that has it
     #[arg(long, value_name = "METHOD")]
     compress: Option<String>,
+
+    #[command(flatten)]
+    placing: Placing,
 }
 
 impl Outputs {
@@ -67,13 +75,9 @@ impl Outputs {
             let in_seasons = Output::new(exporter, options, path).in_seasons(seasons);
             outputs.extend(in_seasons.into_iter().flat_map(|output| output.in_levels(levels)));
         }
-        let batch = Batch::open(outputs, sources, |output| {
-            if output.path == Path::new("-") {
-                Ok(Bundle::stream("standard output", std::io::stdout()))
-            } else {
-                Bundle::create(&output.path)
-            }
-        })?;
+        let folders = self.placing.folders(outputs.iter().map(|output| output.path.as_path()))?;
+        let bundle = |output: &Output| self.placing.bundle(&output.path);
+        let batch = Batch::open(outputs, sources, bundle).map_err(explained)?.with_folders(folders);
         if batch.streams() > 1 {
             return Err(usage("only one output can be standard output: name files for the others"));
         }
@@ -95,23 +99,35 @@ impl Outputs {
     fn targets(&self, id: &str, command: &str) -> anyhow::Result<Vec<(&'static dyn Exporter, PathBuf)>> {
         let formats =
             self.format.iter().map(|id| find(id.trim())).collect::<Result<Vec<_>, _>>().map_err(usage)?;
+        let place = |exporter: &'static dyn Exporter, path: &PathBuf| {
+            (exporter, in_folder(path, || default_name(id, exporter)))
+        };
         match (self.output.as_slice(), formats.as_slice()) {
             ([], []) => Err(usage(format!("say where to write: {command}; formats: {}", ids().join(", ")))),
             ([], formats) => Ok(formats.iter().map(|&e| (e, default_name(id, e).into())).collect()),
             (paths, []) => paths
                 .iter()
                 .map(|path| {
-                    if path == Path::new("-") {
+                    if is_dash(path) {
                         return Err(usage(
                             "standard output has no ending: name its format, like --format obj",
                         ));
                     }
+                    if is_folder(path) {
+                        return Err(usage(format!(
+                            "{} is a directory: name the formats of the files in it, like --format glb,obj",
+                            crate::source::show(path)
+                        )));
+                    }
                     Ok((for_path(path).map_err(usage)?, path.clone()))
                 })
                 .collect(),
-            (paths, [one]) => Ok(paths.iter().map(|path| (*one, path.clone())).collect()),
+            (paths, [one]) => Ok(paths.iter().map(|path| place(*one, path)).collect()),
+            ([folder], formats) if is_folder(folder) => {
+                Ok(formats.iter().map(|format| place(*format, folder)).collect())
+            }
             (paths, formats) if paths.len() == formats.len() => {
-                Ok(formats.iter().copied().zip(paths.iter().cloned()).collect())
+                Ok(formats.iter().zip(paths).map(|(format, path)| place(*format, path)).collect())
             }
             (paths, formats) => Err(usage(format!(
                 "{} formats for {} outputs: name one format for all outputs or one for each",
@@ -122,10 +138,25 @@ impl Outputs {
     }
 }
 
+/// Writes all files, under temporary names; what the user should know goes to standard error.
+pub fn write(
+    batch: &mut Batch,
+    stage: &Stage<'_>,
+    monitor: &dyn Monitor,
+    progress: &Progress,
+) -> anyhow::Result<()> {
+    let is_sole = batch.is_stdout_alone();
+    for pipe in batch.unread_pipes() {
+        super::notes(&[waiting(&pipe)], progress);
+    }
+    let done = batch.write(stage, monitor, |notes| super::notes(notes, progress));
+    done.map_err(if is_sole { as_sole_output } else { explained })
+}
+
 /// Puts all files in their places and lists them, unless a file itself is on standard output.
 pub fn finish(batch: Batch, progress: &Progress) -> anyhow::Result<()> {
     let streams = batch.streams();
-    let written = batch.commit()?;
+    let written = batch.commit().map_err(explained)?;
     progress.clear();
     let mut lines = String::new();
     for file in written {

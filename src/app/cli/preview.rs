@@ -12,12 +12,12 @@ use linden::memory::Holding;
 use linden::picture::Picture;
 use linden::scene::{Bounds, Scene};
 use linden::{Monitor, Skeleton, Vec3};
-use linden_exporters::Bundle;
 use linden_raster::memory::admit_png;
 use linden_raster::{Background, Camera, Paint, Size, Style, Surface, draw_skeleton, draw_surface};
 use linden_terminal::{CellStyle, ColorDepth, Glyphs, Image, TerminalSize, draw_cells};
 
 use super::Growing;
+use super::placing::{Placing, PngTarget, is_folder};
 use crate::exit::usage;
 use crate::forecast::{Outlook, announce};
 use crate::progress::Progress;
@@ -29,9 +29,12 @@ pub struct Preview {
     #[command(flatten)]
     growing: Growing,
 
-    /// Write a PNG file; - is standard output
+    /// Write a PNG file, or SOURCE.png into a directory; - is standard output
     #[arg(short, long, value_name = "FILE.png")]
     output: Option<PathBuf>,
+
+    #[command(flatten)]
+    placing: Placing,
 
     /// Width x height: pixels of a file (800x1000 when not given), columns and rows of a terminal
     #[arg(long, value_name = "WxH", value_parser = size)]
@@ -89,8 +92,13 @@ impl Preview {
     pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
         // A place that cannot be written to is found before anything grows.
-        let target = self.output.as_deref().map(png_target).transpose()?;
+        let open = |path: &Path, id: &str| PngTarget::open(path, id, &self.placing);
+        let named = self.output.as_deref().filter(|path| !is_folder(path));
+        let mut target = named.map(|path| open(path, "")).transpose()?;
         let source = self.growing.resolve(&progress)?;
+        if let Some(folder) = self.output.as_deref().filter(|path| is_folder(path)) {
+            target = Some(open(folder, &source.recipe.preset.id)?);
+        }
         if target.is_some() {
             let (width, height) = self.size.unwrap_or(FILE_SIZE);
             admit_png(Size::new(width, height).map_err(usage)?, 0, &progress)?;
@@ -127,7 +135,7 @@ impl Preview {
             }
             sitter.draw(&camera, &style, Size::new(width, height).map_err(usage)?, &progress)
         };
-        let Some(mut bundle) = target else {
+        let Some(target) = target else {
             let terminal = TerminalSize::of_stdout();
             // The last row is for the prompt.
             let (columns, rows) =
@@ -148,9 +156,7 @@ impl Preview {
         admit_png(Size::new(picture.width(), picture.height())?, sitter.bytes(), &progress)?;
         let png = picture.srgb_png()?;
         progress.clear();
-        bundle.write_main(Some(png.len() as u64), &progress, |sink| sink.write(&png))?;
-        bundle.commit()?;
-        Ok(())
+        target.write(&png, &progress)
     }
 }
 
@@ -229,19 +235,6 @@ pub fn broad_side(skeleton: &Skeleton) -> f32 {
     } else {
         30.0
     }
-}
-
-pub(super) fn png_target(path: &Path) -> anyhow::Result<Bundle> {
-    if path == Path::new("-") {
-        return Ok(Bundle::stream("standard output", std::io::stdout()));
-    }
-    let is_png = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
-    // Devices and pipes have names of their own; any other file would be lost to a typing mistake.
-    let is_stream = path.metadata().is_ok_and(|meta| !meta.is_file() && !meta.is_dir());
-    if !is_png && !is_stream {
-        return Err(usage(format!("previews are PNG files: name it like {}.png", crate::source::show(path))));
-    }
-    Ok(Bundle::create(path)?)
 }
 
 fn cells(n: u32) -> anyhow::Result<u16> {

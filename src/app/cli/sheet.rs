@@ -10,7 +10,8 @@ use linden::preset::builtins;
 use linden_raster::memory::admit_png;
 use linden_raster::{Camera, Size, Style};
 
-use super::preview::{Look, Sitter, broad_side, png_target, size};
+use super::placing::{Placing, PngTarget};
+use super::preview::{Look, Sitter, broad_side, size};
 use crate::exit::usage;
 use crate::forecast::{Outlook, announce};
 use crate::progress::Progress;
@@ -27,9 +28,12 @@ pub struct Sheet {
     #[arg(long, value_name = "GROUP")]
     group: Vec<String>,
 
-    /// Write this PNG file; - is standard output
+    /// Write this PNG file, or sheet.png into a directory; - is standard output
     #[arg(short, long, value_name = "FILE.png")]
     output: PathBuf,
+
+    #[command(flatten)]
+    placing: Placing,
 
     /// So many trees of each source, with its seed and those that follow
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1000))]
@@ -55,7 +59,7 @@ pub struct Sheet {
 impl Sheet {
     pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
-        let mut bundle = png_target(&self.output)?;
+        let target = PngTarget::open(&self.output, "sheet", &self.placing)?;
         let sources = self.sources()?;
         let count = u32::try_from(sources.len() as u64 * self.seeds).unwrap_or(u32::MAX);
         let (width, height) = self.size;
@@ -96,9 +100,7 @@ impl Sheet {
         }
         let png = sheet.finish().srgb_png().context("compressing the sheet")?;
         progress.clear();
-        bundle.write_main(Some(png.len() as u64), &progress, |sink| sink.write(&png))?;
-        bundle.commit()?;
-        Ok(())
+        target.write(&png, &progress)
     }
 
     /// What is asked for: groups first, then the sources.

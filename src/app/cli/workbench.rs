@@ -79,7 +79,10 @@ impl Terminal {
             OpenError::Descriptor { .. } => error.into(),
         })?;
         let overrides = self.look.overrides()?;
-        match run(tty, Start { source, set, overrides, stats: self.stats })? {
+        let end = run(tty, Start { source, set, overrides, stats: self.stats });
+        // Of an export that did not stop in time.
+        linden_exporters::abandon();
+        match end? {
             End::Quit => Ok(()),
             End::Signal(signal) => raise(signal),
             End::Hangup => raise(signal_hook::consts::SIGHUP),

@@ -1,10 +1,11 @@
 //! Files of bounded size in, whole files out.
 
 use std::fs::{self, File};
-use std::io::{ErrorKind, Read, Write};
-use std::path::{Path, PathBuf};
+use std::io::{ErrorKind, Read};
+use std::path::Path;
 
 use linden::preset::Place;
+use linden_exporters::write_file;
 
 use super::Complaint;
 
@@ -71,49 +72,19 @@ pub enum Existing {
     Keep,
 }
 
-/// Writes a whole file or nothing: beside it, to the disk, then renamed. Makes the directory.
+/// Writes a whole file or nothing, to the disk, as exports are written. Makes the directory.
 ///
 /// Whoever reads at the same time sees the old file or the new one. A link is followed: the file that
 /// it names is replaced, the link stays.
 pub fn write(path: &Path, bytes: &[u8], readers: Readers, existing: Existing) -> std::io::Result<()> {
-    let path = match (existing, fs::canonicalize(path)) {
-        (Existing::Replace, Ok(target)) => target,
-        _ => path.to_owned(),
-    };
-    let dir = path.parent().filter(|dir| !dir.as_os_str().is_empty());
-    let dir = dir.map_or_else(|| PathBuf::from("."), Path::to_owned);
-    fs::create_dir_all(&dir)?;
-    // Hidden, so that neither the list of presets nor the watch takes it for one.
-    let mut file = with_mode(tempfile::Builder::new().prefix(".linden-"), readers).tempfile_in(&dir)?;
-    file.write_all(bytes)?;
-    // Without this a power cut after the rename can leave an empty file under the final name.
-    file.as_file().sync_all()?;
-    let kept = match existing {
-        Existing::Replace => file.persist(&path),
-        Existing::Keep => file.persist_noclobber(&path),
-    };
-    kept.map(|_| ()).map_err(|error| error.error)
-}
-
-/// The mode that a new file is made with, less the umask.
-#[cfg(unix)]
-fn with_mode<'b, 'p, 's>(
-    builder: &'b mut tempfile::Builder<'p, 's>,
-    readers: Readers,
-) -> &'b mut tempfile::Builder<'p, 's> {
-    use std::os::unix::fs::PermissionsExt as _;
-    builder.permissions(fs::Permissions::from_mode(match readers {
+    if let Some(dir) = path.parent().filter(|dir| !dir.as_os_str().is_empty()) {
+        fs::create_dir_all(dir)?;
+    }
+    let mode = match readers {
         Readers::Owner => 0o600,
         Readers::Umask => 0o666,
-    }))
-}
-
-#[cfg(not(unix))]
-fn with_mode<'b, 'p, 's>(
-    builder: &'b mut tempfile::Builder<'p, 's>,
-    _: Readers,
-) -> &'b mut tempfile::Builder<'p, 's> {
-    builder
+    };
+    write_file(path, bytes, mode, existing == Existing::Replace)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Exporting what is on screen: `dress` → write → all files into their places, or none.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 
 use linden::Monitor;
@@ -8,7 +8,7 @@ use linden::detail::levels;
 use linden::grow::{Grown, grow};
 use linden::monitor::Phase;
 use linden::recipe::Recipe;
-use linden_exporters::{Bundle, Estimate, Existing, examine};
+use linden_exporters::{Bundle, Estimate, Existing, examine, make_folders};
 
 use super::{Done, Findings, Shown};
 use crate::source::show;
@@ -27,6 +27,8 @@ pub struct ExportOrder {
     pub outputs: Vec<Output>,
     /// Targets whose file may be replaced: those that the user was asked about.
     pub replaces: Vec<PathBuf>,
+    /// Whether directories that are missing are made: the user was asked about them.
+    pub makes_folders: bool,
     /// Files that the tree is grown from, which are never replaced.
     pub sources: Vec<PathBuf>,
 }
@@ -105,10 +107,19 @@ pub fn run(order: ExportOrder, watcher: &dyn Monitor, say: &dyn Fn(ExportNews)) 
 type Exported = (Vec<(PathBuf, u64)>, Vec<String>);
 
 fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported> {
-    let ExportOrder { recipe, shown, mut outputs, replaces, sources, .. } = order;
+    let ExportOrder { recipe, shown, mut outputs, replaces, makes_folders, sources, .. } = order;
     let home = std::env::home_dir();
+    // They go again when the export fails.
+    let mut folders = Vec::new();
     for output in &mut outputs {
-        ensure_expected(output, &replaces, home.as_deref())?;
+        let may_replace = replaces.contains(&output.path);
+        if let Some(typed) = output.path.to_str() {
+            output.path = expand(typed, home.as_deref());
+        }
+        if makes_folders {
+            folders.push(make_folders(&output.path)?);
+        }
+        ensure_expected(output, may_replace)?;
     }
     let levels_wanted = recipe.preset.detail.levels();
     outputs = outputs.into_iter().flat_map(|output| output.in_levels(levels_wanted)).collect();
@@ -119,7 +130,8 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
     let replaced: Vec<bool> =
         targets.iter().map(|path| matches!(examine(path), Ok(Existing::File))).collect();
     let planned = outputs.clone();
-    let mut batch = Batch::open(outputs, sources, |output| Bundle::create(&output.path))?;
+    let mut batch =
+        Batch::open(outputs, sources, |output| Bundle::create(&output.path))?.with_folders(folders);
     let gauge = Gauge::new(watcher);
     let again: Grown;
     let grown = match &shown {
@@ -173,12 +185,8 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
     Ok((files, notes))
 }
 
-/// Makes the path of an output what it means, and refuses what the user does not expect to be there.
-fn ensure_expected(output: &mut Output, replaces: &[PathBuf], home: Option<&Path>) -> anyhow::Result<()> {
-    let may_replace = replaces.contains(&output.path);
-    if let Some(typed) = output.path.to_str() {
-        output.path = expand(typed, home);
-    }
+/// Refuses what the user does not expect to be there.
+fn ensure_expected(output: &Output, may_replace: bool) -> anyhow::Result<()> {
     match examine(&output.path)? {
         Existing::Stream => anyhow::bail!(NO_STREAM),
         Existing::File if !may_replace => {

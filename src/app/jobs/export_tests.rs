@@ -1,6 +1,7 @@
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::fs;
+use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc;
 
@@ -28,6 +29,7 @@ fn order(dir: &Path, formats: &[&str]) -> ExportOrder {
         shown: None,
         outputs: formats.iter().map(output).collect(),
         replaces: Vec::new(),
+        makes_folders: false,
         sources: Vec::new(),
     }
 }
@@ -113,6 +115,22 @@ fn cancelled_anywhere_nothing_is_left() {
         assert!(matches!(news, ExportNews::Cancelled { number: 7 }), "{at} of {asks}: {news:?}");
         assert_eq!(listing(dir.path()), before, "cancelled at {at} of {asks}");
     }
+}
+
+#[test]
+fn directories_are_made_when_that_was_agreed_to_and_go_with_a_failed_export() {
+    let dir = tempfile::tempdir().unwrap();
+    let mut agreed = order(dir.path(), &["ply", "obj"]);
+    agreed.makes_folders = true;
+    agreed.outputs[1].path = dir.path().join("not/yet/tree.obj");
+    let asks = Until(AtomicU64::new(0), 30);
+    let outputs = agreed.outputs.clone();
+    assert!(matches!(ran(agreed, &asks), ExportNews::Cancelled { .. }));
+    assert_eq!(listing(dir.path()), BTreeMap::new());
+    let mut again = order(dir.path(), &["ply", "obj"]);
+    (again.makes_folders, again.outputs) = (true, outputs);
+    assert!(matches!(ran(again, &Quiet), ExportNews::Done { .. }));
+    assert!(dir.path().join("not/yet/tree.obj").exists());
 }
 
 #[test]

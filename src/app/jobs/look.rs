@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use linden::{Cancelled, Monitor};
-use linden_exporters::{Estimate, Existing, examine};
+use linden_exporters::{Estimate, Existing, ExportError, examine};
 
 use super::export::NO_STREAM;
 use super::{ExportNews, Shown};
@@ -58,6 +58,8 @@ pub enum Finding {
     Free,
     /// A file there would be replaced.
     Replaces,
+    /// A file there will be new, and so will its directory.
+    NewFolder,
     /// No file can be written there, and why.
     Unfit(String),
 }
@@ -123,6 +125,7 @@ fn finding(path: &Path) -> Finding {
         }
         Ok(Existing::Nothing) => Finding::Free,
         Ok(Existing::File) => Finding::Replaces,
+        Err(ExportError::NoFolder { folder, .. }) if is_makeable(&folder) => Finding::NewFolder,
         Err(error) => {
             // The path stands before it on the screen.
             let told = error.to_string();
@@ -134,6 +137,15 @@ fn finding(path: &Path) -> Finding {
 
 fn directory_of(path: &Path) -> &Path {
     path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Whether a missing directory can be made, as far as permissions tell: in the nearest one that is there.
+fn is_makeable(folder: &Path) -> bool {
+    let above = std::path::absolute(folder).unwrap_or_else(|_| folder.to_owned());
+    above
+        .ancestors()
+        .find(|path| fs::symlink_metadata(path).is_ok())
+        .is_some_and(|nearest| nearest.is_dir() && is_writable(nearest))
 }
 
 /// A directory without links, and a name in it.
@@ -221,7 +233,7 @@ mod tests {
         let found = asked(&targets.each_ref().map(String::as_str), None, vec![at("crown.obj").into()]);
         assert_eq!(found.targets[..2], [Finding::Free, Finding::Replaces]);
         assert!(unfit(&found.targets[2]).starts_with("that is a directory"), "{found:?}");
-        assert!(unfit(&found.targets[3]).contains("does not exist; create it first"), "{found:?}");
+        assert_eq!(found.targets[3], Finding::NewFolder);
         assert!(unfit(&found.targets[4]).contains("grown from that file"), "{found:?}");
         assert!(unfit(&found.targets[5]).contains("another format"), "{found:?}");
         let found = asked(&["", "/dev/null"], None, Vec::new());

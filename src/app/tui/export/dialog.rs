@@ -338,6 +338,11 @@ impl ExportDialog {
         self.chosen().filter(is_there).map(|own| PathBuf::from(&own.target)).collect()
     }
 
+    /// Whether a directory is missing for any of them, and can be made.
+    pub fn makes_folders(&self) -> bool {
+        self.chosen().any(|own| self.finding(&own.target) == Some(&Finding::NewFolder))
+    }
+
     /// What is written where.
     pub fn outputs(&self) -> Vec<Output> {
         let output =

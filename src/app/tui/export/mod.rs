@@ -235,7 +235,7 @@ fn decide(model: &mut Model, effects: &mut Effects) {
         dialog.go_to(Spot::Target(format));
         return model.say_warning(format!("Export: {why}"));
     }
-    if dialog.replaced().is_empty() {
+    if dialog.replaced().is_empty() && !dialog.makes_folders() {
         start(model, effects);
     } else {
         dialog.start = Start::Asking;
@@ -244,8 +244,8 @@ fn decide(model: &mut Model, effects: &mut Effects) {
 
 /// Hands the order in and closes the dialog.
 fn start(model: &mut Model, effects: &mut Effects) {
-    let Some((outputs, replaces, last)) =
-        dialog(model).map(|own| (own.outputs(), own.replaced(), own.choices()))
+    let Some((outputs, replaces, makes_folders, last)) =
+        dialog(model).map(|own| (own.outputs(), own.replaced(), own.makes_folders(), own.choices()))
     else {
         return;
     };
@@ -257,7 +257,15 @@ fn start(model: &mut Model, effects: &mut Effects) {
     exporting.numbers += 1;
     let number = exporting.numbers;
     let sources = tree.files();
-    exporting.waiting.push_back(ExportOrder { number, recipe, shown, outputs, replaces, sources });
+    exporting.waiting.push_back(ExportOrder {
+        number,
+        recipe,
+        shown,
+        outputs,
+        replaces,
+        makes_folders,
+        sources,
+    });
     model.layers.retain(|layer| !matches!(layer, Layer::Export(_)));
     if is_running(model) {
         model.say("the export waits for the one before it");
@@ -271,7 +279,7 @@ fn enter(model: &mut Model) {
     let Some(dialog) = dialog(model) else { return };
     match dialog.cursor {
         Spot::Start if dialog.start == Start::Asking => {
-            model.say("y replaces the files, n does not");
+            model.say("y is yes, n is no");
         }
         Spot::Start => press(model),
         Spot::Target(_) => dialog.begin_line(),

@@ -315,14 +315,15 @@ fn targets_that_cannot_be_written_are_said_in_place() {
     let glb = place_of("glb");
     bench.go_to(Spot::Target(glb));
     bench.keys("enter");
-    let missing = bench.at("none/fir.glb");
+    fs::write(bench.at("file"), "").unwrap();
+    let missing = bench.at("file/none/fir.glb");
     bench.retype(&missing);
-    assert!(bench.text(100, 30).contains("does not exist; create it first"), "while it is typed");
+    assert!(bench.text(100, 30).contains("is a file, not a directory"), "while it is typed");
     bench.keys("enter g");
     assert!(bench.keys("x").is_empty());
     assert_eq!(bench.dialog().cursor, Spot::Target(glb), "the cursor goes where the fault is");
     let (weight, text) = bench.said();
-    assert!(weight == Weight::Warning && text.contains("create it first"), "{text}");
+    assert!(weight == Weight::Warning && text.contains("not a directory"), "{text}");
     // A directory is taken as where the file goes.
     bench.keys("enter");
     let directory = format!("{}/", bench.dir.path().to_str().unwrap());
@@ -338,6 +339,25 @@ fn targets_that_cannot_be_written_are_said_in_place() {
     bench.retype("");
     bench.keys("enter x");
     assert!(bench.said().1.contains("type where"), "{}", bench.said().1);
+}
+
+#[test]
+fn a_missing_directory_is_asked_about_and_made() {
+    let mut bench = Bench::new();
+    bench.keys("e");
+    bench.go_to(Spot::Target(place_of("glb")));
+    bench.keys("enter");
+    let missing = bench.at("not/yet/fir.glb");
+    bench.retype(&missing);
+    assert!(bench.text(100, 30).contains("would be made"), "while it is typed");
+    bench.keys("enter");
+    assert!(bench.text(100, 30).contains("in a new directory"));
+    assert!(bench.keys("x").is_empty());
+    assert!(bench.text(100, 30).contains("Make the directory?"));
+    assert!(bench.keys("n").is_empty());
+    let order = Bench::order(bench.keys("x y"));
+    assert!(order.makes_folders && order.replaces.is_empty());
+    assert!(!Path::new(&bench.at("not")).exists(), "not before it is exported");
 }
 
 #[test]

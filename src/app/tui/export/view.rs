@@ -225,6 +225,7 @@ impl Row<'_> {
         }
         let (told, style) = match self.dialog.finding(&own.target) {
             Some(Finding::Replaces) => ("replaces a file".to_owned(), theme.warning),
+            Some(Finding::NewFolder) => ("in a new directory".to_owned(), theme.warning),
             Some(Finding::Unfit(why)) => (format!("! {why}"), theme.error),
             Some(Finding::Free) | None => (String::new(), base),
         };
@@ -246,8 +247,14 @@ impl Row<'_> {
         buffer.set_style(row, theme.popup);
         let count = self.dialog.chosen().count();
         if self.dialog.start == Start::Asking {
-            let there = self.dialog.replaced().len();
-            let question = if there == 1 { " Replace the file?" } else { " Replace these files?" }.to_owned();
+            let question = match (self.dialog.replaced().len(), self.dialog.makes_folders()) {
+                (0, _) => " Make the directory?",
+                (1, false) => " Replace the file?",
+                (1, true) => " Replace the file, make the directory?",
+                (_, false) => " Replace these files?",
+                (_, true) => " Replace these files, make the directory?",
+            }
+            .to_owned();
             let mut x = self.text(row.x, row.right(), &question, theme.warning, buffer) + 1;
             for (id, words) in [("export-yes", "yes"), ("export-no", "no")] {
                 let key = self.model.config.keymap.keys_of(id).first().map(ToString::to_string);
@@ -325,6 +332,9 @@ fn said(model: &Model, dialog: &ExportDialog) -> (String, Style) {
     }
     let told = |target: &str| match dialog.finding(target) {
         Some(Finding::Unfit(why)) => Some((why.clone(), theme.error)),
+        Some(Finding::NewFolder) => {
+            Some(("its directory does not exist, and would be made".to_owned(), theme.warning))
+        }
         Some(Finding::Replaces) => {
             Some(("there is a file of that name, which would be replaced".to_owned(), theme.warning))
         }

@@ -41,6 +41,7 @@ impl Watchdog {
             }
             // The process is still there.
             session::restore();
+            linden_exporters::abandon();
             // What does not end it by itself ends here.
             let _ = signal_hook::low_level::emulate_default_handler(signal);
             std::process::exit(1);
