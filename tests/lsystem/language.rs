@@ -1,6 +1,6 @@
 //! Rules as presets write them.
 
-use linden::lsystem::{Expression, Grammar, Part, Problem};
+use linden::lsystem::{Expression, Grammar, Part, Problem, text};
 
 #[track_caller]
 fn refusal(axiom: &str, rules: &[&str]) -> String {
@@ -197,6 +197,14 @@ fn what_the_wider_language_gets_wrong_is_told_with_its_place() {
     );
     let deep = format!("A(x) -> F({}x{})", "1+(".repeat(40), ")".repeat(40));
     assert!(refusal("F", &[&deep]).contains("more than 32 operands wait"));
+    // What opens before an operand is limited too: each is a pass over it when the expression is written.
+    for open in ["-", "!", "(", "abs(", "-(!abs("] {
+        let said = refusal(&format!("F({}1", open.repeat(1_000_000)), &[]);
+        assert!(said.contains("more than 256 signs, brackets and functions are open"), "{open}: {said}");
+    }
+    let signs = format!("F({}1)", "-".repeat(256));
+    let grammar = Grammar::new::<&str>(&signs, &[]).expect("256 signs are allowed");
+    assert_eq!(text::parse_grammar(&text::write_grammar(&grammar)).unwrap(), grammar);
 }
 
 #[test]

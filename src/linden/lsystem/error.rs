@@ -72,6 +72,12 @@ pub enum Problem {
         /// The most that may.
         limit: usize,
     },
+    /// Signs and brackets without end before an operand.
+    #[error("more than {limit} signs, brackets and functions are open; write the expression with fewer")]
+    TooManyOpen {
+        /// The most that may be.
+        limit: usize,
+    },
     /// A module or a rule with very many parameters.
     #[error("more than {limit} parameters; use fewer")]
     TooManyParameters {

@@ -11,6 +11,10 @@ use std::fmt;
 /// Operands that may wait for their operators at once: more than any hand nests brackets.
 pub(super) const MAX_OPERANDS: usize = 32;
 
+/// Signs, brackets, functions and operators that may be open at once. Each of them is one more pass
+/// over its operand when the expression is written: a million signs would take a million passes.
+pub(super) const MAX_PENDING: usize = 256;
+
 /// An arithmetic expression, as it was written: numbers, parameters, constants of `#define`,
 /// operators and functions.
 ///

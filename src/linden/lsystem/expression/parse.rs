@@ -2,7 +2,7 @@
 
 use super::super::error::Problem;
 use super::super::parse::{Misread, Reader};
-use super::{Binary, COMPARISON, Expression, Function, MAX_OPERANDS, PREFIX, Token, Unary};
+use super::{Binary, COMPARISON, Expression, Function, MAX_OPERANDS, MAX_PENDING, PREFIX, Token, Unary};
 use crate::knob::{did_you_mean, excerpt, nearest, printable};
 
 /// What names mean: parameters first, then constants.
@@ -84,7 +84,7 @@ impl Parser {
                         let Some(function) = Function::named(name) else {
                             return Err(start.misread(unknown_function(name)));
                         };
-                        self.pending.push(Pending::Call(function, 1));
+                        self.open(reader, Pending::Call(function, 1))?;
                         continue;
                     }
                     match scope.token(name) {
@@ -94,17 +94,17 @@ impl Parser {
                 }
                 Some('-') => {
                     reader.eat("-");
-                    self.pending.push(Pending::Unary(Unary::Minus));
+                    self.open(reader, Pending::Unary(Unary::Minus))?;
                     continue;
                 }
                 Some('!') => {
                     reader.eat("!");
-                    self.pending.push(Pending::Unary(Unary::Not));
+                    self.open(reader, Pending::Unary(Unary::Not))?;
                     continue;
                 }
                 Some('(') => {
                     reader.eat("(");
-                    self.pending.push(Pending::Bracket);
+                    self.open(reader, Pending::Bracket)?;
                     continue;
                 }
                 found => return Err(reader.misread(Problem::expected("a number", found))),
@@ -178,9 +178,18 @@ impl Parser {
                 return Err(reader.misread(Problem::expected("one comparison (join two with '&&')", found)));
             }
             reader.eat(binary.sign());
-            self.pending.push(Pending::Binary(binary));
+            self.open(reader, Pending::Binary(binary))?;
             return Ok(true);
         }
+    }
+
+    /// Begins what waits for the end of its operand.
+    fn open(&mut self, reader: &Reader<'_>, pending: Pending) -> Result<(), Misread> {
+        if self.pending.len() == MAX_PENDING {
+            return Err(reader.misread(Problem::TooManyOpen { limit: MAX_PENDING }));
+        }
+        self.pending.push(pending);
+        Ok(())
     }
 
     /// Ends the operators that bind at least so strongly, back to the last open bracket.
