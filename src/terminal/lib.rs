@@ -48,5 +48,5 @@ pub use pacing::Pacer;
 pub use probe::Capabilities;
 pub use screen::{Allowance, Composed, Frame, Screen, ScreenOptions};
 pub use session::{Modes, Session};
-pub use size::TerminalSize;
+pub use size::{MAX_CELLS, TerminalSize};
 pub use tty::{Tty, WindowSize};

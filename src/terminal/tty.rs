@@ -11,6 +11,8 @@ use rustix::fs::{Mode, OFlags};
 use rustix::io::Errno;
 use rustix::termios::{isatty, tcgetwinsize, ttyname};
 
+use crate::size::used;
+
 /// A terminal that is both standard input and standard output. Copies are the same terminal.
 ///
 /// As [`io::Write`] it is not buffered and waits as long as the terminal does: give it whole frames,
@@ -75,13 +77,13 @@ impl From<OpenError> for io::Error {
 /// How large a terminal is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct WindowSize {
-    /// Characters per row, at least 1.
+    /// Characters per row, 1 to [`MAX_CELLS`](crate::MAX_CELLS).
     pub columns: u16,
-    /// Rows, at least 1.
+    /// Rows, 1 to [`MAX_CELLS`](crate::MAX_CELLS).
     pub rows: u16,
-    /// Pixels across, 0 when the terminal does not say.
+    /// Pixels of these columns, 0 when the terminal does not say.
     pub width_px: u16,
-    /// Pixels down, 0 when the terminal does not say.
+    /// Pixels of these rows, 0 when the terminal does not say.
     pub height_px: u16,
 }
 
@@ -140,12 +142,18 @@ impl Tty {
     pub fn size(&self) -> WindowSize {
         let fallback = WindowSize::default();
         match tcgetwinsize(&self.0.output) {
-            Ok(size) if size.ws_col > 0 && size.ws_row > 0 => WindowSize {
-                columns: size.ws_col,
-                rows: size.ws_row,
-                width_px: size.ws_xpixel,
-                height_px: size.ws_ypixel,
-            },
+            Ok(size) if size.ws_col > 0 && size.ws_row > 0 => {
+                let (columns, rows) = (used(size.ws_col), used(size.ws_row));
+                let share = |px: u16, cells: u16, claimed: u16| {
+                    (u32::from(px) * u32::from(cells) / u32::from(claimed)) as u16
+                };
+                WindowSize {
+                    columns,
+                    rows,
+                    width_px: share(size.ws_xpixel, columns, size.ws_col),
+                    height_px: share(size.ws_ypixel, rows, size.ws_row),
+                }
+            }
             _ => fallback,
         }
     }

@@ -140,3 +140,19 @@ fn storms_of_sizes_and_keys_pass() {
     workbench.keys("q");
     assert_eq!(workbench.wait_exit(), End::Code(0));
 }
+
+#[test]
+fn a_size_that_no_screen_has_takes_no_more_than_a_large_screen() {
+    let home = Home::new();
+    let mut workbench = Workbench::open(&home, 80, 24, &["open", "fir"]);
+    let sent = workbench.sent();
+    workbench.claim(u16::MAX, u16::MAX);
+    workbench.wait_for_bytes("a frame of the claimed size", |bytes| bytes.len() > sent + 10_000);
+    workbench.settle();
+    // 65535×65535 cells are 206 GB; the 1000×1000 that are used take 40 bytes each, a few times.
+    let peak = workbench.process().peak_bytes();
+    assert!((1..800_000_000).contains(&peak), "{peak} bytes");
+    workbench.resize(80, 24);
+    workbench.keys("q");
+    assert_eq!(workbench.wait_exit(), End::Code(0));
+}

@@ -26,6 +26,8 @@ const DRAFT_BYTES: usize = 16_000;
 pub(super) const FULL_BYTES: usize = 100_000;
 /// The longer side of a picture that a terminal shows as pixels.
 const LONGEST_PX: u32 = 1400;
+/// Sixels of one picture: a screen of 5K. A terminal that claims more shows characters.
+const MOST_SIXELS: u64 = 16 << 20;
 /// A draft in pixels is so many times coarser.
 const DRAFT_SCALE: u32 = 2;
 /// Sides of the thickest tube, and pixels of the bark's side, on a screen.
@@ -219,7 +221,9 @@ impl Painter {
         // Sixels cannot be stretched, so that a coarse draft would not fill its area.
         let sixels = medium.graphics == Some(Protocol::Sixel);
         let (wide, high) = exact_pixels(area, medium.cell_px);
-        let can_be_exact = request.detail == Detail::Full && wide.max(high) <= linden_raster::MAX_SIDE;
+        let can_be_exact = request.detail == Detail::Full
+            && wide.max(high) <= linden_raster::MAX_SIDE
+            && u64::from(wide) * u64::from(high) <= MOST_SIXELS;
         let protocol = medium.graphics.filter(|_| !sixels || can_be_exact);
         let (width, height) = match protocol {
             None => medium.pixels_of_cells(area.width, area.height),

@@ -69,6 +69,16 @@ fn first<T>(slot: &mut Option<T>, value: T) -> bool {
     is_new
 }
 
+/// A cell that a font can have: up to 256 pixels, at most four times as high as wide or twice as wide as
+/// high. Pictures are as large as cells claim to be, and what claims others knows nothing.
+fn plausible((width, height): (u16, u16)) -> Option<(u16, u16)> {
+    let is_one = (1..=256).contains(&width)
+        && (1..=256).contains(&height)
+        && height <= 4 * width
+        && width <= 2 * height;
+    is_one.then_some((width, height))
+}
+
 impl Findings {
     /// Takes a reply; whether it says something new. The first of a kind counts: a terminal whose
     /// colours change while we run is not followed, and later replies may be to somebody else.
@@ -80,14 +90,16 @@ impl Findings {
             Reply::KittyGraphics(has) => first(&mut self.kitty_graphics, *has),
             Reply::Mode { number: SYNCHRONIZED_MODE, known } => first(&mut self.synchronized, *known),
             Reply::Rendition(rendition) => first(&mut self.rendition, rendition.clone()),
-            Reply::CellPixels { width, height } => first(&mut self.cell_px, (*width, *height)),
+            Reply::CellPixels { width, height } => {
+                plausible((*width, *height)).is_some_and(|cell| first(&mut self.cell_px, cell))
+            }
             Reply::Status | Reply::Mode { .. } => false,
         }
     }
 
     /// Takes what the system knows of the window: its pixels, where the terminal tells none.
     pub fn take_window(&mut self, size: WindowSize) {
-        self.window_cell_px = size.cell_px();
+        self.window_cell_px = size.cell_px().and_then(plausible);
     }
 
     /// The time for answers is over. Those that come later still count.

@@ -338,6 +338,9 @@ fn the_cell_is_what_the_terminal_says_then_what_the_system_knows() {
     assert_eq!(cell(&findings), None);
     findings.take_window(WindowSize { columns: 80, rows: 24, width_px: 810, height_px: 480 });
     assert_eq!(cell(&findings), Some((10, 20)));
+    for (width, height) in [(65535, 65535), (300, 600), (1, 200), (90, 18)] {
+        assert!(!findings.take(&Reply::CellPixels { width, height }), "no font has such a cell");
+    }
     findings.take(&Reply::CellPixels { width: 9, height: 18 });
     assert_eq!(cell(&findings), Some((9, 18)));
 }

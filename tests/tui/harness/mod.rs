@@ -163,7 +163,8 @@ impl Setup {
 }
 
 fn pty_size(columns: u16, rows: u16) -> PtySize {
-    PtySize { rows, cols: columns, pixel_width: columns * 10, pixel_height: rows * 20 }
+    let [pixel_width, pixel_height] = [columns.saturating_mul(10), rows.saturating_mul(20)];
+    PtySize { rows, cols: columns, pixel_width, pixel_height }
 }
 
 /// All settings of a terminal, as text to compare.
@@ -311,6 +312,11 @@ impl Workbench {
     /// Changes the window's size; the screen is the terminal's own from now on.
     pub fn resize(&self, columns: u16, rows: u16) {
         self.monitor.resize(columns, rows);
+        self.master.as_ref().unwrap().resize(pty_size(columns, rows)).unwrap();
+    }
+
+    /// Claims another size than the screen has.
+    pub fn claim(&self, columns: u16, rows: u16) {
         self.master.as_ref().unwrap().resize(pty_size(columns, rows)).unwrap();
     }
 

@@ -85,6 +85,14 @@ impl Process {
         self.of_threads("status").iter().map(of).sum()
     }
 
+    /// The most memory that it has held at once, bytes.
+    pub fn peak_bytes(&self) -> u64 {
+        let status = fs::read_to_string(self.folder().join("status")).unwrap_or_default();
+        let line = status.lines().find(|line| line.starts_with("VmHWM"));
+        let kib = line.and_then(|line| line.split_whitespace().nth(1)?.parse::<u64>().ok());
+        kib.unwrap_or(0) * 1024
+    }
+
     /// Its processor time, in ticks of a hundredth of a second.
     pub fn ticks(&self) -> u64 {
         let stat = fs::read_to_string(self.folder().join("stat")).unwrap_or_default();

@@ -12,7 +12,7 @@ use std::time::Duration;
 use linden_terminal::input::{Event, Key, KeyCode};
 use linden_terminal::probe::{Environment, Graphics, Overrides, ask};
 use linden_terminal::tty::{OpenError, Stream};
-use linden_terminal::{Capabilities, Incoming, Modes, Session, Tty, WindowSize, listen};
+use linden_terminal::{Capabilities, Incoming, MAX_CELLS, Modes, Session, Tty, WindowSize, listen};
 use rustix::process::{Signal, kill_process};
 
 use terminal::{Program, Terminal, eventually};
@@ -347,6 +347,8 @@ fn how_large_it_is() {
     terminal.resize(0, 0);
     assert_eq!(tty.size(), WindowSize { columns: 80, rows: 24, width_px: 0, height_px: 0 });
     assert_eq!(tty.size().cell_px(), None);
+    terminal.resize(u16::MAX, u16::MAX);
+    assert_eq!((tty.size().columns, tty.size().rows), (MAX_CELLS, MAX_CELLS), "no screen has so many");
     terminal.resize(200, 60);
     assert_eq!((tty.size().columns, tty.size().rows, tty.size().cell_px()), (200, 60, None));
 }
