@@ -19,9 +19,10 @@ pub enum ExportError {
     Memory(#[from] OverMemory),
     /// No format has this id.
     #[error(
-        "no export format is called '{}'{}; there are: {}",
+        "no export format is called '{}'{}{}; there are: {}",
         printable(typed),
         did_you_mean(*nearest),
+        foreign(typed),
         known.join(", ")
     )]
     UnknownFormat {
@@ -34,13 +35,14 @@ pub enum ExportError {
     },
     /// No format claims this ending.
     #[error(
-        "cannot tell the format of {} from its name: {}{}; known endings: .{}; or name the format",
+        "cannot tell the format of {} from its name: {}{}{}; known endings: .{}; or name the format",
         printable(&path.to_string_lossy()),
         path.extension().map_or_else(
             || "it has no ending".to_owned(),
             |e| format!("the ending '.{}' is unknown", printable(&e.to_string_lossy()))
         ),
         did_you_mean(nearest.map(|ending| format!(".{ending}")).as_deref()),
+        path.extension().map(|ending| foreign(&ending.to_string_lossy())).unwrap_or_default(),
         known.join(", .")
     )]
     UnknownExtension {
@@ -157,6 +159,23 @@ pub enum ExportError {
         /// What to do instead.
         advice: &'static str,
     },
+}
+
+/// Formats of the field that linden does not write, and what the programs that read them take instead.
+const FOREIGN: [(&[&str], &str); 6] = [
+    (&["fbx", "dae", "3ds"], "Blender, Unity, Unreal Engine, Maya and Houdini read glb or usda as well"),
+    (&["blend"], "Blender reads glb and usda; the program linden-export-blend writes .blend files"),
+    (&["usdc"], "usda and usdz hold the same, and usdcat turns them into usdc"),
+    (&["abc"], "what reads Alembic reads usda as well"),
+    (&["stl", "3mf"], "slicers read obj and ply; --set junction=watertight makes it one closed solid"),
+    (&["las", "laz", "e57", "pcd"], "ply-skeleton and qsm hold what is measured of a scan"),
+];
+
+/// What to write instead of a format that is known elsewhere, with a separator before it.
+fn foreign(typed: &str) -> String {
+    let typed = typed.to_lowercase();
+    let found = FOREIGN.iter().find(|(endings, _)| endings.contains(&typed.as_str()));
+    found.map(|(_, instead)| format!(" ({instead})")).unwrap_or_default()
 }
 
 /// What to do about an error of the operating system, with a separator before it.

@@ -243,6 +243,10 @@ mod tests {
         );
         let said = for_path(Path::new("fir.usdc")).err().unwrap().to_string();
         assert!(said.contains("did you mean '.usda'?") && said.contains(".glb"), "{said}");
+        let said = for_path(Path::new("fir.FBX")).err().unwrap().to_string();
+        assert!(said.contains("Unity") && said.contains("glb") && !said.contains("did you mean"), "{said}");
+        let said = find("stl").err().unwrap().to_string();
+        assert!(said.contains("slicers read obj") && !said.contains("did you mean"), "{said}");
         let said = for_path(Path::new("fir")).err().unwrap().to_string();
         assert!(said.contains("no ending") && !said.contains("did you mean"), "{said}");
     }

@@ -203,7 +203,12 @@ impl Kind {
     /// What was expected instead, without the knob's name.
     pub fn parse(&self, text: &str) -> Result<Value, String> {
         let text = text.trim();
-        let value = self.read(text).ok_or_else(|| format!("'{}' is not {self}", excerpt(text)))?;
+        let value = self.read(text).ok_or_else(|| match self {
+            Self::Integer { min, max } if text.parse::<f64>().is_ok() => {
+                format!("{} is not a whole number from {min} to {max}", excerpt(text))
+            }
+            _ => format!("'{}' is not {self}", excerpt(text)),
+        })?;
         self.check(&value)?;
         Ok(value)
     }
@@ -221,7 +226,7 @@ impl Kind {
                 Some(Value::Auto)
             }
             Self::Real { .. } => number(text).map(Value::Real),
-            Self::Integer { .. } => text.replace('_', "").parse().ok().map(Value::Integer),
+            Self::Integer { .. } => whole(text).map(Value::Integer),
             Self::Length { .. } => match text.strip_suffix('D') {
                 Some(steps) => number(steps).map(Value::Steps),
                 None => number(text.strip_suffix('m').unwrap_or(text)).map(Value::Real),
@@ -294,6 +299,20 @@ fn items(text: &str) -> impl Iterator<Item = &str> {
     text.split(|c: char| c == ',' || c.is_whitespace()).filter(|item| !item.is_empty())
 }
 
+/// A whole number, also as `1_000_000`, `1e6` or `2.5e3`; `None` for what is none, or has more than 64 bits.
+fn whole(text: &str) -> Option<u64> {
+    let text = text.replace('_', "");
+    if let Ok(number) = text.parse() {
+        return Some(number);
+    }
+    let (digits, exponent) = text.split_once(['e', 'E']).unwrap_or((&text, "0"));
+    let (integer, fraction) = digits.split_once('.').unwrap_or((digits, ""));
+    let fraction = fraction.trim_end_matches('0');
+    let zeros = exponent.parse::<u32>().ok()?.checked_sub(u32::try_from(fraction.len()).ok()?)?;
+    let number = format!("{integer}{fraction}").parse::<u64>().ok()?;
+    number.checked_mul(10_u64.checked_pow(zeros)?)
+}
+
 /// Exactly `N` numbers between separators.
 fn numbers<const N: usize>(text: &str, separator: char) -> Option<[f64; N]> {
     let all: Option<Vec<f64>> = text.split(separator).map(|t| t.trim().parse().ok()).collect();
@@ -336,9 +355,18 @@ pub fn excerpt(text: &str) -> String {
     }
 }
 
-/// The name nearest to what was typed, when one is near enough to be meant.
+/// The name nearest to what was typed, when one is near enough to be meant: a third of the longer one may
+/// be wrong. A hint that is far off is worse than none.
+///
+/// ```
+/// use linden::knob::nearest;
+///
+/// assert_eq!(nearest("pionts", ["points", "prunes"]), Some("points"));
+/// assert_eq!(nearest("nope", ["abop-e", "oak"]), None);
+/// ```
 pub fn nearest<'a>(typed: &str, names: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let allowed = |name: &str| 1 + name.len() / 3;
+    let length = typed.chars().take(256).count();
+    let allowed = |name: &str| length.max(name.chars().count()) / 3;
     names
         .into_iter()
         // Comparing takes memory of the product of both lengths, and what was typed may be a whole file.
@@ -423,6 +451,30 @@ mod tests {
         assert_eq!(nearest("pionts", ["points", "step"]), Some("points"));
         assert_eq!(nearest("zzz", ["points", "step"]), None);
         assert_eq!(nearest("pointsss", ["points"]), Some("points"));
+        assert_eq!(nearest("nope", ["abop-e", "oak"]), None, "three letters of four");
+        assert_eq!(nearest("fbx", ["obj", "ply", "glb"]), None);
+        assert_eq!(nearest("fri", ["oak", "fir"]), Some("fir"));
+    }
+
+    #[test]
+    fn whole_numbers_are_taken_as_people_and_programs_write_them() {
+        let kind = Kind::Integer { min: 1, max: 100_000_000 };
+        for (text, number) in
+            [("1e6", 1_000_000), ("1E+3", 1000), ("2.5e3", 2500), ("1_000", 1000), ("3.0", 3), ("1.50e1", 15)]
+        {
+            assert_eq!(kind.parse(text), Ok(Value::Integer(number)), "{text}");
+        }
+        assert_eq!(
+            kind.parse("1e9").unwrap_err(),
+            "1000000000 is outside the range: a whole number, 1 to 100000000"
+        );
+        for text in ["1.5", "-1", "1e-3", "1e99", "25e-1"] {
+            let said = kind.parse(text).unwrap_err();
+            assert_eq!(said, format!("{text} is not a whole number from 1 to 100000000"));
+        }
+        for text in ["e3", "1e", ".", "e", "1e1e1", "inf", "+", "0x10", ""] {
+            assert!(kind.parse(text).is_err(), "{text}");
+        }
     }
 
     #[test]

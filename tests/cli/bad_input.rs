@@ -31,6 +31,20 @@ fn refused_usage(args: &[&str], says: &[&str]) {
 
 #[test]
 fn names_that_do_not_exist() {
+    // A hint that is far off is worse than none: "abop-e" is three letters away.
+    let said = Folder::new().run(&["export", "nope", "-o", "x.glb"]).err;
+    assert!(said.contains("'nope'; 'linden list'") && !said.contains("did you mean"), "{said}");
+    refused_usage(&["export", "fir", "-o", "x.fbx"], &["'.fbx' is unknown", "Unity", "read glb", ".usda"]);
+    refused_usage(
+        &["export", "fir", "-o", "x.glb", "--set", "points=1e9"],
+        &["'points'", "1000000000 is outside the range: a whole number, 1 to 100000000"],
+    );
+    for command in ["export", "stats", "show", "preview"] {
+        refused_usage(
+            &[command, "fir", "--seed", "-1"],
+            &["--seed <N>", "-1 is not a whole number from 0 to 18446744073709551615"],
+        );
+    }
     refused_usage(&["export", "fri", "-o", "x.glb"], &["'fri'", "did you mean 'fir'", "linden list"]);
     refused_usage(&["export", "fir", "-o", "x.glbb"], &["x.glbb", "did you mean '.glb'"]);
     refused_usage(&["export", "fir", "-o", "x.glb", "--format", "gtlf"], &["'gtlf'", "did you mean 'gltf'"]);

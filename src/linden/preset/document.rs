@@ -181,6 +181,8 @@ impl Node {
         let fault = |message: String| Fault::new(self.place, format!("knob '{name}': {message}"));
         let value = match (&self.datum, kind) {
             (Datum::Text(text), _) => return kind.parse(text).map_err(fault),
+            // 1e6 is a whole number, whatever TOML and JSON call it.
+            (Datum::Real(x), Kind::Integer { .. }) => return kind.parse(&x.to_string()).map_err(fault),
             (Datum::Real(x), _) => Value::Real(*x),
             (Datum::Integer(n), Kind::Integer { .. }) => Value::Integer(*n),
             (Datum::Integer(n), _) => Value::Real(*n as f64),
