@@ -107,6 +107,25 @@ impl Encoded {
         (self.width, self.height)
     }
 
+    /// What shows it in so many cells from the cursor's line on, outside of a [`Screen`](crate::Screen);
+    /// the cursor is on the line below then. `id` is kitty's number for it: an earlier picture of the same
+    /// number vanishes.
+    pub fn at_cursor(&self, id: u32, area: Rect) -> Vec<u8> {
+        let rows = area.height;
+        // Room first: a picture at the last line would scroll away, or be cut.
+        let mut bytes = "\n".repeat(usize::from(rows)).into_bytes();
+        bytes.extend_from_slice(format!("\x1b[{rows}A\x1b7").as_bytes());
+        match self.protocol {
+            Protocol::Kitty => {
+                Transmission::new(id, 0).send(&self.bytes, usize::MAX, &mut bytes);
+                kitty::place(id, area, &mut bytes);
+            }
+            Protocol::Iterm2 | Protocol::Sixel => bytes.extend_from_slice(&self.bytes),
+        }
+        bytes.extend_from_slice(format!("\x1b8\x1b[{rows}B\r").as_bytes());
+        bytes
+    }
+
     /// Whether it comes in pieces, or in one that is not too large.
     pub(crate) fn may_be_sent(&self, atomic: usize) -> bool {
         self.protocol == Protocol::Kitty || self.bytes.len() <= atomic

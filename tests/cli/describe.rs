@@ -287,3 +287,45 @@ fn the_schema_fits_the_documents_that_show_writes() {
     }
     assert!(schema["$defs"]["export options"]["properties"]["obj"].is_object());
 }
+
+/// Flags of the terminal count before a command and behind it, where they mean something, and are
+/// refused by name where they do not.
+#[test]
+fn flags_of_the_terminal_are_for_the_commands_that_show_pictures() {
+    let folder = Folder::new();
+    let preview = ["preview", "cypress", "--size", "20x10", "--colors", "256"];
+    let shown =
+        |before: &[&str], behind: &[&str]| folder.run(&[before, &preview, behind].concat()).done().bytes;
+    let halves = shown(&[], &["--graphics", "halves"]);
+    assert_eq!(shown(&["--graphics", "halves"], &[]), halves);
+    assert_eq!(shown(&["--graphics=braille"], &["--graphics=halves"]), halves, "the nearer one counts");
+    let text = String::from_utf8(halves.clone()).unwrap();
+    assert!(text.contains('▀') && text.contains("\x1b[38;5;") && !text.contains('▙'), "{text}");
+    assert_ne!(shown(&[], &["--graphics", "quadrants"]), halves);
+    for (how, begins) in
+        [("kitty", "\x1b_Ga=t,f=100"), ("iterm2", "\x1b]1337;File=inline=1"), ("sixel", "\x1bP")]
+    {
+        let bytes = shown(&["--graphics", how], &[]);
+        let text = String::from_utf8_lossy(&bytes);
+        // Room for it, the picture, and on from the line below.
+        assert!(text.starts_with(&format!("{}\x1b[10A\x1b7{begins}", "\n".repeat(10))), "{text:.60}");
+        assert!(text.ends_with("\x1b8\x1b[10B\r"), "{how}");
+    }
+    let colored = folder.run(&["--colors", "16", "doctor", "--json"]).json();
+    let findings = colored["terminal"]["findings"].as_array().unwrap();
+    assert!(findings.iter().any(|row| row["why"] == "--colors asks for it"), "{colored}");
+
+    let said = |args: &[&str], fragment: &str| {
+        let said = folder.run(args);
+        assert_eq!((said.code, said.out.as_str()), (Some(2), ""), "{args:?}");
+        assert!(said.err.contains(fragment), "{args:?}: {}", said.err);
+    };
+    said(&["--graphics", "sixel", "list"], "--graphics has no effect here: it is for linden, linden open,");
+    said(&["--stats", "export", "fir", "-o", "x.glb"], "--stats has no effect here");
+    said(&["--log", "x", "doctor"], "--log has no effect here: it is for linden and linden open");
+    said(&["list", "--graphics", "sixel"], "'--graphics'");
+    said(&["--graphics", "crayons", "preview", "fir"], "--graphics: 'crayons' is none of kitty");
+    said(&["preview", "fir", "-o", "x.png", "--graphics", "sixel"], "no effect on a file");
+    assert_eq!(folder.run(&["--memory", "1G", "list"]).done().code, Some(0));
+    assert!(folder.names().is_empty());
+}

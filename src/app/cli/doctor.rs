@@ -40,7 +40,7 @@ pub struct Doctor {
     example: Option<Example>,
 
     #[command(flatten)]
-    look: Look,
+    pub(super) look: Look,
 }
 
 /// A file that the user may write.

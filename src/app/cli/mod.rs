@@ -28,6 +28,7 @@ use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use linden::Monitor;
 use linden::grow::{Grown, grow};
+use linden::knob::{Kind, Value};
 
 use crate::config::dirs::Dirs;
 use crate::config::settings::Settings;
@@ -43,7 +44,7 @@ const STYLES: Styles = Styles::styled()
 
 /// Grows trees from L-systems and space colonization and hands them to every 3D pipeline.
 #[derive(Parser)]
-#[command(name = "linden", version, styles = STYLES, max_term_width = 110, args_conflicts_with_subcommands = true)]
+#[command(name = "linden", version, styles = STYLES, max_term_width = 110)]
 #[command(override_usage = "linden [OPTIONS] [COMMAND]")]
 #[command(after_help = EXAMPLES)]
 struct Cli {
@@ -107,7 +108,7 @@ struct Growing {
     settings: Vec<String>,
 
     /// The root of all random choices; the same as --set seed=N
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole)]
     seed: Option<u64>,
 }
 
@@ -115,8 +116,16 @@ struct Growing {
 #[derive(Args)]
 struct Budget {
     /// Solve for so many triangles, within 5 %; the same as --set triangles=N
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole)]
     triangles: Option<u64>,
+}
+
+/// A whole number as knobs take it.
+fn whole(text: &str) -> Result<u64, String> {
+    match (Kind::Integer { min: 0, max: u64::MAX }).parse(text)? {
+        Value::Integer(number) => Ok(number),
+        _ => Err("expected a whole number".to_owned()),
+    }
 }
 
 impl Budget {
@@ -182,9 +191,13 @@ fn notes(notes: &[String], progress: &Progress) {
 
 /// Writes a result to standard output.
 fn print(text: &str) -> anyhow::Result<()> {
+    print_bytes(text.as_bytes())
+}
+
+fn print_bytes(bytes: &[u8]) -> anyhow::Result<()> {
     use anyhow::Context as _;
     let mut out = io::stdout().lock();
-    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+    match out.write_all(bytes).and_then(|()| out.flush()) {
         Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Err(exit::ReaderGone.into()),
         done => done.context("writing to standard output"),
     }
@@ -198,7 +211,7 @@ fn print_json(value: &impl serde::Serialize) -> anyhow::Result<()> {
 /// Parses the command line and does what it says.
 pub fn run() -> ExitCode {
     crate::signals::outlive_file_limits();
-    let cli = match Cli::try_parse() {
+    let mut cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
             // Help and version go to standard output with 0, mistakes to standard error with 2.
@@ -208,6 +221,11 @@ pub fn run() -> ExitCode {
         }
     };
     if let Err(error) = limit_memory(cli.memory.as_deref()) {
+        return exit::report(&error);
+    }
+    if let Some(command) = &mut cli.command
+        && let Err(error) = command.take(&mut cli.terminal)
+    {
         return exit::report(&error);
     }
     let done = match cli.command {
@@ -243,6 +261,22 @@ fn limit_memory(flag: Option<&str>) -> anyhow::Result<()> {
 }
 
 impl Command {
+    /// Takes the flags of the workbench that stand before a command, as far as it has them.
+    fn take(&mut self, before: &mut workbench::Terminal) -> anyhow::Result<()> {
+        match self {
+            Self::Open(own) => own.terminal.fill(before),
+            Self::Preview(own) => own.terminal.fill(&mut before.look),
+            Self::Doctor(own) => own.look.fill(&mut before.look),
+            _ => {}
+        }
+        match before.given() {
+            None => Ok(()),
+            Some((flag, commands)) => {
+                Err(exit::usage(format!("{flag} has no effect here: it is for {commands}")))
+            }
+        }
+    }
+
     fn run(self) -> anyhow::Result<()> {
         match self {
             Self::Open(own) => own.run(),

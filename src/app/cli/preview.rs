@@ -14,10 +14,15 @@ use linden::scene::{Bounds, Scene};
 use linden::{Monitor, Skeleton, Vec3};
 use linden_raster::memory::admit_png;
 use linden_raster::{Background, Camera, Paint, Size, Style, Surface, draw_skeleton, draw_surface};
-use linden_terminal::{CellStyle, ColorDepth, Glyphs, Image, TerminalSize, draw_cells};
+use linden_terminal::graphics::encode;
+use linden_terminal::probe::{Environment, Graphics, Overrides};
+use linden_terminal::{
+    CellStyle, ColorDepth, Glyphs, Image, MAX_CELLS, Protocol, TerminalSize, Tty, draw_cells,
+};
+use ratatui::layout::Rect;
 
-use super::Growing;
 use super::placing::{Placing, PngTarget, is_folder};
+use super::{Growing, workbench};
 use crate::exit::usage;
 use crate::forecast::{Outlook, announce};
 use crate::progress::Progress;
@@ -76,6 +81,9 @@ pub struct Preview {
     /// Stand a person of 1.75 m beside the tree; tiny plants have none
     #[arg(long)]
     person: bool,
+
+    #[command(flatten)]
+    pub(super) terminal: workbench::Look,
 }
 
 /// What is drawn.
@@ -91,6 +99,12 @@ const FILE_SIZE: (u32, u32) = (800, 1000);
 impl Preview {
     pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
+        if let (Some(flag), Some(_)) = (self.terminal.given(), &self.output) {
+            return Err(usage(format!(
+                "{flag} has no effect on a file: it says how a terminal shows pictures"
+            )));
+        }
+        let overrides = self.terminal.overrides()?;
         // A place that cannot be written to is found before anything grows.
         let open = |path: &Path, id: &str| PngTarget::open(path, id, &self.placing);
         let named = self.output.as_deref().filter(|path| !is_folder(path));
@@ -141,14 +155,21 @@ impl Preview {
             let (columns, rows) =
                 self.size.unwrap_or((terminal.columns.into(), terminal.rows.saturating_sub(1).into()));
             let (columns, rows) = (cells(columns)?, cells(rows)?);
+            let (protocol, style) = in_terminal(&overrides);
+            if let Some(protocol) = protocol {
+                let area = Rect::new(0, 0, columns, rows);
+                let (wide, high) = Tty::open().ok().and_then(|tty| tty.size().cell_px()).unwrap_or((10, 20));
+                let size = (u32::from(columns) * u32::from(wide), u32::from(rows) * u32::from(high));
+                let picture = draw(Style::over_dark(), size)?;
+                let encoded = encode(protocol, picture.rgba(), size, area, usize::MAX)?;
+                progress.clear();
+                return super::print_bytes(&encoded.at_cursor(KITTY_IDS + std::process::id(), area));
+            }
             let picture = draw(
                 Style::over_dark(),
                 linden_terminal::cells::square_pixels(columns, rows, terminal.cell_aspect),
             )?;
-            let colors = ColorDepth::detect(|name| std::env::var(name).ok(), std::io::stdout().is_terminal());
             let image = Image::new(picture.width(), picture.height(), picture.rgba())?;
-            let glyphs = if colors == ColorDepth::None { Glyphs::Braille } else { Glyphs::Quadrants };
-            let style = CellStyle { glyphs, colors, ..CellStyle::default() };
             progress.clear();
             return super::print(&draw_cells(&image, columns, rows, &style));
         };
@@ -166,6 +187,32 @@ impl Preview {
         let of_skeleton = self.color.is_some() || self.points || self.outline;
         self.look.or(of_skeleton.then_some(Look::Skeleton))
     }
+}
+
+/// The pictures of the workbench have smaller numbers.
+const KITTY_IDS: u32 = 10_000;
+
+/// How the terminal is shown pictures: in a protocol for pixels, or as characters. What the flags leave
+/// open, the environment may say, and else what is certain of any terminal.
+fn in_terminal(flags: &Overrides) -> (Option<Protocol>, CellStyle) {
+    let is_terminal = std::io::stdout().is_terminal();
+    let environment = Environment::of_process();
+    // What is wrong there is said by the workbench and by 'linden doctor'.
+    let said = Overrides::from_environment(&environment).unwrap_or_default();
+    let overrides = flags.clone().or(if is_terminal { said } else { Overrides::default() });
+    let colors = overrides
+        .colors()
+        .unwrap_or_else(|| ColorDepth::detect(|name| std::env::var(name).ok(), is_terminal));
+    let (graphics, glyphs) = overrides.graphics().unwrap_or((Graphics::Cells, None));
+    let usual = if colors == ColorDepth::None { Glyphs::Braille } else { Glyphs::Quadrants };
+    let style = CellStyle { glyphs: glyphs.unwrap_or(usual), colors, ..CellStyle::default() };
+    let protocol = match graphics {
+        Graphics::Kitty => Some(Protocol::Kitty),
+        Graphics::Sixel => Some(Protocol::Sixel),
+        Graphics::Iterm2 => Some(Protocol::Iterm2),
+        Graphics::Cells => None,
+    };
+    (protocol, style)
 }
 
 /// A tree that is drawn.
@@ -240,8 +287,8 @@ pub fn broad_side(skeleton: &Skeleton) -> f32 {
 fn cells(n: u32) -> anyhow::Result<u16> {
     u16::try_from(n.max(1))
         .ok()
-        .filter(|&n| n <= 1000)
-        .ok_or_else(|| usage(format!("{n} is too many cells: at most 1000")))
+        .filter(|&n| n <= MAX_CELLS)
+        .ok_or_else(|| usage(format!("{n} is too many cells: at most {MAX_CELLS}")))
 }
 
 pub(super) fn size(text: &str) -> Result<(u32, u32), String> {

@@ -20,11 +20,11 @@ pub struct Open {
     growing: Growing,
 
     #[command(flatten)]
-    terminal: Terminal,
+    pub(super) terminal: Terminal,
 }
 
 /// What the user says of the terminal.
-#[derive(Args, Default)]
+#[derive(Args, Default, Clone)]
 pub struct Look {
     /// How pictures are shown: auto, kitty, sixel, iterm2, quadrants, halves or braille
     #[arg(long, value_name = "HOW")]
@@ -39,7 +39,7 @@ pub struct Look {
 #[derive(Args, Default)]
 pub struct Terminal {
     #[command(flatten)]
-    look: Look,
+    pub(super) look: Look,
 
     /// Show bytes and times, and sum them up at the end
     #[arg(long)]
@@ -90,7 +90,46 @@ impl Terminal {
     }
 }
 
+/// The flags of the workbench that mean something to other commands, too, and those that do not: given
+/// before a command, they go to it or are refused, but never dropped.
+impl Terminal {
+    /// Takes what `before` says where this says nothing.
+    pub fn fill(&mut self, before: &mut Self) {
+        self.look.fill(&mut before.look);
+        self.stats |= std::mem::take(&mut before.stats);
+        let log = before.log.take();
+        self.log = self.log.take().or(log);
+    }
+
+    /// The first flag that is given, and which commands have it.
+    pub fn given(&self) -> Option<(&'static str, &'static str)> {
+        const WITH_PICTURES: &str = "linden, linden open, linden preview and linden doctor";
+        const WORKBENCH: &str = "linden and linden open";
+        [
+            (self.look.graphics.is_some(), "--graphics", WITH_PICTURES),
+            (self.look.colors.is_some(), "--colors", WITH_PICTURES),
+            (self.stats, "--stats", WORKBENCH),
+            (self.log.is_some(), "--log", WORKBENCH),
+        ]
+        .into_iter()
+        .find_map(|(is_given, flag, commands)| is_given.then_some((flag, commands)))
+    }
+}
+
 impl Look {
+    /// Takes what `before` says where this says nothing.
+    pub fn fill(&mut self, before: &mut Self) {
+        let Self { graphics, colors } = std::mem::take(before);
+        self.graphics = self.graphics.take().or(graphics);
+        self.colors = self.colors.take().or(colors);
+    }
+
+    /// The first flag that is given.
+    pub fn given(&self) -> Option<&'static str> {
+        let graphics = self.graphics.as_ref().map(|_| "--graphics");
+        graphics.or(self.colors.as_ref().map(|_| "--colors"))
+    }
+
     /// What the flags say of the terminal.
     pub fn overrides(&self) -> anyhow::Result<Overrides> {
         let mut overrides = Overrides::default();

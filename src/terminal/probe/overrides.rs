@@ -66,6 +66,16 @@ impl Overrides {
         Ok(overrides)
     }
 
+    /// How pictures are drawn, and of which characters; `None` for what is found.
+    pub fn graphics(&self) -> Option<(Graphics, Option<Glyphs>)> {
+        self.graphics.as_ref().map(|told| told.value)
+    }
+
+    /// How many colours there are; `None` for what is found.
+    pub fn colors(&self) -> Option<ColorDepth> {
+        self.colors.as_ref().map(|told| told.value)
+    }
+
     /// What is said here, and what another says where nothing is.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
