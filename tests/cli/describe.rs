@@ -1,5 +1,8 @@
 //! list, show, stats, preview, completions, man, schema, help.
 
+use std::collections::BTreeSet;
+use std::path::Path;
+
 use crate::program::Folder;
 
 const COMMANDS: [&str; 12] = [
@@ -260,11 +263,73 @@ fn a_preview_without_a_file_is_text_of_the_terminals_size() {
     assert!(plain.chars().filter(|c| ('\u{2801}'..='\u{28ff}').contains(c)).count() > 40, "{plain}");
 }
 
+/// All names of variables that stand in the program's code as text, tests apart.
+fn variables() -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    let mut folders = vec![Path::new(env!("CARGO_MANIFEST_DIR")).join("..")];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            let name = path.file_name().unwrap().to_string_lossy().into_owned();
+            if path.is_dir() && name != "tests" {
+                folders.push(path);
+            } else if name.ends_with(".rs") && !name.contains("tests") {
+                let text = std::fs::read_to_string(&path).unwrap();
+                let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+                let texts = code.split('"').skip(1).step_by(2);
+                found.extend(
+                    texts
+                        .filter(|text| {
+                            let is_name = |c: char| c.is_ascii_uppercase() || c == '_';
+                            text.strip_prefix("LINDEN_").is_some_and(|rest| rest.chars().all(is_name))
+                        })
+                        .map(str::to_owned),
+                );
+            }
+        }
+    }
+    found
+}
+
 #[test]
-fn completions_know_the_options_for_every_shell() {
-    for shell in ["bash", "zsh", "fish", "elvish", "powershell"] {
-        let text = Folder::new().run(&["completions", shell]).done().out;
-        assert!(text.contains("preview") && text.contains("background"), "{shell}");
+fn the_manual_has_formats_knobs_variables_files_and_a_page_for_each_reference() {
+    let folder = Folder::new();
+    // As a reader sees it: dashes are escaped in roff.
+    let manual = folder.run(&["man"]).done().out.replace('\\', "");
+    for format in folder.run(&["list", "--exporters", "--json"]).done().json().as_array().unwrap() {
+        let id = format["id"].as_str().unwrap();
+        assert!(manual.contains(&format!("fB{id}fR")), "{id}");
+    }
+    for source in ["oak", "abop-a", "fir"] {
+        for knob in folder.run(&["show", source, "--json"]).done().json()["knobs"].as_array().unwrap() {
+            let name = knob["name"].as_str().unwrap();
+            assert!(manual.contains(&format!("fB{name}fR")), "{name}");
+        }
+    }
+    let variables = variables();
+    assert!(variables.len() >= 6, "{variables:?}");
+    for name in variables {
+        assert!(manual.contains(&name), "{name}");
+    }
+    for text in ["config.toml", "session.toml", ".SH FORMATS", ".SH KNOBS", ".SH ENVIRONMENT", ".SH FILES"] {
+        assert!(manual.contains(text), "{text}");
+    }
+    assert!(manual.contains(".SH \"EXIT STATUS\""), "{manual}");
+    // Every page that is referred to is written.
+    folder.run(&["man", "-o", "man1"]).done();
+    let mut names: Vec<String> = std::fs::read_dir(folder.file("man1"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    let mut expected: Vec<String> = COMMANDS.iter().map(|own| format!("linden-{own}.1")).collect();
+    expected.push("linden.1".to_owned());
+    expected.sort();
+    assert_eq!(names, expected);
+    for command in COMMANDS {
+        assert!(manual.contains(&format!("linden-{command}(1)")), "{command}");
+        let page = String::from_utf8(folder.read(&format!("man1/linden-{command}.1"))).unwrap();
+        assert_eq!(page, folder.run(&["man", command]).done().out, "{command}");
     }
 }
 

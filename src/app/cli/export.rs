@@ -9,9 +9,9 @@ use linden::memory::Holding;
 use linden::season::Season;
 use linden_exporters::{Exporter, REGISTRY};
 
-use super::Growing;
 use super::forest::{Written, side_by_side};
 use super::outputs::{Outputs, finish, write};
+use super::{Growing, complete};
 use crate::exit::usage;
 use crate::forecast::{Outlook, announce};
 use crate::progress::Progress;
@@ -25,7 +25,7 @@ pub struct Export {
 
     /// Further sources for the same files, each tree where its own mesh, scan or root has it; --set turns the
     /// knobs of all of them. 'linden forest' lays trees out
-    #[arg(value_name = "SOURCE")]
+    #[arg(value_name = "SOURCE", add = complete::sources())]
     further: Vec<PathBuf>,
 
     #[command(flatten)]
@@ -49,13 +49,13 @@ pub struct Export {
 
     /// Wind: a sway loop that viewers play, or the attributes at the vertices alone; the same as
     /// --set wind=WORD
-    #[arg(long, value_name = "WORD", num_args = 0..=1, default_missing_value = "sway")]
+    #[arg(long, value_name = "WORD", num_args = 0..=1, default_missing_value = "sway", add = complete::values_of("wind"))]
     wind: Option<String>,
 
     /// The same wood with the leaves of several seasons: names, or names with values of the knob `season`
     /// like spring=0.05; all named ones when none is given. USD holds them as variants, every other format
     /// has a file for each
-    #[arg(long, value_name = "LIST", num_args = 0..=1, default_missing_value = "all")]
+    #[arg(long, value_name = "LIST", num_args = 0..=1, default_missing_value = "all", add = complete::seasons())]
     seasons: Option<String>,
 
     /// With a camera that frames the tree, sun, sky and ground, in formats that hold them

@@ -32,14 +32,14 @@ use crate::source::{self, show};
 pub struct Forest {
     /// Kinds of trees, each a preset's id or a file, with its part of all trees after a colon; or one
     /// forest: its id, a .toml file, or the .json of one
-    #[arg(value_name = "PRESET[:SHARE]", required = true)]
+    #[arg(value_name = "PRESET[:SHARE]", required = true, add = super::complete::shown())]
     kinds: Vec<String>,
 
     #[command(flatten)]
     layout: LayoutFlags,
 
     /// Turn a knob of the forest, of all kinds of trees that have it, or of a format (FORMAT.OPTION)
-    #[arg(long = "set", short, value_name = "KNOB=VALUE")]
+    #[arg(long = "set", short, value_name = "KNOB=VALUE", add = super::complete::settings())]
     settings: Vec<String>,
 
     #[command(flatten)]

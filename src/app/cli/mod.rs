@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand, one table ([`Command`]) that parsing, help,
 //! completions and the manual are made from.
 
+mod complete;
 mod completions;
 mod doctor;
 mod export;
@@ -100,11 +101,11 @@ enum Command {
 #[derive(Args)]
 struct Growing {
     /// A preset's id, a file, or - for standard input
-    #[arg(value_name = "SOURCE")]
+    #[arg(value_name = "SOURCE", add = complete::sources())]
     source: PathBuf,
 
     /// Turn a knob ('linden show SOURCE' lists them); may be given several times
-    #[arg(long = "set", short, value_name = "KNOB=VALUE")]
+    #[arg(long = "set", short, value_name = "KNOB=VALUE", add = complete::settings())]
     settings: Vec<String>,
 
     /// The root of all random choices; the same as --set seed=N
@@ -189,6 +190,11 @@ fn notes(notes: &[String], progress: &Progress) {
     }
 }
 
+/// The names of all commands.
+fn command_names() -> Vec<String> {
+    Cli::command().get_subcommands().map(|own| own.get_name().to_owned()).collect()
+}
+
 /// Writes a result to standard output.
 fn print(text: &str) -> anyhow::Result<()> {
     print_bytes(text.as_bytes())
@@ -211,6 +217,7 @@ fn print_json(value: &impl serde::Serialize) -> anyhow::Result<()> {
 /// Parses the command line and does what it says.
 pub fn run() -> ExitCode {
     crate::signals::outlive_file_limits();
+    completions::answer(Cli::command);
     let mut cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(error) => {
@@ -288,7 +295,7 @@ impl Command {
             Self::Export(own) => own.run(),
             Self::Forest(own) => own.run(),
             Self::Doctor(own) => own.run(),
-            Self::Completions(own) => own.run(&mut Cli::command()),
+            Self::Completions(own) => own.run(),
             Self::Man(own) => own.run(Cli::command()),
             Self::Schema(own) => own.run(),
         }

@@ -10,6 +10,7 @@ use linden_exporters::{Exporter, Options, REGISTRY, find, for_path};
 
 use super::placing::{Placing, as_sole_output, explained, in_folder, is_dash, is_folder, waiting};
 
+use super::complete;
 use crate::exit::usage;
 use crate::progress::Progress;
 use crate::targets::{Batch, Output, default_name};
@@ -23,7 +24,7 @@ pub struct Outputs {
     output: Vec<PathBuf>,
 
     /// Write these formats: one for all outputs, or one for each; without -o to SOURCE.ENDING
-    #[arg(long, value_name = "FORMAT", value_delimiter = ',')]
+    #[arg(long, value_name = "FORMAT", value_delimiter = ',', add = complete::formats())]
     format: Vec<String>,
 
     /// Leaves, in a forest whole trees, as few meshes in many places; the same as --set FORMAT.instances=true
@@ -37,7 +38,7 @@ pub struct Outputs {
 
     /// Vertices and indices in fewer bytes (meshopt); the same as --set FORMAT.compress=METHOD for each
     /// format that has it
-    #[arg(long, value_name = "METHOD")]
+    #[arg(long, value_name = "METHOD", add = complete::values_of_option("compress"))]
     compress: Option<String>,
 
     #[command(flatten)]

@@ -21,11 +21,11 @@ use crate::source;
 #[derive(Args)]
 pub struct Sheet {
     /// Presets' ids or files, in the order of the sheet
-    #[arg(value_name = "SOURCE", required_unless_present = "group")]
+    #[arg(value_name = "SOURCE", required_unless_present = "group", add = super::complete::sources())]
     sources: Vec<PathBuf>,
 
     /// All built-in presets of a group, like Plants; may be given several times
-    #[arg(long, value_name = "GROUP")]
+    #[arg(long, value_name = "GROUP", add = super::complete::groups())]
     group: Vec<String>,
 
     /// Write this PNG file, or sheet.png into a directory; - is standard output
@@ -40,7 +40,7 @@ pub struct Sheet {
     seeds: u64,
 
     /// Turn a knob of every tree; may be given several times
-    #[arg(long = "set", short, value_name = "KNOB=VALUE")]
+    #[arg(long = "set", short, value_name = "KNOB=VALUE", add = super::complete::settings())]
     settings: Vec<String>,
 
     /// Width x height of each tree, pixels

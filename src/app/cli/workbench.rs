@@ -7,7 +7,7 @@ use linden_terminal::Tty;
 use linden_terminal::probe::Overrides;
 use linden_terminal::tty::OpenError;
 
-use super::Growing;
+use super::{Growing, complete};
 use crate::config::log::Request;
 use crate::exit::usage;
 use crate::source;
@@ -27,11 +27,11 @@ pub struct Open {
 #[derive(Args, Default, Clone)]
 pub struct Look {
     /// How pictures are shown: auto, kitty, sixel, iterm2, quadrants, halves or braille
-    #[arg(long, value_name = "HOW")]
+    #[arg(long, value_name = "HOW", add = complete::words(|| Overrides::graphics_words()))]
     graphics: Option<String>,
 
     /// How many colours there are: auto, truecolor, 256, 16 or none
-    #[arg(long, value_name = "DEPTH")]
+    #[arg(long, value_name = "DEPTH", add = complete::words(|| Overrides::colors_words()))]
     colors: Option<String>,
 }
 

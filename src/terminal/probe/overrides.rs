@@ -66,6 +66,16 @@ impl Overrides {
         Ok(overrides)
     }
 
+    /// What [`Self::set_graphics`] takes.
+    pub fn graphics_words() -> Vec<String> {
+        words(&GRAPHICS_NAMES)
+    }
+
+    /// What [`Self::set_colors`] takes.
+    pub fn colors_words() -> Vec<String> {
+        words(&COLOR_NAMES)
+    }
+
     /// How pictures are drawn, and of which characters; `None` for what is found.
     pub fn graphics(&self) -> Option<(Graphics, Option<Glyphs>)> {
         self.graphics.as_ref().map(|told| told.value)
@@ -104,6 +114,10 @@ impl Overrides {
     }
 }
 
+fn words<T>(names: &[(&str, T)]) -> Vec<String> {
+    names.iter().map(|(name, _)| *name).chain([AUTO]).map(str::to_owned).collect()
+}
+
 fn named<T: Copy>(names: &[(&str, T)], value: &str, from: &str) -> Result<Option<Told<T>>, OverrideError> {
     if value == AUTO {
         return Ok(None);
@@ -113,6 +127,6 @@ fn named<T: Copy>(names: &[(&str, T)], value: &str, from: &str) -> Result<Option
     found.map(|(_, value)| Some(Told { value: *value, why: why() })).ok_or_else(|| OverrideError {
         from: printable(from),
         value: printable(value),
-        allowed: names.iter().map(|(name, _)| *name).chain([AUTO]).collect::<Vec<_>>().join(", "),
+        allowed: words(names).join(", "),
     })
 }

@@ -1,0 +1,158 @@
+//! What completes the values of arguments: presets, knobs and their values, formats, words.
+//!
+//! Shells ask this program itself while somebody types (see [`super::completions`]). It answers from its
+//! tables, the folder of the user's presets, and the directory that is typed; nothing is grown or read.
+
+use std::ffi::OsStr;
+
+use clap_complete::engine::{
+    ArgValueCandidates, ArgValueCompleter, CompletionCandidate, PathCompleter, ValueCompleter,
+};
+use linden::forest::{FOREST_KNOBS, builtin_forests};
+use linden::knob::Kind;
+use linden::preset::{KNOBS, builtin, builtins, shape_knobs};
+use linden::season::SEASONS;
+use linden_exporters::{REGISTRY, exporters};
+
+/// SOURCE: presets and files.
+pub fn sources() -> ArgValueCompleter {
+    ArgValueCompleter::new(|typed: &OsStr| with_files(presets(), typed))
+}
+
+/// What `linden show` takes: presets, forests and files.
+pub fn shown() -> ArgValueCompleter {
+    ArgValueCompleter::new(|typed: &OsStr| with_files(presets().chain(forests()), typed))
+}
+
+/// `KNOB=VALUE`, and `FORMAT.OPTION=VALUE` where files are written.
+pub fn settings() -> ArgValueCompleter {
+    ArgValueCompleter::new(setting)
+}
+
+/// Ids of formats.
+pub fn formats() -> ArgValueCandidates {
+    ArgValueCandidates::new(|| {
+        let formats = exporters().into_iter().map(|exporter| exporter.format());
+        formats.map(|format| candidate(format.id, format.help)).collect()
+    })
+}
+
+/// Some words.
+pub fn words(words: impl Fn() -> Vec<String> + Send + Sync + 'static) -> ArgValueCandidates {
+    ArgValueCandidates::new(move || words().into_iter().map(CompletionCandidate::new).collect())
+}
+
+/// Words of the knob of this name.
+pub fn values_of(knob: &'static str) -> ArgValueCandidates {
+    words(move || {
+        let found = KNOBS.iter().find(|own| own.knob.name == knob);
+        found.map_or_else(Vec::new, |own| values(&own.knob.kind))
+    })
+}
+
+/// Values of an option that formats have.
+pub fn values_of_option(option: &'static str) -> ArgValueCandidates {
+    words(move || {
+        let mut options = REGISTRY.iter().flat_map(|exporter| exporter.format().options);
+        let found = options.find(|spec| spec.knob.name == option);
+        found.map_or_else(Vec::new, |spec| values(&spec.knob.kind))
+    })
+}
+
+/// Seasons, and all of them.
+pub fn seasons() -> ArgValueCandidates {
+    words(|| SEASONS.iter().map(|(name, _)| (*name).to_owned()).chain(["all".to_owned()]).collect())
+}
+
+/// Groups of presets.
+pub fn groups() -> ArgValueCandidates {
+    words(|| {
+        let mut groups: Vec<String> = headings().map(|(_, heading)| heading.group).collect();
+        groups.dedup();
+        groups
+    })
+}
+
+fn headings() -> impl Iterator<Item = (&'static str, linden::preset::Heading)> {
+    builtins().iter().filter_map(|own| Some((own.id, own.heading().ok()?)))
+}
+
+fn presets() -> impl Iterator<Item = CompletionCandidate> {
+    headings().map(|(id, heading)| candidate(id, &heading.summary))
+}
+
+fn forests() -> impl Iterator<Item = CompletionCandidate> {
+    builtin_forests().iter().map(|own| candidate(own.id, "a forest"))
+}
+
+fn with_files(named: impl Iterator<Item = CompletionCandidate>, typed: &OsStr) -> Vec<CompletionCandidate> {
+    let mut all = beginning_with(named, typed);
+    all.extend(PathCompleter::file().complete(typed));
+    all
+}
+
+fn beginning_with(all: impl Iterator<Item = CompletionCandidate>, typed: &OsStr) -> Vec<CompletionCandidate> {
+    let typed = typed.as_encoded_bytes();
+    all.filter(|own| own.get_value().as_encoded_bytes().starts_with(typed)).collect()
+}
+
+fn candidate(value: &str, help: &str) -> CompletionCandidate {
+    CompletionCandidate::new(value).help(Some(help.to_owned().into()))
+}
+
+/// A knob or an option: what is before `=`, its kind, its help.
+type Named = (String, Kind, &'static str);
+
+fn setting(typed: &OsStr) -> Vec<CompletionCandidate> {
+    let line: Vec<String> = std::env::args().collect();
+    let known = known(&line);
+    let all: Vec<_> = match typed.to_string_lossy().split_once('=') {
+        None => known.iter().map(|(name, _, help)| candidate(&format!("{name}="), help)).collect(),
+        Some((name, _)) => {
+            let found = known.iter().find(|(own, ..)| own == name);
+            let values = found.map_or_else(Vec::new, |(_, kind, _)| values(kind));
+            values.into_iter().map(|value| CompletionCandidate::new(format!("{name}={value}"))).collect()
+        }
+    };
+    beginning_with(all.into_iter(), typed)
+}
+
+/// What can be set on a command line: by the preset that stands there, else by any; and options of formats
+/// where files are written.
+fn known(line: &[String]) -> Vec<Named> {
+    let preset = line.iter().find_map(|word| builtin(word).ok()?.load().ok());
+    let knobs: Vec<_> = match preset {
+        Some(preset) => preset.knobs().into_iter().map(|(knob, _)| knob.knob).collect(),
+        None => KNOBS.iter().copied().chain(shape_knobs()).map(|own| own.knob).collect(),
+    };
+    let mut all: Vec<Named> =
+        knobs.into_iter().map(|knob| (knob.name.to_owned(), knob.kind, knob.help)).collect();
+    let is = |command: &str| line.iter().any(|word| word == command);
+    if is("forest") {
+        let of_forests = FOREST_KNOBS.iter().map(|own| &own.knob);
+        all.extend(of_forests.map(|knob| (knob.name.to_owned(), knob.kind, knob.help)));
+    }
+    if is("export") || is("forest") {
+        for format in REGISTRY.iter().map(|exporter| exporter.format()) {
+            let option =
+                |knob: &linden::knob::Knob| (format!("{}.{}", format.id, knob.name), knob.kind, knob.help);
+            all.extend(format.options.iter().map(|spec| option(&spec.knob)));
+        }
+    }
+    all
+}
+
+/// The words that a kind takes; none for numbers.
+fn values(kind: &Kind) -> Vec<String> {
+    let words: &[&str] = match kind {
+        Kind::Choice(words) | Kind::Words(words) => words,
+        Kind::Switch => &["true", "false"],
+        Kind::Real { auto: true, .. }
+        | Kind::Length { auto: true, .. }
+        | Kind::Vector { auto: true }
+        | Kind::Color { auto: true }
+        | Kind::Colors { auto: true, .. } => &["auto"],
+        _ => &[],
+    };
+    words.iter().map(|&word| word.to_owned()).collect()
+}
