@@ -1,6 +1,7 @@
 //! Lists the files of `presets/`, so that adding a preset is adding a file. Those in `forests/` are
 //! documents of forests, all others of trees.
 
+use std::collections::BTreeMap;
 use std::error::Error;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -9,6 +10,7 @@ use std::{env, fs};
 fn main() -> Result<(), Box<dyn Error>> {
     let presets = Path::new(&env::var("CARGO_MANIFEST_DIR")?).join("../../presets").canonicalize()?;
     println!("cargo::rerun-if-changed={}", presets.display());
+    let sizes = sizes(&presets.join("sizes.txt"))?;
     let mut table = String::from("static BUILTINS: &[Builtin] = &[\n");
     let mut forests = String::from("static FORESTS: &[BuiltinForest] = &[\n");
     for folder in sorted(&presets)?.iter().filter(|path| path.is_dir()) {
@@ -30,8 +32,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             }
             writeln!(
                 table,
-                "Builtin {{ id: {id:?}, text: include_str!({:?}), beside: &[{beside}] }},",
-                path.to_string_lossy()
+                "Builtin {{ id: {id:?}, text: include_str!({:?}), beside: &[{beside}], size: {} }},",
+                path.to_string_lossy(),
+                sizes.get(&*id).map_or("None", String::as_str)
             )?;
         }
     }
@@ -41,6 +44,20 @@ fn main() -> Result<(), Box<dyn Error>> {
     fs::write(Path::new(&out).join("builtins.rs"), table)?;
     fs::write(Path::new(&out).join("forests.rs"), forests)?;
     Ok(())
+}
+
+/// What was measured of each preset, as Rust has it: lines of an id, metres and leaves.
+fn sizes(path: &Path) -> Result<BTreeMap<String, String>, Box<dyn Error>> {
+    let mut sizes = BTreeMap::new();
+    for line in fs::read_to_string(path)?.lines().filter(|line| !line.starts_with('#')) {
+        let [id, height, leaves] = line.split(' ').collect::<Vec<_>>()[..] else {
+            return Err(format!("{}: '{line}' is not an id and two numbers", path.display()).into());
+        };
+        let (height, leaves): (f64, u64) = (height.parse()?, leaves.parse()?);
+        let size = format!("Some(BuiltinSize {{ height_m: {height:?}, leaves: {leaves} }})");
+        sizes.insert(id.to_owned(), size);
+    }
+    Ok(sizes)
 }
 
 fn sorted(folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {

@@ -72,6 +72,18 @@ fn the_list_names_the_presets_that_are_promised() {
     ] {
         assert!(ids.contains(&id) && text.contains(&format!("  {id} ")), "{id}");
     }
+    // How large each is stands there without growing it: as 'stats' measures it.
+    let of = |id: &str| rows.as_array().unwrap().iter().find(|row| row["id"] == id).unwrap().clone();
+    for id in ["simple", "abop-bush", "male-fern"] {
+        let (listed, measured) = (of(id), folder.run(&["stats", id, "--json"]).done().json());
+        let height = |row: &serde_json::Value| row["height_m"].as_f64().unwrap();
+        assert!((height(&listed) - height(&measured)).abs() < 0.006, "{id}: {listed}");
+        assert_eq!(listed["leaves"], measured["leaves"], "{id}");
+        let line = text.lines().find(|line| line.trim_start().starts_with(id)).unwrap();
+        let generator = measured["generator"].as_str().unwrap();
+        assert!(line.contains(generator) && line.contains(&format!("{:.2} m", height(&listed))), "{line}");
+    }
+    assert!(of("orchard")["height_m"].is_null() && of("orchard")["generator"] == "forest");
     let formats = folder.run(&["list", "--exporters", "--json"]).done().json();
     let ids: Vec<&str> = formats.as_array().unwrap().iter().map(|row| row["id"].as_str().unwrap()).collect();
     assert_eq!(ids, ["obj", "ply", "ply-skeleton", "gltf", "glb", "usda", "usdz", "qsm"]);

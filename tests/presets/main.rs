@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use linden::Quiet;
-use linden::grow::grow;
+use linden::grow::{Grown, grow};
 use linden::preset::{Heading, Preset, builtins};
 use linden::surface::{Topology, sweep, topology};
 use linden_tests::presets::recipe;
@@ -74,22 +74,29 @@ fn each_surface_is_closed_unfolded_and_finite() {
 /// `LINDEN_UPDATE=1 cargo test -p linden-tests --test presets`.
 #[test]
 fn each_tree_is_the_one_it_was() {
-    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("presets/trees.txt");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut trees = String::from("# preset, nodes, axes, hash of the skeleton\n");
+    let mut sizes = String::from("# preset, height in metres, leaves: what 'linden list' says\n");
     for builtin in builtins() {
-        let skeleton = grow(&recipe(builtin), &Quiet).unwrap().skeleton;
+        let Grown { skeleton, organs, .. } = grow(&recipe(builtin), &Quiet).unwrap();
+        writeln!(sizes, "{} {:.2} {}", builtin.id, skeleton.measures().height_m, organs.len()).unwrap();
         let (nodes, axes) = (skeleton.positions.len(), skeleton.axes.len());
         writeln!(trees, "{} {nodes} {axes} {:032x}", builtin.id, skeleton.hash()).unwrap();
     }
+    as_before(&folder.join("presets/trees.txt"), &trees);
+    as_before(&folder.join("../presets/sizes.txt"), &sizes);
+}
+
+fn as_before(golden: &Path, text: &str) {
     if std::env::var_os("LINDEN_UPDATE").is_some() {
-        std::fs::write(&golden, &trees).unwrap();
+        std::fs::write(golden, text).unwrap();
     }
-    let expected = std::fs::read_to_string(&golden).unwrap();
-    for (now, then) in trees.lines().zip(expected.lines()) {
+    let expected = std::fs::read_to_string(golden).unwrap();
+    for (now, then) in text.lines().zip(expected.lines()) {
         assert_eq!(now, then, "a preset grows another tree (see LINDEN_UPDATE above)");
     }
     assert_eq!(
-        trees.lines().count(),
+        text.lines().count(),
         expected.lines().count(),
         "presets came or went (see LINDEN_UPDATE above)"
     );

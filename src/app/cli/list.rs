@@ -7,7 +7,7 @@ use serde::Serialize;
 
 use crate::source;
 
-/// List the presets and forests, or the export formats
+/// List the presets with what they grow to, and the forests; or the export formats
 #[derive(Args)]
 pub struct List {
     /// Machine-readable
@@ -30,6 +30,9 @@ struct Row {
     name: String,
     group: String,
     generator: &'static str,
+    /// What was measured of a built-in preset; `null` for what must be grown to be measured.
+    height_m: Option<f64>,
+    leaves: Option<u64>,
     summary: String,
     source: String,
 }
@@ -47,6 +50,8 @@ impl List {
                 name,
                 group: FORESTS.to_owned(),
                 generator: FOREST,
+                height_m: None,
+                leaves: None,
                 summary,
                 source: String::new(),
             })
@@ -55,7 +60,8 @@ impl List {
             .iter()
             .map(|builtin| {
                 let Preset { id, name, group, summary, source, generator, .. } = builtin.load()?;
-                Ok(Row { id, name, group, generator: generator.id(), summary, source })
+                let (height_m, leaves) = builtin.size.map(|size| (size.height_m, size.leaves)).unzip();
+                Ok(Row { id, name, group, generator: generator.id(), height_m, leaves, summary, source })
             })
             .chain(builtin_forests().iter().map(forest))
             .collect::<anyhow::Result<Vec<Row>>>()?;
@@ -63,7 +69,7 @@ impl List {
             return super::print_json(&rows);
         }
         let width = rows.iter().map(|row| row.id.len()).max().unwrap_or(0);
-        let mut text = String::new();
+        let mut text = format!("  {:width$}  {:12}  {:>7}  {:>7}\n\n", "", "generator", "height", "leaves");
         let mut group = "";
         for row in &rows {
             if row.group != group {
@@ -72,7 +78,16 @@ impl List {
                 text.push_str(if row.generator == FOREST { ", for 'linden forest'\n" } else { "\n" });
                 group = &row.group;
             }
-            text.push_str(&format!("  {:width$}  {}\n", row.id, row.summary));
+            let height = row.height_m.map_or_else(String::new, |height| format!("{height:.2} m"));
+            let leaves = match row.leaves {
+                None => String::new(),
+                Some(0) => "none".to_owned(),
+                Some(leaves) => indicatif::HumanCount(leaves).to_string(),
+            };
+            text.push_str(&format!(
+                "  {:width$}  {:12}  {height:>7}  {leaves:>7}  {}\n",
+                row.id, row.generator, row.summary
+            ));
         }
         super::print(&text)
     }

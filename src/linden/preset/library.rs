@@ -15,6 +15,17 @@ pub struct Builtin {
     pub text: &'static str,
     /// The other files of the folder it stands in, by name: crown envelopes and meshes of parts.
     pub beside: &'static [(&'static str, &'static [u8])],
+    /// How large the tree is; `None` for a preset so new that nobody has measured it.
+    pub size: Option<BuiltinSize>,
+}
+
+/// What a built-in preset grows to as it is: measured when it was last changed, and told without growing.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BuiltinSize {
+    /// From the lowest to the highest node, to a centimetre.
+    pub height_m: f64,
+    /// Leaves, needles, blossoms and fruit.
+    pub leaves: u64,
 }
 
 include!(concat!(env!("OUT_DIR"), "/builtins.rs"));

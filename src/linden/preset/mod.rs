@@ -41,7 +41,7 @@ pub use item::Field;
 pub(crate) use item::List;
 pub use knobs::{KNOBS, PresetKnob, Section, shape_knobs};
 pub use leaf_knobs::LEAF_KNOBS;
-pub use library::{Builtin, RecipeError, builtin, builtin_file, builtins};
+pub use library::{Builtin, BuiltinSize, RecipeError, builtin, builtin_file, builtins};
 pub use lsystem::LSystem;
 pub use part::{MOST_PARTS, PART_CROWN, PART_KNOBS, Part, PartKnob, Solid};
 pub use read::Heading;
