@@ -267,9 +267,9 @@ impl Kind {
             (Self::Integer { min, max }, Value::Integer(n)) => min <= n && n <= max,
             (Self::Choice(words), Value::Word(word)) => words.contains(&word.as_str()),
             (Self::Switch, Value::Switch(_)) | (Self::Color { .. }, Value::Color(_)) => true,
-            (Self::Vector { .. }, Value::Vector(v)) => v.iter().all(is_place),
+            (Self::Vector { .. }, Value::Vector(v)) => v.iter().copied().all(is_place),
             (Self::Profile { least, most }, Value::Profile(pairs)) => {
-                (least..=most).contains(&&pairs.len()) && pairs.iter().flatten().all(is_place)
+                (least..=most).contains(&&pairs.len()) && pairs.iter().flatten().copied().all(is_place)
             }
             (Self::Reals { min, max, most }, Value::Reals(numbers)) => {
                 (1..=*most).contains(&numbers.len()) && numbers.iter().all(|x| min <= x && x <= max)
@@ -290,7 +290,7 @@ impl Kind {
 }
 
 /// Whether a coordinate is finite and near enough to be one.
-fn is_place(x: &f64) -> bool {
+fn is_place(x: f64) -> bool {
     x.abs() <= FARTHEST
 }
 

@@ -94,7 +94,7 @@ fn growth_that_cannot_be() {
     // The crown hangs 100 m above a bare root that sees 1 m.
     fir(&["trunk=0", "crown_base=100", "influence=1"], &["m away", "influence", "trunk"]);
     fir(&["root=1e8,0,0"], &["100000000 m", "origin=root"]);
-    fir(&["root=1e300,0,0"], &["origin=root"]);
+    fir(&["root=1e9,0,0"], &["origin=root"]);
     fir(&["step=1000", "kill=3D"], &["nothing grew", "1000 of 1000 points", "kill"]);
     fir(&["base_radius=0.01", "tip_radius=0.02"], &["base_radius", "tip_radius"]);
     fir(&["trunk=900", "step=0.00002", "kill=3D", "max_nodes=1000"], &["trunk", "max_nodes=1000"]);

@@ -21,7 +21,7 @@ fn trees(document: &Value) -> Vec<(u64, [f64; 3])> {
         root["children"].as_array().unwrap().iter().map(|index| &nodes[index.as_u64().unwrap() as usize]);
     children
         .map(|node| {
-            let at = |axis: usize| node["translation"][axis].as_f64().unwrap();
+            let at = |axis: usize| node["translation"][axis].as_f64().unwrap_or(0.0); // without one: where its own file has it
             (node["mesh"].as_u64().unwrap(), [at(0), at(1), at(2)])
         })
         .collect()
@@ -171,7 +171,7 @@ fn box_at([x, y, z]: [f64; 3]) -> String {
         let on = |bit: u32| f64::from(corner >> bit & 1);
         text += &format!("v {} {} {}\n", x - 1.0 + 2.0 * on(0), y + 2.0 * on(1), z - 1.0 + 2.0 * on(2));
     }
-    text + "f 1 2 4 3\nf 5 7 8 6\nf 1 5 6 2\nf 3 4 8 7\nf 1 3 7 5\nf 2 6 8 4\n"
+    text + "f 3 4 2 1\nf 6 8 7 5\nf 2 6 5 1\nf 7 8 4 3\nf 5 7 3 1\nf 4 8 6 2\n"
 }
 
 /// The box around a GLB's mesh, as its accessor has it.
@@ -217,7 +217,8 @@ fn several_meshes_are_a_tree_each_where_their_files_have_them() {
     folder.write("both.obj", both.collect::<String>());
     let stats = folder.run(&["stats", "both.obj", "--json", "--set", "points=300"]);
     assert!(stats.err.contains("2 shells that stand apart"), "{}", stats.err);
-    let report = stats.done().json();
+    assert_eq!(stats.code, Some(0));
+    let report = stats.json();
     assert_eq!((&report["points"], &report["points_unreached"]), (&600.into(), &0.into()));
     let page = folder.run(&["show", "both.obj"]).done().out;
     assert!(page.contains("both.obj: 24 triangles, 2 shells that stand apart"), "{page}");

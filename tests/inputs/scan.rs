@@ -360,8 +360,31 @@ fn a_canopy_without_a_stem_is_a_crown_on_a_trunk_and_never_a_stub() {
 }
 
 #[test]
+fn ground_below_a_canopy_says_where_the_tree_stands() {
+    for seed in 0..6 {
+        // Heights above the sea, and a slope: the ground below the middle counts.
+        let mut points = dome(seed, 480.0);
+        let key = Key::new(seed).named("ground");
+        points.extend((0..400).map(|i| {
+            let [x, z, off] = [0, 1, 2].map(|axis| key.child(i).child(axis).between(-1.0, 1.0));
+            DVec3::new(500.0 + 8.0 * x, 480.0 + 0.3 * x + 0.05 * off, 700.0 + 8.0 * z)
+        }));
+        let grown = grown_from(points);
+        let own = grown.colonized.as_ref().unwrap();
+        assert!(own.is_canopy && own.points.len() == 758, "seed {seed}: {:?}", grown.notes);
+        let height_m = grown.skeleton.measures().height_m;
+        assert!((8.6..9.5).contains(&height_m), "seed {seed}: {height_m} m");
+        assert!(own.unreached < 20, "seed {seed}: {}", own.unreached);
+        assert!(grown.notes.iter().any(|note| note.starts_with("400 points were taken for ground")));
+    }
+}
+
+#[test]
 fn no_scan_of_a_tree_is_taken_for_a_canopy() {
     let thin: Vec<DVec3> = scan().into_iter().step_by(9).collect();
+    // So few that no ring of bark is seen.
+    let thinner: Vec<DVec3> = scan().into_iter().step_by(60).collect();
+    assert!(!grown_from(thinner).colonized.unwrap().is_canopy);
     let half: Vec<DVec3> = scan().into_iter().filter(|p| p.z > 0.0).collect();
     for points in [scan(), thin, half] {
         let grown = grown_from(points);

@@ -64,6 +64,7 @@ impl Args for LayoutFlags {
                 first.make_ascii_uppercase();
             }
             let unit = if knob.unit.is_empty() { "N" } else { "M" };
+            let unit = if matches!(knob.kind, linden::knob::Kind::Choice(_)) { "WORD" } else { unit };
             let flag = knob.name.replace('_', "-");
             let arg = Arg::new(knob.name).long(flag).help(help);
             command.arg(match knob.kind {

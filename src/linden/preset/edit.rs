@@ -73,6 +73,7 @@ impl Preset {
 
     /// The same kind of preset with everything at its default: what a document means that says no more than what
     /// grows.
+    #[must_use]
     pub fn plain(&self) -> Self {
         let shape = |id: &str| crown::shape(id).map_or_else(|_| Vec::new(), |shape| shape.complete(&[]));
         let generator = match &self.generator {
@@ -89,7 +90,7 @@ impl Preset {
                         Solid::Shape { shape: id, .. } => {
                             Solid::Shape { shape: id.clone(), dimensions: shape(id) }
                         }
-                        file => file.clone(),
+                        Solid::Mesh { file } => Solid::Mesh { file: file.clone() },
                     };
                     Part::of(part.role, solid)
                 };

@@ -4,16 +4,15 @@
 //! they make a stub somewhere under the rim. Such points are a crown: the tree stands on the ground below their
 //! middle and grows into them as they are.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 
 use super::Plant;
 use super::standing::crown_base;
 use crate::colonization::growth::Stop;
-use crate::colonization::scan::{girth, share_near};
+use crate::colonization::scan::{girth, share_near, shows_stem};
 use crate::grow::{GrowError, MEASURING_BYTES_PER_POINT};
-use crate::monitor::Monitor;
+use crate::monitor::{Cancelled, Monitor};
 use crate::preset::Colonization;
-use crate::skeleton::Branching;
 
 /// A point is near the tree within this part of the scan's height: stems are thinner.
 const NEAR_PER_HEIGHT: f64 = 0.1;
@@ -24,6 +23,12 @@ const LEAST_NEAR: f64 = 0.5;
 /// Fewer are worth a word.
 const USUAL_NEAR: f64 = 0.8;
 
+/// Fewer of a tree's nodes have a ring of bark by accident, of 1.
+const FEW_RINGS: f64 = 0.05;
+
+/// Between ground and canopy there is a layer without points, so thick as a part of the height of all.
+const GAP_PER_HEIGHT: f64 = 0.15;
+
 /// No crown is higher above ground, metres; what is, has heights above the sea.
 const HIGHEST_M: f64 = 100.0;
 
@@ -33,24 +38,16 @@ pub(super) enum Verdict {
     Tree,
     /// It is near some of them; what to say.
     Partly(String),
-    /// Hardly any, and not one ring of bark was measured: the points are a canopy.
+    /// Hardly any, no stem stands below them, and hardly a ring of bark was measured: the points are a canopy.
     Canopy,
 }
 
 impl Verdict {
     /// Judges a tree that grew as far as it could.
-    pub fn of(plant: &Plant, settings: &Colonization, monitor: &dyn Monitor) -> Result<Self, GrowError> {
+    pub fn of(plant: &Plant, monitor: &dyn Monitor) -> Result<Self, GrowError> {
         let is_finished = matches!(plant.stop, Stop::AllReached | Stop::NothingInReach);
         let Some(bark) = plant.bark.as_deref().filter(|_| is_finished) else { return Ok(Self::Tree) };
-        Self::of_branching(&plant.branching, bark, settings, monitor)
-    }
-
-    fn of_branching(
-        branching: &Branching,
-        bark: &[Vec3],
-        settings: &Colonization,
-        monitor: &dyn Monitor,
-    ) -> Result<Self, GrowError> {
+        let branching = &plant.branching;
         let heights = || bark.iter().map(|p| f64::from(p.y));
         let height_m = heights().fold(f64::NEG_INFINITY, f64::max) - heights().fold(f64::INFINITY, f64::min);
         let near_m = NEAR_PER_HEIGHT * height_m;
@@ -61,32 +58,58 @@ impl Verdict {
         // The stoutest stem has points far from its axis, and rings of bark.
         let bytes = bark.len() as u64 * MEASURING_BYTES_PER_POINT + branching.bytes();
         monitor.admit("measuring the scan", bytes, "thin the points out")?;
-        let is_canopy = share < LEAST_NEAR && girth(branching, bark, 2.0, monitor)?.is_none();
-        if is_canopy && settings.parts.is_empty() {
+        let few = FEW_RINGS * branching.positions.len() as f64;
+        let rings =
+            || Ok::<_, Cancelled>(girth(branching, bark, 2.0, monitor)?.map_or(0, |girth| girth.measured));
+        if share < LEAST_NEAR && !shows_stem(bark) && (rings()? as f64) < few {
             return Ok(Self::Canopy);
         }
         Ok(Self::Partly(format!(
-            "only {:.0} % of the scanned points lie within {near_m:.2} m of the tree: is it all of one tree, \
-             seen from its foot up? contract=false grows into the points as they are",
+            "only {:.0} % of the scanned points lie within {near_m:.2} m of the tree: the scan is too thin for \
+             its bark, or not of one tree; contract=false grows into the points as they are",
             100.0 * share
         )))
     }
 }
 
+/// Takes the points of the ground from those of a canopy, where a layer without any lies between them; the height
+/// of the ground.
+pub(super) fn drop_ground(points: &mut Vec<DVec3>) -> Option<f64> {
+    let mut heights: Vec<f64> = points.iter().map(|p| p.y).collect();
+    heights.sort_unstable_by(f64::total_cmp);
+    let (low, high) = (*heights.first()?, *heights.last()?);
+    let widest =
+        heights.windows(2).enumerate().max_by(|a, b| (a.1[1] - a.1[0]).total_cmp(&(b.1[1] - b.1[0])))?;
+    let (last, gap_m) = (widest.0, widest.1[1] - widest.1[0]);
+    // What is thicker than the gap above it is no ground.
+    if gap_m < GAP_PER_HEIGHT * (high - low) || heights[last] - low > gap_m {
+        return None;
+    }
+    points.retain(|p| p.y > heights[last]);
+    Some(heights[last / 2])
+}
+
 /// Where a tree stands whose crown are these points (Y up, each minus `origin`): on the ground below their middle.
-/// Ground is the height 0 where the file has heights above it; else so far below the lowest point as the trunk is
-/// long.
-pub(super) fn root_below(points: &[DVec3], origin: DVec3, settings: &Colonization) -> Option<DVec3> {
+/// Where no ground was seen it is the height 0 if the file has heights above that; else so far below the lowest
+/// point as the trunk is long.
+pub(super) fn root_below(
+    points: &[DVec3],
+    ground_m: Option<f64>,
+    origin: DVec3,
+    settings: &Colonization,
+) -> Option<DVec3> {
     let low = points.iter().copied().reduce(DVec3::min)?;
     let high = points.iter().copied().reduce(DVec3::max)?;
     let middle = points.iter().copied().sum::<DVec3>() / points.len() as f64;
     let (base_m, top_m) = (low.y + origin.y, high.y + origin.y);
-    let ground_m = if base_m >= 0.0 && top_m < HIGHEST_M {
-        0.0
-    } else {
-        base_m - crown_base(settings.trunk_m, high.y - low.y)
+    let unseen = || {
+        if base_m >= 0.0 && top_m < HIGHEST_M {
+            -origin.y
+        } else {
+            low.y - crown_base(settings.trunk_m, high.y - low.y)
+        }
     };
-    Some(DVec3::new(middle.x, ground_m - origin.y, middle.z))
+    Some(DVec3::new(middle.x, ground_m.unwrap_or_else(unseen), middle.z))
 }
 
 /// What is said of it: `root` and `origin` as in the site.

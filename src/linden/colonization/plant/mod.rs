@@ -95,7 +95,7 @@ pub(crate) fn plant(
         return grow_at(site, settings, monitor);
     }
     match grow_at(site, settings, monitor) {
-        Ok(mut plant) => match Verdict::of(&plant, settings, monitor)? {
+        Ok(mut plant) => match Verdict::of(&plant, monitor)? {
             Verdict::Tree => return Ok(plant),
             Verdict::Partly(note) => {
                 plant.notes.push(note);

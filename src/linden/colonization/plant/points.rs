@@ -92,10 +92,21 @@ pub(super) fn at_points(
             notes,
         });
     }
+    let mut ground_m = None;
+    if what == As::Canopy {
+        let before = points.len();
+        ground_m = canopy::drop_ground(&mut points);
+        let ground = before - points.len();
+        if ground > 0 {
+            notes.push(format!("{ground} points were taken for ground and left out"));
+        }
+    }
     let spacing_m = scan::point_spacing_m(&points, monitor)?.unwrap_or(1.0);
     let root = match (given_root, what) {
         (Some(root), _) => root,
-        (None, As::Canopy) => canopy::root_below(&points, origin, settings).ok_or(GrowthError::NoPoints)?,
+        (None, As::Canopy) => {
+            canopy::root_below(&points, ground_m, origin, settings).ok_or(GrowthError::NoPoints)?
+        }
         (None, As::Settings) => scan::foot(&points).ok_or(GrowthError::NoPoints)?,
     };
     if what == As::Canopy {

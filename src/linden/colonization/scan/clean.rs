@@ -51,7 +51,7 @@ pub fn distinct(points: &[DVec3], is_scan: bool, monitor: &dyn Monitor) -> Resul
     let count = (points.len() / BUCKET).next_power_of_two();
     let mut buckets: Vec<Vec<u32>> = vec![Vec::new(); count];
     for i in 0..points.len() as u32 {
-        if i as usize % ROWS_PER_CHECK == 0 {
+        if (i as usize).is_multiple_of(ROWS_PER_CHECK) {
             monitor.check()?;
         }
         let [x, y, z] = bits(i);

@@ -2,7 +2,7 @@
 //!
 //! A tree is narrow near the ground and wide above, along one axis only; and none is 150 m high.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use crate::input::Up;
 
@@ -29,6 +29,13 @@ const MOST_CM: f64 = 4000.0;
 pub fn unusual_up(points: &[DVec3], usual: Up) -> Option<Up> {
     let other = if usual == Up::Y { Up::Z } else { Up::Y };
     (foot_spread(points, usual)? > WIDE && foot_spread(points, other)? < NARROW).then_some(other)
+}
+
+/// Whether the cloud (Y up) is narrow where a stem is: what a canopy seen from above is not.
+pub(crate) fn shows_stem(points: &[Vec3]) -> bool {
+    let sample: Vec<DVec3> =
+        points.iter().step_by(points.len().div_ceil(SAMPLE).max(1)).map(|p| p.as_dvec3()).collect();
+    foot_spread(&sample, Up::Y).is_some_and(|spread| spread < WIDE)
 }
 
 /// Metres for a unit of `points` (Y up): 1, or what centimetres or millimetres are if the tree would be

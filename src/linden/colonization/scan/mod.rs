@@ -62,6 +62,7 @@ use crate::monitor::{Cancelled, Monitor};
 pub use clean::{Distinct, distinct, drop_far};
 pub(crate) use fit::share_near;
 pub use fit::{Fit, Spread, fit};
+pub(crate) use frame::shows_stem;
 pub use frame::{likely_scale, unusual_up};
 pub(crate) use girth::{Girth, girth};
 
