@@ -21,7 +21,7 @@ use crate::preset::{Generator, Preset, ScanRadius};
 use crate::random::Key;
 use crate::recipe::{InputsError, Recipe};
 use crate::skeleton::refine::{RefineError, Room, refine};
-use crate::skeleton::{Branching, NO_PARENT, Skeleton, SkeletonError, Wood};
+use crate::skeleton::{Branching, NO_PARENT, Skeleton, SkeletonError, Width, Wood};
 
 /// A grown tree, and how it came about.
 #[derive(Clone, Debug)]
@@ -221,8 +221,13 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
     match generator {
         Generator::LSystem(own) => {
             let settings = own.settings(*seed);
-            let lsystem::Grown { branching, mut organs, symbols } =
+            let lsystem::Grown { mut branching, mut organs, symbols } =
                 lsystem::grow(&own.grammar, &settings, monitor)?;
+            // Without a '!' the turtle's width is the same everywhere.
+            if wood.width == Width::Grammar && branching.radii.is_none() {
+                let radius_m = (0.5 * own.segment_width_m) as f32;
+                branching.radii = Some(vec![radius_m; branching.positions.len()]);
+            }
             let monitor = &Holding::new(monitor, organs.bytes());
             let raw = Raw {
                 branching,
@@ -349,7 +354,7 @@ fn build(
 ) -> Result<Built, GrowError> {
     if !preset.refinement.is_idle() {
         let is_barred = |p: Vec3| solids.iter().any(|solid| solid.contains(p.as_dvec3()));
-        let room = Room { most_nodes, is_barred: &is_barred, key: preset.wood_key() };
+        let room = Room { most_nodes, is_barred: &is_barred, key: preset.wood_key(), wood: preset.wood };
         branching.validate()?;
         let nodes = branching.parents.len();
         let captured = captured.map(|set| (0..nodes).map(|node| set.contains(node)).collect());

@@ -14,7 +14,7 @@ use glam::Vec3;
 use self::by_axis::Ends;
 use self::pipe::{Pipes, Thickness};
 use super::axes::decompose;
-use super::{Axis, Skeleton};
+use super::{Axis, Branching, Skeleton};
 use crate::random::Key;
 use crate::scene::Bounds;
 
@@ -63,7 +63,7 @@ pub struct Wood {
     pub base_radius_m: Option<f64>,
     /// Metres at the tips; `None`: follows from the base. Nothing is thinner.
     pub tip_radius_m: Option<f64>,
-    /// Height ÷ diameter at the foot, where the height decides: 30–50 for trees that stand in the
+    /// Height ÷ diameter at the foot of the thickest stem, where the height decides: 30–50 for trees that stand in the
     /// open, 80–100 in dense stands.
     pub slenderness: f64,
     /// `n` of the pipe model. Measured trees 1.8–2.3; the programs before this one 2.05 and 2.5.
@@ -119,9 +119,16 @@ impl Wood {
     }
 }
 
-/// The largest extent of a tree, metres: its height, or its length where it lies.
+/// What is less than this share as high as it is long lies.
+const LYING: f32 = 0.1;
+
+/// How high a tree is, metres, from its lowest node to its highest; of one that lies, how long it is.
 pub(super) fn height(positions: &[Vec3]) -> f64 {
-    Bounds::of(positions.iter().copied()).map_or(0.0, |b| f64::from(b.size().max_element()))
+    Bounds::of(positions.iter().copied()).map_or(0.0, |bounds| {
+        let size = bounds.size();
+        let length = size.max_element();
+        f64::from(if size.y < LYING * length { length } else { size.y })
+    })
 }
 
 /// Axes with their nodes, and a radius for each node.
@@ -159,6 +166,11 @@ pub(super) fn build(
             of_pipes(positions, parents, pipes, &thickness)
         }
     }
+}
+
+/// The radius of each node of a branching that may change yet, metres.
+pub(super) fn provisional(branching: &Branching, wood: &Wood, key: Key) -> Vec<f32> {
+    build(&branching.positions, &branching.parents, branching.radii.clone(), wood, key).radii
 }
 
 /// The axes and radii of some of a tree's nodes, `nodes`, as thick as fits the whole.

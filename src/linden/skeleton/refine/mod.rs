@@ -21,7 +21,7 @@ use rayon::prelude::*;
 
 use super::axes::successors;
 use super::radii::pipe::count_tips;
-use super::{Branching, NO_PARENT};
+use super::{Branching, NO_PARENT, Wood};
 use crate::memory::{OverMemory, bytes_of};
 use crate::monitor::{Cancelled, Monitor, Phase};
 use crate::random::Key;
@@ -162,12 +162,14 @@ pub struct Room<'a> {
     pub is_barred: &'a (dyn Fn(Vec3) -> bool + Sync),
     /// What sway and gnarl draw from.
     pub key: Key,
+    /// How thick the wood will be, by which gnarl bends it.
+    pub wood: Wood,
 }
 
 impl Room<'_> {
-    /// Room for so many nodes, anywhere.
+    /// Room for so many nodes, anywhere, for wood of the usual thickness.
     pub fn open(most_nodes: u64) -> Self {
-        Self { most_nodes, is_barred: &|_| false, key: Key::new(0) }
+        Self { most_nodes, is_barred: &|_| false, key: Key::new(0), wood: Wood::default() }
     }
 }
 
@@ -222,6 +224,7 @@ pub fn refine(
     if refinement.wanders() {
         // Axes, their keys and nodes, and places.
         shoots.admit(2 * shoots.len(), monitor)?;
+        shoots.branching.admit_build(&room.wood, monitor)?;
         wander::wander(&mut shoots, refinement, monitor)?;
     }
     Ok(shoots.branching)

@@ -11,11 +11,8 @@ use glam::{DVec3, Vec3};
 use super::{NODES_PER_CHECK, RefineError, Refinement, Shoots};
 use crate::monitor::Monitor;
 use crate::random::Key;
-use crate::skeleton::radii::{by_axis, height};
-use crate::skeleton::{Axis, NO_PARENT, axes_by_tips, count_tips};
-
-/// Height of a tree in the open ÷ radius of its foot: slenderness 30. The radii are not known yet.
-const HEIGHT_PER_RADIUS: f64 = 60.0;
+use crate::skeleton::radii::{by_axis, provisional};
+use crate::skeleton::{Axis, NO_PARENT, axes_by_tips};
 
 /// Length of a bend of gnarled wood, in radii of the wood.
 const BEND_RADII: f64 = 9.0;
@@ -30,11 +27,13 @@ pub(super) fn wander(
     let parents = &shoots.branching.parents;
     let (axes, axis_nodes) = axes_by_tips(positions, parents);
     let keys = by_axis::keys(&axes, &axis_nodes, shoots.room.key.named("wander"));
-    let tips = count_tips(parents);
-    let most_tips = tips.iter().copied().max().unwrap_or(1).max(1);
-    let thickest_m = height(positions) / HEIGHT_PER_RADIUS;
-    // By the pipe model: as many pipes as tips.
-    let radius_m = |node: u32| thickest_m * (f64::from(tips[node as usize]) / f64::from(most_tips)).sqrt();
+    // As thick as the wood is before anything is displaced, which changes little.
+    let radii = if refinement.gnarl > 0.0 {
+        provisional(&shoots.branching, &shoots.room.wood, shoots.room.key)
+    } else {
+        Vec::new()
+    };
+    let radius_m = |node: u32| radii.get(node as usize).map_or(0.0, |&radius| f64::from(radius));
     let mut places = positions.clone();
     let mut looked_at = 0;
     for (axis, &key) in axes.iter().zip(&keys) {
@@ -161,8 +160,12 @@ impl Gnarl {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{random_tree, refined, straight_with_lateral};
+    use super::super::testing::{random_tree, refined, straight_with_lateral, tree};
+    use super::super::{Room, refine};
     use super::*;
+    use crate::Quiet;
+    use crate::scene::Bounds;
+    use crate::skeleton::{Branching, Wood};
 
     #[test]
     fn a_straight_stem_sways_within_its_share_and_its_lateral_is_carried_rigidly() {
@@ -204,10 +207,37 @@ mod tests {
         let all = random_tree(4, 300, 0.9);
         assert_eq!(refined(all.clone(), &Refinement { gnarl: 0.0, ..Refinement::default() }), all);
         let gnarled = refined(all.clone(), &Refinement { gnarl: 0.5, ..Refinement::default() });
-        let radius = (height(&all.positions) / HEIGHT_PER_RADIUS) as f32;
-        let moved = gnarled.positions.iter().zip(&all.positions).map(|(a, b)| a.distance(*b));
-        let most = moved.fold(0.0, f32::max);
+        let size = Bounds::of(all.positions.iter().copied()).unwrap().size();
+        let radius = size.y / 60.0;
+        let most = farthest(&gnarled, &all);
         // Orders add up: a twig is carried by all that it hangs on.
         assert!(most > 0.2 * radius && most < 0.5 * 2.0 * 1.8 * radius * 12.0, "{most} of {radius}");
+    }
+
+    fn farthest(moved: &Branching, from: &Branching) -> f32 {
+        moved.positions.iter().zip(&from.positions).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
+    }
+
+    /// Bends are as long and as high as the wood is thick, whatever decides that.
+    #[test]
+    fn gnarl_goes_by_the_thickness_that_the_wood_will_have() {
+        let stem: Vec<Vec3> = (0..=2000).map(|i| Vec3::Y * (i as f32 * 0.01)).collect();
+        let parents: Vec<u32> = (0..=2000_u32).map(|i| i.checked_sub(1).unwrap_or(NO_PARENT)).collect();
+        let all = tree(stem, &parents);
+        let gnarled = |wood: Wood| {
+            let refinement = Refinement { gnarl: 0.5, ..Refinement::default() };
+            let room = Room { wood, ..Room::open(1 << 20) };
+            refine(all.clone(), None, &mut [], &refinement, room, &Quiet).unwrap()
+        };
+        let usual = farthest(&gnarled(Wood::default()), &all);
+        let [slender, thick] = [
+            Wood { slenderness: 90.0, ..Wood::default() },
+            Wood { base_radius_m: Some(1.0), ..Wood::default() },
+        ]
+        .map(|wood| farthest(&gnarled(wood), &all));
+        // 20 m of stem: a third of a metre through, a third of that, two metres.
+        for (most, radius_m) in [(usual, 20.0 / 60.0), (slender, 20.0 / 180.0), (thick, 1.0)] {
+            assert!((0.3..=1.8).contains(&(most / radius_m)), "{most} m for {radius_m} m");
+        }
     }
 }
