@@ -33,6 +33,8 @@ pub enum Kind {
         max: f64,
         /// Whether `auto` is a value too.
         auto: bool,
+        /// Words that stand for some of the numbers.
+        names: &'static [(&'static str, f64)],
     },
     /// A whole number.
     Integer {
@@ -163,7 +165,13 @@ impl fmt::Display for Kind {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let or_auto = |auto: bool| if auto { ", or auto" } else { "" };
         match *self {
-            Self::Real { min, max, auto } => write!(f, "{} to {}{}", Short(min), Short(max), or_auto(auto)),
+            Self::Real { min, max, auto, names } => {
+                write!(f, "{} to {}{}", Short(min), Short(max), or_auto(auto))?;
+                for (i, (name, _)) in names.iter().enumerate() {
+                    write!(f, "{}{name}", if i == 0 { ", or " } else { " | " })?;
+                }
+                Ok(())
+            }
             Self::Integer { min, max } => write!(f, "a whole number, {min} to {max}"),
             Self::Length { min, max, auto } => {
                 write!(f, "{} to {}, or in steps like 17D{}", Short(min), Short(max), or_auto(auto))
@@ -197,6 +205,23 @@ impl fmt::Display for Short {
 }
 
 impl Kind {
+    /// The words that it takes, `auto` among them: what can be completed while a value is typed. None for
+    /// lists.
+    pub fn words(&self) -> Vec<&'static str> {
+        let auto = |auto: bool| auto.then_some("auto");
+        match *self {
+            Self::Choice(words) => words.to_vec(),
+            Self::Switch => vec!["true", "false"],
+            Self::Real { auto: is_auto, names, .. } => {
+                auto(is_auto).into_iter().chain(names.iter().map(|(name, _)| *name)).collect()
+            }
+            Self::Length { auto: is_auto, .. }
+            | Self::Vector { auto: is_auto }
+            | Self::Color { auto: is_auto } => auto(is_auto).into_iter().collect(),
+            _ => Vec::new(),
+        }
+    }
+
     /// Reads what a user typed.
     ///
     /// # Errors
@@ -225,7 +250,10 @@ impl Kind {
             {
                 Some(Value::Auto)
             }
-            Self::Real { .. } => number(text).map(Value::Real),
+            Self::Real { names, .. } => {
+                let named = names.iter().find(|(name, _)| *name == text).map(|(_, x)| *x);
+                named.or_else(|| number(text)).map(Value::Real)
+            }
             Self::Integer { .. } => whole(text).map(Value::Integer),
             Self::Length { .. } => match text.strip_suffix('D') {
                 Some(steps) => number(steps).map(Value::Steps),
@@ -393,7 +421,7 @@ mod tests {
     #[test]
     fn what_is_shown_is_read_back() {
         let kinds = [
-            (Kind::Real { min: -1.0, max: 1.0, auto: true }, vec!["auto", "-0.5", "1"]),
+            (Kind::Real { min: -1.0, max: 1.0, auto: true, names: &[] }, vec!["auto", "-0.5", "1"]),
             (Kind::Integer { min: 0, max: u64::MAX }, vec!["0", "18446744073709551615"]),
             (Kind::Length { min: 0.0, max: f64::INFINITY, auto: false }, vec!["0.4", "17D", "inf"]),
             (Kind::Choice(&["a", "b"]), vec!["b"]),
@@ -417,8 +445,17 @@ mod tests {
     }
 
     #[test]
+    fn names_stand_for_their_numbers() {
+        let kind = Kind::Real { min: 0.0, max: 1.0, auto: false, names: &[("low", 0.25), ("high", 0.75)] };
+        assert_eq!(kind.parse("high"), Ok(Value::Real(0.75)));
+        assert_eq!(kind.parse(" 0.5 "), Ok(Value::Real(0.5)));
+        assert_eq!(kind.parse("hihg").unwrap_err(), "'hihg' is not 0 to 1, or low | high");
+        assert_eq!(kind.words(), ["low", "high"]);
+    }
+
+    #[test]
     fn values_out_of_range_and_nan_are_refused() {
-        let real = Kind::Real { min: 0.0, max: 1.0, auto: false };
+        let real = Kind::Real { min: 0.0, max: 1.0, auto: false, names: &[] };
         for text in ["1.1", "-1", "nan", "inf", "auto", ""] {
             assert!(real.parse(text).is_err(), "{text}");
         }

@@ -165,7 +165,11 @@ fn of(knob: &Knob) -> Value {
         if auto { json!({ "anyOf": [schema, { "const": "auto" }] }) } else { schema }
     };
     let mut schema = match knob.kind {
-        Kind::Real { min, max, auto } => or_auto(auto, number(min, max)),
+        Kind::Real { min, max, auto, names: [] } => or_auto(auto, number(min, max)),
+        Kind::Real { min, max, auto, names } => {
+            let words: Vec<&str> = names.iter().map(|(name, _)| *name).collect();
+            or_auto(auto, json!({ "anyOf": [number(min, max), { "enum": words }] }))
+        }
         Kind::Integer { min, max } => json!({ "type": "integer", "minimum": min, "maximum": max }),
         Kind::Length { min, max, auto } => {
             let text = json!({ "type": "string", "pattern": "^(inf|[0-9]+([.][0-9]+)?D)$" });

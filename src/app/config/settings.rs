@@ -191,7 +191,7 @@ pub const SETTINGS: &[Setting] = &[
     switch!(scale_bar, "a scale bar in the picture"),
     Setting {
         name: "turntable",
-        takes: Takes::Kind(Kind::Real { min: -360.0, max: 360.0, auto: false }),
+        takes: Takes::Kind(Kind::Real { min: -360.0, max: 360.0, auto: false, names: &[] }),
         unit: "deg/s",
         help: "how fast the turntable turns; below 0 the other way round",
         read: |settings| Value::Real(settings.turntable_deg_per_s),

@@ -31,10 +31,10 @@ const TREES: List = List { key: "tree", heading: "[[tree]]", one: "tree", most: 
 const TREE_KEYS: [&str; 4] = ["preset", "share", "size", "set"];
 
 /// Parts of a whole, by their sum.
-const SHARE: Kind = Kind::Real { min: 1e-9, max: 1e9, auto: false };
+const SHARE: Kind = Kind::Real { min: 1e-9, max: 1e9, auto: false, names: &[] };
 
 /// As the scale of a part of a crown.
-const SIZE: Kind = Kind::Real { min: 1e-3, max: 1e3, auto: false };
+const SIZE: Kind = Kind::Real { min: 1e-3, max: 1e3, auto: false, names: &[] };
 
 /// A forest as its document has it: the presets are still names.
 #[derive(Clone, Debug)]

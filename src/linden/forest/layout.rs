@@ -76,7 +76,7 @@ pub static FOREST_KNOBS: &[ForestKnob] = &[
     ForestKnob {
         knob: Knob {
             name: "area",
-            kind: Kind::Real { min: 1.0, max: 10_000.0, auto: false },
+            kind: Kind::Real { min: 1.0, max: 10_000.0, auto: false, names: &[] },
             unit: "m",
             help: "side of the square of ground that the trees stand on",
         },
@@ -86,7 +86,7 @@ pub static FOREST_KNOBS: &[ForestKnob] = &[
     ForestKnob {
         knob: Knob {
             name: "spacing",
-            kind: Kind::Real { min: 0.05, max: 1000.0, auto: false },
+            kind: Kind::Real { min: 0.05, max: 1000.0, auto: false, names: &[] },
             unit: "m",
             help: "no two trees stand nearer than this",
         },
@@ -96,7 +96,7 @@ pub static FOREST_KNOBS: &[ForestKnob] = &[
     ForestKnob {
         knob: Knob {
             name: "trees",
-            kind: Kind::Real { min: 1.0, max: 1e6, auto: true },
+            kind: Kind::Real { min: 1.0, max: 1e6, auto: true, names: &[] },
             unit: "",
             help: "how many trees there are; auto: as many as fit",
         },
@@ -118,7 +118,7 @@ pub static FOREST_KNOBS: &[ForestKnob] = &[
     ForestKnob {
         knob: Knob {
             name: "size_spread",
-            kind: Kind::Real { min: 0.0, max: 0.9, auto: false },
+            kind: Kind::Real { min: 0.0, max: 0.9, auto: false, names: &[] },
             unit: "",
             help: "trees are up to this share smaller or larger than they grow",
         },

@@ -171,11 +171,11 @@ macro_rules! row {
 pub(super) use row;
 
 pub(super) const fn real(min: f64, max: f64) -> Kind {
-    Kind::Real { min, max, auto: false }
+    Kind::Real { min, max, auto: false, names: &[] }
 }
 
 pub(super) const fn real_or_auto(min: f64, max: f64) -> Kind {
-    Kind::Real { min, max, auto: true }
+    Kind::Real { min, max, auto: true, names: &[] }
 }
 
 pub(super) const fn length_or_auto(min: f64, max: f64) -> Kind {

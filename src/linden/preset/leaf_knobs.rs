@@ -6,6 +6,7 @@ use super::item::{Field, field};
 use super::knobs::{Access, PresetKnob, Section, integer, real, real_or_auto, row};
 use super::setting::Setting;
 use crate::knob::{Kind, Value};
+use crate::season::SEASONS;
 use crate::texture::leaf::Outline;
 
 /// The most colours that one kind of organ has.
@@ -213,7 +214,7 @@ const FIRST: usize = LEAF_KNOBS.len() - 1;
 
 /// What is said once for all kinds.
 const TREE_KNOBS: [PresetKnob; 2] = [
-    row!(Foliage, "season", real(0.0, 1.0), "", "0 flush: small and light; 0.35 summer; 0.55 to 0.8 autumn colours; leaves fall from 0.75 on; 1 bare", .foliage.season),
+    row!(Foliage, "season", Kind::Real { min: 0.0, max: 1.0, auto: false, names: &SEASONS }, "", "0 flush: small and light; 0.35 summer; 0.55 to 0.8 autumn colours; leaves fall from 0.75 on; 1 bare", .foliage.season),
     row!(Foliage, "leaf_size", integer(16, 4096), "px", "side of the drawn pictures of leaves", .foliage.size_px),
 ];
 

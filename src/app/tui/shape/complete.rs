@@ -1,23 +1,11 @@
 //! Words completed while a knob's value is typed.
 
-use linden::knob::Kind;
 use linden::preset::{KNOBS, shape_knobs};
 
 /// The words that a knob takes, `auto` among them.
 pub fn words(name: &str) -> Vec<&'static str> {
-    let kind =
-        KNOBS.iter().copied().chain(shape_knobs()).find(|row| row.knob.name == name).map(|row| row.knob.kind);
-    match kind {
-        Some(Kind::Choice(words)) => words.to_vec(),
-        Some(Kind::Switch) => vec!["true", "false"],
-        Some(
-            Kind::Real { auto: true, .. }
-            | Kind::Length { auto: true, .. }
-            | Kind::Vector { auto: true }
-            | Kind::Color { auto: true },
-        ) => vec!["auto"],
-        _ => Vec::new(),
-    }
+    let row = KNOBS.iter().copied().chain(shape_knobs()).find(|row| row.knob.name == name);
+    row.map_or_else(Vec::new, |row| row.knob.kind.words())
 }
 
 /// What Tab or Down (`forward`), or Up, make of what was typed: the first word that begins so, and

@@ -187,7 +187,7 @@ mod tests {
 
     #[test]
     fn what_goes_up_comes_down() {
-        let kind = Kind::Real { min: 0.0, max: 1e6, auto: false };
+        let kind = Kind::Real { min: 0.0, max: 1e6, auto: false, names: &[] };
         for from in ["26", "0.0205", "3000", "0.3"] {
             let up = nudged(&kind, &kind.parse(from).unwrap(), true, Nudge::Usual).unwrap();
             assert_eq!(nudged(&kind, &kind.parse(&up).unwrap(), false, Nudge::Usual).unwrap(), from);

@@ -267,7 +267,7 @@ mod tests {
     fn numbers_are_round() {
         let length = knob(Kind::Length { min: 0.0, max: f64::INFINITY, auto: true });
         assert_eq!(words(&length, &Value::Steps(2.0), USUAL_SPREAD, 5), "1D 1.5D 2D 3D 4D");
-        let angle = knob(Kind::Real { min: -360.0, max: 360.0, auto: false });
+        let angle = knob(Kind::Real { min: -360.0, max: 360.0, auto: false, names: &[] });
         assert_eq!(words(&angle, &Value::Real(25.7), USUAL_SPREAD, 5), "12 20 25.7 35 50");
         assert_eq!(words(&angle, &Value::Real(-20.0), USUAL_SPREAD, 5), "-40 -30 -20 -15 -10");
         assert_eq!(words(&angle, &Value::Real(0.0), USUAL_SPREAD, 5), "-1 -0.5 0 0.5 1");
@@ -280,7 +280,7 @@ mod tests {
 
     #[test]
     fn a_range_ends_where_the_knob_ends() {
-        let grain = knob(Kind::Real { min: 0.0, max: 3.0, auto: false });
+        let grain = knob(Kind::Real { min: 0.0, max: 3.0, auto: false, names: &[] });
         assert_eq!(words(&grain, &Value::Real(3.0), USUAL_SPREAD, 5), "1.5 1.8 2.2 2.5 3");
         let huge = knob(Kind::Integer { min: 0, max: u64::MAX });
         let Ok(Series::Listed(values)) = Series::of(&huge, &Value::Integer(u64::MAX), 7, 8) else { panic!() };

@@ -267,7 +267,7 @@ fn wrong_kind(knob: &'static str, found: Option<&Value>, expected: &str) -> Crow
 const SIZE_LIMIT_M: f64 = 200.0;
 
 /// Crowns from a bonsai's to the tallest tree's.
-const SIZE: Kind = Kind::Real { min: 0.01, max: SIZE_LIMIT_M, auto: false };
+const SIZE: Kind = Kind::Real { min: 0.01, max: SIZE_LIMIT_M, auto: false, names: &[] };
 
 /// `crown_height`, which several shapes share.
 pub const CROWN_HEIGHT: Knob =
