@@ -223,16 +223,21 @@ impl Estimate {
             leaf_triangles: foliage_triangles,
             instanced,
         };
-        let budget = if detail.triangles == 0 { u64::MAX } else { detail.triangles };
+        let budgets = detail.budgets();
+        let budget = if detail.finest() == 0 { u64::MAX } else { detail.finest() };
         let finest = all.within(budget);
-        let of_level = |level: u32| {
-            let share = libm::pow(detail.lod_ratio, level.into());
-            if level == 0 { finest } else { all.within((finest.triangles as f64 * share) as u64) }
+        let of_level = |level: usize| {
+            let share = libm::pow(detail.lod_ratio, level as f64);
+            match budgets.get(level) {
+                Some(&budget) => all.within(budget),
+                None if level == 0 => finest,
+                None => all.within((finest.triangles as f64 * share) as u64),
+            }
         };
         Ok(Self {
             vertices: finest.vertices,
             triangles: finest.triangles,
-            levels: (0..detail.lods).map(of_level).collect(),
+            levels: (0..detail.triangle_levels()).map(of_level).collect(),
             foliage_colors: (colors.len() + kinds.len()) as u64,
             nodes: of_wood(skeleton.positions.len() as u64),
             axes: of_wood(skeleton.axes.len() as u64),
@@ -263,7 +268,7 @@ impl Estimate {
 
     /// Triangles that a format's files hold: none where it holds the skeleton alone.
     pub fn triangles_of(&self, format: &Format) -> u64 {
-        if matches!(format.id, "ply-skeleton" | "qsm") { 0 } else { self.triangles }
+        if format.holds.surface { self.triangles } else { 0 }
     }
 
     /// Bytes of all files of a format with these options, all levels together. 0 for a format that nobody
@@ -539,7 +544,7 @@ mod tests {
         let triangles = finest.parts.iter().map(|part| part.mesh.triangles.len() as u64).sum();
         faults.extend(off(what, estimate.vertices, vertices));
         faults.extend(off(what, estimate.triangles, triangles));
-        let is_counted = recipe.preset.detail.triangles == 0
+        let is_counted = recipe.preset.detail.finest() == 0
             && recipe.preset.tubes.junction != Junction::Watertight
             && grown.organs.polygons.ends.is_empty();
         if is_counted && (estimate.vertices, estimate.triangles) != (vertices, triangles) {

@@ -54,7 +54,8 @@ impl Level {
 const NEAR: f32 = 0.5;
 
 /// Dresses a tree in all levels that its preset asks for: `triangles` for the finest, `lods` of them
-/// (each `lod_ratio` of the triangles before), and a last one of `billboard` planes.
+/// (each `lod_ratio` of the triangles before) or one for each of `lod_triangles`, and a last one of
+/// `billboard` planes.
 ///
 /// # Errors
 /// [`DetailError`]: a budget that is too small, memory, cancelled, whatever dressing finds.
@@ -162,18 +163,38 @@ impl Plan {
         monitor: &dyn Monitor,
     ) -> Result<Self, DetailError> {
         let Preset { detail, .. } = preset;
-        if detail.triangles == 0 && detail.lods <= 1 {
+        let budgets = detail.budgets();
+        if let Some(pair) = budgets.windows(2).find(|pair| pair[0] <= pair[1]) {
+            return Err(DetailError::NotFewer { before: pair[0], after: pair[1] });
+        }
+        if detail.finest() == 0 && detail.triangle_levels() == 1 {
             return Ok(Self { details: None });
         }
         let simplifier = Simplifier::new(preset, grown, monitor)?;
         let full = simplifier.full_triangles(monitor)?;
+        let mut details = Vec::new();
+        if !budgets.is_empty() {
+            let most = budgets.iter().rposition(|&budget| budget >= full).unwrap_or(0);
+            if budgets[0] > full {
+                notes.push(format!("lod_triangles: the tree has no more than {full}"));
+            }
+            if most > 0 {
+                notes.push(format!(
+                    "lod_triangles: the first {} levels would be the whole tree; it is written once",
+                    most + 1
+                ));
+            }
+            for &budget in &budgets[most..] {
+                details.push(simplifier.within(budget, monitor)?);
+            }
+            return Ok(Self { details: Some(details) });
+        }
         let least = simplifier.least_triangles(monitor)?;
         let mut budget = if detail.triangles == 0 { full } else { detail.triangles };
         if budget > full {
             notes.push(format!("triangles={budget}: the tree has no more than {full}"));
             budget = full;
         }
-        let mut details = Vec::new();
         for level in 0..detail.lods.max(1) {
             if level > 0 && budget < least {
                 notes.push(format!(
@@ -220,11 +241,17 @@ impl Plan {
         }
         // So many triangles per pixel: the height goes with the root of their number.
         let step = (detail.lod_ratio as f32).sqrt();
+        let triangles =
+            |scene: &Scene| scene.parts.iter().map(|part| part.mesh.triangles.len()).sum::<usize>();
+        let most = triangles(&scenes[0]).max(1) as f32;
+        let is_listed = !detail.budgets().is_empty();
         let last = scenes.len() - 1;
         let mut coverage = NEAR / step;
-        let level = |(index, scene)| {
+        let level = |(index, scene): (usize, Scene)| {
             coverage *= step;
-            Level { scene, coverage: if index == last { 0.0 } else { coverage } }
+            let listed = NEAR * (triangles(&scene) as f32 / most).sqrt();
+            let own = if is_listed { listed } else { coverage };
+            Level { scene, coverage: if index == last { 0.0 } else { own } }
         };
         Ok(scenes.into_iter().enumerate().map(level).collect())
     }
@@ -237,11 +264,12 @@ impl Plan {
 /// [`DetailError`].
 pub fn finest(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<(Grown, Tubes), DetailError> {
     let Preset { detail, tubes, .. } = &recipe.preset;
-    if detail.triangles == 0 {
+    let budget = detail.finest();
+    if budget == 0 {
         return Ok((grown.clone(), *tubes));
     }
     let simplifier = Simplifier::new(&recipe.preset, grown, monitor)?;
-    let own = simplifier.within(detail.triangles, monitor)?;
+    let own = simplifier.within(budget, monitor)?;
     let Simplified { skeleton, organs, tubes, .. } = simplifier.simplified(&own, monitor)?;
     Ok((Grown { skeleton: Arc::new(skeleton), organs: Arc::new(organs), ..grown.clone() }, tubes))
 }

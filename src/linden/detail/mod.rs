@@ -79,13 +79,23 @@ pub enum DetailError {
     Memory(#[from] OverMemory),
     /// Fewer triangles than the tree's stem.
     #[error(
-        "triangles={budget} is less than this tree can do with: its stem and one leaf alone have {least} triangles; ask for at least as many"
+        "a budget of {budget} triangles is less than this tree can do with: its stem and one leaf alone have {least}; ask for at least as many"
     )]
     TooFew {
         /// What was asked for.
         budget: u64,
         /// The least that there can be.
         least: u64,
+    },
+    /// Levels that do not get coarser.
+    #[error(
+        "lod_triangles: {after} triangles follow {before}; list the levels from the finest to the coarsest"
+    )]
+    NotFewer {
+        /// The budget of a level.
+        before: u64,
+        /// The budget of the next one.
+        after: u64,
     },
     /// Counting the surface.
     #[error("counting the surface: {0}")]

@@ -51,7 +51,7 @@ pub fn budgeted(
 ) -> Result<Recipe, DetailError> {
     let mut own = recipe.clone();
     if triangles > 0
-        && own.preset.detail.triangles == 0
+        && own.preset.detail.finest() == 0
         && Simplifier::new(&own.preset, grown, monitor)?.full_triangles(monitor)? > triangles
     {
         own.preset.detail.triangles = triangles;

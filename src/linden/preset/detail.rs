@@ -1,14 +1,18 @@
 //! `[detail]`: how many triangles, and in how many levels.
 
 use super::knobs::{PresetKnob, integer, real, row};
+use crate::knob::Kind;
 
 /// How much of the tree is shown from near and from far.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct DetailLook {
     /// Triangles of the finest level; 0: all that there are.
     pub triangles: u64,
     /// Levels of triangles.
     pub lods: u32,
+    /// Triangles of each level, finest first, in place of `triangles`, `lods` and `lod_ratio`; a single 0
+    /// where these count.
+    pub lod_triangles: Vec<f64>,
     /// Triangles of a level as a share of those of the one before.
     pub lod_ratio: f64,
     /// Upright planes of a last level, after those of triangles; 0: none.
@@ -19,15 +23,41 @@ pub struct DetailLook {
 
 impl DetailLook {
     /// How many levels there will be at most, the planes included.
-    pub const fn levels(&self) -> usize {
-        self.lods as usize + (self.billboard > 0) as usize
+    pub fn levels(&self) -> usize {
+        self.triangle_levels() + usize::from(self.billboard > 0)
+    }
+
+    /// How many levels of triangles there will be at most.
+    pub fn triangle_levels(&self) -> usize {
+        match self.budgets().len() {
+            0 => self.lods.max(1) as usize,
+            levels => levels,
+        }
+    }
+
+    /// The budget of each level where each has one, finest first; else none.
+    pub fn budgets(&self) -> Vec<u64> {
+        let listed = self.lod_triangles.iter().any(|&budget| budget >= 1.0);
+        if listed { self.lod_triangles.iter().map(|&budget| budget as u64).collect() } else { Vec::new() }
+    }
+
+    /// The budget of the finest level; 0: all triangles that there are.
+    pub fn finest(&self) -> u64 {
+        self.budgets().first().copied().unwrap_or(self.triangles)
     }
 }
 
 impl Default for DetailLook {
     /// One level, with everything.
     fn default() -> Self {
-        Self { triangles: 0, lods: 1, lod_ratio: 0.33, billboard: 0, billboard_size_px: 1024 }
+        Self {
+            triangles: 0,
+            lods: 1,
+            lod_triangles: vec![0.0],
+            lod_ratio: 0.33,
+            billboard: 0,
+            billboard_size_px: 1024,
+        }
     }
 }
 
@@ -38,6 +68,7 @@ const MOST_LODS: u64 = 8;
 pub(super) const KNOBS: &[PresetKnob] = &[
     row!(Detail, "triangles", integer(0, u32::MAX as u64), "", "budget of the finest level, met within 5 %; 0: all that there are", .detail.triangles),
     row!(Detail, "lods", integer(1, MOST_LODS), "", "levels of detail: the same tree with fewer triangles each time", .detail.lods),
+    row!(Detail, "lod_triangles", Kind::Reals { min: 0.0, max: u32::MAX as f64, most: MOST_LODS as usize }, "", "budget of each level, finest first, like 50000 15000 4000, in place of triangles, lods and lod_ratio; 0: as these say", .detail.lod_triangles),
     row!(Detail, "lod_ratio", real(0.05, 0.9), "", "triangles of a level / triangles of the one before", .detail.lod_ratio),
     row!(Detail, "billboard", integer(0, 4), "planes", "a last level of crossed planes with pictures of the tree; 0: none", .detail.billboard),
     row!(Detail, "billboard_size", integer(64, 4096), "px", "height of the planes' picture", .detail.billboard_size_px),
