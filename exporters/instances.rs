@@ -33,6 +33,9 @@ pub(crate) fn unbake(
     }
     let all: u64 = own(cast).map(|(_, own)| own.most() as u64 * Instances::BYTES).sum();
     monitor.admit("placing the leaves", stage.bytes() + all, "write without instances")?;
+    if own(cast).next().is_none() {
+        bundle.note("instances: nothing on this plant stands in many places");
+    }
     if own(cast).any(|(part, _)| part.wind.is_some()) {
         bundle.note("instances: leaves that move in the wind are written one by one");
     }

@@ -39,6 +39,7 @@ mod chunks;
 mod error;
 mod estimate;
 mod gltf;
+mod holds;
 mod instances;
 mod memory;
 mod obj;
@@ -59,11 +60,12 @@ use linden::knob::nearest;
 use linden::stage::Stage;
 
 pub use bundle::{
-    Bundle, Existing, MadeFolders, Sink, Written, abandon, commit_all, ensure_distinct, ensure_spared,
-    examine, make_folders, write_file,
+    Bundle, Existing, MadeFolders, Pictures, Sink, Written, abandon, commit_all, ensure_distinct,
+    ensure_spared, examine, make_folders, write_file,
 };
 pub use error::ExportError;
 pub use estimate::Estimate;
+pub use holds::{Holds, LooksIn};
 pub use options::{OptionSpec, Options};
 
 /// What wrote a file, as files say it.
@@ -109,54 +111,20 @@ pub struct Format {
     pub help: &'static str,
     /// Settings of this format.
     pub options: &'static [OptionSpec],
+    /// What of a stage is in its files. An exporter notes what it has to leave out.
+    pub holds: Holds,
 }
 
 impl Format {
     /// What becomes of a plant's levels of detail.
-    pub fn levels(&self) -> LooksIn {
-        match self.id {
-            "obj" | "ply" => LooksIn::Files,
-            // The skeleton is the same in all of them.
-            "ply-skeleton" | "qsm" => LooksIn::Nothing,
-            _ => LooksIn::One,
-        }
+    pub const fn levels(&self) -> LooksIn {
+        self.holds.levels
     }
 
     /// What becomes of a plant's seasons.
-    pub fn seasons(&self) -> LooksIn {
-        match self.id {
-            "usda" | "usdz" => LooksIn::One,
-            // As for levels.
-            "ply-skeleton" | "qsm" => LooksIn::Nothing,
-            // glTF's variants change materials alone, and leaves have other shapes each season. What is made
-            // of a GLB knows no more.
-            _ => LooksIn::Files,
-        }
+    pub const fn seasons(&self) -> LooksIn {
+        self.holds.seasons
     }
-}
-
-/// Where a format has levels of detail, or seasons.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LooksIn {
-    /// All in one file.
-    One,
-    /// It holds one: each takes a file of its own.
-    Files,
-    /// Nothing in it depends on them.
-    Nothing,
-}
-
-/// The stage in the one season that a format holds; whoever expects more is told.
-fn in_one_season<'a>(stage: &Stage<'a>, format: &Format, bundle: &mut Bundle) -> Stage<'a> {
-    if stage.seasons() > 1 {
-        let shown = stage.plants.iter().find_map(|plant| plant.seasons.first());
-        bundle.note(format!(
-            "{} holds one season: '{}' was written; give each a file of its own, or write usda",
-            format.id,
-            shown.map_or("", |season| season.name.as_str()),
-        ));
-    }
-    stage.in_season(0)
 }
 
 /// All formats. Where two claim an ending, the first has it.

@@ -15,9 +15,10 @@ use linden::stage::{Motion, Place, Stage};
 
 use crate::cast::{Cast, Look, Piece};
 use crate::chunks::{self, Digits, Text};
+use crate::holds::fit;
 use crate::options::{OptionSpec, Options};
 use crate::picture::{self, Named};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, in_one_season, memory};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Holds, Sink, memory};
 
 /// Wavefront OBJ.
 pub(crate) struct Obj;
@@ -33,6 +34,7 @@ static FORMAT: Format = Format {
         OptionSpec::switch("pictures", true, "bark pictures beside the file; without, one colour"),
         OptionSpec::switch("lines", false, "the skeleton too, as lines: one per axis"),
     ],
+    holds: Holds::MESH,
 };
 
 impl Exporter for Obj {
@@ -47,7 +49,7 @@ impl Exporter for Obj {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
-        let stage = &in_one_season(stage, &FORMAT, bundle);
+        let stage = &fit(stage, &FORMAT, bundle);
         let cast = Cast::of(stage, monitor)?;
         let lines = options.is_on("lines");
         let of_model = |own: &crate::cast::Model<'_>| {
@@ -68,24 +70,26 @@ impl Exporter for Obj {
         let pictures = if with_pictures { picture::pictures(&cast.looks) } else { Vec::new() };
         memory::admit(stage, &pictures, memory::formatting(&cast), monitor)?;
         if library.is_some() {
+            let mut files = Vec::with_capacity(pictures.len());
             for (named, png) in pictures.iter().zip(picture::compress(&pictures)?) {
-                let bytes = Some(png.len() as u64);
-                bundle.write_side(&named.suffix, bytes, monitor, |out| out.write(png))?;
+                files.push(bundle.write_picture(&named.suffix, png, monitor)?);
             }
-            let mut cuts: Vec<String> = Vec::new();
+            // By what they are called, and the file of each.
+            let mut cuts: Vec<(String, String)> = Vec::new();
             for Look { material, .. } in &cast.looks {
-                let Some(suffix) = cut_out(material, &pictures).filter(|own| !cuts.contains(own)) else {
+                let suffix = cut_out(material, &pictures);
+                let Some(suffix) = suffix.filter(|own| cuts.iter().all(|(known, _)| known != own)) else {
                     continue;
                 };
                 let Some(picture) = &material.base_color_picture else { continue };
                 let opacity = Arc::new(opacity(picture));
                 let own = [Named { suffix: suffix.clone(), picture: &opacity, wrap: material.wrap }];
                 for png in picture::compress(&own)? {
-                    bundle.write_side(&suffix, Some(png.len() as u64), monitor, |out| out.write(png))?;
+                    let file = bundle.write_picture(&suffix, png, monitor)?;
+                    cuts.push((suffix.clone(), file));
                 }
-                cuts.push(suffix);
             }
-            let mtl = material_library(&cast.looks, &pictures, bundle);
+            let mtl = material_library(&cast.looks, &pictures, &files, &cuts);
             bundle.write_side(".mtl", Some(mtl.len() as u64), monitor, |out| out.write(mtl.as_bytes()))?;
         } else {
             bundle.note("OBJ keeps materials and pictures in files beside it: left out of a single stream");
@@ -246,11 +250,15 @@ fn opacity(picture: &Picture) -> Picture {
     Picture::new(picture.width(), picture.height(), rgba)
 }
 
-fn material_library(looks: &[Look<'_>], pictures: &[Named<'_>], bundle: &Bundle) -> String {
+/// `files` are those of the pictures, `cuts` those of their opacities by what these are called.
+fn material_library(
+    looks: &[Look<'_>],
+    pictures: &[Named<'_>],
+    files: &[String],
+    cuts: &[(String, String)],
+) -> String {
     let mut mtl = format!("# {GENERATOR}\n");
-    let file = |picture: Option<_>| {
-        picture::index_of(pictures, picture).map(|i| bundle.side_name(&pictures[i].suffix))
-    };
+    let file = |picture: Option<_>| picture::index_of(pictures, picture).map(|index| &files[index]);
     for Look { name, material } in looks {
         let Material { base_color, base_color_picture, normal_picture, roughness, .. } = material;
         let color_file = file(base_color_picture.as_ref());
@@ -265,7 +273,8 @@ fn material_library(looks: &[Look<'_>], pictures: &[Named<'_>], bundle: &Bundle)
         if let Some(file) = color_file {
             mtl += &format!("map_Kd {file}\n");
         }
-        if let Some(file) = cut_out(material, pictures).map(|suffix| bundle.side_name(&suffix)) {
+        let cut = cut_out(material, pictures);
+        if let Some((_, file)) = cuts.iter().find(|(suffix, _)| Some(suffix) == cut.as_ref()) {
             mtl += &format!("map_d {file}\n");
         }
         if let Some(file) = file(normal_picture.as_ref()) {

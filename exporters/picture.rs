@@ -19,6 +19,11 @@ pub(crate) struct Named<'a> {
     pub wrap: Wrap,
 }
 
+/// Whether two pictures show the same, pixel by pixel: those of a plant's seasons may be drawn alike.
+fn is_same(a: &Arc<Picture>, b: &Arc<Picture>) -> bool {
+    Arc::ptr_eq(a, b) || a == b
+}
+
 /// Every picture of some materials once, in their order, named after its first use.
 pub(crate) fn pictures<'a>(looks: &[Look<'a>]) -> Vec<Named<'a>> {
     let mut named: Vec<Named<'_>> = Vec::new();
@@ -26,7 +31,7 @@ pub(crate) fn pictures<'a>(looks: &[Look<'a>]) -> Vec<Named<'a>> {
         let Material { base_color_picture, normal_picture, .. } = material;
         for (picture, kind) in [(base_color_picture, ""), (normal_picture, "_normal")] {
             if let Some(picture) = picture
-                && !named.iter().any(|known| Arc::ptr_eq(known.picture, picture))
+                && !named.iter().any(|known| is_same(known.picture, picture))
             {
                 named.push(Named { suffix: format!("_{name}{kind}.png"), picture, wrap: material.wrap });
             }
@@ -37,7 +42,7 @@ pub(crate) fn pictures<'a>(looks: &[Look<'a>]) -> Vec<Named<'a>> {
 
 /// Where among [`pictures`] one is.
 pub(crate) fn index_of(named: &[Named<'_>], picture: Option<&Arc<Picture>>) -> Option<usize> {
-    picture.and_then(|picture| named.iter().position(|known| Arc::ptr_eq(known.picture, picture)))
+    picture.and_then(|picture| named.iter().position(|known| is_same(known.picture, picture)))
 }
 
 /// Each picture as PNG, in the same order.

@@ -100,6 +100,8 @@ fn known(id: &str, program: PathBuf) -> &'static Plugin {
             self_contained: false,
             help: leaked(format!("plug-in {}", printable(&program.to_string_lossy()))),
             options: &[],
+            // It is given a GLB, and what it makes of that is not known.
+            holds: Glb.format().holds,
         };
         Box::leak(Box::new(Plugin { format: Box::leak(Box::new(format)), program }))
     })
@@ -125,6 +127,7 @@ impl Exporter for Plugin {
         let glb = folder.path().join("tree.glb");
         let mut whole = Bundle::create(&glb)?.unsynced();
         Glb.write(stage, &Options::new(Glb.format()), &mut whole, monitor)?;
+        whole.notes().iter().for_each(|note| bundle.note(note.clone()));
         whole.commit()?;
         let recipe = folder.path().join("recipe.json");
         fs::write(&recipe, &stage.recipe).map_err(failed("writing the recipe for"))?;

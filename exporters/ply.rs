@@ -12,8 +12,9 @@ use linden::stage::{Motion, Stage};
 
 use crate::cast::{Cast, Piece};
 use crate::chunks::{self, Text};
+use crate::holds::fit;
 use crate::options::{OptionSpec, Options};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, in_one_season, memory, picture, sound};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Holds, Sink, memory, picture, sound};
 
 /// A mesh with normals, texture coordinates and vertex colours.
 pub(crate) struct Ply;
@@ -35,6 +36,8 @@ static MESH: Format = Format {
     self_contained: true,
     help: "mesh with normals, texture coordinates and vertex colours in one small file",
     options: OPTIONS,
+    // Colours at the vertices.
+    holds: Holds { normals: false, ..Holds::MESH },
 };
 
 static SKELETON: Format = Format {
@@ -46,6 +49,7 @@ static SKELETON: Format = Format {
     self_contained: true,
     help: "the axial tree: nodes with radius, birth and order, and edges between them",
     options: OPTIONS,
+    holds: Holds::SKELETON,
 };
 
 /// Some readers take lines of 255 bytes at most.
@@ -63,7 +67,7 @@ impl Exporter for Ply {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
-        let stage = &in_one_season(stage, &MESH, bundle);
+        let stage = &fit(stage, &MESH, bundle);
         let cast = Cast::of(stage, monitor)?;
         memory::admit(stage, &[], memory::formatting(&cast), monitor)?;
         let ascii = options.is_word("encoding", "ascii");
@@ -176,6 +180,7 @@ impl Exporter for PlySkeleton {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
+        let stage = &fit(stage, &SKELETON, bundle);
         let scene = sound::check_single(stage, SKELETON.id, monitor)?;
         let ascii = options.is_word("encoding", "ascii");
         let skeleton = &scene.skeleton;

@@ -14,8 +14,9 @@ use linden::skeleton::Cylinder;
 use linden::stage::Stage;
 
 use crate::chunks::{self, Text};
+use crate::holds::fit;
 use crate::options::{OptionSpec, Options};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, memory, sound};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Holds, memory, sound};
 
 /// A table of cylinders.
 pub(crate) struct Qsm;
@@ -32,6 +33,7 @@ static FORMAT: Format = Format {
         true,
         "lines with # before the header: recipe and units; off for readers that know no comments",
     )],
+    holds: Holds::SKELETON,
 };
 
 const HEADER: &str = "id,parent,branch,branch_order,position_in_branch,start_x_m,start_y_m,start_z_m,\
@@ -49,6 +51,7 @@ impl Exporter for Qsm {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
+        let stage = &fit(stage, &FORMAT, bundle);
         let scene = sound::check_single(stage, FORMAT.id, monitor)?;
         let nodes = scene.skeleton.positions.len();
         let own = bytes_of::<(Cylinder, Option<u32>)>(nodes) + chunks::bytes(nodes);

@@ -13,6 +13,7 @@ mod folders;
 mod pipe;
 #[cfg(unix)]
 mod record;
+mod shared;
 mod single;
 mod sink;
 mod staged;
@@ -28,6 +29,7 @@ use linden::Monitor;
 pub use commit::{Written, commit_all, ensure_distinct, ensure_spared};
 pub use folders::{MadeFolders, make_folders};
 use pipe::Pipe;
+pub use shared::Pictures;
 pub use single::write_file;
 pub use sink::Sink;
 use staged::Staged;
@@ -45,6 +47,7 @@ pub struct Bundle {
     system: &'static dyn FileSystem,
     /// Whether files are brought to the disk.
     is_synced: bool,
+    membership: Option<shared::Membership>,
 }
 
 enum Place {
@@ -96,14 +99,14 @@ impl Bundle {
                 pipe: Pipe::open(&path).map_err(|source| target::looking(target, source))?,
             },
         };
-        Ok(Self { place, notes: Vec::new(), system, is_synced: true })
+        Ok(Self { place, notes: Vec::new(), system, is_synced: true, membership: None })
     }
 
     /// A bundle of a single file that goes to `out` as it is made; `label` names it in messages:
     /// `standard output`.
     pub fn stream(label: &str, out: impl Write + Send + 'static) -> Self {
         let place = Place::Stream { label: label.to_owned(), out: Box::new(out) };
-        Self { place, notes: Vec::new(), system: &System, is_synced: true }
+        Self { place, notes: Vec::new(), system: &System, is_synced: true, membership: None }
     }
 
     /// A bundle of a single file that goes to standard output as it is made. A reader that does not
@@ -113,7 +116,7 @@ impl Bundle {
         #[cfg(unix)]
         if let Ok(pipe) = Pipe::stdout() {
             let place = Place::Pipe { label: LABEL.to_owned(), pipe };
-            return Self { place, notes: Vec::new(), system: &System, is_synced: true };
+            return Self { place, notes: Vec::new(), system: &System, is_synced: true, membership: None };
         }
         Self::stream(LABEL, std::io::stdout())
     }
@@ -197,9 +200,19 @@ impl Bundle {
         write: impl FnOnce(&mut Sink<'_>) -> Result<(), ExportError>,
     ) -> Result<(), ExportError> {
         let name = self.side_name(suffix);
+        self.write_named(&name, bytes, monitor, write)
+    }
+
+    fn write_named(
+        &mut self,
+        name: &str,
+        bytes: Option<u64>,
+        monitor: &dyn Monitor,
+        write: impl FnOnce(&mut Sink<'_>) -> Result<(), ExportError>,
+    ) -> Result<(), ExportError> {
         match &mut self.place {
             Place::Files(files) => {
-                let location = side_location(self.system, &files.main.location, &name)?;
+                let location = side_location(self.system, &files.main.location, name)?;
                 if location.folder != files.main.location.folder {
                     staged::sweep(self.system, &location.folder);
                 }
@@ -211,7 +224,7 @@ impl Bundle {
             Place::Pipe { label, .. } | Place::Stream { label, .. } => Err(ExportError::Target {
                 path: PathBuf::from(label.as_str()),
                 problem: format!(
-                    "it holds a single file, and '{suffix}' would be another; name a file instead"
+                    "it holds a single file, and '{name}' would be another; name a file instead"
                 ),
             }),
         }

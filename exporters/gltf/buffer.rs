@@ -4,6 +4,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use linden::Monitor;
 use linden::scene::Mesh;
+use linden::stage::Stage;
 
 use super::document::{Accessor, Attributes, BufferView, ComponentType};
 use super::meshopt::{Items, Mode, Packed, Packer};
@@ -68,7 +69,7 @@ impl PrimitiveArrays {
 impl Layout {
     /// Lays out the meshes' arrays; `pictures` are those that will be written. With `quantize` the plants'
     /// vertices are in fewer bits.
-    pub fn of_meshes(cast: &Cast<'_>, pictures: &[Named<'_>], quantize: bool) -> Self {
+    pub fn of_meshes(stage: &Stage<'_>, cast: &Cast<'_>, pictures: &[Named<'_>], quantize: bool) -> Self {
         let mut layout = Self {
             views: Vec::new(),
             accessors: Vec::new(),
@@ -85,7 +86,7 @@ impl Layout {
         // What stands around belongs to none.
         let plants: Vec<Option<usize>> = of_plants.map(Some).collect();
         let plants = plants.into_iter().chain(std::iter::repeat(None));
-        for (piece, plant) in cast.pieces().zip(plants) {
+        for ((piece, plant), motions) in cast.pieces().zip(plants).zip(wind::motions(stage, cast)) {
             let Piece { mesh, bounds, look, wind, .. } = piece;
             let first = layout.accessors.len();
             let count = mesh.positions.len();
@@ -125,7 +126,7 @@ impl Layout {
             let bytes = if kind == ComponentType::U16 { 2 } else { 4 };
             layout.push(mesh.triangles.len() * 3, "SCALAR", kind, bytes, ELEMENT_ARRAY_BUFFER);
             let indices = layout.accessors.len() - 1;
-            let wind = wind.map(|own| wind::lay_out(&mut layout, mesh, own)).unwrap_or_default();
+            let wind = wind.map(|own| wind::lay_out(&mut layout, mesh, own, motions)).unwrap_or_default();
             layout.primitives.push(PrimitiveArrays { first, with_tangents, packing, indices, wind });
         }
         layout
@@ -274,7 +275,8 @@ impl Layout {
                 None => write_vertices(&piece.mesh, primitive.with_tangents, out)?,
             }
             write_triangles(&piece.mesh, out)?;
-            piece.wind.map_or(Ok(()), |own| wind::write(own, out))?;
+            let cube = primitive.packing.map(|(cube, _)| cube);
+            piece.wind.map_or(Ok(()), |own| wind::write(own, cube, out))?;
         }
         for blob in &self.blobs {
             out.put(blob)?;

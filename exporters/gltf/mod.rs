@@ -29,9 +29,10 @@ use self::meshopt::Fallback;
 use self::nodes::{SceneGraph, Standing};
 use self::quantize::Range;
 use crate::cast::{Cast, Look};
+use crate::holds::fit;
 use crate::options::{OptionSpec, Options};
 use crate::picture::{self, Named};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, in_one_season};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Holds, LooksIn};
 use crate::{instances, memory};
 
 /// JSON, with a buffer and pictures beside it.
@@ -62,14 +63,20 @@ const COMPRESS: OptionSpec = OptionSpec::choice(
      with quantize; engines on the web read it, Blender does not",
 );
 
-/// Whether vertices are to be in fewer bits. Wind's targets move positions by lengths, which the bits of
-/// a cube cannot hold.
+/// Variants of glTF change materials alone, and leaves have other shapes each season.
+const HOLDS: Holds = Holds { seasons: LooksIn::Files, ..Holds::SCENE };
+
+/// Whether vertices are to be in fewer bits. Targets of the sway loop move positions by lengths, which the
+/// bits of a cube cannot hold.
 fn is_quantized(cast: &Cast<'_>, options: &Options, bundle: &mut Bundle) -> bool {
-    let has_wind = cast.pieces().any(|piece| piece.wind.is_some());
-    if options.is_on("quantize") && has_wind {
-        bundle.note("quantize is left out: trees that move in the wind need whole numbers");
+    let sways = cast.pieces().filter_map(|piece| piece.wind).any(|wind| !wind.targets.is_empty());
+    if options.is_on("quantize") && sways {
+        bundle.note(
+            "quantize is left out: the sway loop moves vertices by lengths that fewer bits cannot hold; \
+             wind=attributes can be quantized",
+        );
     }
-    options.is_on("quantize") && !has_wind
+    options.is_on("quantize") && !sways
 }
 
 static GLTF: Format = Format {
@@ -86,6 +93,7 @@ static GLTF: Format = Format {
         QUANTIZE,
         COMPRESS,
     ],
+    holds: HOLDS,
 };
 
 static GLB: Format = Format {
@@ -96,6 +104,7 @@ static GLB: Format = Format {
     self_contained: true,
     help: "for engines and the web: everything in one file",
     options: &[PICTURES, INSTANCES, QUANTIZE, COMPRESS],
+    holds: HOLDS,
 };
 
 impl Exporter for Gltf {
@@ -110,7 +119,7 @@ impl Exporter for Gltf {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
-        let stage = &in_one_season(stage, &GLTF, bundle);
+        let stage = &fit(stage, &GLTF, bundle);
         let cast = cast(stage, options, bundle, monitor)?;
         let pictures = if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
         memory::admit(stage, &pictures, own_bytes(&cast, &pictures), monitor)?;
@@ -119,7 +128,7 @@ impl Exporter for Gltf {
             bundle
                 .note("a single stream has no files beside it: buffer and pictures are inside, as data URIs");
         }
-        let mut layout = Layout::of_meshes(&cast, &pictures, is_quantized(&cast, options, bundle));
+        let mut layout = Layout::of_meshes(stage, &cast, &pictures, is_quantized(&cast, options, bundle));
         if embed {
             let sources = embedded(&pictures, &mut layout)?;
             let mut document = document(stage, &cast, &pictures, sources, options, &mut layout, monitor)?;
@@ -137,8 +146,8 @@ impl Exporter for Gltf {
         }
         let mut sources = Vec::with_capacity(pictures.len());
         for (named, png) in pictures.iter().zip(picture::compress(&pictures)?) {
-            bundle.write_side(&named.suffix, Some(png.len() as u64), monitor, |out| out.write(png))?;
-            sources.push(ImageSource::Uri(percent_encoded(&bundle.side_name(&named.suffix))));
+            let file = bundle.write_picture(&named.suffix, png, monitor)?;
+            sources.push(ImageSource::Uri(percent_encoded(&file)));
         }
         let mut document = document(stage, &cast, &pictures, sources, options, &mut layout, monitor)?;
         document.buffers[0].uri = Some(percent_encoded(&bundle.side_name(".bin")));
@@ -189,11 +198,11 @@ impl Exporter for Glb {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
-        let stage = &in_one_season(stage, &GLB, bundle);
+        let stage = &fit(stage, &GLB, bundle);
         let cast = cast(stage, options, bundle, monitor)?;
         let pictures = if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
         memory::admit(stage, &pictures, own_bytes(&cast, &pictures), monitor)?;
-        let mut layout = Layout::of_meshes(&cast, &pictures, is_quantized(&cast, options, bundle));
+        let mut layout = Layout::of_meshes(stage, &cast, &pictures, is_quantized(&cast, options, bundle));
         let sources = embedded(&pictures, &mut layout)?;
         let document = document(stage, &cast, &pictures, sources, options, &mut layout, monitor)?;
         let mut json = json(&document)?;

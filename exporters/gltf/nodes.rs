@@ -162,7 +162,7 @@ impl Graph<'_> {
                     .pieces
                     .iter()
                     .zip(&mut arrays)
-                    .map(|(piece, arrays)| (primitive(piece, arrays), arrays.wind.names.clone()));
+                    .map(|(piece, arrays)| (primitive(piece, arrays), arrays.wind.names()));
                 let primitives: Vec<(Primitive, Vec<&'static str>)> = primitives.collect();
                 self.first_mesh.push(self.meshes.len());
                 if is_single {

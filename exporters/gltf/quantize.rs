@@ -87,6 +87,12 @@ impl Cube {
         Self { corner: min, side: (max - min).max_element().max(f32::MIN_POSITIVE) }
     }
 
+    /// A place, and a distance from it, in units of the cube.
+    pub fn pivot(self, [x, y, z, distance]: [f32; 4]) -> [f32; 4] {
+        let [x, y, z] = ((Vec3::new(x, y, z) - self.corner) / self.side).to_array();
+        [x, y, z, distance / self.side]
+    }
+
     /// As it is stored.
     pub fn steps(self, point: Vec3) -> [u16; 3] {
         ((point - self.corner) / self.side * STEPS).to_array().map(|x| libm::roundf(x) as u16)

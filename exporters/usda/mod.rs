@@ -40,9 +40,10 @@ use self::package::Package;
 use self::plant::{Component, Head};
 use self::syntax::{identifier, quoted};
 use crate::cast::{Cast, Piece};
+use crate::holds::fit;
 use crate::options::{OptionSpec, Options};
 use crate::picture::{self, Named};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Sink, instances, memory};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Holds, Sink, instances, memory};
 
 /// OpenUSD as text.
 pub(crate) struct Usda;
@@ -65,6 +66,7 @@ static FORMAT: Format = Format {
         OptionSpec::switch("skeleton", true, "the skeleton too, as guide curves: one per axis"),
         INSTANCES,
     ],
+    holds: Holds::SCENE,
 };
 
 /// OpenUSD in one file.
@@ -87,6 +89,7 @@ static PACKAGE: Format = Format {
         OptionSpec::switch("skeleton", true, "the skeleton too, as guide curves: one per axis"),
         INSTANCES,
     ],
+    holds: Holds::SCENE,
 };
 
 /// What all writers of prims need.
@@ -129,8 +132,8 @@ impl<'a> Writing<'a> {
     }
 
     /// Says what each picture's file is called.
-    fn name_files(&mut self, name: impl Fn(&Named<'_>) -> String) {
-        self.files = self.pictures.iter().map(name).collect();
+    fn name_files(&mut self, files: Vec<String>) {
+        self.files = files;
         let is_sky = self.pictures.last().is_some_and(|named| named.suffix == SKY);
         self.sky = self.files.last().filter(|_| is_sky).cloned();
     }
@@ -156,6 +159,7 @@ impl Exporter for Usda {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
+        let stage = &fit(stage, &FORMAT, bundle);
         let mut writing = Writing::new(stage, options, bundle, monitor)?;
         if !writing.pictures.is_empty() && !bundle.takes_side_files() {
             bundle.note(
@@ -164,10 +168,11 @@ impl Exporter for Usda {
             writing.pictures.clear();
         }
         memory::admit(stage, &writing.pictures, own_bytes(&writing.cast), monitor)?;
+        let mut files = Vec::with_capacity(writing.pictures.len());
         for (named, png) in writing.pictures.iter().zip(picture::compress(&writing.pictures)?) {
-            bundle.write_side(&named.suffix, Some(png.len() as u64), monitor, |out| out.write(png))?;
+            files.push(bundle.write_picture(&named.suffix, png, monitor)?);
         }
-        writing.name_files(|named| bundle.side_name(&named.suffix));
+        writing.name_files(files);
         bundle.write_main(None, monitor, |out| write_layer(&mut Layer::new(out), &writing))
     }
 }
@@ -185,8 +190,10 @@ impl Exporter for Usdz {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         let is_ar = options.is_word("flavor", "ar");
-        let mut stage = stage.clone();
-        stage.setting = stage.setting.filter(|_| !is_ar);
+        let mut stage = fit(stage, &PACKAGE, bundle);
+        if is_ar && (stage.setting.take().is_some() || options.is_on("instances")) {
+            bundle.note("usdz.flavor=ar: scene and instances are left out, which phones refuse");
+        }
         let mut writing = Writing::new(&stage, options, bundle, monitor)?;
         // The package is held whole: sizes and sums stand before the data.
         let nodes = writing.cast.models.iter().map(|model| model.scene.skeleton.positions.len() as u64);
@@ -194,7 +201,8 @@ impl Exporter for Usdz {
             + CURVE_BYTES_PER_NODE * nodes.sum::<u64>()
             + PLACEMENT_BYTES * writing.cast.placements() as u64;
         memory::admit(&stage, &writing.pictures, own_bytes(&writing.cast) + text, monitor)?;
-        writing.name_files(|named| named.suffix.trim_start_matches('_').to_owned());
+        let files = writing.pictures.iter().map(|named| named.suffix.trim_start_matches('_').to_owned());
+        writing.name_files(files.collect());
         let pictures = picture::compress(&writing.pictures)?;
         let files: usize = pictures.iter().map(|png| png.len()).sum();
         let mut package = Package::with_capacity(text as usize + files);

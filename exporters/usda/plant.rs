@@ -116,7 +116,7 @@ impl<'a> Component<'a> {
         let all: Vec<&Piece<'_>> = self.models().flat_map(|model| &model.pieces).collect();
         wind::open_geometry(layer, &all)?;
         if let Some(sway) = wind::sway(&all) {
-            wind::write_rig(layer, &geometry, sway)?;
+            wind::write_rig(layer, &geometry, sway, &all)?;
         }
         let mut names = Names::default();
         if levels == 1 {

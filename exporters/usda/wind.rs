@@ -30,8 +30,20 @@ pub(super) fn open_geometry(layer: &mut Layer<'_, '_>, pieces: &[&Piece<'_>]) ->
     layer.lines(&format!("float3[] extent = [{}, {}]", tuple(min.to_array()), tuple(max.to_array())))
 }
 
-/// The rig and its animation, below `path`.
-pub(super) fn write_rig(layer: &mut Layer<'_, '_>, path: &str, sway: &Sway) -> Result<(), ExportError> {
+/// The motions that some mesh has a target for.
+fn motions(pieces: &[&Piece<'_>]) -> Vec<Motion> {
+    let targets = || pieces.iter().filter_map(|piece| piece.wind).flat_map(|wind| &wind.targets);
+    Motion::ALL.into_iter().filter(|&motion| targets().any(|own| own.motion == motion)).collect()
+}
+
+/// The rig of some meshes and its animation, below `path`.
+pub(super) fn write_rig(
+    layer: &mut Layer<'_, '_>,
+    path: &str,
+    sway: &Sway,
+    pieces: &[&Piece<'_>],
+) -> Result<(), ExportError> {
+    let motions = motions(pieces);
     layer.open("def Skeleton \"WindRig\" (\n    prepend apiSchemas = [\"SkelBindingAPI\"]\n)")?;
     let still = "((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))";
     layer.lines(&format!(
@@ -45,11 +57,12 @@ rel skel:animationSource = <{path}/Wind>"#
     layer.open("def SkelAnimation \"Wind\"")?;
     let mut text = format!(
         "uniform token[] blendShapes = [{}]\nfloat[] blendShapeWeights.timeSamples = {{\n",
-        Motion::ALL.map(|motion| format!("\"{}\"", motion.name())).join(", ")
+        motions.iter().map(|motion| format!("\"{}\"", motion.name())).collect::<Vec<_>>().join(", ")
     );
     for frame in 0..=sway.frames() {
-        let weights = Motion::ALL.map(|motion| sway.weight(motion, frame).to_string()).join(", ");
-        text += &format!("    {frame}: [{weights}],\n");
+        let weights: Vec<String> =
+            motions.iter().map(|&motion| sway.weight(motion, frame).to_string()).collect();
+        text += &format!("    {frame}: [{}],\n", weights.join(", "));
     }
     text += "}\nuniform token[] joints = [\"foot\"]\nquatf[] rotations = [(1, 0, 0, 0)]\n";
     text += "half3[] scales = [(1, 1, 1)]\nfloat3[] translations = [(0, 0, 0)]";

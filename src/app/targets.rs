@@ -11,8 +11,8 @@ use linden::Monitor;
 use linden::season::Season;
 use linden::stage::Stage;
 use linden_exporters::{
-    Bundle, Existing, ExportError, Exporter, Format, LooksIn, MadeFolders, Options, Written, commit_all,
-    ensure_distinct, ensure_spared, examine,
+    Bundle, Existing, ExportError, Exporter, Format, LooksIn, MadeFolders, Options, Pictures, Written,
+    commit_all, ensure_distinct, ensure_spared, examine,
 };
 
 /// One output: who writes it, with which options, where.
@@ -28,12 +28,14 @@ pub struct Output {
     pub level: Option<usize>,
     /// The only season in it, by its name; `None`: all, as far as the format holds them.
     pub season: Option<String>,
+    /// The file that was asked for, where this is one of several in its place: they share pictures.
+    family: PathBuf,
 }
 
 impl Output {
     /// All levels of detail and seasons in this file.
-    pub const fn new(exporter: &'static dyn Exporter, options: Options, path: PathBuf) -> Self {
-        Self { exporter, options, path, level: None, season: None }
+    pub fn new(exporter: &'static dyn Exporter, options: Options, path: PathBuf) -> Self {
+        Self { exporter, options, family: path.clone(), path, level: None, season: None }
     }
 
     /// The files for these seasons: this one, or for a format that holds one season only `oak_summer.glb`,
@@ -131,7 +133,9 @@ impl Batch {
         sources: Vec<PathBuf>,
         bundle: impl Fn(&Output) -> Result<Bundle, ExportError>,
     ) -> Result<Self, ExportError> {
-        let bundles = outputs.iter().map(bundle).collect::<Result<Vec<_>, _>>()?;
+        let pictures = Pictures::default();
+        let sharing = |output| Ok(bundle(output)?.sharing(&pictures, &output.family));
+        let bundles = outputs.iter().map(sharing).collect::<Result<Vec<_>, ExportError>>()?;
         ensure_distinct(&bundles)?;
         ensure_spared(&bundles, &sources)?;
         Ok(Self { outputs, bundles, sources, folders: Vec::new() })

@@ -31,6 +31,7 @@ fn wood(trees: &[Scene; 2]) -> Stage<'_> {
             Place::origin(1),
         ],
         setting: None,
+        turned: Vec::new(),
     }
 }
 

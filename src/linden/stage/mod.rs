@@ -36,6 +36,9 @@ pub struct Stage<'a> {
     pub places: Vec<Place>,
     /// What stands around them, on request.
     pub setting: Option<Setting>,
+    /// The knobs that were turned for this export, by name: exporters note those whose effect their format
+    /// cannot hold.
+    pub turned: Vec<String>,
 }
 
 /// A plant as it looks in one or more seasons, each in one or more levels of detail.
@@ -166,7 +169,14 @@ impl<'a> Stage<'a> {
             plants: vec![plant],
             places: vec![Place::origin(0)],
             setting: None,
+            turned: Vec::new(),
         }
+    }
+
+    /// The same, with the names of the knobs that were turned for it.
+    #[must_use]
+    pub fn turned_by<'k>(self, knobs: impl IntoIterator<Item = &'k str>) -> Self {
+        Self { turned: knobs.into_iter().map(str::to_owned).collect(), ..self }
     }
 
     /// The same with a camera that frames it, sun, sky and ground.

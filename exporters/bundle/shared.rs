@@ -1,0 +1,113 @@
+//! Pictures that several files of one export refer to: those of a plant's levels and seasons, where each
+//! takes a file of its own.
+
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use linden::Monitor;
+use xxhash_rust::xxh3::xxh3_128;
+
+use super::{Bundle, Place, stem};
+use crate::ExportError;
+
+/// The pictures of all bundles that are committed together: what is under which name.
+#[derive(Clone, Debug, Default)]
+pub struct Pictures {
+    /// By folder and name a fingerprint of the bytes.
+    taken: Arc<Mutex<BTreeMap<(PathBuf, OsString), u128>>>,
+}
+
+/// A bundle's part in them.
+pub(super) struct Membership {
+    pictures: Pictures,
+    /// What names of pictures that others may refer to start with.
+    family: String,
+}
+
+impl Pictures {
+    /// The file of a family that holds a content.
+    fn find(&self, dir: &Path, family: &str, fingerprint: u128) -> Option<String> {
+        let taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut names = taken.iter().filter(|((folder, _), there)| folder == dir && **there == fingerprint);
+        names.find_map(|((_, name), _)| {
+            let name = name.to_str()?;
+            name.strip_prefix(family)?.starts_with('_').then(|| name.to_owned())
+        })
+    }
+
+    /// Whether a file of this content stands under a name, or may.
+    fn take(&self, dir: &Path, name: &str, fingerprint: u128) -> Taken {
+        let mut taken = self.taken.lock().unwrap_or_else(PoisonError::into_inner);
+        let key = (dir.to_owned(), OsString::from(name));
+        match taken.get(&key) {
+            Some(&there) if there == fingerprint => Taken::Same,
+            Some(_) => Taken::Other,
+            None => {
+                taken.insert(key, fingerprint);
+                Taken::Free
+            }
+        }
+    }
+}
+
+#[derive(PartialEq, Eq)]
+enum Taken {
+    /// It was free, and is taken now.
+    Free,
+    /// The same bytes are there.
+    Same,
+    /// Other bytes are there.
+    Other,
+}
+
+impl Bundle {
+    /// Lets a bundle share pictures with the others of an export. Those of one `family`, a path like
+    /// `oak.obj` of which theirs are `oak_LOD0.obj` and `oak_LOD1.obj`, write each picture once, as
+    /// `oak_bark.png`. All bundles of an export must be committed together.
+    #[must_use]
+    pub fn sharing(mut self, pictures: &Pictures, family: &Path) -> Self {
+        let family = stem::plain(family);
+        self.membership = Some(Membership { pictures: pictures.clone(), family });
+        self
+    }
+
+    /// Writes a picture beside the main file, unless one with the same bytes that it may refer to is there;
+    /// gives the name of the file.
+    ///
+    /// # Errors
+    /// As [`Bundle::write_side`].
+    pub fn write_picture(
+        &mut self,
+        suffix: &str,
+        bytes: &[u8],
+        monitor: &dyn Monitor,
+    ) -> Result<String, ExportError> {
+        let own = self.side_name(suffix);
+        let (name, taken) = match (&self.membership, &self.place) {
+            (Some(Membership { pictures, family }), Place::Files(files)) => {
+                let fingerprint = xxh3_128(bytes);
+                if let Some(there) = pictures.find(&files.main.location.folder, family, fingerprint) {
+                    return Ok(there);
+                }
+                let plain = stem::plain_suffix(suffix);
+                let (stem, ending) = plain.rsplit_once('.').unwrap_or((&plain, "png"));
+                let numbered = (2..).map(|number| format!("{}{stem}_{number}.{ending}", files.stem));
+                let mut names = [format!("{family}{plain}"), own.clone()].into_iter().chain(numbered);
+                let found = names.find_map(|name| {
+                    match pictures.take(&files.main.location.folder, &name, fingerprint) {
+                        Taken::Other => None,
+                        taken => Some((name, taken)),
+                    }
+                });
+                found.unwrap_or((own, Taken::Free))
+            }
+            _ => (own, Taken::Free),
+        };
+        if taken != Taken::Same {
+            self.write_named(&name, Some(bytes.len() as u64), monitor, |out| out.write(bytes))?;
+        }
+        Ok(name)
+    }
+}
