@@ -70,6 +70,45 @@ fn each_surface_is_closed_unfolded_and_finite() {
     }
 }
 
+/// Of what is as thick as its height says: the foot of the thickest stem, against the knob.
+#[test]
+fn slenderness_is_height_by_diameter_at_the_foot() {
+    let mut by_height = 0;
+    for builtin in builtins() {
+        let mut recipe = recipe(builtin);
+        if recipe.preset.idle("slenderness").is_some() {
+            continue;
+        }
+        for (slenderness, refine) in [(None, None), (Some("75"), Some("subdivide"))] {
+            if let Some(value) = slenderness {
+                recipe.preset.set("slenderness", value).unwrap();
+            }
+            if let Some(value) = refine {
+                recipe.preset.set("refine", value).unwrap();
+            }
+            let Ok(grown) = grow(&recipe, &Quiet) else { continue };
+            let skeleton = &grown.skeleton;
+            let heights = || skeleton.positions.iter().map(|p| p.y);
+            let height = heights().fold(f32::MIN, f32::max) - heights().fold(f32::MAX, f32::min);
+            let width = |axis: fn(&linden::Vec3) -> f32| {
+                let along = || skeleton.positions.iter().map(axis);
+                along().fold(f32::MIN, f32::max) - along().fold(f32::MAX, f32::min)
+            };
+            // What lies has a length instead.
+            if height < 0.1 * width(|p| p.x).max(width(|p| p.z)) {
+                continue;
+            }
+            let feet = (0..skeleton.parents.len()).filter(|&i| skeleton.parents[i] == linden::NO_PARENT);
+            let foot = feet.map(|i| skeleton.radii[i]).fold(0.0, f32::max);
+            let found = f64::from(height / (2.0 * foot));
+            let wanted = recipe.preset.wood.slenderness;
+            assert!((found / wanted - 1.0).abs() < 0.01, "{}: {found}, not {wanted}", builtin.id);
+            by_height += 1;
+        }
+    }
+    assert!(by_height > 40, "{by_height}");
+}
+
 /// The same tree again tomorrow. After a change that is meant to change trees:
 /// `LINDEN_UPDATE=1 cargo test -p linden-tests --test presets`.
 #[test]

@@ -34,9 +34,10 @@ pub struct Export {
     #[command(flatten)]
     budget: super::Budget,
 
-    /// So many levels of detail, the same tree with fewer triangles each time; the same as --set lods=N
-    #[arg(long, value_name = "N")]
-    lods: Option<u32>,
+    /// So many levels of detail, the same tree with fewer triangles each time, or a budget of triangles
+    /// for each, like 50000,15000,4000; the same as --set lods=N or --set lod_triangles=LIST
+    #[arg(long, value_name = "N|LIST")]
+    lods: Option<String>,
 
     /// Triangles of a level / triangles of the one before (the knob `lod_ratio`)
     #[arg(long, value_name = "X")]
@@ -47,9 +48,9 @@ pub struct Export {
     #[arg(long, value_name = "PLANES", num_args = 0..=1, default_missing_value = "2")]
     billboard: Option<u32>,
 
-    /// Wind: a sway loop that viewers play, or the attributes at the vertices alone; the same as
+    /// Wind: attributes at the vertices for shaders; with =sway a loop that viewers play too; the same as
     /// --set wind=WORD
-    #[arg(long, value_name = "WORD", num_args = 0..=1, default_missing_value = "sway", add = complete::values_of("wind"))]
+    #[arg(long, value_name = "WORD", num_args = 0..=1, default_missing_value = "attributes", add = complete::values_of("wind"))]
     wind: Option<String>,
 
     /// The same wood with the leaves of several seasons: names, or names with values of the knob `season`
@@ -69,13 +70,13 @@ impl Export {
         let (own, of_formats): (Vec<_>, Vec<_>) =
             self.growing.pairs()?.into_iter().partition(|(name, _)| !name.contains('.'));
         let flags = [
-            ("lods", self.lods.map(|n| n.to_string())),
             ("lod_ratio", self.lod_ratio.map(|x| x.to_string())),
             ("billboard", self.billboard.map(|n| n.to_string())),
             ("wind", self.wind.clone()),
         ];
         let flags = flags.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?)));
-        let own: Vec<_> = own.into_iter().chain(self.budget.pair()).chain(flags).collect();
+        let lods = self.lods.as_deref().map(super::lods);
+        let own: Vec<_> = own.into_iter().chain(self.budget.pair()).chain(lods).chain(flags).collect();
         let seasons = match self.seasons.as_deref() {
             None => Vec::new(),
             Some("all") => Season::all(),
@@ -95,7 +96,7 @@ impl Export {
             let written = Written { outputs, of_formats: &of_formats, command, scene };
             return side_by_side(&sources, &own, written, &progress);
         }
-        let source = self.growing.resolve_with(&own, &progress)?;
+        let source = self.growing.resolve_in(&own, &seasons, &progress)?;
         let id = &source.recipe.preset.id;
         let command = format!("linden export {0} -o {0}.glb", crate::source::show(&self.growing.source));
         let planned = source.recipe.preset.detail.levels();
@@ -116,6 +117,7 @@ impl Export {
             (several.stage(), &several.notes)
         };
         super::notes(notes, &progress);
+        let stage = stage.turned_by(own.iter().map(|(name, _)| name.as_str()));
         let stage = if self.scene { stage.in_setting() } else { stage };
         // Scenes have taken what they need of it.
         drop(grown);

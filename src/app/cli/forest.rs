@@ -108,7 +108,7 @@ impl Forest {
         check_scattering(&forest, &turned)?;
         let command = format!("linden forest {} -o forest.glb", self.kinds.join(" "));
         let written = Written { outputs: &self.outputs, of_formats: &of_formats, command, scene: self.scene };
-        written.write(&forest, sources, &progress)
+        written.write(&forest, sources, &turned, &progress)
     }
 
     /// The forest as it is described, and the files that it was read from.
@@ -159,13 +159,20 @@ pub(super) struct Written<'a> {
 }
 
 impl Written<'_> {
-    /// Grows the trees of a forest that was read from `sources`, and writes it.
+    /// Grows the trees of a forest that was read from `sources` and for which knobs were `turned`, and
+    /// writes it.
     pub fn write(
         self,
         forest: &linden::forest::Forest,
         sources: Vec<PathBuf>,
+        turned: &[(String, String)],
         progress: &Progress,
     ) -> anyhow::Result<()> {
+        // What one kind leaves alone another may listen to.
+        let mut idle = forest.kinds.iter().map(|kind| super::idle(&kind.recipe.preset, turned));
+        let first = idle.next().unwrap_or_default();
+        let idle = idle.fold(first, |all, own| all.into_iter().filter(|note| own.contains(note)).collect());
+        super::notes(&idle, progress);
         let counts = forest.kinds.iter().map(|kind| kind.recipe.preset.detail.levels());
         let most = counts.max().unwrap_or(1);
         let mut batch =
@@ -204,6 +211,7 @@ impl Written<'_> {
             plants: plants.collect(),
             places: plan.places,
             setting: None,
+            turned: turned.iter().map(|(name, _)| name.clone()).collect(),
         };
         let stage = if self.scene { stage.in_setting() } else { stage };
         let holding = Holding::new(progress, inputs);
@@ -245,7 +253,7 @@ pub(super) fn side_by_side(
         turn(&mut forest, name, value)?;
     }
     check_scattering(&forest, &shared)?;
-    written.write(&forest, files, progress)
+    written.write(&forest, files, settings, progress)
 }
 
 /// `fir:3`: a name and its share, 1 where none is said.

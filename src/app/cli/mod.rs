@@ -30,6 +30,8 @@ use clap::{Args, CommandFactory, Parser, Subcommand};
 use linden::Monitor;
 use linden::grow::{Grown, grow};
 use linden::knob::{Kind, Value};
+use linden::preset::Preset;
+use linden::season::Season;
 
 use crate::config::dirs::Dirs;
 use crate::config::settings::Settings;
@@ -142,8 +144,27 @@ impl Growing {
     }
 
     fn resolve_with(&self, pairs: &[(String, String)], progress: &Progress) -> anyhow::Result<Source> {
+        self.resolve_in(pairs, &[], progress)
+    }
+
+    /// The same for what is shown in some seasons, if any are named, in place of the knob `season`.
+    fn resolve_in(
+        &self,
+        pairs: &[(String, String)],
+        seasons: &[Season],
+        progress: &Progress,
+    ) -> anyhow::Result<Source> {
         let source = source::resolve(&self.source, pairs, progress)?;
         notes(&source.notes, progress);
+        let preset = &source.recipe.preset;
+        let mut idle = idle(preset, pairs);
+        for season in seasons {
+            let mut preset = preset.clone();
+            preset.foliage.season = season.season;
+            let own = self::idle(&preset, pairs);
+            idle.retain(|note| own.contains(note));
+        }
+        notes(&idle, progress);
         Ok(source)
     }
 
@@ -153,6 +174,17 @@ impl Growing {
         pairs.extend(self.seed.map(|seed| ("seed".to_owned(), seed.to_string())));
         Ok(pairs)
     }
+}
+
+/// What to say of knobs that were turned and change nothing.
+fn idle(preset: &Preset, pairs: &[(String, String)]) -> Vec<String> {
+    preset.idle_notes(pairs.iter().map(|(name, _)| name.as_str()))
+}
+
+/// What `--lods` says, as a knob's name and value: a number of levels, or the triangles of each.
+fn lods(text: &str) -> (String, String) {
+    let name = if text.contains([',', ' ']) { "lod_triangles" } else { "lods" };
+    (name.to_owned(), text.to_owned())
 }
 
 /// `KNOB=VALUE` as names and values.

@@ -31,6 +31,8 @@ pub struct ExportOrder {
     pub makes_folders: bool,
     /// Files that the tree is grown from, which are never replaced.
     pub sources: Vec<PathBuf>,
+    /// The knobs that differ from the document: it is noted where they change nothing.
+    pub turned: Vec<&'static str>,
 }
 
 /// What an export says, and what was found out for the dialog.
@@ -107,7 +109,7 @@ pub fn run(order: ExportOrder, watcher: &dyn Monitor, say: &dyn Fn(ExportNews)) 
 type Exported = (Vec<(PathBuf, u64)>, Vec<String>);
 
 fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported> {
-    let ExportOrder { recipe, shown, mut outputs, replaces, makes_folders, sources, .. } = order;
+    let ExportOrder { recipe, shown, mut outputs, replaces, makes_folders, sources, turned, .. } = order;
     let home = std::env::home_dir();
     // They go again when the export fails.
     let mut folders = Vec::new();
@@ -165,7 +167,8 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
     };
     next();
     notes.extend_from_slice(&levels.notes);
-    batch.write(&levels.stage(), &gauge, |told| {
+    notes.extend(recipe.preset.idle_notes(turned.iter().copied()));
+    batch.write(&levels.stage().turned_by(turned), &gauge, |told| {
         notes.extend_from_slice(told);
         next();
     })?;

@@ -31,6 +31,7 @@ fn order(dir: &Path, formats: &[&str]) -> ExportOrder {
         replaces: Vec::new(),
         makes_folders: false,
         sources: Vec::new(),
+        turned: Vec::new(),
     }
 }
 

@@ -148,6 +148,12 @@ impl Tree {
         knob.read(&self.saved.preset) != knob.read(&self.current.preset)
     }
 
+    /// The names of the knobs that differ from the document.
+    pub fn turned(&self) -> Vec<&'static str> {
+        let knobs = self.current.preset.knobs().into_iter();
+        knobs.filter(|(knob, _)| self.is_turned(knob)).map(|(knob, _)| knob.knob.name).collect()
+    }
+
     /// Turns a knob to what was typed.
     ///
     /// # Errors

@@ -7,6 +7,7 @@ mod document;
 mod edit;
 mod files;
 mod foliage;
+mod idle;
 mod item;
 mod knobs;
 mod leaf_knobs;

@@ -257,6 +257,7 @@ fn start(model: &mut Model, effects: &mut Effects) {
     exporting.numbers += 1;
     let number = exporting.numbers;
     let sources = tree.files();
+    let turned = tree.turned();
     exporting.waiting.push_back(ExportOrder {
         number,
         recipe,
@@ -265,6 +266,7 @@ fn start(model: &mut Model, effects: &mut Effects) {
         replaces,
         makes_folders,
         sources,
+        turned,
     });
     model.layers.retain(|layer| !matches!(layer, Layer::Export(_)));
     if is_running(model) {

@@ -281,6 +281,13 @@ impl FormView<'_> {
             kind if unit.is_empty() => vec![Span::styled(kind.to_string(), theme.unit)],
             kind => vec![Span::styled(format!("{kind} ({})", own.knob.unit), theme.unit)],
         };
+        if self.tree.is_turned(own)
+            // The workbench shows wind whatever files are to hold.
+            && own.section != Section::Wind
+            && let Some(why) = self.tree.wanted().preset.idle(own.knob.name)
+        {
+            lines.push(Line::styled(format!("changes nothing: {why}"), theme.warning));
+        }
         if typed(self.model).is_some() && !complete::words(own.knob.name).is_empty() {
             range.push(Span::styled(" · Tab completes", theme.dim));
         }

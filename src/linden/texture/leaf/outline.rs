@@ -53,6 +53,40 @@ pub enum Outline {
     Fruit,
 }
 
+impl Outline {
+    /// Whether [`super::LeafLook::lobes`] are drawn.
+    pub fn has_lobes(self) -> bool {
+        self.usual().lobes > 0 && self != Self::Needle
+    }
+
+    /// Whether [`super::LeafLook::lobe_depth`] is drawn.
+    pub fn has_bays(self) -> bool {
+        self.usual().lobe_depth > 0.0
+    }
+
+    /// Whether [`super::LeafLook::margin`] is drawn: leaflets of a few outlines have one of their kind.
+    pub const fn has_margin(self) -> bool {
+        !matches!(
+            self,
+            Self::Bipinnate
+                | Self::Palm
+                | Self::Fern
+                | Self::Needle
+                | Self::Pine
+                | Self::Spruce
+                | Self::Larch
+                | Self::Scale
+                | Self::Blossom
+                | Self::Fruit
+        )
+    }
+
+    /// Whether [`super::LeafLook::petiole`] is drawn.
+    pub const fn has_petiole(self) -> bool {
+        !matches!(self, Self::Needle | Self::Pine | Self::Spruce | Self::Larch | Self::Scale)
+    }
+}
+
 /// What the edge of a blade is like.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Margin {
