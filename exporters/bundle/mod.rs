@@ -199,7 +199,8 @@ impl Bundle {
         monitor: &dyn Monitor,
         write: impl FnOnce(&mut Sink<'_>) -> Result<(), ExportError>,
     ) -> Result<(), ExportError> {
-        let name = self.side_name(suffix);
+        // A stream has no names to make one from.
+        let name = if self.takes_side_files() { self.side_name(suffix) } else { suffix.to_owned() };
         self.write_named(&name, bytes, monitor, write)
     }
 

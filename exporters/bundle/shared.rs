@@ -22,8 +22,8 @@ pub struct Pictures {
 /// A bundle's part in them.
 pub(super) struct Membership {
     pictures: Pictures,
-    /// What names of pictures that others may refer to start with.
-    family: String,
+    /// What names of pictures that others may refer to start with, most others first; at least one.
+    families: Vec<String>,
 }
 
 impl Pictures {
@@ -63,13 +63,14 @@ enum Taken {
 }
 
 impl Bundle {
-    /// Lets a bundle share pictures with the others of an export. Those of one `family`, a path like
+    /// Lets a bundle share pictures with the others of an export. Those of one family, a path like
     /// `oak.obj` of which theirs are `oak_LOD0.obj` and `oak_LOD1.obj`, write each picture once, as
-    /// `oak_bark.png`. All bundles of an export must be committed together.
+    /// `oak_bark.png`. There may be families within families: `oak_autumn.obj` of `oak_autumn_LOD0.obj`.
+    /// All bundles of an export must be committed together.
     #[must_use]
-    pub fn sharing(mut self, pictures: &Pictures, family: &Path) -> Self {
-        let family = stem::plain(family);
-        self.membership = Some(Membership { pictures: pictures.clone(), family });
+    pub fn sharing(mut self, pictures: &Pictures, families: &[PathBuf]) -> Self {
+        let families = families.iter().map(|family| stem::plain(family)).collect();
+        self.membership = Some(Membership { pictures: pictures.clone(), families });
         self
     }
 
@@ -86,20 +87,21 @@ impl Bundle {
     ) -> Result<String, ExportError> {
         let own = self.side_name(suffix);
         let (name, taken) = match (&self.membership, &self.place) {
-            (Some(Membership { pictures, family }), Place::Files(files)) => {
+            (Some(Membership { pictures, families }), Place::Files(files)) => {
                 let fingerprint = xxh3_128(bytes);
-                if let Some(there) = pictures.find(&files.main.location.folder, family, fingerprint) {
+                let folder = &files.main.location.folder;
+                let mut there = families.iter().map(|own| pictures.find(folder, own, fingerprint));
+                if let Some(there) = there.find_map(|found| found) {
                     return Ok(there);
                 }
                 let plain = stem::plain_suffix(suffix);
                 let (stem, ending) = plain.rsplit_once('.').unwrap_or((&plain, "png"));
                 let numbered = (2..).map(|number| format!("{}{stem}_{number}.{ending}", files.stem));
-                let mut names = [format!("{family}{plain}"), own.clone()].into_iter().chain(numbered);
-                let found = names.find_map(|name| {
-                    match pictures.take(&files.main.location.folder, &name, fingerprint) {
-                        Taken::Other => None,
-                        taken => Some((name, taken)),
-                    }
+                let of_families = families.iter().map(|family| format!("{family}{plain}"));
+                let mut names = of_families.chain([own.clone()]).chain(numbered);
+                let found = names.find_map(|name| match pictures.take(folder, &name, fingerprint) {
+                    Taken::Other => None,
+                    taken => Some((name, taken)),
                 });
                 found.unwrap_or((own, Taken::Free))
             }

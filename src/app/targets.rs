@@ -28,14 +28,15 @@ pub struct Output {
     pub level: Option<usize>,
     /// The only season in it, by its name; `None`: all, as far as the format holds them.
     pub season: Option<String>,
-    /// The file that was asked for, where this is one of several in its place: they share pictures.
-    family: PathBuf,
+    /// The file that was asked for, and where it became one for each season that of this season: those
+    /// that stand in its place share pictures.
+    families: Vec<PathBuf>,
 }
 
 impl Output {
     /// All levels of detail and seasons in this file.
     pub fn new(exporter: &'static dyn Exporter, options: Options, path: PathBuf) -> Self {
-        Self { exporter, options, family: path.clone(), path, level: None, season: None }
+        Self { exporter, options, families: vec![path.clone()], path, level: None, season: None }
     }
 
     /// The files for these seasons: this one, or for a format that holds one season only `oak_summer.glb`,
@@ -44,10 +45,10 @@ impl Output {
         if seasons.is_empty() || self.is_stream() || self.exporter.format().seasons() != LooksIn::Files {
             return vec![self];
         }
-        let named = |Season { name, .. }: &Season| Self {
-            path: self.path_with(&format!("_{name}")),
-            season: Some(name.clone()),
-            ..self.clone()
+        let named = |Season { name, .. }: &Season| {
+            let path = self.path_with(&format!("_{name}"));
+            let families = self.families.iter().cloned().chain([path.clone()]).collect();
+            Self { path, season: Some(name.clone()), families, ..self.clone() }
         };
         seasons.iter().map(named).collect()
     }
@@ -134,7 +135,7 @@ impl Batch {
         bundle: impl Fn(&Output) -> Result<Bundle, ExportError>,
     ) -> Result<Self, ExportError> {
         let pictures = Pictures::default();
-        let sharing = |output| Ok(bundle(output)?.sharing(&pictures, &output.family));
+        let sharing = |output| Ok(bundle(output)?.sharing(&pictures, &output.families));
         let bundles = outputs.iter().map(sharing).collect::<Result<Vec<_>, ExportError>>()?;
         ensure_distinct(&bundles)?;
         ensure_spared(&bundles, &sources)?;

@@ -5,6 +5,7 @@ mod bad_input;
 mod completions;
 mod describe;
 mod doctor;
+mod effects;
 mod figures;
 mod forecasts;
 mod forest;

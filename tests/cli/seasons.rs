@@ -45,7 +45,9 @@ fn usd_has_variants_and_other_formats_a_file_for_each_season() {
         "--format",
         "obj,usda,glb,ply-skeleton",
     ];
-    export(&folder, "dressed-simple", &[&["--seasons"][..], &args].concat()).done();
+    let said = export(&folder, "dressed-simple", &[&["--seasons"][..], &args].concat());
+    let note = "note: ply-skeleton holds the skeleton alone: bark_size, leaf_size and seasons change nothing in it\n";
+    assert_eq!((said.code, said.err.as_str()), (Some(0), note));
     let seasons = ["autumn", "bare", "flush", "summer"];
     let mut expected = vec!["t-s.ply".to_owned(), "t.usda".to_owned()];
     expected.extend(seasons.iter().flat_map(|own| [format!("t_{own}.glb"), format!("t_{own}.obj")]));
@@ -105,4 +107,28 @@ fn a_stream_has_the_recipes_own_season_and_plants_without_seasons_are_told_of() 
         folder.run(&["export", "dressed-fir", "--seasons", "-o", "fir.usda", "--set", "evergreen=true"]);
     assert_eq!(said.code, Some(0));
     assert!(said.err.contains("nothing on this plant changes"), "{}", said.err);
+}
+
+/// What is the same in several files of an export is written once.
+#[test]
+fn levels_and_seasons_share_their_pictures() {
+    let folder = Folder::new();
+    let args = ["--seasons", "summer,autumn", "--lods", "2", "-o", "t.obj", "-o", "t.gltf", "-o", "t.usda"];
+    export(&folder, "dressed-simple", &args).done();
+    let pictures: Vec<String> = folder.names().into_iter().filter(|name| name.ends_with(".png")).collect();
+    let mut contents: Vec<Vec<u8>> = pictures.iter().map(|name| folder.read(name)).collect();
+    contents.sort();
+    contents.dedup();
+    // The same under two names only where a format calls it otherwise: nothing here.
+    assert_eq!(contents.len(), pictures.len(), "{pictures:?}");
+    for name in folder.names().iter().filter(|name| name.ends_with(".mtl")) {
+        let text = String::from_utf8(folder.read(name)).unwrap();
+        let files: Vec<&str> = text
+            .lines()
+            .filter(|line| ["map_Kd ", "map_d ", "norm "].iter().any(|key| line.starts_with(key)))
+            .filter_map(|line| line.split_whitespace().nth(1))
+            .collect();
+        assert!(files.len() >= 5, "{name}: {text}");
+        assert!(files.iter().all(|file| pictures.iter().any(|own| own == file)), "{name}: {files:?}");
+    }
 }

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 use linden::colonization;
+use linden::detail::levels;
 use linden::dress::dress;
 use linden::grow::Grown;
 use linden::memory::Holding;
@@ -33,6 +34,9 @@ use crate::source::Source;
 pub struct Preview {
     #[command(flatten)]
     growing: Growing,
+
+    #[command(flatten)]
+    budget: super::Budget,
 
     /// Write a PNG file, or SOURCE.png into a directory; - is standard output
     #[arg(short, long, value_name = "FILE.png")]
@@ -69,6 +73,10 @@ pub struct Preview {
     /// 'studio', 'transparent' or #rrggbb; a terminal shows its own unless another is given
     #[arg(long, value_parser = background)]
     background: Option<Background>,
+
+    /// Show this level of detail, the finest is 0: of --set lods=N, lod_triangles=LIST or billboard=PLANES
+    #[arg(long, value_name = "N")]
+    lod: Option<usize>,
 
     /// Show the attraction points
     #[arg(long)]
@@ -109,7 +117,14 @@ impl Preview {
         let open = |path: &Path, id: &str| PngTarget::open(path, id, &self.placing);
         let named = self.output.as_deref().filter(|path| !is_folder(path));
         let mut target = named.map(|path| open(path, "")).transpose()?;
-        let source = self.growing.resolve(&progress)?;
+        let pairs: Vec<_> = self.growing.pairs()?.into_iter().chain(self.budget.pair()).collect();
+        let source = self.growing.resolve_with(&pairs, &progress)?;
+        let look = self.chosen_look();
+        if self.lod.is_some() && look == Some(Look::Skeleton) {
+            return Err(usage(
+                "--lod is a level of the surface: leave out --look skeleton, --color, --points and --outline",
+            ));
+        }
         if let Some(folder) = self.output.as_deref().filter(|path| is_folder(path)) {
             target = Some(open(folder, &source.recipe.preset.id)?);
         }
@@ -120,7 +135,7 @@ impl Preview {
         if let Some(outlook) = Outlook::of(&source.recipe, &progress) {
             let (width, height) = self.size.filter(|_| target.is_some()).unwrap_or(FILE_SIZE);
             let pixels = f64::from(width) * f64::from(height);
-            let shows_surface = Sitter::shows_surface(&outlook.sample.grown, self.chosen_look());
+            let shows_surface = Sitter::shows_surface(&source, &outlook.sample.grown, look, self.lod);
             announce(outlook.picture_s(&source.recipe, pixels, shows_surface), &outlook.amount());
         }
         let grown = super::grown(&source, &progress)?;
@@ -130,7 +145,7 @@ impl Preview {
         } else {
             Vec::new()
         };
-        let sitter = Sitter::new(&source, &grown, self.chosen_look(), &progress)?;
+        let sitter = Sitter::new(&source, &grown, look, self.lod, &progress, &progress)?;
         let camera = Camera {
             zoom: self.zoom,
             ..Camera::orbit(self.yaw.unwrap_or_else(|| broad_side(&grown.skeleton)), self.pitch)
@@ -224,21 +239,48 @@ pub(super) struct Sitter<'a> {
 }
 
 impl<'a> Sitter<'a> {
-    /// Dresses the tree where that is wanted, or usual: where leaves have pictures.
+    /// Dresses the tree where that is wanted, or usual: where leaves have pictures, a level of detail is
+    /// asked for, or a budget of triangles.
     pub fn new(
         source: &'a Source,
         grown: &'a Grown,
         look: Option<Look>,
+        level: Option<usize>,
+        progress: &Progress,
         monitor: &dyn Monitor,
     ) -> anyhow::Result<Self> {
-        let scene =
-            Self::shows_surface(grown, look).then(|| dress(&source.recipe, grown, monitor)).transpose();
-        Ok(Self { source, grown, scene: scene.with_context(|| source.shown.clone())? })
+        let budget = source.recipe.preset.detail.finest() > 0;
+        let shows_surface = Self::shows_surface(source, grown, look, level);
+        if budget && !shows_surface {
+            super::notes(
+                &["triangles changes nothing in a skeleton: it is for --look surface".into()],
+                progress,
+            );
+        }
+        let scene = shows_surface.then(|| match level {
+            None if !budget => dress(&source.recipe, grown, monitor).with_context(|| source.shown.clone()),
+            _ => at_level(source, grown, level, progress, monitor),
+        });
+        Ok(Self { source, grown, scene: scene.transpose()? })
+    }
+
+    /// A tree in each of its levels of detail, finest first.
+    pub fn of_levels(
+        source: &'a Source,
+        grown: &'a Grown,
+        progress: &Progress,
+        monitor: &dyn Monitor,
+    ) -> anyhow::Result<Vec<Self>> {
+        let all = levels(&source.recipe, grown, monitor).with_context(|| source.shown.clone())?;
+        super::notes(&all.notes, progress);
+        Ok(all.levels.into_iter().map(|own| Self { source, grown, scene: Some(own.scene) }).collect())
     }
 
     /// Whether it is dressed.
-    pub fn shows_surface(grown: &Grown, look: Option<Look>) -> bool {
-        look.map_or(!grown.organs.shapes.is_empty(), |look| look == Look::Surface)
+    pub fn shows_surface(source: &Source, grown: &Grown, look: Option<Look>, level: Option<usize>) -> bool {
+        let budget = source.recipe.preset.detail.finest() > 0;
+        let usual = !grown.organs.shapes.is_empty() || budget || level.is_some();
+        look.map_or(usual, |look| look == Look::Surface)
     }
 
     /// A style with this tree's own leaves.
@@ -269,6 +311,37 @@ impl<'a> Sitter<'a> {
         };
         drawn.with_context(|| self.source.shown.clone())
     }
+}
+
+/// A tree in one of its levels of detail, the finest where none is named.
+fn at_level(
+    source: &Source,
+    grown: &Grown,
+    level: Option<usize>,
+    progress: &Progress,
+    monitor: &dyn Monitor,
+) -> anyhow::Result<Scene> {
+    let mut recipe = source.recipe.clone();
+    let detail = &mut recipe.preset.detail;
+    if level.is_none() {
+        (detail.triangles, detail.lod_triangles) = (detail.finest(), vec![0.0]);
+        (detail.lods, detail.billboard) = (1, 0);
+    }
+    let mut all = levels(&recipe, grown, monitor).with_context(|| source.shown.clone())?;
+    super::notes(&all.notes, progress);
+    let (level, count) = (level.unwrap_or(0), all.levels.len());
+    if level >= count {
+        let there = if count == 1 {
+            "one level of detail, 0".to_owned()
+        } else {
+            format!("levels 0 to {}", count - 1)
+        };
+        return Err(usage(format!(
+            "--lod {level}: this tree has {there}; ask for more, like --set lods={}",
+            (level + 1).min(8)
+        )));
+    }
+    Ok(all.levels.swap_remove(level).scene)
 }
 
 /// The yaw that shows a flat tree (the plane systems of ABOP) from its broad side.

@@ -39,6 +39,11 @@ pub struct Sheet {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=1000))]
     seeds: u64,
 
+    /// Each tree in all its levels of detail: so many, or the triangles of each, like 50000,15000,4000; when
+    /// not said as its knobs have it, or 4
+    #[arg(long, value_name = "N|LIST", num_args = 0..=1, default_missing_value = "")]
+    lods: Option<String>,
+
     /// Turn a knob of every tree; may be given several times
     #[arg(long = "set", short, value_name = "KNOB=VALUE", add = super::complete::settings())]
     settings: Vec<String>,
@@ -61,41 +66,66 @@ impl Sheet {
         let progress = Progress::new();
         let target = PngTarget::open(&self.output, "sheet", &self.placing)?;
         let sources = self.sources()?;
-        let count = u32::try_from(sources.len() as u64 * self.seeds).unwrap_or(u32::MAX);
+        let mut settings = super::pairs(&self.settings)?;
+        settings.extend(self.lods.as_deref().filter(|text| !text.is_empty()).map(super::lods));
+        let mut trees = Vec::with_capacity(sources.len());
+        for path in &sources {
+            let mut source = source::resolve(path, &settings, &progress)?;
+            super::notes(&source.notes, &progress);
+            super::notes(&super::idle(&source.recipe.preset, &settings), &progress);
+            if self.lods.is_some() && source.recipe.preset.detail.levels() == 1 {
+                source.recipe.preset.detail.lods = USUAL_LEVELS;
+            }
+            trees.push(source);
+        }
+        // A tree with fewer levels than another leaves the rest of its places empty.
+        let levels = trees.iter().map(|source| source.recipe.preset.detail.levels()).max().unwrap_or(1);
+        let levels = if self.lods.is_some() { levels as u64 } else { 1 };
+        let count = u32::try_from(sources.len() as u64 * self.seeds * levels).unwrap_or(u32::MAX);
         let (width, height) = self.size;
-        let columns = self.columns.unwrap_or_else(|| columns(count, self.size)).min(count);
+        let columns = self.columns.unwrap_or_else(|| match levels {
+            1 => columns(count, self.size),
+            // A tree a row.
+            levels => levels as u32,
+        });
+        let columns = columns.min(count);
         let rows = count.div_ceil(columns);
         let whole = Size::new(columns.saturating_mul(width), rows.saturating_mul(height)).map_err(usage)?;
         let own = Size::new(width, height).map_err(usage)?;
 
         admit_png(whole, 0, &progress)?;
         let holding = Holding::new(&progress, u64::from(whole.width()) * u64::from(whole.height()) * 4);
-        let settings = super::pairs(&self.settings)?;
         let mut sheet = Mosaic::new(whole.width(), whole.height());
         let mut place = 0;
         let (mut seconds, mut announced) = (0.0, false);
-        for path in &sources {
-            let mut source = source::resolve(path, &settings, &progress)?;
-            super::notes(&source.notes, &progress);
+        for mut source in trees {
             if let Some(outlook) = Outlook::of(&source.recipe, &progress).filter(|_| !announced) {
-                let shows_surface = Sitter::shows_surface(&outlook.sample.grown, self.look);
-                let pixels = f64::from(width) * f64::from(height);
+                let shows_surface = self.lods.is_some()
+                    || Sitter::shows_surface(&source, &outlook.sample.grown, self.look, None);
+                let pixels = f64::from(width) * f64::from(height) * levels as f64;
                 let each = outlook.picture_s(&source.recipe, pixels, shows_surface);
                 // What is known so far, taken for all that follow.
                 seconds += each * self.seeds as f64;
-                let done = f64::from(place).max(1.0);
-                let all = seconds * (f64::from(count) / (done + self.seeds as f64 - 1.0)).max(1.0);
-                announced = announce(all, &format!("{count} trees, {} each", outlook.amount()));
+                let trees = f64::from(count) / levels as f64;
+                let done = (f64::from(place) / levels as f64).max(1.0);
+                let all = seconds * (trees / (done + self.seeds as f64 - 1.0)).max(1.0);
+                announced = announce(all, &format!("{trees} trees, {} each", outlook.amount()));
             }
             let first = source.recipe.preset.seed;
             for step in 0..self.seeds {
                 source.recipe.preset.seed = first.wrapping_add(step);
                 let grown = super::grown_beside(&source, &holding, &progress)?;
-                let sitter = Sitter::new(&source, &grown, self.look, &holding)?;
+                let sitters = if self.lods.is_some() {
+                    Sitter::of_levels(&source, &grown, &progress, &holding)?
+                } else {
+                    vec![Sitter::new(&source, &grown, self.look, None, &progress, &holding)?]
+                };
                 let camera = Camera::orbit(broad_side(&grown.skeleton), PITCH_DEG);
-                let picture = sitter.draw(&camera, &sitter.styled(Style::studio()), own, &holding)?;
-                sheet.lay(&picture, place % columns * width, place / columns * height);
-                place += 1;
+                for (at, sitter) in (place..).zip(&sitters) {
+                    let picture = sitter.draw(&camera, &sitter.styled(Style::studio()), own, &holding)?;
+                    sheet.lay(&picture, at % columns * width, at / columns * height);
+                }
+                place += levels as u32;
             }
         }
         let png = sheet.finish().srgb_png().context("compressing the sheet")?;
@@ -124,6 +154,9 @@ impl Sheet {
         Ok(sources)
     }
 }
+
+/// Levels of detail of a tree that says nothing of them.
+const USUAL_LEVELS: u32 = 4;
 
 /// As `linden preview` looks from above.
 const PITCH_DEG: f32 = 8.0;

@@ -79,7 +79,7 @@ pub enum DetailError {
     Memory(#[from] OverMemory),
     /// Fewer triangles than the tree's stem.
     #[error(
-        "a budget of {budget} triangles is less than this tree can do with: its stem and one leaf alone have {least}; ask for at least as many"
+        "triangles={budget} is less than this tree can do with: its stem and one leaf alone have {least} triangles; ask for at least as many"
     )]
     TooFew {
         /// What was asked for.

@@ -460,9 +460,16 @@ static RULES: &[Rule] = &[
             "leaf_colors",
             "autumn_colors",
             "leaf_tint_spread",
-            "leaf_size",
         ],
         why: |own| when(own.foliage.first.picture.is_some(), "leaf_picture stands in place of the drawn one"),
+    },
+    Rule {
+        knobs: &["leaf_size"],
+        why: |own| {
+            let mut drawn = own.foliage.kinds().filter(|kind| kind.form != Form::None);
+            let is_given = drawn.all(|kind| kind.picture.is_some() || kind.form == Form::Mesh);
+            when(is_given, "all pictures of leaves are given")
+        },
     },
     // [detail]
     Rule {

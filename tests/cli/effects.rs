@@ -1,0 +1,208 @@
+//! What was asked for and changes nothing is named on standard error; pictures show what was asked for.
+
+use crate::program::{Folder, Said};
+
+fn notes(said: &Said) -> Vec<String> {
+    said.err.lines().filter_map(|line| line.strip_prefix("note: ")).map(str::to_owned).collect()
+}
+
+/// With small pictures, where there are any.
+fn run(folder: &Folder, args: &[&str]) -> Said {
+    let leaves: &[&str] = if args[1].starts_with("dressed") { &["--set", "leaf_size=32"] } else { &[] };
+    folder.run(&[args, &["--set", "bark_size=32"], leaves].concat())
+}
+
+/// Done, whatever was noted.
+fn fine(said: Said) -> Said {
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    said
+}
+
+#[test]
+fn a_knob_that_changes_nothing_is_named_with_what_it_waits_for() {
+    let folder = Folder::new();
+    for (args, note) in [
+        (
+            &["stats", "abop-a", "--set", "segment_width=0.2"][..],
+            "segment_width changes nothing: the grammar has no !; with width=grammar all its wood has this width",
+        ),
+        (&["stats", "simple", "--set", "stems=3"], "stems changes nothing: it is for points that are given"),
+        (
+            &["export", "simple", "-o", "x.glb", "--lod-ratio", "0.5"],
+            "lod_ratio changes nothing: there is one level",
+        ),
+        (
+            &["export", "simple", "-o", "x.ply", "--wind=sway"],
+            "ply holds no wind: wind is left out; gltf, glb, usda and usdz hold it",
+        ),
+        (
+            &["export", "simple", "-o", "x.csv", "--lods", "3"],
+            "qsm holds the skeleton alone: bark_size and lods change nothing in it",
+        ),
+        (
+            &["export", "simple", "-o", "x.csv", "--scene", "--set", "flare=1"],
+            "qsm holds the skeleton alone: flare, bark_size and scene change nothing in it",
+        ),
+        (
+            &["export", "simple", "-o", "x.obj", "--scene"],
+            "obj holds no camera, sun, sky and ground: scene is left out",
+        ),
+        (
+            &["export", "simple", "-o", "x.glb", "--instances"],
+            "instances: nothing on this plant stands in many places",
+        ),
+        (
+            &["export", "simple", "-o", "x.glb", "--quantize", "--wind=sway"],
+            "quantize is left out: the sway loop",
+        ),
+    ] {
+        let said = fine(run(&folder, args));
+        assert!(notes(&said).iter().any(|own| own.starts_with(note)), "{args:?}: {}", said.err);
+    }
+    let said = fine(run(
+        &folder,
+        &["stats", "abop-a", "--set", "segment_width=0.2", "--set", "width=grammar", "--json"],
+    ));
+    assert_eq!(notes(&said), [""; 0]);
+    let json: serde_json::Value = serde_json::from_str(&said.out).unwrap();
+    assert!((json["trunk_diameter_m"].as_f64().unwrap() - 0.2).abs() < 1e-6, "{}", said.out);
+}
+
+/// The JSON of a GLB.
+fn document(folder: &Folder, name: &str) -> serde_json::Value {
+    let bytes = folder.read(name);
+    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
+    serde_json::from_slice(&bytes[20..20 + length]).unwrap()
+}
+
+#[test]
+fn bare_wind_is_the_attributes_and_can_be_quantized() {
+    let folder = Folder::new();
+    let tree = ["--set", "points=60"];
+    for (name, flags) in [
+        ("bare.glb", &["--wind"][..]),
+        ("said.glb", &["--wind=attributes"]),
+        ("packed.glb", &["--wind", "--quantize"]),
+        ("sway.glb", &["--wind=sway"]),
+    ] {
+        let said =
+            fine(run(&folder, &[&["export", "dressed-simple", "-o", name][..], flags, &tree].concat()));
+        assert_eq!(notes(&said), [""; 0], "{name}");
+    }
+    let [bare, said, packed, sway] =
+        ["bare.glb", "said.glb", "packed.glb", "sway.glb"].map(|name| document(&folder, name));
+    assert_eq!(bare, said);
+    let primitive =
+        |document: &serde_json::Value, mesh: usize| document["meshes"][mesh]["primitives"][0].clone();
+    for document in [&bare, &packed] {
+        assert!(document.get("animations").is_none());
+        assert!(primitive(document, 0).get("targets").is_none());
+        assert!(primitive(document, 0)["attributes"]["_WIND"].is_u64());
+    }
+    assert!(packed["extensionsRequired"].to_string().contains("KHR_mesh_quantization"));
+    // Wood has no targets for the motions of leaves, and none is without a buffer.
+    let targets = |mesh: usize| primitive(&sway, mesh)["targets"].as_array().unwrap().clone();
+    assert_eq!((targets(0).len(), targets(1).len()), (4, 6));
+    for target in targets(0).iter().chain(&targets(1)) {
+        let accessor = &sway["accessors"][target["POSITION"].as_u64().unwrap() as usize];
+        assert!(accessor["bufferView"].is_u64(), "{accessor}");
+    }
+    // As many weights as targets, at each time.
+    for channel in sway["animations"][0]["channels"].as_array().unwrap() {
+        let sampler = &sway["animations"][0]["samplers"][channel["sampler"].as_u64().unwrap() as usize];
+        let count =
+            |key: &str| sway["accessors"][sampler[key].as_u64().unwrap() as usize]["count"].as_u64().unwrap();
+        let mesh =
+            sway["nodes"][channel["target"]["node"].as_u64().unwrap() as usize]["mesh"].as_u64().unwrap();
+        assert_eq!(count("output"), count("input") * targets(mesh as usize).len() as u64);
+    }
+}
+
+#[test]
+fn levels_have_the_budgets_that_are_listed() {
+    let folder = Folder::new();
+    let triangles = |name: &str| {
+        let text = String::from_utf8(folder.read(name)).unwrap();
+        text.lines().filter(|line| line.starts_with("f ")).count()
+    };
+    fine(run(&folder, &["export", "dressed-simple", "-o", "t.obj", "--lods", "9000,4000,1500"]));
+    for (level, budget) in [9000, 4000, 1500].into_iter().enumerate() {
+        let found = triangles(&format!("t_LOD{level}.obj"));
+        assert!(found.abs_diff(budget) <= budget / 20, "{level}: {found}");
+    }
+    folder.write(
+        "t.toml",
+        "id = \"t\"\n[colonization]\ncrown = \"sphere\"\npoints = 100\n[detail]\nlod_triangles = [3000, 1000]\n",
+    );
+    fine(run(&folder, &["export", "t.toml", "-o", "d.obj"]));
+    assert!(triangles("d_LOD0.obj").abs_diff(3000) <= 150 && triangles("d_LOD1.obj").abs_diff(1000) <= 50);
+    let said = run(&folder, &["export", "t.toml", "-o", "e.obj", "--lods", "1000,3000"]);
+    assert!(said.err.contains("lod_triangles: 3000 triangles follow 1000"), "{}", said.err);
+    let said = run(&folder, &["export", "t.toml", "-o", "e.obj", "--lods", "1000,3"]);
+    assert!(said.err.contains("triangles=3 is less than"), "{}", said.err);
+}
+
+#[test]
+fn seasons_have_names_wherever_the_knob_is() {
+    let folder = Folder::new();
+    let recipe = |args: &[&str]| {
+        let said = fine(folder.run(&[&["show", "dressed-simple", "--toml"], args].concat()));
+        said.out
+    };
+    assert_eq!(recipe(&["--set", "season=autumn"]), recipe(&["--set", "season=0.75"]));
+    folder.write("t.toml", "id = \"t\"\n[colonization]\ncrown = \"sphere\"\n[foliage]\nseason = \"bare\"\n");
+    let said = fine(folder.run(&["show", "t.toml", "--toml"]));
+    assert!(said.out.contains("season = 1.0"), "{}", said.out);
+    let said = folder.run(&["show", "dressed-simple", "--set", "season=sumer"]);
+    assert!(said.err.contains("0 to 1, or flush | summer | autumn | bare"), "{}", said.err);
+}
+
+#[test]
+fn previews_show_budgets_and_levels() {
+    let folder = Folder::new();
+    let draw = |name: &str, args: &[&str]| {
+        let all = [&["preview", "simple", "--size", "120x150", "-o", name, "--look", "surface"][..], args];
+        fine(run(&folder, &all.concat()));
+        folder.read(name)
+    };
+    let full = draw("full.png", &[]);
+    let budget = draw("budget.png", &["--triangles", "1500"]);
+    assert_ne!(full, budget);
+    let lods = ["--set", "lod_triangles=3000 1500", "--lod"];
+    assert_eq!(draw("one.png", &[&lods[..], &["1"]].concat()), budget, "level 1 is the tree of that budget");
+    assert_ne!(draw("nought.png", &[&lods[..], &["0"]].concat()), budget);
+    let said = run(&folder, &["preview", "simple", "-o", "x.png", "--lod", "3"]);
+    assert!(
+        said.err.contains("--lod 3: this tree has one level of detail, 0; ask for more, like --set lods=4"),
+        "{}",
+        said.err
+    );
+    let said = run(&folder, &["preview", "simple", "-o", "x.png", "--lod", "0", "--points"]);
+    assert!(said.err.contains("--lod is a level of the surface"), "{}", said.err);
+    let said = fine(run(
+        &folder,
+        &["preview", "simple", "-o", "x.png", "--look", "skeleton", "--set", "triangles=1500"],
+    ));
+    assert!(
+        notes(&said).iter().any(|note| note.starts_with("triangles changes nothing in a skeleton")),
+        "{}",
+        said.err
+    );
+}
+
+#[test]
+fn a_sheet_of_levels_has_a_tree_in_each_row() {
+    let folder = Folder::new();
+    let size = |name: &str| {
+        let bytes = folder.read(name);
+        [16, 20].map(|at| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap()))
+    };
+    let sheet = |name: &str, args: &[&str]| {
+        let all = [&["sheet", "simple", "--seeds", "2", "--size", "40x50", "-o", name][..], args];
+        fine(run(&folder, &all.concat()));
+        size(name)
+    };
+    assert_eq!(sheet("a.png", &["--lods", "3"]), [120, 100]);
+    assert_eq!(sheet("b.png", &["--lods"]), [160, 100]);
+    assert_eq!(sheet("c.png", &["--lods=4000,1500"]), [80, 100]);
+}
