@@ -21,7 +21,8 @@ pub use sniff::{InputKind, sniff};
 pub use xyz::read_xyz;
 
 use crate::knob::{FARTHEST, excerpt};
-use crate::monitor::Cancelled;
+use crate::memory::{OverMemory, bytes_grown};
+use crate::monitor::{Cancelled, Monitor};
 use crate::texture::OwnError;
 
 /// Triangles over shared vertices, as a file has them: neither closed nor oriented nor welded.
@@ -88,6 +89,9 @@ pub enum InputError {
     /// A picture that is none.
     #[error(transparent)]
     Picture(#[from] OwnError),
+    /// There is no memory for what it holds.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
     /// Nobody wants it any more.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
@@ -124,6 +128,18 @@ pub fn recenter(positions: &mut [DVec3], origin: DVec3) {
 
 /// Rows between two looks at the monitor.
 const ROWS_PER_CHECK: usize = 8192;
+
+/// For messages about memory.
+const READING: &str = "reading points or a mesh";
+const READING_ADVICE: &str = "thin it out";
+
+/// Asks for memory whenever a list is about to move to a larger place; `held` bytes are held beside it.
+fn make_room<T>(list: &[T], capacity: usize, held: u64, monitor: &dyn Monitor) -> Result<(), OverMemory> {
+    if list.len() < capacity {
+        return Ok(());
+    }
+    monitor.admit(READING, bytes_grown::<T>(list.len() + 1).saturating_add(held), READING_ADVICE)
+}
 
 /// A coordinate, or what was expected instead.
 fn coordinate(token: &str) -> Result<f64, &'static str> {
@@ -182,6 +198,7 @@ fn fan(polygon: &[u32], triangles: &mut Vec<[u32; 3]>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::memory::bytes_of;
 
     #[test]
     fn z_up_turns_without_mirroring() {
@@ -216,6 +233,46 @@ mod tests {
         assert_eq!(text_of(b"a\nb\nc\xff"), Err(InputError::NotUtf8 { line: 3, byte: 5 }));
         assert!(matches!(text_of(b"\xff\xfea\0"), Err(InputError::Unknown { .. })));
         assert_eq!(text_of("\u{feff}v".as_bytes()), Ok("v"));
+    }
+
+    #[test]
+    fn what_is_read_asks_for_its_memory() {
+        struct Poor(u64);
+        impl Monitor for Poor {
+            fn is_cancelled(&self) -> bool {
+                false
+            }
+            fn advance(&self, _: crate::monitor::Phase, _: u64, _: Option<u64>) {}
+            fn memory_limit(&self) -> u64 {
+                self.0
+            }
+        }
+        let count = 10_000;
+        let points = "1 2 3\n".repeat(count);
+        let mesh = "v 1 2 3\nf 1 1 1 1\n".repeat(count);
+        let ply = format!(
+            "ply\nformat ascii 1.0\nelement vertex {count}\nproperty int x\nproperty int y\nproperty int z\n\
+             element face {count}\nproperty list uchar int vertex_indices\nend_header\n{points}{}",
+            "4 0 0 0 0\n".repeat(count)
+        );
+        type Read<'a> = &'a dyn Fn(&dyn Monitor) -> Result<u64, InputError>;
+        let mesh_bytes = |mesh: &TriangleMesh| {
+            bytes_of::<DVec3>(mesh.positions.capacity()) + bytes_of::<[u32; 3]>(mesh.triangles.capacity())
+        };
+        let reads: [(&str, Read<'_>); 3] = [
+            ("XYZ", &|own| Ok(bytes_of::<DVec3>(read_xyz(points.as_bytes(), own)?.capacity()))),
+            ("OBJ", &|own| Ok(mesh_bytes(&read_obj(mesh.as_bytes(), own)?))),
+            ("PLY", &|own| {
+                let PlyData { positions, faces: triangles } = read_ply(ply.as_bytes(), own)?;
+                Ok(mesh_bytes(&TriangleMesh { positions, triangles }))
+            }),
+        ];
+        for (format, read) in reads {
+            let held = read(&Poor(u64::MAX)).unwrap();
+            assert!(matches!(read(&Poor(held - 1)), Err(InputError::Memory(_))), "{format}");
+            // While a list moves it is there twice, and no more.
+            assert_eq!(read(&Poor(2 * held)), Ok(held), "{format}");
+        }
     }
 
     #[test]

@@ -8,7 +8,11 @@
 
 use glam::DVec3;
 
-use super::{InputError, ROWS_PER_CHECK, TriangleMesh, coordinate, fan, lines, quoted, text_of};
+use super::{
+    InputError, READING, READING_ADVICE, ROWS_PER_CHECK, TriangleMesh, coordinate, fan, lines, make_room,
+    quoted, text_of,
+};
+use crate::memory::{bytes_grown, bytes_of};
 use crate::monitor::Monitor;
 
 /// Reads vertices and faces; polygons become fans, negative indices count from the last vertex.
@@ -17,9 +21,9 @@ use crate::monitor::Monitor;
 ///
 /// # Errors
 /// [`InputError`] with the line: not UTF-8, a coordinate that is no finite number, an index that is
-/// no whole number, 0 or of no vertex; no faces at all; cancelled.
+/// no whole number, 0 or of no vertex; no faces at all; no memory; cancelled.
 pub fn read_obj(bytes: &[u8], monitor: &dyn Monitor) -> Result<TriangleMesh, InputError> {
-    let mut reader = Reader::default();
+    let mut reader = Reader::new(monitor);
     // A statement that goes on behind a backslash at the end of its line, and the line it starts in.
     let mut continued: Option<(usize, String)> = None;
     for (line, text) in lines(text_of(bytes)?) {
@@ -44,15 +48,19 @@ pub fn read_obj(bytes: &[u8], monitor: &dyn Monitor) -> Result<TriangleMesh, Inp
     reader.finish()
 }
 
-#[derive(Default)]
-struct Reader {
+struct Reader<'a> {
+    monitor: &'a dyn Monitor,
     mesh: TriangleMesh,
     polygon: Vec<u32>,
     /// The largest index that no vertex had when it was used, and its line: a later vertex may be meant.
     ahead: Option<(u32, usize)>,
 }
 
-impl Reader {
+impl<'a> Reader<'a> {
+    fn new(monitor: &'a dyn Monitor) -> Self {
+        Self { monitor, mesh: TriangleMesh::default(), polygon: Vec::new(), ahead: None }
+    }
+
     fn statement(&mut self, line: usize, statement: &str) -> Result<(), InputError> {
         let mut words = statement.split_ascii_whitespace();
         match words.next() {
@@ -63,21 +71,24 @@ impl Reader {
     }
 
     /// What follows the third number is passed over: a colour, or a weight that is for curves only.
-    fn vertex<'a>(
+    fn vertex<'w>(
         &mut self,
         line: usize,
-        mut words: impl Iterator<Item = &'a str>,
+        mut words: impl Iterator<Item = &'w str>,
     ) -> Result<(), InputError> {
         let mut position = [0.0; 3];
         for x in &mut position {
             let word = words.next().unwrap_or_default();
             *x = coordinate(word).map_err(|expected| error(line, expected, word))?;
         }
-        self.mesh.positions.push(DVec3::from(position));
+        let TriangleMesh { positions, triangles } = &mut self.mesh;
+        let held = bytes_of::<[u32; 3]>(triangles.capacity());
+        make_room(positions, positions.capacity(), held, self.monitor)?;
+        positions.push(DVec3::from(position));
         Ok(())
     }
 
-    fn face<'a>(&mut self, line: usize, words: impl Iterator<Item = &'a str>) -> Result<(), InputError> {
+    fn face<'w>(&mut self, line: usize, words: impl Iterator<Item = &'w str>) -> Result<(), InputError> {
         self.polygon.clear();
         for word in words {
             let index = self.index(word).map_err(|expected| error(line, &expected, word))?;
@@ -87,7 +98,15 @@ impl Reader {
             }
             self.polygon.push(index);
         }
-        fan(&self.polygon, &mut self.mesh.triangles);
+        let TriangleMesh { positions, triangles } = &mut self.mesh;
+        let held = bytes_of::<DVec3>(positions.capacity()) + bytes_of::<u32>(self.polygon.capacity());
+        // A polygon is a triangle for each of its corners at most.
+        let room = triangles.capacity().saturating_sub(self.polygon.len());
+        if triangles.len() >= room {
+            let all = bytes_grown::<[u32; 3]>(triangles.len() + self.polygon.len());
+            self.monitor.admit(READING, all.saturating_add(held), READING_ADVICE)?;
+        }
+        fan(&self.polygon, triangles);
         Ok(())
     }
 

@@ -11,8 +11,9 @@
 
 use glam::DVec3;
 
-use super::{InputError, ROWS_PER_CHECK, fan, in_range, line_at, quoted};
+use super::{InputError, READING, READING_ADVICE, ROWS_PER_CHECK, fan, in_range, line_at, quoted};
 use crate::knob::printable;
+use crate::memory::{OverMemory, bytes_grown, bytes_of};
 use crate::monitor::Monitor;
 
 /// What linden uses of a PLY file.
@@ -29,7 +30,7 @@ pub struct PlyData {
 /// # Errors
 /// [`InputError`] with the line or the row: a header that is none, announces more than the file
 /// holds, knows unknown types, or has no scalar `x`, `y`, `z`; numbers that are not finite; indices of
-/// no vertex; data that ends early; cancelled.
+/// no vertex; data that ends early; no memory; cancelled.
 pub fn read_ply(bytes: &[u8], monitor: &dyn Monitor) -> Result<PlyData, InputError> {
     let header = Header::read(bytes)?;
     let mut data = PlyData::default();
@@ -38,7 +39,10 @@ pub fn read_ply(bytes: &[u8], monitor: &dyn Monitor) -> Result<PlyData, InputErr
         body.can_hold(element)?;
         match element.name.as_str() {
             "vertex" => read_vertices(&mut body, element, &mut data.positions, monitor)?,
-            "face" => read_faces(&mut body, element, &mut data.faces, monitor)?,
+            "face" => {
+                let held = bytes_of::<DVec3>(data.positions.capacity());
+                read_faces(&mut body, element, &mut data.faces, held, monitor)?;
+            }
             _ => skip(&mut body, element, monitor)?,
         }
     }
@@ -395,6 +399,7 @@ fn read_vertices(
     };
     let axes = [axis("x")?, axis("y")?, axis("z")?];
     // Bounded by the file's size: `can_hold` has seen the bytes.
+    monitor.admit(READING, bytes_of::<DVec3>(element.rows as usize), READING_ADVICE)?;
     positions.reserve_exact(element.rows as usize);
     let position = std::cell::Cell::new(DVec3::ZERO);
     each_property(
@@ -419,6 +424,7 @@ fn read_faces(
     body: &mut Body<'_>,
     element: &Element,
     faces: &mut Vec<[u32; 3]>,
+    held: u64,
     monitor: &dyn Monitor,
 ) -> Result<(), InputError> {
     let is_corners = |property: &Property| matches!(&*property.name, "vertex_indices" | "vertex_index");
@@ -428,8 +434,9 @@ fn read_faces(
         None if element.rows == 0 => return Ok(()),
         _ => return Err(whole("its faces have no list 'vertex_indices' of whole numbers")),
     };
+    let mut refused: Option<OverMemory> = None;
     let mut polygon = Vec::new();
-    each_property(
+    let read = each_property(
         body,
         element,
         monitor,
@@ -445,11 +452,20 @@ fn read_faces(
                 }
                 polygon.push(index as u32);
             }
+            if faces.capacity() - faces.len() < polygon.len() {
+                let all = bytes_grown::<[u32; 3]>(faces.len() + polygon.len());
+                let held = held + bytes_of::<u32>(polygon.capacity());
+                refused = monitor.admit(READING, all.saturating_add(held), READING_ADVICE).err();
+                if refused.is_some() {
+                    return Err(String::new());
+                }
+            }
             fan(&polygon, faces);
             Ok(())
         },
         || {},
-    )
+    );
+    refused.map_or(read, |refused| Err(refused.into()))
 }
 
 fn whole(problem: &str) -> InputError {

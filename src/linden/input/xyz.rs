@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{InputError, ROWS_PER_CHECK, coordinate, lines, quoted, text_of};
+use super::{InputError, ROWS_PER_CHECK, coordinate, lines, make_room, quoted, text_of};
 use crate::monitor::Monitor;
 
 /// Reads rows of three or more numbers between spaces, tabs, commas or semicolons; columns after
@@ -11,7 +11,7 @@ use crate::monitor::Monitor;
 ///
 /// # Errors
 /// [`InputError`] with the line: not UTF-8, fewer than three numbers, numbers that are not finite,
-/// decimal commas; fewer rows than announced; no rows at all; cancelled.
+/// decimal commas; fewer rows than announced; no rows at all; no memory; cancelled.
 pub fn read_xyz(bytes: &[u8], monitor: &dyn Monitor) -> Result<Vec<DVec3>, InputError> {
     let mut points = Vec::new();
     let mut announced = None;
@@ -30,6 +30,7 @@ pub fn read_xyz(bytes: &[u8], monitor: &dyn Monitor) -> Result<Vec<DVec3>, Input
                     let expected = "decimal points (1.5), not decimal commas (1,5)";
                     return Err(error(line, expected, row));
                 }
+                make_room(&points, points.capacity(), 0, monitor)?;
                 points.push(point);
             }
             Err(_)
