@@ -354,7 +354,10 @@ fn color(text: &str) -> Option<[u8; 3]> {
     Some([byte(0)?, byte(2)?, byte(4)?])
 }
 
-/// Text from outside, safe to show: control and bidirectional characters become `\u{…}`.
+/// Text from outside, safe to show: what cannot be seen or turns the order of letters around becomes
+/// `\u{…}`. That is control characters, separators of lines, and all that Unicode calls
+/// `Default_Ignorable_Code_Point` or `Bidi_Control` (`DerivedCoreProperties.txt`, `PropList.txt` 17.0): soft
+/// hyphens, Hangul fillers, joiners, variation selectors, tags.
 ///
 /// ```
 /// assert_eq!(linden::knob::printable("a\u{1b}[2J"), "a\\u{1b}[2J");
@@ -362,11 +365,19 @@ fn color(text: &str) -> Option<[u8; 3]> {
 pub fn printable(text: &str) -> String {
     let mut shown = String::with_capacity(text.len());
     for c in text.chars() {
-        let hidden = c.is_control()
-            || matches!(c, '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}' | '\u{61c}' | '\u{2028}' | '\u{2029}');
-        if hidden { shown.extend(c.escape_unicode()) } else { shown.push(c) }
+        if c.is_control() || is_hidden(c) { shown.extend(c.escape_unicode()) } else { shown.push(c) }
     }
     shown
+}
+
+/// Whether a character is of those that [`printable`] names, control characters aside.
+const fn is_hidden(c: char) -> bool {
+    matches!(c,
+        '\u{ad}' | '\u{34f}' | '\u{61c}' | '\u{115f}'..='\u{1160}' | '\u{17b4}'..='\u{17b5}'
+        | '\u{180b}'..='\u{180f}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}'
+        | '\u{2060}'..='\u{206f}' | '\u{3164}' | '\u{fe00}'..='\u{fe0f}' | '\u{feff}' | '\u{ffa0}'
+        | '\u{fff0}'..='\u{fffb}' | '\u{1bca0}'..='\u{1bca3}' | '\u{1d173}'..='\u{1d17a}'
+        | '\u{e0000}'..='\u{e0fff}')
 }
 
 /// Text from outside as messages quote it: [`printable`], and cut off where it becomes a page.
@@ -481,6 +492,37 @@ mod tests {
     #[test]
     fn text_from_outside_cannot_drive_the_terminal() {
         assert_eq!(printable("ok ü\u{1b}]0;x\u{7}\u{202e}"), "ok ü\\u{1b}]0;x\\u{7}\\u{202e}");
+    }
+
+    #[test]
+    fn what_cannot_be_seen_is_shown_as_what_it_is() {
+        let hidden = [
+            '\u{ad}',
+            '\u{115f}',
+            '\u{1160}',
+            '\u{3164}',
+            '\u{ffa0}',
+            '\u{17b4}',
+            '\u{180e}',
+            '\u{200d}',
+            '\u{2028}',
+            '\u{2066}',
+            '\u{206f}',
+            '\u{fe0f}',
+            '\u{feff}',
+            '\u{fff9}',
+            '\u{1d173}',
+            '\u{e0001}',
+            '\u{e0041}',
+            '\u{e01ef}',
+            '\u{34f}',
+            '\u{85}',
+        ];
+        for c in hidden {
+            assert_eq!(printable(&format!("a{c}b")), format!("a\\u{{{:x}}}b", u32::from(c)));
+        }
+        let shown = "Öl 木 한글 مرحبا ½ — … 🌳 e\u{301} \u{a0}\u{3000}";
+        assert_eq!(printable(shown), shown);
     }
 
     #[test]
