@@ -49,10 +49,12 @@ mod plugin;
 mod plugin_guard;
 mod ply;
 mod qsm;
+mod recipe;
 mod seconds;
 mod sound;
 mod usda;
 
+use std::io;
 use std::path::Path;
 
 use linden::Monitor;
@@ -67,6 +69,8 @@ pub use error::ExportError;
 pub use estimate::Estimate;
 pub use holds::{Holds, LooksIn};
 pub use options::{OptionSpec, Options};
+pub use plugin::program_on_path;
+pub use recipe::{Readable, recipe_in};
 
 /// What wrote a file, as files say it.
 pub const GENERATOR: &str = concat!("linden ", env!("CARGO_PKG_VERSION"));
@@ -75,6 +79,14 @@ pub const GENERATOR: &str = concat!("linden ", env!("CARGO_PKG_VERSION"));
 pub trait Exporter: Sync {
     /// What the format is called and can do.
     fn format(&self) -> &'static Format;
+
+    /// The recipe that a file of this format carries, read from its beginning: as [`Exporter::write`] put
+    /// it there, letter by letter. `None` for files of other formats and those without a recipe. Reads
+    /// no more of the file than that takes, and never its mesh.
+    ///
+    /// # Errors
+    /// What reading failed with.
+    fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>>;
 
     /// Writes `stage` into `bundle`, which the caller then commits.
     ///

@@ -4,6 +4,7 @@
 //! numbers after `v`, `o` and `g` per part, names without spaces. The recipe is the one line that
 //! starts with `# recipe: `.
 
+use std::io;
 use std::sync::Arc;
 
 use glam::Vec3;
@@ -18,7 +19,7 @@ use crate::chunks::{self, Digits, Text};
 use crate::holds::fit;
 use crate::options::{OptionSpec, Options};
 use crate::picture::{self, Named};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Holds, Sink, memory};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Sink, memory, recipe};
 
 /// Wavefront OBJ.
 pub(crate) struct Obj;
@@ -40,6 +41,10 @@ static FORMAT: Format = Format {
 impl Exporter for Obj {
     fn format(&self) -> &'static Format {
         &FORMAT
+    }
+
+    fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {
+        recipe::in_comments(file)
     }
 
     fn write(

@@ -25,7 +25,7 @@ use linden::stage::Stage;
 
 use crate::gltf::Glb;
 use crate::plugin_guard::Workplace;
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Options};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Options, Readable};
 
 /// What programs' names begin with.
 const PREFIX: &str = "linden-export-";
@@ -53,9 +53,7 @@ pub(crate) fn find(id: &str) -> Option<&'static dyn Exporter> {
     if id.is_empty() || id.len() > LONGEST_ID || !id.chars().all(plain) {
         return None;
     }
-    let file = format!("{PREFIX}{id}{}", std::env::consts::EXE_SUFFIX);
-    let program = search_path().into_iter().map(|folder| folder.join(&file)).find(|own| is_program(own))?;
-    Some(known(id, program))
+    Some(known(id, program_on_path(&format!("{PREFIX}{id}"))?))
 }
 
 /// All plug-ins on the search path, by id.
@@ -70,6 +68,12 @@ pub(crate) fn all() -> Vec<&'static dyn Exporter> {
     ids.sort_unstable();
     ids.dedup();
     ids.iter().filter_map(|id| find(id)).collect()
+}
+
+/// A program on the search path. [`Command`] would find those in relative folders too.
+pub fn program_on_path(name: &str) -> Option<PathBuf> {
+    let file = format!("{name}{}", std::env::consts::EXE_SUFFIX);
+    search_path().into_iter().map(|folder| folder.join(&file)).find(|own| is_program(own))
 }
 
 /// Relative folders are left out: what runs must not depend on where it is run.
@@ -110,6 +114,11 @@ fn known(id: &str, program: PathBuf) -> &'static Plugin {
 impl Exporter for Plugin {
     fn format(&self) -> &'static Format {
         self.format
+    }
+
+    /// What a program writes is for another program to read.
+    fn recipe(&self, _: &mut dyn Readable) -> io::Result<Option<String>> {
+        Ok(None)
     }
 
     fn write(

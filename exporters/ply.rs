@@ -4,6 +4,8 @@
 //! long one is cut into several, because some readers take only short lines: their texts, joined
 //! without anything between, are the recipe.
 
+use std::io;
+
 use linden::Monitor;
 use linden::memory::{bytes_grown, bytes_of};
 use linden::scene::Material;
@@ -14,7 +16,9 @@ use crate::cast::{Cast, Piece};
 use crate::chunks::{self, Text};
 use crate::holds::fit;
 use crate::options::{OptionSpec, Options};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Holds, Sink, memory, picture, sound};
+use crate::{
+    Bundle, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Sink, memory, picture, recipe, sound,
+};
 
 /// A mesh with normals, texture coordinates and vertex colours.
 pub(crate) struct Ply;
@@ -58,6 +62,10 @@ const LINE: usize = 200;
 impl Exporter for Ply {
     fn format(&self) -> &'static Format {
         &MESH
+    }
+
+    fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {
+        in_header(file)
     }
 
     fn write(
@@ -173,6 +181,10 @@ impl Exporter for PlySkeleton {
         &SKELETON
     }
 
+    fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {
+        in_header(file)
+    }
+
     fn write(
         &self,
         stage: &Stage<'_>,
@@ -262,6 +274,24 @@ fn header(name: &str, recipe: &str, ascii: bool) -> String {
     }
     head += "comment units: metres, up axis: Y, triangles counter-clockwise from outside\n";
     head
+}
+
+/// The recipe in a header: its comments, put together.
+fn in_header(file: &mut dyn Readable) -> io::Result<Option<String>> {
+    if !recipe::begins(file, b"ply\n")? {
+        return Ok(None);
+    }
+    let mut found = Vec::new();
+    for line in recipe::lines(file) {
+        let line = line?;
+        match line.strip_prefix(b"comment recipe: ") {
+            Some(piece) => found.extend(piece),
+            // A recipe stands in one place.
+            None if !found.is_empty() || line.starts_with(b"element ") => break,
+            None => {}
+        }
+    }
+    Ok(recipe::text(&found))
 }
 
 fn too_large(format: &'static str, amount: String) -> ExportError {

@@ -8,6 +8,8 @@
 //! The recipe is the one line that starts with `# recipe: `, before the header; readers that know no
 //! comments get a bare table with `comments=false`, and the recipe is then lost.
 
+use std::io;
+
 use linden::Monitor;
 use linden::memory::bytes_of;
 use linden::skeleton::Cylinder;
@@ -16,7 +18,7 @@ use linden::stage::Stage;
 use crate::chunks::{self, Text};
 use crate::holds::fit;
 use crate::options::{OptionSpec, Options};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Holds, memory, sound};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Holds, Readable, memory, recipe, sound};
 
 /// A table of cylinders.
 pub(crate) struct Qsm;
@@ -42,6 +44,10 @@ const HEADER: &str = "id,parent,branch,branch_order,position_in_branch,start_x_m
 impl Exporter for Qsm {
     fn format(&self) -> &'static Format {
         &FORMAT
+    }
+
+    fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {
+        recipe::in_comments(file)
     }
 
     fn write(

@@ -10,9 +10,12 @@ mod document;
 mod meshopt;
 mod nodes;
 mod quantize;
+mod recipe;
 mod setting;
 mod tangents;
 mod wind;
+
+use std::io;
 
 use linden::Monitor;
 use linden::scene::Wrap;
@@ -32,7 +35,7 @@ use crate::cast::{Cast, Look};
 use crate::holds::fit;
 use crate::options::{OptionSpec, Options};
 use crate::picture::{self, Named};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Holds, LooksIn};
+use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Holds, LooksIn, Readable};
 use crate::{instances, memory};
 
 /// JSON, with a buffer and pictures beside it.
@@ -112,6 +115,10 @@ impl Exporter for Gltf {
         &GLTF
     }
 
+    fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {
+        recipe::in_text(file)
+    }
+
     fn write(
         &self,
         stage: &Stage<'_>,
@@ -189,6 +196,10 @@ fn find(haystack: &[u8], needle: &[u8]) -> usize {
 impl Exporter for Glb {
     fn format(&self) -> &'static Format {
         &GLB
+    }
+
+    fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {
+        recipe::in_binary(file)
     }
 
     fn write(

@@ -27,6 +27,7 @@ mod skeleton;
 mod syntax;
 mod wind;
 
+use std::io;
 use std::sync::Arc;
 
 use linden::memory::{bytes_grown, bytes_of};
@@ -38,12 +39,14 @@ use linden::{Monitor, Vec3};
 use self::layer::Layer;
 use self::package::Package;
 use self::plant::{Component, Head};
-use self::syntax::{identifier, quoted};
+use self::syntax::{identifier, quoted, unquoted};
 use crate::cast::{Cast, Piece};
 use crate::holds::fit;
 use crate::options::{OptionSpec, Options};
 use crate::picture::{self, Named};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Holds, Sink, instances, memory};
+use crate::{
+    Bundle, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Sink, instances, memory, recipe,
+};
 
 /// OpenUSD as text.
 pub(crate) struct Usda;
@@ -152,6 +155,10 @@ impl Exporter for Usda {
         &FORMAT
     }
 
+    fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {
+        in_layer(file)
+    }
+
     fn write(
         &self,
         stage: &Stage<'_>,
@@ -180,6 +187,10 @@ impl Exporter for Usda {
 impl Exporter for Usdz {
     fn format(&self) -> &'static Format {
         &PACKAGE
+    }
+
+    fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {
+        package::first(file, in_layer)
     }
 
     fn write(
@@ -215,6 +226,20 @@ impl Exporter for Usdz {
         let bytes = package.finish()?;
         bundle.write_main(Some(bytes.len() as u64), monitor, |out| out.write(&bytes))
     }
+}
+
+/// The recipe of a layer: the root's stands before those of the trees below it.
+fn in_layer(file: &mut dyn Readable) -> io::Result<Option<String>> {
+    if !recipe::begins(file, b"#usda ")? {
+        return Ok(None);
+    }
+    for line in recipe::lines(file) {
+        let line = line?;
+        if let Some(literal) = line.trim_ascii_start().strip_prefix(b"string recipe = ") {
+            return Ok(recipe::text(literal).and_then(|literal| unquoted(&literal)));
+        }
+    }
+    Ok(None)
 }
 
 /// What a node of the skeleton takes as text (measured).

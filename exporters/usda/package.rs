@@ -4,7 +4,10 @@
 //! <https://openusd.org/release/spec_usdz.html>. The container is PKWARE's APPNOTE 6.3.10, of which a
 //! stored archive needs three records; dates are 1980-01-01, the earliest there is.
 
+use std::io;
+
 use crate::ExportError;
+use crate::recipe::{self, Readable};
 
 /// Where the data of an entry may begin.
 const ALIGNMENT: usize = 64;
@@ -103,6 +106,26 @@ impl Package {
         self.bytes.extend(shorts(&[0]));
         Ok(self.bytes)
     }
+}
+
+/// What `read` finds in the first entry of an archive, where that is stored as it is. Its size is not
+/// looked at: what reads it knows where it ends.
+pub(super) fn first<T>(
+    file: &mut dyn Readable,
+    read: impl FnOnce(&mut dyn Readable) -> io::Result<Option<T>>,
+) -> io::Result<Option<T>> {
+    if !recipe::begins(file, b"PK\x03\x04")? {
+        return Ok(None);
+    }
+    let mut header = [0; LOCAL_HEADER - 4];
+    file.read_exact(&mut header)?;
+    let short = |at: usize| i64::from(u16::from_le_bytes([header[at], header[at + 1]]));
+    // Version, flags, method, time, date, sum, two sizes, the lengths of name and extra fields.
+    if short(4) != 0 {
+        return Ok(None);
+    }
+    recipe::skip(file, short(22) + short(24))?;
+    read(file)
 }
 
 fn shorts(words: &[u16]) -> impl Iterator<Item = u8> {

@@ -47,6 +47,17 @@ pub(super) fn quoted(text: &str) -> String {
     literal
 }
 
+/// The text of what [`quoted`] makes of printable ASCII.
+pub(super) fn unquoted(literal: &str) -> Option<String> {
+    let inside = literal.trim_end().strip_prefix('"')?.strip_suffix('"')?;
+    let mut text = String::with_capacity(inside.len());
+    let mut letters = inside.chars();
+    while let Some(c) = letters.next() {
+        text.push(if c == '\\' { letters.next()? } else { c });
+    }
+    Some(text)
+}
+
 /// `(x, y, z)`.
 pub(super) fn tuple(numbers: [f32; 3]) -> String {
     let [x, y, z] = numbers;
@@ -56,6 +67,14 @@ pub(super) fn tuple(numbers: [f32; 3]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_was_quoted_comes_back() {
+        for text in ["", "{\"a\":\"\\u00f6 \\\\ \\\"\"}", "plain"] {
+            assert_eq!(unquoted(&quoted(text)).as_deref(), Some(text));
+        }
+        assert_eq!([unquoted("a"), unquoted("\"a"), unquoted("\"a\\\"")], [None, None, None]);
+    }
 
     #[test]
     fn every_name_becomes_an_identifier() {

@@ -1,5 +1,6 @@
 //! Pictures: RGBA pixels, and what they are as PNG.
 
+use std::io::{self, Read, Seek, SeekFrom};
 use std::sync::OnceLock;
 
 /// Bytes a pixel while a picture is compressed, beside its own: its colours, filtered, and the file, which
@@ -64,7 +65,7 @@ impl Picture {
         if let Some(known) = self.png.get() {
             return Ok(known);
         }
-        let encoded = self.encode(false)?;
+        let encoded = self.encode(false, None)?;
         Ok(self.png.get_or_init(|| encoded))
     }
 
@@ -73,10 +74,19 @@ impl Picture {
     /// # Errors
     /// As [`Picture::png`].
     pub fn srgb_png(&self) -> Result<Vec<u8>, PngError> {
-        self.encode(true)
+        self.encode(true, None)
     }
 
-    fn encode(&self, is_srgb: bool) -> Result<Vec<u8>, PngError> {
+    /// As [`Picture::srgb_png`], with the recipe of what it shows, one line of ASCII, as a text that
+    /// [`recipe_in_png`] finds.
+    ///
+    /// # Errors
+    /// As [`Picture::png`].
+    pub fn srgb_png_of(&self, recipe: &str) -> Result<Vec<u8>, PngError> {
+        self.encode(true, Some(recipe))
+    }
+
+    fn encode(&self, is_srgb: bool, recipe: Option<&str>) -> Result<Vec<u8>, PngError> {
         let Self { width, height, ref rgba, .. } = *self;
         let expected = (width as usize).checked_mul(height as usize).and_then(|n| n.checked_mul(4));
         if expected != Some(rgba.len()) {
@@ -91,6 +101,9 @@ impl Picture {
         if is_srgb {
             encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
         }
+        if let Some(recipe) = recipe {
+            encoder.add_text_chunk(RECIPE.to_owned(), recipe.to_owned())?;
+        }
         let mut writer = encoder.write_header()?;
         if opaque {
             let rgb: Vec<u8> = pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
@@ -100,6 +113,43 @@ impl Picture {
         }
         writer.finish()?;
         Ok(bytes)
+    }
+}
+
+/// The keyword of a recipe among a PNG's texts.
+const RECIPE: &str = "linden recipe";
+/// No recipe is longer.
+const LONGEST_RECIPE_BYTES: u64 = 16 << 20;
+
+/// The recipe that [`Picture::srgb_png_of`] put into a PNG. Reads what stands before the pixels.
+///
+/// # Errors
+/// What reading failed with; other files are no error.
+pub fn recipe_in_png(file: &mut (impl Read + Seek + ?Sized)) -> io::Result<Option<String>> {
+    let mut opening = [0; 8];
+    file.read_exact(&mut opening)?;
+    if opening != *b"\x89PNG\r\n\x1a\n" {
+        return Ok(None);
+    }
+    loop {
+        // Length, kind, data, sum.
+        let mut head = [0; 8];
+        file.read_exact(&mut head)?;
+        let [a, b, c, d, kind @ ..] = head;
+        let length = u32::from_be_bytes([a, b, c, d]);
+        match &kind {
+            b"IDAT" | b"IEND" => return Ok(None),
+            b"tEXt" if u64::from(length) <= LONGEST_RECIPE_BYTES => {
+                let mut text = Vec::new();
+                Read::take(&mut *file, length.into()).read_to_end(&mut text)?;
+                let own = text.strip_prefix(RECIPE.as_bytes()).and_then(|rest| rest.strip_prefix(b"\0"));
+                if let Some(recipe) = own {
+                    return Ok(String::from_utf8(recipe.to_vec()).ok());
+                }
+                file.seek(SeekFrom::Current(4))?;
+            }
+            _ => drop(file.seek(SeekFrom::Current(i64::from(length) + 4))?),
+        }
     }
 }
 
@@ -144,6 +194,20 @@ mod tests {
     fn an_opaque_picture_has_no_alpha_channel() {
         let bytes = Picture::new(1, 2, vec![1, 2, 3, 255, 4, 5, 6, 255]).srgb_png().unwrap();
         assert_eq!(decoded(&bytes), (png::ColorType::Rgb, vec![1, 2, 3, 4, 5, 6]));
+    }
+
+    #[test]
+    fn a_recipe_is_found_before_the_pixels() {
+        let picture = Picture::new(1, 2, vec![1, 2, 3, 255, 4, 5, 6, 255]);
+        let recipe = r#"{"id":"fir","about":"\u00f6"}"#;
+        let png = picture.srgb_png_of(recipe).unwrap();
+        assert_eq!(decoded(&png), decoded(&picture.srgb_png().unwrap()));
+        let pixels = png.windows(4).position(|kind| kind == b"IDAT").unwrap();
+        let read = |bytes: &[u8]| recipe_in_png(&mut std::io::Cursor::new(bytes.to_vec()));
+        assert_eq!(read(&png[..pixels]).unwrap().as_deref(), Some(recipe), "the pixels are not needed");
+        assert_eq!(read(&picture.srgb_png().unwrap()).unwrap(), None);
+        assert_eq!(read(b"no picture at all").unwrap(), None);
+        assert!(read(&png[..20]).is_err());
     }
 
     #[test]

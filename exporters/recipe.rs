@@ -1,0 +1,233 @@
+//! Recipes out of files that linden wrote: each format knows where its files carry them
+//! ([`Exporter::recipe`](crate::Exporter::recipe)), and reads no more of a file than that takes.
+
+use std::io::{self, BufRead, ErrorKind, Read, Seek, SeekFrom};
+
+use crate::REGISTRY;
+
+/// Bytes that can be read from any place: an open file behind a [`BufReader`](io::BufReader), or a
+/// [`Cursor`](io::Cursor).
+pub trait Readable: BufRead + Seek {}
+
+impl<T: BufRead + Seek> Readable for T {}
+
+/// No recipe is longer, and no line that may hold one.
+const LONGEST: u64 = 16 << 20;
+/// Lines that may stand before a recipe.
+const MOST_LINES: usize = 100_000;
+
+/// The recipe that a file carries, letter by letter, whichever of our formats it is in, previews (PNG)
+/// included; `None` where it carries none. It is one line of JSON: a tree's
+/// ([`Preset::from_json`](linden::preset::Preset::from_json)) or a forest's
+/// ([`ForestDocument::parse`](linden::forest::ForestDocument::parse)).
+///
+/// ```
+/// use std::io::Cursor;
+/// let file = b"# linden 0.1.0\n# name: fir\n# recipe: {\"id\":\"fir\"}\nv 0 0 0\n";
+/// let recipe = linden_exporters::recipe_in(&mut Cursor::new(file))?;
+/// assert_eq!(recipe.as_deref(), Some("{\"id\":\"fir\"}"));
+/// # Ok::<(), std::io::Error>(())
+/// ```
+///
+/// # Errors
+/// What reading failed with; a file that is none of ours is no error.
+pub fn recipe_in(file: &mut dyn Readable) -> io::Result<Option<String>> {
+    for exporter in REGISTRY {
+        file.rewind()?;
+        if let Some(recipe) = whole(exporter.recipe(file))? {
+            return Ok(Some(recipe));
+        }
+    }
+    file.rewind()?;
+    whole(linden::picture::recipe_in_png(file))
+}
+
+/// What was read, if it is a JSON object; a file that ends early carries none.
+fn whole(read: io::Result<Option<String>>) -> io::Result<Option<String>> {
+    match read {
+        Ok(found) => Ok(found.filter(|text| is_object(text))),
+        Err(error) if matches!(error.kind(), ErrorKind::UnexpectedEof | ErrorKind::InvalidData) => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+fn is_object(text: &str) -> bool {
+    text.starts_with('{') && serde_json::from_str::<serde::de::IgnoredAny>(text).is_ok()
+}
+
+/// A line without its end; `None` at the end of the file, and where the line is longer than any of ours.
+pub(crate) fn line(file: &mut dyn Readable) -> io::Result<Option<Vec<u8>>> {
+    let mut line = Vec::new();
+    file.take(LONGEST).read_until(b'\n', &mut line)?;
+    if line.pop_if(|last| *last == b'\n').is_none() {
+        return Ok(None);
+    }
+    line.pop_if(|last| *last == b'\r');
+    Ok(Some(line))
+}
+
+/// The recipe in the comments that a text begins with.
+pub(crate) fn in_comments(file: &mut dyn Readable) -> io::Result<Option<String>> {
+    for _ in 0..MOST_LINES {
+        // Looked at before the line is read: what begins otherwise may have no lines at all.
+        if file.fill_buf()?.first() != Some(&b'#') {
+            return Ok(None);
+        }
+        let Some(line) = line(file)? else { return Ok(None) };
+        if let Some(recipe) = line.strip_prefix(b"# recipe: ") {
+            return Ok(text(recipe));
+        }
+    }
+    Ok(None)
+}
+
+/// Whether the file goes on like this; if so, it is read past it.
+pub(crate) fn begins(file: &mut dyn Readable, opening: &[u8]) -> io::Result<bool> {
+    let mut found = Vec::new();
+    file.take(opening.len() as u64).read_to_end(&mut found)?;
+    Ok(found == opening)
+}
+
+pub(crate) fn text(bytes: &[u8]) -> Option<String> {
+    String::from_utf8(bytes.to_vec()).ok()
+}
+
+/// The lines in which a recipe may stand.
+pub(crate) fn lines(file: &mut dyn Readable) -> impl Iterator<Item = io::Result<Vec<u8>>> {
+    (0..MOST_LINES).map_while(|_| line(file).transpose())
+}
+
+/// A number of four bytes, the least first.
+pub(crate) fn word(file: &mut dyn Readable) -> io::Result<u32> {
+    let mut bytes = [0; 4];
+    file.read_exact(&mut bytes)?;
+    Ok(u32::from_le_bytes(bytes))
+}
+
+/// Goes on so many bytes further.
+pub(crate) fn skip(file: &mut dyn Readable, bytes: i64) -> io::Result<()> {
+    file.seek(SeekFrom::Current(bytes)).map(drop)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::fs::File;
+    use std::io::{BufReader, Cursor};
+
+    use linden::Quiet;
+    use linden::dress::dress;
+    use linden::grow::grow;
+    use linden::preset::builtin;
+    use linden::recipe::Recipe;
+    use linden::scene::Scene;
+    use linden::stage::Stage;
+
+    use super::*;
+    use crate::{Bundle, Exporter, Options};
+
+    /// Counts what is read.
+    struct Counted<R>(R, u64);
+
+    impl<R: Read> Read for Counted<R> {
+        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+            let count = self.0.read(buffer)?;
+            self.1 += count as u64;
+            Ok(count)
+        }
+    }
+
+    impl<R: Seek> Seek for Counted<R> {
+        fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+            self.0.seek(to)
+        }
+    }
+
+    fn scene() -> Scene {
+        let mut preset = builtin("fir").unwrap().load().unwrap();
+        // A recipe of several lines in a PLY, with letters that each format writes in its way.
+        preset.name = "Fünf \"Tannen\" \\ {}".to_owned();
+        preset.set("bark_size", "64").unwrap();
+        let recipe = Recipe::new(preset);
+        dress(&recipe, &grow(&recipe, &Quiet).unwrap(), &Quiet).unwrap()
+    }
+
+    fn written(scene: &Scene, exporter: &dyn Exporter, set: &[(&str, &str)]) -> (tempfile::TempDir, File) {
+        let dir = tempfile::tempdir().unwrap();
+        let path = dir.path().join("tree");
+        let mut options = Options::new(exporter.format());
+        for (name, value) in set {
+            options.set(name, value).unwrap();
+        }
+        let mut bundle = Bundle::create(&path).unwrap();
+        exporter.write(&Stage::of(scene), &options, &mut bundle, &Quiet).unwrap();
+        bundle.commit().unwrap();
+        let file = File::open(path).unwrap();
+        (dir, file)
+    }
+
+    #[test]
+    fn every_format_gives_its_recipe_back() {
+        let scene = scene();
+        for exporter in REGISTRY {
+            let id = exporter.format().id;
+            let (_dir, mut file) = written(&scene, *exporter, &[]);
+            let length = file.metadata().unwrap().len();
+            let mut own = BufReader::new(Counted(&mut file, 0));
+            let found = exporter.recipe(&mut own).unwrap();
+            assert_eq!(found.as_deref(), Some(scene.recipe.as_str()), "{id}: a format carries its recipe");
+            // The document of a glTF is JSON beside the geometry; all else stands in a header.
+            let read = own.into_inner().1;
+            assert!(read < 64 << 10 && read <= length, "{id}: {read} of {length} bytes were read");
+            assert_eq!(
+                recipe_in(&mut BufReader::new(&mut file)).unwrap().as_ref(),
+                Some(&scene.recipe),
+                "{id}"
+            );
+        }
+    }
+
+    #[test]
+    fn options_do_not_lose_it() {
+        let scene = scene();
+        for (id, set) in [
+            ("obj", &[("lines", "true")][..]),
+            ("ply", &[("encoding", "ascii")]),
+            ("ply-skeleton", &[("encoding", "ascii")]),
+            ("gltf", &[("embed", "true")]),
+            ("glb", &[("instances", "true")]),
+            ("glb", &[("quantize", "true"), ("compress", "meshopt")]),
+            ("usda", &[("skeleton", "false"), ("pictures", "false")]),
+            ("usdz", &[("flavor", "ar")]),
+        ] {
+            let (_dir, file) = written(&scene, crate::find(id).unwrap(), set);
+            let found = recipe_in(&mut BufReader::new(file)).unwrap();
+            assert_eq!(found.as_ref(), Some(&scene.recipe), "{id} {set:?}");
+        }
+    }
+
+    #[test]
+    fn files_of_others_carry_none() {
+        let long = [b"# ".as_slice(), &[b'a'; 100_000]].concat();
+        for bytes in [
+            &b""[..],
+            b"#",
+            b"# recipe: no object\nv 0 0 0\n",
+            b"# a comment\nv 0 0 0\n# recipe: {}\n",
+            b"ply\nformat ascii 1.0\ncomment recipe: {\nelement vertex 0\nend_header\n",
+            b"glTF\x02\0\0\0",
+            b"glTF\x02\0\0\0\xff\xff\xff\xff\xff\xff\xff\xffJSON{\"nodes\":[",
+            b"glTF\x02\0\0\0\x20\0\0\0\x08\0\0\0BIN\0{}",
+            b"PK\x03\x04",
+            b"PK\x03\x04\x0a\0\0\0\0\0\0\0\x21\0\0\0\0\0\0\0\0\0\0\0\0\0\xff\xff\xff\xff",
+            b"#usda 1.0\n  string recipe = \"{",
+            b"#usda 1.0\n  string recipe = 7\n",
+            b"\x89PNG\r\n\x1a\n\xff\xff\xff\xfftEXt",
+            b"{\"nodes\":[{\"extras\":{\"linden\":\"text\"}}]}",
+            &long,
+            &[0; 100_000],
+        ] {
+            let found = recipe_in(&mut Cursor::new(bytes)).unwrap();
+            assert_eq!(found, None, "{:?}", String::from_utf8_lossy(&bytes[..bytes.len().min(60)]));
+        }
+    }
+}
