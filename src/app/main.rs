@@ -8,9 +8,11 @@ mod forecast;
 mod jobs;
 mod memory;
 mod progress;
+mod reading;
 mod signals;
 mod source;
 mod targets;
+mod trust;
 mod tui;
 
 use std::process::ExitCode;

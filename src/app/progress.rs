@@ -91,10 +91,10 @@ impl Monitor for Progress {
 fn bar(stage: Phase, total: Option<u64>) -> ProgressBar {
     let (doing, unit) = stage.words();
     let template = match (total, stage) {
-        (Some(_), Phase::Write) => {
+        (Some(_), Phase::Read | Phase::Write) => {
             "{prefix:>11} [{bar:28}] {bytes}/{total_bytes}  {bytes_per_sec}  {eta} left".to_owned()
         }
-        (None, Phase::Write) => "{prefix:>11} {bytes}  {bytes_per_sec}".to_owned(),
+        (None, Phase::Read | Phase::Write) => "{prefix:>11} {bytes}  {bytes_per_sec}".to_owned(),
         (Some(_), _) => {
             format!("{{prefix:>11}} [{{bar:28}}] {{human_pos}}/{{human_len}} {unit}  {{rate}}  {{eta}} left")
         }

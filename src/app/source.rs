@@ -1,21 +1,24 @@
 //! SOURCE: a preset's id, a file told by its content, or `-`; with overrides it becomes a recipe.
 
-use std::fs;
-use std::io::{ErrorKind, Read};
+use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc;
-use std::time::Duration;
 
 use anyhow::{Context, bail};
+use linden::Monitor;
 use linden::forest::builtin_forest;
 use linden::input::{InputKind, sniff};
-use linden::knob::{did_you_mean, printable};
+use linden::knob::{did_you_mean, nearest, printable};
 use linden::lsystem::text;
-use linden::preset::{Fault, Preset, RecipeError, Space, builtin, builtin_file};
+use linden::memory::Holding;
+use linden::preset::{Fault, Preset, RecipeError, Space, builtin, builtin_file, builtins};
 use linden::recipe::{Input, Inputs, Recipe};
-use linden::{Cancelled, Monitor};
 
+use crate::config::dirs::Dirs;
+use crate::config::presets;
 use crate::exit::usage;
+use crate::reading::{self, Content};
+use crate::trust;
 
 /// A recipe and what it is called.
 #[derive(Debug)]
@@ -32,80 +35,77 @@ pub struct Source {
 
 /// Reads SOURCE and turns the knobs.
 pub fn resolve(source: &Path, set: &[(String, String)], monitor: &dyn Monitor) -> anyhow::Result<Source> {
-    let shown = if source == Path::new("-") { "standard input".to_owned() } else { show(source) };
-    let mut files = Vec::new();
-    let (mut recipe, notes) = load(source, &mut files, monitor)?;
-    for (name, value) in set {
-        if Preset::file_keys().any(|(_, key, _)| key == name) {
-            put_file(&mut recipe, (name, value), &mut files, monitor)?;
-        } else {
-            recipe.preset.set(name, value).map_err(usage)?;
-        }
+    let mut reader = Reader::new(monitor);
+    let (files, knobs): (Vec<_>, Vec<_>) = set.iter().partition(|(name, _)| is_file_key(name));
+    for (key, file) in files {
+        reader.give(key, file)?;
     }
-    Ok(Source { shown, recipe, notes, files })
+    let mut recipe = reader.load(source)?;
+    for (name, value) in knobs {
+        recipe.preset.set(name, value).map_err(usage)?;
+    }
+    Ok(reader.finish(shown(source), recipe))
 }
 
-/// Reads a file that is named on the command line, in place of the one that the preset names.
-fn put_file(
-    recipe: &mut Recipe,
-    (key, file): (&str, &str),
-    files: &mut Vec<PathBuf>,
-    monitor: &dyn Monitor,
-) -> anyhow::Result<()> {
-    let path = PathBuf::from(file);
-    let reading = || format!("reading {} for '{key}'", show(&path));
-    let bytes = fs::read(&path).with_context(reading)?;
-    let input = Input::read(file, &bytes, monitor).with_context(reading)?;
-    recipe.put_file(key, file, &input);
-    files.push(path);
-    Ok(())
-}
-
-/// Reads a source; `files` takes what it was read from.
-fn load(
-    path: &Path,
-    files: &mut Vec<PathBuf>,
-    monitor: &dyn Monitor,
-) -> anyhow::Result<(Recipe, Vec<String>)> {
-    // What is not Unicode is no id, but may be a file.
-    let hint = match path.to_str().map_or(Err(None), builtin) {
-        Ok(found) => {
-            let recipe = found.recipe(monitor).map_err(|error| match error {
-                RecipeError::Document(fault) => locate(found.id, &fault),
-                RecipeError::Input(error) => error.into(),
-            })?;
-            return Ok((recipe, Vec::new()));
-        }
-        Err(hint) => hint,
-    };
-    if path == Path::new("-") {
-        return read(None, &standard_input(monitor)?, files, monitor);
-    }
-    ensure_is_file(path, hint)?;
-    let bytes = fs::read(path).with_context(|| format!("reading {}", show(path)))?;
-    files.push(path.to_owned());
-    read(Some(path), &bytes, files, monitor)
+fn is_file_key(name: &str) -> bool {
+    Preset::file_keys().any(|(_, key, _)| key == name)
 }
 
 /// A recipe that stands in a document, with the files that it needs: beside that, or built in.
 pub fn of_recipe(document: &Path, json: &str, monitor: &dyn Monitor) -> anyhow::Result<Source> {
-    let mut files = Vec::new();
+    let mut reader = Reader::new(monitor);
     let shown = show(document);
-    let preset = Preset::from_json(json).map_err(|fault| locate(&shown, &fault))?;
-    let inputs = read_beside(Some(document), &preset, &shown, &mut files, monitor)?;
-    Ok(Source { shown, recipe: Recipe { preset, inputs }, notes: Vec::new(), files })
+    let recipe = reader.recipe(Some(document), &shown, json)?;
+    Ok(reader.finish(shown, recipe))
 }
 
-/// Whether there is such a source at all, without reading it: for what is read later.
-pub fn ensure_there(path: &Path) -> anyhow::Result<()> {
-    match path.to_str().map_or(Err(None), builtin) {
-        Ok(_) => Ok(()),
-        Err(hint) => ensure_is_file(path, hint),
+/// As a message names SOURCE.
+pub fn shown(source: &Path) -> String {
+    if is_standard_input(source) { "standard input".to_owned() } else { show(source) }
+}
+
+fn is_standard_input(source: &Path) -> bool {
+    source == Path::new("-")
+}
+
+/// Opens a file, a pipe, or standard input.
+pub fn open(source: &Path, monitor: &dyn Monitor) -> anyhow::Result<Content> {
+    if is_standard_input(source) {
+        return reading::standard_input(monitor);
+    }
+    ensure_is_file(source)?;
+    reading::open(source, monitor).with_context(|| format!("reading {}", show(source)))
+}
+
+/// The preset of the user's that an id means: an id is first that of what is built in, then of a preset of
+/// the user's; a file of such a name is given as ./NAME.
+///
+/// # Errors
+/// More than one file of that id.
+pub fn user_preset(id: &Path) -> anyhow::Result<Option<PathBuf>> {
+    let Some(id) = id.to_str().filter(|id| builtin(id).is_err() && builtin_forest(id).is_err()) else {
+        return Ok(None);
+    };
+    let Some(dir) = Dirs::of_environment().presets() else { return Ok(None) };
+    match presets::find(&dir, id).as_slice() {
+        [] => Ok(None),
+        [path] => Ok(Some(path.clone())),
+        several => {
+            let files: Vec<String> = several.iter().map(|path| show(path)).collect();
+            let id = printable(id);
+            Err(usage(format!("there are several presets '{id}'; name the file: {}", files.join(", "))))
+        }
     }
 }
 
-fn ensure_is_file(path: &Path, hint: Option<&str>) -> anyhow::Result<()> {
-    if !path.exists() {
+/// Whether there is such a source at all, without reading it: for what is read later.
+pub fn ensure_there(source: &Path) -> anyhow::Result<()> {
+    let is_built_in = source.to_str().is_some_and(|id| builtin(id).is_ok());
+    if is_built_in || user_preset(source)?.is_some() { Ok(()) } else { ensure_is_file(source) }
+}
+
+fn ensure_is_file(path: &Path) -> anyhow::Result<()> {
+    let Ok(about) = path.metadata() else {
         let forest = path.to_str().map(builtin_forest);
         if let Some(Ok(forest)) = forest {
             let id = forest.id;
@@ -113,102 +113,218 @@ fn ensure_is_file(path: &Path, hint: Option<&str>) -> anyhow::Result<()> {
                 "'{id}' is a forest, which 'linden forest {id} -o {id}.glb' writes and 'linden show {id}' describes"
             )));
         }
+        let users = Dirs::of_environment().presets().map_or_else(Vec::new, |dir| presets::ids(&dir));
+        let known = builtins().iter().map(|own| own.id).chain(users.iter().map(String::as_str));
+        let hint = path.to_str().and_then(|typed| nearest(typed, known));
         let hint = hint.or(forest.and_then(|forest| forest.err().flatten()));
         return Err(usage(format!(
             "there is no preset and no file '{}'{}; 'linden list' shows the presets",
             show(path),
             did_you_mean(hint)
         )));
+    };
+    match reading::what(&about) {
+        Some("a directory") => Err(usage(format!("'{}' is a directory; name a file in it", show(path)))),
+        Some(what) if !reading::is_pipe(&about) => {
+            let shown = show(path);
+            Err(usage(format!("'{shown}' is {what}; name a file or a pipe, or give - for standard input")))
+        }
+        _ => Ok(()),
     }
-    if path.is_dir() {
-        return Err(usage(format!("'{}' is a directory; name a file in it", show(path))));
-    }
-    Ok(())
 }
 
-/// Makes a recipe of a file's content.
-fn read(
-    path: Option<&Path>,
-    bytes: &[u8],
-    files: &mut Vec<PathBuf>,
-    monitor: &dyn Monitor,
-) -> anyhow::Result<(Recipe, Vec<String>)> {
-    let shown = path.map_or_else(|| "standard input".to_owned(), show);
-    let reading = || format!("reading {shown}");
-    let name = path.and_then(Path::file_name).map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
-    let kind = sniff(bytes, &name).with_context(reading)?;
-    let id = id_from(&name);
-    let preset = match kind {
-        InputKind::Preset => {
-            Preset::from_toml(utf8(bytes, &shown)?).map_err(|fault| locate(&shown, &fault))?
-        }
-        InputKind::Recipe => {
-            Preset::from_json(utf8(bytes, &shown)?).map_err(|fault| locate(&shown, &fault))?
-        }
-        InputKind::Grammar => {
-            let own = text::parse(utf8(bytes, &shown)?).map_err(|error| {
-                anyhow::anyhow!("{shown}:{}:{}: {}", error.line, error.column, error.problem)
+/// Reads a source and what it needs.
+struct Reader<'a> {
+    monitor: &'a dyn Monitor,
+    /// Files that the user puts in the place of those that the preset names: key, name, content.
+    given: Vec<(String, String, Input)>,
+    notes: Vec<String>,
+    /// What was read.
+    files: Vec<PathBuf>,
+}
+
+/// A preset with the text that it stands in.
+struct Document<'a> {
+    /// `None`: standard input.
+    path: Option<&'a Path>,
+    shown: &'a str,
+    text: &'a str,
+}
+
+impl<'a> Reader<'a> {
+    fn new(monitor: &'a dyn Monitor) -> Self {
+        Self { monitor, given: Vec::new(), notes: Vec::new(), files: Vec::new() }
+    }
+
+    fn finish(self, shown: String, recipe: Recipe) -> Source {
+        Source { shown, recipe, notes: self.notes, files: self.files }
+    }
+
+    /// Reads a file that is named on the command line, in place of the one that the preset names.
+    fn give(&mut self, key: &str, file: &str) -> anyhow::Result<()> {
+        let path = PathBuf::from(file);
+        let reading = || format!("reading {} for '{key}'", show(&path));
+        let content = reading::open(&path, self.monitor).with_context(reading)?;
+        let bytes = content.bytes(self.monitor).with_context(reading)?;
+        let input = self.input(file, &bytes).with_context(reading)?;
+        self.given.push((key.to_owned(), file.to_owned(), input));
+        self.files.push(path);
+        Ok(())
+    }
+
+    /// Makes geometry or a picture of a file's bytes, which are held meanwhile.
+    fn input(&self, name: &str, bytes: &[u8]) -> anyhow::Result<Input> {
+        Ok(Input::read(name, bytes, &Holding::new(self.monitor, bytes.len() as u64))?)
+    }
+
+    fn load(&mut self, source: &Path) -> anyhow::Result<Recipe> {
+        // What is not Unicode is no id, but may be a file.
+        if let Some(Ok(found)) = source.to_str().map(builtin) {
+            let recipe = found.recipe(self.monitor).map_err(|error| match error {
+                RecipeError::Document(fault) => locate(found.id, &fault),
+                RecipeError::Input(error) => error.into(),
             })?;
-            Preset::of_grammar(&id, own.grammar, own.angle_deg, own.derivations)
+            return Ok(self.replaced(recipe));
         }
-        InputKind::ObjMesh | InputKind::PlyMesh => {
-            Preset::of_space(&id, Space::Envelope { file: name.clone() })
+        let users = user_preset(source)?;
+        let path = users.as_deref().unwrap_or(source);
+        let mut content = open(path, self.monitor)?;
+        let path = (!is_standard_input(path)).then_some(path);
+        self.files.extend(path.map(Path::to_owned));
+        let shown = path.map_or_else(|| shown(source), show);
+        let reading = || format!("reading {shown}");
+        match content.recipe(self.monitor).with_context(reading)? {
+            Some(json) => self.recipe(path, &shown, &json),
+            None => self.read(path, &shown, &content.bytes(self.monitor).with_context(reading)?),
         }
-        InputKind::PlyPoints | InputKind::XyzPoints => {
-            Preset::of_space(&id, Space::Points { file: name.clone() })
-        }
-    };
-    let mut notes = Vec::new();
-    let inputs = match kind {
-        InputKind::Preset | InputKind::Recipe => {
-            let inputs = read_beside(path, &preset, &shown, files, monitor)?;
-            if kind == InputKind::Recipe {
-                notes.extend(other_files(bytes, &inputs));
-            }
-            inputs
-        }
-        InputKind::Grammar => Inputs::new(),
-        InputKind::ObjMesh | InputKind::PlyMesh | InputKind::PlyPoints | InputKind::XyzPoints => {
-            let input = Input::read(&name, bytes, monitor).with_context(reading)?;
-            [(name, input)].into_iter().collect()
-        }
-    };
-    Ok((Recipe { preset, inputs }, notes))
-}
+    }
 
-/// Reads the files that a preset names: beside its document, or else the built-in ones.
-fn read_beside(
-    path: Option<&Path>,
-    preset: &Preset,
-    shown: &str,
-    files: &mut Vec<PathBuf>,
-    monitor: &dyn Monitor,
-) -> anyhow::Result<Inputs> {
-    let folder = path.and_then(Path::parent).map_or_else(PathBuf::new, Path::to_owned);
-    let mut inputs = Inputs::new();
-    for file in preset.files() {
-        let beside = folder.join(file);
-        let content = match (fs::read(&beside), builtin_file(file)) {
+    /// Makes a recipe of a file's content.
+    fn read(&mut self, path: Option<&Path>, shown: &str, bytes: &[u8]) -> anyhow::Result<Recipe> {
+        let reading = || format!("reading {shown}");
+        let name =
+            path.and_then(Path::file_name).map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        let kind = sniff(bytes, &name).with_context(reading)?;
+        let id = id_from(&name);
+        let alone = |space| Preset::of_space(&id, space);
+        let preset = match kind {
+            InputKind::Preset => {
+                let text = document(bytes, shown, self.monitor)?;
+                let preset = Preset::from_toml(text).map_err(|fault| locate(shown, &fault))?;
+                return self.furnished(preset, &Document { path, shown, text });
+            }
+            InputKind::Recipe => return self.recipe(path, shown, document(bytes, shown, self.monitor)?),
+            InputKind::Grammar => {
+                let own = text::parse(utf8(bytes, shown)?).map_err(|error| {
+                    anyhow::anyhow!("{shown}:{}:{}: {}", error.line, error.column, error.problem)
+                })?;
+                let preset = Preset::of_grammar(&id, own.grammar, own.angle_deg, own.derivations);
+                return Ok(self.replaced(Recipe::new(preset)));
+            }
+            InputKind::ObjMesh | InputKind::PlyMesh => alone(Space::Envelope { file: name.clone() }),
+            InputKind::PlyPoints | InputKind::XyzPoints => alone(Space::Points { file: name.clone() }),
+        };
+        let mut recipe = Recipe::new(preset);
+        let input = self.input(&name, bytes).with_context(reading)?;
+        recipe.inputs.insert(name, input);
+        Ok(self.replaced(recipe))
+    }
+
+    /// Reads a tree's recipe, and says which of its files are others by now.
+    fn recipe(&mut self, path: Option<&Path>, shown: &str, json: &str) -> anyhow::Result<Recipe> {
+        if is_forest(json) {
+            return Err(usage(format!(
+                "{shown} is a forest, which 'linden forest' grows and 'linden show' describes"
+            )));
+        }
+        let preset = Preset::from_json(json).map_err(|fault| locate(shown, &fault))?;
+        let recipe = self.furnished(preset, &Document { path, shown, text: json })?;
+        self.notes.extend(other_files(json, &recipe.inputs));
+        Ok(recipe)
+    }
+
+    /// The recipe with the files that the user gave.
+    fn replaced(&self, mut recipe: Recipe) -> Recipe {
+        for (key, file, input) in &self.given {
+            recipe.put_file(key, file, input);
+        }
+        recipe
+    }
+
+    /// A preset with the files that it names: those that the user gave, else beside its document, else
+    /// built in.
+    fn furnished(&mut self, preset: Preset, document: &Document<'_>) -> anyhow::Result<Recipe> {
+        let mut recipe = self.replaced(Recipe::new(preset));
+        let files: Vec<String> = recipe.preset.files().into_iter().map(str::to_owned).collect();
+        for file in files {
+            if recipe.input(&file).is_none() {
+                let input = self.named(&file, document)?;
+                recipe.inputs.insert(file, input);
+            }
+        }
+        Ok(recipe)
+    }
+
+    /// Reads a file that a document names.
+    fn named(&mut self, file: &str, document: &Document<'_>) -> anyhow::Result<Input> {
+        let Document { path, shown, text } = *document;
+        let place = || mention(shown, text, file);
+        let allowed = trust::beside(path, file).with_context(place)?;
+        // As the user knows it, links not followed.
+        let beside = path.and_then(Path::parent).unwrap_or(Path::new("")).join(file);
+        let content = match (reading::regular(&allowed, self.monitor), builtin_file(file)) {
             (Ok(content), _) => {
-                files.push(beside.clone());
+                self.files.push(beside.clone());
                 content
             }
-            (Err(error), Some(content)) if error.kind() == ErrorKind::NotFound => content.to_vec(),
-            (Err(error), _) => {
-                let reading = format!("reading {}, which {shown} needs", show(&beside));
-                return Err(anyhow::Error::new(error).context(reading));
+            (Err(error), built_in) => {
+                let is_missing =
+                    error.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == ErrorKind::NotFound);
+                match built_in.filter(|_| is_missing) {
+                    Some(content) => content.to_vec(),
+                    None if is_missing => {
+                        let said = format!("{error}; put it there, or name one that is there");
+                        bail!("{}: reading {}: {said}", place(), show(&beside));
+                    }
+                    None => return Err(error.context(format!("{}: reading {}", place(), show(&beside)))),
+                }
             }
         };
-        let input =
-            Input::read(file, &content, monitor).with_context(|| format!("reading {}", show(&beside)))?;
-        inputs.insert(file, input);
+        let reading = || format!("{}: reading {}", place(), show(&beside));
+        self.input(file, &content).with_context(reading)
     }
-    Ok(inputs)
+}
+
+/// Where a document names a file, and under which key: `my.toml:3:1: 'leaf_mesh'`.
+pub fn mention(shown: &str, text: &str, file: &str) -> String {
+    match linden::preset::mention(text, file) {
+        Some((key, Some(place))) => format!("{shown}:{place}: '{key}'"),
+        Some((key, None)) => format!("{shown}: '{key}'"),
+        None => shown.to_owned(),
+    }
+}
+
+/// Whether a recipe is a forest's.
+pub fn is_forest(json: &str) -> bool {
+    let keys = serde_json::from_str::<BTreeMap<String, serde::de::IgnoredAny>>(json);
+    keys.is_ok_and(|keys| keys.contains_key("tree"))
+}
+
+/// What a byte of a document becomes at its worst while it is read: a list of numbers of one digit.
+const DOCUMENT_BYTES: u64 = 100;
+
+/// A document's text.
+pub fn document<'a>(bytes: &'a [u8], shown: &str, monitor: &dyn Monitor) -> anyhow::Result<&'a str> {
+    let needed = (bytes.len() as u64).saturating_mul(DOCUMENT_BYTES);
+    monitor
+        .admit("reading a document", needed, "take a shorter one")
+        .with_context(|| format!("reading {shown}"))?;
+    utf8(bytes, shown)
 }
 
 /// Notes about files that are not those that a recipe was made with.
-fn other_files(recipe: &[u8], inputs: &Inputs) -> Vec<String> {
-    let Ok(document) = serde_json::from_slice::<serde_json::Value>(recipe) else { return Vec::new() };
+fn other_files(recipe: &str, inputs: &Inputs) -> Vec<String> {
+    let Ok(document) = serde_json::from_str::<serde_json::Value>(recipe) else { return Vec::new() };
     // Recipes of before there were parts have one, by itself.
     let then = match (document.get("inputs"), document.get("input")) {
         (Some(serde_json::Value::Array(inputs)), _) => inputs.iter().collect(),
@@ -255,22 +371,4 @@ fn id_from(name: &str) -> String {
 /// A path, safe to show.
 pub fn show(path: &Path) -> String {
     printable(&path.to_string_lossy())
-}
-
-/// All of standard input. A thread reads it, so that Ctrl-C is heard while nothing comes.
-fn standard_input(monitor: &dyn Monitor) -> anyhow::Result<Vec<u8>> {
-    let (sender, receiver) = mpsc::channel();
-    std::thread::spawn(move || {
-        let mut bytes = Vec::new();
-        let read = std::io::stdin().lock().read_to_end(&mut bytes);
-        let _ = sender.send(read.map(|_| bytes));
-    });
-    loop {
-        match receiver.recv_timeout(Duration::from_millis(20)) {
-            Ok(read) => return read.context("reading standard input"),
-            Err(mpsc::RecvTimeoutError::Timeout) if monitor.is_cancelled() => bail!(Cancelled),
-            Err(mpsc::RecvTimeoutError::Timeout) => {}
-            Err(mpsc::RecvTimeoutError::Disconnected) => bail!("reading standard input: the reader stopped"),
-        }
-    }
 }

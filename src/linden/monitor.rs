@@ -44,6 +44,8 @@ pub trait Monitor: Sync {
 /// What is being done, for a progress line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Phase {
+    /// Reading a file; unit: bytes.
+    Read,
     /// Drawing attraction points; unit: points.
     Scatter,
     /// Rewriting an L-system; unit: symbols.
@@ -68,6 +70,7 @@ impl Phase {
     /// What is going on, and the unit that is counted.
     pub const fn words(self) -> (&'static str, &'static str) {
         match self {
+            Self::Read => ("reading", "bytes"),
             Self::Scatter => ("scattering", "points"),
             Self::Derive => ("deriving", "symbols"),
             Self::Turtle => ("drawing", "symbols"),

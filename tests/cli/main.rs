@@ -16,5 +16,6 @@ mod own_pictures;
 mod pipes;
 mod plugins;
 mod program;
+mod reading;
 mod same_wood;
 mod seasons;

@@ -1,6 +1,5 @@
 //! `linden forest`: several kinds of trees on a square of ground, in one file.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
@@ -12,7 +11,7 @@ use linden::forest::{
 };
 use linden::grow::grow;
 use linden::memory::Holding;
-use linden::preset::KnobError;
+use linden::preset::{KnobError, builtin};
 use linden::scene::Wrap;
 use linden::stage::{self, Plant, Stage};
 
@@ -21,6 +20,7 @@ use crate::exit::usage;
 use crate::forecast::{ForestOutlook, announce};
 use crate::progress::Progress;
 use crate::source::{self, show};
+use crate::trust;
 
 /// Lay out a forest and write it for 3D programs
 ///
@@ -31,7 +31,7 @@ use crate::source::{self, show};
 #[command(after_help = after_help())]
 pub struct Forest {
     /// Kinds of trees, each a preset's id or a file, with its part of all trees after a colon; or one
-    /// forest: its id, a .toml file, or the .json of one
+    /// forest: its id, a .toml file, or a file of one, which carries its recipe
     #[arg(value_name = "PRESET[:SHARE]", required = true, add = super::complete::shown())]
     kinds: Vec<String>,
 
@@ -118,7 +118,7 @@ impl Forest {
         progress: &Progress,
     ) -> anyhow::Result<linden::forest::Forest> {
         if let [only] = self.kinds.as_slice()
-            && let Some(described) = Described::find(only)?
+            && let Some(described) = Described::find(only, progress)?
         {
             return described.resolve(files, progress);
         }
@@ -282,29 +282,39 @@ pub(super) struct Described {
 
 impl Described {
     /// The document that an argument names, if it is one of a forest.
-    pub fn find(argument: &str) -> anyhow::Result<Option<Self>> {
+    pub fn find(argument: &str, progress: &Progress) -> anyhow::Result<Option<Self>> {
         if let Ok(builtin) = builtin_forest(argument) {
             let document = builtin.load().map_err(|fault| source::locate(builtin.id, &fault))?;
             let (id, text) = (builtin.id.to_owned(), builtin.text.to_owned());
             return Ok(Some(Self { id, path: None, text, document }));
         }
         let path = Path::new(argument);
-        if !path.extension().is_some_and(|ending| ending == "toml" || ending == "json") || !path.is_file() {
+        if builtin(argument).is_ok() || !path.is_file() {
             return Ok(None);
         }
-        let bytes = fs::read(path).with_context(|| format!("reading {}", show(path)))?;
-        let text = source::utf8(&bytes, &show(path))?;
-        // What tells it from a preset.
-        let is_json = text.trim_start().starts_with('{');
-        let has_trees = text.lines().any(|line| line.trim_start().starts_with("[[tree]]"));
-        let is_forest = has_trees || is_json && text.contains("\"tree\"");
-        if !is_forest {
-            return Ok(None);
-        }
-        let document = ForestDocument::parse(text).map_err(|fault| source::locate(&show(path), &fault))?;
+        let Some(text) = Self::text(path, progress)? else { return Ok(None) };
+        let document = ForestDocument::parse(&text).map_err(|fault| source::locate(&show(path), &fault))?;
         let stem = path.file_stem();
         let id = stem.map_or_else(|| "forest".to_owned(), |stem| stem.to_string_lossy().into_owned());
-        Ok(Some(Self { id, path: Some(path.to_owned()), text: text.to_owned(), document }))
+        Ok(Some(Self { id, path: Some(path.to_owned()), text, document }))
+    }
+
+    /// The text of a forest's document, or the recipe that a forest's file carries.
+    fn text(path: &Path, progress: &Progress) -> anyhow::Result<Option<String>> {
+        let shown = show(path);
+        let reading = || format!("reading {shown}");
+        let mut content = source::open(path, progress)?;
+        if let Some(recipe) = content.recipe(progress).with_context(reading)? {
+            return Ok(Some(recipe).filter(|json| source::is_forest(json)));
+        }
+        if !path.extension().is_some_and(|ending| ending == "toml" || ending == "json") {
+            return Ok(None);
+        }
+        let bytes = content.bytes(progress).with_context(reading)?;
+        let text = source::document(&bytes, &shown, progress)?;
+        // What tells it from a preset.
+        let has_trees = text.lines().any(|line| line.trim_start().starts_with("[[tree]]"));
+        Ok((has_trees || source::is_forest(text)).then(|| text.to_owned()))
     }
 
     /// As it was named: an id, or a file.
@@ -318,7 +328,7 @@ impl Described {
         files: &mut Vec<PathBuf>,
         progress: &Progress,
     ) -> anyhow::Result<linden::forest::Forest> {
-        let Self { id, path, document, .. } = self;
+        let Self { id, path, document, text } = self;
         files.extend(path.clone());
         let beside = path.as_deref().unwrap_or(Path::new(""));
         let mut kinds = Vec::new();
@@ -326,10 +336,13 @@ impl Described {
             let source = match &tree.source {
                 TreeSource::Recipe(json) => source::of_recipe(beside, json, progress)?,
                 TreeSource::Named(name) => {
-                    let named = Path::new(name);
-                    let folder = beside.parent().unwrap_or(Path::new(""));
-                    let is_id = linden::preset::builtin(name).is_ok();
-                    let named = if is_id { named.to_owned() } else { folder.join(named) };
+                    let is_id = builtin(name).is_ok() || source::user_preset(Path::new(name))?.is_some();
+                    let named = if is_id {
+                        PathBuf::from(name)
+                    } else {
+                        let place = || source::mention(&show(beside), &text, name);
+                        trust::beside(path.as_deref(), name).with_context(place)?
+                    };
                     source::resolve(&named, &[], progress)?
                 }
             };

@@ -1,11 +1,15 @@
 //! `linden list`: the presets, and the forests of them.
 
 use clap::Args;
-use linden::forest::{BuiltinForest, ForestDocument, builtin_forests};
-use linden::preset::{Preset, builtins};
+use linden::forest::{BuiltinForest, ForestDocument, builtin_forest, builtin_forests};
+use linden::knob::printable;
+use linden::preset::{Preset, builtin, builtins};
 use serde::Serialize;
 
-use crate::source;
+use crate::config::dirs::Dirs;
+use crate::config::presets::{self, UserPreset};
+use crate::progress::Progress;
+use crate::{exit, source};
 
 /// List the presets with what they grow to, and the forests; or the export formats
 #[derive(Args)]
@@ -35,6 +39,13 @@ struct Row {
     leaves: Option<u64>,
     summary: String,
     source: String,
+    /// The file of a preset of the user's.
+    path: Option<String>,
+    /// Why it cannot be grown.
+    problem: Option<String>,
+    /// What SOURCE is, where that is not the id.
+    #[serde(skip)]
+    named: Option<String>,
 }
 
 impl List {
@@ -54,6 +65,9 @@ impl List {
                 leaves: None,
                 summary,
                 source: String::new(),
+                path: None,
+                problem: None,
+                named: None,
             })
         };
         let rows = builtins()
@@ -61,20 +75,34 @@ impl List {
             .map(|builtin| {
                 let Preset { id, name, group, summary, source, generator, .. } = builtin.load()?;
                 let (height_m, leaves) = builtin.size.map(|size| (size.height_m, size.leaves)).unzip();
-                Ok(Row { id, name, group, generator: generator.id(), height_m, leaves, summary, source })
+                Ok(Row {
+                    id,
+                    name,
+                    group,
+                    generator: generator.id(),
+                    height_m,
+                    leaves,
+                    summary,
+                    source,
+                    path: None,
+                    problem: None,
+                    named: None,
+                })
             })
             .chain(builtin_forests().iter().map(forest))
+            .chain(users().into_iter().map(Ok))
             .collect::<anyhow::Result<Vec<Row>>>()?;
         if self.json {
             return super::print_json(&rows);
         }
-        let width = rows.iter().map(|row| row.id.len()).max().unwrap_or(0);
+        let ids = rows.iter().filter(|row| row.named.is_none());
+        let width = ids.map(|row| row.id.chars().count()).max().unwrap_or(0);
         let mut text = format!("  {:width$}  {:12}  {:>7}  {:>7}\n\n", "", "generator", "height", "leaves");
         let mut group = "";
         for row in &rows {
             if row.group != group {
                 text.push_str(if group.is_empty() { "" } else { "\n" });
-                text.push_str(&row.group);
+                text.push_str(&printable(&row.group));
                 text.push_str(if row.generator == FOREST { ", for 'linden forest'\n" } else { "\n" });
                 group = &row.group;
             }
@@ -84,13 +112,40 @@ impl List {
                 Some(0) => "none".to_owned(),
                 Some(leaves) => indicatif::HumanCount(leaves).to_string(),
             };
-            text.push_str(&format!(
-                "  {:width$}  {:12}  {height:>7}  {leaves:>7}  {}\n",
-                row.id, row.generator, row.summary
-            ));
+            let id = printable(row.named.as_deref().unwrap_or(&row.id));
+            let summary = printable(row.problem.as_deref().unwrap_or(&row.summary));
+            let line = format!("  {id:width$}  {:12}  {height:>7}  {leaves:>7}  {summary}", row.generator);
+            text.push_str(line.trim_end());
+            text.push('\n');
         }
         super::print(&text)
     }
+}
+
+/// The user's presets. An id that a built-in preset or another file has means that one, or neither: such
+/// a preset is named by its file.
+fn users() -> Vec<Row> {
+    let Some(dir) = Dirs::of_environment().presets() else { return Vec::new() };
+    let (found, complaints) = presets::list(&dir, &Progress::new());
+    for complaint in complaints {
+        exit::say(&format!("note: {complaint}"));
+    }
+    let is_alone = |id: &str| found.iter().filter(|own| own.id == id).count() == 1;
+    let row = |own: &UserPreset| Row {
+        id: own.id.clone(),
+        name: own.name.clone(),
+        group: own.group.clone(),
+        generator: own.generator,
+        height_m: None,
+        leaves: None,
+        summary: own.summary.clone(),
+        source: own.source.clone(),
+        path: Some(source::show(&own.path)),
+        problem: own.state.as_ref().err().map(|complaint| format!("cannot be grown: {complaint}")),
+        named: (builtin(&own.id).is_ok() || builtin_forest(&own.id).is_ok() || !is_alone(&own.id))
+            .then(|| source::show(&own.path)),
+    };
+    found.iter().map(row).collect()
 }
 
 #[derive(Serialize)]

@@ -12,6 +12,7 @@ mod man;
 mod outputs;
 mod placing;
 mod preview;
+mod recipe;
 mod schema;
 mod sheet;
 mod show;
@@ -61,12 +62,17 @@ struct Cli {
     /// the program itself come on top
     #[arg(long, value_name = "BYTES", global = true)]
     memory: Option<String>,
+
+    /// A folder whose files documents may name; without, only what lies beside a document or below it
+    #[arg(long, value_name = "DIR", global = true)]
+    allow_path: Vec<PathBuf>,
 }
 
 const EXAMPLES: &str = "\
 SOURCE is a preset's id ('linden list'), or a file told by its content: a .toml preset, a grammar
 (.txt, .l), a closed mesh (.obj, .ply: a crown envelope), points (.ply, .xyz: as from a scanner),
-or a recipe (.json). '-' is standard input or output.
+a recipe (.json), or anything that linden wrote, which carries its recipe. '-' is standard input
+or output.
 
 Without a command, linden opens the workbench.
 
@@ -79,6 +85,7 @@ Examples:
   linden export left.obj right.obj -o both.glb
   linden forest fir:3 simple -o wood.glb --area 60 --scene
   linden export scan.xyz -o tree.glb --set step=0.05
+  linden recipe tree.glb
   linden doctor
 
 Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.";
@@ -92,6 +99,7 @@ enum Command {
     Preview(preview::Preview),
     Sheet(sheet::Sheet),
     Export(export::Export),
+    Recipe(recipe::Recipe),
     Forest(forest::Forest),
     Doctor(doctor::Doctor),
     Completions(completions::Completions),
@@ -267,6 +275,9 @@ pub fn run() -> ExitCode {
     {
         return exit::report(&error);
     }
+    if let Err(problem) = crate::trust::allow(&cli.allow_path) {
+        return exit::report(&exit::usage(problem));
+    }
     let done = match cli.command {
         // The workbench hears signals in its own way, and gives the terminal back first.
         None => cli.terminal.open(None, Vec::new()),
@@ -325,6 +336,7 @@ impl Command {
             Self::Preview(own) => own.run(),
             Self::Sheet(own) => own.run(),
             Self::Export(own) => own.run(),
+            Self::Recipe(own) => own.run(),
             Self::Forest(own) => own.run(),
             Self::Doctor(own) => own.run(),
             Self::Completions(own) => own.run(),

@@ -190,7 +190,7 @@ impl Preview {
         };
         let picture = draw(Style::studio(), self.size.unwrap_or(FILE_SIZE))?;
         admit_png(Size::new(picture.width(), picture.height())?, sitter.bytes(), &progress)?;
-        let png = picture.srgb_png()?;
+        let png = picture.srgb_png_of(&source.recipe.to_line())?;
         progress.clear();
         target.write(&png, &progress)
     }

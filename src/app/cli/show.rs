@@ -87,7 +87,7 @@ impl Show {
     pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
         if let Some(named) = self.growing.source.to_str()
-            && let Some(forest) = Described::find(named)?
+            && let Some(forest) = Described::find(named, &progress)?
         {
             let how = match (self.json, self.toml) {
                 (true, _) => As::Json,

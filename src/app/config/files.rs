@@ -1,6 +1,6 @@
 //! Files of bounded size in, whole files out.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 
@@ -8,6 +8,7 @@ use linden::preset::Place;
 use linden_exporters::write_file;
 
 use super::Complaint;
+use crate::reading;
 
 /// Reads a regular file of at most `limit` bytes; `None` when there is none.
 ///
@@ -29,7 +30,7 @@ pub fn read(path: &Path, limit: u64) -> Result<Option<Vec<u8>>, Complaint> {
         return Err(Complaint::new(path, "is a pipe or a device, where a file was expected"));
     }
     let mut bytes = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(limit + 1).read_to_end(&mut bytes));
+    let read = reading::open_regular(path).and_then(|file| file.take(limit + 1).read_to_end(&mut bytes));
     read.map_err(|error| failed(&error))?;
     if bytes.len() as u64 > limit {
         let limit_mib = limit >> 20;

@@ -17,6 +17,7 @@ use linden::preset::{Place, Preset, Space, builtin_file};
 use super::files::{self, Existing, Readers};
 use super::{Complaint, of_fault};
 use crate::source::show;
+use crate::trust;
 
 /// Larger than any document; scans are larger, but are not listed by their content.
 const MAX_BYTES: u64 = 64 << 20;
@@ -40,6 +41,8 @@ pub struct UserPreset {
     pub summary: String,
     /// Where it comes from.
     pub source: String,
+    /// What makes the tree; empty for what cannot be read.
+    pub generator: &'static str,
     /// Whether it can be read.
     pub state: Result<(), Complaint>,
 }
@@ -76,6 +79,29 @@ pub fn list(dir: &Path, monitor: &dyn Monitor) -> (Vec<UserPreset>, Vec<Complain
     }
     presets.sort_by(|a, b| (&a.group, &a.id, &a.path).cmp(&(&b.group, &b.id, &b.path)));
     (presets, complaints)
+}
+
+/// The files of an id, in the order of their names.
+pub fn find(dir: &Path, id: &str) -> Vec<PathBuf> {
+    if check_id(id).is_err() {
+        return Vec::new();
+    }
+    files_of(dir).into_iter().filter(|path| path.file_stem().is_some_and(|stem| stem == id)).collect()
+}
+
+/// The ids that there are, of what can be read and of what cannot.
+pub fn ids(dir: &Path) -> Vec<String> {
+    let id = |path: PathBuf| path.file_stem().map(|stem| stem.to_string_lossy().into_owned());
+    files_of(dir).into_iter().filter_map(id).collect()
+}
+
+/// The files of [`list`], by names alone: none of them is read.
+fn files_of(dir: &Path) -> Vec<PathBuf> {
+    let all = names(dir, &mut Vec::new());
+    // What has an ending is a file to `list` too.
+    let folders = all.iter().filter(|path| !has_ending(path) && path.is_dir());
+    let below: Vec<PathBuf> = folders.flat_map(|folder| names(folder, &mut Vec::new())).collect();
+    all.into_iter().chain(below).filter(|path| has_ending(path)).collect()
 }
 
 /// What is in a directory, in order, without what is hidden.
@@ -124,6 +150,7 @@ fn entry(path: PathBuf, folder: Option<String>) -> UserPreset {
         group: folder.or_else(|| of(|preset| &preset.group)).unwrap_or_else(|| OWN.to_owned()),
         summary: of(|preset| &preset.summary).unwrap_or_default(),
         source: of(|preset| &preset.source).unwrap_or_default(),
+        generator: read.as_ref().map_or("", |preset| preset.generator.id()),
         id,
         path,
         state,
@@ -162,15 +189,16 @@ fn read(path: &Path, id: &str) -> Result<(Preset, Result<(), Complaint>), Compla
             return Ok((Preset::of_space(id, Space::Points { file: name }), Ok(())));
         }
     };
-    let missing = |file: &&str| builtin_file(file).is_none() && !path.with_file_name("").join(file).is_file();
-    let state = match preset.files().into_iter().find(missing) {
-        Some(file) => {
+    let problem = |file: &str| match trust::beside(Some(path), file) {
+        Err(refused) => Some(refused.to_string()),
+        Ok(real) if builtin_file(file).is_some() || real.is_file() => None,
+        Ok(_) => {
             let beside = path.with_file_name("").join(file);
-            let message = format!("needs the file {}, which is not there", show(&beside));
-            Err(Complaint::new(path, message))
+            Some(format!("needs the file {}, which is not there", show(&beside)))
         }
-        None => Ok(()),
     };
+    let state = preset.files().into_iter().find_map(problem);
+    let state = state.map_or(Ok(()), |message| Err(Complaint::new(path, message)));
     Ok((preset, state))
 }
 

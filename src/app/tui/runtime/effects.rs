@@ -8,12 +8,14 @@ use std::time::{Duration, Instant};
 use base64::Engine as _;
 use base64::prelude::BASE64_STANDARD;
 use linden::Quiet;
+use linden::knob::excerpt;
 use linden::recipe::Recipe;
 
 use super::{End, Happening, Runtime, memory, setup};
 use crate::config::presets;
 use crate::config::session::Session;
 use crate::jobs::THREAD_PREFIX;
+use crate::trust;
 use crate::tui::effect::Effect;
 use crate::tui::model::Config;
 use crate::tui::shape::save;
@@ -99,9 +101,11 @@ impl Runtime {
             ));
             return;
         }
-        if std::env::var_os("TMUX").is_some() {
+        if std::env::var_os("TMUX").is_some()
+            && let Some(tmux) = trust::program("tmux")
+        {
             // tmux keeps OSC 52 of programs to itself unless told otherwise, but has a way of its own.
-            let child = Command::new("tmux")
+            let child = Command::new(tmux)
                 .args(["load-buffer", "-w", "-"])
                 .stdin(Stdio::piped())
                 .stdout(Stdio::null())
@@ -147,10 +151,12 @@ impl Runtime {
     /// Gives the terminal to the user's editor until it ends.
     fn edit_file(&mut self, path: &std::path::Path) -> Result<(), String> {
         let words = editor(self.model.config.settings.editor.as_deref())?;
+        let program = trust::program(&words[0])
+            .ok_or_else(|| format!("there is no program '{}' on the search path", excerpt(&words[0])))?;
         self.display.output().flush(Duration::from_millis(200));
         self.listener.pause();
         self.session.restore();
-        let status = Command::new(&words[0]).args(&words[1..]).arg(path).status();
+        let status = Command::new(program).args(&words[1..]).arg(path).status();
         let resumed = self.session.resume();
         self.listener.resume();
         self.resize();

@@ -1,6 +1,6 @@
 //! What is restored next time.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use glam::Vec2;
 
@@ -96,8 +96,12 @@ fn remembered(model: &Model, rest: &Session) -> Session {
     session
 }
 
-/// Where a remembered source is.
+/// Where a source is that was remembered, or named on the command line.
 pub fn place(source: &str) -> Place {
-    linden::preset::builtin(source)
-        .map_or_else(|_| Place::File(PathBuf::from(source)), |own| Place::Builtin(own.id))
+    if let Ok(own) = linden::preset::builtin(source) {
+        return Place::Builtin(own.id);
+    }
+    // Which of several is meant is asked where the source is read.
+    let users = crate::source::user_preset(Path::new(source)).ok().flatten();
+    Place::File(users.unwrap_or_else(|| PathBuf::from(source)))
 }

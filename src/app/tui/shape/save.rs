@@ -12,7 +12,9 @@ use linden::recipe::{Input, Recipe};
 
 use crate::config::files::{self, Existing, Readers};
 use crate::config::presets;
+use crate::reading;
 use crate::source::show;
+use crate::trust;
 use crate::tui::model::Model;
 use crate::tui::tree::Place;
 
@@ -167,12 +169,15 @@ fn input(from: &Place, file: &str) -> Result<Vec<u8>, String> {
                 .or_else(built_in)
                 .ok_or_else(|| format!("there is no built-in file '{}'", excerpt(file)));
         }
-        Place::File(path) => path.with_file_name("").join(file),
+        Place::File(path) => trust::beside(Some(path), file).map_err(|error| error.to_string())?,
     };
-    match fs::read(&path) {
+    let is_missing = |error: &anyhow::Error| {
+        error.downcast_ref::<std::io::Error>().is_some_and(|error| error.kind() == ErrorKind::NotFound)
+    };
+    match reading::regular(&path, &Quiet) {
         Ok(bytes) => Ok(bytes),
         Err(error)
-            if error.kind() == ErrorKind::NotFound
+            if is_missing(&error)
                 && let Some(bytes) = built_in() =>
         {
             Ok(bytes)
