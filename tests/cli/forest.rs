@@ -204,6 +204,12 @@ fn several_meshes_are_a_tree_each_where_their_files_have_them() {
     folder.run(&[&["export", "right.obj", "-o", "alone.glb"][..], &knobs].concat()).done();
     let alone = glb(&folder.read("alone.glb"));
     assert_eq!(width_of(&alone, 0), width_of(&document, stand[1].0));
+    // What the file carries lays the same trees out again.
+    let carried = document["nodes"].as_array().unwrap().iter().map(|node| &node["extras"]["linden"]);
+    let carried: Vec<&Value> = carried.filter(|own| own["places"] == "given").collect();
+    folder.write("again.json", carried[0].to_string());
+    folder.run(&["forest", "again.json", "-o", "again.glb"]).done();
+    assert!(folder.read("again.glb") == folder.read("wood.glb"), "another forest");
     // The two in one file are two trees, too, in every command.
     let both = box_at([-5.0, 1.0, 0.0]) + &box_at([6.0, 1.0, 0.0]).replace("f ", "f -8 ");
     let both = both.lines().map(|line| match line.strip_prefix("f -8 ") {

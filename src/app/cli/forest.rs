@@ -141,7 +141,7 @@ fn check_scattering(forest: &linden::forest::Forest, turned: &[(String, String)]
     let without_effect = |(name, _): &&(String, String)| SCATTERING.contains(&name.as_str());
     match turned.iter().find(without_effect).filter(|_| forest.layout.places == Places::Given) {
         Some((name, _)) => Err(usage(format!(
-            "'{name}' has no effect where each tree stands at its own place; 'linden forest' lays trees out"
+            "'{name}' has no effect where each tree stands at its own place (places=given); 'linden forest' lays trees out by chance"
         ))),
         None => Ok(()),
     }
