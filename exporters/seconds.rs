@@ -1,8 +1,10 @@
 //! How long dressing and writing take, from rates that were measured.
 //!
-//! On two shared cores (Xeon, 2.0 GHz), release build, medians; `cargo bench -p linden-tests --bench forecast`
-//! prints them beside what was forecast. Other machines differ by a factor; what is said before long work is
-//! meant to tell seconds from minutes.
+//! Pictures from the processor time of `linden export older-f --set bark_size=64` to `2048` and of `linden export
+//! dressed-simple --set leaf_size=256` to `2048`, triangles and bytes from the benchmarks in the README, the rest
+//! set by estimate; on two shared cores (Xeon, 2.0 GHz), release build. `cargo bench -p linden-tests --bench
+//! forecast` prints forecasts beside the truth. Other machines differ by a factor: what is said before long work
+//! is meant to tell seconds from minutes.
 
 use linden::preset::Preset;
 use linden::recipe::Recipe;
@@ -16,9 +18,9 @@ const TRIANGLE_S: f64 = 25e-9;
 /// Measuring one without keeping it: swept, then every edge is looked up.
 const SURVEYED_TRIANGLE_S: f64 = 110e-9;
 /// Drawing a pixel of bark, both pictures.
-const BARK_PIXEL_S: f64 = 250e-9;
+const BARK_PIXEL_S: f64 = 300e-9;
 /// Drawing a pixel of leaves, both pictures.
-const LEAF_PIXEL_S: f64 = 400e-9;
+const LEAF_PIXEL_S: f64 = 120e-9;
 /// Drawing a pixel of a billboard.
 const BILLBOARD_PIXEL_S: f64 = 600e-9;
 /// Compressing a pixel of a picture.

@@ -14,7 +14,7 @@ use crate::exit;
 /// What takes longer is announced.
 const LONG: Duration = Duration::from_secs(10);
 
-// Measured on two shared cores (Xeon, 2.0 GHz), release build: `linden preview` of larger and larger pictures.
+// Set by estimate, for two shared cores (Xeon, 2.0 GHz) and a release build: they tell seconds from minutes.
 
 /// Drawing a stroke, a triangle.
 const STROKE_S: f64 = 400e-9;

@@ -1,5 +1,5 @@
 //! Forecasts beside the trees and files that they are of: nodes, triangles, bytes of a GLB, and seconds, whose
-//! rates (`exporters/seconds.rs`) were set by this table.
+//! rates are in `exporters/seconds.rs`.
 
 #![allow(clippy::unwrap_used, reason = "a benchmark that cannot go on fails")]
 #![allow(clippy::print_stdout, reason = "it prints a table")]
