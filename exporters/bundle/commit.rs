@@ -224,14 +224,14 @@ fn place(system: &'static dyn FileSystem, ready: Ready, is_last: bool) -> io::Re
             Err(e) if matches!(e.kind(), InvalidInput | Unsupported) => {
                 let aside = set_aside(system, &staged, &path, before)?;
                 again(|| system.rename(staged.temp_path(), &path))?;
-                staged.into_name().map(TempName::gone);
+                staged.placed();
                 return Ok(Placed { path, before: Some(aside) });
             }
             Err(e) => return Err(e),
         }
     }
     again(|| system.rename(staged.temp_path(), &path))?;
-    staged.into_name().map(TempName::gone);
+    staged.placed();
     Ok(Placed { path, before: None })
 }
 

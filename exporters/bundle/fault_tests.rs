@@ -144,7 +144,7 @@ fn old_files(folder: &Path) {
 
 /// An export over them: some files are replaced, some are new, a picture is shared, a folder is made.
 fn export(system: &'static dyn FileSystem, folder: &Path) -> Result<Vec<Written>, ExportError> {
-    fn out<'a>(text: &'a str) -> impl FnOnce(&mut Sink<'_>) -> Result<(), ExportError> + 'a {
+    fn out(text: &str) -> impl FnOnce(&mut Sink<'_>) -> Result<(), ExportError> {
         |out| out.write(text.as_bytes())
     }
     let new = folder.join("new/er/elm.usda");
@@ -195,9 +195,9 @@ fn whichever_call_fails_there_are_all_old_files_or_all_new_ones() {
                     format!("{knows:?}, {how:?} of call {fails} of {count}: {:?}", done.as_ref().err());
                 assert!(found == before || found == after, "{case}\n{found:#?}");
                 if found == before {
-                    olds += 1
+                    olds += 1;
                 } else {
-                    news += 1
+                    news += 1;
                 }
                 match done {
                     Ok(_) => assert_eq!(found, after, "{case}"),

@@ -138,5 +138,5 @@ fn is_ready(_: &File) -> io::Result<bool> {
 
 /// Whether an error is that of a writer that was cancelled.
 pub(super) fn is_cancelled(error: &io::Error) -> bool {
-    error.get_ref().is_some_and(|inner| inner.is::<Cancelled>())
+    error.get_ref().is_some_and(<dyn std::error::Error + Send + Sync>::is::<Cancelled>)
 }

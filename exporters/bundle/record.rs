@@ -176,7 +176,8 @@ fn parse(bytes: &[u8]) -> Option<Vec<Entry>> {
 
 /// Names may be any bytes.
 fn hex(name: &OsStr) -> String {
-    name.as_bytes().iter().map(|byte| format!("{byte:02x}")).collect()
+    let digit = |value: u8| char::from_digit(value.into(), 16).unwrap_or('0');
+    name.as_bytes().iter().flat_map(|byte| [digit(byte >> 4), digit(byte & 15)]).collect()
 }
 
 fn unhex(text: &str) -> Option<OsString> {
@@ -184,7 +185,7 @@ fn unhex(text: &str) -> Option<OsString> {
     let pairs = text.as_bytes().chunks(2);
     let bytes: Option<Vec<u8>> = pairs
         .map(|pair| match pair {
-            [high, low] => Some(digit(*high)? << 4 | digit(*low)?),
+            [high, low] => Some((digit(*high)? << 4) | digit(*low)?),
             _ => None,
         })
         .collect();

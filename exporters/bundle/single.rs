@@ -4,7 +4,7 @@ use std::ffi::OsStr;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::staged::{Staged, TempName, placing, sweep, synced};
+use super::staged::{Staged, placing, sweep, synced};
 use super::system::{FileSystem, System, again};
 use super::target::Location;
 
@@ -42,7 +42,7 @@ pub(super) fn write_file_on(
         let _guard = placing();
         if replaces {
             again(|| system.rename(staged.temp_path(), &path))?;
-            staged.into_name().map(TempName::gone);
+            staged.placed();
         } else {
             place_new(system, staged, &path)?;
         }
@@ -67,6 +67,6 @@ fn place_new(system: &dyn FileSystem, staged: Staged, path: &Path) -> io::Result
         return Err(io::ErrorKind::AlreadyExists.into());
     }
     again(|| system.rename(staged.temp_path(), path))?;
-    staged.into_name().map(TempName::gone);
+    staged.placed();
     Ok(())
 }

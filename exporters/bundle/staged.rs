@@ -326,6 +326,13 @@ impl Staged {
         self.name.as_ref().map_or(Path::new(""), TempName::path)
     }
 
+    /// It is in its place, and its temporary name is gone.
+    pub fn placed(self) {
+        if let Some(name) = self.name {
+            name.gone();
+        }
+    }
+
     /// Its temporary name for what has it now: nothing, or the file that was in its place.
     pub fn into_name(self) -> Option<TempName> {
         self.name
@@ -403,6 +410,7 @@ pub(super) fn synced(done: io::Result<()>) -> io::Result<()> {
 }
 
 /// Permissions, where there are any.
+#[cfg_attr(unix, allow(clippy::unnecessary_wraps, reason = "other systems have none"))]
 pub(super) fn mode_of(meta: &std::fs::Metadata) -> Option<u32> {
     #[cfg(unix)]
     return Some(std::os::unix::fs::PermissionsExt::mode(&meta.permissions()) & 0o777);
