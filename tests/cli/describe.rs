@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::program::Folder;
 
-const COMMANDS: [&str; 12] = [
+const COMMANDS: [&str; 13] = [
     "open",
     "list",
     "show",
@@ -13,6 +13,7 @@ const COMMANDS: [&str; 12] = [
     "preview",
     "sheet",
     "export",
+    "recipe",
     "forest",
     "doctor",
     "completions",
