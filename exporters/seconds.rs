@@ -42,7 +42,7 @@ impl Estimate {
     pub fn dress_seconds(&self, recipe: &Recipe) -> f64 {
         let Preset { detail, tubes, foliage, wind, .. } = &recipe.preset;
         let triangles: f64 = self.level_triangles().sum();
-        let is_solved = detail.triangles > 0 || detail.lods > 1;
+        let is_solved = detail.finest() > 0 || detail.triangle_levels() > 1;
         let solved = if is_solved { SOLVED_TRIANGLE_S * self.unbudgeted_triangles() * 8.0 } else { 0.0 };
         let swept = match tubes.junction {
             Junction::Watertight => SOLID_TRIANGLE_S,

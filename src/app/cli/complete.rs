@@ -144,15 +144,10 @@ fn known(line: &[String]) -> Vec<Named> {
 
 /// The words that a kind takes; none for numbers.
 fn values(kind: &Kind) -> Vec<String> {
-    let words: &[&str] = match kind {
-        Kind::Choice(words) | Kind::Words(words) => words,
-        Kind::Switch => &["true", "false"],
-        Kind::Real { auto: true, .. }
-        | Kind::Length { auto: true, .. }
-        | Kind::Vector { auto: true }
-        | Kind::Color { auto: true }
-        | Kind::Colors { auto: true, .. } => &["auto"],
-        _ => &[],
+    let words = match kind {
+        Kind::Words(words) => words.to_vec(),
+        Kind::Colors { auto: true, .. } => vec!["auto"],
+        other => other.words(),
     };
-    words.iter().map(|&word| word.to_owned()).collect()
+    words.into_iter().map(str::to_owned).collect()
 }
