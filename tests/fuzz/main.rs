@@ -3,15 +3,21 @@
 //! The ordinary test takes seconds and the same inputs each time. `tests/fuzz/run SECONDS [TARGET]`
 //! goes on with other ones for as long, keeps what leads somewhere new while it runs, and makes what
 //! fails as small as it can: into `target/fuzz`, from where it is moved to the corpus once it is mended.
+//! What takes too much time or memory for its bytes fails, and what does not end ends the run, with its
+//! name. `fuzz/run` feeds the same targets with what a compiler's instrumentation leads to.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot go on fails")]
 
+mod endless;
 mod mutate;
 mod targets;
+mod watch;
+mod words;
 
 use std::collections::BTreeSet;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
 use linden::preset::builtins;
@@ -19,6 +25,11 @@ use linden::random::Key;
 use mutate::{Dice, mutated, turned};
 use peak_alloc::PeakAlloc;
 use targets::{TARGETS, TREE_BYTES, Target};
+use watch::Watch;
+
+/// Looks at how long each input takes.
+static WATCH: LazyLock<Watch> =
+    LazyLock::new(|| Watch::start(|target, bytes| kept(target, "endless", bytes)));
 
 #[global_allocator]
 static ALLOCATOR: PeakAlloc = PeakAlloc;
@@ -51,19 +62,33 @@ fn seeds(target: &Target) -> Vec<Vec<u8>> {
     seeds
 }
 
+/// What is wrong with an input.
+enum Wrong {
+    /// It ends badly, and so may a part of it.
+    Fails(String),
+    /// It takes too long: to look for the part that does would take longer.
+    Slow(String),
+}
+
 /// Runs one input. What became of it, or what is wrong.
-fn tried(target: &Target, bytes: &[u8]) -> Result<String, String> {
+fn tried(target: &'static Target, bytes: &[u8]) -> Result<String, Wrong> {
     let before = ALLOCATOR.current_usage();
     ALLOCATOR.reset_peak_usage();
+    let running = WATCH.begin(target, bytes);
     let done = catch_unwind(AssertUnwindSafe(|| (target.run)(bytes)));
+    let slow = running.end();
     let peak = ALLOCATOR.peak_usage().saturating_sub(before);
     let said = done.map_err(|panic| {
         let text = panic.downcast_ref::<String>().cloned();
-        text.or_else(|| panic.downcast_ref::<&str>().map(|own| (*own).to_owned())).unwrap_or_default()
+        let text = text.or_else(|| panic.downcast_ref::<&str>().map(|own| (*own).to_owned()));
+        Wrong::Fails(text.unwrap_or_default())
     })?;
-    let allowed = if target.name == "tree" { TREE_BYTES as usize } else { bytes.len() * BYTES_PER_BYTE };
-    if peak > allowed + CONSTANT_BYTES {
-        return Err(format!("{peak} bytes of memory for {} of input", bytes.len()));
+    if let Some(slow) = slow {
+        return Err(Wrong::Slow(slow));
+    }
+    let for_trees = if target.is_grown() { TREE_BYTES as usize } else { 0 };
+    if peak > for_trees + bytes.len() * BYTES_PER_BYTE + CONSTANT_BYTES {
+        return Err(Wrong::Fails(format!("{peak} bytes of memory for {} of input", bytes.len())));
     }
     Ok(shape(&said))
 }
@@ -75,7 +100,7 @@ fn shape(said: &str) -> String {
 }
 
 /// The smallest part of an input that still fails.
-fn minimised(target: &Target, bytes: &[u8]) -> Vec<u8> {
+fn minimised(target: &'static Target, bytes: &[u8]) -> Vec<u8> {
     let mut smallest = bytes.to_vec();
     let mut piece = smallest.len() / 2;
     while piece > 0 {
@@ -101,11 +126,14 @@ fn kept(target: &Target, what: &str, bytes: &[u8]) -> PathBuf {
 }
 
 /// Runs an input; a failure becomes a file and a line.
-fn judged(target: &Target, bytes: &[u8], from: &str) -> Result<String, String> {
+fn judged(target: &'static Target, bytes: &[u8], from: &str) -> Result<String, String> {
     tried(target, bytes).map_err(|wrong| {
-        let path = kept(target, "fails", &minimised(target, bytes));
+        let (wrong, path) = match wrong {
+            Wrong::Fails(wrong) => (wrong, kept(target, "fails", &minimised(target, bytes))),
+            Wrong::Slow(wrong) => (wrong, kept(target, "slow", bytes)),
+        };
         let shown: String = wrong.chars().take(600).collect();
-        format!("{} ({from}): {shown}\n  smallest input: {}", target.name, path.display())
+        format!("{} ({from}): {shown}\n  the input: {}", target.name, path.display())
     })
 }
 
@@ -121,7 +149,7 @@ fn next(target: &Target, seeds: &[Vec<u8>], key: Key) -> Vec<u8> {
 }
 
 /// The corpus and `rounds` mutations of it, or as many as `time` allows.
-fn run(target: &Target, time: Option<Duration>) -> Vec<String> {
+fn run(target: &'static Target, time: Option<Duration>) -> Vec<String> {
     let mut failures = Vec::new();
     let mut known = BTreeSet::new();
     for (path, bytes) in corpus(target) {
@@ -129,6 +157,9 @@ fn run(target: &Target, time: Option<Duration>) -> Vec<String> {
             Ok(said) => drop(known.insert(said)),
             Err(failure) => failures.push(failure),
         }
+    }
+    for (what, bytes) in endless::cases(target.name) {
+        failures.extend(judged(target, &bytes, what).err());
     }
     let mut seeds = seeds(target);
     assert!(!seeds.is_empty(), "no corpus for {}", target.name);
@@ -140,9 +171,6 @@ fn run(target: &Target, time: Option<Duration>) -> Vec<String> {
             break;
         }
         let bytes = next(target, &seeds, key.child(round));
-        if time.is_some() {
-            kept_for_hangs(target, &bytes);
-        }
         match judged(target, &bytes, &format!("round {round}")) {
             Ok(said) => {
                 if known.insert(said) && time.is_some() {
@@ -156,13 +184,6 @@ fn run(target: &Target, time: Option<Duration>) -> Vec<String> {
     failures
 }
 
-/// What runs now: what a hang leaves behind.
-fn kept_for_hangs(target: &Target, bytes: &[u8]) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/fuzz");
-    std::fs::create_dir_all(&path).unwrap();
-    std::fs::write(path.join(format!("{}-running", target.name)), bytes).unwrap();
-}
-
 /// Other inputs each time that somebody asks for more than the ordinary test.
 fn started_at() -> u64 {
     std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_secs()
@@ -172,7 +193,7 @@ fn started_at() -> u64 {
 fn nothing_that_is_read_can_do_harm() {
     let time = std::env::var("LINDEN_FUZZ_SECONDS").ok().map(|text| text.parse().expect("seconds"));
     let chosen = std::env::var("LINDEN_FUZZ_TARGET").ok().filter(|name| !name.is_empty());
-    let chosen: Vec<&Target> =
+    let chosen: Vec<&'static Target> =
         TARGETS.iter().filter(|target| chosen.as_deref().is_none_or(|name| name == target.name)).collect();
     assert!(!chosen.is_empty(), "the targets are {:?}", TARGETS.iter().map(|t| t.name).collect::<Vec<_>>());
     // Panics are caught and told in one line each.

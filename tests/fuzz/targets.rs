@@ -10,13 +10,16 @@ use linden::grow::{GrowError, grow};
 use linden::input::{read_obj, read_ply, read_xyz, sniff};
 use linden::lsystem::{Grammar, Settings, derive_string, forecast, text};
 use linden::monitor::Phase;
-use linden::preset::{KNOBS, Preset, builtin_file, shape_knobs};
+use linden::preset::{KNOBS, Preset, Space, builtin_file, shape_knobs};
 use linden::recipe::{Geometry, Input, Recipe};
 use linden::skeleton::{NO_PARENT, Skeleton, SkeletonError};
 use linden::surface::topology;
+use linden::texture::own_picture;
 use linden::{Monitor, Quiet};
 use linden_exporters::{Bundle, ExportError, Options, REGISTRY};
 use linden_terminal::input::Parser;
+
+use crate::words;
 
 /// Something that takes bytes from outside.
 pub struct Target {
@@ -32,262 +35,26 @@ pub struct Target {
 
 /// All of them.
 pub const TARGETS: &[Target] = &[
-    Target { name: "grammar", run: grammar, rounds: 6000, words: GRAMMAR },
-    Target { name: "text", run: grammar_file, rounds: 6000, words: TEXT },
-    Target { name: "preset", run: preset, rounds: 1500, words: PRESET },
-    Target { name: "recipe", run: recipe, rounds: 1500, words: RECIPE },
-    Target { name: "input", run: input, rounds: 6000, words: INPUT },
-    Target { name: "knob", run: knob, rounds: 6000, words: KNOB },
-    Target { name: "terminal", run: terminal, rounds: 10_000, words: TERMINAL },
-    Target { name: "tree", run: tree, rounds: 250, words: PRESET },
+    Target { name: "grammar", run: grammar, rounds: 6000, words: words::GRAMMAR },
+    Target { name: "text", run: grammar_file, rounds: 6000, words: words::TEXT },
+    Target { name: "preset", run: preset, rounds: 1500, words: words::PRESET },
+    Target { name: "recipe", run: recipe, rounds: 1500, words: words::RECIPE },
+    Target { name: "obj", run: obj, rounds: 3000, words: words::INPUT },
+    Target { name: "ply", run: ply, rounds: 3000, words: words::INPUT },
+    Target { name: "xyz", run: xyz, rounds: 3000, words: words::INPUT },
+    Target { name: "png", run: picture, rounds: 2000, words: words::PICTURE },
+    Target { name: "knob", run: knob, rounds: 6000, words: words::KNOB },
+    Target { name: "terminal", run: terminal, rounds: 10_000, words: words::TERMINAL },
+    Target { name: "scan", run: scan, rounds: 150, words: words::INPUT },
+    Target { name: "tree", run: tree, rounds: 250, words: words::PRESET },
 ];
 
-const GRAMMAR: &[&str] = &[
-    "->",
-    "→",
-    "=",
-    "F",
-    "G",
-    "f",
-    "+",
-    "-",
-    "&",
-    "^",
-    "\\",
-    "/",
-    "|",
-    "$",
-    "[",
-    "]",
-    "%",
-    "!",
-    "'",
-    "(",
-    ")",
-    "(90)",
-    "(-1e308)",
-    "(0.5)",
-    "<",
-    ">",
-    ":",
-    "#define r 0.9",
-    "#ignore",
-    "*",
-    "{",
-    "}",
-    ".",
-    "~L",
-    ",",
-    "A(x,y)",
-    "x/y",
-    "x^y",
-    "&&",
-    "||",
-    "==",
-    "!=",
-    "<=",
-    ">=",
-    "sqrt(",
-    "random(",
-    "\n",
-    "\t",
-    " ",
-    "é",
-    "\u{202e}",
-    "1e999",
-    "NaN",
-];
-const TEXT: &[&str] = &[
-    "axiom=",
-    "angle=",
-    "number of derivations=",
-    "F=",
-    "F=(0.5)",
-    "\n",
-    "\r\n",
-    "=",
-    "90",
-    "-360",
-    "1e9",
-    "10000",
-    "99999999999",
-    "#",
-    "//",
-    "[",
-    "]",
-    "+",
-    "-",
-    "F",
-    "(0.3333)",
-    "é",
-    "\u{feff}",
-];
-const PRESET: &[&str] = &[
-    "[lsystem]\n",
-    "[colonization]\n",
-    "[wood]\n",
-    "[surface]\n",
-    "[bark]\n",
-    "[[colonization.part]]\n",
-    "axiom = ",
-    "rules = [",
-    "]\n",
-    "id = \"x\"\n",
-    "seed = ",
-    "18446744073709551615",
-    "-1",
-    "1e308",
-    "nan",
-    "inf",
-    "-inf",
-    "\"auto\"",
-    "\"17D\"",
-    "true",
-    "false",
-    "\"#0a80ff\"",
-    "[0, 0, 0]",
-    "[[0, 1], [1, 0]]",
-    "\"none\"",
-    "crown = \"",
-    "envelope = \"heart.obj\"\n",
-    "scan = \"heart.obj\"\n",
-    "0x10",
-    "1979-05-27",
-    "'''",
-    "\"\"\"",
-    "\\u001b",
-    "\n",
-    "=",
-    ".",
-    ",",
-];
-const RECIPE: &[&str] = &[
-    "{",
-    "}",
-    "[",
-    "]",
-    ":",
-    ",",
-    "\"",
-    "\"lsystem\":{",
-    "\"colonization\":{",
-    "\"id\":\"x\"",
-    "\"seed\":",
-    "1e999",
-    "-0",
-    "null",
-    "true",
-    "18446744073709551616",
-    "\"\\ud800\"",
-    "\"\\u001b[2J\"",
-    "\"input\":{",
-    "\"linden\":\"0.1.0\"",
-    "0.30000000000000004",
-];
-const INPUT: &[&str] = &[
-    "ply\n",
-    "format ascii 1.0\n",
-    "format binary_little_endian 1.0\n",
-    "format binary_big_endian 1.0\n",
-    "element vertex 3\n",
-    "element face 1\n",
-    "element vertex 4294967295\n",
-    "element vertex 18446744073709551615\n",
-    "property float x\n",
-    "property double z\n",
-    "property list uchar int vertex_indices\n",
-    "property list uint uint vertex_index\n",
-    "end_header\n",
-    "comment ",
-    "v 0 0 0\n",
-    "f 1 2 3\n",
-    "f -1 -2 -3\n",
-    "f 1/1/1 2//2 3\n",
-    "f 99999999999 0 1\n",
-    "1 2 3\n",
-    "1e308,2;3\n",
-    "nan",
-    "inf",
-    "-",
-    "e",
-    "\r",
-    "\r\n",
-    "\u{0}",
-    "#",
-    "//",
-    "\u{feff}",
-    "\\\n",
-    "obj",
-    "o x\n",
-    "vn 0 1 0\n",
-    "vt 0 0\n",
-];
-const KNOB: &[&str] = &[
-    "auto",
-    "inf",
-    "-inf",
-    "nan",
-    "17D",
-    "0D",
-    "1e308D",
-    "none",
-    "true",
-    "false",
-    "#0a80ff",
-    "#0A80FFF",
-    "#é",
-    "0,1,2",
-    "0,1; 1,0",
-    ";",
-    ",",
-    " ",
-    "\n",
-    "e",
-    "18446744073709551615",
-    "18446744073709551616",
-    "-0",
-    "0x1p3",
-    "1_000",
-    "٣",
-];
-const TERMINAL: &[&str] = &[
-    "\x1b[",
-    "\x1bO",
-    "\x1b]",
-    "\x1bP",
-    "\x1b_G",
-    "\x1b\\",
-    "\x07",
-    "\x1b\x1b",
-    "\x1b[200~",
-    "\x1b[201~",
-    "\x1b[<0;1;1M",
-    "\x1b[<64;99999;99999m",
-    "\x1b[M   ",
-    "\x1b[?62;4c",
-    "\x1b[4;600;800t",
-    "\x1b[6;20;10t",
-    "\x1b]11;rgb:ffff/0000/8080\x1b\\",
-    "\x1bP>|xterm(390)\x1b\\",
-    "\x1bP1$r0m\x1b\\",
-    "\x1b_Gi=31;OK\x1b\\",
-    "\x1b[97;5u",
-    "\x1b[1;5A",
-    "\x1b[18446744073709551616;1R",
-    "q",
-    "é",
-    "\u{1f333}",
-    ";",
-    ":",
-    "?",
-    "$y",
-    "\x18",
-    "\x1a",
-    "\x00",
-    "\x7f",
-    "\x1b[I",
-    "\x1b[O",
-];
+impl Target {
+    /// Whether whole trees are grown of its inputs.
+    pub fn is_grown(&self) -> bool {
+        matches!(self.name, "tree" | "scan")
+    }
+}
 
 /// Cancels after so many looks: a budget of work that is the same on every machine.
 pub struct Budget {
@@ -434,25 +201,62 @@ fn sound_preset(preset: Preset) -> String {
     id
 }
 
-/// Meshes and points, by every reader.
-fn input(bytes: &[u8]) -> String {
-    let budget = || Budget::new(10_000, 256 << 20);
-    if let Err(error) = sniff(bytes, "tree.any") {
-        said(&error);
-    }
-    match read_obj(bytes, &budget()) {
+/// Meshes as text.
+fn obj(bytes: &[u8]) -> String {
+    match read_obj(bytes, &reading()) {
         Ok(mesh) => sound_mesh(&mesh.positions, &mesh.triangles),
         Err(error) => drop(said(&error)),
     }
-    match read_ply(bytes, &budget()) {
+    told_by_content(bytes)
+}
+
+/// Meshes and points, as text and binary.
+fn ply(bytes: &[u8]) -> String {
+    match read_ply(bytes, &reading()) {
         Ok(data) => sound_mesh(&data.positions, &data.faces),
         Err(error) => drop(said(&error)),
     }
-    match read_xyz(bytes, &budget()) {
+    told_by_content(bytes)
+}
+
+/// Points as text.
+fn xyz(bytes: &[u8]) -> String {
+    match read_xyz(bytes, &reading()) {
         Ok(points) => sound_mesh(&points, &[]),
         Err(error) => drop(said(&error)),
     }
-    match Input::read("tree.any", bytes, &budget()) {
+    told_by_content(bytes)
+}
+
+/// Pictures of leaves and bark.
+fn picture(bytes: &[u8]) -> String {
+    match own_picture(bytes, &Budget::new(10_000, PICTURE_BYTES)) {
+        Ok(own) => {
+            let (width, height) = (own.picture.width(), own.picture.height());
+            assert_eq!(own.picture.rgba().len() as u64, u64::from(width) * u64::from(height) * 4);
+            let written = own.picture.png().expect("what was read can be written");
+            let again = own_picture(written, &Quiet).expect("what was written can be read");
+            assert_eq!((again.picture.rgba(), again.has_alpha), (own.picture.rgba(), own.has_alpha));
+            format!("a picture, {}", own.has_alpha)
+        }
+        Err(error) => said(&error),
+    }
+}
+
+/// The most that a picture may hold: what is written again comes on top.
+const PICTURE_BYTES: u64 = 4 << 20;
+
+/// What reading an input may take.
+fn reading() -> Budget {
+    Budget::new(10_000, 256 << 20)
+}
+
+/// An input whose kind nothing but its content tells.
+fn told_by_content(bytes: &[u8]) -> String {
+    if let Err(error) = sniff(bytes, "tree.any") {
+        said(&error);
+    }
+    match Input::read("tree.any", bytes, &reading()) {
         Ok(input) => match input.geometry {
             Geometry::Mesh(_) => "mesh",
             Geometry::Points(_) => "points",
@@ -517,10 +321,27 @@ fn tree(bytes: &[u8]) -> String {
     }
 }
 
+/// Points as from a scanner, or a crown's envelope, and the tree that grows in it.
+fn scan(bytes: &[u8]) -> String {
+    const FILE: &str = "scan.any";
+    let input = match Input::read(FILE, bytes, &reading()) {
+        Ok(input) => input,
+        Err(error) => return said(&error),
+    };
+    let space = match input.geometry {
+        Geometry::Points(_) => Space::Points { file: FILE.to_owned() },
+        Geometry::Mesh(_) => Space::Envelope { file: FILE.to_owned() },
+        Geometry::Picture(_) => return "picture".to_owned(),
+    };
+    let preset = within_limits(Preset::of_space("scan", space));
+    planted(&Recipe { preset, inputs: [(FILE, input)].into_iter().collect() })
+}
+
 /// The most that a whole recipe may hold.
 pub const TREE_BYTES: u64 = 48 << 20;
 
-fn grown(mut preset: Preset) -> String {
+/// The same, small.
+fn within_limits(mut preset: Preset) -> Preset {
     for (name, most) in [
         ("symbol_limit", 20_000),
         ("points", 1500),
@@ -536,16 +357,25 @@ fn grown(mut preset: Preset) -> String {
             preset.set(name, &most.to_string()).expect("the limits are in the ranges");
         }
     }
+    preset
+}
+
+fn grown(preset: Preset) -> String {
+    let preset = within_limits(preset);
     // Whatever file a document names, there is none but the built-in presets' own.
     let heart = builtin_file("heart.obj").unwrap_or_default();
     let read = |file: &str| Input::read(file, builtin_file(file).unwrap_or(heart), &Quiet).ok();
     let inputs = preset.files().into_iter().filter_map(|file| Some((file, read(file)?))).collect();
-    let recipe = Recipe { preset, inputs };
+    planted(&Recipe { preset, inputs })
+}
+
+/// Grows a recipe, gives it its surface, and writes it in every format.
+fn planted(recipe: &Recipe) -> String {
     let budget = Budget::new(100_000, TREE_BYTES);
-    if let Err(error) = outline(&recipe, &budget) {
+    if let Err(error) = outline(recipe, &budget) {
         said(&error);
     }
-    let grown = match grow(&recipe, &budget) {
+    let grown = match grow(recipe, &budget) {
         Ok(grown) => grown,
         Err(error) => {
             let is_ours = matches!(&error, GrowError::Skeleton(own) if !matches!(own, SkeletonError::Empty));
@@ -557,7 +387,7 @@ fn grown(mut preset: Preset) -> String {
         said(note);
     }
     sound_skeleton(&grown.skeleton);
-    let scene = match dress(&recipe, &grown, &budget) {
+    let scene = match dress(recipe, &grown, &budget) {
         Ok(scene) => scene,
         Err(error) => return said(&error),
     };
