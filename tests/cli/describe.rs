@@ -15,6 +15,7 @@ const COMMANDS: [&str; 13] = [
     "export",
     "recipe",
     "forest",
+    "recipe",
     "doctor",
     "completions",
     "man",
