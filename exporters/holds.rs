@@ -18,6 +18,7 @@ pub enum LooksIn {
 
 /// What a format holds beside the axial tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(clippy::struct_excessive_bools, reason = "each is a fact for itself, none follows from another")]
 pub struct Holds {
     /// The surface, with what covers it: leaves, colours.
     pub surface: bool,

@@ -207,7 +207,7 @@ mod tests {
 
     #[test]
     fn files_of_others_carry_none() {
-        let long = [b"# ".as_slice(), &[b'a'; 100_000]].concat();
+        let long = [b"# ".as_slice(), &vec![b'a'; 100_000]].concat();
         for bytes in [
             &b""[..],
             b"#",
@@ -224,7 +224,7 @@ mod tests {
             b"\x89PNG\r\n\x1a\n\xff\xff\xff\xfftEXt",
             b"{\"nodes\":[{\"extras\":{\"linden\":\"text\"}}]}",
             &long,
-            &[0; 100_000],
+            &vec![0; 100_000],
         ] {
             let found = recipe_in(&mut Cursor::new(bytes)).unwrap();
             assert_eq!(found, None, "{:?}", String::from_utf8_lossy(&bytes[..bytes.len().min(60)]));

@@ -146,7 +146,9 @@ impl ForestOutlook {
 /// Says how long work will take, where that is long; whether it was.
 pub fn announce(seconds: f64, amount: &str) -> bool {
     let line = announcement(seconds, amount);
-    line.iter().for_each(|line| exit::say(line));
+    if let Some(line) = &line {
+        exit::say(line);
+    }
     line.is_some()
 }
 
@@ -157,7 +159,7 @@ fn announcement(seconds: f64, amount: &str) -> Option<String> {
 /// A count to two digits: the others would be made up.
 pub fn round(count: f64) -> u64 {
     let power = exponent(count);
-    let unit = 10_f64.powi(power - 1);
+    let unit: f64 = (1..power).map(|_| 10.0).product();
     if power < 2 { count.round() as u64 } else { ((count / unit).round() * unit) as u64 }
 }
 

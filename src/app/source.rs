@@ -1,6 +1,5 @@
 //! SOURCE: a preset's id, a file told by its content, or `-`; with overrides it becomes a recipe.
 
-use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -306,8 +305,12 @@ pub fn mention(shown: &str, text: &str, file: &str) -> String {
 
 /// Whether a recipe is a forest's.
 pub fn is_forest(json: &str) -> bool {
-    let keys = serde_json::from_str::<BTreeMap<String, serde::de::IgnoredAny>>(json);
-    keys.is_ok_and(|keys| keys.contains_key("tree"))
+    #[derive(serde::Deserialize)]
+    struct OfForest {
+        #[serde(rename = "tree")]
+        _trees: serde::de::IgnoredAny,
+    }
+    serde_json::from_str::<OfForest>(json).is_ok()
 }
 
 /// What a byte of a document becomes at its worst while it is read: a list of numbers of one digit.

@@ -98,7 +98,7 @@ impl fmt::Debug for Output {
             .field("path", &self.path)
             .field("level", &self.level)
             .field("season", &self.season)
-            .finish()
+            .finish_non_exhaustive()
     }
 }
 

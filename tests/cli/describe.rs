@@ -15,7 +15,6 @@ const COMMANDS: [&str; 13] = [
     "export",
     "recipe",
     "forest",
-    "recipe",
     "doctor",
     "completions",
     "man",
@@ -287,7 +286,7 @@ fn variables() -> BTreeSet<String> {
             let name = path.file_name().unwrap().to_string_lossy().into_owned();
             if path.is_dir() && name != "tests" {
                 folders.push(path);
-            } else if name.ends_with(".rs") && !name.contains("tests") {
+            } else if path.extension().is_some_and(|end| end == "rs") && !name.contains("tests") {
                 let text = std::fs::read_to_string(&path).unwrap();
                 let code = text.split("#[cfg(test)]").next().unwrap_or_default();
                 let texts = code.split('"').skip(1).step_by(2);

@@ -261,6 +261,7 @@ fn peak_bytes(folder: &Folder, args: &[&str], input: Stdio) -> (Said, u64) {
 
 #[cfg(target_os = "linux")]
 #[test]
+#[allow(clippy::zombie_processes, reason = "it ends when its reader does")]
 fn no_input_takes_more_memory_than_is_given() {
     let folder = Folder::new();
     std::fs::File::create(folder.file("sparse.xyz")).unwrap().set_len(3 << 30).unwrap();

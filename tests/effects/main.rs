@@ -1,6 +1,8 @@
 //! Nothing that is asked for is without effect in silence: every knob in every generator, and every knob
 //! and every option of every format, changes bytes, is refused, or is named in a note.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
 mod plants;
 
 use std::collections::BTreeMap;
@@ -57,7 +59,7 @@ impl Dressed {
             own.seasons
         };
         for level in seasons.iter_mut().flat_map(|(_, levels)| levels) {
-            level.scene.recipe = "{}".to_owned();
+            "{}".clone_into(&mut level.scene.recipe);
         }
         Ok(Self { seasons, notes })
     }
@@ -297,10 +299,11 @@ fn what_a_format_cannot_hold_of_a_knob_is_noted() {
 /// Asks every format for levels, seasons, planes, wind and a scene.
 #[test]
 fn what_a_format_cannot_hold_of_an_export_is_noted() {
+    type Asked<'a> = (&'a str, &'a [(&'a str, &'a str)], &'a [Season], bool);
     let plain = plants().into_iter().find(|own| own.name == "crown").unwrap().recipe;
     let before = Dressed::of(&plain, &[]).unwrap();
     let seasons = Season::parse_list("summer,autumn").unwrap();
-    let asked: [(&str, &[(&str, &str)], &[Season], bool); 7] = [
+    let asked: [Asked<'_>; 7] = [
         ("lods", &[("lods", "2")], &[], false),
         ("lods", &[("lod_triangles", "900 300")], &[], false),
         ("lods", &[("billboard", "2"), ("billboard_size", "64")], &[], false),

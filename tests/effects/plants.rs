@@ -41,7 +41,7 @@ fn scan() -> String {
             let t = f64::from(ring) / f64::from(rings);
             let at = |axis: usize| foot[axis] + t * (tip[axis] - foot[axis]);
             for side in 0..10 {
-                let (sin, cos) = (f64::from(side) * 0.6283 + 0.3 * t).sin_cos();
+                let (sin, cos) = libm::sincos(f64::from(side) * 0.6283 + 0.3 * t);
                 text += &format!("{:.4} {:.4} {:.4}\n", at(0) + radius * cos, at(1) + radius * sin, at(2));
             }
         }

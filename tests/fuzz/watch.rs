@@ -20,7 +20,7 @@ const STEPS_PER_BYTE: f64 = 1e3;
 /// What takes so many times longer than it may is not waited for.
 const ENDLESS: f64 = 4.0;
 /// An input that takes no processor time for so long waits for something.
-const STILL: Duration = Duration::from_secs(120);
+const STILL: Duration = Duration::from_mins(2);
 
 /// Looks at what runs.
 pub struct Watch {

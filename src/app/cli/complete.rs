@@ -32,7 +32,7 @@ pub fn settings() -> ArgValueCompleter {
 /// Ids of formats.
 pub fn formats() -> ArgValueCandidates {
     ArgValueCandidates::new(|| {
-        let formats = exporters().into_iter().map(|exporter| exporter.format());
+        let formats = exporters().into_iter().map(linden_exporters::Exporter::format);
         formats.map(|format| candidate(format.id, format.help)).collect()
     })
 }

@@ -35,7 +35,7 @@ pub struct Export {
     budget: super::Budget,
 
     /// So many levels of detail, the same tree with fewer triangles each time, or a budget of triangles
-    /// for each, like 50000,15000,4000; the same as --set lods=N or --set lod_triangles=LIST
+    /// for each, like 50000,15000,4000; the same as --set lods=N or --set `lod_triangles=LIST`
     #[arg(long, value_name = "N|LIST")]
     lods: Option<String>,
 

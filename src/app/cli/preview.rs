@@ -74,7 +74,7 @@ pub struct Preview {
     #[arg(long, value_parser = background)]
     background: Option<Background>,
 
-    /// Show this level of detail, the finest is 0: of --set lods=N, lod_triangles=LIST or billboard=PLANES
+    /// Show this level of detail, the finest is 0: of --set lods=N, `lod_triangles=LIST` or billboard=PLANES
     #[arg(long, value_name = "N")]
     lod: Option<usize>,
 

@@ -235,6 +235,8 @@ mod tests {
         assert_eq!(text_of("\u{feff}v".as_bytes()), Ok("v"));
     }
 
+    type Read<'a> = &'a dyn Fn(&dyn Monitor) -> Result<u64, InputError>;
+
     #[test]
     fn what_is_read_asks_for_its_memory() {
         struct Poor(u64);
@@ -255,7 +257,6 @@ mod tests {
              element face {count}\nproperty list uchar int vertex_indices\nend_header\n{points}{}",
             "4 0 0 0 0\n".repeat(count)
         );
-        type Read<'a> = &'a dyn Fn(&dyn Monitor) -> Result<u64, InputError>;
         let mesh_bytes = |mesh: &TriangleMesh| {
             bytes_of::<DVec3>(mesh.positions.capacity()) + bytes_of::<[u32; 3]>(mesh.triangles.capacity())
         };

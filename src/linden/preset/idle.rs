@@ -92,7 +92,7 @@ impl super::LSystem {
         let grammar = &self.grammar;
         let successors = grammar.productions().iter().flat_map(|own| &own.successor);
         let mut written = grammar.axiom().iter().chain(successors);
-        written.any(|module| symbols.contains(module.symbol) && !(bare && !module.arguments.is_empty()))
+        written.any(|module| symbols.contains(module.symbol) && (!bare || module.arguments.is_empty()))
     }
 }
 
