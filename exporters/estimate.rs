@@ -365,7 +365,7 @@ impl Estimate {
                 let tangent = if pictures > 0 { 16 } else { 0 };
                 let index = if u16::try_from(vertices).is_ok() { 2 } else { 4 };
                 let tangents = tangent * (vertices - plain_vertices);
-                let is_quantized = options.is_on("quantize") && self.wind == Wind::Off;
+                let is_quantized = options.is_on("quantize") && self.wind != Wind::Sway;
                 // Texture coordinates stay whole where no picture is seen.
                 let plain = if pictures > 0 { plain_vertices } else { vertices };
                 let meshes = if options.is_word("compress", "meshopt") {

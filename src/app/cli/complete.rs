@@ -104,7 +104,8 @@ fn candidate(value: &str, help: &str) -> CompletionCandidate {
 type Named = (String, Kind, &'static str);
 
 fn setting(typed: &OsStr) -> Vec<CompletionCandidate> {
-    let line: Vec<String> = std::env::args().collect();
+    // Behind `--` and the word that calls the program, whose name is a preset's, too.
+    let line: Vec<String> = std::env::args().skip_while(|word| word != "--").skip(2).collect();
     let known = known(&line);
     let all: Vec<_> = match typed.to_string_lossy().split_once('=') {
         None => known.iter().map(|(name, _, help)| candidate(&format!("{name}="), help)).collect(),

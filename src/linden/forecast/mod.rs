@@ -103,7 +103,7 @@ impl Sample {
 /// ```
 /// use linden::{Quiet, forecast::sample, preset::builtin, recipe::Recipe};
 /// let preset = builtin("abop-a").unwrap().load().map_err(|fault| fault.message)?;
-/// let mut recipe = Recipe { preset, inputs: Vec::new() };
+/// let mut recipe = Recipe::new(preset);
 /// assert_eq!(sample(&recipe, &Quiet)?.nodes(), 3126.0); // grown as it is
 /// recipe.preset.set("derivations", "9")?;
 /// let nodes = sample(&recipe, &Quiet)?.nodes();
