@@ -62,8 +62,8 @@ fn assert_comes_back(truth: &Sizes, hits: &[Hit], sd_m: f64, what: &str, bounds:
     assert!(1e3 * back.mean_m < 25.0 && 1e3 * back.p95_m < 70.0, "{what}: {back:?}");
 }
 
-fn assert_all_come_back(id: &str) {
-    let tree = tree(id, &[]);
+fn assert_all_come_back(id: &str, settings: &[(&str, &str)]) {
+    let tree = tree(id, settings);
     let truth = sizes(&tree.0);
     println!("{}", line(id, &truth, None));
     let hits = bark(&tree, SPACING_M, key());
@@ -84,12 +84,13 @@ fn assert_all_come_back(id: &str) {
 
 #[test]
 fn a_broad_tree_comes_back() {
-    assert_all_come_back("simple");
+    // As stout as an old tree: its stem runs on into limbs that a thin one loses in the noise.
+    assert_all_come_back("simple", &[("base_radius", "0.18")]);
 }
 
 #[test]
 fn a_tall_tree_comes_back() {
-    assert_all_come_back("fir");
+    assert_all_come_back("fir", &[]);
 }
 
 /// Twice as thick as a tree of its height is unasked: only the points can tell.

@@ -37,6 +37,18 @@ pub(super) fn prepare(stations: &mut Vec<Station>) {
     soften(stations);
 }
 
+/// Makes wood at least so thick that the corners of its rings are apart in `f32`: what is thinner could not
+/// be told from a line, and its surface would be open. `sides` gives those of a ring of a radius.
+pub(super) fn thicken(stations: &mut [Station], sides: impl Fn(f32) -> u32) {
+    for station in stations {
+        let resolution_m = station.position.abs().max_element() * f32::EPSILON;
+        station.radius = station.radius.max(CORNERS_APART * sides(station.radius) as f32 * resolution_m);
+    }
+}
+
+/// Steps of single precision around a ring, for each of its corners: half of them are left where a bud narrows.
+const CORNERS_APART: f32 = 4.0;
+
 /// Chooses rings along the stations (base to apex) so that no ring cuts through its neighbour, gives
 /// them parallel transport frames and appends them to `rings`.
 ///

@@ -52,6 +52,7 @@ impl<'a> Course<'a> {
         }
         stations.extend(own.iter().map(|&node| self.station(node, node)));
         taper_twig(stations, features.twig_taper);
+        path::thicken(stations, |radius_m| self.roundness.sides(radius_m));
         curve::subdivide(stations, self.tubes.rings);
         path::prepare(stations);
         let is_stem = axis.parent == NO_PARENT;

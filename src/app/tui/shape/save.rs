@@ -9,6 +9,7 @@ use linden::Quiet;
 use linden::knob::excerpt;
 use linden::preset::{builtin, builtin_file};
 use linden::recipe::{Input, Recipe};
+use linden_exporters::{Bundle, ExportError, commit_all};
 
 use crate::config::files::{self, Existing, Readers};
 use crate::config::presets;
@@ -210,6 +211,10 @@ pub fn write(
         ));
     }
     let mut found = documents(dir, id, from, recipe)?;
+    if overwrite {
+        replace_all(dir, &found)?;
+        return Ok((id.to_owned(), path));
+    }
     let Some((_, document)) = found.pop() else { return Err("there is nothing to save".to_owned()) };
     let document = String::from_utf8(document).map_err(|error| error.to_string())?;
     let mut added = Vec::new();
@@ -217,23 +222,15 @@ pub fn write(
         let file = dir.join(name);
         match files::write(&file, &bytes, Readers::Umask, Existing::Keep) {
             Ok(()) => added.push(file),
-            // The same file is there from the last time, or its owner has agreed to another.
+            // The same file is there from the last time.
+            Err(error) if error.kind() == ErrorKind::AlreadyExists && holds(&file, &bytes) => {}
             Err(error) if error.kind() == ErrorKind::AlreadyExists => {
-                if fs::read(&file).ok().as_deref() != Some(&bytes) {
-                    if !overwrite {
-                        return Err(format!(
-                            "there is another file {} already; choose another id",
-                            show(&file)
-                        ));
-                    }
-                    files::write(&file, &bytes, Readers::Umask, Existing::Replace)
-                        .map_err(|error| format!("writing {}: {error}", show(&file)))?;
-                }
+                return Err(format!("there is another file {} already; choose another id", show(&file)));
             }
             Err(error) => return Err(format!("writing {}: {error}", show(&file))),
         }
     }
-    match presets::save(dir, id, &document, overwrite) {
+    match presets::save(dir, id, &document, false) {
         Ok(path) => Ok((id.to_owned(), path)),
         Err(error) => {
             for file in added {
@@ -243,4 +240,25 @@ pub fn write(
             Err(error.to_string())
         }
     }
+}
+
+/// Writes all files or none; their owner has agreed that they replace those that are there.
+fn replace_all(dir: &Path, found: &[(String, Vec<u8>)]) -> Result<(), String> {
+    let failed = |error: ExportError| error.to_string();
+    fs::create_dir_all(dir).map_err(|error| format!("making the directory {}: {error}", show(dir)))?;
+    let mut bundles = Vec::new();
+    for (name, bytes) in found {
+        let file = dir.join(name);
+        if !holds(&file, bytes) {
+            let mut bundle = Bundle::create(&file).map_err(failed)?;
+            bundle.write_main(Some(bytes.len() as u64), &Quiet, |out| out.write(bytes)).map_err(failed)?;
+            bundles.push(bundle);
+        }
+    }
+    commit_all(bundles).map_err(failed)?;
+    Ok(())
+}
+
+fn holds(file: &Path, bytes: &[u8]) -> bool {
+    fs::read(file).is_ok_and(|there| there == bytes)
 }

@@ -121,4 +121,14 @@ fn what_cannot_be_saved_whole_is_not_saved() {
     let error = save::write(&presets, "mine", &Place::Builtin("heart"), &heart, false).unwrap_err();
     assert!(error.contains("another file"), "{error}");
     assert!(!presets.join("mine.toml").exists());
+    // Replaced is all of it or nothing.
+    std::fs::create_dir(presets.join("mine.toml")).unwrap();
+    let error = save::write(&presets, "mine", &Place::Builtin("heart"), &heart, true).unwrap_err();
+    assert!(error.contains("mine.toml"), "{error}");
+    assert_eq!(written(&presets, "mine.obj"), "v 0 0 0");
+    std::fs::remove_dir(presets.join("mine.toml")).unwrap();
+    save::write(&presets, "mine", &Place::Builtin("heart"), &heart, true).unwrap();
+    assert!(written(&presets, "mine.toml").contains("mine.obj"));
+    assert_ne!(written(&presets, "mine.obj"), "v 0 0 0");
+    assert_eq!(std::fs::read_dir(&presets).unwrap().count(), 2);
 }
