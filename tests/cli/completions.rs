@@ -57,6 +57,9 @@ fn bash_completes_commands_presets_knobs_values_and_formats() {
     };
     assert_eq!(at("linden exp"), ["export"]);
     assert_eq!(at("linden export norway-s"), ["norway-spruce"]);
+    std::fs::create_dir_all(folder.file("config/presets")).unwrap();
+    folder.write("config/presets/my-rowan.toml", "");
+    assert_eq!(at("linden export my-r"), ["my-rowan"]);
     assert_eq!(at("linden export scan"), ["scan\\ of\\ mine.xyz"]);
     has("linden export fir --", "--billboard");
     assert_eq!(at("linden export fir --set poin"), ["points="]);

@@ -14,6 +14,9 @@ use linden::preset::{KNOBS, builtin, builtins, shape_knobs};
 use linden::season::SEASONS;
 use linden_exporters::{REGISTRY, exporters};
 
+use crate::config::dirs::Dirs;
+use crate::config::presets::ids;
+
 /// SOURCE: presets and files.
 pub fn sources() -> ArgValueCompleter {
     ArgValueCompleter::new(|typed: &OsStr| with_files(presets(), typed))
@@ -78,7 +81,10 @@ fn headings() -> impl Iterator<Item = (&'static str, linden::preset::Heading)> {
 }
 
 fn presets() -> impl Iterator<Item = CompletionCandidate> {
-    headings().map(|(id, heading)| candidate(id, &heading.summary))
+    let of_user = Dirs::of_environment().presets().map_or_else(Vec::new, |folder| ids(&folder));
+    let of_user = of_user.into_iter().filter(|id| builtin(id).is_err());
+    let built_in = headings().map(|(id, heading)| candidate(id, &heading.summary));
+    built_in.chain(of_user.map(|id| candidate(&id, "a preset of yours")))
 }
 
 fn forests() -> impl Iterator<Item = CompletionCandidate> {
