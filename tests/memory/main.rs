@@ -112,7 +112,7 @@ fn contexts(derivations: u32) -> Recipe {
 fn spread() -> Vec<(String, Recipe)> {
     let mut all: Vec<(String, Recipe)> =
         builtins().iter().map(|builtin| (builtin.id.to_owned(), recipe(builtin))).collect();
-    let turns: [(&str, &[(&str, &str)]); 11] = [
+    let turns: [(&str, &[(&str, &str)]); 12] = [
         ("abop-a", &[("derivations", "8"), ("sides", "3"), ("bark_size", "64")]),
         ("abop-b", &[("derivations", "8"), ("sides", "5")]),
         ("abop-stochastic", &[("derivations", "10"), ("sides", "3"), ("bark_size", "64")]),
@@ -121,6 +121,8 @@ fn spread() -> Vec<(String, Recipe)> {
         ("fir", &[("points", "150000"), ("sides", "4")]),
         ("sphere", &[("points", "400000"), ("influence", "8D"), ("kill", "2D"), ("sides", "3")]),
         ("sphere", &[("points", "300000"), ("influence", "inf"), ("sides", "3")]),
+        // Many nodes stand when the second wave's points see them all at once.
+        ("sphere", &[("points", "60000"), ("influence", "inf"), ("waves", "2"), ("sides", "3")]),
         ("cypress", &[("points", "100000"), ("kill", "12D"), ("sides", "64")]),
         ("heart", &[("points", "200000")]),
         ("simple", &[("bark_size", "1024"), ("bark", "plated")]),

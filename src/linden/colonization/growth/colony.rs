@@ -12,7 +12,10 @@ use super::obstacle::Obstacle;
 use super::search::{Captures, Search};
 use super::surroundings::Surroundings;
 use super::tree::PointTree;
-use super::{ADVICE, Attraction, DOING, Growth, GrowthError, GrowthRule, NodeSet, Stop, bytes_at};
+use super::{
+    ADVICE, Attraction, BUILD_BYTES_PER_POINT, DOING, Growth, GrowthError, GrowthRule, NodeSet, Stop,
+    bytes_at,
+};
 use crate::monitor::{Cancelled, Monitor, Phase};
 use crate::skeleton::Branching;
 
@@ -126,7 +129,7 @@ impl<'a, F: Fn(PointTree, f32) -> Search> Colony<'a, F> {
     }
 
     /// Makes the next wave's points active; whether there was one.
-    fn begin_wave(&mut self) -> Result<bool, Cancelled> {
+    fn begin_wave(&mut self) -> Result<bool, GrowthError> {
         let wave = loop {
             if self.waves == self.rule.habit.waves {
                 return Ok(false);
@@ -137,25 +140,26 @@ impl<'a, F: Fn(PointTree, f32) -> Search> Colony<'a, F> {
                 break wave;
             }
         };
+        let others = bytes_at(self.points.len() - wave.len(), &self.nodes, 0);
+        self.monitor.admit(DOING, others + wave.len() as u64 * BUILD_BYTES_PER_POINT, ADVICE)?;
         let GrowthRule { influence, kill, .. } = *self.rule;
         // A node is in reach when its distance is strictly below the next number.
         let beyond = (influence * influence).next_up();
         let tree = PointTree::over(&self.points[wave], beyond, self.monitor)?;
         let mut search = (self.new_search)(tree, kill * kill);
-        if self.waves == 1 {
-            // No node has been asked to grow, so none can be taken for changed that is not.
-            self.searches.push(search);
-            self.settle(0)?;
-        } else {
-            let captures = search.awaken(&self.nodes.branching.positions, self.monitor)?;
-            self.nodes.influences.record(std::slice::from_ref(&captures));
-            self.bury(std::slice::from_ref(&captures), false);
-            if let Some(surroundings) = &mut self.surroundings {
-                surroundings.awaken(self.searches.len());
-            }
-            self.searches.push(search);
-            self.progress();
+        // The sums are written while the positions are read.
+        let positions = std::mem::take(&mut self.nodes.branching.positions);
+        let shown = search.awaken(&positions, self.monitor, |captures| {
+            self.nodes.influences.record(captures);
+            self.bury(captures, false);
+        });
+        self.nodes.branching.positions = positions;
+        shown?;
+        if let Some(surroundings) = &mut self.surroundings {
+            surroundings.awaken(self.searches.len());
         }
+        self.searches.push(search);
+        self.progress();
         Ok(true)
     }
 

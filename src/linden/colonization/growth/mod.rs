@@ -68,7 +68,8 @@
 //! the points (`search`); what they capture is taken out of the old nodes' sums and added to the
 //! new ones' (`influence`). A stretch of the tree is one thread's work; threads return what was
 //! captured, and integer sums do not mind the order. Each wave has a tree of its own, built when it
-//! becomes active. Sums over all points in reach (`surroundings`) are made when a node first has
+//! becomes active; its points see the nodes that are there a few hundred at a time, so that what is noted on
+//! the way is bounded. Sums over all points in reach (`surroundings`) are made when a node first has
 //! a point of its own; after that a small tree over the points that died since takes pulls out again.
 //!
 //! # Memory
@@ -295,7 +296,7 @@ fn out_of_reach(
     monitor: &dyn Monitor,
 ) -> Result<GrowthError, Cancelled> {
     let mut search = Search::new(PointTree::over(points, f32::INFINITY, monitor)?, rule.kill * rule.kill);
-    search.capture(0, &start.positions, monitor, |_| ())?;
+    search.awaken(&start.positions, monitor, |_| ())?;
     let mut nearest2 = f32::INFINITY;
     search.live(monitor, |_, d2, _| nearest2 = nearest2.min(d2))?;
     Ok(GrowthError::NothingInReach { nearest_m: nearest2.sqrt(), influence_m: rule.influence })

@@ -25,6 +25,10 @@ const MOST_SHARES: usize = 8;
 /// Most nodes that are sent into one cluster between two questions to the monitor.
 const BATCH: usize = 1024;
 
+/// Most nodes that are shown at once to points that have seen none. While no point has a near node, each
+/// may enter every cluster: what is noted of that is bounded by this, and later ones enter the fewer.
+const TURN: usize = 256;
+
 /// A squared kill distance that nothing is within.
 const NEVER: f32 = -1.0;
 
@@ -291,17 +295,63 @@ impl Search {
         }
     }
 
-    /// Shows all nodes to points that have seen none, and returns what each has captured at the end.
-    pub fn awaken(&mut self, positions: &[Vec3], monitor: &dyn Monitor) -> Result<Captures, Cancelled> {
-        let mut captured = Captures::default();
-        self.capture(0, positions, monitor, |captures| {
-            captured.deaths.extend(captures.iter().flat_map(|some| &some.deaths));
-        })?;
-        self.live(monitor, |point, d2, node| {
-            captured.won.push(node, point - positions[node as usize], d2);
-        })?;
-        captured.won.finish();
-        Ok(captured)
+    /// Shows all nodes to points that have seen none; `record` takes what they have captured at the end,
+    /// cluster by cluster.
+    ///
+    /// The same as [`capture`](Self::capture), but that nothing is told of points that change hands on the
+    /// way, and that memory does not go with nodes × clusters.
+    pub fn awaken(
+        &mut self,
+        positions: &[Vec3],
+        monitor: &dyn Monitor,
+        mut record: impl FnMut(&[Captures]),
+    ) -> Result<(), Cancelled> {
+        for first in (0..positions.len()).step_by(TURN) {
+            monitor.check()?;
+            self.show(first, &positions[..positions.len().min(first + TURN)], monitor)?;
+        }
+        // Who is nearest when a point dies is known when all nodes have been there.
+        let captures = &mut self.captures[0];
+        for (index, cluster) in self.tree.clusters.iter_mut().enumerate() {
+            monitor.check()?;
+            captures.clear();
+            bury(cluster, positions, self.kill2, captures);
+            // Nobody has felt them.
+            captures.lost.made.clear();
+            live_in(cluster, |point, d2, node| {
+                captures.won.push(node, point - positions[node as usize], d2);
+            });
+            captures.won.finish();
+            record(std::slice::from_ref(captures));
+            self.tree.top.levels[0][index / FAN].reach[index % FAN] = cluster.pyramid.reach();
+        }
+        refit_all(&mut self.tree.top.levels);
+        Ok(())
+    }
+
+    /// Shows the nodes from `first` on to the points; none dies.
+    fn show(&mut self, first: usize, positions: &[Vec3], monitor: &dyn Monitor) -> Result<(), Cancelled> {
+        self.distribute(first, positions);
+        let mut clusters = self.tree.clusters.iter_mut().enumerate();
+        let work: Vec<(&mut Cluster, &[u32])> = self
+            .entered
+            .iter()
+            .filter_map(|(index, queries)| {
+                clusters.find(|(i, _)| *i == index).map(|(_, cluster)| (cluster, queries))
+            })
+            .collect();
+        let visit = self.visit;
+        work.into_par_iter().try_for_each_init(
+            <(Scratch, Captures)>::default,
+            |(scratch, captures), (cluster, queries)| {
+                monitor.check()?;
+                captures.clear();
+                visit(cluster, queries, positions, NEVER, scratch, captures);
+                Ok(())
+            },
+        )?;
+        self.refit();
+        Ok(())
     }
 
     /// Whether no point lives.
@@ -313,13 +363,7 @@ impl Search {
     pub fn live(&self, monitor: &dyn Monitor, mut each: impl FnMut(Vec3, f32, u32)) -> Result<(), Cancelled> {
         for cluster in self.tree.clusters.iter().filter(|cluster| cluster.pyramid.reach() >= 0.0) {
             monitor.check()?;
-            for leaf in &cluster.leaves {
-                for lane in 0..LEAF {
-                    if leaf.d2[lane] >= 0.0 && leaf.nearest[lane] != NONE {
-                        each(leaf.point(lane), leaf.d2[lane], leaf.nearest[lane]);
-                    }
-                }
-            }
+            live_in(cluster, &mut each);
         }
         Ok(())
     }
@@ -490,10 +534,26 @@ fn bury(cluster: &mut Cluster, positions: &[Vec3], kill2: f32, captures: &mut Ca
         cluster.pyramid.levels[0][index / FAN].reach[index % FAN] = largest(&leaf.d2);
     }
     captures.lost.finish();
-    for level in 1..cluster.pyramid.levels.len() {
-        let (below, above) = cluster.pyramid.levels.split_at_mut(level);
+    refit_all(&mut cluster.pyramid.levels);
+}
+
+/// Brings all reaches above the lowest level up to date.
+fn refit_all(levels: &mut [Vec<Inner>]) {
+    for level in 1..levels.len() {
+        let (below, above) = levels.split_at_mut(level);
         for (index, child) in below[level - 1].iter().enumerate() {
             above[0][index / FAN].reach[index % FAN] = child.farthest_reach();
+        }
+    }
+}
+
+/// The live points of a cluster that have a nearest node: point, squared distance, node.
+fn live_in(cluster: &Cluster, mut each: impl FnMut(Vec3, f32, u32)) {
+    for leaf in &cluster.leaves {
+        for lane in 0..LEAF {
+            if leaf.d2[lane] >= 0.0 && leaf.nearest[lane] != NONE {
+                each(leaf.point(lane), leaf.d2[lane], leaf.nearest[lane]);
+            }
         }
     }
 }
