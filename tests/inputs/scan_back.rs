@@ -84,8 +84,8 @@ fn assert_all_come_back(id: &str, settings: &[(&str, &str)]) {
 
 #[test]
 fn a_broad_tree_comes_back() {
-    // As stout as an old tree: its stem runs on into limbs that a thin one loses in the noise.
-    assert_all_come_back("simple", &[("base_radius", "0.18")]);
+    // As stout as an old tree: in the limbs of a thin one, noise hides which goes on.
+    assert_all_come_back("simple", &[("slenderness", "21.06")]);
 }
 
 #[test]
