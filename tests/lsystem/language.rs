@@ -230,5 +230,7 @@ fn long_texts_do_not_exhaust_the_call_stack() {
     let sum = format!("A(x) -> B({}x)", "1+".repeat(200_000));
     let grammar = Grammar::new("A(1)", &[sum]).unwrap();
     assert_eq!(Grammar::new("A(1)", &[grammar.productions()[0].to_string()]).unwrap(), grammar);
-    assert!(refusal("F", &[&format!("A(x) -> B({}x)", "-(".repeat(200_000))]).contains("more than 256 signs"));
+    assert!(
+        refusal("F", &[&format!("A(x) -> B({}x)", "-(".repeat(200_000))]).contains("more than 256 signs")
+    );
 }
