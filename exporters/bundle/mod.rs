@@ -76,7 +76,7 @@ impl Bundle {
     /// (`/dev/null`, a named pipe) is written to directly, as by [`Bundle::stream`]; a pipe's reader is
     /// waited for when there is something to write.
     ///
-    /// A file is made at once, so that a directory nobody may write to is found before a tree is grown.
+    /// A file is made at once, so that a directory without permission to write is found before a tree is grown.
     /// What killed programs have left in that directory is swept.
     ///
     /// # Errors
@@ -133,7 +133,7 @@ impl Bundle {
         matches!(self.place, Place::Files(_))
     }
 
-    /// The name of a pipe that nobody reads yet: writing to it waits.
+    /// The name of a pipe without a reader: writing to it waits.
     pub fn unread_pipe(&mut self) -> Option<&str> {
         match &mut self.place {
             Place::Pipe { label, pipe } => pipe.is_unread().then_some(label.as_str()),

@@ -61,7 +61,7 @@ impl Pipe {
         Ok(true)
     }
 
-    /// Whether nobody reads it yet.
+    /// Whether it has no reader yet.
     pub fn is_unread(&mut self) -> bool {
         self.file.is_none() && matches!(self.try_open(), Ok(false))
     }

@@ -1,6 +1,6 @@
 //! Reading what the user names, or a document of the user's: the one place where inputs are opened.
 //!
-//! Regular files, and pipes that the user named; never a device, whose end nobody knows. How long a file
+//! Regular files, and pipes that the user named; never a device, which has no end. How long a file
 //! is, is asked for memory before a byte of it is read, and what a pipe gives while it comes. All reading
 //! stops when the monitor says so, also while a pipe has no writer.
 

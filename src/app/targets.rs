@@ -148,7 +148,7 @@ impl Batch {
         self
     }
 
-    /// Pipes that nobody reads yet: writing to them waits.
+    /// Pipes without a reader yet: writing to them waits.
     pub fn unread_pipes(&mut self) -> Vec<String> {
         self.bundles.iter_mut().filter_map(|own| own.unread_pipe().map(str::to_owned)).collect()
     }

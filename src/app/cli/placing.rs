@@ -69,7 +69,7 @@ pub fn as_sole_output(error: ExportError) -> anyhow::Error {
     }
 }
 
-/// What is said of a pipe that nobody reads yet.
+/// What is said of a pipe without a reader.
 pub fn waiting(pipe: &str) -> String {
     format!("{pipe} is a pipe that no program reads yet; waiting for one")
 }

@@ -260,5 +260,5 @@ fn replace_all(dir: &Path, found: &[(String, Vec<u8>)]) -> Result<(), String> {
 }
 
 fn holds(file: &Path, bytes: &[u8]) -> bool {
-    fs::read(file).is_ok_and(|there| there == bytes)
+    reading::regular(file, &Quiet).is_ok_and(|there| there == bytes)
 }
