@@ -1,7 +1,7 @@
 //! How long dressing and writing take, from rates that were measured.
 //!
 //! Pictures from the processor time of `linden export older-f --set bark_size=64` to `2048` and of `linden export
-//! dressed-simple --set leaf_size=256` to `2048`, triangles and bytes from the benchmarks in the README, the rest
+//! dressed-simple --set leaf_size=256` to `2048`, triangles and bytes from the benchmarks in docs/measured.md, the rest
 //! set by estimate; on two shared cores (Xeon, 2.0 GHz), release build. `cargo bench -p linden-tests --bench
 //! forecast` prints forecasts beside the truth. Other machines differ by a factor: what is said before long work
 //! is meant to tell seconds from minutes.

@@ -1,5 +1,5 @@
-//! The one table of commands. Keys, footer hints, `?` help, the `:` palette and the README's table
-//! of keys are made from it; a command that cannot be used says why.
+//! The one table of commands. Keys, footer hints, `?` help, the `:` palette and the table of keys in
+//! `docs/workbench.md` are made from it; a command that cannot be used says why.
 //!
 //! Each room of the workbench has its own rows beside the code that they run; [`all`] puts the rooms
 //! in the order that help has them. A new command is one row.

@@ -1,4 +1,4 @@
-//! The README's table of keys is the table of commands.
+//! The table of keys in docs/workbench.md is the table of commands.
 
 use std::path::Path;
 
@@ -34,12 +34,12 @@ fn table() -> String {
 }
 
 #[test]
-fn the_readme_s_files_can_be_read() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../README.md");
-    let readme = std::fs::read_to_string(&path).unwrap();
+fn the_documented_files_can_be_read() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/workbench.md");
+    let page = std::fs::read_to_string(&path).unwrap();
     let mut read = Vec::new();
     for file in
-        readme.split("```toml\n").skip(1).filter_map(|rest| rest.split_once("```")).map(|(file, _)| file)
+        page.split("```toml\n").skip(1).filter_map(|rest| rest.split_once("```")).map(|(file, _)| file)
     {
         let name = file.lines().next().unwrap_or_default().trim_start_matches("# ");
         let complaints = match name {
@@ -55,11 +55,11 @@ fn the_readme_s_files_can_be_read() {
 }
 
 #[test]
-fn the_readme_has_the_keys_as_they_are() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../README.md");
-    let readme = std::fs::read_to_string(&path).unwrap();
-    let (before, rest) = readme.split_once(BEGIN).expect("the README has the beginning of the table");
-    let (found, after) = rest.split_once(END).expect("the README has the end of the table");
+fn the_workbench_s_page_has_the_keys_as_they_are() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/workbench.md");
+    let page = std::fs::read_to_string(&path).unwrap();
+    let (before, rest) = page.split_once(BEGIN).expect("the page has the beginning of the table");
+    let (found, after) = rest.split_once(END).expect("the page has the end of the table");
     let table = table();
     if found != table && std::env::var_os("LINDEN_UPDATE").is_some() {
         std::fs::write(&path, format!("{before}{BEGIN}{table}{END}{after}")).unwrap();
@@ -67,6 +67,6 @@ fn the_readme_has_the_keys_as_they_are() {
     }
     assert!(
         found == table,
-        "the README's table of keys is old; run: LINDEN_UPDATE=1 cargo test -p linden-app --bins keys"
+        "the table of keys in docs/workbench.md is old; run: LINDEN_UPDATE=1 cargo test -p linden-app --bins keys"
     );
 }
