@@ -7,6 +7,7 @@ mod exit;
 mod forecast;
 mod jobs;
 mod memory;
+mod paths;
 mod progress;
 mod reading;
 mod signals;

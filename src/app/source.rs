@@ -16,6 +16,7 @@ use linden::recipe::{Input, Inputs, Recipe};
 use crate::config::dirs::Dirs;
 use crate::config::presets;
 use crate::exit::usage;
+use crate::paths::show;
 use crate::reading::{self, Content};
 use crate::trust;
 
@@ -369,9 +370,4 @@ pub fn locate(shown: &str, fault: &Fault) -> anyhow::Error {
 fn id_from(name: &str) -> String {
     let stem = Path::new(name).file_stem().map(|s| s.to_string_lossy().into_owned()).unwrap_or_default();
     if stem.is_empty() { "tree".to_owned() } else { stem }
-}
-
-/// A path, safe to show.
-pub fn show(path: &Path) -> String {
-    printable(&path.to_string_lossy())
 }

@@ -9,7 +9,7 @@ use std::sync::OnceLock;
 
 use linden::knob::printable;
 
-use crate::source::show;
+use crate::paths::show;
 
 /// Folders that the user allows, as they really are.
 static ALLOWED: OnceLock<Vec<PathBuf>> = OnceLock::new();

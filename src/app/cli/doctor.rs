@@ -17,8 +17,8 @@ use crate::config::keymap::{self, Keymap};
 use crate::config::settings::{self, SETTINGS, Settings};
 use crate::config::theme::{self, Theme};
 use crate::config::{Complaint, presets};
+use crate::paths::show;
 use crate::progress::Progress;
-use crate::source::show;
 use crate::tui::key_table;
 
 /// How long a terminal may take to answer, as in the workbench.

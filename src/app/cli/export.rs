@@ -90,7 +90,7 @@ impl Export {
             }
             let sources: Vec<PathBuf> =
                 std::iter::once(&self.growing.source).chain(&self.further).cloned().collect();
-            let named: Vec<String> = sources.iter().map(|path| crate::source::show(path)).collect();
+            let named: Vec<String> = sources.iter().map(|path| crate::paths::show(path)).collect();
             let command = format!("linden export {} -o wood.glb", named.join(" "));
             let (outputs, scene) = (&self.outputs, self.scene);
             let written = Written { outputs, of_formats: &of_formats, command, scene };
@@ -98,7 +98,7 @@ impl Export {
         }
         let source = self.growing.resolve_in(&own, &seasons, &progress)?;
         let id = &source.recipe.preset.id;
-        let command = format!("linden export {0} -o {0}.glb", crate::source::show(&self.growing.source));
+        let command = format!("linden export {0} -o {0}.glb", crate::paths::show(&self.growing.source));
         let planned = source.recipe.preset.detail.levels();
         let files = source.files.clone();
         let mut batch = self.outputs.open(id, &command, &of_formats, (planned, &seasons), files)?;

@@ -18,8 +18,9 @@ use linden::stage::{self, Plant, Stage};
 use super::outputs::{Outputs, finish, write};
 use crate::exit::usage;
 use crate::forecast::{ForestOutlook, announce};
+use crate::paths::show;
 use crate::progress::Progress;
-use crate::source::{self, show};
+use crate::source;
 use crate::trust;
 
 /// Lay out a forest and write it for 3D programs

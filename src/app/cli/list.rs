@@ -8,6 +8,7 @@ use serde::Serialize;
 
 use crate::config::dirs::Dirs;
 use crate::config::presets::{self, UserPreset};
+use crate::paths::show;
 use crate::progress::Progress;
 use crate::{exit, source};
 
@@ -140,10 +141,10 @@ fn users() -> Vec<Row> {
         leaves: None,
         summary: own.summary.clone(),
         source: own.source.clone(),
-        path: Some(source::show(&own.path)),
+        path: Some(show(&own.path)),
         problem: own.state.as_ref().err().map(|complaint| format!("cannot be grown: {complaint}")),
         named: (builtin(&own.id).is_ok() || builtin_forest(&own.id).is_ok() || !is_alone(&own.id))
-            .then(|| source::show(&own.path)),
+            .then(|| show(&own.path)),
     };
     found.iter().map(row).collect()
 }

@@ -13,7 +13,7 @@ use linden_exporters::REGISTRY;
 
 use super::complete;
 use crate::exit::usage;
-use crate::source::show;
+use crate::paths::show;
 
 /// Print a page of the manual (roff): linden man | man -l -
 #[derive(Args)]

@@ -117,7 +117,7 @@ impl Outputs {
                     if is_folder(path) {
                         return Err(usage(format!(
                             "{} is a directory: name the formats of the files in it, like --format glb,obj",
-                            crate::source::show(path)
+                            crate::paths::show(path)
                         )));
                     }
                     Ok((for_path(path).map_err(usage)?, path.clone()))
@@ -162,7 +162,7 @@ pub fn finish(batch: Batch, progress: &Progress) -> anyhow::Result<()> {
     let mut lines = String::new();
     for file in written {
         let size = indicatif::BinaryBytes(file.bytes);
-        lines.push_str(&format!("{}  {size}\n", crate::source::show(&file.path)));
+        lines.push_str(&format!("{}  {size}\n", crate::paths::show(&file.path)));
     }
     if streams == 0 { super::print(&lines) } else { Ok(()) }
 }

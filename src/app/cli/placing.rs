@@ -95,7 +95,7 @@ impl PngTarget {
         if !is_png && !is_stream && !is_dash(&path) {
             return Err(usage(format!(
                 "previews are PNG files: name it like {}.png",
-                crate::source::show(&path)
+                crate::paths::show(&path)
             )));
         }
         let folders = placing.folders([path.as_path()])?;

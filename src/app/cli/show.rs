@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::Growing;
 use super::forest::Described;
 use super::forest_page::{self, As};
-use super::size::SizeRow;
+use super::size::{SizeRow, count};
 use crate::exit::usage;
 use crate::forecast::Outlook;
 use crate::progress::Progress;
@@ -307,9 +307,4 @@ fn shells(input: &Input) -> String {
     // What is wrong with it is said when it is to grow.
     let count = Envelope::new(mesh, &Quiet).and_then(|own| Ok(own.shells(&Quiet)?.len())).unwrap_or(0);
     if count > 1 { format!(", {count} shells that stand apart: a tree in each") } else { String::new() }
-}
-
-/// A count, in powers of ten where nobody reads the digits.
-pub(super) fn count(n: f64) -> String {
-    if n < 1e12 { indicatif::HumanCount(n as u64).to_string() } else { format!("{n:.1e}") }
 }

@@ -7,7 +7,6 @@ use linden::recipe::Recipe;
 use linden_exporters::{Options, REGISTRY};
 use serde::Serialize;
 
-use super::show::count;
 use crate::forecast::{ForestOutlook, Outlook, round, time};
 
 /// What grows, and what is written of it.
@@ -77,4 +76,9 @@ impl SizeRow {
         }
         text
     }
+}
+
+/// A count; in powers of ten where it is too long to read digit by digit.
+pub(super) fn count(n: f64) -> String {
+    if n < 1e12 { indicatif::HumanCount(n as u64).to_string() } else { format!("{n:.1e}") }
 }

@@ -34,7 +34,7 @@ use std::path::{Path, PathBuf};
 use linden::knob::printable;
 use linden::preset::{Fault, Place};
 
-use crate::source::show;
+use crate::paths::show;
 
 /// Something of the user's that could not be read or kept, and what to do about it.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -16,7 +16,7 @@ use linden::preset::{Place, Preset, Space, builtin_file};
 
 use super::files::{self, Existing, Readers};
 use super::{Complaint, of_fault};
-use crate::source::show;
+use crate::paths::show;
 use crate::trust;
 
 /// Larger than any document; scans are larger, but are not listed by their content.

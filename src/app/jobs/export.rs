@@ -11,7 +11,7 @@ use linden::recipe::Recipe;
 use linden_exporters::{Bundle, Estimate, Existing, examine, make_folders};
 
 use super::{Done, Findings, Shown};
-use crate::source::show;
+use crate::paths::show;
 use crate::targets::{Batch, Output, expand};
 
 /// What to export.

@@ -27,7 +27,7 @@ use super::tree::Tree;
 use crate::config::session::{self, Session};
 pub use crate::jobs::{ExportNews, ExportOrder};
 use crate::jobs::{Inquiry, Shown, WHOLE};
-use crate::source::show;
+use crate::paths::show;
 
 /// Exports that may wait; each keeps a tree in memory.
 const MOST_WAITING: usize = 8;

@@ -217,7 +217,7 @@ pub fn grown(model: &mut Model, grown: Result<Arc<Shown>, String>) {
 pub fn saved(model: &mut Model, saved: Result<(String, PathBuf), String>, effects: &mut Effects) {
     match saved {
         Ok((id, path)) => {
-            let shown = crate::source::show(&path);
+            let shown = crate::paths::show(&path);
             model.say(format!("saved as '{id}' in {shown}"));
             if let Some(tree) = &mut model.tree {
                 let from = tree.place.clone();

@@ -13,8 +13,8 @@ use linden_exporters::{Bundle, ExportError, commit_all};
 
 use crate::config::files::{self, Existing, Readers};
 use crate::config::presets;
+use crate::paths::show;
 use crate::reading;
-use crate::source::show;
 use crate::trust;
 use crate::tui::model::Model;
 use crate::tui::tree::Place;
