@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use linden::recipe::Recipe;
 
-use super::export::ExportOrder;
 use super::tree::Place;
+use crate::jobs::ExportOrder;
 
 /// One thing to be done outside of the model.
 #[derive(Debug)]

@@ -5,8 +5,9 @@ use std::sync::OnceLock;
 
 use linden_terminal::input::Key;
 
-use super::around::footer::{hints, key_label};
-use super::command::{self, Context};
+use super::chrome::footer::{hints, key_label};
+use super::command::Context;
+use super::commands;
 use super::testing::Bench;
 
 /// How a situation comes about: commands that are run on a workbench with a tree.
@@ -77,8 +78,8 @@ fn find_situations() -> Vec<Path> {
     let mut from = all.clone();
     while let Some(path) = from.pop() {
         let here = bench(&path);
-        for command in command::all() {
-            let is_heard = command.context == here.model.context() || command.context == Context::Global;
+        for command in commands::all() {
+            let is_heard = command.context == here.model.context() || command.context == Context::GLOBAL;
             if !is_heard || (command.hindrance)(&here.model).is_some() {
                 continue;
             }
@@ -96,8 +97,8 @@ fn find_situations() -> Vec<Path> {
 #[test]
 fn every_context_with_commands_can_be_reached() {
     let reached: BTreeSet<Context> = situations().iter().map(|path| bench(path).model.context()).collect();
-    for command in command::all() {
-        let is_everywhere = matches!(command.context, Context::Always | Context::Global);
+    for command in commands::all() {
+        let is_everywhere = [Context::ALWAYS, Context::GLOBAL].contains(&command.context);
         assert!(is_everywhere || reached.contains(&command.context), "{} in {reached:?}", command.id);
     }
 }
@@ -135,7 +136,7 @@ fn a_click_on_a_hint_runs_it() {
     for path in situations() {
         for hint in hints(&bench(path).model) {
             let mut clicked = bench(path);
-            let target = super::model::Target::Command(hint.command.id);
+            let target = super::layout::Target::Command(hint.command.id);
             let Some((area, _)) = clicked.model.regions.iter().find(|(_, own)| *own == target) else {
                 continue;
             };
@@ -154,7 +155,7 @@ fn commands_run_everywhere_without_harm_and_those_that_cannot_say_why() {
     let empty = paths.len();
     paths.push(vec![]);
     for (i, path) in paths.iter().enumerate() {
-        for command in command::all() {
+        for command in commands::all() {
             let mut bench = if i == empty { Bench::new(100, 30) } else { bench(path) };
             let hindrance = (command.hindrance)(&bench.model);
             let before = (bench.model.context(), bench.effects.len());
@@ -177,7 +178,7 @@ fn the_footer_never_cuts_a_hint() {
         let words: Vec<String> =
             offered.iter().map(|hint| format!("{} {}", hint.key, hint.command.title)).collect();
         let mut bench = bench(path);
-        if matches!(bench.model.layers.last(), Some(super::model::Layer::Line(_))) {
+        if bench.model.dialogs.last().is_some_and(super::dialog::Dialog::is_prompt) {
             continue;
         }
         for columns in (1..=160).step_by(3) {
@@ -201,7 +202,11 @@ fn the_palette_judges_commands_as_they_will_run() {
     bench.keys(":").types("undo");
     assert!(bench.screen().contains("nothing was changed"), "{}", bench.screen());
     bench.keys("enter");
-    assert_eq!(bench.model.context(), Context::Prompt, "what cannot be run leaves the palette open");
+    assert_eq!(
+        bench.model.context(),
+        super::chrome::prompt::CONTEXT,
+        "what cannot be run leaves the palette open"
+    );
     assert!(bench.model.message.as_ref().is_some_and(|said| said.text == "Undo: nothing was changed"));
     // A change that comes while it is open counts at once.
     let preset = bench.model.tree.as_ref().map(|tree| tree.preset().clone()).unwrap();
@@ -211,6 +216,6 @@ fn the_palette_judges_commands_as_they_will_run() {
     bench.wait(std::time::Duration::from_secs(20));
     assert!(!bench.screen().contains("nothing was changed"), "{}", bench.screen());
     bench.keys("enter");
-    assert!(bench.model.layers.is_empty());
+    assert!(bench.model.dialogs.is_empty());
     assert!(*bench.model.tree.as_ref().unwrap().preset() == preset);
 }

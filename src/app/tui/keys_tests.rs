@@ -1,11 +1,13 @@
 //! The table of keys in docs/workbench.md is the table of commands.
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use linden_terminal::ColorDepth;
 
-use super::around::footer::key_label;
-use super::command::{self, Context};
+use super::chrome::footer::key_label;
+use super::command::Context;
+use super::commands;
 use crate::config::keymap::Keymap;
 use crate::config::settings::Settings;
 use crate::config::theme::Theme;
@@ -16,9 +18,10 @@ const END: &str = "<!-- /keys -->";
 /// A row for each place: keys and what they do.
 fn table() -> String {
     let mut text = "| where | keys |\n|---|---|\n".to_owned();
-    for context in Context::ALL {
+    let contexts: BTreeSet<Context> = commands::all().map(|command| command.context).collect();
+    for context in contexts {
         let commands =
-            command::all().filter(|command| command.context == context && !command.keys.is_empty());
+            commands::all().filter(|command| command.context == context && !command.keys.is_empty());
         let words: Vec<String> = commands
             .map(|command| {
                 let keys: Vec<String> =
@@ -44,7 +47,7 @@ fn the_documented_files_can_be_read() {
         let name = file.lines().next().unwrap_or_default().trim_start_matches("# ");
         let complaints = match name {
             "config.toml" => Settings::read(Path::new(name), file).1,
-            "keymap.toml" => Keymap::read(Path::new(name), file, &command::key_table()).1,
+            "keymap.toml" => Keymap::read(Path::new(name), file, &commands::key_table()).1,
             "themes/moor.toml" => Theme::read(Path::new(name), file, "moor", false, ColorDepth::True).1,
             _ => continue,
         };

@@ -2,30 +2,36 @@
 //!
 //! State, update and view are values and functions without a terminal, a clock or a thread:
 //! [`Model`](model::Model) is all there is, [`update`](update::update) takes a message and gives
-//! [effects](effect::Effect), [`view`](frame::view) paints cells into a buffer. The
+//! [effects](effect::Effect), [`view`](screen::view) paints cells into a buffer. The
 //! [runtime](runtime) joins them to the terminal and to the [jobs](crate::jobs).
 //!
-//! | room | is |
+//! The floors, from the ground up; a file uses those of its floor's folder and below, never above:
+//!
+//! | floor | is |
 //! |---|---|
-//! | [`command`] | the one table of commands |
-//! | [`library`] | the list of presets |
-//! | [`picture`], [`growth`], [`wind`] | the picture and how it is looked at; growth and wind played |
-//! | [`shape`] | the form of knobs, undo, comparison, saving, the grammar's editor |
-//! | [`vary`] | seeds, galleries, sweeps |
-//! | [`export`] | the dialog |
-//! | [`around`] | help, palette, typed lines, messages, leaving |
-//! | [`frame`] | where the panes are |
+//! | [`effect`], [`tree`], [`wrap`], [`figures`] | what is asked of the world; the tree on screen; text in cells |
+//! | [`command`], [`layout`], [`dialog`] | what a command and a dialog are; where the panes are |
+//! | [`model`] | the state |
+//! | [`chrome`] | what frames the panes: footer, palette, pages, typed lines |
+//! | [`library`], [`picture`], [`growth`], [`wind`], [`shape`], [`vary`], [`export`] | the rooms: a pane or a dialog with its commands each |
+//! | [`commands`] | the one table of commands |
+//! | [`screen`], [`update`] | all of it painted; all that can happen |
+//! | [`runtime`] | the loop |
 
-mod around;
+mod chrome;
 mod command;
+mod commands;
+mod dialog;
 mod effect;
 mod export;
-mod frame;
+mod figures;
 mod growth;
+mod layout;
 mod library;
 mod model;
 mod picture;
 mod runtime;
+mod screen;
 mod shape;
 #[cfg(test)]
 mod testing;
@@ -35,9 +41,11 @@ mod vary;
 mod wind;
 mod wrap;
 
-pub use command::key_table;
+pub use commands::key_table;
 pub use runtime::{End, Start, run};
 
+#[cfg(test)]
+mod dialog_tests;
 #[cfg(test)]
 mod hint_tests;
 #[cfg(test)]

@@ -5,14 +5,14 @@ use std::time::Duration;
 
 use super::testing::Bench;
 use super::tree::Place;
-use super::update::Msg;
+use super::update::{Msg, wake_at};
 use crate::jobs::{Watcher, grow_shown};
 
 /// Does what the runtime does when it wakes: whether anything is due then that was not done.
 fn wakes_for_something(bench: &mut Bench) -> bool {
-    let Some(at) = bench.model.wake_at() else { return true };
+    let Some(at) = wake_at(&bench.model) else { return true };
     bench.wait(at.saturating_duration_since(bench.model.now));
-    bench.model.wake_at().is_none_or(|next| next > bench.model.now)
+    wake_at(&bench.model).is_none_or(|next| next > bench.model.now)
 }
 
 #[test]
@@ -33,7 +33,7 @@ fn the_turntable_sleeps_between_its_frames_here_and_over_a_network() {
 fn a_workbench_that_is_left_alone_sleeps() {
     let mut bench = Bench::grown(100, 30);
     bench.settle().wait(Duration::from_mins(1));
-    assert_eq!(bench.model.wake_at(), None);
+    assert_eq!(wake_at(&bench.model), None);
 }
 
 #[test]

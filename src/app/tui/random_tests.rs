@@ -3,7 +3,7 @@
 use linden::random::Key as Seed;
 use linden_terminal::input::{Button, Event, Key, KeyCode, Mouse, MouseAction};
 
-use super::command;
+use super::commands;
 use super::testing::Bench;
 use super::update::Msg;
 
@@ -47,7 +47,7 @@ impl Dice {
 #[test]
 fn no_order_of_events_breaks_the_workbench() {
     let keys: Vec<Key> =
-        command::all().flat_map(|command| command.keys).map(|key| key.parse().unwrap()).collect();
+        commands::all().flat_map(|command| command.keys).map(|key| key.parse().unwrap()).collect();
     for round in 0..60 {
         let mut dice = Dice { seed: Seed::new(round), thrown: 0 };
         let mut bench = Bench::grown(100, 30);

@@ -8,14 +8,15 @@ use linden_terminal::input::{Event, Key, Mouse, MouseAction};
 use linden_terminal::probe::Capabilities;
 use ratatui::layout::Position;
 
-use super::command::{self, find};
+use super::dialog::After;
 use super::effect::Effects;
-use super::model::{Config, Layer, Model, Target};
+use super::layout::{Pane, Target};
+use super::model::{Config, Model, QUIET};
 use super::tree::{Growing, Place};
-use super::{around, export, growth, library, picture, shape, vary, wind};
+use super::{export, growth, library, picture, shape, vary, wind};
 use crate::config::Complaint;
 use crate::config::presets::UserPreset;
-use crate::jobs::{Painted, Shown, Thumbnail};
+use crate::jobs::{ExportNews, Painted, Shown, Thumbnail};
 use crate::source::Source;
 
 /// What can happen.
@@ -43,7 +44,7 @@ pub enum Msg {
     /// A picture of the gallery is there.
     Thumbnail(Box<Thumbnail>),
     /// An export's progress or end.
-    Export(export::ExportNews),
+    Export(ExportNews),
     /// A preset was saved, or why not.
     Saved(Result<(String, PathBuf), String>),
     /// Text comes back from `$EDITOR`, or why not.
@@ -123,7 +124,10 @@ pub fn update(model: &mut Model, msg: Msg, now: Instant) -> Effects {
         }
         Msg::Changed(files) => library::changed(model, &files, &mut effects),
     }
-    around::refresh(model);
+    model.tell(|dialog, model| {
+        dialog.refresh(model);
+        After::Stays
+    });
     effects
 }
 
@@ -136,28 +140,39 @@ fn input(model: &mut Model, event: Event, effects: &mut Effects) {
     }
 }
 
-/// A key: to the dialog that takes text, else to the table of commands.
+/// A key: a command, or else something for the topmost dialog.
 fn on_key(model: &mut Model, key: Key, effects: &mut Effects) {
-    if let Some(id) = model.command_of(key) {
-        if let Some(command) = find(id) {
-            command::run(command, model, effects);
-        }
-        return;
-    }
-    match model.layers.last() {
-        Some(Layer::Line(_) | Layer::Palette(_)) => around::typed(model, key, effects),
-        Some(Layer::Grammar(_)) => shape::typed(model, key),
-        Some(Layer::Export(_)) => export::typed(model, key, effects),
-        Some(Layer::Page(_) | Layer::Gallery(_)) | None => {}
+    match model.command_of(key) {
+        Some(id) => run(model, id, effects),
+        None => drop(model.tell(|dialog, model| dialog.key(model, key, effects))),
     }
 }
 
 fn on_paste(model: &mut Model, text: &str, effects: &mut Effects) {
-    match model.layers.last() {
-        Some(Layer::Line(_) | Layer::Palette(_)) => around::pasted(model, text, effects),
-        Some(Layer::Grammar(_)) => shape::pasted(model, text),
-        Some(Layer::Export(_)) => export::pasted(model, text),
-        Some(Layer::Page(_) | Layer::Gallery(_)) | None => {}
+    model.tell(|dialog, model| dialog.paste(model, text, effects));
+}
+
+fn run(model: &mut Model, id: &str, effects: &mut Effects) {
+    if let Some(command) = model.command(id) {
+        model.run(command, effects);
+    }
+}
+
+/// The mouse in the topmost dialog, on a spot of it or elsewhere.
+fn on_dialog(model: &mut Model, spot: Option<usize>, mouse: Mouse, effects: &mut Effects) {
+    let wheel = |model: &mut Model, down| {
+        model.tell(|dialog, model| {
+            dialog.wheel(model, spot, down);
+            After::Stays
+        });
+    };
+    match (mouse.action, spot) {
+        (MouseAction::Press(_), Some(spot)) => {
+            model.tell(|dialog, model| dialog.click(model, spot, mouse, effects));
+        }
+        (MouseAction::WheelUp, _) => wheel(model, false),
+        (MouseAction::WheelDown, _) => wheel(model, true),
+        _ => {}
     }
 }
 
@@ -170,33 +185,34 @@ fn on_mouse(model: &mut Model, mouse: Mouse, effects: &mut Effects) {
     let Some(&(_, target)) = model.regions.iter().rev().find(|(area, _)| area.contains(at)) else { return };
     let presses = matches!(mouse.action, MouseAction::Press(_));
     match target {
-        Target::Command(id) if presses => {
-            if let Some(command) = find(id) {
-                command::run(command, model, effects);
-            }
-        }
+        Target::Command(id) if presses => run(model, id, effects),
         Target::Pane(pane) => {
             if presses {
                 model.focus_on(pane);
             }
             match pane {
-                super::model::Pane::Presets => library::wheel(model, mouse, effects),
-                super::model::Pane::Picture => picture::mouse(model, mouse),
-                super::model::Pane::Shape => shape::wheel(model, mouse),
+                Pane::Presets => library::wheel(model, mouse, effects),
+                Pane::Picture => picture::mouse(model, mouse),
+                Pane::Shape => shape::wheel(model, mouse),
             }
         }
         Target::Preset(row) => library::clicked(model, row, mouse, effects),
         Target::Knob(row) => shape::clicked(model, row, mouse, effects),
-        Target::Grammar => shape::grammar::mouse(model, mouse),
-        Target::Thumbnail(cell) => vary::clicked(model, cell, mouse, effects),
-        Target::ExportRow(row) => export::clicked(model, row, mouse, effects),
-        Target::PaletteRow(row) => around::clicked(model, row, mouse, effects),
         Target::Growth(step) if presses => {
             model.growth.stop();
             model.wind.stop();
             growth::go_to(model, step);
         }
-        Target::Dialog => around::wheel(model, mouse),
+        Target::Dialog(spot) => on_dialog(model, spot, mouse, effects),
         Target::Command(_) | Target::Growth(_) => {}
     }
+}
+
+/// When something changes by itself next: an animation's frame, a message that leaves, the full picture
+/// after the draft. `None`: nothing does, and the program sleeps.
+pub fn wake_at(model: &Model) -> Option<Instant> {
+    let message = model.message.as_ref().map(|message| message.until);
+    let quiet = picture::waits_for_quiet(model).then(|| model.last_input + QUIET);
+    let frames = [picture::next_frame(model), model.growth.next_frame(), wind::next_frame(model)];
+    [message, quiet].into_iter().chain(frames).flatten().min()
 }

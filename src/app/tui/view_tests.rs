@@ -102,7 +102,7 @@ fn a_name_is_typed_to_save_by() {
 #[test]
 fn a_picture_fills_its_pane() {
     let bench = Bench::grown(100, 30);
-    let area = super::frame::picture_area(&bench.model).unwrap();
+    let area = super::picture::area(&bench.model).unwrap();
     let mut buffer = ratatui::buffer::Buffer::empty(ratatui::layout::Rect::new(0, 0, 100, 30));
     bench.drawn.put(&mut buffer, area);
     let is_drawn = |y: u16| (area.x..area.right()).any(|x| buffer[(x, y)].symbol() != " ");

@@ -52,6 +52,25 @@ pub fn wrapped_within(text: &str, width: usize, most: usize) -> Vec<String> {
     lines
 }
 
+/// Text from outside or of any length in at most `width` cells, cut with an ellipsis; printable.
+pub fn clipped(text: &str, width: usize) -> String {
+    let text = linden::knob::printable(text);
+    if text.width() <= width {
+        return text;
+    }
+    let mut kept = String::new();
+    for c in text.chars() {
+        if kept.width() + c.to_string().width() + 1 > width {
+            break;
+        }
+        kept.push(c);
+    }
+    if width > 0 {
+        kept.push('…');
+    }
+    kept
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

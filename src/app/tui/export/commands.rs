@@ -1,11 +1,12 @@
-//! The rows of the export's room.
+//! The commands that export, and those of the dialog.
 
-use super::dialog::{ExportDialog, Start};
-use super::{cancel, dialog, enter, has_nothing, is_running, press, start};
-use crate::tui::around::{Page, PageLine};
-use crate::tui::command::{Command, Context, free};
+use super::dialog::{self, ExportDialog, Start};
+use super::{cancel, has_nothing, start};
+use crate::tui::chrome::{Page, PageLine};
+use crate::tui::command::Context;
+use crate::tui::dialog::After;
 use crate::tui::effect::Effects;
-use crate::tui::model::{Layer, Model, Weight};
+use crate::tui::model::{Command, Model, Weight, free};
 
 /// A row of the dialog.
 const fn row(
@@ -16,7 +17,7 @@ const fn row(
     hint: Option<u8>,
     run: fn(&mut Model, &mut Effects),
 ) -> Command {
-    Command { id, context: Context::Export, keys, title, help, hint, hindrance: free, run }
+    Command { id, context: dialog::CONTEXT, keys, title, help, hint, hindrance: free, run }
 }
 
 /// A row of a line in the dialog.
@@ -28,13 +29,21 @@ const fn line(
     hint: Option<u8>,
     run: fn(&mut Model, &mut Effects),
 ) -> Command {
-    Command { id, context: Context::ExportLine, keys, title, help, hint, hindrance: free, run }
+    Command { id, context: dialog::LINE, keys, title, help, hint, hindrance: free, run }
 }
 
 fn with(model: &mut Model, act: impl FnOnce(&mut ExportDialog)) {
-    if let Some(dialog) = dialog(model) {
+    if let Some(dialog) = model.dialogs.top_mut() {
         act(dialog);
     }
+}
+
+/// Does something with the dialog that needs to know the model, or changes it.
+fn with_model(model: &mut Model, act: impl FnOnce(&mut ExportDialog, &mut Model)) {
+    model.with(|dialog, model| {
+        act(dialog, model);
+        After::Stays
+    });
 }
 
 fn step(model: &mut Model, by: isize) {
@@ -47,12 +56,8 @@ fn nudge(model: &mut Model, up: bool) {
     });
 }
 
-fn close(model: &mut Model) {
-    model.layers.retain(|layer| !matches!(layer, Layer::Export(_)));
-}
-
 fn asks(model: &Model) -> bool {
-    matches!(model.layers.last(), Some(Layer::Export(dialog)) if dialog.start == Start::Asking)
+    model.dialogs.top::<ExportDialog>().is_some_and(|dialog| dialog.start == Start::Asking)
 }
 
 fn asks_nothing(model: &Model) -> Option<String> {
@@ -80,11 +85,11 @@ fn files(model: &Model) -> Page {
     Page { title: "Exported files", lines, scroll: 0 }
 }
 
-/// The rows of this room.
+/// The rows.
 pub const COMMANDS: &[Command] = &[
     Command {
         id: "export",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["e"],
         title: "Export",
         help: "Writes the tree on screen for 3D programs",
@@ -93,22 +98,22 @@ pub const COMMANDS: &[Command] = &[
         run: |model, _| {
             let Some(tree) = &model.tree else { return };
             let dialog = ExportDialog::new(&model.exporting.last, &tree.wanted().preset.id);
-            model.layers.push(Layer::Export(Box::new(dialog)));
+            model.dialogs.open(dialog);
         },
     },
     Command {
         id: "export-cancel",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["X"],
         title: "Cancel export",
         help: "Stops the export under way; nothing of it is left behind",
         hint: Some(41),
-        hindrance: |model| (!is_running(model)).then(|| "nothing is being exported".to_owned()),
+        hindrance: |model| (!model.exporting.is_running()).then(|| "nothing is being exported".to_owned()),
         run: cancel,
     },
     Command {
         id: "export-files",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["F"],
         title: "Exported files",
         help: "Lists the files that were exported, with their sizes and notes",
@@ -116,12 +121,12 @@ pub const COMMANDS: &[Command] = &[
         hindrance: |model| model.exporting.reports.is_empty().then(|| "nothing was exported yet".to_owned()),
         run: |model, _| {
             let page = files(model);
-            model.layers.push(Layer::Page(page));
+            model.dialogs.open(page);
         },
     },
     Command {
         id: "export-yes",
-        context: Context::Export,
+        context: dialog::CONTEXT,
         keys: &["y"],
         title: "Yes",
         help: "Replaces the files that are there, makes the directory that is missing",
@@ -131,7 +136,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "export-no",
-        context: Context::Export,
+        context: dialog::CONTEXT,
         keys: &["n"],
         title: "No",
         help: "Leaves what is there as it is, and does not export",
@@ -181,10 +186,10 @@ pub const COMMANDS: &[Command] = &[
         "Change",
         "Ticks, turns, types or presses what the cursor is on",
         Some(12),
-        |m, _| enter(m),
+        |m, _| with_model(m, ExportDialog::enter),
     ),
     row("export-start", &["x", "ctrl-s"], "Export", "Starts the export, from any row", Some(14), |m, _| {
-        press(m);
+        with_model(m, ExportDialog::press_start);
     }),
     row(
         "export-close",
@@ -196,7 +201,7 @@ pub const COMMANDS: &[Command] = &[
             if asks(m) {
                 with(m, |dialog| dialog.start = Start::Idle);
             } else {
-                close(m);
+                m.dialogs.close::<ExportDialog>();
             }
         },
     ),

@@ -13,10 +13,14 @@ use tui_input::Input;
 use crate::config::session;
 use crate::jobs::{Finding, Findings, Inquiry, Shown};
 use crate::targets::{Output, default_name};
-use crate::tui::around::{edit, paste};
+use crate::tui::chrome::prompt::{edit, paste};
 use crate::tui::command::Context;
 use crate::tui::shape::nudge::{Nudge, nudged};
 
+/// Where the dialog's keys are listened to.
+pub const CONTEXT: Context = Context::new(50, "export", "While exporting");
+/// Where the keys of a line in the dialog are listened to.
+pub const LINE: Context = Context::new(51, "export-line", "While typing where to export to");
 /// What is chosen when nothing was ever exported: one file that most programs take.
 const FIRST_CHOICE: &str = "glb";
 
@@ -144,11 +148,6 @@ impl ExportDialog {
             round: 0,
             id: id.to_owned(),
         }
-    }
-
-    /// Where its keys are.
-    pub const fn context(&self) -> Context {
-        if self.line.is_some() { Context::ExportLine } else { Context::Export }
     }
 
     /// The rows from the top.

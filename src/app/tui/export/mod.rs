@@ -6,106 +6,30 @@
 
 mod commands;
 mod dialog;
-pub mod view;
+mod view;
 
-use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
-
-use linden::monitor::Phase;
-use linden_terminal::input::{Button, Key, Mouse, MouseAction};
 
 pub use commands::COMMANDS;
-pub use dialog::ExportDialog;
 pub use view::status;
 
-use self::dialog::{Spot, Start};
+use self::dialog::{ExportDialog, Spot, Start};
 use super::effect::{Effect, Effects};
-use super::model::{Layer, Model};
+use super::model::{Exporting, Model, Report, Running};
 use super::tree::Tree;
-use crate::config::session::{self, Session};
-pub use crate::jobs::{ExportNews, ExportOrder};
-use crate::jobs::{Inquiry, Shown, WHOLE};
+use crate::jobs::{ExportNews, ExportOrder, Inquiry, Shown, WHOLE};
 use crate::paths::show;
 
 /// Exports that may wait; each keeps a tree in memory.
 const MOST_WAITING: usize = 8;
 /// Exports that the page of files tells of.
 const MOST_REPORTS: usize = 20;
-/// Within this a second key leaves for good.
-const LEAVING: Duration = Duration::from_secs(8);
-
-/// The export under way, those that wait, those that are done, and what was chosen last.
-#[derive(Debug, Default)]
-pub struct Exporting {
-    last: session::Export,
-    running: Option<Running>,
-    waiting: VecDeque<ExportOrder>,
-    /// The newest first.
-    reports: VecDeque<Report>,
-    /// Numbers that were given to orders.
-    numbers: u64,
-    leave_asked: Option<Instant>,
-}
-
-/// The export under way.
-#[derive(Debug)]
-struct Running {
-    number: u64,
-    /// `fir.glb +2`.
-    name: String,
-    doing: Option<Phase>,
-    /// In parts of [`WHOLE`].
-    done: u64,
-}
-
-/// An export that is done.
-#[derive(Debug)]
-struct Report {
-    files: Vec<(PathBuf, u64)>,
-    notes: Vec<String>,
-}
-
-impl Exporting {
-    /// Takes over what was chosen last time.
-    pub fn remember(&mut self, session: &Session) {
-        self.last = session.export.clone();
-    }
-
-    /// What was chosen last, for next time.
-    pub fn to_session(&self) -> session::Export {
-        self.last.clone()
-    }
-}
-
-/// Whether an export is under way.
-pub fn is_running(model: &Model) -> bool {
-    model.exporting.running.is_some()
-}
-
-/// Whether the workbench can be left: not before somebody was asked, who has an export running. To
-/// ask again soon is to leave.
-pub fn may_leave(model: &mut Model) -> bool {
-    if !is_running(model) {
-        return true;
-    }
-    let now = model.now;
-    let asked = model.exporting.leave_asked.replace(now);
-    if asked.is_some_and(|at| now.saturating_duration_since(at) < LEAVING) {
-        return true;
-    }
-    model.say_warning("an export is running; once more leaves and cancels it, with nothing written");
-    false
-}
 
 /// What the dialog wants to know, `None` without a dialog. To be asked whenever it differs from what
 /// was asked last; answered by [`ExportNews::Found`].
 pub fn wanted(model: &Model) -> Option<Inquiry> {
-    let dialog = model.layers.iter().find_map(|layer| match layer {
-        Layer::Export(dialog) => Some(dialog),
-        _ => None,
-    })?;
+    let dialog = model.dialogs.find::<ExportDialog>()?;
     let tree = model.tree.as_ref()?;
     Some(dialog.inquiry(current(tree), tree.files()))
 }
@@ -200,32 +124,13 @@ fn cancel(model: &mut Model, effects: &mut Effects) {
 
 /// The dialog, if it is open.
 fn dialog(model: &mut Model) -> Option<&mut ExportDialog> {
-    model.layers.iter_mut().find_map(|layer| match layer {
-        Layer::Export(dialog) => Some(&mut **dialog),
-        _ => None,
-    })
+    model.dialogs.find_mut()
 }
 
 /// Why there is nothing to export.
 fn has_nothing(model: &Model) -> Option<String> {
     let Some(tree) = &model.tree else { return Some("no preset is chosen".to_owned()) };
     tree.fault.as_ref().map(|fault| format!("the tree did not grow: {fault}"))
-}
-
-/// The button was pressed.
-fn press(model: &mut Model) {
-    let why = has_nothing(model).or_else(|| {
-        let is_full = model.exporting.waiting.len() >= MOST_WAITING;
-        is_full.then(|| format!("{MOST_WAITING} exports wait already; let some finish"))
-    });
-    if let Some(why) = why {
-        return model.say_warning(format!("Export: {why}"));
-    }
-    let Some(dialog) = dialog(model) else { return };
-    if dialog.chosen().next().is_none() {
-        return model.say_warning("Export: no format is chosen; Space ticks one");
-    }
-    dialog.press();
 }
 
 /// Everything is known that the start waits for: it starts, asks, or says what is in the way.
@@ -268,67 +173,61 @@ fn start(model: &mut Model, effects: &mut Effects) {
         sources,
         turned,
     });
-    model.layers.retain(|layer| !matches!(layer, Layer::Export(_)));
-    if is_running(model) {
+    model.dialogs.close::<ExportDialog>();
+    if model.exporting.is_running() {
         model.say("the export waits for the one before it");
     } else {
         begin_next(&mut model.exporting, effects);
     }
 }
 
-/// Enter: ticks, turns, types or presses what is at the cursor.
-fn enter(model: &mut Model) {
-    let Some(dialog) = dialog(model) else { return };
-    match dialog.cursor {
-        Spot::Start if dialog.start == Start::Asking => {
-            model.say("y is yes, n is no");
+impl ExportDialog {
+    /// The button was pressed: all targets are looked at before it starts.
+    fn press_start(&mut self, model: &mut Model) {
+        let why = has_nothing(model).or_else(|| {
+            let is_full = model.exporting.waiting.len() >= MOST_WAITING;
+            is_full.then(|| format!("{MOST_WAITING} exports wait already; let some finish"))
+        });
+        if let Some(why) = why {
+            model.say_warning(format!("Export: {why}"));
+        } else if self.chosen().next().is_none() {
+            model.say_warning("Export: no format is chosen; Space ticks one");
+        } else {
+            self.press();
         }
-        Spot::Start => press(model),
-        Spot::Target(_) => dialog.begin_line(),
-        Spot::Format(_) | Spot::Option(..) => {
-            if !dialog.toggle() {
-                dialog.begin_line();
+    }
+
+    /// Enter: ticks, turns, types or presses what is at the cursor.
+    fn enter(&mut self, model: &mut Model) {
+        match self.cursor {
+            Spot::Start if self.start == Start::Asking => {
+                model.say("y is yes, n is no");
             }
-        }
-    }
-}
-
-/// A key for the dialog's line.
-pub fn typed(model: &mut Model, key: Key, _effects: &mut Effects) {
-    if let Some(dialog) = dialog(model) {
-        dialog.typed(key);
-    }
-}
-
-/// Pasted text for the dialog's line.
-pub fn pasted(model: &mut Model, text: &str) {
-    if let Some(dialog) = dialog(model) {
-        dialog.pasted(text);
-    }
-}
-
-/// The mouse on a row: a click does what Enter does there, the wheel moves the cursor.
-pub fn clicked(model: &mut Model, row: usize, mouse: Mouse, _effects: &mut Effects) {
-    let Some(dialog) = dialog(model) else { return };
-    match mouse.action {
-        MouseAction::Press(Button::Left) => {
-            let Some(spot) = dialog.spots().get(row).copied() else { return };
-            if dialog.line.is_some() {
-                if dialog.cursor == spot {
-                    return;
-                }
-                // What was typed counts, as in any form.
-                dialog.accept_line();
-                if dialog.line.is_some() {
-                    return;
+            Spot::Start => self.press_start(model),
+            Spot::Target(_) => self.begin_line(),
+            Spot::Format(_) | Spot::Option(..) => {
+                if !self.toggle() {
+                    self.begin_line();
                 }
             }
-            dialog.go_to(spot);
-            enter(model);
         }
-        MouseAction::WheelUp if dialog.line.is_none() => dialog.step(-1),
-        MouseAction::WheelDown if dialog.line.is_none() => dialog.step(1),
-        _ => {}
+    }
+
+    /// A click on a row does what Enter does there.
+    fn click_row(&mut self, model: &mut Model, row: usize) {
+        let Some(spot) = self.spots().get(row).copied() else { return };
+        if self.line.is_some() {
+            if self.cursor == spot {
+                return;
+            }
+            // What was typed counts, as in any form.
+            self.accept_line();
+            if self.line.is_some() {
+                return;
+            }
+        }
+        self.go_to(spot);
+        self.enter(model);
     }
 }
 

@@ -1,10 +1,12 @@
 use std::fs;
 use std::path::Path;
 use std::sync::mpsc;
+use std::time::{Duration, Instant};
 
 use linden::Quiet;
+use linden::monitor::Phase;
 use linden::recipe::Recipe;
-use linden_terminal::input::{Event, KeyCode};
+use linden_terminal::input::{Button, Event, Key, KeyCode, Mouse, MouseAction};
 use linden_terminal::probe::{Capabilities, Environment, Findings, Overrides};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
@@ -14,12 +16,16 @@ use tempfile::TempDir;
 use super::*;
 use crate::config::dirs::Dirs;
 use crate::config::keymap::Keymap;
+use crate::config::session::{self, Session};
 use crate::config::settings::Settings;
 use crate::config::theme::Theme;
 use crate::jobs::{Answer, Done, Lane, Shown, grow_shown, look, run_export};
-use crate::tui::command::{self, Context};
-use crate::tui::frame;
-use crate::tui::model::{Config, Target, Weight};
+use crate::tui::command::Context;
+use crate::tui::commands;
+use crate::tui::dialog::Dialog;
+use crate::tui::layout::{Target, View};
+use crate::tui::model::{Config, Weight};
+use crate::tui::screen;
 use crate::tui::tree::{Place, Tree};
 use crate::tui::update::{Msg, update};
 
@@ -44,17 +50,16 @@ fn grown(recipe: &Arc<Recipe>) -> Arc<Shown> {
 }
 
 fn empty_model() -> Model {
-    let rows: Vec<_> = command::all().map(|own| (own.id, own.context.id(), own.keys)).collect();
     let config = Config {
         dirs: Dirs::default(),
         theme: Theme::dark(),
-        keymap: Keymap::defaults(&rows),
+        keymap: Keymap::defaults(&commands::key_table()),
         settings: Settings::default(),
         complaints: Vec::new(),
     };
     let terminal =
         Capabilities::conclude(&Findings::default(), &Environment::default(), &Overrides::default());
-    Model::new(config, terminal, (100, 30), Instant::now())
+    Model::new(commands::ALL, config, terminal, (100, 30), Instant::now())
 }
 
 impl Bench {
@@ -110,14 +115,11 @@ impl Bench {
     }
 
     fn dialog(&self) -> &ExportDialog {
-        match self.model.layers.last() {
-            Some(Layer::Export(dialog)) => dialog,
-            _ => panic!("the dialog is not open"),
-        }
+        self.model.dialogs.top().expect("the dialog is open")
     }
 
     fn is_open(&self) -> bool {
-        !self.model.layers.is_empty()
+        !self.model.dialogs.is_empty()
     }
 
     fn at(&self, name: &str) -> String {
@@ -149,10 +151,10 @@ impl Bench {
         }
     }
 
-    fn screen(&mut self, columns: u16, rows: u16) -> (Buffer, frame::View) {
+    fn screen(&mut self, columns: u16, rows: u16) -> (Buffer, View) {
         self.send(Msg::Resized(columns, rows));
         let mut buffer = Buffer::empty(Rect::new(0, 0, columns, rows));
-        let view = frame::view(&self.model, &mut buffer);
+        let view = screen::view(&self.model, &mut buffer);
         self.model.regions.clone_from(&view.regions);
         (buffer, view)
     }
@@ -174,7 +176,7 @@ impl Bench {
 
     fn click_spot(&mut self, spot: Spot) -> Effects {
         let row = self.dialog().spots().iter().position(|own| *own == spot).unwrap();
-        self.click(Target::ExportRow(row))
+        self.click(Target::Dialog(Some(row)))
     }
 }
 
@@ -202,7 +204,7 @@ fn without_a_tree_the_command_says_why() {
     let mut model = empty_model();
     let now = model.now;
     update(&mut model, Msg::Input(Event::Key(Key::char('e'))), now);
-    assert!(model.layers.is_empty());
+    assert!(model.dialogs.is_empty());
     assert_eq!(model.message.unwrap().text, "Export: no preset is chosen");
 }
 
@@ -223,7 +225,7 @@ fn two_formats_an_option_and_a_target_are_ordered_as_chosen() {
     let (ply, glb) = (place_of("ply"), place_of("glb"));
     bench.go_to(Spot::Format(ply));
     bench.keys("space j j right k enter");
-    assert_eq!(bench.dialog().context(), Context::ExportLine);
+    assert_eq!(bench.dialog().context(), dialog::LINE);
     let target = bench.at("q x/jk.ply");
     fs::create_dir(bench.dir.path().join("q x")).unwrap();
     bench.retype(&target);
@@ -478,13 +480,13 @@ fn what_is_done_is_told_and_listed() {
     bench.keys("space");
     assert!(bench.model.command_of(Key::char('X')).is_none(), "a dialog is open");
     let order = Bench::order(bench.keys("x"));
-    assert!(is_running(&bench.model));
+    assert!(bench.model.exporting.is_running());
     let number = order.number;
     bench.send(Msg::Export(ExportNews::Progress { doing: Phase::Write, done: 420 }));
     let text = bench.text(100, 30);
     assert!(text.contains("writing older-c.obj +1 ████░░░░░░ 42 %"), "{text}");
     bench.send(carried_out(order));
-    assert!(!is_running(&bench.model) && status(&bench.model).is_empty());
+    assert!(!bench.model.exporting.is_running() && status(&bench.model).is_empty());
     let (weight, text) = bench.said();
     assert_eq!(weight, Weight::Note);
     assert!(text.contains(&bench.at("older-c.obj")) && text.contains("and 4 more"), "{text}");
@@ -497,7 +499,7 @@ fn what_is_done_is_told_and_listed() {
     }
     // News of an order that has ended change nothing.
     bench.send(Msg::Export(ExportNews::Cancelled { number }));
-    assert!(!is_running(&bench.model));
+    assert!(!bench.model.exporting.is_running());
 }
 
 #[test]
@@ -515,10 +517,10 @@ fn exports_wait_in_line_and_cancelling_lets_the_next_one_go() {
     assert!(second.number > first.number);
     // The first one says late that it ended, and the second is still under way.
     bench.send(Msg::Export(ExportNews::Cancelled { number: first.number }));
-    assert!(is_running(&bench.model));
+    assert!(bench.model.exporting.is_running());
     let news = ExportNews::Failed { number: second.number, why: "full".into() };
     assert!(bench.send(Msg::Export(news)).is_empty());
-    assert!(!is_running(&bench.model));
+    assert!(!bench.model.exporting.is_running());
     assert_eq!(bench.said(), (Weight::Error, "the export failed, nothing was written: full"));
 
     for _ in 0..=MOST_WAITING {
@@ -541,7 +543,7 @@ fn leaving_while_it_runs_is_asked_about() {
     assert!(bench.said().1.contains("once more"));
     assert!(matches!(bench.keys("q")[..], [Effect::Quit]));
     assert!(matches!(bench.keys("ctrl-c")[..], [Effect::Quit]));
-    bench.model.now += LEAVING;
+    bench.model.now += Duration::from_secs(8);
     assert!(bench.keys("ctrl-c").is_empty(), "asked too long ago");
 }
 
@@ -549,11 +551,11 @@ fn leaving_while_it_runs_is_asked_about() {
 fn every_key_of_the_room_runs_its_command_in_its_place() {
     let mut bench = Bench::new();
     for own in COMMANDS {
-        bench.model.layers.clear();
-        if own.context != Context::Global {
+        while bench.model.dialogs.take().is_some() {}
+        if own.context != Context::GLOBAL {
             bench.keys("e");
         }
-        if own.context == Context::ExportLine {
+        if own.context == dialog::LINE {
             bench.go_to(Spot::Target(place_of("glb")));
             bench.keys("enter");
         }
@@ -604,11 +606,11 @@ fn the_dialog_at_three_sizes_in_three_themes() {
             }
             // The row at the cursor looks unlike the others, in any theme.
             let rows: Vec<_> =
-                view.regions.iter().filter(|(_, target)| matches!(target, Target::ExportRow(_))).collect();
+                view.regions.iter().filter(|(_, target)| matches!(target, Target::Dialog(Some(_)))).collect();
             let at = bench.dialog().spots().iter().position(|spot| *spot == bench.dialog().cursor).unwrap();
             let looks = |wanted: bool| {
                 let cell =
-                    rows.iter().find(|(_, target)| (*target == Target::ExportRow(at)) == wanted).unwrap();
+                    rows.iter().find(|(_, target)| (*target == Target::Dialog(Some(at))) == wanted).unwrap();
                 let cell = &buffer[(cell.0.right() - 1, cell.0.y)];
                 (cell.bg, cell.modifier.contains(Modifier::REVERSED))
             };

@@ -1,7 +1,8 @@
-//! The export dialog, painted, and what the footer says of the export under way.
+//! The export dialog: keys, the mouse, how it is painted; and what the footer says of the export under way.
 
 use linden::knob::{Kind, Value};
 use linden_exporters::Estimate;
+use linden_terminal::input::{Button, Key, Mouse, MouseAction};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::Style;
@@ -10,12 +11,17 @@ use ratatui::widgets::{Paragraph, Widget, Wrap};
 use unicode_width::UnicodeWidthStr;
 
 use super::current;
-use super::dialog::{ExportDialog, FormatChoice, Spot, Start};
+use super::dialog::{self, ExportDialog, FormatChoice, Spot, Start};
 use crate::jobs::{Finding, WHOLE};
-use crate::tui::around::paint;
-use crate::tui::frame::{View, centered, clipped, dialog as boxed, thousands};
-use crate::tui::model::{Model, Target};
-use crate::tui::shape::view::first_row;
+use crate::tui::chrome::popup::popup;
+use crate::tui::chrome::prompt;
+use crate::tui::command::Context;
+use crate::tui::dialog::{After, Dialog};
+use crate::tui::effect::Effects;
+use crate::tui::figures::thousands;
+use crate::tui::layout::{Target, View, centered, first_row};
+use crate::tui::model::Model;
+use crate::tui::wrap::clipped;
 
 /// Columns of the dialog, where there is room.
 const COLUMNS: u16 = 92;
@@ -52,15 +58,49 @@ pub fn status(model: &Model) -> Vec<Span<'static>> {
     spans
 }
 
+impl Dialog<Model> for ExportDialog {
+    fn context(&self) -> Context {
+        if self.line.is_some() { dialog::LINE } else { dialog::CONTEXT }
+    }
+
+    fn paint(&self, model: &Model, body: Rect, buffer: &mut Buffer, view: &mut View) {
+        paint(model, self, body, buffer, view);
+    }
+
+    fn key(&mut self, _model: &mut Model, key: Key, _effects: &mut Effects) -> After {
+        self.typed(key);
+        After::Stays
+    }
+
+    fn paste(&mut self, _model: &mut Model, text: &str, _effects: &mut Effects) -> After {
+        self.pasted(text);
+        After::Stays
+    }
+
+    fn click(&mut self, model: &mut Model, row: usize, mouse: Mouse, _effects: &mut Effects) -> After {
+        if mouse.action == MouseAction::Press(Button::Left) {
+            self.click_row(model, row);
+        }
+        After::Stays
+    }
+
+    /// The wheel moves the cursor.
+    fn wheel(&mut self, _model: &mut Model, row: Option<usize>, down: bool) {
+        if row.is_some() && self.line.is_none() {
+            self.step(if down { 1 } else { -1 });
+        }
+    }
+}
+
 /// Paints the dialog.
-pub fn view(model: &Model, dialog: &ExportDialog, body: Rect, buffer: &mut Buffer, view: &mut View) {
+fn paint(model: &Model, dialog: &ExportDialog, body: Rect, buffer: &mut Buffer, view: &mut View) {
     let spots = dialog.spots();
     // The frame, a heading, the rows, and what is said of one.
     let height = (spots.len() as u16).saturating_add(3 + ABOUT);
     let outer = centered(COLUMNS, height.min(body.height.saturating_sub(2).max(body.height.min(8))), body);
     let name = model.tree.as_ref().map_or("", |tree| tree.wanted().preset.id.as_str());
     let title = clipped(&format!("Export {name}"), usize::from(outer.width).saturating_sub(4));
-    let area = boxed(model, &title, outer, buffer, view);
+    let area = popup(model, &title, outer, buffer, view);
     if area.is_empty() {
         return;
     }
@@ -76,7 +116,7 @@ pub fn view(model: &Model, dialog: &ExportDialog, body: Rect, buffer: &mut Buffe
     let first = first_row(at, spots.len(), list.height.into());
     for (y, (i, spot)) in (list.y..list.bottom()).zip(spots.iter().enumerate().skip(first)) {
         let row = Rect { y, height: 1, ..list };
-        view.regions.push((row, Target::ExportRow(i)));
+        view.regions.push((row, Target::Dialog(Some(i))));
         let painter = Row { model, dialog, estimate, chosen: i == at, area: row };
         painter.paint(*spot, buffer, view);
     }
@@ -141,7 +181,7 @@ impl Row<'_> {
     fn line(&self, x: u16, buffer: &mut Buffer, view: &mut View) -> bool {
         let Some(line) = self.dialog.line.as_ref().filter(|_| self.chosen) else { return false };
         let area = Rect { x, width: self.area.right().saturating_sub(x), ..self.area };
-        paint(&line.input, area, buffer, view, &self.model.config.theme);
+        prompt::paint(&line.input, area, buffer, view, &self.model.config.theme);
         true
     }
 

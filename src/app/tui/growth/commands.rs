@@ -1,8 +1,8 @@
-//! The rows of the room where growth is played.
+//! The commands that play growth.
 
 use super::{go_to, last_step, play_or_pause, shown, step_by};
-use crate::tui::command::{Command, Context, without_tree};
-use crate::tui::model::Model;
+use crate::tui::command::Context;
+use crate::tui::model::{Command, Model, without_tree};
 
 fn cannot_play(model: &Model) -> Option<String> {
     without_tree(model).or_else(|| {
@@ -16,11 +16,11 @@ fn is_grown(model: &Model) -> Option<String> {
         .or_else(|| model.growth.step().is_none().then(|| "the grown tree is on screen".to_owned()))
 }
 
-/// The rows of this room.
+/// The rows.
 pub const COMMANDS: &[Command] = &[
     Command {
         id: "growth-play",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["p"],
         title: "Play growth",
         help: "Plays the tree growing, derivation by derivation or iteration by iteration; again pauses",
@@ -30,7 +30,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "growth-back",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &[","],
         title: "Growth: step back",
         help: "Goes one step of growth back",
@@ -40,7 +40,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "growth-forward",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["."],
         title: "Growth: step on",
         help: "Goes one step of growth on",
@@ -50,7 +50,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "growth-back-far",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["<"],
         title: "Growth: far back",
         help: "Goes ten steps of growth back",
@@ -60,7 +60,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "growth-forward-far",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &[">"],
         title: "Growth: far on",
         help: "Goes ten steps of growth on",
@@ -70,7 +70,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "growth-start",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["("],
         title: "Growth: start",
         help: "Goes to the start of growth",
@@ -83,7 +83,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "growth-end",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &[")"],
         title: "Growth: grown",
         help: "Shows the grown tree",

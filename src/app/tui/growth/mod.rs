@@ -3,10 +3,10 @@
 //! The step on screen is a number; what a tree looked like then is the painter's business. A step is
 //! shown only when the picture of the one before has come, so a slow tree plays slower, not ragged.
 
+pub mod bar;
 mod commands;
-pub mod view;
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use linden::preset::Generator;
 
@@ -20,47 +20,6 @@ use crate::jobs::Shown;
 const WHOLE: Duration = Duration::from_secs(8);
 /// A derivation of an L-system is looked at for so long.
 const DERIVATION: Duration = Duration::from_millis(900);
-
-/// Where the playing is.
-#[derive(Debug, Default)]
-pub struct Playback {
-    /// The step on screen, `None` for the grown tree.
-    step: Option<u32>,
-    /// When the last step came, while it plays.
-    playing: Option<Instant>,
-    /// Until the next step.
-    pause: Duration,
-    /// Whether the next step is due, and waits for the picture of this one.
-    waits: bool,
-}
-
-impl Playback {
-    /// The step on screen, `None` for the grown tree.
-    pub fn step(&self) -> Option<u32> {
-        self.step
-    }
-
-    /// Whether it plays.
-    pub fn is_playing(&self) -> bool {
-        self.playing.is_some()
-    }
-
-    /// When the next step is due.
-    pub fn next_frame(&self) -> Option<Instant> {
-        self.playing.filter(|_| !self.waits).map(|last| last + self.pause)
-    }
-
-    /// Stays at the step that is on screen.
-    pub fn pause(&mut self) {
-        self.playing = None;
-        self.waits = false;
-    }
-
-    /// Shows the grown tree.
-    pub fn stop(&mut self) {
-        *self = Self::default();
-    }
-}
 
 /// The tree whose growth is played.
 fn shown(model: &Model) -> Option<&Shown> {

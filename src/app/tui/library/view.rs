@@ -6,12 +6,11 @@ use ratatui::style::Style;
 use ratatui::text::Span;
 use unicode_width::UnicodeWidthStr;
 
-use super::{Entry, Row};
-use crate::tui::around::Purpose;
-use crate::tui::frame::{View, clipped};
-use crate::tui::model::{Layer, Model, Pane, Target};
-use crate::tui::shape::view::first_row;
-use crate::tui::wrap::{wrapped, wrapped_within};
+use super::filter_line::FilterLine;
+use crate::tui::layout::{Pane, Target, View, first_row};
+use crate::tui::model::Model;
+use crate::tui::model::{Entry, Row};
+use crate::tui::wrap::{clipped, wrapped, wrapped_within};
 
 /// The most rows that tell about the selected preset, and the height that it takes for them.
 const ABOUT: u16 = 9;
@@ -36,16 +35,13 @@ pub fn view(model: &Model, mut area: Rect, buffer: &mut Buffer, view: &mut View)
         return;
     }
     let library = &model.library;
-    let typed = match model.layers.last() {
-        Some(Layer::Line(line)) if matches!(line.purpose, Purpose::Filter { .. }) => Some(line),
-        _ => None,
-    };
+    let typed = model.dialogs.top::<FilterLine>();
     if typed.is_some() || !library.filter.is_empty() {
         let row = Rect { height: 1, ..area };
         buffer.set_stringn(row.x, row.y, "/", row.width.into(), theme.key);
         let rest = Rect { x: row.x + 1, width: row.width - 1, ..row };
         match typed {
-            Some(line) => line.paint(rest, buffer, view, theme),
+            Some(line) => line.prompt.paint(rest, buffer, view, theme),
             None => {
                 buffer.set_stringn(
                     rest.x,

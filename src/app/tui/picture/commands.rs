@@ -1,11 +1,12 @@
-//! The rows of the picture's room.
+//! The commands of the picture.
 
 use glam::Vec2;
 use linden_raster::Camera;
 
-use super::{Look, turn_by, zoom_by};
-use crate::tui::command::{Command, Context, free, without_tree};
-use crate::tui::model::Model;
+use super::{turn_by, zoom_by};
+use crate::jobs::Look;
+use crate::tui::command::Context;
+use crate::tui::model::{Command, Model, free, without_tree};
 
 /// Degrees a key.
 const TURN_DEG: f32 = 6.0;
@@ -58,11 +59,11 @@ fn cycle_look(model: &mut Model, by: usize) {
     model.say(format!("drawn: {name}"));
 }
 
-/// The rows of this room.
+/// The rows.
 pub const COMMANDS: &[Command] = &[
     Command {
         id: "orbit-left",
-        context: Context::Picture,
+        context: Context::PICTURE,
         keys: &["left", "h"],
         title: "Orbit left",
         help: "Goes round the tree to the left",
@@ -72,7 +73,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "orbit-right",
-        context: Context::Picture,
+        context: Context::PICTURE,
         keys: &["right", "l"],
         title: "Orbit",
         help: "Goes round the tree to the right",
@@ -82,7 +83,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "orbit-up",
-        context: Context::Picture,
+        context: Context::PICTURE,
         keys: &["up", "k"],
         title: "Orbit up",
         help: "Looks more from above",
@@ -92,7 +93,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "orbit-down",
-        context: Context::Picture,
+        context: Context::PICTURE,
         keys: &["down", "j"],
         title: "Orbit down",
         help: "Looks more from below",
@@ -102,7 +103,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "pan-left",
-        context: Context::Picture,
+        context: Context::PICTURE,
         keys: &["shift-left", "H"],
         title: "Pan left",
         help: "Moves the view to the left",
@@ -112,7 +113,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "pan-right",
-        context: Context::Picture,
+        context: Context::PICTURE,
         keys: &["shift-right", "L"],
         title: "Pan right",
         help: "Moves the view to the right",
@@ -122,7 +123,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "pan-up",
-        context: Context::Picture,
+        context: Context::PICTURE,
         keys: &["shift-up", "K"],
         title: "Pan up",
         help: "Moves the view up",
@@ -132,7 +133,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "pan-down",
-        context: Context::Picture,
+        context: Context::PICTURE,
         keys: &["shift-down", "J"],
         title: "Pan down",
         help: "Moves the view down",
@@ -142,7 +143,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "zoom-in",
-        context: Context::Picture,
+        context: Context::PICTURE,
         keys: &["+", "="],
         title: "Closer",
         help: "Comes closer",
@@ -152,7 +153,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "zoom-out",
-        context: Context::Picture,
+        context: Context::PICTURE,
         keys: &["-"],
         title: "Farther",
         help: "Goes away from the tree",
@@ -162,7 +163,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "view-reset",
-        context: Context::Picture,
+        context: Context::PICTURE,
         keys: &["0", "r"],
         title: "Whole tree",
         help: "Frames the whole tree again",
@@ -178,7 +179,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "view-front",
-        context: Context::Picture,
+        context: Context::PICTURE,
         keys: &["1"],
         title: "From the front",
         help: "Looks from the front, level",
@@ -188,7 +189,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "view-side",
-        context: Context::Picture,
+        context: Context::PICTURE,
         keys: &["2"],
         title: "From the side",
         help: "Looks from the right side, level",
@@ -198,7 +199,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "view-top",
-        context: Context::Picture,
+        context: Context::PICTURE,
         keys: &["3"],
         title: "From above",
         help: "Looks straight down",
@@ -208,7 +209,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "turntable",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["t"],
         title: "Turntable",
         help: "Turns the tree by itself; again, or the mouse, stops it",
@@ -221,7 +222,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "look-next",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["c"],
         title: "Look",
         help: "Draws the tree otherwise: as skeleton, by axis order, by radius, by birth step, as shaded surface",
@@ -231,7 +232,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "look-previous",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["C"],
         title: "Look back",
         help: "Draws the tree as before in the round of looks",
@@ -241,7 +242,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "overlay-points",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["P"],
         title: "Attraction points",
         help: "Shows or hides the points that the tree reaches for",
@@ -251,7 +252,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "overlay-outline",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["O"],
         title: "Crown outline",
         help: "Shows or hides the crown that the tree fills",
@@ -261,7 +262,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "overlay-scale",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["M"],
         title: "Scale and person",
         help: "Shows or hides the scale bar and the person beside the tree",

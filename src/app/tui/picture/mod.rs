@@ -7,14 +7,14 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::Vec2;
-use linden_raster::{Camera, Paint};
+use linden_raster::Camera;
 use linden_terminal::input::{Button, Mouse, MouseAction};
+use ratatui::layout::Rect;
 
 pub use commands::COMMANDS;
 
-use super::frame;
+use super::layout::{Pane, inside};
 use super::model::{Model, QUIET};
-pub use crate::jobs::Look;
 use crate::jobs::{Detail, DrawRequest, Medium, Painted, Shown};
 
 /// Frames a second of what moves by itself: here, and where each costs bytes on a network.
@@ -25,105 +25,35 @@ const FAST: Duration = Duration::from_millis(14);
 /// Degrees a cell of dragging.
 const DRAG_DEG: f32 = 3.0;
 
-impl Look {
-    /// All, in the order in which a key goes through them.
-    pub const ALL: [Self; 5] = [
-        Self::Skeleton(Paint::Wood),
-        Self::Skeleton(Paint::Order),
-        Self::Skeleton(Paint::Radius),
-        Self::Skeleton(Paint::Birth),
-        Self::Surface,
-    ];
-
-    /// What it is called, here and in the session's file.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Surface => "surface",
-            Self::Skeleton(Paint::Wood) => "skeleton",
-            Self::Skeleton(Paint::Order) => "order",
-            Self::Skeleton(Paint::Radius) => "radius",
-            Self::Skeleton(Paint::Birth) => "birth",
-        }
-    }
-
-    /// The look of a name.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|look| look.name() == name)
-    }
-}
-
-/// How the tree is looked at.
-#[expect(clippy::struct_excessive_bools, reason = "switches that have nothing to do with each other")]
-pub struct PictureState {
-    /// From where.
-    pub camera: Camera,
-    /// What is drawn.
-    pub look: Look,
-    /// Whether attraction points are.
-    pub points: bool,
-    /// Whether the crown's outline is.
-    pub outline: bool,
-    /// Whether a person stands beside it, and a scale bar below.
-    pub scale: bool,
-    /// When the turntable last moved; `None` when it stands.
-    turning: Option<Instant>,
-    /// What is on screen.
-    pub painted: Option<Box<Painted>>,
-    /// Where the pointer was while a button is down.
-    drag: Option<(u16, u16)>,
-    /// Whether the next tree is looked at from where the camera is.
-    keeps_camera: bool,
-    /// Whether full pictures come fast enough to do without drafts.
-    fast: bool,
-}
-
-impl Default for PictureState {
-    fn default() -> Self {
-        Self {
-            camera: Camera::default(),
-            look: Look::Skeleton(Paint::Wood),
-            points: false,
-            outline: false,
-            scale: true,
-            turning: None,
-            painted: None,
-            drag: None,
-            keeps_camera: false,
-            fast: false,
-        }
-    }
-}
-
-impl PictureState {
-    /// Whether the turntable turns.
-    pub fn is_turning(&self) -> bool {
-        self.turning.is_some()
-    }
-
-    /// Starts or stops the turntable.
-    pub fn turn(&mut self, now: Option<Instant>) {
-        self.turning = now;
-    }
-
-    /// Whether a better picture is to be drawn as soon as nothing happens.
-    pub fn waits_for_quiet(&self, model: &Model) -> bool {
-        !is_moving(model)
-            && model.now < model.last_input + QUIET
-            && self.painted.as_ref().is_some_and(|painted| painted.request.detail == Detail::Draft)
-    }
-}
-
-impl PictureState {
-    /// Looks from where it was looked from last time, also when the tree has grown.
-    pub fn restore(&mut self, yaw_deg: f32, pitch_deg: f32, zoom: f32, pan: Vec2) {
-        self.camera = Camera { yaw_deg, pitch_deg, zoom, pan, extent: None };
-        self.keeps_camera = true;
-    }
-}
-
 /// Whether something moves by itself.
 fn is_moving(model: &Model) -> bool {
     model.picture.is_turning() || model.growth.is_playing() || model.wind.is_blowing()
+}
+
+/// Whether a better picture is to be drawn as soon as nothing happens.
+pub fn waits_for_quiet(model: &Model) -> bool {
+    let painted = model.picture.painted.as_ref();
+    !is_moving(model)
+        && model.now < model.last_input + QUIET
+        && painted.is_some_and(|painted| painted.request.detail == Detail::Draft)
+}
+
+/// From this height on, the lowest row tells the scale.
+const WITH_SCALE: u16 = 8;
+
+/// The cells of the picture, and the row of the scale below (empty where there is no room).
+fn split(inner: Rect) -> (Rect, Rect) {
+    if inner.height < WITH_SCALE {
+        return (inner, Rect { height: 0, ..inner });
+    }
+    let picture = Rect { height: inner.height - 1, ..inner };
+    (picture, Rect { y: picture.bottom(), height: 1, ..inner })
+}
+
+/// The cells of the picture itself, `None` when it is not on screen.
+pub fn area(model: &Model) -> Option<Rect> {
+    let (picture, _) = split(inside(model.layout().pane(Pane::Picture)?));
+    Some(picture).filter(|area| !area.is_empty())
 }
 
 /// The pause between frames of what moves by itself.
@@ -167,7 +97,7 @@ pub fn reset(model: &mut Model) {
 /// The picture that should be on screen, `None` when there is nothing to draw or no room.
 pub fn wanted(model: &Model) -> Option<DrawRequest> {
     let shown = model.tree.as_ref()?.shown.as_ref()?;
-    let area = frame::picture_area(model)?;
+    let area = area(model)?;
     let hurried = !model.picture.fast && (is_moving(model) || model.now < model.last_input + QUIET);
     let picture = &model.picture;
     let person = picture.scale && model.config.settings.person;
@@ -219,7 +149,7 @@ pub fn dragged(model: &mut Model, mouse: Mouse) -> bool {
     model.picture.drag = Some((mouse.column, mouse.row));
     let camera = &mut model.picture.camera;
     if button != Button::Left || mouse.shift {
-        let area = frame::picture_area(model).unwrap_or_default();
+        let area = area(model).unwrap_or_default();
         let half = f32::from(area.width.min(2 * area.height).max(2)) / 2.0;
         let camera = &mut model.picture.camera;
         camera.pan += Vec2::new(right, -2.0 * down) / half;

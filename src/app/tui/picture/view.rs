@@ -5,23 +5,13 @@ use ratatui::layout::Rect;
 use ratatui::text::Span;
 use unicode_width::UnicodeWidthStr;
 
-use super::Look;
-use crate::jobs::Painted;
-use crate::tui::frame::{View, clipped, thousands};
+use super::split;
+use crate::jobs::{Look, Painted};
+use crate::tui::figures::thousands;
+use crate::tui::layout::View;
 use crate::tui::model::Model;
 use crate::tui::tree::Growing;
-
-/// From this height on, the lowest row tells the scale.
-const WITH_SCALE: u16 = 8;
-
-/// The cells of the picture, and the row of the scale below (empty where there is no room).
-pub fn split(inner: Rect) -> (Rect, Rect) {
-    if inner.height < WITH_SCALE {
-        return (inner, Rect { height: 0, ..inner });
-    }
-    let picture = Rect { height: inner.height - 1, ..inner };
-    (picture, Rect { y: picture.bottom(), height: 1, ..inner })
-}
+use crate::tui::wrap::clipped;
 
 /// What the pane's border says beside its name.
 pub fn heading(model: &Model) -> Vec<Span<'static>> {

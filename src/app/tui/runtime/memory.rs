@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use glam::Vec2;
 
 use crate::config::session::{Camera, Session, SessionFile};
-use crate::tui::model::{Config, Model, Pane};
-use crate::tui::picture::Look;
+use crate::jobs::Look;
+use crate::tui::layout::Pane;
+use crate::tui::model::{Config, Model};
 use crate::tui::tree::Place;
 
 /// The file, and what it said.

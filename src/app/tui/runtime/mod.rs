@@ -1,7 +1,7 @@
 //! Joins the model to the terminal and to the jobs.
 //!
 //! One thread owns the model. It sleeps until something happens: input, an answer of a job, a write
-//! that is done, or a time that somebody asked for. All that has happened is taken in, then one frame
+//! that is done, or a time that was asked for. All that has happened is taken in, then one frame
 //! is painted: nothing is queued, the newest state is what is sent.
 
 mod effects;
@@ -32,9 +32,11 @@ use self::memory::Memory;
 use self::probing::Probing;
 use self::watchdog::Watchdog;
 use self::watching::Watching;
-use super::frame;
-use super::model::{Layer, Model};
-use super::update::{Msg, update};
+use super::commands;
+use super::model::Model;
+use super::picture;
+use super::screen;
+use super::update::{Msg, update, wake_at};
 use crate::jobs::{THREAD_PREFIX, lower_priority};
 
 /// How a workbench begins.
@@ -129,7 +131,7 @@ impl Runtime {
         let capabilities = probing.conclude();
         let (memory, remembered, complaints) =
             Memory::load(&config, start.source.is_none() && start.set.is_empty());
-        let mut model = Model::new(config, capabilities, (size.columns, size.rows), now);
+        let mut model = Model::new(commands::ALL, config, capabilities, (size.columns, size.rows), now);
         for complaint in overrides_told.into_iter().chain(complaints) {
             model.say_error(complaint);
         }
@@ -204,7 +206,7 @@ impl Runtime {
 
     /// When to wake though nothing happens; `None` sleeps.
     fn wake_at(&self) -> Option<Instant> {
-        [self.model.wake_at(), self.display.wake_at(), self.desk.wake_at(), self.probing.wake_at()]
+        [wake_at(&self.model), self.display.wake_at(), self.desk.wake_at(), self.probing.wake_at()]
             .into_iter()
             .flatten()
             .min()
@@ -213,7 +215,7 @@ impl Runtime {
     /// What time brings.
     fn tick(&mut self) {
         let now = Instant::now();
-        if self.model.wake_at().is_some_and(|at| at <= now) {
+        if wake_at(&self.model).is_some_and(|at| at <= now) {
             self.update(Msg::Tick);
         }
         if self.display.wake_at().is_some_and(|at| at <= now) {
@@ -324,7 +326,7 @@ impl Runtime {
         let now = Instant::now();
         self.model.stats = self.keys.line(&self.display.stats());
         let mut buffer = Buffer::empty(Rect::new(0, 0, self.model.size.0, self.model.size.1));
-        let view = frame::view(&self.model, &mut buffer);
+        let view = screen::view(&self.model, &mut buffer);
         self.model.regions = view.regions;
         let graphic = self.graphic();
         self.display.present(buffer, view.cursor, view.late, graphic, now);
@@ -334,9 +336,9 @@ impl Runtime {
 
     /// The picture as pixels, where the terminal shows such and nothing lies over it.
     fn graphic(&mut self) -> Option<Graphic> {
-        let is_covered = self.model.layers.iter().any(|layer| !matches!(layer, Layer::Line(_)));
+        let is_covered = self.model.dialogs.iter().any(|dialog| !dialog.is_prompt());
         let painted = self.model.picture.painted.as_ref().filter(|_| !is_covered)?;
-        let area = frame::picture_area(&self.model)?;
+        let area = picture::area(&self.model)?;
         let data = painted.graphic.as_ref().filter(|_| painted.request.area == area)?;
         if !self.shown_picture.as_ref().is_some_and(|shown| std::sync::Arc::ptr_eq(shown, data)) {
             self.generation += 1;

@@ -9,7 +9,7 @@ use crate::config::dirs::Dirs;
 use crate::config::keymap::Keymap;
 use crate::config::settings::Settings;
 use crate::config::theme::Theme;
-use crate::tui::command;
+use crate::tui::commands;
 use crate::tui::model::Config;
 
 /// Reads settings, keymap and theme. What the command line says of the terminal comes before the
@@ -24,7 +24,7 @@ pub fn configuration(probing: &mut Probing) -> (Config, Vec<String>) {
         Err(error) => told.push(error.to_string()),
     }
     probing.take_overrides(overrides);
-    let table = command::key_table();
+    let table = commands::key_table();
     let (keymap, own) = Keymap::load(dirs.keymap().as_deref(), &table);
     complaints.extend(own);
     let mut config = Config { dirs, theme: Theme::dark(), keymap, settings, complaints };

@@ -1,13 +1,16 @@
-//! The rows of the form's room.
+//! The commands of the form, and of the grammar's editor.
 
 use linden::preset::Space;
 
+use super::grammar::GrammarEditor;
 use super::nudge::Nudge;
+use super::save_lines::SaveLine;
 use super::{grammar, nudge, open, save, selected, selected_rule, step, turn};
-use crate::tui::around::{Line, Purpose};
-use crate::tui::command::{Command, Context, free, without_preset};
-use crate::tui::effect::Effect;
-use crate::tui::model::{Layer, Model, Pane};
+use crate::tui::command::Context;
+use crate::tui::dialog::After;
+use crate::tui::effect::{Effect, Effects};
+use crate::tui::layout::Pane;
+use crate::tui::model::{Command, Model, free, without_preset};
 use crate::tui::tree::{Place, Tree, grammar_of};
 
 fn unless(model: &Model, can: impl Fn(&Tree) -> bool, why: &str) -> Option<String> {
@@ -32,7 +35,7 @@ fn has_no_grammar(model: &Model) -> Option<String> {
 }
 
 /// The file that `$EDITOR` opens when there is no grammar to edit.
-fn own_file(tree: &Tree) -> Result<std::path::PathBuf, String> {
+fn file_to_edit(tree: &Tree) -> Result<std::path::PathBuf, String> {
     let Place::File(path) = &tree.place else {
         return Err("the preset is built in; save it as one of your own first".to_owned());
     };
@@ -50,13 +53,17 @@ const fn editing(
     help: &'static str,
     hint: Option<u8>,
     hindrance: fn(&Model) -> Option<String>,
-    run: fn(&mut Model, &mut crate::tui::effect::Effects),
+    run: fn(&mut Model, &mut Effects),
 ) -> Command {
-    Command { id, context: Context::Grammar, keys, title, help, hint, hindrance, run }
+    Command { id, context: grammar::CONTEXT, keys, title, help, hint, hindrance, run }
 }
 
-fn unless_typed(model: &Model, can: fn(&grammar::GrammarEditor) -> bool, why: &str) -> Option<String> {
-    grammar::editor(model).is_none_or(|editor| !can(editor)).then(|| why.to_owned())
+fn unless_typed(model: &Model, can: fn(&GrammarEditor) -> bool, why: &str) -> Option<String> {
+    model.dialogs.top::<GrammarEditor>().is_none_or(|editor| !can(editor)).then(|| why.to_owned())
+}
+
+fn with(model: &mut Model, act: impl FnOnce(&mut GrammarEditor, &mut Model) -> After) {
+    model.with(act);
 }
 
 const fn nudging(
@@ -65,16 +72,16 @@ const fn nudging(
     title: &'static str,
     help: &'static str,
     hint: Option<u8>,
-    run: fn(&mut Model, &mut crate::tui::effect::Effects),
+    run: fn(&mut Model, &mut Effects),
 ) -> Command {
-    Command { id, context: Context::Shape, keys, title, help, hint, hindrance: without_preset, run }
+    Command { id, context: Context::SHAPE, keys, title, help, hint, hindrance: without_preset, run }
 }
 
-/// The rows of this room.
+/// The rows.
 pub const COMMANDS: &[Command] = &[
     Command {
         id: "knob-next",
-        context: Context::Shape,
+        context: Context::SHAPE,
         keys: &["j", "down"],
         title: "Next knob",
         help: "Goes to the knob below",
@@ -84,7 +91,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "knob-previous",
-        context: Context::Shape,
+        context: Context::SHAPE,
         keys: &["k", "up"],
         title: "Previous knob",
         help: "Goes to the knob above",
@@ -94,7 +101,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "knob-first",
-        context: Context::Shape,
+        context: Context::SHAPE,
         keys: &["g", "home"],
         title: "First knob",
         help: "Goes to the top of the form",
@@ -104,7 +111,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "knob-last",
-        context: Context::Shape,
+        context: Context::SHAPE,
         keys: &["G", "end"],
         title: "Last knob",
         help: "Goes to the bottom of the form",
@@ -114,7 +121,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "knob-page-down",
-        context: Context::Shape,
+        context: Context::SHAPE,
         keys: &["ctrl-d", "pagedown"],
         title: "Knobs: page down",
         help: "Goes eight knobs down",
@@ -124,7 +131,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "knob-page-up",
-        context: Context::Shape,
+        context: Context::SHAPE,
         keys: &["ctrl-u", "pageup"],
         title: "Knobs: page up",
         help: "Goes eight knobs up",
@@ -182,7 +189,7 @@ pub const COMMANDS: &[Command] = &[
     ),
     Command {
         id: "knob-type",
-        context: Context::Shape,
+        context: Context::SHAPE,
         keys: &["enter", "i"],
         title: "Type",
         help: "Types the knob's value, flips a switch, opens the grammar",
@@ -192,7 +199,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "knob-reset",
-        context: Context::Shape,
+        context: Context::SHAPE,
         keys: &["r", "backspace"],
         title: "Reset",
         help: "Gives the knob, or the grammar, the saved preset's value back",
@@ -221,7 +228,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "undo",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["u"],
         title: "Undo",
         help: "Takes the last change back; there is no limit",
@@ -235,7 +242,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "redo",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["ctrl-r"],
         title: "Redo",
         help: "Does again what was undone",
@@ -249,7 +256,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "compare",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["b"],
         title: "Compare",
         help: "Shows the preset as saved, and your changes again (A/B)",
@@ -263,7 +270,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "revert",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["R"],
         title: "Revert all",
         help: "Gives all knobs the saved preset's values back; undo leads back",
@@ -278,7 +285,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "save-as",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["s"],
         title: "Save as",
         help: "Saves the tree as a preset of your own",
@@ -294,15 +301,13 @@ pub const COMMANDS: &[Command] = &[
             })
         },
         run: |model, _| {
-            let id = save::proposed(model);
-            let mut line = Line::new(Purpose::SaveAs, &id);
-            line.problem = save::problem(&id);
-            model.layers.push(Layer::Line(line));
+            let line = SaveLine::new(&save::proposed(model));
+            model.dialogs.open(line);
         },
     },
     Command {
         id: "grammar",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["x"],
         title: "Edit grammar",
         help: "Opens the axiom and the rules as text; what is typed grows at once",
@@ -315,18 +320,18 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "external",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["E"],
         title: "Edit in $EDITOR",
         help: "Opens the grammar in $EDITOR, or the file of a preset of your own that has none",
         hint: None,
         hindrance: |model| match &model.tree {
-            Some(tree) if tree.grammar().is_none() => own_file(tree).err(),
+            Some(tree) if tree.grammar().is_none() => file_to_edit(tree).err(),
             _ => has_no_grammar(model),
         },
         run: |model, effects| {
             let Some(tree) = &model.tree else { return };
-            match own_file(tree) {
+            match file_to_edit(tree) {
                 Ok(path) if tree.grammar().is_none() => effects.push(Effect::EditFile(path)),
                 _ => grammar::hand_over(model, effects),
             }
@@ -339,7 +344,7 @@ pub const COMMANDS: &[Command] = &[
         "Closes the editor; when something is wrong, goes there instead",
         Some(10),
         free,
-        grammar::finish,
+        |model, _| with(model, GrammarEditor::finish),
     ),
     editing(
         "grammar-close",
@@ -348,7 +353,7 @@ pub const COMMANDS: &[Command] = &[
         "Closes the editor; the last rules that could be read grow",
         Some(11),
         free,
-        grammar::close,
+        |model, _| with(model, GrammarEditor::close),
     ),
     editing(
         "grammar-undo",
@@ -356,8 +361,8 @@ pub const COMMANDS: &[Command] = &[
         "Undo typing",
         "Takes back what was typed last",
         Some(12),
-        |model| unless_typed(model, grammar::GrammarEditor::can_undo, "nothing was typed"),
-        |model, _| grammar::step(model, true),
+        |model| unless_typed(model, GrammarEditor::can_undo, "nothing was typed"),
+        |model, _| with(model, GrammarEditor::undo),
     ),
     editing(
         "grammar-redo",
@@ -365,8 +370,8 @@ pub const COMMANDS: &[Command] = &[
         "Redo typing",
         "Types again what was taken back",
         None,
-        |model| unless_typed(model, grammar::GrammarEditor::can_redo, "nothing was taken back"),
-        |model, _| grammar::step(model, false),
+        |model| unless_typed(model, GrammarEditor::can_redo, "nothing was taken back"),
+        |model, _| with(model, GrammarEditor::redo),
     ),
     editing(
         "grammar-revert",
@@ -374,8 +379,8 @@ pub const COMMANDS: &[Command] = &[
         "Revert text",
         "Gives the text back that the editor was opened with; undo leads back",
         Some(14),
-        |model| unless_typed(model, grammar::GrammarEditor::is_changed, "the text is as it was"),
-        |model, _| grammar::revert(model),
+        |model| unless_typed(model, GrammarEditor::is_changed, "the text is as it was"),
+        |model, _| with(model, GrammarEditor::revert),
     ),
     editing(
         "grammar-external",
@@ -388,7 +393,7 @@ pub const COMMANDS: &[Command] = &[
     ),
     Command {
         id: "shape",
-        context: Context::Presets,
+        context: Context::PRESETS,
         keys: &["o"],
         title: "To its knobs",
         help: "Moves on to the knobs of the selected preset",

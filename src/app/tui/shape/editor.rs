@@ -1,25 +1,60 @@
-//! The grammar's editor, painted.
+//! The grammar's editor as a dialog: keys, mouse, and how it is painted.
 
 use linden::knob::printable;
+use linden_terminal::input::{Key, Mouse};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::{Modifier, Style};
 use ratatui::widgets::{Paragraph, Widget, Wrap};
 use unicode_width::UnicodeWidthChar;
 
-use super::forecast;
 use super::grammar::{GrammarEditor, said};
+use super::{forecast, grammar};
 use crate::config::theme::Theme;
-use crate::tui::frame::{View, clipped, dialog};
-use crate::tui::model::{Model, Target};
+use crate::tui::chrome::popup::popup;
+use crate::tui::command::Context;
+use crate::tui::dialog::{After, Dialog};
+use crate::tui::effect::Effects;
+use crate::tui::layout::{Target, View};
+use crate::tui::model::Model;
+use crate::tui::wrap::clipped;
 
 /// How the text is written, for those who see it for the first time.
 const SYNTAX: &str = "axiom = F · a rule a line: F -> F[+F]F · a chance: F -> (0.5) FF · // comment";
-/// Rows beside the text: the frame, the syntax, what is wrong or how much it grows.
+/// Rows besides the text: the frame, the syntax, what is wrong or how much it grows.
 const AROUND: u16 = 5;
 
+impl Dialog<Model> for GrammarEditor {
+    fn context(&self) -> Context {
+        grammar::CONTEXT
+    }
+
+    fn paint(&self, model: &Model, body: Rect, buffer: &mut Buffer, view: &mut View) {
+        paint(model, self, body, buffer, view);
+    }
+
+    fn key(&mut self, model: &mut Model, key: Key, _effects: &mut Effects) -> After {
+        self.change(model, |text| text.key(key))
+    }
+
+    fn paste(&mut self, model: &mut Model, text: &str, _effects: &mut Effects) -> After {
+        self.change(model, |typed| typed.paste(text))
+    }
+
+    fn click(&mut self, model: &mut Model, _spot: usize, mouse: Mouse, _effects: &mut Effects) -> After {
+        self.point(model, mouse);
+        After::Stays
+    }
+
+    fn wheel(&mut self, model: &mut Model, spot: Option<usize>, down: bool) {
+        if spot.is_some() {
+            self.roll(model, down);
+        }
+    }
+}
+
 /// Paints the editor over the lower part of the screen, so that the tree stays in sight above it.
-pub fn view(model: &Model, editor: &GrammarEditor, body: Rect, buffer: &mut Buffer, view: &mut View) {
+fn paint(model: &Model, editor: &GrammarEditor, body: Rect, buffer: &mut Buffer, view: &mut View) {
     let theme = &model.config.theme;
     let lines = editor.text.lines().count();
     let footer = u16::from(body.height >= 3);
@@ -28,7 +63,7 @@ pub fn view(model: &Model, editor: &GrammarEditor, body: Rect, buffer: &mut Buff
     let height = wanted.min((u32::from(room) * 6 / 10) as u16).max(12).min(room);
     let area = Rect { y: body.y + room - height, height, ..body };
     let title = if editor.is_changed() { "Grammar ●" } else { "Grammar" };
-    let inner = dialog(model, title, area, buffer, view);
+    let inner = popup(model, title, area, buffer, view);
     if inner.is_empty() {
         return;
     }
@@ -69,7 +104,7 @@ fn body_of(
     let theme = &model.config.theme;
     let numbers = if area.width >= 24 { lines.to_string().len() as u16 + 2 } else { 0 };
     let area = Rect { x: area.x + numbers, width: area.width - numbers, ..area };
-    view.regions.push((area, Target::Grammar));
+    view.regions.push((area, Target::Dialog(Some(grammar::TEXT))));
     let (first, skipped) = editor.scrolled(area.width.into(), area.height.into());
     let cursor = editor.text.cursor();
     let partner = partner(editor);

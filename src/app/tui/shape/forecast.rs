@@ -3,7 +3,7 @@
 use linden::lsystem::Forecast;
 use linden::preset::{Generator, Preset};
 
-use crate::tui::frame::thousands;
+use crate::tui::figures::thousands;
 
 /// Modules of a grammar's text that are looked through while somebody looks; more would hold up a frame.
 const MOST_MODULES: usize = 20_000;

@@ -2,7 +2,7 @@
 //!
 //! What is typed grows as soon as it can be read; what cannot be read is pointed at, and the last
 //! good tree stays. One editing, from opening to closing, is one step of the form's undo; the editor
-//! has an undo of its own. What was typed is kept with the tree, mistakes and comments too, and stands
+//! has another undo. What was typed is kept with the tree, mistakes and comments too, and stands
 //! there again when the editor is opened the next time.
 
 use std::fmt::{self, Write as _};
@@ -10,13 +10,21 @@ use std::fmt::{self, Write as _};
 use linden::knob::printable;
 use linden::lsystem::Grammar;
 use linden::lsystem::text::{ParseError, parse_grammar, write_grammar};
-use linden_terminal::input::{Key, Mouse, MouseAction};
+use linden_terminal::input::Mouse;
 use ratatui::layout::Rect;
 
 use super::text::Text;
+use crate::tui::command::Context;
+use crate::tui::dialog::After;
 use crate::tui::effect::{Effect, Effects};
-use crate::tui::model::{Layer, Model, Target};
+use crate::tui::layout::Target;
+use crate::tui::model::Model;
 use crate::tui::tree::Tree;
+
+/// Where the editor's keys are listened to.
+pub const CONTEXT: Context = Context::new(60, "grammar", "In the grammar");
+/// The spot that the text is.
+pub(super) const TEXT: usize = 0;
 
 /// Stands above the text in `$EDITOR`, and is taken away again.
 const HEADER: &str = "\
@@ -74,6 +82,90 @@ impl GrammarEditor {
         self.text.as_str() != self.opened
     }
 
+    /// Closes the editor; says what grows when the text cannot be read.
+    pub fn close(&mut self, model: &mut Model) -> After {
+        if self.fault.is_some() {
+            model.say_warning(
+                "the last rules that could be read grow; what you typed is there when you come back",
+            );
+        }
+        After::Closes
+    }
+
+    /// Closes the editor when all is well, else goes to what is not.
+    pub fn finish(&mut self, model: &mut Model) -> After {
+        if self.fault.is_none() {
+            return After::Closes;
+        }
+        self.go_to_fault();
+        self.keep_scroll(model);
+        After::Stays
+    }
+
+    /// Undoes in the text.
+    pub fn undo(&mut self, model: &mut Model) -> After {
+        self.change(model, |text| {
+            text.undo();
+            true
+        })
+    }
+
+    /// Redoes in the text.
+    pub fn redo(&mut self, model: &mut Model) -> After {
+        self.change(model, |text| {
+            text.redo();
+            true
+        })
+    }
+
+    /// Gives the text back that the editor was opened with.
+    pub fn revert(&mut self, model: &mut Model) -> After {
+        let opened = self.opened.clone();
+        self.change(model, |text| text.replace(&opened))
+    }
+
+    /// Changes the text, and what follows from it.
+    pub(super) fn change(&mut self, model: &mut Model, edit: impl FnOnce(&mut Text) -> bool) -> After {
+        // Its file may have been read again, and say something else now.
+        if model.tree.as_ref().is_none_or(|tree| tree.grammar().is_none()) {
+            model.say_warning("the tree on screen has no grammar any more; its editor was closed");
+            return After::Closes;
+        }
+        if edit(&mut self.text) {
+            let text = self.text.as_str();
+            let read = parse_grammar(text);
+            if let Some(tree) = &mut model.tree {
+                tree.type_grammar(text, read.as_ref().ok().cloned());
+            }
+            self.fault = read.err();
+        }
+        self.keep_scroll(model);
+        After::Stays
+    }
+
+    /// Puts the cursor where the mouse was pressed.
+    pub(super) fn point(&mut self, model: &Model, mouse: Mouse) {
+        let area = text_area(model);
+        let (first, skipped) = self.scrolled(area.width.into(), area.height.into());
+        let (x, y) = (mouse.column.saturating_sub(area.x), mouse.row.saturating_sub(area.y));
+        self.text.go_to(first + usize::from(y), skipped + usize::from(x));
+        self.keep_scroll(model);
+    }
+
+    /// A notch of the wheel.
+    pub(super) fn roll(&mut self, model: &Model, down: bool) {
+        let (line, _) = self.text.cursor();
+        self.text.go_to(if down { line + 3 } else { line.saturating_sub(3) }, 0);
+        self.keep_scroll(model);
+    }
+
+    fn keep_scroll(&mut self, model: &Model) {
+        let area = text_area(model);
+        if !area.is_empty() {
+            self.scroll = self.scrolled(area.width.into(), area.height.into());
+        }
+    }
+
     /// The first line and column on screen, for a text of so many cells.
     pub(super) fn scrolled(&self, width: usize, height: usize) -> (usize, usize) {
         let (line, column) = self.text.cursor();
@@ -81,15 +173,6 @@ impl GrammarEditor {
             |scroll: usize, at: usize, cells: usize| scroll.clamp((at + 1).saturating_sub(cells.max(1)), at);
         (within(self.scroll.0, line, height), within(self.scroll.1, column, width))
     }
-}
-
-/// The open editor.
-pub fn editor(model: &Model) -> Option<&GrammarEditor> {
-    if let Some(Layer::Grammar(editor)) = model.layers.last() { Some(editor) } else { None }
-}
-
-fn editor_mut(model: &mut Model) -> Option<&mut GrammarEditor> {
-    if let Some(Layer::Grammar(editor)) = model.layers.last_mut() { Some(editor) } else { None }
 }
 
 /// The grammar for the form, a line each: the axiom, then the first rules, each cut where it becomes a
@@ -134,7 +217,7 @@ pub fn open(model: &mut Model, row: usize) {
     } else if let Some(line) = line_of(&text, row) {
         editor.text.go_to(line, usize::MAX);
     }
-    model.layers.push(Layer::Grammar(Box::new(editor)));
+    model.dialogs.open(editor);
 }
 
 /// The line of a good text that holds the axiom (0) or a rule (from 1).
@@ -148,80 +231,12 @@ fn line_of(text: &str, row: usize) -> Option<usize> {
     found.map(|(line, _)| line)
 }
 
-/// Esc: closes the editor.
-pub fn close(model: &mut Model, _: &mut Effects) {
-    if let Some(editor) = editor(model) {
-        let is_bad = editor.fault.is_some();
-        model.layers.pop();
-        if is_bad {
-            model.say_warning(
-                "the last rules that could be read grow; what you typed is there when you come back",
-            );
-        }
-    }
-}
-
-/// Closes the editor when all is well, else goes to what is not.
-pub fn finish(model: &mut Model, effects: &mut Effects) {
-    match editor_mut(model) {
-        Some(editor) if editor.fault.is_some() => editor.go_to_fault(),
-        _ => close(model, effects),
-    }
-    keep_scroll(model);
-}
-
-/// Undoes or redoes in the text.
-pub fn step(model: &mut Model, back: bool) {
-    change(model, |text| {
-        if back {
-            text.undo();
-        } else {
-            text.redo();
-        }
-        true
-    });
-}
-
-/// Gives the text back that the editor was opened with.
-pub fn revert(model: &mut Model) {
-    let Some(opened) = editor(model).map(|editor| editor.opened.clone()) else { return };
-    change(model, |text| text.replace(&opened));
-}
-
 /// Hands the text to `$EDITOR`.
 pub fn hand_over(model: &Model, effects: &mut Effects) {
-    let typed = editor(model).map(|editor| editor.text.as_str().to_owned());
+    let typed = model.dialogs.top::<GrammarEditor>().map(|editor| editor.text.as_str().to_owned());
     if let Some(text) = typed.or_else(|| model.tree.as_ref().and_then(text_of)) {
         effects.push(Effect::Edit(format!("{HEADER}{text}")));
     }
-}
-
-/// A key for the editor.
-pub fn typed(model: &mut Model, key: Key) {
-    change(model, |text| text.key(key));
-}
-
-/// Pasted text for the editor.
-pub fn pasted(model: &mut Model, pasted: &str) {
-    change(model, |text| text.paste(pasted));
-}
-
-/// The mouse over the editor's text.
-pub fn mouse(model: &mut Model, mouse: Mouse) {
-    let area = text_area(model);
-    let Some(editor) = editor_mut(model) else { return };
-    let (line, _) = editor.text.cursor();
-    match mouse.action {
-        MouseAction::Press(_) => {
-            let (first, skipped) = editor.scrolled(area.width.into(), area.height.into());
-            let (x, y) = (mouse.column.saturating_sub(area.x), mouse.row.saturating_sub(area.y));
-            editor.text.go_to(first + usize::from(y), skipped + usize::from(x));
-        }
-        MouseAction::WheelUp => editor.text.go_to(line.saturating_sub(3), 0),
-        MouseAction::WheelDown => editor.text.go_to(line + 3, 0),
-        _ => {}
-    }
-    keep_scroll(model);
 }
 
 /// Takes the text that comes back from `$EDITOR`: as one step of undo, and into linden's editor when
@@ -231,12 +246,14 @@ pub fn take_text(model: &mut Model, text: &str) {
     let text = HEADER.lines().fold(text.as_str(), |text, line| {
         text.strip_prefix(line).map_or(text, |rest| rest.strip_prefix('\n').unwrap_or(rest))
     });
-    if editor(model).is_some() {
-        change(model, |own| own.replace(text));
-        if let Some(editor) = editor_mut(model) {
-            editor.go_to_fault();
-        }
-        return keep_scroll(model);
+    let typed = |editor: &mut GrammarEditor, model: &mut Model| {
+        let after = editor.change(model, |typed| typed.replace(text));
+        editor.go_to_fault();
+        editor.keep_scroll(model);
+        after
+    };
+    if model.with(typed).is_some() {
+        return;
     }
     let Some(tree) = &mut model.tree else { return };
     let Some(before) = tree.grammar().cloned() else {
@@ -258,38 +275,10 @@ pub fn take_text(model: &mut Model, text: &str) {
     }
 }
 
-/// Changes the text, and what follows from it.
-fn change(model: &mut Model, edit: impl FnOnce(&mut Text) -> bool) {
-    let Some(Layer::Grammar(editor)) = model.layers.last_mut() else { return };
-    // Its file may have been read again, and say something else now.
-    if model.tree.as_ref().is_none_or(|tree| tree.grammar().is_none()) {
-        model.layers.pop();
-        return model.say_warning("the tree on screen has no grammar any more; its editor was closed");
-    }
-    if edit(&mut editor.text) {
-        let text = editor.text.as_str();
-        let read = parse_grammar(text);
-        if let Some(tree) = &mut model.tree {
-            tree.type_grammar(text, read.as_ref().ok().cloned());
-        }
-        editor.fault = read.err();
-    }
-    keep_scroll(model);
-}
-
 /// Where the text was in the last frame.
 fn text_area(model: &Model) -> Rect {
-    let found = model.regions.iter().rev().find(|(_, target)| *target == Target::Grammar);
+    let found = model.regions.iter().rev().find(|(_, target)| *target == Target::Dialog(Some(TEXT)));
     found.map(|(area, _)| *area).unwrap_or_default()
-}
-
-fn keep_scroll(model: &mut Model) {
-    let area = text_area(model);
-    if let Some(editor) = editor_mut(model)
-        && !area.is_empty()
-    {
-        editor.scroll = editor.scrolled(area.width.into(), area.height.into());
-    }
 }
 
 /// What is wrong, for the editor's last lines.

@@ -2,12 +2,14 @@
 
 mod commands;
 mod complete;
-pub mod editor;
+mod editor;
 mod forecast;
 pub mod grammar;
 pub mod nudge;
 pub mod save;
+pub mod save_lines;
 mod text;
+pub mod value;
 pub mod view;
 
 use std::path::PathBuf;
@@ -15,34 +17,19 @@ use std::sync::Arc;
 
 use linden::knob::{Kind, Value};
 use linden::preset::{Preset, PresetKnob, Section};
-use linden_terminal::input::{Key, Mouse, MouseAction};
+use linden_terminal::input::{Mouse, MouseAction};
 
 pub use commands::COMMANDS;
-pub use complete::{complete, completed};
-pub use grammar::GrammarEditor;
+pub use value::turn;
 
 use self::nudge::{Nudge, nudged};
-use super::around::{Line, Purpose};
+use self::value::ValueLine;
 use super::effect::Effects;
-use super::model::{Layer, Model, Pane};
+use super::layout::Pane;
+use super::model::{FormSpot, Model};
 use super::picture;
 use super::tree::{Place, Tree, grammar_of};
 use crate::jobs::Shown;
-
-/// Where the cursor is in the form.
-#[derive(Debug, Default)]
-pub struct Form {
-    selected: Option<Spot>,
-}
-
-/// A row that the cursor can be on. By name, so that it stays when a choice brings other knobs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Spot {
-    /// A knob.
-    Knob(&'static str),
-    /// The grammar's axiom (0) or one of its rules (from 1).
-    Rule(usize),
-}
 
 /// A row of the form.
 #[derive(Clone)]
@@ -59,19 +46,12 @@ pub enum Row {
 
 impl Row {
     /// What the cursor is on when it is on this row; `None` where it cannot be.
-    pub const fn spot(&self) -> Option<Spot> {
+    pub const fn spot(&self) -> Option<FormSpot> {
         match self {
-            Self::Knob(own, _) => Some(Spot::Knob(own.knob.name)),
-            Self::Rule(index, _) => Some(Spot::Rule(*index)),
+            Self::Knob(own, _) => Some(FormSpot::Knob(own.knob.name)),
+            Self::Rule(index, _) => Some(FormSpot::Rule(*index)),
             Self::Heading(_) | Self::MoreRules(_) => None,
         }
-    }
-}
-
-impl Form {
-    /// To the first knob.
-    pub fn reset(&mut self) {
-        self.selected = None;
     }
 }
 
@@ -98,7 +78,7 @@ pub fn rows(preset: &Preset) -> Vec<Row> {
 }
 
 /// Where the cursor is, among these rows: at the top when what it was on is gone.
-pub fn spot(model: &Model, rows: &[Row]) -> Option<Spot> {
+pub fn spot(model: &Model, rows: &[Row]) -> Option<FormSpot> {
     let mut all = rows.iter().filter_map(Row::spot);
     let first = all.clone().next();
     all.find(|spot| Some(*spot) == model.form.selected).or(first)
@@ -109,7 +89,7 @@ pub fn selected(model: &Model) -> Option<(PresetKnob, Value)> {
     let rows = rows(model.tree.as_ref()?.preset());
     let spot = spot(model, &rows)?;
     rows.into_iter().find_map(|row| match row {
-        Row::Knob(own, value) if Spot::Knob(own.knob.name) == spot => Some((own, value)),
+        Row::Knob(own, value) if FormSpot::Knob(own.knob.name) == spot => Some((own, value)),
         _ => None,
     })
 }
@@ -117,8 +97,8 @@ pub fn selected(model: &Model) -> Option<(PresetKnob, Value)> {
 /// The line of the grammar that the cursor is on.
 fn selected_rule(model: &Model) -> Option<usize> {
     match spot(model, &rows(model.tree.as_ref()?.preset()))? {
-        Spot::Rule(index) => Some(index),
-        Spot::Knob(_) => None,
+        FormSpot::Rule(index) => Some(index),
+        FormSpot::Knob(_) => None,
     }
 }
 
@@ -167,16 +147,6 @@ fn rounded(x: f32) -> f64 {
     format!("{x:.2e}").parse().unwrap_or(f64::from(x))
 }
 
-/// Turns a knob to what was typed; says why not.
-pub fn turn(model: &mut Model, name: &'static str, text: &str) {
-    let now = model.now;
-    if let Some(tree) = &mut model.tree
-        && let Err(error) = tree.set(name, text, now)
-    {
-        model.say_warning(error.to_string());
-    }
-}
-
 /// Enter: types the knob's value, flips a switch, opens the grammar.
 fn open(model: &mut Model) {
     if let Some(rule) = selected_rule(model) {
@@ -186,7 +156,7 @@ fn open(model: &mut Model) {
     if row.knob.kind == Kind::Switch {
         return nudge(model, true, Nudge::Usual);
     }
-    model.layers.push(Layer::Line(Line::new(Purpose::Knob(row.knob.name), &value.to_string())));
+    model.dialogs.open(ValueLine::new(row.knob.name, &value.to_string()));
 }
 
 /// The wanted recipe grew, or why not.
@@ -241,16 +211,6 @@ pub fn edited(model: &mut Model, text: Result<String, String>) {
     }
 }
 
-/// A key for the grammar's editor.
-pub fn typed(model: &mut Model, key: Key) {
-    grammar::typed(model, key);
-}
-
-/// Pasted text for the grammar's editor.
-pub fn pasted(model: &mut Model, text: &str) {
-    grammar::pasted(model, text);
-}
-
 /// The mouse over the form.
 pub fn wheel(model: &mut Model, mouse: Mouse) {
     match mouse.action {
@@ -286,7 +246,5 @@ pub fn clicked(model: &mut Model, row: usize, mouse: Mouse, _effects: &mut Effec
 
 #[cfg(test)]
 mod save_tests;
-#[cfg(test)]
-mod testing;
 #[cfg(test)]
 mod tests;

@@ -5,8 +5,8 @@ use std::path::Path;
 use linden::Quiet;
 
 use super::save;
-use super::testing::{Bench, text};
 use crate::tui::effect::Effect;
+use crate::tui::testing::form::{Bench, text};
 use crate::tui::tree::Place;
 use crate::tui::update::Msg;
 
@@ -88,13 +88,13 @@ fn an_id_is_checked_while_it_is_typed() {
     let (buffer, _) = bench.paint(100, 24);
     assert!(text(&buffer).contains("'a/b' cannot be a preset's id"));
     bench.keys("enter");
-    assert!(bench.effects.is_empty() && !bench.model.layers.is_empty());
+    assert!(bench.effects.is_empty() && !bench.model.dialogs.is_empty());
     bench.keys("ctrl-u").typed("fir");
     assert_eq!(bench.problem(), None);
     let (buffer, _) = bench.paint(100, 24);
     assert!(text(&buffer).contains("means the built-in one"));
     bench.keys("esc");
-    assert!(bench.model.layers.is_empty());
+    assert!(bench.model.dialogs.is_empty());
 }
 
 #[test]

@@ -7,11 +7,16 @@ use linden_terminal::input::Event;
 use proptest::prelude::*;
 use ratatui::style::Modifier;
 
-use super::testing::{Bench, text};
 use super::*;
 use crate::config::theme::Theme;
 use crate::tui::effect::Effect;
+use crate::tui::testing::form::{Bench, text};
 use crate::tui::update::Msg;
+
+/// The open editor.
+fn editor(bench: &Bench) -> Option<&grammar::GrammarEditor> {
+    bench.model.dialogs.top()
+}
 
 #[test]
 fn keys_go_through_the_form_and_turn_knobs() {
@@ -46,7 +51,7 @@ fn a_value_is_typed_and_what_is_wrong_is_said_at_once() {
     bench.keys("enter");
     assert_eq!(bench.value("kill"), "17D");
     bench.keys("esc");
-    assert!(bench.model.layers.is_empty());
+    assert!(bench.model.dialogs.is_empty());
     bench.on("step").keys("enter ctrl-u").typed("au").keys("enter");
     assert_eq!(bench.value("step"), "auto");
     assert_eq!(bench.tree().overrides().unwrap().len(), 2);
@@ -67,7 +72,7 @@ fn choices_are_completed_while_they_are_typed_and_switches_flip() {
     let before = bench.value("contract");
     bench.on("contract").keys("enter");
     assert_ne!(bench.value("contract"), before);
-    assert!(bench.model.layers.is_empty());
+    assert!(bench.model.dialogs.is_empty());
 }
 
 #[test]
@@ -173,7 +178,7 @@ fn the_grammar_is_edited_in_place_and_grows_as_it_is_typed() {
     let mut bench = Bench::new("abop-a");
     let before = bench.tree().grammar().unwrap().clone();
     bench.keys("x");
-    assert!(grammar::editor(&bench.model).is_some());
+    assert!(editor(&bench).is_some());
     bench.keys("down end").typed("[+F]");
     assert_eq!(bench.tree().grammar().unwrap().to_string(), "F\nF -> F[+F]F[-F]F[+F]\n");
     // What cannot be read keeps the last good grammar, and says where.
@@ -187,12 +192,12 @@ fn the_grammar_is_edited_in_place_and_grows_as_it_is_typed() {
     assert_eq!(view.cursor, Some((x + 3, y)));
     // Done goes to the mistake instead of closing.
     bench.keys("ctrl-s");
-    assert_eq!(grammar::editor(&bench.model).unwrap().text.cursor(), (1, 20));
+    assert_eq!(editor(&bench).unwrap().text.cursor(), (1, 20));
     bench.keys("esc");
-    assert!(bench.model.layers.is_empty() && bench.said().contains("last rules"));
+    assert!(bench.model.dialogs.is_empty() && bench.said().contains("last rules"));
     // The text is there again with its mistake; mended, it grows.
     bench.keys("x end").typed("]").keys("ctrl-s");
-    assert!(bench.model.layers.is_empty());
+    assert!(bench.model.dialogs.is_empty());
     assert_eq!(bench.tree().grammar().unwrap().to_string(), "F\nF -> F[+F]F[-F]F[+F][+F]\n");
     // Each editing is one step of undo.
     bench.keys("u u");
@@ -226,13 +231,13 @@ fn the_editors_own_undo_revert_and_comments() {
     bench.keys("ctrl-x");
     assert!(*bench.tree().grammar().unwrap() == before);
     bench.keys("ctrl-u esc x");
-    let text = grammar::editor(&bench.model).unwrap().text.as_str().to_owned();
+    let text = editor(&bench).unwrap().text.as_str().to_owned();
     assert!(text.contains("// mine\n\nG -> FF\nX -> G\n"), "comments stay with the tree: {text}");
     // Keys that mean something outside are letters here, and nothing panics on any of them.
     bench.keys("q u E / : ? tab f1 f12 insert alt-x");
-    assert!(grammar::editor(&bench.model).is_some());
+    assert!(editor(&bench).is_some());
     bench.keys("ctrl-c");
-    assert!(bench.model.layers.is_empty());
+    assert!(bench.model.dialogs.is_empty());
 }
 
 #[test]
@@ -244,7 +249,7 @@ fn enter_on_a_rule_opens_the_editor_there_and_r_gives_the_saved_grammar_back() {
     bench.keys("right");
     assert!(bench.said().contains("typed"));
     bench.keys("enter");
-    let (line, column) = grammar::editor(&bench.model).unwrap().text.cursor();
+    let (line, column) = editor(&bench).unwrap().text.cursor();
     assert_eq!(line, rule);
     assert!(column > 5);
     bench.typed("F").keys("esc");
@@ -264,14 +269,18 @@ fn the_mouse_selects_rows_opens_them_and_puts_the_cursor_into_the_text() {
     bench.press(10, row);
     assert_eq!(selected_rule(&bench.model), Some(1));
     bench.press(10, row);
-    assert!(grammar::editor(&bench.model).is_some());
+    assert!(editor(&bench).is_some());
     let (_, view) = bench.paint(100, 30);
-    let (area, _) =
-        *view.regions.iter().rev().find(|(_, target)| *target == crate::tui::model::Target::Grammar).unwrap();
+    let (area, _) = *view
+        .regions
+        .iter()
+        .rev()
+        .find(|(_, target)| *target == crate::tui::layout::Target::Dialog(Some(grammar::TEXT)))
+        .unwrap();
     bench.press(area.x + 3, area.y);
-    assert_eq!(grammar::editor(&bench.model).unwrap().text.cursor(), (0, 3));
+    assert_eq!(editor(&bench).unwrap().text.cursor(), (0, 3));
     bench.press(area.right() - 1, area.bottom() - 1);
-    assert_eq!(grammar::editor(&bench.model).unwrap().text.cursor().0, 2);
+    assert_eq!(editor(&bench).unwrap().text.cursor().0, 2);
 }
 
 #[test]
@@ -284,21 +293,21 @@ fn an_editor_of_ones_own_takes_the_text_and_loses_nothing() {
     assert!(!bench.tree().is_modified() && bench.said() == "the grammar is as it was");
     bench.send(Msg::Edited(Ok(handed.replace("[-F]", "[-FF]"))));
     assert_eq!(bench.tree().grammar().unwrap().to_string(), "F\nF -> F[+F]F[-FF]F\n");
-    assert!(bench.model.layers.is_empty());
+    assert!(bench.model.dialogs.is_empty());
     bench.keys("u");
     assert!(!bench.tree().is_modified() && !bench.tree().can_undo());
     // A mistake comes back into linden's editor, with the whole text.
     bench.send(Msg::Edited(Ok(handed.replace("[-F]", "[-F"))));
-    let editor = grammar::editor(&bench.model).unwrap();
-    assert_eq!(editor.text.as_str(), "axiom = F\nF -> F[+F]F[-FF\n");
-    assert_eq!(editor.text.cursor(), (1, 11));
+    let opened = editor(&bench).unwrap();
+    assert_eq!(opened.text.as_str(), "axiom = F\nF -> F[+F]F[-FF\n");
+    assert_eq!(opened.text.cursor(), (1, 11));
     assert!(!bench.tree().is_modified());
     bench.keys("alt-e");
     let Some(Effect::Edit(handed)) = bench.effects.pop() else { panic!("no text was handed over") };
     bench.send(Msg::Edited(Ok(handed.replace("[-FF", "[-F]F"))));
-    assert!(grammar::editor(&bench.model).unwrap().fault.is_none());
+    assert!(editor(&bench).unwrap().fault.is_none());
     bench.send(Msg::Edited(Err("the editor ended with 1".to_owned())));
-    assert!(grammar::editor(&bench.model).is_some());
+    assert!(editor(&bench).is_some());
 }
 
 #[test]
@@ -480,7 +489,7 @@ proptest! {
                     bench.keys("esc");
                 }
             }
-            prop_assert!(bench.model.layers.is_empty());
+            prop_assert!(bench.model.dialogs.is_empty());
         }
         let end = Arc::clone(bench.tree().recipe());
         let tree = bench.model.tree.as_mut().unwrap();

@@ -9,11 +9,13 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::{Paragraph, Widget, Wrap};
 use unicode_width::UnicodeWidthStr;
 
-use super::{Row, Spot, complete, forecast, resolved, rows, spot};
-use crate::tui::around::{Line as Typed, Purpose};
-use crate::tui::frame::{View, clipped};
-use crate::tui::model::{Layer, Model, Pane, Target};
+use super::value::ValueLine;
+use super::{Row, complete, forecast, resolved, rows, spot};
+use crate::tui::chrome::prompt::Prompt;
+use crate::tui::layout::{Pane, Target, View, first_row};
+use crate::tui::model::{FormSpot, Model};
 use crate::tui::tree::{Tree, grammar_of};
+use crate::tui::wrap::clipped;
 
 /// Rows that explain what the cursor is on, where there is room: a third of the form, within these.
 const ABOUT: [u16; 2] = [4, 9];
@@ -84,18 +86,9 @@ pub fn view(model: &Model, area: Rect, buffer: &mut Buffer, view: &mut View) {
     }
 }
 
-/// The first row that is shown so that the cursor is in sight, with some rows around it.
-pub fn first_row(cursor: usize, rows: usize, height: usize) -> usize {
-    let most = rows.saturating_sub(height);
-    cursor.saturating_sub(height / 2).min(most)
-}
-
 /// The value that is being typed.
-fn typed(model: &Model) -> Option<&Typed> {
-    match model.layers.last() {
-        Some(Layer::Line(line)) if matches!(line.purpose, Purpose::Knob(_)) => Some(line),
-        _ => None,
-    }
+fn typed(model: &Model) -> Option<&Prompt> {
+    model.dialogs.top::<ValueLine>().map(|line| &line.prompt)
 }
 
 /// The knob that a tree's fault is about: the first that the advice names, behind the last colon or
@@ -115,7 +108,7 @@ pub fn culprit(tree: &Tree) -> Option<&'static str> {
 struct FormView<'a> {
     model: &'a Model,
     tree: &'a Tree,
-    chosen: Option<Spot>,
+    chosen: Option<FormSpot>,
     culprit: Option<&'static str>,
     /// What is compared with: the saved preset, or the own one while the saved one is looked at.
     other: &'a Preset,
@@ -308,11 +301,9 @@ impl FormView<'_> {
     /// The preset as it would be with what is being typed.
     fn as_typed(&self) -> Preset {
         let mut preset = self.tree.wanted().preset.clone();
-        if let Some(line) = typed(self.model)
-            && let Purpose::Knob(name) = line.purpose
-        {
+        if let Some(line) = self.model.dialogs.top::<ValueLine>() {
             // What is wrong with it is said elsewhere.
-            let _ = preset.set(name, line.text());
+            let _ = preset.set(line.knob, line.prompt.text());
         }
         preset
     }

@@ -1,10 +1,12 @@
-//! The rows of the room where trees are varied.
+//! The commands that vary trees, and those of the gallery.
 
 use super::chance::has_chance;
 use super::sweep::{SEED, SPREADS, Series, USUAL_SPREAD};
-use super::{Page, Way, choose, gallery, go, go_back, open, reroll, spread_by, take, turn_page};
-use crate::tui::command::{Command, Context, free, without_preset};
-use crate::tui::model::Model;
+use super::{CONTEXT, Gallery, Page, Way, open, reroll};
+use crate::tui::command::Context;
+use crate::tui::dialog::After;
+use crate::tui::effect::Effects;
+use crate::tui::model::{Command, Model, free, without_preset};
 use crate::tui::shape;
 
 fn has_no_chance(model: &Model) -> Option<String> {
@@ -30,6 +32,27 @@ fn cannot_sweep(model: &Model) -> Option<String> {
         return has_no_chance(model);
     }
     Series::of(&row.knob, &current, USUAL_SPREAD, 1).err()
+}
+
+/// The gallery on top.
+fn gallery(model: &Model) -> Option<&Gallery> {
+    model.dialogs.top()
+}
+
+/// Does something with the gallery on top.
+fn with(model: &mut Model, act: impl FnOnce(&mut Gallery, &Model)) {
+    model.with(|gallery: &mut Gallery, model| {
+        act(gallery, model);
+        After::Stays
+    });
+}
+
+fn go(model: &mut Model, way: Way) {
+    with(model, |gallery, model| gallery.go(model, way));
+}
+
+fn choose(model: &mut Model, cell: usize) {
+    with(model, |gallery, model| gallery.choose(model, cell));
 }
 
 /// The page on screen.
@@ -63,16 +86,16 @@ const fn moving(
     title: &'static str,
     help: &'static str,
     hint: Option<u8>,
-    run: fn(&mut Model, &mut crate::tui::effect::Effects),
+    run: fn(&mut Model, &mut Effects),
 ) -> Command {
-    Command { id, context: Context::Gallery, keys, title, help, hint, hindrance: free, run }
+    Command { id, context: CONTEXT, keys, title, help, hint, hindrance: free, run }
 }
 
-/// The rows of this room.
+/// The rows.
 pub const COMMANDS: &[Command] = &[
     Command {
         id: "seed-next",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["n"],
         title: "New seed",
         help: "Grows another tree of the same kind: turns the seed to the next one",
@@ -82,7 +105,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "seed-previous",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["N"],
         title: "Seed before",
         help: "Goes back along the seeds",
@@ -92,7 +115,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "gallery",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["v"],
         title: "Gallery",
         help: "Shows this tree from many seeds, to choose one",
@@ -102,7 +125,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "sweep",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["V"],
         title: "Sweep",
         help: "Shows this tree with many values of the selected knob, to choose one",
@@ -120,11 +143,11 @@ pub const COMMANDS: &[Command] = &[
         "Take it",
         "Takes the chosen tree; one undo leads back",
         Some(10),
-        |model, _| take(model),
+        |model, _| {
+            model.with(Gallery::take);
+        },
     ),
-    moving("gallery-close", &["esc", "q"], "Leave", "Leaves everything as it was", Some(11), |model, _| {
-        drop(model.layers.pop());
-    }),
+    moving("gallery-close", &["esc", "q"], "Leave", "Leaves everything as it was", Some(11), Model::cancel),
     moving("gallery-left", &["left", "h"], "Left", "Chooses the picture on the left", None, |model, _| {
         go(model, Way::Left);
     }),
@@ -146,23 +169,23 @@ pub const COMMANDS: &[Command] = &[
     }),
     Command {
         id: "gallery-page-down",
-        context: Context::Gallery,
+        context: CONTEXT,
         keys: &["pagedown", "ctrl-d", "n"],
         title: "More",
         help: "Shows the next page: further seeds, further choices",
         hint: Some(14),
         hindrance: is_all,
-        run: |model, _| turn_page(model, true),
+        run: |model, _| with(model, |gallery, model| gallery.turn_page(model, true)),
     },
     Command {
         id: "gallery-page-up",
-        context: Context::Gallery,
+        context: CONTEXT,
         keys: &["pageup", "ctrl-u", "N"],
         title: "Page before",
         help: "Shows the page before",
         hint: None,
         hindrance: is_all,
-        run: |model, _| turn_page(model, false),
+        run: |model, _| with(model, |gallery, model| gallery.turn_page(model, false)),
     },
     moving(
         "gallery-home",
@@ -171,7 +194,7 @@ pub const COMMANDS: &[Command] = &[
         "Chooses what the tree has now",
         None,
         |model, _| {
-            go_back(model);
+            with(model, Gallery::go_back);
         },
     ),
     moving(
@@ -181,30 +204,28 @@ pub const COMMANDS: &[Command] = &[
         "Shows all trees in one scale, or each as large as can be",
         Some(16),
         |model, _| {
-            if let Some(gallery) = super::gallery_mut(model) {
-                gallery.one_scale = !gallery.one_scale;
-            }
+            with(model, |gallery, _| gallery.one_scale = !gallery.one_scale);
         },
     ),
     Command {
         id: "gallery-wider",
-        context: Context::Gallery,
+        context: CONTEXT,
         keys: &["+", "="],
         title: "Wider",
         help: "Widens the range of the sweep",
         hint: Some(17),
         hindrance: |model| is_at_spread(model, SPREADS.len() - 1, "no sweep is wider than this"),
-        run: |model, _| spread_by(model, true),
+        run: |model, _| with(model, |gallery, model| gallery.spread_by(model, true)),
     },
     Command {
         id: "gallery-narrower",
-        context: Context::Gallery,
+        context: CONTEXT,
         keys: &["-"],
         title: "Narrower",
         help: "Narrows the range of the sweep",
         hint: Some(18),
         hindrance: |model| is_at_spread(model, 0, "no sweep is narrower than this"),
-        run: |model, _| spread_by(model, false),
+        run: |model, _| with(model, |gallery, model| gallery.spread_by(model, false)),
     },
     moving("gallery-first", &["1"], "First picture", "Chooses the first picture", None, |m, _| {
         choose(m, 0);

@@ -2,7 +2,7 @@
 
 use ratatui::layout::Rect;
 
-use crate::tui::frame;
+use crate::tui::layout::inside;
 
 /// The smallest cell with its frame: less shows no tree.
 const SMALLEST: (u16, u16) = (18, 9);
@@ -76,7 +76,7 @@ impl Grid {
 
     /// The parts of a cell.
     pub fn parts(cell: Rect) -> Parts {
-        let inner = frame::inside(cell);
+        let inner = inside(cell);
         let nothing = Rect { y: cell.bottom(), height: 0, ..cell };
         if inner != cell {
             return Parts { framed: true, picture: inner, words: nothing };

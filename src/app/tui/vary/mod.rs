@@ -8,25 +8,28 @@ mod chance;
 mod commands;
 mod grid;
 mod sweep;
-pub mod view;
+mod view;
 
 use std::sync::Arc;
 
 use linden::knob::{Knob, Value};
 use linden::preset::{PresetKnob, Section};
 use linden_raster::Camera;
-use linden_terminal::input::{Mouse, MouseAction};
 use ratatui::layout::Rect;
 
 pub use commands::COMMANDS;
 
 use self::grid::Grid;
 use self::sweep::{SEED, SPREADS, Series, USUAL_SPREAD};
-use super::effect::Effects;
-use super::frame::{self, Layout};
-use super::model::{Layer, Model};
-use super::{picture, shape};
-use crate::jobs::{GalleryRequest, Medium, Thumbnail};
+use super::command::Context;
+use super::dialog::After;
+use super::layout::inside;
+use super::model::Model;
+use super::shape;
+use crate::jobs::{GalleryRequest, Look, Medium, Thumbnail};
+
+/// Where a gallery's keys are listened to.
+const CONTEXT: Context = Context::new(40, "gallery", "In the gallery");
 
 /// A grid of live pictures.
 pub struct Gallery {
@@ -61,15 +64,6 @@ struct Page {
     current: Value,
 }
 
-/// The gallery on top.
-fn gallery(model: &Model) -> Option<&Gallery> {
-    if let Some(Layer::Gallery(gallery)) = model.layers.last() { Some(gallery) } else { None }
-}
-
-fn gallery_mut(model: &mut Model) -> Option<&mut Gallery> {
-    if let Some(Layer::Gallery(gallery)) = model.layers.last_mut() { Some(gallery) } else { None }
-}
-
 /// A knob of the tree on screen, with its value.
 fn knob(model: &Model, name: &str) -> Result<(PresetKnob, Value), String> {
     let tree = model.tree.as_ref().ok_or("no preset is chosen")?;
@@ -77,15 +71,9 @@ fn knob(model: &Model, name: &str) -> Result<(PresetKnob, Value), String> {
     found.ok_or_else(|| format!("this tree has no {name} any more"))
 }
 
-/// The screen without the footer, which has the gallery's hints.
-fn sheet(model: &Model) -> Rect {
-    let (width, height) = model.size;
-    Rect::new(0, 0, width, height - Layout::of(model).footer.height.min(height))
-}
-
 /// Where the pictures are.
 fn room(model: &Model) -> Rect {
-    frame::inside(sheet(model))
+    inside(model.dialog_body())
 }
 
 /// Lays pictures of a knob out over the screen.
@@ -105,7 +93,7 @@ fn open(model: &mut Model, name: &'static str) {
         model.growth.stop();
     }
     let Camera { yaw_deg, pitch_deg, .. } = model.picture.camera;
-    model.layers.push(Layer::Gallery(Box::new(Gallery {
+    model.dialogs.open(Gallery {
         knob: name,
         first,
         chosen: current,
@@ -113,7 +101,7 @@ fn open(model: &mut Model, name: &'static str) {
         one_scale: true,
         camera: Camera::orbit(yaw_deg, pitch_deg),
         pictures: Vec::new(),
-    })));
+    });
 }
 
 impl Gallery {
@@ -140,76 +128,127 @@ impl Gallery {
         let base = model.tree.as_ref()?.recipe();
         self.pictures.iter().find(|own| Arc::ptr_eq(&own.request.base, base) && own.value() == value)
     }
-}
 
-/// The pictures that should be on screen, `None` when there is no gallery or no room.
-pub fn wanted(model: &Model) -> Option<GalleryRequest> {
-    let gallery = gallery(model)?;
-    let tree = model.tree.as_ref()?;
-    let page = gallery.page(model).ok()?;
-    let picture = Grid::parts(page.grid.cell(0)).picture;
-    if picture.is_empty() {
-        return None;
+    /// How many pictures of a page have come, of those that are wanted.
+    fn progress(&self, model: &Model, page: &Page) -> (usize, usize) {
+        let wanted = self.wanted(model);
+        let is_there = |own: &&Thumbnail| wanted.as_ref().is_some_and(|wanted| wanted.is_of(&own.request));
+        (self.pictures.iter().filter(is_there).count(), page.values.len())
     }
-    // Skeletons are alike whatever covers them.
-    let covers = page.section.covers();
-    Some(GalleryRequest {
-        base: Arc::clone(tree.recipe()),
-        knob: gallery.knob,
-        values: page.values,
-        known: tree.shown.clone().filter(|shown| Arc::ptr_eq(&shown.recipe, tree.recipe())),
-        camera: gallery.camera,
-        look: if covers { picture::Look::Surface } else { model.picture.look },
-        one_scale: gallery.one_scale,
-        cells: (picture.width, picture.height),
-        // Terminals show one picture of pixels at a time.
-        medium: Medium { graphics: None, ..Medium::of(&model.terminal) },
-    })
-}
 
-/// A picture is there. One that nobody waits for any more is dropped.
-pub fn thumbnail(model: &mut Model, thumbnail: Thumbnail) {
-    let Some(wanted) = wanted(model) else { return };
-    if !wanted.is_of(&thumbnail.request) {
-        return;
-    }
-    if let Some(gallery) = gallery_mut(model) {
-        // Those of another size stay until better ones come, those of another page go.
-        gallery.pictures.retain(|own| {
-            own.value() != thumbnail.value()
-                && Arc::ptr_eq(&own.request.base, &wanted.base)
-                && wanted.values.contains(own.value())
-        });
-        gallery.pictures.push(thumbnail);
-    }
-}
-
-/// How many pictures of a page have come, of those that are wanted.
-fn progress(model: &Model, gallery: &Gallery, page: &Page) -> (usize, usize) {
-    let wanted = wanted(model);
-    let is_there = |own: &&Thumbnail| wanted.as_ref().is_some_and(|wanted| wanted.is_of(&own.request));
-    (gallery.pictures.iter().filter(is_there).count(), page.values.len())
-}
-
-/// The mouse on a picture: the first click chooses it, the second takes it; the wheel turns pages.
-pub fn clicked(model: &mut Model, cell: usize, mouse: Mouse, _effects: &mut Effects) {
-    match mouse.action {
-        MouseAction::Press(_) => {
-            let chosen = gallery(model).and_then(|own| own.page(model).ok()).map(|page| page.chosen);
-            if chosen == Some(cell) { take(model) } else { choose(model, cell) }
+    /// The pictures that should be on screen, `None` when there is no room.
+    fn wanted(&self, model: &Model) -> Option<GalleryRequest> {
+        let tree = model.tree.as_ref()?;
+        let page = self.page(model).ok()?;
+        let picture = Grid::parts(page.grid.cell(0)).picture;
+        if picture.is_empty() {
+            return None;
         }
-        MouseAction::WheelUp => turn_page(model, false),
-        MouseAction::WheelDown => turn_page(model, true),
-        _ => {}
+        // Skeletons are alike whatever covers them.
+        let covers = page.section.covers();
+        Some(GalleryRequest {
+            base: Arc::clone(tree.recipe()),
+            knob: self.knob,
+            values: page.values,
+            known: tree.shown.clone().filter(|shown| Arc::ptr_eq(&shown.recipe, tree.recipe())),
+            camera: self.camera,
+            look: if covers { Look::Surface } else { model.picture.look },
+            one_scale: self.one_scale,
+            cells: (picture.width, picture.height),
+            // Terminals show one picture of pixels at a time.
+            medium: Medium { graphics: None, ..Medium::of(&model.terminal) },
+        })
     }
-}
 
-/// Chooses a picture of the page.
-fn choose(model: &mut Model, cell: usize) {
-    let value =
-        gallery(model).and_then(|own| own.page(model).ok()).and_then(|page| page.values.get(cell).cloned());
-    if let (Some(value), Some(gallery)) = (value, gallery_mut(model)) {
-        gallery.chosen = value;
+    /// Chooses a picture of the page.
+    fn choose(&mut self, model: &Model, cell: usize) {
+        let value = self.page(model).ok().and_then(|page| page.values.get(cell).cloned());
+        if let Some(value) = value {
+            self.chosen = value;
+        }
+    }
+
+    /// Goes one picture on; over the edge of a page to the next one.
+    fn go(&mut self, model: &Model, way: Way) {
+        let Ok(page) = self.page(model) else { return };
+        let (columns, last) = (page.grid.columns as u64, page.series.last());
+        let here = page.first + page.chosen as u64;
+        let rows_below = (page.values.len() - 1) / page.grid.columns - page.chosen / page.grid.columns;
+        let to = match way {
+            Way::Left => here.saturating_sub(1),
+            Way::Right => here.saturating_add(1).min(last),
+            Way::Up => here.checked_sub(columns).unwrap_or(here),
+            Way::Down if last - here >= columns => here + columns,
+            // The last row may be shorter.
+            Way::Down if rows_below > 0 => last,
+            Way::Down => here,
+        };
+        self.go_to(&page, to);
+    }
+
+    /// Chooses a value by its place; where it is not on the page, a whole page is turned.
+    fn go_to(&mut self, page: &Page, to: u64) {
+        let count = page.values.len() as u64;
+        let Some(value) = page.series.at(to) else { return };
+        self.chosen = value;
+        self.first = if to < page.first {
+            page.first.saturating_sub(count)
+        } else if to - page.first >= count {
+            page.first.saturating_add(count)
+        } else {
+            page.first
+        };
+    }
+
+    /// Turns to the next page, or the one before; the same cell stays chosen.
+    fn turn_page(&mut self, model: &Model, on: bool) {
+        let Ok(page) = self.page(model) else { return };
+        let (count, last) = (page.values.len() as u64, page.series.last());
+        let first = if on {
+            page.first.saturating_add(count).min(last - (count - 1))
+        } else {
+            page.first.saturating_sub(count)
+        };
+        if let Some(value) = page.series.at(first + page.chosen as u64) {
+            self.first = first;
+            self.chosen = value;
+        }
+    }
+
+    /// Widens or narrows the range of a sweep; what is set stays chosen.
+    fn spread_by(&mut self, model: &Model, wider: bool) {
+        let Ok((_, current)) = knob(model, self.knob) else { return };
+        let spread = if wider { self.spread + 1 } else { self.spread.saturating_sub(1) };
+        self.spread = spread.min(SPREADS.len() - 1);
+        self.chosen = current;
+    }
+
+    /// Back to what is set.
+    fn go_back(&mut self, model: &Model) {
+        let Ok(page) = self.page(model) else { return };
+        let Some(place) = page.series.place(&page.current) else { return };
+        self.first = match page.series {
+            Series::Seeds => place,
+            Series::Listed(_) => place.saturating_sub(page.values.len() as u64 / 2),
+        };
+        self.chosen = page.current;
+    }
+
+    /// Takes the chosen value, as one step of undo, and closes the gallery.
+    fn take(&mut self, model: &mut Model) -> After {
+        let (Ok(page), Some(tree)) = (self.page(model), &mut model.tree) else { return After::Closes };
+        let value = page.values.get(page.chosen).filter(|value| **value != page.current);
+        let Some(value) = value else { return After::Closes };
+        let mut preset = tree.preset().clone();
+        match preset.set(page.knob.name, &value.to_string()) {
+            Ok(()) => {
+                // Never one step with a nudge of the same knob a moment ago.
+                tree.replace(preset);
+                model.say(label(&page.knob, value));
+            }
+            Err(error) => model.say_warning(error.to_string()),
+        }
+        After::Closes
     }
 }
 
@@ -222,92 +261,32 @@ enum Way {
     Down,
 }
 
-/// Goes one picture on; over the edge of a page to the next one.
-fn go(model: &mut Model, way: Way) {
-    let Some(Ok(page)) = gallery(model).map(|own| own.page(model)) else { return };
-    let (columns, last) = (page.grid.columns as u64, page.series.last());
-    let here = page.first + page.chosen as u64;
-    let rows_below = (page.values.len() - 1) / page.grid.columns - page.chosen / page.grid.columns;
-    let to = match way {
-        Way::Left => here.saturating_sub(1),
-        Way::Right => here.saturating_add(1).min(last),
-        Way::Up => here.checked_sub(columns).unwrap_or(here),
-        Way::Down if last - here >= columns => here + columns,
-        // The last row may be shorter.
-        Way::Down if rows_below > 0 => last,
-        Way::Down => here,
-    };
-    go_to(model, &page, to);
+/// A knob's value in words: `seed 17`, `kill 2D`, `angle 25.7 deg`.
+fn label(knob: &Knob, value: &Value) -> String {
+    let has_unit = matches!(value, Value::Real(_) | Value::Integer(_)) && knob.unit != knob.name;
+    let unit = if has_unit && !knob.unit.is_empty() { format!(" {}", knob.unit) } else { String::new() };
+    format!("{} {value}{unit}", knob.name)
 }
 
-/// Chooses a value by its place; where it is not on the page, a whole page is turned.
-fn go_to(model: &mut Model, page: &Page, to: u64) {
-    let count = page.values.len() as u64;
-    let Some(gallery) = gallery_mut(model) else { return };
-    let Some(value) = page.series.at(to) else { return };
-    gallery.chosen = value;
-    gallery.first = if to < page.first {
-        page.first.saturating_sub(count)
-    } else if to - page.first >= count {
-        page.first.saturating_add(count)
-    } else {
-        page.first
-    };
+/// The pictures that should be on screen, `None` when there is no gallery or no room.
+pub fn wanted(model: &Model) -> Option<GalleryRequest> {
+    model.dialogs.top::<Gallery>()?.wanted(model)
 }
 
-/// Turns to the next page, or the one before; the same cell stays chosen.
-fn turn_page(model: &mut Model, on: bool) {
-    let Some(Ok(page)) = gallery(model).map(|own| own.page(model)) else { return };
-    let (count, last) = (page.values.len() as u64, page.series.last());
-    let first = if on {
-        page.first.saturating_add(count).min(last - (count - 1))
-    } else {
-        page.first.saturating_sub(count)
-    };
-    let value = page.series.at(first + page.chosen as u64);
-    if let (Some(value), Some(gallery)) = (value, gallery_mut(model)) {
-        gallery.first = first;
-        gallery.chosen = value;
+/// A picture is there. One that is not waited for any more is dropped.
+pub fn thumbnail(model: &mut Model, thumbnail: Thumbnail) {
+    let Some(wanted) = wanted(model) else { return };
+    if !wanted.is_of(&thumbnail.request) {
+        return;
     }
-}
-
-/// Widens or narrows the range of a sweep; what is set stays chosen.
-fn spread_by(model: &mut Model, wider: bool) {
-    let Some(gallery) = gallery(model) else { return };
-    let Ok((_, current)) = knob(model, gallery.knob) else { return };
-    let Some(gallery) = gallery_mut(model) else { return };
-    let spread = if wider { gallery.spread + 1 } else { gallery.spread.saturating_sub(1) };
-    gallery.spread = spread.min(SPREADS.len() - 1);
-    gallery.chosen = current;
-}
-
-/// Back to what is set.
-fn go_back(model: &mut Model) {
-    let Some(Ok(page)) = gallery(model).map(|own| own.page(model)) else { return };
-    let Some(place) = page.series.place(&page.current) else { return };
-    if let Some(gallery) = gallery_mut(model) {
-        gallery.first = match page.series {
-            Series::Seeds => place,
-            Series::Listed(_) => place.saturating_sub(page.values.len() as u64 / 2),
-        };
-        gallery.chosen = page.current;
-    }
-}
-
-/// Takes the chosen value, as one step of undo, and closes the gallery.
-fn take(model: &mut Model) {
-    let Some(page) = gallery(model).map(|own| own.page(model)) else { return };
-    model.layers.pop();
-    let (Ok(page), Some(tree)) = (page, &mut model.tree) else { return };
-    let Some(value) = page.values.get(page.chosen).filter(|value| **value != page.current) else { return };
-    let mut preset = tree.preset().clone();
-    match preset.set(page.knob.name, &value.to_string()) {
-        Ok(()) => {
-            // Never one step with a nudge of the same knob a moment ago.
-            tree.replace(preset);
-            model.say(view::label(&page.knob, value));
-        }
-        Err(error) => model.say_warning(error.to_string()),
+    if let Some(gallery) = model.dialogs.top_mut::<Gallery>() {
+        // Those of another size stay until better ones come, those of another page go.
+        gallery.pictures.retain(|own| {
+            own.value() != thumbnail.value()
+                && Arc::ptr_eq(&own.request.base, &wanted.base)
+                && wanted.values.contains(own.value())
+        });
+        gallery.pictures.push(thumbnail);
     }
 }
 

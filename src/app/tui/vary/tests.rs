@@ -3,7 +3,7 @@ use std::time::{Duration, Instant};
 
 use linden::Quiet;
 use linden::recipe::Recipe;
-use linden_terminal::input::{Button, Event, Key};
+use linden_terminal::input::{Button, Event, Key, Mouse, MouseAction};
 use linden_terminal::probe::{Capabilities, Environment, Findings, Overrides};
 use ratatui::buffer::Buffer;
 
@@ -13,25 +13,30 @@ use crate::config::keymap::Keymap;
 use crate::config::settings::Settings;
 use crate::config::theme::Theme;
 use crate::jobs::paint_gallery;
-use crate::tui::command;
-use crate::tui::model::{Config, Pane, Target};
+use crate::tui::commands;
+use crate::tui::layout::{Pane, Target};
+use crate::tui::model::Config;
+use crate::tui::screen;
 use crate::tui::tree::{Place, Tree};
 use crate::tui::update::{Msg, update};
 
-/// A workbench with a tree on screen that nobody has grown.
+/// The gallery on top.
+fn gallery(model: &Model) -> Option<&Gallery> {
+    model.dialogs.top()
+}
+
+/// A workbench with a tree on screen that has not grown.
 fn model(id: &'static str, set: &[(&str, &str)], size: (u16, u16)) -> Model {
-    let rows: Vec<_> =
-        command::all().map(|command| (command.id, command.context.id(), command.keys)).collect();
     let config = Config {
         dirs: Dirs::default(),
         theme: Theme::dark(),
-        keymap: Keymap::defaults(&rows),
+        keymap: Keymap::defaults(&commands::key_table()),
         settings: Settings::default(),
         complaints: Vec::new(),
     };
     let environment = Environment::from_pairs([("TERM", "xterm-256color"), ("COLORTERM", "truecolor")]);
     let terminal = Capabilities::conclude(&Findings::default(), &environment, &Overrides::default());
-    let mut model = Model::new(config, terminal, size, Instant::now());
+    let mut model = Model::new(commands::ALL, config, terminal, size, Instant::now());
     let mut preset = linden::preset::builtin(id).unwrap().load().unwrap();
     for (name, text) in set {
         preset.set(name, text).unwrap();
@@ -81,7 +86,7 @@ fn take_in(model: &mut Model, thumbnails: impl IntoIterator<Item = Thumbnail>) {
 
 fn screen(model: &mut Model) -> Buffer {
     let mut buffer = Buffer::empty(Rect::new(0, 0, model.size.0, model.size.1));
-    let view = frame::view(model, &mut buffer);
+    let view = screen::view(model, &mut buffer);
     model.regions = view.regions;
     for late in view.late {
         assert_eq!(late.intersection(buffer.area).area(), late.area(), "{late}");
@@ -128,17 +133,17 @@ fn a_tree_without_chance_says_so() {
     for keys in ["n", "N", "v"] {
         let mut model = model("abop-a", &[], (80, 24));
         press(&mut model, keys);
-        assert!(!model.tree.as_ref().unwrap().can_undo() && model.layers.is_empty());
+        assert!(!model.tree.as_ref().unwrap().can_undo() && model.dialogs.is_empty());
         assert!(model.message.unwrap().text.ends_with("nothing in this tree is left to chance"), "{keys}");
     }
     // The first knob of the form is the seed.
     let mut model = model("abop-a", &[], (80, 24));
     press(&mut model, "V");
-    assert!(model.message.as_ref().unwrap().text.ends_with("left to chance") && model.layers.is_empty());
+    assert!(model.message.as_ref().unwrap().text.ends_with("left to chance") && model.dialogs.is_empty());
     let mut none = fir((80, 24));
     none.tree = None;
     press(&mut none, "v n V");
-    assert!(none.layers.is_empty());
+    assert!(none.dialogs.is_empty());
 }
 
 #[test]
@@ -160,7 +165,7 @@ fn taking_is_one_undo_and_leaving_is_none() {
     let mut model = fir((80, 24));
     // A nudge of the same knob just before is a step of its own.
     press(&mut model, "n v l down enter");
-    assert!(model.layers.is_empty());
+    assert!(model.dialogs.is_empty());
     assert_eq!(seed(&model), 18 + 5);
     press(&mut model, "u");
     assert_eq!(seed(&model), 18);
@@ -169,9 +174,12 @@ fn taking_is_one_undo_and_leaving_is_none() {
     assert!(!model.tree.as_ref().unwrap().can_undo());
 
     press(&mut model, "v right pagedown z esc");
-    assert!(model.layers.is_empty() && seed(&model) == 17);
+    assert!(model.dialogs.is_empty() && seed(&model) == 17);
     press(&mut model, "v enter");
-    assert!(model.layers.is_empty() && !model.tree.as_ref().unwrap().can_undo(), "the same again is no step");
+    assert!(
+        model.dialogs.is_empty() && !model.tree.as_ref().unwrap().can_undo(),
+        "the same again is no step"
+    );
     press(&mut model, "v 3 enter");
     assert_eq!(seed(&model), 19);
 }
@@ -183,7 +191,7 @@ fn a_taken_value_of_any_knob_is_what_the_form_would_have_set() {
         let before = model.tree.as_ref().unwrap().preset().clone();
         sweep(&mut model, name);
         if name == "tropism" {
-            assert!(model.layers.is_empty() && model.message.unwrap().text.contains("more than one number"));
+            assert!(model.dialogs.is_empty() && model.message.unwrap().text.contains("more than one number"));
             continue;
         }
         // The last of the page.
@@ -317,7 +325,7 @@ fn what_comes_too_late_is_dropped() {
     let late = paint(&mut model);
     press(&mut model, "esc");
     take_in(&mut model, late);
-    assert!(model.layers.is_empty() && wanted(&model).is_none());
+    assert!(model.dialogs.is_empty() && wanted(&model).is_none());
 }
 
 #[test]
@@ -334,7 +342,7 @@ fn another_tree_beneath_is_another_gallery() {
     assert!(wanted(&model).is_none());
     assert!(text(&mut model).contains("this tree has no kill any more"));
     press(&mut model, "l down 3 pagedown + z enter");
-    assert!(model.layers.is_empty() && !model.tree.unwrap().can_undo());
+    assert!(model.dialogs.is_empty() && !model.tree.unwrap().can_undo());
 }
 
 #[test]
@@ -351,21 +359,21 @@ fn the_mouse_chooses_then_takes_and_hints_are_pressed() {
         let now = model.now;
         update(model, Msg::Input(Event::Mouse(mouse)), now);
     };
-    let cell = at(&model, Target::Thumbnail(4));
+    let cell = at(&model, Target::Dialog(Some(4)));
     click(&mut model, cell, MouseAction::WheelDown);
     assert_eq!(values(&model)[0], format!("{}", 17 + values(&model).len()));
     click(&mut model, cell, MouseAction::WheelUp);
     click(&mut model, cell, MouseAction::Press(Button::Left));
     assert_eq!(gallery(&model).unwrap().chosen, Value::Integer(21));
     click(&mut model, cell, MouseAction::Press(Button::Left));
-    assert!(model.layers.is_empty() && seed(&model) == 21);
+    assert!(model.dialogs.is_empty() && seed(&model) == 21);
 
     model.message = None;
     press(&mut model, "v");
     screen(&mut model);
     let hint = at(&model, Target::Command("gallery-close"));
     click(&mut model, hint, MouseAction::Press(Button::Left));
-    assert!(model.layers.is_empty());
+    assert!(model.dialogs.is_empty());
 }
 
 #[test]

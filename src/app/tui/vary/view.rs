@@ -1,6 +1,7 @@
-//! The gallery, painted.
+//! The gallery as a dialog: the mouse, and how it is painted.
 
-use linden::knob::{Knob, Value};
+use linden::knob::Value;
+use linden_terminal::input::Mouse;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::Style;
@@ -10,11 +11,17 @@ use unicode_width::UnicodeWidthStr;
 
 use super::grid::Grid;
 use super::sweep::SEED;
-use super::{Gallery, Page, progress, sheet};
+use super::{CONTEXT, Gallery, Page, label};
 use crate::jobs::{SmallPicture, Thumbnail};
-use crate::tui::around::footer::key_label;
-use crate::tui::frame::{View, clipped, dialog, metres, thousands};
-use crate::tui::model::{Model, Target};
+use crate::tui::chrome::footer::key_label;
+use crate::tui::chrome::popup::popup;
+use crate::tui::command::Context;
+use crate::tui::dialog::{After, Dialog};
+use crate::tui::effect::Effects;
+use crate::tui::figures::{metres, thousands};
+use crate::tui::layout::{Target, View};
+use crate::tui::model::Model;
+use crate::tui::wrap::clipped;
 
 /// The commands that choose a picture, from the first on.
 const PICKS: [&str; 9] = [
@@ -29,17 +36,42 @@ const PICKS: [&str; 9] = [
     "gallery-ninth",
 ];
 
+impl Dialog<Model> for Gallery {
+    fn context(&self) -> Context {
+        CONTEXT
+    }
+
+    fn paint(&self, model: &Model, body: Rect, buffer: &mut Buffer, view: &mut View) {
+        paint(model, self, body, buffer, view);
+    }
+
+    /// The first click chooses a picture, the second takes it.
+    fn click(&mut self, model: &mut Model, cell: usize, _mouse: Mouse, _effects: &mut Effects) -> After {
+        if self.page(model).is_ok_and(|page| page.chosen == cell) {
+            return self.take(model);
+        }
+        self.choose(model, cell);
+        After::Stays
+    }
+
+    /// The wheel turns pages.
+    fn wheel(&mut self, model: &mut Model, cell: Option<usize>, down: bool) {
+        if cell.is_some() {
+            self.turn_page(model, down);
+        }
+    }
+}
+
 /// Paints the gallery over everything but the footer.
-pub fn view(model: &Model, gallery: &Gallery, _body: Rect, buffer: &mut Buffer, view: &mut View) {
+fn paint(model: &Model, gallery: &Gallery, area: Rect, buffer: &mut Buffer, view: &mut View) {
     // The picture beneath is covered, and the footer's hints are the gallery's.
     view.late.clear();
     let hints: Vec<_> =
         view.regions.iter().filter(|(_, target)| matches!(target, Target::Command(_))).copied().collect();
-    let area = sheet(model);
     match gallery.page(model) {
         Ok(page) => {
             let title = clipped(&title(model, gallery, &page), usize::from(area.width).saturating_sub(4));
-            dialog(model, &title, area, buffer, view);
+            popup(model, &title, area, buffer, view);
             let mut is_next = true;
             for index in 0..page.grid.len() {
                 let thumbnail = gallery.picture(model, &page.values[index]);
@@ -48,18 +80,11 @@ pub fn view(model: &Model, gallery: &Gallery, _body: Rect, buffer: &mut Buffer, 
             }
         }
         Err(why) => {
-            let inner = dialog(model, "Gallery", area, buffer, view);
+            let inner = popup(model, "Gallery", area, buffer, view);
             Paragraph::new(linden::knob::printable(&why)).wrap(Wrap { trim: true }).render(inner, buffer);
         }
     }
     view.regions.extend(hints);
-}
-
-/// A knob's value in words: `seed 17`, `kill 2D`, `angle 25.7 deg`.
-pub(super) fn label(knob: &Knob, value: &Value) -> String {
-    let has_unit = matches!(value, Value::Real(_) | Value::Integer(_)) && knob.unit != knob.name;
-    let unit = if has_unit && !knob.unit.is_empty() { format!(" {}", knob.unit) } else { String::new() };
-    format!("{} {value}{unit}", knob.name)
 }
 
 /// What varies, from where to where, and how far it is.
@@ -73,7 +98,7 @@ fn title(model: &Model, gallery: &Gallery, page: &Page) -> String {
         _ => format!("Sweep: {}", page.knob.name),
     };
     let scale = if gallery.one_scale { "" } else { " · each in its own scale" };
-    let (there, all) = progress(model, gallery, page);
+    let (there, all) = gallery.progress(model, page);
     let progress = if there < all { format!(" · {there} of {all}") } else { String::new() };
     format!("{what}{scale}{progress}")
 }
@@ -90,7 +115,7 @@ fn cell(
 ) {
     let theme = &model.config.theme;
     let area = page.grid.cell(index);
-    view.regions.push((area, Target::Thumbnail(index)));
+    view.regions.push((area, Target::Dialog(Some(index))));
     let parts = Grid::parts(area);
     let value = &page.values[index];
     let is_chosen = index == page.chosen;

@@ -1,12 +1,13 @@
-//! The row of the room where wind is played.
+//! The command that plays the wind.
 
 use super::blow_or_stop;
-use crate::tui::command::{Command, Context, without_tree};
+use crate::tui::command::Context;
+use crate::tui::model::{Command, without_tree};
 
-/// The rows of this room.
+/// The row.
 pub const COMMANDS: &[Command] = &[Command {
     id: "wind-play",
-    context: Context::Global,
+    context: Context::GLOBAL,
     keys: &["w"],
     title: "Play wind",
     help: "Lets the wind of the knobs blow: wood and leaves sway as in exports; again ends it",

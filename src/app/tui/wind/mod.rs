@@ -13,37 +13,9 @@ use linden::wind::Sway;
 
 pub use commands::COMMANDS;
 
-use super::model::Model;
+use super::model::{Breeze, Model};
 use super::picture;
 use crate::jobs::wind_strength;
-
-/// The wind that blows in the picture.
-#[derive(Debug, Default)]
-pub struct Breeze {
-    /// When it began; `None` in a calm.
-    since: Option<Instant>,
-    /// The frame on screen, and when it was asked for.
-    frame: Option<(u32, Instant)>,
-    /// Whether the next frame is due, and waits for the picture of this one.
-    waits: bool,
-}
-
-impl Breeze {
-    /// The frame on screen, `None` in a calm.
-    pub fn frame(&self) -> Option<u32> {
-        self.frame.map(|(frame, _)| frame)
-    }
-
-    /// Whether it blows.
-    pub fn is_blowing(&self) -> bool {
-        self.since.is_some()
-    }
-
-    /// Shows the tree as it grew.
-    pub fn stop(&mut self) {
-        *self = Self::default();
-    }
-}
 
 /// When the next frame is due.
 pub fn next_frame(model: &Model) -> Option<Instant> {

@@ -2,6 +2,7 @@ use std::time::Duration;
 
 use crate::jobs::Look;
 use crate::tui::testing::Bench;
+use crate::tui::update::wake_at;
 
 /// Longer than a frame.
 const MOMENT: Duration = Duration::from_millis(400);
@@ -14,7 +15,7 @@ fn seen(bench: &Bench) -> Option<u32> {
 #[test]
 fn frames_follow_the_clock_and_each_waits_for_the_picture_of_the_one_before() {
     let mut bench = Bench::grown(130, 34);
-    assert!(bench.model.wake_at().is_none(), "nothing moves");
+    assert!(wake_at(&bench.model).is_none(), "nothing moves");
     let calm = bench.drawn.clone();
     bench.keys("w");
     assert!(bench.model.wind.is_blowing());

@@ -5,11 +5,11 @@ use ratatui::layout::Rect;
 use unicode_width::UnicodeWidthStr;
 
 use super::{derives, last_step, shown};
-use crate::tui::frame::View;
-use crate::tui::model::{Model, Target};
+use crate::tui::layout::{Target, View};
+use crate::tui::model::Model;
 
 /// Paints the bar into a row; nothing while the grown tree is on screen.
-pub fn bar(model: &Model, row: Rect, buffer: &mut Buffer, view: &mut View) {
+pub fn view(model: &Model, row: Rect, buffer: &mut Buffer, view: &mut View) {
     let (Some(step), Some(tree)) = (model.growth.step(), shown(model)) else { return };
     if row.is_empty() {
         return;

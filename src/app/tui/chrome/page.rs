@@ -1,13 +1,23 @@
 //! Pages of text to scroll: help, messages.
 
+use std::collections::BTreeSet;
+
+use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use unicode_width::UnicodeWidthStr;
 
 use super::footer::key_label;
-use crate::tui::command::{self, Context};
-use crate::tui::frame::{centered, inside};
+use super::popup::{popup, scrollbar};
+use crate::tui::command::Context;
+use crate::tui::dialog::Dialog;
+use crate::tui::layout::{View, centered, inside};
 use crate::tui::model::{Model, Weight};
 use crate::tui::wrap::wrapped;
+
+/// Where a page's keys are listened to.
+pub const CONTEXT: Context = Context::new(70, "page", "In a page of text");
+/// Rows that the wheel scrolls by.
+const WHEEL: isize = 3;
 
 /// The widest column of text that is pleasant to read.
 const COLUMN: u16 = 92;
@@ -57,16 +67,16 @@ impl Page {
     /// All commands with their keys, those of this place first.
     pub fn help(model: &Model) -> Self {
         let here = model.context();
-        let mut contexts = vec![here];
-        contexts.extend(Context::ALL.into_iter().filter(|context| *context != here));
+        let known: BTreeSet<Context> = model.commands().map(|command| command.context).collect();
+        let contexts = std::iter::once(here).chain(known.into_iter().filter(|context| *context != here));
         let mut lines = Vec::new();
         for context in contexts {
-            let own: Vec<_> = command::all().filter(|command| command.context == context).collect();
-            if own.is_empty() {
+            let mut commands = model.commands().filter(|command| command.context == context).peekable();
+            if commands.peek().is_none() {
                 continue;
             }
             lines.push(PageLine::Heading(context.title().to_owned()));
-            for command in own {
+            for command in commands {
                 let keys: Vec<_> = model
                     .config
                     .keymap
@@ -142,6 +152,49 @@ impl Laid {
     /// The first row when the last is in sight.
     pub fn most_scroll(&self) -> usize {
         self.rows().saturating_sub(self.text.height.into())
+    }
+}
+
+impl Dialog<Model> for Page {
+    fn context(&self) -> Context {
+        CONTEXT
+    }
+
+    fn paint(&self, model: &Model, body: Rect, buffer: &mut Buffer, view: &mut View) {
+        let theme = &model.config.theme;
+        let laid = self.lay(body);
+        let area = popup(model, self.title, laid.area, buffer, view);
+        let first = self.scroll.min(laid.most_scroll());
+        for (i, column) in laid.columns.iter().enumerate() {
+            let x = laid.text.x + i as u16 * (laid.text.width - laid.width);
+            for (y, row) in (laid.text.y..laid.text.bottom()).zip(column.iter().skip(first)) {
+                let width = usize::from(laid.width);
+                match row {
+                    PageLine::Heading(text) => drop(buffer.set_stringn(x, y, text, width, theme.heading)),
+                    PageLine::Keys(keys, text) => {
+                        buffer.set_stringn(x, y, keys, width, theme.key);
+                        let at = laid.keys.max(keys.width()) + 2;
+                        buffer.set_stringn(x + at as u16, y, text, width.saturating_sub(at), theme.popup);
+                    }
+                    PageLine::Text(weight, text) => {
+                        let style = match weight {
+                            Weight::Note => theme.popup,
+                            Weight::Warning => theme.warning,
+                            Weight::Error => theme.error,
+                        };
+                        buffer.set_stringn(x, y, text, width, style);
+                    }
+                }
+            }
+        }
+        if area != laid.area && laid.most_scroll() > 0 {
+            let bar = Rect { x: area.right(), width: 1, ..area };
+            scrollbar(model, bar, first, laid.rows(), buffer);
+        }
+    }
+
+    fn wheel(&mut self, model: &mut Model, _spot: Option<usize>, down: bool) {
+        self.scroll_by(if down { WHEEL } else { -WHEEL }, model.dialog_body());
     }
 }
 

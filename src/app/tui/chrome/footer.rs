@@ -5,24 +5,23 @@ use ratatui::layout::Rect;
 use ratatui::text::Line;
 use unicode_width::UnicodeWidthStr;
 
-use crate::tui::command::{self, Command, Context};
-use crate::tui::export;
-use crate::tui::frame::{View, clipped};
-use crate::tui::model::{Model, Target, Weight};
+use crate::tui::command::Context;
+use crate::tui::layout::{Target, View};
+use crate::tui::model::{Command, Model, Weight};
+use crate::tui::wrap::clipped;
 
 /// Hints from this place on have their room before all others: the ways to help and out.
 const RESERVED: u8 = 90;
 /// Between two hints.
 const GAP: u16 = 2;
 
-/// Paints the row.
-pub fn view(model: &Model, area: Rect, buffer: &mut Buffer, view: &mut View) {
+/// Paints the row, with the state of what is under way at its right end.
+pub fn view(model: &Model, status: Line<'_>, area: Rect, buffer: &mut Buffer, view: &mut View) {
     if area.is_empty() {
         return;
     }
-    let right = Line::from(export::status(model));
-    let width = (right.width() as u16).min(area.width / 2);
-    ratatui::widgets::Widget::render(right, Rect { x: area.right() - width, width, ..area }, buffer);
+    let width = (status.width() as u16).min(area.width / 2);
+    ratatui::widgets::Widget::render(status, Rect { x: area.right() - width, width, ..area }, buffer);
     let area = Rect { width: area.width - width, ..area };
     if model.message.is_some() {
         message(model, area, buffer, view);
@@ -72,8 +71,9 @@ impl Hint {
 /// first key.
 pub fn hints(model: &Model) -> Vec<Hint> {
     let here = model.context();
-    let outer: &[Context] = if model.layers.is_empty() { &[Context::Global, Context::Always] } else { &[] };
-    let mut found: Vec<&Command> = command::all()
+    let outer: &[Context] = if model.dialogs.is_empty() { &[Context::GLOBAL, Context::ALWAYS] } else { &[] };
+    let mut found: Vec<&Command> = model
+        .commands()
         .filter(|command| command.context == here || outer.contains(&command.context))
         .filter(|command| command.hint.is_some() && (command.hindrance)(model).is_none())
         .collect();
@@ -83,7 +83,7 @@ pub fn hints(model: &Model) -> Vec<Hint> {
 
 /// A command with its first key that is not taken by another one here.
 fn hint(model: &Model, id: &str) -> Option<Hint> {
-    let command = command::find(id)?;
+    let command = model.command(id)?;
     let runs_it = |key: &&linden_terminal::input::Key| model.command_of(**key) == Some(command.id);
     let key = model.config.keymap.keys_of(id).iter().find(runs_it)?;
     Some(Hint { command, key: key_label(&key.to_string()) })

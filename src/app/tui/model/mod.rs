@@ -1,4 +1,17 @@
 //! Everything that the workbench knows.
+//!
+//! A room's state is a file here, without a terminal, a clock or a thread; what changes it and what paints
+//! it is the room's folder.
+
+mod entry;
+mod exporting;
+mod filter;
+mod form;
+mod growth;
+mod library;
+mod message;
+mod picture;
+mod wind;
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -7,16 +20,20 @@ use linden_terminal::input::Key;
 use linden_terminal::probe::Capabilities;
 use ratatui::layout::Rect;
 
-use super::around::{Line, Page, Palette};
-use super::command::Context;
-use super::export::{ExportDialog, Exporting};
-use super::growth::Playback;
-use super::library::Library;
-use super::picture::{self, PictureState};
-use super::shape::{Form, GrammarEditor};
+pub use entry::{Entry, Row};
+pub use exporting::{Exporting, Report, Running};
+pub use form::{Form, FormSpot};
+pub use growth::Playback;
+pub use library::Library;
+pub use message::{Message, Weight};
+pub use picture::PictureState;
+pub use wind::Breeze;
+
+use super::command::{self, Context};
+use super::dialog::{After, Dialog, Dialogs};
+use super::effect::Effects;
+use super::layout::{Layout, Pane, Target};
 use super::tree::{Changes, Place, Tree};
-use super::vary::Gallery;
-use super::wind::{self, Breeze};
 use crate::config::Complaint;
 use crate::config::dirs::Dirs;
 use crate::config::keymap::Keymap;
@@ -30,6 +47,9 @@ pub const QUIET: Duration = Duration::from_millis(140);
 /// Messages that are kept for the page of messages.
 const MOST_MESSAGES: usize = 200;
 
+/// A row of the table of commands.
+pub type Command = command::Command<Model>;
+
 /// The state of the workbench.
 pub struct Model {
     /// Columns and rows.
@@ -40,7 +60,7 @@ pub struct Model {
     pub last_input: Instant,
     /// The pane that keys go to.
     pub focus: Pane,
-    /// The last focused pane but the picture: what is beside it where there is room for two.
+    /// The last focused pane but the picture: the second one where there is room for two.
     pub side: Pane,
     /// The list of presets.
     pub library: Library,
@@ -58,8 +78,8 @@ pub struct Model {
     pub wind: Breeze,
     /// The form of knobs.
     pub form: Form,
-    /// Dialogs, the topmost last.
-    pub layers: Vec<Layer>,
+    /// The open dialogs.
+    pub dialogs: Dialogs<Self>,
     /// What the footer says.
     pub message: Option<Message>,
     /// What was said.
@@ -74,6 +94,8 @@ pub struct Model {
     pub regions: Vec<(Rect, Target)>,
     /// Bytes and milliseconds for `--stats`, when asked for.
     pub stats: Option<String>,
+    /// The table of commands, room by room.
+    commands: &'static [&'static [Command]],
 }
 
 /// What the user configured, and what was wrong with it.
@@ -90,119 +112,15 @@ pub struct Config {
     pub complaints: Vec<Complaint>,
 }
 
-/// One of the three panes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Pane {
-    /// The list.
-    Presets,
-    /// The tree.
-    Picture,
-    /// The knobs.
-    Shape,
-}
-
-impl Pane {
-    /// From left to right.
-    pub const ALL: [Self; 3] = [Self::Presets, Self::Picture, Self::Shape];
-
-    /// What its border says.
-    pub const fn title(self) -> &'static str {
-        match self {
-            Self::Presets => "Presets",
-            Self::Picture => "Picture",
-            Self::Shape => "Shape",
-        }
-    }
-
-    /// Where its keys are.
-    pub const fn context(self) -> Context {
-        match self {
-            Self::Presets => Context::Presets,
-            Self::Picture => Context::Picture,
-            Self::Shape => Context::Shape,
-        }
-    }
-}
-
-/// A dialog above the panes.
-pub enum Layer {
-    /// A page of text: help, messages.
-    Page(Page),
-    /// The palette of commands.
-    Palette(Palette),
-    /// A line that is being typed, wherever its purpose shows it.
-    Line(Line),
-    /// A grid of pictures.
-    Gallery(Box<Gallery>),
-    /// What to export.
-    Export(Box<ExportDialog>),
-    /// The grammar as text.
-    Grammar(Box<GrammarEditor>),
-}
-
-impl Layer {
-    /// Where its keys are.
-    pub const fn context(&self) -> Context {
-        match self {
-            Self::Page(_) => Context::Page,
-            Self::Palette(_) | Self::Line(_) => Context::Prompt,
-            Self::Gallery(_) => Context::Gallery,
-            Self::Export(dialog) => dialog.context(),
-            Self::Grammar(_) => Context::Grammar,
-        }
-    }
-}
-
-/// Something on the screen that the mouse can mean.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Target {
-    /// A pane as a whole.
-    Pane(Pane),
-    /// A row of the list of presets, by its place in what is listed.
-    Preset(usize),
-    /// A row of the form.
-    Knob(usize),
-    /// A step of growth, in the bar to scrub.
-    Growth(u32),
-    /// A picture of the gallery.
-    Thumbnail(usize),
-    /// A row of the export dialog.
-    ExportRow(usize),
-    /// The text of the grammar's editor.
-    Grammar,
-    /// A row of the palette.
-    PaletteRow(usize),
-    /// A command, by its id: a hint of the footer.
-    Command(&'static str),
-    /// A dialog as a whole: what lies below it is not meant.
-    Dialog,
-}
-
-/// How much a message matters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Weight {
-    /// It happened.
-    Note,
-    /// It did not happen, and why.
-    Warning,
-    /// It failed.
-    Error,
-}
-
-/// A line for the user, printable.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Message {
-    /// How much it matters.
-    pub weight: Weight,
-    /// What is said.
-    pub text: String,
-    /// When it leaves the footer.
-    pub until: Instant,
-}
-
 impl Model {
     /// The workbench at its start: nothing chosen yet.
-    pub fn new(config: Config, terminal: Capabilities, size: (u16, u16), now: Instant) -> Self {
+    pub fn new(
+        commands: &'static [&'static [Command]],
+        config: Config,
+        terminal: Capabilities,
+        size: (u16, u16),
+        now: Instant,
+    ) -> Self {
         Self {
             size,
             now,
@@ -217,7 +135,7 @@ impl Model {
             growth: Playback::default(),
             wind: Breeze::default(),
             form: Form::default(),
-            layers: Vec::new(),
+            dialogs: Dialogs::default(),
             message: None,
             messages: VecDeque::new(),
             exporting: Exporting::default(),
@@ -225,6 +143,7 @@ impl Model {
             terminal,
             regions: Vec::new(),
             stats: None,
+            commands,
         }
     }
 
@@ -236,20 +155,79 @@ impl Model {
         }
     }
 
+    /// Where the panes are.
+    pub fn layout(&self) -> Layout {
+        Layout::new(self.size.0, self.size.1, self.focus, self.side)
+    }
+
+    /// Where dialogs may lie: above the footer, which has their hints.
+    pub fn dialog_body(&self) -> Rect {
+        Rect::new(0, 0, self.size.0, self.size.1 - self.layout().footer.height)
+    }
+
     /// Where keys are listened to: the topmost dialog, or the focused pane.
     pub fn context(&self) -> Context {
-        self.layers.last().map_or(self.focus.context(), Layer::context)
+        self.dialogs.last().map_or(self.focus.context(), Dialog::context)
+    }
+
+    /// All commands, room by room.
+    pub fn commands(&self) -> impl Iterator<Item = &'static Command> + use<> {
+        self.commands.iter().copied().flatten()
+    }
+
+    /// The command that keymaps call `id`.
+    pub fn command(&self, id: &str) -> Option<&'static Command> {
+        self.commands().find(|command| command.id == id)
     }
 
     /// The command that a key means here.
     pub fn command_of(&self, key: Key) -> Option<&'static str> {
         let keymap = &self.config.keymap;
         let here = self.context();
-        let outer =
-            if self.layers.is_empty() { &[Context::Global, Context::Always][..] } else { &[Context::Always] };
+        let outer = if self.dialogs.is_empty() {
+            &[Context::GLOBAL, Context::ALWAYS][..]
+        } else {
+            &[Context::ALWAYS]
+        };
         keymap
             .lookup(here.id(), key)
             .or_else(|| outer.iter().find_map(|context| keymap.lookup(context.id(), key)))
+    }
+
+    /// Runs a command, or says why it cannot be used.
+    pub fn run(&mut self, command: &Command, effects: &mut Effects) {
+        match (command.hindrance)(self) {
+            None => (command.run)(self, effects),
+            Some(why) => self.say_warning(format!("{}: {why}", command.title)),
+        }
+    }
+
+    /// Tells the topmost dialog something. It is off the stack meanwhile, and then back in its place or
+    /// closed; `None` when no dialog is open.
+    pub fn tell(&mut self, tell: impl FnOnce(&mut dyn Dialog<Self>, &mut Self) -> After) -> Option<After> {
+        let (place, mut dialog) = self.dialogs.take()?;
+        let after = tell(&mut *dialog, self);
+        if after == After::Stays {
+            self.dialogs.put_back(place, dialog);
+        }
+        Some(after)
+    }
+
+    /// The same with a dialog of a type; nothing when the topmost one is of another.
+    pub fn with<T: Dialog<Self>>(&mut self, act: impl FnOnce(&mut T, &mut Self) -> After) -> Option<After> {
+        self.dialogs.top::<T>()?;
+        self.tell(|dialog, model| {
+            let dialog: &mut dyn std::any::Any = dialog;
+            dialog.downcast_mut().map_or(After::Stays, |dialog| act(dialog, model))
+        })
+    }
+
+    /// Gives the topmost dialog up.
+    pub fn cancel(&mut self, effects: &mut Effects) {
+        self.tell(|dialog, model| {
+            dialog.cancel(model, effects);
+            After::Closes
+        });
     }
 
     /// Something happened.
@@ -286,13 +264,20 @@ impl Model {
         }
         self.message = Some(message);
     }
+}
 
-    /// When something changes by itself next: an animation's frame, a message that leaves, the full
-    /// picture after the draft. `None`: nothing does, and the program sleeps.
-    pub fn wake_at(&self) -> Option<Instant> {
-        let message = self.message.as_ref().map(|message| message.until);
-        let quiet = self.picture.waits_for_quiet(self).then(|| self.last_input + QUIET);
-        let frames = [picture::next_frame(self), self.growth.next_frame(), wind::next_frame(self)];
-        [message, quiet].into_iter().chain(frames).flatten().min()
-    }
+/// For commands that can always be used.
+pub const fn free(_: &Model) -> Option<String> {
+    None
+}
+
+/// For commands that need a preset.
+pub fn without_preset(model: &Model) -> Option<String> {
+    model.tree.is_none().then(|| "no preset is chosen".to_owned())
+}
+
+/// For commands that need a tree on screen.
+pub fn without_tree(model: &Model) -> Option<String> {
+    let shown = model.tree.as_ref().and_then(|tree| tree.shown.as_ref());
+    shown.is_none().then(|| "no tree has grown yet".to_owned())
 }

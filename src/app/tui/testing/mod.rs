@@ -1,5 +1,7 @@
 //! A workbench without a terminal, threads or files, for tests.
 
+pub mod form;
+
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -12,11 +14,12 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::{Color, Modifier, Style};
 
-use super::command::{self, key_table};
+use super::commands::{self, key_table};
 use super::effect::Effect;
-use super::frame;
+use super::layout::View;
 use super::model::{Config, Model};
 use super::picture;
+use super::screen;
 use super::tree::Place;
 use super::update::{Msg, update};
 use crate::config::dirs::Dirs;
@@ -59,7 +62,7 @@ impl Bench {
         let keymap = Keymap::defaults(&key_table());
         let config = Config { dirs, theme, keymap, settings: Settings::default(), complaints };
         let now = Instant::now();
-        let model = Model::new(config, terminal, (columns, rows), now);
+        let model = Model::new(commands::ALL, config, terminal, (columns, rows), now);
         let nothing = Image::new(1, 1, &[0; 4]).unwrap();
         let drawn = CellPicture::draw(&nothing, 1, 1, &CellStyle::default(), usize::MAX);
         Self { model, effects: Vec::new(), now, painter: Some(Painter::default()), drawn }
@@ -139,7 +142,8 @@ impl Bench {
         self.now += BETWEEN;
         (self.model.now, self.model.last_input) = (self.now, self.now);
         let mut effects = Vec::new();
-        command::run(command::find(id).unwrap(), &mut self.model, &mut effects);
+        let command = self.model.command(id).unwrap();
+        self.model.run(command, &mut effects);
         self.effects.extend(effects);
         self.model.regions = self.paint().1.regions;
     }
@@ -192,9 +196,9 @@ impl Bench {
         self
     }
 
-    fn paint(&self) -> (Buffer, frame::View) {
+    fn paint(&self) -> (Buffer, View) {
         let mut buffer = Buffer::empty(Rect::new(0, 0, self.model.size.0, self.model.size.1));
-        let view = frame::view(&self.model, &mut buffer);
+        let view = screen::view(&self.model, &mut buffer);
         (buffer, view)
     }
 

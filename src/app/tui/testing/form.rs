@@ -10,14 +10,17 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
 use crate::config::dirs::Dirs;
-use crate::config::keymap::{Keymap, Row};
+use crate::config::keymap::Keymap;
 use crate::config::settings::Settings;
 use crate::config::theme::Theme;
 use crate::jobs::{Answer, Done, Lane, grow_shown};
-use crate::tui::command;
+use crate::tui::commands;
 use crate::tui::effect::Effects;
-use crate::tui::frame::{self, View};
-use crate::tui::model::{Config, Layer, Model, Pane};
+use crate::tui::layout::{Pane, View};
+use crate::tui::model::{Config, FormSpot, Model};
+use crate::tui::screen;
+use crate::tui::shape::save_lines::SaveLine;
+use crate::tui::shape::value::ValueLine;
 use crate::tui::tree::{Place, Tree};
 use crate::tui::update::{Msg, update};
 
@@ -35,17 +38,16 @@ impl Bench {
 
     /// With the preset of a place, and a directory for the user's.
     pub fn at(place: Place, config: PathBuf) -> Self {
-        let rows: Vec<Row> = command::all().map(|own| (own.id, own.context.id(), own.keys)).collect();
         let config = Config {
             dirs: Dirs { config: Some(config), state: None },
             theme: Theme::dark(),
-            keymap: Keymap::defaults(&rows),
+            keymap: Keymap::defaults(&commands::key_table()),
             settings: Settings::default(),
             complaints: Vec::new(),
         };
         let environment = Environment::from_pairs([("TERM", "xterm-256color"), ("COLORTERM", "truecolor")]);
         let terminal = Capabilities::conclude(&Findings::default(), &environment, &Overrides::default());
-        let mut model = Model::new(config, terminal, (100, 40), Instant::now());
+        let mut model = Model::new(commands::ALL, config, terminal, (100, 40), Instant::now());
         let path = match &place {
             Place::Builtin(id) => PathBuf::from(id),
             Place::File(path) => path.clone(),
@@ -95,7 +97,7 @@ impl Bench {
     pub fn paint(&mut self, columns: u16, rows: u16) -> (Buffer, View) {
         self.model.size = (columns, rows);
         let mut buffer = Buffer::empty(Rect::new(0, 0, columns, rows));
-        let view = frame::view(&self.model, &mut buffer);
+        let view = screen::view(&self.model, &mut buffer);
         self.model.regions.clone_from(&view.regions);
         (buffer, view)
     }
@@ -130,16 +132,16 @@ impl Bench {
 
     /// Puts the form's cursor on a knob.
     pub fn on(&mut self, name: &'static str) -> &mut Self {
-        self.model.form.selected = Some(super::Spot::Knob(name));
+        self.model.form.selected = Some(FormSpot::Knob(name));
         self
     }
 
     /// What is wrong with the line that is being typed.
     pub fn problem(&self) -> Option<String> {
-        match self.model.layers.last() {
-            Some(Layer::Line(line)) => line.problem.clone(),
-            _ => None,
-        }
+        let dialogs = &self.model.dialogs;
+        let value = dialogs.top::<ValueLine>().map(|line| &line.prompt);
+        let prompt = value.or(dialogs.top::<SaveLine>().map(|line| &line.prompt));
+        prompt.and_then(|prompt| prompt.problem.clone())
     }
 
     /// What the footer says.

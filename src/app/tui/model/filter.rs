@@ -3,7 +3,7 @@
 use nucleo_matcher::pattern::{CaseMatching, Normalization, Pattern};
 use nucleo_matcher::{Config, Matcher, Utf32Str};
 
-use super::{Entry, Row};
+use super::entry::{Entry, Row};
 
 /// The rows of the list: all groups with their headings, or the matches, the best first.
 pub fn rows(entries: &[Entry], filter: &str) -> Vec<Row> {
@@ -49,8 +49,8 @@ fn grouped(entries: &[Entry]) -> Vec<Row> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Library;
     use super::*;
+    use crate::tui::model::Library;
 
     fn ids(filter: &str) -> Vec<String> {
         let library = Library::builtin();

@@ -1,11 +1,12 @@
-//! The rows of what is around the tree.
+//! The commands of what frames the panes.
 
-use super::{Page, Palette, line, palette, yank};
-use crate::tui::command::{Command, Context, free, without_preset};
-use crate::tui::effect::Effect;
-use crate::tui::export;
-use crate::tui::frame;
-use crate::tui::model::{Layer, Model, Pane};
+use super::page::{self, Page};
+use super::palette::Palette;
+use super::{prompt, yank};
+use crate::tui::command::Context;
+use crate::tui::effect::{Effect, Effects};
+use crate::tui::layout::Pane;
+use crate::tui::model::{Command, Model, free, without_preset};
 
 fn focus_by(model: &mut Model, by: usize) {
     let at = Pane::ALL.iter().position(|pane| *pane == model.focus).unwrap_or(0);
@@ -13,26 +14,23 @@ fn focus_by(model: &mut Model, by: usize) {
 }
 
 fn scroll(model: &mut Model, by: isize) {
-    let body = frame::dialog_body(model);
-    if let Some(Layer::Page(page)) = model.layers.last_mut() {
+    let body = model.dialog_body();
+    if let Some(page) = model.dialogs.top_mut::<Page>() {
         page.scroll_by(by, body);
     }
 }
 
 /// A page less a line, so that the eye finds where it was.
 fn page_rows(model: &Model) -> isize {
-    let body = frame::dialog_body(model);
-    match model.layers.last() {
-        Some(Layer::Page(page)) => (page.lay(body).text.height as isize - 1).max(1),
-        _ => 1,
-    }
+    let page = model.dialogs.top::<Page>();
+    page.map_or(1, |page| (page.lay(model.dialog_body()).text.height as isize - 1).max(1))
 }
 
 /// The rows of this room.
 pub const COMMANDS: &[Command] = &[
     Command {
         id: "help",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["?", "f1"],
         title: "Help",
         help: "Shows all commands with their keys",
@@ -40,12 +38,12 @@ pub const COMMANDS: &[Command] = &[
         hindrance: free,
         run: |model, _| {
             let page = Page::help(model);
-            model.layers.push(Layer::Page(page));
+            model.dialogs.open(page);
         },
     },
     Command {
         id: "palette",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &[":"],
         title: "Palette",
         help: "Finds any command by its name",
@@ -53,12 +51,12 @@ pub const COMMANDS: &[Command] = &[
         hindrance: free,
         run: |model, _| {
             let palette = Palette::new(model);
-            model.layers.push(Layer::Palette(palette));
+            model.dialogs.open(palette);
         },
     },
     Command {
         id: "messages",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["m"],
         title: "Messages",
         help: "Shows what was said, with every complaint about files of yours",
@@ -66,12 +64,12 @@ pub const COMMANDS: &[Command] = &[
         hindrance: free,
         run: |model, _| {
             let page = Page::messages(model);
-            model.layers.push(Layer::Page(page));
+            model.dialogs.open(page);
         },
     },
     Command {
         id: "focus-next",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["tab"],
         title: "Next pane",
         help: "Moves to the next pane: presets, picture, knobs",
@@ -81,7 +79,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "focus-previous",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["shift-tab"],
         title: "Previous pane",
         help: "Moves to the pane before",
@@ -91,7 +89,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "yank-command",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["y"],
         title: "Copy command",
         help: "Copies the command line that exports what is on screen (through the terminal, so over SSH too)",
@@ -108,7 +106,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "yank-recipe",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["Y"],
         title: "Copy recipe",
         help: "Copies the recipe: one line of JSON that grows this tree anywhere",
@@ -123,7 +121,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "quit",
-        context: Context::Global,
+        context: Context::GLOBAL,
         keys: &["q"],
         title: "Quit",
         help: "Leaves; what is on screen comes back next time",
@@ -133,25 +131,25 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "interrupt",
-        context: Context::Always,
+        context: Context::ALWAYS,
         keys: &["ctrl-c"],
         title: "Interrupt",
         help: "Closes the dialog; without one, leaves",
         hint: None,
         hindrance: free,
         run: |model, effects| {
-            if model.layers.is_empty() {
+            if model.dialogs.is_empty() {
                 quit(model, effects);
             } else {
-                while !model.layers.is_empty() {
-                    back(model, effects);
+                while !model.dialogs.is_empty() {
+                    model.cancel(effects);
                 }
             }
         },
     },
     Command {
         id: "suspend",
-        context: Context::Always,
+        context: Context::ALWAYS,
         keys: &["ctrl-z"],
         title: "Suspend",
         help: "Goes back to the shell; 'fg' comes back here",
@@ -161,7 +159,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "redraw",
-        context: Context::Always,
+        context: Context::ALWAYS,
         keys: &["ctrl-l"],
         title: "Redraw",
         help: "Paints the whole screen anew, when something else wrote over it",
@@ -171,30 +169,29 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "prompt-accept",
-        context: Context::Prompt,
+        context: prompt::CONTEXT,
         keys: &["enter"],
         title: "Accept",
         help: "Takes what was typed",
         hint: Some(10),
         hindrance: free,
-        run: |model, effects| match model.layers.last() {
-            Some(Layer::Palette(_)) => palette::accept(model, effects),
-            _ => line::accept(model, effects),
+        run: |model, effects| {
+            model.tell(|dialog, model| dialog.accept(model, effects));
         },
     },
     Command {
         id: "prompt-cancel",
-        context: Context::Prompt,
+        context: prompt::CONTEXT,
         keys: &["esc"],
         title: "Cancel",
         help: "Leaves everything as it was",
         hint: Some(11),
         hindrance: free,
-        run: back,
+        run: Model::cancel,
     },
     Command {
         id: "page-down",
-        context: Context::Page,
+        context: page::CONTEXT,
         keys: &["j", "down"],
         title: "Down",
         help: "Scrolls down",
@@ -204,7 +201,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "page-up",
-        context: Context::Page,
+        context: page::CONTEXT,
         keys: &["k", "up"],
         title: "Up",
         help: "Scrolls up",
@@ -214,7 +211,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "page-page-down",
-        context: Context::Page,
+        context: page::CONTEXT,
         keys: &["pagedown", "ctrl-d", "space"],
         title: "Page down",
         help: "Scrolls a page down",
@@ -224,7 +221,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "page-page-up",
-        context: Context::Page,
+        context: page::CONTEXT,
         keys: &["pageup", "ctrl-u"],
         title: "Page up",
         help: "Scrolls a page up",
@@ -234,7 +231,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "page-first",
-        context: Context::Page,
+        context: page::CONTEXT,
         keys: &["g", "home"],
         title: "Top",
         help: "Scrolls to the top",
@@ -244,7 +241,7 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "page-last",
-        context: Context::Page,
+        context: page::CONTEXT,
         keys: &["G", "end"],
         title: "Bottom",
         help: "Scrolls to the bottom",
@@ -254,27 +251,21 @@ pub const COMMANDS: &[Command] = &[
     },
     Command {
         id: "page-close",
-        context: Context::Page,
+        context: page::CONTEXT,
         keys: &["esc", "q", "enter", "?"],
         title: "Close",
         help: "Closes the page",
         hint: Some(20),
         hindrance: free,
-        run: back,
+        run: Model::cancel,
     },
 ];
 
-/// Leaves, unless an export would be lost that nobody was asked about.
-fn quit(model: &mut Model, effects: &mut crate::tui::effect::Effects) {
-    if export::may_leave(model) {
+/// Leaves; asks first when an export would be lost.
+fn quit(model: &mut Model, effects: &mut Effects) {
+    if model.exporting.may_leave(model.now) {
         effects.push(Effect::Quit);
-    }
-}
-
-/// One level back.
-fn back(model: &mut Model, effects: &mut crate::tui::effect::Effects) {
-    match model.layers.last() {
-        Some(Layer::Line(_)) => line::cancel(model, effects),
-        _ => drop(model.layers.pop()),
+    } else {
+        model.say_warning("an export is running; once more leaves and cancels it, with nothing written");
     }
 }

@@ -1,0 +1,183 @@
+//! Lines that are typed: a filter, a value, a name. What a line is for is a dialog of its room.
+
+use linden_terminal::input::{Key, KeyCode};
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::widgets::{Clear, Widget as _};
+use tui_input::{Input, InputRequest};
+use unicode_width::UnicodeWidthStr;
+
+use crate::config::theme::Theme;
+use crate::tui::command::Context;
+use crate::tui::layout::View;
+use crate::tui::model::Model;
+use crate::tui::wrap::clipped;
+
+/// Where the keys of typed lines are listened to, and of the palette.
+pub const CONTEXT: Context = Context::new(80, "prompt", "While typing a line");
+
+/// A line that is typed.
+pub struct Prompt {
+    input: Input,
+    /// What is wrong with what was typed so far.
+    pub problem: Option<String>,
+}
+
+/// What is said above a line at the bottom of the screen.
+pub struct Remark {
+    /// What is wrong, or what Enter would do.
+    pub text: String,
+    /// Whether something is wrong, or would be lost.
+    pub warns: bool,
+}
+
+impl Prompt {
+    /// A line with something in it already, the cursor at its end.
+    pub fn new(text: &str) -> Self {
+        Self { input: Input::new(text.to_owned()), problem: None }
+    }
+
+    /// What was typed.
+    pub fn text(&self) -> &str {
+        self.input.value()
+    }
+
+    /// Puts another text in the line, the cursor at its end.
+    pub fn replace(&mut self, text: &str) {
+        self.input = Input::new(text.to_owned());
+    }
+
+    /// A key; whether it changed the text.
+    pub fn key(&mut self, key: Key) -> bool {
+        edit(&mut self.input, key)
+    }
+
+    /// Pasted text, as one line.
+    pub fn paste(&mut self, text: &str) {
+        paste(&mut self.input, text);
+    }
+
+    /// Paints the line into a row, with its cursor.
+    pub fn paint(&self, area: Rect, buffer: &mut Buffer, view: &mut View, theme: &Theme) {
+        paint(&self.input, area, buffer, view, theme);
+    }
+
+    /// Paints the line at the bottom of the screen, a label before it and a remark above.
+    pub fn paint_at_bottom(
+        &self,
+        model: &Model,
+        label: &str,
+        remark: Option<&Remark>,
+        screen: Rect,
+        buffer: &mut Buffer,
+        view: &mut View,
+    ) {
+        if screen.is_empty() {
+            return;
+        }
+        let theme = &model.config.theme;
+        let row = Rect { y: screen.bottom() - 1, height: 1, ..screen };
+        let label = clipped(&format!(" {label}: "), usize::from(screen.width).saturating_sub(4));
+        Clear.render(row, buffer);
+        buffer.set_style(row, theme.input);
+        buffer.set_stringn(row.x, row.y, &label, row.width.into(), theme.key);
+        let x = row.x + label.width() as u16;
+        self.paint(Rect { x, width: row.right().saturating_sub(x), ..row }, buffer, view, theme);
+        if let Some(remark) = remark
+            && screen.height >= 2
+        {
+            let above = Rect { y: row.y - 1, ..row };
+            let style = theme.popup.patch(if remark.warns { theme.warning } else { theme.dim });
+            Clear.render(above, buffer);
+            buffer.set_style(above, style);
+            let text = clipped(&format!(" {}", remark.text), above.width.into());
+            buffer.set_stringn(above.x, above.y, text, above.width.into(), style);
+        }
+    }
+}
+
+/// Edits a line as shells do; whether the text changed.
+pub fn edit(input: &mut Input, key: Key) -> bool {
+    let request = match (key.code, key.ctrl, key.alt) {
+        (KeyCode::Char(c), false, false) => InputRequest::InsertChar(c),
+        (KeyCode::Backspace, false, false) | (KeyCode::Char('h'), true, _) => InputRequest::DeletePrevChar,
+        (KeyCode::Backspace, _, _) | (KeyCode::Char('w'), true, _) => InputRequest::DeletePrevWord,
+        (KeyCode::Delete, false, _) => InputRequest::DeleteNextChar,
+        (KeyCode::Delete, true, _) | (KeyCode::Char('d'), false, true) => InputRequest::DeleteNextWord,
+        (KeyCode::Left, false, false) | (KeyCode::Char('b'), true, _) => InputRequest::GoToPrevChar,
+        (KeyCode::Right, false, false) | (KeyCode::Char('f'), true, _) => InputRequest::GoToNextChar,
+        (KeyCode::Left, _, _) | (KeyCode::Char('b'), false, true) => InputRequest::GoToPrevWord,
+        (KeyCode::Right, _, _) | (KeyCode::Char('f'), false, true) => InputRequest::GoToNextWord,
+        (KeyCode::Home, _, _) | (KeyCode::Char('a'), true, _) => InputRequest::GoToStart,
+        (KeyCode::End, _, _) | (KeyCode::Char('e'), true, _) => InputRequest::GoToEnd,
+        (KeyCode::Char('u'), true, _) => InputRequest::DeleteLine,
+        (KeyCode::Char('k'), true, _) => InputRequest::DeleteTillEnd,
+        _ => return false,
+    };
+    input.handle(request).is_some_and(|change| change.value)
+}
+
+/// The most characters that pasting makes a line: no path is longer, and each is looked at again
+/// with every key.
+const LONGEST: usize = 4096;
+
+/// Inserts text, without line breaks and control characters, as far as there is room for it.
+pub fn paste(input: &mut Input, text: &str) {
+    let room = LONGEST.saturating_sub(input.value().chars().count());
+    // Terminals send the Return key for the breaks of pasted lines.
+    let pasted: String = text
+        .trim_end()
+        .chars()
+        .map(|c| if matches!(c, '\n' | '\r' | '\t') { ' ' } else { c })
+        .filter(|c| !c.is_control())
+        .take(room)
+        .collect();
+    let at = input.cursor();
+    let behind = at + pasted.chars().count();
+    let value = input.value().chars().take(at).chain(pasted.chars()).chain(input.value().chars().skip(at));
+    *input = Input::new(value.collect()).with_cursor(behind);
+}
+
+/// Paints an input into a row, scrolled so that its cursor is in sight.
+pub fn paint(input: &Input, area: Rect, buffer: &mut Buffer, view: &mut View, theme: &Theme) {
+    if area.is_empty() {
+        return;
+    }
+    buffer.set_style(area, theme.input);
+    let scroll = input.visual_scroll(usize::from(area.width.saturating_sub(1)));
+    let mut left = scroll;
+    let rest: String = input
+        .value()
+        .chars()
+        .skip_while(|c| {
+            let width = unicode_width::UnicodeWidthChar::width(*c).unwrap_or(0);
+            let skip = left > 0;
+            left = left.saturating_sub(width);
+            skip
+        })
+        .collect();
+    buffer.set_stringn(area.x, area.y, linden::knob::printable(&rest), area.width.into(), theme.input);
+    let at = area.x + (input.visual_cursor().saturating_sub(scroll) as u16).min(area.width - 1);
+    view.cursor = Some((at, area.y));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pasted_text_goes_in_at_the_cursor_as_one_line() {
+        let mut input = Input::new("äz".to_owned()).with_cursor(1);
+        paste(&mut input, "b\r\tc\u{1b}\u{7}\n\n");
+        assert_eq!((input.value(), input.cursor()), ("äb  cz", 5));
+    }
+
+    #[test]
+    fn what_is_pasted_has_an_end() {
+        let mut input = Input::new("a".to_owned());
+        paste(&mut input, &"ö".repeat(1 << 20));
+        assert_eq!((input.value().chars().count(), input.cursor()), (LONGEST, LONGEST));
+        paste(&mut input, "more");
+        assert_eq!(input.value().chars().count(), LONGEST);
+    }
+}

@@ -1,0 +1,122 @@
+//! A dialog is one file: what it needs of the workbench, and what the workbench does with it.
+
+use linden_terminal::input::{Button, Event, Key, Mouse, MouseAction};
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+
+use super::chrome::popup::popup;
+use super::command::Context;
+use super::dialog::{After, Dialog, Dialogs};
+use super::effect::{Effect, Effects};
+use super::layout::{Target, View};
+use super::model::Model;
+use super::testing::Bench;
+use super::update::Msg;
+
+/// Keeps what it is told, and paints it.
+#[derive(Default)]
+struct Diary {
+    heard: Vec<String>,
+}
+
+impl Diary {
+    fn hear(&mut self, model: &Model, what: String) -> After {
+        assert!(model.dialogs.top::<Self>().is_none(), "it is off the stack while it acts");
+        self.heard.push(what);
+        After::Stays
+    }
+}
+
+impl Dialog<Model> for Diary {
+    fn context(&self) -> Context {
+        Context::new(99, "diary", "In the diary")
+    }
+
+    fn paint(&self, model: &Model, body: Rect, buffer: &mut Buffer, view: &mut View) {
+        let inner = popup(model, "Diary", body, buffer, view);
+        for (i, (y, what)) in (inner.y..inner.bottom()).zip(&self.heard).enumerate() {
+            view.regions.push((Rect { y, height: 1, ..inner }, Target::Dialog(Some(i))));
+            buffer.set_stringn(inner.x, y, what, inner.width.into(), model.config.theme.popup);
+        }
+    }
+
+    fn key(&mut self, model: &mut Model, key: Key, effects: &mut Effects) -> After {
+        if key == Key::char('!') {
+            effects.push(Effect::Redraw);
+            model.dialogs.open(Self { heard: vec!["second".to_owned()] });
+            return After::Closes;
+        }
+        self.hear(model, format!("key {key}"))
+    }
+
+    fn paste(&mut self, model: &mut Model, text: &str, _effects: &mut Effects) -> After {
+        self.hear(model, format!("paste {text}"))
+    }
+
+    fn click(&mut self, model: &mut Model, spot: usize, _mouse: Mouse, _effects: &mut Effects) -> After {
+        self.hear(model, format!("click {spot}"))
+    }
+
+    fn wheel(&mut self, model: &mut Model, spot: Option<usize>, down: bool) {
+        self.hear(model, format!("wheel {spot:?} {down}"));
+    }
+
+    fn cancel(&mut self, model: &mut Model, _effects: &mut Effects) {
+        model.say(format!("{} entries", self.heard.len()));
+    }
+}
+
+fn open() -> Bench {
+    let mut bench = Bench::grown(100, 30).without_pictures();
+    bench.model.dialogs.open(Diary::default());
+    bench.msg(Msg::Tick);
+    bench
+}
+
+fn heard(bench: &Bench) -> &[String] {
+    &bench.model.dialogs.top::<Diary>().unwrap().heard
+}
+
+#[test]
+fn a_dialog_hears_what_is_typed_pasted_and_done_with_the_mouse() {
+    let mut bench = open();
+    // Keys of the panes beneath mean nothing here.
+    bench.keys("q j");
+    bench.msg(Msg::Input(Event::Paste("two words".to_owned())));
+    bench.mouse(MouseAction::Press(Button::Left), 5, 2);
+    bench.mouse(MouseAction::Press(Button::Left), 5, 20);
+    bench.mouse(MouseAction::WheelDown, 5, 1);
+    bench.mouse(MouseAction::WheelUp, 5, 20);
+    bench.mouse(MouseAction::Drag(Button::Left), 5, 1);
+    let expected = ["key q", "key j", "paste two words", "click 1", "wheel Some(0) true", "wheel None false"];
+    assert_eq!(heard(&bench), expected);
+    let screen = bench.screen();
+    assert!(screen.contains("Diary") && screen.contains("paste two words"), "{screen}");
+    assert!(bench.effects.is_empty() && bench.model.context().id() == "diary");
+}
+
+#[test]
+fn a_dialog_opens_another_and_closes() {
+    let mut bench = open();
+    bench.keys("a !");
+    assert_eq!(heard(&bench), ["second"]);
+    assert!(matches!(bench.effects[..], [Effect::Redraw]));
+    bench.keys("ctrl-c");
+    assert!(bench.model.dialogs.is_empty());
+    assert_eq!(bench.model.message.as_ref().unwrap().text, "1 entries");
+}
+
+#[test]
+fn what_is_opened_meanwhile_lies_above() {
+    let mut dialogs = Dialogs::<Model>::default();
+    dialogs.open(Diary { heard: vec!["lower".to_owned()] });
+    let (place, lower) = dialogs.take().unwrap();
+    assert!(dialogs.is_empty() && dialogs.take().is_none());
+    dialogs.open(Diary { heard: vec!["upper".to_owned()] });
+    dialogs.put_back(place, lower);
+    assert_eq!(dialogs.top::<Diary>().unwrap().heard, ["upper"]);
+    assert_eq!(dialogs.find::<Diary>().unwrap().heard, ["lower"]);
+    assert_eq!(dialogs.iter().count(), 2);
+    dialogs.close::<Diary>();
+    assert!(dialogs.last().is_none());
+}

@@ -1,0 +1,29 @@
+//! Numbers as people read them.
+
+/// `12 345`.
+pub fn thousands(n: u64) -> String {
+    let digits = n.to_string();
+    let mut text = String::new();
+    for (i, c) in digits.chars().enumerate() {
+        if i > 0 && (digits.len() - i).is_multiple_of(3) {
+            // A narrow no-break space would be typographically right; few terminal fonts have it.
+            text.push(' ');
+        }
+        text.push(c);
+    }
+    text
+}
+
+/// Metres to three digits.
+pub fn metres(m: f64) -> String {
+    let digits = if m >= 100.0 {
+        0
+    } else if m >= 10.0 {
+        1
+    } else if m >= 1.0 {
+        2
+    } else {
+        3
+    };
+    format!("{m:.digits$}")
+}

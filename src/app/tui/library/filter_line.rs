@@ -1,0 +1,62 @@
+//! The filter of the list, typed: the list follows at once.
+
+use linden_terminal::input::Key;
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+
+use super::set_filter;
+use crate::tui::chrome::prompt::{self, Prompt};
+use crate::tui::command::Context;
+use crate::tui::dialog::{After, Dialog};
+use crate::tui::effect::Effects;
+use crate::tui::layout::View;
+use crate::tui::model::Model;
+
+/// The filter's line.
+pub struct FilterLine {
+    /// What is typed; the list paints it where it is on screen.
+    pub prompt: Prompt,
+    /// What the filter was, for Esc.
+    before: String,
+}
+
+impl FilterLine {
+    /// Goes on with the filter that is set.
+    pub fn new(filter: &str) -> Self {
+        Self { prompt: Prompt::new(filter), before: filter.to_owned() }
+    }
+}
+
+impl Dialog<Model> for FilterLine {
+    fn context(&self) -> Context {
+        prompt::CONTEXT
+    }
+
+    fn is_prompt(&self) -> bool {
+        true
+    }
+
+    fn paint(&self, model: &Model, screen: Rect, buffer: &mut Buffer, view: &mut View) {
+        // Where the list is on screen, it has painted the line.
+        if view.cursor.is_none() {
+            self.prompt.paint_at_bottom(model, "filter", None, screen, buffer, view);
+        }
+    }
+
+    fn key(&mut self, model: &mut Model, key: Key, effects: &mut Effects) -> After {
+        if self.prompt.key(key) {
+            set_filter(model, self.prompt.text(), effects);
+        }
+        After::Stays
+    }
+
+    fn paste(&mut self, model: &mut Model, text: &str, effects: &mut Effects) -> After {
+        self.prompt.paste(text);
+        set_filter(model, self.prompt.text(), effects);
+        After::Stays
+    }
+
+    fn cancel(&mut self, model: &mut Model, effects: &mut Effects) {
+        set_filter(model, &self.before, effects);
+    }
+}

@@ -1,0 +1,78 @@
+//! The export under way, those that wait, those that are done.
+
+use std::collections::VecDeque;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+use linden::monitor::Phase;
+
+use crate::config::session::{self, Session};
+use crate::jobs::ExportOrder;
+
+/// Within this a second key leaves for good.
+const LEAVING: Duration = Duration::from_secs(8);
+
+/// The export under way, those that wait, those that are done, and what was chosen last.
+#[derive(Debug, Default)]
+pub struct Exporting {
+    /// What was chosen last.
+    pub last: session::Export,
+    /// The one under way.
+    pub running: Option<Running>,
+    /// Those that wait, the next one first.
+    pub waiting: VecDeque<ExportOrder>,
+    /// Those that are done, the newest first.
+    pub reports: VecDeque<Report>,
+    /// Numbers that were given to orders.
+    pub numbers: u64,
+    leave_asked: Option<Instant>,
+}
+
+/// The export under way.
+#[derive(Debug)]
+pub struct Running {
+    /// Its order's.
+    pub number: u64,
+    /// `fir.glb +2`.
+    pub name: String,
+    /// What is being done.
+    pub doing: Option<Phase>,
+    /// In parts of [`WHOLE`](crate::jobs::WHOLE).
+    pub done: u64,
+}
+
+/// An export that is done.
+#[derive(Debug)]
+pub struct Report {
+    /// What was written, and how many bytes each has.
+    pub files: Vec<(PathBuf, u64)>,
+    /// What a format could not hold.
+    pub notes: Vec<String>,
+}
+
+impl Exporting {
+    /// Takes over what was chosen last time.
+    pub fn remember(&mut self, session: &Session) {
+        self.last = session.export.clone();
+    }
+
+    /// What was chosen last, for next time.
+    pub fn to_session(&self) -> session::Export {
+        self.last.clone()
+    }
+
+    /// Whether an export is under way.
+    pub fn is_running(&self) -> bool {
+        self.running.is_some()
+    }
+
+    /// Whether the workbench can be left without a question: no export runs, or the user was asked a
+    /// moment ago. Otherwise this counts as asking.
+    pub fn may_leave(&mut self, now: Instant) -> bool {
+        if !self.is_running() {
+            return true;
+        }
+        let asked = self.leave_asked.replace(now);
+        asked.is_some_and(|at| now.saturating_duration_since(at) < LEAVING)
+    }
+}

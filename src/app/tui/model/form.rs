@@ -1,0 +1,24 @@
+//! Where the cursor is in the form of knobs.
+
+/// Where the cursor is in the form.
+#[derive(Debug, Default)]
+pub struct Form {
+    /// The row that it is on.
+    pub selected: Option<FormSpot>,
+}
+
+/// A row that the cursor can be on. By name, so that it stays when a choice brings other knobs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FormSpot {
+    /// A knob.
+    Knob(&'static str),
+    /// The grammar's axiom (0) or one of its rules (from 1).
+    Rule(usize),
+}
+
+impl Form {
+    /// To the first knob.
+    pub fn reset(&mut self) {
+        self.selected = None;
+    }
+}

@@ -1,0 +1,95 @@
+//! How the tree is looked at.
+
+use std::time::Instant;
+
+use glam::Vec2;
+use linden_raster::{Camera, Paint};
+
+use crate::jobs::{Look, Painted};
+
+impl Look {
+    /// All, in the order in which a key goes through them.
+    pub const ALL: [Self; 5] = [
+        Self::Skeleton(Paint::Wood),
+        Self::Skeleton(Paint::Order),
+        Self::Skeleton(Paint::Radius),
+        Self::Skeleton(Paint::Birth),
+        Self::Surface,
+    ];
+
+    /// What it is called, here and in the session's file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Surface => "surface",
+            Self::Skeleton(Paint::Wood) => "skeleton",
+            Self::Skeleton(Paint::Order) => "order",
+            Self::Skeleton(Paint::Radius) => "radius",
+            Self::Skeleton(Paint::Birth) => "birth",
+        }
+    }
+
+    /// The look of a name.
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|look| look.name() == name)
+    }
+}
+
+/// How the tree is looked at.
+#[expect(clippy::struct_excessive_bools, reason = "switches that have nothing to do with each other")]
+pub struct PictureState {
+    /// From where.
+    pub camera: Camera,
+    /// What is drawn.
+    pub look: Look,
+    /// Whether attraction points are.
+    pub points: bool,
+    /// Whether the crown's outline is.
+    pub outline: bool,
+    /// Whether a person stands beside it, and a scale bar below.
+    pub scale: bool,
+    /// When the turntable last moved; `None` when it stands.
+    pub turning: Option<Instant>,
+    /// What is on screen.
+    pub painted: Option<Box<Painted>>,
+    /// Where the pointer was while a button is down.
+    pub drag: Option<(u16, u16)>,
+    /// Whether the next tree is looked at from where the camera is.
+    pub keeps_camera: bool,
+    /// Whether full pictures come fast enough to do without drafts.
+    pub fast: bool,
+}
+
+impl Default for PictureState {
+    fn default() -> Self {
+        Self {
+            camera: Camera::default(),
+            look: Look::Skeleton(Paint::Wood),
+            points: false,
+            outline: false,
+            scale: true,
+            turning: None,
+            painted: None,
+            drag: None,
+            keeps_camera: false,
+            fast: false,
+        }
+    }
+}
+
+impl PictureState {
+    /// Whether the turntable turns.
+    pub fn is_turning(&self) -> bool {
+        self.turning.is_some()
+    }
+
+    /// Starts or stops the turntable.
+    pub fn turn(&mut self, now: Option<Instant>) {
+        self.turning = now;
+    }
+
+    /// Looks from where it was looked from last time, also when the tree has grown.
+    pub fn restore(&mut self, yaw_deg: f32, pitch_deg: f32, zoom: f32, pan: Vec2) {
+        self.camera = Camera { yaw_deg, pitch_deg, zoom, pan, extent: None };
+        self.keeps_camera = true;
+    }
+}

@@ -1,0 +1,153 @@
+//! The whole screen, painted into a buffer.
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::style::Style;
+use ratatui::text::{Line, Span};
+use ratatui::widgets::{Block, BorderType, Widget};
+use unicode_width::UnicodeWidthStr;
+
+use super::chrome::footer;
+use super::dialog::Dialog;
+use super::figures::{metres, thousands};
+use super::layout::{Pane, Target, View, inside};
+use super::model::Model;
+use super::wrap::clipped;
+use super::{export, growth, library, picture, shape};
+
+/// Paints everything.
+pub fn view(model: &Model, buffer: &mut Buffer) -> View {
+    let mut view = View::default();
+    let layout = model.layout();
+    buffer.set_style(buffer.area, model.config.theme.text);
+    title(model, layout.title, buffer);
+    tabs(model, layout.tabs, buffer, &mut view);
+    for pane in Pane::ALL {
+        let Some(area) = layout.pane(pane) else { continue };
+        view.regions.push((area, Target::Pane(pane)));
+        let inner = border(model, pane, area, buffer, &mut view);
+        match pane {
+            Pane::Presets => library::view::view(model, inner, buffer, &mut view),
+            Pane::Picture => picture::view::view(model, inner, buffer, &mut view),
+            Pane::Shape => shape::view::view(model, inner, buffer, &mut view),
+        }
+    }
+    let (screen, body) = (Rect::new(0, 0, model.size.0, model.size.1), model.dialog_body());
+    let status = Line::from(export::status(model));
+    if model.dialogs.last().is_some_and(Dialog::is_prompt) {
+        // A line that no pane shows is typed over the footer.
+        footer::view(model, status, layout.footer, buffer, &mut view);
+        dialogs(model, screen, body, buffer, &mut view);
+    } else {
+        dialogs(model, screen, body, buffer, &mut view);
+        footer::view(model, status, layout.footer, buffer, &mut view);
+    }
+    view
+}
+
+/// The open dialogs, the topmost last.
+fn dialogs(model: &Model, screen: Rect, body: Rect, buffer: &mut Buffer, view: &mut View) {
+    for dialog in model.dialogs.iter() {
+        dialog.paint(model, if dialog.is_prompt() { screen } else { body }, buffer, view);
+    }
+}
+
+/// Draws a pane's border with its title; gives the inside.
+fn border(model: &Model, pane: Pane, area: Rect, buffer: &mut Buffer, view: &mut View) -> Rect {
+    let inner = inside(area);
+    if inner == area {
+        return inner;
+    }
+    let theme = &model.config.theme;
+    let focused = model.focus == pane && model.dialogs.is_empty();
+    let style = if focused { theme.border_focused } else { theme.border };
+    let name = if focused { theme.title_focused } else { theme.title };
+    let mut top = vec![Span::styled(format!(" {} ", pane.title()), name)];
+    match pane {
+        Pane::Presets => top.extend(library::view::heading(model)),
+        Pane::Picture => top.extend(picture::view::heading(model)),
+        Pane::Shape => top.extend(shape::view::heading(model)),
+    }
+    let block = Block::bordered().border_type(BorderType::Rounded).border_style(style).title(Line::from(top));
+    block.render(area, buffer);
+    if pane == Pane::Picture {
+        let row = Rect { y: area.bottom() - 1, height: 1, ..inner };
+        growth::bar::view(model, row, buffer, view);
+    }
+    inner
+}
+
+/// What is on screen, in one line: as many of the figures as have room.
+fn title(model: &Model, area: Rect, buffer: &mut Buffer) {
+    if area.is_empty() {
+        return;
+    }
+    let theme = &model.config.theme;
+    let stats = model.stats.as_deref().unwrap_or_default();
+    let right = (stats.width() as u16).min(area.width);
+    buffer.set_stringn(area.right() - right, area.y, stats, right.into(), theme.dim);
+    let mut row = Row { x: area.x + 1, end: area.right() - right, y: area.y, buffer };
+    row.put("linden", theme.title_focused, 2);
+    let Some(tree) = &model.tree else { return };
+    let preset = &tree.wanted().preset;
+    let name = if preset.name.is_empty() { &preset.id } else { &preset.name };
+    // A name of any length leaves room for what follows.
+    row.put(&clipped(name, usize::from(area.width / 3).max(12)), theme.accent, 2);
+    if tree.compares {
+        row.put("as saved", theme.warning, 2);
+    } else if tree.is_modified() {
+        row.put("● modified", theme.modified, 2);
+    }
+    let mut figures = vec![format!("seed {}", preset.seed)];
+    if let Some(shown) = &tree.shown {
+        let m = &shown.measures;
+        figures.push(format!("{} nodes", thousands(shown.grown.skeleton.positions.len() as u64)));
+        figures.push(format!("{} m tall", metres(m.height_m)));
+        figures.push(format!("crown {} m", metres(m.crown_width_m)));
+        figures.push(format!("order {}", m.max_order));
+    }
+    for (i, figure) in figures.iter().enumerate() {
+        let text = if i == 0 { figure.clone() } else { format!("· {figure}") };
+        if !row.put(&text, theme.dim, 1) {
+            break;
+        }
+    }
+}
+
+/// A row that is filled from the left.
+struct Row<'b> {
+    x: u16,
+    end: u16,
+    y: u16,
+    buffer: &'b mut Buffer,
+}
+
+impl Row<'_> {
+    /// Puts a text and `air` empty cells behind it, if it has room; whether it had.
+    fn put(&mut self, text: &str, style: Style, air: u16) -> bool {
+        let width = text.width() as u16;
+        if self.x + width > self.end {
+            return false;
+        }
+        self.buffer.set_string(self.x, self.y, text, style);
+        self.x += width + air;
+        true
+    }
+}
+
+/// The tabs of the three panes.
+fn tabs(model: &Model, area: Rect, buffer: &mut Buffer, view: &mut View) {
+    let theme = &model.config.theme;
+    let mut x = area.x;
+    for pane in Pane::ALL.into_iter().filter(|_| !area.is_empty()) {
+        let text = format!(" {} ", pane.title());
+        let width = (text.len() as u16).min(area.right().saturating_sub(x));
+        if width == 0 {
+            break;
+        }
+        let style = if model.focus == pane { theme.tab_active } else { theme.tab };
+        buffer.set_stringn(x, area.y, &text, width.into(), style);
+        view.regions.push((Rect::new(x, area.y, width, 1), Target::Pane(pane)));
+        x += width + 1;
+    }
+}

@@ -1,0 +1,93 @@
+//! A knob's value, typed.
+
+use linden_terminal::input::{Key, KeyCode};
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+
+use super::complete::{complete, completed};
+use crate::tui::chrome::prompt::{self, Prompt};
+use crate::tui::command::Context;
+use crate::tui::dialog::{After, Dialog};
+use crate::tui::effect::Effects;
+use crate::tui::layout::View;
+use crate::tui::model::Model;
+
+/// The line of a knob's value.
+pub struct ValueLine {
+    /// What is typed; the form paints it where it is on screen.
+    pub prompt: Prompt,
+    /// The knob's name.
+    pub knob: &'static str,
+}
+
+impl ValueLine {
+    /// Goes on with the value that is set.
+    pub fn new(knob: &'static str, value: &str) -> Self {
+        Self { prompt: Prompt::new(value), knob }
+    }
+
+    /// The text changed: what is wrong with it now.
+    fn judge(&mut self, model: &Model) {
+        let text = completed(self.knob, self.prompt.text());
+        self.prompt.problem = model.tree.as_ref().and_then(|tree| {
+            let mut preset = tree.preset().clone();
+            preset.set(self.knob, text).err().map(|error| error.to_string())
+        });
+    }
+}
+
+impl Dialog<Model> for ValueLine {
+    fn context(&self) -> Context {
+        prompt::CONTEXT
+    }
+
+    fn is_prompt(&self) -> bool {
+        true
+    }
+
+    fn paint(&self, model: &Model, screen: Rect, buffer: &mut Buffer, view: &mut View) {
+        // Where the form is on screen, it has painted the line.
+        if view.cursor.is_none() {
+            self.prompt.paint_at_bottom(model, "value", None, screen, buffer, view);
+        }
+    }
+
+    /// Tab, Down and Up go through the words that the knob takes.
+    fn key(&mut self, model: &mut Model, key: Key, _effects: &mut Effects) -> After {
+        let has_changed = if matches!(key.code, KeyCode::Tab | KeyCode::Down | KeyCode::Up) {
+            let forward = key.code != KeyCode::Up && !key.shift;
+            let word = complete(self.knob, self.prompt.text(), forward);
+            word.inspect(|word| self.prompt.replace(word)).is_some()
+        } else {
+            self.prompt.key(key)
+        };
+        if has_changed {
+            self.judge(model);
+        }
+        After::Stays
+    }
+
+    fn paste(&mut self, model: &mut Model, text: &str, _effects: &mut Effects) -> After {
+        self.prompt.paste(text);
+        self.judge(model);
+        After::Stays
+    }
+
+    fn accept(&mut self, model: &mut Model, _effects: &mut Effects) -> After {
+        if self.prompt.problem.is_some() {
+            return After::Stays;
+        }
+        turn(model, self.knob, completed(self.knob, self.prompt.text().trim()));
+        After::Closes
+    }
+}
+
+/// Turns a knob to what was typed; says why not.
+pub fn turn(model: &mut Model, name: &'static str, text: &str) {
+    let now = model.now;
+    if let Some(tree) = &mut model.tree
+        && let Err(error) = tree.set(name, text, now)
+    {
+        model.say_warning(error.to_string());
+    }
+}
