@@ -38,8 +38,9 @@ mod cast;
 mod chunks;
 mod error;
 mod estimate;
+mod fit;
+mod format;
 mod gltf;
-mod holds;
 mod instances;
 mod memory;
 mod obj;
@@ -50,7 +51,6 @@ mod plugin_guard;
 mod ply;
 mod qsm;
 mod recipe;
-mod seconds;
 mod sound;
 mod usda;
 
@@ -66,8 +66,8 @@ pub use bundle::{
     ensure_spared, examine, make_folders, write_file,
 };
 pub use error::ExportError;
-pub use estimate::Estimate;
-pub use holds::{Holds, LooksIn};
+pub use estimate::{Amounts, Estimate, mean_digits};
+pub use format::{Encoding, Format, Holds, LooksIn};
 pub use options::{OptionSpec, Options};
 pub use plugin::program_on_path;
 pub use recipe::{Readable, recipe_in};
@@ -106,42 +106,12 @@ pub trait Exporter: Sync {
     ) -> Result<(), ExportError>;
 }
 
-/// What a format is called and can do: feeds the command line, its help and the workbench's form.
-#[derive(Debug)]
-pub struct Format {
-    /// What scripts call it: `glb`.
-    pub id: &'static str,
-    /// What people call it.
-    pub name: &'static str,
-    /// Endings that mean this format, without the dot, lower case; the first is the usual one.
-    pub extensions: &'static [&'static str],
-    /// The media type (IANA's where one is registered).
-    pub media_type: &'static str,
-    /// Whether everything is in one file, so that nothing is lost on standard output.
-    pub self_contained: bool,
-    /// One line: what it is good for.
-    pub help: &'static str,
-    /// Settings of this format.
-    pub options: &'static [OptionSpec],
-    /// What of a stage is in its files. An exporter notes what it has to leave out.
-    pub holds: Holds,
-}
-
-impl Format {
-    /// What becomes of a plant's levels of detail.
-    pub const fn levels(&self) -> LooksIn {
-        self.holds.levels
-    }
-
-    /// What becomes of a plant's seasons.
-    pub const fn seasons(&self) -> LooksIn {
-        self.holds.seasons
-    }
-}
-
 /// All formats. Where two claim an ending, the first has it.
 pub static REGISTRY: &[&dyn Exporter] =
     &[&obj::Obj, &ply::Ply, &ply::PlySkeleton, &gltf::Gltf, &gltf::Glb, &usda::Usda, &usda::Usdz, &qsm::Qsm];
+
+/// What is written where nothing says which format: one file that most programs take.
+pub static USUAL: &dyn Exporter = &gltf::Glb;
 
 /// All formats, those of plug-ins on the search path included: see [`find`].
 pub fn exporters() -> Vec<&'static dyn Exporter> {
@@ -212,6 +182,18 @@ mod tests {
         ids.sort_unstable();
         ids.dedup();
         assert_eq!(ids.len(), REGISTRY.len());
+    }
+
+    #[test]
+    fn what_a_format_holds_agrees_with_its_options() {
+        for exporter in REGISTRY {
+            let Format { id, options, holds, .. } = exporter.format();
+            let has = |name| options.iter().any(|spec| spec.knob.name == name);
+            assert_eq!((holds.pictures, holds.instances), (has("pictures"), has("instances")), "{id}");
+            assert!(holds.surface || !(holds.colors || holds.wind || holds.setting), "{id}");
+            assert!(holds.colors || !holds.pictures, "{id}");
+            assert!(holds.pictures || !holds.normals, "{id}");
+        }
     }
 
     #[test]

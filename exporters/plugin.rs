@@ -25,7 +25,7 @@ use linden::stage::Stage;
 
 use crate::gltf::Glb;
 use crate::plugin_guard::Workplace;
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Options, Readable};
+use crate::{Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Options, Readable};
 
 /// What programs' names begin with.
 const PREFIX: &str = "linden-export-";
@@ -105,7 +105,10 @@ fn known(id: &str, program: PathBuf) -> &'static Plugin {
             help: leaked(format!("plug-in {}", printable(&program.to_string_lossy()))),
             options: &[],
             // It is given a GLB, and what it makes of that is not known.
-            holds: Glb.format().holds,
+            holds: Holds { recipe: false, ..Glb.format().holds },
+            // How it writes, and how much, is not known either.
+            encoding: |_| Encoding::Binary,
+            estimate: None,
         };
         Box::leak(Box::new(Plugin { format: Box::leak(Box::new(format)), program }))
     })

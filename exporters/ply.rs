@@ -14,10 +14,11 @@ use linden::stage::{Motion, Stage};
 
 use crate::cast::{Cast, Piece};
 use crate::chunks::{self, Text};
-use crate::holds::fit;
+use crate::fit::fit;
 use crate::options::{OptionSpec, Options};
 use crate::{
-    Bundle, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Sink, memory, picture, recipe, sound,
+    Amounts, Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Sink, mean_digits,
+    memory, picture, recipe, sound,
 };
 
 /// A mesh with normals, texture coordinates and vertex colours.
@@ -41,7 +42,19 @@ static MESH: Format = Format {
     help: "mesh with normals, texture coordinates and vertex colours in one small file",
     options: OPTIONS,
     // Colours at the vertices.
-    holds: Holds { normals: false, ..Holds::MESH },
+    holds: Holds { pictures: false, normals: false, ..Holds::MESH },
+    encoding,
+    estimate: Some(|amounts, options| {
+        let Amounts { vertices, triangles, recipe_bytes, .. } = *amounts;
+        let elements = match encoding(options) {
+            // Measured over the built-in presets, but for the digits of indices.
+            Encoding::Text => {
+                (94.0 * vertices as f64 + triangles as f64 * (3.0 * mean_digits(vertices) + 5.0)) as u64
+            }
+            _ => vertices * 36 + triangles * 13,
+        };
+        elements + recipe_bytes + 500
+    }),
 };
 
 static SKELETON: Format = Format {
@@ -54,7 +67,17 @@ static SKELETON: Format = Format {
     help: "the axial tree: nodes with radius, birth and order, and edges between them",
     options: OPTIONS,
     holds: Holds::SKELETON,
+    encoding,
+    estimate: Some(|amounts, options| {
+        // As text measured over the built-in presets; indices of edges are a small part of it.
+        let node = if encoding(options) == Encoding::Text { 50 } else { 32 };
+        node * amounts.nodes + amounts.recipe_bytes + 400
+    }),
 };
+
+fn encoding(options: &Options) -> Encoding {
+    if options.is_word("encoding", "ascii") { Encoding::Text } else { Encoding::Binary }
+}
 
 /// Some readers take lines of 255 bytes at most.
 const LINE: usize = 200;
@@ -78,7 +101,7 @@ impl Exporter for Ply {
         let stage = &fit(stage, &MESH, bundle);
         let cast = Cast::of(stage, monitor)?;
         memory::admit(stage, &[], memory::formatting(&cast), monitor)?;
-        let ascii = options.is_word("encoding", "ascii");
+        let ascii = encoding(options) == Encoding::Text;
         let meshes = || cast.placed(stage).flat_map(|(_, model)| &model.pieces).map(|piece| &*piece.mesh);
         let vertices: usize = meshes().map(|mesh| mesh.positions.len()).sum();
         let faces: usize = meshes().map(|mesh| mesh.triangles.len()).sum();
@@ -194,7 +217,7 @@ impl Exporter for PlySkeleton {
     ) -> Result<(), ExportError> {
         let stage = &fit(stage, &SKELETON, bundle);
         let scene = sound::check_single(stage, SKELETON.id, monitor)?;
-        let ascii = options.is_word("encoding", "ascii");
+        let ascii = encoding(options) == Encoding::Text;
         let skeleton = &scene.skeleton;
         let nodes = skeleton.positions.len();
         if nodes > i32::MAX as usize {

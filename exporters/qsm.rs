@@ -16,9 +16,12 @@ use linden::skeleton::Cylinder;
 use linden::stage::Stage;
 
 use crate::chunks::{self, Text};
-use crate::holds::fit;
+use crate::fit::fit;
 use crate::options::{OptionSpec, Options};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Holds, Readable, memory, recipe, sound};
+use crate::{
+    Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, mean_digits, memory, recipe,
+    sound,
+};
 
 /// A table of cylinders.
 pub(crate) struct Qsm;
@@ -36,6 +39,13 @@ static FORMAT: Format = Format {
         "lines with # before the header: recipe and units; off for readers that know no comments",
     )],
     holds: Holds::SKELETON,
+    encoding: |_| Encoding::Text,
+    estimate: Some(|amounts, options| {
+        let comments = if options.is_on("comments") { amounts.recipe_bytes + 150 } else { 0 };
+        // Flat trees have fewer digits than round ones.
+        let row = 74.0 + 4.0 * mean_digits(amounts.nodes);
+        (row * amounts.nodes as f64) as u64 + comments + 150
+    }),
 };
 
 const HEADER: &str = "id,parent,branch,branch_order,position_in_branch,start_x_m,start_y_m,start_z_m,\

@@ -7,6 +7,7 @@
 
 mod buffer;
 mod document;
+mod estimate;
 mod meshopt;
 mod nodes;
 mod quantize;
@@ -32,10 +33,10 @@ use self::meshopt::Fallback;
 use self::nodes::{SceneGraph, Standing};
 use self::quantize::Range;
 use crate::cast::{Cast, Look};
-use crate::holds::fit;
+use crate::fit::fit;
 use crate::options::{OptionSpec, Options};
 use crate::picture::{self, Named};
-use crate::{Bundle, ExportError, Exporter, Format, GENERATOR, Holds, LooksIn, Readable};
+use crate::{Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, LooksIn, Readable};
 use crate::{instances, memory};
 
 /// JSON, with a buffer and pictures beside it.
@@ -97,6 +98,8 @@ static GLTF: Format = Format {
         COMPRESS,
     ],
     holds: HOLDS,
+    encoding,
+    estimate: Some(estimate::bytes),
 };
 
 static GLB: Format = Format {
@@ -108,7 +111,13 @@ static GLB: Format = Format {
     help: "for engines and the web: everything in one file",
     options: &[PICTURES, INSTANCES, QUANTIZE, COMPRESS],
     holds: HOLDS,
+    encoding,
+    estimate: Some(estimate::bytes),
 };
+
+fn encoding(options: &Options) -> Encoding {
+    if options.is_word("compress", "meshopt") { Encoding::Packed } else { Encoding::Binary }
+}
 
 impl Exporter for Gltf {
     fn format(&self) -> &'static Format {

@@ -16,6 +16,7 @@
 //! inside the wood, and a renderer that drew it would show it through every gap.
 
 mod assembly;
+mod estimate;
 mod indexed;
 mod instancer;
 mod layer;
@@ -41,11 +42,12 @@ use self::package::Package;
 use self::plant::{Component, Head};
 use self::syntax::{identifier, quoted, unquoted};
 use crate::cast::{Cast, Piece};
-use crate::holds::fit;
+use crate::fit::fit;
 use crate::options::{OptionSpec, Options};
 use crate::picture::{self, Named};
 use crate::{
-    Bundle, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Sink, instances, memory, recipe,
+    Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Sink, instances, memory,
+    recipe,
 };
 
 /// OpenUSD as text.
@@ -70,6 +72,8 @@ static FORMAT: Format = Format {
         INSTANCES,
     ],
     holds: Holds::SCENE,
+    encoding: |_| Encoding::Text,
+    estimate: Some(estimate::bytes),
 };
 
 /// OpenUSD in one file.
@@ -93,6 +97,8 @@ static PACKAGE: Format = Format {
         INSTANCES,
     ],
     holds: Holds::SCENE,
+    encoding: |_| Encoding::Text,
+    estimate: Some(estimate::bytes),
 };
 
 /// What all writers of prims need.

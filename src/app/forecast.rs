@@ -45,9 +45,11 @@ impl Outlook {
         Some(Self { sample, estimate, grow_s })
     }
 
-    /// From the recipe to files in these formats, in so many seasons.
+    /// From the recipe to files in these formats, in so many seasons; writing those without an estimate is
+    /// left out.
     pub fn export_s(&self, recipe: &Recipe, formats: &[(&'static Format, &Options)], looks: usize) -> f64 {
-        let written = formats.iter().map(|(format, options)| self.estimate.write_seconds(format, options));
+        let written =
+            formats.iter().filter_map(|(format, options)| self.estimate.write_seconds(format, options));
         let each = self.estimate.dress_seconds(recipe) + written.sum::<f64>();
         self.grow_s + each * looks.max(1) as f64 + self.estimate.compress_seconds(recipe)
     }
@@ -125,9 +127,14 @@ impl ForestOutlook {
         self.sum(|_, outlook| outlook.estimate.triangles as f64)
     }
 
-    /// Bytes of all files in a format with its usual options: each tree once.
-    pub fn bytes(&self, format: &'static Format) -> f64 {
-        self.sum(|_, outlook| outlook.estimate.bytes(format, &Options::new(format)) as f64)
+    /// Bytes of all files in a format with its usual options, each tree once; `None` where the format has no
+    /// estimate.
+    pub fn bytes(&self, format: &'static Format) -> Option<f64> {
+        let options = Options::new(format);
+        let of_tree = |(_, outlook, count): &(Recipe, Outlook, f64)| {
+            Some(outlook.estimate.bytes(format, &options)? as f64 * count)
+        };
+        self.trees.iter().map(of_tree).sum()
     }
 
     /// From the recipes to files in these formats.

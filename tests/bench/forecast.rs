@@ -79,7 +79,7 @@ fn row(what: &str, recipe: &Recipe) {
     let forecast = [
         sampled_s * sample.work_times(),
         estimate.dress_seconds(recipe),
-        estimate.compress_seconds(recipe) + estimate.write_seconds(exporter.format(), &options),
+        estimate.compress_seconds(recipe) + estimate.write_seconds(exporter.format(), &options).unwrap(),
     ];
     let truth = [grow_s, dress_s, write_s];
     let times: Vec<String> = forecast.iter().zip(truth).map(|(a, b)| format!("{a:.3} | {b:.3}")).collect();
@@ -87,7 +87,7 @@ fn row(what: &str, recipe: &Recipe) {
         "| {what} | {:.2} | {:.2} | {:.2} | {:.0} | {} | {:.2} |",
         sample.nodes() / grown.skeleton.positions.len() as f64,
         estimate.triangles as f64 / triangles as f64,
-        estimate.bytes(exporter.format(), &options) as f64 / bytes as f64,
+        estimate.bytes(exporter.format(), &options).unwrap() as f64 / bytes as f64,
         (sampled_s + counted_s) * 1e3,
         times.join(" | "),
         forecast.iter().sum::<f64>() / truth.iter().sum::<f64>(),

@@ -183,6 +183,6 @@ fn estimates_know_of_leaves() {
         let format = exporter.format();
         let written = export(&scene, format.id, &[], &dir.path().join("leafy.any")).unwrap();
         let real = written.iter().map(|file| file.bytes).sum();
-        near(format.id, estimate.bytes(format, &Options::new(format)), real);
+        near(format.id, estimate.bytes(format, &Options::new(format)).unwrap(), real);
     }
 }

@@ -36,7 +36,7 @@ fn ratios(recipe: &Recipe, is_written: bool) -> Vec<(&'static str, f64)> {
             bundle.commit().unwrap();
             let written: u64 =
                 target.path().read_dir().unwrap().map(|own| own.unwrap().metadata().unwrap().len()).sum();
-            all.push(("glb", estimate.bytes(exporter.format(), &options) as f64 / written as f64));
+            all.push(("glb", estimate.bytes(exporter.format(), &options).unwrap() as f64 / written as f64));
             let swept: usize = scene.parts.iter().map(|part| part.mesh.triangles.len()).sum();
             all.push(("swept", estimate.triangles as f64 / swept as f64));
         }

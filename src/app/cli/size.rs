@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use linden::memory::Bytes;
 use linden::recipe::Recipe;
-use linden_exporters::{Options, REGISTRY};
+use linden_exporters::{Options, REGISTRY, USUAL};
 use serde::Serialize;
 
 use crate::forecast::{ForestOutlook, Outlook, round, time};
@@ -19,27 +19,23 @@ pub(super) struct SizeRow {
     leaves: f64,
     /// Of the finest level.
     triangles: f64,
-    /// Of all files, by format, with its usual options.
-    bytes: BTreeMap<&'static str, u64>,
-    /// From the recipe to a GLB, about; on another machine it may be several times as long.
+    /// Of all files, by format, with its usual options; null where the format has no estimate.
+    bytes: BTreeMap<&'static str, Option<u64>>,
+    /// From the recipe to a file of the usual format, about; on another machine it may be several times as long.
     seconds: f64,
 }
-
-/// What pages say the size of.
-const USUAL: &str = "glb";
 
 impl Outlook {
     pub(super) fn size(&self, recipe: &Recipe) -> SizeRow {
         let formats = REGISTRY.iter().map(|exporter| exporter.format());
-        let glb = formats.clone().find(|format| format.id == USUAL);
-        let seconds = glb.map_or(0.0, |glb| self.export_s(recipe, &[(glb, &Options::new(glb))], 1));
+        let usual = USUAL.format();
         SizeRow {
             is_whole: self.sample.is_whole(),
             nodes: self.sample.nodes().round(),
             leaves: self.sample.leaves().round(),
             triangles: self.estimate.triangles as f64,
-            bytes: formats.map(|own| (own.id, self.estimate.bytes(own, &Options::new(own)))).collect(),
-            seconds,
+            bytes: formats.map(|f| (f.id, self.estimate.bytes(f, &Options::new(f)))).collect(),
+            seconds: self.export_s(recipe, &[(usual, &Options::new(usual))], 1),
         }
     }
 }
@@ -48,14 +44,14 @@ impl ForestOutlook {
     /// Each different tree once.
     pub(super) fn size(&self) -> SizeRow {
         let formats = REGISTRY.iter().map(|exporter| exporter.format());
-        let glb = formats.clone().find(|format| format.id == USUAL);
+        let usual = USUAL.format();
         SizeRow {
             is_whole: false,
             nodes: self.nodes().round(),
             leaves: self.leaves().round(),
             triangles: self.triangles(),
-            bytes: formats.map(|own| (own.id, self.bytes(own) as u64)).collect(),
-            seconds: glb.map_or(0.0, |glb| self.export_s(&[(glb, &Options::new(glb))])),
+            bytes: formats.map(|f| (f.id, self.bytes(f).map(|bytes| bytes as u64))).collect(),
+            seconds: self.export_s(&[(usual, &Options::new(usual))]),
         }
     }
 }
@@ -71,9 +67,11 @@ impl SizeRow {
             text.push_str(&format!(", {} leaves", shown(self.leaves)));
         }
         text.push_str(&format!(", {} triangles\n", shown(self.triangles)));
-        if let Some(&bytes) = self.bytes.get(USUAL) {
-            text.push_str(&format!("  about {} as {USUAL}, in about {}\n", Bytes(bytes), time(self.seconds)));
-        }
+        let usual = USUAL.format().id;
+        let bytes = self.bytes.get(usual).copied().flatten();
+        let size =
+            bytes.map_or_else(|| "of unknown size".to_owned(), |bytes| format!("about {}", Bytes(bytes)));
+        text.push_str(&format!("  {size} as {usual}, in about {}\n", time(self.seconds)));
         text
     }
 }

@@ -154,7 +154,7 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
             None => estimate.bytes(format, &own.options),
         }
     };
-    let bytes: Vec<u64> = planned.iter().map(|own| bytes(own).max(1)).collect();
+    let bytes: Vec<u64> = planned.iter().map(|output| bytes(output).unwrap_or(0).max(1)).collect();
     let mut notes = grown.notes.clone();
     // Each output takes its share of what is left.
     let mut left: u64 = bytes.iter().sum();

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use linden::knob::{Kind, Value};
-use linden_exporters::{Estimate, Exporter, OptionSpec, Options, exporters};
+use linden_exporters::{Estimate, Exporter, OptionSpec, Options, USUAL, exporters};
 use linden_terminal::input::Key;
 use tui_input::Input;
 
@@ -21,8 +21,6 @@ use crate::tui::shape::nudge::{Nudge, nudged};
 pub const CONTEXT: Context = Context::new(50, "export", "While exporting");
 /// Where the keys of a line in the dialog are listened to.
 pub const LINE: Context = Context::new(51, "export-line", "While typing where to export to");
-/// What is chosen when nothing was ever exported: one file that most programs take.
-const FIRST_CHOICE: &str = "glb";
 
 /// What the dialog offers.
 pub struct ExportDialog {
@@ -131,7 +129,7 @@ impl ExportDialog {
             let directory = before.map_or("", |target| directory_of(target));
             FormatChoice {
                 exporter: *exporter,
-                chosen: own.is_some() || (is_first && format.id == FIRST_CHOICE),
+                chosen: own.is_some() || (is_first && format.id == USUAL.format().id),
                 options,
                 target: format!("{directory}{}", default_name(id, *exporter)),
             }

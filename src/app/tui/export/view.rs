@@ -209,12 +209,15 @@ impl Row<'_> {
         let tick = if own.chosen { "[x]" } else { "[ ]" };
         let end = match self.estimate.filter(|_| own.chosen && self.area.width >= 60) {
             Some(estimate) => {
-                let bytes = length(estimate.bytes(format, &own.options));
+                let bytes = match estimate.bytes(format, &own.options) {
+                    Some(bytes) => format!("about {}", length(bytes)),
+                    None => "size unknown".to_owned(),
+                };
                 let triangles = match estimate.triangles_of(format) {
                     0 => String::new(),
                     triangles => format!("{} triangles, ", count(triangles)),
                 };
-                self.right(&format!(" {triangles}about {bytes} "), base.patch(theme.value), buffer)
+                self.right(&format!(" {triangles}{bytes} "), base.patch(theme.value), buffer)
             }
             None => self.area.right(),
         };
@@ -312,11 +315,15 @@ impl Row<'_> {
             (_, 0) => " Export: no format is ticked ".to_owned(),
             (_, count) => {
                 let noun = if count == 1 { "format" } else { "formats" };
-                let bytes: u64 = self.estimate.map_or(0, |estimate| {
+                let about = self.estimate.map(|estimate| {
                     let of = |own: &FormatChoice| estimate.bytes(own.exporter.format(), &own.options);
-                    self.dialog.chosen().map(of).sum()
+                    let bytes: Option<u64> = self.dialog.chosen().map(of).sum();
+                    bytes.map_or_else(
+                        || ", size unknown".to_owned(),
+                        |bytes| format!(", about {}", length(bytes)),
+                    )
                 });
-                let about = if bytes == 0 { String::new() } else { format!(", about {}", length(bytes)) };
+                let about = about.unwrap_or_default();
                 format!(" Export {count} {noun}{about} ")
             }
         };

@@ -10,8 +10,8 @@ use linden::preset::Preset;
 use linden::recipe::Recipe;
 use linden::surface::Junction;
 
-use crate::estimate::Estimate;
-use crate::{Format, Options};
+use super::Estimate;
+use crate::{Encoding, Format, Options};
 
 /// Sweeping or shaping a triangle, its memory touched for the first time.
 const TRIANGLE_S: f64 = 25e-9;
@@ -68,16 +68,17 @@ impl Estimate {
         self.triangles as f64 * of_triangle + self.drawn_kinds(recipe) * side * side * LEAF_PIXEL_S
     }
 
-    /// Writing a format with these options; pictures are compressed once for all, by the first.
-    pub fn write_seconds(&self, format: &Format, options: &Options) -> f64 {
-        let of_byte = match format.id {
-            "obj" | "usda" | "usdz" | "qsm" => TEXT_BYTE_S,
-            _ if options.is_word("encoding", "ascii") => TEXT_BYTE_S,
-            _ => BINARY_BYTE_S,
-        };
-        let triangles: f64 = self.level_triangles().sum();
-        let packed = if options.is_word("compress", "meshopt") { triangles * PACKED_TRIANGLE_S } else { 0.0 };
-        self.bytes(format, options) as f64 * of_byte + packed
+    /// Writing a format with these options; pictures are compressed once for all, by the first. `None`
+    /// where the format has no estimate of its bytes.
+    pub fn write_seconds(&self, format: &Format, options: &Options) -> Option<f64> {
+        let bytes = self.bytes(format, options)? as f64;
+        Some(match (format.encoding)(options) {
+            Encoding::Text => bytes * TEXT_BYTE_S,
+            Encoding::Binary => bytes * BINARY_BYTE_S,
+            Encoding::Packed => {
+                bytes * BINARY_BYTE_S + self.level_triangles().sum::<f64>() * PACKED_TRIANGLE_S
+            }
+        })
     }
 
     /// Compressing all pictures.

@@ -1,63 +1,10 @@
-//! What formats can hold, and what is said of the rest: nothing that was asked for is left out in silence.
+//! A stage as far as a format holds it, and what is said of the rest: nothing that was asked for is left
+//! out in silence.
 
 use linden::preset::{KNOBS, Section};
 use linden::stage::{Plant, Stage};
 
-use crate::{Bundle, Format, REGISTRY};
-
-/// Where a format has levels of detail, or seasons.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LooksIn {
-    /// All in one file.
-    One,
-    /// It holds one: each takes a file of its own.
-    Files,
-    /// Nothing in it depends on them.
-    Nothing,
-}
-
-/// What a format holds beside the axial tree.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[allow(clippy::struct_excessive_bools, reason = "each is a fact for itself, none follows from another")]
-pub struct Holds {
-    /// The surface, with what covers it: leaves, colours.
-    pub surface: bool,
-    /// Levels of detail.
-    pub levels: LooksIn,
-    /// Seasons.
-    pub seasons: LooksIn,
-    /// How the plant moves in the wind.
-    pub wind: bool,
-    /// Pictures of normals: how deep the bark is.
-    pub normals: bool,
-    /// Camera, sun, sky and ground.
-    pub setting: bool,
-}
-
-impl Holds {
-    /// The axial tree alone.
-    pub const SKELETON: Self = Self {
-        surface: false,
-        levels: LooksIn::Nothing,
-        seasons: LooksIn::Nothing,
-        wind: false,
-        normals: false,
-        setting: false,
-    };
-
-    /// One plant in one look, at rest.
-    pub const MESH: Self = Self {
-        surface: true,
-        levels: LooksIn::Files,
-        seasons: LooksIn::Files,
-        normals: true,
-        ..Self::SKELETON
-    };
-
-    /// Everything in one file.
-    pub const SCENE: Self =
-        Self { levels: LooksIn::One, seasons: LooksIn::One, wind: true, setting: true, ..Self::MESH };
-}
+use crate::{Bundle, Format, Holds, LooksIn, REGISTRY};
 
 /// The knob that shows in pictures of normals alone.
 const RELIEF: &str = "bark_relief";
@@ -107,7 +54,7 @@ pub(crate) fn fit<'a>(stage: &Stage<'a>, format: &Format, bundle: &mut Bundle) -
         return stage.in_season(0);
     }
     if !holds.normals && stage.turned.iter().any(|name| name == RELIEF) {
-        let others = holders(|own| own.normals);
+        let others = holders(|holds| holds.normals);
         bundle.note(format!(
             "{id} holds no pictures of normals: {RELIEF} changes nothing in it; {others} hold them"
         ));
@@ -118,24 +65,24 @@ pub(crate) fn fit<'a>(stage: &Stage<'a>, format: &Format, bundle: &mut Bundle) -
             names.insert(0, "wind");
         }
         let are = if names.len() == 1 { "is" } else { "are" };
-        let others = holders(|own| own.wind);
+        let others = holders(|holds| holds.wind);
         bundle.note(format!("{id} holds no wind: {} {are} left out; {others} hold it", listed(&names)));
     }
     if stage.setting.is_some() && !holds.setting {
-        let others = holders(|own| own.setting);
+        let others = holders(|holds| holds.setting);
         bundle.note(format!(
             "{id} holds no camera, sun, sky and ground: scene is left out; {others} hold them"
         ));
     }
     if stage.levels() > 1 && holds.levels == LooksIn::Files {
-        let others = holders(|own| own.levels == LooksIn::One);
+        let others = holders(|holds| holds.levels == LooksIn::One);
         bundle.note(format!(
             "{id} holds one level of detail: of lods the finest was written; give each a file, or write {others}"
         ));
     }
     if stage.seasons() > 1 && holds.seasons == LooksIn::Files {
         let shown = stage.plants.iter().find_map(|plant| plant.seasons.first());
-        let others = holders(|own| own.seasons == LooksIn::One);
+        let others = holders(|holds| holds.seasons == LooksIn::One);
         bundle.note(format!(
             "{id} holds one season: of seasons '{}' was written; give each a file, or write {others}",
             shown.map_or("", |season| season.name.as_str()),

@@ -1,0 +1,109 @@
+//! What the levels of detail of a tree amount to, each within its budget of triangles.
+
+use std::collections::BTreeSet;
+
+use linden::detail::share_of_wood;
+use linden::foliage::{Organs, PROTOTYPES};
+
+/// Vertices and triangles of one or more levels of detail.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct LevelAmounts {
+    pub vertices: u64,
+    pub triangles: u64,
+    /// The leaves' and organs' part of these.
+    pub leaf_vertices: u64,
+    pub leaf_triangles: u64,
+    /// Vertices of what has no pictures.
+    pub plain_vertices: u64,
+    /// What instances leave out and put in its place.
+    pub instanced: Instanced,
+}
+
+impl LevelAmounts {
+    /// What is left of them within a budget of triangles.
+    pub fn within(&self, budget: u64) -> Self {
+        if budget >= self.triangles {
+            return *self;
+        }
+        let wood = self.triangles - self.leaf_triangles;
+        let for_wood = share_of_wood(budget, wood, self.leaf_triangles);
+        let part = |share: u64, all: u64| {
+            move |count: u64| (count as f64 * (share as f64 / all.max(1) as f64)) as u64
+        };
+        let (of_wood, of_leaves) = (part(for_wood, wood), part(budget - for_wood, self.leaf_triangles));
+        let leaf_vertices = of_leaves(self.leaf_vertices);
+        let instanced = self.instanced;
+        let left = |all: u64, copies: u64| of_leaves(all).saturating_sub(all - copies);
+        Self {
+            vertices: of_wood(self.vertices - self.leaf_vertices) + leaf_vertices,
+            triangles: budget,
+            leaf_vertices,
+            leaf_triangles: budget - for_wood,
+            plain_vertices: of_leaves(self.plain_vertices),
+            // One of each shape is written however few there are.
+            instanced: Instanced {
+                vertices: left(self.leaf_vertices, instanced.vertices),
+                triangles: left(self.leaf_triangles, instanced.triangles),
+                plain_vertices: left(self.plain_vertices, instanced.plain_vertices),
+                copies: of_leaves(instanced.copies),
+            },
+        }
+    }
+
+    /// The sum of both.
+    pub fn and(self, other: Self) -> Self {
+        let (a, b) = (self.instanced, other.instanced);
+        Self {
+            vertices: self.vertices + other.vertices,
+            triangles: self.triangles + other.triangles,
+            plain_vertices: self.plain_vertices + other.plain_vertices,
+            leaf_vertices: self.leaf_vertices + other.leaf_vertices,
+            leaf_triangles: self.leaf_triangles + other.leaf_triangles,
+            instanced: Instanced {
+                vertices: a.vertices + b.vertices,
+                triangles: a.triangles + b.triangles,
+                plain_vertices: a.plain_vertices + b.plain_vertices,
+                copies: a.copies + b.copies,
+            },
+        }
+    }
+}
+
+/// Foliage as few meshes in many places.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Instanced {
+    /// Vertices and triangles that are not written then, and those of the first that have no pictures.
+    pub vertices: u64,
+    pub triangles: u64,
+    pub plain_vertices: u64,
+    /// Places.
+    pub copies: u64,
+}
+
+impl Instanced {
+    /// No instances.
+    pub const NONE: Self = Self { vertices: 0, triangles: 0, plain_vertices: 0, copies: 0 };
+
+    /// Counts the organs of a tree, of which there are `times` as many.
+    pub fn of(organs: &Organs, times: f64) -> Self {
+        let mut sum = Self::default();
+        let mut seen = BTreeSet::new();
+        for (organ, &prototype) in organs.placed.prototypes.iter().enumerate() {
+            sum.copies += 1;
+            if !seen.insert(prototype) {
+                let mesh = organs.mesh(organ);
+                let vertices = mesh.positions.len() as u64;
+                sum.vertices += vertices;
+                sum.triangles += mesh.triangles.len() as u64;
+                sum.plain_vertices += if usize::from(prototype) < PROTOTYPES.len() { vertices } else { 0 };
+            }
+        }
+        let of = |count: u64| (count as f64 * times) as u64;
+        Self {
+            vertices: of(sum.vertices),
+            triangles: of(sum.triangles),
+            plain_vertices: of(sum.plain_vertices),
+            copies: of(sum.copies),
+        }
+    }
+}

@@ -1,0 +1,228 @@
+//! How large files will be, from the skeleton alone: told before anything is dressed or written.
+//!
+//! Triangles and vertices are counted, bytes follow from these and from what each format was measured to
+//! need. A test holds the sum for every built-in preset and format within 30 % of the real files.
+
+mod amounts;
+mod level;
+mod pictures;
+mod seconds;
+
+use std::collections::BTreeSet;
+
+use linden::forecast::Sample;
+use linden::grow::Grown;
+use linden::monitor::{Cancelled, Monitor};
+use linden::preset::Preset;
+use linden::recipe::Recipe;
+use linden::surface::{self, Junction, SurfaceError, Tubes};
+use linden::wind::Wind;
+
+use self::level::{Instanced, LevelAmounts};
+use self::pictures::{bark_bytes, billboard_bytes, file_bytes, leaf_picture_bytes};
+use crate::{Format, LooksIn, Options};
+
+pub use self::amounts::{Amounts, mean_digits};
+
+/// What an export of a tree will amount to, about.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Estimate {
+    /// Vertices of the finest level.
+    pub vertices: u64,
+    /// Triangles of the finest level.
+    pub triangles: u64,
+    /// All levels of triangles, the finest first.
+    levels: Vec<LevelAmounts>,
+    /// Materials of the foliage.
+    foliage_materials: u64,
+    nodes: u64,
+    axes: u64,
+    /// The recipe's line.
+    recipe_bytes: u64,
+    /// All pictures as PNG but those of the billboard.
+    picture_bytes: u64,
+    /// Those of the billboard.
+    billboard_bytes: u64,
+    wind: Wind,
+    /// Without a budget.
+    all_triangles: u64,
+    /// Of leaves.
+    kinds: BTreeSet<u8>,
+}
+
+impl Estimate {
+    /// Counts what the surface and the foliage of a tree will have, within its budget: exactly, but for
+    /// `junction=watertight`, which is counted as tubes.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn new(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Self, Cancelled> {
+        Self::counted(recipe, grown, &recipe.preset.tubes, [1.0; 2], monitor)
+    }
+
+    /// What a tree that has not grown will have, from a sample of it.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn of_sample(recipe: &Recipe, sample: &Sample, monitor: &dyn Monitor) -> Result<Self, Cancelled> {
+        let times = [sample.wood_times, sample.leaf_times];
+        Self::counted(recipe, &sample.grown, &sample.recipe.preset.tubes, times, monitor)
+    }
+
+    /// Counts a tree's wood and leaves, each multiplied.
+    fn counted(
+        recipe: &Recipe,
+        grown: &Grown,
+        tubes: &Tubes,
+        [wood_times, leaf_times]: [f64; 2],
+        monitor: &dyn Monitor,
+    ) -> Result<Self, Cancelled> {
+        let Preset { foliage, detail, .. } = &recipe.preset;
+        let of_wood = |count: u64| (count as f64 * wood_times) as u64;
+        let of_leaves = |count: u64| (count as f64 * leaf_times) as u64;
+        let skeleton = &grown.skeleton;
+        let tubes = match tubes.junction {
+            Junction::Watertight => Tubes { junction: Junction::Overlap, ..*tubes },
+            _ => *tubes,
+        };
+        let (mut vertices, mut triangles) = (0, 0);
+        match surface::count(skeleton, &tubes, monitor) {
+            Ok(counts) => {
+                vertices = of_wood(counts.iter().map(|count| count.vertices as u64).sum());
+                triangles = of_wood(counts.iter().map(|count| count.triangles as u64).sum());
+            }
+            Err(SurfaceError::Cancelled(cancelled)) => return Err(cancelled),
+            // Counting finds nothing else.
+            Err(_) => {}
+        }
+        let (foliage_vertices, foliage_triangles) = grown.organs.amount();
+        let (foliage_vertices, foliage_triangles) =
+            (of_leaves(foliage_vertices), of_leaves(foliage_triangles));
+        let last = foliage.turtle_colors().len().saturating_sub(1) as u64;
+        let organs = &grown.organs;
+        let wind = recipe.preset.wind.wind;
+        let tinted = (0..organs.len()).filter(|&i| organs.color(i).is_none());
+        let colors: BTreeSet<u64> = tinted.map(|i| last.min(organs.growth(i).color.into())).collect();
+        let kinds: BTreeSet<u8> = organs.shapes.iter().map(|shape| shape.kind).collect();
+        let leaves = kinds.iter().filter_map(|&kind| foliage.kinds().nth(kind.into()));
+        let leaves = leaves.map(|kind| match &kind.picture {
+            Some(file) => file_bytes(recipe, file),
+            None => leaf_picture_bytes(foliage.size_px),
+        });
+        // What moves in the wind is written one by one.
+        let instanced =
+            if wind == Wind::Off { Instanced::of(organs, leaf_times) } else { Instanced::default() };
+        let all = LevelAmounts {
+            vertices: vertices + foliage_vertices,
+            triangles: triangles + foliage_triangles,
+            plain_vertices: of_leaves(organs.plain_amount().0),
+            leaf_vertices: foliage_vertices,
+            leaf_triangles: foliage_triangles,
+            instanced,
+        };
+        let budgets = detail.budgets();
+        let budget = if detail.finest() == 0 { u64::MAX } else { detail.finest() };
+        let finest = all.within(budget);
+        let of_level = |level: usize| {
+            let share = libm::pow(detail.lod_ratio, level as f64);
+            match budgets.get(level) {
+                Some(&budget) => all.within(budget),
+                None if level == 0 => finest,
+                None => all.within((finest.triangles as f64 * share) as u64),
+            }
+        };
+        Ok(Self {
+            vertices: finest.vertices,
+            triangles: finest.triangles,
+            levels: (0..detail.triangle_levels()).map(of_level).collect(),
+            foliage_materials: (colors.len() + kinds.len()) as u64,
+            nodes: of_wood(skeleton.positions.len() as u64),
+            axes: of_wood(skeleton.axes.len() as u64),
+            recipe_bytes: recipe.to_line().len() as u64,
+            picture_bytes: bark_bytes(recipe) + leaves.sum::<u64>(),
+            billboard_bytes: billboard_bytes(detail),
+            wind,
+            all_triangles: all.triangles,
+            kinds,
+        })
+    }
+
+    /// Triangles of each level, the finest first.
+    pub(crate) fn level_triangles(&self) -> impl Iterator<Item = f64> {
+        self.levels.iter().map(|level| level.triangles as f64)
+    }
+
+    /// Triangles of the whole tree, whatever its budget.
+    pub(crate) const fn unbudgeted_triangles(&self) -> f64 {
+        self.all_triangles as f64
+    }
+
+    /// Kinds of leaves whose pictures are drawn.
+    pub(crate) fn drawn_kinds(&self, recipe: &Recipe) -> f64 {
+        let kinds = self.kinds.iter().filter_map(|&kind| recipe.preset.foliage.kinds().nth(kind.into()));
+        kinds.filter(|kind| kind.picture.is_none()).count() as f64
+    }
+
+    /// Triangles that a format's files hold: none where it holds the skeleton alone.
+    pub fn triangles_of(&self, format: &Format) -> u64 {
+        if format.holds.surface { self.triangles } else { 0 }
+    }
+
+    /// Bytes of all files of a format with these options, all levels together; `None` where the format
+    /// has no estimate.
+    pub fn bytes(&self, format: &Format, options: &Options) -> Option<u64> {
+        let estimate = format.estimate?;
+        Some(match format.holds.levels {
+            LooksIn::Files => {
+                let levels = 0..self.level_count();
+                levels.map(|level| estimate(&self.level_amounts(level), options)).sum()
+            }
+            LooksIn::One => {
+                let all = self.levels.iter().copied().fold(LevelAmounts::default(), LevelAmounts::and);
+                let amounts = self.amounts(all, self.picture_bytes + self.billboard_bytes);
+                estimate(&amounts, options) + LEVEL_BYTES * (self.level_count() as u64).saturating_sub(1)
+            }
+            LooksIn::Nothing => estimate(&self.level_amounts(0), options),
+        })
+    }
+
+    /// Bytes of the files of one level, where each has its files. The billboard is a level after all others.
+    pub fn level_bytes(&self, level: usize, format: &Format, options: &Options) -> Option<u64> {
+        Some(format.estimate?(&self.level_amounts(level), options))
+    }
+
+    /// What a level alone amounts to; beyond those of triangles, the billboard.
+    fn level_amounts(&self, level: usize) -> Amounts {
+        match self.levels.get(level) {
+            Some(&amounts) => self.amounts(amounts, self.picture_bytes),
+            None => self.amounts(LevelAmounts::default(), self.billboard_bytes),
+        }
+    }
+
+    fn amounts(&self, level: LevelAmounts, picture_bytes: u64) -> Amounts {
+        Amounts {
+            vertices: level.vertices,
+            triangles: level.triangles,
+            leaf_vertices: level.leaf_vertices,
+            plain_vertices: level.plain_vertices,
+            placements: 0,
+            nodes: self.nodes,
+            axes: self.axes,
+            recipe_bytes: self.recipe_bytes,
+            picture_bytes,
+            foliage_materials: self.foliage_materials,
+            wind: self.wind,
+            saved: level.instanced,
+        }
+    }
+
+    fn level_count(&self) -> usize {
+        self.levels.len() + usize::from(self.billboard_bytes > 0)
+    }
+}
+
+/// What stands around the meshes of a further level.
+const LEVEL_BYTES: u64 = 1500;
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,210 @@
+//! Estimates beside real files.
+
+use std::sync::LazyLock;
+
+use linden::Quiet;
+use linden::detail::levels;
+use linden::dress::dress;
+use linden::grow::grow;
+use linden::preset::builtins;
+use linden::stage::Stage;
+use linden::texture::BarkStyle;
+use rayon::prelude::*;
+
+use super::*;
+use crate::{Bundle, REGISTRY};
+
+/// Says what is off by more than 30 %.
+fn off(what: &str, estimated: u64, real: u64) -> Option<String> {
+    let ratio = estimated as f64 / real as f64;
+    (!(0.7..=1.3).contains(&ratio)).then(|| format!("{what}: {estimated} is {ratio:.2} of {real}"))
+}
+
+fn within(what: &str, estimated: u64, real: u64) {
+    assert_eq!(off(what, estimated, real), None);
+}
+
+/// Every choice of a switch or word that a format has, one at a time.
+fn all_options(format: &'static Format) -> Vec<Options> {
+    let plain = Options::new(format);
+    let mut all = vec![plain.clone()];
+    for spec in format.options {
+        let values: Vec<&str> = match spec.knob.kind {
+            linden::knob::Kind::Switch => vec!["false", "true"],
+            linden::knob::Kind::Choice(words) => words.to_vec(),
+            _ => vec![spec.default],
+        };
+        let with = |options: &Options, value: &str| {
+            let mut options = options.clone();
+            options.set(spec.knob.name, value).unwrap();
+            options
+        };
+        let others = values.into_iter().filter(|value| *value != spec.default);
+        all.extend(others.map(|value| with(&plain, value)));
+    }
+    // Without pictures, of which little else would be seen.
+    let mut smallest = plain;
+    let turned =
+        [("pictures", "false"), ("instances", "true"), ("quantize", "true"), ("compress", "meshopt")];
+    for (name, value) in turned {
+        if format.options.iter().any(|spec| spec.knob.name == name) {
+            smallest.set(name, value).unwrap();
+            all.push(smallest.clone());
+        }
+    }
+    all
+}
+
+/// Triangles of a large tree.
+const LARGE: u64 = 30_000;
+
+/// Writes a tree in all formats, with all options if it is small, and says which estimates are off.
+fn all_off(what: &str, recipe: &Recipe) -> Vec<String> {
+    let mut faults = Vec::new();
+    let dir = tempfile::tempdir().unwrap();
+    let target = dir.path().join("tree.any");
+    // What grows in a mesh needs its file.
+    let Ok(grown) = grow(recipe, &Quiet) else { return faults };
+    let estimate = Estimate::new(recipe, &grown, &Quiet).unwrap();
+    let levels = levels(recipe, &grown, &Quiet).unwrap();
+    let finest = &levels.levels[0].scene;
+    let vertices = finest.parts.iter().map(|part| part.mesh.positions.len() as u64).sum();
+    let triangles = finest.parts.iter().map(|part| part.mesh.triangles.len() as u64).sum();
+    faults.extend(off(what, estimate.vertices, vertices));
+    faults.extend(off(what, estimate.triangles, triangles));
+    let is_counted = recipe.preset.detail.finest() == 0
+        && recipe.preset.tubes.junction != Junction::Watertight
+        && grown.organs.polygons.ends.is_empty();
+    if is_counted && (estimate.vertices, estimate.triangles) != (vertices, triangles) {
+        faults.push(format!("{what}: {estimate:?} is not {vertices} vertices, {triangles} triangles"));
+    }
+    for exporter in REGISTRY {
+        let format = exporter.format();
+        // Of large trees the usual files, for the time that all take.
+        let most = if triangles > LARGE { 1 } else { usize::MAX };
+        for options in all_options(format).into_iter().take(most) {
+            let write = |stage: &Stage<'_>| -> u64 {
+                let mut bundle = Bundle::create(&target).unwrap();
+                exporter.write(stage, &options, &mut bundle, &Quiet).unwrap();
+                bundle.commit().unwrap().iter().map(|file| file.bytes).sum()
+            };
+            let real = match format.levels() {
+                LooksIn::Files => levels.levels.iter().map(|level| write(&Stage::of(&level.scene))).sum(),
+                _ => write(&levels.stage()),
+            };
+            // A file of a few pages is mostly what stands around the tree.
+            if real > 32_768 {
+                let values: Vec<String> = options.iter().map(|(_, v)| v.to_string()).collect();
+                let what = format!("{what} as {} {}", format.id, values.join(" "));
+                faults.extend(off(&what, estimate.bytes(format, &options).unwrap(), real));
+            }
+        }
+    }
+    faults
+}
+
+#[test]
+fn estimates_are_near_the_real_files() {
+    let faults = builtins()
+        .par_iter()
+        .flat_map_iter(|builtin| all_off(builtin.id, &Recipe::new(builtin.load().unwrap())));
+    assert_eq!(faults.collect::<Vec<_>>(), [""; 0]);
+}
+
+#[test]
+fn budgets_levels_and_wind_are_estimated_too() {
+    let cases: [&[(&str, &str)]; 6] = [
+        &[("triangles", "12000")],
+        &[("lods", "3"), ("triangles", "20000")],
+        &[("lods", "2"), ("lod_ratio", "0.6"), ("billboard", "2"), ("triangles", "9000")],
+        &[("billboard", "3"), ("billboard_size", "256"), ("triangles", "20000")],
+        &[("wind", "attributes"), ("triangles", "15000")],
+        &[("wind", "sway"), ("lods", "2"), ("triangles", "20000")],
+    ];
+    let all = ["oak", "dressed-fir", "box"].into_iter().flat_map(|id| cases.map(|knobs| (id, knobs)));
+    let faults = all.collect::<Vec<_>>().into_par_iter().flat_map_iter(|(id, knobs)| {
+        let mut preset = linden::preset::builtin(id).unwrap().load().unwrap();
+        for (knob, value) in knobs {
+            preset.set(knob, value).unwrap();
+        }
+        all_off(&format!("{id} {knobs:?}"), &Recipe::new(preset))
+    });
+    assert_eq!(faults.collect::<Vec<_>>(), [""; 0]);
+}
+
+#[test]
+fn other_surfaces_and_barks_are_estimated_too() {
+    for (knob, value) in [
+        ("sides", "3"),
+        ("sides", "8"),
+        ("sides", "96"),
+        ("rings", "2"),
+        ("rings", "7"),
+        ("bark_size", "128"),
+        ("bark_size", "1024"),
+        ("bark", "smooth"),
+        ("bark", "plated"),
+        ("bark_grain", "3"),
+        ("bark_grain", "0"),
+    ] {
+        let mut preset = linden::preset::builtin("older-f").unwrap().load().unwrap();
+        preset.set(knob, value).unwrap();
+        let recipe = Recipe::new(preset);
+        let grown = grow(&recipe, &Quiet).unwrap();
+        let estimate = Estimate::new(&recipe, &grown, &Quiet).unwrap();
+        let scene = dress(&recipe, &grown, &Quiet).unwrap();
+        let what = format!("{knob}={value}");
+        within(&what, estimate.triangles, scene.parts[0].mesh.triangles.len() as u64);
+        within(&what, estimate.vertices, scene.parts[0].mesh.positions.len() as u64);
+        let stage = Stage::of(&scene);
+        let cast = crate::cast::Cast::of(&stage, &Quiet).unwrap();
+        let pictures = crate::picture::pictures(&cast.looks);
+        let real: usize = crate::picture::compress(&pictures).unwrap().iter().map(|png| png.len()).sum();
+        within(&what, estimate.picture_bytes, real as u64);
+    }
+}
+
+#[test]
+fn bark_from_a_file_is_estimated_by_its_file() {
+    let preset = linden::preset::builtin("older-f").unwrap().load().unwrap();
+    let key = linden::random::Key::new(3);
+    for style in [BarkStyle::Ridged, BarkStyle::Plated, BarkStyle::Birch] {
+        let mut recipe = Recipe::new(preset.clone());
+        let photograph = linden::texture::Bark::new(style, key).draw(&Quiet).unwrap().base_color;
+        let png = photograph.png().unwrap();
+        let input = linden::recipe::Input::read("my.png", png, &Quiet).unwrap();
+        assert!(recipe.put_file("bark_picture", "my.png", &input));
+        let grown = grow(&recipe, &Quiet).unwrap();
+        let estimate = Estimate::new(&recipe, &grown, &Quiet).unwrap();
+        let scene = dress(&recipe, &grown, &Quiet).unwrap();
+        let stage = Stage::of(&scene);
+        let cast = crate::cast::Cast::of(&stage, &Quiet).unwrap();
+        let pictures = crate::picture::pictures(&cast.looks);
+        let real: usize = crate::picture::compress(&pictures).unwrap().iter().map(|png| png.len()).sum();
+        within(&format!("{style:?}"), estimate.picture_bytes, real as u64);
+    }
+}
+
+static UNKNOWN: LazyLock<Format> =
+    LazyLock::new(|| Format { estimate: None, ..*crate::find("obj").unwrap().format() });
+
+#[test]
+fn a_format_without_an_estimate_is_unknown_not_empty() {
+    let recipe = Recipe::new(linden::preset::builtin("older-f").unwrap().load().unwrap());
+    let grown = grow(&recipe, &Quiet).unwrap();
+    let estimate = Estimate::new(&recipe, &grown, &Quiet).unwrap();
+    let options = Options::new(&UNKNOWN);
+    assert_eq!(estimate.bytes(&UNKNOWN, &options), None);
+    assert_eq!(estimate.level_bytes(0, &UNKNOWN, &options), None);
+    assert_eq!(estimate.write_seconds(&UNKNOWN, &options), None);
+    let obj = crate::find("obj").unwrap().format();
+    assert!(estimate.bytes(obj, &Options::new(obj)) > Some(1000));
+}
+
+#[test]
+fn digits_are_counted() {
+    for count in [1, 9, 10, 11, 99, 100, 4321] {
+        let sum: usize = (1..=count).map(|n: u64| n.to_string().len()).sum();
+        assert!((mean_digits(count) - sum as f64 / count as f64).abs() < 1e-12, "{count}");
+    }
+}

@@ -1,0 +1,131 @@
+//! The facts about a format: everything that the rest of the program knows of it.
+
+use crate::{Amounts, OptionSpec, Options};
+
+/// What a format is called and can do: feeds the command line, its help, the workbench's form, the
+/// estimates of bytes and seconds, and the notes about what is left out.
+///
+/// Every field has to be given, so that a new format answers every question. A field that is added here is
+/// a question to all of them.
+#[derive(Clone, Copy, Debug)]
+pub struct Format {
+    /// What scripts call it: `glb`.
+    pub id: &'static str,
+    /// What people call it.
+    pub name: &'static str,
+    /// Endings that mean this format, without the dot, lower case; the first is the usual one.
+    pub extensions: &'static [&'static str],
+    /// The media type (IANA's where one is registered).
+    pub media_type: &'static str,
+    /// Whether everything is in one file, so that nothing is lost on standard output.
+    pub self_contained: bool,
+    /// One line: what it is good for.
+    pub help: &'static str,
+    /// Settings of this format.
+    pub options: &'static [OptionSpec],
+    /// What of a stage is in its files. An exporter notes what it has to leave out (`fit`).
+    pub holds: Holds,
+    /// How its bytes are made with these options: they take as long as that.
+    pub encoding: fn(&Options) -> Encoding,
+    /// Bytes of its files, those beside the main one included, with these options; `None` where that is not
+    /// known. Within 30 % is near enough.
+    pub estimate: Option<fn(&Amounts, &Options) -> u64>,
+}
+
+impl Format {
+    /// What becomes of a plant's levels of detail.
+    pub const fn levels(&self) -> LooksIn {
+        self.holds.levels
+    }
+
+    /// What becomes of a plant's seasons.
+    pub const fn seasons(&self) -> LooksIn {
+        self.holds.seasons
+    }
+}
+
+/// How bytes are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Encoding {
+    /// Numbers as decimal text.
+    Text,
+    /// Numbers as they lie in memory.
+    Binary,
+    /// Meshes are compressed triangle by triangle.
+    Packed,
+}
+
+/// Where a format has levels of detail, or seasons.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LooksIn {
+    /// All in one file.
+    One,
+    /// It holds one: each takes a file of its own.
+    Files,
+    /// Nothing in it depends on them.
+    Nothing,
+}
+
+/// What a format holds beside the axial tree.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[allow(clippy::struct_excessive_bools, reason = "each is a fact for itself, none follows from another")]
+pub struct Holds {
+    /// The surface, with what covers it: leaves.
+    pub surface: bool,
+    /// What the surface looks like: colours, or pictures of them.
+    pub colors: bool,
+    /// Pictures, in the file or beside it.
+    pub pictures: bool,
+    /// Pictures of normals: how deep the bark is.
+    pub normals: bool,
+    /// Levels of detail.
+    pub levels: LooksIn,
+    /// Seasons.
+    pub seasons: LooksIn,
+    /// How the plant moves in the wind.
+    pub wind: bool,
+    /// Camera, sun, sky and ground.
+    pub setting: bool,
+    /// One mesh in many places.
+    pub instances: bool,
+    /// The recipe, so that the tree can be grown again from the file.
+    pub recipe: bool,
+}
+
+impl Holds {
+    /// The axial tree alone.
+    pub const SKELETON: Self = Self {
+        surface: false,
+        colors: false,
+        pictures: false,
+        normals: false,
+        levels: LooksIn::Nothing,
+        seasons: LooksIn::Nothing,
+        wind: false,
+        setting: false,
+        instances: false,
+        recipe: true,
+    };
+
+    /// One plant in one look with its pictures, at rest.
+    pub const MESH: Self = Self {
+        surface: true,
+        colors: true,
+        pictures: true,
+        normals: true,
+        levels: LooksIn::Files,
+        seasons: LooksIn::Files,
+        ..Self::SKELETON
+    };
+
+    /// Everything in one file.
+    pub const SCENE: Self = Self {
+        levels: LooksIn::One,
+        seasons: LooksIn::One,
+        wind: true,
+        setting: true,
+        instances: true,
+        ..Self::MESH
+    };
+}
