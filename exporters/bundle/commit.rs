@@ -13,8 +13,9 @@ use std::path::{Path, PathBuf};
 
 #[cfg(unix)]
 use super::record::Record;
-use super::staged::{PART, Staged, TempName, mode_of, placing, synced};
-use super::system::{FileSystem, again};
+use super::staged::{Staged, mode_of};
+use super::system::{FileSystem, again, synced};
+use super::temporary::{PART, TempName, placing};
 use super::{Bundle, Files, Place};
 use crate::ExportError;
 

@@ -2,8 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::staged::synced;
-use super::system::{FileSystem, System, again};
+use super::system::{FileSystem, System, again, synced};
 use crate::ExportError;
 
 /// Folders that were made. Dropped, they are removed as far as they are empty.

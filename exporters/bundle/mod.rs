@@ -18,8 +18,10 @@ mod single;
 mod sink;
 mod staged;
 mod stem;
+mod sweep;
 mod system;
 mod target;
+mod temporary;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -33,10 +35,11 @@ pub use shared::Pictures;
 pub use single::write_file;
 pub use sink::Sink;
 use staged::Staged;
-pub use staged::abandon;
+use sweep::sweep;
 use system::{FileSystem, System};
 pub use target::{Existing, examine};
 use target::{Located, locate};
+pub use temporary::abandon;
 
 use crate::ExportError;
 
@@ -90,7 +93,7 @@ impl Bundle {
     fn create_on(system: &'static dyn FileSystem, target: &Path) -> Result<Self, ExportError> {
         let place = match locate(system, target)? {
             Located::File { location, .. } => {
-                staged::sweep(system, &location.folder);
+                sweep(system, &location.folder);
                 let stem = stem::plain(Path::new(&location.name));
                 Place::Files(Files { stem, main: Staged::create(system, location)?, sides: Vec::new() })
             }
@@ -215,7 +218,7 @@ impl Bundle {
             Place::Files(files) => {
                 let location = side_location(self.system, &files.main.location, name)?;
                 if location.folder != files.main.location.folder {
-                    staged::sweep(self.system, &location.folder);
+                    sweep(self.system, &location.folder);
                 }
                 let mut side = Staged::create(self.system, location)?;
                 side.write(bytes, monitor, write)?;

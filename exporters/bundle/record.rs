@@ -14,8 +14,8 @@ use std::os::unix::ffi::{OsStrExt, OsStringExt};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
-use super::staged::{RECORD, TempName, is_temporary, synced};
-use super::system::{FileSystem, again};
+use super::system::{FileSystem, again, synced};
+use super::temporary::{RECORD, TempName, is_temporary};
 
 const FIRST_LINE: &str = "linden: files to be placed together";
 /// Without it the record was not finished, and so nothing was placed.

@@ -4,9 +4,11 @@ use std::ffi::OsStr;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::staged::{Staged, placing, sweep, synced};
-use super::system::{FileSystem, System, again};
+use super::staged::Staged;
+use super::sweep::sweep;
+use super::system::{FileSystem, System, again, synced};
 use super::target::Location;
+use super::temporary::placing;
 
 /// Writes a whole file or nothing, as a [`Bundle`](super::Bundle) does: to the disk, and into its place in
 /// one moment. A file that is there is replaced (a link is followed, and stays), or with

@@ -1,19 +1,19 @@
 //! The binary buffer: where each array lies, and writing it without holding it.
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
 use linden::Monitor;
-use linden::scene::Mesh;
+use linden::scene::{Bounds, Mesh};
 use linden::stage::Stage;
+use linden::wind::{Motion, PartWind};
 
-use super::document::{Accessor, Attributes, BufferView, ComponentType};
-use super::meshopt::{Items, Mode, Packed, Packer};
+use super::byte_sink::ByteSink;
+use super::document::{Accessor, Attributes, BufferView, ComponentType, Mode};
+use super::meshopt::{Items, Packed, Packer};
 use super::quantize::{self, Cube, Quanta, Range};
 use super::tangents::tangents;
 use super::wind::{self, WindArrays};
+use crate::ExportError;
 use crate::cast::{Cast, Piece};
 use crate::picture::{self, Named};
-use crate::{ExportError, Sink};
 
 const ARRAY_BUFFER: u16 = 34962;
 const ELEMENT_ARRAY_BUFFER: u16 = 34963;
@@ -126,10 +126,33 @@ impl Layout {
             let bytes = if kind == ComponentType::U16 { 2 } else { 4 };
             layout.push(mesh.triangles.len() * 3, "SCALAR", kind, bytes, ELEMENT_ARRAY_BUFFER);
             let indices = layout.accessors.len() - 1;
-            let wind = wind.map(|own| wind::lay_out(&mut layout, mesh, own, motions)).unwrap_or_default();
+            let wind = wind.map(|wind| layout.push_wind(mesh, wind, motions)).unwrap_or_default();
             layout.primitives.push(PrimitiveArrays { first, with_tangents, packing, indices, wind });
         }
         layout
+    }
+
+    /// Lays out a mesh's wind behind its other arrays, with targets for some motions: one that this part
+    /// lacks is an accessor without a buffer, which is all zero.
+    fn push_wind(&mut self, mesh: &Mesh, wind: &PartWind, motions: Vec<Motion>) -> WindArrays {
+        let count = mesh.positions.len();
+        let attributes = [self.push_vertices(count, "VEC4", 16), self.push_vertices(count, "VEC4", 16)];
+        let mut arrays = WindArrays { attributes: Some(attributes), ..WindArrays::default() };
+        for &motion in &motions {
+            let target = wind.targets.iter().find(|own| own.motion == motion);
+            let accessor = match target {
+                Some(own) => {
+                    let bounds = Bounds::of(own.offsets.iter().copied());
+                    let accessor = self.push_vertices(count, "VEC3", 12);
+                    self.accessors[accessor].min = bounds.map(|own| own.min.to_array().to_vec());
+                    self.accessors[accessor].max = bounds.map(|own| own.max.to_array().to_vec());
+                    accessor
+                }
+                None => self.push_zeros(count),
+            };
+            arrays.targets.push(accessor);
+        }
+        WindArrays { motions, ..arrays }
     }
 
     fn push(&mut self, count: usize, shape: &'static str, kind: ComponentType, bytes: u64, target: u16) {
@@ -172,13 +195,13 @@ impl Layout {
     }
 
     /// A further array with an item per vertex; gives its accessor.
-    pub fn push_vertices(&mut self, count: usize, shape: &'static str, bytes: u64) -> usize {
+    fn push_vertices(&mut self, count: usize, shape: &'static str, bytes: u64) -> usize {
         self.push(count, shape, ComponentType::F32, bytes, ARRAY_BUFFER);
         self.accessors.len() - 1
     }
 
     /// Vectors that are all zero and take no place.
-    pub fn push_zeros(&mut self, count: usize) -> usize {
+    fn push_zeros(&mut self, count: usize) -> usize {
         let zero = Some(vec![0.0; 3]);
         self.accessors.push(Accessor {
             buffer_view: None,
@@ -263,7 +286,7 @@ impl Layout {
     }
 
     /// Writes the buffer.
-    pub fn write(&self, cast: &Cast<'_>, out: &mut impl Chunk) -> Result<(), ExportError> {
+    pub fn write(&self, cast: &Cast<'_>, out: &mut impl ByteSink) -> Result<(), ExportError> {
         if let Some(packed) = &self.packed {
             return packed.write(out);
         }
@@ -291,7 +314,7 @@ fn index_type(mesh: &Mesh) -> ComponentType {
     if u16::try_from(mesh.positions.len()).is_ok() { ComponentType::U16 } else { ComponentType::U32 }
 }
 
-fn write_vertices(mesh: &Mesh, with_tangents: bool, out: &mut impl Chunk) -> Result<(), ExportError> {
+fn write_vertices(mesh: &Mesh, with_tangents: bool, out: &mut impl ByteSink) -> Result<(), ExportError> {
     out.put(bytemuck::cast_slice(&mesh.positions))?;
     out.put(bytemuck::cast_slice(&mesh.normals))?;
     // V runs down in glTF: the origin is the upper left corner of the picture.
@@ -307,7 +330,7 @@ fn write_vertices(mesh: &Mesh, with_tangents: bool, out: &mut impl Chunk) -> Res
     Ok(())
 }
 
-fn write_triangles(mesh: &Mesh, out: &mut impl Chunk) -> Result<(), ExportError> {
+fn write_triangles(mesh: &Mesh, out: &mut impl ByteSink) -> Result<(), ExportError> {
     if index_type(mesh) == ComponentType::U32 {
         return out.put(bytemuck::cast_slice(&mesh.triangles));
     }
@@ -322,81 +345,3 @@ fn write_triangles(mesh: &Mesh, out: &mut impl Chunk) -> Result<(), ExportError>
 
 /// Records that are converted at a time.
 const PIECE: usize = 1 << 15;
-
-/// Takes the buffer's bytes in order.
-pub(super) trait Chunk {
-    fn put(&mut self, bytes: &[u8]) -> Result<(), ExportError>;
-}
-
-impl Chunk for Sink<'_> {
-    fn put(&mut self, bytes: &[u8]) -> Result<(), ExportError> {
-        self.write(bytes)
-    }
-}
-
-/// Writes bytes as base64 into a sink.
-pub(super) struct Base64<'s, 'a> {
-    out: &'s mut Sink<'a>,
-    /// Up to two bytes that wait for a third.
-    rest: Vec<u8>,
-    text: String,
-}
-
-impl<'s, 'a> Base64<'s, 'a> {
-    pub fn new(out: &'s mut Sink<'a>) -> Self {
-        Self { out, rest: Vec::new(), text: String::new() }
-    }
-
-    pub fn finish(mut self) -> Result<(), ExportError> {
-        let rest = std::mem::take(&mut self.rest);
-        self.encode(&rest)
-    }
-
-    fn encode(&mut self, bytes: &[u8]) -> Result<(), ExportError> {
-        self.text.clear();
-        STANDARD.encode_string(bytes, &mut self.text);
-        self.out.write(self.text.as_bytes())
-    }
-}
-
-impl Chunk for Base64<'_, '_> {
-    fn put(&mut self, mut bytes: &[u8]) -> Result<(), ExportError> {
-        while !self.rest.is_empty() && self.rest.len() < 3 && !bytes.is_empty() {
-            self.rest.push(bytes[0]);
-            bytes = &bytes[1..];
-        }
-        if self.rest.len() == 3 {
-            let rest = std::mem::take(&mut self.rest);
-            self.encode(&rest)?;
-        }
-        let whole = bytes.len() - bytes.len() % 3;
-        for piece in bytes[..whole].chunks(3 << 16) {
-            self.encode(piece)?;
-        }
-        self.rest.extend_from_slice(&bytes[whole..]);
-        Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::Bundle;
-    use crate::bundle::test_output::Output;
-
-    #[test]
-    fn base64_does_not_depend_on_the_pieces() {
-        let bytes: Vec<u8> = (0..1000).map(|i| (i * 7 % 256) as u8).collect();
-        for piece in [1, 2, 3, 4, 5, 64, 1000] {
-            let output = Output::default();
-            Bundle::stream("test", output.clone())
-                .write_main(None, &linden::Quiet, |out| {
-                    let mut encoder = Base64::new(out);
-                    bytes.chunks(piece).try_for_each(|piece| encoder.put(piece))?;
-                    encoder.finish()
-                })
-                .unwrap();
-            assert_eq!(output.bytes(), STANDARD.encode(&bytes).into_bytes(), "pieces of {piece}");
-        }
-    }
-}

@@ -6,9 +6,6 @@ use linden::scene::Wrap;
 use serde::Serialize;
 use serde_json::value::RawValue;
 
-use super::meshopt::{Compressed, Fallback};
-use super::wind::{Animation, MorphTarget};
-
 /// The root. `buffers` stands before everything that carries names from outside: the writer of data
 /// URIs looks for the first one.
 #[derive(Serialize)]
@@ -390,6 +387,72 @@ pub(super) struct BufferView {
 pub(super) struct ViewExtensions {
     #[serde(rename = "EXT_meshopt_compression")]
     pub compressed: Compressed,
+}
+
+/// How `EXT_meshopt_compression` compresses a view.
+#[derive(Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub(super) enum Mode {
+    Attributes,
+    Triangles,
+}
+
+/// Where a view's compressed bytes are.
+#[derive(Clone, Copy, Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct Compressed {
+    pub buffer: usize,
+    pub byte_offset: u64,
+    pub byte_length: u64,
+    pub byte_stride: u64,
+    pub mode: Mode,
+    pub count: usize,
+}
+
+/// Says that a buffer is nowhere: compressed views only tell with it how long they are.
+#[derive(Serialize)]
+pub(super) struct Fallback {
+    fallback: bool,
+}
+
+impl Fallback {
+    pub const fn new() -> Self {
+        Self { fallback: true }
+    }
+}
+
+/// A morph target.
+#[derive(Serialize)]
+#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
+pub(super) struct MorphTarget {
+    pub position: usize,
+}
+
+/// A loop of morph targets' weights.
+#[derive(Serialize)]
+pub(super) struct Animation {
+    pub name: &'static str,
+    pub channels: Vec<Channel>,
+    pub samplers: Vec<AnimationSampler>,
+}
+
+#[derive(Serialize)]
+pub(super) struct Channel {
+    pub sampler: usize,
+    pub target: ChannelTarget,
+}
+
+#[derive(Serialize)]
+pub(super) struct ChannelTarget {
+    pub node: usize,
+    pub path: &'static str,
+}
+
+#[derive(Serialize)]
+pub(super) struct AnimationSampler {
+    pub input: usize,
+    pub interpolation: &'static str,
+    pub output: usize,
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde asks with a reference")]

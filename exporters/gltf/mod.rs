@@ -5,7 +5,9 @@
 //!
 //! Parts with a normal picture carry TANGENTs: see [`tangents`].
 
+mod animation;
 mod buffer;
+mod byte_sink;
 mod document;
 mod estimate;
 mod meshopt;
@@ -25,11 +27,10 @@ use serde_json::value::RawValue;
 
 use self::buffer::Layout;
 use self::document::{
-    Asset, Buffer, BufferExtensions, Document, DocumentExtensions, Image, ImageSource, LightList, Material,
-    MaterialExtensions, PbrMetallicRoughness, Sampler, SceneRoot, Texture, TextureExtensions, TextureInfo,
-    TextureTransform,
+    Asset, Buffer, BufferExtensions, Document, DocumentExtensions, Fallback, Image, ImageSource, LightList,
+    Material, MaterialExtensions, PbrMetallicRoughness, Sampler, SceneRoot, Texture, TextureExtensions,
+    TextureInfo, TextureTransform,
 };
-use self::meshopt::Fallback;
 use self::nodes::{SceneGraph, Standing};
 use self::quantize::Range;
 use crate::cast::{Cast, Look};
@@ -154,7 +155,7 @@ impl Exporter for Gltf {
             let bytes = json.len() as u64 + layout.bytes().div_ceil(3) * 4;
             return bundle.write_main(Some(bytes), monitor, |out| {
                 out.write(&json[..hole])?;
-                let mut encoder = buffer::Base64::new(out);
+                let mut encoder = byte_sink::Base64::new(out);
                 layout.write(&cast, &mut encoder)?;
                 encoder.finish()?;
                 out.write(&json[hole..])
@@ -311,7 +312,7 @@ fn document(
     };
     let SceneGraph { nodes, roots, meshes, cameras, lights, mut extensions, mut required } =
         nodes::nodes(stage, cast, layout, &standing);
-    let animation = wind::animation(cast, &meshes, &nodes, layout);
+    let animation = animation::animation(cast, &meshes, &nodes, layout);
     if options.is_word("compress", "meshopt") {
         let bytes = stage.bytes() + layout.compressing_bytes();
         monitor.admit("compressing the meshes", bytes, "write without compress, or with quantize")?;

@@ -9,10 +9,10 @@ use linden::stage::{Place, Stage};
 
 use super::buffer::{Layout, PrimitiveArrays};
 use super::document::{
-    Camera, Extras, InstanceAttributes, Instancing, Light, Lod, Mesh, Node, NodeExtensions, Primitive,
+    Camera, Extras, InstanceAttributes, Instancing, Light, Lod, Mesh, MorphTarget, Node, NodeExtensions,
+    Primitive,
 };
 use super::quantize::{self, Cube};
-use super::wind::MorphTarget;
 use super::{recipe, setting};
 use crate::cast::{Cast, Piece};
 

@@ -7,7 +7,7 @@
 use glam::{Vec2, Vec3};
 use linden::scene::{Bounds, Mesh};
 
-use super::buffer::Chunk;
+use super::byte_sink::ByteSink;
 use super::tangents::tangents;
 use crate::ExportError;
 use crate::cast::{Cast, Piece};
@@ -115,7 +115,7 @@ pub(super) fn write(
     cube: Cube,
     range: Option<Range>,
     with_tangents: bool,
-    out: &mut impl Chunk,
+    out: &mut impl ByteSink,
 ) -> Result<(), ExportError> {
     const PIECE: usize = 1 << 15;
     for positions in mesh.positions.chunks(PIECE) {

@@ -11,10 +11,9 @@ mod attributes;
 mod triangles;
 
 use linden::Monitor;
-use serde::Serialize;
 
-use super::buffer::Chunk;
-use super::document::{BufferView, ViewExtensions};
+use super::byte_sink::ByteSink;
+use super::document::{BufferView, Compressed, Mode, ViewExtensions};
 use crate::ExportError;
 
 /// What readers need.
@@ -29,38 +28,6 @@ pub(super) struct Items {
     pub count: usize,
 }
 
-/// How a view is compressed.
-#[derive(Clone, Copy, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "SCREAMING_SNAKE_CASE")]
-pub(super) enum Mode {
-    Attributes,
-    Triangles,
-}
-
-/// Where a view's compressed bytes are.
-#[derive(Clone, Copy, Serialize)]
-#[serde(rename_all = "camelCase")]
-pub(super) struct Compressed {
-    buffer: usize,
-    byte_offset: u64,
-    byte_length: u64,
-    byte_stride: u64,
-    mode: Mode,
-    count: usize,
-}
-
-/// Says that a buffer is nowhere: compressed views only tell with it how long they are.
-#[derive(Serialize)]
-pub(super) struct Fallback {
-    fallback: bool,
-}
-
-impl Fallback {
-    pub const fn new() -> Self {
-        Self { fallback: true }
-    }
-}
-
 /// A buffer with compressed views.
 pub(super) struct Packed {
     /// One after the other, each beginning at a multiple of four.
@@ -72,7 +39,7 @@ pub(super) struct Packed {
 }
 
 impl Packed {
-    pub fn write(&self, out: &mut impl Chunk) -> Result<(), ExportError> {
+    pub fn write(&self, out: &mut impl ByteSink) -> Result<(), ExportError> {
         for piece in &self.pieces {
             out.put(piece)?;
             out.put(&[0; 3][..piece.len().next_multiple_of(4) - piece.len()])?;
@@ -159,7 +126,7 @@ fn corners(bytes: &[u8], stride: u64) -> Vec<[u32; 3]> {
     }
 }
 
-impl Chunk for Packer<'_> {
+impl ByteSink for Packer<'_> {
     fn put(&mut self, mut bytes: &[u8]) -> Result<(), ExportError> {
         while let Some(view) = self.views.get(self.view) {
             // Between views there are zeros.

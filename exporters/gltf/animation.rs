@@ -1,0 +1,56 @@
+//! The animation `Wind`: the weights of morph targets over time.
+
+use linden::wind::{Motion, Sway};
+
+use super::buffer::Layout;
+use super::document::{Animation, AnimationSampler, Channel, ChannelTarget, Mesh, Node};
+use crate::cast::Cast;
+
+/// The loop, if there is one: a channel for each node of a mesh with targets, a sampler for each loop and
+/// set of motions.
+pub(super) fn animation(
+    cast: &Cast<'_>,
+    meshes: &[Mesh],
+    nodes: &[Node],
+    layout: &mut Layout,
+) -> Option<Animation> {
+    // A mesh has a primitive per piece, in the order of all pieces.
+    let mut pieces = cast.pieces().zip(&layout.primitives);
+    let loops: Vec<Option<(&Sway, Vec<Motion>)>> = meshes
+        .iter()
+        .map(|mesh| {
+            let own = pieces.by_ref().take(mesh.primitives.len());
+            let sways: Vec<_> = own
+                .filter_map(|(piece, arrays)| Some((piece.wind?.sway.as_deref()?, &arrays.wind.motions)))
+                .filter(|(_, motions)| !motions.is_empty())
+                .collect();
+            sways.first().map(|(sway, motions)| (*sway, (*motions).clone()))
+        })
+        .collect();
+    let mut animation = Animation { name: "Wind", channels: Vec::new(), samplers: Vec::new() };
+    let mut known: Vec<&(&Sway, Vec<Motion>)> = Vec::new();
+    for (node, mesh) in nodes.iter().enumerate().filter_map(|(index, node)| Some((index, node.mesh?))) {
+        let Some(own) = loops.get(mesh).and_then(Option::as_ref) else { continue };
+        let sampler = known.iter().position(|known| *known == own).unwrap_or_else(|| {
+            known.push(own);
+            animation.samplers.push(sampler(own.0, &own.1, layout));
+            known.len() - 1
+        });
+        animation.channels.push(Channel { sampler, target: ChannelTarget { node, path: "weights" } });
+    }
+    (!animation.channels.is_empty()).then_some(animation)
+}
+
+/// A loop's times and the weights of some motions at each.
+fn sampler(sway: &Sway, motions: &[Motion], layout: &mut Layout) -> AnimationSampler {
+    let rate = sway.frames_per_second() as f32;
+    let times: Vec<f32> = (0..=sway.frames()).map(|frame| frame as f32 / rate).collect();
+    let weights: Vec<f32> = (0..=sway.frames())
+        .flat_map(|frame| motions.iter().map(move |&motion| sway.weight(motion, frame)))
+        .collect();
+    AnimationSampler {
+        input: layout.push_numbers(&times, true),
+        interpolation: "LINEAR",
+        output: layout.push_numbers(&weights, false),
+    }
+}
