@@ -5,7 +5,17 @@
 //! Files appear whole or not at all: an exporter writes into a [`Bundle`], and nothing is in its
 //! place before the bundle is committed.
 //!
-//! A format is one module with one [`Exporter`], and one line in [`REGISTRY`].
+//! A format is one module with one [`Exporter`], and one line in [`REGISTRY`]; all that is known of it
+//! stands in its [`Format`]. A program adds formats with a [`Registry`], and writes them with the tools in
+//! [`writing`], of which all of linden's are made.
+//!
+//! | module | is |
+//! |---|---|
+//! | [`Format`], [`Options`] | facts about a format, and its settings |
+//! | [`Bundle`], [`Sink`] | the files of an export, whole or not at all |
+//! | [`Estimate`], [`Amounts`] | bytes and seconds, told before anything is written |
+//! | [`Registry`] | formats by id and ending; recipes out of files |
+//! | [`writing`] | what formats are written with |
 //!
 //! ```
 //! use linden::{Quiet, dress::dress, grow::grow, preset::builtin, recipe::Recipe, stage::Stage};
@@ -26,7 +36,7 @@
 //! # }
 //! ```
 
-// Headers are a few lines, built once; what is long goes through `chunks`.
+// Headers are a few lines, built once; what is long goes through `writing::records`.
 #![allow(clippy::format_push_string)]
 
 // Arrays go into the files as they lie in memory, and every format here is little-endian.
@@ -34,31 +44,24 @@
 compile_error!("linden-exporters writes arrays as they lie in memory and needs a little-endian target");
 
 mod bundle;
-mod cast;
-mod chunks;
 mod error;
 mod estimate;
-mod fit;
 mod format;
 mod gltf;
-mod instances;
-mod memory;
 mod obj;
 mod options;
-mod picture;
 mod plugin;
 mod plugin_guard;
 mod ply;
 mod qsm;
 mod recipe;
-mod sound;
+mod registry;
 mod usda;
+pub mod writing;
 
 use std::io;
-use std::path::Path;
 
 use linden::Monitor;
-use linden::knob::nearest;
 use linden::stage::Stage;
 
 pub use bundle::{
@@ -66,16 +69,17 @@ pub use bundle::{
     ensure_spared, examine, make_folders, write_file,
 };
 pub use error::ExportError;
-pub use estimate::{Amounts, Estimate, mean_digits};
+pub use estimate::{Amounts, Estimate};
 pub use format::{Encoding, Format, Holds, LooksIn};
 pub use options::{OptionSpec, Options};
 pub use plugin::program_on_path;
-pub use recipe::{Readable, recipe_in};
+pub use recipe::Readable;
+pub use registry::{Registry, exporters, find, for_path, recipe_in};
 
 /// What wrote a file, as files say it.
 pub const GENERATOR: &str = concat!("linden ", env!("CARGO_PKG_VERSION"));
 
-/// Writes stages in one format.
+/// Writes stages in one format: see [`writing`] for one of a few lines.
 pub trait Exporter: Sync {
     /// What the format is called and can do.
     fn format(&self) -> &'static Format;
@@ -106,60 +110,26 @@ pub trait Exporter: Sync {
     ) -> Result<(), ExportError>;
 }
 
-/// All formats. Where two claim an ending, the first has it.
-pub static REGISTRY: &[&dyn Exporter] =
-    &[&obj::Obj, &ply::Ply, &ply::PlySkeleton, &gltf::Gltf, &gltf::Glb, &usda::Usda, &usda::Usdz, &qsm::Qsm];
+/// Linden's formats. Where two claim an ending, the first has it.
+#[rustfmt::skip] // a line for each
+pub static REGISTRY: &[&dyn Exporter] = &[
+    &obj::Obj,
+    &ply::Ply,
+    &ply::PlySkeleton,
+    &gltf::Gltf,
+    &gltf::Glb,
+    &usda::Usda,
+    &usda::Usdz,
+    &qsm::Qsm,
+];
 
 /// What is written where nothing says which format: one file that most programs take.
 pub static USUAL: &dyn Exporter = &gltf::Glb;
 
-/// All formats, those of plug-ins on the search path included: see [`find`].
-pub fn exporters() -> Vec<&'static dyn Exporter> {
-    let is_ours = |id: &str| REGISTRY.iter().any(|exporter| exporter.format().id == id);
-    let plugins = plugin::all().into_iter().filter(|exporter| !is_ours(exporter.format().id));
-    REGISTRY.iter().copied().chain(plugins).collect()
-}
-
-/// The exporter that scripts call `id`: one of the registry, or else the program `linden-export-ID` on
-/// the search path.
-///
-/// # Errors
-/// [`ExportError::UnknownFormat`] with the nearest name and the list.
-pub fn find(id: &str) -> Result<&'static dyn Exporter, ExportError> {
-    let ids = || REGISTRY.iter().map(|exporter| exporter.format().id);
-    let own = REGISTRY.iter().copied().find(|exporter| exporter.format().id == id);
-    own.or_else(|| plugin::find(id)).ok_or_else(|| ExportError::UnknownFormat {
-        typed: id.to_owned(),
-        nearest: nearest(&id.to_lowercase(), ids()),
-        known: ids().collect(),
-    })
-}
-
-/// The exporter for a file's ending, in any case.
-///
-/// # Errors
-/// [`ExportError::UnknownExtension`] with the nearest ending and the list.
-pub fn for_path(path: &Path) -> Result<&'static dyn Exporter, ExportError> {
-    let typed = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let endings = || REGISTRY.iter().flat_map(|exporter| exporter.format().extensions).copied();
-    REGISTRY
-        .iter()
-        .copied()
-        .find(|exporter| exporter.format().extensions.contains(&typed.as_str()))
-        .or_else(|| plugin::find(&typed))
-        .ok_or_else(|| {
-            let mut known: Vec<_> = endings().collect();
-            known.dedup();
-            ExportError::UnknownExtension {
-                path: path.to_owned(),
-                nearest: nearest(&typed, endings()).filter(|_| !typed.is_empty()),
-                known,
-            }
-        })
-}
-
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
 
     #[test]
@@ -207,7 +177,7 @@ mod tests {
         assert!(said.contains("did you mean '.usda'?") && said.contains(".glb"), "{said}");
         let said = for_path(Path::new("fir.FBX")).err().unwrap().to_string();
         assert!(said.contains("Unity") && said.contains("glb") && !said.contains("did you mean"), "{said}");
-        let said = find("stl").err().unwrap().to_string();
+        let said = find("3mf").err().unwrap().to_string();
         assert!(said.contains("slicers read obj") && !said.contains("did you mean"), "{said}");
         let said = for_path(Path::new("fir")).err().unwrap().to_string();
         assert!(said.contains("no ending") && !said.contains("did you mean"), "{said}");

@@ -14,14 +14,13 @@ use linden::scene::Material;
 use linden::skeleton::{NO_PARENT, Skeleton};
 use linden::stage::{Motion, Place, Stage};
 
-use crate::cast::{Cast, Look, Piece};
-use crate::chunks::{self, Digits, Text};
-use crate::fit::fit;
 use crate::options::{OptionSpec, Options};
-use crate::picture::{self, Named};
+use crate::writing::distinct::{DistinctMeshes, MeshPart, NamedMaterial};
+use crate::writing::pictures::{self, NamedPicture};
+use crate::writing::records::{self, Digits, Text};
+use crate::writing::{fit, mean_digits, memory, one_word};
 use crate::{
-    Amounts, Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Sink, mean_digits,
-    memory, recipe,
+    Amounts, Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Sink, recipe,
 };
 
 /// Wavefront OBJ.
@@ -70,13 +69,13 @@ impl Exporter for Obj {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         let stage = &fit(stage, &FORMAT, bundle);
-        let cast = Cast::of(stage, monitor)?;
+        let distinct = DistinctMeshes::of(stage, monitor)?;
         let lines = options.is_on("lines");
-        let of_model = |own: &crate::cast::Model<'_>| {
+        let of_model = |own: &crate::writing::distinct::PlantModel<'_>| {
             let surface: usize = own.pieces.iter().map(|piece| piece.mesh.positions.len()).sum();
             surface + if lines { own.scene.skeleton.positions.len() } else { 0 }
         };
-        let vertices: usize = cast.placed(stage).map(|(_, model)| of_model(model)).sum();
+        let vertices: usize = distinct.placed(stage).map(|(_, model)| of_model(model)).sum();
         if vertices > i32::MAX as usize {
             return Err(ExportError::TooLarge {
                 format: FORMAT.id,
@@ -87,29 +86,29 @@ impl Exporter for Obj {
         }
         let library = bundle.takes_side_files().then(|| bundle.side_name(".mtl"));
         let with_pictures = library.is_some() && options.is_on("pictures");
-        let pictures = if with_pictures { picture::pictures(&cast.looks) } else { Vec::new() };
-        memory::admit(stage, &pictures, memory::formatting(&cast), monitor)?;
+        let pictures = if with_pictures { pictures::of_materials(&distinct.materials) } else { Vec::new() };
+        memory::admit(stage, &pictures, memory::formatting(&distinct), monitor)?;
         if library.is_some() {
             let mut files = Vec::with_capacity(pictures.len());
-            for (named, png) in pictures.iter().zip(picture::compress(&pictures)?) {
+            for (named, png) in pictures.iter().zip(pictures::compress(&pictures)?) {
                 files.push(bundle.write_picture(&named.suffix, png, monitor)?);
             }
             // By what they are called, and the file of each.
             let mut cuts: Vec<(String, String)> = Vec::new();
-            for Look { material, .. } in &cast.looks {
+            for NamedMaterial { material, .. } in &distinct.materials {
                 let suffix = cut_out(material, &pictures);
                 let Some(suffix) = suffix.filter(|own| cuts.iter().all(|(known, _)| known != own)) else {
                     continue;
                 };
                 let Some(picture) = &material.base_color_picture else { continue };
                 let opacity = Arc::new(opacity(picture));
-                let own = [Named { suffix: suffix.clone(), picture: &opacity, wrap: material.wrap }];
-                for png in picture::compress(&own)? {
+                let own = [NamedPicture { suffix: suffix.clone(), picture: &opacity, wrap: material.wrap }];
+                for png in pictures::compress(&own)? {
                     let file = bundle.write_picture(&suffix, png, monitor)?;
                     cuts.push((suffix.clone(), file));
                 }
             }
-            let mtl = material_library(&cast.looks, &pictures, &files, &cuts);
+            let mtl = material_library(&distinct.materials, &pictures, &files, &cuts);
             bundle.write_side(".mtl", Some(mtl.len() as u64), monitor, |out| out.write(mtl.as_bytes()))?;
         } else {
             bundle.note("OBJ keeps materials and pictures in files beside it: left out of a single stream");
@@ -121,18 +120,18 @@ impl Exporter for Obj {
             }
             out.write(head.as_bytes())?;
             let mut before = 0;
-            for (number, (place, model)) in (1..).zip(cast.placed(stage)) {
+            for (number, (place, model)) in (1..).zip(distinct.placed(stage)) {
                 let name = tree_name(stage, place, number);
                 let motion = place.motion();
                 for piece in &model.pieces {
-                    let look = library.is_some().then(|| &cast.looks[piece.look]);
+                    let look = library.is_some().then(|| &distinct.materials[piece.material]);
                     write_piece(out, &name, piece, motion, look, before)?;
                     before += piece.mesh.positions.len() as u32;
                 }
             }
             // Skeletons come last: their vertices have neither normal nor texture coordinate, and would
             // set the numbers of the three apart.
-            for (number, (place, model)) in (1..).zip(cast.placed(stage)).filter(|_| lines) {
+            for (number, (place, model)) in (1..).zip(distinct.placed(stage)).filter(|_| lines) {
                 let skeleton = &model.scene.skeleton;
                 write_lines(out, &tree_name(stage, place, number), skeleton, place.motion(), before)?;
                 before += skeleton.positions.len() as u32;
@@ -152,35 +151,30 @@ fn header(stage: &Stage<'_>) -> String {
 
 /// What the `number`-th tree is called.
 fn tree_name(stage: &Stage<'_>, place: &Place, number: usize) -> String {
-    let plant = word(&stage.plants[place.plant].name);
+    let plant = one_word(&stage.plants[place.plant].name);
     if stage.is_single() { plant } else { format!("{plant}_{number}") }
-}
-
-/// A name that readers take for one word.
-fn word(name: &str) -> String {
-    name.chars().map(|c| if c.is_alphanumeric() || "-_.".contains(c) { c } else { '_' }).collect()
 }
 
 /// A part of the tree that is called `tree`; `look` is left out where there is no material library.
 fn write_piece(
     out: &mut Sink<'_>,
     tree: &str,
-    piece: &Piece<'_>,
+    piece: &MeshPart<'_>,
     motion: Option<Motion>,
-    look: Option<&Look<'_>>,
+    look: Option<&NamedMaterial<'_>>,
     before: u32,
 ) -> Result<(), ExportError> {
-    let name = word(&piece.name);
+    let name = one_word(&piece.name);
     out.write(format!("o {tree}_{name}\ng {name}\n").as_bytes())?;
     let mesh = &*piece.mesh;
     let count = mesh.positions.len();
-    chunks::write(out, count, |text, range| {
+    records::write(out, count, |text, range| {
         points(text, &mesh.positions[range], motion.as_ref());
     })?;
-    chunks::write(out, count, |text, range| {
+    records::write(out, count, |text, range| {
         vectors::<2, _>(text, b"vt ", &bytemuck::cast_slice(&mesh.uvs)[range]);
     })?;
-    chunks::write(out, count, |text, range| match &motion {
+    records::write(out, count, |text, range| match &motion {
         None => vectors::<3, _>(text, b"vn ", &bytemuck::cast_slice(&mesh.normals)[range]),
         Some(motion) => {
             for &normal in &mesh.normals[range] {
@@ -189,10 +183,10 @@ fn write_piece(
         }
     })?;
     if let Some(look) = look {
-        out.write(format!("usemtl {}\n", word(&look.name)).as_bytes())?;
+        out.write(format!("usemtl {}\n", one_word(&look.name)).as_bytes())?;
     }
     out.write(b"s 1\n")?;
-    chunks::write(out, mesh.triangles.len(), |text, range| {
+    records::write(out, mesh.triangles.len(), |text, range| {
         for triangle in &mesh.triangles[range] {
             text.byte(b'f');
             for &vertex in triangle {
@@ -237,10 +231,10 @@ fn write_lines(
     before: u32,
 ) -> Result<(), ExportError> {
     out.write(format!("o {tree}_skeleton\ng skeleton\n").as_bytes())?;
-    chunks::write(out, skeleton.positions.len(), |text, range| {
+    records::write(out, skeleton.positions.len(), |text, range| {
         points(text, &skeleton.positions[range], motion.as_ref());
     })?;
-    chunks::write(out, skeleton.axes.len(), |text, range| {
+    records::write(out, skeleton.axes.len(), |text, range| {
         for axis in &skeleton.axes[range] {
             let foot = (axis.parent != NO_PARENT).then_some(axis.parent);
             let nodes = || foot.iter().chain(skeleton.nodes_of(axis));
@@ -258,9 +252,9 @@ fn write_lines(
 }
 
 /// What the opacity of a material is called, where it has one that is written.
-fn cut_out(material: &Material, pictures: &[Named<'_>]) -> Option<String> {
+fn cut_out(material: &Material, pictures: &[NamedPicture<'_>]) -> Option<String> {
     material.cutout?;
-    let color = &pictures[picture::index_of(pictures, material.base_color_picture.as_ref())?];
+    let color = &pictures[pictures::index_of(pictures, material.base_color_picture.as_ref())?];
     Some(color.suffix.replace(".png", "_opacity.png"))
 }
 
@@ -272,14 +266,14 @@ fn opacity(picture: &Picture) -> Picture {
 
 /// `files` are those of the pictures, `cuts` those of their opacities by what these are called.
 fn material_library(
-    looks: &[Look<'_>],
-    pictures: &[Named<'_>],
+    materials: &[NamedMaterial<'_>],
+    pictures: &[NamedPicture<'_>],
     files: &[String],
     cuts: &[(String, String)],
 ) -> String {
     let mut mtl = format!("# {GENERATOR}\n");
-    let file = |picture: Option<_>| picture::index_of(pictures, picture).map(|index| &files[index]);
-    for Look { name, material } in looks {
+    let file = |picture: Option<_>| pictures::index_of(pictures, picture).map(|index| &files[index]);
+    for NamedMaterial { name, material } in materials {
         let Material { base_color, base_color_picture, normal_picture, roughness, .. } = material;
         let color_file = file(base_color_picture.as_ref());
         // Readers multiply the two, and the picture is to be used as it is.
@@ -288,7 +282,7 @@ fn material_library(
         let exponent = 1000.0 * (1.0 - roughness) * (1.0 - roughness);
         mtl += &format!(
             "\nnewmtl {}\nKa 0 0 0\nKd {r} {g} {b}\nKs 0 0 0\nNs {exponent}\nPr {roughness}\nd 1\nillum 1\n",
-            word(name)
+            one_word(name)
         );
         if let Some(file) = color_file {
             mtl += &format!("map_Kd {file}\n");

@@ -15,22 +15,28 @@ pub struct OptionSpec {
 
 impl OptionSpec {
     /// `true` or `false`.
-    pub(crate) const fn switch(name: &'static str, default: bool, help: &'static str) -> Self {
+    pub const fn switch(name: &'static str, default: bool, help: &'static str) -> Self {
         let knob = Knob { name, kind: Kind::Switch, unit: "", help };
         Self { knob, default: if default { "true" } else { "false" } }
     }
 
-    /// One of some words, the first by default.
-    pub(crate) const fn choice(
-        name: &'static str,
-        words: &'static [&'static str],
-        help: &'static str,
-    ) -> Self {
+    /// One of some words, the first by default; at least one.
+    pub const fn choice(name: &'static str, words: &'static [&'static str], help: &'static str) -> Self {
         Self { knob: Knob { name, kind: Kind::Choice(words), unit: "", help }, default: words[0] }
     }
 }
 
 /// One value for each setting of a format.
+///
+/// ```
+/// use linden_exporters::{Options, find};
+///
+/// let mut options = Options::new(find("ply")?.format());
+/// assert!(options.is_word("encoding", "binary"));
+/// options.set("encoding", "ascii")?;
+/// assert!(options.is_word("encoding", "ascii"));
+/// # Ok::<(), linden_exporters::ExportError>(())
+/// ```
 #[derive(Clone, Debug)]
 pub struct Options {
     format: &'static Format,
@@ -77,16 +83,17 @@ impl Options {
     }
 
     /// Whether a [`linden::knob::Kind::Switch`] is on; an option that the format lacks is off.
-    pub(crate) fn is_on(&self, name: &str) -> bool {
+    pub fn is_on(&self, name: &str) -> bool {
         self.value(name) == Some(&Value::Switch(true))
     }
 
     /// Whether a [`linden::knob::Kind::Choice`] has this word.
-    pub(crate) fn is_word(&self, name: &str, word: &str) -> bool {
+    pub fn is_word(&self, name: &str, word: &str) -> bool {
         matches!(self.value(name), Some(Value::Word(set)) if set == word)
     }
 
-    fn value(&self, name: &str) -> Option<&Value> {
+    /// The value of an option; `None` where the format has no such option.
+    pub fn value(&self, name: &str) -> Option<&Value> {
         self.iter().find(|&(known, _)| known == name).map(|(_, value)| value)
     }
 }

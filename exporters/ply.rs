@@ -12,13 +12,12 @@ use linden::scene::Material;
 use linden::skeleton::NO_PARENT;
 use linden::stage::{Motion, Stage};
 
-use crate::cast::{Cast, Piece};
-use crate::chunks::{self, Text};
-use crate::fit::fit;
 use crate::options::{OptionSpec, Options};
+use crate::writing::distinct::{DistinctMeshes, MeshPart};
+use crate::writing::records::{self, Text};
+use crate::writing::{fit, mean_digits, memory, pictures, validate};
 use crate::{
-    Amounts, Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Sink, mean_digits,
-    memory, picture, recipe, sound,
+    Amounts, Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Sink, recipe,
 };
 
 /// A mesh with normals, texture coordinates and vertex colours.
@@ -99,10 +98,10 @@ impl Exporter for Ply {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         let stage = &fit(stage, &MESH, bundle);
-        let cast = Cast::of(stage, monitor)?;
-        memory::admit(stage, &[], memory::formatting(&cast), monitor)?;
+        let distinct = DistinctMeshes::of(stage, monitor)?;
+        memory::admit(stage, &[], memory::formatting(&distinct), monitor)?;
         let ascii = encoding(options) == Encoding::Text;
-        let meshes = || cast.placed(stage).flat_map(|(_, model)| &model.pieces).map(|piece| &*piece.mesh);
+        let meshes = || distinct.placed(stage).flat_map(|(_, model)| &model.pieces).map(|piece| &*piece.mesh);
         let vertices: usize = meshes().map(|mesh| mesh.positions.len()).sum();
         let faces: usize = meshes().map(|mesh| mesh.triangles.len()).sum();
         if vertices > i32::MAX as usize || faces > i32::MAX as usize {
@@ -111,7 +110,7 @@ impl Exporter for Ply {
         let mut head = header(&stage.name, &stage.recipe, ascii);
         // Readers see one mesh: which vertices belong together is told here.
         let mut first = 0;
-        for piece in cast.placed(stage).take(1).flat_map(|(_, model)| &model.pieces) {
+        for piece in distinct.placed(stage).take(1).flat_map(|(_, model)| &model.pieces) {
             let count = piece.mesh.positions.len();
             head += &format!("comment part {}: {count} vertices from {first}\n", piece.name);
             first += count;
@@ -127,13 +126,19 @@ impl Exporter for Ply {
         let bytes = head.len() + vertices * 36 + faces * 13;
         bundle.write_main((!ascii).then_some(bytes as u64), monitor, |out| {
             out.write(head.as_bytes())?;
-            for (place, model) in cast.placed(stage) {
+            for (place, model) in distinct.placed(stage) {
                 for piece in &model.pieces {
-                    write_vertices(out, piece, place.motion(), cast.looks[piece.look].material, ascii)?;
+                    write_vertices(
+                        out,
+                        piece,
+                        place.motion(),
+                        distinct.materials[piece.material].material,
+                        ascii,
+                    )?;
                 }
             }
             let mut before = 0;
-            for piece in cast.placed(stage).flat_map(|(_, model)| &model.pieces) {
+            for piece in distinct.placed(stage).flat_map(|(_, model)| &model.pieces) {
                 write_faces(out, piece, before, ascii)?;
                 before += piece.mesh.positions.len() as u32;
             }
@@ -144,15 +149,15 @@ impl Exporter for Ply {
 
 fn write_vertices(
     out: &mut Sink<'_>,
-    piece: &Piece<'_>,
+    piece: &MeshPart<'_>,
     motion: Option<Motion>,
     material: &Material,
     ascii: bool,
 ) -> Result<(), ExportError> {
     let mesh = &*piece.mesh;
-    let plain = material.base_color.map(picture::srgb);
+    let plain = material.base_color.map(pictures::srgb);
     let picture = material.base_color_picture.as_deref();
-    chunks::write(out, mesh.positions.len(), |text, range| {
+    records::write(out, mesh.positions.len(), |text, range| {
         for i in range {
             let (mut position, mut normal) = (mesh.positions[i], mesh.normals[i]);
             if let Some(motion) = &motion {
@@ -161,7 +166,7 @@ fn write_vertices(
             let ([x, y, z], [nx, ny, nz], [s, t]) =
                 (position.to_array(), normal.to_array(), mesh.uvs[i].to_array());
             let numbers = [x, y, z, nx, ny, nz, s, t];
-            let [r, g, b] = picture.map_or(plain, |own| picture::color_at(own, material.wrap, mesh.uvs[i]));
+            let [r, g, b] = picture.map_or(plain, |own| pictures::color_at(own, material.wrap, mesh.uvs[i]));
             if ascii {
                 text.floats(numbers, b" ");
                 integers(text, &[r, g, b, 255].map(u32::from));
@@ -173,9 +178,14 @@ fn write_vertices(
     })
 }
 
-fn write_faces(out: &mut Sink<'_>, piece: &Piece<'_>, before: u32, ascii: bool) -> Result<(), ExportError> {
+fn write_faces(
+    out: &mut Sink<'_>,
+    piece: &MeshPart<'_>,
+    before: u32,
+    ascii: bool,
+) -> Result<(), ExportError> {
     let triangles = &piece.mesh.triangles;
-    chunks::write(out, triangles.len(), |text, range| {
+    records::write(out, triangles.len(), |text, range| {
         for triangle in &triangles[range] {
             let triangle = triangle.map(|vertex| before + vertex);
             if ascii {
@@ -216,7 +226,7 @@ impl Exporter for PlySkeleton {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         let stage = &fit(stage, &SKELETON, bundle);
-        let scene = sound::check_single(stage, SKELETON.id, monitor)?;
+        let scene = validate::single_tree(stage, SKELETON.id, monitor)?;
         let ascii = encoding(options) == Encoding::Text;
         let skeleton = &scene.skeleton;
         let nodes = skeleton.positions.len();
@@ -224,7 +234,7 @@ impl Exporter for PlySkeleton {
             return Err(too_large(SKELETON.id, format!("{nodes} nodes")));
         }
         // Orders and edges stay while records are formatted; the edges grew one by one.
-        let own = bytes_of::<u32>(nodes) + bytes_grown::<[u32; 2]>(nodes) + chunks::bytes(nodes);
+        let own = bytes_of::<u32>(nodes) + bytes_grown::<[u32; 2]>(nodes) + records::bytes(nodes);
         memory::admit(stage, &[], own, monitor)?;
         let mut orders = vec![0; nodes];
         for axis in &skeleton.axes {
@@ -250,7 +260,7 @@ impl Exporter for PlySkeleton {
         let bytes = head.len() + nodes * 24 + edges.len() * 8;
         bundle.write_main((!ascii).then_some(bytes as u64), monitor, |out| {
             out.write(head.as_bytes())?;
-            chunks::write(out, nodes, |text, range| {
+            records::write(out, nodes, |text, range| {
                 for i in range {
                     let [x, y, z] = skeleton.positions[i].to_array();
                     let numbers = [x, y, z, skeleton.radii[i]];
@@ -266,7 +276,7 @@ impl Exporter for PlySkeleton {
                 }
             })?;
             if ascii {
-                chunks::write(out, edges.len(), |text, range| {
+                records::write(out, edges.len(), |text, range| {
                     for [parent, node] in &edges[range] {
                         text.integer(*parent);
                         integers(text, &[*node]);

@@ -15,13 +15,10 @@ use linden::memory::bytes_of;
 use linden::skeleton::Cylinder;
 use linden::stage::Stage;
 
-use crate::chunks::{self, Text};
-use crate::fit::fit;
 use crate::options::{OptionSpec, Options};
-use crate::{
-    Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, mean_digits, memory, recipe,
-    sound,
-};
+use crate::writing::records::{self, Text};
+use crate::writing::{fit, mean_digits, memory, validate};
+use crate::{Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, recipe};
 
 /// A table of cylinders.
 pub(crate) struct Qsm;
@@ -68,9 +65,9 @@ impl Exporter for Qsm {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         let stage = &fit(stage, &FORMAT, bundle);
-        let scene = sound::check_single(stage, FORMAT.id, monitor)?;
+        let scene = validate::single_tree(stage, FORMAT.id, monitor)?;
         let nodes = scene.skeleton.positions.len();
-        let own = bytes_of::<(Cylinder, Option<u32>)>(nodes) + chunks::bytes(nodes);
+        let own = bytes_of::<(Cylinder, Option<u32>)>(nodes) + records::bytes(nodes);
         memory::admit(stage, &[], own, monitor)?;
         let mut head = String::new();
         if options.is_on("comments") {
@@ -85,7 +82,7 @@ impl Exporter for Qsm {
         let cylinders = skeleton.cylinders();
         bundle.write_main(None, monitor, |out| {
             out.write(head.as_bytes())?;
-            chunks::write(out, cylinders.len(), |text, range| {
+            records::write(out, cylinders.len(), |text, range| {
                 for index in range {
                     let cylinder = &cylinders[index];
                     let order = skeleton.axes[cylinder.axis as usize].order;

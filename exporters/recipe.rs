@@ -3,7 +3,7 @@
 
 use std::io::{self, BufRead, ErrorKind, Read, Seek, SeekFrom};
 
-use crate::REGISTRY;
+use crate::Exporter;
 
 /// Bytes that can be read from any place: an open file behind a [`BufReader`](io::BufReader), or a
 /// [`Cursor`](io::Cursor).
@@ -16,23 +16,9 @@ const LONGEST: u64 = 16 << 20;
 /// Lines that may stand before a recipe.
 const MOST_LINES: usize = 100_000;
 
-/// The recipe that a file carries, letter by letter, whichever of our formats it is in, previews (PNG)
-/// included; `None` where it carries none. It is one line of JSON: a tree's
-/// ([`Preset::from_json`](linden::preset::Preset::from_json)) or a forest's
-/// ([`ForestDocument::parse`](linden::forest::ForestDocument::parse)).
-///
-/// ```
-/// use std::io::Cursor;
-/// let file = b"# linden 0.1.0\n# name: fir\n# recipe: {\"id\":\"fir\"}\nv 0 0 0\n";
-/// let recipe = linden_exporters::recipe_in(&mut Cursor::new(file))?;
-/// assert_eq!(recipe.as_deref(), Some("{\"id\":\"fir\"}"));
-/// # Ok::<(), std::io::Error>(())
-/// ```
-///
-/// # Errors
-/// What reading failed with; a file that is none of ours is no error.
-pub fn recipe_in(file: &mut dyn Readable) -> io::Result<Option<String>> {
-    for exporter in REGISTRY {
+/// The recipe that a file in one of these formats, or a preview (PNG), carries.
+pub(crate) fn in_any(exporters: &[&dyn Exporter], file: &mut dyn Readable) -> io::Result<Option<String>> {
+    for exporter in exporters {
         file.rewind()?;
         if let Some(recipe) = whole(exporter.recipe(file))? {
             return Ok(Some(recipe));
@@ -66,8 +52,11 @@ pub(crate) fn line(file: &mut dyn Readable) -> io::Result<Option<Vec<u8>>> {
     Ok(Some(line))
 }
 
-/// The recipe in the comments that a text begins with.
-pub(crate) fn in_comments(file: &mut dyn Readable) -> io::Result<Option<String>> {
+/// The recipe in the comments that a text begins with: the line that starts with `# recipe: `.
+///
+/// # Errors
+/// What reading failed with.
+pub fn in_comments(file: &mut dyn Readable) -> io::Result<Option<String>> {
     for _ in 0..MOST_LINES {
         // Looked at before the line is read: what begins otherwise may have no lines at all.
         if file.fill_buf()?.first() != Some(&b'#') {
@@ -123,7 +112,7 @@ mod tests {
     use linden::stage::Stage;
 
     use super::*;
-    use crate::{Bundle, Exporter, Options};
+    use crate::{Bundle, Exporter, Options, REGISTRY, recipe_in};
 
     /// Counts what is read.
     struct Counted<R>(R, u64);
@@ -174,6 +163,11 @@ mod tests {
             let length = file.metadata().unwrap().len();
             let mut own = BufReader::new(Counted(&mut file, 0));
             let found = exporter.recipe(&mut own).unwrap();
+            if !exporter.format().holds.recipe {
+                assert_eq!(found, None, "{id}");
+                assert_eq!(recipe_in(&mut BufReader::new(&mut file)).unwrap(), None, "{id}");
+                continue;
+            }
             assert_eq!(found.as_deref(), Some(scene.recipe.as_str()), "{id}: a format carries its recipe");
             // The document of a glTF is JSON beside the geometry; all else stands in a header.
             let read = own.into_inner().1;

@@ -78,7 +78,7 @@ impl Amounts {
 ///
 /// ```
 /// // Nine numbers of one digit, and one of two.
-/// assert_eq!(linden_exporters::mean_digits(10), 1.1);
+/// assert_eq!(linden_exporters::writing::mean_digits(10), 1.1);
 /// ```
 pub fn mean_digits(count: u64) -> f64 {
     let (mut sum, mut power) = (0, 1);

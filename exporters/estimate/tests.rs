@@ -157,9 +157,10 @@ fn other_surfaces_and_barks_are_estimated_too() {
         within(&what, estimate.triangles, scene.parts[0].mesh.triangles.len() as u64);
         within(&what, estimate.vertices, scene.parts[0].mesh.positions.len() as u64);
         let stage = Stage::of(&scene);
-        let cast = crate::cast::Cast::of(&stage, &Quiet).unwrap();
-        let pictures = crate::picture::pictures(&cast.looks);
-        let real: usize = crate::picture::compress(&pictures).unwrap().iter().map(|png| png.len()).sum();
+        let distinct = crate::writing::distinct::DistinctMeshes::of(&stage, &Quiet).unwrap();
+        let pictures = crate::writing::pictures::of_materials(&distinct.materials);
+        let real: usize =
+            crate::writing::pictures::compress(&pictures).unwrap().iter().map(|png| png.len()).sum();
         within(&what, estimate.picture_bytes, real as u64);
     }
 }
@@ -178,9 +179,10 @@ fn bark_from_a_file_is_estimated_by_its_file() {
         let estimate = Estimate::new(&recipe, &grown, &Quiet).unwrap();
         let scene = dress(&recipe, &grown, &Quiet).unwrap();
         let stage = Stage::of(&scene);
-        let cast = crate::cast::Cast::of(&stage, &Quiet).unwrap();
-        let pictures = crate::picture::pictures(&cast.looks);
-        let real: usize = crate::picture::compress(&pictures).unwrap().iter().map(|png| png.len()).sum();
+        let distinct = crate::writing::distinct::DistinctMeshes::of(&stage, &Quiet).unwrap();
+        let pictures = crate::writing::pictures::of_materials(&distinct.materials);
+        let real: usize =
+            crate::writing::pictures::compress(&pictures).unwrap().iter().map(|png| png.len()).sum();
         within(&format!("{style:?}"), estimate.picture_bytes, real as u64);
     }
 }

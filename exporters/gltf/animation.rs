@@ -4,18 +4,18 @@ use linden::wind::{Motion, Sway};
 
 use super::buffer::Layout;
 use super::document::{Animation, AnimationSampler, Channel, ChannelTarget, Mesh, Node};
-use crate::cast::Cast;
+use crate::writing::distinct::DistinctMeshes;
 
 /// The loop, if there is one: a channel for each node of a mesh with targets, a sampler for each loop and
 /// set of motions.
 pub(super) fn animation(
-    cast: &Cast<'_>,
+    distinct: &DistinctMeshes<'_>,
     meshes: &[Mesh],
     nodes: &[Node],
     layout: &mut Layout,
 ) -> Option<Animation> {
     // A mesh has a primitive per piece, in the order of all pieces.
-    let mut pieces = cast.pieces().zip(&layout.primitives);
+    let mut pieces = distinct.pieces().zip(&layout.primitives);
     let loops: Vec<Option<(&Sway, Vec<Motion>)>> = meshes
         .iter()
         .map(|mesh| {

@@ -12,8 +12,8 @@ use super::quantize::{self, Cube, Quanta, Range};
 use super::tangents::tangents;
 use super::wind::{self, WindArrays};
 use crate::ExportError;
-use crate::cast::{Cast, Piece};
-use crate::picture::{self, Named};
+use crate::writing::distinct::{DistinctMeshes, MeshPart};
+use crate::writing::pictures::{self, NamedPicture};
 
 const ARRAY_BUFFER: u16 = 34962;
 const ELEMENT_ARRAY_BUFFER: u16 = 34963;
@@ -23,7 +23,7 @@ const ELEMENT_ARRAY_BUFFER: u16 = 34963;
 pub(super) struct Layout {
     pub views: Vec<BufferView>,
     pub accessors: Vec<Accessor>,
-    /// As many as [`Cast::pieces`].
+    /// As many as [`DistinctMeshes::pieces`].
     pub primitives: Vec<PrimitiveArrays>,
     /// Where vertices are in fewer bits.
     pub quanta: Option<Quanta>,
@@ -69,32 +69,37 @@ impl PrimitiveArrays {
 impl Layout {
     /// Lays out the meshes' arrays; `pictures` are those that will be written. With `quantize` the plants'
     /// vertices are in fewer bits.
-    pub fn of_meshes(stage: &Stage<'_>, cast: &Cast<'_>, pictures: &[Named<'_>], quantize: bool) -> Self {
+    pub fn of_meshes(
+        stage: &Stage<'_>,
+        distinct: &DistinctMeshes<'_>,
+        pictures: &[NamedPicture<'_>],
+        quantize: bool,
+    ) -> Self {
         let mut layout = Self {
             views: Vec::new(),
             accessors: Vec::new(),
             primitives: Vec::new(),
-            quanta: quantize.then(|| Quanta::new(cast, pictures)),
+            quanta: quantize.then(|| Quanta::new(distinct, pictures)),
             items: Vec::new(),
             blobs: Vec::new(),
             packed: None,
             bytes: 0,
         };
-        let of_plants = (0..cast.plants()).flat_map(|plant| {
-            cast.models_of(plant).iter().flat_map(|model| &model.pieces).map(move |_| plant)
+        let of_plants = (0..distinct.plants()).flat_map(|plant| {
+            distinct.models_of(plant).iter().flat_map(|model| &model.pieces).map(move |_| plant)
         });
         // What stands around belongs to none.
         let plants: Vec<Option<usize>> = of_plants.map(Some).collect();
         let plants = plants.into_iter().chain(std::iter::repeat(None));
-        for ((piece, plant), motions) in cast.pieces().zip(plants).zip(wind::motions(stage, cast)) {
-            let Piece { mesh, bounds, look, wind, .. } = piece;
+        for ((piece, plant), motions) in distinct.pieces().zip(plants).zip(wind::motions(stage, distinct)) {
+            let MeshPart { mesh, bounds, material, wind, .. } = piece;
             let first = layout.accessors.len();
             let count = mesh.positions.len();
             let quanta = layout.quanta.as_ref();
             let packing =
-                plant.and_then(|plant| quanta.map(|own| (own.cube_of(plant, piece), own.range(*look))));
-            let normal_picture = cast.looks[*look].material.normal_picture.as_ref();
-            let with_tangents = picture::index_of(pictures, normal_picture).is_some();
+                plant.and_then(|plant| quanta.map(|own| (own.cube_of(plant, piece), own.range(*material))));
+            let normal_picture = distinct.materials[*material].material.normal_picture.as_ref();
+            let with_tangents = pictures::index_of(pictures, normal_picture).is_some();
             if let Some((cube, range)) = packing {
                 let i8s = ComponentType::I8;
                 layout.push_packed(count, "VEC3", ComponentType::U16, 8);
@@ -263,9 +268,13 @@ impl Layout {
     }
 
     /// Compresses everything that has been laid out; nothing may be added afterwards.
-    pub fn compress(&mut self, cast: &Cast<'_>, monitor: &dyn Monitor) -> Result<(), ExportError> {
+    pub fn compress(
+        &mut self,
+        distinct: &DistinctMeshes<'_>,
+        monitor: &dyn Monitor,
+    ) -> Result<(), ExportError> {
         let mut packer = Packer::new(&self.views, &self.items, monitor);
-        self.write(cast, &mut packer)?;
+        self.write(distinct, &mut packer)?;
         let (views, packed) = packer.finish();
         self.views = views;
         self.bytes = packed.bytes;
@@ -286,11 +295,11 @@ impl Layout {
     }
 
     /// Writes the buffer.
-    pub fn write(&self, cast: &Cast<'_>, out: &mut impl ByteSink) -> Result<(), ExportError> {
+    pub fn write(&self, distinct: &DistinctMeshes<'_>, out: &mut impl ByteSink) -> Result<(), ExportError> {
         if let Some(packed) = &self.packed {
             return packed.write(out);
         }
-        for (piece, primitive) in cast.pieces().zip(&self.primitives) {
+        for (piece, primitive) in distinct.pieces().zip(&self.primitives) {
             match primitive.packing {
                 Some((cube, range)) => {
                     quantize::write(&piece.mesh, cube, range, primitive.with_tangents, out)?;

@@ -7,7 +7,7 @@ use serde::Serialize;
 use serde_json::value::RawValue;
 
 /// The root. `buffers` stands before everything that carries names from outside: the writer of data
-/// URIs looks for the first one.
+/// URIs materials for the first one.
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
 pub(super) struct Document {
@@ -148,7 +148,7 @@ pub(super) struct Light {
     pub intensity: f32,
 }
 
-/// A camera that looks along -Z of its node.
+/// A camera that materials along -Z of its node.
 #[derive(Serialize)]
 pub(super) struct Camera {
     pub name: &'static str,

@@ -33,12 +33,11 @@ use self::document::{
 };
 use self::nodes::{SceneGraph, Standing};
 use self::quantize::Range;
-use crate::cast::{Cast, Look};
-use crate::fit::fit;
 use crate::options::{OptionSpec, Options};
-use crate::picture::{self, Named};
+use crate::writing::distinct::{DistinctMeshes, NamedMaterial};
+use crate::writing::pictures::{self, NamedPicture};
+use crate::writing::{fit, instances, memory};
 use crate::{Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, LooksIn, Readable};
-use crate::{instances, memory};
 
 /// JSON, with a buffer and pictures beside it.
 pub(crate) struct Gltf;
@@ -73,8 +72,8 @@ const HOLDS: Holds = Holds { seasons: LooksIn::Files, ..Holds::SCENE };
 
 /// Whether vertices are to be in fewer bits. Targets of the sway loop move positions by lengths, which the
 /// bits of a cube cannot hold.
-fn is_quantized(cast: &Cast<'_>, options: &Options, bundle: &mut Bundle) -> bool {
-    let sways = cast.pieces().filter_map(|piece| piece.wind).any(|wind| !wind.targets.is_empty());
+fn is_quantized(distinct: &DistinctMeshes<'_>, options: &Options, bundle: &mut Bundle) -> bool {
+    let sways = distinct.pieces().filter_map(|piece| piece.wind).any(|wind| !wind.targets.is_empty());
     if options.is_on("quantize") && sways {
         bundle.note(
             "quantize is left out: the sway loop moves vertices by lengths that fewer bits cannot hold; \
@@ -137,18 +136,20 @@ impl Exporter for Gltf {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         let stage = &fit(stage, &GLTF, bundle);
-        let cast = cast(stage, options, bundle, monitor)?;
-        let pictures = if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
-        memory::admit(stage, &pictures, own_bytes(&cast, &pictures), monitor)?;
+        let distinct = distinct(stage, options, bundle, monitor)?;
+        let pictures =
+            if options.is_on("pictures") { pictures::of_materials(&distinct.materials) } else { Vec::new() };
+        memory::admit(stage, &pictures, own_bytes(&distinct, &pictures), monitor)?;
         let embed = options.is_on("embed") || !bundle.takes_side_files();
         if embed && !options.is_on("embed") {
             bundle
                 .note("a single stream has no files beside it: buffer and pictures are inside, as data URIs");
         }
-        let mut layout = Layout::of_meshes(stage, &cast, &pictures, is_quantized(&cast, options, bundle));
+        let mut layout =
+            Layout::of_meshes(stage, &distinct, &pictures, is_quantized(&distinct, options, bundle));
         if embed {
             let sources = embedded(&pictures, &mut layout)?;
-            let mut document = document(stage, &cast, &pictures, sources, options, &mut layout, monitor)?;
+            let mut document = document(stage, &distinct, &pictures, sources, options, &mut layout, monitor)?;
             document.buffers[0].uri = Some(DATA_URI.to_owned());
             let json = json(&document)?;
             let hole = find(&json, DATA_URI.as_bytes()) + DATA_URI.len();
@@ -156,43 +157,43 @@ impl Exporter for Gltf {
             return bundle.write_main(Some(bytes), monitor, |out| {
                 out.write(&json[..hole])?;
                 let mut encoder = byte_sink::Base64::new(out);
-                layout.write(&cast, &mut encoder)?;
+                layout.write(&distinct, &mut encoder)?;
                 encoder.finish()?;
                 out.write(&json[hole..])
             });
         }
         let mut sources = Vec::with_capacity(pictures.len());
-        for (named, png) in pictures.iter().zip(picture::compress(&pictures)?) {
+        for (named, png) in pictures.iter().zip(pictures::compress(&pictures)?) {
             let file = bundle.write_picture(&named.suffix, png, monitor)?;
             sources.push(ImageSource::Uri(percent_encoded(&file)));
         }
-        let mut document = document(stage, &cast, &pictures, sources, options, &mut layout, monitor)?;
+        let mut document = document(stage, &distinct, &pictures, sources, options, &mut layout, monitor)?;
         document.buffers[0].uri = Some(percent_encoded(&bundle.side_name(".bin")));
         let json = json(&document)?;
-        bundle.write_side(".bin", Some(layout.bytes()), monitor, |out| layout.write(&cast, out))?;
+        bundle.write_side(".bin", Some(layout.bytes()), monitor, |out| layout.write(&distinct, out))?;
         bundle.write_main(Some(json.len() as u64), monitor, |out| out.write(&json))
     }
 }
 
-fn cast<'a>(
+fn distinct<'a>(
     stage: &'a Stage<'_>,
     options: &Options,
     bundle: &mut Bundle,
     monitor: &dyn Monitor,
-) -> Result<Cast<'a>, ExportError> {
-    let mut cast = Cast::under_dome(stage, monitor)?;
+) -> Result<DistinctMeshes<'a>, ExportError> {
+    let mut distinct = DistinctMeshes::under_dome(stage, monitor)?;
     if options.is_on("instances") {
-        instances::unbake(&mut cast, stage, bundle, monitor)?;
+        instances::unbake(&mut distinct, stage, bundle, monitor)?;
     }
-    Ok(cast)
+    Ok(distinct)
 }
 
 /// Tangents are all made before any is written, a mesh after the other; where copies stand is there
 /// as it is written too.
-fn own_bytes(cast: &Cast<'_>, pictures: &[picture::Named<'_>]) -> u64 {
+fn own_bytes(distinct: &DistinctMeshes<'_>, pictures: &[NamedPicture<'_>]) -> u64 {
     let tangents =
-        if pictures.is_empty() { 0 } else { memory::largest(cast, memory::per_vertex::<[f32; 4]>) };
-    tangents + 2 * instances::bytes(cast)
+        if pictures.is_empty() { 0 } else { memory::largest(distinct, memory::per_vertex::<[f32; 4]>) };
+    tangents + 2 * instances::bytes(distinct)
 }
 
 /// How the embedded buffer's URI begins.
@@ -220,12 +221,14 @@ impl Exporter for Glb {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         let stage = &fit(stage, &GLB, bundle);
-        let cast = cast(stage, options, bundle, monitor)?;
-        let pictures = if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
-        memory::admit(stage, &pictures, own_bytes(&cast, &pictures), monitor)?;
-        let mut layout = Layout::of_meshes(stage, &cast, &pictures, is_quantized(&cast, options, bundle));
+        let distinct = distinct(stage, options, bundle, monitor)?;
+        let pictures =
+            if options.is_on("pictures") { pictures::of_materials(&distinct.materials) } else { Vec::new() };
+        memory::admit(stage, &pictures, own_bytes(&distinct, &pictures), monitor)?;
+        let mut layout =
+            Layout::of_meshes(stage, &distinct, &pictures, is_quantized(&distinct, options, bundle));
         let sources = embedded(&pictures, &mut layout)?;
-        let document = document(stage, &cast, &pictures, sources, options, &mut layout, monitor)?;
+        let document = document(stage, &distinct, &pictures, sources, options, &mut layout, monitor)?;
         let mut json = json(&document)?;
         // Both chunks end at a multiple of four (4.4.3): the buffer does anyway.
         json.resize(json.len().next_multiple_of(4), b' ');
@@ -248,22 +251,22 @@ impl Exporter for Glb {
             out.write(&json)?;
             out.write(&(binary as u32).to_le_bytes())?;
             out.write(b"BIN\0")?;
-            layout.write(&cast, out)
+            layout.write(&distinct, out)
         })
     }
 }
 
 /// Pictures into the buffer.
-fn embedded(pictures: &[Named<'_>], layout: &mut Layout) -> Result<Vec<ImageSource>, ExportError> {
+fn embedded(pictures: &[NamedPicture<'_>], layout: &mut Layout) -> Result<Vec<ImageSource>, ExportError> {
     let put = |png: &[u8]| ImageSource::BufferView(layout.push_blob(png.to_vec()));
-    Ok(picture::compress(pictures)?.into_iter().map(put).collect())
+    Ok(pictures::compress(pictures)?.into_iter().map(put).collect())
 }
 
 /// The document, but for the buffer's URI. `sources` tells where each picture is.
 fn document(
     stage: &Stage<'_>,
-    cast: &Cast<'_>,
-    pictures: &[Named<'_>],
+    distinct: &DistinctMeshes<'_>,
+    pictures: &[NamedPicture<'_>],
     sources: Vec<ImageSource>,
     options: &Options,
     layout: &mut Layout,
@@ -271,19 +274,19 @@ fn document(
 ) -> Result<Document, ExportError> {
     let quanta = layout.quanta.as_ref();
     let texture = |look: usize, picture| {
-        let index = picture::index_of(pictures, picture)?;
+        let index = pictures::index_of(pictures, picture)?;
         let range = quanta.and_then(|own| own.range(look));
         let extensions = range.map(|Range { offset, scale }| TextureExtensions {
             transform: TextureTransform { offset: offset.to_array(), scale: scale.to_array() },
         });
         Some(TextureInfo { index, extensions })
     };
-    let unlit = cast.dome.as_ref().map(|dome| dome.look);
-    let materials: Vec<Material> = cast
-        .looks
+    let unlit = distinct.dome.as_ref().map(|dome| dome.material);
+    let materials: Vec<Material> = distinct
+        .materials
         .iter()
         .enumerate()
-        .map(|(index, Look { name, material })| {
+        .map(|(index, NamedMaterial { name, material })| {
             let base_color_texture = texture(index, material.base_color_picture.as_ref());
             // The two are multiplied, and the picture is to be used as it is.
             // Without its picture there is nothing to cut.
@@ -307,16 +310,16 @@ fn document(
         .collect();
     let standing = match (options.is_on("instances"), stage.is_single()) {
         (false, _) => Standing::Plants(Vec::new()),
-        (true, true) => Standing::Leaves(nodes::lay_out_copies(cast, layout)),
+        (true, true) => Standing::Leaves(nodes::lay_out_copies(distinct, layout)),
         (true, false) => Standing::Plants(nodes::lay_out_instances(stage, layout)),
     };
     let SceneGraph { nodes, roots, meshes, cameras, lights, mut extensions, mut required } =
-        nodes::nodes(stage, cast, layout, &standing);
-    let animation = animation::animation(cast, &meshes, &nodes, layout);
+        nodes::nodes(stage, distinct, layout, &standing);
+    let animation = animation::animation(distinct, &meshes, &nodes, layout);
     if options.is_word("compress", "meshopt") {
         let bytes = stage.bytes() + layout.compressing_bytes();
         monitor.admit("compressing the meshes", bytes, "write without compress, or with quantize")?;
-        layout.compress(cast, monitor)?;
+        layout.compress(distinct, monitor)?;
         extensions.push(meshopt::EXTENSION);
         required.push(meshopt::EXTENSION);
     }

@@ -14,7 +14,7 @@ use super::document::{
 };
 use super::quantize::{self, Cube};
 use super::{recipe, setting};
-use crate::cast::{Cast, Piece};
+use crate::writing::distinct::{DistinctMeshes, MeshPart};
 
 /// The graph and what it refers to. The first node carries the recipe and all plants.
 pub(super) struct SceneGraph {
@@ -53,9 +53,9 @@ pub(super) fn lay_out_instances(stage: &Stage<'_>, layout: &mut Layout) -> Vec<I
 }
 
 /// Lays out where pieces stand that stand in many places: an entry for each piece.
-pub(super) fn lay_out_copies(cast: &Cast<'_>, layout: &mut Layout) -> Vec<Option<Instancing>> {
+pub(super) fn lay_out_copies(distinct: &DistinctMeshes<'_>, layout: &mut Layout) -> Vec<Option<Instancing>> {
     let cubes: Vec<Option<Cube>> = layout.primitives.iter().map(PrimitiveArrays::cube).collect();
-    let of_piece = |(piece, cube): (&Piece<'_>, Option<Cube>)| {
+    let of_piece = |(piece, cube): (&MeshPart<'_>, Option<Cube>)| {
         let placements = &piece.copies.as_ref()?.placements;
         // The cube is within the copy: what is stored is first put where the mesh has it.
         let moved = |own: &Placement| cube.map_or(own.position, |cube| own.point(cube.corner)).to_array();
@@ -70,7 +70,7 @@ pub(super) fn lay_out_copies(cast: &Cast<'_>, layout: &mut Layout) -> Vec<Option
         };
         Some(Instancing { attributes })
     };
-    cast.pieces().zip(cubes).map(of_piece).collect()
+    distinct.pieces().zip(cubes).map(of_piece).collect()
 }
 
 /// What stands in many places.
@@ -82,7 +82,12 @@ pub(super) enum Standing {
 }
 
 /// Builds the graph; `layout` is that of the meshes.
-pub(super) fn nodes(stage: &Stage<'_>, cast: &Cast<'_>, layout: &Layout, standing: &Standing) -> SceneGraph {
+pub(super) fn nodes(
+    stage: &Stage<'_>,
+    distinct: &DistinctMeshes<'_>,
+    layout: &Layout,
+    standing: &Standing,
+) -> SceneGraph {
     let (instances, copies) = match standing {
         Standing::Plants(own) => (own.as_slice(), &[][..]),
         Standing::Leaves(own) => (&[][..], own.as_slice()),
@@ -93,8 +98,15 @@ pub(super) fn nodes(stage: &Stage<'_>, cast: &Cast<'_>, layout: &Layout, standin
         extras: Extras { linden: recipe(&stage.recipe), ..Extras::default() },
         ..Node::default()
     };
-    let mut graph =
-        Graph { stage, cast, layout, copies, nodes: vec![root], meshes: Vec::new(), first_mesh: Vec::new() };
+    let mut graph = Graph {
+        stage,
+        distinct,
+        layout,
+        copies,
+        nodes: vec![root],
+        meshes: Vec::new(),
+        first_mesh: Vec::new(),
+    };
     graph.add_meshes(arrays);
     graph.nodes[0].children = if instances.is_empty() { graph.plants() } else { graph.instances(instances) };
     let mut extensions = Vec::new();
@@ -115,7 +127,7 @@ pub(super) fn nodes(stage: &Stage<'_>, cast: &Cast<'_>, layout: &Layout, standin
     if let Some(own) = &stage.setting {
         extensions.extend(setting::EXTENSIONS);
         let first = nodes.len();
-        let around = || cast.ground.iter().chain(&cast.dome);
+        let around = || distinct.ground.iter().chain(&distinct.dome);
         for (piece, arrays) in around().zip(&arrays[arrays.len() - around().count()..]) {
             let name = piece.name.to_string();
             nodes.push(Node { name: name.clone(), mesh: Some(meshes.len()), ..Node::default() });
@@ -139,7 +151,7 @@ pub(super) fn nodes(stage: &Stage<'_>, cast: &Cast<'_>, layout: &Layout, standin
 
 struct Graph<'a> {
     stage: &'a Stage<'a>,
-    cast: &'a Cast<'a>,
+    distinct: &'a DistinctMeshes<'a>,
     layout: &'a Layout,
     /// By piece, and so by mesh where each has its own.
     copies: &'a [Option<Instancing>],
@@ -154,9 +166,9 @@ impl Graph<'_> {
         let is_single = self.stage.is_single();
         let mut arrays = arrays.iter();
         for (plant, own) in self.stage.plants.iter().enumerate() {
-            let levels = self.cast.levels(plant);
-            for index in 0..self.cast.seasons(plant) * levels {
-                let model = &self.cast.models[self.first_model(plant) + index];
+            let levels = self.distinct.levels(plant);
+            for index in 0..self.distinct.seasons(plant) * levels {
+                let model = &self.distinct.models[self.first_model(plant) + index];
                 let suffix = suffix(index % levels, levels);
                 let primitives = model
                     .pieces
@@ -189,7 +201,7 @@ impl Graph<'_> {
     fn plants(&mut self) -> Vec<usize> {
         let stage = self.stage;
         if stage.is_single() {
-            if self.cast.levels(0) == 1 {
+            if self.distinct.levels(0) == 1 {
                 return self.parts(0, 0);
             }
             return vec![self.levels(&stage.places[0], &stage.plants[0].name, Self::assembly)];
@@ -222,7 +234,7 @@ impl Graph<'_> {
     }
 
     fn first_model(&self, plant: usize) -> usize {
-        self.cast.model(plant, 0, 0)
+        self.distinct.model(plant, 0, 0)
     }
 
     fn push(&mut self, node: Node) -> usize {
@@ -234,7 +246,7 @@ impl Graph<'_> {
     fn parts(&mut self, plant: usize, model: usize) -> Vec<usize> {
         let cube = self.cube(plant);
         let first = self.first_mesh[model];
-        let count = self.cast.models[model].pieces.len();
+        let count = self.distinct.models[model].pieces.len();
         (first..first + count)
             .map(|mesh| {
                 let name = self.meshes[mesh].name.clone();
@@ -280,10 +292,10 @@ impl Graph<'_> {
         name: &str,
         make: impl Fn(&mut Self, &Place, usize, String) -> Node,
     ) -> usize {
-        let levels = self.cast.levels(place.plant);
+        let levels = self.distinct.levels(place.plant);
         let of_levels: Vec<usize> = (0..levels)
             .map(|level| {
-                let model = self.cast.model(place.plant, 0, level);
+                let model = self.distinct.model(place.plant, 0, level);
                 let node = make(self, place, model, format!("{name}{}", suffix(level, levels)));
                 self.push(node)
             })
@@ -305,12 +317,12 @@ fn suffix(level: usize, levels: usize) -> String {
     if levels > 1 { format!("_LOD{level}") } else { String::new() }
 }
 
-fn primitive(piece: &Piece<'_>, arrays: &PrimitiveArrays) -> Primitive {
+fn primitive(piece: &MeshPart<'_>, arrays: &PrimitiveArrays) -> Primitive {
     let targets = arrays.wind.targets.iter().map(|&position| MorphTarget { position });
     Primitive {
         attributes: arrays.attributes(),
         indices: arrays.indices,
-        material: piece.look,
+        material: piece.material,
         targets: targets.collect(),
     }
 }

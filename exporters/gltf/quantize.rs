@@ -10,8 +10,8 @@ use linden::scene::{Bounds, Mesh};
 use super::byte_sink::ByteSink;
 use super::tangents::tangents;
 use crate::ExportError;
-use crate::cast::{Cast, Piece};
-use crate::picture::{self, Named};
+use crate::writing::distinct::{DistinctMeshes, MeshPart};
+use crate::writing::pictures::{self, NamedPicture};
 
 /// What readers need for positions, and for texture coordinates.
 pub(super) const EXTENSIONS: [&str; 2] = ["KHR_mesh_quantization", "KHR_texture_transform"];
@@ -23,7 +23,7 @@ const STEPS: f32 = 65535.0;
 pub(super) struct Quanta {
     /// By plant.
     cubes: Vec<Cube>,
-    /// By look; `None` where no picture is seen.
+    /// By material; `None` where no picture is seen.
     ranges: Vec<Option<Range>>,
 }
 
@@ -43,18 +43,22 @@ pub(super) struct Range {
 }
 
 impl Quanta {
-    pub fn new(cast: &Cast<'_>, pictures: &[Named<'_>]) -> Self {
+    pub fn new(distinct: &DistinctMeshes<'_>, pictures: &[NamedPicture<'_>]) -> Self {
         let cube = |plant: usize| {
-            let pieces = cast.models_of(plant).iter().flat_map(|model| &model.pieces);
+            let pieces = distinct.models_of(plant).iter().flat_map(|model| &model.pieces);
             let bounds = pieces.filter(|piece| piece.copies.is_none()).map(|piece| piece.bounds);
             let bounds = bounds.reduce(Bounds::union);
             Cube::around(bounds.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ONE }))
         };
-        let range = |look: usize| {
-            let material = cast.looks[look].material;
-            let shown = [&material.base_color_picture, &material.normal_picture];
-            shown.into_iter().find_map(|own| picture::index_of(pictures, own.as_ref()))?;
-            let own = cast.models.iter().flat_map(|model| &model.pieces).filter(|piece| piece.look == look);
+        let range = |material: usize| {
+            let named = &distinct.materials[material];
+            let shown = [&named.material.base_color_picture, &named.material.normal_picture];
+            shown.into_iter().find_map(|own| pictures::index_of(pictures, own.as_ref()))?;
+            let own = distinct
+                .models
+                .iter()
+                .flat_map(|model| &model.pieces)
+                .filter(|piece| piece.material == material);
             let uvs = own.flat_map(|piece| &piece.mesh.uvs).map(|uv| down(*uv));
             let (low, high) = uvs.fold(None, |range: Option<(Vec2, Vec2)>, uv| {
                 Some(range.map_or((uv, uv), |(low, high)| (low.min(uv), high.max(uv))))
@@ -62,8 +66,8 @@ impl Quanta {
             Some(Range { offset: low, scale: (high - low).max(Vec2::splat(f32::MIN_POSITIVE)) })
         };
         Self {
-            cubes: (0..cast.plants()).map(cube).collect(),
-            ranges: (0..cast.looks.len()).map(range).collect(),
+            cubes: (0..distinct.plants()).map(cube).collect(),
+            ranges: (0..distinct.materials.len()).map(range).collect(),
         }
     }
 
@@ -73,12 +77,12 @@ impl Quanta {
     }
 
     /// That of a plant's piece.
-    pub fn cube_of(&self, plant: usize, piece: &Piece<'_>) -> Cube {
+    pub fn cube_of(&self, plant: usize, piece: &MeshPart<'_>) -> Cube {
         if piece.copies.is_some() { Cube::around(piece.bounds) } else { self.cube(plant) }
     }
 
-    pub fn range(&self, look: usize) -> Option<Range> {
-        self.ranges[look]
+    pub fn range(&self, material: usize) -> Option<Range> {
+        self.ranges[material]
     }
 }
 

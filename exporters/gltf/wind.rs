@@ -9,7 +9,7 @@ use linden::wind::{Motion, PartWind};
 use super::byte_sink::ByteSink;
 use super::quantize::Cube;
 use crate::ExportError;
-use crate::cast::{Cast, Model, Piece};
+use crate::writing::distinct::{DistinctMeshes, MeshPart, PlantModel};
 
 /// Accessors of a mesh's wind.
 #[derive(Clone, Default)]
@@ -31,22 +31,22 @@ impl WindArrays {
 
 /// For each piece the motions that its mesh has targets for. All primitives of a glTF mesh have the same
 /// targets (3.7.2.2), and in a forest a plant is one mesh; a tree alone has a mesh for each part.
-pub(super) fn motions(stage: &Stage<'_>, cast: &Cast<'_>) -> Vec<Vec<Motion>> {
-    let has = |pieces: &[Piece<'_>]| -> Vec<Motion> {
+pub(super) fn motions(stage: &Stage<'_>, distinct: &DistinctMeshes<'_>) -> Vec<Vec<Motion>> {
+    let has = |pieces: &[MeshPart<'_>]| -> Vec<Motion> {
         let mut targets = pieces.iter().filter_map(|piece| piece.wind).flat_map(|wind| &wind.targets);
         let targets: Vec<Motion> = targets.by_ref().map(|target| target.motion).collect();
         Motion::ALL.into_iter().filter(|motion| targets.contains(motion)).collect()
     };
-    let of_model = |model: &Model<'_>| -> Vec<Vec<Motion>> {
+    let of_model = |model: &PlantModel<'_>| -> Vec<Vec<Motion>> {
         if stage.is_single() {
             model.pieces.iter().map(|piece| has(std::slice::from_ref(piece))).collect()
         } else {
             vec![has(&model.pieces); model.pieces.len()]
         }
     };
-    let mut all: Vec<Vec<Motion>> = cast.models.iter().flat_map(of_model).collect();
+    let mut all: Vec<Vec<Motion>> = distinct.models.iter().flat_map(of_model).collect();
     // Nothing around the plants moves.
-    all.resize(cast.pieces().count(), Vec::new());
+    all.resize(distinct.pieces().count(), Vec::new());
     all
 }
 

@@ -135,14 +135,14 @@ fn write_setting(
     open_group(layer, "Setting")?;
     write_camera(layer, &setting.camera)?;
     write_lights(layer, writing, setting)?;
-    if let Some(piece) = &writing.cast.ground {
+    if let Some(piece) = &writing.distinct.ground {
         layer.open("def Xform \"Ground\" (\n    kind = \"component\"\n)")?;
-        let look = &writing.cast.looks[piece.look];
+        let look = &writing.distinct.materials[piece.material];
         let mut names = Names::default();
         let (prim, name) = (names.unique(&piece.name), names.unique(&look.material.name));
         let path = format!("/{root}/Setting/Ground");
         layer.open("def Scope \"Geometry\"")?;
-        mesh::write(layer, &writing.cast, piece, "", &prim, &format!("{path}/Materials/{name}"))?;
+        mesh::write(layer, &writing.distinct, piece, "", &prim, &format!("{path}/Materials/{name}"))?;
         layer.close()?;
         layer.lines("\n")?;
         layer.open("def Scope \"Materials\"")?;

@@ -3,7 +3,8 @@
 //! Text was measured over the built-in presets, in bytes a vertex or node without indices: those follow
 //! from the number of digits.
 
-use crate::{Amounts, Options, mean_digits};
+use crate::writing::mean_digits;
+use crate::{Amounts, Options};
 
 // Of wind: characters of a vector of four numbers, those of a vector of three and its comma. Set by
 // estimate; three plants bear them out within 30 % (test).

@@ -1,6 +1,6 @@
 //! A layer as it is written: prims within prims, each indented under its own.
 
-use crate::chunks::{self, Text};
+use crate::writing::records::{self, Text};
 use crate::{ExportError, Sink};
 
 /// The text of a layer, up to some depth.
@@ -60,7 +60,7 @@ impl<'s, 'a> Layer<'s, 'a> {
         const PER_LINE: usize = 64;
         let pad = "    ".repeat(self.depth);
         self.out.write(format!("{pad}{declaration} = [").as_bytes())?;
-        chunks::write(self.out, count, |text, range| {
+        records::write(self.out, count, |text, range| {
             for i in range {
                 if i > 0 {
                     text.bytes(if i % PER_LINE == 0 { b",\n" } else { b", " });

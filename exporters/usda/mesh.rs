@@ -5,19 +5,19 @@ use super::layer::{Layer, vector};
 use super::syntax::tuple;
 use super::wind;
 use crate::ExportError;
-use crate::cast::{Cast, Piece};
+use crate::writing::distinct::{DistinctMeshes, MeshPart};
 
 /// A mesh below the prim at the path `parent`; `material` is the path of the one that is bound.
 pub(super) fn write(
     layer: &mut Layer<'_, '_>,
-    cast: &Cast<'_>,
-    piece: &Piece<'_>,
+    distinct: &DistinctMeshes<'_>,
+    piece: &MeshPart<'_>,
     parent: &str,
     name: &str,
     material: &str,
 ) -> Result<(), ExportError> {
-    let &Piece { ref mesh, bounds, look, wind, .. } = piece;
-    let material_of = cast.looks[look].material;
+    let &MeshPart { ref mesh, bounds, material: named, wind, .. } = piece;
+    let material_of = distinct.materials[named].material;
     let head = format!(
         r#"uniform bool doubleSided = {}
 float3[] extent = [{}, {}]

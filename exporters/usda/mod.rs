@@ -41,14 +41,11 @@ use self::layer::Layer;
 use self::package::Package;
 use self::plant::{Component, Head};
 use self::syntax::{identifier, quoted, unquoted};
-use crate::cast::{Cast, Piece};
-use crate::fit::fit;
 use crate::options::{OptionSpec, Options};
-use crate::picture::{self, Named};
-use crate::{
-    Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Sink, instances, memory,
-    recipe,
-};
+use crate::writing::distinct::{DistinctMeshes, MeshPart};
+use crate::writing::pictures::{self, NamedPicture};
+use crate::writing::{fit, instances, memory};
+use crate::{Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Sink, recipe};
 
 /// OpenUSD as text.
 pub(crate) struct Usda;
@@ -104,8 +101,8 @@ static PACKAGE: Format = Format {
 /// What all writers of prims need.
 struct Writing<'a> {
     stage: &'a Stage<'a>,
-    cast: Cast<'a>,
-    pictures: Vec<Named<'a>>,
+    distinct: DistinctMeshes<'a>,
+    pictures: Vec<NamedPicture<'a>>,
     /// The files of `pictures`.
     files: Vec<String>,
     /// The file of the sky's picture.
@@ -121,23 +118,23 @@ impl<'a> Writing<'a> {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<Self, ExportError> {
-        let mut cast = Cast::in_setting(stage, monitor)?;
+        let mut distinct = DistinctMeshes::in_setting(stage, monitor)?;
         let is_ar = options.is_word("flavor", "ar");
         let with_instances = options.is_on("instances") && !is_ar;
         if with_instances {
-            instances::unbake(&mut cast, stage, bundle, monitor)?;
+            instances::unbake(&mut distinct, stage, bundle, monitor)?;
         }
         let mut pictures =
-            if options.is_on("pictures") { picture::pictures(&cast.looks) } else { Vec::new() };
+            if options.is_on("pictures") { pictures::of_materials(&distinct.materials) } else { Vec::new() };
         if !pictures.is_empty() {
-            pictures.extend(stage.setting.as_ref().map(|setting| Named {
+            pictures.extend(stage.setting.as_ref().map(|setting| NamedPicture {
                 suffix: SKY.to_owned(),
                 picture: &setting.sky.picture,
                 wrap: Wrap::Clamp,
             }));
         }
         let with_skeleton = options.is_on("skeleton") && !is_ar;
-        Ok(Self { stage, cast, pictures, files: Vec::new(), sky: None, with_skeleton, with_instances })
+        Ok(Self { stage, distinct, pictures, files: Vec::new(), sky: None, with_skeleton, with_instances })
     }
 
     /// Says what each picture's file is called.
@@ -149,7 +146,7 @@ impl<'a> Writing<'a> {
 
     /// The file of a picture, where it is written.
     fn file(&self, picture: Option<&Arc<Picture>>) -> Option<&str> {
-        picture::index_of(&self.pictures, picture).map(|index| self.files[index].as_str())
+        pictures::index_of(&self.pictures, picture).map(|index| self.files[index].as_str())
     }
 }
 
@@ -180,9 +177,9 @@ impl Exporter for Usda {
             );
             writing.pictures.clear();
         }
-        memory::admit(stage, &writing.pictures, own_bytes(&writing.cast), monitor)?;
+        memory::admit(stage, &writing.pictures, own_bytes(&writing.distinct), monitor)?;
         let mut files = Vec::with_capacity(writing.pictures.len());
-        for (named, png) in writing.pictures.iter().zip(picture::compress(&writing.pictures)?) {
+        for (named, png) in writing.pictures.iter().zip(pictures::compress(&writing.pictures)?) {
             files.push(bundle.write_picture(&named.suffix, png, monitor)?);
         }
         writing.name_files(files);
@@ -213,14 +210,14 @@ impl Exporter for Usdz {
         }
         let mut writing = Writing::new(&stage, options, bundle, monitor)?;
         // The package is held whole: sizes and sums stand before the data.
-        let nodes = writing.cast.models.iter().map(|model| model.scene.skeleton.positions.len() as u64);
-        let text = writing.cast.pieces().map(text_bytes).sum::<u64>()
+        let nodes = writing.distinct.models.iter().map(|model| model.scene.skeleton.positions.len() as u64);
+        let text = writing.distinct.pieces().map(text_bytes).sum::<u64>()
             + CURVE_BYTES_PER_NODE * nodes.sum::<u64>()
-            + PLACEMENT_BYTES * writing.cast.placements() as u64;
-        memory::admit(&stage, &writing.pictures, own_bytes(&writing.cast) + text, monitor)?;
+            + PLACEMENT_BYTES * writing.distinct.placements() as u64;
+        memory::admit(&stage, &writing.pictures, own_bytes(&writing.distinct) + text, monitor)?;
         let files = writing.pictures.iter().map(|named| named.suffix.trim_start_matches('_').to_owned());
         writing.name_files(files.collect());
-        let pictures = picture::compress(&writing.pictures)?;
+        let pictures = pictures::compress(&writing.pictures)?;
         let files: usize = pictures.iter().map(|png| png.len()).sum();
         let mut package = Package::with_capacity(text as usize + files);
         package.push_with("tree.usda", |bytes| {
@@ -260,7 +257,7 @@ const OFFSET_BYTES: u64 = 40;
 
 /// What a mesh takes as text, rather more than less: a vertex was measured to take 85 bytes and a
 /// triangle 9 and its three indices, of which each has the digits of the last one at most.
-fn text_bytes(piece: &Piece<'_>) -> u64 {
+fn text_bytes(piece: &MeshPart<'_>) -> u64 {
     let mesh = &piece.mesh;
     let (vertices, triangles) = (mesh.positions.len() as u64, mesh.triangles.len() as u64);
     let digits = u64::from(vertices.max(1).ilog10()) + 1;
@@ -274,20 +271,20 @@ fn text_bytes(piece: &Piece<'_>) -> u64 {
 
 /// What writing takes: of one mesh after the other, its texture coordinates each once (a table of
 /// indices, at most half full, the values, an index a vertex).
-fn own_bytes(cast: &Cast<'_>) -> u64 {
+fn own_bytes(distinct: &DistinctMeshes<'_>) -> u64 {
     let indexed = |mesh: &Mesh| {
         let table = bytes_of::<u32>((2 * mesh.positions.len()).next_power_of_two());
         // Which vertices a target moves, in a list that grows.
         table + memory::per_vertex::<([f32; 2], u32)>(mesh).max(bytes_grown::<u32>(mesh.positions.len()))
     };
-    memory::largest(cast, indexed) + memory::formatting(cast) + 2 * instances::bytes(cast)
+    memory::largest(distinct, indexed) + memory::formatting(distinct) + 2 * instances::bytes(distinct)
 }
 
 fn write_layer(layer: &mut Layer<'_, '_>, writing: &Writing<'_>) -> Result<(), ExportError> {
     let stage = writing.stage;
     let root = identifier(&stage.name);
     let generator = quoted(GENERATOR);
-    let pieces: Vec<_> = writing.cast.pieces().collect();
+    let pieces: Vec<_> = writing.distinct.pieces().collect();
     let time = wind::sway(&pieces).map_or_else(String::new, wind::time);
     layer.lines(&format!(
         r#"#usda 1.0

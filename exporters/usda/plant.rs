@@ -11,7 +11,7 @@ use linden::scene::Bounds;
 use super::layer::Layer;
 use super::syntax::{Names, quoted};
 use super::{Writing, instancer, material, mesh, skeleton, wind};
-use crate::cast::{Model, Piece};
+use crate::writing::distinct::{MeshPart, PlantModel};
 use crate::{ExportError, GENERATOR};
 
 /// What stands before a model's braces, and its recipe.
@@ -86,8 +86,8 @@ impl<'a> Component<'a> {
         let mut own = Self { writing, plant, path, materials: BTreeMap::new() };
         let mut names = Names::default();
         for model in own.models() {
-            for &look in &model.looks {
-                let name = &writing.cast.looks[look].material.name;
+            for &look in &model.materials {
+                let name = &writing.distinct.materials[look].material.name;
                 own.materials.entry(look).or_insert_with(|| names.unique(name));
             }
         }
@@ -113,7 +113,7 @@ impl<'a> Component<'a> {
     pub fn write(&self, layer: &mut Layer<'_, '_>) -> Result<(), ExportError> {
         let (levels, seasons) = (self.levels(), self.seasons());
         let geometry = format!("{}/Geometry", self.path);
-        let all: Vec<&Piece<'_>> = self.models().flat_map(|model| &model.pieces).collect();
+        let all: Vec<&MeshPart<'_>> = self.models().flat_map(|model| &model.pieces).collect();
         wind::open_geometry(layer, &all)?;
         if let Some(sway) = wind::sway(&all) {
             wind::write_rig(layer, &geometry, sway, &all)?;
@@ -147,7 +147,7 @@ impl<'a> Component<'a> {
         }
         layer.open("def Scope \"Materials\"")?;
         for (&look, name) in &self.materials {
-            let look = &self.writing.cast.looks[look];
+            let look = &self.writing.distinct.materials[look];
             let path = format!("{}/Materials/{name}", self.path);
             let text = material::describe(look.material, name, &path, |picture| self.writing.file(picture));
             layer.lines(&text)?;
@@ -167,7 +167,7 @@ impl<'a> Component<'a> {
         layer.lines("\n")
     }
 
-    fn over_geometry(&self, layer: &mut Layer<'_, '_>, pieces: &[&Piece<'_>]) -> Result<(), ExportError> {
+    fn over_geometry(&self, layer: &mut Layer<'_, '_>, pieces: &[&MeshPart<'_>]) -> Result<(), ExportError> {
         let mut names = Names::default();
         layer.open("over \"Geometry\"")?;
         self.pieces(layer, pieces, &mut names)?;
@@ -179,11 +179,12 @@ impl<'a> Component<'a> {
     fn pieces(
         &self,
         layer: &mut Layer<'_, '_>,
-        pieces: &[&Piece<'_>],
+        pieces: &[&MeshPart<'_>],
         names: &mut Names,
     ) -> Result<(), ExportError> {
-        let is_with =
-            |a: &&Piece<'_>, b: &&Piece<'_>| a.copied_part().is_some() && a.copied_part() == b.copied_part();
+        let is_with = |a: &&MeshPart<'_>, b: &&MeshPart<'_>| {
+            a.copied_part().is_some() && a.copied_part() == b.copied_part()
+        };
         for together in pieces.chunk_by(is_with) {
             match together[0].copied_part() {
                 // A name that none of the parts has, in whichever variant it stands.
@@ -197,7 +198,7 @@ impl<'a> Component<'a> {
     fn instancer(
         &self,
         layer: &mut Layer<'_, '_>,
-        pieces: &[&Piece<'_>],
+        pieces: &[&MeshPart<'_>],
         name: &str,
     ) -> Result<(), ExportError> {
         let path = format!("{}/Geometry/{name}/Prototypes", self.path);
@@ -222,30 +223,30 @@ impl<'a> Component<'a> {
     fn mesh(
         &self,
         layer: &mut Layer<'_, '_>,
-        piece: &Piece<'_>,
+        piece: &MeshPart<'_>,
         parent: &str,
         names: &mut Names,
     ) -> Result<(), ExportError> {
-        let material = self.materials.get(&piece.look).map_or("", String::as_str);
+        let material = self.materials.get(&piece.material).map_or("", String::as_str);
         let binding = format!("{}/Materials/{material}", self.path);
-        mesh::write(layer, &self.writing.cast, piece, parent, &names.unique(&piece.name), &binding)
+        mesh::write(layer, &self.writing.distinct, piece, parent, &names.unique(&piece.name), &binding)
     }
 
     /// The pieces that all seasons share.
-    fn all_year(&self, level: usize) -> impl Iterator<Item = &'a Piece<'a>> {
+    fn all_year(&self, level: usize) -> impl Iterator<Item = &'a MeshPart<'a>> {
         self.model(0, level).pieces.iter().filter(move |piece| self.is_all_year(piece, level))
     }
 
     /// Whether it is the same in all seasons, with all that stands in one instancer with it.
-    fn is_all_year(&self, piece: &Piece<'_>, level: usize) -> bool {
+    fn is_all_year(&self, piece: &MeshPart<'_>, level: usize) -> bool {
         let Some(part) = piece.copied_part() else { return self.is_in_all(piece, level) };
         let of_seasons = (0..self.seasons()).flat_map(|season| &self.model(season, level).pieces);
         of_seasons.filter(|own| own.copied_part() == Some(part)).all(|own| self.is_in_all(own, level))
     }
 
-    fn is_in_all(&self, piece: &Piece<'_>, level: usize) -> bool {
+    fn is_in_all(&self, piece: &MeshPart<'_>, level: usize) -> bool {
         (0..self.seasons()).all(|season| {
-            let same = |own: &&Piece<'_>| own.name == piece.name && own.look == piece.look;
+            let same = |own: &&MeshPart<'_>| own.name == piece.name && own.material == piece.material;
             let own = self.model(season, level).pieces.iter().find(same);
             own.is_some_and(|own| {
                 own.is_placed_as(piece)
@@ -254,21 +255,21 @@ impl<'a> Component<'a> {
         })
     }
 
-    fn model(&self, season: usize, level: usize) -> &'a Model<'a> {
-        let cast = &self.writing.cast;
-        &cast.models[cast.model(self.plant, season, level)]
+    fn model(&self, season: usize, level: usize) -> &'a PlantModel<'a> {
+        let distinct = &self.writing.distinct;
+        &distinct.models[distinct.model(self.plant, season, level)]
     }
 
-    fn models(&self) -> impl Iterator<Item = &'a Model<'a>> + use<'a> {
-        let first = self.writing.cast.model(self.plant, 0, 0);
-        self.writing.cast.models[first..first + self.levels() * self.seasons()].iter()
+    fn models(&self) -> impl Iterator<Item = &'a PlantModel<'a>> + use<'a> {
+        let first = self.writing.distinct.model(self.plant, 0, 0);
+        self.writing.distinct.models[first..first + self.levels() * self.seasons()].iter()
     }
 
     fn levels(&self) -> usize {
-        self.writing.cast.levels(self.plant)
+        self.writing.distinct.levels(self.plant)
     }
 
     fn seasons(&self) -> usize {
-        self.writing.cast.seasons(self.plant)
+        self.writing.distinct.seasons(self.plant)
     }
 }

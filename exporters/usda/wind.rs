@@ -10,16 +10,16 @@ use linden::wind::{Motion, PartWind, Sway};
 use super::layer::{Layer, vector};
 use super::syntax::tuple;
 use crate::ExportError;
-use crate::cast::Piece;
+use crate::writing::distinct::MeshPart;
 
 /// The loop of some meshes.
-pub(super) fn sway<'a>(pieces: &[&Piece<'a>]) -> Option<&'a Sway> {
+pub(super) fn sway<'a>(pieces: &[&MeshPart<'a>]) -> Option<&'a Sway> {
     pieces.iter().find_map(|piece| piece.wind?.sway.as_deref())
 }
 
 /// What stands before the braces of the prim that carries a plant's meshes, and within them before
 /// everything else. `pieces` are all that it will carry.
-pub(super) fn open_geometry(layer: &mut Layer<'_, '_>, pieces: &[&Piece<'_>]) -> Result<(), ExportError> {
+pub(super) fn open_geometry(layer: &mut Layer<'_, '_>, pieces: &[&MeshPart<'_>]) -> Result<(), ExportError> {
     if sway(pieces).is_none() {
         return layer.open("def Scope \"Geometry\"");
     }
@@ -31,7 +31,7 @@ pub(super) fn open_geometry(layer: &mut Layer<'_, '_>, pieces: &[&Piece<'_>]) ->
 }
 
 /// The motions that some mesh has a target for.
-fn motions(pieces: &[&Piece<'_>]) -> Vec<Motion> {
+fn motions(pieces: &[&MeshPart<'_>]) -> Vec<Motion> {
     let targets = || pieces.iter().filter_map(|piece| piece.wind).flat_map(|wind| &wind.targets);
     Motion::ALL.into_iter().filter(|&motion| targets().any(|own| own.motion == motion)).collect()
 }
@@ -41,7 +41,7 @@ pub(super) fn write_rig(
     layer: &mut Layer<'_, '_>,
     path: &str,
     sway: &Sway,
-    pieces: &[&Piece<'_>],
+    pieces: &[&MeshPart<'_>],
 ) -> Result<(), ExportError> {
     let motions = motions(pieces);
     layer.open("def Skeleton \"WindRig\" (\n    prepend apiSchemas = [\"SkelBindingAPI\"]\n)")?;

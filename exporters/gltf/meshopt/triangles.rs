@@ -10,7 +10,7 @@ const HEADER: u8 = 0xe1;
 const RECENT: usize = 16;
 /// Pairs of corners that have a code of their own.
 const PAIRS: usize = 14;
-/// Triangles between two looks at the monitor.
+/// Triangles between two materials at the monitor.
 const PER_CHECK: usize = 1 << 16;
 /// No vertex: what is recent at first.
 const NONE: u32 = u32::MAX;

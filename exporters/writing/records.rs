@@ -1,4 +1,4 @@
-//! Formats long arrays in parallel and writes them in order.
+//! Long arrays, formatted in parallel and written in order, as text or as bytes.
 //!
 //! The bytes of a record depend on its index alone, so they are the same for any number of threads.
 
@@ -25,14 +25,40 @@ fn batch(count: usize) -> usize {
     batch.min(count.div_ceil(CHUNK)).max(1)
 }
 
-/// Bytes that [`write`] holds at once.
-pub(crate) fn bytes(count: usize) -> u64 {
+/// Bytes that [`write()`] holds at once for so many records: see [`memory::admit`](super::memory::admit).
+pub fn bytes(count: usize) -> u64 {
     (2 * batch(count) * CHUNK.min(count)) as u64 * BYTES_PER_RECORD
 }
 
 /// Writes `count` records: `format` appends those of a range to the text, for one range after another
 /// on any thread. Formatting goes on while earlier chunks are being written.
-pub(crate) fn write(
+///
+/// ```
+/// use linden::Quiet;
+/// use linden_exporters::{Bundle, writing::records};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let folder = tempfile::tempdir()?;
+/// let mut bundle = Bundle::create(&folder.path().join("squares.txt"))?;
+/// bundle.write_main(None, &Quiet, |out| {
+///     records::write(out, 3, |text, range| {
+///         for i in range {
+///             text.integer(i as u32);
+///             text.byte(b' ');
+///             text.float((i * i) as f32 / 2.0);
+///             text.byte(b'\n');
+///         }
+///     })
+/// })?;
+/// let path = bundle.commit()?.remove(0).path;
+/// assert_eq!(std::fs::read_to_string(path)?, "0 0\n1 0.5\n2 2\n");
+/// # Ok(())
+/// # }
+/// ```
+///
+/// # Errors
+/// [`ExportError::Io`] and [`ExportError::Cancelled`].
+pub fn write(
     out: &mut Sink<'_>,
     count: usize,
     format: impl Fn(&mut Text, Range<usize>) + Sync,
@@ -67,7 +93,7 @@ pub(crate) fn write(
 /// Numbers are short, and a call of `memcpy` for each costs as much as formatting it: everything here
 /// is copied in pieces of a length that the compiler knows, into room that is there already.
 #[derive(Default)]
-pub(crate) struct Text {
+pub struct Text {
     /// The first `len` bytes are the text.
     buffer: Vec<u8>,
     len: usize,
@@ -97,24 +123,27 @@ impl Text {
         self.buffer.resize(2 * self.buffer.len() + more + 4096, 0);
     }
 
+    /// Appends bytes as they are, a number of them that the compiler knows: a keyword, a record.
     #[inline]
     pub fn bytes<const N: usize>(&mut self, bytes: &[u8; N]) {
         *self.room() = *bytes;
         self.len += N;
     }
 
+    /// Appends one byte.
     #[inline]
     pub fn byte(&mut self, byte: u8) {
         self.bytes(&[byte]);
     }
 
+    /// Appends any number of bytes, one by one: for what is short and rare.
     pub fn slice(&mut self, bytes: &[u8]) {
         for &byte in bytes {
             self.byte(byte);
         }
     }
 
-    /// The shortest decimals that read back as the same number; whole numbers without a point.
+    /// Appends a finite number: the shortest decimals that read back as the same number; whole numbers without a point.
     #[inline]
     pub fn float(&mut self, x: f32) {
         debug_assert!(x.is_finite());
@@ -140,7 +169,7 @@ impl Text {
         }
     }
 
-    /// Each with `between` before it, save the first.
+    /// Appends finite numbers, with `between` before each save the first.
     #[inline]
     pub fn floats<const N: usize, const B: usize>(&mut self, numbers: [f32; N], between: &[u8; B]) {
         for (i, x) in numbers.into_iter().enumerate() {
@@ -151,11 +180,13 @@ impl Text {
         }
     }
 
+    /// Appends an integer in decimal.
     #[inline]
     pub fn integer(&mut self, n: u32) {
         self.digits(Digits::of(n));
     }
 
+    /// Appends an integer whose digits are there already.
     #[inline]
     pub fn digits(&mut self, digits: Digits) {
         *self.room() = digits.text;
@@ -165,12 +196,13 @@ impl Text {
 
 /// An integer in decimal, to be written any number of times.
 #[derive(Clone, Copy)]
-pub(crate) struct Digits {
+pub struct Digits {
     text: [u8; 16],
     len: usize,
 }
 
 impl Digits {
+    /// The digits of a number.
     #[inline]
     pub fn of(n: u32) -> Self {
         const EIGHT: u32 = 100_000_000;

@@ -1,5 +1,8 @@
 //! What is on a stage, each thing once: meshes with their boxes, materials with their names.
 //!
+//! A stage names plants, their seasons and levels, and the places where they stand; a file wants meshes and
+//! materials. [`DistinctMeshes`] is that list, and making it checks every number of it.
+//!
 //! Scenes hold their materials for themselves; the levels of a plant, and trees of a kind, share them.
 //! Equal materials become one here, under a name that no other has.
 
@@ -12,58 +15,79 @@ use linden::scene::{Bounds, Material, Mesh, Scene};
 use linden::stage::{Ground, Place, Sky, Stage};
 use linden::wind::PartWind;
 
-use crate::{ExportError, sound};
+use super::names::identifier;
+use super::validate;
+use crate::ExportError;
 
-/// Everything on a stage, checked.
-pub(crate) struct Cast<'a> {
+/// Everything on a stage, checked, each thing once.
+///
+/// ```
+/// use linden::{Quiet, dress::dress, grow::grow, preset::builtin, recipe::Recipe, stage::Stage};
+/// use linden_exporters::writing::distinct::DistinctMeshes;
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let recipe = Recipe::new(builtin("older-f").unwrap().load()?);
+/// let scene = dress(&recipe, &grow(&recipe, &Quiet)?, &Quiet)?;
+/// let stage = Stage::of(&scene);
+/// let distinct = DistinctMeshes::of(&stage, &Quiet)?;
+/// for (place, plant) in distinct.placed(&stage) {
+///     for part in &plant.pieces {
+///         let material = &distinct.materials[part.material];
+///         println!("{} of {}: {} triangles", part.name, material.name, part.mesh.triangles.len());
+///     }
+///     assert!(place.is_origin());
+/// }
+/// # Ok(())
+/// # }
+/// ```
+pub struct DistinctMeshes<'a> {
     /// All that is distinct: plant by plant, season by season, level by level.
-    pub models: Vec<Model<'a>>,
+    pub models: Vec<PlantModel<'a>>,
     /// Each once.
-    pub looks: Vec<Look<'a>>,
+    pub materials: Vec<NamedMaterial<'a>>,
     /// The ground that all stand on.
-    pub ground: Option<Piece<'a>>,
+    pub ground: Option<MeshPart<'a>>,
     /// The sky as a mesh: for formats that have none.
-    pub dome: Option<Piece<'a>>,
+    pub dome: Option<MeshPart<'a>>,
     /// By plant: its first model, and how many seasons and levels it has.
-    plants: Vec<Range>,
+    plants: Vec<PlantRange>,
 }
 
 #[derive(Clone, Copy)]
-struct Range {
+struct PlantRange {
     first: usize,
     seasons: usize,
     levels: usize,
 }
 
-/// A scene as the exporters of meshes see it.
-pub(crate) struct Model<'a> {
+/// A plant in one season and level of detail, as meshes.
+pub struct PlantModel<'a> {
     /// Where it comes from.
     pub scene: &'a Scene,
     /// Its parts.
-    pub pieces: Vec<Piece<'a>>,
-    /// Its materials, those that no part has included.
-    pub looks: Vec<usize>,
+    pub pieces: Vec<MeshPart<'a>>,
+    /// Indices of its materials, those that no part has included.
+    pub materials: Vec<usize>,
 }
 
 /// A mesh with one material.
-pub(crate) struct Piece<'a> {
+pub struct MeshPart<'a> {
     /// Unique within its model.
     pub name: Cow<'a, str>,
     /// The geometry.
     pub mesh: Cow<'a, Mesh>,
     /// Smallest and largest of the stored coordinates, exactly.
     pub bounds: Bounds,
-    /// Index into [`Cast::looks`].
-    pub look: usize,
+    /// Index into [`DistinctMeshes::materials`].
+    pub material: usize,
     /// How it swings.
     pub wind: Option<&'a PartWind>,
-    /// Where it stands, in units of its own, instead of once as it is.
-    pub copies: Option<Stand<'a>>,
+    /// Where it stands, moved from its origin, instead of once as it is.
+    pub copies: Option<MeshCopies<'a>>,
 }
 
-/// A mesh of a part that stands in many places.
-pub(crate) struct Stand<'a> {
-    /// The part's name: its copies are together.
+/// Where a mesh of a part stands in many places.
+pub struct MeshCopies<'a> {
+    /// The name of the part that it is a shape of.
     pub part: &'a str,
     /// At least one.
     pub placements: Vec<Placement>,
@@ -72,91 +96,91 @@ pub(crate) struct Stand<'a> {
 }
 
 /// A material under a name that no other has.
-pub(crate) struct Look<'a> {
+pub struct NamedMaterial<'a> {
     /// Lower-case identifier: `bark`; `norway_spruce_bark` where there are several kinds of plants.
     pub name: String,
     /// The material.
     pub material: &'a Material,
 }
 
-impl Piece<'_> {
+impl MeshPart<'_> {
     /// Whether both stand in the same places.
     pub fn is_placed_as(&self, other: &Self) -> bool {
-        let [own, other] = [self, other].map(|own| own.copies.as_ref().map(|own| &own.placements));
-        own == other
+        self.copies.as_ref().map(|copies| &copies.placements)
+            == other.copies.as_ref().map(|copies| &copies.placements)
     }
 
     /// The part that it is copies of, if it is.
     pub fn copied_part(&self) -> Option<&str> {
-        self.copies.as_ref().map(|own| own.part)
+        self.copies.as_ref().map(|copies| copies.part)
     }
 }
 
-impl<'a> Cast<'a> {
+impl<'a> DistinctMeshes<'a> {
     /// Checks the plants of a stage and lists them.
     ///
     /// # Errors
     /// [`ExportError::Scene`] for a stage or scene that breaks a promise of its types, and
     /// [`ExportError::Cancelled`].
     pub fn of(stage: &'a Stage<'_>, monitor: &dyn Monitor) -> Result<Self, ExportError> {
-        sound::check_stage(stage)?;
-        let mut cast =
-            Self { models: Vec::new(), looks: Vec::new(), ground: None, dome: None, plants: Vec::new() };
+        validate::stage(stage)?;
+        let mut distinct =
+            Self { models: Vec::new(), materials: Vec::new(), ground: None, dome: None, plants: Vec::new() };
         let mut names = BTreeSet::new();
         for plant in &stage.plants {
             let (seasons, levels) = (plant.seasons.len(), plant.levels().len());
-            cast.plants.push(Range { first: cast.models.len(), seasons, levels });
+            distinct.plants.push(PlantRange { first: distinct.models.len(), seasons, levels });
             for scene in plant.scenes() {
-                let bounds = sound::check(scene, monitor)?;
-                let looks: Vec<usize> = scene
+                let bounds = validate::scene(scene, monitor)?;
+                let materials: Vec<usize> = scene
                     .materials
                     .iter()
                     .map(|material| {
                         let kind = (stage.plants.len() > 1).then_some(scene.name.as_str());
-                        cast.look(material, kind, &mut names)
+                        distinct.index_of(material, kind, &mut names)
                     })
                     .collect();
-                let pieces: Vec<Piece<'_>> = scene
+                let pieces: Vec<MeshPart<'_>> = scene
                     .parts
                     .iter()
                     .zip(bounds)
-                    .map(|(part, bounds)| Piece {
+                    .map(|(part, bounds)| MeshPart {
                         name: Cow::Borrowed(&part.name),
                         mesh: Cow::Borrowed(&part.mesh),
                         bounds,
-                        look: looks[part.material],
+                        material: materials[part.material],
                         wind: part.wind.as_ref(),
                         copies: None,
                     })
                     .collect();
-                cast.models.push(Model { scene, pieces, looks });
+                distinct.models.push(PlantModel { scene, pieces, materials });
             }
         }
-        Ok(cast)
+        Ok(distinct)
     }
 
-    /// As [`Cast::of`], for formats that hold what stands around plants too.
+    /// As [`DistinctMeshes::of`], for formats that hold what stands around plants too.
     ///
     /// # Errors
-    /// As [`Cast::of`].
+    /// As [`DistinctMeshes::of`].
     pub fn in_setting(stage: &'a Stage<'_>, monitor: &dyn Monitor) -> Result<Self, ExportError> {
-        let mut cast = Self::of(stage, monitor)?;
+        let mut distinct = Self::of(stage, monitor)?;
         if let Some(Ground { mesh, material }) = stage.setting.as_ref().map(|setting| &setting.ground) {
-            cast.ground = Some(cast.around("Ground", mesh, material, monitor)?);
+            distinct.ground = Some(distinct.around("Ground", mesh, material, monitor)?);
         }
-        Ok(cast)
+        Ok(distinct)
     }
 
-    /// As [`Cast::in_setting`], with the sky as a mesh.
+    /// As [`DistinctMeshes::in_setting`], with the sky as a mesh.
     ///
     /// # Errors
-    /// As [`Cast::of`].
+    /// As [`DistinctMeshes::of`].
     pub fn under_dome(stage: &'a Stage<'_>, monitor: &dyn Monitor) -> Result<Self, ExportError> {
-        let mut cast = Self::in_setting(stage, monitor)?;
+        let mut distinct = Self::in_setting(stage, monitor)?;
         if let Some(Sky { dome, material, .. }) = stage.setting.as_ref().map(|setting| &setting.sky) {
-            cast.dome = Some(cast.around("Sky", dome, material, monitor)?);
+            distinct.dome = Some(distinct.around("Sky", dome, material, monitor)?);
         }
-        Ok(cast)
+        Ok(distinct)
     }
 
     fn around(
@@ -165,18 +189,23 @@ impl<'a> Cast<'a> {
         mesh: &'a Mesh,
         material: &'a Material,
         monitor: &dyn Monitor,
-    ) -> Result<Piece<'a>, ExportError> {
-        let bounds = sound::check_around(name, mesh, material, monitor)?;
-        let mut names = self.looks.iter().map(|look| look.name.clone()).collect();
-        let look = self.look(material, None, &mut names);
+    ) -> Result<MeshPart<'a>, ExportError> {
+        let bounds = validate::surroundings(name, mesh, material, monitor)?;
+        let mut names = self.materials.iter().map(|named| named.name.clone()).collect();
+        let index = self.index_of(material, None, &mut names);
         let (name, mesh) = (Cow::Borrowed(name), Cow::Borrowed(mesh));
-        Ok(Piece { name, mesh, bounds, look, wind: None, copies: None })
+        Ok(MeshPart { name, mesh, bounds, material: index, wind: None, copies: None })
     }
 
     /// The index of a material; lists it if it is new. `kind` is what its plant is called where there
     /// are several.
-    fn look(&mut self, material: &'a Material, kind: Option<&str>, names: &mut BTreeSet<String>) -> usize {
-        if let Some(known) = self.looks.iter().position(|look| look.material == material) {
+    fn index_of(
+        &mut self,
+        material: &'a Material,
+        kind: Option<&str>,
+        names: &mut BTreeSet<String>,
+    ) -> usize {
+        if let Some(known) = self.materials.iter().position(|named| named.material == material) {
             return known;
         }
         let plain = match kind {
@@ -189,8 +218,8 @@ impl<'a> Cast<'a> {
             name = format!("{plain}_{number}");
             number += 1;
         }
-        self.looks.push(Look { name, material });
-        self.looks.len() - 1
+        self.materials.push(NamedMaterial { name, material });
+        self.materials.len() - 1
     }
 
     /// The model of a plant in one of its seasons and levels.
@@ -200,8 +229,8 @@ impl<'a> Cast<'a> {
     }
 
     /// All models of a plant.
-    pub fn models_of(&self, plant: usize) -> &[Model<'a>] {
-        let Range { first, seasons, levels } = self.plants[plant];
+    pub fn models_of(&self, plant: usize) -> &[PlantModel<'a>] {
+        let PlantRange { first, seasons, levels } = self.plants[plant];
         &self.models[first..first + seasons * levels]
     }
 
@@ -221,22 +250,20 @@ impl<'a> Cast<'a> {
     }
 
     /// All meshes, each once; ground and sky come last.
-    pub fn pieces(&self) -> impl Iterator<Item = &Piece<'a>> {
+    pub fn pieces(&self) -> impl Iterator<Item = &MeshPart<'a>> {
         self.models.iter().flat_map(|model| &model.pieces).chain(&self.ground).chain(&self.dome)
     }
 
     /// How many copies of pieces stand somewhere.
     pub fn placements(&self) -> usize {
-        self.pieces().filter_map(|piece| piece.copies.as_ref()).map(|own| own.placements.len()).sum()
+        self.pieces().filter_map(|piece| piece.copies.as_ref()).map(|copies| copies.placements.len()).sum()
     }
 
     /// What stands where, seen from near.
-    pub fn placed<'s>(&'s self, stage: &'s Stage<'_>) -> impl Iterator<Item = (&'s Place, &'s Model<'a>)> {
+    pub fn placed<'s>(
+        &'s self,
+        stage: &'s Stage<'_>,
+    ) -> impl Iterator<Item = (&'s Place, &'s PlantModel<'a>)> {
         stage.places.iter().map(|place| (place, &self.models[self.model(place.plant, 0, 0)]))
     }
-}
-
-/// Lower-case ASCII letters, digits and `_`.
-fn identifier(name: &str) -> String {
-    name.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' }).collect()
 }

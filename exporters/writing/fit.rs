@@ -9,6 +9,28 @@ use crate::{Bundle, Format, Holds, LooksIn, REGISTRY};
 /// The knob that shows in pictures of normals alone.
 const RELIEF: &str = "bark_relief";
 
+/// Knobs that show in colours and pictures, most of them in these alone.
+const SHOWN: [&str; 18] = [
+    "bark",
+    "bark_color",
+    "bark_grain",
+    "bark_size",
+    "leaf_outline",
+    "leaf_lobes",
+    "leaf_lobe_depth",
+    "leaf_margin",
+    "leaf_petiole",
+    "twig_leaves",
+    "leaf_normals",
+    "leaf_colors",
+    "autumn_colors",
+    "leaf_tint_spread",
+    "evergreen",
+    "season",
+    "leaf_size",
+    "billboard_size",
+];
+
 /// `a, b and c`.
 fn listed(names: &[&str]) -> String {
     match names {
@@ -25,8 +47,23 @@ fn holders(holds: impl Fn(&Holds) -> bool) -> String {
 }
 
 /// The stage as far as a format holds it: in one season where it holds one. What it does not hold of what
-/// is on the stage, or of the knobs that were turned for it, is noted by name.
-pub(crate) fn fit<'a>(stage: &Stage<'a>, format: &Format, bundle: &mut Bundle) -> Stage<'a> {
+/// is on the stage, or of the knobs that were turned for it, is noted by name in the bundle.
+///
+/// ```
+/// use linden::{Quiet, dress::dress, grow::grow, preset::builtin, recipe::Recipe, stage::Stage};
+/// use linden_exporters::{Bundle, find, writing::fit};
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let recipe = Recipe::new(builtin("older-f").unwrap().load()?);
+/// let scene = dress(&recipe, &grow(&recipe, &Quiet)?, &Quiet)?;
+/// let stage = Stage::of(&scene).in_setting();
+/// let mut bundle = Bundle::stream("nowhere", std::io::sink());
+/// let fitted = fit(&stage, find("obj")?.format(), &mut bundle);
+/// assert_eq!(fitted.plants.len(), 1);
+/// assert!(bundle.notes()[0].starts_with("obj holds no camera, sun, sky and ground"));
+/// # Ok(())
+/// # }
+/// ```
+pub fn fit<'a>(stage: &Stage<'a>, format: &Format, bundle: &mut Bundle) -> Stage<'a> {
     let Format { id, holds, .. } = format;
     let mut parts = stage.plants.iter().flat_map(Plant::scenes).flat_map(|scene| &scene.parts);
     let has_wind = parts.any(|part| part.wind.is_some());
@@ -35,6 +72,12 @@ pub(crate) fn fit<'a>(stage: &Stage<'a>, format: &Format, bundle: &mut Bundle) -
         let rows = KNOBS.iter().filter(|row| section(row.section) && is_turned(row.knob.name));
         rows.map(|row| row.knob.name).collect()
     };
+    if !holds.recipe {
+        let others = holders(|holds| holds.recipe);
+        bundle.note(format!(
+            "{id} holds no recipe, so that nothing can tell from the file how the tree was grown; {others} hold it"
+        ));
+    }
     if !holds.surface {
         let mut names = turned(&Section::covers);
         for (is_there, name) in [
@@ -52,6 +95,19 @@ pub(crate) fn fit<'a>(stage: &Stage<'a>, format: &Format, bundle: &mut Bundle) -
             bundle.note(format!("{id} holds the skeleton alone: {} {change} nothing in it", listed(&names)));
         }
         return stage.in_season(0);
+    }
+    let shown: Vec<&str> =
+        turned(&|section| matches!(section, Section::Bark | Section::Foliage | Section::Detail))
+            .into_iter()
+            .filter(|name| SHOWN.contains(name))
+            .collect();
+    if !holds.colors && !shown.is_empty() {
+        let others = holders(|holds| holds.colors);
+        bundle.note(format!(
+            "{id} holds no colours and pictures: what {} {} of them is left out; {others} hold them",
+            listed(&shown),
+            if shown.len() == 1 { "changes" } else { "change" },
+        ));
     }
     if !holds.normals && stage.turned.iter().any(|name| name == RELIEF) {
         let others = holders(|holds| holds.normals);

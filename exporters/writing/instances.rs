@@ -11,7 +11,7 @@ use linden::foliage::{Copies, Instances};
 use linden::scene::{Bounds, Mesh, Part};
 use linden::stage::Stage;
 
-use crate::cast::{Cast, Piece, Stand};
+use crate::writing::distinct::{DistinctMeshes, MeshCopies, MeshPart};
 use crate::{Bundle, ExportError};
 
 /// The corners of a box: a bit for each axis.
@@ -22,8 +22,8 @@ const CORNERS: u8 = 8;
 ///
 /// # Errors
 /// [`ExportError::Memory`] and [`ExportError::Cancelled`].
-pub(crate) fn unbake(
-    cast: &mut Cast<'_>,
+pub fn unbake(
+    distinct: &mut DistinctMeshes<'_>,
     stage: &Stage<'_>,
     bundle: &mut Bundle,
     monitor: &dyn Monitor,
@@ -31,21 +31,21 @@ pub(crate) fn unbake(
     if !stage.is_single() {
         return Ok(());
     }
-    let all: u64 = own(cast).map(|(_, own)| own.most() as u64 * Instances::BYTES).sum();
+    let all: u64 = own(distinct).map(|(_, own)| own.most() as u64 * Instances::BYTES).sum();
     monitor.admit("placing the leaves", stage.bytes() + all, "write without instances")?;
-    if own(cast).next().is_none() {
+    if own(distinct).next().is_none() {
         bundle.note("instances: nothing on this plant stands in many places");
     }
-    if own(cast).any(|(part, _)| part.wind.is_some()) {
+    if own(distinct).any(|(part, _)| part.wind.is_some()) {
         bundle.note("instances: leaves that move in the wind are written one by one");
     }
-    if own(cast).any(|(part, own)| part.wind.is_none() && own.has_dome_normals()) {
+    if own(distinct).any(|(part, own)| part.wind.is_none() && own.has_dome_normals()) {
         bundle.note(
             "instances: leaves have the normals of their own faces; those that point out of the crown \
              (leaf_normals=dome) differ from copy to copy",
         );
     }
-    for model in &mut cast.models {
+    for model in &mut distinct.models {
         let mut pieces = Vec::with_capacity(model.pieces.len());
         for (part, piece) in model.scene.parts.iter().zip(std::mem::take(&mut model.pieces)) {
             monitor.check()?;
@@ -60,17 +60,17 @@ pub(crate) fn unbake(
 }
 
 /// Parts that have instances.
-fn own<'a>(cast: &Cast<'a>) -> impl Iterator<Item = (&'a Part, &'a Instances)> {
-    let parts = cast.models.iter().flat_map(|model| &model.scene.parts);
+fn own<'a>(distinct: &DistinctMeshes<'a>) -> impl Iterator<Item = (&'a Part, &'a Instances)> {
+    let parts = distinct.models.iter().flat_map(|model| &model.scene.parts);
     parts.filter_map(|part| Some((part, part.instances.as_ref()?)))
 }
 
-/// What a part's placements take.
-pub(crate) fn bytes(cast: &Cast<'_>) -> u64 {
-    cast.placements() as u64 * Instances::BYTES
+/// Bytes of all placements.
+pub fn bytes(distinct: &DistinctMeshes<'_>) -> u64 {
+    distinct.placements() as u64 * Instances::BYTES
 }
 
-fn split<'a>(part: &'a Part, instances: &'a Instances, piece: Piece<'a>, pieces: &mut Vec<Piece<'a>>) {
+fn split<'a>(part: &'a Part, instances: &'a Instances, piece: MeshPart<'a>, pieces: &mut Vec<MeshPart<'a>>) {
     let copies = instances.copies();
     let sum = |count: fn(&Mesh) -> usize| -> usize {
         copies.iter().map(|own| own.placements.len() * count(own.mesh)).sum()
@@ -83,11 +83,11 @@ fn split<'a>(part: &'a Part, instances: &'a Instances, piece: Piece<'a>, pieces:
         // The mesh has been changed since.
         return pieces.push(piece);
     };
-    let look = piece.look;
+    let material = piece.material;
     if triangles > 0 {
         let mesh = start(&part.mesh, vertices, triangles);
         let bounds = mesh.bounds().unwrap_or(piece.bounds);
-        pieces.push(Piece { mesh: Cow::Owned(mesh), bounds, ..piece });
+        pieces.push(MeshPart { mesh: Cow::Owned(mesh), bounds, ..piece });
     }
     for Copies { name, mesh, placements } in copies {
         let Some(bounds) = mesh.bounds() else { continue };
@@ -99,13 +99,13 @@ fn split<'a>(part: &'a Part, instances: &'a Instances, piece: Piece<'a>, pieces:
         let corners = (0..CORNERS).map(corner);
         let seen = placements.iter().flat_map(|own| corners.clone().map(|at| own.point(at)));
         let Some(seen) = Bounds::of(seen) else { continue };
-        pieces.push(Piece {
+        pieces.push(MeshPart {
             name: Cow::Owned(format!("{}_{name}", part.name)),
             mesh: Cow::Borrowed(mesh),
             bounds,
-            look,
+            material,
             wind: None,
-            copies: Some(Stand { part: &part.name, placements, seen }),
+            copies: Some(MeshCopies { part: &part.name, placements, seen }),
         });
     }
 }

@@ -9,11 +9,13 @@ use linden::scene::{Material, Wrap};
 use rayon::prelude::*;
 
 use crate::ExportError;
-use crate::cast::Look;
+use crate::writing::distinct::NamedMaterial;
 
 /// A picture on a stage, and what its file is called after the stem: `_bark_normal.png`.
-pub(crate) struct Named<'a> {
+pub struct NamedPicture<'a> {
+    /// What the name ends with.
     pub suffix: String,
+    /// The picture.
     pub picture: &'a Arc<Picture>,
     /// As its first material has it.
     pub wrap: Wrap,
@@ -25,32 +27,36 @@ fn is_same(a: &Arc<Picture>, b: &Arc<Picture>) -> bool {
 }
 
 /// Every picture of some materials once, in their order, named after its first use.
-pub(crate) fn pictures<'a>(looks: &[Look<'a>]) -> Vec<Named<'a>> {
-    let mut named: Vec<Named<'_>> = Vec::new();
-    for Look { name, material } in looks {
+pub fn of_materials<'a>(materials: &[NamedMaterial<'a>]) -> Vec<NamedPicture<'a>> {
+    let mut named: Vec<NamedPicture<'_>> = Vec::new();
+    for NamedMaterial { name, material } in materials {
         let Material { base_color_picture, normal_picture, .. } = material;
         for (picture, kind) in [(base_color_picture, ""), (normal_picture, "_normal")] {
             if let Some(picture) = picture
                 && !named.iter().any(|known| is_same(known.picture, picture))
             {
-                named.push(Named { suffix: format!("_{name}{kind}.png"), picture, wrap: material.wrap });
+                named.push(NamedPicture {
+                    suffix: format!("_{name}{kind}.png"),
+                    picture,
+                    wrap: material.wrap,
+                });
             }
         }
     }
     named
 }
 
-/// Where among [`pictures`] one is.
-pub(crate) fn index_of(named: &[Named<'_>], picture: Option<&Arc<Picture>>) -> Option<usize> {
+/// Where among the pictures of [`of_materials`] one is.
+pub fn index_of(named: &[NamedPicture<'_>], picture: Option<&Arc<Picture>>) -> Option<usize> {
     picture.and_then(|picture| named.iter().position(|known| is_same(known.picture, picture)))
 }
 
 /// Each picture as PNG, in the same order.
 ///
 /// # Errors
-/// Only for a picture whose pixels do not fill it, which [`crate::sound::check`] has refused before.
-pub(crate) fn compress<'a>(named: &[Named<'a>]) -> Result<Vec<&'a [u8]>, ExportError> {
-    let png = |named: &Named<'a>| {
+/// Only for a picture whose pixels do not fill it, which [`crate::writing::validate::check`] has refused before.
+pub fn compress<'a>(named: &[NamedPicture<'a>]) -> Result<Vec<&'a [u8]>, ExportError> {
+    let png = |named: &NamedPicture<'a>| {
         named.picture.png().map_err(|e| ExportError::Scene {
             what: format!("picture '{}'", named.suffix),
             problem: e.to_string(),
@@ -61,7 +67,7 @@ pub(crate) fn compress<'a>(named: &[Named<'a>]) -> Result<Vec<&'a [u8]>, ExportE
 
 /// The sRGB colour of the pixel where a texture coordinate (V up) is. What is cut out has a colour too:
 /// that of the edge nearby.
-pub(crate) fn color_at(picture: &Picture, wrap: Wrap, uv: Vec2) -> [u8; 3] {
+pub fn color_at(picture: &Picture, wrap: Wrap, uv: Vec2) -> [u8; 3] {
     let index = |x: f32, size: u32| {
         let x = if wrap == Wrap::Repeat { x - libm::floorf(x) } else { x.clamp(0.0, 1.0) };
         ((x * size as f32) as u32).min(size - 1) as usize
@@ -72,7 +78,7 @@ pub(crate) fn color_at(picture: &Picture, wrap: Wrap, uv: Vec2) -> [u8; 3] {
 }
 
 /// Linear 0..1 to sRGB 0..255.
-pub(crate) fn srgb(linear: f32) -> u8 {
+pub fn srgb(linear: f32) -> u8 {
     libm::roundf(encode(linear.clamp(0.0, 1.0)) * 255.0) as u8
 }
 

@@ -1,4 +1,5 @@
-//! Whether a scene keeps the promises of its types: a broken one is refused before a byte is written.
+//! Checks of what is to be written: a scene that breaks a promise of its types is refused before a byte
+//! is written.
 
 use linden::Monitor;
 use linden::scene::{Bounds, Material, Mesh, Part, Scene};
@@ -11,8 +12,11 @@ use crate::ExportError;
 /// Vertices or triangles per piece of parallel work.
 const CHUNK: usize = 1 << 16;
 
-/// Checks what a stage says beside its scenes.
-pub(crate) fn check_stage(stage: &Stage<'_>) -> Result<(), ExportError> {
+/// Checks what a stage says beside its scenes: names, places, levels.
+///
+/// # Errors
+/// [`ExportError::Scene`].
+pub fn stage(stage: &Stage<'_>) -> Result<(), ExportError> {
     let fault = |problem: String| ExportError::Scene { what: "the stage".to_owned(), problem };
     let strange = |name: &str| name.is_empty() || name.chars().any(char::is_control);
     if strange(&stage.name) {
@@ -60,18 +64,21 @@ pub(crate) fn check_stage(stage: &Stage<'_>) -> Result<(), ExportError> {
 
 /// The scene of a stage that holds one tree; its finest level, and its first season: the skeleton is
 /// the same in all of them.
-pub(crate) fn check_single<'a>(
+///
+/// # Errors
+/// [`ExportError::Holds`] where there are several trees, and as [`scene`].
+pub fn single_tree<'a>(
     stage: &Stage<'a>,
     format: &'static str,
     monitor: &dyn Monitor,
 ) -> Result<&'a Scene, ExportError> {
-    check_stage(stage)?;
+    self::stage(stage)?;
     let first = stage.plants.first().and_then(|plant| plant.levels().first());
     let Some(first) = first.filter(|_| stage.is_single()) else {
         let advice = "write its trees one by one, or the whole as glb or usda";
         return Err(ExportError::Holds { format, what: "several trees", advice });
     };
-    check(first.scene, monitor)?;
+    scene(first.scene, monitor)?;
     Ok(first.scene)
 }
 
@@ -81,7 +88,10 @@ fn is_line(text: &str) -> bool {
 
 /// Checks every number and index of a scene. Gives the box around each part on the way: smallest and
 /// largest of the stored coordinates, exactly.
-pub(crate) fn check(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Bounds>, ExportError> {
+///
+/// # Errors
+/// [`ExportError::Scene`] and [`ExportError::Cancelled`].
+pub fn scene(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Bounds>, ExportError> {
     let fault =
         |problem: &str| ExportError::Scene { what: "the scene".to_owned(), problem: problem.to_owned() };
     if scene.name.is_empty() || scene.name.chars().any(char::is_control) {
@@ -99,8 +109,11 @@ pub(crate) fn check(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Bounds>,
     scene.parts.iter().map(|part| check_part(scene, part, monitor)).collect()
 }
 
-/// As [`check`], for what stands around plants.
-pub(crate) fn check_around(
+/// As [`scene`], for what stands around plants.
+///
+/// # Errors
+/// As [`scene`].
+pub fn surroundings(
     name: &str,
     mesh: &Mesh,
     material: &Material,
@@ -306,7 +319,7 @@ mod tests {
 
     #[test]
     fn bounds_are_the_stored_numbers() {
-        let bounds = check(&scene(), &linden::Quiet).unwrap();
+        let bounds = super::scene(&scene(), &linden::Quiet).unwrap();
         assert_eq!(bounds, [Bounds { min: Vec3::ZERO, max: Vec3::new(1.0, 1.0, 0.0) }]);
     }
 }

@@ -1,0 +1,154 @@
+//! Formats by id and by a file's ending: linden's, those that a program adds, and plug-ins.
+
+use std::io;
+use std::path::Path;
+
+use linden::knob::nearest;
+
+use crate::{ExportError, Exporter, REGISTRY, Readable, plugin, recipe};
+
+/// Formats to choose from: linden's, those that a program adds, and at last those of plug-ins: a format
+/// `foo` that is none of these is the program `linden-export-foo` on the search path.
+///
+/// ```
+/// # use std::io;
+/// # use linden::{Monitor, stage::Stage};
+/// # use linden_exporters::{Bundle, Encoding, ExportError, Exporter, Format, Holds, Options, Readable};
+/// # struct Tips;
+/// # static FORMAT: Format = Format {
+/// #     id: "tips", name: "", extensions: &["tips"], media_type: "text/plain", self_contained: true, help: "",
+/// #     options: &[], holds: Holds::SKELETON, encoding: |_| Encoding::Text, estimate: None,
+/// # };
+/// # impl Exporter for Tips {
+/// #     fn format(&self) -> &'static Format { &FORMAT }
+/// #     fn recipe(&self, _: &mut dyn Readable) -> io::Result<Option<String>> { Ok(None) }
+/// #     fn write(&self, _: &Stage<'_>, _: &Options, bundle: &mut Bundle, monitor: &dyn Monitor) -> Result<(), ExportError> {
+/// #         bundle.write_main(None, monitor, |_| Ok(()))
+/// #     }
+/// # }
+/// use std::path::Path;
+///
+/// use linden_exporters::Registry;
+///
+/// // `Tips` is an exporter of this program.
+/// let registry = Registry::new().with(&Tips);
+/// assert_eq!(registry.for_path(Path::new("oak.tips"))?.format().id, "tips");
+/// assert_eq!(registry.find("glb")?.format().extensions, ["glb"]);
+/// # Ok::<(), linden_exporters::ExportError>(())
+/// ```
+#[derive(Clone)]
+pub struct Registry {
+    exporters: Vec<&'static dyn Exporter>,
+}
+
+impl Default for Registry {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Registry {
+    /// Linden's formats.
+    pub fn new() -> Self {
+        Self { exporters: REGISTRY.to_vec() }
+    }
+
+    /// The same with one more format. Ids and endings that are taken stay with those that have them.
+    #[must_use]
+    pub fn with(mut self, exporter: &'static dyn Exporter) -> Self {
+        self.exporters.push(exporter);
+        self
+    }
+
+    /// All formats, those of plug-ins on the search path last.
+    pub fn exporters(&self) -> Vec<&'static dyn Exporter> {
+        let is_known = |id: &str| self.exporters.iter().any(|exporter| exporter.format().id == id);
+        let plugins = plugin::all().into_iter().filter(|exporter| !is_known(exporter.format().id));
+        self.exporters.iter().copied().chain(plugins).collect()
+    }
+
+    /// The exporter that scripts call `id`.
+    ///
+    /// # Errors
+    /// [`ExportError::UnknownFormat`] with the nearest name and the list.
+    pub fn find(&self, id: &str) -> Result<&'static dyn Exporter, ExportError> {
+        let ids = || self.exporters.iter().map(|exporter| exporter.format().id);
+        let found = self.exporters.iter().copied().find(|exporter| exporter.format().id == id);
+        found.or_else(|| plugin::find(id)).ok_or_else(|| ExportError::UnknownFormat {
+            typed: id.to_owned(),
+            nearest: nearest(&id.to_lowercase(), ids()),
+            known: ids().collect(),
+        })
+    }
+
+    /// The exporter for a file's ending, in any case.
+    ///
+    /// # Errors
+    /// [`ExportError::UnknownExtension`] with the nearest ending and the list.
+    pub fn for_path(&self, path: &Path) -> Result<&'static dyn Exporter, ExportError> {
+        let typed = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
+        let endings = || self.exporters.iter().flat_map(|exporter| exporter.format().extensions).copied();
+        self.exporters
+            .iter()
+            .copied()
+            .find(|exporter| exporter.format().extensions.contains(&typed.as_str()))
+            .or_else(|| plugin::find(&typed))
+            .ok_or_else(|| {
+                let mut known: Vec<_> = endings().collect();
+                known.dedup();
+                ExportError::UnknownExtension {
+                    path: path.to_owned(),
+                    nearest: nearest(&typed, endings()).filter(|_| !typed.is_empty()),
+                    known,
+                }
+            })
+    }
+
+    /// The recipe that a file carries, letter by letter, whichever of these formats it is in, previews (PNG)
+    /// included; `None` where it carries none. It is one line of JSON: a tree's
+    /// ([`Preset::from_json`](linden::preset::Preset::from_json)) or a forest's
+    /// ([`ForestDocument::parse`](linden::forest::ForestDocument::parse)).
+    ///
+    /// # Errors
+    /// What reading failed with; a file of another format is no error.
+    pub fn recipe_in(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {
+        recipe::in_any(&self.exporters, file)
+    }
+}
+
+/// All formats of [`Registry::new`] and of plug-ins on the search path.
+pub fn exporters() -> Vec<&'static dyn Exporter> {
+    Registry::new().exporters()
+}
+
+/// The exporter of [`Registry::new`] that scripts call `id`.
+///
+/// # Errors
+/// As [`Registry::find`].
+pub fn find(id: &str) -> Result<&'static dyn Exporter, ExportError> {
+    Registry::new().find(id)
+}
+
+/// The exporter of [`Registry::new`] for a file's ending, in any case.
+///
+/// # Errors
+/// As [`Registry::for_path`].
+pub fn for_path(path: &Path) -> Result<&'static dyn Exporter, ExportError> {
+    Registry::new().for_path(path)
+}
+
+/// The recipe that a file in one of the formats of [`Registry::new`] carries: see [`Registry::recipe_in`].
+///
+/// ```
+/// use std::io::Cursor;
+/// let file = b"# linden 0.1.0\n# name: fir\n# recipe: {\"id\":\"fir\"}\nv 0 0 0\n";
+/// let recipe = linden_exporters::recipe_in(&mut Cursor::new(file))?;
+/// assert_eq!(recipe.as_deref(), Some("{\"id\":\"fir\"}"));
+/// # Ok::<(), std::io::Error>(())
+/// ```
+///
+/// # Errors
+/// As [`Registry::recipe_in`].
+pub fn recipe_in(file: &mut dyn Readable) -> io::Result<Option<String>> {
+    recipe::in_any(REGISTRY, file)
+}
