@@ -16,3 +16,8 @@ pub mod presets {
         builtin.recipe(&Quiet).unwrap_or_else(|error| panic!("{}: {error}", builtin.id))
     }
 }
+
+/// The examples of `docs/library.md`, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/library.md")]
+struct LibraryPage;

@@ -4,6 +4,7 @@
 mod bad_input;
 mod completions;
 mod describe;
+mod docs;
 mod doctor;
 mod effects;
 mod figures;

@@ -1,0 +1,202 @@
+//! What documents say of knobs, formats, crown shapes and parts is made from the tables that the program
+//! reads.
+
+use std::fmt::Write as _;
+
+use linden::colonization::crown::SHAPES;
+use linden::knob::Knob;
+use linden::preset::{KNOBS, PART_KNOBS, Preset, Section};
+use linden_exporters::{Format, LooksIn, REGISTRY};
+
+use crate::{is_update, read, root};
+
+const COMMAND: &str = "LINDEN_UPDATE=1 cargo test -p linden-tests --test docs";
+
+/// Compares a file with what it should be, or writes it.
+fn check(path: &str, wanted: &str) {
+    if is_update() {
+        std::fs::write(root().join(path), wanted).unwrap();
+    }
+    let found = read(path);
+    for (i, (found, wanted)) in found.lines().zip(wanted.lines()).enumerate() {
+        assert_eq!(found, wanted, "{path}:{} is old: {COMMAND}", i + 1);
+    }
+    assert_eq!(found.lines().count(), wanted.lines().count(), "{path} is old: {COMMAND}");
+}
+
+/// The same for what stands between two comments of a page.
+fn check_block(path: &str, name: &str, wanted: &str) {
+    let page = read(path);
+    let (begin, end) = (format!("<!-- {name}: {COMMAND} -->\n"), format!("<!-- /{name} -->"));
+    let (before, rest) = page.split_once(&begin).unwrap_or_else(|| panic!("{path} has no {begin}"));
+    let (_, after) = rest.split_once(&end).unwrap_or_else(|| panic!("{path} has no {end}"));
+    check(path, &format!("{before}{begin}{wanted}{end}{after}"));
+}
+
+/// Text in a cell of a table.
+fn cell(text: &str) -> String {
+    text.replace('|', "\\|")
+}
+
+/// What values a knob takes, with its unit.
+fn values(knob: &Knob) -> String {
+    let unit = if knob.unit.is_empty() { String::new() } else { format!(" ({})", knob.unit) };
+    cell(&format!("{}{unit}", knob.kind))
+}
+
+/// A row of a table of knobs.
+fn row(knob: &Knob, default: &str) -> String {
+    format!("| `{}` | {} | {} | {} |\n", knob.name, cell(default), values(knob), cell(knob.help))
+}
+
+const HEAD: &str = "| knob | default | values | |\n|---|---|---|---|\n";
+
+/// The simplest presets of both kinds: all of them at its default.
+fn plain() -> [Preset; 2] {
+    ["axiom = \"F\"\nrules = [\"F -> FF\"]", "crown = \"dome\""].map(|own| {
+        let table = if own.starts_with("axiom") { "lsystem" } else { "colonization" };
+        Preset::from_toml(&format!("id = \"plain\"\n[{table}]\n{own}\n")).unwrap()
+    })
+}
+
+#[test]
+fn the_knobs_are_those_of_the_program() {
+    let presets = plain();
+    let default = |name: &str| {
+        let all = presets.iter().flat_map(Preset::knobs);
+        let found = all.into_iter().find(|(knob, _)| knob.knob.name == name);
+        found.map_or_else(String::new, |(_, value)| value.to_string())
+    };
+    let mut page = format!(
+        "# Knobs\n\n\
+         Generated from the tables of the program: `{COMMAND}`.\n\n\
+         Turned by `--set KNOB=VALUE`, in the workbench, or in a preset's document, under the table that the section is \
+         called by.\nLengths are metres. `17D` is seventeen steps. The dimensions of crowns are with their\n\
+         [shapes](crowns.md#shapes), what a part may have with the [parts](crowns.md#parts).\n\
+         `linden show SOURCE` lists the knobs of one source with their values.\n"
+    );
+    for section in Section::ALL {
+        let (heading, about) = match section {
+            Section::Tree => ("tree", "Before all tables of a document."),
+            Section::LSystem => (
+                "lsystem",
+                "How a [grammar](grammar.md) is derived and drawn. Chance is keyed by the place in the tree, so that an edit does not\n\
+             reshuffle the rest.",
+            ),
+            Section::Colonization => {
+                ("colonization", "[Crowns and growth](crowns.md), and [scans](scans.md).")
+            }
+            Section::Wood => (
+                "wood",
+                "Radii (`width` is the rule for them), and `refine`, a list of steps that are applied to the axes after growth, as in\n\
+             Runions, Lane & Prusinkiewicz 2007.",
+            ),
+            Section::Surface => (
+                "surface",
+                "The mesh of the wood. `junction=watertight` makes all wood one closed solid for printing and simulation.",
+            ),
+            Section::Bark => (
+                "bark",
+                "Bark is drawn by the program. Pictures of yours replace it: `bark_picture` tiles and is `bark_tile` metres wide.",
+            ),
+            Section::Foliage => (
+                "foliage",
+                "Leaves, of any generator; the wood does not change with them. `[[foliage.also]]` has the same knobs for a second kind,\n\
+             for blossom or fruit.",
+            ),
+            Section::Detail => ("detail", "[Levels of detail](formats.md#levels-of-detail)."),
+            Section::Wind => ("wind", "[Wind](formats.md#wind)."),
+        };
+        assert!(section == Section::Tree || heading == section.key());
+        write!(page, "\n## {heading}\n\n{about}\n\n{HEAD}").unwrap();
+        for own in KNOBS.iter().filter(|knob| knob.section == section) {
+            page += &row(&own.knob, &default(own.knob.name));
+        }
+        for (_, key, help) in Preset::file_keys().filter(|(own, _, _)| *own == section) {
+            writeln!(page, "| `{key}` | none | the name of a file | {} |", cell(help)).unwrap();
+        }
+    }
+    check("docs/knobs.md", &page);
+}
+
+#[test]
+fn crown_shapes_and_parts_are_those_of_the_program() {
+    let mut text =
+        "| `crown` | | dimensions, and what they are when nothing is said |\n|---|---|---|\n".to_owned();
+    for shape in SHAPES {
+        let dimensions: Vec<String> = shape
+            .knobs
+            .iter()
+            .map(|own| {
+                let unit =
+                    if own.knob.unit.is_empty() { String::new() } else { format!(" {}", own.knob.unit) };
+                format!(
+                    "`{}` {}{unit}: {}",
+                    own.knob.name,
+                    cell(&(own.default)().to_string()),
+                    cell(own.knob.help)
+                )
+            })
+            .collect();
+        writeln!(text, "| `{}` | {} | {} |", shape.id, cell(shape.help), dimensions.join("<br>")).unwrap();
+    }
+    // One test for both, so that they do not write over each other.
+    check_block("docs/crowns.md", "crowns", &text);
+    check_block("docs/crowns.md", "parts", &parts());
+}
+
+/// The keys of parts.
+fn parts() -> String {
+    let mut text = "| key of a part | values | |\n|---|---|---|\n".to_owned();
+    for own in PART_KNOBS {
+        let knob = &own.field.knob;
+        writeln!(text, "| `{}` | {} | {} |", knob.name, values(knob), cell(knob.help)).unwrap();
+    }
+    text
+}
+
+/// Where a format has levels, or seasons.
+fn looks(own: LooksIn) -> &'static str {
+    match own {
+        LooksIn::One => "in one file",
+        LooksIn::Files => "a file each",
+        LooksIn::Nothing => "",
+    }
+}
+
+fn format_row(format: &Format) -> String {
+    let yes = |own: bool| if own { "yes" } else { "" };
+    let endings: Vec<String> = format.extensions.iter().map(|ending| format!("`.{ending}`")).collect();
+    let holds = &format.holds;
+    format!(
+        "| `{}` | {} | {} | {} | {} | {} | {} |\n",
+        format.id,
+        endings.join(" "),
+        cell(format.help),
+        looks(holds.levels),
+        looks(holds.seasons),
+        yes(holds.wind),
+        yes(holds.setting),
+    )
+}
+
+#[test]
+fn the_formats_are_those_of_the_program() {
+    let mut text =
+        "| id | ending | | levels | seasons | wind | `--scene` |\n|---|---|---|---|---|---|---|\n".to_owned();
+    let formats: Vec<&Format> = REGISTRY.iter().map(|exporter| exporter.format()).collect();
+    for format in &formats {
+        text += &format_row(format);
+    }
+    text += "| any other | | the program `linden-export-ID` on the PATH: [below](#formats-of-your-own) | | | | |\n";
+    text += "\n| option (`--set`) | default | values | |\n|---|---|---|---|\n";
+    for format in &formats {
+        for option in format.options {
+            let knob = &option.knob;
+            let name = format!("{}.{}", format.id, knob.name);
+            writeln!(text, "| `{name}` | {} | {} | {} |", option.default, values(knob), cell(knob.help))
+                .unwrap();
+        }
+    }
+    check_block("docs/formats.md", "formats", &text);
+}
