@@ -100,8 +100,8 @@ impl ForestOutlook {
         let outlook = |(tree, count): (&Tree, f64)| {
             let mut recipe = tree.recipe.clone();
             let budget = triangles.saturating_mul(tree.stems);
-            let own = &mut recipe.preset.detail.triangles;
-            *own = if *own == 0 { budget } else { budget.min(*own) };
+            let budgeted = &mut recipe.preset.detail.triangles;
+            *budgeted = if *budgeted == 0 { budget } else { budget.min(*budgeted) };
             let outlook = Outlook::of(&recipe, monitor)?;
             Some((recipe, outlook, count))
         };

@@ -75,7 +75,7 @@ fn cgroup(root: &Path) -> Option<u64> {
         let (controllers, path) = line.split_once(':')?.1.split_once(':')?;
         let (base, file) = match controllers {
             "" => ("sys/fs/cgroup", "memory.max"),
-            own if own.split(',').any(|own| own == "memory") => {
+            controllers if controllers.split(',').any(|controllers| controllers == "memory") => {
                 ("sys/fs/cgroup/memory", "memory.limit_in_bytes")
             }
             _ => return None,
@@ -88,8 +88,8 @@ fn cgroup(root: &Path) -> Option<u64> {
 /// The limits of a group and of those above it. A container may not see the upper part of its own path:
 /// what is not there limits nothing.
 fn limits(base: &Path, path: &str, file: &str) -> Vec<u64> {
-    let own = PathBuf::from(path);
-    let groups = own.ancestors().map(|group| base.join(group).join(file));
+    let group_path = PathBuf::from(path);
+    let groups = group_path.ancestors().map(|group| base.join(group).join(file));
     groups.filter_map(|file| std::fs::read_to_string(file).ok()?.trim().parse().ok()).collect()
 }
 

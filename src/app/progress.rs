@@ -18,10 +18,10 @@ const PACE: Duration = Duration::from_millis(50);
 pub struct Progress {
     started: Instant,
     shows: bool,
-    shown: Mutex<Shown>,
+    shown: Mutex<ShownBar>,
 }
 
-struct Shown {
+struct ShownBar {
     bar: Option<(Phase, ProgressBar)>,
     last: Instant,
 }
@@ -30,7 +30,7 @@ impl Progress {
     /// Starts the clock.
     pub fn new() -> Self {
         let now = Instant::now();
-        let shown = Mutex::new(Shown { bar: None, last: now });
+        let shown = Mutex::new(ShownBar { bar: None, last: now });
         Self { started: now, shows: std::io::stderr().is_terminal(), shown }
     }
 

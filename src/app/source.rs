@@ -114,7 +114,7 @@ fn ensure_is_file(path: &Path) -> anyhow::Result<()> {
             )));
         }
         let users = Dirs::of_environment().presets().map_or_else(Vec::new, |dir| presets::ids(&dir));
-        let known = builtins().iter().map(|own| own.id).chain(users.iter().map(String::as_str));
+        let known = builtins().iter().map(|builtin| builtin.id).chain(users.iter().map(String::as_str));
         let hint = path.to_str().and_then(|typed| nearest(typed, known));
         let hint = hint.or(forest.and_then(|forest| forest.err().flatten()));
         return Err(usage(format!(
@@ -144,7 +144,7 @@ struct Reader<'a> {
 }
 
 /// A preset with the text that it stands in.
-struct Document<'a> {
+struct NamedDocument<'a> {
     /// `None`: standard input.
     path: Option<&'a Path>,
     shown: &'a str,
@@ -211,14 +211,14 @@ impl<'a> Reader<'a> {
             InputKind::Preset => {
                 let text = document(bytes, shown, self.monitor)?;
                 let preset = Preset::from_toml(text).map_err(|fault| locate(shown, &fault))?;
-                return self.furnished(preset, &Document { path, shown, text });
+                return self.furnished(preset, &NamedDocument { path, shown, text });
             }
             InputKind::Recipe => return self.recipe(path, shown, document(bytes, shown, self.monitor)?),
             InputKind::Grammar => {
-                let own = text::parse(utf8(bytes, shown)?).map_err(|error| {
+                let parsed = text::parse(utf8(bytes, shown)?).map_err(|error| {
                     anyhow::anyhow!("{shown}:{}:{}: {}", error.line, error.column, error.problem)
                 })?;
-                let preset = Preset::of_grammar(&id, own.grammar, own.angle_deg, own.derivations);
+                let preset = Preset::of_grammar(&id, parsed.grammar, parsed.angle_deg, parsed.derivations);
                 return Ok(self.replaced(Recipe::new(preset)));
             }
             InputKind::ObjMesh | InputKind::PlyMesh => alone(Space::Envelope { file: name.clone() }),
@@ -238,7 +238,7 @@ impl<'a> Reader<'a> {
             )));
         }
         let preset = Preset::from_json(json).map_err(|fault| locate(shown, &fault))?;
-        let recipe = self.furnished(preset, &Document { path, shown, text: json })?;
+        let recipe = self.furnished(preset, &NamedDocument { path, shown, text: json })?;
         self.notes.extend(other_files(json, &recipe.inputs));
         Ok(recipe)
     }
@@ -253,7 +253,7 @@ impl<'a> Reader<'a> {
 
     /// A preset with the files that it names: those that the user gave, else beside its document, else
     /// built in.
-    fn furnished(&mut self, preset: Preset, document: &Document<'_>) -> anyhow::Result<Recipe> {
+    fn furnished(&mut self, preset: Preset, document: &NamedDocument<'_>) -> anyhow::Result<Recipe> {
         let mut recipe = self.replaced(Recipe::new(preset));
         let files: Vec<String> = recipe.preset.files().into_iter().map(str::to_owned).collect();
         for file in files {
@@ -266,8 +266,8 @@ impl<'a> Reader<'a> {
     }
 
     /// Reads a file that a document names.
-    fn named(&mut self, file: &str, document: &Document<'_>) -> anyhow::Result<Input> {
-        let Document { path, shown, text } = *document;
+    fn named(&mut self, file: &str, document: &NamedDocument<'_>) -> anyhow::Result<Input> {
+        let NamedDocument { path, shown, text } = *document;
         let place = || mention(shown, text, file);
         let allowed = trust::beside(path, file).with_context(place)?;
         // As the user knows it, links not followed.

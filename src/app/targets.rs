@@ -82,7 +82,7 @@ impl Output {
     fn part_of<'s>(&self, stage: &Stage<'s>) -> Option<Stage<'s>> {
         let index_of = |name: &String| {
             let mut seasons = stage.plants.iter().map(|plant| &plant.seasons);
-            seasons.find_map(|own| own.iter().position(|season| season.name == *name))
+            seasons.find_map(|list| list.iter().position(|season| season.name == *name))
         };
         let in_season = self.season.as_ref().and_then(index_of).map(|index| stage.in_season(index));
         let at_level = self.level.map(|level| in_season.as_ref().unwrap_or(stage).at_level(level));
@@ -150,7 +150,7 @@ impl Batch {
 
     /// Pipes without a reader yet: writing to them waits.
     pub fn unread_pipes(&mut self) -> Vec<String> {
-        self.bundles.iter_mut().filter_map(|own| own.unread_pipe().map(str::to_owned)).collect()
+        self.bundles.iter_mut().filter_map(|bundle| bundle.unread_pipe().map(str::to_owned)).collect()
     }
 
     /// Whether standard output is all that is written.
@@ -180,10 +180,11 @@ impl Batch {
         self.outputs.retain(|output| output.level.is_none_or(|level| level < levels));
         let mut said: Vec<String> = Vec::new();
         for (output, bundle) in self.outputs.iter().zip(&mut self.bundles) {
-            let own = output.part_of(stage);
-            output.exporter.write(own.as_ref().unwrap_or(stage), &output.options, bundle, monitor)?;
+            let part = output.part_of(stage);
+            output.exporter.write(part.as_ref().unwrap_or(stage), &output.options, bundle, monitor)?;
             // What is true of several outputs is said once.
-            let new: Vec<String> = bundle.notes().iter().filter(|own| !said.contains(own)).cloned().collect();
+            let new: Vec<String> =
+                bundle.notes().iter().filter(|note| !said.contains(note)).cloned().collect();
             told(&new);
             said.extend(new);
         }
@@ -242,7 +243,7 @@ mod tests {
     #[test]
     fn default_names_are_distinct_and_stay_in_their_directory() {
         for id in ["fir", "a/b", "a\u{1b}b", ".."] {
-            let names: BTreeSet<_> = REGISTRY.iter().map(|own| default_name(id, *own)).collect();
+            let names: BTreeSet<_> = REGISTRY.iter().map(|exporter| default_name(id, *exporter)).collect();
             assert_eq!(names.len(), REGISTRY.len());
             assert!(names.iter().all(|name| Path::new(name).components().count() == 1), "{names:?}");
         }

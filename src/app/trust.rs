@@ -86,9 +86,9 @@ fn resolve(document: Option<&Path>, file: &str, allowed: &[PathBuf]) -> Result<P
     }
     let Ok(real) = std::fs::canonicalize(&path) else { return Ok(path) };
     // The document itself may be a link: what lies beside the real one is beside it too.
-    let real_document = document.and_then(|own| std::fs::canonicalize(own).ok());
+    let real_document = document.and_then(|real| std::fs::canonicalize(real).ok());
     let homes =
-        [std::fs::canonicalize(&here).ok(), real_document.and_then(|own| own.parent().map(Path::to_owned))];
+        [std::fs::canonicalize(&here).ok(), real_document.and_then(|real| real.parent().map(Path::to_owned))];
     let is_inside = homes.iter().flatten().chain(allowed).any(|home| real.starts_with(home));
     if is_inside { Ok(real) } else { Err(refused(Some(real.clone()), &real)) }
 }
@@ -100,7 +100,7 @@ fn plain(path: &Path) -> PathBuf {
         match component {
             Component::CurDir => {}
             Component::ParentDir => drop(plain.pop()),
-            own => plain.push(own),
+            component => plain.push(component),
         }
     }
     // The absolute form of nothing is an error, and means here.

@@ -48,8 +48,8 @@ pub fn words(words: impl Fn() -> Vec<String> + Send + Sync + 'static) -> ArgValu
 /// Words of the knob of this name.
 pub fn values_of(knob: &'static str) -> ArgValueCandidates {
     words(move || {
-        let found = KNOBS.iter().find(|own| own.knob.name == knob);
-        found.map_or_else(Vec::new, |own| values(&own.knob.kind))
+        let found = KNOBS.iter().find(|row| row.knob.name == knob);
+        found.map_or_else(Vec::new, |row| values(&row.knob.kind))
     })
 }
 
@@ -77,7 +77,7 @@ pub fn groups() -> ArgValueCandidates {
 }
 
 fn headings() -> impl Iterator<Item = (&'static str, linden::preset::Heading)> {
-    builtins().iter().filter_map(|own| Some((own.id, own.heading().ok()?)))
+    builtins().iter().filter_map(|builtin| Some((builtin.id, builtin.heading().ok()?)))
 }
 
 fn presets() -> impl Iterator<Item = CompletionCandidate> {
@@ -88,7 +88,7 @@ fn presets() -> impl Iterator<Item = CompletionCandidate> {
 }
 
 fn forests() -> impl Iterator<Item = CompletionCandidate> {
-    builtin_forests().iter().map(|own| candidate(own.id, "a forest"))
+    builtin_forests().iter().map(|builtin| candidate(builtin.id, "a forest"))
 }
 
 fn with_files(named: impl Iterator<Item = CompletionCandidate>, typed: &OsStr) -> Vec<CompletionCandidate> {
@@ -99,7 +99,7 @@ fn with_files(named: impl Iterator<Item = CompletionCandidate>, typed: &OsStr) -
 
 fn beginning_with(all: impl Iterator<Item = CompletionCandidate>, typed: &OsStr) -> Vec<CompletionCandidate> {
     let typed = typed.as_encoded_bytes();
-    all.filter(|own| own.get_value().as_encoded_bytes().starts_with(typed)).collect()
+    all.filter(|word| word.get_value().as_encoded_bytes().starts_with(typed)).collect()
 }
 
 fn candidate(value: &str, help: &str) -> CompletionCandidate {
@@ -116,7 +116,7 @@ fn setting(typed: &OsStr) -> Vec<CompletionCandidate> {
     let all: Vec<_> = match typed.to_string_lossy().split_once('=') {
         None => known.iter().map(|(name, _, help)| candidate(&format!("{name}="), help)).collect(),
         Some((name, _)) => {
-            let found = known.iter().find(|(own, ..)| own == name);
+            let found = known.iter().find(|(other, ..)| other == name);
             let values = found.map_or_else(Vec::new, |(_, kind, _)| values(kind));
             values.into_iter().map(|value| CompletionCandidate::new(format!("{name}={value}"))).collect()
         }
@@ -130,13 +130,13 @@ fn known(line: &[String]) -> Vec<Named> {
     let preset = line.iter().find_map(|word| builtin(word).ok()?.load().ok());
     let knobs: Vec<_> = match preset {
         Some(preset) => preset.knobs().into_iter().map(|(knob, _)| knob.knob).collect(),
-        None => KNOBS.iter().copied().chain(shape_knobs()).map(|own| own.knob).collect(),
+        None => KNOBS.iter().copied().chain(shape_knobs()).map(|row| row.knob).collect(),
     };
     let mut all: Vec<Named> =
         knobs.into_iter().map(|knob| (knob.name.to_owned(), knob.kind, knob.help)).collect();
     let is = |command: &str| line.iter().any(|word| word == command);
     if is("forest") {
-        let of_forests = FOREST_KNOBS.iter().map(|own| &own.knob);
+        let of_forests = FOREST_KNOBS.iter().map(|row| &row.knob);
         all.extend(of_forests.map(|knob| (knob.name.to_owned(), knob.kind, knob.help)));
     }
     if is("export") || is("forest") {

@@ -11,7 +11,7 @@ use linden_terminal::tty::OpenError;
 use linden_terminal::{Capabilities, ColorDepth, Tty};
 use serde::Serialize;
 
-use super::workbench::Look;
+use super::workbench::TerminalLook;
 use crate::config::dirs::Dirs;
 use crate::config::keymap::{self, Keymap};
 use crate::config::settings::{self, SETTINGS, Settings};
@@ -40,7 +40,7 @@ pub struct Doctor {
     example: Option<Example>,
 
     #[command(flatten)]
-    pub(super) look: Look,
+    pub(super) look: TerminalLook,
 }
 
 /// A file that the user may write.
@@ -56,11 +56,11 @@ enum Example {
 
 /// The names and meanings of `--json`: scripts rely on them.
 #[derive(Serialize)]
-struct Report {
+struct DoctorReport {
     linden: &'static str,
     system: String,
     threads: usize,
-    terminal: Terminal,
+    terminal: TerminalReport,
     directories: Vec<Directory>,
     settings: Vec<Set>,
     theme: String,
@@ -69,16 +69,16 @@ struct Report {
 }
 
 #[derive(Serialize)]
-struct Terminal {
+struct TerminalReport {
     /// Why the terminal was not asked, `null` when it was.
     not_asked: Option<String>,
     columns: Option<u16>,
     rows: Option<u16>,
-    findings: Vec<Finding>,
+    findings: Vec<TerminalFinding>,
 }
 
 #[derive(Serialize)]
-struct Finding {
+struct TerminalFinding {
     what: &'static str,
     value: String,
     why: String,
@@ -105,7 +105,8 @@ struct Set {
 #[derive(Serialize)]
 struct Presets {
     builtin: usize,
-    own: usize,
+    #[serde(rename = "own")]
+    users: usize,
     broken: usize,
 }
 
@@ -152,7 +153,7 @@ impl Doctor {
         }
     }
 
-    fn examine(&self) -> anyhow::Result<(Report, Capabilities)> {
+    fn examine(&self) -> anyhow::Result<(DoctorReport, Capabilities)> {
         let flags = self.look.overrides()?;
         let dirs = Dirs::of_environment();
         let environment = Environment::of_process();
@@ -167,27 +168,27 @@ impl Doctor {
         let (findings, not_asked, size) = asked(&environment);
         let capabilities = Capabilities::conclude(&findings, &environment, &overrides);
 
-        let (_, own) = Keymap::load(dirs.keymap().as_deref(), &key_table());
-        complaints.extend(own);
+        let (_, told) = Keymap::load(dirs.keymap().as_deref(), &key_table());
+        complaints.extend(told);
         let light = !capabilities.dark.value;
-        let (theme, own) = Theme::load(&dirs, &settings.theme, light, capabilities.colors.value);
-        complaints.extend(own);
-        let own_presets = dirs.presets().map_or_else(Vec::new, |dir| {
-            let (found, own) = presets::list(&dir, &Progress::new());
-            complaints.extend(own);
+        let (theme, told) = Theme::load(&dirs, &settings.theme, light, capabilities.colors.value);
+        complaints.extend(told);
+        let user_presets = dirs.presets().map_or_else(Vec::new, |dir| {
+            let (found, told) = presets::list(&dir, &Progress::new());
+            complaints.extend(told);
             found
         });
-        let broken = own_presets.iter().filter_map(|preset| preset.state.as_ref().err());
+        let broken = user_presets.iter().filter_map(|preset| preset.state.as_ref().err());
         let count = broken.clone().count();
         troubles.extend(complaints.iter().chain(broken).map(Trouble::of));
         let directories = directories(&dirs);
-        for own in directories.iter().filter(|own| !own.writable) {
-            troubles.push(match &own.path {
+        for dir in directories.iter().filter(|dir| !dir.writable) {
+            troubles.push(match &dir.path {
                 Some(path) => Trouble {
                     file: Some(path.clone()),
-                    ..Trouble::said(format!("{} cannot be written here; change its mode or owner", own.what))
+                    ..Trouble::said(format!("{} cannot be written here; change its mode or owner", dir.what))
                 },
-                None => Trouble::said(format!("no directory for {}: set HOME", own.what)),
+                None => Trouble::said(format!("no directory for {}: set HOME", dir.what)),
             });
         }
         let force = |what| match what {
@@ -197,18 +198,18 @@ impl Doctor {
             _ => None,
         };
         let defaults = Settings::default();
-        let report = Report {
+        let report = DoctorReport {
             linden: env!("CARGO_PKG_VERSION"),
             system: format!("{OS} {ARCH}"),
             threads: std::thread::available_parallelism().map_or(1, usize::from),
-            terminal: Terminal {
+            terminal: TerminalReport {
                 not_asked,
                 columns: size.map(|(columns, _)| columns),
                 rows: size.map(|(_, rows)| rows),
                 findings: capabilities
                     .rows()
                     .into_iter()
-                    .map(|(what, value, why)| Finding {
+                    .map(|(what, value, why)| TerminalFinding {
                         what,
                         value,
                         why: why.to_owned(),
@@ -228,7 +229,7 @@ impl Doctor {
             theme: linden::knob::printable(&theme.name),
             presets: Presets {
                 builtin: linden::preset::builtins().len(),
-                own: own_presets.len(),
+                users: user_presets.len(),
                 broken: count,
             },
             complaints: troubles,
@@ -290,7 +291,7 @@ fn can_be_written(path: &Path) -> bool {
     at.is_dir() && rustix::fs::access(&at, Access::WRITE_OK | Access::EXEC_OK).is_ok()
 }
 
-impl Report {
+impl DoctorReport {
     fn text(&self, sample: &str) -> String {
         let mut text = format!("linden {}, {}, {} threads\n", self.linden, self.system, self.threads);
         text += "\nTerminal\n";
@@ -300,17 +301,18 @@ impl Report {
         if let (Some(columns), Some(rows)) = (self.terminal.columns, self.terminal.rows) {
             text += &format!("  {:14}{columns}×{rows}\n", "size");
         }
-        let widest = self.terminal.findings.iter().map(|own| own.value.chars().count()).max().unwrap_or(0);
-        for own in &self.terminal.findings {
-            text += &format!("  {:14}{:widest$}  {}\n", own.what, own.value, own.why);
+        let widest =
+            self.terminal.findings.iter().map(|finding| finding.value.chars().count()).max().unwrap_or(0);
+        for finding in &self.terminal.findings {
+            text += &format!("  {:14}{:widest$}  {}\n", finding.what, finding.value, finding.why);
         }
         text += "\n  To force it:\n";
         let mut told = Vec::new();
-        for own in &self.terminal.findings {
-            if let Some(force) = own.force.filter(|force| !told.contains(force)) {
+        for finding in &self.terminal.findings {
+            if let Some(force) = finding.force.filter(|force| !told.contains(force)) {
                 let words: Vec<_> =
                     self.terminal.findings.iter().filter(|other| other.force == Some(force)).collect();
-                let words: Vec<_> = words.iter().map(|own| own.what).collect();
+                let words: Vec<_> = words.iter().map(|finding| finding.what).collect();
                 text += &format!("  {:24}{force}\n", words.join(", "));
                 told.push(force);
             }
@@ -318,39 +320,39 @@ impl Report {
         text += &format!("\n  What your font has (a box or '?': choose another with --graphics):\n{sample}");
 
         text += "\nDirectories\n";
-        for own in &self.directories {
-            let state = match (own.exists, own.writable) {
+        for dir in &self.directories {
+            let state = match (dir.exists, dir.writable) {
                 (true, true) => "",
                 (false, true) => "  (made when needed)",
                 (_, false) => "  (cannot be written)",
             };
-            text += &format!("  {:16}{}{state}\n", own.what, own.path.as_deref().unwrap_or("none"));
+            text += &format!("  {:16}{}{state}\n", dir.what, dir.path.as_deref().unwrap_or("none"));
         }
-        let Presets { builtin, own, broken } = self.presets;
+        let Presets { builtin, users, broken } = self.presets;
         let broken = if broken > 0 { format!(", {broken} of them broken") } else { String::new() };
-        text += &format!("\nPresets\n  {builtin} built in, {own} of yours{broken}\n");
+        text += &format!("\nPresets\n  {builtin} built in, {users} of yours{broken}\n");
 
         text += &format!(
             "\nSettings (config.toml; 'linden doctor --example config' shows all)\n  theme in use: {}\n",
             self.theme
         );
-        for own in self.settings.iter().filter(|own| !own.is_default) {
-            text += &format!("  {} = {}\n", own.name, own.value);
+        for setting in self.settings.iter().filter(|setting| !setting.is_default) {
+            text += &format!("  {} = {}\n", setting.name, setting.value);
         }
-        if self.settings.iter().all(|own| own.is_default) {
+        if self.settings.iter().all(|setting| setting.is_default) {
             text += "  all at their defaults\n";
         }
 
         if !self.complaints.is_empty() {
             text += "\nBroken\n";
         }
-        for own in &self.complaints {
-            let mut place = own.file.clone().unwrap_or_default();
-            if let (Some(line), Some(column)) = (own.line, own.column) {
+        for complaint in &self.complaints {
+            let mut place = complaint.file.clone().unwrap_or_default();
+            if let (Some(line), Some(column)) = (complaint.line, complaint.column) {
                 place += &format!(":{line}:{column}");
             }
             let between = if place.is_empty() { "" } else { ": " };
-            text += &format!("  {place}{between}{}\n", own.message);
+            text += &format!("  {place}{between}{}\n", complaint.message);
         }
         text
     }

@@ -11,7 +11,7 @@ use linden_exporters::{Exporter, REGISTRY};
 
 use super::forest::{Written, side_by_side};
 use super::outputs::{Outputs, finish, write};
-use super::{Growing, complete};
+use super::{GrowArgs, complete};
 use crate::exit::usage;
 use crate::forecast::{Outlook, announce};
 use crate::progress::Progress;
@@ -21,7 +21,7 @@ use crate::progress::Progress;
 #[command(after_help = after_help())]
 pub struct Export {
     #[command(flatten)]
-    growing: Growing,
+    growing: GrowArgs,
 
     /// Further sources for the same files, each tree where its own mesh, scan or root has it; --set turns the
     /// knobs of all of them. 'linden forest' lays trees out
@@ -67,7 +67,7 @@ pub struct Export {
 impl Export {
     pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
-        let (own, of_formats): (Vec<_>, Vec<_>) =
+        let (settings, of_formats): (Vec<_>, Vec<_>) =
             self.growing.pairs()?.into_iter().partition(|(name, _)| !name.contains('.'));
         let flags = [
             ("lod_ratio", self.lod_ratio.map(|x| x.to_string())),
@@ -76,7 +76,8 @@ impl Export {
         ];
         let flags = flags.into_iter().filter_map(|(name, value)| Some((name.to_owned(), value?)));
         let lods = self.lods.as_deref().map(super::lods);
-        let own: Vec<_> = own.into_iter().chain(self.budget.pair()).chain(lods).chain(flags).collect();
+        let settings: Vec<_> =
+            settings.into_iter().chain(self.budget.pair()).chain(lods).chain(flags).collect();
         let seasons = match self.seasons.as_deref() {
             None => Vec::new(),
             Some("all") => Season::all(),
@@ -94,9 +95,9 @@ impl Export {
             let command = format!("linden export {} -o wood.glb", named.join(" "));
             let (outputs, scene) = (&self.outputs, self.scene);
             let written = Written { outputs, of_formats: &of_formats, command, scene };
-            return side_by_side(&sources, &own, written, &progress);
+            return side_by_side(&sources, &settings, written, &progress);
         }
-        let source = self.growing.resolve_in(&own, &seasons, &progress)?;
+        let source = self.growing.resolve_in(&settings, &seasons, &progress)?;
         let id = &source.recipe.preset.id;
         let command = format!("linden export {0} -o {0}.glb", crate::paths::show(&self.growing.source));
         let planned = source.recipe.preset.detail.levels();
@@ -117,7 +118,7 @@ impl Export {
             (several.stage(), &several.notes)
         };
         super::notes(notes, &progress);
-        let stage = stage.turned_by(own.iter().map(|(name, _)| name.as_str()));
+        let stage = stage.turned_by(settings.iter().map(|(name, _)| name.as_str()));
         let stage = if self.scene { stage.in_setting() } else { stage };
         // Scenes have taken what they need of it.
         drop(grown);

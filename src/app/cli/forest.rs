@@ -59,7 +59,7 @@ struct LayoutFlags {
 
 impl Args for LayoutFlags {
     fn augment_args(command: Command) -> Command {
-        FOREST_KNOBS.iter().map(|own| &own.knob).fold(command, |command, knob| {
+        FOREST_KNOBS.iter().map(|row| &row.knob).fold(command, |command, knob| {
             let mut help = knob.help.to_owned();
             if let Some(first) = help.get_mut(..1) {
                 first.make_ascii_uppercase();
@@ -85,7 +85,7 @@ impl Args for LayoutFlags {
 impl FromArgMatches for LayoutFlags {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
         let of = |name: &'static str| Some((name, matches.get_one::<String>(name)?.clone()));
-        Ok(Self { set: FOREST_KNOBS.iter().filter_map(|own| of(own.knob.name)).collect() })
+        Ok(Self { set: FOREST_KNOBS.iter().filter_map(|row| of(row.knob.name)).collect() })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
@@ -97,12 +97,12 @@ impl FromArgMatches for LayoutFlags {
 impl Forest {
     pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
-        let (of_formats, own): (Vec<_>, Vec<_>) =
+        let (of_formats, knobs): (Vec<_>, Vec<_>) =
             super::pairs(&self.settings)?.into_iter().partition(|(name, _)| name.contains('.'));
         let mut sources = Vec::new();
         let mut forest = self.resolve(&mut sources, &progress)?;
         let flags = self.layout.set.iter().map(|(name, value)| ((*name).to_owned(), value.clone()));
-        let turned: Vec<(String, String)> = own.into_iter().chain(flags).collect();
+        let turned: Vec<(String, String)> = knobs.into_iter().chain(flags).collect();
         for (name, value) in &turned {
             turn(&mut forest, name, value)?;
         }
@@ -172,7 +172,8 @@ impl Written<'_> {
         // What one kind leaves alone another may listen to.
         let mut idle = forest.kinds.iter().map(|kind| super::idle(&kind.recipe.preset, turned));
         let first = idle.next().unwrap_or_default();
-        let idle = idle.fold(first, |all, own| all.into_iter().filter(|note| own.contains(note)).collect());
+        let idle =
+            idle.fold(first, |all, of_one| all.into_iter().filter(|note| of_one.contains(note)).collect());
         super::notes(&idle, progress);
         let counts = forest.kinds.iter().map(|kind| kind.recipe.preset.detail.levels());
         let most = counts.max().unwrap_or(1);
@@ -190,20 +191,21 @@ impl Written<'_> {
             let wood = grow(&tree.recipe, &holding).with_context(naming)?;
             let recipe = budgeted(&tree.recipe, &wood, forest.layout.triangles * tree.stems, &holding);
             let recipe = recipe.with_context(naming)?;
-            let mut own = levels(&recipe, &wood, &holding).with_context(naming)?;
+            let mut of_tree = levels(&recipe, &wood, &holding).with_context(naming)?;
             let first = plan.trees.iter().position(|first| first.kind == tree.kind);
             if let Some(first) = first.and_then(|first| grown.get(first)) {
-                share_tiles(first, &mut own);
+                share_tiles(first, &mut of_tree);
             }
             let about = |note: &String| format!("{}: {note}", tree.name);
-            let said: Vec<String> = wood.notes.iter().map(about).chain(own.notes.iter().cloned()).collect();
+            let said: Vec<String> =
+                wood.notes.iter().map(about).chain(of_tree.notes.iter().cloned()).collect();
             super::notes(&said, progress);
-            held += own.levels.iter().map(|level| level.scene.bytes()).sum::<u64>();
-            grown.push(own);
+            held += of_tree.levels.iter().map(|level| level.scene.bytes()).sum::<u64>();
+            grown.push(of_tree);
         }
-        let plants = plan.trees.iter().zip(&grown).map(|(tree, own)| {
-            let levels = own.levels.iter();
-            let levels = levels.map(|own| stage::Level { scene: &own.scene, coverage: own.coverage });
+        let plants = plan.trees.iter().zip(&grown).map(|(tree, of_tree)| {
+            let levels = of_tree.levels.iter();
+            let levels = levels.map(|level| stage::Level { scene: &level.scene, coverage: level.coverage });
             Plant::in_levels(tree.name.clone(), levels.collect())
         });
         let stage = Stage {
@@ -233,13 +235,13 @@ pub(super) fn side_by_side(
     let is_own = |(name, _): &&(String, String)| {
         name == "seed" || linden::preset::Preset::file_keys().any(|(_, key, _)| key == name)
     };
-    let (own, shared): (Vec<_>, Vec<_>) = settings.iter().partition(is_own);
-    let own: Vec<(String, String)> = own.into_iter().cloned().collect();
+    let (set, shared): (Vec<_>, Vec<_>) = settings.iter().partition(is_own);
+    let set: Vec<(String, String)> = set.into_iter().cloned().collect();
     let shared: Vec<(String, String)> = shared.into_iter().cloned().collect();
     let mut recipes = Vec::new();
     let mut files = Vec::new();
     for path in sources {
-        let source = source::resolve(path, &own, progress)?;
+        let source = source::resolve(path, &set, progress)?;
         super::notes(&source.notes, progress);
         files.extend(source.files);
         recipes.push(source.recipe);
@@ -363,7 +365,7 @@ impl Described {
 
 /// Turns a knob of the forest, or else of all kinds of trees that have it.
 pub(super) fn turn(forest: &mut linden::forest::Forest, name: &str, value: &str) -> anyhow::Result<()> {
-    if FOREST_KNOBS.iter().any(|own| own.knob.name == name) {
+    if FOREST_KNOBS.iter().any(|row| row.knob.name == name) {
         return forest.layout.set(name, value).map_err(usage);
     }
     let mut unknown = None;
@@ -382,9 +384,9 @@ pub(super) fn turn(forest: &mut linden::forest::Forest, name: &str, value: &str)
 }
 
 /// Trees of a kind have the same bark: the pictures that tile, which fit any tree.
-fn share_tiles(first: &Levels, own: &mut Levels) {
+fn share_tiles(first: &Levels, other: &mut Levels) {
     let Some(first) = first.levels.first() else { return };
-    for material in own.levels.iter_mut().flat_map(|level| &mut level.scene.materials) {
+    for material in other.levels.iter_mut().flat_map(|level| &mut level.scene.materials) {
         let same = first.scene.materials.iter().find(|first| first.name == material.name);
         if let Some(same) = same.filter(|first| first.wrap == Wrap::Repeat && material.wrap == first.wrap) {
             material.base_color_picture.clone_from(&same.base_color_picture);
@@ -395,9 +397,9 @@ fn share_tiles(first: &Levels, own: &mut Levels) {
 
 fn after_help() -> String {
     let mut text = "Forests in the program:\n".to_owned();
-    for own in builtin_forests() {
-        let summary = own.load().map(|document| document.summary).unwrap_or_default();
-        text.push_str(&format!("  {:14}{summary}\n", own.id));
+    for forest in builtin_forests() {
+        let summary = forest.load().map(|document| document.summary).unwrap_or_default();
+        text.push_str(&format!("  {:14}{summary}\n", forest.id));
     }
     let layout = Layout::default();
     text.push_str("\nKnobs of a forest, and what they are when nobody says:\n");

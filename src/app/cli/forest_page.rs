@@ -12,7 +12,7 @@ use crate::forecast::ForestOutlook;
 use crate::progress::Progress;
 
 #[derive(Serialize)]
-struct Shown {
+struct ShownForest {
     /// Printable.
     source: String,
     id: String,
@@ -20,7 +20,7 @@ struct Shown {
     group: &'static str,
     summary: String,
     generator: &'static str,
-    knobs: Vec<KnobRow>,
+    knobs: Vec<ForestKnobRow>,
     trees: Vec<TreeRow>,
     /// How many stand there, and how many of them are grown: the others are copies.
     places: usize,
@@ -31,7 +31,7 @@ struct Shown {
 }
 
 #[derive(Serialize)]
-struct KnobRow {
+struct ForestKnobRow {
     name: &'static str,
     value: String,
     unit: &'static str,
@@ -84,7 +84,7 @@ pub(super) fn show(
         share: kind.share,
         size: kind.size,
     });
-    let own = Shown {
+    let page = ShownForest {
         source: shown,
         name: forest.name.clone(),
         group: FORESTS,
@@ -98,21 +98,21 @@ pub(super) fn show(
         recipe: serde_json::from_str(&forest.to_line())?,
         id: forest.id,
     };
-    if how == As::Json { super::print_json(&own) } else { super::print(&own.page()) }
+    if how == As::Json { super::print_json(&page) } else { super::print(&page.page()) }
 }
 
-fn knobs(forest: &Forest) -> Vec<KnobRow> {
-    let row = |(own, value): (&linden::forest::ForestKnob, linden::knob::Value)| KnobRow {
-        name: own.knob.name,
+fn knobs(forest: &Forest) -> Vec<ForestKnobRow> {
+    let row = |(row, value): (&linden::forest::ForestKnob, linden::knob::Value)| ForestKnobRow {
+        name: row.knob.name,
         value: value.to_string(),
-        unit: own.knob.unit,
-        range: own.knob.kind.to_string(),
-        help: own.knob.help,
+        unit: row.knob.unit,
+        range: row.knob.kind.to_string(),
+        help: row.knob.help,
     };
     forest.layout.knobs().map(row).collect()
 }
 
-impl Shown {
+impl ShownForest {
     fn page(&self) -> String {
         let mut text = format!("{} ({})\n", printable(&self.name), printable(&self.id));
         if !self.summary.is_empty() {

@@ -30,7 +30,7 @@ pub(super) const FORESTS: &str = "forests";
 pub(super) const FOREST: &str = "forest";
 
 #[derive(Serialize)]
-struct Row {
+struct PresetRow {
     id: String,
     name: String,
     group: String,
@@ -54,11 +54,11 @@ impl List {
         if self.exporters {
             return exporters(self.json);
         }
-        let forest = |own: &'static BuiltinForest| {
+        let forest = |forest: &'static BuiltinForest| {
             let ForestDocument { name, summary, .. } =
-                own.load().map_err(|fault| source::locate(own.id, &fault))?;
-            Ok(Row {
-                id: own.id.to_owned(),
+                forest.load().map_err(|fault| source::locate(forest.id, &fault))?;
+            Ok(PresetRow {
+                id: forest.id.to_owned(),
                 name,
                 group: FORESTS.to_owned(),
                 generator: FOREST,
@@ -76,7 +76,7 @@ impl List {
             .map(|builtin| {
                 let Preset { id, name, group, summary, source, generator, .. } = builtin.load()?;
                 let (height_m, leaves) = builtin.size.map(|size| (size.height_m, size.leaves)).unzip();
-                Ok(Row {
+                Ok(PresetRow {
                     id,
                     name,
                     group,
@@ -92,7 +92,7 @@ impl List {
             })
             .chain(builtin_forests().iter().map(forest))
             .chain(users().into_iter().map(Ok))
-            .collect::<anyhow::Result<Vec<Row>>>()?;
+            .collect::<anyhow::Result<Vec<PresetRow>>>()?;
         if self.json {
             return super::print_json(&rows);
         }
@@ -125,26 +125,26 @@ impl List {
 
 /// The user's presets. An id that a built-in preset or another file has means that one, or neither: such
 /// a preset is named by its file.
-fn users() -> Vec<Row> {
+fn users() -> Vec<PresetRow> {
     let Some(dir) = Dirs::of_environment().presets() else { return Vec::new() };
     let (found, complaints) = presets::list(&dir, &Progress::new());
     for complaint in complaints {
         exit::say(&format!("note: {complaint}"));
     }
-    let is_alone = |id: &str| found.iter().filter(|own| own.id == id).count() == 1;
-    let row = |own: &UserPreset| Row {
-        id: own.id.clone(),
-        name: own.name.clone(),
-        group: own.group.clone(),
-        generator: own.generator,
+    let is_alone = |id: &str| found.iter().filter(|preset| preset.id == id).count() == 1;
+    let row = |preset: &UserPreset| PresetRow {
+        id: preset.id.clone(),
+        name: preset.name.clone(),
+        group: preset.group.clone(),
+        generator: preset.generator,
         height_m: None,
         leaves: None,
-        summary: own.summary.clone(),
-        source: own.source.clone(),
-        path: Some(show(&own.path)),
-        problem: own.state.as_ref().err().map(|complaint| format!("cannot be grown: {complaint}")),
-        named: (builtin(&own.id).is_ok() || builtin_forest(&own.id).is_ok() || !is_alone(&own.id))
-            .then(|| show(&own.path)),
+        summary: preset.summary.clone(),
+        source: preset.source.clone(),
+        path: Some(show(&preset.path)),
+        problem: preset.state.as_ref().err().map(|complaint| format!("cannot be grown: {complaint}")),
+        named: (builtin(&preset.id).is_ok() || builtin_forest(&preset.id).is_ok() || !is_alone(&preset.id))
+            .then(|| show(&preset.path)),
     };
     found.iter().map(row).collect()
 }

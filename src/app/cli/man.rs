@@ -80,7 +80,7 @@ impl Man {
         let page = match self.command {
             None => whole(command)?,
             Some(name) => {
-                let found = command.get_subcommands().find(|own| own.get_name() == name).cloned();
+                let found = command.get_subcommands().find(|command| command.get_name() == name).cloned();
                 let shown = linden::knob::printable(&name);
                 of_command(found.ok_or_else(|| {
                     usage(format!("there is no command '{shown}'; 'linden help' lists them"))
@@ -94,8 +94,8 @@ impl Man {
 /// Every page in a file of its own, and their names.
 fn write_all(command: clap::Command, folder: &PathBuf) -> anyhow::Result<()> {
     let mut pages = Vec::new();
-    for own in command.get_subcommands() {
-        pages.push((format!("linden-{}.1", own.get_name()), of_command(own.clone())?));
+    for page in command.get_subcommands() {
+        pages.push((format!("linden-{}.1", page.get_name()), of_command(page.clone())?));
     }
     pages.insert(0, ("linden.1".to_owned(), whole(command)?));
     fs::create_dir_all(folder).with_context(|| format!("making the directory {}", show(folder)))?;
@@ -172,10 +172,10 @@ fn knobs(roff: &mut Roff) {
     ]);
     let all: Vec<_> = KNOBS.iter().copied().chain(shape_knobs()).collect();
     for section in Section::ALL {
-        let own = all.iter().filter(|own| own.section == section);
+        let rows = all.iter().filter(|row| row.section == section);
         let title = if section.key().is_empty() { "any tree" } else { section.key() };
         roff.control("SS", [title]);
-        for Knob { name, kind, unit, help } in own.map(|own| own.knob) {
+        for Knob { name, kind, unit, help } in rows.map(|row| row.knob) {
             let unit = if unit.is_empty() { String::new() } else { format!("{unit}: ") };
             item(roff, name, &format!("{unit}{kind}"), help);
         }

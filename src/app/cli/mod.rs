@@ -1,4 +1,4 @@
-//! The command line: one file per subcommand, one table ([`Command`]) that parsing, help,
+//! The command line: one file per subcommand, one table ([`CliCommand`]) that parsing, help,
 //! completions and the manual are made from.
 
 mod complete;
@@ -53,10 +53,10 @@ const STYLES: Styles = Styles::styled()
 #[command(after_help = EXAMPLES)]
 struct Cli {
     #[command(subcommand)]
-    command: Option<Command>,
+    command: Option<CliCommand>,
 
     #[command(flatten)]
-    terminal: workbench::Terminal,
+    terminal: workbench::TerminalArgs,
 
     /// The most memory that work may hold at once, like 4G; auto is half of what there is. Up to 32 MiB for
     /// the program itself come on top
@@ -91,7 +91,7 @@ Examples:
 Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.";
 
 #[derive(Subcommand)]
-enum Command {
+enum CliCommand {
     Open(workbench::Open),
     List(list::List),
     Show(show::Show),
@@ -109,7 +109,7 @@ enum Command {
 
 /// What grows: shared by all commands that take a SOURCE.
 #[derive(Args)]
-struct Growing {
+struct GrowArgs {
     /// A preset's id, a file, or - for standard input
     #[arg(value_name = "SOURCE", add = complete::sources())]
     source: PathBuf,
@@ -145,7 +145,7 @@ impl Budget {
     }
 }
 
-impl Growing {
+impl GrowArgs {
     /// The source with its knobs turned. Notes about it go to standard error.
     fn resolve(&self, progress: &Progress) -> anyhow::Result<Source> {
         self.resolve_with(&self.pairs()?, progress)
@@ -169,8 +169,8 @@ impl Growing {
         for season in seasons {
             let mut preset = preset.clone();
             preset.foliage.season = season.season;
-            let own = self::idle(&preset, pairs);
-            idle.retain(|note| own.contains(note));
+            let of_one = self::idle(&preset, pairs);
+            idle.retain(|note| of_one.contains(note));
         }
         notes(&idle, progress);
         Ok(source)
@@ -232,7 +232,7 @@ fn notes(notes: &[String], progress: &Progress) {
 
 /// The names of all commands.
 fn command_names() -> Vec<String> {
-    Cli::command().get_subcommands().map(|own| own.get_name().to_owned()).collect()
+    Cli::command().get_subcommands().map(|command| command.get_name().to_owned()).collect()
 }
 
 /// Writes a result to standard output.
@@ -281,7 +281,7 @@ pub fn run() -> ExitCode {
     let done = match cli.command {
         // The workbench hears signals in its own way, and gives the terminal back first.
         None => cli.terminal.open(None, Vec::new()),
-        Some(Command::Open(open)) => open.run(),
+        Some(CliCommand::Open(open)) => open.run(),
         Some(command) => crate::signals::listen().map_err(anyhow::Error::from).and_then(|()| command.run()),
     };
     match done {
@@ -310,13 +310,13 @@ fn limit_memory(flag: Option<&str>) -> anyhow::Result<()> {
     Ok(())
 }
 
-impl Command {
+impl CliCommand {
     /// Takes the flags of the workbench that stand before a command, as far as it has them.
-    fn take(&mut self, before: &mut workbench::Terminal) -> anyhow::Result<()> {
+    fn take(&mut self, before: &mut workbench::TerminalArgs) -> anyhow::Result<()> {
         match self {
-            Self::Open(own) => own.terminal.fill(before),
-            Self::Preview(own) => own.terminal.fill(&mut before.look),
-            Self::Doctor(own) => own.look.fill(&mut before.look),
+            Self::Open(command) => command.terminal.fill(before),
+            Self::Preview(command) => command.terminal.fill(&mut before.look),
+            Self::Doctor(command) => command.look.fill(&mut before.look),
             _ => {}
         }
         match before.given() {
@@ -329,19 +329,19 @@ impl Command {
 
     fn run(self) -> anyhow::Result<()> {
         match self {
-            Self::Open(own) => own.run(),
-            Self::List(own) => own.run(),
-            Self::Show(own) => own.run(),
-            Self::Stats(own) => own.run(),
-            Self::Preview(own) => own.run(),
-            Self::Sheet(own) => own.run(),
-            Self::Export(own) => own.run(),
-            Self::Recipe(own) => own.run(),
-            Self::Forest(own) => own.run(),
-            Self::Doctor(own) => own.run(),
-            Self::Completions(own) => own.run(),
-            Self::Man(own) => own.run(Cli::command()),
-            Self::Schema(own) => own.run(),
+            Self::Open(command) => command.run(),
+            Self::List(command) => command.run(),
+            Self::Show(command) => command.run(),
+            Self::Stats(command) => command.run(),
+            Self::Preview(command) => command.run(),
+            Self::Sheet(command) => command.run(),
+            Self::Export(command) => command.run(),
+            Self::Recipe(command) => command.run(),
+            Self::Forest(command) => command.run(),
+            Self::Doctor(command) => command.run(),
+            Self::Completions(command) => command.run(),
+            Self::Man(command) => command.run(Cli::command()),
+            Self::Schema(command) => command.run(),
         }
     }
 }

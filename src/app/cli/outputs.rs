@@ -175,7 +175,7 @@ fn check_formats(
     for (name, _) in settings {
         let id = name.split_once('.').map_or("", |(id, _)| id);
         let exporter = find(id).map_err(usage)?;
-        if outputs.iter().all(|(own, _)| own.format().id != exporter.format().id) {
+        if outputs.iter().all(|(other, _)| other.format().id != exporter.format().id) {
             return Err(usage(format!("--set {name}: no output is written as {id}")));
         }
     }

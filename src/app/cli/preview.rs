@@ -23,7 +23,7 @@ use linden_terminal::{
 use ratatui::layout::Rect;
 
 use super::placing::{Placing, PngTarget, is_folder};
-use super::{Growing, workbench};
+use super::{GrowArgs, workbench};
 use crate::exit::usage;
 use crate::forecast::{Outlook, announce};
 use crate::progress::Progress;
@@ -33,7 +33,7 @@ use crate::source::Source;
 #[derive(Args)]
 pub struct Preview {
     #[command(flatten)]
-    growing: Growing,
+    growing: GrowArgs,
 
     #[command(flatten)]
     budget: super::Budget,
@@ -64,7 +64,7 @@ pub struct Preview {
     /// The skeleton's strokes, or the surface as it would be exported, which is usual for a plant whose
     /// leaves have pictures
     #[arg(long, alias = "style", value_enum)]
-    look: Option<Look>,
+    look: Option<PreviewLook>,
 
     /// What colour tells of a skeleton: wood (when not given), order, radius or birth
     #[arg(long, value_parser = paint)]
@@ -91,12 +91,12 @@ pub struct Preview {
     person: bool,
 
     #[command(flatten)]
-    pub(super) terminal: workbench::Look,
+    pub(super) terminal: workbench::TerminalLook,
 }
 
 /// What is drawn.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum Look {
+pub(super) enum PreviewLook {
     Skeleton,
     Surface,
 }
@@ -120,7 +120,7 @@ impl Preview {
         let pairs: Vec<_> = self.growing.pairs()?.into_iter().chain(self.budget.pair()).collect();
         let source = self.growing.resolve_with(&pairs, &progress)?;
         let look = self.chosen_look();
-        if self.lod.is_some() && look == Some(Look::Skeleton) {
+        if self.lod.is_some() && look == Some(PreviewLook::Skeleton) {
             return Err(usage(
                 "--lod is a level of the surface: leave out --look skeleton, --color, --points and --outline",
             ));
@@ -135,17 +135,18 @@ impl Preview {
         if let Some(outlook) = Outlook::of(&source.recipe, &progress) {
             let (width, height) = self.size.filter(|_| target.is_some()).unwrap_or(FILE_SIZE);
             let pixels = f64::from(width) * f64::from(height);
-            let shows_surface = Sitter::shows_surface(&source, &outlook.sample.grown, look, self.lod);
+            let shows_surface = PreviewSubject::shows_surface(&source, &outlook.sample.grown, look, self.lod);
             announce(outlook.picture_s(&source.recipe, pixels, shows_surface), &outlook.amount());
         }
         let grown = super::grown(&source, &progress)?;
-        let points = grown.colonized.as_ref().filter(|_| self.points).map(|own| own.points.as_slice());
+        let points =
+            grown.colonized.as_ref().filter(|_| self.points).map(|colonized| colonized.points.as_slice());
         let outline = if self.outline {
             colonization::outline(&source.recipe, &progress).with_context(|| source.shown.clone())?
         } else {
             Vec::new()
         };
-        let sitter = Sitter::new(&source, &grown, look, self.lod, &progress, &progress)?;
+        let sitter = PreviewSubject::new(&source, &grown, look, self.lod, &progress, &progress)?;
         let camera = Camera {
             zoom: self.zoom,
             ..Camera::orbit(self.yaw.unwrap_or_else(|| broad_side(&grown.skeleton)), self.pitch)
@@ -198,9 +199,9 @@ impl Preview {
 
 impl Preview {
     /// Colours that tell something are those of a skeleton; so are points and outlines inside a crown.
-    fn chosen_look(&self) -> Option<Look> {
+    fn chosen_look(&self) -> Option<PreviewLook> {
         let of_skeleton = self.color.is_some() || self.points || self.outline;
-        self.look.or(of_skeleton.then_some(Look::Skeleton))
+        self.look.or(of_skeleton.then_some(PreviewLook::Skeleton))
     }
 }
 
@@ -231,20 +232,20 @@ fn in_terminal(flags: &Overrides) -> (Option<Protocol>, CellStyle) {
 }
 
 /// A tree that is drawn.
-pub(super) struct Sitter<'a> {
+pub(super) struct PreviewSubject<'a> {
     source: &'a Source,
     grown: &'a Grown,
     /// Dressed, where its surface is shown.
     scene: Option<Scene>,
 }
 
-impl<'a> Sitter<'a> {
+impl<'a> PreviewSubject<'a> {
     /// Dresses the tree where that is wanted, or usual: where leaves have pictures, a level of detail is
     /// asked for, or a budget of triangles.
     pub fn new(
         source: &'a Source,
         grown: &'a Grown,
-        look: Option<Look>,
+        look: Option<PreviewLook>,
         level: Option<usize>,
         progress: &Progress,
         monitor: &dyn Monitor,
@@ -273,14 +274,19 @@ impl<'a> Sitter<'a> {
     ) -> anyhow::Result<Vec<Self>> {
         let all = levels(&source.recipe, grown, monitor).with_context(|| source.shown.clone())?;
         super::notes(&all.notes, progress);
-        Ok(all.levels.into_iter().map(|own| Self { source, grown, scene: Some(own.scene) }).collect())
+        Ok(all.levels.into_iter().map(|level| Self { source, grown, scene: Some(level.scene) }).collect())
     }
 
     /// Whether it is dressed.
-    pub fn shows_surface(source: &Source, grown: &Grown, look: Option<Look>, level: Option<usize>) -> bool {
+    pub fn shows_surface(
+        source: &Source,
+        grown: &Grown,
+        look: Option<PreviewLook>,
+        level: Option<usize>,
+    ) -> bool {
         let budget = source.recipe.preset.detail.finest() > 0;
         let usual = !grown.organs.shapes.is_empty() || budget || level.is_some();
-        look.map_or(usual, |look| look == Look::Surface)
+        look.map_or(usual, |look| look == PreviewLook::Surface)
     }
 
     /// A style with this tree's own leaves.

@@ -52,27 +52,27 @@ fn document() -> Value {
     );
     let knobs: Vec<PresetKnob> = KNOBS.iter().copied().chain(shape_knobs()).collect();
     for section in Section::ALL {
-        let mut own: Map<String, Value> = knobs
+        let mut keys: Map<String, Value> = knobs
             .iter()
             .filter(|knob| knob.section == section)
             .map(|knob| (knob.knob.name.to_owned(), of(&knob.knob)))
             .collect();
         match section {
             Section::Tree => {
-                properties.append(&mut own);
+                properties.append(&mut keys);
                 continue;
             }
             Section::LSystem => {
-                own.insert("axiom".to_owned(), json!({ "type": "string" }));
-                own.insert("rules".to_owned(), json!({ "type": "array", "items": { "type": "string" } }));
+                keys.insert("axiom".to_owned(), json!({ "type": "string" }));
+                keys.insert("rules".to_owned(), json!({ "type": "array", "items": { "type": "string" } }));
             }
             Section::Colonization => {
                 let file = json!({ "type": "string", "description": "a file, relative to the preset's" });
-                own.insert("envelope".to_owned(), file.clone());
-                own.insert("scan".to_owned(), file);
-                own.insert("part".to_owned(), parts());
+                keys.insert("envelope".to_owned(), file.clone());
+                keys.insert("scan".to_owned(), file);
+                keys.insert("part".to_owned(), parts());
             }
-            Section::Bark => own.extend(files(&BarkLook::FILES)),
+            Section::Bark => keys.extend(files(&BarkLook::FILES)),
             Section::Foliage => {
                 let kind = json!({
                     "type": "object",
@@ -80,15 +80,15 @@ fn document() -> Value {
                     "properties": leaf_keys(),
                     "additionalProperties": false,
                 });
-                own.extend(files(&LeafKind::FILES));
-                own.insert(
+                keys.extend(files(&LeafKind::FILES));
+                keys.insert(
                     "also".to_owned(),
                     json!({ "type": "array", "items": kind, "maxItems": MOST_KINDS - 1 }),
                 );
             }
             _ => {}
         }
-        let table = json!({ "type": "object", "properties": own, "additionalProperties": false });
+        let table = json!({ "type": "object", "properties": keys, "additionalProperties": false });
         properties.insert(section.key().to_owned(), table);
     }
     let formats: Map<String, Value> = REGISTRY

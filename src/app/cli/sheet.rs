@@ -11,7 +11,7 @@ use linden_raster::memory::admit_png;
 use linden_raster::{Camera, Size, Style};
 
 use super::placing::{Placing, PngTarget};
-use super::preview::{Look, Sitter, broad_side, size};
+use super::preview::{PreviewLook, PreviewSubject, broad_side, size};
 use crate::exit::usage;
 use crate::forecast::{Outlook, announce};
 use crate::progress::Progress;
@@ -58,7 +58,7 @@ pub struct Sheet {
 
     /// The skeleton's strokes or the surface; when not given, as 'linden preview' has it
     #[arg(long, value_enum)]
-    look: Option<Look>,
+    look: Option<PreviewLook>,
 }
 
 impl Sheet {
@@ -91,7 +91,7 @@ impl Sheet {
         let columns = columns.min(count);
         let rows = count.div_ceil(columns);
         let whole = Size::new(columns.saturating_mul(width), rows.saturating_mul(height)).map_err(usage)?;
-        let own = Size::new(width, height).map_err(usage)?;
+        let cell = Size::new(width, height).map_err(usage)?;
 
         admit_png(whole, 0, &progress)?;
         let holding = Holding::new(&progress, u64::from(whole.width()) * u64::from(whole.height()) * 4);
@@ -101,7 +101,7 @@ impl Sheet {
         for mut source in trees {
             if let Some(outlook) = Outlook::of(&source.recipe, &progress).filter(|_| !announced) {
                 let shows_surface = self.lods.is_some()
-                    || Sitter::shows_surface(&source, &outlook.sample.grown, self.look, None);
+                    || PreviewSubject::shows_surface(&source, &outlook.sample.grown, self.look, None);
                 let pixels = f64::from(width) * f64::from(height) * levels as f64;
                 let each = outlook.picture_s(&source.recipe, pixels, shows_surface);
                 // What is known so far, taken for all that follow.
@@ -116,13 +116,13 @@ impl Sheet {
                 source.recipe.preset.seed = first.wrapping_add(step);
                 let grown = super::grown_beside(&source, &holding, &progress)?;
                 let sitters = if self.lods.is_some() {
-                    Sitter::of_levels(&source, &grown, &progress, &holding)?
+                    PreviewSubject::of_levels(&source, &grown, &progress, &holding)?
                 } else {
-                    vec![Sitter::new(&source, &grown, self.look, None, &progress, &holding)?]
+                    vec![PreviewSubject::new(&source, &grown, self.look, None, &progress, &holding)?]
                 };
                 let camera = Camera::orbit(broad_side(&grown.skeleton), PITCH_DEG);
                 for (at, sitter) in (place..).zip(&sitters) {
-                    let picture = sitter.draw(&camera, &sitter.styled(Style::studio()), own, &holding)?;
+                    let picture = sitter.draw(&camera, &sitter.styled(Style::studio()), cell, &holding)?;
                     sheet.lay(&picture, at % columns * width, at / columns * height);
                 }
                 place += levels as u32;

@@ -8,7 +8,7 @@ use linden::preset::{Generator, Preset, PresetKnob, Section, Space};
 use linden::recipe::{Geometry, Input, Recipe};
 use serde::Serialize;
 
-use super::Growing;
+use super::GrowArgs;
 use super::forest::Described;
 use super::forest_page::{self, As};
 use super::size::{SizeRow, count};
@@ -20,7 +20,7 @@ use crate::progress::Progress;
 #[derive(Args)]
 pub struct Show {
     #[command(flatten)]
-    growing: Growing,
+    growing: GrowArgs,
 
     /// Machine-readable
     #[arg(long, conflicts_with = "toml")]
@@ -36,7 +36,7 @@ pub struct Show {
 }
 
 #[derive(Serialize)]
-struct Shown<'a> {
+struct ShownPreset<'a> {
     source: &'a str,
     id: &'a str,
     name: &'a str,
@@ -111,7 +111,7 @@ impl Show {
         // A crown's shape is what grows, no matter of defaults.
         let is_default = |knob: &PresetKnob, value: &Value| {
             knob.knob.name != "crown"
-                && plain.iter().any(|(own, default)| own.knob.name == knob.knob.name && default == value)
+                && plain.iter().any(|(other, default)| other.knob.name == knob.knob.name && default == value)
         };
         let knobs: Vec<KnobRow> = preset
             .knobs()
@@ -130,7 +130,7 @@ impl Show {
             .collect();
         let forecast = forecast_of(&source.recipe, &progress)?;
         if self.json {
-            return super::print_json(&Shown {
+            return super::print_json(&ShownPreset {
                 source: &source.shown,
                 id: &preset.id,
                 name: &preset.name,
@@ -151,10 +151,10 @@ impl Show {
 /// Symbols by the growth matrix where these are few enough to be counted, the rest from a sample.
 fn forecast_of(recipe: &Recipe, progress: &Progress) -> anyhow::Result<Option<ForecastRow>> {
     let outlook = Outlook::of(recipe, progress);
-    let size = outlook.as_ref().map(|own| own.size(recipe));
-    let is_whole = outlook.as_ref().is_some_and(|own| own.sample.is_whole());
-    let sampled = outlook.as_ref().and_then(|own| own.sample.skeleton_bytes());
-    let Generator::LSystem(own) = &recipe.preset.generator else {
+    let size = outlook.as_ref().map(|outlook| outlook.size(recipe));
+    let is_whole = outlook.as_ref().is_some_and(|outlook| outlook.sample.is_whole());
+    let sampled = outlook.as_ref().and_then(|outlook| outlook.sample.skeleton_bytes());
+    let Generator::LSystem(lsystem) = &recipe.preset.generator else {
         let row = |size| ForecastRow {
             symbols: None,
             segments: None,
@@ -166,18 +166,18 @@ fn forecast_of(recipe: &Recipe, progress: &Progress) -> anyhow::Result<Option<Fo
         };
         return Ok(size.map(row));
     };
-    let counted = own.forecast()?;
-    let grown = outlook.as_ref().filter(|own| counted.at_least || own.sample.is_whole());
-    let symbols = grown.and_then(|own| own.sample.symbols()).unwrap_or(counted.symbols as f64);
+    let counted = lsystem.forecast()?;
+    let grown = outlook.as_ref().filter(|outlook| counted.at_least || outlook.sample.is_whole());
+    let symbols = grown.and_then(|outlook| outlook.sample.symbols()).unwrap_or(counted.symbols as f64);
     let segments = match grown {
-        Some(own) if counted.at_least => own.sample.segments(),
+        Some(outlook) if counted.at_least => outlook.sample.segments(),
         _ => counted.segments as f64,
     };
     Ok(Some(ForecastRow {
         symbols: Some(symbols),
         segments: Some(segments),
         depth: Some(counted.depth),
-        exact: counted.exact || grown.is_some_and(|own| own.sample.wood_times == 1.0),
+        exact: counted.exact || grown.is_some_and(|outlook| outlook.sample.wood_times == 1.0),
         at_least: counted.at_least && grown.is_none(),
         size,
         memory_bytes: sampled.or_else(|| counted.skeleton_bytes()),
@@ -191,14 +191,14 @@ fn page(recipe: &Recipe, knobs: &[KnobRow], forecast: Option<&ForecastRow>, only
         text.push_str(&format!("{}\n", printable(line)));
     }
     match &preset.generator {
-        Generator::LSystem(own) => {
+        Generator::LSystem(lsystem) => {
             text.push_str("\ngrammar\n");
-            for line in own.grammar.to_string().lines() {
+            for line in lsystem.grammar.to_string().lines() {
                 text.push_str(&format!("  {}\n", printable(line)));
             }
         }
-        Generator::Colonization(own) => {
-            let (what, file) = match &own.space {
+        Generator::Colonization(colonization) => {
+            let (what, file) = match &colonization.space {
                 Space::Shape { .. } => ("", None),
                 Space::Envelope { file } => ("crown envelope", Some(file)),
                 Space::Points { file } => ("attraction points", Some(file)),
@@ -207,7 +207,7 @@ fn page(recipe: &Recipe, knobs: &[KnobRow], forecast: Option<&ForecastRow>, only
                 let input = recipe.input(file);
                 let (size, shells) =
                     (input.map(size).unwrap_or_default(), input.map(shells).unwrap_or_default());
-                let shells = if own.root.is_none() { shells } else { String::new() };
+                let shells = if colonization.root.is_none() { shells } else { String::new() };
                 text.push_str(&format!("\n{what}\n  {}{size}{shells}\n", printable(file)));
             }
         }
@@ -236,15 +236,15 @@ fn page(recipe: &Recipe, knobs: &[KnobRow], forecast: Option<&ForecastRow>, only
         knobs.iter().map(|row| row.value.len() + row.unit.len() + 1).max().unwrap_or(0).min(24),
     ];
     for section in Section::ALL {
-        let own: Vec<&KnobRow> = knobs.iter().filter(|row| row.section == section.key()).collect();
+        let rows: Vec<&KnobRow> = knobs.iter().filter(|row| row.section == section.key()).collect();
         let is_shown = |key: &str| !only_changed || preset.file(key).is_some();
         let files: Vec<_> =
-            Preset::file_keys().filter(|(own, key, _)| *own == section && is_shown(key)).collect();
-        if own.is_empty() && files.is_empty() {
+            Preset::file_keys().filter(|(of, key, _)| *of == section && is_shown(key)).collect();
+        if rows.is_empty() && files.is_empty() {
             continue;
         }
         text.push_str(&format!("\n{}\n", if section.key().is_empty() { "tree" } else { section.key() }));
-        for row in own {
+        for row in rows {
             let value = if row.is_number { format!("{} {}", row.value, row.unit) } else { row.value.clone() };
             text.push_str(&format!(
                 "  {:name_width$}  {:value_width$}  {}\n",
@@ -297,7 +297,9 @@ fn size(input: &Input) -> String {
     match &input.geometry {
         Geometry::Mesh(mesh) => format!(": {} triangles", mesh.triangles.len()),
         Geometry::Points(points) => format!(": {} points", points.len()),
-        Geometry::Picture(own) => format!(": {}×{} pixels", own.picture.width(), own.picture.height()),
+        Geometry::Picture(picture) => {
+            format!(": {}×{} pixels", picture.picture.width(), picture.picture.height())
+        }
     }
 }
 
@@ -305,6 +307,7 @@ fn size(input: &Input) -> String {
 fn shells(input: &Input) -> String {
     let Geometry::Mesh(mesh) = &input.geometry else { return String::new() };
     // What is wrong with it is said when it is to grow.
-    let count = Envelope::new(mesh, &Quiet).and_then(|own| Ok(own.shells(&Quiet)?.len())).unwrap_or(0);
+    let count =
+        Envelope::new(mesh, &Quiet).and_then(|envelope| Ok(envelope.shells(&Quiet)?.len())).unwrap_or(0);
     if count > 1 { format!(", {count} shells that stand apart: a tree in each") } else { String::new() }
 }

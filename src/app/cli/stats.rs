@@ -15,7 +15,7 @@ use linden::scene::{Bounds, Mesh};
 use linden::surface::{Junction, survey};
 use serde::Serialize;
 
-use super::Growing;
+use super::GrowArgs;
 use crate::forecast::{Outlook, announce};
 use crate::progress::Progress;
 
@@ -23,7 +23,7 @@ use crate::progress::Progress;
 #[derive(Args)]
 pub struct Stats {
     #[command(flatten)]
-    growing: Growing,
+    growing: GrowArgs,
 
     #[command(flatten)]
     budget: super::Budget,
@@ -35,7 +35,7 @@ pub struct Stats {
 
 /// The names and meanings of `--json`: scripts rely on them.
 #[derive(Serialize)]
-struct Report {
+struct StatsReport {
     source: String,
     seed: u64,
     generator: &'static str,
@@ -117,8 +117,8 @@ struct Seconds {
 impl Stats {
     pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
-        let own: Vec<_> = self.growing.pairs()?.into_iter().chain(self.budget.pair()).collect();
-        let source = self.growing.resolve_with(&own, &progress)?;
+        let settings: Vec<_> = self.growing.pairs()?.into_iter().chain(self.budget.pair()).collect();
+        let source = self.growing.resolve_with(&settings, &progress)?;
         if let Some(outlook) = Outlook::of(&source.recipe, &progress) {
             announce(outlook.stats_s(&source.recipe), &outlook.amount());
         }
@@ -139,12 +139,12 @@ impl Stats {
 
         let skeleton = &grown.skeleton;
         let measures = skeleton.measures();
-        let leaf_bounds = foliage.iter().filter_map(|own| own.mesh.bounds());
+        let leaf_bounds = foliage.iter().filter_map(|organ| organ.mesh.bounds());
         let bounds = surface.bounds.into_iter().chain(leaf_bounds).reduce(Bounds::union);
-        let count = |of: fn(&Mesh) -> usize| foliage.iter().map(|own| of(&own.mesh)).sum::<usize>();
+        let count = |of: fn(&Mesh) -> usize| foliage.iter().map(|organ| of(&organ.mesh)).sum::<usize>();
         let bounds = bounds.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO });
         let colonized = grown.colonized.as_ref();
-        let report = Report {
+        let report = StatsReport {
             source: source.shown.clone(),
             seed: source.recipe.preset.seed,
             generator: source.recipe.preset.generator.id(),
@@ -157,11 +157,13 @@ impl Stats {
             crown_width_m: measures.crown_width_m,
             trunk_diameter_m: measures.trunk_diameter_m,
             wood_volume_m3: measures.wood_volume_m3,
-            points: colonized.map(|own| own.points.len()),
-            points_unreached: colonized.map(|own| own.unreached),
-            iterations: colonized.map(|own| own.iterations),
-            canopy: colonized.filter(|own| own.is_canopy || own.scan.is_some()).map(|own| own.is_canopy),
-            scan: colonized.and_then(|own| own.scan).as_ref().map(Scan::of),
+            points: colonized.map(|colonized| colonized.points.len()),
+            points_unreached: colonized.map(|colonized| colonized.unreached),
+            iterations: colonized.map(|colonized| colonized.iterations),
+            canopy: colonized
+                .filter(|colonized| colonized.is_canopy || colonized.scan.is_some())
+                .map(|colonized| colonized.is_canopy),
+            scan: colonized.and_then(|colonized| colonized.scan).as_ref().map(Scan::of),
             symbols: grown.symbols,
             triangles: surface.triangles + count(|mesh| mesh.triangles.len()),
             vertices: surface.vertices + count(|mesh| mesh.positions.len()),
@@ -180,7 +182,7 @@ impl Stats {
     }
 }
 
-impl Report {
+impl StatsReport {
     fn table(&self) -> String {
         let count = |n: usize| indicatif::HumanCount(n as u64).to_string();
         let mut rows = vec![

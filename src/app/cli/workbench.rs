@@ -7,25 +7,25 @@ use linden_terminal::Tty;
 use linden_terminal::probe::Overrides;
 use linden_terminal::tty::OpenError;
 
-use super::{Growing, complete};
+use super::{GrowArgs, complete};
 use crate::config::log::Request;
 use crate::exit::usage;
 use crate::source;
-use crate::tui::{End, Start, run};
+use crate::tui::{End, StartOptions, run};
 
 /// Open the workbench on a source; without one, linden opens it where it was left
 #[derive(Args)]
 pub struct Open {
     #[command(flatten)]
-    growing: Growing,
+    growing: GrowArgs,
 
     #[command(flatten)]
-    pub(super) terminal: Terminal,
+    pub(super) terminal: TerminalArgs,
 }
 
 /// What the user says of the terminal.
 #[derive(Args, Default, Clone)]
-pub struct Look {
+pub struct TerminalLook {
     /// How pictures are shown: auto, kitty, sixel, iterm2, quadrants, halves or braille
     #[arg(long, value_name = "HOW", add = complete::words(|| Overrides::graphics_words()))]
     graphics: Option<String>,
@@ -37,9 +37,9 @@ pub struct Look {
 
 /// How the workbench uses the terminal.
 #[derive(Args, Default)]
-pub struct Terminal {
+pub struct TerminalArgs {
     #[command(flatten)]
-    pub(super) look: Look,
+    pub(super) look: TerminalLook,
 
     /// Show bytes and times, and sum them up at the end
     #[arg(long)]
@@ -61,7 +61,7 @@ impl Open {
     }
 }
 
-impl Terminal {
+impl TerminalArgs {
     /// Opens the workbench and stays until it is left.
     pub fn open(self, source: Option<PathBuf>, set: Vec<(String, String)>) -> anyhow::Result<()> {
         let (request, complaints) = Request::new(self.log.clone(), |name| std::env::var_os(name));
@@ -79,7 +79,7 @@ impl Terminal {
             OpenError::Descriptor { .. } => error.into(),
         })?;
         let overrides = self.look.overrides()?;
-        let end = run(tty, Start { source, set, overrides, stats: self.stats });
+        let end = run(tty, StartOptions { source, set, overrides, stats: self.stats });
         // Of an export that did not stop in time.
         linden_exporters::abandon();
         match end? {
@@ -92,7 +92,7 @@ impl Terminal {
 
 /// The flags of the workbench that mean something to other commands, too, and those that do not: given
 /// before a command, they go to it or are refused, but never dropped.
-impl Terminal {
+impl TerminalArgs {
     /// Takes what `before` says where this says nothing.
     pub fn fill(&mut self, before: &mut Self) {
         self.look.fill(&mut before.look);
@@ -116,7 +116,7 @@ impl Terminal {
     }
 }
 
-impl Look {
+impl TerminalLook {
     /// Takes what `before` says where this says nothing.
     pub fn fill(&mut self, before: &mut Self) {
         let Self { graphics, colors } = std::mem::take(before);

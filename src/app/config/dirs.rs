@@ -27,12 +27,12 @@ impl Dirs {
     /// `$HOME/.local/state/linden`.
     pub fn new(lookup: impl Fn(&str) -> Option<OsString>) -> Self {
         let path = |name: &str| lookup(name).filter(|value| !value.is_empty()).map(PathBuf::from);
-        let find = |own: &str, xdg: &str, below_home: &str| {
+        let find = |variable: &str, xdg: &str, below_home: &str| {
             // What the user names may be relative; it stays what it was when the program started.
-            let own = path(own).map(|dir| std::path::absolute(&dir).unwrap_or(dir));
+            let variable = path(variable).map(|dir| std::path::absolute(&dir).unwrap_or(dir));
             let absolute = |name: &str| path(name).filter(|dir| dir.is_absolute());
             let base = || absolute(xdg).or_else(|| absolute("HOME").map(|home| home.join(below_home)));
-            own.or_else(|| base().map(|base| base.join("linden")))
+            variable.or_else(|| base().map(|base| base.join("linden")))
         };
         Self {
             config: find("LINDEN_CONFIG_DIR", "XDG_CONFIG_HOME", ".config"),
@@ -80,7 +80,7 @@ mod tests {
     use super::*;
 
     fn of(environment: &[(&str, &str)]) -> Dirs {
-        Dirs::new(|name| environment.iter().find(|(own, _)| *own == name).map(|(_, value)| value.into()))
+        Dirs::new(|name| environment.iter().find(|(known, _)| *known == name).map(|(_, value)| value.into()))
     }
 
     fn paths(config: &str, state: &str) -> Dirs {
@@ -93,8 +93,8 @@ mod tests {
         assert_eq!(of(&[home]), paths("/h/.config/linden", "/h/.local/state/linden"));
         let xdg = [home, ("XDG_CONFIG_HOME", "/c"), ("XDG_STATE_HOME", "/s")];
         assert_eq!(of(&xdg), paths("/c/linden", "/s/linden"));
-        let own = [xdg.as_slice(), &[("LINDEN_CONFIG_DIR", "/a"), ("LINDEN_STATE_DIR", "/b")]].concat();
-        assert_eq!(of(&own), paths("/a", "/b"));
+        let named = [xdg.as_slice(), &[("LINDEN_CONFIG_DIR", "/a"), ("LINDEN_STATE_DIR", "/b")]].concat();
+        assert_eq!(of(&named), paths("/a", "/b"));
     }
 
     #[test]

@@ -18,7 +18,7 @@ const MAX_COMPLAINTS: usize = 20;
 
 /// Collects what is wrong with a text.
 #[derive(Debug)]
-pub struct Document<'t> {
+pub struct TomlDocument<'t> {
     file: &'t Path,
     text: &'t str,
     complaints: Vec<Complaint>,
@@ -26,14 +26,14 @@ pub struct Document<'t> {
 }
 
 /// A key, where it stands, and its value.
-pub type Entry<'d, 't> = (&'d str, Range<usize>, &'d Spanned<DeValue<'t>>);
+pub type TomlEntry<'d, 't> = (&'d str, Range<usize>, &'d Spanned<DeValue<'t>>);
 
 /// The text of a file, empty when there is none.
 pub fn text_of(file: &Path) -> Result<String, Complaint> {
     Ok(files::read_text(file, MAX_BYTES)?.unwrap_or_default())
 }
 
-impl<'t> Document<'t> {
+impl<'t> TomlDocument<'t> {
     /// Reads TOML. Lines that are none are complained about and left out.
     pub fn parse(file: &'t Path, text: &'t str) -> (Self, DeTable<'t>) {
         let mut document = Self { file, text, complaints: Vec::new(), unsaid: 0 };
@@ -121,8 +121,8 @@ impl<'t> Document<'t> {
 }
 
 /// A table's entries in the order of the file; the table itself has them by name.
-pub fn entries<'d, 't>(table: &'d DeTable<'t>) -> Vec<Entry<'d, 't>> {
-    let mut entries: Vec<Entry<'d, 't>> =
+pub fn entries<'d, 't>(table: &'d DeTable<'t>) -> Vec<TomlEntry<'d, 't>> {
+    let mut entries: Vec<TomlEntry<'d, 't>> =
         table.iter().map(|(key, value)| (key.get_ref().as_ref(), key.span(), value)).collect();
     entries.sort_by_key(|(_, span, _)| span.start);
     entries
@@ -146,7 +146,7 @@ mod tests {
     #[test]
     fn lines_that_are_no_toml_cost_only_themselves() {
         let text = "a = 1\nb = = 2\n\nc = 3\na = 4\n";
-        let (document, table) = Document::parse(Path::new("x.toml"), text);
+        let (document, table) = TomlDocument::parse(Path::new("x.toml"), text);
         let names: Vec<&str> = entries(&table).iter().map(|(key, ..)| *key).collect();
         assert!(names.contains(&"a") && names.contains(&"c"), "{names:?}");
         assert_eq!(scalar(table["a"].get_ref()).as_deref(), Some("1"));
@@ -158,7 +158,7 @@ mod tests {
     fn a_file_full_of_mistakes_is_summed_up() {
         let text: Vec<String> = (0..50_000).map(|i| format!("k{i} = [")).collect();
         let text = text.join("\n");
-        let (document, _) = Document::parse(Path::new("x.toml"), &text);
+        let (document, _) = TomlDocument::parse(Path::new("x.toml"), &text);
         let complaints = document.finish();
         assert!((1..=MAX_COMPLAINTS + 1).contains(&complaints.len()));
     }

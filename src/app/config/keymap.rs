@@ -15,10 +15,10 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::Complaint;
-use super::document::{Document, entries, text_of};
+use super::document::{TomlDocument, entries, text_of};
 
 /// A command: its id, which stands once in the table, the context that it belongs to, and the keys that it has from the start.
-pub type Row = (&'static str, &'static str, &'static [&'static str]);
+pub type KeyRow = (&'static str, &'static str, &'static [&'static str]);
 
 /// The context of commands that can be run everywhere.
 pub const GLOBAL: &str = "global";
@@ -35,7 +35,7 @@ pub struct Keymap {
 
 /// What a file says of one command.
 struct Wish {
-    row: Row,
+    row: KeyRow,
     keys: Vec<(Key, Range<usize>)>,
     span: Range<usize>,
 }
@@ -49,7 +49,7 @@ impl Wish {
 impl Keymap {
     /// As the table of commands has it. A name there that is no key binds nothing; the table's own
     /// test looks for that.
-    pub fn defaults(table: &[Row]) -> Self {
+    pub fn defaults(table: &[KeyRow]) -> Self {
         let mut keymap = Self::default();
         for &(id, context, names) in table {
             for key in names.iter().filter_map(|name| name.parse().ok()) {
@@ -60,7 +60,7 @@ impl Keymap {
     }
 
     /// The keymap in a file ([`Dirs::keymap`](super::dirs::Dirs::keymap)), defaults where there is none.
-    pub fn load(file: Option<&Path>, table: &[Row]) -> (Self, Vec<Complaint>) {
+    pub fn load(file: Option<&Path>, table: &[KeyRow]) -> (Self, Vec<Complaint>) {
         let Some(file) = file else { return (Self::defaults(table), Vec::new()) };
         match text_of(file) {
             Ok(text) => Self::read(file, &text, table),
@@ -69,8 +69,8 @@ impl Keymap {
     }
 
     /// The keymap in a text; `file` is for the complaints.
-    pub fn read(file: &Path, text: &str, table: &[Row]) -> (Self, Vec<Complaint>) {
-        let (mut document, root) = Document::parse(file, text);
+    pub fn read(file: &Path, text: &str, table: &[KeyRow]) -> (Self, Vec<Complaint>) {
+        let (mut document, root) = TomlDocument::parse(file, text);
         let mut wishes = Vec::new();
         for (key, span, value) in entries(&root) {
             if key != "keys" {
@@ -120,7 +120,7 @@ impl Keymap {
     }
 
     /// Binds what a file asks for.
-    fn grant(&mut self, document: &mut Document<'_>, wish: &Wish) {
+    fn grant(&mut self, document: &mut TomlDocument<'_>, wish: &Wish) {
         let (id, context, defaults) = wish.row;
         if wish.keys.is_empty() && has_cancel(defaults) {
             document.complain(
@@ -143,12 +143,12 @@ impl Keymap {
                 }
                 _ => self.bind(id, context, *key),
             }
-            let elsewhere = self.commands.iter().find(|((own, bound), other)| {
-                bound == key && *own != context && (context == GLOBAL || *own == GLOBAL) && **other != id
+            let elsewhere = self.commands.iter().find(|((there, bound), other)| {
+                bound == key && *there != context && (context == GLOBAL || *there == GLOBAL) && **other != id
             });
-            if let Some(((own, _), other)) = elsewhere {
+            if let Some(((there, _), other)) = elsewhere {
                 let (inner, global, place) =
-                    if context == GLOBAL { (*other, id, *own) } else { (id, *other, context) };
+                    if context == GLOBAL { (*other, id, *there) } else { (id, *other, context) };
                 document.complain(
                     span,
                     format!("{key} is bound twice: '{place}' runs '{inner}', everything else '{global}'"),
@@ -160,13 +160,13 @@ impl Keymap {
     /// Binds a default, unless the file gave the key away.
     fn keep_default(
         &mut self,
-        document: &mut Document<'_>,
+        document: &mut TomlDocument<'_>,
         wishes: &[Wish],
         (id, context): (&'static str, &'static str),
         key: Key,
     ) {
         let takers = wishes.iter().flat_map(|wish| {
-            wish.keys.iter().filter(|(own, _)| *own == key).map(|(_, span)| (wish.row.0, wish.row.1, span))
+            wish.keys.iter().filter(|(of, _)| *of == key).map(|(_, span)| (wish.row.0, wish.row.1, span))
         });
         for (taker, taken_in, span) in takers {
             // A global key of the user's goes before a default of any context.
@@ -194,8 +194,8 @@ impl Keymap {
 /// Reads the table of keys. `camera.reset = "r"` without quotes is a table in a table and means the
 /// same as with them.
 fn collect(
-    document: &mut Document<'_>,
-    table: &[Row],
+    document: &mut TomlDocument<'_>,
+    table: &[KeyRow],
     above: &str,
     keys: &DeTable<'_>,
     wishes: &mut Vec<Wish>,
@@ -229,7 +229,11 @@ fn collect(
 }
 
 /// Reads a key's name.
-fn key(document: &mut Document<'_>, &(id, _, defaults): &Row, value: &Spanned<DeValue<'_>>) -> Option<Key> {
+fn key(
+    document: &mut TomlDocument<'_>,
+    &(id, _, defaults): &KeyRow,
+    value: &Spanned<DeValue<'_>>,
+) -> Option<Key> {
     let Some(name) = value.get_ref().as_str() else {
         document.mismatch(id, value, "a key like \"ctrl-r\", or a list of keys");
         return None;
@@ -278,7 +282,7 @@ fn sent_instead(key: Key) -> Option<Key> {
 }
 
 /// A `keymap.toml` with every command and its default keys, commented out.
-pub fn example(table: &[Row]) -> String {
+pub fn example(table: &[KeyRow]) -> String {
     let mut text = format!(
         "# linden's keys. A line counts once its '#' is removed. A key, a list of keys, or [] for none.\n\
          # Keys are written like q, G, ?, space, enter, esc, tab, f1, up, pagedown, ctrl-r, alt-left, shift-tab.\n\
@@ -292,8 +296,8 @@ pub fn example(table: &[Row]) -> String {
     }
     for context in contexts {
         text += &format!("\n# {context}\n");
-        for (id, own, keys) in table {
-            if *own != context {
+        for (id, place, keys) in table {
+            if *place != context {
                 continue;
             }
             let keys: Vec<String> = keys.iter().map(|key| quoted(key)).collect();
@@ -314,7 +318,7 @@ fn quoted(text: &str) -> String {
 mod tests {
     use super::*;
 
-    const TABLE: &[Row] = &[
+    const TABLE: &[KeyRow] = &[
         ("quit", GLOBAL, &["q", "ctrl-c"]),
         ("help", GLOBAL, &["?", "f1"]),
         ("undo", "form", &["u"]),

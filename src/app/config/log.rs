@@ -48,7 +48,7 @@ impl Request {
         let mut level = LevelFilter::DEBUG;
         if let Some(word) = set("LINDEN_LOG_LEVEL") {
             let word = word.to_string_lossy();
-            match LEVELS.iter().find(|(own, _)| word.eq_ignore_ascii_case(own)) {
+            match LEVELS.iter().find(|(known, _)| word.eq_ignore_ascii_case(known)) {
                 Some((_, found)) => level = *found,
                 None => {
                     let names = LEVELS.map(|(name, _)| name);
@@ -121,7 +121,7 @@ mod tests {
     use super::*;
 
     fn request(flag: Option<&str>, environment: &[(&str, &str)]) -> (Option<Request>, Vec<Complaint>) {
-        let lookup = |name: &str| environment.iter().find(|(own, _)| *own == name).map(|(_, v)| v.into());
+        let lookup = |name: &str| environment.iter().find(|(known, _)| *known == name).map(|(_, v)| v.into());
         Request::new(flag.map(PathBuf::from), lookup)
     }
 

@@ -61,8 +61,8 @@ pub fn list(dir: &Path, monitor: &dyn Monitor) -> (Vec<UserPreset>, Vec<Complain
             paths.push((path, None));
         } else if path.is_dir() {
             let group = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            let own = names(&path, &mut complaints).into_iter().filter(|path| has_ending(path));
-            paths.extend(own.map(|path| (path, Some(group.clone()))));
+            let files = names(&path, &mut complaints).into_iter().filter(|path| has_ending(path));
+            paths.extend(files.map(|path| (path, Some(group.clone()))));
         }
     }
     if paths.len() > MAX_ENTRIES {
@@ -135,7 +135,7 @@ fn names(dir: &Path, complaints: &mut Vec<Complaint>) -> Vec<PathBuf> {
 
 fn has_ending(path: &Path) -> bool {
     path.extension()
-        .is_some_and(|ending| ["toml", "txt", "l"].iter().any(|own| ending.eq_ignore_ascii_case(own)))
+        .is_some_and(|ending| ["toml", "txt", "l"].iter().any(|known| ending.eq_ignore_ascii_case(known)))
 }
 
 fn entry(path: PathBuf, folder: Option<String>) -> UserPreset {
@@ -174,12 +174,12 @@ fn read(path: &Path, id: &str) -> Result<(Preset, Result<(), Complaint>), Compla
         }
         InputKind::Grammar => {
             let text = files::into_text(path, bytes)?;
-            let own = text::parse(&text).map_err(|error| {
+            let parsed = text::parse(&text).map_err(|error| {
                 let place = Place { line: error.line, column: error.column };
                 Complaint::at(path, Some(place), error.problem.to_string())
             })?;
-            let mut preset = Preset::of_grammar(id, own.grammar, own.angle_deg, own.derivations);
-            preset.summary = own.comments.into_iter().find(|line| !line.is_empty()).unwrap_or_default();
+            let mut preset = Preset::of_grammar(id, parsed.grammar, parsed.angle_deg, parsed.derivations);
+            preset.summary = parsed.comments.into_iter().find(|line| !line.is_empty()).unwrap_or_default();
             return Ok((preset, Ok(())));
         }
         InputKind::ObjMesh | InputKind::PlyMesh => {

@@ -16,7 +16,7 @@ fn listed(dir: &Path) -> Vec<UserPreset> {
 }
 
 fn ids(presets: &[UserPreset]) -> Vec<(&str, &str, bool)> {
-    presets.iter().map(|own| (own.group.as_str(), own.id.as_str(), own.state.is_ok())).collect()
+    presets.iter().map(|preset| (preset.group.as_str(), preset.id.as_str(), preset.state.is_ok())).collect()
 }
 
 #[test]
@@ -73,8 +73,10 @@ fn broken_files_are_listed_with_their_place() {
     fs::File::create(at("h.toml")).unwrap().set_len(MAX_BYTES + 1).unwrap();
     fs::write(at("i.toml"), "id = \"i\"\n[colonization]\nenvelope = \"i.obj\"\n").unwrap();
     symlink(dir.path(), at("loop")).unwrap();
-    let presets: Vec<UserPreset> = listed(dir.path()).into_iter().filter(|own| own.group != "loop").collect();
-    let complaints: Vec<&Complaint> = presets.iter().map(|own| own.state.as_ref().unwrap_err()).collect();
+    let presets: Vec<UserPreset> =
+        listed(dir.path()).into_iter().filter(|preset| preset.group != "loop").collect();
+    let complaints: Vec<&Complaint> =
+        presets.iter().map(|preset| preset.state.as_ref().unwrap_err()).collect();
     assert_eq!(complaints.len(), 9);
     let found: Vec<_> =
         complaints.iter().map(|c| (c.place.map(|(line, _)| line), c.message.clone())).collect();
@@ -100,7 +102,7 @@ fn broken_files_are_listed_with_their_place() {
     // The file that was missing.
     let cube = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
     fs::write(at("i.obj"), cube).unwrap();
-    assert!(listed(dir.path()).iter().any(|own| own.id == "i" && own.state.is_ok()));
+    assert!(listed(dir.path()).iter().any(|preset| preset.id == "i" && preset.state.is_ok()));
 }
 
 #[test]

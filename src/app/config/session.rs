@@ -42,7 +42,7 @@ pub struct Session {
     /// From where the tree was looked at.
     pub camera: Camera,
     /// What was exported last.
-    pub export: Export,
+    pub export: ExportChoices,
 }
 
 /// From where the tree was looked at.
@@ -62,7 +62,7 @@ pub struct Camera {
 /// What was exported last.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
-pub struct Export {
+pub struct ExportChoices {
     /// Files that were written to.
     pub targets: Vec<String>,
     /// Ids of formats.
@@ -82,7 +82,7 @@ impl Default for Session {
             hints_seen: Vec::new(),
             knobs: Vec::new(),
             camera: Camera::default(),
-            export: Export::default(),
+            export: ExportChoices::default(),
         }
     }
 }
@@ -121,7 +121,7 @@ struct Versioned {
 
 /// The document: the number first, then the session.
 #[derive(Serialize)]
-struct Document<'s> {
+struct SessionDocument<'s> {
     version: u32,
     #[serde(flatten)]
     session: &'s Session,
@@ -162,7 +162,7 @@ impl SessionFile {
         let failed = |what: &str, error: &dyn std::fmt::Display| {
             Complaint::new(path, format!("{what}: {error}; the session is not kept"))
         };
-        let document = Document { version: VERSION, session };
+        let document = SessionDocument { version: VERSION, session };
         let text = toml::to_string(&document).map_err(|error| failed("cannot be written", &error))?;
         if self.text.as_ref() == Some(&text) {
             return Ok(false);
@@ -225,7 +225,7 @@ mod tests {
             hints_seen: vec!["orbit".into(), "yank".into()],
             knobs: vec![("points".into(), "500".into()), ("kill".into(), "3D".into())],
             camera: Camera { yaw_deg: -12.5, pitch_deg: 90.0, zoom: 0.3, pan: [0.1, -2e-7] },
-            export: Export {
+            export: ExportChoices {
                 targets: vec!["fir.glb".into()],
                 formats: vec!["gltf".into(), "usda".into()],
                 options: vec![("gltf.embed".into(), "true".into())],
@@ -317,10 +317,10 @@ mod tests {
             for look in ["axes", "radius"] {
                 let path = path.clone();
                 scope.spawn(move || {
-                    let mut own = SessionFile::load(Some(path)).0;
+                    let mut memory = SessionFile::load(Some(path)).0;
                     for round in 0..40 {
                         let filter = look.repeat(round * 50);
-                        own.save(&Session { look: look.into(), filter, ..session() }).unwrap();
+                        memory.save(&Session { look: look.into(), filter, ..session() }).unwrap();
                     }
                 });
             }

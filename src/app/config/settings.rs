@@ -9,7 +9,7 @@ use linden_terminal::probe::Overrides;
 use linden_terminal::{ColorDepth, Glyphs};
 
 use super::Complaint;
-use super::document::{Document, entries, scalar, text_of};
+use super::document::{TomlDocument, entries, scalar, text_of};
 use crate::memory;
 
 /// What the user has set, defaults for the rest.
@@ -113,14 +113,14 @@ const COLORS_WORDS: [&str; COLORS.len()] = words(COLORS);
 
 /// The word of a value.
 fn word_of<T: Copy + PartialEq>(table: &[(&'static str, T)], value: T) -> Value {
-    let found = table.iter().find(|(_, own)| *own == value);
+    let found = table.iter().find(|(_, known)| *known == value);
     Value::Word(found.map_or("auto", |(word, _)| word).to_owned())
 }
 
 /// The value of a word that [`Kind::Choice`] has let pass.
 fn of_word<T: Copy>(table: &[(&'static str, T)], value: &Value, slot: &mut T) {
     if let Value::Word(word) = value
-        && let Some((_, found)) = table.iter().find(|(own, _)| own == word)
+        && let Some((_, found)) = table.iter().find(|(known, _)| known == word)
     {
         *slot = *found;
     }
@@ -292,7 +292,7 @@ impl Settings {
     /// The settings in a text; `file` is for the complaints.
     pub fn read(file: &Path, text: &str) -> (Self, Vec<Complaint>) {
         let mut settings = Self::default();
-        let (mut document, table) = Document::parse(file, text);
+        let (mut document, table) = TomlDocument::parse(file, text);
         for (key, span, value) in entries(&table) {
             let Some(setting) = SETTINGS.iter().find(|setting| setting.name == key) else {
                 document.unknown(&span, "setting", key, SETTINGS.iter().map(|setting| setting.name));
@@ -409,7 +409,7 @@ mod tests {
         let active: String = lines
             .lines()
             .map(|line| match line.strip_prefix('#') {
-                Some(own) if !own.starts_with(' ') => format!("{own}\n"),
+                Some(text) if !text.starts_with(' ') => format!("{text}\n"),
                 _ => format!("{line}\n"),
             })
             .collect();

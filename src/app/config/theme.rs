@@ -15,7 +15,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::Complaint;
 use super::dirs::{Dirs, NO_CONFIG};
-use super::document::{Document, entries, text_of};
+use super::document::{TomlDocument, entries, text_of};
 
 /// A colour of the built-in themes.
 #[derive(Clone, Copy, Debug)]
@@ -217,7 +217,7 @@ impl Theme {
     /// `dark` or `light`, with these colours.
     fn paint(name: &str, light: bool, palette: &[(String, Color)]) -> Self {
         let color = |name: Option<&str>| {
-            palette.iter().find(|(own, _)| Some(own.as_str()) == name).map(|(_, color)| *color)
+            palette.iter().find(|(known, _)| Some(known.as_str()) == name).map(|(_, color)| *color)
         };
         let mut theme = Self::bare(name, light);
         for role in ROLES {
@@ -280,7 +280,7 @@ impl Theme {
         light: bool,
         depth: ColorDepth,
     ) -> (Self, Vec<Complaint>) {
-        let (mut document, root) = Document::parse(file, text);
+        let (mut document, root) = TomlDocument::parse(file, text);
         let entries = entries(&root);
         let mut base = "auto".to_owned();
         let mut own_colors: Option<&DeTable<'_>> = None;
@@ -303,8 +303,8 @@ impl Theme {
         };
         let is_plain = base == "plain";
         let mut palette = if is_plain { Vec::new() } else { colors(light, depth) };
-        if let Some(own) = own_colors {
-            read_colors(&mut document, own, &mut palette);
+        if let Some(colors) = own_colors {
+            read_colors(&mut document, colors, &mut palette);
         }
         let mut theme = if is_plain { Self::plain(light) } else { Self::paint(name, light, &palette) };
         name.clone_into(&mut theme.name);
@@ -370,15 +370,15 @@ const ANSI: [(&str, Color); 16] = [
 ];
 
 /// Reads `[colors]` into a palette. A name may stand for another one that is known before it.
-fn read_colors(document: &mut Document<'_>, own: &DeTable<'_>, palette: &mut Vec<(String, Color)>) {
-    for (name, span, value) in entries(own) {
+fn read_colors(document: &mut TomlDocument<'_>, colors: &DeTable<'_>, palette: &mut Vec<(String, Color)>) {
+    for (name, span, value) in entries(colors) {
         if name == "default" || name.starts_with('#') || ANSI.iter().any(|(ansi, _)| *ansi == name) {
             document
                 .complain(&span, format!("'{}' means a colour already; choose another name", excerpt(name)));
             continue;
         }
         let Some(color) = read_color(document, name, value, palette) else { continue };
-        match palette.iter_mut().find(|(own, _)| own == name) {
+        match palette.iter_mut().find(|(known, _)| known == name) {
             Some((_, slot)) => *slot = color,
             None => palette.push((name.to_owned(), color)),
         }
@@ -387,7 +387,7 @@ fn read_colors(document: &mut Document<'_>, own: &DeTable<'_>, palette: &mut Vec
 
 /// Reads a colour: `#rrggbb`, one of the sixteen, a name of the palette, or `default`.
 fn read_color(
-    document: &mut Document<'_>,
+    document: &mut TomlDocument<'_>,
     key: &str,
     value: &Spanned<DeValue<'_>>,
     palette: &[(String, Color)],
@@ -426,7 +426,7 @@ const MODIFIERS: [(&str, Modifier); 5] =
 
 /// Reads a role: a colour, or a table of what differs from the theme that is extended.
 fn restyle(
-    document: &mut Document<'_>,
+    document: &mut TomlDocument<'_>,
     role: &str,
     value: &Spanned<DeValue<'_>>,
     palette: &[(String, Color)],

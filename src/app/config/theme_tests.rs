@@ -49,7 +49,7 @@ fn contrast_is_wcags() {
 fn text_can_be_read_on_every_ground() {
     for (theme, backgrounds) in [Theme::dark(), Theme::light()].iter().zip(BACKGROUNDS) {
         let palette = colors(theme.light, ColorDepth::True);
-        let color = |name: &str| rgb(palette.iter().find(|(own, _)| own == name).unwrap().1);
+        let color = |name: &str| rgb(palette.iter().find(|(known, _)| known == name).unwrap().1);
         let mut grounds = backgrounds.to_vec();
         grounds.extend(["soil", "grass", "dusk"].map(color));
         for hue in PALETTE.iter().filter(|hue| !["soil", "grass", "dusk"].contains(&hue.name)) {
@@ -70,7 +70,7 @@ fn text_can_be_read_on_every_ground() {
 fn the_selection_is_seen_on_every_background() {
     for (light, backgrounds) in [false, true].into_iter().zip(BACKGROUNDS) {
         let palette = colors(light, ColorDepth::True);
-        let color = |name: &str| rgb(palette.iter().find(|(own, _)| own == name).unwrap().1);
+        let color = |name: &str| rgb(palette.iter().find(|(known, _)| known == name).unwrap().1);
         for ground in backgrounds.into_iter().chain(["soil", "dusk"].map(color)) {
             let found = contrast(color("grass"), ground);
             assert!(found >= 1.15, "light {light} on {ground:x?}: {found:.2}");
@@ -126,7 +126,7 @@ fn sixteen_colours_are_the_terminals_and_mark_what_has_no_ground() {
         let (theme, _) = Theme::load(&Dirs::default(), "auto", light, ColorDepth::Ansi16);
         for role in ROLES {
             let style = style(&theme, role);
-            let is_ansi = |color: Color| color == Color::Reset || ANSI.iter().any(|(_, own)| *own == color);
+            let is_ansi = |color: Color| color == Color::Reset || ANSI.iter().any(|(_, ansi)| *ansi == color);
             assert!(style.fg.is_none_or(is_ansi) && style.bg.is_none(), "{}: {style:?}", role.name);
         }
         assert!(theme.selected.add_modifier.contains(REVERSED));
@@ -215,7 +215,7 @@ fn the_example_is_commented_out_and_says_what_dark_is() {
     let active: String = text
         .lines()
         .map(|line| match line.strip_prefix('#') {
-            Some(own) if !own.starts_with(' ') => format!("{own}\n"),
+            Some(text) if !text.starts_with(' ') => format!("{text}\n"),
             _ => format!("{line}\n"),
         })
         .collect();

@@ -36,11 +36,11 @@ const MAX_ENTRIES: usize = 10_000;
 #[derive(Debug)]
 pub struct Watch {
     state: Arc<Mutex<State>>,
-    sender: Sender<Message>,
+    sender: Sender<WatchMessage>,
 }
 
 /// What the thread is told.
-enum Message {
+enum WatchMessage {
     /// Something happened, or watching failed.
     Happened(notify::Result<Event>),
     /// The end.
@@ -86,7 +86,7 @@ impl Watch {
         let happened = sender.clone();
         let watcher = notify::recommended_watcher(move |event| {
             // Nobody is left to tell when this fails.
-            let _ = happened.send(Message::Happened(event));
+            let _ = happened.send(WatchMessage::Happened(event));
         });
         let mut state = State { roots: directories.to_vec(), ..State::default() };
         match watcher {
@@ -98,9 +98,9 @@ impl Watch {
         }
         state.arrange();
         let state = Arc::new(Mutex::new(state));
-        let own = Arc::clone(&state);
+        let shared = Arc::clone(&state);
         let thread = std::thread::Builder::new().name("watch".to_owned());
-        if let Err(error) = thread.spawn(move || run(&own, &receiver, &on_change)) {
+        if let Err(error) = thread.spawn(move || run(&shared, &receiver, &on_change)) {
             let mut state = lock(&state);
             state.watcher = None;
             let complaint = cannot_watch(Path::new("."), &notify::Error::io(error));
@@ -128,7 +128,7 @@ impl Watch {
 
 impl Drop for Watch {
     fn drop(&mut self) {
-        let _ = self.sender.send(Message::Stop);
+        let _ = self.sender.send(WatchMessage::Stop);
         // Not under the lock: its thread may be calling us.
         let watcher = lock(&self.state).watcher.take();
         drop(watcher);
@@ -141,8 +141,8 @@ fn lock(state: &Mutex<State>) -> MutexGuard<'_, State> {
 }
 
 /// Waits for changes, gathers them, tells them.
-fn run(state: &Mutex<State>, receiver: &Receiver<Message>, on_change: &impl Fn(Vec<PathBuf>)) {
-    while let Ok(Message::Happened(event)) = receiver.recv() {
+fn run(state: &Mutex<State>, receiver: &Receiver<WatchMessage>, on_change: &impl Fn(Vec<PathBuf>)) {
+    while let Ok(WatchMessage::Happened(event)) = receiver.recv() {
         let mut changed = lock(state).note(event);
         if changed.is_empty() {
             continue;
@@ -152,7 +152,7 @@ fn run(state: &Mutex<State>, receiver: &Receiver<Message>, on_change: &impl Fn(V
         loop {
             let wait = quiet_from.min(end).saturating_duration_since(Instant::now());
             match receiver.recv_timeout(wait) {
-                Ok(Message::Happened(event)) => {
+                Ok(WatchMessage::Happened(event)) => {
                     let more = lock(state).note(event);
                     if !more.is_empty() {
                         quiet_from = Instant::now() + QUIET;
@@ -160,7 +160,7 @@ fn run(state: &Mutex<State>, receiver: &Receiver<Message>, on_change: &impl Fn(V
                     }
                 }
                 Err(RecvTimeoutError::Timeout) => break,
-                Ok(Message::Stop) | Err(RecvTimeoutError::Disconnected) => return,
+                Ok(WatchMessage::Stop) | Err(RecvTimeoutError::Disconnected) => return,
             }
         }
         // Directories may have come or gone.
@@ -206,7 +206,7 @@ impl State {
                 Interest::All(told) if !is_passing(name) => {
                     meant.insert(told.join(name));
                 }
-                Interest::One(own, told) if own == name => {
+                Interest::One(file, told) if file == name => {
                     meant.insert(told.clone());
                 }
                 _ => {}

@@ -54,78 +54,78 @@ fn config(dir: &Path) {
 
 #[test]
 fn a_save_is_told_however_an_editor_saves() {
-    let own = Watched::new(config);
-    let file = own.at("config/presets/moor/a.toml");
+    let watched = Watched::new(config);
+    let file = watched.at("config/presets/moor/a.toml");
     fs::write(&file, "written over").unwrap();
-    assert_eq!(own.wait("config/presets/moor/a.toml"), BTreeSet::from([file.clone()]));
+    assert_eq!(watched.wait("config/presets/moor/a.toml"), BTreeSet::from([file.clone()]));
     // As vim does: the old one aside, the new one in its place.
-    fs::write(own.at("config/presets/moor/4913"), "").unwrap();
-    fs::rename(&file, own.at("config/presets/moor/a.toml~")).unwrap();
+    fs::write(watched.at("config/presets/moor/4913"), "").unwrap();
+    fs::rename(&file, watched.at("config/presets/moor/a.toml~")).unwrap();
     fs::write(&file, "new").unwrap();
-    fs::remove_file(own.at("config/presets/moor/a.toml~")).unwrap();
-    assert_eq!(own.wait("config/presets/moor/a.toml"), BTreeSet::from([file.clone()]));
+    fs::remove_file(watched.at("config/presets/moor/a.toml~")).unwrap();
+    assert_eq!(watched.wait("config/presets/moor/a.toml"), BTreeSet::from([file.clone()]));
     // As most others: a new one beside it, renamed over it.
-    fs::write(own.at("config/presets/moor/.a.tmp"), "newer").unwrap();
-    fs::rename(own.at("config/presets/moor/.a.tmp"), &file).unwrap();
-    assert_eq!(own.wait("config/presets/moor/a.toml"), BTreeSet::from([file.clone()]));
+    fs::write(watched.at("config/presets/moor/.a.tmp"), "newer").unwrap();
+    fs::rename(watched.at("config/presets/moor/.a.tmp"), &file).unwrap();
+    assert_eq!(watched.wait("config/presets/moor/a.toml"), BTreeSet::from([file.clone()]));
     fs::remove_file(&file).unwrap();
-    assert_eq!(own.wait("config/presets/moor/a.toml"), BTreeSet::from([file]));
+    assert_eq!(watched.wait("config/presets/moor/a.toml"), BTreeSet::from([file]));
 }
 
 #[test]
 fn reading_is_no_change() {
-    let own = Watched::new(config);
+    let watched = Watched::new(config);
     for _ in 0..10 {
-        fs::read(own.at("config/presets/moor/a.toml")).unwrap();
-        fs::read_dir(own.at("config/presets")).unwrap().count();
+        fs::read(watched.at("config/presets/moor/a.toml")).unwrap();
+        fs::read_dir(watched.at("config/presets")).unwrap().count();
     }
-    assert_eq!(own.settle(), BTreeSet::new());
+    assert_eq!(watched.settle(), BTreeSet::new());
 }
 
 #[test]
 fn directories_are_waited_for() {
-    let own = Watched::new(|_| {});
-    fs::create_dir_all(own.at("config/presets")).unwrap();
-    own.wait("config");
-    fs::write(own.at("config/config.toml"), "").unwrap();
-    own.wait("config/config.toml");
-    fs::create_dir(own.at("config/presets/new")).unwrap();
-    own.wait("config/presets/new");
-    fs::write(own.at("config/presets/new/b.txt"), "").unwrap();
-    own.wait("config/presets/new/b.txt");
+    let watched = Watched::new(|_| {});
+    fs::create_dir_all(watched.at("config/presets")).unwrap();
+    watched.wait("config");
+    fs::write(watched.at("config/config.toml"), "").unwrap();
+    watched.wait("config/config.toml");
+    fs::create_dir(watched.at("config/presets/new")).unwrap();
+    watched.wait("config/presets/new");
+    fs::write(watched.at("config/presets/new/b.txt"), "").unwrap();
+    watched.wait("config/presets/new/b.txt");
     // Gone and come again, as when a repository is checked out.
-    fs::remove_dir_all(own.at("config")).unwrap();
-    own.wait("config");
-    fs::create_dir(own.at("config")).unwrap();
-    own.wait("config");
-    fs::write(own.at("config/keymap.toml"), "").unwrap();
-    own.wait("config/keymap.toml");
+    fs::remove_dir_all(watched.at("config")).unwrap();
+    watched.wait("config");
+    fs::create_dir(watched.at("config")).unwrap();
+    watched.wait("config");
+    fs::write(watched.at("config/keymap.toml"), "").unwrap();
+    watched.wait("config/keymap.toml");
 }
 
 #[test]
 fn the_current_file_is_told_of_and_nothing_beside_it() {
-    let own = Watched::new(config);
-    let (first, second) = (own.at("trees/first.toml"), own.at("trees/second.toml"));
-    fs::create_dir(own.at("trees")).unwrap();
+    let watched = Watched::new(config);
+    let (first, second) = (watched.at("trees/first.toml"), watched.at("trees/second.toml"));
+    fs::create_dir(watched.at("trees")).unwrap();
     fs::write(&first, "").unwrap();
     fs::write(&second, "").unwrap();
-    assert_eq!(own.watch.also(std::slice::from_ref(&first)), []);
+    assert_eq!(watched.watch.also(std::slice::from_ref(&first)), []);
     fs::write(&second, "no matter").unwrap();
     fs::write(&first, "new").unwrap();
-    assert_eq!(own.wait("trees/first.toml"), BTreeSet::from([first.clone()]));
-    assert_eq!(own.watch.also(std::slice::from_ref(&second)), []);
+    assert_eq!(watched.wait("trees/first.toml"), BTreeSet::from([first.clone()]));
+    assert_eq!(watched.watch.also(std::slice::from_ref(&second)), []);
     fs::write(&first, "no matter").unwrap();
     fs::write(&second, "new").unwrap();
-    assert_eq!(own.wait("trees/second.toml"), BTreeSet::from([second.clone()]));
-    own.watch.also(&[]);
+    assert_eq!(watched.wait("trees/second.toml"), BTreeSet::from([second.clone()]));
+    watched.watch.also(&[]);
     fs::write(&second, "no matter").unwrap();
-    assert_eq!(own.settle(), BTreeSet::new());
-    assert_eq!(own.watch.complaints(), []);
+    assert_eq!(watched.settle(), BTreeSet::new());
+    assert_eq!(watched.watch.complaints(), []);
 }
 
 #[test]
 fn links_are_followed_and_told_by_their_own_name() {
-    let own = Watched::new(|dir| {
+    let watched = Watched::new(|dir| {
         fs::create_dir_all(dir.join("dotfiles/moor")).unwrap();
         fs::create_dir_all(dir.join("config/presets")).unwrap();
         fs::write(dir.join("dotfiles/keymap.toml"), "").unwrap();
@@ -134,19 +134,19 @@ fn links_are_followed_and_told_by_their_own_name() {
         symlink(dir.join("config"), dir.join("config/presets/loop")).unwrap();
         symlink("circle", dir.join("config/circle")).unwrap();
     });
-    fs::write(own.at("dotfiles/keymap.toml"), "new").unwrap();
-    own.wait("config/keymap.toml");
-    fs::write(own.at("dotfiles/moor/b.toml"), "new").unwrap();
-    own.wait("config/presets/moor/b.toml");
-    fs::write(own.at("dotfiles/other.toml"), "no matter").unwrap();
-    let told = own.settle();
+    fs::write(watched.at("dotfiles/keymap.toml"), "new").unwrap();
+    watched.wait("config/keymap.toml");
+    fs::write(watched.at("dotfiles/moor/b.toml"), "new").unwrap();
+    watched.wait("config/presets/moor/b.toml");
+    fs::write(watched.at("dotfiles/other.toml"), "no matter").unwrap();
+    let told = watched.settle();
     assert!(!told.iter().any(|path| path.ends_with("other.toml")), "{told:?}");
 }
 
 #[test]
 fn nothing_is_told_after_the_end() {
-    let own = Watched::new(config);
-    let Watched { dir, watch, told } = own;
+    let watched = Watched::new(config);
+    let Watched { dir, watch, told } = watched;
     drop(watch);
     fs::write(dir.path().join("config/config.toml"), "").unwrap();
     // The thread ends, and with it the sender.

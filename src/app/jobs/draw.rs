@@ -19,7 +19,7 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
 use super::grow::Plant;
-use super::{Shown, Watcher};
+use super::{ShownTree, Watcher};
 
 /// Most bytes of a draft, and of a full picture, over a network.
 const DRAFT_BYTES: usize = 16_000;
@@ -40,7 +40,7 @@ const USUAL_CELL_PX: (u16, u16) = (10, 20);
 
 /// What is drawn of the tree.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Look {
+pub enum PictureLook {
     /// Its axes as strokes.
     Skeleton(Paint),
     /// Its surface, shaded.
@@ -60,7 +60,7 @@ pub enum Detail {
 #[derive(Clone, Debug)]
 pub struct DrawRequest {
     /// The tree.
-    pub shown: Arc<Shown>,
+    pub shown: Arc<ShownTree>,
     /// The step of growth that is drawn, `None` for the grown tree.
     pub stage: Option<u32>,
     /// The frame of the wind's loop that the grown tree is drawn at, `None` for a calm.
@@ -68,7 +68,7 @@ pub struct DrawRequest {
     /// From where.
     pub camera: Camera,
     /// What of it.
-    pub look: Look,
+    pub look: PictureLook,
     /// With its attraction points.
     pub points: bool,
     /// With its crown's outline.
@@ -195,8 +195,8 @@ impl Medium {
 /// Draws pictures, one after the other, and keeps what the next one may need.
 #[derive(Default)]
 pub struct Painter {
-    scene: Option<(Arc<Shown>, Scene)>,
-    stage: Option<(Arc<Shown>, u32, Option<Plant>)>,
+    scene: Option<(Arc<ShownTree>, Scene)>,
+    stage: Option<(Arc<ShownTree>, u32, Option<Plant>)>,
 }
 
 impl Painter {
@@ -267,9 +267,9 @@ impl Painter {
     ) -> Result<Picture, Option<String>> {
         let shown = &request.shown;
         let base = request.medium.style();
-        let points = shown.grown.colonized.as_ref().map_or(&[][..], |own| &own.points);
+        let points = shown.grown.colonized.as_ref().map_or(&[][..], |colonized| &colonized.points);
         let style = Style {
-            paint: if let Look::Skeleton(paint) = request.look { paint } else { base.paint },
+            paint: if let PictureLook::Skeleton(paint) = request.look { paint } else { base.paint },
             points: if request.points { points } else { &[] },
             outline: if request.outline { &shown.outline } else { &[] },
             person: request.person,
@@ -279,7 +279,7 @@ impl Painter {
         };
         let drawn = match (request.look, request.stage) {
             // Until the surface is there, its skeleton is: a draft does not wait.
-            (Look::Surface, None) if request.detail == Detail::Full || self.has_scene(shown) => {
+            (PictureLook::Surface, None) if request.detail == Detail::Full || self.has_scene(shown) => {
                 let Some(frame) = request.wind else {
                     let scene = self.scene(shown, false, watcher)?;
                     return surface(&Surface::from(scene), request, &style, size, watcher);
@@ -310,7 +310,7 @@ impl Painter {
         drawn.map_err(unless_cancelled)
     }
 
-    fn has_scene(&self, shown: &Arc<Shown>) -> bool {
+    fn has_scene(&self, shown: &Arc<ShownTree>) -> bool {
         self.scene.as_ref().is_some_and(|(of, _)| Arc::ptr_eq(of, shown))
     }
 
@@ -318,7 +318,7 @@ impl Painter {
     /// moves it.
     fn scene(
         &mut self,
-        shown: &Arc<Shown>,
+        shown: &Arc<ShownTree>,
         sways: bool,
         watcher: &Watcher<'_>,
     ) -> Result<&Scene, Option<String>> {
@@ -346,7 +346,7 @@ impl Painter {
     /// A tree as it was at a step; `None` while there is nothing of it.
     fn stage(
         &mut self,
-        shown: &Arc<Shown>,
+        shown: &Arc<ShownTree>,
         step: u32,
         watcher: &Watcher<'_>,
     ) -> Result<Option<Plant>, Option<String>> {
@@ -379,12 +379,16 @@ fn unless_cancelled(error: RasterError) -> Option<String> {
 
 /// The wind that is played: where a preset has none, a breeze.
 pub fn wind_strength(preset: &Preset) -> f64 {
-    let own = preset.wind.blow.strength;
-    if own > 0.0 { own } else { Blow::default().strength }
+    let strength = preset.wind.blow.strength;
+    if strength > 0.0 { strength } else { Blow::default().strength }
 }
 
 /// A tree's wood and leaves at a frame of the wind's loop.
-fn blown_at(shown: &Shown, frame: u32, watcher: &Watcher<'_>) -> Result<(Skeleton, Organs), Option<String>> {
+fn blown_at(
+    shown: &ShownTree,
+    frame: u32,
+    watcher: &Watcher<'_>,
+) -> Result<(Skeleton, Organs), Option<String>> {
     let mut preset = shown.recipe.preset.clone();
     preset.wind.blow.strength = wind_strength(&preset);
     blown(&preset, &shown.grown.skeleton, &shown.grown.organs, frame, watcher).map_err(|_| None)

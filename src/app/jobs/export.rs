@@ -10,7 +10,7 @@ use linden::monitor::Phase;
 use linden::recipe::Recipe;
 use linden_exporters::{Bundle, Estimate, Existing, examine, make_folders};
 
-use super::{Done, Findings, Shown};
+use super::{Done, Findings, ShownTree};
 use crate::paths::show;
 use crate::targets::{Batch, Output, expand};
 
@@ -22,7 +22,7 @@ pub struct ExportOrder {
     /// The tree.
     pub recipe: Arc<Recipe>,
     /// The tree as it grew, so that it need not grow again.
-    pub shown: Option<Arc<Shown>>,
+    pub shown: Option<Arc<ShownTree>>,
     /// What is written where; `~/` may still stand before a path.
     pub outputs: Vec<Output>,
     /// Targets whose file may be replaced: those that the user was asked about.
@@ -69,7 +69,7 @@ pub enum ExportNews {
     /// The export under way panicked, which is our fault.
     Broken(String),
     /// What a tree will amount to.
-    Estimated(Arc<Shown>, Estimate),
+    Estimated(Arc<ShownTree>, Estimate),
     /// What the dialog wanted to know.
     Found(Box<Findings>),
 }
@@ -125,7 +125,7 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
     }
     let levels_wanted = recipe.preset.detail.levels();
     outputs = outputs.into_iter().flat_map(|output| output.in_levels(levels_wanted)).collect();
-    if let Some(there) = outputs.iter().find(|own| own.level.is_some() && own.path.exists()) {
+    if let Some(there) = outputs.iter().find(|output| output.level.is_some() && output.path.exists()) {
         anyhow::bail!("{} is there already; remove it, or choose another name", show(&there.path));
     }
     let targets: Vec<PathBuf> = outputs.iter().map(|output| output.path.clone()).collect();
@@ -147,11 +147,11 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
     let estimate = Estimate::new(&recipe, grown, watcher)?;
     gauge.begin(DRESSING, None);
     let levels = levels(&recipe, grown, &gauge)?;
-    let bytes = |own: &Output| {
-        let format = own.exporter.format();
-        match own.level {
-            Some(level) => estimate.level_bytes(level, format, &own.options),
-            None => estimate.bytes(format, &own.options),
+    let bytes = |output: &Output| {
+        let format = output.exporter.format();
+        match output.level {
+            Some(level) => estimate.level_bytes(level, format, &output.options),
+            None => estimate.bytes(format, &output.options),
         }
     };
     let bytes: Vec<u64> = planned.iter().map(|output| bytes(output).unwrap_or(0).max(1)).collect();
@@ -160,9 +160,9 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
     let mut left: u64 = bytes.iter().sum();
     let mut rest = bytes.iter();
     let mut next = || {
-        if let Some(&own) = rest.next() {
-            gauge.begin(own as f64 / left.max(1) as f64, Some(own));
-            left -= own;
+        if let Some(&share) = rest.next() {
+            gauge.begin(share as f64 / left.max(1) as f64, Some(share));
+            left -= share;
         }
     };
     next();

@@ -62,7 +62,7 @@ fn failed(news: ExportNews) -> String {
 #[test]
 fn files_are_those_that_each_exporter_writes_alone() {
     let (ours, alone) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
-    let ids: Vec<_> = REGISTRY.iter().map(|own| own.format().id).collect();
+    let ids: Vec<_> = REGISTRY.iter().map(|exporter| exporter.format().id).collect();
     let mut whole = order(ours.path(), &ids);
     whole.outputs[1].options.set("encoding", "ascii").unwrap();
     let outputs = whole.outputs.clone();
@@ -70,9 +70,12 @@ fn files_are_those_that_each_exporter_writes_alone() {
 
     let recipe = recipe("older-c");
     let scene = dress(&recipe, &grow(&recipe, &Quiet).unwrap(), &Quiet).unwrap();
-    for own in outputs {
-        let mut bundle = Bundle::create(&alone.path().join(own.path.file_name().unwrap())).unwrap();
-        own.exporter.write(&linden::stage::Stage::of(&scene), &own.options, &mut bundle, &Quiet).unwrap();
+    for output in outputs {
+        let mut bundle = Bundle::create(&alone.path().join(output.path.file_name().unwrap())).unwrap();
+        output
+            .exporter
+            .write(&linden::stage::Stage::of(&scene), &output.options, &mut bundle, &Quiet)
+            .unwrap();
         bundle.commit().unwrap();
     }
     let (ours_listed, alone_listed) = (listing(ours.path()), listing(alone.path()));

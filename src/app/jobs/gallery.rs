@@ -23,7 +23,7 @@ use linden_terminal::cells::CellPicture;
 
 use super::draw::FULL_BYTES;
 use super::grow::Plant;
-use super::{Look, Medium, Shown};
+use super::{Medium, PictureLook, ShownTree};
 
 /// Larger trees are not grown for a small picture. A tree that is on screen already is drawn whatever
 /// its size.
@@ -48,11 +48,11 @@ pub struct GalleryRequest {
     /// To what, for each picture.
     pub values: Vec<Value>,
     /// The base, where it has grown already.
-    pub known: Option<Arc<Shown>>,
+    pub known: Option<Arc<ShownTree>>,
     /// From where; each tree is framed whole.
     pub camera: Camera,
     /// What of it.
-    pub look: Look,
+    pub look: PictureLook,
     /// Whether all are in one scale, or each fills its own picture.
     pub one_scale: bool,
     /// Columns and rows of each picture.
@@ -146,7 +146,7 @@ pub fn paint_gallery(request: GalleryRequest, monitor: &dyn Monitor, give: &dyn 
 
 /// A tree that grew, as far as pictures need it.
 #[derive(Clone)]
-struct Sitter {
+struct GallerySubject {
     recipe: Arc<Recipe>,
     plant: Plant,
     extent: Extent,
@@ -184,13 +184,14 @@ impl Studio<'_> {
             }
             Err(NoPicture::Cancelled) => Err(Cancelled),
         };
-        let has_surface = request.look == Look::Surface;
+        let has_surface = request.look == PictureLook::Surface;
         let shares_skeleton = request.shares_skeleton();
         let mut extents: Vec<Extent> = request.known.iter().map(|known| known.extent(false, false)).collect();
         let mut shared = None;
         let mut kept_nodes = 0;
         // For each tree that grew: what its picture framed, and the tree itself while there is room.
-        let mut drawn: Vec<Option<(Extent, Option<Sitter>)>> = Vec::with_capacity(request.values.len());
+        let mut drawn: Vec<Option<(Extent, Option<GallerySubject>)>> =
+            Vec::with_capacity(request.values.len());
         for index in 0..request.values.len() {
             let sitter = match self.grow(index, shared.as_ref()) {
                 Ok(sitter) => sitter,
@@ -227,7 +228,7 @@ impl Studio<'_> {
     }
 
     /// Grows one of the trees, unless it is too large for that.
-    fn grow(&self, index: usize, shared: Option<&Plant>) -> Result<Sitter, NoPicture> {
+    fn grow(&self, index: usize, shared: Option<&Plant>) -> Result<GallerySubject, NoPicture> {
         self.monitor.check()?;
         let recipe = self.request.recipe(index).map_err(NoPicture::Because)?;
         if let Some(known) = &self.request.known
@@ -235,7 +236,7 @@ impl Studio<'_> {
         {
             let plant = self.leafed(&recipe, Plant::from(&known.grown))?;
             let extent = plant.extent().unwrap_or_else(|| known.extent(false, false));
-            return Ok(Sitter { recipe, plant, extent });
+            return Ok(GallerySubject { recipe, plant, extent });
         }
         let plant = match shared {
             Some(plant) => self.leafed(&recipe, plant.clone())?,
@@ -244,7 +245,7 @@ impl Studio<'_> {
         let Some(extent) = plant.extent() else {
             return Err(NoPicture::Because(RasterError::Empty.to_string()));
         };
-        Ok(Sitter { recipe, plant, extent })
+        Ok(GallerySubject { recipe, plant, extent })
     }
 
     /// A tree of another recipe with the leaves of this one.
@@ -260,8 +261,8 @@ impl Studio<'_> {
     }
 
     /// A tree as well as it can be drawn.
-    fn best(&self, sitter: &Sitter, frame: Extent) -> Result<SmallPicture, NoPicture> {
-        if self.request.look != Look::Surface {
+    fn best(&self, sitter: &GallerySubject, frame: Extent) -> Result<SmallPicture, NoPicture> {
+        if self.request.look != PictureLook::Surface {
             return self.strokes(sitter, frame);
         }
         let mut recipe = (*sitter.recipe).clone();
@@ -287,9 +288,9 @@ impl Studio<'_> {
     }
 
     /// A tree as strokes.
-    fn strokes(&self, sitter: &Sitter, frame: Extent) -> Result<SmallPicture, NoPicture> {
+    fn strokes(&self, sitter: &GallerySubject, frame: Extent) -> Result<SmallPicture, NoPicture> {
         let base = self.request.medium.style();
-        let paint = if let Look::Skeleton(paint) = self.request.look { paint } else { base.paint };
+        let paint = if let PictureLook::Skeleton(paint) = self.request.look { paint } else { base.paint };
         let style = Style {
             paint,
             organs: Some(&sitter.plant.organs),
@@ -306,7 +307,11 @@ impl Studio<'_> {
     }
 
     /// Pixels as cells, with what is said below them.
-    fn small(&self, sitter: &Sitter, drawn: Result<Picture, RasterError>) -> Result<SmallPicture, NoPicture> {
+    fn small(
+        &self,
+        sitter: &GallerySubject,
+        drawn: Result<Picture, RasterError>,
+    ) -> Result<SmallPicture, NoPicture> {
         let picture = drawn.map_err(|error| match error {
             RasterError::Cancelled => NoPicture::Cancelled,
             other => NoPicture::Because(other.to_string()),
@@ -327,18 +332,19 @@ fn grow_within_limits(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Plant, N
     let mut limited = recipe.clone();
     let mut limits_nodes = false;
     match &mut limited.preset.generator {
-        Generator::LSystem(own) => own.symbol_limit = own.symbol_limit.min(MOST_SYMBOLS),
-        Generator::Colonization(own) => {
-            let given = own.space.file().and_then(|file| recipe.input(file)).map(|input| &input.geometry);
+        Generator::LSystem(lsystem) => lsystem.symbol_limit = lsystem.symbol_limit.min(MOST_SYMBOLS),
+        Generator::Colonization(colonization) => {
+            let given =
+                colonization.space.file().and_then(|file| recipe.input(file)).map(|input| &input.geometry);
             let points = match given {
                 Some(Geometry::Points(points)) => points.len(),
-                _ => own.points as usize,
+                _ => colonization.points as usize,
             };
             if points > MOST_POINTS {
                 return Err(too_large(format!("{points} points")));
             }
-            limits_nodes = own.max_nodes > MOST_NODES;
-            own.max_nodes = own.max_nodes.min(MOST_NODES);
+            limits_nodes = colonization.max_nodes > MOST_NODES;
+            colonization.max_nodes = colonization.max_nodes.min(MOST_NODES);
         }
     }
     match grow(&limited, monitor) {
@@ -385,16 +391,16 @@ fn around(all: &[Extent]) -> Extent {
         person: None,
     };
     let rim = |e: &Extent, ring: usize| e.bottom + e.height() * ring as f32 / RINGS as f32;
-    for own in all {
-        let off = Vec2::new(own.x - whole.x, own.z - whole.z).length();
+    for extent in all {
+        let off = Vec2::new(extent.x - whole.x, extent.z - whole.z).length();
         for ring in 0..RINGS {
             let (low, high) = (rim(&whole, ring), rim(&whole, ring + 1));
             // What is flat lies in the rings that it touches.
             let reaches = |i: &usize| {
-                let (from, to) = (rim(own, *i), rim(own, *i + 1));
+                let (from, to) = (rim(extent, *i), rim(extent, *i + 1));
                 if from < to { from < high && to > low } else { from <= high && to >= low }
             };
-            if let Some(widest) = (0..RINGS).filter(reaches).map(|i| own.radii[i]).reduce(f32::max) {
+            if let Some(widest) = (0..RINGS).filter(reaches).map(|i| extent.radii[i]).reduce(f32::max) {
                 whole.radii[ring] = whole.radii[ring].max(widest + off);
             }
         }

@@ -28,7 +28,7 @@ fn request(base: Arc<Recipe>, knob: &'static str, values: Vec<Value>) -> Gallery
         values,
         known: None,
         camera: Camera::orbit(20.0, 10.0),
-        look: Look::Skeleton(Paint::Wood),
+        look: PictureLook::Skeleton(Paint::Wood),
         one_scale: false,
         cells: CELLS,
         medium: Medium {
@@ -85,7 +85,11 @@ fn direct(skeleton: &Skeleton, frame: Extent) -> CellPicture {
 fn each_picture_is_what_its_recipe_gives_and_seeds_differ() {
     let base = base("fir", &[("points", "250")]);
     let given = painted(request(Arc::clone(&base), "seed", seeds(3..6)));
-    assert_eq!(given.iter().map(|own| own.index).collect::<Vec<_>>(), [0, 1, 2], "in order, once each");
+    assert_eq!(
+        given.iter().map(|picture| picture.index).collect::<Vec<_>>(),
+        [0, 1, 2],
+        "in order, once each"
+    );
     let pictures: Vec<_> = last(given).into_iter().map(Result::unwrap).collect();
     for (picture, seed) in pictures.iter().zip(3..) {
         let skeleton = skeleton_with(&base, "seed", &format!("{seed}"));
@@ -107,9 +111,9 @@ fn in_one_scale_all_end_in_the_frame_of_all() {
     let request = GalleryRequest { one_scale: true, ..request(Arc::clone(&base), "segment_length", values) };
     let given = painted(request);
     // The largest comes last, so those before it are drawn again, in order, and it is not.
-    assert_eq!(given.iter().map(|own| own.index).collect::<Vec<_>>(), [0, 1, 2, 0, 1]);
+    assert_eq!(given.iter().map(|picture| picture.index).collect::<Vec<_>>(), [0, 1, 2, 0, 1]);
     let skeletons = lengths.map(|text| skeleton_with(&base, "segment_length", text));
-    let extents: Vec<_> = skeletons.iter().map(|own| Extent::of(own, &[]).unwrap()).collect();
+    let extents: Vec<_> = skeletons.iter().map(|skeleton| Extent::of(skeleton, &[]).unwrap()).collect();
     let frame = around(&extents);
     for (result, skeleton) in last(given).into_iter().zip(&skeletons) {
         assert_eq!(result.unwrap().cells, direct(skeleton, frame));
@@ -149,15 +153,18 @@ fn the_frame_of_all_holds_every_one_of_them() {
             extents.push(Extent { x, z, bottom, top: bottom + height, radii, person: None });
         }
         let whole = around(&extents);
-        for own in &extents {
+        for extent in &extents {
             for ring in 0..RINGS {
                 // The middle of each ring, at its farthest from the whole's axis.
-                let y = own.bottom + own.height() * (ring as f32 + 0.5) / RINGS as f32;
-                let off = Vec2::new(own.x - whole.x, own.z - whole.z).length();
+                let y = extent.bottom + extent.height() * (ring as f32 + 0.5) / RINGS as f32;
+                let off = Vec2::new(extent.x - whole.x, extent.z - whole.z).length();
                 let there = if whole.height() > 0.0 { (y - whole.bottom) / whole.height() } else { 0.0 };
                 assert!((-1e-5..=1.0 + 1e-5).contains(&there));
                 let there = ((there * RINGS as f32) as usize).min(RINGS - 1);
-                assert!(whole.radii[there] + 1e-4 >= own.radii[ring] + off, "{whole:?}\n{own:?} {ring}");
+                assert!(
+                    whole.radii[there] + 1e-4 >= extent.radii[ring] + off,
+                    "{whole:?}\n{extent:?} {ring}"
+                );
             }
         }
         assert_eq!(around(&extents[..1]), extents[0]);
@@ -192,8 +199,8 @@ fn what_is_too_large_or_cannot_grow_says_so_and_the_others_are_drawn() {
 fn a_surface_is_strokes_first() {
     let base = base("abop-a", &[("derivations", "2")]);
     let row = |look| GalleryRequest { look, ..request(Arc::clone(&base), "angle", vec![Value::Real(20.0)]) };
-    let strokes = last(painted(row(Look::Skeleton(Paint::Wood))));
-    let mut given = painted(row(Look::Surface)).into_iter();
+    let strokes = last(painted(row(PictureLook::Skeleton(Paint::Wood))));
+    let mut given = painted(row(PictureLook::Surface)).into_iter();
     let (first, second) = (given.next().unwrap(), given.next().unwrap());
     assert!(given.next().is_none());
     assert_eq!(first.result.unwrap().cells, strokes[0].as_ref().unwrap().cells);
@@ -236,11 +243,11 @@ fn what_has_grown_is_not_grown_again() {
         .iter()
         .find_map(|answer| if let Done::Value(shown) = answer.done { Some(shown) } else { None });
     assert!(known.is_some());
-    let advances = |known: Option<Arc<Shown>>, knob, values| {
+    let advances = |known: Option<Arc<ShownTree>>, knob, values| {
         let counter = Counter::default();
         let given = RefCell::new(Vec::new());
         let request = GalleryRequest { known, ..request(Arc::clone(&base), knob, values) };
-        paint_gallery(request, &counter, &|own| given.borrow_mut().push(own.result.unwrap().cells));
+        paint_gallery(request, &counter, &|picture| given.borrow_mut().push(picture.result.unwrap().cells));
         (counter.advances.into_inner(), given.into_inner())
     };
     let (grown, fresh) = advances(None, "seed", seeds(4..5));

@@ -46,7 +46,7 @@ impl From<&Grown> for Plant {
 
 /// A tree that grew, and what is known of it.
 #[derive(Debug)]
-pub struct Shown {
+pub struct ShownTree {
     /// What it grew from.
     pub recipe: Arc<Recipe>,
     /// The tree.
@@ -54,7 +54,7 @@ pub struct Shown {
     /// What a forester would measure.
     pub measures: Measures,
     /// What pictures frame: the tree.
-    own: Extent,
+    narrow: Extent,
     /// The tree, its attraction points and its crown.
     wide: Extent,
     /// What the tree stands on, metres.
@@ -66,13 +66,13 @@ pub struct Shown {
 }
 
 /// Grows a recipe; `None` when nobody wants the result any more.
-pub fn grow_shown(recipe: &Arc<Recipe>, watcher: &Watcher<'_>) -> Option<Result<Arc<Shown>, String>> {
+pub fn grow_shown(recipe: &Arc<Recipe>, watcher: &Watcher<'_>) -> Option<Result<Arc<ShownTree>, String>> {
     let grown = match grow(recipe, watcher) {
         Ok(grown) => grown,
         Err(GrowError::Cancelled(_)) => return None,
         Err(error) => return Some(Err(error.to_string())),
     };
-    let points = grown.colonized.as_ref().map_or(&[][..], |own| &own.points);
+    let points = grown.colonized.as_ref().map_or(&[][..], |colonized| &colonized.points);
     let outline = match outline(recipe, watcher) {
         Ok(outline) => outline,
         Err(GrowError::Cancelled(_)) => return None,
@@ -82,13 +82,13 @@ pub fn grow_shown(recipe: &Arc<Recipe>, watcher: &Watcher<'_>) -> Option<Result<
     let skeleton = &grown.skeleton;
     let given = points.iter().chain(outline.iter().flatten()).copied();
     let around: Vec<Vec3> = given.chain(grown.organs.hull()).collect();
-    let (Some(own), Some(wide)) = (Plant::from(&grown).extent(), Extent::of(skeleton, &around)) else {
+    let (Some(narrow), Some(wide)) = (Plant::from(&grown).extent(), Extent::of(skeleton, &around)) else {
         return Some(Err(RasterError::Empty.to_string()));
     };
-    Some(Ok(Arc::new(Shown {
+    Some(Ok(Arc::new(ShownTree {
         recipe: Arc::clone(recipe),
         measures: skeleton.measures(),
-        own,
+        narrow,
         wide,
         ground_m: skeleton.positions.iter().map(|p| p.y).fold(f32::INFINITY, f32::min),
         outline,
@@ -100,11 +100,11 @@ pub fn grow_shown(recipe: &Arc<Recipe>, watcher: &Watcher<'_>) -> Option<Result<
 /// A tree as it was at a step of its growth: at an iteration of colonization, or at a derivation,
 /// for which the L-system is derived again (its symbols are not kept from one to the next). `None`
 /// while nothing is drawn; `Err(None)` when nobody wants it any more.
-pub fn stage(shown: &Shown, step: u32, watcher: &Watcher<'_>) -> Result<Option<Plant>, Option<String>> {
+pub fn stage(shown: &ShownTree, step: u32, watcher: &Watcher<'_>) -> Result<Option<Plant>, Option<String>> {
     let mut recipe = (*shown.recipe).clone();
     // The whole tree stays while a younger one is shown.
     let holding = Holding::new(watcher, shown.grown.bytes());
-    let Generator::LSystem(own) = &mut recipe.preset.generator else {
+    let Generator::LSystem(lsystem) = &mut recipe.preset.generator else {
         let organs_bytes = shown.grown.bytes() - shown.grown.skeleton.bytes();
         let beside = Holding::new(watcher, organs_bytes);
         shown
@@ -124,7 +124,7 @@ pub fn stage(shown: &Shown, step: u32, watcher: &Watcher<'_>) -> Result<Option<P
         };
         return Ok(Some(Plant { skeleton: Arc::new(young), organs, given: Arc::default() }));
     };
-    own.derivations = step;
+    lsystem.derivations = step;
     match grow(&recipe, &holding) {
         Ok(grown) => Ok(Some(Plant::from(&grown))),
         Err(GrowError::Cancelled(_)) => Err(None),
@@ -133,11 +133,11 @@ pub fn stage(shown: &Shown, step: u32, watcher: &Watcher<'_>) -> Result<Option<P
     }
 }
 
-impl Shown {
+impl ShownTree {
     /// What pictures frame: the tree; with what it grew in when that is shown; with a person when
     /// one is to stand there and the plant is large enough.
     pub fn extent(&self, wide: bool, person: bool) -> Extent {
-        let extent = if wide { self.wide } else { self.own };
+        let extent = if wide { self.wide } else { self.narrow };
         if person { extent.with_person(self.ground_m) } else { extent }
     }
 

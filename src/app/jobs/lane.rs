@@ -86,15 +86,15 @@ impl<R: Send + 'static> Lane<R> {
             filled: Condvar::new(),
             newest: AtomicU64::new(0),
         });
-        let own = Arc::clone(&shared);
+        let waiting = Arc::clone(&shared);
         let thread = std::thread::Builder::new().name(format!("{THREAD_PREFIX}{name}")).spawn(move || {
             lower_priority();
-            while let Some((number, request)) = own.wait() {
+            while let Some((number, request)) = waiting.wait() {
                 let report = |stage, done, total| {
                     send(Answer { number, done: Done::Progress { stage, done, total } });
                 };
                 let watcher =
-                    Watcher { number, newest: &own.newest, report: &report, last: Mutex::new(None) };
+                    Watcher { number, newest: &waiting.newest, report: &report, last: Mutex::new(None) };
                 let give = |value| send(Answer { number, done: Done::Value(value) });
                 let worked = catch_unwind(AssertUnwindSafe(|| work(request, &watcher, &give)));
                 if let Err(panic) = worked {

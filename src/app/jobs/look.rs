@@ -11,7 +11,7 @@ use linden::{Cancelled, Monitor};
 use linden_exporters::{Estimate, Existing, ExportError, examine};
 
 use super::export::NO_STREAM;
-use super::{ExportNews, Shown};
+use super::{ExportNews, ShownTree};
 use crate::targets::expand;
 
 /// What the export dialog wants to know.
@@ -24,7 +24,7 @@ pub struct Inquiry {
     /// A path that is being typed, up to the cursor, to be completed.
     pub completes: Option<String>,
     /// A tree to be estimated.
-    pub shown: Option<Arc<Shown>>,
+    pub shown: Option<Arc<ShownTree>>,
     /// Files that must not be replaced.
     pub sources: Vec<PathBuf>,
 }
@@ -46,14 +46,14 @@ pub struct Findings {
     /// What was asked.
     pub inquiry: Inquiry,
     /// For each target.
-    pub targets: Vec<Finding>,
+    pub targets: Vec<TargetFinding>,
     /// Lines that what is being typed may go on to be, directories with a separator at their end.
     pub completions: Vec<String>,
 }
 
 /// What was found out about a target.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Finding {
+pub enum TargetFinding {
     /// A file there will be new.
     Free,
     /// A file there would be replaced.
@@ -94,7 +94,7 @@ fn findings(
     inquiry: &Inquiry,
     home: Option<&Path>,
     watcher: &dyn Monitor,
-) -> Result<Vec<Finding>, Cancelled> {
+) -> Result<Vec<TargetFinding>, Cancelled> {
     // A source that is gone by now cannot be replaced any more.
     let sources: Vec<PathBuf> =
         inquiry.sources.iter().filter_map(|path| fs::canonicalize(path).ok()).collect();
@@ -105,11 +105,11 @@ fn findings(
         let path = expand(typed, home);
         let twice = place_of(&path).and_then(|place| taken.insert(place, typed)).is_some();
         found.push(if typed.is_empty() {
-            Finding::Unfit("type where the file is to be".to_owned())
+            TargetFinding::Unfit("type where the file is to be".to_owned())
         } else if twice {
-            Finding::Unfit("another format goes there too; give each its own name".to_owned())
-        } else if fs::canonicalize(&path).is_ok_and(|own| sources.contains(&own)) {
-            Finding::Unfit("the tree is grown from that file; choose another name".to_owned())
+            TargetFinding::Unfit("another format goes there too; give each its own name".to_owned())
+        } else if fs::canonicalize(&path).is_ok_and(|real| sources.contains(&real)) {
+            TargetFinding::Unfit("the tree is grown from that file; choose another name".to_owned())
         } else {
             finding(&path)
         });
@@ -117,20 +117,20 @@ fn findings(
     Ok(found)
 }
 
-fn finding(path: &Path) -> Finding {
+fn finding(path: &Path) -> TargetFinding {
     match examine(path) {
-        Ok(Existing::Stream) => Finding::Unfit(NO_STREAM.to_owned()),
+        Ok(Existing::Stream) => TargetFinding::Unfit(NO_STREAM.to_owned()),
         Ok(_) if !is_writable(directory_of(path)) => {
-            Finding::Unfit("you may not write to that directory; choose one of yours".to_owned())
+            TargetFinding::Unfit("you may not write to that directory; choose one of yours".to_owned())
         }
-        Ok(Existing::Nothing) => Finding::Free,
-        Ok(Existing::File) => Finding::Replaces,
-        Err(ExportError::NoFolder { folder, .. }) if is_makeable(&folder) => Finding::NewFolder,
+        Ok(Existing::Nothing) => TargetFinding::Free,
+        Ok(Existing::File) => TargetFinding::Replaces,
+        Err(ExportError::NoFolder { folder, .. }) if is_makeable(&folder) => TargetFinding::NewFolder,
         Err(error) => {
             // The path stands before it on the screen.
             let told = error.to_string();
-            let own = format!("cannot write {}: ", linden::knob::printable(&path.to_string_lossy()));
-            Finding::Unfit(told.strip_prefix(&own).map(str::to_owned).unwrap_or(told))
+            let prefix = format!("cannot write {}: ", linden::knob::printable(&path.to_string_lossy()));
+            TargetFinding::Unfit(told.strip_prefix(&prefix).map(str::to_owned).unwrap_or(told))
         }
     }
 }
@@ -214,9 +214,9 @@ mod tests {
         }
     }
 
-    fn unfit(finding: &Finding) -> &str {
+    fn unfit(finding: &TargetFinding) -> &str {
         match finding {
-            Finding::Unfit(why) => why,
+            TargetFinding::Unfit(why) => why,
             other => panic!("{other:?}"),
         }
     }
@@ -231,9 +231,9 @@ mod tests {
         let names = ["new.glb", "old.obj", "sub", "none/fir.ply", "crown.obj", "sub/../new.glb"];
         let targets = names.map(at);
         let found = asked(&targets.each_ref().map(String::as_str), None, vec![at("crown.obj").into()]);
-        assert_eq!(found.targets[..2], [Finding::Free, Finding::Replaces]);
+        assert_eq!(found.targets[..2], [TargetFinding::Free, TargetFinding::Replaces]);
         assert!(unfit(&found.targets[2]).starts_with("that is a directory"), "{found:?}");
-        assert_eq!(found.targets[3], Finding::NewFolder);
+        assert_eq!(found.targets[3], TargetFinding::NewFolder);
         assert!(unfit(&found.targets[4]).contains("grown from that file"), "{found:?}");
         assert!(unfit(&found.targets[5]).contains("another format"), "{found:?}");
         let found = asked(&["", "/dev/null"], None, Vec::new());

@@ -12,12 +12,12 @@ mod lane;
 mod look;
 mod relay;
 
-pub use draw::{Detail, DrawRequest, Look, Medium, Painted, Painter, wind_strength};
+pub use draw::{Detail, DrawRequest, Medium, Painted, Painter, PictureLook, wind_strength};
 pub use export::{ExportNews, ExportOrder, WHOLE, run as run_export};
 pub use gallery::{GalleryRequest, SmallPicture, Thumbnail, paint_gallery};
 #[cfg(test)]
 pub use grow::stage;
-pub use grow::{Shown, grow_shown};
+pub use grow::{ShownTree, grow_shown};
 pub use lane::{Answer, Done, Lane, THREAD_PREFIX, Watcher, lower_priority};
-pub use look::{Finding, Findings, Inquiry, look};
+pub use look::{Findings, Inquiry, TargetFinding, look};
 pub use relay::Relay;

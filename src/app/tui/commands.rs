@@ -26,7 +26,7 @@ pub fn all() -> impl Iterator<Item = &'static Command> {
 }
 
 /// The table as keymaps are read against.
-pub fn key_table() -> Vec<crate::config::keymap::Row> {
+pub fn key_table() -> Vec<crate::config::keymap::KeyRow> {
     all().map(|command| (command.id, command.context.id(), command.keys)).collect()
 }
 

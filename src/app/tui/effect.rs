@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use linden::recipe::Recipe;
 
-use super::tree::Place;
+use super::tree::TreePlace;
 use crate::jobs::ExportOrder;
 
 /// One thing to be done outside of the model.
@@ -18,7 +18,7 @@ pub enum Effect {
     /// Paint everything anew.
     Redraw,
     /// Read a preset; answered by `Msg::Loaded`.
-    Load(Place),
+    Load(TreePlace),
     /// Put text on the clipboard (OSC 52).
     Copy(String),
     /// Save a preset in the user's folder ([`super::shape::save::write`]); answered by `Msg::Saved`.
@@ -26,7 +26,7 @@ pub enum Effect {
         /// Its id.
         id: String,
         /// Where its document was: what lies beside it comes along.
-        from: Place,
+        from: TreePlace,
         /// What to save.
         recipe: Arc<Recipe>,
         /// Whether one of that id may be replaced.

@@ -137,7 +137,7 @@ fn a_click_on_a_hint_runs_it() {
         for hint in hints(&bench(path).model) {
             let mut clicked = bench(path);
             let target = super::layout::Target::Command(hint.command.id);
-            let Some((area, _)) = clicked.model.regions.iter().find(|(_, own)| *own == target) else {
+            let Some((area, _)) = clicked.model.regions.iter().find(|(_, other)| *other == target) else {
                 continue;
             };
             let (x, y) = (area.x, area.y);

@@ -42,7 +42,7 @@ mod wind;
 mod wrap;
 
 pub use commands::key_table;
-pub use runtime::{End, Start, run};
+pub use runtime::{End, StartOptions, run};
 
 #[cfg(test)]
 mod dialog_tests;

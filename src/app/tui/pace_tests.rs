@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::testing::Bench;
-use super::tree::Place;
+use super::tree::TreePlace;
 use super::update::{Msg, wake_at};
 use crate::jobs::{Watcher, grow_shown};
 
@@ -59,9 +59,9 @@ fn a_tree_that_a_held_key_has_overtaken_is_seen_until_the_newer_one_is_there() {
     bench.model.tree.as_mut().unwrap().undo();
     bench.msg(Msg::Grown(Ok(Arc::clone(&first))));
     assert!(Arc::ptr_eq(&on_screen(&bench), &second));
-    bench.model.loading = Some(Place::Builtin("fir"));
+    bench.model.loading = Some(TreePlace::Builtin("fir"));
     let fir = crate::source::resolve("fir".as_ref(), &[], &linden::Quiet).unwrap();
-    bench.msg(Msg::Loaded(Place::Builtin("fir"), Ok(Box::new(fir))));
+    bench.msg(Msg::Loaded(TreePlace::Builtin("fir"), Ok(Box::new(fir))));
     bench.msg(Msg::Grown(Ok(first)));
     assert!(bench.model.tree.as_ref().unwrap().shown.is_none());
 }

@@ -86,7 +86,7 @@ fn title(model: &Model, area: Rect, buffer: &mut Buffer) {
     let stats = model.stats.as_deref().unwrap_or_default();
     let right = (stats.width() as u16).min(area.width);
     buffer.set_stringn(area.right() - right, area.y, stats, right.into(), theme.dim);
-    let mut row = Row { x: area.x + 1, end: area.right() - right, y: area.y, buffer };
+    let mut row = TitleRow { x: area.x + 1, end: area.right() - right, y: area.y, buffer };
     row.put("linden", theme.title_focused, 2);
     let Some(tree) = &model.tree else { return };
     let preset = &tree.wanted().preset;
@@ -115,14 +115,14 @@ fn title(model: &Model, area: Rect, buffer: &mut Buffer) {
 }
 
 /// A row that is filled from the left.
-struct Row<'b> {
+struct TitleRow<'b> {
     x: u16,
     end: u16,
     y: u16,
     buffer: &'b mut Buffer,
 }
 
-impl Row<'_> {
+impl TitleRow<'_> {
     /// Puts a text and `air` empty cells behind it, if it has room; whether it had.
     fn put(&mut self, text: &str, style: Style, air: u16) -> bool {
         let width = text.width() as u16;

@@ -9,14 +9,14 @@ use linden::monitor::Phase;
 use linden::preset::{Generator, KnobError, Preset, PresetKnob};
 use linden::recipe::Recipe;
 
-use crate::jobs::Shown;
+use crate::jobs::ShownTree;
 
 /// Nudges of one knob that follow each other faster are one step of undo.
 const ONE_STEP: Duration = Duration::from_millis(700);
 
 /// What SOURCE is on a command line.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum TreePlace {
     /// A built-in preset's id.
     Builtin(&'static str),
     /// A file.
@@ -26,7 +26,7 @@ pub enum Place {
 /// The tree on screen.
 pub struct Tree {
     /// Where its document is.
-    pub place: Place,
+    pub place: TreePlace,
     /// As the document has it.
     saved: Arc<Recipe>,
     /// As it is now.
@@ -34,16 +34,16 @@ pub struct Tree {
     past: Vec<Arc<Recipe>>,
     future: Vec<Arc<Recipe>>,
     /// The changes that were made last, when more may join them as one step of undo.
-    series: Option<Series>,
+    series: Option<UndoSeries>,
     draft: Option<Draft>,
     /// Whether the saved one is looked at for comparison (A/B).
     pub compares: bool,
     /// The last that grew. Stays on screen while another grows, and when another cannot.
-    pub shown: Option<Arc<Shown>>,
+    pub shown: Option<Arc<ShownTree>>,
     /// Why the recipe on screen did not grow.
     pub fault: Option<String>,
     /// How far the growing is.
-    pub growing: Option<Growing>,
+    pub growing: Option<GrowthProgress>,
 }
 
 /// What is to be changed of a tree as soon as its document is read.
@@ -57,7 +57,7 @@ pub struct Changes {
 
 /// Changes that are one step of undo together, by what they have in common.
 #[derive(Clone, Copy, PartialEq)]
-enum Series {
+enum UndoSeries {
     /// Nudges of one knob; when the last one was.
     Knob(&'static str, Instant),
     /// One editing of the grammar.
@@ -73,7 +73,7 @@ struct Draft {
 
 /// How far growing is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Growing {
+pub struct GrowthProgress {
     /// What is being done.
     pub stage: Phase,
     /// Units finished.
@@ -84,7 +84,7 @@ pub struct Growing {
 
 impl Tree {
     /// A tree as its document has it.
-    pub fn new(place: Place, recipe: Recipe) -> Self {
+    pub fn new(place: TreePlace, recipe: Recipe) -> Self {
         let recipe = Arc::new(recipe);
         Self {
             place,
@@ -103,7 +103,7 @@ impl Tree {
 
     /// The files that it was read from.
     pub fn files(&self) -> Vec<PathBuf> {
-        let Place::File(path) = &self.place else { return Vec::new() };
+        let TreePlace::File(path) = &self.place else { return Vec::new() };
         let folder = path.parent().unwrap_or(Path::new(""));
         let beside = self.saved.preset.files().into_iter().map(|file| folder.join(file));
         std::iter::once(path.clone()).chain(beside).collect()
@@ -116,8 +116,8 @@ impl Tree {
 
     /// Whether a tree that grew is shown: the wanted one, or one on the way to it. While a key is
     /// held each tree is overtaken before it has grown, and none would ever be seen.
-    pub fn takes(&self, grown: &Shown) -> bool {
-        let is_wanted = |shown: &Shown| Arc::ptr_eq(&shown.recipe, self.wanted());
+    pub fn takes(&self, grown: &ShownTree) -> bool {
+        let is_wanted = |shown: &ShownTree| Arc::ptr_eq(&shown.recipe, self.wanted());
         let is_late = self.shown.as_ref().is_none_or(|shown| is_wanted(shown));
         let is_on_the_way = self.series.is_some() && !is_late && grown.recipe.preset.id == self.preset().id;
         is_wanted(grown) || is_on_the_way
@@ -161,9 +161,9 @@ impl Tree {
     pub fn set(&mut self, name: &'static str, text: &str, now: Instant) -> Result<(), KnobError> {
         let mut preset = self.current.preset.clone();
         preset.set(name, text)?;
-        let follows = matches!(self.series, Some(Series::Knob(last, at))
+        let follows = matches!(self.series, Some(UndoSeries::Knob(last, at))
             if last == name && now.saturating_duration_since(at) < ONE_STEP);
-        self.change(preset, follows, Some(Series::Knob(name, now)));
+        self.change(preset, follows, Some(UndoSeries::Knob(name, now)));
         Ok(())
     }
 
@@ -174,7 +174,7 @@ impl Tree {
         let mut preset = self.current.preset.clone();
         if let Some(text) = &changes.whole {
             match Preset::from_json(text) {
-                Ok(own) => preset = own,
+                Ok(turned) => preset = turned,
                 Err(fault) => complaints.push(format!("the tree of last time: {}", fault.message)),
             }
         }
@@ -208,10 +208,10 @@ impl Tree {
     pub fn type_grammar(&mut self, text: &str, read: Option<Grammar>) {
         if let Some(grammar) = read {
             let mut preset = self.current.preset.clone();
-            let Generator::LSystem(own) = &mut preset.generator else { return };
-            own.grammar = grammar;
-            let follows = self.series == Some(Series::Grammar);
-            self.change(preset, follows, Some(Series::Grammar));
+            let Generator::LSystem(lsystem) = &mut preset.generator else { return };
+            lsystem.grammar = grammar;
+            let follows = self.series == Some(UndoSeries::Grammar);
+            self.change(preset, follows, Some(UndoSeries::Grammar));
         }
         if let Some(grammar) = self.grammar().cloned() {
             self.draft = Some(Draft { text: text.to_owned(), grammar });
@@ -221,10 +221,10 @@ impl Tree {
     /// Gives the grammar of the document back, as one step of undo.
     pub fn reset_grammar(&mut self) {
         let mut preset = self.current.preset.clone();
-        if let (Generator::LSystem(own), Some(saved)) =
+        if let (Generator::LSystem(lsystem), Some(saved)) =
             (&mut preset.generator, grammar_of(&self.saved.preset))
         {
-            own.grammar = saved.clone();
+            lsystem.grammar = saved.clone();
             self.replace(preset);
         }
     }
@@ -235,7 +235,7 @@ impl Tree {
         (self.grammar() == Some(&draft.grammar)).then_some(&draft.text)
     }
 
-    fn change(&mut self, preset: Preset, follows: bool, series: Option<Series>) {
+    fn change(&mut self, preset: Preset, follows: bool, series: Option<UndoSeries>) {
         self.compares = false;
         if preset == self.current.preset {
             return;
@@ -285,7 +285,7 @@ impl Tree {
 
     /// The document was read again, and changes were made here: what differs from it is counted anew,
     /// and nothing that was changed is lost.
-    pub fn saved_as(&mut self, place: Place, recipe: Arc<Recipe>) {
+    pub fn saved_as(&mut self, place: TreePlace, recipe: Arc<Recipe>) {
         self.place = place;
         self.saved = recipe;
         self.series = None;
@@ -295,12 +295,12 @@ impl Tree {
     /// are changes of that preset.
     ///
     /// `renamed` makes of a recipe what the document has of it, its name and the name of its file.
-    pub fn was_saved(&mut self, place: Place, renamed: impl Fn(&Recipe) -> Recipe) {
+    pub fn was_saved(&mut self, place: TreePlace, renamed: impl Fn(&Recipe) -> Recipe) {
         for recipe in self.past.iter_mut().chain(&mut self.future).chain([&mut self.current]) {
-            let own = renamed(recipe);
+            let now = renamed(recipe);
             // What stays the same stays the same tree, which need not grow again.
-            if own.preset != recipe.preset {
-                *recipe = Arc::new(own);
+            if now.preset != recipe.preset {
+                *recipe = Arc::new(now);
             }
         }
         self.place = place;
@@ -348,7 +348,7 @@ impl Tree {
 
 /// A preset's grammar.
 pub fn grammar_of(preset: &Preset) -> Option<&Grammar> {
-    if let Generator::LSystem(own) = &preset.generator { Some(&own.grammar) } else { None }
+    if let Generator::LSystem(lsystem) = &preset.generator { Some(&lsystem.grammar) } else { None }
 }
 
 #[cfg(test)]
@@ -357,7 +357,7 @@ mod tests {
 
     fn fir() -> Tree {
         let preset = linden::preset::builtin("fir").unwrap().load().unwrap();
-        Tree::new(Place::Builtin("fir"), Recipe::new(preset))
+        Tree::new(TreePlace::Builtin("fir"), Recipe::new(preset))
     }
 
     #[test]

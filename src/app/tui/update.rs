@@ -12,11 +12,11 @@ use super::dialog::After;
 use super::effect::Effects;
 use super::layout::{Pane, Target};
 use super::model::{Config, Model, QUIET};
-use super::tree::{Growing, Place};
+use super::tree::{GrowthProgress, TreePlace};
 use super::{export, growth, library, picture, shape, vary, wind};
 use crate::config::Complaint;
 use crate::config::presets::UserPreset;
-use crate::jobs::{ExportNews, Painted, Shown, Thumbnail};
+use crate::jobs::{ExportNews, Painted, ShownTree, Thumbnail};
 use crate::source::Source;
 
 /// What can happen.
@@ -30,11 +30,11 @@ pub enum Msg {
     /// The terminal said what it can do.
     Terminal(Box<Capabilities>),
     /// A preset was read, or why not.
-    Loaded(Place, Result<Box<Source>, String>),
+    Loaded(TreePlace, Result<Box<Source>, String>),
     /// How far the growing is.
-    Growing(Growing),
+    Growing(GrowthProgress),
     /// The wanted recipe grew, or why not.
-    Grown(Result<Arc<Shown>, String>),
+    Grown(Result<Arc<ShownTree>, String>),
     /// A picture is there.
     Painted(Box<Painted>),
     /// No picture can be had, and why.

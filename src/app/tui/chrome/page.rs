@@ -210,17 +210,17 @@ fn rows(line: &PageLine, width: usize, keys: usize) -> Vec<PageLine> {
         PageLine::Text(weight, text) => {
             wrapped(text, width).into_iter().map(|row| PageLine::Text(*weight, row)).collect()
         }
-        PageLine::Keys(own, text) => {
+        PageLine::Keys(named, text) => {
             // Keys that are wider than their column take a cell or two of the text.
-            let first = keys.max(own.width());
+            let first = keys.max(named.width());
             let mut words = wrapped(text, width.saturating_sub(first + 2));
-            if own.width() > keys && words.len() > 1 {
+            if named.width() > keys && words.len() > 1 {
                 words = wrapped(text, width.saturating_sub(keys + 2));
-                let mut rows = vec![PageLine::Keys(own.clone(), String::new())];
+                let mut rows = vec![PageLine::Keys(named.clone(), String::new())];
                 rows.extend(words.into_iter().map(|row| PageLine::Keys(String::new(), row)));
                 return rows;
             }
-            let mut left = Some(own.clone());
+            let mut left = Some(named.clone());
             words.into_iter().map(|row| PageLine::Keys(left.take().unwrap_or_default(), row)).collect()
         }
     }
@@ -234,6 +234,6 @@ fn stacked(blocks: &[Vec<PageLine>]) -> Vec<PageLine> {
 
 /// How many sections the left of two columns has, so that neither is much longer than the other.
 fn fairest(blocks: &[Vec<PageLine>]) -> usize {
-    let height = |own: &[Vec<PageLine>]| own.iter().map(|block| block.len() + 1).sum::<usize>();
+    let height = |stack: &[Vec<PageLine>]| stack.iter().map(|block| block.len() + 1).sum::<usize>();
     (1..blocks.len()).min_by_key(|at| height(&blocks[..*at]).max(height(&blocks[*at..]))).unwrap_or(0)
 }

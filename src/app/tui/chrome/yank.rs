@@ -1,6 +1,6 @@
 //! The command line and the recipe of what is on screen.
 
-use crate::tui::tree::{Place, Tree};
+use crate::tui::tree::{Tree, TreePlace};
 
 /// A command line that exports what is on screen, for a shell.
 pub fn command_line(tree: &Tree) -> String {
@@ -12,8 +12,8 @@ pub fn command_line(tree: &Tree) -> String {
     let target = format!("{stem}.glb");
     // A path that a terminal would obey is not pasted into one.
     let is_safe = match &tree.place {
-        Place::Builtin(_) => true,
-        Place::File(path) => path.to_str().is_some_and(|path| linden::knob::printable(path) == path),
+        TreePlace::Builtin(_) => true,
+        TreePlace::File(path) => path.to_str().is_some_and(|path| linden::knob::printable(path) == path),
     };
     let Some(overrides) = tree.overrides().filter(|_| is_safe) else {
         // What knobs cannot say goes along as a whole.
@@ -21,8 +21,8 @@ pub fn command_line(tree: &Tree) -> String {
         return format!("linden export - -o {target} <<'END'\n{recipe}\nEND");
     };
     let source = match &tree.place {
-        Place::Builtin(id) => (*id).to_owned(),
-        Place::File(path) => path.to_string_lossy().into_owned(),
+        TreePlace::Builtin(id) => (*id).to_owned(),
+        TreePlace::File(path) => path.to_string_lossy().into_owned(),
     };
     let mut words = vec!["linden".to_owned(), "export".to_owned(), source, "-o".to_owned(), target];
     for (name, value) in overrides {
@@ -43,7 +43,7 @@ mod tests {
     #[test]
     fn a_shell_reads_the_line_as_it_was_meant() {
         let preset = linden::preset::builtin("cypress").unwrap().load().unwrap();
-        let mut tree = Tree::new(Place::File("my trees/c.toml".into()), Recipe::new(preset));
+        let mut tree = Tree::new(TreePlace::File("my trees/c.toml".into()), Recipe::new(preset));
         tree.set("profile", "0,1; 2,2; 6,1; 9,0", Instant::now()).unwrap();
         let words = shell_words::split(&command_line(&tree)).unwrap();
         assert_eq!(
@@ -63,7 +63,7 @@ mod tests {
     #[test]
     fn a_path_that_a_terminal_would_obey_is_not_copied() {
         let preset = linden::preset::builtin("fir").unwrap().load().unwrap();
-        let tree = Tree::new(Place::File("a\u{1b}[201~\nrm -r x.toml".into()), Recipe::new(preset));
+        let tree = Tree::new(TreePlace::File("a\u{1b}[201~\nrm -r x.toml".into()), Recipe::new(preset));
         let line = command_line(&tree);
         assert!(!line.contains('\u{1b}') && !line.contains("rm -r"), "{line}");
         assert!(line.starts_with("linden export - -o fir.glb <<'END'\n"));
@@ -72,10 +72,10 @@ mod tests {
     #[test]
     fn what_knobs_cannot_say_goes_along_as_a_recipe() {
         let preset = linden::preset::builtin("abop-a").unwrap().load().unwrap();
-        let mut tree = Tree::new(Place::Builtin("abop-a"), Recipe::new(preset.clone()));
+        let mut tree = Tree::new(TreePlace::Builtin("abop-a"), Recipe::new(preset.clone()));
         let mut other = preset;
-        if let linden::preset::Generator::LSystem(own) = &mut other.generator {
-            own.grammar = linden::lsystem::Grammar::new("F", &["F -> F[+F]F"]).unwrap();
+        if let linden::preset::Generator::LSystem(lsystem) = &mut other.generator {
+            lsystem.grammar = linden::lsystem::Grammar::new("F", &["F -> F[+F]F"]).unwrap();
         }
         tree.replace(other);
         let line = command_line(&tree);

@@ -1,6 +1,6 @@
 //! The commands that export, and those of the dialog.
 
-use super::dialog::{self, ExportDialog, Start};
+use super::dialog::{self, ExportDialog, StartState};
 use super::{cancel, has_nothing, start};
 use crate::tui::chrome::{Page, PageLine};
 use crate::tui::command::Context;
@@ -57,7 +57,7 @@ fn nudge(model: &mut Model, up: bool) {
 }
 
 fn asks(model: &Model) -> bool {
-    model.dialogs.top::<ExportDialog>().is_some_and(|dialog| dialog.start == Start::Asking)
+    model.dialogs.top::<ExportDialog>().is_some_and(|dialog| dialog.start == StartState::Asking)
 }
 
 fn asks_nothing(model: &Model) -> Option<String> {
@@ -142,7 +142,7 @@ pub const COMMANDS: &[Command] = &[
         help: "Leaves what is there as it is, and does not export",
         hint: Some(6),
         hindrance: asks_nothing,
-        run: |model, _| with(model, |dialog| dialog.start = Start::Idle),
+        run: |model, _| with(model, |dialog| dialog.start = StartState::Idle),
     },
     row("export-next", &["j", "down"], "Next row", "Goes to the row below", None, |m, _| step(m, 1)),
     row("export-previous", &["k", "up"], "Previous row", "Goes to the row above", None, |m, _| step(m, -1)),
@@ -199,7 +199,7 @@ pub const COMMANDS: &[Command] = &[
         Some(20),
         |m, _| {
             if asks(m) {
-                with(m, |dialog| dialog.start = Start::Idle);
+                with(m, |dialog| dialog.start = StartState::Idle);
             } else {
                 m.dialogs.close::<ExportDialog>();
             }

@@ -11,7 +11,7 @@ use linden_terminal::input::Key;
 use tui_input::Input;
 
 use crate::config::session;
-use crate::jobs::{Finding, Findings, Inquiry, Shown};
+use crate::jobs::{Findings, Inquiry, ShownTree, TargetFinding};
 use crate::targets::{Output, default_name};
 use crate::tui::chrome::prompt::{edit, paste};
 use crate::tui::command::Context;
@@ -27,15 +27,15 @@ pub struct ExportDialog {
     /// As many as the registry has, in its order.
     pub formats: Vec<FormatChoice>,
     /// Where the cursor is; by what it is on, so that it stays when rows come and go.
-    pub cursor: Spot,
+    pub cursor: ExportSpot,
     /// The line that is typed, at the cursor.
     pub line: Option<Typing>,
     /// How far the start is.
-    pub start: Start,
+    pub start: StartState,
     /// What was found out about targets, by what was typed.
-    findings: BTreeMap<String, Finding>,
+    findings: BTreeMap<String, TargetFinding>,
     /// What the tree will amount to.
-    estimate: Option<(Arc<Shown>, Estimate)>,
+    estimate: Option<(Arc<ShownTree>, Estimate)>,
     /// Raised whenever everything is to be found out anew.
     round: u32,
     id: String,
@@ -55,7 +55,7 @@ pub struct FormatChoice {
 
 /// What a row is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Spot {
+pub enum ExportSpot {
     /// A format, by its place in the registry.
     Format(usize),
     /// An option of a chosen format.
@@ -68,7 +68,7 @@ pub enum Spot {
 
 /// How far the start is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Start {
+pub enum StartState {
     /// Nothing was pressed.
     Idle,
     /// The button was pressed, and the targets are looked at.
@@ -111,36 +111,36 @@ impl FormatChoice {
 
 impl ExportDialog {
     /// The dialog for a tree's id, with what was chosen last.
-    pub fn new(last: &session::Export, id: &str) -> Self {
+    pub fn new(last: &session::ExportChoices, id: &str) -> Self {
         let all = exporters();
-        let known = |format: &str| all.iter().any(|own| own.format().id == format);
+        let known = |format: &str| all.iter().any(|exporter| exporter.format().id == format);
         let is_first = !last.formats.iter().any(|format| known(format));
         let choice = |exporter: &&'static dyn Exporter| {
             let format = exporter.format();
             let mut options = Options::new(format);
             for (name, value) in &last.options {
                 // What another version had is left out.
-                if let Some((_, name)) = name.split_once('.').filter(|(own, _)| *own == format.id) {
+                if let Some((_, name)) = name.split_once('.').filter(|(of, _)| *of == format.id) {
                     let _ = options.set(name, value);
                 }
             }
-            let own = last.formats.iter().position(|known| known == format.id);
-            let before = own.and_then(|at| last.targets.get(at)).or(last.targets.first());
+            let at_place = last.formats.iter().position(|known| known == format.id);
+            let before = at_place.and_then(|at| last.targets.get(at)).or(last.targets.first());
             let directory = before.map_or("", |target| directory_of(target));
             FormatChoice {
                 exporter: *exporter,
-                chosen: own.is_some() || (is_first && format.id == USUAL.format().id),
+                chosen: at_place.is_some() || (is_first && format.id == USUAL.format().id),
                 options,
                 target: format!("{directory}{}", default_name(id, *exporter)),
             }
         };
         let formats: Vec<_> = all.iter().map(choice).collect();
-        let cursor = formats.iter().position(|own| own.chosen).unwrap_or(0);
+        let cursor = formats.iter().position(|choice| choice.chosen).unwrap_or(0);
         Self {
             formats,
-            cursor: Spot::Format(cursor),
+            cursor: ExportSpot::Format(cursor),
             line: None,
-            start: Start::Idle,
+            start: StartState::Idle,
             findings: BTreeMap::new(),
             estimate: None,
             round: 0,
@@ -149,22 +149,22 @@ impl ExportDialog {
     }
 
     /// The rows from the top.
-    pub fn spots(&self) -> Vec<Spot> {
+    pub fn spots(&self) -> Vec<ExportSpot> {
         let mut spots = Vec::new();
-        for (i, own) in self.formats.iter().enumerate() {
-            spots.push(Spot::Format(i));
-            if own.chosen {
-                spots.push(Spot::Target(i));
-                spots.extend((0..own.exporter.format().options.len()).map(|k| Spot::Option(i, k)));
+        for (i, choice) in self.formats.iter().enumerate() {
+            spots.push(ExportSpot::Format(i));
+            if choice.chosen {
+                spots.push(ExportSpot::Target(i));
+                spots.extend((0..choice.exporter.format().options.len()).map(|k| ExportSpot::Option(i, k)));
             }
         }
-        spots.push(Spot::Start);
+        spots.push(ExportSpot::Start);
         spots
     }
 
     /// Formats that are written.
     pub fn chosen(&self) -> impl Iterator<Item = &FormatChoice> {
-        self.formats.iter().filter(|own| own.chosen)
+        self.formats.iter().filter(|choice| choice.chosen)
     }
 
     /// Moves the cursor by so many rows.
@@ -175,16 +175,16 @@ impl ExportDialog {
     }
 
     /// Moves the cursor; a question that was asked is taken back.
-    pub fn go_to(&mut self, spot: Spot) {
+    pub fn go_to(&mut self, spot: ExportSpot) {
         self.cursor = spot;
-        self.start = Start::Idle;
+        self.start = StartState::Idle;
     }
 
     /// Ticks a format, turns a switch over, goes to the next choice; whether there was any of it.
     pub fn toggle(&mut self) -> bool {
-        if let Spot::Format(i) = self.cursor {
+        if let ExportSpot::Format(i) = self.cursor {
             self.formats[i].chosen = !self.formats[i].chosen;
-            self.start = Start::Idle;
+            self.start = StartState::Idle;
             return true;
         }
         let is_toggled = self.option().is_some_and(|(_, spec, _)| is_toggled(spec));
@@ -195,14 +195,14 @@ impl ExportDialog {
     pub fn nudge(&mut self, up: bool) -> bool {
         let Some((i, spec, value)) = self.option() else { return false };
         let Some(text) = nudged(&spec.knob.kind, value, up, Nudge::Usual) else { return false };
-        self.start = Start::Idle;
+        self.start = StartState::Idle;
         // What a nudge gives is a value of its kind.
         self.formats[i].options.set(spec.knob.name, &text).is_ok()
     }
 
     /// The option at the cursor: its format's place, its row, its value.
     fn option(&self) -> Option<(usize, &'static OptionSpec, &Value)> {
-        let Spot::Option(i, k) = self.cursor else { return None };
+        let ExportSpot::Option(i, k) = self.cursor else { return None };
         let (spec, value) = self.formats.get(i)?.option(k)?;
         Some((i, spec, value))
     }
@@ -210,11 +210,13 @@ impl ExportDialog {
     /// Begins to type what is at the cursor, where that can be typed.
     pub fn begin_line(&mut self) {
         let text = match self.cursor {
-            Spot::Target(i) => self.formats[i].target.clone(),
-            Spot::Option(..) => self.option().map(|(_, _, value)| value.to_string()).unwrap_or_default(),
-            Spot::Format(_) | Spot::Start => return,
+            ExportSpot::Target(i) => self.formats[i].target.clone(),
+            ExportSpot::Option(..) => {
+                self.option().map(|(_, _, value)| value.to_string()).unwrap_or_default()
+            }
+            ExportSpot::Format(_) | ExportSpot::Start => return,
         };
-        self.start = Start::Idle;
+        self.start = StartState::Idle;
         self.line = Some(Typing::new(&text));
     }
 
@@ -223,22 +225,22 @@ impl ExportDialog {
         let Some(line) = &mut self.line else { return };
         let text = line.input.value().trim().to_owned();
         match self.cursor {
-            Spot::Target(i) => {
-                let own = &mut self.formats[i];
-                own.target = text;
+            ExportSpot::Target(i) => {
+                let choice = &mut self.formats[i];
+                choice.target = text;
                 // A directory is named: the file in it has its usual name.
-                if own.target.ends_with(std::path::is_separator) {
-                    own.target.push_str(&default_name(&self.id, own.exporter));
+                if choice.target.ends_with(std::path::is_separator) {
+                    choice.target.push_str(&default_name(&self.id, choice.exporter));
                 }
             }
-            Spot::Option(i, k) => {
+            ExportSpot::Option(i, k) => {
                 let spec = &self.formats[i].exporter.format().options[k];
                 if let Err(error) = self.formats[i].options.set(spec.knob.name, &text) {
                     line.problem = Some(error.to_string());
                     return;
                 }
             }
-            Spot::Format(_) | Spot::Start => {}
+            ExportSpot::Format(_) | ExportSpot::Start => {}
         }
         self.line = None;
     }
@@ -262,7 +264,7 @@ impl ExportDialog {
 
     /// Asks what the path before the cursor may go on to be.
     pub fn complete(&mut self) {
-        let is_path = matches!(self.cursor, Spot::Target(_));
+        let is_path = matches!(self.cursor, ExportSpot::Target(_));
         if let Some(line) = self.line.as_mut().filter(|_| is_path) {
             line.completes = Some(line.input.value().chars().take(line.input.cursor()).collect());
         }
@@ -270,18 +272,18 @@ impl ExportDialog {
 
     /// The button: everything is looked at anew, and then it starts or asks.
     pub fn press(&mut self) {
-        self.cursor = Spot::Start;
-        self.start = Start::Looking;
+        self.cursor = ExportSpot::Start;
+        self.start = StartState::Looking;
         self.round = self.round.wrapping_add(1);
     }
 
     /// What has to be found out, `shown` being the tree on screen.
-    pub fn inquiry(&self, shown: Option<&Arc<Shown>>, sources: Vec<PathBuf>) -> Inquiry {
-        let target = |(i, own): (usize, &FormatChoice)| match &self.line {
-            Some(line) if self.cursor == Spot::Target(i) => line.input.value().trim().to_owned(),
-            _ => own.target.clone(),
+    pub fn inquiry(&self, shown: Option<&Arc<ShownTree>>, sources: Vec<PathBuf>) -> Inquiry {
+        let target = |(i, choice): (usize, &FormatChoice)| match &self.line {
+            Some(line) if self.cursor == ExportSpot::Target(i) => line.input.value().trim().to_owned(),
+            _ => choice.target.clone(),
         };
-        let chosen = self.formats.iter().enumerate().filter(|(_, own)| own.chosen);
+        let chosen = self.formats.iter().enumerate().filter(|(_, choice)| choice.chosen);
         Inquiry {
             round: self.round,
             targets: chosen.map(target).collect(),
@@ -301,29 +303,29 @@ impl ExportDialog {
             complete(line, completions);
         }
         self.findings = inquiry.targets.into_iter().zip(targets).collect();
-        self.start == Start::Looking && inquiry.round == self.round
+        self.start == StartState::Looking && inquiry.round == self.round
     }
 
     /// Takes what a tree will amount to.
-    pub fn take_estimate(&mut self, shown: Arc<Shown>, estimate: Estimate) {
+    pub fn take_estimate(&mut self, shown: Arc<ShownTree>, estimate: Estimate) {
         self.estimate = Some((shown, estimate));
     }
 
     /// What a tree will amount to, once it is known.
-    pub fn estimate(&self, shown: &Arc<Shown>) -> Option<&Estimate> {
-        self.estimate.as_ref().filter(|(own, _)| Arc::ptr_eq(own, shown)).map(|(_, estimate)| estimate)
+    pub fn estimate(&self, shown: &Arc<ShownTree>) -> Option<&Estimate> {
+        self.estimate.as_ref().filter(|(of, _)| Arc::ptr_eq(of, shown)).map(|(_, estimate)| estimate)
     }
 
     /// What was found out about what stands in a line.
-    pub fn finding(&self, target: &str) -> Option<&Finding> {
+    pub fn finding(&self, target: &str) -> Option<&TargetFinding> {
         self.findings.get(target.trim())
     }
 
     /// The first format that cannot be written where it should go, and why.
     pub fn unfit(&self) -> Option<(usize, String)> {
-        let mut chosen = self.formats.iter().enumerate().filter(|(_, own)| own.chosen);
-        let why = |(i, own): (usize, &FormatChoice)| match self.finding(&own.target) {
-            Some(Finding::Unfit(why)) => Some((i, why.clone())),
+        let mut chosen = self.formats.iter().enumerate().filter(|(_, choice)| choice.chosen);
+        let why = |(i, choice): (usize, &FormatChoice)| match self.finding(&choice.target) {
+            Some(TargetFinding::Unfit(why)) => Some((i, why.clone())),
             _ => None,
         };
         chosen.find_map(why)
@@ -331,36 +333,38 @@ impl ExportDialog {
 
     /// Targets whose file would be replaced.
     pub fn replaced(&self) -> Vec<PathBuf> {
-        let is_there = |own: &&FormatChoice| self.finding(&own.target) == Some(&Finding::Replaces);
-        self.chosen().filter(is_there).map(|own| PathBuf::from(&own.target)).collect()
+        let is_there =
+            |choice: &&FormatChoice| self.finding(&choice.target) == Some(&TargetFinding::Replaces);
+        self.chosen().filter(is_there).map(|choice| PathBuf::from(&choice.target)).collect()
     }
 
     /// Whether a directory is missing for any of them, and can be made.
     pub fn makes_folders(&self) -> bool {
-        self.chosen().any(|own| self.finding(&own.target) == Some(&Finding::NewFolder))
+        self.chosen().any(|choice| self.finding(&choice.target) == Some(&TargetFinding::NewFolder))
     }
 
     /// What is written where.
     pub fn outputs(&self) -> Vec<Output> {
-        let output =
-            |own: &FormatChoice| Output::new(own.exporter, own.options.clone(), PathBuf::from(&own.target));
+        let output = |choice: &FormatChoice| {
+            Output::new(choice.exporter, choice.options.clone(), PathBuf::from(&choice.target))
+        };
         self.chosen().map(output).collect()
     }
 
     /// What was chosen, for next time.
-    pub fn choices(&self) -> session::Export {
+    pub fn choices(&self) -> session::ExportChoices {
         let mut options = Vec::new();
-        for own in &self.formats {
-            let format = own.exporter.format();
-            for (spec, (name, value)) in format.options.iter().zip(own.options.iter()) {
+        for choice in &self.formats {
+            let format = choice.exporter.format();
+            for (spec, (name, value)) in format.options.iter().zip(choice.options.iter()) {
                 if spec.knob.kind.parse(spec.default).as_ref() != Ok(value) {
                     options.push((format!("{}.{name}", format.id), value.to_string()));
                 }
             }
         }
-        session::Export {
-            targets: self.chosen().map(|own| own.target.clone()).collect(),
-            formats: self.chosen().map(|own| own.exporter.format().id.to_owned()).collect(),
+        session::ExportChoices {
+            targets: self.chosen().map(|choice| choice.target.clone()).collect(),
+            formats: self.chosen().map(|choice| choice.exporter.format().id.to_owned()).collect(),
             options,
         }
     }

@@ -14,11 +14,11 @@ use std::sync::Arc;
 pub use commands::COMMANDS;
 pub use view::status;
 
-use self::dialog::{ExportDialog, Spot, Start};
+use self::dialog::{ExportDialog, ExportSpot, StartState};
 use super::effect::{Effect, Effects};
-use super::model::{Exporting, Model, Report, Running};
+use super::model::{ExportReport, Exporting, Model, RunningExport};
 use super::tree::Tree;
-use crate::jobs::{ExportNews, ExportOrder, Inquiry, Shown, WHOLE};
+use crate::jobs::{ExportNews, ExportOrder, Inquiry, ShownTree, WHOLE};
 use crate::paths::show;
 
 /// Exports that may wait; each keeps a tree in memory.
@@ -35,7 +35,7 @@ pub fn wanted(model: &Model) -> Option<Inquiry> {
 }
 
 /// The tree as it grew, `None` while what is on screen is an older one.
-fn current(tree: &Tree) -> Option<&Arc<Shown>> {
+fn current(tree: &Tree) -> Option<&Arc<ShownTree>> {
     tree.shown.as_ref().filter(|shown| Arc::ptr_eq(&shown.recipe, tree.wanted()))
 }
 
@@ -50,7 +50,7 @@ pub fn news(model: &mut Model, news: ExportNews, effects: &mut Effects) {
         }
         ExportNews::Done { number, files, notes } => {
             model.say(done(&files));
-            model.exporting.reports.push_front(Report { files, notes });
+            model.exporting.reports.push_front(ExportReport { files, notes });
             model.exporting.reports.truncate(MOST_REPORTS);
             ended(model, number, effects);
         }
@@ -66,7 +66,7 @@ pub fn news(model: &mut Model, news: ExportNews, effects: &mut Effects) {
             model.say_error(format!(
                 "exporting failed, which is a fault in linden: {why}; nothing was written; please report it"
             ));
-            if let Some(Running { number, .. }) = model.exporting.running {
+            if let Some(RunningExport { number, .. }) = model.exporting.running {
                 ended(model, number, effects);
             }
         }
@@ -104,12 +104,12 @@ fn ended(model: &mut Model, number: u64, effects: &mut Effects) {
 
 fn begin_next(exporting: &mut Exporting, effects: &mut Effects) {
     let Some(order) = exporting.waiting.pop_front() else { return };
-    let name = order.outputs.first().and_then(|own| own.path.file_name()).unwrap_or_default();
+    let name = order.outputs.first().and_then(|output| output.path.file_name()).unwrap_or_default();
     let mut name = linden::knob::printable(&name.to_string_lossy());
     if order.outputs.len() > 1 {
         name.push_str(&format!(" +{}", order.outputs.len() - 1));
     }
-    exporting.running = Some(Running { number: order.number, name, doing: None, done: 0 });
+    exporting.running = Some(RunningExport { number: order.number, name, doing: None, done: 0 });
     effects.push(Effect::Export(order));
 }
 
@@ -137,20 +137,20 @@ fn has_nothing(model: &Model) -> Option<String> {
 fn decide(model: &mut Model, effects: &mut Effects) {
     let Some(dialog) = dialog(model) else { return };
     if let Some((format, why)) = dialog.unfit() {
-        dialog.go_to(Spot::Target(format));
+        dialog.go_to(ExportSpot::Target(format));
         return model.say_warning(format!("Export: {why}"));
     }
     if dialog.replaced().is_empty() && !dialog.makes_folders() {
         start(model, effects);
     } else {
-        dialog.start = Start::Asking;
+        dialog.start = StartState::Asking;
     }
 }
 
 /// Hands the order in and closes the dialog.
 fn start(model: &mut Model, effects: &mut Effects) {
-    let Some((outputs, replaces, makes_folders, last)) =
-        dialog(model).map(|own| (own.outputs(), own.replaced(), own.makes_folders(), own.choices()))
+    let Some((outputs, replaces, makes_folders, last)) = dialog(model)
+        .map(|dialog| (dialog.outputs(), dialog.replaced(), dialog.makes_folders(), dialog.choices()))
     else {
         return;
     };
@@ -200,12 +200,12 @@ impl ExportDialog {
     /// Enter: ticks, turns, types or presses what is at the cursor.
     fn enter(&mut self, model: &mut Model) {
         match self.cursor {
-            Spot::Start if self.start == Start::Asking => {
+            ExportSpot::Start if self.start == StartState::Asking => {
                 model.say("y is yes, n is no");
             }
-            Spot::Start => self.press_start(model),
-            Spot::Target(_) => self.begin_line(),
-            Spot::Format(_) | Spot::Option(..) => {
+            ExportSpot::Start => self.press_start(model),
+            ExportSpot::Target(_) => self.begin_line(),
+            ExportSpot::Format(_) | ExportSpot::Option(..) => {
                 if !self.toggle() {
                     self.begin_line();
                 }

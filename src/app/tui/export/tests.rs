@@ -19,28 +19,28 @@ use crate::config::keymap::Keymap;
 use crate::config::session::{self, Session};
 use crate::config::settings::Settings;
 use crate::config::theme::Theme;
-use crate::jobs::{Answer, Done, Lane, Shown, grow_shown, look, run_export};
+use crate::jobs::{Answer, Done, Lane, ShownTree, grow_shown, look, run_export};
 use crate::tui::command::Context;
 use crate::tui::commands;
 use crate::tui::dialog::Dialog;
 use crate::tui::layout::{Target, View};
 use crate::tui::model::{Config, Weight};
 use crate::tui::screen;
-use crate::tui::tree::{Place, Tree};
+use crate::tui::tree::{Tree, TreePlace};
 use crate::tui::update::{Msg, update};
 
 /// A workbench with a tree that has grown, and a directory to export to.
-struct Bench {
+struct ExportBench {
     model: Model,
     dir: TempDir,
     asked: Option<Inquiry>,
 }
 
-fn grown(recipe: &Arc<Recipe>) -> Arc<Shown> {
+fn grown(recipe: &Arc<Recipe>) -> Arc<ShownTree> {
     let (sender, answers) = mpsc::channel();
     let lane = Lane::start(
         "test",
-        move |answer: Answer<Result<Arc<Shown>, String>>| drop(sender.send(answer.done)),
+        move |answer: Answer<Result<Arc<ShownTree>, String>>| drop(sender.send(answer.done)),
         |recipe: Arc<Recipe>, watcher, give| give(grow_shown(&recipe, watcher).unwrap()),
     )
     .unwrap();
@@ -62,16 +62,17 @@ fn empty_model() -> Model {
     Model::new(commands::ALL, config, terminal, (100, 30), Instant::now())
 }
 
-impl Bench {
+impl ExportBench {
     fn new() -> Self {
         let dir = tempfile::tempdir().unwrap();
         let mut model = empty_model();
         let preset = linden::preset::builtin("older-c").unwrap().load().unwrap();
-        let mut tree = Tree::new(Place::Builtin("older-c"), Recipe::new(preset));
+        let mut tree = Tree::new(TreePlace::Builtin("older-c"), Recipe::new(preset));
         tree.shown = Some(grown(tree.wanted()));
         model.tree = Some(tree);
         let last = dir.path().join("last.glb").to_str().unwrap().to_owned();
-        let export = session::Export { targets: vec![last], formats: vec!["glb".into()], options: vec![] };
+        let export =
+            session::ExportChoices { targets: vec![last], formats: vec!["glb".into()], options: vec![] };
         model.exporting.remember(&Session { export, ..Session::default() });
         Self { model, dir, asked: None }
     }
@@ -126,7 +127,7 @@ impl Bench {
         self.dir.path().join(name).to_str().unwrap().to_owned()
     }
 
-    fn go_to(&mut self, wanted: Spot) {
+    fn go_to(&mut self, wanted: ExportSpot) {
         self.keys("g");
         for _ in 0..50 {
             if self.dialog().cursor == wanted {
@@ -174,8 +175,8 @@ impl Bench {
         self.send(Msg::Input(Event::Mouse(mouse)))
     }
 
-    fn click_spot(&mut self, spot: Spot) -> Effects {
-        let row = self.dialog().spots().iter().position(|own| *own == spot).unwrap();
+    fn click_spot(&mut self, spot: ExportSpot) -> Effects {
+        let row = self.dialog().spots().iter().position(|other| *other == spot).unwrap();
         self.click(Target::Dialog(Some(row)))
     }
 }
@@ -192,11 +193,11 @@ fn text_of(buffer: &Buffer) -> String {
 }
 
 fn place_of(format: &str) -> usize {
-    linden_exporters::REGISTRY.iter().position(|own| own.format().id == format).unwrap()
+    linden_exporters::REGISTRY.iter().position(|exporter| exporter.format().id == format).unwrap()
 }
 
 fn formats(order: &ExportOrder) -> Vec<&'static str> {
-    order.outputs.iter().map(|own| own.exporter.format().id).collect()
+    order.outputs.iter().map(|output| output.exporter.format().id).collect()
 }
 
 #[test]
@@ -210,20 +211,20 @@ fn without_a_tree_the_command_says_why() {
 
 #[test]
 fn the_first_time_one_file_goes_to_the_current_directory() {
-    let mut bench = Bench::new();
+    let mut bench = ExportBench::new();
     bench.model.exporting = Exporting::default();
     bench.keys("e");
-    let chosen: Vec<_> = bench.dialog().chosen().map(|own| own.target.clone()).collect();
+    let chosen: Vec<_> = bench.dialog().chosen().map(|choice| choice.target.clone()).collect();
     assert_eq!(chosen, ["older-c.glb"]);
-    assert_eq!(bench.dialog().cursor, Spot::Format(place_of("glb")));
+    assert_eq!(bench.dialog().cursor, ExportSpot::Format(place_of("glb")));
 }
 
 #[test]
 fn two_formats_an_option_and_a_target_are_ordered_as_chosen() {
-    let mut bench = Bench::new();
+    let mut bench = ExportBench::new();
     bench.keys("e");
     let (ply, glb) = (place_of("ply"), place_of("glb"));
-    bench.go_to(Spot::Format(ply));
+    bench.go_to(ExportSpot::Format(ply));
     bench.keys("space j j right k enter");
     assert_eq!(bench.dialog().context(), dialog::LINE);
     let target = bench.at("q x/jk.ply");
@@ -231,9 +232,9 @@ fn two_formats_an_option_and_a_target_are_ordered_as_chosen() {
     bench.retype(&target);
     assert_eq!(bench.dialog().formats[ply].target, bench.at("older-c.ply"), "not yet");
     bench.keys("enter");
-    bench.go_to(Spot::Option(glb, 0));
+    bench.go_to(ExportSpot::Option(glb, 0));
     bench.keys("space");
-    let order = Bench::order(bench.keys("G enter"));
+    let order = ExportBench::order(bench.keys("G enter"));
     assert!(!bench.is_open());
 
     assert_eq!(formats(&order), ["ply", "glb"]);
@@ -269,53 +270,53 @@ fn two_formats_an_option_and_a_target_are_ordered_as_chosen() {
 
 #[test]
 fn a_tree_that_still_grows_is_ordered_without_one_that_is_older() {
-    let mut bench = Bench::new();
+    let mut bench = ExportBench::new();
     bench.model.tree.as_mut().unwrap().set("seed", "99", Instant::now()).unwrap();
     bench.keys("e");
-    let order = Bench::order(bench.keys("x"));
+    let order = ExportBench::order(bench.keys("x"));
     assert!(order.shown.is_none());
     assert_eq!(order.recipe.preset.seed, 99);
 }
 
 #[test]
 fn files_that_are_there_are_asked_about() {
-    let mut bench = Bench::new();
+    let mut bench = ExportBench::new();
     fs::write(bench.at("older-c.glb"), "before").unwrap();
     bench.keys("e");
     assert!(bench.text(100, 30).contains("replaces a file"));
     assert!(bench.keys("x").is_empty());
-    assert_eq!(bench.dialog().start, Start::Asking);
+    assert_eq!(bench.dialog().start, StartState::Asking);
     let text = bench.text(100, 30);
     assert!(text.contains("Replace the file?") && text.contains("y yes") && text.contains("n no"), "{text}");
     // Enter, which is pressed without reading, is no answer.
     assert!(bench.keys("enter").is_empty());
     assert!(bench.keys("n").is_empty());
-    assert_eq!((bench.dialog().start, bench.is_open()), (Start::Idle, true));
+    assert_eq!((bench.dialog().start, bench.is_open()), (StartState::Idle, true));
     assert!(bench.keys("y").is_empty(), "nothing is asked any more");
     assert!(bench.keys("x esc").is_empty());
     assert!(bench.is_open(), "Esc is no, and the dialog stays");
     // Moving away takes the question back.
     assert!(bench.keys("x k y").is_empty());
-    let order = Bench::order(bench.keys("x y"));
+    let order = ExportBench::order(bench.keys("x y"));
     assert_eq!(order.replaces, [Path::new(&bench.at("older-c.glb"))]);
 }
 
 #[test]
 fn the_answer_is_of_the_moment_that_the_button_was_pressed() {
-    let mut bench = Bench::new();
+    let mut bench = ExportBench::new();
     bench.keys("e");
-    assert_eq!(bench.dialog().finding(&bench.at("older-c.glb")), Some(&crate::jobs::Finding::Free));
+    assert_eq!(bench.dialog().finding(&bench.at("older-c.glb")), Some(&crate::jobs::TargetFinding::Free));
     fs::write(bench.at("older-c.glb"), "meanwhile").unwrap();
     assert!(bench.keys("x").is_empty());
-    assert_eq!(bench.dialog().start, Start::Asking);
+    assert_eq!(bench.dialog().start, StartState::Asking);
 }
 
 #[test]
 fn targets_that_cannot_be_written_are_said_in_place() {
-    let mut bench = Bench::new();
+    let mut bench = ExportBench::new();
     bench.keys("e");
     let glb = place_of("glb");
-    bench.go_to(Spot::Target(glb));
+    bench.go_to(ExportSpot::Target(glb));
     bench.keys("enter");
     fs::write(bench.at("file"), "").unwrap();
     let missing = bench.at("file/none/fir.glb");
@@ -323,7 +324,7 @@ fn targets_that_cannot_be_written_are_said_in_place() {
     assert!(bench.text(100, 30).contains("is a file, not a directory"), "while it is typed");
     bench.keys("enter g");
     assert!(bench.keys("x").is_empty());
-    assert_eq!(bench.dialog().cursor, Spot::Target(glb), "the cursor goes where the fault is");
+    assert_eq!(bench.dialog().cursor, ExportSpot::Target(glb), "the cursor goes where the fault is");
     let (weight, text) = bench.said();
     assert!(weight == Weight::Warning && text.contains("not a directory"), "{text}");
     // A directory is taken as where the file goes.
@@ -345,9 +346,9 @@ fn targets_that_cannot_be_written_are_said_in_place() {
 
 #[test]
 fn a_missing_directory_is_asked_about_and_made() {
-    let mut bench = Bench::new();
+    let mut bench = ExportBench::new();
     bench.keys("e");
-    bench.go_to(Spot::Target(place_of("glb")));
+    bench.go_to(ExportSpot::Target(place_of("glb")));
     bench.keys("enter");
     let missing = bench.at("not/yet/fir.glb");
     bench.retype(&missing);
@@ -357,18 +358,18 @@ fn a_missing_directory_is_asked_about_and_made() {
     assert!(bench.keys("x").is_empty());
     assert!(bench.text(100, 30).contains("Make the directory?"));
     assert!(bench.keys("n").is_empty());
-    let order = Bench::order(bench.keys("x y"));
+    let order = ExportBench::order(bench.keys("x y"));
     assert!(order.makes_folders && order.replaces.is_empty());
     assert!(!Path::new(&bench.at("not")).exists(), "not before it is exported");
 }
 
 #[test]
 fn two_formats_cannot_go_to_one_file() {
-    let mut bench = Bench::new();
+    let mut bench = ExportBench::new();
     bench.keys("e");
-    bench.go_to(Spot::Format(place_of("ply")));
+    bench.go_to(ExportSpot::Format(place_of("ply")));
     bench.keys("space");
-    bench.go_to(Spot::Target(place_of("ply")));
+    bench.go_to(ExportSpot::Target(place_of("ply")));
     bench.keys("enter");
     let taken = bench.at("older-c.glb");
     bench.retype(&taken);
@@ -379,7 +380,7 @@ fn two_formats_cannot_go_to_one_file() {
 
 #[test]
 fn no_format_is_nothing_to_export() {
-    let mut bench = Bench::new();
+    let mut bench = ExportBench::new();
     bench.keys("e space");
     assert!(bench.keys("x").is_empty());
     assert!(bench.said().1.contains("no format is chosen"));
@@ -387,16 +388,16 @@ fn no_format_is_nothing_to_export() {
 
 #[test]
 fn names_are_completed_and_offered() {
-    let mut bench = Bench::new();
+    let mut bench = ExportBench::new();
     fs::create_dir_all(bench.dir.path().join("forest/old")).unwrap();
     fs::write(bench.at("fork.glb"), "").unwrap();
     bench.keys("e");
-    bench.go_to(Spot::Target(place_of("glb")));
+    bench.go_to(ExportSpot::Target(place_of("glb")));
     bench.keys("enter");
     let start = bench.at("f");
     bench.retype(&start);
     bench.keys("tab");
-    let line = |bench: &Bench| bench.dialog().line.as_ref().unwrap().input.value().to_owned();
+    let line = |bench: &ExportBench| bench.dialog().line.as_ref().unwrap().input.value().to_owned();
     assert_eq!(line(&bench), bench.at("for"));
     assert_eq!(bench.dialog().line.as_ref().unwrap().offers, [bench.at("forest/"), bench.at("fork.glb")]);
     assert!(bench.text(100, 30).contains("forest/  fork.glb"), "{}", bench.text(100, 30));
@@ -418,10 +419,10 @@ fn names_are_completed_and_offered() {
 
 #[test]
 fn esc_leaves_the_line_and_then_the_dialog_and_nothing_is_kept() {
-    let mut bench = Bench::new();
+    let mut bench = ExportBench::new();
     bench.keys("e");
     let before = bench.model.exporting.to_session();
-    bench.go_to(Spot::Target(place_of("glb")));
+    bench.go_to(ExportSpot::Target(place_of("glb")));
     bench.keys("enter");
     bench.retype("x q j k.glb");
     bench.keys("esc");
@@ -433,11 +434,11 @@ fn esc_leaves_the_line_and_then_the_dialog_and_nothing_is_kept() {
 
 #[test]
 fn pasted_text_goes_into_the_line_only() {
-    let mut bench = Bench::new();
+    let mut bench = ExportBench::new();
     bench.keys("e");
     bench.send(Msg::Input(Event::Paste("x".into())));
     assert!(bench.is_open());
-    bench.go_to(Spot::Target(place_of("glb")));
+    bench.go_to(ExportSpot::Target(place_of("glb")));
     bench.keys("enter ctrl-u");
     bench.send(Msg::Input(Event::Paste("~/a\u{1b}b.glb\n".into())));
     bench.keys("enter");
@@ -446,21 +447,21 @@ fn pasted_text_goes_into_the_line_only() {
 
 #[test]
 fn the_mouse_ticks_turns_types_and_presses() {
-    let mut bench = Bench::new();
+    let mut bench = ExportBench::new();
     bench.keys("e");
     let ply = place_of("ply");
-    bench.click_spot(Spot::Format(ply));
+    bench.click_spot(ExportSpot::Format(ply));
     assert!(bench.dialog().formats[ply].chosen);
-    bench.click_spot(Spot::Option(ply, 0));
+    bench.click_spot(ExportSpot::Option(ply, 0));
     assert_eq!(bench.dialog().formats[ply].option(0).unwrap().1.to_string(), "ascii");
-    bench.click_spot(Spot::Target(ply));
+    bench.click_spot(ExportSpot::Target(ply));
     let typed = bench.at("clicked.ply");
     bench.retype(&typed);
     // A click elsewhere takes what was typed.
     fs::write(&typed, "before").unwrap();
-    assert!(bench.click_spot(Spot::Start).is_empty());
-    assert_eq!(bench.dialog().start, Start::Asking);
-    let order = Bench::order(bench.click(Target::Command("export-yes")));
+    assert!(bench.click_spot(ExportSpot::Start).is_empty());
+    assert_eq!(bench.dialog().start, StartState::Asking);
+    let order = ExportBench::order(bench.click(Target::Command("export-yes")));
     assert_eq!(order.outputs[0].path, Path::new(&typed));
     assert_eq!(order.replaces, [Path::new(&typed)]);
 }
@@ -474,12 +475,12 @@ fn carried_out(order: ExportOrder) -> Msg {
 
 #[test]
 fn what_is_done_is_told_and_listed() {
-    let mut bench = Bench::new();
+    let mut bench = ExportBench::new();
     bench.keys("e");
-    bench.go_to(Spot::Format(place_of("obj")));
+    bench.go_to(ExportSpot::Format(place_of("obj")));
     bench.keys("space");
     assert!(bench.model.command_of(Key::char('X')).is_none(), "a dialog is open");
-    let order = Bench::order(bench.keys("x"));
+    let order = ExportBench::order(bench.keys("x"));
     assert!(bench.model.exporting.is_running());
     let number = order.number;
     bench.send(Msg::Export(ExportNews::Progress { doing: Phase::Write, done: 420 }));
@@ -504,11 +505,11 @@ fn what_is_done_is_told_and_listed() {
 
 #[test]
 fn exports_wait_in_line_and_cancelling_lets_the_next_one_go() {
-    let mut bench = Bench::new();
+    let mut bench = ExportBench::new();
     assert!(bench.keys("X").is_empty());
     assert!(bench.said().1.contains("nothing is being exported"));
     bench.keys("e");
-    let first = Bench::order(bench.keys("x"));
+    let first = ExportBench::order(bench.keys("x"));
     bench.keys("e");
     assert!(bench.keys("x").is_empty());
     assert!(!bench.is_open() && bench.said().1.contains("waits"));
@@ -536,7 +537,7 @@ fn exports_wait_in_line_and_cancelling_lets_the_next_one_go() {
 
 #[test]
 fn leaving_while_it_runs_is_asked_about() {
-    let mut bench = Bench::new();
+    let mut bench = ExportBench::new();
     assert!(matches!(bench.keys("q")[..], [Effect::Quit]));
     bench.keys("e x");
     assert!(bench.keys("q").is_empty());
@@ -549,18 +550,18 @@ fn leaving_while_it_runs_is_asked_about() {
 
 #[test]
 fn every_key_of_the_room_runs_its_command_in_its_place() {
-    let mut bench = Bench::new();
-    for own in COMMANDS {
+    let mut bench = ExportBench::new();
+    for command in COMMANDS {
         while bench.model.dialogs.take().is_some() {}
-        if own.context != Context::GLOBAL {
+        if command.context != Context::GLOBAL {
             bench.keys("e");
         }
-        if own.context == dialog::LINE {
-            bench.go_to(Spot::Target(place_of("glb")));
+        if command.context == dialog::LINE {
+            bench.go_to(ExportSpot::Target(place_of("glb")));
             bench.keys("enter");
         }
-        for key in own.keys {
-            assert_eq!(bench.model.command_of(key.parse().unwrap()), Some(own.id), "{key}");
+        for key in command.keys {
+            assert_eq!(bench.model.command_of(key.parse().unwrap()), Some(command.id), "{key}");
         }
     }
     // While a line is typed all letters are letters.
@@ -572,20 +573,20 @@ fn every_key_of_the_room_runs_its_command_in_its_place() {
 
 #[test]
 fn the_cursor_stays_on_what_it_is_on() {
-    let mut bench = Bench::new();
+    let mut bench = ExportBench::new();
     bench.keys("e G");
-    assert_eq!(bench.dialog().cursor, Spot::Start);
+    assert_eq!(bench.dialog().cursor, ExportSpot::Start);
     bench.keys("k j j j");
-    assert_eq!(bench.dialog().cursor, Spot::Start);
+    assert_eq!(bench.dialog().cursor, ExportSpot::Start);
     bench.keys("g k");
-    assert_eq!(bench.dialog().cursor, Spot::Format(0));
+    assert_eq!(bench.dialog().cursor, ExportSpot::Format(0));
     bench.keys("space space j");
-    assert_eq!(bench.dialog().cursor, Spot::Format(1));
+    assert_eq!(bench.dialog().cursor, ExportSpot::Format(1));
 }
 
 #[test]
 fn the_dialog_at_80_by_24() {
-    let mut bench = Bench::new();
+    let mut bench = ExportBench::new();
     bench.model.exporting = Exporting::default();
     bench.keys("e");
     insta::assert_snapshot!(bench.text(80, 24));
@@ -594,7 +595,7 @@ fn the_dialog_at_80_by_24() {
 #[test]
 fn the_dialog_at_three_sizes_in_three_themes() {
     for theme in [Theme::dark(), Theme::light(), Theme::plain(false)] {
-        let mut bench = Bench::new();
+        let mut bench = ExportBench::new();
         bench.model.config.theme = theme;
         fs::write(bench.at("older-c.glb"), "").unwrap();
         bench.keys("e");
@@ -623,7 +624,7 @@ fn the_dialog_at_three_sizes_in_three_themes() {
 
 #[test]
 fn estimates_are_on_screen_for_what_is_ticked() {
-    let mut bench = Bench::new();
+    let mut bench = ExportBench::new();
     bench.keys("e");
     let tree = bench.model.tree.as_ref().unwrap();
     let shown = tree.shown.as_ref().unwrap();
@@ -641,10 +642,10 @@ fn estimates_are_on_screen_for_what_is_ticked() {
 
 #[test]
 fn no_size_panics_and_the_cursor_stays_on_screen() {
-    let mut bench = Bench::new();
+    let mut bench = ExportBench::new();
     fs::write(bench.at("older-c.glb"), "").unwrap();
     let long = bench.at(&"木".repeat(70));
-    let look = |bench: &mut Bench| {
+    let look = |bench: &mut ExportBench| {
         for columns in (1..24).chain([40, 79, 80, 111, 400]) {
             for rows in (1..14).chain([24, 120]) {
                 let (buffer, view) = bench.screen(columns, rows);
@@ -661,7 +662,7 @@ fn no_size_panics_and_the_cursor_stays_on_screen() {
     look(&mut bench);
     bench.keys("x");
     look(&mut bench);
-    bench.go_to(Spot::Target(place_of("glb")));
+    bench.go_to(ExportSpot::Target(place_of("glb")));
     bench.keys("enter");
     bench.retype(&long);
     look(&mut bench);
@@ -673,7 +674,7 @@ fn no_size_panics_and_the_cursor_stays_on_screen() {
 
 #[test]
 fn text_from_outside_cannot_drive_the_terminal() {
-    let mut bench = Bench::new();
+    let mut bench = ExportBench::new();
     let mut last = bench.model.exporting.to_session();
     last.targets = vec![format!("{}\u{202e}/x.glb", bench.at("\u{1b}[2J"))];
     bench.model.exporting.remember(&Session { export: last, ..Session::default() });

@@ -11,8 +11,8 @@ use ratatui::widgets::{Paragraph, Widget, Wrap};
 use unicode_width::UnicodeWidthStr;
 
 use super::current;
-use super::dialog::{self, ExportDialog, FormatChoice, Spot, Start};
-use crate::jobs::{Finding, WHOLE};
+use super::dialog::{self, ExportDialog, ExportSpot, FormatChoice, StartState};
+use crate::jobs::{TargetFinding, WHOLE};
 use crate::tui::chrome::popup::popup;
 use crate::tui::chrome::prompt;
 use crate::tui::command::Context;
@@ -117,7 +117,7 @@ fn paint(model: &Model, dialog: &ExportDialog, body: Rect, buffer: &mut Buffer, 
     for (y, (i, spot)) in (list.y..list.bottom()).zip(spots.iter().enumerate().skip(first)) {
         let row = Rect { y, height: 1, ..list };
         view.regions.push((row, Target::Dialog(Some(i))));
-        let painter = Row { model, dialog, estimate, chosen: i == at, area: row };
+        let painter = RowPainter { model, dialog, estimate, chosen: i == at, area: row };
         painter.paint(*spot, buffer, view);
     }
     if about > 0 {
@@ -130,7 +130,9 @@ fn heading_row(model: &Model, has_grown: bool, estimate: Option<&Estimate>, area
     let text = match estimate {
         _ if !has_grown => "the tree is still growing; sizes are told when it has".to_owned(),
         None => "estimating …".to_owned(),
-        Some(own) => format!("about {} vertices, {} triangles", count(own.vertices), count(own.triangles)),
+        Some(estimate) => {
+            format!("about {} vertices, {} triangles", count(estimate.vertices), count(estimate.triangles))
+        }
     };
     let text = clipped(&format!(" {text}"), area.width.into());
     buffer.set_stringn(area.x, area.y, text, area.width.into(), model.config.theme.popup_dim);
@@ -155,7 +157,7 @@ fn length(bytes: u64) -> String {
 }
 
 /// A row that is painted.
-struct Row<'m> {
+struct RowPainter<'m> {
     model: &'m Model,
     dialog: &'m ExportDialog,
     estimate: Option<&'m Estimate>,
@@ -164,16 +166,16 @@ struct Row<'m> {
     area: Rect,
 }
 
-impl Row<'_> {
-    fn paint(&self, spot: Spot, buffer: &mut Buffer, view: &mut View) {
+impl RowPainter<'_> {
+    fn paint(&self, spot: ExportSpot, buffer: &mut Buffer, view: &mut View) {
         let theme = &self.model.config.theme;
         let base = if self.chosen { theme.selected } else { theme.popup };
         buffer.set_style(self.area, base);
         match spot {
-            Spot::Format(i) => self.format(&self.dialog.formats[i], base, buffer),
-            Spot::Option(i, k) => self.option(&self.dialog.formats[i], k, base, buffer, view),
-            Spot::Target(i) => self.target(&self.dialog.formats[i], base, buffer, view),
-            Spot::Start => self.start(buffer, view),
+            ExportSpot::Format(i) => self.format(&self.dialog.formats[i], base, buffer),
+            ExportSpot::Option(i, k) => self.option(&self.dialog.formats[i], k, base, buffer, view),
+            ExportSpot::Target(i) => self.target(&self.dialog.formats[i], base, buffer, view),
+            ExportSpot::Start => self.start(buffer, view),
         }
     }
 
@@ -203,13 +205,13 @@ impl Row<'_> {
         x
     }
 
-    fn format(&self, own: &FormatChoice, base: Style, buffer: &mut Buffer) {
+    fn format(&self, choice: &FormatChoice, base: Style, buffer: &mut Buffer) {
         let theme = &self.model.config.theme;
-        let format = own.exporter.format();
-        let tick = if own.chosen { "[x]" } else { "[ ]" };
-        let end = match self.estimate.filter(|_| own.chosen && self.area.width >= 60) {
+        let format = choice.exporter.format();
+        let tick = if choice.chosen { "[x]" } else { "[ ]" };
+        let end = match self.estimate.filter(|_| choice.chosen && self.area.width >= 60) {
             Some(estimate) => {
-                let bytes = match estimate.bytes(format, &own.options) {
+                let bytes = match estimate.bytes(format, &choice.options) {
                     Some(bytes) => format!("about {}", length(bytes)),
                     None => "size unknown".to_owned(),
                 };
@@ -221,16 +223,16 @@ impl Row<'_> {
             }
             None => self.area.right(),
         };
-        let mark = if own.chosen { base.patch(theme.accent) } else { base };
+        let mark = if choice.chosen { base.patch(theme.accent) } else { base };
         let x = self.text(self.area.x + 1, end, tick, mark, buffer);
         self.text(x + 1, end, format.id, mark, buffer);
         let x = x + 1 + ID as u16;
-        let about = if own.chosen { format.name } else { format.help };
+        let about = if choice.chosen { format.name } else { format.help };
         self.text(x, end, about, if self.chosen { base } else { theme.popup_dim }, buffer);
     }
 
-    fn option(&self, own: &FormatChoice, index: usize, base: Style, buffer: &mut Buffer, view: &mut View) {
-        let Some((spec, value)) = own.option(index) else { return };
+    fn option(&self, choice: &FormatChoice, index: usize, base: Style, buffer: &mut Buffer, view: &mut View) {
+        let Some((spec, value)) = choice.option(index) else { return };
         let theme = &self.model.config.theme;
         let end = self.area.right();
         let x = self.area.x + 1 + INDENT;
@@ -260,17 +262,17 @@ impl Row<'_> {
         }
     }
 
-    fn target(&self, own: &FormatChoice, base: Style, buffer: &mut Buffer, view: &mut View) {
+    fn target(&self, choice: &FormatChoice, base: Style, buffer: &mut Buffer, view: &mut View) {
         let theme = &self.model.config.theme;
         let x = self.text(self.area.x + 1 + INDENT, self.area.right(), "to ", base, buffer);
         if self.line(x, buffer, view) {
             return;
         }
-        let (told, style) = match self.dialog.finding(&own.target) {
-            Some(Finding::Replaces) => ("replaces a file".to_owned(), theme.warning),
-            Some(Finding::NewFolder) => ("in a new directory".to_owned(), theme.warning),
-            Some(Finding::Unfit(why)) => (format!("! {why}"), theme.error),
-            Some(Finding::Free) | None => (String::new(), base),
+        let (told, style) = match self.dialog.finding(&choice.target) {
+            Some(TargetFinding::Replaces) => ("replaces a file".to_owned(), theme.warning),
+            Some(TargetFinding::NewFolder) => ("in a new directory".to_owned(), theme.warning),
+            Some(TargetFinding::Unfit(why)) => (format!("! {why}"), theme.error),
+            Some(TargetFinding::Free) | None => (String::new(), base),
         };
         // Half of the row at most says what is wrong; all of it stands below when the cursor is here.
         let told = clipped(&told, usize::from(self.area.width / 2));
@@ -281,7 +283,7 @@ impl Row<'_> {
         };
         // The name matters most: a long path loses its beginning.
         let room = usize::from(end.saturating_sub(x));
-        self.text(x, end, &end_of(&own.target, room), base.patch(theme.path), buffer);
+        self.text(x, end, &end_of(&choice.target, room), base.patch(theme.path), buffer);
     }
 
     fn start(&self, buffer: &mut Buffer, view: &mut View) {
@@ -289,7 +291,7 @@ impl Row<'_> {
         let row = self.area;
         buffer.set_style(row, theme.popup);
         let count = self.dialog.chosen().count();
-        if self.dialog.start == Start::Asking {
+        if self.dialog.start == StartState::Asking {
             let question = match (self.dialog.replaced().len(), self.dialog.makes_folders()) {
                 (0, _) => " Make the directory?",
                 (1, false) => " Replace the file?",
@@ -311,12 +313,13 @@ impl Row<'_> {
             return;
         }
         let words = match (self.dialog.start, count) {
-            (Start::Looking, _) => " looking at the targets … ".to_owned(),
+            (StartState::Looking, _) => " looking at the targets … ".to_owned(),
             (_, 0) => " Export: no format is ticked ".to_owned(),
             (_, count) => {
                 let noun = if count == 1 { "format" } else { "formats" };
                 let about = self.estimate.map(|estimate| {
-                    let of = |own: &FormatChoice| estimate.bytes(own.exporter.format(), &own.options);
+                    let of =
+                        |choice: &FormatChoice| estimate.bytes(choice.exporter.format(), &choice.options);
                     let bytes: Option<u64> = self.dialog.chosen().map(of).sum();
                     bytes.map_or_else(
                         || ", size unknown".to_owned(),
@@ -371,36 +374,36 @@ fn said(model: &Model, dialog: &ExportDialog) -> (String, Style) {
         if !line.offers.is_empty() {
             // Their directory stands in the line.
             let name = |offer: &String| {
-                let own = offer.trim_end_matches('/');
-                offer[own.rfind('/').map_or(0, |at| at + 1)..].to_owned()
+                let name = offer.trim_end_matches('/');
+                offer[name.rfind('/').map_or(0, |at| at + 1)..].to_owned()
             };
             return (line.offers.iter().map(name).collect::<Vec<_>>().join("  "), theme.popup);
         }
     }
     let told = |target: &str| match dialog.finding(target) {
-        Some(Finding::Unfit(why)) => Some((why.clone(), theme.error)),
-        Some(Finding::NewFolder) => {
+        Some(TargetFinding::Unfit(why)) => Some((why.clone(), theme.error)),
+        Some(TargetFinding::NewFolder) => {
             Some(("its directory does not exist, and would be made".to_owned(), theme.warning))
         }
-        Some(Finding::Replaces) => {
+        Some(TargetFinding::Replaces) => {
             Some(("there is a file of that name, which would be replaced".to_owned(), theme.warning))
         }
-        Some(Finding::Free) | None => None,
+        Some(TargetFinding::Free) | None => None,
     };
     let typed = dialog.line.as_ref().map(|line| line.input.value());
     match dialog.cursor {
-        Spot::Format(i) => (dialog.formats[i].exporter.format().help.to_owned(), theme.popup),
-        Spot::Option(i, k) => match dialog.formats[i].option(k) {
+        ExportSpot::Format(i) => (dialog.formats[i].exporter.format().help.to_owned(), theme.popup),
+        ExportSpot::Option(i, k) => match dialog.formats[i].option(k) {
             Some((spec, _)) => (format!("{} ({})", spec.knob.help, spec.knob.kind), theme.popup),
             None => (String::new(), theme.popup),
         },
-        Spot::Target(i) => told(typed.unwrap_or(&dialog.formats[i].target)).unwrap_or_else(|| {
+        ExportSpot::Target(i) => told(typed.unwrap_or(&dialog.formats[i].target)).unwrap_or_else(|| {
             let words =
                 "where the file goes; files that belong to it lie beside it. Tab completes, ~/ is home";
             (words.to_owned(), theme.popup_dim)
         }),
-        Spot::Start => match dialog.start {
-            Start::Asking => {
+        ExportSpot::Start => match dialog.start {
+            StartState::Asking => {
                 let files: Vec<_> =
                     dialog.replaced().iter().map(|path| path.to_string_lossy().into_owned()).collect();
                 (format!("there already: {}", files.join(", ")), theme.warning)

@@ -14,7 +14,7 @@ pub use commands::COMMANDS;
 
 use super::model::Model;
 use super::picture;
-use crate::jobs::Shown;
+use crate::jobs::ShownTree;
 
 /// A whole growth by iterations takes about so long.
 const WHOLE: Duration = Duration::from_secs(8);
@@ -22,25 +22,25 @@ const WHOLE: Duration = Duration::from_secs(8);
 const DERIVATION: Duration = Duration::from_millis(900);
 
 /// The tree whose growth is played.
-fn shown(model: &Model) -> Option<&Shown> {
+fn shown(model: &Model) -> Option<&ShownTree> {
     model.tree.as_ref()?.shown.as_deref()
 }
 
 /// Whether steps are derivations of an L-system.
-fn derives(shown: &Shown) -> bool {
+fn derives(shown: &ShownTree) -> bool {
     matches!(shown.recipe.preset.generator, Generator::LSystem(_))
 }
 
 /// The last step: the grown tree.
-pub fn last_step(shown: &Shown) -> u32 {
+pub fn last_step(shown: &ShownTree) -> u32 {
     match &shown.recipe.preset.generator {
-        Generator::LSystem(own) => own.derivations,
+        Generator::LSystem(lsystem) => lsystem.derivations,
         Generator::Colonization(_) => shown.steps,
     }
 }
 
 /// Steps at once, and the pause after them.
-fn tempo(model: &Model, shown: &Shown) -> (u32, Duration) {
+fn tempo(model: &Model, shown: &ShownTree) -> (u32, Duration) {
     if derives(shown) {
         return (1, DERIVATION);
     }

@@ -16,10 +16,10 @@ pub use commands::COMMANDS;
 
 use super::effect::{Effect, Effects};
 use super::layout::Pane;
+use super::model::ListRow;
 use super::model::Model;
-use super::model::Row;
 use super::picture;
-use super::tree::{Place, Tree};
+use super::tree::{Tree, TreePlace};
 use crate::config::Complaint;
 use crate::config::presets::UserPreset;
 use crate::source::Source;
@@ -68,7 +68,12 @@ fn take(model: &mut Model, tree: Tree) {
 }
 
 /// A preset was read.
-pub fn loaded(model: &mut Model, place: Place, source: Result<Box<Source>, String>, _effects: &mut Effects) {
+pub fn loaded(
+    model: &mut Model,
+    place: TreePlace,
+    source: Result<Box<Source>, String>,
+    _effects: &mut Effects,
+) {
     // What is not waited for any more is dropped.
     if model.loading.as_ref() != Some(&place) {
         return;
@@ -96,8 +101,8 @@ pub fn loaded(model: &mut Model, place: Place, source: Result<Box<Source>, Strin
 }
 
 /// A document was read, for the first time or anew. Changes that were made to its tree stay.
-fn reread(model: &mut Model, place: Place, recipe: Recipe) {
-    if let Place::File(path) = &place {
+fn reread(model: &mut Model, place: TreePlace, recipe: Recipe) {
+    if let TreePlace::File(path) = &place {
         model.library.add_file(path.clone(), &recipe.preset);
         model.library.select_place(&place);
     }
@@ -129,7 +134,7 @@ pub fn listed(model: &mut Model, presets: Vec<UserPreset>, complaints: Vec<Compl
 /// Files changed on disk: what is shown is read again.
 pub fn changed(model: &mut Model, files: &[PathBuf], effects: &mut Effects) {
     if let Some(tree) = &model.tree
-        && let Place::File(path) = &tree.place
+        && let TreePlace::File(path) = &tree.place
         && files.iter().any(|file| file == path)
     {
         let place = tree.place.clone();
@@ -154,7 +159,7 @@ pub fn clicked(model: &mut Model, row: usize, mouse: Mouse, effects: &mut Effect
         return wheel(model, mouse, effects);
     }
     model.focus_on(Pane::Presets);
-    if let Some(Row::Entry(index, _)) = model.library.rows.get(row) {
+    if let Some(ListRow::Entry(index, _)) = model.library.rows.get(row) {
         model.library.selected = *index;
         show_selected(model, effects);
     }

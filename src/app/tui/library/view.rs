@@ -9,7 +9,7 @@ use unicode_width::UnicodeWidthStr;
 use super::filter_line::FilterLine;
 use crate::tui::layout::{Pane, Target, View, first_row};
 use crate::tui::model::Model;
-use crate::tui::model::{Entry, Row};
+use crate::tui::model::{ListRow, PresetEntry};
 use crate::tui::wrap::{clipped, wrapped, wrapped_within};
 
 /// The most rows that tell about the selected preset, and the height that it takes for them.
@@ -24,7 +24,7 @@ pub fn heading(model: &Model) -> Vec<Span<'static>> {
     if library.filter.trim().is_empty() {
         return Vec::new();
     }
-    let found = library.rows().iter().filter(|row| matches!(row, Row::Entry(..))).count();
+    let found = library.rows().iter().filter(|row| matches!(row, ListRow::Entry(..))).count();
     vec![Span::styled(format!("{found} of {} ", library.len()), model.config.theme.dim)]
 }
 
@@ -63,13 +63,13 @@ pub fn view(model: &Model, mut area: Rect, buffer: &mut Buffer, view: &mut View)
     }
     let cursor = library.selected_row();
     let rows = library.rows();
-    let headings = rows.iter().filter(|row| matches!(row, Row::Heading(_))).count();
+    let headings = rows.iter().filter(|row| matches!(row, ListRow::Heading(_))).count();
     // Where all of it has room, groups stand apart.
     let air = u16::from(rows.len() + headings <= usize::from(list.height));
     let first = first_row(cursor.unwrap_or(0), rows.len(), list.height.into());
     let mut y = list.y;
     for (i, row) in rows.iter().enumerate().skip(first) {
-        if i > 0 && matches!(row, Row::Heading(_)) {
+        if i > 0 && matches!(row, ListRow::Heading(_)) {
             y += air;
         }
         if y >= list.bottom() {
@@ -77,7 +77,7 @@ pub fn view(model: &Model, mut area: Rect, buffer: &mut Buffer, view: &mut View)
         }
         let place = Rect { y, height: 1, ..list };
         match row {
-            Row::Heading(group) => {
+            ListRow::Heading(group) => {
                 buffer.set_stringn(
                     place.x,
                     y,
@@ -86,7 +86,7 @@ pub fn view(model: &Model, mut area: Rect, buffer: &mut Buffer, view: &mut View)
                     theme.heading,
                 );
             }
-            Row::Entry(index, marks) => {
+            ListRow::Entry(index, marks) => {
                 view.regions.push((place, Target::Preset(i)));
                 entry_row(model, library.get(*index), marks, cursor == Some(i), place, buffer);
             }
@@ -112,7 +112,14 @@ fn title(group: &str, width: usize) -> &str {
     }
 }
 
-fn entry_row(model: &Model, entry: &Entry, marks: &[u32], chosen: bool, area: Rect, buffer: &mut Buffer) {
+fn entry_row(
+    model: &Model,
+    entry: &PresetEntry,
+    marks: &[u32],
+    chosen: bool,
+    area: Rect,
+    buffer: &mut Buffer,
+) {
     let theme = &model.config.theme;
     let base = match (chosen, model.focus == Pane::Presets) {
         (true, true) => theme.selected,

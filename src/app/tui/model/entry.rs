@@ -2,13 +2,13 @@
 
 use linden::preset::Preset;
 
-use crate::tui::tree::Place;
+use crate::tui::tree::TreePlace;
 
 /// Something that can be shown.
 #[derive(Clone, Debug)]
-pub struct Entry {
+pub struct PresetEntry {
     /// Where it is.
-    pub place: Place,
+    pub place: TreePlace,
     /// What scripts call it.
     pub id: String,
     /// What people call it.
@@ -25,16 +25,16 @@ pub struct Entry {
 
 /// A row of the list.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Row {
+pub enum ListRow {
     /// A group's heading.
     Heading(String),
     /// An entry, by its index, with the characters of its id that the filter matched.
     Entry(usize, Vec<u32>),
 }
 
-impl Entry {
+impl PresetEntry {
     /// The entry of a preset.
-    pub fn of(place: Place, preset: &Preset) -> Self {
+    pub fn of(place: TreePlace, preset: &Preset) -> Self {
         Self {
             place,
             id: preset.id.clone(),

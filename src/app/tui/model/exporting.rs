@@ -16,13 +16,13 @@ const LEAVING: Duration = Duration::from_secs(8);
 #[derive(Debug, Default)]
 pub struct Exporting {
     /// What was chosen last.
-    pub last: session::Export,
+    pub last: session::ExportChoices,
     /// The one under way.
-    pub running: Option<Running>,
+    pub running: Option<RunningExport>,
     /// Those that wait, the next one first.
     pub waiting: VecDeque<ExportOrder>,
     /// Those that are done, the newest first.
-    pub reports: VecDeque<Report>,
+    pub reports: VecDeque<ExportReport>,
     /// Numbers that were given to orders.
     pub numbers: u64,
     leave_asked: Option<Instant>,
@@ -30,7 +30,7 @@ pub struct Exporting {
 
 /// The export under way.
 #[derive(Debug)]
-pub struct Running {
+pub struct RunningExport {
     /// Its order's.
     pub number: u64,
     /// `fir.glb +2`.
@@ -43,7 +43,7 @@ pub struct Running {
 
 /// An export that is done.
 #[derive(Debug)]
-pub struct Report {
+pub struct ExportReport {
     /// What was written, and how many bytes each has.
     pub files: Vec<(PathBuf, u64)>,
     /// What a format could not hold.
@@ -57,7 +57,7 @@ impl Exporting {
     }
 
     /// What was chosen last, for next time.
-    pub fn to_session(&self) -> session::Export {
+    pub fn to_session(&self) -> session::ExportChoices {
         self.last.clone()
     }
 

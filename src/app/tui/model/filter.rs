@@ -3,10 +3,10 @@
 use nucleo_matcher::pattern::{CaseMatching, Normalization, Pattern};
 use nucleo_matcher::{Config, Matcher, Utf32Str};
 
-use super::entry::{Entry, Row};
+use super::entry::{ListRow, PresetEntry};
 
 /// The rows of the list: all groups with their headings, or the matches, the best first.
-pub fn rows(entries: &[Entry], filter: &str) -> Vec<Row> {
+pub fn rows(entries: &[PresetEntry], filter: &str) -> Vec<ListRow> {
     if filter.trim().is_empty() {
         return grouped(entries);
     }
@@ -28,10 +28,10 @@ pub fn rows(entries: &[Entry], filter: &str) -> Vec<Row> {
         }
     }
     found.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
-    found.into_iter().map(|(_, i, marks)| Row::Entry(i, marks)).collect()
+    found.into_iter().map(|(_, i, marks)| ListRow::Entry(i, marks)).collect()
 }
 
-fn grouped(entries: &[Entry]) -> Vec<Row> {
+fn grouped(entries: &[PresetEntry]) -> Vec<ListRow> {
     let mut groups: Vec<&str> = Vec::new();
     for entry in entries {
         if !groups.contains(&entry.group.as_str()) {
@@ -40,9 +40,9 @@ fn grouped(entries: &[Entry]) -> Vec<Row> {
     }
     let mut rows = Vec::with_capacity(entries.len() + groups.len());
     for group in groups {
-        rows.push(Row::Heading(group.to_owned()));
-        let own = entries.iter().enumerate().filter(|(_, entry)| entry.group == group);
-        rows.extend(own.map(|(i, _)| Row::Entry(i, Vec::new())));
+        rows.push(ListRow::Heading(group.to_owned()));
+        let members = entries.iter().enumerate().filter(|(_, entry)| entry.group == group);
+        rows.extend(members.map(|(i, _)| ListRow::Entry(i, Vec::new())));
     }
     rows
 }
@@ -57,7 +57,7 @@ mod tests {
         let rows = rows(&library.entries, filter);
         rows.iter()
             .filter_map(
-                |row| if let Row::Entry(i, _) = row { Some(library.get(*i).id.clone()) } else { None },
+                |row| if let ListRow::Entry(i, _) = row { Some(library.get(*i).id.clone()) } else { None },
             )
             .collect()
     }
@@ -82,7 +82,7 @@ mod tests {
     #[test]
     fn matched_letters_are_marked() {
         let library = Library::builtin();
-        let Row::Entry(_, marks) = &rows(&library.entries, "fir")[0] else { panic!() };
+        let ListRow::Entry(_, marks) = &rows(&library.entries, "fir")[0] else { panic!() };
         assert_eq!(marks, &[0, 1, 2]);
     }
 }

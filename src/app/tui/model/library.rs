@@ -4,18 +4,18 @@ use std::path::PathBuf;
 
 use linden::preset::{Heading, Preset, builtins};
 
-use super::entry::{Entry, Row};
+use super::entry::{ListRow, PresetEntry};
 use super::filter;
 use crate::config::presets::UserPreset;
-use crate::tui::tree::{Place, Tree};
+use crate::tui::tree::{Tree, TreePlace};
 
 /// The list of presets.
 pub struct Library {
     /// All that can be shown, listed or not.
-    pub entries: Vec<Entry>,
+    pub entries: Vec<PresetEntry>,
     /// What was typed into the filter.
     pub filter: String,
-    pub rows: Vec<Row>,
+    pub rows: Vec<ListRow>,
     /// The selected entry's index; survives filtering and reloading by its place.
     pub selected: usize,
     /// Changed trees that are not on screen.
@@ -26,10 +26,10 @@ impl Library {
     /// What is built in.
     pub fn builtin() -> Self {
         // The tests read every built-in document.
-        let entries = builtins().iter().filter_map(|own| {
-            let Heading { name, group, summary, source } = own.heading().ok()?;
-            let (place, id) = (Place::Builtin(own.id), own.id.to_owned());
-            Some(Entry { place, id, name, group, summary, source, fault: None })
+        let entries = builtins().iter().filter_map(|builtin| {
+            let Heading { name, group, summary, source } = builtin.heading().ok()?;
+            let (place, id) = (TreePlace::Builtin(builtin.id), builtin.id.to_owned());
+            Some(PresetEntry { place, id, name, group, summary, source, fault: None })
         });
         let mut library = Self {
             entries: entries.collect(),
@@ -45,15 +45,19 @@ impl Library {
     /// Puts the user's presets in the list, in the place of those that were there.
     pub fn set_user(&mut self, presets: Vec<UserPreset>) {
         let selected = self.entry().map(|entry| entry.place.clone());
-        self.entries.retain(|entry| matches!(entry.place, Place::Builtin(_)));
-        self.entries.extend(presets.into_iter().map(|own| Entry {
-            place: Place::File(own.path),
-            id: own.id,
-            name: own.name,
-            group: if own.group == "own" { "yours".to_owned() } else { format!("yours: {}", own.group) },
-            summary: own.summary,
-            source: own.source,
-            fault: own.state.err().map(|complaint| complaint.to_string()),
+        self.entries.retain(|entry| matches!(entry.place, TreePlace::Builtin(_)));
+        self.entries.extend(presets.into_iter().map(|preset| PresetEntry {
+            place: TreePlace::File(preset.path),
+            id: preset.id,
+            name: preset.name,
+            group: if preset.group == "own" {
+                "yours".to_owned()
+            } else {
+                format!("yours: {}", preset.group)
+            },
+            summary: preset.summary,
+            source: preset.source,
+            fault: preset.state.err().map(|complaint| complaint.to_string()),
         }));
         self.arrange();
         if let Some(place) = selected {
@@ -63,15 +67,15 @@ impl Library {
 
     /// Makes sure that a file is listed: one that was named when the program was started, say.
     pub fn add_file(&mut self, path: PathBuf, preset: &Preset) {
-        let place = Place::File(path);
+        let place = TreePlace::File(path);
         if self.entries.iter().all(|entry| entry.place != place) {
-            self.entries.push(Entry { group: "opened".to_owned(), ..Entry::of(place, preset) });
+            self.entries.push(PresetEntry { group: "opened".to_owned(), ..PresetEntry::of(place, preset) });
             self.arrange();
         }
     }
 
     /// The rows of the list.
-    pub fn rows(&self) -> &[Row] {
+    pub fn rows(&self) -> &[ListRow] {
         &self.rows
     }
 
@@ -81,32 +85,32 @@ impl Library {
     }
 
     /// An entry by its index.
-    pub fn get(&self, index: usize) -> &Entry {
+    pub fn get(&self, index: usize) -> &PresetEntry {
         &self.entries[index]
     }
 
     /// The ids and places of all that is listed, whatever the filter hides.
-    pub fn places(&self) -> impl Iterator<Item = (&str, &Place)> {
+    pub fn places(&self) -> impl Iterator<Item = (&str, &TreePlace)> {
         self.entries.iter().map(|entry| (entry.id.as_str(), &entry.place))
     }
 
     /// The selected entry.
-    pub fn entry(&self) -> Option<&Entry> {
+    pub fn entry(&self) -> Option<&PresetEntry> {
         self.entries.get(self.selected)
     }
 
     /// The row of the selected entry, `None` when the filter hides it.
     pub fn selected_row(&self) -> Option<usize> {
-        self.rows.iter().position(|row| matches!(row, Row::Entry(index, _) if *index == self.selected))
+        self.rows.iter().position(|row| matches!(row, ListRow::Entry(index, _) if *index == self.selected))
     }
 
     /// Whether a tree of that place waits with changes.
-    pub fn is_shelved(&self, place: &Place) -> bool {
+    pub fn is_shelved(&self, place: &TreePlace) -> bool {
         self.shelf.iter().any(|tree| tree.place == *place)
     }
 
     /// Selects the entry of a place, if it is listed.
-    pub fn select_place(&mut self, place: &Place) -> bool {
+    pub fn select_place(&mut self, place: &TreePlace) -> bool {
         let found = self.entries.iter().position(|entry| entry.place == *place);
         self.selected = found.unwrap_or(self.selected.min(self.entries.len().saturating_sub(1)));
         found.is_some()
@@ -123,7 +127,7 @@ impl Library {
         self.rows = filter::rows(&self.entries, &self.filter);
         if self.selected_row().is_none() {
             let first =
-                self.rows.iter().find_map(|row| if let Row::Entry(i, _) = row { Some(*i) } else { None });
+                self.rows.iter().find_map(|row| if let ListRow::Entry(i, _) = row { Some(*i) } else { None });
             self.selected = first.unwrap_or(self.selected);
         }
     }
@@ -133,7 +137,7 @@ impl Library {
         let listed: Vec<usize> = self
             .rows
             .iter()
-            .filter_map(|row| if let Row::Entry(i, _) = row { Some(*i) } else { None })
+            .filter_map(|row| if let ListRow::Entry(i, _) = row { Some(*i) } else { None })
             .collect();
         if let Some(at) = listed.iter().position(|&i| i == self.selected) {
             let to = at.saturating_add_signed(by).min(listed.len() - 1);

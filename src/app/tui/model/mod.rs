@@ -20,8 +20,8 @@ use linden_terminal::input::Key;
 use linden_terminal::probe::Capabilities;
 use ratatui::layout::Rect;
 
-pub use entry::{Entry, Row};
-pub use exporting::{Exporting, Report, Running};
+pub use entry::{ListRow, PresetEntry};
+pub use exporting::{ExportReport, Exporting, RunningExport};
 pub use form::{Form, FormSpot};
 pub use growth::Playback;
 pub use library::Library;
@@ -33,7 +33,7 @@ use super::command::{self, Context};
 use super::dialog::{After, Dialog, Dialogs};
 use super::effect::Effects;
 use super::layout::{Layout, Pane, Target};
-use super::tree::{Changes, Place, Tree};
+use super::tree::{Changes, Tree, TreePlace};
 use crate::config::Complaint;
 use crate::config::dirs::Dirs;
 use crate::config::keymap::Keymap;
@@ -65,9 +65,9 @@ pub struct Model {
     /// The list of presets.
     pub library: Library,
     /// What is being read.
-    pub loading: Option<Place>,
+    pub loading: Option<TreePlace>,
     /// What is to be changed of it then.
-    pub changes: Option<(Place, Changes)>,
+    pub changes: Option<(TreePlace, Changes)>,
     /// The tree on screen.
     pub tree: Option<Tree>,
     /// How it is looked at.

@@ -5,9 +5,9 @@ use std::time::Instant;
 use glam::Vec2;
 use linden_raster::{Camera, Paint};
 
-use crate::jobs::{Look, Painted};
+use crate::jobs::{Painted, PictureLook};
 
-impl Look {
+impl PictureLook {
     /// All, in the order in which a key goes through them.
     pub const ALL: [Self; 5] = [
         Self::Skeleton(Paint::Wood),
@@ -40,7 +40,7 @@ pub struct PictureState {
     /// From where.
     pub camera: Camera,
     /// What is drawn.
-    pub look: Look,
+    pub look: PictureLook,
     /// Whether attraction points are.
     pub points: bool,
     /// Whether the crown's outline is.
@@ -63,7 +63,7 @@ impl Default for PictureState {
     fn default() -> Self {
         Self {
             camera: Camera::default(),
-            look: Look::Skeleton(Paint::Wood),
+            look: PictureLook::Skeleton(Paint::Wood),
             points: false,
             outline: false,
             scale: true,

@@ -4,7 +4,7 @@ use glam::Vec2;
 use linden_raster::Camera;
 
 use super::{turn_by, zoom_by};
-use crate::jobs::Look;
+use crate::jobs::PictureLook;
 use crate::tui::command::Context;
 use crate::tui::model::{Command, Model, free, without_tree};
 
@@ -53,8 +53,8 @@ fn has_no_crown(model: &Model) -> Option<String> {
 }
 
 fn cycle_look(model: &mut Model, by: usize) {
-    let at = Look::ALL.iter().position(|look| *look == model.picture.look).unwrap_or(0);
-    model.picture.look = Look::ALL[(at + by) % Look::ALL.len()];
+    let at = PictureLook::ALL.iter().position(|look| *look == model.picture.look).unwrap_or(0);
+    model.picture.look = PictureLook::ALL[(at + by) % PictureLook::ALL.len()];
     let name = model.picture.look.name();
     model.say(format!("drawn: {name}"));
 }
@@ -238,7 +238,7 @@ pub const COMMANDS: &[Command] = &[
         help: "Draws the tree as before in the round of looks",
         hint: None,
         hindrance: free,
-        run: |model, _| cycle_look(model, Look::ALL.len() - 1),
+        run: |model, _| cycle_look(model, PictureLook::ALL.len() - 1),
     },
     Command {
         id: "overlay-points",

@@ -15,7 +15,7 @@ pub use commands::COMMANDS;
 
 use super::layout::{Pane, inside};
 use super::model::{Model, QUIET};
-use crate::jobs::{Detail, DrawRequest, Medium, Painted, Shown};
+use crate::jobs::{Detail, DrawRequest, Medium, Painted, ShownTree};
 
 /// Frames a second of what moves by itself: here, and where each costs bytes on a network.
 const FRAME: Duration = Duration::from_millis(66);
@@ -128,7 +128,7 @@ pub fn painted(model: &mut Model, painted: Painted) {
 }
 
 /// A tree grew for the first time: it is looked at from its broad side.
-pub fn first_look(model: &mut Model, shown: &Shown) {
+pub fn first_look(model: &mut Model, shown: &ShownTree) {
     if std::mem::take(&mut model.picture.keeps_camera) {
         return;
     }

@@ -6,11 +6,11 @@ use ratatui::text::Span;
 use unicode_width::UnicodeWidthStr;
 
 use super::split;
-use crate::jobs::{Look, Painted};
+use crate::jobs::{Painted, PictureLook};
 use crate::tui::figures::thousands;
 use crate::tui::layout::View;
 use crate::tui::model::Model;
-use crate::tui::tree::Growing;
+use crate::tui::tree::GrowthProgress;
 use crate::tui::wrap::clipped;
 
 /// What the pane's border says beside its name.
@@ -18,7 +18,7 @@ pub fn heading(model: &Model) -> Vec<Span<'static>> {
     let theme = &model.config.theme;
     let picture = &model.picture;
     let mut words = Vec::new();
-    if picture.look != Look::ALL[0] {
+    if picture.look != PictureLook::ALL[0] {
         words.push(picture.look.name());
     }
     for (on, word) in [
@@ -76,7 +76,7 @@ pub fn view(model: &Model, inner: Rect, buffer: &mut Buffer, view: &mut View) {
 }
 
 /// How far the growing is, in words.
-fn words(growing: &Growing) -> String {
+fn words(growing: &GrowthProgress) -> String {
     let (doing, unit) = growing.stage.words();
     match growing.total {
         Some(total) => format!("{doing} {} of {} {unit}", thousands(growing.done), thousands(total)),

@@ -19,7 +19,7 @@ use crate::trust;
 use crate::tui::effect::Effect;
 use crate::tui::model::Config;
 use crate::tui::shape::save;
-use crate::tui::tree::{Changes, Place};
+use crate::tui::tree::{Changes, TreePlace};
 use crate::tui::update::Msg;
 
 /// Terminals drop longer clipboards.
@@ -59,7 +59,7 @@ impl Runtime {
     pub(super) fn open(&mut self, source: Option<PathBuf>, set: Vec<(String, String)>, remembered: &Session) {
         let (place, changes) = match (source, &remembered.source) {
             (Some(source), _) => {
-                let place = source.to_str().map_or_else(|| Place::File(source.clone()), memory::place);
+                let place = source.to_str().map_or_else(|| TreePlace::File(source.clone()), memory::place);
                 (place, Changes { knobs: set, whole: None })
             }
             (None, Some(source)) => {
@@ -68,7 +68,7 @@ impl Runtime {
             }
             (None, None) => {
                 let first = self.model.library.entry().map(|entry| entry.place.clone());
-                (first.unwrap_or(Place::Builtin("fir")), Changes { knobs: set, whole: None })
+                (first.unwrap_or(TreePlace::Builtin("fir")), Changes { knobs: set, whole: None })
             }
         };
         self.model.library.select_place(&place);
@@ -129,7 +129,7 @@ impl Runtime {
     fn save(
         &self,
         id: &str,
-        from: &Place,
+        from: &TreePlace,
         recipe: &Recipe,
         overwrite: bool,
     ) -> Result<(String, PathBuf), String> {

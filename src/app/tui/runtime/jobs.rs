@@ -13,13 +13,13 @@ use linden::recipe::Recipe;
 use super::Happening;
 use crate::jobs::{
     Answer, Done, DrawRequest, ExportNews, ExportOrder, GalleryRequest, Inquiry, Lane, Painted, Painter,
-    Relay, Shown, Thumbnail, Watcher, grow_shown, look, paint_gallery, run_export,
+    Relay, ShownTree, Thumbnail, Watcher, grow_shown, look, paint_gallery, run_export,
 };
 use crate::source::{self, Source};
 use crate::tui::export;
 use crate::tui::model::Model;
 use crate::tui::picture;
-use crate::tui::tree::{Growing, Place};
+use crate::tui::tree::{GrowthProgress, TreePlace};
 use crate::tui::update::Msg;
 use crate::tui::vary;
 
@@ -36,12 +36,12 @@ const KEPT_NODES: usize = 2_000_000;
 const LEAST_NODES: usize = 1_000;
 
 /// A preset that was read, or why not.
-type Read = (Place, Result<Box<Source>, String>);
+type Read = (TreePlace, Result<Box<Source>, String>);
 
 /// What a lane said.
 pub enum News {
     Load(Answer<Read>),
-    Grow(Answer<Result<Arc<Shown>, String>>),
+    Grow(Answer<Result<Arc<ShownTree>, String>>),
     Draw(Answer<Result<Box<Painted>, String>>),
     Gallery(Answer<Thumbnail>),
     Export(Answer<ExportNews>),
@@ -50,7 +50,7 @@ pub enum News {
 
 /// The lanes.
 pub struct Desk {
-    load: Lane<Place>,
+    load: Lane<TreePlace>,
     /// The number of the preset that was asked for last: of a file that changes twice, the first
     /// reading must not pass for the second.
     asked_load: u64,
@@ -68,7 +68,7 @@ pub struct Desk {
     /// The picture that was asked for last.
     asked_picture: Option<DrawRequest>,
     /// Trees that grew lately, the newest last.
-    kept: Vec<Arc<Shown>>,
+    kept: Vec<Arc<ShownTree>>,
 }
 
 impl Desk {
@@ -112,7 +112,7 @@ impl Desk {
     }
 
     /// Reads a preset.
-    pub fn load(&mut self, place: Place) {
+    pub fn load(&mut self, place: TreePlace) {
         self.asked_load = self.load.submit(place);
     }
 
@@ -146,7 +146,9 @@ impl Desk {
                     None
                 }
                 _ if !self.grow.is_current(number) => None,
-                Done::Progress { stage, done, total } => Some(Msg::Growing(Growing { stage, done, total })),
+                Done::Progress { stage, done, total } => {
+                    Some(Msg::Growing(GrowthProgress { stage, done, total }))
+                }
                 Done::Value(grown) => {
                     if let Ok(shown) = &grown {
                         self.keep(Arc::clone(shown));
@@ -241,11 +243,11 @@ impl Desk {
         [self.grow.wake_at(), self.draw.wake_at()].into_iter().flatten().min()
     }
 
-    fn keep(&mut self, shown: Arc<Shown>) {
+    fn keep(&mut self, shown: Arc<ShownTree>) {
         self.kept.push(shown);
         let mut nodes = 0;
         let fitting = self.kept.iter().rev().take_while(|shown| {
-            let points = shown.grown.colonized.as_ref().map_or(0, |own| own.points.len());
+            let points = shown.grown.colonized.as_ref().map_or(0, |colonized| colonized.points.len());
             nodes += (shown.grown.skeleton.positions.len() + points).max(LEAST_NODES);
             nodes <= KEPT_NODES
         });
@@ -265,10 +267,10 @@ fn send<T>(
 }
 
 /// Reads a preset, on its lane.
-fn read(place: Place, watcher: &Watcher<'_>, give: &dyn Fn(Read)) {
+fn read(place: TreePlace, watcher: &Watcher<'_>, give: &dyn Fn(Read)) {
     let path = match &place {
-        Place::Builtin(id) => PathBuf::from(id),
-        Place::File(path) => path.clone(),
+        TreePlace::Builtin(id) => PathBuf::from(id),
+        TreePlace::File(path) => path.clone(),
     };
     let resolved = source::resolve(&path, &[], watcher);
     if !linden::Monitor::is_cancelled(watcher) {

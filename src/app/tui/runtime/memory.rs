@@ -5,10 +5,10 @@ use std::path::{Path, PathBuf};
 use glam::Vec2;
 
 use crate::config::session::{Camera, Session, SessionFile};
-use crate::jobs::Look;
+use crate::jobs::PictureLook;
 use crate::tui::layout::Pane;
 use crate::tui::model::{Config, Model};
-use crate::tui::tree::Place;
+use crate::tui::tree::TreePlace;
 
 /// The file, and what it said.
 pub struct Memory {
@@ -44,7 +44,7 @@ impl Memory {
 
 /// Puts back how things were looked at. The tree itself is loaded as any other.
 pub fn restore(model: &mut Model, session: &Session) {
-    if let Some(look) = Look::named(&session.look) {
+    if let Some(look) = PictureLook::named(&session.look) {
         model.picture.look = look;
     }
     if let Some(pane) = Pane::ALL.into_iter().find(|pane| pane.title().to_lowercase() == session.focus) {
@@ -84,8 +84,10 @@ fn remembered(model: &Model, rest: &Session) -> Session {
     };
     let Some(tree) = &model.tree else { return session };
     session.source = match &tree.place {
-        Place::Builtin(id) => Some((*id).to_owned()),
-        Place::File(path) => std::path::absolute(path).ok().and_then(|path| path.to_str().map(str::to_owned)),
+        TreePlace::Builtin(id) => Some((*id).to_owned()),
+        TreePlace::File(path) => {
+            std::path::absolute(path).ok().and_then(|path| path.to_str().map(str::to_owned))
+        }
     };
     match tree.overrides() {
         Some(knobs) => {
@@ -98,11 +100,11 @@ fn remembered(model: &Model, rest: &Session) -> Session {
 }
 
 /// Where a source is that was remembered, or named on the command line.
-pub fn place(source: &str) -> Place {
-    if let Ok(own) = linden::preset::builtin(source) {
-        return Place::Builtin(own.id);
+pub fn place(source: &str) -> TreePlace {
+    if let Ok(builtin) = linden::preset::builtin(source) {
+        return TreePlace::Builtin(builtin.id);
     }
     // Which of several is meant is asked where the source is read.
     let users = crate::source::user_preset(Path::new(source)).ok().flatten();
-    Place::File(users.unwrap_or_else(|| PathBuf::from(source)))
+    TreePlace::File(users.unwrap_or_else(|| PathBuf::from(source)))
 }

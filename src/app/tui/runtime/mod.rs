@@ -41,7 +41,7 @@ use crate::jobs::{THREAD_PREFIX, lower_priority};
 
 /// How a workbench begins.
 #[derive(Default)]
-pub struct Start {
+pub struct StartOptions {
     /// What to show first; what was on screen last time when `None`.
     pub source: Option<PathBuf>,
     /// Knobs to turn.
@@ -103,7 +103,7 @@ struct Runtime {
 ///
 /// # Errors
 /// When the terminal cannot be taken, or the system refuses a thread.
-pub fn run(tty: Tty, start: Start) -> anyhow::Result<End> {
+pub fn run(tty: Tty, start: StartOptions) -> anyhow::Result<End> {
     install_panic_hook(THREAD_PREFIX, |panic| tracing::error!(%panic, "a job panicked"));
     // Trees grow on all cores, but keys come first. When there is a pool already, that is no harm.
     let pool = rayon::ThreadPoolBuilder::new()
@@ -122,7 +122,7 @@ pub fn run(tty: Tty, start: Start) -> anyhow::Result<End> {
 }
 
 impl Runtime {
-    fn start(tty: Tty, start: Start, sender: &Sender<Happening>) -> anyhow::Result<Self> {
+    fn start(tty: Tty, start: StartOptions, sender: &Sender<Happening>) -> anyhow::Result<Self> {
         let now = Instant::now();
         let size = tty.size();
         let mut probing = Probing::new(start.overrides);
@@ -139,9 +139,9 @@ impl Runtime {
         let session = Session::start(tty.clone(), Modes { mouse: model.config.settings.mouse })?;
         let to_loop = sender.clone();
         let watchdog = Watchdog::default();
-        let own = watchdog.clone();
+        let watcher = watchdog.clone();
         let listener = listen(tty.clone(), move |incoming| {
-            own.watch(&incoming);
+            watcher.watch(&incoming);
             to_loop.send(Happening::Incoming(incoming)).is_ok()
         })?;
         let to_loop = sender.clone();

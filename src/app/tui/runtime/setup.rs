@@ -20,17 +20,17 @@ pub fn configuration(probing: &mut Probing) -> (Config, Vec<String>) {
     let mut told = Vec::new();
     let mut overrides = settings.overrides();
     match Overrides::from_environment(probing.environment()) {
-        Ok(own) => overrides = own.or(overrides),
+        Ok(named) => overrides = named.or(overrides),
         Err(error) => told.push(error.to_string()),
     }
     probing.take_overrides(overrides);
     let table = commands::key_table();
-    let (keymap, own) = Keymap::load(dirs.keymap().as_deref(), &table);
-    complaints.extend(own);
+    let (keymap, found) = Keymap::load(dirs.keymap().as_deref(), &table);
+    complaints.extend(found);
     let mut config = Config { dirs, theme: Theme::dark(), keymap, settings, complaints };
     let capabilities = probing.conclude();
-    let own = theme(&mut config, &capabilities);
-    config.complaints.extend(own);
+    let found = theme(&mut config, &capabilities);
+    config.complaints.extend(found);
     (config, told)
 }
 

@@ -57,17 +57,17 @@ fn follow(orders: &Receiver<Order>, sender: &Sender<Happening>) {
             Order::Directory(directory) => {
                 watch = directory.map(|directory| {
                     let to_loop = sender.clone();
-                    let (watch, own) = Watch::new(&[directory], move |changed| {
+                    let (watch, told) = Watch::new(&[directory], move |changed| {
                         // Nobody listens only when the program ends.
                         drop(to_loop.send(Happening::Msg(Box::new(Msg::Changed(changed)))));
                     });
-                    complaints.extend(own);
+                    complaints.extend(told);
                     complaints.extend(watch.also(&files));
                     watch
                 });
             }
-            Order::Files(own) => {
-                files = own;
+            Order::Files(wanted) => {
+                files = wanted;
                 complaints.extend(watch.iter().flat_map(|watch| watch.also(&files)));
             }
         }

@@ -11,7 +11,7 @@ use crate::tui::dialog::After;
 use crate::tui::effect::{Effect, Effects};
 use crate::tui::layout::Pane;
 use crate::tui::model::{Command, Model, free, without_preset};
-use crate::tui::tree::{Place, Tree, grammar_of};
+use crate::tui::tree::{Tree, TreePlace, grammar_of};
 
 fn unless(model: &Model, can: impl Fn(&Tree) -> bool, why: &str) -> Option<String> {
     without_preset(model)
@@ -36,7 +36,7 @@ fn has_no_grammar(model: &Model) -> Option<String> {
 
 /// The file that `$EDITOR` opens when there is no grammar to edit.
 fn file_to_edit(tree: &Tree) -> Result<std::path::PathBuf, String> {
-    let Place::File(path) = &tree.place else {
+    let TreePlace::File(path) = &tree.place else {
         return Err("the preset is built in; save it as one of your own first".to_owned());
     };
     let input = tree.saved().preset.space().and_then(Space::file);

@@ -11,12 +11,12 @@ const MOST_MODULES: usize = 20_000;
 /// One line on how much a preset's L-system gives; `None` for what is none, and for a grammar that is
 /// a book.
 pub fn line(preset: &Preset) -> Option<String> {
-    let Generator::LSystem(own) = &preset.generator else { return None };
-    let rules = own.grammar.productions().iter().map(|rule| rule.successor.len() + 1);
-    if own.grammar.axiom().len() + rules.sum::<usize>() > MOST_MODULES {
+    let Generator::LSystem(lsystem) = &preset.generator else { return None };
+    let rules = lsystem.grammar.productions().iter().map(|rule| rule.successor.len() + 1);
+    if lsystem.grammar.axiom().len() + rules.sum::<usize>() > MOST_MODULES {
         return None;
     }
-    let forecast = own.forecast().ok()?;
+    let forecast = lsystem.forecast().ok()?;
     let about = match forecast {
         Forecast { at_least: true, .. } => "at least ",
         Forecast { exact: true, .. } => "",
@@ -27,10 +27,10 @@ pub fn line(preset: &Preset) -> Option<String> {
         count(forecast.symbols),
         count(forecast.segments),
         thousands(forecast.depth),
-        own.derivations
+        lsystem.derivations
     );
-    if forecast.symbols > own.symbol_limit.into() {
-        line += &format!(": more than the symbol_limit of {}", thousands(own.symbol_limit));
+    if forecast.symbols > lsystem.symbol_limit.into() {
+        line += &format!(": more than the symbol_limit of {}", thousands(lsystem.symbol_limit));
     }
     Some(line)
 }

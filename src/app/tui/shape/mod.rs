@@ -28,12 +28,12 @@ use super::effect::Effects;
 use super::layout::Pane;
 use super::model::{FormSpot, Model};
 use super::picture;
-use super::tree::{Place, Tree, grammar_of};
-use crate::jobs::Shown;
+use super::tree::{Tree, TreePlace, grammar_of};
+use crate::jobs::ShownTree;
 
 /// A row of the form.
 #[derive(Clone)]
-pub enum Row {
+pub enum FormRow {
     /// A section's heading.
     Heading(Section),
     /// The grammar's axiom (0) or one of its rules (from 1), as text.
@@ -44,11 +44,11 @@ pub enum Row {
     Knob(PresetKnob, Value),
 }
 
-impl Row {
+impl FormRow {
     /// What the cursor is on when it is on this row; `None` where it cannot be.
     pub const fn spot(&self) -> Option<FormSpot> {
         match self {
-            Self::Knob(own, _) => Some(FormSpot::Knob(own.knob.name)),
+            Self::Knob(knob, _) => Some(FormSpot::Knob(knob.knob.name)),
             Self::Rule(index, _) => Some(FormSpot::Rule(*index)),
             Self::Heading(_) | Self::MoreRules(_) => None,
         }
@@ -56,30 +56,30 @@ impl Row {
 }
 
 /// The rows for a preset.
-pub fn rows(preset: &Preset) -> Vec<Row> {
+pub fn rows(preset: &Preset) -> Vec<FormRow> {
     let knobs = preset.knobs();
     let mut rows = Vec::new();
     for section in Section::ALL {
-        let own: Vec<_> = knobs.iter().filter(|(row, _)| row.section == section).collect();
-        if own.is_empty() {
+        let members: Vec<_> = knobs.iter().filter(|(row, _)| row.section == section).collect();
+        if members.is_empty() {
             continue;
         }
         if section != Section::Tree {
-            rows.push(Row::Heading(section));
+            rows.push(FormRow::Heading(section));
         }
         if let (Section::LSystem, Some(grammar)) = (section, grammar_of(preset)) {
             let (lines, more) = grammar::lines(grammar);
-            rows.extend(lines.into_iter().enumerate().map(|(i, line)| Row::Rule(i, line)));
-            rows.extend((more > 0).then_some(Row::MoreRules(more)));
+            rows.extend(lines.into_iter().enumerate().map(|(i, line)| FormRow::Rule(i, line)));
+            rows.extend((more > 0).then_some(FormRow::MoreRules(more)));
         }
-        rows.extend(own.into_iter().map(|(row, value)| Row::Knob(*row, value.clone())));
+        rows.extend(members.into_iter().map(|(row, value)| FormRow::Knob(*row, value.clone())));
     }
     rows
 }
 
 /// Where the cursor is, among these rows: at the top when what it was on is gone.
-pub fn spot(model: &Model, rows: &[Row]) -> Option<FormSpot> {
-    let mut all = rows.iter().filter_map(Row::spot);
+pub fn spot(model: &Model, rows: &[FormRow]) -> Option<FormSpot> {
+    let mut all = rows.iter().filter_map(FormRow::spot);
     let first = all.clone().next();
     all.find(|spot| Some(*spot) == model.form.selected).or(first)
 }
@@ -89,7 +89,7 @@ pub fn selected(model: &Model) -> Option<(PresetKnob, Value)> {
     let rows = rows(model.tree.as_ref()?.preset());
     let spot = spot(model, &rows)?;
     rows.into_iter().find_map(|row| match row {
-        Row::Knob(own, value) if FormSpot::Knob(own.knob.name) == spot => Some((own, value)),
+        FormRow::Knob(knob, value) if FormSpot::Knob(knob.knob.name) == spot => Some((knob, value)),
         _ => None,
     })
 }
@@ -106,8 +106,8 @@ fn selected_rule(model: &Model) -> Option<usize> {
 fn step(model: &mut Model, by: isize) {
     let Some(tree) = &model.tree else { return };
     let rows = rows(tree.preset());
-    let spots: Vec<_> = rows.iter().filter_map(Row::spot).collect();
-    let at = spots.iter().position(|own| Some(*own) == spot(model, &rows)).unwrap_or(0);
+    let spots: Vec<_> = rows.iter().filter_map(FormRow::spot).collect();
+    let at = spots.iter().position(|other| Some(*other) == spot(model, &rows)).unwrap_or(0);
     let to = at.saturating_add_signed(by).min(spots.len().saturating_sub(1));
     model.form.selected = spots.get(to).copied();
 }
@@ -160,7 +160,7 @@ fn open(model: &mut Model) {
 }
 
 /// The wanted recipe grew, or why not.
-pub fn grown(model: &mut Model, grown: Result<Arc<Shown>, String>) {
+pub fn grown(model: &mut Model, grown: Result<Arc<ShownTree>, String>) {
     let Some(tree) = &mut model.tree else { return };
     tree.growing = None;
     match grown {
@@ -192,7 +192,7 @@ pub fn saved(model: &mut Model, saved: Result<(String, PathBuf), String>, effect
             if let Some(tree) = &mut model.tree {
                 let from = tree.place.clone();
                 let renamed = |recipe: &_| save::renamed(recipe, &from, &id, &path);
-                tree.was_saved(Place::File(path.clone()), renamed);
+                tree.was_saved(TreePlace::File(path.clone()), renamed);
                 // The list has it at once, not only when the folder was read again.
                 model.library.add_file(path.clone(), tree.preset());
                 model.library.select_place(&tree.place);
@@ -226,18 +226,18 @@ pub fn clicked(model: &mut Model, row: usize, mouse: Mouse, _effects: &mut Effec
     let Some(tree) = &model.tree else { return };
     // As they are on screen.
     let rows = rows(&tree.wanted().preset);
-    let Some(own) = rows.get(row).and_then(Row::spot) else { return wheel(model, mouse) };
+    let Some(clicked) = rows.get(row).and_then(FormRow::spot) else { return wheel(model, mouse) };
     match mouse.action {
         MouseAction::Press(_) => {
-            let again = model.focus == Pane::Shape && spot(model, &rows) == Some(own);
+            let again = model.focus == Pane::Shape && spot(model, &rows) == Some(clicked);
             model.focus_on(Pane::Shape);
-            model.form.selected = Some(own);
+            model.form.selected = Some(clicked);
             if again {
                 open(model);
             }
         }
         MouseAction::WheelUp | MouseAction::WheelDown if mouse.ctrl => {
-            model.form.selected = Some(own);
+            model.form.selected = Some(clicked);
             nudge(model, mouse.action == MouseAction::WheelUp, Nudge::Usual);
         }
         _ => wheel(model, mouse),

@@ -17,7 +17,7 @@ use crate::paths::show;
 use crate::reading;
 use crate::trust;
 use crate::tui::model::Model;
-use crate::tui::tree::Place;
+use crate::tui::tree::TreePlace;
 
 /// No document that people write is larger.
 const MOST_BYTES: u64 = 16 << 20;
@@ -27,7 +27,7 @@ const MOST_BYTES: u64 = 16 << 20;
 pub fn proposed(model: &Model) -> String {
     let Some(tree) = &model.tree else { return String::new() };
     let id = &tree.preset().id;
-    if file_of(model, id).is_some_and(|path| tree.place == Place::File(path)) {
+    if file_of(model, id).is_some_and(|path| tree.place == TreePlace::File(path)) {
         return id.clone();
     }
     // What was numbered already goes on counting: fir-2, fir-3.
@@ -35,7 +35,7 @@ pub fn proposed(model: &Model) -> String {
         Some((stem, number)) if !stem.is_empty() && number.parse::<u32>().is_ok() => stem,
         _ => id,
     };
-    let is_free = |id: &String| model.library.places().all(|(own, _)| own != id);
+    let is_free = |id: &String| model.library.places().all(|(taken, _)| taken != id);
     // Nobody has more; and who has chooses a name.
     (2..100_000).map(|n: u32| format!("{stem}-{n}")).find(is_free).unwrap_or_default()
 }
@@ -67,13 +67,13 @@ pub fn consequence(model: &Model, id: &str) -> String {
 /// Whether a preset of the user's would be replaced.
 pub fn replaces(model: &Model, id: &str) -> bool {
     let Some(path) = file_of(model, id) else { return false };
-    let place = Place::File(path);
-    model.library.places().any(|(_, own)| *own == place)
+    let place = TreePlace::File(path);
+    model.library.places().any(|(_, other)| *other == place)
 }
 
 /// A recipe as the preset `id` has it, saved in the file `path`: a copy has its id for a name, and the
 /// files that it needs stand beside it under its own name.
-pub fn renamed(recipe: &Recipe, from: &Place, id: &str, path: &Path) -> Recipe {
+pub fn renamed(recipe: &Recipe, from: &TreePlace, id: &str, path: &Path) -> Recipe {
     let mut recipe = recipe.clone();
     if recipe.preset.id != id {
         id.clone_into(&mut recipe.preset.id);
@@ -87,8 +87,8 @@ pub fn renamed(recipe: &Recipe, from: &Place, id: &str, path: &Path) -> Recipe {
 
 /// The names that the files beside a saved preset get, by those that they have; `None` when they lie
 /// there already.
-fn beside(recipe: &Recipe, from: &Place, id: &str, path: &Path) -> Option<BTreeMap<String, String>> {
-    if matches!(from, Place::File(own) if own.parent() == path.parent()) {
+fn beside(recipe: &Recipe, from: &TreePlace, id: &str, path: &Path) -> Option<BTreeMap<String, String>> {
+    if matches!(from, TreePlace::File(other) if other.parent() == path.parent()) {
         return None;
     }
     let name = |(i, file): (usize, &str)| {
@@ -109,23 +109,23 @@ fn beside(recipe: &Recipe, from: &Place, id: &str, path: &Path) -> Option<BTreeM
 pub fn documents(
     dir: &Path,
     id: &str,
-    from: &Place,
+    from: &TreePlace,
     recipe: &Recipe,
 ) -> Result<Vec<(String, Vec<u8>)>, String> {
     let name = format!("{id}.toml");
     let path = dir.join(&name);
     let mut found = Vec::new();
-    for (file, own) in beside(recipe, from, id, &path).unwrap_or_default() {
+    for (file, name) in beside(recipe, from, id, &path).unwrap_or_default() {
         let bytes = input(from, &file)?;
         // A file may have changed since it was read; what is saved is what is on screen.
-        let now = Input::read(&own, &bytes, &Quiet).map_err(|error| error.to_string())?;
+        let now = Input::read(&name, &bytes, &Quiet).map_err(|error| error.to_string())?;
         if recipe.input(&file).is_some_and(|input| input.hash != now.hash) {
             return Err(format!(
                 "{} is not the file any more that the tree on screen grew into; nothing was saved, open it again",
                 excerpt(&file)
             ));
         }
-        found.push((own, bytes));
+        found.push((name, bytes));
     }
     let preset = renamed(recipe, from, id, &path).preset;
     let text = match document_of(from) {
@@ -139,10 +139,10 @@ pub fn documents(
 
 /// The document that a tree comes from, as it stands now: what its author wrote stays where nothing was changed.
 /// `None` for what is no preset's document, like a grammar or a mesh.
-fn document_of(from: &Place) -> Option<String> {
+fn document_of(from: &TreePlace) -> Option<String> {
     match from {
-        Place::Builtin(id) => builtin(id).ok().map(|own| own.text.to_owned()),
-        Place::File(path) => files::read_text(path, MOST_BYTES)
+        TreePlace::Builtin(id) => builtin(id).ok().map(|builtin| builtin.text.to_owned()),
+        TreePlace::File(path) => files::read_text(path, MOST_BYTES)
             .ok()
             .flatten()
             .filter(|text| linden::preset::Preset::from_toml(text).is_ok()),
@@ -152,7 +152,7 @@ fn document_of(from: &Place) -> Option<String> {
 /// What replacing a preset of the user's does to its file.
 pub fn loss(model: &Model, id: &str) -> &'static str {
     let is_its_own = file_of(model, id)
-        .is_some_and(|path| model.tree.as_ref().is_some_and(|tree| tree.place == Place::File(path)));
+        .is_some_and(|path| model.tree.as_ref().is_some_and(|tree| tree.place == TreePlace::File(path)));
     if is_its_own {
         "only what was changed is written; comments stay"
     } else {
@@ -161,16 +161,16 @@ pub fn loss(model: &Model, id: &str) -> &'static str {
 }
 
 /// The bytes of a file that a preset names.
-fn input(from: &Place, file: &str) -> Result<Vec<u8>, String> {
+fn input(from: &TreePlace, file: &str) -> Result<Vec<u8>, String> {
     let built_in = || builtin_file(file).map(<[u8]>::to_vec);
     let path = match from {
-        Place::Builtin(id) => {
-            let own = builtin(id).ok().and_then(|own| own.input(file)).map(<[u8]>::to_vec);
-            return own
+        TreePlace::Builtin(id) => {
+            let input = builtin(id).ok().and_then(|input| input.input(file)).map(<[u8]>::to_vec);
+            return input
                 .or_else(built_in)
                 .ok_or_else(|| format!("there is no built-in file '{}'", excerpt(file)));
         }
-        Place::File(path) => trust::beside(Some(path), file).map_err(|error| error.to_string())?,
+        TreePlace::File(path) => trust::beside(Some(path), file).map_err(|error| error.to_string())?,
     };
     let is_missing = |error: &anyhow::Error| {
         error.downcast_ref::<std::io::Error>().is_some_and(|error| error.kind() == ErrorKind::NotFound)
@@ -195,7 +195,7 @@ fn input(from: &Place, file: &str) -> Result<Vec<u8>, String> {
 pub fn write(
     dir: &Path,
     id: &str,
-    from: &Place,
+    from: &TreePlace,
     recipe: &Recipe,
     overwrite: bool,
 ) -> Result<(String, PathBuf), String> {

@@ -6,8 +6,8 @@ use linden::Quiet;
 
 use super::save;
 use crate::tui::effect::Effect;
-use crate::tui::testing::form::{Bench, text};
-use crate::tui::tree::Place;
+use crate::tui::testing::form::{FormBench, text};
+use crate::tui::tree::TreePlace;
 use crate::tui::update::Msg;
 
 fn written(dir: &Path, name: &str) -> String {
@@ -15,7 +15,7 @@ fn written(dir: &Path, name: &str) -> String {
 }
 
 /// Does what the model asks for, as the runtime does.
-fn save(bench: &mut Bench, dir: &Path) {
+fn save(bench: &mut FormBench, dir: &Path) {
     let Some(Effect::Save { id, from, recipe, overwrite }) = bench.effects.pop() else {
         panic!("nothing was to be saved: {}", bench.said())
     };
@@ -27,7 +27,7 @@ fn save(bench: &mut Bench, dir: &Path) {
 fn a_copy_is_saved_with_its_mesh_and_is_what_was_on_screen() {
     let dir = tempfile::tempdir().unwrap();
     let presets = dir.path().join("presets");
-    let mut bench = Bench::at(Place::Builtin("heart"), dir.path().to_owned());
+    let mut bench = FormBench::at(TreePlace::Builtin("heart"), dir.path().to_owned());
     bench.on("points").keys("right");
     bench.keys("s enter");
     save(&mut bench, &presets);
@@ -82,7 +82,7 @@ fn a_copy_is_saved_with_its_mesh_and_is_what_was_on_screen() {
 #[test]
 fn an_id_is_checked_while_it_is_typed() {
     let dir = tempfile::tempdir().unwrap();
-    let mut bench = Bench::at(Place::Builtin("fir"), dir.path().to_owned());
+    let mut bench = FormBench::at(TreePlace::Builtin("fir"), dir.path().to_owned());
     bench.keys("s ctrl-u").typed("a/b");
     assert!(bench.problem().unwrap().contains("file names cannot have"));
     let (buffer, _) = bench.paint(100, 24);
@@ -102,7 +102,7 @@ fn what_cannot_be_saved_whole_is_not_saved() {
     let dir = tempfile::tempdir().unwrap();
     let source = dir.path().join("crown.obj");
     std::fs::write(&source, linden::preset::builtin_file("heart.obj").unwrap()).unwrap();
-    let place = Place::File(source.clone());
+    let place = TreePlace::File(source.clone());
     let recipe = crate::source::resolve(&source, &[], &Quiet).unwrap().recipe;
     let presets = dir.path().join("presets");
     // The mesh changes after it was read.
@@ -118,16 +118,16 @@ fn what_cannot_be_saved_whole_is_not_saved() {
     let heart = crate::source::resolve(Path::new("heart"), &[], &Quiet).unwrap().recipe;
     std::fs::create_dir(&presets).unwrap();
     std::fs::write(presets.join("mine.obj"), "v 0 0 0").unwrap();
-    let error = save::write(&presets, "mine", &Place::Builtin("heart"), &heart, false).unwrap_err();
+    let error = save::write(&presets, "mine", &TreePlace::Builtin("heart"), &heart, false).unwrap_err();
     assert!(error.contains("another file"), "{error}");
     assert!(!presets.join("mine.toml").exists());
     // Replaced is all of it or nothing.
     std::fs::create_dir(presets.join("mine.toml")).unwrap();
-    let error = save::write(&presets, "mine", &Place::Builtin("heart"), &heart, true).unwrap_err();
+    let error = save::write(&presets, "mine", &TreePlace::Builtin("heart"), &heart, true).unwrap_err();
     assert!(error.contains("mine.toml"), "{error}");
     assert_eq!(written(&presets, "mine.obj"), "v 0 0 0");
     std::fs::remove_dir(presets.join("mine.toml")).unwrap();
-    save::write(&presets, "mine", &Place::Builtin("heart"), &heart, true).unwrap();
+    save::write(&presets, "mine", &TreePlace::Builtin("heart"), &heart, true).unwrap();
     assert!(written(&presets, "mine.toml").contains("mine.obj"));
     assert_ne!(written(&presets, "mine.obj"), "v 0 0 0");
     assert_eq!(std::fs::read_dir(&presets).unwrap().count(), 2);

@@ -10,17 +10,17 @@ use ratatui::style::Modifier;
 use super::*;
 use crate::config::theme::Theme;
 use crate::tui::effect::Effect;
-use crate::tui::testing::form::{Bench, text};
+use crate::tui::testing::form::{FormBench, text};
 use crate::tui::update::Msg;
 
 /// The open editor.
-fn editor(bench: &Bench) -> Option<&grammar::GrammarEditor> {
+fn editor(bench: &FormBench) -> Option<&grammar::GrammarEditor> {
     bench.model.dialogs.top()
 }
 
 #[test]
 fn keys_go_through_the_form_and_turn_knobs() {
-    let mut bench = Bench::new("fir");
+    let mut bench = FormBench::new("fir");
     assert_eq!(bench.value("seed"), "1");
     bench.keys("right right left L");
     assert_eq!(bench.value("seed"), "12");
@@ -41,7 +41,7 @@ fn keys_go_through_the_form_and_turn_knobs() {
 
 #[test]
 fn a_value_is_typed_and_what_is_wrong_is_said_at_once() {
-    let mut bench = Bench::new("fir");
+    let mut bench = FormBench::new("fir");
     bench.on("kill").keys("enter ctrl-u").typed("17D").keys("enter");
     assert_eq!(bench.value("kill"), "17D");
     bench.keys("i ctrl-u").typed("-1");
@@ -59,7 +59,7 @@ fn a_value_is_typed_and_what_is_wrong_is_said_at_once() {
 
 #[test]
 fn choices_are_completed_while_they_are_typed_and_switches_flip() {
-    let mut bench = Bench::new("fir");
+    let mut bench = FormBench::new("fir");
     bench.on("crown").keys("enter ctrl-u").typed("cyl");
     assert_eq!(bench.problem(), None);
     let (buffer, _) = bench.paint(100, 40);
@@ -77,7 +77,7 @@ fn choices_are_completed_while_they_are_typed_and_switches_flip() {
 
 #[test]
 fn reset_revert_compare_undo_and_redo() {
-    let mut bench = Bench::new("fir");
+    let mut bench = FormBench::new("fir");
     bench.keys("r");
     assert_eq!(bench.said(), "Reset: this is as saved");
     bench.on("points").keys("right right").on("seed").keys("right");
@@ -103,9 +103,9 @@ fn reset_revert_compare_undo_and_redo() {
 
 #[test]
 fn keys_that_are_held_are_one_step_of_undo_and_there_and_back_is_none() {
-    let mut bench = Bench::new("fir");
+    let mut bench = FormBench::new("fir");
     let now = bench.model.now;
-    let press = |bench: &mut Bench, key: &str, ms| {
+    let press = |bench: &mut FormBench, key: &str, ms| {
         let event = Event::Key(key.parse().unwrap());
         crate::tui::update::update(&mut bench.model, Msg::Input(event), now + Duration::from_millis(ms));
     };
@@ -129,7 +129,7 @@ fn keys_that_are_held_are_one_step_of_undo_and_there_and_back_is_none() {
 
 #[test]
 fn what_is_auto_is_nudged_from_what_it_is_now() {
-    let mut bench = Bench::new("fir");
+    let mut bench = FormBench::new("fir");
     bench.on("base_radius").keys("enter ctrl-u").typed("auto").keys("enter").grow();
     assert_eq!(bench.value("base_radius"), "auto");
     let (buffer, _) = bench.paint(100, 40);
@@ -153,7 +153,7 @@ fn a_tree_that_cannot_grow_marks_the_knob() {
         ("fir", &[("influence", "1D")], "influence"),
         ("fir", &[("trunk", "1000"), ("max_nodes", "100")], "trunk"),
     ] {
-        let mut bench = Bench::new(preset);
+        let mut bench = FormBench::new(preset);
         for (name, value) in sets {
             let now = bench.model.now;
             bench.model.tree.as_mut().unwrap().set(name, value, now).unwrap();
@@ -175,7 +175,7 @@ fn a_tree_that_cannot_grow_marks_the_knob() {
 
 #[test]
 fn the_grammar_is_edited_in_place_and_grows_as_it_is_typed() {
-    let mut bench = Bench::new("abop-a");
+    let mut bench = FormBench::new("abop-a");
     let before = bench.tree().grammar().unwrap().clone();
     bench.keys("x");
     assert!(editor(&bench).is_some());
@@ -217,7 +217,7 @@ fn underlined(buffer: &ratatui::buffer::Buffer) -> Option<(u16, u16)> {
 
 #[test]
 fn the_editors_own_undo_revert_and_comments() {
-    let mut bench = Bench::new("abop-a");
+    let mut bench = FormBench::new("abop-a");
     let before = bench.tree().grammar().unwrap().clone();
     bench.keys("x ctrl-u");
     assert_eq!(bench.said(), "Undo typing: nothing was typed");
@@ -242,7 +242,7 @@ fn the_editors_own_undo_revert_and_comments() {
 
 #[test]
 fn enter_on_a_rule_opens_the_editor_there_and_r_gives_the_saved_grammar_back() {
-    let mut bench = Bench::new("abop-stochastic");
+    let mut bench = FormBench::new("abop-stochastic");
     bench.on("derivations").keys("k k");
     let rule = selected_rule(&bench.model).unwrap();
     assert!(selected(&bench.model).is_none() && rule >= 2);
@@ -262,7 +262,7 @@ fn enter_on_a_rule_opens_the_editor_there_and_r_gives_the_saved_grammar_back() {
 
 #[test]
 fn the_mouse_selects_rows_opens_them_and_puts_the_cursor_into_the_text() {
-    let mut bench = Bench::new("abop-a");
+    let mut bench = FormBench::new("abop-a");
     let (buffer, _) = bench.paint(100, 30);
     let lines: Vec<String> = text(&buffer).lines().map(str::to_owned).collect();
     let row = lines.iter().position(|line| line.contains("F -> F[+F]F[-F]F")).unwrap() as u16;
@@ -285,7 +285,7 @@ fn the_mouse_selects_rows_opens_them_and_puts_the_cursor_into_the_text() {
 
 #[test]
 fn an_editor_of_ones_own_takes_the_text_and_loses_nothing() {
-    let mut bench = Bench::new("abop-a");
+    let mut bench = FormBench::new("abop-a");
     bench.keys("E");
     let Some(Effect::Edit(handed)) = bench.effects.pop() else { panic!("no text was handed over") };
     assert!(handed.starts_with("// ") && handed.ends_with("axiom = F\nF -> F[+F]F[-F]F\n"), "{handed}");
@@ -312,7 +312,7 @@ fn an_editor_of_ones_own_takes_the_text_and_loses_nothing() {
 
 #[test]
 fn colonized_trees_say_that_they_have_no_grammar() {
-    let mut bench = Bench::new("fir");
+    let mut bench = FormBench::new("fir");
     bench.keys("x");
     assert_eq!(bench.said(), "Edit grammar: 'fir' grows by colonization; it has no grammar");
     bench.keys("E");
@@ -321,12 +321,16 @@ fn colonized_trees_say_that_they_have_no_grammar() {
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("mine.toml");
     std::fs::write(&path, linden::preset::builtin("fir").unwrap().text).unwrap();
-    let mut bench = Bench::at(Place::File(path.clone()), dir.path().to_owned());
+    let mut bench = FormBench::at(TreePlace::File(path.clone()), dir.path().to_owned());
     bench.keys("E");
-    assert!(matches!(&bench.effects[..], [Effect::EditFile(own)] if *own == path), "{:?}", bench.effects);
+    assert!(
+        matches!(&bench.effects[..], [Effect::EditFile(edited)] if *edited == path),
+        "{:?}",
+        bench.effects
+    );
     let mesh = dir.path().join("crown.obj");
     std::fs::write(&mesh, linden::preset::builtin_file("heart.obj").unwrap()).unwrap();
-    let mut bench = Bench::at(Place::File(mesh), dir.path().to_owned());
+    let mut bench = FormBench::at(TreePlace::File(mesh), dir.path().to_owned());
     bench.keys("E");
     assert!(bench.said().contains("a mesh or a scan") && bench.effects.is_empty(), "{}", bench.said());
 }
@@ -334,13 +338,13 @@ fn colonized_trees_say_that_they_have_no_grammar() {
 /// Whatever is on the form, at the sizes that a pane has.
 #[test]
 fn the_form_at_three_sizes() {
-    let mut bench = Bench::new("abop-stochastic");
+    let mut bench = FormBench::new("abop-stochastic");
     bench.on("derivations").keys("right");
     for (columns, rows) in [(38, 20), (20, 5), (60, 40)] {
         let (buffer, _) = bench.paint(columns, rows);
         insta::assert_snapshot!(format!("form_{columns}x{rows}"), text(&buffer));
     }
-    let mut bench = Bench::new("cypress");
+    let mut bench = FormBench::new("cypress");
     bench.on("profile").keys("enter");
     let (buffer, _) = bench.paint(44, 20);
     insta::assert_snapshot!("form_profile_typed", text(&buffer));
@@ -348,7 +352,7 @@ fn the_form_at_three_sizes() {
 
 #[test]
 fn the_editor_at_three_sizes() {
-    let mut bench = Bench::new("abop-stochastic");
+    let mut bench = FormBench::new("abop-stochastic");
     bench.keys("x ctrl-end").typed("// F -> λ is no rule\nF -> F[+(3)F");
     for (columns, rows) in [(38, 20), (20, 5), (60, 40)] {
         let (buffer, _) = bench.paint(columns, rows);
@@ -359,7 +363,7 @@ fn the_editor_at_three_sizes() {
 #[test]
 fn every_theme_shows_the_cursor_what_was_changed_and_what_is_wrong() {
     for theme in [Theme::dark(), Theme::light(), Theme::plain(false)] {
-        let mut bench = Bench::new("abop-a");
+        let mut bench = FormBench::new("abop-a");
         bench.model.config.theme = theme;
         bench.on("derivations").keys("right").on("angle");
         let (buffer, _) = bench.paint(100, 40);
@@ -380,7 +384,7 @@ fn every_theme_shows_the_cursor_what_was_changed_and_what_is_wrong() {
 #[test]
 fn nothing_panics_at_any_size() {
     for preset in ["abop-stochastic", "cypress"] {
-        let mut bench = Bench::new(preset);
+        let mut bench = FormBench::new(preset);
         let scripts = ["", "enter", "esc x down end F [ ", "esc s", "/ u", "b"];
         for script in scripts {
             bench.keys(script);
@@ -395,7 +399,7 @@ fn nothing_panics_at_any_size() {
 
 #[test]
 fn what_a_file_says_does_not_reach_the_screen_raw() {
-    let mut bench = Bench::new("abop-a");
+    let mut bench = FormBench::new("abop-a");
     bench.keys("x");
     bench.send(Msg::Input(Event::Paste("// \u{1b}[2J\u{202e}e\u{301}\u{200b}漢\n".to_owned())));
     let (buffer, _) = bench.paint(80, 24);
@@ -466,7 +470,7 @@ proptest! {
     /// and the way forward leads through the same trees to what was on screen.
     #[test]
     fn undo_and_redo_walk_one_path(deeds in deeds()) {
-        let mut bench = Bench::new("abop-a");
+        let mut bench = FormBench::new("abop-a");
         let start = bench.tree().preset().clone();
         for (deed, ms) in deeds {
             bench.model.now += Duration::from_millis(ms);
@@ -510,6 +514,6 @@ proptest! {
             prop_assert!(Arc::ptr_eq(tree.recipe(), expected));
         }
         prop_assert!(Arc::ptr_eq(tree.recipe(), &last));
-        prop_assert!(path.iter().any(|own| Arc::ptr_eq(own, &end)) || end.preset == start);
+        prop_assert!(path.iter().any(|seen| Arc::ptr_eq(seen, &end)) || end.preset == start);
     }
 }

@@ -10,7 +10,7 @@ use ratatui::widgets::{Paragraph, Widget, Wrap};
 use unicode_width::UnicodeWidthStr;
 
 use super::value::ValueLine;
-use super::{Row, complete, forecast, resolved, rows, spot};
+use super::{FormRow, complete, forecast, resolved, rows, spot};
 use crate::tui::chrome::prompt::Prompt;
 use crate::tui::layout::{Pane, Target, View, first_row};
 use crate::tui::model::{FormSpot, Model};
@@ -117,7 +117,7 @@ struct FormView<'a> {
 }
 
 impl FormView<'_> {
-    fn row(&self, row: &Row, area: Rect, buffer: &mut Buffer, view: &mut View) {
+    fn row(&self, row: &FormRow, area: Rect, buffer: &mut Buffer, view: &mut View) {
         let theme = &self.model.config.theme;
         let chosen = row.spot().is_some() && row.spot() == self.chosen;
         let base = match (chosen, self.model.focus == Pane::Shape) {
@@ -126,14 +126,14 @@ impl FormView<'_> {
             (false, _) => theme.text,
         };
         match row {
-            Row::Heading(section) => {
+            FormRow::Heading(section) => {
                 buffer.set_stringn(area.x, area.y, title(*section), area.width.into(), theme.heading);
             }
-            Row::MoreRules(more) => {
+            FormRow::MoreRules(more) => {
                 let text = clipped(&format!(" … and {more} more rules"), area.width.into());
                 buffer.set_stringn(area.x, area.y, text, area.width.into(), theme.dim);
             }
-            Row::Rule(_, text) => {
+            FormRow::Rule(_, text) => {
                 buffer.set_style(area, base);
                 let is_other = !self.other_rules.contains(text);
                 self.mark(
@@ -146,9 +146,9 @@ impl FormView<'_> {
                 let text = clipped(text, inner.width.into());
                 buffer.set_stringn(inner.x, inner.y, text, inner.width.into(), base.patch(theme.value));
             }
-            Row::Knob(own, value) => {
+            FormRow::Knob(row_knob, value) => {
                 buffer.set_style(area, base);
-                self.knob(own, value, chosen, base, area, buffer, view);
+                self.knob(row_knob, value, chosen, base, area, buffer, view);
             }
         }
     }
@@ -162,7 +162,7 @@ impl FormView<'_> {
     #[expect(clippy::too_many_arguments, reason = "a row is painted from everything that there is to it")]
     fn knob(
         &self,
-        own: &PresetKnob,
+        row_knob: &PresetKnob,
         value: &Value,
         chosen: bool,
         base: Style,
@@ -171,8 +171,8 @@ impl FormView<'_> {
         view: &mut View,
     ) {
         let theme = &self.model.config.theme;
-        let turned = self.tree.is_turned(own);
-        let refused = self.culprit == Some(own.knob.name);
+        let turned = self.tree.is_turned(row_knob);
+        let refused = self.culprit == Some(row_knob.knob.name);
         let mark = if refused {
             Some(REFUSED)
         } else {
@@ -180,7 +180,7 @@ impl FormView<'_> {
         };
         self.mark(mark, base, area, buffer);
         let name_width = (area.width / 2).min(NAME);
-        let name = clipped(own.knob.name, usize::from(name_width));
+        let name = clipped(row_knob.knob.name, usize::from(name_width));
         let name_style = if refused { base.patch(theme.error) } else { base };
         buffer.set_stringn(area.x + 1, area.y, name, name_width.into(), name_style);
         let x = area.x + 1 + name_width + 1;
@@ -192,10 +192,10 @@ impl FormView<'_> {
             line.paint(if long { whole } else { field }, buffer, view, theme);
             return;
         }
-        let text = clipped(&with_unit(own, value), field.width.into());
+        let text = clipped(&with_unit(row_knob, value), field.width.into());
         let style = base.patch(if turned && !self.tree.compares { theme.modified } else { theme.value });
         buffer.set_stringn(field.x, field.y, text, field.width.into(), style);
-        if let (Kind::Color { .. }, Value::Color([r, g, b])) = (own.knob.kind, value)
+        if let (Kind::Color { .. }, Value::Color([r, g, b])) = (row_knob.knob.kind, value)
             && field.width > 10
             && self.model.terminal.colors.value != linden_terminal::ColorDepth::None
         {
@@ -204,14 +204,14 @@ impl FormView<'_> {
     }
 
     /// What the cursor's row is about: what is wrong, what it does, what it takes, what it was.
-    fn explain(&self, row: &Row, area: Rect, buffer: &mut Buffer) {
+    fn explain(&self, row: &FormRow, area: Rect, buffer: &mut Buffer) {
         if area.is_empty() {
             return;
         }
         let theme = &self.model.config.theme;
         let name = match row {
-            Row::Knob(own, _) => own.knob.name,
-            Row::Rule(0, _) => "axiom",
+            FormRow::Knob(row_knob, _) => row_knob.knob.name,
+            FormRow::Rule(0, _) => "axiom",
             _ => "rule",
         };
         let rule =
@@ -223,38 +223,39 @@ impl FormView<'_> {
             lines.push(Line::styled(linden::knob::printable(problem), theme.error));
         }
         match row {
-            Row::Knob(own, value) => self.explain_knob(own, value, &mut lines),
-            Row::Rule(_, text) => {
+            FormRow::Knob(row_knob, value) => self.explain_knob(row_knob, value, &mut lines),
+            FormRow::Rule(_, text) => {
                 if text.width() + 1 > usize::from(area.width) {
                     lines.push(Line::styled(linden::knob::printable(text), theme.value));
                 }
                 lines.push(Line::styled("Enter edits the grammar; E opens it in $EDITOR", theme.text));
             }
-            Row::Heading(_) | Row::MoreRules(_) => {}
+            FormRow::Heading(_) | FormRow::MoreRules(_) => {}
         }
-        let is_grown_by = matches!(row, Row::Rule(..))
-            || matches!(row, Row::Knob(own, _) if own.section == Section::LSystem);
+        let is_grown_by = matches!(row, FormRow::Rule(..))
+            || matches!(row, FormRow::Knob(row_knob, _) if row_knob.section == Section::LSystem);
         if is_grown_by && let Some(line) = forecast::line(&self.as_typed()) {
             lines.push(Line::styled(line, theme.info));
         }
-        if let Row::Knob(own, value) = row
-            && with_unit(own, value).width() > usize::from(area.width.saturating_sub(NAME + 2))
+        if let FormRow::Knob(row_knob, value) = row
+            && with_unit(row_knob, value).width() > usize::from(area.width.saturating_sub(NAME + 2))
         {
             lines.push(Line::styled(value.to_string(), theme.value));
         }
         Paragraph::new(lines).wrap(Wrap { trim: true }).render(area, buffer);
     }
 
-    fn explain_knob(&self, own: &PresetKnob, value: &Value, lines: &mut Vec<Line<'static>>) {
+    fn explain_knob(&self, row_knob: &PresetKnob, value: &Value, lines: &mut Vec<Line<'static>>) {
         let theme = &self.model.config.theme;
-        lines.push(Line::styled(own.knob.help, theme.text));
-        let unit = if own.knob.unit.is_empty() { String::new() } else { format!(" {}", own.knob.unit) };
-        let mut range = match own.knob.kind {
+        lines.push(Line::styled(row_knob.knob.help, theme.text));
+        let unit =
+            if row_knob.knob.unit.is_empty() { String::new() } else { format!(" {}", row_knob.knob.unit) };
+        let mut range = match row_knob.knob.kind {
             // The words, the one that is meant marked.
             Kind::Choice(words) => {
                 let meant = typed(self.model).map_or_else(
                     || value.to_string(),
-                    |line| complete::completed(own.knob.name, line.text()).to_owned(),
+                    |line| complete::completed(row_knob.knob.name, line.text()).to_owned(),
                 );
                 let mut spans = Vec::new();
                 for word in words {
@@ -272,28 +273,28 @@ impl FormView<'_> {
                 vec![Span::styled(format!("{numbers}{unit}{or}"), theme.unit)]
             }
             kind if unit.is_empty() => vec![Span::styled(kind.to_string(), theme.unit)],
-            kind => vec![Span::styled(format!("{kind} ({})", own.knob.unit), theme.unit)],
+            kind => vec![Span::styled(format!("{kind} ({})", row_knob.knob.unit), theme.unit)],
         };
-        if self.tree.is_turned(own)
+        if self.tree.is_turned(row_knob)
             // The workbench shows wind whatever files are to hold.
-            && own.section != Section::Wind
-            && let Some(why) = self.tree.wanted().preset.idle(own.knob.name)
+            && row_knob.section != Section::Wind
+            && let Some(why) = self.tree.wanted().preset.idle(row_knob.knob.name)
         {
             lines.push(Line::styled(format!("changes nothing: {why}"), theme.warning));
         }
-        if typed(self.model).is_some() && !complete::words(own.knob.name).is_empty() {
+        if typed(self.model).is_some() && !complete::words(row_knob.knob.name).is_empty() {
             range.push(Span::styled(" · Tab completes", theme.dim));
         }
-        if self.tree.is_turned(own)
-            && let Some(other) = own.read(self.other)
+        if self.tree.is_turned(row_knob)
+            && let Some(other) = row_knob.read(self.other)
         {
             let whose = if self.tree.compares { "yours" } else { "saved" };
-            range.push(Span::styled(format!(" · {whose}: {}", with_unit(own, &other)), theme.modified));
+            range.push(Span::styled(format!(" · {whose}: {}", with_unit(row_knob, &other)), theme.modified));
         }
         if *value == Value::Auto
-            && let Some(now) = resolved(self.tree, own)
+            && let Some(now) = resolved(self.tree, row_knob)
         {
-            range.push(Span::styled(format!(" · now {}", with_unit(own, &now)), theme.value));
+            range.push(Span::styled(format!(" · now {}", with_unit(row_knob, &now)), theme.value));
         }
         lines.push(Line::from(range));
     }
@@ -324,10 +325,12 @@ const fn title(section: Section) -> &'static str {
 }
 
 /// A value with its unit, where it has one.
-fn with_unit(own: &PresetKnob, value: &Value) -> String {
+fn with_unit(row_knob: &PresetKnob, value: &Value) -> String {
     match value {
-        Value::Real(x) if x.is_finite() && !own.knob.unit.is_empty() => format!("{value} {}", own.knob.unit),
-        Value::Integer(_) if own.knob.unit == "px" => format!("{value} px"),
+        Value::Real(x) if x.is_finite() && !row_knob.knob.unit.is_empty() => {
+            format!("{value} {}", row_knob.knob.unit)
+        }
+        Value::Integer(_) if row_knob.knob.unit == "px" => format!("{value} px"),
         _ => value.to_string(),
     }
 }

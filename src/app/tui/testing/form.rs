@@ -21,23 +21,23 @@ use crate::tui::model::{Config, FormSpot, Model};
 use crate::tui::screen;
 use crate::tui::shape::save_lines::SaveLine;
 use crate::tui::shape::value::ValueLine;
-use crate::tui::tree::{Place, Tree};
+use crate::tui::tree::{Tree, TreePlace};
 use crate::tui::update::{Msg, update};
 
 /// A workbench, and what it asked for.
-pub struct Bench {
+pub struct FormBench {
     pub model: Model,
     pub effects: Effects,
 }
 
-impl Bench {
+impl FormBench {
     /// With a built-in preset on screen and the form in focus.
     pub fn new(id: &'static str) -> Self {
-        Self::at(Place::Builtin(id), PathBuf::from("/nowhere"))
+        Self::at(TreePlace::Builtin(id), PathBuf::from("/nowhere"))
     }
 
     /// With the preset of a place, and a directory for the user's.
-    pub fn at(place: Place, config: PathBuf) -> Self {
+    pub fn at(place: TreePlace, config: PathBuf) -> Self {
         let config = Config {
             dirs: Dirs { config: Some(config), state: None },
             theme: Theme::dark(),
@@ -49,8 +49,8 @@ impl Bench {
         let terminal = Capabilities::conclude(&Findings::default(), &environment, &Overrides::default());
         let mut model = Model::new(commands::ALL, config, terminal, (100, 40), Instant::now());
         let path = match &place {
-            Place::Builtin(id) => PathBuf::from(id),
-            Place::File(path) => path.clone(),
+            TreePlace::Builtin(id) => PathBuf::from(id),
+            TreePlace::File(path) => path.clone(),
         };
         let source = crate::source::resolve(&path, &[], &Quiet).unwrap();
         model.tree = Some(Tree::new(place, source.recipe));

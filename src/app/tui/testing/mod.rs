@@ -20,7 +20,7 @@ use super::layout::View;
 use super::model::{Config, Model};
 use super::picture;
 use super::screen;
-use super::tree::Place;
+use super::tree::TreePlace;
 use super::update::{Msg, update};
 use crate::config::dirs::Dirs;
 use crate::config::keymap::Keymap;
@@ -85,7 +85,7 @@ impl Bench {
 
     /// Puts an L-system's tree on screen, derived twice.
     pub fn with(mut self, id: &'static str) -> Self {
-        let place = Place::Builtin(id);
+        let place = TreePlace::Builtin(id);
         self.model.library.select_place(&place);
         self.model.loading = Some(place.clone());
         let set = [("derivations".to_owned(), "2".to_owned())];
@@ -154,8 +154,8 @@ impl Bench {
             match effect {
                 Effect::Load(place) => {
                     let path = match &place {
-                        Place::Builtin(id) => PathBuf::from(id),
-                        Place::File(path) => path.clone(),
+                        TreePlace::Builtin(id) => PathBuf::from(id),
+                        TreePlace::File(path) => path.clone(),
                     };
                     let source = source::resolve(&path, &[], &linden::Quiet);
                     let source = source.map(Box::new).map_err(|error| format!("{error:#}"));
@@ -235,16 +235,16 @@ impl Bench {
             for x in 0..buffer.area.width {
                 let cell = &buffer[(x, y)];
                 let style = Style { add_modifier: cell.modifier, ..Style::new().fg(cell.fg).bg(cell.bg) };
-                let own = known.iter().position(|own| *own == style).unwrap_or_else(|| {
+                let at = known.iter().position(|at| *at == style).unwrap_or_else(|| {
                     known.push(style);
                     known.len() - 1
                 });
                 match runs.last_mut() {
-                    Some((last, length)) if *last == own => *length += 1,
-                    _ => runs.push((own, 1)),
+                    Some((last, length)) if *last == at => *length += 1,
+                    _ => runs.push((at, 1)),
                 }
             }
-            let runs = runs.iter().map(|(own, n)| format!("{}{n}", letter(*own)));
+            let runs = runs.iter().map(|(at, n)| format!("{}{n}", letter(*at)));
             text += &runs.collect::<Vec<_>>().join(" ");
             text.push('\n');
         }

@@ -9,12 +9,16 @@ use linden::preset::{Generator, Preset, Space};
 /// every seed.)
 pub fn has_chance(preset: &Preset) -> bool {
     match &preset.generator {
-        Generator::LSystem(own) => {
-            [own.angle_jitter_deg, own.branch_roll_deg, own.length_jitter].iter().any(|&most| most > 0.0)
-                || chooses(&own.grammar, own.derivations)
+        Generator::LSystem(lsystem) => {
+            [lsystem.angle_jitter_deg, lsystem.branch_roll_deg, lsystem.length_jitter]
+                .iter()
+                .any(|&most| most > 0.0)
+                || chooses(&lsystem.grammar, lsystem.derivations)
         }
         // Points are scattered, or at least jittered. A scan that is contracted is taken as it is.
-        Generator::Colonization(own) => !(own.contract && matches!(own.space, Space::Points { .. })),
+        Generator::Colonization(colonization) => {
+            !(colonization.contract && matches!(colonization.space, Space::Points { .. }))
+        }
     }
 }
 
@@ -25,8 +29,8 @@ fn chooses(grammar: &Grammar, derivations: u32) -> bool {
     let class = |module: &Module| (module.symbol, module.arguments.len());
     let rules = |(symbol, arity): (char, usize)| {
         grammar.productions().iter().filter(move |rule| {
-            let own = &rule.predecessor;
-            (own.symbol, own.parameters.len()) == (symbol, arity) && rule.probability > 0.0
+            let matched = &rule.predecessor;
+            (matched.symbol, matched.parameters.len()) == (symbol, arity) && rule.probability > 0.0
         })
     };
     let random = |modules: &[Module]| modules.iter().any(|m| m.arguments.iter().any(Expression::is_random));

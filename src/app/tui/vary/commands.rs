@@ -1,8 +1,8 @@
 //! The commands that vary trees, and those of the gallery.
 
 use super::chance::has_chance;
-use super::sweep::{SEED, SPREADS, Series, USUAL_SPREAD};
-use super::{CONTEXT, Gallery, Page, Way, open, reroll};
+use super::sweep::{SEED, SPREADS, USUAL_SPREAD, ValueSeries};
+use super::{CONTEXT, Gallery, GalleryPage, Way, open, reroll};
 use crate::tui::command::Context;
 use crate::tui::dialog::After;
 use crate::tui::effect::Effects;
@@ -31,7 +31,7 @@ fn cannot_sweep(model: &Model) -> Option<String> {
     if row.knob.name == SEED {
         return has_no_chance(model);
     }
-    Series::of(&row.knob, &current, USUAL_SPREAD, 1).err()
+    ValueSeries::of(&row.knob, &current, USUAL_SPREAD, 1).err()
 }
 
 /// The gallery on top.
@@ -56,7 +56,7 @@ fn choose(model: &mut Model, cell: usize) {
 }
 
 /// The page on screen.
-fn page(model: &Model) -> Option<Page> {
+fn page(model: &Model) -> Option<GalleryPage> {
     gallery(model)?.page(model).ok()
 }
 
@@ -66,9 +66,9 @@ fn is_all(model: &Model) -> Option<String> {
 }
 
 fn has_no_range(model: &Model) -> Option<String> {
-    let is_number = |page: Page| {
+    let is_number = |page: GalleryPage| {
         use linden::knob::Value;
-        page.series != Series::Seeds
+        page.series != ValueSeries::Seeds
             && matches!(page.current, Value::Real(_) | Value::Steps(_) | Value::Integer(_))
     };
     (!page(model).is_some_and(is_number)).then(|| "only a sweep of numbers has a range".to_owned())
@@ -76,7 +76,7 @@ fn has_no_range(model: &Model) -> Option<String> {
 
 fn is_at_spread(model: &Model, end: usize, why: &str) -> Option<String> {
     has_no_range(model)
-        .or_else(|| gallery(model).is_some_and(|own| own.spread == end).then(|| why.to_owned()))
+        .or_else(|| gallery(model).is_some_and(|gallery| gallery.spread == end).then(|| why.to_owned()))
 }
 
 /// A row that moves.

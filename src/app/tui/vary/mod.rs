@@ -20,13 +20,13 @@ use ratatui::layout::Rect;
 pub use commands::COMMANDS;
 
 use self::grid::Grid;
-use self::sweep::{SEED, SPREADS, Series, USUAL_SPREAD};
+use self::sweep::{SEED, SPREADS, USUAL_SPREAD, ValueSeries};
 use super::command::Context;
 use super::dialog::After;
 use super::layout::inside;
 use super::model::Model;
 use super::shape;
-use crate::jobs::{GalleryRequest, Look, Medium, Thumbnail};
+use crate::jobs::{GalleryRequest, Medium, PictureLook, Thumbnail};
 
 /// Where a gallery's keys are listened to.
 const CONTEXT: Context = Context::new(40, "gallery", "In the gallery");
@@ -50,11 +50,11 @@ pub struct Gallery {
 }
 
 /// What is on screen of a gallery.
-struct Page {
+struct GalleryPage {
     knob: Knob,
     section: Section,
     grid: Grid,
-    series: Series,
+    series: ValueSeries,
     /// The place of the first value.
     first: u64,
     values: Vec<Value>,
@@ -80,11 +80,11 @@ fn room(model: &Model) -> Rect {
 fn open(model: &mut Model, name: &'static str) {
     let Ok((row, current)) = knob(model, name) else { return };
     let most = Grid::most(room(model));
-    let Ok(series) = Series::of(&row.knob, &current, USUAL_SPREAD, most) else { return };
+    let Ok(series) = ValueSeries::of(&row.knob, &current, USUAL_SPREAD, most) else { return };
     let place = series.place(&current).unwrap_or(0);
     let first = match series {
-        Series::Seeds => place,
-        Series::Listed(_) => place.saturating_sub(most as u64 / 2),
+        ValueSeries::Seeds => place,
+        ValueSeries::Listed(_) => place.saturating_sub(most as u64 / 2),
     };
     // What moves beneath would only take time from the pictures.
     model.picture.turn(None);
@@ -106,11 +106,11 @@ fn open(model: &mut Model, name: &'static str) {
 
 impl Gallery {
     /// What is on screen, or why there is nothing.
-    fn page(&self, model: &Model) -> Result<Page, String> {
+    fn page(&self, model: &Model) -> Result<GalleryPage, String> {
         let (PresetKnob { knob, section, .. }, current) = knob(model, self.knob)?;
         let room = room(model);
         let most = Grid::most(room);
-        let series = Series::of(&knob, &current, self.spread, most)?;
+        let series = ValueSeries::of(&knob, &current, self.spread, most)?;
         let last = series.last();
         let count = last.saturating_add(1).min(most as u64);
         let chosen = series.place(&self.chosen).or_else(|| series.place(&current)).unwrap_or(0);
@@ -120,19 +120,22 @@ impl Gallery {
             (first..=first.saturating_add(count - 1)).filter_map(|at| series.at(at)).collect();
         let chosen = (chosen - first) as usize;
         let grid = Grid::new(room, values.len());
-        Ok(Page { knob, section, grid, series, first, values, chosen, current })
+        Ok(GalleryPage { knob, section, grid, series, first, values, chosen, current })
     }
 
     /// The picture of a value, if one has come for the tree on screen.
     fn picture(&self, model: &Model, value: &Value) -> Option<&Thumbnail> {
         let base = model.tree.as_ref()?.recipe();
-        self.pictures.iter().find(|own| Arc::ptr_eq(&own.request.base, base) && own.value() == value)
+        self.pictures
+            .iter()
+            .find(|picture| Arc::ptr_eq(&picture.request.base, base) && picture.value() == value)
     }
 
     /// How many pictures of a page have come, of those that are wanted.
-    fn progress(&self, model: &Model, page: &Page) -> (usize, usize) {
+    fn progress(&self, model: &Model, page: &GalleryPage) -> (usize, usize) {
         let wanted = self.wanted(model);
-        let is_there = |own: &&Thumbnail| wanted.as_ref().is_some_and(|wanted| wanted.is_of(&own.request));
+        let is_there =
+            |picture: &&Thumbnail| wanted.as_ref().is_some_and(|wanted| wanted.is_of(&picture.request));
         (self.pictures.iter().filter(is_there).count(), page.values.len())
     }
 
@@ -152,7 +155,7 @@ impl Gallery {
             values: page.values,
             known: tree.shown.clone().filter(|shown| Arc::ptr_eq(&shown.recipe, tree.recipe())),
             camera: self.camera,
-            look: if covers { Look::Surface } else { model.picture.look },
+            look: if covers { PictureLook::Surface } else { model.picture.look },
             one_scale: self.one_scale,
             cells: (picture.width, picture.height),
             // Terminals show one picture of pixels at a time.
@@ -187,7 +190,7 @@ impl Gallery {
     }
 
     /// Chooses a value by its place; where it is not on the page, a whole page is turned.
-    fn go_to(&mut self, page: &Page, to: u64) {
+    fn go_to(&mut self, page: &GalleryPage, to: u64) {
         let count = page.values.len() as u64;
         let Some(value) = page.series.at(to) else { return };
         self.chosen = value;
@@ -228,8 +231,8 @@ impl Gallery {
         let Ok(page) = self.page(model) else { return };
         let Some(place) = page.series.place(&page.current) else { return };
         self.first = match page.series {
-            Series::Seeds => place,
-            Series::Listed(_) => place.saturating_sub(page.values.len() as u64 / 2),
+            ValueSeries::Seeds => place,
+            ValueSeries::Listed(_) => place.saturating_sub(page.values.len() as u64 / 2),
         };
         self.chosen = page.current;
     }
@@ -281,10 +284,10 @@ pub fn thumbnail(model: &mut Model, thumbnail: Thumbnail) {
     }
     if let Some(gallery) = model.dialogs.top_mut::<Gallery>() {
         // Those of another size stay until better ones come, those of another page go.
-        gallery.pictures.retain(|own| {
-            own.value() != thumbnail.value()
-                && Arc::ptr_eq(&own.request.base, &wanted.base)
-                && wanted.values.contains(own.value())
+        gallery.pictures.retain(|picture| {
+            picture.value() != thumbnail.value()
+                && Arc::ptr_eq(&picture.request.base, &wanted.base)
+                && wanted.values.contains(picture.value())
         });
         gallery.pictures.push(thumbnail);
     }

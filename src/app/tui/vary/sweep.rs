@@ -16,14 +16,14 @@ const COUNTED_BELOW: u64 = 16;
 
 /// Values in order, of which a page is on screen.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Series {
+pub enum ValueSeries {
     /// Every seed.
     Seeds,
     /// These; not empty.
     Listed(Vec<Value>),
 }
 
-impl Series {
+impl ValueSeries {
     /// What a gallery shows of a knob; `most` is how many pictures there is room for.
     ///
     /// # Errors
@@ -85,7 +85,7 @@ impl Series {
         match (self, value) {
             (Self::Seeds, Value::Integer(seed)) => Some(*seed),
             (Self::Seeds, _) => None,
-            (Self::Listed(values), _) => values.iter().position(|own| own == value).map(|at| at as u64),
+            (Self::Listed(values), _) => values.iter().position(|other| other == value).map(|at| at as u64),
         }
     }
 }
@@ -105,8 +105,8 @@ fn whole(n: u64, (min, max): (u64, u64), factor: f64, most: usize) -> Vec<u64> {
     let values = around(n as f64, (low as f64, high as f64), (min as f64, max as f64), most, 1.0);
     let mut values: Vec<u64> = values.into_iter().map(|x| x as u64).collect();
     // Beyond 2⁵³ a detour by way of `f64` loses digits.
-    if let Some(own) = values.iter_mut().min_by_key(|x| x.abs_diff(n)) {
-        *own = n;
+    if let Some(nearest) = values.iter_mut().min_by_key(|x| x.abs_diff(n)) {
+        *nearest = n;
     }
     values
 }
@@ -187,9 +187,9 @@ mod tests {
     use super::*;
 
     fn words(knob: &Knob, current: &Value, spread: usize, most: usize) -> String {
-        match Series::of(knob, current, spread, most) {
-            Ok(Series::Seeds) => "seeds".to_owned(),
-            Ok(Series::Listed(values)) => {
+        match ValueSeries::of(knob, current, spread, most) {
+            Ok(ValueSeries::Seeds) => "seeds".to_owned(),
+            Ok(ValueSeries::Listed(values)) => {
                 values.iter().map(ToString::to_string).collect::<Vec<_>>().join(" ")
             }
             Err(why) => why,
@@ -214,7 +214,7 @@ mod tests {
                 for most in [1, 2, 4, 6, 8, 12, 24] {
                     for spread in 0..SPREADS.len() {
                         let name = row.knob.name;
-                        let Ok(series) = Series::of(&row.knob, &current, spread, most) else {
+                        let Ok(series) = ValueSeries::of(&row.knob, &current, spread, most) else {
                             assert!(
                                 matches!(
                                     current,
@@ -231,7 +231,7 @@ mod tests {
                             );
                             continue;
                         };
-                        let Series::Listed(values) = &series else {
+                        let ValueSeries::Listed(values) = &series else {
                             assert_eq!(name, SEED);
                             continue;
                         };
@@ -283,7 +283,9 @@ mod tests {
         let grain = knob(Kind::Real { min: 0.0, max: 3.0, auto: false, names: &[] });
         assert_eq!(words(&grain, &Value::Real(3.0), USUAL_SPREAD, 5), "1.5 1.8 2.2 2.5 3");
         let huge = knob(Kind::Integer { min: 0, max: u64::MAX });
-        let Ok(Series::Listed(values)) = Series::of(&huge, &Value::Integer(u64::MAX), 7, 8) else { panic!() };
+        let Ok(ValueSeries::Listed(values)) = ValueSeries::of(&huge, &Value::Integer(u64::MAX), 7, 8) else {
+            panic!()
+        };
         assert_eq!(values.last(), Some(&Value::Integer(u64::MAX)));
     }
 

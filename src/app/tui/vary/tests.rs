@@ -17,7 +17,7 @@ use crate::tui::commands;
 use crate::tui::layout::{Pane, Target};
 use crate::tui::model::Config;
 use crate::tui::screen;
-use crate::tui::tree::{Place, Tree};
+use crate::tui::tree::{Tree, TreePlace};
 use crate::tui::update::{Msg, update};
 
 /// The gallery on top.
@@ -41,7 +41,7 @@ fn model(id: &'static str, set: &[(&str, &str)], size: (u16, u16)) -> Model {
     for (name, text) in set {
         preset.set(name, text).unwrap();
     }
-    model.tree = Some(Tree::new(Place::Builtin(id), Recipe::new(preset)));
+    model.tree = Some(Tree::new(TreePlace::Builtin(id), Recipe::new(preset)));
     model
 }
 

@@ -11,7 +11,7 @@ use unicode_width::UnicodeWidthStr;
 
 use super::grid::Grid;
 use super::sweep::SEED;
-use super::{CONTEXT, Gallery, Page, label};
+use super::{CONTEXT, Gallery, GalleryPage, label};
 use crate::jobs::{SmallPicture, Thumbnail};
 use crate::tui::chrome::footer::key_label;
 use crate::tui::chrome::popup::popup;
@@ -88,7 +88,7 @@ fn paint(model: &Model, gallery: &Gallery, area: Rect, buffer: &mut Buffer, view
 }
 
 /// What varies, from where to where, and how far it is.
-fn title(model: &Model, gallery: &Gallery, page: &Page) -> String {
+fn title(model: &Model, gallery: &Gallery, page: &GalleryPage) -> String {
     let what = match page.values.as_slice() {
         [from, .., to] if page.knob.name == SEED => format!("Seeds {from} to {to}"),
         [from, .., to] if matches!(from, Value::Real(_) | Value::Steps(_) | Value::Integer(_)) => {
@@ -106,7 +106,7 @@ fn title(model: &Model, gallery: &Gallery, page: &Page) -> String {
 /// One picture with its frame and words.
 fn cell(
     model: &Model,
-    page: &Page,
+    page: &GalleryPage,
     index: usize,
     thumbnail: Option<&Thumbnail>,
     is_next: bool,
@@ -121,7 +121,7 @@ fn cell(
     let is_chosen = index == page.chosen;
     let now = if *value == page.current { " · now" } else { "" };
     let name = format!("{}{now}", label(&page.knob, value));
-    let facts = match thumbnail.map(|own| &own.result) {
+    let facts = match thumbnail.map(|thumbnail| &thumbnail.result) {
         Some(Ok(picture)) => facts(picture),
         Some(Err(_)) | None => vec![String::new()],
     };
@@ -154,7 +154,7 @@ fn cell(
             buffer.set_stringn(parts.words.x, parts.words.y, text, width, style);
         }
     }
-    match thumbnail.map(|own| &own.result) {
+    match thumbnail.map(|thumbnail| &thumbnail.result) {
         Some(Ok(picture)) => {
             view.late.push(parts.picture);
             picture.cells.put(buffer, parts.picture);

@@ -34,8 +34,8 @@ fn blow_or_stop(model: &mut Model) {
         return model.wind.stop();
     }
     let Some(preset) = preset(model) else { return };
-    let (own, strength) = (preset.wind.blow.strength, wind_strength(preset));
-    let said = if own > 0.0 {
+    let (wanted, strength) = (preset.wind.blow.strength, wind_strength(preset));
+    let said = if wanted > 0.0 {
         format!("wind_strength {strength}, {} Hz; w ends it", preset.wind.blow.frequency_hz)
     } else {
         format!("wind_strength is 0: a breeze of {strength} is shown; w ends it")

@@ -1,6 +1,6 @@
 use std::time::Duration;
 
-use crate::jobs::Look;
+use crate::jobs::PictureLook;
 use crate::tui::testing::Bench;
 use crate::tui::update::wake_at;
 
@@ -42,7 +42,7 @@ fn frames_follow_the_clock_and_each_waits_for_the_picture_of_the_one_before() {
 #[test]
 fn the_surface_sways_too_and_growth_another_tree_or_a_gallery_ends_it() {
     let mut bench = Bench::grown(130, 34);
-    bench.model.picture.look = Look::Surface;
+    bench.model.picture.look = PictureLook::Surface;
     bench.settle();
     let calm = bench.drawn.clone();
     bench.keys("w").settle();
@@ -61,7 +61,8 @@ fn the_surface_sways_too_and_growth_another_tree_or_a_gallery_ends_it() {
 fn where_the_wind_is_set_to_nothing_a_breeze_is_shown_and_said() {
     let mut bench = Bench::grown(130, 34);
     bench.keys("w");
-    let said = |bench: &Bench| bench.model.message.as_ref().map(|own| own.text.clone()).unwrap_or_default();
+    let said =
+        |bench: &Bench| bench.model.message.as_ref().map(|message| message.text.clone()).unwrap_or_default();
     assert!(said(&bench).contains("wind_strength 0.4"), "{}", said(&bench));
     bench.keys("w");
     let now = bench.model.now;
