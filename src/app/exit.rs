@@ -14,7 +14,7 @@ const USAGE: u8 = 2;
 #[error("{0}")]
 pub struct Usage(pub String);
 
-/// Whoever read our standard output has seen enough (`linden list | head`), and nothing else was to be
+/// The reader of standard output has seen enough (`linden list | head`), and nothing else was to be
 /// written: that is no failure.
 #[derive(Debug, thiserror::Error)]
 #[error("the program that was reading standard output has stopped")]
@@ -39,7 +39,7 @@ pub fn report(error: &anyhow::Error) -> ExitCode {
     ExitCode::from(code)
 }
 
-/// A line on standard error. When even that is gone, nobody is left to tell.
+/// A line on standard error. When even that is gone, there is nothing left to tell.
 pub fn say(line: &str) {
     use std::io::Write as _;
     let _ = writeln!(std::io::stderr(), "{line}");

@@ -45,7 +45,7 @@ impl Outlook {
         Some(Self { sample, estimate, grow_s })
     }
 
-    /// From the recipe to files in these formats, in so many seasons; writing those without an estimate is
+    /// From the recipe to files in these formats, in a number of seasons; writing those without an estimate is
     /// left out.
     pub fn export_s(&self, recipe: &Recipe, formats: &[(&'static Format, &Options)], looks: usize) -> f64 {
         let written =
@@ -87,7 +87,7 @@ pub struct ForestOutlook {
 }
 
 impl ForestOutlook {
-    /// One tree of each kind stands for the others; each has so many triangles at most, as many times as it
+    /// One tree of each kind stands for the others; each has at most its budget of triangles, as many times as it
     /// has stems.
     pub fn of(trees: &[Tree], triangles: u64, monitor: &dyn Monitor) -> Self {
         let mut kinds: Vec<(&Tree, f64)> = Vec::new();

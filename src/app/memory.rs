@@ -27,7 +27,7 @@ pub fn limit() -> u64 {
     *LIMIT.get_or_init(half)
 }
 
-/// Half of the memory; no limit where nobody can say how much there is.
+/// Half of the memory; no limit where it is not known how much there is.
 fn half() -> u64 {
     [machine(), cgroup(Path::new("/"))].into_iter().flatten().min().map_or(u64::MAX, |bytes| bytes / 2)
 }
@@ -66,7 +66,7 @@ fn machine() -> Option<u64> {
     Some(system.total_memory()).filter(|bytes| *bytes > 0)
 }
 
-/// What the control groups of this process allow, bytes: the least of its own and all above it, of
+/// What the control groups of this process allow, bytes: the least of its group and all above it, of
 /// either version. `root` is where `proc` and `sys` are.
 fn cgroup(root: &Path) -> Option<u64> {
     let groups = std::fs::read_to_string(root.join("proc/self/cgroup")).ok()?;
@@ -85,7 +85,7 @@ fn cgroup(root: &Path) -> Option<u64> {
     files.flat_map(|(base, path, file)| limits(&base, &path, file)).min()
 }
 
-/// The limits of a group and of those above it. A container may not see the upper part of its own path:
+/// The limits of a group and of those above it. A container may not see the upper part of its path:
 /// what is not there limits nothing.
 fn limits(base: &Path, path: &str, file: &str) -> Vec<u64> {
     let group_path = PathBuf::from(path);
@@ -145,7 +145,7 @@ mod tests {
             ("sys/fs/cgroup/memory/a/b/memory.limit_in_bytes", "2000\n"),
         ]);
         assert_eq!(cgroup(first.path()), Some(2000));
-        // A container sees its own group as the root, under a path that it cannot see.
+        // A container sees its group as the root, under a path that it cannot see.
         let inside =
             root(&[("proc/self/cgroup", "0::/docker/abc\n"), ("sys/fs/cgroup/memory.max", "3000\n")]);
         assert_eq!(cgroup(inside.path()), Some(3000));

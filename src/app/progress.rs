@@ -63,7 +63,7 @@ impl Monitor for Progress {
         if !self.shows || self.started.elapsed() < PATIENCE {
             return;
         }
-        // Whoever finds another thread drawing has nothing to add.
+        // A thread that finds another one drawing has nothing to add.
         let Ok(mut shown) = self.shown.try_lock() else { return };
         let is_new = shown.bar.as_ref().is_none_or(|(of, _)| *of != stage);
         if !is_new && shown.last.elapsed() < PACE && total != Some(done) {

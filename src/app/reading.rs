@@ -146,7 +146,7 @@ impl Content {
     }
 }
 
-/// A file that is read only as long as somebody wants it, and no more of it than there is memory for.
+/// A file that is read only until it is cancelled, and no more of it than there is memory for.
 struct Watched<'a> {
     file: &'a mut File,
     monitor: &'a dyn Monitor,
@@ -176,7 +176,7 @@ impl Seek for Watched<'_> {
 }
 
 /// All that comes through a pipe. A thread opens and reads it, so that a signal is heard while nothing
-/// comes; when nobody waits for it any more, it ends with what it reads next, or with the program.
+/// comes; when it is not waited for any more, it ends with what it reads next, or with the program.
 fn from_pipe<R: Read>(
     open: impl FnOnce() -> io::Result<R> + Send + 'static,
     monitor: &dyn Monitor,
@@ -234,7 +234,7 @@ mod tests {
 
     use super::*;
 
-    /// Allows so many bytes, and cancels after so many looks.
+    /// Allows a number of bytes, and cancels after a number of looks.
     struct Strict {
         limit: u64,
         looks: u64,

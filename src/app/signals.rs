@@ -30,7 +30,7 @@ pub fn listen() -> std::io::Result<()> {
 pub fn outlive_file_limits() {
     #[cfg(unix)]
     {
-        // Not ignored but heard, so that a plug-in has it as it was. Whoever cannot listen is ended.
+        // Not ignored but heard, so that a plug-in has it as it was. A program that cannot listen is ended.
         let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, Arc::new(AtomicBool::new(false)));
     }
 }

@@ -53,7 +53,7 @@ impl Output {
         seasons.iter().map(named).collect()
     }
 
-    /// The files for so many levels of detail: this one, or for a format that holds one level only
+    /// The files for a number of levels of detail: this one, or for a format that holds one level only
     /// `fir_LOD0.obj`, `fir_LOD1.obj` and so on. A stream stays one, with the finest level.
     pub fn in_levels(self, levels: usize) -> Vec<Self> {
         if levels < 2 || self.is_stream() || self.exporter.format().levels() != LooksIn::Files {

@@ -1,6 +1,6 @@
 //! What completes the values of arguments: presets, knobs and their values, formats, words.
 //!
-//! Shells ask this program itself while somebody types (see [`super::completions`]). It answers from its
+//! Shells ask this program itself while a command line is typed (see [`super::completions`]). It answers from its
 //! tables, the folder of the user's presets, and the directory that is typed; nothing is grown or read.
 
 use std::ffi::OsStr;

@@ -91,7 +91,7 @@ impl Man {
     }
 }
 
-/// Every page in a file of its own, and their names.
+/// Every page in a file, and their names.
 fn write_all(command: clap::Command, folder: &PathBuf) -> anyhow::Result<()> {
     let mut pages = Vec::new();
     for page in command.get_subcommands() {

@@ -279,7 +279,7 @@ pub fn run() -> ExitCode {
         return exit::report(&exit::usage(problem));
     }
     let done = match cli.command {
-        // The workbench hears signals in its own way, and gives the terminal back first.
+        // The workbench hears signals in another way, and gives the terminal back first.
         None => cli.terminal.open(None, Vec::new()),
         Some(CliCommand::Open(open)) => open.run(),
         Some(command) => crate::signals::listen().map_err(anyhow::Error::from).and_then(|()| command.run()),

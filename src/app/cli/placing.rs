@@ -90,7 +90,7 @@ impl PngTarget {
             target.to_owned()
         };
         let is_png = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
-        // Devices and pipes have names of their own; any other file would be lost to a typing mistake.
+        // Devices and pipes have fixed names; any other file would be lost to a typing mistake.
         let is_stream = path.metadata().is_ok_and(|meta| !meta.is_file() && !meta.is_dir());
         if !is_png && !is_stream && !is_dash(&path) {
             return Err(usage(format!(

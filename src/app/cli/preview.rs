@@ -289,7 +289,7 @@ impl<'a> PreviewSubject<'a> {
         look.map_or(usual, |look| look == PreviewLook::Surface)
     }
 
-    /// A style with this tree's own leaves.
+    /// A style with this tree's leaves.
     pub fn styled<'b>(&'b self, style: Style<'b>) -> Style<'b> {
         Style {
             organs: Some(&self.grown.organs),

@@ -61,7 +61,7 @@ struct KnobRow {
     #[serde(skip)]
     is_number: bool,
     help: &'static str,
-    /// Whether it differs from what it is when nobody says.
+    /// Whether it differs from its default.
     #[serde(rename = "changed")]
     is_changed: bool,
 }

@@ -143,7 +143,7 @@ impl TerminalLook {
     }
 }
 
-/// Ends as the signal would have ended us: whoever waits for us sees which it was.
+/// Ends as the signal would have ended us: the program that waits for this one sees which it was.
 fn raise(signal: i32) -> anyhow::Result<()> {
     signal_hook::low_level::emulate_default_handler(signal)?;
     // Not reached for signals that end a process.

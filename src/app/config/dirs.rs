@@ -55,12 +55,12 @@ impl Dirs {
         self.in_config("keymap.toml")
     }
 
-    /// The user's own presets and grammars.
+    /// The user's presets and grammars.
     pub fn presets(&self) -> Option<PathBuf> {
         self.in_config("presets")
     }
 
-    /// The user's own themes, `NAME.toml` each.
+    /// The user's themes, `NAME.toml` each.
     pub fn themes(&self) -> Option<PathBuf> {
         self.in_config("themes")
     }

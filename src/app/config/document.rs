@@ -13,7 +13,7 @@ use super::{Complaint, files};
 
 /// No settings, theme or keymap of a person is larger.
 const MAX_BYTES: u64 = 1 << 20;
-/// So many complaints about one file say enough.
+/// Complaints about one file that are said; more say nothing new.
 const MAX_COMPLAINTS: usize = 20;
 
 /// Collects what is wrong with a text.
@@ -70,7 +70,7 @@ impl<'t> TomlDocument<'t> {
         names: impl IntoIterator<Item = &'n str>,
     ) {
         if self.complaints.len() >= MAX_COMPLAINTS {
-            // Nobody will read it: no need to look for what was meant.
+            // It will not be read: no need to look for what was meant.
             self.unsaid += 1;
             return;
         }

@@ -75,7 +75,7 @@ pub enum Existing {
 
 /// Writes a whole file or nothing, to the disk, as exports are written. Makes the directory.
 ///
-/// Whoever reads at the same time sees the old file or the new one. A link is followed: the file that
+/// A program that reads at the same time sees the old file or the new one. A link is followed: the file that
 /// it names is replaced, the link stays.
 pub fn write(path: &Path, bytes: &[u8], readers: Readers, existing: Existing) -> std::io::Result<()> {
     if let Some(dir) = path.parent().filter(|dir| !dir.as_os_str().is_empty()) {

@@ -336,7 +336,7 @@ mod tests {
         Keymap::read(Path::new("keymap.toml"), text, TABLE)
     }
 
-    /// What a key runs where it is pressed: the context's own command, else the global one.
+    /// What a key runs where it is pressed: the context's command, else the global one.
     fn command(keymap: &Keymap, context: &str, key: Key) -> Option<&'static str> {
         keymap.lookup(context, key).or_else(|| keymap.lookup(GLOBAL, key))
     }

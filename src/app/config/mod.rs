@@ -12,7 +12,7 @@
 //! | [`settings`] | what can be set | `config.toml` |
 //! | [`theme`] | the styles by role | `themes/NAME.toml` |
 //! | [`keymap`] | which key runs which command | `keymap.toml` |
-//! | [`presets`] | the user's own presets and grammars | `presets/` |
+//! | [`presets`] | the user's presets and grammars | `presets/` |
 //! | [`session`] | what is restored next time | `session.toml` |
 //! | [`watch`] | tells when one of them changes | |
 //! | [`log`] | the log file, on request | |

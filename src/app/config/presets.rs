@@ -1,4 +1,4 @@
-//! The user's own presets and grammars: the files of `presets/` and of the folders in it.
+//! The user's presets and grammars: the files of `presets/` and of the folders in it.
 //!
 //! Listing reads and checks documents; the meshes and point clouds that they name are read when a tree
 //! is grown (see [`crate::source::resolve`], which takes an entry's path), here it is only seen to that

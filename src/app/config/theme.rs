@@ -2,7 +2,7 @@
 //!
 //! Two tables say everything: [`PALETTE`], the colours by name on dark and on light, and
 //! [`ROLES`], what each role takes from it. Reading, the defaults, the example and the documentation
-//! are made from them. The terminal's own background is never painted over, except by selections,
+//! are made from them. The terminal's background is never painted over, except by selections,
 //! inputs and dialogs.
 
 use std::path::Path;
@@ -28,7 +28,7 @@ pub struct Hue {
     pub dark: &'static str,
     /// On a light terminal, `#rrggbb`.
     pub light: &'static str,
-    /// With 16 colours, which the terminal's own theme decides. `Reset` is its text or background: a
+    /// With 16 colours, which the terminal's theme decides. `Reset` is its text or background: a
     /// ground of unknown contrast is none, and what stands on it is marked as in `plain`.
     pub ansi: Color,
 }
@@ -349,7 +349,7 @@ fn colors(light: bool, depth: ColorDepth) -> Vec<(String, Color)> {
     PALETTE.iter().filter_map(|hue| Some((hue.name.to_owned(), of(hue)?))).collect()
 }
 
-/// The sixteen colours that a terminal's own theme decides.
+/// The sixteen colours that a terminal's theme decides.
 const ANSI: [(&str, Color); 16] = [
     ("black", Color::Black),
     ("red", Color::Red),

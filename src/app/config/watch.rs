@@ -27,9 +27,9 @@ const QUIET: Duration = Duration::from_millis(100);
 const AT_MOST: Duration = Duration::from_secs(1);
 /// How far below a directory is watched: `presets/GROUP/`.
 const DEPTH: usize = 2;
-/// So many directories are watched; a link to a whole disk must not use up what the system has.
+/// The most directories that are watched; a link to a whole disk must not use up what the system has.
 const MAX_DIRECTORIES: usize = 500;
-/// So many entries of a directory are looked at for links and directories.
+/// The most entries of a directory that are looked at for links and directories.
 const MAX_ENTRIES: usize = 10_000;
 
 /// Watches until it is dropped.
@@ -76,7 +76,7 @@ enum Interest {
 impl Watch {
     /// Watches directories, and those below them to a depth of two; none of them needs to exist.
     ///
-    /// `on_change` is called on a thread of its own with the paths that changed, sorted, each once, as
+    /// `on_change` is called on another thread with the paths that changed, sorted, each once, as
     /// they lie below the given ones; a directory among them stands for all that is in it.
     pub fn new(
         directories: &[PathBuf],
@@ -85,7 +85,7 @@ impl Watch {
         let (sender, receiver) = mpsc::channel();
         let happened = sender.clone();
         let watcher = notify::recommended_watcher(move |event| {
-            // Nobody is left to tell when this fails.
+            // There is nothing left to tell when this fails.
             let _ = happened.send(WatchMessage::Happened(event));
         });
         let mut state = State { roots: directories.to_vec(), ..State::default() };
@@ -184,7 +184,7 @@ impl State {
             // Changes were lost: anything may have changed.
             return self.roots.iter().chain(&self.files).cloned().collect();
         }
-        // Our own reading is no change.
+        // That linden reads is no change.
         if matches!(event.kind, EventKind::Access(kind) if kind != AccessKind::Close(AccessMode::Write)) {
             return BTreeSet::new();
         }

@@ -28,7 +28,7 @@ pub(super) const FULL_BYTES: usize = 100_000;
 const LONGEST_PX: u32 = 1400;
 /// Sixels of one picture: a screen of 5K. A terminal that claims more shows characters.
 const MOST_SIXELS: u64 = 16 << 20;
-/// A draft in pixels is so many times coarser.
+/// How many times coarser a draft in pixels is.
 const DRAFT_SCALE: u32 = 2;
 /// Sides of the thickest tube, and pixels of the bark's side, on a screen.
 const MOST_SIDES: u32 = 12;
@@ -138,7 +138,7 @@ impl Painted {
         self.cells.put(buffer, area);
     }
 
-    /// A round length in metres that takes at most so many columns, and its columns.
+    /// A round length in metres that takes at most `most_columns` columns, and its columns.
     pub fn scale_bar(&self, most_columns: f32) -> Option<(f32, f32)> {
         linden_raster::nice_length_m(most_columns, self.columns_per_m)
     }
@@ -171,13 +171,13 @@ impl Medium {
         if self.dark { Style::over_dark() } else { Style::over_light() }
     }
 
-    /// Pixels of a picture that so many cells show as characters.
+    /// Pixels of a picture that an area of cells shows as characters.
     pub(super) fn pixels_of_cells(&self, columns: u16, rows: u16) -> (u32, u32) {
         let (wide, high) = self.cell_px;
         square_pixels(columns, rows, f32::from(wide) / f32::from(high.max(1)))
     }
 
-    /// A picture as characters, in so many columns and rows and about so many bytes.
+    /// A picture as characters, in a number of columns and rows and about a number of bytes.
     pub(super) fn cells(
         &self,
         picture: &Picture,
@@ -200,7 +200,7 @@ pub struct Painter {
 }
 
 impl Painter {
-    /// Draws a picture; `None` when nobody wants it any more.
+    /// Draws a picture; `None` when it was cancelled.
     pub fn paint(&mut self, request: DrawRequest, watcher: &Watcher<'_>) -> Option<Result<Painted, String>> {
         match self.paint_or_stop(request, watcher) {
             Ok(painted) => Some(Ok(painted)),
@@ -209,7 +209,7 @@ impl Painter {
         }
     }
 
-    /// `Err(None)` when nobody wants it any more.
+    /// `Err(None)` when it was cancelled.
     fn paint_or_stop(
         &mut self,
         request: DrawRequest,
@@ -248,7 +248,7 @@ impl Painter {
                 (encoded.len() <= budget).then(|| Arc::new(encoded))
             }
         };
-        // Cells of full pictures stay within their budget at home too: nobody sees the difference.
+        // Cells of full pictures stay within their budget at home too: the difference is not seen.
         // Those that only stand until the pixels come, or below a dialog, are a draft.
         let for_cells = if graphic.is_some() && medium.remote { DRAFT_BYTES } else { budget.min(FULL_BYTES) };
         let cells = medium.cells(&picture, size, (area.width, area.height), for_cells)?;
@@ -258,7 +258,7 @@ impl Painter {
         Ok(Painted { cells, graphic, columns_per_m, shows_person, took: start.elapsed(), request })
     }
 
-    /// The pixels; `Err(None)` when nobody wants them any more.
+    /// The pixels; `Err(None)` when it was cancelled.
     fn draw(
         &mut self,
         request: &DrawRequest,
@@ -406,12 +406,12 @@ fn moved(parts: &[Part], frame: u32) -> Vec<Part> {
     parts.iter().map(moved).collect()
 }
 
-/// Pixels of a picture that fills so many cells one to one.
+/// Pixels of a picture that fills an area of cells one to one.
 fn exact_pixels(area: Rect, (wide, high): (u16, u16)) -> (u32, u32) {
     ((u32::from(area.width) * u32::from(wide)).max(1), (u32::from(area.height) * u32::from(high)).max(1))
 }
 
-/// Pixels of a picture over so many cells: in the cells' proportions, not more than can be seen.
+/// Pixels of a picture over an area of cells: in the cells' proportions, not more than can be seen.
 fn pixels(area: Rect, cell_px: (u16, u16), detail: Detail) -> (u32, u32) {
     let (width, height) = exact_pixels(area, cell_px);
     let coarser = if detail == Detail::Draft { DRAFT_SCALE } else { 1 };

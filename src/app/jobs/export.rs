@@ -199,14 +199,14 @@ fn ensure_expected(output: &Output, may_replace: bool) -> anyhow::Result<()> {
     }
 }
 
-/// Opening a pipe waits until somebody reads, and nobody would see why.
+/// Opening a pipe waits until a program reads from it, and nothing would say why.
 pub const NO_STREAM: &str = "that is a pipe or a device; 'linden export' writes to those";
 
 fn absolute(path: PathBuf) -> PathBuf {
     std::path::absolute(&path).unwrap_or(path)
 }
 
-/// Makes one gauge of all steps, for whoever watches the whole.
+/// Makes one gauge of all steps.
 struct Gauge<'w> {
     watcher: &'w dyn Monitor,
     step: Mutex<Step>,
@@ -247,7 +247,7 @@ impl Monitor for Gauge<'_> {
     }
 
     fn advance(&self, stage: Phase, done: u64, total: Option<u64>) {
-        // Whoever finds another thread reporting has nothing to add.
+        // A thread that finds another one reporting has nothing to add.
         let Ok(mut step) = self.step.try_lock() else { return };
         let (done, total) = match step.bytes {
             Some(bytes) if stage == Phase::Write => {

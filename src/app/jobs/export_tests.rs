@@ -87,7 +87,7 @@ fn files_are_those_that_each_exporter_writes_alone() {
     }
 }
 
-/// Cancels when it has been asked so many times.
+/// Cancels when it has been asked that many times.
 struct Until(AtomicU64, u64);
 
 impl Monitor for Until {

@@ -53,7 +53,7 @@ pub struct GalleryRequest {
     pub camera: Camera,
     /// What of it.
     pub look: PictureLook,
-    /// Whether all are in one scale, or each fills its own picture.
+    /// Whether all are in one scale, or each fills its picture.
     pub one_scale: bool,
     /// Columns and rows of each picture.
     pub cells: (u16, u16),
@@ -126,7 +126,7 @@ impl Thumbnail {
 }
 
 /// Paints the pictures of a gallery, and gives each as soon as it is there; some are given a second
-/// time, better. Returns early when nobody wants them any more.
+/// time, better. Returns early when it was cancelled.
 pub fn paint_gallery(request: GalleryRequest, monitor: &dyn Monitor, give: &dyn Fn(Thumbnail)) {
     let size = {
         let (columns, rows) = request.cells;
@@ -137,7 +137,7 @@ pub fn paint_gallery(request: GalleryRequest, monitor: &dyn Monitor, give: &dyn 
     let give = |index, result| give(Thumbnail { request: Arc::clone(&request), index, result });
     match size {
         Ok(size) => {
-            // Cancelled: there is nobody to tell.
+            // Cancelled: there is nothing to tell.
             let _ = Studio { request: &request, size, monitor }.paint_all(&give);
         }
         Err(error) => (0..request.values.len()).for_each(|index| give(index, Err(error.to_string()))),

@@ -65,7 +65,7 @@ pub struct ShownTree {
     pub steps: u32,
 }
 
-/// Grows a recipe; `None` when nobody wants the result any more.
+/// Grows a recipe; `None` when it was cancelled.
 pub fn grow_shown(recipe: &Arc<Recipe>, watcher: &Watcher<'_>) -> Option<Result<Arc<ShownTree>, String>> {
     let grown = match grow(recipe, watcher) {
         Ok(grown) => grown,
@@ -99,7 +99,7 @@ pub fn grow_shown(recipe: &Arc<Recipe>, watcher: &Watcher<'_>) -> Option<Result<
 
 /// A tree as it was at a step of its growth: at an iteration of colonization, or at a derivation,
 /// for which the L-system is derived again (its symbols are not kept from one to the next). `None`
-/// while nothing is drawn; `Err(None)` when nobody wants it any more.
+/// while nothing is drawn; `Err(None)` when it was cancelled.
 pub fn stage(shown: &ShownTree, step: u32, watcher: &Watcher<'_>) -> Result<Option<Plant>, Option<String>> {
     let mut recipe = (*shown.recipe).clone();
     // The whole tree stays while a younger one is shown.

@@ -12,7 +12,7 @@ use linden::monitor::Phase;
 /// Names of worker threads begin with this: their panics become messages, not the end of the program.
 pub const THREAD_PREFIX: &str = "linden-job-";
 
-/// Between two reports of progress: nobody reads faster, and over SSH each costs bytes.
+/// Between two reports of progress: people do not read faster, and over SSH each costs bytes.
 const REPORT_EVERY: Duration = Duration::from_millis(120);
 
 /// What a lane says of a request.
@@ -33,7 +33,7 @@ pub enum Done<T> {
         stage: Phase,
         /// Units finished.
         done: u64,
-        /// Of so many, where anybody can know.
+        /// Units in all, where that is known.
         total: Option<u64>,
     },
     /// Here it is. A lane may give several for one request (a gallery).
@@ -136,7 +136,7 @@ impl<R> Lane<R> {
 }
 
 impl<R> Drop for Lane<R> {
-    /// Cancels. The worker hears it within milliseconds, unless it hangs in the system: nobody waits.
+    /// Cancels. The worker hears it within milliseconds, unless it hangs in the system; it is not waited for.
     fn drop(&mut self) {
         self.shared.close();
     }
@@ -169,7 +169,7 @@ impl<R> Shared<R> {
 
 #[cfg(test)]
 impl Watcher<'static> {
-    /// Watches work that nobody overtakes.
+    /// Watches work that nothing overtakes.
     pub fn idle() -> Self {
         static NEWEST: AtomicU64 = AtomicU64::new(0);
         fn unheard(_: Phase, _: u64, _: Option<u64>) {}
@@ -187,7 +187,7 @@ impl Monitor for Watcher<'_> {
     }
 
     fn advance(&self, stage: Phase, done: u64, total: Option<u64>) {
-        // Whoever finds another thread reporting has nothing to add.
+        // A thread that finds another one reporting has nothing to add.
         let Ok(mut last) = self.last.try_lock() else { return };
         let now = Instant::now();
         match *last {
@@ -204,7 +204,7 @@ impl Monitor for Watcher<'_> {
 
 /// Lets the interface come first: on a busy machine keys are answered before trees are grown.
 pub fn lower_priority() {
-    // On Linux this is the thread's own; elsewhere, or where it is refused, nothing is lost.
+    // On Linux this is the thread's priority; elsewhere, or where it is refused, nothing is lost.
     #[cfg(target_os = "linux")]
     let _ = rustix::process::nice(10);
 }

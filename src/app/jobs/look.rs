@@ -1,5 +1,5 @@
 //! Finding out what the export dialog wants to know. Looking at a disk may take its time, or for
-//! ever where a network is gone: so it has a lane of its own, and the newest question wins.
+//! ever where a network is gone: so it has a separate lane, and the newest question wins.
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;

@@ -2,7 +2,7 @@
 //!
 //! A [`Lane`] does one thing at a time and the newest request wins: what is under way is cancelled
 //! inside its loops (through [`Monitor`]), and what it still says carries the number of a request
-//! that nobody waits for any more.
+//! that is not waited for any more.
 
 mod draw;
 mod export;

@@ -1,8 +1,8 @@
-//! Newest wins, but whoever is nearly done may finish.
+//! The newest request wins, but work that is nearly done may finish.
 //!
 //! Keys repeat thirty times a second. If each cancelled the work of the one before, a tree that takes
 //! 50 ms would never be seen while a key is held. So a request waits while the one before is young,
-//! and cancels it when it has become old. Whoever has to be cancelled time and again gets longer each
+//! and cancels it when it has become old. Work that has to be cancelled time and again gets longer each
 //! time: work that takes longer than the patience is seen as well while a key is held, only later.
 
 use std::time::{Duration, Instant};
@@ -19,7 +19,7 @@ pub struct Relay<R> {
     overtaken: u32,
 }
 
-/// Patience is doubled at most so many times: the newest request waits no longer than that.
+/// How often patience is doubled at most: the newest request waits no longer than that.
 const MOST_DOUBLED: u32 = 2;
 
 impl<R: Send + 'static> Relay<R> {

@@ -78,7 +78,7 @@ pub struct GrowthProgress {
     pub stage: Phase,
     /// Units finished.
     pub done: u64,
-    /// Of so many.
+    /// Units in all, where that is known.
     pub total: Option<u64>,
 }
 

@@ -1,4 +1,4 @@
-//! Text in lines of so many cells.
+//! Text fitted into cells: broken into lines, or cut.
 
 use unicode_width::{UnicodeWidthChar, UnicodeWidthStr};
 

@@ -136,7 +136,7 @@ impl Page {
         Laid { area, text, columns, width, keys }
     }
 
-    /// Scrolls by so many rows, as far as there are some.
+    /// Scrolls by a number of rows, as far as there are some.
     pub fn scroll_by(&mut self, by: isize, body: Rect) {
         let most = self.lay(body).most_scroll();
         self.scroll = self.scroll.min(most).saturating_add_signed(by).min(most);
@@ -203,7 +203,7 @@ fn padded(area: Rect) -> Rect {
     if area.width < 24 { area } else { Rect { x: area.x + 1, width: area.width - 2, ..area } }
 }
 
-/// A line in rows of so many cells.
+/// A line in rows of at most `width` cells.
 fn rows(line: &PageLine, width: usize, keys: usize) -> Vec<PageLine> {
     match line {
         PageLine::Heading(text) => vec![PageLine::Heading(text.clone())],

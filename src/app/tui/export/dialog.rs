@@ -167,7 +167,7 @@ impl ExportDialog {
         self.formats.iter().filter(|choice| choice.chosen)
     }
 
-    /// Moves the cursor by so many rows.
+    /// Moves the cursor by a number of rows.
     pub fn step(&mut self, by: isize) {
         let spots = self.spots();
         let at = spots.iter().position(|spot| *spot == self.cursor).unwrap_or(0);

@@ -339,7 +339,7 @@ impl RowPainter<'_> {
     }
 }
 
-/// The end of a text in so many columns, with an ellipsis before it.
+/// The end of a text in at most `width` columns, with an ellipsis before it.
 fn end_of(text: &str, width: usize) -> String {
     let text = linden::knob::printable(text);
     let mut rest = text.as_str();

@@ -15,7 +15,7 @@ use crate::tui::wrap::{clipped, wrapped, wrapped_within};
 /// The most rows that tell about the selected preset, and the height that it takes for them.
 const ABOUT: u16 = 9;
 const WITH_ABOUT: u16 = 16;
-/// Names begin behind ids of so many cells; longer ids push them on.
+/// Cells of an id, behind which names begin; longer ids push them on.
 const IDS: usize = 9;
 
 /// What the pane's border says beside its name: how many a filter leaves.

@@ -132,7 +132,7 @@ impl Library {
         }
     }
 
-    /// Moves the cursor by so many entries.
+    /// Moves the cursor by a number of entries.
     pub fn step(&mut self, by: isize) {
         let listed: Vec<usize> = self
             .rows

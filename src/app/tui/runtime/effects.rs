@@ -104,7 +104,7 @@ impl Runtime {
         if std::env::var_os("TMUX").is_some()
             && let Some(tmux) = trust::program("tmux")
         {
-            // tmux keeps OSC 52 of programs to itself unless told otherwise, but has a way of its own.
+            // tmux keeps OSC 52 of programs to itself unless told otherwise, but has another way.
             let child = Command::new(tmux)
                 .args(["load-buffer", "-w", "-"])
                 .stdin(Stdio::piped())
@@ -113,7 +113,7 @@ impl Runtime {
                 .spawn();
             if let Ok(mut child) = child {
                 let text = text.to_owned();
-                // It may hang; nobody waits for it here.
+                // It may hang; it is not waited for.
                 aside("clipboard", move || {
                     if let Some(mut input) = child.stdin.take() {
                         let _ = input.write_all(text.as_bytes());
@@ -181,7 +181,7 @@ impl Runtime {
         let sender = self.sender.clone();
         aside("presets", move || {
             let (found, complaints) = presets::list(&dir, &Quiet);
-            // Nobody listens only when the program ends.
+            // The loop is deaf only when the program ends.
             drop(sender.send(Happening::Msg(Box::new(Msg::Presets(found, complaints)))));
         });
     }

@@ -29,7 +29,7 @@ const GROWING_PATIENCE: Duration = Duration::from_millis(250);
 const DRAWING_PATIENCE: Duration = Duration::from_millis(120);
 /// How long an export that is cancelled at the end may take to take its files away.
 const EXPORT_PATIENCE: Duration = Duration::from_secs(2);
-/// Trees that are kept for undo and comparison: as many as have so many nodes and attraction points
+/// Trees that are kept for undo and comparison: as many as have this number of nodes and attraction points
 /// together (some 40 and 12 bytes each).
 const KEPT_NODES: usize = 2_000_000;
 /// What a tree counts at the least: its recipe and its outline take room however small it is.
@@ -257,7 +257,7 @@ impl Desk {
     }
 }
 
-/// A way for a lane to say things to the loop. Nobody listens only when the program ends.
+/// A way for a lane to say things to the loop. It is deaf only when the program ends.
 fn send<T>(
     sender: &Sender<Happening>,
     wrap: fn(Answer<T>) -> News,

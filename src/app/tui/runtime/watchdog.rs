@@ -1,7 +1,7 @@
 //! Ends the process when the terminal is gone and the loop does not hear it.
 //!
 //! Nothing in the loop takes long. Should something all the same (a disk that does not answer), the
-//! process must not live on without a terminal, nor keep it from somebody who has asked us to end.
+//! process must not live on without a terminal, nor keep it from a user who has asked it to end.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -58,7 +58,7 @@ fn follow(orders: &Receiver<Order>, sender: &Sender<Happening>) {
                 watch = directory.map(|directory| {
                     let to_loop = sender.clone();
                     let (watch, told) = Watch::new(&[directory], move |changed| {
-                        // Nobody listens only when the program ends.
+                        // The loop is deaf only when the program ends.
                         drop(to_loop.send(Happening::Msg(Box::new(Msg::Changed(changed)))));
                     });
                     complaints.extend(told);

@@ -5,7 +5,7 @@ use linden::preset::{Generator, Preset};
 
 use crate::tui::figures::thousands;
 
-/// Modules of a grammar's text that are looked through while somebody looks; more would hold up a frame.
+/// Modules of a grammar's text that are looked through for a forecast on screen; more would hold up a frame.
 const MOST_MODULES: usize = 20_000;
 
 /// One line on how much a preset's L-system gives; `None` for what is none, and for a grammar that is

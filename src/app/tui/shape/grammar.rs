@@ -166,7 +166,7 @@ impl GrammarEditor {
         }
     }
 
-    /// The first line and column on screen, for a text of so many cells.
+    /// The first line and column on screen, for a text area of that width and height.
     pub(super) fn scrolled(&self, width: usize, height: usize) -> (usize, usize) {
         let (line, column) = self.text.cursor();
         let within =

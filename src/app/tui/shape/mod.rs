@@ -1,4 +1,4 @@
-//! The form of knobs, made from the preset's own table; undo, comparison, saving; the grammar.
+//! The form of knobs, made from the preset's table; undo, comparison, saving; the grammar.
 
 mod commands;
 mod complete;
@@ -38,7 +38,7 @@ pub enum FormRow {
     Heading(Section),
     /// The grammar's axiom (0) or one of its rules (from 1), as text.
     Rule(usize, String),
-    /// So many rules more, which only the editor shows.
+    /// How many rules more there are, which only the editor shows.
     MoreRules(usize),
     /// A knob with its value.
     Knob(PresetKnob, Value),
@@ -102,7 +102,7 @@ fn selected_rule(model: &Model) -> Option<usize> {
     }
 }
 
-/// Moves the cursor by so many rows.
+/// Moves the cursor by a number of rows.
 fn step(model: &mut Model, by: isize) {
     let Some(tree) = &model.tree else { return };
     let rows = rows(tree.preset());

@@ -36,7 +36,7 @@ pub fn proposed(model: &Model) -> String {
         _ => id,
     };
     let is_free = |id: &String| model.library.places().all(|(taken, _)| taken != id);
-    // Nobody has more; and who has chooses a name.
+    // A user who has more copies than that chooses a name.
     (2..100_000).map(|n: u32| format!("{stem}-{n}")).find(is_free).unwrap_or_default()
 }
 
@@ -72,7 +72,7 @@ pub fn replaces(model: &Model, id: &str) -> bool {
 }
 
 /// A recipe as the preset `id` has it, saved in the file `path`: a copy has its id for a name, and the
-/// files that it needs stand beside it under its own name.
+/// files that it needs stand beside it under its name.
 pub fn renamed(recipe: &Recipe, from: &TreePlace, id: &str, path: &Path) -> Recipe {
     let mut recipe = recipe.clone();
     if recipe.preset.id != id {
@@ -102,7 +102,7 @@ fn beside(recipe: &Recipe, from: &TreePlace, id: &str, path: &Path) -> Option<BT
 }
 
 /// The files of a preset, by name: those that it needs, if they are not there already, then the
-/// document. Reads the former where the recipe's own document named them.
+/// document. Reads the former where the recipe's document named them.
 ///
 /// # Errors
 /// What cannot be written as TOML, and a file that is gone or is not the one that grew.

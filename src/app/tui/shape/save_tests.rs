@@ -114,7 +114,7 @@ fn what_cannot_be_saved_whole_is_not_saved() {
     let error = save::write(&presets, "copy", &place, &recipe, true).unwrap_err();
     assert!(error.contains("crown.obj, which the preset needs"), "{error}");
     assert!(!presets.exists());
-    // A file of that name is somebody's.
+    // A file of that name belongs to the user.
     let heart = crate::source::resolve(Path::new("heart"), &[], &Quiet).unwrap().recipe;
     std::fs::create_dir(&presets).unwrap();
     std::fs::write(presets.join("mine.obj"), "v 0 0 0").unwrap();

@@ -223,7 +223,7 @@ impl Text {
         self.content[self.at..].find('\n').map_or(self.content.len(), |end| self.at + end)
     }
 
-    /// So many characters before the cursor.
+    /// The place that is a number of characters before the cursor.
     fn before(&self, characters: usize) -> usize {
         self.content[..self.at].char_indices().rev().take(characters).last().map_or(self.at, |(i, _)| i)
     }
@@ -255,7 +255,7 @@ fn is_letter(c: char) -> bool {
     c.is_alphanumeric() || c == '_'
 }
 
-/// Text with `\n` as its only line end, and no tabs, which have no width of their own.
+/// Text with `\n` as its only line end, and no tabs, which have no fixed width.
 fn normal(text: &str) -> String {
     text.replace("\r\n", "\n").replace('\r', "\n").replace('\t', "  ")
 }

@@ -110,7 +110,7 @@ struct FormView<'a> {
     tree: &'a Tree,
     chosen: Option<FormSpot>,
     culprit: Option<&'static str>,
-    /// What is compared with: the saved preset, or the own one while the saved one is looked at.
+    /// What is compared with: the saved preset, or the changed one while the saved one is looked at.
     other: &'a Preset,
     /// Its grammar, a line each.
     other_rules: Vec<String>,
@@ -264,7 +264,7 @@ impl FormView<'_> {
                 }
                 spans
             }
-            // No more than is needed: nobody counts to 2^64.
+            // No more than is needed: people do not count to 2^64.
             Kind::Integer { max: u64::MAX, .. } => vec![Span::styled("any whole number from 0", theme.unit)],
             kind @ (Kind::Real { .. } | Kind::Length { .. }) => {
                 // The unit stands with the numbers: 0 to 10 m, or auto.

@@ -36,7 +36,7 @@ const BETWEEN: Duration = Duration::from_millis(100);
 pub struct Bench {
     /// The model.
     pub model: Model,
-    /// What it asked for and nobody did.
+    /// What it asked for that was not done.
     pub effects: Vec<Effect>,
     now: Instant,
     painter: Option<Painter>,

@@ -42,7 +42,7 @@ impl Grid {
         ((area.width / SMALLEST.0).clamp(1, MOST.0), (area.height / SMALLEST.1).clamp(1, MOST.1))
     }
 
-    /// So many cells in an area, at most [`Self::most`], as large as can be.
+    /// `count` cells in an area, at most [`Self::most`], as large as can be.
     pub fn new(area: Rect, count: usize) -> Self {
         let (most_columns, most_rows) = Self::room(area);
         let count = count.clamp(1, Self::most(area));

@@ -9,7 +9,7 @@ pub const SEED: &str = "seed";
 pub const SPREADS: [f64; 8] = [1.05, 1.1, 1.25, 1.5, 2.0, 4.0, 10.0, 100.0];
 /// The spread that a sweep begins with: from half to double.
 pub const USUAL_SPREAD: usize = 4;
-/// A sweep has at least so many values, page by page where fewer fit.
+/// The fewest values of a sweep, page by page where fewer fit.
 const FEWEST: usize = 3;
 /// Whole numbers below this are counted, not multiplied: 1 2 3 4 5 6 7 8, not 3 4 5 6 8 10.
 const COUNTED_BELOW: u64 = 16;
@@ -90,7 +90,7 @@ impl ValueSeries {
     }
 }
 
-/// Whole numbers around one of them, at most so many.
+/// Whole numbers around one of them, at most `most`.
 fn whole(n: u64, (min, max): (u64, u64), factor: f64, most: usize) -> Vec<u64> {
     let (low, high) = if n < COUNTED_BELOW {
         let reach = (1.5 * factor).round() as u64;
@@ -111,7 +111,7 @@ fn whole(n: u64, (min, max): (u64, u64), factor: f64, most: usize) -> Vec<u64> {
     values
 }
 
-/// Numbers around one of them, at most so many.
+/// Numbers around one of them, at most `most`.
 fn real(x: f64, (min, max): (f64, f64), factor: f64, most: usize) -> Vec<f64> {
     let (low, high) = if x == 0.0 {
         // Nothing can be multiplied: a part of the range, or of one.
@@ -123,7 +123,7 @@ fn real(x: f64, (min, max): (f64, f64), factor: f64, most: usize) -> Vec<f64> {
     around(x, (low.clamp(min, x), high.clamp(x, max)), (min, max), most, 0.0)
 }
 
-/// At most so many numbers from about `low` to about `high`, rising and within the range, `x` exactly
+/// At most `most` numbers from about `low` to about `high`, rising and within the range, `x` exactly
 /// among them and the others round: in equal ratios where the sign allows it, else in equal steps.
 /// They are multiples of at least `least`.
 fn around(x: f64, (low, high): (f64, f64), range: (f64, f64), most: usize, least: f64) -> Vec<f64> {
@@ -141,7 +141,7 @@ fn around(x: f64, (low, high): (f64, f64), range: (f64, f64), most: usize, least
     values
 }
 
-/// So many round numbers, or fewer, from `x` (left out) to `end`, ever farther from `x`.
+/// At most `count` round numbers from `x` (left out) to `end`, ever farther from `x`.
 fn outwards(x: f64, end: f64, (min, max): (f64, f64), count: usize, least: f64) -> Vec<f64> {
     let exact = |step: usize| {
         let share = step as f64 / count as f64;
