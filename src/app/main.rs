@@ -15,6 +15,7 @@ mod source;
 mod targets;
 mod trust;
 mod tui;
+mod viewpoint;
 
 use std::process::ExitCode;
 

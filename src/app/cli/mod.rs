@@ -20,8 +20,6 @@ mod size;
 mod stats;
 mod workbench;
 
-pub use preview::broad_side;
-
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;

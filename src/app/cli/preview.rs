@@ -5,14 +5,14 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::{Args, ValueEnum};
+use linden::Monitor;
 use linden::colonization;
 use linden::detail::levels;
 use linden::dress::dress;
 use linden::grow::Grown;
 use linden::memory::Holding;
 use linden::picture::Picture;
-use linden::scene::{Bounds, Scene};
-use linden::{Monitor, Skeleton, Vec3};
+use linden::scene::Scene;
 use linden_raster::memory::admit_png;
 use linden_raster::{Background, Camera, Paint, Size, Style, Surface, draw_skeleton, draw_surface};
 use linden_terminal::graphics::encode;
@@ -28,6 +28,7 @@ use crate::exit::usage;
 use crate::forecast::{Outlook, announce};
 use crate::progress::Progress;
 use crate::source::Source;
+use crate::viewpoint::broad_side;
 
 /// Draw a source: in the terminal, or as a PNG file
 #[derive(Args)]
@@ -348,19 +349,6 @@ fn at_level(
         )));
     }
     Ok(all.levels.swap_remove(level).scene)
-}
-
-/// The yaw that shows a flat tree (the plane systems of ABOP) from its broad side.
-pub fn broad_side(skeleton: &Skeleton) -> f32 {
-    const FLAT: f32 = 0.01;
-    let size = Bounds::of(skeleton.positions.iter().copied()).map_or(Vec3::ONE, Bounds::size);
-    if size.z < FLAT * size.x {
-        0.0
-    } else if size.x < FLAT * size.z {
-        90.0
-    } else {
-        30.0
-    }
 }
 
 fn cells(n: u32) -> anyhow::Result<u16> {

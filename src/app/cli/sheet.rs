@@ -11,11 +11,12 @@ use linden_raster::memory::admit_png;
 use linden_raster::{Camera, Size, Style};
 
 use super::placing::{Placing, PngTarget};
-use super::preview::{PreviewLook, PreviewSubject, broad_side, size};
+use super::preview::{PreviewLook, PreviewSubject, size};
 use crate::exit::usage;
 use crate::forecast::{Outlook, announce};
 use crate::progress::Progress;
 use crate::source;
+use crate::viewpoint::broad_side;
 
 /// Draw several trees side by side on one PNG file
 #[derive(Args)]

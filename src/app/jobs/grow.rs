@@ -143,6 +143,6 @@ impl ShownTree {
 
     /// The yaw that shows a flat tree (the plane systems of ABOP) from its broad side.
     pub fn broad_side_deg(&self) -> f32 {
-        crate::cli::broad_side(&self.grown.skeleton)
+        crate::viewpoint::broad_side(&self.grown.skeleton)
     }
 }
