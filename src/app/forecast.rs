@@ -1,4 +1,4 @@
-//! What work will amount to, said before it is done.
+//! Forecasts: how large trees and files will be and how long they take, said before the work is done.
 
 use std::time::{Duration, Instant};
 

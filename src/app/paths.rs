@@ -1,4 +1,4 @@
-//! Paths in messages.
+//! Paths as messages show them.
 
 use std::path::Path;
 

@@ -1,4 +1,4 @@
-//! `linden completions`: what a shell needs to complete our command line.
+//! `linden completions`: what a shell needs to complete the command line.
 //!
 //! The scripts ask the program what may follow, so that presets, knobs and their values are completed as
 //! they are now. [`answer`] is the program's side of it.

@@ -1,4 +1,4 @@
-//! How files come into their places: shared by all commands that write any.
+//! Puts files into their places: shared by all commands that write any.
 
 use std::path::{Path, PathBuf};
 

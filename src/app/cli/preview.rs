@@ -102,7 +102,7 @@ pub(super) enum PreviewLook {
     Surface,
 }
 
-/// Pixels of a file when nobody says.
+/// Pixels of a file by default.
 const FILE_SIZE: (u32, u32) = (800, 1000);
 
 impl Preview {

@@ -1,4 +1,4 @@
-//! Files of bounded size in, whole files out.
+//! Reads files of bounded size, and writes files that are there as a whole or not at all.
 
 use std::fs;
 use std::io::{ErrorKind, Read};

@@ -1,4 +1,4 @@
-//! What is restored next time: `session.toml` in the state directory.
+//! The session, restored at the next start: `session.toml` in the state directory.
 //!
 //! It is written whole or not at all, and only when it says something new; of two processes the last
 //! to write wins. A file that is not of this version is kept beside the new one.

@@ -1,4 +1,4 @@
-//! Drawing what is on screen, and making of the pixels what the terminal shows.
+//! Draws the tree on screen, and encodes the pixels for the terminal.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};

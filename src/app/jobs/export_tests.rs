@@ -174,7 +174,7 @@ fn what_is_there_is_replaced_only_with_leave() {
     assert!(fs::read(&target).unwrap().starts_with(b"ply"));
 }
 
-/// Somebody else makes a file while the export writes.
+/// Another program makes a file while the export writes.
 struct Meanwhile(PathBuf);
 
 impl Monitor for Meanwhile {

@@ -1,4 +1,4 @@
-//! Growing what is on screen.
+//! Grows the tree on screen.
 
 use std::sync::Arc;
 

@@ -1,4 +1,4 @@
-//! One worker, newest wins.
+//! A worker thread: it does the newest request and cancels the one before.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};

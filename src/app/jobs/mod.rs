@@ -1,4 +1,4 @@
-//! Work beside the interface: growing, drawing, reading, exporting. Keys never wait for it.
+//! Work in the background: growing, drawing, reading, exporting. Keys never wait for it.
 //!
 //! A [`Lane`] does one thing at a time and the newest request wins: what is under way is cancelled
 //! inside its loops (through [`Monitor`]), and what it still says carries the number of a request

@@ -1,4 +1,4 @@
-//! The newest request wins, but work that is nearly done may finish.
+//! A lane on which the newest request wins, but work that is nearly done may finish.
 //!
 //! Keys repeat thirty times a second. If each cancelled the work of the one before, a tree that takes
 //! 50 ms would never be seen while a key is held. So a request waits while the one before is young,

@@ -1,4 +1,4 @@
-//! What the model asks of the world. The update gives values; only the runtime acts.
+//! Effects: what an update asks to be done. They are values; only the runtime acts.
 
 use std::path::PathBuf;
 use std::sync::Arc;

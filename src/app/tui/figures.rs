@@ -1,4 +1,4 @@
-//! Numbers as people read them.
+//! Numbers as text: thousands in groups, metres to three digits.
 
 /// `12 345`.
 pub fn thousands(n: u64) -> String {

@@ -14,7 +14,7 @@ use crate::jobs::ShownTree;
 /// Nudges of one knob that follow each other faster are one step of undo.
 const ONE_STEP: Duration = Duration::from_millis(700);
 
-/// What SOURCE is on a command line.
+/// Where a tree comes from: what SOURCE is on a command line.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TreePlace {
     /// A built-in preset's id.

@@ -1,4 +1,4 @@
-//! What a message changes, and what is to be done because of it.
+//! Takes messages into the model: what each changes, and the effects that follow.
 
 use std::path::PathBuf;
 use std::sync::Arc;

@@ -1,4 +1,4 @@
-//! The commands of what frames the panes.
+//! The commands for help, messages, focus, copying and leaving, and those of typed lines and pages.
 
 use super::page::{self, Page};
 use super::palette::Palette;
@@ -26,7 +26,7 @@ fn page_rows(model: &Model) -> isize {
     page.map_or(1, |page| (page.lay(model.dialog_body()).text.height as isize - 1).max(1))
 }
 
-/// The rows of this room.
+/// The rows.
 pub const COMMANDS: &[Command] = &[
     Command {
         id: "help",

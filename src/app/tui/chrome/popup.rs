@@ -1,4 +1,4 @@
-//! What dialogs are painted in: a box with a title, and the mark of how far a list is scrolled.
+//! The box of a dialog with its title, and the mark of how far a list is scrolled.
 
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;

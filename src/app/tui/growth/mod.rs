@@ -1,4 +1,4 @@
-//! Growth, played: derivation by derivation, iteration by iteration.
+//! Plays growth: derivation by derivation, iteration by iteration.
 //!
 //! The step on screen is a number; what a tree looked like then is the painter's business. A step is
 //! shown only when the picture of the one before has come, so a slow tree plays slower, not ragged.

@@ -1,4 +1,4 @@
-//! What the list of presets lists.
+//! Entries and rows of the list of presets.
 
 use linden::preset::Preset;
 

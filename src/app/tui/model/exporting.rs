@@ -1,4 +1,4 @@
-//! The export under way, those that wait, those that are done.
+//! Exports: the one under way, those that wait, those that are done.
 
 use std::collections::VecDeque;
 use std::path::PathBuf;

@@ -1,4 +1,4 @@
-//! Which entries a filter leaves, and in which order.
+//! The filter of the list: which entries it leaves, and in which order.
 
 use nucleo_matcher::pattern::{CaseMatching, Normalization, Pattern};
 use nucleo_matcher::{Config, Matcher, Utf32Str};

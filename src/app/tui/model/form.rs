@@ -1,4 +1,4 @@
-//! Where the cursor is in the form of knobs.
+//! The cursor in the form of knobs.
 
 /// Where the cursor is in the form.
 #[derive(Debug, Default)]

@@ -1,4 +1,4 @@
-//! Growth, played: the step on screen.
+//! The step of growth that is on screen while growth is played.
 
 use std::time::{Duration, Instant};
 

@@ -1,4 +1,4 @@
-//! What the footer says.
+//! Messages for the user: the footer shows the last one.
 
 use std::time::Instant;
 

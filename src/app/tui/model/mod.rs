@@ -1,4 +1,4 @@
-//! Everything that the workbench knows.
+//! The state of the workbench, all of it.
 //!
 //! A room's state is a file here, without a terminal, a clock or a thread; what changes it and what paints
 //! it is the room's folder.
@@ -66,7 +66,7 @@ pub struct Model {
     pub library: Library,
     /// What is being read.
     pub loading: Option<TreePlace>,
-    /// What is to be changed of it then.
+    /// Changes to make as soon as it is read.
     pub changes: Option<(TreePlace, Changes)>,
     /// The tree on screen.
     pub tree: Option<Tree>,

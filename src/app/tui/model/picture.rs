@@ -1,4 +1,4 @@
-//! How the tree is looked at.
+//! The camera, and what is drawn of the tree.
 
 use std::time::Instant;
 
@@ -34,7 +34,7 @@ impl PictureLook {
     }
 }
 
-/// How the tree is looked at.
+/// The camera, and what is drawn of the tree.
 #[expect(clippy::struct_excessive_bools, reason = "switches that have nothing to do with each other")]
 pub struct PictureState {
     /// From where.

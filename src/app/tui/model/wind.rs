@@ -1,4 +1,4 @@
-//! The wind, played: the frame on screen.
+//! The frame of the sway loop that is on screen while the wind is played.
 
 use std::time::Instant;
 

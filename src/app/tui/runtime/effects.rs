@@ -1,4 +1,4 @@
-//! Doing what the model asks for.
+//! Does the effects that an update asks for.
 
 use std::io::Write as _;
 use std::path::PathBuf;

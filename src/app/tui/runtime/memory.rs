@@ -1,4 +1,4 @@
-//! What is restored next time.
+//! Keeps the session, and restores it at the next start.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! Asking the terminal what it can do, after the first frame.
+//! Asks the terminal what it can do, after the first frame.
 
 use std::time::{Duration, Instant};
 

@@ -1,4 +1,4 @@
-//! Reading what the user configured.
+//! Reads what the user configured.
 
 use linden_terminal::Capabilities;
 use linden_terminal::probe::Overrides;

@@ -1,4 +1,4 @@
-//! Bytes and times, for `--stats`.
+//! Measures bytes and times for `--stats`.
 
 use std::time::{Duration, Instant};
 

@@ -1,4 +1,4 @@
-//! Watching files, off the loop: looking through directories takes what a disk takes, and on a network
+//! Watches files, off the loop: looking through directories takes what a disk takes, and on a network
 //! that is gone it takes for ever.
 
 use std::path::PathBuf;

@@ -1,4 +1,4 @@
-//! How much an L-system would grow, before it does.
+//! A forecast of how much an L-system grows, in one line.
 
 use linden::lsystem::Forecast;
 use linden::preset::{Generator, Preset};

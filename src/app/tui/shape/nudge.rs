@@ -1,4 +1,4 @@
-//! How far a key turns a knob.
+//! Nudges: how far a key turns a knob.
 
 use linden::knob::{Kind, Value};
 

@@ -1,4 +1,4 @@
-//! A workbench without a terminal, for the tests of this room.
+//! A workbench without a terminal, for the tests of the form.
 
 use std::path::PathBuf;
 use std::time::{Duration, Instant};

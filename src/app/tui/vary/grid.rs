@@ -1,4 +1,4 @@
-//! Where the pictures of a gallery are.
+//! The grid of a gallery: where its pictures are.
 
 use ratatui::layout::Rect;
 

@@ -1,4 +1,4 @@
-//! Seeds, galleries, sweeps.
+//! Variations of a tree: other seeds, galleries of them, sweeps of a knob.
 //!
 //! A gallery is one knob turned many ways: the seed, or any other. It keeps no trees and no recipes;
 //! what it shows follows from the tree on screen, the knob and the room that there is, so a resize or

@@ -1,4 +1,4 @@
-//! The wind, played: the sway loop of exports in the picture.
+//! Plays the wind: the sway loop of exports in the picture.
 //!
 //! The frame on screen follows the clock; how a tree stands at a frame is the painter's business. A frame
 //! is asked for only when the picture of the one before has come, so a slow tree shows fewer frames of
