@@ -2,7 +2,7 @@
 
 use linden::forest::{FOREST_KNOBS, builtin_forests};
 use linden::knob::{Kind, Knob};
-use linden::preset::{KNOBS, builtins, shape_knobs};
+use linden::preset::{KNOBS, builtins};
 use linden_exporters::REGISTRY;
 
 use crate::program::linden;
@@ -59,7 +59,9 @@ fn knob(name: &str) -> Option<Knob> {
         let format = REGISTRY.iter().map(|own| own.format()).find(|own| own.id == format)?;
         return format.options.iter().map(|own| own.knob).find(|own| own.name == option);
     }
-    let mut all = KNOBS.iter().copied().chain(shape_knobs()).map(|own| own.knob);
+    let of_presets = builtins().iter().filter_map(|own| own.load().ok()).flat_map(|preset| preset.knobs());
+    // Those of crown shapes are in presets that have the shape.
+    let mut all = KNOBS.iter().map(|own| own.knob).chain(of_presets.map(|(own, _)| own.knob));
     all.find(|own| own.name == name)
         .or_else(|| FOREST_KNOBS.iter().map(|own| own.knob).find(|own| own.name == name))
 }

@@ -1,8 +1,9 @@
 //! Examples: presets and grammars in the documents are read, and errors are what the documents say.
 
+use linden::knob::Value;
 use linden::lsystem::Grammar;
 use linden::lsystem::text::parse;
-use linden::preset::{Generator, Preset};
+use linden::preset::Preset;
 
 use crate::{blocks, is_update, pages, read, root};
 
@@ -62,17 +63,17 @@ fn both_forms_of_the_weed_are_the_same() {
     let page = read("docs/grammar.md");
     let preset = Preset::from_toml(blocks(&page, "toml")[0].1).unwrap();
     let file = parse(blocks(&page, "text")[0].1).unwrap();
-    let Generator::LSystem(own) = &preset.generator else { panic!("the weed is an L-system") };
-    assert_eq!((own.angle_deg, own.derivations), (file.angle_deg, file.derivations));
-    let rules = |grammar: &Grammar| {
-        grammar
-            .to_string()
-            .lines()
-            .filter(|line| !line.starts_with('#'))
-            .map(str::to_owned)
-            .collect::<Vec<_>>()
+    let value = |name: &str| {
+        let mut knobs = preset.knobs().into_iter();
+        knobs.find(|(knob, _)| knob.knob.name == name).map(|(_, value)| value)
     };
-    assert_eq!(rules(&own.grammar), rules(&file.grammar));
+    assert_eq!(value("angle"), Some(Value::Real(file.angle_deg)));
+    assert_eq!(value("derivations"), Some(Value::Integer(file.derivations.into())));
+    let document: toml::Table = blocks(&page, "toml")[0].1.parse().unwrap();
+    let rules: Vec<&str> =
+        document["lsystem"]["rules"].as_array().unwrap().iter().filter_map(|rule| rule.as_str()).collect();
+    let axiom = document["lsystem"]["axiom"].as_str().unwrap();
+    assert_eq!(Grammar::new(axiom, &rules).unwrap(), file.grammar);
 }
 
 /// `…` in the page stands for anything.

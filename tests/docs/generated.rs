@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use linden::colonization::crown::SHAPES;
 use linden::knob::Knob;
-use linden::preset::{KNOBS, PART_KNOBS, Preset, Section};
+use linden::preset::{KNOBS, PART_KNOBS, Preset};
 use linden_exporters::{Format, LooksIn, REGISTRY};
 
 use crate::{is_update, read, root};
@@ -51,68 +51,75 @@ fn row(knob: &Knob, default: &str) -> String {
 
 const HEAD: &str = "| knob | default | values | |\n|---|---|---|---|\n";
 
-/// The simplest presets of both kinds: all of them at its default.
-fn plain() -> [Preset; 2] {
-    ["axiom = \"F\"\nrules = [\"F -> FF\"]", "crown = \"dome\""].map(|own| {
-        let table = if own.starts_with("axiom") { "lsystem" } else { "colonization" };
-        Preset::from_toml(&format!("id = \"plain\"\n[{table}]\n{own}\n")).unwrap()
-    })
+/// The simplest presets of each kind: all of their knobs have their defaults.
+fn plain() -> Vec<Preset> {
+    let tables = [
+        "[lsystem]\naxiom = \"F\"\nrules = [\"F -> FF\"]",
+        "[colonization]\ncrown = \"dome\"",
+        "[colonization]\nscan = \"scan.xyz\"",
+    ];
+    tables.map(|table| Preset::from_toml(&format!("id = \"plain\"\n{table}\n")).unwrap()).to_vec()
+}
+
+/// What a table of a document is about.
+fn about(table: &str) -> &'static str {
+    match table {
+        "" => "Before all tables of a document.",
+        "lsystem" => {
+            "How a [grammar](grammar.md) is derived and drawn. Chance is keyed by the place in the tree, so that an edit does not\n\
+             reshuffle the rest."
+        }
+        "colonization" => "[Crowns and growth](crowns.md), and [scans](scans.md).",
+        "scan" => "[From a laser scan](scans.md).",
+        "wood" => {
+            "Radii (`width` is the rule for them), and `refine`, a list of steps that are applied to the axes after growth, as in\n\
+             Runions, Lane & Prusinkiewicz 2007."
+        }
+        "surface" => {
+            "The mesh of the wood. `junction=watertight` makes all wood one closed solid for printing and simulation."
+        }
+        "bark" => {
+            "Bark is drawn by the program. Pictures of yours replace it: `bark_picture` tiles and is `bark_tile` metres wide."
+        }
+        "foliage" => {
+            "Leaves, of any generator; the wood does not change with them. `[[foliage.also]]` has the same knobs for a second kind,\n\
+             for blossom or fruit."
+        }
+        "detail" => "[Levels of detail](formats.md#levels-of-detail).",
+        "wind" => "[Wind](formats.md#wind).",
+        other => panic!("say in tests/docs/generated.rs what the table [{other}] is about"),
+    }
 }
 
 #[test]
 fn the_knobs_are_those_of_the_program() {
     let presets = plain();
     let default = |name: &str| {
-        let all = presets.iter().flat_map(Preset::knobs);
-        let found = all.into_iter().find(|(knob, _)| knob.knob.name == name);
-        found.map_or_else(String::new, |(_, value)| value.to_string())
+        let mut all = presets.iter().flat_map(Preset::knobs);
+        let found = all.find(|(knob, _)| knob.knob.name == name);
+        found.map(|(_, value)| value.to_string()).unwrap_or_default()
     };
+    // These are with their shapes.
+    let dimensions: Vec<&str> =
+        SHAPES.iter().flat_map(|shape| shape.knobs).map(|own| own.knob.name).collect();
+    let knobs = || KNOBS.iter().filter(|own| !dimensions.contains(&own.knob.name));
+    let mut tables: Vec<&str> = knobs().map(|own| own.section.key()).collect();
+    tables.dedup();
     let mut page = format!(
         "# Knobs\n\n\
          Generated from the tables of the program: `{COMMAND}`.\n\n\
-         Turned by `--set KNOB=VALUE`, in the workbench, or in a preset's document, under the table that the section is \
-         called by.\nLengths are metres. `17D` is seventeen steps. The dimensions of crowns are with their\n\
+         Turned by `--set KNOB=VALUE`, in the workbench, or in a preset's document, in the table that a section is called \
+         by.\nLengths are metres. `17D` is seventeen steps. The dimensions of crowns are with their\n\
          [shapes](crowns.md#shapes), what a part may have with the [parts](crowns.md#parts).\n\
          `linden show SOURCE` lists the knobs of one source with their values.\n"
     );
-    for section in Section::ALL {
-        let (heading, about) = match section {
-            Section::Tree => ("tree", "Before all tables of a document."),
-            Section::LSystem => (
-                "lsystem",
-                "How a [grammar](grammar.md) is derived and drawn. Chance is keyed by the place in the tree, so that an edit does not\n\
-             reshuffle the rest.",
-            ),
-            Section::Colonization => {
-                ("colonization", "[Crowns and growth](crowns.md), and [scans](scans.md).")
-            }
-            Section::Wood => (
-                "wood",
-                "Radii (`width` is the rule for them), and `refine`, a list of steps that are applied to the axes after growth, as in\n\
-             Runions, Lane & Prusinkiewicz 2007.",
-            ),
-            Section::Surface => (
-                "surface",
-                "The mesh of the wood. `junction=watertight` makes all wood one closed solid for printing and simulation.",
-            ),
-            Section::Bark => (
-                "bark",
-                "Bark is drawn by the program. Pictures of yours replace it: `bark_picture` tiles and is `bark_tile` metres wide.",
-            ),
-            Section::Foliage => (
-                "foliage",
-                "Leaves, of any generator; the wood does not change with them. `[[foliage.also]]` has the same knobs for a second kind,\n\
-             for blossom or fruit.",
-            ),
-            Section::Detail => ("detail", "[Levels of detail](formats.md#levels-of-detail)."),
-            Section::Wind => ("wind", "[Wind](formats.md#wind)."),
-        };
-        assert!(section == Section::Tree || heading == section.key());
-        write!(page, "\n## {heading}\n\n{about}\n\n{HEAD}").unwrap();
-        for own in KNOBS.iter().filter(|knob| knob.section == section) {
+    for table in tables {
+        let heading = if table.is_empty() { "tree" } else { table };
+        write!(page, "\n## {heading}\n\n{}\n\n{HEAD}", about(table)).unwrap();
+        for own in knobs().filter(|own| own.section.key() == table) {
             page += &row(&own.knob, &default(own.knob.name));
         }
-        for (_, key, help) in Preset::file_keys().filter(|(own, _, _)| *own == section) {
+        for (_, key, help) in Preset::file_keys().filter(|(section, _, _)| section.key() == table) {
             writeln!(page, "| `{key}` | none | the name of a file | {} |", cell(help)).unwrap();
         }
     }

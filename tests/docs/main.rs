@@ -78,3 +78,13 @@ fn there_are_documents_and_blocks() {
     assert!(pages.iter().all(|page| !page.contains("target/")), "{pages:?}");
     assert_eq!(blocks("a\n```sh\nx\ny\n```\n```toml\nz\n```\n", "toml"), [(7, "z\n")]);
 }
+
+#[test]
+fn the_minimum_rust_is_the_same_everywhere() {
+    let manifest = read("Cargo.toml");
+    let (_, rest) = manifest.split_once("rust-version = \"").unwrap();
+    let (minimum, _) = rest.split_once('"').unwrap();
+    for path in ["README.md", "CONTRIBUTING.md", "CHANGELOG.md", ".github/workflows/ci.yml"] {
+        assert!(read(path).contains(minimum), "{path} does not say that the minimum Rust is {minimum}");
+    }
+}
