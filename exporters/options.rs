@@ -16,13 +16,13 @@ pub struct OptionSpec {
 impl OptionSpec {
     /// `true` or `false`.
     pub const fn switch(name: &'static str, default: bool, help: &'static str) -> Self {
-        let knob = Knob { name, kind: Kind::Switch, unit: "", help };
+        let knob = Knob::new(name, Kind::Switch, "", help);
         Self { knob, default: if default { "true" } else { "false" } }
     }
 
     /// One of some words, the first by default; at least one.
     pub const fn choice(name: &'static str, words: &'static [&'static str], help: &'static str) -> Self {
-        Self { knob: Knob { name, kind: Kind::Choice(words), unit: "", help }, default: words[0] }
+        Self { knob: Knob::new(name, Kind::Choice(words), "", help), default: words[0] }
     }
 }
 

@@ -13,8 +13,8 @@ use std::collections::BTreeSet;
 use linden::forecast::Sample;
 use linden::grow::Grown;
 use linden::monitor::{Cancelled, Monitor};
-use linden::preset::Preset;
 use linden::recipe::Recipe;
+use linden::settings::Dressing;
 use linden::surface::{self, Junction, SurfaceError, Tubes};
 use linden::wind::Wind;
 
@@ -57,7 +57,7 @@ impl Estimate {
     /// # Errors
     /// [`Cancelled`].
     pub fn new(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Self, Cancelled> {
-        Self::counted(recipe, grown, &recipe.preset.tubes, [1.0; 2], monitor)
+        Self::counted(recipe, grown, &recipe.preset.dressing.tubes, [1.0; 2], monitor)
     }
 
     /// What a tree that has not grown will have, from a sample of it.
@@ -66,7 +66,7 @@ impl Estimate {
     /// [`Cancelled`].
     pub fn of_sample(recipe: &Recipe, sample: &Sample, monitor: &dyn Monitor) -> Result<Self, Cancelled> {
         let times = [sample.wood_times, sample.leaf_times];
-        Self::counted(recipe, &sample.grown, &sample.recipe.preset.tubes, times, monitor)
+        Self::counted(recipe, &sample.grown, &sample.recipe.preset.dressing.tubes, times, monitor)
     }
 
     /// Counts a tree's wood and leaves, each multiplied.
@@ -77,7 +77,7 @@ impl Estimate {
         [wood_times, leaf_times]: [f64; 2],
         monitor: &dyn Monitor,
     ) -> Result<Self, Cancelled> {
-        let Preset { foliage, detail, .. } = &recipe.preset;
+        let Dressing { foliage, detail, .. } = &recipe.preset.dressing;
         let of_wood = |count: u64| (count as f64 * wood_times) as u64;
         let of_leaves = |count: u64| (count as f64 * leaf_times) as u64;
         let skeleton = &grown.skeleton;
@@ -100,7 +100,7 @@ impl Estimate {
             (of_leaves(foliage_vertices), of_leaves(foliage_triangles));
         let last = foliage.turtle_colors().len().saturating_sub(1) as u64;
         let organs = &grown.organs;
-        let wind = recipe.preset.wind.wind;
+        let wind = recipe.preset.dressing.wind.wind;
         let tinted = (0..organs.len()).filter(|&i| organs.color(i).is_none());
         let colors: BTreeSet<u64> = tinted.map(|i| last.min(organs.growth(i).color.into())).collect();
         let kinds: BTreeSet<u8> = organs.shapes.iter().map(|shape| shape.kind).collect();
@@ -159,7 +159,8 @@ impl Estimate {
 
     /// Kinds of leaves whose pictures are drawn.
     pub(crate) fn drawn_kinds(&self, recipe: &Recipe) -> f64 {
-        let kinds = self.kinds.iter().filter_map(|&kind| recipe.preset.foliage.kinds().nth(kind.into()));
+        let kinds =
+            self.kinds.iter().filter_map(|&kind| recipe.preset.dressing.foliage.kinds().nth(kind.into()));
         kinds.filter(|kind| kind.picture.is_none()).count() as f64
     }
 

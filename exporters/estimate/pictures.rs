@@ -1,12 +1,12 @@
 //! Bytes that pictures take as PNG, from what draws them.
 
-use linden::preset::{BarkLook, DetailLook};
+use linden::preset::{BarkSettings, DetailSettings};
 use linden::recipe::{Geometry, Recipe};
 use linden::texture::BarkStyle;
 
 /// Both pictures of a bark as PNG, drawn or from files.
 pub(super) fn bark_bytes(recipe: &Recipe) -> u64 {
-    let look = &recipe.preset.bark;
+    let look = &recipe.preset.dressing.bark;
     match (&look.picture, &look.normal) {
         (None, None) => picture_bytes(look),
         // Normals follow the picture and take about twice as much (2.1 times for a ridged bark).
@@ -17,7 +17,7 @@ pub(super) fn bark_bytes(recipe: &Recipe) -> u64 {
 }
 
 /// The pictures of a billboard as PNG: two, all planes beside each other in each.
-pub(super) fn billboard_bytes(detail: &DetailLook) -> u64 {
+pub(super) fn billboard_bytes(detail: &DetailSettings) -> u64 {
     let side = f64::from(detail.billboard_size_px);
     (f64::from(detail.billboard) * side * side * BILLBOARD_BYTES) as u64
 }
@@ -38,7 +38,7 @@ pub(super) fn file_bytes(recipe: &Recipe, file: &str) -> u64 {
 ///
 /// Measured at 512 pixels with the usual grain; a pixel of a larger picture says less that its
 /// neighbours have not said, and takes 0.73 times as much for each doubling of the side.
-fn picture_bytes(look: &BarkLook) -> u64 {
+fn picture_bytes(look: &BarkSettings) -> u64 {
     let (color, normal, relief) = match look.style {
         BarkStyle::Ridged => (0.79, 1.80, 0.045),
         BarkStyle::Smooth => (0.53, 0.54, 0.006),

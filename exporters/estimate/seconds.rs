@@ -6,8 +6,8 @@
 //! forecast` prints forecasts beside the truth. Other machines differ by a factor: what is said before long work
 //! is meant to tell seconds from minutes.
 
-use linden::preset::Preset;
 use linden::recipe::Recipe;
+use linden::settings::Dressing;
 use linden::surface::Junction;
 
 use super::Estimate;
@@ -40,7 +40,7 @@ const PACKED_TRIANGLE_S: f64 = 90e-9;
 impl Estimate {
     /// From a skeleton to all levels of a scene, its pictures drawn.
     pub fn dress_seconds(&self, recipe: &Recipe) -> f64 {
-        let Preset { detail, tubes, foliage, wind, .. } = &recipe.preset;
+        let Dressing { detail, tubes, foliage, wind, .. } = &recipe.preset.dressing;
         let triangles: f64 = self.level_triangles().sum();
         let is_solved = detail.finest() > 0 || detail.triangle_levels() > 1;
         let solved = if is_solved { SOLVED_TRIANGLE_S * self.unbudgeted_triangles() * 8.0 } else { 0.0 };
@@ -53,18 +53,18 @@ impl Estimate {
         let planes = f64::from(detail.billboard) * square(detail.billboard_size_px);
         triangles * (swept + blown)
             + solved
-            + square(recipe.preset.bark.size_px) * BARK_PIXEL_S
+            + square(recipe.preset.dressing.bark.size_px) * BARK_PIXEL_S
             + self.drawn_kinds(recipe) * square(foliage.size_px) * LEAF_PIXEL_S
             + planes * BILLBOARD_PIXEL_S
     }
 
     /// Measuring the surface and the leaves, as `linden stats` does.
     pub fn survey_seconds(&self, recipe: &Recipe) -> f64 {
-        let of_triangle = match recipe.preset.tubes.junction {
+        let of_triangle = match recipe.preset.dressing.tubes.junction {
             Junction::Watertight => SOLID_TRIANGLE_S,
             _ => SURVEYED_TRIANGLE_S,
         };
-        let side = f64::from(recipe.preset.foliage.size_px);
+        let side = f64::from(recipe.preset.dressing.foliage.size_px);
         self.triangles as f64 * of_triangle + self.drawn_kinds(recipe) * side * side * LEAF_PIXEL_S
     }
 
@@ -84,8 +84,8 @@ impl Estimate {
     /// Compressing all pictures.
     pub fn compress_seconds(&self, recipe: &Recipe) -> f64 {
         let square = |side: u32| f64::from(side) * f64::from(side);
-        let bark = square(recipe.preset.bark.size_px);
-        let leaves = self.drawn_kinds(recipe) * square(recipe.preset.foliage.size_px);
+        let bark = square(recipe.preset.dressing.bark.size_px);
+        let leaves = self.drawn_kinds(recipe) * square(recipe.preset.dressing.foliage.size_px);
         2.0 * (bark + leaves) * PNG_PIXEL_S
     }
 }

@@ -3,8 +3,8 @@
 use std::sync::LazyLock;
 
 use linden::Quiet;
-use linden::detail::levels;
 use linden::dress::dress;
+use linden::dress::levels;
 use linden::grow::grow;
 use linden::preset::builtins;
 use linden::stage::Stage;
@@ -72,8 +72,8 @@ fn all_off(what: &str, recipe: &Recipe) -> Vec<String> {
     let triangles = finest.parts.iter().map(|part| part.mesh.triangles.len() as u64).sum();
     faults.extend(off(what, estimate.vertices, vertices));
     faults.extend(off(what, estimate.triangles, triangles));
-    let is_counted = recipe.preset.detail.finest() == 0
-        && recipe.preset.tubes.junction != Junction::Watertight
+    let is_counted = recipe.preset.dressing.detail.finest() == 0
+        && recipe.preset.dressing.tubes.junction != Junction::Watertight
         && grown.organs.polygons.ends.is_empty();
     if is_counted && (estimate.vertices, estimate.triangles) != (vertices, triangles) {
         faults.push(format!("{what}: {estimate:?} is not {vertices} vertices, {triangles} triangles"));

@@ -100,7 +100,7 @@ impl ForestOutlook {
         let outlook = |(tree, count): (&Tree, f64)| {
             let mut recipe = tree.recipe.clone();
             let budget = triangles.saturating_mul(tree.stems);
-            let budgeted = &mut recipe.preset.detail.triangles;
+            let budgeted = &mut recipe.preset.dressing.detail.triangles;
             *budgeted = if *budgeted == 0 { budget } else { budget.min(*budgeted) };
             let outlook = Outlook::of(&recipe, monitor)?;
             Some((recipe, outlook, count))

@@ -10,7 +10,9 @@ use linden::input::{InputKind, sniff};
 use linden::knob::{did_you_mean, nearest, printable};
 use linden::lsystem::text;
 use linden::memory::Holding;
-use linden::preset::{Fault, Preset, RecipeError, Space, builtin, builtin_file, builtins};
+use linden::preset::{
+    Colonization, Fault, Preset, RecipeError, ScanSettings, Space, builtin, builtin_file, builtins,
+};
 use linden::recipe::{Input, Inputs, Recipe};
 
 use crate::config::dirs::Dirs;
@@ -206,7 +208,6 @@ impl<'a> Reader<'a> {
             path.and_then(Path::file_name).map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         let kind = sniff(bytes, &name).with_context(reading)?;
         let id = id_from(&name);
-        let alone = |space| Preset::of_space(&id, space);
         let preset = match kind {
             InputKind::Preset => {
                 let text = document(bytes, shown, self.monitor)?;
@@ -221,8 +222,10 @@ impl<'a> Reader<'a> {
                 let preset = Preset::of_grammar(&id, parsed.grammar, parsed.angle_deg, parsed.derivations);
                 return Ok(self.replaced(Recipe::new(preset)));
             }
-            InputKind::ObjMesh | InputKind::PlyMesh => alone(Space::Envelope { file: name.clone() }),
-            InputKind::PlyPoints | InputKind::XyzPoints => alone(Space::Points { file: name.clone() }),
+            InputKind::ObjMesh | InputKind::PlyMesh => {
+                Preset::of(&id, Colonization::of(Space::Envelope { file: name.clone() }))
+            }
+            InputKind::PlyPoints | InputKind::XyzPoints => Preset::of(&id, ScanSettings::of(name.clone())),
         };
         let mut recipe = Recipe::new(preset);
         let input = self.input(&name, bytes).with_context(reading)?;

@@ -1,268 +1,55 @@
-//! Skeleton → scene: everything that is to be seen.
+//! Recipe and grown tree → scene.
 
-use std::sync::Arc;
+use linden_base::monitor::Monitor;
+use linden_plant::foliage::{FoliageError, LeafShape, Organs};
+use linden_plant::scene::Scene;
+use linden_plant::season::Season;
+use linden_plant::{detail, dress};
 
-use glam::Vec3;
-
-use crate::color::linear;
-use crate::foliage::{self, CUTOUT, Cover, Foliage, FoliageError, Instances, Look, Organs, Shape};
 use crate::grow::Grown;
-use crate::knob::printable;
-use crate::memory::Holding;
-use crate::monitor::{Cancelled, Monitor, from_cancellable};
-use crate::random::Key;
-use crate::recipe::{Geometry, Recipe};
-use crate::scene::{Material, Mesh, Part, Scene, Wrap};
-use crate::surface::{self, SurfaceError};
-use crate::texture::{self, BarkError, BarkPictures};
-use crate::wind::{Blown, Field};
+use crate::recipe::Recipe;
 
-/// Bark scatters light in all directions; nothing on it shines.
-const BARK_ROUGHNESS: f32 = 0.9;
+pub use linden_plant::detail::{DetailError, Finest, Level, Levels, Year};
+pub use linden_plant::dress::DressError;
 
-/// Why a tree has no scene.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum DressError {
-    /// The result was no longer wanted.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-    /// The surface.
-    #[error(transparent)]
-    Surface(SurfaceError),
-    /// Leaves and the like.
-    #[error(transparent)]
-    Foliage(FoliageError),
-    /// The bark's pictures.
-    #[error(transparent)]
-    Bark(BarkError),
-    /// A file for the bark that is missing or holds something else.
-    #[error("'{knob}' is '{}', which must hold a picture (PNG)", printable(.file))]
-    NoPicture {
-        /// The preset's key.
-        knob: &'static str,
-        /// As the preset names it.
-        file: String,
-    },
-    /// Normals that do not lie on the picture.
-    #[error(
-        "'bark_normal' has {} × {} pixels and the bark's picture {} × {}: one must be the other, scaled; use \
-         pictures of the same proportions",
-        .normal[0], .normal[1], .picture[0], .picture[1]
-    )]
-    Proportions {
-        /// Width and height, pixels.
-        normal: [u32; 2],
-        /// Width and height, pixels.
-        picture: [u32; 2],
-    },
-}
-
-from_cancellable!(DressError: SurfaceError => Surface, FoliageError => Foliage, BarkError => Bark);
-
-/// For messages about memory.
-const BLOWING: &str = "computing the wind";
-const BLOWING_ADVICE: &str = "use wind=attributes, a budget of triangles, or no wind";
-
-/// Leaves are a little glossy.
-const LEAF_ROUGHNESS: f32 = 0.6;
-
-/// Gives a grown tree its surface, its foliage (a part for each kind and for each of a grammar's
-/// colours) and materials. Only pictures use the seed.
+/// Gives a grown tree its surface, its foliage and its materials: all of it, one level, in its own season.
+///
+/// Budgets and levels of detail (`triangles`, `lods`, `billboard`) are left out: [`levels`] has them.
 ///
 /// # Errors
 /// [`DressError`]: too large, or cancelled.
 pub fn dress(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Scene, DressError> {
-    let held = Holding::new(monitor, grown.bytes());
-    let wardrobe = Wardrobe::new(recipe, &grown.organs, &held)?;
-    let field = Field::of(&recipe.preset, &grown.skeleton);
-    let blown = field.as_ref().map(|field| Blown { field, axes: None });
-    wardrobe.dress(recipe, grown, blown, monitor)
+    recipe.with_specimen(|specimen| dress::dress(specimen, grown.body(), monitor))
 }
 
-/// What a tree wears: pictures, drawn once for all of its levels of detail and looks.
-pub struct Wardrobe {
-    bark: Material,
-    /// By kind; `None` where no organ is of it.
-    covers: Vec<Option<Cover>>,
-    shapes: Arc<[Shape]>,
+/// The levels of detail that a recipe asks for, the finest first, within its budgets; one where it asks for
+/// none.
+///
+/// # Errors
+/// [`DetailError`].
+pub fn levels(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Levels, DetailError> {
+    recipe.with_specimen(|specimen| detail::levels(specimen, grown.body(), monitor))
 }
 
-impl Wardrobe {
-    /// Draws the pictures that the bark and these organs need.
-    ///
-    /// # Errors
-    /// [`DressError`].
-    pub fn new(recipe: &Recipe, organs: &Organs, monitor: &dyn Monitor) -> Result<Self, DressError> {
-        let bark = bark(recipe, monitor)?;
-        Self { bark, covers: Vec::new(), shapes: Vec::new().into() }.in_season(recipe, organs, monitor)
-    }
-
-    /// The same bark with the leaves of another season.
-    ///
-    /// # Errors
-    /// [`DressError`].
-    pub(crate) fn in_season(
-        &self,
-        recipe: &Recipe,
-        organs: &Organs,
-        monitor: &dyn Monitor,
-    ) -> Result<Self, DressError> {
-        let bark = [&self.bark.base_color_picture, &self.bark.normal_picture];
-        let pictures = bark.into_iter().flatten().map(|own| own.rgba().len() as u64).sum();
-        let (covers, shapes) = covers(recipe, organs, &Holding::new(monitor, pictures))?;
-        Ok(Self { bark: self.bark.clone(), covers, shapes: shapes.into() })
-    }
-
-    /// Bytes of the pictures.
-    fn bytes(&self) -> u64 {
-        let bark = [&self.bark.base_color_picture, &self.bark.normal_picture].into_iter().flatten();
-        let covers = self.covers.iter().flatten();
-        let covers = covers.flat_map(|own| std::iter::once(&own.base_color).chain(own.normal.as_ref()));
-        bark.chain(covers).map(|picture| picture.rgba().len() as u64).sum()
-    }
-
-    /// As [`dress`](dress()), with these pictures and this wind.
-    ///
-    /// # Errors
-    /// [`DressError`].
-    pub(crate) fn dress(
-        &self,
-        recipe: &Recipe,
-        grown: &Grown,
-        blown: Option<Blown<'_>>,
-        monitor: &dyn Monitor,
-    ) -> Result<Scene, DressError> {
-        let preset = &recipe.preset;
-        let held = grown.bytes() + recipe.inputs.bytes() + self.bytes();
-        let monitor: &dyn Monitor = &Holding::new(monitor, held);
-        let mut wood = surface::sweep(&grown.skeleton, &preset.tubes, monitor)?;
-        stretch(&mut wood, &self.bark);
-        let mut materials = vec![self.bark.clone()];
-        let mut wood = Part::new("wood", 0, wood);
-        if let Some(blown) = blown {
-            let bytes = wood.bytes() + blown.field.bytes_for(wood.mesh.positions.len());
-            monitor.admit(BLOWING, bytes, BLOWING_ADVICE).map_err(SurfaceError::from)?;
-            let tubes = surface::count(&grown.skeleton, &preset.tubes, monitor)?;
-            wood.wind = Some(blown.wood(&wood.mesh, &tubes, monitor)?);
-        }
-        let wooded = Holding::new(monitor, wood.bytes());
-        let mut parts = vec![wood];
-        self.leaves(recipe, &grown.organs, blown, &mut materials, &mut parts, &wooded)?;
-        let name = if preset.name.trim().is_empty() { &preset.id } else { &preset.name };
-        Ok(Scene {
-            name: printable(name),
-            recipe: recipe.to_line(),
-            materials,
-            parts,
-            skeleton: Arc::clone(&grown.skeleton),
-        })
-    }
-
-    /// Adds what grows on the wood, in the pictures of its kinds.
-    fn leaves(
-        &self,
-        recipe: &Recipe,
-        organs: &Arc<Organs>,
-        blown: Option<Blown<'_>>,
-        materials: &mut Vec<Material>,
-        parts: &mut Vec<Part>,
-        monitor: &dyn Monitor,
-    ) -> Result<(), FoliageError> {
-        let colors = recipe.preset.foliage.turtle_colors();
-        // A recipe with other kinds than the organs grew by: their own shapes fit them at least.
-        let fit = self.shapes.len() == organs.shapes.len();
-        let shapes = if fit { &self.shapes } else { &organs.shapes };
-        for Foliage { look, mesh } in foliage::meshes_of(organs, shapes, colors.len(), monitor)? {
-            let numbered =
-                |name: &str, i: usize| if i == 0 { name.to_owned() } else { format!("{name}_{i}") };
-            let cover = match look {
-                Look::Color(_) => None,
-                Look::Kind(kind) => self.covers.get(kind).and_then(Option::as_ref),
-            };
-            let (name, base_color) = match look {
-                // Both may be there: what a grammar placed itself, and leaves.
-                Look::Color(i) => (
-                    numbered(if organs.shapes.is_empty() { "leaves" } else { "organs" }, i),
-                    colors.get(i).copied().map_or([0.0; 3], linear),
-                ),
-                Look::Kind(i) => (numbered("leaves", i), cover.map_or([0.0; 3], mean_color)),
-            };
-            let mut part = Part::new(name.clone(), materials.len(), mesh);
-            let is_placed = !organs.placed.prototypes.is_empty();
-            part.instances = is_placed.then(|| Instances::of(organs, shapes, colors.len(), look));
-            if let Some(blown) = blown {
-                let held: u64 = parts.iter().skip(1).map(Part::bytes).sum();
-                let bytes = held + part.bytes() + blown.field.bytes_for(part.mesh.positions.len());
-                monitor.admit(BLOWING, bytes, BLOWING_ADVICE)?;
-                part.wind = Some(blown.leaves(&part.mesh, organs, look, colors.len(), monitor)?);
-            }
-            parts.push(part);
-            materials.push(Material {
-                name,
-                base_color,
-                base_color_picture: cover.map(|own| Arc::clone(&own.base_color)),
-                normal_picture: cover.and_then(|own| own.normal.clone()),
-                roughness: LEAF_ROUGHNESS,
-                double_sided: true,
-                cutout: cover.filter(|own| own.is_cut_out).map(|_| CUTOUT),
-                wrap: Wrap::Clamp,
-            });
-        }
-        Ok(())
-    }
+/// The same wood with the leaves of several seasons, each with the levels of [`levels`].
+///
+/// # Errors
+/// [`DetailError`].
+pub fn year(
+    recipe: &Recipe,
+    grown: &Grown,
+    seasons: &[Season],
+    monitor: &dyn Monitor,
+) -> Result<Year, DetailError> {
+    recipe.with_specimen(|specimen| detail::year(specimen, grown.body(), seasons, monitor))
 }
 
-/// The bark, its pictures drawn or the user's own.
-fn bark(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Material, DressError> {
-    let look = &recipe.preset.bark;
-    let drawn = look.bark(Key::new(recipe.preset.seed).named("bark"));
-    let own = |knob, file: &Option<String>| match file {
-        None => Ok(None),
-        Some(file) => match recipe.input(file).map(|input| &input.geometry) {
-            Some(Geometry::Picture(own)) => Ok(Some(own)),
-            _ => Err(DressError::NoPicture { knob, file: file.clone() }),
-        },
-    };
-    let (color, normal) = (own("bark_picture", &look.picture)?, own("bark_normal", &look.normal)?);
-    let (base_color, mean) = match color {
-        Some(own) => (Some(texture::opaque(&own.picture)), own.cell.color),
-        None => (None, drawn.color),
-    };
-    let normal = normal.map(|own| texture::opaque(&own.picture));
-    let BarkPictures { base_color, normal } = match (base_color, normal) {
-        (Some(base_color), Some(normal)) => BarkPictures { base_color, normal },
-        (Some(base_color), None) => {
-            let normal = texture::normals_by_lightness(&base_color, drawn.relief, monitor)?;
-            BarkPictures { base_color, normal }
-        }
-        (None, Some(normal)) => BarkPictures { normal, ..drawn.draw(monitor)? },
-        (None, None) => drawn.draw(monitor)?,
-    };
-    let [n, p] = [&normal, &base_color].map(|picture| [picture.width(), picture.height()]);
-    // To a pixel of the larger one's side.
-    let [n_area, p_area] = [[n[0], p[1]], [p[0], n[1]]].map(|[w, h]| u64::from(w) * u64::from(h));
-    if n_area.abs_diff(p_area) > u64::from(n[0].max(n[1]).max(p[0]).max(p[1])) {
-        return Err(DressError::Proportions { normal: n, picture: p });
-    }
-    Ok(Material {
-        name: "bark".to_owned(),
-        base_color: linear(mean),
-        base_color_picture: Some(base_color),
-        normal_picture: Some(normal),
-        roughness: BARK_ROUGHNESS,
-        double_sided: false,
-        cutout: None,
-        wrap: Wrap::Repeat,
-    })
-}
-
-/// Lays a bark that is not square on as it is: [`crate::surface::Tubes::bark_tile_m`] is its width.
-fn stretch(wood: &mut Mesh, bark: &Material) {
-    let Some(picture) = &bark.base_color_picture else { return };
-    if picture.width() != picture.height() {
-        let aspect = picture.width() as f32 / picture.height() as f32;
-        wood.uvs.iter_mut().for_each(|uv| uv.y *= aspect);
-    }
+/// Wood and leaves of the finest level, without their meshes.
+///
+/// # Errors
+/// [`DetailError`].
+pub fn finest(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Finest, DetailError> {
+    detail::finest(&recipe.preset.dressing, grown.body(), monitor)
 }
 
 /// The shapes of leaves as they are dressed: they follow the pictures' outlines, which are finer than those
@@ -274,37 +61,6 @@ pub fn leaf_shapes(
     recipe: &Recipe,
     organs: &Organs,
     monitor: &dyn Monitor,
-) -> Result<Vec<Shape>, FoliageError> {
-    let shapes = covers(recipe, organs, monitor)?.1;
-    Ok(if shapes.len() == organs.shapes.len() { shapes } else { organs.shapes.to_vec() })
-}
-
-/// What covers each kind of which there are organs, and the shapes that fit.
-fn covers(
-    recipe: &Recipe,
-    organs: &Organs,
-    monitor: &dyn Monitor,
-) -> Result<(Vec<Option<Cover>>, Vec<Shape>), FoliageError> {
-    let foliage = &recipe.preset.foliage;
-    let (mut covers, mut shapes) = (Vec::new(), Vec::new());
-    let mut pictures = 0;
-    for (index, kind) in foliage.kinds().enumerate() {
-        if !organs.shapes.iter().any(|shape| usize::from(shape.kind) == index) {
-            covers.push(None);
-            continue;
-        }
-        let holding = Holding::new(monitor, pictures);
-        let own = foliage::cover(recipe, index, kind, foliage.size_px, &holding)?;
-        let normal = own.normal.as_ref().map_or(0, |normal| normal.rgba().len());
-        pictures += (own.base_color.rgba().len() + normal) as u64;
-        shapes.extend(foliage::kind_shapes(recipe, index, kind, &own.cells)?);
-        covers.push(Some(own));
-    }
-    Ok((covers, shapes))
-}
-
-/// Of all variants, linear.
-fn mean_color(cover: &Cover) -> [f32; 3] {
-    let sum = cover.cells.iter().map(|cell| Vec3::from(linear(cell.color))).sum::<Vec3>();
-    (sum / cover.cells.len().max(1) as f32).to_array()
+) -> Result<Vec<LeafShape>, FoliageError> {
+    recipe.with_specimen(|specimen| dress::leaf_shapes(specimen, organs, monitor))
 }

@@ -1,27 +1,19 @@
-//! Recipe → skeleton: the one way through both generators.
+//! Recipe → skeleton: the one way through all generators.
 
 use std::sync::Arc;
 
-use glam::Vec3;
+use linden_base::memory::{Holding, OverMemory};
+use linden_base::monitor::{Cancelled, Monitor};
+use linden_plant::Body;
+use linden_plant::foliage::{self, FoliageError, Organs};
+use linden_skeleton::generator::{Branched, GeneratorError};
+use linden_skeleton::refine::{RefineError, Room, refine};
+use linden_skeleton::{NO_PARENT, Skeleton, SkeletonError, Wood};
 
-use crate::colonization::PartError;
-use crate::colonization::crown::envelope::EnvelopeError;
-use crate::colonization::crown::placed::Placed;
-use crate::colonization::crown::{Crown, CrownError};
-use crate::colonization::growth::{GrowthError, NodeSet};
-use crate::colonization::plant::{Plant, plant};
-use crate::colonization::scan::{Fit, Girth, ScanError, fit, girth};
-use crate::colonization::scatter::ScatterError;
-use crate::foliage::{FoliageError, Organs, sprout};
-use crate::knob::printable;
-use crate::lsystem::{self, LsystemError};
-use crate::memory::{Holding, OverMemory, bytes_of};
-use crate::monitor::{Cancelled, Monitor, from_cancellable};
-use crate::preset::{Generator, Preset, ScanRadius};
-use crate::random::Key;
+use crate::preset::Preset;
 use crate::recipe::{InputsError, Recipe};
-use crate::skeleton::refine::{RefineError, Room, refine};
-use crate::skeleton::{Branching, NO_PARENT, Skeleton, SkeletonError, Width, Wood};
+
+pub use linden_skeleton::generator::{Colonized, Fit, Scanned, Spread};
 
 /// A grown tree, and how it came about.
 #[derive(Clone, Debug)]
@@ -32,9 +24,9 @@ pub struct Grown {
     pub wood: Wood,
     /// What grows on it.
     pub organs: Arc<Organs>,
-    /// What its grammar placed: without the leaves of the preset.
+    /// What its generator placed: without the leaves of the preset.
     pub given: Arc<Organs>,
-    /// Length of the derived string; `None` for space colonization.
+    /// Length of the derived string; `None` for what is no L-system.
     pub symbols: Option<u64>,
     /// What the tree reached for; `None` for L-systems.
     pub colonized: Option<Colonized>,
@@ -42,136 +34,43 @@ pub struct Grown {
     pub notes: Vec<String>,
 }
 
-/// How space colonization went.
-#[derive(Clone, Debug)]
-pub struct Colonized {
-    /// The attraction points, where the tree stands.
-    pub points: Vec<Vec3>,
-    /// How many of them were not reached.
-    pub unreached: usize,
-    /// Iterations that placed nodes.
-    pub iterations: u32,
-    /// Whether the points of a scan showed a crown without a stem, and were grown into as they are.
-    pub is_canopy: bool,
-    /// How the tree compares with the scan that it grew into; `None` for what is no scan.
-    pub scan: Option<Scanned>,
-}
-
-/// A scan, and how near the tree that grew into it came.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scanned {
-    /// Points of the tree: without ground, strays and noise.
-    pub points: usize,
-    /// Nodes whose radius was measured on points; the others' follow by the pipe model.
-    pub measured_nodes: usize,
-    /// Distances both ways.
-    pub fit: Fit,
-}
-
 impl Grown {
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
-        let points = self.colonized.as_ref().map_or(0, |own| own.points.capacity());
-        let given = if Arc::ptr_eq(&self.organs, &self.given) { 0 } else { self.given.bytes() };
-        self.skeleton.bytes() + self.organs.bytes() + given + bytes_of::<Vec3>(points)
+        self.body().bytes() + self.colonized.as_ref().map_or(0, Colonized::bytes)
+    }
+
+    /// The tree as it is dressed.
+    pub const fn body(&self) -> Body<'_> {
+        Body { skeleton: &self.skeleton, organs: &self.organs, given: &self.given }
     }
 }
 
 /// Why a recipe did not grow.
 #[derive(Clone, Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum GrowError {
-    /// Nobody wanted the result any more.
+    /// The result was no longer wanted.
     #[error(transparent)]
     Cancelled(#[from] Cancelled),
     /// There is no memory for what comes next.
     #[error(transparent)]
     Memory(#[from] OverMemory),
-    /// The L-system.
-    #[error("growing the L-system: {0}")]
-    LSystem(LsystemError),
-    /// The crown's shape.
-    #[error("shaping the crown: {0}")]
-    Crown(#[from] CrownError),
-    /// A part of the crown.
-    #[error("shaping the crown, part {number} ({what}): {problem}")]
-    Part {
-        /// Counted from 1, in the order of the document.
-        number: usize,
-        /// Its role and what it is, printable.
-        what: String,
-        /// Why, and what to do.
-        problem: PartError,
-    },
-    /// Obstacles and shade take all points away.
-    #[error(
-        "all {points} attraction points lie in obstacles or shade; make these smaller, move them, or ask for \
-         more points"
-    )]
-    NoRoom {
-        /// How many were scattered.
-        points: usize,
-    },
-    /// The crown's mesh.
-    #[error("filling the envelope: {0}")]
-    Envelope(EnvelopeError),
-    /// The points.
+    /// What the generator says; [`GrowError::generator`] has it as the generator's own type.
     #[error(transparent)]
-    Scatter(ScatterError),
-    /// The scan.
-    #[error("preparing the points: {0}")]
-    Scan(ScanError),
-    /// Space colonization.
-    #[error(transparent)]
-    Growth(GrowthError),
+    Generator(GeneratorError),
     /// Refinement.
     #[error("refining: {0}")]
-    Refine(RefineError),
+    Refine(#[source] RefineError),
     /// The skeleton.
     #[error("building the skeleton: {0}")]
     Skeleton(#[from] SkeletonError),
     /// The leaves.
     #[error("growing leaves: {0}")]
-    Foliage(FoliageError),
+    Foliage(#[source] FoliageError),
     /// Files that are missing, or that the preset does not name.
     #[error(transparent)]
     Inputs(#[from] InputsError),
-    /// The recipe's file is missing or holds something else.
-    #[error("the recipe grows into '{}', which must hold {expected}", printable(.file))]
-    WrongInput {
-        /// As the preset names it.
-        file: String,
-        /// What it must hold.
-        expected: &'static str,
-    },
-    /// No iteration placed a node.
-    #[error(
-        "nothing grew: {reached} of {points} points lie within the kill distance ({kill_m} m) of the root or \
-         trunk from the start; lower kill or step, or move root away"
-    )]
-    NothingGrew {
-        /// All attraction points.
-        points: usize,
-        /// Those that were used up at the start.
-        reached: usize,
-        /// Metres.
-        kill_m: f32,
-    },
-    /// Obstacles stand in every way.
-    #[error("nothing grew: obstacles stand in the way of every first step; move root, or what is in the way")]
-    WalledIn,
-    /// Single precision cannot hold a tree there.
-    #[error(
-        "the tree would stand {farthest_m:.0} m from the origin, where coordinates in single precision are \
-         {gap_m:.1e} m apart, too coarse for steps of {step_m} m; use origin=root, or a nearer root"
-    )]
-    TooFar {
-        /// Largest coordinate of the root, metres.
-        farthest_m: f64,
-        /// Distance of neighbouring numbers there, metres.
-        gap_m: f64,
-        /// Length of a segment, metres.
-        step_m: f64,
-    },
     /// A tree that is thinner at its base than at its tips.
     #[error(
         "base_radius is {base_m} m and tip_radius {tip_m} m: wood is not thinner at its base; change one of them"
@@ -182,26 +81,45 @@ pub enum GrowError {
         /// Metres.
         tip_m: f64,
     },
-    /// A trunk of too many segments.
-    #[error(
-        "the trunk would have {segments:.0} segments, more than max_nodes={max_nodes}; shorten trunk or lengthen step"
-    )]
-    TrunkTooLong {
-        /// Trunk ÷ step.
-        segments: f64,
-        /// The limit.
-        max_nodes: u32,
-    },
 }
 
-from_cancellable!(GrowError: LsystemError => LSystem, EnvelopeError => Envelope, ScatterError => Scatter, ScanError => Scan, GrowthError => Growth, RefineError => Refine, FoliageError => Foliage);
+linden_base::from_cancellable!(GrowError: RefineError => Refine, FoliageError => Foliage);
+
+impl From<GeneratorError> for GrowError {
+    fn from(error: GeneratorError) -> Self {
+        match error {
+            GeneratorError::Cancelled(cancelled) => Self::Cancelled(cancelled),
+            GeneratorError::Memory(over) => Self::Memory(over),
+            failed @ GeneratorError::Failed(_) => Self::Generator(failed),
+        }
+    }
+}
+
+impl GrowError {
+    /// The error of a generator's own type, if it is one.
+    ///
+    /// ```
+    /// use linden::colonization::ColonizationError;
+    /// use linden::{Quiet, grow::grow, preset::builtin, recipe::Recipe};
+    /// let mut fir = builtin("fir")?.load()?;
+    /// fir.set("kill", "0.5D")?;
+    /// let error = grow(&Recipe::new(fir), &Quiet).unwrap_err();
+    /// assert!(matches!(error.generator(), Some(ColonizationError::Stand(_))));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn generator<E: std::error::Error + 'static>(&self) -> Option<&E> {
+        match self {
+            Self::Generator(error) => error.downcast_ref(),
+            _ => None,
+        }
+    }
+}
 
 /// Grows the tree of a recipe.
 ///
 /// ```
 /// use linden::{Quiet, grow::grow, preset::builtin, recipe::Recipe};
-/// let preset = builtin("abop-a").unwrap().load().map_err(|fault| fault.message)?;
-/// let grown = grow(&Recipe::new(preset), &Quiet)?;
+/// let grown = grow(&Recipe::new(builtin("abop-a")?.load()?), &Quiet)?;
 /// assert_eq!(grown.skeleton.segments(), 3125); // ABOP, Fig. 1.24 a
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -210,104 +128,83 @@ from_cancellable!(GrowError: LsystemError => LSystem, EnvelopeError => Envelope,
 /// [`GrowError`]: limits, contradictions, nothing in reach, cancelled.
 pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> {
     recipe.check_inputs()?;
-    let Preset { seed, generator, wood, .. } = &recipe.preset;
+    let Preset { generator, wood, .. } = &recipe.preset;
     if let (Some(base_m), Some(tip_m)) = (wood.base_radius_m, wood.tip_radius_m)
         && base_m < tip_m
     {
         return Err(GrowError::Radii { base_m, tip_m });
     }
     let monitor: &dyn Monitor = &Holding::new(monitor, recipe.inputs.bytes());
-    let key = Key::new(*seed);
-    match generator {
-        Generator::LSystem(own) => {
-            let settings = own.settings(*seed);
-            let lsystem::Grown { mut branching, mut organs, symbols } =
-                lsystem::grow(&own.grammar, &settings, monitor)?;
-            // Without a '!' the turtle's width is the same everywhere.
-            if wood.width == Width::Grammar && branching.radii.is_none() {
-                let radius_m = (0.5 * own.segment_width_m) as f32;
-                branching.radii = Some(vec![radius_m; branching.positions.len()]);
-            }
-            let monitor = &Holding::new(monitor, organs.bytes());
-            let raw = Raw {
-                branching,
-                captured: None,
-                bark: None,
-                solids: Vec::new(),
-                most_nodes: own.symbol_limit,
-            };
-            let Built { skeleton, wood, .. } = build(raw, &mut organs, &recipe.preset, monitor)?;
-            let given = Arc::new(organs);
-            let monitor = Holding::new(monitor, skeleton.bytes());
-            Ok(Grown {
-                organs: sprout(recipe, &skeleton, &given, &monitor)?,
-                given,
-                skeleton,
-                wood,
-                symbols: Some(symbols),
-                colonized: None,
-                notes: Vec::new(),
-            })
-        }
-        Generator::Colonization(own) => {
-            let Plant {
-                branching,
-                captured,
-                points,
-                bark,
-                is_canopy,
-                solids,
-                unreached,
-                iterations,
-                notes,
-                ..
-            } = plant(own, recipe, key, monitor)?;
-            let held = bark.as_ref().map_or(0, Vec::capacity) + points.capacity();
-            let monitor = &Holding::new(monitor, bytes_of::<Vec3>(held));
-            if let Some(bark) = &bark {
-                let bytes = bark.len() as u64 * MEASURING_BYTES_PER_POINT;
-                monitor.admit("measuring the scan", bytes + branching.bytes(), "thin the points out")?;
-            }
-            let measured = bark.as_deref().filter(|_| own.scan_radius == ScanRadius::Points);
-            let (captured, most_nodes) = (Some(captured), own.max_nodes.into());
-            let raw = Raw { branching, captured, bark: measured, solids, most_nodes };
-            let Built { skeleton, wood, measured_nodes } =
-                build(raw, &mut Organs::default(), &recipe.preset, monitor)?;
-            let scan = match &bark {
-                Some(bark) => fit(bark, &skeleton, monitor)?.map(|fit| Scanned {
-                    points: bark.len(),
-                    measured_nodes,
-                    fit,
-                }),
-                None => None,
-            };
-            let skeleton = aged(skeleton, own.age, &wood, &recipe.preset, monitor)?;
-            let given = Arc::default();
-            let monitor = Holding::new(monitor, skeleton.bytes());
-            Ok(Grown {
-                organs: sprout(recipe, &skeleton, &given, &monitor)?,
-                given,
-                skeleton,
-                wood,
-                symbols: None,
-                colonized: Some(Colonized { points, unreached, iterations, is_canopy, scan }),
-                notes,
-            })
-        }
+    let mut branched = generator.grow(&recipe.task(), monitor)?;
+    let colonized = branched.colonized.take();
+    let measured = branched.measured.as_ref().map_or(0, |measured| measured.bytes());
+    let held = branched.organs.bytes() + measured + colonized.as_ref().map_or(0, Colonized::bytes);
+    let monitor: &dyn Monitor = &Holding::new(monitor, held);
+    if let Some(measured) = &branched.measured {
+        measured.admit(&branched.branching, monitor)?;
     }
+    let Built { skeleton, wood, organs, measured_nodes } = build(&mut branched, &recipe.preset, monitor)?;
+    let scan = match &branched.measured {
+        Some(measured) => measured.fit(&skeleton, monitor)?.map(|fit| Scanned {
+            points: measured.count(),
+            measured_nodes,
+            fit,
+        }),
+        None => None,
+    };
+    let skeleton = match branched.age {
+        Some(age) => aged(&skeleton, age, &wood, &recipe.preset, monitor)?,
+        None => skeleton,
+    };
+    let given = Arc::new(organs);
+    let monitor = Holding::new(monitor, skeleton.bytes());
+    Ok(Grown {
+        organs: sprout(recipe, &skeleton, &given, &monitor)?,
+        given,
+        skeleton,
+        wood,
+        symbols: branched.symbols,
+        colonized: colonized.map(|colonized| Colonized { scan, ..colonized }),
+        notes: branched.notes,
+    })
+}
+
+/// Everything that grows on a skeleton: what its generator placed, and the leaves of the recipe.
+///
+/// # Errors
+/// [`FoliageError`]: files that are missing, too many leaves, too little memory, or cancelled.
+pub fn sprout(
+    recipe: &Recipe,
+    skeleton: &Skeleton,
+    given: &Arc<Organs>,
+    monitor: &dyn Monitor,
+) -> Result<Arc<Organs>, FoliageError> {
+    recipe.with_specimen(|specimen| foliage::sprout(specimen, skeleton, given, monitor))
+}
+
+/// Polylines that draw what a recipe's tree grows in, metres, where the tree of [`grow`] stands: its crown,
+/// obstacles, and, dashed, what is subtracted or shaded. None for what grows in nothing.
+///
+/// ```
+/// use linden::{Quiet, grow::outline, preset::builtin, recipe::Recipe};
+/// assert!(!outline(&Recipe::new(builtin("cypress")?.load()?), &Quiet)?.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// Those of growing that have to do with the crown: its dimensions, its mesh; cancelled.
+pub fn outline(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Vec<Vec<glam::Vec3>>, GrowError> {
+    Ok(recipe.preset.generator.outline(&recipe.task(), monitor)?)
 }
 
 /// The tree as it was after a share of its births; the first segment at least.
 fn aged(
-    skeleton: Arc<Skeleton>,
+    skeleton: &Skeleton,
     age: f64,
     wood: &Wood,
     preset: &Preset,
     monitor: &dyn Monitor,
 ) -> Result<Arc<Skeleton>, OverMemory> {
-    if age >= 1.0 {
-        return Ok(skeleton);
-    }
     skeleton.admit_until(wood, monitor)?;
     let last = skeleton.births.iter().copied().max().unwrap_or(0);
     let on_foot = |&node: &usize| {
@@ -319,60 +216,98 @@ fn aged(
     Ok(Arc::new(skeleton.until(step, wood, preset.wood_key())))
 }
 
-/// The nearest segments of all points, and the search for points near segments.
-pub(crate) const MEASURING_BYTES_PER_POINT: u64 = 120;
-
-/// What a generator leaves behind.
-struct Raw<'a> {
-    branching: Branching,
-    /// The nodes that were of use, where there is such a thing.
-    captured: Option<NodeSet>,
-    /// Points on the bark, metres, that are to say how thick the wood is.
-    bark: Option<&'a [Vec3]>,
-    /// What no branch is to enter, at the same place.
-    solids: Vec<Placed>,
-    /// The generator's own limit holds for the refined tree too.
-    most_nodes: u64,
-}
-
-/// What becomes of it.
+/// What becomes of what a generator leaves behind.
 struct Built {
     skeleton: Arc<Skeleton>,
     /// With its rule settled.
     wood: Wood,
+    /// What the generator placed, where refinement took it.
+    organs: Organs,
     /// Nodes whose radius was measured.
     measured_nodes: usize,
 }
 
-/// What both generators' branchings go through: refinement, which takes the organs along, then axes
+/// What all generators' branchings go through: refinement, which takes the organs along, then axes
 /// and radii.
-fn build(
-    Raw { mut branching, captured, bark, solids, most_nodes }: Raw,
-    organs: &mut Organs,
-    preset: &Preset,
-    monitor: &dyn Monitor,
-) -> Result<Built, GrowError> {
+fn build(branched: &mut Branched, preset: &Preset, monitor: &dyn Monitor) -> Result<Built, GrowError> {
+    let mut branching = std::mem::take(&mut branched.branching);
+    let mut organs = std::mem::take(&mut branched.organs);
     if !preset.refinement.is_idle() {
-        let is_barred = |p: Vec3| solids.iter().any(|solid| solid.contains(p.as_dvec3()));
-        let room = Room { most_nodes, is_barred: &is_barred, key: preset.wood_key(), wood: preset.wood };
+        let is_barred = |p: glam::Vec3| branched.barred.as_ref().is_some_and(|barred| barred(p));
+        let room = Room {
+            most_nodes: branched.most_nodes,
+            is_barred: &is_barred,
+            key: preset.wood_key(),
+            wood: preset.wood,
+        };
         branching.validate()?;
-        let nodes = branching.parents.len();
-        let captured = captured.map(|set| (0..nodes).map(|node| set.contains(node)).collect());
+        let used = branched.used.take();
         let mut riders = organs.riders();
-        branching = refine(branching, captured, &mut riders, &preset.refinement, room, monitor)?;
+        branching = refine(branching, used, &mut riders, &preset.refinement, room, monitor)?;
         organs.follow(&riders);
     }
     let mut measured_nodes = 0;
-    // What the user says of the foot counts more than what was measured.
-    if let Some(bark) = bark.filter(|_| preset.wood.base_radius_m.is_none())
-        && let Some(Girth { radii, measured }) =
-            girth(&branching, bark, preset.wood.radius_exponent, monitor)?
+    if let Some(measured) = &branched.measured
+        && let Some((radii, nodes)) = measured.radii(&branching, &preset.wood, monitor)?
     {
         branching.radii = Some(radii);
-        measured_nodes = measured;
+        measured_nodes = nodes;
     }
     branching.admit_build(&preset.wood, monitor)?;
     let wood = preset.wood.settled(branching.radii.is_some());
     let skeleton = Skeleton::build_keyed(branching, &wood, preset.wood_key())?;
-    Ok(Built { skeleton: Arc::new(skeleton), wood, measured_nodes })
+    Ok(Built { skeleton: Arc::new(skeleton), wood, organs, measured_nodes })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::preset::builtin;
+    use glam::Vec3;
+    use linden_base::mesh::Bounds;
+    use linden_base::monitor::Quiet;
+    use linden_colonization::ColonizationError;
+
+    fn recipe(id: &str, settings: &[(&str, &str)]) -> Recipe {
+        let row = builtin(id).unwrap();
+        let mut preset = row.load().unwrap_or_else(|fault| panic!("{id}: {fault}"));
+        for (knob, value) in settings {
+            preset.set(knob, value).unwrap();
+        }
+        Recipe { preset, inputs: row.recipe(&Quiet).unwrap().inputs }
+    }
+
+    #[test]
+    fn the_outline_stands_where_the_points_are() {
+        let cases: [(&str, &[(&str, &str)]); 7] = [
+            ("fir", &[]),
+            ("cypress", &[("crown_base", "3")]),
+            ("sphere", &[("root", "5,2,-3")]),
+            ("sphere", &[("root", "5,2,-3"), ("origin", "root")]),
+            ("heart", &[]),
+            ("heart", &[("origin", "root")]),
+            ("simple", &[("origin", "keep")]),
+        ];
+        for (id, settings) in cases {
+            let recipe = recipe(id, settings);
+            let points = grow(&recipe, &Quiet).unwrap().colonized.unwrap().points;
+            let lines = outline(&recipe, &Quiet).unwrap();
+            let bounds = |places: &mut dyn Iterator<Item = Vec3>| Bounds::of(places).unwrap();
+            let (inner, outer) = (bounds(&mut points.into_iter()), bounds(&mut lines.into_iter().flatten()));
+            // Many points in a solid come near its box on all sides; cuts through a mesh miss its ends
+            // by at most an eighth.
+            let slack = outer.size().max_element() * 0.15;
+            for (a, b) in [(inner.min, outer.min), (inner.max, outer.max)] {
+                assert!((a - b).abs().max_element() < slack, "{id} {settings:?}: {a} {b}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_has_no_crown_has_no_outline() {
+        assert_eq!(outline(&recipe("abop-c", &[]), &Quiet).unwrap(), Vec::<Vec<Vec3>>::new());
+        let missing = Recipe::new(recipe("heart", &[]).preset);
+        let error = outline(&missing, &Quiet).unwrap_err();
+        assert!(matches!(error.generator(), Some(ColonizationError::WrongInput { .. })));
+    }
 }

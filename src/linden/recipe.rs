@@ -1,21 +1,16 @@
 //! A recipe: a preset, resolved, with the files it needs. Everything to grow the same tree again.
 
 use std::collections::BTreeMap;
-use std::sync::Arc;
 
-use glam::DVec3;
+use linden_base::knob::{did_you_mean, nearest, printable};
+use linden_plant::Specimen;
+use linden_plant::settings::Dressing;
+use linden_skeleton::generator::Task;
 use serde::ser::{Serialize, SerializeMap, Serializer};
-use xxhash_rust::xxh3::xxh3_128;
 
-use crate::input::{InputError, InputKind, PlyData, TriangleMesh, Up, read_obj, read_ply, read_xyz, sniff};
-use crate::knob::{did_you_mean, nearest, printable};
-use crate::memory::bytes_of;
-use crate::monitor::Monitor;
 use crate::preset::Preset;
-use crate::texture::{OwnPicture, own_picture};
 
-/// How a PNG begins.
-const PNG: &[u8] = b"\x89PNG";
+pub use linden_base::input::{Geometry, Input, Inputs};
 
 /// The version of linden that a recipe names: another one may grow another tree.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -28,65 +23,6 @@ pub struct Recipe {
     /// What the files held that the preset names. Missing and unknown ones are errors when the tree is
     /// to grow ([`Recipe::check_inputs`]).
     pub inputs: Inputs,
-}
-
-/// Files that were read, by the names that the preset has for them ([`Preset::files`]).
-///
-/// ```
-/// use linden::{Quiet, grow::grow, preset::Preset, recipe::{Input, Recipe}};
-/// let preset = "id = \"shrub\"\n[colonization]\nenvelope = \"hull.obj\"\npoints = 50\ninfluence = inf";
-/// let mut recipe = Recipe::new(Preset::from_toml(preset).unwrap());
-/// let error = grow(&recipe, &Quiet).unwrap_err();
-/// assert!(error.to_string().contains("'hull.obj'"));
-///
-/// let tetrahedron = b"v 0 0 0\nv 2 0 0\nv 1 0 2\nv 1 2 1\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n";
-/// recipe.inputs.insert("hull.obj", Input::read("hull.obj", tetrahedron, &Quiet).unwrap());
-/// assert!(grow(&recipe, &Quiet).is_ok());
-/// ```
-#[derive(Clone, Debug, Default)]
-pub struct Inputs(BTreeMap<String, Input>);
-
-impl Inputs {
-    /// None.
-    pub const fn new() -> Self {
-        Self(BTreeMap::new())
-    }
-
-    /// Adds a file, or replaces the one of that name.
-    pub fn insert(&mut self, name: impl Into<String>, input: Input) {
-        self.0.insert(name.into(), input);
-    }
-
-    /// The file of that name.
-    pub fn get(&self, name: &str) -> Option<&Input> {
-        self.0.get(name)
-    }
-
-    /// All files with their names, by name.
-    pub fn iter(&self) -> impl Iterator<Item = (&str, &Input)> {
-        self.0.iter().map(|(name, input)| (name.as_str(), input))
-    }
-
-    /// How many there are.
-    pub fn len(&self) -> usize {
-        self.0.len()
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.0.is_empty()
-    }
-
-    /// Bytes that their geometry takes.
-    pub fn bytes(&self) -> u64 {
-        self.0.values().map(Input::bytes).sum()
-    }
-}
-
-impl<N: Into<String>> FromIterator<(N, Input)> for Inputs {
-    fn from_iter<I: IntoIterator<Item = (N, Input)>>(inputs: I) -> Self {
-        Self(inputs.into_iter().map(|(name, input)| (name.into(), input)).collect())
-    }
 }
 
 /// A recipe whose files are not those that its preset names.
@@ -132,85 +68,6 @@ impl std::fmt::Display for Named<'_> {
     }
 }
 
-/// A file that was read: a crown envelope, a mesh of a part or a leaf, attraction points, a picture.
-#[derive(Clone, Debug)]
-pub struct Input {
-    /// XXH3 of its bytes.
-    pub hash: u128,
-    /// Which way is up when nobody says.
-    pub up: Up,
-    /// What it held.
-    pub geometry: Geometry,
-}
-
-/// What an input file held, in the file's axes.
-#[derive(Clone, Debug)]
-pub enum Geometry {
-    /// A surface.
-    Mesh(Arc<TriangleMesh>),
-    /// Places.
-    Points(Arc<Vec<DVec3>>),
-    /// Pixels.
-    Picture(Arc<OwnPicture>),
-}
-
-impl Input {
-    /// Bytes that its geometry takes.
-    pub fn bytes(&self) -> u64 {
-        match &self.geometry {
-            Geometry::Mesh(mesh) => {
-                bytes_of::<DVec3>(mesh.positions.capacity()) + bytes_of::<[u32; 3]>(mesh.triangles.capacity())
-            }
-            Geometry::Points(points) => bytes_of::<DVec3>(points.capacity()),
-            Geometry::Picture(own) => own.picture.rgba().len() as u64,
-        }
-    }
-
-    /// Reads a mesh (OBJ, PLY with faces), points (PLY without, XYZ) or a picture (PNG). The file's name
-    /// decides only where its content fits two kinds.
-    ///
-    /// # Errors
-    /// Anything that is wrong with the file, and files of other kinds.
-    pub fn read(name: &str, bytes: &[u8], monitor: &dyn Monitor) -> Result<Self, InputError> {
-        // Whatever claims to be a picture is read as one: the picture's reader says best what it is not.
-        if bytes.starts_with(PNG) || name.to_ascii_lowercase().ends_with(".png") {
-            let geometry = Geometry::Picture(Arc::new(own_picture(bytes, monitor)?));
-            return Ok(Self { hash: xxh3_128(bytes), up: Up::Y, geometry });
-        }
-        let (up, geometry) = match sniff(bytes, name)? {
-            InputKind::ObjMesh => (Up::Y, Geometry::Mesh(Arc::new(read_obj(bytes, monitor)?))),
-            InputKind::PlyMesh | InputKind::PlyPoints => {
-                let PlyData { positions, faces: triangles } = read_ply(bytes, monitor)?;
-                let geometry = if triangles.is_empty() {
-                    Geometry::Points(Arc::new(positions))
-                } else {
-                    Geometry::Mesh(Arc::new(TriangleMesh { positions, triangles }))
-                };
-                (Up::Y, geometry)
-            }
-            InputKind::XyzPoints => (Up::Z, Geometry::Points(Arc::new(read_xyz(bytes, monitor)?))),
-            InputKind::Preset | InputKind::Grammar | InputKind::Recipe => {
-                let looks = "is a preset, grammar or recipe; expected a mesh (OBJ, PLY), points (PLY, XYZ) or a picture (PNG)";
-                return Err(InputError::Unknown { looks });
-            }
-        };
-        Ok(Self { hash: xxh3_128(bytes), up, geometry })
-    }
-
-    /// The hash as recipes carry it: 32 hexadecimal digits.
-    pub fn hash_text(&self) -> String {
-        format!("{:032x}", self.hash)
-    }
-
-    const fn kind(&self) -> &'static str {
-        match self.geometry {
-            Geometry::Mesh(_) => "mesh",
-            Geometry::Points(_) => "points",
-            Geometry::Picture(_) => "picture",
-        }
-    }
-}
-
 impl Recipe {
     /// Of a preset that needs no files, or whose files are yet to be put into [`Recipe::inputs`].
     pub const fn new(preset: Preset) -> Self {
@@ -252,15 +109,33 @@ impl Recipe {
         }
         self.inputs.insert(file, input.clone());
         let known = self.preset.files();
-        self.inputs.0.retain(|name, _| known.contains(&name.as_str()));
+        self.inputs.retain(|name| known.contains(&name));
         true
     }
 
     /// Gives files other names, in the preset and in what was read: `names` has the new ones by the old.
     pub fn rename_files(&mut self, names: &BTreeMap<String, String>) {
         self.preset.rename_files(names);
-        let renamed = |(name, input)| (names.get(&name).cloned().unwrap_or(name), input);
-        self.inputs.0 = std::mem::take(&mut self.inputs.0).into_iter().map(renamed).collect();
+        self.inputs.rename(|name| names.get(name).cloned());
+    }
+
+    /// What a generator grows this recipe's tree with.
+    pub const fn task(&self) -> Task<'_> {
+        Task { seed: self.preset.seed, inputs: &self.inputs, wood: self.preset.wood }
+    }
+
+    /// Does something with what is needed to dress this recipe's tree.
+    pub fn with_specimen<R>(&self, dress: impl FnOnce(&Specimen<'_>) -> R) -> R {
+        let Preset { id, name, seed, dressing, .. } = &self.preset;
+        let line = |dressing: &Dressing| {
+            if *dressing == self.preset.dressing {
+                return self.to_line();
+            }
+            let preset = Preset { dressing: dressing.clone(), ..self.preset.clone() };
+            Self { preset, inputs: self.inputs.clone() }.to_line()
+        };
+        let name = printable(if name.trim().is_empty() { id } else { name });
+        dress(&Specimen { name: &name, seed: *seed, dressing, inputs: &self.inputs, recipe: &line })
     }
 
     /// One line of printable ASCII (JSON), as every exported file carries it. It is a preset
@@ -318,7 +193,7 @@ impl Serialize for NamedInput<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::monitor::Quiet;
+    use linden_base::monitor::Quiet;
 
     /// A leaf of one triangle, and a fruit of two.
     const LEAF: &[u8] = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";

@@ -7,7 +7,7 @@
 use std::time::Instant;
 
 use linden::Quiet;
-use linden::detail::levels;
+use linden::dress::levels;
 use linden::forecast::sample;
 use linden::grow::grow;
 use linden::preset::{builtin, builtins};

@@ -22,7 +22,7 @@ use std::cell::Cell;
 use std::time::Instant;
 
 use kiddo::{ImmutableKdTree, MutableKdTree, SquaredEuclidean};
-use linden::colonization::{GrowthRule, Habit, grow};
+use linden::growth::{GrowthRule, Habit, grow};
 use linden::random::Key;
 use linden::{Branching, NO_PARENT, Quiet, Vec3};
 use multiversion::multiversion;

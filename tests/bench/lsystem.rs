@@ -6,7 +6,7 @@
 #![expect(clippy::expect_used, reason = "a benchmark that cannot run stops")]
 
 use divan::counter::ItemsCount;
-use linden::lsystem::{Grammar, Settings, Way, derive_string, forecast, grow, grow_by};
+use linden::lsystem::{Grammar, TurtleSettings, Way, derive_string, forecast, grow, grow_by};
 use linden::skeleton::{Skeleton, Wood};
 use linden::{DVec3, NO_PARENT, Quiet};
 
@@ -19,10 +19,14 @@ fn main() {
     divan::main();
 }
 
-fn weed() -> (Grammar, Settings) {
+fn weed() -> (Grammar, TurtleSettings) {
     let grammar = Grammar::new("F", &[format!("F -> {RULE}")]).expect("the rule is ABOP's");
-    let settings =
-        Settings { derivations: DERIVATIONS, angle_deg: ANGLE_DEG, segment_m: 0.02, ..Settings::default() };
+    let settings = TurtleSettings {
+        derivations: DERIVATIONS,
+        angle_deg: ANGLE_DEG,
+        segment_m: 0.02,
+        ..TurtleSettings::default()
+    };
     (grammar, settings)
 }
 
@@ -42,7 +46,7 @@ const WAYS: [(u32, Way); 4] = [(8, Way::Best), (8, Way::Walk), (10, Way::Best), 
 #[divan::bench(name = "grow: linden, by macros (Best) and by walking", args = WAYS)]
 fn grow_ways(bencher: divan::Bencher, (derivations, way): (u32, Way)) {
     let (grammar, settings) = weed();
-    let settings = Settings { derivations, ..settings };
+    let settings = TurtleSettings { derivations, ..settings };
     let symbols = forecast(&grammar, derivations).expect("it is in range").symbols;
     bencher
         .counter(ItemsCount::new(symbols as u64))
@@ -53,7 +57,7 @@ fn grow_ways(bencher: divan::Bencher, (derivations, way): (u32, Way)) {
 fn grow_stochastic(bencher: divan::Bencher) {
     let rules = ["F -> (0.33) F[+F]F[-F]F", "F -> (0.33) F[+F]F", "F -> (0.34) F[-F]F"];
     let grammar = Grammar::new("F", &rules).expect("the rules are ABOP's");
-    let settings = Settings { derivations: 10, ..Settings::default() };
+    let settings = TurtleSettings { derivations: 10, ..TurtleSettings::default() };
     let symbols = grow(&grammar, &settings, &Quiet).expect("it is within the limit").symbols;
     bencher.counter(ItemsCount::new(symbols)).bench(|| grow(&grammar, &settings, &Quiet));
 }
@@ -126,7 +130,7 @@ fn forecast_slow(bencher: divan::Bencher, name: &str) {
 }
 
 /// ABOP, Fig. 2.6 a.
-fn honda(derivations: u32) -> (Grammar, Settings, u64) {
+fn honda(derivations: u32) -> (Grammar, TurtleSettings, u64) {
     let rules = [
         "#define r1 0.9",
         "#define r2 0.6",
@@ -137,7 +141,7 @@ fn honda(derivations: u32) -> (Grammar, Settings, u64) {
     ];
     let grammar = Grammar::new("A(1,10)", &rules).expect("the rules are ABOP's");
     let symbols = forecast(&grammar, derivations).expect("it is in range").symbols as u64;
-    (grammar, Settings { derivations, symbol_limit: 1 << 30, ..Settings::default() }, symbols)
+    (grammar, TurtleSettings { derivations, symbol_limit: 1 << 30, ..TurtleSettings::default() }, symbols)
 }
 
 #[divan::bench(name = "grow: linden, parametric (ABOP 2.6 a)", args = [12, 20])]
@@ -188,7 +192,7 @@ fn derive_contexts(bencher: divan::Bencher, threads: usize) {
     let axiom: String =
         (0..CELLS).flat_map(|cell| ['M', '(', char::from(b'0' + (cell % 7) as u8), ')']).collect();
     let grammar = Grammar::new(&axiom, &["M(a) < M(x) > M(b) -> M((a+x+b)/3)"]).expect("it is balanced");
-    let settings = Settings { derivations: STEPS, ..Settings::default() };
+    let settings = TurtleSettings { derivations: STEPS, ..TurtleSettings::default() };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads start");
     bencher
         .counter(ItemsCount::new(CELLS * STEPS as usize))

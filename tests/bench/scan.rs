@@ -11,12 +11,12 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use linden::colonization::scan::{ScanRule, fit, prepare};
 use linden::grow::grow;
 use linden::input::Up;
-use linden::preset::{Preset, Space, builtin};
+use linden::preset::{Preset, builtin};
 use linden::random::Key;
 use linden::recipe::{Geometry, Input, Recipe};
+use linden::scan::{ScanRule, fit, prepare};
 use linden::surface::sweep;
 use linden::{DVec3, Quiet, Vec3};
 use linden_tests::presets::recipe;
@@ -27,7 +27,8 @@ const POINTS: f64 = 1e6;
 /// Uniform by area.
 fn scan() -> Vec<DVec3> {
     let recipe = recipe(builtin("simple").unwrap());
-    let mesh = sweep(&grow(&recipe, &Quiet).unwrap().skeleton, &recipe.preset.tubes, &Quiet).unwrap();
+    let mesh =
+        sweep(&grow(&recipe, &Quiet).unwrap().skeleton, &recipe.preset.dressing.tubes, &Quiet).unwrap();
     let corners = |t: &[u32; 3]| t.map(|v| mesh.positions[v as usize].as_dvec3());
     let area = |[a, b, c]: [DVec3; 3]| 0.5 * (b - a).cross(c - a).length();
     let total: f64 = mesh.triangles.iter().map(|t| area(corners(t))).sum();
@@ -50,7 +51,7 @@ fn scan() -> Vec<DVec3> {
 fn main() {
     let points = scan();
     let placed: Vec<Vec3> = points.iter().map(|p| p.as_vec3()).collect();
-    let mut preset = Preset::of_space("scan", Space::Points { file: "scan.ply".to_owned() });
+    let mut preset = Preset::of("scan", linden::preset::ScanSettings::of("scan.ply".to_owned()));
     preset.set("origin", "keep").unwrap();
     let geometry = Geometry::Points(Arc::new(points.clone()));
     let input = Input { hash: 0, up: Up::Y, geometry };

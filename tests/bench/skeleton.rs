@@ -12,8 +12,8 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use linden::lsystem::{self, Settings};
-use linden::preset::{Generator, builtin};
+use linden::lsystem::{self, TurtleSettings};
+use linden::preset::{LSystem, builtin};
 use linden::skeleton::refine::{Refinement, Room, STEPS, refine};
 use linden::skeleton::{Width, Wood};
 use linden::{Branching, Quiet, Skeleton};
@@ -22,9 +22,9 @@ const ROUNDS: usize = 7;
 
 fn main() {
     let preset = builtin("abop-a").unwrap().load().unwrap();
-    let Generator::LSystem(own) = &preset.generator else { return };
+    let Some(own) = preset.settings::<LSystem>() else { return };
     // 5^8 segments.
-    let settings = Settings { derivations: 8, ..Settings::default() };
+    let settings = TurtleSettings { derivations: 8, ..TurtleSettings::default() };
     let all = lsystem::grow(&own.grammar, &settings, &Quiet).unwrap().branching;
     let nodes = all.parents.len();
     println!("abop-a at n = 8, {nodes} nodes, ns a node");

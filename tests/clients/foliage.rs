@@ -18,7 +18,7 @@ use crate::outside::{exported, run};
 pub fn scene() -> (Recipe, Grown, Scene) {
     let mut preset = builtin("abop-a").unwrap().load().unwrap();
     "Leafy".clone_into(&mut preset.name);
-    let linden::preset::Generator::LSystem(own) = &mut preset.generator else { panic!("it is one") };
+    let own = preset.settings_mut::<linden::preset::LSystem>().unwrap();
     let rules = [
         "A -> FF[&+FEA]/////[&-F'~LA]///////F~NA",
         "E -> [^^{-f+f+f-|-f+f+f}''~K'~B{[++G.][+G.][G.][-G.]}{f++++++++f----f}]",
@@ -67,7 +67,7 @@ fn every_client_takes_bark_of_ones_own() {
             assert!(recipe.put_file(key, &file, &input));
         }
         let grown = grow(&recipe, &Quiet).unwrap();
-        let levels = linden::detail::levels(&recipe, &grown, &Quiet).unwrap();
+        let levels = linden::dress::levels(&recipe, &grown, &Quiet).unwrap();
         for exporter in REGISTRY {
             let format = exporter.format();
             let ending = format.extensions.first().map_or("_skeleton.ply".to_owned(), |e| format!(".{e}"));

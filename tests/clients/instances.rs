@@ -1,8 +1,8 @@
 //! Leaves as few meshes in many places, before every client: the same tree as baked.
 
 use linden::Quiet;
-use linden::detail::levels;
 use linden::dress::dress;
+use linden::dress::levels;
 use linden::foliage::PROTOTYPES;
 use linden::grow::{Grown, grow};
 use linden::preset::builtin;

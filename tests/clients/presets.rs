@@ -1,7 +1,7 @@
 //! Every built-in preset in every format, before every client.
 
 use linden::Quiet;
-use linden::detail::levels;
+use linden::dress::levels;
 use linden::grow::grow;
 use linden::preset::builtins;
 use linden_exporters::REGISTRY;

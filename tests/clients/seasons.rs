@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use linden::Quiet;
-use linden::detail::{Year, year};
+use linden::dress::{Year, year};
 use linden::grow::grow;
 use linden::preset::builtin;
 use linden::recipe::Recipe;

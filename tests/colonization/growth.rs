@@ -7,7 +7,7 @@ mod naive;
 use std::collections::BTreeSet;
 use std::sync::LazyLock;
 
-use linden::colonization::{Attraction, Growth, GrowthRule, Habit, Meet, Obstacle, Stop, grow, grow_among};
+use linden::growth::{Attraction, Growth, GrowthRule, Habit, Meet, Obstacle, Stop, grow, grow_among};
 use linden::random::Key;
 use linden::{Branching, DVec3, NO_PARENT, Quiet, Vec3};
 use proptest::prelude::*;

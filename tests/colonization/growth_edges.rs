@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use linden::colonization::{GrowthError, GrowthRule, Habit, Stop, grow};
+use linden::growth::{GrowthError, GrowthRule, Habit, Stop, grow};
 use linden::monitor::Phase;
 use linden::{Branching, Cancelled, Monitor, NO_PARENT, Quiet, Vec3};
 

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up fails")]
 
-use linden::colonization::{
+use linden::growth::{
     Attraction, Growth, GrowthError, GrowthRule, Habit, Meet, Obstacle, Stop, grow, grow_among,
 };
 use linden::random::Key;

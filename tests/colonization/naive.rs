@@ -2,7 +2,7 @@
 //! looks at every pair of a live point and a node. What the library's growth must equal bit for bit.
 //! The definition is the documentation of `linden::colonization::growth`.
 
-use linden::colonization::{Attraction, GrowthRule, Habit, Meet, Obstacle, Stop};
+use linden::growth::{Attraction, GrowthRule, Habit, Meet, Obstacle, Stop};
 use linden::{Branching, DVec3, NO_PARENT, Vec3};
 
 /// What a tree has grown to, and why it stopped.

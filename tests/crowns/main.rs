@@ -6,8 +6,9 @@
 #[allow(dead_code, reason = "shared with the tests of growth")]
 mod naive;
 
-use linden::colonization::{GrowthRule, Habit, Meet, Obstacle};
+use linden::colonization::ColonizationError;
 use linden::grow::{GrowError, Grown, grow};
+use linden::growth::{GrowthRule, Habit, Meet, Obstacle};
 use linden::preset::{Preset, builtin, builtin_file};
 use linden::recipe::{Input, Recipe};
 use linden::skeleton::Skeleton;
@@ -158,7 +159,8 @@ fn shade_takes_its_share_of_the_points() {
     let more = recipe(&document(&shade(0.3)).replace("points = 400", "points = 600"));
     let more = grow(&more, &Quiet).unwrap();
     assert_eq!(points(&more)[..points(&some).len()], *points(&some));
-    assert!(matches!(refused(&shade(1.0)), GrowError::NoRoom { points: 400 }));
+    let error = refused(&shade(1.0));
+    assert!(matches!(error.generator(), Some(ColonizationError::NoRoom { points: 400 })));
     let said = refused(&shade(1.0)).to_string();
     assert!(said.contains("all 400 attraction points lie in obstacles or shade"), "{said}");
 }

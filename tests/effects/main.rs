@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::fs;
 
 use linden::Quiet;
-use linden::detail::{Level, levels, year};
+use linden::dress::{Level, levels, year};
 use linden::grow::grow;
 use linden::knob::{Kind, Value};
 use linden::preset::{PresetKnob, Section};

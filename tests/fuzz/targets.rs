@@ -4,17 +4,17 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use linden::colonization::outline;
 use linden::dress::dress;
+use linden::grow::outline;
 use linden::grow::{GrowError, grow};
+use linden::input::read_picture;
 use linden::input::{read_obj, read_ply, read_xyz, sniff};
-use linden::lsystem::{Grammar, Settings, derive_string, forecast, text};
+use linden::lsystem::{Grammar, TurtleSettings, derive_string, forecast, text};
 use linden::monitor::Phase;
-use linden::preset::{KNOBS, Preset, Space, builtin_file, shape_knobs};
+use linden::preset::{Colonization, KNOBS, Preset, ScanSettings, Space, builtin_file};
 use linden::recipe::{Geometry, Input, Recipe};
 use linden::skeleton::{NO_PARENT, Skeleton, SkeletonError};
 use linden::surface::topology;
-use linden::texture::own_picture;
 use linden::{Monitor, Quiet};
 use linden_exporters::{Bundle, ExportError, Options, REGISTRY};
 use linden_terminal::input::Parser;
@@ -126,7 +126,7 @@ fn sound_grammar(grammar: &Grammar) -> String {
         let forecast = forecast(grammar, derivations).expect("these are allowed");
         assert!(forecast.segments <= forecast.symbols || !forecast.exact, "{forecast:?}");
     }
-    let settings = Settings { derivations: 3, symbol_limit: 20_000, ..Settings::default() };
+    let settings = TurtleSettings { derivations: 3, symbol_limit: 20_000, ..TurtleSettings::default() };
     let derived = match derive_string(grammar, &settings) {
         Ok(string) => {
             let expected = forecast(grammar, 3).expect("three are allowed");
@@ -188,7 +188,7 @@ fn sound_preset(preset: Preset) -> String {
     for (knob, value) in preset.knobs() {
         assert_eq!(knob.knob.kind.check(&value), Ok(()), "{}", knob.knob.name);
     }
-    let id = preset.generator.id().to_owned();
+    let id = preset.grows_by().id().to_owned();
     let own_knobs = knobs(&preset);
     let line = Recipe::new(preset).to_line();
     assert!(line.bytes().all(|byte| (b' '..=b'~').contains(&byte)), "{line:?}");
@@ -230,12 +230,12 @@ fn xyz(bytes: &[u8]) -> String {
 
 /// Pictures of leaves and bark.
 fn picture(bytes: &[u8]) -> String {
-    match own_picture(bytes, &Budget::new(10_000, PICTURE_BYTES)) {
+    match read_picture(bytes, &Budget::new(10_000, PICTURE_BYTES)) {
         Ok(own) => {
             let (width, height) = (own.picture.width(), own.picture.height());
             assert_eq!(own.picture.rgba().len() as u64, u64::from(width) * u64::from(height) * 4);
             let written = own.picture.png().expect("what was read can be written");
-            let again = own_picture(written, &Quiet).expect("what was written can be read");
+            let again = read_picture(written, &Quiet).expect("what was written can be read");
             assert_eq!((again.picture.rgba(), again.has_alpha), (own.picture.rgba(), own.has_alpha));
             format!("a picture, {}", own.has_alpha)
         }
@@ -276,7 +276,7 @@ fn sound_mesh(positions: &[linden::DVec3], triangles: &[[u32; 3]]) {
 fn knob(bytes: &[u8]) -> String {
     let text = utf8(bytes);
     let mut taken = 0;
-    for knob in KNOBS.iter().copied().chain(shape_knobs()) {
+    for knob in KNOBS.iter().copied() {
         let kind = knob.knob.kind;
         match kind.parse(text) {
             Ok(value) => {
@@ -328,12 +328,11 @@ fn scan(bytes: &[u8]) -> String {
         Ok(input) => input,
         Err(error) => return said(&error),
     };
-    let space = match input.geometry {
-        Geometry::Points(_) => Space::Points { file: FILE.to_owned() },
-        Geometry::Mesh(_) => Space::Envelope { file: FILE.to_owned() },
+    let preset = within_limits(match input.geometry {
+        Geometry::Points(_) => Preset::of("scan", ScanSettings::of(FILE)),
+        Geometry::Mesh(_) => Preset::of("scan", Colonization::of(Space::Envelope { file: FILE.to_owned() })),
         Geometry::Picture(_) => return "picture".to_owned(),
-    };
-    let preset = within_limits(Preset::of_space("scan", space));
+    });
     planted(&Recipe { preset, inputs: [(FILE, input)].into_iter().collect() })
 }
 
@@ -405,7 +404,7 @@ fn planted(recipe: &Recipe) -> String {
             Err(error) => drop(said(&error)),
         }
     }
-    format!("{} axes of {}", scene.skeleton.axes.len().min(3), recipe.preset.generator.id())
+    format!("{} axes of {}", scene.skeleton.axes.len().min(3), recipe.preset.grows_by().id())
 }
 
 /// Parents before children, every node in one axis, radii above zero.

@@ -196,7 +196,8 @@ fn points_do_not_depend_on_threads() {
 
 /// The tree that grows in a mesh, as a command line grows it.
 fn grown_in(mesh: TriangleMesh, knobs: &[(&str, &str)]) -> Grown {
-    let mut preset = Preset::of_space("own", Space::Envelope { file: "own.obj".into() });
+    let mut preset =
+        Preset::of("own", linden::preset::Colonization::of(Space::Envelope { file: "own.obj".into() }));
     for (knob, value) in knobs {
         preset.set(knob, value).unwrap();
     }

@@ -4,12 +4,12 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use linden::colonization::scan::{Scan, ScanError, ScanRule, point_spacing_m, prepare};
 use linden::grow::{Grown, grow};
 use linden::input::Up;
-use linden::preset::{Preset, Space};
+use linden::preset::Preset;
 use linden::random::Key;
 use linden::recipe::{Geometry, Input, Recipe};
+use linden::scan::{Scan, ScanError, ScanRule, point_spacing_m, prepare};
 use linden::{Cancelled, DVec3, Monitor, Quiet};
 
 use crate::shapes::in_box;
@@ -238,7 +238,7 @@ fn a_chosen_step_decides_the_detail() {
 
 /// The tree that grows from points, as a command line grows it.
 fn grown_from(points: Vec<DVec3>) -> Grown {
-    let mut recipe = Recipe::new(Preset::of_space("own", Space::Points { file: "own.xyz".into() }));
+    let mut recipe = Recipe::new(Preset::of("own", linden::preset::ScanSettings::of("own.xyz")));
     let geometry = Geometry::Points(Arc::new(points));
     recipe.inputs.insert("own.xyz", Input { hash: 0, up: Up::Y, geometry });
     grow(&recipe, &Quiet).unwrap()

@@ -4,10 +4,10 @@ use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
-use linden::colonization::scan::Fit;
+use linden::grow::Fit;
 use linden::grow::{Grown, grow};
 use linden::input::Up;
-use linden::preset::{Preset, Space, builtin};
+use linden::preset::{Preset, builtin};
 use linden::random::Key;
 use linden::recipe::{Geometry, Input, Recipe};
 use linden::skeleton::Axis;
@@ -44,7 +44,7 @@ pub struct Hit {
 
 /// Points on the swept surface, uniform by area, about `spacing_m` apart.
 pub fn bark((skeleton, recipe): &(Arc<Skeleton>, Recipe), spacing_m: f64, key: Key) -> Vec<Hit> {
-    let mesh = sweep(skeleton, &recipe.preset.tubes, &Quiet).unwrap();
+    let mesh = sweep(skeleton, &recipe.preset.dressing.tubes, &Quiet).unwrap();
     let corners = |t: &[u32; 3]| t.map(|v| mesh.positions[v as usize].as_dvec3());
     let mut hits = Vec::new();
     let mut owed = 0.0;
@@ -149,7 +149,7 @@ pub fn measured(hits: &[Hit], sd_m: f64, key: Key) -> Vec<DVec3> {
 
 /// Grows a tree back into a scan (Y up), where the scan is.
 pub fn grown_back(points: Vec<DVec3>, settings: &[(&str, &str)]) -> Grown {
-    let mut preset = Preset::of_space("scan", Space::Points { file: "scan.ply".to_owned() });
+    let mut preset = Preset::of("scan", linden::preset::ScanSettings::of("scan.ply".to_owned()));
     for (knob, value) in [("origin", "keep")].iter().chain(settings) {
         preset.set(knob, value).unwrap();
     }
@@ -209,8 +209,7 @@ pub fn line(what: &str, sizes: &Sizes, fit: Option<&Fit>) -> String {
     let [a, b, c] = order_m;
     let stem = stem_m.map(|r| format!("{:.0}", 1e3 * r)).join(" ");
     let fit = fit.map_or(String::new(), |fit| {
-        let pair =
-            |s: linden::colonization::scan::Spread| format!("{:.1}/{:.1}", 1e3 * s.mean_m, 1e3 * s.p95_m);
+        let pair = |s: linden::grow::Spread| format!("{:.1}/{:.1}", 1e3 * s.mean_m, 1e3 * s.p95_m);
         format!(
             "surface {} axis {} back {}",
             pair(fit.points_to_surface),

@@ -1,6 +1,6 @@
 //! Stochastic systems: keyed choices.
 
-use linden::lsystem::{Grammar, Settings, derive_string, forecast, grow};
+use linden::lsystem::{Grammar, TurtleSettings, derive_string, forecast, grow};
 use linden::{Branching, Quiet};
 
 use crate::naive::{self, Rules};
@@ -13,8 +13,8 @@ fn chance_weed() -> (Rules, Grammar) {
     (rules, grammar)
 }
 
-fn settings(derivations: u32, seed: u64) -> Settings {
-    Settings { derivations, seed, ..Settings::default() }
+fn settings(derivations: u32, seed: u64) -> TurtleSettings {
+    TurtleSettings { derivations, seed, ..TurtleSettings::default() }
 }
 
 #[test]

@@ -1,10 +1,10 @@
 //! Rules that look at what stands around a module (ABOP, section 1.8).
 
-use linden::lsystem::{Grammar, Settings, Way, derive_by, forecast};
+use linden::lsystem::{Grammar, TurtleSettings, Way, derive_by, forecast};
 
 fn derived(axiom: &str, rules: &[&str], derivations: u32) -> String {
     let grammar = Grammar::new(axiom, rules).unwrap();
-    let settings = Settings { derivations, ..Settings::default() };
+    let settings = TurtleSettings { derivations, ..TurtleSettings::default() };
     derive_by(&grammar, &settings, Way::Best).unwrap().text
 }
 
@@ -118,7 +118,7 @@ fn threads_do_not_matter() {
         "A(a) < A(x) > A(b) -> (0.5) A(b)[+A(x)]A(1)",
     ];
     let grammar = Grammar::new("A(1)A(2)A(3)A(4)A(5)", &rules).unwrap();
-    let settings = Settings { derivations: 15, symbol_limit: 3_000_000, ..Settings::default() };
+    let settings = TurtleSettings { derivations: 15, symbol_limit: 3_000_000, ..TurtleSettings::default() };
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| derive_by(&grammar, &settings, Way::Best).unwrap())

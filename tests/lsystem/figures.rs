@@ -1,7 +1,7 @@
 //! Lengths and counts of the literature's figures.
 
 use linden::Quiet;
-use linden::lsystem::{Forecast, Grammar, Settings, derive_string, forecast, grow};
+use linden::lsystem::{Forecast, Grammar, TurtleSettings, derive_string, forecast, grow};
 
 use crate::naive::{self, Rules};
 use crate::{assert_sound, segments};
@@ -28,7 +28,7 @@ fn figure_1_24_has_the_published_counts() {
     for (derivations, axiom, rules, [length, segment_count, branches]) in FIGURE_1_24 {
         let rules: Rules = rules.iter().map(|&(p, s)| (p, vec![(1.0, s.to_owned())])).collect();
         let grammar = Grammar::new(axiom, &naive::written(&rules)).unwrap();
-        let settings = Settings { derivations, ..Settings::default() };
+        let settings = TurtleSettings { derivations, ..TurtleSettings::default() };
 
         let text = derive_string(&grammar, &settings).unwrap();
         assert_eq!((text.len(), count(&text, 'F'), count(&text, '[')), (length, segment_count, branches));
@@ -50,7 +50,8 @@ fn forecast_depth_is_the_deepest_nesting_of_the_string() {
     for (derivations, axiom, rules, _) in FIGURE_1_24 {
         let rules: Vec<String> = rules.iter().map(|(p, s)| format!("{p}={s}")).collect();
         let grammar = Grammar::new(axiom, &rules).unwrap();
-        let text = derive_string(&grammar, &Settings { derivations, ..Settings::default() }).unwrap();
+        let text =
+            derive_string(&grammar, &TurtleSettings { derivations, ..TurtleSettings::default() }).unwrap();
         let mut open = 0;
         let mut deepest = 0;
         for c in text.chars() {
@@ -64,7 +65,7 @@ fn forecast_depth_is_the_deepest_nesting_of_the_string() {
 #[test]
 fn the_bush_has_216_segments_after_three_derivations() {
     let grammar = Grammar::new("F", &[r"F -> F[-\&^F][^++\&F]||F[--\&^F][+\&F]"]).unwrap();
-    let settings = Settings { derivations: 3, angle_deg: 22.5, ..Settings::default() };
+    let settings = TurtleSettings { derivations: 3, angle_deg: 22.5, ..TurtleSettings::default() };
     assert_eq!(forecast(&grammar, 3).unwrap().segments, 216);
     let grown = grow(&grammar, &settings, &Quiet).unwrap();
     assert_sound(&grown);
@@ -76,7 +77,7 @@ fn the_bush_has_216_segments_after_three_derivations() {
 #[test]
 fn zero_derivations_draw_the_axiom() {
     let grammar = Grammar::new("F[+F]F", &["F -> FF"]).unwrap();
-    let settings = Settings { derivations: 0, ..Settings::default() };
+    let settings = TurtleSettings { derivations: 0, ..TurtleSettings::default() };
     assert_eq!(derive_string(&grammar, &settings).unwrap(), "F[+F]F");
     let grown = grow(&grammar, &settings, &Quiet).unwrap();
     assert_eq!((grown.symbols, segments(&grown.branching)), (6, 3));
@@ -87,18 +88,20 @@ fn zero_derivations_draw_the_axiom() {
 fn births_are_the_steps_that_wrote_the_symbols() {
     // A -> FA lays one kept segment a step; the axiom's G is older than all.
     let grammar = Grammar::new("GA", &["A -> FA"]).unwrap();
-    let grown = grow(&grammar, &Settings { derivations: 3, ..Settings::default() }, &Quiet).unwrap();
+    let grown =
+        grow(&grammar, &TurtleSettings { derivations: 3, ..TurtleSettings::default() }, &Quiet).unwrap();
     assert_eq!(grown.branching.births, [0, 0, 1, 2, 3]);
     // A rule that rewrites F replaces it: all are as young as the last step.
     let grammar = Grammar::new("F", &["F -> F[+F]F"]).unwrap();
-    let grown = grow(&grammar, &Settings { derivations: 2, ..Settings::default() }, &Quiet).unwrap();
+    let grown =
+        grow(&grammar, &TurtleSettings { derivations: 2, ..TurtleSettings::default() }, &Quiet).unwrap();
     assert_eq!(grown.branching.births, [2; 10]);
 }
 
 #[test]
 fn silent_symbols_draw_nothing() {
     let grammar = Grammar::new("XFXλ7F", &["X -> XX"]).unwrap();
-    let settings = Settings { derivations: 2, ..Settings::default() };
+    let settings = TurtleSettings { derivations: 2, ..TurtleSettings::default() };
     assert_eq!(derive_string(&grammar, &settings).unwrap(), "XXXXFXXXXλ7F");
     let grown = grow(&grammar, &settings, &Quiet).unwrap();
     assert_eq!((grown.symbols, segments(&grown.branching)), (12, 2));
@@ -108,12 +111,12 @@ fn silent_symbols_draw_nothing() {
 fn a_cut_takes_the_rest_of_its_branch() {
     // ABOP, section 3.2.
     let grammar = Grammar::new::<&str>("a[b%[cd]e[%f]]g[h[%i]j]k", &[]).unwrap();
-    let settings = Settings { derivations: 1, ..Settings::default() };
+    let settings = TurtleSettings { derivations: 1, ..TurtleSettings::default() };
     assert_eq!(derive_string(&grammar, &settings).unwrap(), "a[b]g[h[]j]k");
     // A cut that a rule writes reaches past its own word, up to the bracket.
     let grammar = Grammar::new("F[FAF[F]]F", &["A -> B", "B -> F%F"]).unwrap();
     assert_eq!(derive_string(&grammar, &settings).unwrap(), "F[FBF[F]]F");
-    let settings = Settings { derivations: 2, ..settings };
+    let settings = TurtleSettings { derivations: 2, ..settings };
     assert_eq!(derive_string(&grammar, &settings).unwrap(), "F[FF]F");
     let Forecast { symbols, segments, depth, exact, .. } = forecast(&grammar, 2).unwrap();
     assert_eq!((symbols, segments, depth, exact), (6, 4, 1, true));

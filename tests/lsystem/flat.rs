@@ -1,7 +1,7 @@
 //! Flat systems: copies placed by addition against walking, and both against the definition.
 
 use linden::Quiet;
-use linden::lsystem::{Grammar, Grown, LsystemError, Settings, Way, grow_by};
+use linden::lsystem::{Drawn, Grammar, LsystemError, TurtleSettings, Way, grow_by};
 use proptest::prelude::*;
 
 use crate::assert_sound;
@@ -25,8 +25,8 @@ fn single(rules: &[(char, &str)]) -> Rules {
 }
 
 /// The same to the bit.
-fn assert_same(a: &Grown, b: &Grown) {
-    let bits = |grown: &Grown| -> Vec<[u32; 3]> {
+fn assert_same(a: &Drawn, b: &Drawn) {
+    let bits = |grown: &Drawn| -> Vec<[u32; 3]> {
         grown.branching.positions.iter().map(|position| position.to_array().map(f32::to_bits)).collect()
     };
     assert!(a == b && bits(a) == bits(b), "the ways differ");
@@ -34,7 +34,7 @@ fn assert_same(a: &Grown, b: &Grown) {
 
 /// Grows by every way and on one and more threads; gives the farthest that a node is from where the
 /// definition has it, in sizes of the tree.
-fn compare(axiom: &str, rules: &Rules, settings: &Settings) -> Option<f64> {
+fn compare(axiom: &str, rules: &Rules, settings: &TurtleSettings) -> Option<f64> {
     let grammar = Grammar::new(axiom, &naive::written(rules)).unwrap();
     let grown = match grow_by(&grammar, settings, Way::Best, &Quiet) {
         Err(LsystemError::NothingDrawn { .. }) => return None,
@@ -62,7 +62,8 @@ fn compare(axiom: &str, rules: &Rules, settings: &Settings) -> Option<f64> {
 #[test]
 fn the_figures_are_the_same_by_every_way() {
     for (derivations, angle_deg, axiom, rules) in FIGURES {
-        let settings = Settings { derivations, angle_deg, segment_m: 0.02, ..Settings::default() };
+        let settings =
+            TurtleSettings { derivations, angle_deg, segment_m: 0.02, ..TurtleSettings::default() };
         let error = compare(axiom, &single(rules), &settings).unwrap();
         assert!(error < 1e-6, "{axiom} {rules:?}: {error}");
     }
@@ -73,7 +74,7 @@ fn more_blocks_than_are_kept_change_nothing() {
     // A heading of its own for nearly every subtree.
     let rules = single(&[('A', "F[+F]A-B"), ('B', "[B]+FA+"), ('C', "C+D"), ('D', "AAAA")]);
     for angle_deg in [0.01, 1.37, 359.99] {
-        let settings = Settings { derivations: 16, angle_deg, ..Settings::default() };
+        let settings = TurtleSettings { derivations: 16, angle_deg, ..TurtleSettings::default() };
         assert!(compare("C", &rules, &settings).unwrap() < 1e-6);
     }
 }
@@ -103,7 +104,7 @@ proptest! {
         // As many derivations as give some thousand symbols.
         let few = |n: &u32| linden::lsystem::forecast(&grammar, *n).unwrap().symbols < 8000;
         let derivations = (0..9).take_while(few).last().unwrap_or(0);
-        let settings = Settings { derivations, angle_deg, segment_m, ..Settings::default() };
+        let settings = TurtleSettings { derivations, angle_deg, segment_m, ..TurtleSettings::default() };
         if let Some(error) = compare(&axiom, &rules, &settings) {
             // A tree that coils up is small beside the way along it.
             prop_assert!(error < 1e-5, "{} {}", error, grammar);

@@ -1,13 +1,13 @@
 //! Chance that makes flat trees spatial, and shrubs.
 
-use linden::lsystem::{Grammar, Grown, Habit, LsystemError, Settings, Variation, grow};
+use linden::lsystem::{Drawn, Grammar, LsystemError, Stems, TurtleSettings, Variation, grow};
 use linden::{NO_PARENT, Quiet, Vec3};
 
 use crate::{drawn_with, segments};
 
-fn weed(change: impl FnOnce(&mut Settings)) -> Grown {
+fn weed(change: impl FnOnce(&mut TurtleSettings)) -> Drawn {
     let grammar = Grammar::new("F", &["F -> F[+F]F[-F]F"]).unwrap();
-    let mut settings = Settings { derivations: 3, segment_m: 1.0, ..Settings::default() };
+    let mut settings = TurtleSettings { derivations: 3, segment_m: 1.0, ..TurtleSettings::default() };
     change(&mut settings);
     grow(&grammar, &settings, &Quiet).unwrap()
 }
@@ -60,7 +60,7 @@ fn angles_and_lengths_vary_within_their_bounds_and_use_them() {
 
 #[test]
 fn an_edit_in_one_branch_does_not_reshuffle_another() {
-    let vary = |s: &mut Settings| {
+    let vary = |s: &mut TurtleSettings| {
         s.variation = Variation { angle_deg: 20.0, roll_deg: 90.0, length: 0.3 };
     };
     let before = drawn_with("F[+FF]F[-F&F]", vary).branching.positions;
@@ -71,7 +71,7 @@ fn an_edit_in_one_branch_does_not_reshuffle_another() {
 
 #[test]
 fn outlines_keep_their_shape() {
-    let vary = |s: &mut Settings| {
+    let vary = |s: &mut TurtleSettings| {
         s.angle_deg = 22.5;
         s.variation = Variation { angle_deg: 30.0, roll_deg: 180.0, length: 0.5 };
     };
@@ -85,7 +85,7 @@ fn outlines_keep_their_shape() {
 fn a_shrub_is_the_plant_repeated_about_its_foot() {
     let one = weed(|_| ());
     let lean = 20.0_f32;
-    let shrub = weed(|s| s.habit = Habit::Shrub { stems: 5, lean_deg: lean.into() });
+    let shrub = weed(|s| s.habit = Stems::Several { stems: 5, lean_deg: lean.into() });
     assert_eq!(shrub.symbols, 5 * one.symbols);
     let each = one.branching.positions.len();
     assert_eq!(segments(&shrub.branching), 5 * (each - 1));
@@ -111,11 +111,11 @@ fn a_shrub_is_the_plant_repeated_about_its_foot() {
 
 #[test]
 fn each_stem_has_its_own_chance_and_the_first_is_the_trees() {
-    let vary = |s: &mut Settings| s.variation.angle_deg = 15.0;
+    let vary = |s: &mut TurtleSettings| s.variation.angle_deg = 15.0;
     let tree = weed(vary);
     let shrub = weed(|s| {
         vary(s);
-        s.habit = Habit::Shrub { stems: 3, lean_deg: 0.0 };
+        s.habit = Stems::Several { stems: 3, lean_deg: 0.0 };
     });
     let each = tree.branching.positions.len();
     assert_eq!(shrub.branching.positions[..each], tree.branching.positions);
@@ -130,8 +130,8 @@ fn each_stem_has_its_own_chance_and_the_first_is_the_trees() {
 #[test]
 fn stems_count_against_the_limit() {
     let grammar = Grammar::new("F", &["F -> FF"]).unwrap();
-    let habit = Habit::Shrub { stems: 3, lean_deg: 0.0 };
-    let settings = Settings { derivations: 3, symbol_limit: 20, habit, ..Settings::default() };
+    let habit = Stems::Several { stems: 3, lean_deg: 0.0 };
+    let settings = TurtleSettings { derivations: 3, symbol_limit: 20, habit, ..TurtleSettings::default() };
     let error = grow(&grammar, &settings, &Quiet).unwrap_err();
     assert_eq!(error, LsystemError::TooManyStems { stems: 3, symbols: 8, limit: 20 });
 }

@@ -2,14 +2,16 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use linden::lsystem::{Grammar, Habit, LsystemError, MAX_NESTING, Settings, derive_string, forecast, grow};
+use linden::lsystem::{
+    Grammar, LsystemError, MAX_NESTING, Stems, TurtleSettings, derive_string, forecast, grow,
+};
 use linden::monitor::Phase;
 use linden::{Cancelled, Monitor, Quiet};
 
 use crate::segments;
 
-fn settings(derivations: u32) -> Settings {
-    Settings { derivations, ..Settings::default() }
+fn settings(derivations: u32) -> TurtleSettings {
+    TurtleSettings { derivations, ..TurtleSettings::default() }
 }
 
 #[test]
@@ -33,7 +35,7 @@ fn an_explosion_is_refused_with_what_would_fit() {
          use 25 derivations or fewer, or raise the limit"
     );
     // What it names does fit, and one more does not.
-    let small = |derivations| Settings { symbol_limit: 1000, ..settings(derivations) };
+    let small = |derivations| TurtleSettings { symbol_limit: 1000, ..settings(derivations) };
     let Err(LsystemError::TooManySymbols { fits: Some(fits), .. }) = grow(&grammar, &small(40), &Quiet)
     else {
         panic!("2^40 symbols were not refused");
@@ -57,7 +59,7 @@ fn forecasts_saturate() {
 #[test]
 fn the_limit_is_a_symbol_exactly() {
     let grammar = Grammar::new("F", &["F -> F[+F]F[-F]F"]).unwrap();
-    let limited = |symbol_limit| grow(&grammar, &Settings { symbol_limit, ..settings(5) }, &Quiet);
+    let limited = |symbol_limit| grow(&grammar, &TurtleSettings { symbol_limit, ..settings(5) }, &Quiet);
     assert_eq!(limited(7811).unwrap().symbols, 7811);
     assert!(matches!(limited(7810), Err(LsystemError::TooManySymbols { symbols: 7811, .. })));
 }
@@ -66,7 +68,7 @@ fn the_limit_is_a_symbol_exactly() {
 fn a_lucky_seed_is_stopped_while_it_grows() {
     // A hundred symbols are expected of the last step; one seed in ten gives a thousand.
     let grammar = Grammar::new("X", &[&format!("X -> (0.1) {}", "F".repeat(1000)), "X -> (0.9)"]).unwrap();
-    let of = |seed| grow(&grammar, &Settings { seed, symbol_limit: 500, ..settings(1) }, &Quiet);
+    let of = |seed| grow(&grammar, &TurtleSettings { seed, symbol_limit: 500, ..settings(1) }, &Quiet);
     let outcomes: Vec<_> = (0..200).map(of).collect();
     let past = |r: &&Result<_, _>| matches!(r, Err(LsystemError::GrewPastLimit { limit: 500, .. }));
     assert!((5..60).contains(&outcomes.iter().filter(past).count()));
@@ -79,7 +81,7 @@ fn a_lucky_seed_is_stopped_while_it_grows() {
 fn what_is_hardly_expected_is_drawn_when_it_comes() {
     // A third of a segment is expected, which rounds to none.
     let grammar = Grammar::new("X", &["X -> (0.33) F", "X -> (0.67)"]).unwrap();
-    let of = |seed| grow(&grammar, &Settings { seed, ..settings(1) }, &Quiet);
+    let of = |seed| grow(&grammar, &TurtleSettings { seed, ..settings(1) }, &Quiet);
     let drawn = (0..200).filter(|&seed| of(seed).is_ok()).count();
     assert!((40..95).contains(&drawn), "{drawn}");
 }
@@ -87,8 +89,8 @@ fn what_is_hardly_expected_is_drawn_when_it_comes() {
 #[test]
 fn a_shrub_that_grows_past_the_limit_is_told_with_what_was_asked_for() {
     let grammar = Grammar::new("X", &[&format!("X -> (0.1) {}", "F".repeat(1000)), "X -> (0.9) F"]).unwrap();
-    let habit = Habit::Shrub { stems: 4, lean_deg: 10.0 };
-    let of = |seed| grow(&grammar, &Settings { seed, habit, symbol_limit: 500, ..settings(1) }, &Quiet);
+    let habit = Stems::Several { stems: 4, lean_deg: 10.0 };
+    let of = |seed| grow(&grammar, &TurtleSettings { seed, habit, symbol_limit: 500, ..settings(1) }, &Quiet);
     let past: Vec<_> = (0..100).filter_map(|seed| of(seed).err().map(|error| (seed, error))).collect();
     assert!(past.len() > 10);
     for (seed, error) in past {
@@ -149,13 +151,13 @@ fn settings_out_of_range_are_named() {
     let grammar = Grammar::new("F", &["F -> FF"]).unwrap();
     let good = settings(1);
     for (bad, name) in [
-        (Settings { derivations: 10_001, ..good }, "derivations"),
-        (Settings { angle_deg: f64::NAN, ..good }, "angle_deg"),
-        (Settings { angle_deg: 361.0, ..good }, "angle_deg"),
-        (Settings { segment_m: 0.0, ..good }, "segment_m"),
-        (Settings { segment_m: f64::INFINITY, ..good }, "segment_m"),
-        (Settings { symbol_limit: 0, ..good }, "symbol_limit"),
-        (Settings { symbol_limit: u64::MAX, ..good }, "symbol_limit"),
+        (TurtleSettings { derivations: 10_001, ..good }, "derivations"),
+        (TurtleSettings { angle_deg: f64::NAN, ..good }, "angle_deg"),
+        (TurtleSettings { angle_deg: 361.0, ..good }, "angle_deg"),
+        (TurtleSettings { segment_m: 0.0, ..good }, "segment_m"),
+        (TurtleSettings { segment_m: f64::INFINITY, ..good }, "segment_m"),
+        (TurtleSettings { symbol_limit: 0, ..good }, "symbol_limit"),
+        (TurtleSettings { symbol_limit: u64::MAX, ..good }, "symbol_limit"),
     ] {
         let error = grow(&grammar, &bad, &Quiet).unwrap_err();
         assert!(matches!(error, LsystemError::Setting { name: n, .. } if n == name), "{error}");

@@ -21,27 +21,27 @@ mod turtle;
 mod whole;
 mod width;
 
-use linden::lsystem::{Grammar, Grown, Settings, grow};
+use linden::lsystem::{Drawn, Grammar, TurtleSettings, grow};
 use linden::{Branching, NO_PARENT, Quiet};
 
 /// Grows an axiom without rules, one metre a segment.
 fn drawn(axiom: &str, angle_deg: f64) -> Branching {
     let grammar = Grammar::new::<&str>(axiom, &[]).unwrap();
-    let settings = Settings { derivations: 0, angle_deg, segment_m: 1.0, ..Settings::default() };
+    let settings = TurtleSettings { derivations: 0, angle_deg, segment_m: 1.0, ..TurtleSettings::default() };
     grow(&grammar, &settings, &Quiet).unwrap().branching
 }
 
 /// Grows an axiom without rules, with some settings changed.
-fn drawn_with(axiom: &str, change: impl FnOnce(&mut Settings)) -> Grown {
+fn drawn_with(axiom: &str, change: impl FnOnce(&mut TurtleSettings)) -> Drawn {
     let grammar = Grammar::new::<&str>(axiom, &[]).unwrap();
-    let mut settings = Settings { derivations: 0, segment_m: 1.0, ..Settings::default() };
+    let mut settings = TurtleSettings { derivations: 0, segment_m: 1.0, ..TurtleSettings::default() };
     change(&mut settings);
     grow(&grammar, &settings, &Quiet).unwrap()
 }
 
 /// What every branching structure keeps: arrays of one length, parents first, no segment without
 /// length.
-fn assert_sound(grown: &Grown) {
+fn assert_sound(grown: &Drawn) {
     let Branching { positions, parents, births, .. } = &grown.branching;
     assert_eq!((positions.len(), positions.len()), (parents.len(), births.len()));
     for (node, &parent) in parents.iter().enumerate() {

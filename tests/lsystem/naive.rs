@@ -5,7 +5,7 @@ use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
-use linden::lsystem::Settings;
+use linden::lsystem::TurtleSettings;
 use linden::random::Key;
 use linden::{Branching, DVec3, NO_PARENT};
 
@@ -29,7 +29,7 @@ pub fn written(rules: &Rules) -> Vec<String> {
 }
 
 /// The string after some derivations.
-pub fn derive(axiom: &str, rules: &Rules, settings: &Settings) -> Vec<Letter> {
+pub fn derive(axiom: &str, rules: &Rules, settings: &TurtleSettings) -> Vec<Letter> {
     let mut string = word(axiom, rules, 0, Key::new(settings.seed).named("lsystem"));
     for step in 1..=settings.derivations {
         let mut next = Vec::new();
@@ -113,7 +113,7 @@ impl State {
 }
 
 /// Walks along a string.
-pub fn draw(string: &[Letter], settings: &Settings) -> Branching {
+pub fn draw(string: &[Letter], settings: &TurtleSettings) -> Branching {
     let mut drawn = Branching::default();
     let mut put = |at: DVec3, parent: u32, birth: u32| {
         drawn.positions.push(at.as_vec3());

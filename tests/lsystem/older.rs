@@ -47,7 +47,7 @@ fn a_zero_probability_changes_no_forecast() {
     let (_, tree_c, ..) = FIXTURES[2];
     let grammar = text::parse(tree_c).unwrap().grammar;
     let rules: Rules = [('F', vec![(1.0, "FF[-F+F]F[+F-F]F".to_owned())])].into();
-    let settings = linden::lsystem::Settings { derivations: 2, ..Default::default() };
+    let settings = linden::lsystem::TurtleSettings { derivations: 2, ..Default::default() };
     let expected = naive::derive("F", &rules, &settings).len() as u128;
     let counted = forecast(&grammar, 2).unwrap();
     assert_eq!((counted.symbols, counted.exact), (expected, true));

@@ -1,7 +1,7 @@
 //! `~`: organs of the table.
 
 use linden::foliage::{Look, PROTOTYPES, meshes};
-use linden::lsystem::{Grammar, Settings, grow};
+use linden::lsystem::{Grammar, TurtleSettings, grow};
 use linden::{Quiet, Vec3};
 
 use crate::drawn_with;
@@ -45,7 +45,7 @@ fn only_the_letter_behind_the_sign_is_an_organ() {
 fn an_unknown_letter_is_named_with_the_table() {
     let said = |axiom: &str| {
         let grammar = Grammar::new::<&str>(axiom, &[]).unwrap();
-        let settings = Settings { derivations: 0, ..Settings::default() };
+        let settings = TurtleSettings { derivations: 0, ..TurtleSettings::default() };
         grow(&grammar, &settings, &Quiet).unwrap_err().to_string()
     };
     let error = said("F~X");
@@ -69,7 +69,7 @@ fn each_colour_is_a_mesh_and_the_last_repeats() {
 #[test]
 fn any_number_of_threads_gives_the_same_foliage() {
     let grammar = Grammar::new("FA", &["A -> [+F~LA][-'F{f+f+f}A]/(137.5)FA"]).unwrap();
-    let settings = Settings { derivations: 7, ..Settings::default() };
+    let settings = TurtleSettings { derivations: 7, ..TurtleSettings::default() };
     let organs = grow(&grammar, &settings, &Quiet).unwrap().organs;
     assert!(organs.len() > 2000);
     let on = |threads| {

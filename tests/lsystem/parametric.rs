@@ -1,10 +1,10 @@
 //! Parameters, conditions, arithmetic and constants.
 
-use linden::lsystem::{Grammar, LsystemError, Settings, Way, derive_by, derive_string, forecast};
+use linden::lsystem::{Grammar, LsystemError, TurtleSettings, Way, derive_by, derive_string, forecast};
 
 fn derived(axiom: &str, rules: &[&str], derivations: u32) -> String {
     let grammar = Grammar::new(axiom, rules).unwrap();
-    let settings = Settings { derivations, ..Settings::default() };
+    let settings = TurtleSettings { derivations, ..TurtleSettings::default() };
     let best = derive_by(&grammar, &settings, Way::Best).unwrap();
     assert_eq!(derive_by(&grammar, &settings, Way::BreadthFirst).unwrap(), best);
     best.text
@@ -83,7 +83,7 @@ fn chance_may_depend_on_parameters() {
     let mut lengths = [0.0, 0.0];
     let mut chosen = 0;
     for seed in 0..2000 {
-        let settings = Settings { derivations: 1, seed, ..Settings::default() };
+        let settings = TurtleSettings { derivations: 1, seed, ..TurtleSettings::default() };
         let text = derive_string(&grammar, &settings).unwrap();
         assert_eq!(derive_by(&grammar, &settings, Way::BreadthFirst).unwrap().text, text);
         assert!(text.ends_with('D'));
@@ -108,7 +108,8 @@ fn normal_numbers_have_their_mean_and_deviation() {
     let grammar = Grammar::new("A", &["A -> B(nran(10,2))"]).unwrap();
     let of = |seed| -> f64 {
         let text =
-            derive_string(&grammar, &Settings { derivations: 1, seed, ..Settings::default() }).unwrap();
+            derive_string(&grammar, &TurtleSettings { derivations: 1, seed, ..TurtleSettings::default() })
+                .unwrap();
         text[2..text.len() - 1].parse().unwrap()
     };
     let values: Vec<f64> = (0..4000).map(of).collect();
@@ -123,7 +124,9 @@ fn chance_in_conditions_is_asked_in_every_step() {
     let grammar = Grammar::new("A", &["A : ran(1) < 0.5 -> B"]).unwrap();
     let after = |derivations| {
         let left = |seed| {
-            derive_string(&grammar, &Settings { derivations, seed, ..Settings::default() }).unwrap() == "A"
+            derive_string(&grammar, &TurtleSettings { derivations, seed, ..TurtleSettings::default() })
+                .unwrap()
+                == "A"
         };
         (0..1000).filter(|&seed| left(seed)).count()
     };
@@ -136,7 +139,9 @@ fn chance_in_conditions_is_asked_in_every_step() {
 fn numbers_out_of_range_are_named() {
     let of = |axiom: &str, rule: &str, derivations| {
         let grammar = Grammar::new(axiom, &[rule]).unwrap();
-        derive_string(&grammar, &Settings { derivations, ..Settings::default() }).unwrap_err().to_string()
+        derive_string(&grammar, &TurtleSettings { derivations, ..TurtleSettings::default() })
+            .unwrap_err()
+            .to_string()
     };
     assert_eq!(
         of("A(3)", "A(x) -> A(x-2)F(x-4)", 1),
@@ -173,7 +178,8 @@ fn hondas_and_aonos_trees_have_their_closed_counts() {
         let segments: u128 = u128::from(n) + (1..=n).map(|k| (1_u128 << (n - k)) - 1).sum::<u128>();
         let counted = forecast(&grammar, n).unwrap();
         assert_eq!((counted.segments, counted.exact), (segments, true), "{n}");
-        let text = derive_string(&grammar, &Settings { derivations: n, ..Settings::default() }).unwrap();
+        let text =
+            derive_string(&grammar, &TurtleSettings { derivations: n, ..TurtleSettings::default() }).unwrap();
         assert_eq!(text.matches("F(").count() as u128, segments);
     }
     // Fig. 2.7: every apex becomes two.
@@ -193,7 +199,8 @@ fn hondas_and_aonos_trees_have_their_closed_counts() {
     let grammar = Grammar::new("!(1)F(200)/(45)A", &ternary).unwrap();
     let n = 6;
     assert_eq!(forecast(&grammar, n).unwrap().segments, 1 + 4 * (3_u128.pow(n) - 1) / 2);
-    let text = derive_string(&grammar, &Settings { derivations: 2, ..Settings::default() }).unwrap();
+    let text =
+        derive_string(&grammar, &TurtleSettings { derivations: 2, ..TurtleSettings::default() }).unwrap();
     // 200·1.109², rewritten in both steps.
     assert!(text.starts_with("!(2.999824)F(245.9762"), "{text}");
 }
@@ -201,7 +208,8 @@ fn hondas_and_aonos_trees_have_their_closed_counts() {
 #[test]
 fn a_value_error_is_an_error_of_growing() {
     let grammar = Grammar::new("A(1)", &["A(x) -> F(0-x)A(x)"]).unwrap();
-    let error = derive_string(&grammar, &Settings { derivations: 1, ..Settings::default() }).unwrap_err();
+    let error =
+        derive_string(&grammar, &TurtleSettings { derivations: 1, ..TurtleSettings::default() }).unwrap_err();
     let LsystemError::Value { module, value, derivation, .. } = error else { panic!("{error}") };
     assert_eq!((module.as_str(), value, derivation), ("F(-1)", -1.0, 1));
 }

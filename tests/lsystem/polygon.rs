@@ -1,6 +1,6 @@
 //! Polygons, as appendix C and chapter 5 of ABOP have them.
 
-use linden::lsystem::{Grammar, LsystemError, Settings, grow};
+use linden::lsystem::{Grammar, LsystemError, TurtleSettings, grow};
 use linden::{Quiet, Vec3};
 
 use crate::drawn_with;
@@ -63,7 +63,8 @@ fn vertices_are_recorded_across_brackets() {
     // triangles between neighbouring ribs.
     let rules = ["A -> [+A{.].C.}", "B -> [-B{.].C.}", "C -> GC"];
     let grammar = Grammar::new("F[A][B]", &rules).unwrap();
-    let settings = Settings { derivations: 8, angle_deg: 16.0, segment_m: 1.0, ..Settings::default() };
+    let settings =
+        TurtleSettings { derivations: 8, angle_deg: 16.0, segment_m: 1.0, ..TurtleSettings::default() };
     let grown = grow(&grammar, &settings, &Quiet).unwrap();
     assert_eq!(grown.branching.positions.len(), 2, "its ribs are no wood");
     let corners: Vec<Vec<Vec3>> =
@@ -96,7 +97,7 @@ fn fewer_than_three_vertices_are_nothing() {
 fn braces_that_do_not_match_are_errors() {
     let error = |axiom: &str| {
         let grammar = Grammar::new::<&str>(axiom, &[]).unwrap();
-        grow(&grammar, &Settings { derivations: 0, ..Settings::default() }, &Quiet).unwrap_err()
+        grow(&grammar, &TurtleSettings { derivations: 0, ..TurtleSettings::default() }, &Quiet).unwrap_err()
     };
     assert_eq!(error("Ff}"), LsystemError::PolygonUnopened);
     assert_eq!(error("F{f"), LsystemError::PolygonUnclosed);
@@ -125,6 +126,7 @@ fn polygons_know_their_place_colour_and_step() {
     assert_eq!(growth.nodes, [2, 3, 3]);
     assert_eq!(growth.colors, [1, 2, 1]);
     let grammar = Grammar::new("FA", &["A -> [B]FA", "B -> {f+f+f}"]).unwrap();
-    let grown = grow(&grammar, &Settings { derivations: 4, ..Settings::default() }, &Quiet).unwrap();
+    let grown =
+        grow(&grammar, &TurtleSettings { derivations: 4, ..TurtleSettings::default() }, &Quiet).unwrap();
     assert_eq!(grown.organs.polygons.growth.births, [2, 3, 4]);
 }

@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use linden::Quiet;
-use linden::lsystem::{Grammar, Settings, grow, text};
+use linden::lsystem::{Grammar, TurtleSettings, grow, text};
 use toml::Table;
 
 use crate::{assert_sound, segments};
 
 struct Preset {
     grammar: Grammar,
-    settings: Settings,
+    settings: TurtleSettings,
 }
 
 fn root() -> &'static Path {
@@ -26,11 +26,11 @@ fn read(group: &str, id: &str) -> Preset {
     let number = |key: &str| system[key].as_float().or(system[key].as_integer().map(|n| n as f64)).unwrap();
     Preset {
         grammar: Grammar::new(system["axiom"].as_str().unwrap(), &rules).unwrap(),
-        settings: Settings {
+        settings: TurtleSettings {
             derivations: number("derivations") as u32,
             angle_deg: number("angle"),
             segment_m: number("segment_length"),
-            ..Settings::default()
+            ..TurtleSettings::default()
         },
     }
 }
@@ -46,7 +46,7 @@ fn every_preset_stands_as_high_as_a_small_tree() {
         for id in ids {
             let Preset { grammar, settings } = read(group, id);
             for seed in 0..5 {
-                let grown = grow(&grammar, &Settings { seed, ..settings }, &Quiet).unwrap();
+                let grown = grow(&grammar, &TurtleSettings { seed, ..settings }, &Quiet).unwrap();
                 assert_sound(&grown);
                 let height = |f: fn(f32, f32) -> f32| grown.branching.positions.iter().map(|p| p.y).reduce(f);
                 let height_m = height(f32::max).unwrap() - height(f32::min).unwrap();

@@ -1,7 +1,7 @@
 //! Random grammars against the definition.
 
 use linden::Quiet;
-use linden::lsystem::{Grammar, LsystemError, Settings, derive_string, forecast, grow, text};
+use linden::lsystem::{Grammar, LsystemError, TurtleSettings, derive_string, forecast, grow, text};
 use proptest::prelude::*;
 
 use crate::assert_sound;
@@ -31,7 +31,7 @@ proptest! {
     #[test]
     fn streaming_agrees_with_rewriting(axiom in word(), rules in rules(), derivations in 0_u32..4, seed: u64) {
         prop_assume!(!axiom.is_empty());
-        let settings = Settings { derivations, seed, segment_m: 1.0, angle_deg: 33.0, ..Settings::default() };
+        let settings = TurtleSettings { derivations, seed, segment_m: 1.0, angle_deg: 33.0, ..TurtleSettings::default() };
         let grammar = Grammar::new(&axiom, &naive::written(&rules)).unwrap();
         let expected = forecast(&grammar, derivations).unwrap();
         prop_assume!(expected.symbols < 100_000);

@@ -1,6 +1,6 @@
 //! Random grammars of the whole language against its definition.
 
-use linden::lsystem::{Grammar, LsystemError, Settings, Way, derive_by, forecast, text};
+use linden::lsystem::{Grammar, LsystemError, TurtleSettings, Way, derive_by, forecast, text};
 use proptest::prelude::*;
 
 use crate::definition::{self, Definition, Random};
@@ -28,7 +28,7 @@ fn compare(random: &mut Random, derivations: u32, seed: u64) -> Result<(), TestC
     let definition = random.definition();
     let grammar = grammar(&definition);
     let Some((derivations, string)) = derived(&definition, derivations, seed) else { return Ok(()) };
-    let settings = Settings { derivations, seed, ..Settings::default() };
+    let settings = TurtleSettings { derivations, seed, ..TurtleSettings::default() };
     for way in [Way::Best, Way::BreadthFirst] {
         let derived = match derive_by(&grammar, &settings, way) {
             // What a cut takes later may be no number either: the definition has it all.
@@ -95,7 +95,7 @@ proptest! {
         }
         let grammar = grammar(&definition);
         let counted = forecast(&grammar, derivations).unwrap();
-        let settings = Settings { derivations, seed, symbol_limit: 100_000, ..Settings::default() };
+        let settings = TurtleSettings { derivations, seed, symbol_limit: 100_000, ..TurtleSettings::default() };
         if let Ok(derived) = derive_by(&grammar, &settings, Way::Best) {
             let symbols = derived.births.len() as u128;
             prop_assert!(counted.symbols <= symbols && (counted.at_least || counted.symbols == symbols), "{:?} {}", counted, grammar);

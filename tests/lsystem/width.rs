@@ -1,10 +1,10 @@
 //! Widths: `!(w)` and `!`.
 
-use linden::lsystem::Settings;
+use linden::lsystem::TurtleSettings;
 
 use crate::{drawn, drawn_with};
 
-fn radii(axiom: &str, change: impl FnOnce(&mut Settings)) -> Vec<f32> {
+fn radii(axiom: &str, change: impl FnOnce(&mut TurtleSettings)) -> Vec<f32> {
     drawn_with(axiom, change).branching.radii.unwrap()
 }
 

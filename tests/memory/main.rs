@@ -93,9 +93,8 @@ fn scan(count: u32) -> Recipe {
     let rows: Vec<String> = (0..count).map(place).map(|p| format!("{} {} {}", p.x, -p.z, p.y)).collect();
     let text = rows.join("\n");
     let input = Input::read("scan.xyz", text.as_bytes(), &Quiet).unwrap();
-    let space = linden::preset::Space::Points { file: "scan.xyz".to_owned() };
     assert!(matches!(&input.geometry, Geometry::Points(points) if points.len() == count as usize));
-    let preset = linden::preset::Preset::of_space("scan", space);
+    let preset = linden::preset::Preset::of("scan", linden::preset::ScanSettings::of("scan.xyz"));
     Recipe { preset, inputs: [("scan.xyz", input)].into_iter().collect() }
 }
 
@@ -155,7 +154,7 @@ fn no_stage_takes_more_than_it_forecast() {
         let grown = grown.unwrap();
 
         let (_, peak, forecast) =
-            measured(0, |monitor| sweep(&grown.skeleton, &recipe.preset.tubes, monitor).unwrap());
+            measured(0, |monitor| sweep(&grown.skeleton, &recipe.preset.dressing.tubes, monitor).unwrap());
         compare(&format!("{what}: sweeping"), peak, forecast, &mut faults);
 
         let held = input + grown.bytes();

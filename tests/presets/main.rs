@@ -62,7 +62,7 @@ fn each_surface_is_closed_unfolded_and_finite() {
     for builtin in builtins() {
         let recipe = recipe(builtin);
         let grown = grow(&recipe, &Quiet).unwrap();
-        let mesh = sweep(&grown.skeleton, &recipe.preset.tubes, &Quiet).unwrap();
+        let mesh = sweep(&grown.skeleton, &recipe.preset.dressing.tubes, &Quiet).unwrap();
         let found = topology(&mesh, &Quiet).unwrap();
         assert_eq!(found, Topology::default(), "{}", builtin.id);
         assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-4), "{}", builtin.id);

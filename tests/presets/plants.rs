@@ -5,7 +5,7 @@
 
 use linden::Quiet;
 use linden::grow::grow;
-use linden::preset::{FoliageLook, Form, builtins};
+use linden::preset::{FoliageSettings, Form, builtins};
 use linden_tests::presets::recipe;
 use rayon::prelude::*;
 
@@ -82,7 +82,7 @@ fn each_plant_is_of_the_size_that_its_sources_give() {
             let mut recipe = recipe(builtin);
             recipe.preset.seed = seed;
             if seed > IN_LEAF {
-                recipe.preset.foliage = FoliageLook::default();
+                recipe.preset.dressing.foliage = FoliageSettings::default();
             }
             let grown = grow(&recipe, &Quiet).unwrap();
             let skeleton = &grown.skeleton;
@@ -95,7 +95,8 @@ fn each_plant_is_of_the_size_that_its_sources_give() {
             }
             let lowest = skeleton.positions.iter().map(|p| p.y).fold(f32::INFINITY, f32::min);
             assert!(lowest >= -UNDERGROUND_M, "{}, seed {seed}: {lowest} m below the ground", plant.id);
-            let Some(leaves) = recipe.preset.foliage.kinds().find(|kind| kind.form != Form::None) else {
+            let Some(leaves) = recipe.preset.dressing.foliage.kinds().find(|kind| kind.form != Form::None)
+            else {
                 assert!(seed > IN_LEAF, "{} has no leaves", plant.id);
                 continue;
             };

@@ -91,7 +91,7 @@ proptest! {
     /// A young tree is whole when it is grown, and no wood is thicker before than after.
     #[test]
     fn young_trees_follow_each_rule(all in branchings(), step in 0..9_u32) {
-        for (_, width) in Width::ALL {
+        for &width in Width::ALL {
             let wood = Wood { width, base_radius_m: Some(0.3), ..Wood::default() }.settled(false);
             let tree = built(&all, &wood);
             let young = tree.until(step, &wood, KEY);

@@ -60,7 +60,7 @@ fn presets_grow_refined() {
         let tree = grow(&refined, &Quiet).unwrap().skeleton;
         assert!(tree.axes.len() < plain.axes.len(), "{id}: twigs are pruned");
         assert!(tree.measures().total_length_m < plain.measures().total_length_m, "{id}");
-        let mesh = sweep(&tree, &refined.preset.tubes, &Quiet).unwrap();
+        let mesh = sweep(&tree, &refined.preset.dressing.tubes, &Quiet).unwrap();
         assert_eq!(topology(&mesh, &Quiet).unwrap(), Topology::default(), "{id}");
     }
 }

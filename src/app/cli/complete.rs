@@ -10,7 +10,7 @@ use clap_complete::engine::{
 };
 use linden::forest::{FOREST_KNOBS, builtin_forests};
 use linden::knob::Kind;
-use linden::preset::{KNOBS, builtin, builtins, shape_knobs};
+use linden::preset::{KNOBS, builtin, builtins};
 use linden::season::SEASONS;
 use linden_exporters::{REGISTRY, exporters};
 
@@ -130,7 +130,7 @@ fn known(line: &[String]) -> Vec<Named> {
     let preset = line.iter().find_map(|word| builtin(word).ok()?.load().ok());
     let knobs: Vec<_> = match preset {
         Some(preset) => preset.knobs().into_iter().map(|(knob, _)| knob.knob).collect(),
-        None => KNOBS.iter().copied().chain(shape_knobs()).map(|row| row.knob).collect(),
+        None => KNOBS.iter().map(|row| row.knob).collect(),
     };
     let mut all: Vec<Named> =
         knobs.into_iter().map(|knob| (knob.name.to_owned(), knob.kind, knob.help)).collect();

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
-use linden::detail::{levels, year};
+use linden::dress::{levels, year};
 use linden::memory::Holding;
 use linden::season::Season;
 use linden_exporters::{Exporter, REGISTRY};
@@ -100,7 +100,7 @@ impl Export {
         let source = self.growing.resolve_in(&settings, &seasons, &progress)?;
         let id = &source.recipe.preset.id;
         let command = format!("linden export {0} -o {0}.glb", crate::paths::show(&self.growing.source));
-        let planned = source.recipe.preset.detail.levels();
+        let planned = source.recipe.preset.dressing.detail.levels();
         let files = source.files.clone();
         let mut batch = self.outputs.open(id, &command, &of_formats, (planned, &seasons), files)?;
         if let Some(outlook) = Outlook::of(&source.recipe, &progress) {

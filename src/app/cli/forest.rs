@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
-use linden::detail::{Levels, levels};
+use linden::dress::{Levels, levels};
 use linden::forest::{
     FOREST_KNOBS, ForestDocument, Kind, Layout, Places, SCATTERING, TreeSource, budgeted, builtin_forest,
     builtin_forests,
@@ -175,7 +175,7 @@ impl Written<'_> {
         let idle =
             idle.fold(first, |all, of_one| all.into_iter().filter(|note| of_one.contains(note)).collect());
         super::notes(&idle, progress);
-        let counts = forest.kinds.iter().map(|kind| kind.recipe.preset.detail.levels());
+        let counts = forest.kinds.iter().map(|kind| kind.recipe.preset.dressing.detail.levels());
         let most = counts.max().unwrap_or(1);
         let mut batch =
             self.outputs.open(&forest.id, &self.command, self.of_formats, (most, &[]), sources)?;

@@ -80,7 +80,7 @@ impl List {
                     id,
                     name,
                     group,
-                    generator: generator.id(),
+                    generator: generator.generator().id(),
                     height_m,
                     leaves,
                     summary,

@@ -8,7 +8,7 @@ use clap::Args;
 use clap_mangen::Man as Page;
 use clap_mangen::roff::{Roff, bold, italic, roman};
 use linden::knob::Knob;
-use linden::preset::{KNOBS, Section, shape_knobs};
+use linden::preset::{KNOBS, Section};
 use linden_exporters::REGISTRY;
 
 use super::complete;
@@ -170,12 +170,11 @@ fn knobs(roff: &mut Roff) {
         bold("linden show SOURCE"),
         roman("."),
     ]);
-    let all: Vec<_> = KNOBS.iter().copied().chain(shape_knobs()).collect();
-    for section in Section::ALL {
-        let rows = all.iter().filter(|row| row.section == section);
+    for section in Section::all() {
+        let rows = KNOBS.iter().filter(|row| row.section == section);
         let title = if section.key().is_empty() { "any tree" } else { section.key() };
         roff.control("SS", [title]);
-        for Knob { name, kind, unit, help } in rows.map(|row| row.knob) {
+        for Knob { name, kind, unit, help, .. } in rows.map(|row| row.knob) {
             let unit = if unit.is_empty() { String::new() } else { format!("{unit}: ") };
             item(roff, name, &format!("{unit}{kind}"), help);
         }

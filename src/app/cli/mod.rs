@@ -166,7 +166,7 @@ impl GrowArgs {
         let mut idle = idle(preset, pairs);
         for season in seasons {
             let mut preset = preset.clone();
-            preset.foliage.season = season.season;
+            preset.dressing.foliage.season = season.season;
             let of_one = self::idle(&preset, pairs);
             idle.retain(|note| of_one.contains(note));
         }

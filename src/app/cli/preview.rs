@@ -6,9 +6,8 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::{Args, ValueEnum};
 use linden::Monitor;
-use linden::colonization;
-use linden::detail::levels;
 use linden::dress::dress;
+use linden::dress::levels;
 use linden::grow::Grown;
 use linden::memory::Holding;
 use linden::picture::Picture;
@@ -143,7 +142,7 @@ impl Preview {
         let points =
             grown.colonized.as_ref().filter(|_| self.points).map(|colonized| colonized.points.as_slice());
         let outline = if self.outline {
-            colonization::outline(&source.recipe, &progress).with_context(|| source.shown.clone())?
+            linden::grow::outline(&source.recipe, &progress).with_context(|| source.shown.clone())?
         } else {
             Vec::new()
         };
@@ -251,7 +250,7 @@ impl<'a> PreviewSubject<'a> {
         progress: &Progress,
         monitor: &dyn Monitor,
     ) -> anyhow::Result<Self> {
-        let budget = source.recipe.preset.detail.finest() > 0;
+        let budget = source.recipe.preset.dressing.detail.finest() > 0;
         let shows_surface = Self::shows_surface(source, grown, look, level);
         if budget && !shows_surface {
             super::notes(
@@ -285,7 +284,7 @@ impl<'a> PreviewSubject<'a> {
         look: Option<PreviewLook>,
         level: Option<usize>,
     ) -> bool {
-        let budget = source.recipe.preset.detail.finest() > 0;
+        let budget = source.recipe.preset.dressing.detail.finest() > 0;
         let usual = !grown.organs.shapes.is_empty() || budget || level.is_some();
         look.map_or(usual, |look| look == PreviewLook::Surface)
     }
@@ -294,7 +293,7 @@ impl<'a> PreviewSubject<'a> {
     pub fn styled<'b>(&'b self, style: Style<'b>) -> Style<'b> {
         Style {
             organs: Some(&self.grown.organs),
-            leaf_colors: self.source.recipe.preset.foliage.turtle_colors(),
+            leaf_colors: self.source.recipe.preset.dressing.foliage.turtle_colors(),
             ..style
         }
     }
@@ -329,7 +328,7 @@ fn at_level(
     monitor: &dyn Monitor,
 ) -> anyhow::Result<Scene> {
     let mut recipe = source.recipe.clone();
-    let detail = &mut recipe.preset.detail;
+    let detail = &mut recipe.preset.dressing.detail;
     if level.is_none() {
         (detail.triangles, detail.lod_triangles) = (detail.finest(), vec![0.0]);
         (detail.lods, detail.billboard) = (1, 0);

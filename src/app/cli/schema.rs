@@ -2,11 +2,10 @@
 //! tables that read them.
 
 use clap::Args;
+use linden::generators;
 use linden::knob::{FARTHEST, Kind, Knob};
-use linden::preset::{
-    BarkLook, FileKey, KNOBS, LEAF_KNOBS, LeafKind, MOST_KINDS, MOST_PARTS, PART_CROWN, PART_KNOBS,
-    PresetKnob, Section, shape_knobs,
-};
+use linden::preset::{BarkSettings, FileKey, KNOBS, LEAF_KNOBS, LeafKind, MOST_KINDS, Section};
+use linden::skeleton::generator::{Holds, TableKey, Tables};
 use linden_exporters::REGISTRY;
 use serde_json::{Map, Value, json};
 
@@ -50,9 +49,8 @@ fn document() -> Value {
         "input".to_owned(),
         json!({ "type": "object", "description": "the one file of an older recipe" }),
     );
-    let knobs: Vec<PresetKnob> = KNOBS.iter().copied().chain(shape_knobs()).collect();
-    for section in Section::ALL {
-        let mut keys: Map<String, Value> = knobs
+    for section in Section::all() {
+        let mut keys: Map<String, Value> = KNOBS
             .iter()
             .filter(|knob| knob.section == section)
             .map(|knob| (knob.knob.name.to_owned(), of(&knob.knob)))
@@ -62,17 +60,11 @@ fn document() -> Value {
                 properties.append(&mut keys);
                 continue;
             }
-            Section::LSystem => {
-                keys.insert("axiom".to_owned(), json!({ "type": "string" }));
-                keys.insert("rules".to_owned(), json!({ "type": "array", "items": { "type": "string" } }));
+            Section::Generator(id) => {
+                let others = generators::find(id).map_or(&[][..], |generator| generator.keys());
+                keys.extend(others.iter().map(|key| (key.name.to_owned(), of_key(key))));
             }
-            Section::Colonization => {
-                let file = json!({ "type": "string", "description": "a file, relative to the preset's" });
-                keys.insert("envelope".to_owned(), file.clone());
-                keys.insert("scan".to_owned(), file);
-                keys.insert("part".to_owned(), parts());
-            }
-            Section::Bark => keys.extend(files(&BarkLook::FILES)),
+            Section::Bark => keys.extend(files(&BarkSettings::FILES)),
             Section::Foliage => {
                 let kind = json!({
                     "type": "object",
@@ -91,6 +83,8 @@ fn document() -> Value {
         let table = json!({ "type": "object", "properties": keys, "additionalProperties": false });
         properties.insert(section.key().to_owned(), table);
     }
+    let one_of: Vec<Value> =
+        generators::all().iter().map(|generator| json!({ "required": [generator.id()] })).collect();
     let formats: Map<String, Value> = REGISTRY
         .iter()
         .map(|exporter| exporter.format())
@@ -113,7 +107,7 @@ fn document() -> Value {
         "title": "linden preset",
         "type": "object",
         "required": ["id"],
-        "oneOf": [{ "required": ["lsystem"] }, { "required": ["colonization"] }],
+        "oneOf": one_of,
         "properties": properties,
         "additionalProperties": false,
         "$defs": { "export options": { "type": "object", "properties": formats } },
@@ -132,23 +126,35 @@ fn files<T>(rows: &[FileKey<T>]) -> Map<String, Value> {
     rows.iter().map(|row| (row.key.to_owned(), schema(row.help))).collect()
 }
 
-/// The list of a crown's parts.
-fn parts() -> Value {
-    let knobs = PART_KNOBS.iter().map(|row| row.field.knob).chain([PART_CROWN]);
-    let dimensions = shape_knobs().into_iter().map(|row| row.knob);
+/// A key of a generator's table that is no knob.
+fn of_key(key: &TableKey) -> Value {
+    let text = json!({ "type": "string" });
+    let mut schema = match &key.holds {
+        Holds::Text | Holds::File => text,
+        Holds::Texts => json!({ "type": "array", "items": text }),
+        Holds::Tables(tables) => of_tables(tables),
+    };
+    schema["description"] = json!(key.help);
+    schema
+}
+
+/// A list of tables.
+fn of_tables(tables: &Tables) -> Value {
     let mut properties: Map<String, Value> =
-        knobs.chain(dimensions).map(|knob| (knob.name.to_owned(), of(&knob))).collect();
-    let file =
-        json!({ "type": "string", "description": "in place of crown: a mesh, relative to the preset" });
-    properties.insert("mesh".to_owned(), file);
-    let part = json!({
+        (tables.knobs)().iter().map(|knob| (knob.name.to_owned(), of(knob))).collect();
+    for (key, help) in tables.files {
+        properties.insert((*key).to_owned(), json!({ "type": "string", "description": help }));
+    }
+    let mut item = json!({
         "type": "object",
-        "required": ["role"],
-        "oneOf": [{ "required": ["crown"] }, { "required": ["mesh"] }],
+        "required": tables.required,
         "properties": properties,
         "additionalProperties": false,
     });
-    json!({ "type": "array", "items": part, "maxItems": MOST_PARTS })
+    if !tables.one_of.is_empty() {
+        item["oneOf"] = tables.one_of.iter().map(|key| json!({ "required": [key] })).collect();
+    }
+    json!({ "type": "array", "items": item, "maxItems": tables.most })
 }
 
 /// A knob's values as documents have them.

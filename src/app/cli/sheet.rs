@@ -74,13 +74,14 @@ impl Sheet {
             let mut source = source::resolve(path, &settings, &progress)?;
             super::notes(&source.notes, &progress);
             super::notes(&super::idle(&source.recipe.preset, &settings), &progress);
-            if self.lods.is_some() && source.recipe.preset.detail.levels() == 1 {
-                source.recipe.preset.detail.lods = USUAL_LEVELS;
+            if self.lods.is_some() && source.recipe.preset.dressing.detail.levels() == 1 {
+                source.recipe.preset.dressing.detail.lods = USUAL_LEVELS;
             }
             trees.push(source);
         }
         // A tree with fewer levels than another leaves the rest of its places empty.
-        let levels = trees.iter().map(|source| source.recipe.preset.detail.levels()).max().unwrap_or(1);
+        let levels =
+            trees.iter().map(|source| source.recipe.preset.dressing.detail.levels()).max().unwrap_or(1);
         let levels = if self.lods.is_some() { levels as u64 } else { 1 };
         let count = u32::try_from(sources.len() as u64 * self.seeds * levels).unwrap_or(u32::MAX);
         let (width, height) = self.size;

@@ -4,7 +4,7 @@ use clap::Args;
 use linden::Quiet;
 use linden::colonization::crown::envelope::Envelope;
 use linden::knob::{Value, printable};
-use linden::preset::{Generator, Preset, PresetKnob, Section, Space};
+use linden::preset::{Colonization, LSystem, Preset, PresetKnob, ScanSettings, Section, Space};
 use linden::recipe::{Geometry, Input, Recipe};
 use serde::Serialize;
 
@@ -138,7 +138,7 @@ impl Show {
                 summary: &preset.summary,
                 origin: &preset.source,
                 about: &preset.about,
-                generator: preset.generator.id(),
+                generator: preset.grows_by().id(),
                 knobs,
                 forecast,
                 recipe: serde_json::to_value(&source.recipe)?,
@@ -154,7 +154,7 @@ fn forecast_of(recipe: &Recipe, progress: &Progress) -> anyhow::Result<Option<Fo
     let size = outlook.as_ref().map(|outlook| outlook.size(recipe));
     let is_whole = outlook.as_ref().is_some_and(|outlook| outlook.sample.is_whole());
     let sampled = outlook.as_ref().and_then(|outlook| outlook.sample.skeleton_bytes());
-    let Generator::LSystem(lsystem) = &recipe.preset.generator else {
+    let Some(lsystem) = recipe.preset.settings::<LSystem>() else {
         let row = |size| ForecastRow {
             symbols: None,
             segments: None,
@@ -184,38 +184,41 @@ fn forecast_of(recipe: &Recipe, progress: &Progress) -> anyhow::Result<Option<Fo
     }))
 }
 
+/// What a tree grows from besides knobs: its grammar, or the file that it grows in.
+fn materials(recipe: &Recipe) -> String {
+    let preset = &recipe.preset;
+    if let Some(lsystem) = preset.settings::<LSystem>() {
+        let lines = lsystem.grammar.to_string();
+        let lines = lines.lines().map(|line| format!("  {}\n", printable(line)));
+        return format!("\ngrammar\n{}", lines.collect::<String>());
+    }
+    let crown = preset.settings::<Colonization>();
+    let (what, file, is_rooted) =
+        if let Some(Colonization { space: Space::Envelope { file }, growth, .. }) = crown {
+            ("crown envelope", file, growth.root.is_some())
+        } else if let Some(ScanSettings { file, growth, .. }) = preset.settings() {
+            ("attraction points", file, growth.root.is_some())
+        } else {
+            return String::new();
+        };
+    let input = recipe.input(file);
+    let (size, shells) = (input.map(size).unwrap_or_default(), input.map(shells).unwrap_or_default());
+    let shells = if is_rooted { String::new() } else { shells };
+    format!("\n{what}\n  {}{size}{shells}\n", printable(file))
+}
+
 fn page(recipe: &Recipe, knobs: &[KnobRow], forecast: Option<&ForecastRow>, only_changed: bool) -> String {
     let preset = &recipe.preset;
     let mut text = format!("{} ({})\n", printable(&preset.name), printable(&preset.id));
     for line in [&preset.summary, &preset.source, &preset.about].into_iter().filter(|line| !line.is_empty()) {
         text.push_str(&format!("{}\n", printable(line)));
     }
-    match &preset.generator {
-        Generator::LSystem(lsystem) => {
-            text.push_str("\ngrammar\n");
-            for line in lsystem.grammar.to_string().lines() {
-                text.push_str(&format!("  {}\n", printable(line)));
-            }
-        }
-        Generator::Colonization(colonization) => {
-            let (what, file) = match &colonization.space {
-                Space::Shape { .. } => ("", None),
-                Space::Envelope { file } => ("crown envelope", Some(file)),
-                Space::Points { file } => ("attraction points", Some(file)),
-            };
-            if let Some(file) = file {
-                let input = recipe.input(file);
-                let (size, shells) =
-                    (input.map(size).unwrap_or_default(), input.map(shells).unwrap_or_default());
-                let shells = if colonization.root.is_none() { shells } else { String::new() };
-                text.push_str(&format!("\n{what}\n  {}{size}{shells}\n", printable(file)));
-            }
-        }
-    }
-    if !preset.parts().is_empty() {
+    text.push_str(&materials(recipe));
+    let parts = preset.settings::<Colonization>().map_or(&[][..], |crown| &crown.parts);
+    if !parts.is_empty() {
         text.push_str("\nparts\n");
     }
-    for (i, part) in preset.parts().iter().enumerate() {
+    for (i, part) in parts.iter().enumerate() {
         let size = part.file().and_then(|file| recipe.input(file)).map(size).unwrap_or_default();
         text.push_str(&format!("  {} {}{size}\n", i + 1, part.describe()));
         // What the line above has said.
@@ -235,7 +238,7 @@ fn page(recipe: &Recipe, knobs: &[KnobRow], forecast: Option<&ForecastRow>, only
         knobs.iter().map(|row| row.name.len()).max().unwrap_or(0),
         knobs.iter().map(|row| row.value.len() + row.unit.len() + 1).max().unwrap_or(0).min(24),
     ];
-    for section in Section::ALL {
+    for section in Section::all() {
         let rows: Vec<&KnobRow> = knobs.iter().filter(|row| row.section == section.key()).collect();
         let is_shown = |key: &str| !only_changed || preset.file(key).is_some();
         let files: Vec<_> =

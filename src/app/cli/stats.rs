@@ -5,11 +5,11 @@ use std::time::Instant;
 use anyhow::Context;
 use clap::Args;
 use linden::Vec3;
-use linden::colonization::scan::Spread;
-use linden::detail::finest;
+use linden::dress::finest;
 use linden::dress::leaf_shapes;
 use linden::foliage::meshes_of;
 use linden::grow::Scanned;
+use linden::grow::Spread;
 use linden::memory::Holding;
 use linden::scene::{Bounds, Mesh};
 use linden::surface::{Junction, survey};
@@ -129,9 +129,9 @@ impl Stats {
         // The surface alone, and never the whole of it: trees can be measured that no mesh format holds.
         // The bark's pictures are not measured, and take longer than all else.
         let holding = Holding::new(&progress, grown.bytes() + source.recipe.inputs.bytes());
-        let (shown, tubes) =
-            finest(&source.recipe, &grown, &holding).with_context(|| source.shown.clone())?;
-        let surface = survey(&shown.skeleton, &tubes, &holding).with_context(|| source.shown.clone())?;
+        let shown = finest(&source.recipe, &grown, &holding).with_context(|| source.shown.clone())?;
+        let surface =
+            survey(&shown.skeleton, &shown.tubes, &holding).with_context(|| source.shown.clone())?;
         let shapes =
             leaf_shapes(&source.recipe, &shown.organs, &holding).with_context(|| source.shown.clone())?;
         let foliage = meshes_of(&shown.organs, &shapes, 1, &holding).with_context(|| source.shown.clone())?;
@@ -147,7 +147,7 @@ impl Stats {
         let report = StatsReport {
             source: source.shown.clone(),
             seed: source.recipe.preset.seed,
-            generator: source.recipe.preset.generator.id(),
+            generator: source.recipe.preset.grows_by().id(),
             nodes: skeleton.positions.len(),
             segments: skeleton.segments(),
             axes: skeleton.axes.len(),
@@ -169,7 +169,7 @@ impl Stats {
             vertices: surface.vertices + count(|mesh| mesh.positions.len()),
             leaves: shown.organs.len(),
             watertight: surface.topology.watertight(),
-            is_solid: source.recipe.preset.tubes.junction == Junction::Watertight,
+            is_solid: source.recipe.preset.dressing.tubes.junction == Junction::Watertight,
             bounds: Corners { min: bounds.min.to_array(), max: bounds.max.to_array() },
             skeleton_hash: format!("{:032x}", skeleton.hash()),
             seconds: Seconds { grow: grow_s, dress: dress_s },

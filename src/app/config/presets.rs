@@ -12,7 +12,7 @@ use linden::Monitor;
 use linden::input::{InputKind, sniff};
 use linden::knob::excerpt;
 use linden::lsystem::text;
-use linden::preset::{Place, Preset, Space, builtin_file};
+use linden::preset::{Colonization, Place, Preset, ScanSettings, Space, builtin_file};
 
 use super::files::{self, Existing, Readers};
 use super::{Complaint, of_fault};
@@ -150,7 +150,7 @@ fn entry(path: PathBuf, folder: Option<String>) -> UserPreset {
         group: folder.or_else(|| of(|preset| &preset.group)).unwrap_or_else(|| OWN.to_owned()),
         summary: of(|preset| &preset.summary).unwrap_or_default(),
         source: of(|preset| &preset.source).unwrap_or_default(),
-        generator: read.as_ref().map_or("", |preset| preset.generator.id()),
+        generator: read.as_ref().map_or("", |preset| preset.grows_by().id()),
         id,
         path,
         state,
@@ -183,10 +183,10 @@ fn read(path: &Path, id: &str) -> Result<(Preset, Result<(), Complaint>), Compla
             return Ok((preset, Ok(())));
         }
         InputKind::ObjMesh | InputKind::PlyMesh => {
-            return Ok((Preset::of_space(id, Space::Envelope { file: name }), Ok(())));
+            return Ok((Preset::of(id, Colonization::of(Space::Envelope { file: name })), Ok(())));
         }
         InputKind::PlyPoints | InputKind::XyzPoints => {
-            return Ok((Preset::of_space(id, Space::Points { file: name }), Ok(())));
+            return Ok((Preset::of(id, ScanSettings::of(name)), Ok(())));
         }
     };
     let problem = |file: &str| match trust::beside(Some(path), file) {

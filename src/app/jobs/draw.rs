@@ -273,7 +273,7 @@ impl Painter {
             points: if request.points { points } else { &[] },
             outline: if request.outline { &shown.outline } else { &[] },
             person: request.person,
-            leaf_colors: shown.recipe.preset.foliage.turtle_colors(),
+            leaf_colors: shown.recipe.preset.dressing.foliage.turtle_colors(),
             draft: request.detail == Detail::Draft,
             ..base
         };
@@ -328,11 +328,11 @@ impl Painter {
         if !is_there {
             self.scene = None;
             let mut recipe = (*shown.recipe).clone();
-            recipe.preset.wind.wind = if sways { Wind::Sway } else { Wind::Off };
-            recipe.preset.wind.blow.strength = wind_strength(&recipe.preset);
-            recipe.preset.tubes.sides = recipe.preset.tubes.sides.min(MOST_SIDES);
-            recipe.preset.bark.size_px = recipe.preset.bark.size_px.min(MOST_BARK_PX);
-            recipe.preset.foliage.size_px = recipe.preset.foliage.size_px.min(MOST_LEAF_PX);
+            recipe.preset.dressing.wind.wind = if sways { Wind::Sway } else { Wind::Off };
+            recipe.preset.dressing.wind.blow.strength = wind_strength(&recipe.preset);
+            recipe.preset.dressing.tubes.sides = recipe.preset.dressing.tubes.sides.min(MOST_SIDES);
+            recipe.preset.dressing.bark.size_px = recipe.preset.dressing.bark.size_px.min(MOST_BARK_PX);
+            recipe.preset.dressing.foliage.size_px = recipe.preset.dressing.foliage.size_px.min(MOST_LEAF_PX);
             let scene = dress(&recipe, &shown.grown, watcher).map_err(|error| match error {
                 DressError::Cancelled(_) => None,
                 other => Some(other.to_string()),
@@ -379,7 +379,7 @@ fn unless_cancelled(error: RasterError) -> Option<String> {
 
 /// The wind that is played: where a preset has none, a breeze.
 pub fn wind_strength(preset: &Preset) -> f64 {
-    let strength = preset.wind.blow.strength;
+    let strength = preset.dressing.wind.blow.strength;
     if strength > 0.0 { strength } else { Blow::default().strength }
 }
 
@@ -389,9 +389,9 @@ fn blown_at(
     frame: u32,
     watcher: &Watcher<'_>,
 ) -> Result<(Skeleton, Organs), Option<String>> {
-    let mut preset = shown.recipe.preset.clone();
-    preset.wind.blow.strength = wind_strength(&preset);
-    blown(&preset, &shown.grown.skeleton, &shown.grown.organs, frame, watcher).map_err(|_| None)
+    let preset = &shown.recipe.preset;
+    let blow = Blow { strength: wind_strength(preset), ..preset.dressing.wind.blow };
+    blown(&blow, preset.seed, &shown.grown.skeleton, &shown.grown.organs, frame, watcher).map_err(|_| None)
 }
 
 /// The parts at a frame of their loop.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 
 use linden::Monitor;
-use linden::detail::levels;
+use linden::dress::levels;
 use linden::grow::{Grown, grow};
 use linden::monitor::Phase;
 use linden::recipe::Recipe;
@@ -123,7 +123,7 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
         }
         ensure_expected(output, may_replace)?;
     }
-    let levels_wanted = recipe.preset.detail.levels();
+    let levels_wanted = recipe.preset.dressing.detail.levels();
     outputs = outputs.into_iter().flat_map(|output| output.in_levels(levels_wanted)).collect();
     if let Some(there) = outputs.iter().find(|output| output.level.is_some() && output.path.exists()) {
         anyhow::bail!("{} is there already; remove it, or choose another name", show(&there.path));

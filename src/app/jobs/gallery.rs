@@ -9,13 +9,14 @@ use std::sync::Arc;
 
 use glam::Vec2;
 use linden::dress::{DressError, dress};
-use linden::foliage::{FoliageError, sprout};
-use linden::grow::{GrowError, Grown, grow};
+use linden::foliage::FoliageError;
+use linden::grow::{GrowError, Grown, grow, sprout};
 use linden::knob::Value;
-use linden::lsystem::LsystemError;
+use linden::lsystem::{GrowingError, LsystemError};
 use linden::picture::Picture;
-use linden::preset::{Generator, PresetKnob, Section};
-use linden::recipe::{Geometry, Recipe};
+use linden::preset::{PresetKnob, Section};
+use linden::recipe::Recipe;
+use linden::skeleton::generator::SampleSize;
 use linden::{Cancelled, Monitor};
 use linden_raster::extent::RINGS;
 use linden_raster::{Camera, Extent, RasterError, Size, Style, Surface, draw_skeleton, draw_surface};
@@ -266,8 +267,8 @@ impl Studio<'_> {
             return self.strokes(sitter, frame);
         }
         let mut recipe = (*sitter.recipe).clone();
-        recipe.preset.bark.size_px = recipe.preset.bark.size_px.min(BARK_PX);
-        recipe.preset.foliage.size_px = recipe.preset.foliage.size_px.min(LEAF_PX);
+        recipe.preset.dressing.bark.size_px = recipe.preset.dressing.bark.size_px.min(BARK_PX);
+        recipe.preset.dressing.foliage.size_px = recipe.preset.dressing.foliage.size_px.min(LEAF_PX);
         let grown = Grown {
             skeleton: Arc::clone(&sitter.plant.skeleton),
             wood: recipe.preset.wood,
@@ -294,7 +295,7 @@ impl Studio<'_> {
         let style = Style {
             paint,
             organs: Some(&sitter.plant.organs),
-            leaf_colors: sitter.recipe.preset.foliage.turtle_colors(),
+            leaf_colors: sitter.recipe.preset.dressing.foliage.turtle_colors(),
             ..base
         };
         let drawn =
@@ -330,43 +331,29 @@ impl Studio<'_> {
 fn grow_within_limits(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Plant, NoPicture> {
     let too_large = |what: String| NoPicture::Because(format!("too large for a small picture: {what}"));
     let mut limited = recipe.clone();
-    let mut limits_nodes = false;
-    match &mut limited.preset.generator {
-        Generator::LSystem(lsystem) => lsystem.symbol_limit = lsystem.symbol_limit.min(MOST_SYMBOLS),
-        Generator::Colonization(colonization) => {
-            let given =
-                colonization.space.file().and_then(|file| recipe.input(file)).map(|input| &input.geometry);
-            let points = match given {
-                Some(Geometry::Points(points)) => points.len(),
-                _ => colonization.points as usize,
-            };
-            if points > MOST_POINTS {
-                return Err(too_large(format!("{points} points")));
-            }
-            limits_nodes = colonization.max_nodes > MOST_NODES;
-            colonization.max_nodes = colonization.max_nodes.min(MOST_NODES);
-        }
-    }
+    let size = SampleSize { points: MOST_POINTS, nodes: MOST_NODES, symbols: MOST_SYMBOLS, halvings: 0 };
+    let limits_nodes = limited.preset.generator.limit(&recipe.inputs, &size).map_err(too_large)?;
     match grow(&limited, monitor) {
         Ok(grown) if limits_nodes && grown.skeleton.positions.len() >= MOST_NODES as usize => {
             Err(too_large(format!("over {MOST_NODES} nodes")))
         }
         Ok(grown) => Ok(Plant::from(&grown)),
         Err(GrowError::Cancelled(_)) => Err(NoPicture::Cancelled),
-        Err(GrowError::LSystem(LsystemError::TooManySymbols { symbols, limit, .. })) => {
-            let symbols = if symbols > u128::from(u32::MAX) {
-                format!("{:.0e}", symbols as f64)
-            } else {
-                symbols.to_string()
-            };
-            Err(if limit == MOST_SYMBOLS {
-                too_large(format!("{symbols} symbols"))
-            } else {
-                NoPicture::Because(format!("{symbols} symbols, over its limit of {limit}"))
-            })
-        }
-        Err(GrowError::LSystem(error)) => Err(NoPicture::Because(first_clause(&error.to_string()))),
-        Err(error) => Err(NoPicture::Because(first_clause(&error.to_string()))),
+        Err(error) => Err(match error.generator() {
+            Some(GrowingError(LsystemError::TooManySymbols { symbols, limit, .. })) => {
+                let count = if *symbols > u128::from(u32::MAX) {
+                    format!("{:.0e}", *symbols as f64)
+                } else {
+                    symbols.to_string()
+                };
+                if *limit == MOST_SYMBOLS {
+                    too_large(format!("{count} symbols"))
+                } else {
+                    NoPicture::Because(format!("{count} symbols, over its limit of {limit}"))
+                }
+            }
+            _ => NoPicture::Because(first_clause(&error.to_string())),
+        }),
     }
 }
 

@@ -4,11 +4,9 @@ use std::sync::Arc;
 
 use glam::Vec3;
 use linden::Skeleton;
-use linden::colonization::outline;
-use linden::foliage::{FoliageError, Organs, sprout};
-use linden::grow::{GrowError, Grown, grow};
+use linden::foliage::{FoliageError, Organs};
+use linden::grow::{GrowError, Grown, grow, outline, sprout};
 use linden::memory::Holding;
-use linden::preset::Generator;
 use linden::recipe::Recipe;
 use linden::skeleton::{Measures, SkeletonError};
 use linden_raster::{Extent, RasterError};
@@ -104,7 +102,7 @@ pub fn stage(shown: &ShownTree, step: u32, watcher: &Watcher<'_>) -> Result<Opti
     let mut recipe = (*shown.recipe).clone();
     // The whole tree stays while a younger one is shown.
     let holding = Holding::new(watcher, shown.grown.bytes());
-    let Generator::LSystem(lsystem) = &mut recipe.preset.generator else {
+    let Some(derived) = recipe.preset.generator.derived(step) else {
         let organs_bytes = shown.grown.bytes() - shown.grown.skeleton.bytes();
         let beside = Holding::new(watcher, organs_bytes);
         shown
@@ -124,7 +122,7 @@ pub fn stage(shown: &ShownTree, step: u32, watcher: &Watcher<'_>) -> Result<Opti
         };
         return Ok(Some(Plant { skeleton: Arc::new(young), organs, given: Arc::default() }));
     };
-    lsystem.derivations = step;
+    recipe.preset.generator = derived;
     match grow(&recipe, &holding) {
         Ok(grown) => Ok(Some(Plant::from(&grown))),
         Err(GrowError::Cancelled(_)) => Err(None),

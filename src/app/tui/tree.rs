@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use linden::lsystem::Grammar;
 use linden::monitor::Phase;
-use linden::preset::{Generator, KnobError, Preset, PresetKnob};
+use linden::preset::{KnobError, LSystem, Preset, PresetKnob};
 use linden::recipe::Recipe;
 
 use crate::jobs::ShownTree;
@@ -208,7 +208,7 @@ impl Tree {
     pub fn type_grammar(&mut self, text: &str, read: Option<Grammar>) {
         if let Some(grammar) = read {
             let mut preset = self.current.preset.clone();
-            let Generator::LSystem(lsystem) = &mut preset.generator else { return };
+            let Some(lsystem) = preset.settings_mut::<LSystem>() else { return };
             lsystem.grammar = grammar;
             let follows = self.series == Some(UndoSeries::Grammar);
             self.change(preset, follows, Some(UndoSeries::Grammar));
@@ -221,8 +221,8 @@ impl Tree {
     /// Gives the grammar of the document back, as one step of undo.
     pub fn reset_grammar(&mut self) {
         let mut preset = self.current.preset.clone();
-        if let (Generator::LSystem(lsystem), Some(saved)) =
-            (&mut preset.generator, grammar_of(&self.saved.preset))
+        if let (Some(lsystem), Some(saved)) =
+            (preset.settings_mut::<LSystem>(), grammar_of(&self.saved.preset))
         {
             lsystem.grammar = saved.clone();
             self.replace(preset);
@@ -348,7 +348,7 @@ impl Tree {
 
 /// A preset's grammar.
 pub fn grammar_of(preset: &Preset) -> Option<&Grammar> {
-    if let Generator::LSystem(lsystem) = &preset.generator { Some(&lsystem.grammar) } else { None }
+    preset.settings::<LSystem>().map(|lsystem| &lsystem.grammar)
 }
 
 #[cfg(test)]

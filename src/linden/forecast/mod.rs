@@ -6,7 +6,7 @@
 //! - **colonization**: fewer points in the same crown; step, kill and influence are longer by as much
 //!   as the points are farther apart. Growth is similar at any scale, so that nodes go with the points.
 //! - **L-systems**: fewer derivations. How much the others give is counted by the growth matrix
-//!   ([`lsystem::forecast`](crate::lsystem::forecast())); where that would take too long, followed from
+//!   ([`lsystem::forecast`](linden_lsystem::forecast())); where that would take too long, followed from
 //!   how the string grew so far.
 //! - **scans**: a part of the points, in steps that suit them; wood is as long in any steps.
 //!
@@ -14,19 +14,19 @@
 //! symbols, nodes and leaves it may take is fixed below. Reads no clock: seconds follow from rates, see
 //! `linden_exporters::Estimate`.
 
-mod crown;
-mod rewriting;
-
 use std::sync::Arc;
 
-use crate::foliage::{FoliageError, GROWING, Organs, sprout};
-use crate::grow::{GrowError, Grown};
-use crate::memory::OverMemory;
-use crate::monitor::{Monitor, Phase};
-use crate::preset::{Form, Generator, Preset};
+use linden_base::memory::OverMemory;
+use linden_base::monitor::{Monitor, Phase};
+use linden_plant::foliage::{FoliageError, GROWING, Organs};
+use linden_plant::settings::Form;
+use linden_skeleton::generator::{Multiple, SampleSize, SampleStep};
+use linden_skeleton::refine::Refinement;
+use linden_skeleton::{NO_PARENT, Skeleton, Width};
+
+use crate::grow::{GrowError, Grown, grow, sprout};
+use crate::preset::Preset;
 use crate::recipe::Recipe;
-use crate::skeleton::refine::Refinement;
-use crate::skeleton::{NO_PARENT, Skeleton, Width};
 
 /// Attraction points, or points of a scan, of a sample.
 const POINTS: usize = 4000;
@@ -102,7 +102,7 @@ impl Sample {
 ///
 /// ```
 /// use linden::{Quiet, forecast::sample, preset::builtin, recipe::Recipe};
-/// let preset = builtin("abop-a").unwrap().load().map_err(|fault| fault.message)?;
+/// let preset = builtin("abop-a")?.load()?;
 /// let mut recipe = Recipe::new(preset);
 /// assert_eq!(sample(&recipe, &Quiet)?.nodes(), 3126.0); // grown as it is
 /// recipe.preset.set("derivations", "9")?;
@@ -115,18 +115,15 @@ impl Sample {
 /// [`GrowError`] where not even the sample grows.
 pub fn sample(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Sample, GrowError> {
     let monitor = &Sparing { monitor };
-    let foliage = recipe.preset.foliage.clone();
+    let foliage = recipe.preset.dressing.foliage.clone();
     let mut bare = recipe.clone();
-    bare.preset.foliage.first.form = Form::None;
-    bare.preset.foliage.also.clear();
-    let small = match &recipe.preset.generator {
-        Generator::LSystem(own) => rewriting::sample(own, &bare, monitor)?,
-        Generator::Colonization(own) => crown::sample(own, &bare, monitor)?,
-    };
-    let Small { mut recipe, mut grown, wood_times, mut leaf_times, point_times, crowding, coarser } = small;
+    bare.preset.dressing.foliage.first.form = Form::None;
+    bare.preset.dressing.foliage.also.clear();
+    let (mut recipe, mut grown, multiple) = small(bare, monitor)?;
+    let Multiple { wood_times, mut leaf_times, point_times, crowding, coarser } = multiple;
     // More could not be counted in bytes, and nothing is so large.
     let wood_times = wood_times.min(MOST_TIMES);
-    recipe.preset.foliage = foliage;
+    recipe.preset.dressing.foliage = foliage;
     adapt(&mut recipe.preset, &grown, crowding, coarser);
     for round in 0.. {
         // Of very many, a part: the same in fewer places.
@@ -153,17 +150,34 @@ fn halvings(refinement: &Refinement) -> u32 {
     refinement.subdivisions.saturating_mul(times as u32)
 }
 
-/// What a generator gives for a sample, without leaves.
-struct Small {
-    recipe: Recipe,
-    grown: Grown,
-    wood_times: f64,
-    leaf_times: f64,
-    point_times: f64,
-    /// Tips of the large tree on each of its stems ÷ tips of this one.
-    crowding: f64,
-    /// Distances of this tree ÷ those of the large one.
-    coarser: f64,
+/// Grows a sample of a recipe without leaves, as its generator plans it.
+fn small(mut recipe: Recipe, monitor: &dyn Monitor) -> Result<(Recipe, Grown, Multiple), GrowError> {
+    recipe.check_inputs()?;
+    let whole = recipe.preset.generator.clone();
+    let inputs = recipe.inputs.clone();
+    let halvings = halvings(&recipe.preset.refinement);
+    let size = SampleSize { points: POINTS, nodes: NODES, symbols: SYMBOLS, halvings };
+    let task = linden_skeleton::generator::Task { inputs: &inputs, ..recipe.task() };
+    let mut sampler = whole.sampler(&task, size, monitor)?;
+    let mut grown: Option<Grown> = None;
+    loop {
+        match (sampler.next(grown.as_ref().map(|grown| &*grown.skeleton))?, grown.take()) {
+            (SampleStep::Grow { settings, inputs }, _) => {
+                recipe.preset.generator = settings;
+                for (name, input) in inputs.iter() {
+                    recipe.inputs.insert(name, input.clone());
+                }
+                grown = Some(grow(&recipe, monitor)?);
+            }
+            (SampleStep::Done(multiple), Some(grown)) => return Ok((recipe, grown, multiple)),
+            // A sampler that grew nothing: the tree is its own sample.
+            (SampleStep::Done(_), None) => {
+                recipe.preset.generator = whole.clone();
+                let grown = grow(&recipe, monitor)?;
+                return Ok((recipe, grown, Multiple::ONE));
+            }
+        }
+    }
 }
 
 fn leaves(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Arc<Organs>, FoliageError> {
@@ -176,21 +190,22 @@ fn adapt(preset: &mut Preset, grown: &Grown, crowding: f64, coarser: f64) {
     // same trunk, in shares of which sides are counted: with the root of the thickness.
     if crowding > 1.0 && !matches!(grown.wood.width, Width::Order | Width::Taper) {
         let thicker = libm::pow(crowding, 1.0 / preset.wood.radius_exponent.max(0.1));
-        preset.tubes.sides = ((f64::from(preset.tubes.sides) / thicker.sqrt()).round() as u32).max(3);
+        preset.dressing.tubes.sides =
+            ((f64::from(preset.dressing.tubes.sides) / thicker.sqrt()).round() as u32).max(3);
         if preset.wood.tip_radius_m.is_none() && coarser > 1.0 {
-            for kind in preset.foliage.kinds_mut() {
+            for kind in preset.dressing.foliage.kinds_mut() {
                 kind.max_radius_m = kind.max_radius_m.map(|radius| radius * thicker);
             }
         }
     }
-    for kind in preset.foliage.kinds_mut() {
+    for kind in preset.dressing.foliage.kinds_mut() {
         kind.per_m /= coarser;
     }
 }
 
 /// Leaves a part of the leaves.
 fn thin(preset: &mut Preset, part: f64) {
-    for kind in preset.foliage.kinds_mut() {
+    for kind in preset.dressing.foliage.kinds_mut() {
         // Ends of twigs bear few where there are so many along them.
         kind.terminal = false;
         if kind.grid.first().is_some_and(|&along| along > 0.0) {

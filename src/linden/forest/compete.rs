@@ -1,10 +1,10 @@
 //! Trees that compete: a forest of one kind as one growth in which each tree has its own root and crown.
 
 use super::plan::{ForestError, Tree};
-use crate::knob::printable;
-use crate::preset::{Colonization, Generator, MOST_PARTS, Part, Preset, Role, Solid, Space};
+use crate::preset::{Colonization, GrowthSettings, LSystem, MOST_PARTS, Part, Preset, Role, Solid, Space};
 use crate::recipe::Recipe;
-use crate::stage::Place;
+use linden_base::knob::printable;
+use linden_plant::stage::Place;
 
 /// Why a kind of trees does not compete.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
@@ -27,7 +27,10 @@ pub enum Loner {
 pub(super) fn together(tree: &Tree, places: &[Place]) -> Result<Tree, ForestError> {
     let alone = |why| ForestError::Loner { kind: printable(&tree.recipe.preset.id), why };
     let preset = &tree.recipe.preset;
-    let Generator::Colonization(own) = &preset.generator else { return Err(alone(Loner::LSystem)) };
+    let Some(own) = preset.settings::<Colonization>() else {
+        let is_lsystem = preset.settings::<LSystem>().is_some();
+        return Err(alone(if is_lsystem { Loner::LSystem } else { Loner::Given }));
+    };
     let Space::Shape { shape, dimensions } = &own.space else { return Err(alone(Loner::Given)) };
     let is_unplaced = |part: &Part| part.at.is_none() && matches!(part.solid, Solid::Mesh { .. });
     if own.parts.iter().any(|part| part.role == Role::Tree || is_unplaced(part)) {
@@ -49,7 +52,7 @@ pub(super) fn together(tree: &Tree, places: &[Place]) -> Result<Tree, ForestErro
             at: own.crown_base_m.map(|height| from_root([0.0, height, 0.0])),
             scale: size,
             root: Some(root),
-            trunk_m: own.trunk_m.map(|trunk| trunk * size),
+            trunk_m: own.growth.trunk_m.map(|trunk| trunk * size),
             ..Part::of(Role::Tree, crown)
         });
         parts.extend(own.parts.iter().map(|part| Part {
@@ -59,9 +62,10 @@ pub(super) fn together(tree: &Tree, places: &[Place]) -> Result<Tree, ForestErro
         }));
     }
     let points = own.points.saturating_mul(stems as u32);
-    let max_nodes = own.max_nodes.saturating_mul(stems as u32);
-    let grown = Colonization { parts, points, max_nodes, ..own.clone() };
-    let preset = Preset { generator: Generator::Colonization(grown), ..preset.clone() };
+    let max_nodes = own.growth.max_nodes.saturating_mul(stems as u32);
+    let growth = GrowthSettings { max_nodes, ..own.growth.clone() };
+    let grown = Colonization { parts, points, growth, ..own.clone() };
+    let preset = Preset { generator: Box::new(grown), ..preset.clone() };
     let recipe = Recipe { preset, inputs: tree.recipe.inputs.clone() };
     Ok(Tree { recipe, stems, ..tree.clone() })
 }

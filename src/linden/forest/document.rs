@@ -18,8 +18,8 @@ use serde::Deserialize;
 use serde_json::value::RawValue;
 
 use super::Layout;
-use crate::knob::{Kind, excerpt, printable};
-use crate::preset::{Datum, Entry, Fault, List, Node, Place};
+use linden_base::document::{Datum, Entry, Fault, List, Node, Place};
+use linden_base::knob::{Kind, excerpt, printable};
 
 /// The keys of a forest that are no knobs.
 const HEADINGS: [&str; 3] = ["name", "summary", "linden"];
@@ -121,7 +121,7 @@ impl ForestDocument {
                 (None, None) => return Err(fault(needs_preset(number))),
             };
             for (name, kind, x) in [("share", &SHARE, tree.share), ("size", &SIZE, tree.size)] {
-                let value = crate::knob::Value::Real(x);
+                let value = linden_base::knob::Value::Real(x);
                 kind.check(&value)
                     .map_err(|problem| fault(format!("'{name}' of tree {number}: {problem}")))?;
             }
@@ -154,7 +154,7 @@ fn tree_line(number: usize, entries: &[Entry], place: Option<Place>) -> Result<T
     let mut preset = String::new();
     let (mut share, mut size, mut set) = (1.0, 1.0, BTreeMap::new());
     let real = |entry: &Entry, kind: &Kind| match entry.node.value(&entry.key, kind)? {
-        crate::knob::Value::Real(x) => Ok(x),
+        linden_base::knob::Value::Real(x) => Ok(x),
         _ => Err(entry.node.mismatch(&entry.key, &kind.to_string())),
     };
     for entry in entries {

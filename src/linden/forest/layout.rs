@@ -1,6 +1,6 @@
 //! How trees stand: a table of knobs.
 
-use crate::knob::{Kind, Knob, Value, nearest, printable};
+use linden_base::knob::{Kind, Knob, Value, nearest, printable};
 
 /// How trees stand. Lengths are metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -74,84 +74,84 @@ pub struct ForestKnob {
 /// All settings of forests.
 pub static FOREST_KNOBS: &[ForestKnob] = &[
     ForestKnob {
-        knob: Knob {
-            name: "area",
-            kind: Kind::Real { min: 1.0, max: 10_000.0, auto: false, names: &[] },
-            unit: "m",
-            help: "side of the square of ground that the trees stand on",
-        },
+        knob: Knob::new(
+            "area",
+            Kind::Real { min: 1.0, max: 10_000.0, auto: false, names: &[] },
+            "m",
+            "side of the square of ground that the trees stand on",
+        ),
         read: |own| Value::Real(own.area_m),
         write: |own, value| own.area_m = real(&value, own.area_m),
     },
     ForestKnob {
-        knob: Knob {
-            name: "spacing",
-            kind: Kind::Real { min: 0.05, max: 1000.0, auto: false, names: &[] },
-            unit: "m",
-            help: "no two trees stand nearer than this",
-        },
+        knob: Knob::new(
+            "spacing",
+            Kind::Real { min: 0.05, max: 1000.0, auto: false, names: &[] },
+            "m",
+            "no two trees stand nearer than this",
+        ),
         read: |own| Value::Real(own.spacing_m),
         write: |own, value| own.spacing_m = real(&value, own.spacing_m),
     },
     ForestKnob {
-        knob: Knob {
-            name: "trees",
-            kind: Kind::Real { min: 1.0, max: 1e6, auto: true, names: &[] },
-            unit: "",
-            help: "how many trees there are; auto: as many as fit",
-        },
+        knob: Knob::new(
+            "trees",
+            Kind::Real { min: 1.0, max: 1e6, auto: true, names: &[] },
+            "",
+            "how many trees there are; auto: as many as fit",
+        ),
         read: |own| own.trees.map_or(Value::Auto, |n| Value::Real(n as f64)),
         write: |own, value| {
             own.trees = if let Value::Real(n) = value { Some(libm::round(n) as u64) } else { None };
         },
     },
     ForestKnob {
-        knob: Knob {
-            name: "distinct",
-            kind: Kind::Integer { min: 1, max: 64 },
-            unit: "",
-            help: "how many different trees of each kind are grown; all others are copies of these",
-        },
+        knob: Knob::new(
+            "distinct",
+            Kind::Integer { min: 1, max: 64 },
+            "",
+            "how many different trees of each kind are grown; all others are copies of these",
+        ),
         read: |own| Value::Integer(own.distinct),
         write: |own, value| own.distinct = integer(&value, own.distinct),
     },
     ForestKnob {
-        knob: Knob {
-            name: "size_spread",
-            kind: Kind::Real { min: 0.0, max: 0.9, auto: false, names: &[] },
-            unit: "",
-            help: "trees are up to this share smaller or larger than they grow",
-        },
+        knob: Knob::new(
+            "size_spread",
+            Kind::Real { min: 0.0, max: 0.9, auto: false, names: &[] },
+            "",
+            "trees are up to this share smaller or larger than they grow",
+        ),
         read: |own| Value::Real(own.size_spread),
         write: |own, value| own.size_spread = real(&value, own.size_spread),
     },
     ForestKnob {
-        knob: Knob {
-            name: "triangles",
-            kind: Kind::Integer { min: 0, max: u32::MAX as u64 },
-            unit: "",
-            help: "the most that each grown tree has in its finest level; 0: all that there are",
-        },
+        knob: Knob::new(
+            "triangles",
+            Kind::Integer { min: 0, max: u32::MAX as u64 },
+            "",
+            "the most that each grown tree has in its finest level; 0: all that there are",
+        ),
         read: |own| Value::Integer(own.triangles),
         write: |own, value| own.triangles = integer(&value, own.triangles),
     },
     ForestKnob {
-        knob: Knob {
-            name: "compete",
-            kind: Kind::Switch,
-            unit: "",
-            help: "whether the trees grow together, each into the space that the others leave: all of one kind, none a copy",
-        },
+        knob: Knob::new(
+            "compete",
+            Kind::Switch,
+            "",
+            "whether the trees grow together, each into the space that the others leave: all of one kind, none a copy",
+        ),
         read: |own| Value::Switch(own.compete),
         write: |own, value| own.compete = if let Value::Switch(on) = value { on } else { own.compete },
     },
     ForestKnob {
-        knob: Knob {
-            name: "places",
-            kind: Kind::Choice(&PLACES),
-            unit: "",
-            help: "scattered: by chance on the square; given: each kind once, where its mesh, its scan or its root has it",
-        },
+        knob: Knob::new(
+            "places",
+            Kind::Choice(&PLACES),
+            "",
+            "scattered: by chance on the square; given: each kind once, where its mesh, its scan or its root has it",
+        ),
         read: |own| {
             let word = if own.places == Places::Given { PLACES[1] } else { PLACES[0] };
             Value::Word(word.to_owned())
@@ -162,12 +162,12 @@ pub static FOREST_KNOBS: &[ForestKnob] = &[
         },
     },
     ForestKnob {
-        knob: Knob {
-            name: "seed",
-            kind: Kind::Integer { min: 0, max: u64::MAX },
-            unit: "",
-            help: "the root of all random choices: places, turns, sizes and the seeds of the trees",
-        },
+        knob: Knob::new(
+            "seed",
+            Kind::Integer { min: 0, max: u64::MAX },
+            "",
+            "the root of all random choices: places, turns, sizes and the seeds of the trees",
+        ),
         read: |own| Value::Integer(own.seed),
         write: |own, value| own.seed = integer(&value, own.seed),
     },
@@ -185,7 +185,7 @@ fn integer(value: &Value, otherwise: u64) -> u64 {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LayoutError {
     /// There is no such knob.
-    #[error("a forest has no knob '{}'{}; it has: {}", printable(.name), crate::knob::did_you_mean(*.nearest), .known.join(", "))]
+    #[error("a forest has no knob '{}'{}; it has: {}", printable(.name), linden_base::knob::did_you_mean(*.nearest), .known.join(", "))]
     Unknown {
         /// What was typed.
         name: String,

@@ -1,8 +1,8 @@
 //! The forests in the program.
 
 use super::ForestDocument;
-use crate::knob::nearest;
-use crate::preset::Fault;
+use linden_base::document::Fault;
+use linden_base::knob::nearest;
 
 /// A file of `presets/forests/`, as it was when the program was built.
 #[derive(Clone, Copy, Debug)]

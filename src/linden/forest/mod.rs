@@ -26,10 +26,10 @@ mod spacing;
 
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
-use crate::detail::{DetailError, Simplifier};
 use crate::grow::Grown;
-use crate::monitor::Monitor;
 use crate::recipe::{Recipe, VERSION, ascii_line};
+use linden_base::monitor::Monitor;
+use linden_plant::detail::{DetailError, Simplifier};
 
 pub use compete::Loner;
 pub use document::{ForestDocument, TreeLine, TreeSource};
@@ -49,14 +49,15 @@ pub fn budgeted(
     triangles: u64,
     monitor: &dyn Monitor,
 ) -> Result<Recipe, DetailError> {
-    let mut own = recipe.clone();
+    let mut budgeted = recipe.clone();
     if triangles > 0
-        && own.preset.detail.finest() == 0
-        && Simplifier::new(&own.preset, grown, monitor)?.full_triangles(monitor)? > triangles
+        && budgeted.preset.dressing.detail.finest() == 0
+        && Simplifier::new(&budgeted.preset.dressing.tubes, grown.body(), monitor)?.full_triangles(monitor)?
+            > triangles
     {
-        own.preset.detail.triangles = triangles;
+        budgeted.preset.dressing.detail.triangles = triangles;
     }
-    Ok(own)
+    Ok(budgeted)
 }
 
 /// Kinds of trees, and how they are laid out.

@@ -6,12 +6,11 @@ use glam::{DVec3, Vec3};
 
 use super::compete::{self, Loner};
 use super::{Forest, Kind, Places, poisson_disc};
-use crate::memory::OverMemory;
-use crate::monitor::{Cancelled, Monitor};
-use crate::preset::{Generator, Origin, Space};
-use crate::random::Key;
 use crate::recipe::Recipe;
-use crate::stage::Place;
+use linden_base::memory::OverMemory;
+use linden_base::monitor::{Cancelled, Monitor};
+use linden_base::random::Key;
+use linden_plant::stage::Place;
 
 /// More trees than this are refused: every format lists each of them.
 pub const MOST_PLACES: u64 = 1_000_000;
@@ -155,7 +154,7 @@ impl Forest {
         if let Some(kind) = self.kinds.iter().find(|kind| !is_sound(kind.share) || !is_sound(kind.size)) {
             let (share, size) = (kind.share, kind.size);
             return Err(ForestError::Kind {
-                kind: crate::knob::printable(&kind.recipe.preset.id),
+                kind: linden_base::knob::printable(&kind.recipe.preset.id),
                 share,
                 size,
             });
@@ -210,19 +209,9 @@ impl Forest {
         for (index, kind) in self.kinds.iter().enumerate() {
             let mut recipe = kind.recipe.clone();
             let preset = &mut recipe.preset;
-            let id = crate::knob::printable(&preset.id);
+            let id = linden_base::knob::printable(&preset.id);
             // A mesh or a scan stands where its file has it, anything else where its root is.
-            let place = match &mut preset.generator {
-                Generator::Colonization(own) => {
-                    let is_kept = matches!(own.space, Space::Envelope { .. } | Space::Points { .. });
-                    if is_kept && own.origin == Origin::Auto {
-                        own.origin = Origin::Keep;
-                    }
-                    let root = own.root.filter(|_| own.origin != Origin::Root).unwrap_or_default();
-                    (!is_kept || own.origin == Origin::Root).then_some(root)
-                }
-                Generator::LSystem(_) => Some([0.0; 3]),
-            };
+            let place = preset.generator.stay();
             if let Some(place) = place {
                 if let Some((first, _)) = stand.iter().find(|(_, other)| *other == place) {
                     return Err(ForestError::SamePlace { first: first.clone(), second: id });
@@ -313,7 +302,7 @@ impl Forest {
 fn kind_name(recipe: &Recipe) -> String {
     let preset = &recipe.preset;
     let name = if preset.name.trim().is_empty() { &preset.id } else { &preset.name };
-    crate::knob::printable(name)
+    linden_base::knob::printable(name)
 }
 
 /// Leaves out trees that stand nowhere.
@@ -340,8 +329,8 @@ fn drop_unused(trees: &mut Vec<Tree>, places: &mut [Place]) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Quiet;
     use crate::preset::builtin;
+    use linden_base::monitor::Quiet;
 
     fn forest(settings: &[(&str, &str)]) -> Forest {
         let recipe = |id: &str| Recipe::new(builtin(id).unwrap().load().unwrap());
@@ -390,7 +379,7 @@ mod tests {
             assert_eq!(tree.stems, 5, "{id}");
             let grown = crate::grow::grow(&tree.recipe, &Quiet).unwrap();
             let skeleton = &grown.skeleton;
-            let stems = skeleton.axes.iter().filter(|axis| axis.parent == crate::skeleton::NO_PARENT);
+            let stems = skeleton.axes.iter().filter(|axis| axis.parent == linden_skeleton::NO_PARENT);
             let feet = stems.map(|axis| {
                 let foot = skeleton.positions[skeleton.nodes_of(axis)[0] as usize];
                 place.position + foot * place.scale

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use crate::monitor::{Cancelled, Monitor};
-use crate::random::Key;
+use linden_base::monitor::{Cancelled, Monitor};
+use linden_base::random::Key;
 
 /// Candidates around a point before it is given up (Bridson's k).
 const CANDIDATES: u64 = 30;
@@ -79,7 +79,7 @@ pub fn poisson_disc(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Quiet;
+    use linden_base::monitor::Quiet;
 
     #[test]
     fn points_keep_their_distance_and_leave_no_room() {

@@ -7,8 +7,11 @@ use std::mem;
 
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Formatted, Item, TableLike, Value};
 
-use super::{Colonization, Generator, LSystem, LeafKind, Part, Preset, Solid, Space};
-use crate::colonization::crown;
+use linden_plant::settings::LeafKind;
+use linden_skeleton::generator::Holds;
+
+use super::{Preset, former};
+use crate::generators;
 
 /// Why a document cannot be edited.
 #[derive(Clone, Debug, thiserror::Error)]
@@ -22,7 +25,14 @@ pub enum EditError {
 }
 
 /// Keys that say what a preset, a part or a kind of leaves is: never a default.
-const ALWAYS: [&str; 8] = ["id", "axiom", "rules", "crown", "envelope", "scan", "role", "mesh"];
+const ALWAYS: [&str; 4] = ["id", "crown", "role", "mesh"];
+
+/// Whether a key says what something is: one of [`ALWAYS`], or a generator's that is no knob.
+fn is_always(key: &str) -> bool {
+    let mut of_generators = generators::all().iter().flat_map(|generator| generator.keys());
+    ALWAYS.contains(&key)
+        || of_generators.any(|known| known.name == key && !matches!(known.holds, Holds::Tables(_)))
+}
 
 impl Preset {
     /// The document `text` with the values of this preset: only keys whose values differ are changed, added or
@@ -41,6 +51,7 @@ impl Preset {
     pub fn edit_toml(&self, text: &str) -> Result<String, EditError> {
         let Ok(before) = Self::from_toml(text) else { return Ok(self.to_toml()?) };
         let mut document: DocumentMut = text.parse()?;
+        former::renew_text(&mut document);
         let [before, after, plain] = [&before, self, &self.plain()].map(Self::to_document);
         edit(document.as_table_mut(), before?.as_table(), after?.as_table(), plain?.as_table());
         let edited = document.to_string();
@@ -75,31 +86,8 @@ impl Preset {
     /// grows.
     #[must_use]
     pub fn plain(&self) -> Self {
-        let shape = |id: &str| crown::shape(id).map_or_else(|_| Vec::new(), |shape| shape.complete(&[]));
-        let generator = match &self.generator {
-            Generator::LSystem(own) => Generator::LSystem(LSystem::of(own.grammar.clone())),
-            Generator::Colonization(own) => {
-                let space = match &own.space {
-                    Space::Shape { shape: id, .. } => {
-                        Space::Shape { shape: id.clone(), dimensions: shape(id) }
-                    }
-                    file => file.clone(),
-                };
-                let plain = |part: &Part| {
-                    let solid = match &part.solid {
-                        Solid::Shape { shape: id, .. } => {
-                            Solid::Shape { shape: id.clone(), dimensions: shape(id) }
-                        }
-                        Solid::Mesh { file } => Solid::Mesh { file: file.clone() },
-                    };
-                    Part::of(part.role, solid)
-                };
-                let parts = own.parts.iter().map(plain).collect();
-                Generator::Colonization(Colonization { parts, ..Colonization::of(space) })
-            }
-        };
-        let mut plain = Self::of(&self.id, generator);
-        plain.foliage.also = vec![LeafKind::default(); self.foliage.also.len()];
+        let mut plain = Self::of_boxed(&self.id, self.generator.plain());
+        plain.dressing.foliage.also = vec![LeafKind::default(); self.dressing.foliage.also.len()];
         plain
     }
 
@@ -185,7 +173,7 @@ fn edit(document: &mut dyn TableLike, before: &dyn TableLike, after: &dyn TableL
             }
             // What does not stand there is at its default, which another crown may have changed.
             (wanted, _, default) if !document.contains_key(key) => {
-                if ALWAYS.contains(&key) || !is_same(Some(wanted), default) {
+                if is_always(key) || !is_same(Some(wanted), default) {
                     document.insert(key, wanted.clone());
                 }
             }
@@ -260,7 +248,7 @@ fn strip(document: &mut dyn TableLike, plain: &dyn TableLike) {
                 }
                 false
             }
-            Some(own) => is_same(Some(own), default) && !ALWAYS.contains(&key.as_str()) || is_empty_text(own),
+            Some(own) => is_same(Some(own), default) && !is_always(&key) || is_empty_text(own),
             None => false,
         };
         if is_gone {
@@ -277,7 +265,7 @@ fn is_empty_text(item: &Item) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::preset::builtins;
+    use crate::preset::{Colonization, builtins};
 
     /// Lines of one text that are not in the other.
     fn only_in<'a>(one: &'a str, other: &str) -> Vec<&'a str> {
@@ -342,7 +330,7 @@ mod tests {
     fn parts_and_kinds_are_changed_in_place_added_and_taken_out() {
         let oak = builtins().iter().find(|own| own.id == "oak").unwrap();
         let mut preset = oak.load().unwrap();
-        let own = preset.colonization_mut().unwrap();
+        let own = preset.settings_mut::<Colonization>().unwrap();
         own.parts[1].turn_deg = 30.0;
         let copy = own.parts[0].clone();
         own.parts.push(copy);
@@ -350,7 +338,7 @@ mod tests {
         assert_eq!(Preset::from_toml(&text).unwrap(), preset);
         assert!(only_in(oak.text, &text).is_empty(), "{text}");
         assert_eq!(only_in(&text, oak.text), ["turn = 30"]);
-        preset.colonization_mut().unwrap().parts.truncate(1);
+        preset.settings_mut::<Colonization>().unwrap().parts.truncate(1);
         let text = preset.edit_toml(oak.text).unwrap();
         assert_eq!(Preset::from_toml(&text).unwrap(), preset);
         assert!(

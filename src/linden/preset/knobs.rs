@@ -1,23 +1,26 @@
 //! The table of all knobs that presets have. Documents, the command line, the schema, the help and
-//! the workbench's form are made from it; a new knob is a field and a row, both in its section's file.
+//! the workbench's form are made from it; a new knob is a field and a row, both beside the settings that it
+//! turns.
 
-use super::item::Field;
-use super::{
-    Colonization, LeafKind, Preset, Space, bark, colonization, detail, leaf_knobs, lsystem, surface, wind,
-    wood,
-};
-use crate::colonization::crown::{self, SHAPES, ShapeKnob};
-use crate::knob::{Kind, Knob, Value};
+use std::sync::LazyLock;
+
+use linden_base::field;
+use linden_base::knob::{Field, Knob, Value, integer};
+use linden_plant::settings::{BarkSettings, DetailSettings, FoliageSettings, LeafKind, WindSettings};
+use linden_plant::surface::Tubes;
+use linden_skeleton::Wood;
+use linden_skeleton::refine::Refinement;
+
+use super::Preset;
+use crate::generators;
 
 /// The table of a document that a knob stands in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Section {
     /// Before all tables.
     Tree,
-    /// `[lsystem]`
-    LSystem,
-    /// `[colonization]`
-    Colonization,
+    /// The table of a generator, by its id: `[lsystem]`.
+    Generator(&'static str),
     /// `[wood]`
     Wood,
     /// `[surface]`
@@ -34,17 +37,11 @@ pub enum Section {
 
 impl Section {
     /// All sections, in the order of a document.
-    pub const ALL: [Self; 9] = [
-        Self::Tree,
-        Self::LSystem,
-        Self::Colonization,
-        Self::Wood,
-        Self::Surface,
-        Self::Bark,
-        Self::Foliage,
-        Self::Detail,
-        Self::Wind,
-    ];
+    pub fn all() -> Vec<Self> {
+        let generators = generators::all().iter().map(|generator| Self::Generator(generator.id()));
+        let rest = [Self::Wood, Self::Surface, Self::Bark, Self::Foliage, Self::Detail, Self::Wind];
+        std::iter::once(Self::Tree).chain(generators).chain(rest).collect()
+    }
 
     /// Whether its knobs leave the skeleton as it is: they say what covers it and what is shown of it.
     pub const fn covers(self) -> bool {
@@ -55,14 +52,27 @@ impl Section {
     pub const fn key(self) -> &'static str {
         match self {
             Self::Tree => "",
-            Self::LSystem => "lsystem",
-            Self::Colonization => "colonization",
+            Self::Generator(id) => id,
             Self::Wood => "wood",
             Self::Surface => "surface",
             Self::Bark => "bark",
             Self::Foliage => "foliage",
             Self::Detail => "detail",
             Self::Wind => "wind",
+        }
+    }
+
+    /// What people call it.
+    pub fn title(self) -> &'static str {
+        match self {
+            Self::Tree => "Tree",
+            Self::Generator(id) => generators::find(id).map_or(id, |generator| generator.name()),
+            Self::Wood => "Wood",
+            Self::Surface => "Surface",
+            Self::Bark => "Bark",
+            Self::Foliage => "Foliage",
+            Self::Detail => "Levels of detail",
+            Self::Wind => "Wind",
         }
     }
 }
@@ -74,158 +84,115 @@ pub struct PresetKnob {
     pub knob: Knob,
     /// Where documents have it.
     pub section: Section,
-    pub(super) access: Access,
+    access: Access,
 }
 
 /// How a knob reaches its field.
 #[derive(Clone, Copy)]
-pub(super) enum Access {
-    Field {
-        read: fn(&Preset) -> Option<Value>,
-        write: fn(&mut Preset, Value),
-    },
-    Dimension(&'static ShapeKnob),
+enum Access {
+    Tree(Field<Preset>),
+    /// By its name.
+    Generator,
+    Wood(Field<Wood>),
+    Refinement(Field<Refinement>),
+    Surface(Field<Tubes>),
+    Bark(Field<BarkSettings>),
     /// Of the first kind of leaves.
     Leaf(Field<LeafKind>),
+    Foliage(Field<FoliageSettings>),
+    Detail(Field<DetailSettings>),
+    Wind(Field<WindSettings>),
 }
 
 impl PresetKnob {
-    /// The row for a crown shape's knob.
-    pub(super) const fn of_shape(own: &'static ShapeKnob) -> Self {
-        Self { knob: own.knob, section: Section::Colonization, access: Access::Dimension(own) }
+    /// The row for a knob of a generator.
+    pub(super) const fn of_generator(id: &'static str, knob: Knob) -> Self {
+        Self { knob, section: Section::Generator(id), access: Access::Generator }
     }
 
     /// The knob's value, `None` when the preset does not have the knob.
     pub fn read(&self, preset: &Preset) -> Option<Value> {
-        match self.access {
-            Access::Field { read, .. } => read(preset),
-            Access::Dimension(own) => {
-                let Space::Shape { dimensions, .. } = &preset.colonization()?.space else { return None };
-                let set = dimensions.iter().find(|(name, _)| *name == own.knob.name);
-                Some(set.map_or_else(own.default, |(_, value)| value.clone()))
+        let dressing = &preset.dressing;
+        Some(match &self.access {
+            Access::Tree(field) => (field.read)(preset),
+            Access::Generator => {
+                if self.section.key() != preset.generator.generator().id() {
+                    return None;
+                }
+                return preset
+                    .generator
+                    .knobs()
+                    .into_iter()
+                    .find(|(knob, _)| knob.name == self.knob.name)
+                    .map(|(_, value)| value);
             }
-            Access::Leaf(own) => Some((own.read)(&preset.foliage.first)),
-        }
+            Access::Wood(field) => (field.read)(&preset.wood),
+            Access::Refinement(field) => (field.read)(&preset.refinement),
+            Access::Surface(field) => (field.read)(&dressing.tubes),
+            Access::Bark(field) => (field.read)(&dressing.bark),
+            Access::Leaf(field) => (field.read)(&dressing.foliage.first),
+            Access::Foliage(field) => (field.read)(&dressing.foliage),
+            Access::Detail(field) => (field.read)(&dressing.detail),
+            Access::Wind(field) => (field.read)(&dressing.wind),
+        })
     }
 
     /// Sets the knob to a value that its kind has checked.
     pub(super) fn write(&self, preset: &mut Preset, value: Value) {
-        match self.access {
-            Access::Field { write, .. } => write(preset, value),
-            Access::Dimension(own) => {
-                let Some(Colonization { space: Space::Shape { shape, dimensions }, .. }) =
-                    preset.colonization_mut()
-                else {
-                    return;
-                };
-                dimensions.push((own.knob.name, value));
-                if let Ok(shape) = crown::shape(shape) {
-                    *dimensions = shape.complete(dimensions);
-                }
+        match &self.access {
+            Access::Tree(field) => (field.write)(preset, value),
+            Access::Generator => {
+                preset.generator.set(self.knob.name, value);
             }
-            Access::Leaf(own) => (own.write)(&mut preset.foliage.first, value),
+            Access::Wood(field) => (field.write)(&mut preset.wood, value),
+            Access::Refinement(field) => (field.write)(&mut preset.refinement, value),
+            Access::Surface(field) => (field.write)(&mut preset.dressing.tubes, value),
+            Access::Bark(field) => (field.write)(&mut preset.dressing.bark, value),
+            Access::Leaf(field) => (field.write)(&mut preset.dressing.foliage.first, value),
+            Access::Foliage(field) => (field.write)(&mut preset.dressing.foliage, value),
+            Access::Detail(field) => (field.write)(&mut preset.dressing.detail, value),
+            Access::Wind(field) => (field.write)(&mut preset.dressing.wind, value),
         }
     }
-}
-
-/// The knobs of all crown shapes, each name once.
-pub fn shape_knobs() -> Vec<PresetKnob> {
-    let mut all: Vec<PresetKnob> = Vec::new();
-    for own in SHAPES.iter().flat_map(|shape| shape.knobs) {
-        if all.iter().all(|known| known.knob.name != own.knob.name) {
-            all.push(PresetKnob::of_shape(own));
-        }
-    }
-    all
-}
-
-/// A row: section, name, kind, unit, help, and the path from the preset to the field.
-macro_rules! row {
-    ($section:ident, $name:literal, $kind:expr, $unit:literal, $help:literal, $($part:ident)? . $field:ident $(. $rest:ident)*) => {
-        $crate::preset::knobs::PresetKnob {
-            knob: $crate::knob::Knob { name: $name, kind: $kind, unit: $unit, help: $help },
-            section: $crate::preset::knobs::Section::$section,
-            access: row!(@access $($part)? . $field $(. $rest)*),
-        }
-    };
-    (@access lsystem . $field:ident) => { row!(@part lsystem, lsystem_mut, $field) };
-    (@access colonization . $field:ident) => { row!(@part colonization, colonization_mut, $field) };
-    (@access . $field:ident $(. $rest:ident)*) => {
-        $crate::preset::knobs::Access::Field {
-            read: |preset| Some($crate::preset::setting::Setting::to_value(&preset.$field$(.$rest)*)),
-            write: |preset, value| $crate::preset::setting::assign(&mut preset.$field$(.$rest)*, value),
-        }
-    };
-    (@part $part:ident, $part_mut:ident, $field:ident) => {
-        $crate::preset::knobs::Access::Field {
-            read: |preset| preset.$part().map(|own| $crate::preset::setting::Setting::to_value(&own.$field)),
-            write: |preset, value| {
-                if let Some(own) = preset.$part_mut() {
-                    $crate::preset::setting::assign(&mut own.$field, value);
-                }
-            },
-        }
-    };
-}
-
-pub(super) use row;
-
-pub(super) const fn real(min: f64, max: f64) -> Kind {
-    Kind::Real { min, max, auto: false, names: &[] }
-}
-
-pub(super) const fn real_or_auto(min: f64, max: f64) -> Kind {
-    Kind::Real { min, max, auto: true, names: &[] }
-}
-
-pub(super) const fn length_or_auto(min: f64, max: f64) -> Kind {
-    Kind::Length { min, max, auto: true }
-}
-
-pub(super) const fn integer(min: u64, max: u64) -> Kind {
-    Kind::Integer { min, max }
 }
 
 /// What stands before all tables.
-const TREE: &[PresetKnob] = &[
-    row!(Tree, "seed", integer(0, u64::MAX), "", "the root of all random choices: another seed, another tree", .seed),
-];
+const TREE: Field<Preset> = field!(
+    "seed",
+    integer(0, u64::MAX),
+    "",
+    "the root of all random choices: another seed, another tree",
+    seed
+);
 
-/// The rows of all sections, in the order of a document.
-const SECTIONS: [&[PresetKnob]; 9] = [
-    TREE,
-    lsystem::KNOBS,
-    colonization::KNOBS,
-    wood::KNOBS,
-    surface::KNOBS,
-    bark::KNOBS,
-    leaf_knobs::KNOBS,
-    detail::KNOBS,
-    wind::KNOBS,
-];
+/// The rows that stand before the generators'.
+pub(super) fn before() -> impl Iterator<Item = PresetKnob> {
+    std::iter::once(PresetKnob { knob: TREE.knob, section: Section::Tree, access: Access::Tree(TREE) })
+}
 
-/// How many rows all sections have.
-const COUNT: usize = {
-    let (mut count, mut section) = (0, 0);
-    while section < SECTIONS.len() {
-        count += SECTIONS[section].len();
-        section += 1;
+/// The rows that stand behind the generators'.
+pub(super) fn behind() -> impl Iterator<Item = PresetKnob> {
+    fn rows<T>(
+        section: Section,
+        access: fn(Field<T>) -> Access,
+        fields: &'static [Field<T>],
+    ) -> impl Iterator<Item = PresetKnob> {
+        fields.iter().map(move |field| PresetKnob { knob: field.knob, section, access: access(*field) })
     }
-    count
-};
+    rows(Section::Wood, Access::Wood, Wood::FIELDS)
+        .chain(rows(Section::Wood, Access::Refinement, Refinement::FIELDS))
+        .chain(rows(Section::Surface, Access::Surface, Tubes::FIELDS))
+        .chain(rows(Section::Bark, Access::Bark, BarkSettings::FIELDS))
+        .chain(rows(Section::Foliage, Access::Leaf, LeafKind::FIELDS))
+        .chain(rows(Section::Foliage, Access::Foliage, FoliageSettings::FIELDS))
+        .chain(rows(Section::Detail, Access::Detail, DetailSettings::FIELDS))
+        .chain(rows(Section::Wind, Access::Wind, WindSettings::FIELDS))
+}
 
-/// All knobs but those of the crown shapes.
-pub static KNOBS: &[PresetKnob] = &{
-    let mut all = [TREE[0]; COUNT];
-    let (mut filled, mut section) = (0, 0);
-    while section < SECTIONS.len() {
-        let mut row = 0;
-        while row < SECTIONS[section].len() {
-            all[filled] = SECTIONS[section][row];
-            filled += 1;
-            row += 1;
-        }
-        section += 1;
-    }
-    all
-};
+/// All knobs, in the order of a document. Generators may have knobs of the same name.
+pub static KNOBS: LazyLock<Vec<PresetKnob>> = LazyLock::new(|| {
+    let generators = generators::all().iter().flat_map(|generator| {
+        generator.knobs().into_iter().map(|knob| PresetKnob::of_generator(generator.id(), knob))
+    });
+    before().chain(generators).chain(behind()).collect()
+});

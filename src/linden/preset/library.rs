@@ -1,10 +1,11 @@
 //! The presets in the program.
 
+use linden_base::input::{Input, InputError};
+use linden_base::knob::{did_you_mean, excerpt, nearest};
+use linden_base::monitor::Monitor;
+
 use super::{Fault, Heading, Preset};
-use crate::input::InputError;
-use crate::knob::nearest;
-use crate::monitor::Monitor;
-use crate::recipe::{Input, Recipe};
+use crate::recipe::Recipe;
 
 /// A file of `presets/`, as it was when the program was built.
 #[derive(Clone, Copy, Debug)]
@@ -35,21 +36,35 @@ pub fn builtins() -> &'static [Builtin] {
     BUILTINS
 }
 
+/// There is no built-in preset of that id.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("there is no preset '{}'{}", excerpt(.id), did_you_mean(*.nearest))]
+pub struct UnknownPreset {
+    /// As it was asked for.
+    pub id: String,
+    /// What may have been meant.
+    pub nearest: Option<&'static str>,
+}
+
 /// A built-in preset by its id.
 ///
 /// # Errors
-/// The nearest id, if one may be meant.
-pub fn builtin(id: &str) -> Result<&'static Builtin, Option<&'static str>> {
-    BUILTINS
-        .iter()
-        .find(|preset| preset.id == id)
-        .ok_or_else(|| nearest(id, BUILTINS.iter().map(|preset| preset.id)))
+/// [`UnknownPreset`], with the nearest id.
+pub fn builtin(id: &str) -> Result<&'static Builtin, UnknownPreset> {
+    BUILTINS.iter().find(|preset| preset.id == id).ok_or_else(|| UnknownPreset {
+        id: id.to_owned(),
+        nearest: nearest(id, BUILTINS.iter().map(|preset| preset.id)),
+    })
 }
 
 /// A file that stands beside a built-in preset. A recipe or a copy of such a preset names it, and it
 /// need not lie beside that too.
 pub fn builtin_file(name: &str) -> Option<&'static [u8]> {
-    BUILTINS.iter().flat_map(|preset| preset.beside).find(|(own, _)| *own == name).map(|&(_, bytes)| bytes)
+    BUILTINS
+        .iter()
+        .flat_map(|preset| preset.beside)
+        .find(|(known, _)| *known == name)
+        .map(|&(_, bytes)| bytes)
 }
 
 impl Builtin {

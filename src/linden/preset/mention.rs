@@ -1,10 +1,10 @@
 //! Where a document names a file, for messages about that file.
 
-use super::document::{Datum, Node};
-use super::{BarkLook, LeafKind, Place};
+use linden_base::document::{Datum, Node, Place};
+use linden_plant::settings::{BarkSettings, LeafKind};
 
-/// Keys that name files outside of the tables of [`super::FileKey`]s; `preset` is a forest's.
-const KEYS: [&str; 4] = ["envelope", "scan", "mesh", "preset"];
+/// Keys that name files outside of the tables of [`FileKey`](super::FileKey)s; `preset` is a forest's.
+const KEYS: [&str; 5] = ["envelope", "file", "scan", "mesh", "preset"];
 
 /// The first key in a document (a preset, a recipe, a forest) that names a file, and its place where the
 /// text has lines to speak of.
@@ -35,6 +35,6 @@ fn search(node: &Node, file: &str) -> Option<(String, Option<Place>)> {
 }
 
 fn names_files(key: &str) -> bool {
-    let rows = BarkLook::FILES.iter().map(|row| row.key).chain(LeafKind::FILES.iter().map(|row| row.key));
+    let rows = BarkSettings::FILES.iter().map(|row| row.key).chain(LeafKind::FILES.iter().map(|row| row.key));
     KEYS.into_iter().chain(rows).any(|own| own == key)
 }

@@ -3,12 +3,13 @@
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
-use super::files::NamesFiles;
-use super::foliage::ALSO;
+use linden_base::document::NamesFiles;
+use linden_base::knob::Value;
+use linden_plant::settings::{ALSO, LeafKind};
+use linden_skeleton::generator::Written;
+
+use super::Preset;
 use super::knobs::Section;
-use super::part::PART;
-use super::{Generator, LeafKind, Part, Preset, Space};
-use crate::knob::Value;
 
 impl Serialize for Preset {
     /// All headings and all knobs, also those that stand at their default: what is written does not
@@ -36,7 +37,7 @@ impl Preset {
         if !self.about.is_empty() {
             map.serialize_entry("about", &self.about)?;
         }
-        for section in Section::ALL {
+        for section in Section::all() {
             let own = Knobs { preset: self, section };
             if section == Section::Tree {
                 own.serialize_into(map)?;
@@ -68,26 +69,24 @@ impl Knobs<'_> {
     }
 
     fn serialize_into<M: SerializeMap>(&self, map: &mut M) -> Result<(), M::Error> {
-        match (&self.preset.generator, self.section) {
-            (Generator::LSystem(own), Section::LSystem) => {
-                // The grammar shows its axiom, then its rules, a line each.
-                let text = own.grammar.to_string();
-                let mut lines = text.lines();
-                map.serialize_entry("axiom", lines.next().unwrap_or_default())?;
-                map.serialize_entry("rules", &lines.collect::<Vec<_>>())?;
+        let generator = self.preset.grows_by();
+        let written =
+            if self.section.key() == generator.id() { self.preset.generator.written() } else { Vec::new() };
+        for (key, written) in &written {
+            match written {
+                Written::Text(text) => map.serialize_entry(key, text)?,
+                Written::Texts(texts) => map.serialize_entry(key, texts)?,
+                Written::Tables(_) => {}
             }
-            (Generator::Colonization(own), Section::Colonization) => match &own.space {
-                Space::Shape { .. } => {}
-                Space::Envelope { file } => map.serialize_entry("envelope", file)?,
-                Space::Points { file } => map.serialize_entry("scan", file)?,
-            },
-            (_, Section::Foliage) => {
-                for (key, file) in self.preset.foliage.first.named_files() {
+        }
+        match self.section {
+            Section::Foliage => {
+                for (key, file) in self.preset.dressing.foliage.first.named_files() {
                     map.serialize_entry(key, file)?;
                 }
             }
-            (_, Section::Bark) => {
-                for (key, file) in self.preset.bark.named_files() {
+            Section::Bark => {
+                for (key, file) in self.preset.dressing.bark.named_files() {
                     map.serialize_entry(key, file)?;
                 }
             }
@@ -99,13 +98,14 @@ impl Knobs<'_> {
             }
         }
         // Tables come after values.
-        let parts = self.preset.parts();
-        if self.section == Section::Colonization && !parts.is_empty() {
-            map.serialize_entry(PART, parts)?;
+        for (key, written) in &written {
+            if let Written::Tables(tables) = written {
+                map.serialize_entry(key, &tables.iter().map(|table| Rows(table)).collect::<Vec<_>>())?;
+            }
         }
-        let kinds = &self.preset.foliage.also;
+        let kinds = &self.preset.dressing.foliage.also;
         if self.section == Section::Foliage && !kinds.is_empty() {
-            map.serialize_entry(ALSO, kinds)?;
+            map.serialize_entry(ALSO, &kinds.iter().map(Kind).collect::<Vec<_>>())?;
         }
         Ok(())
     }
@@ -119,28 +119,26 @@ impl Serialize for Knobs<'_> {
     }
 }
 
-impl Serialize for Part {
-    /// All keys that its role has, also those that stand at their default.
+/// A table of names and values.
+struct Rows<'a>(&'a [(&'static str, Value)]);
+
+impl Serialize for Rows<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(None)?;
-        for (knob, value) in self.knobs() {
-            map.serialize_entry(knob.name, &Plain(value))?;
-        }
-        if let Some(file) = self.file() {
-            map.serialize_entry("mesh", file)?;
-        }
-        map.end()
+        serializer.collect_map(self.0.iter().map(|(name, value)| (name, Plain(value.clone()))))
     }
 }
 
-impl Serialize for LeafKind {
+/// A further kind of leaves.
+struct Kind<'a>(&'a LeafKind);
+
+impl Serialize for Kind<'_> {
     /// All keys, also those that stand at their default.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
-        for (knob, value) in self.knobs() {
+        for (knob, value) in self.0.knobs() {
             map.serialize_entry(knob.name, &Plain(value))?;
         }
-        for (key, file) in self.named_files() {
+        for (key, file) in self.0.named_files() {
             map.serialize_entry(key, file)?;
         }
         map.end()

@@ -74,7 +74,7 @@ mod tests {
         let preset = linden::preset::builtin("abop-a").unwrap().load().unwrap();
         let mut tree = Tree::new(TreePlace::Builtin("abop-a"), Recipe::new(preset.clone()));
         let mut other = preset;
-        if let linden::preset::Generator::LSystem(lsystem) = &mut other.generator {
+        if let Some(lsystem) = other.settings_mut::<linden::preset::LSystem>() {
             lsystem.grammar = linden::lsystem::Grammar::new("F", &["F -> F[+F]F"]).unwrap();
         }
         tree.replace(other);

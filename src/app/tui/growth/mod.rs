@@ -8,8 +8,6 @@ mod commands;
 
 use std::time::Duration;
 
-use linden::preset::Generator;
-
 pub use commands::COMMANDS;
 
 use super::model::Model;
@@ -26,17 +24,14 @@ fn shown(model: &Model) -> Option<&ShownTree> {
     model.tree.as_ref()?.shown.as_deref()
 }
 
-/// Whether steps are derivations of an L-system.
+/// Whether steps are derivations.
 fn derives(shown: &ShownTree) -> bool {
-    matches!(shown.recipe.preset.generator, Generator::LSystem(_))
+    shown.recipe.preset.generator.derivations().is_some()
 }
 
 /// The last step: the grown tree.
 pub fn last_step(shown: &ShownTree) -> u32 {
-    match &shown.recipe.preset.generator {
-        Generator::LSystem(lsystem) => lsystem.derivations,
-        Generator::Colonization(_) => shown.steps,
-    }
+    shown.recipe.preset.generator.derivations().unwrap_or(shown.steps)
 }
 
 /// Steps at once, and the pause after them.

@@ -1,7 +1,5 @@
 //! The commands of the form, and of the grammar's editor.
 
-use linden::preset::Space;
-
 use super::grammar::GrammarEditor;
 use super::nudge::Nudge;
 use super::save_lines::SaveLine;
@@ -39,7 +37,7 @@ fn file_to_edit(tree: &Tree) -> Result<std::path::PathBuf, String> {
     let TreePlace::File(path) = &tree.place else {
         return Err("the preset is built in; save it as one of your own first".to_owned());
     };
-    let input = tree.saved().preset.space().and_then(Space::file);
+    let input = tree.saved().preset.generator.inputs().first().copied();
     if input.is_some() && input == path.file_name().and_then(|name| name.to_str()) {
         return Err("the file is a mesh or a scan, no text; save the tree as a preset first".to_owned());
     }

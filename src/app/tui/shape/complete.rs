@@ -1,10 +1,10 @@
 //! Words completed while a knob's value is typed.
 
-use linden::preset::{KNOBS, shape_knobs};
+use linden::preset::KNOBS;
 
 /// The words that a knob takes, `auto` among them.
 pub fn words(name: &str) -> Vec<&'static str> {
-    let row = KNOBS.iter().copied().chain(shape_knobs()).find(|row| row.knob.name == name);
+    let row = KNOBS.iter().copied().find(|row| row.knob.name == name);
     row.map_or_else(Vec::new, |row| row.knob.kind.words())
 }
 

@@ -1,7 +1,7 @@
 //! A forecast of how much an L-system grows, in one line.
 
 use linden::lsystem::Forecast;
-use linden::preset::{Generator, Preset};
+use linden::preset::{LSystem, Preset};
 
 use crate::tui::figures::thousands;
 
@@ -11,7 +11,7 @@ const MOST_MODULES: usize = 20_000;
 /// One line on how much a preset's L-system gives; `None` for what is none, and for a grammar that is
 /// a book.
 pub fn line(preset: &Preset) -> Option<String> {
-    let Generator::LSystem(lsystem) = &preset.generator else { return None };
+    let lsystem = preset.settings::<LSystem>()?;
     let rules = lsystem.grammar.productions().iter().map(|rule| rule.successor.len() + 1);
     if lsystem.grammar.axiom().len() + rules.sum::<usize>() > MOST_MODULES {
         return None;

@@ -33,6 +33,7 @@ use crate::jobs::ShownTree;
 
 /// A row of the form.
 #[derive(Clone)]
+#[allow(clippy::large_enum_variant, reason = "there are a hundred rows at most, nearly all of them knobs")]
 pub enum FormRow {
     /// A section's heading.
     Heading(Section),
@@ -59,7 +60,7 @@ impl FormRow {
 pub fn rows(preset: &Preset) -> Vec<FormRow> {
     let knobs = preset.knobs();
     let mut rows = Vec::new();
-    for section in Section::ALL {
+    for section in Section::all() {
         let members: Vec<_> = knobs.iter().filter(|(row, _)| row.section == section).collect();
         if members.is_empty() {
             continue;
@@ -67,7 +68,7 @@ pub fn rows(preset: &Preset) -> Vec<FormRow> {
         if section != Section::Tree {
             rows.push(FormRow::Heading(section));
         }
-        if let (Section::LSystem, Some(grammar)) = (section, grammar_of(preset)) {
+        if let (Section::Generator(_), Some(grammar)) = (section, grammar_of(preset)) {
             let (lines, more) = grammar::lines(grammar);
             rows.extend(lines.into_iter().enumerate().map(|(i, line)| FormRow::Rule(i, line)));
             rows.extend((more > 0).then_some(FormRow::MoreRules(more)));
@@ -128,7 +129,7 @@ fn nudge(model: &mut Model, up: bool, how: Nudge) {
 /// What a knob that stands at `auto` is on the tree on screen, where that can be seen.
 pub fn resolved(tree: &Tree, row: &PresetKnob) -> Option<Value> {
     if row.knob.name == "bark_relief" {
-        let bark = tree.preset().bark.bark(linden::random::Key::new(tree.preset().seed));
+        let bark = tree.preset().dressing.bark.bark(linden::random::Key::new(tree.preset().seed));
         return Some(Value::Real(rounded(bark.relief)));
     }
     let shown = tree.shown.as_ref().filter(|shown| Arc::ptr_eq(&shown.recipe, tree.recipe()))?;

@@ -127,7 +127,7 @@ impl FormView<'_> {
         };
         match row {
             FormRow::Heading(section) => {
-                buffer.set_stringn(area.x, area.y, title(*section), area.width.into(), theme.heading);
+                buffer.set_stringn(area.x, area.y, section.title(), area.width.into(), theme.heading);
             }
             FormRow::MoreRules(more) => {
                 let text = clipped(&format!(" … and {more} more rules"), area.width.into());
@@ -233,7 +233,7 @@ impl FormView<'_> {
             FormRow::Heading(_) | FormRow::MoreRules(_) => {}
         }
         let is_grown_by = matches!(row, FormRow::Rule(..))
-            || matches!(row, FormRow::Knob(row_knob, _) if row_knob.section == Section::LSystem);
+            || matches!(row, FormRow::Knob(row_knob, _) if row_knob.section == Section::Generator("lsystem"));
         if is_grown_by && let Some(line) = forecast::line(&self.as_typed()) {
             lines.push(Line::styled(line, theme.info));
         }
@@ -307,20 +307,6 @@ impl FormView<'_> {
             let _ = preset.set(line.knob, line.prompt.text());
         }
         preset
-    }
-}
-
-const fn title(section: Section) -> &'static str {
-    match section {
-        Section::Tree => "Tree",
-        Section::LSystem => "L-system",
-        Section::Colonization => "Colonization",
-        Section::Wood => "Wood",
-        Section::Surface => "Surface",
-        Section::Bark => "Bark",
-        Section::Foliage => "Foliage",
-        Section::Detail => "Levels of detail",
-        Section::Wind => "Wind",
     }
 }
 

@@ -197,7 +197,7 @@ mod tests {
     }
 
     fn knob(kind: Kind) -> Knob {
-        Knob { name: "k", kind, unit: "", help: "" }
+        Knob::new("k", kind, "", "")
     }
 
     #[test]

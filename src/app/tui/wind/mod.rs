@@ -34,9 +34,9 @@ fn blow_or_stop(model: &mut Model) {
         return model.wind.stop();
     }
     let Some(preset) = preset(model) else { return };
-    let (wanted, strength) = (preset.wind.blow.strength, wind_strength(preset));
+    let (wanted, strength) = (preset.dressing.wind.blow.strength, wind_strength(preset));
     let said = if wanted > 0.0 {
-        format!("wind_strength {strength}, {} Hz; w ends it", preset.wind.blow.frequency_hz)
+        format!("wind_strength {strength}, {} Hz; w ends it", preset.dressing.wind.blow.frequency_hz)
     } else {
         format!("wind_strength is 0: a breeze of {strength} is shown; w ends it")
     };
@@ -65,7 +65,7 @@ pub fn seen(model: &mut Model) {
 fn advance(model: &mut Model) {
     let Some(since) = model.wind.since else { return };
     let Some(preset) = preset(model) else { return model.wind.stop() };
-    let sway = Sway::new(&preset.wind.blow);
+    let sway = Sway::new(&preset.dressing.wind.blow);
     let painted = model.picture.painted.as_ref();
     let is_seen = painted.is_some_and(|painted| painted.request.wind == model.wind.frame());
     model.wind.waits = !is_seen;

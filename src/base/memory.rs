@@ -1,0 +1,177 @@
+//! How much memory work takes, told before it is taken.
+//!
+//! A [`Monitor`] says how many bytes may be held at once ([`Monitor::memory_limit`]). Each stage
+//! forecasts its peak, what it gives included, and asks [`Monitor::admit`] before it allocates; where
+//! nobody can know the peak, it asks again whenever a list is about to move to a larger place. What a
+//! caller keeps meanwhile counts too: it hands its stages a monitor that is [`Holding`] so much.
+//! Forecasts count what grows with the tree and leave out the rest ([`SLACK_BYTES`]).
+
+use std::fmt;
+
+use crate::monitor::{Monitor, Phase};
+
+/// What a stage may hold beyond its forecast: stacks, tables of constants, lists of pieces, and the
+/// scratch memory of threads. Does not grow with the tree.
+pub const SLACK_BYTES: u64 = 4 << 20;
+
+/// Work that was refused because it would hold more memory than it may.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{doing} would take {}, more than the memory limit of {}; {advice}, or raise the limit 'memory'",
+    Bytes(*needs_bytes), Bytes(*limit_bytes)
+)]
+pub struct OverMemory {
+    /// What was about to be done: `sweeping the surface`.
+    pub doing: &'static str,
+    /// All that would be held at once, what is there already included.
+    pub needs_bytes: u64,
+    /// [`Monitor::memory_limit`].
+    pub limit_bytes: u64,
+    /// What to turn down: `lower sides`.
+    pub advice: &'static str,
+}
+
+/// An amount of memory as people read it: three digits, powers of 1024.
+///
+/// ```
+/// use linden_base::memory::Bytes;
+/// assert_eq!(Bytes(999).to_string(), "999 B");
+/// assert_eq!(Bytes(1_288_490_189).to_string(), "1.20 GiB");
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Bytes(pub u64);
+
+impl fmt::Display for Bytes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (mut amount, mut unit) = (self.0 as f64, "B");
+        for larger in ["KiB", "MiB", "GiB", "TiB", "PiB", "EiB"] {
+            // What would be rounded to 1000 is said in the larger unit.
+            if amount < 999.5 {
+                break;
+            }
+            (amount, unit) = (amount / 1024.0, larger);
+        }
+        let decimals = match amount {
+            _ if unit == "B" => 0,
+            a if a < 9.995 => 2,
+            a if a < 99.95 => 1,
+            _ => 0,
+        };
+        write!(f, "{amount:.decimals$} {unit}")
+    }
+}
+
+/// Bytes of `count` items of a type.
+pub const fn bytes_of<T>(count: usize) -> u64 {
+    (count as u64).saturating_mul(size_of::<T>() as u64)
+}
+
+/// Bytes that a list of `count` items holds at its worst when it grew one by one: it lives in two
+/// places while it moves to one twice as large.
+pub const fn bytes_grown<T>(count: usize) -> u64 {
+    if count == 0 {
+        return 0;
+    }
+    // No list starts with less than four.
+    let places = if count < 4 { 4 } else { count.next_power_of_two() };
+    bytes_of::<T>(places).saturating_add(bytes_of::<T>(places / 2))
+}
+
+/// A monitor for a stage while the caller keeps some memory: what the stage asks for is asked on top
+/// of that.
+pub struct Holding<'a> {
+    monitor: &'a dyn Monitor,
+    bytes: u64,
+}
+
+impl<'a> Holding<'a> {
+    /// `bytes` are held beside what `monitor` knows of.
+    pub fn new(monitor: &'a dyn Monitor, bytes: u64) -> Self {
+        Self { monitor, bytes }
+    }
+}
+
+impl Monitor for Holding<'_> {
+    fn is_cancelled(&self) -> bool {
+        self.monitor.is_cancelled()
+    }
+
+    fn advance(&self, stage: Phase, done: u64, total: Option<u64>) {
+        self.monitor.advance(stage, done, total);
+    }
+
+    fn memory_limit(&self) -> u64 {
+        self.monitor.memory_limit()
+    }
+
+    fn admit(&self, doing: &'static str, bytes: u64, advice: &'static str) -> Result<(), OverMemory> {
+        self.monitor.admit(doing, self.bytes.saturating_add(bytes), advice)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Limited(u64);
+
+    impl Monitor for Limited {
+        fn is_cancelled(&self) -> bool {
+            false
+        }
+
+        fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
+
+        fn memory_limit(&self) -> u64 {
+            self.0
+        }
+    }
+
+    #[test]
+    fn what_is_held_counts_and_the_limit_itself_fits() {
+        let limited = Limited(1000);
+        let holding = Holding::new(&limited, 300);
+        let deeper = Holding::new(&holding, 100);
+        assert_eq!(deeper.admit("drawing", 600, "draw less"), Ok(()));
+        let refused = deeper.admit("drawing", 601, "draw less").unwrap_err();
+        assert_eq!((refused.needs_bytes, refused.limit_bytes), (1001, 1000));
+        assert!(deeper.admit("drawing", u64::MAX, "draw less").is_err(), "no overflow");
+        assert_eq!(crate::monitor::Quiet.admit("drawing", u64::MAX, "draw less"), Ok(()));
+    }
+
+    #[test]
+    fn both_figures_and_what_to_do_are_said() {
+        let refused = Limited(4 << 30).admit("sweeping the surface", 53 << 27, "lower sides").unwrap_err();
+        assert_eq!(
+            refused.to_string(),
+            "sweeping the surface would take 6.62 GiB, more than the memory limit of 4.00 GiB; lower sides, or \
+             raise the limit 'memory'"
+        );
+    }
+
+    #[test]
+    fn amounts_have_three_digits() {
+        for (bytes, text) in [
+            (0, "0 B"),
+            (1023, "1.00 KiB"),
+            (10_230, "9.99 KiB"),
+            (10_240, "10.0 KiB"),
+            (102_399, "100 KiB"),
+            (1 << 20, "1.00 MiB"),
+            (u64::MAX, "16.0 EiB"),
+        ] {
+            assert_eq!(Bytes(bytes).to_string(), text);
+        }
+    }
+
+    #[test]
+    fn a_list_that_grows_one_by_one_takes_no_more_than_is_said() {
+        let mut list: Vec<u64> = Vec::new();
+        for count in 1..5000 {
+            let before = list.capacity();
+            list.push(0);
+            let moving = if list.capacity() == before { 0 } else { before };
+            assert!(bytes_of::<u64>(list.capacity() + moving) <= bytes_grown::<u64>(count), "{count}");
+        }
+    }
+}

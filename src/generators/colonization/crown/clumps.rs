@@ -1,0 +1,92 @@
+//! Clumps: points gather round centres, as leaves do at the ends of limbs, and leave gaps between them
+//! that the light falls through.
+//!
+//! There is a centre in each cell of a grid, anywhere in it (Worley 1996, *A Cellular Texture Basis
+//! Function*). The density at a place is that without clumps times
+//!
+//! ```text
+//! 1 − 0.95 · share · s((d / size − 0.3) / 0.2),    s(t) = 3t² − 2t³ within 0 to 1
+//! ```
+//!
+//! where `d` is the distance to the nearest centre and `size` the side of a cell.
+
+use glam::DVec3;
+
+use super::favor::STRENGTH;
+use linden_base::random::Key;
+
+/// The clump around a centre is whole up to this distance, in cells …
+const WHOLE: f64 = 0.3;
+/// … and over so much farther on.
+const EDGE: f64 = 0.2;
+
+/// Where the clumps of a crown are.
+#[derive(Clone, Copy, Debug)]
+pub struct Clumps {
+    /// How far points gather: 0 not at all, 1 a twentieth of the density is left between clumps.
+    pub share: f64,
+    /// Mean distance of neighbouring centres, metres; above 0.
+    pub size_m: f64,
+    /// What decides the centres.
+    pub key: Key,
+}
+
+impl Clumps {
+    /// Density at a place, 1 in the clumps.
+    pub fn density(&self, p: DVec3) -> f64 {
+        let t = ((self.distance_m(p) / self.size_m - WHOLE) / EDGE).clamp(0.0, 1.0);
+        1.0 - STRENGTH * self.share * t * t * (3.0 - 2.0 * t)
+    }
+
+    /// To the nearest centre, metres; exact up to a cell's side.
+    fn distance_m(&self, p: DVec3) -> f64 {
+        let cell = (p / self.size_m).floor();
+        let mut nearest = f64::INFINITY;
+        for i in 0..27 {
+            let away = DVec3::new(f64::from(i % 3), f64::from(i / 3 % 3), f64::from(i / 9)) - 1.0;
+            nearest = nearest.min(self.center(cell + away).distance_squared(p));
+        }
+        nearest.sqrt()
+    }
+
+    /// The centre in a cell.
+    fn center(&self, cell: DVec3) -> DVec3 {
+        // Cells below 0 are the last numbers.
+        let key = cell.to_array().into_iter().fold(self.key, |key, index| key.child(index as i64 as u64));
+        (cell + DVec3::new(key.child(0).unit(), key.child(1).unit(), key.child(2).unit())) * self.size_m
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_centre_is_the_nearest_of_all() {
+        let clumps = Clumps { share: 1.0, size_m: 0.7, key: Key::new(3) };
+        for i in 0..300 {
+            let key = Key::new(9).child(i);
+            let p = DVec3::new(key.child(0).unit(), key.child(1).unit(), key.child(2).unit()) * 8.0 - 4.0;
+            let cell = (p / clumps.size_m).floor();
+            let mut nearest = f64::INFINITY;
+            for x in -3..=3 {
+                for y in -3..=3 {
+                    for z in -3..=3 {
+                        let away = DVec3::new(f64::from(x), f64::from(y), f64::from(z));
+                        nearest = nearest.min(clumps.center(cell + away).distance(p));
+                    }
+                }
+            }
+            // Beyond a cell's side a farther cell may have a nearer one; there it is a gap anyway.
+            if nearest <= clumps.size_m {
+                assert_eq!(clumps.distance_m(p), nearest, "{p}");
+            }
+            let expected = match nearest / clumps.size_m {
+                d if d <= WHOLE => 1.0,
+                d if d >= WHOLE + EDGE => 1.0 - STRENGTH,
+                _ => continue,
+            };
+            assert!((clumps.density(p) - expected).abs() < 1e-12, "{p}");
+        }
+    }
+}

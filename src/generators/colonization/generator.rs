@@ -1,0 +1,262 @@
+//! Space colonization as a generator.
+
+use glam::{DVec3, Vec3};
+use linden_base::document::{Entry, Fault, Table};
+use linden_base::input::Inputs;
+use linden_base::knob::{Knob, Length, Value};
+use linden_base::monitor::Monitor;
+use linden_growth::Origin;
+use linden_growth::site::KILL_STEPS;
+use linden_growth::stand::grow_at;
+use linden_skeleton::Wood;
+use linden_skeleton::generator::{
+    Asked, Branched, Generator, GeneratorError, Holds, SampleSize, Sampler, Settings, TableKey, Tables, Task,
+    Traits, Written,
+};
+
+use crate::ColonizationError;
+use crate::crown::{self, compound::dashed};
+use crate::part::{self, MOST_PARTS, PART, PART_CROWN, PART_KNOBS, Part, Solid};
+use crate::sample::Smaller;
+use crate::settings::{Colonization, Space, means_mesh};
+use crate::standing::Standing;
+
+/// Space colonization.
+pub const GENERATOR: &dyn Generator = &SpaceColonization;
+
+struct SpaceColonization;
+
+/// For a mesh that was taken for a shape of crowns.
+const ENVELOPE_INSTEAD: &str =
+    "a mesh that the crown fills is named in place of a shape: envelope = \"crown.obj\"";
+
+const KEYS: &[TableKey] = &[
+    TableKey {
+        name: "envelope",
+        help: "a mesh that the crown fills, relative to the preset",
+        holds: Holds::File,
+    },
+    TableKey {
+        name: PART,
+        help: "pieces of the crown, other trees, obstacles, shade",
+        holds: Holds::Tables(Tables {
+            knobs: part_knobs,
+            required: &["role"],
+            one_of: &["crown", "mesh"],
+            files: &[("mesh", "in place of crown: a mesh, relative to the preset")],
+            most: MOST_PARTS,
+        }),
+    },
+];
+
+fn part_knobs() -> Vec<Knob> {
+    let mut knobs: Vec<Knob> = PART_KNOBS.iter().map(|row| row.field.knob).chain([PART_CROWN]).collect();
+    for dimension in crown::SHAPES.iter().flat_map(|shape| shape.knobs) {
+        if knobs.iter().all(|knob| knob.name != dimension.knob.name) {
+            knobs.push(dimension.knob);
+        }
+    }
+    knobs
+}
+
+impl Generator for SpaceColonization {
+    fn id(&self) -> &'static str {
+        "colonization"
+    }
+
+    fn name(&self) -> &'static str {
+        "Colonization"
+    }
+
+    fn help(&self) -> &'static str {
+        "branches compete for points in a crown: a shape, a mesh, or several"
+    }
+
+    fn knobs(&self) -> Vec<Knob> {
+        Colonization::all_knobs()
+    }
+
+    fn keys(&self) -> &'static [TableKey] {
+        KEYS
+    }
+
+    fn read(&self, table: &Table<'_>) -> Result<Box<dyn Settings>, Fault> {
+        let space = match (table.find("crown"), table.text("envelope")?) {
+            // The knob `crown` names the shape; until it is read any will do.
+            (Some(_), None) => Space::Shape { shape: "dome".to_owned(), dimensions: Vec::new() },
+            (None, Some(file)) => Space::Envelope { file: file.to_owned() },
+            (None, None) => {
+                // What was written instead says best what was meant.
+                if let Some(entry) = table.find("mesh") {
+                    return Err(Fault::new(
+                        entry.place,
+                        format!("there is no 'mesh' here; {ENVELOPE_INSTEAD}"),
+                    ));
+                }
+                return Err(Fault::new(
+                    table.place,
+                    "[colonization] has neither 'crown' (a shape) nor 'envelope' (a mesh); points go into [scan]",
+                ));
+            }
+            (Some(_), Some(_)) => {
+                let mut given: Vec<&Entry> =
+                    ["crown", "envelope"].iter().filter_map(|key| table.find(key)).collect();
+                given.sort_by_key(|entry| entry.place.map(|place| (place.line, place.column)));
+                let names: Vec<String> = given.iter().map(|entry| format!("'{}'", entry.key)).collect();
+                let message =
+                    format!("[colonization] has {}; a crown is one of them: keep one", names.join(" and "));
+                return Err(Fault::new(given.last().and_then(|entry| entry.place).or(table.place), message));
+            }
+        };
+        let mut settings = Colonization::of(space);
+        if let Some(entry) = table.find(PART) {
+            settings.parts = part::read(&entry.node)?;
+        }
+        Ok(Box::new(settings))
+    }
+
+    /// Those of scans.
+    fn former_knobs(&self) -> &'static [&'static str] {
+        &["contract", "scan_radius", "noise_filter", "stems", "scale"]
+    }
+
+    fn value_hint(&self, knob: &str, typed: &str, asked: Asked) -> Option<&'static str> {
+        (knob == "crown" && means_mesh(typed)).then_some(match asked {
+            Asked::Directly => "a mesh is a SOURCE of its own, like crown.obj",
+            Asked::InDocument => ENVELOPE_INSTEAD,
+        })
+    }
+
+    fn key_hint(&self, key: &str) -> Option<&'static str> {
+        ["mesh", "crown_mesh", "obj"].contains(&key).then_some(ENVELOPE_INSTEAD)
+    }
+}
+
+impl Settings for Colonization {
+    fn generator(&self) -> &'static dyn Generator {
+        GENERATOR
+    }
+
+    fn knobs(&self) -> Vec<(Knob, Value)> {
+        self.turned()
+    }
+
+    fn set(&mut self, knob: &str, value: Value) -> bool {
+        self.turn(knob, value)
+    }
+
+    fn written(&self) -> Vec<(&'static str, Written)> {
+        let envelope = self.space.file().map(|file| ("envelope", Written::Text(file.to_owned())));
+        let parts = (!self.parts.is_empty())
+            .then(|| (PART, Written::Tables(self.parts.iter().map(Part::written).collect())));
+        envelope.into_iter().chain(parts).collect()
+    }
+
+    fn plain(&self) -> Box<dyn Settings> {
+        let shape = |id: &str| crown::shape(id).map_or_else(|_| Vec::new(), |shape| shape.complete(&[]));
+        let space = match &self.space {
+            Space::Shape { shape: id, .. } => Space::Shape { shape: id.clone(), dimensions: shape(id) },
+            file @ Space::Envelope { .. } => file.clone(),
+        };
+        let plain = |part: &Part| {
+            let solid = match &part.solid {
+                Solid::Shape { shape: id, .. } => Solid::Shape { shape: id.clone(), dimensions: shape(id) },
+                file @ Solid::Mesh { .. } => file.clone(),
+            };
+            Part::of(part.role, solid)
+        };
+        let parts = self.parts.iter().map(plain).collect();
+        Box::new(Self { parts, ..Self::of(space) })
+    }
+
+    fn inputs(&self) -> Vec<&str> {
+        self.space.file().into_iter().chain(self.parts.iter().filter_map(Part::file)).collect()
+    }
+
+    fn rename_inputs(&mut self, renamed: &dyn Fn(&str) -> Option<String>) {
+        let space = match &mut self.space {
+            Space::Shape { .. } => None,
+            Space::Envelope { file } => Some(file),
+        };
+        let parts = self.parts.iter_mut().filter_map(|part| match &mut part.solid {
+            Solid::Shape { .. } => None,
+            Solid::Mesh { file } => Some(file),
+        });
+        for file in space.into_iter().chain(parts) {
+            if let Some(name) = renamed(file) {
+                *file = name;
+            }
+        }
+    }
+
+    fn idle(&self, knob: &str, _: &Wood) -> Option<&'static str> {
+        self.why_idle(knob)
+    }
+
+    fn traits(&self, _: &Wood) -> Traits {
+        Traits { knows_use: true, ..Traits::default() }
+    }
+
+    fn stay(&mut self) -> Option<[f64; 3]> {
+        let is_kept = matches!(self.space, Space::Envelope { .. });
+        if is_kept {
+            self.growth.stay();
+        }
+        let is_moved = self.growth.origin == Origin::Root;
+        (!is_kept || is_moved).then(|| self.growth.root.filter(|_| !is_moved).unwrap_or_default())
+    }
+
+    fn limit(&mut self, _: &Inputs, size: &SampleSize) -> Result<bool, String> {
+        self.growth.limit(self.points as usize, size)
+    }
+
+    fn grow(&self, task: &Task<'_>, monitor: &dyn Monitor) -> Result<Branched, GeneratorError> {
+        let grow = || -> Result<Branched, ColonizationError> {
+            let standing = Standing::new(self, task.seed, task.inputs, monitor)?;
+            let site = standing.fill(self, task.key(), monitor)?;
+            Ok(grow_at(site, &self.growth, monitor)?.branched(&self.growth))
+        };
+        Ok(grow()?)
+    }
+
+    /// The crown and obstacles, and, dashed, what is subtracted or shaded.
+    fn outline(&self, task: &Task<'_>, monitor: &dyn Monitor) -> Result<Vec<Vec<Vec3>>, GeneratorError> {
+        let standing = Standing::new(self, task.seed, task.inputs, monitor)?;
+        let shift = self.growth.shift(standing.root, standing.origin, false) + DVec3::Y * standing.lift;
+        let mut lines = standing.crown.outline();
+        // With parts, the crown stands where it is to, without a lift.
+        lines.extend(standing.obstacles.iter().flat_map(|obstacle| obstacle.solid.outline()));
+        lines.extend(standing.shades.iter().flat_map(|shade| dashed(&shade.solid.outline())));
+        for place in lines.iter_mut().flatten() {
+            *place = (place.as_dvec3() + shift).as_vec3();
+        }
+        Ok(lines)
+    }
+
+    fn sampler<'a>(
+        &'a self,
+        task: &Task<'a>,
+        size: SampleSize,
+        monitor: &'a dyn Monitor,
+    ) -> Result<Box<dyn Sampler + 'a>, GeneratorError> {
+        Ok(Box::new(Smaller::new(self, task, size, monitor)?))
+    }
+}
+
+/// How many points of a crown there must be for a tree as large as any number would make: with a node's
+/// reach, the kill distance, they lie at half of it. Infinite where the step follows from the points.
+pub(crate) fn saturation(
+    settings: &Colonization,
+    task: &Task<'_>,
+    monitor: &dyn Monitor,
+) -> Result<f64, ColonizationError> {
+    let kill_m = match (settings.growth.kill, settings.growth.step_m) {
+        (Length::Metres(kill_m), _) => kill_m,
+        (Length::Steps(steps), Some(step_m)) => steps * step_m,
+        (Length::Auto, Some(step_m)) => KILL_STEPS * step_m,
+        (_, None) => return Ok(f64::INFINITY),
+    };
+    let standing = Standing::new(settings, task.seed, task.inputs, monitor)?;
+    let apart_m = 0.5 * kill_m;
+    Ok(standing.crown.volume_m3() / (apart_m * apart_m * apart_m))
+}

@@ -1,0 +1,42 @@
+//! Trees that grow into crowns by space colonization (RLP07: Runions, Lane & Prusinkiewicz 2007).
+//!
+//! | module | is |
+//! |---|---|
+//! | [`crown`] | solids that crowns are made of: shapes by their dimensions, meshes, compounds |
+//! | [`scatter`] | attraction points, uniform in a crown's volume |
+//! | [`Colonization`] | the settings and their knobs |
+//! | [`Part`] | what else there is: pieces of the crown, other trees, obstacles, shade |
+//! | [`GENERATOR`] | the generator |
+//!
+//! Takes settings and meshes, gives a branching; growth itself is `linden_growth`. Knows no preset and opens
+//! no file.
+//!
+//! ```
+//! use linden_base::input::Inputs;
+//! use linden_base::monitor::Quiet;
+//! use linden_colonization::{Colonization, Space, crown};
+//! use linden_skeleton::Wood;
+//! use linden_skeleton::generator::{Settings, Task};
+//!
+//! let dome = Colonization { points: 500, ..Colonization::of(Space::of_shape(crown::shape("dome")?)) };
+//! let task = Task { seed: 7, inputs: &Inputs::new(), wood: Wood::default() };
+//! let grown = dome.grow(&task, &Quiet)?;
+//! assert!(grown.branching.positions.len() > 500);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+pub mod crown;
+mod error;
+mod generator;
+mod part;
+mod parts;
+mod sample;
+pub mod scatter;
+mod settings;
+mod standing;
+
+pub use error::ColonizationError;
+pub use generator::GENERATOR;
+pub use part::{MOST_PARTS, PART_CROWN, PART_KNOBS, Part, PartKnob, Role, Solid};
+pub use parts::PartError;
+pub use settings::{Colonization, Space};

@@ -1,0 +1,327 @@
+//! The parts of a crown, from what a preset says to solids that stand.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::crown::clumps::Clumps;
+use crate::crown::compound::{Compound, CompoundError, Operation, Piece};
+use crate::crown::envelope::{Envelope, EnvelopeError};
+use crate::crown::favor::{Favor, Favored};
+use crate::crown::placed::Placed;
+use crate::crown::{self, Crown, CrownError, shells};
+use linden_base::input::{Geometry, Inputs};
+use linden_base::monitor::{Cancelled, Monitor};
+use linden_base::random::Key;
+use linden_growth::Meet;
+use linden_growth::site::{Barrier, Inside, Stem, crown_base_m};
+
+use crate::ColonizationError;
+use crate::part::{Part, Role, Solid};
+use crate::settings::Colonization;
+use crate::standing::Standing;
+
+/// Distance of clumps, in the longest sides of the crown, where nobody says.
+const CLUMP_PER_SIZE: f64 = 0.2;
+
+/// Why a part of a crown cannot be had.
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum PartError {
+    /// Its shape.
+    #[error(transparent)]
+    Crown(#[from] CrownError),
+    /// Its mesh.
+    #[error(transparent)]
+    Envelope(EnvelopeError),
+    /// It takes the crown away.
+    #[error("next to nothing is left of the crown; move it or make it smaller")]
+    Nothing,
+    /// Nobody wants it any more.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+linden_base::from_cancellable!(PartError: EnvelopeError => Envelope);
+
+/// A solid that branches do not enter.
+pub(crate) struct Obstacle {
+    pub solid: Arc<dyn Crown>,
+    pub meet: Meet,
+}
+
+impl Obstacle {
+    /// As growth has it.
+    pub fn barrier(self) -> Barrier {
+        Barrier { solid: inside(self.solid), meet: self.meet }
+    }
+}
+
+/// A place where points are taken away.
+pub(crate) struct Shade {
+    pub solid: Box<dyn Crown>,
+    /// Of 1.
+    pub share: f64,
+}
+
+/// A tree as it is put together.
+struct Tree {
+    /// Each with the number of its part; 0 for the crown that the preset itself names.
+    pieces: Vec<(usize, Piece)>,
+    root: DVec3,
+    trunk_m: Option<f64>,
+}
+
+impl Tree {
+    /// Its crown, of one piece or several.
+    fn crown(&mut self, parts: &[Part], monitor: &dyn Monitor) -> Result<Box<dyn Crown>, ColonizationError> {
+        let (numbers, mut pieces): (Vec<usize>, Vec<Piece>) = self.pieces.drain(..).unzip();
+        if pieces.len() == 1
+            && let Some(only) = pieces.pop()
+        {
+            return Ok(only.crown);
+        }
+        match Compound::new(pieces, monitor) {
+            Ok(compound) => Ok(Box::new(compound)),
+            Err(CompoundError::Cancelled(cancelled)) => Err(cancelled.into()),
+            Err(CompoundError::Nothing { piece }) => {
+                Err(about(numbers.get(piece).copied().unwrap_or(0), parts, PartError::Nothing))
+            }
+            // The first piece always adds.
+            Err(CompoundError::NoPiece) => Err(about(0, parts, PartError::Nothing)),
+        }
+    }
+}
+
+/// An error with the part that it is about.
+fn about(number: usize, parts: &[Part], problem: PartError) -> ColonizationError {
+    let what = number.checked_sub(1).and_then(|i| parts.get(i)).map(Part::describe).unwrap_or_default();
+    match problem {
+        PartError::Cancelled(cancelled) => cancelled.into(),
+        problem => ColonizationError::Part { number, what, problem },
+    }
+}
+
+impl Standing {
+    /// Adds the parts of the preset and lets points gather where it wants them. Without either, the
+    /// crown is what it was.
+    pub fn furnished(
+        mut self,
+        settings: &Colonization,
+        seed: u64,
+        inputs: &Inputs,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, ColonizationError> {
+        let favor = Favor { shell: settings.shell_density, top: settings.top_density };
+        let clumps = |crown: &dyn Crown| {
+            let auto = || CLUMP_PER_SIZE * f64::from(crown.bounds().size().max_element());
+            let size_m = settings.clump_size_m.unwrap_or_else(auto);
+            let key = Key::new(seed).named("clumps");
+            (settings.clumps > 0.0).then_some(Clumps { share: settings.clumps, size_m, key })
+        };
+        let favored = |crown: Box<dyn Crown>| -> Result<Box<dyn Crown>, Cancelled> {
+            let clumps = clumps(&*crown);
+            if favor == Favor::default() && clumps.is_none() {
+                return Ok(crown);
+            }
+            Ok(Box::new(Favored::new(crown, favor, clumps, monitor)?))
+        };
+        let parts = &settings.parts;
+        if parts.is_empty() {
+            self.crown = favored(self.crown)?;
+            return Ok(self);
+        }
+        if parts.iter().any(|part| matches!(part.role, Role::Add | Role::Subtract)) && self.trees() > 1 {
+            self.as_one_crown();
+        }
+        let trees_of_shells = self.trees() - 1;
+        let Self {
+            crown,
+            lift,
+            root: foot,
+            foot: base,
+            origin,
+            mut grove,
+            mut obstacles,
+            mut shades,
+            mut notes,
+        } = self;
+        let first = Piece {
+            operation: Operation::Add,
+            crown: Box::new(Placed::new(crown, DVec3::Y * lift, 0.0, 1.0)),
+        };
+        let mut trees = vec![Tree { pieces: vec![(0, first)], root: foot, trunk_m: settings.growth.trunk_m }];
+        let mut meshes = Vec::new();
+        for (i, part) in parts.iter().enumerate() {
+            monitor.check()?;
+            let (solid, warnings) =
+                solid(part, &mut meshes, settings, inputs, monitor).map_err(|error| match error {
+                    SolidError::Part(problem) => about(i + 1, parts, problem),
+                    SolidError::Other(error) => error,
+                })?;
+            notes.extend(warnings.into_iter().map(|note| format!("part {}: {note}", i + 1)));
+            let (at, root) = place(part, &solid, foot, origin);
+            let crown: Box<dyn Crown> = Box::new(Placed::new(solid.crown, at, part.turn_deg, part.scale));
+            let operation = if part.role == Role::Subtract { Operation::Subtract } else { Operation::Add };
+            match part.role {
+                Role::Add | Role::Subtract => {
+                    if let Some(tree) = trees.last_mut() {
+                        tree.pieces.push((i + 1, Piece { operation, crown }));
+                    }
+                }
+                Role::Tree => trees.push(Tree {
+                    pieces: vec![(i + 1, Piece { operation, crown })],
+                    root,
+                    trunk_m: part.trunk_m,
+                }),
+                Role::Obstacle => {
+                    obstacles.push(Obstacle { solid: Arc::from(crown), meet: part.meet });
+                }
+                Role::Shade => shades.push(Shade { solid: crown, share: part.share }),
+            }
+        }
+        let mut crowns: Vec<Arc<dyn Crown>> = Vec::with_capacity(trees.len());
+        for tree in &mut trees {
+            crowns.push(Arc::from(favored(tree.crown(parts, monitor)?)?));
+        }
+        if crowns.len() > 1 {
+            if trees_of_shells == 0 {
+                grove.first = crowns.first().cloned().map(inside);
+            }
+            let other = |(tree, crown): (&Tree, &Arc<dyn Crown>)| Stem {
+                root: tree.root,
+                trunk_m: tree.trunk_m,
+                crown: Some(inside(Arc::clone(crown))),
+            };
+            grove.others.extend(trees.iter().zip(&crowns).skip(1).map(other));
+        }
+        let crown = together(crowns, monitor)?;
+        Ok(Self { crown, lift: 0.0, root: foot, foot: base, origin, grove, obstacles, shades, notes })
+    }
+}
+
+fn inside(crown: Arc<dyn Crown>) -> Arc<dyn Inside> {
+    Arc::new(shells::Solid(crown))
+}
+
+/// The crowns of all trees as one: where several reach, points are no denser.
+fn together(
+    mut crowns: Vec<Arc<dyn Crown>>,
+    monitor: &dyn Monitor,
+) -> Result<Box<dyn Crown>, ColonizationError> {
+    if crowns.len() == 1
+        && let Some(only) = crowns.pop()
+    {
+        return Ok(Box::new(only));
+    }
+    let add = |crown| Piece { operation: Operation::Add, crown: Box::new(crown) };
+    match Compound::new(crowns.into_iter().map(add).collect(), monitor) {
+        Ok(forest) => Ok(Box::new(forest)),
+        Err(CompoundError::Cancelled(cancelled)) => Err(cancelled.into()),
+        // Nothing is subtracted.
+        Err(CompoundError::Nothing { .. } | CompoundError::NoPiece) => Err(about(0, &[], PartError::Nothing)),
+    }
+}
+
+/// A part's solid in its own coordinates.
+struct Raw {
+    crown: Box<dyn Crown>,
+    /// Where its file has it; `None` for a shape.
+    foot: Option<DVec3>,
+}
+
+enum SolidError {
+    Part(PartError),
+    Other(ColonizationError),
+}
+
+impl<E: Into<PartError>> From<E> for SolidError {
+    fn from(error: E) -> Self {
+        Self::Part(error.into())
+    }
+}
+
+/// The solid, and what the user should know of it. A mesh that several parts are is made ready once:
+/// `meshes` keeps those that are.
+fn solid(
+    part: &Part,
+    meshes: &mut Vec<(String, Arc<Envelope>)>,
+    settings: &Colonization,
+    inputs: &Inputs,
+    monitor: &dyn Monitor,
+) -> Result<(Raw, Vec<String>), SolidError> {
+    match &part.solid {
+        Solid::Shape { shape, dimensions } => {
+            let crown = crown::shape(shape)?.of(dimensions)?;
+            Ok((Raw { crown, foot: None }, Vec::new()))
+        }
+        Solid::Mesh { file } => {
+            if let Some((_, known)) = meshes.iter().find(|(own, _)| own == file) {
+                let crown = Box::new(Arc::clone(known));
+                return Ok((Raw { crown, foot: Some(known.foot()) }, Vec::new()));
+            }
+            let input = inputs.get(file).map(|input| (&input.geometry, input.up));
+            let Some((Geometry::Mesh(mesh), up)) = input else {
+                let error = ColonizationError::WrongInput { file: file.clone(), expected: "a mesh" };
+                return Err(SolidError::Other(error));
+            };
+            let mut mesh = (**mesh).clone();
+            settings.growth.up(up).to_y_up(&mut mesh.positions);
+            let envelope = Arc::new(Envelope::new(&mesh, monitor)?);
+            meshes.push((file.clone(), Arc::clone(&envelope)));
+            let (foot, mut notes) = (Some(envelope.foot()), envelope.report().warnings());
+            let shells = if part.role == Role::Tree { envelope.shells(monitor)?.len() } else { 0 };
+            if shells > 1 {
+                notes.push(format!(
+                    "its mesh has {shells} shells that stand apart, and is the crown of one tree; give each a file and a part of its own"
+                ));
+            }
+            Ok((Raw { crown: Box::new(envelope), foot }, notes))
+        }
+    }
+}
+
+/// Where a part's base centre stands and, for a tree, its root; `foot` is the first tree's root.
+fn place(part: &Part, solid: &Raw, foot: DVec3, origin: DVec3) -> (DVec3, DVec3) {
+    let from_foot = |at: [f64; 3]| foot + DVec3::from_array(at);
+    let own = part.at.map(from_foot).or_else(|| solid.foot.map(|own| own - origin));
+    let on_ground = |at: DVec3| DVec3::new(at.x, at.y.min(foot.y), at.z);
+    let root = part.root.map_or_else(|| on_ground(own.unwrap_or(foot)), from_foot);
+    let on_trunk = || {
+        let height = f64::from(solid.crown.bounds().max.y) * part.scale;
+        root + DVec3::Y * crown_base_m(part.trunk_m, height)
+    };
+    let at = own.unwrap_or_else(|| if part.role == Role::Tree { on_trunk() } else { foot });
+    (at, root)
+}
+
+/// Takes away the points in obstacles and, each by its own chance, those in shade; point `i` by
+/// `key.child(i)`, so that fewer points are still a prefix of more.
+pub(crate) fn clear(
+    mut points: Vec<DVec3>,
+    obstacles: &[Obstacle],
+    shades: &[Shade],
+    key: Key,
+    monitor: &dyn Monitor,
+) -> Result<Vec<DVec3>, ColonizationError> {
+    use rayon::prelude::*;
+
+    if obstacles.is_empty() && shades.is_empty() {
+        return Ok(points);
+    }
+    let scattered = points.len();
+    let stays = |(i, p): (usize, &DVec3)| {
+        monitor.check()?;
+        let chance = |number: usize| key.child(i as u64).child(number as u64).unit();
+        let is_free = obstacles.iter().all(|obstacle| !obstacle.solid.contains(*p));
+        let is_lit =
+            |(number, shade): (usize, &Shade)| chance(number) >= shade.share || !shade.solid.contains(*p);
+        Ok(is_free && shades.iter().enumerate().all(is_lit))
+    };
+    let kept: Vec<bool> = points.par_iter().enumerate().map(stays).collect::<Result<_, Cancelled>>()?;
+    let mut kept = kept.into_iter();
+    points.retain(|_| kept.next() == Some(true));
+    if points.is_empty() {
+        return Err(ColonizationError::NoRoom { points: scattered });
+    }
+    Ok(points)
+}

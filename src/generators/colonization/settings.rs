@@ -1,0 +1,220 @@
+//! What a tree fills, and how it grows there.
+
+use std::collections::BTreeSet;
+
+use linden_base::field;
+use linden_base::knob::{Field, Kind, Knob, Value, integer, real, real_or_auto, set, values};
+use linden_growth::GrowthSettings;
+
+use crate::crown::{self, SHAPES, Shape};
+use crate::part::Part;
+
+/// Where the attraction points are, and how the tree reaches for them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Colonization {
+    /// What the crown fills.
+    pub space: Space,
+    /// What else there is: pieces of the crown, other trees, obstacles, shade. In the order of the
+    /// document, which matters: each adds to or takes from what was there before.
+    pub parts: Vec<Part>,
+    /// Height of a crown shape's base above the root, metres; `None`: on top of the trunk.
+    pub crown_base_m: Option<f64>,
+    /// How many attraction points are drawn in a crown.
+    pub points: u32,
+    /// How far points gather near the crown's surface, 0 to 1; see [`crate::crown::favor`].
+    pub shell_density: f64,
+    /// How far points gather at the crown's top, 0 to 1.
+    pub top_density: f64,
+    /// How far points gather in clumps, 0 to 1; see [`crate::crown::clumps`].
+    pub clumps: f64,
+    /// Distance of clumps, metres; `None`: a fifth of the crown's longest side.
+    pub clump_size_m: Option<f64>,
+    /// How it grows into the points.
+    pub growth: GrowthSettings,
+}
+
+/// What the crown fills.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Space {
+    /// One of [`crown::SHAPES`], with the dimensions that were set.
+    Shape {
+        /// Its id.
+        shape: String,
+        /// What was set of its knobs.
+        dimensions: Vec<(&'static str, Value)>,
+    },
+    /// The inside of a mesh.
+    Envelope {
+        /// The file, relative to the preset's.
+        file: String,
+    },
+}
+
+impl Space {
+    /// The file that is needed.
+    pub fn file(&self) -> Option<&str> {
+        match self {
+            Self::Shape { .. } => None,
+            Self::Envelope { file } => Some(file),
+        }
+    }
+
+    /// A shape with every dimension at its default.
+    pub fn of_shape(shape: &Shape) -> Self {
+        Self::Shape { shape: shape.id.to_owned(), dimensions: shape.complete(&[]) }
+    }
+}
+
+/// The ids of all crown shapes.
+pub(crate) const SHAPE_IDS: [&str; SHAPES.len()] = {
+    let mut ids = [""; SHAPES.len()];
+    let mut i = 0;
+    while i < ids.len() {
+        ids[i] = SHAPES[i].id;
+        i += 1;
+    }
+    ids
+};
+
+/// The knob that names the crown's shape.
+pub(crate) const CROWN: Knob =
+    Knob::new("crown", Kind::Choice(&SHAPE_IDS), "", "shape that the attraction points fill");
+
+impl Colonization {
+    /// The knobs of the crown, without its shape and the dimensions of that.
+    pub const FIELDS: &[Field<Self>] = &[
+        field!(
+            "crown_base",
+            real_or_auto(0.0, 1e3),
+            "m",
+            "height of the crown's base above the root; auto: on top of the trunk",
+            crown_base_m
+        ),
+        field!("points", integer(1, 100_000_000), "points", "how many attraction points are drawn", points),
+        field!(
+            "shell_density",
+            real(0.0, 1.0),
+            "",
+            "how far the points gather near the crown's surface; 0: evenly, 1: the heart has a twentieth of its density",
+            shell_density
+        ),
+        field!(
+            "top_density",
+            real(0.0, 1.0),
+            "",
+            "how far the points gather at the crown's top; 0: evenly, 1: the base has a twentieth of its density",
+            top_density
+        ),
+        field!(
+            "clumps",
+            real(0.0, 1.0),
+            "",
+            "how far the points gather in clumps, as leaves do at the ends of limbs; 0: evenly, 1: a twentieth is left between them",
+            clumps
+        ),
+        field!(
+            "clump_size",
+            real_or_auto(1e-3, 1e3),
+            "m",
+            "distance of neighbouring clumps; auto: a fifth of the crown's longest side",
+            clump_size_m
+        ),
+    ];
+
+    /// A space with everything else at its default.
+    pub fn of(space: Space) -> Self {
+        Self {
+            space,
+            parts: Vec::new(),
+            crown_base_m: None,
+            points: 2000,
+            shell_density: 0.0,
+            top_density: 0.0,
+            clumps: 0.0,
+            clump_size_m: None,
+            growth: GrowthSettings::default(),
+        }
+    }
+
+    /// All knobs that any crown has, in their order.
+    pub(crate) fn all_knobs() -> Vec<Knob> {
+        let own = Self::FIELDS.iter().map(|field| field.knob);
+        let growth =
+            GrowthSettings::FIELDS.iter().chain(GrowthSettings::PLACE_FIELDS).map(|field| field.knob);
+        let mut seen = BTreeSet::new();
+        let dimensions = SHAPES.iter().flat_map(|shape| shape.knobs).map(|dimension| dimension.knob);
+        let dimensions = dimensions.filter(|knob| seen.insert(knob.name));
+        std::iter::once(CROWN).chain(own).chain(growth).chain(dimensions).collect()
+    }
+
+    pub(crate) fn turned(&self) -> Vec<(Knob, Value)> {
+        let mut all = Vec::new();
+        if let Space::Shape { shape, .. } = &self.space {
+            all.push((CROWN, Value::Word(shape.clone())));
+        }
+        all.extend(values(Self::FIELDS, self));
+        all.extend(values(GrowthSettings::FIELDS, &self.growth));
+        all.extend(values(GrowthSettings::PLACE_FIELDS, &self.growth));
+        if let Space::Shape { shape, dimensions } = &self.space {
+            all.extend(dimensions_of(shape, dimensions));
+        }
+        all
+    }
+
+    pub(crate) fn turn(&mut self, name: &str, value: Value) -> bool {
+        if let Space::Shape { shape, dimensions } = &mut self.space {
+            if let (true, Value::Word(word)) = (CROWN.is_called(name), &value) {
+                // Another shape keeps the dimensions that it shares with the one before.
+                if let Ok(new) = crown::shape(word) {
+                    *dimensions = new.complete(dimensions);
+                }
+                shape.clone_from(word);
+                return true;
+            }
+            let shape = crown::shape(shape).ok();
+            let dimension =
+                shape.into_iter().flat_map(|shape| shape.knobs).find(|own| own.knob.is_called(name));
+            if let (Some(shape), Some(dimension)) = (shape, dimension) {
+                dimensions.push((dimension.knob.name, value));
+                *dimensions = shape.complete(dimensions);
+                return true;
+            }
+        }
+        set(Self::FIELDS, self, name, value.clone())
+            || set(GrowthSettings::FIELDS, &mut self.growth, name, value.clone())
+            || set(GrowthSettings::PLACE_FIELDS, &mut self.growth, name, value)
+    }
+
+    /// Why a knob changes nothing as these settings stand, and what would let it.
+    pub(crate) fn why_idle(&self, knob: &str) -> Option<&'static str> {
+        let is_shape = matches!(self.space, Space::Shape { .. });
+        match knob {
+            "crown_base" if !is_shape => Some("it is for crown shapes, and this crown is a file"),
+            "clump_size" if self.clumps == 0.0 => Some("clumps is 0"),
+            "up" if self.space.file().is_none() && self.parts.iter().all(|part| part.file().is_none()) => {
+                Some("no mesh and no points are read")
+            }
+            "origin" if is_shape && self.growth.root.is_none_or(|root| root == [0.0; 3]) => {
+                Some("the tree stands on the origin anyway")
+            }
+            _ => self.growth.idle(knob),
+        }
+    }
+}
+
+/// The dimensions of a shape with their values.
+pub(crate) fn dimensions_of(shape: &str, set: &[(&'static str, Value)]) -> Vec<(Knob, Value)> {
+    let knobs = crown::shape(shape).into_iter().flat_map(|shape| shape.knobs);
+    let value = |dimension: &crown::ShapeKnob| {
+        let found = set.iter().find(|(name, _)| *name == dimension.knob.name);
+        found.map_or_else(dimension.default, |(_, value)| value.clone())
+    };
+    knobs.map(|dimension| (dimension.knob, value(dimension))).collect()
+}
+
+/// Whether a word that stands for a crown's shape means a mesh.
+pub(crate) fn means_mesh(word: &str) -> bool {
+    let word = word.trim().to_ascii_lowercase();
+    [".obj", ".ply"].iter().any(|ending| word.ends_with(ending))
+        || ["mesh", "envelope", "file", "obj", "ply"].contains(&word.as_str())
+}

@@ -1,0 +1,392 @@
+//! What can be wrong with a grammar, and with growing it.
+
+use std::fmt;
+
+use linden_base::knob::printable;
+use linden_base::memory::OverMemory;
+use linden_base::monitor::Cancelled;
+use linden_skeleton::organs::PROTOTYPES;
+
+/// What was wrong at one place of a text.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Problem {
+    /// Something else should stand here.
+    #[error("expected {expected}, found {found}")]
+    Expected {
+        /// What may stand here.
+        expected: String,
+        /// What stands here, printable: `'x'`, or `the end`.
+        found: String,
+    },
+    /// A sign of rules where a symbol should stand.
+    #[error("'{sign}' {what}; it is no symbol")]
+    Misplaced {
+        /// The sign.
+        sign: char,
+        /// What it does in its place.
+        what: &'static str,
+    },
+    /// A name that is neither a parameter of the rule nor defined.
+    #[error("unknown name '{name}'{hint}; '#define {name} …' would make it a constant")]
+    UnknownName {
+        /// As it was written, printable.
+        name: String,
+        /// The nearest name or the known ones, in brackets behind a blank; may be empty.
+        hint: String,
+    },
+    /// A name before a bracket that is no function.
+    #[error("unknown function '{name}'{hint}")]
+    UnknownFunction {
+        /// As it was written, printable.
+        name: String,
+        /// The nearest name or the known ones, in brackets behind a blank.
+        hint: String,
+    },
+    /// A function with too many or too few arguments.
+    #[error("'{name}' takes {expected} {}, found {found}", if *.expected == 1 { "argument" } else { "arguments" })]
+    WrongArguments {
+        /// The function.
+        name: &'static str,
+        /// How many it takes.
+        expected: usize,
+        /// How many there are, or at least are.
+        found: usize,
+    },
+    /// An expression that must have one value for all trees.
+    #[error("'{written}' depends on chance, but must be a constant here")]
+    NotConstant {
+        /// As it was written, printable.
+        written: String,
+    },
+    /// A constant that overflows, or has no value at all.
+    #[error("'{written}' is {value}, which is no number to compute with")]
+    NotFinite {
+        /// As it was written, printable.
+        written: String,
+        /// What it comes to.
+        value: f64,
+    },
+    /// An expression that nobody can follow.
+    #[error("more than {limit} operands wait for their operators; write the expression with fewer brackets")]
+    TooDeep {
+        /// The most that may.
+        limit: usize,
+    },
+    /// Signs and brackets without end before an operand.
+    #[error("more than {limit} signs, brackets and functions are open; write the expression with fewer")]
+    TooManyOpen {
+        /// The most that may be.
+        limit: usize,
+    },
+    /// A module or a rule with very many parameters.
+    #[error("more than {limit} parameters; use fewer")]
+    TooManyParameters {
+        /// The most there may be.
+        limit: usize,
+    },
+    /// A name that would mean two things.
+    #[error("'{name}' is already defined; use another name")]
+    Redefined {
+        /// The name.
+        name: String,
+    },
+    /// `]` where no branch is open.
+    #[error("']' closes a branch that was never opened")]
+    Unopened,
+    /// `[` whose `]` is missing.
+    #[error("'[' opens a branch that is never closed")]
+    Unclosed,
+    /// A number outside what is meaningful here.
+    #[error("{number} is out of range: {min} to {max}")]
+    OutOfRange {
+        /// As it was written, printable.
+        number: String,
+        /// Smallest.
+        min: f64,
+        /// Largest.
+        max: f64,
+    },
+    /// The rules of one predecessor, in the same context and under the same condition, must share out
+    /// the probability 1.
+    #[error("the probabilities of the rules for '{predecessor}' sum to {sum}, not to 1")]
+    Probabilities {
+        /// Whose rules: their left side, printable.
+        predecessor: String,
+        /// What they sum to.
+        sum: f64,
+    },
+    /// A key that may stand once stands twice.
+    #[error("'{key}' was already given in line {first_line}; keep one of them")]
+    Repeated {
+        /// The key.
+        key: &'static str,
+        /// Where it stood first, from 1.
+        first_line: usize,
+    },
+    /// A key that must stand somewhere does not.
+    #[error("no line says '{key}=…'")]
+    Missing {
+        /// The key.
+        key: &'static str,
+    },
+}
+
+impl Problem {
+    pub(super) fn expected(expected: impl Into<String>, found: Option<char>) -> Self {
+        Self::Expected { expected: expected.into(), found: found.map_or("the end".into(), quoted) }
+    }
+}
+
+/// A character between quotes, printable.
+fn quoted(symbol: char) -> String {
+    format!("'{}'", printable(symbol.encode_utf8(&mut [0; 4])))
+}
+
+/// Which of a grammar's strings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// The axiom.
+    Axiom,
+    /// A rule, counted from 0 in the order given.
+    Rule(usize),
+}
+
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Axiom => f.write_str("axiom"),
+            Self::Rule(index) => write!(f, "rule {}", index + 1),
+        }
+    }
+}
+
+/// A grammar that cannot be understood, and where.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{part}, column {column}: {problem}")]
+pub struct GrammarError {
+    /// Which string.
+    pub part: Part,
+    /// Byte offset in that string (its length when something is missing at the end).
+    pub offset: usize,
+    /// The same place in characters, from 1.
+    pub column: usize,
+    /// What is wrong there.
+    #[source]
+    pub problem: Problem,
+}
+
+/// Why an L-system did not grow.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LsystemError {
+    /// Refused before deriving.
+    #[error(
+        "{derivations} derivations would give {} {} symbols, more than the limit of {limit}: {}",
+        if *.symbols == u128::MAX { "more than" } else if *.exact { "exactly" } else if *.at_least { "at least" } else { "about" },
+        Amount(*.symbols), Advice(*.fits)
+    )]
+    TooManySymbols {
+        /// What was asked for.
+        derivations: u32,
+        /// How long the string would be, or is expected to be; saturated at `u128::MAX`.
+        symbols: u128,
+        /// Whether `symbols` is exact, or the expectation of a stochastic system.
+        exact: bool,
+        /// Whether it may be more.
+        at_least: bool,
+        /// [`TurtleSettings::symbol_limit`](super::TurtleSettings::symbol_limit).
+        limit: u64,
+        /// The most derivations, fewer than asked for, that are known to stay within the limit.
+        fits: Option<u32>,
+    },
+    /// A system grew past the limit although its forecast did not.
+    #[error(
+        "{}{derivations} derivations give more than the limit of {limit} symbols: use fewer derivations{} a higher limit",
+        seed.map(|seed| format!("with the seed {seed}, ")).unwrap_or_default(),
+        if seed.is_some() { ", another seed or" } else { " or" }
+    )]
+    GrewPastLimit {
+        /// What was asked for.
+        derivations: u32,
+        /// Whose choices, where chance has a say.
+        seed: Option<u64>,
+        /// [`TurtleSettings::symbol_limit`](super::TurtleSettings::symbol_limit).
+        limit: u64,
+    },
+    /// An argument that a rule computed is no number, or one that the turtle cannot take.
+    #[error(
+        "derivation {derivation} gives {module}: {} is not {expected}; mend the rule or use fewer derivations",
+        Short(*.value)
+    )]
+    Value {
+        /// The module with its arguments.
+        module: String,
+        /// The one that is wrong.
+        value: f64,
+        /// The step that wrote the module; 0 is the axiom.
+        derivation: u32,
+        /// What it should be.
+        expected: String,
+    },
+    /// More branches or polygons open at once than [`MAX_NESTING`](super::MAX_NESTING).
+    #[error(
+        "{derivations} derivations nest branches or polygons more than {limit} deep, which is no tree: \
+         use fewer derivations"
+    )]
+    NestedTooDeeply {
+        /// What was asked for.
+        derivations: u32,
+        /// [`MAX_NESTING`](super::MAX_NESTING).
+        limit: usize,
+    },
+    /// The string holds no symbol that draws.
+    #[error(
+        "after {derivations} derivations the string has no F or G outside polygons, so there is nothing to draw: \
+         use more derivations, or a rule that gives F"
+    )]
+    NothingDrawn {
+        /// What was asked for.
+        derivations: u32,
+    },
+    /// `stems` plants together would be more than the limit.
+    #[error(
+        "{stems} stems of {} symbols each are more than the limit of {limit}: use fewer stems or derivations, \
+         or raise the limit", Amount(*.symbols)
+    )]
+    TooManyStems {
+        /// [`Stems::Several`](super::Stems::Several)'s.
+        stems: u32,
+        /// The forecast of one.
+        symbols: u128,
+        /// [`TurtleSettings::symbol_limit`](super::TurtleSettings::symbol_limit).
+        limit: u64,
+    },
+    /// `}` without `{`.
+    #[error("a '}}' fills a polygon that no '{{' has begun: each needs one before it, which no '%' cuts off")]
+    PolygonUnopened,
+    /// `{` without `}`.
+    #[error("a '{{' begins a polygon that no '}}' fills: each needs one behind it, which no '%' cuts off")]
+    PolygonUnclosed,
+    /// `.` outside.
+    #[error("a '.' records a vertex, but no polygon is open: put it between '{{' and '}}'")]
+    VertexOutside,
+    /// More vertices than an outline may have.
+    #[error(
+        "a polygon has more than {limit} vertices, which is no leaf: fill it in pieces, or use fewer derivations"
+    )]
+    PolygonTooLarge {
+        /// [`MAX_CORNERS`](linden_skeleton::organs::MAX_CORNERS).
+        limit: usize,
+    },
+    /// What stands behind a `~` is not in the table of organs.
+    #[error("'~' is followed by {}, which names no organ; there are: {}", Found(*.found), Organs)]
+    UnknownOrgan {
+        /// The symbol; `None` at the end of the string.
+        found: Option<char>,
+    },
+    /// An organ of no size, or larger than anything.
+    #[error("'~{letter}' is {} segments large, but must be 0 to {most}", Short(*.size))]
+    OrganSize {
+        /// The organ.
+        letter: char,
+        /// Its argument.
+        size: f64,
+        /// The most.
+        most: f64,
+    },
+    /// A setting outside its range.
+    #[error("{name} is {value}, but must be {expected}")]
+    Setting {
+        /// Its name in [`TurtleSettings`](super::TurtleSettings).
+        name: &'static str,
+        /// As given.
+        value: String,
+        /// Its range.
+        expected: String,
+    },
+    /// The structure would take more memory than there may be.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
+    /// Nobody wanted the result any more.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+struct Found(Option<char>);
+
+impl fmt::Display for Found {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0.map_or("nothing".into(), quoted))
+    }
+}
+
+/// The table, as a message has it.
+struct Organs;
+
+impl fmt::Display for Organs {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, own) in PROTOTYPES.iter().enumerate() {
+            write!(f, "{}{} ({})", if i == 0 { "" } else { ", " }, own.letter, own.name)?;
+        }
+        Ok(())
+    }
+}
+
+/// A count of symbols; past a million in powers of ten, since nobody reads more digits.
+struct Amount(u128);
+
+impl fmt::Display for Amount {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            u128::MAX => f.write_str("3e38"),
+            n if n >= 1_000_000_000_000_000 => write!(f, "{:.1e}", n as f64),
+            n => write!(f, "{n}"),
+        }
+    }
+}
+
+/// A number as people write it: nobody counts the zeros of 1e300.
+pub(super) struct Short(pub f64);
+
+impl fmt::Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self(number) = *self;
+        if number != 0.0 && number.is_finite() && !(1e-6..1e15).contains(&number.abs()) {
+            return write!(f, "{number:e}");
+        }
+        write!(f, "{number}")
+    }
+}
+
+struct Advice(Option<u32>);
+
+impl fmt::Display for Advice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            Some(fits) => write!(f, "use {fits} derivations or fewer, or raise the limit"),
+            None => f.write_str("use fewer derivations, shorten the axiom, or raise the limit"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_in_messages_have_few_digits() {
+        let shown = [1e300, -1e15, 1e-30, 0.0, -2.5, 137.5, f64::INFINITY].map(|own| Short(own).to_string());
+        assert_eq!(shown, ["1e300", "-1e15", "1e-30", "0", "-2.5", "137.5", "inf"]);
+        let wrong = LsystemError::OrganSize { letter: 'L', size: 1e308, most: 10.0 };
+        assert_eq!(wrong.to_string(), "'~L' is 1e308 segments large, but must be 0 to 10");
+        let endless = LsystemError::TooManySymbols {
+            derivations: 1000,
+            symbols: u128::MAX,
+            exact: true,
+            at_least: false,
+            limit: 100,
+            fits: Some(3),
+        };
+        let start = "1000 derivations would give more than 3e38 symbols, more than the limit of 100";
+        assert!(endless.to_string().starts_with(start), "{endless}");
+    }
+}

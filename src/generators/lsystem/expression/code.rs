@@ -1,0 +1,265 @@
+//! Expressions made ready for evaluating, and evaluation.
+
+use super::{Binary, Expression, Function, MAX_OPERANDS, Token, Unary};
+use linden_base::random::Key;
+
+/// One step of an evaluation on a stack.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in super::super) enum Instruction {
+    Number(f64),
+    Parameter(u16),
+    /// Numbers as right operands, the commonest of all, without a way through the stack.
+    WithNumber(Binary, f64),
+    Unary(Unary),
+    Binary(Binary),
+    Call(Function),
+    /// `ran`, `nran`: which of the random numbers of its rule.
+    Random(Function, u32),
+}
+
+/// How one value is computed; the commonest ways without a stack.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in super::super) enum Formula {
+    Number(f64),
+    Parameter(u16),
+    /// A parameter times a number.
+    Scaled(u16, f64),
+    /// Instructions from one place to another.
+    Code(u32, u32),
+}
+
+/// The formulas of a grammar.
+#[derive(Debug, Default)]
+pub(in super::super) struct Library {
+    instructions: Vec<Instruction>,
+}
+
+/// What an evaluation may look at.
+#[derive(Clone, Copy)]
+pub(in super::super) struct Inputs<'a> {
+    pub parameters: &'a [f64],
+    /// The place whose random numbers these are.
+    pub key: Key,
+}
+
+impl Library {
+    /// Adds an expression. Random numbers are counted on from `randoms`.
+    pub(in super::super) fn add(&mut self, expression: &Expression, randoms: &mut u32) -> Formula {
+        let start = self.instructions.len();
+        for token in &expression.tokens {
+            let instruction = match *token {
+                Token::Number(number) | Token::Constant(number, _) => Instruction::Number(number),
+                Token::Parameter(index, _) => Instruction::Parameter(index),
+                Token::Unary(unary) => Instruction::Unary(unary),
+                Token::Binary(binary) => Instruction::Binary(binary),
+                Token::Call(function) if function.is_random() => {
+                    *randoms += 1;
+                    Instruction::Random(function, *randoms - 1)
+                }
+                Token::Call(function) => Instruction::Call(function),
+            };
+            self.push(instruction, start);
+        }
+        let formula = match self.instructions[start..] {
+            [Instruction::Number(number)] => Formula::Number(number),
+            [Instruction::Parameter(index)] => Formula::Parameter(index),
+            [Instruction::Parameter(index), Instruction::WithNumber(Binary::Times, factor)]
+            | [
+                Instruction::Number(factor),
+                Instruction::Parameter(index),
+                Instruction::Binary(Binary::Times),
+            ] => Formula::Scaled(index, factor),
+            _ => return Formula::Code(start as u32, self.instructions.len() as u32),
+        };
+        self.instructions.truncate(start);
+        formula
+    }
+
+    /// Adds an instruction; what needs no parameters is computed here, once.
+    fn push(&mut self, instruction: Instruction, start: usize) {
+        let code = &mut self.instructions;
+        let folded = match (instruction, &code[start..]) {
+            (Instruction::Unary(unary), [.., Instruction::Number(a)]) => {
+                Some((1, Instruction::Number(sign(unary, *a))))
+            }
+            (Instruction::Binary(binary), [.., Instruction::Number(a), Instruction::Number(b)]) => {
+                Some((2, Instruction::Number(operate(binary, *a, *b))))
+            }
+            (Instruction::Binary(binary), [.., Instruction::Number(b)]) => {
+                Some((1, Instruction::WithNumber(binary, *b)))
+            }
+            (Instruction::Call(function), [.., Instruction::Number(a)]) if function.arity() == 1 => {
+                Some((1, Instruction::Number(call(function, *a, 0.0))))
+            }
+            (Instruction::Call(function), [.., Instruction::Number(a), Instruction::Number(b)]) => {
+                Some((2, Instruction::Number(call(function, *a, *b))))
+            }
+            _ => None,
+        };
+        if let Some((operands, replacement)) = folded {
+            code.truncate(code.len() - operands);
+            code.push(replacement);
+        } else {
+            code.push(instruction);
+        }
+    }
+
+    /// The instructions of a formula that has some.
+    pub(in super::super) fn instructions(&self, formula: Formula) -> &[Instruction] {
+        if let Formula::Code(start, end) = formula {
+            &self.instructions[start as usize..end as usize]
+        } else {
+            &[]
+        }
+    }
+
+    /// Whether a formula looks at chance.
+    pub(in super::super) fn is_random(&self, formula: Formula) -> bool {
+        self.instructions(formula).iter().any(|instruction| matches!(instruction, Instruction::Random(..)))
+    }
+
+    #[inline]
+    pub(in super::super) fn evaluate(&self, formula: Formula, inputs: Inputs<'_>) -> f64 {
+        match formula {
+            Formula::Number(number) => number,
+            Formula::Parameter(index) => inputs.parameters[index as usize],
+            Formula::Scaled(index, factor) => inputs.parameters[index as usize] * factor,
+            Formula::Code(start, end) => run(&self.instructions[start as usize..end as usize], inputs),
+        }
+    }
+}
+
+/// The value of an expression without parameters and chance.
+pub(super) fn constant(expression: &Expression) -> f64 {
+    let mut library = Library::default();
+    let formula = library.add(expression, &mut 0);
+    library.evaluate(formula, Inputs { parameters: &[], key: Key::new(0) })
+}
+
+fn run(code: &[Instruction], inputs: Inputs<'_>) -> f64 {
+    let mut below = [0.0; MAX_OPERANDS];
+    let mut height = 0;
+    // The topmost value is kept apart from those below it.
+    let mut top = 0.0;
+    for instruction in code {
+        let mut push = |value| {
+            below[height] = top;
+            height += 1;
+            value
+        };
+        match *instruction {
+            Instruction::Number(number) => top = push(number),
+            Instruction::Parameter(index) => top = push(inputs.parameters[index as usize]),
+            Instruction::WithNumber(binary, number) => top = operate(binary, top, number),
+            Instruction::Unary(unary) => top = sign(unary, top),
+            Instruction::Binary(binary) => {
+                height -= 1;
+                top = operate(binary, below[height], top);
+            }
+            Instruction::Call(function) if function.arity() == 1 => top = call(function, top, 0.0),
+            Instruction::Call(function) => {
+                height -= 1;
+                top = call(function, below[height], top);
+            }
+            Instruction::Random(function, index) => {
+                let key = inputs.key.child(index.into());
+                if function == Function::Ran {
+                    top *= key.unit();
+                } else {
+                    height -= 1;
+                    top = below[height] + top * normal(key);
+                }
+            }
+        }
+    }
+    top
+}
+
+fn truth(is: bool) -> f64 {
+    f64::from(u8::from(is))
+}
+
+/// What counts as true: any number but 0. What is no number is not true.
+pub(in super::super) fn is_true(value: f64) -> bool {
+    value != 0.0 && !value.is_nan()
+}
+
+fn sign(unary: Unary, a: f64) -> f64 {
+    match unary {
+        Unary::Minus => -a,
+        Unary::Not => truth(!is_true(a)),
+    }
+}
+
+#[inline]
+fn operate(binary: Binary, a: f64, b: f64) -> f64 {
+    match binary {
+        Binary::Or => truth(is_true(a) || is_true(b)),
+        Binary::And => truth(is_true(a) && is_true(b)),
+        Binary::Less => truth(a < b),
+        Binary::LessOrEqual => truth(a <= b),
+        Binary::Greater => truth(a > b),
+        Binary::GreaterOrEqual => truth(a >= b),
+        Binary::Equal => truth(a == b),
+        Binary::Unequal => truth(a != b),
+        Binary::Plus => a + b,
+        Binary::Minus => a - b,
+        Binary::Times => a * b,
+        Binary::Over => a / b,
+        Binary::Power => libm::pow(a, b),
+    }
+}
+
+fn call(function: Function, a: f64, b: f64) -> f64 {
+    match function {
+        Function::Abs => a.abs(),
+        Function::Floor => a.floor(),
+        Function::Ceil => a.ceil(),
+        Function::Sqrt => a.sqrt(),
+        Function::Exp => libm::exp(a),
+        Function::Log => libm::log(a),
+        Function::Sin => sin_cos_deg(a).0,
+        Function::Cos => sin_cos_deg(a).1,
+        Function::Tan => {
+            let (sin, cos) = sin_cos_deg(a);
+            sin / cos
+        }
+        // A value that is no number stays one, so that the error names the module that got it.
+        Function::Min | Function::Max if a.is_nan() || b.is_nan() => f64::NAN,
+        Function::Min => {
+            if b < a {
+                b
+            } else {
+                a
+            }
+        }
+        Function::Max => {
+            if b > a {
+                b
+            } else {
+                a
+            }
+        }
+        Function::Pow => libm::pow(a, b),
+        // Need a key: never called here.
+        Function::Ran | Function::Nran => f64::NAN,
+    }
+}
+
+/// Exact for quarter turns.
+fn sin_cos_deg(degrees: f64) -> (f64, f64) {
+    match degrees % 360.0 {
+        0.0 => (0.0, 1.0),
+        90.0 | -270.0 => (1.0, 0.0),
+        180.0 | -180.0 => (0.0, -1.0),
+        270.0 | -90.0 => (-1.0, 0.0),
+        reduced => libm::sincos(reduced.to_radians()),
+    }
+}
+
+/// A standard normal number (Box & Muller 1958).
+fn normal(key: Key) -> f64 {
+    // 1 − unit lies in (0, 1], where the logarithm is finite.
+    let radius = (-2.0 * libm::log(1.0 - key.child(0).unit())).sqrt();
+    radius * libm::cos(std::f64::consts::TAU * key.child(1).unit())
+}

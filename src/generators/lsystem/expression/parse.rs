@@ -1,0 +1,278 @@
+//! Texts to expressions: operator precedence with a stack of its own.
+
+use super::super::error::Problem;
+use super::super::parse::{Misread, Reader};
+use super::{Binary, COMPARISON, Expression, Function, MAX_OPERANDS, MAX_PENDING, PREFIX, Token, Unary};
+use linden_base::knob::{did_you_mean, excerpt, nearest, printable};
+
+/// What names mean: parameters first, then constants.
+#[derive(Clone, Copy)]
+pub(in super::super) struct Scope<'a> {
+    /// Of the rule, in the order of their values.
+    pub parameters: &'a [String],
+    pub constants: &'a [(String, f64)],
+}
+
+impl Scope<'_> {
+    fn token(&self, name: &str) -> Option<Token> {
+        if let Some(index) = self.parameters.iter().position(|parameter| parameter == name) {
+            return Some(Token::Parameter(index as u16, name.into()));
+        }
+        let found = self.constants.iter().find(|(constant, _)| constant == name);
+        found.map(|(_, value)| Token::Constant(*value, name.into()))
+    }
+
+    fn unknown(&self, name: &str) -> Problem {
+        let known = || {
+            let constants = self.constants.iter().map(|(name, _)| name.as_str());
+            self.parameters.iter().map(String::as_str).chain(constants)
+        };
+        // Of names of one letter each is near to every other.
+        let near = nearest(name, known()).filter(|_| name.chars().nth(2).is_some());
+        let hint = match near {
+            Some(near) => did_you_mean(Some(near)),
+            None => {
+                let list: Vec<&str> = known().take(8).collect();
+                if list.is_empty() {
+                    String::new()
+                } else {
+                    format!(" (known: {})", printable(&list.join(", ")))
+                }
+            }
+        };
+        Problem::UnknownName { name: excerpt(name), hint }
+    }
+}
+
+/// What waits for the end of its operand.
+enum Pending {
+    Unary(Unary),
+    Binary(Binary),
+    Bracket,
+    /// A function, with the arguments begun so far.
+    Call(Function, usize),
+}
+
+/// Reads an expression up to a `)` or `,` that is not its own, an arrow, or the end.
+pub(in super::super) fn expression(reader: &mut Reader<'_>, scope: Scope<'_>) -> Result<Expression, Misread> {
+    let mut parser = Parser { tokens: Vec::new(), pending: Vec::new(), operands: 0 };
+    loop {
+        parser.operand(reader, scope)?;
+        if !parser.operator(reader)? {
+            return Ok(Expression { tokens: parser.tokens });
+        }
+    }
+}
+
+struct Parser {
+    tokens: Vec<Token>,
+    pending: Vec<Pending>,
+    /// How many values an evaluation holds at this place.
+    operands: usize,
+}
+
+impl Parser {
+    /// One operand with the signs, brackets and functions that open before it.
+    fn operand(&mut self, reader: &mut Reader<'_>, scope: Scope<'_>) -> Result<(), Misread> {
+        loop {
+            let token = match reader.peek() {
+                Some(c) if c.is_ascii_digit() || c == '.' => Token::Number(number(reader)?),
+                Some(c) if c.is_alphabetic() || c == '_' => {
+                    let start = reader.clone();
+                    let name = reader.name();
+                    if reader.eat("(") {
+                        let Some(function) = Function::named(name) else {
+                            return Err(start.misread(unknown_function(name)));
+                        };
+                        self.open(reader, Pending::Call(function, 1))?;
+                        continue;
+                    }
+                    match scope.token(name) {
+                        Some(token) => token,
+                        None => return Err(start.misread(scope.unknown(name))),
+                    }
+                }
+                Some('-') => {
+                    reader.eat("-");
+                    self.open(reader, Pending::Unary(Unary::Minus))?;
+                    continue;
+                }
+                Some('!') => {
+                    reader.eat("!");
+                    self.open(reader, Pending::Unary(Unary::Not))?;
+                    continue;
+                }
+                Some('(') => {
+                    reader.eat("(");
+                    self.open(reader, Pending::Bracket)?;
+                    continue;
+                }
+                found => return Err(reader.misread(Problem::expected("a number", found))),
+            };
+            self.operands += 1;
+            if self.operands > MAX_OPERANDS {
+                return Err(reader.misread(Problem::TooDeep { limit: MAX_OPERANDS }));
+            }
+            self.tokens.push(token);
+            return Ok(());
+        }
+    }
+
+    /// The brackets that close and the operator that follows; `false` at the end of the expression.
+    fn operator(&mut self, reader: &mut Reader<'_>) -> Result<bool, Misread> {
+        loop {
+            let found = reader.peek();
+            match found {
+                Some(')') => {
+                    self.reduce(0);
+                    match self.pending.pop() {
+                        None => return Ok(false),
+                        Some(Pending::Call(function, given)) if given != function.arity() => {
+                            return Err(reader.misread(arguments_missing(function, given)));
+                        }
+                        Some(Pending::Call(function, _)) => self.emit(Token::Call(function)),
+                        Some(_) => {}
+                    }
+                    reader.eat(")");
+                    continue;
+                }
+                Some(',') => {
+                    self.reduce(0);
+                    match self.pending.last_mut() {
+                        None => return Ok(false),
+                        Some(Pending::Call(function, given)) => {
+                            if *given == function.arity() {
+                                return Err(reader.misread(arguments_missing(*function, *given + 1)));
+                            }
+                            *given += 1;
+                        }
+                        Some(_) => return Err(reader.misread(Problem::expected("')'", found))),
+                    }
+                    reader.eat(",");
+                    return Ok(true);
+                }
+                _ => {}
+            }
+            if found.is_none() || reader.at_arrow() {
+                self.reduce(0);
+                return match self.pending.last() {
+                    None => Ok(false),
+                    Some(_) => Err(reader.misread(Problem::expected("')'", found))),
+                };
+            }
+            let binary = Binary::ALL.into_iter().find(|binary| reader.rest().starts_with(binary.sign()));
+            let Some(binary) = binary else {
+                return Err(reader.misread(no_operator(found)));
+            };
+            let strength = binary.strength();
+            // A power is computed from the right.
+            self.reduce(if binary == Binary::Power {
+                strength + 1
+            } else {
+                strength + u8::from(strength == COMPARISON)
+            });
+            if strength == COMPARISON
+                && let Some(Pending::Binary(before)) = self.pending.last()
+                && before.strength() == COMPARISON
+            {
+                return Err(reader.misread(Problem::expected("one comparison (join two with '&&')", found)));
+            }
+            reader.eat(binary.sign());
+            self.open(reader, Pending::Binary(binary))?;
+            return Ok(true);
+        }
+    }
+
+    /// Begins what waits for the end of its operand.
+    fn open(&mut self, reader: &Reader<'_>, pending: Pending) -> Result<(), Misread> {
+        if self.pending.len() == MAX_PENDING {
+            return Err(reader.misread(Problem::TooManyOpen { limit: MAX_PENDING }));
+        }
+        self.pending.push(pending);
+        Ok(())
+    }
+
+    /// Ends the operators that bind at least so strongly, back to the last open bracket.
+    fn reduce(&mut self, least: u8) {
+        while let Some(pending) = self.pending.last() {
+            let token = match *pending {
+                Pending::Unary(unary) if PREFIX >= least => Token::Unary(unary),
+                Pending::Binary(binary) if binary.strength() >= least => Token::Binary(binary),
+                _ => return,
+            };
+            self.pending.pop();
+            self.emit(token);
+        }
+    }
+
+    fn emit(&mut self, token: Token) {
+        self.operands -= match token {
+            Token::Binary(_) => 1,
+            Token::Call(function) => function.arity() - 1,
+            _ => 0,
+        };
+        // A negative number is a number.
+        if token == Token::Unary(Unary::Minus)
+            && let Some(Token::Number(number)) = self.tokens.last_mut()
+            && number.is_sign_positive()
+        {
+            *number = -*number;
+            return;
+        }
+        self.tokens.push(token);
+    }
+}
+
+/// Digits, a point, an exponent.
+fn number(reader: &mut Reader<'_>) -> Result<f64, Misread> {
+    let rest = reader.rest();
+    let digits = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
+    let mut length = digits(rest);
+    if rest[length..].starts_with('.') {
+        length += 1 + digits(&rest[length + 1..]);
+    }
+    if rest[length..].starts_with(['e', 'E']) {
+        let sign = usize::from(rest[length + 1..].starts_with(['+', '-']));
+        let exponent = digits(&rest[length + 1 + sign..]);
+        if exponent > 0 {
+            length += 1 + sign + exponent;
+        }
+    }
+    match rest[..length].parse::<f64>() {
+        Ok(number) if number.is_finite() => {
+            reader.skip(length);
+            Ok(number)
+        }
+        Ok(value) => Err(reader.misread(Problem::NotFinite { written: excerpt(&rest[..length]), value })),
+        Err(_) => Err(reader.misread(Problem::expected("a number", rest.chars().next()))),
+    }
+}
+
+fn unknown_function(name: &str) -> Problem {
+    let names = || Function::ALL.iter().map(|function| function.name());
+    let hint = match nearest(name, names()) {
+        Some(near) => did_you_mean(Some(near)),
+        None => format!(" (known: {})", names().collect::<Vec<_>>().join(", ")),
+    };
+    Problem::UnknownFunction { name: excerpt(name), hint }
+}
+
+fn arguments_missing(function: Function, found: usize) -> Problem {
+    Problem::WrongArguments { name: function.name(), expected: function.arity(), found }
+}
+
+/// What to say where an operator should stand.
+fn no_operator(found: Option<char>) -> Problem {
+    let expected = match found {
+        Some('=') => "an operator ('==' compares, '->' begins the successor)",
+        Some('&') => "an operator (is '&&' meant?)",
+        Some('|') => "an operator (is '||' meant?)",
+        Some('−' | '–') => "an operator (is '-' meant?)",
+        Some('·' | '×') => "an operator (is '*' meant?)",
+        Some('≤') => "an operator (is '<=' meant?)",
+        Some('≥') => "an operator (is '>=' meant?)",
+        Some('≠') => "an operator (is '!=' meant?)",
+        _ => "an operator, ',' or ')'",
+    };
+    Problem::expected(expected, found)
+}

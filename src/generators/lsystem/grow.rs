@@ -1,0 +1,286 @@
+//! Growing: from a grammar and settings to a branching structure, within limits.
+
+use super::derive::{Way, derive};
+use super::error::{LsystemError, Short};
+use super::flat::{Flat, Walker};
+use super::forecast::{self, Forecast};
+use super::grammar::Grammar;
+use super::program::Program;
+use super::turtle::Turtle;
+use super::variation::Variation;
+use linden_base::monitor::Monitor;
+use linden_base::random::Key;
+use linden_skeleton::Branching;
+use linden_skeleton::organs::Organs;
+
+/// The most derivation steps: far more than any tree has, few enough to walk through.
+pub const MAX_DERIVATIONS: u32 = 10_000;
+/// The most branches open at once: the turtle remembers a state for each.
+pub const MAX_NESTING: usize = 100_000;
+/// The highest [`TurtleSettings::symbol_limit`]: nodes are numbered in 32 bits, and a symbol makes at most
+/// two of them.
+pub const MAX_SYMBOLS: u64 = 1 << 30;
+
+pub(super) const ANGLE_RANGE_DEG: [f64; 2] = [-360.0, 360.0];
+const SEGMENT_RANGE_M: [f64; 2] = [1e-6, 1e6];
+/// The most stems of a shrub.
+pub const MAX_STEMS: u32 = 100;
+/// Between neighbouring stems of a shrub, seen from above: the golden angle, with which any number of
+/// stems is spread evenly.
+const GOLDEN_ANGLE_DEG: f64 = 137.507_764_050_037_85;
+
+/// How a grammar is grown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TurtleSettings {
+    /// Derivation steps, 0 to [`MAX_DERIVATIONS`]; 0 draws the axiom.
+    pub derivations: u32,
+    /// The turn of each rotation that names no angle of its own, −360 to 360 degrees.
+    pub angle_deg: f64,
+    /// The length of `F`, `G` and `f`, and the unit of their arguments; 10⁻⁶ to 10⁶ m.
+    pub segment_m: f64,
+    /// Longer strings are refused; 1 to [`MAX_SYMBOLS`].
+    pub symbol_limit: u64,
+    /// The root of all random choices.
+    pub seed: u64,
+    /// What `!(1)` is as a diameter, 10⁻⁶ to 10⁶ m.
+    pub segment_width_m: f64,
+    /// What `!` multiplies the width by, 0.01 to 10.
+    pub width_ratio: f64,
+    /// T: where branches bend to. Its length counts; each component −10 to 10.
+    pub tropism: [f64; 3],
+    /// e: after each segment the turtle turns by e·|H × T| radians about H × T (ABOP, p. 58); −10 to 10.
+    pub susceptibility: f64,
+    /// What chance changes.
+    pub variation: Variation,
+    /// One stem or several.
+    pub habit: Stems,
+}
+
+/// How a plant stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Stems {
+    /// On one upright stem.
+    One,
+    /// On several: the plant is repeated about its foot, each time with other random choices.
+    Several {
+        /// How often, 1 to [`MAX_STEMS`].
+        stems: u32,
+        /// Each leans by so much, −180 to 180 degrees.
+        lean_deg: f64,
+    },
+}
+
+impl Default for TurtleSettings {
+    /// Four derivations of decimetre segments, at 25.7 degrees, of up to 50 million symbols.
+    fn default() -> Self {
+        Self {
+            derivations: 4,
+            angle_deg: 25.7,
+            segment_m: 0.1,
+            symbol_limit: 50_000_000,
+            seed: 0,
+            segment_width_m: 0.01,
+            width_ratio: 0.7,
+            tropism: [0.0, -1.0, 0.0],
+            susceptibility: 0.0,
+            variation: Variation::default(),
+            habit: Stems::One,
+        }
+    }
+}
+
+/// What grew.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drawn {
+    /// One node for each segment at its far end, and one for each stem's foot.
+    ///
+    /// A node's birth is the derivation step in which the symbol that drew its segment came into
+    /// being: 0 for a symbol of the axiom, k for one that the k-th step wrote. A symbol that no rule
+    /// rewrites is kept and keeps its step. A symbol that a rule rewrites is replaced, also where
+    /// the successor holds the same symbol: with `F -> F[+F]F`, every segment is born in the last
+    /// step. A foot is born with the first segment that stands on it. Births therefore need not
+    /// rise from parent to child: with `A -> AF`, the oldest segments are at the top.
+    ///
+    /// Radii are there where the grammar holds a `!`: a node's is that of the segment that ends in it,
+    /// a foot's that of its first segment.
+    pub branching: Branching,
+    /// Polygons and organs.
+    pub organs: Organs,
+    /// The length of the derived string, of all stems together.
+    pub symbols: u64,
+}
+
+/// Derives a grammar and walks the turtle along the result.
+///
+/// The turtle stands at the origin and looks up: H = +Y, L = −X, U = +Z, so that a system without
+/// pitch and roll lies in the XY plane and `+` turns left in a picture seen from +Z.
+///
+/// | symbol | action |
+/// |---|---|
+/// | `F` `G` | draw a segment forward; `F(2)`: two segment lengths long |
+/// | `f` | move forward; the next segment is the foot of a new stem |
+/// | `+` `-` | turn left, right about U; `+(30)`: by 30 degrees |
+/// | `&` `^` | pitch down, up about L |
+/// | `\` `/` | roll left, right about H |
+/// | `\|` | turn by 180 degrees about U |
+/// | `$` | roll until L is horizontal; nothing when H is vertical |
+/// | `[` `]` | begin, end a branch |
+/// | `%` | cut the rest of the branch, in every derivation step and here |
+/// | `!` | thinner: the width times [`TurtleSettings::width_ratio`]; `!(w)`: a diameter of w segment widths |
+/// | `'` | the next colour for organs; `'(c)`: colour c, from 0 |
+/// | `{` `}` | begin, fill a polygon: between them `F`, `G` and `f` draw no wood |
+/// | `.` | the turtle's place is a vertex of the polygon; so are the ends of `F` and `f`, not those of `G` |
+/// | `~` | the organ that the letter behind it names ([`PROTOTYPES`](linden_skeleton::organs::PROTOTYPES)), as many segments large as its argument says |
+///
+/// The vertices of a polygon may be recorded across brackets, and polygons may be nested: what is
+/// recorded belongs to the innermost. The first edge of a polygon also starts at a vertex. A polygon of
+/// fewer than three different vertices is nothing.
+///
+/// Rotations keep the words of ABOP's appendix C: left is towards +L, down towards −U, a roll to the
+/// left lowers L.
+///
+/// # Errors
+/// A setting out of range, a result over a limit (before deriving, by the [`forecast`](super::forecast())),
+/// nothing to draw, or cancellation.
+pub fn grow(
+    grammar: &Grammar,
+    settings: &TurtleSettings,
+    monitor: &dyn Monitor,
+) -> Result<Drawn, LsystemError> {
+    grow_by(grammar, settings, Way::Best, monitor)
+}
+
+/// As [`grow`], by a way of one's choice.
+///
+/// Macros draw each subtree once and place copies of it. They are exact for systems without chance,
+/// contexts, cuts and arguments whose only turns are `+`, `-` and `|` by an angle of whole hundredths
+/// of a degree, and which hold no `f`, `!` and organs; with one stem, no tropism and no variation.
+/// These are drawn in steps on a grid of 2^-k m that is fine enough for every sum of steps to be free
+/// of rounding.
+///
+/// # Errors
+/// As [`grow`].
+pub fn grow_by(
+    grammar: &Grammar,
+    settings: &TurtleSettings,
+    way: Way,
+    monitor: &dyn Monitor,
+) -> Result<Drawn, LsystemError> {
+    let program = Program::compile(grammar);
+    let forecast = settings.admit(&program)?;
+    let nothing = LsystemError::NothingDrawn { derivations: settings.derivations };
+    // An expectation may be rounded to nothing.
+    if forecast.segments == 0 && forecast.exact {
+        return Err(nothing);
+    }
+    let (stems, lean_deg) = match settings.habit {
+        Stems::One => (1, 0.0),
+        Stems::Several { stems, lean_deg } => (stems, lean_deg),
+    };
+    let limit = settings.symbol_limit;
+    if forecast.symbols.saturating_mul(stems.into()) > limit.into() {
+        return Err(LsystemError::TooManyStems { stems, symbols: forecast.symbols, limit });
+    }
+    let total = forecast.exact.then_some(forecast.symbols as u64);
+    if let Some(flat) = Flat::of(&program, settings, &forecast) {
+        if way == Way::Best {
+            let symbols = forecast.symbols as u64;
+            return Ok(Drawn { branching: flat.draw(monitor)?, organs: Organs::default(), symbols });
+        }
+        let mut walker = Walker::new(flat, monitor)?;
+        let symbols = derive(&program, settings, way, total, monitor, &mut walker)?;
+        return Ok(Drawn { branching: walker.into_branching(), organs: Organs::default(), symbols });
+    }
+    // Exact, or unknown: an expectation is no reason to allocate.
+    let (segments, depth) = if forecast.exact {
+        (forecast.segments as usize * stems as usize, forecast.depth as usize)
+    } else {
+        (0, 0)
+    };
+    let mut turtle = Turtle::new(&program, settings, segments, depth, monitor)?;
+    let mut symbols = 0;
+    for stem in 0..stems {
+        // The first stem is that of the tree.
+        let seed = if stem == 0 {
+            settings.seed
+        } else {
+            Key::new(settings.seed).named("stem").child(stem.into()).bits()
+        };
+        // Chance may make each longer than it is expected to be; together they stay within the limit.
+        let own = TurtleSettings { seed, symbol_limit: limit - symbols, ..*settings };
+        turtle.start(GOLDEN_ANGLE_DEG * f64::from(stem), lean_deg, Key::new(seed).named("turtle"));
+        symbols += derive(&program, &own, way, total, monitor, &mut turtle).map_err(|error| {
+            // Users know their own seed and limit, not those of a stem.
+            match error {
+                LsystemError::GrewPastLimit { derivations, seed, .. } => {
+                    LsystemError::GrewPastLimit { derivations, seed: seed.map(|_| settings.seed), limit }
+                }
+                other => other,
+            }
+        })?;
+        turtle.finish()?;
+    }
+    let (branching, organs) = turtle.into_parts();
+    if branching.positions.is_empty() { Err(nothing) } else { Ok(Drawn { branching, organs, symbols }) }
+}
+
+impl TurtleSettings {
+    /// Checks the settings, and what the derivation would give.
+    pub(super) fn admit(&self, program: &Program) -> Result<Forecast, LsystemError> {
+        let &Self { derivations, symbol_limit: limit, .. } = self;
+        check_derivations(derivations)?;
+        check_real("angle_deg", self.angle_deg, ANGLE_RANGE_DEG)?;
+        check_real("segment_m", self.segment_m, SEGMENT_RANGE_M)?;
+        check_whole("symbol_limit", limit, 1, MAX_SYMBOLS)?;
+        self.check_turtle()?;
+        let forecast = forecast::of_program(program, derivations);
+        let Forecast { symbols, depth, exact, at_least, .. } = forecast;
+        if symbols > limit.into() {
+            let fits = forecast::most_within(program, derivations, limit);
+            return Err(LsystemError::TooManySymbols { derivations, symbols, exact, at_least, limit, fits });
+        }
+        // The most that a stochastic system can nest may be far from what it does: then the turtle
+        // counts.
+        if (exact || at_least && !program.random) && depth > MAX_NESTING as u64 {
+            return Err(LsystemError::NestedTooDeeply { derivations, limit: MAX_NESTING });
+        }
+        Ok(forecast)
+    }
+}
+
+impl TurtleSettings {
+    /// What only the turtle needs.
+    fn check_turtle(&self) -> Result<(), LsystemError> {
+        check_real("segment_width_m", self.segment_width_m, SEGMENT_RANGE_M)?;
+        check_real("width_ratio", self.width_ratio, [0.01, 10.0])?;
+        for component in self.tropism {
+            check_real("tropism", component, [-10.0, 10.0])?;
+        }
+        check_real("susceptibility", self.susceptibility, [-10.0, 10.0])?;
+        let Variation { angle_deg, roll_deg, length } = self.variation;
+        check_real("variation.angle_deg", angle_deg, [0.0, 180.0])?;
+        check_real("variation.roll_deg", roll_deg, [0.0, 180.0])?;
+        check_real("variation.length", length, [0.0, 0.95])?;
+        let Stems::Several { stems, lean_deg } = self.habit else { return Ok(()) };
+        check_whole("stems", stems.into(), 1, MAX_STEMS.into())?;
+        check_real("lean_deg", lean_deg, [-180.0, 180.0])
+    }
+}
+
+pub(super) fn check_derivations(derivations: u32) -> Result<(), LsystemError> {
+    check_whole("derivations", derivations.into(), 0, MAX_DERIVATIONS.into())
+}
+
+fn check_whole(name: &'static str, value: u64, min: u64, max: u64) -> Result<(), LsystemError> {
+    if (min..=max).contains(&value) {
+        return Ok(());
+    }
+    Err(LsystemError::Setting { name, value: value.to_string(), expected: format!("{min} to {max}") })
+}
+
+fn check_real(name: &'static str, value: f64, [min, max]: [f64; 2]) -> Result<(), LsystemError> {
+    if (min..=max).contains(&value) {
+        return Ok(());
+    }
+    Err(LsystemError::Setting { name, value: Short(value).to_string(), expected: format!("{min} to {max}") })
+}

@@ -1,0 +1,473 @@
+//! Strings to modules, productions and directives.
+
+use std::collections::BTreeSet;
+
+use super::command::{Command, sign_of_rules};
+use super::error::{GrammarError, Part, Problem};
+use super::expression::parse::{Scope, expression};
+use super::expression::{Expression, Function};
+use super::grammar::{Definition, Module, Pattern, Production};
+use linden_base::knob::excerpt;
+
+/// The most parameters of a rule, and arguments of a module.
+const MAX_PARAMETERS: usize = 64;
+
+/// A problem at a byte offset of the string that was read.
+#[derive(Debug)]
+pub(super) struct Misread {
+    offset: usize,
+    problem: Problem,
+}
+
+impl Misread {
+    /// The same, with the place that a reader looks for.
+    pub(super) fn within(self, part: Part, text: &str) -> GrammarError {
+        let column = 1 + text.char_indices().take_while(|&(i, _)| i < self.offset).count();
+        GrammarError { part, offset: self.offset, column, problem: self.problem }
+    }
+}
+
+/// What a grammar's strings may refer to.
+#[derive(Default)]
+pub(super) struct Context {
+    /// Names and values of the `#define`s so far.
+    pub constants: Vec<(String, f64)>,
+    /// Symbols and numbers of parameters that some rule rewrites: their arguments are in range when
+    /// they are drawn, and not before.
+    pub rewritten: BTreeSet<(char, usize)>,
+}
+
+impl Context {
+    fn scope<'a>(&'a self, parameters: &'a [String]) -> Scope<'a> {
+        Scope { parameters, constants: &self.constants }
+    }
+}
+
+/// A line that begins with `#`.
+pub(super) enum Directive {
+    Define(Definition, f64),
+    Ignore(Vec<char>),
+}
+
+/// Whether a line is a directive rather than a rule.
+pub(super) fn is_directive(text: &str) -> bool {
+    text.trim_start().starts_with('#')
+}
+
+/// Reads an axiom: at least one module.
+pub(super) fn axiom(text: &str, context: &Context) -> Result<Vec<Module>, Misread> {
+    let modules = Reader::new(text).modules(context, &[])?;
+    if modules.is_empty() {
+        return Err(Misread { offset: text.len(), problem: Problem::expected("a symbol", None) });
+    }
+    Ok(modules)
+}
+
+/// Reads `left < predecessor > right : condition -> (probability) successor`.
+pub(super) fn rule(text: &str, context: &Context) -> Result<Production, Misread> {
+    let mut reader = Reader::new(text);
+    let head = reader.head()?;
+    let mut parameters: Vec<String> = Vec::new();
+    for (offset, name) in head.names {
+        if parameters.contains(&name) {
+            return Err(Misread { offset, problem: Problem::Redefined { name } });
+        }
+        parameters.push(name);
+    }
+    if parameters.len() > MAX_PARAMETERS {
+        return Err(reader.misread(Problem::TooManyParameters { limit: MAX_PARAMETERS }));
+    }
+    let condition = if reader.eat(":") { reader.condition(context.scope(&parameters))? } else { None };
+    if !reader.eat_arrow() {
+        let found = reader.peek();
+        return Err(reader.misread(Problem::expected("'->' or '→'", found)));
+    }
+    let (probability, written_probability) = reader.probability(context)?;
+    let successor = reader.modules(context, &parameters)?;
+    let Head { left, predecessor, right } = head.patterns;
+    Ok(Production { left, predecessor, right, condition, probability, written_probability, successor })
+}
+
+/// The symbol and the number of parameters of what a rule rewrites; `None` when that cannot be read.
+pub(super) fn rewritten(text: &str) -> Option<(char, usize)> {
+    let head = Reader::new(text).head().ok()?;
+    Some(head.patterns.predecessor.class())
+}
+
+/// Reads `#define name value` or `#ignore symbols`.
+pub(super) fn directive(text: &str, context: &Context) -> Result<Directive, Misread> {
+    let mut reader = Reader::new(text);
+    reader.eat("#");
+    let start = reader.clone();
+    match reader.name() {
+        "define" => {
+            reader.peek();
+            let place = reader.clone();
+            let name = reader.name();
+            if name.is_empty() {
+                let found = reader.peek();
+                return Err(reader.misread(Problem::expected("a name, as in '#define r 0.9'", found)));
+            }
+            if Function::named(name).is_some() {
+                return Err(place.misread(Problem::expected(
+                    format!("a name of your own ('{name}' is a function)"),
+                    name.chars().next(),
+                )));
+            }
+            if context.constants.iter().any(|(known, _)| known == name) {
+                return Err(place.misread(Problem::Redefined { name: name.to_owned() }));
+            }
+            reader.peek();
+            let value_place = reader.clone();
+            let value = expression(&mut reader, context.scope(&[]))?;
+            if let Some(found) = reader.peek() {
+                return Err(reader.misread(Problem::expected("the end of the line", Some(found))));
+            }
+            let number = value_place.constant(&value, &reader, [f64::MIN, f64::MAX])?;
+            Ok(Directive::Define(Definition { name: name.to_owned(), value }, number))
+        }
+        "ignore" => {
+            // ABOP writes it with a colon.
+            reader.eat(":");
+            let mut symbols = Vec::new();
+            while let Some(symbol) = reader.peek() {
+                reader.rewritable(symbol, "a symbol that can be ignored (brackets and '%' cannot)")?;
+                reader.skip(symbol.len_utf8());
+                symbols.push(symbol);
+            }
+            Ok(Directive::Ignore(symbols))
+        }
+        name => {
+            let found = excerpt(&format!("#{name}"));
+            let expected = "'#define name value' or '#ignore symbols'".to_owned();
+            Err(Misread {
+                offset: start.offset - 1,
+                problem: Problem::Expected { expected, found: format!("'{found}'") },
+            })
+        }
+    }
+}
+
+/// The left side of a rule, up to its condition.
+struct Head {
+    left: Vec<Pattern>,
+    predecessor: Pattern,
+    right: Vec<Pattern>,
+}
+
+struct ReadHead {
+    patterns: Head,
+    /// All parameters in order, and where they stand.
+    names: Vec<(usize, String)>,
+}
+
+/// Reads symbol by symbol, past blanks.
+#[derive(Clone)]
+pub(super) struct Reader<'a> {
+    text: &'a str,
+    offset: usize,
+}
+
+impl<'a> Reader<'a> {
+    fn new(text: &'a str) -> Self {
+        Self { text, offset: 0 }
+    }
+
+    pub(super) fn rest(&self) -> &'a str {
+        &self.text[self.offset..]
+    }
+
+    /// The next character that is not blank; the reader then stands before it.
+    pub(super) fn peek(&mut self) -> Option<char> {
+        self.offset = self.text.len() - self.rest().trim_start().len();
+        self.rest().chars().next()
+    }
+
+    pub(super) fn eat(&mut self, wanted: &str) -> bool {
+        self.peek();
+        let found = self.rest().starts_with(wanted);
+        if found {
+            self.offset += wanted.len();
+        }
+        found
+    }
+
+    pub(super) fn skip(&mut self, bytes: usize) {
+        self.offset += bytes;
+    }
+
+    /// A letter or `_`, and the letters, digits and `_` that follow; empty when there is none.
+    pub(super) fn name(&mut self) -> &'a str {
+        let rest = self.rest();
+        let is_first = |c: char| c.is_alphabetic() || c == '_';
+        if !rest.starts_with(is_first) {
+            return "";
+        }
+        let end = rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len());
+        self.offset += end;
+        &rest[..end]
+    }
+
+    /// Whether an arrow stands here that can be no part of an expression.
+    pub(super) fn at_arrow(&self) -> bool {
+        self.rest().starts_with("->") || self.rest().starts_with('→')
+    }
+
+    fn eat_arrow(&mut self) -> bool {
+        self.eat("->") || self.eat("→") || self.eat("=")
+    }
+
+    pub(super) fn misread(&self, problem: Problem) -> Misread {
+        Misread { offset: self.offset, problem }
+    }
+
+    /// Refuses what no rule can rewrite and no context can hold.
+    fn rewritable(&self, symbol: char, expected: &str) -> Result<Command, Misread> {
+        match Command::of(symbol) {
+            Some(Command::Push | Command::Pop | Command::Cut) => {
+                Err(self.misread(Problem::expected(expected, Some(symbol))))
+            }
+            Some(command) => Ok(command),
+            None => Err(self.misread(stray(symbol, "a symbol"))),
+        }
+    }
+
+    fn head(&mut self) -> Result<ReadHead, Misread> {
+        let Some(first) = self.peek() else {
+            return Err(self.misread(Problem::expected("a symbol and an arrow, as in 'F -> FF'", None)));
+        };
+        self.rewritable(first, "a symbol that can be rewritten (brackets and '%' cannot)")?;
+        let mut names = Vec::new();
+        // The first symbols are the left context where a '<' follows, else the predecessor alone.
+        let mut patterns = vec![self.pattern(&mut names)?];
+        let after_first = self.clone();
+        while !self.arrow_ahead()
+            && self.peek().is_some_and(|c| Command::of(c).is_some() && !matches!(c, '[' | ']' | '%'))
+        {
+            patterns.push(self.pattern(&mut names)?);
+        }
+        let (left, predecessor) = if self.eat("<") {
+            let found = self.peek();
+            let Some(symbol) = found else {
+                return Err(self.misread(Problem::expected("the symbol to rewrite", None)));
+            };
+            self.rewritable(symbol, "the symbol to rewrite (brackets and '%' cannot)")?;
+            (patterns, self.pattern(&mut names)?)
+        } else {
+            if patterns.len() > 1 {
+                *self = after_first;
+            }
+            (Vec::new(), patterns.swap_remove(0))
+        };
+        let right =
+            if !self.arrow_ahead() && self.eat(">") { self.right_context(&mut names)? } else { Vec::new() };
+        let found = self.peek();
+        if !self.arrow_ahead() && found != Some(':') {
+            let problem = match found {
+                Some(sign @ ('<' | '>')) => stray(sign, "an arrow"),
+                _ => Problem::expected(format!("'->', '→' or '=' after '{}'", predecessor.symbol), found),
+            };
+            return Err(self.misread(problem));
+        }
+        Ok(ReadHead { patterns: Head { left, predecessor, right }, names })
+    }
+
+    fn arrow_ahead(&mut self) -> bool {
+        self.clone().eat_arrow()
+    }
+
+    /// Patterns with balanced brackets, up to a condition or an arrow.
+    fn right_context(&mut self, names: &mut Vec<(usize, String)>) -> Result<Vec<Pattern>, Misread> {
+        let mut patterns = Vec::new();
+        let mut open = Vec::new();
+        while let Some(symbol) = self.peek() {
+            if symbol == ':' || self.arrow_ahead() {
+                break;
+            }
+            match symbol {
+                '[' => open.push(self.offset),
+                ']' if open.pop().is_none() => return Err(self.misread(Problem::Unopened)),
+                ']' => {}
+                _ => {
+                    self.rewritable(symbol, "a symbol of the right context")?;
+                }
+            }
+            patterns.push(self.pattern(names)?);
+        }
+        if let Some(offset) = open.pop() {
+            return Err(Misread { offset, problem: Problem::Unclosed });
+        }
+        if patterns.is_empty() {
+            let found = self.peek();
+            return Err(self.misread(Problem::expected("the right context", found)));
+        }
+        Ok(patterns)
+    }
+
+    /// A symbol with the names of its parameters.
+    fn pattern(&mut self, names: &mut Vec<(usize, String)>) -> Result<Pattern, Misread> {
+        let Some(symbol) = self.peek() else {
+            return Err(self.misread(Problem::expected("a symbol", None)));
+        };
+        let command = Command::of(symbol).unwrap_or(Command::Silent);
+        self.offset += symbol.len_utf8();
+        let mut parameters = Vec::new();
+        if self.peek() == Some('(') {
+            self.takes_arguments(symbol, command)?;
+            self.offset += 1;
+            loop {
+                let found = self.peek();
+                let place = self.offset;
+                let name = self.name();
+                if name.is_empty() {
+                    return Err(self.misread(Problem::expected("the name of a parameter", found)));
+                }
+                if Function::named(name).is_some() {
+                    let expected = format!("the name of a parameter ('{name}' is a function)");
+                    return Err(Misread { offset: place, problem: Problem::expected(expected, found) });
+                }
+                names.push((place, name.to_owned()));
+                parameters.push(name.to_owned());
+                if !self.eat(",") {
+                    break;
+                }
+            }
+            self.close()?;
+        }
+        Ok(Pattern { symbol, parameters })
+    }
+
+    fn close(&mut self) -> Result<(), Misread> {
+        if self.eat(")") {
+            return Ok(());
+        }
+        let found = self.peek();
+        Err(self.misread(Problem::expected("')'", found)))
+    }
+
+    fn takes_arguments(&self, symbol: char, command: Command) -> Result<(), Misread> {
+        if command.takes_arguments() {
+            return Ok(());
+        }
+        Err(self.misread(Problem::expected(format!("no number after '{symbol}'"), Some('('))))
+    }
+
+    /// What stands behind the colon; `*` is always true (ABOP).
+    fn condition(&mut self, scope: Scope<'_>) -> Result<Option<Expression>, Misread> {
+        let mut ahead = self.clone();
+        if ahead.eat("*") && (ahead.peek().is_none() || ahead.at_arrow()) {
+            *self = ahead;
+            return Ok(None);
+        }
+        let condition = expression(self, scope)?;
+        match self.peek() {
+            Some(found @ (')' | ',')) => Err(self.misread(Problem::expected("'->' or '→'", Some(found)))),
+            _ => Ok(Some(condition)),
+        }
+    }
+
+    /// The probability in brackets before a successor, 1 when there is none; and how it was written.
+    fn probability(&mut self, context: &Context) -> Result<(f64, Option<Expression>), Misread> {
+        if !self.eat("(") {
+            return Ok((1.0, None));
+        }
+        self.peek();
+        let place = self.clone();
+        let written = expression(self, context.scope(&[]))?;
+        let value = place.constant(&written, self, [0.0, 1.0])?;
+        self.close()?;
+        let plain = written.as_number().is_some();
+        Ok((value, (!plain).then_some(written)))
+    }
+
+    /// The value of an expression that was read from here up to `end`, within a range.
+    fn constant(&self, expression: &Expression, end: &Self, [min, max]: [f64; 2]) -> Result<f64, Misread> {
+        let written = excerpt(self.text[self.offset..end.offset].trim_end());
+        let Some(value) = expression.constant() else {
+            return Err(self.misread(Problem::NotConstant { written }));
+        };
+        if min <= value && value <= max {
+            return Ok(value);
+        }
+        if !value.is_finite() {
+            return Err(self.misread(Problem::NotFinite { written, value }));
+        }
+        let plain = expression.as_number().is_some();
+        let number = if plain { written } else { format!("{written} = {value}") };
+        Err(self.misread(Problem::OutOfRange { number, min, max }))
+    }
+
+    /// Modules to the end of the text, their brackets balanced.
+    fn modules(&mut self, context: &Context, parameters: &[String]) -> Result<Vec<Module>, Misread> {
+        let mut modules = Vec::new();
+        let mut open = Vec::new();
+        while let Some(symbol) = self.peek() {
+            let Some(command) = Command::of(symbol) else {
+                return Err(self.misread(stray(symbol, "a symbol")));
+            };
+            match command {
+                Command::Push => open.push(self.offset),
+                Command::Pop if open.pop().is_none() => return Err(self.misread(Problem::Unopened)),
+                _ => {}
+            }
+            self.offset += symbol.len_utf8();
+            let arguments = self.arguments(symbol, command, context, parameters)?;
+            modules.push(Module { symbol, arguments });
+        }
+        match open.pop() {
+            Some(offset) => Err(Misread { offset, problem: Problem::Unclosed }),
+            None => Ok(modules),
+        }
+    }
+
+    /// What stands in brackets after a symbol.
+    fn arguments(
+        &mut self,
+        symbol: char,
+        command: Command,
+        context: &Context,
+        parameters: &[String],
+    ) -> Result<Vec<Expression>, Misread> {
+        if self.peek() != Some('(') {
+            return Ok(Vec::new());
+        }
+        self.takes_arguments(symbol, command)?;
+        self.offset += 1;
+        let mut arguments = Vec::new();
+        let mut places = Vec::new();
+        loop {
+            self.peek();
+            let start = self.clone();
+            arguments.push(expression(self, context.scope(parameters))?);
+            places.push((start, self.clone()));
+            if arguments.len() > MAX_PARAMETERS {
+                return Err(self.misread(Problem::TooManyParameters { limit: MAX_PARAMETERS }));
+            }
+            if !self.eat(",") {
+                break;
+            }
+        }
+        self.close()?;
+        for (i, ((start, end), argument)) in places.iter().zip(&arguments).enumerate() {
+            if argument.constant().is_none() {
+                continue;
+            }
+            let is_drawn = i == 0 && !context.rewritten.contains(&(symbol, arguments.len()));
+            let range = command.argument_range().filter(|_| is_drawn);
+            start.constant(argument, end, range.unwrap_or([f64::MIN, f64::MAX]))?;
+        }
+        Ok(arguments)
+    }
+}
+
+/// What to say about a character that is no symbol.
+fn stray(found: char, expected: &str) -> Problem {
+    match (sign_of_rules(found), found) {
+        (Some(what), _) => Problem::Misplaced { sign: found, what },
+        (None, '−' | '–') => Problem::expected(format!("{expected} (is '-' meant?)"), Some(found)),
+        (None, '’' | '‘' | '´' | '`') => {
+            Problem::expected(format!("{expected} (is ''' meant?)"), Some(found))
+        }
+        (None, _) => Problem::expected(expected, Some(found)),
+    }
+}

@@ -1,0 +1,432 @@
+//! From points on bark and leaves to points along axes.
+//!
+//! Points at the same distance from the root along the tree, and connected, go around one branch; their
+//! centre lies on its axis (Verroust & Lazarus 1999, *Extracting skeletal curves from 3D scattered data*;
+//! Xu, Gossett & Chen 2007, *Knowledge and heuristic-based modeling of laser-scanned trees*).
+//!
+//! Occlusion leaves gaps, so the graph falls into pieces. The shortest links that connect
+//! everything (a minimum spanning tree of the pieces) make sure that no part of the crown is cut off, but
+//! alone they hang limbs on each other's tips; so each point of a piece also gets links to the nearest
+//! of several other pieces, and the shortest way from the foot, on which a gap counts by the square of its
+//! length, chooses among them.
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use glam::DVec3;
+
+use super::neighbours::Neighbours;
+use linden_base::monitor::{Cancelled, Monitor};
+
+/// Links per point: enough to close a ring of points around a stem.
+const LINKS: usize = 12;
+
+/// Other pieces that a point is linked to at most.
+const BRIDGES: usize = 6;
+
+/// Bridges beyond the spanning tree's are looked for within this many reaches.
+const BRIDGE_REACH: f64 = 10.0;
+
+/// Points and the links along which distances are measured.
+pub(super) struct Graph {
+    pub points: Vec<DVec3>,
+    /// Links longer than this are bridges.
+    pub reach: f64,
+    /// Both directions of each link: (from, to), sorted.
+    links: Vec<(u32, u32)>,
+    /// Points left out as strays.
+    pub strays: usize,
+}
+
+/// The shortest way from the foot to each point.
+pub(super) struct Ways {
+    /// Its length, metres.
+    pub length: Vec<f64>,
+    /// The point before; itself at the foot.
+    pub before: Vec<u32>,
+}
+
+impl Graph {
+    /// Links each point with its nearest within `reach`, drops strays, bridges the gaps.
+    pub fn new(points: Vec<DVec3>, reach: f64, monitor: &dyn Monitor) -> Result<Self, Cancelled> {
+        let (points, strays) = without_strays(points, reach, monitor)?;
+        let tree = Neighbours::new(&points, monitor)?;
+        let mut links = Vec::new();
+        let mut pieces = Pieces::new(points.len());
+        let mut found = Vec::new();
+        for (from, &p) in (0..).zip(&points) {
+            if from % 1024 == 0 {
+                monitor.check()?;
+            }
+            tree.nearest(p, LINKS + 1, reach, &mut found);
+            for &(_, to) in found.iter().filter(|&&(_, to)| to != from) {
+                links.extend([(from, to), (to, from)]);
+                pieces.join(from, to);
+            }
+        }
+        other_bridges(&points, &tree, &mut pieces, reach, &mut links, monitor)?;
+        loop {
+            let bridges = shortest_bridges(&points, &tree, &mut pieces, monitor)?;
+            if bridges.is_empty() {
+                break;
+            }
+            for (_, from, to) in bridges {
+                if pieces.join(from, to) {
+                    links.extend([(from, to), (to, from)]);
+                }
+            }
+        }
+        links.sort_unstable();
+        links.dedup();
+        Ok(Self { points, reach, links, strays })
+    }
+
+    fn distance(&self, a: u32, b: u32) -> f64 {
+        self.points[a as usize].distance(self.points[b as usize])
+    }
+
+    /// The bridges on the ways from the foot, metres.
+    pub fn bridges_m(&self, ways: &Ways) -> Vec<f64> {
+        let lengths = (0..).zip(&ways.before).map(|(to, &from)| self.distance(from, to));
+        lengths.filter(|&length| length > self.reach).collect()
+    }
+
+    fn links_of(&self, from: u32) -> &[(u32, u32)] {
+        let start = self.links.partition_point(|link| link.0 < from);
+        let end = self.links.partition_point(|link| link.0 <= from);
+        &self.links[start..end]
+    }
+
+    /// The shortest ways from the places where `start` gives a length to begin with (Dijkstra 1959).
+    pub fn ways(
+        &self,
+        start: impl Fn(DVec3) -> Option<f64>,
+        monitor: &dyn Monitor,
+    ) -> Result<Ways, Cancelled> {
+        let mut cost = vec![f64::INFINITY; self.points.len()];
+        let mut length = cost.clone();
+        let mut before: Vec<u32> = (0..self.points.len() as u32).collect();
+        let mut queue = BinaryHeap::new();
+        for (i, &p) in (0..).zip(&self.points) {
+            if let Some(l) = start(p) {
+                (cost[i as usize], length[i as usize]) = (l, l);
+                // Bits of non-negative floats order as the floats do.
+                queue.push(Reverse((l.to_bits(), i)));
+            }
+        }
+        let mut taken = 0_u32;
+        while let Some(Reverse((bits, at))) = queue.pop() {
+            if taken.is_multiple_of(4096) {
+                monitor.check()?;
+            }
+            taken = taken.wrapping_add(1);
+            let so_far = f64::from_bits(bits);
+            if so_far > cost[at as usize] {
+                continue;
+            }
+            for &(_, to) in self.links_of(at) {
+                let step = self.distance(at, to);
+                let beyond = so_far + step * (step / self.reach).max(1.0);
+                if beyond < cost[to as usize] {
+                    cost[to as usize] = beyond;
+                    length[to as usize] = length[at as usize] + step;
+                    before[to as usize] = at;
+                    queue.push(Reverse((beyond.to_bits(), to)));
+                }
+            }
+        }
+        Ok(Ways { length, before })
+    }
+}
+
+/// Leaves out points that have no two others nearby: dust, birds, scattered pulses.
+fn without_strays(
+    points: Vec<DVec3>,
+    reach: f64,
+    monitor: &dyn Monitor,
+) -> Result<(Vec<DVec3>, usize), Cancelled> {
+    let tree = Neighbours::new(&points, monitor)?;
+    let mut found = Vec::new();
+    let before = points.len();
+    let mut kept = Vec::with_capacity(before);
+    for (i, &p) in points.iter().enumerate() {
+        if i % 1024 == 0 {
+            monitor.check()?;
+        }
+        tree.nearest(p, 3, 2.0 * reach, &mut found);
+        if found.len() >= 3 {
+            kept.push(p);
+        }
+    }
+    // A cloud so thin that all of it looks stray is the user's own; keep it.
+    if kept.len() * 2 < before {
+        return Ok((points, 0));
+    }
+    let strays = before - kept.len();
+    Ok((kept, strays))
+}
+
+/// Links each point outside the largest piece to the nearest point of several other pieces.
+fn other_bridges(
+    points: &[DVec3],
+    tree: &Neighbours,
+    pieces: &mut Pieces,
+    reach: f64,
+    links: &mut Vec<(u32, u32)>,
+    monitor: &dyn Monitor,
+) -> Result<(), Cancelled> {
+    let (labels, largest) = pieces.labels();
+    let of_ranges = tree.labels(&labels);
+    let limit = (BRIDGE_REACH * reach) * (BRIDGE_REACH * reach);
+    let mut nearest: Vec<(f64, u32, u32)> = Vec::new();
+    for (from, &p) in (0..).zip(points) {
+        if from % 256 == 0 {
+            monitor.check()?;
+        }
+        if labels[from as usize] == largest {
+            continue;
+        }
+        nearest.clear();
+        tree.search_other(p, limit, (labels[from as usize], &of_ranges), |to, squared| {
+            let label = labels[to as usize];
+            match nearest.iter_mut().find(|other| other.2 == label) {
+                Some(other) if (squared, to) < (other.0, other.1) => *other = (squared, to, label),
+                Some(_) => {}
+                None => nearest.push((squared, to, label)),
+            }
+            nearest.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+            nearest.truncate(BRIDGES);
+            if nearest.len() == BRIDGES { nearest[BRIDGES - 1].0.next_up().min(limit) } else { limit }
+        });
+        links.extend(nearest.iter().flat_map(|&(_, to, _)| [(from, to), (to, from)]));
+    }
+    Ok(())
+}
+
+/// For each piece but the largest, its shortest link to another (one round of Borůvka 1926).
+fn shortest_bridges(
+    points: &[DVec3],
+    tree: &Neighbours,
+    pieces: &mut Pieces,
+    monitor: &dyn Monitor,
+) -> Result<Vec<(f64, u32, u32)>, Cancelled> {
+    let (labels, largest) = pieces.labels();
+    // A piece's points lie together: without passing over its ranges at once, each of them would look at all.
+    let of_ranges = tree.labels(&labels);
+    let mut best = vec![(f64::INFINITY, 0, 0); points.len()];
+    for (from, &p) in (0..).zip(points) {
+        if from % 1024 == 0 {
+            monitor.check()?;
+        }
+        let label = labels[from as usize];
+        if label == largest {
+            continue;
+        }
+        let best = &mut best[label as usize];
+        tree.search_other(p, best.0, (label, &of_ranges), |to, squared| {
+            if (squared, from, to) < *best {
+                *best = (squared, from, to);
+            }
+            best.0
+        });
+    }
+    best.retain(|bridge| bridge.0.is_finite());
+    best.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+    Ok(best)
+}
+
+/// Which points hang together (disjoint sets, Tarjan 1975).
+struct Pieces(Vec<u32>);
+
+impl Pieces {
+    fn new(count: usize) -> Self {
+        Self((0..count as u32).collect())
+    }
+
+    fn of(&mut self, mut i: u32) -> u32 {
+        while self.0[i as usize] != i {
+            self.0[i as usize] = self.0[self.0[i as usize] as usize];
+            i = self.0[i as usize];
+        }
+        i
+    }
+
+    /// The piece of each point, and the largest piece (the first of equals).
+    fn labels(&mut self) -> (Vec<u32>, u32) {
+        let labels: Vec<u32> = (0..self.0.len() as u32).map(|i| self.of(i)).collect();
+        let mut sizes = vec![0_u32; labels.len()];
+        for &label in &labels {
+            sizes[label as usize] += 1;
+        }
+        let largest = (0..labels.len() as u32).max_by_key(|&i| (sizes[i as usize], Reverse(i)));
+        (labels, largest.unwrap_or(0))
+    }
+
+    /// Whether they hung apart. The lower index names the piece.
+    fn join(&mut self, a: u32, b: u32) -> bool {
+        let (a, b) = (self.of(a), self.of(b));
+        self.0[a.max(b) as usize] = a.min(b);
+        a != b
+    }
+}
+
+/// The median of each coordinate: unlike the mean it stays in the stem where weeds or a thin
+/// twig hang on one side of it.
+fn middle(points: &mut [DVec3]) -> DVec3 {
+    let half = points.len() / 2;
+    DVec3::from([0, 1, 2].map(|axis| {
+        points.sort_unstable_by(|a, b| a[axis].total_cmp(&b[axis]));
+        // Between the two in the middle, if there are two.
+        0.5 * (points[half][axis] + points[(points.len() - 1) / 2][axis])
+    }))
+}
+
+/// Centres of cross-sections and the section each hangs on.
+pub(super) struct Sections {
+    /// The roots, then sections before those that hang on them.
+    pub centres: Vec<DVec3>,
+    /// [`None`] for the roots only.
+    pub parents: Vec<Option<u32>>,
+    /// How many points each centre stands for.
+    sizes: Vec<f64>,
+    /// Sections on which none hangs though there is bark beyond them: no tips, but shards of a
+    /// cross-section that was reached over two bridges.
+    shards: Vec<bool>,
+}
+
+impl Sections {
+    /// Cuts the graph into sections `width` long along the ways from the foot.
+    pub fn new(graph: &Graph, ways: &Ways, roots: &[DVec3], width: f64) -> Self {
+        let count = graph.points.len() as u32;
+        let level = |i: u32| (ways.length[i as usize] / width) as u64;
+        let mut pieces = Pieces::new(graph.points.len());
+        for &(a, b) in &graph.links {
+            if level(a) == level(b) && graph.distance(a, b) <= graph.reach {
+                pieces.join(a, b);
+            }
+        }
+        // Sections in the order of their nearest point, so that parents come first.
+        let mut order: Vec<u32> = (0..count).collect();
+        let length = |i: u32| ways.length[i as usize];
+        order.sort_unstable_by(|&a, &b| length(a).total_cmp(&length(b)).then(a.cmp(&b)));
+        let mut section_of = vec![u32::MAX; graph.points.len()];
+        let mut parents = vec![None; roots.len()];
+        let mut members: Vec<Vec<DVec3>> = roots.iter().map(|&root| vec![root]).collect();
+        for &i in &order {
+            let piece = pieces.of(i) as usize;
+            if section_of[piece] == u32::MAX {
+                section_of[piece] = members.len() as u32;
+                let before = ways.before[i as usize];
+                parents.push((before != i).then(|| section_of[pieces.of(before) as usize]));
+                members.push(Vec::new());
+            }
+            members[section_of[piece] as usize].push(graph.points[i as usize]);
+        }
+        let centres = members.iter_mut().map(|points| middle(points)).collect();
+        let sizes = members.iter().map(|points| points.len() as f64).collect();
+        // Points beyond a section, and no section that hangs on it.
+        let mut shards = vec![false; members.len()];
+        for &(a, b) in &graph.links {
+            if level(a) < level(b) && graph.distance(a, b) <= graph.reach {
+                shards[section_of[pieces.of(a) as usize] as usize] = true;
+            }
+        }
+        for parent in parents.iter().flatten() {
+            shards[*parent as usize] = false;
+        }
+        let mut sections = Self { centres, parents, sizes, shards };
+        // The foot is a start as a whole, some sections high: one above the other.
+        for i in roots.len()..sections.centres.len() {
+            if sections.parents[i].is_none() {
+                let centre = sections.centres[i];
+                let away = |j: &u32| sections.centres[*j as usize].distance_squared(centre);
+                let nearest = (0..i as u32).min_by(|a, b| away(a).total_cmp(&away(b)));
+                sections.parents[i] = nearest;
+                if let Some(parent) = nearest {
+                    sections.shards[parent as usize] = false;
+                }
+            }
+        }
+        sections
+    }
+
+    /// Moves each centre towards the middle of its neighbours along the way with the most sections
+    /// beyond: halfway between equals, farther where its own points are few (a section at the rim of a gap
+    /// sees one side of the stem only). Takes out zigzag, keeps ends.
+    pub fn smooth(&mut self, rounds: usize) {
+        let count = self.centres.len();
+        let mut beyond = vec![1_u32; count];
+        for i in (0..count).rev() {
+            if let Some(parent) = self.parents[i] {
+                beyond[parent as usize] += beyond[i];
+            }
+        }
+        let mut main: Vec<Option<u32>> = vec![None; count];
+        for i in 0..count {
+            if let Some(parent) = self.parents[i] {
+                let main = &mut main[parent as usize];
+                if main.is_none_or(|other| beyond[other as usize] < beyond[i]) {
+                    *main = Some(i as u32);
+                }
+            }
+        }
+        for _ in 0..rounds {
+            let old = self.centres.clone();
+            for i in 0..count {
+                if let (Some(parent), Some(child)) = (self.parents[i], main[i]) {
+                    let middle = 0.5 * (old[parent as usize] + old[child as usize]);
+                    let around = self.sizes[parent as usize] + self.sizes[child as usize];
+                    self.centres[i] = old[i].lerp(middle, around / (around + 2.0 * self.sizes[i]));
+                }
+            }
+        }
+    }
+
+    /// The centres, and points between those farther apart than `spacing`: at most some fifty times as
+    /// many as centres, with wider spacing if that does not do. (Dust a thousand kilometres away must
+    /// not take all memory.)
+    pub fn points(&self, spacing: f64) -> Vec<DVec3> {
+        let from = |parent: &Option<u32>| parent.map(|parent| self.centres[parent as usize]);
+        let links = self.centres.iter().zip(&self.parents);
+        let total: f64 =
+            links.map(|(&centre, parent)| from(parent).map_or(0.0, |p| p.distance(centre))).sum();
+        let spacing = spacing.max(total / (50.0 * self.centres.len() as f64 + 1000.0));
+        let mut points = Vec::with_capacity(self.centres.len());
+        for (i, (&centre, parent)) in self.centres.iter().zip(&self.parents).enumerate() {
+            if self.shards[i] {
+                continue;
+            }
+            if let Some(from) = from(parent) {
+                let parts = (from.distance(centre) / spacing).ceil().max(1.0) as u32;
+                points.extend((1..parts).map(|k| from.lerp(centre, f64::from(k) / f64::from(parts))));
+            }
+            points.push(centre);
+        }
+        points
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linden_base::monitor::Quiet;
+
+    #[test]
+    fn pieces_far_apart_are_bridged_without_looking_at_all_pairs() {
+        // Two walls of 60 by 60 points, 50 m apart.
+        let wall = |x: f64| {
+            (0..3600_u16).map(move |i| DVec3::new(x, 0.1 * f64::from(i / 60), 0.1 * f64::from(i % 60)))
+        };
+        let points: Vec<DVec3> = wall(0.0).chain(wall(50.0)).collect();
+        let tree = Neighbours::new(&points, &Quiet).unwrap();
+        let mut pieces = Pieces::new(points.len());
+        for i in 1..3600 {
+            pieces.join(0, i);
+            pieces.join(3600, 3600 + i);
+        }
+        let bridges = shortest_bridges(&points, &tree, &mut pieces, &Quiet).unwrap();
+        assert_eq!(bridges, [(2500.0, 3600, 0)]);
+        // 3600 times 7200 are 26 million.
+        assert!(tree.looks() < 400_000, "{}", tree.looks());
+    }
+}

@@ -1,0 +1,228 @@
+//! Scans as a generator.
+
+use glam::{DVec3, Vec3};
+use linden_base::document::{Fault, Table};
+use linden_base::input::{Geometry, Inputs, Up};
+use linden_base::knob::{Knob, Value};
+use linden_base::memory::{OverMemory, bytes_of};
+use linden_base::monitor::{Cancelled, Monitor};
+use linden_growth::stand::{StandError, grow_at};
+use linden_growth::{Origin, Stand};
+use linden_skeleton::generator::{
+    Branched, Fit, Generator, GeneratorError, Holds, Measured, RadiiFrom, SampleSize, Sampler, Settings,
+    TableKey, Task, Traits, Written,
+};
+use linden_skeleton::{Branching, Skeleton, Wood};
+
+use crate::canopy::Verdict;
+use crate::points::{As, at_points};
+use crate::sample::Part;
+use crate::{Girth, ScanGrowthError, ScanSettings, fit, girth};
+
+/// Trees that were scanned, or points that are given otherwise.
+pub const GENERATOR: &dyn Generator = &Scans;
+
+struct Scans;
+
+/// The key of the file with the points.
+const FILE: &str = "file";
+
+impl Generator for Scans {
+    fn id(&self) -> &'static str {
+        "scan"
+    }
+
+    fn name(&self) -> &'static str {
+        "Scan"
+    }
+
+    fn help(&self) -> &'static str {
+        "branches grow into given points: a laser scan of a tree, or attraction points"
+    }
+
+    fn knobs(&self) -> Vec<Knob> {
+        ScanSettings::all_knobs()
+    }
+
+    fn keys(&self) -> &'static [TableKey] {
+        &[TableKey { name: FILE, help: "the points (PLY, XYZ), relative to the preset", holds: Holds::File }]
+    }
+
+    fn read(&self, table: &Table<'_>) -> Result<Box<dyn Settings>, Fault> {
+        match table.text(FILE)? {
+            Some(file) => Ok(Box::new(ScanSettings::of(file))),
+            None => Err(Fault::new(
+                table.place,
+                "[scan] has no 'file': name the points, like file = \"tree.ply\"",
+            )),
+        }
+    }
+}
+
+impl Settings for ScanSettings {
+    fn generator(&self) -> &'static dyn Generator {
+        GENERATOR
+    }
+
+    fn knobs(&self) -> Vec<(Knob, Value)> {
+        self.turned()
+    }
+
+    fn set(&mut self, knob: &str, value: Value) -> bool {
+        self.turn(knob, value)
+    }
+
+    fn written(&self) -> Vec<(&'static str, Written)> {
+        vec![(FILE, Written::Text(self.file.clone()))]
+    }
+
+    fn plain(&self) -> Box<dyn Settings> {
+        Box::new(Self::of(self.file.clone()))
+    }
+
+    fn inputs(&self) -> Vec<&str> {
+        vec![&self.file]
+    }
+
+    fn rename_inputs(&mut self, renamed: &dyn Fn(&str) -> Option<String>) {
+        if let Some(name) = renamed(&self.file) {
+            self.file = name;
+        }
+    }
+
+    fn idle(&self, knob: &str, wood: &Wood) -> Option<&'static str> {
+        self.why_idle(knob, wood)
+    }
+
+    fn traits(&self, wood: &Wood) -> Traits {
+        let radii = if self.measures(wood) { RadiiFrom::Measured } else { RadiiFrom::Rule };
+        Traits { radii, knows_use: true, ..Traits::default() }
+    }
+
+    /// A scan that is moved onto axes is taken as it is; other points are jittered.
+    fn draws(&self) -> bool {
+        !self.contract
+    }
+
+    fn stay(&mut self) -> Option<[f64; 3]> {
+        self.growth.stay();
+        (self.growth.origin == Origin::Root).then_some([0.0; 3])
+    }
+
+    fn limit(&mut self, inputs: &Inputs, size: &SampleSize) -> Result<bool, String> {
+        let points = match inputs.get(&self.file).map(|input| &input.geometry) {
+            Some(Geometry::Points(points)) => points.len(),
+            _ => 0,
+        };
+        self.growth.limit(points, size)
+    }
+
+    fn grow(&self, task: &Task<'_>, monitor: &dyn Monitor) -> Result<Branched, GeneratorError> {
+        let Planted { stand, bark, is_canopy } = planted(self, task, monitor)?;
+        let mut branched = stand.branched(&self.growth);
+        if let Some(colonized) = &mut branched.colonized {
+            colonized.is_canopy = is_canopy;
+        }
+        let measures = self.measures(&task.wood);
+        branched.measured = bark.map(|bark| Box::new(Bark { points: bark, measures }) as Box<dyn Measured>);
+        Ok(branched)
+    }
+
+    fn sampler<'a>(
+        &'a self,
+        task: &Task<'a>,
+        size: SampleSize,
+        monitor: &'a dyn Monitor,
+    ) -> Result<Box<dyn Sampler + 'a>, GeneratorError> {
+        Ok(Box::new(Part::new(self, task, size, monitor)))
+    }
+}
+
+/// What grew into the points.
+struct Planted {
+    stand: Stand,
+    /// The points on bark, where the tree stands; `None` where the points are no scan.
+    bark: Option<Vec<Vec3>>,
+    is_canopy: bool,
+}
+
+/// The points of the file, and the axis that usually points up in such files.
+fn points<'a>(settings: &ScanSettings, task: &Task<'a>) -> Result<(&'a [DVec3], Up), ScanGrowthError> {
+    match task.inputs.get(&settings.file).map(|input| (&input.geometry, input.up)) {
+        Some((Geometry::Points(points), up)) => Ok((points, up)),
+        _ => Err(ScanGrowthError::WrongInput { file: settings.file.clone(), expected: "points" }),
+    }
+}
+
+fn planted(
+    settings: &ScanSettings,
+    task: &Task<'_>,
+    monitor: &dyn Monitor,
+) -> Result<Planted, ScanGrowthError> {
+    let (points, up) = points(settings, task)?;
+    let grow = |what: As| -> Result<Planted, ScanGrowthError> {
+        let (site, bark) = at_points(settings, points, up, task.key(), what, monitor)?;
+        let stand = grow_at(site, &settings.growth, monitor)?;
+        let place = |p: &DVec3| (*p + stand.shift).as_vec3();
+        let bark = bark.map(|bark| bark.iter().map(place).collect());
+        Ok(Planted { stand, bark, is_canopy: what == As::Canopy })
+    };
+    if !settings.contract {
+        return grow(As::Settings);
+    }
+    match grow(As::Settings) {
+        Ok(mut planted) => match Verdict::of(&planted.stand, planted.bark.as_deref(), monitor)? {
+            Verdict::Tree => return Ok(planted),
+            Verdict::Partly(note) => {
+                planted.stand.notes.push(note);
+                return Ok(planted);
+            }
+            Verdict::Canopy => {}
+        },
+        Err(ScanGrowthError::Stand(StandError::NothingGrew { .. })) => {}
+        Err(error) => return Err(error),
+    }
+    grow(As::Canopy)
+}
+
+/// The nearest segments of all points, and the search for points near segments.
+pub(crate) const MEASURING_BYTES_PER_POINT: u64 = 120;
+
+/// Points on the bark of the tree, where it stands.
+struct Bark {
+    points: Vec<Vec3>,
+    /// Whether they say how thick the wood is.
+    measures: bool,
+}
+
+impl Measured for Bark {
+    fn count(&self) -> usize {
+        self.points.len()
+    }
+
+    fn bytes(&self) -> u64 {
+        bytes_of::<Vec3>(self.points.capacity())
+    }
+
+    fn admit(&self, branching: &Branching, monitor: &dyn Monitor) -> Result<(), OverMemory> {
+        let bytes = self.points.len() as u64 * MEASURING_BYTES_PER_POINT;
+        monitor.admit("measuring the scan", bytes + branching.bytes(), "thin the points out")
+    }
+
+    fn radii(
+        &self,
+        branching: &Branching,
+        wood: &Wood,
+        monitor: &dyn Monitor,
+    ) -> Result<Option<(Vec<f32>, usize)>, Cancelled> {
+        if !self.measures {
+            return Ok(None);
+        }
+        let girth = girth(branching, &self.points, wood.radius_exponent, monitor)?;
+        Ok(girth.map(|Girth { radii, measured }| (radii, measured)))
+    }
+
+    fn fit(&self, skeleton: &Skeleton, monitor: &dyn Monitor) -> Result<Option<Fit>, Cancelled> {
+        fit(&self.points, skeleton, monitor)
+    }
+}

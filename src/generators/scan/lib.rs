@@ -1,0 +1,407 @@
+//! Real trees: from a laser scan to attraction points, a root and the lengths that growth needs.
+//!
+//! A scanner sees surfaces. Grown as they are, the points of a thick stem pull up many parallel
+//! strands, and the gaps behind branches cut the crown off. [`prepare`] therefore moves points
+//! onto axes first, in this order:
+//!
+//! 1. without rows that are no points of it (`clean`): places that stand there twice, `0 0 0`, single far points;
+//!    then the spacing of the cloud: the median distance of a point to its nearest neighbour;
+//! 2. the feet of the stems (`foot`, `stems`), and without them ground and strays;
+//! 3. thinning: one point, the mean, per cube of the detail's size (twice the spacing, or 1/250 of the
+//!    height if that is more), and without noise: cubes that hardly any points are near;
+//! 4. sections along the distance from the feet, bridges over gaps (`contract`), smoothing;
+//! 5. points along the links of the sections, so that growth finds its next point within a few steps.
+//!
+//! What the cloud says of its units and its upward axis stands in `frame`. After growth radii are measured
+//! on the points (`girth`), and [`fit`](fit()) says how far skeleton and points are apart.
+//!
+//! Everything is deterministic and takes O(n log n): a million points 1.3 s on two cores.
+//!
+//! Measured on scans of two trees that linden grew, points on their bark 12 mm apart, as parts of what there
+//! was (`tests/inputs/scan_back.rs` holds the figures within bounds; "leaves" are 4 discs at each tip, "all"
+//! is leaves seen by three sensors through gaps; the last column is the mean distance from a point to the
+//! surface, and what 95 % do not exceed):
+//!
+//! | tree, scan | length | order 1 | limbs | breast diameter | volume | surface, mm |
+//! |---|---|---|---|---|---|---|
+//! | broad, 3 mm error | 0.92 | 0.87 | 10 of 11 | 0.96 | 0.69 | 17, 55 |
+//! | broad, 10 mm | 0.93 | 0.99 | 11 | 0.96 | 0.73 | 20, 59 |
+//! | broad, gaps | 0.90 | 1.10 | 10 | 0.95 | 0.68 | 19, 59 |
+//! | broad, three sensors | 0.92 | 0.88 | 10 | 0.96 | 0.84 | 15, 50 |
+//! | broad, leaves | 1.05 | 1.01 | 11 | 0.96 | 0.59 | 22, 66 |
+//! | broad, all | 1.03 | 1.19 | 11 | 0.94 | 0.82 | 21, 69 |
+//! | tall, 3 mm | 0.89 | 0.92 | 17 of 17 | 0.97 | 0.82 | 24, 73 |
+//! | tall, 10 mm | 0.90 | 0.93 | 18 | 0.97 | 0.89 | 26, 77 |
+//! | tall, gaps | 0.87 | 0.87 | 16 | 0.97 | 0.81 | 25, 79 |
+//! | tall, three sensors | 0.89 | 0.91 | 17 | 0.97 | 0.85 | 23, 73 |
+//! | tall, leaves | 0.99 | 0.91 | 18 | 0.97 | 0.89 | 27, 84 |
+//! | tall, all | 0.97 | 0.94 | 17 | 0.96 | 0.95 | 27, 86 |
+//!
+//! What is lost in length are the tips of twigs; leaves beyond them are taken for twigs and make up for that.
+//! Radii of limbs come out too thin on average, the stem's within a few per cent.
+
+mod canopy;
+mod clean;
+mod contract;
+mod error;
+mod fit;
+mod foot;
+mod frame;
+mod generator;
+mod girth;
+mod neighbours;
+mod points;
+mod sample;
+mod segments;
+mod settings;
+mod stems;
+
+use glam::DVec3;
+use rayon::prelude::*;
+
+use self::contract::{Graph, Sections};
+use self::foot::Foot;
+use self::neighbours::Neighbours;
+use linden_base::memory::OverMemory;
+use linden_base::monitor::{Cancelled, Monitor};
+
+pub use clean::{Distinct, distinct, drop_far};
+pub use error::ScanGrowthError;
+pub use fit::fit;
+pub use fit::share_near;
+pub use frame::shows_stem;
+pub use frame::{likely_scale, unusual_up};
+pub use generator::GENERATOR;
+pub use girth::{Girth, girth};
+pub use settings::{ScanRadius, ScanSettings};
+
+/// A scan made ready for growth; lengths in metres, Y up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scan {
+    /// Attraction points along the axes.
+    pub points: Vec<DVec3>,
+    /// The scanned points without ground and strays: what the tree was seen by.
+    pub bark: Vec<DVec3>,
+    /// The feet of the stems, the surest first: where growth starts.
+    pub roots: Vec<DVec3>,
+    /// Suggested length of an internode.
+    pub step_m: f64,
+    /// Suggested distance within which a point attracts.
+    pub influence_m: f64,
+    /// Suggested distance at which a point is reached.
+    pub kill_m: f64,
+    /// What was found on the way.
+    pub report: ScanReport,
+}
+
+/// What a scan is like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScanReport {
+    /// Rows whose place stood there before.
+    pub repeated_points: usize,
+    /// Rows `0 0 0`, which scanners write where no pulse came back.
+    pub no_returns: usize,
+    /// Single points far from everything.
+    pub far_points: usize,
+    /// Median distance to the nearest neighbour.
+    pub spacing_m: f64,
+    /// Points taken for ground, grass or strays below it.
+    pub ground_points: usize,
+    /// Points that the noise filter dropped: hardly any others are near them.
+    pub noise_points: usize,
+    /// Thinned points left out because hardly anything is near them.
+    pub stray_points: usize,
+    /// Gaps that were bridged.
+    pub bridges: usize,
+    /// The longest of them, 0 without one.
+    pub longest_bridge_m: f64,
+}
+
+/// Why a scan cannot be grown.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ScanError {
+    /// Too few points to see a tree in.
+    #[error(
+        "the scan has only {distinct} points that are clear of each other; at least {LEAST_POINTS} are needed to see a tree in it"
+    )]
+    TooFew {
+        /// Points at different places.
+        distinct: usize,
+    },
+    /// No position.
+    #[error("point {index} of the scan has no finite position")]
+    NotFinite {
+        /// Counted from 0.
+        index: usize,
+    },
+    /// It would take more memory than there may be.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
+    /// Nobody wants it any more.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+/// Fewer show no stem.
+const LEAST_POINTS: usize = 8;
+
+/// Points whose nearest neighbour is looked for, for the median.
+const SPACING_SAMPLE: usize = 100_000;
+
+/// The median distance of a point to its nearest neighbour at another place, over at most 100 000 points taken
+/// evenly through the places; `None` for fewer than two.
+///
+/// # Errors
+/// [`ScanError`]: memory, cancelled.
+pub fn point_spacing_m(points: &[DVec3], monitor: &dyn Monitor) -> Result<Option<f64>, ScanError> {
+    Ok(spacing_m(&distinct(points, false, monitor)?.points, monitor)?)
+}
+
+/// The same, of points that are all at different places.
+fn spacing_m(points: &[DVec3], monitor: &dyn Monitor) -> Result<Option<f64>, Cancelled> {
+    let tree = Neighbours::new(points, monitor)?;
+    let stride = points.len().div_ceil(SPACING_SAMPLE).max(1);
+    let sample: Vec<DVec3> = points.iter().copied().step_by(stride).collect();
+    let nearest = |&p: &DVec3| monitor.check().map(|()| tree.nearest_other_squared(p));
+    let mut squared: Vec<f64> = sample.par_iter().map(nearest).collect::<Result<_, Cancelled>>()?;
+    squared.sort_unstable_by(f64::total_cmp);
+    let median = squared.get(squared.len() / 2).map(|squared| squared.sqrt());
+    Ok(median.filter(|spacing| spacing.is_finite()))
+}
+
+/// The foot of the stem: where a tree among these points stands. `None` without points.
+pub fn foot(points: &[DVec3]) -> Option<DVec3> {
+    (!points.is_empty()).then(|| Foot::find(points).root)
+}
+
+/// What a scan shows of a tree so high: the length of an internode, metres.
+pub fn detail_m(spacing_m: f64, height_m: f64) -> f64 {
+    (2.0 * spacing_m).max(height_m / 250.0)
+}
+
+/// How a scan is made ready.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScanRule {
+    /// Length of an internode if the user chose one, metres.
+    pub step_m: Option<f64>,
+    /// Whether points that hardly any others are near are left out.
+    pub noise_filter: bool,
+    /// How many stems there are; `None` leaves it to the cloud.
+    pub stems: Option<usize>,
+}
+
+impl Default for ScanRule {
+    fn default() -> Self {
+        Self { step_m: None, noise_filter: true, stems: None }
+    }
+}
+
+/// Makes a scan ready for growth. `points` are metres, Y up, near the origin; rows that are no points of the tree
+/// are left out ([`distinct`], [`drop_far`]).
+///
+/// # Errors
+/// [`ScanError`]: too few points, positions that are not finite, cancelled.
+pub fn prepare(points: &[DVec3], rule: &ScanRule, monitor: &dyn Monitor) -> Result<Scan, ScanError> {
+    if let Some(index) = points.iter().position(|p| !p.is_finite()) {
+        return Err(ScanError::NotFinite { index });
+    }
+    let Distinct { mut points, repeated, no_returns } = distinct(points, true, monitor)?;
+    let far_points = drop_far(&mut points, monitor)?;
+    let mut scan = prepare_distinct(&points, rule, monitor)?;
+    scan.report = ScanReport { repeated_points: repeated, no_returns, far_points, ..scan.report };
+    Ok(scan)
+}
+
+/// The same of finite points that are all at different places.
+///
+/// # Errors
+/// [`ScanError`].
+pub fn prepare_distinct(points: &[DVec3], rule: &ScanRule, monitor: &dyn Monitor) -> Result<Scan, ScanError> {
+    let bytes = points.len() as u64 * BYTES_PER_POINT;
+    monitor.admit("preparing the scan", bytes, "thin the points out")?;
+    let spacing_m = spacing_m(points, monitor)?.ok_or(ScanError::TooFew { distinct: points.len() })?;
+    monitor.check()?;
+    let feet = stems::feet(points, rule.stems, monitor)?;
+    let foot = &feet[0];
+    let mut bark: Vec<DVec3> = points.iter().copied().filter(|&p| !is_ground(&feet, p)).collect();
+    let ground_points = points.len() - bark.len();
+    let chosen_m = rule.step_m.filter(|step| step.is_finite() && *step > 0.0);
+    let detail_m = chosen_m.unwrap_or_else(|| detail_m(spacing_m, foot.height_m));
+    monitor.check()?;
+    let mut cubes = Cubes::new(&bark, detail_m);
+    let mut noise_points = 0;
+    if rule.noise_filter {
+        noise_points = bark.len();
+        cubes.drop_noise(&mut bark, NOISE_REACH * detail_m, monitor)?;
+        noise_points -= bark.len();
+    }
+    let thinned = cubes.means;
+    if thinned.len() < LEAST_POINTS {
+        return Err(ScanError::TooFew { distinct: thinned.len() });
+    }
+    let graph = Graph::new(thinned, REACH * detail_m, monitor)?;
+    // All around each stem, so that sections lie across it from the start.
+    let nearest: Vec<Option<DVec3>> = feet
+        .iter()
+        .map(|foot| {
+            let away = |p: &DVec3| p.distance_squared(foot.root);
+            graph.points.iter().copied().min_by(|a, b| away(a).total_cmp(&away(b)))
+        })
+        .collect();
+    let start = |p: DVec3| {
+        let height = |(foot, nearest): (&Foot, &Option<DVec3>)| {
+            let up = (p.y - foot.root.y).max(0.0);
+            let away = DVec3::new(p.x - foot.root.x, 0.0, p.z - foot.root.z).length();
+            let is_foot = away <= foot.radius_m && up <= foot.ground_m;
+            (is_foot || Some(p) == *nearest).then_some(up)
+        };
+        feet.iter().zip(&nearest).find_map(height)
+    };
+    let ways = graph.ways(start, monitor)?;
+    let bridges_m = graph.bridges_m(&ways);
+    let roots: Vec<DVec3> = feet.iter().map(|foot| foot.root).collect();
+    let mut sections = Sections::new(&graph, &ways, &roots, SECTION * detail_m);
+    sections.smooth(SMOOTHING);
+    let points = sections.points(detail_m);
+    Ok(Scan {
+        points,
+        bark,
+        roots,
+        step_m: detail_m,
+        influence_m: INFLUENCE * detail_m,
+        kill_m: KILL * detail_m,
+        report: ScanReport {
+            repeated_points: 0,
+            no_returns: 0,
+            far_points: 0,
+            spacing_m,
+            ground_points,
+            noise_points,
+            stray_points: graph.strays,
+            bridges: bridges_m.len(),
+            longest_bridge_m: bridges_m.iter().copied().fold(0.0, f64::max),
+        },
+    })
+}
+
+/// The peak with the points given: the tree for their spacing while it is built (measured).
+const BYTES_PER_POINT: u64 = 96;
+
+/// Whether a point belongs to the ground by all feet.
+fn is_ground(feet: &[Foot], p: DVec3) -> bool {
+    feet.iter().all(|foot| foot.is_ground(p))
+}
+
+/// Within this many details the noise filter counts points.
+const NOISE_REACH: f64 = 2.5;
+
+/// Fewer points within that reach, the point itself among them, are noise;
+const LEAST_NEAR: u32 = 3;
+
+/// in a dense cloud fewer than this part of the median.
+const NEAR_PART: f64 = 0.02;
+
+/// Links reach this many details far.
+const REACH: f64 = 3.0;
+
+/// Sections are this many details long.
+const SECTION: f64 = 3.0;
+
+/// Rounds of smoothing the sections' centres.
+const SMOOTHING: usize = 6;
+
+/// The suggested influence distance, in steps.
+const INFLUENCE: f64 = 6.0;
+
+/// The suggested kill distance, in steps.
+const KILL: f64 = 2.0;
+
+/// See [`Cubes::drop_noise`].
+const MOST_NOISE: u64 = 25;
+
+/// The mean of the points in each cube of a grid, in the grid's order.
+fn thin(points: &[DVec3], cube_m: f64) -> Vec<DVec3> {
+    Cubes::new(points, cube_m).means
+}
+
+/// Points by the cubes of a grid.
+struct Cubes {
+    /// Of the points in each cube that holds any, in the grid's order.
+    means: Vec<DVec3>,
+    /// Indices of points, cube by cube.
+    members: Vec<u32>,
+    /// Where each cube's members end.
+    ends: Vec<u32>,
+}
+
+impl Cubes {
+    fn new(points: &[DVec3], cube_m: f64) -> Self {
+        let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+        let cube = |p: DVec3| ((p - low) / cube_m).to_array().map(|x| x as u32);
+        let mut order: Vec<([u32; 3], u32)> = points.iter().map(|&p| cube(p)).zip(0..).collect();
+        order.par_sort_unstable();
+        let mean = |same: &[([u32; 3], u32)]| {
+            same.iter().map(|&(_, i)| points[i as usize]).sum::<DVec3>() / same.len() as f64
+        };
+        let mut end = 0;
+        let (means, ends) = order
+            .chunk_by(|a, b| a.0 == b.0)
+            .map(|same| {
+                end += same.len() as u32;
+                (mean(same), end)
+            })
+            .unzip();
+        Self { means, members: order.iter().map(|&(_, i)| i).collect(), ends }
+    }
+
+    /// Radius outlier removal: leaves out the cubes with hardly any points within `reach_m` of their mean, and
+    /// their points (the others keep their order). A cloud that would lose more than one point in [`MOST_NOISE`]
+    /// is thin, not noisy, and stays as it is.
+    fn drop_noise(
+        &mut self,
+        points: &mut Vec<DVec3>,
+        reach_m: f64,
+        monitor: &dyn Monitor,
+    ) -> Result<(), Cancelled> {
+        let tree = Neighbours::new(&self.means, monitor)?;
+        let count = |cube: usize| self.ends[cube] - if cube == 0 { 0 } else { self.ends[cube - 1] };
+        let near: Vec<u32> = self
+            .means
+            .par_iter()
+            .map(|&mean| {
+                monitor.check()?;
+                let limit = reach_m * reach_m;
+                let mut near = 0;
+                tree.search(mean, limit, |other, _| {
+                    near += count(other as usize);
+                    limit
+                });
+                Ok(near)
+            })
+            .collect::<Result<_, Cancelled>>()?;
+        let mut sorted = near.clone();
+        sorted.sort_unstable();
+        let median = sorted.get(sorted.len() / 2).copied().unwrap_or(0);
+        let least = LEAST_NEAR.max((NEAR_PART * f64::from(median)) as u32);
+        let lost: u64 = (0..near.len()).filter(|&c| near[c] < least).map(|c| u64::from(count(c))).sum();
+        if lost == 0 || lost * MOST_NOISE > points.len() as u64 {
+            return Ok(());
+        }
+        let mut is_noise = vec![false; points.len()];
+        let mut start = 0;
+        for (&end, &near) in self.ends.iter().zip(&near) {
+            for &i in &self.members[start as usize..end as usize] {
+                is_noise[i as usize] = near < least;
+            }
+            start = end;
+        }
+        let mut marks = is_noise.iter();
+        points.retain(|_| !marks.next().is_some_and(|&noise| noise));
+        let mut near = near.iter();
+        self.means.retain(|_| near.next().is_some_and(|&near| near >= least));
+        // What was cut out has no members any more.
+        self.members.clear();
+        self.ends.clear();
+        Ok(())
+    }
+}

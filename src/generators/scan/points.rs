@@ -1,0 +1,195 @@
+//! From the points of a file to attraction points with a root.
+
+use glam::DVec3;
+
+use linden_base::input::{Up, recenter};
+use linden_base::knob::Length;
+use linden_base::memory::bytes_of;
+use linden_base::monitor::Monitor;
+use linden_base::random::Key;
+use linden_growth::GrowthError;
+use linden_growth::site::{Grove, Site, Stem, Suggested, jitter};
+
+use crate::settings::ScanSettings;
+use crate::{Distinct, Scan, ScanGrowthError, ScanReport, ScanRule, canopy};
+
+/// What given points are taken for.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum As {
+    /// What the settings say: points on bark, or attraction points.
+    Settings,
+    /// A scan of a crown without a stem.
+    Canopy,
+}
+
+/// Attraction points with a root, and, where the points lie on bark, these; moved near the origin.
+/// `usual` is the axis that points up in such files.
+pub(crate) fn at_points(
+    settings: &ScanSettings,
+    points: &[DVec3],
+    usual: Up,
+    key: Key,
+    what: As,
+    monitor: &dyn Monitor,
+) -> Result<(Site, Option<Vec<DVec3>>), ScanGrowthError> {
+    let mut notes = Vec::new();
+    // First of all: rows that are no points would have a say in what is up, in metres and in the middle.
+    let Distinct { mut points, repeated, no_returns } = crate::distinct(points, settings.contract, monitor)?;
+    notes.extend(row_notes(repeated, no_returns));
+    let guessed = if settings.contract { crate::unusual_up(&points, usual) } else { None };
+    let up = settings.growth.given_up().unwrap_or_else(|| {
+        if let Some(up) = guessed {
+            notes.push(up_note(up));
+        }
+        guessed.unwrap_or(usual)
+    });
+    up.to_y_up(&mut points);
+    let scale = settings.scale.unwrap_or_else(|| {
+        let scale = if settings.contract { crate::likely_scale(&points) } else { 1.0 };
+        notes.extend(scale_note(scale));
+        scale
+    });
+    if scale != 1.0 {
+        for p in &mut points {
+            *p *= scale;
+        }
+    }
+    let far_points = if settings.contract { crate::drop_far(&mut points, monitor)? } else { 0 };
+    notes.extend(far_note(far_points));
+    let low = points.iter().copied().fold(DVec3::INFINITY, DVec3::min);
+    let high = points.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
+    let origin = if points.is_empty() { DVec3::ZERO } else { ((low + high) * 0.5).round() };
+    recenter(&mut points, origin);
+    let given_root = settings.growth.given_root(up).map(|root| root - origin);
+    if settings.contract && what == As::Settings {
+        let rule = ScanRule {
+            step_m: settings.growth.step_m,
+            noise_filter: settings.noise_filter,
+            // One place that is given is one stem.
+            stems: if given_root.is_some() {
+                Some(1)
+            } else {
+                settings.stems.map(|n| libm::round(n) as usize)
+            },
+        };
+        let mut scan = crate::prepare_distinct(&points, &rule, monitor)?;
+        scan.report = ScanReport { repeated_points: repeated, no_returns, far_points, ..scan.report };
+        notes.extend(scan_notes(&scan, &rule));
+        let mut roots = given_root.map_or(scan.roots, |root| vec![root]).into_iter();
+        let root = roots.next().unwrap_or_default();
+        let others = roots.map(|root| Stem { root, trunk_m: settings.growth.trunk_m, crown: None }).collect();
+        let site = Site {
+            points: scan.points,
+            held_bytes: bytes_of::<DVec3>(scan.bark.capacity()),
+            root,
+            grove: Grove { others, ..Grove::default() },
+            origin,
+            suggested: Suggested {
+                step_m: scan.step_m,
+                kill: Length::Metres(scan.kill_m),
+                influence: Length::Metres(scan.influence_m),
+            },
+            moves_to_root: true,
+            notes,
+        };
+        return Ok((site, Some(scan.bark)));
+    }
+    let mut ground_m = None;
+    if what == As::Canopy {
+        let before = points.len();
+        ground_m = canopy::drop_ground(&mut points);
+        let ground = before - points.len();
+        if ground > 0 {
+            notes.push(format!("{ground} points were taken for ground and left out"));
+        }
+    }
+    let spacing_m = crate::point_spacing_m(&points, monitor)?.unwrap_or(1.0);
+    let root = match (given_root, what) {
+        (Some(root), _) => root,
+        (None, As::Canopy) => {
+            canopy::root_below(&points, ground_m, origin, settings).ok_or(GrowthError::NoPoints)?
+        }
+        (None, As::Settings) => crate::foot(&points).ok_or(GrowthError::NoPoints)?,
+    };
+    if what == As::Canopy {
+        notes.push(canopy::note(points.len(), root + origin, given_root.is_some()));
+    }
+    // Lattices and mirrored models make pulls cancel.
+    jitter(&mut points, spacing_m * 1e-3, key.named("jitter"));
+    let site = Site {
+        points,
+        held_bytes: 0,
+        root,
+        grove: Grove::default(),
+        origin,
+        suggested: Suggested::for_volume(spacing_m),
+        moves_to_root: true,
+        notes,
+    };
+    Ok((site, None))
+}
+
+/// What is said of rows that are no points.
+fn row_notes(repeated: usize, no_returns: usize) -> Vec<String> {
+    let mut notes = Vec::new();
+    if repeated > 0 {
+        let (are, s) = if repeated == 1 { ("is", "") } else { ("are", "s") };
+        notes.push(format!("{repeated} point{s} {are} where another is; each place counts once"));
+    }
+    if no_returns > 0 {
+        let (were, s) = if no_returns == 1 { ("was", "") } else { ("were", "s") };
+        notes.push(format!(
+            "{no_returns} row{s} 0 0 0, which scanners write where nothing came back, {were} left out"
+        ));
+    }
+    notes
+}
+
+fn far_note(far_points: usize) -> Option<String> {
+    let (were, s) = if far_points == 1 { ("was", "") } else { ("were", "s") };
+    (far_points > 0).then(|| format!("{far_points} single point{s} far from all others {were} left out"))
+}
+
+fn up_note(up: Up) -> String {
+    let (axis, other) = if up == Up::Y { ("y", "z") } else { ("z", "y") };
+    format!(
+        "the stem stands along {axis}, which was taken for up though {other} is usual in such files; up={other} forces that"
+    )
+}
+
+fn scale_note(scale: f64) -> Option<String> {
+    let unit = if scale == 0.01 { "centimetres" } else { "millimetres" };
+    (scale != 1.0).then(|| {
+        format!("no tree is so high in metres: coordinates were taken for {unit} (scale={scale}); scale=1 takes them for metres")
+    })
+}
+
+fn scan_notes(scan: &Scan, rule: &ScanRule) -> Vec<String> {
+    let Scan { report, roots, .. } = scan;
+    let mut notes = Vec::new();
+    match (rule.stems, roots.len()) {
+        (Some(wanted), found) if found < wanted => {
+            notes.push(format!("stems={wanted}, but only {found} could be told apart near the ground"));
+        }
+        (None, found) if found > 1 => {
+            notes.push(format!("{found} stems stand apart on the ground, each with a root of its own; stems=1 makes one tree of them"));
+        }
+        _ => {}
+    }
+    if report.ground_points > 0 {
+        notes.push(format!("{} points were taken for ground and left out", report.ground_points));
+    }
+    if report.noise_points > 0 {
+        notes.push(format!(
+            "{} points with hardly any others near them were left out as noise; noise_filter=false keeps them",
+            report.noise_points
+        ));
+    }
+    if report.bridges > 0 {
+        notes.push(format!(
+            "the scan has {} gaps, the longest {:.2} m; branches were led across them",
+            report.bridges, report.longest_bridge_m
+        ));
+    }
+    notes
+}

@@ -1,0 +1,127 @@
+//! How given points are taken for a tree.
+
+use linden_base::knob::{Field, Kind, Knob, Value, real_or_auto, set, values};
+use linden_base::{field, words};
+use linden_growth::GrowthSettings;
+use linden_skeleton::{Width, Wood};
+
+words! {
+    /// Where the radii of a scanned tree come from.
+    ScanRadius {
+        /// The points on its bark, where there are enough.
+        Points = "points",
+        /// The pipe model.
+        Pipe = "pipe"
+    }
+}
+
+/// Given points, and how a tree grows into them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ScanSettings {
+    /// The file with the points.
+    pub file: String,
+    /// How it grows into the points.
+    pub growth: GrowthSettings,
+    /// Whether the points lie on the surface of a tree, as a scanner's do, and are moved onto its axes first.
+    pub contract: bool,
+    /// Where the radii of a scanned tree come from.
+    pub scan_radius: ScanRadius,
+    /// Whether points of a scan that hardly any others are near are left out.
+    pub noise_filter: bool,
+    /// How many stems a scan shows, rounded; `None`: as many as stand apart on the ground.
+    pub stems: Option<f64>,
+    /// Metres for a unit of given points; `None`: 1, or what makes a possible tree of a scan.
+    pub scale: Option<f64>,
+}
+
+impl ScanSettings {
+    /// The knobs of scans themselves.
+    pub const FIELDS: &[Field<Self>] = &[
+        field!(
+            "contract",
+            Kind::Switch,
+            "",
+            "for given points: they lie on bark, as a scanner's do, and are moved onto the axes of branches first",
+            contract
+        ),
+        field!(
+            "scan_radius",
+            Kind::Choice(ScanRadius::WORDS),
+            "",
+            "radii of a scanned tree; points: from the points on its bark, where there are enough; pipe: as of any tree",
+            scan_radius
+        ),
+        field!(
+            "noise_filter",
+            Kind::Switch,
+            "",
+            "points of a scan that hardly any others are near are left out",
+            noise_filter
+        ),
+        field!(
+            "stems",
+            real_or_auto(1.0, 1000.0),
+            "stems",
+            "stems of a scan, each with a root; auto: those that stand clearly apart on the ground",
+            stems
+        ),
+        field!(
+            "scale",
+            real_or_auto(1e-6, 1e6),
+            "m",
+            "metres for a unit of given points; auto: 1, for a scan 0.01 or 0.001 where 1 would make it higher than trees are",
+            scale
+        ),
+    ];
+
+    /// Points of a file, with everything else at its default.
+    pub fn of(file: impl Into<String>) -> Self {
+        Self {
+            file: file.into(),
+            growth: GrowthSettings::default(),
+            contract: true,
+            scan_radius: ScanRadius::Points,
+            noise_filter: true,
+            stems: None,
+            scale: None,
+        }
+    }
+
+    pub(crate) fn all_knobs() -> Vec<Knob> {
+        let growth = GrowthSettings::FIELDS.iter().map(|field| field.knob);
+        let place = GrowthSettings::PLACE_FIELDS.iter().map(|field| field.knob);
+        growth.chain(Self::FIELDS.iter().map(|field| field.knob)).chain(place).collect()
+    }
+
+    pub(crate) fn turned(&self) -> Vec<(Knob, Value)> {
+        let mut all = values(GrowthSettings::FIELDS, &self.growth);
+        all.extend(values(Self::FIELDS, self));
+        all.extend(values(GrowthSettings::PLACE_FIELDS, &self.growth));
+        all
+    }
+
+    pub(crate) fn turn(&mut self, name: &str, value: Value) -> bool {
+        set(Self::FIELDS, self, name, value.clone())
+            || set(GrowthSettings::FIELDS, &mut self.growth, name, value.clone())
+            || set(GrowthSettings::PLACE_FIELDS, &mut self.growth, name, value)
+    }
+
+    /// Why a knob changes nothing as these settings stand, and what would let it.
+    pub(crate) fn why_idle(&self, knob: &str, wood: &Wood) -> Option<&'static str> {
+        let is_ruled = matches!(wood.width, Width::Pipe | Width::Order | Width::Taper);
+        match knob {
+            "noise_filter" | "stems" if !self.contract => Some("contract=false: the points are no scan"),
+            "scan_radius" if is_ruled => Some("it is for width=auto"),
+            "scan_radius" if !self.contract => Some("contract=false: the points are no bark"),
+            "scan_radius" if wood.base_radius_m.is_some() => {
+                Some("base_radius decides how thick the wood is")
+            }
+            _ => self.growth.idle(knob),
+        }
+    }
+
+    /// Whether the points on the bark may say how thick the wood is.
+    pub(crate) fn measures(&self, wood: &Wood) -> bool {
+        self.contract && self.scan_radius == ScanRadius::Points && wood.base_radius_m.is_none()
+    }
+}

@@ -1,0 +1,189 @@
+//! From points and a root to the branching of a tree, or of several that compete.
+
+use glam::{DVec3, Vec3};
+use linden_base::memory::{Holding, OverMemory, bytes_of};
+use linden_base::monitor::{Cancelled, Monitor};
+use linden_skeleton::Branching;
+use linden_skeleton::generator::{Barred, Branched, Colonized};
+
+use crate::site::{Barrier, Site};
+use crate::{Growth, GrowthError, GrowthSettings, NodeSet, Obstacle, Stop, grow_among, stems};
+
+/// What grew into the points of a [`Site`].
+pub struct Stand {
+    /// Where the tree is to stand.
+    pub branching: Branching,
+    /// The nodes that were of use.
+    pub captured: NodeSet,
+    /// The attraction points, at the same place as the branching.
+    pub points: Vec<Vec3>,
+    /// From the coordinates of the [`Site`] to that place.
+    pub shift: DVec3,
+    /// What no branch is to enter, in the coordinates of the [`Site`].
+    pub barriers: Vec<Barrier>,
+    /// Points that were not reached.
+    pub unreached: usize,
+    /// Iterations that placed nodes.
+    pub iterations: u32,
+    /// Why growth ended.
+    pub stop: Stop,
+    /// What the user should know.
+    pub notes: Vec<String>,
+}
+
+impl Stand {
+    /// As a generator leaves it behind.
+    pub fn branched(self, settings: &GrowthSettings) -> Branched {
+        let Self { branching, captured, points, shift, barriers, unreached, iterations, notes, .. } = self;
+        let used = (0..branching.parents.len()).map(|node| captured.contains(node)).collect();
+        let is_in = move |p: Vec3| {
+            let p = p.as_dvec3() - shift;
+            barriers.iter().any(|barrier| barrier.solid.holds(p))
+        };
+        let barred: Barred = Box::new(is_in);
+        Branched {
+            branching,
+            used: Some(used),
+            most_nodes: settings.max_nodes.into(),
+            barred: Some(barred),
+            age: (settings.age < 1.0).then_some(settings.age),
+            colonized: Some(Colonized { points, unreached, iterations, is_canopy: false, scan: None }),
+            notes,
+            ..Branched::default()
+        }
+    }
+}
+
+/// Why nothing grew into the points of a [`Site`].
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StandError {
+    /// The result was no longer wanted.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// There is no memory for what comes next.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
+    /// Growth itself.
+    #[error(transparent)]
+    Growth(GrowthError),
+    /// No iteration placed a node.
+    #[error(
+        "nothing grew: {reached} of {points} points lie within the kill distance ({kill_m} m) of the root or \
+         trunk from the start; lower kill or step, or move root away"
+    )]
+    NothingGrew {
+        /// All attraction points.
+        points: usize,
+        /// Those that were used up at the start.
+        reached: usize,
+        /// Metres.
+        kill_m: f32,
+    },
+    /// Obstacles stand in every way.
+    #[error("nothing grew: obstacles stand in the way of every first step; move root, or what is in the way")]
+    WalledIn,
+    /// Single precision cannot hold a tree there.
+    #[error(
+        "the tree would stand {farthest_m:.0} m from the origin, where coordinates in single precision are \
+         {gap_m:.1e} m apart, too coarse for steps of {step_m} m; use origin=root, or a nearer root"
+    )]
+    TooFar {
+        /// Largest coordinate of the root, metres.
+        farthest_m: f64,
+        /// Distance of neighbouring numbers there, metres.
+        gap_m: f64,
+        /// Length of a segment, metres.
+        step_m: f64,
+    },
+    /// A trunk of too many segments.
+    #[error(
+        "the trunk would have {segments:.0} segments, more than max_nodes={max_nodes}; shorten trunk or lengthen step"
+    )]
+    TrunkTooLong {
+        /// Trunk ÷ step.
+        segments: f64,
+        /// The limit.
+        max_nodes: u32,
+    },
+}
+
+linden_base::from_cancellable!(StandError: GrowthError => Growth);
+
+/// Grows from the root of a site into its points.
+///
+/// # Errors
+/// [`StandError`]: contradictions, limits, nothing in reach, cancelled.
+pub fn grow_at(site: Site, settings: &GrowthSettings, monitor: &dyn Monitor) -> Result<Stand, StandError> {
+    let (rule, mut notes) = site.rule(settings);
+    if !(rule.kill >= rule.step) {
+        // Before a trunk is grown in such steps; growth itself would refuse as well.
+        return Err(GrowthError::KillBelowStep { kill: rule.kill, step: rule.step }.into());
+    }
+    // Before anything grows there: a place that is too far for coordinates is too far for steps, too.
+    let shift = settings.shift(site.root, site.origin, site.moves_to_root);
+    let others = site.grove.others.iter().flat_map(|stem| [stem.root, stem.root + shift]);
+    let farthest_m = others.chain([site.root + shift]).map(|at| at.abs().max_element());
+    notes.extend(check_precision(farthest_m.fold(0.0, f64::max), f64::from(rule.step))?);
+    let start = stems::start(&site, settings, &rule, monitor)?;
+    let mut points: Vec<Vec3> = site.points.iter().map(|p| p.as_vec3()).collect();
+    let held =
+        site.held_bytes + bytes_of::<DVec3>(site.points.capacity()) + bytes_of::<Vec3>(points.capacity());
+    let solids: Vec<_> =
+        site.grove.obstacles.iter().map(|barrier| (|p| barrier.solid.holds(p), barrier.meet)).collect();
+    let obstacles: Vec<Obstacle> =
+        solids.iter().map(|(contains, meet)| Obstacle { contains, meet: *meet }).collect();
+    let Growth { mut branching, iterations, unreached, stop, captured } =
+        grow_among(&points, &start, &rule, &obstacles, &Holding::new(monitor, held))?;
+    if iterations == 0 && stop == Stop::Blocked {
+        return Err(StandError::WalledIn);
+    }
+    if iterations == 0 {
+        let (points, kill_m) = (points.len(), rule.kill);
+        return Err(StandError::NothingGrew { points, reached: points - unreached, kill_m });
+    }
+    notes.extend(stop_note(stop, unreached, points.len(), settings));
+    notes.extend(site.notes);
+
+    if settings.moves_to_root(site.moves_to_root) && (site.origin + site.root).length() > 0.0 {
+        let DVec3 { x, y, z } = site.origin + site.root;
+        notes.push(format!(
+            "moved to the origin: the root was at {x:.3}, {y:.3}, {z:.3} (Y up); origin=keep leaves it there"
+        ));
+    }
+    for position in branching.positions.iter_mut().chain(&mut points) {
+        *position = (position.as_dvec3() + shift).as_vec3();
+    }
+    let barriers = site.grove.obstacles;
+    Ok(Stand { branching, captured, points, shift, barriers, unreached, iterations, stop, notes })
+}
+
+/// Refuses a place where single precision, which all mesh formats have, cannot hold the tree, and
+/// says so where it can but shows.
+fn check_precision(farthest_m: f64, step_m: f64) -> Result<Option<String>, StandError> {
+    // Between neighbouring numbers of this size.
+    let gap_m = farthest_m * f64::from(f32::EPSILON);
+    if !(gap_m <= step_m / 8.0) {
+        return Err(StandError::TooFar { farthest_m, gap_m, step_m });
+    }
+    Ok((gap_m > step_m / 100.0).then(|| {
+        format!("{farthest_m:.0} m from the origin, coordinates are rounded to {gap_m:.1e} m: origin=root is more exact")
+    }))
+}
+
+fn stop_note(stop: Stop, unreached: usize, points: usize, settings: &GrowthSettings) -> Option<String> {
+    let left = format!("{unreached} of {points} points were not reached");
+    match stop {
+        Stop::AllReached => None,
+        Stop::NothingInReach => {
+            // A few stragglers are usual; many mean that the crown is in pieces.
+            (unreached * 20 > points)
+                .then(|| format!("{left}: they lie beyond the influence distance; raise influence"))
+        }
+        Stop::Stalled => Some(format!("{left}: the step is too short for coordinates of this size")),
+        Stop::Blocked => Some(format!("{left}: obstacles or max_children were in the way")),
+        Stop::MaxIterations => {
+            Some(format!("{left}: growth stopped at max_iterations={}", settings.max_iterations))
+        }
+        Stop::MaxNodes => Some(format!("{left}: growth stopped at max_nodes={}", settings.max_nodes)),
+    }
+}

@@ -1,0 +1,174 @@
+//! Samples → pictures: alpha that a threshold can cut, colours beyond the edge.
+
+use glam::{Vec3, Vec4};
+
+use super::Pixels;
+use super::raster::Canvas;
+use crate::detail::wood::GOLDEN;
+use linden_base::color::encode;
+use linden_base::monitor::{Cancelled, Monitor};
+use linden_base::picture::Picture;
+
+/// The two pictures.
+pub(super) struct Finished {
+    /// sRGB and alpha.
+    pub color: Picture,
+    /// Tangent space.
+    pub normal: Picture,
+}
+
+/// Makes pictures of `samples × samples` to a pixel, cut out where alpha is below `cutout`.
+pub(super) fn finish(
+    drawn: &Canvas,
+    samples: u32,
+    cutout: f32,
+    monitor: &dyn Monitor,
+) -> Result<Finished, Cancelled> {
+    let size = Pixels::new(drawn.size.x / samples, drawn.size.y / samples);
+    let (mut colors, mut normals) = (Plane::new(size), Plane::new(size));
+    for y in 0..size.y {
+        monitor.check()?;
+        for x in 0..size.x {
+            let at = (y * size.x + x) as usize;
+            for (dy, dx) in (0..samples).flat_map(|dy| (0..samples).map(move |dx| (dy, dx))) {
+                let sample =
+                    (y * samples + dy) as usize * drawn.size.x as usize + (x * samples + dx) as usize;
+                let own = &drawn.samples[sample];
+                if own.near_m > f32::NEG_INFINITY {
+                    colors.values[at] += own.color.extend(1.0);
+                    normals.values[at] += own.normal.extend(1.0);
+                }
+            }
+        }
+    }
+    let share = 1.0 / (samples * samples) as f32;
+    let covered: Vec<f32> = colors.values.iter().map(|sum| sum.w * share).collect();
+    let alpha = keep_coverage(&covered, size, cutout);
+    colors.fill(monitor)?;
+    normals.fill(monitor)?;
+    let code = |x: f32| libm::roundf(x.clamp(0.0, 1.0) * 255.0) as u8;
+    let color = colors.values.iter().zip(alpha).flat_map(|(color, alpha)| {
+        let [r, g, b] = color.truncate().to_array().map(|light| code(encode(light.clamp(0.0, 1.0))));
+        [r, g, b, code(alpha)]
+    });
+    let normal = normals.values.iter().flat_map(|normal| {
+        let normal = normal.truncate().normalize_or(Vec3::Z) * 0.5 + 0.5;
+        [code(normal.x), code(normal.y), code(normal.z), 255]
+    });
+    Ok(Finished {
+        color: Picture::new(size.x, size.y, color.collect()),
+        normal: Picture::new(size.x, size.y, normal.collect()),
+    })
+}
+
+/// Alpha such that as much is above the threshold as is covered: cut at half of their cover, thin twigs
+/// would vanish (Castaño 2010, "Computing alpha mipmaps"). Pixels that are covered equally are told apart
+/// by what their neighbours are, and then by a pattern.
+fn keep_coverage(covered: &[f32], size: Pixels, cutout: f32) -> Vec<f32> {
+    let (width, height) = (i64::from(size.x), i64::from(size.y));
+    let at = |x: i64, y: i64| {
+        let inside = (0..width).contains(&x) && (0..height).contains(&y);
+        if inside { covered[(y * width + x) as usize] } else { 0.0 }
+    };
+    let weighed: Vec<f32> = (0..height)
+        .flat_map(|y| (0..width).map(move |x| (x, y)))
+        .map(|(x, y)| {
+            let own = at(x, y);
+            if own == 0.0 || own >= 1.0 {
+                return own;
+            }
+            let around: f32 =
+                [(-1, 0), (1, 0), (0, -1), (0, 1)].map(|(dx, dy)| at(x + dx, y + dy)).iter().sum();
+            let pattern = ((y * width + x) as f64 * GOLDEN).fract() as f32;
+            0.89 * own + 0.1 * around / 4.0 + 0.01 * pattern
+        })
+        .collect();
+    let mut ranked: Vec<f32> = weighed.iter().copied().filter(|&own| own > 0.0).collect();
+    ranked.sort_unstable_by(|a, b| b.total_cmp(a));
+    let wanted = covered.iter().map(|&own| f64::from(own)).sum::<f64>() as usize;
+    let Some(&least) = ranked.get(wanted.min(ranked.len().saturating_sub(1))) else { return weighed };
+    // Linear on either side of the threshold.
+    let alpha = |own: f32| {
+        if own == 0.0 || own >= 1.0 {
+            own
+        } else if own < least {
+            cutout * 0.98 * own / least
+        } else {
+            // Well above after rounding to 8 bits.
+            cutout + 0.02 + (0.98 - cutout) * (own - least) / (1.0 - least).max(1e-6)
+        }
+    };
+    weighed.into_iter().map(alpha).collect()
+}
+
+/// Sums of values in `xyz` and of their weights in `w`.
+struct Plane {
+    size: Pixels,
+    values: Vec<Vec4>,
+}
+
+impl Plane {
+    fn new(size: Pixels) -> Self {
+        Self { size, values: vec![Vec4::ZERO; size.area()] }
+    }
+
+    /// Gives every pixel without a value one from around it, and the others their mean: halved pictures
+    /// and filters then find no foreign colour beyond an edge. The pull-push of Gortler et al. 1996
+    /// ("The Lumigraph"), with weights that are either there or not.
+    fn fill(&mut self, monitor: &dyn Monitor) -> Result<(), Cancelled> {
+        monitor.check()?;
+        for value in &mut self.values {
+            *value = if value.w > 0.0 { *value / value.w } else { Vec4::ZERO };
+        }
+        if self.size.area() <= 1 {
+            return Ok(());
+        }
+        let mut half = Self::new(Pixels::new(self.size.x.div_ceil(2), self.size.y.div_ceil(2)));
+        for (i, value) in self.values.iter().enumerate() {
+            let (x, y) = (i as u32 % self.size.x, i as u32 / self.size.x);
+            half.values[(y / 2 * half.size.x + x / 2) as usize] += *value;
+        }
+        half.fill(monitor)?;
+        for (i, value) in self.values.iter_mut().enumerate().filter(|(_, value)| value.w == 0.0) {
+            let (x, y) = (i as u32 % self.size.x, i as u32 / self.size.x);
+            *value = half.values[(y / 2 * half.size.x + x / 2) as usize];
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linden_base::random::Key;
+
+    #[test]
+    fn as_much_is_above_the_threshold_as_was_covered() {
+        let size = Pixels::new(64, 48);
+        for seed in 0..20 {
+            let key = Key::new(seed);
+            // Thin things: few pixels are covered by more than half.
+            let covered: Vec<f32> = (0..64 * 48)
+                .map(|i| (key.child(i).unit() * 4.0 - 1.8).clamp(0.0, 1.0) as f32 * 0.75)
+                .map(|own| (own * 4.0).round() / 4.0)
+                .collect();
+            let wanted: f32 = covered.iter().sum();
+            let alpha = keep_coverage(&covered, size, 0.5);
+            let found = alpha.iter().filter(|&&own| libm::roundf(own * 255.0) / 255.0 >= 0.5).count() as f32;
+            assert!((found / wanted - 1.0).abs() < 0.03, "{found} of {wanted}");
+            assert!(alpha.iter().zip(&covered).all(|(alpha, covered)| (*alpha > 0.0) == (*covered > 0.0)));
+        }
+    }
+
+    #[test]
+    fn colours_go_on_beyond_the_edge() {
+        let mut plane = Plane::new(Pixels::new(34, 18));
+        plane.values[0] = Vec4::new(2.0, 4.0, 6.0, 2.0);
+        plane.values[34 * 18 - 1] = Vec4::new(0.0, 1.0, 0.0, 1.0);
+        plane.fill(&linden_base::monitor::Quiet).unwrap();
+        assert_eq!(plane.values[0].truncate(), Vec3::new(1.0, 2.0, 3.0));
+        assert_eq!(plane.values[1].truncate(), Vec3::new(1.0, 2.0, 3.0), "its neighbour");
+        assert_eq!(plane.values[34 * 18 - 2].truncate(), Vec3::Y);
+        assert!(plane.values.iter().all(|value| value.w > 0.0));
+    }
+}

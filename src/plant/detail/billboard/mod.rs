@@ -1,0 +1,238 @@
+//! The last level of detail: a few crossed planes with pictures of the tree on them.
+//!
+//! Each plane stands upright on the axis through the foot and shows the tree as it is seen from far
+//! away at a right angle to it: colours without light (a renderer adds that), alpha, and normals in the
+//! plane's own tangent space. All planes share one pair of pictures.
+
+mod finish;
+mod raster;
+mod texture;
+
+use std::f32::consts::PI;
+use std::sync::Arc;
+
+use glam::{Vec2, Vec3};
+
+use self::finish::Finished;
+use self::raster::{Drawn, View};
+use self::texture::Texture;
+use crate::scene::{Material, Part, Scene, Wrap};
+use linden_base::memory::{OverMemory, bytes_of};
+use linden_base::mesh::{Bounds, Mesh};
+use linden_base::monitor::{Cancelled, Monitor};
+use linden_base::picture::Picture;
+
+/// How the planes are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Billboard {
+    /// How many upright planes cross each other, 1 to 4, at equal angles.
+    pub planes: u32,
+    /// Height of the picture, pixels; a wide tree's picture is up to twice as wide as that and lower.
+    pub size_px: u32,
+}
+
+/// Why there are no planes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum BillboardError {
+    /// The result was no longer wanted.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+    /// There is no memory for it.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
+}
+
+/// Samples along a pixel's side.
+const SAMPLES: u32 = 2;
+/// Pixels between the tree and the edge of its part of the picture: what neighbours and filters may mix in.
+const MARGIN_PX: u32 = 4;
+/// The material's threshold; the pictures' alpha is made to suit it.
+const CUTOUT: f32 = 0.5;
+/// Neither leaves nor bark shine from afar.
+const ROUGHNESS: f32 = 0.9;
+
+/// Draws a scene onto crossed planes, which become a scene of their own: with the same name, recipe and
+/// skeleton, one part `billboard` and one material.
+///
+/// # Errors
+/// [`BillboardError`]: memory, or cancelled.
+pub fn billboard(scene: &Scene, how: &Billboard, monitor: &dyn Monitor) -> Result<Scene, BillboardError> {
+    let planes = how.planes.clamp(1, 4);
+    let vertices = || scene.parts.iter().flat_map(|part| &part.mesh.positions).copied();
+    let bounds = Bounds::of(vertices()).unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ONE });
+    let foot = scene.skeleton.positions.first().copied().unwrap_or_default();
+    let frames: Vec<Frame> = (0..planes).map(|k| Frame::new(k, planes, foot, &bounds, vertices())).collect();
+    let sheet = Sheet::new(&frames, how.size_px.max(4 * MARGIN_PX));
+    let pixels = sheet.size.area() as u64;
+    let samples = pixels * u64::from(SAMPLES * SAMPLES);
+    let bytes = bytes_of::<Drawn>(1) * samples + bytes_of::<[f32; 16]>(1) * pixels + Texture::bytes(scene);
+    monitor.admit("drawing the billboard", scene.bytes() + bytes, "lower billboard_size")?;
+
+    let textures: Vec<Option<Texture>> = scene.materials.iter().map(Texture::of).collect();
+    let mut drawn = raster::Canvas::new(sheet.size.times(SAMPLES));
+    for (frame, cell) in frames.iter().zip(&sheet.cells) {
+        let view = View {
+            right: frame.right,
+            toward: frame.toward,
+            // Where the upper left corner of the cell is, and how many samples a metre has.
+            corner: Vec2::new(frame.low.x, frame.high.y),
+            scale: SAMPLES as f32 / sheet.texel_m,
+            first: cell.inner().times(SAMPLES),
+            size: Pixels::new(cell.size.x - 2 * MARGIN_PX, cell.size.y - 2 * MARGIN_PX).times(SAMPLES),
+        };
+        for part in &scene.parts {
+            let (material, texture) = (&scene.materials[part.material], textures[part.material].as_ref());
+            raster::draw(&mut drawn, &view, &part.mesh, material, texture, foot, monitor)?;
+        }
+    }
+    let Finished { color, normal } = finish::finish(&drawn, SAMPLES, CUTOUT, monitor)?;
+    let material = Material {
+        name: "billboard".to_owned(),
+        base_color: mean(&color),
+        base_color_picture: Some(Arc::new(color)),
+        normal_picture: Some(Arc::new(normal)),
+        roughness: ROUGHNESS,
+        double_sided: true,
+        cutout: Some(CUTOUT),
+        wrap: Wrap::Clamp,
+    };
+    Ok(Scene {
+        name: scene.name.clone(),
+        recipe: scene.recipe.clone(),
+        materials: vec![material],
+        parts: vec![Part::new("billboard", 0, sheet.mesh(&frames, foot))],
+        skeleton: Arc::clone(&scene.skeleton),
+    })
+}
+
+/// An upright plane, and what it must hold.
+struct Frame {
+    right: Vec3,
+    /// Unit vector: from the tree to whoever looks at it.
+    toward: Vec3,
+    /// Corners of the box round the tree: metres to the right of the foot, and height.
+    low: Vec2,
+    high: Vec2,
+}
+
+impl Frame {
+    fn new(k: u32, planes: u32, foot: Vec3, bounds: &Bounds, vertices: impl Iterator<Item = Vec3>) -> Self {
+        let (sin, cos) = libm::sincosf(PI * k as f32 / planes as f32);
+        let (right, toward) = (Vec3::new(cos, 0.0, -sin), Vec3::new(sin, 0.0, cos));
+        let across = vertices.map(|place| (place - foot).dot(right));
+        let (low, high) = across.fold((0.0, 0.0), |(low, high): (f32, f32), x| (low.min(x), high.max(x)));
+        Self { right, toward, low: Vec2::new(low, bounds.min.y), high: Vec2::new(high, bounds.max.y) }
+    }
+
+    fn size(&self) -> Vec2 {
+        (self.high - self.low).max(Vec2::splat(1e-6))
+    }
+}
+
+/// Where the planes' pictures lie in the common one.
+struct Sheet {
+    size: Pixels,
+    cells: Vec<Cell>,
+    /// Edge of a pixel, metres.
+    texel_m: f32,
+}
+
+struct Cell {
+    first: Pixels,
+    size: Pixels,
+}
+
+impl Cell {
+    /// The first pixel behind the margin.
+    fn inner(&self) -> Pixels {
+        Pixels::new(self.first.x + MARGIN_PX, self.first.y + MARGIN_PX)
+    }
+}
+
+/// A place in a picture from its upper left corner, or a size.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Pixels {
+    x: u32,
+    y: u32,
+}
+
+impl Pixels {
+    const fn new(x: u32, y: u32) -> Self {
+        Self { x, y }
+    }
+
+    const fn times(self, factor: u32) -> Self {
+        Self { x: self.x * factor, y: self.y * factor }
+    }
+
+    const fn to_vec2(self) -> Vec2 {
+        Vec2::new(self.x as f32, self.y as f32)
+    }
+
+    const fn area(self) -> usize {
+        self.x as usize * self.y as usize
+    }
+}
+
+impl Sheet {
+    fn new(frames: &[Frame], size_px: u32) -> Self {
+        let margins = 2 * MARGIN_PX;
+        let height_m = frames.iter().map(|frame| frame.size().y).fold(0.0, f32::max);
+        let width_m: f32 = frames.iter().map(|frame| frame.size().x).sum();
+        // Each rounds up.
+        let room_px = (2 * size_px).saturating_sub((margins + 1) * frames.len() as u32).max(size_px / 2);
+        let texel_m = (height_m / (size_px - margins) as f32).max(width_m / room_px as f32);
+        let pixels = |metres: f32| (metres / texel_m).ceil() as u32 + margins;
+        let mut next = 0;
+        let cells: Vec<Cell> = frames
+            .iter()
+            .map(|frame| {
+                let size = Pixels::new(pixels(frame.size().x), pixels(height_m));
+                let first = Pixels::new(next, 0);
+                next += size.x;
+                Cell { first, size }
+            })
+            .collect();
+        let height = cells.iter().map(|cell| cell.size.y).max().unwrap_or(1);
+        Self { size: Pixels::new(next.max(1), height), cells, texel_m }
+    }
+
+    /// A rectangle for each plane.
+    fn mesh(&self, frames: &[Frame], foot: Vec3) -> Mesh {
+        let mut mesh = Mesh::default();
+        for (frame, cell) in frames.iter().zip(&self.cells) {
+            let first = mesh.positions.len() as u32;
+            // The cell's edges without the margin, in pixels from the upper left corner.
+            let upper_left = cell.inner().to_vec2();
+            let lower_right = upper_left + frame.size() / self.texel_m;
+            for (x, y) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0_f32)] {
+                let at = frame.low + frame.size() * Vec2::new(x, y);
+                mesh.positions.push(Vec3::new(foot.x, 0.0, foot.z) + frame.right * at.x + Vec3::Y * at.y);
+                mesh.normals.push(frame.toward);
+                let pixel = Vec2::new(
+                    upper_left.x + (lower_right.x - upper_left.x) * x,
+                    lower_right.y + (upper_left.y - lower_right.y) * y,
+                );
+                let uv = pixel / self.size.to_vec2();
+                mesh.uvs.push(Vec2::new(uv.x, 1.0 - uv.y));
+            }
+            mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+        }
+        mesh
+    }
+}
+
+/// The mean of what is not cut out, linear.
+fn mean(picture: &Picture) -> [f32; 3] {
+    let (mut sum, mut count) = (Vec3::ZERO, 0.0_f32);
+    for &[r, g, b, a] in picture.rgba().as_chunks::<4>().0 {
+        if f32::from(a) >= CUTOUT * 255.0 {
+            sum += Vec3::from(linden_base::color::linear([r, g, b]));
+            count += 1.0;
+        }
+    }
+    (sum / count.max(1.0)).to_array()
+}
+
+#[cfg(test)]
+mod tests;

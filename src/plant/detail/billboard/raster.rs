@@ -1,0 +1,137 @@
+//! Triangles → samples, without perspective: colours as they are, normals, and the nearest counts.
+
+use glam::{Vec2, Vec3};
+
+use super::Pixels;
+use super::texture::Texture;
+use crate::scene::Material;
+use linden_base::mesh::Mesh;
+use linden_base::monitor::{Cancelled, Monitor};
+
+/// Triangles between two looks at the monitor.
+const TRIANGLES_PER_CHECK: usize = 1 << 14;
+
+/// What a sample shows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Drawn {
+    /// Metres towards the viewer; minus infinity where nothing is.
+    pub near_m: f32,
+    /// Linear, as the material has it.
+    pub color: Vec3,
+    /// Unit vector: to the right, up, towards the viewer.
+    pub normal: Vec3,
+}
+
+/// All samples, rows from the top.
+pub(super) struct Canvas {
+    pub size: Pixels,
+    pub samples: Vec<Drawn>,
+}
+
+impl Canvas {
+    pub fn new(size: Pixels) -> Self {
+        let nothing = Drawn { near_m: f32::NEG_INFINITY, color: Vec3::ZERO, normal: Vec3::Z };
+        Self { size, samples: vec![nothing; size.area()] }
+    }
+}
+
+/// Where a plane's part of the canvas is, and how it sees.
+pub(super) struct View {
+    pub right: Vec3,
+    /// Unit vector to the viewer.
+    pub toward: Vec3,
+    /// What is at the upper left corner: metres right of the foot, height.
+    pub corner: Vec2,
+    /// Samples per metre.
+    pub scale: f32,
+    /// The part's first sample, and how many it has.
+    pub first: Pixels,
+    pub size: Pixels,
+}
+
+/// A corner in the part: samples from its upper left corner, and nearness.
+#[derive(Clone, Copy)]
+struct Corner {
+    at: Vec2,
+    near_m: f32,
+}
+
+/// Draws a mesh. A material's alpha is tested, and its back is drawn only where it is double-sided: then
+/// with the normal that a viewer sees.
+pub(super) fn draw(
+    canvas: &mut Canvas,
+    view: &View,
+    mesh: &Mesh,
+    material: &Material,
+    texture: Option<&Texture>,
+    foot: Vec3,
+    monitor: &dyn Monitor,
+) -> Result<(), Cancelled> {
+    let seen = |vertex: u32| {
+        let place = mesh.positions[vertex as usize];
+        let across = (place - foot).dot(view.right);
+        Corner {
+            at: Vec2::new(across - view.corner.x, view.corner.y - place.y) * view.scale,
+            near_m: (place - foot).dot(view.toward),
+        }
+    };
+    for (index, &triangle) in mesh.triangles.iter().enumerate() {
+        if index.is_multiple_of(TRIANGLES_PER_CHECK) {
+            monitor.check()?;
+        }
+        let [a, b, c] = triangle.map(seen);
+        // Twice the area; rows run downwards, so that a front has it below zero.
+        let (ab, ac) = (b.at - a.at, c.at - a.at);
+        let area = ab.perp_dot(ac);
+        if area == 0.0 || (area > 0.0 && !material.double_sided) {
+            continue;
+        }
+        let low = a.at.min(b.at).min(c.at);
+        let high = a.at.max(b.at).max(c.at);
+        let from = (low - 0.5).ceil().max(Vec2::ZERO);
+        let to = (high - 0.5).floor().min(view.size.to_vec2() - 1.0);
+        if !(from.x <= to.x && from.y <= to.y) {
+            continue;
+        }
+        let uvs = triangle.map(|vertex| mesh.uvs[vertex as usize]);
+        let normals = triangle.map(|vertex| mesh.normals[vertex as usize]);
+        // Texels that a sample covers.
+        let texels = texture
+            .map_or(0.0, |own| ((uvs[1] - uvs[0]).perp_dot(uvs[2] - uvs[0]) / area).abs() * own.area());
+        for y in from.y as u32..=to.y as u32 {
+            for x in from.x as u32..=to.x as u32 {
+                let away = Vec2::new(x as f32, y as f32) + 0.5 - a.at;
+                // Weights of b and c.
+                let (s, t) = (away.perp_dot(ac) / area, ab.perp_dot(away) / area);
+                if s < 0.0 || t < 0.0 || s + t > 1.0 {
+                    continue;
+                }
+                let near_m = a.near_m + (b.near_m - a.near_m) * s + (c.near_m - a.near_m) * t;
+                let row = (view.first.y + y) as usize * canvas.size.x as usize;
+                let sample = &mut canvas.samples[row + (view.first.x + x) as usize];
+                if near_m <= sample.near_m {
+                    continue;
+                }
+                let color = match texture {
+                    None => Vec3::from(material.base_color),
+                    Some(own) => {
+                        let color = own.at(uvs[0] + (uvs[1] - uvs[0]) * s + (uvs[2] - uvs[0]) * t, texels);
+                        if material.cutout.is_some_and(|least| color.w < least) {
+                            continue;
+                        }
+                        color.truncate() / color.w.max(1e-3)
+                    }
+                };
+                let normal = normals[0] + (normals[1] - normals[0]) * s + (normals[2] - normals[0]) * t;
+                let mut normal = Vec3::new(normal.dot(view.right), normal.y, normal.dot(view.toward));
+                if area > 0.0 {
+                    normal = -normal;
+                }
+                // Smooth normals may look away from the viewer at a rim; a picture cannot.
+                normal.z = normal.z.max(0.0);
+                *sample = Drawn { near_m, color, normal: normal.normalize_or(Vec3::Z) };
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,169 @@
+use glam::{Vec2, Vec3};
+
+use super::*;
+use linden_base::monitor::Quiet;
+use linden_skeleton::Skeleton;
+
+fn material(base_color: [f32; 3], double_sided: bool) -> Material {
+    Material {
+        name: "plain".to_owned(),
+        base_color,
+        base_color_picture: None,
+        normal_picture: None,
+        roughness: 1.0,
+        double_sided,
+        cutout: None,
+        wrap: Wrap::Clamp,
+    }
+}
+
+fn scene(materials: Vec<Material>, meshes: Vec<Mesh>) -> Scene {
+    let part = |(material, mesh)| Part::new(format!("part{material}"), material, mesh);
+    Scene {
+        name: "test".to_owned(),
+        recipe: "{}".to_owned(),
+        materials,
+        parts: meshes.into_iter().enumerate().map(part).collect(),
+        skeleton: Arc::new(Skeleton { positions: vec![Vec3::ZERO], ..Skeleton::default() }),
+    }
+}
+
+/// A rectangle in a plane, counter-clockwise from its normal's side.
+fn rectangle(corner: Vec3, x: Vec3, y: Vec3) -> Mesh {
+    Mesh {
+        positions: vec![corner, corner + x, corner + x + y, corner + y],
+        normals: vec![x.cross(y).normalize(); 4],
+        uvs: vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+    }
+}
+
+fn pixels(scene: &Scene) -> (u32, u32, Vec<[u8; 4]>, Vec<[u8; 4]>) {
+    let material = &scene.materials[0];
+    let [color, normal] =
+        [&material.base_color_picture, &material.normal_picture].map(|own| own.clone().unwrap());
+    let all = |own: &Picture| own.rgba().as_chunks::<4>().0.to_vec();
+    (color.width(), color.height(), all(&color), all(&normal))
+}
+
+#[test]
+fn a_pixel_shows_what_the_plane_stands_for() {
+    // A red square in front of a green one twice as large; from the side both are lines.
+    let front = rectangle(Vec3::new(-0.5, 0.5, 0.2), Vec3::X, Vec3::Y);
+    let back = rectangle(Vec3::new(-1.0, 0.0, -0.2), Vec3::X * 2.0, Vec3::Y * 2.0);
+    let materials = vec![material([1.0, 0.0, 0.0], false), material([0.0, 1.0, 0.0], false)];
+    let seen =
+        billboard(&scene(materials, vec![front, back]), &Billboard { planes: 1, size_px: 208 }, &Quiet);
+    let seen = seen.unwrap();
+    let (width, height, color, normal) = pixels(&seen);
+    assert_eq!((width, height), (208, 208));
+    let at = |x: usize, y: usize| color[y * 208 + x];
+    // Two metres over 200 pixels, behind a margin of four.
+    for (x, y, expected) in [
+        (104, 104, [255, 0, 0, 255]),
+        (56, 104, [255, 0, 0, 255]),
+        (52, 104, [0, 255, 0, 255]),
+        (5, 5, [0, 255, 0, 255]),
+        (202, 202, [0, 255, 0, 255]),
+    ] {
+        assert_eq!(at(x, y), expected, "{x} {y}");
+    }
+    let cut = color.iter().filter(|pixel| pixel[3] < 128).count();
+    assert_eq!(cut, 208 * 208 - 200 * 200);
+    // Nothing foreign beyond the edge.
+    assert!(color.iter().all(|pixel| pixel[2] == 0 && pixel[0].max(pixel[1]) == 255));
+    assert!(normal.iter().all(|&pixel| pixel == [128, 128, 255, 255]));
+    // The rectangle is where the squares' outline is, and its coordinates are the margin's inside.
+    let mesh = &seen.parts[0].mesh;
+    assert_eq!(mesh.positions[0], Vec3::new(-1.0, 0.0, 0.0));
+    assert_eq!(mesh.positions[2], Vec3::new(1.0, 2.0, 0.0));
+    assert!((mesh.uvs[0] - Vec2::splat(4.0 / 208.0)).length() < 1e-6);
+    assert!((mesh.uvs[2] - Vec2::splat(204.0 / 208.0)).length() < 1e-6);
+}
+
+#[test]
+fn backs_are_seen_only_where_they_are_to_be() {
+    // Looks away from the viewer.
+    let turned = rectangle(Vec3::new(1.0, 0.0, 0.0), Vec3::X * -2.0, Vec3::Y * 2.0);
+    for double_sided in [false, true] {
+        let own = scene(vec![material([0.5; 3], double_sided)], vec![turned.clone()]);
+        let seen = billboard(&own, &Billboard { planes: 1, size_px: 64 }, &Quiet).unwrap();
+        let (_, _, color, normal) = pixels(&seen);
+        assert_eq!(color.iter().any(|pixel| pixel[3] > 127), double_sided);
+        assert!(normal.iter().all(|pixel| pixel[2] == 255), "towards the viewer");
+    }
+}
+
+/// Each plane sees a ball as a disc, wherever it stands round it, and its normals are the ball's.
+#[test]
+fn a_ball_is_a_disc_from_everywhere() {
+    let (rings, sides) = (48_u32, 96_u32);
+    let mut ball = Mesh::default();
+    for i in 0..=rings {
+        for k in 0..=sides {
+            let (sin_a, cos_a) = libm::sincosf(PI * i as f32 / rings as f32);
+            let (sin_b, cos_b) = libm::sincosf(2.0 * PI * k as f32 / sides as f32);
+            let normal = Vec3::new(sin_a * cos_b, cos_a, -sin_a * sin_b);
+            ball.positions.push(normal + Vec3::Y);
+            ball.normals.push(normal);
+            ball.uvs.push(Vec2::ZERO);
+        }
+    }
+    for i in 0..rings {
+        for k in 0..sides {
+            let (a, b) = (i * (sides + 1) + k, (i + 1) * (sides + 1) + k);
+            ball.triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
+        }
+    }
+    let own = scene(vec![material([0.5; 3], false)], vec![ball]);
+    let seen = billboard(&own, &Billboard { planes: 3, size_px: 128 }, &Quiet).unwrap();
+    assert_eq!(seen.parts[0].mesh.triangles.len(), 6);
+    let (width, height, color, normal) = pixels(&seen);
+    let covered = color.iter().filter(|pixel| pixel[3] > 127).count() as f32;
+    // Three discs; a pixel is as large as two metres divided by what is between the margins.
+    let radius_px = 0.5 * (height - 8) as f32;
+    assert!((covered / (3.0 * PI * radius_px * radius_px) - 1.0).abs() < 0.02, "{covered}");
+    let cell = width / 3;
+    for plane in 0..3 {
+        // A quarter of the diameter right of the middle: the sphere's normal there is (½, 0, √¾).
+        let x = plane * cell + cell / 2 + (radius_px / 2.0) as u32;
+        let [r, g, b, _] =
+            normal[(height / 2 * width + x) as usize].map(|code| f32::from(code) / 127.5 - 1.0);
+        assert!((r - 0.5).abs() < 0.06 && g.abs() < 0.06 && (b - 0.866).abs() < 0.06, "{r} {g} {b}");
+    }
+    // The planes stand at equal angles, and each is seen from its normal's side.
+    let normals: Vec<Vec3> = seen.parts[0].mesh.normals.chunks(4).map(|own| own[0]).collect();
+    for pair in normals.windows(2) {
+        assert!((pair[0].dot(pair[1]) - 0.5).abs() < 1e-6);
+    }
+    for triangle in &seen.parts[0].mesh.triangles {
+        let [a, b, c] = triangle.map(|v| seen.parts[0].mesh.positions[v as usize]);
+        let facing = (b - a).cross(c - a).dot(seen.parts[0].mesh.normals[triangle[0] as usize]);
+        assert!(facing > 0.0);
+    }
+}
+
+#[test]
+fn what_a_picture_cuts_out_is_cut_out_there_too() {
+    // The left half of the picture is nothing.
+    let rgba =
+        (0..16 * 16).flat_map(|i| if i % 16 < 8 { [255, 0, 0, 0] } else { [0, 0, 255, 255] }).collect();
+    let leafy = Material {
+        base_color_picture: Some(Arc::new(Picture::new(16, 16, rgba))),
+        cutout: Some(0.5),
+        ..material([1.0; 3], true)
+    };
+    let card = rectangle(Vec3::new(-1.0, 0.0, 0.0), Vec3::X * 2.0, Vec3::Y * 2.0);
+    let seen =
+        billboard(&scene(vec![leafy], vec![card]), &Billboard { planes: 1, size_px: 108 }, &Quiet).unwrap();
+    let (width, height, color, _) = pixels(&seen);
+    for y in 4..height - 4 {
+        for x in 4..width - 4 {
+            let pixel = color[(y * width + x) as usize];
+            assert!(pixel[0] < 16 && pixel[2] > 240, "no colour of what is cut out: {pixel:?}");
+            if x.abs_diff(width / 2) > 4 {
+                assert_eq!(pixel[3] > 127, x > width / 2, "{x} {y}");
+            }
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! Pictures on what is drawn, halved until their texels are about as large as samples.
+
+use glam::{Vec2, Vec4};
+
+use crate::scene::{Material, Scene, Wrap};
+use linden_base::color::linear;
+use linden_base::memory::bytes_of;
+use linden_base::picture::Picture;
+
+/// A picture in linear light at several sizes, each half the last. Colours carry their alpha with them
+/// (premultiplied), so that what is cut out does not tint what is not.
+pub(super) struct Texture {
+    levels: Vec<Level>,
+    repeats: bool,
+}
+
+struct Level {
+    width: u32,
+    height: u32,
+    texels: Vec<Vec4>,
+}
+
+impl Texture {
+    /// A material's colours; `None` where it has no picture.
+    pub fn of(material: &Material) -> Option<Self> {
+        let first = Level::of(material.base_color_picture.as_deref()?)?;
+        let mut levels = vec![first];
+        while let Some(next) = levels.last().and_then(Level::halved) {
+            levels.push(next);
+        }
+        Some(Self { levels, repeats: material.wrap == Wrap::Repeat })
+    }
+
+    /// Bytes that all pictures of a scene take.
+    pub fn bytes(scene: &Scene) -> u64 {
+        let pictures = scene.materials.iter().filter_map(|own| own.base_color_picture.as_ref());
+        let texels: u64 = pictures.map(|own| u64::from(own.width()) * u64::from(own.height())).sum();
+        bytes_of::<Vec4>(1) * texels * 4 / 3
+    }
+
+    /// Texels on the side of the whole, squared: its area.
+    pub fn area(&self) -> f32 {
+        self.levels[0].width as f32 * self.levels[0].height as f32
+    }
+
+    /// The colour at a place, V up, where a sample is as large as `texels` (an area).
+    pub fn at(&self, uv: Vec2, texels: f32) -> Vec4 {
+        let halved = if texels > 1.0 { (0.5 * libm::log2f(texels)) as usize } else { 0 };
+        self.levels[halved.min(self.levels.len() - 1)].at(uv, self.repeats)
+    }
+}
+
+impl Level {
+    fn of(picture: &Picture) -> Option<Self> {
+        let (width, height) = (picture.width(), picture.height());
+        let pixels = picture.rgba().as_chunks::<4>().0;
+        if width == 0 || pixels.len() != width as usize * height as usize {
+            return None;
+        }
+        let mut curve = [0.0; 256];
+        for (code, light) in curve.iter_mut().enumerate() {
+            *light = linear([code as u8; 3])[0];
+        }
+        let texel = |&[r, g, b, a]: &[u8; 4]| {
+            let [r, g, b] = [r, g, b].map(|code| curve[usize::from(code)]);
+            Vec4::new(r, g, b, 1.0) * (f32::from(a) / 255.0)
+        };
+        Some(Self { width, height, texels: pixels.iter().map(texel).collect() })
+    }
+
+    fn halved(&self) -> Option<Self> {
+        if self.width == 1 && self.height == 1 {
+            return None;
+        }
+        let (width, height) = (self.width.div_ceil(2), self.height.div_ceil(2));
+        let texel = |x: u32, y: u32| {
+            self.texels[(y.min(self.height - 1) * self.width + x.min(self.width - 1)) as usize]
+        };
+        let four =
+            |x: u32, y: u32| (texel(x, y) + texel(x + 1, y) + texel(x, y + 1) + texel(x + 1, y + 1)) / 4.0;
+        let texels =
+            (0..height).flat_map(|y| (0..width).map(move |x| (2 * x, 2 * y))).map(|(x, y)| four(x, y));
+        Some(Self { width, height, texels: texels.collect() })
+    }
+
+    /// Between the four nearest texels.
+    fn at(&self, uv: Vec2, repeats: bool) -> Vec4 {
+        let split = |x: f32, n: u32| {
+            let x = if repeats { x - x.floor() } else { x.clamp(0.0, 1.0) } * n as f32 - 0.5;
+            let low = x.floor();
+            let wrap = |i: i64| {
+                let n = i64::from(n);
+                (if repeats { i.rem_euclid(n) } else { i.clamp(0, n - 1) }) as u32
+            };
+            (wrap(low as i64), wrap(low as i64 + 1), x - low)
+        };
+        let (x0, x1, s) = split(uv.x, self.width);
+        let (y0, y1, t) = split(1.0 - uv.y, self.height);
+        let texel = |x: u32, y: u32| self.texels[(y * self.width + x) as usize];
+        texel(x0, y0).lerp(texel(x1, y0), s).lerp(texel(x0, y1).lerp(texel(x1, y1), s), t)
+    }
+}

@@ -1,0 +1,209 @@
+//! The leaves with fewer of them.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::wood::GOLDEN;
+use super::{Detail, DetailError};
+use crate::foliage::Shaper;
+use linden_base::mesh::Mesh;
+use linden_base::monitor::{Cancelled, Monitor};
+use linden_skeleton::organs::{Growth, Organs};
+
+/// Organs that one task counts.
+const PER_TASK: usize = 1024;
+
+/// The leaves of a tree, and how many triangles each has.
+pub(super) struct Leaves<'a> {
+    organs: &'a Organs,
+    triangles: Vec<u32>,
+    total: u64,
+}
+
+/// Up to which share an organ is left out. Neighbours along a twig are neighbours by index; their ranks
+/// are far apart, so that every share takes leaves evenly from everywhere.
+fn rank(organ: usize) -> f64 {
+    (organ as f64 * GOLDEN).fract()
+}
+
+impl<'a> Leaves<'a> {
+    pub fn new(organs: &'a Organs, monitor: &dyn Monitor) -> Result<Self, DetailError> {
+        let tasks = organs.len().div_ceil(PER_TASK);
+        let counted = (0..tasks).into_par_iter().map(|task| {
+            monitor.check()?;
+            let mut shaper = Shaper::default();
+            let mut mesh = Mesh::default();
+            let range = task * PER_TASK..organs.len().min((task + 1) * PER_TASK);
+            Ok(range
+                .map(|organ| {
+                    if let Some(placed) = organ.checked_sub(organs.polygons.ends.len()) {
+                        return organs.mesh(placed).triangles.len() as u32;
+                    }
+                    mesh.triangles.clear();
+                    mesh.positions.clear();
+                    mesh.normals.clear();
+                    mesh.uvs.clear();
+                    shaper.add(organs, organ, &mut mesh);
+                    mesh.triangles.len() as u32
+                })
+                .collect())
+        });
+        let triangles = counted.collect::<Result<Vec<Vec<u32>>, Cancelled>>()?.concat();
+        let total = triangles.iter().map(|&own| u64::from(own)).sum();
+        Ok(Self { organs, triangles, total })
+    }
+
+    /// Triangles of all.
+    pub fn total(&self) -> u64 {
+        self.total
+    }
+
+    /// Triangles of a share of them.
+    pub fn triangles(&self, share: f64) -> u64 {
+        if share >= 1.0 {
+            return self.total;
+        }
+        let kept = self.triangles.iter().enumerate().filter(|(organ, _)| rank(*organ) < share);
+        kept.map(|(_, &own)| u64::from(own)).sum()
+    }
+
+    /// The largest share with no more than so many triangles, exact to a leaf.
+    pub fn share_within(&self, triangles: u64) -> f64 {
+        if triangles >= self.total {
+            return 1.0;
+        }
+        let mut ranked: Vec<(f64, u32)> =
+            self.triangles.iter().enumerate().map(|(organ, &own)| (rank(organ), own)).collect();
+        ranked.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut sum = 0;
+        for &(rank, own) in &ranked {
+            sum += u64::from(own);
+            if sum > triangles {
+                // Everything of a lower rank stays.
+                return rank;
+            }
+        }
+        1.0
+    }
+
+    /// The fewest that there can be: one leaf, where there are any.
+    pub fn least(&self) -> u64 {
+        self.triangles.iter().find(|&&own| own > 0).map_or(0, |&own| own.into())
+    }
+
+    /// Those that stay.
+    pub fn thinned(&self, detail: &Detail) -> Organs {
+        if detail.leaf_share >= 1.0 {
+            return self.organs.clone();
+        }
+        selected(self.organs, |organ| rank(organ) < detail.leaf_share, detail.leaf_scale())
+    }
+}
+
+/// Some of the organs, larger: round the place where they are attached.
+fn selected(all: &Organs, stays: impl Fn(usize) -> bool, scale: f32) -> Organs {
+    let mut some = Organs { shapes: Arc::clone(&all.shapes), ..Organs::default() };
+    let (own, new) = (&all.polygons, &mut some.polygons);
+    for polygon in (0..own.ends.len()).filter(|&polygon| stays(polygon)) {
+        let corners = all.corners_of(polygon);
+        // An outline begins where it is attached.
+        let foot = corners.first().copied().unwrap_or_default();
+        new.corners.extend(corners.iter().map(|&corner| foot + (corner - foot) * scale));
+        new.ends.push(new.corners.len() as u32);
+        new.headings.push(own.headings[polygon]);
+        new.ups.push(own.ups[polygon]);
+        push(&mut new.growth, &own.growth, polygon);
+    }
+    let (own, new) = (&all.placed, &mut some.placed);
+    let before = all.polygons.ends.len();
+    for organ in (0..own.prototypes.len()).filter(|&organ| stays(before + organ)) {
+        new.prototypes.push(own.prototypes[organ]);
+        new.positions.push(own.positions[organ]);
+        new.headings.push(own.headings[organ]);
+        new.ups.push(own.ups[organ]);
+        new.sizes_m.push(own.sizes_m[organ] * scale);
+        push(&mut new.growth, &own.growth, organ);
+    }
+    some
+}
+
+fn push(to: &mut Growth, from: &Growth, organ: usize) {
+    to.nodes.push(from.nodes[organ]);
+    to.colors.push(from.colors[organ]);
+    to.births.push(from.births[organ]);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+    use linden_base::monitor::Quiet;
+    use linden_skeleton::organs::{Placed, prototype};
+
+    /// Leaves in a row, of two kinds.
+    fn row(count: u32) -> Organs {
+        let kinds = ['L', 'N'].map(|letter| prototype(letter).unwrap());
+        let own = Placed {
+            prototypes: (0..count).map(|i| kinds[i as usize % 2]).collect(),
+            positions: (0..count).map(|i| Vec3::X * i as f32).collect(),
+            headings: vec![Vec3::Y; count as usize],
+            ups: vec![Vec3::Z; count as usize],
+            sizes_m: vec![0.1; count as usize],
+            growth: Growth {
+                nodes: (0..count).collect(),
+                colors: vec![0; count as usize],
+                births: vec![0; count as usize],
+            },
+        };
+        Organs { placed: own, ..Organs::default() }
+    }
+
+    fn with(share: f64) -> Detail {
+        Detail { leaf_share: share, ..Detail::full(&crate::surface::Tubes::default()) }
+    }
+
+    #[test]
+    fn the_leaves_of_a_coarser_level_are_among_those_of_every_finer_one() {
+        let organs = row(5000);
+        let leaves = Leaves::new(&organs, &Quiet).unwrap();
+        let mut before: Vec<u32> = (0..5000).collect();
+        for share in [0.9, 0.5, 0.49, 0.2, 0.05, 0.01] {
+            let thin = leaves.thinned(&with(share));
+            let kept = &thin.placed.growth.nodes;
+            assert!(kept.iter().all(|node| before.contains(node)), "{share}");
+            assert!((kept.len() as f64 / 5000.0 - share).abs() < 0.001, "{share}: {}", kept.len());
+            // Evenly: nowhere along the row are they missing for long.
+            let longest = kept.windows(2).map(|pair| pair[1] - pair[0]).max().unwrap();
+            assert!(f64::from(longest) < 3.0 / share, "{share}: a gap of {longest}");
+            before.clone_from(kept);
+        }
+    }
+
+    #[test]
+    fn fewer_leaves_are_larger_up_to_twice() {
+        let organs = row(1000);
+        let leaves = Leaves::new(&organs, &Quiet).unwrap();
+        for (share, scale) in [(1.0, 1.0), (0.64, 1.25), (0.25, 2.0), (0.01, 2.0)] {
+            let thin = leaves.thinned(&with(share));
+            assert!((thin.placed.sizes_m[0] / 0.1 - scale).abs() < 1e-6, "{share}");
+            assert_eq!(thin.placed.positions[0], organs.placed.positions[0], "attached where it was");
+        }
+    }
+
+    #[test]
+    fn a_budget_of_leaves_is_met_to_a_leaf() {
+        let organs = row(3000);
+        let leaves = Leaves::new(&organs, &Quiet).unwrap();
+        let largest = leaves.triangles.iter().copied().max().unwrap();
+        for budget in [0, 1, 10, 999, 5000, leaves.total() - 1, leaves.total(), u64::MAX] {
+            let share = leaves.share_within(budget);
+            let found = leaves.triangles(share);
+            assert!(found <= budget);
+            assert!(found + u64::from(largest) > budget.min(leaves.total()), "{budget}: {found}");
+            let thin = leaves.thinned(&with(share));
+            let made = crate::foliage::meshes(&thin, 1, &Quiet).unwrap();
+            assert_eq!(made.iter().map(|own| own.mesh.triangles.len() as u64).sum::<u64>(), found);
+        }
+    }
+}

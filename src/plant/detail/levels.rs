@@ -1,0 +1,313 @@
+//! A recipe's chain of levels: the tree as its knobs want it, and what stands for it from afar.
+
+use std::sync::Arc;
+
+use super::billboard::{Billboard, billboard};
+use super::{Detail, DetailError, Simplified, Simplifier};
+use crate::dress::{DressError, Wardrobe};
+use crate::foliage::{Organs, sprout};
+use crate::scene::Scene;
+use crate::season::Season;
+use crate::settings::{Dressing, Form};
+use crate::stage::{self, Stage};
+use crate::surface::Tubes;
+use crate::wind::{Blown, Field};
+use crate::{Body, Specimen};
+use linden_base::memory::Holding;
+use linden_base::monitor::Monitor;
+use linden_skeleton::Skeleton;
+
+/// Levels of detail of one tree.
+#[derive(Debug)]
+pub struct Levels {
+    /// Finest first; at least one.
+    pub levels: Vec<Level>,
+    /// What the user should know.
+    pub notes: Vec<String>,
+}
+
+impl Levels {
+    /// What exporters take.
+    pub fn stage(&self) -> Stage<'_> {
+        // There is one at least.
+        Stage::of_levels(&self.levels[0].scene, self.levels.iter().map(Level::on_stage).collect())
+    }
+}
+
+/// A tree in one level of detail.
+#[derive(Debug)]
+pub struct Level {
+    /// How it looks. Its skeleton is the whole tree's.
+    pub scene: Scene,
+    /// The level serves while the tree takes at least this share of the picture's height; 0 for the last.
+    pub coverage: f32,
+}
+
+impl Level {
+    /// What exporters take.
+    pub const fn on_stage(&self) -> stage::Level<'_> {
+        stage::Level { scene: &self.scene, coverage: self.coverage }
+    }
+}
+
+/// The finest level serves down to this share of the picture's height.
+const NEAR: f32 = 0.5;
+
+/// Dresses a tree in all levels that its preset asks for: `triangles` for the finest, `lods` of them
+/// (each `lod_ratio` of the triangles before) or one for each of `lod_triangles`, and a last one of
+/// `billboard` planes.
+///
+/// # Errors
+/// [`DetailError`]: a budget that is too small, memory, cancelled, whatever dressing finds.
+pub fn levels(specimen: &Specimen<'_>, body: Body<'_>, monitor: &dyn Monitor) -> Result<Levels, DetailError> {
+    let mut notes = Vec::new();
+    let plan = Plan::new(specimen.dressing, body, &mut notes, monitor)?;
+    let wardrobe = Wardrobe::new(specimen, body.organs, monitor)?;
+    Ok(Levels { levels: plan.dress(specimen, body, &wardrobe, monitor)?, notes })
+}
+
+/// One tree through the year, in all levels that its preset asks for.
+#[derive(Debug)]
+pub struct Year {
+    /// At least one; first the one that is shown where there is no choice. All have as many levels.
+    pub seasons: Vec<(Season, Vec<Level>)>,
+    /// What the user should know.
+    pub notes: Vec<String>,
+    /// The tree's own.
+    recipe: String,
+}
+
+impl Year {
+    /// What exporters take.
+    pub fn stage(&self) -> Stage<'_> {
+        // There is one at least, with one level.
+        let mut stage = Stage::of(&self.seasons[0].1[0].scene);
+        stage.recipe.clone_from(&self.recipe);
+        let seasons = self.seasons.iter().map(|(season, levels)| stage::Season {
+            name: season.name.clone(),
+            levels: levels.iter().map(Level::on_stage).collect(),
+        });
+        stage.plants[0].seasons = seasons.collect();
+        stage
+    }
+}
+
+/// Dresses a tree in each of some seasons, as [`levels`] does in its own: the wood is the same in all of
+/// them, level by level, and a leaf that is there in two hangs in the same place. A budget of triangles is
+/// met where the tree has most leaves. First comes the season nearest to the recipe's own.
+///
+/// # Errors
+/// As [`levels`]. Without any season there is that of the recipe.
+pub fn year(
+    specimen: &Specimen<'_>,
+    body: Body<'_>,
+    seasons: &[Season],
+    monitor: &dyn Monitor,
+) -> Result<Year, DetailError> {
+    let own = specimen.dressing.foliage.season;
+    let mut seasons = seasons.to_vec();
+    if seasons.is_empty() {
+        seasons.push(Season { name: "own".to_owned(), season: own });
+    }
+    let away = |at: usize| (seasons[at].season - own).abs();
+    let first = (1..seasons.len()).fold(0, |best, at| if away(at) < away(best) { at } else { best });
+    seasons[..=first].rotate_right(1);
+
+    let mut looks: Vec<(Dressing, Arc<Organs>)> = Vec::with_capacity(seasons.len());
+    let mut held = body.bytes();
+    for season in &seasons {
+        let mut dressing = specimen.dressing.clone();
+        dressing.foliage.season = season.season;
+        let holding = Holding::new(monitor, held);
+        let sprouting = sprout(&specimen.with(&dressing), body.skeleton, body.given, &holding);
+        let organs = sprouting.map_err(DressError::from).map_err(DetailError::from)?;
+        held += organs.bytes();
+        looks.push((dressing, organs));
+    }
+    let amount = |at: usize| looks[at].1.amount().1;
+    let fullest = (1..looks.len()).fold(0, |best, at| if amount(at) > amount(best) { at } else { best });
+
+    let mut notes = Vec::new();
+    if specimen.dressing.foliage.kinds().all(|kind| kind.evergreen || kind.form == Form::None) {
+        notes.push("seasons: nothing on this plant changes with them".to_owned());
+    }
+    let fullest = Body { organs: &looks[fullest].1, ..body };
+    let plan = Plan::new(specimen.dressing, fullest, &mut notes, monitor)?;
+    let mut wardrobe: Option<Wardrobe> = None;
+    let mut year = Vec::with_capacity(seasons.len());
+    for (season, (dressing, organs)) in seasons.into_iter().zip(&looks) {
+        let specimen = specimen.with(dressing);
+        let body = Body { organs, ..body };
+        let holding = Holding::new(monitor, held);
+        let worn = match &wardrobe {
+            Some(before) => before.in_season(&specimen, organs, &holding)?,
+            None => Wardrobe::new(&specimen, organs, &holding)?,
+        };
+        let levels = plan.dress(&specimen, body, &worn, &holding)?;
+        held += levels.iter().map(|level| level.scene.bytes()).sum::<u64>();
+        year.push((season, levels));
+        wardrobe = Some(worn);
+    }
+    Ok(Year { seasons: year, notes, recipe: (specimen.recipe)(specimen.dressing) })
+}
+
+/// Which levels there are to be of a tree.
+struct Plan {
+    /// How much each has, finest first; `None`: one with everything.
+    details: Option<Vec<Detail>>,
+}
+
+impl Plan {
+    /// Solves for the budgets that a preset sets.
+    fn new(
+        dressing: &Dressing,
+        body: Body<'_>,
+        notes: &mut Vec<String>,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, DetailError> {
+        let Dressing { detail, tubes, .. } = dressing;
+        let budgets = detail.budgets();
+        if let Some(pair) = budgets.windows(2).find(|pair| pair[0] <= pair[1]) {
+            return Err(DetailError::NotFewer { before: pair[0], after: pair[1] });
+        }
+        if detail.finest() == 0 && detail.triangle_levels() == 1 {
+            return Ok(Self { details: None });
+        }
+        let simplifier = Simplifier::new(tubes, body, monitor)?;
+        let full = simplifier.full_triangles(monitor)?;
+        let mut details = Vec::new();
+        if !budgets.is_empty() {
+            let most = budgets.iter().rposition(|&budget| budget >= full).unwrap_or(0);
+            if budgets[0] > full {
+                notes.push(format!("lod_triangles: the tree has no more than {full}"));
+            }
+            if most > 0 {
+                notes.push(format!(
+                    "lod_triangles: the first {} levels would be the whole tree; it is written once",
+                    most + 1
+                ));
+            }
+            for &budget in &budgets[most..] {
+                details.push(simplifier.within(budget, monitor)?);
+            }
+            return Ok(Self { details: Some(details) });
+        }
+        let least = simplifier.least_triangles(monitor)?;
+        let mut budget = if detail.triangles == 0 { full } else { detail.triangles };
+        if budget > full {
+            notes.push(format!("triangles={budget}: the tree has no more than {full}"));
+            budget = full;
+        }
+        for level in 0..detail.lods.max(1) {
+            if level > 0 && budget < least {
+                notes.push(format!(
+                    "lods={}: after {level} levels nothing is left to leave out ({least} triangles)",
+                    detail.lods
+                ));
+                break;
+            }
+            details.push(simplifier.within(budget, monitor)?);
+            budget = (budget as f64 * detail.lod_ratio) as u64;
+        }
+        Ok(Self { details: Some(details) })
+    }
+
+    /// Dresses a tree in these levels, and in what stands for it from afar.
+    fn dress(
+        &self,
+        specimen: &Specimen<'_>,
+        body: Body<'_>,
+        wardrobe: &Wardrobe,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Level>, DetailError> {
+        let Dressing { detail, tubes, .. } = specimen.dressing;
+        let field = Field::of(specimen, body.skeleton);
+        let mut scenes: Vec<Scene> = Vec::new();
+        match &self.details {
+            None => {
+                let blown = field.as_ref().map(|field| Blown { field, axes: None });
+                scenes.push(wardrobe.dress(specimen, body, blown, monitor)?);
+            }
+            Some(details) => {
+                let simplifier = Simplifier::new(tubes, body, monitor)?;
+                for own in details {
+                    let held = Holding::new(monitor, scenes.iter().map(Scene::bytes).sum());
+                    let thin = simplifier.simplified(own, &held)?;
+                    scenes.push(dressed(thin, wardrobe, field.as_ref(), specimen, body, &held)?);
+                }
+            }
+        }
+        if detail.billboard > 0 {
+            let how = Billboard { planes: detail.billboard, size_px: detail.billboard_size_px };
+            let held = Holding::new(monitor, scenes.iter().skip(1).map(Scene::bytes).sum());
+            scenes.push(billboard(&scenes[0], &how, &held)?);
+        }
+        // So many triangles per pixel: the height goes with the root of their number.
+        let step = (detail.lod_ratio as f32).sqrt();
+        let triangles =
+            |scene: &Scene| scene.parts.iter().map(|part| part.mesh.triangles.len()).sum::<usize>();
+        let most = triangles(&scenes[0]).max(1) as f32;
+        let is_listed = !detail.budgets().is_empty();
+        let last = scenes.len() - 1;
+        let mut coverage = NEAR / step;
+        let level = |(index, scene): (usize, Scene)| {
+            coverage *= step;
+            let listed = NEAR * (triangles(&scene) as f32 / most).sqrt();
+            let own = if is_listed { listed } else { coverage };
+            Level { scene, coverage: if index == last { 0.0 } else { own } }
+        };
+        Ok(scenes.into_iter().enumerate().map(level).collect())
+    }
+}
+
+/// The finest level of a tree, without its meshes.
+#[derive(Clone, Debug)]
+pub struct Finest {
+    /// The axial tree.
+    pub skeleton: Arc<Skeleton>,
+    /// What grows on it.
+    pub organs: Arc<Organs>,
+    /// How its surface is made.
+    pub tubes: Tubes,
+}
+
+/// The finest level's wood and leaves, as `triangles` has them, and how the wood is swept: what is
+/// measured where nothing is to be dressed.
+///
+/// # Errors
+/// [`DetailError`].
+pub fn finest(dressing: &Dressing, body: Body<'_>, monitor: &dyn Monitor) -> Result<Finest, DetailError> {
+    let Dressing { detail, tubes, .. } = dressing;
+    let budget = detail.finest();
+    if budget == 0 {
+        return Ok(Finest {
+            skeleton: Arc::clone(body.skeleton),
+            organs: Arc::clone(body.organs),
+            tubes: *tubes,
+        });
+    }
+    let simplifier = Simplifier::new(tubes, body, monitor)?;
+    let own = simplifier.within(budget, monitor)?;
+    let Simplified { skeleton, organs, tubes, .. } = simplifier.simplified(&own, monitor)?;
+    Ok(Finest { skeleton: Arc::new(skeleton), organs: Arc::new(organs), tubes })
+}
+
+/// Dresses a level.
+fn dressed(
+    Simplified { skeleton, axes, organs, tubes }: Simplified,
+    wardrobe: &Wardrobe,
+    field: Option<&Field<'_>>,
+    specimen: &Specimen<'_>,
+    body: Body<'_>,
+    monitor: &dyn Monitor,
+) -> Result<Scene, DetailError> {
+    let dressing = Dressing { tubes, ..specimen.dressing.clone() };
+    let (skeleton, organs) = (Arc::new(skeleton), Arc::new(organs));
+    let thin = Body { skeleton: &skeleton, organs: &organs, ..body };
+    let blown = field.map(|field| Blown { field, axes: Some(&axes) });
+    let mut scene = wardrobe.dress(&specimen.with(&dressing), thin, blown, monitor)?;
+    // Whatever is shown of it, this is the tree.
+    scene.recipe = (specimen.recipe)(specimen.dressing);
+    scene.skeleton = Arc::clone(body.skeleton);
+    Ok(scene)
+}

@@ -1,0 +1,224 @@
+//! From a number of triangles to the detail that has as many.
+
+use super::{Detail, DetailError, Simplifier};
+use crate::surface::Tubes;
+use linden_base::monitor::Monitor;
+
+/// Wood loses more than leaves do when both get less: `share^WOOD_FIRST` of it stays. From afar a crown
+/// is its leaves.
+const WOOD_FIRST: f64 = 1.25;
+
+/// How many of `budget` triangles are the wood's, where there are `wood` and `leaves` of them in all.
+pub fn share_of_wood(budget: u64, wood: u64, leaves: u64) -> u64 {
+    let share = budget as f64 / (wood + leaves).max(1) as f64;
+    let for_wood = (libm::pow(share.min(1.0), WOOD_FIRST) * wood as f64) as u64;
+    // What leaves cannot use goes to the wood.
+    for_wood.max(budget.saturating_sub(leaves)).min(wood)
+}
+/// As near as this share of the budget is near enough.
+const NEAR: f64 = 0.01;
+/// Halvings of the scale from all to nothing: it ends at a millionth of it.
+const HALVINGS: u32 = 20;
+/// From this share of the tree's size on nothing but the stem is left.
+const COARSEST: f32 = 1.0;
+/// The finest deviation that anybody would see, as a share of the tree's size.
+const FINEST: f32 = 1e-6;
+
+impl Simplifier<'_> {
+    /// Triangles of the whole tree.
+    ///
+    /// # Errors
+    /// [`DetailError::Cancelled`].
+    pub fn full_triangles(&self, monitor: &dyn Monitor) -> Result<u64, DetailError> {
+        self.triangles(&Detail::full(&self.tubes), monitor)
+    }
+
+    /// The fewest triangles that the tree can do with: its stem, and a leaf if it has leaves.
+    ///
+    /// # Errors
+    /// [`DetailError::Cancelled`].
+    pub fn least_triangles(&self, monitor: &dyn Monitor) -> Result<u64, DetailError> {
+        Ok(self.wood_triangles(&self.coarse(1.0, 1), monitor)? + self.leaves.least())
+    }
+
+    /// The detail with `budget` triangles, or all where the tree has no more.
+    ///
+    /// Wood and leaves share the budget. The count is within 5 % of it for every tree of more than a few
+    /// tubes (a tube alone changes by whole rings and sides); with leaves it is exact to one of them.
+    ///
+    /// # Errors
+    /// [`DetailError::TooFew`] below [`Self::least_triangles`]; [`DetailError::Cancelled`].
+    pub fn within(&self, budget: u64, monitor: &dyn Monitor) -> Result<Detail, DetailError> {
+        let all = Detail::full(&self.tubes);
+        let wood = self.wood_triangles(&all, monitor)?;
+        let leaves = self.leaves.total();
+        if wood + leaves <= budget {
+            return Ok(all);
+        }
+        let least_wood = self.wood_triangles(&self.coarse(1.0, 1), monitor)?;
+        let least = least_wood + self.leaves.least();
+        if budget < least {
+            return Err(DetailError::TooFew { budget, least });
+        }
+        // Each needs its least.
+        let for_wood = share_of_wood(budget, wood, leaves).clamp(least_wood, budget - self.leaves.least());
+        let mut detail = self.wood_within(for_wood, monitor)?;
+        let used = self.wood_triangles(&detail, monitor)?;
+        detail.leaf_share = self.leaves.share_within(budget.saturating_sub(used));
+        Ok(detail)
+    }
+
+    /// All deviations of the wood from one number: 0 is all of it, 1 the stem alone.
+    fn coarse(&self, scale: f32, rings: u32) -> Detail {
+        let Tubes { sides, .. } = self.tubes;
+        if scale <= 0.0 {
+            return Detail { rings, ..Detail::full(&self.tubes) };
+        }
+        let size_m = self.wood.size_m();
+        // Evenly in the logarithm: as much as a viewer sees who goes away step by step.
+        let error_m = size_m * FINEST * libm::powf(COARSEST / FINEST, scale);
+        // A polygon of n sides is r (1 - cos π/n) from its circle.
+        let radius_m = self.wood.thickest_m().max(f32::MIN_POSITIVE);
+        let sagitta = 1.0 - libm::cosf(std::f32::consts::PI / sides as f32) + error_m / radius_m;
+        let enough = std::f32::consts::PI / libm::acosf((1.0 - sagitta).max(-1.0));
+        Detail {
+            sides: (enough as u32).clamp(3, sides),
+            rings,
+            tolerance_m: TOLERANCE * error_m,
+            smallest_radius_m: SMALLEST * error_m,
+            leaf_share: 1.0,
+        }
+    }
+
+    /// The wood with about so many triangles, rather fewer than more.
+    fn wood_within(&self, budget: u64, monitor: &dyn Monitor) -> Result<Detail, DetailError> {
+        // The fewest rings between nodes that leave something to be taken away.
+        let mut rings = self.tubes.rings;
+        while rings > 1 && self.wood_triangles(&self.coarse(0.0, rings - 1), monitor)? >= budget {
+            rings -= 1;
+        }
+        let whole = self.coarse(0.0, rings);
+        if self.wood_triangles(&whole, monitor)? <= budget {
+            return Ok(whole);
+        }
+        let (over, under) =
+            self.bracket(budget, whole, (0.0, 1.0), |scale| self.coarse(scale, rings), monitor)?;
+        if under.triangles > budget {
+            return Ok(self.coarse(1.0, 1));
+        }
+        if near(under.triangles, budget) {
+            return Ok(under.detail);
+        }
+        // A jump: there many rings lose a side at once. With the sides from before it, nodes and axes go
+        // one by one.
+        let finer = |scale| Detail { sides: over.detail.sides, ..self.coarse(scale, rings) };
+        let (over, under) = self.bracket(budget, over.detail, (over.scale, 1.0), finer, monitor)?;
+        let nearer = over.triangles - budget < budget.abs_diff(under.triangles);
+        Ok(if nearer && self.leaves.total() == 0 { over.detail } else { under.detail })
+    }
+
+    /// Two neighbours on a path of details, between which the budget lies: `first`, at the path's
+    /// begin, has more triangles than that.
+    fn bracket(
+        &self,
+        budget: u64,
+        first: Detail,
+        (mut fine, mut coarse): (f32, f32),
+        path: impl Fn(f32) -> Detail,
+        monitor: &dyn Monitor,
+    ) -> Result<(Found, Found), DetailError> {
+        let found = |scale, detail: Detail| {
+            let triangles = self.wood_triangles(&detail, monitor)?;
+            Ok::<_, DetailError>(Found { scale, detail, triangles })
+        };
+        let mut over = found(fine, first)?;
+        let mut under = found(coarse, path(coarse))?;
+        for _ in 0..HALVINGS {
+            if near(under.triangles, budget) {
+                break;
+            }
+            let middle = f32::midpoint(fine, coarse);
+            let next = found(middle, path(middle))?;
+            if next.triangles > budget {
+                (fine, over) = (middle, next);
+            } else {
+                (coarse, under) = (middle, next);
+            }
+        }
+        Ok((over, under))
+    }
+}
+
+/// A place on a path of details.
+struct Found {
+    scale: f32,
+    detail: Detail,
+    triangles: u64,
+}
+
+fn near(triangles: u64, budget: u64) -> bool {
+    budget.abs_diff(triangles) as f64 <= NEAR * budget as f64
+}
+
+/// How far an axis may move, in deviations of the bark.
+const TOLERANCE: f32 = 3.0;
+/// The thickest wood that is left out, in deviations of the bark.
+const SMALLEST: f32 = 1.0;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::testing::{Subject, body};
+    use linden::preset::{Builtin, builtins};
+    use linden_base::monitor::Quiet;
+
+    #[test]
+    fn every_budget_is_met_by_every_tree() {
+        let mut checked = 0;
+        // Plants are large: one in seven, with fewer budgets.
+        let (plants, plain): (Vec<&Builtin>, Vec<&Builtin>) =
+            builtins().iter().partition(|own| own.load().is_ok_and(|preset| preset.group == "Plants"));
+        let all = [0.9, 0.5, 0.3, 0.1, 0.03, 0.01];
+        let plain = plain.into_iter().map(|own| (own, &all[..]));
+        let plants = plants.into_iter().step_by(7).map(|own| (own, &all[3..4]));
+        for (builtin, shares) in plain.chain(plants) {
+            let subject = Subject::of(builtin.recipe(&Quiet).unwrap());
+            let grown = subject.grow();
+            let simplifier = Simplifier::new(&subject.dressing.tubes, body(&grown), &Quiet).unwrap();
+            let full = simplifier.full_triangles(&Quiet).unwrap();
+            for share in shares {
+                let budget = (full as f64 * share) as u64;
+                // A handful of tubes changes by whole rings.
+                if budget < 300 {
+                    continue;
+                }
+                let detail = simplifier.within(budget, &Quiet).unwrap();
+                let found = simplifier.triangles(&detail, &Quiet).unwrap();
+                let off = found as f64 / budget as f64 - 1.0;
+                assert!(off.abs() <= 0.05, "{} {budget}: {found} ({detail:?})", builtin.id);
+                checked += 1;
+            }
+        }
+        assert!(checked > 100, "{checked}");
+    }
+
+    #[test]
+    fn the_least_is_met_and_less_is_refused() {
+        let subject = Subject::builtin("fir", &[]);
+        let grown = subject.grow();
+        let simplifier = Simplifier::new(&subject.dressing.tubes, body(&grown), &Quiet).unwrap();
+        let least = simplifier.least_triangles(&Quiet).unwrap();
+        assert!((10..200).contains(&least), "{least}");
+        let detail = simplifier.within(least, &Quiet).unwrap();
+        assert_eq!(simplifier.triangles(&detail, &Quiet).unwrap(), least);
+        let said = simplifier.within(least - 1, &Quiet).unwrap_err().to_string();
+        assert!(
+            said.contains(&format!("triangles={}", least - 1)) && said.contains(&format!("{least} ")),
+            "{said}"
+        );
+        let full = simplifier.full_triangles(&Quiet).unwrap();
+        for budget in [full, full + 1, u64::MAX] {
+            assert_eq!(simplifier.within(budget, &Quiet).unwrap(), Detail::full(&subject.dressing.tubes));
+        }
+    }
+}

@@ -1,0 +1,309 @@
+//! The wood with less of it: which axes stay, and which nodes shape them.
+
+use glam::Vec3;
+
+use super::Detail;
+use linden_base::monitor::{Cancelled, Monitor};
+use linden_skeleton::{Axis, NO_PARENT, Skeleton};
+
+/// Fractional part of the golden ratio: its multiples fill the unit interval evenly at every moment
+/// (Weyl's sequence with the least discrepancy).
+pub(super) const GOLDEN: f64 = 0.618_033_988_749_894_9;
+/// Of things that matter equally, the last goes when so much more is given up than for the first. In a
+/// grammar's tree hundreds are equal, and a rule that took all at once could not meet a budget.
+const SPREAD: f32 = 0.5;
+/// What a node counts that lies straight between its neighbours, as a share of their distance: long
+/// straight pieces keep a node or two when there is room.
+const STRAIGHT: f32 = 0.004;
+/// Axes between two looks at the monitor.
+const AXES_PER_CHECK: usize = 1024;
+
+/// When the `index`-th of equal things goes, as a multiple of when the first does.
+fn later(index: u32) -> f32 {
+    1.0 + SPREAD * (f64::from(index) * GOLDEN).fract() as f32
+}
+
+/// A skeleton, and what matters of it.
+pub(super) struct Wood<'a> {
+    skeleton: &'a Skeleton,
+    /// For each axis the [`Detail::smallest_radius_m`] up to which it stays: never more than its parent's.
+    stays: Vec<f32>,
+    /// For each node the [`Detail::tolerance_m`] up to which it is needed; infinite at both ends of an axis.
+    needed: Vec<f32>,
+    /// The axis of each node.
+    axis_of: Vec<u32>,
+}
+
+impl<'a> Wood<'a> {
+    pub fn new(skeleton: &'a Skeleton, monitor: &dyn Monitor) -> Result<Self, Cancelled> {
+        let mut axis_of = vec![0; skeleton.positions.len()];
+        let mut needed = vec![f32::INFINITY; skeleton.positions.len()];
+        let mut stays = Vec::with_capacity(skeleton.axes.len());
+        let mut splitter = Splitter::default();
+        for (index, axis) in skeleton.axes.iter().enumerate() {
+            if index.is_multiple_of(AXES_PER_CHECK) {
+                monitor.check()?;
+            }
+            let own = skeleton.nodes_of(axis);
+            for &node in own {
+                axis_of[node as usize] = index as u32;
+            }
+            let base_m = own.first().map_or(0.0, |&node| skeleton.radii[node as usize]);
+            let own_m = base_m * later(index as u32);
+            let parent_m = match axis.parent {
+                NO_PARENT => f32::INFINITY,
+                node => stays[axis_of[node as usize] as usize],
+            };
+            stays.push(own_m.min(parent_m));
+            splitter.rank(skeleton, axis, &mut needed);
+        }
+        // Something must stay: the thickest stem, the first of those.
+        let stems = (0..stays.len()).filter(|&i| skeleton.axes[i].parent == NO_PARENT);
+        let thicker = |a: &usize, b: &usize| stays[*a].total_cmp(&stays[*b]).then(b.cmp(a));
+        if let Some(stem) = stems.max_by(thicker) {
+            stays[stem] = f32::INFINITY;
+        }
+        Ok(Self { skeleton, stays, needed, axis_of })
+    }
+
+    /// The thickest that the tree has, metres.
+    pub fn thickest_m(&self) -> f32 {
+        self.skeleton.radii.iter().copied().fold(0.0, f32::max)
+    }
+
+    /// The longest edge of the box round it, metres.
+    pub fn size_m(&self) -> f32 {
+        let bounds = linden_base::mesh::Bounds::of(self.skeleton.positions.iter().copied());
+        bounds.map_or(0.0, |own| own.size().max_element())
+    }
+
+    /// What stays of it, and for each axis its index in the whole.
+    ///
+    /// The foot and the tip of an axis stay, and each node that an axis which stays leaves from: so
+    /// no branch hangs beside the wood that bears it.
+    pub fn thinned(&self, detail: &Detail) -> (Skeleton, Vec<u32>) {
+        let Self { skeleton: whole, stays, needed, axis_of } = self;
+        let axis_stays = |axis: usize| stays[axis] >= detail.smallest_radius_m;
+        let mut keep: Vec<bool> = needed
+            .iter()
+            .zip(axis_of)
+            .map(|(&needed, &axis)| needed >= detail.tolerance_m && axis_stays(axis as usize))
+            .collect();
+        for (index, axis) in whole.axes.iter().enumerate() {
+            if axis.parent != NO_PARENT && axis_stays(index) {
+                keep[axis.parent as usize] = true;
+            }
+        }
+        let kept = keep.iter().filter(|&&kept| kept).count();
+        let mut thin = Skeleton {
+            positions: Vec::with_capacity(kept),
+            radii: Vec::with_capacity(kept),
+            births: Vec::with_capacity(kept),
+            parents: Vec::with_capacity(kept),
+            axes: Vec::new(),
+            axis_nodes: Vec::with_capacity(kept),
+        };
+        // Where a node is in the thinner tree, or else the nearest node below it that stays.
+        let mut new = vec![NO_PARENT; keep.len()];
+        for (node, &kept) in keep.iter().enumerate() {
+            let parent = whole.parents[node];
+            let below = if parent == NO_PARENT { NO_PARENT } else { new[parent as usize] };
+            if !kept {
+                new[node] = below;
+                continue;
+            }
+            new[node] = thin.positions.len() as u32;
+            thin.positions.push(whole.positions[node]);
+            thin.radii.push(whole.radii[node]);
+            thin.births.push(whole.births[node]);
+            thin.parents.push(below);
+        }
+        let mut axes = Vec::new();
+        for (index, axis) in whole.axes.iter().enumerate().filter(|(index, _)| axis_stays(*index)) {
+            let first = thin.axis_nodes.len() as u32;
+            let own = whole.nodes_of(axis).iter().filter(|&&node| keep[node as usize]);
+            thin.axis_nodes.extend(own.map(|&node| new[node as usize]));
+            let parent = if axis.parent == NO_PARENT { NO_PARENT } else { new[axis.parent as usize] };
+            let len = thin.axis_nodes.len() as u32 - first;
+            thin.axes.push(Axis { order: axis.order, parent, first, len });
+            axes.push(index as u32);
+        }
+        (thin, axes)
+    }
+}
+
+/// Ranks the nodes of axes by how much each of them shapes its axis.
+#[derive(Default)]
+struct Splitter {
+    /// Place and radius along the axis, from the node that it leaves from.
+    line: Vec<(Vec3, f32)>,
+    /// Pieces whose inside is to be ranked, with what the node that made them counts.
+    open: Vec<(usize, usize, f32)>,
+}
+
+impl Splitter {
+    /// After Douglas & Peucker 1973: a piece of an axis is as far from the straight line between its
+    /// ends as its farthest node, which then splits it. It is looked for in the middle half, so that
+    /// any axis takes time in proportion to n log n; no node counts more than the one that split
+    /// its piece. The change of the radius counts like the change of place.
+    fn rank(&mut self, skeleton: &Skeleton, axis: &Axis, needed: &mut [f32]) {
+        let own = skeleton.nodes_of(axis);
+        let station =
+            |node: u32, thick: u32| (skeleton.positions[node as usize], skeleton.radii[thick as usize]);
+        self.line.clear();
+        let laterals = usize::from(axis.parent != NO_PARENT);
+        if let (1, Some(&first)) = (laterals, own.first()) {
+            self.line.push(station(axis.parent, first));
+        }
+        self.line.extend(own.iter().map(|&node| station(node, node)));
+        self.open.clear();
+        if self.line.len() > 2 {
+            self.open.push((0, self.line.len() - 1, f32::INFINITY));
+        }
+        while let Some((from, to, above)) = self.open.pop() {
+            let (split, error) = self.farthest(from, to);
+            let node = own[split - laterals];
+            let alone = error + STRAIGHT * self.line[from].0.distance(self.line[to].0);
+            let counts = (alone * later(node)).min(above);
+            needed[node as usize] = counts;
+            for (from, to) in [(from, split), (split, to)] {
+                if to - from > 1 {
+                    self.open.push((from, to, counts));
+                }
+            }
+        }
+    }
+
+    /// Where a piece is split, and how far its farthest node is from the straight line, metres.
+    fn farthest(&self, from: usize, to: usize) -> (usize, f32) {
+        let ((a, ra), (b, rb)) = (self.line[from], self.line[to]);
+        let along = b - a;
+        let over = 1.0 / along.length_squared().max(f32::MIN_POSITIVE);
+        let quarter = (to - from) / 4;
+        let (mut split, mut farthest, mut most) = (usize::midpoint(from, to), 0.0, 0.0);
+        for at in from + 1..to {
+            let (place, radius) = self.line[at];
+            let t = ((place - a).dot(along) * over).clamp(0.0, 1.0);
+            let error = place.distance(a + along * t).max((radius - (ra + (rb - ra) * t)).abs());
+            most = f32::max(most, error);
+            if error > farthest && (from + quarter..=to - quarter).contains(&at) {
+                (split, farthest) = (at, error);
+            }
+        }
+        (split, most)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::surface::Tubes;
+    use crate::testing::skeleton;
+    use linden_base::monitor::Quiet;
+
+    fn with(tolerance_m: f32, smallest_radius_m: f32) -> Detail {
+        Detail { tolerance_m, smallest_radius_m, ..Detail::full(&Tubes::default()) }
+    }
+
+    #[test]
+    fn nothing_is_left_out_where_nothing_is_to_be() {
+        for id in ["fir", "abop-b", "older-shrub"] {
+            let whole = skeleton(id);
+            let (thin, axes) = Wood::new(&whole, &Quiet).unwrap().thinned(&with(0.0, 0.0));
+            assert_eq!(thin, *whole, "{id}");
+            assert!(axes.into_iter().eq(0..whole.axes.len() as u32));
+        }
+    }
+
+    #[test]
+    fn what_stays_is_a_tree_of_nodes_that_were_there() {
+        for id in ["fir", "abop-b", "sphere"] {
+            let whole = skeleton(id);
+            let wood = Wood::new(&whole, &Quiet).unwrap();
+            for (tolerance_m, smallest_m) in [(0.01, 0.0), (0.0, 0.004), (0.05, 0.01), (1e3, 1e3)] {
+                let (thin, axes) = wood.thinned(&with(tolerance_m, smallest_m));
+                let place = |p: &Vec3| p.to_array().map(f32::to_bits);
+                let there: std::collections::BTreeSet<_> = whole.positions.iter().map(place).collect();
+                assert!(thin.positions.iter().all(|p| there.contains(&place(p))));
+                assert_eq!(thin.axis_nodes.len(), thin.positions.len(), "each stands in one axis");
+                for (axis, &whole_axis) in thin.axes.iter().zip(&axes) {
+                    let before = &whole.axes[whole_axis as usize];
+                    assert_eq!(axis.order, before.order);
+                    // Each begins and ends where it did.
+                    let (own, all) = (thin.nodes_of(axis), whole.nodes_of(before));
+                    let same = |a: u32, b: u32| {
+                        assert_eq!(thin.positions[a as usize], whole.positions[b as usize], "{id}");
+                    };
+                    same(own[own.len() - 1], all[all.len() - 1]);
+                    if before.parent != NO_PARENT {
+                        same(axis.parent, before.parent);
+                        assert_eq!(thin.parents[own[0] as usize], axis.parent);
+                    }
+                    for pair in own.windows(2) {
+                        assert_eq!(thin.parents[pair[1] as usize], pair[0]);
+                        assert!(pair[0] < pair[1], "parents come first");
+                    }
+                }
+            }
+            let (stem, axes) = wood.thinned(&with(1e3, 1e3));
+            assert_eq!(
+                (stem.axes.len(), axes.len(), stem.positions.len()),
+                (1, 1, 2),
+                "foot and tip of the stem"
+            );
+        }
+    }
+
+    #[test]
+    fn axes_stay_within_the_tolerance() {
+        let whole = skeleton("sphere");
+        let wood = Wood::new(&whole, &Quiet).unwrap();
+        for tolerance_m in [0.003, 0.02, 0.1] {
+            let (thin, axes) = wood.thinned(&with(tolerance_m, 0.0));
+            for (axis, &before) in thin.axes.iter().zip(&axes) {
+                let line: Vec<Vec3> = (axis.parent != NO_PARENT)
+                    .then_some(axis.parent)
+                    .iter()
+                    .chain(thin.nodes_of(axis))
+                    .map(|&node| thin.positions[node as usize])
+                    .collect();
+                for &node in whole.nodes_of(&whole.axes[before as usize]) {
+                    let place = whole.positions[node as usize];
+                    let nearest = line
+                        .windows(2)
+                        .map(|pair| {
+                            let along = pair[1] - pair[0];
+                            let t = (place - pair[0]).dot(along) / along.length_squared();
+                            place.distance(pair[0] + along * t.clamp(0.0, 1.0))
+                        })
+                        .fold(f32::INFINITY, f32::min);
+                    assert!(nearest <= tolerance_m, "{nearest} of {tolerance_m}");
+                }
+            }
+            assert!(thin.positions.len() < whole.positions.len());
+        }
+    }
+
+    #[test]
+    fn thin_wood_goes_first_and_takes_what_it_bears() {
+        let whole = skeleton("fir");
+        let wood = Wood::new(&whole, &Quiet).unwrap();
+        let base = |axis: &Axis| whole.radii[whole.nodes_of(axis)[0] as usize];
+        let mut bases: Vec<f32> = whole.axes.iter().map(base).collect();
+        bases.sort_unstable_by(f32::total_cmp);
+        let mut before = whole.axes.len();
+        for share in [0.5, 0.9, 0.99] {
+            let smallest_m = bases[(share * bases.len() as f64) as usize] * 1.25;
+            let (_, axes) = wood.thinned(&with(0.0, smallest_m));
+            assert!(axes.len() < before);
+            before = axes.len();
+            for &axis in &axes {
+                let own = whole.axes[axis as usize];
+                assert!(base(&own) * (1.0 + SPREAD) >= smallest_m);
+                if own.parent != NO_PARENT {
+                    assert!(axes.contains(&wood.axis_of[own.parent as usize]), "its parent is there");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! Foliage as few meshes in many places: what [`meshes`](super::meshes()) bakes, before it is baked.
+
+use std::sync::Arc;
+
+use glam::{Mat3, Quat, Vec3};
+
+use super::{Look, Organs, PROTOTYPES};
+use linden_base::memory::bytes_of;
+use linden_base::mesh::Mesh;
+use linden_skeleton::organs::LeafShape;
+
+/// The placed organs of a part: the end of its mesh are copies of a few meshes, and this tells which
+/// stand where. What comes before in that mesh are outlines, which are no copies of anything.
+///
+/// A copy is turned, moved and as large each way. It has the normals of its own face, where the baked
+/// one of a kind with dome normals does not.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Instances {
+    organs: Arc<Organs>,
+    shapes: Arc<[LeafShape]>,
+    colors: usize,
+    look: Look,
+}
+
+/// One mesh in many places.
+#[derive(Debug)]
+pub struct Copies<'a> {
+    /// Lower-case ASCII identifier, unique within a part: `leaf`, `variant_2`.
+    pub name: String,
+    /// In units of its own, the foot at the origin; not empty.
+    pub mesh: &'a Mesh,
+    /// At least one, in the order of the baked copies.
+    pub placements: Vec<Placement>,
+}
+
+/// Where a copy stands: scaled, turned, then moved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placement {
+    /// Where its foot is, metres.
+    pub position: Vec3,
+    /// A unit quaternion.
+    pub rotation: Quat,
+    /// What one unit of the mesh is, metres.
+    pub scale: f32,
+}
+
+impl Placement {
+    /// Where a point of the mesh is, metres.
+    pub fn point(&self, local: Vec3) -> Vec3 {
+        self.position + self.rotation * (local * self.scale)
+    }
+}
+
+impl Instances {
+    /// Those of a look among organs that are baked with these shapes and as many colours.
+    pub(crate) fn of(organs: &Arc<Organs>, shapes: &Arc<[LeafShape]>, colors: usize, look: Look) -> Self {
+        Self { organs: Arc::clone(organs), shapes: Arc::clone(shapes), colors: colors.max(1), look }
+    }
+
+    /// The meshes that stand somewhere, each with all its places. Takes about 50 ns and
+    /// [`Instances::BYTES`] a copy.
+    pub fn copies(&self) -> Vec<Copies<'_>> {
+        let own = &self.organs.placed;
+        let meshes = PROTOTYPES.len() + self.shapes.len();
+        let mut placements: Vec<Vec<Placement>> = vec![Vec::new(); meshes];
+        for (organ, &prototype) in own.prototypes.iter().enumerate() {
+            if self.look_of(organ) != self.look {
+                continue;
+            }
+            if let Some(of) = placements.get_mut(usize::from(prototype)) {
+                let (heading, up) = (own.headings[organ], own.ups[organ]);
+                let turn = Quat::from_mat3(&Mat3::from_cols(heading.cross(up), heading, up));
+                of.push(Placement {
+                    position: own.positions[organ],
+                    rotation: turn.normalize(),
+                    scale: own.sizes_m[organ],
+                });
+            }
+        }
+        let shapes = (1..).zip(self.shapes.iter()).map(|(number, own)| {
+            let first = self.shapes.iter().position(|shape| shape.kind == own.kind).unwrap_or_default();
+            (format!("variant_{}", number - first), &own.mesh)
+        });
+        let named = PROTOTYPES.iter().map(|own| (own.name.to_owned(), own.mesh())).chain(shapes);
+        named
+            .zip(placements)
+            .filter(|((_, mesh), places)| !places.is_empty() && !mesh.triangles.is_empty())
+            .map(|((name, mesh), placements)| Copies { name, mesh, placements })
+            .collect()
+    }
+
+    /// Bytes of a [`Placement`].
+    pub const BYTES: u64 = bytes_of::<Placement>(1);
+
+    /// No fewer copies than there are.
+    pub fn most(&self) -> usize {
+        self.organs.placed.prototypes.len()
+    }
+
+    /// Whether the baked copies have normals that point out of the crown.
+    pub fn has_dome_normals(&self) -> bool {
+        let Look::Kind(kind) = self.look else { return false };
+        self.shapes.iter().any(|shape| shape.is_dome && usize::from(shape.kind) == kind)
+    }
+
+    /// Bytes that it holds on to.
+    pub fn bytes(&self) -> u64 {
+        self.organs.bytes()
+    }
+
+    /// As they are sorted when they are baked.
+    fn look_of(&self, organ: usize) -> Look {
+        let placed = &self.organs.placed;
+        let shape = usize::from(placed.prototypes[organ]).checked_sub(PROTOTYPES.len());
+        match shape.and_then(|shape| self.shapes.get(shape)) {
+            Some(shape) => Look::Kind(usize::from(shape.kind)),
+            None => Look::Color((placed.growth.colors[organ] as usize).min(self.colors - 1)),
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! A kind of leaves → its picture.
+
+use std::sync::Arc;
+
+use glam::Vec2;
+
+use super::mesh::FoliageError;
+use crate::Specimen;
+use crate::settings::{Arrangement, Edge, Form, LeafKind};
+use crate::texture::leaf::{self, Cell, LeafLook, LeafPictures, Margin, TwigLook};
+use linden_base::monitor::Monitor;
+use linden_base::picture::Picture;
+
+/// What covers the organs of a kind.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cover {
+    /// sRGB; with alpha where something is to be cut out.
+    pub base_color: Arc<Picture>,
+    /// Tangent-space normals, OpenGL convention.
+    pub normal: Option<Arc<Picture>>,
+    /// Whether the picture's alpha counts.
+    pub is_cut_out: bool,
+    /// Where each variant of the organ is in the picture; at least one.
+    pub cells: Vec<Cell>,
+}
+
+/// Where the alpha of leaves is cut.
+pub const CUTOUT: f32 = 0.5;
+/// Side of one colour of a palette, pixels: enough that smaller copies of the picture do not mix two.
+const SWATCH_PX: u32 = 16;
+/// The season that evergreens are always in.
+const SUMMER: f32 = 0.35;
+
+/// The cover of the `index`-th kind, its drawn pictures of `size_px` pixels a side.
+///
+/// # Errors
+/// [`FoliageError`]: a file that is missing or no picture, too little memory, or cancelled.
+pub fn cover(
+    specimen: &Specimen<'_>,
+    index: usize,
+    kind: &LeafKind,
+    size_px: u32,
+    monitor: &dyn Monitor,
+) -> Result<Cover, FoliageError> {
+    if let Some(file) = &kind.picture {
+        let Some(own) = specimen.picture(file) else {
+            return Err(FoliageError::WrongInput { file: file.clone(), expected: "a picture (PNG)" });
+        };
+        return Ok(Cover {
+            base_color: Arc::clone(&own.picture),
+            normal: None,
+            is_cut_out: own.has_alpha,
+            cells: vec![Cell::whole(own)],
+        });
+    }
+    let season = specimen.dressing.foliage.season as f32;
+    let look = look(kind, season, size_px);
+    if kind.form == Form::Mesh {
+        return Ok(palette(&look.colors));
+    }
+    let key = specimen.key().named("leaf pictures").child(index as u64);
+    let LeafPictures { base_color, normal, cells } = match kind.form {
+        Form::Twig => look.draw_twig(&twig(kind), key, monitor)?,
+        _ => look.draw(key, monitor)?,
+    };
+    Ok(Cover { base_color, normal: Some(normal), is_cut_out: true, cells })
+}
+
+fn look(kind: &LeafKind, season: f32, size_px: u32) -> LeafLook {
+    let usual = LeafLook::new(kind.outline);
+    LeafLook {
+        width: kind.width.map_or(usual.width, |width| width as f32),
+        lobes: if kind.lobes == 0 { usual.lobes } else { kind.lobes },
+        lobe_depth: kind.lobe_depth.map_or(usual.lobe_depth, |depth| depth as f32),
+        margin: match kind.margin {
+            Edge::Auto => usual.margin,
+            Edge::Entire => Margin::Entire,
+            Edge::Serrate => Margin::Serrate,
+            Edge::Crenate => Margin::Crenate,
+        },
+        // The stalk of a fan bears all its leaflets, which have none of their own.
+        petiole: match kind.form {
+            Form::Fan => 0.02,
+            _ => kind.petiole.map_or(usual.petiole, |petiole| petiole as f32),
+        },
+        colors: kind.colors.clone().unwrap_or(usual.colors),
+        autumn_colors: if kind.evergreen {
+            Vec::new()
+        } else {
+            kind.autumn_colors.clone().unwrap_or(usual.autumn_colors)
+        },
+        color_spread: kind.tint_spread as f32,
+        season: if kind.evergreen { SUMMER } else { season },
+        size_px,
+        ..LeafLook::new(kind.outline)
+    }
+}
+
+fn twig(kind: &LeafKind) -> TwigLook {
+    let leaf_length_m = kind.length_m as f32;
+    TwigLook {
+        leaves: kind.twig_leaves,
+        arrangement: match kind.arrangement {
+            Arrangement::Alternate | Arrangement::Spiral => leaf::Arrangement::Alternate,
+            _ => leaf::Arrangement::Opposite,
+        },
+        length_m: (length_m(kind) as f32 - leaf_length_m).max(leaf_length_m / 4.0),
+        leaf_length_m,
+        ..TwigLook::default()
+    }
+}
+
+/// Of what stands at one place: a leaf, or a whole twig card, metres.
+pub(super) fn length_m(kind: &LeafKind) -> f64 {
+    match kind.form {
+        Form::Twig => kind.twig_length_m.unwrap_or(4.0 * kind.length_m),
+        _ => kind.length_m,
+    }
+}
+
+/// One colour for each cell: for what has a shape of its own.
+fn palette(colors: &[[u8; 3]]) -> Cover {
+    let columns = (1..=colors.len()).find(|n| n * n >= colors.len()).unwrap_or(1) as u32;
+    let side = columns * SWATCH_PX;
+    let mut rgba = Vec::with_capacity((side * side * 4) as usize);
+    for y in 0..side {
+        for x in 0..side {
+            let swatch = (y / SWATCH_PX * columns + x / SWATCH_PX) as usize;
+            let [r, g, b] = colors.get(swatch).or(colors.last()).copied().unwrap_or_default();
+            rgba.extend([r, g, b, 255]);
+        }
+    }
+    let cell = |(i, &color): (usize, &[u8; 3])| {
+        let i = i as u32;
+        // Rows run down and V up.
+        let corner = Vec2::new((i % columns) as f32, (columns - 1 - i / columns) as f32);
+        let middle = (corner + 0.5) / columns as f32;
+        let half = Vec2::splat(0.25 / columns as f32);
+        let (min, max) = (middle - half, middle + half);
+        let outline = vec![min, Vec2::new(max.x, min.y), max, Vec2::new(min.x, max.y)];
+        Cell { min, max, attach: Vec2::new(middle.x, min.y), unit: half * 2.0, outline, color }
+    };
+    Cover {
+        base_color: Arc::new(Picture::new(side, side, rgba)),
+        normal: None,
+        is_cut_out: false,
+        cells: colors.iter().enumerate().map(cell).collect(),
+    }
+}

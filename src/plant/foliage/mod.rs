@@ -1,0 +1,29 @@
+//! What grows on the wood: leaves, blossoms, fruit.
+//!
+//! A generator leaves [`Organs`] behind beside the wood: polygons, which are shapes of their own, and
+//! places where an organ of the table [`PROTOTYPES`] grows. [`sprout`] adds the leaves of the preset:
+//! it walks the twigs (`axis`), turns each leaf as its arrangement has it (`pose`) and gives it a
+//! variant of what its kind is made of (`form`), which shows a cell of the kind's picture (`look`).
+//! [`meshes`] makes triangles of all. Like the surface of the wood, that uses no randomness and gives
+//! the same bits on any number of threads.
+
+mod axis;
+mod form;
+mod instances;
+mod look;
+mod mesh;
+mod outline;
+mod pose;
+mod sprout;
+#[cfg(test)]
+mod tests;
+
+pub use instances::{Copies, Instances, Placement};
+pub use linden_skeleton::organs::{
+    Growth, Hanging, LeafShape, MAX_CORNERS, Organs, PROTOTYPES, Placed, Polygons, Prototype, prototype,
+};
+pub use look::{CUTOUT, Cover, cover};
+pub use mesh::{Foliage, FoliageError, Look, Shaper, meshes, meshes_of};
+pub use sprout::GROWING;
+pub(crate) use sprout::kind_shapes;
+pub use sprout::sprout;

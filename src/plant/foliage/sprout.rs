@@ -1,0 +1,368 @@
+//! Leaves on the wood: from a preset's kinds and a skeleton to organs.
+//!
+//! Each kind is walked for by itself, axis by axis. What is drawn at random has a key of its own: the
+//! kind, the axis, the place on it, the leaf there. So the season, the share that is kept, sizes and
+//! angles move no other leaf, and of a leaf that is there in autumn there was one in summer.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::axis::{Place, Spaced, Walk, Young};
+use super::form::shapes;
+use super::look::{Cover, cover, length_m};
+use super::mesh::FoliageError;
+use super::pose::{Phyllotaxis, pose};
+use super::{Organs, PROTOTYPES, Placed, prototype};
+use crate::Specimen;
+use crate::settings::{Form, LeafKind};
+use linden_base::input::Geometry;
+use linden_base::memory::Holding;
+use linden_base::monitor::{Cancelled, Monitor, Phase};
+use linden_base::random::Key;
+use linden_skeleton::Skeleton;
+use linden_skeleton::organs::LeafShape;
+
+/// The most leaves: a hundred times what a large tree has.
+const MOST_LEAVES: u64 = 50_000_000;
+/// For messages about memory.
+pub const GROWING: &str = "growing leaves";
+/// Axes that one task walks.
+const AXES_PER_TASK: usize = 256;
+/// Places between two looks at the monitor.
+const PLACES_PER_CHECK: u64 = 4096;
+/// Side of pictures that are drawn for their cells and mean colours alone, pixels.
+const SMALL_PX: u32 = 96;
+
+/// Everything that grows on a skeleton: what its generator left there, and the leaves of the preset.
+/// Without a kind that has a form it is the same `given`.
+///
+/// Where the first kind has a form, the leaves and needles that a grammar placed have it too.
+///
+/// # Errors
+/// [`FoliageError`]: files that are missing, too many leaves, too little memory, or cancelled.
+pub fn sprout(
+    specimen: &Specimen<'_>,
+    skeleton: &Skeleton,
+    given: &Arc<Organs>,
+    monitor: &dyn Monitor,
+) -> Result<Arc<Organs>, FoliageError> {
+    let foliage = &specimen.dressing.foliage;
+    if foliage.kinds().all(|kind| kind.form == Form::None) {
+        return Ok(Arc::clone(given));
+    }
+    let monitor = &Holding::new(monitor, given.bytes());
+    let mut organs = Organs::clone(given);
+    let small = foliage.size_px.min(SMALL_PX);
+    let mut all = Vec::new();
+    let mut crops = Vec::new();
+    for (index, kind) in foliage.kinds().enumerate() {
+        let first = (PROTOTYPES.len() + all.len()) as u8;
+        if kind.form != Form::None {
+            let Cover { cells, .. } = cover(specimen, index, kind, small, monitor)?;
+            all.extend(kind_shapes(specimen, index, kind, &cells)?);
+        }
+        let variants = (PROTOTYPES.len() + all.len()) as u8 - first;
+        crops.push(Crop::new(kind, first, variants, foliage.season as f32));
+    }
+    organs.shapes = Arc::from(all);
+    let key = specimen.key().named("leaves");
+    if let Some(first) = crops.first().filter(|own| own.kind.form != Form::None) {
+        take_over(&mut organs.placed, first, key.named("grammar"));
+    }
+    let (first, also) = crops.split_at(1);
+    let takers: Vec<&Crop> = also.iter().filter(|own| own.kind.share > 0.0).collect();
+    let mut fields = Vec::new();
+    if first[0].kind.form != Form::None || !takers.is_empty() {
+        fields.push(Field { own: &first[0], takers, key: key.child(0) });
+    }
+    for (i, own) in also.iter().enumerate().filter(|(_, own)| own.kind.share == 0.0) {
+        fields.push(Field { own, takers: Vec::new(), key: key.child(i as u64 + 1) });
+    }
+    for field in fields {
+        field.grow(skeleton, &mut organs.placed, monitor)?;
+    }
+    Ok(Arc::new(organs))
+}
+
+/// The variants of a kind.
+///
+/// # Errors
+/// [`FoliageError`]: a mesh that is missing or cannot be used.
+pub(crate) fn kind_shapes(
+    specimen: &Specimen<'_>,
+    index: usize,
+    kind: &LeafKind,
+    cells: &[crate::texture::leaf::Cell],
+) -> Result<Vec<LeafShape>, FoliageError> {
+    let own = match (kind.form, &kind.mesh) {
+        (Form::Mesh, None) => return Err(FoliageError::NoMesh),
+        (Form::Mesh, Some(file)) => match specimen.inputs.get(file).map(|input| &input.geometry) {
+            Some(Geometry::Mesh(mesh)) => Some(mesh),
+            _ => return Err(FoliageError::WrongInput { file: file.clone(), expected: "a mesh (OBJ)" }),
+        },
+        _ => None,
+    };
+    shapes(kind, index, cells, own.map(|mesh| &**mesh))
+}
+
+/// A kind and what is the same for all its leaves.
+struct Crop<'a> {
+    kind: &'a LeafKind,
+    /// The first of its variants, as [`Placed::prototypes`] has them.
+    first: u8,
+    variants: u8,
+    /// The share that the season and the user leave.
+    kept: f64,
+    /// Before each leaf's own size, metres.
+    size_m: f64,
+}
+
+/// When leaves are full-grown, begin to fall, and are all gone.
+const GROWN: f32 = 0.2;
+const FALL: f32 = 0.75;
+/// The size of a leaf that has just unfolded.
+const YOUNG_SIZE: f32 = 0.35;
+
+impl<'a> Crop<'a> {
+    fn new(kind: &'a LeafKind, first: u8, variants: u8, season: f32) -> Self {
+        let (mut kept, mut size) = (kind.keep, length_m(kind));
+        if !kind.evergreen {
+            kept *= f64::from(1.0 - ((season - FALL) / (1.0 - FALL)).clamp(0.0, 1.0));
+            let t = (season / GROWN).min(1.0);
+            size *= f64::from(YOUNG_SIZE + (1.0 - YOUNG_SIZE) * t * t * (3.0 - 2.0 * t));
+        }
+        Self { kind, first, variants, kept, size_m: size }
+    }
+
+    /// Whether a leaf is there at all. A key's number is below `kept` for no smaller share.
+    fn is_kept(&self, key: Key, along: f32) -> bool {
+        key.child(KEEP).unit() < self.kept
+            && key.child(TIP).unit() >= self.kind.tip * f64::from(1.0 - along)
+            && self.variants > 0
+    }
+
+    fn size_m(&self, key: Key) -> f32 {
+        (self.size_m * (1.0 + self.kind.size_spread * key.child(SIZE).between(-1.0, 1.0))) as f32
+    }
+
+    fn variant(&self, key: Key) -> u8 {
+        self.first + (key.child(VARIANT).bits() % u64::from(self.variants.max(1))) as u8
+    }
+}
+
+// What a leaf draws below its key, after the three numbers of its pose.
+const SIZE: u64 = 3;
+const KEEP: u64 = 4;
+const TIP: u64 = 5;
+const TAKER: u64 = 6;
+const VARIANT: u64 = 7;
+
+/// Gives the leaves and needles of a grammar the variants of a kind.
+fn take_over(placed: &mut Placed, crop: &Crop, key: Key) {
+    let own: Vec<u8> = ['L', 'N'].into_iter().filter_map(prototype).collect();
+    for (i, own_prototype) in placed.prototypes.iter_mut().enumerate() {
+        if own.contains(own_prototype) && crop.variants > 0 {
+            *own_prototype = crop.variant(key.child(i as u64));
+        }
+    }
+}
+
+/// A walk over all axes.
+struct Field<'a> {
+    own: &'a Crop<'a>,
+    /// Kinds that take places from it.
+    takers: Vec<&'a Crop<'a>>,
+    key: Key,
+}
+
+impl Field<'_> {
+    fn grow(
+        &self,
+        skeleton: &Skeleton,
+        placed: &mut Placed,
+        monitor: &dyn Monitor,
+    ) -> Result<(), FoliageError> {
+        let young = young(self.own.kind, skeleton);
+        self.admit(young, skeleton, placed.len(), monitor)?;
+        let done = std::sync::atomic::AtomicU64::new(0);
+        let chunks = skeleton.axes.par_chunks(AXES_PER_TASK).enumerate().map(|(chunk, axes)| {
+            monitor.check()?;
+            let mut task =
+                Task { field: self, skeleton, young, placed: Placed::default(), walk: Walk::default() };
+            for (i, axis) in axes.iter().enumerate() {
+                task.axis((chunk * AXES_PER_TASK + i) as u64, axis, monitor)?;
+            }
+            let before = done.fetch_add(axes.len() as u64, std::sync::atomic::Ordering::Relaxed);
+            monitor.advance(Phase::Sprout, before + axes.len() as u64, Some(skeleton.axes.len() as u64));
+            Ok(task.placed)
+        });
+        let pieces = chunks.collect::<Result<Vec<Placed>, Cancelled>>()?;
+        placed.reserve(pieces.iter().map(Placed::len).sum());
+        for piece in pieces {
+            placed.append(piece);
+        }
+        Ok(())
+    }
+
+    /// Asks for room before anything grows.
+    fn admit(
+        &self,
+        young: Young,
+        skeleton: &Skeleton,
+        there: usize,
+        monitor: &dyn Monitor,
+    ) -> Result<(), FoliageError> {
+        let kind = self.own.kind;
+        let mut walk = Walk::default();
+        let (mut metres, mut segments, mut tips) = (0.0, 0_u64, 0_u64);
+        for (i, axis) in skeleton.axes.iter().enumerate() {
+            if i % AXES_PER_TASK == 0 {
+                monitor.check()?;
+            }
+            if walk.begin(skeleton, axis).is_some() {
+                metres += walk.leafy_m(young, skeleton);
+                segments += u64::from(axis.len);
+                tips += u64::from(kind.terminal) * u64::from(kind.count);
+            }
+        }
+        let most = match grid(kind) {
+            Some((along, around)) => segments.saturating_mul(along * around) as f64,
+            None => metres * kind.per_m,
+        };
+        let kept = self.takers.iter().map(|taker| taker.kept).fold(self.own.kept, f64::max);
+        let leaves = (most * (1.0 - kind.tip / 2.0) * kept).ceil() as u64 + tips;
+        // Walking over places that nothing is kept of takes its time, too.
+        if !(most < MOST_LEAVES as f64) {
+            return Err(FoliageError::TooMany { leaves: most.min(1e18) as u64, limit: MOST_LEAVES });
+        }
+        // In pieces whose lists grow one by one, then as a whole.
+        let bytes = (leaves * 5 / 2).saturating_add(there as u64) * Placed::BYTES_EACH;
+        monitor.admit(GROWING, bytes, "lower leaves_per_m, or take twig cards (leaf_form=twig)")?;
+        Ok(())
+    }
+
+    /// What grows at a place of the first kind, if anything does.
+    fn at(&self, key: Key) -> &Crop<'_> {
+        let mut share = key.child(TAKER).unit();
+        for taker in &self.takers {
+            if share < taker.kind.share {
+                return taker;
+            }
+            share -= taker.kind.share;
+        }
+        self.own
+    }
+}
+
+/// The wood that a kind grows on.
+fn young(kind: &LeafKind, skeleton: &Skeleton) -> Young {
+    let births = skeleton.births.iter().copied().max().unwrap_or(0);
+    let first_birth = libm::ceil((1.0 - kind.max_age) * f64::from(births)) as u32;
+    let max_radius_m = kind.max_radius_m.map_or_else(
+        || {
+            let tips = skeleton.axes.iter().filter_map(|axis| skeleton.nodes_of(axis).last());
+            let sum: f64 = tips.map(|&tip| f64::from(skeleton.radii[tip as usize])).sum();
+            (AUTO_RADIUS * sum / skeleton.axes.len().max(1) as f64) as f32
+        },
+        |radius| radius as f32,
+    );
+    Young { max_radius_m, first_birth }
+}
+
+/// Twigs are wood up to so many times as thick as tips are: by the pipe model with exponent 2, what
+/// bears nine tips or fewer.
+const AUTO_RADIUS: f64 = 3.0;
+
+/// Places along and round each segment, where there is a grid.
+fn grid(kind: &LeafKind) -> Option<(u64, u64)> {
+    let count = |i: usize| kind.grid.get(i).map(|&n| libm::round(n) as u64);
+    let along = count(0).filter(|&along| along > 0)?;
+    Some((along, count(1).unwrap_or(1).max(1)))
+}
+
+/// Some axes, walked one after the other.
+struct Task<'a> {
+    field: &'a Field<'a>,
+    skeleton: &'a Skeleton,
+    young: Young,
+    placed: Placed,
+    walk: Walk,
+}
+
+impl Task<'_> {
+    fn axis(
+        &mut self,
+        index: u64,
+        axis: &linden_skeleton::Axis,
+        monitor: &dyn Monitor,
+    ) -> Result<(), Cancelled> {
+        let Self { field, skeleton, young, placed, walk } = self;
+        let (kind, key) = (field.own.kind, field.key.child(index));
+        let Some(begun) = walk.begin(skeleton, axis) else { return Ok(()) };
+        let phyllotaxis = Phyllotaxis::of(kind);
+        let turn = if phyllotaxis.is_flat() && !begun.is_upright {
+            0.0
+        } else {
+            key.named("turn").unit() as f32 * std::f32::consts::TAU
+        };
+        let mut seen = 0_u64;
+        let mut each = |place: &Place, member: u32, azimuth: f32| {
+            seen += 1;
+            if seen.is_multiple_of(PLACES_PER_CHECK) {
+                monitor.check()?;
+            }
+            for copy in 0..kind.count {
+                let own = u64::from(member) * u64::from(kind.count) + u64::from(copy);
+                let key = key.child(place.number).child(own);
+                let crop = field.at(key);
+                if crop.is_kept(key, place.along) {
+                    add(placed, crop, place, azimuth, copy, skeleton, key);
+                }
+            }
+            Ok::<(), Cancelled>(())
+        };
+        if let Some((along, around)) = grid(kind) {
+            walk.each_segment(along, *young, skeleton, |place| {
+                (0..around as u32).try_for_each(|member| {
+                    let share = member as f32 / around as f32;
+                    each(&place, member, turn + share * std::f32::consts::TAU)
+                })
+            })?;
+        } else if kind.per_m > 0.0 {
+            let spacing_m = f64::from(phyllotaxis.members) * f64::from(kind.count) / kind.per_m;
+            let spaced = Spaced { spacing_m, phase: key.named("phase").unit(), from_m: begun.covered_m };
+            walk.every(spaced, *young, skeleton, |place| {
+                (0..phyllotaxis.members).try_for_each(|member| {
+                    each(&place, member, turn + phyllotaxis.azimuth(place.number, member))
+                })
+            })?;
+        }
+        let is_bare = begun.length_m <= begun.covered_m;
+        if let Some(apex) = walk.apex(*young, skeleton).filter(|_| kind.terminal && !is_bare) {
+            each(&apex, 0, turn)?;
+        }
+        Ok(())
+    }
+}
+
+/// Adds a leaf at a place.
+fn add(
+    placed: &mut Placed,
+    crop: &Crop,
+    place: &Place,
+    azimuth: f32,
+    copy: u32,
+    skeleton: &Skeleton,
+    key: Key,
+) {
+    let pose = pose(crop.kind, place, azimuth, copy, key);
+    placed.prototypes.push(crop.variant(key));
+    placed.positions.push(pose.foot);
+    placed.headings.push(pose.heading);
+    placed.ups.push(pose.up);
+    placed.sizes_m.push(crop.size_m(key));
+    placed.growth.nodes.push(place.node);
+    placed.growth.colors.push(0);
+    placed.growth.births.push(skeleton.births[place.node as usize]);
+}

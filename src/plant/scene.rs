@@ -1,0 +1,100 @@
+//! What an exporter is given: everything that can be seen, and where it came from.
+
+use std::sync::Arc;
+
+use crate::foliage::Instances;
+use crate::wind::PartWind;
+pub use linden_base::mesh::{Bounds, Mesh};
+use linden_base::picture::Picture;
+use linden_skeleton::Skeleton;
+
+/// One tree, dressed: meshes, materials, the skeleton beneath and the recipe that grew it.
+///
+/// Metres, Y up, counter-clockwise triangles seen from outside.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// The tree's name: not empty; printable characters only, but any of them (an exporter makes
+    /// an identifier of it).
+    pub name: String,
+    /// The recipe, one line of printable ASCII (JSON): enough to grow the same tree again.
+    pub recipe: String,
+    /// Parts refer to these by index.
+    pub materials: Vec<Material>,
+    /// The parts of the surface; at least one, none of them empty.
+    pub parts: Vec<Part>,
+    /// The axial tree beneath.
+    pub skeleton: Arc<Skeleton>,
+}
+
+impl Scene {
+    /// Bytes that it takes: skeleton, meshes and pixels.
+    pub fn bytes(&self) -> u64 {
+        let pixels =
+            |picture: &Option<Arc<Picture>>| picture.as_ref().map_or(0, |own| own.rgba().len() as u64);
+        let pictures = |own: &Material| pixels(&own.base_color_picture) + pixels(&own.normal_picture);
+        self.skeleton.bytes()
+            + self.materials.iter().map(pictures).sum::<u64>()
+            + self.parts.iter().map(Part::bytes).sum::<u64>()
+            // All parts hold on to the same organs.
+            + self.parts.iter().find_map(|part| part.instances.as_ref()).map_or(0, Instances::bytes)
+    }
+}
+
+/// A mesh with one material: the wood, say.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// Lower-case ASCII identifier, unique within the scene: `wood`.
+    pub name: String,
+    /// Index into [`Scene::materials`].
+    pub material: usize,
+    /// The geometry.
+    pub mesh: Mesh,
+    /// How its vertices swing; `None`: they do not.
+    pub wind: Option<PartWind>,
+    /// What its mesh was baked from, where that is copies of few meshes.
+    pub instances: Option<Instances>,
+}
+
+impl Part {
+    /// Without wind, of one piece.
+    pub fn new(name: impl Into<String>, material: usize, mesh: Mesh) -> Self {
+        Self { name: name.into(), material, mesh, wind: None, instances: None }
+    }
+
+    /// Bytes that it takes, without what it shares with other parts.
+    pub fn bytes(&self) -> u64 {
+        self.mesh.bytes() + self.wind.as_ref().map_or(0, PartWind::bytes)
+    }
+}
+
+/// How a surface looks, in the terms that glTF and `UsdPreviewSurface` share.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// Lower-case ASCII identifier, unique within the scene: `bark`.
+    pub name: String,
+    /// Linear RGB 0..1: the colour where there is no picture; with one, pictures are used as they are.
+    pub base_color: [f32; 3],
+    /// sRGB colours, tileable.
+    pub base_color_picture: Option<Arc<Picture>>,
+    /// Tangent-space normals (OpenGL convention: green points up), tileable.
+    pub normal_picture: Option<Arc<Picture>>,
+    /// 0 mirror .. 1 chalk.
+    pub roughness: f32,
+    /// Whether the back is drawn too.
+    pub double_sided: bool,
+    /// Where the base colour picture's alpha is below this (above 0, below 1), nothing is drawn: cut
+    /// out, never blended. `None`: all is opaque.
+    pub cutout: Option<f32>,
+    /// What is beyond the pictures' edges.
+    pub wrap: Wrap,
+}
+
+/// What texture coordinates outside of 0..1 show.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wrap {
+    /// The picture again: bark.
+    #[default]
+    Repeat,
+    /// The picture's edge: leaves.
+    Clamp,
+}

@@ -1,0 +1,112 @@
+//! `[bark]`: how it looks.
+
+use linden_base::document::{FileKey, NamesFiles};
+use linden_base::knob::{Field, FieldValue, Kind, Value, integer, names, real, real_or_auto};
+use linden_base::random::Key;
+use linden_base::{field, file_key};
+
+use crate::texture::{Bark, BarkStyle};
+
+/// How bark looks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BarkSettings {
+    /// What kind of bark.
+    pub style: BarkStyle,
+    /// Mean colour, sRGB; `None`: the style's own.
+    pub color: Option<[u8; 3]>,
+    /// Depth of furrows as a share of the picture's side; `None`: the style's own.
+    pub relief: Option<f32>,
+    /// Strength of the grain; 1 is usual.
+    pub grain: f32,
+    /// Side of the drawn pictures, pixels.
+    pub size_px: u32,
+    /// A picture of the user's in place of the drawn one: the file, relative to the preset's. It is as
+    /// wide as [`crate::surface::Tubes::bark_tile_m`] and continues across its edges.
+    pub picture: Option<String>,
+    /// Normals of the user's: the file, relative to the preset's. `None`: they are drawn, those of `picture`
+    /// by its lightness.
+    pub normal: Option<String>,
+}
+
+impl Default for BarkSettings {
+    fn default() -> Self {
+        Self {
+            style: BarkStyle::default(),
+            color: None,
+            relief: None,
+            grain: 1.0,
+            size_px: 512,
+            picture: None,
+            normal: None,
+        }
+    }
+}
+
+impl BarkSettings {
+    /// The keys that name files.
+    pub const FILES: [FileKey<Self>; 2] = [
+        file_key!(
+            "bark_picture",
+            "in place of the drawn picture: a PNG file that tiles, relative to the preset's",
+            picture
+        ),
+        file_key!(
+            "bark_normal",
+            "in place of the drawn normals: a PNG file, OpenGL convention; without it those of bark_picture follow its lightness, bark_relief deep",
+            normal
+        ),
+    ];
+
+    /// The bark to draw.
+    pub fn bark(&self, key: Key) -> Bark {
+        let usual = Bark::new(self.style, key);
+        Bark {
+            color: self.color.unwrap_or(usual.color),
+            relief: self.relief.unwrap_or(usual.relief),
+            roughness: self.grain,
+            size_px: self.size_px,
+            ..usual
+        }
+    }
+}
+
+impl NamesFiles for BarkSettings {
+    const FILES: &'static [FileKey<Self>] = &Self::FILES;
+}
+
+/// The names of all kinds of bark.
+const STYLES: [&str; BarkStyle::ALL.len()] = names(&BarkStyle::ALL);
+
+impl FieldValue for BarkStyle {
+    fn to_value(&self) -> Value {
+        let name = Self::ALL.iter().find(|(_, style, _)| style == self).map_or("", |(name, _, _)| name);
+        Value::Word(name.to_owned())
+    }
+
+    fn from_value(value: Value) -> Option<Self> {
+        String::from_value(value).and_then(|name| Self::named(&name))
+    }
+}
+
+impl BarkSettings {
+    /// Its knobs.
+    pub const FIELDS: &[Field<Self>] = &[
+        field!("bark", Kind::Choice(&STYLES), "", "kind of bark", style),
+        field!(
+            "bark_color",
+            Kind::Color { auto: true },
+            "sRGB",
+            "mean colour of the drawn picture; auto: the usual one of its kind",
+            color
+        ),
+        field!(
+            "bark_relief",
+            real_or_auto(0.0, 0.5),
+            "",
+            "depth of the furrows, as a share of the picture's side; auto: the usual one of its kind",
+            relief
+        ),
+        field!("bark_grain", real(0.0, 3.0), "", "strength of the grain: 0 polished, 1 usual", grain),
+        field!("bark_size", integer(16, 4096), "px", "side of the drawn pictures", size_px),
+    ];
+}

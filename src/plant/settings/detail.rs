@@ -1,0 +1,107 @@
+//! `[detail]`: how many triangles, and in how many levels.
+
+use linden_base::field;
+use linden_base::knob::{Field, Kind, integer, real};
+
+/// How much of the tree is shown from near and from far.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DetailSettings {
+    /// Triangles of the finest level; 0: all that there are.
+    pub triangles: u64,
+    /// Levels of triangles.
+    pub lods: u32,
+    /// Triangles of each level, finest first, in place of `triangles`, `lods` and `lod_ratio`; a single 0
+    /// where these count.
+    pub lod_triangles: Vec<f64>,
+    /// Triangles of a level as a share of those of the one before.
+    pub lod_ratio: f64,
+    /// Upright planes of a last level, after those of triangles; 0: none.
+    pub billboard: u32,
+    /// Height of the planes' picture, pixels.
+    pub billboard_size_px: u32,
+}
+
+impl DetailSettings {
+    /// How many levels there will be at most, the planes included.
+    pub fn levels(&self) -> usize {
+        self.triangle_levels() + usize::from(self.billboard > 0)
+    }
+
+    /// How many levels of triangles there will be at most.
+    pub fn triangle_levels(&self) -> usize {
+        match self.budgets().len() {
+            0 => self.lods.max(1) as usize,
+            levels => levels,
+        }
+    }
+
+    /// The budget of each level where each has one, finest first; else none.
+    pub fn budgets(&self) -> Vec<u64> {
+        let listed = self.lod_triangles.iter().any(|&budget| budget >= 1.0);
+        if listed { self.lod_triangles.iter().map(|&budget| budget as u64).collect() } else { Vec::new() }
+    }
+
+    /// The budget of the finest level; 0: all triangles that there are.
+    pub fn finest(&self) -> u64 {
+        self.budgets().first().copied().unwrap_or(self.triangles)
+    }
+}
+
+impl Default for DetailSettings {
+    /// One level, with everything.
+    fn default() -> Self {
+        Self {
+            triangles: 0,
+            lods: 1,
+            lod_triangles: vec![0.0],
+            lod_ratio: 0.33,
+            billboard: 0,
+            billboard_size_px: 1024,
+        }
+    }
+}
+
+/// The most levels of triangles.
+const MOST_LODS: u64 = 8;
+
+impl DetailSettings {
+    /// Its knobs.
+    pub const FIELDS: &[Field<Self>] = &[
+        field!(
+            "triangles",
+            integer(0, u32::MAX as u64),
+            "",
+            "budget of the finest level, met within 5 %; 0: all that there are",
+            triangles
+        ),
+        field!(
+            "lods",
+            integer(1, MOST_LODS),
+            "",
+            "levels of detail: the same tree with fewer triangles each time",
+            lods
+        ),
+        field!(
+            "lod_triangles",
+            Kind::Reals { min: 0.0, max: u32::MAX as f64, most: MOST_LODS as usize },
+            "",
+            "budget of each level, finest first, like 50000 15000 4000, in place of triangles, lods and lod_ratio; 0: as these say",
+            lod_triangles
+        ),
+        field!(
+            "lod_ratio",
+            real(0.05, 0.9),
+            "",
+            "triangles of a level / triangles of the one before",
+            lod_ratio
+        ),
+        field!(
+            "billboard",
+            integer(0, 4),
+            "planes",
+            "a last level of crossed planes with pictures of the tree; 0: none",
+            billboard
+        ),
+        field!("billboard_size", integer(64, 4096), "px", "height of the planes' picture", billboard_size_px),
+    ];
+}

@@ -1,0 +1,302 @@
+//! `[foliage]`: what grows on the twigs, where and how it looks. The first kind's keys stand in the
+//! section itself; each table of `[[foliage.also]]` is a further kind with the same keys.
+//!
+//! A new key is a field of [`LeafKind`] and a row of [`LEAF_KNOBS`].
+
+use linden_base::document::{Entry, Fault, FileKey, List, NamesFiles, Place};
+use linden_base::knob::{Knob, Value, values};
+use linden_base::{file_key, words};
+
+use super::leaf::LEAF_KNOBS;
+use crate::texture::leaf::Outline;
+
+/// More kinds would make a picture each.
+pub const MOST_KINDS: usize = 8;
+
+/// Old leaves and young ones.
+const TURTLE_COLORS: [[u8; 3]; 2] = [[74, 122, 48], [122, 154, 62]];
+
+/// The key of the list of further kinds in `[foliage]`.
+pub const ALSO: &str = "also";
+
+words! {
+    /// What a leaf is made of. Lengths are shares of its own.
+    Form {
+        /// Nothing grows but what a grammar places.
+        None = "none",
+        /// One flat rectangle with the picture.
+        Card = "card",
+        /// Two of them, square to each other.
+        Cross = "cross",
+        /// A blade that is bent along and folded across.
+        Curved = "curved",
+        /// A whole twig with many leaves on one bent card.
+        Twig = "twig",
+        /// Leaflets that spread from one point.
+        Fan = "fan",
+        /// Needles: cards crossed about the heading.
+        Tuft = "tuft",
+        /// The user's own.
+        Mesh = "mesh"
+    }
+}
+
+words! {
+    /// How leaves stand round a twig: phyllotaxis.
+    Arrangement {
+        /// One a node, left and right in turn.
+        Alternate = "alternate",
+        /// Two a node, all in one plane.
+        Opposite = "opposite",
+        /// Two a node, each pair square to the last.
+        Decussate = "decussate",
+        /// Several a node, each whorl in the gaps of the last.
+        Whorled = "whorled",
+        /// One a node, the golden angle on.
+        Spiral = "spiral"
+    }
+}
+
+words! {
+    /// What the edge of a blade is like.
+    Edge {
+        /// As usual for its outline.
+        Auto = "auto",
+        /// Without teeth.
+        Entire = "entire",
+        /// Teeth that point to the tip.
+        Serrate = "serrate",
+        /// Rounded teeth.
+        Crenate = "crenate"
+    }
+}
+
+words! {
+    /// Which way a leaf's normals point.
+    Normals {
+        /// Off its own face.
+        Flat = "flat",
+        /// Mostly out of the crown, so that it is shaded as one soft body.
+        Dome = "dome"
+    }
+}
+
+/// One kind of organ: leaves, needles, flowers, fruit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeafKind {
+    /// What it is made of.
+    pub form: Form,
+    /// For [`Form::Mesh`]: the file, relative to the preset's.
+    pub mesh: Option<String>,
+    /// A picture of the user's in place of the drawn one: the file, relative to the preset's.
+    pub picture: Option<String>,
+    /// The shape of its picture.
+    pub outline: Outline,
+    /// From its foot to its tip, metres.
+    pub length_m: f64,
+    /// Width ÷ length; `None`: as usual for its outline.
+    pub width: Option<f64>,
+    /// How much lengths differ: 0.2 is 0.8 to 1.2 times.
+    pub size_spread: f64,
+    /// Lobes, leaflets or needles; 0: as usual for its outline.
+    pub lobes: u32,
+    /// How deep the bays between lobes are; `None`: as usual for its outline.
+    pub lobe_depth: Option<f64>,
+    /// What its edge is like.
+    pub margin: Edge,
+    /// The stalk's share of the length; `None`: as usual for its outline.
+    pub petiole: Option<f64>,
+    /// Length of a twig card, metres; `None`: four leaves.
+    pub twig_length_m: Option<f64>,
+    /// Leaves on a twig card.
+    pub twig_leaves: u32,
+    /// How they stand round a twig.
+    pub arrangement: Arrangement,
+    /// Leaves a node, where they are whorled.
+    pub whorl: u32,
+    /// Leaves a metre of twig, all together.
+    pub per_m: f64,
+    /// Leaves that spring from one place.
+    pub count: u32,
+    /// None grow on wood that is thicker, metres; `None`: on twigs.
+    pub max_radius_m: Option<f64>,
+    /// None grow on wood that is older, as a share of all births; 1 is any age.
+    pub max_age: f64,
+    /// How much rarer they are at a twig's base than at its tip: 0 not at all, 1 none there.
+    pub tip: f64,
+    /// Whether each twig ends with one.
+    pub terminal: bool,
+    /// Places along and round each segment, the older style; 0 or one number: no grid.
+    pub grid: Vec<f64>,
+    /// Off the twig's axis, degrees.
+    pub angle_deg: f64,
+    /// How far they hang, degrees.
+    pub droop_deg: f64,
+    /// How far blades turn level, 0 to 1.
+    pub level: f64,
+    /// How far headings turn up (1) or down (-1).
+    pub up: f64,
+    /// How far each is turned at random, degrees.
+    pub jitter_deg: f64,
+    /// Off the bark, metres.
+    pub offset_m: f64,
+    /// Which way normals point.
+    pub normals: Normals,
+    /// sRGB: the upper side in summer; `None`: as usual for its outline. See [`FoliageSettings::turtle_colors`].
+    pub colors: Option<Vec<[u8; 3]>>,
+    /// sRGB, from the first change to the last; `None`: as usual for its outline.
+    pub autumn_colors: Option<Vec<[u8; 3]>>,
+    /// How much leaves differ in tint, 0 to 1.
+    pub tint_spread: f64,
+    /// Whether the season leaves them alone.
+    pub evergreen: bool,
+    /// The share that is kept.
+    pub keep: f64,
+    /// For a further kind: how many places of the first it takes, of 1; 0: it has its own places.
+    pub share: f64,
+}
+
+impl Default for LeafKind {
+    /// Nothing grows; leaves of a hand's length when a form is chosen.
+    fn default() -> Self {
+        Self {
+            form: Form::None,
+            mesh: None,
+            picture: None,
+            outline: Outline::Ovate,
+            length_m: 0.08,
+            width: None,
+            size_spread: 0.2,
+            lobes: 0,
+            lobe_depth: None,
+            margin: Edge::Auto,
+            petiole: None,
+            twig_length_m: None,
+            twig_leaves: 12,
+            arrangement: Arrangement::Spiral,
+            whorl: 3,
+            per_m: 40.0,
+            count: 1,
+            max_radius_m: None,
+            max_age: 1.0,
+            tip: 0.0,
+            terminal: true,
+            grid: vec![0.0],
+            angle_deg: 50.0,
+            droop_deg: 10.0,
+            level: 0.4,
+            up: 0.0,
+            jitter_deg: 15.0,
+            offset_m: 0.0,
+            normals: Normals::Flat,
+            colors: None,
+            autumn_colors: None,
+            tint_spread: 0.5,
+            evergreen: false,
+            keep: 1.0,
+            share: 0.0,
+        }
+    }
+}
+
+impl LeafKind {
+    /// The keys that name files.
+    pub const FILES: [FileKey<Self>; 2] = [
+        file_key!("leaf_mesh", "for leaf_form=mesh: an OBJ file, relative to the preset's", mesh),
+        file_key!(
+            "leaf_picture",
+            "in place of the drawn picture: a PNG file, relative to the preset's",
+            picture
+        ),
+    ];
+}
+
+impl NamesFiles for LeafKind {
+    const FILES: &'static [FileKey<Self>] = &Self::FILES;
+}
+
+/// Everything that grows on the wood.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FoliageSettings {
+    /// 0 flush, 0.35 summer, 0.75 autumn, 1 bare.
+    pub season: f64,
+    /// The side of the drawn pictures, pixels.
+    pub size_px: u32,
+    /// What stands in the section itself.
+    pub first: LeafKind,
+    /// Further kinds.
+    pub also: Vec<LeafKind>,
+}
+
+impl Default for FoliageSettings {
+    fn default() -> Self {
+        Self { season: 0.35, size_px: 1024, first: LeafKind::default(), also: Vec::new() }
+    }
+}
+
+impl FoliageSettings {
+    /// All kinds, the first one first.
+    pub fn kinds(&self) -> impl Iterator<Item = &LeafKind> {
+        std::iter::once(&self.first).chain(&self.also)
+    }
+
+    /// What organs of a grammar and polygons are coloured with, sRGB: the i-th is that of the turtle's
+    /// colour index i, the last that of all higher ones.
+    pub fn turtle_colors(&self) -> &[[u8; 3]] {
+        self.first.colors.as_deref().unwrap_or(&TURTLE_COLORS)
+    }
+
+    /// The same, to be changed.
+    pub fn kinds_mut(&mut self) -> impl Iterator<Item = &mut LeafKind> {
+        std::iter::once(&mut self.first).chain(&mut self.also)
+    }
+}
+
+const LIST: List = List {
+    key: ALSO,
+    heading: "[[foliage.also]]",
+    one: "kind",
+    most: (MOST_KINDS - 1, "a plant beside its first"),
+};
+
+/// Reads what the section has beside knobs: further kinds and files. Whether the entry was one of these.
+///
+/// # Errors
+/// [`Fault`]: what is wrong with it.
+pub fn read(foliage: &mut FoliageSettings, entry: &Entry) -> Result<bool, Fault> {
+    if entry.key == ALSO {
+        foliage.also = LIST.read(&entry.node, read_kind)?;
+        return Ok(true);
+    }
+    foliage.first.take_file(entry)
+}
+
+fn read_kind(number: usize, entries: &[Entry], place: Option<Place>) -> Result<LeafKind, Fault> {
+    let mut kind = LeafKind::default();
+    for entry in entries {
+        if kind.take_file(entry)? {
+            continue;
+        }
+        let Some(row) = LEAF_KNOBS.iter().find(|row| row.knob.is_called(&entry.key)) else {
+            let rows = LEAF_KNOBS.iter().map(|row| row.knob.name);
+            return Err(LIST.unknown(
+                number,
+                entry,
+                &rows.chain(LeafKind::FILES.map(|row| row.key)).collect::<Vec<_>>(),
+            ));
+        };
+        (row.write)(&mut kind, entry.node.value(&entry.key, &row.knob.kind)?);
+    }
+    if kind.form == Form::None {
+        let words = Form::WORDS[1..].join(", ");
+        return Err(Fault::new(place, format!("kind {number} has no 'leaf_form'; give it one of: {words}")));
+    }
+    Ok(kind)
+}
+
+impl LeafKind {
+    /// All rows with their values, in the order of a document.
+    pub fn knobs(&self) -> Vec<(Knob, Value)> {
+        values(&LEAF_KNOBS, self)
+    }
+}

@@ -1,0 +1,31 @@
+//! How a plant looks: what covers its wood, how much of it is shown, how it moves.
+
+mod bark;
+mod detail;
+mod foliage;
+mod leaf;
+mod surface;
+mod wind;
+
+use crate::surface::Tubes;
+
+pub use bark::BarkSettings;
+pub use detail::DetailSettings;
+pub use foliage::{ALSO, Arrangement, Edge, FoliageSettings, Form, LeafKind, MOST_KINDS, Normals, read};
+pub use leaf::LEAF_KNOBS;
+pub use wind::WindSettings;
+
+/// How a plant looks.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Dressing {
+    /// How its surface is made.
+    pub tubes: Tubes,
+    /// How its bark looks.
+    pub bark: BarkSettings,
+    /// How its leaves look.
+    pub foliage: FoliageSettings,
+    /// How much of it is shown.
+    pub detail: DetailSettings,
+    /// How it moves.
+    pub wind: WindSettings,
+}

@@ -1,0 +1,65 @@
+//! What is dressed: a grown tree, and how it is to look.
+
+use std::sync::Arc;
+
+use linden_base::input::{Geometry, Inputs, UserPicture};
+use linden_base::random::Key;
+use linden_skeleton::Skeleton;
+use linden_skeleton::organs::Organs;
+
+use crate::settings::Dressing;
+
+/// How a tree is to look, with all that this needs.
+#[derive(Clone, Copy)]
+pub struct Specimen<'a> {
+    /// What people call it; printable.
+    pub name: &'a str,
+    /// The number that pictures and leaves are drawn by.
+    pub seed: u64,
+    /// How it looks.
+    pub dressing: &'a Dressing,
+    /// The files that the dressing names.
+    pub inputs: &'a Inputs,
+    /// The recipe's line as files carry it, were the dressing another.
+    pub recipe: &'a dyn Fn(&Dressing) -> String,
+}
+
+impl<'a> Specimen<'a> {
+    /// The same tree in another dressing.
+    #[must_use]
+    pub fn with(self, dressing: &'a Dressing) -> Self {
+        Self { dressing, ..self }
+    }
+
+    /// The root of all random choices.
+    pub(crate) const fn key(&self) -> Key {
+        Key::new(self.seed)
+    }
+
+    /// A picture that the dressing names.
+    pub(crate) fn picture(&self, file: &str) -> Option<&'a UserPicture> {
+        match self.inputs.get(file).map(|input| &input.geometry) {
+            Some(Geometry::Picture(picture)) => Some(picture),
+            _ => None,
+        }
+    }
+}
+
+/// A grown tree: its wood and what grows on it.
+#[derive(Clone, Copy)]
+pub struct Body<'a> {
+    /// The axial tree.
+    pub skeleton: &'a Arc<Skeleton>,
+    /// What grows on it.
+    pub organs: &'a Arc<Organs>,
+    /// What its generator placed: without the leaves of the dressing.
+    pub given: &'a Arc<Organs>,
+}
+
+impl Body<'_> {
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> u64 {
+        let given = if Arc::ptr_eq(self.organs, self.given) { 0 } else { self.given.bytes() };
+        self.skeleton.bytes() + self.organs.bytes() + given
+    }
+}

@@ -1,0 +1,166 @@
+//! Features against geometry: what a formula or the bare tube says.
+
+use std::f64::consts::PI;
+
+use glam::Vec3;
+
+use super::tests::{gnarled, tree, volume};
+use super::*;
+use linden_base::monitor::Quiet;
+use linden_skeleton::{NO_PARENT, Wood};
+
+const ALL: Features = Features {
+    flare: 1.0,
+    flare_height_m: None,
+    flare_ridges: 5,
+    flare_depth: 0.8,
+    collar: 0.8,
+    twig_taper: 0.9,
+    ends: Ends::Broken,
+    ends_above_m: 0.0,
+};
+
+fn with(features: Features) -> Tubes {
+    Tubes { features, ..Tubes::default() }
+}
+
+/// A pole of 4 m, 0.1 m thick all along.
+fn pole() -> Skeleton {
+    let wood = Wood { tip_radius_m: Some(0.1), ..Wood::default() };
+    tree(vec![Vec3::ZERO, Vec3::Y, Vec3::Y * 4.0], vec![NO_PARENT, 0, 1], &wood)
+}
+
+#[test]
+fn gnarled_wood_with_everything_stays_closed() {
+    let (mut triangles, mut flipped) = (0, 0);
+    for seed in 0..60 {
+        let skeleton = gnarled(seed);
+        for tubes in [with(ALL), Tubes { rings: 3, ..with(Features { ends: Ends::Cut, ..ALL }) }] {
+            let mesh = sweep(&skeleton, &tubes, &Quiet).unwrap();
+            let found = topology(&mesh, &Quiet).unwrap();
+            assert_eq!(Topology { flipped: 0, ..found }, Topology::default(), "seed {seed}");
+            assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-4), "seed {seed}");
+            triangles += mesh.triangles.len();
+            flipped += found.flipped;
+        }
+    }
+    // The rest is where wood turns within its own thickness.
+    assert!(flipped * 10_000 < triangles, "{flipped} of {triangles} triangles are folded");
+}
+
+#[test]
+fn any_number_of_threads_gives_the_same_features() {
+    let skeleton = gnarled(7);
+    let on = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| sweep(&skeleton, &with(ALL), &Quiet).unwrap())
+    };
+    assert_eq!(on(1), on(2));
+}
+
+#[test]
+fn a_survey_with_features_is_of_the_mesh() {
+    let skeleton = gnarled(11);
+    let mesh = sweep(&skeleton, &with(ALL), &Quiet).unwrap();
+    let found = survey(&skeleton, &with(ALL), &Quiet).unwrap();
+    assert_eq!((found.vertices, found.triangles), (mesh.positions.len(), mesh.triangles.len()));
+    assert_eq!(found.bounds, mesh.bounds());
+}
+
+#[test]
+fn a_cut_pole_is_a_prism_and_a_broken_one_is_longer() {
+    let of = |ends| {
+        let tubes = Tubes { sides: 16, ..with(Features { ends, ..Features::default() }) };
+        sweep(&pole(), &tubes, &Quiet).unwrap()
+    };
+    let cut = of(Ends::Cut);
+    let area = 8.0 * libm::sin(PI / 8.0) * 0.01;
+    assert!((volume(&cut) - 4.0 * area).abs() < 1e-6);
+    assert_eq!(cut.bounds().unwrap().max.y, 4.0);
+    let top = cut.positions.iter().zip(&cut.normals).filter(|(p, n)| p.y == 4.0 && n.y > 0.99);
+    assert_eq!(top.count(), 16, "the cut has normals of its own");
+    let broken = of(Ends::Broken);
+    assert_eq!(topology(&broken, &Quiet).unwrap(), Topology::default());
+    assert!(broken.bounds().unwrap().max.y > 4.1 && volume(&broken) > volume(&cut));
+    let bud = Features { ends: Ends::Broken, ends_above_m: 0.2, ..Features::default() };
+    assert_eq!(sweep(&pole(), &with(bud), &Quiet), sweep(&pole(), &Tubes::default(), &Quiet));
+}
+
+#[test]
+fn a_foot_is_wider_by_its_flare_and_the_wood_above_stays() {
+    let flared = Features { flare: 0.5, flare_height_m: Some(0.4), ..Features::default() };
+    let mesh = sweep(&pole(), &with(flared), &Quiet).unwrap();
+    for p in &mesh.positions {
+        let radius = Vec3::new(p.x, 0.0, p.z).length();
+        if p.y == 0.0 {
+            assert!((radius - 0.15).abs() < 1e-6, "{radius}");
+        } else if p.y > 0.4 && p.y <= 4.0 {
+            assert!((radius - 0.1).abs() < 1e-6, "{radius} at {}", p.y);
+        }
+    }
+    let ridged = Features { flare_ridges: 4, flare_depth: 0.6, ..flared };
+    let mesh = sweep(&pole(), &with(ridged), &Quiet).unwrap();
+    assert_eq!(topology(&mesh, &Quiet).unwrap(), Topology::default());
+    let foot: Vec<f32> = (mesh.positions.iter().zip(&mesh.normals))
+        .filter(|(p, n)| p.y == 0.0 && n.y > -0.9)
+        .map(|(p, _)| p.length())
+        .collect();
+    // Walking round the foot, the radius goes through its mean twice for each buttress.
+    let mean = foot.iter().sum::<f32>() / foot.len() as f32;
+    let crossings = foot.windows(2).filter(|pair| (pair[0] > mean) != (pair[1] > mean)).count();
+    assert_eq!(crossings, 8);
+}
+
+/// A lateral at a right angle: in the plane of both axes the fillet is a quarter of a circle that
+/// touches both cylinders.
+#[test]
+fn a_collar_is_a_quarter_circle_between_two_cylinders() {
+    let branching = linden_skeleton::Branching {
+        positions: vec![Vec3::ZERO, Vec3::Y * 2.0, Vec3::Y * 4.0, Vec3::new(2.0, 2.0, 0.0)],
+        parents: vec![NO_PARENT, 0, 1, 1],
+        births: vec![0; 4],
+        radii: Some(vec![0.4, 0.4, 0.4, 0.1]),
+    };
+    let skeleton = Skeleton::build(branching, &Wood::default()).unwrap();
+    let collar = Features { collar: 0.5, ..Features::default() };
+    let fillet = 0.5 * (0.1 * COLLAR_RADII);
+    let mesh = sweep(&skeleton, &Tubes { sides: 64, ..with(collar) }, &Quiet).unwrap();
+    let found = topology(&mesh, &Quiet).unwrap();
+    assert!(found.watertight() && found.flipped < 4, "but for what lies inside the pole: {found:?}");
+    // The lateral sets out upward, so the lower side is looked at, where it is near straight in the end.
+    let mut checked = 0;
+    for (p, n) in mesh.positions.iter().zip(&mesh.normals) {
+        let outside = Vec3::new(p.x, 0.0, p.z).length() - 0.4;
+        if outside <= 1e-4 || p.z.abs() > 0.01 {
+            continue;
+        }
+        // Distances from both bare surfaces; along the course of the lateral, as its rings say.
+        let course = mesh.positions.iter().filter(|q| (q.x - p.x).abs() < 0.012 && q.x > 0.41);
+        let (low, high) = course.fold((9.0_f32, -9.0_f32), |(l, h), q| (l.min(q.y), h.max(q.y)));
+        let wide = (high - low) / 2.0 - 0.1;
+        if p.x > 1.9 {
+            continue;
+        }
+        if outside > fillet * 1.3 {
+            assert!(wide.abs() < 0.03, "{wide} at {outside}");
+        } else if (p.y - low).abs() < 1e-3 && outside < fillet {
+            let from_circle = ((fillet - wide).hypot(fillet - outside) - fillet).abs();
+            assert!(from_circle < 0.25 * fillet, "{from_circle} at {outside}, {wide}");
+            assert!(n.y < 0.0);
+            checked += 1;
+        }
+    }
+    assert!(checked > 3, "{checked}");
+}
+
+#[test]
+fn twigs_taper_from_their_last_fork() {
+    let half = Features { twig_taper: 0.5, ..Features::default() };
+    let mesh = sweep(&pole(), &with(half), &Quiet).unwrap();
+    let radius = |y: f32| {
+        let at = mesh.positions.iter().filter(|p| p.y == y).map(|p| Vec3::new(p.x, 0.0, p.z).length());
+        at.fold(0.0, f32::max)
+    };
+    assert!((radius(0.0) - 0.1).abs() < 1e-6 && (radius(4.0) - 0.05).abs() < 1e-6);
+    assert!(radius(1.0) < 0.1 && radius(1.0) > 0.05);
+}

@@ -1,0 +1,197 @@
+//! From the skeleton to rings: the course of each axis, with its features.
+
+use std::ops::Range;
+
+use glam::Vec3;
+
+use super::collar::{Collar, MOST_RINGS};
+use super::features::{Flare, taper_twig};
+use super::path::{self, Ring, Station};
+use super::tube::{self, Amount, Form, Roundness};
+use super::{Tubes, curve};
+use linden_base::memory::bytes_of;
+use linden_skeleton::{Axis, NO_PARENT, Skeleton};
+
+/// What all axes of one skeleton share.
+pub(super) struct Course<'a> {
+    pub skeleton: &'a Skeleton,
+    pub tubes: &'a Tubes,
+    pub roundness: Roundness,
+    /// Where each node stands in [`Skeleton::axis_nodes`]; empty where no collar asks for it.
+    places: Vec<u32>,
+}
+
+impl<'a> Course<'a> {
+    pub fn new(skeleton: &'a Skeleton, tubes: &'a Tubes) -> Self {
+        let mut places = Vec::new();
+        if tubes.features.collar > 0.0 {
+            places = vec![0; skeleton.axis_nodes.len()];
+            for (place, &node) in (0..).zip(&skeleton.axis_nodes) {
+                places[node as usize] = place;
+            }
+        }
+        let thickest_m = skeleton.radii.iter().copied().fold(0.0, f32::max);
+        Self { skeleton, tubes, roundness: Roundness::new(tubes.sides, thickest_m), places }
+    }
+
+    fn station(&self, node: u32, thick: u32) -> Station {
+        Station {
+            position: self.skeleton.positions[node as usize],
+            radius: self.skeleton.radii[thick as usize],
+        }
+    }
+
+    /// Appends the rings of an axis, and says how they become its tube.
+    fn lay(&self, index: usize, stations: &mut Vec<Station>, rings: &mut Vec<Ring>) -> Form {
+        let (axis, features) = (&self.skeleton.axes[index], &self.tubes.features);
+        let own = self.skeleton.nodes_of(axis);
+        stations.clear();
+        if axis.parent != NO_PARENT {
+            // A lateral is as thick at its root inside the parent as at its first own node.
+            stations.extend(own.first().map(|&first| self.station(axis.parent, first)));
+        }
+        stations.extend(own.iter().map(|&node| self.station(node, node)));
+        taper_twig(stations, features.twig_taper);
+        path::thicken(stations, |radius_m| self.roundness.sides(radius_m));
+        curve::subdivide(stations, self.tubes.rings);
+        path::prepare(stations);
+        let is_stem = axis.parent == NO_PARENT;
+        let mut form = Form { axis: index as u32, is_stem, ..Form::default() };
+        let (Some(&base), Some(&apex)) = (stations.first(), stations.last()) else { return form };
+        if apex.radius > features.ends_above_m {
+            form.ends = features.ends;
+        }
+        if is_stem {
+            form.flare = Flare::new(features, base.radius);
+            if let Some(flare) = &form.flare {
+                flare.widen(stations);
+            }
+        } else if features.collar > 0.0 {
+            form.collar = self.collar(axis, base.radius, stations).map(Box::new);
+        }
+        path::rings(stations, rings);
+        form
+    }
+
+    fn collar(&self, axis: &Axis, radius_m: f32, stations: &mut Vec<Station>) -> Option<Collar> {
+        let node = axis.parent;
+        let parents_radius_m = self.skeleton.radii[node as usize];
+        let fillet_m = self.tubes.collar_m(parents_radius_m, radius_m);
+        let (spine, up) = self.spine(node, 4.0 * (parents_radius_m + fillet_m));
+        let sides = self.roundness.sides(radius_m + 0.5 * fillet_m);
+        Collar::new(spine, up, stations, fillet_m, sides, self.tubes.features.collar)
+    }
+
+    /// The axis through a node as its tube has it, as far as `reach_m` both ways, base to apex; and its
+    /// direction at the node.
+    fn spine(&self, node: u32, reach_m: f32) -> (Vec<Station>, Vec3) {
+        let Skeleton { positions, parents, axis_nodes, .. } = self.skeleton;
+        let here = positions[node as usize];
+        let place = self.places[node as usize] as usize;
+        let follows = |place: usize| parents[axis_nodes[place] as usize] == axis_nodes[place - 1];
+        // Above a foot with a flare, down to the foot: the flare is measured from there.
+        let flare_m = self.flare_m();
+        let (mut first, mut along) = (place, 0.0);
+        while first > 0 && along < reach_m.max(flare_m) && follows(first) {
+            let below = positions[axis_nodes[first - 1] as usize];
+            along += below.distance(positions[axis_nodes[first] as usize]);
+            first -= 1;
+        }
+        let (mut last, mut along) = (place, 0.0);
+        while last + 1 < axis_nodes.len() && along < reach_m && follows(last + 1) {
+            let above = positions[axis_nodes[last + 1] as usize];
+            along += above.distance(positions[axis_nodes[last] as usize]);
+            last += 1;
+        }
+        let mut spine = Vec::with_capacity(last - first + 2);
+        let base = axis_nodes[first];
+        let is_base = first == 0 || !follows(first);
+        let root = parents[base as usize];
+        if is_base && root != NO_PARENT {
+            spine.push(self.station(root, base));
+        }
+        spine.extend(axis_nodes[first..=last].iter().map(|&node| self.station(node, node)));
+        let below = spine.iter().rfind(|own| own.position != here && own.position.is_finite());
+        let up = {
+            let at = place - first + usize::from(is_base && root != NO_PARENT);
+            let before = if at > 0 { spine[at - 1].position } else { here };
+            let after = spine.get(at + 1).map_or(here, |own| own.position);
+            let fallback = below.map_or(Vec3::Y, |own| (here - own.position).normalize_or(Vec3::Y));
+            ((here - before).normalize_or_zero() + (after - here).normalize_or_zero()).normalize_or(fallback)
+        };
+        curve::subdivide(&mut spine, self.tubes.rings);
+        path::prepare(&mut spine);
+        if is_base
+            && root == NO_PARENT
+            && let Some(flare) = spine.first().and_then(|foot| Flare::new(&self.tubes.features, foot.radius))
+        {
+            flare.widen(&mut spine);
+        }
+        (spine, up)
+    }
+
+    /// How high the highest flare reaches, metres.
+    fn flare_m(&self) -> f32 {
+        let thickest_m = self.roundness.thickest_m;
+        Flare::new(&self.tubes.features, thickest_m).map_or(0.0, |flare| flare.height_m)
+    }
+}
+
+/// The rings of some axes, and how large their tubes will be.
+pub(super) struct Plan {
+    rings: Vec<Ring>,
+    /// Where each axis' rings end, and what is made of them.
+    axes: Vec<(usize, Form)>,
+    pub amount: Amount,
+}
+
+impl Plan {
+    pub fn new(course: &Course<'_>, axes: Range<usize>) -> Self {
+        let mut plan =
+            Self { rings: Vec::new(), axes: Vec::with_capacity(axes.len()), amount: Amount::default() };
+        let mut stations = Vec::new();
+        for index in axes {
+            let first = plan.rings.len();
+            let form = course.lay(index, &mut stations, &mut plan.rings);
+            let tile_m = course.tubes.bark_tile_m;
+            plan.amount =
+                plan.amount.and(tube::amount(&plan.rings[first..], &form, &course.roundness, tile_m));
+            plan.axes.push((plan.rings.len(), form));
+        }
+        plan
+    }
+
+    pub fn len(&self) -> usize {
+        self.axes.len()
+    }
+
+    /// The rings of each axis, and what is made of them.
+    pub fn axes(&self) -> impl Iterator<Item = (&[Ring], &Form)> {
+        let starts = std::iter::once(0).chain(self.axes.iter().map(|&(end, _)| end));
+        starts.zip(&self.axes).map(|(start, (end, form))| (&self.rings[start..*end], form))
+    }
+
+    pub fn bytes(&self) -> u64 {
+        let collars = self.axes.iter().filter_map(|(_, form)| form.collar.as_ref());
+        bytes_of::<Self>(1)
+            + bytes_of::<Ring>(self.rings.capacity())
+            + bytes_of::<(usize, Form)>(self.axes.capacity())
+            + collars.map(|own| own.bytes()).sum::<u64>()
+    }
+}
+
+/// What plans take at most, with the lists of rings that grow one by one.
+pub(super) fn planned_bytes(skeleton: &Skeleton, tubes: &Tubes) -> u64 {
+    let places = if tubes.features.collar > 0.0 { bytes_of::<u32>(skeleton.positions.len()) } else { 0 };
+    places + planned_bytes_of(skeleton.positions.len(), skeleton.axes.len(), tubes)
+}
+
+/// The same for some axes of so many nodes, without what is shared by all.
+pub(super) fn planned_bytes_of(nodes: usize, axes: usize, tubes: &Tubes) -> u64 {
+    // A ring for each node and one more for each lateral, and those between.
+    let most = (nodes + axes).saturating_mul(tubes.rings as usize);
+    let collars = if tubes.features.collar > 0.0 { axes } else { 0 };
+    bytes_of::<Ring>(most + collars * MOST_RINGS).saturating_mul(2)
+        + bytes_of::<(usize, Form)>(axes)
+        + bytes_of::<Collar>(collars)
+}

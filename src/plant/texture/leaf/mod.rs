@@ -1,0 +1,307 @@
+//! Leaves, needles, flowers and fruit as cut-out pictures, drawn from numbers.
+//!
+//! An atlas of variants that differ in shape and tint: which one an organ shows is its own tint, in
+//! any file format. Nothing here knows of trees or meshes; a [`Cell`] says where in the picture a
+//! variant is, where it is held, and how long one leaf is there.
+
+mod atlas;
+mod blade;
+mod compound;
+mod conifer;
+mod coverage;
+mod field;
+mod figure;
+mod flower;
+mod mip;
+mod outline;
+mod paint;
+mod tint;
+mod twig;
+
+use std::sync::Arc;
+
+use glam::Vec2;
+use rayon::prelude::*;
+
+use self::tint::Tint;
+
+use linden_base::input::UserPicture;
+use linden_base::memory::OverMemory;
+use linden_base::monitor::{Cancelled, Monitor};
+use linden_base::picture::Picture;
+use linden_base::random::Key;
+
+pub use outline::{Margin, Outline, Veins};
+
+/// What leaf to draw.
+///
+/// ```
+/// use linden_base::{monitor::Quiet, random::Key};
+/// use linden_plant::texture::leaf::{LeafLook, Outline};
+/// let oak = LeafLook { size_px: 128, ..LeafLook::new(Outline::Lobed) };
+/// let pictures = oak.draw(Key::new(7).named("leaf"), &Quiet).unwrap();
+/// assert_eq!(pictures.cells.len(), 4);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeafLook {
+    /// What it looks like from far.
+    pub outline: Outline,
+    /// Width as a share of the blade's length.
+    pub width: f32,
+    /// Lobes or leaflets, as [`Outline`] says for each.
+    pub lobes: u32,
+    /// How deep the bays between lobes are: 0 none, 1 down to the midrib.
+    pub lobe_depth: f32,
+    /// What the edge is like.
+    pub margin: Margin,
+    /// Teeth along one side of a blade.
+    pub teeth: u32,
+    /// How far teeth stand out, as a share of the blade's length.
+    pub tooth_depth: f32,
+    /// The end of the blade: 0 round, 0.5 as its outline has it, 1 drawn out into a long tip.
+    pub tip: f32,
+    /// The petiole as a share of the whole length.
+    pub petiole: f32,
+    /// How veins run.
+    pub veins: Veins,
+    /// How strongly veins show: 0 not at all, 1 usual, up to 2.
+    pub vein_strength: f32,
+    /// Colours of the upper side in summer, sRGB, at least one: variants take them in turn.
+    pub colors: Vec<[u8; 3]>,
+    /// Colours in autumn, sRGB, from the first change to the last; none: leaves stay as in summer.
+    pub autumn_colors: Vec<[u8; 3]>,
+    /// Colour of the veins, sRGB; `None`: paler than the blade.
+    pub vein_color: Option<[u8; 3]>,
+    /// How much variants differ in tint: 0 not at all, 1 widely.
+    pub color_spread: f32,
+    /// 0 flush, 0.35 summer, 0.75 autumn, 1 withered.
+    pub season: f32,
+    /// How many different leaves: 1 to [`LeafLook::MAX_VARIANTS`].
+    pub variants: u32,
+    /// The picture's side, pixels: 1 to [`LeafLook::MAX_SIZE_PX`].
+    pub size_px: u32,
+}
+
+/// A twig to compose from drawn leaves.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TwigLook {
+    /// Leaves on the twig, the one at its end included: 1 to [`TwigLook::MAX_LEAVES`].
+    pub leaves: u32,
+    /// How they stand.
+    pub arrangement: Arrangement,
+    /// The twig without its last leaf, metres.
+    pub length_m: f32,
+    /// A leaf from the foot of its petiole to its tip, metres.
+    pub leaf_length_m: f32,
+    /// Colour of the wood, sRGB.
+    pub color: [u8; 3],
+    /// Between the twig and its leaves, degrees.
+    pub angle_deg: f32,
+}
+
+impl TwigLook {
+    /// The most leaves on one twig.
+    pub const MAX_LEAVES: u32 = 200;
+}
+
+impl Default for TwigLook {
+    /// Nine leaves of 8 cm on 20 cm of a brown twig.
+    fn default() -> Self {
+        Self {
+            leaves: 9,
+            arrangement: Arrangement::Alternate,
+            length_m: 0.2,
+            leaf_length_m: 0.08,
+            color: [104, 84, 62],
+            angle_deg: 55.0,
+        }
+    }
+}
+
+/// How leaves stand along a twig that lies flat.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Arrangement {
+    /// Left and right in turn.
+    #[default]
+    Alternate,
+    /// In pairs.
+    Opposite,
+}
+
+/// The pictures of an atlas, both square.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeafPictures {
+    /// sRGB with alpha, not premultiplied, meant to be cut out at one half: what is below that outside
+    /// the leaf keeps smaller copies of the picture from losing it. Colours go on far outside, so that
+    /// they have no rim.
+    pub base_color: Arc<Picture>,
+    /// Tangent-space normals; OpenGL convention, green points up.
+    pub normal: Arc<Picture>,
+    /// Where each variant is; they do not touch.
+    pub cells: Vec<Cell>,
+}
+
+/// One variant's place in an atlas. Texture coordinates: 0 to 1, V up, the origin in the lower left
+/// corner of the picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Cell {
+    /// Lower left corner of what is drawn.
+    pub min: Vec2,
+    /// Upper right corner of what is drawn.
+    pub max: Vec2,
+    /// Where the foot of the petiole, or of the twig, is. From there the leaf points up.
+    pub attach: Vec2,
+    /// What one length is in the picture: of the leaf from the foot of its petiole to its tip, or of
+    /// the twig from its foot to the tip of its last leaf. A corner `uv` of a card for a leaf of `l`
+    /// metres lies at `(uv - attach) / unit * l`.
+    pub unit: Vec2,
+    /// A convex outline around what is drawn, counter-clockwise: less to shade than the rectangle.
+    pub outline: Vec<Vec2>,
+    /// Mean colour, sRGB: for surfaces without pictures.
+    pub color: [u8; 3],
+}
+
+impl Cell {
+    /// The whole of a user's picture, held in the middle of its lower edge; its height is the leaf's length.
+    pub fn whole(picture: &UserPicture) -> Self {
+        let (width, height) = (picture.picture.width(), picture.picture.height());
+        Self {
+            min: Vec2::ZERO,
+            max: Vec2::ONE,
+            attach: Vec2::new(0.5, 0.0),
+            unit: Vec2::new(height as f32 / width as f32, 1.0),
+            outline: vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y],
+            color: picture.mean_color,
+        }
+    }
+}
+
+/// Why there is no picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum LeafError {
+    /// The size is 0 or too large.
+    #[error("a leaf picture of {0}×{0} pixels cannot be drawn: choose 1 to {max}", max = LeafLook::MAX_SIZE_PX)]
+    Size(u32),
+    /// There are none or too many.
+    #[error("an atlas of {0} leaves cannot be drawn: choose 1 to {max}", max = LeafLook::MAX_VARIANTS)]
+    Variants(u32),
+    /// It would take more memory than there may be.
+    #[error(transparent)]
+    Memory(#[from] OverMemory),
+    /// Nobody wants the picture any more.
+    #[error(transparent)]
+    Cancelled(#[from] Cancelled),
+}
+
+impl LeafLook {
+    /// The largest side, pixels.
+    pub const MAX_SIZE_PX: u32 = 4096;
+    /// The most variants.
+    pub const MAX_VARIANTS: u32 = 64;
+    /// The most lobes, leaflets or needles; more are as many.
+    pub const MOST_LOBES: u32 = 400;
+    /// The most teeth along one side; more are as many.
+    pub const MOST_TEETH: u32 = 100;
+
+    /// The usual leaf of an outline: four variants on 1024 pixels, in summer.
+    pub fn new(outline: Outline) -> Self {
+        let usual = outline.usual();
+        Self {
+            outline,
+            width: usual.width,
+            lobes: usual.lobes,
+            lobe_depth: usual.lobe_depth,
+            margin: usual.margin,
+            teeth: usual.teeth,
+            tooth_depth: usual.tooth_depth,
+            tip: 0.5,
+            petiole: usual.petiole,
+            veins: usual.veins,
+            vein_strength: 1.0,
+            colors: usual.colors.to_vec(),
+            autumn_colors: usual.autumn_colors.to_vec(),
+            vein_color: None,
+            color_spread: 0.5,
+            season: 0.35,
+            variants: 4,
+            size_px: 1024,
+        }
+    }
+
+    /// Draws an atlas of single leaves.
+    ///
+    /// # Errors
+    /// [`LeafError`]: a size or count out of range, too little memory, or cancelled.
+    pub fn draw(&self, key: Key, monitor: &dyn Monitor) -> Result<LeafPictures, LeafError> {
+        self.atlas(None, key, monitor)
+    }
+
+    /// Draws an atlas of twigs that bear such leaves.
+    ///
+    /// # Errors
+    /// [`LeafError`]: a size or count out of range, too little memory, or cancelled.
+    pub fn draw_twig(
+        &self,
+        twig: &TwigLook,
+        key: Key,
+        monitor: &dyn Monitor,
+    ) -> Result<LeafPictures, LeafError> {
+        self.atlas(Some(twig), key, monitor)
+    }
+
+    /// With numbers that can be drawn: out of range, the nearest that is in it.
+    fn bounded(&self) -> Self {
+        let usual = self.outline.usual();
+        let within = |x: f32, low: f32, high: f32, otherwise: f32| {
+            if x.is_nan() { otherwise } else { x.clamp(low, high) }
+        };
+        Self {
+            width: within(self.width, 0.01, 2.0, usual.width),
+            lobes: self.lobes.min(Self::MOST_LOBES),
+            lobe_depth: within(self.lobe_depth, 0.0, 0.95, usual.lobe_depth),
+            teeth: self.teeth.min(Self::MOST_TEETH),
+            tooth_depth: within(self.tooth_depth, 0.0, 0.3, usual.tooth_depth),
+            tip: within(self.tip, 0.0, 1.0, 0.5),
+            petiole: within(self.petiole, 0.0, 0.9, usual.petiole),
+            vein_strength: within(self.vein_strength, 0.0, 2.0, 1.0),
+            color_spread: within(self.color_spread, 0.0, 1.0, 0.5),
+            season: within(self.season, 0.0, 1.0, 0.35),
+            ..self.clone()
+        }
+    }
+
+    fn atlas(
+        &self,
+        twig: Option<&TwigLook>,
+        key: Key,
+        monitor: &dyn Monitor,
+    ) -> Result<LeafPictures, LeafError> {
+        if !(1..=Self::MAX_SIZE_PX).contains(&self.size_px) {
+            return Err(LeafError::Size(self.size_px));
+        }
+        if !(1..=Self::MAX_VARIANTS).contains(&self.variants) {
+            return Err(LeafError::Variants(self.variants));
+        }
+        let look = &self.bounded();
+        // A twig has so many leaves like the first; some are there twice while it is put together.
+        let first = compound::leaf(look, &Tint::new(look, 0, key.named("tint")), key).bytes();
+        let leaves = twig.map_or(1, |twig| u64::from(twig.leaves.clamp(1, TwigLook::MAX_LEAVES)));
+        let bytes = first * leaves * u64::from(self.variants) * 3 / 2;
+        monitor.admit("drawing leaves", bytes, "lower leaf_size or twig_leaves")?;
+        let figures: Vec<_> = (0..self.variants)
+            .into_par_iter()
+            .map(|variant| {
+                monitor.check()?;
+                let key = key.child(u64::from(variant));
+                Ok(match twig {
+                    Some(twig) => twig::twig(look, twig, variant, key),
+                    None => compound::leaf(look, &Tint::new(look, variant, key.named("tint")), key),
+                })
+            })
+            .collect::<Result<_, Cancelled>>()?;
+        atlas::draw(&figures, self.size_px, key, monitor)
+    }
+}
+
+#[cfg(test)]
+mod tests;

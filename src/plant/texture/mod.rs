@@ -1,0 +1,13 @@
+//! Pictures that the program draws itself: bark, leaves of all kinds, and ground.
+//!
+//! Everything here uses no randomness but its key's and gives the same bytes on any machine and any
+//! number of threads. Bark tiles in both directions.
+
+mod bark;
+mod ground;
+pub mod leaf;
+mod periodic;
+
+pub(crate) use bark::opaque;
+pub use bark::{Bark, BarkError, BarkPictures, BarkStyle, normals_by_lightness};
+pub use ground::{GROUND_TILE_M, ground};

@@ -1,0 +1,225 @@
+//! The axial tree: what both generators give and everything after them takes.
+//!
+//! A generator gives a [`Branching`] (nodes and their parents); [`Skeleton`] adds what a botanist
+//! sees in it: axes with their orders, and radii. Nodes come parents before children.
+
+mod axes;
+mod cylinders;
+pub mod generator;
+mod measure;
+mod memory;
+pub mod organs;
+mod radii;
+pub mod refine;
+mod wood;
+mod young;
+
+use glam::Vec3;
+use radii::Built;
+use xxhash_rust::xxh3::Xxh3;
+
+use linden_base::random::Key;
+
+pub use cylinders::Cylinder;
+pub use measure::Measures;
+pub use radii::axes_by_tips;
+pub use radii::pipe::count_tips;
+pub use radii::{Span, Width, Wood};
+
+/// The parent of a node that stands at the foot of a stem.
+pub const NO_PARENT: u32 = u32::MAX;
+
+/// The bare branching structure that a generator gives: no axes, no radii.
+///
+/// All arrays have one entry per node; a parent's index is below its children's.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Branching {
+    /// Metres, Y up.
+    pub positions: Vec<Vec3>,
+    /// Index of the node that this one grew from, or [`NO_PARENT`].
+    pub parents: Vec<u32>,
+    /// The derivation step or iteration in which the node appeared, 0 for what was there at first.
+    pub births: Vec<u32>,
+    /// Metres, where the generator itself says how thick the wood is (a grammar's `!`, a scan's
+    /// bark); `None`: the [`Wood`] decides.
+    pub radii: Option<Vec<f32>>,
+}
+
+/// One axis: a chain of internodes from its base to its apex.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Axis {
+    /// 0 for a stem, one more than the parent axis for a lateral.
+    pub order: u32,
+    /// The node that the axis leaves from; [`NO_PARENT`] for a stem.
+    pub parent: u32,
+    /// Where the axis' nodes start in [`Skeleton::axis_nodes`].
+    pub first: u32,
+    /// How many nodes the axis owns (the node it leaves from belongs to its parent axis).
+    pub len: u32,
+}
+
+/// The axial tree with radii.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Skeleton {
+    /// Metres, Y up.
+    pub positions: Vec<Vec3>,
+    /// Index of the parent node, or [`NO_PARENT`].
+    pub parents: Vec<u32>,
+    /// Metres, above zero.
+    pub radii: Vec<f32>,
+    /// Birth step per node.
+    pub births: Vec<u32>,
+    /// All axes: parents before laterals.
+    pub axes: Vec<Axis>,
+    /// Node indices, axis by axis, base to apex. Each node stands here once.
+    pub axis_nodes: Vec<u32>,
+}
+
+/// Why a branching is no tree. A generator that returns such a thing has a bug, but whoever calls
+/// the library may build branchings too.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SkeletonError {
+    /// No node at all.
+    #[error("a skeleton needs at least one segment, and there is none")]
+    Empty,
+    /// Arrays of different lengths.
+    #[error(
+        "the branching's arrays differ in length: {positions} positions, {parents} parents, {births} births"
+    )]
+    Lengths {
+        /// Entries in `positions`.
+        positions: usize,
+        /// Entries in `parents`.
+        parents: usize,
+        /// Entries in `births`.
+        births: usize,
+    },
+    /// A parent that does not come before its child.
+    #[error("node {node} has the parent {parent}, which does not come before it")]
+    Order {
+        /// The child.
+        node: usize,
+        /// What it calls its parent.
+        parent: u32,
+    },
+    /// NaN or infinity.
+    #[error("node {node} stands at a place that is not finite")]
+    NotFinite {
+        /// The node.
+        node: usize,
+    },
+    /// Radii of another number than nodes, or one that is not finite.
+    #[error("node {node} was given a radius that is missing or not finite")]
+    Radius {
+        /// The node.
+        node: usize,
+    },
+}
+
+impl Branching {
+    /// Whether the arrays describe a tree with at least one segment.
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    pub fn validate(&self) -> Result<(), SkeletonError> {
+        let (positions, parents, births) = (self.positions.len(), self.parents.len(), self.births.len());
+        if positions != parents || positions != births {
+            return Err(SkeletonError::Lengths { positions, parents, births });
+        }
+        if let Some(node) = self.positions.iter().position(|p| !p.is_finite()) {
+            return Err(SkeletonError::NotFinite { node });
+        }
+        if let Some(radii) = &self.radii {
+            let strange = radii.iter().position(|radius| !radius.is_finite());
+            if let Some(node) = strange.or((radii.len() != positions).then_some(radii.len().min(positions))) {
+                return Err(SkeletonError::Radius { node });
+            }
+        }
+        let mut segments = 0_usize;
+        for (node, &parent) in self.parents.iter().enumerate() {
+            if parent != NO_PARENT {
+                segments += 1;
+                if parent as usize >= node {
+                    return Err(SkeletonError::Order { node, parent });
+                }
+            }
+        }
+        if segments == 0 { Err(SkeletonError::Empty) } else { Ok(()) }
+    }
+}
+
+impl Skeleton {
+    /// Finds axes and radii.
+    ///
+    /// The thickest child (then the straightest, then the first) continues its parent's axis, all
+    /// others start laterals.
+    ///
+    /// ```
+    /// use linden::{Branching, NO_PARENT, Skeleton, Vec3};
+    /// let fork = Branching {
+    ///     positions: vec![Vec3::ZERO, Vec3::Y, Vec3::new(0.0, 2.0, 0.0), Vec3::new(1.0, 2.0, 0.0)],
+    ///     parents: vec![NO_PARENT, 0, 1, 1],
+    ///     births: vec![0, 1, 2, 2],
+    ///     radii: None,
+    /// };
+    /// let tree = Skeleton::build(fork, &Default::default())?;
+    /// assert_eq!(tree.axes.len(), 2);
+    /// assert_eq!(tree.nodes_of(&tree.axes[0]), [0, 1, 2]); // straight on
+    /// # Ok::<(), linden::skeleton::SkeletonError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When the branching is no tree: see [`Branching::validate`].
+    pub fn build(branching: Branching, wood: &Wood) -> Result<Self, SkeletonError> {
+        Self::build_keyed(branching, wood, Key::new(0))
+    }
+
+    /// The same with the key of what [`Width::Taper`] draws; all other rules draw nothing.
+    ///
+    /// # Errors
+    /// When the branching is no tree: see [`Branching::validate`].
+    pub fn build_keyed(branching: Branching, wood: &Wood, key: Key) -> Result<Self, SkeletonError> {
+        branching.validate()?;
+        let Branching { positions, parents, births, radii: given } = branching;
+        let Built { axes, axis_nodes, radii } = radii::build(&positions, &parents, given, wood, key);
+        Ok(Self { positions, parents, radii, births, axes, axis_nodes })
+    }
+
+    /// The nodes of an axis, base to apex.
+    pub fn nodes_of(&self, axis: &Axis) -> &[u32] {
+        &self.axis_nodes[axis.first as usize..(axis.first + axis.len) as usize]
+    }
+
+    /// How many segments (internodes) there are: each node but the feet of the stems ends one.
+    pub fn segments(&self) -> usize {
+        self.parents.iter().filter(|&&p| p != NO_PARENT).count()
+    }
+
+    /// A 128-bit fingerprint of everything in it (XXH3 over little-endian bytes): equal on all
+    /// machines and for any number of threads exactly when the skeleton is the same, bit for bit.
+    pub fn hash(&self) -> u128 {
+        let mut hasher = Xxh3::new();
+        let mut block = Vec::with_capacity(1 << 14);
+        let mut feed = |words: &mut dyn Iterator<Item = u32>| {
+            let mut count = 0_u64;
+            for word in words {
+                block.extend_from_slice(&word.to_le_bytes());
+                count += 1;
+                if block.len() >= 1 << 14 {
+                    hasher.update(&block);
+                    block.clear();
+                }
+            }
+            // The length ends each array, so that entries cannot move from one to the next unseen.
+            block.extend_from_slice(&count.to_le_bytes());
+        };
+        feed(&mut self.positions.iter().flat_map(Vec3::to_array).map(f32::to_bits));
+        feed(&mut self.parents.iter().copied());
+        feed(&mut self.radii.iter().map(|r| r.to_bits()));
+        feed(&mut self.births.iter().copied());
+        feed(&mut self.axes.iter().flat_map(|a| [a.order, a.parent, a.first, a.len]));
+        feed(&mut self.axis_nodes.iter().copied());
+        hasher.update(&block);
+        hasher.digest128()
+    }
+}

@@ -1,0 +1,243 @@
+//! Axes that wander: trunks and limbs sway, old wood is gnarled.
+//!
+//! Each axis is displaced by an offset that starts at zero; whatever hangs on it is carried along, so
+//! that laterals leave from where they did. What is drawn belongs to the axis: what grows elsewhere
+//! changes nothing here.
+
+use std::f64::consts::TAU;
+
+use glam::{DVec3, Vec3};
+
+use super::{NODES_PER_CHECK, RefineError, Refinement, Shoots};
+use crate::radii::{by_axis, provisional};
+use crate::{Axis, NO_PARENT, axes_by_tips};
+use linden_base::monitor::Monitor;
+use linden_base::random::Key;
+
+/// Length of a bend of gnarled wood, in radii of the wood.
+const BEND_RADII: f64 = 9.0;
+
+/// Displaces all axes.
+pub(super) fn wander(
+    shoots: &mut Shoots<'_>,
+    refinement: &Refinement,
+    monitor: &dyn Monitor,
+) -> Result<(), RefineError> {
+    let positions = &shoots.branching.positions;
+    let parents = &shoots.branching.parents;
+    let (axes, axis_nodes) = axes_by_tips(positions, parents);
+    let keys = by_axis::keys(&axes, &axis_nodes, shoots.room.key.named("wander"));
+    // As thick as the wood is before anything is displaced, which changes little.
+    let radii = if refinement.gnarl > 0.0 {
+        provisional(&shoots.branching, &shoots.room.wood, shoots.room.key)
+    } else {
+        Vec::new()
+    };
+    let radius_m = |node: u32| radii.get(node as usize).map_or(0.0, |&radius| f64::from(radius));
+    let mut places = positions.clone();
+    let mut looked_at = 0;
+    for (axis, &key) in axes.iter().zip(&keys) {
+        looked_at += axis.len as usize;
+        if looked_at >= NODES_PER_CHECK {
+            monitor.check()?;
+            looked_at = 0;
+        }
+        let own = &axis_nodes[axis.first as usize..(axis.first + axis.len) as usize];
+        let course = Course::new(axis, own, positions);
+        let carried = match axis.parent {
+            NO_PARENT => DVec3::ZERO,
+            parent => (places[parent as usize] - positions[parent as usize]).as_dvec3(),
+        };
+        let sway = Sway::new(&course, key.named("sway"), refinement.sway);
+        let mut gnarl = Gnarl::new(key.named("gnarl"), refinement.gnarl);
+        let mut along_m = 0.0;
+        let mut before = course.start;
+        for &node in own {
+            let here = positions[node as usize];
+            let step_m = f64::from(before.distance(here));
+            along_m += step_m;
+            before = here;
+            let aside = carried + sway.at(along_m) + gnarl.go(step_m, radius_m(node));
+            places[node as usize] = here + aside.as_vec3();
+        }
+    }
+    shoots.relocate(places);
+    Ok(())
+}
+
+/// Where an axis starts, where to, and how long it is.
+struct Course {
+    start: Vec3,
+    direction: Vec3,
+    length_m: f64,
+}
+
+impl Course {
+    fn new(axis: &Axis, own: &[u32], positions: &[Vec3]) -> Self {
+        let place = |node: u32| positions[node as usize];
+        let first = own.first().map_or(Vec3::ZERO, |&node| place(node));
+        let start = if axis.parent == NO_PARENT { first } else { place(axis.parent) };
+        let apex = own.last().map_or(start, |&node| place(node));
+        let steps = own.windows(2).map(|pair| f64::from(place(pair[0]).distance(place(pair[1]))));
+        let length_m = f64::from(start.distance(first)) + steps.sum::<f64>();
+        Self { start, direction: (apex - start).normalize_or(Vec3::Y), length_m }
+    }
+}
+
+/// A slow swing to both sides: two waves in each of two directions across the axis.
+struct Sway {
+    /// Direction, waves along the axis, phase; the direction is as long as the wave is high.
+    waves: [(DVec3, f64, f64); 4],
+    length_m: f64,
+}
+
+impl Sway {
+    fn new(course: &Course, key: Key, share: f64) -> Self {
+        let (across, aside) = course.direction.any_orthonormal_pair();
+        let [across, aside] = [across, aside].map(Vec3::as_dvec3);
+        let high_m = share * course.length_m;
+        let wave = |index: u64, direction: DVec3, waves: f64, share: f64| {
+            let key = key.child(index);
+            let stretched = waves * key.named("waves").between(0.8, 1.25);
+            (direction * (high_m * share), stretched, key.named("phase").between(0.0, TAU))
+        };
+        let waves = [
+            wave(0, across, 0.7, 0.5),
+            wave(1, aside, 0.7, 0.5),
+            wave(2, across, 1.7, 0.2),
+            wave(3, aside, 1.7, 0.2),
+        ];
+        Self { waves, length_m: course.length_m }
+    }
+
+    /// The offset at an arc length. An axis sets out in its old direction.
+    fn at(&self, along_m: f64) -> DVec3 {
+        if !(self.length_m > 0.0) {
+            return DVec3::ZERO;
+        }
+        let u = along_m / self.length_m;
+        let ease = (u * 3.0).min(1.0);
+        let ease = ease * ease * (3.0 - 2.0 * ease);
+        let wave = |&(direction, waves, phase): &(DVec3, f64, f64)| {
+            direction * (libm::sin(TAU * waves * u + phase) - libm::sin(phase))
+        };
+        self.waves.iter().map(wave).sum::<DVec3>() * ease
+    }
+}
+
+/// Bends as long as the wood is thick, as high as a share of its radius: value noise along the axis.
+struct Gnarl {
+    key: Key,
+    share: f64,
+    /// Bends so far.
+    bends: f64,
+}
+
+impl Gnarl {
+    fn new(key: Key, share: f64) -> Self {
+        Self { key, share, bends: 0.0 }
+    }
+
+    /// The offset after one more step.
+    fn go(&mut self, step_m: f64, radius_m: f64) -> DVec3 {
+        if !(self.share > 0.0 && radius_m > 0.0) {
+            return DVec3::ZERO;
+        }
+        self.bends += step_m / (BEND_RADII * radius_m);
+        // Sets out from nothing within the first bend.
+        self.noise(self.bends) * (2.0 * self.share * radius_m * self.bends.min(1.0))
+    }
+
+    fn noise(&self, at: f64) -> DVec3 {
+        let (whole, t) = (at.floor(), at - at.floor());
+        let draw = |index: f64| {
+            let key = self.key.child(index as u64);
+            DVec3::from([0, 1, 2].map(|axis| key.child(axis).between(-1.0, 1.0)))
+        };
+        draw(whole).lerp(draw(whole + 1.0), t * t * (3.0 - 2.0 * t))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{random_tree, refined, straight_with_lateral, tree};
+    use super::super::{Room, refine};
+    use super::*;
+    use crate::{Branching, Wood};
+    use linden_base::mesh::Bounds;
+    use linden_base::monitor::Quiet;
+
+    #[test]
+    fn a_straight_stem_sways_within_its_share_and_its_lateral_is_carried_rigidly() {
+        let all = straight_with_lateral();
+        for share in [0.02, 0.1] {
+            let swayed = refined(all.clone(), &Refinement { sway: share, ..Refinement::default() });
+            let aside: Vec<Vec3> =
+                swayed.positions.iter().zip(&all.positions).map(|(now, then)| now - then).collect();
+            let length = 9.1;
+            assert_eq!(aside[0], Vec3::ZERO, "the foot stays");
+            let most = aside[..6].iter().map(|a| a.length()).fold(0.0, f32::max);
+            assert!(most > 0.1 * share as f32 * length && most < 2.9 * share as f32 * length, "{most}");
+            // The lateral's own swing is a share of its own length.
+            for tip in [6, 7, 8] {
+                assert!(aside[tip].distance(aside[2]) < 2.9 * share as f32 * 4.0);
+            }
+            assert_eq!(swayed.parents, all.parents);
+        }
+    }
+
+    #[test]
+    fn what_grows_elsewhere_changes_no_axis() {
+        let all = straight_with_lateral();
+        let wild = Refinement { sway: 0.1, gnarl: 1.0, ..Refinement::default() };
+        let mut more = all.clone();
+        // Another lateral, higher on the stem.
+        more.positions.push(Vec3::new(1.0, 5.0, 0.0));
+        more.parents.push(3);
+        more.births.push(99);
+        let (a, b) = (
+            refined(all, &Refinement { gnarl: 0.0, ..wild.clone() }),
+            refined(more, &Refinement { gnarl: 0.0, ..wild }),
+        );
+        assert_eq!(a.positions[..], b.positions[..a.positions.len()]);
+    }
+
+    #[test]
+    fn gnarled_wood_moves_by_its_thickness_and_nothing_moves_for_nothing() {
+        let all = random_tree(4, 300, 0.9);
+        assert_eq!(refined(all.clone(), &Refinement { gnarl: 0.0, ..Refinement::default() }), all);
+        let gnarled = refined(all.clone(), &Refinement { gnarl: 0.5, ..Refinement::default() });
+        let size = Bounds::of(all.positions.iter().copied()).unwrap().size();
+        let radius = size.y / 60.0;
+        let most = farthest(&gnarled, &all);
+        // Orders add up: a twig is carried by all that it hangs on.
+        assert!(most > 0.2 * radius && most < 0.5 * 2.0 * 1.8 * radius * 12.0, "{most} of {radius}");
+    }
+
+    fn farthest(moved: &Branching, from: &Branching) -> f32 {
+        moved.positions.iter().zip(&from.positions).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max)
+    }
+
+    /// Bends are as long and as high as the wood is thick, whatever decides that.
+    #[test]
+    fn gnarl_goes_by_the_thickness_that_the_wood_will_have() {
+        let stem: Vec<Vec3> = (0..=2000).map(|i| Vec3::Y * (i as f32 * 0.01)).collect();
+        let parents: Vec<u32> = (0..=2000_u32).map(|i| i.checked_sub(1).unwrap_or(NO_PARENT)).collect();
+        let all = tree(stem, &parents);
+        let gnarled = |wood: Wood| {
+            let refinement = Refinement { gnarl: 0.5, ..Refinement::default() };
+            let room = Room { wood, ..Room::open(1 << 20) };
+            refine(all.clone(), None, &mut [], &refinement, room, &Quiet).unwrap()
+        };
+        let usual = farthest(&gnarled(Wood::default()), &all);
+        let [slender, thick] = [
+            Wood { slenderness: 90.0, ..Wood::default() },
+            Wood { base_radius_m: Some(1.0), ..Wood::default() },
+        ]
+        .map(|wood| farthest(&gnarled(wood), &all));
+        // 20 m of stem: a third of a metre through, a third of that, two metres.
+        for (most, radius_m) in [(usual, 20.0 / 60.0), (slender, 20.0 / 180.0), (thick, 1.0)] {
+            assert!((0.3..=1.8).contains(&(most / radius_m)), "{most} m for {radius_m} m");
+        }
+    }
+}
