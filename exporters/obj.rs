@@ -71,9 +71,9 @@ impl Exporter for Obj {
         let stage = &fit(stage, &FORMAT, bundle);
         let distinct = DistinctMeshes::of(stage, monitor)?;
         let lines = options.is_on("lines");
-        let of_model = |own: &crate::writing::distinct::PlantModel<'_>| {
-            let surface: usize = own.pieces.iter().map(|piece| piece.mesh.positions.len()).sum();
-            surface + if lines { own.scene.skeleton.positions.len() } else { 0 }
+        let of_model = |plant: &crate::writing::distinct::PlantModel<'_>| {
+            let surface: usize = plant.parts.iter().map(|piece| piece.mesh.positions.len()).sum();
+            surface + if lines { plant.scene.skeleton.positions.len() } else { 0 }
         };
         let vertices: usize = distinct.placed(stage).map(|(_, model)| of_model(model)).sum();
         if vertices > i32::MAX as usize {
@@ -97,13 +97,15 @@ impl Exporter for Obj {
             let mut cuts: Vec<(String, String)> = Vec::new();
             for NamedMaterial { material, .. } in &distinct.materials {
                 let suffix = cut_out(material, &pictures);
-                let Some(suffix) = suffix.filter(|own| cuts.iter().all(|(known, _)| known != own)) else {
+                let Some(suffix) = suffix.filter(|suffix| cuts.iter().all(|(known, _)| known != suffix))
+                else {
                     continue;
                 };
                 let Some(picture) = &material.base_color_picture else { continue };
                 let opacity = Arc::new(opacity(picture));
-                let own = [NamedPicture { suffix: suffix.clone(), picture: &opacity, wrap: material.wrap }];
-                for png in pictures::compress(&own)? {
+                let opacities =
+                    [NamedPicture { suffix: suffix.clone(), picture: &opacity, wrap: material.wrap }];
+                for png in pictures::compress(&opacities)? {
                     let file = bundle.write_picture(&suffix, png, monitor)?;
                     cuts.push((suffix.clone(), file));
                 }
@@ -123,7 +125,7 @@ impl Exporter for Obj {
             for (number, (place, model)) in (1..).zip(distinct.placed(stage)) {
                 let name = tree_name(stage, place, number);
                 let motion = place.motion();
-                for piece in &model.pieces {
+                for piece in &model.parts {
                     let look = library.is_some().then(|| &distinct.materials[piece.material]);
                     write_piece(out, &name, piece, motion, look, before)?;
                     before += piece.mesh.positions.len() as u32;

@@ -73,7 +73,7 @@ pub(crate) fn all() -> Vec<&'static dyn Exporter> {
 /// A program on the search path. [`Command`] would find those in relative folders too.
 pub fn program_on_path(name: &str) -> Option<PathBuf> {
     let file = format!("{name}{}", std::env::consts::EXE_SUFFIX);
-    search_path().into_iter().map(|folder| folder.join(&file)).find(|own| is_program(own))
+    search_path().into_iter().map(|folder| folder.join(&file)).find(|path| is_program(path))
 }
 
 /// Relative folders are left out: what runs must not depend on where it is run.

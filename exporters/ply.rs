@@ -101,7 +101,7 @@ impl Exporter for Ply {
         let distinct = DistinctMeshes::of(stage, monitor)?;
         memory::admit(stage, &[], memory::formatting(&distinct), monitor)?;
         let ascii = encoding(options) == Encoding::Text;
-        let meshes = || distinct.placed(stage).flat_map(|(_, model)| &model.pieces).map(|piece| &*piece.mesh);
+        let meshes = || distinct.placed(stage).flat_map(|(_, model)| &model.parts).map(|piece| &*piece.mesh);
         let vertices: usize = meshes().map(|mesh| mesh.positions.len()).sum();
         let faces: usize = meshes().map(|mesh| mesh.triangles.len()).sum();
         if vertices > i32::MAX as usize || faces > i32::MAX as usize {
@@ -110,7 +110,7 @@ impl Exporter for Ply {
         let mut head = header(&stage.name, &stage.recipe, ascii);
         // Readers see one mesh: which vertices belong together is told here.
         let mut first = 0;
-        for piece in distinct.placed(stage).take(1).flat_map(|(_, model)| &model.pieces) {
+        for piece in distinct.placed(stage).take(1).flat_map(|(_, model)| &model.parts) {
             let count = piece.mesh.positions.len();
             head += &format!("comment part {}: {count} vertices from {first}\n", piece.name);
             first += count;
@@ -127,7 +127,7 @@ impl Exporter for Ply {
         bundle.write_main((!ascii).then_some(bytes as u64), monitor, |out| {
             out.write(head.as_bytes())?;
             for (place, model) in distinct.placed(stage) {
-                for piece in &model.pieces {
+                for piece in &model.parts {
                     write_vertices(
                         out,
                         piece,
@@ -138,7 +138,7 @@ impl Exporter for Ply {
                 }
             }
             let mut before = 0;
-            for piece in distinct.placed(stage).flat_map(|(_, model)| &model.pieces) {
+            for piece in distinct.placed(stage).flat_map(|(_, model)| &model.parts) {
                 write_faces(out, piece, before, ascii)?;
                 before += piece.mesh.positions.len() as u32;
             }
@@ -166,7 +166,8 @@ fn write_vertices(
             let ([x, y, z], [nx, ny, nz], [s, t]) =
                 (position.to_array(), normal.to_array(), mesh.uvs[i].to_array());
             let numbers = [x, y, z, nx, ny, nz, s, t];
-            let [r, g, b] = picture.map_or(plain, |own| pictures::color_at(own, material.wrap, mesh.uvs[i]));
+            let [r, g, b] =
+                picture.map_or(plain, |picture| pictures::color_at(picture, material.wrap, mesh.uvs[i]));
             if ascii {
                 text.floats(numbers, b" ");
                 integers(text, &[r, g, b, 255].map(u32::from));
@@ -234,8 +235,8 @@ impl Exporter for PlySkeleton {
             return Err(too_large(SKELETON.id, format!("{nodes} nodes")));
         }
         // Orders and edges stay while records are formatted; the edges grew one by one.
-        let own = bytes_of::<u32>(nodes) + bytes_grown::<[u32; 2]>(nodes) + records::bytes(nodes);
-        memory::admit(stage, &[], own, monitor)?;
+        let more = bytes_of::<u32>(nodes) + bytes_grown::<[u32; 2]>(nodes) + records::bytes(nodes);
+        memory::admit(stage, &[], more, monitor)?;
         let mut orders = vec![0; nodes];
         for axis in &skeleton.axes {
             for &node in skeleton.nodes_of(axis) {

@@ -67,8 +67,8 @@ impl Exporter for Qsm {
         let stage = &fit(stage, &FORMAT, bundle);
         let scene = validate::single_tree(stage, FORMAT.id, monitor)?;
         let nodes = scene.skeleton.positions.len();
-        let own = bytes_of::<(Cylinder, Option<u32>)>(nodes) + records::bytes(nodes);
-        memory::admit(stage, &[], own, monitor)?;
+        let more = bytes_of::<(Cylinder, Option<u32>)>(nodes) + records::bytes(nodes);
+        memory::admit(stage, &[], more, monitor)?;
         let mut head = String::new();
         if options.is_on("comments") {
             head = format!(

@@ -161,8 +161,8 @@ mod tests {
             let id = exporter.format().id;
             let (_dir, mut file) = written(&scene, *exporter, &[]);
             let length = file.metadata().unwrap().len();
-            let mut own = BufReader::new(Counted(&mut file, 0));
-            let found = exporter.recipe(&mut own).unwrap();
+            let mut counted = BufReader::new(Counted(&mut file, 0));
+            let found = exporter.recipe(&mut counted).unwrap();
             if !exporter.format().holds.recipe {
                 assert_eq!(found, None, "{id}");
                 assert_eq!(recipe_in(&mut BufReader::new(&mut file)).unwrap(), None, "{id}");
@@ -170,7 +170,7 @@ mod tests {
             }
             assert_eq!(found.as_deref(), Some(scene.recipe.as_str()), "{id}: a format carries its recipe");
             // The document of a glTF is JSON beside the geometry; all else stands in a header.
-            let read = own.into_inner().1;
+            let read = counted.into_inner().1;
             assert!(read < 64 << 10 && read <= length, "{id}: {read} of {length} bytes were read");
             assert_eq!(
                 recipe_in(&mut BufReader::new(&mut file)).unwrap().as_ref(),

@@ -21,6 +21,7 @@ use crate::ExportError;
 
 /// A file that an export has left.
 #[derive(Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Written {
     /// Where, in the directory as the target named it.
     pub path: PathBuf,
@@ -59,8 +60,8 @@ pub fn ensure_spared(bundles: &[Bundle], sources: &[PathBuf]) -> Result<(), Expo
                 Err(e) => return Err(super::target::looking(source, e)),
             }
         }
-        let mut own = std::iter::once(main).chain(sides).map(|staged| &staged.location);
-        if let Some(location) = own.find(|location| real.contains(&location.path())) {
+        let mut locations = std::iter::once(main).chain(sides).map(|staged| &staged.location);
+        if let Some(location) = locations.find(|location| real.contains(&location.path())) {
             let problem = "the tree is grown from that file; choose another name".to_owned();
             return Err(ExportError::Target { path: location.shown_path(), problem });
         }
@@ -90,8 +91,8 @@ pub fn commit_all(bundles: Vec<Bundle>) -> Result<Vec<Written>, ExportError> {
     let mut folders = BTreeMap::new();
     for bundle in bundles {
         let is_synced = bundle.is_synced;
-        let Place::Files(Files { main, sides: own, .. }) = bundle.place else { continue };
-        for staged in std::iter::once(&main).chain(&own) {
+        let Place::Files(Files { main, sides: side_files, .. }) = bundle.place else { continue };
+        for staged in std::iter::once(&main).chain(&side_files) {
             if !staged.whole {
                 let source = io::Error::other("its writer has not finished");
                 return Err(staged.location.failed("placing", source));
@@ -102,7 +103,7 @@ pub fn commit_all(bundles: Vec<Bundle>) -> Result<Vec<Written>, ExportError> {
             }
             written.push(Written { path: staged.location.shown_path(), bytes: staged.bytes });
         }
-        for side in own {
+        for side in side_files {
             let path = side.location.path();
             if sides.get(&path).is_some_and(|other| !side.holds_same(other)) {
                 return Err(ExportError::SameTarget { path: side.location.shown_path() });

@@ -28,9 +28,9 @@ pub(super) struct Pipe {
 impl Pipe {
     /// Opens a pipe or device; one without a reader is opened when there is something to write.
     pub fn open(path: &Path) -> io::Result<Self> {
-        let mut own = Self { file: None, path: path.to_owned(), piece: usize::MAX };
-        own.try_open()?;
-        Ok(own)
+        let mut pipe = Self { file: None, path: path.to_owned(), piece: usize::MAX };
+        pipe.try_open()?;
+        Ok(pipe)
     }
 
     /// Standard output, which may be anything.

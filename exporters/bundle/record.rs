@@ -205,10 +205,10 @@ mod tests {
             new: identity,
             old: None,
         };
-        let own = entry("/b\u{e4}/.linden-1-2.part", "/b\u{e4}/b\u{e4}um 1\n.obj".as_bytes());
-        let line = own.to_line();
+        let entry_of_file = entry("/b\u{e4}/.linden-1-2.part", "/b\u{e4}/b\u{e4}um 1\n.obj".as_bytes());
+        let line = entry_of_file.to_line();
         let read = Entry::parse(line.trim_end()).unwrap();
-        assert_eq!((&read.temporary, &read.path), (&own.temporary, &own.path));
+        assert_eq!((&read.temporary, &read.path), (&entry_of_file.temporary, &entry_of_file.path));
         assert!(read.new == identity && read.old.is_none());
         for path in [&b"/a/../fir.obj"[..], b"/etc/passwd", b"fir.obj", b"/a/b/c", b"/a/..", b"", b"\xff"] {
             let line = entry("/a/.linden-1-2.part", path).to_line();

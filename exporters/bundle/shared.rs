@@ -85,12 +85,12 @@ impl Bundle {
         bytes: &[u8],
         monitor: &dyn Monitor,
     ) -> Result<String, ExportError> {
-        let own = self.side_name(suffix);
+        let own_name = self.side_name(suffix);
         let (name, taken) = match (&self.membership, &self.place) {
             (Some(Membership { pictures, families }), Place::Files(files)) => {
                 let fingerprint = xxh3_128(bytes);
                 let folder = &files.main.location.folder;
-                let mut there = families.iter().map(|own| pictures.find(folder, own, fingerprint));
+                let mut there = families.iter().map(|family| pictures.find(folder, family, fingerprint));
                 if let Some(there) = there.find_map(|found| found) {
                     return Ok(there);
                 }
@@ -98,14 +98,14 @@ impl Bundle {
                 let (stem, ending) = plain.rsplit_once('.').unwrap_or((&plain, "png"));
                 let numbered = (2..).map(|number| format!("{}{stem}_{number}.{ending}", files.stem));
                 let of_families = families.iter().map(|family| format!("{family}{plain}"));
-                let mut names = of_families.chain([own.clone()]).chain(numbered);
+                let mut names = of_families.chain([own_name.clone()]).chain(numbered);
                 let found = names.find_map(|name| match pictures.take(folder, &name, fingerprint) {
                     Taken::Other => None,
                     taken => Some((name, taken)),
                 });
-                found.unwrap_or((own, Taken::Free))
+                found.unwrap_or((own_name, Taken::Free))
             }
-            _ => (own, Taken::Free),
+            _ => (own_name, Taken::Free),
         };
         if taken != Taken::Same {
             self.write_named(&name, Some(bytes.len() as u64), monitor, |out| out.write(bytes))?;

@@ -141,8 +141,8 @@ pub(super) fn is_at(system: &dyn FileSystem, file: &File, path: &Path) -> io::Re
     #[cfg(unix)]
     {
         use std::os::unix::fs::MetadataExt;
-        let own = file.metadata()?;
-        Ok((own.dev(), own.ino()) == (there.dev(), there.ino()))
+        let here = file.metadata()?;
+        Ok((here.dev(), here.ino()) == (there.dev(), there.ino()))
     }
     #[cfg(not(unix))]
     {

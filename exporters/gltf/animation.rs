@@ -15,12 +15,12 @@ pub(super) fn animation(
     layout: &mut Layout,
 ) -> Option<Animation> {
     // A mesh has a primitive per piece, in the order of all pieces.
-    let mut pieces = distinct.pieces().zip(&layout.primitives);
+    let mut pieces = distinct.parts().zip(&layout.primitives);
     let loops: Vec<Option<(&Sway, Vec<Motion>)>> = meshes
         .iter()
         .map(|mesh| {
-            let own = pieces.by_ref().take(mesh.primitives.len());
-            let sways: Vec<_> = own
+            let of_mesh = pieces.by_ref().take(mesh.primitives.len());
+            let sways: Vec<_> = of_mesh
                 .filter_map(|(piece, arrays)| Some((piece.wind?.sway.as_deref()?, &arrays.wind.motions)))
                 .filter(|(_, motions)| !motions.is_empty())
                 .collect();
@@ -30,10 +30,10 @@ pub(super) fn animation(
     let mut animation = Animation { name: "Wind", channels: Vec::new(), samplers: Vec::new() };
     let mut known: Vec<&(&Sway, Vec<Motion>)> = Vec::new();
     for (node, mesh) in nodes.iter().enumerate().filter_map(|(index, node)| Some((index, node.mesh?))) {
-        let Some(own) = loops.get(mesh).and_then(Option::as_ref) else { continue };
-        let sampler = known.iter().position(|known| *known == own).unwrap_or_else(|| {
-            known.push(own);
-            animation.samplers.push(sampler(own.0, &own.1, layout));
+        let Some(motion_loop) = loops.get(mesh).and_then(Option::as_ref) else { continue };
+        let sampler = known.iter().position(|known| *known == motion_loop).unwrap_or_else(|| {
+            known.push(motion_loop);
+            animation.samplers.push(sampler(motion_loop.0, &motion_loop.1, layout));
             known.len() - 1
         });
         animation.channels.push(Channel { sampler, target: ChannelTarget { node, path: "weights" } });

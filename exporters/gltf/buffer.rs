@@ -23,7 +23,7 @@ const ELEMENT_ARRAY_BUFFER: u16 = 34963;
 pub(super) struct Layout {
     pub views: Vec<BufferView>,
     pub accessors: Vec<Accessor>,
-    /// As many as [`DistinctMeshes::pieces`].
+    /// As many as [`DistinctMeshes::parts`].
     pub primitives: Vec<PrimitiveArrays>,
     /// Where vertices are in fewer bits.
     pub quanta: Option<Quanta>,
@@ -86,18 +86,19 @@ impl Layout {
             bytes: 0,
         };
         let of_plants = (0..distinct.plants()).flat_map(|plant| {
-            distinct.models_of(plant).iter().flat_map(|model| &model.pieces).map(move |_| plant)
+            distinct.models_of(plant).iter().flat_map(|model| &model.parts).map(move |_| plant)
         });
         // What stands around belongs to none.
         let plants: Vec<Option<usize>> = of_plants.map(Some).collect();
         let plants = plants.into_iter().chain(std::iter::repeat(None));
-        for ((piece, plant), motions) in distinct.pieces().zip(plants).zip(wind::motions(stage, distinct)) {
+        for ((piece, plant), motions) in distinct.parts().zip(plants).zip(wind::motions(stage, distinct)) {
             let MeshPart { mesh, bounds, material, wind, .. } = piece;
             let first = layout.accessors.len();
             let count = mesh.positions.len();
             let quanta = layout.quanta.as_ref();
-            let packing =
-                plant.and_then(|plant| quanta.map(|own| (own.cube_of(plant, piece), own.range(*material))));
+            let packing = plant.and_then(|plant| {
+                quanta.map(|quanta| (quanta.cube_of(plant, piece), quanta.range(*material)))
+            });
             let normal_picture = distinct.materials[*material].material.normal_picture.as_ref();
             let with_tangents = pictures::index_of(pictures, normal_picture).is_some();
             if let Some((cube, range)) = packing {
@@ -144,13 +145,13 @@ impl Layout {
         let attributes = [self.push_vertices(count, "VEC4", 16), self.push_vertices(count, "VEC4", 16)];
         let mut arrays = WindArrays { attributes: Some(attributes), ..WindArrays::default() };
         for &motion in &motions {
-            let target = wind.targets.iter().find(|own| own.motion == motion);
+            let target = wind.targets.iter().find(|target| target.motion == motion);
             let accessor = match target {
-                Some(own) => {
-                    let bounds = Bounds::of(own.offsets.iter().copied());
+                Some(target) => {
+                    let bounds = Bounds::of(target.offsets.iter().copied());
                     let accessor = self.push_vertices(count, "VEC3", 12);
-                    self.accessors[accessor].min = bounds.map(|own| own.min.to_array().to_vec());
-                    self.accessors[accessor].max = bounds.map(|own| own.max.to_array().to_vec());
+                    self.accessors[accessor].min = bounds.map(|bounds| bounds.min.to_array().to_vec());
+                    self.accessors[accessor].max = bounds.map(|bounds| bounds.max.to_array().to_vec());
                     accessor
                 }
                 None => self.push_zeros(count),
@@ -299,7 +300,7 @@ impl Layout {
         if let Some(packed) = &self.packed {
             return packed.write(out);
         }
-        for (piece, primitive) in distinct.pieces().zip(&self.primitives) {
+        for (piece, primitive) in distinct.parts().zip(&self.primitives) {
             match primitive.packing {
                 Some((cube, range)) => {
                     quantize::write(&piece.mesh, cube, range, primitive.with_tangents, out)?;
@@ -308,7 +309,7 @@ impl Layout {
             }
             write_triangles(&piece.mesh, out)?;
             let cube = primitive.packing.map(|(cube, _)| cube);
-            piece.wind.map_or(Ok(()), |own| wind::write(own, cube, out))?;
+            piece.wind.map_or(Ok(()), |wind| wind::write(wind, cube, out))?;
         }
         for blob in &self.blobs {
             out.put(blob)?;

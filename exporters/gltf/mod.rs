@@ -73,7 +73,7 @@ const HOLDS: Holds = Holds { seasons: LooksIn::Files, ..Holds::SCENE };
 /// Whether vertices are to be in fewer bits. Targets of the sway loop move positions by lengths, which the
 /// bits of a cube cannot hold.
 fn is_quantized(distinct: &DistinctMeshes<'_>, options: &Options, bundle: &mut Bundle) -> bool {
-    let sways = distinct.pieces().filter_map(|piece| piece.wind).any(|wind| !wind.targets.is_empty());
+    let sways = distinct.parts().filter_map(|piece| piece.wind).any(|wind| !wind.targets.is_empty());
     if options.is_on("quantize") && sways {
         bundle.note(
             "quantize is left out: the sway loop moves vertices by lengths that fewer bits cannot hold; \
@@ -275,7 +275,7 @@ fn document(
     let quanta = layout.quanta.as_ref();
     let texture = |look: usize, picture| {
         let index = pictures::index_of(pictures, picture)?;
-        let range = quanta.and_then(|own| own.range(look));
+        let range = quanta.and_then(|quanta| quanta.range(look));
         let extensions = range.map(|Range { offset, scale }| TextureExtensions {
             transform: TextureTransform { offset: offset.to_array(), scale: scale.to_array() },
         });
@@ -337,7 +337,7 @@ fn document(
     let mut wraps: Vec<Wrap> = pictures.iter().map(|named| named.wrap).collect();
     wraps.sort_unstable_by_key(|wrap| *wrap == Wrap::Clamp);
     wraps.dedup();
-    let sampler = |wrap| wraps.iter().position(|own| *own == wrap).unwrap_or_default();
+    let sampler = |wrap| wraps.iter().position(|known| *known == wrap).unwrap_or_default();
     let textures: Vec<Texture> =
         (0..).zip(pictures).map(|(source, named)| Texture { sampler: sampler(named.wrap), source }).collect();
     Ok(Document {
@@ -349,7 +349,7 @@ fn document(
         scenes: [SceneRoot { name: stage.name.clone(), nodes: roots }],
         nodes,
         cameras,
-        extensions: lights.map(|own| DocumentExtensions { lights: LightList { lights: own } }),
+        extensions: lights.map(|lights| DocumentExtensions { lights: LightList { lights: lights } }),
         meshes,
         materials,
         textures,

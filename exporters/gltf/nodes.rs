@@ -36,12 +36,12 @@ const INSTANCING: &str = "EXT_mesh_gpu_instancing";
 pub(super) fn lay_out_instances(stage: &Stage<'_>, layout: &mut Layout) -> Vec<Instancing> {
     (0..stage.plants.len())
         .map(|plant| {
-            let cube = layout.quanta.as_ref().map(|own| own.cube(plant));
+            let cube = layout.quanta.as_ref().map(|quanta| quanta.cube(plant));
             let places = || stage.places.iter().filter(|place| place.plant == plant);
             let moves: Vec<Move> = places().map(|place| Move::new(place, cube)).collect();
-            let translations: Vec<_> = moves.iter().map(|own| own.translation.to_array()).collect();
+            let translations: Vec<_> = moves.iter().map(|moved| moved.translation.to_array()).collect();
             let rotations: Vec<_> = places().map(|place| place.rotation().to_array()).collect();
-            let scales: Vec<_> = moves.iter().map(|own| [own.scale; 3]).collect();
+            let scales: Vec<_> = moves.iter().map(|moved| [moved.scale; 3]).collect();
             let attributes = InstanceAttributes {
                 translation: layout.push_vectors(&translations, "VEC3"),
                 rotation: layout.push_vectors(&rotations, "VEC4"),
@@ -58,10 +58,12 @@ pub(super) fn lay_out_copies(distinct: &DistinctMeshes<'_>, layout: &mut Layout)
     let of_piece = |(piece, cube): (&MeshPart<'_>, Option<Cube>)| {
         let placements = &piece.copies.as_ref()?.placements;
         // The cube is within the copy: what is stored is first put where the mesh has it.
-        let moved = |own: &Placement| cube.map_or(own.position, |cube| own.point(cube.corner)).to_array();
-        let scale = |own: &Placement| [own.scale * cube.map_or(1.0, |cube| cube.side); 3];
+        let moved = |placement: &Placement| {
+            cube.map_or(placement.position, |cube| placement.point(cube.corner)).to_array()
+        };
+        let scale = |placement: &Placement| [placement.scale * cube.map_or(1.0, |cube| cube.side); 3];
         let translations: Vec<_> = placements.iter().map(moved).collect();
-        let rotations: Vec<_> = placements.iter().map(|own| own.rotation.to_array()).collect();
+        let rotations: Vec<_> = placements.iter().map(|placement| placement.rotation.to_array()).collect();
         let scales: Vec<_> = placements.iter().map(scale).collect();
         let attributes = InstanceAttributes {
             translation: layout.push_vectors(&translations, "VEC3"),
@@ -70,7 +72,7 @@ pub(super) fn lay_out_copies(distinct: &DistinctMeshes<'_>, layout: &mut Layout)
         };
         Some(Instancing { attributes })
     };
-    distinct.pieces().zip(cubes).map(of_piece).collect()
+    distinct.parts().zip(cubes).map(of_piece).collect()
 }
 
 /// What stands in many places.
@@ -89,8 +91,8 @@ pub(super) fn nodes(
     standing: &Standing,
 ) -> SceneGraph {
     let (instances, copies) = match standing {
-        Standing::Plants(own) => (own.as_slice(), &[][..]),
-        Standing::Leaves(own) => (&[][..], own.as_slice()),
+        Standing::Plants(instances) => (instances.as_slice(), &[][..]),
+        Standing::Leaves(instances) => (&[][..], instances.as_slice()),
     };
     let arrays = &layout.primitives;
     let root = Node {
@@ -124,7 +126,7 @@ pub(super) fn nodes(
     }
     let Graph { mut nodes, mut meshes, .. } = graph;
     let (mut roots, mut cameras, mut lights) = (vec![0], Vec::new(), None);
-    if let Some(own) = &stage.setting {
+    if let Some(setting) = &stage.setting {
         extensions.extend(setting::EXTENSIONS);
         let first = nodes.len();
         let around = || distinct.ground.iter().chain(&distinct.dome);
@@ -134,9 +136,9 @@ pub(super) fn nodes(
             let primitives = vec![primitive(piece, arrays)];
             meshes.push(Mesh { name, primitives, extras: Extras::default() });
         }
-        nodes.push(setting::camera_node(&own.camera));
-        cameras.push(setting::camera(&own.camera));
-        let shining = setting::lights(own);
+        nodes.push(setting::camera_node(&setting.camera));
+        cameras.push(setting::camera(&setting.camera));
+        let shining = setting::lights(setting);
         nodes.extend(
             shining
                 .iter()
@@ -165,20 +167,20 @@ impl Graph<'_> {
     fn add_meshes(&mut self, arrays: &[PrimitiveArrays]) {
         let is_single = self.stage.is_single();
         let mut arrays = arrays.iter();
-        for (plant, own) in self.stage.plants.iter().enumerate() {
+        for (plant, stage_plant) in self.stage.plants.iter().enumerate() {
             let levels = self.distinct.levels(plant);
             for index in 0..self.distinct.seasons(plant) * levels {
                 let model = &self.distinct.models[self.first_model(plant) + index];
                 let suffix = suffix(index % levels, levels);
                 let primitives = model
-                    .pieces
+                    .parts
                     .iter()
                     .zip(&mut arrays)
                     .map(|(piece, arrays)| (primitive(piece, arrays), arrays.wind.names()));
                 let primitives: Vec<(Primitive, Vec<&'static str>)> = primitives.collect();
                 self.first_mesh.push(self.meshes.len());
                 if is_single {
-                    self.meshes.extend(model.pieces.iter().zip(primitives).map(
+                    self.meshes.extend(model.parts.iter().zip(primitives).map(
                         |(piece, (primitive, target_names))| Mesh {
                             name: format!("{}{suffix}", piece.name),
                             primitives: vec![primitive],
@@ -191,7 +193,11 @@ impl Graph<'_> {
                     let (primitives, names): (Vec<_>, Vec<_>) = primitives.into_iter().unzip();
                     let target_names = names.into_iter().next().unwrap_or_default();
                     let extras = Extras { linden, target_names, ..Extras::default() };
-                    self.meshes.push(Mesh { name: format!("{}{suffix}", own.name), primitives, extras });
+                    self.meshes.push(Mesh {
+                        name: format!("{}{suffix}", stage_plant.name),
+                        primitives,
+                        extras,
+                    });
                 }
             }
         }
@@ -219,13 +225,13 @@ impl Graph<'_> {
     fn instances(&mut self, instances: &[Instancing]) -> Vec<usize> {
         let stage = self.stage;
         let mut finest = Vec::new();
-        for (plant, (own, instancing)) in stage.plants.iter().zip(instances).enumerate() {
+        for (plant, (stage_plant, instancing)) in stage.plants.iter().zip(instances).enumerate() {
             // A node without places would show the plant once.
             if stage.places.iter().all(|place| place.plant != plant) {
                 continue;
             }
             let first = self.nodes.len();
-            finest.push(self.levels(&Place::origin(plant), &own.name, Self::instanced));
+            finest.push(self.levels(&Place::origin(plant), &stage_plant.name, Self::instanced));
             for node in &mut self.nodes[first..] {
                 node.extensions.instancing = Some(*instancing);
             }
@@ -246,14 +252,14 @@ impl Graph<'_> {
     fn parts(&mut self, plant: usize, model: usize) -> Vec<usize> {
         let cube = self.cube(plant);
         let first = self.first_mesh[model];
-        let count = self.distinct.models[model].pieces.len();
+        let count = self.distinct.models[model].parts.len();
         (first..first + count)
             .map(|mesh| {
                 let name = self.meshes[mesh].name.clone();
                 let node = Node { name, mesh: Some(mesh), ..Node::default() };
                 match self.copies.get(mesh).copied().flatten() {
-                    Some(own) => {
-                        let instancing = Some(own);
+                    Some(instancing) => {
+                        let instancing = Some(instancing);
                         let extensions = NodeExtensions { instancing, ..NodeExtensions::default() };
                         self.push(Node { extensions, ..node })
                     }
@@ -282,7 +288,7 @@ impl Graph<'_> {
 
     /// What a plant's positions are told in, where they are in fewer bits.
     fn cube(&self, plant: usize) -> Option<Cube> {
-        self.layout.quanta.as_ref().map(|own| own.cube(plant))
+        self.layout.quanta.as_ref().map(|quanta| quanta.cube(plant))
     }
 
     /// A place's plant in all its levels; gives the node of the finest, which names the others.
@@ -338,7 +344,7 @@ impl Move {
     fn new(place: &Place, cube: Option<Cube>) -> Self {
         let corner = |point: Vec3| place.motion().map_or(point, |motion| motion.point(point));
         match cube {
-            Some(Cube { corner: own, side }) => Self { translation: corner(own), scale: place.scale * side },
+            Some(Cube { corner: at, side }) => Self { translation: corner(at), scale: place.scale * side },
             None => Self { translation: place.position, scale: place.scale },
         }
     }

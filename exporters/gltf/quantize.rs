@@ -45,7 +45,7 @@ pub(super) struct Range {
 impl Quanta {
     pub fn new(distinct: &DistinctMeshes<'_>, pictures: &[NamedPicture<'_>]) -> Self {
         let cube = |plant: usize| {
-            let pieces = distinct.models_of(plant).iter().flat_map(|model| &model.pieces);
+            let pieces = distinct.models_of(plant).iter().flat_map(|model| &model.parts);
             let bounds = pieces.filter(|piece| piece.copies.is_none()).map(|piece| piece.bounds);
             let bounds = bounds.reduce(Bounds::union);
             Cube::around(bounds.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ONE }))
@@ -53,13 +53,13 @@ impl Quanta {
         let range = |material: usize| {
             let named = &distinct.materials[material];
             let shown = [&named.material.base_color_picture, &named.material.normal_picture];
-            shown.into_iter().find_map(|own| pictures::index_of(pictures, own.as_ref()))?;
-            let own = distinct
+            shown.into_iter().find_map(|picture| pictures::index_of(pictures, picture.as_ref()))?;
+            let pieces = distinct
                 .models
                 .iter()
-                .flat_map(|model| &model.pieces)
+                .flat_map(|model| &model.parts)
                 .filter(|piece| piece.material == material);
-            let uvs = own.flat_map(|piece| &piece.mesh.uvs).map(|uv| down(*uv));
+            let uvs = pieces.flat_map(|piece| &piece.mesh.uvs).map(|uv| down(*uv));
             let (low, high) = uvs.fold(None, |range: Option<(Vec2, Vec2)>, uv| {
                 Some(range.map_or((uv, uv), |(low, high)| (low.min(uv), high.max(uv))))
             })?;

@@ -19,18 +19,22 @@ const AROUND_RAD: f32 = 0.35;
 /// The part of the sky's light on level ground that each of them has where it falls straight.
 const AROUND: f32 = 0.5;
 
-pub(super) fn camera(own: &stage::Camera) -> Camera {
-    let perspective =
-        Perspective { aspect_ratio: own.aspect, yfov: own.fov_y_rad, zfar: own.far_m, znear: own.near_m };
+pub(super) fn camera(camera: &stage::Camera) -> Camera {
+    let perspective = Perspective {
+        aspect_ratio: camera.aspect,
+        yfov: camera.fov_y_rad,
+        zfar: camera.far_m,
+        znear: camera.near_m,
+    };
     Camera { name: "Camera", kind: "perspective", perspective }
 }
 
-pub(super) fn camera_node(own: &stage::Camera) -> Node {
+pub(super) fn camera_node(camera: &stage::Camera) -> Node {
     Node {
         name: "Camera".to_owned(),
         camera: Some(0),
-        translation: Some(own.position.to_array()),
-        rotation: Some(own.rotation().to_array()),
+        translation: Some(camera.position.to_array()),
+        rotation: Some(camera.rotation().to_array()),
         ..Node::default()
     }
 }

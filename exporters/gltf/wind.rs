@@ -39,14 +39,14 @@ pub(super) fn motions(stage: &Stage<'_>, distinct: &DistinctMeshes<'_>) -> Vec<V
     };
     let of_model = |model: &PlantModel<'_>| -> Vec<Vec<Motion>> {
         if stage.is_single() {
-            model.pieces.iter().map(|piece| has(std::slice::from_ref(piece))).collect()
+            model.parts.iter().map(|piece| has(std::slice::from_ref(piece))).collect()
         } else {
-            vec![has(&model.pieces); model.pieces.len()]
+            vec![has(&model.parts); model.parts.len()]
         }
     };
     let mut all: Vec<Vec<Motion>> = distinct.models.iter().flat_map(of_model).collect();
     // Nothing around the plants moves.
-    all.resize(distinct.pieces().count(), Vec::new());
+    all.resize(distinct.parts().count(), Vec::new());
     all
 }
 

@@ -77,11 +77,11 @@ fn write_plant(
     path: String,
     place: Option<&Place>,
 ) -> Result<(), ExportError> {
-    let own = &writing.stage.plants[plant];
+    let stage_plant = &writing.stage.plants[plant];
     let component = Component::new(writing, plant, path);
-    let recipe = own.levels().first().map_or("", |level| level.scene.recipe.as_str());
+    let recipe = stage_plant.levels().first().map_or("", |level| level.scene.recipe.as_str());
     let variants = component.variants();
-    Head { prim, name: &own.name, recipe, kind: "component", variants }.open(layer)?;
+    Head { prim, name: &stage_plant.name, recipe, kind: "component", variants }.open(layer)?;
     if let Some(place) = place.filter(|place| !place.is_origin()) {
         layer.lines(&transform(place))?;
         layer.lines("\n")?;

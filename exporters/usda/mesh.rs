@@ -55,8 +55,8 @@ color3f[] primvars:displayColor = [{}] (
     } else {
         layer.array(st, count, vertex, |text, i| vector(text, mesh.uvs[i].to_array()))?;
     }
-    if let Some(own) = wind {
-        wind::write(layer, own, parent, &format!("{parent}/{name}"))?;
+    if let Some(wind) = wind {
+        wind::write(layer, wind, parent, &format!("{parent}/{name}"))?;
     }
     layer.close()?;
     layer.lines("\n")

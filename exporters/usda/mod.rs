@@ -211,7 +211,7 @@ impl Exporter for Usdz {
         let mut writing = Writing::new(&stage, options, bundle, monitor)?;
         // The package is held whole: sizes and sums stand before the data.
         let nodes = writing.distinct.models.iter().map(|model| model.scene.skeleton.positions.len() as u64);
-        let text = writing.distinct.pieces().map(text_bytes).sum::<u64>()
+        let text = writing.distinct.parts().map(text_bytes).sum::<u64>()
             + CURVE_BYTES_PER_NODE * nodes.sum::<u64>()
             + PLACEMENT_BYTES * writing.distinct.placements() as u64;
         memory::admit(&stage, &writing.pictures, own_bytes(&writing.distinct) + text, monitor)?;
@@ -284,7 +284,7 @@ fn write_layer(layer: &mut Layer<'_, '_>, writing: &Writing<'_>) -> Result<(), E
     let stage = writing.stage;
     let root = identifier(&stage.name);
     let generator = quoted(GENERATOR);
-    let pieces: Vec<_> = writing.distinct.pieces().collect();
+    let pieces: Vec<_> = writing.distinct.parts().collect();
     let time = wind::sway(&pieces).map_or_else(String::new, wind::time);
     layer.lines(&format!(
         r#"#usda 1.0

@@ -83,15 +83,15 @@ pub(super) struct Component<'a> {
 
 impl<'a> Component<'a> {
     pub fn new(writing: &'a Writing<'a>, plant: usize, path: String) -> Self {
-        let mut own = Self { writing, plant, path, materials: BTreeMap::new() };
+        let mut component = Self { writing, plant, path, materials: BTreeMap::new() };
         let mut names = Names::default();
-        for model in own.models() {
+        for model in component.models() {
             for &look in &model.materials {
                 let name = &writing.distinct.materials[look].material.name;
-                own.materials.entry(look).or_insert_with(|| names.unique(name));
+                component.materials.entry(look).or_insert_with(|| names.unique(name));
             }
         }
-        own
+        component
     }
 
     /// The sets that the plant's prim has.
@@ -113,14 +113,14 @@ impl<'a> Component<'a> {
     pub fn write(&self, layer: &mut Layer<'_, '_>) -> Result<(), ExportError> {
         let (levels, seasons) = (self.levels(), self.seasons());
         let geometry = format!("{}/Geometry", self.path);
-        let all: Vec<&MeshPart<'_>> = self.models().flat_map(|model| &model.pieces).collect();
+        let all: Vec<&MeshPart<'_>> = self.models().flat_map(|model| &model.parts).collect();
         wind::open_geometry(layer, &all)?;
         if let Some(sway) = wind::sway(&all) {
             wind::write_rig(layer, &geometry, sway, &all)?;
         }
         let mut names = Names::default();
         if levels == 1 {
-            self.pieces(layer, &self.all_year(0).collect::<Vec<_>>(), &mut names)?;
+            self.parts(layer, &self.all_year(0).collect::<Vec<_>>(), &mut names)?;
         }
         if self.writing.with_skeleton {
             // It is the same in all levels and seasons.
@@ -159,8 +159,9 @@ impl<'a> Component<'a> {
         layer.open_inline("variantSet \"season\" =")?;
         for (index, season) in self.writing.stage.plants[self.plant].seasons.iter().enumerate() {
             layer.open_inline(&format!("\"{}\"", season.name))?;
-            let own = self.model(index, level).pieces.iter().filter(|piece| !self.is_all_year(piece, level));
-            self.over_geometry(layer, &own.collect::<Vec<_>>())?;
+            let changing =
+                self.model(index, level).parts.iter().filter(|piece| !self.is_all_year(piece, level));
+            self.over_geometry(layer, &changing.collect::<Vec<_>>())?;
             layer.close()?;
         }
         layer.close()?;
@@ -170,13 +171,13 @@ impl<'a> Component<'a> {
     fn over_geometry(&self, layer: &mut Layer<'_, '_>, pieces: &[&MeshPart<'_>]) -> Result<(), ExportError> {
         let mut names = Names::default();
         layer.open("over \"Geometry\"")?;
-        self.pieces(layer, pieces, &mut names)?;
+        self.parts(layer, pieces, &mut names)?;
         layer.close()?;
         layer.lines("\n")
     }
 
     /// A mesh for each piece that stands as it is, an instancer for the copies of each part.
-    fn pieces(
+    fn parts(
         &self,
         layer: &mut Layer<'_, '_>,
         pieces: &[&MeshPart<'_>],
@@ -203,9 +204,11 @@ impl<'a> Component<'a> {
     ) -> Result<(), ExportError> {
         let path = format!("{}/Geometry/{name}/Prototypes", self.path);
         let stands = || pieces.iter().filter_map(|piece| piece.copies.as_ref());
-        let bounds = stands().map(|own| own.seen).reduce(Bounds::union);
-        let placed: Vec<(u32, Placement)> =
-            (0..).zip(stands()).flat_map(|(i, own)| own.placements.iter().map(move |at| (i, *at))).collect();
+        let bounds = stands().map(|copies| copies.seen).reduce(Bounds::union);
+        let placed: Vec<(u32, Placement)> = (0..)
+            .zip(stands())
+            .flat_map(|(i, copies)| copies.placements.iter().map(move |at| (i, *at)))
+            .collect();
         let mut names = Names::default();
         let paths: Vec<String> =
             pieces.iter().map(|piece| format!("{path}/{}", names.unique(&piece.name))).collect();
@@ -234,23 +237,24 @@ impl<'a> Component<'a> {
 
     /// The pieces that all seasons share.
     fn all_year(&self, level: usize) -> impl Iterator<Item = &'a MeshPart<'a>> {
-        self.model(0, level).pieces.iter().filter(move |piece| self.is_all_year(piece, level))
+        self.model(0, level).parts.iter().filter(move |piece| self.is_all_year(piece, level))
     }
 
     /// Whether it is the same in all seasons, with all that stands in one instancer with it.
     fn is_all_year(&self, piece: &MeshPart<'_>, level: usize) -> bool {
         let Some(part) = piece.copied_part() else { return self.is_in_all(piece, level) };
-        let of_seasons = (0..self.seasons()).flat_map(|season| &self.model(season, level).pieces);
-        of_seasons.filter(|own| own.copied_part() == Some(part)).all(|own| self.is_in_all(own, level))
+        let of_seasons = (0..self.seasons()).flat_map(|season| &self.model(season, level).parts);
+        of_seasons.filter(|piece| piece.copied_part() == Some(part)).all(|piece| self.is_in_all(piece, level))
     }
 
     fn is_in_all(&self, piece: &MeshPart<'_>, level: usize) -> bool {
         (0..self.seasons()).all(|season| {
-            let same = |own: &&MeshPart<'_>| own.name == piece.name && own.material == piece.material;
-            let own = self.model(season, level).pieces.iter().find(same);
-            own.is_some_and(|own| {
-                own.is_placed_as(piece)
-                    && (std::ptr::eq(&raw const *own.mesh, &raw const *piece.mesh) || own.mesh == piece.mesh)
+            let same = |other: &&MeshPart<'_>| other.name == piece.name && other.material == piece.material;
+            let other = self.model(season, level).parts.iter().find(same);
+            other.is_some_and(|other| {
+                other.is_placed_as(piece)
+                    && (std::ptr::eq(&raw const *other.mesh, &raw const *piece.mesh)
+                        || other.mesh == piece.mesh)
             })
         })
     }

@@ -16,15 +16,15 @@ pub(super) fn write(layer: &mut Layer<'_, '_>, skeleton: &Skeleton, name: &str) 
     let mut nodes = Vec::with_capacity(skeleton.positions.len() + skeleton.axes.len());
     let mut radii = Vec::with_capacity(nodes.capacity());
     for axis in &skeleton.axes {
-        let own = skeleton.nodes_of(axis);
-        if own.len() + usize::from(foot(axis).is_some()) < 2 || own.is_empty() {
+        let nodes_of_axis = skeleton.nodes_of(axis);
+        if nodes_of_axis.len() + usize::from(foot(axis).is_some()) < 2 || nodes_of_axis.is_empty() {
             continue;
         }
-        axes.push((axis, (own.len() + usize::from(foot(axis).is_some())) as u32));
+        axes.push((axis, (nodes_of_axis.len() + usize::from(foot(axis).is_some())) as u32));
         nodes.extend(foot(axis));
-        nodes.extend(own);
+        nodes.extend(nodes_of_axis);
         // At its foot an axis is as thick as itself, not as the trunk that it leaves.
-        let thickness = own.iter().map(|&node| skeleton.radii[node as usize]);
+        let thickness = nodes_of_axis.iter().map(|&node| skeleton.radii[node as usize]);
         radii.extend(foot(axis).and(thickness.clone().next()).into_iter().chain(thickness));
     }
     let points = nodes.iter().map(|&node| skeleton.positions[node as usize]);

@@ -33,7 +33,7 @@ pub(super) fn open_geometry(layer: &mut Layer<'_, '_>, pieces: &[&MeshPart<'_>])
 /// The motions that some mesh has a target for.
 fn motions(pieces: &[&MeshPart<'_>]) -> Vec<Motion> {
     let targets = || pieces.iter().filter_map(|piece| piece.wind).flat_map(|wind| &wind.targets);
-    Motion::ALL.into_iter().filter(|&motion| targets().any(|own| own.motion == motion)).collect()
+    Motion::ALL.into_iter().filter(|&motion| targets().any(|target| target.motion == motion)).collect()
 }
 
 /// The rig of some meshes and its animation, below `path`.
@@ -81,7 +81,7 @@ pub(super) fn time(sway: &Sway) -> String {
 
 /// The schemas that a mesh has.
 pub(super) fn schemas(wind: Option<&PartWind>) -> &'static str {
-    if wind.is_some_and(|own| !own.targets.is_empty()) {
+    if wind.is_some_and(|wind| !wind.targets.is_empty()) {
         r#""MaterialBindingAPI", "SkelBindingAPI""#
     } else {
         r#""MaterialBindingAPI""#

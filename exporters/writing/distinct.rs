@@ -30,7 +30,7 @@ use crate::ExportError;
 /// let stage = Stage::of(&scene);
 /// let distinct = DistinctMeshes::of(&stage, &Quiet)?;
 /// for (place, plant) in distinct.placed(&stage) {
-///     for part in &plant.pieces {
+///     for part in &plant.parts {
 ///         let material = &distinct.materials[part.material];
 ///         println!("{} of {}: {} triangles", part.name, material.name, part.mesh.triangles.len());
 ///     }
@@ -60,16 +60,18 @@ struct PlantRange {
 }
 
 /// A plant in one season and level of detail, as meshes.
+#[non_exhaustive]
 pub struct PlantModel<'a> {
     /// Where it comes from.
     pub scene: &'a Scene,
     /// Its parts.
-    pub pieces: Vec<MeshPart<'a>>,
+    pub parts: Vec<MeshPart<'a>>,
     /// Indices of its materials, those that no part has included.
     pub materials: Vec<usize>,
 }
 
 /// A mesh with one material.
+#[non_exhaustive]
 pub struct MeshPart<'a> {
     /// Unique within its model.
     pub name: Cow<'a, str>,
@@ -86,6 +88,7 @@ pub struct MeshPart<'a> {
 }
 
 /// Where a mesh of a part stands in many places.
+#[non_exhaustive]
 pub struct MeshCopies<'a> {
     /// The name of the part that it is a shape of.
     pub part: &'a str,
@@ -96,6 +99,7 @@ pub struct MeshCopies<'a> {
 }
 
 /// A material under a name that no other has.
+#[non_exhaustive]
 pub struct NamedMaterial<'a> {
     /// Lower-case identifier: `bark`; `norway_spruce_bark` where there are several kinds of plants.
     pub name: String,
@@ -153,7 +157,7 @@ impl<'a> DistinctMeshes<'a> {
                         copies: None,
                     })
                     .collect();
-                distinct.models.push(PlantModel { scene, pieces, materials });
+                distinct.models.push(PlantModel { scene, parts: pieces, materials });
             }
         }
         Ok(distinct)
@@ -250,13 +254,13 @@ impl<'a> DistinctMeshes<'a> {
     }
 
     /// All meshes, each once; ground and sky come last.
-    pub fn pieces(&self) -> impl Iterator<Item = &MeshPart<'a>> {
-        self.models.iter().flat_map(|model| &model.pieces).chain(&self.ground).chain(&self.dome)
+    pub fn parts(&self) -> impl Iterator<Item = &MeshPart<'a>> {
+        self.models.iter().flat_map(|model| &model.parts).chain(&self.ground).chain(&self.dome)
     }
 
     /// How many copies of pieces stand somewhere.
     pub fn placements(&self) -> usize {
-        self.pieces().filter_map(|piece| piece.copies.as_ref()).map(|copies| copies.placements.len()).sum()
+        self.parts().filter_map(|piece| piece.copies.as_ref()).map(|copies| copies.placements.len()).sum()
     }
 
     /// What stands where, seen from near.

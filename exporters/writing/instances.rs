@@ -31,36 +31,36 @@ pub fn unbake(
     if !stage.is_single() {
         return Ok(());
     }
-    let all: u64 = own(distinct).map(|(_, own)| own.most() as u64 * Instances::BYTES).sum();
+    let all: u64 = in_parts(distinct).map(|(_, instances)| instances.most() as u64 * Instances::BYTES).sum();
     monitor.admit("placing the leaves", stage.bytes() + all, "write without instances")?;
-    if own(distinct).next().is_none() {
+    if in_parts(distinct).next().is_none() {
         bundle.note("instances: nothing on this plant stands in many places");
     }
-    if own(distinct).any(|(part, _)| part.wind.is_some()) {
+    if in_parts(distinct).any(|(part, _)| part.wind.is_some()) {
         bundle.note("instances: leaves that move in the wind are written one by one");
     }
-    if own(distinct).any(|(part, own)| part.wind.is_none() && own.has_dome_normals()) {
+    if in_parts(distinct).any(|(part, instances)| part.wind.is_none() && instances.has_dome_normals()) {
         bundle.note(
             "instances: leaves have the normals of their own faces; those that point out of the crown \
              (leaf_normals=dome) differ from copy to copy",
         );
     }
     for model in &mut distinct.models {
-        let mut pieces = Vec::with_capacity(model.pieces.len());
-        for (part, piece) in model.scene.parts.iter().zip(std::mem::take(&mut model.pieces)) {
+        let mut pieces = Vec::with_capacity(model.parts.len());
+        for (part, piece) in model.scene.parts.iter().zip(std::mem::take(&mut model.parts)) {
             monitor.check()?;
             match &part.instances {
-                Some(own) if part.wind.is_none() => split(part, own, piece, &mut pieces),
+                Some(instances) if part.wind.is_none() => split(part, instances, piece, &mut pieces),
                 _ => pieces.push(piece),
             }
         }
-        model.pieces = pieces;
+        model.parts = pieces;
     }
     Ok(())
 }
 
 /// Parts that have instances.
-fn own<'a>(distinct: &DistinctMeshes<'a>) -> impl Iterator<Item = (&'a Part, &'a Instances)> {
+fn in_parts<'a>(distinct: &DistinctMeshes<'a>) -> impl Iterator<Item = (&'a Part, &'a Instances)> {
     let parts = distinct.models.iter().flat_map(|model| &model.scene.parts);
     parts.filter_map(|part| Some((part, part.instances.as_ref()?)))
 }
@@ -73,7 +73,7 @@ pub fn bytes(distinct: &DistinctMeshes<'_>) -> u64 {
 fn split<'a>(part: &'a Part, instances: &'a Instances, piece: MeshPart<'a>, pieces: &mut Vec<MeshPart<'a>>) {
     let copies = instances.copies();
     let sum = |count: fn(&Mesh) -> usize| -> usize {
-        copies.iter().map(|own| own.placements.len() * count(own.mesh)).sum()
+        copies.iter().map(|copies_of| copies_of.placements.len() * count(copies_of.mesh)).sum()
     };
     let [vertices, triangles] = [
         part.mesh.positions.len().checked_sub(sum(|mesh| mesh.positions.len())),
@@ -97,7 +97,7 @@ fn split<'a>(part: &'a Part, instances: &'a Instances, piece: MeshPart<'a>, piec
             Vec3::new(pick(1, min.x, max.x), pick(2, min.y, max.y), pick(4, min.z, max.z))
         };
         let corners = (0..CORNERS).map(corner);
-        let seen = placements.iter().flat_map(|own| corners.clone().map(|at| own.point(at)));
+        let seen = placements.iter().flat_map(|placement| corners.clone().map(|at| placement.point(at)));
         let Some(seen) = Bounds::of(seen) else { continue };
         pieces.push(MeshPart {
             name: Cow::Owned(format!("{}_{name}", part.name)),

@@ -29,15 +29,15 @@ pub fn admit(
 
 /// Bytes of the text while the records of one list after the other are formatted.
 pub fn formatting(distinct: &DistinctMeshes<'_>) -> u64 {
-    let records = distinct.pieces().map(|piece| piece.mesh.positions.len().max(piece.mesh.triangles.len()));
-    let placements = distinct.pieces().filter_map(|piece| Some(piece.copies.as_ref()?.placements.len()));
+    let records = distinct.parts().map(|piece| piece.mesh.positions.len().max(piece.mesh.triangles.len()));
+    let placements = distinct.parts().filter_map(|piece| Some(piece.copies.as_ref()?.placements.len()));
     let nodes = distinct.models.iter().map(|model| model.scene.skeleton.positions.len());
     records::bytes(records.chain(nodes).chain(placements.max()).max().unwrap_or(0))
 }
 
 /// The most that a mesh takes, where meshes are written one after the other.
 pub fn largest(distinct: &DistinctMeshes<'_>, bytes: impl Fn(&Mesh) -> u64) -> u64 {
-    distinct.pieces().map(|piece| bytes(&piece.mesh)).max().unwrap_or(0)
+    distinct.parts().map(|piece| bytes(&piece.mesh)).max().unwrap_or(0)
 }
 
 /// Bytes of a list with one item for each vertex.

@@ -12,6 +12,7 @@ use crate::ExportError;
 use crate::writing::distinct::NamedMaterial;
 
 /// A picture on a stage, and what its file is called after the stem: `_bark_normal.png`.
+#[non_exhaustive]
 pub struct NamedPicture<'a> {
     /// What the name ends with.
     pub suffix: String,

@@ -129,7 +129,7 @@ fn check_material(material: &Material) -> Result<(), ExportError> {
     if let Some(x) = numbers.copied().find(|x| !(0.0..=1.0).contains(x)) {
         return Err(fault(format!("a colour or roughness is {x}, not 0 to 1")));
     }
-    if let Some(cutout) = material.cutout.filter(|own| !(*own > 0.0 && *own < 1.0)) {
+    if let Some(cutout) = material.cutout.filter(|alpha| !(*alpha > 0.0 && *alpha < 1.0)) {
         return Err(fault(format!("it is cut out at an alpha of {cutout}, not between 0 and 1")));
     }
     for picture in [&material.base_color_picture, &material.normal_picture].into_iter().flatten() {

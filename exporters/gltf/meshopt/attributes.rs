@@ -22,12 +22,12 @@ pub(super) fn encode(bytes: &[u8], stride: usize, monitor: &dyn Monitor) -> Resu
     let items = (BLOCK_BYTES / stride / GROUP * GROUP).min(BLOCK_ITEMS);
     let first = bytes.get(..stride).unwrap_or_default();
     let task = items * stride * PER_TASK;
-    let tasks = bytes.par_chunks(task).enumerate().map(|(index, own)| {
+    let tasks = bytes.par_chunks(task).enumerate().map(|(index, piece)| {
         monitor.check()?;
-        let mut out = Vec::with_capacity(own.len() / 2);
+        let mut out = Vec::with_capacity(piece.len() / 2);
         let mut before =
             index.checked_mul(task).filter(|&at| at > 0).map_or(first, |at| &bytes[at - stride..at]);
-        for block in own.chunks(items * stride) {
+        for block in piece.chunks(items * stride) {
             (0..stride).for_each(|byte| encode_bytes(block, before, byte, &mut out));
             before = &block[block.len() - stride..];
         }
@@ -68,8 +68,8 @@ fn zigzag(delta: u8) -> u8 {
 /// In the shortest of four modes, which is given: nothing (all zero), 2 or 4 bits each with those that
 /// are too large behind, or whole bytes.
 fn encode_group(deltas: &[u8; GROUP], out: &mut Vec<u8>) -> u8 {
-    let above = |most: u8| deltas.iter().filter(|&&own| own >= most).count();
-    if deltas.iter().all(|&own| own == 0) {
+    let above = |most: u8| deltas.iter().filter(|&&delta| delta >= most).count();
+    if deltas.iter().all(|&delta| delta == 0) {
         return 0;
     }
     let (two, four) = (GROUP / 4 + above(3), GROUP / 2 + above(15));
@@ -83,9 +83,9 @@ fn encode_group(deltas: &[u8; GROUP], out: &mut Vec<u8>) -> u8 {
     };
     let sentinel = (1_u8 << bits) - 1;
     for packed in deltas.chunks(8 / bits) {
-        out.push(packed.iter().fold(0, |byte, &own| byte << bits | own.min(sentinel)));
+        out.push(packed.iter().fold(0, |byte, &delta| byte << bits | delta.min(sentinel)));
     }
-    out.extend(deltas.iter().filter(|&&own| own >= sentinel));
+    out.extend(deltas.iter().filter(|&&delta| delta >= sentinel));
     mode
 }
 
@@ -119,9 +119,9 @@ mod tests {
                                 let shift = 8 - bits * (i % per_byte + 1);
                                 let value = packed[i / per_byte] >> shift & ((1 << bits) - 1);
                                 if value == (1 << bits) - 1 {
-                                    let (own, behind) = rest.split_first().unwrap();
+                                    let (first, behind) = rest.split_first().unwrap();
                                     rest = behind;
-                                    *own
+                                    *first
                                 } else {
                                     value
                                 }
@@ -162,7 +162,7 @@ mod tests {
     fn the_example_of_the_specification() {
         let deltas = [-1, -4, -3, 26, -91, 0, -6, 6, -4, -4, 5, -5, 1, -1, 0, 0_i8];
         let mut out = Vec::new();
-        let mode = encode_group(&deltas.map(|own| zigzag(own as u8)), &mut out);
+        let mode = encode_group(&deltas.map(|delta| zigzag(delta as u8)), &mut out);
         assert_eq!((mode, out), (2, vec![0x17, 0x5f, 0xf0, 0xbc, 0x77, 0xa9, 0x21, 0x00, 0x34, 0xb5]));
     }
 

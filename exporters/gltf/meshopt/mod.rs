@@ -79,11 +79,11 @@ impl<'a> Packer<'a> {
             at = (at + byte_length).next_multiple_of(4);
             views.push(match *items {
                 Some(Items { mode, stride, count }) if *is_compressed => {
-                    let own = BufferView { buffer: 1, byte_offset: length, ..view.clone() };
+                    let view = BufferView { buffer: 1, byte_offset: length, ..view.clone() };
                     length = (length + view.byte_length).next_multiple_of(4);
                     let compressed =
                         Compressed { buffer: 0, byte_offset, byte_length, byte_stride: stride, mode, count };
-                    BufferView { extensions: Some(ViewExtensions { compressed }), ..own }
+                    BufferView { extensions: Some(ViewExtensions { compressed }), ..view }
                 }
                 _ => BufferView { byte_offset, ..view.clone() },
             });
@@ -104,9 +104,9 @@ impl<'a> Packer<'a> {
             }
         };
         // Noise does not get shorter.
-        let encoded = encoded.filter(|own| own.len() < bytes.len());
+        let encoded = encoded.filter(|encoded| encoded.len() < bytes.len());
         self.packed.push(match encoded {
-            Some(own) => (own, true),
+            Some(encoded) => (encoded, true),
             None => (bytes, false),
         });
         self.view += 1;
@@ -118,11 +118,11 @@ impl<'a> Packer<'a> {
 fn corners(bytes: &[u8], stride: u64) -> Vec<[u32; 3]> {
     if stride == 2 {
         let short = |pair: &[u8; 2]| u32::from(u16::from_le_bytes(*pair));
-        bytes.as_chunks::<6>().0.iter().map(|own| [0, 2, 4].map(|i| short(&[own[i], own[i + 1]]))).collect()
+        bytes.as_chunks::<6>().0.iter().map(|six| [0, 2, 4].map(|i| short(&[six[i], six[i + 1]]))).collect()
     } else {
         let long =
-            |own: &[u8; 12], i: usize| u32::from_le_bytes([own[i], own[i + 1], own[i + 2], own[i + 3]]);
-        bytes.as_chunks::<12>().0.iter().map(|own| [0, 4, 8].map(|i| long(own, i))).collect()
+            |six: &[u8; 12], i: usize| u32::from_le_bytes([six[i], six[i + 1], six[i + 2], six[i + 3]]);
+        bytes.as_chunks::<12>().0.iter().map(|six| [0, 4, 8].map(|i| long(six, i))).collect()
     }
 }
 

@@ -163,7 +163,7 @@ impl Encoder {
         const SPELLED: u8 = 0xf;
         // What is looked up is recent before any of the three is.
         let recent = self.vertices;
-        let code = |vertex: u32, next: &mut u32| match recent.find(PAIRS, |own| own == vertex) {
+        let code = |vertex: u32, next: &mut u32| match recent.find(PAIRS, |known| known == vertex) {
             Some(age) => age as u8 + 1,
             None if vertex == *next => {
                 *next += 1;
@@ -178,7 +178,7 @@ impl Encoder {
         self.next = next;
         let pair = second << 4 | third;
         self.counts[usize::from(pair)] += u64::from(is_next);
-        match self.pairs[..PAIRS].iter().position(|&own| own == pair).filter(|_| is_next) {
+        match self.pairs[..PAIRS].iter().position(|&known| known == pair).filter(|_| is_next) {
             Some(place) => self.codes.push(0xf0 | place as u8),
             None => {
                 self.codes.push(if is_next { 0xfe } else { 0xff });
@@ -222,21 +222,21 @@ mod tests {
         assert_eq!(stream[0], 0xe1);
         let (codes, rest) = stream[1..].split_at(count);
         let (mut data, table) = rest.split_at(rest.len() - 16);
-        assert!(table[14..] == [0, 0] && table.iter().all(|own| own >> 4 != 0xf && own & 0xf != 0xf));
+        assert!(table[14..] == [0, 0] && table.iter().all(|code| code >> 4 != 0xf && code & 0xf != 0xf));
         let (mut next, mut last) = (0, 0_u32);
         let (mut edges, mut vertices) = (vec![[u32::MAX; 2]; 16], vec![u32::MAX; 16]);
         let byte = |data: &mut &[u8]| {
-            let (own, rest) = data.split_first().unwrap();
+            let (first, rest) = data.split_first().unwrap();
             *data = rest;
-            *own
+            *first
         };
         let index = |data: &mut &[u8], last: &mut u32| {
             let (mut value, mut shift) = (0, 0);
             loop {
-                let own = byte(data);
-                value |= u32::from(own & 0x7f) << shift;
+                let next = byte(data);
+                value |= u32::from(next & 0x7f) << shift;
                 shift += 7;
-                if own < 0x80 {
+                if next < 0x80 {
                     break;
                 }
             }
@@ -273,14 +273,14 @@ mod tests {
                     next - 1
                 };
                 let a = if y == 15 { index(&mut data, &mut last) } else { fresh() };
-                let mut of = |own: u8| match own {
+                let mut of = |code: u8| match code {
                     0 => fresh(),
                     15 => index(&mut data, &mut last),
-                    _ => vertices[usize::from(own) - 1],
+                    _ => vertices[usize::from(code) - 1],
                 };
                 let (b, c) = (of(pair >> 4), of(pair & 0xf));
                 edges.splice(0..0, [[a, c], [c, b], [b, a]]);
-                let is_pushed = |own: u8| own == 0 || own == 15;
+                let is_pushed = |code: u8| code == 0 || code == 15;
                 vertices.insert(0, a);
                 if is_pushed(pair >> 4) {
                     vertices.insert(0, b);
@@ -303,7 +303,7 @@ mod tests {
     fn there_and_back(triangles: &[[u32; 3]]) -> usize {
         let stream = encode(triangles, &linden::Quiet).unwrap();
         let back = decode(&stream, triangles.len());
-        assert!(back.iter().zip(triangles).all(|(&own, &there)| turned(own) == turned(there)));
+        assert!(back.iter().zip(triangles).all(|(&here, &there)| turned(here) == turned(there)));
         stream.len()
     }
 
