@@ -56,6 +56,7 @@ mod ply;
 mod qsm;
 mod recipe;
 mod registry;
+mod stl;
 mod usda;
 pub mod writing;
 
@@ -121,6 +122,7 @@ pub static REGISTRY: &[&dyn Exporter] = &[
     &usda::Usda,
     &usda::Usdz,
     &qsm::Qsm,
+    &stl::Stl,
 ];
 
 /// What is written where nothing says which format: one file that most programs take.
@@ -171,7 +173,7 @@ mod tests {
         let said = find("gtlf").err().unwrap().to_string();
         assert_eq!(
             said,
-            "no export format is called 'gtlf' (did you mean 'gltf'?); there are: obj, ply, ply-skeleton, gltf, glb, usda, usdz, qsm"
+            "no export format is called 'gtlf' (did you mean 'gltf'?); there are: obj, ply, ply-skeleton, gltf, glb, usda, usdz, qsm, stl"
         );
         let said = for_path(Path::new("fir.usdc")).err().unwrap().to_string();
         assert!(said.contains("did you mean '.usda'?") && said.contains(".glb"), "{said}");

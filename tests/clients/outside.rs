@@ -52,6 +52,7 @@ fn every_client_takes_every_format() {
         ("glb", "tree.glb", &[]),
         ("usda", "tree.usda", &[]),
         ("usdz", "tree.usdz", &[]),
+        ("stl", "tree.stl", &[]),
     ] {
         export(&scene, format, options, &dir.join(file)).unwrap();
     }
@@ -92,6 +93,7 @@ fn the_checks_catch_broken_files() {
         ("gltf", "tree.gltf"),
         ("glb", "tree.glb"),
         ("usda", "tree.usda"),
+        ("stl", "tree.stl"),
     ] {
         export(&scene, format, &[], &dir.join(file)).unwrap();
     }

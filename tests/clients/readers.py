@@ -41,10 +41,11 @@ class Tree:
     is_rounded: bool = False  # whether it stores turns or vertices in 16 bits or less
     is_instanced: bool = False  # whether it needs a reader that knows instances
     is_compressed: bool = False  # whether it needs one that decompresses
+    is_bare: bool = False  # whether its format holds triangles alone: no recipe, no texture coordinates
 
 
 def read(path: Path) -> Tree:
-    reader = {".obj": obj, ".ply": ply, ".gltf": gltf, ".glb": gltf, ".usda": usda, ".usdz": usda}[path.suffix]
+    reader = {".obj": obj, ".ply": ply, ".gltf": gltf, ".glb": gltf, ".usda": usda, ".usdz": usda, ".stl": stl}[path.suffix]
     return reader(path)
 
 
@@ -84,6 +85,29 @@ def obj(path):
             inside = slice(first, last)
             tree.meshes.append(
                 Mesh(name, positions[inside], normals[inside], uvs[inside], triangles - first))
+    return tree
+
+
+STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attributes", "<u2")])
+
+
+def stl(path):
+    data = path.read_bytes()
+    assert not data.startswith(b"solid"), "it looks like text"
+    (count,) = struct.unpack_from("<I", data, 80)
+    assert len(data) == 84 + 50 * count, f"{len(data)} bytes for {count} triangles"
+    table = np.frombuffer(data, STL_TRIANGLE, count, 84)
+    assert not table["attributes"].any(), "a triangle has attributes"
+
+    def y_up(vectors):
+        x, y, z = vectors.astype(np.float64).T
+        return np.stack([x, z, -y], axis=1)
+
+    tree = Tree(is_bare=True)
+    corners = y_up(table["corners"].reshape(-1, 3))
+    normals = y_up(np.repeat(table["normal"], 3, axis=0))
+    triangles = np.arange(3 * count).reshape(-1, 3)
+    tree.meshes.append(Mesh(path.stem, corners, normals, np.zeros((3 * count, 2)), triangles))
     return tree
 
 

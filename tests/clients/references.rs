@@ -69,7 +69,8 @@ fn a_single_stream_holds_a_whole_file_that_names_no_other() {
         let mut bundle = Bundle::stream("standard output", output.clone());
         exporter.write(&Stage::of(&scene(3, 5)), &Options::new(format), &mut bundle, &linden::Quiet).unwrap();
         // Everything is there, or the user is told what is not.
-        assert_eq!(format.self_contained, bundle.notes().is_empty(), "{}", format.id);
+        let is_whole = format.self_contained && format.holds.recipe;
+        assert_eq!(is_whole, bundle.notes().is_empty(), "{}", format.id);
         let file = dir.path().join(format!("alone.{}", format.id));
         fs::write(&file, &*output.0.lock().unwrap()).unwrap();
         match format.id {
@@ -83,6 +84,11 @@ fn a_single_stream_holds_a_whole_file_that_names_no_other() {
                 assert!(!text.contains('@') && text.contains("inputs:diffuseColor = (0.2, 0.12, 0.07)"));
             }
             "usdz" => assert!(fs::read(&file).unwrap().starts_with(b"PK\x03\x04")),
+            "stl" => {
+                let bytes = fs::read(&file).unwrap();
+                let count = u32::from_le_bytes(bytes[80..84].try_into().unwrap());
+                assert_eq!(bytes.len(), 84 + 50 * count as usize);
+            }
             "qsm" => assert!(fs::read_to_string(&file).unwrap().contains("\nid,parent,branch,")),
             _ => assert!(fs::read(&file).unwrap().starts_with(b"ply\n")),
         }

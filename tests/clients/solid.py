@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every PLY file of a folder, by trimesh: one closed, consistently wound manifold that encloses a volume."""
+"""Every PLY and STL file of a folder, by trimesh: one closed, consistently wound manifold that encloses a volume."""
 
 import sys
 from pathlib import Path
@@ -26,7 +26,7 @@ def check(path):
 
 
 failed = False
-for path in sorted(Path(sys.argv[1]).glob("*.ply")):
+for path in sorted([*Path(sys.argv[1]).glob("*.ply"), *Path(sys.argv[1]).glob("*.stl")]):
     try:
         check(path)
     except AssertionError as error:

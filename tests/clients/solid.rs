@@ -23,8 +23,10 @@ fn watertight_wood_is_one_closed_manifold() {
         let grown = grow(&recipe, &Quiet).unwrap();
         let scene = dress(&recipe, &grown, &Quiet).unwrap();
         let stems = grown.skeleton.axes.iter().filter(|axis| axis.parent == NO_PARENT).count();
-        let name = format!("{id}-{}_{stems}.ply", features.len());
-        export(&scene, "ply", &[], &dir.join(name)).unwrap();
+        for format in ["ply", "stl"] {
+            let name = format!("{id}-{}_{stems}.{format}", features.len());
+            export(&scene, format, &[], &dir.join(name)).unwrap();
+        }
     }
     run("solid.py", &dir);
 }

@@ -3,7 +3,7 @@
 
     target/clients/venv/bin/python tests/clients/test_check.py DIRECTORY
 
-DIRECTORY holds tree.{obj,ply,gltf,glb,usda} and tree_skeleton.ply. A check that has never failed is
+DIRECTORY holds tree.{obj,ply,gltf,glb,usda,stl} and tree_skeleton.ply. A check that has never failed is
 no check.
 """
 
@@ -18,6 +18,7 @@ from pathlib import Path
 import numpy as np
 
 import check
+import readers
 
 BREAKAGES = []
 
@@ -197,6 +198,48 @@ ply_edit("skeleton_nan", "tree_skeleton.ply", "not finite", pack("<f", np.inf, 2
 ply_edit("skeleton_edge", "tree_skeleton.ply", "node that is not there", pack("<i", 77, 13, 24))
 
 
+# ---- STL: the first triangle's numbers
+
+def stl_edit(name, expected, change, by="geometry", clients=False):
+    def function(path):
+        path.write_bytes(change(bytearray(path.read_bytes())))
+    function.__name__ = name
+    breakage("tree.stl", expected, by, clients)(function)
+
+
+def stl_number(at, number):
+    def change(data):
+        struct.pack_into("<f", data, 84 + 4 * at, number)
+        return data
+    return change
+
+
+def stl_swap(data):
+    data[96:108], data[108:120] = data[108:120], data[96:108]
+    return data
+
+
+def stl_scale(data):
+    table = np.frombuffer(data, readers.STL_TRIANGLE, offset=84)
+    table["corners"] *= 1.01
+    return data
+
+
+def stl_lost(data):
+    (count,) = struct.unpack_from("<I", data, 80)
+    struct.pack_into("<I", data, 80, count - 1)
+    return data[:-50]
+
+
+stl_edit("stl_nan", "position is not finite", stl_number(3, np.nan))
+stl_edit("stl_long_normal", "a normal is", stl_number(0, 3.0))
+stl_edit("stl_winding", "wind against", stl_swap)
+stl_edit("stl_scaled", "area, texture or bounds", stl_scale, by="agreement")
+stl_edit("stl_lost_triangle", "triangles, tree", stl_lost, by="agreement")
+stl_edit("stl_too_short", "bytes for", lambda data: data[:-5])
+stl_edit("stl_text", "looks like text", lambda data: data.replace(b"binary", b"solid ", 1))
+
+
 def main():
     good = Path(sys.argv[1])
     faults, _ = check.check(good)
@@ -210,7 +253,7 @@ def main():
                     shutil.copy(path, copy)
             if clients:
                 for path in copy.iterdir():
-                    if path.suffix in (".obj", ".ply", ".gltf", ".glb", ".usda") and path.name != file:
+                    if path.suffix in (".obj", ".ply", ".gltf", ".glb", ".usda", ".stl") and path.name != file:
                         path.unlink()
             function(copy / file)
             faults, _ = check.check(copy, clients)
