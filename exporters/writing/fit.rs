@@ -10,11 +10,12 @@ use crate::{Bundle, Format, Holds, LooksIn, REGISTRY};
 const RELIEF: &str = "bark_relief";
 
 /// Knobs that show in colours and pictures, most of them in these alone.
-const SHOWN: [&str; 18] = [
+const SHOWN: [&str; 19] = [
     "bark",
     "bark_color",
     "bark_grain",
     "bark_size",
+    "bark_tile",
     "leaf_outline",
     "leaf_lobes",
     "leaf_lobe_depth",
@@ -96,11 +97,7 @@ pub fn fit<'a>(stage: &Stage<'a>, format: &Format, bundle: &mut Bundle) -> Stage
         }
         return stage.in_season(0);
     }
-    let shown: Vec<&str> =
-        turned(&|section| matches!(section, Section::Bark | Section::Foliage | Section::Detail))
-            .into_iter()
-            .filter(|name| SHOWN.contains(name))
-            .collect();
+    let shown: Vec<&str> = turned(&|_| true).into_iter().filter(|name| SHOWN.contains(name)).collect();
     if !holds.colors && !shown.is_empty() {
         let others = holders(|holds| holds.colors);
         bundle.note(format!(
