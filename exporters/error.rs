@@ -3,9 +3,9 @@
 use std::io;
 use std::path::PathBuf;
 
-use linden::Cancelled;
-use linden::knob::{did_you_mean, printable};
-use linden::memory::OverMemory;
+use linden_pipeline::Cancelled;
+use linden_pipeline::knob::{did_you_mean, printable};
+use linden_pipeline::memory::OverMemory;
 
 /// Why an export failed. Nothing is left behind then.
 #[derive(Debug, thiserror::Error)]

@@ -12,13 +12,14 @@
 //! | module | is |
 //! |---|---|
 //! | [`Format`], [`Options`] | facts about a format, and its settings |
+//! | [`Batch`], [`Output`] | what is written where, all of it together: levels and seasons in files of their own where a format holds one |
 //! | [`Bundle`], [`Sink`] | the files of an export, whole or not at all |
 //! | [`Estimate`], [`Amounts`] | bytes and seconds, told before anything is written |
 //! | [`Registry`] | formats by id and ending; recipes out of files |
 //! | [`writing`] | what formats are written with |
 //!
 //! ```
-//! use linden::{Quiet, dress::dress, grow::grow, preset::builtin, recipe::Recipe, stage::Stage};
+//! use linden_pipeline::{Quiet, dress::dress, grow::grow, preset::builtin, recipe::Recipe, stage::Stage};
 //! use linden_exporters::{Bundle, Options, for_path};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let recipe = Recipe::new(builtin("fir").unwrap().load()?);
@@ -43,6 +44,7 @@
 #[cfg(target_endian = "big")]
 compile_error!("linden-exporters writes arrays as they lie in memory and needs a little-endian target");
 
+mod batch;
 mod bundle;
 mod error;
 mod estimate;
@@ -62,9 +64,10 @@ pub mod writing;
 
 use std::io;
 
-use linden::Monitor;
-use linden::stage::Stage;
+use linden_pipeline::Monitor;
+use linden_pipeline::stage::Stage;
 
+pub use batch::{Batch, Output, default_name, plain_stem};
 pub use bundle::{
     Bundle, Existing, MadeFolders, Pictures, Sink, Written, abandon, commit_all, ensure_distinct,
     ensure_spared, examine, make_folders, write_file,

@@ -8,11 +8,11 @@ use std::io;
 use std::sync::Arc;
 
 use glam::Vec3;
-use linden::Monitor;
-use linden::picture::Picture;
-use linden::scene::Material;
-use linden::skeleton::{NO_PARENT, Skeleton};
-use linden::stage::{Motion, Place, Stage};
+use linden_pipeline::Monitor;
+use linden_pipeline::picture::Picture;
+use linden_pipeline::scene::Material;
+use linden_pipeline::skeleton::{NO_PARENT, Skeleton};
+use linden_pipeline::stage::{Motion, Place, Stage};
 
 use crate::options::{OptionSpec, Options};
 use crate::writing::distinct::{DistinctMeshes, MeshPart, NamedMaterial};
@@ -146,7 +146,7 @@ impl Exporter for Obj {
 fn header(stage: &Stage<'_>) -> String {
     format!(
         "# {GENERATOR}\n# name: {}\n# recipe: {}\n# units: metres, up axis: Y, triangles counter-clockwise from outside\n",
-        linden::knob::printable(&stage.name),
+        linden_pipeline::knob::printable(&stage.name),
         stage.recipe
     )
 }

@@ -1,6 +1,6 @@
 //! The settings of a format: a table of knobs, and values checked against it.
 
-use linden::knob::{Kind, Knob, Value, nearest};
+use linden_pipeline::knob::{Kind, Knob, Value, nearest};
 
 use crate::{ExportError, Format};
 
@@ -82,12 +82,12 @@ impl Options {
         self.format.options.iter().map(|spec| spec.knob.name).zip(&self.values)
     }
 
-    /// Whether a [`linden::knob::Kind::Switch`] is on; an option that the format lacks is off.
+    /// Whether a [`linden_pipeline::knob::Kind::Switch`] is on; an option that the format lacks is off.
     pub fn is_on(&self, name: &str) -> bool {
         self.value(name) == Some(&Value::Switch(true))
     }
 
-    /// Whether a [`linden::knob::Kind::Choice`] has this word.
+    /// Whether a [`linden_pipeline::knob::Kind::Choice`] has this word.
     pub fn is_word(&self, name: &str, word: &str) -> bool {
         matches!(self.value(name), Some(Value::Word(set)) if set == word)
     }

@@ -19,9 +19,9 @@ use std::process::{Child, Command, ExitStatus};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-use linden::Monitor;
-use linden::knob::printable;
-use linden::stage::Stage;
+use linden_pipeline::Monitor;
+use linden_pipeline::knob::printable;
+use linden_pipeline::stage::Stage;
 
 use crate::gltf::Glb;
 use crate::plugin_guard::Workplace;

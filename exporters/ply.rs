@@ -6,11 +6,11 @@
 
 use std::io;
 
-use linden::Monitor;
-use linden::memory::{bytes_grown, bytes_of};
-use linden::scene::Material;
-use linden::skeleton::NO_PARENT;
-use linden::stage::{Motion, Stage};
+use linden_pipeline::Monitor;
+use linden_pipeline::memory::{bytes_grown, bytes_of};
+use linden_pipeline::scene::Material;
+use linden_pipeline::skeleton::NO_PARENT;
+use linden_pipeline::stage::{Motion, Stage};
 
 use crate::options::{OptionSpec, Options};
 use crate::writing::distinct::{DistinctMeshes, MeshPart};
@@ -293,7 +293,7 @@ impl Exporter for PlySkeleton {
 fn header(name: &str, recipe: &str, ascii: bool) -> String {
     let encoding = if ascii { "ascii" } else { "binary_little_endian" };
     let mut head = format!("ply\nformat {encoding} 1.0\ncomment {GENERATOR}\n");
-    let mut name = linden::knob::printable(name);
+    let mut name = linden_pipeline::knob::printable(name);
     while name.len() > LINE {
         name.pop();
     }

@@ -10,10 +10,10 @@
 
 use std::io;
 
-use linden::Monitor;
-use linden::memory::bytes_of;
-use linden::skeleton::Cylinder;
-use linden::stage::Stage;
+use linden_pipeline::Monitor;
+use linden_pipeline::memory::bytes_of;
+use linden_pipeline::skeleton::Cylinder;
+use linden_pipeline::stage::Stage;
 
 use crate::options::{OptionSpec, Options};
 use crate::writing::records::{self, Text};
@@ -73,7 +73,7 @@ impl Exporter for Qsm {
         if options.is_on("comments") {
             head = format!(
                 "# {GENERATOR}\n# name: {}\n# recipe: {}\n# units: metres, up axis: Y; parent 0: none\n",
-                linden::knob::printable(&scene.name),
+                linden_pipeline::knob::printable(&scene.name),
                 scene.recipe
             );
         }

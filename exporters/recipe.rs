@@ -25,7 +25,7 @@ pub(crate) fn in_any(exporters: &[&dyn Exporter], file: &mut dyn Readable) -> io
         }
     }
     file.rewind()?;
-    whole(linden::picture::recipe_in_png(file))
+    whole(linden_pipeline::picture::recipe_in_png(file))
 }
 
 /// What was read, if it is a JSON object; a file that ends early carries none.
@@ -103,13 +103,13 @@ mod tests {
     use std::fs::File;
     use std::io::{BufReader, Cursor};
 
-    use linden::Quiet;
-    use linden::dress::dress;
-    use linden::grow::grow;
-    use linden::preset::builtin;
-    use linden::recipe::Recipe;
-    use linden::scene::Scene;
-    use linden::stage::Stage;
+    use linden_pipeline::Quiet;
+    use linden_pipeline::dress::dress;
+    use linden_pipeline::grow::grow;
+    use linden_pipeline::preset::builtin;
+    use linden_pipeline::recipe::Recipe;
+    use linden_pipeline::scene::Scene;
+    use linden_pipeline::stage::Stage;
 
     use super::*;
     use crate::{Bundle, Exporter, Options, REGISTRY, recipe_in};

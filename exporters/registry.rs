@@ -3,7 +3,7 @@
 use std::io;
 use std::path::Path;
 
-use linden::knob::nearest;
+use linden_pipeline::knob::nearest;
 
 use crate::{ExportError, Exporter, REGISTRY, Readable, plugin, recipe};
 
@@ -12,7 +12,7 @@ use crate::{ExportError, Exporter, REGISTRY, Readable, plugin, recipe};
 ///
 /// ```
 /// # use std::io;
-/// # use linden::{Monitor, stage::Stage};
+/// # use linden_pipeline::{Monitor, stage::Stage};
 /// # use linden_exporters::{Bundle, Encoding, ExportError, Exporter, Format, Holds, Options, Readable};
 /// # struct Tips;
 /// # static FORMAT: Format = Format {
@@ -106,8 +106,8 @@ impl Registry {
 
     /// The recipe that a file carries, letter by letter, whichever of these formats it is in, previews (PNG)
     /// included; `None` where it carries none. It is one line of JSON: a tree's
-    /// ([`Preset::from_json`](linden::preset::Preset::from_json)) or a forest's
-    /// ([`ForestDocument::parse`](linden::forest::ForestDocument::parse)).
+    /// ([`Preset::from_json`](linden_pipeline::preset::Preset::from_json)) or a forest's
+    /// ([`ForestDocument::parse`](linden_pipeline::forest::ForestDocument::parse)).
     ///
     /// # Errors
     /// What reading failed with; a file of another format is no error.

@@ -10,8 +10,8 @@
 
 use std::io;
 
-use linden::stage::{Motion, Stage};
-use linden::{Monitor, Vec3};
+use linden_pipeline::stage::{Motion, Stage};
+use linden_pipeline::{Monitor, Vec3};
 
 use crate::writing::distinct::{DistinctMeshes, MeshPart};
 use crate::writing::{fit, memory, records};
@@ -143,13 +143,13 @@ fn z_up(Vec3 { x, y, z }: Vec3) -> [f32; 3] {
 
 #[cfg(test)]
 mod tests {
-    use linden::Quiet;
-    use linden::dress::dress;
-    use linden::grow::grow;
-    use linden::preset::builtin;
-    use linden::recipe::Recipe;
-    use linden::scene::Scene;
-    use linden::stage::Place;
+    use linden_pipeline::Quiet;
+    use linden_pipeline::dress::dress;
+    use linden_pipeline::grow::grow;
+    use linden_pipeline::preset::builtin;
+    use linden_pipeline::recipe::Recipe;
+    use linden_pipeline::scene::Scene;
+    use linden_pipeline::stage::Place;
 
     use super::*;
     use crate::bundle::test_output::Output;

@@ -274,7 +274,7 @@ fn take_back(system: &'static dyn FileSystem, placed: Vec<Placed>, why: io::Erro
         match undo().or_else(|_| undo()) {
             Ok(()) => before.map(|(aside, _)| aside.gone()),
             Err(e) => {
-                stuck.push(format!("{} ({e})", linden::knob::printable(&path.to_string_lossy())));
+                stuck.push(format!("{} ({e})", linden_pipeline::knob::printable(&path.to_string_lossy())));
                 None
             }
         };

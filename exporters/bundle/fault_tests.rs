@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use linden::Quiet;
+use linden_pipeline::Quiet;
 use rustix::io::Errno;
 
 use super::folders::make_folders_on;

@@ -43,7 +43,7 @@ pub(super) fn make_folders_on(
             // Another program has made it meanwhile, or it is named twice (`a/../a`).
             Err(e) if e.kind() == std::io::ErrorKind::AlreadyExists => {}
             Err(source) => {
-                let what = linden::knob::printable(&path.to_string_lossy());
+                let what = linden_pipeline::knob::printable(&path.to_string_lossy());
                 return Err(ExportError::Io { doing: "making the directory", what, source });
             }
         }

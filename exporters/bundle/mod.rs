@@ -26,7 +26,7 @@ mod temporary;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use linden::Monitor;
+use linden_pipeline::Monitor;
 
 pub use commit::{Written, commit_all, ensure_distinct, ensure_spared};
 pub use folders::{MadeFolders, make_folders};
@@ -98,7 +98,7 @@ impl Bundle {
                 Place::Files(Files { stem, main: Staged::create(system, location)?, sides: Vec::new() })
             }
             Located::Stream(path) => Place::Pipe {
-                label: linden::knob::printable(&target.to_string_lossy()),
+                label: linden_pipeline::knob::printable(&target.to_string_lossy()),
                 pipe: Pipe::open(&path).map_err(|source| target::looking(target, source))?,
             },
         };

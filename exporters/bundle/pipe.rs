@@ -8,7 +8,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use linden::{Cancelled, Monitor};
+use linden_pipeline::{Cancelled, Monitor};
 
 /// Between two looks at the monitor.
 const LOOK: Duration = Duration::from_millis(50);

@@ -6,7 +6,7 @@ use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use linden::Monitor;
+use linden_pipeline::Monitor;
 use xxhash_rust::xxh3::xxh3_128;
 
 use super::{Bundle, Place, stem};

@@ -2,8 +2,8 @@
 
 use std::io::{self, BufWriter, Write};
 
-use linden::Monitor;
-use linden::monitor::Phase;
+use linden_pipeline::Monitor;
+use linden_pipeline::monitor::Phase;
 
 use crate::ExportError;
 
@@ -77,7 +77,7 @@ impl<'a> Sink<'a> {
 /// What a writer's error means: it may be that of one that was cancelled while it waited.
 pub(super) fn failed(doing: &'static str, what: &str, source: io::Error) -> ExportError {
     if super::pipe::is_cancelled(&source) {
-        return linden::Cancelled.into();
+        return linden_pipeline::Cancelled.into();
     }
     ExportError::Io { doing, what: what.to_owned(), source }
 }

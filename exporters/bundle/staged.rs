@@ -5,7 +5,7 @@ use std::fs::File;
 use std::io::{self, Write};
 use std::path::Path;
 
-use linden::Monitor;
+use linden_pipeline::Monitor;
 
 use super::Sink;
 use super::system::{FileSystem, again, synced};

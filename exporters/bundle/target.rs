@@ -4,7 +4,7 @@ use std::ffi::OsString;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use linden::knob::printable;
+use linden_pipeline::knob::printable;
 
 use super::system::{FileSystem, System, again};
 use crate::ExportError;

@@ -2,7 +2,7 @@ use std::fs;
 use std::io::{self, Write};
 use std::path::Path;
 
-use linden::Quiet;
+use linden_pipeline::Quiet;
 
 use super::*;
 
@@ -63,7 +63,7 @@ fn nothing_remains_of_a_bundle_that_is_dropped_or_fails() {
     let mut bundle = Bundle::create(&target).unwrap();
     let failed = bundle.write_side("_x", None, &Quiet, |out| {
         out.write(b"half")?;
-        Err(linden::Cancelled.into())
+        Err(linden_pipeline::Cancelled.into())
     });
     assert!(failed.is_err());
     drop(bundle);
@@ -75,7 +75,7 @@ fn nothing_remains_of_a_bundle_that_is_dropped_or_fails() {
 fn an_unfinished_bundle_is_not_committed() {
     let dir = tempfile::tempdir().unwrap();
     let mut bundle = Bundle::create(&dir.path().join("fir.obj")).unwrap();
-    let _ = bundle.write_main(None, &Quiet, |_| Err(linden::Cancelled.into()));
+    let _ = bundle.write_main(None, &Quiet, |_| Err(linden_pipeline::Cancelled.into()));
     assert!(bundle.commit().is_err());
     assert_eq!(fs::read_dir(dir.path()).unwrap().count(), 0);
 }
@@ -308,14 +308,14 @@ mod unix {
     /// Wants nothing any more after so many questions.
     struct Impatient(std::sync::atomic::AtomicUsize);
 
-    impl linden::Monitor for Impatient {
+    impl linden_pipeline::Monitor for Impatient {
         fn is_cancelled(&self) -> bool {
             let left = self.0.load(std::sync::atomic::Ordering::Relaxed);
             self.0.store(left.saturating_sub(1), std::sync::atomic::Ordering::Relaxed);
             left == 0
         }
 
-        fn advance(&self, _: linden::monitor::Phase, _: u64, _: Option<u64>) {}
+        fn advance(&self, _: linden_pipeline::monitor::Phase, _: u64, _: Option<u64>) {}
     }
 
     fn fifo(dir: &Path) -> std::path::PathBuf {

@@ -1,6 +1,6 @@
 //! What an export has to hold: what each format's estimate of its bytes is made from.
 
-use linden::wind::Wind;
+use linden_pipeline::wind::Wind;
 
 use super::level::Instanced;
 

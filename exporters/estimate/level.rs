@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use linden::detail::share_of_wood;
-use linden::foliage::{Organs, PROTOTYPES};
+use linden_pipeline::detail::share_of_wood;
+use linden_pipeline::foliage::{Organs, PROTOTYPES};
 
 /// Vertices and triangles of one or more levels of detail.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -10,13 +10,13 @@ mod seconds;
 
 use std::collections::BTreeSet;
 
-use linden::forecast::Sample;
-use linden::grow::Grown;
-use linden::monitor::{Cancelled, Monitor};
-use linden::recipe::Recipe;
-use linden::settings::Dressing;
-use linden::surface::{self, Junction, SurfaceError, Tubes};
-use linden::wind::Wind;
+use linden_pipeline::forecast::Sample;
+use linden_pipeline::grow::Grown;
+use linden_pipeline::monitor::{Cancelled, Monitor};
+use linden_pipeline::recipe::Recipe;
+use linden_pipeline::settings::Dressing;
+use linden_pipeline::surface::{self, Junction, SurfaceError, Tubes};
+use linden_pipeline::wind::Wind;
 
 use self::level::{Instanced, LevelAmounts};
 use self::pictures::{bark_bytes, billboard_bytes, file_bytes, leaf_picture_bytes};

@@ -1,8 +1,8 @@
 //! Bytes that pictures take as PNG, from what draws them.
 
-use linden::preset::{BarkSettings, DetailSettings};
-use linden::recipe::{Geometry, Recipe};
-use linden::texture::BarkStyle;
+use linden_pipeline::preset::{BarkSettings, DetailSettings};
+use linden_pipeline::recipe::{Geometry, Recipe};
+use linden_pipeline::texture::BarkStyle;
 
 /// Both pictures of a bark as PNG, drawn or from files.
 pub(super) fn bark_bytes(recipe: &Recipe) -> u64 {

@@ -6,9 +6,9 @@
 //! forecast` prints forecasts beside the truth. Other machines differ by a factor: what is said before long work
 //! is meant to tell seconds from minutes.
 
-use linden::recipe::Recipe;
-use linden::settings::Dressing;
-use linden::surface::Junction;
+use linden_pipeline::recipe::Recipe;
+use linden_pipeline::settings::Dressing;
+use linden_pipeline::surface::Junction;
 
 use super::Estimate;
 use crate::{Encoding, Format, Options};
@@ -48,7 +48,7 @@ impl Estimate {
             Junction::Watertight => SOLID_TRIANGLE_S,
             _ => TRIANGLE_S,
         };
-        let blown = if wind.wind == linden::wind::Wind::Off { 0.0 } else { BLOWN_TRIANGLE_S };
+        let blown = if wind.wind == linden_pipeline::wind::Wind::Off { 0.0 } else { BLOWN_TRIANGLE_S };
         let square = |side: u32| f64::from(side) * f64::from(side);
         let planes = f64::from(detail.billboard) * square(detail.billboard_size_px);
         triangles * (swept + blown)

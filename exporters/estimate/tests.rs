@@ -2,13 +2,13 @@
 
 use std::sync::LazyLock;
 
-use linden::Quiet;
-use linden::dress::dress;
-use linden::dress::levels;
-use linden::grow::grow;
-use linden::preset::builtins;
-use linden::stage::Stage;
-use linden::texture::BarkStyle;
+use linden_pipeline::Quiet;
+use linden_pipeline::dress::dress;
+use linden_pipeline::dress::levels;
+use linden_pipeline::grow::grow;
+use linden_pipeline::preset::builtins;
+use linden_pipeline::stage::Stage;
+use linden_pipeline::texture::BarkStyle;
 use rayon::prelude::*;
 
 use super::*;
@@ -30,8 +30,8 @@ fn all_options(format: &'static Format) -> Vec<Options> {
     let mut all = vec![plain.clone()];
     for spec in format.options {
         let values: Vec<&str> = match spec.knob.kind {
-            linden::knob::Kind::Switch => vec!["false", "true"],
-            linden::knob::Kind::Choice(words) => words.to_vec(),
+            linden_pipeline::knob::Kind::Switch => vec!["false", "true"],
+            linden_pipeline::knob::Kind::Choice(words) => words.to_vec(),
             _ => vec![spec.default],
         };
         let with = |options: &Options, value: &str| {
@@ -123,7 +123,7 @@ fn budgets_levels_and_wind_are_estimated_too() {
     ];
     let all = ["oak", "dressed-fir", "box"].into_iter().flat_map(|id| cases.map(|knobs| (id, knobs)));
     let faults = all.collect::<Vec<_>>().into_par_iter().flat_map_iter(|(id, knobs)| {
-        let mut preset = linden::preset::builtin(id).unwrap().load().unwrap();
+        let mut preset = linden_pipeline::preset::builtin(id).unwrap().load().unwrap();
         for (knob, value) in knobs {
             preset.set(knob, value).unwrap();
         }
@@ -147,7 +147,7 @@ fn other_surfaces_and_barks_are_estimated_too() {
         ("bark_grain", "3"),
         ("bark_grain", "0"),
     ] {
-        let mut preset = linden::preset::builtin("older-f").unwrap().load().unwrap();
+        let mut preset = linden_pipeline::preset::builtin("older-f").unwrap().load().unwrap();
         preset.set(knob, value).unwrap();
         let recipe = Recipe::new(preset);
         let grown = grow(&recipe, &Quiet).unwrap();
@@ -167,13 +167,13 @@ fn other_surfaces_and_barks_are_estimated_too() {
 
 #[test]
 fn bark_from_a_file_is_estimated_by_its_file() {
-    let preset = linden::preset::builtin("older-f").unwrap().load().unwrap();
-    let key = linden::random::Key::new(3);
+    let preset = linden_pipeline::preset::builtin("older-f").unwrap().load().unwrap();
+    let key = linden_pipeline::random::Key::new(3);
     for style in [BarkStyle::Ridged, BarkStyle::Plated, BarkStyle::Birch] {
         let mut recipe = Recipe::new(preset.clone());
-        let photograph = linden::texture::Bark::new(style, key).draw(&Quiet).unwrap().base_color;
+        let photograph = linden_pipeline::texture::Bark::new(style, key).draw(&Quiet).unwrap().base_color;
         let png = photograph.png().unwrap();
-        let input = linden::recipe::Input::read("my.png", png, &Quiet).unwrap();
+        let input = linden_pipeline::recipe::Input::read("my.png", png, &Quiet).unwrap();
         assert!(recipe.put_file("bark_picture", "my.png", &input));
         let grown = grow(&recipe, &Quiet).unwrap();
         let estimate = Estimate::new(&recipe, &grown, &Quiet).unwrap();
@@ -192,7 +192,7 @@ static UNKNOWN: LazyLock<Format> =
 
 #[test]
 fn a_format_without_an_estimate_is_unknown_not_empty() {
-    let recipe = Recipe::new(linden::preset::builtin("older-f").unwrap().load().unwrap());
+    let recipe = Recipe::new(linden_pipeline::preset::builtin("older-f").unwrap().load().unwrap());
     let grown = grow(&recipe, &Quiet).unwrap();
     let estimate = Estimate::new(&recipe, &grown, &Quiet).unwrap();
     let options = Options::new(&UNKNOWN);

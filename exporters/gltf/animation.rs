@@ -1,6 +1,6 @@
 //! The animation `Wind`: the weights of morph targets over time.
 
-use linden::wind::{Motion, Sway};
+use linden_pipeline::wind::{Motion, Sway};
 
 use super::buffer::Layout;
 use super::document::{Animation, AnimationSampler, Channel, ChannelTarget, Mesh, Node};

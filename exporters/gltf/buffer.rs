@@ -1,9 +1,9 @@
 //! The binary buffer: where each array lies, and writing it without holding it.
 
-use linden::Monitor;
-use linden::scene::{Bounds, Mesh};
-use linden::stage::Stage;
-use linden::wind::{Motion, PartWind};
+use linden_pipeline::Monitor;
+use linden_pipeline::scene::{Bounds, Mesh};
+use linden_pipeline::stage::Stage;
+use linden_pipeline::wind::{Motion, PartWind};
 
 use super::byte_sink::ByteSink;
 use super::document::{Accessor, Attributes, BufferView, ComponentType, Mode};

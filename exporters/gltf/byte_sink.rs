@@ -72,7 +72,7 @@ mod tests {
         for piece in [1, 2, 3, 4, 5, 64, 1000] {
             let output = Output::default();
             Bundle::stream("test", output.clone())
-                .write_main(None, &linden::Quiet, |out| {
+                .write_main(None, &linden_pipeline::Quiet, |out| {
                     let mut encoder = Base64::new(out);
                     bytes.chunks(piece).try_for_each(|piece| encoder.put(piece))?;
                     encoder.finish()

@@ -2,7 +2,7 @@
 //!
 //! <https://registry.khronos.org/glTF/specs/2.0/glTF-2.0.html>, section 5.
 
-use linden::scene::Wrap;
+use linden_pipeline::scene::Wrap;
 use serde::Serialize;
 use serde_json::value::RawValue;
 

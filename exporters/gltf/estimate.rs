@@ -1,6 +1,6 @@
 //! Bytes of a document, its buffer and its pictures, from what they hold.
 
-use linden::wind::Wind;
+use linden_pipeline::wind::Wind;
 
 use crate::{Amounts, Encoding, Options};
 

@@ -20,9 +20,9 @@ mod wind;
 
 use std::io;
 
-use linden::Monitor;
-use linden::scene::Wrap;
-use linden::stage::Stage;
+use linden_pipeline::Monitor;
+use linden_pipeline::scene::Wrap;
+use linden_pipeline::stage::Stage;
 use serde_json::value::RawValue;
 
 use self::buffer::Layout;

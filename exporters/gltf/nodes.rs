@@ -4,8 +4,8 @@
 //! part, so that a place is a single node, and nodes of the same plant share its mesh.
 
 use glam::Vec3;
-use linden::foliage::Placement;
-use linden::stage::{Place, Stage};
+use linden_pipeline::foliage::Placement;
+use linden_pipeline::stage::{Place, Stage};
 
 use super::buffer::{Layout, PrimitiveArrays};
 use super::document::{

@@ -5,7 +5,7 @@
 //! the textures' (`KHR_texture_transform`).
 
 use glam::{Vec2, Vec3};
-use linden::scene::{Bounds, Mesh};
+use linden_pipeline::scene::{Bounds, Mesh};
 
 use super::byte_sink::ByteSink;
 use super::tangents::tangents;

@@ -7,7 +7,7 @@
 use std::f32::consts::TAU;
 
 use glam::{Quat, Vec3};
-use linden::stage::{self, Setting};
+use linden_pipeline::stage::{self, Setting};
 
 use super::document::{Camera, Light, LightIndex, Node, NodeExtensions, Perspective};
 

@@ -5,7 +5,7 @@
 //! seams): the direction of growing U, made square to the normal, and the side on which V grows.
 
 use glam::{Vec3, Vec4};
-use linden::scene::Mesh;
+use linden_pipeline::scene::Mesh;
 
 /// One tangent per vertex: a unit vector, and 1 or -1 for the side of the bitangent
 /// (`cross(normal, tangent) * w` points to the picture's upper edge).

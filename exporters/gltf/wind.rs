@@ -3,8 +3,8 @@
 //! `_WIND` is level, phase, sway and flutter; `_WINDPIVOT` the pivot and how far the vertex is from it
 //! (see [`PartWind`]). `COLOR_0` would tint the bark.
 
-use linden::stage::Stage;
-use linden::wind::{Motion, PartWind};
+use linden_pipeline::stage::Stage;
+use linden_pipeline::wind::{Motion, PartWind};
 
 use super::byte_sink::ByteSink;
 use super::quantize::Cube;

@@ -10,8 +10,8 @@
 //!
 //! With `instances`, `Trees` is a `PointInstancer` that holds its prototypes.
 
-use linden::foliage::Placement;
-use linden::stage::{Camera, Place, Setting};
+use linden_pipeline::foliage::Placement;
+use linden_pipeline::stage::{Camera, Place, Setting};
 
 use super::layer::Layer;
 use super::plant::{Component, Head, Variants};

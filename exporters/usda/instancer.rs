@@ -1,7 +1,7 @@
 //! A few prototypes in many places, as a `PointInstancer`.
 
-use linden::foliage::Placement;
-use linden::scene::Bounds;
+use linden_pipeline::foliage::Placement;
+use linden_pipeline::scene::Bounds;
 
 use super::layer::{Layer, vector};
 use super::syntax::tuple;

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use linden::picture::Picture;
-use linden::scene::{Material, Wrap};
+use linden_pipeline::picture::Picture;
+use linden_pipeline::scene::{Material, Wrap};
 
 use super::syntax::tuple;
 

@@ -31,11 +31,11 @@ mod wind;
 use std::io;
 use std::sync::Arc;
 
-use linden::memory::{bytes_grown, bytes_of};
-use linden::picture::Picture;
-use linden::scene::{Mesh, Wrap};
-use linden::stage::Stage;
-use linden::{Monitor, Vec3};
+use linden_pipeline::memory::{bytes_grown, bytes_of};
+use linden_pipeline::picture::Picture;
+use linden_pipeline::scene::{Mesh, Wrap};
+use linden_pipeline::stage::Stage;
+use linden_pipeline::{Monitor, Vec3};
 
 use self::layer::Layer;
 use self::package::Package;

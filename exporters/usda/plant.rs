@@ -5,8 +5,8 @@
 
 use std::collections::BTreeMap;
 
-use linden::foliage::Placement;
-use linden::scene::Bounds;
+use linden_pipeline::foliage::Placement;
+use linden_pipeline::scene::Bounds;
 
 use super::layer::Layer;
 use super::syntax::{Names, quoted};

@@ -1,8 +1,8 @@
 //! The skeleton as curves.
 
 use glam::Vec3;
-use linden::scene::Bounds;
-use linden::skeleton::{Axis, NO_PARENT, Skeleton};
+use linden_pipeline::scene::Bounds;
+use linden_pipeline::skeleton::{Axis, NO_PARENT, Skeleton};
 
 use super::layer::{Layer, vector};
 use super::syntax::tuple;

@@ -4,8 +4,8 @@
 //! vertex is from it (see [`PartWind`]). Where there is a sway loop, the plant's `Geometry` is a
 //! `SkelRoot` with a rig of one joint that moves nothing: `UsdSkel` has blend shapes on such prims only.
 
-use linden::scene::Bounds;
-use linden::wind::{Motion, PartWind, Sway};
+use linden_pipeline::scene::Bounds;
+use linden_pipeline::wind::{Motion, PartWind, Sway};
 
 use super::layer::{Layer, vector};
 use super::syntax::tuple;

@@ -9,11 +9,11 @@
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
-use linden::Monitor;
-use linden::foliage::Placement;
-use linden::scene::{Bounds, Material, Mesh, Scene};
-use linden::stage::{Ground, Place, Sky, Stage};
-use linden::wind::PartWind;
+use linden_pipeline::Monitor;
+use linden_pipeline::foliage::Placement;
+use linden_pipeline::scene::{Bounds, Material, Mesh, Scene};
+use linden_pipeline::stage::{Ground, Place, Sky, Stage};
+use linden_pipeline::wind::PartWind;
 
 use super::names::identifier;
 use super::validate;
@@ -22,7 +22,7 @@ use crate::ExportError;
 /// Everything on a stage, checked, each thing once.
 ///
 /// ```
-/// use linden::{Quiet, dress::dress, grow::grow, preset::builtin, recipe::Recipe, stage::Stage};
+/// use linden_pipeline::{Quiet, dress::dress, grow::grow, preset::builtin, recipe::Recipe, stage::Stage};
 /// use linden_exporters::writing::distinct::DistinctMeshes;
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// let recipe = Recipe::new(builtin("older-f").unwrap().load()?);

@@ -1,8 +1,8 @@
 //! A stage as far as a format holds it, and what is said of the rest: nothing that was asked for is left
 //! out in silence.
 
-use linden::preset::{KNOBS, Section};
-use linden::stage::{Plant, Stage};
+use linden_pipeline::preset::{KNOBS, Section};
+use linden_pipeline::stage::{Plant, Stage};
 
 use crate::{Bundle, Format, Holds, LooksIn, REGISTRY};
 
@@ -51,7 +51,7 @@ fn holders(holds: impl Fn(&Holds) -> bool) -> String {
 /// is on the stage, or of the knobs that were turned for it, is noted by name in the bundle.
 ///
 /// ```
-/// use linden::{Quiet, dress::dress, grow::grow, preset::builtin, recipe::Recipe, stage::Stage};
+/// use linden_pipeline::{Quiet, dress::dress, grow::grow, preset::builtin, recipe::Recipe, stage::Stage};
 /// use linden_exporters::{Bundle, find, writing::fit};
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
 /// let recipe = Recipe::new(builtin("older-f").unwrap().load()?);

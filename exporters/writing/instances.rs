@@ -6,10 +6,10 @@
 use std::borrow::Cow;
 
 use glam::Vec3;
-use linden::Monitor;
-use linden::foliage::{Copies, Instances};
-use linden::scene::{Bounds, Mesh, Part};
-use linden::stage::Stage;
+use linden_pipeline::Monitor;
+use linden_pipeline::foliage::{Copies, Instances};
+use linden_pipeline::scene::{Bounds, Mesh, Part};
+use linden_pipeline::stage::Stage;
 
 use crate::writing::distinct::{DistinctMeshes, MeshCopies, MeshPart};
 use crate::{Bundle, ExportError};

@@ -1,10 +1,10 @@
 //! Memory that writing takes beside the scene: asked for before it is taken.
 
-use linden::Monitor;
-use linden::memory::bytes_of;
-use linden::picture::PNG_BYTES_PER_PIXEL;
-use linden::scene::Mesh;
-use linden::stage::Stage;
+use linden_pipeline::Monitor;
+use linden_pipeline::memory::bytes_of;
+use linden_pipeline::picture::PNG_BYTES_PER_PIXEL;
+use linden_pipeline::scene::Mesh;
+use linden_pipeline::stage::Stage;
 
 use crate::ExportError;
 use crate::writing::distinct::DistinctMeshes;

@@ -18,7 +18,7 @@
 //! ```
 //! use std::io;
 //!
-//! use linden::{Monitor, Quiet, dress::dress, grow::grow, preset::builtin, recipe::Recipe, stage::Stage};
+//! use linden_pipeline::{Monitor, Quiet, dress::dress, grow::grow, preset::builtin, recipe::Recipe, stage::Stage};
 //! use linden_exporters::writing::{fit, memory, recipe_in_comments, records, validate};
 //! use linden_exporters::{Bundle, Encoding, ExportError, Exporter, Format, Holds, Options, Readable};
 //!

@@ -3,9 +3,9 @@
 use std::sync::Arc;
 
 use glam::Vec2;
-use linden::color::encode;
-use linden::picture::Picture;
-use linden::scene::{Material, Wrap};
+use linden_pipeline::color::encode;
+use linden_pipeline::picture::Picture;
+use linden_pipeline::scene::{Material, Wrap};
 use rayon::prelude::*;
 
 use crate::ExportError;

@@ -34,7 +34,7 @@ pub fn bytes(count: usize) -> u64 {
 /// on any thread. Formatting goes on while earlier chunks are being written.
 ///
 /// ```
-/// use linden::Quiet;
+/// use linden_pipeline::Quiet;
 /// use linden_exporters::{Bundle, writing::records};
 ///
 /// # fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -242,7 +242,7 @@ fn eight_digits(n: u32) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use linden::monitor::{Cancelled, Monitor, Phase};
+    use linden_pipeline::monitor::{Cancelled, Monitor, Phase};
 
     use super::*;
     use crate::Bundle;
@@ -267,7 +267,7 @@ mod tests {
                 let mut bundle = Bundle::stream("test", output.clone());
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 pool.install(|| {
-                    bundle.write_main(None, &linden::Quiet, |out| write(out, count, lines)).unwrap();
+                    bundle.write_main(None, &linden_pipeline::Quiet, |out| write(out, count, lines)).unwrap();
                 });
                 assert!(output.bytes() == serial.written(), "{count} lines on {threads} threads");
             }

@@ -1,10 +1,10 @@
 //! Checks of what is to be written: a scene that breaks a promise of its types is refused before a byte
 //! is written.
 
-use linden::Monitor;
-use linden::scene::{Bounds, Material, Mesh, Part, Scene};
-use linden::skeleton::{NO_PARENT, Skeleton};
-use linden::stage::Stage;
+use linden_pipeline::Monitor;
+use linden_pipeline::scene::{Bounds, Material, Mesh, Part, Scene};
+use linden_pipeline::skeleton::{NO_PARENT, Skeleton};
+use linden_pipeline::stage::Stage;
 use rayon::prelude::*;
 
 use crate::ExportError;
@@ -214,7 +214,7 @@ fn check_skeleton(skeleton: &Skeleton) -> Result<(), String> {
         return Err(format!("the position or radius of node {node} is not finite"));
     }
     let strange = |&node: &u32| node != NO_PARENT && node as usize >= count;
-    let axes_end = |axis: &linden::skeleton::Axis| u64::from(axis.first) + u64::from(axis.len);
+    let axes_end = |axis: &linden_pipeline::skeleton::Axis| u64::from(axis.first) + u64::from(axis.len);
     if skeleton.parents.iter().any(strange)
         || skeleton.axes.iter().any(|axis| strange(&axis.parent))
         || skeleton.axes.iter().any(|axis| axes_end(axis) > skeleton.axis_nodes.len() as u64)
@@ -230,8 +230,8 @@ mod tests {
     use std::sync::Arc;
 
     use glam::{Vec2, Vec3};
-    use linden::picture::Picture;
-    use linden::scene::{Material, Mesh};
+    use linden_pipeline::picture::Picture;
+    use linden_pipeline::scene::{Material, Mesh};
 
     use super::*;
     use crate::{Bundle, Options, REGISTRY, bundle::test_output::Output};
@@ -255,7 +255,7 @@ mod tests {
                 roughness: 1.0,
                 double_sided: false,
                 cutout: None,
-                wrap: linden::scene::Wrap::Repeat,
+                wrap: linden_pipeline::scene::Wrap::Repeat,
             }],
             parts: vec![Part::new("wood", 0, mesh)],
             skeleton: Arc::new(Skeleton {
@@ -263,7 +263,7 @@ mod tests {
                 parents: vec![NO_PARENT, 0],
                 radii: vec![0.1; 2],
                 births: vec![0, 1],
-                axes: vec![linden::skeleton::Axis { order: 0, parent: NO_PARENT, first: 0, len: 2 }],
+                axes: vec![linden_pipeline::skeleton::Axis { order: 0, parent: NO_PARENT, first: 0, len: 2 }],
                 axis_nodes: vec![0, 1],
             }),
         }
@@ -303,7 +303,7 @@ mod tests {
                 let mut bundle = Bundle::stream("test", output.clone());
                 let options = Options::new(exporter.format());
                 let said = exporter
-                    .write(&Stage::of(&scene), &options, &mut bundle, &linden::Quiet)
+                    .write(&Stage::of(&scene), &options, &mut bundle, &linden_pipeline::Quiet)
                     .unwrap_err()
                     .to_string();
                 assert!(said.contains(expected), "{}: {said:?} lacks {expected:?}", exporter.format().id);
@@ -312,14 +312,19 @@ mod tests {
             let mut bundle = Bundle::stream("test", Output::default());
             let scene = scene();
             exporter
-                .write(&Stage::of(&scene), &Options::new(exporter.format()), &mut bundle, &linden::Quiet)
+                .write(
+                    &Stage::of(&scene),
+                    &Options::new(exporter.format()),
+                    &mut bundle,
+                    &linden_pipeline::Quiet,
+                )
                 .unwrap();
         }
     }
 
     #[test]
     fn bounds_are_the_stored_numbers() {
-        let bounds = super::scene(&scene(), &linden::Quiet).unwrap();
+        let bounds = super::scene(&scene(), &linden_pipeline::Quiet).unwrap();
         assert_eq!(bounds, [Bounds { min: Vec3::ZERO, max: Vec3::new(1.0, 1.0, 0.0) }]);
     }
 }

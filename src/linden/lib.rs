@@ -1,40 +1,41 @@
-//! Grows trees: presets → generators → skeleton → surface → scene.
+//! Trees in three lines: pick or read one, turn knobs, write files.
 //!
-//! Takes bytes and values, gives values. This crate opens no file, reads no clock and writes to no
-//! terminal; the same recipe gives the same bits on any machine and any number of threads.
-//! Lengths are metres, Y is up, angles in the interface are degrees unless a name says `_rad`.
+//! ```
+//! # let folder = tempfile::tempdir()?;
+//! # let file = folder.path().join("fir.glb");
+//! let fir = linden::tree("fir")?.seed(7).set("points", "400")?.grow()?;
+//! println!("{:.1} m high", fir.measures().height_m);
+//! fir.export(&file)?;
+//! # assert!(file.exists());
+//! # Ok::<(), linden::Error>(())
+//! ```
+//!
+//! A [`Tree`] is a recipe with its settings, a [`GrownTree`] what grew from it. What these do, the program
+//! `linden` does by the same calls: [`GrownTree::export`] writes levels of detail, budgets of triangles, wind
+//! and all else that the knobs ask for. Whoever needs the parts has them in the modules:
 //!
 //! | module | is |
 //! |---|---|
-//! | [`preset`] | documents ⇄ settings, built-in presets, the table of all knobs |
-//! | [`recipe`] | a preset with its files: everything to grow the same tree again |
-//! | [`generators`] | the registry of generators |
-//! | [`grow`](mod@grow) | recipe → skeleton |
-//! | [`dress`](mod@dress) | skeleton → scene, levels of detail, seasons |
-//! | [`forest`] | many trees, laid out |
-//! | [`forecast`] | how large a tree will be, before it is grown |
+//! | [`preset`], [`recipe`], [`generators`] | documents ⇄ settings, and everything to grow the same tree again |
+//! | [`grow`](mod@grow), [`dress`](mod@dress) | the steps of the pipeline; each says what it leaves out |
+//! | [`forest`], [`forecast`] | many trees; how large a tree will be |
+//! | [`export`] | formats, bundles of files, exporters of one's own |
+//! | [`raster`] | pictures |
+//! | [`lsystem`], [`colonization`], [`scan`] | the generators |
+//! | [`skeleton`], [`surface`], [`foliage`], [`texture`], [`wind`], [`stage`] | what trees are made of |
 //!
-//! What these stand on is here too, under its own names: [`knob`], [`input`], [`picture`], [`monitor`] …
-//! (`linden_base`), [`skeleton`], [`lsystem`], [`colonization`], [`scan`], [`growth`], and, of
-//! `linden_plant`, [`surface`], [`foliage`], [`texture`], [`wind`], [`scene`], [`stage`].
+//! This page's functions open the files that they are given; the modules below open none. Nothing reads a clock
+//! or writes to a terminal, and the same recipe gives the same bits on any machine and any number of threads.
+//! Lengths are metres, Y is up.
 
-pub mod dress;
-pub mod forecast;
-pub mod forest;
-pub mod generators;
-pub mod grow;
-pub mod preset;
-pub mod recipe;
+mod error;
+mod source;
+mod tree;
 
-pub use linden_base::{color, document, glam, input, knob, memory, mesh, monitor, picture, random};
-pub use linden_colonization as colonization;
-pub use linden_growth as growth;
-pub use linden_lsystem as lsystem;
-pub use linden_plant::{Body, Specimen};
-pub use linden_plant::{detail, foliage, scene, season, settings, stage, surface, texture, wind};
-pub use linden_scan as scan;
-pub use linden_skeleton as skeleton;
+pub use linden_exporters as export;
+pub use linden_pipeline::*;
+pub use linden_raster as raster;
 
-pub use glam::{DVec3, Vec2, Vec3};
-pub use monitor::{Cancelled, Monitor, Quiet};
-pub use skeleton::{Branching, NO_PARENT, Skeleton};
+pub use error::Error;
+pub use source::{grammar, read, tree};
+pub use tree::{Exported, GrownTree, Tree};

@@ -5,12 +5,12 @@
 
 use std::sync::Arc;
 
-use linden::grow::Grown;
-use linden::preset::{Preset, builtin};
-use linden::recipe::Recipe;
 use linden_base::document::{Datum, Entry, NamesFiles, Node};
 use linden_base::knob::{Field, set};
 use linden_base::monitor::Quiet;
+use linden_pipeline::grow::Grown;
+use linden_pipeline::preset::{Preset, builtin};
+use linden_pipeline::recipe::Recipe;
 
 use crate::settings::{
     self, BarkSettings, DetailSettings, Dressing, FoliageSettings, LeafKind, WindSettings,
@@ -40,7 +40,7 @@ impl Subject {
     }
 
     pub fn grow(&self) -> Grown {
-        linden::grow::grow(&self.recipe, &Quiet).unwrap()
+        linden_pipeline::grow::grow(&self.recipe, &Quiet).unwrap()
     }
 
     pub fn with<R>(&self, work: impl FnOnce(&Specimen<'_>) -> R) -> R {

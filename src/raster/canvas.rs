@@ -7,9 +7,9 @@
 use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3, Vec4};
-use linden::Monitor;
-use linden::color::encode;
-use linden::picture::Picture;
+use linden_pipeline::Monitor;
+use linden_pipeline::color::encode;
+use linden_pipeline::picture::Picture;
 use rayon::prelude::*;
 
 use crate::color::linear;

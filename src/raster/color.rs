@@ -5,11 +5,11 @@
 //! lightness: read by lightness alone, and free of the red-green distinction.
 
 use glam::Vec3;
-use linden::color::encode;
+use linden_pipeline::color::encode;
 
 /// An sRGB byte triple in linear light, 0..1.
 pub fn linear(srgb: [u8; 3]) -> Vec3 {
-    Vec3::from(linden::color::linear(srgb))
+    Vec3::from(linden_pipeline::color::linear(srgb))
 }
 
 /// Linear light as sRGB 0..1, clamped.

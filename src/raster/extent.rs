@@ -1,7 +1,7 @@
 //! What is to be framed: a solid of revolution around a tree.
 
 use glam::{Vec2, Vec3};
-use linden::Skeleton;
+use linden_pipeline::Skeleton;
 
 use crate::person::Person;
 

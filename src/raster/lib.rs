@@ -1,4 +1,4 @@
-//! Draws trees on the CPU: camera + [`Skeleton`](linden::Skeleton) or [`Surface`] → RGBA pixels.
+//! Draws trees on the CPU: camera + [`Skeleton`](linden_pipeline::Skeleton) or [`Surface`] → RGBA pixels.
 //!
 //! Takes values, gives values: this crate opens no file and writes to no terminal. The same tree,
 //! camera, style and size give the same pixels, whatever the number of threads.
@@ -31,7 +31,7 @@ mod canvas;
 mod light;
 mod strokes;
 
-use linden::memory::OverMemory;
+use linden_pipeline::memory::OverMemory;
 
 pub use camera::{Camera, View};
 pub use extent::Extent;
@@ -110,8 +110,8 @@ pub enum RasterError {
     Memory(#[from] OverMemory),
 }
 
-impl From<linden::Cancelled> for RasterError {
-    fn from(_: linden::Cancelled) -> Self {
+impl From<linden_pipeline::Cancelled> for RasterError {
+    fn from(_: linden_pipeline::Cancelled) -> Self {
         Self::Cancelled
     }
 }

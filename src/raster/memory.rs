@@ -2,8 +2,8 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use linden::memory::OverMemory;
-use linden::{Monitor, picture};
+use linden_pipeline::memory::OverMemory;
+use linden_pipeline::{Monitor, picture};
 
 use crate::Size;
 

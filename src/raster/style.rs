@@ -1,8 +1,8 @@
 //! What a picture is painted with.
 
 use glam::Vec3;
-use linden::Skeleton;
-use linden::foliage::Organs;
+use linden_pipeline::Skeleton;
+use linden_pipeline::foliage::Organs;
 
 use crate::Extent;
 

@@ -1,4 +1,4 @@
-//! The budgets of the workbench, measured on the real program: `cargo bench -p linden-app --bench tui`.
+//! The budgets of the workbench, measured on the real program: `cargo bench -p linden-cli --bench tui`.
 //!
 //! Beside each time stands what this machine needs for the same without the program: `cat` on the
 //! same pseudo-terminal, shown by the same screen.

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use linden::colonization::crown::SHAPES;
 use linden::knob::Knob;
-use linden::preset::{KNOBS, PART_KNOBS, Preset, PresetKnob};
+use linden::preset::{KNOBS, PART_KNOBS, Preset};
 use linden_exporters::{Format, LooksIn, REGISTRY};
 
 use crate::{is_update, read, root};
@@ -46,16 +46,7 @@ fn values(knob: &Knob) -> String {
 
 /// A row of a table of knobs.
 fn row(knob: &Knob, default: &str) -> String {
-    let former: Vec<String> = knob.aliases.iter().map(|name| format!(" (once `{name}`)")).collect();
-    let details = if knob.details.is_empty() { String::new() } else { format!(". {}", cell(knob.details)) };
-    let help = cell(knob.help);
-    format!(
-        "| `{}`{} | {} | {} | {help}{details} |\n",
-        knob.name,
-        former.concat(),
-        cell(default),
-        values(knob)
-    )
+    format!("| `{}` | {} | {} | {} |\n", knob.name, cell(default), values(knob), cell(knob.help))
 }
 
 const HEAD: &str = "| knob | default | values | |\n|---|---|---|---|\n";
@@ -103,9 +94,9 @@ fn about(table: &str) -> &'static str {
 #[test]
 fn the_knobs_are_those_of_the_program() {
     let presets = plain();
-    let default = |own: &PresetKnob| {
+    let default = |name: &str| {
         let mut all = presets.iter().flat_map(Preset::knobs);
-        let found = all.find(|(knob, _)| knob.knob.name == own.knob.name && knob.section == own.section);
+        let found = all.find(|(knob, _)| knob.knob.name == name);
         found.map(|(_, value)| value.to_string()).unwrap_or_default()
     };
     // These are with their shapes.
@@ -126,7 +117,7 @@ fn the_knobs_are_those_of_the_program() {
         let heading = if table.is_empty() { "tree" } else { table };
         write!(page, "\n## {heading}\n\n{}\n\n{HEAD}", about(table)).unwrap();
         for own in knobs().filter(|own| own.section.key() == table) {
-            page += &row(&own.knob, &default(own));
+            page += &row(&own.knob, &default(own.knob.name));
         }
         for (_, key, help) in Preset::file_keys().filter(|(section, _, _)| section.key() == table) {
             writeln!(page, "| `{key}` | none | the name of a file | {} |", cell(help)).unwrap();

@@ -1,7 +1,7 @@
 //! The workbench as a person at a terminal has it: the real program on a pseudo-terminal.
 //!
 //! Bytes, counts and order are asserted, not times: a machine that is busy makes everything late and
-//! nothing different. What must be fast is measured by `cargo bench -p linden-app --bench tui`.
+//! nothing different. What must be fast is measured by `cargo bench -p linden-cli --bench tui`.
 #![cfg(target_os = "linux")]
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot go on fails")]
 #![allow(clippy::print_stdout, reason = "a test that fails shows its screen")]

@@ -1,7 +1,7 @@
 //! Attributes: each byte of an item as its difference to the same byte of the item before, sixteen at a
 //! time in as few bits as hold them.
 
-use linden::Monitor;
+use linden_pipeline::Monitor;
 use rayon::prelude::*;
 
 use crate::ExportError;
@@ -152,7 +152,7 @@ mod tests {
                     _ => (i / 64 * i) as u8,
                 };
                 let bytes: Vec<u8> = (0..count * stride).map(byte).collect();
-                let stream = encode(&bytes, stride, &linden::Quiet).unwrap();
+                let stream = encode(&bytes, stride, &linden_pipeline::Quiet).unwrap();
                 assert!(decode(&stream, stride, count) == bytes, "{count} of {stride}");
             }
         }

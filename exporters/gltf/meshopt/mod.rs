@@ -10,7 +10,7 @@
 mod attributes;
 mod triangles;
 
-use linden::Monitor;
+use linden_pipeline::Monitor;
 
 use super::byte_sink::ByteSink;
 use super::document::{BufferView, Compressed, Mode, ViewExtensions};

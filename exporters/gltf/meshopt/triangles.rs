@@ -1,7 +1,7 @@
 //! Triangles: most share an edge with a recent one, and their third corner is the next that nobody has
 //! named; those take a byte.
 
-use linden::Monitor;
+use linden_pipeline::Monitor;
 
 use crate::ExportError;
 
@@ -301,7 +301,7 @@ mod tests {
     }
 
     fn there_and_back(triangles: &[[u32; 3]]) -> usize {
-        let stream = encode(triangles, &linden::Quiet).unwrap();
+        let stream = encode(triangles, &linden_pipeline::Quiet).unwrap();
         let back = decode(&stream, triangles.len());
         assert!(back.iter().zip(triangles).all(|(&here, &there)| turned(here) == turned(there)));
         stream.len()

@@ -13,7 +13,7 @@ use super::placing::{Placing, as_sole_output, explained, in_folder, is_dash, is_
 use super::complete;
 use crate::exit::usage;
 use crate::progress::Progress;
-use crate::targets::{Batch, Output, default_name};
+use linden_exporters::{Batch, Output, default_name};
 
 /// What is written where.
 #[derive(Args)]

@@ -7,7 +7,7 @@ use linden_exporters::{Bundle, ExportError, MadeFolders, make_folders};
 
 use crate::exit::{ReaderGone, usage};
 use crate::progress::Progress;
-use crate::targets::plain_stem;
+use linden_exporters::plain_stem;
 
 /// How files come into their places.
 #[derive(Args)]

@@ -11,8 +11,9 @@ use linden::recipe::Recipe;
 use linden_exporters::{Bundle, Estimate, Existing, examine, make_folders};
 
 use super::{Done, Findings, ShownTree};
+use crate::paths::expand;
 use crate::paths::show;
-use crate::targets::{Batch, Output, expand};
+use linden_exporters::{Batch, Output};
 
 /// What to export.
 #[derive(Debug)]

@@ -11,7 +11,7 @@ use linden_exporters::{Options, REGISTRY, find};
 
 use super::*;
 use crate::jobs::{Answer, Lane};
-use crate::targets::default_name;
+use linden_exporters::default_name;
 
 fn recipe(id: &str) -> Arc<Recipe> {
     Arc::new(Recipe::new(linden::preset::builtin(id).unwrap().load().unwrap()))

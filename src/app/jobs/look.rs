@@ -12,7 +12,7 @@ use linden_exporters::{Estimate, Existing, ExportError, examine};
 
 use super::export::NO_STREAM;
 use super::{ExportNews, ShownTree};
-use crate::targets::expand;
+use crate::paths::expand;
 
 /// What the export dialog wants to know.
 #[derive(Clone, Debug)]

@@ -12,7 +12,7 @@ use crate::config::keymap::Keymap;
 use crate::config::settings::Settings;
 use crate::config::theme::Theme;
 
-const BEGIN: &str = "<!-- keys: LINDEN_UPDATE=1 cargo test -p linden-app --bins keys -->\n";
+const BEGIN: &str = "<!-- keys: LINDEN_UPDATE=1 cargo test -p linden-cli --lib keys -->\n";
 const END: &str = "<!-- /keys -->";
 
 /// A row for each place: keys and what they do.
@@ -70,6 +70,6 @@ fn the_workbench_s_page_has_the_keys_as_they_are() {
     }
     assert!(
         found == table,
-        "the table of keys in docs/workbench.md is old; run: LINDEN_UPDATE=1 cargo test -p linden-app --bins keys"
+        "the table of keys in docs/workbench.md is old; run: LINDEN_UPDATE=1 cargo test -p linden-cli --lib keys"
     );
 }

@@ -169,8 +169,8 @@ const SMALLEST: f32 = 1.0;
 mod tests {
     use super::*;
     use crate::testing::{Subject, body};
-    use linden::preset::{Builtin, builtins};
     use linden_base::monitor::Quiet;
+    use linden_pipeline::preset::{Builtin, builtins};
 
     #[test]
     fn every_budget_is_met_by_every_tree() {

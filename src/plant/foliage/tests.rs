@@ -7,10 +7,10 @@ use std::sync::Arc;
 use super::*;
 use crate::testing::Subject;
 use glam::Vec3;
-use linden::preset::Preset;
-use linden::recipe::{Input, Recipe};
 use linden_base::monitor::Monitor;
 use linden_base::monitor::Quiet;
+use linden_pipeline::preset::Preset;
+use linden_pipeline::recipe::{Input, Recipe};
 use linden_skeleton::{Branching, NO_PARENT, Skeleton, Wood};
 
 /// A recipe whose `[foliage]` says this. Without jitter, spread and terminal leaves.
@@ -561,7 +561,7 @@ fn leaves_of_a_grammar_take_the_form_of_the_first_kind() {
     let text = "id = \"a\"\n[lsystem]\naxiom = \"F~LF~BF\"\nrules = []\n[foliage]\nleaf_size = 32\nleaves_per_m = 0\nleaf_terminal = false\n";
     let grow = |more: &str| {
         let preset = Preset::from_toml(&format!("{text}{more}")).unwrap();
-        linden::grow::grow(&Recipe::new(preset), &Quiet).unwrap()
+        linden_pipeline::grow::grow(&Recipe::new(preset), &Quiet).unwrap()
     };
     let (plain, formed) = (grow(""), grow("leaf_form = \"cross\""));
     assert_eq!(plain.skeleton, formed.skeleton);
@@ -585,9 +585,9 @@ fn the_azimuth_of_a_spiral_is_exact_far_along() {
 
 #[test]
 fn no_knob_of_leaves_changes_the_wood() {
-    use linden::grow::{GrowError, grow};
-    use linden::preset::{KNOBS, Section, builtin};
     use linden_base::knob::Kind;
+    use linden_pipeline::grow::{GrowError, grow};
+    use linden_pipeline::preset::{KNOBS, Section, builtin};
     let mut preset = builtin("sphere").unwrap().load().unwrap();
     for (knob, value) in [("points", "60"), ("leaf_form", "card"), ("leaf_size", "32"), ("leaves_per_m", "5")]
     {

@@ -4,8 +4,8 @@ use super::*;
 use crate::detail;
 use crate::scene::Scene;
 use crate::testing::{Subject, body};
-use linden::grow::Grown;
 use linden_base::monitor::Quiet;
+use linden_pipeline::grow::Grown;
 
 fn grown(id: &str, knobs: &[(&str, &str)]) -> (Subject, Grown) {
     let subject = Subject::builtin(id, &[&[("bark_size", "16")], knobs].concat());

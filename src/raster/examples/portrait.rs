@@ -7,9 +7,9 @@ mod sample;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use linden::scene::{Material, Part};
-use linden::surface::{Tubes, sweep};
-use linden::{Quiet, Skeleton};
+use linden_pipeline::scene::{Material, Part};
+use linden_pipeline::surface::{Tubes, sweep};
+use linden_pipeline::{Quiet, Skeleton};
 use linden_raster::{Camera, Paint, Size, Style, Surface, draw_skeleton, draw_surface};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -63,7 +63,7 @@ fn skin(tree: &Skeleton) -> Result<(Vec<Part>, Vec<Material>), Box<dyn std::erro
         roughness: 0.9,
         double_sided: false,
         cutout: None,
-        wrap: linden::scene::Wrap::Repeat,
+        wrap: linden_pipeline::scene::Wrap::Repeat,
     };
     Ok((vec![Part::new("wood", 0, mesh)], vec![bark]))
 }

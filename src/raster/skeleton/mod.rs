@@ -10,8 +10,8 @@ pub(crate) mod sample;
 mod tests;
 
 use glam::{Vec2, Vec3};
-use linden::picture::Picture;
-use linden::{Monitor, NO_PARENT, Skeleton};
+use linden_pipeline::picture::Picture;
+use linden_pipeline::{Monitor, NO_PARENT, Skeleton};
 
 use crate::canvas::{self, Backdrop};
 use crate::light::Air;

@@ -1,9 +1,9 @@
 //! A procedural tree to look at, independent of the generators.
 
 use glam::Vec3;
-use linden::random::Key;
-use linden::skeleton::Axis;
-use linden::{NO_PARENT, Skeleton};
+use linden_pipeline::random::Key;
+use linden_pipeline::skeleton::Axis;
+use linden_pipeline::{NO_PARENT, Skeleton};
 
 /// A tree about 8 m high; each level of `depth` adds a branching order.
 pub fn tree(seed: u64, depth: u32) -> Skeleton {

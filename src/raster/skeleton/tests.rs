@@ -1,7 +1,7 @@
 use glam::{Vec2, Vec3};
-use linden::picture::Picture;
-use linden::skeleton::Axis;
-use linden::{Monitor, NO_PARENT, Quiet, Skeleton};
+use linden_pipeline::picture::Picture;
+use linden_pipeline::skeleton::Axis;
+use linden_pipeline::{Monitor, NO_PARENT, Quiet, Skeleton};
 
 use super::{draw_skeleton, sample};
 use crate::strokes::trace::HAIR_PX;
@@ -443,7 +443,7 @@ fn a_cancelled_monitor_stops_the_work() {
         fn is_cancelled(&self) -> bool {
             true
         }
-        fn advance(&self, _: linden::monitor::Phase, _: u64, _: Option<u64>) {}
+        fn advance(&self, _: linden_pipeline::monitor::Phase, _: u64, _: Option<u64>) {}
     }
     let result = draw_skeleton(&sample::tree(1, 2), &Camera::default(), &Style::studio(), size(8, 8), &Stop);
     assert_eq!(result, Err(RasterError::Cancelled));

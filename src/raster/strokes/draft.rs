@@ -1,6 +1,6 @@
 //! What a draft of a large tree leaves out.
 
-use linden::{NO_PARENT, Skeleton};
+use linden_pipeline::{NO_PARENT, Skeleton};
 
 /// About as many nodes as a draft shows.
 const DRAFT_NODES: f32 = 60_000.0;

@@ -1,9 +1,9 @@
 //! What grows on a skeleton: triangles in the picture's plane, one run for each organ.
 
 use glam::{Vec2, Vec3};
-use linden::Monitor;
-use linden::foliage::{Organs, Shaper};
-use linden::scene::Mesh;
+use linden_pipeline::Monitor;
+use linden_pipeline::foliage::{Organs, Shaper};
+use linden_pipeline::scene::Mesh;
 use rayon::prelude::*;
 
 use super::trace::Tracer;
@@ -179,7 +179,7 @@ fn covered(triangle: [Vec2; 3], middle: Vec2) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    use linden::random::Key;
+    use linden_pipeline::random::Key;
 
     use super::*;
 

@@ -12,7 +12,7 @@ pub(crate) mod paint;
 pub(crate) mod trace;
 
 use glam::{Vec2, Vec3};
-use linden::memory::{OverMemory, bytes_of};
+use linden_pipeline::memory::{OverMemory, bytes_of};
 
 use crate::light::Bar;
 use crate::memory::Ledger;

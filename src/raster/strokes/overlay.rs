@@ -1,8 +1,8 @@
 //! What is drawn beside the wood: attraction points, the crown's outline, a person.
 
 use glam::{Vec2, Vec3};
-use linden::Monitor;
-use linden::memory::bytes_grown;
+use linden_pipeline::Monitor;
+use linden_pipeline::memory::bytes_grown;
 
 use super::trace::dot;
 use super::{Cap, Kind, Run, Runs, Stroke};

@@ -1,7 +1,7 @@
 //! Runs of strokes → pixels.
 
 use glam::{Vec2, Vec3, Vec4};
-use linden::Monitor;
+use linden_pipeline::Monitor;
 use rayon::prelude::*;
 
 use super::coverage::Edge;

@@ -4,9 +4,9 @@ use std::borrow::Cow;
 use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3};
-use linden::memory::bytes_of;
-use linden::skeleton::Axis;
-use linden::{Monitor, NO_PARENT, Skeleton};
+use linden_pipeline::memory::bytes_of;
+use linden_pipeline::skeleton::Axis;
+use linden_pipeline::{Monitor, NO_PARENT, Skeleton};
 use rayon::prelude::*;
 
 use super::draft::Thinned;

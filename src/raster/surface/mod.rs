@@ -11,9 +11,9 @@ mod texels;
 mod triangles;
 
 use glam::Vec3;
-use linden::picture::Picture;
-use linden::scene::{Material, Part, Scene};
-use linden::{Monitor, Skeleton};
+use linden_pipeline::picture::Picture;
+use linden_pipeline::scene::{Material, Part, Scene};
+use linden_pipeline::{Monitor, Skeleton};
 
 use self::samples::Samples;
 use self::triangles::Triangles;

@@ -2,12 +2,12 @@ use std::f32::consts::PI;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use glam::{Vec2, Vec3};
-use linden::monitor::Phase;
-use linden::picture::Picture;
-use linden::scene::{Material, Mesh, Part};
-use linden::skeleton::{Branching, Wood};
-use linden::surface::{Tubes, sweep};
-use linden::{Monitor, NO_PARENT, Quiet, Skeleton};
+use linden_pipeline::monitor::Phase;
+use linden_pipeline::picture::Picture;
+use linden_pipeline::scene::{Material, Mesh, Part};
+use linden_pipeline::skeleton::{Branching, Wood};
+use linden_pipeline::surface::{Tubes, sweep};
+use linden_pipeline::{Monitor, NO_PARENT, Quiet, Skeleton};
 
 use super::{Surface, draw_surface};
 use crate::skeleton::sample;
@@ -22,7 +22,7 @@ fn material(base_color: [f32; 3]) -> Material {
         roughness: 1.0,
         double_sided: false,
         cutout: None,
-        wrap: linden::scene::Wrap::Repeat,
+        wrap: linden_pipeline::scene::Wrap::Repeat,
     }
 }
 
@@ -152,7 +152,7 @@ fn what_is_cut_out_is_not_drawn_and_hides_nothing() {
     front.uvs.fill(glam::Vec2::splat(0.5));
     let none = Skeleton::default();
     let seen = |alpha: u8| {
-        let picture = linden::picture::Picture::new(1, 1, vec![0, 0, 255, alpha]);
+        let picture = linden_pipeline::picture::Picture::new(1, 1, vec![0, 0, 255, alpha]);
         let blue = Material {
             base_color_picture: Some(std::sync::Arc::new(picture)),
             cutout: Some(0.5),

@@ -1,8 +1,8 @@
 //! Pictures on surfaces, halved until their texels are about as large as pixels.
 
 use glam::{Vec2, Vec3, Vec4};
-use linden::memory::bytes_of;
-use linden::picture::Picture;
+use linden_pipeline::memory::bytes_of;
+use linden_pipeline::picture::Picture;
 
 use crate::color::linear;
 

@@ -1,9 +1,9 @@
 //! Triangles → samples.
 
 use glam::{Vec2, Vec3};
-use linden::Monitor;
-use linden::memory::bytes_of;
-use linden::scene::{Material, Part};
+use linden_pipeline::Monitor;
+use linden_pipeline::memory::bytes_of;
+use linden_pipeline::scene::{Material, Part};
 use rayon::prelude::*;
 
 use super::Surface;

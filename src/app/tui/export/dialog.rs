@@ -12,10 +12,10 @@ use tui_input::Input;
 
 use crate::config::session;
 use crate::jobs::{Findings, Inquiry, ShownTree, TargetFinding};
-use crate::targets::{Output, default_name};
 use crate::tui::chrome::prompt::{edit, paste};
 use crate::tui::command::Context;
 use crate::tui::shape::nudge::{Nudge, nudged};
+use linden_exporters::{Output, default_name};
 
 /// Where the dialog's keys are listened to.
 pub const CONTEXT: Context = Context::new(50, "export", "While exporting");

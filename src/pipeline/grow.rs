@@ -99,8 +99,8 @@ impl GrowError {
     /// The error of a generator's own type, if it is one.
     ///
     /// ```
-    /// use linden::colonization::ColonizationError;
-    /// use linden::{Quiet, grow::grow, preset::builtin, recipe::Recipe};
+    /// use linden_pipeline::colonization::ColonizationError;
+    /// use linden_pipeline::{Quiet, grow::grow, preset::builtin, recipe::Recipe};
     /// let mut fir = builtin("fir")?.load()?;
     /// fir.set("kill", "0.5D")?;
     /// let error = grow(&Recipe::new(fir), &Quiet).unwrap_err();
@@ -118,7 +118,7 @@ impl GrowError {
 /// Grows the tree of a recipe.
 ///
 /// ```
-/// use linden::{Quiet, grow::grow, preset::builtin, recipe::Recipe};
+/// use linden_pipeline::{Quiet, grow::grow, preset::builtin, recipe::Recipe};
 /// let grown = grow(&Recipe::new(builtin("abop-a")?.load()?), &Quiet)?;
 /// assert_eq!(grown.skeleton.segments(), 3125); // ABOP, Fig. 1.24 a
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -186,7 +186,7 @@ pub fn sprout(
 /// obstacles, and, dashed, what is subtracted or shaded. None for what grows in nothing.
 ///
 /// ```
-/// use linden::{Quiet, grow::outline, preset::builtin, recipe::Recipe};
+/// use linden_pipeline::{Quiet, grow::outline, preset::builtin, recipe::Recipe};
 /// assert!(!outline(&Recipe::new(builtin("cypress")?.load()?), &Quiet)?.is_empty());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

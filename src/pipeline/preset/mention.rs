@@ -11,7 +11,7 @@ const KEYS: [&str; 5] = ["envelope", "file", "scan", "mesh", "preset"];
 ///
 /// ```
 /// let text = "id = \"a\"\n[colonization]\nenvelope = \"hull.obj\"\n";
-/// let (key, place) = linden::preset::mention(text, "hull.obj").unwrap();
+/// let (key, place) = linden_pipeline::preset::mention(text, "hull.obj").unwrap();
 /// assert_eq!((key.as_str(), place.unwrap().to_string().as_str()), ("envelope", "3:1"));
 /// ```
 pub fn mention(text: &str, file: &str) -> Option<(String, Option<Place>)> {

@@ -131,7 +131,7 @@ impl Preset {
     /// The settings of the generator, if they are of this type.
     ///
     /// ```
-    /// use linden::preset::{Colonization, LSystem, builtin};
+    /// use linden_pipeline::preset::{Colonization, LSystem, builtin};
     /// let fir = builtin("fir")?.load()?;
     /// assert!(fir.settings::<Colonization>().is_some() && fir.settings::<LSystem>().is_none());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -209,7 +209,7 @@ impl Preset {
     /// Turns a knob, as `--set name=text` does. The preset is unchanged when it fails.
     ///
     /// ```
-    /// let mut fir = linden::preset::builtin("fir")?.load()?;
+    /// let mut fir = linden_pipeline::preset::builtin("fir")?.load()?;
     /// fir.set("points", "500")?;
     /// let error = fir.set("pionts", "500").unwrap_err();
     /// assert!(error.to_string().contains("did you mean 'points'"));

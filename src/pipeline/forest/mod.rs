@@ -4,7 +4,7 @@
 //! know nothing of each other, unless they [compete](Layout::compete): then all are one growth.
 //!
 //! ```
-//! use linden::{Quiet, forest::Forest, preset::builtin, recipe::Recipe};
+//! use linden_pipeline::{Quiet, forest::Forest, preset::builtin, recipe::Recipe};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let fir = Recipe::new(builtin("fir").unwrap().load()?);
 //! let mut forest = Forest::of(vec![fir]);

@@ -40,7 +40,7 @@ impl Preset {
     ///
     /// ```
     /// let text = "id = \"bush\" # mine\n\n[colonization]\ncrown = \"sphere\"\npoints = 500 # enough\n";
-    /// let mut bush = linden::preset::Preset::from_toml(text)?;
+    /// let mut bush = linden_pipeline::preset::Preset::from_toml(text)?;
     /// bush.set("points", "800")?;
     /// assert_eq!(bush.edit_toml(text)?, text.replace("500", "800"));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -66,7 +66,7 @@ impl Preset {
     /// The document with what differs from the defaults, and no more.
     ///
     /// ```
-    /// let mut bush = linden::preset::Preset::from_toml("id = \"bush\"\n[colonization]\ncrown = \"sphere\"")?;
+    /// let mut bush = linden_pipeline::preset::Preset::from_toml("id = \"bush\"\n[colonization]\ncrown = \"sphere\"")?;
     /// bush.set("points", "800")?;
     /// assert_eq!(bush.to_toml_changed()?, "id = \"bush\"\n\n[colonization]\ncrown = \"sphere\"\npoints = 800\n");
     /// # Ok::<(), Box<dyn std::error::Error>>(())

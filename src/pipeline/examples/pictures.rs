@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Instant;
 
-use linden::Quiet;
-use linden::color::{decode, encode};
-use linden::picture::Picture;
-use linden::random::Key;
-use linden::texture::leaf::{LeafLook, LeafPictures, Outline, TwigLook};
-use linden::texture::{Bark, BarkStyle};
+use linden_pipeline::Quiet;
+use linden_pipeline::color::{decode, encode};
+use linden_pipeline::picture::Picture;
+use linden_pipeline::random::Key;
+use linden_pipeline::texture::leaf::{LeafLook, LeafPictures, Outline, TwigLook};
+use linden_pipeline::texture::{Bark, BarkStyle};
 
 type Fallible<T> = Result<T, Box<dyn std::error::Error>>;
 

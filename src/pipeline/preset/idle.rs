@@ -24,7 +24,7 @@ impl Preset {
     /// an effect, or where that only shows in the tree.
     ///
     /// ```
-    /// let mut fir = linden::preset::builtin("fir").unwrap().load()?;
+    /// let mut fir = linden_pipeline::preset::builtin("fir").unwrap().load()?;
     /// fir.set("junction_detail", "64")?;
     /// assert_eq!(fir.idle("junction_detail"), Some("it is for junction=watertight"));
     /// fir.set("junction", "watertight")?;

@@ -101,7 +101,7 @@ impl Sample {
 /// Grows a tree of which a recipe's is a multiple.
 ///
 /// ```
-/// use linden::{Quiet, forecast::sample, preset::builtin, recipe::Recipe};
+/// use linden_pipeline::{Quiet, forecast::sample, preset::builtin, recipe::Recipe};
 /// let preset = builtin("abop-a")?.load()?;
 /// let mut recipe = Recipe::new(preset);
 /// assert_eq!(sample(&recipe, &Quiet)?.nodes(), 3126.0); // grown as it is

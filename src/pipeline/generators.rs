@@ -44,7 +44,7 @@ pub fn register(generator: &'static dyn Generator) -> Result<(), RegisterError> 
 /// All generators, in the order of documents and listings.
 ///
 /// ```
-/// let ids: Vec<&str> = linden::generators::all().iter().map(|generator| generator.id()).collect();
+/// let ids: Vec<&str> = linden_pipeline::generators::all().iter().map(|generator| generator.id()).collect();
 /// assert_eq!(ids, ["lsystem", "colonization", "scan"]);
 /// ```
 pub fn all() -> &'static [&'static dyn Generator] {

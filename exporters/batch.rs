@@ -1,4 +1,4 @@
-//! What is exported where: the part of an export that the command line and the workbench share.
+//! What is exported where: all that is written together, by the command line, the workbench or a library's caller.
 //!
 //! All targets are tried before anything grows, all files are written under temporary names, and all
 //! of them come into their places together or none does.
@@ -7,13 +7,13 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-use linden::Monitor;
-use linden::season::Season;
-use linden::stage::Stage;
-use linden_exporters::{
+use crate::{
     Bundle, Existing, ExportError, Exporter, Format, LooksIn, MadeFolders, Options, Pictures, Written,
     commit_all, ensure_distinct, ensure_spared, examine,
 };
+use linden_pipeline::Monitor;
+use linden_pipeline::season::Season;
+use linden_pipeline::stage::Stage;
 
 /// One output: who writes it, with which options, where.
 #[derive(Clone)]
@@ -224,19 +224,9 @@ pub fn plain_stem(id: &str) -> String {
     id.chars().map(|c| if std::path::is_separator(c) || c.is_control() { '-' } else { c }).collect()
 }
 
-/// A path as it was typed: `~/` is the home directory, where one is known. (On a command line the
-/// shell has done that.)
-pub fn expand(typed: &str, home: Option<&Path>) -> PathBuf {
-    match (typed.strip_prefix("~/"), home) {
-        (Some(rest), Some(home)) => home.join(rest),
-        (None, Some(home)) if typed == "~" => home.to_owned(),
-        _ => PathBuf::from(typed),
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use linden_exporters::REGISTRY;
+    use crate::REGISTRY;
 
     use super::*;
 
@@ -247,16 +237,6 @@ mod tests {
             assert_eq!(names.len(), REGISTRY.len());
             assert!(names.iter().all(|name| Path::new(name).components().count() == 1), "{names:?}");
         }
-        assert_eq!(default_name("fir", linden_exporters::find("ply-skeleton").unwrap()), "fir-skeleton.ply");
-    }
-
-    #[test]
-    fn only_a_leading_tilde_means_home() {
-        let home = Some(Path::new("/h"));
-        assert_eq!(expand("~/a b/fir.glb", home), Path::new("/h/a b/fir.glb"));
-        assert_eq!(expand("~", home), Path::new("/h"));
-        assert_eq!(expand("~x/fir.glb", home), Path::new("~x/fir.glb"));
-        assert_eq!(expand("a/~/fir.glb", home), Path::new("a/~/fir.glb"));
-        assert_eq!(expand("~/fir.glb", None), Path::new("~/fir.glb"));
+        assert_eq!(default_name("fir", crate::find("ply-skeleton").unwrap()), "fir-skeleton.ply");
     }
 }

@@ -1,0 +1,31 @@
+//! The program `linden`: parses the command line, dispatches, and turns errors into exit codes.
+//!
+//! A program that adds a generator of its own registers it and then runs this one:
+//!
+//! ```no_run
+//! use std::process::ExitCode;
+//!
+//! fn main() -> ExitCode {
+//!     // linden::generators::register(my_generator::GENERATOR) …
+//!     linden_cli::run()
+//! }
+//! ```
+//!
+//! Everything that is worth testing alone lives in the libraries.
+
+mod cli;
+mod config;
+mod exit;
+mod forecast;
+mod jobs;
+mod memory;
+mod paths;
+mod progress;
+mod reading;
+mod signals;
+mod source;
+mod trust;
+mod tui;
+mod viewpoint;
+
+pub use cli::run;

@@ -1,0 +1,76 @@
+//! What may go wrong between a name and a file.
+
+use std::io;
+use std::path::PathBuf;
+
+use linden_exporters::ExportError;
+use linden_pipeline::document::Fault;
+use linden_pipeline::dress::DetailError;
+use linden_pipeline::grow::GrowError;
+use linden_pipeline::input::InputError;
+use linden_pipeline::lsystem::GrammarError;
+use linden_pipeline::preset::{KnobError, RecipeError, UnknownPreset};
+use linden_raster::RasterError;
+
+/// What may go wrong between a name and a file. Each says what was being done, and what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// No built-in preset has that id.
+    #[error(transparent)]
+    Unknown(#[from] UnknownPreset),
+    /// A built-in preset that cannot be had.
+    #[error(transparent)]
+    Builtin(#[from] RecipeError),
+    /// A file that cannot be read.
+    #[error("reading {}: {error}", .path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        #[source]
+        error: io::Error,
+    },
+    /// A document that is wrong somewhere.
+    #[error("{}:{fault}", .path.display())]
+    Document {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong, and where.
+        #[source]
+        fault: Fault,
+    },
+    /// A grammar that is wrong somewhere.
+    #[error(transparent)]
+    Grammar(#[from] GrammarError),
+    /// A mesh, points or a picture that cannot be used.
+    #[error("reading {}: {error}", .path.display())]
+    Input {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        #[source]
+        error: InputError,
+    },
+    /// A knob that there is not, or a value that it does not take.
+    #[error(transparent)]
+    Knob(#[from] KnobError),
+    /// Nothing grew.
+    #[error(transparent)]
+    Grow(#[from] GrowError),
+    /// Surface, leaves or levels of detail.
+    #[error(transparent)]
+    Dress(#[from] DetailError),
+    /// A picture.
+    #[error(transparent)]
+    Draw(#[from] RasterError),
+    /// A file that is not written.
+    #[error(transparent)]
+    Export(#[from] ExportError),
+    /// A picture's file that is not written.
+    #[error("writing a picture: {0}")]
+    Picture(#[from] linden_pipeline::picture::PngError),
+    /// A folder or file that the system refuses.
+    #[error(transparent)]
+    Io(#[from] io::Error),
+}

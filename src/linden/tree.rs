@@ -1,0 +1,184 @@
+//! A tree to be grown, and a grown one.
+
+use std::path::Path;
+use std::sync::Arc;
+
+use linden_exporters::{Batch, Bundle, Exporter, Options, Output, Written, for_path};
+use linden_pipeline::dress::{Levels, levels};
+use linden_pipeline::grow::{Grown, grow};
+use linden_pipeline::monitor::{Monitor, Quiet};
+use linden_pipeline::picture::Picture;
+use linden_pipeline::recipe::Recipe;
+use linden_pipeline::skeleton::{Measures, Skeleton};
+use linden_raster::{Camera, Size, Style, Surface, draw_surface};
+
+use crate::Error;
+
+/// Who watches work: reports progress, cancels, limits memory.
+type Watcher = Arc<dyn Monitor + Send + Sync>;
+
+/// A tree to be grown: a recipe, and who watches.
+#[derive(Clone)]
+pub struct Tree {
+    recipe: Recipe,
+    watcher: Watcher,
+}
+
+impl Tree {
+    /// The tree of a recipe.
+    pub fn of(recipe: Recipe) -> Self {
+        Self { recipe, watcher: Arc::new(Quiet) }
+    }
+
+    /// With another seed: another tree of the same kind.
+    #[must_use]
+    pub fn seed(mut self, seed: u64) -> Self {
+        self.recipe.preset.seed = seed;
+        self
+    }
+
+    /// With a knob turned, as `--set knob=value` does. A knob that changes nothing as the others stand is said
+    /// among [`GrownTree::notes`].
+    ///
+    /// ```
+    /// let error = linden::tree("fir")?.set("pionts", "500").err().unwrap();
+    /// assert!(error.to_string().contains("did you mean 'points'"));
+    /// # Ok::<(), linden::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Knob`]: an unknown name, or a value that the knob does not take.
+    pub fn set(mut self, knob: &str, value: &str) -> Result<Self, Error> {
+        self.recipe.preset.set(knob, value)?;
+        Ok(self)
+    }
+
+    /// With a monitor, which hears of progress, can cancel, and limits memory. Without one there is no progress
+    /// and no limit.
+    #[must_use]
+    pub fn watched(self, watcher: impl Monitor + Send + Sync + 'static) -> Self {
+        Self { watcher: Arc::new(watcher), ..self }
+    }
+
+    /// Everything that decides the tree.
+    pub const fn recipe(&self) -> &Recipe {
+        &self.recipe
+    }
+
+    /// The same, to be changed.
+    pub const fn recipe_mut(&mut self) -> &mut Recipe {
+        &mut self.recipe
+    }
+
+    /// Grows it.
+    ///
+    /// # Errors
+    /// [`Error::Grow`]: limits, contradictions, nothing in reach, files that are missing, cancelled.
+    pub fn grow(self) -> Result<GrownTree, Error> {
+        let grown = grow(&self.recipe, &*self.watcher)?;
+        Ok(GrownTree { recipe: self.recipe, watcher: self.watcher, grown })
+    }
+}
+
+/// A grown tree: measured, drawn and written as often as you like.
+pub struct GrownTree {
+    recipe: Recipe,
+    watcher: Watcher,
+    grown: Grown,
+}
+
+impl GrownTree {
+    /// The axial tree.
+    pub fn skeleton(&self) -> &Skeleton {
+        &self.grown.skeleton
+    }
+
+    /// What grew, and how it came about.
+    pub const fn grown(&self) -> &Grown {
+        &self.grown
+    }
+
+    /// Everything that decided the tree.
+    pub const fn recipe(&self) -> &Recipe {
+        &self.recipe
+    }
+
+    /// Height, width, length, stem: metres.
+    pub fn measures(&self) -> Measures {
+        self.grown.skeleton.measures()
+    }
+
+    /// What the user should know: limits that were hit, meshes that are open.
+    pub fn notes(&self) -> &[String] {
+        &self.grown.notes
+    }
+
+    /// Surface, leaves and materials, in the levels of detail and within the budgets that the knobs ask for.
+    ///
+    /// # Errors
+    /// [`Error::Dress`].
+    pub fn levels(&self) -> Result<Levels, Error> {
+        Ok(levels(&self.recipe, &self.grown, &*self.watcher)?)
+    }
+
+    /// A picture of the finest level from its side, `width × height` pixels, in front of a plain ground.
+    ///
+    /// ```
+    /// let picture = linden::tree("simple")?.set("points", "50")?.grow()?.draw(60, 80)?;
+    /// assert_eq!((picture.width(), picture.height()), (60, 80));
+    /// # Ok::<(), linden::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Draw`]: a size of 0 or beyond 8192; [`Error::Dress`].
+    pub fn draw(&self, width: u32, height: u32) -> Result<Picture, Error> {
+        let size = Size::new(width, height)?;
+        let levels = self.levels()?;
+        let Some(finest) = levels.levels.first() else {
+            return Err(linden_raster::RasterError::Empty.into());
+        };
+        let scene = &finest.scene;
+        let surface = Surface { parts: &scene.parts, materials: &scene.materials, skeleton: &scene.skeleton };
+        Ok(draw_surface(&surface, &Camera::default(), &Style::studio(), size, &*self.watcher)?)
+    }
+
+    /// Writes it in the format of the path's ending, as `linden export` does: with levels of detail, budgets and
+    /// wind; a format that holds one level gets a file for each (`oak_LOD0.obj`). Files appear whole or not at
+    /// all. Gives what was written, and with it what the format could not hold.
+    ///
+    /// # Errors
+    /// [`Error::Export`]: an ending of no format, a disk that refuses, a tree too large for the format;
+    /// [`Error::Dress`].
+    pub fn export(&self, path: impl AsRef<Path>) -> Result<Exported, Error> {
+        let exporter = for_path(path.as_ref())?;
+        self.export_as(exporter, Options::new(exporter.format()), path)
+    }
+
+    /// The same in a format that is named, one of your own for instance, with its options.
+    ///
+    /// # Errors
+    /// As [`GrownTree::export`].
+    pub fn export_as(
+        &self,
+        exporter: &'static dyn Exporter,
+        options: Options,
+        path: impl AsRef<Path>,
+    ) -> Result<Exported, Error> {
+        let planned = self.recipe.preset.dressing.detail.levels();
+        let outputs = Output::new(exporter, options, path.as_ref().to_owned()).in_levels(planned);
+        let mut batch = Batch::open(outputs, Vec::new(), |output| Bundle::create(&output.path))?;
+        let levels = self.levels()?;
+        let mut notes = levels.notes.clone();
+        batch.write(&levels.stage(), &*self.watcher, |said| notes.extend_from_slice(said))?;
+        Ok(Exported { files: batch.commit()?, notes })
+    }
+}
+
+/// What was written.
+#[derive(Debug)]
+pub struct Exported {
+    /// The files, the main one first.
+    pub files: Vec<Written>,
+    /// What the user should know: what a format could not hold, budgets that were not met.
+    pub notes: Vec<String>,
+}

@@ -1,0 +1,40 @@
+//! Grows trees: presets → generators → skeleton → surface → scene.
+//!
+//! Takes bytes and values, gives values. This crate opens no file, reads no clock and writes to no
+//! terminal; the same recipe gives the same bits on any machine and any number of threads.
+//! Lengths are metres, Y is up, angles in the interface are degrees unless a name says `_rad`.
+//!
+//! | module | is |
+//! |---|---|
+//! | [`preset`] | documents ⇄ settings, built-in presets, the table of all knobs |
+//! | [`recipe`] | a preset with its files: everything to grow the same tree again |
+//! | [`generators`] | the registry of generators |
+//! | [`grow`](mod@grow) | recipe → skeleton |
+//! | [`dress`](mod@dress) | skeleton → scene, levels of detail, seasons |
+//! | [`forest`] | many trees, laid out |
+//! | [`forecast`] | how large a tree will be, before it is grown |
+//!
+//! What these stand on is here too, under its own names: [`knob`], [`input`], [`picture`], [`monitor`] …
+//! (`linden_base`), [`skeleton`], [`lsystem`], [`colonization`], [`scan`], [`growth`], and, of
+//! `linden_plant`, [`surface`], [`foliage`], [`texture`], [`wind`], [`scene`], [`stage`].
+
+pub mod dress;
+pub mod forecast;
+pub mod forest;
+pub mod generators;
+pub mod grow;
+pub mod preset;
+pub mod recipe;
+
+pub use linden_base::{color, document, glam, input, knob, memory, mesh, monitor, picture, random};
+pub use linden_colonization as colonization;
+pub use linden_growth as growth;
+pub use linden_lsystem as lsystem;
+pub use linden_plant::{Body, Specimen};
+pub use linden_plant::{detail, foliage, scene, season, settings, stage, surface, texture, wind};
+pub use linden_scan as scan;
+pub use linden_skeleton as skeleton;
+
+pub use glam::{DVec3, Vec2, Vec3};
+pub use monitor::{Cancelled, Monitor, Quiet};
+pub use skeleton::{Branching, NO_PARENT, Skeleton};
