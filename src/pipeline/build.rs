@@ -8,7 +8,18 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let presets = Path::new(&env::var("CARGO_MANIFEST_DIR")?).join("../../presets").canonicalize()?;
+    let out = env::var("OUT_DIR")?;
+    if env::var_os("CARGO_FEATURE_PRESETS").is_none() {
+        fs::write(Path::new(&out).join("builtins.rs"), "static BUILTINS: &[Builtin] = &[];\n")?;
+        fs::write(Path::new(&out).join("forests.rs"), "static FORESTS: &[BuiltinForest] = &[];\n")?;
+        return Ok(());
+    }
+    // In the repository a link to its top folder `presets`, in a published package the files themselves; where
+    // links are checked out as text (Windows), the top folder.
+    let package = env::var("CARGO_MANIFEST_DIR")?;
+    let linked = Path::new(&package).join("presets");
+    let presets = if linked.is_dir() { linked } else { Path::new(&package).join("../../presets") };
+    let presets = presets.canonicalize()?;
     println!("cargo::rerun-if-changed={}", presets.display());
     let sizes = sizes(&presets.join("sizes.txt"))?;
     let mut table = String::from("static BUILTINS: &[Builtin] = &[\n");
@@ -40,7 +51,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     table.push_str("];\n");
     forests.push_str("];\n");
-    let out = env::var("OUT_DIR")?;
     fs::write(Path::new(&out).join("builtins.rs"), table)?;
     fs::write(Path::new(&out).join("forests.rs"), forests)?;
     Ok(())
