@@ -1,5 +1,7 @@
 //! A generator of one crate and one line is everywhere: lists, pages, schema, completion, documents, exports.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};

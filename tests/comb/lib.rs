@@ -1,4 +1,4 @@
-//! A fractal comb: a generator for tests, and what a generator of one's own takes.
+//! A fractal comb: a generator for tests, and all that a generator takes.
 //!
 //! A stem bears teeth at equal distances, and each tooth is a smaller comb.
 
