@@ -26,7 +26,7 @@ fn a_knob_that_changes_nothing_is_named_with_what_it_waits_for() {
             &["stats", "abop-a", "--set", "segment_width=0.2"][..],
             "segment_width changes nothing: the grammar has no !; with width=grammar all its wood has this width",
         ),
-        (&["stats", "simple", "--set", "stems=3"], "stems changes nothing: it is for points that are given"),
+        (&["stats", "abop-a", "--set", "stems=3"], "stems changes nothing: it is for habit=shrub"),
         (
             &["export", "simple", "-o", "x.glb", "--lod-ratio", "0.5"],
             "lod_ratio changes nothing: there is one level",

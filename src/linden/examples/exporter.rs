@@ -1,5 +1,5 @@
 //! A format of your own: the axes of a tree as lines of comma-separated values.
-//! `cargo run --example exporter -- fir.csv`
+//! `cargo run --example exporter -- fir.axes`
 
 use std::env;
 use std::io;
@@ -10,13 +10,13 @@ use linden::export::{
 };
 use linden::stage::Stage;
 
-struct Csv;
+struct Axes;
 
 /// All that help, forms and forecasts say of it.
 static FORMAT: Format = Format {
-    id: "csv",
-    name: "Axes as CSV",
-    extensions: &["csv"],
+    id: "axes",
+    name: "Axes",
+    extensions: &["axes"],
     media_type: "text/csv",
     self_contained: true,
     help: "nodes of the axial tree, a line each, for spreadsheets",
@@ -26,7 +26,7 @@ static FORMAT: Format = Format {
     estimate: Some(|amounts, _| 40 * amounts.nodes),
 };
 
-impl Exporter for Csv {
+impl Exporter for Axes {
     fn format(&self) -> &'static Format {
         &FORMAT
     }
@@ -63,8 +63,8 @@ impl Exporter for Csv {
 }
 
 fn main() -> Result<(), linden::Error> {
-    let file = env::args().nth(1).unwrap_or_else(|| "fir.csv".to_owned());
-    let registry = Registry::new().with(&Csv);
+    let file = env::args().nth(1).unwrap_or_else(|| "fir.axes".to_owned());
+    let registry = Registry::new().with(&Axes);
     let exporter = registry.for_path(file.as_ref())?;
     let fir = linden::tree("fir")?.set("points", "500")?.grow()?;
     let written = fir.export_as(exporter, Options::new(exporter.format()), &file)?;

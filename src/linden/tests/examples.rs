@@ -50,6 +50,6 @@ fn a_renderer_gets_buffers_and_a_program_its_own_format() {
     let folder = tempfile::tempdir().unwrap();
     let said = run(folder.path(), "mesh", "");
     assert!(said.contains("8 floats a vertex") && said.contains("bark"), "{said}");
-    run(folder.path(), "exporter", "fir.csv");
-    assert!(beginning(folder.path().join("fir.csv")).starts_with(b"axis,order,x,y,z,radius\n0,0,"));
+    run(folder.path(), "exporter", "fir.axes");
+    assert!(beginning(folder.path().join("fir.axes")).starts_with(b"axis,order,x,y,z,radius\n0,0,"));
 }

@@ -186,7 +186,7 @@ fn taking_is_one_undo_and_leaving_is_none() {
 
 #[test]
 fn a_taken_value_of_any_knob_is_what_the_form_would_have_set() {
-    for name in ["kill", "crown", "points", "contract", "tropism", "radius_exponent", "sides", "bark"] {
+    for name in ["kill", "crown", "points", "leaf_terminal", "tropism", "radius_exponent", "sides", "bark"] {
         let mut model = fir((120, 40));
         let before = model.tree.as_ref().unwrap().preset().clone();
         sweep(&mut model, name);
@@ -260,7 +260,7 @@ fn a_sweep_is_wider_or_narrower() {
 #[test]
 fn every_picture_is_reached_by_arrows_at_every_size() {
     for (width, height) in [(1, 1), (3, 40), (40, 3), (40, 12), (60, 30), (80, 24), (119, 50), (400, 120)] {
-        for name in ["seed", "crown", "points", "contract"] {
+        for name in ["seed", "crown", "points", "leaf_terminal"] {
             let mut model = fir((width, height));
             sweep(&mut model, name);
             let place = |model: &Model| {
