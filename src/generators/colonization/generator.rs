@@ -3,10 +3,9 @@
 use glam::{DVec3, Vec3};
 use linden_base::document::{Entry, Fault, Table};
 use linden_base::input::Inputs;
-use linden_base::knob::{Knob, Length, Value};
+use linden_base::knob::{Knob, Value};
 use linden_base::monitor::Monitor;
 use linden_growth::Origin;
-use linden_growth::site::KILL_STEPS;
 use linden_growth::stand::grow_at;
 use linden_skeleton::Wood;
 use linden_skeleton::generator::{
@@ -18,7 +17,8 @@ use crate::ColonizationError;
 use crate::crown::{self, compound::dashed};
 use crate::part::{self, MOST_PARTS, PART, PART_CROWN, PART_KNOBS, Part, Solid};
 use crate::sample::Smaller;
-use crate::settings::{Colonization, Space, means_mesh};
+use crate::settings::{Colonization, Space};
+use crate::shape_knobs::means_mesh;
 use crate::standing::Standing;
 
 /// Space colonization.
@@ -241,22 +241,4 @@ impl Settings for Colonization {
     ) -> Result<Box<dyn Sampler + 'a>, GeneratorError> {
         Ok(Box::new(Smaller::new(self, task, size, monitor)?))
     }
-}
-
-/// How many points of a crown there must be for a tree as large as any number would make: with a node's
-/// reach, the kill distance, they lie at half of it. Infinite where the step follows from the points.
-pub(crate) fn saturation(
-    settings: &Colonization,
-    task: &Task<'_>,
-    monitor: &dyn Monitor,
-) -> Result<f64, ColonizationError> {
-    let kill_m = match (settings.growth.kill, settings.growth.step_m) {
-        (Length::Metres(kill_m), _) => kill_m,
-        (Length::Steps(steps), Some(step_m)) => steps * step_m,
-        (Length::Auto, Some(step_m)) => KILL_STEPS * step_m,
-        (_, None) => return Ok(f64::INFINITY),
-    };
-    let standing = Standing::new(settings, task.seed, task.inputs, monitor)?;
-    let apart_m = 0.5 * kill_m;
-    Ok(standing.crown.volume_m3() / (apart_m * apart_m * apart_m))
 }

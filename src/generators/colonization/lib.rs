@@ -28,11 +28,13 @@
 pub mod crown;
 mod error;
 mod generator;
+mod obstacles;
 mod part;
 mod parts;
 mod sample;
 pub mod scatter;
 mod settings;
+mod shape_knobs;
 mod standing;
 
 pub use error::ColonizationError;

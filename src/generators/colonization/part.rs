@@ -9,7 +9,7 @@ use linden_base::knob::{Field, FieldValue, Kind, Knob, Value, excerpt, real, rea
 use linden_base::{field, words};
 use linden_growth::Meet;
 
-use crate::settings::{SHAPE_IDS, dimensions_of, means_mesh};
+use crate::shape_knobs::{SHAPE_IDS, dimensions_of, means_mesh};
 
 words! {
     /// What a part of a crown does.

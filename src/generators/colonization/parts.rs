@@ -9,14 +9,14 @@ use crate::crown::compound::{Compound, CompoundError, Operation, Piece};
 use crate::crown::envelope::{Envelope, EnvelopeError};
 use crate::crown::favor::{Favor, Favored};
 use crate::crown::placed::Placed;
-use crate::crown::{self, Crown, CrownError, shells};
+use crate::crown::{self, Crown, CrownError};
 use linden_base::input::{Geometry, Inputs};
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_base::random::Key;
-use linden_growth::Meet;
-use linden_growth::site::{Barrier, Inside, Stem, crown_base_m};
+use linden_growth::site::{Stem, crown_base_m};
 
 use crate::ColonizationError;
+use crate::obstacles::{Obstacle, Shade, inside};
 use crate::part::{Part, Role, Solid};
 use crate::settings::Colonization;
 use crate::standing::Standing;
@@ -42,26 +42,6 @@ pub enum PartError {
 }
 
 linden_base::from_cancellable!(PartError: EnvelopeError => Envelope);
-
-/// A solid that branches do not enter.
-pub(crate) struct Obstacle {
-    pub solid: Arc<dyn Crown>,
-    pub meet: Meet,
-}
-
-impl Obstacle {
-    /// As growth has it.
-    pub fn barrier(self) -> Barrier {
-        Barrier { solid: inside(self.solid), meet: self.meet }
-    }
-}
-
-/// A place where points are taken away.
-pub(crate) struct Shade {
-    pub solid: Box<dyn Crown>,
-    /// Of 1.
-    pub share: f64,
-}
 
 /// A tree as it is put together.
 struct Tree {
@@ -199,10 +179,6 @@ impl Standing {
     }
 }
 
-fn inside(crown: Arc<dyn Crown>) -> Arc<dyn Inside> {
-    Arc::new(shells::Solid(crown))
-}
-
 /// The crowns of all trees as one: where several reach, points are no denser.
 fn together(
     mut crowns: Vec<Arc<dyn Crown>>,
@@ -292,36 +268,4 @@ fn place(part: &Part, solid: &Raw, foot: DVec3, origin: DVec3) -> (DVec3, DVec3)
     };
     let at = own.unwrap_or_else(|| if part.role == Role::Tree { on_trunk() } else { foot });
     (at, root)
-}
-
-/// Takes away the points in obstacles and, each by its own chance, those in shade; point `i` by
-/// `key.child(i)`, so that fewer points are still a prefix of more.
-pub(crate) fn clear(
-    mut points: Vec<DVec3>,
-    obstacles: &[Obstacle],
-    shades: &[Shade],
-    key: Key,
-    monitor: &dyn Monitor,
-) -> Result<Vec<DVec3>, ColonizationError> {
-    use rayon::prelude::*;
-
-    if obstacles.is_empty() && shades.is_empty() {
-        return Ok(points);
-    }
-    let scattered = points.len();
-    let stays = |(i, p): (usize, &DVec3)| {
-        monitor.check()?;
-        let chance = |number: usize| key.child(i as u64).child(number as u64).unit();
-        let is_free = obstacles.iter().all(|obstacle| !obstacle.solid.contains(*p));
-        let is_lit =
-            |(number, shade): (usize, &Shade)| chance(number) >= shade.share || !shade.solid.contains(*p);
-        Ok(is_free && shades.iter().enumerate().all(is_lit))
-    };
-    let kept: Vec<bool> = points.par_iter().enumerate().map(stays).collect::<Result<_, Cancelled>>()?;
-    let mut kept = kept.into_iter();
-    points.retain(|_| kept.next() == Some(true));
-    if points.is_empty() {
-        return Err(ColonizationError::NoRoom { points: scattered });
-    }
-    Ok(points)
 }

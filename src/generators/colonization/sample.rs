@@ -1,13 +1,16 @@
 //! Samples of crowns: fewer points in the same crown.
 
 use linden_base::input::Inputs;
+use linden_base::knob::Length;
 use linden_base::monitor::Monitor;
 use linden_growth::sample::{Lengthening, trunk_share};
+use linden_growth::site::KILL_STEPS;
 use linden_skeleton::Skeleton;
 use linden_skeleton::generator::{GeneratorError, Multiple, SampleSize, SampleStep, Sampler, Task};
 
 use crate::Colonization;
-use crate::generator::saturation;
+use crate::ColonizationError;
+use crate::standing::Standing;
 
 /// Points that a sample has for each part of the crown.
 const POINTS_PER_PART: usize = 100;
@@ -79,4 +82,22 @@ impl Sampler for Smaller {
             coarser: self.coarser,
         }))
     }
+}
+
+/// How many points of a crown there must be for a tree as large as any number would make: with a node's
+/// reach, the kill distance, they lie at half of it. Infinite where the step follows from the points.
+fn saturation(
+    settings: &Colonization,
+    task: &Task<'_>,
+    monitor: &dyn Monitor,
+) -> Result<f64, ColonizationError> {
+    let kill_m = match (settings.growth.kill, settings.growth.step_m) {
+        (Length::Metres(kill_m), _) => kill_m,
+        (Length::Steps(steps), Some(step_m)) => steps * step_m,
+        (Length::Auto, Some(step_m)) => KILL_STEPS * step_m,
+        (_, None) => return Ok(f64::INFINITY),
+    };
+    let standing = Standing::new(settings, task.seed, task.inputs, monitor)?;
+    let apart_m = 0.5 * kill_m;
+    Ok(standing.crown.volume_m3() / (apart_m * apart_m * apart_m))
 }

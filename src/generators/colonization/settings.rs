@@ -3,11 +3,12 @@
 use std::collections::BTreeSet;
 
 use linden_base::field;
-use linden_base::knob::{Field, Kind, Knob, Value, integer, real, real_or_auto, set, values};
+use linden_base::knob::{Field, Knob, Value, integer, real, real_or_auto, set, values};
 use linden_growth::GrowthSettings;
 
 use crate::crown::{self, SHAPES, Shape};
 use crate::part::Part;
+use crate::shape_knobs::{CROWN, dimensions_of};
 
 /// Where the attraction points are, and how the tree reaches for them.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,21 +65,6 @@ impl Space {
         Self::Shape { shape: shape.id.to_owned(), dimensions: shape.complete(&[]) }
     }
 }
-
-/// The ids of all crown shapes.
-pub(crate) const SHAPE_IDS: [&str; SHAPES.len()] = {
-    let mut ids = [""; SHAPES.len()];
-    let mut i = 0;
-    while i < ids.len() {
-        ids[i] = SHAPES[i].id;
-        i += 1;
-    }
-    ids
-};
-
-/// The knob that names the crown's shape.
-pub(crate) const CROWN: Knob =
-    Knob::new("crown", Kind::Choice(&SHAPE_IDS), "", "shape that the attraction points fill");
 
 impl Colonization {
     /// The knobs of the crown, without its shape and the dimensions of that.
@@ -200,21 +186,4 @@ impl Colonization {
             _ => self.growth.idle(knob),
         }
     }
-}
-
-/// The dimensions of a shape with their values.
-pub(crate) fn dimensions_of(shape: &str, set: &[(&'static str, Value)]) -> Vec<(Knob, Value)> {
-    let knobs = crown::shape(shape).into_iter().flat_map(|shape| shape.knobs);
-    let value = |dimension: &crown::ShapeKnob| {
-        let found = set.iter().find(|(name, _)| *name == dimension.knob.name);
-        found.map_or_else(dimension.default, |(_, value)| value.clone())
-    };
-    knobs.map(|dimension| (dimension.knob, value(dimension))).collect()
-}
-
-/// Whether a word that stands for a crown's shape means a mesh.
-pub(crate) fn means_mesh(word: &str) -> bool {
-    let word = word.trim().to_ascii_lowercase();
-    [".obj", ".ply"].iter().any(|ending| word.ends_with(ending))
-        || ["mesh", "envelope", "file", "obj", "ply"].contains(&word.as_str())
 }

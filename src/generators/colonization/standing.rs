@@ -16,8 +16,8 @@ use linden_base::random::Key;
 use linden_growth::site::{Grove, Site, Stem, Suggested, crown_base_m};
 
 use crate::ColonizationError;
+use crate::obstacles::{Obstacle, Shade, clear};
 use crate::part::Role;
-use crate::parts::{Obstacle, Shade, clear};
 use crate::settings::{Colonization, Space};
 
 /// A shell that would hold fewer points bears no tree.
