@@ -143,6 +143,7 @@ impl Batch {
     }
 
     /// With folders that were made for it.
+    #[must_use]
     pub fn with_folders(mut self, folders: Vec<MadeFolders>) -> Self {
         self.folders.extend(folders);
         self

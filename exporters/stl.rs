@@ -134,7 +134,7 @@ fn write_part(
 /// smallest triangles of bark and buds have one too.
 fn facet_normal([a, b, c]: [Vec3; 3]) -> Option<Vec3> {
     let [a, b, c] = [a, b, c].map(Vec3::as_dvec3);
-    (b - a).cross(c - a).try_normalize().map(|normal| normal.as_vec3())
+    (b - a).cross(c - a).try_normalize().map(linden_pipeline::DVec3::as_vec3)
 }
 
 fn z_up(Vec3 { x, y, z }: Vec3) -> [f32; 3] {

@@ -349,7 +349,7 @@ fn document(
         scenes: [SceneRoot { name: stage.name.clone(), nodes: roots }],
         nodes,
         cameras,
-        extensions: lights.map(|lights| DocumentExtensions { lights: LightList { lights: lights } }),
+        extensions: lights.map(|lights| DocumentExtensions { lights: LightList { lights } }),
         meshes,
         materials,
         textures,

@@ -56,7 +56,7 @@ impl Tree {
     /// With a monitor, which hears of progress, can cancel, and limits memory. Without one there is no progress
     /// and no limit.
     #[must_use]
-    pub fn watched(self, watcher: impl Monitor + Send + Sync + 'static) -> Self {
+    pub fn watched(self, watcher: impl Monitor + Send + 'static) -> Self {
         Self { watcher: Arc::new(watcher), ..self }
     }
 

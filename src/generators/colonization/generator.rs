@@ -128,7 +128,11 @@ impl Generator for SpaceColonization {
     }
 
     fn key_hint(&self, key: &str) -> Option<&'static str> {
-        ["mesh", "crown_mesh", "obj"].contains(&key).then_some(ENVELOPE_INSTEAD)
+        match key {
+            "mesh" | "crown_mesh" | "obj" => Some(ENVELOPE_INSTEAD),
+            "scan" => Some("points have a table of their own: [scan] with file = \"points.ply\""),
+            _ => None,
+        }
     }
 }
 

@@ -48,6 +48,15 @@ impl Generator for Scans {
         &[TableKey { name: FILE, help: "the points (PLY, XYZ), relative to the preset", holds: Holds::File }]
     }
 
+    /// Those of crowns, from when both stood in one table.
+    fn former_knobs(&self) -> &'static [&'static str] {
+        &["crown_base", "points", "shell_density", "top_density", "clumps", "clump_size"]
+    }
+
+    fn key_hint(&self, key: &str) -> Option<&'static str> {
+        (key == "part").then_some("parts need a 'crown' or an 'envelope'; a scan has neither")
+    }
+
     fn read(&self, table: &Table<'_>) -> Result<Box<dyn Settings>, Fault> {
         match table.text(FILE)? {
             Some(file) => Ok(Box::new(ScanSettings::of(file))),

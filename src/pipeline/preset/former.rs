@@ -45,3 +45,40 @@ pub(super) fn renew_text(document: &mut DocumentMut) {
     }
     document.insert(POINTS, item);
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::preset::{Preset, ScanSettings};
+
+    /// As recipes had scans before these had a table of their own: with all knobs of crowns.
+    const FORMER: &str = "id = \"a\"\n\n# measured\n[colonization]\nscan = \"a.xyz\" # in spring\npoints = 2000\n\
+                          crown_base = \"auto\"\nclumps = 0\nkill = \"4D\"\ncontract = false\nscale = 0.01\n";
+
+    #[test]
+    fn a_scan_among_the_crowns_is_read_as_a_scan() {
+        let preset = Preset::from_toml(FORMER).unwrap();
+        let scan = preset.settings::<ScanSettings>().unwrap();
+        assert_eq!((scan.file.as_str(), scan.contract, scan.scale), ("a.xyz", false, Some(0.01)));
+        assert_eq!(preset.files(), ["a.xyz"]);
+        let json = r#"{"id":"a","colonization":{"scan":"a.xyz","points":2000,"shell_density":0.0}}"#;
+        assert_eq!(Preset::from_json(json).unwrap().files(), ["a.xyz"]);
+        let crown = "id = \"a\"\n[colonization]\ncrown = \"dome\"\ncontract = true\nstems = \"auto\"\n";
+        assert!(Preset::from_toml(crown).is_ok(), "knobs of scans mean nothing to a crown");
+        let both = "id = \"a\"\n[colonization]\ncrown = \"dome\"\nscan = \"a.xyz\"\n";
+        let message = Preset::from_toml(both).unwrap_err().to_string();
+        assert!(
+            message.starts_with("4:1: there is no 'scan' in [colonization]; points have a table"),
+            "{message}"
+        );
+    }
+
+    #[test]
+    fn such_a_document_is_edited_into_one_of_today() {
+        let mut preset = Preset::from_toml(FORMER).unwrap();
+        preset.set("kill", "5D").unwrap();
+        let edited = preset.edit_toml(FORMER).unwrap();
+        assert_eq!(Preset::from_toml(&edited).unwrap(), preset);
+        assert!(edited.contains("[scan]") && edited.contains("file = \"a.xyz\""), "{edited}");
+        assert!(edited.contains("kill = \"5D\"") && !edited.contains("colonization"), "{edited}");
+    }
+}
