@@ -78,7 +78,7 @@ pub use format::{Encoding, Format, Holds, LooksIn};
 pub use options::{OptionSpec, Options};
 pub use plugin::program_on_path;
 pub use recipe::Readable;
-pub use registry::{Registry, exporters, find, for_path, recipe_in};
+pub use registry::{REGISTRY, Registry, USUAL, exporters, find, for_path, recipe_in};
 
 /// What wrote a file, as files say it.
 pub const GENERATOR: &str = concat!("linden ", env!("CARGO_PKG_VERSION"));
@@ -113,23 +113,6 @@ pub trait Exporter: Sync {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError>;
 }
-
-/// Linden's formats. Where two claim an ending, the first has it.
-#[rustfmt::skip] // a line for each
-pub static REGISTRY: &[&dyn Exporter] = &[
-    &obj::Obj,
-    &ply::Ply,
-    &ply::PlySkeleton,
-    &gltf::Gltf,
-    &gltf::Glb,
-    &usda::Usda,
-    &usda::Usdz,
-    &qsm::Qsm,
-    &stl::Stl,
-];
-
-/// What is written where nothing says which format: one file that most programs take.
-pub static USUAL: &dyn Exporter = &gltf::Glb;
 
 #[cfg(test)]
 mod tests {

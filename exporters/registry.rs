@@ -5,7 +5,24 @@ use std::path::Path;
 
 use linden_pipeline::knob::nearest;
 
-use crate::{ExportError, Exporter, REGISTRY, Readable, plugin, recipe};
+use crate::{ExportError, Exporter, Readable, gltf, obj, plugin, ply, qsm, recipe, stl, usda};
+
+/// Linden's formats. Where two claim an ending, the first has it.
+#[rustfmt::skip] // a line for each
+pub static REGISTRY: &[&dyn Exporter] = &[
+    &obj::Obj,
+    &ply::Ply,
+    &ply::PlySkeleton,
+    &gltf::Gltf,
+    &gltf::Glb,
+    &usda::Usda,
+    &usda::Usdz,
+    &qsm::Qsm,
+    &stl::Stl,
+];
+
+/// What is written where nothing says which format: one file that most programs take.
+pub static USUAL: &dyn Exporter = &gltf::Glb;
 
 /// Formats to choose from: linden's, those that a program adds, and at last those of plug-ins: a format
 /// `foo` that is none of these is the program `linden-export-foo` on the search path.

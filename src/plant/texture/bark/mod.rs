@@ -3,17 +3,17 @@
 //! The height is composed of plates, ridges or layers, bent by slow noise, and grain. Colour follows
 //! it: furrows are dark, what sticks out is weathered, and lichen sits where light and rain come.
 
-mod own;
 mod styles;
 mod surface;
+mod user;
 
 use std::sync::Arc;
 
 use glam::Vec3;
 use rayon::prelude::*;
 
-pub use self::own::{normals_by_lightness, opaque};
 use self::surface::{Spot, Surface};
+pub use self::user::{normals_by_lightness, opaque};
 use linden_base::color::{encode, linear};
 use linden_base::memory::{OverMemory, bytes_of};
 use linden_base::monitor::{Cancelled, Monitor};
