@@ -55,7 +55,7 @@ pub fn index_of(named: &[NamedPicture<'_>], picture: Option<&Arc<Picture>>) -> O
 /// Each picture as PNG, in the same order.
 ///
 /// # Errors
-/// Only for a picture whose pixels do not fill it, which [`crate::writing::validate::check`] has refused before.
+/// Only for a picture whose pixels do not fill it, which `writing::validate` has refused before.
 pub fn compress<'a>(named: &[NamedPicture<'a>]) -> Result<Vec<&'a [u8]>, ExportError> {
     let png = |named: &NamedPicture<'a>| {
         named.picture.png().map_err(|e| ExportError::Scene {

@@ -1,6 +1,8 @@
 //! A format of your own: the axes of a tree as lines of comma-separated values.
 //! `cargo run --example exporter -- fir.axes`
 
+#![allow(clippy::print_stdout, reason = "an example shows what it did")]
+
 use std::env;
 use std::io;
 

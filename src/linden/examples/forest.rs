@@ -1,5 +1,7 @@
 //! Two kinds of trees side by side in one file: `cargo run --example forest -- wood.glb`
 
+#![allow(clippy::print_stdout, reason = "an example shows what it did")]
+
 use std::env;
 
 use linden::export::{Bundle, Options, for_path};

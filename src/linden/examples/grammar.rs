@@ -1,5 +1,7 @@
 //! An L-system in code, drawn: `cargo run --example grammar -- weed.png`
 
+#![allow(clippy::print_stdout, reason = "an example shows what it did")]
+
 use std::env;
 use std::fs;
 

@@ -1,5 +1,7 @@
 //! Positions and indices for a renderer of your own: `cargo run --example mesh`
 
+#![allow(clippy::print_stdout, reason = "an example shows what it did")]
+
 use linden::scene::Scene;
 
 fn main() -> Result<(), linden::Error> {

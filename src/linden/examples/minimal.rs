@@ -1,5 +1,7 @@
 //! A preset, two knobs, a file: `cargo run --example minimal -- fir.glb`
 
+#![allow(clippy::print_stdout, reason = "an example shows what it did")]
+
 use std::env;
 
 fn main() -> Result<(), linden::Error> {
