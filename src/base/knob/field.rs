@@ -165,7 +165,7 @@ pub trait FieldValue: Sized {
     fn to_value(&self) -> Value;
 
     /// A field of this value; `None` when the value is of another kind. A knob checks kind and range before, so that this
-    /// does not happen for values that passed [`linden_base::knob::Kind::check`].
+    /// does not happen for values that passed [`Kind::check`](crate::knob::Kind::check).
     fn from_value(value: Value) -> Option<Self>;
 }
 

@@ -54,7 +54,7 @@ pub struct Part {
 /// What a part is.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Solid {
-    /// One of [`linden_colonization::crown::SHAPES`], with the dimensions that were set.
+    /// One of [`crate::crown::SHAPES`], with the dimensions that were set.
     Shape {
         /// Its id.
         shape: String,

@@ -55,7 +55,7 @@ pub struct Polygons {
 /// A variant of a kind of leaf, as a mesh.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeafShape {
-    /// The kind, counted as [`linden::preset::FoliageLook::kinds`].
+    /// The kind, counted as in the settings of the foliage.
     pub kind: u8,
     /// Its triangles, with the texture coordinates of one cell of the kind's picture.
     pub mesh: Mesh,
@@ -251,7 +251,7 @@ impl Organs {
         self.polygons.corners.iter().copied().chain(placed)
     }
 
-    /// About how many vertices and triangles [`meshes`] gives: exact for organs of the table, for
+    /// About how many vertices and triangles the meshes have: exact for organs of the table, for
     /// leaves, and for polygons in which no corner is superfluous.
     pub fn amount(&self) -> (u64, u64) {
         let (plain, leaves) = (self.plain_amount(), self.leaf_amount());
