@@ -161,8 +161,10 @@ pub enum Stop {
 /// points that are used up.
 ///
 /// ```
-/// use linden::colonization::growth::{GrowthRule, Habit, Stop, grow};
-/// use linden::{Branching, NO_PARENT, Quiet, Vec3};
+/// use linden_growth::{GrowthRule, Habit, Stop, grow};
+/// use glam::Vec3;
+/// use linden_base::monitor::Quiet;
+/// use linden_skeleton::{Branching, NO_PARENT};
 ///
 /// let root =
 ///     Branching { positions: vec![Vec3::ZERO], parents: vec![NO_PARENT], births: vec![0], radii: None };
@@ -178,7 +180,7 @@ pub enum Stop {
 /// let growth = grow(&[Vec3::new(0.0, 1.0, 0.0)], &root, &rule, &Quiet)?;
 /// assert_eq!(growth.stop, Stop::AllReached);
 /// assert_eq!(growth.branching.positions.len(), 9);
-/// # Ok::<(), linden::colonization::growth::GrowthError>(())
+/// # Ok::<(), linden_growth::GrowthError>(())
 /// ```
 ///
 /// # Errors

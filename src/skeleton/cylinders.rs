@@ -46,8 +46,8 @@ impl Skeleton {
     /// All segments as cylinders, axis by axis from base to apex: parents before children.
     ///
     /// ```
-    /// use linden::skeleton::Wood;
-    /// use linden::{Branching, NO_PARENT, Skeleton, Vec3};
+    /// use glam::Vec3;
+    /// use linden_skeleton::{Branching, NO_PARENT, Skeleton, Wood};
     /// let pole = Branching {
     ///     positions: vec![Vec3::ZERO, Vec3::Y * 2.0],
     ///     parents: vec![NO_PARENT, 0],
@@ -57,7 +57,7 @@ impl Skeleton {
     /// let wood = Wood { base_radius_m: Some(0.5), ..Wood::default() };
     /// let cylinders = Skeleton::build(pole, &wood)?.cylinders();
     /// assert_eq!((cylinders[0].length_m, cylinders[0].radius_m), (2.0, 0.5));
-    /// # Ok::<(), linden::skeleton::SkeletonError>(())
+    /// # Ok::<(), linden_skeleton::SkeletonError>(())
     /// ```
     pub fn cylinders(&self) -> Vec<Cylinder> {
         let mut cylinders: Vec<Cylinder> = Vec::with_capacity(self.positions.len());

@@ -155,7 +155,8 @@ impl Skeleton {
     /// others start laterals.
     ///
     /// ```
-    /// use linden::{Branching, NO_PARENT, Skeleton, Vec3};
+    /// use glam::Vec3;
+    /// use linden_skeleton::{Branching, NO_PARENT, Skeleton};
     /// let fork = Branching {
     ///     positions: vec![Vec3::ZERO, Vec3::Y, Vec3::new(0.0, 2.0, 0.0), Vec3::new(1.0, 2.0, 0.0)],
     ///     parents: vec![NO_PARENT, 0, 1, 1],
@@ -165,7 +166,7 @@ impl Skeleton {
     /// let tree = Skeleton::build(fork, &Default::default())?;
     /// assert_eq!(tree.axes.len(), 2);
     /// assert_eq!(tree.nodes_of(&tree.axes[0]), [0, 1, 2]); // straight on
-    /// # Ok::<(), linden::skeleton::SkeletonError>(())
+    /// # Ok::<(), linden_skeleton::SkeletonError>(())
     /// ```
     ///
     /// # Errors

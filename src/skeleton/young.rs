@@ -28,9 +28,9 @@ impl Skeleton {
     /// result may be a foot without a segment, or nothing at all.
     ///
     /// ```
-    /// use linden::random::Key;
-    /// use linden::skeleton::Wood;
-    /// use linden::{Branching, NO_PARENT, Skeleton, Vec3};
+    /// use linden_base::random::Key;
+    /// use glam::Vec3;
+    /// use linden_skeleton::{Branching, NO_PARENT, Skeleton, Wood};
     /// let wood = Wood { base_radius_m: Some(0.2), ..Wood::default() };
     /// let fork = Branching {
     ///     positions: vec![Vec3::ZERO, Vec3::Y, Vec3::Y * 2.0, Vec3::X + Vec3::Y],
@@ -42,7 +42,7 @@ impl Skeleton {
     /// let young = tree.until(1, &wood, Key::new(0));
     /// assert_eq!(young.positions.len(), 2);
     /// assert_eq!(young.radii[0], tree.radii[2]); // one tip
-    /// # Ok::<(), linden::skeleton::SkeletonError>(())
+    /// # Ok::<(), linden_skeleton::SkeletonError>(())
     /// ```
     #[must_use]
     pub fn until(&self, step: u32, wood: &Wood, key: Key) -> Self {

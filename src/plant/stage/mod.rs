@@ -4,7 +4,7 @@
 //! A stage borrows its scenes: a forest of ten thousand places holds each distinct tree once.
 //!
 //! ```
-//! use linden::{Quiet, dress::dress, grow::grow, preset::builtin, recipe::Recipe, stage::Stage};
+//! use linden_pipeline::{Quiet, dress::dress, grow::grow, preset::builtin, recipe::Recipe, stage::Stage};
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
 //! let recipe = Recipe::new(builtin("simple").unwrap().load()?);
 //! let scene = dress(&recipe, &grow(&recipe, &Quiet)?, &Quiet)?;

@@ -182,8 +182,10 @@ impl Room<'_> {
 /// generator knows.
 ///
 /// ```
-/// use linden::skeleton::refine::{Refinement, Room, Step, refine};
-/// use linden::{Branching, NO_PARENT, Quiet, Vec3};
+/// use linden_skeleton::refine::{Refinement, Room, Step, refine};
+/// use glam::Vec3;
+/// use linden_base::monitor::Quiet;
+/// use linden_skeleton::{Branching, NO_PARENT};
 /// let elbow = Branching {
 ///     positions: vec![Vec3::ZERO, Vec3::Y, Vec3::Y + Vec3::X],
 ///     parents: vec![NO_PARENT, 0, 1],
@@ -193,7 +195,7 @@ impl Room<'_> {
 /// let relocate = Refinement { steps: Step::named("relocate").into_iter().collect(), ..Refinement::default() };
 /// let softer = refine(elbow, None, &mut [], &relocate, Room::open(1000), &Quiet)?;
 /// assert_eq!(softer.positions, [Vec3::ZERO, Vec3::Y * 0.5, Vec3::new(0.5, 1.0, 0.0)]);
-/// # Ok::<(), linden::skeleton::refine::RefineError>(())
+/// # Ok::<(), linden_skeleton::refine::RefineError>(())
 /// ```
 ///
 /// # Errors
