@@ -28,7 +28,7 @@ pub fn tree(id: &str) -> Result<Tree, Error> {
 /// ```
 /// # let folder = tempfile::tempdir()?;
 /// # let file = folder.path().join("weed.l");
-/// std::fs::write(&file, "axiom = F\nF -> F[+F]F[-F]F\n")?;
+/// std::fs::write(&file, "axiom=F\nangle=25.7\nnumber of derivations=5\nF=(1)F[+F]F[-F]F\n")?;
 /// let weed = linden::read(&file)?.set("derivations", "3")?.grow()?;
 /// assert_eq!(weed.skeleton().segments(), 125);
 /// # Ok::<(), linden::Error>(())
