@@ -15,7 +15,7 @@ use std::collections::BTreeMap;
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus};
+use std::process::{Child, ExitStatus};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
@@ -70,7 +70,7 @@ pub(crate) fn all() -> Vec<&'static dyn Exporter> {
     ids.iter().filter_map(|id| find(id)).collect()
 }
 
-/// A program on the search path. [`Command`] would find those in relative folders too.
+/// A program on the search path. [`std::process::Command`] would find those in relative folders too.
 pub fn program_on_path(name: &str) -> Option<PathBuf> {
     let file = format!("{name}{}", std::env::consts::EXE_SUFFIX);
     search_path().into_iter().map(|folder| folder.join(&file)).find(|path| is_program(path))
@@ -135,7 +135,7 @@ impl Exporter for Plugin {
             let what = self.format.name.to_owned();
             move |source: io::Error| ExportError::Io { doing, what: what.clone(), source }
         };
-        let mut folder = Workplace::new().map_err(failed("making a folder for"))?;
+        let folder = Workplace::new().map_err(failed("making a folder for"))?;
         let glb = folder.path().join("tree.glb");
         let mut whole = Bundle::create(&glb)?.unsynced();
         Glb.write(stage, &Options::new(Glb.format()), &mut whole, monitor)?;
@@ -149,22 +149,14 @@ impl Exporter for Plugin {
         let stem = if own_name.is_empty() { "tree".to_owned() } else { own_name };
         let target = out.join(format!("{stem}.{}", self.format.id));
         let said = folder.path().join("said.txt");
-        let log = File::create(&said).map_err(failed("listening to"))?;
-
-        let mut command = Command::new(&self.program);
+        let mut command =
+            folder.command(&self.program, [&glb, &target], &said).map_err(failed("listening to"))?;
         command
-            .args([&glb, &target])
             .current_dir(&out)
             .env("LINDEN_NAME", &stage.name)
             .env("LINDEN_VERSION", GENERATOR.trim_start_matches("linden "))
-            .stdin(File::open(&recipe).map_err(failed("reading the recipe for"))?)
-            .stdout(log.try_clone().map_err(failed("listening to"))?)
-            .stderr(log);
-        // A group of its own, so that what it starts can be ended with it.
-        #[cfg(unix)]
-        std::os::unix::process::CommandExt::process_group(&mut command, 0);
+            .stdin(File::open(&recipe).map_err(failed("reading the recipe for"))?);
         let child = command.spawn().map_err(failed("starting"))?;
-        folder.guard(child.id());
         let status = Running(child).wait(monitor)?.map_err(failed("waiting for"))?;
         let problem = |problem: String| ExportError::Plugin {
             program: self.format.name,

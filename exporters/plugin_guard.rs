@@ -2,7 +2,11 @@
 //! plug-in with all that it started and removes its folder. Nobody can kill a program so suddenly that
 //! the system does not close its pipes.
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
+use std::process::Command;
+#[cfg(unix)]
+use std::process::Stdio;
 
 /// Reads the folder, then the plug-in's process group, then `done`; what comes instead of a line is our
 /// end. The plug-in is asked to end before it is made to.
@@ -26,6 +30,11 @@ if [ -n "$group" ]; then
 fi
 rm -rf -- "$folder"
 "#;
+
+/// Starts the plug-in. The guard is told of its group before there is anything to end, by a shell that
+/// then becomes the plug-in: while it has not told, it holds the pipe, which does not break.
+#[cfg(unix)]
+const LAUNCH: &str = r#"said=$1; shift; echo "$$"; exec "$@" >>"$said" 2>&1"#;
 
 /// A plug-in's folder, which goes when this is dropped, or when we end in any other way.
 pub(super) struct Workplace {
@@ -52,11 +61,23 @@ impl Workplace {
         self.folder.path()
     }
 
-    /// The plug-in has begun, in a process group of this number.
-    pub fn guard(&mut self, group: u32) {
-        if let Some(guard) = &mut self.guard {
-            guard.tell(group.to_string().as_bytes());
-        }
+    /// What starts this program. What it says goes to the file `said`, and whatever it starts ends with
+    /// us.
+    pub fn command(&self, program: &Path, arguments: [&Path; 2], said: &Path) -> std::io::Result<Command> {
+        let mut command = match &self.guard {
+            Some(guard) => guard.launcher(program, said)?,
+            None => {
+                let log = File::options().append(true).create(true).open(said)?;
+                let mut command = Command::new(program);
+                command.stdout(log.try_clone()?).stderr(log);
+                command
+            }
+        };
+        command.args(arguments);
+        // A group of its own, so that what it starts can be ended with it.
+        #[cfg(unix)]
+        std::os::unix::process::CommandExt::process_group(&mut command, 0);
+        Ok(command)
     }
 }
 
@@ -70,7 +91,6 @@ struct Guard {
 impl Guard {
     fn start() -> Option<Self> {
         use std::os::unix::process::CommandExt;
-        use std::process::{Command, Stdio};
         let shell = Command::new("/bin/sh")
             .args(["-c", SCRIPT, "linden-plugin-guard"])
             .current_dir("/")
@@ -83,6 +103,16 @@ impl Guard {
         let mut shell = shell.ok()?;
         let pipe = shell.stdin.take();
         Some(Self { shell, pipe })
+    }
+
+    fn launcher(&self, program: &Path, said: &Path) -> std::io::Result<Command> {
+        use std::os::fd::AsFd;
+        let Some(pipe) = &self.pipe else { return Ok(Command::new(program)) };
+        let mut command = Command::new("/bin/sh");
+        command.args(["-c", LAUNCH, "linden-plugin"]).arg(said).arg(program);
+        command.stdout(pipe.as_fd().try_clone_to_owned()?);
+        command.stderr(File::options().append(true).create(true).open(said)?);
+        Ok(command)
     }
 
     /// A guard that hears nothing any more cannot be helped.
@@ -114,4 +144,8 @@ impl Guard {
     }
 
     fn tell(&mut self, _: &[u8]) {}
+
+    fn launcher(&self, program: &Path, _: &Path) -> std::io::Result<Command> {
+        Ok(Command::new(program))
+    }
 }
