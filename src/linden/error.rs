@@ -12,6 +12,8 @@ use linden_pipeline::lsystem::GrammarError;
 use linden_pipeline::preset::{KnobError, RecipeError, UnknownPreset};
 use linden_raster::RasterError;
 
+use crate::trust::NotAllowed;
+
 /// What may go wrong between a name and a file. Each says what was being done, and what to do.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -39,6 +41,15 @@ pub enum Error {
         /// What is wrong, and where.
         #[source]
         fault: Fault,
+    },
+    /// A document that names a file elsewhere; [`read_allowing`](crate::read_allowing) lets it.
+    #[error("{}: {error}; put it beside the document, or allow its folder if you trust it", .document.display())]
+    NotAllowed {
+        /// The document.
+        document: PathBuf,
+        /// What it names.
+        #[source]
+        error: NotAllowed,
     },
     /// A grammar that is wrong somewhere.
     #[error(transparent)]

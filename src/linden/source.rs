@@ -1,17 +1,18 @@
 //! Where trees come from: built-in presets, files, grammars in code.
 
-use std::fs;
-use std::path::Path;
+use std::fs::{self, File};
+use std::io::{BufReader, ErrorKind};
+use std::path::{Path, PathBuf};
 use std::str;
 
 use linden_pipeline::Quiet;
 use linden_pipeline::document::Fault;
 use linden_pipeline::input::{Input, InputKind, sniff};
 use linden_pipeline::lsystem::{Grammar, text};
-use linden_pipeline::preset::{Colonization, LSystem, Preset, ScanSettings, Space, builtin};
+use linden_pipeline::preset::{Colonization, LSystem, Preset, ScanSettings, Space, builtin, builtin_file};
 use linden_pipeline::recipe::Recipe;
 
-use crate::{Error, Tree};
+use crate::{Error, Tree, trust};
 
 /// A built-in preset: `oak`, `abop-a`.
 ///
@@ -21,9 +22,11 @@ pub fn tree(id: &str) -> Result<Tree, Error> {
     Ok(Tree::of(builtin(id)?.recipe(&Quiet)?))
 }
 
-/// A tree from a file, told by its content: a preset (TOML), a recipe (JSON, as every file of linden's carries
-/// it), a grammar, a mesh that a crown fills (OBJ, PLY), or points (PLY, XYZ). Files that a preset or recipe
-/// names are looked for beside it.
+/// A tree from a file, told by its content: a preset (TOML), a recipe (JSON, alone or in any file that linden
+/// wrote), a grammar, a mesh that a crown fills (OBJ, PLY), or points (PLY, XYZ).
+///
+/// Files that a preset or recipe names are those beside it or below it ([`trust`]), else those that stand beside
+/// built-in presets. No export of the tree replaces a file that it was read from.
 ///
 /// ```
 /// # let folder = tempfile::tempdir()?;
@@ -35,22 +38,41 @@ pub fn tree(id: &str) -> Result<Tree, Error> {
 /// ```
 ///
 /// # Errors
-/// A file that cannot be read, or is nothing that a tree grows from.
+/// A file that cannot be read, or is nothing that a tree grows from; [`Error::NotAllowed`].
 pub fn read(path: impl AsRef<Path>) -> Result<Tree, Error> {
+    read_allowing(path, &[] as &[&Path])
+}
+
+/// As [`read()`], of a document that you trust: it may name files in some other folders too.
+///
+/// # Errors
+/// As [`read()`]; a folder that is not there.
+pub fn read_allowing<P: AsRef<Path>>(path: impl AsRef<Path>, folders: &[P]) -> Result<Tree, Error> {
     let path = path.as_ref();
-    let bytes = load(path)?;
+    let real = |folder: &P| fs::canonicalize(folder).map_err(|error| failed(folder.as_ref(), error));
+    let allowed: Vec<PathBuf> = folders.iter().map(real).collect::<Result<_, _>>()?;
+    let document = |fault| Error::Document { path: path.to_owned(), fault };
+    let mut file = BufReader::new(File::open(path).map_err(|error| failed(path, error))?);
+    if let Some(json) = linden_exporters::recipe_in(&mut file).map_err(|error| failed(path, error))? {
+        return furnished(path, Preset::from_json(&json).map_err(document)?, &allowed);
+    }
+    drop(file);
+    let bytes = fs::read(path).map_err(|error| failed(path, error))?;
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let id =
         Path::new(&name).file_stem().map_or_else(|| "tree".to_owned(), |stem| stem.to_string_lossy().into());
     let input = |error| Error::Input { path: path.to_owned(), error };
-    let document = |fault| Error::Document { path: path.to_owned(), fault };
     let text = || {
         let not_utf8 = |_| Fault::new(None, "this is no UTF-8 text; save the file as UTF-8");
         str::from_utf8(&bytes).map_err(not_utf8).map_err(document)
     };
     let preset = match sniff(&bytes, &name).map_err(input)? {
-        InputKind::Preset => return beside(path, Preset::from_toml(text()?).map_err(document)?),
-        InputKind::Recipe => return beside(path, Preset::from_json(text()?).map_err(document)?),
+        InputKind::Preset => {
+            return furnished(path, Preset::from_toml(text()?).map_err(document)?, &allowed);
+        }
+        InputKind::Recipe => {
+            return furnished(path, Preset::from_json(text()?).map_err(document)?, &allowed);
+        }
         InputKind::Grammar => {
             let found = text::parse(text()?).map_err(|error| {
                 let place = linden_pipeline::document::Place { line: error.line, column: error.column };
@@ -67,7 +89,33 @@ pub fn read(path: impl AsRef<Path>) -> Result<Tree, Error> {
     if recipe.preset.files().contains(&name.as_str()) {
         recipe.inputs.insert(name.clone(), Input::read(&name, &bytes, &Quiet).map_err(input)?);
     }
-    Ok(Tree::of(recipe))
+    Ok(Tree::of(recipe).sparing(vec![path.to_owned()]))
+}
+
+/// A preset with the files that it names: those beside its document, else those beside built-in presets.
+fn furnished(path: &Path, preset: Preset, allowed: &[PathBuf]) -> Result<Tree, Error> {
+    let mut recipe = Recipe::new(preset);
+    let mut sources = vec![path.to_owned()];
+    for file in recipe.preset.files().into_iter().map(str::to_owned).collect::<Vec<_>>() {
+        let place = trust::beside(Some(path), &file, allowed)
+            .map_err(|error| Error::NotAllowed { document: path.to_owned(), error })?;
+        let input = match (fs::read(&place), builtin_file(&file)) {
+            (Ok(bytes), _) => {
+                sources.push(place.clone());
+                Input::read(&file, &bytes, &Quiet)
+            }
+            (Err(error), Some(bytes)) if error.kind() == ErrorKind::NotFound => {
+                Input::read(&file, bytes, &Quiet)
+            }
+            (Err(error), _) => return Err(failed(&place, error)),
+        };
+        recipe.inputs.insert(file, input.map_err(|error| Error::Input { path: place, error })?);
+    }
+    Ok(Tree::of(recipe).sparing(sources))
+}
+
+fn failed(path: &Path, error: std::io::Error) -> Error {
+    Error::Read { path: path.to_owned(), error }
 }
 
 /// A tree from a grammar: an axiom and rules.
@@ -82,21 +130,4 @@ pub fn read(path: impl AsRef<Path>) -> Result<Tree, Error> {
 /// [`Error::Grammar`], with the place.
 pub fn grammar<R: AsRef<str>>(axiom: &str, rules: &[R]) -> Result<Tree, Error> {
     Ok(Tree::of(Recipe::new(Preset::of("grammar", LSystem::of(Grammar::new(axiom, rules)?)))))
-}
-
-/// A preset with the files that stand beside its document.
-fn beside(path: &Path, preset: Preset) -> Result<Tree, Error> {
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let mut recipe = Recipe::new(preset);
-    for file in recipe.preset.files().into_iter().map(str::to_owned).collect::<Vec<_>>() {
-        let path = folder.join(&file);
-        let bytes = load(&path)?;
-        let input = Input::read(&file, &bytes, &Quiet).map_err(|error| Error::Input { path, error })?;
-        recipe.inputs.insert(file, input);
-    }
-    Ok(Tree::of(recipe))
-}
-
-fn load(path: &Path) -> Result<Vec<u8>, Error> {
-    fs::read(path).map_err(|error| Error::Read { path: path.to_owned(), error })
 }

@@ -1,6 +1,6 @@
 //! A tree to be grown, and a grown one.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use linden_exporters::{Batch, Bundle, Exporter, Options, Output, Written, for_path};
@@ -8,6 +8,7 @@ use linden_pipeline::dress::{Levels, levels};
 use linden_pipeline::grow::{Grown, grow};
 use linden_pipeline::monitor::{Monitor, Quiet};
 use linden_pipeline::picture::Picture;
+use linden_pipeline::preset::KNOBS;
 use linden_pipeline::recipe::Recipe;
 use linden_pipeline::skeleton::{Measures, Skeleton};
 use linden_raster::{Camera, Size, Style, Surface, draw_surface};
@@ -22,12 +23,21 @@ type Watcher = Arc<dyn Monitor + Send + Sync>;
 pub struct Tree {
     recipe: Recipe,
     watcher: Watcher,
+    /// The knobs that were turned.
+    turned: Vec<&'static str>,
+    /// Files that it was read from, which no export replaces.
+    sources: Vec<PathBuf>,
 }
 
 impl Tree {
     /// The tree of a recipe.
     pub fn of(recipe: Recipe) -> Self {
-        Self { recipe, watcher: Arc::new(Quiet) }
+        Self { recipe, watcher: Arc::new(Quiet), turned: Vec::new(), sources: Vec::new() }
+    }
+
+    /// Read from files, which no export is to replace.
+    pub(crate) fn sparing(self, sources: Vec<PathBuf>) -> Self {
+        Self { sources, ..self }
     }
 
     /// With another seed: another tree of the same kind.
@@ -38,9 +48,12 @@ impl Tree {
     }
 
     /// With a knob turned, as `--set knob=value` does. A knob that changes nothing as the others stand is said
-    /// among [`GrownTree::notes`].
+    /// among [`GrownTree::notes`], one that a format cannot hold among [`Exported::notes`].
     ///
     /// ```
+    /// let fir = linden::tree("fir")?.set("points", "50")?.set("junction_detail", "64")?.grow()?;
+    /// assert_eq!(fir.notes(), ["junction_detail changes nothing: it is for junction=watertight"]);
+    ///
     /// let error = linden::tree("fir")?.set("pionts", "500").err().unwrap();
     /// assert!(error.to_string().contains("did you mean 'points'"));
     /// # Ok::<(), linden::Error>(())
@@ -50,6 +63,8 @@ impl Tree {
     /// [`Error::Knob`]: an unknown name, or a value that the knob does not take.
     pub fn set(mut self, knob: &str, value: &str) -> Result<Self, Error> {
         self.recipe.preset.set(knob, value)?;
+        self.turned
+            .extend(KNOBS.iter().map(|row| row.knob).filter(|known| known.is_called(knob)).map(|k| k.name));
         Ok(self)
     }
 
@@ -75,15 +90,15 @@ impl Tree {
     /// # Errors
     /// [`Error::Grow`]: limits, contradictions, nothing in reach, files that are missing, cancelled.
     pub fn grow(self) -> Result<GrownTree, Error> {
-        let grown = grow(&self.recipe, &*self.watcher)?;
-        Ok(GrownTree { recipe: self.recipe, watcher: self.watcher, grown })
+        let mut grown = grow(&self.recipe, &*self.watcher)?;
+        grown.notes.extend(self.recipe.preset.idle_notes(self.turned.iter().copied()));
+        Ok(GrownTree { tree: self, grown })
     }
 }
 
 /// A grown tree: measured, drawn and written as often as you like.
 pub struct GrownTree {
-    recipe: Recipe,
-    watcher: Watcher,
+    tree: Tree,
     grown: Grown,
 }
 
@@ -100,7 +115,7 @@ impl GrownTree {
 
     /// Everything that decided the tree.
     pub const fn recipe(&self) -> &Recipe {
-        &self.recipe
+        &self.tree.recipe
     }
 
     /// Height, width, length, stem: metres.
@@ -108,7 +123,8 @@ impl GrownTree {
         self.grown.skeleton.measures()
     }
 
-    /// What the user should know: limits that were hit, meshes that are open.
+    /// What the user should know: limits that were hit, meshes that are open, knobs that change
+    /// nothing.
     pub fn notes(&self) -> &[String] {
         &self.grown.notes
     }
@@ -118,7 +134,7 @@ impl GrownTree {
     /// # Errors
     /// [`Error::Dress`].
     pub fn levels(&self) -> Result<Levels, Error> {
-        Ok(levels(&self.recipe, &self.grown, &*self.watcher)?)
+        Ok(levels(&self.tree.recipe, &self.grown, &*self.tree.watcher)?)
     }
 
     /// A picture of the finest level from its side, `width × height` pixels, in front of a plain ground.
@@ -139,7 +155,7 @@ impl GrownTree {
         };
         let scene = &finest.scene;
         let surface = Surface { parts: &scene.parts, materials: &scene.materials, skeleton: &scene.skeleton };
-        Ok(draw_surface(&surface, &Camera::default(), &Style::studio(), size, &*self.watcher)?)
+        Ok(draw_surface(&surface, &Camera::default(), &Style::studio(), size, &*self.tree.watcher)?)
     }
 
     /// Writes it in the format of the path's ending, as `linden export` does: with levels of detail, budgets and
@@ -147,8 +163,8 @@ impl GrownTree {
     /// all. Gives what was written, and with it what the format could not hold.
     ///
     /// # Errors
-    /// [`Error::Export`]: an ending of no format, a disk that refuses, a tree too large for the format;
-    /// [`Error::Dress`].
+    /// [`Error::Export`]: an ending of no format, a disk that refuses, a tree too large for the format, a file that
+    /// the tree was read from; [`Error::Dress`].
     pub fn export(&self, path: impl AsRef<Path>) -> Result<Exported, Error> {
         let exporter = for_path(path.as_ref())?;
         self.export_as(exporter, Options::new(exporter.format()), path)
@@ -164,12 +180,14 @@ impl GrownTree {
         options: Options,
         path: impl AsRef<Path>,
     ) -> Result<Exported, Error> {
-        let planned = self.recipe.preset.dressing.detail.levels();
+        let planned = self.tree.recipe.preset.dressing.detail.levels();
         let outputs = Output::new(exporter, options, path.as_ref().to_owned()).in_levels(planned);
-        let mut batch = Batch::open(outputs, Vec::new(), |output| Bundle::create(&output.path))?;
+        let mut batch =
+            Batch::open(outputs, self.tree.sources.clone(), |output| Bundle::create(&output.path))?;
         let levels = self.levels()?;
         let mut notes = levels.notes.clone();
-        batch.write(&levels.stage(), &*self.watcher, |said| notes.extend_from_slice(said))?;
+        let stage = levels.stage().turned_by(self.tree.turned.iter().copied());
+        batch.write(&stage, &*self.tree.watcher, |said| notes.extend_from_slice(said))?;
         Ok(Exported { files: batch.commit()?, notes })
     }
 }

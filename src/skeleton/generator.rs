@@ -32,7 +32,8 @@ pub trait Generator: Sync {
     /// One line: how it grows trees.
     fn help(&self) -> &'static str;
 
-    /// All knobs that settings of it may have, each once, in the order of documents and forms.
+    /// All knobs that settings of it may have, each once, in the order of documents and forms. The first is
+    /// turned before the others, wherever it stands in a document: it may decide which others there are.
     fn knobs(&self) -> Vec<Knob>;
 
     /// What its table holds besides knobs.
@@ -81,15 +82,15 @@ pub enum Asked {
 pub struct TableKey {
     /// The key.
     pub name: &'static str,
-    /// One line: what stands there.
+    /// One line of help.
     pub help: &'static str,
-    /// What it holds.
-    pub holds: Holds,
+    /// What stands there.
+    pub content: KeyContent,
 }
 
 /// What a key of a table holds.
 #[derive(Clone, Copy)]
-pub enum Holds {
+pub enum KeyContent {
     /// Text.
     Text,
     /// A list of texts.

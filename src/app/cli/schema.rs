@@ -5,7 +5,7 @@ use clap::Args;
 use linden::generators;
 use linden::knob::{FARTHEST, Kind, Knob};
 use linden::preset::{BarkSettings, FileKey, KNOBS, LEAF_KNOBS, LeafKind, MOST_KINDS, Section};
-use linden::skeleton::generator::{Holds, TableKey, Tables};
+use linden::skeleton::generator::{KeyContent, TableKey, Tables};
 use linden_exporters::REGISTRY;
 use serde_json::{Map, Value, json};
 
@@ -129,10 +129,10 @@ fn files<T>(rows: &[FileKey<T>]) -> Map<String, Value> {
 /// A key of a generator's table that is no knob.
 fn of_key(key: &TableKey) -> Value {
     let text = json!({ "type": "string" });
-    let mut schema = match &key.holds {
-        Holds::Text | Holds::File => text,
-        Holds::Texts => json!({ "type": "array", "items": text }),
-        Holds::Tables(tables) => of_tables(tables),
+    let mut schema = match &key.content {
+        KeyContent::Text | KeyContent::File => text,
+        KeyContent::Texts => json!({ "type": "array", "items": text }),
+        KeyContent::Tables(tables) => of_tables(tables),
     };
     schema["description"] = json!(key.help);
     schema

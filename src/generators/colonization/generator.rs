@@ -9,8 +9,8 @@ use linden_growth::Origin;
 use linden_growth::stand::grow_at;
 use linden_skeleton::Wood;
 use linden_skeleton::generator::{
-    Asked, Branched, Generator, GeneratorError, Holds, SampleSize, Sampler, Settings, TableKey, Tables, Task,
-    Traits, Written,
+    Asked, Branched, Generator, GeneratorError, KeyContent, SampleSize, Sampler, Settings, TableKey, Tables,
+    Task, Traits, Written,
 };
 
 use crate::ColonizationError;
@@ -34,12 +34,12 @@ const KEYS: &[TableKey] = &[
     TableKey {
         name: "envelope",
         help: "a mesh that the crown fills, relative to the preset",
-        holds: Holds::File,
+        content: KeyContent::File,
     },
     TableKey {
         name: PART,
         help: "pieces of the crown, other trees, obstacles, shade",
-        holds: Holds::Tables(Tables {
+        content: KeyContent::Tables(Tables {
             knobs: part_knobs,
             required: &["role"],
             one_of: &["crown", "mesh"],

@@ -5,8 +5,8 @@ use linden_base::input::Inputs;
 use linden_base::knob::{Knob, Value, set, values};
 use linden_base::monitor::Monitor;
 use linden_skeleton::generator::{
-    Branched, Generator, GeneratorError, Holds, RadiiFrom, SampleSize, Sampler, Settings, TableKey, Task,
-    Traits, Written,
+    Branched, Generator, GeneratorError, KeyContent, RadiiFrom, SampleSize, Sampler, Settings, TableKey,
+    Task, Traits, Written,
 };
 use linden_skeleton::{Width, Wood};
 
@@ -38,11 +38,15 @@ impl Generator for LSystems {
 
     fn keys(&self) -> &'static [TableKey] {
         &[
-            TableKey { name: "axiom", help: "the string that derivation begins with", holds: Holds::Text },
+            TableKey {
+                name: "axiom",
+                help: "the string that derivation begins with",
+                content: KeyContent::Text,
+            },
             TableKey {
                 name: "rules",
                 help: "what symbols are rewritten to, one text a rule",
-                holds: Holds::Texts,
+                content: KeyContent::Texts,
             },
         ]
     }

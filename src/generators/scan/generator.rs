@@ -9,7 +9,7 @@ use linden_base::monitor::{Cancelled, Monitor};
 use linden_growth::stand::{StandError, grow_at};
 use linden_growth::{Origin, Stand};
 use linden_skeleton::generator::{
-    Branched, Fit, Generator, GeneratorError, Holds, Measured, RadiiFrom, SampleSize, Sampler, Settings,
+    Branched, Fit, Generator, GeneratorError, KeyContent, Measured, RadiiFrom, SampleSize, Sampler, Settings,
     TableKey, Task, Traits, Written,
 };
 use linden_skeleton::{Branching, Skeleton, Wood};
@@ -45,7 +45,11 @@ impl Generator for Scans {
     }
 
     fn keys(&self) -> &'static [TableKey] {
-        &[TableKey { name: FILE, help: "the points (PLY, XYZ), relative to the preset", holds: Holds::File }]
+        &[TableKey {
+            name: FILE,
+            help: "the points (PLY, XYZ), relative to the preset",
+            content: KeyContent::File,
+        }]
     }
 
     /// Those of crowns, from when both stood in one table.

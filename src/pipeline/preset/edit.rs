@@ -8,7 +8,7 @@ use std::mem;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Formatted, Item, TableLike, Value};
 
 use linden_plant::settings::LeafKind;
-use linden_skeleton::generator::Holds;
+use linden_skeleton::generator::KeyContent;
 
 use super::{Preset, former};
 use crate::generators;
@@ -31,7 +31,7 @@ const ALWAYS: [&str; 4] = ["id", "crown", "role", "mesh"];
 fn is_always(key: &str) -> bool {
     let mut of_generators = generators::all().iter().flat_map(|generator| generator.keys());
     ALWAYS.contains(&key)
-        || of_generators.any(|known| known.name == key && !matches!(known.holds, Holds::Tables(_)))
+        || of_generators.any(|known| known.name == key && !matches!(known.content, KeyContent::Tables(_)))
 }
 
 impl Preset {

@@ -123,11 +123,12 @@ fn read(mut document: Node, text: Option<&str>) -> Result<Preset, Fault> {
     for entry in entries {
         match sections.iter().find(|section| section.key() == entry.key) {
             Some(&section) => {
-                if let Datum::Table(own) = &entry.node.datum {
-                    // The crown comes first: its shape decides which dimensions there are.
-                    let (crown, rest): (Vec<&Entry>, Vec<&Entry>) =
-                        own.iter().partition(|e| e.key == "crown");
-                    for entry in crown.into_iter().chain(rest) {
+                if let Datum::Table(entries) = &entry.node.datum {
+                    // A section's first knob comes first: a crown's shape decides which dimensions there are.
+                    let knob = KNOBS.iter().find(|row| row.section == section).map(|row| row.knob);
+                    let (first, rest): (Vec<&Entry>, Vec<&Entry>) =
+                        entries.iter().partition(|entry| knob.is_some_and(|knob| knob.is_called(&entry.key)));
+                    for entry in first.into_iter().chain(rest) {
                         turn(&mut preset, section, entry)?;
                     }
                 } else {

@@ -233,7 +233,7 @@ impl FormView<'_> {
             FormRow::Heading(_) | FormRow::MoreRules(_) => {}
         }
         let is_grown_by = matches!(row, FormRow::Rule(..))
-            || matches!(row, FormRow::Knob(row_knob, _) if row_knob.section == Section::Generator("lsystem"));
+            || matches!(row, FormRow::Knob(row_knob, _) if matches!(row_knob.section, Section::Generator(_)));
         if is_grown_by && let Some(line) = forecast::line(&self.as_typed()) {
             lines.push(Line::styled(line, theme.info));
         }

@@ -1,0 +1,86 @@
+//! Trees from files, and the files that they were read from.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use linden::export::{Written, find};
+use linden::{Error, Tree, read, read_allowing, tree};
+
+/// A fir of few points; what was written of it.
+fn fir(path: PathBuf) -> Vec<Written> {
+    tree("fir").unwrap().set("points", "60").unwrap().grow().unwrap().export(path).unwrap().files
+}
+
+#[test]
+fn every_written_file_is_a_tree_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut read_back = 0;
+    for exporter in linden::export::exporters() {
+        let format = exporter.format();
+        let path = folder.path().join(format!("{}.{}", format.id, format.extensions[0]));
+        let options = linden::export::Options::new(format);
+        let exporter = find(format.id).unwrap();
+        let fir = tree("fir").unwrap().set("points", "60").unwrap().grow().unwrap();
+        fir.export_as(exporter, options, &path).unwrap();
+        if !format.holds.recipe {
+            continue;
+        }
+        let again = read(&path).unwrap();
+        assert_eq!(again.recipe().preset, fir.recipe().preset, "{}", format.id);
+        read_back += 1;
+    }
+    assert!(read_back >= 7, "{read_back}");
+}
+
+#[test]
+fn a_file_that_a_tree_was_read_from_is_not_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("fir.glb");
+    fir(path.clone());
+    let before = fs::read(&path).unwrap();
+    let again = read(&path).unwrap().seed(9).grow().unwrap();
+    let refused = again.export(&path).unwrap_err();
+    assert!(matches!(refused, Error::Export(_)), "{refused}");
+    assert_eq!(fs::read(&path).unwrap(), before);
+    again.export(folder.path().join("other.glb")).unwrap();
+}
+
+#[test]
+fn a_document_names_no_file_elsewhere_but_with_leave() {
+    let folder = tempfile::tempdir().unwrap();
+    let here = folder.path().join("here");
+    let elsewhere = folder.path().join("elsewhere");
+    fs::create_dir(&here).unwrap();
+    fs::create_dir(&elsewhere).unwrap();
+    let cloud: String = (0..40).map(|row| format!("0 {} 0\n", f64::from(row) * 0.1)).collect();
+    fs::write(elsewhere.join("pole.xyz"), &cloud).unwrap();
+    let document = here.join("pole.toml");
+    fs::write(&document, "[scan]\nfile = \"../elsewhere/pole.xyz\"\n").unwrap();
+
+    let refused = read(&document).err().unwrap();
+    let Error::NotAllowed { error, .. } = &refused else { panic!("{refused}") };
+    assert_eq!(error.folder, elsewhere);
+    read_allowing(&document, &[elsewhere.as_path()]).unwrap();
+    let missing = read_allowing(&document, &[Path::new("/no/such/folder")]).err().unwrap();
+    assert!(matches!(missing, Error::Read { .. }), "{missing}");
+
+    fs::write(here.join("beside.xyz"), &cloud).unwrap();
+    fs::write(&document, "[scan]\nfile = \"beside.xyz\"\n").unwrap();
+    read(&document).unwrap();
+}
+
+#[test]
+fn a_copy_of_a_built_in_preset_finds_its_files() {
+    let folder = tempfile::tempdir().unwrap();
+    let around = tree("around-the-stone").unwrap();
+    let path = folder.path().join("copy.toml");
+    fs::write(&path, around.recipe().preset.to_toml().unwrap()).unwrap();
+    let copy = read(&path).unwrap();
+    let hashes = |tree: &Tree| -> Vec<_> {
+        tree.recipe().inputs.iter().map(|(name, input)| (name.to_owned(), input.hash_text())).collect()
+    };
+    assert_eq!(hashes(&copy), hashes(&around));
+    assert!(!hashes(&copy).is_empty());
+}
