@@ -57,7 +57,9 @@ pub enum DressError {
     },
 }
 
-linden_base::from_cancellable!(DressError: SurfaceError => Surface, FoliageError => Foliage, BarkError => Bark);
+linden_base::from_cancellable!(
+    DressError: SurfaceError => Surface, FoliageError => Foliage, BarkError => Bark
+);
 
 /// For messages about memory.
 const BLOWING: &str = "computing the wind";
@@ -108,7 +110,7 @@ impl Wardrobe {
         monitor: &dyn Monitor,
     ) -> Result<Self, DressError> {
         let bark = [&self.bark.base_color_picture, &self.bark.normal_picture];
-        let pictures = bark.into_iter().flatten().map(|own| own.rgba().len() as u64).sum();
+        let pictures = bark.into_iter().flatten().map(|picture| picture.rgba().len() as u64).sum();
         let (covers, shapes) = covers(specimen, organs, &Holding::new(monitor, pictures))?;
         Ok(Self { bark: self.bark.clone(), covers, shapes: shapes.into() })
     }
@@ -117,7 +119,7 @@ impl Wardrobe {
     fn bytes(&self) -> u64 {
         let bark = [&self.bark.base_color_picture, &self.bark.normal_picture].into_iter().flatten();
         let covers = self.covers.iter().flatten();
-        let covers = covers.flat_map(|own| std::iter::once(&own.base_color).chain(own.normal.as_ref()));
+        let covers = covers.flat_map(|cover| std::iter::once(&cover.base_color).chain(cover.normal.as_ref()));
         bark.chain(covers).map(|picture| picture.rgba().len() as u64).sum()
     }
 
@@ -168,7 +170,7 @@ impl Wardrobe {
         monitor: &dyn Monitor,
     ) -> Result<(), FoliageError> {
         let colors = specimen.dressing.foliage.turtle_colors();
-        // A recipe with other kinds than the organs grew by: their own shapes fit them at least.
+        // A recipe with other kinds than the organs grew by: the shapes they grew with fit at least.
         let fit = self.shapes.len() == organs.shapes.len();
         let shapes = if fit { &self.shapes } else { &organs.shapes };
         for Foliage { look, mesh } in foliage::meshes_of(organs, shapes, colors.len(), monitor)? {
@@ -199,11 +201,11 @@ impl Wardrobe {
             materials.push(Material {
                 name,
                 base_color,
-                base_color_picture: cover.map(|own| Arc::clone(&own.base_color)),
-                normal_picture: cover.and_then(|own| own.normal.clone()),
+                base_color_picture: cover.map(|cover| Arc::clone(&cover.base_color)),
+                normal_picture: cover.and_then(|cover| cover.normal.clone()),
                 roughness: LEAF_ROUGHNESS,
                 double_sided: true,
-                cutout: cover.filter(|own| own.is_cut_out).map(|_| CUTOUT),
+                cutout: cover.filter(|cover| cover.is_cut_out).map(|_| CUTOUT),
                 wrap: Wrap::Clamp,
             });
         }
@@ -211,23 +213,23 @@ impl Wardrobe {
     }
 }
 
-/// The bark, its pictures drawn or the user's own.
+/// The bark, with pictures that are drawn or given by the user.
 fn bark(specimen: &Specimen<'_>, monitor: &dyn Monitor) -> Result<Material, DressError> {
     let look = &specimen.dressing.bark;
     let drawn = look.bark(specimen.key().named("bark"));
-    let own = |knob, file: &Option<String>| match file {
+    let find = |knob, file: &Option<String>| match file {
         None => Ok(None),
         Some(file) => match specimen.picture(file) {
             Some(picture) => Ok(Some(picture)),
             None => Err(DressError::NoPicture { knob, file: file.clone() }),
         },
     };
-    let (color, normal) = (own("bark_picture", &look.picture)?, own("bark_normal", &look.normal)?);
+    let (color, normal) = (find("bark_picture", &look.picture)?, find("bark_normal", &look.normal)?);
     let (base_color, mean) = match color {
-        Some(own) => (Some(texture::opaque(&own.picture)), own.mean_color),
+        Some(found) => (Some(texture::opaque(&found.picture)), found.mean_color),
         None => (None, drawn.color),
     };
-    let normal = normal.map(|own| texture::opaque(&own.picture));
+    let normal = normal.map(|found| texture::opaque(&found.picture));
     let BarkPictures { base_color, normal } = match (base_color, normal) {
         (Some(base_color), Some(normal)) => BarkPictures { base_color, normal },
         (Some(base_color), None) => {
@@ -293,11 +295,11 @@ fn covers(
             continue;
         }
         let holding = Holding::new(monitor, pictures);
-        let own = foliage::cover(specimen, index, kind, foliage.size_px, &holding)?;
-        let normal = own.normal.as_ref().map_or(0, |normal| normal.rgba().len());
-        pictures += (own.base_color.rgba().len() + normal) as u64;
-        shapes.extend(foliage::kind_shapes(specimen, index, kind, &own.cells)?);
-        covers.push(Some(own));
+        let cover = foliage::cover(specimen, index, kind, foliage.size_px, &holding)?;
+        let normal = cover.normal.as_ref().map_or(0, |normal| normal.rgba().len());
+        pictures += (cover.base_color.rgba().len() + normal) as u64;
+        shapes.extend(foliage::kind_shapes(specimen, index, kind, &cover.cells)?);
+        covers.push(Some(cover));
     }
     Ok((covers, shapes))
 }

@@ -29,9 +29,11 @@ pub struct Scene {
 impl Scene {
     /// Bytes that it takes: skeleton, meshes and pixels.
     pub fn bytes(&self) -> u64 {
-        let pixels =
-            |picture: &Option<Arc<Picture>>| picture.as_ref().map_or(0, |own| own.rgba().len() as u64);
-        let pictures = |own: &Material| pixels(&own.base_color_picture) + pixels(&own.normal_picture);
+        let pixels = |picture: &Option<Arc<Picture>>| {
+            picture.as_ref().map_or(0, |picture| picture.rgba().len() as u64)
+        };
+        let pictures =
+            |material: &Material| pixels(&material.base_color_picture) + pixels(&material.normal_picture);
         self.skeleton.bytes()
             + self.materials.iter().map(pictures).sum::<u64>()
             + self.parts.iter().map(Part::bytes).sum::<u64>()

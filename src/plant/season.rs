@@ -73,11 +73,11 @@ impl Season {
     pub fn parse_list(text: &str) -> Result<Vec<Self>, SeasonError> {
         let mut seasons: Vec<Self> = Vec::new();
         for item in text.split(',').map(str::trim).filter(|item| !item.is_empty()) {
-            let own = Self::parse(item)?;
-            if seasons.iter().any(|before| before.name == own.name) {
-                return Err(SeasonError::Twice(own.name));
+            let season = Self::parse(item)?;
+            if seasons.iter().any(|before| before.name == season.name) {
+                return Err(SeasonError::Twice(season.name));
             }
-            seasons.push(own);
+            seasons.push(season);
         }
         if seasons.is_empty() { Err(SeasonError::Empty) } else { Ok(seasons) }
     }

@@ -1,7 +1,7 @@
 //! Trees of linden's presets for the tests of this crate.
 //!
-//! Tests see this crate twice: as what is tested, and as what `linden` depends on. Skeletons and organs are the
-//! same for both; what is of this crate is read anew from the preset's document.
+//! Tests see this crate twice: as what is tested, and as what `linden` depends on. Skeletons and organs
+//! are the same for both; what is of this crate is read anew from the preset's document.
 
 use std::sync::Arc;
 

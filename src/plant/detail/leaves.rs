@@ -50,35 +50,35 @@ impl<'a> Leaves<'a> {
                 .collect())
         });
         let triangles = counted.collect::<Result<Vec<Vec<u32>>, Cancelled>>()?.concat();
-        let total = triangles.iter().map(|&own| u64::from(own)).sum();
+        let total = triangles.iter().map(|&count| u64::from(count)).sum();
         Ok(Self { organs, triangles, total })
     }
 
-    /// Triangles of all.
+    /// Triangles of all leaves.
     pub fn total(&self) -> u64 {
         self.total
     }
 
-    /// Triangles of a share of them.
+    /// Triangles of a share of the leaves.
     pub fn triangles(&self, share: f64) -> u64 {
         if share >= 1.0 {
             return self.total;
         }
         let kept = self.triangles.iter().enumerate().filter(|(organ, _)| rank(*organ) < share);
-        kept.map(|(_, &own)| u64::from(own)).sum()
+        kept.map(|(_, &count)| u64::from(count)).sum()
     }
 
-    /// The largest share with no more than so many triangles, exact to a leaf.
+    /// The largest share with no more than `triangles`, exact to a leaf.
     pub fn share_within(&self, triangles: u64) -> f64 {
         if triangles >= self.total {
             return 1.0;
         }
         let mut ranked: Vec<(f64, u32)> =
-            self.triangles.iter().enumerate().map(|(organ, &own)| (rank(organ), own)).collect();
+            self.triangles.iter().enumerate().map(|(organ, &count)| (rank(organ), count)).collect();
         ranked.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         let mut sum = 0;
-        for &(rank, own) in &ranked {
-            sum += u64::from(own);
+        for &(rank, count) in &ranked {
+            sum += u64::from(count);
             if sum > triangles {
                 // Everything of a lower rank stays.
                 return rank;
@@ -89,10 +89,10 @@ impl<'a> Leaves<'a> {
 
     /// The fewest that there can be: one leaf, where there are any.
     pub fn least(&self) -> u64 {
-        self.triangles.iter().find(|&&own| own > 0).map_or(0, |&own| own.into())
+        self.triangles.iter().find(|&&count| count > 0).map_or(0, |&count| count.into())
     }
 
-    /// Those that stay.
+    /// The organs that stay.
     pub fn thinned(&self, detail: &Detail) -> Organs {
         if detail.leaf_share >= 1.0 {
             return self.organs.clone();
@@ -104,26 +104,26 @@ impl<'a> Leaves<'a> {
 /// Some of the organs, larger: round the place where they are attached.
 fn selected(all: &Organs, stays: impl Fn(usize) -> bool, scale: f32) -> Organs {
     let mut some = Organs { shapes: Arc::clone(&all.shapes), ..Organs::default() };
-    let (own, new) = (&all.polygons, &mut some.polygons);
-    for polygon in (0..own.ends.len()).filter(|&polygon| stays(polygon)) {
+    let (polygons, new) = (&all.polygons, &mut some.polygons);
+    for polygon in (0..polygons.ends.len()).filter(|&polygon| stays(polygon)) {
         let corners = all.corners_of(polygon);
         // An outline begins where it is attached.
         let foot = corners.first().copied().unwrap_or_default();
         new.corners.extend(corners.iter().map(|&corner| foot + (corner - foot) * scale));
         new.ends.push(new.corners.len() as u32);
-        new.headings.push(own.headings[polygon]);
-        new.ups.push(own.ups[polygon]);
-        push(&mut new.growth, &own.growth, polygon);
+        new.headings.push(polygons.headings[polygon]);
+        new.ups.push(polygons.ups[polygon]);
+        push(&mut new.growth, &polygons.growth, polygon);
     }
-    let (own, new) = (&all.placed, &mut some.placed);
+    let (placed, new) = (&all.placed, &mut some.placed);
     let before = all.polygons.ends.len();
-    for organ in (0..own.prototypes.len()).filter(|&organ| stays(before + organ)) {
-        new.prototypes.push(own.prototypes[organ]);
-        new.positions.push(own.positions[organ]);
-        new.headings.push(own.headings[organ]);
-        new.ups.push(own.ups[organ]);
-        new.sizes_m.push(own.sizes_m[organ] * scale);
-        push(&mut new.growth, &own.growth, organ);
+    for organ in (0..placed.prototypes.len()).filter(|&organ| stays(before + organ)) {
+        new.prototypes.push(placed.prototypes[organ]);
+        new.positions.push(placed.positions[organ]);
+        new.headings.push(placed.headings[organ]);
+        new.ups.push(placed.ups[organ]);
+        new.sizes_m.push(placed.sizes_m[organ] * scale);
+        push(&mut new.growth, &placed.growth, organ);
     }
     some
 }
@@ -144,7 +144,7 @@ mod tests {
     /// Leaves in a row, of two kinds.
     fn row(count: u32) -> Organs {
         let kinds = ['L', 'N'].map(|letter| prototype(letter).unwrap());
-        let own = Placed {
+        let placed = Placed {
             prototypes: (0..count).map(|i| kinds[i as usize % 2]).collect(),
             positions: (0..count).map(|i| Vec3::X * i as f32).collect(),
             headings: vec![Vec3::Y; count as usize],
@@ -156,7 +156,7 @@ mod tests {
                 births: vec![0; count as usize],
             },
         };
-        Organs { placed: own, ..Organs::default() }
+        Organs { placed, ..Organs::default() }
     }
 
     fn with(share: f64) -> Detail {
@@ -203,7 +203,7 @@ mod tests {
             assert!(found + u64::from(largest) > budget.min(leaves.total()), "{budget}: {found}");
             let thin = leaves.thinned(&with(share));
             let made = crate::foliage::meshes(&thin, 1, &Quiet).unwrap();
-            assert_eq!(made.iter().map(|own| own.mesh.triangles.len() as u64).sum::<u64>(), found);
+            assert_eq!(made.iter().map(|foliage| foliage.mesh.triangles.len() as u64).sum::<u64>(), found);
         }
     }
 }

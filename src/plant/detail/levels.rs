@@ -73,7 +73,7 @@ pub struct Year {
     pub seasons: Vec<(Season, Vec<Level>)>,
     /// What the user should know.
     pub notes: Vec<String>,
-    /// The tree's own.
+    /// Of the tree as it was asked for, where `seasons` may have others.
     recipe: String,
 }
 
@@ -92,9 +92,9 @@ impl Year {
     }
 }
 
-/// Dresses a tree in each of some seasons, as [`levels`] does in its own: the wood is the same in all of
-/// them, level by level, and a leaf that is there in two hangs in the same place. A budget of triangles is
-/// met where the tree has most leaves. First comes the season nearest to the recipe's own.
+/// Dresses a tree in each of some seasons, as [`levels`] does in that of the recipe: the wood is the same
+/// in all of them, level by level, and a leaf that is there in two hangs in the same place. A budget of
+/// triangles is met where the tree has most leaves. First comes the season nearest to the recipe's.
 ///
 /// # Errors
 /// As [`levels`]. Without any season there is that of the recipe.
@@ -104,12 +104,12 @@ pub fn year(
     seasons: &[Season],
     monitor: &dyn Monitor,
 ) -> Result<Year, DetailError> {
-    let own = specimen.dressing.foliage.season;
+    let recipe_season = specimen.dressing.foliage.season;
     let mut seasons = seasons.to_vec();
     if seasons.is_empty() {
-        seasons.push(Season { name: "own".to_owned(), season: own });
+        seasons.push(Season { name: "own".to_owned(), season: recipe_season });
     }
-    let away = |at: usize| (seasons[at].season - own).abs();
+    let away = |at: usize| (seasons[at].season - recipe_season).abs();
     let first = (1..seasons.len()).fold(0, |best, at| if away(at) < away(best) { at } else { best });
     seasons[..=first].rotate_right(1);
 
@@ -230,9 +230,9 @@ impl Plan {
             }
             Some(details) => {
                 let simplifier = Simplifier::new(tubes, body, monitor)?;
-                for own in details {
+                for level_detail in details {
                     let held = Holding::new(monitor, scenes.iter().map(Scene::bytes).sum());
-                    let thin = simplifier.simplified(own, &held)?;
+                    let thin = simplifier.simplified(level_detail, &held)?;
                     scenes.push(dressed(thin, wardrobe, field.as_ref(), specimen, body, &held)?);
                 }
             }
@@ -242,7 +242,7 @@ impl Plan {
             let held = Holding::new(monitor, scenes.iter().skip(1).map(Scene::bytes).sum());
             scenes.push(billboard(&scenes[0], &how, &held)?);
         }
-        // So many triangles per pixel: the height goes with the root of their number.
+        // As many triangles per pixel in each: the height goes with the root of their number.
         let step = (detail.lod_ratio as f32).sqrt();
         let triangles =
             |scene: &Scene| scene.parts.iter().map(|part| part.mesh.triangles.len()).sum::<usize>();
@@ -253,8 +253,8 @@ impl Plan {
         let level = |(index, scene): (usize, Scene)| {
             coverage *= step;
             let listed = NEAR * (triangles(&scene) as f32 / most).sqrt();
-            let own = if is_listed { listed } else { coverage };
-            Level { scene, coverage: if index == last { 0.0 } else { own } }
+            let threshold = if is_listed { listed } else { coverage };
+            Level { scene, coverage: if index == last { 0.0 } else { threshold } }
         };
         Ok(scenes.into_iter().enumerate().map(level).collect())
     }
@@ -287,8 +287,8 @@ pub fn finest(dressing: &Dressing, body: Body<'_>, monitor: &dyn Monitor) -> Res
         });
     }
     let simplifier = Simplifier::new(tubes, body, monitor)?;
-    let own = simplifier.within(budget, monitor)?;
-    let Simplified { skeleton, organs, tubes, .. } = simplifier.simplified(&own, monitor)?;
+    let chosen = simplifier.within(budget, monitor)?;
+    let Simplified { skeleton, organs, tubes, .. } = simplifier.simplified(&chosen, monitor)?;
     Ok(Finest { skeleton: Arc::new(skeleton), organs: Arc::new(organs), tubes })
 }
 

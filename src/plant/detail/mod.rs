@@ -37,8 +37,8 @@ pub struct Detail {
     pub sides: u32,
     /// Rings per segment: see [`Tubes::rings`].
     pub rings: u32,
-    /// Nodes are passed over as long as their axis stays within so many metres of where it was; 0
-    /// keeps all.
+    /// Nodes are passed over as long as their axis stays within this distance of where it was, metres;
+    /// 0 keeps all.
     pub tolerance_m: f32,
     /// Axes that are thinner at their base, metres, are left out with all that leaves from them; 0 keeps
     /// all. Of axes that are equally thick some stay a little longer, so that not all go at once.
@@ -111,7 +111,10 @@ pub enum DetailError {
     Billboard(BillboardError),
 }
 
-linden_base::from_cancellable!(DetailError: SurfaceError => Surface, FoliageError => Foliage, DressError => Dress, BillboardError => Billboard);
+linden_base::from_cancellable!(
+    DetailError: SurfaceError => Surface, FoliageError => Foliage, DressError => Dress,
+    BillboardError => Billboard
+);
 
 /// A grown tree, prepared to be shown with less.
 pub struct Simplifier<'a> {
@@ -174,6 +177,6 @@ impl<'a> Simplifier<'a> {
         let tubes = Tubes { sides: detail.sides, rings: detail.rings, ..self.tubes };
         let (skeleton, _) = self.wood.thinned(detail);
         let counts = surface::count(&skeleton, &tubes, monitor)?;
-        Ok(counts.iter().map(|own| own.triangles as u64).sum())
+        Ok(counts.iter().map(|tube| tube.triangles as u64).sum())
     }
 }

@@ -90,7 +90,7 @@ impl Simplifier<'_> {
         }
     }
 
-    /// The wood with about so many triangles, rather fewer than more.
+    /// The wood with about `budget` triangles, rather fewer than more.
     fn wood_within(&self, budget: u64, monitor: &dyn Monitor) -> Result<Detail, DetailError> {
         // The fewest rings between nodes that leave something to be taken away.
         let mut rings = self.tubes.rings;
@@ -176,11 +176,12 @@ mod tests {
     fn every_budget_is_met_by_every_tree() {
         let mut checked = 0;
         // Plants are large: one in seven, with fewer budgets.
-        let (plants, plain): (Vec<&Builtin>, Vec<&Builtin>) =
-            builtins().iter().partition(|own| own.load().is_ok_and(|preset| preset.group == "Plants"));
+        let (plants, plain): (Vec<&Builtin>, Vec<&Builtin>) = builtins()
+            .iter()
+            .partition(|builtin| builtin.load().is_ok_and(|preset| preset.group == "Plants"));
         let all = [0.9, 0.5, 0.3, 0.1, 0.03, 0.01];
-        let plain = plain.into_iter().map(|own| (own, &all[..]));
-        let plants = plants.into_iter().step_by(7).map(|own| (own, &all[3..4]));
+        let plain = plain.into_iter().map(|builtin| (builtin, &all[..]));
+        let plants = plants.into_iter().step_by(7).map(|builtin| (builtin, &all[3..4]));
         for (builtin, shares) in plain.chain(plants) {
             let subject = Subject::of(builtin.recipe(&Quiet).unwrap());
             let grown = subject.grow();

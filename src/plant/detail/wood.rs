@@ -9,8 +9,8 @@ use linden_skeleton::{Axis, NO_PARENT, Skeleton};
 /// Fractional part of the golden ratio: its multiples fill the unit interval evenly at every moment
 /// (Weyl's sequence with the least discrepancy).
 pub(super) const GOLDEN: f64 = 0.618_033_988_749_894_9;
-/// Of things that matter equally, the last goes when so much more is given up than for the first. In a
-/// grammar's tree hundreds are equal, and a rule that took all at once could not meet a budget.
+/// Of things that matter equally, the last goes when this share more is given up than for the first. In
+/// a grammar's tree hundreds are equal, and a rule that took all at once could not meet a budget.
 const SPREAD: f32 = 0.5;
 /// What a node counts that lies straight between its neighbours, as a share of their distance: long
 /// straight pieces keep a node or two when there is room.
@@ -44,17 +44,17 @@ impl<'a> Wood<'a> {
             if index.is_multiple_of(AXES_PER_CHECK) {
                 monitor.check()?;
             }
-            let own = skeleton.nodes_of(axis);
-            for &node in own {
+            let nodes = skeleton.nodes_of(axis);
+            for &node in nodes {
                 axis_of[node as usize] = index as u32;
             }
-            let base_m = own.first().map_or(0.0, |&node| skeleton.radii[node as usize]);
-            let own_m = base_m * later(index as u32);
+            let base_m = nodes.first().map_or(0.0, |&node| skeleton.radii[node as usize]);
+            let limit_m = base_m * later(index as u32);
             let parent_m = match axis.parent {
                 NO_PARENT => f32::INFINITY,
                 node => stays[axis_of[node as usize] as usize],
             };
-            stays.push(own_m.min(parent_m));
+            stays.push(limit_m.min(parent_m));
             splitter.rank(skeleton, axis, &mut needed);
         }
         // Something must stay: the thickest stem, the first of those.
@@ -74,7 +74,7 @@ impl<'a> Wood<'a> {
     /// The longest edge of the box round it, metres.
     pub fn size_m(&self) -> f32 {
         let bounds = linden_base::mesh::Bounds::of(self.skeleton.positions.iter().copied());
-        bounds.map_or(0.0, |own| own.size().max_element())
+        bounds.map_or(0.0, |bounds| bounds.size().max_element())
     }
 
     /// What stays of it, and for each axis its index in the whole.
@@ -121,8 +121,8 @@ impl<'a> Wood<'a> {
         let mut axes = Vec::new();
         for (index, axis) in whole.axes.iter().enumerate().filter(|(index, _)| axis_stays(*index)) {
             let first = thin.axis_nodes.len() as u32;
-            let own = whole.nodes_of(axis).iter().filter(|&&node| keep[node as usize]);
-            thin.axis_nodes.extend(own.map(|&node| new[node as usize]));
+            let nodes = whole.nodes_of(axis).iter().filter(|&&node| keep[node as usize]);
+            thin.axis_nodes.extend(nodes.map(|&node| new[node as usize]));
             let parent = if axis.parent == NO_PARENT { NO_PARENT } else { new[axis.parent as usize] };
             let len = thin.axis_nodes.len() as u32 - first;
             thin.axes.push(Axis { order: axis.order, parent, first, len });
@@ -147,22 +147,22 @@ impl Splitter {
     /// any axis takes time in proportion to n log n; no node counts more than the one that split
     /// its piece. The change of the radius counts like the change of place.
     fn rank(&mut self, skeleton: &Skeleton, axis: &Axis, needed: &mut [f32]) {
-        let own = skeleton.nodes_of(axis);
+        let nodes = skeleton.nodes_of(axis);
         let station =
             |node: u32, thick: u32| (skeleton.positions[node as usize], skeleton.radii[thick as usize]);
         self.line.clear();
         let laterals = usize::from(axis.parent != NO_PARENT);
-        if let (1, Some(&first)) = (laterals, own.first()) {
+        if let (1, Some(&first)) = (laterals, nodes.first()) {
             self.line.push(station(axis.parent, first));
         }
-        self.line.extend(own.iter().map(|&node| station(node, node)));
+        self.line.extend(nodes.iter().map(|&node| station(node, node)));
         self.open.clear();
         if self.line.len() > 2 {
             self.open.push((0, self.line.len() - 1, f32::INFINITY));
         }
         while let Some((from, to, above)) = self.open.pop() {
             let (split, error) = self.farthest(from, to);
-            let node = own[split - laterals];
+            let node = nodes[split - laterals];
             let alone = error + STRAIGHT * self.line[from].0.distance(self.line[to].0);
             let counts = (alone * later(node)).min(above);
             needed[node as usize] = counts;
@@ -230,16 +230,16 @@ mod tests {
                     let before = &whole.axes[whole_axis as usize];
                     assert_eq!(axis.order, before.order);
                     // Each begins and ends where it did.
-                    let (own, all) = (thin.nodes_of(axis), whole.nodes_of(before));
+                    let (kept, all) = (thin.nodes_of(axis), whole.nodes_of(before));
                     let same = |a: u32, b: u32| {
                         assert_eq!(thin.positions[a as usize], whole.positions[b as usize], "{id}");
                     };
-                    same(own[own.len() - 1], all[all.len() - 1]);
+                    same(kept[kept.len() - 1], all[all.len() - 1]);
                     if before.parent != NO_PARENT {
                         same(axis.parent, before.parent);
-                        assert_eq!(thin.parents[own[0] as usize], axis.parent);
+                        assert_eq!(thin.parents[kept[0] as usize], axis.parent);
                     }
-                    for pair in own.windows(2) {
+                    for pair in kept.windows(2) {
                         assert_eq!(thin.parents[pair[1] as usize], pair[0]);
                         assert!(pair[0] < pair[1], "parents come first");
                     }
@@ -298,10 +298,10 @@ mod tests {
             assert!(axes.len() < before);
             before = axes.len();
             for &axis in &axes {
-                let own = whole.axes[axis as usize];
-                assert!(base(&own) * (1.0 + SPREAD) >= smallest_m);
-                if own.parent != NO_PARENT {
-                    assert!(axes.contains(&wood.axis_of[own.parent as usize]), "its parent is there");
+                let kept = whole.axes[axis as usize];
+                assert!(base(&kept) * (1.0 + SPREAD) >= smallest_m);
+                if kept.parent != NO_PARENT {
+                    assert!(axes.contains(&wood.axis_of[kept.parent as usize]), "its parent is there");
                 }
             }
         }

@@ -49,7 +49,7 @@ pub(super) struct Walk {
 struct Station {
     position: Vec3,
     radius_m: f32,
-    /// The skeleton's node; for a lateral's foot, which is its parent's, the first own one.
+    /// The skeleton's node; for a lateral's foot, which is its parent's, the lateral's first.
     node: u32,
     /// Arc length from the base, metres.
     along_m: f64,
@@ -68,13 +68,13 @@ impl Walk {
     /// the arc length at which it leaves its parent's wood.
     pub fn begin(&mut self, skeleton: &Skeleton, axis: &Axis) -> Option<Begun> {
         self.stations.clear();
-        let own = skeleton.nodes_of(axis);
-        let &first = own.first()?;
+        let nodes = skeleton.nodes_of(axis);
+        let &first = nodes.first()?;
         let at = |node: u32| skeleton.positions[node as usize];
         let start = if axis.parent == NO_PARENT { first } else { axis.parent };
         let mut last = Station {
             position: at(start),
-            // As the surface has it: a lateral is as thick at its root as at its first own node.
+            // As the surface has it: a lateral is as thick at its root as at its first node.
             radius_m: skeleton.radii[first as usize],
             node: first,
             along_m: 0.0,
@@ -82,7 +82,7 @@ impl Walk {
             side: Vec3::ZERO,
         };
         self.stations.push(last);
-        for &node in own.iter().skip(usize::from(axis.parent == NO_PARENT)) {
+        for &node in nodes.iter().skip(usize::from(axis.parent == NO_PARENT)) {
             let position = at(node);
             let length_m = last.position.distance(position);
             if !(length_m > SHORTEST_M) {

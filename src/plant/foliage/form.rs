@@ -25,11 +25,11 @@ pub(super) fn shapes(
     kind: &LeafKind,
     index: usize,
     cells: &[Cell],
-    own: Option<&TriangleMesh>,
+    users_mesh: Option<&TriangleMesh>,
 ) -> Result<Vec<LeafShape>, FoliageError> {
     let shape = |cell: &Cell| {
-        let mesh = match (kind.form, own) {
-            (Form::Mesh, Some(own)) => users(own, cell)?,
+        let mesh = match (kind.form, users_mesh) {
+            (Form::Mesh, Some(users_mesh)) => users(users_mesh, cell)?,
             (Form::None | Form::Mesh, _) => Mesh::default(),
             (Form::Card, _) => card(cell),
             (Form::Cross, _) => crossed(cell, 2),
@@ -141,9 +141,9 @@ fn hanging(at: Vec2, bend: f32, fold: f32) -> Vec3 {
     Vec3::new(at.x * upright, along, (cos - 1.0) / bend + rise * cos)
 }
 
-/// Leaflets of a fan when nobody says.
+/// Leaflets of a fan, where the settings give none.
 const LEAFLETS: u32 = 5;
-/// The stalk's share when nobody says.
+/// The stalk's share, where the settings give none.
 const STALK: f32 = 0.3;
 /// Half the angle over which a fan is spread, radians.
 const SPREAD: f32 = 1.45;
@@ -183,14 +183,14 @@ fn leaflets(kind: &LeafKind) -> Vec<(f32, f32)> {
 }
 
 /// A user's mesh: its lowest point at the origin, one unit high.
-fn users(own: &TriangleMesh, cell: &Cell) -> Result<Mesh, FoliageError> {
-    let triangles = own.triangles.len();
+fn users(model: &TriangleMesh, cell: &Cell) -> Result<Mesh, FoliageError> {
+    let triangles = model.triangles.len();
     if triangles > MAX_TRIANGLES {
         return Err(FoliageError::MeshTooLarge { triangles, limit: MAX_TRIANGLES });
     }
-    let mut used = vec![false; own.positions.len()];
-    own.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
-    let corners = own.positions.iter().zip(&used).filter(|(_, used)| **used).map(|(p, _)| *p);
+    let mut used = vec![false; model.positions.len()];
+    model.triangles.iter().flatten().for_each(|&v| used[v as usize] = true);
+    let corners = model.positions.iter().zip(&used).filter(|(_, used)| **used).map(|(p, _)| *p);
     let (low, high) = corners
         .fold(None, |box_, p| match box_ {
             None => Some((p, p)),
@@ -206,14 +206,14 @@ fn users(own: &TriangleMesh, cell: &Cell) -> Result<Mesh, FoliageError> {
     let foot = if hangs { low.with_x(0.0).with_z(0.0) } else { (low + high).with_y(2.0 * low.y) / 2.0 };
     let mut index = vec![u32::MAX; used.len()];
     let mut mesh = Mesh::default();
-    for (vertex, &position) in own.positions.iter().enumerate().filter(|(vertex, _)| used[*vertex]) {
+    for (vertex, &position) in model.positions.iter().enumerate().filter(|(vertex, _)| used[*vertex]) {
         index[vertex] = mesh.positions.len() as u32;
         mesh.positions.push(((position - foot) / size.y).as_vec3());
         let share = (position - low) / size.max(glam::DVec3::splat(1e-12));
         let share = Vec2::new(share.x as f32, share.y as f32);
         mesh.uvs.push(cell.min + share * (cell.max - cell.min));
     }
-    mesh.triangles = own.triangles.iter().map(|corners| corners.map(|v| index[v as usize])).collect();
+    mesh.triangles = model.triangles.iter().map(|corners| corners.map(|v| index[v as usize])).collect();
     Ok(mesh.with_smooth_normals())
 }
 

@@ -60,28 +60,29 @@ impl Instances {
     /// The meshes that stand somewhere, each with all its places. Takes about 50 ns and
     /// [`Instances::BYTES`] a copy.
     pub fn copies(&self) -> Vec<Copies<'_>> {
-        let own = &self.organs.placed;
+        let placed = &self.organs.placed;
         let meshes = PROTOTYPES.len() + self.shapes.len();
         let mut placements: Vec<Vec<Placement>> = vec![Vec::new(); meshes];
-        for (organ, &prototype) in own.prototypes.iter().enumerate() {
+        for (organ, &prototype) in placed.prototypes.iter().enumerate() {
             if self.look_of(organ) != self.look {
                 continue;
             }
             if let Some(of) = placements.get_mut(usize::from(prototype)) {
-                let (heading, up) = (own.headings[organ], own.ups[organ]);
+                let (heading, up) = (placed.headings[organ], placed.ups[organ]);
                 let turn = Quat::from_mat3(&Mat3::from_cols(heading.cross(up), heading, up));
                 of.push(Placement {
-                    position: own.positions[organ],
+                    position: placed.positions[organ],
                     rotation: turn.normalize(),
-                    scale: own.sizes_m[organ],
+                    scale: placed.sizes_m[organ],
                 });
             }
         }
-        let shapes = (1..).zip(self.shapes.iter()).map(|(number, own)| {
-            let first = self.shapes.iter().position(|shape| shape.kind == own.kind).unwrap_or_default();
-            (format!("variant_{}", number - first), &own.mesh)
+        let shapes = (1..).zip(self.shapes.iter()).map(|(number, variant)| {
+            let first = self.shapes.iter().position(|shape| shape.kind == variant.kind).unwrap_or_default();
+            (format!("variant_{}", number - first), &variant.mesh)
         });
-        let named = PROTOTYPES.iter().map(|own| (own.name.to_owned(), own.mesh())).chain(shapes);
+        let named =
+            PROTOTYPES.iter().map(|prototype| (prototype.name.to_owned(), prototype.mesh())).chain(shapes);
         named
             .zip(placements)
             .filter(|((_, mesh), places)| !places.is_empty() && !mesh.triangles.is_empty())

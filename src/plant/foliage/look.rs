@@ -43,14 +43,14 @@ pub fn cover(
     monitor: &dyn Monitor,
 ) -> Result<Cover, FoliageError> {
     if let Some(file) = &kind.picture {
-        let Some(own) = specimen.picture(file) else {
+        let Some(found) = specimen.picture(file) else {
             return Err(FoliageError::WrongInput { file: file.clone(), expected: "a picture (PNG)" });
         };
         return Ok(Cover {
-            base_color: Arc::clone(&own.picture),
+            base_color: Arc::clone(&found.picture),
             normal: None,
-            is_cut_out: own.has_alpha,
-            cells: vec![Cell::whole(own)],
+            is_cut_out: found.has_alpha,
+            cells: vec![Cell::whole(found)],
         });
     }
     let season = specimen.dressing.foliage.season as f32;

@@ -146,7 +146,7 @@ pub fn meshes_of(
     let mut all: Vec<Mesh> = Vec::new();
     for slot in 0..baker.slots() {
         let of = |count: fn(&Amount) -> usize| plans.iter().map(|plan| count(&plan.amounts[slot])).sum();
-        all.push(Mesh::zeroed(of(|own| own.vertices), of(|own| own.triangles)));
+        all.push(Mesh::zeroed(of(|amount| amount.vertices), of(|amount| amount.triangles)));
     }
     let targets = split(&mut all, &plans);
     plans.par_iter().zip(targets).try_for_each(|(plan, mut targets)| {
@@ -159,7 +159,7 @@ pub fn meshes_of(
         Some(kind) => Look::Kind(kind),
     });
     let all = looks.zip(all).map(|(look, mesh)| Foliage { look, mesh });
-    Ok(all.filter(|own| !own.mesh.triangles.is_empty()).collect())
+    Ok(all.filter(|foliage| !foliage.mesh.triangles.is_empty()).collect())
 }
 
 /// How much there is.
@@ -206,7 +206,8 @@ struct Stamp<'a> {
 impl<'a> Baker<'a> {
     fn new(organs: &'a Organs, shapes: &'a [LeafShape], colors: usize) -> Self {
         let centers = centers(organs, shapes);
-        let plain = PROTOTYPES.iter().map(|own| Stamp { mesh: own.mesh(), slot: None, dome: None });
+        let plain =
+            PROTOTYPES.iter().map(|prototype| Stamp { mesh: prototype.mesh(), slot: None, dome: None });
         let shaped = shapes.iter().map(|shape| {
             let kind = usize::from(shape.kind);
             let dome = shape.is_dome.then(|| centers[kind]);
@@ -229,7 +230,7 @@ impl<'a> Baker<'a> {
         let mut shaper = Shaper::default();
         for organ in plan.organs.start..plan.organs.end.min(polygons) {
             let slot = self.color_slot(self.organs.growth(organ).color);
-            let at = plan.filled.iter().position(|(own, _)| *own == slot).unwrap_or_else(|| {
+            let at = plan.filled.iter().position(|(known, _)| *known == slot).unwrap_or_else(|| {
                 plan.filled.push((slot, Mesh::default()));
                 plan.filled.len() - 1
             });
@@ -258,7 +259,7 @@ impl<'a> Baker<'a> {
     /// The slot and the shape of an organ of the table.
     fn stamp(&self, placed: usize) -> (usize, &Stamp<'_>) {
         let prototype = usize::from(self.organs.placed.prototypes[placed]);
-        // A shape that nobody gave is drawn as one of the table.
+        // A shape that is not given is drawn as one of the table.
         let stamp = self.stamps.get(prototype).unwrap_or(&self.stamps[prototype % PROTOTYPES.len()]);
         (stamp.slot.unwrap_or_else(|| self.color_slot(self.organs.placed.growth.colors[placed])), stamp)
     }
@@ -285,9 +286,9 @@ impl<'a> Baker<'a> {
     fn place(&self, placed: usize, stamp: &Stamp<'_>, target: &mut Target<'_>) {
         let mesh = stamp.mesh;
         target.begin(mesh);
-        let own = &self.organs.placed;
-        let (foot, size) = (own.positions[placed], own.sizes_m[placed]);
-        let (heading, up) = (own.headings[placed], own.ups[placed]);
+        let organs = &self.organs.placed;
+        let (foot, size) = (organs.positions[placed], organs.sizes_m[placed]);
+        let (heading, up) = (organs.headings[placed], organs.ups[placed]);
         let side = heading.cross(up);
         let turn = |v: Vec3| side * v.x + heading * v.y + up * v.z;
         let positions = target.positions.take(mesh.positions.len());
@@ -297,11 +298,11 @@ impl<'a> Baker<'a> {
         copy(normals, &mesh.normals, turn);
         let Some(center) = stamp.dome else { return };
         for (normal, &at) in normals.iter_mut().zip(&*positions) {
-            let own = *normal;
-            let out = (at - center).normalize_or(own);
+            let face = *normal;
+            let out = (at - center).normalize_or(face);
             // Where the back looks out of the crown, renderers turn the normal round.
-            let out = if own.dot(out) < 0.0 { -out } else { out };
-            *normal = own.lerp(out, DOME).normalize_or(own);
+            let out = if face.dot(out) < 0.0 { -out } else { out };
+            *normal = face.lerp(out, DOME).normalize_or(face);
         }
     }
 }
@@ -323,7 +324,7 @@ fn unrolled<const N: usize, T: Copy, U>(to: &mut [U], from: &[T], change: impl F
     true
 }
 
-/// How far dome normals turn from the face's own to out of the crown.
+/// How far dome normals turn from the face's normal to out of the crown, a share.
 const DOME: f32 = 0.75;
 
 /// The middle of what each kind takes up.
@@ -334,13 +335,16 @@ fn centers(organs: &Organs, shapes: &[LeafShape]) -> Vec<Vec3> {
         for (&prototype, &at) in organs.placed.prototypes.iter().zip(&organs.placed.positions) {
             let shape = usize::from(prototype).checked_sub(PROTOTYPES.len());
             if let Some(shape) = shape.and_then(|shape| shapes.get(shape)) {
-                let own = &mut bounds[usize::from(shape.kind)];
+                let kind_bounds = &mut bounds[usize::from(shape.kind)];
                 let point = Bounds { min: at, max: at };
-                *own = Some(own.map_or(point, |known| known.union(point)));
+                *kind_bounds = Some(kind_bounds.map_or(point, |known| known.union(point)));
             }
         }
     }
-    bounds.into_iter().map(|own| own.map_or(Vec3::ZERO, |own| own.min.midpoint(own.max))).collect()
+    bounds
+        .into_iter()
+        .map(|found| found.map_or(Vec3::ZERO, |bounds| bounds.min.midpoint(bounds.max)))
+        .collect()
 }
 
 /// A slice of which the front is taken, piece after piece.
@@ -374,7 +378,7 @@ impl Target<'_> {
     }
 }
 
-/// Each task's own slices of all meshes.
+/// Cuts all meshes into the slices that each task fills.
 fn split<'a>(all: &'a mut [Mesh], plans: &[Plan]) -> Vec<Vec<Target<'a>>> {
     let mut rest: Vec<Target<'a>> = all
         .iter_mut()
@@ -386,20 +390,20 @@ fn split<'a>(all: &'a mut [Mesh], plans: &[Plan]) -> Vec<Vec<Target<'a>>> {
             next: 0,
         })
         .collect();
-    let one = |target: &mut Target<'a>, own: &Amount| {
+    let one = |target: &mut Target<'a>, amount: &Amount| {
         let next = target.next;
-        target.next += own.vertices as u32;
+        target.next += amount.vertices as u32;
         Target {
-            positions: Rest(target.positions.take(own.vertices)),
-            normals: Rest(target.normals.take(own.vertices)),
-            uvs: Rest(target.uvs.take(own.vertices)),
-            triangles: Rest(target.triangles.take(own.triangles)),
+            positions: Rest(target.positions.take(amount.vertices)),
+            normals: Rest(target.normals.take(amount.vertices)),
+            uvs: Rest(target.uvs.take(amount.vertices)),
+            triangles: Rest(target.triangles.take(amount.triangles)),
             next,
         }
     };
     plans
         .iter()
-        .map(|plan| rest.iter_mut().zip(&plan.amounts).map(|(t, own)| one(t, own)).collect())
+        .map(|plan| rest.iter_mut().zip(&plan.amounts).map(|(t, amount)| one(t, amount)).collect())
         .collect()
 }
 
@@ -426,9 +430,9 @@ impl Shaper {
     }
 
     fn polygon(&mut self, organs: &Organs, polygon: usize, mesh: &mut Mesh) {
-        let own = &organs.polygons;
+        let polygons = &organs.polygons;
         let corners = organs.corners_of(polygon);
-        let filled = self.filler.fill(corners, own.headings[polygon], own.ups[polygon]);
+        let filled = self.filler.fill(corners, polygons.headings[polygon], polygons.ups[polygon]);
         let Some(filled) = filled else { return };
         let first = mesh.positions.len() as u32;
         for &(corner, uv) in &filled.corners {

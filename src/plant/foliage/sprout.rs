@@ -67,17 +67,17 @@ pub fn sprout(
     }
     organs.shapes = Arc::from(all);
     let key = specimen.key().named("leaves");
-    if let Some(first) = crops.first().filter(|own| own.kind.form != Form::None) {
+    if let Some(first) = crops.first().filter(|crop| crop.kind.form != Form::None) {
         take_over(&mut organs.placed, first, key.named("grammar"));
     }
     let (first, also) = crops.split_at(1);
-    let takers: Vec<&Crop> = also.iter().filter(|own| own.kind.share > 0.0).collect();
+    let takers: Vec<&Crop> = also.iter().filter(|crop| crop.kind.share > 0.0).collect();
     let mut fields = Vec::new();
     if first[0].kind.form != Form::None || !takers.is_empty() {
-        fields.push(Field { own: &first[0], takers, key: key.child(0) });
+        fields.push(Field { crop: &first[0], takers, key: key.child(0) });
     }
-    for (i, own) in also.iter().enumerate().filter(|(_, own)| own.kind.share == 0.0) {
-        fields.push(Field { own, takers: Vec::new(), key: key.child(i as u64 + 1) });
+    for (i, crop) in also.iter().enumerate().filter(|(_, crop)| crop.kind.share == 0.0) {
+        fields.push(Field { crop, takers: Vec::new(), key: key.child(i as u64 + 1) });
     }
     for field in fields {
         field.grow(skeleton, &mut organs.placed, monitor)?;
@@ -95,7 +95,7 @@ pub(crate) fn kind_shapes(
     kind: &LeafKind,
     cells: &[crate::texture::leaf::Cell],
 ) -> Result<Vec<LeafShape>, FoliageError> {
-    let own = match (kind.form, &kind.mesh) {
+    let mesh = match (kind.form, &kind.mesh) {
         (Form::Mesh, None) => return Err(FoliageError::NoMesh),
         (Form::Mesh, Some(file)) => match specimen.inputs.get(file).map(|input| &input.geometry) {
             Some(Geometry::Mesh(mesh)) => Some(mesh),
@@ -103,7 +103,7 @@ pub(crate) fn kind_shapes(
         },
         _ => None,
     };
-    shapes(kind, index, cells, own.map(|mesh| &**mesh))
+    shapes(kind, index, cells, mesh.map(|mesh| &**mesh))
 }
 
 /// A kind and what is the same for all its leaves.
@@ -114,7 +114,7 @@ struct Crop<'a> {
     variants: u8,
     /// The share that the season and the user leave.
     kept: f64,
-    /// Before each leaf's own size, metres.
+    /// Before the size of each leaf varies it, metres.
     size_m: f64,
 }
 
@@ -160,17 +160,17 @@ const VARIANT: u64 = 7;
 
 /// Gives the leaves and needles of a grammar the variants of a kind.
 fn take_over(placed: &mut Placed, crop: &Crop, key: Key) {
-    let own: Vec<u8> = ['L', 'N'].into_iter().filter_map(prototype).collect();
-    for (i, own_prototype) in placed.prototypes.iter_mut().enumerate() {
-        if own.contains(own_prototype) && crop.variants > 0 {
-            *own_prototype = crop.variant(key.child(i as u64));
+    let leafy: Vec<u8> = ['L', 'N'].into_iter().filter_map(prototype).collect();
+    for (i, prototype) in placed.prototypes.iter_mut().enumerate() {
+        if leafy.contains(prototype) && crop.variants > 0 {
+            *prototype = crop.variant(key.child(i as u64));
         }
     }
 }
 
 /// A walk over all axes.
 struct Field<'a> {
-    own: &'a Crop<'a>,
+    crop: &'a Crop<'a>,
     /// Kinds that take places from it.
     takers: Vec<&'a Crop<'a>>,
     key: Key,
@@ -183,7 +183,7 @@ impl Field<'_> {
         placed: &mut Placed,
         monitor: &dyn Monitor,
     ) -> Result<(), FoliageError> {
-        let young = young(self.own.kind, skeleton);
+        let young = young(self.crop.kind, skeleton);
         self.admit(young, skeleton, placed.len(), monitor)?;
         let done = std::sync::atomic::AtomicU64::new(0);
         let chunks = skeleton.axes.par_chunks(AXES_PER_TASK).enumerate().map(|(chunk, axes)| {
@@ -213,7 +213,7 @@ impl Field<'_> {
         there: usize,
         monitor: &dyn Monitor,
     ) -> Result<(), FoliageError> {
-        let kind = self.own.kind;
+        let kind = self.crop.kind;
         let mut walk = Walk::default();
         let (mut metres, mut segments, mut tips) = (0.0, 0_u64, 0_u64);
         for (i, axis) in skeleton.axes.iter().enumerate() {
@@ -230,7 +230,7 @@ impl Field<'_> {
             Some((along, around)) => segments.saturating_mul(along * around) as f64,
             None => metres * kind.per_m,
         };
-        let kept = self.takers.iter().map(|taker| taker.kept).fold(self.own.kept, f64::max);
+        let kept = self.takers.iter().map(|taker| taker.kept).fold(self.crop.kept, f64::max);
         let leaves = (most * (1.0 - kind.tip / 2.0) * kept).ceil() as u64 + tips;
         // Walking over places that nothing is kept of takes its time, too.
         if !(most < MOST_LEAVES as f64) {
@@ -251,7 +251,7 @@ impl Field<'_> {
             }
             share -= taker.kind.share;
         }
-        self.own
+        self.crop
     }
 }
 
@@ -270,8 +270,8 @@ fn young(kind: &LeafKind, skeleton: &Skeleton) -> Young {
     Young { max_radius_m, first_birth }
 }
 
-/// Twigs are wood up to so many times as thick as tips are: by the pipe model with exponent 2, what
-/// bears nine tips or fewer.
+/// Most thickness of a twig, in that of tips: by the pipe model with exponent 2, what bears nine tips or
+/// fewer.
 const AUTO_RADIUS: f64 = 3.0;
 
 /// Places along and round each segment, where there is a grid.
@@ -298,7 +298,7 @@ impl Task<'_> {
         monitor: &dyn Monitor,
     ) -> Result<(), Cancelled> {
         let Self { field, skeleton, young, placed, walk } = self;
-        let (kind, key) = (field.own.kind, field.key.child(index));
+        let (kind, key) = (field.crop.kind, field.key.child(index));
         let Some(begun) = walk.begin(skeleton, axis) else { return Ok(()) };
         let phyllotaxis = Phyllotaxis::of(kind);
         let turn = if phyllotaxis.is_flat() && !begun.is_upright {
@@ -313,8 +313,8 @@ impl Task<'_> {
                 monitor.check()?;
             }
             for copy in 0..kind.count {
-                let own = u64::from(member) * u64::from(kind.count) + u64::from(copy);
-                let key = key.child(place.number).child(own);
+                let leaf = u64::from(member) * u64::from(kind.count) + u64::from(copy);
+                let key = key.child(place.number).child(leaf);
                 let crop = field.at(key);
                 if crop.is_kept(key, place.along) {
                     add(placed, crop, place, azimuth, copy, skeleton, key);

@@ -17,8 +17,8 @@ use linden_skeleton::{Branching, NO_PARENT, Skeleton, Wood};
 fn recipe(foliage: &str) -> Subject {
     let plain = "leaf_jitter = 0\nleaf_size_spread = 0\nleaf_terminal = false\nleaf_droop = 0\nleaf_level = 0\nleaf_size = 32";
     let first = foliage.lines().take_while(|line| !line.starts_with('['));
-    let own: Vec<&str> = first.map(|line| line.split('=').next().unwrap_or("").trim()).collect();
-    let kept = plain.lines().filter(|line| !own.contains(&line.split('=').next().unwrap().trim()));
+    let keys: Vec<&str> = first.map(|line| line.split('=').next().unwrap_or("").trim()).collect();
+    let kept = plain.lines().filter(|line| !keys.contains(&line.split('=').next().unwrap().trim()));
     let plain: Vec<&str> = kept.collect();
     let text =
         format!("id = \"a\"\n[colonization]\ncrown = \"sphere\"\n[foliage]\n{}\n{foliage}", plain.join("\n"));
@@ -90,11 +90,11 @@ fn grown(recipe: &Subject, skeleton: &Skeleton) -> Arc<Organs> {
 
 /// What identifies a leaf, whatever its size and variant.
 fn poses(organs: &Organs) -> BTreeSet<[u32; 9]> {
-    let own = &organs.placed;
+    let placed = &organs.placed;
     let bits = |v: Vec3| v.to_array().map(f32::to_bits);
-    (0..own.len())
+    (0..placed.len())
         .map(|i| {
-            let [p, h, u] = [own.positions[i], own.headings[i], own.ups[i]].map(bits);
+            let [p, h, u] = [placed.positions[i], placed.headings[i], placed.ups[i]].map(bits);
             [p[0], p[1], p[2], h[0], h[1], h[2], u[0], u[1], u[2]]
         })
         .collect()
@@ -105,10 +105,10 @@ fn there_are_as_many_leaves_a_metre_as_asked_for() {
     let tree = twigs(400, 7);
     for arrangement in ["alternate", "opposite", "decussate", "whorled", "spiral"] {
         for count in [1, 2] {
-            let own = recipe(&format!(
+            let subject = recipe(&format!(
                 "leaf_form = \"card\"\nleaf_arrangement = \"{arrangement}\"\nleaves_per_m = 50\nleaf_count = {count}"
             ));
-            let leaves = grown(&own, &tree).len() as f64;
+            let leaves = grown(&subject, &tree).len() as f64;
             // 280 m; each twig rounds up or down, by chance.
             assert!((leaves / (280.0 * 50.0) - 1.0).abs() < 0.02, "{arrangement} x {count}: {leaves}");
         }
@@ -120,10 +120,11 @@ fn there_are_as_many_leaves_a_metre_as_asked_for() {
 
 #[test]
 fn an_axis_that_is_divided_more_finely_has_the_same_leaves() {
-    let own = recipe("leaf_form = \"card\"\nleaf_jitter = 20\nleaf_size_spread = 0.3\nleaf_terminal = true");
+    let subject =
+        recipe("leaf_form = \"card\"\nleaf_jitter = 20\nleaf_size_spread = 0.3\nleaf_terminal = true");
     let (coarse, fine) = (bent(1), bent(4));
     assert_eq!(fine.axes.len(), 2);
-    let (a, b) = (grown(&own, &coarse), grown(&own, &fine));
+    let (a, b) = (grown(&subject, &coarse), grown(&subject, &fine));
     assert!(a.len() > 30);
     assert_eq!(a.placed.prototypes, b.placed.prototypes);
     assert_eq!(a.placed.sizes_m, b.placed.sizes_m);
@@ -138,10 +139,10 @@ fn an_axis_that_is_divided_more_finely_has_the_same_leaves() {
 fn feet_lie_on_the_bark_and_only_young_wood_bears() {
     let tree = bent(2);
     let offset = 0.003;
-    let own = recipe(&format!(
+    let subject = recipe(&format!(
         "leaf_form = \"card\"\nleaf_max_radius = 0.035\nleaf_offset = {offset}\nleaves_per_m = 200\nleaf_jitter = 30"
     ));
-    let organs = grown(&own, &tree);
+    let organs = grown(&subject, &tree);
     assert!(organs.len() > 200);
     for (foot, &node) in organs.placed.positions.iter().zip(&organs.placed.growth.nodes) {
         let parent = tree.parents[node as usize];
@@ -165,10 +166,10 @@ fn leaves_stand_round_a_twig_as_their_arrangement_has_it() {
     let tree = twigs(1, 20);
     let axis = Vec3::new(0.6, 0.8, 0.0);
     let azimuths = |arrangement: &str, more: &str| -> Vec<f64> {
-        let own = recipe(&format!(
+        let subject = recipe(&format!(
             "leaf_form = \"card\"\nleaf_arrangement = \"{arrangement}\"\nleaf_angle = 90\n{more}"
         ));
-        let organs = grown(&own, &tree);
+        let organs = grown(&subject, &tree);
         let heading = |h: &Vec3| {
             let (x, y) = (h.dot(axis.cross(Vec3::Z)), h.dot(Vec3::Z));
             assert!(h.dot(axis).abs() < 1e-5, "square to the twig");
@@ -241,17 +242,17 @@ fn angle_droop_level_and_up_are_what_they_say() {
 fn seasons_hide_and_shrink_leaves_and_move_none() {
     let tree = bent(1);
     let at = |season: &str, more: &str| {
-        let own = recipe(&format!(
+        let subject = recipe(&format!(
             "leaf_form = \"card\"\nleaves_per_m = 300\nleaf_jitter = 20\nseason = {season}\n{more}"
         ));
-        grown(&own, &tree)
+        grown(&subject, &tree)
     };
     let summer = at("0.35", "");
     let mut last = poses(&summer);
     for season in ["0.8", "0.9", "0.95", "1"] {
-        let own = poses(&at(season, ""));
-        assert!(own.is_subset(&last) && own.len() < last.len(), "{season}");
-        last = own;
+        let shown = poses(&at(season, ""));
+        assert!(shown.is_subset(&last) && shown.len() < last.len(), "{season}");
+        last = shown;
     }
     assert!(last.is_empty(), "bare");
     assert!(poses(&at("0.75", "")) == poses(&summer));
@@ -278,8 +279,8 @@ fn seasons_hide_and_shrink_leaves_and_move_none() {
 fn leaves_gather_at_tips() {
     let tree = twigs(300, 10);
     let along = |organs: &Organs| {
-        let own = organs.placed.positions.iter().map(|p| p.with_z(0.0).length());
-        own.sum::<f32>() / organs.len() as f32
+        let lengths = organs.placed.positions.iter().map(|p| p.with_z(0.0).length());
+        lengths.sum::<f32>() / organs.len() as f32
     };
     let even = grown(&recipe("leaf_form = \"card\""), &tree);
     let tips = grown(&recipe("leaf_form = \"card\"\nleaf_tip = 1"), &tree);
@@ -305,9 +306,9 @@ fn a_further_kind_takes_places_or_has_its_own() {
     assert!(both.placed.positions == alone.placed.positions);
     let share = kinds(&both, 1).len() as f64 / both.len() as f64;
     assert!((share - 0.25).abs() < 0.02, "{share}");
-    let own = grown(&recipe(&format!("{first}\n{blossom}leaves_per_m = 10\nleaf_terminal = false")), &tree);
-    assert!(kinds(&own, 0) == alone.placed.positions);
-    assert!((kinds(&own, 1).len() as f64 / 1600.0 - 1.0).abs() < 0.05);
+    let apart = grown(&recipe(&format!("{first}\n{blossom}leaves_per_m = 10\nleaf_terminal = false")), &tree);
+    assert!(kinds(&apart, 0) == alone.placed.positions);
+    assert!((kinds(&apart, 1).len() as f64 / 1600.0 - 1.0).abs() < 0.05);
     // Blossom without leaves: places of a kind that has no form.
     let bare = grown(&recipe(&format!("{blossom}share = 0.25")), &tree);
     assert!(bare.placed.positions == kinds(&both, 1));
@@ -328,9 +329,9 @@ fn every_form_is_a_sound_mesh_of_one_unit() {
     let tree = twigs(1, 1);
     for form in FORMS {
         for outline in ["ovate", "lobed", "palmate", "pine", "blossom"] {
-            let own =
+            let subject =
                 recipe(&format!("leaf_form = \"{form}\"\nleaf_outline = \"{outline}\"\nleaf_size = 64"));
-            let organs = grown(&own, &tree);
+            let organs = grown(&subject, &tree);
             assert_eq!(organs.shapes.len(), 4, "{form}");
             for shape in organs.shapes.iter() {
                 for mesh in [&shape.mesh, &shape.sketch] {
@@ -373,46 +374,46 @@ fn blades_show_their_upper_side() {
 #[test]
 fn meshes_hold_every_leaf_where_it_is() {
     let tree = bent(1);
-    let own = recipe(
+    let subject = recipe(
         "leaf_form = \"curved\"\nleaf_jitter = 40\nleaves_per_m = 3000\n[[foliage.also]]\nleaf_form = \"fan\"\nshare = 0.3",
     );
-    let organs = grown(&own, &tree);
+    let organs = grown(&subject, &tree);
     assert!(organs.len() > 4096, "several tasks");
     let all = meshes(&organs, 1, &Quiet).unwrap();
-    assert_eq!(all.iter().map(|own| own.look).collect::<Vec<_>>(), [Look::Kind(0), Look::Kind(1)]);
+    assert_eq!(all.iter().map(|foliage| foliage.look).collect::<Vec<_>>(), [Look::Kind(0), Look::Kind(1)]);
     let (vertices, triangles) = organs.amount();
-    assert_eq!(all.iter().map(|own| own.mesh.positions.len() as u64).sum::<u64>(), vertices);
-    assert_eq!(all.iter().map(|own| own.mesh.triangles.len() as u64).sum::<u64>(), triangles);
+    assert_eq!(all.iter().map(|foliage| foliage.mesh.positions.len() as u64).sum::<u64>(), vertices);
+    assert_eq!(all.iter().map(|foliage| foliage.mesh.triangles.len() as u64).sum::<u64>(), triangles);
     // One after the other, by the definition.
-    for own in &all {
-        let Look::Kind(kind) = own.look else { panic!("no grammar here") };
+    for foliage in &all {
+        let Look::Kind(kind) = foliage.look else { panic!("no grammar here") };
         let (mut at, mut corner) = (0, 0);
         for organ in (0..organs.len()).filter(|&i| usize::from(organs.shape(i).unwrap().kind) == kind) {
             let mesh = organs.mesh(organ);
             for (i, &local) in mesh.positions.iter().enumerate() {
-                assert!(own.mesh.positions[at + i].distance(organs.place(organ, local)) < 1e-6);
-                assert!(own.mesh.normals[at + i].distance(organs.turn(organ, mesh.normals[i])) < 1e-5);
-                assert_eq!(own.mesh.uvs[at + i], mesh.uvs[i]);
+                assert!(foliage.mesh.positions[at + i].distance(organs.place(organ, local)) < 1e-6);
+                assert!(foliage.mesh.normals[at + i].distance(organs.turn(organ, mesh.normals[i])) < 1e-5);
+                assert_eq!(foliage.mesh.uvs[at + i], mesh.uvs[i]);
             }
             for triangle in &mesh.triangles {
-                assert_eq!(own.mesh.triangles[corner], triangle.map(|v| v + at as u32));
+                assert_eq!(foliage.mesh.triangles[corner], triangle.map(|v| v + at as u32));
                 corner += 1;
             }
             at += mesh.positions.len();
         }
-        assert_eq!((at, corner), (own.mesh.positions.len(), own.mesh.triangles.len()));
+        assert_eq!((at, corner), (foliage.mesh.positions.len(), foliage.mesh.triangles.len()));
     }
 }
 
 #[test]
 fn any_number_of_threads_gives_the_same_leaves() {
     let tree = twigs(1500, 6);
-    let own =
+    let subject =
         recipe("leaf_form = \"curved\"\nleaf_jitter = 40\nleaf_normals = \"dome\"\nleaf_size_spread = 0.4");
     let on = |threads| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let organs = grown(&own, &tree);
+            let organs = grown(&subject, &tree);
             let meshes = meshes(&organs, 1, &Quiet).unwrap();
             (organs, meshes)
         })
@@ -425,9 +426,10 @@ fn any_number_of_threads_gives_the_same_leaves() {
 #[test]
 fn instances_expand_to_what_is_baked() {
     let tree = twigs(20, 6);
-    let mut own = recipe("leaf_form = \"curved\"\nleaf_jitter = 40\nleaf_size_spread = 0.4\nleaf_up = -0.3");
-    own.recipe.preset.seed = 5;
-    let organs = grown(&own, &tree);
+    let mut subject =
+        recipe("leaf_form = \"curved\"\nleaf_jitter = 40\nleaf_size_spread = 0.4\nleaf_up = -0.3");
+    subject.recipe.preset.seed = 5;
+    let organs = grown(&subject, &tree);
     let baked = &meshes(&organs, 1, &Quiet).unwrap()[0];
     let instances = Instances::of(&organs, &organs.shapes, 1, baked.look);
     let copies = instances.copies();
@@ -447,23 +449,23 @@ fn instances_expand_to_what_is_baked() {
             assert!((placement.rotation * normal).distance(baked.mesh.normals[at]) < 2e-6);
             assert_eq!(mesh.uvs[i], baked.mesh.uvs[at]);
         }
-        for own in &mesh.triangles {
-            assert_eq!(own.map(|v| v + vertex as u32), baked.mesh.triangles[triangle]);
+        for corners in &mesh.triangles {
+            assert_eq!(corners.map(|v| v + vertex as u32), baked.mesh.triangles[triangle]);
             triangle += 1;
         }
         vertex += mesh.positions.len();
     }
     assert_eq!(vertex, baked.mesh.positions.len());
-    assert!(copies.iter().zip(next).all(|(own, count)| own.placements.len() == count));
-    let names: BTreeSet<&str> = copies.iter().map(|own| own.name.as_str()).collect();
+    assert!(copies.iter().zip(next).all(|(mesh_copies, count)| mesh_copies.placements.len() == count));
+    let names: BTreeSet<&str> = copies.iter().map(|mesh_copies| mesh_copies.name.as_str()).collect();
     assert_eq!(names.len(), copies.len());
 }
 
 #[test]
 fn dome_normals_point_out_of_the_crown_on_the_side_that_is_seen_from_there() {
     let tree = twigs(300, 6);
-    let own = recipe("leaf_form = \"card\"\nleaf_jitter = 90\nleaf_normals = \"dome\"");
-    let organs = grown(&own, &tree);
+    let subject = recipe("leaf_form = \"card\"\nleaf_jitter = 90\nleaf_normals = \"dome\"");
+    let organs = grown(&subject, &tree);
     let mesh = &meshes(&organs, 1, &Quiet).unwrap()[0].mesh;
     let bounds = linden_base::mesh::Bounds::of(organs.placed.positions.iter().copied()).unwrap();
     let center = bounds.min.midpoint(bounds.max);
@@ -482,10 +484,10 @@ fn dome_normals_point_out_of_the_crown_on_the_side_that_is_seen_from_there() {
 const PYRAMID: &str = "v 0 1 0\nv 1 1 0\nv 0 1 1\nv 0 3 0\nf 1 2 3\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
 
 fn with_mesh(text: &str) -> Subject {
-    let mut own =
+    let mut subject =
         recipe("leaf_form = \"mesh\"\nleaf_mesh = \"a.obj\"\nleaf_colors = [\"#ff0000\", \"#00ff00\"]");
-    own.recipe.inputs.insert("a.obj", Input::read("a.obj", text.as_bytes(), &Quiet).unwrap());
-    own
+    subject.recipe.inputs.insert("a.obj", Input::read("a.obj", text.as_bytes(), &Quiet).unwrap());
+    subject
 }
 
 #[test]
@@ -512,7 +514,7 @@ fn a_mesh_of_the_users_stands_on_its_foot_one_unit_high() {
 #[test]
 fn what_is_wrong_with_a_leafs_file_is_said() {
     let tree = twigs(1, 3);
-    let said = |own: &Subject| sprout(own, &tree, &Arc::default(), &Quiet).unwrap_err().to_string();
+    let said = |subject: &Subject| sprout(subject, &tree, &Arc::default(), &Quiet).unwrap_err().to_string();
     assert!(said(&recipe("leaf_form = \"mesh\"")).contains("leaf_mesh = "));
     assert!(
         said(&recipe("leaf_form = \"mesh\"\nleaf_mesh = \"a.obj\""))
@@ -548,11 +550,11 @@ impl Monitor for Small {
 #[test]
 fn too_many_leaves_are_refused_before_they_grow() {
     let tree = twigs(2000, 10);
-    let own = recipe("leaf_form = \"card\"\nleaves_per_m = 100000");
-    let error = sprout(&own, &tree, &Arc::default(), &Quiet).unwrap_err();
+    let subject = recipe("leaf_form = \"card\"\nleaves_per_m = 100000");
+    let error = sprout(&subject, &tree, &Arc::default(), &Quiet).unwrap_err();
     assert!(matches!(error, FoliageError::TooMany { .. }), "{error}");
-    let own = recipe("leaf_form = \"card\"\nleaves_per_m = 1000");
-    let error = sprout(&own, &tree, &Arc::default(), &Small).unwrap_err();
+    let subject = recipe("leaf_form = \"card\"\nleaves_per_m = 1000");
+    let error = sprout(&subject, &tree, &Arc::default(), &Small).unwrap_err();
     assert!(matches!(error, FoliageError::Memory(_)), "{error}");
 }
 

@@ -226,8 +226,8 @@ impl<'a> Stage<'a> {
     pub fn in_season(&self, season: usize) -> Self {
         let mut stage = self.clone();
         if self.is_single() && self.seasons() > 1 {
-            let own = self.plants[0].seasons.get(season).or(self.plants[0].seasons.last());
-            if let Some(level) = own.and_then(|own| own.levels.first()) {
+            let shown = self.plants[0].seasons.get(season).or(self.plants[0].seasons.last());
+            if let Some(level) = shown.and_then(|shown| shown.levels.first()) {
                 stage.recipe.clone_from(&level.scene.recipe);
             }
         }
@@ -345,9 +345,12 @@ mod tests {
         for place in &stage.places {
             for part in &scene.parts {
                 let moved = |p: &Vec3| place.motion().map_or(*p, |motion| motion.point(*p));
-                let own = Bounds::of(part.mesh.positions.iter().map(moved)).unwrap();
+                let part_bounds = Bounds::of(part.mesh.positions.iter().map(moved)).unwrap();
                 let slack = Vec3::splat(1e-4);
-                assert!(own.min.cmpge(bounds.min - slack).all() && own.max.cmple(bounds.max + slack).all());
+                assert!(
+                    part_bounds.min.cmpge(bounds.min - slack).all()
+                        && part_bounds.max.cmple(bounds.max + slack).all()
+                );
             }
         }
         assert_eq!(stage.triangles(), 2 * scene.parts[0].mesh.triangles.len() as u64);
@@ -364,8 +367,8 @@ mod tests {
         stage.plants[0].seasons = vec![season("summer", &green), season("bare", &bare)];
         assert_eq!(stage.seasons(), 2);
         for (asked, name) in [(0, "summer"), (1, "bare"), (9, "bare")] {
-            let own = stage.in_season(asked);
-            assert_eq!((own.seasons(), own.plants[0].seasons[0].name.as_str()), (1, name));
+            let shown = stage.in_season(asked);
+            assert_eq!((shown.seasons(), shown.plants[0].seasons[0].name.as_str()), (1, name));
         }
     }
 

@@ -154,10 +154,10 @@ impl Camera {
                 if reach.iter().flatten().all(|x| x.abs() <= FILLED) { far = between } else { near = between }
             }
             distance = far;
-            let own = camera(target, distance);
-            let [across, up] = own.reach(points).map(|[low, high]| 0.5 * (low + high));
-            let half = libm::tanf(0.5 * FOV_RAD) * own.position.distance(target);
-            let turn = own.rotation();
+            let found = camera(target, distance);
+            let [across, up] = found.reach(points).map(|[low, high]| 0.5 * (low + high));
+            let half = libm::tanf(0.5 * FOV_RAD) * found.position.distance(target);
+            let turn = found.rotation();
             target += turn * Vec3::X * (across * half) + Vec3::Y * (up * half);
         }
         let reach = distance + size.length();
@@ -367,9 +367,9 @@ mod tests {
         assert!(faces(&ground.mesh).all(|(face, _)| face.y > 0.0));
         let middle = Vec3::new(0.0, 0.0, 2.5);
         assert!(faces(&sky.dome).all(|(face, at)| face.dot(middle - at) > 0.0));
-        let own = ground.mesh.bounds().unwrap();
-        assert!(own.min.y == 0.0 && own.max.y == 0.0);
-        assert!(own.min.x < camera.position.x && camera.position.z < own.max.z);
+        let bounds = ground.mesh.bounds().unwrap();
+        assert!(bounds.min.y == 0.0 && bounds.max.y == 0.0);
+        assert!(bounds.min.x < camera.position.x && camera.position.z < bounds.max.z);
         // It shines down, and onto the side that is seen.
         assert!((sun.rotation() * Vec3::NEG_Z).distance(-sun.toward) < 1e-6);
         assert!(sun.toward.dot((camera.position - camera.target).normalize()) > 0.3);

@@ -44,13 +44,13 @@ impl Collar {
         sides: u32,
         strength: f32,
     ) -> Option<Self> {
-        let mut own = Self { spine, fillet_m, from_m: 0.0, to_m: 0.0 };
+        let mut collar = Self { spine, fillet_m, from_m: 0.0, to_m: 0.0 };
         if !(fillet_m > 0.0) || stations.len() < 2 {
             return None;
         }
-        own.reach(stations)?;
-        let Self { from_m, to_m, .. } = own;
-        // Enough to show the curve on wood of so many sides.
+        collar.reach(stations)?;
+        let Self { from_m, to_m, .. } = collar;
+        // Enough to show the curve on wood with these sides.
         let rings = (sides as usize).clamp(4, MOST_RINGS);
         spread::insert(
             stations,
@@ -75,7 +75,7 @@ impl Collar {
             let t = along / reach;
             stations[i].position += up * (UPSWEEP * strength * reach * t * (1.0 - t) * (1.0 - t));
         }
-        Some(own)
+        Some(collar)
     }
 
     pub fn bytes(&self) -> u64 {
@@ -88,7 +88,7 @@ impl Collar {
         /// Looks along the way out.
         const STEPS: u32 = 64;
         let length = length(stations);
-        let thickest = self.spine.iter().map(|own| own.radius).fold(0.0, f32::max);
+        let thickest = self.spine.iter().map(|station| station.radius).fold(0.0, f32::max);
         let farthest = length.min(6.0 * (thickest + self.fillet_m));
         let (mut from, mut to) = (None, None);
         for i in 0..=STEPS {
@@ -155,7 +155,7 @@ impl Collar {
         }
         let share = 1.0 - distance / fillet;
         if share > 1.0 {
-            // Below the surface, where nobody sees it, the collar is a wall that goes straight on.
+            // Below the surface, where it is hidden, the collar is a wall that goes straight on.
             return (fillet, (1.0 - 4.0 * (share - 1.0)).max(0.0), parents);
         }
         (fillet * (1.0 - (1.0 - share * share).sqrt()), share, parents)

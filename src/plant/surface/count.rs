@@ -47,15 +47,15 @@ mod tests {
             let mesh = sweep(&skeleton, &tubes, &Quiet).unwrap();
             let counts = count(&skeleton, &tubes, &Quiet).unwrap();
             assert_eq!(counts.len(), skeleton.axes.len());
-            assert_eq!(counts.iter().map(|own| own.vertices).sum::<usize>(), mesh.positions.len());
-            assert_eq!(counts.iter().map(|own| own.triangles).sum::<usize>(), mesh.triangles.len());
+            assert_eq!(counts.iter().map(|tube| tube.vertices).sum::<usize>(), mesh.positions.len());
+            assert_eq!(counts.iter().map(|tube| tube.triangles).sum::<usize>(), mesh.triangles.len());
             // A tube's triangles name its own vertices and no others.
             let (mut vertex, mut triangle) = (0, 0);
-            for own in counts {
-                let range = vertex..vertex + own.vertices;
-                let triangles = &mesh.triangles[triangle..triangle + own.triangles];
+            for tube in counts {
+                let range = vertex..vertex + tube.vertices;
+                let triangles = &mesh.triangles[triangle..triangle + tube.triangles];
                 assert!(triangles.iter().flatten().all(|&v| range.contains(&(v as usize))));
-                (vertex, triangle) = (range.end, triangle + own.triangles);
+                (vertex, triangle) = (range.end, triangle + tube.triangles);
             }
         }
     }

@@ -54,10 +54,10 @@ impl Default for Features {
     }
 }
 
-/// Height of a flare, where nobody says: a butt swell of a trunk 0.6 m thick reaches to about 1.5 m.
+/// Height of a flare by default, in radii: a butt swell of a trunk 0.6 m thick reaches to about 1.5 m.
 pub const FLARE_RADII: f32 = 5.0;
 
-/// A collar is no wider than so many radii of the lateral: a twig on a trunk lifts little bark.
+/// Most width of a collar, in radii of the lateral: a twig on a trunk lifts little bark.
 pub const COLLAR_RADII: f32 = 2.0;
 
 /// Rings within a flare, those of the axis aside.

@@ -3,7 +3,8 @@
 //! An axis becomes a sequence of stations, smooth (`curve`) and with what makes it wood (`features`,
 //! `collar`), then of rings in parallel transport frames (`path`); neighbouring rings are joined
 //! (`tube`), both ends are closed (`ends`). A lateral starts on its parent's centre line, inside the
-//! parent's tube; on request all wood is one solid (`solid`). Spends none of the seed; the mesh is bit-identical for any number of threads.
+//! parent's tube; on request all wood is one solid (`solid`). Spends none of the seed; the mesh is
+//! bit-identical for any number of threads.
 
 mod collar;
 mod count;
@@ -69,17 +70,17 @@ linden_base::words! {
     }
 }
 
-/// The collar of [`Junction::Blend`] where nobody says.
+/// The collar of [`Junction::Blend`], where the settings have none.
 pub const BLEND_COLLAR: f32 = 0.6;
 
 impl Tubes {
     /// With what the junction asks for.
     fn settled(&self) -> Self {
-        let mut own = *self;
-        if own.junction == Junction::Blend && own.features.collar == 0.0 {
-            own.features.collar = BLEND_COLLAR;
+        let mut tubes = *self;
+        if tubes.junction == Junction::Blend && tubes.features.collar == 0.0 {
+            tubes.features.collar = BLEND_COLLAR;
         }
-        own
+        tubes
     }
 }
 
@@ -202,7 +203,7 @@ fn sweep_some(course: &Course<'_>, axes: Range<usize>, monitor: &dyn Monitor) ->
     Ok(mesh)
 }
 
-/// Each plan's own part of the mesh, in order.
+/// Cuts the mesh into the slices that each plan fills, in order.
 fn slices<'a>(mesh: &'a mut Mesh, plans: &[Plan]) -> Vec<Target<'a>> {
     let Mesh { positions, normals, uvs, triangles } = mesh;
     let mut rest = (&mut positions[..], &mut normals[..], &mut uvs[..], &mut triangles[..]);

@@ -46,7 +46,8 @@ pub(super) fn thicken(stations: &mut [Station], sides: impl Fn(f32) -> u32) {
     }
 }
 
-/// Steps of single precision around a ring, for each of its corners: half of them are left where a bud narrows.
+/// Steps of single precision around a ring, for each of its corners: half of them are left where a bud
+/// narrows.
 const CORNERS_APART: f32 = 4.0;
 
 /// Chooses rings along the stations (base to apex) so that no ring cuts through its neighbour, gives
@@ -81,14 +82,14 @@ const SOFTNESS: f32 = 2.0;
 fn soften(stations: &mut [Station]) {
     let share = |length: f32, radius: f32| length / (length + SOFTNESS * radius);
     for i in 1..stations.len() - 1 {
-        let (before, own) = (stations[i - 1], stations[i]);
-        let share = share(before.position.distance(own.position), own.radius);
-        stations[i].radius = before.radius + share * (own.radius - before.radius);
+        let (before, here) = (stations[i - 1], stations[i]);
+        let share = share(before.position.distance(here.position), here.radius);
+        stations[i].radius = before.radius + share * (here.radius - before.radius);
     }
     for i in (1..stations.len() - 1).rev() {
-        let (own, after) = (stations[i], stations[i + 1]);
-        let share = share(own.position.distance(after.position), own.radius);
-        stations[i].radius = after.radius + share * (own.radius - after.radius);
+        let (here, after) = (stations[i], stations[i + 1]);
+        let share = share(here.position.distance(after.position), here.radius);
+        stations[i].radius = after.radius + share * (here.radius - after.radius);
     }
 }
 
@@ -179,8 +180,8 @@ fn looks_outward((a, ta): &(Station, Vec3), (b, tb): &(Station, Vec3)) -> bool {
         let out = |side: Vec3, tangent: Vec3| side * cos + tangent.cross(side) * sin;
         let (out_a, out_b) = (out(side_a, *ta), out(side_b, *tb));
         let along = (b.position + out_b * b.radius) - (a.position + out_a * a.radius);
-        let faces = |tangent: Vec3, own: Vec3| {
-            let normal = tangent.cross(own).cross(along).normalize_or_zero();
+        let faces = |tangent: Vec3, outward: Vec3| {
+            let normal = tangent.cross(outward).cross(along).normalize_or_zero();
             normal.dot(out_a + out_b) > 0.4
         };
         faces(*ta, out_a) && faces(*tb, out_b)

@@ -44,13 +44,13 @@ impl<'a> Course<'a> {
     /// Appends the rings of an axis, and says how they become its tube.
     fn lay(&self, index: usize, stations: &mut Vec<Station>, rings: &mut Vec<Ring>) -> Form {
         let (axis, features) = (&self.skeleton.axes[index], &self.tubes.features);
-        let own = self.skeleton.nodes_of(axis);
+        let nodes = self.skeleton.nodes_of(axis);
         stations.clear();
         if axis.parent != NO_PARENT {
-            // A lateral is as thick at its root inside the parent as at its first own node.
-            stations.extend(own.first().map(|&first| self.station(axis.parent, first)));
+            // A lateral is as thick at its root inside the parent as at its first node.
+            stations.extend(nodes.first().map(|&first| self.station(axis.parent, first)));
         }
-        stations.extend(own.iter().map(|&node| self.station(node, node)));
+        stations.extend(nodes.iter().map(|&node| self.station(node, node)));
         taper_twig(stations, features.twig_taper);
         path::thicken(stations, |radius_m| self.roundness.sides(radius_m));
         curve::subdivide(stations, self.tubes.rings);
@@ -111,12 +111,12 @@ impl<'a> Course<'a> {
             spine.push(self.station(root, base));
         }
         spine.extend(axis_nodes[first..=last].iter().map(|&node| self.station(node, node)));
-        let below = spine.iter().rfind(|own| own.position != here && own.position.is_finite());
+        let below = spine.iter().rfind(|station| station.position != here && station.position.is_finite());
         let up = {
             let at = place - first + usize::from(is_base && root != NO_PARENT);
             let before = if at > 0 { spine[at - 1].position } else { here };
-            let after = spine.get(at + 1).map_or(here, |own| own.position);
-            let fallback = below.map_or(Vec3::Y, |own| (here - own.position).normalize_or(Vec3::Y));
+            let after = spine.get(at + 1).map_or(here, |station| station.position);
+            let fallback = below.map_or(Vec3::Y, |station| (here - station.position).normalize_or(Vec3::Y));
             ((here - before).normalize_or_zero() + (after - here).normalize_or_zero()).normalize_or(fallback)
         };
         curve::subdivide(&mut spine, self.tubes.rings);
@@ -176,7 +176,7 @@ impl Plan {
         bytes_of::<Self>(1)
             + bytes_of::<Ring>(self.rings.capacity())
             + bytes_of::<(usize, Form)>(self.axes.capacity())
-            + collars.map(|own| own.bytes()).sum::<u64>()
+            + collars.map(|collar| collar.bytes()).sum::<u64>()
     }
 }
 
@@ -186,7 +186,7 @@ pub(super) fn planned_bytes(skeleton: &Skeleton, tubes: &Tubes) -> u64 {
     places + planned_bytes_of(skeleton.positions.len(), skeleton.axes.len(), tubes)
 }
 
-/// The same for some axes of so many nodes, without what is shared by all.
+/// The same for `axes` axes with `nodes` nodes together, without what is shared by all.
 pub(super) fn planned_bytes_of(nodes: usize, axes: usize, tubes: &Tubes) -> u64 {
     // A ring for each node and one more for each lateral, and those between.
     let most = (nodes + axes).saturating_mul(tubes.rings as usize);

@@ -40,10 +40,10 @@ mod tests {
         let station = |y: f32| Station { position: Vec3::Y * y, radius: 0.1 * (3.0 - y) };
         let mut stations = vec![station(0.0), station(1.0), station(2.0)];
         insert(&mut stations, [0.25, 0.5, 1.0, 1.5, 7.0].into_iter());
-        let heights: Vec<f32> = stations.iter().map(|own| own.position.y).collect();
+        let heights: Vec<f32> = stations.iter().map(|found| found.position.y).collect();
         assert_eq!(heights, [0.0, 0.25, 0.5, 1.0, 1.5, 2.0]);
-        for own in stations {
-            assert!((own.radius - station(own.position.y).radius).abs() < 1e-6);
+        for found in stations {
+            assert!((found.radius - station(found.position.y).radius).abs() < 1e-6);
         }
     }
 }

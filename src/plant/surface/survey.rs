@@ -24,7 +24,8 @@ pub struct Survey {
 /// Vertices that are swept at once, a longer axis apart: their mesh, and the check of it, takes some tens
 /// of megabytes.
 const VERTICES_PER_PIECE: usize = 1 << 19;
-/// Nodes whose tubes are these, if all are as thick as the trunk; few enough to be worth a task for each thread.
+/// Nodes whose tubes are these, if all are as thick as the trunk; few enough to be worth a task for each
+/// thread.
 const NODES_PER_PIECE: [usize; 2] = [1 << 10, 1 << 16];
 
 /// Sweeps and checks the tubes of all axes a few at a time, so that trees can be measured whose mesh

@@ -12,8 +12,8 @@ use super::path::Ring;
 /// Side counts that rings take. Few distinct ones, so that neighbouring rings mostly agree.
 const SIDES: [u32; 14] = [3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 48, 64, 128];
 
-/// How many sides a radius deserves, and the circles with so many: equal absolute deviation from the
-/// circle on thick and thin wood, set by the sides of the thickest.
+/// How many sides a radius deserves, and a circle for each such number: equal absolute deviation from
+/// the circle on thick and thin wood, set by the sides of the thickest.
 #[derive(Clone, Debug)]
 pub(super) struct Roundness {
     pub thickest_m: f32,
@@ -52,7 +52,7 @@ impl Roundness {
         Self { thickest_m, circles: fewer.chain([sides]).chain(more).map(circle).collect() }
     }
 
-    /// The circle for a radius; with at least so many sides, as far as there are.
+    /// The circle for a radius, with at least `least_sides` sides where there is one.
     fn circle(&self, radius_m: f32, least_sides: u32) -> &[(f32, f32)] {
         let is_enough = |circle: &&Circle| {
             radius_m <= circle.largest_radius_m && circle.corners.len() as u32 > least_sides
@@ -212,7 +212,7 @@ pub(super) fn sweep(
     }
 }
 
-/// A form of whose collar so much is laid.
+/// A form and the share of its collar that is laid.
 #[derive(Clone, Copy)]
 struct Eased<'a> {
     form: &'a Form,
@@ -318,7 +318,7 @@ fn place_featured(
     for (k, &corner) in circle.iter().enumerate() {
         let (cos, sin) = corner;
         let out = ring.side * cos + across * sin;
-        let ridge = |ring: &Ring| form.flare.map_or((1.0, 0.0), |own| own.ridge(ring.along, corner));
+        let ridge = |ring: &Ring| form.flare.map_or((1.0, 0.0), |flare| flare.ridge(ring.along, corner));
         let (factor, by_angle) = ridge(ring);
         let radius = ring.radius * factor;
         let lean = ring.tangent * slope(rings, i, |ring| ring.radius * ridge(ring).0);

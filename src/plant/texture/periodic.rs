@@ -179,13 +179,13 @@ impl Cells {
         for (k, &d) in squared.iter().enumerate() {
             (nearest, least) = if d < least { (k, d) } else { (nearest, least) };
         }
-        let own = [dx[nearest], dy[nearest]];
+        let to_nearest = [dx[nearest], dy[nearest]];
         let mut away = [0.0_f32; SIDE * SIDE];
         for k in 0..SIDE * SIDE {
             // Half the difference of squares is the distance to the bisector times the way between
             // the points; its gradient in the square is (across way.x, up way.y).
             let difference = 0.5 * (squared[k] - least);
-            let (gx, gy) = ((dx[k] - own[0]) * across, (dy[k] - own[1]) * up);
+            let (gx, gy) = ((dx[k] - to_nearest[0]) * across, (dy[k] - to_nearest[1]) * up);
             away[k] = difference * difference / (gx * gx + gy * gy);
         }
         // The cell's own entry is 0 / 0.
@@ -194,7 +194,7 @@ impl Cells {
         let (i, j) = (column + nearest % SIDE, row + nearest / SIDE);
         let wrap = |at: usize, n: usize| (at + n * REACH - REACH) % n;
         let index = wrap(j, self.up) * self.across + wrap(i, self.across);
-        Cell { index, border: border.sqrt(), offset: [-own[0], -own[1]] }
+        Cell { index, border: border.sqrt(), offset: [-to_nearest[0], -to_nearest[1]] }
     }
 }
 

@@ -77,13 +77,13 @@ impl AxisSwing {
 
     /// Where a place goes: with the stem, with the sine and with the cosine of the branches.
     pub(super) fn moved(&self, place: Vec3) -> [Vec3; 3] {
-        let own = self.tip * self.share(place);
+        let swing = self.tip * self.share(place);
         if self.level == 0 {
-            return [own, Vec3::ZERO, Vec3::ZERO];
+            return [swing, Vec3::ZERO, Vec3::ZERO];
         }
         let (sin, cos) = libm::sincosf(TAU * self.phase);
         let [stem, with_sine, with_cosine] = self.carried;
-        [stem, with_sine + own * cos, with_cosine + own * sin]
+        [stem, with_sine + swing * cos, with_cosine + swing * sin]
     }
 }
 
@@ -109,8 +109,8 @@ impl<'a> Field<'a> {
         };
         let thickest_m = whole.radii.iter().copied().fold(f32::MIN_POSITIVE, f32::max);
         for index in 0..whole.axes.len() {
-            let own = field.axis(index, thickest_m);
-            field.axes.push(own);
+            let swing = field.axis(index, thickest_m);
+            field.axes.push(swing);
         }
         field
     }
@@ -170,7 +170,7 @@ impl<'a> Field<'a> {
         &self.axes[self.axis_of[node as usize] as usize]
     }
 
-    /// The targets that a part of so many vertices has.
+    /// The targets of a part with `vertices` vertices, empty.
     fn targets(&self, vertices: usize, motions: &[Motion]) -> Vec<Target> {
         let motions = if self.sway.is_some() { motions } else { &[] };
         motions.iter().map(|&motion| Target { motion, offsets: Vec::with_capacity(vertices) }).collect()
@@ -178,7 +178,7 @@ impl<'a> Field<'a> {
 }
 
 impl Field<'_> {
-    /// Bytes of what a part of so many vertices is given.
+    /// Bytes of what a part of `vertices` vertices is given.
     pub fn bytes_for(&self, vertices: usize) -> u64 {
         let targets = if self.sway.is_some() { Motion::ALL.len() } else { 0 };
         bytes_of::<[f32; 8]>(vertices) + bytes_of::<Vec3>(vertices * targets)
@@ -188,7 +188,7 @@ impl Field<'_> {
 /// From amplitudes to targets: all motions at their begin, then each from one end to the other.
 fn ends<const N: usize>(moved: [Vec3; N]) -> impl Iterator<Item = Vec3> {
     let begin = moved.iter().copied().sum::<Vec3>() * -MOST;
-    std::iter::once(begin).chain(moved.into_iter().map(|own| own * (2.0 * MOST)))
+    std::iter::once(begin).chain(moved.into_iter().map(|motion| motion * (2.0 * MOST)))
 }
 
 /// Around a stem's foot nothing moves, in radii of it.
@@ -210,13 +210,13 @@ impl Blown<'_> {
                 monitor.check()?;
             }
             let axis = self.axes.map_or(index, |axes| axes[index] as usize);
-            let own = &self.field.axes[axis];
+            let swing = &self.field.axes[axis];
             let first = wind.motions.len();
             for &place in &mesh.positions[first..(first + tube.vertices).min(count)] {
-                let sway = own.share(place).min(1.0) * own.flexible;
-                wind.motions.push([own.level as f32, own.phase, sway, 0.0]);
-                wind.pivots.push(own.pivot.extend(place.distance(own.pivot)).to_array());
-                for (target, moved) in wind.targets.iter_mut().zip(ends(own.moved(place))) {
+                let sway = swing.share(place).min(1.0) * swing.flexible;
+                wind.motions.push([swing.level as f32, swing.phase, sway, 0.0]);
+                wind.pivots.push(swing.pivot.extend(place.distance(swing.pivot)).to_array());
+                for (target, moved) in wind.targets.iter_mut().zip(ends(swing.moved(place))) {
                     target.offsets.push(moved);
                 }
             }
@@ -262,16 +262,18 @@ impl Blown<'_> {
                     Leaf { foot, up: organs.polygons.ups[organ], size_m, vertices: scratch.positions.len() }
                 }
                 Some(placed) => {
-                    let own = &organs.placed;
+                    let all_placed = &organs.placed;
                     let kind = organs.shape(placed).map(|shape| Look::Kind(usize::from(shape.kind)));
                     if kind.unwrap_or(color) != look {
                         continue;
                     }
-                    debug_assert!(kind.is_some() || usize::from(own.prototypes[placed]) < PROTOTYPES.len());
+                    debug_assert!(
+                        kind.is_some() || usize::from(all_placed.prototypes[placed]) < PROTOTYPES.len()
+                    );
                     Leaf {
-                        foot: own.positions[placed],
-                        up: own.ups[placed],
-                        size_m: own.sizes_m[placed],
+                        foot: all_placed.positions[placed],
+                        up: all_placed.ups[placed],
+                        size_m: all_placed.sizes_m[placed],
                         vertices: organs.mesh(placed).positions.len(),
                     }
                 }
@@ -296,9 +298,9 @@ impl Blown<'_> {
             let flutter = (distance_m / leaf.size_m.max(1e-6)).min(1.0);
             wind.motions.push([twig.level as f32 + 1.0, phase, sway, flutter]);
             wind.pivots.push(leaf.foot.extend(distance_m).to_array());
-            let own = flap * flutter;
+            let swing = flap * flutter;
             let [stem, with_sine, with_cosine] = carried;
-            let moved = [stem, with_sine, with_cosine, own * cos, own * sin];
+            let moved = [stem, with_sine, with_cosine, swing * cos, swing * sin];
             for (target, moved) in wind.targets.iter_mut().zip(ends(moved)) {
                 target.offsets.push(moved);
             }

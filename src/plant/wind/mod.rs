@@ -75,7 +75,8 @@ pub struct PartWind {
 impl PartWind {
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
-        let targets: u64 = self.targets.iter().map(|own| bytes_of::<Vec3>(own.offsets.capacity())).sum();
+        let targets: u64 =
+            self.targets.iter().map(|target| bytes_of::<Vec3>(target.offsets.capacity())).sum();
         bytes_of::<[f32; 4]>(self.motions.capacity() + self.pivots.capacity()) + targets
     }
 }
@@ -89,10 +90,10 @@ pub struct Target {
     pub offsets: Vec<Vec3>,
 }
 
-/// A motion with a weight of its own.
+/// One motion of the sway loop, with a weight for each frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
-    /// To where everything is when all other weights are 0. Its own is 1 while the loop plays.
+    /// To where everything is when all other weights are 0. Its weight is 1 while the loop plays.
     Begin,
     /// Stems bend with the wind, all together.
     Stem,

@@ -20,7 +20,10 @@ fn windy(id: &str, knobs: &[(&str, &str)]) -> (Grown, Scene) {
 }
 
 fn offset(wind: &PartWind, motion: Motion, vertex: usize) -> Vec3 {
-    wind.targets.iter().find(|own| own.motion == motion).map_or(Vec3::ZERO, |own| own.offsets[vertex])
+    wind.targets
+        .iter()
+        .find(|target| target.motion == motion)
+        .map_or(Vec3::ZERO, |target| target.offsets[vertex])
 }
 
 #[test]
@@ -92,7 +95,7 @@ fn branches_go_where_their_parents_go() {
         }
         // The parent's vertex that is nearest to the branch's first one.
         let parent =
-            tree.skeleton.axes.iter().position(|own| tree.skeleton.nodes_of(own).contains(&axis.parent));
+            tree.skeleton.axes.iter().position(|other| tree.skeleton.nodes_of(other).contains(&axis.parent));
         let parent = parent.unwrap();
         let range = firsts[parent]..firsts[parent] + tubes[parent].vertices;
         let foot = tree.skeleton.positions[axis.parent as usize];
@@ -117,7 +120,7 @@ fn two_targets_hold_any_phase() {
     let wind = scene.parts[0].wind.as_ref().unwrap();
     let sway = wind.sway.as_ref().unwrap();
     let at = |vertex: usize, frame: u32| -> Vec3 {
-        Motion::ALL.map(|own| offset(wind, own, vertex) * sway.weight(own, frame)).iter().sum()
+        Motion::ALL.map(|motion| offset(wind, motion, vertex) * sway.weight(motion, frame)).iter().sum()
     };
     // Without the stem a vertex goes to and fro in one sine of its own phase: the mean of its way is
     // zero, and the mean of its square is half of the amplitude's.
@@ -126,7 +129,7 @@ fn two_targets_hold_any_phase() {
         let way: Vec<f32> = (0..sway.frames())
             .map(|frame| (at(vertex, frame) - stem * (sway.weight(Motion::Stem, frame) - 0.5)).x)
             .collect();
-        let ends = [Motion::BranchSine, Motion::BranchCosine].map(|own| offset(wind, own, vertex).x);
+        let ends = [Motion::BranchSine, Motion::BranchCosine].map(|motion| offset(wind, motion, vertex).x);
         // A target goes from one end of 1.6 amplitudes to the other.
         let amplitude = ends[0].hypot(ends[1]) / 3.2;
         let mean = way.iter().sum::<f32>() / way.len() as f32;
@@ -207,10 +210,10 @@ fn pictures_that_move_show_what_the_targets_say() {
                 let distance = |node: &usize| tree.skeleton.positions[*node].distance(*place);
                 let nearest =
                     (0..blown.positions.len()).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap();
-                let own = blown.positions[nearest] - tree.skeleton.positions[nearest];
-                let gap = (moved[vertex] - *place).distance(own);
+                let shift = blown.positions[nearest] - tree.skeleton.positions[nearest];
+                let gap = (moved[vertex] - *place).distance(shift);
                 assert!(gap <= 0.6 * distance(&nearest).max(thick) + 1e-3, "{id} {frame}: {gap}");
-                way = way.max(own.length());
+                way = way.max(shift.length());
             }
             for (heading, up) in leaves.placed.headings.iter().zip(&leaves.placed.ups) {
                 assert!((heading.length() - 1.0).abs() < 1e-4 && heading.dot(*up).abs() < 1e-3);

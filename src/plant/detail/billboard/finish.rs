@@ -33,10 +33,10 @@ pub(super) fn finish(
             for (dy, dx) in (0..samples).flat_map(|dy| (0..samples).map(move |dx| (dy, dx))) {
                 let sample =
                     (y * samples + dy) as usize * drawn.size.x as usize + (x * samples + dx) as usize;
-                let own = &drawn.samples[sample];
-                if own.near_m > f32::NEG_INFINITY {
-                    colors.values[at] += own.color.extend(1.0);
-                    normals.values[at] += own.normal.extend(1.0);
+                let seen = &drawn.samples[sample];
+                if seen.near_m > f32::NEG_INFINITY {
+                    colors.values[at] += seen.color.extend(1.0);
+                    normals.values[at] += seen.normal.extend(1.0);
                 }
             }
         }
@@ -73,29 +73,29 @@ fn keep_coverage(covered: &[f32], size: Pixels, cutout: f32) -> Vec<f32> {
     let weighed: Vec<f32> = (0..height)
         .flat_map(|y| (0..width).map(move |x| (x, y)))
         .map(|(x, y)| {
-            let own = at(x, y);
-            if own == 0.0 || own >= 1.0 {
-                return own;
+            let share = at(x, y);
+            if share == 0.0 || share >= 1.0 {
+                return share;
             }
             let around: f32 =
                 [(-1, 0), (1, 0), (0, -1), (0, 1)].map(|(dx, dy)| at(x + dx, y + dy)).iter().sum();
             let pattern = ((y * width + x) as f64 * GOLDEN).fract() as f32;
-            0.89 * own + 0.1 * around / 4.0 + 0.01 * pattern
+            0.89 * share + 0.1 * around / 4.0 + 0.01 * pattern
         })
         .collect();
-    let mut ranked: Vec<f32> = weighed.iter().copied().filter(|&own| own > 0.0).collect();
+    let mut ranked: Vec<f32> = weighed.iter().copied().filter(|&share| share > 0.0).collect();
     ranked.sort_unstable_by(|a, b| b.total_cmp(a));
-    let wanted = covered.iter().map(|&own| f64::from(own)).sum::<f64>() as usize;
+    let wanted = covered.iter().map(|&share| f64::from(share)).sum::<f64>() as usize;
     let Some(&least) = ranked.get(wanted.min(ranked.len().saturating_sub(1))) else { return weighed };
     // Linear on either side of the threshold.
-    let alpha = |own: f32| {
-        if own == 0.0 || own >= 1.0 {
-            own
-        } else if own < least {
-            cutout * 0.98 * own / least
+    let alpha = |share: f32| {
+        if share == 0.0 || share >= 1.0 {
+            share
+        } else if share < least {
+            cutout * 0.98 * share / least
         } else {
             // Well above after rounding to 8 bits.
-            cutout + 0.02 + (0.98 - cutout) * (own - least) / (1.0 - least).max(1e-6)
+            cutout + 0.02 + (0.98 - cutout) * (share - least) / (1.0 - least).max(1e-6)
         }
     };
     weighed.into_iter().map(alpha).collect()
@@ -150,11 +150,12 @@ mod tests {
             // Thin things: few pixels are covered by more than half.
             let covered: Vec<f32> = (0..64 * 48)
                 .map(|i| (key.child(i).unit() * 4.0 - 1.8).clamp(0.0, 1.0) as f32 * 0.75)
-                .map(|own| (own * 4.0).round() / 4.0)
+                .map(|share| (share * 4.0).round() / 4.0)
                 .collect();
             let wanted: f32 = covered.iter().sum();
             let alpha = keep_coverage(&covered, size, 0.5);
-            let found = alpha.iter().filter(|&&own| libm::roundf(own * 255.0) / 255.0 >= 0.5).count() as f32;
+            let found =
+                alpha.iter().filter(|&&value| libm::roundf(value * 255.0) / 255.0 >= 0.5).count() as f32;
             assert!((found / wanted - 1.0).abs() < 0.03, "{found} of {wanted}");
             assert!(alpha.iter().zip(&covered).all(|(alpha, covered)| (*alpha > 0.0) == (*covered > 0.0)));
         }

@@ -108,7 +108,7 @@ pub fn billboard(scene: &Scene, how: &Billboard, monitor: &dyn Monitor) -> Resul
 /// An upright plane, and what it must hold.
 struct Frame {
     right: Vec3,
-    /// Unit vector: from the tree to whoever looks at it.
+    /// Unit vector: from the tree to its viewer.
     toward: Vec3,
     /// Corners of the box round the tree: metres to the right of the foot, and height.
     low: Vec2,

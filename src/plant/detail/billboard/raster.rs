@@ -96,8 +96,9 @@ pub(super) fn draw(
         let uvs = triangle.map(|vertex| mesh.uvs[vertex as usize]);
         let normals = triangle.map(|vertex| mesh.normals[vertex as usize]);
         // Texels that a sample covers.
-        let texels = texture
-            .map_or(0.0, |own| ((uvs[1] - uvs[0]).perp_dot(uvs[2] - uvs[0]) / area).abs() * own.area());
+        let texels = texture.map_or(0.0, |texture| {
+            ((uvs[1] - uvs[0]).perp_dot(uvs[2] - uvs[0]) / area).abs() * texture.area()
+        });
         for y in from.y as u32..=to.y as u32 {
             for x in from.x as u32..=to.x as u32 {
                 let away = Vec2::new(x as f32, y as f32) + 0.5 - a.at;
@@ -114,8 +115,9 @@ pub(super) fn draw(
                 }
                 let color = match texture {
                     None => Vec3::from(material.base_color),
-                    Some(own) => {
-                        let color = own.at(uvs[0] + (uvs[1] - uvs[0]) * s + (uvs[2] - uvs[0]) * t, texels);
+                    Some(texture) => {
+                        let color =
+                            texture.at(uvs[0] + (uvs[1] - uvs[0]) * s + (uvs[2] - uvs[0]) * t, texels);
                         if material.cutout.is_some_and(|least| color.w < least) {
                             continue;
                         }

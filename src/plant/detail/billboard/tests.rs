@@ -41,8 +41,8 @@ fn rectangle(corner: Vec3, x: Vec3, y: Vec3) -> Mesh {
 fn pixels(scene: &Scene) -> (u32, u32, Vec<[u8; 4]>, Vec<[u8; 4]>) {
     let material = &scene.materials[0];
     let [color, normal] =
-        [&material.base_color_picture, &material.normal_picture].map(|own| own.clone().unwrap());
-    let all = |own: &Picture| own.rgba().as_chunks::<4>().0.to_vec();
+        [&material.base_color_picture, &material.normal_picture].map(|picture| picture.clone().unwrap());
+    let all = |picture: &Picture| picture.rgba().as_chunks::<4>().0.to_vec();
     (color.width(), color.height(), all(&color), all(&normal))
 }
 
@@ -86,8 +86,8 @@ fn backs_are_seen_only_where_they_are_to_be() {
     // Looks away from the viewer.
     let turned = rectangle(Vec3::new(1.0, 0.0, 0.0), Vec3::X * -2.0, Vec3::Y * 2.0);
     for double_sided in [false, true] {
-        let own = scene(vec![material([0.5; 3], double_sided)], vec![turned.clone()]);
-        let seen = billboard(&own, &Billboard { planes: 1, size_px: 64 }, &Quiet).unwrap();
+        let rectangle_scene = scene(vec![material([0.5; 3], double_sided)], vec![turned.clone()]);
+        let seen = billboard(&rectangle_scene, &Billboard { planes: 1, size_px: 64 }, &Quiet).unwrap();
         let (_, _, color, normal) = pixels(&seen);
         assert_eq!(color.iter().any(|pixel| pixel[3] > 127), double_sided);
         assert!(normal.iter().all(|pixel| pixel[2] == 255), "towards the viewer");
@@ -115,8 +115,8 @@ fn a_ball_is_a_disc_from_everywhere() {
             ball.triangles.extend([[a, b, b + 1], [a, b + 1, a + 1]]);
         }
     }
-    let own = scene(vec![material([0.5; 3], false)], vec![ball]);
-    let seen = billboard(&own, &Billboard { planes: 3, size_px: 128 }, &Quiet).unwrap();
+    let ball_scene = scene(vec![material([0.5; 3], false)], vec![ball]);
+    let seen = billboard(&ball_scene, &Billboard { planes: 3, size_px: 128 }, &Quiet).unwrap();
     assert_eq!(seen.parts[0].mesh.triangles.len(), 6);
     let (width, height, color, normal) = pixels(&seen);
     let covered = color.iter().filter(|pixel| pixel[3] > 127).count() as f32;
@@ -132,7 +132,7 @@ fn a_ball_is_a_disc_from_everywhere() {
         assert!((r - 0.5).abs() < 0.06 && g.abs() < 0.06 && (b - 0.866).abs() < 0.06, "{r} {g} {b}");
     }
     // The planes stand at equal angles, and each is seen from its normal's side.
-    let normals: Vec<Vec3> = seen.parts[0].mesh.normals.chunks(4).map(|own| own[0]).collect();
+    let normals: Vec<Vec3> = seen.parts[0].mesh.normals.chunks(4).map(|corners| corners[0]).collect();
     for pair in normals.windows(2) {
         assert!((pair[0].dot(pair[1]) - 0.5).abs() < 1e-6);
     }

@@ -33,8 +33,9 @@ impl Texture {
 
     /// Bytes that all pictures of a scene take.
     pub fn bytes(scene: &Scene) -> u64 {
-        let pictures = scene.materials.iter().filter_map(|own| own.base_color_picture.as_ref());
-        let texels: u64 = pictures.map(|own| u64::from(own.width()) * u64::from(own.height())).sum();
+        let pictures = scene.materials.iter().filter_map(|material| material.base_color_picture.as_ref());
+        let texels: u64 =
+            pictures.map(|picture| u64::from(picture.width()) * u64::from(picture.height())).sum();
         bytes_of::<Vec4>(1) * texels * 4 / 3
     }
 

@@ -41,28 +41,28 @@ pub(super) struct Block {
 
 impl Block {
     /// Contours a block; `None` where the surface does not pass.
-    pub fn contour(place: IVec3, own: &[u32], pieces: &[Piece], lattice: &Lattice) -> Option<Self> {
-        let corners = Corners::new(place, own, pieces, lattice)?;
+    pub fn contour(place: IVec3, indices: &[u32], pieces: &[Piece], lattice: &Lattice) -> Option<Self> {
+        let corners = Corners::new(place, indices, pieces, lattice)?;
         let mut block = Self { place, cells: Vec::new(), vertices: Vec::new() };
         for cell in each(IVec3::ZERO, IVec3::splat(BLOCK - 1)) {
             let inside = corners.inside(cell);
             if inside == 0 || inside == u8::MAX {
                 continue;
             }
-            let own_sheets = cells::sheets(inside, 0);
+            let unflipped = cells::sheets(inside, 0);
             let mut flipped = 0;
             for face in 0..6 {
-                if cells::is_ambiguous(inside, face) && cells::is_pinched(&own_sheets, face) {
+                if cells::is_ambiguous(inside, face) && cells::is_pinched(&unflipped, face) {
                     let mut beyond = cell;
                     beyond[face / 2] += if face % 2 == 0 { -1 } else { 1 };
                     let theirs = cells::sheets(corners.inside(beyond), 0);
                     flipped |= u8::from(cells::is_pinched(&theirs, face ^ 1)) << face;
                 }
             }
-            let sheets = if flipped == 0 { own_sheets } else { cells::sheets(inside, flipped) };
+            let sheets = if flipped == 0 { unflipped } else { cells::sheets(inside, flipped) };
             let first = block.vertices.len() as u32;
             for sheet in 0..sheets.count {
-                block.vertices.push(corners.vertex(cell, &sheets, sheet, own, pieces));
+                block.vertices.push(corners.vertex(cell, &sheets, sheet, indices, pieces));
             }
             let index = (cell.x + BLOCK * (cell.y + BLOCK * cell.z)) as u16;
             block.cells.push(Cell { index, inside, sheets, first });
@@ -88,7 +88,7 @@ struct Corners<'a> {
 }
 
 impl<'a> Corners<'a> {
-    fn new(place: IVec3, own: &[u32], pieces: &[Piece], lattice: &'a Lattice) -> Option<Self> {
+    fn new(place: IVec3, indices: &[u32], pieces: &[Piece], lattice: &'a Lattice) -> Option<Self> {
         let origin = place * BLOCK - 1;
         let middle = (place.as_vec3() + 0.5) * lattice.block_m();
         let corner_m = 0.5 * 3.0_f32.sqrt() * (lattice.block_m() + 3.0 * lattice.cell_m);
@@ -97,11 +97,11 @@ impl<'a> Corners<'a> {
             let piece = &pieces[index as usize];
             piece.flare.is_none() && piece.near(middle).distance_m < -1.2 * corner_m
         };
-        if own.iter().any(is_deep) {
+        if indices.iter().any(is_deep) {
             return None;
         }
         let mut nearest = vec![Nearest::default(); (CORNERS * CORNERS * CORNERS) as usize];
-        for &index in own {
+        for &index in indices {
             let piece = &pieces[index as usize];
             let reach = piece.reach_m(lattice.collar, lattice.cell_m);
             let (center, radius) = piece.sphere();
@@ -117,7 +117,7 @@ impl<'a> Corners<'a> {
                 }
             }
         }
-        let values = nearest.iter().map(|own| own.field(lattice.collar).0).collect();
+        let values = nearest.iter().map(|indices| indices.field(lattice.collar).0).collect();
         Some(Self { origin, values, lattice })
     }
 
@@ -132,7 +132,7 @@ impl<'a> Corners<'a> {
 
     /// The middle of where a sheet crosses the cell's edges, and from there onto the surface, within
     /// the cell.
-    fn vertex(&self, cell: IVec3, sheets: &Sheets, sheet: u8, own: &[u32], pieces: &[Piece]) -> Vertex {
+    fn vertex(&self, cell: IVec3, sheets: &Sheets, sheet: u8, indices: &[u32], pieces: &[Piece]) -> Vertex {
         /// Vertices keep off the faces, so that no two come to lie in one place.
         const MARGIN: f32 = 0.04;
         let (mut sum, mut count) = (Vec3::ZERO, 0.0);
@@ -147,13 +147,13 @@ impl<'a> Corners<'a> {
         }
         let low = (self.origin + 1 + cell).as_vec3();
         let mut within = sum / count;
-        let mut piece = own.first().copied().unwrap_or(0);
+        let mut piece = indices.first().copied().unwrap_or(0);
         let mut normal = Vec3::Y;
         let rounds = if sheets.count == 1 { 2 } else { 0 };
         for round in 0..=rounds {
             let place = (low + within) * self.lattice.cell_m;
             let mut nearest = Nearest::default();
-            for &index in own {
+            for &index in indices {
                 let near = pieces[index as usize].near(place);
                 if near.distance_m < pieces[index as usize].reach_m(self.lattice.collar, self.lattice.cell_m)
                 {

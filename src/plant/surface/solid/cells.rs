@@ -104,9 +104,9 @@ pub(super) fn sheets(inside: u8, flipped: u8) -> Sheets {
 /// Whether both lines of an ambiguous face lie on one sheet. Where that is so on either side, the two
 /// cells' vertices would be joined twice, by an edge of four quads (Wenger 2013, *Isosurfaces*,
 /// section 3.3): there the face is to be flipped.
-pub(super) fn is_pinched(own: &Sheets, index: usize) -> bool {
+pub(super) fn is_pinched(sheets: &Sheets, index: usize) -> bool {
     let edges = face(index).1;
-    edges.iter().all(|&edge| own.of_edge[edge] == own.of_edge[edges[0]])
+    edges.iter().all(|&edge| sheets.of_edge[edge] == sheets.of_edge[edges[0]])
 }
 
 /// Up to four edges.
@@ -117,14 +117,14 @@ struct Vec4 {
 
 impl Vec4 {
     fn of(all: [usize; 4], mut keep: impl FnMut(usize) -> bool) -> Self {
-        let mut own = Self { items: [0; 4], len: 0 };
+        let mut edges = Self { items: [0; 4], len: 0 };
         for item in all {
             if keep(item) {
-                own.items[own.len] = item;
-                own.len += 1;
+                edges.items[edges.len] = item;
+                edges.len += 1;
             }
         }
-        own
+        edges
     }
 }
 
@@ -137,9 +137,9 @@ mod tests {
         for index in 0..6 {
             let (corners, edges) = face(index);
             for k in 0..4 {
-                let mut own = [corners[k], corners[(k + 1) % 4]];
-                own.sort_unstable();
-                assert_eq!(ends(edges[k]), own, "face {index}");
+                let mut pair = [corners[k], corners[(k + 1) % 4]];
+                pair.sort_unstable();
+                assert_eq!(ends(edges[k]), pair, "face {index}");
             }
         }
     }
@@ -151,18 +151,18 @@ mod tests {
     fn all_cells_have_the_sheets_of_the_definition() {
         for inside in 0..=255_u8 {
             for flipped in [0, 0b11_1111] {
-                let own = sheets(inside, flipped);
+                let sheets = sheets(inside, flipped);
                 for edge in 0..12 {
                     let [a, b] = ends(edge).map(|corner| (inside >> corner) & 1);
-                    assert_eq!(own.of_edge[edge] != NO_SHEET, a != b);
+                    assert_eq!(sheets.of_edge[edge] != NO_SHEET, a != b);
                 }
-                for sheet in 0..own.count {
-                    assert!(own.of_edge.iter().filter(|&&s| s == sheet).count() >= 3);
+                for sheet in 0..sheets.count {
+                    assert!(sheets.of_edge.iter().filter(|&&s| s == sheet).count() >= 3);
                 }
                 if (0..6).all(|index| !is_ambiguous(inside, index)) {
                     let groups = groups(inside).max(groups(!inside));
                     let expected = if inside == 0 || inside == 255 { 0 } else { groups };
-                    assert_eq!(own.count, expected, "{inside:08b}");
+                    assert_eq!(sheets.count, expected, "{inside:08b}");
                 }
             }
         }

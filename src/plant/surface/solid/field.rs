@@ -80,11 +80,11 @@ pub(super) struct Nearest {
 impl Nearest {
     /// Counts a piece in, `index` of `pieces`. The order of pieces decides among equals.
     pub fn meet(&mut self, pieces: &[Piece], index: u32, near: Near) {
-        let axis = |own: &Option<(u32, Near)>| own.map(|(index, _)| pieces[index as usize].axis);
+        let axis = |found: &Option<(u32, Near)>| found.map(|(index, _)| pieces[index as usize].axis);
         let is_nearer =
-            |own: &Option<(u32, Near)>| own.is_none_or(|(_, other)| near.distance_m < other.distance_m);
-        let own_axis = Some(pieces[index as usize].axis);
-        if axis(&self.first) == own_axis {
+            |found: &Option<(u32, Near)>| found.is_none_or(|(_, other)| near.distance_m < other.distance_m);
+        let piece_axis = Some(pieces[index as usize].axis);
+        if axis(&self.first) == piece_axis {
             if is_nearer(&self.first) {
                 self.first = Some((index, near));
             }

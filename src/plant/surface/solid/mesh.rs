@@ -80,7 +80,7 @@ fn vertex(block: &Block, cell: IVec3, edge: usize, blocks: &[Block], firsts: &[u
     let shift = cell.div_euclid(IVec3::splat(BLOCK));
     let within = cell - shift * BLOCK;
     let place = (block.place + shift).to_array();
-    let at = blocks.binary_search_by_key(&place, |own| own.place.to_array()).ok()?;
+    let at = blocks.binary_search_by_key(&place, |other| other.place.to_array()).ok()?;
     let index = (within.x + BLOCK * (within.y + BLOCK * within.z)) as u16;
     blocks[at].vertex_at(index, edge).map(|vertex| firsts[at] + vertex)
 }
@@ -112,8 +112,8 @@ fn barked(
             let wraps = wraps(guide, tile_m);
             let first = angle(guide, corners[0].place);
             corners.map(|corner| {
-                let own = &pieces[corner.piece as usize];
-                let piece = if own.axis == guide.axis { own } else { guide };
+                let at_corner = &pieces[corner.piece as usize];
+                let piece = if at_corner.axis == guide.axis { at_corner } else { guide };
                 // The turn that is nearest to the first corner's.
                 let turn = angle(piece, corner.place) - first;
                 let turn = turn - TAU * (turn / TAU).round();

@@ -30,8 +30,7 @@ pub const MOST_SOLID_TRIANGLES: usize = 20_000_000;
 
 const DOING: &str = "making the wood one solid";
 
-/// Wood is no thinner than so many edges of a cell: a thinner twig would slip between the lattice's
-/// corners.
+/// Least thickness of wood, in edges of a cell: a thinner twig would slip between the lattice's corners.
 const THINNEST_CELLS: f32 = 1.0;
 
 /// Cells along the edge of a block.
@@ -72,7 +71,7 @@ pub(super) fn solidify(course: &Course<'_>, monitor: &dyn Monitor) -> Result<Mes
     let on_the_way = triangles * 80 + bytes_of::<Piece>(pieces.len()) + plan.bytes();
     monitor.admit(DOING, on_the_way, ADVICE)?;
     let groups = spread(&pieces, &lattice, monitor)?;
-    let bytes = bytes_of::<(IVec3, u32)>(groups.iter().map(|(_, own)| own.len()).sum());
+    let bytes = bytes_of::<(IVec3, u32)>(groups.iter().map(|(_, indices)| indices.len()).sum());
     let monitor: &dyn Monitor = &Holding::new(monitor, on_the_way + bytes);
     monitor.admit(DOING, 0, ADVICE)?;
 
@@ -80,9 +79,9 @@ pub(super) fn solidify(course: &Course<'_>, monitor: &dyn Monitor) -> Result<Mes
     let all = groups.len() as u64;
     let blocks = groups
         .par_iter()
-        .map(|(place, own)| {
+        .map(|(place, indices)| {
             monitor.check()?;
-            let block = Block::contour(*place, own, &pieces, &lattice);
+            let block = Block::contour(*place, indices, &pieces, &lattice);
             let before = done.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
             monitor.advance(Phase::Solidify, before + 1, Some(all));
             Ok::<Option<Block>, SurfaceError>(block)
@@ -163,7 +162,7 @@ fn spread(
     pairs.par_sort_unstable_by_key(|&(place, index)| (place.to_array(), index));
     Ok(pairs
         .chunk_by(|a, b| a.0 == b.0)
-        .map(|own| (own[0].0, own.iter().map(|&(_, index)| index).collect()))
+        .map(|group| (group[0].0, group.iter().map(|&(_, index)| index).collect()))
         .collect())
 }
 

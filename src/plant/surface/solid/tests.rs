@@ -53,10 +53,10 @@ fn the_solid_holds_what_the_tubes_hold_and_nothing_is_inside_it() {
         if edge < 0.05 {
             continue;
         }
-        let (own, theirs) = (winding(&solid, point), winding(&tubes, point));
-        assert_eq!(own > 0.5, theirs > 0.5, "{point}: {own} {theirs}");
-        assert!(own.abs() < 0.01 || (own - 1.0).abs() < 0.01, "{point}: {own}");
-        inside += usize::from(own > 0.5);
+        let (of_solid, of_tubes) = (winding(&solid, point), winding(&tubes, point));
+        assert_eq!(of_solid > 0.5, of_tubes > 0.5, "{point}: {of_solid} {of_tubes}");
+        assert!(of_solid.abs() < 0.01 || (of_solid - 1.0).abs() < 0.01, "{point}: {of_solid}");
+        inside += usize::from(of_solid > 0.5);
         checked += 1;
     }
     assert!(inside > 20 && checked > 300, "{inside} of {checked}");

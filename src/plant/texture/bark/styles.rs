@@ -18,7 +18,7 @@ impl Surface {
         let away = (a.min(b) / 0.30).min(1.0);
         let body = 1.0 - (1.0 - away) * (1.0 - away);
         // Ridges differ in how far they stand out, and are weathered in long strips.
-        let own = 0.5 + 0.5 * flake;
+        let prominence = 0.5 + 0.5 * flake;
         let fibre = self.fibres.at(bu, bv);
         // Short cracks run across the ridges; most end before the furrow.
         let strength = smoothstep(-0.2, 0.45, lift - blotch + 0.35 * fibre);
@@ -29,12 +29,12 @@ impl Surface {
             0.0
         };
         let rough = self.roughness * (0.17 * grain + 0.10 * fibre);
-        let height = body * (0.66 + 0.26 * own - depth) + rough * (0.3 + 0.7 * body);
+        let height = body * (0.66 + 0.26 * prominence - depth) + rough * (0.3 + 0.7 * body);
         let dark = 0.13 + 0.87 * smoothstep(-0.05, 0.80, height);
         let weathered = Vec3::new(1.0, 0.98, 0.95).lerp(Vec3::splat(1.12), height.clamp(0.0, 1.0));
         // Furrows show the inner bark: redder.
         let inner = Vec3::new(1.18, 0.96, 0.80).lerp(Vec3::ONE, smoothstep(0.1, 0.6, height));
-        let tint = weathered * inner * dark * (0.92 + 0.18 * own + 1.1 * rough + 0.12 * blotch);
+        let tint = weathered * inner * dark * (0.92 + 0.18 * prominence + 1.1 * rough + 0.12 * blotch);
         let lichen = 0.5 * smoothstep(0.08, 0.40, blotch + 0.25 * grain) * smoothstep(0.45, 0.85, height);
         Spot { height, tint: tint.lerp(LICHEN * tint.max_element(), lichen) }
     }
@@ -45,13 +45,13 @@ impl Surface {
         let Noises { sway, lift, grain, blotch, flake } = noises;
         let (bu, bv) = (u + 0.08 * sway + 0.022 * grain, v + 0.09 * lift + 0.022 * grain);
         let plate = self.cells.at(bu, bv);
-        let own = self.character[0][plate.index];
+        let character = self.character[0][plate.index];
         // Fissures gape in some places and are closed in others.
         let gape = smoothstep(-0.45, 0.35, blotch + 0.5 * lift);
         let body =
             smoothstep(0.1, 1.0, (plate.border + 0.012 * (flake + 0.5 * grain)) / (0.007 + 0.030 * gape));
         // A plate is a stack of thin scales, torn off along lines of equal height as on a map.
-        let stack = (flake * 1.5 + 0.5 + 0.30 * grain + 0.25 * (own - 0.5)) * LAYERS;
+        let stack = (flake * 1.5 + 0.5 + 0.30 * grain + 0.25 * (character - 0.5)) * LAYERS;
         let layer = stack.floor();
         let torn = stack - layer;
         let level = (layer / LAYERS).clamp(0.0, 1.0);
@@ -64,11 +64,11 @@ impl Surface {
         let dark = 0.12 + 0.88 * smoothstep(0.0, 0.42, height) * (0.55 + 0.45 * body);
         // Freshly torn scales are orange, old ones grey with a breath of violet.
         let (fresh, old) = (Vec3::new(1.34, 0.95, 0.66), Vec3::new(0.96, 0.99, 1.05));
-        let age = (0.9 * level + 0.7 * blotch + 0.5 * (own - 0.5) + 0.12).clamp(0.0, 1.0);
+        let age = (0.9 * level + 0.7 * blotch + 0.5 * (character - 0.5) + 0.12).clamp(0.0, 1.0);
         // The edge of a scale catches light, what is under it lies in its shade.
         let rim = (1.0 - smoothstep(0.05, 0.16, torn)) - 0.45 * smoothstep(0.86, 1.0, torn);
         let tint =
-            fresh.lerp(old, age) * dark * (0.90 + 0.16 * own + 1.3 * rough - 0.10 * rim + 0.22 * level);
+            fresh.lerp(old, age) * dark * (0.90 + 0.16 * character + 1.3 * rough - 0.10 * rim + 0.22 * level);
         let lichen = 0.22 * smoothstep(0.15, 0.45, sway - blotch) * smoothstep(0.5, 0.9, height);
         Spot { height, tint: tint.lerp(LICHEN * tint.max_element(), lichen) }
     }
@@ -79,11 +79,11 @@ impl Surface {
         let (bu, bv) = (u + 0.03 * sway, v + 0.02 * lift);
         // Lenticels: corky lips across the branch, on some of the places.
         let place = self.cells.at(bu, bv);
-        let own = self.character[0][place.index];
-        let wide = 0.14 + 0.24 * own;
-        let [x, y] = [place.offset[0] / wide, place.offset[1] / (0.10 + 0.08 * own)];
+        let character = self.character[0][place.index];
+        let wide = 0.14 + 0.24 * character;
+        let [x, y] = [place.offset[0] / wide, place.offset[1] / (0.10 + 0.08 * character)];
         let inside = (1.0 - x * x - y * y).max(0.0);
-        let is_lenticel = own > 0.72;
+        let is_lenticel = character > 0.72;
         let lenticel = if is_lenticel { inside } else { 0.0 };
         let wrinkle = self.fibres.at(bu, bv + 0.012 * sway);
         let wrinkles = smoothstep(0.15, 0.95, wrinkle.abs()) * (0.55 + 0.45 * lift);
@@ -109,10 +109,10 @@ impl Surface {
         let (bu, bv) = (u + 0.02 * sway, v + 0.025 * lift);
         // Lenticels: dark lines across, from dots to a quarter of the girth.
         let place = self.cells.at(bu, bv);
-        let own = self.character[0][place.index];
-        let wide = 0.05 + 0.46 * own * own;
-        let [x, y] = [place.offset[0] / wide, (place.offset[1] + 0.05 * grain) / (0.10 + 0.10 * own)];
-        let inside = if own > 0.25 { (1.0 - x * x - y * y).max(0.0) } else { 0.0 };
+        let character = self.character[0][place.index];
+        let wide = 0.05 + 0.46 * character * character;
+        let [x, y] = [place.offset[0] / wide, (place.offset[1] + 0.05 * grain) / (0.10 + 0.10 * character)];
+        let inside = if character > 0.25 { (1.0 - x * x - y * y).max(0.0) } else { 0.0 };
         let line = smoothstep(0.0, 0.35, inside);
         // Scars of shed branches: black lozenges with wings that hang down on both sides.
         let scar_place = self.cracks.at(u + 0.02 * grain, v + 0.008 * grain);
@@ -172,9 +172,9 @@ impl Surface {
             let covers = covers + 0.03 * grain;
             let sheet = smoothstep(0.0, 0.022, covers);
             // Old plates are rough, and shade what they end above.
-            let own = color * (1.0 + 0.10 * i as f32 * grain + 0.10 * blotch);
+            let sheet_tint = color * (1.0 + 0.10 * i as f32 * grain + 0.10 * blotch);
             let shade = 1.0 - 0.30 * smoothstep(-0.07, 0.0, covers) * (1.0 - sheet);
-            tint = (tint * shade).lerp(own, sheet);
+            tint = (tint * shade).lerp(sheet_tint, sheet);
             // What lies under a plate does not show through.
             height += (0.30 + 0.15 * (i + 1) as f32 + 0.10 * sway - height) * sheet;
         }

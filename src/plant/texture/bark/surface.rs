@@ -85,7 +85,7 @@ impl Surface {
             fibres: (7, 56),
             flakes: (5, 4, 4),
         };
-        let own = match style {
+        let lattices = match style {
             BarkStyle::Ridged => Lattices {
                 cracks: (12, 14),
                 folds: [(13, 2), (14, 3)],
@@ -108,23 +108,24 @@ impl Surface {
         };
         let named = |purpose: &str| key.named(purpose);
         let grid = |(across, up): (u32, u32), purpose: &str| Cells::new(across, up, 0.85, named(purpose));
-        let (cells, cracks) = (grid(own.cells, "cells"), grid(own.cracks, "cracks"));
+        let (cells, cracks) = (grid(lattices.cells, "cells"), grid(lattices.cracks, "cracks"));
         let each = |cells: &Cells, purpose: &str| -> Vec<f32> {
             (0..cells.len() as u64).map(|i| named(purpose).child(i).unit() as f32).collect()
         };
         let character = [each(&cells, "cell"), each(&cracks, "crack")];
-        let [first, second] = own.folds;
+        let [first, second] = lattices.folds;
         Self {
             style,
             roughness,
-            bend: ["bend u", "bend v"].map(|purpose| Octaves::new(own.bend.0, own.bend.1, 3, named(purpose))),
+            bend: ["bend u", "bend v"]
+                .map(|purpose| Octaves::new(lattices.bend.0, lattices.bend.1, 3, named(purpose))),
             cells,
             cracks,
             folds: [Octaves2::new(first, named("first fold")), Octaves2::new(second, named("second fold"))],
-            grain: Octaves::new(own.grain.0, own.grain.1, 4, named("grain")),
+            grain: Octaves::new(lattices.grain.0, lattices.grain.1, 4, named("grain")),
             blotches: Octaves::new(4, 4, 4, named("blotches")),
-            flakes: Octaves::new(own.flakes.0, own.flakes.1, own.flakes.2, named("flakes")),
-            fibres: Noise::new(own.fibres.0, own.fibres.1, named("fibres")),
+            flakes: Octaves::new(lattices.flakes.0, lattices.flakes.1, lattices.flakes.2, named("flakes")),
+            fibres: Noise::new(lattices.fibres.0, lattices.fibres.1, named("fibres")),
             character,
         }
     }

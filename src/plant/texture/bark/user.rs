@@ -1,4 +1,4 @@
-//! Pictures of the user's own as bark.
+//! Pictures that the user gives as bark.
 
 use std::sync::Arc;
 

@@ -46,10 +46,10 @@ pub(super) fn draw(
     let mut spots = vec![Spot::default(); n * n];
     spots.par_chunks_mut(n * BAND).enumerate().try_for_each(|(band, spots)| {
         let from = band * BAND;
-        let own = from..from + spots.len() / n;
-        placed.iter().try_for_each(|placed| rows(placed, &grain, n, &own, spots, monitor))
+        let band_rows = from..from + spots.len() / n;
+        placed.iter().try_for_each(|placed| rows(placed, &grain, n, &band_rows, spots, monitor))
     })?;
-    let cells = placed.iter().map(|own| grid.cell(own, &spots)).collect();
+    let cells = placed.iter().map(|placed| grid.cell(placed, &spots)).collect();
     bleed(&mut spots, n, monitor)?;
     keep_coverage(&mut spots, n);
     let curve: Vec<u8> =
@@ -106,7 +106,7 @@ impl Grid {
         };
         (2..=figures.len())
             .map(with)
-            .fold(with(1), |best, own| if own.scale > best.scale { own } else { best })
+            .fold(with(1), |best, tried| if tried.scale > best.scale { tried } else { best })
     }
 
     fn place<'a>(&self, figure: &'a Figure, index: usize) -> Placed<'a> {

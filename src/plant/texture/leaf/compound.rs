@@ -80,7 +80,14 @@ fn single(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
 }
 
 /// A leaflet of a compound leaf: turned, tilted and tinted a little on its own.
-fn leaflet(look: &LeafLook, own: BladeLook, tint: &Tint, foot: Vec2, along: Vec2, key: Key) -> Piece {
+fn leaflet(
+    look: &LeafLook,
+    leaflet_look: BladeLook,
+    tint: &Tint,
+    foot: Vec2,
+    along: Vec2,
+    key: Key,
+) -> Piece {
     let mut skin = tint.blade(look, key);
     let light = 1.0 + 0.16 * key.named("light").between(-1.0, 1.0) as f32;
     (skin.color, skin.patch, skin.foot) = (skin.color * light, skin.patch * light, skin.foot * light);
@@ -88,14 +95,14 @@ fn leaflet(look: &LeafLook, own: BladeLook, tint: &Tint, foot: Vec2, along: Vec2
         key.named("lean u").between(-0.22, 0.22) as f32,
         key.named("lean v").between(-0.22, 0.22) as f32,
     );
-    own.blade(key.named("blade")).piece(frame(foot, along, 1.0), skin)
+    leaflet_look.blade(key.named("blade")).piece(frame(foot, along, 1.0), skin)
 }
 
 fn fan(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
     let (foot, count) = (look.petiole, look.lobes.clamp(1, 31));
     let center = Vec2::new(0.0, foot);
     // Chestnut leaflets end in a drawn-out tip.
-    let own = BladeLook { tip: (look.tip + 0.35).min(1.0), ..blade_look(look, Outline::Obovate) };
+    let leaflet_look = BladeLook { tip: (look.tip + 0.35).min(1.0), ..blade_look(look, Outline::Obovate) };
     let mut figure = Figure::default();
     figure.pieces.push(stalk(center, [PETIOLE * 1.2, PETIOLE], tint.stalk(key), key.named("petiole")));
     let half = (count as f32 - 1.0) / 2.0;
@@ -111,7 +118,7 @@ fn fan(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
             * key.named("length").between(0.95, 1.03) as f32;
         figure.pieces.push(leaflet(
             look,
-            own,
+            leaflet_look,
             tint,
             center + heading(angle) * 0.012,
             heading(angle) * length,
@@ -127,9 +134,11 @@ fn pinnate(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
     let room = (1.0 - foot) / (pairs as f32 + 1.2);
     let long = (room * 1.18 / look.width.clamp(0.1, 1.5)).clamp(0.12, 0.42);
     let end = 1.0 - long * 0.92;
-    let own = blade_look(look, Outline::Ovate);
-    let own =
-        BladeLook { veins: if look.veins == Veins::None { Veins::None } else { Veins::Pinnate }, ..own };
+    let leaflet_look = blade_look(look, Outline::Ovate);
+    let leaflet_look = BladeLook {
+        veins: if look.veins == Veins::None { Veins::None } else { Veins::Pinnate },
+        ..leaflet_look
+    };
     let mut figure = Figure::default();
     let tip = Vec2::new(0.0, end);
     figure.pieces.push(Piece::stroke(
@@ -146,11 +155,11 @@ fn pinnate(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
             // The lowest pair is smaller than the middle ones.
             let size = (0.84 + 0.5 * t - 0.42 * t * t) * key.named("size").between(0.93, 1.05) as f32;
             let along = Vec2::new(sign, 1.0) * heading(angle) * long * size;
-            figure.pieces.push(leaflet(look, own, tint, at + along * 0.02, along, key));
+            figure.pieces.push(leaflet(look, leaflet_look, tint, at + along * 0.02, along, key));
         }
     }
     let key = key.named("end");
-    figure.pieces.push(leaflet(look, own, tint, tip, Vec2::new(0.0, 1.0 - end), key));
+    figure.pieces.push(leaflet(look, leaflet_look, tint, tip, Vec2::new(0.0, 1.0 - end), key));
     figure
 }
 
@@ -163,7 +172,7 @@ fn bipinnate(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
         [PETIOLE * 0.8, PETIOLE * 0.35],
         tint.stalk(key),
     ));
-    let own = BladeLook {
+    let leaflet_look = BladeLook {
         width: look.width.clamp(0.1, 0.8),
         margin: Margin::Entire,
         veins: Veins::None,
@@ -183,7 +192,7 @@ fn bipinnate(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
             let long =
                 (0.36 - 0.30 * (t - 0.45) * (t - 0.45) * 2.2) * key.named("size").between(0.92, 1.05) as f32;
             let along = Vec2::new(sign, 1.0) * heading(angle) * long;
-            pinna(&mut figure, look, own, tint, at, along, key);
+            pinna(&mut figure, look, leaflet_look, tint, at, along, key);
         }
     }
     figure
@@ -193,7 +202,7 @@ fn bipinnate(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
 fn pinna(
     figure: &mut Figure,
     look: &LeafLook,
-    own: BladeLook,
+    leaflet_look: BladeLook,
     tint: &Tint,
     foot: Vec2,
     along: Vec2,
@@ -202,14 +211,14 @@ fn pinna(
     const PAIRS: u32 = 13;
     let stroke = Piece::stroke(&[foot, foot + along], [0.0032, 0.0016], tint.stalk(key));
     figure.pieces.push(stroke);
-    let long = along.length() * 1.5 / PAIRS as f32 / own.width.max(0.2) * 0.62;
+    let long = along.length() * 1.5 / PAIRS as f32 / leaflet_look.width.max(0.2) * 0.62;
     for pair in 0..PAIRS {
         for sign in [1.0_f32, -1.0] {
             let key = key.child(u64::from(pair)).named(if sign > 0.0 { "right" } else { "left" });
             let t = (pair as f32 + 0.6) / PAIRS as f32;
             let direction = along.normalize_or(Vec2::Y).rotate(Vec2::from_angle(-sign * 1.05));
             let size = long * (1.0 - 0.5 * t * t) * key.between(0.9, 1.08) as f32;
-            figure.pieces.push(leaflet(look, own, tint, foot + along * t, direction * size, key));
+            figure.pieces.push(leaflet(look, leaflet_look, tint, foot + along * t, direction * size, key));
         }
     }
 }
@@ -218,7 +227,7 @@ fn palm(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
     let (foot, pairs) = (look.petiole, look.lobes.clamp(2, 120));
     let mut figure = Figure::default();
     let points: Vec<Vec2> = (0..=8).map(|i| Vec2::new(0.0, 0.94 * i as f32 / 8.0)).collect();
-    let own = BladeLook {
+    let leaflet_look = BladeLook {
         width: look.width.clamp(0.02, 0.4),
         margin: Margin::Entire,
         tip: 0.75,
@@ -235,7 +244,7 @@ fn palm(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
                 * libm::powf(4.0 * (t * 0.86 + 0.1) * (0.98 - t * 0.86), 0.6)
                 * key.named("size").between(0.9, 1.05) as f32;
             let along = Vec2::new(sign, 1.0) * heading(angle) * long.max(0.05);
-            figure.pieces.push(leaflet(look, own, tint, at, along, key));
+            figure.pieces.push(leaflet(look, leaflet_look, tint, at, along, key));
         }
     }
     let rachis = Skin { color: tint.stalk * Vec3::new(0.95, 1.05, 0.8), ..tint.stalk(key) };
@@ -264,7 +273,7 @@ fn fern(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
                 continue;
             }
             let teeth = ((long / room * 2.6) as u32).clamp(2, 16);
-            let own = BladeLook {
+            let leaflet_look = BladeLook {
                 width: (look.width * 0.30 / long.max(0.06)).clamp(0.12, 0.42),
                 margin: Margin::Crenate,
                 teeth,
@@ -274,7 +283,7 @@ fn fern(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
                 ..blade_look(look, Outline::Lanceolate)
             };
             let along = Vec2::new(sign, 1.0) * heading(angle) * long;
-            figure.pieces.push(leaflet(look, own, tint, Vec2::new(0.0, y), along, key));
+            figure.pieces.push(leaflet(look, leaflet_look, tint, Vec2::new(0.0, y), along, key));
         }
     }
     figure

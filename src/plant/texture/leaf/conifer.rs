@@ -8,7 +8,7 @@ use super::tint::Tint;
 use linden_base::color::linear;
 use linden_base::random::Key;
 
-/// A needle's own skin: each catches the light in its own way.
+/// The skin of one needle: each catches the light in its own way.
 fn skin(tint: &Tint, key: Key) -> Skin {
     let light = 1.0 + 0.28 * key.named("light").between(-1.0, 1.0) as f32;
     let turned = tint.patch_share > 0.0 && key.named("turned").unit() < f64::from(tint.patch_share);
@@ -77,10 +77,10 @@ pub(super) fn pine(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
         let seen = Vec2::new(out.x * sine, out.y + 0.10 * cosine.abs());
         let long = 0.50 * key.named("long").between(0.85, 1.0) as f32;
         for (name, part) in [("first", -1.0), ("second", 1.0)] {
-            let own = key.named(name);
-            let along = seen.rotate(Vec2::from_angle(part * own.between(0.03, 0.11) as f32)) * long;
-            let bow = part * own.named("bow").between(0.0, 0.05) as f32;
-            figure.pieces.push(blade(at, along, radius, bow, skin(tint, own)));
+            let needle_key = key.named(name);
+            let along = seen.rotate(Vec2::from_angle(part * needle_key.between(0.03, 0.11) as f32)) * long;
+            let bow = part * needle_key.named("bow").between(0.0, 0.05) as f32;
+            figure.pieces.push(blade(at, along, radius, bow, skin(tint, needle_key)));
         }
     }
     let bud = Skin { color: Vec3::from(linear([146, 92, 58])), ..shoot(key, [146, 92, 58]) };
@@ -114,11 +114,11 @@ pub(super) fn spruce(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
                 * key.named("long").between(0.85, 1.08) as f32;
             let along = Vec2::new(sign, 1.0) * heading(open) * size * (1.0 - 0.25 * t * t);
             let at = Vec2::new(sign * 0.006, 0.015 + (top - 0.015) * t);
-            let mut own = skin(tint, key);
+            let mut needle_skin = skin(tint, key);
             if is_upper {
-                own.color *= 1.1;
+                needle_skin.color *= 1.1;
             }
-            figure.pieces.push(blade(at, along, radius, sign * -0.05, own));
+            figure.pieces.push(blade(at, along, radius, sign * -0.05, needle_skin));
         }
     };
     needles(&mut figure, "side", count - upper, false);
@@ -212,9 +212,9 @@ fn clad(figure: &mut Figure, foot: Vec2, along: Vec2, girth: f32, tint: &Tint, k
         let radius = girth * (1.0 - 0.4 * t);
         // Two flanking scales, then the one that faces us.
         for (name, part, wide) in [("right", -0.42, 0.75), ("left", 0.42, 0.75), ("face", 0.0, 0.85)] {
-            let own = key.named(name);
+            let scale_key = key.named(name);
             let ahead = direction.rotate(Vec2::from_angle(part)) * pitch * 1.75;
-            let mut skin = skin(tint, own);
+            let mut skin = skin(tint, scale_key);
             skin.foot = skin.color * 0.72;
             skin.foot_reach = 0.75;
             if scale + 1 >= count {

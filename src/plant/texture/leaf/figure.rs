@@ -33,7 +33,7 @@ pub(super) struct Piece {
     pub veins: Vec<Vein>,
     /// From the piece's own coordinates (x across, y from 0 at its foot to 1 at its tip) to the figure's.
     pub frame: Affine2,
-    /// The midrib is x = bend · y² of its own coordinates.
+    /// The midrib is x = bend · y² in the piece's coordinates.
     pub bend: f32,
     /// From side to side, about: how far its shadow and its ribs reach follows from it.
     pub breadth: f32,
@@ -80,7 +80,7 @@ pub(super) struct Skin {
     pub lean: Vec2,
     /// How dark it makes what is under it beside its edge, 0..1.
     pub shadow: f32,
-    /// Its own place in the noise.
+    /// Where it lies in the noise.
     pub place: Vec2,
 }
 
@@ -189,7 +189,7 @@ impl Figure {
     }
 }
 
-/// A place and direction: own coordinates to others, where (0, 0) goes to `foot` and (0, 1) to
+/// Places a piece: takes its coordinates to others, where (0, 0) goes to `foot` and (0, 1) to
 /// `foot + along`; what is across is scaled by `across` more.
 pub(super) fn frame(foot: Vec2, along: Vec2, across: f32) -> Affine2 {
     Affine2::from_mat2_translation(Mat2::from_cols(-along.perp() * across, along), foot)

@@ -22,7 +22,7 @@ pub(super) fn blossom(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
     if foot > 0.0 {
         figure.pieces.push(Piece::stroke(&[Vec2::ZERO, center * 0.5, center], [0.012, 0.012], green));
     }
-    let own = BladeLook {
+    let petal_look = BladeLook {
         margin: Margin::Entire,
         veins: if look.veins == Veins::None { Veins::None } else { Veins::Parallel },
         tip: 0.3,
@@ -48,9 +48,9 @@ pub(super) fn blossom(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
         skin.mottle = 0.04;
         (skin.fold, skin.droop, skin.pillow) = (0.05, -0.5, 0.03);
         skin.shadow = 0.22;
-        figure
-            .pieces
-            .push(own.blade(key.named("blade")).piece(frame(center + along * 0.06, along * 0.94, 1.0), skin));
+        figure.pieces.push(
+            petal_look.blade(key.named("blade")).piece(frame(center + along * 0.06, along * 0.94, 1.0), skin),
+        );
     }
     let filament = Skin { color: Vec3::from(linear([238, 232, 214])), shadow: 0.15, ..Skin::default() };
     let anther = |key: Key| Skin {

@@ -283,7 +283,7 @@ impl LeafLook {
             return Err(LeafError::Variants(self.variants));
         }
         let look = &self.bounded();
-        // A twig has so many leaves like the first; some are there twice while it is put together.
+        // A twig's leaves are like the first; some are there twice while it is put together.
         let first = compound::leaf(look, &Tint::new(look, 0, key.named("tint")), key).bytes();
         let leaves = twig.map_or(1, |twig| u64::from(twig.leaves.clamp(1, TwigLook::MAX_LEAVES)));
         let bytes = first * leaves * u64::from(self.variants) * 3 / 2;

@@ -210,7 +210,7 @@ impl Outline {
 
     /// The outline that a user means.
     pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.iter().find(|(own, _, _)| *own == name).map(|&(_, outline, _)| outline)
+        Self::ALL.iter().find(|(word, _, _)| *word == name).map(|&(_, outline, _)| outline)
     }
 
     /// The usual leaf with this outline.

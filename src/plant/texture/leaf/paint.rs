@@ -41,7 +41,7 @@ pub(super) struct Placed<'a> {
     pub figure: &'a Figure,
     /// From the figure's units to pixels, Y down.
     pub to_pixels: Affine2,
-    /// What of the picture is its own.
+    /// The part of the picture that it may draw on.
     pub window: Window,
 }
 
@@ -54,12 +54,12 @@ pub(super) fn rows(
     spots: &mut [Spot],
     monitor: &dyn Monitor,
 ) -> Result<(), Cancelled> {
-    let own = &placed.window;
-    let shared = rows.start.max(own.rows.start)..rows.end.min(own.rows.end);
+    let whole = &placed.window;
+    let shared = rows.start.max(whole.rows.start)..rows.end.min(whole.rows.end);
     if shared.is_empty() {
         return Ok(());
     }
-    let window = Window { columns: own.columns.clone(), rows: shared };
+    let window = Window { columns: whole.columns.clone(), rows: shared };
     for piece in &placed.figure.pieces {
         monitor.check()?;
         let Some(sheet) = Sheet::of(piece, &placed.to_pixels, &window) else { continue };

@@ -144,8 +144,8 @@ fn cells_do_not_touch_and_hold_all_that_is_drawn() {
                 for y in 0..256 {
                     for x in 0..256 {
                         let uv = Vec2::new(x as f32 + 0.5, 255.5 - y as f32) / 256.0;
-                        let own = uv.cmpge(a.min).all() && uv.cmple(a.max).all();
-                        if own && alpha(&drawn, x, y) >= 128 {
+                        let is_within = uv.cmpge(a.min).all() && uv.cmple(a.max).all();
+                        if is_within && alpha(&drawn, x, y) >= 128 {
                             assert!(inside(uv), "{name}: {uv} {:?}", a.outline);
                         }
                         let free = drawn.cells.iter().all(|c| uv.cmplt(c.min).any() || uv.cmpgt(c.max).any());
@@ -221,9 +221,9 @@ fn colours_go_on_outside_the_leaf() {
 fn odd_wishes_are_met_or_refused() {
     let look = small(Outline::Ovate);
     let with = |change: &dyn Fn(&mut LeafLook)| {
-        let mut own = look.clone();
-        change(&mut own);
-        own.draw(key(), &Quiet)
+        let mut changed = look.clone();
+        change(&mut changed);
+        changed.draw(key(), &Quiet)
     };
     assert_eq!(with(&|l| l.size_px = 0), Err(LeafError::Size(0)));
     assert_eq!(with(&|l| l.size_px = 4097), Err(LeafError::Size(4097)));

@@ -26,7 +26,7 @@ pub(super) struct Tint {
 }
 
 impl Tint {
-    /// Of a variant, or of one leaf on a twig: `key` is its own.
+    /// The tint of a variant, or of one leaf on a twig, which `key` tells from others.
     pub fn new(look: &LeafLook, variant: u32, key: Key) -> Self {
         let spread = look.color_spread;
         let vary = |name: &str| key.named(name).between(-1.0, 1.0) as f32 * spread;

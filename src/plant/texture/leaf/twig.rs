@@ -57,17 +57,17 @@ pub(super) fn twig(look: &LeafLook, twig: &TwigLook, variant: u32, key: Key) -> 
                 * if is_right { 1.0 } else { -1.0 };
             // Leaves are smaller at both ends of a twig.
             let size = long * (0.78 + 0.9 * t - 0.72 * t * t) * key.named("size").between(0.88, 1.05) as f32;
-            let own = one(look, variant, foot, angle, size, key);
-            if key.named("layer").unit() < 0.5 { behind.push(own) } else { before.push(own) }
+            let leaf = one(look, variant, foot, angle, size, key);
+            if key.named("layer").unit() < 0.5 { behind.push(leaf) } else { before.push(leaf) }
         }
     }
-    for own in &behind {
-        figure.add(own, &Affine2::IDENTITY);
+    for leaf in &behind {
+        figure.add(leaf, &Affine2::IDENTITY);
     }
     let end = points.last().copied().unwrap_or_default();
     figure.pieces.push(Piece::stroke(&points, [thick, thick * 0.55], skin));
-    for own in &before {
-        figure.add(own, &Affine2::IDENTITY);
+    for leaf in &before {
+        figure.add(leaf, &Affine2::IDENTITY);
     }
     figure.add(&one(look, variant, end, bend, long, key.named("end")), &Affine2::IDENTITY);
     figure

@@ -150,17 +150,17 @@ fn rungs(all: &mut Vec<Vein>, low: &Vein, high: &Vein, outline: &[Vec2], key: Ke
     let length = along(low, 1.0).distance(along(low, 0.0));
     let count = (length / 0.026) as u64;
     for rung in 0..count {
-        let own = key.child(rung);
-        let t = (rung as f32 + 0.5 + own.named("from").between(-0.3, 0.3) as f32) / count as f32;
+        let rung_key = key.child(rung);
+        let t = (rung as f32 + 0.5 + rung_key.named("from").between(-0.3, 0.3) as f32) / count as f32;
         let a = along(low, t);
-        let b = along(high, (t - 0.06 + own.named("to").between(-0.07, 0.07) as f32).clamp(0.0, 1.0));
+        let b = along(high, (t - 0.06 + rung_key.named("to").between(-0.07, 0.07) as f32).clamp(0.0, 1.0));
         if a.distance(b) > 0.3 || crossing(a, b, outline).is_some() {
             continue;
         }
-        let bow = (b - a).perp() * own.named("bow").between(-0.16, 0.16) as f32;
-        let knee = a.lerp(b, own.named("knee").between(0.35, 0.65) as f32) + bow;
+        let bow = (b - a).perp() * rung_key.named("bow").between(-0.16, 0.16) as f32;
+        let knee = a.lerp(b, rung_key.named("knee").between(0.35, 0.65) as f32) + bow;
         // Some stop halfway and fork into the net.
-        let points = if own.named("stop").unit() < 0.2 { vec![a, knee] } else { vec![a, knee, b] };
+        let points = if rung_key.named("stop").unit() < 0.2 { vec![a, knee] } else { vec![a, knee, b] };
         all.push(Vein { points, radius: [CROSS, CROSS * 0.7], is_rib: false });
     }
 }
