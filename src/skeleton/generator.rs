@@ -143,6 +143,12 @@ pub trait Settings: Any + fmt::Debug + Send + Sync + Duplicate {
     /// Gives files other names: `renamed` has the new one of an old one, if it changes.
     fn rename_inputs(&mut self, _renamed: &dyn Fn(&str) -> Option<String>) {}
 
+    /// What a page says of them besides knobs, with the files that they need at hand: a grammar, what the tree
+    /// grows in.
+    fn describe(&self, _inputs: &Inputs) -> Vec<Passage> {
+        Vec::new()
+    }
+
     /// Why a knob of theirs changes nothing as they stand, and what would let it.
     fn idle(&self, _knob: &str, _wood: &Wood) -> Option<&'static str> {
         None
@@ -274,6 +280,16 @@ pub enum Written {
     Texts(Vec<String>),
     /// A list of tables: names and values.
     Tables(Vec<Vec<(&'static str, Value)>>),
+}
+
+/// Lines of a page under a heading. Text of a document's is in them as it is: a terminal needs it made
+/// printable.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Passage {
+    /// In lower case.
+    pub heading: &'static str,
+    /// Without indents but those that tell lines from lines of theirs.
+    pub lines: Vec<String>,
 }
 
 /// What settings leave to others: which knobs of the wood and the foliage have an effect follows from it.

@@ -1,11 +1,9 @@
 //! `linden show`: what a source or a forest is, its knobs, its forecast.
 
 use clap::Args;
-use linden::Quiet;
-use linden::colonization::crown::envelope::Envelope;
 use linden::knob::{Value, printable};
-use linden::preset::{Colonization, LSystem, Preset, PresetKnob, ScanSettings, Section, Space};
-use linden::recipe::{Geometry, Input, Recipe};
+use linden::preset::{LSystem, Preset, PresetKnob, Section};
+use linden::recipe::Recipe;
 use serde::Serialize;
 
 use super::GrowArgs;
@@ -184,52 +182,15 @@ fn forecast_of(recipe: &Recipe, progress: &Progress) -> anyhow::Result<Option<Fo
     }))
 }
 
-/// What a tree grows from besides knobs: its grammar, or the file that it grows in.
-fn materials(recipe: &Recipe) -> String {
-    let preset = &recipe.preset;
-    if let Some(lsystem) = preset.settings::<LSystem>() {
-        let lines = lsystem.grammar.to_string();
-        let lines = lines.lines().map(|line| format!("  {}\n", printable(line)));
-        return format!("\ngrammar\n{}", lines.collect::<String>());
-    }
-    let crown = preset.settings::<Colonization>();
-    let (what, file, is_rooted) =
-        if let Some(Colonization { space: Space::Envelope { file }, growth, .. }) = crown {
-            ("crown envelope", file, growth.root.is_some())
-        } else if let Some(ScanSettings { file, growth, .. }) = preset.settings() {
-            ("attraction points", file, growth.root.is_some())
-        } else {
-            return String::new();
-        };
-    let input = recipe.input(file);
-    let (size, shells) = (input.map(size).unwrap_or_default(), input.map(shells).unwrap_or_default());
-    let shells = if is_rooted { String::new() } else { shells };
-    format!("\n{what}\n  {}{size}{shells}\n", printable(file))
-}
-
 fn page(recipe: &Recipe, knobs: &[KnobRow], forecast: Option<&ForecastRow>, only_changed: bool) -> String {
     let preset = &recipe.preset;
     let mut text = format!("{} ({})\n", printable(&preset.name), printable(&preset.id));
     for line in [&preset.summary, &preset.source, &preset.about].into_iter().filter(|line| !line.is_empty()) {
         text.push_str(&format!("{}\n", printable(line)));
     }
-    text.push_str(&materials(recipe));
-    let parts = preset.settings::<Colonization>().map_or(&[][..], |crown| &crown.parts);
-    if !parts.is_empty() {
-        text.push_str("\nparts\n");
-    }
-    for (i, part) in parts.iter().enumerate() {
-        let size = part.file().and_then(|file| recipe.input(file)).map(size).unwrap_or_default();
-        text.push_str(&format!("  {} {}{size}\n", i + 1, part.describe()));
-        // What the line above has said.
-        let said = ["role", "crown"];
-        let line: Vec<String> = part
-            .knobs()
-            .into_iter()
-            .filter(|(knob, _)| !said.contains(&knob.name))
-            .map(|(knob, value)| format!("{} {value}", knob.name))
-            .collect();
-        text.push_str(&format!("    {}\n", line.join("  ")));
+    for passage in preset.generator.describe(&recipe.inputs) {
+        text.push_str(&format!("\n{}\n", passage.heading));
+        passage.lines.iter().for_each(|line| text.push_str(&format!("  {}\n", printable(line))));
     }
     if let Some(forecast) = forecast {
         text.push_str(&forecast.lines());
@@ -259,7 +220,10 @@ fn page(recipe: &Recipe, knobs: &[KnobRow], forecast: Option<&ForecastRow>, only
         }
         for (_, key, help) in files {
             let file = preset.file(key);
-            let size = file.and_then(|file| recipe.input(file)).map(size).unwrap_or_default();
+            let size = file
+                .and_then(|file| recipe.input(file))
+                .map(|input| format!(": {}", input.extent()))
+                .unwrap_or_default();
             let value = file.map_or_else(|| "none".to_owned(), |file| printable(file) + &size);
             text.push_str(&format!("  {key:name_width$}  {value:value_width$}  {help}\n"));
         }
@@ -294,23 +258,4 @@ impl ForecastRow {
         }
         text
     }
-}
-
-fn size(input: &Input) -> String {
-    match &input.geometry {
-        Geometry::Mesh(mesh) => format!(": {} triangles", mesh.triangles.len()),
-        Geometry::Points(points) => format!(": {} points", points.len()),
-        Geometry::Picture(picture) => {
-            format!(": {}×{} pixels", picture.picture.width(), picture.picture.height())
-        }
-    }
-}
-
-/// How many trees grow in a crown envelope, where that is more than one.
-fn shells(input: &Input) -> String {
-    let Geometry::Mesh(mesh) = &input.geometry else { return String::new() };
-    // What is wrong with it is said when it is to grow.
-    let count =
-        Envelope::new(mesh, &Quiet).and_then(|envelope| Ok(envelope.shells(&Quiet)?.len())).unwrap_or(0);
-    if count > 1 { format!(", {count} shells that stand apart: a tree in each") } else { String::new() }
 }

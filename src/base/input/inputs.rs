@@ -153,6 +153,17 @@ impl Input {
         format!("{:032x}", self.hash)
     }
 
+    /// How much it holds: `1200 triangles`, `80000 points`, `512×512 pixels`.
+    pub fn extent(&self) -> String {
+        match &self.geometry {
+            Geometry::Mesh(mesh) => format!("{} triangles", mesh.triangles.len()),
+            Geometry::Points(points) => format!("{} points", points.len()),
+            Geometry::Picture(picture) => {
+                format!("{}×{} pixels", picture.picture.width(), picture.picture.height())
+            }
+        }
+    }
+
     /// `mesh`, `points` or `picture`.
     pub const fn kind(&self) -> &'static str {
         match self.geometry {

@@ -2,18 +2,19 @@
 
 use glam::{DVec3, Vec3};
 use linden_base::document::{Entry, Fault, Table};
-use linden_base::input::Inputs;
+use linden_base::input::{Geometry, Input, Inputs};
 use linden_base::knob::{Knob, Value};
-use linden_base::monitor::Monitor;
+use linden_base::monitor::{Monitor, Quiet};
 use linden_growth::Origin;
 use linden_growth::stand::grow_at;
 use linden_skeleton::Wood;
 use linden_skeleton::generator::{
-    Asked, Branched, Generator, GeneratorError, KeyContent, SampleSize, Sampler, Settings, TableKey, Tables,
-    Task, Traits, Written,
+    Asked, Branched, Generator, GeneratorError, KeyContent, Passage, SampleSize, Sampler, Settings, TableKey,
+    Tables, Task, Traits, Written,
 };
 
 use crate::ColonizationError;
+use crate::crown::envelope::Envelope;
 use crate::crown::{self, compound::dashed};
 use crate::part::{self, MOST_PARTS, PART, PART_CROWN, PART_KNOBS, Part, Solid};
 use crate::sample::Smaller;
@@ -193,6 +194,28 @@ impl Settings for Colonization {
         }
     }
 
+    fn describe(&self, inputs: &Inputs) -> Vec<Passage> {
+        let extent = |file: &str| inputs.get(file).map(|input| format!(": {}", input.extent()));
+        let envelope = self.space.file().map(|file| {
+            let shells = inputs.get(file).filter(|_| self.growth.root.is_none()).map(shells);
+            let line = [Some(file.to_owned()), extent(file), shells].into_iter().flatten().collect();
+            Passage { heading: "crown envelope", lines: vec![line] }
+        });
+        let parts = (!self.parts.is_empty()).then(|| {
+            let lines = self.parts.iter().enumerate().flat_map(|(i, part)| {
+                let extent = part.file().and_then(extent).unwrap_or_default();
+                // What the first line says.
+                let said = ["role", "crown"];
+                let knobs = part.knobs().into_iter().filter(|(knob, _)| !said.contains(&knob.name));
+                let knobs: Vec<String> =
+                    knobs.map(|(knob, value)| format!("{} {value}", knob.name)).collect();
+                [format!("{} {}{extent}", i + 1, part.describe()), format!("  {}", knobs.join("  "))]
+            });
+            Passage { heading: "parts", lines: lines.collect() }
+        });
+        envelope.into_iter().chain(parts).collect()
+    }
+
     fn idle(&self, knob: &str, _: &Wood) -> Option<&'static str> {
         self.why_idle(knob)
     }
@@ -245,4 +268,13 @@ impl Settings for Colonization {
     ) -> Result<Box<dyn Sampler + 'a>, GeneratorError> {
         Ok(Box::new(Smaller::new(self, task, size, monitor)?))
     }
+}
+
+/// How many trees grow in a crown envelope, where that is more than one.
+fn shells(input: &Input) -> String {
+    let Geometry::Mesh(mesh) = &input.geometry else { return String::new() };
+    // What is wrong with it is said when it is to grow.
+    let count =
+        Envelope::new(mesh, &Quiet).and_then(|envelope| Ok(envelope.shells(&Quiet)?.len())).unwrap_or(0);
+    if count > 1 { format!(", {count} shells that stand apart: a tree in each") } else { String::new() }
 }

@@ -5,8 +5,8 @@ use linden_base::input::Inputs;
 use linden_base::knob::{Knob, Value, set, values};
 use linden_base::monitor::Monitor;
 use linden_skeleton::generator::{
-    Branched, Generator, GeneratorError, KeyContent, RadiiFrom, SampleSize, Sampler, Settings, TableKey,
-    Task, Traits, Written,
+    Branched, Generator, GeneratorError, KeyContent, Passage, RadiiFrom, SampleSize, Sampler, Settings,
+    TableKey, Task, Traits, Written,
 };
 use linden_skeleton::{Width, Wood};
 
@@ -105,6 +105,11 @@ impl Settings for LSystem {
         let mut lines = text.lines();
         let axiom = lines.next().unwrap_or_default().to_owned();
         vec![("axiom", Written::Text(axiom)), ("rules", Written::Texts(lines.map(str::to_owned).collect()))]
+    }
+
+    fn describe(&self, _: &Inputs) -> Vec<Passage> {
+        let lines = self.grammar.to_string().lines().map(str::to_owned).collect();
+        vec![Passage { heading: "grammar", lines }]
     }
 
     fn plain(&self) -> Box<dyn Settings> {

@@ -9,8 +9,8 @@ use linden_base::monitor::{Cancelled, Monitor};
 use linden_growth::stand::{StandError, grow_at};
 use linden_growth::{Origin, Stand};
 use linden_skeleton::generator::{
-    Branched, Fit, Generator, GeneratorError, KeyContent, Measured, RadiiFrom, SampleSize, Sampler, Settings,
-    TableKey, Task, Traits, Written,
+    Branched, Fit, Generator, GeneratorError, KeyContent, Measured, Passage, RadiiFrom, SampleSize, Sampler,
+    Settings, TableKey, Task, Traits, Written,
 };
 use linden_skeleton::{Branching, Skeleton, Wood};
 
@@ -101,6 +101,12 @@ impl Settings for ScanSettings {
         if let Some(name) = renamed(&self.file) {
             self.file = name;
         }
+    }
+
+    fn describe(&self, inputs: &Inputs) -> Vec<Passage> {
+        let extent = inputs.get(&self.file).map(|input| format!(": {}", input.extent()));
+        let line = format!("{}{}", self.file, extent.unwrap_or_default());
+        vec![Passage { heading: "attraction points", lines: vec![line] }]
     }
 
     fn idle(&self, knob: &str, wood: &Wood) -> Option<&'static str> {

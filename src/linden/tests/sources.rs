@@ -15,11 +15,11 @@ fn fir(path: PathBuf) -> Vec<Written> {
 
 #[test]
 fn every_written_file_is_a_tree_again() {
-    let folder = tempfile::tempdir().unwrap();
     let mut read_back = 0;
-    for exporter in linden::export::exporters() {
+    for exporter in linden::export::REGISTRY {
         let format = exporter.format();
-        let path = folder.path().join(format!("{}.{}", format.id, format.extensions[0]));
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(format!("fir.{}", format.extensions.first().unwrap_or(&format.id)));
         let options = linden::export::Options::new(format);
         let exporter = find(format.id).unwrap();
         let fir = tree("fir").unwrap().set("points", "60").unwrap().grow().unwrap();
@@ -57,7 +57,7 @@ fn a_document_names_no_file_elsewhere_but_with_leave() {
     let cloud: String = (0..40).map(|row| format!("0 {} 0\n", f64::from(row) * 0.1)).collect();
     fs::write(elsewhere.join("pole.xyz"), &cloud).unwrap();
     let document = here.join("pole.toml");
-    fs::write(&document, "[scan]\nfile = \"../elsewhere/pole.xyz\"\n").unwrap();
+    fs::write(&document, "id = \"pole\"\n[scan]\nfile = \"../elsewhere/pole.xyz\"\n").unwrap();
 
     let refused = read(&document).err().unwrap();
     let Error::NotAllowed { error, .. } = &refused else { panic!("{refused}") };
@@ -67,7 +67,7 @@ fn a_document_names_no_file_elsewhere_but_with_leave() {
     assert!(matches!(missing, Error::Read { .. }), "{missing}");
 
     fs::write(here.join("beside.xyz"), &cloud).unwrap();
-    fs::write(&document, "[scan]\nfile = \"beside.xyz\"\n").unwrap();
+    fs::write(&document, "id = \"pole\"\n[scan]\nfile = \"beside.xyz\"\n").unwrap();
     read(&document).unwrap();
 }
 
