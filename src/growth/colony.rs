@@ -266,7 +266,7 @@ impl<'a, F: Fn(PointTree, f32) -> Search> Colony<'a, F> {
         nodes.par_iter().with_min_len(WORTH_SHARING).filter_map(child).collect()
     }
 
-    /// What all nodes grow when each follows only the nearest of its own points.
+    /// What all nodes grow when each follows only the nearest of the points that it is the nearest node of.
     fn rescued(&mut self) -> Result<Rescue, Cancelled> {
         let mut nearest: BTreeMap<u32, (f32, Vec3)> = BTreeMap::new();
         for search in &self.searches {

@@ -75,9 +75,10 @@
 //! # Memory
 //! Beside the points that are given: 12 bytes a point while the tree is built, then 22 a point for
 //! the tree and 60 a node (24 of which are the result), plus what a list takes while it moves to a
-//! place larger by a quarter (twice as large while it is short). In a crown filled at half its points' spacing there are 0.65 nodes a
-//! point: about 62 bytes a point; ten million points were grown in 0.72 GB, those points included.
-//! Habits that ask for a node's place on its axis take 13 bytes more a node, [`Attraction::All`] 32.
+//! place larger by a quarter (twice as large while it is short). In a crown filled at half its points'
+//! spacing there are 0.65 nodes a point: about 62 bytes a point; ten million points were grown in 0.72 GB,
+//! those points included. Habits that ask for a node's place on its axis take 13 bytes more a node,
+//! [`Attraction::All`] 32.
 
 mod axes;
 mod colony;
@@ -248,7 +249,7 @@ pub fn admit_points(points: usize, held_bytes: u64, monitor: &dyn Monitor) -> Re
     monitor.admit(DOING, bytes.saturating_add(held_bytes), ADVICE)
 }
 
-/// The peak while so many children become nodes.
+/// The peak while `children` children become nodes.
 fn bytes_at(points: usize, nodes: &nodes::Nodes, children: usize) -> u64 {
     points as u64 * BYTES_PER_POINT + nodes.bytes_with(children) + children as u64 * BYTES_PER_CHILD
 }

@@ -12,7 +12,7 @@ const LENGTHENING: f64 = 4.0;
 const LENGTHENINGS: usize = 6;
 
 impl GrowthSettings {
-    /// For points that are so many times as far apart: growth is similar at any scale.
+    /// Settings for points that are `times` times as far apart: growth is similar at any scale.
     #[must_use]
     pub fn coarser(&self, times: f64) -> Self {
         let metres = |length: Length| match length {
@@ -41,7 +41,7 @@ pub struct Lengthening {
 }
 
 impl Lengthening {
-    /// For a tree with a limit of nodes, whose sample has steps already so many times as long.
+    /// Lengthening for a tree with a limit of nodes, whose sample has steps `longer` times as long already.
     pub const fn new(max_nodes: u32, longer: f64) -> Self {
         Self { max_nodes, rounds: 0, longer }
     }

@@ -2,8 +2,8 @@
 //!
 //! A bichromatic reverse-nearest-neighbour search. All new nodes of an iteration go down the tree
 //! together, level by level; a child is entered by the nodes that are nearer to its box than the
-//! farthest of its points is to that point's own nearest node. What is captured comes back as
-//! [`Captures`], to be added up by whoever owns the nodes.
+//! farthest of its points is to the node nearest to that point. What is captured comes back as
+//! [`Captures`], for the owner of the nodes to add up.
 
 use glam::Vec3;
 use multiversion::multiversion;
@@ -19,7 +19,7 @@ const WORTH_SHARING: usize = 256;
 
 /// Below this many new nodes one thread finds out which clusters they enter.
 const WORTH_SPLITTING: usize = 1024;
-/// Otherwise so many at most: their findings are put together by one.
+/// Most shares otherwise: their findings are put together by one thread.
 const MOST_SHARES: usize = 8;
 
 /// Most nodes that are sent into one cluster between two questions to the monitor.
@@ -57,7 +57,7 @@ impl Front {
         }
     }
 
-    /// Empty, with room for so many queries.
+    /// Empties it, with room for `room` queries.
     fn clear(&mut self, room: usize) {
         self.boxes.clear();
         self.ends.clear();
@@ -176,7 +176,7 @@ pub(super) struct Search {
     ways: Vec<Scratch>,
     /// The clusters and the new nodes that enter them.
     entered: Front,
-    own: Scratch,
+    scratch: Scratch,
     /// One for each cluster that is entered at the same time.
     captures: Vec<Captures>,
 }
@@ -190,7 +190,7 @@ impl Search {
             visit: visit_detected,
             ways: Vec::new(),
             entered: Front::default(),
-            own: Scratch::default(),
+            scratch: Scratch::default(),
             captures: vec![Captures::default()],
         }
     }
@@ -237,7 +237,7 @@ impl Search {
             // One after the other, each recorded while it is still in the cache.
             for (cluster, queries) in work {
                 self.captures[0].clear();
-                run(cluster, queries, &mut self.own, &mut self.captures[0])?;
+                run(cluster, queries, &mut self.scratch, &mut self.captures[0])?;
                 record(&self.captures[..1]);
             }
         } else {

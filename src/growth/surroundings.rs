@@ -69,7 +69,7 @@ impl Surroundings {
     pub fn update(
         &mut self,
         changed: &[u32],
-        own: &Influences,
+        influences: &Influences,
         searches: &[Search],
         positions: &[Vec3],
         monitor: &dyn Monitor,
@@ -80,9 +80,9 @@ impl Surroundings {
         let joining: Vec<u32> = changed
             .iter()
             .copied()
-            .filter(|&node| own.any(node) && self.frontier.binary_search(&node).is_err())
+            .filter(|&node| influences.any(node) && self.frontier.binary_search(&node).is_err())
             .collect();
-        self.frontier.retain(|&node| own.any(node));
+        self.frontier.retain(|&node| influences.any(node));
 
         let mut marked = Vec::new();
         if !self.missed.is_empty() {

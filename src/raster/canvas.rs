@@ -37,7 +37,7 @@ pub(crate) fn band_height(size: Size) -> u32 {
     BAND.max(size.height().div_ceil(MOST_BANDS))
 }
 
-/// Bytes of all bands that are drawn at once, each pixel with so many beside its light.
+/// Bytes of all bands that are drawn at once, each pixel with `bytes_per_pixel` besides its light.
 pub(crate) fn band_bytes(size: Size, bytes_per_pixel: u64) -> u64 {
     let band = u64::from(band_height(size)) * u64::from(size.width());
     let at_once = size.height().div_ceil(band_height(size)).min(rayon::current_num_threads() as u32);

@@ -95,12 +95,12 @@ impl Extent {
         let mut all = Self { bottom: self.bottom.min(low), top: self.top.max(high), ..self };
         for i in 0..RINGS {
             let (from, to) = (all.rim(i), all.rim(i + 1));
-            let own = if (all.bottom, all.top) == (self.bottom, self.top) {
+            let radius_before = if (all.bottom, all.top) == (self.bottom, self.top) {
                 self.radii[i]
             } else {
                 self.radius_within(from, to)
             };
-            all.radii[i] = if from < high && to > low { own.max(radius) } else { own };
+            all.radii[i] = if from < high && to > low { radius_before.max(radius) } else { radius_before };
         }
         all
     }

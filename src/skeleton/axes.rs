@@ -128,11 +128,11 @@ mod tests {
             assert_eq!(axes.len(), parents.iter().filter(|&&p| p == NO_PARENT).count() + laterals(&parents));
             let mut order_of = vec![0; 300];
             for axis in &axes {
-                let own = &nodes[axis.first as usize..(axis.first + axis.len) as usize];
-                assert_eq!(parents[own[0] as usize], axis.parent);
+                let axis_nodes = &nodes[axis.first as usize..(axis.first + axis.len) as usize];
+                assert_eq!(parents[axis_nodes[0] as usize], axis.parent);
                 let expected = if axis.parent == NO_PARENT { 0 } else { order_of[axis.parent as usize] + 1 };
                 assert_eq!(axis.order, expected);
-                for pair in own.windows(2) {
+                for pair in axis_nodes.windows(2) {
                     assert_eq!(parents[pair[1] as usize], pair[0]);
                     let siblings = (0..300_u32).filter(|&c| parents[c as usize] == pair[0]);
                     assert!(
@@ -140,7 +140,7 @@ mod tests {
                         "the thickest continues"
                     );
                 }
-                for &node in own {
+                for &node in axis_nodes {
                     order_of[node as usize] = axis.order;
                 }
             }

@@ -203,8 +203,8 @@ pub trait Settings: Any + fmt::Debug + Send + Sync + Duplicate {
         Ok(false)
     }
 
-    /// Plans a small tree of which this one is a multiple, for forecasts; without a plan of its own the
-    /// whole tree is grown, as far as a forecast's limit of memory lets it.
+    /// Plans a small tree of which this one is a multiple, for forecasts; by default the whole tree is
+    /// grown, as far as a forecast's limit of memory lets it.
     ///
     /// # Errors
     /// As growing.
@@ -351,7 +351,7 @@ pub struct Branched {
     /// The nodes that were of use, where there is such a thing; else the lengths of twigs decide what is
     /// pruned.
     pub used: Option<Vec<bool>>,
-    /// The generator's own limit, which holds for the refined tree too.
+    /// The generator's limit of nodes, which holds for the refined tree too.
     pub most_nodes: u64,
     /// Whether no branch is to be moved to a place.
     pub barred: Option<Barred>,
@@ -436,8 +436,8 @@ pub struct Scanned {
     pub fit: Fit,
 }
 
-/// Distances between measured points and a skeleton, both ways. All are exact: to the nearest point of the nearest
-/// segment, not to the nearest node.
+/// Distances between measured points and a skeleton, both ways. All are exact: to the nearest point of the
+/// nearest segment, not to the nearest node.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
     /// From each scanned point to the nearest axis.
@@ -486,12 +486,12 @@ pub enum GeneratorError {
 }
 
 impl GeneratorError {
-    /// An error of a generator's own.
+    /// Wraps an error type that the generator defines.
     pub fn failed(error: impl Error + Send + Sync + 'static) -> Self {
         Self::Failed(Arc::new(error))
     }
 
-    /// The error of a generator's own type, if it is one.
+    /// The wrapped error, where it has the type that the generator defines.
     pub fn downcast_ref<E: Error + 'static>(&self) -> Option<&E> {
         match self {
             Self::Failed(error) => error.downcast_ref(),
@@ -551,7 +551,7 @@ pub struct Multiple {
 }
 
 impl Multiple {
-    /// The tree is its own sample.
+    /// Where the sample is the whole tree.
     pub const ONE: Self =
         Self { wood_times: 1.0, leaf_times: 1.0, point_times: 1.0, crowding: 1.0, coarser: 1.0 };
 }

@@ -75,8 +75,8 @@ pub struct Skeleton {
     pub axis_nodes: Vec<u32>,
 }
 
-/// Why a branching is no tree. A generator that returns such a thing has a bug, but whoever calls
-/// the library may build branchings too.
+/// Why a branching is no tree. A generator that returns such a thing has a bug, but callers of the
+/// library may build branchings too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SkeletonError {
     /// No node at all.

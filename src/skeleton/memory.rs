@@ -5,7 +5,7 @@ use linden_base::memory::{OverMemory, bytes_of};
 use linden_base::monitor::Monitor;
 
 impl Branching {
-    /// Bytes that `nodes` nodes take without radii of their own.
+    /// Bytes that `nodes` nodes take without given radii.
     pub const fn bytes_for(nodes: usize) -> u64 {
         bytes_of::<([f32; 3], u32, u32)>(nodes)
     }
@@ -19,7 +19,7 @@ impl Branching {
     }
 
     /// Makes room for more nodes than there are by half, if there is memory for it. Without this, lists
-    /// that grow one by one would double on their own, and nobody would be asked.
+    /// that grow one by one would double without asking the monitor.
     ///
     /// # Errors
     /// [`OverMemory`].
@@ -87,7 +87,7 @@ impl Branching {
 }
 
 impl Skeleton {
-    /// The peak of [`Skeleton::build`] for so many nodes of which a third end an axis.
+    /// The peak of [`Skeleton::build`] for `nodes` nodes of which a third end an axis.
     pub fn build_bytes(nodes: usize) -> Option<u64> {
         // Parents, births, radii, successors, and tips before the nodes of axes.
         let per_node = bytes_of::<([f32; 3], [u32; 5])>(1) + bytes_of::<Axis>(1).div_ceil(3);

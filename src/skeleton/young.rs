@@ -17,8 +17,8 @@ impl Skeleton {
         there
     }
 
-    /// The tree at a step: the nodes of [`Skeleton::born_by`], in their order, with axes of their
-    /// own and radii by the same rule.
+    /// The tree at a step: the nodes of [`Skeleton::born_by`], in their order, with the axes that they
+    /// form and radii by the same rule.
     ///
     /// `wood` and `key` must be what the whole tree was built with, [`Wood::settled`]. By the pipe
     /// model a twig of the young tree is as thick as one of the whole tree, so the trunk thickens as

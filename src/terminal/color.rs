@@ -27,8 +27,7 @@ impl ColorDepth {
     ///    where no terminal is; `FORCE_COLOR`'s number is the depth.
     /// 3. No terminal, `TERM=dumb`, or `CLICOLOR=0`: none.
     /// 4. `COLORTERM` = `truecolor` or `24bit`; `TERM` that ends in `-direct`; `WT_SESSION`: 24 bits.
-    /// 5. `TERM` with `256`: 256. Without `TERM`: none on a terminal nobody has described.
-    ///    Anything else: 16.
+    /// 5. `TERM` with `256`: 256. Without `TERM`: none, since the terminal is unknown. Anything else: 16.
     pub fn detect(lookup: impl Fn(&str) -> Option<String>, is_terminal: bool) -> Self {
         let set = |name: &str| lookup(name).filter(|v| !v.is_empty());
         if set("NO_COLOR").is_some() {
@@ -165,7 +164,7 @@ fn xterm(entry: u8) -> [u8; 3] {
     [LEVELS[at / 36], LEVELS[at / 6 % 6], LEVELS[at % 6]]
 }
 
-/// How a colour looks that [`ColorDepth`] gave; nobody knows how the terminal's own does.
+/// How a colour looks that [`ColorDepth`] gave; `None` for the terminal's default, which may be any.
 pub(crate) fn look(color: Color) -> Option<[u8; 3]> {
     match color {
         Color::Rgb(r, g, b) => Some([r, g, b]),

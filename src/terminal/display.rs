@@ -79,7 +79,7 @@ impl Settings {
 }
 
 impl Display {
-    /// A terminal of so many columns and rows, of which nothing is known that it shows.
+    /// A terminal of `size`, columns and rows, of which it is unknown what it shows.
     pub fn new(size: (u16, u16), output: Output, settings: Settings) -> Self {
         Self {
             output,

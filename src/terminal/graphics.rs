@@ -107,7 +107,7 @@ impl Encoded {
         (self.width, self.height)
     }
 
-    /// What shows it in so many cells from the cursor's line on, outside of a [`Screen`](crate::Screen);
+    /// What shows it in `area` from the cursor's line on, outside of a [`Screen`](crate::Screen);
     /// the cursor is on the line below then. `id` is kitty's number for it: an earlier picture of the same
     /// number vanishes.
     pub fn at_cursor(&self, id: u32, area: Rect) -> Vec<u8> {
@@ -135,9 +135,9 @@ impl Encoded {
 /// Says a picture (RGBA, sRGB, not premultiplied) in a protocol, for an area of cells.
 ///
 /// Where more than `budget` bytes would be needed, a PNG gets 32 shades a channel, and if that is not
-/// enough, fewer pixels, as many as fit: terminals stretch it over the area. Sixels cannot be stretched; they get fewer colours,
-/// and may stay above the budget. Their height is cut to whole bands of 6, beyond which a terminal
-/// would scroll.
+/// enough, fewer pixels, as many as fit: terminals stretch it over the area. Sixels cannot be stretched; they
+/// get fewer colours, and may stay above the budget. Their height is cut to whole bands of 6, beyond which a
+/// terminal would scroll.
 ///
 /// # Errors
 /// [`EncodeError`] when the pixels are not what the size says, or the encoder refuses them.

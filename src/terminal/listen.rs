@@ -48,7 +48,7 @@ pub struct Listener {
 #[derive(Debug)]
 struct Shared {
     tty: Tty,
-    /// Whether the terminal is somebody else's for the moment. Changed only while nobody reads.
+    /// Whether another program has the terminal for the moment. Changed only while it is not read.
     paused: AtomicBool,
     /// Whether the listener is gone; then signals have their default effect.
     closed: Arc<AtomicBool>,
@@ -75,8 +75,8 @@ const READ_BYTES: usize = 64 * 1024;
 const SIGNALS_MEANT_TOGETHER: Duration = Duration::from_millis(20);
 
 /// Listens to a terminal that is in raw mode, and to signals. `send` is called from both threads;
-/// when it says `false`, nobody listens any more and the thread ends. One listener at a time: an
-/// earlier one goes on, but signals stay caught after it.
+/// when it says `false`, its receiver is gone and the thread ends. One listener at a time: an earlier
+/// one goes on, but signals stay caught after it.
 ///
 /// # Errors
 /// What the system says when it refuses a thread, a pipe, or a signal.
@@ -100,8 +100,8 @@ pub fn listen(tty: Tty, send: impl Fn(Incoming) -> bool + Send + Clone + 'static
     Ok(listener)
 }
 
-/// A signal that was caught once would be ignored for ever when nobody listens any more: gives each
-/// its default effect while `closed`, and SIGTSTP while `stops`. Those of an earlier listener end.
+/// Gives each signal its default effect while `closed`, and SIGTSTP while `stops`: one that was caught
+/// once would be ignored for ever after the listener is gone. Those of an earlier listener end.
 fn keep_defaults(closed: &Arc<AtomicBool>, stops: &Arc<AtomicBool>) -> io::Result<()> {
     static LAST: Mutex<Vec<SigId>> = Mutex::new(Vec::new());
     let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);

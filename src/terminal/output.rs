@@ -1,4 +1,4 @@
-//! A thread that writes, so that nobody else waits for a slow terminal.
+//! A thread that writes, so that no other waits for a slow terminal.
 //!
 //! There is no queue: the next bytes are made when the last ones are written, from what is newest
 //! then. One frame is one call of `write`, if the terminal takes it.
@@ -81,7 +81,7 @@ impl Output {
         state.job.is_none() && !state.writing
     }
 
-    /// Hands bytes over, of which so many are a picture's.
+    /// Hands bytes over, `picture` of them a picture's.
     ///
     /// # Errors
     /// [`Busy`] with the bytes while others are being written. After an [`Output::error`] bytes are

@@ -27,7 +27,7 @@ const LEAST_WINDOW: usize = 1536;
 const MOST_WINDOW: usize = 1 << 20;
 /// What a terminal on this machine gets before its first reply.
 const LOCAL_WINDOW: usize = 256 << 10;
-/// The smallest piece worth a frame and a query of its own.
+/// The smallest piece worth a separate frame and query.
 const LEAST_PIECE: usize = 512;
 /// Time in queues below which the window grows.
 const SHORT_QUEUE: Duration = Duration::from_millis(10);
@@ -154,7 +154,7 @@ impl Pacer {
         if self.window.saturating_sub(self.in_flight) < piece { 0 } else { piece }
     }
 
-    /// Whether [`QUERY`] is to be appended to so many bytes.
+    /// Whether [`QUERY`] is to be appended to this number of bytes.
     pub fn asks(&self, bytes: usize) -> bool {
         !self.is_mute() && bytes > KEY_SIZED
     }
@@ -211,8 +211,8 @@ impl Pacer {
         let least = self.trip.get().unwrap_or(trip);
         // What a piece takes by itself is no queue; the shortest trips have it for a small one.
         let rate = self.rate().unwrap_or(f64::INFINITY);
-        let own = piece.bytes.saturating_sub(LEAST_PIECE) as f64 / rate;
-        let queued = trip.saturating_sub(least).saturating_sub(Duration::from_secs_f64(own));
+        let alone_s = piece.bytes.saturating_sub(LEAST_PIECE) as f64 / rate;
+        let queued = trip.saturating_sub(least).saturating_sub(Duration::from_secs_f64(alone_s));
         self.queued.rotate_right(1);
         self.queued[0] = queued;
         let queued = self.queued.into_iter().min().unwrap_or(queued);
@@ -278,7 +278,7 @@ impl Pacer {
         }
     }
 
-    /// Whether a picture of so many bytes may be sent in one piece now.
+    /// Whether a picture of `bytes` bytes may be sent in one piece now.
     pub fn fits_atomic(&mut self, bytes: usize, now: Instant) -> bool {
         bytes <= self.atomic_allowance(now)
     }

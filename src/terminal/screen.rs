@@ -293,8 +293,8 @@ impl Screen {
         true
     }
 
-    /// Whether the terminal shows a cell that takes so many columns. A cell that looks the same
-    /// is remembered in its newer form.
+    /// Whether the terminal shows a cell that takes `taken` columns. A cell that looks the same is
+    /// remembered in its newer form.
     fn shows(&mut self, cell: &Cell, at: usize, taken: u16, room: u16) -> bool {
         if self.known[at] != Known::Yes {
             return false;

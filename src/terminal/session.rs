@@ -84,7 +84,7 @@ impl Session {
     }
 
     /// Gives the terminal back until [`Self::resume`], as for an external editor. Does nothing when
-    /// that has been done. What the terminal refuses is left: nobody is there to be told.
+    /// that has been done. What the terminal refuses is left: there is no place for a message.
     pub fn restore(&self) {
         restore();
     }
@@ -100,8 +100,8 @@ impl Session {
     }
 
     /// Ctrl-Z: gives the terminal back, stops the process, and takes it again when it is continued.
-    /// `false` when nobody could continue it (`ssh -t host program` has no shell to return to):
-    /// then nothing was done.
+    /// `false` when nothing could continue it (`ssh -t host program` has no shell to return to): then
+    /// nothing was done.
     ///
     /// # Errors
     /// What the system says when it refuses.
@@ -266,7 +266,7 @@ fn is_background(tty: &Tty) -> bool {
     tcgetpgrp(tty.output()).is_ok_and(|foreground| foreground != getpgrp())
 }
 
-/// Whether nobody could continue us: a shell with job control gives each job a group of its own, so
+/// Whether nothing could continue us: a shell with job control gives each job a group of its own, so
 /// in the group of the session's leader there is none. The system ignores SIGTSTP there too (POSIX,
 /// "orphaned process group").
 fn is_alone() -> bool {

@@ -34,7 +34,7 @@ impl TerminalSize {
     /// The same from values: an environment, and what the terminal says (columns, rows).
     ///
     /// A variable that is not a number from 1 to 65535 counts as not set, as POSIX leaves it; more than
-    /// [`MAX_CELLS`] count as so many.
+    /// [`MAX_CELLS`] count as that.
     pub fn resolve(lookup: impl Fn(&str) -> Option<String>, asked: Option<(u16, u16)>) -> Self {
         let given = |name| lookup(name)?.trim().parse().ok().filter(|&n: &u16| n > 0);
         let (columns, rows) = asked.map_or((None, None), |(c, r)| (Some(c), Some(r)));

@@ -138,7 +138,7 @@ impl Tty {
         Ok(Self(Arc::new(Ends { input, output, unblocked, reading: Mutex::new(()) })))
     }
 
-    /// How large it is now. 80×24 when it does not know, as one that nobody has sized.
+    /// How large it is now. 80×24 when it does not know, as one without a size.
     pub fn size(&self) -> WindowSize {
         let fallback = WindowSize::default();
         match tcgetwinsize(&self.0.output) {
@@ -166,7 +166,7 @@ impl Tty {
         self.0.output.as_fd()
     }
 
-    /// Waits until nobody else reads, and keeps others from reading.
+    /// Waits until no other thread reads, and keeps others from reading.
     pub(crate) fn reading(&self) -> MutexGuard<'_, ()> {
         self.0.reading.lock().unwrap_or_else(PoisonError::into_inner)
     }

@@ -37,11 +37,11 @@ pub fn draw_skeleton(
 ) -> Result<Picture, RasterError> {
     check(skeleton)?;
     monitor.check()?;
-    let own = style.extent_without_person(skeleton).ok_or(RasterError::Empty)?;
+    let tree_extent = style.extent_without_person(skeleton).ok_or(RasterError::Empty)?;
     let foot = foot(skeleton).ok_or(RasterError::Empty)?;
-    let framed = framed(camera, style, own, foot);
+    let framed = framed(camera, style, tree_extent, foot);
     let view = camera.view(framed, size);
-    let air = Air::new(&own, &view, style);
+    let air = Air::new(&tree_extent, &view, style);
     let ledger = Ledger::new(monitor);
     ledger.take(picture_bytes(size) + overlay::bytes(style) + trace::bytes(skeleton, style))?;
     let tracer = Tracer::new(skeleton, &view, &air, style, size);
@@ -52,22 +52,22 @@ pub fn draw_skeleton(
     runs.sort(monitor)?;
     let shadow_m = style.ground_shadow.then(|| match style.until {
         Some(step) => reach_m(skeleton, step, Vec2::new(foot.x, foot.z)),
-        None => own.radius(),
+        None => tree_extent.radius(),
     });
     let backdrop = Backdrop::new(style.background, &view, foot, shadow_m);
     ledger.take(canvas::band_bytes(size, BRUSH_BYTES_PER_PIXEL))?;
     canvas::compose(size, &backdrop, monitor, |rows, pixels| runs.paint(rows, pixels, monitor))
 }
 
-/// What the picture frames: the camera's extent or the tree's own, with the person if there is to
-/// be one.
-pub(crate) fn framed(camera: &Camera, style: &Style, own: Extent, foot: Vec3) -> Extent {
+/// What the picture frames: the camera's extent or else the tree's, with the person if there is to be
+/// one.
+pub(crate) fn framed(camera: &Camera, style: &Style, tree_extent: Extent, foot: Vec3) -> Extent {
     match camera.extent {
-        None if style.person => own.with_person(foot.y),
-        None => own,
+        None if style.person => tree_extent.with_person(foot.y),
+        None => tree_extent,
         // Asked for after the frame was made: beside the tree all the same.
         Some(extent) if style.person && extent.person.is_none() => {
-            Extent { person: own.with_person(foot.y).person, ..extent }
+            Extent { person: tree_extent.with_person(foot.y).person, ..extent }
         }
         Some(extent) => extent,
     }

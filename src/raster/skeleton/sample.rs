@@ -57,19 +57,19 @@ fn grow(tree: &mut Skeleton, parent: u32, shoot: Shoot, depth: u32, key: Key) {
     }
     let bare = if order == 0 { 0.22 } else { 0.12 };
     for (k, (node, heading, t)) in nodes.into_iter().filter(|n| n.2 > bare).enumerate() {
-        let own = key.child(k as u64);
-        let azimuth = k as f32 * 2.399_963 + own.named("azimuth").between(-0.4, 0.4) as f32;
+        let branch_key = key.child(k as u64);
+        let azimuth = k as f32 * 2.399_963 + branch_key.named("azimuth").between(-0.4, 0.4) as f32;
         let (side, other) = heading.any_orthonormal_pair();
         let (s, c) = libm::sincosf(azimuth);
-        let angle = (own.named("angle").between(0.75, 1.15) as f32) * (1.0 - 0.35 * t);
+        let angle = (branch_key.named("angle").between(0.75, 1.15) as f32) * (1.0 - 0.35 * t);
         let (sa, ca) = libm::sincosf(angle);
         let direction = heading * ca + (side * c + other * s) * sa;
         // A round crown: the longest branches a third of the way up it.
         let shape = libm::sinf(std::f32::consts::PI * (0.25 + 0.72 * t)).max(0.1);
-        let vigour = own.named("vigour").between(0.7, 1.1) as f32;
+        let vigour = branch_key.named("vigour").between(0.7, 1.1) as f32;
         let length_m = length_m * shape * vigour * if order == 0 { 0.52 } else { 0.48 };
         let radius_m = tree.radii[node as usize] * if order == 0 { 0.5 } else { 0.55 };
         let base = tree.positions[node as usize];
-        grow(tree, node, Shoot { base, direction, length_m, radius_m, order: order + 1 }, depth, own);
+        grow(tree, node, Shoot { base, direction, length_m, radius_m, order: order + 1 }, depth, branch_key);
     }
 }

@@ -52,10 +52,10 @@ pub(crate) fn trace(
                 continue;
             }
             let kind = organs.color(organ).map(|color| linear(color) * style.exposure);
-            let own = kind.or_else(|| {
+            let organ_color = kind.or_else(|| {
                 colors.get((hanging.color as usize).min(colors.len().saturating_sub(1))).copied()
             });
-            let color = match own {
+            let color = match organ_color {
                 Some(color) if style.paint == Paint::Wood => color,
                 _ => tracer.color_of(hanging.node),
             };
@@ -153,8 +153,8 @@ pub(super) fn each_pixel(facet: &Facet, rows: Rows, mut each: impl FnMut(usize, 
 fn covered(triangle: [Vec2; 3], middle: Vec2) -> f32 {
     // Each side may add a corner to the three.
     let mut polygon = [Vec2::ZERO; 8];
-    for (own, corner) in polygon.iter_mut().zip(triangle) {
-        *own = corner - middle;
+    for (shifted, corner) in polygon.iter_mut().zip(triangle) {
+        *shifted = corner - middle;
     }
     let mut count = 3;
     for side in [Vec2::X, Vec2::Y, Vec2::NEG_X, Vec2::NEG_Y] {

@@ -100,7 +100,7 @@ impl Runs {
             + bytes_of::<Run>(self.sequence.capacity())
     }
 
-    /// Adds a stroke of its own.
+    /// Adds a stroke that continues no other.
     pub fn begin(&mut self, kind: Kind, stroke: Stroke) {
         let first = self.strokes.len() as u32;
         self.sequence.push(Run { first, len: 1, kind, depth_m: stroke.depth_m, rows: rows(&stroke) });
@@ -149,8 +149,8 @@ impl Runs {
     /// All of some, one after the other.
     pub fn together(parts: Vec<Self>, ledger: &Ledger<'_>) -> Result<Self, OverMemory> {
         let sum = |count: fn(&Self) -> usize| parts.iter().map(count).sum::<usize>();
-        let (strokes, facets) = (sum(|own| own.strokes.len()), sum(|own| own.facets.len()));
-        let sequence = sum(|own| own.sequence.len());
+        let (strokes, facets) = (sum(|runs| runs.strokes.len()), sum(|runs| runs.facets.len()));
+        let sequence = sum(|runs| runs.sequence.len());
         ledger.take(bytes_of::<Stroke>(strokes) + bytes_of::<Facet>(facets) + bytes_of::<Run>(sequence))?;
         let mut all = Self {
             strokes: Vec::with_capacity(strokes),

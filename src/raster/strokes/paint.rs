@@ -136,7 +136,7 @@ impl Brush {
 }
 
 /// How far a stroke goes on beyond a seam, pixels. In the pixel of the seam each of the two is half
-/// there; with so much more of the second, both over each other hide as much as one.
+/// there; with this much more of the second, both over each other hide as much as one.
 fn overlap(stroke: &Stroke) -> f32 {
     stroke.alpha / (4.0 - 2.0 * stroke.alpha.min(1.0))
 }

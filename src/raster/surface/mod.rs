@@ -68,19 +68,19 @@ pub fn draw_surface(
         triangles::check(part, surface.materials).ok_or(RasterError::Mesh(i))?;
     }
     let vertices = || surface.parts.iter().flat_map(|part| &part.mesh.positions).copied();
-    let (own, foot) = if let (Some(own), Some(foot)) =
+    let (tree_extent, foot) = if let (Some(tree_extent), Some(foot)) =
         (style.extent_without_person(surface.skeleton).filter(|_| has_skeleton), foot(surface.skeleton))
     {
-        (own, foot)
+        (tree_extent, foot)
     } else {
         let all: Vec<Vec3> = vertices().collect();
         let lowest = vertices().reduce(|a, b| if b.y < a.y { b } else { a });
-        let own = Extent::of(surface.skeleton, &all).ok_or(RasterError::Empty)?;
-        (own, lowest.ok_or(RasterError::Empty)?)
+        let tree_extent = Extent::of(surface.skeleton, &all).ok_or(RasterError::Empty)?;
+        (tree_extent, lowest.ok_or(RasterError::Empty)?)
     };
-    let framed = framed(camera, style, own, foot);
+    let framed = framed(camera, style, tree_extent, foot);
     let view = camera.view(framed, size);
-    let air = Air::new(&own, &view, style);
+    let air = Air::new(&tree_extent, &view, style);
 
     let ledger = Ledger::new(monitor);
     let factor = samples_per_side(size, style.draft);
@@ -100,7 +100,8 @@ pub fn draw_surface(
     runs.sort(monitor)?;
 
     let triangles = Triangles::new(surface, &view, &air, style, (size, factor), &ledger, monitor)?;
-    let backdrop = Backdrop::new(style.background, &view, foot, style.ground_shadow.then(|| own.radius()));
+    let backdrop =
+        Backdrop::new(style.background, &view, foot, style.ground_shadow.then(|| tree_extent.radius()));
     canvas::compose(size, &backdrop, monitor, |rows, pixels| {
         let mut samples = Samples::new(rows, factor);
         triangles.draw(rows, &mut samples, monitor)?;

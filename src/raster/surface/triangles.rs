@@ -276,7 +276,7 @@ impl Lens<'_> {
         Ok(vertices)
     }
 
-    /// Most triangles of a large tree are twigs that nobody sees, so light waits until one is drawn.
+    /// Lights a corner. Most triangles of a large tree are hidden twigs, so this waits until one is drawn.
     fn light(&self, seen: &Seen, vertex: u32) -> Corner {
         let (mesh, vertex) = (&seen.part.mesh, vertex as usize);
         let mut normal = self.view.turn(mesh.normals[vertex]);

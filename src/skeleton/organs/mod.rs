@@ -67,8 +67,8 @@ pub struct LeafShape {
     pub is_dome: bool,
 }
 
-/// Organs of [`PROTOTYPES`] and [`Organs::shapes`], each with its own frame. Where nothing else is said, the arrays have an
-/// entry per organ.
+/// Organs of [`PROTOTYPES`] and [`Organs::shapes`], each with its frame. Where nothing else is said, the
+/// arrays have an entry per organ.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Placed {
     /// Indices into [`PROTOTYPES`], and beyond these into [`Organs::shapes`].
@@ -161,7 +161,8 @@ impl Organs {
 
     /// Bytes that they take, reserved places included.
     pub fn bytes(&self) -> u64 {
-        let growth = |own: &Growth| own.nodes.capacity() + own.colors.capacity() + own.births.capacity();
+        let growth =
+            |growth: &Growth| growth.nodes.capacity() + growth.colors.capacity() + growth.births.capacity();
         let Self { polygons, placed, shapes: _ } = self;
         let vectors = [&polygons.corners, &polygons.headings, &polygons.ups]
             .into_iter()
@@ -219,8 +220,8 @@ impl Organs {
 
     /// What an organ of `placed` is made of.
     pub fn mesh(&self, placed: usize) -> &Mesh {
-        let own = usize::from(self.placed.prototypes[placed]) % PROTOTYPES.len();
-        self.shape(placed).map_or_else(|| PROTOTYPES[own].mesh(), |shape| &shape.mesh)
+        let prototype = usize::from(self.placed.prototypes[placed]) % PROTOTYPES.len();
+        self.shape(placed).map_or_else(|| PROTOTYPES[prototype].mesh(), |shape| &shape.mesh)
     }
 
     /// The mean colour of an organ (the polygons are counted first), sRGB, where its kind has one:
@@ -235,8 +236,8 @@ impl Organs {
     pub fn hull(&self) -> impl Iterator<Item = Vec3> {
         let boxes: Vec<Option<Bounds>> = PROTOTYPES
             .iter()
-            .map(|own| own.mesh().bounds())
-            .chain(self.shapes.iter().map(|own| own.mesh.bounds()))
+            .map(|prototype| prototype.mesh().bounds())
+            .chain(self.shapes.iter().map(|shape| shape.mesh.bounds()))
             .collect();
         let placed = (0..self.placed.prototypes.len()).flat_map(move |i| {
             let prototype = usize::from(self.placed.prototypes[i]);
@@ -267,7 +268,7 @@ impl Organs {
 
     /// The part of [`Self::amount`] that has pictures.
     fn leaf_amount(&self) -> (u64, u64) {
-        self.sum(PROTOTYPES.len(), self.shapes.iter().map(|own| &own.mesh), (0, 0))
+        self.sum(PROTOTYPES.len(), self.shapes.iter().map(|shape| &shape.mesh), (0, 0))
     }
 
     /// What is placed of the meshes of the prototypes from `first` on.

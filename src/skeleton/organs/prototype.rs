@@ -31,7 +31,7 @@ pub static PROTOTYPES: [Prototype; 4] = [
 
 /// The index in [`PROTOTYPES`] that a letter stands for.
 pub fn prototype(letter: char) -> Option<u8> {
-    PROTOTYPES.iter().position(|own| own.letter == letter).map(|index| index as u8)
+    PROTOTYPES.iter().position(|prototype| prototype.letter == letter).map(|index| index as u8)
 }
 
 impl Prototype {
@@ -207,9 +207,9 @@ mod tests {
 
     #[test]
     fn every_prototype_is_a_sound_mesh_of_one_unit() {
-        for own in &PROTOTYPES {
-            let mesh = own.mesh();
-            let name = own.name;
+        for prototype in &PROTOTYPES {
+            let mesh = prototype.mesh();
+            let name = prototype.name;
             assert_eq!(mesh.normals.len(), mesh.positions.len(), "{name}");
             assert_eq!(mesh.uvs.len(), mesh.positions.len(), "{name}");
             let mut used = vec![false; mesh.positions.len()];
@@ -229,7 +229,7 @@ mod tests {
                 "{name}"
             );
             let size = mesh.bounds().unwrap().size();
-            let (extent, axis) = if own.letter == 'K' { (size.x, "across") } else { (size.y, "long") };
+            let (extent, axis) = if prototype.letter == 'K' { (size.x, "across") } else { (size.y, "long") };
             assert!((extent - 1.0).abs() < 0.06, "{name} is {extent} {axis}");
         }
     }

@@ -69,9 +69,9 @@ pub(crate) fn keys(axes: &[Axis], axis_nodes: &[u32], key: Key) -> Vec<Key> {
             let parent = axis_of[axis.parent as usize] as usize;
             (keys[parent], &mut laterals[parent])
         };
-        let own = parent.child(*count);
+        let axis_key = parent.child(*count);
         *count += 1;
-        keys.push(own);
+        keys.push(axis_key);
     }
     keys
 }
@@ -95,8 +95,8 @@ fn nodes<'a>(axis: &Axis, axis_nodes: &'a [u32]) -> &'a [u32] {
 /// parent's radius where it leaves, a stem with the base radius, and ends with a share of its start.
 ///
 /// Both shares are drawn per axis, uniformly in [`Wood::taper_base`] and [`Wood::taper_tip`]. The
-/// radius falls linearly with the arc length from the axis' first own node to its apex; an axis of
-/// one node is as thick as the middle of such a taper.
+/// radius falls linearly with the arc length from the axis' first node to its apex; an axis of one node
+/// is as thick as the middle of such a taper.
 pub(super) fn tapered(
     positions: &[Vec3],
     parents: &[u32],
@@ -118,18 +118,18 @@ pub(super) fn tapered(
     };
     let mut radii = vec![0.0_f32; positions.len()];
     for (axis, [of_parent, of_base]) in axes.iter().zip(shares) {
-        let own = nodes(axis, axis_nodes);
+        let nodes = nodes(axis, axis_nodes);
         let base = match axis.parent {
             NO_PARENT => ends.base,
             parent => f64::from(radii[parent as usize]) * of_parent,
         };
-        let total: f64 = own[1..].iter().map(|&node| length(node)).sum();
+        let total: f64 = nodes[1..].iter().map(|&node| length(node)).sum();
         let mut along = 0.0;
-        for (i, &node) in own.iter().enumerate() {
+        for (i, &node) in nodes.iter().enumerate() {
             if i > 0 {
                 along += length(node);
             }
-            let t = if own.len() == 1 {
+            let t = if nodes.len() == 1 {
                 0.5
             } else if total > 0.0 {
                 along / total

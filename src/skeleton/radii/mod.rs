@@ -53,8 +53,8 @@ pub struct Wood {
     pub base_radius_m: Option<f64>,
     /// Metres at the tips; `None`: follows from the base. Nothing is thinner.
     pub tip_radius_m: Option<f64>,
-    /// Height ÷ diameter at the foot of the thickest stem, where the height decides: 30–50 for trees that stand in the
-    /// open, 80–100 in dense stands.
+    /// Height ÷ diameter at the foot of the thickest stem, where the height decides: 30–50 for trees that
+    /// stand in the open, 80–100 in dense stands.
     pub slenderness: f64,
     /// `n` of the pipe model. Measured trees 1.8–2.3; the programs before this one 2.05 and 2.5.
     pub radius_exponent: f64,

@@ -79,11 +79,11 @@ fn shared(positions: &[Vec3], parents: &[u32], tips: &[u32], share: f64, fewest:
     let mut pipes: Vec<f64> = (0..parents.len() as u32)
         .into_par_iter()
         .map(|node| {
-            let own = f64::from(tips[node as usize]);
+            let tip_count = f64::from(tips[node as usize]);
             if parents[node as usize] == NO_PARENT {
-                return own;
+                return tip_count;
             }
-            own * straight_on(f64::from(straightness(positions, parents, node)), share)
+            tip_count * straight_on(f64::from(straightness(positions, parents, node)), share)
         })
         .collect();
     let mut claims = vec![0.0_f64; parents.len()];
@@ -96,8 +96,8 @@ fn shared(positions: &[Vec3], parents: &[u32], tips: &[u32], share: f64, fewest:
             pipes[node] *= pipes[parent] / claims[parent];
         }
     }
-    for (own, &claimed) in pipes.iter_mut().zip(&claims) {
-        *own = if claimed == 0.0 { own.max(fewest) } else { 0.0 };
+    for (pipe, &claimed) in pipes.iter_mut().zip(&claims) {
+        *pipe = if claimed == 0.0 { pipe.max(fewest) } else { 0.0 };
     }
     for node in (0..parents.len()).rev() {
         if parents[node] != NO_PARENT {
@@ -194,8 +194,8 @@ mod tests {
                 } else {
                     children.iter().map(|&c| libm::pow(f64::from(radii[c]), exponent)).sum()
                 };
-                let own = libm::pow(f64::from(radii[node]), exponent);
-                assert!((own / expected - 1.0).abs() < 1e-5, "node {node}: {own} against {expected}");
+                let found = libm::pow(f64::from(radii[node]), exponent);
+                assert!((found / expected - 1.0).abs() < 1e-5, "node {node}: {found} against {expected}");
             }
         }
     }
@@ -211,7 +211,7 @@ mod tests {
     }
 
     /// The stem leads to (0, 1); from there a lateral at 45° carries two tips, (0, 3) goes straight
-    /// on; the lateral's own two leave at 45° and 45°.
+    /// on; the two that leave the lateral do so at 45° and 45°.
     #[test]
     fn forks_share_by_tips_and_by_angle_as_computed_by_hand() {
         let Pipes::ByAngle(pipes) =
@@ -222,8 +222,8 @@ mod tests {
         let half_right = f64::midpoint(1.0, libm::sqrt(0.5));
         let lateral = 3.0 * 2.0 * half_right / (2.0 * half_right + 1.0);
         let expected = [3.0, 3.0, lateral, 3.0 - lateral, lateral / 2.0, lateral / 2.0];
-        for (own, expected) in pipes.iter().zip(expected) {
-            assert!((own - expected).abs() < 1e-6, "{pipes:?}");
+        for (pipe, expected) in pipes.iter().zip(expected) {
+            assert!((pipe - expected).abs() < 1e-6, "{pipes:?}");
         }
     }
 

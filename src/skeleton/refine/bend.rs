@@ -9,8 +9,8 @@ use crate::{NO_PARENT, axes_by_tips};
 const SAMPLES: usize = 512;
 
 /// Bends the first stem onto the Bézier curve whose control points are its foot and those of
-/// `trunk_curve`, by de Casteljau's construction. The stem is stretched to the curve's length; what hangs on it keeps its shape, and turns
-/// as the stem turns where it leaves.
+/// `trunk_curve`, by de Casteljau's construction. The stem is stretched to the curve's length; what hangs on
+/// it keeps its shape, and turns as the stem turns where it leaves.
 pub(super) fn bend(shoots: &mut Shoots<'_>, refinement: &Refinement) -> Result<(), RefineError> {
     let numbers = &refinement.trunk_curve;
     if !numbers.len().is_multiple_of(3) {

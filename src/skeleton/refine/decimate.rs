@@ -110,8 +110,9 @@ mod tests {
     use super::*;
 
     fn decimated(all: &Branching, tolerance: f64) -> Branching {
-        let own = Refinement { steps: vec![STEP], decimate_tolerance: tolerance, ..Refinement::default() };
-        refined(all.clone(), &own)
+        let refinement =
+            Refinement { steps: vec![STEP], decimate_tolerance: tolerance, ..Refinement::default() };
+        refined(all.clone(), &refinement)
     }
 
     #[test]

@@ -63,7 +63,7 @@ impl fmt::Debug for Step {
 pub struct Refinement {
     /// What is done, in this order; nothing by default.
     pub steps: Vec<Step>,
-    /// For `prune`, where nobody knows what caught a point: the longest twig that goes, nodes.
+    /// For `prune`, where it is unknown which nodes caught a point: the longest twig that goes, nodes.
     pub prune_nodes: u32,
     /// For `decimate`: how far the axes may move, in mean segment lengths.
     pub decimate_tolerance: f64,
@@ -156,7 +156,7 @@ pub struct Rider {
 /// What holds refinement back.
 #[derive(Clone, Copy)]
 pub struct Room<'a> {
-    /// The result has at most so many nodes, or as many as before.
+    /// Most nodes of the result, which may have as many as before in any case.
     pub most_nodes: u64,
     /// Where no node may go: in an obstacle. A node that would go there stays where it is.
     pub is_barred: &'a (dyn Fn(Vec3) -> bool + Sync),
@@ -167,7 +167,7 @@ pub struct Room<'a> {
 }
 
 impl Room<'_> {
-    /// Room for so many nodes, anywhere, for wood of the usual thickness.
+    /// Room for `most_nodes` nodes, anywhere, for wood of the usual thickness.
     pub fn open(most_nodes: u64) -> Self {
         Self { most_nodes, is_barred: &|_| false, key: Key::new(0), wood: Wood::default() }
     }
@@ -192,7 +192,8 @@ impl Room<'_> {
 ///     births: vec![0, 1, 2],
 ///     radii: None,
 /// };
-/// let relocate = Refinement { steps: Step::named("relocate").into_iter().collect(), ..Refinement::default() };
+/// let steps = Step::named("relocate").into_iter().collect();
+/// let relocate = Refinement { steps, ..Refinement::default() };
 /// let softer = refine(elbow, None, &mut [], &relocate, Room::open(1000), &Quiet)?;
 /// assert_eq!(softer.positions, [Vec3::ZERO, Vec3::Y * 0.5, Vec3::new(0.5, 1.0, 0.0)]);
 /// # Ok::<(), linden_skeleton::refine::RefineError>(())
@@ -353,10 +354,10 @@ impl Shoots<'_> {
 /// Where the straight line between a node's neighbours is divided as the node divides the way between
 /// them. Averaging with this point instead of with the middle moves no node of a straight axis, so
 /// that laterals are not dragged along stems of uneven segments.
-fn on_chord(below: Vec3, own: Vec3, above: Vec3) -> Vec3 {
-    let (before, after) = (below.distance(own), own.distance(above));
+fn on_chord(below: Vec3, here: Vec3, above: Vec3) -> Vec3 {
+    let (before, after) = (below.distance(here), here.distance(above));
     let whole = before + after;
-    if whole > 0.0 { below + (above - below) * (before / whole) } else { own }
+    if whole > 0.0 { below + (above - below) * (before / whole) } else { here }
 }
 
 fn compact<T>(items: &mut Vec<T>, keep: &[bool]) {

@@ -121,8 +121,8 @@ mod tests {
         // The top of the stem is its longest child: 9-10-11 has one tip as 4 has, but 4 is straight.
         let all = tree(positions, &parents);
         let go = |nodes| {
-            let own = Refinement { steps: vec![STEP], prune_nodes: nodes, ..Refinement::default() };
-            refined(all.clone(), &own)
+            let refinement = Refinement { steps: vec![STEP], prune_nodes: nodes, ..Refinement::default() };
+            refined(all.clone(), &refinement)
         };
         assert_eq!(go(1).births, [0, 1, 2, 3, 4, 6, 7, 9, 10, 11], "5 and 8");
         assert_eq!(go(2).births, go(1).births);

@@ -26,9 +26,9 @@ fn relocate(
     let share = refinement.relocate_share as f32;
     let Branching { positions, parents, .. } = &shoots.branching;
     monitor.check()?;
-    let towards = |(&own, &parent): (&Vec3, &u32)| match parent {
-        NO_PARENT => own,
-        parent => own + (positions[parent as usize] - own) * share,
+    let towards = |(&here, &parent): (&Vec3, &u32)| match parent {
+        NO_PARENT => here,
+        parent => here + (positions[parent as usize] - here) * share,
     };
     let moved = positions.par_iter().zip(parents).map(towards).collect();
     shoots.relocate(moved);
@@ -55,8 +55,9 @@ mod tests {
         for seed in 0..20 {
             let all = random_tree(seed, 300, 0.7);
             for share in [0.25, 0.5, 1.0] {
-                let own = Refinement { steps: vec![STEP], relocate_share: share, ..Refinement::default() };
-                let moved = refined(all.clone(), &own);
+                let refinement =
+                    Refinement { steps: vec![STEP], relocate_share: share, ..Refinement::default() };
+                let moved = refined(all.clone(), &refinement);
                 assert_eq!((&moved.parents, &moved.births), (&all.parents, &all.births));
                 for node in 0..all.parents.len() {
                     let expected = match all.parents[node] {

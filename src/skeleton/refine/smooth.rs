@@ -29,8 +29,8 @@ fn smooth(
             .map(|node| match (parents[node], successor[node]) {
                 (NO_PARENT, _) | (_, NO_PARENT) => positions[node],
                 (below, above) => {
-                    let own = positions[node];
-                    own.midpoint(on_chord(positions[below as usize], own, positions[above as usize]))
+                    let here = positions[node];
+                    here.midpoint(on_chord(positions[below as usize], here, positions[above as usize]))
                 }
             })
             .collect();

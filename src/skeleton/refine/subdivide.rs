@@ -18,7 +18,7 @@ pub(super) const STEP: Step = Step {
 /// Feet and tips stay where they are, and so does a node that would go into an obstacle; a segment
 /// whose middle lies in one is not halved. A fork follows the axis that runs on through it, and its
 /// laterals start where it then is. A new node is born with the end of its segment. Where radii are
-/// given it has their mean, on the first segment of a lateral the lateral's own.
+/// given it has their mean, on the first segment of a lateral that of the lateral.
 fn subdivide(
     shoots: &mut Shoots<'_>,
     refinement: &Refinement,
@@ -55,10 +55,10 @@ fn once(shoots: &mut Shoots<'_>, monitor: &dyn Monitor) -> Result<(), RefineErro
             monitor.check()?;
         }
         let (parent, above) = (old.parents[node], successor[node]);
-        let own = old.positions[node];
+        let here = old.positions[node];
         let at = |node: u32| old.positions[node as usize];
         let mut below = if parent == NO_PARENT { NO_PARENT } else { index[parent as usize] };
-        let middle = if parent == NO_PARENT { own } else { (own + at(parent)) * 0.5 };
+        let middle = if parent == NO_PARENT { here } else { (here + at(parent)) * 0.5 };
         let is_halved = parent != NO_PARENT && !is_barred(middle);
         if is_halved {
             new.positions.push(middle);
@@ -71,10 +71,10 @@ fn once(shoots: &mut Shoots<'_>, monitor: &dyn Monitor) -> Result<(), RefineErro
             }
         }
         let round = match (parent, above) {
-            (NO_PARENT, _) | (_, NO_PARENT) => own,
-            (before, after) => own.lerp(on_chord(at(before), own, at(after)), 0.25),
+            (NO_PARENT, _) | (_, NO_PARENT) => here,
+            (before, after) => here.lerp(on_chord(at(before), here, at(after)), 0.25),
         };
-        new.positions.push(if round != own && is_barred(round) { own } else { round });
+        new.positions.push(if round != here && is_barred(round) { here } else { round });
         index[node] = new.positions.len() as u32 - 1;
         new.parents.push(below);
         let copies = if is_halved { 2 } else { 1 };
@@ -146,16 +146,16 @@ mod tests {
         let fine = subdivided(tree(points.clone(), &parents), 8);
         for i in 2..5 {
             let limit = (points[i - 1] + points[i] * 4.0 + points[i + 1]) / 6.0;
-            let own = fine.positions[i << 8];
-            assert!(own.distance(limit) < 1e-3, "{own} against {limit}");
+            let found = fine.positions[i << 8];
+            assert!(found.distance(limit) < 1e-3, "{found} against {limit}");
         }
     }
 
     #[test]
     fn too_many_nodes_are_refused_with_the_number() {
         let all = random_tree(1, 100, 0.8);
-        let own = Refinement { steps: vec![STEP], subdivisions: 4, ..Refinement::default() };
-        let error = refine(all, None, &mut [], &own, Room::open(500), &Quiet).unwrap_err();
+        let refinement = Refinement { steps: vec![STEP], subdivisions: 4, ..Refinement::default() };
+        let error = refine(all, None, &mut [], &refinement, Room::open(500), &Quiet).unwrap_err();
         assert!(matches!(error, RefineError::TooManyNodes { nodes: 501..=800, limit: 500 }), "{error}");
     }
 }

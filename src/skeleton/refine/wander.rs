@@ -42,8 +42,8 @@ pub(super) fn wander(
             monitor.check()?;
             looked_at = 0;
         }
-        let own = &axis_nodes[axis.first as usize..(axis.first + axis.len) as usize];
-        let course = Course::new(axis, own, positions);
+        let nodes = &axis_nodes[axis.first as usize..(axis.first + axis.len) as usize];
+        let course = Course::new(axis, nodes, positions);
         let carried = match axis.parent {
             NO_PARENT => DVec3::ZERO,
             parent => (places[parent as usize] - positions[parent as usize]).as_dvec3(),
@@ -52,7 +52,7 @@ pub(super) fn wander(
         let mut gnarl = Gnarl::new(key.named("gnarl"), refinement.gnarl);
         let mut along_m = 0.0;
         let mut before = course.start;
-        for &node in own {
+        for &node in nodes {
             let here = positions[node as usize];
             let step_m = f64::from(before.distance(here));
             along_m += step_m;
@@ -73,12 +73,12 @@ struct Course {
 }
 
 impl Course {
-    fn new(axis: &Axis, own: &[u32], positions: &[Vec3]) -> Self {
+    fn new(axis: &Axis, nodes: &[u32], positions: &[Vec3]) -> Self {
         let place = |node: u32| positions[node as usize];
-        let first = own.first().map_or(Vec3::ZERO, |&node| place(node));
+        let first = nodes.first().map_or(Vec3::ZERO, |&node| place(node));
         let start = if axis.parent == NO_PARENT { first } else { place(axis.parent) };
-        let apex = own.last().map_or(start, |&node| place(node));
-        let steps = own.windows(2).map(|pair| f64::from(place(pair[0]).distance(place(pair[1]))));
+        let apex = nodes.last().map_or(start, |&node| place(node));
+        let steps = nodes.windows(2).map(|pair| f64::from(place(pair[0]).distance(place(pair[1]))));
         let length_m = f64::from(start.distance(first)) + steps.sum::<f64>();
         Self { start, direction: (apex - start).normalize_or(Vec3::Y), length_m }
     }

@@ -2,7 +2,7 @@
 //!
 //! A sequence is framed first, as ECMA-48 (5th edition, sections 5.4 and 5.6) delimits it, and only a
 //! whole frame is looked at. What is framed and not understood is dropped, so that late replies and
-//! keys nobody has heard of are never typed as text. How the bytes are cut into reads changes
+//! unknown keys are never typed as text. How the bytes are cut into reads changes
 //! nothing; only silence does, because a lone ESC is a key and the start of everything else.
 //!
 //! Nothing grows with what is sent: frames keep at most [`STRING_LIMIT`] bytes, pastes
@@ -186,7 +186,7 @@ impl Parser {
         self.held.extend_from_slice(&bytes[..bytes.len().min(room)]);
     }
 
-    /// The ESC before what is no key was one of its own.
+    /// Releases the ESC that came before what is no key: it was the key Escape.
     fn release_escape(&mut self, out: &mut Vec<Event>) {
         if std::mem::take(&mut self.escaped) {
             out.push(Event::Key(KeyCode::Escape.into()));

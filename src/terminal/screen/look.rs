@@ -30,7 +30,7 @@ pub(crate) enum Look<'a> {
 }
 
 impl<'a> Look<'a> {
-    /// How a cell looks with so many colours.
+    /// How a cell looks on a terminal with these colours.
     pub fn of(cell: &'a Cell, room: u16, colors: ColorDepth) -> Self {
         let symbol = symbol(cell, room);
         let quadrant = quadrant(symbol);
@@ -50,13 +50,13 @@ impl<'a> Look<'a> {
     }
 
     fn quarters(drawn: u8, ink: Color, paper: Color) -> Self {
-        let own = |color: Color| color == Color::Reset;
+        let is_reset = |color: Color| color == Color::Reset;
         match drawn {
             0 => Self::blank(paper),
-            _ if ink == paper && !own(ink) => Self::blank(paper),
-            FULL if !own(ink) => Self::blank(ink),
+            _ if ink == paper && !is_reset(ink) => Self::blank(paper),
+            FULL if !is_reset(ink) => Self::blank(ink),
             FULL => Self::Quarters { drawn, ink: Some(ink), paper: None },
-            _ if drawn & 1 == 1 && !own(ink) && !own(paper) => {
+            _ if drawn & 1 == 1 && !is_reset(ink) && !is_reset(paper) => {
                 Self::Quarters { drawn: FULL & !drawn, ink: Some(paper), paper: Some(ink) }
             }
             _ => Self::Quarters { drawn, ink: Some(ink), paper: Some(paper) },
