@@ -63,7 +63,9 @@ pub enum ColonizationError {
     },
 }
 
-linden_base::from_cancellable!(ColonizationError: EnvelopeError => Envelope, ScatterError => Scatter, StandError => Stand);
+linden_base::from_cancellable!(
+    ColonizationError: EnvelopeError => Envelope, ScatterError => Scatter, StandError => Stand
+);
 
 impl From<GrowthError> for ColonizationError {
     fn from(error: GrowthError) -> Self {

@@ -155,7 +155,7 @@ pub const PART_KNOBS: &[PartKnob] = &[
 ];
 
 impl Part {
-    /// A part with everything else as it is when nobody says.
+    /// A part with everything else at its default.
     pub fn of(role: Role, solid: Solid) -> Self {
         Self {
             role,
@@ -236,17 +236,17 @@ fn read_one(number: usize, entries: &[Entry], place: Option<Place>) -> Result<Pa
     let role = role.node.value("role", &Kind::Choice(Role::WORDS))?;
     let role = Role::from_value(role).unwrap_or(Role::Add);
     let (solid, shape) = match (find("crown"), find("mesh")) {
-        (Some(own), None) => {
-            let id = own.node.value("crown", &PART_CROWN.kind).map_err(|fault| {
-                let word = own.node.text("crown").unwrap_or_default();
+        (Some(entry), None) => {
+            let id = entry.node.value("crown", &PART_CROWN.kind).map_err(|fault| {
+                let word = entry.node.text("crown").unwrap_or_default();
                 let hint = if means_mesh(word) { MESH_INSTEAD } else { "" };
                 Fault { message: fault.message + hint, ..fault }
             })?;
             let id = id.to_string();
-            let shape = crown::shape(&id).map_err(|error| Fault::new(own.place, error.to_string()))?;
+            let shape = crown::shape(&id).map_err(|error| Fault::new(entry.place, error.to_string()))?;
             (Solid::Shape { shape: id, dimensions: Vec::new() }, Some(shape))
         }
-        (None, Some(own)) => (Solid::Mesh { file: own.node.text("mesh")?.to_owned() }, None),
+        (None, Some(entry)) => (Solid::Mesh { file: entry.node.text("mesh")?.to_owned() }, None),
         (None, None) => {
             let message = format!("part {number} has neither 'crown' nor 'mesh': say what it is");
             return Err(Fault::new(place, message));
@@ -272,8 +272,8 @@ fn read_one(number: usize, entries: &[Entry], place: Option<Place>) -> Result<Pa
 
 /// Sets the key or dimension that an entry names.
 fn turn(part: &mut Part, shape: Option<&'static Shape>, number: usize, entry: &Entry) -> Result<(), Fault> {
-    let own = shape.map_or(&[][..], |shape| shape.knobs);
-    if let Some(dimension) = own.iter().find(|own| own.knob.name == entry.key) {
+    let shape_knobs = shape.map_or(&[][..], |shape| shape.knobs);
+    if let Some(dimension) = shape_knobs.iter().find(|dimension| dimension.knob.name == entry.key) {
         let value = entry.node.value(&entry.key, &dimension.knob.kind)?;
         if let Solid::Shape { dimensions, .. } = &mut part.solid {
             dimensions.push((dimension.knob.name, value));
@@ -283,15 +283,15 @@ fn turn(part: &mut Part, shape: Option<&'static Shape>, number: usize, entry: &E
     let Some(row) = PART_KNOBS.iter().find(|row| row.field.knob.name == entry.key) else {
         let fitting = PART_KNOBS.iter().filter(|row| row.fits(part.role)).map(|row| row.field.knob.name);
         let known = ["crown", "mesh"].into_iter().chain(fitting);
-        let known: Vec<&str> = known.chain(own.iter().map(|own| own.knob.name)).collect();
+        let known: Vec<&str> = known.chain(shape_knobs.iter().map(|dimension| dimension.knob.name)).collect();
         return Err(LIST.unknown(number, entry, &known));
     };
     let key = excerpt(&entry.key);
     if !row.fits(part.role) {
         let roles: Vec<String> = row.roles.iter().map(|role| role.to_value().to_string()).collect();
-        let own = part.role.to_value();
+        let role = part.role.to_value();
         let message = format!(
-            "'{key}' means nothing in part {number} of role {own}; it belongs to: {}",
+            "'{key}' means nothing in part {number} of role {role}; it belongs to: {}",
             roles.join(", ")
         );
         return Err(Fault::new(entry.place, message));

@@ -21,7 +21,7 @@ use crate::part::{Part, Role, Solid};
 use crate::settings::Colonization;
 use crate::standing::Standing;
 
-/// Distance of clumps, in the longest sides of the crown, where nobody says.
+/// Distance of clumps by default, in the longest sides of the crown.
 const CLUMP_PER_SIZE: f64 = 0.2;
 
 /// Why a part of a crown cannot be had.
@@ -198,7 +198,7 @@ fn together(
     }
 }
 
-/// A part's solid in its own coordinates.
+/// A part's solid, the centre of its base at the origin.
 struct Raw {
     crown: Box<dyn Crown>,
     /// Where its file has it; `None` for a shape.
@@ -231,7 +231,7 @@ fn solid(
             Ok((Raw { crown, foot: None }, Vec::new()))
         }
         Solid::Mesh { file } => {
-            if let Some((_, known)) = meshes.iter().find(|(own, _)| own == file) {
+            if let Some((_, known)) = meshes.iter().find(|(name, _)| name == file) {
                 let crown = Box::new(Arc::clone(known));
                 return Ok((Raw { crown, foot: Some(known.foot()) }, Vec::new()));
             }
@@ -259,13 +259,13 @@ fn solid(
 /// Where a part's base centre stands and, for a tree, its root; `foot` is the first tree's root.
 fn place(part: &Part, solid: &Raw, foot: DVec3, origin: DVec3) -> (DVec3, DVec3) {
     let from_foot = |at: [f64; 3]| foot + DVec3::from_array(at);
-    let own = part.at.map(from_foot).or_else(|| solid.foot.map(|own| own - origin));
+    let given = part.at.map(from_foot).or_else(|| solid.foot.map(|given| given - origin));
     let on_ground = |at: DVec3| DVec3::new(at.x, at.y.min(foot.y), at.z);
-    let root = part.root.map_or_else(|| on_ground(own.unwrap_or(foot)), from_foot);
+    let root = part.root.map_or_else(|| on_ground(given.unwrap_or(foot)), from_foot);
     let on_trunk = || {
         let height = f64::from(solid.crown.bounds().max.y) * part.scale;
         root + DVec3::Y * crown_base_m(part.trunk_m, height)
     };
-    let at = own.unwrap_or_else(|| if part.role == Role::Tree { on_trunk() } else { foot });
+    let at = given.unwrap_or_else(|| if part.role == Role::Tree { on_trunk() } else { foot });
     (at, root)
 }

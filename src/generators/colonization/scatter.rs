@@ -43,7 +43,7 @@ pub fn scatter(
     monitor: &dyn Monitor,
 ) -> Result<Vec<DVec3>, ScatterError> {
     monitor.admit("scattering points in the crown", bytes_of::<DVec3>(count), "lower points")?;
-    // Memory that nobody has touched yet: its pages come as the points do, and Ctrl-C is heard.
+    // Memory that is not touched yet: its pages come as the points do, and Ctrl-C is heard.
     let mut points: Vec<DVec3> = try_zeroed_vec(count).map_err(|()| ScatterError::Memory { count })?;
     let done = AtomicU64::new(0);
     points.par_chunks_mut(CHUNK).enumerate().try_for_each(|(chunk, points)| {

@@ -124,13 +124,13 @@ impl Colonization {
 
     /// All knobs that any crown has, in their order.
     pub(crate) fn all_knobs() -> Vec<Knob> {
-        let own = Self::FIELDS.iter().map(|field| field.knob);
+        let fields = Self::FIELDS.iter().map(|field| field.knob);
         let growth =
             GrowthSettings::FIELDS.iter().chain(GrowthSettings::PLACE_FIELDS).map(|field| field.knob);
         let mut seen = BTreeSet::new();
         let dimensions = SHAPES.iter().flat_map(|shape| shape.knobs).map(|dimension| dimension.knob);
         let dimensions = dimensions.filter(|knob| seen.insert(knob.name));
-        std::iter::once(CROWN).chain(own).chain(growth).chain(dimensions).collect()
+        std::iter::once(CROWN).chain(fields).chain(growth).chain(dimensions).collect()
     }
 
     pub(crate) fn turned(&self) -> Vec<(Knob, Value)> {
@@ -158,8 +158,10 @@ impl Colonization {
                 return true;
             }
             let shape = crown::shape(shape).ok();
-            let dimension =
-                shape.into_iter().flat_map(|shape| shape.knobs).find(|own| own.knob.is_called(name));
+            let dimension = shape
+                .into_iter()
+                .flat_map(|shape| shape.knobs)
+                .find(|dimension| dimension.knob.is_called(name));
             if let (Some(shape), Some(dimension)) = (shape, dimension) {
                 dimensions.push((dimension.knob.name, value));
                 *dimensions = shape.complete(dimensions);

@@ -27,8 +27,9 @@ const LEAST_POINTS: f64 = 10.0;
 const SHELLS_NOTE: &str =
     "shells that stand apart: a tree grows in each; root=x,y,z makes one tree of them, rooted there";
 
-/// Where a tree stands whose crown has its base's centre at `foot`, `base_m` above the ground of its file. A crown
-/// that hangs over the ground stands on a trunk; one that sits on it, or is nowhere near it, grows from its own base.
+/// Where a tree stands whose crown has its base's centre at `foot`, `base_m` above the ground of its file. A
+/// crown that hangs over the ground stands on a trunk; one that sits on it, or is nowhere near it, grows from
+/// its base.
 fn below(foot: DVec3, base_m: f64, height_m: f64) -> DVec3 {
     let clearance_m = if (0.0..=height_m).contains(&base_m) { base_m } else { 0.0 };
     foot - DVec3::Y * clearance_m
@@ -37,7 +38,7 @@ fn below(foot: DVec3, base_m: f64, height_m: f64) -> DVec3 {
 /// A crown, and where it is to stand.
 pub(crate) struct Standing {
     pub crown: Box<dyn Crown>,
-    /// From the crown's own coordinates to those of the [`Site`]: up, metres.
+    /// From the crown's coordinates to those of the [`Site`]: up, metres.
     pub lift: f64,
     /// As in [`Site`].
     pub root: DVec3,

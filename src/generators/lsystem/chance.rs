@@ -11,8 +11,8 @@ pub(crate) fn chooses(grammar: &Grammar, derivations: u32) -> bool {
     let class = |module: &Module| (module.symbol, module.arguments.len());
     let rules = |(symbol, arity): (char, usize)| {
         grammar.productions().iter().filter(move |rule| {
-            let own = &rule.predecessor;
-            (own.symbol, own.parameters.len()) == (symbol, arity) && rule.probability > 0.0
+            let pattern = &rule.predecessor;
+            (pattern.symbol, pattern.parameters.len()) == (symbol, arity) && rule.probability > 0.0
         })
     };
     let random = |modules: &[Module]| modules.iter().any(|m| m.arguments.iter().any(Expression::is_random));

@@ -100,7 +100,7 @@ impl Neighbours {
         }
     }
 
-    /// Whether the contexts of a group stand around a module. Their arguments, and the module's own,
+    /// Whether the contexts of a group stand around a module. Their arguments, and those of the module,
     /// are then in `parameters`. Counts its steps in `work`.
     pub(super) fn surround(
         &self,
@@ -112,8 +112,9 @@ impl Neighbours {
     ) -> bool {
         parameters.clear();
         parameters.resize(group.parameters, 0.0);
-        let own = string.arguments(index);
-        parameters[group.own..group.own + own.len()].copy_from_slice(own);
+        let arguments = string.arguments(index);
+        let first = group.arguments_at;
+        parameters[first..first + arguments.len()].copy_from_slice(arguments);
         if !group.left.is_empty() {
             let mut at = self.left[index];
             for sought in group.left.iter().copied() {

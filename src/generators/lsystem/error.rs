@@ -66,7 +66,7 @@ pub enum Problem {
         /// What it comes to.
         value: f64,
     },
-    /// An expression that nobody can follow.
+    /// An expression that is nested too deeply.
     #[error("more than {limit} operands wait for their operators; write the expression with fewer brackets")]
     TooDeep {
         /// The most that may.
@@ -324,14 +324,14 @@ struct Organs;
 
 impl fmt::Display for Organs {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (i, own) in PROTOTYPES.iter().enumerate() {
-            write!(f, "{}{} ({})", if i == 0 { "" } else { ", " }, own.letter, own.name)?;
+        for (i, prototype) in PROTOTYPES.iter().enumerate() {
+            write!(f, "{}{} ({})", if i == 0 { "" } else { ", " }, prototype.letter, prototype.name)?;
         }
         Ok(())
     }
 }
 
-/// A count of symbols; past a million in powers of ten, since nobody reads more digits.
+/// A count of symbols; from 10¹⁵ on with two digits and a power of ten.
 struct Amount(u128);
 
 impl fmt::Display for Amount {
@@ -344,7 +344,7 @@ impl fmt::Display for Amount {
     }
 }
 
-/// A number as people write it: nobody counts the zeros of 1e300.
+/// A number as people write it: 1e300 without its zeros.
 pub(super) struct Short(pub f64);
 
 impl fmt::Display for Short {
@@ -374,7 +374,8 @@ mod tests {
 
     #[test]
     fn numbers_in_messages_have_few_digits() {
-        let shown = [1e300, -1e15, 1e-30, 0.0, -2.5, 137.5, f64::INFINITY].map(|own| Short(own).to_string());
+        let shown =
+            [1e300, -1e15, 1e-30, 0.0, -2.5, 137.5, f64::INFINITY].map(|number| Short(number).to_string());
         assert_eq!(shown, ["1e300", "-1e15", "1e-30", "0", "-2.5", "137.5", "inf"]);
         let wrong = LsystemError::OrganSize { letter: 'L', size: 1e308, most: 10.0 };
         assert_eq!(wrong.to_string(), "'~L' is 1e308 segments large, but must be 0 to 10");

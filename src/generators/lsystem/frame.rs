@@ -109,8 +109,9 @@ impl Frame {
         }
         let axis = torque / strength;
         let (sin, cos) = libm::sincos(susceptibility * strength);
-        for own in [&mut self.heading, &mut self.left, &mut self.up] {
-            *own = *own * cos + axis.cross(*own) * sin + axis * (axis.dot(*own) * (1.0 - cos));
+        for direction in [&mut self.heading, &mut self.left, &mut self.up] {
+            *direction =
+                *direction * cos + axis.cross(*direction) * sin + axis * (axis.dot(*direction) * (1.0 - cos));
         }
         self.count_turn();
     }

@@ -76,7 +76,7 @@ pub struct Production {
     pub successor: Vec<Module>,
 }
 
-/// What a production matches: a symbol with so many arguments. A module with an argument is another
+/// What a production matches: a symbol and a number of arguments. A module with an argument is another
 /// module than the bare symbol, as in ABOP: `F -> FF` rewrites `F`, and leaves `F(2)` alone.
 #[derive(Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]

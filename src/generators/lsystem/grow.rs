@@ -34,7 +34,7 @@ const GOLDEN_ANGLE_DEG: f64 = 137.507_764_050_037_85;
 pub struct TurtleSettings {
     /// Derivation steps, 0 to [`MAX_DERIVATIONS`]; 0 draws the axiom.
     pub derivations: u32,
-    /// The turn of each rotation that names no angle of its own, −360 to 360 degrees.
+    /// The turn of each rotation that names no angle, −360 to 360 degrees.
     pub angle_deg: f64,
     /// The length of `F`, `G` and `f`, and the unit of their arguments; 10⁻⁶ to 10⁶ m.
     pub segment_m: f64,
@@ -65,7 +65,7 @@ pub enum Stems {
     Several {
         /// How often, 1 to [`MAX_STEMS`].
         stems: u32,
-        /// Each leans by so much, −180 to 180 degrees.
+        /// How far each leans, −180 to 180 degrees.
         lean_deg: f64,
     },
 }
@@ -130,7 +130,9 @@ pub struct Drawn {
 /// | `'` | the next colour for organs; `'(c)`: colour c, from 0 |
 /// | `{` `}` | begin, fill a polygon: between them `F`, `G` and `f` draw no wood |
 /// | `.` | the turtle's place is a vertex of the polygon; so are the ends of `F` and `f`, not those of `G` |
-/// | `~` | the organ that the letter behind it names ([`PROTOTYPES`](linden_skeleton::organs::PROTOTYPES)), as many segments large as its argument says |
+/// | `~` | the organ of the letter after it ([`PROTOTYPES`][organs]); its argument: its size in segments |
+///
+/// [organs]: linden_skeleton::organs::PROTOTYPES
 ///
 /// The vertices of a polygon may be recorded across brackets, and polygons may be nested: what is
 /// recorded belongs to the innermost. The first edge of a polygon also starts at a vertex. A polygon of
@@ -207,9 +209,9 @@ pub fn grow_by(
             Key::new(settings.seed).named("stem").child(stem.into()).bits()
         };
         // Chance may make each longer than it is expected to be; together they stay within the limit.
-        let own = TurtleSettings { seed, symbol_limit: limit - symbols, ..*settings };
+        let stem_settings = TurtleSettings { seed, symbol_limit: limit - symbols, ..*settings };
         turtle.start(GOLDEN_ANGLE_DEG * f64::from(stem), lean_deg, Key::new(seed).named("turtle"));
-        symbols += derive(&program, &own, way, total, monitor, &mut turtle).map_err(|error| {
+        symbols += derive(&program, &stem_settings, way, total, monitor, &mut turtle).map_err(|error| {
             // Users know their own seed and limit, not those of a stem.
             match error {
                 LsystemError::GrewPastLimit { derivations, seed, .. } => {

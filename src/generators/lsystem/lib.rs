@@ -13,8 +13,8 @@
 //! Without contexts the derived string is never in memory: derivation walks the tree of rewritings
 //! depth first and hands each symbol to the turtle as it comes into being. With contexts two buffers
 //! take turns, filled in parallel. Flat systems are drawn by macros: what comes up again is a copy of
-//! what was drawn once, with the same bits ([`grow_by`]). No function here recurses, so neither derivations nor brackets can
-//! exhaust the call stack.
+//! what was drawn once, with the same bits ([`grow_by`]). No function here recurses, so neither derivations
+//! nor brackets can exhaust the call stack.
 //!
 //! ```
 //! use linden_base::monitor::Quiet;
@@ -22,7 +22,8 @@
 //!
 //! let weed = Grammar::new("F", &["F -> F[+F]F[-F]F"])?;
 //! assert_eq!(forecast(&weed, 5)?.segments, 3125); // ABOP, Fig. 1.24 a
-//! let settings = TurtleSettings { derivations: 5, angle_deg: 25.7, segment_m: 0.02, ..TurtleSettings::default() };
+//! let usual = TurtleSettings::default();
+//! let settings = TurtleSettings { derivations: 5, angle_deg: 25.7, segment_m: 0.02, ..usual };
 //! let grown = grow(&weed, &settings, &Quiet)?;
 //! assert_eq!(grown.branching.positions.len(), 3126); // one node a segment, and the foot
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -79,10 +79,10 @@ impl Herbarium {
     /// `}`; a polygon of fewer than three different corners has nothing to fill.
     pub fn end(&mut self, birth: u32) -> Result<(), LsystemError> {
         let Some(open) = self.open.pop() else { return Err(LsystemError::PolygonUnopened) };
-        let own = &self.corners[open.first..];
-        if distinct(own) >= 3 {
+        let corners = &self.corners[open.first..];
+        if distinct(corners) >= 3 {
             let polygons = &mut self.organs.polygons;
-            polygons.corners.extend_from_slice(own);
+            polygons.corners.extend_from_slice(corners);
             polygons.ends.push(polygons.corners.len() as u32);
             polygons.headings.push(open.heading);
             polygons.ups.push(open.up);

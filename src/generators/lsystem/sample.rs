@@ -41,7 +41,7 @@ impl Sampler for Fewer {
     }
 }
 
-/// Takes derivations away until no more than so many symbols are left. Gives how many times as many the
+/// Takes derivations away until no more than `limit` symbols are left. Gives how many times as many the
 /// others would make of them.
 fn fewer(small: &mut LSystem, limit: u64, monitor: &dyn Monitor) -> Result<f64, GeneratorError> {
     let wanted = small.derivations;

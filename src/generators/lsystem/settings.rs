@@ -40,9 +40,9 @@ pub struct LSystem {
     pub tropism: [f64; 3],
     /// How much they bend.
     pub susceptibility: f64,
-    /// Each turn is by up to so much more or less, degrees.
+    /// The most by which a turn is wider or narrower, degrees.
     pub angle_jitter_deg: f64,
-    /// Each branch is rolled by up to so much to either side, degrees.
+    /// The most by which a branch is rolled to either side, degrees.
     pub branch_roll_deg: f64,
     /// Each segment is longer or shorter by up to this share.
     pub length_jitter: f64,
@@ -55,7 +55,7 @@ pub struct LSystem {
 }
 
 impl LSystem {
-    /// A grammar with everything else as it is when nobody says.
+    /// A grammar with everything else at its default.
     pub fn of(grammar: Grammar) -> Self {
         Self {
             grammar,
@@ -222,7 +222,7 @@ impl LSystem {
     /// Whether the axiom or a rule writes one of these symbols, `bare`: without arguments.
     pub(crate) fn writes(&self, symbols: &str, bare: bool) -> bool {
         let grammar = &self.grammar;
-        let successors = grammar.productions().iter().flat_map(|own| &own.successor);
+        let successors = grammar.productions().iter().flat_map(|production| &production.successor);
         let mut written = grammar.axiom().iter().chain(successors);
         written.any(|module| symbols.contains(module.symbol) && (!bare || module.arguments.is_empty()))
     }
@@ -232,14 +232,15 @@ impl LSystem {
     pub(crate) fn rewrites_all_wood(&self) -> bool {
         let grammar = &self.grammar;
         let productions = grammar.productions();
-        let written = || grammar.axiom().iter().chain(productions.iter().flat_map(|own| &own.successor));
+        let written =
+            || grammar.axiom().iter().chain(productions.iter().flat_map(|production| &production.successor));
         written().filter(|module| "FG".contains(module.symbol)).all(|module| {
-            let fits = |own: &Production| {
-                own.predecessor.symbol == module.symbol
-                    && own.predecessor.parameters.len() == module.arguments.len()
-                    && own.left.is_empty()
-                    && own.right.is_empty()
-                    && own.condition.is_none()
+            let fits = |production: &Production| {
+                production.predecessor.symbol == module.symbol
+                    && production.predecessor.parameters.len() == module.arguments.len()
+                    && production.left.is_empty()
+                    && production.right.is_empty()
+                    && production.condition.is_none()
             };
             productions.iter().any(fits)
         })

@@ -208,7 +208,7 @@ fn once<'a>(
     }
 }
 
-/// Whether a line is a key that nobody knows, `leaves=3`, or plain words: not a rule.
+/// Whether a line is an unknown key, `leaves=3`, or plain words: not a rule.
 fn is_word(line: &str) -> bool {
     let (first, sign) = match line.find(['=', '→', '(', '<', '>', ':']) {
         Some(end) => line.split_at(end),

@@ -99,7 +99,7 @@ pub(super) struct Turtle<'a> {
     stack: Vec<State>,
     branching: Branching,
     feet: Vec<Foot>,
-    /// How many of `feet` a state on the stack may know; later ones are the turtle's own.
+    /// How many of `feet` a state on the stack may know; later ones are known to the turtle alone.
     shared_feet: usize,
     herbarium: Herbarium,
     /// Whether the next module names an organ.
@@ -111,11 +111,11 @@ pub(super) struct Turtle<'a> {
 }
 
 impl<'a> Turtle<'a> {
-    /// `segments` is how many segments there will be, 0 when nobody knows, `depth` how many branches are
-    /// open at once.
+    /// `segments` is how many segments there will be, 0 when that is unknown, `depth` how many branches
+    /// are open at once.
     ///
     /// # Errors
-    /// [`OverMemory`] where so many would take too much.
+    /// [`OverMemory`] where these would take too much.
     pub(super) fn new(
         program: &Program,
         settings: &TurtleSettings,
@@ -225,7 +225,7 @@ impl<'a> Turtle<'a> {
         };
         let length_m = self.chance.as_mut().map_or(length_m, |chance| chance.length_m(length_m));
         self.state.position += self.state.frame.heading * length_m;
-        // What single precision cannot show is no segment of its own.
+        // What single precision cannot show is no segment.
         if self.state.position.as_vec3() != self.branching.positions[start as usize] {
             let node = self.node(self.state.position, start, birth)?;
             self.state.anchor = Anchor::Node(node);
@@ -260,7 +260,7 @@ impl<'a> Turtle<'a> {
     fn put_foot(&mut self) -> Result<(), OverMemory> {
         self.state.is_adrift = false;
         let position = self.state.position;
-        // A foot that nobody else knows, and that nothing stands on, moves along.
+        // A foot that no state on the stack knows, and that nothing stands on, moves along.
         if let Anchor::Foot(foot) = self.state.anchor
             && foot as usize >= self.shared_feet
             && self.feet[foot as usize].node.is_none()
@@ -437,8 +437,8 @@ impl Sink for Turtle<'_> {
     }
 
     fn bytes(&self) -> u64 {
-        let own = bytes_of::<Foot>(self.feet.capacity()) + bytes_of::<State>(self.stack.capacity());
-        own + self.branching.bytes() + self.herbarium.bytes()
+        let lists = bytes_of::<Foot>(self.feet.capacity()) + bytes_of::<State>(self.stack.capacity());
+        lists + self.branching.bytes() + self.herbarium.bytes()
     }
 
     fn hold_beside(&mut self, bytes: u64) {

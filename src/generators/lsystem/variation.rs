@@ -5,9 +5,9 @@ use linden_base::random::Key;
 /// How much varies; 0 everywhere is none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Variation {
-    /// Each turn by an angle is by up to so much more or less, degrees.
+    /// The most by which a turn is wider or narrower, degrees.
     pub angle_deg: f64,
-    /// Each branch is rolled about its axis by up to so much to either side, degrees.
+    /// The most by which a branch is rolled about its axis to either side, degrees.
     pub roll_deg: f64,
     /// Each segment is longer or shorter by up to this share, 0 to 0.95.
     pub length: f64,

@@ -1,8 +1,8 @@
 //! Scans of canopies without stems, as from an aircraft.
 //!
-//! A few points a square metre on top of a crown show no bark. Moved onto axes, as a scanner's points on bark are,
-//! they make a stub somewhere under the rim. Such points are a crown: the tree stands on the ground below their
-//! middle and grows into them as they are.
+//! A few points a square metre on top of a crown show no bark. Moved onto axes, as a scanner's points on bark
+//! are, they make a stub somewhere under the rim. Such points are a crown: the tree stands on the ground
+//! below their middle and grows into them as they are.
 
 use glam::{DVec3, Vec3};
 use linden_base::monitor::{Cancelled, Monitor};
@@ -37,7 +37,8 @@ pub(crate) enum Verdict {
     Tree,
     /// It is near some of them; what to say.
     Partly(String),
-    /// Hardly any, no stem stands below them, and hardly a ring of bark was measured: the points are a canopy.
+    /// Hardly any, no stem stands below them, and hardly a ring of bark was measured: the points are a
+    /// canopy.
     Canopy,
 }
 
@@ -71,8 +72,8 @@ impl Verdict {
     }
 }
 
-/// Takes the points of the ground from those of a canopy, where a layer without any lies between them; the height
-/// of the ground.
+/// Takes the points of the ground from those of a canopy, where a layer without any lies between them; the
+/// height of the ground.
 pub(crate) fn drop_ground(points: &mut Vec<DVec3>) -> Option<f64> {
     let mut heights: Vec<f64> = points.iter().map(|p| p.y).collect();
     heights.sort_unstable_by(f64::total_cmp);
@@ -88,9 +89,9 @@ pub(crate) fn drop_ground(points: &mut Vec<DVec3>) -> Option<f64> {
     Some(heights[last / 2])
 }
 
-/// Where a tree stands whose crown are these points (Y up, each minus `origin`): on the ground below their middle.
-/// Where no ground was seen it is the height 0 if the file has heights above that; else so far below the lowest
-/// point as the trunk is long.
+/// Where a tree stands whose crown are these points (Y up, each minus `origin`): on the ground below their
+/// middle. Where no ground was seen it is the height 0 if the file has heights above that; else so far below
+/// the lowest point as the trunk is long.
 pub(crate) fn root_below(
     points: &[DVec3],
     ground_m: Option<f64>,

@@ -1,5 +1,5 @@
-//! Rows of a scan that are no points of it: places that stand there several times, `0 0 0` where no pulse came
-//! back, and single points far from everything.
+//! Rows of a scan that are no points of it: places that stand there several times, `0 0 0` where no pulse
+//! came back, and single points far from everything.
 //!
 //! They go before anything is measured: one row of them among a thousand moves medians, spacing and foot.
 
@@ -19,10 +19,10 @@ const ROWS_PER_CHECK: usize = 1 << 16;
 /// Indices and marks, and the points that are kept.
 const BYTES_PER_POINT: u64 = 40;
 
-/// A point is far when it is more than so many spreads from the middle,
+/// Spreads off the middle beyond which a point is far.
 const FAR_SPREADS: f64 = 5.0;
 
-/// and alone with no other within so many metres.
+/// A point is alone with no other within this distance, metres.
 const ALONE_M: f64 = 1.0;
 
 /// Points at different places.
@@ -38,8 +38,8 @@ pub struct Distinct {
 
 /// Merges points of the same place (the same bits, the sign of zeros aside).
 ///
-/// `0 0 0` is left out where it stands there several times, and in a scan (`is_scan`) always: the scanner's own
-/// place is none that it measures.
+/// `0 0 0` is left out where it stands there several times, and in a scan (`is_scan`) always: the scanner's
+/// own place is none that it measures.
 ///
 /// # Errors
 /// [`ScanError`]: memory, cancelled.

@@ -158,7 +158,7 @@ fn without_strays(
             kept.push(p);
         }
     }
-    // A cloud so thin that all of it looks stray is the user's own; keep it.
+    // A cloud so thin that all of it looks stray is meant to be so; keep it.
     if kept.len() * 2 < before {
         return Ok((points, 0));
     }
@@ -351,7 +351,7 @@ impl Sections {
     }
 
     /// Moves each centre towards the middle of its neighbours along the way with the most sections
-    /// beyond: halfway between equals, farther where its own points are few (a section at the rim of a gap
+    /// beyond: halfway between equals, farther where it has few points (a section at the rim of a gap
     /// sees one side of the stem only). Takes out zigzag, keeps ends.
     pub fn smooth(&mut self, rounds: usize) {
         let count = self.centres.len();

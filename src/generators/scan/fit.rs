@@ -9,8 +9,8 @@ use linden_base::monitor::{Cancelled, Monitor};
 use linden_skeleton::generator::{Fit, Spread};
 use linden_skeleton::{Branching, NO_PARENT, Skeleton};
 
-/// Measures how far `points` (metres, where the skeleton stands) are from the skeleton, and back. `None` without
-/// points or segments. A million points take about a second on two cores.
+/// Measures how far `points` (metres, where the skeleton stands) are from the skeleton, and back. `None`
+/// without points or segments. A million points take about a second on two cores.
 ///
 /// # Errors
 /// [`Cancelled`].

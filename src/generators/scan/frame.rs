@@ -1,4 +1,4 @@
-//! What a cloud says of its own axes and units.
+//! What a cloud says of its axes and units.
 //!
 //! A tree is narrow near the ground and wide above, along one axis only; and none is 150 m high.
 
@@ -21,7 +21,7 @@ const WIDE: f64 = 0.35;
 /// No tree is higher: the highest known is 116 m.
 const HIGHEST_M: f64 = 150.0;
 
-/// Above so many centimetres it must be millimetres.
+/// Greatest height that can be in centimetres: above it must be millimetres.
 const MOST_CM: f64 = 4000.0;
 
 /// Which of Y and Z points up in `points` (in the file's axes), if it is not `usual`: only where the cloud

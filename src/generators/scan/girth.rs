@@ -6,9 +6,9 @@
 //! from one side has its axis off its middle, where the mean distance is no radius.
 //!
 //! A circle is believed where it holds enough points, is as round as bark is (leaves fill the disc, bark
-//! its rim), is thicker than the error of the points and no thicker than wood can be there. Along an axis believed radii are made to
-//! shrink towards the tip by the least change (pool adjacent violators, Ayer et al. 1955). Where
-//! nothing is believed the pipe model goes on from the nearest that is.
+//! its rim), is thicker than the error of the points and no thicker than wood can be there. Along an axis
+//! believed radii are made to shrink towards the tip by the least change (pool adjacent violators, Ayer et
+//! al. 1955). Where nothing is believed the pipe model goes on from the nearest that is.
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -20,28 +20,28 @@ use linden_skeleton::{Axis, Branching, NO_PARENT, axes_by_tips, count_tips};
 /// Points that a circle is put through at least.
 const LEAST_POINTS: usize = 12;
 
-/// Beyond so many, a stretch is long enough.
+/// Points with which a stretch is long enough.
 const ENOUGH_POINTS: usize = 60;
 
-/// A stretch reaches at most so many segments to either side.
+/// Most segments of a stretch to either side.
 const WIDEST: usize = 4;
 
-/// A lateral starts so many radii of its parent away from where it leaves it.
+/// Where a lateral starts: the distance from where it leaves its parent, in radii of that.
 const BASE: f64 = 1.3;
 
-/// `Σ r_child^n` is at most so many times the parent's `r^n`.
+/// Most of `Σ r_child^n`, in units of the parent's `r^n`.
 const CARRIED: f64 = 1.5;
 
 /// Half of the points lie nearer to a believed circle than this part of its radius.
 const ROUND: f64 = 0.18;
 
-/// A believed radius is so many standard errors of the points.
+/// Least believed radius, in standard errors of the points.
 const CLEAR: f64 = 2.0;
 
 /// Fits of a circle, each without what lay far off the one before.
 const ROUNDS: usize = 4;
 
-/// Beyond so many standard deviations a point is no part of a circle.
+/// Standard deviations off a circle beyond which a point is no part of it.
 const STRAY: f64 = 2.5;
 
 /// The pipe model of the stoutest tree: base radius ÷ height. Four times what wood is given unasked; an old
@@ -344,10 +344,10 @@ fn filled(seen: &[Option<f64>], parents: &[u32], tips: &[u32], exponent: f64) ->
             scale[node] = above[node].map(|(_, scale)| scale);
         }
         let parent = parents[node];
-        if let (Some(own), true) = (scale[node], parent != NO_PARENT) {
+        if let (Some(factor), true) = (scale[node], parent != NO_PARENT) {
             let best = &mut above[parent as usize];
             if seen[parent as usize].is_none() && best.is_none_or(|(most, _)| most < tips[node]) {
-                *best = Some((tips[node], own));
+                *best = Some((tips[node], factor));
             }
         }
     }
@@ -356,7 +356,7 @@ fn filled(seen: &[Option<f64>], parents: &[u32], tips: &[u32], exponent: f64) ->
     children.sort_unstable();
     let fallback = scale.iter().flatten().copied().fold(f64::INFINITY, f64::min);
     let mut radii: Vec<f64> = (0..).zip(&scale).map(|(n, s)| s.unwrap_or(fallback) * pipe(n)).collect();
-    // What hangs on a node goes by that, not by its own children; together they carry no more than it does.
+    // What hangs on a node goes by that, not by what it bears itself; together they carry no more than it.
     for fork in children.chunk_by(|a, b| a.0 == b.0) {
         let parent = fork[0].0 as usize;
         let mut carried = 0.0;

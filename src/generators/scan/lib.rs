@@ -4,8 +4,8 @@
 //! strands, and the gaps behind branches cut the crown off. [`prepare`] therefore moves points
 //! onto axes first, in this order:
 //!
-//! 1. without rows that are no points of it (`clean`): places that stand there twice, `0 0 0`, single far points;
-//!    then the spacing of the cloud: the median distance of a point to its nearest neighbour;
+//! 1. without rows that are no points of it (`clean`): places that stand there twice, `0 0 0`, single far
+//!    points; then the spacing of the cloud: the median distance of a point to its nearest neighbour;
 //! 2. the feet of the stems (`foot`, `stems`), and without them ground and strays;
 //! 3. thinning: one point, the mean, per cube of the detail's size (twice the spacing, or 1/250 of the
 //!    height if that is more), and without noise: cubes that hardly any points are near;
@@ -148,8 +148,8 @@ const LEAST_POINTS: usize = 8;
 /// Points whose nearest neighbour is looked for, for the median.
 const SPACING_SAMPLE: usize = 100_000;
 
-/// The median distance of a point to its nearest neighbour at another place, over at most 100 000 points taken
-/// evenly through the places; `None` for fewer than two.
+/// The median distance of a point to its nearest neighbour at another place, over at most 100 000 points
+/// taken evenly through the places; `None` for fewer than two.
 ///
 /// # Errors
 /// [`ScanError`]: memory, cancelled.
@@ -196,8 +196,8 @@ impl Default for ScanRule {
     }
 }
 
-/// Makes a scan ready for growth. `points` are metres, Y up, near the origin; rows that are no points of the tree
-/// are left out ([`distinct`], [`drop_far`]).
+/// Makes a scan ready for growth. `points` are metres, Y up, near the origin; rows that are no points of the
+/// tree are left out ([`distinct`], [`drop_far`]).
 ///
 /// # Errors
 /// [`ScanError`]: too few points, positions that are not finite, cancelled.
@@ -354,9 +354,9 @@ impl Cubes {
         Self { means, members: order.iter().map(|&(_, i)| i).collect(), ends }
     }
 
-    /// Radius outlier removal: leaves out the cubes with hardly any points within `reach_m` of their mean, and
-    /// their points (the others keep their order). A cloud that would lose more than one point in [`MOST_NOISE`]
-    /// is thin, not noisy, and stays as it is.
+    /// Radius outlier removal: leaves out the cubes with hardly any points within `reach_m` of their mean,
+    /// and their points (the others keep their order). A cloud that would lose more than one point in
+    /// [`MOST_NOISE`] is thin, not noisy, and stays as it is.
     fn drop_noise(
         &mut self,
         points: &mut Vec<DVec3>,

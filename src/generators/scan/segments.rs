@@ -147,7 +147,7 @@ fn arrange(segments: &mut [Segment], first: usize, boxes: &mut Vec<Node>) {
         let to = s.from + s.along;
         (low, high) = (low.min(s.from).min(to), high.max(s.from).max(to));
     }
-    let own = boxes.len();
+    let node = boxes.len();
     let last_segment = (first + segments.len()) as u32;
     boxes.push(Node { low, high, second: 0, first_segment: first as u32, last_segment });
     if segments.len() <= LEAF {
@@ -160,7 +160,7 @@ fn arrange(segments: &mut [Segment], first: usize, boxes: &mut Vec<Node>) {
     segments.select_nth_unstable_by(middle, |a, b| key(a).total_cmp(&key(b)).then(a.node.cmp(&b.node)));
     let (before, after) = segments.split_at_mut(middle);
     arrange(before, first, boxes);
-    boxes[own].second = boxes.len() as u32;
+    boxes[node].second = boxes.len() as u32;
     arrange(after, first + middle, boxes);
 }
 

@@ -1,8 +1,8 @@
 //! The feet of all stems in a cloud.
 //!
 //! Above ground and grass, below the crown, a slice of the cloud shows a stem as a slim column. Columns
-//! of the slice that hang together are one stem: one that forks higher up is one tree to growth, those that stand
-//! apart have a root each.
+//! of the slice that hang together are one stem: one that forks higher up is one tree to growth, those that
+//! stand apart have a root each.
 
 use glam::DVec3;
 
@@ -19,7 +19,7 @@ const APART: f64 = 0.012;
 /// A stem is not wider, as a part of the height, where stems are looked for unasked.
 const SLIM: f64 = 0.09;
 
-/// A stem spans so much of the slice's height.
+/// The share of the slice's height that a stem spans at least.
 const SPANS: f64 = 0.7;
 
 /// And has this part of the points of the stem with the most.
@@ -95,8 +95,8 @@ fn columns(points: &[DVec3], apart_m: f64, monitor: &dyn Monitor) -> Result<Vec<
         if column_of[first] != u32::MAX {
             continue;
         }
-        let own = columns.len() as u32;
-        column_of[first] = own;
+        let column = columns.len() as u32;
+        column_of[first] = column;
         let mut members = vec![first as u32];
         let mut next = 0;
         while let Some(&at) = members.get(next) {
@@ -105,7 +105,7 @@ fn columns(points: &[DVec3], apart_m: f64, monitor: &dyn Monitor) -> Result<Vec<
             let limit = apart_m * apart_m;
             tree.search(points[at as usize], limit, |to, _| {
                 if column_of[to as usize] == u32::MAX {
-                    column_of[to as usize] = own;
+                    column_of[to as usize] = column;
                     members.push(to);
                 }
                 limit

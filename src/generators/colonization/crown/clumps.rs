@@ -17,7 +17,7 @@ use linden_base::random::Key;
 
 /// The clump around a centre is whole up to this distance, in cells …
 const WHOLE: f64 = 0.3;
-/// … and over so much farther on.
+/// … and fades over this distance beyond, in cells.
 const EDGE: f64 = 0.2;
 
 /// Where the clumps of a crown are.

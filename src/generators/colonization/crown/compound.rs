@@ -118,8 +118,8 @@ impl Compound {
             if piece.operation == Operation::Subtract {
                 continue;
             }
-            let own_m3 = piece.crown.volume_m3();
-            let probes = ((own_m3 / total_m3 * PROBES as f64).ceil() as u64).max(PROBES / 64);
+            let piece_m3 = piece.crown.volume_m3();
+            let probes = ((piece_m3 / total_m3 * PROBES as f64).ceil() as u64).max(PROBES / 64);
             let key = Key::new(0).named("compound").child(i as u64);
             let answers: Vec<_> = (0..probes)
                 .into_par_iter()
@@ -131,14 +131,14 @@ impl Compound {
             // In the order of the probes: a sum of fractions must not depend on threads.
             let kept: f64 =
                 answers.iter().filter(|answer| answer.0).map(|&(_, m, _)| 1.0 / f64::from(m.max(1))).sum();
-            volume_m3 += own_m3 * kept / probes as f64;
+            volume_m3 += piece_m3 * kept / probes as f64;
             for by in answers.iter().filter_map(|answer| answer.2) {
                 taken[by] += 1;
             }
         }
         if volume_m3 < LEAST_LEFT * total_m3 {
             let most = taken.iter().max().copied().unwrap_or(0);
-            let piece = taken.iter().position(|&own| own == most).unwrap_or(0);
+            let piece = taken.iter().position(|&count| count == most).unwrap_or(0);
             return Err(CompoundError::Nothing { piece });
         }
         Ok(volume_m3)
@@ -197,7 +197,7 @@ pub fn dashed(lines: &[Vec<Vec3>]) -> Vec<Vec<Vec3>> {
 
 /// Every other piece of a line.
 fn dashes(line: &[Vec3]) -> Vec<Vec<Vec3>> {
-    /// A line has at least so many dashes, and gaps of their length.
+    /// Dashes of a line at least, with gaps of their length.
     const DASHES: f32 = 12.0;
     let length: f32 = line.windows(2).map(|ends| ends[0].distance(ends[1])).sum();
     let dash = length / (2.0 * DASHES - 1.0);
@@ -207,16 +207,20 @@ fn dashes(line: &[Vec3]) -> Vec<Vec<Vec3>> {
     let mut dashes = Vec::new();
     let mut before = 0.0;
     for ends in line.windows(2) {
-        let own = ends[0].distance(ends[1]);
-        let (first, last) = ((before / (2.0 * dash)).floor(), ((before + own) / (2.0 * dash)).ceil());
+        let piece_length = ends[0].distance(ends[1]);
+        let (first, last) =
+            ((before / (2.0 * dash)).floor(), ((before + piece_length) / (2.0 * dash)).ceil());
         for i in first as u32..last as u32 {
             let from = (i as f32 * 2.0 * dash - before).max(0.0);
-            let to = ((i as f32 * 2.0 + 1.0) * dash - before).min(own);
+            let to = ((i as f32 * 2.0 + 1.0) * dash - before).min(piece_length);
             if from < to {
-                dashes.push(vec![ends[0].lerp(ends[1], from / own), ends[0].lerp(ends[1], to / own)]);
+                dashes.push(vec![
+                    ends[0].lerp(ends[1], from / piece_length),
+                    ends[0].lerp(ends[1], to / piece_length),
+                ]);
             }
         }
-        before += own;
+        before += piece_length;
     }
     dashes
 }

@@ -80,8 +80,8 @@ impl Favored {
         let Bounds { min, max } = self.crown.bounds();
         let (low, high) = (f64::from(min.y), f64::from(max.y));
         let height = ((p.y - low) / (high - low)).clamp(0.0, 1.0);
-        let own = self.favor.density(self.depths.as_ref().map_or(0.0, |depths| depths.at(p)), height);
-        self.clumps.map_or(own, |clumps| own * clumps.density(p))
+        let density = self.favor.density(self.depths.as_ref().map_or(0.0, |depths| depths.at(p)), height);
+        self.clumps.map_or(density, |clumps| density * clumps.density(p))
     }
 }
 
@@ -337,10 +337,10 @@ mod tests {
                 [whole + f64::from(density == 1.0), least + f64::from(density < 1.0 - STRENGTH + 1e-9)]
             })
         };
-        let ([whole, least], [own_whole, own_least]) = (counts(&*even), counts(&gathered));
+        let ([whole, least], [gathered_whole, gathered_least]) = (counts(&*even), counts(&gathered));
         assert!(whole > 3000.0 && least > 3000.0, "{whole} {least}");
-        let expected = (1.0 - STRENGTH) * least * own_whole / whole;
-        assert!((own_least - expected).abs() < 5.0 * expected.sqrt(), "{own_least} for {expected}");
+        let expected = (1.0 - STRENGTH) * least * gathered_whole / whole;
+        assert!((gathered_least - expected).abs() < 5.0 * expected.sqrt(), "{gathered_least} for {expected}");
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! Crown shapes: the solids that attraction points are drawn in.
 //!
-//! A [`Crown`] is a solid in its own coordinates: the centre of its base at the origin, Y up,
-//! metres; whoever plants the tree moves it onto the trunk. Each shape is one file that ends in
+//! A [`Crown`] is a solid in coordinates of its own: the centre of its base at the origin, Y up,
+//! metres; planting the tree moves it onto the trunk. Each shape is one file that ends in
 //! one [`Shape`] row; [`SHAPES`] lists the rows, and the command line, the schema and the help are
 //! made from it. A mesh read from a file is a crown too ([`envelope::Envelope`]), without a row: its
 //! dimensions are the file's.
@@ -101,11 +101,11 @@ pub struct Shape {
     pub build: fn(&Dimensions) -> Result<Box<dyn Crown>, CrownError>,
 }
 
-/// A dimension of a shape and what it is when nobody says.
+/// A dimension of a shape and its default.
 pub struct ShapeKnob {
     /// Its name, range and help.
     pub knob: Knob,
-    /// Its value when nobody says.
+    /// Its value where none is set.
     pub default: fn() -> Value,
 }
 
@@ -183,12 +183,13 @@ impl Shape {
     /// Every dimension of the shape in the order of its knobs: what was set and fits, else its default.
     /// Presets hold them so, whichever of them a document names and in what order.
     pub(crate) fn complete(&self, set: &[(&'static str, Value)]) -> Vec<(&'static str, Value)> {
-        let value = |own: &ShapeKnob| {
-            let fits =
-                |(name, value): &&(&str, Value)| *name == own.knob.name && own.knob.kind.check(value).is_ok();
-            set.iter().rev().find(fits).map_or_else(own.default, |(_, value)| value.clone())
+        let value = |dimension: &ShapeKnob| {
+            let fits = |(name, value): &&(&str, Value)| {
+                *name == dimension.knob.name && dimension.knob.kind.check(value).is_ok()
+            };
+            set.iter().rev().find(fits).map_or_else(dimension.default, |(_, value)| value.clone())
         };
-        self.knobs.iter().map(|own| (own.knob.name, value(own))).collect()
+        self.knobs.iter().map(|dimension| (dimension.knob.name, value(dimension))).collect()
     }
 }
 

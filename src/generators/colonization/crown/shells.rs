@@ -1,8 +1,8 @@
 //! The shells of a crown mesh: closed surfaces that stand apart.
 //!
-//! A file may hold a whole grove. Each closed surface in it that neither meets nor holds another is a shell. Surfaces
-//! that overlap are one shell (modellers build crowns of balls that run into each other), and one inside another
-//! belongs to it (a cavity, or the same again).
+//! A file may hold a whole grove. Each closed surface in it that neither meets nor holds another is a shell.
+//! Surfaces that overlap are one shell (modellers build crowns of balls that run into each other), and one
+//! inside another belongs to it (a cavity, or the same again).
 
 use glam::DVec3;
 
@@ -87,8 +87,8 @@ impl Piece {
     }
 }
 
-/// The shells of a surface in the order of their first triangles; none where the surface has holes, for what is
-/// inside of an open part is not its own.
+/// The shells of a surface in the order of their first triangles; none where the surface has holes, for what
+/// is inside of an open part is unknown.
 pub(super) fn shells(surface: &Surface, monitor: &dyn Monitor) -> Result<Vec<Shell>, Cancelled> {
     if !surface.closed {
         return Ok(Vec::new());
@@ -122,15 +122,15 @@ pub(super) fn shells(surface: &Surface, monitor: &dyn Monitor) -> Result<Vec<She
     let mut found = Vec::new();
     for first in 0..pieces.len() {
         monitor.check()?;
-        let own = || pieces.iter().filter(|piece| piece.group == first);
+        let members = || pieces.iter().filter(|piece| piece.group == first);
         if pieces[first].group != first {
             continue;
         }
         found.push(Shell {
-            tree: WindingTree::new(own().flat_map(|piece| piece.triangles.iter().copied()).collect()),
-            low: own().map(|piece| piece.low).fold(DVec3::INFINITY, DVec3::min),
-            high: own().map(|piece| piece.high).fold(DVec3::NEG_INFINITY, DVec3::max),
-            volume_m3: own().map(Piece::signed_volume_m3).sum::<f64>().abs(),
+            tree: WindingTree::new(members().flat_map(|piece| piece.triangles.iter().copied()).collect()),
+            low: members().map(|piece| piece.low).fold(DVec3::INFINITY, DVec3::min),
+            high: members().map(|piece| piece.high).fold(DVec3::NEG_INFINITY, DVec3::max),
+            volume_m3: members().map(Piece::signed_volume_m3).sum::<f64>().abs(),
         });
     }
     Ok(found)

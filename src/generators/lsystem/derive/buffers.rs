@@ -248,7 +248,7 @@ impl<'a> Step<'a> {
     }
 
     fn key(&self, index: usize) -> Key {
-        // Without choices nobody looks at the keys.
+        // Without choices the keys are not used.
         self.text.buffer.keys.get(index).copied().unwrap_or(Key::new(0))
     }
 

@@ -38,7 +38,7 @@ pub(super) trait Sink {
         0
     }
 
-    /// Derivation holds so many bytes from now on, until it is over.
+    /// Says how many bytes derivation holds from now on, until it is over.
     fn hold_beside(&mut self, _bytes: u64) {}
 }
 

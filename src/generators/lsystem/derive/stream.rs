@@ -91,7 +91,7 @@ pub(super) fn derive<S: Sink>(outlet: &mut Outlet<'_, S>) -> Result<(), LsystemE
         } else {
             values.extend_from_slice(&entry.constants);
         }
-        // Without choices nobody looks at the keys.
+        // Without choices the keys are not used.
         let key = if program.random { key.child(program.ordinals(word)[here].into()) } else { key };
         let found = if program.rewrite(id).is_some_and(|rewrite| rewrite.vanishes_in <= last - birth) {
             values.truncate(top);

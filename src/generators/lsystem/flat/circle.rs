@@ -27,7 +27,7 @@ pub(super) fn divide(angle_deg: f64) -> Option<(u32, u32)> {
 
 /// A circle of equal parts. A heading is a number of parts, counted from straight up to the left.
 pub(super) struct Circle {
-    /// By heading: one segment, on the grid; zero where nobody has asked yet.
+    /// By heading: one segment, on the grid; zero until it is first asked for.
     steps: Vec<DVec2>,
     segment_m: f64,
     grid_m: f64,

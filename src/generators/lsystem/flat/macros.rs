@@ -131,7 +131,7 @@ impl Block {
     fn place(&self, branching: &mut Branching, pen: &mut Pen) {
         let base = branching.positions.len();
         let start = pen.position;
-        branching.positions.extend(self.positions.iter().map(|&own| (start + own).as_vec2().extend(0.0)));
+        branching.positions.extend(self.positions.iter().map(|&place| (start + place).as_vec2().extend(0.0)));
         branching.parents.extend(self.parents.iter().map(|parent| parent.wrapping_add(base as u32)));
         for &root in &self.roots {
             branching.parents[base + root as usize] = pen.node;

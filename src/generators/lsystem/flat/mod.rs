@@ -29,7 +29,7 @@ pub(super) use walk::Walker;
 /// apart at most.
 const LONGEST_REACH: u64 = 1 << 22;
 /// Modules of rules times derivations that are counted before anything is drawn: some tens of
-/// microseconds, and as much memory as nobody notices.
+/// microseconds, and little memory.
 const MOST_COUNTED: usize = 1 << 15;
 
 /// What a module tells the turtle in the plane.
@@ -37,7 +37,7 @@ const MOST_COUNTED: usize = 1 << 15;
 enum Action {
     Nothing,
     Draw,
-    /// To the left by so many parts of the circle.
+    /// To the left by this number of parts of the circle.
     Turn(u32),
     Push,
     Pop,
@@ -148,7 +148,7 @@ impl<'a> Flat<'a> {
         Size { symbols: 1, through: drawn, reach: drawn }
     }
 
-    /// The size of a module with so many derivations left.
+    /// The size of a module with `left` derivations to come.
     fn size(&self, id: u32, left: u32) -> Size {
         if id < self.program.first_kept {
             self.sizes[left as usize * self.program.first_kept as usize + id as usize]

@@ -58,7 +58,7 @@ pub(super) struct Graph {
 }
 
 impl Graph {
-    /// What can come up in so many derivations.
+    /// What can come up within `derivations`.
     pub(super) fn of(program: &Program, derivations: u32) -> Self {
         let mut search = Search {
             program,
@@ -134,7 +134,7 @@ struct Search<'a> {
     program: &'a Program,
     is_blind: Vec<bool>,
     lasting: Vec<bool>,
-    /// By rewrite and the bits of the arguments; without arguments where nobody looks at them.
+    /// By rewrite and the bits of the arguments; without arguments where no rule looks at them.
     known: BTreeMap<(usize, Vec<u64>), u32>,
     front: Vec<State>,
     graph: Graph,
@@ -201,7 +201,7 @@ impl Search<'_> {
     fn expand(&mut self, state: &State) {
         let program = self.program;
         let groups = program.groups(&program.rewrites[state.class]);
-        // What nobody looks at costs no more than the text of the rules.
+        // Without a look at arguments it costs no more than the text of the rules.
         let is_affordable = self.is_blind[state.class] || self.work < MOST_WORK;
         if !state.is_known || !is_affordable || groups.iter().any(|group| group.is_random) {
             self.graph.is_partial = true;
@@ -215,7 +215,7 @@ impl Search<'_> {
             Some(group) => {
                 let alternatives = program.alternatives(group);
                 self.graph.stochastic |= alternatives.len() > 1;
-                // Formulas that nobody needs the values of may look at parameters that are not there.
+                // Formulas whose values are not needed may look at parameters that are not there.
                 let missing = vec![f64::NAN; group.parameters];
                 let parameters = if state.arguments.is_empty() { &missing } else { &state.arguments };
                 let spans =

@@ -130,8 +130,8 @@ impl<'a> Compiler<'a> {
     fn group(&mut self, first: &Production, alternatives: Range<u32>) -> Group {
         let count =
             |patterns: &[Pattern]| patterns.iter().map(|pattern| pattern.parameters.len()).sum::<usize>();
-        let own = count(&first.left);
-        let after = own + first.predecessor.parameters.len();
+        let arguments_at = count(&first.left);
+        let after = arguments_at + first.predecessor.parameters.len();
         let mut seek = |patterns: &[Pattern], mut next: usize| -> Vec<Sought> {
             let sought = |pattern: &Pattern| match pattern.symbol {
                 '[' => Sought::Open,
@@ -154,7 +154,7 @@ impl<'a> Compiler<'a> {
         Group {
             left,
             right,
-            own,
+            arguments_at,
             parameters,
             is_random,
             condition,

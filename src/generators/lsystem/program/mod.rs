@@ -10,8 +10,8 @@ use super::error::Short;
 use super::expression::code::{Formula, Inputs, Library, is_true};
 use linden_base::random::Key;
 
-/// A compiled [`Grammar`]. Holds no `%`: what a `%` cuts inside its own word is left out here, and
-/// what it cuts beyond is [`Word::cuts`].
+/// A compiled [`Grammar`]. Holds no `%`: what a `%` cuts inside the word that it stands in is left out
+/// here, and what it cuts beyond is [`Word::cuts`].
 pub(super) struct Program {
     /// The distinct modules, by identifier: first those that rules may rewrite, then those that are
     /// kept and whose arguments are computed, then the rest.
@@ -77,7 +77,7 @@ impl Entry {
 
     /// With arguments.
     pub fn with(&self, arguments: &[f64]) -> String {
-        let list: Vec<String> = arguments.iter().map(|own| Short(*own).to_string()).collect();
+        let list: Vec<String> = arguments.iter().map(|argument| Short(*argument).to_string()).collect();
         if list.is_empty() { self.symbol.to_string() } else { format!("{}({})", self.symbol, list.join(",")) }
     }
 }
@@ -112,7 +112,7 @@ pub(super) struct Call {
     pub cost: u32,
 }
 
-/// What may become of the modules of one symbol with so many arguments.
+/// What may become of the modules of one symbol with one number of arguments.
 pub(super) struct Rewrite {
     /// In the order in which they are tried; not empty.
     groups: Range<u32>,
@@ -126,8 +126,9 @@ pub(super) struct Group {
     /// Nearest first.
     pub left: Vec<Sought>,
     pub right: Vec<Sought>,
-    /// Where the module's own arguments stand among the parameters, and how many of these there are.
-    pub own: usize,
+    /// The index of the module's first argument among the parameters: those of its left context come first.
+    pub arguments_at: usize,
+    /// How many parameters there are.
     pub parameters: usize,
     pub condition: Option<Formula>,
     /// What looking at it costs beyond one symbol's worth of work, in symbols.
