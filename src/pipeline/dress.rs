@@ -12,7 +12,8 @@ use crate::recipe::Recipe;
 pub use linden_plant::detail::{DetailError, Finest, Level, Levels, Year};
 pub use linden_plant::dress::DressError;
 
-/// Gives a grown tree its surface, its foliage and its materials: all of it, one level, in its own season.
+/// Gives a grown tree its surface, its foliage and its materials: all of it, one level, in the recipe's
+/// season.
 ///
 /// Budgets and levels of detail (`triangles`, `lods`, `billboard`) are left out: [`levels`] has them.
 ///

@@ -56,7 +56,7 @@ pub enum GrowError {
     /// There is no memory for what comes next.
     #[error(transparent)]
     Memory(#[from] OverMemory),
-    /// What the generator says; [`GrowError::generator`] has it as the generator's own type.
+    /// What the generator says; [`GrowError::generator`] has it in the type that the generator defines.
     #[error(transparent)]
     Generator(GeneratorError),
     /// Refinement.
@@ -96,7 +96,7 @@ impl From<GeneratorError> for GrowError {
 }
 
 impl GrowError {
-    /// The error of a generator's own type, if it is one.
+    /// The generator's error, where it has the type that the generator defines.
     ///
     /// ```
     /// use linden_pipeline::colonization::ColonizationError;

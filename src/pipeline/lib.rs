@@ -14,7 +14,7 @@
 //! | [`forest`] | many trees, laid out |
 //! | [`forecast`] | how large a tree will be, before it is grown |
 //!
-//! What these stand on is here too, under its own names: [`knob`], [`input`], [`picture`], [`monitor`] …
+//! What these stand on is here too, by its names: [`knob`], [`input`], [`picture`], [`monitor`] …
 //! (`linden_base`), [`skeleton`], [`lsystem`], [`colonization`], [`scan`], [`growth`], and, of
 //! `linden_plant`, [`surface`], [`foliage`], [`texture`], [`wind`], [`scene`], [`stage`].
 

@@ -41,7 +41,7 @@ const ROUNDS: usize = 6;
 /// What a sample may take at most: only nonsense needs more.
 const SAMPLE_BYTES: u64 = 128 << 20;
 
-/// No tree is larger than a sample so many times.
+/// Most times that a tree is larger than its sample.
 const MOST_TIMES: f64 = 1e9;
 
 /// A small tree, and how many times as much a large one has.
@@ -170,7 +170,7 @@ fn small(mut recipe: Recipe, monitor: &dyn Monitor) -> Result<(Recipe, Grown, Mu
                 grown = Some(grow(&recipe, monitor)?);
             }
             (SampleStep::Done(multiple), Some(grown)) => return Ok((recipe, grown, multiple)),
-            // A sampler that grew nothing: the tree is its own sample.
+            // A sampler that grew nothing: the whole tree is the sample.
             (SampleStep::Done(_), None) => {
                 recipe.preset.generator = whole.clone();
                 let grown = grow(&recipe, monitor)?;
@@ -206,7 +206,7 @@ fn adapt(preset: &mut Preset, grown: &Grown, crowding: f64, coarser: f64) {
 /// Leaves a part of the leaves.
 fn thin(preset: &mut Preset, part: f64) {
     for kind in preset.dressing.foliage.kinds_mut() {
-        // Ends of twigs bear few where there are so many along them.
+        // Ends of twigs bear few beside those along them.
         kind.terminal = false;
         if kind.grid.first().is_some_and(|&along| along > 0.0) {
             kind.keep *= part;

@@ -27,44 +27,44 @@ pub enum Loner {
 pub(super) fn together(tree: &Tree, places: &[Place]) -> Result<Tree, ForestError> {
     let alone = |why| ForestError::Loner { kind: printable(&tree.recipe.preset.id), why };
     let preset = &tree.recipe.preset;
-    let Some(own) = preset.settings::<Colonization>() else {
+    let Some(colonization) = preset.settings::<Colonization>() else {
         let is_lsystem = preset.settings::<LSystem>().is_some();
         return Err(alone(if is_lsystem { Loner::LSystem } else { Loner::Given }));
     };
-    let Space::Shape { shape, dimensions } = &own.space else { return Err(alone(Loner::Given)) };
+    let Space::Shape { shape, dimensions } = &colonization.space else { return Err(alone(Loner::Given)) };
     let is_unplaced = |part: &Part| part.at.is_none() && matches!(part.solid, Solid::Mesh { .. });
-    if own.parts.iter().any(|part| part.role == Role::Tree || is_unplaced(part)) {
+    if colonization.parts.iter().any(|part| part.role == Role::Tree || is_unplaced(part)) {
         return Err(alone(Loner::Parts));
     }
     let [first, others @ ..] = places else { return Ok(tree.clone()) };
     let stems = places.len() as u64;
-    let most = (1 + MOST_PARTS / (1 + own.parts.len())) as u64;
+    let most = (1 + MOST_PARTS / (1 + colonization.parts.len())) as u64;
     if stems > most {
         return Err(ForestError::TooManyStems { stems, most });
     }
-    let mut parts = own.parts.clone();
+    let mut parts = colonization.parts.clone();
     for place in others {
         let size = f64::from(place.scale / first.scale);
         let root = ((place.position - first.position) / first.scale).as_dvec3().to_array();
         let from_root = |at: [f64; 3]| [0, 1, 2].map(|i| root[i] + at[i] * size);
         let crown = Solid::Shape { shape: shape.clone(), dimensions: dimensions.clone() };
         parts.push(Part {
-            at: own.crown_base_m.map(|height| from_root([0.0, height, 0.0])),
+            at: colonization.crown_base_m.map(|height| from_root([0.0, height, 0.0])),
             scale: size,
             root: Some(root),
-            trunk_m: own.growth.trunk_m.map(|trunk| trunk * size),
+            trunk_m: colonization.growth.trunk_m.map(|trunk| trunk * size),
             ..Part::of(Role::Tree, crown)
         });
-        parts.extend(own.parts.iter().map(|part| Part {
+        parts.extend(colonization.parts.iter().map(|part| Part {
             at: Some(from_root(part.at.unwrap_or_default())),
             scale: part.scale * size,
             ..part.clone()
         }));
     }
-    let points = own.points.saturating_mul(stems as u32);
-    let max_nodes = own.growth.max_nodes.saturating_mul(stems as u32);
-    let growth = GrowthSettings { max_nodes, ..own.growth.clone() };
-    let grown = Colonization { parts, points, growth, ..own.clone() };
+    let points = colonization.points.saturating_mul(stems as u32);
+    let max_nodes = colonization.growth.max_nodes.saturating_mul(stems as u32);
+    let growth = GrowthSettings { max_nodes, ..colonization.growth.clone() };
+    let grown = Colonization { parts, points, growth, ..colonization.clone() };
     let preset = Preset { generator: Box::new(grown), ..preset.clone() };
     let recipe = Recipe { preset, inputs: tree.recipe.inputs.clone() };
     Ok(Tree { recipe, stems, ..tree.clone() })

@@ -84,22 +84,22 @@ impl ForestDocument {
         let Datum::Table(entries) = &document.datum else {
             return Err(Fault { place: document.place, message: "a forest is a table of keys".to_owned() });
         };
-        let mut own = Self { trees: Vec::new(), ..Self::empty() };
+        let mut forest = Self { trees: Vec::new(), ..Self::empty() };
         for entry in entries {
             match entry.key.as_str() {
-                "name" => entry.node.text("name")?.clone_into(&mut own.name),
-                "summary" => entry.node.text("summary")?.clone_into(&mut own.summary),
-                "tree" => own.trees = TREES.read(&entry.node, tree_line)?,
+                "name" => entry.node.text("name")?.clone_into(&mut forest.name),
+                "summary" => entry.node.text("summary")?.clone_into(&mut forest.summary),
+                "tree" => forest.trees = TREES.read(&entry.node, tree_line)?,
                 name => {
                     let fault = |message| Fault { place: entry.place, message };
                     let value = typed(entry)?;
                     if !HEADINGS.contains(&name) {
-                        own.layout.set(name, &value).map_err(|error| fault(error.to_string()))?;
+                        forest.layout.set(name, &value).map_err(|error| fault(error.to_string()))?;
                     }
                 }
             }
         }
-        own.checked()
+        forest.checked()
     }
 
     /// Reads what a file carries: JSON.
@@ -109,10 +109,10 @@ impl ForestDocument {
             message: format!("not a forest: {}", printable(&error.to_string())),
         })?;
         let fault = |message: String| Fault { place: None, message };
-        let mut own = Self { name: raw.name, summary: raw.summary, ..Self::empty() };
+        let mut forest = Self { name: raw.name, summary: raw.summary, ..Self::empty() };
         // Which version wrote it decides nothing.
         for (name, value) in raw.knobs.iter().filter(|(name, _)| !HEADINGS.contains(&name.as_str())) {
-            own.layout.set(name, &value.text()).map_err(|error| fault(error.to_string()))?;
+            forest.layout.set(name, &value.text()).map_err(|error| fault(error.to_string()))?;
         }
         for (number, tree) in (1..).zip(raw.tree) {
             let source = match (tree.preset, tree.recipe) {
@@ -126,9 +126,9 @@ impl ForestDocument {
                     .map_err(|problem| fault(format!("'{name}' of tree {number}: {problem}")))?;
             }
             let set = tree.set.into_iter().map(|(name, value)| (name, value.text())).collect();
-            own.trees.push(TreeLine { source, share: tree.share, size: tree.size, set });
+            forest.trees.push(TreeLine { source, share: tree.share, size: tree.size, set });
         }
-        own.checked()
+        forest.checked()
     }
 
     fn empty() -> Self {
@@ -225,16 +225,16 @@ impl<'de: 'a, 'a> Deserialize<'de> for Json<'a> {
             }
             fn visit_map<A: serde::de::MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
                 let (name, summary) = (String::new(), String::new());
-                let mut own = Json { name, summary, tree: Vec::new(), knobs: BTreeMap::new() };
+                let mut json = Json { name, summary, tree: Vec::new(), knobs: BTreeMap::new() };
                 while let Some(key) = map.next_key::<String>()? {
                     match key.as_str() {
-                        "name" => own.name = map.next_value()?,
-                        "summary" => own.summary = map.next_value()?,
-                        "tree" => own.tree = map.next_value()?,
-                        _ => drop(own.knobs.insert(key, map.next_value()?)),
+                        "name" => json.name = map.next_value()?,
+                        "summary" => json.summary = map.next_value()?,
+                        "tree" => json.tree = map.next_value()?,
+                        _ => drop(json.knobs.insert(key, map.next_value()?)),
                     }
                 }
-                Ok(own)
+                Ok(json)
             }
         }
         deserializer.deserialize_map(Visitor)

@@ -17,8 +17,8 @@ pub struct Layout {
     pub distinct: u64,
     /// Sizes lie within this share below and above.
     pub size_spread: f64,
-    /// The most triangles that a grown tree has in its finest level, unless its preset has a budget of its
-    /// own; 0: all that there are.
+    /// The most triangles that a grown tree has in its finest level, unless its preset has a budget; 0: all
+    /// that there are.
     pub triangles: u64,
     /// Whether the trees grow together, each into the space that the others leave: all of one kind, which
     /// must fill a crown. None is a copy of another then.
@@ -215,8 +215,8 @@ impl Layout {
     /// # Errors
     /// An unknown name, or a value that the knob does not take.
     pub fn set(&mut self, name: &str, text: &str) -> Result<(), LayoutError> {
-        let Some(knob) = FOREST_KNOBS.iter().find(|own| own.knob.name == name) else {
-            let known = || FOREST_KNOBS.iter().map(|own| own.knob.name);
+        let Some(knob) = FOREST_KNOBS.iter().find(|row| row.knob.name == name) else {
+            let known = || FOREST_KNOBS.iter().map(|row| row.knob.name);
             let nearest = nearest(name, known());
             return Err(LayoutError::Unknown { name: name.to_owned(), nearest, known: known().collect() });
         };

@@ -25,7 +25,10 @@ pub fn builtin_forests() -> &'static [BuiltinForest] {
 /// # Errors
 /// The nearest id, if one may be meant.
 pub fn builtin_forest(id: &str) -> Result<&'static BuiltinForest, Option<&'static str>> {
-    FORESTS.iter().find(|own| own.id == id).ok_or_else(|| nearest(id, FORESTS.iter().map(|own| own.id)))
+    FORESTS
+        .iter()
+        .find(|forest| forest.id == id)
+        .ok_or_else(|| nearest(id, FORESTS.iter().map(|forest| forest.id)))
 }
 
 impl BuiltinForest {

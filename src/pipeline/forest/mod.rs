@@ -38,8 +38,8 @@ pub use library::{BuiltinForest, builtin_forest, builtin_forests};
 pub use plan::{ForestError, MOST_PLACES, Plan, Tree};
 pub use spacing::poisson_disc;
 
-/// What `recipe` has for levels of detail where no tree of a forest is to have more than so many
-/// triangles: its own budget, if it has one; none for a tree that has no more anyway.
+/// What `recipe` has for levels of detail where no tree of a forest is to have more than `triangles`: the
+/// recipe's budget, if it has one; none for a tree that has no more anyway.
 ///
 /// # Errors
 /// [`DetailError`]: memory, or cancelled.
@@ -87,7 +87,7 @@ pub struct Kind {
 impl Forest {
     /// A forest of some kinds in equal shares, laid out by default.
     pub fn of(recipes: Vec<Recipe>) -> Self {
-        let names: Vec<&str> = recipes.iter().map(|own| own.preset.id.as_str()).collect();
+        let names: Vec<&str> = recipes.iter().map(|recipe| recipe.preset.id.as_str()).collect();
         let id = names.join("-") + "-forest";
         let kinds = recipes.into_iter().map(|recipe| Kind { recipe, share: 1.0, size: 1.0 }).collect();
         Self { name: id.clone(), id, kinds, layout: Layout::default() }

@@ -31,7 +31,7 @@ pub struct Tree {
     pub name: String,
     /// Index into [`Forest::kinds`].
     pub kind: usize,
-    /// What grows, with its own seed.
+    /// What grows, with the seed of this tree.
     pub recipe: Recipe,
     /// How many stems it has: more than one where trees compete.
     pub stems: u64,
@@ -219,7 +219,8 @@ impl Forest {
                 stand.push((id, place));
             }
             let name = kind_name(&kind.recipe);
-            let before = self.kinds[..index].iter().filter(|own| kind_name(&own.recipe) == name).count();
+            let before =
+                self.kinds[..index].iter().filter(|earlier| kind_name(&earlier.recipe) == name).count();
             let name = if before == 0 { name } else { format!("{name} {}", before + 1) };
             trees.push(Tree { name, kind: index, recipe, stems: 1 });
         }
@@ -266,26 +267,28 @@ impl Forest {
 
     fn place(&self, kind: usize, point: usize, [x, z]: [f64; 2], key: Key) -> Place {
         let Self { layout, kinds, .. } = self;
-        let own = key.named("place").child(point as u64);
-        let which = (own.named("which").unit() * layout.distinct as f64) as usize;
-        let spread = own.named("size").between(1.0 - layout.size_spread, 1.0 + layout.size_spread);
+        let place_key = key.named("place").child(point as u64);
+        let which = (place_key.named("which").unit() * layout.distinct as f64) as usize;
+        let spread = place_key.named("size").between(1.0 - layout.size_spread, 1.0 + layout.size_spread);
         Place {
             plant: kind * layout.distinct as usize + which,
             position: DVec3::new(x, 0.0, z).as_vec3(),
-            turn_rad: (own.named("turn").unit() * TAU) as f32,
+            turn_rad: (place_key.named("turn").unit() * TAU) as f32,
             scale: (kinds[kind].size * spread) as f32,
         }
     }
 
-    /// All distinct trees, with seeds of their own.
+    /// All distinct trees, each with another seed.
     fn trees(&self, key: Key) -> Vec<Tree> {
         let mut trees: Vec<Tree> = Vec::new();
         for (index, kind) in self.kinds.iter().enumerate() {
             let preset = &kind.recipe.preset;
             let kind_name = kind_name(&kind.recipe);
             // The same preset may be there twice, with other settings.
-            let before =
-                self.kinds[..index].iter().filter(|own| own.recipe.preset.name == preset.name).count();
+            let before = self.kinds[..index]
+                .iter()
+                .filter(|earlier| earlier.recipe.preset.name == preset.name)
+                .count();
             for number in 0..self.layout.distinct {
                 let mut recipe = kind.recipe.clone();
                 // 32 bits, so that people can type it.
@@ -360,7 +363,10 @@ mod tests {
         seeds.dedup();
         assert_eq!(seeds.len(), 6);
         let names: Vec<&str> = plan.trees.iter().map(|tree| tree.name.as_str()).collect();
-        assert!(names.iter().all(|name| names.iter().filter(|own| *own == name).count() == 1), "{names:?}");
+        assert!(
+            names.iter().all(|name| names.iter().filter(|other| *other == name).count() == 1),
+            "{names:?}"
+        );
     }
 
     #[test]
@@ -368,13 +374,13 @@ mod tests {
         let kind = |id: &str| Recipe::new(builtin(id).unwrap().load().unwrap());
         // A plain crown, and one that is put together.
         for id in ["dressed-simple", "oak"] {
-            let mut own = Forest::of(vec![kind(id)]);
+            let mut forest = Forest::of(vec![kind(id)]);
             for (knob, value) in [("area", "40"), ("spacing", "8"), ("trees", "5"), ("distinct", "1")] {
-                own.layout.set(knob, value).unwrap();
+                forest.layout.set(knob, value).unwrap();
             }
-            let apart = own.plan(&Quiet).unwrap();
-            own.layout.set("compete", "true").unwrap();
-            let plan = own.plan(&Quiet).unwrap();
+            let apart = forest.plan(&Quiet).unwrap();
+            forest.layout.set("compete", "true").unwrap();
+            let plan = forest.plan(&Quiet).unwrap();
             let ([tree], [place]) = (plan.trees.as_slice(), plan.places.as_slice()) else { panic!("one") };
             assert_eq!(tree.stems, 5, "{id}");
             let grown = crate::grow::grow(&tree.recipe, &Quiet).unwrap();
@@ -390,15 +396,15 @@ mod tests {
                 places.sort_unstable();
                 places
             };
-            let wanted = in_cm(apart.places.iter().map(|own| own.position).collect());
+            let wanted = in_cm(apart.places.iter().map(|place| place.position).collect());
             assert_eq!(in_cm(feet.collect()), wanted, "{id}: a foot at each place, to a centimetre");
         }
         let refused = |ids: &[&str], settings: &[(&str, &str)]| {
-            let mut own = Forest::of(ids.iter().map(|id| kind(id)).collect());
+            let mut forest = Forest::of(ids.iter().map(|id| kind(id)).collect());
             for (knob, value) in [("compete", "true")].iter().chain(settings) {
-                own.layout.set(knob, value).unwrap();
+                forest.layout.set(knob, value).unwrap();
             }
-            own.plan(&Quiet).unwrap_err().to_string()
+            forest.plan(&Quiet).unwrap_err().to_string()
         };
         assert!(refused(&["fir", "oak"], &[]).contains("2 kinds"));
         assert!(refused(&["abop-a"], &[]).contains("'abop-a' does not compete: it grows by an L-system"));

@@ -38,15 +38,15 @@ pub fn poisson_disc(
         if looked.is_multiple_of(POINTS_PER_CHECK as u64) {
             monitor.check()?;
         }
-        let own = key.named("point").child(looked);
+        let point_key = key.named("point").child(looked);
         looked += 1;
-        let index = (own.named("which").unit() * active.len() as f64) as usize;
+        let index = (point_key.named("which").unit() * active.len() as f64) as usize;
         let [x, z] = points[active[index]];
         let found = (0..CANDIDATES).find_map(|candidate| {
-            let own = own.child(candidate);
-            let (sin, cos) = libm::sincos(own.named("angle").unit() * TAU);
+            let candidate_key = point_key.child(candidate);
+            let (sin, cos) = libm::sincos(candidate_key.named("angle").unit() * TAU);
             // Evenly by area between one and two spacings.
-            let distance = spacing * own.named("distance").between(1.0, 4.0).sqrt();
+            let distance = spacing * candidate_key.named("distance").between(1.0, 4.0).sqrt();
             let point = [x + cos * distance, z + sin * distance];
             let is_inside = point.iter().all(|x| x.abs() <= 0.5 * side);
             let is_free = |[x, z]: [f64; 2]| {

@@ -1,7 +1,7 @@
 //! A preset's document with little in it: edited in place, or with what differs from the defaults alone.
 //!
-//! Whole documents ([`Preset::to_toml`]) name every knob, so that they mean the same when a default changes. People
-//! write a dozen of them, with their reasons beside them; what they wrote stays.
+//! Whole documents ([`Preset::to_toml`]) name every knob, so that they mean the same when a default changes.
+//! People write a dozen of them, with their reasons beside them; what they wrote stays.
 
 use std::mem;
 
@@ -35,8 +35,9 @@ fn is_always(key: &str) -> bool {
 }
 
 impl Preset {
-    /// The document `text` with the values of this preset: only keys whose values differ are changed, added or
-    /// taken out. Comments, order and everything else stay. What is no preset's document is written as a whole.
+    /// The document `text` with the values of this preset: only keys whose values differ are changed, added
+    /// or taken out. Comments, order and everything else stay. What is no preset's document is written as a
+    /// whole.
     ///
     /// ```
     /// let text = "id = \"bush\" # mine\n\n[colonization]\ncrown = \"sphere\"\npoints = 500 # enough\n";
@@ -82,8 +83,8 @@ impl Preset {
         if Self::from_toml(&text).is_ok_and(|read| read == *self) { Ok(text) } else { Ok(self.to_toml()?) }
     }
 
-    /// The same kind of preset with everything at its default: what a document means that says no more than what
-    /// grows.
+    /// The same kind of preset with everything at its default: what a document means that says no more than
+    /// what grows.
     #[must_use]
     pub fn plain(&self) -> Self {
         let mut plain = Self::of_boxed(&self.id, self.generator.plain());
@@ -104,8 +105,8 @@ fn plainly(table: &mut dyn TableLike) {
     for (_, item) in table.iter_mut() {
         match item {
             Item::Value(value) => plain_value(value),
-            Item::Table(own) => plainly(own),
-            Item::ArrayOfTables(own) => own.iter_mut().for_each(|own| plainly(own)),
+            Item::Table(inner) => plainly(inner),
+            Item::ArrayOfTables(list) => list.iter_mut().for_each(|inner| plainly(inner)),
             Item::None => {}
         }
     }
@@ -122,7 +123,7 @@ fn plain_value(value: &mut Value) {
             *value = Value::Integer(whole);
         }
         Value::Array(items) => items.iter_mut().for_each(plain_value),
-        Value::InlineTable(own) => plainly(own),
+        Value::InlineTable(inner) => plainly(inner),
         _ => {}
     }
 }
@@ -155,8 +156,8 @@ fn edit(document: &mut dyn TableLike, before: &dyn TableLike, after: &dyn TableL
             (Item::Table(wanted), Some(Item::Table(had)), default) => {
                 let none = toml_edit::Table::new();
                 let default = default.and_then(Item::as_table).unwrap_or(&none);
-                if let Some(own) = document.get_mut(key).and_then(Item::as_table_like_mut) {
-                    edit(own, had, wanted, default);
+                if let Some(table) = document.get_mut(key).and_then(Item::as_table_like_mut) {
+                    edit(table, had, wanted, default);
                     continue;
                 }
                 let mut new = toml_edit::Table::new();
@@ -198,18 +199,18 @@ fn edit_list(document: &mut dyn TableLike, key: &str, [had, wanted, plain]: [&Ar
         // One in brackets, or none: written anew.
         document.insert(key, Item::ArrayOfTables(ArrayOfTables::new()));
     }
-    let Some(own) = document.get_mut(key).and_then(Item::as_array_of_tables_mut) else { return };
-    while own.len() > wanted.len() {
-        own.remove(own.len() - 1);
+    let Some(list) = document.get_mut(key).and_then(Item::as_array_of_tables_mut) else { return };
+    while list.len() > wanted.len() {
+        list.remove(list.len() - 1);
     }
     for (i, wanted) in wanted.iter().enumerate() {
         let default = plain.get(i).unwrap_or(&none);
-        match own.get_mut(i) {
-            Some(own) => edit(own, had.get(i).unwrap_or(&none), wanted, default),
+        match list.get_mut(i) {
+            Some(table) => edit(table, had.get(i).unwrap_or(&none), wanted, default),
             None => {
                 let mut new = wanted.clone();
                 strip(&mut new, default);
-                own.push(new);
+                list.push(new);
             }
         }
     }
@@ -235,20 +236,20 @@ fn strip(document: &mut dyn TableLike, plain: &dyn TableLike) {
     for key in keys {
         let default = plain.get(&key);
         let is_gone = match document.get_mut(&key) {
-            Some(Item::Table(own)) => {
+            Some(Item::Table(table)) => {
                 let none = toml_edit::Table::new();
-                strip(own, default.and_then(Item::as_table).unwrap_or(&none));
-                own.is_empty()
+                strip(table, default.and_then(Item::as_table).unwrap_or(&none));
+                table.is_empty()
             }
-            Some(Item::ArrayOfTables(own)) => {
+            Some(Item::ArrayOfTables(list)) => {
                 let none = ArrayOfTables::new();
                 let default = default.and_then(Item::as_array_of_tables).unwrap_or(&none);
-                for (own, default) in own.iter_mut().zip(default.iter()) {
-                    strip(own, default);
+                for (table, default) in list.iter_mut().zip(default.iter()) {
+                    strip(table, default);
                 }
                 false
             }
-            Some(own) => is_same(Some(own), default) && !is_always(&key) || is_empty_text(own),
+            Some(item) => is_same(Some(item), default) && !is_always(&key) || is_empty_text(item),
             None => false,
         };
         if is_gone {
@@ -269,25 +270,25 @@ mod tests {
 
     /// Lines of one text that are not in the other.
     fn only_in<'a>(one: &'a str, other: &str) -> Vec<&'a str> {
-        one.lines().filter(|line| other.lines().all(|own| own != *line)).collect()
+        one.lines().filter(|line| other.lines().all(|other_line| other_line != *line)).collect()
     }
 
     #[test]
     fn a_document_that_is_what_it_says_stays_to_the_letter() {
-        for own in builtins() {
-            let preset = own.load().unwrap();
-            assert_eq!(preset.edit_toml(own.text).unwrap(), own.text, "{}", own.id);
+        for builtin in builtins() {
+            let preset = builtin.load().unwrap();
+            assert_eq!(preset.edit_toml(builtin.text).unwrap(), builtin.text, "{}", builtin.id);
         }
     }
 
     #[test]
     fn what_is_left_of_a_document_without_defaults_means_the_same() {
-        for own in builtins() {
-            let preset = own.load().unwrap();
+        for builtin in builtins() {
+            let preset = builtin.load().unwrap();
             let short = preset.to_toml_changed().unwrap();
-            assert_eq!(Preset::from_toml(&short).unwrap(), preset, "{}: {short}", own.id);
+            assert_eq!(Preset::from_toml(&short).unwrap(), preset, "{}: {short}", builtin.id);
             let [full, lines] = [preset.to_toml().unwrap(), short].map(|text| text.lines().count());
-            assert!(lines * 2 < full + 20, "{}: {lines} of {full}", own.id);
+            assert!(lines * 2 < full + 20, "{}: {lines} of {full}", builtin.id);
             // Each line that is left counts: without it another preset is read, or none.
             let text = preset.to_toml_changed().unwrap();
             let values = text.lines().enumerate().filter(|(_, line)| line.contains(" = "));
@@ -295,14 +296,14 @@ mod tests {
                 let without: Vec<&str> =
                     text.lines().enumerate().filter(|(i, _)| *i != index).map(|(_, line)| line).collect();
                 let read = Preset::from_toml(&without.join("\n"));
-                assert!(read.as_ref() != Ok(&preset), "{}: {line} is a default", own.id);
+                assert!(read.as_ref() != Ok(&preset), "{}: {line} is a default", builtin.id);
             }
         }
     }
 
     #[test]
     fn turning_a_knob_changes_its_line_alone() {
-        let oak = builtins().iter().find(|own| own.id == "oak").unwrap();
+        let oak = builtins().iter().find(|builtin| builtin.id == "oak").unwrap();
         let mut preset = oak.load().unwrap();
         for (knob, value) in
             [("base_radius", "0.5"), ("points", "9000"), ("seed", "7"), ("wind_strength", "0.9")]
@@ -328,12 +329,12 @@ mod tests {
 
     #[test]
     fn parts_and_kinds_are_changed_in_place_added_and_taken_out() {
-        let oak = builtins().iter().find(|own| own.id == "oak").unwrap();
+        let oak = builtins().iter().find(|builtin| builtin.id == "oak").unwrap();
         let mut preset = oak.load().unwrap();
-        let own = preset.settings_mut::<Colonization>().unwrap();
-        own.parts[1].turn_deg = 30.0;
-        let copy = own.parts[0].clone();
-        own.parts.push(copy);
+        let colonization = preset.settings_mut::<Colonization>().unwrap();
+        colonization.parts[1].turn_deg = 30.0;
+        let copy = colonization.parts[0].clone();
+        colonization.parts.push(copy);
         let text = preset.edit_toml(oak.text).unwrap();
         assert_eq!(Preset::from_toml(&text).unwrap(), preset);
         assert!(only_in(oak.text, &text).is_empty(), "{text}");

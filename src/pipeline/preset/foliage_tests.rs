@@ -26,11 +26,11 @@ const APPLE: &str = r##"
 #[test]
 fn kinds_survive_writing_and_reading() {
     let preset = Preset::from_toml(&document(APPLE)).unwrap();
-    let own = &preset.dressing.foliage;
-    assert_eq!((own.first.form, own.first.per_m, own.season), (Form::Curved, 25.0, 0.1));
-    assert_eq!(own.first.grid, [4.0, 3.0]);
-    assert_eq!((own.also[0].form, own.also[0].share), (Form::Mesh, 0.25));
-    assert_eq!(own.also[1], LeafKind { form: Form::Tuft, ..LeafKind::default() });
+    let foliage = &preset.dressing.foliage;
+    assert_eq!((foliage.first.form, foliage.first.per_m, foliage.season), (Form::Curved, 25.0, 0.1));
+    assert_eq!(foliage.first.grid, [4.0, 3.0]);
+    assert_eq!((foliage.also[0].form, foliage.also[0].share), (Form::Mesh, 0.25));
+    assert_eq!(foliage.also[1], LeafKind { form: Form::Tuft, ..LeafKind::default() });
     assert_eq!(preset.files(), ["apple.png", "blossom.obj"]);
     let text = preset.to_toml().unwrap();
     let again = Preset::from_toml(&text).unwrap_or_else(|fault| panic!("{fault}: {text}"));

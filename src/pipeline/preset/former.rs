@@ -1,6 +1,7 @@
 //! Documents of earlier versions, read as what they mean today.
 //!
-//! A knob that was renamed has its earlier name as an alias in its row. What was moved as a whole stands here.
+//! A knob that was renamed has its earlier name as an alias in its row. What was moved as a whole stands
+//! here.
 
 use linden_base::document::{Datum, Entry, Node};
 use toml_edit::DocumentMut;

@@ -16,7 +16,7 @@ pub struct Builtin {
     pub text: &'static str,
     /// The other files of the folder it stands in, by name: crown envelopes and meshes of parts.
     pub beside: &'static [(&'static str, &'static [u8])],
-    /// How large the tree is; `None` for a preset so new that nobody has measured it.
+    /// How large the tree is; `None` for a new preset that is not measured yet.
     pub size: Option<BuiltinSize>,
 }
 

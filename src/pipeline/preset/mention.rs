@@ -36,5 +36,5 @@ fn search(node: &Node, file: &str) -> Option<(String, Option<Place>)> {
 
 fn names_files(key: &str) -> bool {
     let rows = BarkSettings::FILES.iter().map(|row| row.key).chain(LeafKind::FILES.iter().map(|row| row.key));
-    KEYS.into_iter().chain(rows).any(|own| own == key)
+    KEYS.into_iter().chain(rows).any(|known| known == key)
 }

@@ -49,7 +49,7 @@ pub struct Preset {
     pub id: String,
     /// What people call it.
     pub name: String,
-    /// Where it is listed: `abop`, `crowns`, `older`, or the user's own.
+    /// Where it is listed: `abop`, `crowns`, `older`, or a group that the user names.
     pub group: String,
     /// One line: what it is.
     pub summary: String,
@@ -182,7 +182,7 @@ impl Preset {
     /// The file that such a key names.
     pub fn file(&self, key: &str) -> Option<&str> {
         let mut all = self.dressing.bark.named_files().chain(self.dressing.foliage.first.named_files());
-        all.find(|(own, _)| *own == key).map(|(_, file)| file)
+        all.find(|(known, _)| *known == key).map(|(_, file)| file)
     }
 
     /// Gives such a key a file; whether there is such a key.

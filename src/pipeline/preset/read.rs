@@ -226,7 +226,7 @@ fn unknown(preset: &Preset, section: Section, key: &str) -> String {
     let key = excerpt(key);
     let place = match section {
         Section::Tree => "at the top of a preset".to_owned(),
-        own => format!("in [{}]", own.key()),
+        table => format!("in [{}]", table.key()),
     };
     let mut known = KNOBS.iter().filter(|knob| knob.knob.name == key);
     // Of several tables that have it, this one says most.

@@ -38,11 +38,11 @@ impl Preset {
             map.serialize_entry("about", &self.about)?;
         }
         for section in Section::all() {
-            let own = Knobs { preset: self, section };
+            let knobs = Knobs { preset: self, section };
             if section == Section::Tree {
-                own.serialize_into(map)?;
-            } else if !own.is_empty() {
-                map.serialize_entry(section.key(), &own)?;
+                knobs.serialize_into(map)?;
+            } else if !knobs.is_empty() {
+                map.serialize_entry(section.key(), &knobs)?;
             }
         }
         Ok(())
