@@ -9,7 +9,7 @@ use linden::forest::builtin_forest;
 use linden::input::{InputKind, sniff};
 use linden::knob::{did_you_mean, nearest, printable};
 use linden::lsystem::text;
-use linden::memory::Holding;
+use linden::monitor::Holding;
 use linden::preset::{
     Colonization, Fault, Preset, RecipeError, ScanSettings, Space, builtin, builtin_file, builtins,
 };

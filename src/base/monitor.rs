@@ -124,3 +124,76 @@ impl Monitor for Quiet {
 
     fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
 }
+
+/// A monitor for a stage while the caller keeps some memory: what the stage asks for is asked on top
+/// of that.
+pub struct Holding<'a> {
+    monitor: &'a dyn Monitor,
+    bytes: u64,
+}
+
+impl<'a> Holding<'a> {
+    /// `bytes` are held beside what `monitor` knows of.
+    pub fn new(monitor: &'a dyn Monitor, bytes: u64) -> Self {
+        Self { monitor, bytes }
+    }
+}
+
+impl Monitor for Holding<'_> {
+    fn is_cancelled(&self) -> bool {
+        self.monitor.is_cancelled()
+    }
+
+    fn advance(&self, stage: Phase, done: u64, total: Option<u64>) {
+        self.monitor.advance(stage, done, total);
+    }
+
+    fn memory_limit(&self) -> u64 {
+        self.monitor.memory_limit()
+    }
+
+    fn admit(&self, doing: &'static str, bytes: u64, advice: &'static str) -> Result<(), OverMemory> {
+        self.monitor.admit(doing, self.bytes.saturating_add(bytes), advice)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    struct Limited(u64);
+
+    impl Monitor for Limited {
+        fn is_cancelled(&self) -> bool {
+            false
+        }
+
+        fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
+
+        fn memory_limit(&self) -> u64 {
+            self.0
+        }
+    }
+
+    #[test]
+    fn what_is_held_counts_and_the_limit_itself_fits() {
+        let limited = Limited(1000);
+        let holding = Holding::new(&limited, 300);
+        let deeper = Holding::new(&holding, 100);
+        assert_eq!(deeper.admit("drawing", 600, "draw less"), Ok(()));
+        let refused = deeper.admit("drawing", 601, "draw less").unwrap_err();
+        assert_eq!((refused.needs_bytes, refused.limit_bytes), (1001, 1000));
+        assert!(deeper.admit("drawing", u64::MAX, "draw less").is_err(), "no overflow");
+        assert_eq!(Quiet.admit("drawing", u64::MAX, "draw less"), Ok(()));
+    }
+
+    #[test]
+    fn both_figures_and_what_to_do_are_said() {
+        let refused = Limited(4 << 30).admit("sweeping the surface", 53 << 27, "lower sides").unwrap_err();
+        assert_eq!(
+            refused.to_string(),
+            "sweeping the surface would take 6.62 GiB, more than the memory limit of 4.00 GiB; lower sides, or \
+             raise the limit 'memory'"
+        );
+    }
+}

@@ -1,6 +1,6 @@
 //! Where each node stands on the axes of the growing tree.
 
-use super::nodes::reserve;
+use super::lists::reserve;
 
 /// What habits ask of nodes; 13 bytes a node, and 4 an axis.
 #[derive(Default)]

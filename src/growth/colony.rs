@@ -7,9 +7,10 @@ use std::ops::Range;
 use glam::Vec3;
 use rayon::prelude::*;
 
+use super::influence::Captures;
 use super::nodes::{Nodes, Shoot};
 use super::obstacle::Obstacle;
-use super::search::{Captures, Search};
+use super::search::Search;
 use super::surroundings::Surroundings;
 use super::tree::PointTree;
 use super::{

@@ -9,11 +9,13 @@ use std::ops::Range;
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::nodes::reserve;
-use super::search::Captures;
+use super::lists::reserve;
 
 /// 1 in the fixed-point numbers of a pull: sums of 2^32 of them still fit 64 bits.
 const ONE: f32 = (1_u32 << 30) as f32;
+
+/// Most pulls that a list keeps memory for: 64 KiB.
+const KEPT: usize = 4096;
 
 /// Below this many pulls handing them to other threads costs more than it saves.
 const WORTH_SHARING: usize = 1 << 13;
@@ -123,6 +125,37 @@ pub(super) struct Influences {
     of: Vec<Influence>,
     /// Nodes whose set changed since they were last asked to grow.
     dirty: Marks,
+}
+
+/// What changed hands.
+#[derive(Default)]
+pub(super) struct Captures {
+    /// Pulls that nodes no longer feel.
+    pub lost: Pulls,
+    /// Pulls that nodes feel from now on.
+    pub won: Pulls,
+    /// Points that came within the kill distance.
+    pub deaths: Vec<Death>,
+}
+
+/// The end of a point.
+#[derive(Clone, Copy)]
+pub(super) struct Death {
+    /// The nearest node.
+    pub node: u32,
+    pub point: Vec3,
+}
+
+impl Captures {
+    /// Empty; keeps a little memory, not what one great capture took.
+    pub fn clear(&mut self) {
+        for pulls in [&mut self.lost, &mut self.won] {
+            pulls.made.clear();
+            pulls.made.shrink_to(KEPT);
+        }
+        self.deaths.clear();
+        self.deaths.shrink_to(KEPT);
+    }
 }
 
 impl Influences {

@@ -84,6 +84,7 @@ mod axes;
 mod colony;
 mod error;
 mod influence;
+mod lists;
 mod node_set;
 mod nodes;
 mod obstacle;

@@ -4,6 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::axes::Axes;
 use super::influence::Influences;
+use super::lists::reserve;
 use super::obstacle::{self, Obstacle};
 use super::{Attraction, GrowthRule, NONE};
 use linden_skeleton::{Branching, NO_PARENT};
@@ -17,9 +18,6 @@ const BYTES: u64 = 64;
 const AXES_BYTES: u64 = 17;
 /// More for [`Attraction::All`].
 const SURROUNDINGS_BYTES: u64 = 32;
-/// Fewer elements than this are cheaper to have room for than to move.
-const MANY: usize = 1 << 18;
-
 /// Nodes, 60 bytes each: 24 are the result, 36 serve growth. Habits may need more.
 pub(super) struct Nodes<'a> {
     pub branching: Branching,
@@ -199,13 +197,4 @@ impl<'a> Nodes<'a> {
 fn unit(vector: DVec3) -> Option<DVec3> {
     let length = (vector.x * vector.x + vector.y * vector.y + vector.z * vector.z).sqrt();
     (length > 0.0).then(|| vector / length)
-}
-
-/// Room for `more`, growing by a quarter where there are many: at millions of nodes a doubling would
-/// be the peak of memory.
-pub(super) fn reserve<T>(all: &mut Vec<T>, more: usize) {
-    if all.capacity() - all.len() < more {
-        let growth = if all.len() < MANY { all.len() } else { all.len() / 4 };
-        all.reserve_exact(more.max(growth).max(64));
-    }
 }

@@ -10,7 +10,7 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 
 use super::NONE;
-use super::influence::Pulls;
+use super::influence::{Captures, Death};
 use super::tree::{Cluster, DEAD, FAN, Inner, LEAF, Leaf, PointTree, largest};
 use linden_base::monitor::{Cancelled, Monitor};
 
@@ -31,9 +31,6 @@ const TURN: usize = 256;
 
 /// A squared kill distance that nothing is within.
 const NEVER: f32 = -1.0;
-
-/// Most pulls that a list keeps memory for: 64 KiB.
-const KEPT: usize = 4096;
 
 /// Nodes of one level of the tree, each with the new tree nodes ("queries") that enter it.
 #[derive(Default)]
@@ -130,37 +127,6 @@ struct Scratch {
 impl Scratch {
     fn with_levels(&mut self, levels: usize) {
         self.fronts.resize_with(levels + 1, Front::default);
-    }
-}
-
-/// What changed hands.
-#[derive(Default)]
-pub(super) struct Captures {
-    /// Pulls that nodes no longer feel.
-    pub lost: Pulls,
-    /// Pulls that nodes feel from now on.
-    pub won: Pulls,
-    /// Points that came within the kill distance.
-    pub deaths: Vec<Death>,
-}
-
-/// The end of a point.
-#[derive(Clone, Copy)]
-pub(super) struct Death {
-    /// The nearest node.
-    pub node: u32,
-    pub point: Vec3,
-}
-
-impl Captures {
-    /// Empty; keeps a little memory, not what one great capture took.
-    fn clear(&mut self) {
-        for pulls in [&mut self.lost, &mut self.won] {
-            pulls.made.clear();
-            pulls.made.shrink_to(KEPT);
-        }
-        self.deaths.clear();
-        self.deaths.shrink_to(KEPT);
     }
 }
 

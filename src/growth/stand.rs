@@ -1,7 +1,8 @@
 //! From points and a root to the branching of a tree, or of several that compete.
 
 use glam::{DVec3, Vec3};
-use linden_base::memory::{Holding, OverMemory, bytes_of};
+use linden_base::memory::{OverMemory, bytes_of};
+use linden_base::monitor::Holding;
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_skeleton::Branching;
 use linden_skeleton::generator::{Barred, Branched, Colonized};

@@ -10,7 +10,7 @@ use multiversion::multiversion;
 use rayon::prelude::*;
 
 use super::influence::{Influences, pull};
-use super::nodes::reserve;
+use super::lists::reserve;
 use super::search::Search;
 use super::tree::{LEAF, Leaf, PointTree};
 use linden_base::monitor::{Cancelled, Monitor};

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use linden_base::memory::{Holding, OverMemory};
+use linden_base::memory::OverMemory;
+use linden_base::monitor::Holding;
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_plant::Body;
 use linden_plant::foliage::{self, FoliageError, Organs};

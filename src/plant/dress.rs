@@ -12,8 +12,8 @@ use crate::wind::{Blown, Field};
 use crate::{Body, Specimen};
 use linden_base::color::linear;
 use linden_base::knob::printable;
-use linden_base::memory::Holding;
 use linden_base::mesh::Mesh;
+use linden_base::monitor::Holding;
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_skeleton::organs::{LeafShape, Organs};
 

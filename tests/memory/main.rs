@@ -8,7 +8,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use linden::dress::dress;
 use linden::grow::{GrowError, grow};
-use linden::memory::{Bytes, Holding, OverMemory, SLACK_BYTES};
+use linden::memory::{Bytes, OverMemory, SLACK_BYTES};
+use linden::monitor::Holding;
 use linden::monitor::Phase;
 use linden::preset::{Preset, builtin, builtins};
 use linden::recipe::{Geometry, Input, Recipe};

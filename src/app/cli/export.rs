@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Context;
 use clap::Args;
 use linden::dress::{levels, year};
-use linden::memory::Holding;
+use linden::monitor::Holding;
 use linden::season::Season;
 use linden_exporters::{Exporter, REGISTRY};
 

@@ -10,7 +10,7 @@ use linden::forest::{
     builtin_forests,
 };
 use linden::grow::grow;
-use linden::memory::Holding;
+use linden::monitor::Holding;
 use linden::preset::{KnobError, builtin};
 use linden::scene::Wrap;
 use linden::stage::{self, Plant, Stage};

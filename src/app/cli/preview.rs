@@ -9,7 +9,7 @@ use linden::Monitor;
 use linden::dress::dress;
 use linden::dress::levels;
 use linden::grow::Grown;
-use linden::memory::Holding;
+use linden::monitor::Holding;
 use linden::picture::Picture;
 use linden::scene::Scene;
 use linden_raster::memory::admit_png;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::Args;
-use linden::memory::Holding;
+use linden::monitor::Holding;
 use linden::picture::Picture;
 use linden::preset::builtins;
 use linden_raster::memory::admit_png;

@@ -10,7 +10,7 @@ use linden::dress::leaf_shapes;
 use linden::foliage::meshes_of;
 use linden::grow::Scanned;
 use linden::grow::Spread;
-use linden::memory::Holding;
+use linden::monitor::Holding;
 use linden::scene::{Bounds, Mesh};
 use linden::surface::{Junction, survey};
 use serde::Serialize;

@@ -6,7 +6,7 @@ use glam::Vec3;
 use linden::Skeleton;
 use linden::foliage::{FoliageError, Organs};
 use linden::grow::{GrowError, Grown, grow, outline, sprout};
-use linden::memory::Holding;
+use linden::monitor::Holding;
 use linden::recipe::Recipe;
 use linden::skeleton::{Measures, SkeletonError};
 use linden_raster::{Extent, RasterError};

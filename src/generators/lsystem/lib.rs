@@ -48,6 +48,7 @@ mod sample;
 mod settings;
 pub mod text;
 mod turtle;
+mod turtle_settings;
 mod variation;
 
 pub use derive::{Derived, Way, derive_by, derive_string};
@@ -55,8 +56,7 @@ pub use error::{GrammarError, LsystemError, Part, Problem};
 pub use forecast::{Forecast, forecast};
 pub use generator::{GENERATOR, GrowingError};
 pub use grammar::{Definition, Expression, Grammar, Module, Pattern, Production};
-pub use grow::{
-    Drawn, MAX_DERIVATIONS, MAX_NESTING, MAX_STEMS, MAX_SYMBOLS, Stems, TurtleSettings, grow, grow_by,
-};
+pub use grow::{Drawn, grow, grow_by};
 pub use settings::{LSystem, StemHabit};
+pub use turtle_settings::{MAX_DERIVATIONS, MAX_NESTING, MAX_STEMS, MAX_SYMBOLS, Stems, TurtleSettings};
 pub use variation::Variation;

@@ -17,7 +17,7 @@
 
 use super::error::{Part, Problem};
 use super::grammar::Grammar;
-use super::grow::{ANGLE_RANGE_DEG, MAX_DERIVATIONS};
+use super::turtle_settings::{ANGLE_RANGE_DEG, MAX_DERIVATIONS};
 use linden_base::knob::excerpt;
 
 /// What a file of the older format says.

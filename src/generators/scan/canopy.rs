@@ -9,7 +9,7 @@ use linden_base::monitor::{Cancelled, Monitor};
 use linden_growth::site::crown_base_m;
 use linden_growth::{Stand, Stop};
 
-use crate::generator::MEASURING_BYTES_PER_POINT;
+use crate::girth::MEASURING_BYTES_PER_POINT;
 use crate::settings::ScanSettings;
 use crate::{ScanGrowthError, girth, share_near, shows_stem};
 

@@ -15,6 +15,7 @@ use linden_skeleton::generator::{
 use linden_skeleton::{Branching, Skeleton, Wood};
 
 use crate::canopy::Verdict;
+use crate::girth::MEASURING_BYTES_PER_POINT;
 use crate::points::{As, at_points};
 use crate::sample::Part;
 use crate::{Girth, ScanGrowthError, ScanSettings, fit, girth};
@@ -203,9 +204,6 @@ fn planted(
     }
     grow(As::Canopy)
 }
-
-/// The nearest segments of all points, and the search for points near segments.
-pub(crate) const MEASURING_BYTES_PER_POINT: u64 = 120;
 
 /// Points on the bark of the tree, where it stands.
 struct Bark {

@@ -17,6 +17,10 @@ use super::segments::{Nearest, Segments};
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_skeleton::{Axis, Branching, NO_PARENT, axes_by_tips, count_tips};
 
+/// Bytes for each point of what measures a tree: the nearest segments of all points, and the search for points
+/// near segments.
+pub(crate) const MEASURING_BYTES_PER_POINT: u64 = 120;
+
 /// Points that a circle is put through at least.
 const LEAST_POINTS: usize = 12;
 

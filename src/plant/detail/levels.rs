@@ -13,7 +13,7 @@ use crate::stage::{self, Stage};
 use crate::surface::Tubes;
 use crate::wind::{Blown, Field};
 use crate::{Body, Specimen};
-use linden_base::memory::Holding;
+use linden_base::monitor::Holding;
 use linden_base::monitor::Monitor;
 use linden_skeleton::Skeleton;
 

@@ -17,7 +17,7 @@ use super::{Organs, PROTOTYPES, Placed, prototype};
 use crate::Specimen;
 use crate::settings::{Form, LeafKind};
 use linden_base::input::Geometry;
-use linden_base::memory::Holding;
+use linden_base::monitor::Holding;
 use linden_base::monitor::{Cancelled, Monitor, Phase};
 use linden_base::random::Key;
 use linden_skeleton::Skeleton;

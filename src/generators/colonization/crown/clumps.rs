@@ -12,9 +12,10 @@
 
 use glam::DVec3;
 
-use super::favor::STRENGTH;
 use linden_base::random::Key;
 
+/// How much of the density is taken away where it is least, at the full share: a twentieth remains.
+pub(super) const STRENGTH: f64 = 0.95;
 /// The clump around a centre is whole up to this distance, in cells …
 const WHOLE: f64 = 0.3;
 /// … and fades over this distance beyond, in cells.

@@ -21,13 +21,10 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::Crown;
-use super::clumps::Clumps;
+use super::clumps::{Clumps, STRENGTH};
 use linden_base::mesh::Bounds;
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_base::random::Key;
-
-/// What remains of the density where it is least is one less this.
-pub(super) const STRENGTH: f64 = 0.95;
 
 /// Cubes along the longest side of the crown.
 const CUBES: f64 = 48.0;

@@ -11,8 +11,8 @@ use super::{Outlet, Sink, chance, compute, root};
 use crate::context::{Modules, Neighbours, rest_of_branch};
 use crate::error::LsystemError;
 use crate::expression::code::Inputs;
-use crate::grow::TurtleSettings;
 use crate::program::{Entry, Group, Program};
+use crate::turtle_settings::TurtleSettings;
 use linden_base::monitor::{Monitor, Phase, Quiet};
 use linden_base::random::Key;
 

@@ -12,8 +12,8 @@ use super::command::Command;
 use super::error::LsystemError;
 use super::expression::code::Inputs;
 use super::grammar::Grammar;
-use super::grow::TurtleSettings;
 use super::program::{Call, Program, Word};
+use super::turtle_settings::TurtleSettings;
 use linden_base::monitor::{Monitor, Phase, Quiet};
 use linden_base::random::Key;
 

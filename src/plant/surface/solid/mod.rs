@@ -21,8 +21,9 @@ use self::field::Piece;
 use super::features::Ends;
 use super::plan::{Course, Plan};
 use super::{ADVICE, SurfaceError};
-use linden_base::memory::{Holding, bytes_of};
+use linden_base::memory::bytes_of;
 use linden_base::mesh::Mesh;
+use linden_base::monitor::Holding;
 use linden_base::monitor::{Monitor, Phase};
 
 /// A solid of more triangles, by the area of its wood, is refused before work begins.
