@@ -116,108 +116,234 @@ impl GrowthSettings {
             real_or_auto(1e-5, 1e3),
             "m",
             "length of a segment (D); auto: from the spacing of the points",
-            step_m
+            step_m,
+            details(
+                "The unit of growth, D in Runions et al. 2007: each iteration places segments of this \
+                 length, and influence and kill are best given in it. Short segments bend smoothly and take \
+                 more nodes for the same wood; long ones give stiff, angular limbs. auto is a third of the \
+                 mean spacing of the points; for a scan it is twice the spacing of its points or 1/250 of \
+                 its height, whichever is more. It cannot be above kill."
+            ),
+            see_also(&["influence", "kill", "points", "subdivisions"])
         ),
         field!(
             "influence",
             length_or_auto(0.0, f64::INFINITY),
             "m",
             "how far a point pulls a node",
-            influence
+            influence,
+            details(
+                "The distance d_i of Runions et al. 2007, whose figures have 8D to 17D. Small: limbs wind \
+                 from point to point, and points far from any branch may never be reached. Large: limbs run \
+                 far and straight towards the mean of many points. auto is 17D, for a scan 6D. It must be \
+                 above kill; beyond 20D it takes much time and changes little."
+            ),
+            see_also(&["kill", "step", "attraction", "trunk"])
         ),
         field!(
             "kill",
             length_or_auto(0.0, f64::INFINITY),
             "m",
             "how near a node must come to a point to reach it; at least the step",
-            kill
+            kill,
+            details(
+                "The distance d_k of Runions et al. 2007, whose figures have 2D to 20D. At 2D dense fine \
+                 twigs fill the crown; at 8D few branches are left, straight and far apart. auto is 3D, for \
+                 a scan 2D. Growth would step over points for ever if it were below the step, so that is \
+                 refused."
+            ),
+            see_also(&["influence", "step", "points"])
         ),
         field!(
             "age",
             real(0.0, 1.0),
             "",
             "how far growth has come: the young tree after this share of all iterations; 1: the whole tree",
-            age
+            age,
+            details(
+                "The whole tree grows first; then what was not yet there is left out. At 0.3 the trunk and \
+                 the first limbs stand where they stand at 1, with fewer twigs. By the pipe model the young \
+                 trunk is thinner, because it bears fewer tips."
+            ),
+            see_also(&["max_iterations", "leaf_max_age", "width"])
         ),
         field!(
             "max_iterations",
             integer(1, 1_000_000_000),
             "",
             "growth stops after so many iterations",
-            max_iterations
+            max_iterations,
+            see_also(&["age", "max_nodes"])
         ),
-        field!("max_nodes", integer(2, 4_000_000_000), "nodes", "growth stops at so many nodes", max_nodes),
+        field!(
+            "max_nodes",
+            integer(2, 4_000_000_000),
+            "nodes",
+            "growth stops at so many nodes",
+            max_nodes,
+            see_also(&["max_iterations", "step", "points"])
+        ),
         field!(
             "root",
             Kind::Vector { auto: true },
             "m",
             "where the tree stands; auto: below the crown, at the foot of a scan",
-            root
+            root,
+            details(
+                "Given in the coordinates of the input. An envelope of several shells that stand apart is a \
+                 grove, a tree in each; with a root it is the crown of one tree. A place that is given \
+                 stays the foot of the tree whatever origin says, which only decides where the finished \
+                 tree is moved to."
+            ),
+            see_also(&["origin", "up", "trunk"])
         ),
         field!(
             "trunk",
             real_or_auto(0.0, 1e3),
             "m",
             "height of the bare trunk; auto: until the first point is in reach",
-            trunk_m
+            trunk_m,
+            details(
+                "How far the stem rises straight up before growth begins. It carries a crown shape, too: \
+                 the crown's base stands on top of it unless crown_base says otherwise. 0 lets branches \
+                 leave the ground, as of a shrub. auto walks up until the first point is within influence; \
+                 a crown shape then stands a quarter of its height above the ground. A crown beyond reach \
+                 of the trunk is refused."
+            ),
+            see_also(&["crown_base", "influence", "root"])
         ),
         field!(
             "tropism",
             Kind::Vector { auto: false },
             "",
             "added to every growth direction (unit length before): 0,0.3,0 grows up",
-            tropism
+            tropism,
+            details(
+                "The bias of Runions et al. 2007: it is added to each unit direction, which is then made a \
+                 unit again, on stem and twigs alike. 0,0.3,0 lifts all branches a little; 0.3,0,0 combs \
+                 the tree to one side, as steady wind does. At a length of 1 it weighs as much as all \
+                 points together. gravitropism tells stem and branches apart."
+            ),
+            see_also(&["gravitropism", "phototropism", "gravity"])
         ),
         field!(
             "attraction",
             Kind::Choice(Attraction::WORDS),
             "",
             "points that pull at a node: those nearest to it, or all within the influence distance",
-            attraction
+            attraction,
+            details(
+                "nearest is the rule of Runions et al. 2007: a point pulls at one node alone, and limbs \
+                 part clearly. all lets every point in reach pull at a node, as long as one of them has no \
+                 nearer node: directions are means of more points, and branches bend more softly. It takes \
+                 more memory and time."
+            ),
+            see_also(&["influence", "kill"])
         ),
         field!(
             "gravitropism",
             BY_ORDER,
             "",
             "added upwards to growth directions, by order of the axis: 0.5 -0.2 lifts the stem and lets branches sag",
-            gravitropism
+            gravitropism,
+            details(
+                "The first number is for the stem, the second for branches that leave it, and so on; the \
+                 last holds for all further orders. 0.6 0.35 0 -0.15 is an upright stem with limbs that \
+                 rise steeply and twigs that sag. Numbers near 1 weigh as much as the points, so that \
+                 branches pass by what they grow for. Palubicki et al. 2009 weigh tropism against other \
+                 directions of growth in the same way."
+            ),
+            see_also(&["tropism", "gravity", "phototropism", "apical_control"])
         ),
         field!(
             "phototropism",
             BY_ORDER,
             "",
             "added towards the light to growth directions, by order of the axis",
-            phototropism
+            phototropism,
+            details(
+                "As gravitropism, but towards light, which comes from one direction and is shaded by \
+                 nothing. With light=1,1,0 and 0.3 the whole crown leans to +X; from straight overhead it \
+                 is the same as gravitropism."
+            ),
+            see_also(&["light", "gravitropism"])
         ),
-        field!("light", Kind::Vector { auto: false }, "", "direction to the light, for phototropism", light),
+        field!(
+            "light",
+            Kind::Vector { auto: false },
+            "",
+            "direction to the light, for phototropism",
+            light,
+            details(
+                "Only the direction counts, not the length. 0,1,0 is overhead; 1,0.3,0 comes from the side, \
+                 as at the edge of a wood."
+            ),
+            see_also(&["phototropism"])
+        ),
         field!(
             "gravity",
             real(-10.0, 10.0),
             "1/m",
             "added downwards to growth directions for each metre sideways of the root",
-            gravity
+            gravity,
+            details(
+                "The lever by which its weight bends a branch: at 0.05 a tip 4 m out from the stem is drawn \
+                 down as by gravitropism -0.2, one 1 m out hardly at all. So long boughs arch and hang at \
+                 their ends. Below 0 the outer crown rises."
+            ),
+            see_also(&["gravitropism", "tropism"])
         ),
         field!(
             "apical_control",
             real(0.0, 1.0),
             "",
             "share of a growing axis, from its tip, that bears no laterals: 0 spreading, 1 one leader to the top",
-            apical_control
+            apical_control,
+            details(
+                "Nodes in this share of a growing axis wait with their laterals. At 0 they leave at once \
+                 and the stem is lost among its limbs, as in an oak; at 0.5 one leaves when the axis is \
+                 twice as long as up to there; at 1 when the axis has its length: one leader to the top, as \
+                 in a fir. Apical control is about which branches grow most, apical dominance about which \
+                 buds break (Wilson 2000)."
+            ),
+            see_also(&["gravitropism", "waves", "max_children"])
         ),
-        field!("max_children", integer(0, 1000), "", "most children of a node; 0: any number", max_children),
+        field!(
+            "max_children",
+            integer(0, 1000),
+            "",
+            "most children of a node; 0: any number",
+            max_children,
+            details(
+                "What continues an axis counts, too: 1 is a stem without branches, 2 lets one lateral leave \
+                 at each node. Points of a node that has its number wait for other nodes."
+            ),
+            see_also(&["apical_control"])
+        ),
         field!(
             "waves",
             integer(1, 1000),
             "",
             "groups in which the points appear, one after the other",
-            waves
+            waves,
+            details(
+                "1 is Runions et al. 2007: all points are there from the start. With 6 to 14 a few great \
+                 limbs cross the crown for the first points, and branches of later ones fill the gaps \
+                 between them. The points of each group are drawn from the whole crown."
+            ),
+            see_also(&["wave_interval", "points", "apical_control"])
         ),
         field!(
             "wave_interval",
             integer(0, 1_000_000_000),
             "iterations",
             "from one wave to the next; 0: when growth would end",
-            wave_interval
+            wave_interval,
+            details(
+                "With 0 a group waits until the tree has nothing left to grow for. A small number lets \
+                 groups follow one another so fast that the tree looks as with waves=1."
+            ),
+            see_also(&["waves"])
         ),
     ];
 
@@ -228,14 +354,16 @@ impl GrowthSettings {
             Kind::Choice(UpAxis::WORDS),
             "",
             "axis of an input file that points up; auto: z for XYZ, y for PLY and OBJ, the other where a scan's stem stands along it",
-            up
+            up,
+            see_also(&["root", "origin", "scale"])
         ),
         field!(
             "origin",
             Kind::Choice(Origin::WORDS),
             "",
             "root: the tree is moved to stand on 0,0,0; keep: it stays where its input is; auto: root for points, keep for a mesh",
-            origin
+            origin,
+            see_also(&["root", "up"])
         ),
     ];
 

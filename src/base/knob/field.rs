@@ -24,7 +24,8 @@ impl<T> Clone for Field<T> {
 
 impl<T> Copy for Field<T> {}
 
-/// Makes a [`Field`]: name, kind, unit, help, and the way from the settings to the field.
+/// Makes a [`Field`]: name, kind, unit, help, and the way from the settings to the field. What else the
+/// [`Knob`] has follows as its builders are called: `aliases(…)`, `details(…)`, `see_also(…)`.
 ///
 /// ```
 /// use linden_base::knob::{Field, Value, real, set, values};

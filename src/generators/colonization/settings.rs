@@ -74,36 +74,80 @@ impl Colonization {
             real_or_auto(0.0, 1e3),
             "m",
             "height of the crown's base above the root; auto: on top of the trunk",
-            crown_base_m
+            crown_base_m,
+            details(
+                "For crown shapes. Lower than the trunk's top, branches leave the upper trunk, too; higher, \
+                 the trunk must come within influence of the crown. auto is the height of the trunk, and \
+                 without one a quarter of the crown's height."
+            ),
+            see_also(&["trunk", "crown_height"])
         ),
-        field!("points", integer(1, 100_000_000), "points", "how many attraction points are drawn", points),
+        field!(
+            "points",
+            integer(1, 100_000_000),
+            "points",
+            "how many attraction points are drawn",
+            points,
+            details(
+                "The grain of the crown: 800 give an open tree whose every branch shows, 12000 are the most \
+                 in the figures of Runions et al. 2007 (which begin at 375), 100000 fill it with fine \
+                 twigs. Growth takes time and memory in proportion. With step=auto segments shrink with the \
+                 points' spacing: eight times the points, half the step."
+            ),
+            see_also(&["step", "kill", "waves", "shell_density"])
+        ),
         field!(
             "shell_density",
             real(0.0, 1.0),
             "",
             "how far the points gather near the crown's surface; 0: evenly, 1: the heart has a twentieth of its density",
-            shell_density
+            shell_density,
+            details(
+                "Leaves live where light is. At 0.5 to 0.6 most branches end near the surface and the limbs \
+                 inside are bare, as in a tree that stands in the open; at 1 hardly any twig ends in the \
+                 heart of the crown. Depth is the distance to the surface, compared with that of the \
+                 deepest place."
+            ),
+            see_also(&["top_density", "clumps", "points"])
         ),
         field!(
             "top_density",
             real(0.0, 1.0),
             "",
             "how far the points gather at the crown's top; 0: evenly, 1: the base has a twentieth of its density",
-            top_density
+            top_density,
+            details(
+                "Density rises with the square of the height within the crown. At 0.4 the lower crown is \
+                 thinner; at 1 four fifths of the points of a cylinder are in its upper half, as of a \
+                 flat-topped acacia."
+            ),
+            see_also(&["shell_density", "clumps"])
         ),
         field!(
             "clumps",
             real(0.0, 1.0),
             "",
             "how far the points gather in clumps, as leaves do at the ends of limbs; 0: evenly, 1: a twentieth is left between them",
-            clumps
+            clumps,
+            details(
+                "Each cell of a grid of clump_size has a centre somewhere in it (Worley 1996), round which \
+                 points are dense up to 0.3 of that size and thin out to 0.5. 0.9 makes heads of leaves at \
+                 the ends of limbs with sky between them, as of an old oak or pine; 0.5 only loosens the \
+                 crown."
+            ),
+            see_also(&["clump_size", "shell_density", "top_density"])
         ),
         field!(
             "clump_size",
             real_or_auto(1e-3, 1e3),
             "m",
             "distance of neighbouring clumps; auto: a fifth of the crown's longest side",
-            clump_size_m
+            clump_size_m,
+            details(
+                "auto makes some 60 clumps in a crown like a ball; half as large a size makes eight times \
+                 as many. Clumps smaller than a few steps cannot be told apart."
+            ),
+            see_also(&["clumps", "step"])
         ),
     ];
 

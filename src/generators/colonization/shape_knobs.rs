@@ -17,7 +17,14 @@ pub(crate) const SHAPE_IDS: [&str; SHAPES.len()] = {
 
 /// The knob that names the crown's shape.
 pub(crate) const CROWN: Knob =
-    Knob::new("crown", Kind::Choice(&SHAPE_IDS), "", "shape that the attraction points fill");
+    Knob::new("crown", Kind::Choice(&SHAPE_IDS), "", "shape that the attraction points fill")
+        .details(
+            "Points are drawn evenly in its volume, unless shell_density, top_density or clumps gather them. \
+             Each shape has dimensions of its own; another shape keeps those that it shares with the one \
+             before. In a document the key envelope names a closed mesh in its place, and parts add to it, cut \
+             into it or stand beside it.",
+        )
+        .see_also(&["points", "crown_base", "shell_density"]);
 
 /// The dimensions of a shape with their values.
 pub(crate) fn dimensions_of(shape: &str, set: &[(&'static str, Value)]) -> Vec<(Knob, Value)> {

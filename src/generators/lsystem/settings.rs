@@ -120,75 +120,168 @@ impl LSystem {
             integer(0, MAX_DERIVATIONS as u64),
             "",
             "how often the rules are applied",
-            derivations
+            derivations,
+            details(
+                "n of ABOP. The string grows by a factor with each, of 2 to 8 for most grammars, so this is \
+                 the coarsest knob for size and detail: 4 to 8 is usual. 0 draws the axiom. linden show \
+                 says before anything is derived how many symbols and segments there will be. Where rules \
+                 lengthen the plant, it gets larger as well as finer: see segment_length."
+            ),
+            see_also(&["segment_length", "symbol_limit", "age"])
         ),
-        field!("angle", real(-360.0, 360.0), "deg", "turn of + - & ^ \\ /", angle_deg),
-        field!("segment_length", real(1e-4, 1e3), "m", "length of an F", segment_length_m),
+        field!(
+            "angle",
+            real(-360.0, 360.0),
+            "deg",
+            "turn of + - & ^ \\ /",
+            angle_deg,
+            details(
+                "δ of ABOP, for all turns that name no angle; those of +(45) stay. Figures 1.24 a to f of \
+                 ABOP have 20 to 25.7 degrees: less draws slender brooms, more spreads the plant, 90 makes \
+                 squares."
+            ),
+            see_also(&["angle_jitter", "branch_roll"])
+        ),
+        field!(
+            "segment_length",
+            real(1e-4, 1e3),
+            "m",
+            "length of an F",
+            segment_length_m,
+            details(
+                "F(2) is twice as long. It scales all lengths of the plant but not widths that the grammar \
+                 sets with !, which have their unit in segment_width."
+            ),
+            see_also(&["segment_width", "derivations", "length_jitter"])
+        ),
         field!(
             "symbol_limit",
             integer(1, MAX_SYMBOLS),
             "symbols",
             "derivations that would give more are refused",
-            symbol_limit
+            symbol_limit,
+            see_also(&["derivations", "stems"])
         ),
         field!(
             "segment_width",
             real(1e-5, 1e3),
             "m",
             "diameter of !(1), and before the first !",
-            segment_width_m
+            segment_width_m,
+            details(
+                "The unit of widths in a grammar: !(3) draws wood three times as thick. Only for radii of \
+                 the grammar (width=auto or grammar), and base_radius, where it is given, decides instead."
+            ),
+            see_also(&["width_ratio", "width", "base_radius"])
         ),
         field!(
             "width_ratio",
             real(0.01, 10.0),
             "",
             "a ! without a number multiplies the width by it",
-            width_ratio
+            width_ratio,
+            details(
+                "0.7 is about the square root of a half, which leaves the cross-section as it was where a \
+                 branch forks in two (w_r = 0.707 in ABOP, figure 2.6). 0.5 makes twigs thin fast, 0.9 \
+                 keeps them stout."
+            ),
+            see_also(&["segment_width", "radius_exponent"])
         ),
         field!(
             "tropism",
             Kind::Vector { auto: false },
             "",
             "where branches bend to, when susceptibility is not 0; its length counts",
-            tropism
+            tropism,
+            details(
+                "T of ABOP (section 2.1): after each segment the heading H turns towards it by e·|H×T|, \
+                 with susceptibility for e. 0,-1,0 lets branches hang, 0,1,0 lifts them; one at a slant, as \
+                 -0.61,0.77,-0.19 in ABOP's figure 2.8 d, draws the tree to a side."
+            ),
+            see_also(&["susceptibility"])
         ),
         field!(
             "susceptibility",
             real(-10.0, 10.0),
             "rad",
             "e of ABOP: how much each segment bends where it is square to tropism",
-            susceptibility
+            susceptibility,
+            details(
+                "Figures 2.8 of ABOP have 0.14 to 0.4. It works segment by segment: the more of them a \
+                 branch has, the farther it bends. At 0.1 boughs arch a little, at 1 they hang after two or \
+                 three segments; below 0 they turn away from tropism."
+            ),
+            see_also(&["tropism", "derivations"])
         ),
         field!(
             "angle_jitter",
             real(0.0, 180.0),
             "deg",
             "each turn is by up to so much more or less, at random",
-            angle_jitter_deg
+            angle_jitter_deg,
+            details(
+                "Takes the ruler out of a grammar: 5 looks grown, 30 dissolves the pattern. Each turn draws \
+                 for itself, keyed by its branch, so that an edit in one branch leaves the others as they \
+                 are."
+            ),
+            see_also(&["branch_roll", "length_jitter", "angle"])
         ),
         field!(
             "branch_roll",
             real(0.0, 180.0),
             "deg",
             "each branch is rolled by up to so much, at random: makes flat trees spatial",
-            branch_roll_deg
+            branch_roll_deg,
+            details(
+                "At each [ the turtle rolls about its heading. Plants as flat as those of ABOP's figure \
+                 1.24 spread into space at 180; 20 only loosens a plant that is spatial already."
+            ),
+            see_also(&["angle_jitter", "angle"])
         ),
         field!(
             "length_jitter",
             real(0.0, 0.95),
             "",
             "each segment is longer or shorter by up to this share, at random",
-            length_jitter
+            length_jitter,
+            see_also(&["angle_jitter", "segment_length"])
         ),
-        field!("habit", Kind::Choice(StemHabit::WORDS), "", "one upright stem, or several that lean", habit),
+        field!(
+            "habit",
+            Kind::Choice(StemHabit::WORDS),
+            "",
+            "one upright stem, or several that lean",
+            habit,
+            details(
+                "shrub draws the whole plant several times from one foot, each rolled on by 137.5 degrees \
+                 and leaning by lean; each makes its own choices where the grammar leaves any to chance."
+            ),
+            see_also(&["stems", "lean"])
+        ),
         field!(
             "stems",
             integer(1, MAX_STEMS as u64),
             "",
             "how many a shrub has: the plant as often, each with its own chance",
-            stems
+            stems,
+            details(
+                "Each takes as many symbols as the plant alone, and all together must stay within \
+                 symbol_limit. 3 to 5 look like a hazel, a dozen hide one another."
+            ),
+            see_also(&["habit", "lean", "symbol_limit"])
         ),
-        field!("lean", real(-180.0, 180.0), "deg", "how far each stem of a shrub leans", lean_deg),
+        field!(
+            "lean",
+            real(-180.0, 180.0),
+            "deg",
+            "how far each stem of a shrub leans",
+            lean_deg,
+            details(
+                "0 stands all stems upright in one another, which shows only where chance tells them apart; \
+                 10 to 20 is an upright shrub, 60 one that lies."
+            ),
+            see_also(&["habit", "stems"])
+        ),
     ];
 
     /// Whether it says itself how thick its wood is, where the wood's rule is `width`.

@@ -26,7 +26,13 @@ pub const SHAPE: Shape = Shape {
             Kind::Profile { least: 4, most: 4 },
             "m",
             "four control points height,radius of the curve that is turned about the axis",
-        ),
+        )
+        .details(
+            "The curve runs from the first point to the last; the second and third draw it their way \
+             without lying on it. Heights may turn back, for an edge that overhangs or a dented top. Ends \
+             off the axis are closed by discs. The four of a cypress are 0,2; 2,1; 7,4.5; 12,0.5.",
+        )
+        .see_also(&["profile_points", "crown"]),
         default: || Value::Profile(vec![[0.0, 2.0], [2.0, 1.0], [7.0, 4.5], [12.0, 0.5]]),
     }],
     build,

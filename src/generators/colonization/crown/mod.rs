@@ -271,10 +271,20 @@ const SIZE_LIMIT_M: f64 = 200.0;
 const SIZE: Kind = Kind::Real { min: 0.01, max: SIZE_LIMIT_M, auto: false, names: &[] };
 
 /// `crown_height`, which several shapes share.
-pub const CROWN_HEIGHT: Knob = Knob::new("crown_height", SIZE, "m", "from the crown's base to its top");
+pub const CROWN_HEIGHT: Knob = Knob::new("crown_height", SIZE, "m", "from the crown's base to its top")
+    .details(
+        "The base stands on the trunk: the tree is as high as both together. A poplar's crown is four \
+         times as high as wide, an old oak's wider than high.",
+    )
+    .see_also(&["crown_radius", "crown_base", "trunk"]);
 
 /// `crown_radius`, which several shapes share.
-pub const CROWN_RADIUS: Knob = Knob::new("crown_radius", SIZE, "m", "of the crown where it is widest");
+pub const CROWN_RADIUS: Knob = Knob::new("crown_radius", SIZE, "m", "of the crown where it is widest")
+    .details(
+        "Half of the tree's spread. The same number of points fills a wider crown more thinly, and with \
+         step=auto segments get longer with it.",
+    )
+    .see_also(&["crown_height", "points"]);
 
 /// The three coordinates, uniform in `[0, 1)`, that one point is made of.
 fn units(key: Key) -> [f64; 3] {

@@ -20,7 +20,13 @@ pub const SHAPE: Shape = Shape {
                 Kind::Profile { least: 2, most: 64 },
                 "m",
                 "pairs height,radius that the profile runs through",
-            ),
+            )
+            .details(
+                "Read them off a photograph from the crown's base to its top: height, and half of the width \
+                 there. Heights may turn back, for an edge that overhangs or a dented top. Ends off the \
+                 axis are closed by discs.",
+            )
+            .see_also(&["profile_curve", "profile", "crown"]),
             default: || {
                 Value::Profile(vec![[0.0, 0.6], [0.8, 2.6], [3.0, 3.6], [6.0, 2.6], [7.4, 1.2], [8.0, 0.0]])
             },
@@ -31,7 +37,8 @@ pub const SHAPE: Shape = Shape {
                 Kind::Choice(&["straight", "spline"]),
                 "",
                 "how the profile runs between its pairs; a spline never leaves the box of two neighbours",
-            ),
+            )
+            .see_also(&["profile_points"]),
             default: || Value::Word("spline".to_owned()),
         },
     ],

@@ -29,7 +29,15 @@ pub const SHAPE: Shape = Shape {
                 Kind::Choice(&KIND_NAMES),
                 "",
                 "which of the eight: how the radius changes with height",
-            ),
+            )
+            .details(
+                "The paper's ShapeRatio, there for the length of branches, here for the crown's radius. \
+                 conical narrows from the base to a fifth at the top, tapered-cylindrical to a half; flame \
+                 is widest at three tenths of its height and pointed at both ends, tend-flame ends half as \
+                 wide as it is there; inverse-conical is widest at the top; spherical and hemispherical are \
+                 round.",
+            )
+            .see_also(&["crown_height", "crown_radius", "crown"]),
             default: || Value::Word("flame".to_owned()),
         },
     ],
