@@ -72,36 +72,70 @@ impl DetailSettings {
             integer(0, u32::MAX as u64),
             "",
             "budget of the finest level, met within 5 %; 0: all that there are",
-            triangles
+            triangles,
+            details(
+                "Wood that is too thin to be seen goes first, then nodes and sides, and of the leaves an \
+                 even share stays, enlarged to at most twice its size. Wood is thinned out more than \
+                 leaves: from afar a crown is its leaves. A budget below what the stem and one leaf need is \
+                 refused. 50000 is a hero tree of a game, 5000 one of many."
+            ),
+            see_also(&["lods", "lod_triangles", "sides", "leaves_per_m"])
         ),
         field!(
             "lods",
             integer(1, MOST_LODS),
             "",
             "levels of detail: the same tree with fewer triangles each time",
-            lods
+            lods,
+            details(
+                "All levels are the same tree, and the leaves of a coarser one are among those of the \
+                 finer. Each has lod_ratio of the triangles before; where nothing is left to leave out \
+                 there are fewer levels, and a note says so."
+            ),
+            see_also(&["lod_ratio", "lod_triangles", "triangles", "billboard"])
         ),
         field!(
             "lod_triangles",
             Kind::Reals { min: 0.0, max: u32::MAX as f64, most: MOST_LODS as usize },
             "",
             "budget of each level, finest first, like 50000 15000 4000, in place of triangles, lods and lod_ratio; 0: as these say",
-            lod_triangles
+            lod_triangles,
+            details("Numbers must fall. Levels that would be the whole tree are written once."),
+            see_also(&["lods", "lod_ratio", "triangles"])
         ),
         field!(
             "lod_ratio",
             real(0.05, 0.9),
             "",
             "triangles of a level / triangles of the one before",
-            lod_ratio
+            lod_ratio,
+            details(
+                "0.33 makes each level a third of the one before. It also says when levels change: the \
+                 first serves down to half of the picture's height, each further one down to the square \
+                 root of the ratio times that, so that triangles a pixel stay about the same."
+            ),
+            see_also(&["lods", "triangles"])
         ),
         field!(
             "billboard",
             integer(0, 4),
             "planes",
             "a last level of crossed planes with pictures of the tree; 0: none",
-            billboard
+            billboard,
+            details(
+                "Upright planes through the trunk, with colours and normals of the tree drawn from the \
+                 finest level; 1 vanishes when seen edge-on, 2 is the usual cross, 4 is fullest. It comes \
+                 after all levels of triangles."
+            ),
+            see_also(&["billboard_size", "lods"])
         ),
-        field!("billboard_size", integer(64, 4096), "px", "height of the planes' picture", billboard_size_px),
+        field!(
+            "billboard_size",
+            integer(64, 4096),
+            "px",
+            "height of the planes' picture",
+            billboard_size_px,
+            see_also(&["billboard", "leaf_size"])
+        ),
     ];
 }

@@ -32,171 +32,361 @@ pub const LEAF_KNOBS: [Field<LeafKind>; 33] = [
         Kind::Choice(Form::WORDS),
         "",
         "what leaves are made of: nothing, one card, two crossed, a curved blade, a card with a whole twig, a fan of leaflets, a tuft of needles, the mesh of leaf_mesh",
-        form
+        form,
+        details(
+            "What a leaf costs: card 2 triangles, cross 4, tuft 6, curved 12; twig 16 for a whole card of \
+             leaves. Take curved where leaves are seen from near, twig for large crowns, cross or tuft for \
+             needles, fan with leaf_outline=fan. none leaves the wood bare but for what a grammar places."
+        ),
+        see_also(&["leaf_outline", "twig_leaves", "leaves_per_m", "triangles"])
     ),
     field!(
         "leaf_outline",
         Kind::Choice(&OUTLINES),
         "",
         "shape of the drawn picture, of one leaf or of a shoot",
-        outline
+        outline,
+        details(
+            "Besides the outline it says what is usual: width, lobes, edge, stalk and colours, which their \
+             knobs keep at auto or 0. pine, spruce, larch and scale are shoots, blossom and fruit are for \
+             further kinds of organs."
+        ),
+        see_also(&["leaf_form", "leaf_width", "leaf_lobes", "leaf_margin", "leaf_colors"])
     ),
     field!(
         "leaf_length",
         real(5e-4, 10.0),
         "m",
         "length of a leaf from the foot of its stalk to its tip",
-        length_m
+        length_m,
+        details(
+            "0.08 m is a beech's leaf. For outlines that are shoots it is the whole shoot, for compound \
+             leaves the whole leaf with its leaflets. While leaves unfold (season below 0.2) they are \
+             smaller, down to 0.35 of it. For large crowns fewer and larger leaves look much the same."
+        ),
+        see_also(&["leaf_width", "leaf_size_spread", "leaves_per_m", "twig_length"])
     ),
     field!(
         "leaf_width",
         real_or_auto(5e-3, 4.0),
         "",
         "width of a blade / its length; auto: as usual for its outline",
-        width
+        width,
+        details(
+            "Usual are 0.17 for lanceolate, 0.5 for elliptic, 0.62 for ovate, 1 for orbicular and 1.15 for \
+             palmate."
+        ),
+        see_also(&["leaf_length", "leaf_outline"])
     ),
     field!(
         "leaf_size_spread",
         real(0.0, 0.95),
         "",
         "how much leaves differ in length: 0.2 is 0.8 to 1.2 times",
-        size_spread
+        size_spread,
+        see_also(&["leaf_length", "leaf_jitter"])
     ),
     field!(
         "leaf_lobes",
         integer(0, 400),
         "",
         "lobes, leaflets or needles of a leaf, as its outline counts them; 0: as usual",
-        lobes
+        lobes,
+        details(
+            "Lobes of one side for lobed, all of them for palmate; leaflets for fan; pairs for pinnate, \
+             palm and fern; branches of one side for bipinnate; needles for pine and spruce; tufts for \
+             larch; petals for blossom; how many for fruit. Other outlines have none."
+        ),
+        see_also(&["leaf_lobe_depth", "leaf_outline"])
     ),
     field!(
         "leaf_lobe_depth",
         real_or_auto(0.0, 1.0),
         "",
         "how deep the bays between lobes are: 1 down to the midrib; auto: as usual for its outline",
-        lobe_depth
+        lobe_depth,
+        details(
+            "For lobed and palmate, where 0.5 is usual. 0.2 makes a scalloped edge, 0.9 a leaf cut nearly \
+             to its midrib."
+        ),
+        see_also(&["leaf_lobes", "leaf_outline"])
     ),
     field!(
         "leaf_margin",
         Kind::Choice(Edge::WORDS),
         "",
         "the edge of a blade: without teeth, with pointed or with rounded ones; auto: as usual for its outline",
-        margin
+        margin,
+        see_also(&["leaf_outline"])
     ),
     field!(
         "leaf_petiole",
         real_or_auto(0.0, 0.9),
         "",
         "the stalk's share of the length; auto: as usual for its outline",
-        petiole
+        petiole,
+        details(
+            "0.12 is usual, 0.35 for those on long stalks, as orbicular (aspen) and palmate. Needles and \
+             shoots have none."
+        ),
+        see_also(&["leaf_length", "leaf_outline"])
     ),
     field!(
         "twig_length",
         real_or_auto(1e-3, 20.0),
         "m",
         "for leaf_form=twig: length of the card; auto: four leaves",
-        twig_length_m
+        twig_length_m,
+        details(
+            "The card replaces a small twig with its leaves. 0.3 to 0.5 m suits broad leaves; longer cards \
+             are lighter, and look flat from near."
+        ),
+        see_also(&["twig_leaves", "leaf_length", "leaves_per_m"])
     ),
-    field!("twig_leaves", integer(1, 200), "", "for leaf_form=twig: leaves on the card", twig_leaves),
+    field!(
+        "twig_leaves",
+        integer(1, 200),
+        "",
+        "for leaf_form=twig: leaves on the card",
+        twig_leaves,
+        details(
+            "leaves_per_m then counts cards: with 12 leaves on each a twelfth of them gives as many leaves."
+        ),
+        see_also(&["twig_length", "leaves_per_m", "leaf_form"])
+    ),
     field!(
         "leaf_arrangement",
         Kind::Choice(Arrangement::WORDS),
         "",
         "how leaves stand round a twig: left and right in turn, pairs in one plane, pairs each square to the last, whorls of leaf_whorl, a spiral of 137.5 degrees",
-        arrangement
+        arrangement,
+        details(
+            "Phyllotaxis. alternate is a beech or an elm, decussate a maple or an ash, whorled an oleander, \
+             spiral an oak or a cherry: 137.5 degrees, the golden angle, so that no leaf is straight above \
+             another. Leaves of slanting twigs begin at the sides, except for whorled and spiral, which \
+             begin anywhere."
+        ),
+        see_also(&["leaf_whorl", "leaf_count", "leaves_per_m"])
     ),
-    field!("leaf_whorl", integer(1, 64), "", "for leaf_arrangement=whorled: leaves a node", whorl),
-    field!("leaves_per_m", real(0.0, 1e5), "1/m", "leaves a metre of twig, all together", per_m),
+    field!(
+        "leaf_whorl",
+        integer(1, 64),
+        "",
+        "for leaf_arrangement=whorled: leaves a node",
+        whorl,
+        see_also(&["leaf_arrangement"])
+    ),
+    field!(
+        "leaves_per_m",
+        real(0.0, 1e5),
+        "1/m",
+        "leaves a metre of twig, all together",
+        per_m,
+        details(
+            "Counted along the length of twigs, so that a smaller step or more rings change nothing. 10 to \
+             30 is an open to a full crown of broad leaves, 60 to 80 a dense one, 300 single needles. \
+             Leaves that one place bears (leaf_count) and those of a pair or whorl are all counted. More \
+             than 50 million are refused."
+        ),
+        see_also(&["leaf_max_radius", "leaf_count", "leaf_keep", "triangles"])
+    ),
     field!(
         "leaf_count",
         integer(1, 64),
         "",
         "leaves that spring from one place; more of them are fewer places",
-        count
+        count,
+        details(
+            "3 and more stand as a rosette round the way out, opened by leaf_angle: short shoots of a \
+             larch, leaves at the ends of a magnolia's twigs."
+        ),
+        see_also(&["leaves_per_m", "leaf_angle"])
     ),
     field!(
         "leaf_max_radius",
         real_or_auto(1e-6, 100.0),
         "m",
         "leaves grow only on wood that is thinner; auto: three times the mean radius of tips",
-        max_radius_m
+        max_radius_m,
+        details(
+            "With radius_exponent=2 auto is wood that bears nine tips or fewer. A smaller radius keeps \
+             leaves to the outermost twigs; a larger one lets them sprout from limbs, as after pollarding."
+        ),
+        see_also(&["leaf_max_age", "leaves_per_m", "tip_radius"])
     ),
     field!(
         "leaf_max_age",
         real(0.0, 1.0),
         "",
         "leaves grow only on wood of the last share of growth; 1: of any age",
-        max_age
+        max_age,
+        details(
+            "0.1 is wood of the last tenth of growth, of iterations or derivations: a green shell. Together \
+             with leaf_max_radius both must hold."
+        ),
+        see_also(&["leaf_max_radius", "age"])
     ),
     field!(
         "leaf_tip",
         real(0.0, 1.0),
         "",
         "how much rarer leaves are at a twig's base than at its tip: 0 not at all, 1 none there",
-        tip
+        tip,
+        see_also(&["leaf_terminal", "leaves_per_m"])
     ),
-    field!("leaf_terminal", Kind::Switch, "", "whether each twig ends with a leaf", terminal),
+    field!(
+        "leaf_terminal",
+        Kind::Switch,
+        "",
+        "whether each twig ends with a leaf",
+        terminal,
+        see_also(&["leaf_tip"])
+    ),
     field!(
         "leaf_grid",
         Kind::Reals { min: 0.0, max: 256.0, most: 2 },
         "",
         "the older style: so many leaves along and so many round each segment, in place of leaves_per_m; 0: off",
-        grid
+        grid,
+        see_also(&["leaves_per_m"])
     ),
-    field!("leaf_angle", real(0.0, 180.0), "deg", "angle of a leaf off its twig", angle_deg),
-    field!("leaf_droop", real(-90.0, 90.0), "deg", "how far leaves hang; less than 0: rise", droop_deg),
+    field!(
+        "leaf_angle",
+        real(0.0, 180.0),
+        "deg",
+        "angle of a leaf off its twig",
+        angle_deg,
+        details(
+            "0 lies along the twig, 45 to 60 is usual, 90 stands off square, more points back to the trunk. \
+             The leaf at a twig's end goes straight on. For rosettes (leaf_count) it is how far they open."
+        ),
+        see_also(&["leaf_droop", "leaf_up", "leaf_jitter"])
+    ),
+    field!(
+        "leaf_droop",
+        real(-90.0, 90.0),
+        "deg",
+        "how far leaves hang; less than 0: rise",
+        droop_deg,
+        details(
+            "The last turn, after leaf_angle, leaf_jitter and leaf_up, and never past straight down: 10 \
+             looks alive, 60 and more is a weeping tree or one in drought."
+        ),
+        see_also(&["leaf_angle", "leaf_up", "leaf_level"])
+    ),
     field!(
         "leaf_level",
         real(0.0, 1.0),
         "",
         "how far blades turn level: 0 facing the twig's tip, 1 facing the sky",
-        level
+        level,
+        details("1 turns all upper sides to the sky, in layers, as leaves in shade do."),
+        see_also(&["leaf_droop", "leaf_normals"])
     ),
-    field!("leaf_up", real(-1.0, 1.0), "", "how far leaves point up, less than 0: down", up),
+    field!(
+        "leaf_up",
+        real(-1.0, 1.0),
+        "",
+        "how far leaves point up, less than 0: down",
+        up,
+        details(
+            "1 makes all leaves point straight up, -1 straight down, 0.3 a little up. leaf_droop comes \
+             after it."
+        ),
+        see_also(&["leaf_angle", "leaf_droop"])
+    ),
     field!(
         "leaf_jitter",
         real(0.0, 180.0),
         "deg",
         "each leaf is turned by up to so much, at random",
-        jitter_deg
+        jitter_deg,
+        details(
+            "About each of three axes. 10 to 20 takes away the pattern of the arrangement from far, and \
+             leaves it to be seen from near; 90 is a heap."
+        ),
+        see_also(&["leaf_angle", "leaf_size_spread", "leaf_tint_spread"])
     ),
-    field!("leaf_offset", real(0.0, 10.0), "m", "distance of a leaf's foot off the bark", offset_m),
+    field!(
+        "leaf_offset",
+        real(0.0, 10.0),
+        "m",
+        "distance of a leaf's foot off the bark",
+        offset_m,
+        see_also(&["leaf_angle"])
+    ),
     field!(
         "leaf_normals",
         Kind::Choice(Normals::WORDS),
         "",
         "normals off each leaf's own face, or mostly out of the crown: softer shading",
-        normals
+        normals,
+        details(
+            "flat shades each leaf for itself: lively from near, noisy from far. dome turns normals out of \
+             the crown, so that it is shaded as one soft body, as games like it."
+        ),
+        see_also(&["leaf_level"])
     ),
     field!(
         "leaf_colors",
         Kind::Colors { most: MOST_COLORS, auto: true },
         "sRGB",
         "colours of the upper side in summer; of a grammar's polygons and organs: index 0 of ' has the first, the last repeats; auto: as usual",
-        colors
+        colors,
+        details(
+            "Several mix over the crown: each variant of the picture has one. In spring they start lighter \
+             and yellower, in autumn they turn to autumn_colors."
+        ),
+        see_also(&["autumn_colors", "leaf_tint_spread", "season"])
     ),
     field!(
         "autumn_colors",
         Kind::Colors { most: MOST_COLORS, auto: true },
         "sRGB",
         "colours in autumn, from the first change to the last; auto: as usual for its outline",
-        autumn_colors
+        autumn_colors,
+        details(
+            "Leaves go through them in this order, one leaf earlier than another, from season 0.54 on; at 1 \
+             they have reached the last. Most outlines turn yellow and brown, lobed and palmate orange and \
+             red."
+        ),
+        see_also(&["season", "leaf_colors", "evergreen"])
     ),
-    field!("leaf_tint_spread", real(0.0, 1.0), "", "how much leaves differ in tint", tint_spread),
-    field!("evergreen", Kind::Switch, "", "whether the season leaves colour and number alone", evergreen),
+    field!(
+        "leaf_tint_spread",
+        real(0.0, 1.0),
+        "",
+        "how much leaves differ in tint",
+        tint_spread,
+        details(
+            "0 paints all leaves alike. 1 varies how light and how yellow they are, and how early they turn \
+             in autumn."
+        ),
+        see_also(&["leaf_colors", "autumn_colors", "season"])
+    ),
+    field!(
+        "evergreen",
+        Kind::Switch,
+        "",
+        "whether the season leaves colour and number alone",
+        evergreen,
+        see_also(&["season"])
+    ),
     field!(
         "leaf_keep",
         real(0.0, 1.0),
         "",
         "the share of leaves that is kept: what a lower share keeps, a higher one keeps too",
-        keep
+        keep,
+        see_also(&["leaves_per_m", "season", "triangles"])
     ),
     field!(
         "share",
         real(0.0, 1.0),
         "",
         "for a further kind: how many places of the first kind it takes; 0: it has places of its own",
-        share
+        share,
+        see_also(&["leaf_keep"])
     ),
 ];
 
@@ -213,8 +403,25 @@ impl FoliageSettings {
             Kind::Real { min: 0.0, max: 1.0, auto: false, names: &SEASONS },
             "",
             "0 flush: small and light; 0.35 summer; 0.55 to 0.8 autumn colours; leaves fall from 0.75 on; 1 bare",
-            season
+            season,
+            details(
+                "Leaves unfold from 0 to 0.2, light green and a third of their length at first; they begin \
+                 to turn at 0.54 and fall from 0.75 to 1. The wood stays, and a leaf that is there in two \
+                 seasons hangs at the same place. Evergreen kinds stay as in summer."
+            ),
+            see_also(&["evergreen", "autumn_colors", "leaf_keep"])
         ),
-        field!("leaf_size", integer(16, 4096), "px", "side of the drawn pictures of leaves", size_px),
+        field!(
+            "leaf_size",
+            integer(16, 4096),
+            "px",
+            "side of the drawn pictures of leaves",
+            size_px,
+            details(
+                "Each kind of leaves has pictures of its own of this side; twice as many pixels take four \
+                 times the memory and file. 256 to 512 serves trees that are seen from some metres."
+            ),
+            see_also(&["bark_size", "billboard_size", "leaf_outline"])
+        ),
     ];
 }

@@ -13,91 +13,152 @@ impl Tubes {
             integer(3, 128),
             "",
             "sides of the thickest wood; thinner wood has fewer, down to 3",
-            sides
+            sides,
+            details(
+                "Thinner wood has as few as keep it equally near to round: with 24 on the trunk a limb of a \
+                 quarter of its radius has about half as many, a twig 3. 8 to 12 serve a game, 48 a \
+                 close-up of the trunk. To reach a number of triangles take triangles instead."
+            ),
+            see_also(&["rings", "triangles", "junction"])
         ),
         field!(
             "rings",
             integer(1, 32),
             "",
             "rings per segment: more follow a smooth curve through the nodes",
-            rings
+            rings,
+            details(
+                "1 puts rings at nodes alone, and limbs have a corner at each. 2 to 4 bend smoothly and \
+                 multiply the triangles of wood as often. subdivide in refine does the same for the \
+                 skeleton, with which leaves and forks move, too."
+            ),
+            see_also(&["sides", "subdivisions", "triangles"])
         ),
         field!(
             "bark_tile",
             real(0.01, 100.0),
             "m",
             "edge of the square of bark that one picture covers",
-            bark_tile_m
+            bark_tile_m,
+            details(
+                "The usual 0.5 m with bark_size=512 is a millimetre a pixel. Larger tiles enlarge furrows; \
+                 smaller ones repeat visibly on a thick trunk. Round thin wood a half, a quarter and so on \
+                 of the picture goes."
+            ),
+            see_also(&["bark_size", "bark"])
         ),
         field!(
             "junction",
             Kind::Choice(Junction::WORDS),
             "",
             "how branches meet: tubes that overlap, the same with collars, or one closed solid for printing and simulation (slow)",
-            junction
+            junction,
+            details(
+                "overlap is lightest: each branch is a closed tube that starts inside its parent. blend \
+                 adds fillets, of 0.6 where collar is 0. watertight is one closed surface without inner \
+                 walls; it takes time and memory, its detail comes from junction_detail, and it cannot be \
+                 thinned out to triangles or moved by wind."
+            ),
+            see_also(&["collar", "junction_detail", "triangles", "wind"])
         ),
         field!(
             "junction_detail",
             integer(4, 512),
             "",
             "for junction=watertight: cells across the thickest wood; twigs thinner than two cells are made as thick",
-            junction_detail
+            junction_detail,
+            details(
+                "A cell's side is the largest diameter divided by this: 0.02 m at 32 for a trunk 0.6 m \
+                 thick. Triangles grow with the square, and more than 20 million are refused. 128 and more \
+                 keep twigs thin for a print."
+            ),
+            see_also(&["junction", "sides"])
         ),
         field!(
             "flare",
             real(0.0, 4.0),
             "",
             "how much wider the foot of a stem is than its trunk, as a share of the radius",
-            features.flare
+            features.flare,
+            details(
+                "At 0.35 the foot is 1.35 times as wide as its trunk, steep at the ground and gone at \
+                 flare_height. 0.3 to 0.5 suits most trees, 1 and more one with buttresses."
+            ),
+            see_also(&["flare_height", "flare_ridges", "flare_depth", "base_radius"])
         ),
         field!(
             "flare_height",
             real_or_auto(0.0, 100.0),
             "m",
             "how high the flare reaches; auto: 5 radii of the foot",
-            features.flare_height_m
+            features.flare_height_m,
+            see_also(&["flare"])
         ),
         field!(
             "flare_ridges",
             integer(0, 16),
             "",
             "buttresses round a flared foot; 0: it is round",
-            features.flare_ridges
+            features.flare_ridges,
+            details(
+                "4 to 7 look like roots that leave the trunk; they are neither equally far apart nor \
+                 equally strong. The foot has at least 12 sides for each."
+            ),
+            see_also(&["flare_depth", "flare", "sides"])
         ),
         field!(
             "flare_depth",
             real(0.0, 1.0),
             "",
             "how much of the flare is buttresses",
-            features.flare_depth
+            features.flare_depth,
+            see_also(&["flare_ridges", "flare"])
         ),
         field!(
             "collar",
             real(0.0, 1.0),
             "",
             "how far wood swells round the foot of a branch: radius of the fillet / radius of the wood that it leaves",
-            features.collar
+            features.collar,
+            details(
+                "0.3 to 0.6 is what bark does round a branch, 1 melts limbs into their trunk. It fills \
+                 acute crotches, and is never wider than two radii of the branch, so that twigs on a trunk \
+                 lift little. Each costs up to 14 rings."
+            ),
+            see_also(&["junction", "sides"])
         ),
         field!(
             "twig_taper",
             real(0.0, 1.0),
             "",
             "how much thinner a twig gets between its last fork and its bud",
-            features.twig_taper
+            features.twig_taper,
+            details(
+                "By the pipe model a twig beyond its last fork has one thickness and ends like a stick. 0.5 \
+                 to 0.7 draws it thin to its bud."
+            ),
+            see_also(&["tip_radius", "ends"])
         ),
         field!(
             "ends",
             Kind::Choice(Ends::WORDS),
             "",
             "how branches end: in a bud, sawn off, or snapped",
-            features.ends
+            features.ends,
+            details(
+                "A bud is a point one radius beyond the last node. cut is a flat disc, as of a pollard or a \
+                 pruned tree; broken is a rim of splinters, torn farther on one side, round a hollow. Ends \
+                 thinner than ends_above are buds in any case."
+            ),
+            see_also(&["ends_above", "twig_taper"])
         ),
         field!(
             "ends_above",
             real(0.0, 100.0),
             "m",
             "thinner ends are buds whatever ends says",
-            features.ends_above_m
+            features.ends_above_m,
+            see_also(&["ends"])
         ),
     ];
 }
