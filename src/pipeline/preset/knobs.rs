@@ -162,7 +162,14 @@ const TREE: Field<Preset> = field!(
     integer(0, u64::MAX),
     "",
     "the root of all random choices: another seed, another tree",
-    seed
+    seed,
+    details(
+        "Points of a crown, choices of a grammar, tapers, leaves and bark all draw from it, each with a key \
+         of its own, so that turning a knob of leaves moves no branch. The same seed gives the same files \
+         on every machine, with any number of threads. A grammar without chance grows the same plant from \
+         every seed."
+    ),
+    see_also(&["angle_jitter", "points", "sway"])
 );
 
 /// The rows that stand before the generators'.
@@ -196,3 +203,66 @@ pub static KNOBS: LazyLock<Vec<PresetKnob>> = LazyLock::new(|| {
     });
     before().chain(generators).chain(behind()).collect()
 });
+
+#[cfg(test)]
+mod tests {
+    use std::collections::BTreeSet;
+
+    use super::*;
+    use crate::preset::LEAF_KNOBS;
+
+    /// All knobs of presets, those of further kinds of leaves among them.
+    fn all() -> Vec<Knob> {
+        KNOBS.iter().map(|row| row.knob).chain(LEAF_KNOBS.iter().map(|row| row.knob)).collect()
+    }
+
+    #[test]
+    fn see_also_names_other_knobs() {
+        let names: BTreeSet<&str> = all().iter().map(|knob| knob.name).collect();
+        for knob in all() {
+            let mut seen = BTreeSet::from([knob.name]);
+            for other in knob.see_also {
+                assert!(names.contains(other), "{}: '{other}' is no knob", knob.name);
+                assert!(seen.insert(other), "{}: '{other}' is named twice, or is itself", knob.name);
+            }
+        }
+    }
+
+    #[test]
+    fn details_say_more_than_help() {
+        for Knob { name, help, details, .. } in all() {
+            assert!(!details.contains(help), "{name}: details repeat help");
+            if !details.is_empty() {
+                assert!(details.ends_with('.'), "{name}: no sentence: {details}");
+                assert!((60..700).contains(&details.len()), "{name}: {} letters", details.len());
+                assert!(!details.contains("  ") && !details.contains('\n'), "{name}: badly joined lines");
+            }
+        }
+    }
+
+    #[test]
+    fn what_shapes_a_tree_is_explained() {
+        let mut shaping: Vec<&str> = "
+            seed derivations angle habit stems lean tropism susceptibility
+            crown crown_height crown_radius profile profile_points profile_kind crown_base points
+            shell_density top_density clumps clump_size
+            step influence kill age trunk attraction gravitropism phototropism gravity apical_control waves
+            contract scan_radius scale
+            width base_radius tip_radius slenderness radius_exponent angle_share order_ratio
+            taper_base_min taper_tip_min refine relocate_share subdivisions trunk_curve sway gnarl
+            junction flare collar bark
+            leaf_form leaf_outline leaf_length leaf_arrangement leaves_per_m leaf_angle leaf_droop season
+            triangles lods billboard wind wind_strength"
+            .split_whitespace()
+            .collect();
+        for knob in all() {
+            // A name that several tables have is explained in each.
+            if shaping.contains(&knob.name) {
+                assert!(!knob.details.is_empty(), "{} has no details", knob.name);
+                assert!(!knob.see_also.is_empty(), "{} names no other knobs", knob.name);
+            }
+        }
+        shaping.retain(|name| all().iter().all(|knob| knob.name != *name));
+        assert!(shaping.is_empty(), "no knobs: {shaping:?}");
+    }
+}
