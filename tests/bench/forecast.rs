@@ -1,5 +1,5 @@
-//! Forecasts beside the trees and files that they are of: nodes, triangles, bytes of a GLB, and seconds, whose
-//! rates are in `exporters/seconds.rs`.
+//! Forecasts beside the trees and files that they are of: nodes, triangles, bytes of a GLB, and seconds,
+//! whose rates are in `exporters/seconds.rs`.
 
 #![allow(clippy::unwrap_used, reason = "a benchmark that cannot go on fails")]
 #![allow(clippy::print_stdout, reason = "it prints a table")]
@@ -39,8 +39,8 @@ fn main() {
     // Threads and tables are made once.
     let first = recipe(builtin("oak").unwrap());
     let _ = sample(&first, &Quiet);
-    for own in builtins() {
-        row(own.id, &recipe(own));
+    for builtin in builtins() {
+        row(builtin.id, &recipe(builtin));
     }
     for (id, settings) in TURNED {
         let mut recipe = recipe(builtin(id).unwrap());
@@ -73,7 +73,7 @@ fn row(what: &str, recipe: &Recipe) {
         bundle.commit().unwrap();
     });
     let bytes: u64 =
-        folder.path().read_dir().unwrap().map(|own| own.unwrap().metadata().unwrap().len()).sum();
+        folder.path().read_dir().unwrap().map(|entry| entry.unwrap().metadata().unwrap().len()).sum();
     let scene = &dressed.levels[0].scene;
     let triangles: usize = scene.parts.iter().map(|part| part.mesh.triangles.len()).sum();
     let forecast = [

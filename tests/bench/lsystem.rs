@@ -185,8 +185,8 @@ fn skeleton_linden(bencher: divan::Bencher) {
 const CELLS: usize = 100_000;
 const STEPS: u32 = 50;
 
-/// Something diffuses along a row of cells: each looks at both neighbours in every step. On so many
-/// threads.
+/// Something diffuses along a row of cells: each looks at both neighbours in every step. On one thread and
+/// on two.
 #[divan::bench(name = "derive: linden, contexts", args = [1, 2])]
 fn derive_contexts(bencher: divan::Bencher, threads: usize) {
     let axiom: String =

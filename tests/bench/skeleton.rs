@@ -22,10 +22,10 @@ const ROUNDS: usize = 7;
 
 fn main() {
     let preset = builtin("abop-a").unwrap().load().unwrap();
-    let Some(own) = preset.settings::<LSystem>() else { return };
+    let Some(lsystem_settings) = preset.settings::<LSystem>() else { return };
     // 5^8 segments.
     let settings = TurtleSettings { derivations: 8, ..TurtleSettings::default() };
-    let all = lsystem::grow(&own.grammar, &settings, &Quiet).unwrap().branching;
+    let all = lsystem::grow(&lsystem_settings.grammar, &settings, &Quiet).unwrap().branching;
     let nodes = all.parents.len();
     println!("abop-a at n = 8, {nodes} nodes, ns a node");
     let row = |name: &str, work: &dyn Fn(Branching)| {

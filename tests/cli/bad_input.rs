@@ -357,24 +357,24 @@ fn what_the_tree_grows_from_is_never_replaced() {
     let folder = Folder::new();
     let cube = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
     folder.write("crown.obj", cube);
-    folder.write("own.toml", "id = \"own\"\n[colonization]\nenvelope = \"crown.obj\"\n");
+    folder.write("mine.toml", "id = \"mine\"\n[colonization]\nenvelope = \"crown.obj\"\n");
     let grown_from = "grown from that file";
-    // The default name of a mesh in the format of a mesh is its own.
+    // Written in the format of a mesh, a mesh would have the name that it already has.
     refused(&folder, 1, &["export", "crown.obj", "--format", "obj"], &["crown.obj", grown_from]);
     refused(&folder, 1, &["export", "crown.obj", "-o", "./crown.obj"], &["crown.obj", grown_from]);
     refused(
         &folder,
         1,
-        &["export", "own.toml", "-o", "own.toml", "--format", "obj"],
-        &["own.toml", grown_from],
+        &["export", "mine.toml", "-o", "mine.toml", "--format", "obj"],
+        &["mine.toml", grown_from],
     );
     refused(
         &folder,
         1,
-        &["export", "own.toml", "-o", "x.glb", "-o", "crown.obj"],
+        &["export", "mine.toml", "-o", "x.glb", "-o", "crown.obj"],
         &["crown.obj", grown_from],
     );
-    refused(&folder, 2, &["preview", "fir", "-o", "own.toml"], &["own.toml", "PNG"]);
+    refused(&folder, 2, &["preview", "fir", "-o", "mine.toml"], &["mine.toml", "PNG"]);
 }
 
 #[cfg(target_os = "linux")]

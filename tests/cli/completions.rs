@@ -53,7 +53,7 @@ fn bash_completes_commands_presets_knobs_values_and_formats() {
     let at = |line: &str| completed(&folder, line);
     let has = |line: &str, wanted: &str| {
         let found = at(line);
-        assert!(found.iter().any(|own| own == wanted), "{line:?} has no {wanted:?}: {found:?}");
+        assert!(found.iter().any(|word| word == wanted), "{line:?} has no {wanted:?}: {found:?}");
     };
     assert_eq!(at("linden exp"), ["export"]);
     assert_eq!(at("linden export norway-s"), ["norway-spruce"]);

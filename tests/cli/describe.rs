@@ -27,8 +27,8 @@ fn help_names_every_command_and_every_command_has_help_and_a_manual() {
     let help = folder.run(&["--help"]).done().out;
     for command in COMMANDS {
         assert!(help.lines().any(|line| line.trim_start().starts_with(command)), "{command} in {help}");
-        let own = folder.run(&[command, "--help"]).done().out;
-        assert!(own.contains(&format!("Usage: linden {command}")), "{own}");
+        let page = folder.run(&[command, "--help"]).done().out;
+        assert!(page.contains(&format!("Usage: linden {command}")), "{page}");
         let manual = folder.run(&["man", command]).done().out;
         assert!(manual.contains(&format!(".TH linden-{command}")), "{manual}");
     }
@@ -133,9 +133,9 @@ fn what_differs_from_the_defaults_is_shown_alone() {
         let full = folder.run(&["show", id, "--toml"]).done().out;
         let short = folder.run(&["show", id, "--toml", "--changed"]).done().out;
         assert!(2 * short.lines().count() < full.lines().count(), "{short}");
-        folder.write("own.toml", &short);
+        folder.write("mine.toml", &short);
         let recipe = |source: &str| folder.run(&["show", source, "--json"]).done().json()["recipe"].clone();
-        assert_eq!(recipe("own.toml"), recipe(id), "{short}");
+        assert_eq!(recipe("mine.toml"), recipe(id), "{short}");
     }
     let page = folder.run(&["show", "oak", "--changed", "--set", "gnarl=0.3"]).done().out;
     let names: Vec<&str> = page.lines().filter_map(|line| line.split_whitespace().next()).collect();
@@ -155,10 +155,10 @@ fn what_show_writes_as_a_document_grows_the_same_tree() {
     let folder = Folder::new();
     for id in ["fir", "cypress", "abop-stochastic"] {
         let document = folder.run(&["show", id, "--toml", "--seed", "9"]).done().out;
-        folder.write("own.toml", &document);
+        folder.write("mine.toml", &document);
         let hash = |args: &[&str]| folder.run(args).done().json()["skeleton_hash"].clone();
         let original = hash(&["stats", id, "--seed", "9", "--json"]);
-        assert_eq!(hash(&["stats", "own.toml", "--json"]), original, "{id}: {document}");
+        assert_eq!(hash(&["stats", "mine.toml", "--json"]), original, "{id}: {document}");
         assert_ne!(hash(&["stats", id, "--seed", "8", "--json"]), original, "{id}: the seed matters");
     }
 }
@@ -229,10 +229,10 @@ fn a_sheet_is_made_of_the_previews_of_its_trees() {
         [("fir", "1"), ("fir", "2"), ("older-a", "1"), ("older-a", "2")].iter().enumerate()
     {
         let png = folder.run(&["preview", id, "--seed", seed, "--size", "60x70", "-o", "-"]).done().bytes;
-        let (size, own) = pixels(&png);
-        assert_eq!((size, own.len()), ((60, 70), 60 * 70 * channels));
+        let (size, preview) = pixels(&png);
+        assert_eq!((size, preview.len()), ((60, 70), 60 * 70 * channels));
         let (left, top) = (place % 3 * 60, place / 3 * 70);
-        for (row, line) in own.chunks(60 * channels).enumerate() {
+        for (row, line) in preview.chunks(60 * channels).enumerate() {
             let at = ((top + row) * 180 + left) * channels;
             assert_eq!(&whole[at..at + line.len()], line, "{id} {seed}, row {row}");
         }
@@ -335,7 +335,7 @@ fn the_manual_has_formats_knobs_variables_files_and_a_page_for_each_reference() 
         .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
         .collect();
     names.sort();
-    let mut expected: Vec<String> = COMMANDS.iter().map(|own| format!("linden-{own}.1")).collect();
+    let mut expected: Vec<String> = COMMANDS.iter().map(|command| format!("linden-{command}.1")).collect();
     expected.push("linden.1".to_owned());
     expected.sort();
     assert_eq!(names, expected);
@@ -352,13 +352,13 @@ fn the_schema_fits_the_documents_that_show_writes() {
     let schema = folder.run(&["schema"]).done().json();
     for id in ["fir", "cypress", "heart", "abop-d"] {
         let document = folder.run(&["show", id, "--json"]).done().json()["recipe"].clone();
-        for (section, own) in document.as_object().unwrap() {
+        for (section, keys) in document.as_object().unwrap() {
             if ["linden", "inputs"].contains(&section.as_str()) {
                 continue;
             }
             let described = &schema["properties"][section];
             assert!(described.is_object(), "{section}");
-            for key in own.as_object().into_iter().flatten().map(|(key, _)| key) {
+            for key in keys.as_object().into_iter().flatten().map(|(key, _)| key) {
                 assert!(described["properties"][key].is_object(), "{section}.{key}");
             }
         }

@@ -20,7 +20,8 @@ const PAGES: [(&str, usize); 9] = [
     ("docs/choosing-a-generator.md", 6),
 ];
 
-/// The command lines of a page: lines of its `sh` blocks, and code in its text, that begin with the program's name.
+/// The command lines of a page: lines of its `sh` blocks, and code in its text, that begin with the program's
+/// name.
 fn commands(page: &str) -> Vec<String> {
     let mut found = Vec::new();
     let mut language = None;
@@ -56,14 +57,15 @@ fn is_placeholder(word: &str) -> bool {
 
 fn knob(name: &str) -> Option<Knob> {
     if let Some((format, option)) = name.split_once('.') {
-        let format = REGISTRY.iter().map(|own| own.format()).find(|own| own.id == format)?;
-        return format.options.iter().map(|own| own.knob).find(|own| own.name == option);
+        let format = REGISTRY.iter().map(|exporter| exporter.format()).find(|found| found.id == format)?;
+        return format.options.iter().map(|row| row.knob).find(|knob| knob.name == option);
     }
-    let of_presets = builtins().iter().filter_map(|own| own.load().ok()).flat_map(|preset| preset.knobs());
+    let of_presets =
+        builtins().iter().filter_map(|builtin| builtin.load().ok()).flat_map(|preset| preset.knobs());
     // Those of crown shapes are in presets that have the shape.
-    let mut all = KNOBS.iter().map(|own| own.knob).chain(of_presets.map(|(own, _)| own.knob));
-    all.find(|own| own.name == name)
-        .or_else(|| FOREST_KNOBS.iter().map(|own| own.knob).find(|own| own.name == name))
+    let mut all = KNOBS.iter().map(|row| row.knob).chain(of_presets.map(|(row, _)| row.knob));
+    all.find(|knob| knob.name == name)
+        .or_else(|| FOREST_KNOBS.iter().map(|row| row.knob).find(|knob| knob.name == name))
 }
 
 /// What is wrong with a command line, if anything.
@@ -94,8 +96,8 @@ fn fault(line: &str) -> Option<String> {
         && takes_source.contains(&command.as_str())
     {
         let id = source.split(':').next().unwrap_or_default();
-        let is_known = builtins().iter().any(|own| own.id == id)
-            || builtin_forests().iter().any(|own| own.id == id)
+        let is_known = builtins().iter().any(|builtin| builtin.id == id)
+            || builtin_forests().iter().any(|forest| forest.id == id)
             || source.contains('.')
             || source.starts_with('-')
             || is_placeholder(source);

@@ -96,7 +96,10 @@ fn everything_that_is_broken_is_listed_with_its_place() {
     let report = doctor(&folder, &["--json"], &[]).json();
     let complaints = report["complaints"].as_array().unwrap();
     assert_eq!(complaints.len(), 4);
-    assert!(complaints.iter().all(|own| own["line"].is_u64() && own["file"].is_string()), "{complaints:?}");
+    assert!(
+        complaints.iter().all(|complaint| complaint["line"].is_u64() && complaint["file"].is_string()),
+        "{complaints:?}"
+    );
     assert_eq!(
         report["presets"],
         serde_json::json!({"builtin": linden::preset::builtins().len(), "own": 2, "broken": 1})

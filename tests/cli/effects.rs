@@ -57,7 +57,7 @@ fn a_knob_that_changes_nothing_is_named_with_what_it_waits_for() {
         ),
     ] {
         let said = fine(run(&folder, args));
-        assert!(notes(&said).iter().any(|own| own.starts_with(note)), "{args:?}: {}", said.err);
+        assert!(notes(&said).iter().any(|line| line.starts_with(note)), "{args:?}: {}", said.err);
     }
     let said = fine(run(
         &folder,

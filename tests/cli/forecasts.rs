@@ -46,7 +46,7 @@ fn show_says_how_large_every_generator_grows() {
     assert!(forest["forecast"]["triangles"].as_f64().unwrap() > 10_000.0, "{forest}");
 }
 
-/// What follows is refused at once: nobody waits for it here.
+/// What follows is refused at once, without a wait.
 #[test]
 fn long_work_is_announced() {
     let folder = Folder::new();

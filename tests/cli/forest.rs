@@ -76,8 +76,11 @@ fn kinds_in_a_line_make_a_forest_that_keeps_its_spacing_and_shares() {
     assert_eq!(of("oak") + of("birch"), stand.len());
     // The budget is that of each distinct tree.
     let triangles = |mesh: &Value| -> u64 {
-        let indices =
-            mesh["primitives"].as_array().unwrap().iter().map(|own| own["indices"].as_u64().unwrap());
+        let indices = mesh["primitives"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|primitive| primitive["indices"].as_u64().unwrap());
         indices.map(|index| document["accessors"][index as usize]["count"].as_u64().unwrap() / 3).sum()
     };
     for mesh in document["meshes"].as_array().unwrap() {
@@ -121,10 +124,10 @@ fn the_forests_in_the_program_are_listed_described_and_open() {
         assert_eq!(trees(&document).len() as u64, places, "{id}");
         assert_eq!(document["meshes"].as_array().unwrap().len() as u64, shown["distinct"].as_u64().unwrap());
         // A document of its own lays out the same.
-        folder.write("own.toml", folder.run(&["show", id, "--toml"]).done().out);
-        let own =
-            folder.run(&["show", "own.toml", "--json", "--set", "area=30", "--seed", "4"]).done().json();
-        assert_eq!((&own["places"], &own["trees"]), (&shown["places"], &shown["trees"]));
+        folder.write("mine.toml", folder.run(&["show", id, "--toml"]).done().out);
+        let again =
+            folder.run(&["show", "mine.toml", "--json", "--set", "area=30", "--seed", "4"]).done().json();
+        assert_eq!((&again["places"], &again["trees"]), (&shown["places"], &shown["trees"]));
     }
     let said = folder.run(&["export", "orchard", "-o", "x.glb"]);
     assert_eq!(said.code, Some(2));
@@ -206,7 +209,7 @@ fn several_meshes_are_a_tree_each_where_their_files_have_them() {
     assert_eq!(width_of(&alone, 0), width_of(&document, stand[1].0));
     // What the file carries lays the same trees out again.
     let carried = document["nodes"].as_array().unwrap().iter().map(|node| &node["extras"]["linden"]);
-    let carried: Vec<&Value> = carried.filter(|own| own["places"] == "given").collect();
+    let carried: Vec<&Value> = carried.filter(|forest| forest["places"] == "given").collect();
     folder.write("again.json", carried[0].to_string());
     folder.run(&["forest", "again.json", "-o", "again.glb"]).done();
     assert!(folder.read("again.glb") == folder.read("wood.glb"), "another forest");

@@ -24,8 +24,7 @@ fn send(signal: &str, child: &Child) {
     assert!(status.success());
 }
 
-/// Whether the program has a file in the folder that nobody else sees: without a name where the system
-/// has such files.
+/// Whether the program has a hidden file in the folder: without a name where the system has such files.
 fn has_staged(folder: &Folder, child: &Child, before: usize) -> bool {
     let is_ours = |fd: std::fs::DirEntry| {
         std::fs::read_link(fd.path())

@@ -16,9 +16,9 @@ struct Workshop {
 
 impl Workshop {
     fn new(script: &str) -> Self {
-        let own = Self { work: Folder::new(), programs: Folder::new() };
-        own.add("linden-export-foo", script);
-        own
+        let workshop = Self { work: Folder::new(), programs: Folder::new() };
+        workshop.add("linden-export-foo", script);
+        workshop
     }
 
     fn add(&self, name: &str, script: &str) {

@@ -39,8 +39,8 @@ fn leaves_levels_wind_and_seasons_leave_the_wood_as_it_is() {
             // Evergreens have something to say of seasons.
             let said = folder.run(&[&["stats", plant, "--json"][..], &pairs(dress)].concat());
             assert_eq!(said.code, Some(0), "{}", said.err);
-            let own = said.json();
-            assert_eq!(own["skeleton_hash"], stats["skeleton_hash"], "{plant} {dress:?}");
+            let dressed = said.json();
+            assert_eq!(dressed["skeleton_hash"], stats["skeleton_hash"], "{plant} {dress:?}");
         }
     }
 }
@@ -55,7 +55,7 @@ fn the_skeletons_file_is_the_same_but_for_the_recipe() {
             let said = folder.run(&[&line[..], args].concat());
             assert_eq!(said.code, Some(0), "{}", said.err);
             let bytes = folder.read("s.ply");
-            let end = bytes.windows(11).position(|own| own == b"end_header\n").unwrap();
+            let end = bytes.windows(11).position(|window| window == b"end_header\n").unwrap();
             bytes[end..].to_vec()
         };
         let bare = body(&["--set", "leaf_form=none"]);
@@ -88,7 +88,7 @@ fn a_dressed_windy_oak_in_levels_is_the_same_bytes_on_one_thread_and_two() {
     let (one, two) = (export("1"), export("2"));
     assert!(one.1.contains("\"LOD3\"") && one.1.contains("timeSamples"), "dressed as asked");
     assert!(one == two, "one thread and two differ");
-    let is_png = |name: &String| std::path::Path::new(name).extension().is_some_and(|own| own == "png");
+    let is_png = |name: &String| std::path::Path::new(name).extension().is_some_and(|ending| ending == "png");
     let png = |threads: &str| -> Vec<Vec<u8>> {
         let names = folder.names().into_iter();
         names

@@ -50,20 +50,20 @@ fn usd_has_variants_and_other_formats_a_file_for_each_season() {
     assert_eq!((said.code, said.err.as_str()), (Some(0), note));
     let seasons = ["autumn", "bare", "flush", "summer"];
     let mut expected = vec!["t-s.ply".to_owned(), "t.usda".to_owned()];
-    expected.extend(seasons.iter().flat_map(|own| [format!("t_{own}.glb"), format!("t_{own}.obj")]));
+    expected.extend(seasons.iter().flat_map(|season| [format!("t_{season}.glb"), format!("t_{season}.obj")]));
     expected.sort();
     assert_eq!(main_files(&folder), expected);
 
-    let own = |season: &str| wood_and_leaves(&folder, &format!("t_{season}.obj"));
-    let (wood, leaves) = own("summer");
+    let in_season = |season: &str| wood_and_leaves(&folder, &format!("t_{season}.obj"));
+    let (wood, leaves) = in_season("summer");
     assert!(wood.len() > 300 && leaves > 300, "{} {leaves}", wood.len());
     for season in seasons {
-        assert!(own(season).0 == wood, "the wood of {season} is another");
-        assert_eq!(own(season).1, if season == "bare" { 0 } else { leaves }, "{season}");
+        assert!(in_season(season).0 == wood, "the wood of {season} is another");
+        assert_eq!(in_season(season).1, if season == "bare" { 0 } else { leaves }, "{season}");
     }
     let usda = String::from_utf8(folder.read("t.usda")).unwrap();
     assert!(usda.contains("variantSet \"season\"") && usda.contains("string season = \"summer\""));
-    assert!(seasons.iter().all(|own| usda.contains(&format!("\"{own}\" {{"))), "four variants");
+    assert!(seasons.iter().all(|season| usda.contains(&format!("\"{season}\" {{"))), "four variants");
 }
 
 #[test]
@@ -83,8 +83,8 @@ fn levels_come_behind_seasons_and_values_have_the_users_names() {
     ];
     assert_eq!(main_files(&folder), expected);
     for level in [0, 1] {
-        let own = |season: &str| wood_and_leaves(&folder, &format!("t_{season}_LOD{level}.obj"));
-        let (late, spring) = (own("late"), own("spring"));
+        let in_season = |season: &str| wood_and_leaves(&folder, &format!("t_{season}_LOD{level}.obj"));
+        let (late, spring) = (in_season("late"), in_season("spring"));
         assert!(late.0 == spring.0, "level {level} has one wood");
         assert!(0 < late.1 && late.1 < spring.1, "{} {}", late.1, spring.1);
     }
@@ -129,7 +129,7 @@ fn levels_and_seasons_share_their_pictures() {
             .filter_map(|line| line.split_whitespace().nth(1))
             .collect();
         assert!(files.len() >= 5, "{name}: {text}");
-        assert!(files.iter().all(|file| pictures.iter().any(|own| own == file)), "{name}: {files:?}");
+        assert!(files.iter().all(|file| pictures.iter().any(|picture| picture == file)), "{name}: {files:?}");
     }
 }
 

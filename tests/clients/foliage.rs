@@ -18,13 +18,13 @@ use crate::outside::{exported, run};
 pub fn scene() -> (Recipe, Grown, Scene) {
     let mut preset = builtin("abop-a").unwrap().load().unwrap();
     "Leafy".clone_into(&mut preset.name);
-    let own = preset.settings_mut::<linden::preset::LSystem>().unwrap();
+    let lsystem = preset.settings_mut::<linden::preset::LSystem>().unwrap();
     let rules = [
         "A -> FF[&+FEA]/////[&-F'~LA]///////F~NA",
         "E -> [^^{-f+f+f-|-f+f+f}''~K'~B{[++G.][+G.][G.][-G.]}{f++++++++f----f}]",
     ];
-    own.grammar = linden::lsystem::Grammar::new("A", &rules).unwrap();
-    (own.derivations, own.angle_deg) = (5, 22.5);
+    lsystem.grammar = linden::lsystem::Grammar::new("A", &rules).unwrap();
+    (lsystem.derivations, lsystem.angle_deg) = (5, 22.5);
     preset.set("leaf_colors", "#406020 #708030 #d04060").unwrap();
     let recipe = Recipe::new(preset);
     let grown = grow(&recipe, &Quiet).unwrap();
@@ -108,8 +108,8 @@ fn every_client_takes_cut_out_leaves_and_is_told_where_they_end() {
     assert_eq!((leaves.alpha_mode(), leaves.alpha_cutoff()), (gltf::material::AlphaMode::Mask, Some(0.5)));
     let bark = document.materials().next().unwrap();
     assert_eq!(bark.alpha_mode(), gltf::material::AlphaMode::Opaque);
-    let wrap = |own: &gltf::Material<'_>| {
-        let texture = own.pbr_metallic_roughness().base_color_texture().unwrap().texture();
+    let wrap = |material: &gltf::Material<'_>| {
+        let texture = material.pbr_metallic_roughness().base_color_texture().unwrap().texture();
         (texture.sampler().wrap_s(), images[texture.source().index()].format)
     };
     assert_eq!(wrap(&leaves), (gltf::texture::WrappingMode::ClampToEdge, gltf::image::Format::R8G8B8A8));

@@ -64,7 +64,7 @@ fn every_season_is_a_variant_with_the_same_wood() {
             expected.insert(season.name.clone(), [wood, leaves].to_vec().into());
             woods.push(points);
         }
-        assert!(woods[0].len() > 500 && woods.iter().all(|own| *own == woods[0]), "{name}");
+        assert!(woods[0].len() > 500 && woods.iter().all(|wood| *wood == woods[0]), "{name}");
         let leaves = |season: &str| expected[season][1].as_u64().unwrap();
         assert!(leaves("flush") == leaves("summer") && leaves("summer") == leaves("autumn"), "{name}");
         assert!(leaves("summer") > 2 * leaves("late") && leaves("late") > 0 && leaves("bare") == 0, "{name}");

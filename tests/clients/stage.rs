@@ -45,12 +45,12 @@ fn every_client_takes_a_forest_by_every_way() {
         let dir = exported(&format!("clients-forest-{way}"));
         for format in ["obj", "ply", "gltf", "glb", "usda", "usdz"] {
             let known = linden_exporters::find(format).unwrap().format().options;
-            let own: Vec<_> = options
+            let known_options: Vec<_> = options
                 .iter()
                 .copied()
-                .filter(|(name, _)| known.iter().any(|own| own.knob.name == *name))
+                .filter(|(name, _)| known.iter().any(|row| row.knob.name == *name))
                 .collect();
-            export_stage(&wood, format, &own, &dir.join(format!("wood.{format}"))).unwrap();
+            export_stage(&wood, format, &known_options, &dir.join(format!("wood.{format}"))).unwrap();
         }
         run("check.py", &dir);
     }
@@ -72,7 +72,9 @@ fn every_client_takes_a_setting() {
         let (document, ..) = gltf::import(dir.join(format!("{name}.glb"))).unwrap();
         assert_eq!(document.cameras().count(), 1);
         let nodes: Vec<_> = document.nodes().filter_map(|node| node.name().map(str::to_owned)).collect();
-        assert!(["Camera", "Sun", "Sky", "Ground"].iter().all(|own| nodes.iter().any(|name| name == own)));
+        assert!(
+            ["Camera", "Sun", "Sky", "Ground"].iter().all(|wanted| nodes.iter().any(|name| name == wanted))
+        );
     }
     run("check.py", &dir);
 }

@@ -53,7 +53,7 @@ fn leader(branching: &Branching) -> Vec<Vec3> {
     chain
 }
 
-/// The height of the tree after so many iterations.
+/// The height of the tree when iteration `birth` is over.
 fn height_of(branching: &Branching, birth: u32) -> f32 {
     let born = branching.births.iter().zip(&branching.positions).filter(|(b, _)| **b <= birth);
     born.map(|(_, p)| p.y).fold(0.0, f32::max)

@@ -75,13 +75,13 @@ pub fn grow(
         // Kill, and influence of those that live.
         let nodes = tree.positions.len();
         captured.resize(nodes, false);
-        let mut own = vec![Vec::new(); nodes];
+        let mut felt_by = vec![Vec::new(); nodes];
         let mut survivors = Vec::new();
         for (&s, (v, d2)) in live.iter().zip(nearest(&live, &tree.positions)) {
             if d2 > kill2 {
                 survivors.push(s);
                 if d2 <= influence2 {
-                    own[v].push(s);
+                    felt_by[v].push(s);
                     captured[v] = true;
                 }
             } else {
@@ -104,11 +104,15 @@ pub fn grow(
 
         // What pulls.
         let sets: Vec<Vec<Vec3>> = match habit.attraction {
-            Attraction::Nearest => own.clone(),
+            Attraction::Nearest => felt_by.clone(),
             Attraction::All => (0..nodes)
                 .map(|v| {
                     let felt = |&&s: &&Vec3| distance2(s, tree.positions[v]) <= influence2;
-                    if own[v].is_empty() { Vec::new() } else { live.iter().filter(felt).copied().collect() }
+                    if felt_by[v].is_empty() {
+                        Vec::new()
+                    } else {
+                        live.iter().filter(felt).copied().collect()
+                    }
                 })
                 .collect(),
         };
@@ -137,7 +141,7 @@ pub fn grow(
         // Rescue.
         let mut blocked = false;
         if children.is_empty() {
-            for (v, set) in own.iter().enumerate() {
+            for (v, set) in felt_by.iter().enumerate() {
                 let nearest = set.iter().copied().min_by(|&a, &b| {
                     let (da, db) = (distance2(a, tree.positions[v]), distance2(b, tree.positions[v]));
                     da.total_cmp(&db)
@@ -160,7 +164,7 @@ pub fn grow(
             continue;
         }
         if children.is_empty() {
-            break match own.iter().all(Vec::is_empty) {
+            break match felt_by.iter().all(Vec::is_empty) {
                 true => Stop::NothingInReach,
                 false if blocked => Stop::Blocked,
                 false => Stop::Stalled,

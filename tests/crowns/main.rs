@@ -101,7 +101,7 @@ fn a_grove_grows_as_the_definition_from_all_its_roots() {
         assert_eq!(place.z < -6.0, root_of[i] == roots[2], "{place}");
     }
     for root in roots {
-        assert!(root_of.iter().filter(|&&own| own == root).count() > 20, "each tree grows");
+        assert!(root_of.iter().filter(|&&of_node| of_node == root).count() > 20, "each tree grows");
     }
 }
 
@@ -195,7 +195,7 @@ fn a_recipe_names_all_its_files_and_grows_the_same_tree_again() {
     let line = first.to_line();
     let json: serde_json::Value = serde_json::from_str(&line).unwrap();
     let names: Vec<&str> =
-        json["inputs"].as_array().unwrap().iter().map(|own| own["file"].as_str().unwrap()).collect();
+        json["inputs"].as_array().unwrap().iter().map(|input| input["file"].as_str().unwrap()).collect();
     assert_eq!(names, first.preset.files());
     assert!(json["inputs"][1]["xxh3"].as_str().is_some_and(|hash| hash.len() == 32));
     let preset = Preset::from_json(&line).unwrap();

@@ -101,9 +101,9 @@ fn the_knobs_are_those_of_the_program() {
     };
     // These are with their shapes.
     let dimensions: Vec<&str> =
-        SHAPES.iter().flat_map(|shape| shape.knobs).map(|own| own.knob.name).collect();
-    let knobs = || KNOBS.iter().filter(|own| !dimensions.contains(&own.knob.name));
-    let mut tables: Vec<&str> = knobs().map(|own| own.section.key()).collect();
+        SHAPES.iter().flat_map(|shape| shape.knobs).map(|dimension| dimension.knob.name).collect();
+    let knobs = || KNOBS.iter().filter(|row| !dimensions.contains(&row.knob.name));
+    let mut tables: Vec<&str> = knobs().map(|row| row.section.key()).collect();
     tables.dedup();
     let mut page = format!(
         "# Knobs\n\n\
@@ -116,8 +116,8 @@ fn the_knobs_are_those_of_the_program() {
     for table in tables {
         let heading = if table.is_empty() { "tree" } else { table };
         write!(page, "\n## {heading}\n\n{}\n\n{HEAD}", about(table)).unwrap();
-        for own in knobs().filter(|own| own.section.key() == table) {
-            page += &row(&own.knob, &default(own.knob.name));
+        for entry in knobs().filter(|entry| entry.section.key() == table) {
+            page += &row(&entry.knob, &default(entry.knob.name));
         }
         for (_, key, help) in Preset::file_keys().filter(|(section, _, _)| section.key() == table) {
             writeln!(page, "| `{key}` | none | the name of a file | {} |", cell(help)).unwrap();
@@ -134,14 +134,17 @@ fn crown_shapes_and_parts_are_those_of_the_program() {
         let dimensions: Vec<String> = shape
             .knobs
             .iter()
-            .map(|own| {
-                let unit =
-                    if own.knob.unit.is_empty() { String::new() } else { format!(" {}", own.knob.unit) };
+            .map(|dimension| {
+                let unit = if dimension.knob.unit.is_empty() {
+                    String::new()
+                } else {
+                    format!(" {}", dimension.knob.unit)
+                };
                 format!(
                     "`{}` {}{unit}: {}",
-                    own.knob.name,
-                    cell(&(own.default)().to_string()),
-                    cell(own.knob.help)
+                    dimension.knob.name,
+                    cell(&(dimension.default)().to_string()),
+                    cell(dimension.knob.help)
                 )
             })
             .collect();
@@ -155,16 +158,16 @@ fn crown_shapes_and_parts_are_those_of_the_program() {
 /// The keys of parts.
 fn parts() -> String {
     let mut text = "| key of a part | values | |\n|---|---|---|\n".to_owned();
-    for own in PART_KNOBS {
-        let knob = &own.field.knob;
+    for part_knob in PART_KNOBS {
+        let knob = &part_knob.field.knob;
         writeln!(text, "| `{}` | {} | {} |", knob.name, values(knob), cell(knob.help)).unwrap();
     }
     text
 }
 
 /// Where a format has levels, or seasons.
-fn looks(own: LooksIn) -> &'static str {
-    match own {
+fn looks(place: LooksIn) -> &'static str {
+    match place {
         LooksIn::One => "in one file",
         LooksIn::Files => "a file each",
         LooksIn::Nothing => "",
@@ -172,7 +175,7 @@ fn looks(own: LooksIn) -> &'static str {
 }
 
 fn format_row(format: &Format) -> String {
-    let yes = |own: bool| if own { "yes" } else { "" };
+    let yes = |is_held: bool| if is_held { "yes" } else { "" };
     let endings: Vec<String> = format.extensions.iter().map(|ending| format!("`.{ending}`")).collect();
     let holds = &format.holds;
     format!(

@@ -1,9 +1,10 @@
 //! Pictures: each says what it was drawn from, so that one that is out of date is found without drawing it.
 //!
-//! `presets/pictures/list.txt` has the pictures and the commands that draw them. `presets/pictures/drawn.txt` has, for
-//! each, a hash of what it was drawn from and a hash of the picture. Drawn from: the command, the documents of
-//! its trees, the trees themselves, and a few small pictures, which are drawn here and stand for the code that
-//! draws. `presets/pictures/draw` and `presets/pictures/workbench` bring pictures and hashes up to date.
+//! `presets/pictures/list.txt` has the pictures and the commands that draw them. `presets/pictures/drawn.txt`
+//! has, for each, a hash of what it was drawn from and a hash of the picture. Drawn from: the command, the
+//! documents of its trees, the trees themselves, and a few small pictures, which are drawn here and stand for
+//! the code that draws. `presets/pictures/draw` and `presets/pictures/workbench` bring pictures and hashes up
+//! to date.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -43,7 +44,9 @@ fn list() -> Vec<(String, String)> {
         let (path, command) = line.split_once(' ').unwrap_or_else(|| panic!("no command: {line}"));
         if path.contains("{id}") {
             all.extend(
-                builtins().iter().map(|own| (path.replace("{id}", own.id), command.replace("{id}", own.id))),
+                builtins()
+                    .iter()
+                    .map(|builtin| (path.replace("{id}", builtin.id), command.replace("{id}", builtin.id))),
             );
         } else {
             all.push((path.to_owned(), command.to_owned()));
@@ -109,18 +112,19 @@ fn origin(command: &str, code: &str, golden: &BTreeMap<String, String>) -> Strin
     let drawing = drawing(command);
     let mut from = format!("{command}\n{code}\n");
     let grown = drawing.sets.iter().any(|(name, _)| !covers(name));
-    let mut add = |own: &Builtin| {
-        from += &unix(own.text);
-        from += &if grown { tree(recipe(own), &drawing.sets) } else { golden[own.id].clone() };
+    let mut add = |builtin: &Builtin| {
+        from += &unix(builtin.text);
+        from += &if grown { tree(recipe(builtin), &drawing.sets) } else { golden[builtin.id].clone() };
     };
     for group in &drawing.groups {
-        let of_group = builtins().iter().filter(|own| own.load().unwrap().group.to_lowercase() == *group);
+        let of_group =
+            builtins().iter().filter(|builtin| builtin.load().unwrap().group.to_lowercase() == *group);
         let before = of_group.map(&mut add).count();
         assert!(before > 0, "no preset is in the group {group}");
     }
     for source in &drawing.sources {
-        if let Some(own) = builtins().iter().find(|own| own.id == *source) {
-            add(own);
+        if let Some(builtin) = builtins().iter().find(|builtin| builtin.id == *source) {
+            add(builtin);
         }
     }
     for source in drawing.sources.iter().filter(|source| source.contains('/')) {
@@ -138,7 +142,7 @@ fn code() -> String {
     let mut said = String::new();
     let size = Size::new(40, 48).unwrap();
     let small = |id: &str, sets: &[(&str, &str)]| {
-        let mut recipe = recipe(builtins().iter().find(|own| own.id == id).unwrap());
+        let mut recipe = recipe(builtins().iter().find(|builtin| builtin.id == id).unwrap());
         for (name, value) in [("leaf_size", "32"), ("bark_size", "32")].iter().chain(sets) {
             recipe.preset.set(name, value).unwrap();
         }
@@ -162,8 +166,8 @@ fn code() -> String {
     said
 }
 
-/// What the picture of the workbench is drawn from: the script, the presets in the list, its first tree, and the
-/// list as the workbench's tests keep it.
+/// What the picture of the workbench is drawn from: the script, the presets in the list, its first tree, and
+/// the list as the workbench's tests keep it.
 fn workbench(code: &str, golden: &BTreeMap<String, String>) -> String {
     let folder = root().join("src/app/tui/snapshots");
     let list = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
@@ -173,8 +177,8 @@ fn workbench(code: &str, golden: &BTreeMap<String, String>) -> String {
     let view = list.splitn(3, "---\n").last().unwrap_or_default();
     let script = unix(&read("presets/pictures/workbench"));
     let mut from = format!("{script}\n{code}\n{view}\n{}\n", golden["oak"]);
-    for own in builtins() {
-        let preset = own.load().unwrap();
+    for builtin in builtins() {
+        let preset = builtin.load().unwrap();
         writeln!(from, "{} {} {}", preset.group, preset.id, preset.name).unwrap();
     }
     hash(from.as_bytes())

@@ -50,13 +50,13 @@ impl Dressed {
         let mut notes = grown.notes.clone();
         let said = |error: linden::detail::DetailError| error.to_string();
         let mut seasons = if seasons.is_empty() {
-            let own = levels(recipe, &grown, &Quiet).map_err(said)?;
-            notes.extend(own.notes);
-            vec![(Season { name: "summer".to_owned(), season: 0.35 }, own.levels)]
+            let dressed = levels(recipe, &grown, &Quiet).map_err(said)?;
+            notes.extend(dressed.notes);
+            vec![(Season { name: "summer".to_owned(), season: 0.35 }, dressed.levels)]
         } else {
-            let own = year(recipe, &grown, seasons, &Quiet).map_err(said)?;
-            notes.extend(own.notes);
-            own.seasons
+            let dressed = year(recipe, &grown, seasons, &Quiet).map_err(said)?;
+            notes.extend(dressed.notes);
+            dressed.seasons
         };
         for level in seasons.iter_mut().flat_map(|(_, levels)| levels) {
             "{}".clone_into(&mut level.scene.recipe);
@@ -222,7 +222,7 @@ fn every_knob_has_an_effect_or_a_note_that_names_it() {
 /// Turns what says how leaves look, of every outline.
 #[test]
 fn every_knob_of_an_outline_has_an_effect_or_a_note_that_names_it() {
-    let plant = plants().into_iter().find(|own| own.name == "crown").unwrap();
+    let plant = plants().into_iter().find(|plant| plant.name == "crown").unwrap();
     let outlines = plant.recipe.preset.knobs().into_iter().find_map(|(row, _)| match row.knob.kind {
         Kind::Choice(words) if row.knob.name == "leaf_outline" => Some(words),
         _ => None,
@@ -232,16 +232,16 @@ fn every_knob_of_an_outline_has_an_effect_or_a_note_that_names_it() {
         .unwrap()
         .par_iter()
         .flat_map_iter(|outline| {
-            let mut own = Plant { name: outline, recipe: plant.recipe.clone() };
-            own.recipe.preset.set("leaf_outline", outline).unwrap();
-            own.recipe.preset.set("leaf_size", "96").unwrap();
-            own.recipe.preset.set("points", "5").unwrap();
-            let before = seen(&own.recipe).unwrap();
+            let mut outlined = Plant { name: outline, recipe: plant.recipe.clone() };
+            outlined.recipe.preset.set("leaf_outline", outline).unwrap();
+            outlined.recipe.preset.set("leaf_size", "96").unwrap();
+            outlined.recipe.preset.set("points", "5").unwrap();
+            let before = seen(&outlined.recipe).unwrap();
             let rows =
-                own.recipe.preset.knobs().into_iter().filter(|(row, _)| names.contains(&row.knob.name));
+                outlined.recipe.preset.knobs().into_iter().filter(|(row, _)| names.contains(&row.knob.name));
             let faults = rows.filter_map(|(row, _)| {
-                let idle = own.recipe.preset.idle(row.knob.name);
-                match (turned(&own, &row, &before), idle) {
+                let idle = outlined.recipe.preset.idle(row.knob.name);
+                match (turned(&outlined, &row, &before), idle) {
                     (Came::Effect(_), None) | (Came::Nothing, Some(_)) => None,
                     (_, idle) => Some(format!("{outline}: {} is said to be {idle:?}", row.knob.name)),
                 }
@@ -256,7 +256,7 @@ fn every_knob_of_an_outline_has_an_effect_or_a_note_that_names_it() {
 /// Turns knobs that have an effect somewhere, and writes all formats.
 #[test]
 fn what_a_format_cannot_hold_of_a_knob_is_noted() {
-    let plant = plants().into_iter().find(|own| own.name == "everything").unwrap();
+    let plant = plants().into_iter().find(|plant| plant.name == "everything").unwrap();
     let before = Dressed::of(&plant.recipe, &[]).unwrap();
     let seen_before = seen(&plant.recipe).unwrap();
     let formats: Vec<(&dyn Exporter, Options)> =
@@ -300,7 +300,7 @@ fn what_a_format_cannot_hold_of_a_knob_is_noted() {
 #[test]
 fn what_a_format_cannot_hold_of_an_export_is_noted() {
     type Asked<'a> = (&'a str, &'a [(&'a str, &'a str)], &'a [Season], bool);
-    let plain = plants().into_iter().find(|own| own.name == "crown").unwrap().recipe;
+    let plain = plants().into_iter().find(|plant| plant.name == "crown").unwrap().recipe;
     let before = Dressed::of(&plain, &[]).unwrap();
     let seasons = Season::parse_list("summer,autumn").unwrap();
     let asked: [Asked<'_>; 7] = [
@@ -322,10 +322,10 @@ fn what_a_format_cannot_hold_of_an_export_is_noted() {
         for exporter in REGISTRY {
             let options = Options::new(exporter.format());
             let [before, after] = [(&before, false), (&after, scene)]
-                .map(|(own, scene)| own.export(*exporter, &options, &[], scene));
+                .map(|(dressed, scene)| dressed.export(*exporter, &options, &[], scene));
             let id = exporter.format().id;
             // Names of files differ already where each level has one.
-            let bytes = |own: &Export| -> Vec<Vec<u8>> { own.files.values().cloned().collect() };
+            let bytes = |export: &Export| -> Vec<Vec<u8>> { export.files.values().cloned().collect() };
             if bytes(&before) == bytes(&after) && !after.says(name) {
                 faults.push(format!("{id}: {name} {knobs:?} changes nothing, and nothing is said"));
             }
@@ -338,7 +338,9 @@ fn what_a_format_cannot_hold_of_an_export_is_noted() {
 #[test]
 fn every_option_of_a_format_has_an_effect_or_a_note_that_names_it() {
     let mut faults = Vec::new();
-    for plant in plants().iter().filter(|own| ["crown", "bare", "everything", "windy"].contains(&own.name)) {
+    for plant in
+        plants().iter().filter(|plant| ["crown", "bare", "everything", "windy"].contains(&plant.name))
+    {
         let dressed = Dressed::of(&plant.recipe, &[]).unwrap();
         for exporter in REGISTRY {
             let format = exporter.format();

@@ -35,7 +35,7 @@ fn ratios(recipe: &Recipe, is_written: bool) -> Vec<(&'static str, f64)> {
             exporter.write(&Stage::of(&scene), &options, &mut bundle, &Quiet).unwrap();
             bundle.commit().unwrap();
             let written: u64 =
-                target.path().read_dir().unwrap().map(|own| own.unwrap().metadata().unwrap().len()).sum();
+                target.path().read_dir().unwrap().map(|entry| entry.unwrap().metadata().unwrap().len()).sum();
             all.push(("glb", estimate.bytes(exporter.format(), &options).unwrap() as f64 / written as f64));
             let swept: usize = scene.parts.iter().map(|part| part.mesh.triangles.len()).sum();
             all.push(("swept", estimate.triangles as f64 / swept as f64));
@@ -62,8 +62,8 @@ fn check(what: &str, recipe: &Recipe, is_written: bool, factor: f64, faults: &mu
 #[test]
 fn every_preset_is_forecast_within_a_factor_of_two() {
     let mut faults = Vec::new();
-    for own in builtins() {
-        check(own.id, &recipe(own), true, 2.0, &mut faults);
+    for builtin in builtins() {
+        check(builtin.id, &recipe(builtin), true, 2.0, &mut faults);
     }
     assert!(faults.is_empty(), "\n{}", faults.join("\n"));
 }

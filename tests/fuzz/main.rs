@@ -34,7 +34,7 @@ static WATCH: LazyLock<Watch> =
 #[global_allocator]
 static ALLOCATOR: PeakAlloc = PeakAlloc;
 
-/// Bytes that an input may make a parser hold: so many for each of its own, and a constant. The largest
+/// Bytes that an input may make a parser hold: some for each byte of the input, and a constant. The largest
 /// is a mesh: 6 bytes of text can be a point of 24, in a list that moves to a larger place.
 const BYTES_PER_BYTE: usize = 64;
 const CONSTANT_BYTES: usize = 24 << 20;
@@ -51,11 +51,12 @@ fn corpus(target: &Target) -> Vec<(PathBuf, Vec<u8>)> {
 fn seeds(target: &Target) -> Vec<Vec<u8>> {
     let mut seeds: Vec<Vec<u8>> = corpus(target).into_iter().map(|(_, bytes)| bytes).collect();
     if matches!(target.name, "preset" | "tree") {
-        seeds.extend(builtins().iter().map(|own| own.load().unwrap().to_toml().unwrap().into_bytes()));
+        seeds
+            .extend(builtins().iter().map(|builtin| builtin.load().unwrap().to_toml().unwrap().into_bytes()));
     }
     if target.name == "recipe" {
-        let line = |own: &linden::preset::Builtin| {
-            linden::recipe::Recipe::new(own.load().unwrap()).to_line().into_bytes()
+        let line = |builtin: &linden::preset::Builtin| {
+            linden::recipe::Recipe::new(builtin.load().unwrap()).to_line().into_bytes()
         };
         seeds.extend(builtins().iter().map(line));
     }
@@ -80,7 +81,7 @@ fn tried(target: &'static Target, bytes: &[u8]) -> Result<String, Wrong> {
     let peak = ALLOCATOR.peak_usage().saturating_sub(before);
     let said = done.map_err(|panic| {
         let text = panic.downcast_ref::<String>().cloned();
-        let text = text.or_else(|| panic.downcast_ref::<&str>().map(|own| (*own).to_owned()));
+        let text = text.or_else(|| panic.downcast_ref::<&str>().map(|message| (*message).to_owned()));
         Wrong::Fails(text.unwrap_or_default())
     })?;
     if let Some(slow) = slow {

@@ -56,7 +56,7 @@ impl Target {
     }
 }
 
-/// Cancels after so many looks: a budget of work that is the same on every machine.
+/// Cancels after a number of looks: a budget of work that is the same on every machine.
 pub struct Budget {
     looks: AtomicU64,
     memory_bytes: u64,
@@ -156,7 +156,7 @@ fn grammar_file(bytes: &[u8]) -> String {
         sound_grammar(&grammar);
     }
     match text::parse(source) {
-        Ok(own) => sound_grammar(&own.grammar),
+        Ok(document) => sound_grammar(&document.grammar),
         Err(error) => {
             assert!(error.line >= 1 && error.column >= 1);
             said(&error)
@@ -189,12 +189,12 @@ fn sound_preset(preset: Preset) -> String {
         assert_eq!(knob.knob.kind.check(&value), Ok(()), "{}", knob.knob.name);
     }
     let id = preset.grows_by().id().to_owned();
-    let own_knobs = knobs(&preset);
+    let turned = knobs(&preset);
     let line = Recipe::new(preset).to_line();
     assert!(line.bytes().all(|byte| (b' '..=b'~').contains(&byte)), "{line:?}");
     for (written, again) in [(&toml, Preset::from_toml(&toml)), (&line, Preset::from_json(&line))] {
         let again = again.unwrap_or_else(|fault| panic!("{fault}, written as {written}"));
-        assert_eq!(knobs(&again), own_knobs, "written as {written}");
+        assert_eq!(knobs(&again), turned, "written as {written}");
         assert_eq!(again.to_toml().as_ref(), Ok(&toml));
         assert_eq!(Recipe::new(again).to_line(), line);
     }
@@ -231,13 +231,13 @@ fn xyz(bytes: &[u8]) -> String {
 /// Pictures of leaves and bark.
 fn picture(bytes: &[u8]) -> String {
     match read_picture(bytes, &Budget::new(10_000, PICTURE_BYTES)) {
-        Ok(own) => {
-            let (width, height) = (own.picture.width(), own.picture.height());
-            assert_eq!(own.picture.rgba().len() as u64, u64::from(width) * u64::from(height) * 4);
-            let written = own.picture.png().expect("what was read can be written");
+        Ok(found) => {
+            let (width, height) = (found.picture.width(), found.picture.height());
+            assert_eq!(found.picture.rgba().len() as u64, u64::from(width) * u64::from(height) * 4);
+            let written = found.picture.png().expect("what was read can be written");
             let again = read_picture(written, &Quiet).expect("what was written can be read");
-            assert_eq!((again.picture.rgba(), again.has_alpha), (own.picture.rgba(), own.has_alpha));
-            format!("a picture, {}", own.has_alpha)
+            assert_eq!((again.picture.rgba(), again.has_alpha), (found.picture.rgba(), found.has_alpha));
+            format!("a picture, {}", found.has_alpha)
         }
         Err(error) => said(&error),
     }
@@ -377,7 +377,8 @@ fn planted(recipe: &Recipe) -> String {
     let grown = match grow(recipe, &budget) {
         Ok(grown) => grown,
         Err(error) => {
-            let is_ours = matches!(&error, GrowError::Skeleton(own) if !matches!(own, SkeletonError::Empty));
+            let is_ours =
+                matches!(&error, GrowError::Skeleton(wrong) if !matches!(wrong, SkeletonError::Empty));
             assert!(!is_ours, "a generator gave no tree: {error}");
             return said(&error);
         }

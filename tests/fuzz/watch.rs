@@ -17,7 +17,7 @@ const STEPS: f64 = 1e9;
 const STEPS_OF_TREES: f64 = 1e10;
 /// Steps for each byte of an input: a few microseconds.
 const STEPS_PER_BYTE: f64 = 1e3;
-/// What takes so many times longer than it may is not waited for.
+/// What takes this many times longer than it may is not waited for.
 const ENDLESS: f64 = 4.0;
 /// An input that takes no processor time for so long waits for something.
 const STILL: Duration = Duration::from_mins(2);

@@ -197,13 +197,13 @@ fn points_do_not_depend_on_threads() {
 /// The tree that grows in a mesh, as a command line grows it.
 fn grown_in(mesh: TriangleMesh, knobs: &[(&str, &str)]) -> Grown {
     let mut preset =
-        Preset::of("own", linden::preset::Colonization::of(Space::Envelope { file: "own.obj".into() }));
+        Preset::of("mine", linden::preset::Colonization::of(Space::Envelope { file: "mine.obj".into() }));
     for (knob, value) in knobs {
         preset.set(knob, value).unwrap();
     }
     let mut recipe = Recipe::new(preset);
     let geometry = Geometry::Mesh(Arc::new(mesh));
-    recipe.inputs.insert("own.obj", Input { hash: 0, up: Up::Y, geometry });
+    recipe.inputs.insert("mine.obj", Input { hash: 0, up: Up::Y, geometry });
     grow(&recipe, &Quiet).unwrap()
 }
 
@@ -236,7 +236,7 @@ fn shells_that_stand_apart_are_told_from_crowns_of_several_balls() {
         assert!((shell.volume_m3() / (4.0 / 3.0 * PI * 8.0) - 1.0).abs() < 0.03);
         assert!(shell.contains(DVec3::new(x, 2.0, 0.0)) && !shell.contains(DVec3::new(-x, 2.0, 0.0)));
     }
-    // One that is open is nobody's inside.
+    // One that is open has no inside.
     let mut open = apart;
     open.triangles.pop();
     assert_eq!(count(&open), 0);
@@ -255,9 +255,9 @@ fn each_shell_of_a_mesh_is_a_tree_with_a_root_below_it() {
     for (foot, below) in found.iter().zip(below) {
         assert!((*foot - below).length() < 0.05, "{foot} {below}");
     }
-    let own = grown.colonized.as_ref().unwrap();
-    assert_eq!(own.points.len(), 1800, "for each tree as many as for one");
-    assert!(own.unreached * 100 < own.points.len(), "{} not reached", own.unreached);
+    let colonized = grown.colonized.as_ref().unwrap();
+    assert_eq!(colonized.points.len(), 1800, "for each tree as many as for one");
+    assert!(colonized.unreached * 100 < colonized.points.len(), "{} not reached", colonized.unreached);
     assert!(grown.notes.iter().any(|note| note.contains("3 shells that stand apart")), "{:?}", grown.notes);
     assert!(!grown.notes.iter().any(|note| note.contains("raise influence")), "{:?}", grown.notes);
 

@@ -238,9 +238,9 @@ fn a_chosen_step_decides_the_detail() {
 
 /// The tree that grows from points, as a command line grows it.
 fn grown_from(points: Vec<DVec3>) -> Grown {
-    let mut recipe = Recipe::new(Preset::of("own", linden::preset::ScanSettings::of("own.xyz")));
+    let mut recipe = Recipe::new(Preset::of("mine", linden::preset::ScanSettings::of("mine.xyz")));
     let geometry = Geometry::Points(Arc::new(points));
-    recipe.inputs.insert("own.xyz", Input { hash: 0, up: Up::Y, geometry });
+    recipe.inputs.insert("mine.xyz", Input { hash: 0, up: Up::Y, geometry });
     grow(&recipe, &Quiet).unwrap()
 }
 
@@ -337,9 +337,13 @@ fn dome(seed: u64, ground_m: f64) -> Vec<DVec3> {
 fn a_canopy_without_a_stem_is_a_crown_on_a_trunk_and_never_a_stub() {
     for seed in 0..8 {
         let grown = grown_from(dome(seed, 0.0));
-        let own = grown.colonized.as_ref().unwrap();
-        assert!(own.is_canopy, "seed {seed}");
-        assert!(own.unreached * 50 < own.points.len(), "seed {seed}: {} not reached", own.unreached);
+        let colonized = grown.colonized.as_ref().unwrap();
+        assert!(colonized.is_canopy, "seed {seed}");
+        assert!(
+            colonized.unreached * 50 < colonized.points.len(),
+            "seed {seed}: {} not reached",
+            colonized.unreached
+        );
         let measures = grown.skeleton.measures();
         assert!((8.7..9.4).contains(&measures.height_m), "seed {seed}: {} m", measures.height_m);
         assert!((7.0..8.6).contains(&measures.crown_width_m), "seed {seed}: {} m", measures.crown_width_m);
@@ -370,11 +374,11 @@ fn ground_below_a_canopy_says_where_the_tree_stands() {
             DVec3::new(500.0 + 8.0 * x, 480.0 + 0.3 * x + 0.05 * off, 700.0 + 8.0 * z)
         }));
         let grown = grown_from(points);
-        let own = grown.colonized.as_ref().unwrap();
-        assert!(own.is_canopy && own.points.len() == 758, "seed {seed}: {:?}", grown.notes);
+        let colonized = grown.colonized.as_ref().unwrap();
+        assert!(colonized.is_canopy && colonized.points.len() == 758, "seed {seed}: {:?}", grown.notes);
         let height_m = grown.skeleton.measures().height_m;
         assert!((8.6..9.5).contains(&height_m), "seed {seed}: {height_m} m");
-        assert!(own.unreached < 20, "seed {seed}: {}", own.unreached);
+        assert!(colonized.unreached < 20, "seed {seed}: {}", colonized.unreached);
         assert!(grown.notes.iter().any(|note| note.starts_with("400 points were taken for ground")));
     }
 }

@@ -53,9 +53,9 @@ fn assert_comes_back(truth: &Sizes, hits: &[Hit], sd_m: f64, what: &str, bounds:
         within("a stem radius", *back, truth, 0.92, 1.03);
     }
     within("volume", back.volume_m3, truth.volume_m3, 0.55, 1.1);
-    let own = grown.colonized.unwrap();
-    assert_eq!(own.unreached, 0, "{what}");
-    let fit = own.scan.unwrap().fit;
+    let colonized = grown.colonized.unwrap();
+    assert_eq!(colonized.unreached, 0, "{what}");
+    let fit = colonized.scan.unwrap().fit;
     let (mean, p95) = (1e3 * fit.points_to_surface.mean_m, 1e3 * fit.points_to_surface.p95_m);
     assert!(mean < bounds.surface_mm.0 && p95 < bounds.surface_mm.1, "{what}: {mean} {p95} mm");
     let back = fit.surface_to_points;
@@ -128,7 +128,7 @@ fn dust_is_dropped_and_said() {
     assert!((dust * 8 / 10..dust * 11 / 10).contains(&dropped(&filtered)), "{dust}: {:?}", filtered.notes);
     let (kept, without) = scanned("not filtered", &hits, 0.003, &[("noise_filter", "false")]);
     assert_eq!(dropped(&kept), 0);
-    // The thinning's own strays are left out either way.
+    // Strays that thinning itself finds are left out either way.
     let truth = sizes(&tree.0).length_m;
     assert!(with.length_m / truth < 0.97 && with.length_m <= without.length_m, "{with:?} {without:?}");
 }

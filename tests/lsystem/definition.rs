@@ -63,7 +63,7 @@ impl Expr {
     }
 }
 
-/// A symbol with so many parameters, or a branch of them.
+/// A symbol with a number of parameters, or a branch of such.
 #[derive(Clone, Debug)]
 pub enum Sought {
     Module(char, usize),
@@ -139,9 +139,9 @@ impl Group {
     pub fn head(&self) -> String {
         let mut next = 0;
         let left = sought_text(&self.left, &mut next);
-        let own = sought_text(&[Sought::Module(self.symbol, self.arity)], &mut next);
+        let symbol = sought_text(&[Sought::Module(self.symbol, self.arity)], &mut next);
         let right = sought_text(&self.right, &mut next);
-        let mut text = if left.is_empty() { own } else { format!("{left} < {own}") };
+        let mut text = if left.is_empty() { symbol } else { format!("{left} < {symbol}") };
         if !right.is_empty() {
             let _ = write!(text, " > {right}");
         }

@@ -94,10 +94,10 @@ fn a_shrub_is_the_plant_repeated_about_its_foot() {
         libm::atan2f(way.x, way.z).to_degrees()
     };
     for stem in 0..5 {
-        let own = &shrub.branching.positions[stem * each..(stem + 1) * each];
-        assert_eq!(own[0], Vec3::ZERO);
+        let nodes = &shrub.branching.positions[stem * each..(stem + 1) * each];
+        assert_eq!(nodes[0], Vec3::ZERO);
         assert_eq!(shrub.branching.parents[stem * each], NO_PARENT);
-        let leans = libm::acosf(own[1].y).to_degrees();
+        let leans = libm::acosf(nodes[1].y).to_degrees();
         assert!((leans - lean).abs() < 1e-2, "{leans}");
         if stem > 0 {
             // The same way round each time.
@@ -120,8 +120,8 @@ fn each_stem_has_its_own_chance_and_the_first_is_the_trees() {
     let each = tree.branching.positions.len();
     assert_eq!(shrub.branching.positions[..each], tree.branching.positions);
     let reach = |stem: usize| {
-        let own = &shrub.branching.positions[stem * each..(stem + 1) * each];
-        own.iter().map(|p| p.length()).sum::<f32>()
+        let nodes = &shrub.branching.positions[stem * each..(stem + 1) * each];
+        nodes.iter().map(|p| p.length()).sum::<f32>()
     };
     let all = [0, 1, 2].map(reach);
     assert!((all[0] - all[1]).abs() > 0.1 && (all[1] - all[2]).abs() > 0.1, "{all:?}");

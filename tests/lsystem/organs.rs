@@ -21,15 +21,15 @@ fn an_organ_stands_in_the_turtles_frame() {
 
 #[test]
 fn a_leaf_reaches_one_segment_along_the_heading() {
-    for own in &PROTOTYPES {
-        let axiom = format!("F/(30)&(50)~{}", own.letter);
+    for prototype in &PROTOTYPES {
+        let axiom = format!("F/(30)&(50)~{}", prototype.letter);
         let organs = drawn_with(&axiom, |s| s.segment_m = 0.2).organs;
         let foliage = meshes(&organs, 1, &Quiet).unwrap();
         let heading = organs.placed.headings[0];
         let along = |p: &Vec3| (*p - Vec3::Y * 0.2).dot(heading) / 0.2;
-        let (unit, mesh) = (own.mesh().bounds().unwrap(), &foliage[0].mesh);
+        let (unit, mesh) = (prototype.mesh().bounds().unwrap(), &foliage[0].mesh);
         let reach = mesh.positions.iter().map(along).fold(f32::MIN, f32::max);
-        assert!((reach - unit.max.y).abs() < 1e-5, "{}: {reach}", own.name);
+        assert!((reach - unit.max.y).abs() < 1e-5, "{}: {reach}", prototype.name);
         assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-5));
     }
 }
@@ -58,10 +58,11 @@ fn an_unknown_letter_is_named_with_the_table() {
 fn each_colour_is_a_mesh_and_the_last_repeats() {
     let organs = drawn_with("F~L'''~L'(1)~B{f+f+f}", |_| ()).organs;
     let foliage = meshes(&organs, 3, &Quiet).unwrap();
-    assert_eq!(foliage.iter().map(|own| own.look).collect::<Vec<_>>(), [0, 1, 2].map(Look::Color));
-    let triangles =
-        |letter: char| PROTOTYPES.iter().find(|own| own.letter == letter).unwrap().mesh().triangles.len();
-    let counts: Vec<usize> = foliage.iter().map(|own| own.mesh.triangles.len()).collect();
+    assert_eq!(foliage.iter().map(|foliage| foliage.look).collect::<Vec<_>>(), [0, 1, 2].map(Look::Color));
+    let triangles = |letter: char| {
+        PROTOTYPES.iter().find(|prototype| prototype.letter == letter).unwrap().mesh().triangles.len()
+    };
+    let counts: Vec<usize> = foliage.iter().map(|foliage| foliage.mesh.triangles.len()).collect();
     assert_eq!(counts, [triangles('L'), triangles('B') + 2, triangles('L')]);
     assert_eq!(meshes(&organs, 1, &Quiet).unwrap().len(), 1);
 }
@@ -79,6 +80,6 @@ fn any_number_of_threads_gives_the_same_foliage() {
     let all = on(1);
     assert_eq!(all, on(3));
     let (vertices, triangles) = organs.amount();
-    assert_eq!(all.iter().map(|own| own.mesh.positions.len() as u64).sum::<u64>(), vertices);
-    assert_eq!(all.iter().map(|own| own.mesh.triangles.len() as u64).sum::<u64>(), triangles);
+    assert_eq!(all.iter().map(|foliage| foliage.mesh.positions.len() as u64).sum::<u64>(), vertices);
+    assert_eq!(all.iter().map(|foliage| foliage.mesh.triangles.len() as u64).sum::<u64>(), triangles);
 }

@@ -69,8 +69,8 @@ fn vertices_are_recorded_across_brackets() {
     assert_eq!(grown.branching.positions.len(), 2, "its ribs are no wood");
     let corners: Vec<Vec<Vec3>> =
         (0..grown.organs.len()).map(|i| grown.organs.corners_of(i).to_vec()).collect();
-    assert!(corners.iter().all(|own| own.iter().all(|p| p.z.abs() < 1e-5)), "it is flat");
-    let whole: f32 = corners.iter().map(|own| area(own)).sum();
+    assert!(corners.iter().all(|outline| outline.iter().all(|p| p.z.abs() < 1e-5)), "it is flat");
+    let whole: f32 = corners.iter().map(|outline| area(outline)).sum();
     // From the origin of the leaf, rib k (k = 1 the innermost) of length k at the angle 16°·(8 − k): a
     // triangle between neighbours has the area ½·a·b·sin 16°. The innermost are 0 and 1 long.
     let half: f32 = (1..8).map(|k| 0.5 * (k * (k - 1)) as f32 * libm::sinf(16_f32.to_radians())).sum();

@@ -221,7 +221,7 @@ fn no_stage_takes_more_than_it_forecast() {
     let exact = Forecasts { limit: Some(forecast), ..Forecasts::default() };
     assert!(grow(&recipe, &exact).is_ok());
 
-    // A limit is kept where nobody can know before: a tree of a million points within 8 MiB.
+    // A limit is kept where the need is unknown before: a tree of a million points within 8 MiB.
     let limit = 8 << 20;
     for recipe in [
         turned("sphere", &[("points", "1000000")]),
@@ -239,7 +239,7 @@ fn no_stage_takes_more_than_it_forecast() {
     }
 }
 
-/// The same scene with pictures that nobody has compressed.
+/// The same scene with pictures that are not compressed yet.
 fn drop_pngs(scene: &linden::scene::Scene) -> linden::scene::Scene {
     let mut scene = scene.clone();
     for material in &mut scene.materials {

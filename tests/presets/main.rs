@@ -66,7 +66,7 @@ fn each_surface_is_closed_unfolded_and_finite() {
         let found = topology(&mesh, &Quiet).unwrap();
         assert_eq!(found, Topology::default(), "{}", builtin.id);
         assert!(mesh.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-4), "{}", builtin.id);
-        assert_eq!(grown.colonized.map_or(0, |own| own.unreached), 0, "{}", builtin.id);
+        assert_eq!(grown.colonized.map_or(0, |colonized| colonized.unreached), 0, "{}", builtin.id);
     }
 }
 
@@ -144,7 +144,7 @@ fn as_before(golden: &Path, text: &str) {
 #[test]
 fn any_number_of_threads_grows_the_same_tree() {
     let on = |threads: usize, id: &str| {
-        let builtin = builtins().iter().find(|own| own.id == id).unwrap();
+        let builtin = builtins().iter().find(|builtin| builtin.id == id).unwrap();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| grow(&recipe(builtin), &Quiet).unwrap().skeleton.hash())
     };

@@ -77,7 +77,7 @@ fn holds(id: &str, seed: u64, what: &str, measured: f64, [least, most]: [f64; 2]
 #[test]
 fn each_plant_is_of_the_size_that_its_sources_give() {
     PLANTS.par_iter().for_each(|plant| {
-        let builtin = builtins().iter().find(|own| own.id == plant.id).unwrap();
+        let builtin = builtins().iter().find(|builtin| builtin.id == plant.id).unwrap();
         for seed in 1..=10 {
             let mut recipe = recipe(builtin);
             recipe.preset.seed = seed;
@@ -126,7 +126,7 @@ fn dressed_presets_keep_the_wood_of_the_ones_before() {
         ("dressed-simple", "simple"),
     ] {
         let [dressed_wood, bare_wood] = [dressed, bare].map(|id| {
-            let builtin = builtins().iter().find(|own| own.id == id).unwrap();
+            let builtin = builtins().iter().find(|builtin| builtin.id == id).unwrap();
             grow(&recipe(builtin), &Quiet).unwrap().skeleton.hash()
         });
         assert_eq!(dressed_wood, bare_wood, "{dressed} is not {bare}");

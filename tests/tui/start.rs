@@ -41,7 +41,7 @@ fn the_first_frame_is_whole_and_comes_before_the_first_query() {
     assert!(parser.screen().alternate_screen() && parser.screen().hide_cursor());
 }
 
-/// Bytes that follow so many tokens.
+/// Where the bytes after the first `count` tokens begin.
 fn find_rest(bytes: &[u8], count: usize) -> usize {
     let mut low = 0;
     let mut high = bytes.len();
@@ -76,7 +76,7 @@ fn what_the_terminal_answers_is_not_shown_and_not_typed() {
         let bytes = workbench.bytes();
         let has = |kind, begin: &[u8]| {
             tokens(&bytes).0.iter().any(
-                |token| matches!(token, Token::String(own, body) if *own == kind && body.starts_with(begin)),
+                |token| matches!(token, Token::String(of_kind, body) if *of_kind == kind && body.starts_with(begin)),
             )
         };
         // A picture as the terminal said that it has it.

@@ -70,11 +70,11 @@ fn presets_grow_refined() {
 fn organs_follow_refinement() {
     let grammar = linden::lsystem::Grammar::new("A", &["A -> F[+F~L]FA"]).unwrap();
     let preset = linden::preset::Preset::of_grammar("leafy", grammar, 50.0, 4);
-    let mut own = linden::recipe::Recipe::new(preset);
-    let plain = grow(&own, &Quiet).unwrap();
+    let mut recipe = linden::recipe::Recipe::new(preset);
+    let plain = grow(&recipe, &Quiet).unwrap();
     assert!(!plain.organs.is_empty());
-    own.preset.set("refine", "relocate subdivide").unwrap();
-    let grown = grow(&own, &Quiet).unwrap();
+    recipe.preset.set("refine", "relocate subdivide").unwrap();
+    let grown = grow(&recipe, &Quiet).unwrap();
     assert_eq!(grown.organs.len(), plain.organs.len());
     for (node, at) in grown.organs.placed.growth.nodes.iter().zip(&grown.organs.placed.positions) {
         assert!(grown.skeleton.positions[*node as usize].distance(*at) < 1e-4);

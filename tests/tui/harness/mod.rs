@@ -71,7 +71,7 @@ pub struct Setup {
 }
 
 impl Setup {
-    /// A mute terminal of so many columns and rows, `TERM=xterm-256color`, and nothing else in the
+    /// A mute terminal of this size, `TERM=xterm-256color`, and nothing else in the
     /// environment.
     pub fn new(columns: u16, rows: u16) -> Self {
         Self {
@@ -192,7 +192,7 @@ impl Workbench {
         workbench
     }
 
-    /// Starts the program on so many points, which take about as many nodes; they have begun to grow.
+    /// Starts the program on `points` points, which take about as many nodes; they have begun to grow.
     pub fn while_it_grows(home: &Home, points: u32) -> Self {
         let points = format!("points={points}");
         let args = ["open", "sphere", "--set", &points, "--set", "step=0.02"];
@@ -216,7 +216,7 @@ impl Workbench {
         self.monitor.sent(0)
     }
 
-    /// Bytes that the program sent after the first so many.
+    /// Bytes that the program sent after the first `from`.
     pub fn bytes_from(&self, from: usize) -> Vec<u8> {
         self.monitor.sent(from)
     }
@@ -338,7 +338,7 @@ impl Workbench {
     #[track_caller]
     pub fn wait_exit(&mut self) -> End {
         let end = self.process.wait(|| self.screen().text());
-        // When nobody has that end open any more, reading ends after the last byte.
+        // When no process has that end open any more, reading ends after the last byte.
         if let Some(far) = self.far.take() {
             assert_eq!(settings(&far), self.before, "the terminal's settings are as they were");
         }

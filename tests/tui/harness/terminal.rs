@@ -34,7 +34,7 @@ pub struct Link {
 }
 
 impl Link {
-    /// What so many bytes take.
+    /// What `bytes` bytes take.
     pub fn time_of(&self, bytes: usize) -> Duration {
         Duration::from_secs_f64(bytes as f64 / self.bytes_per_second)
     }

@@ -1,4 +1,4 @@
-//! Pictures of one's own in place of drawn ones, from the command line and from a preset.
+//! The user's pictures in place of drawn ones, from the command line and from a preset.
 
 use crate::program::Folder;
 
@@ -43,8 +43,10 @@ fn wood_v(obj: &str) -> f32 {
 /// The picture that a material of an .mtl shows.
 fn map(folder: &Folder, mtl: &str, material: &str, key: &str) -> Vec<u8> {
     let text = String::from_utf8(folder.read(mtl)).unwrap();
-    let own = text.split("newmtl ").find(|own| own.lines().next().unwrap().contains(material)).unwrap();
-    let line = own.lines().find(|line| line.starts_with(key)).unwrap_or_else(|| panic!("{key} in {own}"));
+    let section =
+        text.split("newmtl ").find(|section| section.lines().next().unwrap().contains(material)).unwrap();
+    let line =
+        section.lines().find(|line| line.starts_with(key)).unwrap_or_else(|| panic!("{key} in {section}"));
     folder.read(line.split(' ').next_back().unwrap())
 }
 
@@ -56,36 +58,36 @@ fn a_png_replaces_bark_and_leaves_and_comes_back_with_the_recipe() {
     folder.write("leaf.png", &leaf);
     let run = |args: &[&str]| folder.run(&[&["export"][..], args].concat()).done();
     run(&[&["dressed-simple", "-o", "drawn.obj"][..], &SMALL].concat());
-    let own = ["--set", "bark_picture=bark.png", "--set", "leaf_picture=leaf.png"];
-    run(&[&["dressed-simple", "-o", "own.obj"][..], &SMALL[..4], &own].concat());
+    let settings = ["--set", "bark_picture=bark.png", "--set", "leaf_picture=leaf.png"];
+    run(&[&["dressed-simple", "-o", "mine.obj"][..], &SMALL[..4], &settings].concat());
 
     // The bark as it is but for its holes, its normals drawn of it; the leaf with its holes.
-    let (size, samples, kd) = pixels(&map(&folder, "own.mtl", "bark", "map_Kd"));
+    let (size, samples, kd) = pixels(&map(&folder, "mine.mtl", "bark", "map_Kd"));
     let colors = |bytes: &[u8], samples: usize| -> Vec<u8> {
         bytes.chunks(samples).flat_map(|pixel| pixel[..3].to_vec()).collect()
     };
     assert_eq!((size, colors(&kd, samples)), ([16, 32], colors(&rgba, 4)));
     assert!(samples == 3 || kd.chunks(4).all(|pixel| pixel[3] == 255), "bark has no holes");
-    let (size, samples, normals) = pixels(&map(&folder, "own.mtl", "bark", "norm"));
+    let (size, samples, normals) = pixels(&map(&folder, "mine.mtl", "bark", "norm"));
     assert_eq!(size, [16, 32]);
     let leaning = normals.chunks(samples).filter(|pixel| pixel[0].abs_diff(128) > 3).count();
     assert!((32..=4 * 32).contains(&leaning), "{leaning} of 512 lean: those beside the stripe");
-    assert_eq!(pixels(&map(&folder, "own.mtl", "leaves", "map_Kd")).2, leaf_rgba);
+    assert_eq!(pixels(&map(&folder, "mine.mtl", "leaves", "map_Kd")).2, leaf_rgba);
 
     // Twice as high as wide: half as many of them up the trunk.
     let text = |name: &str| String::from_utf8(folder.read(name)).unwrap();
-    let (drawn, tall) = (wood_v(&text("drawn.obj")), wood_v(&text("own.obj")));
+    let (drawn, tall) = (wood_v(&text("drawn.obj")), wood_v(&text("mine.obj")));
     assert!((tall - drawn / 2.0).abs() < 1e-3 * drawn, "{drawn} {tall}");
 
     // A preset with the same, and the recipe in the file, give the same again.
-    let recipe = text("own.obj").lines().find_map(|line| Some(line[line.find("{\"linden\"")?..].to_owned()));
+    let recipe = text("mine.obj").lines().find_map(|line| Some(line[line.find("{\"linden\"")?..].to_owned()));
     folder.write("again.json", recipe.unwrap());
     run(&["again.json", "-o", "again.obj"]);
     let faces = |name: &str| {
-        text(name).lines().filter(|own| !own.starts_with("mtllib")).map(str::to_owned).collect::<Vec<_>>()
+        text(name).lines().filter(|line| !line.starts_with("mtllib")).map(str::to_owned).collect::<Vec<_>>()
     };
-    assert!(faces("again.obj") == faces("own.obj"), "the recipe grows another tree");
-    assert!(map(&folder, "again.mtl", "bark", "map_Kd") == map(&folder, "own.mtl", "bark", "map_Kd"));
+    assert!(faces("again.obj") == faces("mine.obj"), "the recipe grows another tree");
+    assert!(map(&folder, "again.mtl", "bark", "map_Kd") == map(&folder, "mine.mtl", "bark", "map_Kd"));
 }
 
 #[test]
@@ -96,8 +98,8 @@ fn normals_of_ones_own_must_lie_on_the_picture() {
     folder.write("wide.png", striped(64, 32).0);
     let with = |normal: &str| {
         let normal = format!("bark_normal={normal}");
-        let own = ["export", "fir", "-o", "x.glb", "--set", "bark_picture=bark.png", "--set", &normal];
-        folder.run(&own)
+        let command = ["export", "fir", "-o", "x.glb", "--set", "bark_picture=bark.png", "--set", &normal];
+        folder.run(&command)
     };
     with("normal.png").done();
     assert!(folder.names().contains(&"x.glb".to_owned()));
@@ -105,7 +107,7 @@ fn normals_of_ones_own_must_lie_on_the_picture() {
         let before = folder.content();
         let said = with(normal);
         assert_eq!(said.code, Some(1), "{}", said.err);
-        assert!(says.iter().all(|own| said.err.contains(own)), "{}", said.err);
+        assert!(says.iter().all(|part| said.err.contains(part)), "{}", said.err);
         assert_eq!(folder.content(), before);
     };
     refused("wide.png", &["'bark_normal'", "64 × 32", "16 × 32", "same proportions"]);
