@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use indicatif::HumanCount;
 use linden::Monitor;
 use linden::forecast::{Sample, sample};
-use linden::forest::Tree;
+use linden::forest::PlannedTree;
 use linden::recipe::Recipe;
 use linden_exporters::{Estimate, Format, Options};
 
@@ -89,15 +89,15 @@ pub struct ForestOutlook {
 impl ForestOutlook {
     /// One tree of each kind stands for the others; each has at most its budget of triangles, as many times as it
     /// has stems.
-    pub fn of(trees: &[Tree], triangles: u64, monitor: &dyn Monitor) -> Self {
-        let mut kinds: Vec<(&Tree, f64)> = Vec::new();
+    pub fn of(trees: &[PlannedTree], triangles: u64, monitor: &dyn Monitor) -> Self {
+        let mut kinds: Vec<(&PlannedTree, f64)> = Vec::new();
         for tree in trees {
             match kinds.iter_mut().find(|(first, _)| first.kind == tree.kind) {
                 Some((_, count)) => *count += 1.0,
                 None => kinds.push((tree, 1.0)),
             }
         }
-        let outlook = |(tree, count): (&Tree, f64)| {
+        let outlook = |(tree, count): (&PlannedTree, f64)| {
             let mut recipe = tree.recipe.clone();
             let budget = triangles.saturating_mul(tree.stems);
             let budgeted = &mut recipe.preset.dressing.detail.triangles;

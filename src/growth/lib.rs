@@ -102,7 +102,7 @@ pub mod trunk;
 use glam::Vec3;
 
 use colony::Colony;
-pub use error::GrowthError;
+pub use error::{GrowthError, StandError};
 use linden_base::memory::OverMemory;
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_skeleton::{Branching, NO_PARENT};
@@ -111,7 +111,7 @@ pub use obstacle::{Meet, Obstacle};
 pub use rule::{Attraction, GrowthRule, Habit};
 use search::Search;
 pub use settings::{GrowthSettings, Origin, UpAxis};
-pub use stand::{Stand, StandError};
+pub use stand::Stand;
 use tree::PointTree;
 
 /// No node.

@@ -1,12 +1,12 @@
 //! From points and a root to the branching of a tree, or of several that compete.
 
 use glam::{DVec3, Vec3};
-use linden_base::memory::{OverMemory, bytes_of};
-use linden_base::monitor::Holding;
-use linden_base::monitor::{Cancelled, Monitor};
+use linden_base::memory::bytes_of;
+use linden_base::monitor::{Holding, Monitor};
 use linden_skeleton::Branching;
 use linden_skeleton::generator::{Barred, Branched, Colonized};
 
+use crate::error::StandError;
 use crate::site::{Barrier, Site};
 use crate::{Growth, GrowthError, GrowthSettings, NodeSet, Obstacle, Stop, grow_among, stems};
 
@@ -54,61 +54,6 @@ impl Stand {
         }
     }
 }
-
-/// Why nothing grew into the points of a [`Site`].
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum StandError {
-    /// The result was no longer wanted.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-    /// There is no memory for what comes next.
-    #[error(transparent)]
-    Memory(#[from] OverMemory),
-    /// Growth itself.
-    #[error(transparent)]
-    Growth(GrowthError),
-    /// No iteration placed a node.
-    #[error(
-        "nothing grew: {reached} of {points} points lie within the kill distance ({kill_m} m) of the root or \
-         trunk from the start; lower kill or step, or move root away"
-    )]
-    NothingGrew {
-        /// All attraction points.
-        points: usize,
-        /// Those that were used up at the start.
-        reached: usize,
-        /// Metres.
-        kill_m: f32,
-    },
-    /// Obstacles stand in every way.
-    #[error("nothing grew: obstacles stand in the way of every first step; move root, or what is in the way")]
-    WalledIn,
-    /// Single precision cannot hold a tree there.
-    #[error(
-        "the tree would stand {farthest_m:.0} m from the origin, where coordinates in single precision are \
-         {gap_m:.1e} m apart, too coarse for steps of {step_m} m; use origin=root, or a nearer root"
-    )]
-    TooFar {
-        /// Largest coordinate of the root, metres.
-        farthest_m: f64,
-        /// Distance of neighbouring numbers there, metres.
-        gap_m: f64,
-        /// Length of a segment, metres.
-        step_m: f64,
-    },
-    /// A trunk of too many segments.
-    #[error(
-        "the trunk would have {segments:.0} segments, more than max_nodes={max_nodes}; shorten trunk or lengthen step"
-    )]
-    TrunkTooLong {
-        /// Trunk ÷ step.
-        segments: f64,
-        /// The limit.
-        max_nodes: u32,
-    },
-}
-
-linden_base::from_cancellable!(StandError: GrowthError => Growth);
 
 /// Grows from the root of a site into its points.
 ///

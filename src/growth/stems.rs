@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
+use crate::error::StandError;
 use crate::site::{Inside, Site, Stem};
-use crate::stand::StandError;
 use crate::trunk;
 use crate::{GrowthRule, GrowthSettings};
 use linden_base::monitor::Monitor;

@@ -6,8 +6,8 @@ use linden_base::input::{Geometry, Inputs, Up};
 use linden_base::knob::{Knob, Value};
 use linden_base::memory::{OverMemory, bytes_of};
 use linden_base::monitor::{Cancelled, Monitor};
-use linden_growth::stand::{StandError, grow_at};
-use linden_growth::{Origin, Stand};
+use linden_growth::stand::grow_at;
+use linden_growth::{Origin, Stand, StandError};
 use linden_skeleton::generator::{
     Branched, Fit, Generator, GeneratorError, KeyContent, Measured, Passage, RadiiFrom, SampleSize, Sampler,
     Settings, TableKey, Task, Traits, Written,

@@ -1,30 +1,17 @@
 //! Trees that compete: a forest of one kind as one growth in which each tree has its own root and crown.
 
-use super::plan::{ForestError, Tree};
+use super::error::{ForestError, Loner};
+use super::planned::PlannedTree;
 use crate::preset::{Colonization, GrowthSettings, LSystem, MOST_PARTS, Part, Preset, Role, Solid, Space};
 use crate::recipe::Recipe;
 use linden_base::knob::printable;
 use linden_plant::stage::Place;
 
-/// Why a kind of trees does not compete.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum Loner {
-    /// It grows by rewriting.
-    #[error("it grows by an L-system, which knows of no space")]
-    LSystem,
-    /// It fills what somebody else has drawn or measured.
-    #[error("it grows in a mesh or a scan, which stands where its file has it")]
-    Given,
-    /// It has several stems already, or parts that stand where their file has them.
-    #[error("its crown is put together of trees or of meshes without a place")]
-    Parts,
-}
-
 /// One tree that is all those of some places. The root of the first stands at its origin.
 ///
 /// Each has the crown of its kind, as large beside the first as its place says, and as many points more as
 /// one tree has by itself. None is turned: no two grow alike anyway.
-pub(super) fn together(tree: &Tree, places: &[Place]) -> Result<Tree, ForestError> {
+pub(super) fn together(tree: &PlannedTree, places: &[Place]) -> Result<PlannedTree, ForestError> {
     let alone = |why| ForestError::Loner { kind: printable(&tree.recipe.preset.id), why };
     let preset = &tree.recipe.preset;
     let Some(colonization) = preset.settings::<Colonization>() else {
@@ -67,5 +54,5 @@ pub(super) fn together(tree: &Tree, places: &[Place]) -> Result<Tree, ForestErro
     let grown = Colonization { parts, points, growth, ..colonization.clone() };
     let preset = Preset { generator: Box::new(grown), ..preset.clone() };
     let recipe = Recipe { preset, inputs: tree.recipe.inputs.clone() };
-    Ok(Tree { recipe, stems, ..tree.clone() })
+    Ok(PlannedTree { recipe, stems, ..tree.clone() })
 }

@@ -19,9 +19,11 @@
 
 mod compete;
 mod document;
+mod error;
 mod layout;
 mod library;
 mod plan;
+mod planned;
 mod spacing;
 
 use serde::ser::{Serialize, SerializeMap, Serializer};
@@ -31,11 +33,12 @@ use crate::recipe::{Recipe, VERSION, ascii_line};
 use linden_base::monitor::Monitor;
 use linden_plant::detail::{DetailError, Simplifier};
 
-pub use compete::Loner;
 pub use document::{ForestDocument, TreeLine, TreeSource};
+pub use error::{ForestError, Loner};
 pub use layout::{FOREST_KNOBS, ForestKnob, Layout, LayoutError, Places, SCATTERING};
 pub use library::{BuiltinForest, builtin_forest, builtin_forests};
-pub use plan::{ForestError, MOST_PLACES, Plan, Tree};
+pub use plan::MOST_PLACES;
+pub use planned::{Plan, PlannedTree};
 pub use spacing::poisson_disc;
 
 /// What `recipe` has for levels of detail where no tree of a forest is to have more than `triangles`: the

@@ -4,138 +4,17 @@ use std::f64::consts::TAU;
 
 use glam::{DVec3, Vec3};
 
-use super::compete::{self, Loner};
+use super::compete;
+use super::error::ForestError;
+use super::planned::{Plan, PlannedTree};
 use super::{Forest, Kind, Places, poisson_disc};
 use crate::recipe::Recipe;
-use linden_base::memory::OverMemory;
-use linden_base::monitor::{Cancelled, Monitor};
+use linden_base::monitor::Monitor;
 use linden_base::random::Key;
 use linden_plant::stage::Place;
 
 /// More trees than this are refused: every format lists each of them.
 pub const MOST_PLACES: u64 = 1_000_000;
-
-/// What is to be grown, and where it will stand.
-#[derive(Clone, Debug)]
-pub struct Plan {
-    /// The distinct trees, kind by kind.
-    pub trees: Vec<Tree>,
-    /// Where they stand; `plant` is an index into `trees`.
-    pub places: Vec<Place>,
-}
-
-/// A distinct tree.
-#[derive(Clone, Debug)]
-pub struct Tree {
-    /// Unique in the forest: `Fir 2`.
-    pub name: String,
-    /// Index into [`Forest::kinds`].
-    pub kind: usize,
-    /// What grows, with the seed of this tree.
-    pub recipe: Recipe,
-    /// How many stems it has: more than one where trees compete.
-    pub stems: u64,
-}
-
-/// Why there is no plan of a forest.
-#[derive(Clone, Debug, thiserror::Error)]
-pub enum ForestError {
-    /// The result was no longer wanted.
-    #[error(transparent)]
-    Cancelled(#[from] Cancelled),
-    /// The grid of the ground.
-    #[error(transparent)]
-    Memory(#[from] OverMemory),
-    /// No kind of trees.
-    #[error("a forest needs at least one kind of trees")]
-    Empty,
-    /// A share or size that is none.
-    #[error("the share and the size of '{kind}' must be above 0, not {share} and {size}")]
-    Kind {
-        /// Its preset.
-        kind: String,
-        /// As it was given.
-        share: f64,
-        /// As it was given.
-        size: f64,
-    },
-    /// There is no room for all.
-    #[error(
-        "the forest does not fit: {asked} trees at least {spacing_m} m apart on {area_m} m × {area_m} m, \
-         where {fitting} find room; take a larger area, a smaller spacing or fewer trees"
-    )]
-    Room {
-        /// How many were asked for.
-        asked: u64,
-        /// How many would fit.
-        fitting: u64,
-        /// Metres.
-        spacing_m: f64,
-        /// Metres.
-        area_m: f64,
-    },
-    /// Not even two trees have room.
-    #[error(
-        "the forest does not fit: no two trees stand {spacing_m} m apart on {area_m} m × {area_m} m; take a \
-         larger area or a smaller spacing, or trees=1"
-    )]
-    Alone {
-        /// Metres.
-        spacing_m: f64,
-        /// Metres.
-        area_m: f64,
-    },
-    /// Trees that compete are of one kind: they grow by the same rules.
-    #[error("{kinds} kinds of trees do not compete: with compete, name one")]
-    Mixed {
-        /// How many there are.
-        kinds: usize,
-    },
-    /// A kind that grows by itself alone.
-    #[error(
-        "'{kind}' does not compete: {why}; take a tree that fills a crown, like 'fir' or 'oak', or leave out \
-         compete"
-    )]
-    Loner {
-        /// Its preset.
-        kind: String,
-        /// What keeps it from competing.
-        why: Loner,
-    },
-    /// More trees than grow in one growth.
-    #[error(
-        "{stems} trees are more than the {most} that compete at most; take a smaller area or a larger spacing, or trees={most}"
-    )]
-    TooManyStems {
-        /// How many there would be.
-        stems: u64,
-        /// The limit.
-        most: u64,
-    },
-    /// Two trees with nothing that tells where they stand.
-    #[error(
-        "'{first}' and '{second}' would stand at the same place: give one a root, or let 'linden forest' lay them out"
-    )]
-    SamePlace {
-        /// Its preset.
-        first: String,
-        /// Its preset.
-        second: String,
-    },
-    /// Too many trees.
-    #[error(
-        "about {about} trees {spacing_m} m apart on {area_m} m × {area_m} m are more than {MOST_PLACES}; take \
-         a smaller area or a larger spacing"
-    )]
-    TooMany {
-        /// How many there would be, about.
-        about: u64,
-        /// Metres.
-        spacing_m: f64,
-        /// Metres.
-        area_m: f64,
-    },
-}
 
 /// Poisson-disc points by the square of the spacing, at most: where no other disc fits.
 const DENSITY: f64 = 0.7;
@@ -204,7 +83,7 @@ impl Forest {
 
     /// Each kind once, as it is and where it is.
     fn where_they_are(&self) -> Result<Plan, ForestError> {
-        let mut trees: Vec<Tree> = Vec::new();
+        let mut trees: Vec<PlannedTree> = Vec::new();
         let mut stand: Vec<(String, [f64; 3])> = Vec::new();
         for (index, kind) in self.kinds.iter().enumerate() {
             let mut recipe = kind.recipe.clone();
@@ -222,7 +101,7 @@ impl Forest {
             let before =
                 self.kinds[..index].iter().filter(|earlier| kind_name(&earlier.recipe) == name).count();
             let name = if before == 0 { name } else { format!("{name} {}", before + 1) };
-            trees.push(Tree { name, kind: index, recipe, stems: 1 });
+            trees.push(PlannedTree { name, kind: index, recipe, stems: 1 });
         }
         let place = |(plant, kind): (usize, &Kind)| Place {
             plant,
@@ -234,7 +113,7 @@ impl Forest {
     }
 
     /// All places as one tree, that of the place nearest to the middle.
-    fn competing(&self, trees: &[Tree], mut places: Vec<Place>) -> Result<Plan, ForestError> {
+    fn competing(&self, trees: &[PlannedTree], mut places: Vec<Place>) -> Result<Plan, ForestError> {
         if self.kinds.len() > 1 {
             return Err(ForestError::Mixed { kinds: self.kinds.len() });
         }
@@ -279,8 +158,8 @@ impl Forest {
     }
 
     /// All distinct trees, each with another seed.
-    fn trees(&self, key: Key) -> Vec<Tree> {
-        let mut trees: Vec<Tree> = Vec::new();
+    fn trees(&self, key: Key) -> Vec<PlannedTree> {
+        let mut trees: Vec<PlannedTree> = Vec::new();
         for (index, kind) in self.kinds.iter().enumerate() {
             let preset = &kind.recipe.preset;
             let kind_name = kind_name(&kind.recipe);
@@ -294,7 +173,12 @@ impl Forest {
                 // 32 bits, so that people can type it.
                 recipe.preset.seed = key.named("tree").child(index as u64).child(number).bits() >> 32;
                 let number = before as u64 * self.layout.distinct + number + 1;
-                trees.push(Tree { name: format!("{kind_name} {number}"), kind: index, recipe, stems: 1 });
+                trees.push(PlannedTree {
+                    name: format!("{kind_name} {number}"),
+                    kind: index,
+                    recipe,
+                    stems: 1,
+                });
             }
         }
         trees
@@ -309,7 +193,7 @@ fn kind_name(recipe: &Recipe) -> String {
 }
 
 /// Leaves out trees that stand nowhere.
-fn drop_unused(trees: &mut Vec<Tree>, places: &mut [Place]) {
+fn drop_unused(trees: &mut Vec<PlannedTree>, places: &mut [Place]) {
     let mut is_used = vec![false; trees.len()];
     for place in &*places {
         is_used[place.plant] = true;

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::plan::{Course, Plan};
-use super::tube::Amount;
+use super::target::Amount;
 use super::{AXES_PER_TASK, Junction, SurfaceError, Tubes};
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_skeleton::Skeleton;

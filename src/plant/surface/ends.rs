@@ -3,8 +3,9 @@
 use glam::{Vec2, Vec3};
 
 use super::features::Ends;
+use super::form::Form;
 use super::path::Ring;
-use super::tube::{Amount, Form, Placed, Target};
+use super::target::{Amount, PlacedRing, Target};
 use linden_base::random::Key;
 
 /// How much [`close_base`] writes.
@@ -69,7 +70,7 @@ pub(super) const fn tip_amount(sides: usize, ends: Ends) -> Amount {
 pub(super) fn close_tip(
     ring: &Ring,
     form: &Form,
-    rim: &Placed,
+    rim: &PlacedRing,
     wraps: f32,
     tile_m: f32,
     target: &mut Target<'_>,
@@ -82,7 +83,7 @@ pub(super) fn close_tip(
 }
 
 /// The last ring drawn together to a point one radius beyond the apex.
-fn bud(ring: &Ring, rim: &Placed, wraps: f32, tile_m: f32, target: &mut Target<'_>) {
+fn bud(ring: &Ring, rim: &PlacedRing, wraps: f32, tile_m: f32, target: &mut Target<'_>) {
     let point = ring.center + ring.tangent * ring.radius;
     let v = (ring.along + ring.radius) / tile_m;
     for k in 0..rim.sides {
@@ -95,7 +96,7 @@ fn bud(ring: &Ring, rim: &Placed, wraps: f32, tile_m: f32, target: &mut Target<'
 }
 
 /// A flat disc across the axis, with vertices of its own.
-fn cut(ring: &Ring, rim: &Placed, tile_m: f32, target: &mut Target<'_>) {
+fn cut(ring: &Ring, rim: &PlacedRing, tile_m: f32, target: &mut Target<'_>) {
     let first = target.next();
     for k in 0..rim.sides {
         let place = target.position(rim.first + k);
@@ -107,7 +108,7 @@ fn cut(ring: &Ring, rim: &Placed, tile_m: f32, target: &mut Target<'_>) {
 }
 
 /// Splinters of uneven length round the rim, and within them facets, each flat, down to a hollow.
-fn broken(ring: &Ring, axis: u32, rim: &Placed, wraps: f32, tile_m: f32, target: &mut Target<'_>) {
+fn broken(ring: &Ring, axis: u32, rim: &PlacedRing, wraps: f32, tile_m: f32, target: &mut Target<'_>) {
     let key = Key::new(axis.into()).named("break");
     // A tree does not break straight across: one side tears out farther than the other.
     let lean = key.named("lean").between(0.0, std::f64::consts::TAU);

@@ -11,11 +11,13 @@ mod count;
 mod curve;
 mod ends;
 mod features;
+mod form;
 mod path;
 mod plan;
 mod solid;
 mod spread;
 mod survey;
+mod target;
 mod tube;
 
 use std::ops::Range;
@@ -24,7 +26,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use rayon::prelude::*;
 
 use self::plan::{Course, Plan};
-use self::tube::Target;
+use self::target::Target;
 use linden_base::memory::OverMemory;
 use linden_base::mesh::Mesh;
 use linden_base::monitor::{Cancelled, Monitor, Phase};
@@ -35,7 +37,7 @@ pub use features::{COLLAR_RADII, Ends, FLARE_RADII, Features};
 pub use linden_base::topology::{Topology, crowded_edges, topology};
 pub use solid::MOST_SOLID_TRIANGLES;
 pub use survey::{Survey, survey};
-pub use tube::Amount;
+pub use target::Amount;
 
 /// How the skin is made.
 #[derive(Clone, Copy, Debug, PartialEq)]

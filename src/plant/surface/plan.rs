@@ -6,8 +6,10 @@ use glam::Vec3;
 
 use super::collar::{Collar, MOST_RINGS};
 use super::features::{Flare, taper_twig};
+use super::form::{Form, Roundness};
 use super::path::{self, Ring, Station};
-use super::tube::{self, Amount, Form, Roundness};
+use super::target::Amount;
+use super::tube;
 use super::{Tubes, curve};
 use linden_base::memory::bytes_of;
 use linden_skeleton::{Axis, NO_PARENT, Skeleton};

@@ -32,22 +32,6 @@ pub(super) fn leaf(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
     }
 }
 
-/// A blade's numbers from those of the leaf.
-pub(super) fn blade_look(look: &LeafLook, outline: Outline) -> BladeLook {
-    BladeLook {
-        outline,
-        width: look.width,
-        lobes: look.lobes,
-        lobe_depth: look.lobe_depth,
-        margin: look.margin,
-        teeth: look.teeth,
-        tooth_depth: look.tooth_depth,
-        tip: look.tip,
-        veins: look.veins,
-        variation: 1.0,
-    }
-}
-
 /// A curved stalk from the origin to a point.
 fn stalk(to: Vec2, radius: [f32; 2], skin: Skin, key: Key) -> Piece {
     let bow = to.perp() * key.named("bow").between(-0.06, 0.06) as f32;
@@ -73,7 +57,7 @@ fn single(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
             key.named("petiole"),
         ));
     }
-    let blade = blade_look(look, look.outline).blade(key.named("blade"));
+    let blade = BladeLook::of(look, look.outline).blade(key.named("blade"));
     let frame = frame(Vec2::new(0.0, foot), Vec2::new(0.0, 1.0 - foot), 1.0);
     figure.pieces.push(blade.piece(frame, tint.blade(look, key)));
     figure
@@ -102,7 +86,7 @@ fn fan(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
     let (foot, count) = (look.petiole, look.lobes.clamp(1, 31));
     let center = Vec2::new(0.0, foot);
     // Chestnut leaflets end in a drawn-out tip.
-    let leaflet_look = BladeLook { tip: (look.tip + 0.35).min(1.0), ..blade_look(look, Outline::Obovate) };
+    let leaflet_look = BladeLook { tip: (look.tip + 0.35).min(1.0), ..BladeLook::of(look, Outline::Obovate) };
     let mut figure = Figure::default();
     figure.pieces.push(stalk(center, [PETIOLE * 1.2, PETIOLE], tint.stalk(key), key.named("petiole")));
     let half = (count as f32 - 1.0) / 2.0;
@@ -134,7 +118,7 @@ fn pinnate(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
     let room = (1.0 - foot) / (pairs as f32 + 1.2);
     let long = (room * 1.18 / look.width.clamp(0.1, 1.5)).clamp(0.12, 0.42);
     let end = 1.0 - long * 0.92;
-    let leaflet_look = blade_look(look, Outline::Ovate);
+    let leaflet_look = BladeLook::of(look, Outline::Ovate);
     let leaflet_look = BladeLook {
         veins: if look.veins == Veins::None { Veins::None } else { Veins::Pinnate },
         ..leaflet_look
@@ -178,7 +162,7 @@ fn bipinnate(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
         veins: Veins::None,
         tip: 0.4,
         variation: 0.4,
-        ..blade_look(look, Outline::Elliptic)
+        ..BladeLook::of(look, Outline::Elliptic)
     };
     for branch in 0..branches {
         for (name, sign) in [("right", 1.0), ("left", -1.0)] {
@@ -232,7 +216,7 @@ fn palm(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
         margin: Margin::Entire,
         tip: 0.75,
         variation: 1.0,
-        ..blade_look(look, Outline::Linear)
+        ..BladeLook::of(look, Outline::Linear)
     };
     for pair in 0..pairs {
         for (name, sign) in [("right", 1.0), ("left", -1.0)] {
@@ -280,7 +264,7 @@ fn fern(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
                 tooth_depth: look.width * 0.28 * (0.30 / long.max(0.06)).min(2.0),
                 tip: 0.7,
                 variation: 0.5,
-                ..blade_look(look, Outline::Lanceolate)
+                ..BladeLook::of(look, Outline::Lanceolate)
             };
             let along = Vec2::new(sign, 1.0) * heading(angle) * long;
             figure.pieces.push(leaflet(look, leaflet_look, tint, Vec2::new(0.0, y), along, key));

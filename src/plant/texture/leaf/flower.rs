@@ -4,7 +4,6 @@ use glam::{Vec2, Vec3};
 
 use super::LeafLook;
 use super::blade::BladeLook;
-use super::compound::blade_look;
 use super::figure::{Figure, Piece, Skin, frame, heading};
 use super::outline::{Margin, Outline, Veins};
 use super::tint::Tint;
@@ -26,7 +25,7 @@ pub(super) fn blossom(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
         margin: Margin::Entire,
         veins: if look.veins == Veins::None { Veins::None } else { Veins::Parallel },
         tip: 0.3,
-        ..blade_look(look, Outline::Obovate)
+        ..BladeLook::of(look, Outline::Obovate)
     };
     let turn = key.named("turn").between(0.0, 1.0) as f32;
     // Every second one first: neighbours overlap.

@@ -12,7 +12,7 @@ fn small(outline: Outline) -> LeafLook {
 
 /// A blade exactly as its numbers say.
 fn exact(look: &LeafLook) -> Blade {
-    BladeLook { variation: 0.0, ..compound::blade_look(look, look.outline) }.blade(key())
+    BladeLook { variation: 0.0, ..BladeLook::of(look, look.outline) }.blade(key())
 }
 
 fn alpha(pictures: &LeafPictures, x: usize, y: usize) -> u8 {

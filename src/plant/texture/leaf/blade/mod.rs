@@ -11,6 +11,7 @@ mod veins;
 
 use glam::{Affine2, Vec2};
 
+use super::LeafLook;
 use super::figure::{Piece, Skin, Vein};
 use super::outline::{Margin, Outline, Veins};
 use linden_base::random::Key;
@@ -42,6 +43,22 @@ pub(super) struct Blade {
 }
 
 impl BladeLook {
+    /// Of a leaf that has such a look, with another outline.
+    pub fn of(look: &LeafLook, outline: Outline) -> Self {
+        Self {
+            outline,
+            width: look.width,
+            lobes: look.lobes,
+            lobe_depth: look.lobe_depth,
+            margin: look.margin,
+            teeth: look.teeth,
+            tooth_depth: look.tooth_depth,
+            tip: look.tip,
+            veins: look.veins,
+            variation: 1.0,
+        }
+    }
+
     /// The blade of a key.
     pub fn blade(&self, key: Key) -> Blade {
         let vary =

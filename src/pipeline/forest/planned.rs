@@ -1,0 +1,27 @@
+//! What a plan holds.
+
+use linden_plant::stage::Place;
+
+use crate::recipe::Recipe;
+
+/// What is to be grown, and where it will stand.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The distinct trees, kind by kind.
+    pub trees: Vec<PlannedTree>,
+    /// Where they stand; `plant` is an index into `trees`.
+    pub places: Vec<Place>,
+}
+
+/// A distinct tree.
+#[derive(Clone, Debug)]
+pub struct PlannedTree {
+    /// Unique in the forest: `Fir 2`.
+    pub name: String,
+    /// Index into [`Forest::kinds`](super::Forest::kinds).
+    pub kind: usize,
+    /// What grows, with the seed of this tree.
+    pub recipe: Recipe,
+    /// How many stems it has: more than one where trees compete.
+    pub stems: u64,
+}
