@@ -26,7 +26,7 @@ pub struct Camera {
     pub zoom: f32,
     /// Shifts the picture, in halves of its shorter side: right and up.
     pub pan: Vec2,
-    /// What is framed; `None` for the tree itself. One extent for several pictures keeps the scale.
+    /// The extent to frame; `None` for the tree's. One extent for several pictures keeps the scale.
     pub extent: Option<Extent>,
 }
 

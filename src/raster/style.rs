@@ -6,7 +6,7 @@ use linden_pipeline::foliage::Organs;
 
 use crate::Extent;
 
-/// What the colour of the wood says.
+/// The quantity that the colour of the wood shows.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Paint {
     /// Nothing: wood, twigs a little lighter than the trunk.
@@ -35,7 +35,7 @@ impl Paint {
     }
 }
 
-/// What is behind the tree. Colours are sRGB.
+/// The background of a picture. Colours are sRGB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Background {
     /// Whatever the picture is laid over.
@@ -46,18 +46,18 @@ pub enum Background {
     Gradient([u8; 3], [u8; 3]),
 }
 
-/// What a picture is painted with. Colours are sRGB.
+/// The style of a picture. Colours are sRGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Style<'a> {
-    /// What the wood's colour says.
+    /// The quantity that the wood's colour shows.
     pub paint: Paint,
-    /// What is behind.
+    /// The background.
     pub background: Background,
     /// The trunk's colour in [`Paint::Wood`].
     pub trunk: [u8; 3],
     /// The thinnest twigs' colour in [`Paint::Wood`].
     pub twig: [u8; 3],
-    /// What distance fades to.
+    /// The colour that distance fades to.
     pub haze: [u8; 3],
     /// How much of it the farthest node has, 0..1.
     pub haze_amount: f32,
@@ -75,7 +75,7 @@ pub struct Style<'a> {
     pub person: bool,
     /// The person's colour.
     pub person_color: [u8; 3],
-    /// What grows on a skeleton. A surface has it as meshes.
+    /// Leaves and other organs on a skeleton. A surface has them as meshes.
     pub organs: Option<&'a Organs>,
     /// The colours of the organs in [`Paint::Wood`], by their index; the last is that of all higher
     /// ones. Elsewhere organs have the colour of the wood that they hang on.

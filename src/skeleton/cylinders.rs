@@ -31,7 +31,7 @@ pub struct Cylinder {
 }
 
 impl Cylinder {
-    /// What it holds.
+    /// Its volume.
     pub fn volume_m3(&self) -> f64 {
         volume_m3(self.length_m, self.radius_m)
     }

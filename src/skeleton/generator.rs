@@ -84,11 +84,11 @@ pub struct TableKey {
     pub name: &'static str,
     /// One line of help.
     pub help: &'static str,
-    /// What stands there.
+    /// The type of its value.
     pub content: KeyContent,
 }
 
-/// What a key of a table holds.
+/// The type of a value in a generator's table.
 #[derive(Clone, Copy)]
 pub enum KeyContent {
     /// Text.
@@ -143,8 +143,8 @@ pub trait Settings: Any + fmt::Debug + Send + Sync + Duplicate {
     /// Gives files other names: `renamed` has the new one of an old one, if it changes.
     fn rename_inputs(&mut self, _renamed: &dyn Fn(&str) -> Option<String>) {}
 
-    /// What a page says of them besides knobs, with the files that they need at hand: a grammar, what the tree
-    /// grows in.
+    /// What a page says of them besides knobs, with the files that they need at hand: a grammar, what the
+    /// tree grows in.
     fn describe(&self, _inputs: &Inputs) -> Vec<Passage> {
         Vec::new()
     }
@@ -292,7 +292,7 @@ pub struct Passage {
     pub lines: Vec<String>,
 }
 
-/// What settings leave to others: which knobs of the wood and the foliage have an effect follows from it.
+/// The traits of a generator's trees, from which it follows which knobs of wood and foliage have an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Traits {
     /// Where radii come from.
@@ -323,7 +323,7 @@ pub enum RadiiFrom {
     Measured,
 }
 
-/// What a tree is grown with besides its settings.
+/// The inputs of growth besides the generator's settings.
 #[derive(Clone, Copy)]
 pub struct Task<'a> {
     /// The number that all random choices follow from.
@@ -341,12 +341,12 @@ impl Task<'_> {
     }
 }
 
-/// What a generator leaves behind.
+/// The tree as a generator grows it, before refinement, and notes about it.
 #[derive(Default)]
 pub struct Branched {
     /// Nodes and their parents.
     pub branching: Branching,
-    /// What it placed on them.
+    /// Leaves and other organs that it placed on the nodes.
     pub organs: Organs,
     /// The nodes that were of use, where there is such a thing; else the lengths of twigs decide what is
     /// pruned.
@@ -355,15 +355,15 @@ pub struct Branched {
     pub most_nodes: u64,
     /// Whether no branch is to be moved to a place.
     pub barred: Option<Barred>,
-    /// What was measured of the tree.
+    /// Measurements that the generator made of the tree.
     pub measured: Option<Box<dyn Measured>>,
     /// The share of its births that is to be shown; `None`: all.
     pub age: Option<f64>,
     /// Length of the derived string, for L-systems.
     pub symbols: Option<u64>,
-    /// What the tree reached for.
+    /// The attraction points, and how many were reached.
     pub colonized: Option<Colonized>,
-    /// What the user should know: limits that were hit, meshes that are open.
+    /// Messages for the user: limits that were hit, meshes that are open.
     pub notes: Vec<String>,
 }
 

@@ -100,7 +100,7 @@ pub fn draw_cells(image: &Image, columns: u16, rows: u16, style: &CellStyle) -> 
 /// One cell of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PictureCell {
-    /// What stands in it.
+    /// The character in it.
     pub character: char,
     /// The character's colour; `None` where it does not show.
     pub ink: Option<Color>,

@@ -15,7 +15,7 @@ use crate::output::{Busy, Counts, Output};
 use crate::pacing::{Pacer, QUERY};
 use crate::screen::{Allowance, Frame, Screen, ScreenOptions};
 
-/// What is known of the terminal; more of it may become known later.
+/// Properties of the terminal, as far as they are known; more may become known later.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Settings {
     /// How many colours it shows.
@@ -28,7 +28,7 @@ pub struct Settings {
     pub erases_in_color: bool,
 }
 
-/// What was sent, and what is known of the link.
+/// Measurements of what was sent, and of the link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stats {
     /// Bytes, and what they were.
@@ -93,8 +93,8 @@ impl Display {
         }
     }
 
-    /// What is shown from now on. A frame of another size than the terminal's is dropped: it was
-    /// drawn before a resize, and the next one follows.
+    /// Shows a frame from now on. One of another size than the terminal's is dropped: it was drawn before a
+    /// resize, and the next one follows.
     pub fn present(
         &mut self,
         buffer: Buffer,
@@ -180,8 +180,8 @@ impl Display {
         self.screen.invalidate();
     }
 
-    /// What the terminal shows is no longer known: all is sent again. After a resumption, and when a
-    /// window of tmux gets the focus.
+    /// Forgets what the terminal shows: all is sent again. For use after a resumption, and when a window of
+    /// tmux gets the focus.
     pub fn invalidate(&mut self, now: Instant) {
         self.screen.invalidate();
         self.rest = self.wanted.is_some();
@@ -202,8 +202,8 @@ impl Display {
         self.pump(now);
     }
 
-    /// What must be written before the screen is given back: what waits beside the frames, and what
-    /// removes pictures. Nothing is sent by the display afterwards until the next frame.
+    /// Bytes to be written before the screen is given back: those that wait between frames, and those that
+    /// remove pictures. Nothing is sent by the display afterwards until the next frame.
     pub fn farewell(&mut self) -> Vec<u8> {
         self.wanted = None;
         self.rest = false;
@@ -218,7 +218,7 @@ impl Display {
         &mut self.output
     }
 
-    /// What was sent so far, and what is known of the link.
+    /// Measurements of what was sent so far, and of the link.
     pub fn stats(&self) -> Stats {
         Stats {
             written: self.output.counts(),

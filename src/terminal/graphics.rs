@@ -107,7 +107,7 @@ impl Encoded {
         (self.width, self.height)
     }
 
-    /// What shows it in `area` from the cursor's line on, outside of a [`Screen`](crate::Screen);
+    /// Bytes that show it in `area` from the cursor's line on, outside of a [`Screen`](crate::Screen);
     /// the cursor is on the line below then. `id` is kitty's number for it: an earlier picture of the same
     /// number vanishes.
     pub fn at_cursor(&self, id: u32, area: Rect) -> Vec<u8> {

@@ -19,7 +19,7 @@ use signal_hook::low_level::{raise, unregister};
 use crate::input::{Event, Parser};
 use crate::tty::{Tty, wait, wait_any};
 
-/// What came.
+/// An event from the terminal or a signal.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Incoming {
     /// Keys, the mouse, replies: never empty.

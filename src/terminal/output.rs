@@ -123,7 +123,7 @@ impl Output {
         state.error.is_none()
     }
 
-    /// What was sent so far.
+    /// Counts of the bytes sent so far.
     pub const fn counts(&self) -> Counts {
         self.counts
     }

@@ -51,7 +51,7 @@ impl Default for ScreenOptions {
     }
 }
 
-/// What should be shown.
+/// A picture of the whole screen, to be shown.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame<'a> {
     /// The cells. Its area starts at the terminal's upper left.
@@ -80,7 +80,7 @@ impl Allowance {
     pub const NONE: Self = Self { paced: 0, atomic: 0 };
 }
 
-/// What is to be written, in one piece.
+/// Bytes to be written in one piece.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Composed {
     /// For the terminal.
@@ -141,8 +141,8 @@ impl Screen {
         }
     }
 
-    /// What the terminal shows is no longer known (it was resized, or something else has written to
-    /// it): the next frame starts from a clear screen.
+    /// Forgets what the terminal shows (it was resized, or something else has written to it): the next
+    /// frame starts from a clear screen.
     pub fn invalidate(&mut self) {
         self.invalid = true;
     }

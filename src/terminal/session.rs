@@ -28,7 +28,7 @@ const WRITE_LIMIT: Duration = Duration::from_millis(500);
 /// The longest wait for replies that are on their way, whatever the caller thinks.
 const REPLIES_LIMIT: Duration = Duration::from_secs(1);
 
-/// What a session asks of the terminal beyond keys.
+/// Modes of the terminal that a session asks for beyond keys.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Modes {
     /// Buttons, drags and the wheel; never mere motion.

@@ -124,7 +124,7 @@ impl<'a> Tracer<'a> {
         self.present.as_ref().is_none_or(|present| present[node as usize])
     }
 
-    /// What a node is painted with, before light.
+    /// The colour of a node, before light.
     pub fn color_of(&self, node: u32) -> Vec3 {
         self.colors.of(node)
     }

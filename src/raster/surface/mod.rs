@@ -27,7 +27,7 @@ use crate::strokes::{Runs, overlay};
 use crate::style::foot;
 use crate::{Camera, Extent, RasterError, Size, Style};
 
-/// What is to be drawn: parts of a scene and what belongs to them.
+/// Parts of a scene to be drawn, and what belongs to them.
 #[derive(Clone, Copy, Debug)]
 pub struct Surface<'a> {
     /// The meshes.

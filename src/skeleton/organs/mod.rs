@@ -79,7 +79,7 @@ pub struct Placed {
     pub headings: Vec<Vec3>,
     /// Unit vectors, square to the headings: their upper sides.
     pub ups: Vec<Vec3>,
-    /// What one unit of the prototype is, metres.
+    /// Size of one unit of the prototype, metres.
     pub sizes_m: Vec<f32>,
     /// How each hangs on the wood.
     pub growth: Growth,
@@ -126,7 +126,7 @@ impl Placed {
     }
 }
 
-/// What any organ has to do with the tree.
+/// Where and when organs appeared on the tree, an entry per organ.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Growth {
     /// The node of the skeleton that it hangs on.
@@ -137,7 +137,7 @@ pub struct Growth {
     pub births: Vec<u32>,
 }
 
-/// What one organ has to do with the tree: an entry of [`Growth`].
+/// Where and when one organ appeared: an entry of [`Growth`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hanging {
     /// The node of the skeleton that it hangs on.
@@ -184,7 +184,7 @@ impl Organs {
         Hanging { node: all.nodes[at], color: all.colors[at], birth: all.births[at] }
     }
 
-    /// What refinement is to take along: the polygons, then the organs of the table.
+    /// The organs as refinement takes them along: the polygons, then those of `placed`.
     pub fn riders(&self) -> Vec<Rider> {
         let nodes = self.polygons.growth.nodes.iter().chain(&self.placed.growth.nodes);
         nodes.map(|&node| Rider { node, moved: Vec3::ZERO }).collect()
@@ -218,7 +218,7 @@ impl Organs {
         self.shapes.get(usize::from(self.placed.prototypes[placed]).checked_sub(PROTOTYPES.len())?)
     }
 
-    /// What an organ of `placed` is made of.
+    /// The mesh of an organ of `placed`.
     pub fn mesh(&self, placed: usize) -> &Mesh {
         let prototype = usize::from(self.placed.prototypes[placed]) % PROTOTYPES.len();
         self.shape(placed).map_or_else(|| PROTOTYPES[prototype].mesh(), |shape| &shape.mesh)

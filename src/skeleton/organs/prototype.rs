@@ -9,9 +9,9 @@ use linden_base::mesh::Mesh;
 
 /// A shape that a letter after `~` stands for.
 pub struct Prototype {
-    /// What stands after `~`.
+    /// The letter that grammars write after `~`.
     pub letter: char,
-    /// What it is called.
+    /// The name of the shape.
     pub name: &'static str,
     /// One line: how it looks and what is one unit of it.
     pub help: &'static str,

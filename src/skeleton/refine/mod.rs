@@ -29,7 +29,7 @@ use linden_base::random::Key;
 /// One way to change a branching.
 #[derive(Clone, Copy)]
 pub struct Step {
-    /// What scripts call it: `relocate`.
+    /// The name that recipes give it: `relocate`.
     pub name: &'static str,
     /// One line: what it does.
     pub help: &'static str,
@@ -61,7 +61,7 @@ impl fmt::Debug for Step {
 /// Which steps, in their order, and how far each goes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Refinement {
-    /// What is done, in this order; nothing by default.
+    /// The steps, in this order; none by default.
     pub steps: Vec<Step>,
     /// For `prune`, where it is unknown which nodes caught a point: the longest twig that goes, nodes.
     pub prune_nodes: u32,
@@ -153,14 +153,14 @@ pub struct Rider {
     pub moved: Vec3,
 }
 
-/// What holds refinement back.
+/// The limits of refinement, and what its random steps follow from.
 #[derive(Clone, Copy)]
 pub struct Room<'a> {
     /// Most nodes of the result, which may have as many as before in any case.
     pub most_nodes: u64,
     /// Where no node may go: in an obstacle. A node that would go there stays where it is.
     pub is_barred: &'a (dyn Fn(Vec3) -> bool + Sync),
-    /// What sway and gnarl draw from.
+    /// The key of the random numbers of sway and gnarl.
     pub key: Key,
     /// How thick the wood will be, by which gnarl bends it.
     pub wood: Wood,

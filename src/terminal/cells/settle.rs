@@ -15,7 +15,7 @@ pub(super) struct Level {
 }
 
 impl Level {
-    /// What no eye tells apart.
+    /// Differences that no eye tells apart.
     pub const FINE: Self = Self { tolerance: 3, block: 1 };
 
     /// From the finest to one that fits into 16 KB at 400×120 cells, whatever the picture.

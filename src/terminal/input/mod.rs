@@ -28,7 +28,7 @@ pub enum Event {
 /// Something done with the mouse. Cells count from 0, from the upper left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Mouse {
-    /// What was done.
+    /// The action.
     pub action: MouseAction,
     /// The column of the cell.
     pub column: u16,
@@ -42,7 +42,7 @@ pub struct Mouse {
     pub ctrl: bool,
 }
 
-/// What was done with the mouse.
+/// An action of the mouse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MouseAction {
     /// A button went down.

@@ -35,7 +35,7 @@ impl fmt::Display for Graphics {
 /// A conclusion and its reason, which is safe to show.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Told<T> {
-    /// What was concluded.
+    /// The conclusion.
     pub value: T,
     /// From what.
     pub why: String,
@@ -47,7 +47,7 @@ impl<T> Told<T> {
     }
 }
 
-/// What a terminal can do, and how that is known.
+/// The capabilities of a terminal, and how each is known.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Capabilities {
     /// Its name and version, safe to show.
@@ -68,12 +68,12 @@ pub struct Capabilities {
     pub synchronized: Told<bool>,
     /// Whether it is at the other end of a network.
     pub remote: Told<bool>,
-    /// What is between us and the terminal.
+    /// The multiplexer between us and the terminal.
     pub multiplexer: Told<Option<Multiplexer>>,
 }
 
 impl Capabilities {
-    /// What follows from all that is known. Before any answer it is what can be relied on.
+    /// Concludes from all that is known. Before any answer these are capabilities to rely on.
     pub fn conclude(findings: &Findings, environment: &Environment, overrides: &Overrides) -> Self {
         let known = Known::new(findings, environment);
         let colors = overrides.colors.clone().unwrap_or_else(|| known.colors());
@@ -103,7 +103,7 @@ impl Capabilities {
         }
     }
 
-    /// What it is about, what was concluded, and why: the lines of a report.
+    /// The lines of a report: each a capability, the conclusion and its reason.
     pub fn rows(&self) -> [(&'static str, String, &str); 10] {
         let glyphs = match self.glyphs.value {
             Glyphs::Quadrants => "quadrants",

@@ -48,7 +48,7 @@ pub fn queries(environment: &Environment) -> Vec<u8> {
     queries.concat().into_bytes()
 }
 
-/// What a terminal answered so far.
+/// The answers of a terminal so far.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Findings {
     pub(super) attributes: Option<Vec<u16>>,

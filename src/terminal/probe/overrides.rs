@@ -31,7 +31,7 @@ const COLOR_NAMES: [(&str, ColorDepth); 4] = [
 /// Leaves it to what is found.
 const AUTO: &str = "auto";
 
-/// What the user insists on, whatever is found. The default insists on nothing.
+/// Settings of the user that override what is found. The default overrides nothing.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Overrides {
     pub(super) graphics: Option<Told<(Graphics, Option<Glyphs>)>>,
@@ -44,9 +44,9 @@ pub struct Overrides {
 pub struct OverrideError {
     /// Where it stood.
     pub from: String,
-    /// What stood there, safe to show.
+    /// The value as it stood there, safe to show.
     pub value: String,
-    /// What may stand there.
+    /// A list of the values that may stand there.
     pub allowed: String,
 }
 
@@ -66,12 +66,12 @@ impl Overrides {
         Ok(overrides)
     }
 
-    /// What [`Self::set_graphics`] takes.
+    /// The words that [`Self::set_graphics`] takes.
     pub fn graphics_words() -> Vec<String> {
         words(&GRAPHICS_NAMES)
     }
 
-    /// What [`Self::set_colors`] takes.
+    /// The words that [`Self::set_colors`] takes.
     pub fn colors_words() -> Vec<String> {
         words(&COLOR_NAMES)
     }
@@ -86,7 +86,7 @@ impl Overrides {
         self.colors.as_ref().map(|told| told.value)
     }
 
-    /// What is said here, and what another says where nothing is.
+    /// These settings, completed by those of `other`.
     #[must_use]
     pub fn or(self, other: Self) -> Self {
         Self { graphics: self.graphics.or(other.graphics), colors: self.colors.or(other.colors) }

@@ -52,7 +52,7 @@ impl Plan {
         mark(&mut self.covered, buffer, rect.intersection(buffer.area));
     }
 
-    /// What should be shown at a place.
+    /// The cell that should be shown at a place.
     pub fn cell<'a>(&self, buffer: &'a Buffer, at: usize) -> &'a Cell {
         const BLANK: &Cell = &Cell::EMPTY;
         if self.covered.get(at) == Some(&true) { BLANK } else { &buffer.content[at] }

@@ -12,7 +12,7 @@ use linden_terminal::{Incoming, Listener, Modes, Session, Tty, listen};
 pub const ROLE: &str = "LINDEN_TEST_ROLE";
 pub const LOG: &str = "LINDEN_TEST_LOG";
 
-/// What makes the test binary run [`child`] and nothing else, on its main thread.
+/// Arguments that make the test binary run [`child`] and nothing else, on its main thread.
 pub const ARGUMENTS: [&str; 4] = ["child::child", "--exact", "--nocapture", "--test-threads=1"];
 
 struct Program {
