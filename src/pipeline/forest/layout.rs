@@ -23,11 +23,11 @@ pub struct Layout {
     /// Whether the trees grow together, each into the space that the others leave: all of one kind, which
     /// must fill a crown. None is a copy of another then.
     pub compete: bool,
-    /// What says where trees stand.
+    /// How places are chosen.
     pub places: Places,
 }
 
-/// What says where trees stand.
+/// How the places of trees are chosen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Places {
     /// Chance, on the square.
@@ -80,8 +80,8 @@ pub static FOREST_KNOBS: &[ForestKnob] = &[
             "m",
             "side of the square of ground that the trees stand on",
         ),
-        read: |own| Value::Real(own.area_m),
-        write: |own, value| own.area_m = real(&value, own.area_m),
+        read: |layout| Value::Real(layout.area_m),
+        write: |layout, value| layout.area_m = real(&value, layout.area_m),
     },
     ForestKnob {
         knob: Knob::new(
@@ -90,8 +90,8 @@ pub static FOREST_KNOBS: &[ForestKnob] = &[
             "m",
             "no two trees stand nearer than this",
         ),
-        read: |own| Value::Real(own.spacing_m),
-        write: |own, value| own.spacing_m = real(&value, own.spacing_m),
+        read: |layout| Value::Real(layout.spacing_m),
+        write: |layout, value| layout.spacing_m = real(&value, layout.spacing_m),
     },
     ForestKnob {
         knob: Knob::new(
@@ -100,9 +100,9 @@ pub static FOREST_KNOBS: &[ForestKnob] = &[
             "",
             "how many trees there are; auto: as many as fit",
         ),
-        read: |own| own.trees.map_or(Value::Auto, |n| Value::Real(n as f64)),
-        write: |own, value| {
-            own.trees = if let Value::Real(n) = value { Some(libm::round(n) as u64) } else { None };
+        read: |layout| layout.trees.map_or(Value::Auto, |n| Value::Real(n as f64)),
+        write: |layout, value| {
+            layout.trees = if let Value::Real(n) = value { Some(libm::round(n) as u64) } else { None };
         },
     },
     ForestKnob {
@@ -112,8 +112,8 @@ pub static FOREST_KNOBS: &[ForestKnob] = &[
             "",
             "how many different trees of each kind are grown; all others are copies of these",
         ),
-        read: |own| Value::Integer(own.distinct),
-        write: |own, value| own.distinct = integer(&value, own.distinct),
+        read: |layout| Value::Integer(layout.distinct),
+        write: |layout, value| layout.distinct = integer(&value, layout.distinct),
     },
     ForestKnob {
         knob: Knob::new(
@@ -122,8 +122,8 @@ pub static FOREST_KNOBS: &[ForestKnob] = &[
             "",
             "trees are up to this share smaller or larger than they grow",
         ),
-        read: |own| Value::Real(own.size_spread),
-        write: |own, value| own.size_spread = real(&value, own.size_spread),
+        read: |layout| Value::Real(layout.size_spread),
+        write: |layout, value| layout.size_spread = real(&value, layout.size_spread),
     },
     ForestKnob {
         knob: Knob::new(
@@ -132,8 +132,8 @@ pub static FOREST_KNOBS: &[ForestKnob] = &[
             "",
             "the most that each grown tree has in its finest level; 0: all that there are",
         ),
-        read: |own| Value::Integer(own.triangles),
-        write: |own, value| own.triangles = integer(&value, own.triangles),
+        read: |layout| Value::Integer(layout.triangles),
+        write: |layout, value| layout.triangles = integer(&value, layout.triangles),
     },
     ForestKnob {
         knob: Knob::new(
@@ -142,8 +142,10 @@ pub static FOREST_KNOBS: &[ForestKnob] = &[
             "",
             "whether the trees grow together, each into the space that the others leave: all of one kind, none a copy",
         ),
-        read: |own| Value::Switch(own.compete),
-        write: |own, value| own.compete = if let Value::Switch(on) = value { on } else { own.compete },
+        read: |layout| Value::Switch(layout.compete),
+        write: |layout, value| {
+            layout.compete = if let Value::Switch(on) = value { on } else { layout.compete }
+        },
     },
     ForestKnob {
         knob: Knob::new(
@@ -152,13 +154,13 @@ pub static FOREST_KNOBS: &[ForestKnob] = &[
             "",
             "scattered: by chance on the square; given: each kind once, where its mesh, its scan or its root has it",
         ),
-        read: |own| {
-            let word = if own.places == Places::Given { PLACES[1] } else { PLACES[0] };
+        read: |layout| {
+            let word = if layout.places == Places::Given { PLACES[1] } else { PLACES[0] };
             Value::Word(word.to_owned())
         },
-        write: |own, value| {
+        write: |layout, value| {
             let is_given = matches!(value, Value::Word(word) if word == PLACES[1]);
-            own.places = if is_given { Places::Given } else { Places::Scattered };
+            layout.places = if is_given { Places::Given } else { Places::Scattered };
         },
     },
     ForestKnob {
@@ -168,8 +170,8 @@ pub static FOREST_KNOBS: &[ForestKnob] = &[
             "",
             "the root of all random choices: places, turns, sizes and the seeds of the trees",
         ),
-        read: |own| Value::Integer(own.seed),
-        write: |own, value| own.seed = integer(&value, own.seed),
+        read: |layout| Value::Integer(layout.seed),
+        write: |layout, value| layout.seed = integer(&value, layout.seed),
     },
 ];
 
@@ -181,7 +183,7 @@ fn integer(value: &Value, otherwise: u64) -> u64 {
     if let Value::Integer(n) = value { *n } else { otherwise }
 }
 
-/// What is wrong with a setting of a forest.
+/// A mistake in a setting of a forest.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LayoutError {
     /// There is no such knob.
