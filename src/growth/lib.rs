@@ -120,7 +120,7 @@ const NONE: u32 = u32::MAX;
 /// Coordinates and steps beyond this are refused: their squares would overflow.
 const FARTHEST_M: f32 = 1e9;
 
-/// What has grown, and why it stopped.
+/// A grown tree, and why growth stopped.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Growth {
     /// The nodes of the start, unchanged, and those grown after them in the order of iterations and

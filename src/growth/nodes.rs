@@ -127,7 +127,7 @@ impl<'a> Nodes<'a> {
             && axes.is_near_tip(node, share)
     }
 
-    /// What `node` grows where `sum` pulls it.
+    /// The shoot that `node` grows where `sum` pulls it.
     pub fn pulled(&self, node: u32, sum: DVec3) -> Shoot {
         let Some(pull) = unit(sum) else { return Shoot::Nothing };
         let bent = pull + self.bend(node);
@@ -138,7 +138,7 @@ impl<'a> Nodes<'a> {
         }
     }
 
-    /// What `node` grows towards `point`.
+    /// The shoot that `node` grows towards `point`.
     pub fn drawn(&self, node: u32, point: Vec3) -> Shoot {
         let offset = point.as_dvec3() - self.branching.positions[node as usize].as_dvec3();
         unit(offset).map_or(Shoot::Nothing, |direction| self.child(node, direction))

@@ -17,7 +17,7 @@ const STEEP: f64 = 0.99;
 pub struct Obstacle<'a> {
     /// Whether a place, metres, is inside. Must always say the same of the same place, on any thread.
     pub contains: &'a (dyn Fn(DVec3) -> bool + Sync),
-    /// What a branch does that would grow into it.
+    /// How a branch goes on that would grow into it.
     pub meet: Meet,
 }
 

@@ -21,7 +21,7 @@ pub struct GrowthRule {
     pub max_iterations: u32,
     /// The most nodes, those at the start included.
     pub max_nodes: u32,
-    /// What sets a species apart; [`Habit::PLAIN`] is RLP07's rule.
+    /// The habit, which sets a species apart; [`Habit::PLAIN`] is RLP07's rule.
     pub habit: Habit,
 }
 

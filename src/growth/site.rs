@@ -39,26 +39,26 @@ pub struct Site {
     pub held_bytes: u64,
     /// Where the first tree stands.
     pub root: DVec3,
-    /// What else stands there.
+    /// Other trees and obstacles there.
     pub grove: Grove,
     /// Where these coordinates have their origin in the input's (turned to Y up).
     pub origin: DVec3,
-    /// What suits these points where the user gives none.
+    /// Settings that suit these points where the user gives none.
     pub suggested: Suggested,
     /// Whether the tree is moved to stand on the origin unless the user says otherwise.
     pub moves_to_root: bool,
-    /// What the user should know.
+    /// Messages for the user.
     pub notes: Vec<String>,
 }
 
-/// What stands beside the first tree, in the coordinates of the [`Site`].
+/// Other trees and obstacles beside the first tree, in the coordinates of the [`Site`].
 #[derive(Default)]
 pub struct Grove {
     /// The first tree's crown, where others compete with it; `None`: all points are for the first tree.
     pub first: Option<Arc<dyn Inside>>,
     /// The other trees.
     pub others: Vec<Stem>,
-    /// What branches do not enter.
+    /// Obstacles, which branches do not enter.
     pub obstacles: Vec<Barrier>,
 }
 
@@ -68,7 +68,7 @@ pub struct Stem {
     pub root: DVec3,
     /// Height of the bare trunk, metres; `None`: until the first point of its crown is in reach.
     pub trunk_m: Option<f64>,
-    /// What its trunk leads to; `None`: any point.
+    /// The crown that its trunk leads to; `None`: any point.
     pub crown: Option<Arc<dyn Inside>>,
 }
 
@@ -77,7 +77,7 @@ pub struct Stem {
 pub struct Barrier {
     /// The solid.
     pub solid: Arc<dyn Inside>,
-    /// What a branch does there.
+    /// How a branch goes on there.
     pub meet: Meet,
 }
 

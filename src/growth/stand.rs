@@ -10,7 +10,7 @@ use crate::error::StandError;
 use crate::site::{Barrier, Site};
 use crate::{Growth, GrowthError, GrowthSettings, NodeSet, Obstacle, Stop, grow_among, stems};
 
-/// What grew into the points of a [`Site`].
+/// The trees that grew into the points of a [`Site`].
 pub struct Stand {
     /// Where the tree is to stand.
     pub branching: Branching,
@@ -20,7 +20,7 @@ pub struct Stand {
     pub points: Vec<Vec3>,
     /// From the coordinates of the [`Site`] to that place.
     pub shift: DVec3,
-    /// What no branch is to enter, in the coordinates of the [`Site`].
+    /// Solids that no branch is to enter, in the coordinates of the [`Site`].
     pub barriers: Vec<Barrier>,
     /// Points that were not reached.
     pub unreached: usize,
@@ -28,7 +28,7 @@ pub struct Stand {
     pub iterations: u32,
     /// Why growth ended.
     pub stop: Stop,
-    /// What the user should know.
+    /// Messages for the user.
     pub notes: Vec<String>,
 }
 

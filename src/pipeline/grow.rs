@@ -21,17 +21,17 @@ pub use linden_skeleton::generator::{Colonized, Fit, Scanned, Spread};
 pub struct Grown {
     /// The axial tree.
     pub skeleton: Arc<Skeleton>,
-    /// What its radii were made by, with the rule settled: for [`Skeleton::until`].
+    /// The settings that its radii were made by, with the rule settled: for [`Skeleton::until`].
     pub wood: Wood,
-    /// What grows on it.
+    /// Leaves and other organs on it.
     pub organs: Arc<Organs>,
-    /// What its generator placed: without the leaves of the preset.
+    /// The organs that its generator placed: without the leaves of the preset.
     pub given: Arc<Organs>,
     /// Length of the derived string; `None` for what is no L-system.
     pub symbols: Option<u64>,
-    /// What the tree reached for; `None` for L-systems.
+    /// The attraction points, and how many were reached; `None` for L-systems.
     pub colonized: Option<Colonized>,
-    /// What the user should know: limits that were hit, meshes that are open.
+    /// Messages for the user: limits that were hit, meshes that are open.
     pub notes: Vec<String>,
 }
 

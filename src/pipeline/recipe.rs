@@ -20,7 +20,7 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 pub struct Recipe {
     /// With all overrides applied.
     pub preset: Preset,
-    /// What the files held that the preset names. Missing and unknown ones are errors when the tree is
+    /// Contents of the files that the preset names. Missing and unknown ones are errors when the tree is
     /// to grow ([`Recipe::check_inputs`]).
     pub inputs: Inputs,
 }
@@ -74,7 +74,7 @@ impl Recipe {
         Self { preset, inputs: Inputs::new() }
     }
 
-    /// What a file held that the preset names.
+    /// The content of a file that the preset names.
     pub fn input(&self, file: &str) -> Option<&Input> {
         self.inputs.get(file)
     }
@@ -119,7 +119,7 @@ impl Recipe {
         self.inputs.rename(|name| names.get(name).cloned());
     }
 
-    /// What a generator grows this recipe's tree with.
+    /// The inputs of growth besides the generator's settings.
     pub const fn task(&self) -> Task<'_> {
         Task { seed: self.preset.seed, inputs: &self.inputs, wood: self.preset.wood }
     }

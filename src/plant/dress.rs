@@ -81,7 +81,7 @@ pub fn dress(specimen: &Specimen<'_>, body: Body<'_>, monitor: &dyn Monitor) -> 
     wardrobe.dress(specimen, body, blown, monitor)
 }
 
-/// What a tree wears: pictures, drawn once for all of its levels of detail and looks.
+/// The pictures of a tree's bark and leaves, drawn once for all of its levels of detail and looks.
 pub struct Wardrobe {
     bark: Material,
     /// By kind; `None` where no organ is of it.

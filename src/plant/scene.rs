@@ -53,7 +53,7 @@ pub struct Part {
     pub mesh: Mesh,
     /// How its vertices swing; `None`: they do not.
     pub wind: Option<PartWind>,
-    /// What its mesh was baked from, where that is copies of few meshes.
+    /// The copies of few meshes that its mesh was baked from, where it was.
     pub instances: Option<Instances>,
 }
 
@@ -87,11 +87,11 @@ pub struct Material {
     /// Where the base colour picture's alpha is below this (above 0, below 1), nothing is drawn: cut
     /// out, never blended. `None`: all is opaque.
     pub cutout: Option<f32>,
-    /// What is beyond the pictures' edges.
+    /// How pictures continue beyond their edges.
     pub wrap: Wrap,
 }
 
-/// What texture coordinates outside of 0..1 show.
+/// How a picture continues at texture coordinates outside of 0..1.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wrap {
     /// The picture again: bark.

@@ -12,7 +12,7 @@ use crate::settings::Dressing;
 /// How a tree is to look, with all that this needs.
 #[derive(Clone, Copy)]
 pub struct Specimen<'a> {
-    /// What people call it; printable.
+    /// Its name for people; printable.
     pub name: &'a str,
     /// The number that pictures and leaves are drawn by.
     pub seed: u64,
@@ -50,9 +50,9 @@ impl<'a> Specimen<'a> {
 pub struct Body<'a> {
     /// The axial tree.
     pub skeleton: &'a Arc<Skeleton>,
-    /// What grows on it.
+    /// Leaves and other organs on it.
     pub organs: &'a Arc<Organs>,
-    /// What its generator placed: without the leaves of the dressing.
+    /// The organs that its generator placed: without the leaves of the dressing.
     pub given: &'a Arc<Organs>,
 }
 

@@ -30,9 +30,9 @@ words! {
 /// A part of a crown, or a solid near it. Places are metres from the tree's foot, Y up.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Part {
-    /// What it does.
+    /// Its role.
     pub role: Role,
-    /// What it is.
+    /// Its solid.
     pub solid: Solid,
     /// Where the centre of its base stands; `None`: a tree's crown on its trunk, a mesh where its
     /// file has it, anything else at the tree's foot.
@@ -51,7 +51,7 @@ pub struct Part {
     pub share: f64,
 }
 
-/// What a part is.
+/// The solid of a part.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Solid {
     /// One of [`crate::crown::SHAPES`], with the dimensions that were set.
@@ -178,7 +178,7 @@ impl Part {
         }
     }
 
-    /// What it does and is, as messages have it: `subtract sphere`, `obstacle 'rock.obj'`.
+    /// Role and solid, as messages have them: `subtract sphere`, `obstacle 'rock.obj'`.
     pub fn describe(&self) -> String {
         let role = self.role.to_value();
         match &self.solid {

@@ -13,9 +13,9 @@ use crate::shape_knobs::{CROWN, dimensions_of};
 /// Where the attraction points are, and how the tree reaches for them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Colonization {
-    /// What the crown fills.
+    /// The solid that the crown fills.
     pub space: Space,
-    /// What else there is: pieces of the crown, other trees, obstacles, shade. In the order of the
+    /// Parts besides: pieces of the crown, other trees, obstacles, shade. In the order of the
     /// document, which matters: each adds to or takes from what was there before.
     pub parts: Vec<Part>,
     /// Height of a crown shape's base above the root, metres; `None`: on top of the trunk.
@@ -34,7 +34,7 @@ pub struct Colonization {
     pub growth: GrowthSettings,
 }
 
-/// What the crown fills.
+/// The solid that a crown fills.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Space {
     /// One of [`crown::SHAPES`], with the dimensions that were set.

@@ -7,7 +7,7 @@ use linden_base::memory::OverMemory;
 use linden_base::monitor::Cancelled;
 use linden_skeleton::organs::PROTOTYPES;
 
-/// What was wrong at one place of a text.
+/// A mistake at one place of a text.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Problem {
     /// Something else should stand here.
@@ -170,7 +170,7 @@ pub struct GrammarError {
     pub offset: usize,
     /// The same place in characters, from 1.
     pub column: usize,
-    /// What is wrong there.
+    /// The mistake.
     #[source]
     pub problem: Problem,
 }

@@ -17,7 +17,7 @@ use linden_skeleton::organs::Organs;
 /// stems is spread evenly.
 const GOLDEN_ANGLE_DEG: f64 = 137.507_764_050_037_85;
 
-/// What grew.
+/// A tree as the turtle drew it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawn {
     /// One node for each segment at its far end, and one for each stem's foot.

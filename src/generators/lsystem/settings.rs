@@ -34,7 +34,7 @@ pub struct LSystem {
     pub symbol_limit: u64,
     /// Diameter of a `!(1)`, metres.
     pub segment_width_m: f64,
-    /// What `!` multiplies the width by.
+    /// The factor of the width at each `!`.
     pub width_ratio: f64,
     /// Where branches bend to.
     pub tropism: [f64; 3],

@@ -20,7 +20,7 @@ use super::grammar::Grammar;
 use super::turtle_settings::{ANGLE_RANGE_DEG, MAX_DERIVATIONS};
 use linden_base::knob::excerpt;
 
-/// What a file of the older format says.
+/// The content of a file of the older format.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextGrammar {
     /// Axiom and rules.
@@ -29,7 +29,7 @@ pub struct TextGrammar {
     pub angle_deg: f64,
     /// Derivation steps.
     pub derivations: u32,
-    /// What stands after `//`, trimmed, in order. From outside: show it through
+    /// The comments after `//`, trimmed, in order. From outside: show them through
     /// [`printable`](linden_base::knob::printable).
     pub comments: Vec<String>,
 }
@@ -42,7 +42,7 @@ pub struct ParseError {
     pub line: usize,
     /// In characters, from 1.
     pub column: usize,
-    /// What is wrong there.
+    /// The mistake.
     #[source]
     pub problem: Problem,
 }

@@ -28,15 +28,15 @@ pub struct TurtleSettings {
     pub symbol_limit: u64,
     /// The root of all random choices.
     pub seed: u64,
-    /// What `!(1)` is as a diameter, 10⁻⁶ to 10⁶ m.
+    /// The diameter that `!(1)` sets, 10⁻⁶ to 10⁶ m.
     pub segment_width_m: f64,
-    /// What `!` multiplies the width by, 0.01 to 10.
+    /// The factor of the width at each `!`, 0.01 to 10.
     pub width_ratio: f64,
     /// T: where branches bend to. Its length counts; each component −10 to 10.
     pub tropism: [f64; 3],
     /// e: after each segment the turtle turns by e·|H × T| radians about H × T (ABOP, p. 58); −10 to 10.
     pub susceptibility: f64,
-    /// What chance changes.
+    /// How much chance changes.
     pub variation: Variation,
     /// One stem or several.
     pub habit: Stems,

@@ -90,11 +90,11 @@ pub struct Scan {
     pub influence_m: f64,
     /// Suggested distance at which a point is reached.
     pub kill_m: f64,
-    /// What was found on the way.
+    /// Findings about the scan.
     pub report: ScanReport,
 }
 
-/// What a scan is like.
+/// Findings about a scan: spacing, noise, ground, what was left out.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScanReport {
     /// Rows whose place stood there before.
@@ -174,7 +174,7 @@ pub fn foot(points: &[DVec3]) -> Option<DVec3> {
     (!points.is_empty()).then(|| Foot::find(points).root)
 }
 
-/// What a scan shows of a tree so high: the length of an internode, metres.
+/// The length of an internode that a scan of a tree `height_m` high shows, metres.
 pub fn detail_m(spacing_m: f64, height_m: f64) -> f64 {
     (2.0 * spacing_m).max(height_m / 250.0)
 }

@@ -78,7 +78,7 @@ impl Neighbours {
         self.looks.load(std::sync::atomic::Ordering::Relaxed)
     }
 
-    /// What [`Neighbours::search_other`] needs to pass over points of one label at once; `of_points` has a
+    /// The labels by which [`Neighbours::search_other`] passes over many points at once; `of_points` has a
     /// label below [`MIXED`] for each point.
     pub fn labels<'a>(&self, of_points: &'a [u32]) -> Labels<'a> {
         let nothing = Range { label: MIXED, low: DVec3::INFINITY, high: DVec3::NEG_INFINITY };

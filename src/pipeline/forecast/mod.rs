@@ -47,7 +47,7 @@ const MOST_TIMES: f64 = 1e9;
 /// A small tree, and how many times as much a large one has.
 #[derive(Clone, Debug)]
 pub struct Sample {
-    /// What the sample grew from.
+    /// The recipe of the sample.
     pub recipe: Recipe,
     /// The sample.
     pub grown: Grown,

@@ -39,7 +39,7 @@ const SIZE: Kind = Kind::Real { min: 1e-3, max: 1e3, auto: false, names: &[] };
 /// A forest as its document has it: the presets are still names.
 #[derive(Clone, Debug)]
 pub struct ForestDocument {
-    /// What people call it; may be empty.
+    /// Its name for people; may be empty.
     pub name: String,
     /// One line: what it is; may be empty.
     pub summary: String,
@@ -52,7 +52,7 @@ pub struct ForestDocument {
 /// A kind of trees as its document has it.
 #[derive(Clone, Debug)]
 pub struct TreeLine {
-    /// What grows.
+    /// Where the tree is described.
     pub source: TreeSource,
     /// Its part of the trees.
     pub share: f64,

@@ -66,9 +66,9 @@ pub fn budgeted(
 /// Kinds of trees, and how they are laid out.
 #[derive(Clone, Debug)]
 pub struct Forest {
-    /// What scripts call it.
+    /// Its name in commands and files.
     pub id: String,
-    /// What people call it.
+    /// Its name for people.
     pub name: String,
     /// At least one.
     pub kinds: Vec<Kind>,
@@ -79,7 +79,7 @@ pub struct Forest {
 /// A kind of trees.
 #[derive(Clone, Debug)]
 pub struct Kind {
-    /// What grows; the seed is replaced, tree by tree.
+    /// The recipe of its trees; the seed is replaced, tree by tree.
     pub recipe: Recipe,
     /// Its part of the trees, by the sum of all shares; above 0.
     pub share: f64,

@@ -4,7 +4,7 @@ use linden_plant::stage::Place;
 
 use crate::recipe::Recipe;
 
-/// What is to be grown, and where it will stand.
+/// The trees to grow, and the places where they will stand.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// The distinct trees, kind by kind.

@@ -20,7 +20,7 @@ pub struct Builtin {
     pub size: Option<BuiltinSize>,
 }
 
-/// What a built-in preset grows to as it is: measured when it was last changed, and told without growing.
+/// The size that a built-in preset grows to: measured when it was last changed, and told without growing.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BuiltinSize {
     /// From the lowest to the highest node, to a centimetre.
@@ -42,7 +42,7 @@ pub fn builtins() -> &'static [Builtin] {
 pub struct UnknownPreset {
     /// As it was asked for.
     pub id: String,
-    /// What may have been meant.
+    /// The nearest id, which may have been meant.
     pub nearest: Option<&'static str>,
 }
 

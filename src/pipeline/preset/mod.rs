@@ -45,9 +45,9 @@ pub use read::Heading;
 /// Everything that says how a tree grows and looks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preset {
-    /// What scripts call it: `fir`. Lower-case letters, digits and `-`.
+    /// Its name in commands and files: `fir`. Lower-case letters, digits and `-`.
     pub id: String,
-    /// What people call it.
+    /// Its name for people.
     pub name: String,
     /// Where it is listed: `abop`, `crowns`, `older`, or a group that the user names.
     pub group: String,
@@ -55,13 +55,13 @@ pub struct Preset {
     pub summary: String,
     /// Where it comes from: a paper and figure, a program.
     pub source: String,
-    /// What to look for, in a paragraph: what a book's picture of it shows, say. May be empty.
+    /// A paragraph about what to look for: what a book's picture of it shows, say. May be empty.
     pub about: String,
     /// The root of all random choices.
     pub seed: u64,
     /// How it grows.
     pub generator: Box<dyn Settings>,
-    /// What is done to it after growth.
+    /// Refinement of its axes after growth.
     pub refinement: Refinement,
     /// How thick it is.
     pub wood: Wood,
@@ -69,7 +69,7 @@ pub struct Preset {
     pub dressing: Dressing,
 }
 
-/// What is wrong with a knob that somebody turned.
+/// A mistake in turning a knob.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum KnobError {

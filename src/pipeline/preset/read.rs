@@ -60,7 +60,7 @@ impl Preset {
     }
 }
 
-/// What a list shows of a preset.
+/// The entry of a preset in a list.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Heading {
     /// As [`Preset::name`].

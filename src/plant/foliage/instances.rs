@@ -40,7 +40,7 @@ pub struct Placement {
     pub position: Vec3,
     /// A unit quaternion.
     pub rotation: Quat,
-    /// What one unit of the mesh is, metres.
+    /// Size of one unit of the mesh, metres.
     pub scale: f32,
 }
 

@@ -11,7 +11,7 @@ use crate::texture::leaf::{self, Cell, LeafLook, LeafPictures, Margin, TwigLook}
 use linden_base::monitor::Monitor;
 use linden_base::picture::Picture;
 
-/// What covers the organs of a kind.
+/// The pictures that cover the organs of a kind.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cover {
     /// sRGB; with alpha where something is to be cut out.

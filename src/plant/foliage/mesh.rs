@@ -20,13 +20,13 @@ const PER_TASK: usize = 2048;
 /// All organs of one look.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Foliage {
-    /// What they have in common.
+    /// The look that they have in common.
     pub look: Look,
     /// Their triangles; not empty.
     pub mesh: Mesh,
 }
 
-/// What organs of one mesh have in common.
+/// The look that organs of one mesh have in common.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Look {
     /// A grammar's organs and polygons of a colour, by its index.

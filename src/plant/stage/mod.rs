@@ -27,15 +27,16 @@ pub use setting::{Camera, Ground, Setting, Sky, Sun};
 /// Plants at their places, and what stands around them.
 #[derive(Clone, Debug)]
 pub struct Stage<'a> {
-    /// What is on it: not empty; printable characters only. A single tree's own name.
+    /// Its name, not empty; printable characters only. That of the tree where it is alone.
     pub name: String,
-    /// Enough to make all of it again, one line of printable ASCII (JSON). A single tree's own recipe.
+    /// Enough to make all of it again, one line of printable ASCII (JSON). The recipe of the tree where it is
+    /// alone.
     pub recipe: String,
     /// The distinct plants; at least one.
     pub plants: Vec<Plant<'a>>,
     /// Where they stand; at least one.
     pub places: Vec<Place>,
-    /// What stands around them, on request.
+    /// Ground, sky, sun and camera around them, on request.
     pub setting: Option<Setting>,
     /// The knobs that were turned for this export, by name: exporters note those whose effect their format
     /// cannot hold.
@@ -238,7 +239,7 @@ impl<'a> Stage<'a> {
         stage
     }
 
-    /// What stands where, in the first season and the finest level.
+    /// Places and the scenes that stand there, in the first season and the finest level.
     pub fn finest(&self) -> impl Iterator<Item = (&Place, &'a Scene)> {
         self.places
             .iter()

@@ -21,7 +21,7 @@ pub struct Setting {
     pub sun: Sun,
     /// The rest of the light.
     pub sky: Sky,
-    /// What they stand on.
+    /// The ground that they stand on.
     pub ground: Ground,
 }
 
@@ -30,7 +30,7 @@ pub struct Setting {
 pub struct Camera {
     /// Where it is, metres.
     pub position: Vec3,
-    /// What is in the middle of its picture, metres.
+    /// The place in the middle of its picture, metres.
     pub target: Vec3,
     /// The angle that the picture's height covers, radians.
     pub fov_y_rad: f32,

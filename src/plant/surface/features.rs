@@ -17,7 +17,7 @@ linden_base::words! {
     }
 }
 
-/// What the surface adds to the bare tubes. By default nothing.
+/// Features that the surface adds to the bare tubes. By default none.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Features {
     /// How much wider than its tube a stem's foot is, as a share of the radius.
@@ -112,7 +112,7 @@ impl Flare {
         if along_m < self.height_m { self.ridges * 12 } else { 0 }
     }
 
-    /// What buttresses make of the mean radius at a height and in a direction `(cos, sin)`: a factor,
+    /// Change of the mean radius by buttresses at a height and in a direction `(cos, sin)`: a factor,
     /// and its derivative by the angle.
     pub fn ridge(&self, along_m: f32, (cos, sin): (f32, f32)) -> (f32, f32) {
         if self.ridges == 0 || along_m >= self.height_m {

@@ -49,7 +49,7 @@ pub struct Tubes {
     pub rings: u32,
     /// Edge of the square of bark that the picture shows, metres.
     pub bark_tile_m: f32,
-    /// What is added to the bare tubes.
+    /// Features that are added to the bare tubes.
     pub features: Features,
     /// How tubes meet.
     pub junction: Junction,

@@ -14,7 +14,7 @@ use super::{Tubes, curve};
 use linden_base::memory::bytes_of;
 use linden_skeleton::{Axis, NO_PARENT, Skeleton};
 
-/// What all axes of one skeleton share.
+/// The inputs that all axes of one skeleton share.
 pub(super) struct Course<'a> {
     pub skeleton: &'a Skeleton,
     pub tubes: &'a Tubes,

@@ -7,7 +7,7 @@ use linden_base::monitor::Monitor;
 use linden_base::topology::topology_bytes;
 use linden_skeleton::Skeleton;
 
-/// What [`sweep`](super::sweep) gives for a skeleton.
+/// Measurements of the mesh that [`sweep`](super::sweep) gives for a skeleton.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Survey {
     /// Vertices of the mesh.

@@ -88,7 +88,7 @@ impl AxisSwing {
 }
 
 impl<'a> Field<'a> {
-    /// What blows on a tree, if anything does.
+    /// The field of wind round a tree, if there is wind.
     pub fn of(specimen: &Specimen<'_>, whole: &'a Skeleton) -> Option<Self> {
         let WindSettings { wind, blow } = &specimen.dressing.wind;
         let key = specimen.key().named("wind");

@@ -112,7 +112,7 @@ impl Motion {
     pub const ALL: [Self; 6] =
         [Self::Begin, Self::Stem, Self::BranchSine, Self::BranchCosine, Self::LeafSine, Self::LeafCosine];
 
-    /// What files call it: an ASCII identifier.
+    /// Its name in files: an ASCII identifier.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Begin => "wind_begin",
@@ -125,7 +125,7 @@ impl Motion {
     }
 }
 
-/// What blows on a level of detail: the field of the whole tree, and which of its axes the level has.
+/// The wind on a level of detail: the field of the whole tree, and which of its axes the level has.
 #[derive(Clone, Copy)]
 pub(crate) struct Blown<'a> {
     pub field: &'a Field<'a>,

@@ -28,7 +28,7 @@ pub struct Clumps {
     pub share: f64,
     /// Mean distance of neighbouring centres, metres; above 0.
     pub size_m: f64,
-    /// What decides the centres.
+    /// The key of the centres' random places.
     pub key: Key,
 }
 

@@ -15,7 +15,7 @@ use linden_base::mesh::Bounds;
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_base::random::Key;
 
-/// What a piece does to those before it.
+/// The effect of a piece on those before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Operation {
     /// Its inside belongs to the solid.

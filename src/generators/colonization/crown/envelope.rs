@@ -19,7 +19,7 @@ use linden_base::mesh::Bounds;
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_base::random::Key;
 
-/// What was found out about a mesh; `closed`, `inverted` and the counts are for warnings.
+/// Findings about a mesh; `closed`, `inverted` and the counts are for warnings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EnvelopeReport {
     /// Whether the surface has no edge: inside and outside are exact.
@@ -170,7 +170,7 @@ impl Envelope {
         Ok(Self { surface, tree, cells, bounds, foot, report })
     }
 
-    /// What was found out about the mesh.
+    /// Findings about the mesh.
     pub fn report(&self) -> EnvelopeReport {
         self.report
     }

@@ -91,11 +91,11 @@ pub const SHAPES: &[Shape] = &[
 
 /// One row of [`SHAPES`].
 pub struct Shape {
-    /// What scripts call it: `cone`.
+    /// Its name in recipes: `cone`.
     pub id: &'static str,
     /// One line: what it looks like.
     pub help: &'static str,
-    /// What it is measured by.
+    /// Its dimensions.
     pub knobs: &'static [ShapeKnob],
     /// Builds the solid.
     pub build: fn(&Dimensions) -> Result<Box<dyn Crown>, CrownError>,

@@ -34,7 +34,7 @@ pub(in super::super) struct Library {
     instructions: Vec<Instruction>,
 }
 
-/// What an evaluation may look at.
+/// The inputs of an evaluation.
 #[derive(Clone, Copy)]
 pub(in super::super) struct Inputs<'a> {
     pub parameters: &'a [f64],

@@ -108,7 +108,7 @@ pub(super) struct Call {
     pub at: u32,
     start: u32,
     end: u32,
-    /// What computing costs beyond one symbol's worth of work, in symbols.
+    /// Cost of computing it beyond one symbol's worth of work, in symbols.
     pub cost: u32,
 }
 
@@ -131,7 +131,7 @@ pub(super) struct Group {
     /// How many parameters there are.
     pub parameters: usize,
     pub condition: Option<Formula>,
-    /// What looking at it costs beyond one symbol's worth of work, in symbols.
+    /// Cost of looking at it beyond one symbol's worth of work, in symbols.
     pub cost: u32,
     /// Whether another step may decide otherwise about the same module.
     pub is_random: bool,

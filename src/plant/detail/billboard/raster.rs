@@ -40,7 +40,7 @@ pub(super) struct View {
     pub right: Vec3,
     /// Unit vector to the viewer.
     pub toward: Vec3,
-    /// What is at the upper left corner: metres right of the foot, height.
+    /// The upper left corner: metres right of the foot, height.
     pub corner: Vec2,
     /// Samples per metre.
     pub scale: f32,

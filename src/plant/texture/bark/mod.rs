@@ -20,7 +20,7 @@ use linden_base::monitor::{Cancelled, Monitor};
 use linden_base::picture::Picture;
 use linden_base::random::Key;
 
-/// What kind of bark.
+/// A kind of bark.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BarkStyle {
     /// Long ridges that part and meet: oak, ash, lime.
@@ -63,7 +63,7 @@ impl BarkStyle {
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bark {
-    /// What kind.
+    /// The kind of bark.
     pub style: BarkStyle,
     /// The picture's mean colour, sRGB.
     pub color: [u8; 3],

@@ -24,7 +24,7 @@ pub(super) struct Noises {
     pub lift: f32,
     pub grain: f32,
     pub blotch: f32,
-    /// What layers are torn along.
+    /// The noise that layers are torn along.
     pub flake: f32,
 }
 

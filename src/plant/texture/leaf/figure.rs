@@ -55,7 +55,7 @@ pub(super) struct Vein {
 pub(super) struct Skin {
     /// Where nothing else is.
     pub color: Vec3,
-    /// What autumn has reached: away from the ribs first.
+    /// The colour of what autumn has reached: away from the ribs first.
     pub patch: Vec3,
     /// How much it has reached, 0..1.
     pub patch_share: f32,

@@ -44,7 +44,7 @@ pub use outline::{Margin, Outline, Veins};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeafLook {
-    /// What it looks like from far.
+    /// The shape, as it is seen from far.
     pub outline: Outline,
     /// Width as a share of the blade's length.
     pub width: f32,
@@ -52,7 +52,7 @@ pub struct LeafLook {
     pub lobes: u32,
     /// How deep the bays between lobes are: 0 none, 1 down to the midrib.
     pub lobe_depth: f32,
-    /// What the edge is like.
+    /// The shape of the edge.
     pub margin: Margin,
     /// Teeth along one side of a blade.
     pub teeth: u32,

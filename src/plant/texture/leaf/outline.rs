@@ -1,6 +1,6 @@
 //! The table of leaf outlines: their names, and the usual leaf of each.
 
-/// What a leaf looks like from far.
+/// The shape of a leaf, as it is seen from far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Outline {
     /// Egg-shaped, widest below the middle: beech, pear.
@@ -87,7 +87,7 @@ impl Outline {
     }
 }
 
-/// What the edge of a blade is like.
+/// The shape of a blade's edge.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Margin {
     /// Without teeth.

@@ -18,7 +18,7 @@ const TURNING: [f32; 2] = [0.54, 1.0];
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Tint {
     pub blade: Vec3,
-    /// What the change has reached.
+    /// The colour of what the change has reached.
     pub patch: Vec3,
     pub patch_share: f32,
     pub vein: Vec3,

@@ -16,7 +16,7 @@ use super::figure::{Piece, Skin, Vein};
 use super::outline::{Margin, Outline, Veins};
 use linden_base::random::Key;
 
-/// What blade to make.
+/// The look of a blade to make.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct BladeLook {
     pub outline: Outline,
