@@ -44,6 +44,8 @@ mod grow;
 mod parse;
 mod polygon;
 mod program;
+mod read;
+mod reader;
 mod sample;
 mod settings;
 pub mod text;

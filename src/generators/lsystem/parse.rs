@@ -3,29 +3,15 @@
 use std::collections::BTreeSet;
 
 use super::command::{Command, sign_of_rules};
-use super::error::{GrammarError, Part, Problem};
+use super::error::Problem;
 use super::expression::parse::{Scope, expression};
 use super::expression::{Expression, Function};
 use super::grammar::{Definition, Module, Pattern, Production};
+use super::reader::{Misread, Reader};
 use linden_base::knob::excerpt;
 
 /// The most parameters of a rule, and arguments of a module.
 const MAX_PARAMETERS: usize = 64;
-
-/// A problem at a byte offset of the string that was read.
-#[derive(Debug)]
-pub(super) struct Misread {
-    offset: usize,
-    problem: Problem,
-}
-
-impl Misread {
-    /// The same, with the place that a reader looks for.
-    pub(super) fn within(self, part: Part, text: &str) -> GrammarError {
-        let column = 1 + text.char_indices().take_while(|&(i, _)| i < self.offset).count();
-        GrammarError { part, offset: self.offset, column, problem: self.problem }
-    }
-}
 
 /// What a grammar's strings may refer to.
 #[derive(Default)]
@@ -161,66 +147,7 @@ struct ReadHead {
     names: Vec<(usize, String)>,
 }
 
-/// Reads symbol by symbol, past blanks.
-#[derive(Clone)]
-pub(super) struct Reader<'a> {
-    text: &'a str,
-    offset: usize,
-}
-
-impl<'a> Reader<'a> {
-    fn new(text: &'a str) -> Self {
-        Self { text, offset: 0 }
-    }
-
-    pub(super) fn rest(&self) -> &'a str {
-        &self.text[self.offset..]
-    }
-
-    /// The next character that is not blank; the reader then stands before it.
-    pub(super) fn peek(&mut self) -> Option<char> {
-        self.offset = self.text.len() - self.rest().trim_start().len();
-        self.rest().chars().next()
-    }
-
-    pub(super) fn eat(&mut self, wanted: &str) -> bool {
-        self.peek();
-        let found = self.rest().starts_with(wanted);
-        if found {
-            self.offset += wanted.len();
-        }
-        found
-    }
-
-    pub(super) fn skip(&mut self, bytes: usize) {
-        self.offset += bytes;
-    }
-
-    /// A letter or `_`, and the letters, digits and `_` that follow; empty when there is none.
-    pub(super) fn name(&mut self) -> &'a str {
-        let rest = self.rest();
-        let is_first = |c: char| c.is_alphabetic() || c == '_';
-        if !rest.starts_with(is_first) {
-            return "";
-        }
-        let end = rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len());
-        self.offset += end;
-        &rest[..end]
-    }
-
-    /// Whether an arrow stands here that can be no part of an expression.
-    pub(super) fn at_arrow(&self) -> bool {
-        self.rest().starts_with("->") || self.rest().starts_with('→')
-    }
-
-    fn eat_arrow(&mut self) -> bool {
-        self.eat("->") || self.eat("→") || self.eat("=")
-    }
-
-    pub(super) fn misread(&self, problem: Problem) -> Misread {
-        Misread { offset: self.offset, problem }
-    }
-
+impl Reader<'_> {
     /// Refuses what no rule can rewrite and no context can hold.
     fn rewritable(&self, symbol: char, expected: &str) -> Result<Command, Misread> {
         match Command::of(symbol) {

@@ -54,7 +54,8 @@ fn a_document_names_no_file_elsewhere_but_with_leave() {
     let elsewhere = folder.path().join("elsewhere");
     fs::create_dir(&here).unwrap();
     fs::create_dir(&elsewhere).unwrap();
-    let cloud: String = (0..40).map(|row| format!("0 {} 0\n", f64::from(row) * 0.1)).collect();
+    let rows: Vec<String> = (0..40).map(|row| format!("0 {} 0", f64::from(row) * 0.1)).collect();
+    let cloud = rows.join("\n");
     fs::write(elsewhere.join("pole.xyz"), &cloud).unwrap();
     let document = here.join("pole.toml");
     fs::write(&document, "id = \"pole\"\n[scan]\nfile = \"../elsewhere/pole.xyz\"\n").unwrap();

@@ -10,6 +10,7 @@
 
 use std::time::Duration;
 
+use super::reply::StringKind;
 use super::{Event, Key, KeyCode, csi, reply};
 
 /// Bytes kept of a DCS, OSC or APC; a longer one is dropped.
@@ -76,40 +77,6 @@ enum State {
     Paste(usize),
     /// In a character of as many bytes, behind ESC or not.
     Utf8 { length: u8, alt: bool },
-}
-
-/// The strings of ECMA-48, by what introduces them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum StringKind {
-    /// `ESC ]`
-    Osc,
-    /// `ESC P`
-    Dcs,
-    /// `ESC _`
-    Apc,
-    /// PM `ESC ^` and SOS `ESC X`, whichever introduced it: nothing in them is for us.
-    Other(u8),
-}
-
-impl StringKind {
-    fn introduced_by(byte: u8) -> Option<Self> {
-        Some(match byte {
-            b']' => Self::Osc,
-            b'P' => Self::Dcs,
-            b'_' => Self::Apc,
-            b'^' | b'X' => Self::Other(byte),
-            _ => return None,
-        })
-    }
-
-    fn introducer(self) -> u8 {
-        match self {
-            Self::Osc => b']',
-            Self::Dcs => b'P',
-            Self::Apc => b'_',
-            Self::Other(byte) => byte,
-        }
-    }
 }
 
 impl Parser {

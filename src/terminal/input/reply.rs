@@ -1,7 +1,40 @@
 //! Replies that are strings: DCS, OSC, APC.
 
 use super::Reply;
-use super::parser::StringKind;
+
+/// The strings of ECMA-48, by what introduces them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum StringKind {
+    /// `ESC ]`
+    Osc,
+    /// `ESC P`
+    Dcs,
+    /// `ESC _`
+    Apc,
+    /// PM `ESC ^` and SOS `ESC X`, whichever introduced it: nothing in them is for us.
+    Other(u8),
+}
+
+impl StringKind {
+    pub fn introduced_by(byte: u8) -> Option<Self> {
+        Some(match byte {
+            b']' => Self::Osc,
+            b'P' => Self::Dcs,
+            b'_' => Self::Apc,
+            b'^' | b'X' => Self::Other(byte),
+            _ => return None,
+        })
+    }
+
+    pub fn introducer(self) -> u8 {
+        match self {
+            Self::Osc => b']',
+            Self::Dcs => b'P',
+            Self::Apc => b'_',
+            Self::Other(byte) => byte,
+        }
+    }
+}
 
 /// What a string says, without its introducer and terminator.
 pub(super) fn decode(kind: StringKind, body: &[u8]) -> Option<Reply> {

@@ -1,7 +1,7 @@
 //! Texts to expressions: operator precedence with a stack of its own.
 
 use super::super::error::Problem;
-use super::super::parse::{Misread, Reader};
+use super::super::reader::{Misread, Reader};
 use super::{Binary, COMPARISON, Expression, Function, MAX_OPERANDS, MAX_PENDING, PREFIX, Token, Unary};
 use linden_base::knob::{did_you_mean, excerpt, nearest, printable};
 
