@@ -66,6 +66,26 @@ fn it_grows_is_written_and_grows_again_from_what_was_written() {
 }
 
 #[test]
+fn shells_complete_its_knobs() {
+    let folder = folder();
+    let completed = |word: &str| {
+        let line = ["linden", "show", "comb.toml", "--set", word];
+        let output = Command::new(env!("CARGO_BIN_EXE_linden-with-comb"))
+            .arg("--")
+            .args(line)
+            .current_dir(folder.path())
+            .env("XDG_CONFIG_HOME", folder.path())
+            .envs([("LINDEN_COMPLETE", "bash"), ("_CLAP_IFS", "\n"), ("_CLAP_COMPLETE_INDEX", "4")])
+            .output()
+            .unwrap();
+        String::from_utf8(output.stdout).unwrap().lines().map(str::to_owned).collect::<Vec<_>>()
+    };
+    assert_eq!(completed("comb_te"), ["comb_teeth="]);
+    // Of the generator that grows it alone.
+    assert!(completed("poin").is_empty());
+}
+
+#[test]
 fn what_is_wrong_with_its_table_is_said() {
     let folder = folder();
     let folder = folder.path();
