@@ -3,8 +3,8 @@
 use std::io::{self, Read, Seek, SeekFrom};
 use std::sync::OnceLock;
 
-/// Bytes a pixel while a picture is compressed, beside its own: its colours, filtered, and the file, which
-/// moves to a larger place while it grows (measured).
+/// Bytes a pixel while a picture is compressed, besides those of its colours: the colours, filtered, and the
+/// file, which moves to a larger place while it grows (measured).
 pub const PNG_BYTES_PER_PIXEL: u64 = 8;
 
 /// 8-bit RGBA pixels, rows from the top.
@@ -142,8 +142,8 @@ pub fn recipe_in_png(file: &mut (impl Read + Seek + ?Sized)) -> io::Result<Optio
             b"tEXt" if u64::from(length) <= LONGEST_RECIPE_BYTES => {
                 let mut text = Vec::new();
                 Read::take(&mut *file, length.into()).read_to_end(&mut text)?;
-                let own = text.strip_prefix(RECIPE.as_bytes()).and_then(|rest| rest.strip_prefix(b"\0"));
-                if let Some(recipe) = own {
+                let carried = text.strip_prefix(RECIPE.as_bytes()).and_then(|rest| rest.strip_prefix(b"\0"));
+                if let Some(recipe) = carried {
                     return Ok(String::from_utf8(recipe.to_vec()).ok());
                 }
                 file.seek(SeekFrom::Current(4))?;

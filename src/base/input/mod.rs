@@ -264,10 +264,10 @@ mod tests {
             bytes_of::<DVec3>(mesh.positions.capacity()) + bytes_of::<[u32; 3]>(mesh.triangles.capacity())
         };
         let reads: [(&str, Read<'_>); 3] = [
-            ("XYZ", &|own| Ok(bytes_of::<DVec3>(read_xyz(points.as_bytes(), own)?.capacity()))),
-            ("OBJ", &|own| Ok(mesh_bytes(&read_obj(mesh.as_bytes(), own)?))),
-            ("PLY", &|own| {
-                let PlyData { positions, faces: triangles } = read_ply(ply.as_bytes(), own)?;
+            ("XYZ", &|poor| Ok(bytes_of::<DVec3>(read_xyz(points.as_bytes(), poor)?.capacity()))),
+            ("OBJ", &|poor| Ok(mesh_bytes(&read_obj(mesh.as_bytes(), poor)?))),
+            ("PLY", &|poor| {
+                let PlyData { positions, faces: triangles } = read_ply(ply.as_bytes(), poor)?;
                 Ok(mesh_bytes(&TriangleMesh { positions, triangles }))
             }),
         ];

@@ -65,8 +65,8 @@ impl From<DecodingError> for UserPictureError {
 /// ```
 /// use linden_base::{monitor::Quiet, picture::Picture, input::read_picture};
 /// let png = Picture::new(2, 1, vec![10, 200, 30, 255, 0, 0, 0, 0]);
-/// let own = read_picture(png.png()?, &Quiet).unwrap();
-/// assert!(own.has_alpha && *own.picture == png);
+/// let found = read_picture(png.png()?, &Quiet).unwrap();
+/// assert!(found.has_alpha && *found.picture == png);
 /// # Ok::<(), linden_base::picture::PngError>(())
 /// ```
 ///
@@ -171,9 +171,9 @@ mod tests {
             (ColorType::Indexed, One, &[0b0100_0000], [1, 2, 3, 255, 40, 50, 60, 7], true),
         ];
         for (color, depth, data, expected, has_alpha) in cases {
-            let own = read_picture(&file(2, 1, color, depth, data), &Quiet).unwrap();
+            let found = read_picture(&file(2, 1, color, depth, data), &Quiet).unwrap();
             assert_eq!(
-                (own.picture.rgba(), own.has_alpha),
+                (found.picture.rgba(), found.has_alpha),
                 (&expected[..], has_alpha),
                 "{color:?} {depth:?}"
             );
