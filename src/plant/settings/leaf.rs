@@ -126,7 +126,7 @@ pub const LEAF_KNOBS: [Field<LeafKind>; 33] = [
         "the stalk's share of the length; auto: as usual for its outline",
         petiole,
         details(
-            "0.12 is usual, 0.35 for those on long stalks, as orbicular (aspen) and palmate. Needles and \
+            "0.12 is usual, 0.35 for leaves on long stalks, as orbicular (aspen) and palmate. Needles and \
              shoots have none."
         ),
         see_also(&["leaf_length", "leaf_outline"])
@@ -197,7 +197,7 @@ pub const LEAF_KNOBS: [Field<LeafKind>; 33] = [
         "leaves that spring from one place; more of them are fewer places",
         count,
         details(
-            "3 and more stand as a rosette round the way out, opened by leaf_angle: short shoots of a \
+            "2 and more stand as a rosette round the way out, opened by leaf_angle: short shoots of a \
              larch, leaves at the ends of a magnolia's twigs."
         ),
         see_also(&["leaves_per_m", "leaf_angle"])
