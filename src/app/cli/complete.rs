@@ -3,6 +3,7 @@
 //! Shells ask this program itself while a command line is typed (see [`super::completions`]). It answers from its
 //! tables, the folder of the user's presets, and the directory that is typed; nothing is grown or read.
 
+use std::collections::BTreeSet;
 use std::ffi::OsStr;
 
 use clap_complete::engine::{
@@ -43,6 +44,15 @@ pub fn formats() -> ArgValueCandidates {
 /// Some words.
 pub fn words(words: impl Fn() -> Vec<String> + Send + Sync + 'static) -> ArgValueCandidates {
     ArgValueCandidates::new(move || words().into_iter().map(CompletionCandidate::new).collect())
+}
+
+/// Names of knobs.
+pub fn knobs() -> ArgValueCandidates {
+    ArgValueCandidates::new(|| {
+        let mut seen = BTreeSet::new();
+        let knobs = KNOBS.iter().map(|row| row.knob).filter(|knob| seen.insert(knob.name));
+        knobs.map(|knob| candidate(knob.name, knob.help)).collect()
+    })
 }
 
 /// Words of the knob of this name.

@@ -1,4 +1,4 @@
-//! `linden list`: the presets, and the forests of them.
+//! `linden list`: the presets, and the forests of them; formats; knobs.
 
 use clap::Args;
 use linden::forest::{BuiltinForest, ForestDocument, builtin_forest, builtin_forests};
@@ -6,13 +6,14 @@ use linden::knob::printable;
 use linden::preset::{Preset, builtin, builtins};
 use serde::Serialize;
 
+use super::{complete, knob};
 use crate::config::dirs::Dirs;
 use crate::config::presets::{self, UserPreset};
 use crate::paths::show;
 use crate::progress::Progress;
 use crate::{exit, source};
 
-/// List the presets with what they grow to, and the forests; or the export formats
+/// List the presets with what they grow to, and the forests; or the export formats; or the knobs
 #[derive(Args)]
 pub struct List {
     /// Machine-readable
@@ -22,6 +23,10 @@ pub struct List {
     /// List the export formats instead
     #[arg(long)]
     exporters: bool,
+
+    /// List the knobs instead; with a name, say at length what that one does
+    #[arg(long, value_name = "KNOB", conflicts_with = "exporters", add = complete::knobs())]
+    knobs: Option<Option<String>>,
 }
 
 /// The group of forests.
@@ -53,6 +58,11 @@ impl List {
     pub fn run(self) -> anyhow::Result<()> {
         if self.exporters {
             return exporters(self.json);
+        }
+        match self.knobs {
+            Some(Some(name)) => return knob::one(&name, self.json),
+            Some(None) => return knob::all(self.json),
+            None => {}
         }
         let forest = |forest: &'static BuiltinForest| {
             let ForestDocument { name, summary, .. } =

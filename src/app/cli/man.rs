@@ -168,6 +168,8 @@ fn knobs(roff: &mut Roff) {
             "Turned by --set KNOB=VALUE. Which of them a source has, and at which values they stand, says ",
         ),
         bold("linden show SOURCE"),
+        roman("; what one does at length, "),
+        bold("linden list --knobs KNOB"),
         roman("."),
     ]);
     for section in Section::all() {

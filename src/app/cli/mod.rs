@@ -7,6 +7,7 @@ mod doctor;
 mod export;
 mod forest;
 mod forest_page;
+mod knob;
 mod list;
 mod man;
 mod outputs;
@@ -112,7 +113,8 @@ struct GrowArgs {
     #[arg(value_name = "SOURCE", add = complete::sources())]
     source: PathBuf,
 
-    /// Turn a knob ('linden show SOURCE' lists them); may be given several times
+    /// Turn a knob ('linden show SOURCE' lists them, 'linden list --knobs KNOB' explains one); may be given
+    /// several times
     #[arg(long = "set", short, value_name = "KNOB=VALUE", add = complete::settings())]
     settings: Vec<String>,
 

@@ -202,6 +202,7 @@ fn of(knob: &Knob) -> Value {
         }
     };
     let unit = if knob.unit.is_empty() { String::new() } else { format!(" ({})", knob.unit) };
-    schema["description"] = json!(format!("{}{unit}", knob.help));
+    let details = if knob.details.is_empty() { String::new() } else { format!("\n\n{}", knob.details) };
+    schema["description"] = json!(format!("{}{unit}{details}", knob.help));
     schema
 }

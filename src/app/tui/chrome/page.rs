@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use linden::knob::Knob;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use unicode_width::UnicodeWidthStr;
@@ -12,6 +13,7 @@ use crate::tui::command::Context;
 use crate::tui::dialog::Dialog;
 use crate::tui::layout::{View, centered, inside};
 use crate::tui::model::{Model, Weight};
+use crate::tui::shape;
 use crate::tui::wrap::wrapped;
 
 /// Where a page's keys are listened to.
@@ -64,12 +66,18 @@ pub struct Laid {
 }
 
 impl Page {
-    /// All commands with their keys, those of this place first.
+    /// All commands with their keys, those of this place first; in the form, before them what the chosen
+    /// knob does.
     pub fn help(model: &Model) -> Self {
         let here = model.context();
         let known: BTreeSet<Context> = model.commands().map(|command| command.context).collect();
         let contexts = std::iter::once(here).chain(known.into_iter().filter(|context| *context != here));
         let mut lines = Vec::new();
+        if here == Context::SHAPE
+            && let Some((row, _)) = shape::selected(model)
+        {
+            lines.extend(about(&row.knob));
+        }
         for context in contexts {
             let mut commands = model.commands().filter(|command| command.context == context).peekable();
             if commands.peek().is_none() {
@@ -196,6 +204,18 @@ impl Dialog<Model> for Page {
     fn wheel(&mut self, model: &mut Model, _spot: Option<usize>, down: bool) {
         self.scroll_by(if down { WHEEL } else { -WHEEL }, model.dialog_body());
     }
+}
+
+/// What a knob does, at length.
+fn about(knob: &Knob) -> Vec<PageLine> {
+    let see_also = if knob.see_also.is_empty() {
+        String::new()
+    } else {
+        format!("see also: {}", knob.see_also.join(", "))
+    };
+    let texts = [knob.help, knob.details, &see_also].into_iter().filter(|text| !text.is_empty());
+    let texts = texts.map(|text| PageLine::Text(Weight::Note, text.to_owned()));
+    std::iter::once(PageLine::Heading(knob.name.to_owned())).chain(texts).collect()
 }
 
 /// A cell of air on both sides, where there is room.

@@ -15,7 +15,7 @@ use crate::tui::chrome::prompt::Prompt;
 use crate::tui::layout::{Pane, Target, View, first_row};
 use crate::tui::model::{FormSpot, Model};
 use crate::tui::tree::{Tree, grammar_of};
-use crate::tui::wrap::clipped;
+use crate::tui::wrap::{clipped, wrapped, wrapped_within};
 
 /// Rows that explain what the cursor is on, where there is room: a third of the form, within these.
 const ABOUT: [u16; 2] = [4, 9];
@@ -203,7 +203,8 @@ impl FormView<'_> {
         }
     }
 
-    /// What the cursor's row is about: what is wrong, what it does, what it takes, what it was.
+    /// What the cursor's row is about: what is wrong, what it does, what it takes, what it was; where there
+    /// is room, what it does at length.
     fn explain(&self, row: &FormRow, area: Rect, buffer: &mut Buffer) {
         if area.is_empty() {
             return;
@@ -241,6 +242,18 @@ impl FormView<'_> {
             && with_unit(row_knob, value).width() > usize::from(area.width.saturating_sub(NAME + 2))
         {
             lines.push(Line::styled(value.to_string(), theme.value));
+        }
+        if let FormRow::Knob(PresetKnob { knob, .. }, _) = row
+            && !knob.details.is_empty()
+        {
+            // Last, so that they take no room but what is left.
+            let width = usize::from(area.width);
+            let used: usize = lines.iter().map(|line| wrapped(&line.to_string(), width).len()).sum();
+            let left = usize::from(area.height).saturating_sub(used);
+            if left > 0 {
+                let details = wrapped_within(knob.details, width, left);
+                lines.extend(details.into_iter().map(|line| Line::styled(line, theme.dim)));
+            }
         }
         Paragraph::new(lines).wrap(Wrap { trim: true }).render(area, buffer);
     }
