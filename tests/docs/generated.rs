@@ -51,6 +51,18 @@ fn row(knob: &Knob, default: &str) -> String {
 
 const HEAD: &str = "| knob | default | values | |\n|---|---|---|---|\n";
 
+/// What knobs do at length, a paragraph each; nothing where one line says all of every knob.
+fn at_length(knobs: &[Knob]) -> String {
+    let mut text = String::new();
+    for knob in knobs.iter().filter(|knob| !knob.details.is_empty()) {
+        let others: Vec<String> = knob.see_also.iter().map(|name| format!("`{name}`")).collect();
+        let see_also =
+            if others.is_empty() { String::new() } else { format!(" See also {}.", others.join(", ")) };
+        write!(text, "\n**`{}`** {}{see_also}\n", knob.name, knob.details).unwrap();
+    }
+    text
+}
+
 /// The simplest presets of each kind: all of their knobs have their defaults.
 fn plain() -> Vec<Preset> {
     let tables = [
@@ -111,8 +123,10 @@ fn the_knobs_are_those_of_the_program() {
          Turned by `--set KNOB=VALUE`, in the workbench, or in a preset's document, in the table that a section is called \
          by.\nLengths are metres. `17D` is seventeen steps. The dimensions of crowns are with their\n\
          [shapes](crowns.md#shapes), what a part may have with the [parts](crowns.md#parts).\n\
-         `linden show SOURCE` lists the knobs of one source with their values.\n"
+         `linden show SOURCE` lists the knobs of one source with their values, `linden list --knobs KNOB` says of one what \
+         stands here.\n"
     );
+    let mut explained: Vec<Knob> = Vec::new();
     for table in tables {
         let heading = if table.is_empty() { "tree" } else { table };
         write!(page, "\n## {heading}\n\n{}\n\n{HEAD}", about(table)).unwrap();
@@ -122,6 +136,11 @@ fn the_knobs_are_those_of_the_program() {
         for (_, key, help) in Preset::file_keys().filter(|(section, _, _)| section.key() == table) {
             writeln!(page, "| `{key}` | none | the name of a file | {} |", cell(help)).unwrap();
         }
+        // What a table before this one has, too, was explained there.
+        let rows = KNOBS.iter().filter(|own| own.section.key() == table);
+        let new: Vec<Knob> = rows.map(|own| own.knob).filter(|knob| !explained.contains(knob)).collect();
+        page += &at_length(&new);
+        explained.extend(new);
     }
     check("docs/knobs.md", &page);
 }
