@@ -46,7 +46,7 @@ pub fn say(line: &str) {
 }
 
 /// The chain of causes in one line, without causes that their effects already quote.
-fn sentence(error: &anyhow::Error) -> String {
+pub fn sentence(error: &anyhow::Error) -> String {
     let mut line = String::new();
     for cause in error.chain() {
         let text = cause.to_string();

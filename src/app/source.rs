@@ -185,6 +185,7 @@ impl<'a> Reader<'a> {
             let recipe = found.recipe(self.monitor).map_err(|error| match error {
                 RecipeError::Document(fault) => locate(found.id, &fault),
                 RecipeError::Input(error) => error.into(),
+                other => other.into(),
             })?;
             return Ok(self.replaced(recipe));
         }

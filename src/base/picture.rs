@@ -155,6 +155,7 @@ pub fn recipe_in_png(file: &mut (impl Read + Seek + ?Sized)) -> io::Result<Optio
 
 /// Why a picture could not be written as PNG.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum PngError {
     /// The pixels are not what the size says.
     #[error("a picture of {width}×{height} pixels cannot be written as PNG: it has {bytes} bytes of pixels")]

@@ -8,6 +8,7 @@ use linden_base::monitor::Cancelled;
 
 /// Why nothing can grow.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum GrowthError {
     /// A length of the rule is zero, negative, not a number, or too long.
     #[error(
@@ -102,6 +103,7 @@ pub enum GrowthError {
 
 /// Why nothing grew into the points of a [`Site`](crate::site::Site).
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum StandError {
     /// The result was no longer wanted.
     #[error(transparent)]

@@ -91,7 +91,7 @@ impl From<GeneratorError> for GrowError {
         match error {
             GeneratorError::Cancelled(cancelled) => Self::Cancelled(cancelled),
             GeneratorError::Memory(over) => Self::Memory(over),
-            failed @ GeneratorError::Failed(_) => Self::Generator(failed),
+            other => Self::Generator(other),
         }
     }
 }

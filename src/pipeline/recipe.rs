@@ -27,6 +27,7 @@ pub struct Recipe {
 
 /// A recipe whose files are not those that its preset names.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum InputsError {
     /// A file that the preset names is not there.
     #[error("'{}' needs the file '{}', which was not given", printable(.preset), printable(.file))]

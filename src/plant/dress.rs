@@ -22,6 +22,7 @@ const BARK_ROUGHNESS: f32 = 0.9;
 
 /// Why a tree has no scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum DressError {
     /// The result was no longer wanted.
     #[error(transparent)]

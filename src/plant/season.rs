@@ -17,6 +17,7 @@ pub const SEASONS: [(&str, f64); 4] = [("flush", 0.0), ("summer", 0.35), ("autum
 
 /// Why a list of seasons is none.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SeasonError {
     /// Nothing is listed.
     #[error("no season is named; there are: {}", names())]

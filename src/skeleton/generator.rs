@@ -473,6 +473,7 @@ impl Spread {
 
 /// Why nothing grew.
 #[derive(Clone, Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum GeneratorError {
     /// The result was no longer wanted.
     #[error(transparent)]

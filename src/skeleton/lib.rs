@@ -78,6 +78,7 @@ pub struct Skeleton {
 /// Why a branching is no tree. A generator that returns such a thing has a bug, but callers of the
 /// library may build branchings too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SkeletonError {
     /// No node at all.
     #[error("a skeleton needs at least one segment, and there is none")]

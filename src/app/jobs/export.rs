@@ -11,6 +11,7 @@ use linden::recipe::Recipe;
 use linden_exporters::{Bundle, Estimate, Existing, examine, make_folders};
 
 use super::{Done, Findings, ShownTree};
+use crate::exit;
 use crate::paths::expand;
 use crate::paths::show;
 use linden_exporters::{Batch, Output};
@@ -102,7 +103,7 @@ pub fn run(order: ExportOrder, watcher: &dyn Monitor, say: &dyn Fn(ExportNews)) 
         Ok((files, notes)) => ExportNews::Done { number, files, notes },
         // Whatever failed then, failed because of it.
         Err(_) if watcher.is_cancelled() => ExportNews::Cancelled { number },
-        Err(error) => ExportNews::Failed { number, why: format!("{error:#}") },
+        Err(error) => ExportNews::Failed { number, why: exit::sentence(&error) },
     });
 }
 

@@ -39,6 +39,7 @@ pub struct TriangleMesh {
 
 /// Why a file cannot be used.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum InputError {
     /// No bytes, or nothing but white space.
     #[error("the file is empty; expected a preset, a grammar, a mesh or points")]

@@ -32,6 +32,7 @@ pub struct UserPicture {
 
 /// Why a file gives no picture.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum UserPictureError {
     /// Something else than PNG.
     #[error("this is not a PNG picture: it does not begin as one; save it as PNG")]

@@ -46,7 +46,7 @@ pub enum ColonizationError {
     },
     /// The crown's mesh.
     #[error("filling the envelope: {0}")]
-    Envelope(EnvelopeError),
+    Envelope(#[source] EnvelopeError),
     /// The points.
     #[error(transparent)]
     Scatter(ScatterError),

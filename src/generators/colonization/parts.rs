@@ -26,6 +26,7 @@ const CLUMP_PER_SIZE: f64 = 0.2;
 
 /// Why a part of a crown cannot be had.
 #[derive(Clone, Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum PartError {
     /// Its shape.
     #[error(transparent)]

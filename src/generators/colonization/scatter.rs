@@ -16,6 +16,7 @@ const CHUNK: usize = 512;
 
 /// Why there are no points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ScatterError {
     /// Nobody wants them any more.
     #[error(transparent)]

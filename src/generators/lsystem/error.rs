@@ -177,6 +177,7 @@ pub struct GrammarError {
 
 /// Why an L-system did not grow.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum LsystemError {
     /// Refused before deriving.
     #[error(

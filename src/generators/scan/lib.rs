@@ -119,6 +119,7 @@ pub struct ScanReport {
 
 /// Why a scan cannot be grown.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum ScanError {
     /// Too few points to see a tree in.
     #[error(

@@ -7,6 +7,7 @@ use super::MOST_PLACES;
 
 /// Why there is no plan of a forest.
 #[derive(Clone, Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum ForestError {
     /// The result was no longer wanted.
     #[error(transparent)]

@@ -185,6 +185,7 @@ fn integer(value: &Value, otherwise: u64) -> u64 {
 
 /// A mistake in a setting of a forest.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum LayoutError {
     /// There is no such knob.
     #[error("a forest has no knob '{}'{}; it has: {}", printable(.name), linden_base::knob::did_you_mean(*.nearest), .known.join(", "))]

@@ -15,6 +15,7 @@ use crate::generators;
 
 /// Why a document cannot be edited.
 #[derive(Clone, Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum EditError {
     /// A number is too large for TOML: a seed beyond 2^63.
     #[error("a number of the preset is too large for TOML: {0}")]

@@ -107,6 +107,7 @@ impl Builtin {
 
 /// Why a built-in preset cannot be had.
 #[derive(Clone, Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum RecipeError {
     /// Its document.
     #[error(transparent)]

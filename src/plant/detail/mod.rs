@@ -70,6 +70,7 @@ impl Detail {
 
 /// Why there is no such level.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum DetailError {
     /// The result was no longer wanted.
     #[error(transparent)]
@@ -99,10 +100,10 @@ pub enum DetailError {
     },
     /// Counting the surface.
     #[error("counting the surface: {0}")]
-    Surface(SurfaceError),
+    Surface(#[source] SurfaceError),
     /// Counting the foliage.
     #[error("counting the foliage: {0}")]
-    Foliage(FoliageError),
+    Foliage(#[source] FoliageError),
     /// Dressing a level.
     #[error(transparent)]
     Dress(DressError),

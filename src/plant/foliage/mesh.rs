@@ -37,6 +37,7 @@ pub enum Look {
 
 /// Why there is no foliage.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum FoliageError {
     /// The result was no longer wanted.
     #[error(transparent)]
@@ -90,7 +91,7 @@ pub enum FoliageError {
     MeshFlat,
     /// The picture.
     #[error("drawing leaves: {0}")]
-    Picture(LeafError),
+    Picture(#[source] LeafError),
 }
 
 linden_base::from_cancellable!(FoliageError: LeafError => Picture);

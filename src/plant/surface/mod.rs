@@ -101,6 +101,7 @@ impl Default for Tubes {
 
 /// Why there is no surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum SurfaceError {
     /// The result was no longer wanted.
     #[error(transparent)]

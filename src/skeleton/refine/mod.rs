@@ -116,6 +116,7 @@ impl Default for Refinement {
 
 /// Why a branching was not refined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum RefineError {
     /// Nobody wanted the result any more.
     #[error(transparent)]

@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 use linden::recipe::Recipe;
 
 use super::Happening;
+use crate::exit;
 use crate::jobs::{
     Answer, Done, DrawRequest, ExportNews, ExportOrder, GalleryRequest, Inquiry, Lane, Painted, Painter,
     Relay, ShownTree, Thumbnail, Watcher, grow_shown, look, paint_gallery, run_export,
@@ -274,6 +275,6 @@ fn read(place: TreePlace, watcher: &Watcher<'_>, give: &dyn Fn(Read)) {
     };
     let resolved = source::resolve(&path, &[], watcher);
     if !linden::Monitor::is_cancelled(watcher) {
-        give((place, resolved.map(Box::new).map_err(|error| format!("{error:#}"))));
+        give((place, resolved.map(Box::new).map_err(|error| exit::sentence(&error))));
     }
 }

@@ -158,7 +158,7 @@ impl Bench {
                         TreePlace::File(path) => path.clone(),
                     };
                     let source = source::resolve(&path, &[], &linden::Quiet);
-                    let source = source.map(Box::new).map_err(|error| format!("{error:#}"));
+                    let source = source.map(Box::new).map_err(|error| crate::exit::sentence(&error));
                     self.msg(Msg::Loaded(place, source));
                 }
                 other => self.effects.push(other),

@@ -34,6 +34,7 @@ pub struct Piece {
 
 /// Why pieces make no solid.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CompoundError {
     /// Next to nothing is left.
     #[error("nothing to speak of is left of the crown once piece {piece} is subtracted")]

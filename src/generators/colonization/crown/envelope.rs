@@ -71,6 +71,7 @@ impl EnvelopeReport {
 
 /// Why a mesh is no crown.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum EnvelopeError {
     /// An index of no vertex, or a coordinate that is no finite number.
     #[error("the crown mesh's triangle {triangle} has a corner that is no vertex or no finite position")]

@@ -111,6 +111,7 @@ pub struct ShapeKnob {
 
 /// Why a crown cannot be had.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum CrownError {
     /// No shape of this name.
     #[error("no crown shape is called '{name}'{}; the shapes are: {}", did_you_mean(*.hint), shape_names())]

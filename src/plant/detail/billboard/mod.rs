@@ -33,6 +33,7 @@ pub struct Billboard {
 
 /// Why there are no planes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum BillboardError {
     /// The result was no longer wanted.
     #[error(transparent)]

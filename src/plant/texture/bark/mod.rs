@@ -89,6 +89,7 @@ pub struct BarkPictures {
 
 /// Why there is no picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum BarkError {
     /// The size is 0 or too large.
     #[error("a bark picture of {0}×{0} pixels cannot be drawn: choose 1 to {max}", max = Bark::MAX_SIZE_PX)]

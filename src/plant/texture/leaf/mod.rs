@@ -178,6 +178,7 @@ impl Cell {
 
 /// Why there is no picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
 pub enum LeafError {
     /// The size is 0 or too large.
     #[error("a leaf picture of {0}×{0} pixels cannot be drawn: choose 1 to {max}", max = LeafLook::MAX_SIZE_PX)]
