@@ -68,8 +68,8 @@ fn it_grows_is_written_and_grows_again_from_what_was_written() {
 #[test]
 fn shells_complete_its_knobs() {
     let folder = folder();
-    let completed = |word: &str| {
-        let line = ["linden", "show", "comb.toml", "--set", word];
+    let completed = |source: &str, word: &str| {
+        let line = ["linden", "show", source, "--set", word];
         let output = Command::new(env!("CARGO_BIN_EXE_linden-with-comb"))
             .arg("--")
             .args(line)
@@ -80,9 +80,9 @@ fn shells_complete_its_knobs() {
             .unwrap();
         String::from_utf8(output.stdout).unwrap().lines().map(str::to_owned).collect::<Vec<_>>()
     };
-    assert_eq!(completed("comb_te"), ["comb_teeth="]);
-    // Of the generator that grows it alone.
-    assert!(completed("poin").is_empty());
+    assert_eq!(completed("comb.toml", "comb_te"), ["comb_teeth="]);
+    assert_eq!(completed("fir", "poin"), ["points="]);
+    assert!(completed("fir", "comb_te").is_empty());
 }
 
 #[test]
