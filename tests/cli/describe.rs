@@ -347,6 +347,33 @@ fn the_manual_has_formats_knobs_variables_files_and_a_page_for_each_reference() 
 }
 
 #[test]
+fn a_knob_is_explained_by_its_name() {
+    let folder = Folder::new();
+    let text = folder.run(&["list", "--knobs", "kill"]).done().out;
+    for part in ["kill  [colonization] [scan]", "to reach it", "Runions et al. 2007", "see also: influence"] {
+        assert!(text.contains(part), "{part} in {text}");
+    }
+    let pages = folder.run(&["list", "--knobs", "tropism", "--json"]).done().json();
+    let sections: Vec<&serde_json::Value> =
+        pages.as_array().unwrap().iter().map(|page| &page["sections"][0]).collect();
+    assert_eq!(sections, ["lsystem", "colonization"], "two knobs of one name");
+    assert!(pages[0]["details"].as_str().unwrap().contains("ABOP"));
+
+    let all = folder.run(&["list", "--knobs"]).done().out;
+    let rows = folder.run(&["list", "--knobs", "--json"]).done().json();
+    for row in rows.as_array().unwrap() {
+        assert!(all.contains(&format!("  {} ", row["name"].as_str().unwrap())), "{row}");
+    }
+    let said = folder.run(&["list", "--knobs", "kil"]);
+    assert_eq!(said.code, Some(2));
+    assert!(said.err.contains("did you mean 'kill'?"), "{}", said.err);
+
+    let schema = folder.run(&["schema"]).done().json();
+    let described = &schema["properties"]["scan"]["properties"]["kill"]["description"];
+    assert!(described.as_str().unwrap().contains("Runions et al. 2007"), "{described}");
+}
+
+#[test]
 fn the_schema_fits_the_documents_that_show_writes() {
     let folder = Folder::new();
     let schema = folder.run(&["schema"]).done().json();

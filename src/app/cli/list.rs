@@ -25,8 +25,9 @@ pub struct List {
     exporters: bool,
 
     /// List the knobs instead; with a name, say at length what that one does
-    #[arg(long, value_name = "KNOB", conflicts_with = "exporters", add = complete::knobs())]
-    knobs: Option<Option<String>>,
+    #[arg(long, value_name = "KNOB", num_args = 0..=1, default_missing_value = "")]
+    #[arg(conflicts_with = "exporters", add = complete::knobs())]
+    knobs: Option<String>,
 }
 
 /// The group of forests.
@@ -59,9 +60,9 @@ impl List {
         if self.exporters {
             return exporters(self.json);
         }
-        match self.knobs {
-            Some(Some(name)) => return knob::one(&name, self.json),
-            Some(None) => return knob::all(self.json),
+        match self.knobs.as_deref() {
+            Some("") => return knob::all(self.json),
+            Some(name) => return knob::one(name, self.json),
             None => {}
         }
         let forest = |forest: &'static BuiltinForest| {
