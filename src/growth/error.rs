@@ -48,7 +48,7 @@ pub enum GrowthError {
     },
     /// A value of the habit is out of its range.
     #[error("cannot grow: {knob} {problem}")]
-    Habit {
+    GrowthHabit {
         /// The knob.
         knob: &'static str,
         /// What it must be.

@@ -28,7 +28,7 @@
 //!   there is no more room, points die as always, and growth ends.
 //!
 //! # Habits
-//! What [`Habit`] adds, also as defined here. A habit that is not used leaves every bit as it is.
+//! What [`GrowthHabit`] adds, also as defined here. A habit that is not used leaves every bit as it is.
 //!
 //! - **Order.** The first child of a node continues its axis, later ones begin laterals of the next
 //!   order; roots begin stems of order 0. Orders stop at 255.
@@ -108,7 +108,7 @@ use linden_base::monitor::{Cancelled, Monitor};
 use linden_skeleton::{Branching, NO_PARENT};
 pub use node_set::NodeSet;
 pub use obstacle::{Meet, Obstacle};
-pub use rule::{Attraction, GrowthRule, Habit};
+pub use rule::{Attraction, GrowthHabit, GrowthRule};
 use search::Search;
 pub use settings::{GrowthSettings, Origin, UpAxis};
 pub use stand::Stand;
@@ -147,7 +147,7 @@ pub enum Stop {
     /// Points are in reach, but rounding loses every step towards them: the step is too short for
     /// coordinates of this size.
     Stalled,
-    /// Points are in reach, but obstacles or [`Habit::max_children`] keep nodes from growing towards
+    /// Points are in reach, but obstacles or [`GrowthHabit::max_children`] keep nodes from growing towards
     /// them.
     Blocked,
     /// [`GrowthRule::max_iterations`] have been made.
@@ -339,7 +339,7 @@ mod tests {
                 tropism: Vec3::new(0.0, 0.2, 0.0),
                 max_iterations: 1000,
                 max_nodes: 100_000,
-                habit: Habit::PLAIN,
+                habit: GrowthHabit::PLAIN,
             };
             let grown = |search: fn(PointTree, f32) -> Search| {
                 grow_with(&points, &root, &rule, &[], &Quiet, search).unwrap()

@@ -21,13 +21,13 @@ pub struct GrowthRule {
     pub max_iterations: u32,
     /// The most nodes, those at the start included.
     pub max_nodes: u32,
-    /// The habit, which sets a species apart; [`Habit::PLAIN`] is RLP07's rule.
-    pub habit: Habit,
+    /// The habit, which sets a species apart; [`GrowthHabit::PLAIN`] is RLP07's rule.
+    pub habit: GrowthHabit,
 }
 
 /// How a plant departs from RLP07's rule: what the module's documentation calls its habit.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Habit {
+pub struct GrowthHabit {
     /// Which points pull at a node.
     pub attraction: Attraction,
     /// What is added of straight up to each unit direction of growth, by the order of the axis, 0 for
@@ -60,7 +60,7 @@ linden_base::words! {
     }
 }
 
-impl Habit {
+impl GrowthHabit {
     /// Nothing but RLP07's rule.
     pub const PLAIN: Self = Self {
         attraction: Attraction::Nearest,
@@ -82,7 +82,7 @@ impl Habit {
     }
 
     fn check(&self) -> Result<(), GrowthError> {
-        let wrong = |knob, problem| Err(GrowthError::Habit { knob, problem });
+        let wrong = |knob, problem| Err(GrowthError::GrowthHabit { knob, problem });
         for (knob, by_order) in [("gravitropism", &self.gravitropism), ("phototropism", &self.phototropism)] {
             if !by_order.iter().all(|some| some.is_finite()) {
                 return wrong(knob, "must be finite for every order");
@@ -107,7 +107,7 @@ impl Habit {
     }
 }
 
-impl Default for Habit {
+impl Default for GrowthHabit {
     fn default() -> Self {
         Self::PLAIN
     }
@@ -138,7 +138,7 @@ impl GrowthRule {
 
     /// What is added to the unit pull at a node of some order, `lever_m` sideways of its root.
     pub(super) fn bend(&self, order: u8, lever_m: f64) -> DVec3 {
-        let Habit { gravitropism, phototropism, light, gravity, .. } = &self.habit;
+        let GrowthHabit { gravitropism, phototropism, light, gravity, .. } = &self.habit;
         let of = |by_order: &[f32]| {
             let some = by_order.get(usize::from(order)).or(by_order.last());
             some.copied().map_or(0.0, f64::from)

@@ -6,7 +6,7 @@ use linden_base::knob::{Field, Kind, Length, integer, length_or_auto, real, real
 use linden_base::{field, words};
 use linden_skeleton::generator::SampleSize;
 
-use crate::{Attraction, Habit};
+use crate::{Attraction, GrowthHabit};
 
 words! {
     /// Which axis of an input file points up.
@@ -433,9 +433,9 @@ impl GrowthSettings {
         }
     }
 
-    pub(crate) fn habit(&self) -> Habit {
+    pub(crate) fn habit(&self) -> GrowthHabit {
         let by_order = |numbers: &[f64]| numbers.iter().map(|&x| x as f32).collect();
-        Habit {
+        GrowthHabit {
             attraction: self.attraction,
             gravitropism: by_order(&self.gravitropism),
             phototropism: by_order(&self.phototropism),

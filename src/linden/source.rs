@@ -75,7 +75,7 @@ pub fn read_allowing<P: AsRef<Path>>(path: impl AsRef<Path>, folders: &[P]) -> R
         }
         InputKind::Grammar => {
             let found = text::parse(text()?).map_err(|error| {
-                let place = linden_pipeline::document::Place { line: error.line, column: error.column };
+                let place = linden_pipeline::document::TextPlace { line: error.line, column: error.column };
                 document(Fault::new(Some(place), error.problem.to_string()))
             })?;
             Preset::of_grammar(&id, found.grammar, found.angle_deg, found.derivations)

@@ -22,7 +22,7 @@ use std::cell::Cell;
 use std::time::Instant;
 
 use kiddo::{ImmutableKdTree, MutableKdTree, SquaredEuclidean};
-use linden::growth::{GrowthRule, Habit, grow};
+use linden::growth::{GrowthHabit, GrowthRule, grow};
 use linden::random::Key;
 use linden::{Branching, NO_PARENT, Quiet, Vec3};
 use multiversion::multiversion;
@@ -103,7 +103,7 @@ fn row(setting: &Setting) {
         tropism: Vec3::ZERO,
         max_iterations: u32::MAX,
         max_nodes: u32::MAX,
-        habit: Habit::PLAIN,
+        habit: GrowthHabit::PLAIN,
     };
     let root =
         Branching { positions: vec![Vec3::ZERO], parents: vec![NO_PARENT], births: vec![0], radii: None };

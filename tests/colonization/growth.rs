@@ -7,7 +7,7 @@ mod naive;
 use std::collections::BTreeSet;
 use std::sync::LazyLock;
 
-use linden::growth::{Attraction, Growth, GrowthRule, Habit, Meet, Obstacle, Stop, grow, grow_among};
+use linden::growth::{Attraction, Growth, GrowthHabit, GrowthRule, Meet, Obstacle, Stop, grow, grow_among};
 use linden::random::Key;
 use linden::{Branching, DVec3, NO_PARENT, Quiet, Vec3};
 use proptest::prelude::*;
@@ -134,13 +134,13 @@ fn rule() -> impl Strategy<Value = GrowthRule> {
             tropism,
             max_iterations,
             max_nodes,
-            habit: Habit::PLAIN,
+            habit: GrowthHabit::PLAIN,
         },
     )
 }
 
 /// None to all of what habits can ask.
-fn habit() -> impl Strategy<Value = Habit> {
+fn habit() -> impl Strategy<Value = GrowthHabit> {
     let by_order = || {
         prop_oneof![
             2 => Just(Vec::new()),
@@ -155,7 +155,7 @@ fn habit() -> impl Strategy<Value = Habit> {
     let waves = (prop_oneof![1 => Just(1_u32), 2 => 2..6_u32], prop_oneof![Just(0_u32), 1..8_u32]);
     (attraction, by_order(), by_order(), light, gravity, control, children, waves).prop_map(
         |(attraction, gravitropism, phototropism, light, gravity, apical_control, max_children, waves)| {
-            Habit {
+            GrowthHabit {
                 attraction,
                 gravitropism,
                 phototropism,
@@ -222,7 +222,7 @@ proptest! {
 
     #[test]
     fn growth_among_obstacles_is_the_definition(
-        points in points(), start in start(), rule in rule(), habit in prop_oneof![Just(Habit::PLAIN), habit()],
+        points in points(), start in start(), rule in rule(), habit in prop_oneof![Just(GrowthHabit::PLAIN), habit()],
         obstacles in obstacles(),
     ) {
         let rule = GrowthRule { habit, max_nodes: rule.max_nodes.min(600), ..rule };
@@ -265,7 +265,7 @@ fn coarse(step: f32, influence: f32) -> GrowthRule {
         tropism: Vec3::ZERO,
         max_iterations: 10_000,
         max_nodes: 100_000,
-        habit: Habit::PLAIN,
+        habit: GrowthHabit::PLAIN,
     }
 }
 
@@ -299,16 +299,16 @@ fn a_forest_of_many_roots_is_the_definition() {
 /// The same with what habits add, alone and together.
 #[test]
 fn large_growth_with_habits_is_the_definition_on_any_number_of_threads() {
-    let all = Habit { attraction: Attraction::All, ..Habit::PLAIN };
-    let waves = Habit { waves: 4, wave_interval: 6, ..Habit::PLAIN };
-    let excurrent = Habit { apical_control: 0.7, gravitropism: vec![0.8, -0.1], ..Habit::PLAIN };
-    let together = Habit {
+    let all = GrowthHabit { attraction: Attraction::All, ..GrowthHabit::PLAIN };
+    let waves = GrowthHabit { waves: 4, wave_interval: 6, ..GrowthHabit::PLAIN };
+    let excurrent = GrowthHabit { apical_control: 0.7, gravitropism: vec![0.8, -0.1], ..GrowthHabit::PLAIN };
+    let together = GrowthHabit {
         attraction: Attraction::All,
         phototropism: vec![0.0, 0.3],
         light: Vec3::new(1.0, 1.0, 0.0),
         gravity: 0.2,
         max_children: 3,
-        ..Habit { apical_control: 0.3, ..waves.clone() }
+        ..GrowthHabit { apical_control: 0.3, ..waves.clone() }
     };
     for habit in [all, waves, excurrent, together] {
         for influence in [0.3, f32::INFINITY] {

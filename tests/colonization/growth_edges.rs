@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use linden::growth::{GrowthError, GrowthRule, Habit, Stop, grow};
+use linden::growth::{GrowthError, GrowthHabit, GrowthRule, Stop, grow};
 use linden::monitor::Phase;
 use linden::{Branching, Cancelled, Monitor, NO_PARENT, Quiet, Vec3};
 
@@ -13,7 +13,7 @@ const RULE: GrowthRule = GrowthRule {
     tropism: Vec3::ZERO,
     max_iterations: 1000,
     max_nodes: 1000,
-    habit: Habit::PLAIN,
+    habit: GrowthHabit::PLAIN,
 };
 
 fn roots(places: &[Vec3]) -> Branching {
@@ -271,7 +271,7 @@ fn a_long_trunk_hands_points_on_from_batch_to_batch() {
         tropism: Vec3::ZERO,
         max_iterations: 1000,
         max_nodes: 100_000,
-        habit: Habit::PLAIN,
+        habit: GrowthHabit::PLAIN,
     };
     let growth = grow(&points, &start, &rule, &Quiet).unwrap();
     assert_eq!(growth.stop, Stop::AllReached);

@@ -3,12 +3,12 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot be set up fails")]
 
 use linden::growth::{
-    Attraction, Growth, GrowthError, GrowthRule, Habit, Meet, Obstacle, Stop, grow, grow_among,
+    Attraction, Growth, GrowthError, GrowthHabit, GrowthRule, Meet, Obstacle, Stop, grow, grow_among,
 };
 use linden::random::Key;
 use linden::{Branching, DVec3, NO_PARENT, Quiet, Vec3};
 
-fn rule(habit: Habit) -> GrowthRule {
+fn rule(habit: GrowthHabit) -> GrowthRule {
     GrowthRule {
         step: 0.1,
         influence: 1.2,
@@ -38,7 +38,7 @@ fn cone(points: usize) -> Vec<Vec3> {
         .collect()
 }
 
-fn grown(points: &[Vec3], habit: Habit) -> Growth {
+fn grown(points: &[Vec3], habit: GrowthHabit) -> Growth {
     grow(points, &root(Vec3::ZERO), &rule(habit), &Quiet).unwrap()
 }
 
@@ -63,7 +63,7 @@ fn height_of(branching: &Branching, birth: u32) -> f32 {
 fn apical_control_lets_the_leader_go_ahead() {
     let points = cone(3_000);
     let laterals_below = |control: f32| {
-        let habit = Habit { apical_control: control, ..Habit::PLAIN };
+        let habit = GrowthHabit { apical_control: control, ..GrowthHabit::PLAIN };
         let growth = grown(&points, habit);
         assert_eq!(growth.stop, Stop::AllReached);
         let tree = growth.branching;
@@ -81,7 +81,7 @@ fn apical_control_lets_the_leader_go_ahead() {
 
 /// The first internode that grows from a stem of three nodes towards a point beside its middle, or
 /// above its tip.
-fn first_internode(point: Vec3, habit: Habit) -> Vec3 {
+fn first_internode(point: Vec3, habit: GrowthHabit) -> Vec3 {
     let stem = Branching {
         positions: vec![Vec3::ZERO, Vec3::Y, 2.0 * Vec3::Y],
         parents: vec![NO_PARENT, 0, 1],
@@ -96,15 +96,15 @@ fn first_internode(point: Vec3, habit: Habit) -> Vec3 {
 fn tropisms_by_order_turn_stems_and_branches_apart() {
     let (beside, above) = (Vec3::new(0.9, 1.0, 0.0), Vec3::new(0.9, 2.0, 0.0));
     let near = |a: Vec3, b: Vec3| assert!(a.distance(b) < 1e-4, "{a} {b}");
-    let down = || Habit { gravitropism: vec![0.0, -1.0], ..Habit::PLAIN };
+    let down = || GrowthHabit { gravitropism: vec![0.0, -1.0], ..GrowthHabit::PLAIN };
     near(first_internode(beside, down()), Vec3::new(1.0, -1.0, 0.0).normalize());
     near(first_internode(above, down()), Vec3::X);
-    let up = || Habit { gravitropism: vec![1.0, 0.0], ..Habit::PLAIN };
+    let up = || GrowthHabit { gravitropism: vec![1.0, 0.0], ..GrowthHabit::PLAIN };
     near(first_internode(beside, up()), Vec3::X);
     near(first_internode(above, up()), Vec3::new(1.0, 1.0, 0.0).normalize());
 
     // One number holds for all orders; the light's distance does not matter.
-    let light = || Habit { phototropism: vec![2.0], light: 5.0 * Vec3::Z, ..Habit::PLAIN };
+    let light = || GrowthHabit { phototropism: vec![2.0], light: 5.0 * Vec3::Z, ..GrowthHabit::PLAIN };
     for point in [beside, above] {
         near(first_internode(point, light()), Vec3::new(1.0, 0.0, 2.0).normalize());
     }
@@ -114,7 +114,8 @@ fn tropisms_by_order_turn_stems_and_branches_apart() {
 fn gravity_bends_what_is_far_from_the_root() {
     let points: Vec<Vec3> = (1..20).map(|i| Vec3::new(0.3 * i as f32, 0.0, 0.0)).collect();
     let lowest = |gravity| {
-        let rule = GrowthRule { kill: 1.0, influence: 3.0, ..rule(Habit { gravity, ..Habit::PLAIN }) };
+        let rule =
+            GrowthRule { kill: 1.0, influence: 3.0, ..rule(GrowthHabit { gravity, ..GrowthHabit::PLAIN }) };
         let growth = grow(&points, &root(Vec3::ZERO), &rule, &Quiet).unwrap();
         growth.branching.positions.iter().map(|p| p.y).fold(0.0, f32::min)
     };
@@ -125,21 +126,21 @@ fn gravity_bends_what_is_far_from_the_root() {
 #[test]
 fn a_node_has_no_more_children_than_it_may() {
     for most in 1..4 {
-        let growth = grown(&cone(1_000), Habit { max_children: most, ..Habit::PLAIN });
+        let growth = grown(&cone(1_000), GrowthHabit { max_children: most, ..GrowthHabit::PLAIN });
         let mut children = vec![0; growth.branching.parents.len()];
         for &parent in &growth.branching.parents[1..] {
             children[parent as usize] += 1;
         }
         assert_eq!(children.iter().max(), Some(&most));
     }
-    let chain = grown(&cone(1_000), Habit { max_children: 1, ..Habit::PLAIN });
+    let chain = grown(&cone(1_000), GrowthHabit { max_children: 1, ..GrowthHabit::PLAIN });
     assert_eq!(chain.stop, Stop::Blocked);
     assert!(chain.unreached > 0);
 }
 
 #[test]
 fn all_points_in_reach_pull_and_growth_still_ends() {
-    let all = || Habit { attraction: Attraction::All, ..Habit::PLAIN };
+    let all = || GrowthHabit { attraction: Attraction::All, ..GrowthHabit::PLAIN };
     let growth = grown(&cone(1_000), all());
     assert_eq!(growth.stop, Stop::AllReached);
     // The node is between three points, where the sum of all pulls vanishes.
@@ -163,7 +164,7 @@ fn waves_are_reached_one_after_the_other() {
     points.sort_by(|a, b| a.y.total_cmp(&b.y));
     let boundary = points[1_000].y;
     let highest_when = |wave_interval: u32, iteration: u32| {
-        let habit = Habit { waves: 2, wave_interval, ..Habit::PLAIN };
+        let habit = GrowthHabit { waves: 2, wave_interval, ..GrowthHabit::PLAIN };
         let growth = grown(&points, habit);
         assert_eq!(growth.stop, Stop::AllReached);
         height_of(&growth.branching, iteration)
@@ -173,11 +174,11 @@ fn waves_are_reached_one_after_the_other() {
 
     // The second wave is used up where it appears, the third is out of reach.
     let points = [Vec3::Y, 0.5 * Vec3::Y, 50.0 * Vec3::Y];
-    let growth = grown(&points, Habit { waves: 3, ..Habit::PLAIN });
+    let growth = grown(&points, GrowthHabit { waves: 3, ..GrowthHabit::PLAIN });
     assert_eq!((growth.stop, growth.unreached), (Stop::NothingInReach, 1));
     // More waves than points; only the second point is in reach of the root.
     let points = [9.0 * Vec3::Y, Vec3::Y];
-    let growth = grown(&points, Habit { waves: 1000, ..Habit::PLAIN });
+    let growth = grown(&points, GrowthHabit { waves: 1000, ..GrowthHabit::PLAIN });
     assert_eq!((growth.stop, growth.unreached), (Stop::NothingInReach, 1));
 }
 
@@ -189,7 +190,7 @@ fn around(contains: &(dyn Fn(DVec3) -> bool + Sync), meet: Meet) -> Obstacle<'_>
 fn branches_grow_round_a_ball_and_end_at_a_wall() {
     let ball = |place: DVec3| (place - DVec3::Y).length() < 0.45;
     let points: Vec<Vec3> = cone(3_000).into_iter().filter(|p| !ball(p.as_dvec3())).collect();
-    let rule = rule(Habit::PLAIN);
+    let rule = rule(GrowthHabit::PLAIN);
     let inside = |growth: &Growth| growth.branching.positions.iter().filter(|p| ball(p.as_dvec3())).count();
     let free = grow(&points, &root(Vec3::ZERO), &rule, &Quiet).unwrap();
     assert!(inside(&free) > 0, "the ball would be in the way");
@@ -209,7 +210,7 @@ fn branches_grow_round_a_ball_and_end_at_a_wall() {
 #[test]
 fn a_root_that_is_walled_in_ends_in_words() {
     let points = cone(500);
-    let rule = rule(Habit::PLAIN);
+    let rule = rule(GrowthHabit::PLAIN);
     let buried = |place: DVec3| place.length() < 1.0;
     let shell = |place: DVec3| (0.4..0.8).contains(&place.length());
     for meet in [Meet::Around, Meet::Stop] {
@@ -226,7 +227,7 @@ fn a_root_that_is_walled_in_ends_in_words() {
 
 #[test]
 fn barren_nodes_are_tips_and_as_many_as_measured() {
-    let growth = grown(&cone(5_000), Habit::PLAIN);
+    let growth = grown(&cone(5_000), GrowthHabit::PLAIN);
     let nodes = growth.branching.positions.len();
     for &parent in &growth.branching.parents[1..] {
         assert!(growth.captured.contains(parent as usize), "what bears was of use");
@@ -243,17 +244,17 @@ fn barren_nodes_are_tips_and_as_many_as_measured() {
 #[test]
 fn habits_out_of_range_are_refused_by_name() {
     let wrong = [
-        ("light", Habit { light: Vec3::ZERO, ..Habit::PLAIN }),
-        ("gravity", Habit { gravity: f32::NAN, ..Habit::PLAIN }),
-        ("gravitropism", Habit { gravitropism: vec![0.0, f32::INFINITY], ..Habit::PLAIN }),
-        ("phototropism", Habit { phototropism: vec![f32::NAN], ..Habit::PLAIN }),
-        ("apical_control", Habit { apical_control: 1.5, ..Habit::PLAIN }),
-        ("max_children", Habit { max_children: 0, ..Habit::PLAIN }),
-        ("waves", Habit { waves: 0, ..Habit::PLAIN }),
+        ("light", GrowthHabit { light: Vec3::ZERO, ..GrowthHabit::PLAIN }),
+        ("gravity", GrowthHabit { gravity: f32::NAN, ..GrowthHabit::PLAIN }),
+        ("gravitropism", GrowthHabit { gravitropism: vec![0.0, f32::INFINITY], ..GrowthHabit::PLAIN }),
+        ("phototropism", GrowthHabit { phototropism: vec![f32::NAN], ..GrowthHabit::PLAIN }),
+        ("apical_control", GrowthHabit { apical_control: 1.5, ..GrowthHabit::PLAIN }),
+        ("max_children", GrowthHabit { max_children: 0, ..GrowthHabit::PLAIN }),
+        ("waves", GrowthHabit { waves: 0, ..GrowthHabit::PLAIN }),
     ];
     for (name, habit) in wrong {
         let error = grow(&[Vec3::Y], &root(Vec3::ZERO), &rule(habit), &Quiet).unwrap_err();
-        assert!(matches!(error, GrowthError::Habit { knob, .. } if knob == name), "{error}");
+        assert!(matches!(error, GrowthError::GrowthHabit { knob, .. } if knob == name), "{error}");
     }
 }
 

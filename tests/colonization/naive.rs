@@ -2,7 +2,7 @@
 //! looks at every pair of a live point and a node. What the library's growth must equal bit for bit.
 //! The definition is the documentation of `linden::colonization::growth`.
 
-use linden::growth::{Attraction, GrowthRule, Habit, Meet, Obstacle, Stop};
+use linden::growth::{Attraction, GrowthHabit, GrowthRule, Meet, Obstacle, Stop};
 use linden::{Branching, DVec3, NO_PARENT, Vec3};
 
 /// What a tree has grown to, and why it stopped.
@@ -231,7 +231,7 @@ fn axes(tree: &Branching) -> Vec<Place> {
 }
 
 /// Whether apical control holds node `v` back.
-fn waits(tree: &Branching, axes: &[Place], v: usize, iterations: u32, habit: &Habit) -> bool {
+fn waits(tree: &Branching, axes: &[Place], v: usize, iterations: u32, habit: &GrowthHabit) -> bool {
     let tip = axes[v].tip;
     let grows = iterations == 0 || tree.births[tip] == iterations;
     let free_share = 1.0 - f64::from(habit.apical_control);

@@ -8,7 +8,7 @@ mod naive;
 
 use linden::colonization::ColonizationError;
 use linden::grow::{GrowError, Grown, grow};
-use linden::growth::{GrowthRule, Habit, Meet, Obstacle};
+use linden::growth::{GrowthHabit, GrowthRule, Meet, Obstacle};
 use linden::preset::{Preset, builtin, builtin_file};
 use linden::recipe::{Input, Recipe};
 use linden::skeleton::Skeleton;
@@ -58,7 +58,7 @@ fn as_defined(grown: &Grown, obstacles: &[Obstacle]) -> naive::Grown {
         tropism: Vec3::ZERO,
         max_iterations: 100_000,
         max_nodes: 1_000_000,
-        habit: Habit::default(),
+        habit: GrowthHabit::default(),
     };
     naive::grow(points(grown), &start, &rule, obstacles, naive::each_pair)
 }
@@ -206,13 +206,13 @@ fn a_recipe_names_all_its_files_and_grows_the_same_tree_again() {
 
 #[test]
 fn no_branch_of_the_tree_around_the_stone_is_in_the_stone() {
-    use linden::colonization::crown::{Crown, envelope::Envelope, placed::Placed};
+    use linden::colonization::crown::{Crown, envelope::Envelope, placed::PlacedCrown};
     use linden::input::read_obj;
     let grown = grow(&builtin("around-the-stone").unwrap().recipe(&Quiet).unwrap(), &Quiet).unwrap();
     let mesh = read_obj(builtin_file("standing-stone.obj").unwrap(), &Quiet).unwrap();
     let stone = Envelope::new(&mesh, &Quiet).unwrap();
     assert!(stone.report().closed && stone.report().warnings().is_empty());
-    let stone = Placed::new(Box::new(stone), DVec3::new(1.5, 0.0, 0.5), 20.0, 1.0);
+    let stone = PlacedCrown::new(Box::new(stone), DVec3::new(1.5, 0.0, 0.5), 20.0, 1.0);
     assert!(!grown.skeleton.positions.iter().any(|p| stone.contains(p.as_dvec3())));
     // It is in the way: the box around it has branches on all sides.
     let (low, high) = (stone.bounds().min, stone.bounds().max);

@@ -97,9 +97,9 @@ pub struct Letter {
 }
 
 /// A part of an axial tree.
-enum Part<'a> {
+enum GrammarPart<'a> {
     Letter(&'a Letter),
-    Branch(Vec<Part<'a>>),
+    Branch(Vec<GrammarPart<'a>>),
 }
 
 fn sought_text(sought: &[Sought], next: &mut usize) -> String {
@@ -194,16 +194,22 @@ impl Definition {
         letters
     }
 
-    fn step<'a>(&self, parts: &[Part<'a>], path: &mut Vec<&'a Letter>, step: u32, next: &mut Vec<Letter>) {
+    fn step<'a>(
+        &self,
+        parts: &[GrammarPart<'a>],
+        path: &mut Vec<&'a Letter>,
+        step: u32,
+        next: &mut Vec<Letter>,
+    ) {
         let bracket = |symbol| Letter { symbol, arguments: Vec::new(), birth: 0, key: Key::new(0) };
         for (i, part) in parts.iter().enumerate() {
             match part {
-                Part::Branch(inner) => {
+                GrammarPart::Branch(inner) => {
                     next.push(bracket('['));
                     self.step(inner, &mut path.clone(), step, next);
                     next.push(bracket(']'));
                 }
-                Part::Letter(letter) => {
+                GrammarPart::Letter(letter) => {
                     match self.matching(letter, path, &parts[i + 1..], step) {
                         None => next.push((*letter).clone()),
                         Some((group, parameters)) => {
@@ -224,7 +230,7 @@ impl Definition {
         &self,
         letter: &Letter,
         path: &[&Letter],
-        after: &[Part<'_>],
+        after: &[GrammarPart<'_>],
         step: u32,
     ) -> Option<(&Group, Vec<f64>)> {
         let mut order: Vec<&Group> = self.groups.iter().collect();
@@ -256,21 +262,21 @@ fn is(sought: &Sought, letter: &Letter) -> bool {
 }
 
 /// The arguments that a right context finds, by every way there is.
-fn follows(sought: &[Sought], parts: &[Part<'_>]) -> Option<Vec<f64>> {
+fn follows(sought: &[Sought], parts: &[GrammarPart<'_>]) -> Option<Vec<f64>> {
     let Some((first, others)) = sought.split_first() else { return Some(Vec::new()) };
     for (i, part) in parts.iter().enumerate() {
         match (first, part) {
-            (_, Part::Letter(letter)) if IGNORED.contains(letter.symbol) => {}
-            (Sought::Module(..), Part::Branch(_)) => {}
-            (Sought::Branch(_), Part::Letter(_)) => return None,
-            (Sought::Module(..), Part::Letter(letter)) => {
+            (_, GrammarPart::Letter(letter)) if IGNORED.contains(letter.symbol) => {}
+            (Sought::Module(..), GrammarPart::Branch(_)) => {}
+            (Sought::Branch(_), GrammarPart::Letter(_)) => return None,
+            (Sought::Module(..), GrammarPart::Letter(letter)) => {
                 if !is(first, letter) {
                     return None;
                 }
                 let rest = follows(others, &parts[i + 1..])?;
                 return Some([letter.arguments.clone(), rest].concat());
             }
-            (Sought::Branch(wanted), Part::Branch(inner)) => {
+            (Sought::Branch(wanted), GrammarPart::Branch(inner)) => {
                 if let Some(found) = follows(wanted, inner)
                     && let Some(rest) = follows(others, &parts[i + 1..])
                 {
@@ -283,15 +289,15 @@ fn follows(sought: &[Sought], parts: &[Part<'_>]) -> Option<Vec<f64>> {
 }
 
 /// The tree of a string, up to the end of the branch that begins at `place`.
-fn branches<'a>(string: &'a [Letter], place: &mut usize) -> Vec<Part<'a>> {
+fn branches<'a>(string: &'a [Letter], place: &mut usize) -> Vec<GrammarPart<'a>> {
     let mut parts = Vec::new();
     while *place < string.len() {
         let letter = &string[*place];
         *place += 1;
         match letter.symbol {
-            '[' => parts.push(Part::Branch(branches(string, place))),
+            '[' => parts.push(GrammarPart::Branch(branches(string, place))),
             ']' => return parts,
-            _ => parts.push(Part::Letter(letter)),
+            _ => parts.push(GrammarPart::Letter(letter)),
         }
     }
     parts

@@ -1,6 +1,6 @@
 //! Rules as presets write them.
 
-use linden::lsystem::{Expression, Grammar, Part, Problem, text};
+use linden::lsystem::{Expression, Grammar, GrammarPart, Problem, text};
 
 #[track_caller]
 fn refusal(axiom: &str, rules: &[&str]) -> String {
@@ -83,7 +83,7 @@ fn mistakes_are_told_with_what_was_expected() {
 #[test]
 fn places_are_bytes_for_programs_and_columns_for_people() {
     let error = Grammar::new("F", &["F -> F", "λ → λλ]"]).unwrap_err();
-    assert_eq!((error.part, error.offset, error.column), (Part::Rule(1), 11, 7));
+    assert_eq!((error.part, error.offset, error.column), (GrammarPart::Rule(1), 11, 7));
     assert_eq!(error.problem, Problem::Unopened);
 }
 

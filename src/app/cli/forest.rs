@@ -6,8 +6,8 @@ use anyhow::Context;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use linden::dress::{Levels, levels};
 use linden::forest::{
-    FOREST_KNOBS, ForestDocument, Kind, Layout, Places, SCATTERING, TreeSource, budgeted, builtin_forest,
-    builtin_forests,
+    FOREST_KNOBS, ForestDocument, ForestKind, Layout, Places, SCATTERING, TreeSource, budgeted,
+    builtin_forest, builtin_forests,
 };
 use linden::grow::grow;
 use linden::monitor::Holding;
@@ -129,7 +129,7 @@ impl Forest {
             let source = source::resolve(Path::new(name), &[], progress)?;
             super::notes(&source.notes, progress);
             files.extend(source.files);
-            kinds.push(Kind { recipe: source.recipe, share, size: 1.0 });
+            kinds.push(ForestKind { recipe: source.recipe, share, size: 1.0 });
         }
         let mut forest = linden::forest::Forest::of(kinds.iter().map(|kind| kind.recipe.clone()).collect());
         forest.kinds = kinds;
@@ -355,7 +355,7 @@ impl Described {
             for (name, value) in &tree.set {
                 recipe.preset.set(name, value).map_err(usage)?;
             }
-            kinds.push(Kind { recipe, share: tree.share, size: tree.size });
+            kinds.push(ForestKind { recipe, share: tree.share, size: tree.size });
         }
         let name = if document.name.trim().is_empty() { id.clone() } else { document.name };
         let name = linden::knob::printable(&name);

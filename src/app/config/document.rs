@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use linden::knob::{did_you_mean, excerpt, nearest};
-use linden::preset::Place;
+use linden::preset::TextPlace;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -54,7 +54,7 @@ impl<'t> TomlDocument<'t> {
     /// Notes what is wrong at a range of bytes.
     pub fn complain(&mut self, span: &Range<usize>, message: impl AsRef<str>) {
         if self.complaints.len() < MAX_COMPLAINTS {
-            let place = Place::at(self.text, span.start);
+            let place = TextPlace::at(self.text, span.start);
             self.complaints.push(Complaint::at(self.file, Some(place), message));
         } else {
             self.unsaid += 1;

@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{ErrorKind, Read};
 use std::path::Path;
 
-use linden::preset::Place;
+use linden::preset::TextPlace;
 use linden_exporters::write_file;
 
 use super::Complaint;
@@ -50,7 +50,7 @@ pub fn into_text(path: &Path, bytes: Vec<u8>) -> Result<String, Complaint> {
     String::from_utf8(bytes).map_err(|error| {
         let end = error.utf8_error().valid_up_to();
         let before = String::from_utf8_lossy(&error.as_bytes()[..end]);
-        let place = Place::at(&before, end);
+        let place = TextPlace::at(&before, end);
         Complaint::at(path, Some(place), "is not UTF-8 text here; save the file as UTF-8")
     })
 }

@@ -32,7 +32,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use linden::knob::printable;
-use linden::preset::{Fault, Place};
+use linden::preset::{Fault, TextPlace};
 
 use crate::paths::show;
 
@@ -54,7 +54,7 @@ impl Complaint {
     }
 
     /// About a place in a file.
-    fn at(file: &Path, place: Option<Place>, message: impl AsRef<str>) -> Self {
+    fn at(file: &Path, place: Option<TextPlace>, message: impl AsRef<str>) -> Self {
         Self { place: place.map(|place| (place.line, place.column)), ..Self::new(file, message) }
     }
 }
@@ -81,7 +81,7 @@ mod tests {
 
     #[test]
     fn a_complaint_cannot_drive_the_terminal() {
-        let place = Some(Place { line: 3, column: 7 });
+        let place = Some(TextPlace { line: 3, column: 7 });
         let complaint = Complaint::at(Path::new("a\u{1b}[2J.toml"), place, "no '\u{202e}'\nthere");
         assert_eq!(complaint.to_string(), "a\\u{1b}[2J.toml:3:7: no '\\u{202e}'\\u{a}there");
         assert_eq!(Complaint::new(Path::new("x"), "gone").to_string(), "x: gone");

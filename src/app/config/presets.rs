@@ -12,7 +12,7 @@ use linden::Monitor;
 use linden::input::{InputKind, sniff};
 use linden::knob::excerpt;
 use linden::lsystem::text;
-use linden::preset::{Colonization, Place, Preset, ScanSettings, Space, builtin_file};
+use linden::preset::{Colonization, Preset, ScanSettings, Space, TextPlace, builtin_file};
 
 use super::files::{self, Existing, Readers};
 use super::{Complaint, of_fault};
@@ -175,7 +175,7 @@ fn read(path: &Path, id: &str) -> Result<(Preset, Result<(), Complaint>), Compla
         InputKind::Grammar => {
             let text = files::into_text(path, bytes)?;
             let parsed = text::parse(&text).map_err(|error| {
-                let place = Place { line: error.line, column: error.column };
+                let place = TextPlace { line: error.line, column: error.column };
                 Complaint::at(path, Some(place), error.problem.to_string())
             })?;
             let mut preset = Preset::of_grammar(id, parsed.grammar, parsed.angle_deg, parsed.derivations);

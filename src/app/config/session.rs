@@ -6,7 +6,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use linden::preset::Place;
+use linden::preset::TextPlace;
 use serde::{Deserialize, Serialize};
 
 use super::files::{self, Existing, Readers};
@@ -186,7 +186,7 @@ fn aside(path: &Path) -> PathBuf {
 /// Reads a document of this version.
 fn parse(path: &Path, text: &str) -> Result<(Session, Vec<Complaint>), Complaint> {
     let fault = |error: &toml::de::Error| {
-        let place = error.span().map(|span| Place::at(text, span.start));
+        let place = error.span().map(|span| TextPlace::at(text, span.start));
         Complaint::at(path, place, error.message().trim().replace('\n', ", "))
     };
     let found: Versioned = toml::from_str(text).map_err(|error| fault(&error))?;

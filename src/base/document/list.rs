@@ -1,6 +1,6 @@
 //! Lists of tables in a document, like `[[colonization.part]]`, and what is wrong with an item.
 
-use super::{Datum, Entry, Fault, Node, Place};
+use super::{Datum, Entry, Fault, Node, TextPlace};
 use crate::knob::{did_you_mean, excerpt, nearest};
 
 /// A list of tables.
@@ -23,7 +23,7 @@ impl List {
     pub fn read<T>(
         &self,
         node: &Node,
-        item: impl Fn(usize, &[Entry], Option<Place>) -> Result<T, Fault>,
+        item: impl Fn(usize, &[Entry], Option<TextPlace>) -> Result<T, Fault>,
     ) -> Result<Vec<T>, Fault> {
         let expected = || format!("tables, each headed {}", self.heading);
         let Datum::List(items) = &node.datum else { return Err(node.mismatch(self.key, &expected())) };

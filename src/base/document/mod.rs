@@ -15,14 +15,14 @@ pub use list::List;
 
 /// A place in a text, counted from 1; columns in characters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Place {
+pub struct TextPlace {
     /// Line.
     pub line: usize,
     /// Character within the line.
     pub column: usize,
 }
 
-impl Place {
+impl TextPlace {
     /// The place of a byte offset.
     pub fn at(text: &str, offset: usize) -> Self {
         let mut end = offset.min(text.len());
@@ -44,11 +44,11 @@ impl Place {
 }
 
 /// The places of a text that is asked for many: each answer reads [`Places::STRIDE`] bytes at most,
-/// where [`Place::at`] reads all that stands before.
+/// where [`TextPlace::at`] reads all that stands before.
 struct Places<'a> {
     text: &'a str,
     /// The place of the first character at or behind each multiple of the stride, and its offset.
-    marks: Vec<(usize, Place)>,
+    marks: Vec<(usize, TextPlace)>,
 }
 
 impl<'a> Places<'a> {
@@ -56,7 +56,7 @@ impl<'a> Places<'a> {
 
     fn of(text: &'a str) -> Self {
         let mut marks = Vec::with_capacity(text.len() / Self::STRIDE + 1);
-        let mut place = Place { line: 1, column: 1 };
+        let mut place = TextPlace { line: 1, column: 1 };
         for (offset, character) in text.char_indices() {
             if offset >= marks.len() * Self::STRIDE {
                 marks.push((offset, place));
@@ -67,15 +67,15 @@ impl<'a> Places<'a> {
     }
 
     /// The place of a byte offset.
-    fn at(&self, offset: usize) -> Place {
+    fn at(&self, offset: usize) -> TextPlace {
         let mark = self.marks.partition_point(|(start, _)| *start <= offset).checked_sub(1);
-        let (start, place) = mark.map_or((0, Place { line: 1, column: 1 }), |mark| self.marks[mark]);
+        let (start, place) = mark.map_or((0, TextPlace { line: 1, column: 1 }), |mark| self.marks[mark]);
         let before = self.text[start..].char_indices().take_while(|(at, _)| start + at < offset);
         before.fold(place, |place, (_, character)| place.behind(character))
     }
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for TextPlace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}:{}", self.line, self.column)
     }
@@ -86,13 +86,13 @@ impl fmt::Display for Place {
 #[error("{}{message}", Before(.place))]
 pub struct Fault {
     /// `None` where the text has no lines to speak of (JSON) or the fault is something missing.
-    pub place: Option<Place>,
+    pub place: Option<TextPlace>,
     /// What was found and what was expected.
     pub message: String,
 }
 
 /// The place before the message, if there is one.
-struct Before<'a>(&'a Option<Place>);
+struct Before<'a>(&'a Option<TextPlace>);
 
 impl fmt::Display for Before<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -102,7 +102,7 @@ impl fmt::Display for Before<'_> {
 
 impl Fault {
     /// A fault at a place, where there is one to speak of.
-    pub fn new(place: Option<Place>, message: impl Into<String>) -> Self {
+    pub fn new(place: Option<TextPlace>, message: impl Into<String>) -> Self {
         Self { place, message: message.into() }
     }
 }
@@ -111,7 +111,7 @@ impl Fault {
 #[derive(Clone, Debug)]
 pub struct Node {
     /// Where it stands; `None` in JSON.
-    pub place: Option<Place>,
+    pub place: Option<TextPlace>,
     /// What it is.
     pub datum: Datum,
 }
@@ -139,7 +139,7 @@ pub struct Entry {
     /// Its key.
     pub key: String,
     /// Where the key stands.
-    pub place: Option<Place>,
+    pub place: Option<TextPlace>,
     /// Its value.
     pub node: Node,
 }
@@ -150,7 +150,7 @@ pub struct Table<'a> {
     /// What stands in it.
     pub entries: &'a [Entry],
     /// Where it stands.
-    pub place: Option<Place>,
+    pub place: Option<TextPlace>,
     /// The document's text, where it has lines to speak of.
     pub text: Option<&'a str>,
 }
@@ -171,7 +171,7 @@ impl<'a> Table<'a> {
 
     /// The place of the `column`-th character, from 1, of the text that stands at `node`. Strings over several
     /// lines are pointed at as a whole.
-    pub fn inside(&self, node: &Node, column: usize) -> Option<Place> {
+    pub fn inside(&self, node: &Node, column: usize) -> Option<TextPlace> {
         match (node.place, self.text) {
             (Some(start), Some(text)) => Some(inside(text, start, column)),
             (place, _) => place,
@@ -180,7 +180,7 @@ impl<'a> Table<'a> {
 }
 
 /// The place of a string's `column`-th character, where the string's opening quote is at `start`.
-fn inside(text: &str, start: Place, column: usize) -> Place {
+fn inside(text: &str, start: TextPlace, column: usize) -> TextPlace {
     let line = text.lines().nth(start.line - 1).unwrap_or_default();
     let mut raw = line.chars().skip(start.column - 1);
     let quote = raw.next().unwrap_or('"');
@@ -198,7 +198,7 @@ fn inside(text: &str, start: Place, column: usize) -> Place {
             _ => 1,
         };
     }
-    Place { line: start.line, column: start.column + 1 + at }
+    TextPlace { line: start.line, column: start.column + 1 + at }
 }
 
 impl Node {
@@ -208,10 +208,10 @@ impl Node {
     /// [`Fault`]: where it is no TOML.
     pub fn from_toml(text: &str) -> Result<Self, Fault> {
         let table = toml::de::DeTable::parse(text).map_err(|error| {
-            let place = error.span().map(|span| Place::at(text, span.start));
+            let place = error.span().map(|span| TextPlace::at(text, span.start));
             Fault::new(place, error.message().trim().replace('\n', ", "))
         })?;
-        let place = Some(Place { line: 1, column: 1 });
+        let place = Some(TextPlace { line: 1, column: 1 });
         Ok(Self { place, datum: Datum::Table(toml_entries(&Places::of(text), table.get_ref())?) })
     }
 
@@ -221,7 +221,7 @@ impl Node {
     /// [`Fault`]: where it is no JSON, or a key stands twice.
     pub fn from_json(text: &str) -> Result<Self, Fault> {
         serde_json::from_str(text).map_err(|error| {
-            let place = Place { line: error.line(), column: error.column() };
+            let place = TextPlace { line: error.line(), column: error.column() };
             // The place stands before the message already.
             let message = error.to_string();
             let message = message.rsplit_once(" at line ").map_or(message.as_str(), |(message, _)| message);
@@ -409,7 +409,7 @@ mod tests {
         for text in ["", "a", "\n", &long] {
             let places = Places::of(text);
             for offset in (0..=text.len()).filter(|offset| text.is_char_boundary(*offset)) {
-                assert_eq!(places.at(offset), Place::at(text, offset), "{offset}");
+                assert_eq!(places.at(offset), TextPlace::at(text, offset), "{offset}");
             }
         }
     }
@@ -420,6 +420,6 @@ mod tests {
         let list = format!("x = [{}]", "1,".repeat(2_000_000));
         let Datum::Table(entries) = Node::from_toml(&list).unwrap().datum else { panic!("a table") };
         let Datum::List(items) = &entries[0].node.datum else { panic!("a list") };
-        assert_eq!(items.last().unwrap().place, Some(Place { line: 1, column: 4_000_004 }));
+        assert_eq!(items.last().unwrap().place, Some(TextPlace { line: 1, column: 4_000_004 }));
     }
 }

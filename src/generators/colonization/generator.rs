@@ -16,7 +16,7 @@ use linden_skeleton::generator::{
 use crate::ColonizationError;
 use crate::crown::envelope::Envelope;
 use crate::crown::{self, compound::dashed};
-use crate::part::{self, MOST_PARTS, PART, PART_CROWN, PART_KNOBS, Part, Solid};
+use crate::part::{self, CrownPart, MOST_PARTS, PART, PART_CROWN, PART_KNOBS, Solid};
 use crate::sample::Smaller;
 use crate::settings::{Colonization, Space};
 use crate::shape_knobs::means_mesh;
@@ -153,7 +153,7 @@ impl Settings for Colonization {
     fn written(&self) -> Vec<(&'static str, Written)> {
         let envelope = self.space.file().map(|file| ("envelope", Written::Text(file.to_owned())));
         let parts = (!self.parts.is_empty())
-            .then(|| (PART, Written::Tables(self.parts.iter().map(Part::written).collect())));
+            .then(|| (PART, Written::Tables(self.parts.iter().map(CrownPart::written).collect())));
         envelope.into_iter().chain(parts).collect()
     }
 
@@ -163,19 +163,19 @@ impl Settings for Colonization {
             Space::Shape { shape: id, .. } => Space::Shape { shape: id.clone(), dimensions: shape(id) },
             file @ Space::Envelope { .. } => file.clone(),
         };
-        let plain = |part: &Part| {
+        let plain = |part: &CrownPart| {
             let solid = match &part.solid {
                 Solid::Shape { shape: id, .. } => Solid::Shape { shape: id.clone(), dimensions: shape(id) },
                 file @ Solid::Mesh { .. } => file.clone(),
             };
-            Part::of(part.role, solid)
+            CrownPart::of(part.role, solid)
         };
         let parts = self.parts.iter().map(plain).collect();
         Box::new(Self { parts, ..Self::of(space) })
     }
 
     fn inputs(&self) -> Vec<&str> {
-        self.space.file().into_iter().chain(self.parts.iter().filter_map(Part::file)).collect()
+        self.space.file().into_iter().chain(self.parts.iter().filter_map(CrownPart::file)).collect()
     }
 
     fn rename_inputs(&mut self, renamed: &dyn Fn(&str) -> Option<String>) {

@@ -5,7 +5,7 @@
 //! | [`crown`] | solids that crowns are made of: shapes by their dimensions, meshes, compounds |
 //! | [`scatter`] | attraction points, uniform in a crown's volume |
 //! | [`Colonization`] | the settings and their knobs |
-//! | [`Part`] | what else there is: pieces of the crown, other trees, obstacles, shade |
+//! | [`CrownPart`] | what else there is: pieces of the crown, other trees, obstacles, shade |
 //! | [`GENERATOR`] | the generator |
 //!
 //! Takes settings and meshes, gives a branching; growth itself is `linden_growth`. Knows no preset and opens
@@ -39,6 +39,6 @@ mod standing;
 
 pub use error::ColonizationError;
 pub use generator::GENERATOR;
-pub use part::{MOST_PARTS, PART_CROWN, PART_KNOBS, Part, PartKnob, Role, Solid};
+pub use part::{CrownPart, MOST_PARTS, PART_CROWN, PART_KNOBS, PartKnob, Role, Solid};
 pub use parts::PartError;
 pub use settings::{Colonization, Space};

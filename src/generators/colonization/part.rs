@@ -4,7 +4,7 @@
 //! key is a field and a row of [`PART_KNOBS`].
 
 use crate::crown::{self, Shape};
-use linden_base::document::{Entry, Fault, List, Node, Place};
+use linden_base::document::{Entry, Fault, List, Node, TextPlace};
 use linden_base::knob::{Field, FieldValue, Kind, Knob, Value, excerpt, real, real_or_auto};
 use linden_base::{field, words};
 use linden_growth::Meet;
@@ -29,7 +29,7 @@ words! {
 
 /// A part of a crown, or a solid near it. Places are metres from the tree's foot, Y up.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Part {
+pub struct CrownPart {
     /// Its role.
     pub role: Role,
     /// Its solid.
@@ -81,7 +81,7 @@ const LIST: List =
 #[derive(Clone, Copy)]
 pub struct PartKnob {
     /// Name, kind, unit, help, and the way to the part's field.
-    pub field: Field<Part>,
+    pub field: Field<CrownPart>,
     /// The roles that have it; empty: all.
     pub roles: &'static [Role],
 }
@@ -154,7 +154,7 @@ pub const PART_KNOBS: &[PartKnob] = &[
     ),
 ];
 
-impl Part {
+impl CrownPart {
     /// A part with everything else at its default.
     pub fn of(role: Role, solid: Solid) -> Self {
         Self {
@@ -205,7 +205,7 @@ impl Part {
     }
 }
 
-impl Part {
+impl CrownPart {
     /// As documents have it.
     pub(crate) fn written(&self) -> Vec<(&'static str, Value)> {
         let values = self.knobs().into_iter().map(|(knob, value)| (knob.name, value));
@@ -223,11 +223,11 @@ impl PartKnob {
 const MESH_INSTEAD: &str = "; a part that is a mesh names it in place of a shape: mesh = \"rock.obj\"";
 
 /// Reads the list of parts.
-pub(crate) fn read(node: &Node) -> Result<Vec<Part>, Fault> {
+pub(crate) fn read(node: &Node) -> Result<Vec<CrownPart>, Fault> {
     LIST.read(node, read_one)
 }
 
-fn read_one(number: usize, entries: &[Entry], place: Option<Place>) -> Result<Part, Fault> {
+fn read_one(number: usize, entries: &[Entry], place: Option<TextPlace>) -> Result<CrownPart, Fault> {
     let find = |key: &str| entries.iter().find(|entry| entry.key == key);
     let role = find("role").ok_or_else(|| {
         let words = Role::WORDS.join(", ");
@@ -256,7 +256,7 @@ fn read_one(number: usize, entries: &[Entry], place: Option<Place>) -> Result<Pa
             return Err(Fault::new(second.place, message));
         }
     };
-    let mut part = Part::of(role, solid);
+    let mut part = CrownPart::of(role, solid);
     for entry in entries.iter().filter(|entry| !["crown", "mesh"].contains(&entry.key.as_str())) {
         turn(&mut part, shape, number, entry)?;
     }
@@ -271,7 +271,12 @@ fn read_one(number: usize, entries: &[Entry], place: Option<Place>) -> Result<Pa
 }
 
 /// Sets the key or dimension that an entry names.
-fn turn(part: &mut Part, shape: Option<&'static Shape>, number: usize, entry: &Entry) -> Result<(), Fault> {
+fn turn(
+    part: &mut CrownPart,
+    shape: Option<&'static Shape>,
+    number: usize,
+    entry: &Entry,
+) -> Result<(), Fault> {
     let shape_knobs = shape.map_or(&[][..], |shape| shape.knobs);
     if let Some(dimension) = shape_knobs.iter().find(|dimension| dimension.knob.name == entry.key) {
         let value = entry.node.value(&entry.key, &dimension.knob.kind)?;

@@ -8,7 +8,7 @@ use crate::crown::clumps::Clumps;
 use crate::crown::compound::{Compound, CompoundError, Operation, Piece};
 use crate::crown::envelope::{Envelope, EnvelopeError};
 use crate::crown::favor::{Favor, Favored};
-use crate::crown::placed::Placed;
+use crate::crown::placed::PlacedCrown;
 use crate::crown::{self, Crown, CrownError};
 use linden_base::input::{Geometry, Inputs};
 use linden_base::monitor::{Cancelled, Monitor};
@@ -17,7 +17,7 @@ use linden_growth::site::{Stem, crown_base_m};
 
 use crate::ColonizationError;
 use crate::obstacles::{Obstacle, Shade, inside};
-use crate::part::{Part, Role, Solid};
+use crate::part::{CrownPart, Role, Solid};
 use crate::settings::Colonization;
 use crate::standing::Standing;
 
@@ -54,7 +54,11 @@ struct Tree {
 
 impl Tree {
     /// Its crown, of one piece or several.
-    fn crown(&mut self, parts: &[Part], monitor: &dyn Monitor) -> Result<Box<dyn Crown>, ColonizationError> {
+    fn crown(
+        &mut self,
+        parts: &[CrownPart],
+        monitor: &dyn Monitor,
+    ) -> Result<Box<dyn Crown>, ColonizationError> {
         let (numbers, mut pieces): (Vec<usize>, Vec<Piece>) = self.pieces.drain(..).unzip();
         if pieces.len() == 1
             && let Some(only) = pieces.pop()
@@ -74,8 +78,8 @@ impl Tree {
 }
 
 /// An error with the part that it is about.
-fn about(number: usize, parts: &[Part], problem: PartError) -> ColonizationError {
-    let what = number.checked_sub(1).and_then(|i| parts.get(i)).map(Part::describe).unwrap_or_default();
+fn about(number: usize, parts: &[CrownPart], problem: PartError) -> ColonizationError {
+    let what = number.checked_sub(1).and_then(|i| parts.get(i)).map(CrownPart::describe).unwrap_or_default();
     match problem {
         PartError::Cancelled(cancelled) => cancelled.into(),
         problem => ColonizationError::Part { number, what, problem },
@@ -128,7 +132,7 @@ impl Standing {
         } = self;
         let first = Piece {
             operation: Operation::Add,
-            crown: Box::new(Placed::new(crown, DVec3::Y * lift, 0.0, 1.0)),
+            crown: Box::new(PlacedCrown::new(crown, DVec3::Y * lift, 0.0, 1.0)),
         };
         let mut trees = vec![Tree { pieces: vec![(0, first)], root: foot, trunk_m: settings.growth.trunk_m }];
         let mut meshes = Vec::new();
@@ -141,7 +145,8 @@ impl Standing {
                 })?;
             notes.extend(warnings.into_iter().map(|note| format!("part {}: {note}", i + 1)));
             let (at, root) = place(part, &solid, foot, origin);
-            let crown: Box<dyn Crown> = Box::new(Placed::new(solid.crown, at, part.turn_deg, part.scale));
+            let crown: Box<dyn Crown> =
+                Box::new(PlacedCrown::new(solid.crown, at, part.turn_deg, part.scale));
             let operation = if part.role == Role::Subtract { Operation::Subtract } else { Operation::Add };
             match part.role {
                 Role::Add | Role::Subtract => {
@@ -220,7 +225,7 @@ impl<E: Into<PartError>> From<E> for SolidError {
 /// The solid, and what the user should know of it. A mesh that several parts are is made ready once:
 /// `meshes` keeps those that are.
 fn solid(
-    part: &Part,
+    part: &CrownPart,
     meshes: &mut Vec<(String, Arc<Envelope>)>,
     settings: &Colonization,
     inputs: &Inputs,
@@ -258,7 +263,7 @@ fn solid(
 }
 
 /// Where a part's base centre stands and, for a tree, its root; `foot` is the first tree's root.
-fn place(part: &Part, solid: &Raw, foot: DVec3, origin: DVec3) -> (DVec3, DVec3) {
+fn place(part: &CrownPart, solid: &Raw, foot: DVec3, origin: DVec3) -> (DVec3, DVec3) {
     let from_foot = |at: [f64; 3]| foot + DVec3::from_array(at);
     let given = part.at.map(from_foot).or_else(|| solid.foot.map(|given| given - origin));
     let on_ground = |at: DVec3| DVec3::new(at.x, at.y.min(foot.y), at.z);

@@ -7,7 +7,7 @@ use linden_base::knob::{Field, Knob, Value, integer, real, real_or_auto, set, va
 use linden_growth::GrowthSettings;
 
 use crate::crown::{self, SHAPES, Shape};
-use crate::part::Part;
+use crate::part::CrownPart;
 use crate::shape_knobs::{CROWN, dimensions_of};
 
 /// Where the attraction points are, and how the tree reaches for them.
@@ -17,7 +17,7 @@ pub struct Colonization {
     pub space: Space,
     /// Parts besides: pieces of the crown, other trees, obstacles, shade. In the order of the
     /// document, which matters: each adds to or takes from what was there before.
-    pub parts: Vec<Part>,
+    pub parts: Vec<CrownPart>,
     /// Height of a crown shape's base above the root, metres; `None`: on top of the trunk.
     pub crown_base_m: Option<f64>,
     /// How many attraction points are drawn in a crown.

@@ -144,14 +144,14 @@ fn quoted(symbol: char) -> String {
 
 /// Which of a grammar's strings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum GrammarPart {
     /// The axiom.
     Axiom,
     /// A rule, counted from 0 in the order given.
     Rule(usize),
 }
 
-impl fmt::Display for Part {
+impl fmt::Display for GrammarPart {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Axiom => f.write_str("axiom"),
@@ -165,7 +165,7 @@ impl fmt::Display for Part {
 #[error("{part}, column {column}: {problem}")]
 pub struct GrammarError {
     /// Which string.
-    pub part: Part,
+    pub part: GrammarPart,
     /// Byte offset in that string (its length when something is missing at the end).
     pub offset: usize,
     /// The same place in characters, from 1.

@@ -12,7 +12,7 @@ use linden_skeleton::{Width, Wood};
 
 use crate::chance::chooses;
 use crate::sample::Fewer;
-use crate::{Drawn, Grammar, LSystem, LsystemError, Part, grow};
+use crate::{Drawn, Grammar, GrammarPart, LSystem, LsystemError, grow};
 
 /// L-systems.
 pub const GENERATOR: &dyn Generator = &LSystems;
@@ -63,8 +63,8 @@ impl Generator for LSystems {
             items.iter().map(|item| item.text("rules").map(str::to_owned)).collect::<Result<Vec<_>, _>>()?;
         let grammar = Grammar::new(&axiom_text, &texts).map_err(|error| {
             let node = match error.part {
-                Part::Axiom => axiom,
-                Part::Rule(index) => items.get(index).unwrap_or(rules),
+                GrammarPart::Axiom => axiom,
+                GrammarPart::Rule(index) => items.get(index).unwrap_or(rules),
             };
             Fault::new(table.inside(node, error.column), format!("{}: {}", error.part, error.problem))
         })?;

@@ -54,7 +54,7 @@ mod turtle_settings;
 mod variation;
 
 pub use derive::{Derived, Way, derive_by, derive_string};
-pub use error::{GrammarError, LsystemError, Part, Problem};
+pub use error::{GrammarError, GrammarPart, LsystemError, Problem};
 pub use forecast::{Forecast, forecast};
 pub use generator::{GENERATOR, GrowingError};
 pub use grammar::{Definition, Expression, Grammar, Module, Pattern, Production};

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use super::error::LsystemError;
 use super::frame::Frame;
 use linden_base::memory::bytes_of;
-use linden_skeleton::organs::{Growth, MAX_CORNERS, Organs};
+use linden_skeleton::organs::{MAX_CORNERS, OrganOrigins, Organs};
 
 /// Collects what grows beside the wood.
 #[derive(Default)]
@@ -114,7 +114,7 @@ impl Herbarium {
     }
 }
 
-fn add(growth: &mut Growth, node: u32, color: u32, birth: u32) {
+fn add(growth: &mut OrganOrigins, node: u32, color: u32, birth: u32) {
     growth.nodes.push(node);
     growth.colors.push(color);
     growth.births.push(birth);

@@ -1,6 +1,6 @@
 //! From an axiom and rules, as they are written, to a grammar.
 
-use super::error::{GrammarError, Part, Problem};
+use super::error::{GrammarError, GrammarPart, Problem};
 use super::grammar::{Grammar, Production, groups};
 use super::parse::{self, Directive};
 use linden_base::knob::excerpt;
@@ -15,7 +15,7 @@ impl Grammar {
     /// A rule is `left < predecessor > right : condition -> (probability) successor`; all but the
     /// predecessor and the arrow (`->`, `→`, or `=` where there is no condition) may be missing. The
     /// predecessor and the contexts name their parameters, `A(l,w)`; conditions and arguments are
-    /// [expressions](Expression). Rules with a context come before those without one, else the first
+    /// [expressions](super::Expression). Rules with a context come before those without one, else the first
     /// that matches is applied; several rules with the same left side make the system stochastic.
     /// What no rule matches is kept. Blanks count for nothing.
     ///
@@ -44,7 +44,7 @@ impl Grammar {
                 context.rewritten.extend(parse::rewritten(line));
                 continue;
             }
-            match parse::directive(line, &context).map_err(|e| e.within(Part::Rule(i), line))? {
+            match parse::directive(line, &context).map_err(|e| e.within(GrammarPart::Rule(i), line))? {
                 Directive::Define(definition, value) => {
                     context.constants.push((definition.name.clone(), value));
                     definitions.push(definition);
@@ -52,11 +52,11 @@ impl Grammar {
                 Directive::Ignore(symbols) => ignored.extend(symbols),
             }
         }
-        let modules = parse::axiom(axiom, &context).map_err(|e| e.within(Part::Axiom, axiom))?;
+        let modules = parse::axiom(axiom, &context).map_err(|e| e.within(GrammarPart::Axiom, axiom))?;
         let mut places = Vec::new();
         let mut productions = Vec::new();
         for (i, line) in lines().filter(|(_, line)| !parse::is_directive(line)) {
-            productions.push(parse::rule(line, &context).map_err(|e| e.within(Part::Rule(i), line))?);
+            productions.push(parse::rule(line, &context).map_err(|e| e.within(GrammarPart::Rule(i), line))?);
             places.push(i);
         }
         check_probabilities(&productions, &places)?;
@@ -71,7 +71,7 @@ fn check_probabilities(productions: &[Production], places: &[usize]) -> Result<(
         if (sum - 1.0).abs() > PROBABILITY_TOLERANCE {
             let predecessor = excerpt(&productions[group[0]].head());
             return Err(GrammarError {
-                part: Part::Rule(places[group[0]]),
+                part: GrammarPart::Rule(places[group[0]]),
                 offset: 0,
                 column: 1,
                 problem: Problem::Probabilities { predecessor, sum },

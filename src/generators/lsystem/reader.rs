@@ -1,6 +1,6 @@
 //! Reading a string symbol by symbol.
 
-use super::error::{GrammarError, Part, Problem};
+use super::error::{GrammarError, GrammarPart, Problem};
 
 /// A problem at a byte offset of the string that was read.
 #[derive(Debug)]
@@ -11,7 +11,7 @@ pub(super) struct Misread {
 
 impl Misread {
     /// The same, with the place that a reader looks for.
-    pub(super) fn within(self, part: Part, text: &str) -> GrammarError {
+    pub(super) fn within(self, part: GrammarPart, text: &str) -> GrammarError {
         let column = 1 + text.char_indices().take_while(|&(i, _)| i < self.offset).count();
         GrammarError { part, offset: self.offset, column, problem: self.problem }
     }

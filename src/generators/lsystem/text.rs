@@ -15,7 +15,7 @@
 //! The same lines without the two numbers are a grammar as people edit it: [`write_grammar`] and
 //! [`parse_grammar`].
 
-use super::error::{Part, Problem};
+use super::error::{GrammarPart, Problem};
 use super::grammar::Grammar;
 use super::turtle_settings::{ANGLE_RANGE_DEG, MAX_DERIVATIONS};
 use linden_base::knob::excerpt;
@@ -225,8 +225,8 @@ fn grammar(axiom: Piece<'_>, rules: &[Piece<'_>]) -> Result<Grammar, ParseError>
     let texts: Vec<&str> = rules.iter().map(|rule| rule.text).collect();
     Grammar::new(axiom.text, &texts).map_err(|error| {
         let piece = match error.part {
-            Part::Axiom => axiom,
-            Part::Rule(index) => rules[index],
+            GrammarPart::Axiom => axiom,
+            GrammarPart::Rule(index) => rules[index],
         };
         ParseError { line: piece.line, column: piece.column + error.column - 1, problem: error.problem }
     })

@@ -17,7 +17,7 @@ use linden_skeleton::{Branching, Skeleton, Wood};
 use crate::canopy::Verdict;
 use crate::girth::MEASURING_BYTES_PER_POINT;
 use crate::points::{As, at_points};
-use crate::sample::Part;
+use crate::sample::ScanPart;
 use crate::{Girth, ScanGrowthError, ScanSettings, fit, girth};
 
 /// Trees that were scanned, or points that are given otherwise.
@@ -154,7 +154,7 @@ impl Settings for ScanSettings {
         size: SampleSize,
         monitor: &'a dyn Monitor,
     ) -> Result<Box<dyn Sampler + 'a>, GeneratorError> {
-        Ok(Box::new(Part::new(self, task, size, monitor)))
+        Ok(Box::new(ScanPart::new(self, task, size, monitor)))
     }
 }
 

@@ -11,7 +11,7 @@ use linden_skeleton::generator::{GeneratorError, Multiple, SampleSize, SampleSte
 
 use crate::{ScanSettings, detail_m, likely_scale, point_spacing_m};
 
-pub(crate) struct Part {
+pub(crate) struct ScanPart {
     settings: ScanSettings,
     /// With a part of the points.
     inputs: Inputs,
@@ -22,7 +22,7 @@ pub(crate) struct Part {
     point_times: f64,
 }
 
-impl Part {
+impl ScanPart {
     pub fn new(settings: &ScanSettings, task: &Task<'_>, size: SampleSize, monitor: &dyn Monitor) -> Self {
         let input = task.inputs.get(&settings.file);
         let given = match input.map(|input| &input.geometry) {
@@ -65,7 +65,7 @@ impl Part {
     }
 }
 
-impl Sampler for Part {
+impl Sampler for ScanPart {
     fn next(&mut self, grown: Option<&Skeleton>) -> Result<SampleStep, GeneratorError> {
         let Some(grown) = grown else { return Ok(self.grow()) };
         if self.lengthening.again(&mut self.settings.growth, grown) {

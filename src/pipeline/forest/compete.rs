@@ -2,7 +2,9 @@
 
 use super::error::{ForestError, Loner};
 use super::planned::PlannedTree;
-use crate::preset::{Colonization, GrowthSettings, LSystem, MOST_PARTS, Part, Preset, Role, Solid, Space};
+use crate::preset::{
+    Colonization, CrownPart, GrowthSettings, LSystem, MOST_PARTS, Preset, Role, Solid, Space,
+};
 use crate::recipe::Recipe;
 use linden_base::knob::printable;
 use linden_plant::stage::Place;
@@ -19,7 +21,7 @@ pub(super) fn together(tree: &PlannedTree, places: &[Place]) -> Result<PlannedTr
         return Err(alone(if is_lsystem { Loner::LSystem } else { Loner::Given }));
     };
     let Space::Shape { shape, dimensions } = &colonization.space else { return Err(alone(Loner::Given)) };
-    let is_unplaced = |part: &Part| part.at.is_none() && matches!(part.solid, Solid::Mesh { .. });
+    let is_unplaced = |part: &CrownPart| part.at.is_none() && matches!(part.solid, Solid::Mesh { .. });
     if colonization.parts.iter().any(|part| part.role == Role::Tree || is_unplaced(part)) {
         return Err(alone(Loner::Parts));
     }
@@ -35,14 +37,14 @@ pub(super) fn together(tree: &PlannedTree, places: &[Place]) -> Result<PlannedTr
         let root = ((place.position - first.position) / first.scale).as_dvec3().to_array();
         let from_root = |at: [f64; 3]| [0, 1, 2].map(|i| root[i] + at[i] * size);
         let crown = Solid::Shape { shape: shape.clone(), dimensions: dimensions.clone() };
-        parts.push(Part {
+        parts.push(CrownPart {
             at: colonization.crown_base_m.map(|height| from_root([0.0, height, 0.0])),
             scale: size,
             root: Some(root),
             trunk_m: colonization.growth.trunk_m.map(|trunk| trunk * size),
-            ..Part::of(Role::Tree, crown)
+            ..CrownPart::of(Role::Tree, crown)
         });
-        parts.extend(colonization.parts.iter().map(|part| Part {
+        parts.extend(colonization.parts.iter().map(|part| CrownPart {
             at: Some(from_root(part.at.unwrap_or_default())),
             scale: part.scale * size,
             ..part.clone()

@@ -18,7 +18,7 @@ use serde::Deserialize;
 use serde_json::value::RawValue;
 
 use super::Layout;
-use linden_base::document::{Datum, Entry, Fault, List, Node, Place};
+use linden_base::document::{Datum, Entry, Fault, List, Node, TextPlace};
 use linden_base::knob::{Kind, excerpt, printable};
 
 /// The keys of a forest that are no knobs.
@@ -105,7 +105,7 @@ impl ForestDocument {
     /// Reads what a file carries: JSON.
     fn from_json(text: &str) -> Result<Self, Fault> {
         let raw: Json<'_> = serde_json::from_str(text).map_err(|error| Fault {
-            place: Some(Place { line: error.line(), column: error.column() }),
+            place: Some(TextPlace { line: error.line(), column: error.column() }),
             message: format!("not a forest: {}", printable(&error.to_string())),
         })?;
         let fault = |message: String| Fault { place: None, message };
@@ -150,7 +150,7 @@ fn needs_preset(number: usize) -> String {
 }
 
 /// One `[[tree]]`.
-fn tree_line(number: usize, entries: &[Entry], place: Option<Place>) -> Result<TreeLine, Fault> {
+fn tree_line(number: usize, entries: &[Entry], place: Option<TextPlace>) -> Result<TreeLine, Fault> {
     let mut preset = String::new();
     let (mut share, mut size, mut set) = (1.0, 1.0, BTreeMap::new());
     let real = |entry: &Entry, kind: &Kind| match entry.node.value(&entry.key, kind)? {

@@ -71,14 +71,14 @@ pub struct Forest {
     /// Its name for people.
     pub name: String,
     /// At least one.
-    pub kinds: Vec<Kind>,
+    pub kinds: Vec<ForestKind>,
     /// How they stand.
     pub layout: Layout,
 }
 
 /// A kind of trees.
 #[derive(Clone, Debug)]
-pub struct Kind {
+pub struct ForestKind {
     /// The recipe of its trees; the seed is replaced, tree by tree.
     pub recipe: Recipe,
     /// Its part of the trees, by the sum of all shares; above 0.
@@ -92,7 +92,7 @@ impl Forest {
     pub fn of(recipes: Vec<Recipe>) -> Self {
         let names: Vec<&str> = recipes.iter().map(|recipe| recipe.preset.id.as_str()).collect();
         let id = names.join("-") + "-forest";
-        let kinds = recipes.into_iter().map(|recipe| Kind { recipe, share: 1.0, size: 1.0 }).collect();
+        let kinds = recipes.into_iter().map(|recipe| ForestKind { recipe, share: 1.0, size: 1.0 }).collect();
         Self { name: id.clone(), id, kinds, layout: Layout::default() }
     }
 
@@ -115,7 +115,7 @@ impl Serialize for Forest {
     }
 }
 
-impl Serialize for Kind {
+impl Serialize for ForestKind {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("share", &self.share)?;

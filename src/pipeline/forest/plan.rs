@@ -7,7 +7,7 @@ use glam::{DVec3, Vec3};
 use super::compete;
 use super::error::ForestError;
 use super::planned::{Plan, PlannedTree};
-use super::{Forest, Kind, Places, poisson_disc};
+use super::{Forest, ForestKind, Places, poisson_disc};
 use crate::recipe::Recipe;
 use linden_base::monitor::Monitor;
 use linden_base::random::Key;
@@ -103,7 +103,7 @@ impl Forest {
             let name = if before == 0 { name } else { format!("{name} {}", before + 1) };
             trees.push(PlannedTree { name, kind: index, recipe, stems: 1 });
         }
-        let place = |(plant, kind): (usize, &Kind)| Place {
+        let place = |(plant, kind): (usize, &ForestKind)| Place {
             plant,
             position: Vec3::ZERO,
             turn_rad: 0.0,

@@ -27,10 +27,10 @@ use linden_skeleton::refine::Refinement;
 pub use edit::EditError;
 pub use knobs::{KNOBS, PresetKnob, Section};
 pub use library::{Builtin, BuiltinSize, RecipeError, UnknownPreset, builtin, builtin_file, builtins};
-pub use linden_base::document::{Fault, FileKey, Place};
+pub use linden_base::document::{Fault, FileKey, TextPlace};
 pub use linden_base::knob::Length;
 pub use linden_colonization::{
-    Colonization, MOST_PARTS, PART_CROWN, PART_KNOBS, Part, PartKnob, Role, Solid, Space,
+    Colonization, CrownPart, MOST_PARTS, PART_CROWN, PART_KNOBS, PartKnob, Role, Solid, Space,
 };
 pub use linden_growth::{GrowthSettings, Origin, UpAxis};
 pub use linden_lsystem::{LSystem, StemHabit};

@@ -2,7 +2,7 @@
 
 use linden_base::knob::Value;
 
-use super::{Colonization, MOST_PARTS, Part, Solid};
+use super::{Colonization, CrownPart, MOST_PARTS, Solid};
 use crate::preset::Preset;
 use linden_growth::Meet;
 
@@ -54,7 +54,7 @@ fn parts_survive_writing_and_reading() {
     assert_eq!((parts[2].meet, parts[2].turn_deg, parts[2].scale), (Meet::Stop, -30.0, 0.5));
     assert_eq!(parts[3].share, 0.5);
     assert_eq!(
-        parts.iter().map(Part::describe).collect::<Vec<_>>(),
+        parts.iter().map(CrownPart::describe).collect::<Vec<_>>(),
         ["subtract cone", "tree revolution", "obstacle 'rock.obj'", "shade dome"]
     );
     assert_eq!(preset.files(), ["rock.obj"]);

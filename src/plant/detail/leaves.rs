@@ -9,7 +9,7 @@ use super::{Detail, DetailError};
 use crate::foliage::Shaper;
 use linden_base::mesh::Mesh;
 use linden_base::monitor::{Cancelled, Monitor};
-use linden_skeleton::organs::{Growth, Organs};
+use linden_skeleton::organs::{OrganOrigins, Organs};
 
 /// Organs that one task counts.
 const PER_TASK: usize = 1024;
@@ -128,7 +128,7 @@ fn selected(all: &Organs, stays: impl Fn(usize) -> bool, scale: f32) -> Organs {
     some
 }
 
-fn push(to: &mut Growth, from: &Growth, organ: usize) {
+fn push(to: &mut OrganOrigins, from: &OrganOrigins, organ: usize) {
     to.nodes.push(from.nodes[organ]);
     to.colors.push(from.colors[organ]);
     to.births.push(from.births[organ]);
@@ -139,18 +139,18 @@ mod tests {
     use super::*;
     use glam::Vec3;
     use linden_base::monitor::Quiet;
-    use linden_skeleton::organs::{Placed, prototype};
+    use linden_skeleton::organs::{PlacedOrgans, prototype};
 
     /// Leaves in a row, of two kinds.
     fn row(count: u32) -> Organs {
         let kinds = ['L', 'N'].map(|letter| prototype(letter).unwrap());
-        let placed = Placed {
+        let placed = PlacedOrgans {
             prototypes: (0..count).map(|i| kinds[i as usize % 2]).collect(),
             positions: (0..count).map(|i| Vec3::X * i as f32).collect(),
             headings: vec![Vec3::Y; count as usize],
             ups: vec![Vec3::Z; count as usize],
             sizes_m: vec![0.1; count as usize],
-            growth: Growth {
+            growth: OrganOrigins {
                 nodes: (0..count).collect(),
                 colors: vec![0; count as usize],
                 births: vec![0; count as usize],

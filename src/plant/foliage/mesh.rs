@@ -191,7 +191,7 @@ struct Baker<'a> {
     organs: &'a Organs,
     colors: usize,
     kinds: usize,
-    /// By index of [`super::Placed::prototypes`].
+    /// By index of [`super::PlacedOrgans::prototypes`].
     stamps: Vec<Stamp<'a>>,
 }
 

@@ -20,7 +20,8 @@ mod tests;
 
 pub use instances::{Copies, Instances, Placement};
 pub use linden_skeleton::organs::{
-    Growth, Hanging, LeafShape, MAX_CORNERS, Organs, PROTOTYPES, Placed, Polygons, Prototype, prototype,
+    Hanging, LeafShape, MAX_CORNERS, OrganOrigins, Organs, PROTOTYPES, PlacedOrgans, Polygons, Prototype,
+    prototype,
 };
 pub use look::{CUTOUT, Cover, cover};
 pub use mesh::{Foliage, FoliageError, Look, Shaper, meshes, meshes_of};

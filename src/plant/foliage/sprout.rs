@@ -13,7 +13,7 @@ use super::form::shapes;
 use super::look::{Cover, cover, length_m};
 use super::mesh::FoliageError;
 use super::pose::{Phyllotaxis, pose};
-use super::{Organs, PROTOTYPES, Placed, prototype};
+use super::{Organs, PROTOTYPES, PlacedOrgans, prototype};
 use crate::Specimen;
 use crate::settings::{Form, LeafKind};
 use linden_base::input::Geometry;
@@ -109,7 +109,7 @@ pub(crate) fn kind_shapes(
 /// A kind and what is the same for all its leaves.
 struct Crop<'a> {
     kind: &'a LeafKind,
-    /// The first of its variants, as [`Placed::prototypes`] has them.
+    /// The first of its variants, as [`PlacedOrgans::prototypes`] has them.
     first: u8,
     variants: u8,
     /// The share that the season and the user leave.
@@ -159,7 +159,7 @@ const TAKER: u64 = 6;
 const VARIANT: u64 = 7;
 
 /// Gives the leaves and needles of a grammar the variants of a kind.
-fn take_over(placed: &mut Placed, crop: &Crop, key: Key) {
+fn take_over(placed: &mut PlacedOrgans, crop: &Crop, key: Key) {
     let leafy: Vec<u8> = ['L', 'N'].into_iter().filter_map(prototype).collect();
     for (i, prototype) in placed.prototypes.iter_mut().enumerate() {
         if leafy.contains(prototype) && crop.variants > 0 {
@@ -180,7 +180,7 @@ impl Field<'_> {
     fn grow(
         &self,
         skeleton: &Skeleton,
-        placed: &mut Placed,
+        placed: &mut PlacedOrgans,
         monitor: &dyn Monitor,
     ) -> Result<(), FoliageError> {
         let young = young(self.crop.kind, skeleton);
@@ -189,7 +189,7 @@ impl Field<'_> {
         let chunks = skeleton.axes.par_chunks(AXES_PER_TASK).enumerate().map(|(chunk, axes)| {
             monitor.check()?;
             let mut task =
-                Task { field: self, skeleton, young, placed: Placed::default(), walk: Walk::default() };
+                Task { field: self, skeleton, young, placed: PlacedOrgans::default(), walk: Walk::default() };
             for (i, axis) in axes.iter().enumerate() {
                 task.axis((chunk * AXES_PER_TASK + i) as u64, axis, monitor)?;
             }
@@ -197,8 +197,8 @@ impl Field<'_> {
             monitor.advance(Phase::Sprout, before + axes.len() as u64, Some(skeleton.axes.len() as u64));
             Ok(task.placed)
         });
-        let pieces = chunks.collect::<Result<Vec<Placed>, Cancelled>>()?;
-        placed.reserve(pieces.iter().map(Placed::len).sum());
+        let pieces = chunks.collect::<Result<Vec<PlacedOrgans>, Cancelled>>()?;
+        placed.reserve(pieces.iter().map(PlacedOrgans::len).sum());
         for piece in pieces {
             placed.append(piece);
         }
@@ -237,7 +237,7 @@ impl Field<'_> {
             return Err(FoliageError::TooMany { leaves: most.min(1e18) as u64, limit: MOST_LEAVES });
         }
         // In pieces whose lists grow one by one, then as a whole.
-        let bytes = (leaves * 5 / 2).saturating_add(there as u64) * Placed::BYTES_EACH;
+        let bytes = (leaves * 5 / 2).saturating_add(there as u64) * PlacedOrgans::BYTES_EACH;
         monitor.admit(GROWING, bytes, "lower leaves_per_m, or take twig cards (leaf_form=twig)")?;
         Ok(())
     }
@@ -286,7 +286,7 @@ struct Task<'a> {
     field: &'a Field<'a>,
     skeleton: &'a Skeleton,
     young: Young,
-    placed: Placed,
+    placed: PlacedOrgans,
     walk: Walk,
 }
 
@@ -348,7 +348,7 @@ impl Task<'_> {
 
 /// Adds a leaf at a place.
 fn add(
-    placed: &mut Placed,
+    placed: &mut PlacedOrgans,
     crop: &Crop,
     place: &Place,
     azimuth: f32,

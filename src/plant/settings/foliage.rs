@@ -3,7 +3,7 @@
 //!
 //! A new key is a field of [`LeafKind`] and a row of [`LEAF_KNOBS`].
 
-use linden_base::document::{Entry, Fault, FileKey, List, NamesFiles, Place};
+use linden_base::document::{Entry, Fault, FileKey, List, NamesFiles, TextPlace};
 use linden_base::knob::{Knob, Value, values};
 use linden_base::{file_key, words};
 
@@ -271,7 +271,7 @@ pub fn read(foliage: &mut FoliageSettings, entry: &Entry) -> Result<bool, Fault>
     foliage.first.take_file(entry)
 }
 
-fn read_kind(number: usize, entries: &[Entry], place: Option<Place>) -> Result<LeafKind, Fault> {
+fn read_kind(number: usize, entries: &[Entry], place: Option<TextPlace>) -> Result<LeafKind, Fault> {
     let mut kind = LeafKind::default();
     for entry in entries {
         if kind.take_file(entry)? {

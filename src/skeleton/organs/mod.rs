@@ -31,7 +31,7 @@ pub struct Organs {
     /// Shapes of their own.
     pub polygons: Polygons,
     /// Organs of the table, and of the preset's kinds.
-    pub placed: Placed,
+    pub placed: PlacedOrgans,
     /// The variants of the preset's kinds, those of one kind after those of the other.
     pub shapes: Arc<[LeafShape]>,
 }
@@ -49,7 +49,7 @@ pub struct Polygons {
     /// Unit vectors: the side that counts as the upper one.
     pub ups: Vec<Vec3>,
     /// How each hangs on the wood.
-    pub growth: Growth,
+    pub growth: OrganOrigins,
 }
 
 /// A variant of a kind of leaf, as a mesh.
@@ -70,7 +70,7 @@ pub struct LeafShape {
 /// Organs of [`PROTOTYPES`] and [`Organs::shapes`], each with its frame. Where nothing else is said, the
 /// arrays have an entry per organ.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Placed {
+pub struct PlacedOrgans {
     /// Indices into [`PROTOTYPES`], and beyond these into [`Organs::shapes`].
     pub prototypes: Vec<u8>,
     /// Where they are attached, metres.
@@ -82,10 +82,10 @@ pub struct Placed {
     /// Size of one unit of the prototype, metres.
     pub sizes_m: Vec<f32>,
     /// How each hangs on the wood.
-    pub growth: Growth,
+    pub growth: OrganOrigins,
 }
 
-impl Placed {
+impl PlacedOrgans {
     /// Bytes of one organ.
     pub const BYTES_EACH: u64 = bytes_of::<([f32; 3], [f32; 3], [f32; 3], f32, u32, u32, u32)>(1) + 1;
 
@@ -102,7 +102,7 @@ impl Placed {
     /// Makes room for more.
     pub fn reserve(&mut self, more: usize) {
         let Self { prototypes, positions, headings, ups, sizes_m, growth } = self;
-        let Growth { nodes, colors, births } = growth;
+        let OrganOrigins { nodes, colors, births } = growth;
         prototypes.reserve_exact(more);
         for list in [positions, headings, ups] {
             list.reserve_exact(more);
@@ -128,7 +128,7 @@ impl Placed {
 
 /// Where and when organs appeared on the tree, an entry per organ.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Growth {
+pub struct OrganOrigins {
     /// The node of the skeleton that it hangs on.
     pub nodes: Vec<u32>,
     /// The turtle's colour index, from 0.
@@ -137,7 +137,7 @@ pub struct Growth {
     pub births: Vec<u32>,
 }
 
-/// Where and when one organ appeared: an entry of [`Growth`].
+/// Where and when one organ appeared: an entry of [`OrganOrigins`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Hanging {
     /// The node of the skeleton that it hangs on.
@@ -161,8 +161,9 @@ impl Organs {
 
     /// Bytes that they take, reserved places included.
     pub fn bytes(&self) -> u64 {
-        let growth =
-            |growth: &Growth| growth.nodes.capacity() + growth.colors.capacity() + growth.births.capacity();
+        let growth = |growth: &OrganOrigins| {
+            growth.nodes.capacity() + growth.colors.capacity() + growth.births.capacity()
+        };
         let Self { polygons, placed, shapes: _ } = self;
         let vectors = [&polygons.corners, &polygons.headings, &polygons.ups]
             .into_iter()

@@ -27,6 +27,8 @@ use crate::tui::wrap::clipped;
 const COLUMNS: u16 = 92;
 /// Rows below the list: a line, and what is to be said of the row at the cursor.
 const ABOUT: u16 = 4;
+/// The same where the list is longer than its room.
+const LEAST_ABOUT: u16 = 3;
 /// Columns of a format's id, the longest being `ply-skeleton`.
 const ID: usize = 13;
 /// Columns before what belongs to a format.
@@ -105,7 +107,11 @@ fn paint(model: &Model, dialog: &ExportDialog, body: Rect, buffer: &mut Buffer, 
         return;
     }
     let heading = u16::from(area.height >= 8);
-    let about = if area.height >= 8 { ABOUT } else { 0 };
+    let about = match area.height {
+        ..8 => 0,
+        height if usize::from(height - heading - ABOUT) < spots.len() => LEAST_ABOUT,
+        _ => ABOUT,
+    };
     let shown = model.tree.as_ref().and_then(current);
     let estimate = shown.and_then(|shown| dialog.estimate(shown));
     if heading > 0 {

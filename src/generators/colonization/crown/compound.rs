@@ -229,7 +229,7 @@ fn dashes(line: &[Vec3]) -> Vec<Vec<Vec3>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::crown::placed::Placed;
+    use crate::crown::placed::PlacedCrown;
     use crate::crown::tests::{assert_uniform, volume_by_probes};
     use crate::crown::{shape, units};
     use linden_base::knob::Value;
@@ -237,7 +237,7 @@ mod tests {
 
     fn ball(radius: f64, at: [f64; 3]) -> Box<dyn Crown> {
         let ball = shape("sphere").unwrap().of(&[("crown_radius", Value::Real(radius))]).unwrap();
-        Box::new(Placed::new(ball, DVec3::from_array(at), 0.0, 1.0))
+        Box::new(PlacedCrown::new(ball, DVec3::from_array(at), 0.0, 1.0))
     }
 
     fn add(crown: Box<dyn Crown>) -> Piece {

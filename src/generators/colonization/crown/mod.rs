@@ -7,7 +7,7 @@
 //! dimensions are the file's.
 //!
 //! Every sample is uniform in volume, but for [`favor::Favored`], and depends on its key alone.
-//! Crowns are put together from others by [`compound::Compound`] and moved by [`placed::Placed`].
+//! Crowns are put together from others by [`compound::Compound`] and moved by [`placed::PlacedCrown`].
 
 pub mod bezier;
 pub mod clumps;

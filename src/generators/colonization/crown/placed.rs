@@ -7,7 +7,7 @@ use linden_base::mesh::Bounds;
 use linden_base::random::Key;
 
 /// A crown under a similarity: scaled, turned about the upright through its base centre, moved.
-pub struct Placed {
+pub struct PlacedCrown {
     crown: Box<dyn Crown>,
     scale: f64,
     /// Of the turn.
@@ -16,7 +16,7 @@ pub struct Placed {
     at: DVec3,
 }
 
-impl Placed {
+impl PlacedCrown {
     /// `at` is where the crown's base centre comes to stand, metres; `scale` is above zero. Turning by
     /// +90° takes Z to X.
     pub fn new(crown: Box<dyn Crown>, at: DVec3, turn_deg: f64, scale: f64) -> Self {
@@ -35,7 +35,7 @@ impl Placed {
     }
 }
 
-impl Crown for Placed {
+impl Crown for PlacedCrown {
     fn bounds(&self) -> Bounds {
         let Bounds { min, max } = self.crown.bounds();
         let corner = |i: u8| {
@@ -77,9 +77,9 @@ mod tests {
     #[test]
     fn it_stands_where_it_was_put() {
         let ball = sphere::SHAPE.of(&[("crown_radius", Value::Real(1.0))]).unwrap();
-        let inner = Placed::new(ball, DVec3::new(3.0, 0.0, 0.0), 0.0, 1.0);
+        let inner = PlacedCrown::new(ball, DVec3::new(3.0, 0.0, 0.0), 0.0, 1.0);
         // The ball beside the base centre tells which way it was turned.
-        let placed = Placed::new(Box::new(inner), DVec3::new(10.0, 5.0, 0.0), 90.0, 2.0);
+        let placed = PlacedCrown::new(Box::new(inner), DVec3::new(10.0, 5.0, 0.0), 90.0, 2.0);
         assert!(placed.contains(DVec3::new(10.0, 7.0, -6.0)), "X was taken to -Z");
         for outside in [DVec3::new(10.0, 7.0, 6.0), DVec3::new(16.0, 7.0, 0.0), DVec3::new(10.0, 4.9, -6.0)] {
             assert!(!placed.contains(outside));
@@ -93,7 +93,8 @@ mod tests {
 
     #[test]
     fn points_stay_uniform_and_the_volume_is_scaled() {
-        let placed = Placed::new(cylinder::SHAPE.of(&[]).unwrap(), DVec3::new(1.0, -2.0, 3.0), 33.0, 0.5);
+        let placed =
+            PlacedCrown::new(cylinder::SHAPE.of(&[]).unwrap(), DVec3::new(1.0, -2.0, 3.0), 33.0, 0.5);
         assert_uniform(&placed);
         assert!((volume_by_probes(&placed) / placed.volume_m3() - 1.0).abs() < 0.02);
     }
