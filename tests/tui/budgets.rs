@@ -14,9 +14,9 @@ use crate::harness::{Answers, Home, Setup, Token, Workbench, find, tokens};
 const KEY: usize = 150;
 const DRAFT: usize = 16_000;
 const FULL: usize = 100_000;
-/// Where there is room, the form explains the knob that the cursor is on: some five lines of 36
-/// columns, which a key that moves it asks for, and the way there.
-const ABOUT: usize = 5 * (36 + 8);
+/// Where there is room, the form explains the knob that the cursor is on, at length in a tall terminal: up
+/// to fifteen lines of 36 columns, which a key that moves it asks for, and the way there.
+const ABOUT: usize = 15 * (36 + 8);
 /// What a frame costs beside its picture: the texts of a screen, cursor, modes, queries.
 const TEXT: usize = 16_000;
 
