@@ -163,7 +163,7 @@ pub enum Stop {
 /// points that are used up.
 ///
 /// ```
-/// use linden_growth::{GrowthRule, Habit, Stop, grow};
+/// use linden_growth::{GrowthHabit, GrowthRule, Stop, grow};
 /// use glam::Vec3;
 /// use linden_base::monitor::Quiet;
 /// use linden_skeleton::{Branching, NO_PARENT};
@@ -177,7 +177,7 @@ pub enum Stop {
 ///     tropism: Vec3::ZERO,
 ///     max_iterations: 1000,
 ///     max_nodes: 1000,
-///     habit: Habit::PLAIN,
+///     habit: GrowthHabit::PLAIN,
 /// };
 /// let growth = grow(&[Vec3::new(0.0, 1.0, 0.0)], &root, &rule, &Quiet)?;
 /// assert_eq!(growth.stop, Stop::AllReached);
