@@ -1,6 +1,6 @@
 //! Recipe and grown tree → scene.
 
-use linden_base::monitor::Monitor;
+use linden_base::monitor::{Holding, Monitor};
 use linden_plant::foliage::{FoliageError, LeafShape, Organs};
 use linden_plant::scene::Scene;
 use linden_plant::season::Season;
@@ -20,7 +20,8 @@ pub use linden_plant::dress::DressError;
 /// # Errors
 /// [`DressError`]: too large, or cancelled.
 pub fn dress(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Scene, DressError> {
-    recipe.with_specimen(|specimen| dress::dress(specimen, grown.body(), monitor))
+    let monitor = holding_points(grown, monitor);
+    recipe.with_specimen(|specimen| dress::dress(specimen, grown.body(), &monitor))
 }
 
 /// The levels of detail that a recipe asks for, the finest first, within its budgets; one where it asks for
@@ -29,7 +30,8 @@ pub fn dress(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Sc
 /// # Errors
 /// [`DetailError`].
 pub fn levels(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Levels, DetailError> {
-    recipe.with_specimen(|specimen| detail::levels(specimen, grown.body(), monitor))
+    let monitor = holding_points(grown, monitor);
+    recipe.with_specimen(|specimen| detail::levels(specimen, grown.body(), &monitor))
 }
 
 /// The same wood with the leaves of several seasons, each with the levels of [`levels`].
@@ -42,7 +44,8 @@ pub fn year(
     seasons: &[Season],
     monitor: &dyn Monitor,
 ) -> Result<Year, DetailError> {
-    recipe.with_specimen(|specimen| detail::year(specimen, grown.body(), seasons, monitor))
+    let monitor = holding_points(grown, monitor);
+    recipe.with_specimen(|specimen| detail::year(specimen, grown.body(), seasons, &monitor))
 }
 
 /// Wood and leaves of the finest level, without their meshes.
@@ -50,7 +53,13 @@ pub fn year(
 /// # Errors
 /// [`DetailError`].
 pub fn finest(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Finest, DetailError> {
-    detail::finest(&recipe.preset.dressing, grown.body(), monitor)
+    detail::finest(&recipe.preset.dressing, grown.body(), &holding_points(grown, monitor))
+}
+
+/// A monitor for what is done while a grown tree is held: the points that it reached for are in memory too, and
+/// what dresses its body knows nothing of them.
+fn holding_points<'a>(grown: &Grown, monitor: &'a dyn Monitor) -> Holding<'a> {
+    Holding::new(monitor, grown.bytes().saturating_sub(grown.body().bytes()))
 }
 
 /// The shapes of leaves as they are dressed: they follow the pictures' outlines, which are finer than those
