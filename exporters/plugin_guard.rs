@@ -61,19 +61,21 @@ impl Workplace {
         self.folder.path()
     }
 
-    /// What starts this program. What it says goes to the file `said`, and whatever it starts ends with
-    /// us.
+    /// Starts a program. What it says goes to the file `said`, and whatever it starts ends with us.
+    ///
+    /// # Errors
+    /// The file `said` cannot be made.
     pub fn command(&self, program: &Path, arguments: [&Path; 2], said: &Path) -> std::io::Result<Command> {
-        let mut command = match &self.guard {
-            Some(guard) => guard.launcher(program, said)?,
+        let log = File::create(said)?;
+        let mut command = match self.guard.as_ref().and_then(|guard| guard.launcher(program, said)) {
+            Some(launcher) => launcher,
             None => {
-                let log = File::options().append(true).create(true).open(said)?;
                 let mut command = Command::new(program);
-                command.stdout(log.try_clone()?).stderr(log);
+                command.stdout(log.try_clone()?);
                 command
             }
         };
-        command.args(arguments);
+        command.stderr(log).args(arguments);
         // A group of its own, so that what it starts can be ended with it.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
@@ -105,14 +107,13 @@ impl Guard {
         Some(Self { shell, pipe })
     }
 
-    fn launcher(&self, program: &Path, said: &Path) -> std::io::Result<Command> {
+    /// The shell that tells of its group, and then becomes the program.
+    fn launcher(&self, program: &Path, said: &Path) -> Option<Command> {
         use std::os::fd::AsFd;
-        let Some(pipe) = &self.pipe else { return Ok(Command::new(program)) };
+        let pipe = self.pipe.as_ref()?.as_fd().try_clone_to_owned().ok()?;
         let mut command = Command::new("/bin/sh");
-        command.args(["-c", LAUNCH, "linden-plugin"]).arg(said).arg(program);
-        command.stdout(pipe.as_fd().try_clone_to_owned()?);
-        command.stderr(File::options().append(true).create(true).open(said)?);
-        Ok(command)
+        command.args(["-c", LAUNCH, "linden-plugin"]).arg(said).arg(program).stdout(pipe);
+        Some(command)
     }
 
     /// A guard that hears nothing any more cannot be helped.
@@ -145,7 +146,7 @@ impl Guard {
 
     fn tell(&mut self, _: &[u8]) {}
 
-    fn launcher(&self, program: &Path, _: &Path) -> std::io::Result<Command> {
-        Ok(Command::new(program))
+    fn launcher(&self, _: &Path, _: &Path) -> Option<Command> {
+        None
     }
 }

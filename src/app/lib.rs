@@ -27,5 +27,6 @@ mod source;
 mod trust;
 mod tui;
 mod viewpoint;
+mod wrap;
 
 pub use cli::run;

@@ -10,9 +10,7 @@ use linden::input::{InputKind, sniff};
 use linden::knob::{did_you_mean, nearest, printable};
 use linden::lsystem::text;
 use linden::monitor::Holding;
-use linden::preset::{
-    Colonization, Fault, Preset, RecipeError, ScanSettings, Space, builtin, builtin_file, builtins,
-};
+use linden::preset::{Fault, Preset, RecipeError, builtin, builtin_file, builtins};
 use linden::recipe::{Input, Inputs, Recipe};
 
 use crate::config::dirs::Dirs;
@@ -223,10 +221,8 @@ impl<'a> Reader<'a> {
                 let preset = Preset::of_grammar(&id, parsed.grammar, parsed.angle_deg, parsed.derivations);
                 return Ok(self.replaced(Recipe::new(preset)));
             }
-            InputKind::ObjMesh | InputKind::PlyMesh => {
-                Preset::of(&id, Colonization::of(Space::Envelope { file: name.clone() }))
-            }
-            InputKind::PlyPoints | InputKind::XyzPoints => Preset::of(&id, ScanSettings::of(name.clone())),
+            InputKind::ObjMesh | InputKind::PlyMesh => Preset::of_mesh(&id, &name),
+            InputKind::PlyPoints | InputKind::XyzPoints => Preset::of_points(&id, &name),
         };
         let mut recipe = Recipe::new(preset);
         let input = self.input(&name, bytes).with_context(reading)?;

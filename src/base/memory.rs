@@ -1,10 +1,15 @@
 //! How much memory work takes, told before it is taken.
 //!
-//! A [`Monitor`](crate::monitor::Monitor) says how many bytes may be held at once ([`memory_limit`](crate::monitor::Monitor::memory_limit)). Each stage
-//! forecasts its peak, what it gives included, and asks [`admit`](crate::monitor::Monitor::admit) before it allocates; where
-//! nobody can know the peak, it asks again whenever a list is about to move to a larger place. What a
-//! caller keeps meanwhile counts too: it hands its stages a monitor that is [`Holding`](crate::monitor::Holding) so much.
+//! A [`Monitor`] says how many bytes may be held at once ([`Monitor::memory_limit`]). Each stage
+//! forecasts its peak, what it gives included, and asks [`Monitor::admit`] before it allocates; where the
+//! peak cannot be known, it asks again whenever a list is about to move to a larger place. What a caller
+//! keeps meanwhile counts too: it hands its stages a monitor that is [`Holding`] that many bytes.
 //! Forecasts count what grows with the tree and leave out the rest ([`SLACK_BYTES`]).
+//!
+//! [`Monitor`]: crate::monitor::Monitor
+//! [`Monitor::memory_limit`]: crate::monitor::Monitor::memory_limit
+//! [`Monitor::admit`]: crate::monitor::Monitor::admit
+//! [`Holding`]: crate::monitor::Holding
 
 use std::fmt;
 

@@ -1,7 +1,7 @@
 //! Where trees come from: built-in presets, files, grammars in code.
 
 use std::fs::{self, File};
-use std::io::{BufReader, ErrorKind};
+use std::io::{self, BufReader, ErrorKind};
 use std::path::{Path, PathBuf};
 use std::str;
 
@@ -9,7 +9,7 @@ use linden_pipeline::Quiet;
 use linden_pipeline::document::Fault;
 use linden_pipeline::input::{Input, InputKind, sniff};
 use linden_pipeline::lsystem::{Grammar, text};
-use linden_pipeline::preset::{Colonization, LSystem, Preset, ScanSettings, Space, builtin, builtin_file};
+use linden_pipeline::preset::{LSystem, Preset, builtin, builtin_file};
 use linden_pipeline::recipe::Recipe;
 
 use crate::{Error, Tree, trust};
@@ -52,12 +52,13 @@ pub fn read_allowing<P: AsRef<Path>>(path: impl AsRef<Path>, folders: &[P]) -> R
     let real = |folder: &P| fs::canonicalize(folder).map_err(|error| failed(folder.as_ref(), error));
     let allowed: Vec<PathBuf> = folders.iter().map(real).collect::<Result<_, _>>()?;
     let document = |fault| Error::Document { path: path.to_owned(), fault };
+    ensure_regular(path).map_err(|error| failed(path, error))?;
     let mut file = BufReader::new(File::open(path).map_err(|error| failed(path, error))?);
     if let Some(json) = linden_exporters::recipe_in(&mut file).map_err(|error| failed(path, error))? {
         return furnished(path, Preset::from_json(&json).map_err(document)?, &allowed);
     }
     drop(file);
-    let bytes = fs::read(path).map_err(|error| failed(path, error))?;
+    let bytes = load(path).map_err(|error| failed(path, error))?;
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     let id =
         Path::new(&name).file_stem().map_or_else(|| "tree".to_owned(), |stem| stem.to_string_lossy().into());
@@ -80,10 +81,8 @@ pub fn read_allowing<P: AsRef<Path>>(path: impl AsRef<Path>, folders: &[P]) -> R
             })?;
             Preset::of_grammar(&id, found.grammar, found.angle_deg, found.derivations)
         }
-        InputKind::ObjMesh | InputKind::PlyMesh => {
-            Preset::of(&id, Colonization::of(Space::Envelope { file: name.clone() }))
-        }
-        InputKind::PlyPoints | InputKind::XyzPoints => Preset::of(&id, ScanSettings::of(name.clone())),
+        InputKind::ObjMesh | InputKind::PlyMesh => Preset::of_mesh(&id, &name),
+        InputKind::PlyPoints | InputKind::XyzPoints => Preset::of_points(&id, &name),
     };
     let mut recipe = Recipe::new(preset);
     if recipe.preset.files().contains(&name.as_str()) {
@@ -99,7 +98,7 @@ fn furnished(path: &Path, preset: Preset, allowed: &[PathBuf]) -> Result<Tree, E
     for file in recipe.preset.files().into_iter().map(str::to_owned).collect::<Vec<_>>() {
         let place = trust::beside(Some(path), &file, allowed)
             .map_err(|error| Error::NotAllowed { document: path.to_owned(), error })?;
-        let input = match (fs::read(&place), builtin_file(&file)) {
+        let input = match (load(&place), builtin_file(&file)) {
             (Ok(bytes), _) => {
                 sources.push(place.clone());
                 Input::read(&file, &bytes, &Quiet)
@@ -114,7 +113,21 @@ fn furnished(path: &Path, preset: Preset, allowed: &[PathBuf]) -> Result<Tree, E
     Ok(Tree::of(recipe).sparing(sources))
 }
 
-fn failed(path: &Path, error: std::io::Error) -> Error {
+/// All of a regular file.
+fn load(path: &Path) -> io::Result<Vec<u8>> {
+    ensure_regular(path)?;
+    fs::read(path)
+}
+
+/// Pipes and devices are refused before they are opened, which may wait for ever or never end.
+fn ensure_regular(path: &Path) -> io::Result<()> {
+    if fs::metadata(path)?.is_file() {
+        return Ok(());
+    }
+    Err(io::Error::new(ErrorKind::InvalidInput, "it is no regular file; name a file"))
+}
+
+fn failed(path: &Path, error: io::Error) -> Error {
     Error::Read { path: path.to_owned(), error }
 }
 

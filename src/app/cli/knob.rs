@@ -5,6 +5,7 @@ use linden::preset::KNOBS;
 use serde::Serialize;
 
 use crate::exit::usage;
+use crate::wrap::wrapped;
 
 /// Columns of a paragraph.
 const COLUMN: usize = 96;
@@ -118,21 +119,9 @@ impl KnobPage {
     }
 }
 
-/// Text in lines of [`COLUMN`], indented; broken at blanks alone.
+/// Text in lines of [`COLUMN`], indented.
 fn paragraph(text: &str) -> String {
-    let mut lines = String::new();
-    let mut used = 0;
-    for word in text.split_whitespace() {
-        let wide = word.chars().count();
-        if used > 0 && used + 1 + wide > COLUMN {
-            lines.push('\n');
-            used = 0;
-        }
-        lines.push_str(if used == 0 { "  " } else { " " });
-        lines.push_str(word);
-        used += 1 + wide;
-    }
-    lines + "\n"
+    wrapped(text, COLUMN).into_iter().map(|line| format!("  {line}\n")).collect::<Vec<_>>().concat()
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use linden::Monitor;
 use linden::input::{InputKind, sniff};
 use linden::knob::excerpt;
 use linden::lsystem::text;
-use linden::preset::{Colonization, Preset, ScanSettings, Space, TextPlace, builtin_file};
+use linden::preset::{Preset, TextPlace, builtin_file};
 
 use super::files::{self, Existing, Readers};
 use super::{Complaint, of_fault};
@@ -183,10 +183,10 @@ fn read(path: &Path, id: &str) -> Result<(Preset, Result<(), Complaint>), Compla
             return Ok((preset, Ok(())));
         }
         InputKind::ObjMesh | InputKind::PlyMesh => {
-            return Ok((Preset::of(id, Colonization::of(Space::Envelope { file: name })), Ok(())));
+            return Ok((Preset::of_mesh(id, &name), Ok(())));
         }
         InputKind::PlyPoints | InputKind::XyzPoints => {
-            return Ok((Preset::of(id, ScanSettings::of(name)), Ok(())));
+            return Ok((Preset::of_points(id, &name), Ok(())));
         }
     };
     let problem = |file: &str| match trust::beside(Some(path), file) {

@@ -39,7 +39,6 @@ mod tree;
 mod update;
 mod vary;
 mod wind;
-mod wrap;
 
 pub use commands::key_table;
 pub use runtime::{End, StartOptions, run};

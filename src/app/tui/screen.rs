@@ -12,8 +12,8 @@ use super::dialog::Dialog;
 use super::figures::{metres, thousands};
 use super::layout::{Pane, Target, View, inside};
 use super::model::Model;
-use super::wrap::clipped;
 use super::{export, growth, library, picture, shape};
+use crate::wrap::clipped;
 
 /// Paints everything.
 pub fn view(model: &Model, buffer: &mut Buffer) -> View {

@@ -44,7 +44,6 @@ mod grow;
 mod parse;
 mod polygon;
 mod program;
-mod read;
 mod reader;
 mod sample;
 mod settings;

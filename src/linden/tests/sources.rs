@@ -5,7 +5,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use linden::export::{Written, find};
+use linden::export::Written;
 use linden::{Error, Tree, read, read_allowing, tree};
 
 /// A fir of few points; what was written of it.
@@ -21,9 +21,8 @@ fn every_written_file_is_a_tree_again() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join(format!("fir.{}", format.extensions.first().unwrap_or(&format.id)));
         let options = linden::export::Options::new(format);
-        let exporter = find(format.id).unwrap();
         let fir = tree("fir").unwrap().set("points", "60").unwrap().grow().unwrap();
-        fir.export_as(exporter, options, &path).unwrap();
+        fir.export_as(*exporter, options, &path).unwrap();
         if !format.holds.recipe {
             continue;
         }
@@ -84,4 +83,14 @@ fn a_copy_of_a_built_in_preset_finds_its_files() {
     };
     assert_eq!(hashes(&copy), hashes(&around));
     assert!(!hashes(&copy).is_empty());
+}
+
+#[cfg(unix)]
+#[test]
+fn devices_and_folders_are_refused_before_they_are_read() {
+    for path in ["/dev/zero", "/"] {
+        let refused = read(path).err().unwrap();
+        assert!(matches!(refused, Error::Read { .. }), "{refused}");
+        assert!(refused.to_string().contains("no regular file"), "{refused}");
+    }
 }

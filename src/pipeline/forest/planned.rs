@@ -1,4 +1,4 @@
-//! What a plan holds.
+//! A forest as it is planned: its distinct trees, and where they stand.
 
 use linden_plant::stage::Place;
 

@@ -9,7 +9,7 @@ use linden_skeleton::generator::{Asked, Generator, Settings};
 use linden_skeleton::refine::Refinement;
 
 use super::knobs::{KNOBS, Section};
-use super::{LSystem, Preset, former};
+use super::{Colonization, LSystem, Preset, ScanSettings, Space, former};
 use crate::generators;
 
 /// Keys before all tables that are no knobs.
@@ -36,6 +36,16 @@ impl Preset {
     /// The preset for a grammar that comes without one.
     pub fn of_grammar(id: &str, grammar: Grammar, angle_deg: f64, derivations: u32) -> Self {
         Self::of(id, LSystem { angle_deg, derivations, ..LSystem::of(grammar) })
+    }
+
+    /// The preset for a mesh that comes without one: a crown fills it.
+    pub fn of_mesh(id: &str, file: &str) -> Self {
+        Self::of(id, Colonization::of(Space::Envelope { file: file.to_owned() }))
+    }
+
+    /// The preset for points that come without one: a scan.
+    pub fn of_points(id: &str, file: &str) -> Self {
+        Self::of(id, ScanSettings::of(file))
     }
 
     /// The preset for settings of a generator that come without one, everything else at its default.

@@ -3,13 +3,13 @@
 use glam::{Vec2, Vec3};
 
 use super::features::Ends;
-use super::form::Form;
 use super::path::Ring;
 use super::target::{Amount, PlacedRing, Target};
+use super::tube_form::TubeForm;
 use linden_base::random::Key;
 
 /// How much [`close_base`] writes.
-pub(super) fn base_amount(sides: usize, form: &Form) -> Amount {
+pub(super) fn base_amount(sides: usize, form: &TubeForm) -> Amount {
     if has_hollows(form) {
         return Amount { vertices: sides + 1, triangles: sides };
     }
@@ -17,14 +17,14 @@ pub(super) fn base_amount(sides: usize, form: &Form) -> Amount {
 }
 
 /// Whether the base is no convex polygon: then triangles meet in its middle.
-fn has_hollows(form: &Form) -> bool {
+fn has_hollows(form: &TubeForm) -> bool {
     form.flare.is_some_and(|flare| flare.has_ridges())
 }
 
 /// A flat disc that looks back along the axis, with vertices of its own (its edge is sharp).
 pub(super) fn close_base(
     ring: &Ring,
-    form: &Form,
+    form: &TubeForm,
     circle: &[(f32, f32)],
     tile_m: f32,
     target: &mut Target<'_>,
@@ -69,7 +69,7 @@ pub(super) const fn tip_amount(sides: usize, ends: Ends) -> Amount {
 /// Closes the upper end over its last ring.
 pub(super) fn close_tip(
     ring: &Ring,
-    form: &Form,
+    form: &TubeForm,
     rim: &PlacedRing,
     wraps: f32,
     tile_m: f32,

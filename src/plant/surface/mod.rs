@@ -11,7 +11,6 @@ mod count;
 mod curve;
 mod ends;
 mod features;
-mod form;
 mod path;
 mod plan;
 mod solid;
@@ -19,6 +18,7 @@ mod spread;
 mod survey;
 mod target;
 mod tube;
+mod tube_form;
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};

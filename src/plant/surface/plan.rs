@@ -6,10 +6,10 @@ use glam::Vec3;
 
 use super::collar::{Collar, MOST_RINGS};
 use super::features::{Flare, taper_twig};
-use super::form::{Form, Roundness};
 use super::path::{self, Ring, Station};
 use super::target::Amount;
 use super::tube;
+use super::tube_form::{Roundness, TubeForm};
 use super::{Tubes, curve};
 use linden_base::memory::bytes_of;
 use linden_skeleton::{Axis, NO_PARENT, Skeleton};
@@ -44,7 +44,7 @@ impl<'a> Course<'a> {
     }
 
     /// Appends the rings of an axis, and says how they become its tube.
-    fn lay(&self, index: usize, stations: &mut Vec<Station>, rings: &mut Vec<Ring>) -> Form {
+    fn lay(&self, index: usize, stations: &mut Vec<Station>, rings: &mut Vec<Ring>) -> TubeForm {
         let (axis, features) = (&self.skeleton.axes[index], &self.tubes.features);
         let nodes = self.skeleton.nodes_of(axis);
         stations.clear();
@@ -58,7 +58,7 @@ impl<'a> Course<'a> {
         curve::subdivide(stations, self.tubes.rings);
         path::prepare(stations);
         let is_stem = axis.parent == NO_PARENT;
-        let mut form = Form { axis: index as u32, is_stem, ..Form::default() };
+        let mut form = TubeForm { axis: index as u32, is_stem, ..TubeForm::default() };
         let (Some(&base), Some(&apex)) = (stations.first(), stations.last()) else { return form };
         if apex.radius > features.ends_above_m {
             form.ends = features.ends;
@@ -143,7 +143,7 @@ impl<'a> Course<'a> {
 pub(super) struct Plan {
     rings: Vec<Ring>,
     /// Where each axis' rings end, and what is made of them.
-    axes: Vec<(usize, Form)>,
+    axes: Vec<(usize, TubeForm)>,
     pub amount: Amount,
 }
 
@@ -168,7 +168,7 @@ impl Plan {
     }
 
     /// The rings of each axis, and what is made of them.
-    pub fn axes(&self) -> impl Iterator<Item = (&[Ring], &Form)> {
+    pub fn axes(&self) -> impl Iterator<Item = (&[Ring], &TubeForm)> {
         let starts = std::iter::once(0).chain(self.axes.iter().map(|&(end, _)| end));
         starts.zip(&self.axes).map(|(start, (end, form))| (&self.rings[start..*end], form))
     }
@@ -177,7 +177,7 @@ impl Plan {
         let collars = self.axes.iter().filter_map(|(_, form)| form.collar.as_ref());
         bytes_of::<Self>(1)
             + bytes_of::<Ring>(self.rings.capacity())
-            + bytes_of::<(usize, Form)>(self.axes.capacity())
+            + bytes_of::<(usize, TubeForm)>(self.axes.capacity())
             + collars.map(|collar| collar.bytes()).sum::<u64>()
     }
 }
@@ -194,6 +194,6 @@ pub(super) fn planned_bytes_of(nodes: usize, axes: usize, tubes: &Tubes) -> u64 
     let most = (nodes + axes).saturating_mul(tubes.rings as usize);
     let collars = if tubes.features.collar > 0.0 { axes } else { 0 };
     bytes_of::<Ring>(most + collars * MOST_RINGS).saturating_mul(2)
-        + bytes_of::<(usize, Form)>(axes)
+        + bytes_of::<(usize, TubeForm)>(axes)
         + bytes_of::<Collar>(collars)
 }

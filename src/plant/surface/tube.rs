@@ -5,9 +5,9 @@ use std::f32::consts::{FRAC_1_SQRT_2, TAU};
 use glam::Vec2;
 
 use super::ends;
-use super::form::{Form, Roundness};
 use super::path::Ring;
 use super::target::{Amount, PlacedRing, Target};
+use super::tube_form::{Roundness, TubeForm};
 
 /// Pictures round the girth between two rings. They follow the radius; where their number changes,
 /// the ring stands twice, with the coordinates of either side.
@@ -16,7 +16,7 @@ fn band_wraps(ring: &Ring, next: &Ring, tile_m: f32) -> f32 {
 }
 
 /// How much [`sweep`] writes for the same rings.
-pub(super) fn amount(rings: &[Ring], form: &Form, roundness: &Roundness, tile_m: f32) -> Amount {
+pub(super) fn amount(rings: &[Ring], form: &TubeForm, roundness: &Roundness, tile_m: f32) -> Amount {
     let (Some(base), Some(apex)) = (rings.first(), rings.last()) else { return Amount::default() };
     let sides = |ring: &Ring| form.circle(ring, roundness).len() - 1;
     let mut amount = ends::base_amount(sides(base), form).and(ends::tip_amount(sides(apex), form.ends));
@@ -41,7 +41,7 @@ const EASES: [f32; 4] = [1.0, 0.6, 0.3, 0.0];
 /// Writes the tube over some rings (none or at least two).
 pub(super) fn sweep(
     rings: &[Ring],
-    form: &Form,
+    form: &TubeForm,
     roundness: &Roundness,
     tile_m: f32,
     target: &mut Target<'_>,
@@ -59,7 +59,7 @@ pub(super) fn sweep(
 /// A form and the share of its collar that is laid.
 #[derive(Clone, Copy)]
 struct Eased<'a> {
-    form: &'a Form,
+    form: &'a TubeForm,
     ease: f32,
 }
 

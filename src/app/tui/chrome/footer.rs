@@ -8,7 +8,7 @@ use unicode_width::UnicodeWidthStr;
 use crate::tui::command::Context;
 use crate::tui::layout::{Target, View};
 use crate::tui::model::{Command, Model, Weight};
-use crate::tui::wrap::clipped;
+use crate::wrap::clipped;
 
 /// Hints from this place on have their room before all others: the ways to help and out.
 const RESERVED: u8 = 90;

@@ -14,7 +14,7 @@ use crate::tui::dialog::Dialog;
 use crate::tui::layout::{View, centered, inside};
 use crate::tui::model::{Model, Weight};
 use crate::tui::shape;
-use crate::tui::wrap::wrapped;
+use crate::wrap::wrapped;
 
 /// Where a page's keys are listened to.
 pub const CONTEXT: Context = Context::new(70, "page", "In a page of text");

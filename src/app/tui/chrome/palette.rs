@@ -18,7 +18,7 @@ use crate::tui::dialog::{After, Dialog};
 use crate::tui::effect::Effects;
 use crate::tui::layout::{Target, View, centered, first_row};
 use crate::tui::model::{Command, Model};
-use crate::tui::wrap::clipped;
+use crate::wrap::clipped;
 
 /// Cells of a command's name.
 const NAME: usize = 22;

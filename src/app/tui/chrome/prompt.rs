@@ -11,7 +11,7 @@ use crate::config::theme::Theme;
 use crate::tui::command::Context;
 use crate::tui::layout::View;
 use crate::tui::model::Model;
-use crate::tui::wrap::clipped;
+use crate::wrap::clipped;
 
 /// Where the keys of typed lines are listened to, and of the palette.
 pub const CONTEXT: Context = Context::new(80, "prompt", "While typing a line");

@@ -21,7 +21,7 @@ use crate::tui::effect::Effects;
 use crate::tui::figures::thousands;
 use crate::tui::layout::{Target, View, centered, first_row};
 use crate::tui::model::Model;
-use crate::tui::wrap::clipped;
+use crate::wrap::clipped;
 
 /// Columns of the dialog, where there is room.
 const COLUMNS: u16 = 92;

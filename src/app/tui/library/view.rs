@@ -10,7 +10,7 @@ use super::filter_line::FilterLine;
 use crate::tui::layout::{Pane, Target, View, first_row};
 use crate::tui::model::Model;
 use crate::tui::model::{ListRow, PresetEntry};
-use crate::tui::wrap::{clipped, wrapped, wrapped_within};
+use crate::wrap::{clipped, wrapped, wrapped_within};
 
 /// The most rows that tell about the selected preset, and the height that it takes for them.
 const ABOUT: u16 = 9;

@@ -11,7 +11,7 @@ use crate::tui::figures::thousands;
 use crate::tui::layout::View;
 use crate::tui::model::Model;
 use crate::tui::tree::GrowthProgress;
-use crate::tui::wrap::clipped;
+use crate::wrap::clipped;
 
 /// What the pane's border says beside its name.
 pub fn heading(model: &Model) -> Vec<Span<'static>> {

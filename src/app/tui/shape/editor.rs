@@ -17,7 +17,7 @@ use crate::tui::dialog::{After, Dialog};
 use crate::tui::effect::Effects;
 use crate::tui::layout::{Target, View};
 use crate::tui::model::Model;
-use crate::tui::wrap::clipped;
+use crate::wrap::clipped;
 
 /// How the text is written, for those who see it for the first time.
 const SYNTAX: &str = "axiom = F · a rule a line: F -> F[+F]F · a chance: F -> (0.5) FF · // comment";

@@ -15,7 +15,7 @@ use crate::tui::chrome::prompt::Prompt;
 use crate::tui::layout::{Pane, Target, View, first_row};
 use crate::tui::model::{FormSpot, Model};
 use crate::tui::tree::{Tree, grammar_of};
-use crate::tui::wrap::{clipped, wrapped, wrapped_within};
+use crate::wrap::{clipped, wrapped, wrapped_within};
 
 /// Rows that explain what the cursor is on, where there is room: a third of the form, within these.
 const ABOUT: [u16; 2] = [4, 9];
@@ -234,7 +234,7 @@ impl FormView<'_> {
             FormRow::Heading(_) | FormRow::MoreRules(_) => {}
         }
         let is_grown_by = matches!(row, FormRow::Rule(..))
-            || matches!(row, FormRow::Knob(row_knob, _) if matches!(row_knob.section, Section::Generator(_)));
+            || matches!(row, FormRow::Knob(PresetKnob { section: Section::Generator(_), .. }, _));
         if is_grown_by && let Some(line) = forecast::line(&self.as_typed()) {
             lines.push(Line::styled(line, theme.info));
         }

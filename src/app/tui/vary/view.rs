@@ -21,7 +21,7 @@ use crate::tui::effect::Effects;
 use crate::tui::figures::{metres, thousands};
 use crate::tui::layout::{Target, View};
 use crate::tui::model::Model;
-use crate::tui::wrap::clipped;
+use crate::wrap::clipped;
 
 /// The commands that choose a picture, from the first on.
 const PICKS: [&str; 9] = [

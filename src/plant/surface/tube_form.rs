@@ -65,7 +65,7 @@ impl Roundness {
 
 /// What turns the rings of one axis into its tube.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Form {
+pub(super) struct TubeForm {
     /// Of a stem.
     pub flare: Option<Flare>,
     /// Of a lateral.
@@ -77,7 +77,7 @@ pub(super) struct Form {
     pub is_stem: bool,
 }
 
-impl Form {
+impl TubeForm {
     pub fn circle<'a>(&self, ring: &Ring, roundness: &'a Roundness) -> &'a [(f32, f32)] {
         let least = self.flare.map_or(0, |flare| flare.least_sides(ring.along));
         let wider = match &self.collar {
