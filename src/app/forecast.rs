@@ -10,6 +10,7 @@ use linden::recipe::Recipe;
 use linden_exporters::{Estimate, Format, Options};
 
 use crate::exit;
+use crate::system::cpu_time;
 
 /// What takes longer is announced.
 const LONG: Duration = Duration::from_secs(10);
@@ -39,7 +40,8 @@ impl Outlook {
         let (started, worked) = (Instant::now(), cpu_time());
         let sample = sample(recipe, monitor).ok()?;
         // The less of both: a busy machine stretches the one, idle threads that wait for work the other.
-        let took_s = started.elapsed().min(cpu_time().saturating_sub(worked)).as_secs_f64();
+        let worked = worked.zip(cpu_time()).map(|(before, now)| now.saturating_sub(before));
+        let took_s = started.elapsed().min(worked.unwrap_or(Duration::MAX)).as_secs_f64();
         let estimate = Estimate::of_sample(recipe, &sample, monitor).ok()?;
         let grow_s = took_s * sample.work_times();
         Some(Self { sample, estimate, grow_s })
@@ -73,12 +75,6 @@ impl Outlook {
         let [nodes, triangles] = [self.sample.nodes(), self.estimate.triangles as f64].map(round);
         format!("{} nodes, {} triangles", HumanCount(nodes), HumanCount(triangles))
     }
-}
-
-/// What this process has worked, all threads together.
-fn cpu_time() -> Duration {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-    Duration::try_from(time).unwrap_or_default()
 }
 
 /// A forest that has not grown: each of its different trees.

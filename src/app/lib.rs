@@ -24,6 +24,7 @@ mod progress;
 mod reading;
 mod signals;
 mod source;
+mod system;
 mod trust;
 mod tui;
 mod viewpoint;

@@ -15,6 +15,8 @@ use linden::memory::bytes_grown;
 use linden::monitor::Phase;
 use linden::{Cancelled, Monitor};
 
+use crate::system;
+
 /// Bytes between two looks at the monitor.
 const PIECE: usize = 1 << 20;
 /// Between two looks at the monitor while a pipe is silent.
@@ -34,7 +36,7 @@ pub enum Content {
 
 /// Opens a regular file, or reads a pipe to its end.
 pub fn open(path: &Path, monitor: &dyn Monitor) -> anyhow::Result<Content> {
-    if is_pipe(&std::fs::metadata(path)?) {
+    if system::is_pipe(&std::fs::metadata(path)?) {
         let path = path.to_owned();
         return Ok(Content::Bytes(from_pipe(move || File::open(path), monitor)?));
     }
@@ -60,11 +62,7 @@ pub fn open_regular(path: &Path) -> io::Result<File> {
     ensure_regular(&std::fs::metadata(path)?)?;
     let mut options = OpenOptions::new();
     options.read(true);
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::OpenOptionsExt as _;
-        options.custom_flags(rustix::fs::OFlags::NONBLOCK.bits().cast_signed());
-    }
+    system::opens_at_once(&mut options);
     let file = options.open(path)?;
     ensure_regular(&file.metadata()?)?;
     Ok(file)
@@ -86,21 +84,11 @@ pub fn what(about: &Metadata) -> Option<&'static str> {
         None
     } else if about.is_dir() {
         Some("a directory")
-    } else if is_pipe(about) {
+    } else if system::is_pipe(about) {
         Some("a pipe")
     } else {
         Some("a device or a socket")
     }
-}
-
-#[cfg(unix)]
-pub fn is_pipe(about: &Metadata) -> bool {
-    std::os::unix::fs::FileTypeExt::is_fifo(&about.file_type())
-}
-
-#[cfg(not(unix))]
-pub fn is_pipe(_: &Metadata) -> bool {
-    false
 }
 
 impl Content {

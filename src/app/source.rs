@@ -125,7 +125,7 @@ fn ensure_is_file(path: &Path) -> anyhow::Result<()> {
     };
     match reading::what(&about) {
         Some("a directory") => Err(usage(format!("'{}' is a directory; name a file in it", show(path)))),
-        Some(what) if !reading::is_pipe(&about) => {
+        Some(what) if !crate::system::is_pipe(&about) => {
             let shown = show(path);
             Err(usage(format!("'{shown}' is {what}; name a file or a pipe, or give - for standard input")))
         }

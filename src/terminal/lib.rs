@@ -19,6 +19,8 @@
 //! | [`session`] | the terminal while it is ours: taken, and given back whatever happens |
 //! | [`size`] | columns and rows |
 //! | [`tty`] | the terminal's descriptors |
+//!
+//! Systems differ in one folder, `system`; the events are [`crossterm`]'s everywhere.
 
 pub mod cells;
 pub mod color;
@@ -36,6 +38,7 @@ pub mod tty;
 
 mod grid;
 mod sequences;
+mod system;
 
 pub use cells::{CellPicture, CellStyle, Glyphs, PictureCell, draw_cells};
 pub use color::ColorDepth;

@@ -14,6 +14,8 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
+use crate::system::ANSWERS;
+
 /// Asks for the terminal's status (DSR 5, ECMA-48 8.3.35); the reply is
 /// [`Reply::Status`](crate::input::Reply::Status).
 pub const QUERY: &[u8] = b"\x1b[5n";
@@ -124,7 +126,7 @@ impl Pacer {
             window: if remote { LEAST_WINDOW } else { LOCAL_WINDOW },
             unanswered: VecDeque::new(),
             in_flight: 0,
-            answers: Answers::Unknown,
+            answers: if ANSWERS { Answers::Unknown } else { Answers::Never },
             lost: 0,
             stale: 0,
             trip: Shortest::default(),

@@ -7,21 +7,14 @@
 
 use std::io;
 use std::panic::PanicHookInfo;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread::ThreadId;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use rustix::event::PollFlags;
-use rustix::io::retry_on_intr;
-use rustix::process::{Signal, getpgid, getpgrp, getppid, getsid, kill_current_process_group};
-use rustix::termios::{
-    LocalModes, OptionalActions, QueueSelector, Termios, tcflush, tcgetattr, tcgetpgrp, tcsetattr,
-};
-use signal_hook::consts::{SIGCONT, SIGTSTP};
+use crossterm::terminal::{disable_raw_mode, enable_raw_mode, is_raw_mode_enabled};
 
 use crate::sequences;
-use crate::tty::{Tty, wait};
+use crate::system::{self, Tty};
 
 /// How long the terminal may keep us from writing what gives it back.
 const WRITE_LIMIT: Duration = Duration::from_millis(500);
@@ -44,8 +37,6 @@ pub struct Session(());
 #[derive(Debug)]
 struct Held {
     tty: Tty,
-    /// How it was before.
-    cooked: Termios,
     modes: Modes,
     /// The thread whose panic gives it back.
     owner: ThreadId,
@@ -75,9 +66,8 @@ impl Session {
         if slot.is_some() {
             return Err(io::Error::new(io::ErrorKind::AlreadyExists, "the terminal is taken already"));
         }
-        let cooked = tcgetattr(tty.input())?;
         let owner = std::thread::current().id();
-        let mut session = Held { tty, cooked, modes, owner, raised: false, replies: None, images: false };
+        let mut session = Held { tty, modes, owner, raised: false, replies: None, images: false };
         session.raise()?;
         *slot = Some(session);
         Ok(Self(()))
@@ -106,11 +96,11 @@ impl Session {
     /// # Errors
     /// What the system says when it refuses.
     pub fn suspend(&self) -> io::Result<bool> {
-        if is_alone() {
+        if !system::stops() {
             return Ok(false);
         }
         restore();
-        let stopped = stop();
+        let stopped = system::stop();
         self.resume()?;
         stopped.map(|()| true)
     }
@@ -142,8 +132,7 @@ impl Session {
         if !held.raised {
             return Ok(());
         }
-        let sequence = if on { sequences::MOUSE_ON } else { sequences::MOUSE_OFF };
-        held.tty.write_within(sequence, WRITE_LIMIT)
+        held.tty.set_mouse(on, WRITE_LIMIT)
     }
 }
 
@@ -186,20 +175,16 @@ pub fn install_panic_hook(
 
 impl Held {
     fn raise(&mut self) -> io::Result<()> {
-        if !self.raised {
-            // The user may have changed it since.
-            self.cooked = tcgetattr(self.tty.input())?;
+        if is_raw_mode_enabled()? {
+            // Another may have changed the modes since: what crossterm takes for raw need not be.
+            let _ = disable_raw_mode();
         }
-        let mut raw = self.cooked.clone();
-        raw.make_raw();
-        retry_on_intr(|| tcsetattr(self.tty.input(), OptionalActions::Now, &raw))?;
+        enable_raw_mode()?;
         // From here on there is something to give back, whatever comes of the rest.
         self.raised = true;
-        let mut bytes = sequences::ENTER.to_vec();
-        if self.modes.mouse {
-            bytes.extend_from_slice(sequences::MOUSE_ON);
-        }
-        let written = self.tty.write_within(&bytes, WRITE_LIMIT);
+        let written = sequences::enter().and_then(|bytes| self.tty.write_within(&bytes, WRITE_LIMIT));
+        let written = written
+            .and_then(|()| if self.modes.mouse { self.tty.set_mouse(true, WRITE_LIMIT) } else { Ok(()) });
         if written.is_err() {
             self.lower();
         }
@@ -207,87 +192,28 @@ impl Held {
     }
 
     fn lower(&mut self) {
-        if !std::mem::take(&mut self.raised) {
+        if !std::mem::take(&mut self.raised) || !system::may_be_written(&self.tty) {
             return;
         }
-        let is_ours = !is_background(&self.tty);
-        if !is_ours
-            && tcgetattr(self.tty.input()).is_ok_and(|now| now.local_modes.contains(LocalModes::TOSTOP))
-        {
-            // Another job has the terminal, and writing would stop us.
-            return;
-        }
+        let is_ours = system::is_ours(&self.tty);
+        let write = |bytes: io::Result<Vec<u8>>| {
+            bytes.and_then(|bytes| self.tty.write_within(&bytes, WRITE_LIMIT)).is_ok()
+        };
         // Each step is tried: what one of them could not do, the next may. After a write that the
         // terminal did not take, none of the others would be taken either.
-        let mut taken = self.tty.write_within(sequences::QUIET, WRITE_LIMIT).is_ok();
+        let mut taken = write(sequences::quiet());
         if let (true, true, Some(within)) = (taken, is_ours, self.replies.take()) {
-            drain(&self.tty, within.min(REPLIES_LIMIT));
+            system::drain(&self.tty, within.min(REPLIES_LIMIT));
         }
         if taken && std::mem::take(&mut self.images) {
-            taken = self.tty.write_within(sequences::DELETE_IMAGES, WRITE_LIMIT).is_ok();
+            taken = write(Ok(sequences::DELETE_IMAGES.to_vec()));
         }
         if taken {
-            let _ = self.tty.write_within(sequences::LEAVE, WRITE_LIMIT);
+            write(sequences::leave());
         }
         if is_ours {
-            // TCSAFLUSH would do the same after all output has gone: on a line that stands still
-            // that is never. What has come until now is thrown away, not typed at the shell.
-            let _ = tcflush(self.tty.input(), QueueSelector::IFlush);
-            let _ = retry_on_intr(|| tcsetattr(self.tty.input(), OptionalActions::Now, &self.cooked));
+            system::discard_input(&self.tty);
+            let _ = disable_raw_mode();
         }
     }
-}
-
-/// Reads what is still on its way: the terminal answers in order, so when it has said where the
-/// cursor is it has said all. Asked for is what nothing else asks for.
-fn drain(tty: &Tty, within: Duration) {
-    let deadline = Instant::now() + within;
-    let _reading = tty.reading();
-    if tty.write_within(sequences::ASK_CURSOR, within).is_err() {
-        return;
-    }
-    let mut tail = Vec::new();
-    let mut bytes = [0; 4096];
-    while wait(tty.input(), PollFlags::IN, Some(deadline)).is_ok_and(|ready| ready == PollFlags::IN) {
-        match rustix::io::read(tty.input(), &mut bytes) {
-            Ok(0) | Err(_) => return,
-            Ok(count) => tail.extend_from_slice(&bytes[..count]),
-        }
-        if sequences::tells_cursor(&tail) {
-            return;
-        }
-        // The answer is shorter than this, and may be cut in two.
-        tail.drain(..tail.len().saturating_sub(16));
-    }
-}
-
-/// Whether another job has the terminal. A terminal that does not control us has no jobs of ours.
-fn is_background(tty: &Tty) -> bool {
-    tcgetpgrp(tty.output()).is_ok_and(|foreground| foreground != getpgrp())
-}
-
-/// Whether nothing could continue us: a shell with job control gives each job a group of its own, so
-/// in the group of the session's leader there is none. The system ignores SIGTSTP there too (POSIX,
-/// "orphaned process group").
-fn is_alone() -> bool {
-    getsid(None).is_ok_and(|session| session == getpgrp())
-}
-
-/// Stops this process as SIGTSTP would; returns when it is continued.
-fn stop() -> io::Result<()> {
-    let in_our_group = |parent| getpgid(Some(parent)).is_ok_and(|group| group == getpgrp());
-    if !getppid().is_some_and(in_our_group) {
-        return signal_hook::low_level::emulate_default_handler(SIGTSTP);
-    }
-    // Started by a script or by sudo: the shell waits for them, so they have to stop as well. This
-    // thread may run on for a moment after the call, and must not take the terminal again in it.
-    let continued = Arc::new(AtomicBool::new(false));
-    let registration = signal_hook::flag::register(SIGCONT, Arc::clone(&continued))?;
-    let stopped = kill_current_process_group(Signal::STOP);
-    let patience = Instant::now() + Duration::from_secs(1);
-    while stopped.is_ok() && !continued.load(Ordering::Acquire) && Instant::now() < patience {
-        std::thread::sleep(Duration::from_millis(1));
-    }
-    signal_hook::low_level::unregister(registration);
-    Ok(stopped?)
 }

@@ -24,10 +24,16 @@ impl Default for TerminalSize {
 }
 
 impl TerminalSize {
-    /// The terminal that standard output, error or input is connected to; `COLUMNS` and `LINES`
+    /// The terminal that the process has; `COLUMNS` and `LINES`
     /// come first, and 80×24 is what there is without a terminal.
     pub fn of_stdout() -> Self {
-        let asked = terminal_size::terminal_size().map(|(width, height)| (width.0, height.0));
+        // Not `size` on Unix: without a terminal it would start a program that looks for one.
+        let asked = if cfg!(unix) {
+            crossterm::terminal::window_size().map(|size| (size.columns, size.rows))
+        } else {
+            crossterm::terminal::size()
+        };
+        let asked = asked.ok();
         Self::resolve(|name| std::env::var(name).ok(), asked)
     }
 

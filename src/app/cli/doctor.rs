@@ -281,14 +281,13 @@ fn directories(dirs: &Dirs) -> Vec<Directory> {
 
 /// Whether files can be put there, after making what is missing of the path.
 fn can_be_written(path: &Path) -> bool {
-    use rustix::fs::Access;
     let mut at: PathBuf = path.to_owned();
     while std::fs::symlink_metadata(&at).is_err() {
         if !at.pop() {
             return false;
         }
     }
-    at.is_dir() && rustix::fs::access(&at, Access::WRITE_OK | Access::EXEC_OK).is_ok()
+    at.is_dir() && crate::system::is_writable(&at)
 }
 
 impl DoctorReport {

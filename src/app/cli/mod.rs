@@ -256,7 +256,7 @@ fn print_json(value: &impl serde::Serialize) -> anyhow::Result<()> {
 
 /// Parses the command line and does what it says.
 pub fn run() -> ExitCode {
-    crate::signals::outlive_file_limits();
+    crate::system::outlive_file_limits();
     completions::answer(Cli::command);
     let mut cli = match Cli::try_parse() {
         Ok(cli) => cli,

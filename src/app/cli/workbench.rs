@@ -11,6 +11,7 @@ use super::{GrowArgs, complete};
 use crate::config::log::Request;
 use crate::exit::usage;
 use crate::source;
+use crate::system::{HANGUP, end_by};
 use crate::tui::{End, StartOptions, run};
 
 /// Open the workbench on a source; without one, linden opens it where it was left
@@ -84,8 +85,8 @@ impl TerminalArgs {
         linden_exporters::abandon();
         match end? {
             End::Quit => Ok(()),
-            End::Signal(signal) => raise(signal),
-            End::Hangup => raise(signal_hook::consts::SIGHUP),
+            End::Signal(signal) => Ok(end_by(signal)?),
+            End::Hangup => Ok(end_by(HANGUP)?),
         }
     }
 }
@@ -141,11 +142,4 @@ impl TerminalLook {
         }
         Ok(overrides)
     }
-}
-
-/// Ends as the signal would have ended us: the program that waits for this one sees which it was.
-fn raise(signal: i32) -> anyhow::Result<()> {
-    signal_hook::low_level::emulate_default_handler(signal)?;
-    // Not reached for signals that end a process.
-    Ok(())
 }

@@ -1,7 +1,10 @@
-//! Where configuration and state are: the XDG base directories, or where the user says.
+//! Where configuration and state are: where the system has such files, or where the user says.
 //!
-//! <https://specifications.freedesktop.org/basedir-spec/0.8/>: the variables that count must name
-//! absolute paths; others are ignored.
+//! On Linux the XDG base directories (<https://specifications.freedesktop.org/basedir-spec/0.8/>), on a
+//! Mac `~/Library/Application Support`, on Windows `%APPDATA%` and `%LOCALAPPDATA%`. XDG's variables count
+//! everywhere: who sets them means them. Variables must name absolute paths; others are ignored.
+//!
+//! No crate is asked: those that know these places read the process's environment, which no test can set.
 
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -16,27 +19,65 @@ pub struct Dirs {
 }
 
 /// Why there is no [`Dirs::config`], and what to do.
-pub const NO_CONFIG: &str =
-    "there is no home directory to look for settings and presets in; set HOME, or LINDEN_CONFIG_DIR";
+pub const NO_CONFIG: &str = if cfg!(windows) {
+    "there is no directory to look for settings and presets in; set APPDATA, or LINDEN_CONFIG_DIR"
+} else {
+    "there is no home directory to look for settings and presets in; set HOME, or LINDEN_CONFIG_DIR"
+};
 /// Why there is no [`Dirs::state`], and what to do.
-pub const NO_STATE: &str = "there is no home directory to keep the session in; set HOME, or LINDEN_STATE_DIR";
+pub const NO_STATE: &str = if cfg!(windows) {
+    "there is no directory to keep the session in; set LOCALAPPDATA, or LINDEN_STATE_DIR"
+} else {
+    "there is no home directory to keep the session in; set HOME, or LINDEN_STATE_DIR"
+};
+
+/// Where a system keeps what belongs to a user: a variable, and a path below what it names.
+#[derive(Clone, Copy, Debug)]
+struct Convention {
+    config: (&'static str, &'static str),
+    state: (&'static str, &'static str),
+}
+
+const LINUX: Convention = Convention { config: ("HOME", ".config"), state: ("HOME", ".local/state") };
+const MACOS: Convention = Convention {
+    config: ("HOME", "Library/Application Support"),
+    state: ("HOME", "Library/Application Support"),
+};
+const WINDOWS: Convention = Convention { config: ("APPDATA", ""), state: ("LOCALAPPDATA", "") };
+
+impl Convention {
+    /// This system's.
+    const fn here() -> Self {
+        if cfg!(windows) {
+            WINDOWS
+        } else if cfg!(target_os = "macos") {
+            MACOS
+        } else {
+            LINUX
+        }
+    }
+}
 
 impl Dirs {
-    /// What the environment says: `LINDEN_CONFIG_DIR` before `$XDG_CONFIG_HOME/linden` before
-    /// `$HOME/.config/linden`, and `LINDEN_STATE_DIR` before `$XDG_STATE_HOME/linden` before
-    /// `$HOME/.local/state/linden`.
+    /// What the environment says: `LINDEN_CONFIG_DIR` before `$XDG_CONFIG_HOME/linden` before the
+    /// system's place (`$HOME/.config/linden`), and `LINDEN_STATE_DIR` before `$XDG_STATE_HOME/linden`
+    /// before the system's (`$HOME/.local/state/linden`).
     pub fn new(lookup: impl Fn(&str) -> Option<OsString>) -> Self {
+        Self::by(Convention::here(), lookup)
+    }
+
+    fn by(system: Convention, lookup: impl Fn(&str) -> Option<OsString>) -> Self {
         let path = |name: &str| lookup(name).filter(|value| !value.is_empty()).map(PathBuf::from);
-        let find = |variable: &str, xdg: &str, below_home: &str| {
+        let find = |variable: &str, xdg: &str, (base, below): (&str, &str)| {
             // What the user names may be relative; it stays what it was when the program started.
             let variable = path(variable).map(|dir| std::path::absolute(&dir).unwrap_or(dir));
             let absolute = |name: &str| path(name).filter(|dir| dir.is_absolute());
-            let base = || absolute(xdg).or_else(|| absolute("HOME").map(|home| home.join(below_home)));
+            let base = || absolute(xdg).or_else(|| absolute(base).map(|base| base.join(below)));
             variable.or_else(|| base().map(|base| base.join("linden")))
         };
         Self {
-            config: find("LINDEN_CONFIG_DIR", "XDG_CONFIG_HOME", ".config"),
-            state: find("LINDEN_STATE_DIR", "XDG_STATE_HOME", ".local/state"),
+            config: find("LINDEN_CONFIG_DIR", "XDG_CONFIG_HOME", system.config),
+            state: find("LINDEN_STATE_DIR", "XDG_STATE_HOME", system.state),
         }
     }
 
@@ -79,8 +120,13 @@ impl Dirs {
 mod tests {
     use super::*;
 
+    fn on(system: Convention, environment: &[(&str, &str)]) -> Dirs {
+        let value = |name: &str| environment.iter().find(|(known, _)| *known == name).map(|(_, value)| value);
+        Dirs::by(system, |name| value(name).map(OsString::from))
+    }
+
     fn of(environment: &[(&str, &str)]) -> Dirs {
-        Dirs::new(|name| environment.iter().find(|(known, _)| *known == name).map(|(_, value)| value.into()))
+        on(LINUX, environment)
     }
 
     fn paths(config: &str, state: &str) -> Dirs {
@@ -95,6 +141,17 @@ mod tests {
         assert_eq!(of(&xdg), paths("/c/linden", "/s/linden"));
         let named = [xdg.as_slice(), &[("LINDEN_CONFIG_DIR", "/a"), ("LINDEN_STATE_DIR", "/b")]].concat();
         assert_eq!(of(&named), paths("/a", "/b"));
+    }
+
+    #[test]
+    fn each_system_has_its_places() {
+        let home = ("HOME", "/h");
+        let library = "/h/Library/Application Support/linden";
+        assert_eq!(on(MACOS, &[home]), paths(library, library));
+        assert_eq!(on(MACOS, &[home, ("XDG_CONFIG_HOME", "/c")]), paths("/c/linden", library));
+        let windows = [home, ("APPDATA", "/roaming"), ("LOCALAPPDATA", "/local")];
+        assert_eq!(on(WINDOWS, &windows), paths("/roaming/linden", "/local/linden"));
+        assert_eq!(on(WINDOWS, &[home]), Dirs::default());
     }
 
     #[test]

@@ -10,7 +10,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use linden::knob::excerpt;
-use linden_terminal::input::{Key, KeyCode};
+use linden_terminal::input::Shortcut;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -24,19 +24,19 @@ pub type KeyRow = (&'static str, &'static str, &'static [&'static str]);
 pub const GLOBAL: &str = "global";
 
 /// Cancels and quits, whatever a keymap says: the way out of a mistaken one.
-pub const CANCEL: Key = Key::ctrl('c');
+pub const CANCEL: Shortcut = Shortcut::ctrl('c');
 
 /// Which key runs which command.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Keymap {
-    commands: BTreeMap<(&'static str, Key), &'static str>,
-    keys: BTreeMap<&'static str, Vec<Key>>,
+    commands: BTreeMap<(&'static str, Shortcut), &'static str>,
+    keys: BTreeMap<&'static str, Vec<Shortcut>>,
 }
 
 /// What a file says of one command.
 struct Wish {
     row: KeyRow,
-    keys: Vec<(Key, Range<usize>)>,
+    keys: Vec<(Shortcut, Range<usize>)>,
     span: Range<usize>,
 }
 
@@ -88,7 +88,7 @@ impl Keymap {
             let wish = wishes.iter().find(|wish| wish.row.0 == id);
             let wish =
                 wish.filter(|wish| wish.keys.is_empty() || wish.has_cancel() || keymap.keys.contains_key(id));
-            for key in names.iter().filter_map(|name| name.parse::<Key>().ok()) {
+            for key in names.iter().filter_map(|name| name.parse::<Shortcut>().ok()) {
                 if key == CANCEL {
                     keymap.bind(id, context, key);
                 } else if wish.is_none() {
@@ -100,16 +100,16 @@ impl Keymap {
     }
 
     /// What a key runs in exactly this context.
-    pub fn lookup(&self, context: &str, key: Key) -> Option<&'static str> {
+    pub fn lookup(&self, context: &str, key: Shortcut) -> Option<&'static str> {
         self.commands.get(&(context, key)).copied()
     }
 
     /// The keys of a command, the first for hints; none for one that is unbound or unknown.
-    pub fn keys_of(&self, id: &str) -> &[Key] {
+    pub fn keys_of(&self, id: &str) -> &[Shortcut] {
         self.keys.get(id).map_or(&[], Vec::as_slice)
     }
 
-    fn bind(&mut self, id: &'static str, context: &'static str, key: Key) {
+    fn bind(&mut self, id: &'static str, context: &'static str, key: Shortcut) {
         // The first one stays.
         if *self.commands.entry((context, key)).or_insert(id) == id {
             let keys = self.keys.entry(id).or_default();
@@ -163,7 +163,7 @@ impl Keymap {
         document: &mut TomlDocument<'_>,
         wishes: &[Wish],
         (id, context): (&'static str, &'static str),
-        key: Key,
+        key: Shortcut,
     ) {
         let takers = wishes.iter().flat_map(|wish| {
             wish.keys.iter().filter(|(of, _)| *of == key).map(|(_, span)| (wish.row.0, wish.row.1, span))
@@ -233,19 +233,19 @@ fn key(
     document: &mut TomlDocument<'_>,
     &(id, _, defaults): &KeyRow,
     value: &Spanned<DeValue<'_>>,
-) -> Option<Key> {
+) -> Option<Shortcut> {
     let Some(name) = value.get_ref().as_str() else {
         document.mismatch(id, value, "a key like \"ctrl-r\", or a list of keys");
         return None;
     };
-    let key: Key = match name.parse() {
+    let key: Shortcut = match name.parse() {
         Ok(key) => key,
         Err(error) => {
             document.complain(&value.span(), error.to_string());
             return None;
         }
     };
-    if let Some(sent) = sent_instead(key) {
+    if let Some(sent) = key.sent_instead() {
         let message = format!(
             "no terminal sends '{}'; it sends '{sent}' when that is pressed, so write that",
             excerpt(name)
@@ -265,20 +265,6 @@ fn key(
 /// Whether a command is one that [`CANCEL`] runs.
 fn has_cancel(defaults: &[&str]) -> bool {
     defaults.iter().any(|name| name.parse() == Ok(CANCEL))
-}
-
-/// The key that terminals send when this one is pressed, where that is another: Ctrl clears the three
-/// upper bits of an ASCII character.
-fn sent_instead(key: Key) -> Option<Key> {
-    match key.code {
-        KeyCode::Char(c) if key.ctrl && c.is_ascii_uppercase() => {
-            Some(Key { code: KeyCode::Char(c.to_ascii_lowercase()), ..key })
-        }
-        KeyCode::Char('i') if key.ctrl => Some(Key { code: KeyCode::Tab, ctrl: false, ..key }),
-        KeyCode::Char('m') if key.ctrl => Some(Key { code: KeyCode::Enter, ctrl: false, ..key }),
-        KeyCode::Char('[') if key.ctrl => Some(Key { code: KeyCode::Escape, ctrl: false, ..key }),
-        _ => None,
-    }
 }
 
 /// A `keymap.toml` with every command and its default keys, commented out.
@@ -328,7 +314,7 @@ mod tests {
         ("seed", "picture", &[]),
     ];
 
-    fn key(name: &str) -> Key {
+    fn key(name: &str) -> Shortcut {
         name.parse().unwrap()
     }
 
@@ -337,7 +323,7 @@ mod tests {
     }
 
     /// What a key runs where it is pressed: the context's command, else the global one.
-    fn command(keymap: &Keymap, context: &str, key: Key) -> Option<&'static str> {
+    fn command(keymap: &Keymap, context: &str, key: Shortcut) -> Option<&'static str> {
         keymap.lookup(context, key).or_else(|| keymap.lookup(GLOBAL, key))
     }
 

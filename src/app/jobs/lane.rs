@@ -9,6 +9,8 @@ use std::time::{Duration, Instant};
 use linden::Monitor;
 use linden::monitor::Phase;
 
+use crate::system;
+
 /// Names of worker threads begin with this: their panics become messages, not the end of the program.
 pub const THREAD_PREFIX: &str = "linden-job-";
 
@@ -88,7 +90,7 @@ impl<R: Send + 'static> Lane<R> {
         });
         let waiting = Arc::clone(&shared);
         let thread = std::thread::Builder::new().name(format!("{THREAD_PREFIX}{name}")).spawn(move || {
-            lower_priority();
+            system::lower_priority();
             while let Some((number, request)) = waiting.wait() {
                 let report = |stage, done, total| {
                     send(Answer { number, done: Done::Progress { stage, done, total } });
@@ -200,13 +202,6 @@ impl Monitor for Watcher<'_> {
             }
         }
     }
-}
-
-/// Lets the interface come first: on a busy machine keys are answered before trees are grown.
-pub fn lower_priority() {
-    // On Linux this is the thread's priority; elsewhere, or where it is refused, nothing is lost.
-    #[cfg(target_os = "linux")]
-    let _ = rustix::process::nice(10);
 }
 
 /// What a panic said.

@@ -13,6 +13,7 @@ use linden_exporters::{Estimate, Existing, ExportError, examine};
 use super::export::NO_STREAM;
 use super::{ExportNews, ShownTree};
 use crate::paths::expand;
+use crate::system;
 
 /// What the export dialog wants to know.
 #[derive(Clone, Debug)]
@@ -120,7 +121,7 @@ fn findings(
 fn finding(path: &Path) -> TargetFinding {
     match examine(path) {
         Ok(Existing::Stream) => TargetFinding::Unfit(NO_STREAM.to_owned()),
-        Ok(_) if !is_writable(directory_of(path)) => {
+        Ok(_) if !system::is_writable(directory_of(path)) => {
             TargetFinding::Unfit("you may not write to that directory; choose one of yours".to_owned())
         }
         Ok(Existing::Nothing) => TargetFinding::Free,
@@ -145,20 +146,12 @@ fn is_makeable(folder: &Path) -> bool {
     above
         .ancestors()
         .find(|path| fs::symlink_metadata(path).is_ok())
-        .is_some_and(|nearest| nearest.is_dir() && is_writable(nearest))
+        .is_some_and(|nearest| nearest.is_dir() && system::is_writable(nearest))
 }
 
 /// A directory without links, and a name in it.
 fn place_of(path: &Path) -> Option<(PathBuf, OsString)> {
     Some((fs::canonicalize(directory_of(path)).ok()?, path.file_name()?.to_owned()))
-}
-
-/// Whether files can be made in a directory, as far as its permissions tell.
-fn is_writable(directory: &Path) -> bool {
-    #[cfg(unix)]
-    return rustix::fs::access(directory, rustix::fs::Access::WRITE_OK).is_ok();
-    #[cfg(not(unix))]
-    return directory.is_dir();
 }
 
 /// What a path that is being typed may go on to be, sorted. Hidden names only for who asks for them;

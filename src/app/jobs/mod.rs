@@ -18,6 +18,6 @@ pub use gallery::{GalleryRequest, SmallPicture, Thumbnail, paint_gallery};
 #[cfg(test)]
 pub use grow::stage;
 pub use grow::{ShownTree, grow_shown};
-pub use lane::{Answer, Done, Lane, THREAD_PREFIX, Watcher, lower_priority};
+pub use lane::{Answer, Done, Lane, THREAD_PREFIX, Watcher};
 pub use look::{Findings, Inquiry, TargetFinding, look};
 pub use relay::Relay;

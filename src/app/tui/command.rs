@@ -55,7 +55,7 @@ pub struct Command<M> {
     pub id: &'static str,
     /// Where its keys are listened to.
     pub context: Context,
-    /// Its keys when no keymap says otherwise, as [`linden_terminal::input::Key`] reads them.
+    /// Its keys when no keymap says otherwise, as [`linden_terminal::input::Shortcut`] reads them.
     pub keys: &'static [&'static str],
     /// Two or three words: what the footer and the palette call it.
     pub title: &'static str,

@@ -32,7 +32,7 @@ pub fn key_table() -> Vec<crate::config::keymap::KeyRow> {
 
 #[cfg(test)]
 mod tests {
-    use linden_terminal::input::Key;
+    use linden_terminal::input::Shortcut;
 
     use super::*;
     use crate::tui::command::Context;
@@ -56,7 +56,7 @@ mod tests {
         let mut seen = std::collections::BTreeMap::new();
         for command in all() {
             for key in command.keys {
-                let parsed: Key = key.parse().unwrap();
+                let parsed: Shortcut = key.parse().unwrap();
                 assert_eq!(parsed.to_string(), *key, "{}", command.id);
                 if let Some(other) = seen.insert((command.context, parsed), command.id) {
                     panic!("{key} is {other} and {} in {:?}", command.id, command.context);

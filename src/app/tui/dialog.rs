@@ -7,7 +7,7 @@
 
 use std::any::Any;
 
-use linden_terminal::input::{Key, Mouse};
+use crossterm::event::{KeyEvent, MouseEvent};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
@@ -43,7 +43,7 @@ pub trait Dialog<M>: Any {
     }
 
     /// A key that means no command here.
-    fn key(&mut self, _model: &mut M, _key: Key, _effects: &mut Effects) -> After {
+    fn key(&mut self, _model: &mut M, _key: KeyEvent, _effects: &mut Effects) -> After {
         After::Stays
     }
 
@@ -53,7 +53,7 @@ pub trait Dialog<M>: Any {
     }
 
     /// The mouse was pressed on a spot that it painted.
-    fn click(&mut self, _model: &mut M, _spot: usize, _mouse: Mouse, _effects: &mut Effects) -> After {
+    fn click(&mut self, _model: &mut M, _spot: usize, _mouse: MouseEvent, _effects: &mut Effects) -> After {
         After::Stays
     }
 

@@ -1,6 +1,7 @@
 //! A dialog is one file: what it needs of the workbench, and what the workbench does with it.
 
-use linden_terminal::input::{Button, Event, Key, Mouse, MouseAction};
+use crossterm::event::{Event, KeyCode, KeyEvent, MouseButton, MouseEvent, MouseEventKind};
+use linden_terminal::input::Shortcut;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
@@ -40,20 +41,20 @@ impl Dialog<Model> for Diary {
         }
     }
 
-    fn key(&mut self, model: &mut Model, key: Key, effects: &mut Effects) -> After {
-        if key == Key::char('!') {
+    fn key(&mut self, model: &mut Model, key: KeyEvent, effects: &mut Effects) -> After {
+        if key.code == KeyCode::Char('!') {
             effects.push(Effect::Redraw);
             model.dialogs.open(Self { heard: vec!["second".to_owned()] });
             return After::Closes;
         }
-        self.hear(model, format!("key {key}"))
+        self.hear(model, format!("key {}", Shortcut::from(key)))
     }
 
     fn paste(&mut self, model: &mut Model, text: &str, _effects: &mut Effects) -> After {
         self.hear(model, format!("paste {text}"))
     }
 
-    fn click(&mut self, model: &mut Model, spot: usize, _mouse: Mouse, _effects: &mut Effects) -> After {
+    fn click(&mut self, model: &mut Model, spot: usize, _mouse: MouseEvent, _effects: &mut Effects) -> After {
         self.hear(model, format!("click {spot}"))
     }
 
@@ -83,11 +84,11 @@ fn a_dialog_hears_what_is_typed_pasted_and_done_with_the_mouse() {
     // Keys of the panes beneath mean nothing here.
     bench.keys("q j");
     bench.msg(Msg::Input(Event::Paste("two words".to_owned())));
-    bench.mouse(MouseAction::Press(Button::Left), 5, 2);
-    bench.mouse(MouseAction::Press(Button::Left), 5, 20);
-    bench.mouse(MouseAction::WheelDown, 5, 1);
-    bench.mouse(MouseAction::WheelUp, 5, 20);
-    bench.mouse(MouseAction::Drag(Button::Left), 5, 1);
+    bench.mouse(MouseEventKind::Down(MouseButton::Left), 5, 2);
+    bench.mouse(MouseEventKind::Down(MouseButton::Left), 5, 20);
+    bench.mouse(MouseEventKind::ScrollDown, 5, 1);
+    bench.mouse(MouseEventKind::ScrollUp, 5, 20);
+    bench.mouse(MouseEventKind::Drag(MouseButton::Left), 5, 1);
     let expected = ["key q", "key j", "paste two words", "click 1", "wheel Some(0) true", "wheel None false"];
     assert_eq!(heard(&bench), expected);
     let screen = bench.screen();

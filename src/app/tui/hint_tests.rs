@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
 
-use linden_terminal::input::Key;
+use linden_terminal::input::Shortcut;
 
 use super::chrome::footer::{hints, key_label};
 use super::command::Context;
@@ -112,12 +112,12 @@ fn every_hinted_key_does_what_it_says() {
         for hint in offered {
             let id = hint.command.id;
             let keys = bench(path).model.config.keymap.keys_of(id).to_vec();
-            let shown: Vec<&Key> =
+            let shown: Vec<&Shortcut> =
                 keys.iter().filter(|key| key_label(&key.to_string()) == hint.key).collect();
             let [key] = shown[..] else { panic!("{path:?} {id}: {} is {shown:?}", hint.key) };
             let mut pressed = bench(path);
             let before = state(&pressed);
-            pressed.press(*key);
+            pressed.press((*key).into());
             let mut run = bench(path);
             run.run(id);
             assert_same(&pressed, &run, &format!("{path:?}: {} is not {id}", hint.key));
@@ -132,7 +132,7 @@ fn every_hinted_key_does_what_it_says() {
 
 #[test]
 fn a_click_on_a_hint_runs_it() {
-    use linden_terminal::input::{Button, MouseAction};
+    use crossterm::event::{MouseButton, MouseEventKind};
     for path in situations() {
         for hint in hints(&bench(path).model) {
             let mut clicked = bench(path);
@@ -141,7 +141,7 @@ fn a_click_on_a_hint_runs_it() {
                 continue;
             };
             let (x, y) = (area.x, area.y);
-            clicked.mouse(MouseAction::Press(Button::Left), x, y);
+            clicked.mouse(MouseEventKind::Down(MouseButton::Left), x, y);
             let mut run = bench(path);
             run.run(hint.command.id);
             assert_same(&clicked, &run, &format!("{path:?}: {}", hint.command.id));

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
 
-use linden_terminal::input::{Event, Key, Mouse, MouseAction};
+use crossterm::event::{Event, KeyEvent, MouseEvent, MouseEventKind};
 use linden_terminal::probe::Capabilities;
 use ratatui::layout::Position;
 
@@ -136,13 +136,14 @@ fn input(model: &mut Model, event: Event, effects: &mut Effects) {
         Event::Key(key) => on_key(model, key, effects),
         Event::Mouse(mouse) => on_mouse(model, mouse, effects),
         Event::Paste(text) => on_paste(model, &text, effects),
-        Event::Focus(_) | Event::Reply(_) => {}
+        // Neither the focus nor the size is the model's: the runtime hears them.
+        Event::FocusGained | Event::FocusLost | Event::Resize(..) => {}
     }
 }
 
 /// A key: a command, or else something for the topmost dialog.
-fn on_key(model: &mut Model, key: Key, effects: &mut Effects) {
-    match model.command_of(key) {
+fn on_key(model: &mut Model, key: KeyEvent, effects: &mut Effects) {
+    match model.command_of(key.into()) {
         Some(id) => run(model, id, effects),
         None => drop(model.tell(|dialog, model| dialog.key(model, key, effects))),
     }
@@ -159,31 +160,31 @@ fn run(model: &mut Model, id: &str, effects: &mut Effects) {
 }
 
 /// The mouse in the topmost dialog, on a spot of it or elsewhere.
-fn on_dialog(model: &mut Model, spot: Option<usize>, mouse: Mouse, effects: &mut Effects) {
+fn on_dialog(model: &mut Model, spot: Option<usize>, mouse: MouseEvent, effects: &mut Effects) {
     let wheel = |model: &mut Model, down| {
         model.tell(|dialog, model| {
             dialog.wheel(model, spot, down);
             After::Stays
         });
     };
-    match (mouse.action, spot) {
-        (MouseAction::Press(_), Some(spot)) => {
+    match (mouse.kind, spot) {
+        (MouseEventKind::Down(_), Some(spot)) => {
             model.tell(|dialog, model| dialog.click(model, spot, mouse, effects));
         }
-        (MouseAction::WheelUp, _) => wheel(model, false),
-        (MouseAction::WheelDown, _) => wheel(model, true),
+        (MouseEventKind::ScrollUp, _) => wheel(model, false),
+        (MouseEventKind::ScrollDown, _) => wheel(model, true),
         _ => {}
     }
 }
 
-fn on_mouse(model: &mut Model, mouse: Mouse, effects: &mut Effects) {
+fn on_mouse(model: &mut Model, mouse: MouseEvent, effects: &mut Effects) {
     // A drag goes on where it began, wherever the pointer is now.
     if picture::dragged(model, mouse) {
         return;
     }
     let at = Position::new(mouse.column, mouse.row);
     let Some(&(_, target)) = model.regions.iter().rev().find(|(area, _)| area.contains(at)) else { return };
-    let presses = matches!(mouse.action, MouseAction::Press(_));
+    let presses = matches!(mouse.kind, MouseEventKind::Down(_));
     match target {
         Target::Command(id) if presses => run(model, id, effects),
         Target::Pane(pane) => {

@@ -1,71 +1,27 @@
 //! What comes from a terminal: keys, the mouse, pasted text, and its replies to queries.
 //!
-//! [`Parser`] makes [`Event`]s of bytes. It has no clock and reads nothing: [`mod@crate::listen`] does.
+//! Keys, the mouse and the rest are [`crossterm::event::Event`]s, which the widgets of others take too.
+//! [`Parser`] makes them of bytes where crossterm's reader cannot serve: it drops replies, or takes one
+//! that comes late for keys (`docs/over-ssh.md`, "Who reads the terminal"). It has no clock and reads
+//! nothing: [`mod@crate::listen`] does.
 
 mod csi;
-mod key;
 mod parser;
 mod reply;
+mod shortcut;
 
-pub use key::{Key, KeyCode, KeyError};
+use crossterm::event::Event;
+
 pub use parser::{PASTE_LIMIT, Parser, STRING_LIMIT};
+pub use shortcut::{Shortcut, ShortcutError};
 
 /// One thing that a terminal said.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Event {
-    /// A key was pressed.
-    Key(Key),
-    /// The mouse.
-    Mouse(Mouse),
-    /// Text that was pasted, as it came: nothing in it is a key.
-    Paste(String),
-    /// The terminal's window got (`true`) or lost the focus.
-    Focus(bool),
+pub enum Said {
+    /// A key, the mouse, a paste, the focus.
+    Event(Event),
     /// The answer to a query of ours.
     Reply(Reply),
-}
-
-/// Something done with the mouse. Cells count from 0, from the upper left.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Mouse {
-    /// The action.
-    pub action: MouseAction,
-    /// The column of the cell.
-    pub column: u16,
-    /// The row of the cell.
-    pub row: u16,
-    /// Whether Shift was held.
-    pub shift: bool,
-    /// Whether Alt was held.
-    pub alt: bool,
-    /// Whether Ctrl was held.
-    pub ctrl: bool,
-}
-
-/// An action of the mouse.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum MouseAction {
-    /// A button went down.
-    Press(Button),
-    /// The mouse moved with a button down.
-    Drag(Button),
-    /// The button went up.
-    Release(Button),
-    /// The wheel turned away from the user.
-    WheelUp,
-    /// The wheel turned towards the user.
-    WheelDown,
-}
-
-/// A button of the mouse.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Button {
-    /// The first.
-    Left,
-    /// The wheel.
-    Middle,
-    /// The second.
-    Right,
 }
 
 /// A terminal's answer to a query.

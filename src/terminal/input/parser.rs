@@ -10,8 +10,10 @@
 
 use std::time::Duration;
 
+use crossterm::event::{Event, KeyCode, KeyEvent, KeyModifiers};
+
 use super::reply::StringKind;
-use super::{Event, Key, KeyCode, csi, reply};
+use super::{Said, csi, reply};
 
 /// Bytes kept of a DCS, OSC or APC; a longer one is dropped.
 pub const STRING_LIMIT: usize = 64 * 1024;
@@ -34,14 +36,16 @@ const PASTE_END: &[u8] = b"\x1b[201~";
 /// Makes events of bytes.
 ///
 /// ```
-/// use linden_terminal::input::{Event, Key, KeyCode, Parser};
-/// let (mut parser, mut events) = (Parser::default(), Vec::new());
-/// parser.feed(b"q\x1b[", &mut events);
-/// parser.feed(b"A\x1b", &mut events);
-/// assert_eq!(events, [Key::char('q'), KeyCode::Up.into()].map(Event::Key));
+/// use crossterm::event::{Event, KeyCode};
+/// use linden_terminal::input::{Parser, Said};
+/// let key = |code: KeyCode| Said::Event(Event::Key(code.into()));
+/// let (mut parser, mut said) = (Parser::default(), Vec::new());
+/// parser.feed(b"q\x1b[", &mut said);
+/// parser.feed(b"A\x1b", &mut said);
+/// assert_eq!(said, [KeyCode::Char('q'), KeyCode::Up].map(key));
 /// assert!(parser.is_pending());
-/// parser.flush(&mut events);
-/// assert_eq!(events[2], Event::Key(KeyCode::Escape.into()));
+/// parser.flush(&mut said);
+/// assert_eq!(said[2], key(KeyCode::Esc));
 /// ```
 #[derive(Debug, Default)]
 pub struct Parser {
@@ -79,9 +83,13 @@ enum State {
     Utf8 { length: u8, alt: bool },
 }
 
+fn said(key: KeyEvent) -> Said {
+    Said::Event(Event::Key(key))
+}
+
 impl Parser {
     /// Takes what was read and appends what it says.
-    pub fn feed(&mut self, bytes: &[u8], out: &mut Vec<Event>) {
+    pub fn feed(&mut self, bytes: &[u8], out: &mut Vec<Said>) {
         for &byte in bytes {
             self.step(byte, out);
         }
@@ -104,7 +112,7 @@ impl Parser {
 
     /// Nothing more is coming: a lone ESC was the key, `ESC [` was Alt-[, a paste is over, and any
     /// other unfinished sequence is thrown away.
-    pub fn flush(&mut self, out: &mut Vec<Event>) {
+    pub fn flush(&mut self, out: &mut Vec<Said>) {
         let state = self.state;
         match state {
             State::Paste(seen) => {
@@ -119,11 +127,11 @@ impl Parser {
                     _ => None,
                 };
                 let key = match introducer {
-                    Some(byte) => Key { alt: true, ..Key::char(char::from(byte)) },
-                    None => KeyCode::Escape.into(),
+                    Some(byte) => csi::alt(csi::character(char::from(byte))),
+                    None => KeyCode::Esc.into(),
                 };
                 self.release_escape(out);
-                out.push(Event::Key(key));
+                out.push(said(key));
             }
             _ => self.release_escape(out),
         }
@@ -154,17 +162,19 @@ impl Parser {
     }
 
     /// Releases the ESC that came before what is no key: it was the key Escape.
-    fn release_escape(&mut self, out: &mut Vec<Event>) {
+    fn release_escape(&mut self, out: &mut Vec<Said>) {
         if std::mem::take(&mut self.escaped) {
-            out.push(Event::Key(KeyCode::Escape.into()));
+            out.push(said(KeyCode::Esc.into()));
         }
     }
 
     /// The frame is over and said this, if anything.
-    fn end(&mut self, event: Option<Event>, out: &mut Vec<Event>) {
+    fn end(&mut self, event: Option<Said>, out: &mut Vec<Said>) {
         match event {
-            Some(Event::Key(key)) if self.escaped && !key.alt => {
-                out.push(Event::Key(Key { alt: true, ..key }));
+            Some(Said::Event(Event::Key(key)))
+                if self.escaped && !key.modifiers.contains(KeyModifiers::ALT) =>
+            {
+                out.push(said(csi::alt(key)));
             }
             event => {
                 self.release_escape(out);
@@ -175,20 +185,20 @@ impl Parser {
     }
 
     /// Drops the frame and takes the byte as if it had not been.
-    fn abort(&mut self, byte: u8, out: &mut Vec<Event>) {
+    fn abort(&mut self, byte: u8, out: &mut Vec<Said>) {
         self.release_escape(out);
         self.reset();
         self.ground(byte, out);
     }
 
-    fn step(&mut self, byte: u8, out: &mut Vec<Event>) {
+    fn step(&mut self, byte: u8, out: &mut Vec<Said>) {
         match self.state {
             State::Ground => self.ground(byte, out),
             State::Escape => self.escape(byte, out),
             State::Csi => self.control_sequence(byte, out),
             State::ConsoleFunction => match byte {
                 b'A'..=b'E' => {
-                    self.end(Some(Event::Key(KeyCode::Function(byte - b'A' + 1).into())), out);
+                    self.end(Some(said(KeyCode::F(byte - b'A' + 1).into())), out);
                 }
                 0x20..=0x7e => self.end(None, out),
                 _ => self.abort(byte, out),
@@ -202,7 +212,7 @@ impl Parser {
                 b'0'..=b'9' | b';' => self.keep(&[byte], SEQUENCE_LIMIT),
                 0x20..=0x7e => {
                     let key = csi::ss3(&self.held, byte).filter(|_| !self.overflown);
-                    self.end(key.map(Event::Key), out);
+                    self.end(key.map(said), out);
                 }
                 _ => self.abort(byte, out),
             },
@@ -220,15 +230,15 @@ impl Parser {
         }
     }
 
-    fn ground(&mut self, byte: u8, out: &mut Vec<Event>) {
+    fn ground(&mut self, byte: u8, out: &mut Vec<Said>) {
         match byte {
             0x1b => self.state = State::Escape,
             0x80.. => self.lead(byte, false),
-            _ => out.extend(csi::typed(byte).map(Event::Key)),
+            _ => out.extend(csi::typed(byte).map(said)),
         }
     }
 
-    fn escape(&mut self, byte: u8, out: &mut Vec<Event>) {
+    fn escape(&mut self, byte: u8, out: &mut Vec<Said>) {
         self.state = match byte {
             b'[' => State::Csi,
             b'O' => State::Ss3,
@@ -245,7 +255,7 @@ impl Parser {
             }
             _ => {
                 self.release_escape(out);
-                let key = csi::typed(byte).map(|key| Event::Key(Key { alt: true, ..key }));
+                let key = csi::typed(byte).map(|key| said(csi::alt(key)));
                 return self.end(key, out);
             }
         };
@@ -264,7 +274,7 @@ impl Parser {
         self.state = State::Utf8 { length, alt };
     }
 
-    fn character(&mut self, length: u8, alt: bool, byte: u8, out: &mut Vec<Event>) {
+    fn character(&mut self, length: u8, alt: bool, byte: u8, out: &mut Vec<Said>) {
         if !matches!(byte, 0x80..=0xbf) {
             return self.abort(byte, out);
         }
@@ -273,18 +283,18 @@ impl Parser {
             return;
         }
         let c = std::str::from_utf8(&self.held).ok().and_then(|text| text.chars().next());
-        let key = c.filter(|c| !c.is_control()).map(|c| Key { alt, ..Key::char(c) });
-        self.end(key.map(Event::Key), out);
+        let key = c.filter(|c| !c.is_control()).map(csi::character);
+        self.end(key.map(|key| said(if alt { csi::alt(key) } else { key })), out);
     }
 
-    fn control_sequence(&mut self, byte: u8, out: &mut Vec<Event>) {
+    fn control_sequence(&mut self, byte: u8, out: &mut Vec<Said>) {
         match byte {
             b'[' if self.held.is_empty() => self.state = State::ConsoleFunction,
             b'M' if self.held.is_empty() => self.state = State::X10(3),
             // rxvt ends `CSI 3 $` with what is an intermediate byte everywhere else.
             b'$' if csi::is_small_number(&self.held) => {
                 let key = csi::rxvt(&self.held, byte);
-                self.end(key.map(Event::Key), out);
+                self.end(key.map(said), out);
             }
             0x20..=0x3f => self.keep(&[byte], SEQUENCE_LIMIT),
             b'~' if self.held == b"200" => {
@@ -301,7 +311,7 @@ impl Parser {
         }
     }
 
-    fn string(&mut self, kind: StringKind, byte: u8, out: &mut Vec<Event>) {
+    fn string(&mut self, kind: StringKind, byte: u8, out: &mut Vec<Said>) {
         match byte {
             0x1b => self.state = State::StringEscape(kind),
             0x07 if kind == StringKind::Osc => self.end_string(kind, out),
@@ -313,12 +323,12 @@ impl Parser {
         }
     }
 
-    fn end_string(&mut self, kind: StringKind, out: &mut Vec<Event>) {
+    fn end_string(&mut self, kind: StringKind, out: &mut Vec<Said>) {
         let reply = if self.overflown { None } else { reply::decode(kind, &self.held) };
-        self.end(reply.map(Event::Reply), out);
+        self.end(reply.map(Said::Reply), out);
     }
 
-    fn paste(&mut self, seen: usize, byte: u8, out: &mut Vec<Event>) {
+    fn paste(&mut self, seen: usize, byte: u8, out: &mut Vec<Said>) {
         if byte == PASTE_END[seen] {
             if seen + 1 == PASTE_END.len() {
                 return self.end_paste(out);
@@ -336,7 +346,7 @@ impl Parser {
         }
     }
 
-    fn end_paste(&mut self, out: &mut Vec<Event>) {
+    fn end_paste(&mut self, out: &mut Vec<Said>) {
         let mut bytes = std::mem::take(&mut self.held);
         if self.overflown {
             // The cut may have gone through a character.
@@ -349,7 +359,7 @@ impl Parser {
             Ok(text) => text,
             Err(wrong) => String::from_utf8_lossy(wrong.as_bytes()).into_owned(),
         };
-        self.end(Some(Event::Paste(text)), out);
+        self.end(Some(Said::Event(Event::Paste(text))), out);
     }
 }
 

@@ -2,11 +2,13 @@
 
 use proptest::prelude::*;
 
+use crossterm::event::{MouseButton, MouseEvent, MouseEventKind};
+
 use super::*;
-use crate::input::{Button, Mouse, MouseAction, Reply};
+use crate::input::{Reply, Shortcut};
 
 /// All at once, and whatever is left after a silence.
-fn events(bytes: &[u8]) -> Vec<Event> {
+fn events(bytes: &[u8]) -> Vec<Said> {
     let (mut parser, mut out) = (Parser::default(), Vec::new());
     parser.feed(bytes, &mut out);
     parser.flush(&mut out);
@@ -15,8 +17,8 @@ fn events(bytes: &[u8]) -> Vec<Event> {
 }
 
 /// Keys by their names.
-fn keys(names: &str) -> Vec<Event> {
-    names.split_whitespace().map(|name| Event::Key(name.parse().unwrap())).collect()
+fn keys(names: &str) -> Vec<Said> {
+    names.split_whitespace().map(|name| said(name.parse::<Shortcut>().unwrap().into())).collect()
 }
 
 fn assert_keys(table: &[(&str, &str)]) {
@@ -25,8 +27,8 @@ fn assert_keys(table: &[(&str, &str)]) {
     }
 }
 
-fn mouse(action: MouseAction, column: u16, row: u16) -> Mouse {
-    Mouse { action, column, row, shift: false, alt: false, ctrl: false }
+fn mouse(kind: MouseEventKind, column: u16, row: u16) -> MouseEvent {
+    MouseEvent { kind, column, row, modifiers: KeyModifiers::NONE }
 }
 
 #[test]
@@ -113,19 +115,28 @@ fn keys_of_kitty() {
 /// xterm ctlseqs, "Mouse Tracking".
 #[test]
 fn the_mouse() {
-    use MouseAction::{Drag, Press, Release, WheelDown, WheelUp};
+    use MouseEventKind::{Down, Drag, ScrollDown, ScrollUp, Up};
     for (bytes, expected) in [
-        ("\x1b[<0;1;1M", Some(mouse(Press(Button::Left), 0, 0))),
-        ("\x1b[<1;80;24M", Some(mouse(Press(Button::Middle), 79, 23))),
-        ("\x1b[<2;300;200M", Some(mouse(Press(Button::Right), 299, 199))),
-        ("\x1b[<0;5;6m", Some(mouse(Release(Button::Left), 4, 5))),
-        ("\x1b[<32;5;6M", Some(mouse(Drag(Button::Left), 4, 5))),
-        ("\x1b[<34;5;6M", Some(mouse(Drag(Button::Right), 4, 5))),
-        ("\x1b[<64;5;6M", Some(mouse(WheelUp, 4, 5))),
-        ("\x1b[<65;5;6M", Some(mouse(WheelDown, 4, 5))),
-        ("\x1b[<4;5;6M", Some(Mouse { shift: true, ..mouse(Press(Button::Left), 4, 5) })),
-        ("\x1b[<56;5;6M", Some(Mouse { alt: true, ctrl: true, ..mouse(Drag(Button::Left), 4, 5) })),
-        ("\x1b[<81;5;6M", Some(Mouse { ctrl: true, ..mouse(WheelDown, 4, 5) })),
+        ("\x1b[<0;1;1M", Some(mouse(Down(MouseButton::Left), 0, 0))),
+        ("\x1b[<1;80;24M", Some(mouse(Down(MouseButton::Middle), 79, 23))),
+        ("\x1b[<2;300;200M", Some(mouse(Down(MouseButton::Right), 299, 199))),
+        ("\x1b[<0;5;6m", Some(mouse(Up(MouseButton::Left), 4, 5))),
+        ("\x1b[<32;5;6M", Some(mouse(Drag(MouseButton::Left), 4, 5))),
+        ("\x1b[<34;5;6M", Some(mouse(Drag(MouseButton::Right), 4, 5))),
+        ("\x1b[<64;5;6M", Some(mouse(ScrollUp, 4, 5))),
+        ("\x1b[<65;5;6M", Some(mouse(ScrollDown, 4, 5))),
+        (
+            "\x1b[<4;5;6M",
+            Some(MouseEvent { modifiers: KeyModifiers::SHIFT, ..mouse(Down(MouseButton::Left), 4, 5) }),
+        ),
+        (
+            "\x1b[<56;5;6M",
+            Some(MouseEvent {
+                modifiers: KeyModifiers::ALT | KeyModifiers::CONTROL,
+                ..mouse(Drag(MouseButton::Left), 4, 5)
+            }),
+        ),
+        ("\x1b[<81;5;6M", Some(MouseEvent { modifiers: KeyModifiers::CONTROL, ..mouse(ScrollDown, 4, 5) })),
         // Mere motion, a wheel sideways, more buttons, cells that do not exist.
         ("\x1b[<35;5;6M", None),
         ("\x1b[<66;5;6M", None),
@@ -138,14 +149,14 @@ fn the_mouse() {
         ("\x1b[M qq", None),
         ("\x1b[32;5;6M", None),
     ] {
-        let expected: Vec<_> = expected.map(Event::Mouse).into_iter().collect();
+        let expected: Vec<_> = expected.map(|mouse| Said::Event(Event::Mouse(mouse))).into_iter().collect();
         assert_eq!(events(bytes.as_bytes()), expected, "{bytes:?}");
     }
 }
 
 #[test]
 fn focus_and_pasted_text() {
-    assert_eq!(events(b"\x1b[I\x1b[O"), [Event::Focus(true), Event::Focus(false)]);
+    assert_eq!(events(b"\x1b[I\x1b[O"), [Event::FocusGained, Event::FocusLost].map(Said::Event));
     for (bytes, text) in [
         ("\x1b[200~q\rΩ\x1b[201~", "q\rΩ"),
         ("\x1b[200~\x1b[201~", ""),
@@ -153,7 +164,7 @@ fn focus_and_pasted_text() {
         // No end: what came is the text.
         ("\x1b[200~half\x1b[2", "half\x1b[2"),
     ] {
-        assert_eq!(events(bytes.as_bytes()), [Event::Paste(text.to_owned())], "{bytes:?}");
+        assert_eq!(events(bytes.as_bytes()), [Said::Event(Event::Paste(text.to_owned()))], "{bytes:?}");
     }
     assert_eq!(events(b"\x1b[200~\xff\x1b[201~\x1b[201~q")[1..], keys("q"), "a stray end is nothing");
 }
@@ -162,7 +173,7 @@ fn focus_and_pasted_text() {
 fn replies() {
     let reply = |bytes: &str| match &events(bytes.as_bytes())[..] {
         [] => None,
-        [Event::Reply(reply)] => Some(reply.clone()),
+        [Said::Reply(reply)] => Some(reply.clone()),
         other => panic!("{bytes:?}: {other:?}"),
     };
     for (bytes, expected) in [
@@ -230,8 +241,8 @@ fn what_is_not_understood_is_not_typed() {
 #[test]
 fn replies_between_keys_stay_apart() {
     let found = events(b"a\x1b[0nb\x1b\x1b[0nc\x1b\x1b]11;rgb:0/0/0\x07");
-    let black = Event::Reply(Reply::Background([0; 3]));
-    let status = || vec![Event::Reply(Reply::Status)];
+    let black = Said::Reply(Reply::Background([0; 3]));
+    let status = || vec![Said::Reply(Reply::Status)];
     let expected = [keys("a"), status(), keys("b esc"), status(), keys("c esc"), vec![black]].concat();
     assert_eq!(found, expected);
 }
@@ -270,7 +281,7 @@ fn a_paste_without_an_end_does_not_grow() {
     }
     assert_eq!(out, []);
     parser.feed(b"\x1b[201~q", &mut out);
-    let Event::Paste(text) = &out[0] else { panic!("{:?}", out[0]) };
+    let Said::Event(Event::Paste(text)) = &out[0] else { panic!("{:?}", out[0]) };
     assert!((PASTE_LIMIT - 3..=PASTE_LIMIT).contains(&text.len()) && !text.contains('\u{fffd}'));
     assert_eq!(out[1..], keys("q"));
     assert!(parser.held.capacity() < PASTE_LIMIT, "what was pasted is not kept");

@@ -3,6 +3,8 @@
 use std::collections::BTreeMap;
 use std::fmt;
 
+use crate::system;
+
 /// The variables that tell of a terminal, as values.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Environment(BTreeMap<String, String>);
@@ -59,7 +61,8 @@ impl fmt::Display for Multiplexer {
 impl Environment {
     /// That of this process. What is not Unicode counts as not set.
     pub fn of_process() -> Self {
-        Self::from_pairs(NAMES.iter().filter_map(|name| Some((*name, std::env::var(name).ok()?))))
+        let of = |name| std::env::var(name).ok().or_else(|| system::stands_for(name).map(str::to_owned));
+        Self::from_pairs(NAMES.iter().filter_map(|name| Some((*name, of(name)?))))
     }
 
     /// One of names and values. A value that is empty counts as not set.

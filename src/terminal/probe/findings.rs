@@ -2,6 +2,7 @@
 
 use super::environment::{Environment, Multiplexer};
 use crate::input::Reply;
+use crate::system::ANSWERS;
 use crate::tty::WindowSize;
 
 /// Whether it takes kitty's graphics: one pixel, stored nowhere
@@ -31,8 +32,11 @@ const SIXEL_ATTRIBUTE: u16 = 4;
 /// leave the rendition reset and the cursor where it was.
 ///
 /// A terminal is spared what it is known to misunderstand: it would print it, or take it for
-/// something else. Empty when it would understand nothing.
+/// something else. Empty when it would understand nothing, or its answers would not reach us.
 pub fn queries(environment: &Environment) -> Vec<u8> {
+    if !ANSWERS {
+        return Vec::new();
+    }
     let queries: &[&str] = match (environment.multiplexer(), environment.term()) {
         // screen hands DCS on to the terminal as text, and shows APC in its status line.
         (Some((Multiplexer::Screen, _)), _) => &[VERSION, ATTRIBUTES],

@@ -18,13 +18,12 @@
 //! assert_eq!(found.graphics.why, "the terminal says so (DA1: 4)");
 //! ```
 
-mod ask;
 mod capabilities;
 mod environment;
 mod findings;
 mod overrides;
 
-pub use ask::ask;
+pub use crate::system::ask;
 pub use capabilities::{Capabilities, Graphics, Told};
 pub use environment::{Environment, Multiplexer};
 pub use findings::{Findings, queries};

@@ -6,7 +6,7 @@ use super::environment::printable;
 use super::*;
 use crate::cells::Glyphs;
 use crate::color::ColorDepth;
-use crate::input::{Event, Parser, Reply};
+use crate::input::{Parser, Reply, Said};
 use crate::tty::WindowSize;
 
 use ColorDepth::{Ansi16, Ansi256, None as NoColors, True};
@@ -245,7 +245,7 @@ fn findings(answers: &str) -> Findings {
     let (mut parser, mut events, mut findings) = (Parser::default(), Vec::new(), Findings::default());
     parser.feed(answers.as_bytes(), &mut events);
     for event in &events {
-        let Event::Reply(reply) = event else { panic!("{event:?}") };
+        let Said::Reply(reply) = event else { panic!("{event:?}") };
         findings.take(reply);
     }
     findings.give_up();

@@ -84,7 +84,7 @@ pub fn hints(model: &Model) -> Vec<Hint> {
 /// A command with its first key that is not taken by another one here.
 fn hint(model: &Model, id: &str) -> Option<Hint> {
     let command = model.command(id)?;
-    let runs_it = |key: &&linden_terminal::input::Key| model.command_of(**key) == Some(command.id);
+    let runs_it = |key: &&linden_terminal::input::Shortcut| model.command_of(**key) == Some(command.id);
     let key = model.config.keymap.keys_of(id).iter().find(runs_it)?;
     Some(Hint { command, key: key_label(&key.to_string()) })
 }

@@ -2,7 +2,7 @@
 //!
 //! Commands are judged as they will run: with the palette closed.
 
-use linden_terminal::input::{Key, KeyCode, Mouse};
+use crossterm::event::{KeyCode, KeyEvent, KeyModifiers, MouseEvent};
 use nucleo_matcher::pattern::{CaseMatching, Normalization, Pattern};
 use nucleo_matcher::{Config, Matcher, Utf32Str};
 use ratatui::buffer::Buffer;
@@ -119,8 +119,8 @@ impl Dialog<Model> for Palette {
     }
 
     /// A key that edits or moves.
-    fn key(&mut self, _model: &mut Model, key: Key, _effects: &mut Effects) -> After {
-        match (key.code, key.ctrl) {
+    fn key(&mut self, _model: &mut Model, key: KeyEvent, _effects: &mut Effects) -> After {
+        match (key.code, key.modifiers.contains(KeyModifiers::CONTROL)) {
             (KeyCode::Up, _) | (KeyCode::Char('p'), true) => self.step(false, 1),
             (KeyCode::Down, _) | (KeyCode::Char('n'), true) => self.step(true, 1),
             (KeyCode::PageUp, _) => self.step(false, PAGE),
@@ -140,7 +140,7 @@ impl Dialog<Model> for Palette {
         After::Stays
     }
 
-    fn click(&mut self, model: &mut Model, spot: usize, _mouse: Mouse, effects: &mut Effects) -> After {
+    fn click(&mut self, model: &mut Model, spot: usize, _mouse: MouseEvent, effects: &mut Effects) -> After {
         self.selected = spot;
         self.accept(model, effects)
     }

@@ -1,9 +1,10 @@
 //! Lines that are typed: a filter, a value, a name. What a line is for is a dialog of its room.
 
-use linden_terminal::input::{Key, KeyCode};
+use crossterm::event::{Event, KeyCode, KeyEvent, KeyModifiers};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::widgets::{Clear, Widget as _};
+use tui_input::backend::crossterm::to_input_request;
 use tui_input::{Input, InputRequest};
 use unicode_width::UnicodeWidthStr;
 
@@ -48,7 +49,7 @@ impl Prompt {
     }
 
     /// A key; whether it changed the text.
-    pub fn key(&mut self, key: Key) -> bool {
+    pub fn key(&mut self, key: KeyEvent) -> bool {
         edit(&mut self.input, key)
     }
 
@@ -97,24 +98,17 @@ impl Prompt {
 }
 
 /// Edits a line as shells do; whether the text changed.
-pub fn edit(input: &mut Input, key: Key) -> bool {
-    let request = match (key.code, key.ctrl, key.alt) {
-        (KeyCode::Char(c), false, false) => InputRequest::InsertChar(c),
-        (KeyCode::Backspace, false, false) | (KeyCode::Char('h'), true, _) => InputRequest::DeletePrevChar,
-        (KeyCode::Backspace, _, _) | (KeyCode::Char('w'), true, _) => InputRequest::DeletePrevWord,
-        (KeyCode::Delete, false, _) => InputRequest::DeleteNextChar,
-        (KeyCode::Delete, true, _) | (KeyCode::Char('d'), false, true) => InputRequest::DeleteNextWord,
-        (KeyCode::Left, false, false) | (KeyCode::Char('b'), true, _) => InputRequest::GoToPrevChar,
-        (KeyCode::Right, false, false) | (KeyCode::Char('f'), true, _) => InputRequest::GoToNextChar,
-        (KeyCode::Left, _, _) | (KeyCode::Char('b'), false, true) => InputRequest::GoToPrevWord,
-        (KeyCode::Right, _, _) | (KeyCode::Char('f'), false, true) => InputRequest::GoToNextWord,
-        (KeyCode::Home, _, _) | (KeyCode::Char('a'), true, _) => InputRequest::GoToStart,
-        (KeyCode::End, _, _) | (KeyCode::Char('e'), true, _) => InputRequest::GoToEnd,
-        (KeyCode::Char('u'), true, _) => InputRequest::DeleteLine,
-        (KeyCode::Char('k'), true, _) => InputRequest::DeleteTillEnd,
-        _ => return false,
+pub fn edit(input: &mut Input, key: KeyEvent) -> bool {
+    let word = match (key.code, key.modifiers) {
+        // Words with Alt too, as terminals on a Mac send them.
+        (KeyCode::Left | KeyCode::Char('b'), KeyModifiers::ALT) => Some(InputRequest::GoToPrevWord),
+        (KeyCode::Right | KeyCode::Char('f'), KeyModifiers::ALT) => Some(InputRequest::GoToNextWord),
+        (KeyCode::Char('d'), KeyModifiers::ALT) => Some(InputRequest::DeleteNextWord),
+        (KeyCode::Backspace, KeyModifiers::CONTROL) => Some(InputRequest::DeletePrevWord),
+        _ => None,
     };
-    input.handle(request).is_some_and(|change| change.value)
+    let request = word.or_else(|| to_input_request(&Event::Key(key)));
+    request.and_then(|request| input.handle(request)).is_some_and(|change| change.value)
 }
 
 /// The most characters that pasting makes a line: no path is longer, and each is looked at again

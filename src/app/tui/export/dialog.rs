@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use crossterm::event::KeyEvent;
 use linden::knob::{Kind, Value};
 use linden_exporters::{Estimate, Exporter, OptionSpec, Options, USUAL, exporters};
-use linden_terminal::input::Key;
 use tui_input::Input;
 
 use crate::config::session;
@@ -246,7 +246,7 @@ impl ExportDialog {
     }
 
     /// A key for the line.
-    pub fn typed(&mut self, key: Key) {
+    pub fn typed(&mut self, key: KeyEvent) {
         if let Some(line) = &mut self.line
             && edit(&mut line.input, key)
         {

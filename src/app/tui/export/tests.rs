@@ -3,10 +3,11 @@ use std::path::Path;
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
+use crossterm::event::{Event, KeyCode, KeyModifiers, MouseButton, MouseEvent, MouseEventKind};
 use linden::Quiet;
 use linden::monitor::Phase;
 use linden::recipe::Recipe;
-use linden_terminal::input::{Button, Event, Key, KeyCode, Mouse, MouseAction};
+use linden_terminal::input::Shortcut;
 use linden_terminal::probe::{Capabilities, Environment, Findings, Overrides};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
@@ -26,6 +27,7 @@ use crate::tui::dialog::Dialog;
 use crate::tui::layout::{Target, View};
 use crate::tui::model::{Config, Weight};
 use crate::tui::screen;
+use crate::tui::testing::key_event;
 use crate::tui::tree::{Tree, TreePlace};
 use crate::tui::update::{Msg, update};
 
@@ -98,14 +100,14 @@ impl ExportBench {
     fn keys(&mut self, keys: &str) -> Effects {
         let mut effects = Effects::new();
         for key in keys.split_whitespace() {
-            effects.extend(self.send(Msg::Input(Event::Key(key.parse().unwrap()))));
+            effects.extend(self.send(Msg::Input(key_event(key))));
         }
         effects
     }
 
     fn type_text(&mut self, text: &str) {
         for c in text.chars() {
-            self.send(Msg::Input(Event::Key(Key::char(c))));
+            self.send(Msg::Input(Event::Key(KeyCode::Char(c).into())));
         }
     }
 
@@ -169,9 +171,9 @@ impl ExportBench {
     fn click(&mut self, wanted: Target) -> Effects {
         let (_, view) = self.screen(100, 30);
         let (area, _) = *view.regions.iter().rev().find(|(_, target)| *target == wanted).unwrap();
-        let action = MouseAction::Press(Button::Left);
+        let kind = MouseEventKind::Down(MouseButton::Left);
         let (column, row) = (area.x + 1, area.y);
-        let mouse = Mouse { action, column, row, shift: false, alt: false, ctrl: false };
+        let mouse = MouseEvent { kind, column, row, modifiers: KeyModifiers::NONE };
         self.send(Msg::Input(Event::Mouse(mouse)))
     }
 
@@ -204,7 +206,7 @@ fn formats(order: &ExportOrder) -> Vec<&'static str> {
 fn without_a_tree_the_command_says_why() {
     let mut model = empty_model();
     let now = model.now;
-    update(&mut model, Msg::Input(Event::Key(Key::char('e'))), now);
+    update(&mut model, Msg::Input(Event::Key(KeyCode::Char('e').into())), now);
     assert!(model.dialogs.is_empty());
     assert_eq!(model.message.unwrap().text, "Export: no preset is chosen");
 }
@@ -479,7 +481,7 @@ fn what_is_done_is_told_and_listed() {
     bench.keys("e");
     bench.go_to(ExportSpot::Format(place_of("obj")));
     bench.keys("space");
-    assert!(bench.model.command_of(Key::char('X')).is_none(), "a dialog is open");
+    assert!(bench.model.command_of(Shortcut::char('X')).is_none(), "a dialog is open");
     let order = ExportBench::order(bench.keys("x"));
     assert!(bench.model.exporting.is_running());
     let number = order.number;
@@ -566,9 +568,9 @@ fn every_key_of_the_room_runs_its_command_in_its_place() {
     }
     // While a line is typed all letters are letters.
     for c in ' '..='~' {
-        assert_eq!(bench.model.command_of(Key::char(c)), None, "{c}");
+        assert_eq!(bench.model.command_of(Shortcut::char(c)), None, "{c}");
     }
-    assert_eq!(bench.model.command_of(Key::plain(KeyCode::Left)), None);
+    assert_eq!(bench.model.command_of(KeyCode::Left.into()), None);
 }
 
 #[test]

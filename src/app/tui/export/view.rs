@@ -1,8 +1,8 @@
 //! The export dialog: keys, the mouse, how it is painted; and what the footer says of the export under way.
 
+use crossterm::event::{KeyEvent, MouseButton, MouseEvent, MouseEventKind};
 use linden::knob::{Kind, Value};
 use linden_exporters::Estimate;
-use linden_terminal::input::{Button, Key, Mouse, MouseAction};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::Style;
@@ -69,7 +69,7 @@ impl Dialog<Model> for ExportDialog {
         paint(model, self, body, buffer, view);
     }
 
-    fn key(&mut self, _model: &mut Model, key: Key, _effects: &mut Effects) -> After {
+    fn key(&mut self, _model: &mut Model, key: KeyEvent, _effects: &mut Effects) -> After {
         self.typed(key);
         After::Stays
     }
@@ -79,8 +79,8 @@ impl Dialog<Model> for ExportDialog {
         After::Stays
     }
 
-    fn click(&mut self, model: &mut Model, row: usize, mouse: Mouse, _effects: &mut Effects) -> After {
-        if mouse.action == MouseAction::Press(Button::Left) {
+    fn click(&mut self, model: &mut Model, row: usize, mouse: MouseEvent, _effects: &mut Effects) -> After {
+        if mouse.kind == MouseEventKind::Down(MouseButton::Left) {
             self.click_row(model, row);
         }
         After::Stays

@@ -1,6 +1,6 @@
 //! The filter of the list, typed: the list follows at once.
 
-use linden_terminal::input::Key;
+use crossterm::event::KeyEvent;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
@@ -43,7 +43,7 @@ impl Dialog<Model> for FilterLine {
         }
     }
 
-    fn key(&mut self, model: &mut Model, key: Key, effects: &mut Effects) -> After {
+    fn key(&mut self, model: &mut Model, key: KeyEvent, effects: &mut Effects) -> After {
         if self.prompt.key(key) {
             set_filter(model, self.prompt.text(), effects);
         }

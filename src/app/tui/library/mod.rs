@@ -9,8 +9,8 @@ pub mod view;
 
 use std::path::PathBuf;
 
+use crossterm::event::{MouseEvent, MouseEventKind};
 use linden::recipe::Recipe;
-use linden_terminal::input::{Mouse, MouseAction};
 
 pub use commands::COMMANDS;
 
@@ -145,17 +145,17 @@ pub fn changed(model: &mut Model, files: &[PathBuf], effects: &mut Effects) {
 }
 
 /// The mouse over the list.
-pub fn wheel(model: &mut Model, mouse: Mouse, effects: &mut Effects) {
-    match mouse.action {
-        MouseAction::WheelUp => go(model, -1, effects),
-        MouseAction::WheelDown => go(model, 1, effects),
+pub fn wheel(model: &mut Model, mouse: MouseEvent, effects: &mut Effects) {
+    match mouse.kind {
+        MouseEventKind::ScrollUp => go(model, -1, effects),
+        MouseEventKind::ScrollDown => go(model, 1, effects),
         _ => {}
     }
 }
 
 /// The mouse on a row.
-pub fn clicked(model: &mut Model, row: usize, mouse: Mouse, effects: &mut Effects) {
-    if !matches!(mouse.action, MouseAction::Press(_)) {
+pub fn clicked(model: &mut Model, row: usize, mouse: MouseEvent, effects: &mut Effects) {
+    if !matches!(mouse.kind, MouseEventKind::Down(_)) {
         return wheel(model, mouse, effects);
     }
     model.focus_on(Pane::Presets);

@@ -16,7 +16,7 @@ mod wind;
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-use linden_terminal::input::Key;
+use linden_terminal::input::Shortcut;
 use linden_terminal::probe::Capabilities;
 use ratatui::layout::Rect;
 
@@ -181,7 +181,7 @@ impl Model {
     }
 
     /// The command that a key means here.
-    pub fn command_of(&self, key: Key) -> Option<&'static str> {
+    pub fn command_of(&self, key: Shortcut) -> Option<&'static str> {
         let keymap = &self.config.keymap;
         let here = self.context();
         let outer = if self.dialogs.is_empty() {

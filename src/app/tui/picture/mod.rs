@@ -6,9 +6,9 @@ pub mod view;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use crossterm::event::{KeyModifiers, MouseButton, MouseEvent, MouseEventKind};
 use glam::Vec2;
 use linden_raster::Camera;
-use linden_terminal::input::{Button, Mouse, MouseAction};
 use ratatui::layout::Rect;
 
 pub use commands::COMMANDS;
@@ -138,9 +138,9 @@ pub fn first_look(model: &mut Model, shown: &ShownTree) {
 
 /// The pointer moves with a button down that went down in the picture: orbit, or pan with Shift or
 /// another button. Whether that was it.
-pub fn dragged(model: &mut Model, mouse: Mouse) -> bool {
+pub fn dragged(model: &mut Model, mouse: MouseEvent) -> bool {
     let Some(from) = model.picture.drag else { return false };
-    let MouseAction::Drag(button) = mouse.action else {
+    let MouseEventKind::Drag(button) = mouse.kind else {
         model.picture.drag = None;
         return false;
     };
@@ -148,7 +148,7 @@ pub fn dragged(model: &mut Model, mouse: Mouse) -> bool {
     let down = f32::from(mouse.row) - f32::from(from.1);
     model.picture.drag = Some((mouse.column, mouse.row));
     let camera = &mut model.picture.camera;
-    if button != Button::Left || mouse.shift {
+    if button != MouseButton::Left || mouse.modifiers.contains(KeyModifiers::SHIFT) {
         let area = area(model).unwrap_or_default();
         let half = f32::from(area.width.min(2 * area.height).max(2)) / 2.0;
         let camera = &mut model.picture.camera;
@@ -161,14 +161,14 @@ pub fn dragged(model: &mut Model, mouse: Mouse) -> bool {
 }
 
 /// The mouse in the picture.
-pub fn mouse(model: &mut Model, mouse: Mouse) {
-    match mouse.action {
-        MouseAction::Press(_) => {
+pub fn mouse(model: &mut Model, mouse: MouseEvent) {
+    match mouse.kind {
+        MouseEventKind::Down(_) => {
             model.picture.turn(None);
             model.picture.drag = Some((mouse.column, mouse.row));
         }
-        MouseAction::WheelUp => zoom_by(model, 1.15),
-        MouseAction::WheelDown => zoom_by(model, 1.0 / 1.15),
+        MouseEventKind::ScrollUp => zoom_by(model, 1.15),
+        MouseEventKind::ScrollDown => zoom_by(model, 1.0 / 1.15),
         _ => {}
     }
 }

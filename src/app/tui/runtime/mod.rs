@@ -17,7 +17,8 @@ use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
-use linden_terminal::input::{Event, Reply};
+use crossterm::event::Event;
+use linden_terminal::input::{Reply, Said};
 use linden_terminal::probe::Overrides;
 use linden_terminal::session::install_panic_hook;
 use linden_terminal::{
@@ -37,7 +38,8 @@ use super::model::Model;
 use super::picture;
 use super::screen;
 use super::update::{Msg, update, wake_at};
-use crate::jobs::{THREAD_PREFIX, lower_priority};
+use crate::jobs::THREAD_PREFIX;
+use crate::system;
 
 /// How a workbench begins.
 #[derive(Default)]
@@ -108,7 +110,7 @@ pub fn run(tty: Tty, start: StartOptions) -> anyhow::Result<End> {
     // Trees grow on all cores, but keys come first. When there is a pool already, that is no harm.
     let pool = rayon::ThreadPoolBuilder::new()
         .thread_name(|index| format!("{THREAD_PREFIX}pool-{index}"))
-        .start_handler(|_| lower_priority());
+        .start_handler(|_| system::lower_priority());
     if let Err(error) = pool.build_global() {
         tracing::debug!(%error, "the thread pool");
     }
@@ -260,21 +262,24 @@ impl Runtime {
         }
     }
 
-    fn input(&mut self, event: Event, now: Instant) {
-        match event {
-            Event::Reply(Reply::Status) => self.display.acked(now),
-            Event::Reply(reply) => {
+    fn input(&mut self, said: Said, now: Instant) {
+        let event = match said {
+            Said::Event(event) => event,
+            Said::Reply(Reply::Status) => return self.display.acked(now),
+            Said::Reply(reply) => {
                 if self.probing.take(&reply, &self.session) {
                     self.know_terminal(now);
                 }
+                return;
             }
-            Event::Focus(true) => {
-                // tmux and others lose pictures while the window is not seen.
-                if self.model.terminal.multiplexer.value.is_some() {
-                    self.display.invalidate(now);
-                }
+        };
+        match event {
+            // tmux and others lose pictures while the window is not seen.
+            Event::FocusGained if self.model.terminal.multiplexer.value.is_some() => {
+                self.display.invalidate(now);
             }
-            Event::Focus(false) => {}
+            Event::FocusGained | Event::FocusLost => {}
+            Event::Resize(..) => self.resize(),
             Event::Key(_) | Event::Mouse(_) | Event::Paste(_) => {
                 self.keys.pressed(now);
                 self.update(Msg::Input(event));

@@ -10,6 +10,7 @@ use std::time::Duration;
 use linden_terminal::{Incoming, session};
 
 use crate::jobs::THREAD_PREFIX;
+use crate::system::{HANGUP, end_by};
 
 /// How long the loop may take to hear that it is over.
 const HEARING: Duration = Duration::from_millis(800);
@@ -29,7 +30,7 @@ impl Watchdog {
     /// Watches from now on, if what came asks us to end.
     pub fn watch(&self, incoming: &Incoming) {
         let signal = match incoming {
-            Incoming::Hangup => signal_hook::consts::SIGHUP,
+            Incoming::Hangup => HANGUP,
             Incoming::Terminate(signal) => *signal,
             _ => return,
         };
@@ -43,7 +44,7 @@ impl Watchdog {
             session::restore();
             linden_exporters::abandon();
             // What does not end it by itself ends here.
-            let _ = signal_hook::low_level::emulate_default_handler(signal);
+            let _ = end_by(signal);
             std::process::exit(1);
         };
         // Without a thread there is no watchdog, and the loop hears as ever.

@@ -1,7 +1,7 @@
 //! The grammar's editor as a dialog: keys, mouse, and how it is painted.
 
+use crossterm::event::{KeyEvent, MouseEvent};
 use linden::knob::printable;
-use linden_terminal::input::{Key, Mouse};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::{Modifier, Style};
@@ -33,7 +33,7 @@ impl Dialog<Model> for GrammarEditor {
         paint(model, self, body, buffer, view);
     }
 
-    fn key(&mut self, model: &mut Model, key: Key, _effects: &mut Effects) -> After {
+    fn key(&mut self, model: &mut Model, key: KeyEvent, _effects: &mut Effects) -> After {
         self.change(model, |text| text.key(key))
     }
 
@@ -41,7 +41,7 @@ impl Dialog<Model> for GrammarEditor {
         self.change(model, |typed| typed.paste(text))
     }
 
-    fn click(&mut self, model: &mut Model, _spot: usize, mouse: Mouse, _effects: &mut Effects) -> After {
+    fn click(&mut self, model: &mut Model, _spot: usize, mouse: MouseEvent, _effects: &mut Effects) -> After {
         self.point(model, mouse);
         After::Stays
     }

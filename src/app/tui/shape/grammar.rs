@@ -7,10 +7,10 @@
 
 use std::fmt::{self, Write as _};
 
+use crossterm::event::MouseEvent;
 use linden::knob::printable;
 use linden::lsystem::Grammar;
 use linden::lsystem::text::{ParseError, parse_grammar, write_grammar};
-use linden_terminal::input::Mouse;
 use ratatui::layout::Rect;
 
 use super::text::Text;
@@ -144,7 +144,7 @@ impl GrammarEditor {
     }
 
     /// Puts the cursor where the mouse was pressed.
-    pub(super) fn point(&mut self, model: &Model, mouse: Mouse) {
+    pub(super) fn point(&mut self, model: &Model, mouse: MouseEvent) {
         let area = text_area(model);
         let (first, skipped) = self.scrolled(area.width.into(), area.height.into());
         let (x, y) = (mouse.column.saturating_sub(area.x), mouse.row.saturating_sub(area.y));

@@ -15,9 +15,9 @@ pub mod view;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use crossterm::event::{KeyModifiers, MouseEvent, MouseEventKind};
 use linden::knob::{Kind, Value};
 use linden::preset::{Preset, PresetKnob, Section};
-use linden_terminal::input::{Mouse, MouseAction};
 
 pub use commands::COMMANDS;
 pub use value::turn;
@@ -213,23 +213,23 @@ pub fn edited(model: &mut Model, text: Result<String, String>) {
 }
 
 /// The mouse over the form.
-pub fn wheel(model: &mut Model, mouse: Mouse) {
-    match mouse.action {
-        MouseAction::WheelUp => step(model, -1),
-        MouseAction::WheelDown => step(model, 1),
+pub fn wheel(model: &mut Model, mouse: MouseEvent) {
+    match mouse.kind {
+        MouseEventKind::ScrollUp => step(model, -1),
+        MouseEventKind::ScrollDown => step(model, 1),
         _ => {}
     }
 }
 
 /// The mouse on a row of the form: selects, and on a selected line of the grammar opens it; the wheel
 /// turns the knob with Ctrl, else moves on.
-pub fn clicked(model: &mut Model, row: usize, mouse: Mouse, _effects: &mut Effects) {
+pub fn clicked(model: &mut Model, row: usize, mouse: MouseEvent, _effects: &mut Effects) {
     let Some(tree) = &model.tree else { return };
     // As they are on screen.
     let rows = rows(&tree.wanted().preset);
     let Some(clicked) = rows.get(row).and_then(FormRow::spot) else { return wheel(model, mouse) };
-    match mouse.action {
-        MouseAction::Press(_) => {
+    match mouse.kind {
+        MouseEventKind::Down(_) => {
             let again = model.focus == Pane::Shape && spot(model, &rows) == Some(clicked);
             model.focus_on(Pane::Shape);
             model.form.selected = Some(clicked);
@@ -237,9 +237,11 @@ pub fn clicked(model: &mut Model, row: usize, mouse: Mouse, _effects: &mut Effec
                 open(model);
             }
         }
-        MouseAction::WheelUp | MouseAction::WheelDown if mouse.ctrl => {
+        MouseEventKind::ScrollUp | MouseEventKind::ScrollDown
+            if mouse.modifiers.contains(KeyModifiers::CONTROL) =>
+        {
             model.form.selected = Some(clicked);
-            nudge(model, mouse.action == MouseAction::WheelUp, Nudge::Usual);
+            nudge(model, mouse.kind == MouseEventKind::ScrollUp, Nudge::Usual);
         }
         _ => wheel(model, mouse),
     }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use linden_terminal::input::Key;
+use crossterm::event::KeyEvent;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
@@ -62,7 +62,7 @@ impl Dialog<Model> for SaveLine {
         self.prompt.paint_at_bottom(model, "save as", Some(&remark), screen, buffer, view);
     }
 
-    fn key(&mut self, _model: &mut Model, key: Key, _effects: &mut Effects) -> After {
+    fn key(&mut self, _model: &mut Model, key: KeyEvent, _effects: &mut Effects) -> After {
         if self.prompt.key(key) {
             self.judge();
         }
@@ -105,7 +105,7 @@ impl Dialog<Model> for ReplaceLine {
         self.prompt.paint_at_bottom(model, &label, Some(&remark), screen, buffer, view);
     }
 
-    fn key(&mut self, _model: &mut Model, key: Key, _effects: &mut Effects) -> After {
+    fn key(&mut self, _model: &mut Model, key: KeyEvent, _effects: &mut Effects) -> After {
         self.prompt.key(key);
         After::Stays
     }

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use linden_terminal::input::Event;
+use crossterm::event::Event;
 use proptest::prelude::*;
 use ratatui::style::Modifier;
 
@@ -11,6 +11,7 @@ use super::*;
 use crate::config::theme::Theme;
 use crate::tui::effect::Effect;
 use crate::tui::testing::form::{FormBench, text};
+use crate::tui::testing::key_event;
 use crate::tui::update::Msg;
 
 /// The open editor.
@@ -106,7 +107,7 @@ fn keys_that_are_held_are_one_step_of_undo_and_there_and_back_is_none() {
     let mut bench = FormBench::new("fir");
     let now = bench.model.now;
     let press = |bench: &mut FormBench, key: &str, ms| {
-        let event = Event::Key(key.parse().unwrap());
+        let event = key_event(key);
         crate::tui::update::update(&mut bench.model, Msg::Input(event), now + Duration::from_millis(ms));
     };
     bench.on("points");
@@ -476,7 +477,7 @@ proptest! {
             bench.model.now += Duration::from_millis(ms);
             let now = bench.model.now;
             let mut press = |names: &str| for name in names.split_whitespace() {
-                let event = Event::Key(name.parse().unwrap());
+                let event = key_event(name);
                 crate::tui::update::update(&mut bench.model, Msg::Input(event), now);
             };
             match deed {

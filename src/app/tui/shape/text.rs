@@ -2,7 +2,7 @@
 //!
 //! Grammars are a page, not a book: every step of undo is the whole text, and nothing is indexed.
 
-use linden_terminal::input::{Key, KeyCode};
+use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 
 /// Bytes of text that undo remembers at most; the oldest steps go first.
 const MOST_REMEMBERED: usize = 32 << 20;
@@ -58,8 +58,9 @@ impl Text {
     }
 
     /// A key; whether it changed the text.
-    pub fn key(&mut self, key: Key) -> bool {
-        match (key.code, key.ctrl, key.alt) {
+    pub fn key(&mut self, key: KeyEvent) -> bool {
+        let held = |modifiers| key.modifiers.contains(modifiers);
+        match (key.code, held(KeyModifiers::CONTROL), held(KeyModifiers::ALT)) {
             (KeyCode::Char(c), false, false) => {
                 // A blank ends a word, and undo takes back a word at a time.
                 if c == ' ' {
@@ -90,7 +91,7 @@ impl Text {
         let (line, column) = self.cursor();
         let goal = self.goal.take();
         self.last = None;
-        match (key.code, key.ctrl, key.alt) {
+        match (key.code, held(KeyModifiers::CONTROL), held(KeyModifiers::ALT)) {
             (KeyCode::Left, false, false) | (KeyCode::Char('b'), true, _) => self.at = self.before(1),
             (KeyCode::Right, false, false) | (KeyCode::Char('f'), true, _) => self.at = self.after(1),
             (KeyCode::Left, ..) | (KeyCode::Char('b'), _, true) => self.at = self.word_before(),
@@ -262,13 +263,18 @@ fn normal(text: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use linden_terminal::input::Shortcut;
     use proptest::prelude::*;
 
     use super::*;
 
+    fn key(name: &str) -> KeyEvent {
+        name.parse::<Shortcut>().unwrap().into()
+    }
+
     fn keys(text: &mut Text, names: &str) {
         for name in names.split_whitespace() {
-            text.key(name.parse().unwrap());
+            text.key(key(name));
         }
     }
 
@@ -305,7 +311,7 @@ mod tests {
     fn undo_takes_words_and_pastes_back_at_once() {
         let mut text = Text::new("");
         for key in "ab cd".chars() {
-            text.key(Key::char(key));
+            text.key(KeyCode::Char(key).into());
         }
         text.paste("1\n2");
         text.undo();
@@ -317,7 +323,7 @@ mod tests {
         text.redo();
         text.redo();
         assert_eq!(text.as_str(), "ab cd");
-        text.key(Key::char('!'));
+        text.key(KeyCode::Char('!').into());
         assert!(!text.can_redo());
     }
 
@@ -334,7 +340,7 @@ mod tests {
                 match step {
                     16 => text.undo(),
                     17 => text.redo(),
-                    i => drop(text.key(KEYS[i].parse().unwrap())),
+                    i => drop(text.key(key(KEYS[i]))),
                 }
                 let (line, column) = text.cursor();
                 prop_assert!(column <= text.lines().nth(line).unwrap().chars().count());

@@ -1,6 +1,6 @@
 //! A knob's value, typed.
 
-use linden_terminal::input::{Key, KeyCode};
+use crossterm::event::{KeyCode, KeyEvent};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
@@ -53,9 +53,10 @@ impl Dialog<Model> for ValueLine {
     }
 
     /// Tab, Down and Up go through the words that the knob takes.
-    fn key(&mut self, model: &mut Model, key: Key, _effects: &mut Effects) -> After {
-        let has_changed = if matches!(key.code, KeyCode::Tab | KeyCode::Down | KeyCode::Up) {
-            let forward = key.code != KeyCode::Up && !key.shift;
+    fn key(&mut self, model: &mut Model, key: KeyEvent, _effects: &mut Effects) -> After {
+        let has_changed = if matches!(key.code, KeyCode::Tab | KeyCode::BackTab | KeyCode::Down | KeyCode::Up)
+        {
+            let forward = matches!(key.code, KeyCode::Tab | KeyCode::Down);
             let word = complete(self.knob, self.prompt.text(), forward);
             word.inspect(|word| self.prompt.replace(word)).is_some()
         } else {

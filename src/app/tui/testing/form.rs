@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
+use crossterm::event::{Event, KeyModifiers, MouseButton, MouseEvent, MouseEventKind};
 use linden::Quiet;
-use linden_terminal::input::{Button, Event, Mouse, MouseAction};
 use linden_terminal::probe::{Capabilities, Environment, Findings, Overrides};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
@@ -21,6 +21,7 @@ use crate::tui::model::{Config, FormSpot, Model};
 use crate::tui::screen;
 use crate::tui::shape::save_lines::SaveLine;
 use crate::tui::shape::value::ValueLine;
+use crate::tui::testing::key_event;
 use crate::tui::tree::{Tree, TreePlace};
 use crate::tui::update::{Msg, update};
 
@@ -61,7 +62,7 @@ impl FormBench {
     /// Presses keys, a second between any two.
     pub fn keys(&mut self, names: &str) -> &mut Self {
         for name in names.split_whitespace() {
-            self.send(Msg::Input(Event::Key(name.parse().unwrap())));
+            self.send(Msg::Input(key_event(name)));
         }
         self
     }
@@ -70,7 +71,7 @@ impl FormBench {
     pub fn typed(&mut self, text: &str) -> &mut Self {
         for c in text.chars() {
             let code = if c == '\n' { "enter".to_owned() } else { c.to_string().replace(' ', "space") };
-            self.send(Msg::Input(Event::Key(code.parse().unwrap())));
+            self.send(Msg::Input(key_event(&code)));
         }
         self
     }
@@ -82,15 +83,9 @@ impl FormBench {
 
     /// Presses the mouse on a cell of the last frame.
     pub fn press(&mut self, column: u16, row: u16) {
-        let action = MouseAction::Press(Button::Left);
-        self.send(Msg::Input(Event::Mouse(Mouse {
-            action,
-            column,
-            row,
-            shift: false,
-            alt: false,
-            ctrl: false,
-        })));
+        let kind = MouseEventKind::Down(MouseButton::Left);
+        let mouse = MouseEvent { kind, column, row, modifiers: KeyModifiers::NONE };
+        self.send(Msg::Input(Event::Mouse(mouse)));
     }
 
     /// Paints a frame; the model knows where everything was, as it does after a real one.

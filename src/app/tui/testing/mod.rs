@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use linden_terminal::input::{Event, Key, Mouse, MouseAction};
+use crossterm::event::{Event, KeyCode, KeyEvent, KeyModifiers, MouseEvent, MouseEventKind};
+use linden_terminal::input::Shortcut;
 use linden_terminal::probe::{Environment, Findings, Overrides};
 use linden_terminal::{Capabilities, CellPicture, CellStyle, Image};
 use ratatui::buffer::Buffer;
@@ -31,6 +32,11 @@ use crate::source;
 
 /// From one message to the next.
 const BETWEEN: Duration = Duration::from_millis(100);
+
+/// A key by its name, pressed.
+pub fn key_event(name: &str) -> Event {
+    Event::Key(name.parse::<Shortcut>().unwrap().into())
+}
 
 /// A model, its clock, and the work of the runtime done on the spot.
 pub struct Bench {
@@ -113,27 +119,27 @@ impl Bench {
     /// Keys by their names, one after the other: `j j enter`.
     pub fn keys(&mut self, keys: &str) -> &mut Self {
         for key in keys.split(' ').filter(|key| !key.is_empty()) {
-            self.press(key.parse().unwrap());
+            self.msg(Msg::Input(key_event(key)));
         }
         self
     }
 
     /// A key.
-    pub fn press(&mut self, key: Key) {
+    pub fn press(&mut self, key: KeyEvent) {
         self.msg(Msg::Input(Event::Key(key)));
     }
 
     /// The letters of a text as keys.
     pub fn types(&mut self, text: &str) -> &mut Self {
         for c in text.chars() {
-            self.press(Key::char(c));
+            self.press(KeyCode::Char(c).into());
         }
         self
     }
 
     /// The mouse.
-    pub fn mouse(&mut self, action: MouseAction, column: u16, row: u16) {
-        let mouse = Mouse { action, column, row, shift: false, alt: false, ctrl: false };
+    pub fn mouse(&mut self, kind: MouseEventKind, column: u16, row: u16) {
+        let mouse = MouseEvent { kind, column, row, modifiers: KeyModifiers::NONE };
         self.msg(Msg::Input(Event::Mouse(mouse)));
     }
 

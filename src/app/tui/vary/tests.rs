@@ -1,9 +1,9 @@
 use std::cell::RefCell;
 use std::time::{Duration, Instant};
 
+use crossterm::event::{Event, KeyModifiers, MouseButton, MouseEvent, MouseEventKind};
 use linden::Quiet;
 use linden::recipe::Recipe;
-use linden_terminal::input::{Button, Event, Key, Mouse, MouseAction};
 use linden_terminal::probe::{Capabilities, Environment, Findings, Overrides};
 use ratatui::buffer::Buffer;
 
@@ -17,6 +17,7 @@ use crate::tui::commands;
 use crate::tui::layout::{Pane, Target};
 use crate::tui::model::Config;
 use crate::tui::screen;
+use crate::tui::testing::key_event;
 use crate::tui::tree::{Tree, TreePlace};
 use crate::tui::update::{Msg, update};
 
@@ -51,9 +52,8 @@ fn fir(size: (u16, u16)) -> Model {
 
 fn press(model: &mut Model, keys: &str) {
     for key in keys.split(' ') {
-        let key: Key = key.parse().unwrap();
         let now = model.now + Duration::from_millis(20);
-        update(model, Msg::Input(Event::Key(key)), now);
+        update(model, Msg::Input(key_event(key)), now);
     }
 }
 
@@ -354,25 +354,25 @@ fn the_mouse_chooses_then_takes_and_hints_are_pressed() {
         let (area, _) = model.regions.iter().rev().find(|(_, target)| *target == wanted).unwrap();
         (area.x + area.width / 2, area.y)
     };
-    let click = |model: &mut Model, (column, row), action| {
-        let mouse = Mouse { action, column, row, shift: false, alt: false, ctrl: false };
+    let click = |model: &mut Model, (column, row), kind| {
+        let mouse = MouseEvent { kind, column, row, modifiers: KeyModifiers::NONE };
         let now = model.now;
         update(model, Msg::Input(Event::Mouse(mouse)), now);
     };
     let cell = at(&model, Target::Dialog(Some(4)));
-    click(&mut model, cell, MouseAction::WheelDown);
+    click(&mut model, cell, MouseEventKind::ScrollDown);
     assert_eq!(values(&model)[0], format!("{}", 17 + values(&model).len()));
-    click(&mut model, cell, MouseAction::WheelUp);
-    click(&mut model, cell, MouseAction::Press(Button::Left));
+    click(&mut model, cell, MouseEventKind::ScrollUp);
+    click(&mut model, cell, MouseEventKind::Down(MouseButton::Left));
     assert_eq!(gallery(&model).unwrap().chosen, Value::Integer(21));
-    click(&mut model, cell, MouseAction::Press(Button::Left));
+    click(&mut model, cell, MouseEventKind::Down(MouseButton::Left));
     assert!(model.dialogs.is_empty() && seed(&model) == 21);
 
     model.message = None;
     press(&mut model, "v");
     screen(&mut model);
     let hint = at(&model, Target::Command("gallery-close"));
-    click(&mut model, hint, MouseAction::Press(Button::Left));
+    click(&mut model, hint, MouseEventKind::Down(MouseButton::Left));
     assert!(model.dialogs.is_empty());
 }
 

@@ -1,7 +1,7 @@
 //! The gallery as a dialog: the mouse, and how it is painted.
 
+use crossterm::event::MouseEvent;
 use linden::knob::Value;
-use linden_terminal::input::Mouse;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::Style;
@@ -46,7 +46,7 @@ impl Dialog<Model> for Gallery {
     }
 
     /// The first click chooses a picture, the second takes it.
-    fn click(&mut self, model: &mut Model, cell: usize, _mouse: Mouse, _effects: &mut Effects) -> After {
+    fn click(&mut self, model: &mut Model, cell: usize, _mouse: MouseEvent, _effects: &mut Effects) -> After {
         if self.page(model).is_ok_and(|page| page.chosen == cell) {
             return self.take(model);
         }

@@ -5,7 +5,8 @@ use std::io::Write;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
-use linden_terminal::input::{Event, Key};
+use crossterm::event::Event;
+use linden_terminal::input::{Said, Shortcut};
 use linden_terminal::session::install_panic_hook;
 use linden_terminal::{Incoming, Listener, Modes, Session, Tty, listen};
 
@@ -14,6 +15,10 @@ pub const LOG: &str = "LINDEN_TEST_LOG";
 
 /// Arguments that make the test binary run [`child`] and nothing else, on its main thread.
 pub const ARGUMENTS: [&str; 4] = ["child::child", "--exact", "--nocapture", "--test-threads=1"];
+
+fn key(key: Shortcut) -> Said {
+    Said::Event(Event::Key(key.into()))
+}
 
 struct Program {
     session: Session,
@@ -45,8 +50,8 @@ impl Program {
         while let Ok(incoming) = self.incoming.recv() {
             self.say(&format!("{incoming:?}"));
             match incoming {
-                Incoming::Input(events) if events.contains(&Event::Key(Key::char('q'))) => return,
-                Incoming::Input(events) if events.contains(&Event::Key(Key::ctrl('z'))) => self.suspend(),
+                Incoming::Input(events) if events.contains(&key(Shortcut::char('q'))) => return,
+                Incoming::Input(events) if events.contains(&key(Shortcut::ctrl('z'))) => self.suspend(),
                 Incoming::Suspend => self.suspend(),
                 Incoming::Continued => self.session.resume().unwrap(),
                 Incoming::Terminate(_) | Incoming::Hangup => return,
@@ -68,6 +73,8 @@ fn child() {
     match role.as_str() {
         "loop" => {
             let mut program = Program::start();
+            let second = Session::start(program.tty.clone(), Modes::default()).unwrap_err();
+            assert_eq!(second.kind(), std::io::ErrorKind::AlreadyExists);
             program.until_q();
             program.session.restore();
             program.session.restore();

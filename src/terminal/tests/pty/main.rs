@@ -9,10 +9,11 @@ use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
-use linden_terminal::input::{Event, Key, KeyCode};
+use crossterm::event::{Event, KeyCode, KeyEvent};
+use linden_terminal::input::Said;
 use linden_terminal::probe::{Environment, Graphics, Overrides, ask};
 use linden_terminal::tty::{OpenError, Stream};
-use linden_terminal::{Capabilities, Incoming, MAX_CELLS, Modes, Session, Tty, WindowSize, listen};
+use linden_terminal::{Capabilities, Incoming, MAX_CELLS, Tty, WindowSize, listen};
 use rustix::process::{Signal, kill_process};
 
 use terminal::{Program, Terminal, eventually};
@@ -270,8 +271,8 @@ fn next(incoming: &Receiver<Incoming>) -> Incoming {
     incoming.recv_timeout(Duration::from_secs(30)).unwrap()
 }
 
-fn key(key: impl Into<Key>) -> Incoming {
-    Incoming::Input(vec![Event::Key(key.into())])
+fn key(code: KeyCode) -> Incoming {
+    Incoming::Input(vec![Said::Event(Event::Key(KeyEvent::from(code)))])
 }
 
 #[test]
@@ -295,16 +296,11 @@ fn the_input_thread_ends_with_the_terminal() {
 fn escape_comes_by_itself_and_a_pause_leaves_the_rest_to_others() {
     let mut terminal = Terminal::new(false);
     let tty = terminal.tty();
-    // Raw, as a session would make it: there is one session in a process.
-    let session = Session::start(tty.clone(), Modes::default()).unwrap();
-    assert_eq!(
-        Session::start(tty.clone(), Modes::default()).unwrap_err().kind(),
-        std::io::ErrorKind::AlreadyExists
-    );
+    terminal.make_raw();
     let (send, incoming) = channel();
     let listener = listen(tty, move |what| send.send(what).is_ok()).unwrap();
     terminal.press("\x1b");
-    assert_eq!(next(&incoming), key(KeyCode::Escape));
+    assert_eq!(next(&incoming), key(KeyCode::Esc));
     terminal.press("\x1b[A");
     assert_eq!(next(&incoming), key(KeyCode::Up));
     listener.pause();
@@ -319,9 +315,7 @@ fn escape_comes_by_itself_and_a_pause_leaves_the_rest_to_others() {
     listener.resume();
     assert_eq!(next(&incoming), Incoming::Resized);
     terminal.press("j");
-    assert_eq!(next(&incoming), key(Key::char('j')));
-    drop(session);
-    assert!(!terminal.is_raw());
+    assert_eq!(next(&incoming), key(KeyCode::Char('j')));
     drop(listener);
     assert_eq!(incoming.recv_timeout(Duration::from_secs(30)), Err(RecvTimeoutError::Disconnected));
 }

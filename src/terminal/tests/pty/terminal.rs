@@ -84,6 +84,14 @@ impl Terminal {
         !modes.contains(rustix::termios::LocalModes::ICANON)
     }
 
+    /// Makes the program's end raw, as a session would.
+    pub fn make_raw(&self) {
+        let end = self.end();
+        let mut modes = rustix::termios::tcgetattr(&end).unwrap();
+        modes.make_raw();
+        rustix::termios::tcsetattr(&end, rustix::termios::OptionalActions::Now, &modes).unwrap();
+    }
+
     /// All settings, as text to compare.
     pub fn settings(&self) -> String {
         format!("{:?}", rustix::termios::tcgetattr(self.end()).unwrap())

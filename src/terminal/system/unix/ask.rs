@@ -7,10 +7,9 @@ use rustix::event::PollFlags;
 use rustix::io::{Errno, retry_on_intr};
 use rustix::termios::{OptionalActions, QueueSelector, Termios, tcflush, tcgetattr, tcsetattr};
 
-use super::environment::Environment;
-use super::findings::{Findings, queries};
-use crate::input::{Event, Parser};
-use crate::tty::{Tty, wait};
+use super::tty::{Tty, wait};
+use crate::input::{Parser, Said};
+use crate::probe::{Environment, Findings, queries};
 
 /// Sends the [`queries`] and collects replies until the last has come or the time is over; then
 /// [`Findings::is_complete`] tells which. The terminal's screen stays as it is. Keys that are pressed
@@ -45,7 +44,7 @@ pub fn ask(tty: &Tty, environment: &Environment, within: Duration) -> io::Result
             Err(error) => return Err(error.into()),
         }
         for event in events.drain(..) {
-            if let Event::Reply(reply) = event {
+            if let Said::Reply(reply) = event {
                 findings.take(&reply);
             }
         }

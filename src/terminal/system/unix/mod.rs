@@ -1,0 +1,19 @@
+//! Unix: descriptors, signals, job control.
+
+mod ask;
+mod jobs;
+mod listen;
+mod tty;
+
+pub use ask::ask;
+pub(crate) use jobs::{discard_input, drain, is_ours, may_be_written, stop, stops};
+pub use listen::{Listener, listen};
+pub use tty::Tty;
+
+/// What a variable that is not set stands for: nothing, since every terminal sets what there is to say.
+pub(crate) const fn stands_for(_name: &str) -> Option<&'static str> {
+    None
+}
+
+/// Whether replies of the terminal reach us.
+pub const ANSWERS: bool = true;
