@@ -11,6 +11,7 @@
 //! | [`color`] | the colour spaces and ramps behind it |
 //! | [`skeleton`] | the axial tree as tapered strokes |
 //! | [`surface`] | meshes, shaded |
+//! | [`drawing`] | flat drawings as in a book: pixels by tiny-skia, or SVG |
 //! | [`person`], [`scale`] | how large it all is |
 //! | [`memory`] | how much memory a picture takes |
 //!
@@ -19,6 +20,7 @@
 
 pub mod camera;
 pub mod color;
+pub mod drawing;
 pub mod extent;
 pub mod memory;
 pub mod person;
@@ -34,6 +36,7 @@ mod strokes;
 use linden_pipeline::memory::OverMemory;
 
 pub use camera::{Camera, View};
+pub use drawing::Drawing;
 pub use extent::Extent;
 pub use person::{PERSON_M, Person};
 pub use scale::nice_length_m;

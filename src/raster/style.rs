@@ -57,6 +57,8 @@ pub struct Style<'a> {
     pub trunk: [u8; 3],
     /// The thinnest twigs' colour in [`Paint::Wood`].
     pub twig: [u8; 3],
+    /// The colour of wood in a flat drawing ([`crate::Drawing`]), and of its scale.
+    pub ink: [u8; 3],
     /// The colour that distance fades to.
     pub haze: [u8; 3],
     /// How much of it the farthest node has, 0..1.
@@ -121,6 +123,7 @@ impl Style<'_> {
             background: Background::Gradient([214, 224, 232], [245, 241, 233]),
             trunk: [112, 86, 64],
             twig: [120, 84, 54],
+            ink: [44, 36, 30],
             haze: [196, 204, 208],
             haze_amount: 0.42,
             ground_shadow: true,
@@ -138,6 +141,11 @@ impl Style<'_> {
         }
     }
 
+    /// For a flat drawing in a file: ink on white paper.
+    pub const fn paper() -> Self {
+        Self { background: Background::Plain([255; 3]), ground_shadow: false, ..Self::studio() }
+    }
+
     /// To be laid over something dark: a terminal.
     pub const fn over_dark() -> Self {
         Self {
@@ -145,6 +153,7 @@ impl Style<'_> {
             background: Background::Transparent,
             trunk: [176, 142, 112],
             twig: [206, 182, 142],
+            ink: [214, 194, 158],
             haze: [74, 84, 104],
             haze_amount: 0.5,
             ground_shadow: false,

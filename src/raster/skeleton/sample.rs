@@ -5,6 +5,19 @@ use linden_pipeline::random::Key;
 use linden_pipeline::skeleton::Axis;
 use linden_pipeline::{NO_PARENT, Skeleton};
 
+/// One axis through these places, with these radii.
+pub fn stem(nodes: &[(Vec3, f32)]) -> Skeleton {
+    let n = nodes.len() as u32;
+    Skeleton {
+        positions: nodes.iter().map(|n| n.0).collect(),
+        parents: (0..n).map(|i| i.checked_sub(1).unwrap_or(NO_PARENT)).collect(),
+        radii: nodes.iter().map(|n| n.1).collect(),
+        births: (0..n).collect(),
+        axes: vec![Axis { order: 0, parent: NO_PARENT, first: 0, len: n }],
+        axis_nodes: (0..n).collect(),
+    }
+}
+
 /// A tree about 8 m high; each level of `depth` adds a branching order.
 pub fn tree(seed: u64, depth: u32) -> Skeleton {
     let mut tree = Skeleton::default();

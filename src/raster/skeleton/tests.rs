@@ -3,22 +3,10 @@ use linden_pipeline::picture::Picture;
 use linden_pipeline::skeleton::Axis;
 use linden_pipeline::{Monitor, NO_PARENT, Quiet, Skeleton};
 
+use super::sample::stem;
 use super::{draw_skeleton, sample};
 use crate::strokes::trace::HAIR_PX;
 use crate::{Background, Camera, Extent, MAX_SIDE, Paint, RasterError, Size, Style};
-
-/// One stem through some points.
-fn stem(nodes: &[(Vec3, f32)]) -> Skeleton {
-    let n = nodes.len() as u32;
-    Skeleton {
-        positions: nodes.iter().map(|n| n.0).collect(),
-        parents: (0..n).map(|i| i.checked_sub(1).unwrap_or(NO_PARENT)).collect(),
-        radii: nodes.iter().map(|n| n.1).collect(),
-        births: (0..n).collect(),
-        axes: vec![Axis { order: 0, parent: NO_PARENT, first: 0, len: n }],
-        axis_nodes: (0..n).collect(),
-    }
-}
 
 fn size(width: u32, height: u32) -> Size {
     Size::new(width, height).unwrap()

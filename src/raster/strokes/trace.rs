@@ -248,7 +248,7 @@ pub(super) fn dot(seen: Projected, radius_px: f32, color: Vec3, alpha: f32) -> S
 }
 
 /// What each node is painted with, before light.
-struct Colors<'a> {
+pub(crate) struct Colors<'a> {
     values: Values<'a>,
     /// Lowest value, and 1 ÷ (highest − lowest).
     scale: [f32; 2],
@@ -264,7 +264,7 @@ enum Values<'a> {
 }
 
 impl<'a> Colors<'a> {
-    fn new(skeleton: &'a Skeleton, style: &Style) -> Self {
+    pub fn new(skeleton: &'a Skeleton, style: &Style) -> Self {
         let values = match style.paint {
             Paint::Wood | Paint::Radius => Values::Radii(&skeleton.radii),
             Paint::Birth => Values::Steps(Cow::Borrowed(&skeleton.births)),
@@ -294,7 +294,7 @@ impl<'a> Colors<'a> {
         Self { values, scale, table, plain: None }
     }
 
-    fn of(&self, node: u32) -> Vec3 {
+    pub fn of(&self, node: u32) -> Vec3 {
         if let Some(plain) = self.plain {
             return plain;
         }
