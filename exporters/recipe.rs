@@ -16,7 +16,7 @@ const LONGEST: u64 = 16 << 20;
 /// Lines that may stand before a recipe.
 const MOST_LINES: usize = 100_000;
 
-/// The recipe that a file in one of these formats, or a preview (PNG), carries.
+/// The recipe that a file in one of these formats, or a preview, carries.
 pub(crate) fn in_any(exporters: &[&dyn Exporter], file: &mut dyn Readable) -> io::Result<Option<String>> {
     for exporter in exporters {
         file.rewind()?;
@@ -25,7 +25,7 @@ pub(crate) fn in_any(exporters: &[&dyn Exporter], file: &mut dyn Readable) -> io
         }
     }
     file.rewind()?;
-    whole(linden_pipeline::picture::recipe_in_png(file))
+    whole(linden_pipeline::picture::recipe_in_picture(file))
 }
 
 /// What was read, if it is a JSON object; a file that ends early carries none.
@@ -216,6 +216,8 @@ mod tests {
             b"#usda 1.0\n  string recipe = \"{",
             b"#usda 1.0\n  string recipe = 7\n",
             b"\x89PNG\r\n\x1a\n\xff\xff\xff\xfftEXt",
+            b"\xff\xd8\xff\xe1\xff\xffExif\0\0II\x2a\0\x08\0\0\0",
+            b"RIFF\xff\xff\xff\xffWEBPEXIF\xff\xff\xff\xff",
             b"{\"nodes\":[{\"extras\":{\"linden\":\"text\"}}]}",
             &long,
             &vec![0; 100_000],

@@ -121,8 +121,8 @@ impl Registry {
             })
     }
 
-    /// The recipe that a file carries, letter by letter, whichever of these formats it is in, previews (PNG)
-    /// included; `None` where it carries none. It is one line of JSON: a tree's
+    /// The recipe that a file carries, letter by letter, whichever of these formats it is in, previews included;
+    /// `None` where it carries none. It is one line of JSON: a tree's
     /// ([`Preset::from_json`](linden_pipeline::preset::Preset::from_json)) or a forest's
     /// ([`ForestDocument::parse`](linden_pipeline::forest::ForestDocument::parse)).
     ///

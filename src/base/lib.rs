@@ -11,7 +11,7 @@
 //! | [`input`] | meshes, points and pictures that users bring, from their bytes |
 //! | [`mesh`] | triangles, and boxes around them |
 //! | [`topology`] | whether a mesh is closed, and what is wrong with it |
-//! | [`picture`] | pixels, and what they are as PNG |
+//! | [`picture`] | pixels, and what they are as PNG, JPEG and WebP |
 //! | [`color`] | sRGB and linear light |
 //!
 //! Takes bytes and values, gives values: opens no file, reads no clock, writes to no terminal. Knows no tree.

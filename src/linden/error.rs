@@ -80,7 +80,7 @@ pub enum Error {
     Export(#[from] ExportError),
     /// A picture's file that is not written.
     #[error("writing a picture: {0}")]
-    Picture(#[from] linden_pipeline::picture::PngError),
+    Picture(#[from] linden_pipeline::picture::PictureError),
     /// A folder or file that the system refuses.
     #[error(transparent)]
     Io(#[from] io::Error),

@@ -11,6 +11,7 @@ use crate::texture::{self, BarkError, BarkPictures};
 use crate::wind::{Blown, Field};
 use crate::{Body, Specimen};
 use linden_base::color::linear;
+use linden_base::input::A_PICTURE;
 use linden_base::knob::printable;
 use linden_base::mesh::Mesh;
 use linden_base::monitor::Holding;
@@ -37,7 +38,7 @@ pub enum DressError {
     #[error(transparent)]
     Bark(BarkError),
     /// A file for the bark that is missing or holds something else.
-    #[error("'{knob}' is '{}', which must hold a picture (PNG)", printable(.file))]
+    #[error("'{knob}' is '{}', which must hold {A_PICTURE}", printable(.file))]
     NoPicture {
         /// The preset's key.
         knob: &'static str,

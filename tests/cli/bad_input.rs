@@ -1,6 +1,6 @@
 //! Bad input: a clear message, the right code, and nothing written.
 
-use crate::program::Folder;
+use crate::program::{Folder, fixture_picture};
 
 /// Runs `linden export SOURCE -o out.glb` (and more arguments) on bad input and checks what is said.
 fn refused(folder: &Folder, code: i32, args: &[&str], says: &[&str]) {
@@ -51,7 +51,11 @@ fn names_that_do_not_exist() {
     refused_usage(&["export", "fir"], &["-o fir.glb"]);
     refused_usage(&["export", "fir", "-o", "-"], &["--format"]);
     refused_usage(&["exprot", "fir"], &["export"]);
-    refused_usage(&["preview", "fir", "-o", "fir.jpg"], &["PNG"]);
+    refused_usage(
+        &["preview", "fir", "-o", "fir.gif"],
+        &["fir.gif", "PNG (.png)", "JPEG (.jpg, .jpeg)", ".webp"],
+    );
+    refused_usage(&["sheet", "fir", "-o", "fir"], &["PNG (.png)"]);
     refused_usage(&["preview", "fir", "-o", "fir.png", "--size", "90000x1"], &["8192"]);
 }
 
@@ -239,8 +243,11 @@ fn files_of_leaves_that_are_none() {
         let with = |content: &[u8], says: &[&str]| with(picture, "leaf.png", content, says);
         with(&png_of(40_000, 40_000), &["leaf.png", "40000×40000", "8192", "scale it down"]);
         with(&png_of(9_000, 10), &["leaf.png", "9000×10", "8192"]);
-        with(b"hello, I am a picture\n", &["leaf.png", "not a PNG picture", "save it as PNG"]);
-        with(b"\xff\xd8\xff\xe0\0\x10JFIF", &["leaf.png", "save it as PNG"]);
+        with(b"hello, I am a picture\n", &["leaf.png", "not a picture that linden reads", "save it as PNG"]);
+        with(b"\xff\xd8\xff\xe0\0\x10JFIF", &["leaf.png", "JPEG", "ends early"]);
+        with(b"GIF89a\x01\0\x01\0", &["leaf.png", "GIF", "save it as PNG"]);
+        with(&fixture_picture("cmyk.jpg"), &["leaf.png", "CMYK", "save it as RGB"]);
+        with(&fixture_picture("animated.webp"), &["leaf.png", "animation"]);
         with(&png_of(64, 64), &["leaf.png", "damaged"]);
         with(b"", &["leaf.png"]);
     }
@@ -251,7 +258,7 @@ fn files_of_leaves_that_are_none() {
     with(&mesh.replace("leaf.obj", "leaf.png"), "leaf.png", &png_of(1, 1), &["leaf.png", "mesh (OBJ)"]);
     let triangle = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     for (picture, key) in [(picture, "leaves"), (barks[0], "bark_picture"), (barks[1], "bark_normal")] {
-        let says = [key, "leaf.obj", "picture (PNG)"];
+        let says = [key, "leaf.obj", "picture (PNG, JPEG, WebP or TGA)"];
         with(&picture.replace("leaf.png", "leaf.obj"), "leaf.obj", triangle, &says);
     }
 }

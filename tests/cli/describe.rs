@@ -267,6 +267,51 @@ fn previews_have_the_size_and_the_background_that_was_asked_for() {
 }
 
 #[test]
+fn a_preview_is_in_the_format_of_its_ending_and_carries_its_recipe() {
+    let folder = Folder::new();
+    let preview = |file: &str, background: &str| {
+        let size = ["--size", "60x70", "--background", background];
+        folder.run(&[&["preview", "fir", "--seed", "3", "-o", file][..], &size].concat())
+    };
+    let read = |file: &str| {
+        let found = linden::input::read_picture("", &folder.read(file), &linden::Quiet).unwrap();
+        ([found.picture.width(), found.picture.height()], found.picture.rgba().to_vec())
+    };
+    let opening = |file: &str| folder.read(file)[..12].to_vec();
+    for background in ["studio", "transparent"] {
+        for file in ["a.png", "a.webp", "a.jpg", "a.JPEG"] {
+            let said = preview(file, background);
+            assert_eq!(said.code, Some(0), "{file}: {}", said.err);
+            let said = said.err;
+            let is_white = background == "transparent" && file.to_lowercase().contains("jp");
+            assert_eq!(said.contains("the background is white"), is_white, "{file}: {said}");
+        }
+        let (png, jpeg) = (read("a.png"), read("a.jpg"));
+        assert!(png == read("a.webp"), "without loss");
+        assert!(opening("a.webp").starts_with(b"RIFF") && opening("a.jpg").starts_with(b"\xff\xd8\xff"));
+        assert_eq!(folder.read("a.jpg"), folder.read("a.JPEG"));
+        let over_white = |pixel: &[u8]| {
+            let alpha = f64::from(pixel[3]) / 255.0;
+            [0, 1, 2].map(|i| 255.0 + (f64::from(pixel[i]) - 255.0) * alpha)
+        };
+        let shown = png.1.chunks(4).flat_map(over_white);
+        let off: f64 = shown
+            .zip(jpeg.1.chunks(4).flat_map(|p| p[..3].to_vec()))
+            .map(|(a, b)| (a - f64::from(b)).abs())
+            .sum();
+        assert_eq!(png.0, jpeg.0);
+        assert!(off / 60.0 / 70.0 / 3.0 < 6.0, "{background}: off by {off}");
+    }
+    let recipe = folder.run(&["recipe", "a.png"]).done().out;
+    assert!(recipe.contains("fir"));
+    for file in ["a.jpg", "a.webp"] {
+        assert_eq!(folder.run(&["recipe", file]).done().out, recipe, "{file}");
+    }
+    folder.run(&["sheet", "fir", "--size", "40x40", "-o", "sheet.webp"]).done();
+    assert_eq!(read("sheet.webp").0, [40, 40]);
+}
+
+#[test]
 fn a_preview_without_a_file_is_text_of_the_terminals_size() {
     let folder = Folder::new();
     let plain = folder.run(&["preview", "cypress", "--size", "40x20"]).done().out;

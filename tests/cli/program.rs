@@ -16,6 +16,12 @@ pub fn linden() -> Command {
     command
 }
 
+/// One of the pictures that `tests/fixtures/pictures/make.py` makes.
+pub fn fixture_picture(name: &str) -> Vec<u8> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/fixtures/pictures").join(name);
+    fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
 /// A folder that vanishes with the value.
 pub struct Folder(tempfile::TempDir);
 

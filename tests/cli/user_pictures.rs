@@ -1,6 +1,6 @@
 //! The user's pictures in place of drawn ones, from the command line and from a preset.
 
-use crate::program::Folder;
+use crate::program::{Folder, fixture_picture};
 
 const SMALL: [&str; 6] = ["--set", "points=100", "--set", "bark_size=32", "--set", "leaf_size=32"];
 
@@ -88,6 +88,65 @@ fn a_png_replaces_bark_and_leaves_and_comes_back_with_the_recipe() {
     };
     assert!(faces("again.obj") == faces("mine.obj"), "the recipe grows another tree");
     assert!(map(&folder, "again.mtl", "bark", "map_Kd") == map(&folder, "mine.mtl", "bark", "map_Kd"));
+}
+
+/// As `tests/fixtures/pictures/make.py` has them, in quarters.
+const COLORS: [[u8; 3]; 4] = [[200, 40, 30], [40, 160, 60], [30, 60, 190], [230, 220, 90]];
+
+/// What the material of the leaves shows in the middle of each quarter, with its alpha.
+fn quarters(folder: &Folder, leaf: &str) -> [[u8; 4]; 4] {
+    let picture = format!("leaf_picture={leaf}");
+    let command = ["export", "dressed-simple", "-o", "leaf.obj", "--set", &picture];
+    folder.run(&[&command[..], &SMALL[..4]].concat()).done();
+    let (size, samples, bytes) = pixels(&map(folder, "leaf.mtl", "leaves", "map_Kd"));
+    assert_eq!(size, [16, 12], "{leaf}");
+    [(4, 3), (12, 3), (4, 9), (12, 9)].map(|(column, row)| {
+        let pixel = &bytes[(row * 16 + column) * samples..][..samples];
+        [pixel[0], pixel[1], pixel[2], if samples == 4 { pixel[3] } else { 255 }]
+    })
+}
+
+#[test]
+fn pictures_of_all_formats_are_read() {
+    let folder = Folder::new();
+    let grey = COLORS.map(|[r, ..]| [r; 3]);
+    // How far a lossy picture may be off.
+    for (file, colors, has_hole, off) in [
+        ("baseline.jpg", COLORS, false, 3),
+        ("subsampled.jpg", COLORS, false, 3),
+        ("progressive.jpg", COLORS, false, 3),
+        ("grey.jpg", grey, false, 2),
+        ("turned.jpg", COLORS, false, 3),
+        ("lossy.webp", COLORS, false, 6),
+        ("lossy-alpha.webp", COLORS, true, 6),
+        ("lossless.webp", COLORS, false, 0),
+        ("lossless-alpha.webp", COLORS, true, 0),
+        ("turned.webp", COLORS, false, 0),
+        ("colors.tga", COLORS, false, 0),
+        ("runs.tga", COLORS, true, 0),
+        ("old.tga", COLORS, false, 0),
+        ("palette.tga", COLORS, false, 0),
+        ("grey.tga", grey, false, 0),
+        ("grey.png", grey, false, 0),
+        ("grey16.png", grey, false, 0),
+        ("palette.png", COLORS, true, 0),
+        ("turned.png", COLORS, false, 0),
+    ] {
+        folder.write(file, fixture_picture(file));
+        let found = quarters(&folder, file);
+        for (index, (pixel, color)) in found.into_iter().zip(colors).enumerate() {
+            let is_hole = has_hole && index == 3;
+            assert_eq!(pixel[3], if is_hole { 0 } else { 255 }, "{file}, quarter {index}");
+            // What colour a hole has is for each format to say.
+            let near = is_hole || (0..3).all(|i| pixel[i].abs_diff(color[i]) <= off);
+            assert!(near, "{file}, quarter {index}: {pixel:?} for {color:?}");
+        }
+    }
+    // The content counts, not the name, but for a TGA without a mark.
+    folder.write("a.png", fixture_picture("baseline.jpg"));
+    folder.write("b.jpg", fixture_picture("runs.tga"));
+    assert_eq!(quarters(&folder, "a.png"), quarters(&folder, "baseline.jpg"));
+    assert_eq!(quarters(&folder, "b.jpg"), quarters(&folder, "runs.tga"));
 }
 
 #[test]

@@ -253,7 +253,8 @@ pub const TERMINAL: &[&str] = &[
     "\x1b[I",
     "\x1b[O",
 ];
-/// Chunks of PNG files and pieces of their headers.
+
+/// Pieces of PNG, JPEG, WebP and TGA files.
 pub const PICTURE: &[&str] = &[
     "\u{0}\u{0}\u{0}\rIHDR",
     "IDAT",
@@ -269,4 +270,11 @@ pub const PICTURE: &[&str] = &[
     "\u{1}",
     "\u{10}\u{6}",
     "\u{8}\u{3}",
+    "VP8 ",
+    "VP8L",
+    "VP8X",
+    "ALPH",
+    "EXIF",
+    "Exif\u{0}\u{0}",
+    "TRUEVISION-XFILE.\u{0}",
 ];

@@ -3,11 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use linden_exporters::{Bundle, ExportError, MadeFolders, make_folders};
+use linden::Monitor;
+use linden::memory::OverMemory;
+use linden::picture::{PNG_BYTES_PER_PIXEL, Picture, PictureFormat};
+use linden_exporters::{Bundle, ExportError, MadeFolders, make_folders, plain_stem};
+use linden_raster::Size;
+use linden_raster::memory::admit_png;
 
 use crate::exit::{ReaderGone, usage};
 use crate::progress::Progress;
-use linden_exporters::plain_stem;
 
 /// How files come into their places.
 #[derive(Args)]
@@ -74,47 +78,86 @@ pub fn waiting(pipe: &str) -> String {
     format!("{pipe} is a pipe that no program reads yet; waiting for one")
 }
 
-/// A PNG file that is to be, with its folders.
-pub struct PngTarget {
+/// A picture's file that is to be, with its folders.
+pub struct PictureTarget {
     bundle: Bundle,
+    format: PictureFormat,
     is_stdout: bool,
     folders: Vec<MadeFolders>,
 }
 
-impl PngTarget {
-    /// Tries the place. In a folder the file has the name of what it shows.
+impl PictureTarget {
+    /// Tries the place. In a folder the file has the name of what it shows, and is a PNG.
     pub fn open(target: &Path, name: &str, placing: &Placing) -> anyhow::Result<Self> {
-        let path = if is_folder(target) {
-            target.join(format!("{}.png", plain_stem(name)))
-        } else {
-            target.to_owned()
-        };
-        let is_png = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
+        let path = in_folder(target, || format!("{}.png", plain_stem(name)));
         // Devices and pipes have fixed names; any other file would be lost to a typing mistake.
-        let is_stream = path.metadata().is_ok_and(|meta| !meta.is_file() && !meta.is_dir());
-        if !is_png && !is_stream && !is_dash(&path) {
-            return Err(usage(format!(
-                "previews are PNG files: name it like {}.png",
-                crate::paths::show(&path)
-            )));
-        }
+        let is_stream = || path.metadata().is_ok_and(|meta| !meta.is_file() && !meta.is_dir());
+        let format = match PictureFormat::of_name(&path) {
+            Some(format) => format,
+            None if is_dash(&path) || is_stream() => PictureFormat::Png,
+            None => return Err(usage(unknown_ending(&path))),
+        };
         let folders = placing.folders([path.as_path()])?;
         let bundle = placing.bundle(&path).map_err(explained)?;
-        Ok(Self { bundle, is_stdout: is_dash(&path), folders })
+        Ok(Self { bundle, format, is_stdout: is_dash(&path), folders })
     }
 
-    /// Writes the file and puts it in its place.
-    pub fn write(self, png: &[u8], progress: &Progress) -> anyhow::Result<()> {
-        let Self { mut bundle, is_stdout, folders } = self;
+    /// Asks for what a picture of this size takes while it is written, beside `held_bytes`.
+    pub fn admit(&self, size: Size, held_bytes: u64, monitor: &dyn Monitor) -> Result<(), OverMemory> {
+        let pixels = u64::from(size.width()) * u64::from(size.height());
+        let beyond_png = self.format.encoding_bytes_per_pixel().saturating_sub(PNG_BYTES_PER_PIXEL);
+        admit_png(size, held_bytes.saturating_add(pixels * beyond_png), monitor)
+    }
+
+    /// Writes the file, with the recipe of what it shows, and puts it in its place.
+    pub fn write(self, picture: &Picture, recipe: Option<&str>, progress: &Progress) -> anyhow::Result<()> {
+        let Self { mut bundle, format, is_stdout, folders } = self;
+        let bytes = picture.preview(format, recipe)?;
+        progress.clear();
+        super::notes(&losses(picture, format, recipe), progress);
         if let Some(pipe) = bundle.unread_pipe() {
             super::notes(&[waiting(pipe)], progress);
         }
-        let done = bundle.write_main(Some(png.len() as u64), progress, |sink| sink.write(png));
+        let done = bundle.write_main(Some(bytes.len() as u64), progress, |sink| sink.write(&bytes));
         done.map_err(if is_stdout { as_sole_output } else { explained })?;
         bundle.commit().map_err(explained)?;
         folders.into_iter().for_each(MadeFolders::keep);
         Ok(())
     }
+}
+
+/// The file is not known for a picture by its name.
+fn unknown_ending(path: &Path) -> String {
+    let known: Vec<String> = PictureFormat::ALL
+        .iter()
+        .map(|format| {
+            let endings: Vec<String> = format.endings().iter().map(|ending| format!(".{ending}")).collect();
+            format!("{} ({})", format.name(), endings.join(", "))
+        })
+        .collect();
+    format!(
+        "the ending of {} is none of a picture's: {}; name it like {0}.png",
+        crate::paths::show(path),
+        known.join(", ")
+    )
+}
+
+/// What a format leaves out of a picture.
+fn losses(picture: &Picture, format: PictureFormat, recipe: Option<&str>) -> Vec<String> {
+    let mut losses = Vec::new();
+    if !format.has_alpha() && !picture.is_opaque() {
+        losses.push(format!(
+            "{} has no transparency: the background is white; write .png or .webp to keep it transparent",
+            format.name()
+        ));
+    }
+    if recipe.is_some_and(|recipe| !format.has_room_for(recipe)) {
+        losses.push(format!(
+            "the recipe is left out, {} has no room for one so long: write .png or .webp to carry it",
+            format.name()
+        ));
+    }
+    losses
 }
 
 /// Where a file goes that is called `name` in a folder.

@@ -1,4 +1,4 @@
-//! `linden preview`: a picture of the skeleton or the surface, in the terminal or as PNG.
+//! `linden preview`: a picture of the skeleton or the surface, in the terminal or as a file.
 
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -12,7 +12,6 @@ use linden::grow::Grown;
 use linden::monitor::Holding;
 use linden::picture::Picture;
 use linden::scene::Scene;
-use linden_raster::memory::admit_png;
 use linden_raster::{Background, Camera, Paint, Size, Style, Surface, draw_skeleton, draw_surface};
 use linden_terminal::graphics::encode;
 use linden_terminal::probe::{Environment, Graphics, Overrides};
@@ -21,7 +20,7 @@ use linden_terminal::{
 };
 use ratatui::layout::Rect;
 
-use super::placing::{Placing, PngTarget, is_folder};
+use super::placing::{PictureTarget, Placing, is_folder};
 use super::{GrowArgs, workbench};
 use crate::exit::usage;
 use crate::forecast::{Outlook, announce};
@@ -29,7 +28,7 @@ use crate::progress::Progress;
 use crate::source::Source;
 use crate::viewpoint::broad_side;
 
-/// Draw a source: in the terminal, or as a PNG file
+/// Draw a source: in the terminal, or as a picture's file
 #[derive(Args)]
 pub struct Preview {
     #[command(flatten)]
@@ -38,8 +37,9 @@ pub struct Preview {
     #[command(flatten)]
     budget: super::Budget,
 
-    /// Write a PNG file, or SOURCE.png into a directory; - is standard output
-    #[arg(short, long, value_name = "FILE.png")]
+    /// Write a picture in the format of its ending (.png, .jpg, .jpeg, .webp), or SOURCE.png into a directory;
+    /// - is standard output, as PNG
+    #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
     #[command(flatten)]
@@ -114,7 +114,7 @@ impl Preview {
         }
         let overrides = self.terminal.overrides()?;
         // A place that cannot be written to is found before anything grows.
-        let open = |path: &Path, id: &str| PngTarget::open(path, id, &self.placing);
+        let open = |path: &Path, id: &str| PictureTarget::open(path, id, &self.placing);
         let named = self.output.as_deref().filter(|path| !is_folder(path));
         let mut target = named.map(|path| open(path, "")).transpose()?;
         let pairs: Vec<_> = self.growing.pairs()?.into_iter().chain(self.budget.pair()).collect();
@@ -128,9 +128,9 @@ impl Preview {
         if let Some(folder) = self.output.as_deref().filter(|path| is_folder(path)) {
             target = Some(open(folder, &source.recipe.preset.id)?);
         }
-        if target.is_some() {
+        if let Some(target) = &target {
             let (width, height) = self.size.unwrap_or(FILE_SIZE);
-            admit_png(Size::new(width, height).map_err(usage)?, 0, &progress)?;
+            target.admit(Size::new(width, height).map_err(usage)?, 0, &progress)?;
         }
         if let Some(outlook) = Outlook::of(&source.recipe, &progress) {
             let (width, height) = self.size.filter(|_| target.is_some()).unwrap_or(FILE_SIZE);
@@ -190,10 +190,8 @@ impl Preview {
             return super::print(&draw_cells(&image, columns, rows, &style));
         };
         let picture = draw(Style::studio(), self.size.unwrap_or(FILE_SIZE))?;
-        admit_png(Size::new(picture.width(), picture.height())?, sitter.bytes(), &progress)?;
-        let png = picture.srgb_png_of(&source.recipe.to_line())?;
-        progress.clear();
-        target.write(&png, &progress)
+        target.admit(Size::new(picture.width(), picture.height())?, sitter.bytes(), &progress)?;
+        target.write(&picture, Some(&source.recipe.to_line()), &progress)
     }
 }
 

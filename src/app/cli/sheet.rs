@@ -2,15 +2,13 @@
 
 use std::path::PathBuf;
 
-use anyhow::Context;
 use clap::Args;
 use linden::monitor::Holding;
 use linden::picture::Picture;
 use linden::preset::builtins;
-use linden_raster::memory::admit_png;
 use linden_raster::{Camera, Size, Style};
 
-use super::placing::{Placing, PngTarget};
+use super::placing::{PictureTarget, Placing};
 use super::preview::{PreviewLook, PreviewSubject, size};
 use crate::exit::usage;
 use crate::forecast::{Outlook, announce};
@@ -18,7 +16,7 @@ use crate::progress::Progress;
 use crate::source;
 use crate::viewpoint::broad_side;
 
-/// Draw several trees side by side on one PNG file
+/// Draw several trees side by side on one picture
 #[derive(Args)]
 pub struct Sheet {
     /// Presets' ids or files, in the order of the sheet
@@ -29,8 +27,9 @@ pub struct Sheet {
     #[arg(long, value_name = "GROUP", add = super::complete::groups())]
     group: Vec<String>,
 
-    /// Write this PNG file, or sheet.png into a directory; - is standard output
-    #[arg(short, long, value_name = "FILE.png")]
+    /// Write this picture in the format of its ending (.png, .jpg, .jpeg, .webp), or sheet.png into a directory;
+    /// - is standard output, as PNG
+    #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 
     #[command(flatten)]
@@ -65,7 +64,7 @@ pub struct Sheet {
 impl Sheet {
     pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
-        let target = PngTarget::open(&self.output, "sheet", &self.placing)?;
+        let target = PictureTarget::open(&self.output, "sheet", &self.placing)?;
         let sources = self.sources()?;
         let mut settings = super::pairs(&self.settings)?;
         settings.extend(self.lods.as_deref().filter(|text| !text.is_empty()).map(super::lods));
@@ -95,7 +94,7 @@ impl Sheet {
         let whole = Size::new(columns.saturating_mul(width), rows.saturating_mul(height)).map_err(usage)?;
         let cell = Size::new(width, height).map_err(usage)?;
 
-        admit_png(whole, 0, &progress)?;
+        target.admit(whole, 0, &progress)?;
         let holding = Holding::new(&progress, u64::from(whole.width()) * u64::from(whole.height()) * 4);
         let mut sheet = Mosaic::new(whole.width(), whole.height());
         let mut place = 0;
@@ -130,9 +129,7 @@ impl Sheet {
                 place += levels as u32;
             }
         }
-        let png = sheet.finish().srgb_png().context("compressing the sheet")?;
-        progress.clear();
-        target.write(&png, &progress)
+        target.write(&sheet.finish(), None, &progress)
     }
 
     /// What is asked for: groups first, then the sources.

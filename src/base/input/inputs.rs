@@ -7,14 +7,11 @@ use glam::DVec3;
 use xxhash_rust::xxh3::xxh3_128;
 
 use super::{
-    InputError, InputKind, PlyData, TriangleMesh, Up, UserPicture, read_obj, read_picture, read_ply,
+    InputError, InputKind, PlyData, TriangleMesh, Up, UserPicture, picture, read_obj, read_picture, read_ply,
     read_xyz, sniff,
 };
 use crate::memory::bytes_of;
 use crate::monitor::Monitor;
-
-/// How a PNG begins.
-const PNG: &[u8] = b"\x89PNG";
 
 /// Files that were read, by the names that settings have for them.
 ///
@@ -117,15 +114,15 @@ impl Input {
         }
     }
 
-    /// Reads a mesh (OBJ, PLY with faces), points (PLY without, XYZ) or a picture (PNG). The file's name
-    /// decides only where its content fits two kinds.
+    /// Reads a mesh (OBJ, PLY with faces), points (PLY without, XYZ) or a picture (PNG, JPEG, WebP,
+    /// TGA). The file's name decides only where its content does not: between two kinds, and that it is TGA.
     ///
     /// # Errors
     /// Anything that is wrong with the file, and files of other kinds.
     pub fn read(name: &str, bytes: &[u8], monitor: &dyn Monitor) -> Result<Self, InputError> {
         // Whatever claims to be a picture is read as one: the picture's reader says best what it is not.
-        if bytes.starts_with(PNG) || name.to_ascii_lowercase().ends_with(".png") {
-            let geometry = Geometry::Picture(Arc::new(read_picture(bytes, monitor)?));
+        if picture::claims_to_be_picture(name, bytes) {
+            let geometry = Geometry::Picture(Arc::new(read_picture(name, bytes, monitor)?));
             return Ok(Self { hash: xxh3_128(bytes), up: Up::Y, geometry });
         }
         let (up, geometry) = match sniff(bytes, name)? {
@@ -141,7 +138,7 @@ impl Input {
             }
             InputKind::XyzPoints => (Up::Z, Geometry::Points(Arc::new(read_xyz(bytes, monitor)?))),
             InputKind::Preset | InputKind::Grammar | InputKind::Recipe => {
-                let looks = "is a preset, grammar or recipe; expected a mesh (OBJ, PLY), points (PLY, XYZ) or a picture (PNG)";
+                let looks = "is a preset, grammar or recipe; expected a mesh (OBJ, PLY), points (PLY, XYZ) or a picture";
                 return Err(InputError::Unknown { looks });
             }
         };

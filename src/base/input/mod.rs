@@ -1,9 +1,10 @@
-//! What users bring: crown meshes and scanned points, as bytes.
+//! What users bring: crown meshes, scanned points and pictures, as bytes.
 //!
 //! [`sniff`] tells by the content what a file is; [`read_obj`], [`read_ply`] and [`read_xyz`] read
-//! geometry. Bytes come in, values go out: no file is opened here. Nothing that a header or an
-//! index claims is believed before the bytes for it have been seen, so memory stays within a
-//! small multiple of the file, and any sequence of bytes gives a value or an [`InputError`].
+//! geometry, [`read_picture`] pixels. Bytes come in, values go out: no file is opened here. Nothing that a
+//! header or an index claims is believed before the bytes for it have been seen, so memory stays within a
+//! small multiple of the file (of a picture: of its pixels, which are asked for), and any sequence of bytes
+//! gives a value or an [`InputError`].
 //!
 //! Positions are `f64` as the file has them; [`Up::to_y_up`] turns them and [`recenter`] takes them
 //! near the origin, where growth's `f32` resolves tenths of a millimetre.
@@ -19,7 +20,7 @@ use glam::DVec3;
 
 pub use inputs::{Geometry, Input, Inputs};
 pub use obj::read_obj;
-pub use picture::{UserPicture, UserPictureError, read_picture};
+pub use picture::{A_PICTURE, UserPicture, UserPictureError, read_picture};
 pub use ply::{PlyData, read_ply};
 pub use sniff::{InputKind, sniff};
 pub use xyz::read_xyz;

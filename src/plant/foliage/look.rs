@@ -8,6 +8,7 @@ use super::mesh::FoliageError;
 use crate::Specimen;
 use crate::settings::{Arrangement, Edge, Form, LeafKind};
 use crate::texture::leaf::{self, Cell, LeafLook, LeafPictures, Margin, TwigLook};
+use linden_base::input::A_PICTURE;
 use linden_base::monitor::Monitor;
 use linden_base::picture::Picture;
 
@@ -44,7 +45,7 @@ pub fn cover(
 ) -> Result<Cover, FoliageError> {
     if let Some(file) = &kind.picture {
         let Some(found) = specimen.picture(file) else {
-            return Err(FoliageError::WrongInput { file: file.clone(), expected: "a picture (PNG)" });
+            return Err(FoliageError::WrongInput { file: file.clone(), expected: A_PICTURE });
         };
         return Ok(Cover {
             base_color: Arc::clone(&found.picture),

@@ -47,12 +47,12 @@ impl BarkSettings {
     pub const FILES: [FileKey<Self>; 2] = [
         file_key!(
             "bark_picture",
-            "in place of the drawn picture: a PNG file that tiles, relative to the preset's",
+            "in place of the drawn picture: a PNG, JPEG, WebP or TGA file that tiles, relative to the preset's",
             picture
         ),
         file_key!(
             "bark_normal",
-            "in place of the drawn normals: a PNG file, OpenGL convention; without it those of bark_picture follow its lightness, bark_relief deep",
+            "in place of the drawn normals: such a file, OpenGL convention; without it those of bark_picture follow its lightness, bark_relief deep",
             normal
         ),
     ];

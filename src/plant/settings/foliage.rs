@@ -205,7 +205,7 @@ impl LeafKind {
         file_key!("leaf_mesh", "for leaf_form=mesh: an OBJ file, relative to the preset's", mesh),
         file_key!(
             "leaf_picture",
-            "in place of the drawn picture: a PNG file, relative to the preset's",
+            "in place of the drawn picture: a PNG, JPEG, WebP or TGA file, relative to the preset's; its alpha cuts the leaf out",
             picture
         ),
     ];

@@ -1,2 +1,0 @@
-#![no_main]
-linden_fuzz::fuzz!("png");
