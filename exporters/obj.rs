@@ -96,18 +96,16 @@ impl Exporter for Obj {
             // By what they are called, and the file of each.
             let mut cuts: Vec<(String, String)> = Vec::new();
             for NamedMaterial { material, .. } in &distinct.materials {
-                let suffix = cut_out(material, &pictures);
-                let Some(suffix) = suffix.filter(|suffix| cuts.iter().all(|(known, _)| known != suffix))
-                else {
+                let stem = cut_out(material, &pictures);
+                let Some(stem) = stem.filter(|stem| cuts.iter().all(|(known, _)| known != stem)) else {
                     continue;
                 };
                 let Some(picture) = &material.base_color_picture else { continue };
                 let opacity = Arc::new(opacity(picture));
-                let opacities =
-                    [NamedPicture { suffix: suffix.clone(), picture: &opacity, wrap: material.wrap }];
-                for png in pictures::compress(&opacities)? {
-                    let file = bundle.write_picture(&suffix, png, monitor)?;
-                    cuts.push((suffix.clone(), file));
+                let opacities = [NamedPicture::png(&stem, &opacity, material.wrap)];
+                for (named, png) in opacities.iter().zip(pictures::compress(&opacities)?) {
+                    let file = bundle.write_picture(&named.suffix, png, monitor)?;
+                    cuts.push((stem.clone(), file));
                 }
             }
             let mtl = material_library(&distinct.materials, &pictures, &files, &cuts);
@@ -253,11 +251,11 @@ fn write_lines(
     })
 }
 
-/// What the opacity of a material is called, where it has one that is written.
+/// What the opacity of a material is called, but for the ending, where it has one that is written.
 fn cut_out(material: &Material, pictures: &[NamedPicture<'_>]) -> Option<String> {
     material.cutout?;
     let color = &pictures[pictures::index_of(pictures, material.base_color_picture.as_ref())?];
-    Some(color.suffix.replace(".png", "_opacity.png"))
+    Some(format!("{}_opacity", color.stem()))
 }
 
 /// The alpha of a picture in all its channels: readers of `map_d` take the alpha, the green or the mean.
@@ -290,7 +288,7 @@ fn material_library(
             mtl += &format!("map_Kd {file}\n");
         }
         let cut = cut_out(material, pictures);
-        if let Some((_, file)) = cuts.iter().find(|(suffix, _)| Some(suffix) == cut.as_ref()) {
+        if let Some((_, file)) = cuts.iter().find(|(stem, _)| Some(stem) == cut.as_ref()) {
             mtl += &format!("map_d {file}\n");
         }
         if let Some(file) = file(normal_picture.as_ref()) {

@@ -293,6 +293,32 @@ pub(super) struct TextureTransform {
 #[derive(Serialize)]
 pub(super) struct Texture {
     pub sampler: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub source: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extensions: Option<TextureSources>,
+}
+
+impl Texture {
+    /// A picture of a format that glTF itself knows.
+    pub const fn new(sampler: usize, source: usize) -> Self {
+        Self { sampler, source: Some(source), extensions: None }
+    }
+
+    /// A WebP picture, and none for readers that do not know the extension: it would double the file.
+    pub const fn of_webp(sampler: usize, source: usize) -> Self {
+        Self { sampler, source: None, extensions: Some(TextureSources { webp: WebpSource { source } }) }
+    }
+}
+
+#[derive(Serialize)]
+pub(super) struct TextureSources {
+    #[serde(rename = "EXT_texture_webp")]
+    pub webp: WebpSource,
+}
+
+#[derive(Serialize)]
+pub(super) struct WebpSource {
     pub source: usize,
 }
 

@@ -127,11 +127,8 @@ impl<'a> Writing<'a> {
         let mut pictures =
             if options.is_on("pictures") { pictures::of_materials(&distinct.materials) } else { Vec::new() };
         if !pictures.is_empty() {
-            pictures.extend(stage.setting.as_ref().map(|setting| NamedPicture {
-                suffix: SKY.to_owned(),
-                picture: &setting.sky.picture,
-                wrap: Wrap::Clamp,
-            }));
+            let skies = stage.setting.iter().map(|setting| &setting.sky.picture);
+            pictures.extend(skies.map(|sky| NamedPicture::png(SKY, sky, Wrap::Clamp)));
         }
         let with_skeleton = options.is_on("skeleton") && !is_ar;
         Ok(Self { stage, distinct, pictures, files: Vec::new(), sky: None, with_skeleton, with_instances })
@@ -140,7 +137,7 @@ impl<'a> Writing<'a> {
     /// Says what each picture's file is called.
     fn name_files(&mut self, files: Vec<String>) {
         self.files = files;
-        let is_sky = self.pictures.last().is_some_and(|named| named.suffix == SKY);
+        let is_sky = self.pictures.last().is_some_and(|named| named.stem() == SKY);
         self.sky = self.files.last().filter(|_| is_sky).cloned();
     }
 
@@ -150,8 +147,8 @@ impl<'a> Writing<'a> {
     }
 }
 
-/// The suffix of the sky's picture.
-const SKY: &str = "_sky.png";
+/// What the name of the sky's picture ends with, but for its ending.
+const SKY: &str = "_sky";
 
 impl Exporter for Usda {
     fn format(&self) -> &'static Format {

@@ -2,7 +2,6 @@
 
 use linden_pipeline::Monitor;
 use linden_pipeline::memory::bytes_of;
-use linden_pipeline::picture::PNG_BYTES_PER_PIXEL;
 use linden_pipeline::scene::Mesh;
 use linden_pipeline::stage::Stage;
 
@@ -21,8 +20,10 @@ pub fn admit(
     more: u64,
     monitor: &dyn Monitor,
 ) -> Result<(), ExportError> {
-    let compressing: u64 =
-        pictures.iter().map(|named| named.picture.rgba().len() as u64 / 4 * PNG_BYTES_PER_PIXEL).sum();
+    let each = |named: &NamedPicture<'_>| {
+        named.picture.rgba().len() as u64 / 4 * named.format.encoding_bytes_per_pixel()
+    };
+    let compressing: u64 = pictures.iter().map(each).sum();
     let bytes = stage.bytes().saturating_add(compressing).saturating_add(more);
     Ok(monitor.admit("writing the files", bytes, "lower sides or bark_size, or grow a smaller tree")?)
 }

@@ -1,7 +1,7 @@
 //! What formats are written with: the tools of linden's formats, for those of others.
 //!
 //! Takes a stage and gives what a file wants: meshes and materials each once ([`distinct`]), checked
-//! ([`validate`]), pictures as PNG ([`pictures`]), and millions of records in parallel ([`records`]).
+//! ([`validate`]), pictures as files ([`pictures`]), and millions of records in parallel ([`records`]).
 //! Memory is asked for before it is taken ([`memory`]), and what a format cannot hold is noted ([`fit`]).
 //! Nothing here opens a file: a [`Bundle`](crate::Bundle) does.
 //!

@@ -132,6 +132,55 @@ fn gltf_reads_the_same_scene_in_every_packing() {
 }
 
 #[test]
+fn gltf_stores_colors_in_the_format_that_was_asked_for() {
+    let dir = tempfile::tempdir().unwrap();
+    let scene = scene(5, 7);
+    let color = scene.materials[0].base_color_picture.as_ref().unwrap();
+    for (word, ending, off) in [("png", "png", 0), ("jpeg", "jpg", 12), ("webp", "webp", 0)] {
+        let target = dir.path().join(format!("{word}.gltf"));
+        export(&scene, "gltf", &[("picture_format", word)], &target).unwrap();
+        let document: serde_json::Value = serde_json::from_slice(&fs::read(&target).unwrap()).unwrap();
+        let uris: Vec<&str> = document["images"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|image| image["uri"].as_str().unwrap())
+            .collect();
+        assert_eq!(uris, [format!("{word}_bark.{ending}"), format!("{word}_bark_normal.png")]);
+        assert_eq!(document["images"][0]["mimeType"], format!("image/{word}"));
+        assert_eq!(document["images"][0]["name"], "bark");
+        let is_webp = word == "webp";
+        for key in ["extensionsUsed", "extensionsRequired"] {
+            let named =
+                document[key].as_array().is_some_and(|all| all.iter().any(|e| e == "EXT_texture_webp"));
+            assert_eq!(named, is_webp, "{word}: {key}");
+        }
+        let texture = &document["textures"][0];
+        assert_eq!(texture.get("source").is_none(), is_webp);
+        let source =
+            if is_webp { &texture["extensions"]["EXT_texture_webp"]["source"] } else { &texture["source"] };
+        assert_eq!(source, 0);
+
+        let file = fs::read(dir.path().join(uris[0])).unwrap();
+        let found = linden::input::read_picture("", &file, &linden::Quiet).unwrap().picture;
+        assert_eq!((found.width(), found.height()), (color.width(), color.height()));
+        // Far from an edge of colours, where JPEG is near.
+        let most = found.rgba().iter().zip(color.rgba()).map(|(a, b)| a.abs_diff(*b));
+        let mean = most.map(u64::from).sum::<u64>() / found.rgba().len() as u64;
+        assert!(mean <= off, "{word}: off by {mean}");
+    }
+    // The pictures inside the file are the same.
+    for word in ["jpeg", "webp"] {
+        let target = dir.path().join(format!("{word}.glb"));
+        export(&scene, "glb", &[("picture_format", word)], &target).unwrap();
+        let ending = if word == "jpeg" { "jpg" } else { word };
+        let beside = fs::read(dir.path().join(format!("{word}_bark.{ending}"))).unwrap();
+        let whole = fs::read(&target).unwrap();
+        assert!(whole.windows(beside.len()).any(|bytes| bytes == beside), "{word}");
+    }
+}
+
+#[test]
 fn indices_are_short_where_they_fit_and_never_65535() {
     let dir = tempfile::tempdir().unwrap();
     let target = dir.path().join("tree.glb");

@@ -8,9 +8,11 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use linden::dress::dress;
 use linden::grow::{GrowError, grow};
+use linden::input::read_picture;
 use linden::memory::{Bytes, OverMemory, SLACK_BYTES};
 use linden::monitor::Holding;
 use linden::monitor::Phase;
+use linden::picture::{Picture, PictureFormat};
 use linden::preset::{Preset, builtin, builtins};
 use linden::recipe::{Geometry, Input, Recipe};
 use linden::surface::sweep;
@@ -144,6 +146,7 @@ fn spread() -> Vec<(String, Recipe)> {
 #[test]
 fn no_stage_takes_more_than_it_forecast() {
     let mut faults = Vec::new();
+    pictures(&mut faults);
     // Threads, tables and the like are made once.
     let first = turned("fir", &[]);
     dress(&first, &grow(&first, &Quiet).unwrap(), &Quiet).unwrap();
@@ -194,9 +197,10 @@ fn no_stage_takes_more_than_it_forecast() {
         let target = tempfile::tempdir().unwrap();
         for exporter in REGISTRY {
             let format = exporter.format();
-            let scene = drop_pngs(&scene);
-            let compressed = Some(("compress", "meshopt")).filter(|_| format.id == "glb");
-            for setting in [None].into_iter().chain(compressed.map(Some)) {
+            let turned = [("compress", "meshopt"), ("picture_format", "jpeg"), ("picture_format", "webp")];
+            let turned = turned.into_iter().filter(|_| format.id == "glb");
+            for setting in [None].into_iter().chain(turned.map(Some)) {
+                let scene = drop_pngs(&scene);
                 let mut options = Options::new(format);
                 if let Some((name, value)) = setting {
                     options.set(name, value).unwrap();
@@ -237,6 +241,37 @@ fn no_stage_takes_more_than_it_forecast() {
         assert!(refused.to_string().contains("more than the memory limit of 8.00 MiB"), "{refused}");
         assert!(peak <= limit + SLACK_BYTES, "{}: {refused}", Bytes(peak));
     }
+}
+
+/// Writing and reading pictures of noise, which no format makes small.
+fn pictures(faults: &mut Vec<String>) {
+    let (width, height) = (1600, 1200);
+    let pixels = u64::from(width * height);
+    let noise = |seed: u32| (seed.wrapping_mul(0x9e37_79b9) >> 13) as u8;
+    for alpha in [0, 255] {
+        let rgba: Vec<u8> = (0..pixels as u32)
+            .flat_map(|i| [noise(3 * i), noise(3 * i + 1), noise(3 * i + 2), alpha | i as u8])
+            .collect();
+        let picture = Picture::new(width, height, rgba);
+        for format in PictureFormat::ALL {
+            let (file, peak, _) = measured(0, |_| picture.preview(format, None).unwrap());
+            let forecast = pixels * format.encoding_bytes_per_pixel();
+            compare(&format!("{} of noise, {alpha}: writing", format.name()), peak, forecast, faults);
+            read(&format!("{} of noise, {alpha}", format.name()), &file, faults);
+        }
+    }
+    let mut deep = Vec::new();
+    let mut encoder = png::Encoder::new(&mut deep, width, height);
+    encoder.set_color(png::ColorType::Rgba);
+    encoder.set_depth(png::BitDepth::Sixteen);
+    encoder.write_header().unwrap().write_image_data(&vec![7; 8 * pixels as usize]).unwrap();
+    read("PNG of 16 bits", &deep, faults);
+}
+
+fn read(what: &str, file: &[u8], faults: &mut Vec<String>) {
+    let (found, peak, forecast) = measured(0, |monitor| read_picture("", file, monitor));
+    found.unwrap();
+    compare(&format!("{what}: reading"), peak, forecast, faults);
 }
 
 /// The same scene with pictures that are not compressed yet.

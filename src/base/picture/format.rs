@@ -17,7 +17,8 @@ pub enum PictureFormat {
     Png,
     /// Small and lossy, without alpha.
     Jpeg,
-    /// With alpha, and smaller than PNG. Written without loss: the encoder has no lossy mode.
+    /// With alpha. Written without loss, for the encoder has no lossy mode: colours in a tenth to a fifth fewer
+    /// bytes than PNG has, as a rule.
     Webp,
 }
 
@@ -27,7 +28,6 @@ struct Facts {
     endings: &'static [&'static str],
     media_type: &'static str,
     has_alpha: bool,
-    is_lossless: bool,
     encoding_bytes_per_pixel: u64,
 }
 
@@ -42,7 +42,6 @@ impl PictureFormat {
                 endings: &["png"],
                 media_type: "image/png",
                 has_alpha: true,
-                is_lossless: true,
                 encoding_bytes_per_pixel: super::PNG_BYTES_PER_PIXEL,
             },
             Self::Jpeg => Facts {
@@ -50,7 +49,6 @@ impl PictureFormat {
                 endings: &["jpg", "jpeg"],
                 media_type: "image/jpeg",
                 has_alpha: false,
-                is_lossless: false,
                 // The file while it grows, and where there is alpha, the colours without it.
                 encoding_bytes_per_pixel: 8,
             },
@@ -59,7 +57,6 @@ impl PictureFormat {
                 endings: &["webp"],
                 media_type: "image/webp",
                 has_alpha: true,
-                is_lossless: true,
                 // The colours, twice; the picture's chunk while it grows, and the file.
                 encoding_bytes_per_pixel: 16,
             },
@@ -92,11 +89,6 @@ impl PictureFormat {
     /// Whether it says how opaque a pixel is.
     pub const fn has_alpha(self) -> bool {
         self.facts().has_alpha
-    }
-
-    /// Whether pixels come back as they were.
-    pub const fn is_lossless(self) -> bool {
-        self.facts().is_lossless
     }
 
     /// Bytes that are held for each pixel while a picture is encoded, besides those of the picture itself.
