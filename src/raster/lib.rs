@@ -36,7 +36,7 @@ mod strokes;
 use linden_pipeline::memory::OverMemory;
 
 pub use camera::{Camera, View};
-pub use drawing::Drawing;
+pub use drawing::{Drawing, draw_flat};
 pub use extent::Extent;
 pub use person::{PERSON_M, Person};
 pub use scale::nice_length_m;

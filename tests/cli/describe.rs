@@ -221,7 +221,7 @@ fn a_sheet_is_made_of_the_previews_of_its_trees() {
     let folder = Folder::new();
     let sheet =
         ["sheet", "fir", "older-a", "--seeds", "2", "--size", "60x70", "--columns", "3", "-o", "s.png"];
-    folder.run(&sheet).done();
+    folder.run(&[&sheet[..], &["--labels", "none"]].concat()).done();
     let (size, whole) = pixels(&folder.read("s.png"));
     assert_eq!(size, (180, 140));
     let channels = whole.len() / (180 * 140);
@@ -240,12 +240,63 @@ fn a_sheet_is_made_of_the_previews_of_its_trees() {
     let last = &whole[((70 * 180) + 120) * channels..][..3];
     assert_eq!(last, [255; 3], "nothing lies there");
 
+    // With labels each picture is the same, and has letters below it: a name, and a seed.
+    folder.run(&sheet).done();
+    let ((wide, high), labelled) = pixels(&folder.read("s.png"));
+    let below = high as usize / 2 - 70;
+    assert!(wide == 180 && high % 2 == 0 && below > 12, "{wide}x{high}");
+    let line = 180 * channels;
+    assert_eq!(labelled[..70 * line], whole[..70 * line]);
+    assert_eq!(labelled[(70 + below) * line..][..70 * line], whole[70 * line..]);
+    for place in 0..3 {
+        let inked = |rows: std::ops::Range<usize>| {
+            let columns = place * 60..(place + 1) * 60;
+            rows.flat_map(|y| columns.clone().map(move |x| (y * 180 + x) * channels))
+                .filter(|&at| labelled[at] < 110)
+                .count()
+        };
+        let middle = 70 + below / 2;
+        assert!(inked(70..middle) > 5 && inked(middle..70 + below) > 5, "two lines below tree {place}");
+    }
+
     let said = folder.run(&["sheet", "--group", "Weeds", "-o", "w.png"]);
     assert_eq!(said.code, Some(2));
     assert!(said.err.contains("Weeds") && said.err.contains("linden list"), "{}", said.err);
     let said = folder.run(&["sheet", "fir", "--seeds", "900", "-o", "w.png"]);
     assert_eq!(said.code, Some(2), "{}", said.err);
     assert_eq!(folder.names(), ["s.png"]);
+}
+
+#[test]
+fn flat_drawings_are_pictures_and_svg() {
+    let folder = Folder::new();
+    // A plane weed of ABOP: every segment is drawn, and its thickness does not vary much.
+    let flat = ["preview", "older-a", "--look", "turtle", "--size", "300x360"];
+    folder.run(&[&flat[..], &["-o", "flat.png"]].concat()).done();
+    let (size, rgb) = pixels(&folder.read("flat.png"));
+    assert_eq!((size, rgb.len()), ((300, 360), 300 * 360 * 3), "on paper");
+    assert_eq!(rgb[..3], [255; 3]);
+    let svg = |args: &[&str]| {
+        folder.run(&[&["preview", "older-a", "--size", "300x360", "-o", "a.svg"], args].concat()).done();
+        String::from_utf8(folder.read("a.svg")).unwrap()
+    };
+    let (usual, named) = (svg(&[]), svg(&["--look", "turtle"]));
+    assert_eq!(usual, named, "an SVG is a flat drawing");
+    assert!(usual.starts_with("<svg xmlns=") && usual.contains("viewBox=\"0 0 300 360\""));
+    assert!(usual.contains("<path ") && usual.contains("older-a"), "strokes, and the recipe");
+    // Other colours are other strokes.
+    assert_ne!(usual, svg(&["--color", "order"]));
+    for (args, expected) in [
+        (&["preview", "older-a", "--look", "surface", "-o", "b.svg"][..], "--look turtle"),
+        (&["preview", "fir", "--lod", "1", "-o", "b.svg"], "--lod is a level of the surface"),
+        (&["sheet", "older-a", "-o", "b.svg"], "linden preview"),
+        (&["preview", "older-a", "-o", "b.svgz"], ".svg"),
+    ] {
+        let said = folder.run(args);
+        assert_eq!(said.code, Some(2), "{args:?}");
+        assert!(said.err.contains(expected), "{args:?}: {}", said.err);
+    }
+    assert_eq!(folder.names(), ["a.svg", "flat.png"]);
 }
 
 #[test]
@@ -307,7 +358,7 @@ fn a_preview_is_in_the_format_of_its_ending_and_carries_its_recipe() {
     for file in ["a.jpg", "a.webp"] {
         assert_eq!(folder.run(&["recipe", file]).done().out, recipe, "{file}");
     }
-    folder.run(&["sheet", "fir", "--size", "40x40", "-o", "sheet.webp"]).done();
+    folder.run(&["sheet", "fir", "--size", "40x40", "--labels", "none", "-o", "sheet.webp"]).done();
     assert_eq!(read("sheet.webp").0, [40, 40]);
 }
 

@@ -201,7 +201,10 @@ fn a_sheet_of_levels_has_a_tree_in_each_row() {
         [16, 20].map(|at| u32::from_be_bytes(bytes[at..at + 4].try_into().unwrap()))
     };
     let sheet = |name: &str, args: &[&str]| {
-        let all = [&["sheet", "simple", "--seeds", "2", "--size", "40x50", "-o", name][..], args];
+        let all = [
+            &["sheet", "simple", "--seeds", "2", "--size", "40x50", "--labels", "none", "-o", name][..],
+            args,
+        ];
         fine(run(&folder, &all.concat()));
         size(name)
     };

@@ -7,9 +7,9 @@ use crate::program::Folder;
 #[test]
 fn a_picture_that_is_too_large_is_refused_before_anything_grows() {
     let folder = Folder::new();
-    for command in ["preview", "sheet"] {
+    for (command, labels) in [("preview", &[][..]), ("sheet", &["--labels", "none"])] {
         let args = [command, "simple", "-o", "a.png", "--size", "8000x8000", "--memory", "32M"];
-        let said = folder.run(&args);
+        let said = folder.run(&[&args[..], labels].concat());
         assert_eq!(said.code, Some(1), "{command}: {}", said.err);
         assert!(said.err.contains("drawing the picture would take 732 MiB"), "{command}: {}", said.err);
         assert!(said.err.contains("32.0 MiB") && said.err.contains("--size"), "{command}: {}", said.err);

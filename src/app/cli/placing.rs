@@ -78,10 +78,18 @@ pub fn waiting(pipe: &str) -> String {
     format!("{pipe} is a pipe that no program reads yet; waiting for one")
 }
 
+/// What a picture's file holds.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum PictureKind {
+    Pixels(PictureFormat),
+    /// Strokes.
+    Svg,
+}
+
 /// A picture's file that is to be, with its folders.
 pub struct PictureTarget {
     bundle: Bundle,
-    format: PictureFormat,
+    kind: PictureKind,
     is_stdout: bool,
     folders: Vec<MadeFolders>,
 }
@@ -89,36 +97,67 @@ pub struct PictureTarget {
 impl PictureTarget {
     /// Tries the place. In a folder the file has the name of what it shows, and is a PNG.
     pub fn open(target: &Path, name: &str, placing: &Placing) -> anyhow::Result<Self> {
+        let opened = Self::open_or_svg(target, name, placing)?;
+        if opened.is_svg() {
+            return Err(usage(format!(
+                "{} is no picture of pixels: an SVG is a single drawing, of 'linden preview'",
+                crate::paths::show(target)
+            )));
+        }
+        Ok(opened)
+    }
+
+    /// The same where an SVG can be written too.
+    pub fn open_or_svg(target: &Path, name: &str, placing: &Placing) -> anyhow::Result<Self> {
         let path = in_folder(target, || format!("{}.png", plain_stem(name)));
         // Devices and pipes have fixed names; any other file would be lost to a typing mistake.
         let is_stream = || path.metadata().is_ok_and(|meta| !meta.is_file() && !meta.is_dir());
-        let format = match PictureFormat::of_name(&path) {
-            Some(format) => format,
-            None if is_dash(&path) || is_stream() => PictureFormat::Png,
+        let is_svg = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("svg"));
+        let kind = match PictureFormat::of_name(&path) {
+            Some(format) => PictureKind::Pixels(format),
+            None if is_svg => PictureKind::Svg,
+            None if is_dash(&path) || is_stream() => PictureKind::Pixels(PictureFormat::Png),
             None => return Err(usage(unknown_ending(&path))),
         };
         let folders = placing.folders([path.as_path()])?;
         let bundle = placing.bundle(&path).map_err(explained)?;
-        Ok(Self { bundle, format, is_stdout: is_dash(&path), folders })
+        Ok(Self { bundle, kind, is_stdout: is_dash(&path), folders })
+    }
+
+    /// Whether it is to be an SVG.
+    pub fn is_svg(&self) -> bool {
+        self.kind == PictureKind::Svg
     }
 
     /// Asks for what a picture of this size takes while it is written, beside `held_bytes`.
     pub fn admit(&self, size: Size, held_bytes: u64, monitor: &dyn Monitor) -> Result<(), OverMemory> {
         let pixels = u64::from(size.width()) * u64::from(size.height());
-        let beyond_png = self.format.encoding_bytes_per_pixel().saturating_sub(PNG_BYTES_PER_PIXEL);
+        let PictureKind::Pixels(format) = self.kind else { return Ok(()) };
+        let beyond_png = format.encoding_bytes_per_pixel().saturating_sub(PNG_BYTES_PER_PIXEL);
         admit_png(size, held_bytes.saturating_add(pixels * beyond_png), monitor)
     }
 
     /// Writes the file, with the recipe of what it shows, and puts it in its place.
     pub fn write(self, picture: &Picture, recipe: Option<&str>, progress: &Progress) -> anyhow::Result<()> {
-        let Self { mut bundle, format, is_stdout, folders } = self;
+        let format = if let PictureKind::Pixels(format) = self.kind { format } else { PictureFormat::Png };
         let bytes = picture.preview(format, recipe)?;
         progress.clear();
         super::notes(&losses(picture, format, recipe), progress);
+        self.put(&bytes, progress)
+    }
+
+    /// Writes the text of an SVG, and puts it in its place.
+    pub fn write_svg(self, svg: &str, progress: &Progress) -> anyhow::Result<()> {
+        progress.clear();
+        self.put(svg.as_bytes(), progress)
+    }
+
+    fn put(self, bytes: &[u8], progress: &Progress) -> anyhow::Result<()> {
+        let Self { mut bundle, is_stdout, folders, .. } = self;
         if let Some(pipe) = bundle.unread_pipe() {
             super::notes(&[waiting(pipe)], progress);
         }
-        let done = bundle.write_main(Some(bytes.len() as u64), progress, |sink| sink.write(&bytes));
+        let done = bundle.write_main(Some(bytes.len() as u64), progress, |sink| sink.write(bytes));
         done.map_err(if is_stdout { as_sole_output } else { explained })?;
         bundle.commit().map_err(explained)?;
         folders.into_iter().for_each(MadeFolders::keep);
@@ -136,7 +175,7 @@ fn unknown_ending(path: &Path) -> String {
         })
         .collect();
     format!(
-        "the ending of {} is none of a picture's: {}; name it like {0}.png",
+        "the ending of {} is none of a picture's: {}, or SVG (.svg) for a flat drawing; name it like {0}.png",
         crate::paths::show(path),
         known.join(", ")
     )

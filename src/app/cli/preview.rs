@@ -12,7 +12,9 @@ use linden::grow::Grown;
 use linden::monitor::Holding;
 use linden::picture::Picture;
 use linden::scene::Scene;
-use linden_raster::{Background, Camera, Paint, Size, Style, Surface, draw_skeleton, draw_surface};
+use linden_raster::{
+    Background, Camera, Drawing, Paint, Size, Style, Surface, draw_flat, draw_skeleton, draw_surface,
+};
 use linden_terminal::graphics::encode;
 use linden_terminal::probe::{Environment, Graphics, Overrides};
 use linden_terminal::{
@@ -37,8 +39,8 @@ pub struct Preview {
     #[command(flatten)]
     budget: super::Budget,
 
-    /// Write a picture in the format of its ending (.png, .jpg, .jpeg, .webp), or SOURCE.png into a directory;
-    /// - is standard output, as PNG
+    /// Write a picture in the format of its ending (.png, .jpg, .jpeg, .webp, or .svg of a flat drawing), or
+    /// SOURCE.png into a directory; - is standard output, as PNG
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 
@@ -61,8 +63,8 @@ pub struct Preview {
     #[arg(long, default_value_t = 1.0, value_parser = zoom)]
     zoom: f32,
 
-    /// The skeleton's strokes, or the surface as it would be exported, which is usual for a plant whose
-    /// leaves have pictures
+    /// The skeleton's strokes; the surface as it would be exported, which is usual for a plant whose leaves
+    /// have pictures; or a flat drawing as in a book, which is usual for .svg
     #[arg(long, alias = "style", value_enum)]
     look: Option<PreviewLook>,
 
@@ -99,6 +101,7 @@ pub struct Preview {
 pub(super) enum PreviewLook {
     Skeleton,
     Surface,
+    Turtle,
 }
 
 /// Pixels of a file by default.
@@ -114,15 +117,16 @@ impl Preview {
         }
         let overrides = self.terminal.overrides()?;
         // A place that cannot be written to is found before anything grows.
-        let open = |path: &Path, id: &str| PictureTarget::open(path, id, &self.placing);
+        let open = |path: &Path, id: &str| PictureTarget::open_or_svg(path, id, &self.placing);
         let named = self.output.as_deref().filter(|path| !is_folder(path));
         let mut target = named.map(|path| open(path, "")).transpose()?;
         let pairs: Vec<_> = self.growing.pairs()?.into_iter().chain(self.budget.pair()).collect();
         let source = self.growing.resolve_with(&pairs, &progress)?;
-        let look = self.chosen_look();
-        if self.lod.is_some() && look == Some(PreviewLook::Skeleton) {
+        let is_svg = target.as_ref().is_some_and(PictureTarget::is_svg);
+        let look = self.chosen_look(is_svg)?;
+        if self.lod.is_some() && look.is_some_and(|look| look != PreviewLook::Surface) {
             return Err(usage(
-                "--lod is a level of the surface: leave out --look skeleton, --color, --points and --outline",
+                "--lod is a level of the surface: leave out --look, --color, --points and --outline, and .svg",
             ));
         }
         if let Some(folder) = self.output.as_deref().filter(|path| is_folder(path)) {
@@ -151,19 +155,20 @@ impl Preview {
             zoom: self.zoom,
             ..Camera::orbit(self.yaw.unwrap_or_else(|| broad_side(&grown.skeleton)), self.pitch)
         };
-        let draw = |style: Style<'_>, (width, height): (u32, u32)| -> anyhow::Result<Picture> {
-            let mut style = Style {
+        let styled = |style: Style<'static>| {
+            let style = Style {
                 paint: self.color.unwrap_or_default(),
                 points: points.unwrap_or_default(),
                 outline: &outline,
                 person: self.person,
                 ..sitter.styled(style)
             };
-            if let Some(background) = self.background {
-                style.background = background;
-                style.ground_shadow &= background != Background::Transparent;
-            }
-            sitter.draw(&camera, &style, Size::new(width, height).map_err(usage)?, &progress)
+            let background = self.background.unwrap_or(style.background);
+            let ground_shadow = style.ground_shadow && self.background != Some(Background::Transparent);
+            Style { background, ground_shadow, ..style }
+        };
+        let draw = |style: Style<'static>, (width, height): (u32, u32)| -> anyhow::Result<Picture> {
+            sitter.draw(&camera, &styled(style), Size::new(width, height).map_err(usage)?, &progress)
         };
         let Some(target) = target else {
             let terminal = TerminalSize::of_stdout();
@@ -189,17 +194,32 @@ impl Preview {
             progress.clear();
             return super::print(&draw_cells(&image, columns, rows, &style));
         };
-        let picture = draw(Style::studio(), self.size.unwrap_or(FILE_SIZE))?;
+        let style = if look == Some(PreviewLook::Turtle) { Style::paper() } else { Style::studio() };
+        if is_svg {
+            let (width, height) = self.size.unwrap_or(FILE_SIZE);
+            let size = Size::new(width, height).map_err(usage)?;
+            let drawing = Drawing::new(&grown.skeleton, &camera, &styled(style), size, &progress);
+            let svg = drawing.with_context(|| source.shown.clone())?.svg(Some(&source.recipe.to_line()));
+            return target.write_svg(&svg, &progress);
+        }
+        let picture = draw(style, self.size.unwrap_or(FILE_SIZE))?;
         target.admit(Size::new(picture.width(), picture.height())?, sitter.bytes(), &progress)?;
         target.write(&picture, Some(&source.recipe.to_line()), &progress)
     }
 }
 
 impl Preview {
-    /// Colours that tell something are those of a skeleton; so are points and outlines inside a crown.
-    fn chosen_look(&self) -> Option<PreviewLook> {
+    /// Colours that tell something are those of a skeleton; so are points and outlines inside a crown. An SVG
+    /// is a flat drawing.
+    fn chosen_look(&self, is_svg: bool) -> anyhow::Result<Option<PreviewLook>> {
+        if is_svg {
+            return match self.look {
+                None | Some(PreviewLook::Turtle) => Ok(Some(PreviewLook::Turtle)),
+                Some(_) => Err(usage("an SVG is a flat drawing: leave --look out, or say --look turtle")),
+            };
+        }
         let of_skeleton = self.color.is_some() || self.points || self.outline;
-        self.look.or(of_skeleton.then_some(PreviewLook::Skeleton))
+        Ok(self.look.or(of_skeleton.then_some(PreviewLook::Skeleton)))
     }
 }
 
@@ -235,6 +255,8 @@ pub(super) struct PreviewSubject<'a> {
     grown: &'a Grown,
     /// Dressed, where its surface is shown.
     scene: Option<Scene>,
+    /// Whether it is drawn flat.
+    is_flat: bool,
 }
 
 impl<'a> PreviewSubject<'a> {
@@ -260,7 +282,8 @@ impl<'a> PreviewSubject<'a> {
             None if !budget => dress(&source.recipe, grown, monitor).with_context(|| source.shown.clone()),
             _ => at_level(source, grown, level, progress, monitor),
         });
-        Ok(Self { source, grown, scene: scene.transpose()? })
+        let is_flat = look == Some(PreviewLook::Turtle);
+        Ok(Self { source, grown, scene: scene.transpose()?, is_flat })
     }
 
     /// A tree in each of its levels of detail, finest first.
@@ -272,7 +295,11 @@ impl<'a> PreviewSubject<'a> {
     ) -> anyhow::Result<Vec<Self>> {
         let all = levels(&source.recipe, grown, monitor).with_context(|| source.shown.clone())?;
         super::notes(&all.notes, progress);
-        Ok(all.levels.into_iter().map(|level| Self { source, grown, scene: Some(level.scene) }).collect())
+        Ok(all
+            .levels
+            .into_iter()
+            .map(|level| Self { source, grown, scene: Some(level.scene), is_flat: false })
+            .collect())
     }
 
     /// Whether it is dressed.
@@ -296,6 +323,12 @@ impl<'a> PreviewSubject<'a> {
         }
     }
 
+    /// Triangles of its surface, 0 where that is not shown.
+    pub fn triangles(&self) -> u64 {
+        let parts = self.scene.iter().flat_map(|scene| &scene.parts);
+        parts.map(|part| part.mesh.triangles.len() as u64).sum()
+    }
+
     /// Bytes that the tree takes, with its surface where that is shown.
     pub fn bytes(&self) -> u64 {
         self.source.recipe.inputs.bytes() + self.grown.bytes() + self.scene.as_ref().map_or(0, Scene::bytes)
@@ -311,6 +344,7 @@ impl<'a> PreviewSubject<'a> {
         let holding = Holding::new(monitor, self.bytes());
         let drawn = match &self.scene {
             Some(scene) => draw_surface(&Surface::from(scene), camera, style, size, &holding),
+            None if self.is_flat => draw_flat(&self.grown.skeleton, camera, style, size, &holding),
             None => draw_skeleton(&self.grown.skeleton, camera, style, size, &holding),
         };
         drawn.with_context(|| self.source.shown.clone())

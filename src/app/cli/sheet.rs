@@ -2,18 +2,21 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
+use indicatif::HumanCount;
+use linden::knob::printable;
 use linden::monitor::Holding;
 use linden::picture::Picture;
 use linden::preset::builtins;
-use linden_raster::{Camera, Size, Style};
+use linden_raster::drawing::label::Label;
+use linden_raster::{Background, Camera, Size, Style};
 
 use super::placing::{PictureTarget, Placing};
 use super::preview::{PreviewLook, PreviewSubject, size};
 use crate::exit::usage;
 use crate::forecast::{Outlook, announce};
 use crate::progress::Progress;
-use crate::source;
+use crate::source::{self, Source};
 use crate::viewpoint::broad_side;
 
 /// Draw several trees side by side on one picture
@@ -56,9 +59,23 @@ pub struct Sheet {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     columns: Option<u32>,
 
-    /// The skeleton's strokes or the surface; when not given, as 'linden preview' has it
+    /// The skeleton's strokes, the surface, or flat drawings; when not given, as 'linden preview' has it
     #[arg(long, value_enum)]
     look: Option<PreviewLook>,
+
+    /// What stands below each tree: its name and what tells it from the others, or nothing
+    #[arg(long, value_enum, default_value_t)]
+    labels: Labels,
+}
+
+/// What stands below the trees of a sheet.
+#[derive(Clone, Copy, Default, PartialEq, Eq, ValueEnum)]
+enum Labels {
+    /// Its name, and its seed and level of detail where they differ
+    #[default]
+    Names,
+    /// Nothing
+    None,
 }
 
 impl Sheet {
@@ -91,8 +108,22 @@ impl Sheet {
         });
         let columns = columns.min(count);
         let rows = count.div_ceil(columns);
-        let whole = Size::new(columns.saturating_mul(width), rows.saturating_mul(height)).map_err(usage)?;
+        let lines = match self.labels {
+            Labels::None => 0,
+            Labels::Names => 1 + u32::from(self.seeds > 1) + u32::from(self.lods.is_some()),
+        };
+        let capitals = (width as f32 / 26.0).clamp(6.0, 24.0);
+        let below = Label::rows(lines, capitals);
+        let high = height.saturating_add(below);
+        let whole = Size::new(columns.saturating_mul(width), rows.saturating_mul(high)).map_err(usage)?;
         let cell = Size::new(width, height).map_err(usage)?;
+
+        let style = if self.look == Some(PreviewLook::Turtle) { Style::paper() } else { Style::studio() };
+        // Labels stand on what the pictures end with.
+        let paper = match style.background {
+            Background::Plain(color) | Background::Gradient(_, color) => color,
+            Background::Transparent => [255; 3],
+        };
 
         target.admit(whole, 0, &progress)?;
         let holding = Holding::new(&progress, u64::from(whole.width()) * u64::from(whole.height()) * 4);
@@ -122,14 +153,32 @@ impl Sheet {
                     vec![PreviewSubject::new(&source, &grown, self.look, None, &progress, &holding)?]
                 };
                 let camera = Camera::orbit(broad_side(&grown.skeleton), PITCH_DEG);
-                for (at, sitter) in (place..).zip(&sitters) {
-                    let picture = sitter.draw(&camera, &sitter.styled(Style::studio()), cell, &holding)?;
-                    sheet.lay(&picture, at % columns * width, at / columns * height);
+                for ((level, at), sitter) in (place..).enumerate().zip(&sitters) {
+                    let mut picture = sitter.draw(&camera, &sitter.styled(style), cell, &holding)?;
+                    if lines > 0 {
+                        let lines = self.label(&source, level, sitter);
+                        let label = Label { lines, height: capitals, color: style.ink };
+                        picture = label.below(&picture, below, paper);
+                    }
+                    sheet.lay(&picture, at % columns * width, at / columns * high);
                 }
                 place += levels as u32;
             }
         }
         target.write(&sheet.finish(), None, &progress)
+    }
+
+    /// What stands below a tree: what it is, and what tells it from its neighbours.
+    fn label(&self, source: &Source, level: usize, sitter: &PreviewSubject<'_>) -> Vec<String> {
+        let preset = &source.recipe.preset;
+        let mut lines = vec![printable(&preset.name)];
+        if self.seeds > 1 {
+            lines.push(format!("seed {}", preset.seed));
+        }
+        if self.lods.is_some() {
+            lines.push(format!("level {level}, {} triangles", HumanCount(sitter.triangles())));
+        }
+        lines
     }
 
     /// What is asked for: groups first, then the sources.

@@ -3,14 +3,16 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use linden::Skeleton;
 use linden::dress::{DressError, dress};
 use linden::foliage::Organs;
 use linden::picture::Picture;
 use linden::preset::Preset;
 use linden::scene::{Mesh, Part, Scene};
 use linden::wind::{Blow, Wind, blown};
-use linden_raster::{Camera, Paint, RasterError, Size, Style, Surface, draw_skeleton, draw_surface};
+use linden::{Monitor, Skeleton};
+use linden_raster::{
+    Camera, Paint, RasterError, Size, Style, Surface, draw_flat, draw_skeleton, draw_surface,
+};
 use linden_terminal::cells::{CellPicture, square_pixels};
 use linden_terminal::graphics::{Encoded, Protocol, encode};
 use linden_terminal::probe::{Capabilities, Graphics};
@@ -45,6 +47,25 @@ pub enum PictureLook {
     Skeleton(Paint),
     /// Its surface, shaded.
     Surface,
+    /// Flat, as in a book.
+    Turtle,
+}
+
+impl PictureLook {
+    /// Draws a skeleton so.
+    pub fn draw(
+        self,
+        skeleton: &Skeleton,
+        camera: &Camera,
+        style: &Style<'_>,
+        size: Size,
+        monitor: &dyn Monitor,
+    ) -> Result<Picture, RasterError> {
+        match self {
+            Self::Turtle => draw_flat(skeleton, camera, style, size, monitor),
+            Self::Skeleton(_) | Self::Surface => draw_skeleton(skeleton, camera, style, size, monitor),
+        }
+    }
 }
 
 /// How carefully.
@@ -296,7 +317,7 @@ impl Painter {
                 let calm = (&*shown.grown.skeleton, &*shown.grown.organs);
                 let (skeleton, organs) = blown.as_ref().map_or(calm, |(wood, leaves)| (wood, leaves));
                 let style = Style { organs: Some(organs), ..style };
-                draw_skeleton(skeleton, &request.camera, &style, size, watcher)
+                request.look.draw(skeleton, &request.camera, &style, size, watcher)
             }
             (_, Some(step)) => {
                 let Some(Plant { skeleton, organs, .. }) = self.stage(shown, step, watcher)? else {
@@ -304,7 +325,7 @@ impl Painter {
                     return Ok(Picture::new(size.width(), size.height(), vec![0; bytes]));
                 };
                 let style = Style { organs: Some(&organs), ..style };
-                draw_skeleton(&skeleton, &request.camera, &style, size, watcher)
+                request.look.draw(&skeleton, &request.camera, &style, size, watcher)
             }
         };
         drawn.map_err(unless_cancelled)

@@ -19,7 +19,7 @@ use linden::recipe::Recipe;
 use linden::skeleton::generator::SampleSize;
 use linden::{Cancelled, Monitor};
 use linden_raster::extent::RINGS;
-use linden_raster::{Camera, Extent, RasterError, Size, Style, Surface, draw_skeleton, draw_surface};
+use linden_raster::{Camera, Extent, RasterError, Size, Style, Surface, draw_surface};
 use linden_terminal::cells::CellPicture;
 
 use super::draw::FULL_BYTES;
@@ -298,8 +298,8 @@ impl Studio<'_> {
             leaf_colors: sitter.recipe.preset.dressing.foliage.turtle_colors(),
             ..base
         };
-        let drawn =
-            draw_skeleton(&sitter.plant.skeleton, &self.camera(frame), &style, self.size, self.monitor);
+        let (look, camera) = (self.request.look, self.camera(frame));
+        let drawn = look.draw(&sitter.plant.skeleton, &camera, &style, self.size, self.monitor);
         self.small(sitter, drawn)
     }
 

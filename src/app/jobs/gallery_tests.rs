@@ -5,7 +5,7 @@ use std::sync::mpsc;
 use linden::Quiet;
 use linden::Skeleton;
 use linden::monitor::Phase;
-use linden_raster::Paint;
+use linden_raster::{Paint, draw_skeleton};
 use linden_terminal::{CellStyle, ColorDepth, Glyphs, Image};
 
 use super::super::{Done, Lane, grow_shown};

@@ -18,17 +18,19 @@
 //! ```
 
 mod beside;
+pub mod label;
 mod outline;
 mod paint;
 mod svg;
 #[cfg(test)]
 mod tests;
-pub(crate) mod text;
+mod text;
 mod trace;
 
 use std::ops::Range;
 
 use glam::Vec2;
+use linden_pipeline::picture::Picture;
 use linden_pipeline::{Monitor, Skeleton};
 
 use crate::memory::{Ledger, picture_bytes};
@@ -78,6 +80,20 @@ struct Word {
     /// The height of its capitals, pixels.
     height: f32,
     color: [u8; 3],
+}
+
+/// [`Drawing::new`] as pixels.
+///
+/// # Errors
+/// Those of [`crate::draw_skeleton`].
+pub fn draw_flat(
+    skeleton: &Skeleton,
+    camera: &Camera,
+    style: &Style,
+    size: Size,
+    monitor: &dyn Monitor,
+) -> Result<Picture, RasterError> {
+    Drawing::new(skeleton, camera, style, size, monitor)?.picture(monitor)
 }
 
 impl Drawing {

@@ -99,7 +99,7 @@ fn opaque([r, g, b]: [u8; 3]) -> Color {
     Color::from_rgba8(r, g, b, 255)
 }
 
-fn ink([r, g, b]: [u8; 3], alpha: f32) -> Paint<'static> {
+pub(super) fn ink([r, g, b]: [u8; 3], alpha: f32) -> Paint<'static> {
     let mut paint = Paint { anti_alias: true, ..Paint::default() };
     paint.set_color_rgba8(r, g, b, (alpha.clamp(0.0, 1.0) * 255.0 + 0.5) as u8);
     paint

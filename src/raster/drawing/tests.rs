@@ -76,6 +76,34 @@ fn svg_says_the_same_shapes() {
     assert!(svg.ends_with("</svg>\n") && svg.contains(">1 m<") || svg.contains(" m</text>"));
 }
 
+/// An SVG as another program draws it, over white.
+fn by_resvg(svg: &str) -> resvg::tiny_skia::Pixmap {
+    let tree = resvg::usvg::Tree::from_str(svg, &resvg::usvg::Options::default()).unwrap();
+    let size = tree.size().to_int_size();
+    let mut pixels = resvg::tiny_skia::Pixmap::new(size.width(), size.height()).unwrap();
+    resvg::render(&tree, resvg::tiny_skia::Transform::identity(), &mut pixels.as_mut());
+    pixels
+}
+
+#[test]
+fn another_program_draws_the_svg_as_we_do() {
+    let tree = sample::tree(3, 2);
+    // Without a scale: its letters are those of whatever fonts there are.
+    let size = size(159, 500);
+    let drawing = drawn(&tree, &Style::paper(), size);
+    let (ours, theirs) = (drawing.picture(&Quiet).unwrap(), by_resvg(&drawing.svg(None)));
+    assert_eq!((theirs.width(), theirs.height()), (159, 500));
+    let off: Vec<u8> =
+        ours.rgba().iter().zip(theirs.data()).map(|(ours, theirs)| ours.abs_diff(*theirs)).collect();
+    // Hairs are drawn a little stronger as pixels; everything else is the same but for hundredths of a pixel.
+    let mean = off.iter().map(|&d| f64::from(d)).sum::<f64>() / off.len() as f64;
+    let dark = ours.rgba().as_chunks::<4>().0.iter().zip(theirs.data().as_chunks::<4>().0);
+    let torn = dark.filter(|(ours, theirs)| ours[0] < 60 && theirs[0] > 120).count();
+    assert!(mean < 1.5, "{mean}");
+    assert_eq!(torn, 0, "solid here, and not there");
+    assert!(ink(&ours) > 500.0, "there is something to compare");
+}
+
 #[test]
 fn what_cannot_be_drawn_is_an_error_and_what_is_odd_is_drawn() {
     let fails = |skeleton: &Skeleton| {

@@ -1,4 +1,4 @@
-//! Text as outlines of the embedded font, DejaVu Sans.
+//! Text as outlines of the embedded font, `DejaVu` Sans.
 
 use std::sync::LazyLock;
 

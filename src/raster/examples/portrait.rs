@@ -2,6 +2,7 @@
 #![allow(clippy::print_stdout)]
 
 #[path = "../skeleton/sample.rs"]
+#[expect(dead_code, reason = "shared with the tests")]
 mod sample;
 
 use std::path::PathBuf;

@@ -9,18 +9,20 @@ use crate::jobs::{Painted, PictureLook};
 
 impl PictureLook {
     /// All, in the order in which a key goes through them.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 6] = [
         Self::Skeleton(Paint::Wood),
         Self::Skeleton(Paint::Order),
         Self::Skeleton(Paint::Radius),
         Self::Skeleton(Paint::Birth),
         Self::Surface,
+        Self::Turtle,
     ];
 
     /// What it is called, here and in the session's file.
     pub fn name(self) -> &'static str {
         match self {
             Self::Surface => "surface",
+            Self::Turtle => "turtle",
             Self::Skeleton(Paint::Wood) => "skeleton",
             Self::Skeleton(Paint::Order) => "order",
             Self::Skeleton(Paint::Radius) => "radius",
