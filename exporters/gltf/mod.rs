@@ -216,7 +216,9 @@ fn pictures<'a>(
     let mut pictures =
         if options.is_on("pictures") { pictures::of_materials(&distinct.materials) } else { Vec::new() };
     let format = picture_format(options);
-    pictures.iter_mut().for_each(|named| named.store_as(format));
+    for named in &mut pictures {
+        named.store_as(format);
+    }
     if format != PictureFormat::Png && pictures.iter().all(|named| named.format != format) {
         bundle.note(format!(
             "picture_format changes nothing: there is no picture that {} could hold",

@@ -247,10 +247,13 @@ fn no_stage_takes_more_than_it_forecast() {
 fn pictures(faults: &mut Vec<String>) {
     let (width, height) = (1600, 1200);
     let pixels = u64::from(width * height);
-    let noise = |seed: u32| (seed.wrapping_mul(0x9e37_79b9) >> 13) as u8;
+    let noise = |seed: u32| {
+        let mixed = seed.wrapping_mul(0x9e37_79b9);
+        ((mixed ^ (mixed >> 15)).wrapping_mul(0x85eb_ca6b) >> 24) as u8
+    };
     for alpha in [0, 255] {
         let rgba: Vec<u8> = (0..pixels as u32)
-            .flat_map(|i| [noise(3 * i), noise(3 * i + 1), noise(3 * i + 2), alpha | i as u8])
+            .flat_map(|i| [noise(3 * i), noise(3 * i + 1), noise(3 * i + 2), alpha | noise(!i)])
             .collect();
         let picture = Picture::new(width, height, rgba);
         for format in PictureFormat::ALL {

@@ -49,8 +49,8 @@ impl PictureFormat {
                 endings: &["jpg", "jpeg"],
                 media_type: "image/jpeg",
                 has_alpha: false,
-                // The file while it grows, and where there is alpha, the colours without it.
-                encoding_bytes_per_pixel: 8,
+                // The file while it grows, and where there is alpha, the colours over white.
+                encoding_bytes_per_pixel: 10,
             },
             Self::Webp => Facts {
                 name: "WebP",

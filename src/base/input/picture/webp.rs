@@ -57,9 +57,8 @@ impl Chunks {
         // Planes of colour with half the resolution in two of them; alpha as the green of four channels, and
         // alone. Lossless pixels come with four channels; predictors and codes change every few pixels.
         let each = match (self.is_lossy, self.has_lossy_alpha, has_alpha) {
-            (true, false, _) => 2,
+            (true, false, _) | (false, _, true) => 2,
             (true, true, _) => 8,
-            (false, _, true) => 2,
             (false, _, false) => 6,
         };
         pixels * each + codes
