@@ -133,24 +133,13 @@ impl Site {
     }
 }
 
-/// Moves each point by less than `amplitude_m`, uniformly in a ball; point `i` by `key.child(i)`.
+/// Moves each point by at most `amplitude_m`, uniformly in a ball; point `i` by `key.child(i)`.
 ///
 /// Exact symmetry (a lattice, a mirrored model) makes pulls cancel and growth stall; a
 /// thousandth of the points' spacing is enough against that and cannot be seen.
 pub fn jitter(points: &mut [DVec3], amplitude_m: f64, key: Key) {
     points.par_iter_mut().enumerate().for_each(|(i, point)| {
-        let key = key.child(i as u64);
-        // Half of the cube lies in the ball: two attempts on average.
-        let mut attempt = 0;
-        let offset = loop {
-            let key = key.child(attempt);
-            let offset = DVec3::from([0, 1, 2].map(|axis| key.child(axis).between(-1.0, 1.0)));
-            if offset.length_squared() < 1.0 {
-                break offset;
-            }
-            attempt += 1;
-        };
-        *point += amplitude_m * offset;
+        *point += amplitude_m * key.child(i as u64).in_ball();
     });
 }
 

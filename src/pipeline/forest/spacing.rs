@@ -1,7 +1,5 @@
 //! Points at random that keep their distance.
 
-use std::f64::consts::TAU;
-
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_base::random::Key;
 
@@ -44,10 +42,10 @@ pub fn poisson_disc(
         let [x, z] = points[active[index]];
         let found = (0..CANDIDATES).find_map(|candidate| {
             let candidate_key = point_key.child(candidate);
-            let (sin, cos) = libm::sincos(candidate_key.named("angle").unit() * TAU);
+            let [x_way, z_way] = candidate_key.named("direction").on_circle().to_array();
             // Evenly by area between one and two spacings.
             let distance = spacing * candidate_key.named("distance").between(1.0, 4.0).sqrt();
-            let point = [x + cos * distance, z + sin * distance];
+            let point = [x + x_way * distance, z + z_way * distance];
             let is_inside = point.iter().all(|x| x.abs() <= 0.5 * side);
             let is_free = |[x, z]: [f64; 2]| {
                 let around = |at: usize| at.saturating_sub(2)..=(at + 2).min(across - 1);

@@ -9,8 +9,8 @@ use std::f64::consts::PI;
 use glam::{DVec3, Vec3};
 
 use super::{
-    Crown, CrownError, Dimensions, SIZE_LIMIT_M, Shape, ShapeKnob, around, radius_squared, revolve,
-    round_bounds, units,
+    Crown, CrownError, Dimensions, SIZE_LIMIT_M, Shape, ShapeKnob, level, radius_squared, revolve,
+    round_bounds,
 };
 use linden_base::knob::{Kind, Knob, Value};
 use linden_base::mesh::Bounds;
@@ -195,11 +195,11 @@ impl Crown for Revolved {
     fn sample(&self, key: Key) -> DVec3 {
         let mut attempt = 0;
         loop {
-            let [up, across, turn] = units(key.child(attempt));
-            let height = self.low_m + (self.high_m - self.low_m) * up;
-            let radius = self.widest_m * across.sqrt();
-            if self.winds_around(height, radius) {
-                return around(height, radius, turn);
+            let key = key.child(attempt);
+            let height = self.low_m + (self.high_m - self.low_m) * key.child(0).unit();
+            let across = self.widest_m * key.child(1).in_disc();
+            if self.winds_around(height, across.length()) {
+                return level(height, across);
             }
             attempt += 1;
         }
@@ -222,6 +222,7 @@ impl Crown for Revolved {
 mod tests {
     use super::*;
     use crate::crown::tests::assert_uniform;
+    use crate::crown::units;
 
     /// Winding number of the finely sampled closed profile by summed angles: no roots, no pieces.
     fn winds_by_angles(pairs: [[f64; 2]; 4], height: f64, radius: f64) -> bool {

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use glam::{DVec3, Vec3};
 
 use super::{
-    CROWN_HEIGHT, CROWN_RADIUS, Crown, CrownError, Dimensions, Shape, ShapeKnob, around, radius_squared,
-    revolve, round_bounds, units,
+    CROWN_HEIGHT, CROWN_RADIUS, Crown, CrownError, Dimensions, Shape, ShapeKnob, level, radius_squared,
+    revolve, round_bounds,
 };
 use linden_base::knob::Value;
 use linden_base::mesh::Bounds;
@@ -53,9 +53,8 @@ impl Crown for Cone {
 
     /// The part of the volume nearer to the apex than `d` is `(d / height)³`.
     fn sample(&self, key: Key) -> DVec3 {
-        let [depth, across, turn] = units(key);
-        let height = self.height_m * (1.0 - libm::cbrt(depth));
-        around(height, self.radius_at(height) * across.sqrt(), turn)
+        let height = self.height_m * (1.0 - libm::cbrt(key.child(0).unit()));
+        level(height, self.radius_at(height) * key.child(1).in_disc())
     }
 
     fn outline(&self) -> Vec<Vec<Vec3>> {

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use glam::{DVec3, Vec3};
 
 use super::{
-    CROWN_HEIGHT, CROWN_RADIUS, Crown, CrownError, Dimensions, Shape, ShapeKnob, around, radius_squared,
-    revolve, round_bounds, units,
+    CROWN_HEIGHT, CROWN_RADIUS, Crown, CrownError, Dimensions, Shape, ShapeKnob, level, radius_squared,
+    revolve, round_bounds,
 };
 use linden_base::knob::Value;
 use linden_base::mesh::Bounds;
@@ -44,10 +44,8 @@ impl Crown for Cylinder {
         (0.0..=self.height_m).contains(&p.y) && radius_squared(p) <= self.radius_m * self.radius_m
     }
 
-    /// The part of a disc within the radius `r` is `(r / radius)²`.
     fn sample(&self, key: Key) -> DVec3 {
-        let [up, across, turn] = units(key);
-        around(self.height_m * up, self.radius_m * across.sqrt(), turn)
+        level(self.height_m * key.child(0).unit(), self.radius_m * key.child(1).in_disc())
     }
 
     fn outline(&self) -> Vec<Vec<Vec3>> {

@@ -4,9 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DVec3, Vec3};
 
-use super::{
-    CROWN_RADIUS, Crown, CrownError, Dimensions, Shape, ShapeKnob, around, revolve, round_bounds, units,
-};
+use super::{CROWN_RADIUS, Crown, CrownError, Dimensions, Shape, ShapeKnob, revolve, round_bounds};
 use linden_base::knob::Value;
 use linden_base::mesh::Bounds;
 use linden_base::random::Key;
@@ -36,12 +34,10 @@ impl Crown for Dome {
         p.y >= 0.0 && p.length_squared() <= self.radius_m * self.radius_m
     }
 
-    /// Volume grows with the cube of the radius; equal heights of a sphere have equal areas
-    /// (Archimedes).
+    /// A ball's point, its lower half turned up.
     fn sample(&self, key: Key) -> DVec3 {
-        let [depth, up, turn] = units(key);
-        let radius = self.radius_m * libm::cbrt(depth);
-        around(radius * up, radius * (1.0 - up * up).sqrt(), turn)
+        let p = key.in_ball();
+        self.radius_m * DVec3::new(p.x, p.y.abs(), p.z)
     }
 
     fn outline(&self) -> Vec<Vec<Vec3>> {

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use glam::{DVec3, Vec3};
 
 use super::{
-    CROWN_HEIGHT, CROWN_RADIUS, Crown, CrownError, Dimensions, Shape, ShapeKnob, around, radius_squared,
-    revolve, round_bounds, units,
+    CROWN_HEIGHT, CROWN_RADIUS, Crown, CrownError, Dimensions, Shape, ShapeKnob, radius_squared, revolve,
+    round_bounds,
 };
 use linden_base::knob::Value;
 use linden_base::mesh::Bounds;
@@ -55,14 +55,8 @@ impl Crown for Ellipsoid {
 
     /// A ball's point, stretched: an affine map keeps shares of volume.
     fn sample(&self, key: Key) -> DVec3 {
-        let [depth, up, turn] = units(key);
-        let radius = libm::cbrt(depth);
-        let up = 2.0 * up - 1.0;
-        around(
-            0.5 * self.height_m * (1.0 + radius * up),
-            self.radius_m * radius * (1.0 - up * up).sqrt(),
-            turn,
-        )
+        let stretch = DVec3::new(self.radius_m, 0.5 * self.height_m, self.radius_m);
+        stretch * (DVec3::Y + key.in_ball())
     }
 
     fn outline(&self) -> Vec<Vec<Vec3>> {

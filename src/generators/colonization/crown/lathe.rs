@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use glam::{DVec3, Vec3};
 
-use super::{Crown, around, radius_squared, revolve, round_bounds, units};
+use super::{Crown, level, radius_squared, revolve, round_bounds};
 use linden_base::mesh::Bounds;
 use linden_base::random::Key;
 
@@ -168,8 +168,7 @@ impl Crown for Lathe {
 
     /// A ring by its volume, a height by the volume below it, a radius by the area within.
     fn sample(&self, key: Key) -> DVec3 {
-        let [volume, across, turn] = units(key);
-        let volume = volume * self.volume_m3;
+        let volume = key.child(0).unit() * self.volume_m3;
         let slot = self.rings.partition_point(|ring| ring.up_to_m3 <= volume);
         // Rounding may lead past the last one; a lathe without rings is never drawn from.
         let Some(ring) = self.rings.get(slot).or_else(|| self.rings.last()) else { return DVec3::ZERO };
@@ -182,8 +181,8 @@ impl Crown for Lathe {
         }
         let up = 0.5 * (low + high);
         let [inner, outer] = ring.radii(up);
-        let radius = (inner * inner + (outer * outer - inner * inner) * across).sqrt();
-        around(ring.low_m + (ring.high_m - ring.low_m) * up, radius, turn)
+        let radius = (inner * inner + (outer * outer - inner * inner) * key.child(1).unit()).sqrt();
+        level(ring.low_m + (ring.high_m - ring.low_m) * up, radius * key.child(2).on_circle())
     }
 
     fn outline(&self) -> Vec<Vec<Vec3>> {
@@ -214,6 +213,7 @@ impl Crown for Lathe {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::crown::{around, units};
 
     /// Winding number of the closed profile by summed angles: no slabs, no order of sides.
     fn winds_by_angles(profile: &[[f64; 2]], height: f64, radius: f64) -> bool {

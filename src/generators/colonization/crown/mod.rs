@@ -298,6 +298,11 @@ fn around(height: f64, radius: f64, turn: f64) -> DVec3 {
     DVec3::new(radius * cos, height, radius * sin)
 }
 
+/// The point at `height`, `across` from the axis.
+fn level(height: f64, across: DVec2) -> DVec3 {
+    DVec3::new(across.x, height, across.y)
+}
+
 /// Squared distance from the Y axis.
 fn radius_squared(p: DVec3) -> f64 {
     DVec2::new(p.x, p.z).length_squared()

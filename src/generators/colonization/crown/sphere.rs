@@ -4,9 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 
-use super::{
-    CROWN_RADIUS, Crown, CrownError, Dimensions, Shape, ShapeKnob, around, revolve, round_bounds, units,
-};
+use super::{CROWN_RADIUS, Crown, CrownError, Dimensions, Shape, ShapeKnob, revolve, round_bounds};
 use linden_base::knob::Value;
 use linden_base::mesh::Bounds;
 use linden_base::random::Key;
@@ -36,13 +34,8 @@ impl Crown for Sphere {
         (p - DVec3::Y * self.radius_m).length_squared() <= self.radius_m * self.radius_m
     }
 
-    /// Volume grows with the cube of the radius; equal heights of a sphere have equal areas
-    /// (Archimedes).
     fn sample(&self, key: Key) -> DVec3 {
-        let [depth, up, turn] = units(key);
-        let radius = self.radius_m * libm::cbrt(depth);
-        let up = 2.0 * up - 1.0;
-        around(self.radius_m + radius * up, radius * (1.0 - up * up).sqrt(), turn)
+        self.radius_m * (DVec3::Y + key.in_ball())
     }
 
     fn outline(&self) -> Vec<Vec<Vec3>> {

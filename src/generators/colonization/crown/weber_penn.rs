@@ -9,8 +9,8 @@ use std::f64::consts::PI;
 use glam::{DVec3, Vec3};
 
 use super::{
-    CROWN_HEIGHT, CROWN_RADIUS, Crown, CrownError, Dimensions, Shape, ShapeKnob, around, radius_squared,
-    revolve, round_bounds, units,
+    CROWN_HEIGHT, CROWN_RADIUS, Crown, CrownError, Dimensions, Shape, ShapeKnob, level, radius_squared,
+    revolve, round_bounds,
 };
 use linden_base::knob::{Kind, Knob, Value};
 use linden_base::mesh::Bounds;
@@ -172,9 +172,8 @@ impl Crown for WeberPenn {
 
     /// The volume above a ratio grows as the integral of the share's square does.
     fn sample(&self, key: Key) -> DVec3 {
-        let [up, across, turn] = units(key);
-        let (height, radius) = self.at(self.share.ratio_of(up * self.share.squares(1.0)));
-        around(height, radius * across.sqrt(), turn)
+        let (height, radius) = self.at(self.share.ratio_of(key.child(0).unit() * self.share.squares(1.0)));
+        level(height, radius * key.child(1).in_disc())
     }
 
     fn outline(&self) -> Vec<Vec<Vec3>> {

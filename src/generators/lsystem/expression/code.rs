@@ -167,7 +167,7 @@ fn run(code: &[Instruction], inputs: Inputs<'_>) -> f64 {
                     top *= key.unit();
                 } else {
                     height -= 1;
-                    top = below[height] + top * normal(key);
+                    top = below[height] + top * key.normal();
                 }
             }
         }
@@ -255,11 +255,4 @@ fn sin_cos_deg(degrees: f64) -> (f64, f64) {
         270.0 | -90.0 => (-1.0, 0.0),
         reduced => libm::sincos(reduced.to_radians()),
     }
-}
-
-/// A standard normal number (Box & Muller 1958).
-fn normal(key: Key) -> f64 {
-    // 1 − unit lies in (0, 1], where the logarithm is finite.
-    let radius = (-2.0 * libm::log(1.0 - key.child(0).unit())).sqrt();
-    radius * libm::cos(std::f64::consts::TAU * key.child(1).unit())
 }
