@@ -38,6 +38,32 @@ fn gives_the_same_triangles_as_tobj() {
 }
 
 #[test]
+fn gives_the_same_triangles_of_polygons_as_tobj() {
+    // A prism with a pentagon below, one above and quads around.
+    let mut text = String::new();
+    for (height, order) in [(0, [0, 1, 2, 3, 4]), (1, [0, 1, 2, 3, 4])] {
+        for (x, z) in order.map(|i| [(0, 0), (4, 0), (5, 3), (2, 5), (-1, 3)][i]) {
+            text += &format!("v {x} {height} {z}\n");
+        }
+    }
+    text += "f 1 2 3 4 5\nf -1 -2 -3 -4 -5\n";
+    for i in 0..5 {
+        let next = (i + 1) % 5;
+        text += &format!("f {} {} {} {}\n", i + 1, i + 6, next + 6, next + 1);
+    }
+    let options = tobj::LoadOptions { triangulate: true, single_index: true, ..Default::default() };
+    let no_materials = |_: &std::path::Path| Err(tobj::LoadError::GenericFailure);
+    let (models, _) = tobj::load_obj_buf(&mut text.as_bytes(), &options, no_materials).unwrap();
+    let corner = |i: u32| [0, 1, 2].map(|k| f64::from(models[0].mesh.positions[3 * i as usize + k]));
+    let theirs: Vec<[f64; 3]> = models[0].mesh.indices.iter().map(|&i| corner(i)).collect();
+    // Ours passes over lines, which tobj takes for faces.
+    let ours = read_obj(format!("{text}l 1 2 3 4\nl 5 6\n").as_bytes(), &Quiet).unwrap();
+    let corners = ours.triangles.iter().flatten().map(|&v| ours.positions[v as usize].to_array());
+    assert_eq!(corners.collect::<Vec<_>>(), theirs);
+    assert_eq!(ours.triangles.len(), 2 * 3 + 5 * 2);
+}
+
+#[test]
 fn mangled_files_give_a_value_or_an_error() {
     let text = written(&torus(5, 4)).into_bytes();
     let mut errors = 0;

@@ -1,6 +1,7 @@
 //! PLY in its three encodings, well made, foreign and lying.
 
 use linden::input::{InputError, InputKind, read_ply, sniff};
+use linden::monitor::{Monitor, Phase};
 use linden::random::Key;
 use linden::{DVec3, Quiet};
 
@@ -136,7 +137,7 @@ fn headers_that_are_none() {
         ("ply\nformat ascii 1.0\nelement vertex 1\nproperty list float float x\nend_header\n".to_owned(), "line 4"),
         (format!("ply\nformat ascii 1.0\n{vertex}{vertex}end_header\n"), "not there before"),
         ("ply\nformat ascii 1.0\nelement face 0\nend_header\n".to_owned(), "no element 'vertex'"),
-        (format!("ply\nformat ascii 1.0\n{vertex}element tristrips 1\nend_header\n"), "triangle strips"),
+        (format!("ply\nformat ascii 1.0\n{vertex}element tristrips 1\nend_header\n0 0 0\n"), "no list 'vertex_indices'"),
         (
             "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nend_header\n0 0\n".to_owned(),
             "no property 'z'",
@@ -198,12 +199,143 @@ fn faces_must_name_vertices() {
     }
 }
 
+/// A mesh of strips: as the scans of Stanford are, all in one list and each ended by −1, in a list each, and
+/// beside plain faces.
+fn strips(encoding: &str, lists: &[Vec<i32>]) -> Vec<u8> {
+    let most = lists.iter().flatten().max().map_or(0, |&index| index + 1);
+    let mut bytes = format!(
+        "ply\nformat {encoding} 1.0\nelement tristrips {}\nproperty list int int vertex_indices\n\
+         element vertex {most}\nproperty float x\nproperty float y\nproperty float z\nend_header\n",
+        lists.len()
+    )
+    .into_bytes();
+    for list in lists {
+        let numbers = std::iter::once(list.len() as i32).chain(list.iter().copied());
+        match encoding {
+            "ascii" => bytes.extend(numbers.flat_map(|n| format!("{n} ").into_bytes())),
+            "binary_big_endian" => bytes.extend(numbers.flat_map(i32::to_be_bytes)),
+            _ => bytes.extend(numbers.flat_map(i32::to_le_bytes)),
+        }
+    }
+    for i in 0..most {
+        let position = [i as f32, (i * i) as f32, 5.0];
+        match encoding {
+            "ascii" => bytes.extend(position.iter().flat_map(|x| format!("{x} ").into_bytes())),
+            "binary_big_endian" => bytes.extend(position.iter().flat_map(|x| x.to_be_bytes())),
+            _ => bytes.extend(position.iter().flat_map(|x| x.to_le_bytes())),
+        }
+    }
+    bytes
+}
+
+const ENCODINGS: [&str; 3] = ["ascii", "binary_little_endian", "binary_big_endian"];
+
+/// By the definition: of the strip v0 v1 v2 …, triangle i is (vi, vi+1, vi+2), and for odd i (vi+1, vi, vi+2).
+fn unstripped(lists: &[Vec<i32>]) -> Vec<[u32; 3]> {
+    let mut triangles = Vec::new();
+    for strip in lists.iter().flat_map(|list| list.split(|&index| index == -1)) {
+        for i in 2..strip.len() {
+            let [a, b, c] = [i - 2, i - 1, i].map(|i| strip[i] as u32);
+            if a != b && b != c && a != c {
+                triangles.push(if i % 2 == 0 { [a, b, c] } else { [b, a, c] });
+            }
+        }
+    }
+    triangles
+}
+
+#[test]
+fn strips_are_the_triangles_of_their_definition() {
+    for number in 0..200 {
+        let key = Key::new(21).child(number);
+        let draw = |key: Key, end: f64| (key.unit() * end) as i32;
+        let lists: Vec<Vec<i32>> = (0..draw(key.named("lists"), 4.0) as u64)
+            .map(|l| {
+                let key = key.child(l);
+                // One in seven is a −1.
+                (0..draw(key.named("long"), 40.0) as u64).map(|i| draw(key.child(i), 7.0) - 1).collect()
+            })
+            .chain([vec![0, 1, 2]])
+            .collect();
+        for encoding in ENCODINGS {
+            let bytes = strips(encoding, &lists);
+            let data = read_ply(&bytes, &Quiet).unwrap();
+            assert_eq!(data.faces, unstripped(&lists), "{lists:?}");
+            assert_eq!(sniff(&bytes, ""), Ok(InputKind::PlyMesh));
+        }
+    }
+}
+
+#[test]
+fn a_ball_of_strips_is_closed_and_looks_out() {
+    // Between two rings of twelve, a strip; twelve triangles and a strip at each pole.
+    let ring = |ring: i32, side: i32| match ring {
+        0 => 0,
+        _ => 1 + (ring - 1) * 12 + side % 12,
+    };
+    let mut list = Vec::new();
+    for upper in 0..6 {
+        for side in 0..=12 {
+            // The lowest ring is the other pole's, one place for all sides.
+            list.extend([ring(upper, side), if upper == 5 { ring(6, 0) } else { ring(upper + 1, side) }]);
+        }
+        list.push(-1);
+    }
+    let data = read_ply(&strips("ascii", &[list]), &Quiet).unwrap();
+    // 12 at each pole, 24 between two rings.
+    assert_eq!(data.faces.len(), 12 + 4 * 24 + 12);
+    let mut edges: Vec<(u32, u32)> =
+        data.faces.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]).collect();
+    edges.sort_unstable();
+    let one_way = edges.windows(2).all(|pair| pair[0] != pair[1]);
+    assert!(one_way, "neighbours look to opposite sides");
+    assert!(edges.iter().all(|&(a, b)| edges.binary_search(&(b, a)).is_ok()), "it has holes");
+}
+
+#[test]
+fn lying_strips_are_refused() {
+    for encoding in ENCODINGS {
+        let whole = strips(encoding, &[vec![0, 1, 2, 3, -1, 1, 2, 3], vec![]]);
+        for end in 0..whole.len() - 2 {
+            assert!(read_ply(&whole[..end], &Quiet).is_err(), "{encoding} {end}");
+        }
+        let said = problem(&strips(encoding, &[vec![0, 1, -2, 3]]));
+        assert!(said.contains("'tristrips', row 0 of 1") && said.contains("found -2"), "{said}");
+    }
+    let text = String::from_utf8(strips("ascii", &[vec![0, 1, 2]])).unwrap();
+    let said = problem(text.replace("3 0 1 2", "3 0 1 9").as_bytes());
+    assert!(said.contains("names vertex 9"), "{said}");
+    let said = problem(text.replace("3 0 1 2", "2000000000 0 1 2").as_bytes());
+    assert!(said.contains("the data ends here"), "{said}");
+}
+
+#[test]
+fn long_strips_ask_for_memory_and_can_be_cancelled() {
+    struct Small;
+    impl Monitor for Small {
+        fn is_cancelled(&self) -> bool {
+            false
+        }
+        fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
+        fn memory_limit(&self) -> u64 {
+            100_000
+        }
+    }
+    let zigzag = vec![(0..60_000).map(|i| i % 5).collect::<Vec<i32>>()];
+    let bytes = strips("binary_little_endian", &zigzag);
+    assert_eq!(read_ply(&bytes, &Quiet).unwrap().faces.len(), 59_998);
+    assert!(matches!(read_ply(&bytes, &Small), Err(InputError::Memory(_))));
+}
+
 #[test]
 fn mangled_files_give_a_value_or_an_error() {
-    for (i, source) in [ascii(), binary(false), binary(true)].iter().enumerate() {
+    let strip = |encoding| strips(encoding, &[vec![0, 1, 2, 3, -1, 4, 1, 2], vec![2, 3, 1]]);
+    for (i, source) in
+        [ascii(), binary(false), binary(true)].into_iter().chain(ENCODINGS.map(strip)).enumerate()
+    {
         for k in 0..3000 {
             let key = Key::new(i as u64).child(k);
-            let mut bytes = source.clone();
+            let mut bytes: Vec<u8> = source.clone();
             for n in 0..=key.bits() % 4 {
                 let at = (key.child(n).named("at").unit() * bytes.len() as f64) as usize;
                 bytes[at] = key.child(n).named("to").bits() as u8;

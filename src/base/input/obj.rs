@@ -15,9 +15,9 @@ use super::{
 use crate::memory::{bytes_grown, bytes_of};
 use crate::monitor::Monitor;
 
-/// Reads vertices and faces; polygons become fans, negative indices count from the last vertex.
-/// Texture coordinates, normals, curves, lines, points and materials are passed over, as are
-/// polygons of fewer than three corners.
+/// Reads vertices and faces; quads and larger polygons become fans, negative indices count from the last
+/// vertex. Texture coordinates, normals, curves, points and materials are passed over, as are polygons of
+/// fewer than three corners; lines (`l`) too: they are edges of no surface, and a file of nothing else is told so.
 ///
 /// # Errors
 /// [`InputError`] with the line: not UTF-8, a coordinate that is no finite number, an index that is
@@ -54,11 +54,12 @@ struct Reader<'a> {
     polygon: Vec<u32>,
     /// The largest index that no vertex had when it was used, and its line: a later vertex may be meant.
     ahead: Option<(u32, usize)>,
+    has_lines: bool,
 }
 
 impl<'a> Reader<'a> {
     fn new(monitor: &'a dyn Monitor) -> Self {
-        Self { monitor, mesh: TriangleMesh::default(), polygon: Vec::new(), ahead: None }
+        Self { monitor, mesh: TriangleMesh::default(), polygon: Vec::new(), ahead: None, has_lines: false }
     }
 
     fn statement(&mut self, line: usize, statement: &str) -> Result<(), InputError> {
@@ -66,6 +67,10 @@ impl<'a> Reader<'a> {
         match words.next() {
             Some("v") => self.vertex(line, words),
             Some("f") => self.face(line, words),
+            Some("l") => {
+                self.has_lines = true;
+                Ok(())
+            }
             _ => Ok(()),
         }
     }
@@ -130,8 +135,10 @@ impl<'a> Reader<'a> {
             return Err(error(line, &expected, &(u64::from(index) + 1).to_string()));
         }
         if self.mesh.triangles.is_empty() {
-            let problem =
-                format!("it has {count} vertices and no faces; crowns, parts and leaves are made of faces");
+            let lines = if self.has_lines { ", only lines" } else { "" };
+            let problem = format!(
+                "it has {count} vertices and no faces{lines}; crowns, parts and leaves are made of faces"
+            );
             return Err(InputError::Whole { format: "OBJ", problem });
         }
         Ok(self.mesh)
@@ -205,7 +212,7 @@ mod tests {
     #[test]
     fn without_faces_it_is_no_crown() {
         let error = read("v 0 0 0\nv 1 0 0\nv 0 1 0\nl 1 2 3\n").unwrap_err();
-        assert!(error.to_string().contains("no faces"), "{error}");
+        assert!(error.to_string().contains("no faces, only lines;"), "{error}");
         assert_eq!(read(""), Err(InputError::Empty));
         assert!(matches!(read_obj(b"v 0 0 \xfe\n", &Quiet), Err(InputError::NotUtf8 { line: 1, .. })));
     }

@@ -11,21 +11,22 @@
 
 use glam::DVec3;
 
-use super::{InputError, READING, READING_ADVICE, ROWS_PER_CHECK, fan, in_range, line_at, quoted};
+use super::{InputError, READING, READING_ADVICE, ROWS_PER_CHECK, fan, in_range, line_at, make_room, quoted};
 use crate::knob::printable;
 use crate::memory::{OverMemory, bytes_grown, bytes_of};
-use crate::monitor::Monitor;
+use crate::monitor::{Cancelled, Monitor};
 
 /// What linden uses of a PLY file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PlyData {
     /// The element `vertex`: its properties `x`, `y`, `z`, whatever their types.
     pub positions: Vec<DVec3>,
-    /// The element `face`, polygons as fans; indices of `positions`, each in range. Empty for points.
+    /// The elements `face`, polygons as fans, and `tristrips`; indices of `positions`, each in range. Empty
+    /// for points.
     pub faces: Vec<[u32; 3]>,
 }
 
-/// Reads vertices and faces; further elements and properties, lists too, are passed over.
+/// Reads vertices, faces and triangle strips; further elements and properties, lists too, are passed over.
 ///
 /// # Errors
 /// [`InputError`] with the line or the row: a header that is none, announces more than the file
@@ -39,7 +40,7 @@ pub fn read_ply(bytes: &[u8], monitor: &dyn Monitor) -> Result<PlyData, InputErr
         body.can_hold(element)?;
         match element.name.as_str() {
             "vertex" => read_vertices(&mut body, element, &mut data.positions, monitor)?,
-            "face" => {
+            "face" | "tristrips" => {
                 let held = bytes_of::<DVec3>(data.positions.capacity());
                 read_faces(&mut body, element, &mut data.faces, held, monitor)?;
             }
@@ -58,7 +59,8 @@ pub fn read_ply(bytes: &[u8], monitor: &dyn Monitor) -> Result<PlyData, InputErr
 
 /// Whether the header announces faces.
 pub(super) fn announces_faces(bytes: &[u8]) -> Result<bool, InputError> {
-    Ok(Header::read(bytes)?.elements.iter().any(|element| element.name == "face" && element.rows > 0))
+    let is_surface = |element: &Element| matches!(&*element.name, "face" | "tristrips") && element.rows > 0;
+    Ok(Header::read(bytes)?.elements.iter().any(is_surface))
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -198,9 +200,6 @@ impl Header {
         let encoding = encoding.ok_or_else(|| whole("its header has no line 'format'"))?;
         if elements.iter().all(|element| element.name != "vertex") {
             return Err(whole("its header has no element 'vertex'"));
-        }
-        if elements.iter().any(|element| element.name == "tristrips") {
-            return Err(whole("its faces are triangle strips, which are not read; save it with plain faces"));
         }
         Ok(Self { encoding, elements, end: at })
     }
@@ -351,12 +350,38 @@ impl<'a> Body<'a> {
     }
 }
 
+/// Why a property is not read.
+enum Fault {
+    /// What is wrong with it.
+    Said(String),
+    /// No memory, or cancelled.
+    Stopped(InputError),
+}
+
+impl From<String> for Fault {
+    fn from(problem: String) -> Self {
+        Self::Said(problem)
+    }
+}
+
+impl From<OverMemory> for Fault {
+    fn from(error: OverMemory) -> Self {
+        Self::Stopped(error.into())
+    }
+}
+
+impl From<Cancelled> for Fault {
+    fn from(error: Cancelled) -> Self {
+        Self::Stopped(error.into())
+    }
+}
+
 /// Reads an element row by row; `read` takes the value of each property.
 fn each_property(
     body: &mut Body<'_>,
     element: &Element,
     monitor: &dyn Monitor,
-    mut read: impl FnMut(&mut Body<'_>, usize, Kind) -> Result<(), String>,
+    mut read: impl FnMut(&mut Body<'_>, usize, Kind) -> Result<(), Fault>,
     mut end_row: impl FnMut(),
 ) -> Result<(), InputError> {
     if element.properties.is_empty() {
@@ -367,9 +392,12 @@ fn each_property(
             monitor.check()?;
         }
         for (i, property) in element.properties.iter().enumerate() {
-            read(body, i, property.kind).map_err(|problem| {
-                let problem = format!("property '{}': {problem}", printable(&property.name));
-                body.error(element, row, &problem)
+            read(body, i, property.kind).map_err(|fault| match fault {
+                Fault::Said(problem) => {
+                    let problem = format!("property '{}': {problem}", printable(&property.name));
+                    body.error(element, row, &problem)
+                }
+                Fault::Stopped(error) => error,
             })?;
         }
         end_row();
@@ -378,7 +406,7 @@ fn each_property(
 }
 
 fn skip(body: &mut Body<'_>, element: &Element, monitor: &dyn Monitor) -> Result<(), InputError> {
-    each_property(body, element, monitor, |body, _, kind| body.skip_property(kind), || {})
+    each_property(body, element, monitor, |body, _, kind| Ok(body.skip_property(kind)?), || {})
 }
 
 fn read_vertices(
@@ -414,12 +442,13 @@ fn read_vertices(
                 position.set(whole);
                 Ok(())
             }
-            _ => body.skip_property(kind),
+            _ => Ok(body.skip_property(kind)?),
         },
         || positions.push(position.get()),
     )
 }
 
+/// The elements `face` and `tristrips`.
 fn read_faces(
     body: &mut Body<'_>,
     element: &Element,
@@ -432,40 +461,114 @@ fn read_faces(
     let (corners, count, item) = match corners.map(|i| (i, element.properties[i].kind)) {
         Some((i, Kind::List { count, item })) if item.is_integer() => (i, count, item),
         None if element.rows == 0 => return Ok(()),
-        _ => return Err(whole("its faces have no list 'vertex_indices' of whole numbers")),
+        _ => return Err(whole("its faces or strips have no list 'vertex_indices' of whole numbers")),
     };
-    let mut refused: Option<OverMemory> = None;
+    let is_strips = element.name == "tristrips";
     let mut polygon = Vec::new();
-    let read = each_property(
+    each_property(
         body,
         element,
         monitor,
         |body, i, kind| {
             if i != corners {
-                return body.skip_property(kind);
+                return Ok(body.skip_property(kind)?);
             }
-            polygon.clear();
-            for _ in 0..body.count(count)? {
-                let index = body.number(item)?;
-                if !(index >= 0.0 && index < f64::from(u32::MAX) && index.fract() == 0.0) {
-                    return Err(format!("expected the index of a vertex, found {index}"));
-                }
-                polygon.push(index as u32);
+            let list = Corners { left: body.count(count)?, item, body, monitor };
+            if is_strips {
+                add_strips(list, faces, held)
+            } else {
+                add_polygon(list, &mut polygon, faces, held)
             }
-            if faces.capacity() - faces.len() < polygon.len() {
-                let all = bytes_grown::<[u32; 3]>(faces.len() + polygon.len());
-                let held = held + bytes_of::<u32>(polygon.capacity());
-                refused = monitor.admit(READING, all.saturating_add(held), READING_ADVICE).err();
-                if refused.is_some() {
-                    return Err(String::new());
-                }
-            }
-            fan(&polygon, faces);
-            Ok(())
         },
         || {},
-    );
-    refused.map_or(read, |refused| Err(refused.into()))
+    )
+}
+
+/// The indices of one list, each looked at.
+struct Corners<'a, 'b> {
+    left: usize,
+    item: Scalar,
+    body: &'a mut Body<'b>,
+    monitor: &'a dyn Monitor,
+}
+
+impl Corners<'_, '_> {
+    /// The next corner; `None` for −1 in strips. Outside: there are no more.
+    fn next(&mut self, in_strips: bool) -> Option<Result<Option<u32>, Fault>> {
+        self.left = self.left.checked_sub(1)?;
+        Some(self.read(in_strips))
+    }
+
+    fn read(&mut self, in_strips: bool) -> Result<Option<u32>, Fault> {
+        // A whole mesh may be one strip.
+        if self.left.is_multiple_of(ROWS_PER_CHECK) {
+            self.monitor.check()?;
+        }
+        let index = self.body.number(self.item)?;
+        if in_strips && index == -1.0 {
+            return Ok(None);
+        }
+        if !(index >= 0.0 && index < f64::from(u32::MAX) && index.fract() == 0.0) {
+            return Err(format!("expected the index of a vertex, found {index}").into());
+        }
+        Ok(Some(index as u32))
+    }
+}
+
+/// A polygon as a fan; `polygon` is room for its corners.
+fn add_polygon(
+    mut list: Corners<'_, '_>,
+    polygon: &mut Vec<u32>,
+    faces: &mut Vec<[u32; 3]>,
+    held: u64,
+) -> Result<(), Fault> {
+    polygon.clear();
+    while let Some(corner) = list.next(false) {
+        make_room(polygon, polygon.capacity(), held + bytes_of::<[u32; 3]>(faces.capacity()), list.monitor)?;
+        polygon.extend(corner?);
+    }
+    if faces.capacity() - faces.len() < polygon.len() {
+        let all = bytes_grown::<[u32; 3]>(faces.len() + polygon.len());
+        let held = held + bytes_of::<u32>(polygon.capacity());
+        list.monitor.admit(READING, all.saturating_add(held), READING_ADVICE)?;
+    }
+    fan(polygon, faces);
+    Ok(())
+}
+
+/// Strips of triangles; a −1 ends one and begins another.
+fn add_strips(mut list: Corners<'_, '_>, faces: &mut Vec<[u32; 3]>, held: u64) -> Result<(), Fault> {
+    let mut strip = Strip::default();
+    while let Some(corner) = list.next(true) {
+        let Some(corner) = corner? else {
+            strip = Strip::default();
+            continue;
+        };
+        make_room(faces, faces.capacity(), held, list.monitor)?;
+        faces.extend(strip.go(corner));
+    }
+    Ok(())
+}
+
+/// The end of a strip of triangles: each corner from the third on makes one with the two before it, and every
+/// second triangle is turned, so that all look to the same side.
+#[derive(Default)]
+struct Strip {
+    last: [Option<u32>; 2],
+    is_turned: bool,
+}
+
+impl Strip {
+    /// The triangle that ends at a corner. None at the first two, nor where two corners are the same: strips
+    /// are joined so.
+    fn go(&mut self, corner: u32) -> Option<[u32; 3]> {
+        let [a, b] = self.last;
+        self.last = [b, Some(corner)];
+        let (a, b) = (a?, b?);
+        let triangle = if self.is_turned { [b, a, corner] } else { [a, b, corner] };
+        self.is_turned = !self.is_turned;
+        (a != b && b != corner && corner != a).then_some(triangle)
+    }
 }
 
 fn whole(problem: &str) -> InputError {
