@@ -2,7 +2,7 @@
 //!
 //! Keys, the mouse and the rest are [`crossterm::event::Event`]s, which the widgets of others take too.
 //! [`Parser`] makes them of bytes where crossterm's reader cannot serve: it drops replies, or takes one
-//! that comes late for keys (`docs/over-ssh.md`, "Who reads the terminal"). It has no clock and reads
+//! that comes late for keys (`docs/ssh.md`, "Who reads the terminal"). It has no clock and reads
 //! nothing: [`mod@crate::listen`] does.
 
 mod csi;
