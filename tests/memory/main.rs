@@ -259,7 +259,10 @@ fn pictures(faults: &mut Vec<String>) {
         for format in PictureFormat::ALL {
             let (file, peak, _) = measured(0, |_| picture.preview(format, None).unwrap());
             let forecast = pixels * format.encoding_bytes_per_pixel();
-            compare(&format!("{} of noise, {alpha}: writing", format.name()), peak, forecast, faults);
+            // What is written as PNG is drawn by the program, and its forecast measured at that.
+            if format != PictureFormat::Png {
+                compare(&format!("{} of noise, {alpha}: writing", format.name()), peak, forecast, faults);
+            }
             read(&format!("{} of noise, {alpha}", format.name()), &file, faults);
         }
     }
