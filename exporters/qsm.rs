@@ -7,6 +7,8 @@
 //!
 //! The recipe is the one line that starts with `# recipe: `, before the header; readers that know no
 //! comments get a bare table with `comments=false`, and the recipe is then lost.
+//!
+//! Without the crate csv: its fields are numbers, which need no quotes, and [`records`] formats them on all cores.
 
 use std::io;
 

@@ -3,6 +3,9 @@
 //!
 //! <https://openusd.org/release/spec_usdz.html>. The container is PKWARE's APPNOTE 6.3.10, of which a
 //! stored archive needs three records; dates are 1980-01-01, the earliest there is.
+//!
+//! By hand rather than by the crate zip 9.8: layers are written where they stay, by writers that append to a
+//! `Vec`, and are not held twice; and [`first`] reads the recipe of any archive without its directory.
 
 use std::io;
 

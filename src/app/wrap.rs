@@ -1,41 +1,20 @@
 //! Text fitted into cells: broken into lines, or cut.
 
-use unicode_width::{UnicodeWidthChar, UnicodeWidthStr};
+use std::borrow::Cow;
+
+use unicode_width::UnicodeWidthStr;
 
 /// Breaks a text at its spaces into lines of at most `width` cells; words that are longer are broken
 /// where they must be. Printable whatever it is given. Never empty: no text is one empty line.
 pub fn wrapped(text: &str, width: usize) -> Vec<String> {
-    let width = width.max(1);
     let text = linden::knob::printable(text);
-    let mut lines = vec![String::new()];
-    let mut used = 0;
-    for word in text.split(' ').filter(|word| !word.is_empty()) {
-        let gap = usize::from(used > 0);
-        if used + gap + word.width() <= width {
-            if let Some(line) = lines.last_mut() {
-                line.push_str(if gap > 0 { " " } else { "" });
-                line.push_str(word);
-            }
-            used += gap + word.width();
-            continue;
-        }
-        if used > 0 {
-            lines.push(String::new());
-            used = 0;
-        }
-        for c in word.chars() {
-            let wide = c.width().unwrap_or(0);
-            if used > 0 && used + wide > width {
-                lines.push(String::new());
-                used = 0;
-            }
-            if let Some(line) = lines.last_mut() {
-                line.push(c);
-            }
-            used += wide;
-        }
-    }
-    lines
+    let words: Vec<&str> = text.split(' ').filter(|word| !word.is_empty()).collect();
+    // A line is as full as it can be, so that it stays as it is while text comes in behind it.
+    let options = textwrap::Options::new(width.max(1))
+        .word_separator(textwrap::WordSeparator::AsciiSpace)
+        .word_splitter(textwrap::WordSplitter::NoHyphenation)
+        .wrap_algorithm(textwrap::WrapAlgorithm::FirstFit);
+    textwrap::wrap(&words.join(" "), options).into_iter().map(Cow::into_owned).collect()
 }
 
 /// The same in at most `most` lines; the last one ends with an ellipsis when more would follow.

@@ -1,5 +1,7 @@
 //! The sRGB curve (IEC 61966-2-1): code values, which files and screens have, and linear light, which
 //! shading and means are made in. Both run from 0 to 1.
+//!
+//! Two formulas by `libm`: the crate palette takes the platform's power, whose bits differ between machines.
 
 /// From code value to linear light.
 pub fn decode(c: f32) -> f32 {

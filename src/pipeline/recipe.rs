@@ -146,7 +146,7 @@ impl Recipe {
     }
 }
 
-/// JSON as one line of printable ASCII.
+/// JSON as one line of printable ASCII, which `serde_json` has no option for.
 pub(crate) fn ascii_line(value: &impl Serialize) -> String {
     // Neither maps with other keys than text nor failing writers: there is nothing to fail.
     let json = serde_json::to_string(value).unwrap_or_default();

@@ -7,6 +7,9 @@ use std::fs;
 use std::process::{Child, Stdio};
 use std::time::{Duration, Instant};
 
+use ::linden::random::Key;
+use ::linden::random::rand::RngExt;
+
 use crate::program::{Folder, linden};
 
 /// Kills of each kind of export, unless `LINDEN_KILLS` says how many there are of all.
@@ -40,18 +43,6 @@ fn start(folder: &Folder, export: &[&str], tree: usize) -> Child {
         .unwrap()
 }
 
-/// Evenly spread, and the same in each run of the test (splitmix64).
-struct Chance(u64);
-
-impl Chance {
-    fn below_one(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-}
-
 /// What was found after all kills.
 #[derive(Debug, Default, PartialEq)]
 struct Found {
@@ -73,7 +64,7 @@ fn a_kill_at_any_moment_loses_nothing_and_leaves_nothing() {
     let all = std::env::var("LINDEN_KILLS").ok().map(|text| text.parse::<usize>().unwrap());
     let each = all.map_or(FEW, |all| all.div_ceil(EXPORTS.len()));
     let mut found = Found::default();
-    let mut chance = Chance(12);
+    let mut chance = Key::new(12).rng();
     for export in EXPORTS {
         let folder = Folder::new();
         let mut whole = Vec::new();
@@ -94,7 +85,7 @@ fn a_kill_at_any_moment_loses_nothing_and_leaves_nothing() {
         for kill in 0..each {
             // What is there before is one of the two, whichever the last kill has left.
             let mut child = start(&folder, export, kill % 2);
-            std::thread::sleep(takes.mul_f64(chance.below_one()));
+            std::thread::sleep(takes.mul_f64(chance.random()));
             child.kill().unwrap();
             found.came_too_late += usize::from(child.wait().unwrap().success());
             found.kills += 1;

@@ -1,5 +1,8 @@
 //! Windows of any size, changed at any moment.
 
+use linden::random::Key;
+use linden::random::rand::RngExt;
+
 use crate::harness::{End, Home, Setup, Workbench};
 
 const SIZES: [(u16, u16); 16] = [
@@ -97,15 +100,8 @@ fn every_dialog_bears_every_size() {
 
 #[test]
 fn storms_of_sizes_and_keys_pass() {
-    // Numbers that look random and are the same each time (splitmix64).
-    let mut state = 7_u64;
-    let mut next = move |below: usize| {
-        state = state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) % below as u64) as usize
-    };
+    let mut chance = Key::new(7).rng();
+    let mut next = move |below: usize| chance.random_range(0..below);
     let home = Home::new();
     let mut workbench = Workbench::open(&home, 80, 24, &["open", "fir"]);
     for _ in 0..300 {
