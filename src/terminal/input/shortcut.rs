@@ -19,7 +19,7 @@ use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 /// assert_eq!(back.to_string(), "shift-tab");
 /// # Ok::<(), linden_terminal::input::ShortcutError>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Shortcut {
     code: KeyCode,
     /// Never Shift beside a character, which tells.
@@ -119,10 +119,17 @@ impl From<Shortcut> for KeyEvent {
     }
 }
 
+impl PartialOrd for Shortcut {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
 impl Ord for Shortcut {
     fn cmp(&self, other: &Self) -> Ordering {
-        // Codes and modifiers are numbers and characters, which can all be compared.
-        self.partial_cmp(other).unwrap_or(Ordering::Equal)
+        // Codes are numbers and characters, which can all be compared.
+        let codes = self.code.partial_cmp(&other.code).unwrap_or(Ordering::Equal);
+        codes.then(self.modifiers.bits().cmp(&other.modifiers.bits()))
     }
 }
 
