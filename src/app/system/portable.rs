@@ -21,7 +21,6 @@ pub fn exit_by(signal: i32) -> ! {
 }
 
 /// Ends as the signal would have ended us, where there are any: with its code.
-#[expect(clippy::unnecessary_wraps, reason = "elsewhere a signal can be refused")]
 pub fn end_by(signal: i32) -> io::Result<()> {
     exit_by(signal)
 }

@@ -233,7 +233,8 @@ pub(crate) fn stops() -> bool {
     false
 }
 
-/// Is not called.
+/// Is not called: nothing could continue us.
+#[expect(clippy::unnecessary_wraps, reason = "elsewhere the system can refuse")]
 pub(crate) fn stop() -> io::Result<()> {
     Ok(())
 }
