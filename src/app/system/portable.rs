@@ -3,16 +3,30 @@
 use std::fs::{Metadata, OpenOptions};
 use std::io;
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
+
+use signal_hook::consts::{SIGINT, SIGTERM};
 
 /// Stands for a terminal that is gone: the code of 128 + 1 that shells of Unix expect.
 pub const HANGUP: i32 = 1;
-/// Stands for Ctrl-C, Ctrl-Break, a console that is closed.
-const INTERRUPT: i32 = 2;
+/// How often it is looked whether a signal came: they set a flag, and nothing waits for it.
+const LOOK: Duration = Duration::from_millis(50);
 
-/// Calls `hear` when the process is asked to end, on a thread of its own.
+/// Calls `hear` when Ctrl-C or the like asks the process to end, on a thread of its own.
 pub fn on_signals(mut hear: impl FnMut(i32) + Send + 'static) -> io::Result<()> {
-    ctrlc::set_handler(move || hear(INTERRUPT)).map_err(io::Error::other)
+    let asked = Arc::new(AtomicBool::new(false));
+    for signal in [SIGINT, SIGTERM] {
+        signal_hook::flag::register(signal, Arc::clone(&asked))?;
+    }
+    let listen = move || loop {
+        std::thread::sleep(LOOK);
+        if asked.swap(false, Ordering::Relaxed) {
+            hear(SIGINT);
+        }
+    };
+    std::thread::Builder::new().name("signals".to_owned()).spawn(listen).map(drop)
 }
 
 /// Ends at once, with the code that shells expect.
