@@ -15,7 +15,8 @@ use linden::dress::dress;
 use linden::grow::grow;
 use linden::preset::{Builtin, KNOBS, Preset, builtins};
 use linden::recipe::Recipe;
-use linden_raster::{Camera, Size, Style, Surface, draw_skeleton, draw_surface};
+use linden_raster::drawing::label::Label;
+use linden_raster::{Camera, Size, Style, Surface, draw_flat, draw_skeleton, draw_surface};
 use linden_tests::presets::recipe;
 use xxhash_rust::xxh3::xxh3_128;
 
@@ -137,7 +138,7 @@ fn origin(command: &str, code: &str, golden: &BTreeMap<String, String>) -> Strin
     hash(from.as_bytes())
 }
 
-/// Small pictures of trees, leaves, organs and each kind of bark: another hash, and the code draws otherwise.
+/// Small pictures of trees, leaves, organs, each kind of bark, a flat drawing and its label: another hash, and the code draws otherwise.
 fn code() -> String {
     let mut said = String::new();
     let size = Size::new(40, 48).unwrap();
@@ -163,6 +164,10 @@ fn code() -> String {
     let style = Style { organs: Some(&grown.organs), ..Style::studio() };
     let drawn = draw_skeleton(&grown.skeleton, &Camera::default(), &style, size, &Quiet).unwrap();
     writeln!(said, "{}", hash(drawn.rgba())).unwrap();
+    let style = Style { organs: Some(&grown.organs), ..Style::paper() };
+    let flat = draw_flat(&grown.skeleton, &Camera::default(), &style, size, &Quiet).unwrap();
+    let label = Label { lines: vec!["Flower".to_owned()], height: 6.0, color: style.ink };
+    writeln!(said, "{}", hash(label.below(&flat, Label::rows(1, 6.0), [255; 3]).rgba())).unwrap();
     said
 }
 
