@@ -78,7 +78,7 @@
 //! place larger by a quarter (twice as large while it is short). In a crown filled at half its points'
 //! spacing there are 0.65 nodes a point: about 62 bytes a point; ten million points were grown in 0.72 GB,
 //! those points included. Habits that ask for a node's place on its axis take 13 bytes more a node,
-//! [`Attraction::All`] 32.
+//! [`Attraction::All`] 32, and for a while 80 more a node that has points of its own.
 
 mod axes;
 mod colony;
@@ -252,7 +252,10 @@ pub fn admit_points(points: usize, held_bytes: u64, monitor: &dyn Monitor) -> Re
 
 /// The peak while `children` children become nodes.
 fn bytes_at(points: usize, nodes: &nodes::Nodes, children: usize) -> u64 {
-    points as u64 * BYTES_PER_POINT + nodes.bytes_with(children) + children as u64 * BYTES_PER_CHILD
+    points as u64 * BYTES_PER_POINT
+        + nodes.bytes_with(children)
+        + nodes.bytes_gathered(points)
+        + children as u64 * BYTES_PER_CHILD
 }
 
 /// Whether squares of differences cannot overflow. False for NaN.

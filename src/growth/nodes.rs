@@ -18,6 +18,9 @@ const BYTES: u64 = 64;
 const AXES_BYTES: u64 = 17;
 /// More for [`Attraction::All`].
 const SURROUNDINGS_BYTES: u64 = 32;
+/// For [`Attraction::All`], of a node that has points of its own: its pulls while they are gathered, in a list
+/// of each chunk and then in one of all.
+const GATHERED_BYTES: u64 = 80;
 /// Nodes, 60 bytes each: 24 are the result, 36 serve growth. Habits may need more.
 pub(super) struct Nodes<'a> {
     pub branching: Branching,
@@ -79,6 +82,12 @@ impl<'a> Nodes<'a> {
         }
         // The largest list moves while the others are there.
         room * bytes + if room == capacity { 0 } else { len * LARGEST }
+    }
+
+    /// What is taken for a while when each of `points` is felt by a node of its own at most.
+    pub fn bytes_gathered(&self, points: usize) -> u64 {
+        let gathers = self.rule.habit.attraction == Attraction::All;
+        if gathers { self.len().min(points) as u64 * GATHERED_BYTES } else { 0 }
     }
 
     fn adopt(&mut self, parent: u32) {

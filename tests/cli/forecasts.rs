@@ -38,7 +38,7 @@ fn show_says_how_large_every_generator_grows() {
         assert!(forecast["seconds"].as_f64().unwrap() > 0.0, "{forecast}");
     }
     let page = folder.run(&["show", "fir"]).done().out;
-    assert!(page.contains("1,099 nodes, 22,864 triangles") && page.contains("as glb, in about"), "{page}");
+    assert!(page.contains("1,055 nodes, 22,116 triangles") && page.contains("as glb, in about"), "{page}");
     // Of a sample: two digits.
     let page = folder.run(&["show", "fir", "--set", "points=10000000"]).done().out;
     assert!(page.contains("\n  about ") && page.contains("00 nodes, "), "{page}");

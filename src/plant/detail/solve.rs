@@ -17,6 +17,8 @@ pub fn share_of_wood(budget: u64, wood: u64, leaves: u64) -> u64 {
 }
 /// As near as this share of the budget is near enough.
 const NEAR: f64 = 0.01;
+/// The count is promised to be within this share of the budget.
+const PROMISED: f64 = 0.05;
 /// Halvings of the scale from all to nothing: it ends at a millionth of it.
 const HALVINGS: u32 = 20;
 /// From this share of the tree's size on nothing but the stem is left.
@@ -112,7 +114,16 @@ impl Simplifier<'_> {
         // A jump: there many rings lose a side at once. With the sides from before it, nodes and axes go
         // one by one.
         let finer = |scale| Detail { sides: over.detail.sides, ..self.coarse(scale, rings) };
-        let (over, under) = self.bracket(budget, over.detail, (over.scale, 1.0), finer, monitor)?;
+        let (mut over, mut under) = self.bracket(budget, over.detail, (over.scale, 1.0), finer, monitor)?;
+        if !within(PROMISED, under.triangles, budget) {
+            // A limb goes with all that it bears. With all limbs from before it, only their nodes do.
+            let Detail { sides, smallest_radius_m, .. } = over.detail;
+            let finer = |scale| Detail { sides, smallest_radius_m, ..self.coarse(scale, rings) };
+            let (finer, coarser) = self.bracket(budget, over.detail, (over.scale, 1.0), finer, monitor)?;
+            if coarser.triangles <= budget && coarser.triangles > under.triangles {
+                (over, under) = (finer, coarser);
+            }
+        }
         let nearer = over.triangles - budget < budget.abs_diff(under.triangles);
         Ok(if nearer && self.leaves.total() == 0 { over.detail } else { under.detail })
     }
@@ -157,7 +168,11 @@ struct Found {
 }
 
 fn near(triangles: u64, budget: u64) -> bool {
-    budget.abs_diff(triangles) as f64 <= NEAR * budget as f64
+    within(NEAR, triangles, budget)
+}
+
+fn within(share: f64, triangles: u64, budget: u64) -> bool {
+    budget.abs_diff(triangles) as f64 <= share * budget as f64
 }
 
 /// How far an axis may move, in deviations of the bark.
