@@ -49,8 +49,8 @@ impl Key {
         Self(mix(self.0 ^ xxh3_64(purpose.as_bytes())))
     }
 
-    /// A generator for any distribution of `rand` and `rand_distr`. The same numbers on every machine, whatever the version of `rand`: `SplitMix64` is defined by
-    /// its paper. Its first number is [`Key::bits`].
+    /// A generator for any distribution of `rand` and `rand_distr`. It gives the same numbers on every machine,
+    /// whatever the version of `rand`: `SplitMix64` is defined by its paper. Its first number is [`Key::bits`].
     ///
     /// A distribution is as portable as its arithmetic: those with logarithms or powers are the platform's,
     /// see [`Key::normal`].
