@@ -18,7 +18,7 @@ use linden::recipe::{Geometry, Input, Recipe};
 use linden::surface::sweep;
 use linden::{DVec3, Monitor, Quiet};
 use linden_exporters::{Bundle, Options, REGISTRY};
-use linden_raster::{Camera, Size, Style, Surface, draw_skeleton, draw_surface};
+use linden_raster::{Camera, Size, Style, Surface, draw_flat, draw_skeleton, draw_surface};
 use linden_tests::presets::recipe;
 use peak_alloc::PeakAlloc;
 
@@ -182,6 +182,14 @@ fn no_stage_takes_more_than_it_forecast() {
             drawn.unwrap();
             compare(&format!("{what}: drawing the surface, {draft}"), held + peak, forecast, &mut faults);
         }
+
+        let style = Style { organs: Some(&grown.organs), ..Style::paper() };
+        let (drawn, peak, forecast) = measured(0, |monitor| {
+            let monitor = Holding::new(monitor, held);
+            draw_flat(&grown.skeleton, &Camera::default(), &style, size, &monitor).map(drop)
+        });
+        drawn.unwrap();
+        compare(&format!("{what}: drawing flat"), held + peak, forecast, &mut faults);
 
         let half = grown.skeleton.births.iter().copied().max().unwrap_or(0) / 2;
         let (_, peak, forecast) = measured(grown.skeleton.bytes(), |monitor| {

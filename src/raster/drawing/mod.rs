@@ -125,10 +125,8 @@ impl Drawing {
             ends: Vec::new(),
             words: Vec::new(),
         };
-        trace::wood(&mut drawing, skeleton, &view, style, monitor)?;
-        ledger.take(drawing.bytes())?;
-        trace::organs(&mut drawing, skeleton, &view, style, monitor)?;
-        ledger.take(drawing.bytes())?;
+        trace::wood(&mut drawing, skeleton, &view, style, &ledger, monitor)?;
+        trace::organs(&mut drawing, skeleton, &view, style, &ledger, monitor)?;
         beside::trace(&mut drawing, &framed, &view, style, monitor)?;
         Ok(drawing)
     }

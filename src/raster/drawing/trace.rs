@@ -5,14 +5,16 @@ use std::ops::Range;
 
 use glam::{Vec2, Vec3};
 use linden_pipeline::foliage::Shaper;
+use linden_pipeline::memory::{bytes_grown, bytes_of};
 use linden_pipeline::scene::Mesh;
 use linden_pipeline::skeleton::Axis;
 use linden_pipeline::{Monitor, NO_PARENT, Skeleton};
 
 use super::outline::{Place, tapered};
-use super::{Drawing, Kind};
+use super::{Drawing, Kind, Shape};
 use crate::color::{encoded, linear};
 use crate::light::on_surface;
+use crate::memory::Ledger;
 use crate::strokes::trace::Colors;
 use crate::{Paint, RasterError, Style, View};
 
@@ -29,11 +31,22 @@ const INVISIBLE: f32 = 1.0 / 300.0;
 /// Tones of leaves.
 const TONES: f32 = 5.0;
 
+/// Points of one shape: what is made of a shape to fill it takes memory, and is not cancelled.
+const MOST_POINTS: usize = 1 << 14;
+
 /// Lines of one colour, of the same width.
 #[derive(Default)]
 struct Bundle {
     points: Vec<Vec2>,
     ends: Vec<u32>,
+}
+
+/// An axis that is drawn as rings.
+struct ThickAxis {
+    layer: u32,
+    color: [u8; 3],
+    line: Vec<Place>,
+    is_lateral: bool,
 }
 
 impl Bundle {
@@ -49,6 +62,7 @@ pub(super) fn wood(
     skeleton: &Skeleton,
     view: &View,
     style: &Style,
+    ledger: &Ledger<'_>,
     monitor: &dyn Monitor,
 ) -> Result<(), RasterError> {
     let colors = Colors::new(skeleton, style);
@@ -56,11 +70,14 @@ pub(super) fn wood(
     let frame = Vec2::new(drawing.size.width() as f32, drawing.size.height() as f32);
     // In one ink nobody sees which lies above; what has colours is drawn stems first.
     let mut thin: BTreeMap<(u32, [u8; 3], i32), Bundle> = BTreeMap::new();
-    let mut thick = Vec::new();
-    let mut line = Vec::new();
+    let mut thick: Vec<ThickAxis> = Vec::new();
+    let (mut line, mut places_kept, mut bytes_held) = (Vec::new(), 0, 0);
     for (i, axis) in skeleton.axes.iter().enumerate() {
         if i % CHECK_EVERY == 0 {
             monitor.check()?;
+            let bytes = bytes_grown::<Place>(places_kept) + bytes_grown::<ThickAxis>(thick.len());
+            ledger.take(bytes - bytes_held)?;
+            bytes_held = bytes;
         }
         places(skeleton, axis, view, present.as_deref(), &mut line);
         let wide = line.iter().map(|place| place.half).fold(0.0, f32::max);
@@ -77,33 +94,60 @@ pub(super) fn wood(
         };
         let layer = if style.paint == Paint::Wood { 0 } else { axis.order };
         let narrow = 2.0 * wide < NARROW_PX && line.len() > 1;
+        places_kept += line.len();
         if narrow {
             for (class, part) in even_parts(&line) {
                 thin.entry((layer, color, class)).or_default().add(part);
             }
         } else {
-            thick.push((layer, color, line.clone(), axis.parent != NO_PARENT));
+            let is_lateral = axis.parent != NO_PARENT;
+            thick.push(ThickAxis { layer, color, line: line.clone(), is_lateral });
         }
     }
     // Equal colours in one shape: fewer to draw, fewer to write.
-    thick.sort_by_key(|&(layer, color, ..)| (layer, color));
+    thick.sort_by_key(|axis| (axis.layer, axis.color));
     for ((_, color, class), bundle) in thin {
         let width = libm::powf(STEP, class as f32);
-        drawing.shape(Kind::Lines { width }, color, 1.0, |drawing| {
-            let before = drawing.points.len() as u32;
-            drawing.points.extend_from_slice(&bundle.points);
-            drawing.ends.extend(bundle.ends.iter().map(|end| before + end));
-        });
+        let mut from = 0;
+        for ends in parts(&bundle.ends) {
+            let to = ends.last().copied().unwrap_or(from);
+            drawing.shape(Kind::Lines { width }, color, 1.0, |drawing| {
+                let before = drawing.points.len() as u32;
+                drawing.points.extend_from_slice(&bundle.points[from as usize..to as usize]);
+                drawing.ends.extend(ends.iter().map(|end| before + end - from));
+            });
+            from = to;
+        }
     }
-    for group in thick.chunk_by(|a, b| (a.0, a.1) == (b.0, b.1)) {
+    for group in thick.chunk_by(|a, b| (a.layer, a.color) == (b.layer, b.color)) {
         monitor.check()?;
-        drawing.shape(Kind::Rings, group[0].1, 1.0, |drawing| {
-            for (_, _, line, is_lateral) in group {
-                tapered(drawing, line, *is_lateral);
-            }
-        });
+        let mut left = group.iter().peekable();
+        while let Some(axis) = left.peek() {
+            let (color, before) = (axis.color, drawing.points.len());
+            drawing.shape(Kind::Rings, color, 1.0, |drawing| {
+                while drawing.points.len() - before < MOST_POINTS
+                    && let Some(axis) = left.next()
+                {
+                    tapered(drawing, &axis.line, axis.is_lateral);
+                }
+            });
+        }
     }
+    ledger.give_back(bytes_held);
+    ledger.take(drawing.bytes())?;
     Ok(())
+}
+
+/// The ends of lines, cut into parts with no more points than one shape may have, but for a single line.
+fn parts(ends: &[u32]) -> impl Iterator<Item = &[u32]> {
+    let mut from = 0;
+    ends.chunk_by(move |&last, &next| {
+        let fits = (next - from) as usize <= MOST_POINTS;
+        if !fits {
+            from = last;
+        }
+        fits
+    })
 }
 
 /// The places of an axis that are there, from where it leaves its parent.
@@ -165,6 +209,7 @@ pub(super) fn organs(
     skeleton: &Skeleton,
     view: &View,
     style: &Style,
+    ledger: &Ledger<'_>,
     monitor: &dyn Monitor,
 ) -> Result<(), RasterError> {
     let Some(organs) = style.organs.filter(|organs| !organs.is_empty()) else { return Ok(()) };
@@ -172,9 +217,13 @@ pub(super) fn organs(
     let frame = Vec2::new(drawing.size.width() as f32, drawing.size.height() as f32);
     let (mut leaves, mut corners): (Vec<Leaf>, Vec<[Vec2; 3]>) = (Vec::new(), Vec::new());
     let (mut shaper, mut mesh) = (Shaper::default(), Mesh::default());
+    let mut bytes_held = 0;
     for organ in 0..organs.len() {
         if organ % CHECK_EVERY == 0 {
             monitor.check()?;
+            let bytes = bytes_grown::<Leaf>(leaves.len()) + bytes_grown::<[Vec2; 3]>(corners.len());
+            ledger.take(bytes - bytes_held)?;
+            bytes_held = bytes;
         }
         let hanging = organs.growth(organ);
         let node = hanging.node as usize;
@@ -214,7 +263,17 @@ pub(super) fn organs(
         depth_m /= mesh.triangles.len().max(1) as f32;
         leaves.push(Leaf { depth_m, color, triangles: first..corners.len() });
     }
-    leaves.sort_by(|a, b| b.depth_m.total_cmp(&a.depth_m));
+    leaves.sort_unstable_by(|a, b| {
+        b.depth_m.total_cmp(&a.depth_m).then(a.triangles.start.cmp(&b.triangles.start))
+    });
+    // A shape, three points and an end for each triangle, in lists that are made once.
+    let bytes = bytes_of::<Shape>(leaves.len())
+        + bytes_of::<[Vec2; 3]>(corners.len())
+        + bytes_of::<u32>(corners.len());
+    ledger.take(bytes)?;
+    drawing.shapes.reserve_exact(leaves.len());
+    drawing.points.reserve_exact(3 * corners.len());
+    drawing.ends.reserve_exact(corners.len());
     for leaf in &leaves {
         drawing.shape(Kind::Rings, leaf.color, 1.0, |drawing| {
             for triangle in &corners[leaf.triangles.clone()] {
@@ -223,6 +282,7 @@ pub(super) fn organs(
             }
         });
     }
+    ledger.give_back(bytes_held);
     Ok(())
 }
 
@@ -235,4 +295,33 @@ fn tone(normal: Vec3) -> f32 {
 /// Linear light as bytes.
 fn bytes(light: Vec3) -> [u8; 3] {
     (encoded(light) * 255.0 + 0.5).to_array().map(|c| c as u8)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_hold_all_lines_in_order_and_none_too_many_points() {
+        let most = MOST_POINTS as u32;
+        for lines in
+            [vec![], vec![5], vec![most + 7], vec![2; 20_000], vec![most / 2; 5], vec![1, most, 1, 3 * most]]
+        {
+            let ends: Vec<u32> = lines
+                .iter()
+                .scan(0, |end, line| {
+                    *end += line;
+                    Some(*end)
+                })
+                .collect();
+            let found: Vec<&[u32]> = parts(&ends).collect();
+            assert_eq!(found.concat(), ends);
+            let mut from = 0;
+            for part in found {
+                let to = part[part.len() - 1];
+                assert!(to - from <= most || part.len() == 1, "{from} {to}");
+                from = to;
+            }
+        }
+    }
 }

@@ -3,6 +3,10 @@
 //! A stroke is tapered and lies in the picture's plane. Strokes that follow each other along a line
 //! make a run; runs are drawn far to near. Within a run nothing is counted twice: where the parts
 //! of a polyline meet, the pixel shows the line, not a knot.
+//!
+//! Ours, where flat drawings ([`crate::drawing`]) are tiny-skia's: a stroke has a depth, light across it and
+//! an exact coverage in linear light, and lies among the samples of a surface too. A crown is mostly twigs
+//! that are half a pixel wide; quarters of a pixel in eight bits, as tiny-skia counts, would show as steps.
 
 mod coverage;
 mod draft;
