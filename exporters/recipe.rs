@@ -25,7 +25,27 @@ pub(crate) fn in_any(exporters: &[&dyn Exporter], file: &mut dyn Readable) -> io
         }
     }
     file.rewind()?;
-    whole(linden_pipeline::picture::recipe_in_picture(file))
+    if let Some(recipe) = whole(linden_pipeline::picture::recipe_in_picture(file))? {
+        return Ok(Some(recipe));
+    }
+    file.rewind()?;
+    whole(in_svg(file))
+}
+
+/// The recipe in the metadata of a flat drawing, which are its second line.
+fn in_svg(file: &mut dyn Readable) -> io::Result<Option<String>> {
+    if !begins(file, b"<svg ")? || line(file)?.is_none() {
+        return Ok(None);
+    }
+    let Some(metadata) = line(file)? else { return Ok(None) };
+    let escaped = metadata
+        .strip_prefix(b"<metadata>linden recipe: ")
+        .and_then(|rest| rest.strip_suffix(b"</metadata>"));
+    Ok(escaped.and_then(text).map(|text| {
+        [("&quot;", "\""), ("&lt;", "<"), ("&gt;", ">"), ("&amp;", "&")]
+            .into_iter()
+            .fold(text, |text, (name, letter)| text.replace(name, letter))
+    }))
 }
 
 /// What was read, if it is a JSON object; a file that ends early carries none.

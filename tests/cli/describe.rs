@@ -284,6 +284,13 @@ fn flat_drawings_are_pictures_and_svg() {
     assert_eq!(usual, named, "an SVG is a flat drawing");
     assert!(usual.starts_with("<svg xmlns=") && usual.contains("viewBox=\"0 0 300 360\""));
     assert!(usual.contains("<path ") && usual.contains("older-a"), "strokes, and the recipe");
+    // Its quotes are letters that XML has for itself.
+    let named = ["preview", "older-a", "--set", "derivations=3", "--seed", "7", "-o"];
+    let recipe = |file: &str| {
+        folder.run(&[&named[..], &[file]].concat()).done();
+        folder.run(&["recipe", file]).done().out
+    };
+    assert_eq!(recipe("a.svg"), recipe("flat.png"), "the recipe comes back");
     // Other colours are other strokes.
     assert_ne!(usual, svg(&["--color", "order"]));
     for (args, expected) in [
