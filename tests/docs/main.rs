@@ -71,6 +71,24 @@ fn the_readme_is_one_page() {
     assert!(lines <= 150, "README.md has {lines} lines; what is more belongs into docs/");
 }
 
+/// The README's first command names no program.
+#[test]
+fn cargo_run_means_linden() {
+    let asked = std::process::Command::new(env!("CARGO"))
+        .args(["metadata", "--no-deps", "--format-version=1", "--offline"])
+        .current_dir(root())
+        .output()
+        .unwrap();
+    let said: serde_json::Value = serde_json::from_slice(&asked.stdout).unwrap();
+    let default = said["workspace_default_members"].as_array().unwrap();
+    let packages =
+        said["packages"].as_array().unwrap().iter().filter(|package| default.contains(&package["id"]));
+    let targets = packages.flat_map(|package| package["targets"].as_array().unwrap());
+    let programs =
+        targets.filter(|target| target["kind"].as_array().unwrap().iter().any(|kind| kind == "bin"));
+    assert_eq!(programs.map(|program| program["name"].as_str().unwrap()).collect::<Vec<_>>(), ["linden"]);
+}
+
 #[test]
 fn there_are_documents_and_blocks() {
     let pages = pages();
