@@ -141,6 +141,14 @@ impl Style<'_> {
         }
     }
 
+    /// The sRGB colour of an organ: of its kind, or else the one of [`Style::leaf_colors`] that it names.
+    pub(crate) fn organ_color(&self, organs: &Organs, organ: usize) -> Option<[u8; 3]> {
+        organs.color(organ).or_else(|| {
+            let last = self.leaf_colors.len().saturating_sub(1);
+            self.leaf_colors.get((organs.growth(organ).color as usize).min(last)).copied()
+        })
+    }
+
     /// For a flat drawing in a file: ink on white paper.
     pub const fn paper() -> Self {
         Self { background: Background::Plain([255; 3]), ground_shadow: false, ..Self::studio() }

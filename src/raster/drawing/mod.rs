@@ -34,8 +34,7 @@ use linden_pipeline::picture::Picture;
 use linden_pipeline::{Monitor, Skeleton};
 
 use crate::memory::{Ledger, picture_bytes};
-use crate::skeleton::{check, framed};
-use crate::style::foot;
+use crate::skeleton::Framing;
 use crate::{Background, Camera, RasterError, Size, Style};
 
 /// Shapes in the picture's plane, the lowest first.
@@ -109,12 +108,8 @@ impl Drawing {
         size: Size,
         monitor: &dyn Monitor,
     ) -> Result<Self, RasterError> {
-        check(skeleton)?;
         monitor.check()?;
-        let tree_extent = style.extent_without_person(skeleton).ok_or(RasterError::Empty)?;
-        let foot = foot(skeleton).ok_or(RasterError::Empty)?;
-        let framed = framed(camera, style, tree_extent, foot);
-        let view = camera.view(framed, size);
+        let Framing { framed, view, .. } = Framing::new(skeleton, camera, style, size)?;
         let ledger = Ledger::new(monitor);
         ledger.take(picture_bytes(size))?;
         let mut drawing = Self {

@@ -41,19 +41,19 @@ struct Bundle {
     ends: Vec<u32>,
 }
 
+impl Bundle {
+    fn add(&mut self, part: &[Place]) {
+        self.points.extend(part.iter().map(|place| place.at));
+        self.ends.push(self.points.len() as u32);
+    }
+}
+
 /// An axis that is drawn as rings.
 struct ThickAxis {
     layer: u32,
     color: [u8; 3],
     line: Vec<Place>,
     is_lateral: bool,
-}
-
-impl Bundle {
-    fn add(&mut self, part: &[Place]) {
-        self.points.extend(part.iter().map(|place| place.at));
-        self.ends.push(self.points.len() as u32);
-    }
 }
 
 /// The wood: for each colour the thin axes as lines, then the others as rings.
@@ -254,12 +254,8 @@ pub(super) fn organs(
             corners.truncate(first);
             continue;
         }
-        let of_kind = organs.color(organ).or_else(|| {
-            let last = style.leaf_colors.len().saturating_sub(1);
-            style.leaf_colors.get((hanging.color as usize).min(last)).copied()
-        });
         let tone = tone(view.turn(normal.normalize_or(Vec3::Y)));
-        let color = bytes(linear(of_kind.unwrap_or(style.ink)) * tone);
+        let color = bytes(linear(style.organ_color(organs, organ).unwrap_or(style.ink)) * tone);
         depth_m /= mesh.triangles.len().max(1) as f32;
         leaves.push(Leaf { depth_m, color, triangles: first..corners.len() });
     }

@@ -20,7 +20,7 @@ use crate::strokes::paint::BRUSH_BYTES_PER_PIXEL;
 use crate::strokes::trace::{self, Tracer};
 use crate::strokes::{Runs, leaves, overlay};
 use crate::style::foot;
-use crate::{Camera, Extent, RasterError, Size, Style};
+use crate::{Camera, Extent, RasterError, Size, Style, View};
 
 /// Draws the axial tree with [`Style::organs`] on it, framed by the camera.
 ///
@@ -35,12 +35,8 @@ pub fn draw_skeleton(
     size: Size,
     monitor: &dyn Monitor,
 ) -> Result<Picture, RasterError> {
-    check(skeleton)?;
     monitor.check()?;
-    let tree_extent = style.extent_without_person(skeleton).ok_or(RasterError::Empty)?;
-    let foot = foot(skeleton).ok_or(RasterError::Empty)?;
-    let framed = framed(camera, style, tree_extent, foot);
-    let view = camera.view(framed, size);
+    let Framing { tree_extent, foot, framed, view } = Framing::new(skeleton, camera, style, size)?;
     let air = Air::new(&tree_extent, &view, style);
     let ledger = Ledger::new(monitor);
     ledger.take(picture_bytes(size) + overlay::bytes(style) + trace::bytes(skeleton, style))?;
@@ -57,6 +53,27 @@ pub fn draw_skeleton(
     let backdrop = Backdrop::new(style.background, &view, foot, shadow_m);
     ledger.take(canvas::band_bytes(size, BRUSH_BYTES_PER_PIXEL))?;
     canvas::compose(size, &backdrop, monitor, |rows, pixels| runs.paint(rows, pixels, monitor))
+}
+
+/// Where a skeleton stands in a picture.
+pub(crate) struct Framing {
+    pub tree_extent: Extent,
+    /// The node that the tree stands on.
+    pub foot: Vec3,
+    /// What the picture shows: the tree, and a person if there is to be one.
+    pub framed: Extent,
+    pub view: View,
+}
+
+impl Framing {
+    /// Checks the skeleton first.
+    pub fn new(skeleton: &Skeleton, camera: &Camera, style: &Style, size: Size) -> Result<Self, RasterError> {
+        check(skeleton)?;
+        let tree_extent = style.extent_without_person(skeleton).ok_or(RasterError::Empty)?;
+        let foot = foot(skeleton).ok_or(RasterError::Empty)?;
+        let framed = framed(camera, style, tree_extent, foot);
+        Ok(Self { tree_extent, foot, framed, view: camera.view(framed, size) })
+    }
 }
 
 /// What the picture frames: the camera's extent or else the tree's, with the person if there is to be

@@ -36,7 +36,6 @@ pub(crate) fn trace(
     if let Some(organ) = fault {
         return Err(RasterError::Inconsistent(organs.growth(organ).node as usize));
     }
-    let colors: Vec<Vec3> = style.leaf_colors.iter().map(|&c| linear(c) * style.exposure).collect();
     // Evenly over the crown: organs come in the order of the branches.
     let every = if style.draft { organs.len().div_ceil(DRAFT_ORGANS).max(1) } else { 1 };
     let shown = organs.len().div_ceil(every);
@@ -51,12 +50,8 @@ pub(crate) fn trace(
             if style.until.is_some_and(|step| hanging.birth > step) || !tracer.is_present(hanging.node) {
                 continue;
             }
-            let kind = organs.color(organ).map(|color| linear(color) * style.exposure);
-            let organ_color = kind.or_else(|| {
-                colors.get((hanging.color as usize).min(colors.len().saturating_sub(1))).copied()
-            });
-            let color = match organ_color {
-                Some(color) if style.paint == Paint::Wood => color,
+            let color = match style.organ_color(organs, organ) {
+                Some(color) if style.paint == Paint::Wood => linear(color) * style.exposure,
                 _ => tracer.color_of(hanging.node),
             };
             leaf.trace(organ, color, &mut runs);

@@ -99,6 +99,10 @@ impl Prompt {
 
 /// Edits a line as shells do; whether the text changed.
 pub fn edit(input: &mut Input, key: KeyEvent) -> bool {
+    // Windows says AltGr so; elsewhere it types nothing.
+    if cfg!(unix) && key.modifiers.contains(KeyModifiers::CONTROL | KeyModifiers::ALT) {
+        return false;
+    }
     let word = match (key.code, key.modifiers) {
         // Words with Alt too, as terminals on a Mac send them.
         (KeyCode::Left | KeyCode::Char('b'), KeyModifiers::ALT) => Some(InputRequest::GoToPrevWord),
@@ -158,6 +162,16 @@ pub fn paint(input: &Input, area: Rect, buffer: &mut Buffer, view: &mut View, th
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_held_with_ctrl_and_alt_types_nothing() {
+        let mut input = Input::new("a".to_owned());
+        let held = KeyModifiers::CONTROL | KeyModifiers::ALT;
+        assert!(!edit(&mut input, KeyEvent::new(KeyCode::Char('x'), held)));
+        assert!(edit(&mut input, KeyEvent::new(KeyCode::Char('X'), KeyModifiers::SHIFT)));
+        assert_eq!(input.value(), "aX");
+    }
 
     #[test]
     fn pasted_text_goes_in_at_the_cursor_as_one_line() {
