@@ -169,7 +169,7 @@ pub enum Stop {
 /// use linden_skeleton::{Branching, NO_PARENT};
 ///
 /// let root =
-///     Branching { positions: vec![Vec3::ZERO], parents: vec![NO_PARENT], births: vec![0], radii: None };
+///     Branching { positions: vec![Vec3::ZERO], parents: vec![NO_PARENT], births: vec![0], radii: None, edges: None };
 /// let rule = GrowthRule {
 ///     step: 0.1,
 ///     influence: 2.0,
@@ -332,8 +332,13 @@ mod tests {
         let points: Vec<Vec3> = (0..20_000)
             .map(|i| Vec3::from([0, 1, 2].map(|axis| key.child(i).child(axis).between(-1.0, 1.0) as f32)))
             .collect();
-        let root =
-            Branching { positions: vec![Vec3::ZERO], parents: vec![NO_PARENT], births: vec![0], radii: None };
+        let root = Branching {
+            positions: vec![Vec3::ZERO],
+            parents: vec![NO_PARENT],
+            births: vec![0],
+            radii: None,
+            edges: None,
+        };
         for influence in [0.4, f32::INFINITY] {
             let rule = GrowthRule {
                 step: 0.03,

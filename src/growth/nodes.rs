@@ -49,7 +49,7 @@ impl<'a> Nodes<'a> {
     /// Parents of `start` come before their children.
     pub fn new(start: &Branching, rule: &'a GrowthRule, obstacles: &'a [Obstacle<'a>]) -> Self {
         let mut nodes = Self {
-            branching: Branching { radii: None, ..start.clone() },
+            branching: Branching { radii: None, edges: None, ..start.clone() },
             influences: Influences::default(),
             rule,
             obstacles,

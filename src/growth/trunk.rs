@@ -70,6 +70,7 @@ impl Stem {
                 parents: vec![NO_PARENT],
                 births: vec![0],
                 radii: None,
+                edges: None,
             },
         }
     }

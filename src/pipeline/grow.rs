@@ -9,7 +9,7 @@ use linden_plant::Body;
 use linden_plant::foliage::{self, FoliageError, Organs};
 use linden_skeleton::generator::{Branched, GeneratorError};
 use linden_skeleton::refine::{RefineError, Room, refine};
-use linden_skeleton::{NO_PARENT, Skeleton, SkeletonError, Wood};
+use linden_skeleton::{AxisRule, NO_PARENT, Skeleton, SkeletonError, Wood};
 
 use crate::preset::Preset;
 use crate::recipe::{InputsError, Recipe};
@@ -233,6 +233,9 @@ struct Built {
 fn build(branched: &mut Branched, preset: &Preset, monitor: &dyn Monitor) -> Result<Built, GrowError> {
     let mut branching = std::mem::take(&mut branched.branching);
     let mut organs = std::mem::take(&mut branched.organs);
+    if preset.wood.axes == AxisRule::Thickest {
+        branching.edges = None;
+    }
     if !preset.refinement.is_idle() {
         let is_barred = |p: glam::Vec3| branched.barred.as_ref().is_some_and(|barred| barred(p));
         let room = Room {
@@ -255,7 +258,7 @@ fn build(branched: &mut Branched, preset: &Preset, monitor: &dyn Monitor) -> Res
         measured_nodes = nodes;
     }
     branching.admit_build(&preset.wood, monitor)?;
-    let wood = preset.wood.settled(branching.radii.is_some());
+    let wood = preset.wood.settled(branching.radii.is_some(), branching.edges.is_some());
     let skeleton = Skeleton::build_keyed(branching, &wood, preset.wood_key())?;
     Ok(Built { skeleton: Arc::new(skeleton), wood, organs, measured_nodes })
 }

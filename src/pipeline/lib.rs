@@ -37,4 +37,4 @@ pub use linden_skeleton as skeleton;
 
 pub use glam::{DVec3, Vec2, Vec3};
 pub use monitor::{Cancelled, Monitor, Quiet};
-pub use skeleton::{Branching, NO_PARENT, Skeleton};
+pub use skeleton::{Branching, Edge, NO_PARENT, Skeleton};

@@ -27,6 +27,7 @@
 //!     parents: vec![NO_PARENT, 0],
 //!     births: vec![0, 1],
 //!     radii: None,
+//!     edges: None,
 //! };
 //! let skeleton = Skeleton::build(pole, &Wood::default())?;
 //! assert!(!sweep(&skeleton, &Tubes::default(), &Quiet)?.triangles.is_empty());

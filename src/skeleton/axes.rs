@@ -4,18 +4,24 @@ use std::cmp::Ordering;
 
 use glam::Vec3;
 
-use super::{Axis, NO_PARENT};
+use super::{Axis, Edge, NO_PARENT, Skeleton};
+use linden_base::memory::bytes_of;
 
 /// All axes (parents before laterals) and their nodes, axis by axis.
 ///
-/// The greatest child by `compare` (the thicker one) continues the axis; among equals the
-/// straightest, then the first. What `compare` owns is freed before the axes are laid out.
+/// The child that succeeds its parent continues the axis. Without edges it is the greatest by `compare`
+/// (the thicker one), among equals the straightest, then the first. What `compare` owns is freed before
+/// the axes are laid out.
 pub(super) fn decompose(
     positions: &[Vec3],
     parents: &[u32],
+    edges: Option<&[Edge]>,
     compare: impl Fn(u32, u32) -> Ordering,
 ) -> (Vec<Axis>, Vec<u32>) {
-    let mut next = successors(positions, parents, compare);
+    let mut next = match edges {
+        Some(edges) => said(parents, edges),
+        None => successors(positions, parents, None, compare),
+    };
     let apexes = next.iter().filter(|&&successor| successor == NO_PARENT).count();
     let mut axes: Vec<Axis> = Vec::with_capacity(apexes);
     let mut axis_nodes: Vec<u32> = Vec::with_capacity(parents.len());
@@ -39,12 +45,102 @@ pub(super) fn decompose(
     (axes, axis_nodes)
 }
 
-/// For each node the child that continues its axis, [`NO_PARENT`] at an apex.
+/// Where axes end though wood goes on: at nodes whose children a grammar brackets, all of them. Where axes go
+/// by thickness there are none.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Forks {
+    /// Nodes, in order.
+    apices: Vec<u32>,
+    /// Axes, in order.
+    onward: Vec<u32>,
+}
+
+impl Forks {
+    /// Finds those of a skeleton.
+    pub fn new(skeleton: &Skeleton) -> Self {
+        let Skeleton { parents, axes, .. } = skeleton;
+        let mut bears = vec![false; parents.len()];
+        for &parent in parents.iter().filter(|&&parent| parent != NO_PARENT) {
+            bears[parent as usize] = true;
+        }
+        if bears.iter().filter(|bears| !**bears).count() == axes.len() {
+            return Self::default();
+        }
+        let ends = axes.iter().filter_map(|axis| skeleton.nodes_of(axis).last().copied());
+        let mut apices: Vec<u32> = ends.filter(|&apex| bears[apex as usize]).collect();
+        apices.sort_unstable();
+        Self { onward: onward(skeleton, &apices), apices }
+    }
+
+    /// Whether an axis ends at a node from where others leave.
+    pub fn ends_at(&self, node: u32) -> bool {
+        self.apices.binary_search(&node).is_ok()
+    }
+
+    /// Whether the wood of an axis that ended runs on into this one: the thickest that leaves there, among
+    /// equals the straightest, then the first. It is as thick at its root as the other one at its end.
+    pub fn runs_on(&self, axis: u32) -> bool {
+        self.onward.binary_search(&axis).is_ok()
+    }
+
+    /// How many nodes [`Forks::ends_at`] holds for.
+    pub fn len(&self) -> usize {
+        self.apices.len()
+    }
+
+    /// Whether there is no such node.
+    pub fn is_empty(&self) -> bool {
+        self.apices.is_empty()
+    }
+
+    /// Bytes that those of a skeleton take at most while they are found.
+    pub fn bytes_for(skeleton: &Skeleton) -> u64 {
+        bytes_of::<bool>(skeleton.parents.len()) + bytes_of::<[u32; 4]>(skeleton.axes.len())
+    }
+}
+
+fn onward(skeleton: &Skeleton, apices: &[u32]) -> Vec<u32> {
+    let Skeleton { positions, parents, axes, radii, .. } = skeleton;
+    let base = |axis: u32| skeleton.nodes_of(&axes[axis as usize]).first().copied();
+    let radius = |axis: u32| base(axis).map_or(0.0, |node| radii[node as usize]);
+    let straight = |axis: u32| base(axis).map_or(-1.0, |node| straightness(positions, parents, node));
+    let mut best: Vec<Option<u32>> = vec![None; apices.len()];
+    for (index, axis) in (0..).zip(axes) {
+        let Ok(place) = apices.binary_search(&axis.parent) else { continue };
+        let wins = best[place].is_none_or(|rival| match radius(index).total_cmp(&radius(rival)) {
+            Ordering::Greater => true,
+            Ordering::Less => false,
+            Ordering::Equal => straight(index) > straight(rival) + STRAIGHTER,
+        });
+        if wins {
+            best[place] = Some(index);
+        }
+    }
+    let mut onward: Vec<u32> = best.into_iter().flatten().collect();
+    onward.sort_unstable();
+    onward
+}
+
+/// For each node the child that succeeds it, [`NO_PARENT`] where there is none.
+fn said(parents: &[u32], edges: &[Edge]) -> Vec<u32> {
+    let mut next = vec![NO_PARENT; parents.len()];
+    for (child, (&parent, &edge)) in (0..).zip(parents.iter().zip(edges)) {
+        if parent != NO_PARENT && edge == Edge::Succeeds {
+            next[parent as usize] = child;
+        }
+    }
+    next
+}
+
+/// For each node the child to which its wood runs on, [`NO_PARENT`] at a tip: the one that succeeds it;
+/// without edges, and where all children branch, the greatest by `compare`.
 pub(super) fn successors(
     positions: &[Vec3],
     parents: &[u32],
+    edges: Option<&[Edge]>,
     compare: impl Fn(u32, u32) -> Ordering,
 ) -> Vec<u32> {
+    let succeeds = |node: u32| edges.is_some_and(|edges| edges[node as usize] == Edge::Succeeds);
     let mut best = vec![NO_PARENT; parents.len()];
     for child in 0..parents.len() as u32 {
         let parent = parents[child as usize];
@@ -53,7 +149,7 @@ pub(super) fn successors(
         }
         let rival = best[parent as usize];
         let wins = rival == NO_PARENT
-            || match compare(child, rival) {
+            || match succeeds(child).cmp(&succeeds(rival)).then_with(|| compare(child, rival)) {
                 Ordering::Greater => true,
                 Ordering::Less => false,
                 Ordering::Equal => {
@@ -120,7 +216,7 @@ mod tests {
         for seed in 0..20 {
             let (positions, parents) = random_tree(seed, 300);
             let tips = count_tips(&parents);
-            let (axes, nodes) = decompose(&positions, &parents, by_tips(&tips));
+            let (axes, nodes) = decompose(&positions, &parents, None, by_tips(&tips));
 
             let mut sorted = nodes.clone();
             sorted.sort_unstable();
@@ -158,7 +254,7 @@ mod tests {
     fn among_equals_the_straightest_continues() {
         let positions = [(0., 0.), (0., 1.), (0.7, 1.7), (0.1, 2.)].map(|(x, y)| Vec3::new(x, y, 0.0));
         let parents = [NO_PARENT, 0, 1, 1];
-        let (axes, nodes) = decompose(&positions, &parents, by_tips(&count_tips(&parents)));
+        let (axes, nodes) = decompose(&positions, &parents, None, by_tips(&count_tips(&parents)));
         assert_eq!(nodes, [0, 1, 3, 2]);
         assert_eq!(axes[1], Axis { order: 1, parent: 1, first: 3, len: 1 });
     }

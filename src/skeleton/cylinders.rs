@@ -53,6 +53,7 @@ impl Skeleton {
     ///     parents: vec![NO_PARENT, 0],
     ///     births: vec![0, 1],
     ///     radii: None,
+    ///     edges: None,
     /// };
     /// let wood = Wood { base_radius_m: Some(0.5), ..Wood::default() };
     /// let cylinders = Skeleton::build(pole, &wood)?.cylinders();
@@ -122,6 +123,7 @@ mod tests {
             parents: vec![NO_PARENT, 0, 1, 1, 0],
             births: vec![0; 5],
             radii: None,
+            edges: None,
         };
         let wood = Wood { radius_exponent: 1.0, tip_radius_m: Some(0.1), ..Wood::default() };
         Skeleton::build(branching, &wood).unwrap()

@@ -19,7 +19,7 @@ use linden_base::monitor::{Cancelled, Monitor};
 use linden_base::random::Key;
 
 use crate::organs::Organs;
-use crate::{Branching, Skeleton, Wood};
+use crate::{AxisRule, Branching, Skeleton, Wood};
 
 /// A way to grow trees.
 pub trait Generator: Sync {
@@ -297,6 +297,9 @@ pub struct Passage {
 pub struct Traits {
     /// Where radii come from.
     pub radii: RadiiFrom,
+    /// What [`AxisRule::Auto`] stands for: [`AxisRule::Grammar`] where it says which child continues an
+    /// axis ([`Branching::edges`]).
+    pub axes: AxisRule,
     /// Whether they place leaves and the like.
     pub places_organs: bool,
     /// Whether it is known of each node whether it was of use, so that pruning goes by that.
@@ -308,7 +311,13 @@ pub struct Traits {
 impl Default for Traits {
     /// Bare wood, thickened by its rule.
     fn default() -> Self {
-        Self { radii: RadiiFrom::Rule, places_organs: false, knows_use: false, tells_age: true }
+        Self {
+            radii: RadiiFrom::Rule,
+            axes: AxisRule::Thickest,
+            places_organs: false,
+            knows_use: false,
+            tells_age: true,
+        }
     }
 }
 

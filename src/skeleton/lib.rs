@@ -20,11 +20,12 @@ use xxhash_rust::xxh3::Xxh3;
 
 use linden_base::random::Key;
 
+pub use axes::Forks;
 pub use cylinders::Cylinder;
 pub use measure::Measures;
 pub use radii::axes_by_tips;
 pub use radii::pipe::count_tips;
-pub use radii::{Span, Width, Wood};
+pub use radii::{AxisRule, Span, Width, Wood};
 
 /// The parent of a node that stands at the foot of a stem.
 pub const NO_PARENT: u32 = u32::MAX;
@@ -43,6 +44,20 @@ pub struct Branching {
     /// Metres, where the generator itself says how thick the wood is (a grammar's `!`, a scan's
     /// bark); `None`: the [`Wood`] decides.
     pub radii: Option<Vec<f32>>,
+    /// How each node is joined to its parent, where the generator knows (a grammar's brackets);
+    /// `None`: the thickest child goes on. What stands for the foot of a stem means nothing.
+    pub edges: Option<Vec<Edge>>,
+}
+
+/// How a node is joined to its parent: the two relations between internodes of an axial tree (ABOP,
+/// section 1.6.1), written `<` and `+` in multiscale tree graphs (Godin & Caraglio 1998).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Edge {
+    /// It continues its parent's axis.
+    #[default]
+    Succeeds,
+    /// It begins a lateral axis.
+    Branches,
 }
 
 /// One axis: a chain of internodes from its base to its apex.
@@ -115,6 +130,14 @@ pub enum SkeletonError {
         /// The node.
         node: usize,
     },
+    /// Edges of another number than nodes, or a second one that continues the same axis.
+    #[error(
+        "node {node} was given an edge that is missing, or continues an axis that another node continues"
+    )]
+    Edge {
+        /// The node.
+        node: usize,
+    },
 }
 
 impl Branching {
@@ -145,15 +168,34 @@ impl Branching {
                 }
             }
         }
+        self.check_edges()?;
         if segments == 0 { Err(SkeletonError::Empty) } else { Ok(()) }
+    }
+
+    fn check_edges(&self) -> Result<(), SkeletonError> {
+        let Some(edges) = &self.edges else { return Ok(()) };
+        if edges.len() != self.parents.len() {
+            return Err(SkeletonError::Edge { node: edges.len().min(self.parents.len()) });
+        }
+        let mut is_continued = vec![false; self.parents.len()];
+        for (node, (&parent, &edge)) in self.parents.iter().zip(edges).enumerate() {
+            if parent != NO_PARENT
+                && edge == Edge::Succeeds
+                && std::mem::replace(&mut is_continued[parent as usize], true)
+            {
+                return Err(SkeletonError::Edge { node });
+            }
+        }
+        Ok(())
     }
 }
 
 impl Skeleton {
     /// Finds axes and radii.
     ///
-    /// The thickest child (then the straightest, then the first) continues its parent's axis, all
-    /// others start laterals.
+    /// Where the branching has [`Edge`]s and `wood` goes by them ([`Wood::axes`]), they say which child
+    /// continues its parent's axis, and an axis ends where all children branch. Otherwise the thickest
+    /// child (then the straightest, then the first) continues it. All others start laterals.
     ///
     /// ```
     /// use glam::Vec3;
@@ -163,6 +205,7 @@ impl Skeleton {
     ///     parents: vec![NO_PARENT, 0, 1, 1],
     ///     births: vec![0, 1, 2, 2],
     ///     radii: None,
+    ///     edges: None,
     /// };
     /// let tree = Skeleton::build(fork, &Default::default())?;
     /// assert_eq!(tree.axes.len(), 2);
@@ -182,8 +225,10 @@ impl Skeleton {
     /// When the branching is no tree: see [`Branching::validate`].
     pub fn build_keyed(branching: Branching, wood: &Wood, key: Key) -> Result<Self, SkeletonError> {
         branching.validate()?;
-        let Branching { positions, parents, births, radii: given } = branching;
-        let Built { axes, axis_nodes, radii } = radii::build(&positions, &parents, given, wood, key);
+        let Branching { positions, parents, births, radii: given, edges } = branching;
+        let edges = edges.filter(|_| wood.axes != AxisRule::Thickest);
+        let Built { axes, axis_nodes, radii } =
+            radii::build(&positions, &parents, given, edges.as_deref(), wood, key);
         Ok(Self { positions, parents, radii, births, axes, axis_nodes })
     }
 

@@ -82,6 +82,7 @@ mod tests {
             parents: vec![NO_PARENT, 0, 1, 1],
             births: vec![0; 4],
             radii: None,
+            edges: None,
         };
         let wood = Wood { radius_exponent: 1.0, tip_radius_m: Some(0.1), ..Wood::default() };
         let skeleton = Skeleton::build(branching, &wood).unwrap();

@@ -1,6 +1,6 @@
 //! How much memory branchings and skeletons take.
 
-use super::{Axis, Branching, NO_PARENT, Skeleton, Width, Wood};
+use super::{Axis, Branching, Edge, NO_PARENT, Skeleton, Width, Wood};
 use linden_base::memory::{OverMemory, bytes_of};
 use linden_base::monitor::Monitor;
 
@@ -12,10 +12,11 @@ impl Branching {
 
     /// Bytes that it takes, reserved places included.
     pub fn bytes(&self) -> u64 {
-        let Self { positions, parents, births, radii } = self;
+        let Self { positions, parents, births, radii, edges } = self;
         let radii = radii.as_ref().map_or(0, Vec::capacity);
         bytes_of::<[f32; 3]>(positions.capacity())
             + bytes_of::<u32>(parents.capacity() + births.capacity() + radii)
+            + bytes_of::<Edge>(edges.as_ref().map_or(0, Vec::capacity))
     }
 
     /// Makes room for more nodes than there are by half, if there is memory for it. Without this, lists
@@ -34,13 +35,16 @@ impl Branching {
         let more = (nodes / 2).max(64);
         // One list after the other moves; the positions' is the largest, and the first.
         let moving = self.bytes() + bytes_of::<[f32; 3]>(nodes + more);
-        let moved = Self::bytes_for(nodes + more) + bytes_of::<u32>(nodes);
+        let moved = Self::bytes_for(nodes + more) + bytes_of::<(u32, Edge)>(nodes);
         monitor.admit(doing, moving.max(moved), advice)?;
         self.positions.reserve_exact(more);
         self.parents.reserve_exact(more);
         self.births.reserve_exact(more);
         if let Some(radii) = &mut self.radii {
             radii.reserve_exact(more);
+        }
+        if let Some(edges) = &mut self.edges {
+            edges.reserve_exact(more);
         }
         Ok(())
     }
@@ -60,7 +64,7 @@ impl Branching {
         // Successors and nodes of axes.
         let laid_out = 2 * word + bytes_of::<Axis>(axes);
         self.bytes()
-            + match wood.settled(self.radii.is_some()).width {
+            + match wood.settled(self.radii.is_some(), self.edges.is_some()).width {
                 // The radii are there; tips are needed to the end.
                 Width::Grammar => word + laid_out,
                 // Keys, counts of laterals, drawn shares; axes of nodes.
@@ -73,8 +77,12 @@ impl Branching {
             }
     }
 
-    /// How many axes it has: each ends in a node without children.
+    /// How many axes it may have: each ends in a node without children, or where all children branch.
     fn axes(&self) -> usize {
+        if let Some(edges) = &self.edges {
+            let stems = self.parents.iter().filter(|&&parent| parent == NO_PARENT).count();
+            return edges.iter().filter(|edge| **edge == Edge::Branches).count() + stems;
+        }
         let nodes = self.parents.len();
         let mut has_child = vec![false; nodes];
         for &parent in self.parents.iter().filter(|&&parent| parent != NO_PARENT) {

@@ -4,7 +4,7 @@ use linden_base::field;
 use linden_base::knob::{Field, Kind, Knob, Value, integer, real, real_or_auto};
 
 use crate::refine::{Refinement, STEPS, Step};
-use crate::{Width, Wood};
+use crate::{AxisRule, Width, Wood};
 
 /// The names of all steps of refinement.
 const STEP_NAMES: [&str; STEPS.len()] = {
@@ -37,6 +37,21 @@ impl Wood {
                  ! or the bark of a scan says."
             ),
             see_also(&["radius_exponent", "order_ratio", "taper_base_min", "base_radius", "scan_radius"])
+        ),
+        field!(
+            "axes",
+            Kind::Choice(AxisRule::WORDS),
+            "",
+            "which child of a node continues its axis: what a grammar writes outside brackets, or the thickest; auto: the grammar's where there is one",
+            axes,
+            details(
+                "In an axial tree the bracketed branch is the lateral (ABOP, section 1.6.1), however thick \
+                 it is; where all are bracketed the axis ends, and each of them begins one. Orders, the \
+                 branches of a cylinder table, branching angles and width=order go by it. thickest follows \
+                 the wood: the thickest child, among equals the straightest, as for all trees that no \
+                 grammar wrote."
+            ),
+            see_also(&["width", "order_ratio", "radius_exponent"])
         ),
         field!(
             "base_radius",

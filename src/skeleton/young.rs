@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::radii::{self, Built};
-use super::{NO_PARENT, Skeleton, Wood};
+use super::{Edge, NO_PARENT, Skeleton, Wood};
 use linden_base::random::Key;
 
 impl Skeleton {
@@ -37,6 +37,7 @@ impl Skeleton {
     ///     parents: vec![NO_PARENT, 0, 1, 1],
     ///     births: vec![0, 1, 2, 2],
     ///     radii: None,
+    ///     edges: None,
     /// };
     /// let tree = Skeleton::build(fork, &wood)?;
     /// let young = tree.until(1, &wood, Key::new(0));
@@ -65,6 +66,15 @@ impl Skeleton {
         let Built { axes, axis_nodes, radii } =
             radii::build_young(self, &nodes, &positions, &parents, wood, key);
         Self { positions, parents, radii, births, axes, axis_nodes }
+    }
+
+    /// How each of some nodes is joined to its parent.
+    pub(super) fn edges_of(&self, nodes: &[u32]) -> Vec<Edge> {
+        let mut edges = vec![Edge::Succeeds; self.parents.len()];
+        for axis in self.axes.iter().filter(|axis| axis.parent != NO_PARENT) {
+            edges[self.axis_nodes[axis.first as usize] as usize] = Edge::Branches;
+        }
+        nodes.iter().map(|&node| edges[node as usize]).collect()
     }
 }
 
@@ -116,6 +126,7 @@ mod tests {
             parents: there.iter().map(|&n| new(all.parents[n as usize])).collect(),
             births: there.iter().map(|&n| all.births[n as usize]).collect(),
             radii: None,
+            edges: None,
         }
     }
 

@@ -105,8 +105,13 @@ fn row(setting: &Setting) {
         max_nodes: u32::MAX,
         habit: GrowthHabit::PLAIN,
     };
-    let root =
-        Branching { positions: vec![Vec3::ZERO], parents: vec![NO_PARENT], births: vec![0], radii: None };
+    let root = Branching {
+        positions: vec![Vec3::ZERO],
+        parents: vec![NO_PARENT],
+        births: vec![0],
+        radii: None,
+        edges: None,
+    };
     let [one, two] =
         [1, 2].map(|threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap());
     let ours = |pool: &ThreadPool| pool.install(|| timed(|| grow(&points, &root, &rule, &Quiet).unwrap()));

@@ -57,7 +57,7 @@ fn grow_among_as_defined(
 }
 
 fn root(at: Vec3) -> Branching {
-    Branching { positions: vec![at], parents: vec![NO_PARENT], births: vec![0], radii: None }
+    Branching { positions: vec![at], parents: vec![NO_PARENT], births: vec![0], radii: None, edges: None }
 }
 
 /// Points of every awkward kind, in a cube of about two metres.
@@ -287,6 +287,7 @@ fn a_forest_of_many_roots_is_the_definition() {
         births: vec![0; roots.len()],
         positions: roots,
         radii: None,
+        edges: None,
     };
     let rule = GrowthRule { kill: 0.02, ..coarse(0.02, 0.1) };
     let growth = grow_as_defined(&ball(6_000), &start, &rule).unwrap();

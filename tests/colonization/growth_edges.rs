@@ -22,6 +22,7 @@ fn roots(places: &[Vec3]) -> Branching {
         parents: vec![NO_PARENT; places.len()],
         births: vec![0; places.len()],
         radii: None,
+        edges: None,
     }
 }
 
@@ -189,6 +190,7 @@ fn the_start_is_kept_as_it_is() {
         parents: vec![NO_PARENT, 0],
         births: vec![7, 9],
         radii: None,
+        edges: None,
     };
     let growth = grow(&[3.0 * Vec3::Y], &start, &RULE, &Quiet).unwrap();
     assert_eq!(growth.branching.positions[..2], start.positions);
@@ -261,6 +263,7 @@ fn a_long_trunk_hands_points_on_from_batch_to_batch() {
         parents: (0..u32::from(nodes)).map(|i| i.checked_sub(1).unwrap_or(NO_PARENT)).collect(),
         births: vec![0; nodes.into()],
         radii: None,
+        edges: None,
     };
     let top = f32::from(nodes) * 0.01;
     let points: Vec<Vec3> = (0..40_u8).map(|i| Vec3::new(f32::from(i) * 0.02, top + 1.0, 0.0)).collect();

@@ -21,7 +21,7 @@ fn rule(habit: GrowthHabit) -> GrowthRule {
 }
 
 fn root(at: Vec3) -> Branching {
-    Branching { positions: vec![at], parents: vec![NO_PARENT], births: vec![0], radii: None }
+    Branching { positions: vec![at], parents: vec![NO_PARENT], births: vec![0], radii: None, edges: None }
 }
 
 /// Uniform in a cone with its base on the ground, four metres high.
@@ -87,6 +87,7 @@ fn first_internode(point: Vec3, habit: GrowthHabit) -> Vec3 {
         parents: vec![NO_PARENT, 0, 1],
         births: vec![0; 3],
         radii: None,
+        edges: None,
     };
     let growth = grow(&[point], &stem, &rule(habit), &Quiet).unwrap();
     (growth.branching.positions[3] - growth.branching.positions[growth.branching.parents[3] as usize]) / 0.1

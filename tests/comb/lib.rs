@@ -86,8 +86,13 @@ impl Settings for Comb {
     }
 
     fn grow(&self, _: &Task<'_>, monitor: &dyn Monitor) -> Result<Branched, GeneratorError> {
-        let mut branching =
-            Branching { positions: vec![Vec3::ZERO], parents: vec![NO_PARENT], births: vec![0], radii: None };
+        let mut branching = Branching {
+            positions: vec![Vec3::ZERO],
+            parents: vec![NO_PARENT],
+            births: vec![0],
+            radii: None,
+            edges: None,
+        };
         self.stem(0, 0, Vec3::Y, self.length_m as f32, &mut branching, monitor)?;
         Ok(Branched { branching, most_nodes: u64::from(u32::MAX), ..Branched::default() })
     }

@@ -50,6 +50,7 @@ fn as_defined(grown: &Grown, obstacles: &[Obstacle]) -> naive::Grown {
         parents: parents[..old].to_vec(),
         births: births[..old].to_vec(),
         radii: None,
+        edges: None,
     };
     let rule = GrowthRule {
         step: 0.25,

@@ -20,7 +20,7 @@ const PLAIN: &str = "id = \"plain\"\n[lsystem]\naxiom = \"F\"\nrules = [\"F -> F
                      derivations = 2\nangle = 25\nsegment_length = 0.3\n";
 
 /// One with all of them.
-const RICH: &str = "id = \"rich\"\n[lsystem]\naxiom = \"A\"\n\
+const RICH: &str = "id = \"rich\"\n[lsystem]\naxiom = \"F[-A]F\"\n\
                     rules = [\"A -> !F[+(30)&B~L]['{+F-F|F}]A\", \"B -> !F~N\"]\n\
                     derivations = 4\nangle = 35\nsegment_length = 0.4\n";
 

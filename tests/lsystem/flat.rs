@@ -53,6 +53,7 @@ fn compare(axiom: &str, rules: &Rules, settings: &TurtleSettings) -> Option<f64>
     assert_eq!(grown.symbols, string.len() as u64);
     assert_eq!(grown.branching.parents, drawn.parents);
     assert_eq!(grown.branching.births, drawn.births);
+    assert_eq!(grown.branching.edges, drawn.edges);
     let size = drawn.positions.iter().map(|position| position.length()).fold(0.0, f32::max);
     let pairs = grown.branching.positions.iter().zip(&drawn.positions);
     let farthest = pairs.map(|(a, b)| a.as_dvec3().distance(b.as_dvec3())).fold(0.0, f64::max);

@@ -1,6 +1,7 @@
 //! L-systems against the literature's figures, a rewriting by definition, and positions by hand.
 #![expect(clippy::unwrap_used, reason = "what a test cannot unwrap fails it, in its helpers too")]
 
+mod axes;
 mod chance;
 mod contexts;
 mod definition;

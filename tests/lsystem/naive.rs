@@ -7,7 +7,7 @@ use std::rc::Rc;
 
 use linden::lsystem::TurtleSettings;
 use linden::random::Key;
-use linden::{Branching, DVec3, NO_PARENT};
+use linden::{Branching, DVec3, Edge, NO_PARENT};
 
 /// Predecessor → (probability, successor).
 pub type Rules = BTreeMap<char, Vec<(f64, String)>>;
@@ -99,6 +99,8 @@ struct State {
     up: DVec3,
     /// The node here, shared by all who stand here.
     node: Rc<Cell<Option<u32>>>,
+    /// The bracket in which that node was drawn, by its place in the string; 0 outside all.
+    bracket: usize,
 }
 
 impl State {
@@ -115,7 +117,9 @@ impl State {
 /// Walks along a string.
 pub fn draw(string: &[Letter], settings: &TurtleSettings) -> Branching {
     let mut drawn = Branching::default();
-    let mut put = |at: DVec3, parent: u32, birth: u32| {
+    let mut edges = Vec::new();
+    let mut put = |at: DVec3, parent: u32, birth: u32, edge: Edge| {
+        edges.push(edge);
         drawn.positions.push(at.as_vec3());
         drawn.parents.push(parent);
         drawn.births.push(birth);
@@ -128,22 +132,35 @@ pub fn draw(string: &[Letter], settings: &TurtleSettings) -> Branching {
         left: DVec3::NEG_X,
         up: DVec3::Z,
         node: Rc::default(),
+        bracket: 0,
     };
+    let mut open = vec![0];
     let d = settings.angle_deg;
-    for letter in string {
+    for (place, letter) in string.iter().enumerate() {
+        let here = open[open.len() - 1];
         match letter.symbol {
             'F' | 'G' => {
-                let start = state.node.get().unwrap_or_else(|| put(state.position, NO_PARENT, letter.birth));
+                let root = || put(state.position, NO_PARENT, letter.birth, Edge::Succeeds);
+                let start = state.node.get().unwrap_or_else(root);
                 state.node.set(Some(start));
                 state.position += state.heading * settings.segment_m;
-                state.node = Rc::new(Cell::new(Some(put(state.position, start, letter.birth))));
+                let edge = if state.bracket == here { Edge::Succeeds } else { Edge::Branches };
+                state.node = Rc::new(Cell::new(Some(put(state.position, start, letter.birth, edge))));
+                state.bracket = here;
             }
             'f' => {
                 state.position += state.heading * settings.segment_m;
                 state.node = Rc::default();
+                state.bracket = here;
             }
-            '[' => stack.push(state.clone()),
-            ']' => state = stack.pop().unwrap(),
+            '[' => {
+                stack.push(state.clone());
+                open.push(place + 1);
+            }
+            ']' => {
+                state = stack.pop().unwrap();
+                open.pop();
+            }
             '+' => state.turn(state.up, d),
             '-' => state.turn(state.up, -d),
             '&' => state.turn(state.left, d),
@@ -161,5 +178,6 @@ pub fn draw(string: &[Letter], settings: &TurtleSettings) -> Branching {
             _ => {}
         }
     }
+    drawn.edges = Some(edges);
     drawn
 }

@@ -51,6 +51,7 @@ proptest! {
                 assert_sound(&grown);
                 prop_assert_eq!(&grown.branching.parents, &drawn.parents);
                 prop_assert_eq!(&grown.branching.births, &drawn.births);
+                prop_assert_eq!(&grown.branching.edges, &drawn.edges);
                 for (a, b) in grown.branching.positions.iter().zip(&drawn.positions) {
                     prop_assert!(a.distance(*b) < 1e-4, "{} {}", a, b);
                 }

@@ -94,7 +94,7 @@ proptest! {
     #[test]
     fn young_trees_follow_each_rule(all in branchings(), step in 0..9_u32) {
         for &width in Width::ALL {
-            let wood = Wood { width, base_radius_m: Some(0.3), ..Wood::default() }.settled(false);
+            let wood = Wood { width, base_radius_m: Some(0.3), ..Wood::default() }.settled(false, false);
             let tree = built(&all, &wood);
             let young = tree.until(step, &wood, KEY);
             prop_assert!(young.radii.iter().all(|&radius| radius > 0.0 && radius <= 0.300_001));
@@ -117,7 +117,7 @@ fn what_is_drawn_for_an_axis_does_not_depend_on_the_others() {
         let (positions, parents): (Vec<_>, Vec<_>) = nodes.into_iter().unzip();
         let births = vec![0; parents.len()];
         let wood = Wood { width: Width::Taper, ..Wood::default() };
-        built(&Branching { positions, parents, births, radii: None }, &wood)
+        built(&Branching { positions, parents, births, radii: None, edges: None }, &wood)
     };
     let two: Vec<_> = stem.chain(twig(3, 8, glam::Vec3::X)).chain(twig(5, 11, glam::Vec3::Z)).collect();
     let mut three = two.clone();
@@ -135,6 +135,7 @@ fn given_radii_are_kept_and_missing_ones_fall_back() {
         parents: vec![NO_PARENT, 0, 1, 1],
         births: vec![0; 4],
         radii: Some(vec![0.2, 0.2, 0.3, 0.1]),
+        edges: None,
     };
     let auto = built(&all, &Wood::default());
     assert_eq!(auto.radii, [0.2, 0.2, 0.3, 0.1], "also where a child is thicker");

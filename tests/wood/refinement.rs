@@ -116,5 +116,6 @@ fn branching_of(skeleton: &linden::Skeleton) -> linden::Branching {
         parents: skeleton.parents.clone(),
         births: vec![0; skeleton.parents.len()],
         radii: None,
+        edges: None,
     }
 }

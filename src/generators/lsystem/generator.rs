@@ -8,7 +8,7 @@ use linden_skeleton::generator::{
     Branched, Generator, GeneratorError, KeyContent, Passage, RadiiFrom, SampleSize, Sampler, Settings,
     TableKey, Task, Traits, Written,
 };
-use linden_skeleton::{Width, Wood};
+use linden_skeleton::{AxisRule, Width, Wood};
 
 use crate::chance::chooses;
 use crate::sample::Fewer;
@@ -123,6 +123,7 @@ impl Settings for LSystem {
     fn traits(&self, wood: &Wood) -> Traits {
         Traits {
             radii: if self.gives_radii(wood) { RadiiFrom::Generator } else { RadiiFrom::Rule },
+            axes: AxisRule::Grammar,
             places_organs: self.writes("{~", false),
             knows_use: false,
             tells_age: self.derivations == 0 || !self.rewrites_all_wood(),

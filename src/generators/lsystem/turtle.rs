@@ -15,7 +15,7 @@ use linden_base::monitor::Holding;
 use linden_base::monitor::Monitor;
 use linden_base::random::Key;
 use linden_skeleton::organs::{Organs, prototype};
-use linden_skeleton::{Branching, NO_PARENT};
+use linden_skeleton::{Branching, Edge, NO_PARENT};
 
 /// Wood is no thinner and no thicker, however often its width was multiplied: metres of radius.
 const RADII_M: [f64; 2] = [1e-6, 1e6];
@@ -78,6 +78,8 @@ struct State {
     is_adrift: bool,
     /// The last node on the way here.
     node: u32,
+    /// How the next segment is joined to its anchor.
+    edge: Edge,
     color: u32,
     /// In units of the segment width.
     width: f64,
@@ -126,13 +128,14 @@ impl<'a> Turtle<'a> {
     ) -> Result<Self, OverMemory> {
         let sets_widths = program.commands().any(|(command, _)| command == Command::Width);
         let radii = bytes_of::<f32>(if sets_widths { segments + 1 } else { 0 });
-        let nodes = Branching::bytes_for(segments + 1) + radii;
+        let nodes = Branching::bytes_for(segments + 1) + bytes_of::<Edge>(segments + 1) + radii;
         monitor.admit(DOING, nodes + bytes_grown::<State>(depth.min(MAX_NESTING)), ADVICE)?;
         let branching = Branching {
             positions: Vec::with_capacity(segments + 1),
             parents: Vec::with_capacity(segments + 1),
             births: Vec::with_capacity(segments + 1),
             radii: sets_widths.then(|| Vec::with_capacity(segments + 1)),
+            edges: Some(Vec::with_capacity(segments + 1)),
         };
         let numbers = program.commands().map(|(_, numbers)| numbers.first().copied().unwrap_or(1.0));
         Ok(Self {
@@ -206,6 +209,9 @@ impl<'a> Turtle<'a> {
         self.branching.positions.push(position.as_vec3());
         self.branching.parents.push(parent);
         self.branching.births.push(birth);
+        if let Some(edges) = &mut self.branching.edges {
+            edges.push(if parent == NO_PARENT { Edge::Succeeds } else { self.state.edge });
+        }
         if let Some(radii) = &mut self.branching.radii {
             let radius_m = 0.5 * self.state.width * self.settings.segment_width_m;
             radii.push(radius_m.clamp(RADII_M[0], RADII_M[1]) as f32);
@@ -231,6 +237,7 @@ impl<'a> Turtle<'a> {
             let node = self.node(self.state.position, start, birth)?;
             self.state.anchor = Anchor::Node(node);
             self.state.node = node;
+            self.state.edge = Edge::Succeeds;
         }
         if self.settings.susceptibility != 0.0 {
             self.state.frame.bend(DVec3::from(self.settings.tropism), self.settings.susceptibility);
@@ -260,6 +267,8 @@ impl<'a> Turtle<'a> {
     /// Makes the turtle's place one where a stem may start.
     fn put_foot(&mut self) -> Result<(), OverMemory> {
         self.state.is_adrift = false;
+        // What stands there is a stem, in brackets or not.
+        self.state.edge = Edge::Succeeds;
         let position = self.state.position;
         // A foot that no state on the stack knows, and that nothing stands on, moves along.
         if let Anchor::Foot(foot) = self.state.anchor
@@ -318,6 +327,7 @@ impl<'a> Turtle<'a> {
             return Err(LsystemError::NestedTooDeeply { derivations, limit: MAX_NESTING });
         }
         self.stack.push(self.state);
+        self.state.edge = Edge::Branches;
         self.shared_feet = self.feet.len();
         if let Some(chance) = &mut self.chance {
             let roll_deg = chance.push();
@@ -410,6 +420,7 @@ impl State {
             anchor: Anchor::Foot(foot),
             is_adrift: false,
             node,
+            edge: Edge::Succeeds,
             color: 0,
             width: 1.0,
         }

@@ -110,6 +110,7 @@ mod tests {
             parents: vec![NO_PARENT, 0],
             births: vec![0, 1],
             radii: None,
+            edges: None,
         };
         let wood = Wood { base_radius_m: Some(0.1), ..Wood::default() };
         let skeleton = Skeleton::build(branching, &wood).unwrap();

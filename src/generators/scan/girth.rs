@@ -88,7 +88,7 @@ pub fn girth(
     let nearest = segments.nearest(bark, monitor)?;
     let by_node = ByNode::new(&nearest, positions.len());
     let tips = count_tips(parents);
-    let (axes, axis_nodes) = axes_by_tips(positions, parents);
+    let (axes, axis_nodes) = axes_by_tips(positions, parents, None);
 
     let round = |c: &&Circle| c.off_m < ROUND * c.radius_m;
     // Order by order: where a lateral leaves thick wood, the bark around its start is its parent's.

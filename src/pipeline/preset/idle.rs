@@ -8,8 +8,8 @@
 use linden_plant::settings::{Arrangement, Form, LeafKind};
 use linden_plant::surface::{Ends, Junction};
 use linden_plant::wind::Wind;
-use linden_skeleton::Width;
 use linden_skeleton::generator::RadiiFrom;
+use linden_skeleton::{AxisRule, Width};
 
 use super::Preset;
 
@@ -60,7 +60,7 @@ impl Preset {
                 return matches!(self.wood.width, Width::Order | Width::Taper).then_some(self.wood.width);
             }
         };
-        Some(self.wood.settled(gives_radii).width)
+        Some(self.wood.settled(gives_radii, false).width)
     }
 
     fn is_width(&self, width: Width) -> bool {
@@ -96,6 +96,16 @@ static RULES: &[Rule] = &[
             when(
                 gives_none && preset.wood.width == Width::Grammar,
                 "this generator gives no widths: width=grammar is as width=pipe",
+            )
+        },
+    },
+    Rule {
+        knobs: &["axes"],
+        why: |preset| {
+            let axes = preset.generator.traits(&preset.wood).axes;
+            when(
+                axes == AxisRule::Thickest,
+                "it is for grammars: nothing else says which branch goes on but its thickness",
             )
         },
     },

@@ -20,8 +20,8 @@ use linden_base::input::Geometry;
 use linden_base::monitor::Holding;
 use linden_base::monitor::{Cancelled, Monitor, Phase};
 use linden_base::random::Key;
-use linden_skeleton::Skeleton;
 use linden_skeleton::organs::LeafShape;
+use linden_skeleton::{Forks, Skeleton};
 
 /// The most leaves: a hundred times what a large tree has.
 const MOST_LEAVES: u64 = 50_000_000;
@@ -183,13 +183,14 @@ impl Field<'_> {
         placed: &mut PlacedOrgans,
         monitor: &dyn Monitor,
     ) -> Result<(), FoliageError> {
-        let young = young(self.crop.kind, skeleton);
+        let forks = Forks::new(skeleton);
+        let young = young(self.crop.kind, skeleton, &forks);
         self.admit(young, skeleton, placed.len(), monitor)?;
         let done = std::sync::atomic::AtomicU64::new(0);
         let chunks = skeleton.axes.par_chunks(AXES_PER_TASK).enumerate().map(|(chunk, axes)| {
             monitor.check()?;
-            let mut task =
-                Task { field: self, skeleton, young, placed: PlacedOrgans::default(), walk: Walk::default() };
+            let (placed, walk) = (PlacedOrgans::default(), Walk::default());
+            let mut task = Task { field: self, skeleton, forks: &forks, young, placed, walk };
             for (i, axis) in axes.iter().enumerate() {
                 task.axis((chunk * AXES_PER_TASK + i) as u64, axis, monitor)?;
             }
@@ -256,14 +257,15 @@ impl Field<'_> {
 }
 
 /// The wood that a kind grows on.
-fn young(kind: &LeafKind, skeleton: &Skeleton) -> Young {
+fn young(kind: &LeafKind, skeleton: &Skeleton, forks: &Forks) -> Young {
     let births = skeleton.births.iter().copied().max().unwrap_or(0);
     let first_birth = libm::ceil((1.0 - kind.max_age) * f64::from(births)) as u32;
     let max_radius_m = kind.max_radius_m.map_or_else(
         || {
-            let tips = skeleton.axes.iter().filter_map(|axis| skeleton.nodes_of(axis).last());
+            let apices = skeleton.axes.iter().filter_map(|axis| skeleton.nodes_of(axis).last());
+            let tips = apices.filter(|apex| !forks.ends_at(**apex));
             let sum: f64 = tips.map(|&tip| f64::from(skeleton.radii[tip as usize])).sum();
-            (AUTO_RADIUS * sum / skeleton.axes.len().max(1) as f64) as f32
+            (AUTO_RADIUS * sum / (skeleton.axes.len() - forks.len()).max(1) as f64) as f32
         },
         |radius| radius as f32,
     );
@@ -285,6 +287,7 @@ fn grid(kind: &LeafKind) -> Option<(u64, u64)> {
 struct Task<'a> {
     field: &'a Field<'a>,
     skeleton: &'a Skeleton,
+    forks: &'a Forks,
     young: Young,
     placed: PlacedOrgans,
     walk: Walk,
@@ -297,7 +300,7 @@ impl Task<'_> {
         axis: &linden_skeleton::Axis,
         monitor: &dyn Monitor,
     ) -> Result<(), Cancelled> {
-        let Self { field, skeleton, young, placed, walk } = self;
+        let Self { field, skeleton, forks, young, placed, walk } = self;
         let (kind, key) = (field.crop.kind, field.key.child(index));
         let Some(begun) = walk.begin(skeleton, axis) else { return Ok(()) };
         let phyllotaxis = Phyllotaxis::of(kind);
@@ -338,7 +341,8 @@ impl Task<'_> {
                 })
             })?;
         }
-        let is_bare = begun.length_m <= begun.covered_m;
+        let is_tip = skeleton.nodes_of(axis).last().is_none_or(|apex| !forks.ends_at(*apex));
+        let is_bare = begun.length_m <= begun.covered_m || !is_tip;
         if let Some(apex) = walk.apex(*young, skeleton).filter(|_| kind.terminal && !is_bare) {
             each(&apex, 0, turn)?;
         }

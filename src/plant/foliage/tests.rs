@@ -28,7 +28,7 @@ fn recipe(foliage: &str) -> Subject {
 
 fn built(positions: Vec<Vec3>, parents: Vec<u32>, radii: Vec<f32>) -> Skeleton {
     let births = (0..positions.len() as u32).collect();
-    let branching = Branching { positions, parents, births, radii: Some(radii) };
+    let branching = Branching { positions, parents, births, radii: Some(radii), edges: None };
     Skeleton::build(branching, &Wood::default()).unwrap()
 }
 
@@ -71,7 +71,7 @@ fn bent(pieces: u32) -> Skeleton {
     };
     grow(&main, 0, 0.05, 1);
     grow(&side, 2 * pieces, 0.02, 5);
-    let branching = Branching { positions, parents, births, radii: Some(radii) };
+    let branching = Branching { positions, parents, births, radii: Some(radii), edges: None };
     Skeleton::build(branching, &Wood::default()).unwrap()
 }
 

@@ -120,6 +120,7 @@ fn a_collar_is_a_quarter_circle_between_two_cylinders() {
         parents: vec![NO_PARENT, 0, 1, 1],
         births: vec![0; 4],
         radii: Some(vec![0.4, 0.4, 0.4, 0.1]),
+        edges: None,
     };
     let skeleton = Skeleton::build(branching, &Wood::default()).unwrap();
     let collar = Features { collar: 0.5, ..Features::default() };

@@ -243,7 +243,7 @@ mod tests {
 
     pub(super) fn tree(positions: Vec<Vec3>, parents: Vec<u32>, wood: &Wood) -> Skeleton {
         let births = vec![0; positions.len()];
-        Skeleton::build(Branching { positions, parents, births, radii: None }, wood).unwrap()
+        Skeleton::build(Branching { positions, parents, births, radii: None, edges: None }, wood).unwrap()
     }
 
     pub(super) fn volume(mesh: &Mesh) -> f64 {

@@ -12,7 +12,7 @@ use super::tube;
 use super::tube_form::{Roundness, TubeForm};
 use super::{Tubes, curve};
 use linden_base::memory::bytes_of;
-use linden_skeleton::{Axis, NO_PARENT, Skeleton};
+use linden_skeleton::{Axis, Forks, NO_PARENT, Skeleton};
 
 /// The inputs that all axes of one skeleton share.
 pub(super) struct Course<'a> {
@@ -21,6 +21,7 @@ pub(super) struct Course<'a> {
     pub roundness: Roundness,
     /// Where each node stands in [`Skeleton::axis_nodes`]; empty where no collar asks for it.
     places: Vec<u32>,
+    forks: Forks,
 }
 
 impl<'a> Course<'a> {
@@ -33,7 +34,8 @@ impl<'a> Course<'a> {
             }
         }
         let thickest_m = skeleton.radii.iter().copied().fold(0.0, f32::max);
-        Self { skeleton, tubes, roundness: Roundness::new(tubes.sides, thickest_m), places }
+        let roundness = Roundness::new(tubes.sides, thickest_m);
+        Self { skeleton, tubes, roundness, places, forks: Forks::new(skeleton) }
     }
 
     fn station(&self, node: u32, thick: u32) -> Station {
@@ -48,9 +50,11 @@ impl<'a> Course<'a> {
         let (axis, features) = (&self.skeleton.axes[index], &self.tubes.features);
         let nodes = self.skeleton.nodes_of(axis);
         stations.clear();
+        let runs_on = self.forks.runs_on(index as u32);
         if axis.parent != NO_PARENT {
             // A lateral is as thick at its root inside the parent as at its first node.
-            stations.extend(nodes.first().map(|&first| self.station(axis.parent, first)));
+            let thick = |&first| if runs_on { axis.parent } else { first };
+            stations.extend(nodes.first().map(|first| self.station(axis.parent, thick(first))));
         }
         stations.extend(nodes.iter().map(|&node| self.station(node, node)));
         taper_twig(stations, features.twig_taper);
@@ -60,7 +64,8 @@ impl<'a> Course<'a> {
         let is_stem = axis.parent == NO_PARENT;
         let mut form = TubeForm { axis: index as u32, is_stem, ..TubeForm::default() };
         let (Some(&base), Some(&apex)) = (stations.first(), stations.last()) else { return form };
-        if apex.radius > features.ends_above_m {
+        let is_tip = nodes.last().is_none_or(|apex| !self.forks.ends_at(*apex));
+        if apex.radius > features.ends_above_m && is_tip {
             form.ends = features.ends;
         }
         if is_stem {
@@ -68,7 +73,7 @@ impl<'a> Course<'a> {
             if let Some(flare) = &form.flare {
                 flare.widen(stations);
             }
-        } else if features.collar > 0.0 {
+        } else if features.collar > 0.0 && !runs_on {
             form.collar = self.collar(axis, base.radius, stations).map(Box::new);
         }
         path::rings(stations, rings);
@@ -185,7 +190,9 @@ impl Plan {
 /// What plans take at most, with the lists of rings that grow one by one.
 pub(super) fn planned_bytes(skeleton: &Skeleton, tubes: &Tubes) -> u64 {
     let places = if tubes.features.collar > 0.0 { bytes_of::<u32>(skeleton.positions.len()) } else { 0 };
-    places + planned_bytes_of(skeleton.positions.len(), skeleton.axes.len(), tubes)
+    places
+        + Forks::bytes_for(skeleton)
+        + planned_bytes_of(skeleton.positions.len(), skeleton.axes.len(), tubes)
 }
 
 /// The same for `axes` axes with `nodes` nodes together, without what is shared by all.

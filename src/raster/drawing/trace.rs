@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 use linden_pipeline::foliage::Shaper;
 use linden_pipeline::memory::{bytes_grown, bytes_of};
 use linden_pipeline::scene::Mesh;
-use linden_pipeline::skeleton::Axis;
+use linden_pipeline::skeleton::{Axis, Forks};
 use linden_pipeline::{Monitor, NO_PARENT, Skeleton};
 
 use super::outline::{Place, tapered};
@@ -71,6 +71,7 @@ pub(super) fn wood(
     // In one ink nobody sees which lies above; what has colours is drawn stems first.
     let mut thin: BTreeMap<(u32, [u8; 3], i32), Bundle> = BTreeMap::new();
     let mut thick: Vec<ThickAxis> = Vec::new();
+    let forks = Forks::new(skeleton);
     let (mut line, mut places_kept, mut bytes_held) = (Vec::new(), 0, 0);
     for (i, axis) in skeleton.axes.iter().enumerate() {
         if i % CHECK_EVERY == 0 {
@@ -79,7 +80,8 @@ pub(super) fn wood(
             ledger.take(bytes - bytes_held)?;
             bytes_held = bytes;
         }
-        places(skeleton, axis, view, present.as_deref(), &mut line);
+        let runs_on = forks.runs_on(i as u32);
+        places(skeleton, (axis, runs_on), view, present.as_deref(), &mut line);
         let wide = line.iter().map(|place| place.half).fold(0.0, f32::max);
         let (low, high) = line.iter().fold((frame, Vec2::ZERO), |(low, high), place| {
             (low.min(place.at + wide), high.max(place.at - wide))
@@ -151,7 +153,13 @@ fn parts(ends: &[u32]) -> impl Iterator<Item = &[u32]> {
 }
 
 /// The places of an axis that are there, from where it leaves its parent.
-fn places(skeleton: &Skeleton, axis: &Axis, view: &View, present: Option<&[bool]>, line: &mut Vec<Place>) {
+fn places(
+    skeleton: &Skeleton,
+    (axis, runs_on): (&Axis, bool),
+    view: &View,
+    present: Option<&[bool]>,
+    line: &mut Vec<Place>,
+) {
     line.clear();
     let nodes = skeleton.nodes_of(axis);
     let there = present
@@ -163,7 +171,8 @@ fn places(skeleton: &Skeleton, axis: &Axis, view: &View, present: Option<&[bool]
         Place { at: seen.at, half: radius_m.max(0.0) * seen.scale }
     };
     if axis.parent != NO_PARENT {
-        let radius_m = skeleton.radii[first as usize].min(skeleton.radii[axis.parent as usize]);
+        let parent_m = skeleton.radii[axis.parent as usize];
+        let radius_m = if runs_on { parent_m } else { parent_m.min(skeleton.radii[first as usize]) };
         line.push(place(axis.parent, radius_m));
     }
     for &node in nodes {

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3};
 use linden_pipeline::memory::bytes_of;
-use linden_pipeline::skeleton::Axis;
+use linden_pipeline::skeleton::{Axis, Forks};
 use linden_pipeline::{Monitor, NO_PARENT, Skeleton};
 use rayon::prelude::*;
 
@@ -43,6 +43,7 @@ pub(crate) fn bytes(skeleton: &Skeleton, style: &Style) -> u64 {
 /// Traces a skeleton.
 pub(crate) struct Tracer<'a> {
     skeleton: &'a Skeleton,
+    forks: Forks,
     pub view: &'a View,
     pub air: &'a Air<'a>,
     colors: Colors<'a>,
@@ -86,6 +87,7 @@ impl<'a> Tracer<'a> {
             merge_px: if style.draft { MERGE_DRAFT_PX } else { MERGE_PX },
             widest_px: f32::INFINITY,
             present: style.until.map(|step| skeleton.born_by(step)),
+            forks: Forks::new(skeleton),
             thinned: if style.draft { Thinned::new(skeleton) } else { None },
         }
     }
@@ -161,10 +163,14 @@ impl<'a> Tracer<'a> {
         let (mut start, rest) = if is_stem {
             (self.node(first), &nodes[1..])
         } else {
-            // A lateral leaves its parent at the bark and with its own width.
             let (parent, tip) = (self.node(axis.parent), self.node(first));
-            let base = leave(parent.at_m, tip.at_m, parent.radius_m);
-            (self.end(base, tip.radius_m.min(parent.radius_m)), nodes)
+            if self.forks.runs_on(index as u32) {
+                (parent, nodes)
+            } else {
+                // A lateral leaves its parent at the bark and with its own width.
+                let base = leave(parent.at_m, tip.at_m, parent.radius_m);
+                (self.end(base, tip.radius_m.min(parent.radius_m)), nodes)
+            }
         };
         // A stem is cut at the ground; whatever follows a stroke, where that one ends in a disc.
         let mut base = if is_stem { Cap::Cut } else { Cap::Round };

@@ -181,6 +181,7 @@ fn twigs_thinner_than_a_hair_are_strokes() {
         parents: (0..9_u32).map(|i| i.checked_sub(1).unwrap_or(NO_PARENT)).collect(),
         births: vec![0; 9],
         radii: None,
+        edges: None,
     };
     let mut before = f32::INFINITY;
     for radius_m in [0.01, 0.004, 0.001, 0.0003] {

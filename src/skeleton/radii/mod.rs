@@ -14,7 +14,7 @@ use glam::Vec3;
 use self::by_axis::Ends;
 use self::pipe::{Pipes, Thickness};
 use super::axes::decompose;
-use super::{Axis, Branching, Skeleton};
+use super::{Axis, Branching, Edge, Skeleton};
 use linden_base::mesh::Bounds;
 use linden_base::random::Key;
 
@@ -34,6 +34,18 @@ linden_base::words! {
     }
 }
 
+linden_base::words! {
+    /// Which child of a node continues its axis.
+    AxisRule {
+        /// The one that the generator names, where it names them (a grammar), else the thickest.
+        Auto = "auto",
+        /// The one outside brackets; where all are bracketed, none. The thickest without a grammar.
+        Grammar = "grammar",
+        /// The thickest, then the straightest.
+        Thickest = "thickest",
+    }
+}
+
 /// Shares that are drawn uniformly; a `min` above `max` is taken as below it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
@@ -48,6 +60,8 @@ pub struct Span {
 pub struct Wood {
     /// The rule.
     pub width: Width,
+    /// Which child of a node continues its axis.
+    pub axes: AxisRule,
     /// Metres at the thickest stem's foot; `None`: follows from the tips where the pipe model knows
     /// them, else from the height.
     pub base_radius_m: Option<f64>,
@@ -74,6 +88,7 @@ impl Default for Wood {
     fn default() -> Self {
         Self {
             width: Width::Auto,
+            axes: AxisRule::Auto,
             base_radius_m: None,
             tip_radius_m: None,
             slenderness: 30.0,
@@ -91,16 +106,20 @@ impl Default for Wood {
 const THINNEST_PER_BASE: f64 = 1e-3;
 
 impl Wood {
-    /// The same with [`Width::Auto`] and [`Width::Grammar`] settled: what a tree was built with,
-    /// depending on whether its generator gave radii.
+    /// The same with what is left to the generator settled: what a tree was built with, depending on
+    /// whether its generator gave radii and edges.
     #[must_use]
-    pub fn settled(&self, radii_are_given: bool) -> Self {
+    pub fn settled(&self, radii_are_given: bool, edges_are_given: bool) -> Self {
         let width = match self.width {
             Width::Auto | Width::Grammar if radii_are_given => Width::Grammar,
             Width::Auto | Width::Grammar => Width::Pipe,
             other => other,
         };
-        Self { width, ..*self }
+        let axes = match self.axes {
+            AxisRule::Auto | AxisRule::Grammar if edges_are_given => AxisRule::Grammar,
+            _ => AxisRule::Thickest,
+        };
+        Self { width, axes, ..*self }
     }
 
     /// The radius at the foot, metres, where the height decides.
@@ -133,14 +152,15 @@ pub(super) fn build(
     positions: &[Vec3],
     parents: &[u32],
     given: Option<Vec<f32>>,
+    edges: Option<&[Edge]>,
     wood: &Wood,
     key: Key,
 ) -> Built {
     let given = given.filter(|radii| radii.iter().any(|&radius| radius > 0.0));
-    match (wood.settled(given.is_some()).width, given) {
-        (Width::Grammar, Some(radii)) => of_given(positions, parents, given::within(radii, wood)),
+    match (wood.settled(given.is_some(), edges.is_some()).width, given) {
+        (Width::Grammar, Some(radii)) => of_given(positions, parents, edges, given::within(radii, wood)),
         (Width::Order | Width::Taper, _) => {
-            let (axes, axis_nodes) = axes_by_tips(positions, parents);
+            let (axes, axis_nodes) = axes_by_tips(positions, parents, edges);
             let ends = Ends::new(height(positions), wood);
             let radii = if wood.width == Width::Order {
                 by_axis::by_order(&axes, &axis_nodes, wood.order_ratio, &ends)
@@ -153,14 +173,15 @@ pub(super) fn build(
         _ => {
             let pipes = Pipes::new(positions, parents, wood);
             let thickness = Thickness::new(positions, &pipes, wood);
-            of_pipes(positions, parents, pipes, &thickness)
+            of_pipes(positions, parents, edges, pipes, &thickness)
         }
     }
 }
 
 /// The radius of each node of a branching that may change yet, metres.
 pub(super) fn provisional(branching: &Branching, wood: &Wood, key: Key) -> Vec<f32> {
-    build(&branching.positions, &branching.parents, branching.radii.clone(), wood, key).radii
+    let Branching { positions, parents, radii, edges, .. } = branching;
+    build(positions, parents, radii.clone(), edges.as_deref(), wood, key).radii
 }
 
 /// The axes and radii of some of a tree's nodes, `nodes`, as thick as fits the whole.
@@ -172,13 +193,15 @@ pub(super) fn build_young(
     wood: &Wood,
     key: Key,
 ) -> Built {
+    let edges = (wood.axes == AxisRule::Grammar).then(|| whole.edges_of(nodes));
+    let edges = edges.as_deref();
     match wood.width {
         Width::Grammar => {
             let radii = nodes.iter().map(|&node| whole.radii[node as usize]).collect();
-            of_given(positions, parents, radii)
+            of_given(positions, parents, edges, radii)
         }
         Width::Order | Width::Taper => {
-            let (axes, axis_nodes) = axes_by_tips(positions, parents);
+            let (axes, axis_nodes) = axes_by_tips(positions, parents, edges);
             let (now, then) = (height(positions), height(&whole.positions));
             let ends = Ends::new(then, wood).when_grown(if then > 0.0 { now / then } else { 1.0 });
             let radii = if wood.width == Width::Order {
@@ -198,14 +221,20 @@ pub(super) fn build_young(
             let all = Pipes::new(&whole.positions, &whole.parents, wood);
             let thickness = Thickness::new(&whole.positions, &all, wood);
             drop(all);
-            of_pipes(positions, parents, Pipes::new(positions, parents, wood), &thickness)
+            of_pipes(positions, parents, edges, Pipes::new(positions, parents, wood), &thickness)
         }
     }
 }
 
-fn of_pipes(positions: &[Vec3], parents: &[u32], pipes: Pipes, thickness: &Thickness) -> Built {
+fn of_pipes(
+    positions: &[Vec3],
+    parents: &[u32],
+    edges: Option<&[Edge]>,
+    pipes: Pipes,
+    thickness: &Thickness,
+) -> Built {
     let radii = thickness.radii(&pipes);
-    let (axes, axis_nodes) = decompose(positions, parents, move |a, b| pipes.compare(a, b));
+    let (axes, axis_nodes) = decompose(positions, parents, edges, move |a, b| pipes.compare(a, b));
     Built { axes, axis_nodes, radii }
 }
 
@@ -213,7 +242,7 @@ fn of_pipes(positions: &[Vec3], parents: &[u32], pipes: Pipes, thickness: &Thick
 const AS_THICK: f32 = 1.0 / 8.0;
 
 /// The child that carries more continues the axis, among equals one that is clearly thicker.
-fn of_given(positions: &[Vec3], parents: &[u32], radii: Vec<f32>) -> Built {
+fn of_given(positions: &[Vec3], parents: &[u32], edges: Option<&[Edge]>, radii: Vec<f32>) -> Built {
     let tips = pipe::count_tips(parents);
     let thicker = |a: u32, b: u32| -> Ordering {
         let (a, b) = (a as usize, b as usize);
@@ -221,12 +250,13 @@ fn of_given(positions: &[Vec3], parents: &[u32], radii: Vec<f32>) -> Built {
         let by_radius = if alike { Ordering::Equal } else { radii[a].total_cmp(&radii[b]) };
         tips[a].cmp(&tips[b]).then(by_radius)
     };
-    let (axes, axis_nodes) = decompose(positions, parents, thicker);
+    let (axes, axis_nodes) = decompose(positions, parents, edges, thicker);
     Built { axes, axis_nodes, radii }
 }
 
-/// Axes of a branching without radii: of several children the one that bears most tips continues its axis.
-pub fn axes_by_tips(positions: &[Vec3], parents: &[u32]) -> (Vec<Axis>, Vec<u32>) {
+/// Axes of a branching without radii: of several children the one that succeeds its parent continues the
+/// axis; without edges the one that bears most tips.
+pub fn axes_by_tips(positions: &[Vec3], parents: &[u32], edges: Option<&[Edge]>) -> (Vec<Axis>, Vec<u32>) {
     let tips = pipe::count_tips(parents);
-    decompose(positions, parents, move |a, b| tips[a as usize].cmp(&tips[b as usize]))
+    decompose(positions, parents, edges, move |a, b| tips[a as usize].cmp(&tips[b as usize]))
 }

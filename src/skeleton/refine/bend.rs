@@ -3,7 +3,7 @@
 use glam::{Quat, Vec3};
 
 use super::{RefineError, Refinement, Shoots};
-use crate::{NO_PARENT, axes_by_tips};
+use crate::{Branching, NO_PARENT, axes_by_tips};
 
 /// Samples of the curve for its arc length.
 const SAMPLES: usize = 512;
@@ -18,9 +18,9 @@ pub(super) fn bend(shoots: &mut Shoots<'_>, refinement: &Refinement) -> Result<(
     }
     let mut control = vec![Vec3::ZERO];
     control.extend(numbers.chunks_exact(3).map(|p| Vec3::new(p[0] as f32, p[1] as f32, p[2] as f32)));
-    let positions = &shoots.branching.positions;
-    let parents = &shoots.branching.parents;
-    let (axes, axis_nodes) = axes_by_tips(positions, parents);
+    let Branching { positions, parents, .. } = &shoots.branching;
+    // The wood as it stands, whatever the brackets of a grammar say.
+    let (axes, axis_nodes) = axes_by_tips(positions, parents, None);
     let Some(stem) = axes.first() else { return Ok(()) };
     let stem = &axis_nodes[stem.first as usize..(stem.first + stem.len) as usize];
     let foot = positions[stem[0] as usize];

@@ -1,7 +1,7 @@
 //! Fewer nodes where an axis is all but straight.
 
 use super::{Left, NODES_PER_CHECK, RefineError, Refinement, Shoots, Step};
-use crate::{Branching, NO_PARENT};
+use crate::{Branching, Edge, NO_PARENT};
 use glam::Vec3;
 use linden_base::monitor::{Cancelled, Monitor};
 
@@ -43,9 +43,17 @@ fn mean_segment(branching: &Branching) -> f64 {
 }
 
 fn needed(branching: &Branching, tolerance: f32, monitor: &dyn Monitor) -> Result<Vec<bool>, Cancelled> {
-    let Branching { positions, parents, .. } = branching;
+    let Branching { positions, parents, edges, .. } = branching;
     let at = |node: u32| positions[node as usize];
-    let only_child = only_children(parents);
+    let mut only_child = only_children(parents);
+    if let Some(edges) = edges {
+        // An axis that ends where its one lateral leaves keeps its end.
+        for child in only_child.iter_mut().filter(|child| **child != NO_PARENT) {
+            if edges[*child as usize] == Edge::Branches {
+                *child = NO_PARENT;
+            }
+        }
+    }
     let is_end = |node: u32| parents[node as usize] == NO_PARENT || only_child[node as usize] == NO_PARENT;
     let mut keep: Vec<bool> = (0..parents.len() as u32).map(is_end).collect();
     let mut between = Vec::with_capacity(LONGEST_RUN);

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 
 use super::axes::successors;
 use super::radii::pipe::count_tips;
-use super::{Branching, NO_PARENT, Wood};
+use super::{Branching, Edge, NO_PARENT, Wood};
 use linden_base::memory::{OverMemory, bytes_of};
 use linden_base::monitor::{Cancelled, Monitor, Phase};
 use linden_base::random::Key;
@@ -192,6 +192,7 @@ impl Room<'_> {
 ///     parents: vec![NO_PARENT, 0, 1],
 ///     births: vec![0, 1, 2],
 ///     radii: None,
+///     edges: None,
 /// };
 /// let steps = Step::named("relocate").into_iter().collect();
 /// let relocate = Refinement { steps, ..Refinement::default() };
@@ -280,6 +281,7 @@ impl Shoots<'_> {
         let captured = usize::from(self.captured.is_some());
         let made = Branching::bytes_for(new)
             + bytes_of::<f32>(if self.branching.radii.is_some() { new } else { 0 })
+            + bytes_of::<Edge>(if self.branching.edges.is_some() { new } else { 0 })
             + bytes_of::<bool>(new * captured);
         let scratch = bytes_of::<([f32; 3], [u32; 2], [bool; 2])>(self.len());
         let held = self.branching.bytes()
@@ -291,15 +293,15 @@ impl Shoots<'_> {
     /// For each node the child that continues its axis as far as can be told without radii: the one
     /// with the most tips, then the straightest, then the first.
     fn successors(&self) -> Vec<u32> {
-        let Branching { positions, parents, .. } = &self.branching;
+        let Branching { positions, parents, edges, .. } = &self.branching;
         let tips = count_tips(parents);
-        successors(positions, parents, move |a, b| tips[a as usize].cmp(&tips[b as usize]))
+        successors(positions, parents, edges.as_deref(), move |a, b| tips[a as usize].cmp(&tips[b as usize]))
     }
 
     /// Drops all nodes that are not to be kept; the children of such a node become its parent's, and
     /// what it captured counts for them. Feet must be kept.
     fn retain(&mut self, keep: &[bool], left: Left, monitor: &dyn Monitor) -> Result<(), Cancelled> {
-        let Branching { positions, parents, births, radii } = &mut self.branching;
+        let Branching { positions, parents, births, radii, edges } = &mut self.branching;
         if let Some(captured) = &mut self.captured {
             monitor.check()?;
             for (node, &parent) in parents.iter().enumerate() {
@@ -329,7 +331,16 @@ impl Shoots<'_> {
             }
             let below = match parents[old] {
                 NO_PARENT => NO_PARENT,
-                parent => index[parent as usize],
+                parent => {
+                    // What hung on the dropped first node of a lateral begins it now.
+                    if let Some(edges) = edges.as_mut()
+                        && !keep[parent as usize]
+                        && edges[parent as usize] == Edge::Branches
+                    {
+                        edges[old] = Edge::Branches;
+                    }
+                    index[parent as usize]
+                }
             };
             index[old] = if keep[old] { kept } else { below };
             if keep[old] {
@@ -345,6 +356,9 @@ impl Shoots<'_> {
         monitor.check()?;
         compact(positions, keep);
         compact(births, keep);
+        if let Some(edges) = edges {
+            compact(edges, keep);
+        }
         if let Some(radii) = radii {
             compact(radii, keep);
         }

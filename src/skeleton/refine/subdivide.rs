@@ -1,7 +1,7 @@
 //! Curved axes: more nodes, on the curve that the nodes control.
 
 use super::{NODES_PER_CHECK, RefineError, Refinement, Shoots, Step, on_chord};
-use crate::{Branching, NO_PARENT};
+use crate::{Branching, Edge, NO_PARENT};
 use linden_base::monitor::Monitor;
 
 pub(super) const STEP: Step = Step {
@@ -46,6 +46,7 @@ fn once(shoots: &mut Shoots<'_>, monitor: &dyn Monitor) -> Result<(), RefineErro
         parents: Vec::with_capacity(nodes),
         births: Vec::with_capacity(nodes),
         radii: old.radii.as_ref().map(|_| Vec::with_capacity(nodes)),
+        edges: old.edges.as_ref().map(|_| Vec::with_capacity(nodes)),
     };
     let mut captured = shoots.captured.as_ref().map(|_| Vec::with_capacity(nodes));
     // Where each node goes; the one before it is the new one.
@@ -81,6 +82,12 @@ fn once(shoots: &mut Shoots<'_>, monitor: &dyn Monitor) -> Result<(), RefineErro
         new.births.resize(new.positions.len(), old.births[node]);
         if let (Some(radii), Some(of)) = (&mut new.radii, &old.radii) {
             radii.push(of[node]);
+        }
+        if let (Some(edges), Some(of)) = (&mut new.edges, &old.edges) {
+            edges.push(of[node]);
+            if is_halved {
+                edges.push(Edge::Succeeds);
+            }
         }
         if let (Some(captured), Some(of)) = (&mut captured, &shoots.captured) {
             captured.extend(std::iter::repeat_n(of[node], copies));

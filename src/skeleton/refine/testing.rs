@@ -9,7 +9,7 @@ use linden_base::random::Key;
 
 pub fn tree(positions: Vec<Vec3>, parents: &[u32]) -> Branching {
     let births = (0..parents.len() as u32).collect();
-    Branching { positions, parents: parents.to_vec(), births, radii: None }
+    Branching { positions, parents: parents.to_vec(), births, radii: None, edges: None }
 }
 
 pub fn refined(all: Branching, refinement: &Refinement) -> Branching {

@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3};
 
 use super::{NODES_PER_CHECK, RefineError, Refinement, Shoots};
 use crate::radii::{by_axis, provisional};
-use crate::{Axis, NO_PARENT, axes_by_tips};
+use crate::{Axis, Branching, NO_PARENT, axes_by_tips};
 use linden_base::monitor::Monitor;
 use linden_base::random::Key;
 
@@ -23,9 +23,9 @@ pub(super) fn wander(
     refinement: &Refinement,
     monitor: &dyn Monitor,
 ) -> Result<(), RefineError> {
-    let positions = &shoots.branching.positions;
-    let parents = &shoots.branching.parents;
-    let (axes, axis_nodes) = axes_by_tips(positions, parents);
+    let Branching { positions, parents, .. } = &shoots.branching;
+    // The wood as it stands, whatever the brackets of a grammar say.
+    let (axes, axis_nodes) = axes_by_tips(positions, parents, None);
     let keys = by_axis::keys(&axes, &axis_nodes, shoots.room.key.named("wander"));
     // As thick as the wood is before anything is displaced, which changes little.
     let radii = if refinement.gnarl > 0.0 {
@@ -163,7 +163,7 @@ mod tests {
     use super::super::testing::{random_tree, refined, straight_with_lateral, tree};
     use super::super::{Room, refine};
     use super::*;
-    use crate::{Branching, Wood};
+    use crate::Wood;
     use linden_base::mesh::Bounds;
     use linden_base::monitor::Quiet;
 

@@ -17,7 +17,7 @@ use super::walk::{Pen, begin, end, put};
 use super::{Action, Flat};
 use linden_base::memory::{bytes_grown, bytes_of};
 use linden_base::monitor::{Monitor, Phase};
-use linden_skeleton::Branching;
+use linden_skeleton::{Branching, Edge};
 
 /// The most symbols of a block.
 const BLOCK: u64 = 512;
@@ -37,6 +37,8 @@ struct Block {
     /// Numbered from the block's first node; of `roots`, anything.
     parents: Vec<u32>,
     births: Vec<u32>,
+    /// Of a root that is not in brackets of the block, that of the pen.
+    edges: Vec<Edge>,
     /// The nodes that grow from where the block begins.
     roots: Vec<u32>,
     /// Where the turtle is at its end.
@@ -52,14 +54,14 @@ struct Open {
 
 /// What the turtle draws on.
 trait Paper {
-    fn draw(&mut self, position: DVec2, parent: u32, birth: u32) -> u32;
+    fn draw(&mut self, position: DVec2, parent: u32, edge: Edge, birth: u32) -> u32;
 
     /// Draws what becomes of a module written in a step, if that is known. Gives how much work it was.
     fn place(&mut self, flat: &mut Flat<'_>, id: u32, birth: u32, pen: &mut Pen) -> Option<usize>;
 }
 
 impl Paper for Block {
-    fn draw(&mut self, position: DVec2, parent: u32, birth: u32) -> u32 {
+    fn draw(&mut self, position: DVec2, parent: u32, edge: Edge, birth: u32) -> u32 {
         let node = self.positions.len() as u32;
         if parent == ENTRY {
             self.roots.push(node);
@@ -67,6 +69,7 @@ impl Paper for Block {
         self.positions.push(position);
         self.parents.push(parent);
         self.births.push(birth);
+        self.edges.push(edge);
         node
     }
 
@@ -86,8 +89,8 @@ struct Tree {
 }
 
 impl Paper for Tree {
-    fn draw(&mut self, position: DVec2, parent: u32, birth: u32) -> u32 {
-        put(&mut self.branching, position, parent, birth)
+    fn draw(&mut self, position: DVec2, parent: u32, edge: Edge, birth: u32) -> u32 {
+        put(&mut self.branching, position, parent, edge, birth)
     }
 
     fn place(&mut self, flat: &mut Flat<'_>, id: u32, birth: u32, pen: &mut Pen) -> Option<usize> {
@@ -115,9 +118,15 @@ impl Paper for Tree {
 impl Block {
     /// Walks what becomes of a module.
     fn of(flat: &mut Flat<'_>, id: u32, birth: u32, heading: u32) -> Self {
-        let exit = Pen { position: DVec2::ZERO, heading, node: ENTRY };
-        let mut block =
-            Self { positions: Vec::new(), parents: Vec::new(), births: Vec::new(), roots: Vec::new(), exit };
+        let exit = Pen { position: DVec2::ZERO, heading, node: ENTRY, edge: Edge::Succeeds };
+        let mut block = Self {
+            positions: Vec::new(),
+            parents: Vec::new(),
+            births: Vec::new(),
+            edges: Vec::new(),
+            roots: Vec::new(),
+            exit,
+        };
         if let Some(word) = flat.successors[id as usize] {
             let mut walk = Walk::new(word, birth + 1, exit);
             while walk.go(flat, &mut block) {}
@@ -137,8 +146,16 @@ impl Block {
             branching.parents[base + root as usize] = pen.node;
         }
         branching.births.extend_from_slice(&self.births);
-        let node = if self.exit.node == ENTRY { pen.node } else { base as u32 + self.exit.node };
-        *pen = Pen { position: start + self.exit.position, heading: self.exit.heading, node };
+        if let Some(edges) = &mut branching.edges {
+            edges.extend_from_slice(&self.edges);
+            if pen.edge == Edge::Branches {
+                self.roots.iter().for_each(|&root| edges[base + root as usize] = Edge::Branches);
+            }
+        }
+        let stays = self.exit.node == ENTRY;
+        let (node, edge) =
+            if stays { (pen.node, pen.edge) } else { (base as u32 + self.exit.node, self.exit.edge) };
+        *pen = Pen { position: start + self.exit.position, heading: self.exit.heading, node, edge };
     }
 }
 
@@ -182,10 +199,15 @@ impl Walk {
                 Action::Nothing => {}
                 Action::Draw => {
                     self.pen.position += flat.circle.step(self.pen.heading);
-                    self.pen.node = paper.draw(self.pen.position, self.pen.node, birth);
+                    let Pen { position, node, edge, .. } = self.pen;
+                    self.pen.node = paper.draw(position, node, edge, birth);
+                    self.pen.edge = Edge::Succeeds;
                 }
                 Action::Turn(parts) => self.pen.heading = flat.circle.turned(self.pen.heading, parts),
-                Action::Push => self.branches.push(self.pen),
+                Action::Push => {
+                    self.branches.push(self.pen);
+                    self.pen.edge = Edge::Branches;
+                }
                 Action::Pop => self.pen = self.branches.pop().unwrap_or(self.pen),
             }
         }
@@ -194,7 +216,7 @@ impl Walk {
 }
 
 pub(super) fn draw(mut flat: Flat<'_>, monitor: &dyn Monitor) -> Result<Branching, LsystemError> {
-    let held = bytes_grown::<(DVec2, [u32; 3])>(MOST_NODES.min(flat.segments) + BLOCK as usize)
+    let held = bytes_grown::<(DVec2, [u32; 3], Edge)>(MOST_NODES.min(flat.segments) + BLOCK as usize)
         + bytes_of::<Block>(MOST_BLOCKS.min(flat.segments));
     let branching = begin(&flat, held, monitor)?;
     let mut tree = Tree { branching, blocks: Vec::new(), known: BTreeMap::new(), held: 0 };

@@ -5,9 +5,9 @@ use glam::DVec2;
 use super::super::derive::Sink;
 use super::super::error::LsystemError;
 use super::{Action, Flat};
-use linden_base::memory::bytes_grown;
+use linden_base::memory::{bytes_grown, bytes_of};
 use linden_base::monitor::Monitor;
-use linden_skeleton::{Branching, NO_PARENT};
+use linden_skeleton::{Branching, Edge, NO_PARENT};
 
 /// Where the turtle is.
 #[derive(Clone, Copy, Debug)]
@@ -18,11 +18,13 @@ pub(super) struct Pen {
     pub heading: u32,
     /// The node here.
     pub node: u32,
+    /// How the next segment is joined to it.
+    pub edge: Edge,
 }
 
 impl Pen {
     /// At the foot, looking up.
-    pub const START: Self = Self { position: DVec2::ZERO, heading: 0, node: 0 };
+    pub const START: Self = Self { position: DVec2::ZERO, heading: 0, node: 0, edge: Edge::Succeeds };
 }
 
 /// An empty structure with room for all segments and the foot, which is there. Only what draws
@@ -32,15 +34,16 @@ impl Pen {
 /// Too little memory for it beside `more` bytes, and a pen for each open branch.
 pub(super) fn begin(flat: &Flat<'_>, more: u64, monitor: &dyn Monitor) -> Result<Branching, LsystemError> {
     let nodes = flat.segments + 1;
-    let bytes = Branching::bytes_for(nodes) + bytes_grown::<Pen>(flat.depth) + more;
+    let bytes = Branching::bytes_for(nodes) + bytes_of::<Edge>(nodes) + bytes_grown::<Pen>(flat.depth) + more;
     monitor.admit("drawing the L-system", bytes, "use fewer derivations")?;
     let mut branching = Branching {
         positions: Vec::with_capacity(nodes),
         parents: Vec::with_capacity(nodes),
         births: Vec::with_capacity(nodes),
         radii: None,
+        edges: Some(Vec::with_capacity(nodes)),
     };
-    put(&mut branching, DVec2::ZERO, NO_PARENT, 0);
+    put(&mut branching, DVec2::ZERO, NO_PARENT, Edge::Succeeds, 0);
     Ok(branching)
 }
 
@@ -53,10 +56,13 @@ pub(super) fn end(mut branching: Branching) -> Branching {
 }
 
 /// Adds a node and gives its number.
-pub(super) fn put(branching: &mut Branching, position: DVec2, parent: u32, birth: u32) -> u32 {
+pub(super) fn put(branching: &mut Branching, position: DVec2, parent: u32, edge: Edge, birth: u32) -> u32 {
     branching.positions.push(position.as_vec2().extend(0.0));
     branching.parents.push(parent);
     branching.births.push(birth);
+    if let Some(edges) = &mut branching.edges {
+        edges.push(edge);
+    }
     branching.positions.len() as u32 - 1
 }
 
@@ -88,12 +94,17 @@ impl Sink for Walker<'_> {
                 Action::Nothing => {}
                 Action::Draw => {
                     self.pen.position += self.flat.circle.step(self.pen.heading);
-                    self.pen.node = put(&mut self.branching, self.pen.position, self.pen.node, birth);
+                    let Pen { position, node, edge, .. } = self.pen;
+                    self.pen.node = put(&mut self.branching, position, node, edge, birth);
+                    self.pen.edge = Edge::Succeeds;
                 }
                 Action::Turn(parts) => {
                     self.pen.heading = self.flat.circle.turned(self.pen.heading, parts);
                 }
-                Action::Push => self.stack.push(self.pen),
+                Action::Push => {
+                    self.stack.push(self.pen);
+                    self.pen.edge = Edge::Branches;
+                }
                 Action::Pop => self.pen = self.stack.pop().unwrap_or(self.pen),
             }
         }
