@@ -50,6 +50,7 @@ mod error;
 mod estimate;
 mod format;
 mod gltf;
+mod mtg;
 mod obj;
 mod options;
 mod plugin;

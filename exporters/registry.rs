@@ -5,7 +5,7 @@ use std::path::Path;
 
 use linden_pipeline::knob::nearest;
 
-use crate::{ExportError, Exporter, Readable, gltf, obj, plugin, ply, qsm, recipe, stl, usda};
+use crate::{ExportError, Exporter, Readable, gltf, mtg, obj, plugin, ply, qsm, recipe, stl, usda};
 
 /// Linden's formats. Where two claim an ending, the first has it.
 #[rustfmt::skip] // a line for each
@@ -18,6 +18,7 @@ pub static REGISTRY: &[&dyn Exporter] = &[
     &usda::Usda,
     &usda::Usdz,
     &qsm::Qsm,
+    &mtg::Mtg,
     &stl::Stl,
 ];
 
