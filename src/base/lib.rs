@@ -10,6 +10,7 @@
 //! | [`memory`] | forecasts of memory, and the error when there is not enough |
 //! | [`input`] | meshes, points and pictures that users bring, from their bytes |
 //! | [`mesh`] | triangles, and boxes around them |
+//! | [`hull`] | convex hulls of points, in the plane and in space |
 //! | [`topology`] | whether a mesh is closed, and what is wrong with it |
 //! | [`picture`] | pixels, and what they are as PNG, JPEG and WebP |
 //! | [`color`] | sRGB and linear light |
@@ -25,6 +26,7 @@
 
 pub mod color;
 pub mod document;
+pub mod hull;
 pub mod input;
 pub mod knob;
 pub mod memory;
