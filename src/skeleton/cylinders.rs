@@ -84,15 +84,18 @@ impl Skeleton {
         cylinders
     }
 
-    /// What all [`cylinders`](Self::cylinders) hold, without making a list of them.
-    pub(super) fn wood_volume_m3(&self) -> f64 {
+    /// Axis, length and radius of all [`cylinders`](Self::cylinders), in their order, without making a list of them.
+    pub fn cylinder_sizes(&self) -> impl Iterator<Item = (&Axis, f32, f32)> {
         let segments = self.axes.iter().flat_map(|axis| self.segments_of(axis).map(move |ends| (axis, ends)));
-        segments
-            .map(|(axis, ends)| {
-                let (length_m, radius_m) = self.cylinder_size(axis, ends);
-                volume_m3(length_m, radius_m)
-            })
-            .sum()
+        segments.map(|(axis, ends)| {
+            let (length_m, radius_m) = self.cylinder_size(axis, ends);
+            (axis, length_m, radius_m)
+        })
+    }
+
+    /// What all [`cylinders`](Self::cylinders) hold.
+    pub(super) fn wood_volume_m3(&self) -> f64 {
+        self.cylinder_sizes().map(|(_, length_m, radius_m)| volume_m3(length_m, radius_m)).sum()
     }
 
     /// Length and radius of the cylinder for a segment of an axis.

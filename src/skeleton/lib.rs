@@ -11,6 +11,7 @@ mod memory;
 pub mod organs;
 mod radii;
 pub mod refine;
+mod topology;
 mod wood;
 mod young;
 
@@ -26,6 +27,7 @@ pub use measure::Measures;
 pub use radii::axes_by_tips;
 pub use radii::pipe::count_tips;
 pub use radii::{AxisRule, Span, Width, Wood};
+pub use topology::{BranchingAngle, Children, Streams, ratio_of_orders};
 
 /// The parent of a node that stands at the foot of a stem.
 pub const NO_PARENT: u32 = u32::MAX;

@@ -1,6 +1,8 @@
 //! What a forester would measure.
 
-use super::{NO_PARENT, Skeleton};
+use super::{Axis, NO_PARENT, Skeleton};
+use glam::DVec2;
+use linden_base::hull::HullPolygon;
 use linden_base::mesh::Bounds;
 
 /// Breast height, where trunks are measured by convention.
@@ -13,10 +15,14 @@ pub struct Measures {
     pub total_length_m: f64,
     /// Highest node above the lowest one.
     pub height_m: f64,
-    /// Mean of the extents along X and Z.
+    /// Seen from above, the distance of two parallel lines that enclose all nodes, averaged over all directions.
     pub crown_width_m: f64,
-    /// Of the thickest stem, 1.3 m above its foot along the stem (at its foot when it is shorter).
+    /// Of the thickest stem, [`Measures::trunk_diameter_at_m`] above its foot.
     pub trunk_diameter_m: f64,
+    /// Where that is measured: 1.3 along the stem, 0 for a stem that is shorter.
+    pub trunk_diameter_at_m: f64,
+    /// Of the thickest stem at its foot.
+    pub base_diameter_m: f64,
     /// Of all wood, segment by segment, cubic metres: [`super::Cylinder`]s, overlaps at forks counted twice.
     pub wood_volume_m3: f64,
     /// Highest axis order.
@@ -27,45 +33,59 @@ impl Skeleton {
     /// Measures the tree.
     pub fn measures(&self) -> Measures {
         let size = Bounds::of(self.positions.iter().copied()).map_or(glam::Vec3::ZERO, Bounds::size);
+        let (trunk_diameter_at_m, trunk_diameter_m) = self.trunk_diameter();
         Measures {
             total_length_m: (0..self.parents.len()).map(|node| self.segment_length(node)).sum(),
             height_m: f64::from(size.y),
-            crown_width_m: f64::midpoint(f64::from(size.x), f64::from(size.z)),
-            trunk_diameter_m: self.trunk_diameter(),
+            crown_width_m: self.seen_from_above().mean_width(),
+            trunk_diameter_m,
+            trunk_diameter_at_m,
+            base_diameter_m: self.base_diameter_m(),
             wood_volume_m3: self.wood_volume_m3(),
             max_order: self.axes.iter().map(|a| a.order).max().unwrap_or(0),
         }
     }
 
-    /// Length of the segment that ends in a node, 0 for the foot of a stem.
-    fn segment_length(&self, node: usize) -> f64 {
+    /// The convex hull of all nodes, seen from above: X and Z.
+    pub fn seen_from_above(&self) -> HullPolygon {
+        let nodes: Vec<DVec2> =
+            self.positions.iter().map(|at| at.as_dvec3()).map(|at| DVec2::new(at.x, at.z)).collect();
+        HullPolygon::of(&nodes)
+    }
+
+    /// Length of the segment that ends in a node, metres; 0 for the foot of a stem.
+    pub fn segment_length(&self, node: usize) -> f64 {
         match self.parents[node] {
             NO_PARENT => 0.0,
             parent => f64::from(self.positions[node].distance(self.positions[parent as usize])),
         }
     }
 
-    fn trunk_diameter(&self) -> f64 {
-        let foot_radius = |axis: &super::Axis| self.radii[self.nodes_of(axis)[0] as usize];
-        let Some(stem) = self
-            .axes
-            .iter()
-            .filter(|a| a.parent == NO_PARENT)
-            .max_by(|a, b| foot_radius(a).total_cmp(&foot_radius(b)))
-        else {
-            return 0.0;
-        };
+    /// The stem that is thickest at its foot, and that foot's radius.
+    fn thickest_stem(&self) -> Option<(&Axis, f64)> {
+        let foot_radius = |axis: &Axis| f64::from(self.radii[self.nodes_of(axis)[0] as usize]);
+        let stems = self.axes.iter().filter(|axis| axis.parent == NO_PARENT);
+        stems.map(|axis| (axis, foot_radius(axis))).max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    fn base_diameter_m(&self) -> f64 {
+        self.thickest_stem().map_or(0.0, |(_, radius)| 2.0 * radius)
+    }
+
+    /// Where the trunk's diameter is measured, and the diameter.
+    fn trunk_diameter(&self) -> (f64, f64) {
+        let Some((stem, foot_radius)) = self.thickest_stem() else { return (0.0, 0.0) };
         let mut along = 0.0;
         for pair in self.nodes_of(stem).windows(2) {
             let length = self.segment_length(pair[1] as usize);
             if along + length >= BREAST_HEIGHT_M && length > 0.0 {
                 let t = (BREAST_HEIGHT_M - along) / length;
                 let [below, above] = [pair[0], pair[1]].map(|n| f64::from(self.radii[n as usize]));
-                return 2.0 * (below + (above - below) * t);
+                return (BREAST_HEIGHT_M, 2.0 * (below + (above - below) * t));
             }
             along += length;
         }
-        2.0 * f64::from(foot_radius(stem))
+        (0.0, 2.0 * foot_radius)
     }
 }
 
@@ -87,7 +107,10 @@ mod tests {
         let wood = Wood { radius_exponent: 1.0, tip_radius_m: Some(0.1), ..Wood::default() };
         let skeleton = Skeleton::build(branching, &wood).unwrap();
         let m = skeleton.measures();
-        assert_eq!((m.total_length_m, m.height_m, m.crown_width_m, m.max_order), (5.0, 2.0, 1.5, 1));
+        assert_eq!((m.total_length_m, m.height_m, m.max_order), (5.0, 2.0, 1));
+        // A line of 3 m seen from above is 3 |cos| wide.
+        assert!((m.crown_width_m - 6.0 / std::f64::consts::PI).abs() < 1e-12);
+        assert!(m.trunk_diameter_at_m == 1.3 && (m.base_diameter_m - 0.4).abs() < 1e-6);
         // Radius 0.2 up to 1 m, 0.1 at 2 m: 0.17 at 1.3 m.
         assert!((m.trunk_diameter_m - 0.34).abs() < 1e-6);
     }

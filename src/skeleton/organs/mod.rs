@@ -4,6 +4,7 @@
 //! places where an organ of the table [`PROTOTYPES`] grows. Foliage adds leaves of the kinds that a plant's
 //! settings describe ([`Organs::shapes`]).
 
+mod area;
 mod prototype;
 
 use std::sync::Arc;
