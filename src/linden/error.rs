@@ -10,6 +10,7 @@ use linden_pipeline::grow::GrowError;
 use linden_pipeline::input::InputError;
 use linden_pipeline::lsystem::GrammarError;
 use linden_pipeline::preset::{KnobError, RecipeError, UnknownPreset};
+use linden_pipeline::report::ReportError;
 use linden_raster::RasterError;
 
 use crate::trust::NotAllowed;
@@ -72,6 +73,9 @@ pub enum Error {
     /// Surface, leaves or levels of detail.
     #[error(transparent)]
     Dress(#[from] DetailError),
+    /// A tree that is not measured.
+    #[error(transparent)]
+    Report(#[from] ReportError),
     /// A picture.
     #[error(transparent)]
     Draw(#[from] RasterError),

@@ -10,6 +10,7 @@ use linden_pipeline::monitor::{Monitor, Quiet};
 use linden_pipeline::picture::Picture;
 use linden_pipeline::preset::KNOBS;
 use linden_pipeline::recipe::Recipe;
+use linden_pipeline::report::Report;
 use linden_pipeline::skeleton::{Measures, Skeleton};
 use linden_raster::{Camera, Size, Style, Surface, draw_surface};
 
@@ -121,6 +122,20 @@ impl GrownTree {
     /// Height, width, length, stem: metres.
     pub fn measures(&self) -> Measures {
         self.grown.skeleton.measures()
+    }
+
+    /// Every number of the tree, as `linden stats` says them; of the finest level, where a budget of triangles is set.
+    ///
+    /// ```
+    /// let report = linden::tree("simple")?.set("points", "50")?.grow()?.report()?;
+    /// assert!(report.height_m > 0.0 && report.crown_width_least_m <= report.crown_width_most_m);
+    /// # Ok::<(), linden::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Report`].
+    pub fn report(&self) -> Result<Report, Error> {
+        Ok(Report::of(&self.tree.recipe, &self.grown, &*self.tree.watcher)?)
     }
 
     /// What the user should know: limits that were hit, meshes that are open, knobs that change

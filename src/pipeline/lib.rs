@@ -11,6 +11,7 @@
 //! | [`generators`] | the registry of generators |
 //! | [`grow`](mod@grow) | recipe → skeleton |
 //! | [`dress`](mod@dress) | skeleton → scene, levels of detail, seasons |
+//! | [`report`] | every number of a tree, with its definition |
 //! | [`forest`] | many trees, laid out |
 //! | [`forecast`] | how large a tree will be, before it is grown |
 //!
@@ -25,13 +26,14 @@ pub mod generators;
 pub mod grow;
 pub mod preset;
 pub mod recipe;
+pub mod report;
 
-pub use linden_base::{color, document, glam, input, knob, memory, mesh, monitor, picture, random};
+pub use linden_base::{color, document, glam, hull, input, knob, memory, mesh, monitor, picture, random};
 pub use linden_colonization as colonization;
 pub use linden_growth as growth;
 pub use linden_lsystem as lsystem;
 pub use linden_plant::{Body, Specimen};
-pub use linden_plant::{detail, foliage, scene, season, settings, stage, surface, texture, wind};
+pub use linden_plant::{canopy, detail, foliage, scene, season, settings, stage, surface, texture, wind};
 pub use linden_scan as scan;
 pub use linden_skeleton as skeleton;
 

@@ -283,7 +283,7 @@ pub fn leaf_shapes(
 }
 
 /// What covers each kind of which there are organs, and the shapes that fit.
-fn covers(
+pub(crate) fn covers(
     specimen: &Specimen<'_>,
     organs: &Organs,
     monitor: &dyn Monitor,

@@ -9,6 +9,7 @@
 //! | [`foliage`] | leaves on twigs, and their meshes |
 //! | [`texture`] | pictures of bark, leaves and ground |
 //! | [`wind`] | how everything swings |
+//! | [`canopy`](mod@canopy) | the leaves, measured |
 //! | [`season`] | names for times of the year |
 //! | [`dress`] | skeleton → scene |
 //! | [`detail`] | budgets of triangles and levels of detail |
@@ -34,6 +35,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+pub mod canopy;
 pub mod detail;
 pub mod dress;
 pub mod foliage;

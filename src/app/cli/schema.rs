@@ -5,19 +5,36 @@ use clap::Args;
 use linden::generators;
 use linden::knob::{FARTHEST, Kind, Knob};
 use linden::preset::{BarkSettings, FileKey, KNOBS, LEAF_KNOBS, LeafKind, MOST_KINDS, Section};
+use linden::report::{NUMBERS, Number};
 use linden::skeleton::generator::{KeyContent, TableKey, Tables};
 use linden_exporters::REGISTRY;
 use serde_json::{Map, Value, json};
 
-/// Print a JSON Schema of preset documents and export options
+/// Print a JSON Schema of preset documents and export options, or the definitions of all numbers
 #[derive(Args)]
-pub struct Schema {}
+pub struct Schema {
+    /// Print the numbers of 'linden stats' and 'linden sweep' instead: of each name, unit, definition, what is
+    /// included, and source
+    #[arg(long)]
+    stats: bool,
+}
 
 impl Schema {
-    #[expect(clippy::unused_self, reason = "every command is run by value")]
     pub fn run(self) -> anyhow::Result<()> {
-        super::print_json(&document())
+        super::print_json(&if self.stats { numbers() } else { document() })
     }
+}
+
+/// The table of numbers.
+fn numbers() -> Value {
+    let row = |number: &Number| {
+        let Number { name, label, group, unit, of, meaning, source, .. } = number;
+        json!({
+            "name": name, "label": label, "group": group, "unit": unit, "definition": meaning, "of": of,
+            "includes": of.includes(), "source": source,
+        })
+    };
+    NUMBERS.iter().map(row).collect()
 }
 
 fn document() -> Value {

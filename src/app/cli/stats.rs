@@ -4,15 +4,9 @@ use std::time::Instant;
 
 use anyhow::Context;
 use clap::Args;
-use linden::Vec3;
-use linden::dress::finest;
-use linden::dress::leaf_shapes;
-use linden::foliage::meshes_of;
-use linden::grow::Scanned;
-use linden::grow::Spread;
-use linden::monitor::Holding;
-use linden::scene::{Bounds, Mesh};
-use linden::surface::{Junction, survey};
+use linden::grow::{Scanned, Spread};
+use linden::report::{Corners, Group, NUMBERS, Number, Reading, Report};
+use linden::surface::Junction;
 use serde::Serialize;
 
 use super::GrowArgs;
@@ -39,31 +33,12 @@ struct StatsReport {
     source: String,
     seed: u64,
     generator: &'static str,
-    nodes: usize,
-    segments: usize,
-    axes: usize,
-    max_order: u32,
-    total_length_m: f64,
-    height_m: f64,
-    crown_width_m: f64,
-    trunk_diameter_m: f64,
-    wood_volume_m3: f64,
-    points: Option<usize>,
-    points_unreached: Option<usize>,
-    iterations: Option<u32>,
-    /// Whether a scan was a crown without a stem; null for what is no scan.
-    canopy: Option<bool>,
+    #[serde(flatten)]
+    report: Report,
     scan: Option<Scan>,
-    symbols: Option<u64>,
-    triangles: usize,
-    vertices: usize,
-    leaves: usize,
-    watertight: bool,
     /// Whether all wood is one surface.
     #[serde(skip)]
     is_solid: bool,
-    bounds: Corners,
-    skeleton_hash: String,
     seconds: Seconds,
 }
 
@@ -103,14 +78,9 @@ impl Scan {
 }
 
 #[derive(Serialize)]
-struct Corners {
-    min: [f32; 3],
-    max: [f32; 3],
-}
-
-#[derive(Serialize)]
 struct Seconds {
     grow: f64,
+    /// Surface, leaves and all numbers, without the bark's pictures.
     dress: f64,
 }
 
@@ -126,120 +96,105 @@ impl Stats {
         let grown = super::grown(&source, &progress)?;
         let grow_s = started.elapsed().as_secs_f64();
         let started = Instant::now();
-        // The surface alone, and never the whole of it: trees can be measured that no mesh format holds.
+        // Of the surface a piece at a time, and never the whole: trees can be measured that no mesh format holds.
         // The bark's pictures are not measured, and take longer than all else.
-        let holding = Holding::new(&progress, grown.bytes() + source.recipe.inputs.bytes());
-        let shown = finest(&source.recipe, &grown, &holding).with_context(|| source.shown.clone())?;
-        let surface =
-            survey(&shown.skeleton, &shown.tubes, &holding).with_context(|| source.shown.clone())?;
-        let shapes =
-            leaf_shapes(&source.recipe, &shown.organs, &holding).with_context(|| source.shown.clone())?;
-        let foliage = meshes_of(&shown.organs, &shapes, 1, &holding).with_context(|| source.shown.clone())?;
-        let dress_s = started.elapsed().as_secs_f64();
-
-        let skeleton = &grown.skeleton;
-        let measures = skeleton.measures();
-        let leaf_bounds = foliage.iter().filter_map(|organ| organ.mesh.bounds());
-        let bounds = surface.bounds.into_iter().chain(leaf_bounds).reduce(Bounds::union);
-        let count = |of: fn(&Mesh) -> usize| foliage.iter().map(|organ| of(&organ.mesh)).sum::<usize>();
-        let bounds = bounds.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO });
-        let colonized = grown.colonized.as_ref();
-        let report = StatsReport {
+        let report = Report::of(&source.recipe, &grown, &progress).with_context(|| source.shown.clone())?;
+        let stats = StatsReport {
             source: source.shown.clone(),
             seed: source.recipe.preset.seed,
             generator: source.recipe.preset.grows_by().id(),
-            nodes: skeleton.positions.len(),
-            segments: skeleton.segments(),
-            axes: skeleton.axes.len(),
-            max_order: measures.max_order,
-            total_length_m: measures.total_length_m,
-            height_m: measures.height_m,
-            crown_width_m: measures.crown_width_m,
-            trunk_diameter_m: measures.trunk_diameter_m,
-            wood_volume_m3: measures.wood_volume_m3,
-            points: colonized.map(|colonized| colonized.points.len()),
-            points_unreached: colonized.map(|colonized| colonized.unreached),
-            iterations: colonized.map(|colonized| colonized.iterations),
-            canopy: colonized
-                .filter(|colonized| colonized.is_canopy || colonized.scan.is_some())
-                .map(|colonized| colonized.is_canopy),
-            scan: colonized.and_then(|colonized| colonized.scan).as_ref().map(Scan::of),
-            symbols: grown.symbols,
-            triangles: surface.triangles + count(|mesh| mesh.triangles.len()),
-            vertices: surface.vertices + count(|mesh| mesh.positions.len()),
-            leaves: shown.organs.len(),
-            watertight: surface.topology.watertight(),
+            report,
+            scan: grown.colonized.as_ref().and_then(|colonized| colonized.scan).as_ref().map(Scan::of),
             is_solid: source.recipe.preset.dressing.tubes.junction == Junction::Watertight,
-            bounds: Corners { min: bounds.min.to_array(), max: bounds.max.to_array() },
-            skeleton_hash: format!("{:032x}", skeleton.hash()),
-            seconds: Seconds { grow: grow_s, dress: dress_s },
+            seconds: Seconds { grow: grow_s, dress: started.elapsed().as_secs_f64() },
         };
         progress.clear();
         if self.json {
-            return super::print_json(&report);
+            return super::print_json(&stats);
         }
-        super::print(&report.table())
+        super::print(&stats.table())
     }
 }
 
 impl StatsReport {
+    /// A block of lines for each group.
     fn table(&self) -> String {
-        let count = |n: usize| indicatif::HumanCount(n as u64).to_string();
-        let mut rows = vec![
-            ("source", format!("{} (seed {}, {})", self.source, self.seed, self.generator)),
-            ("height", format!("{:.2} m", self.height_m)),
-            ("crown width", format!("{:.2} m", self.crown_width_m)),
-            ("trunk diameter", format!("{:.3} m at 1.3 m", self.trunk_diameter_m)),
-            ("total length", format!("{:.1} m", self.total_length_m)),
-            ("wood volume", format!("{:.3} m³", self.wood_volume_m3)),
-            ("nodes", count(self.nodes)),
-            ("axes", format!("{}, orders 0 to {}", count(self.axes), self.max_order)),
-        ];
-        if let Some(symbols) = self.symbols {
-            rows.push(("symbols", indicatif::HumanCount(symbols).to_string()));
-        }
-        if let (Some(points), Some(unreached), Some(iterations)) =
-            (self.points, self.points_unreached, self.iterations)
-        {
-            rows.push(("points", format!("{}, {} not reached", count(points), count(unreached))));
-            rows.push(("iterations", count(iterations as usize)));
-        }
-        if self.canopy == Some(true) {
-            rows.push(("scan", "a canopy without a stem: all radii are guessed".to_owned()));
-        }
-        if let Some(scan) = &self.scan {
-            let of = |way: &Distances| {
-                format!("{:.1} mm on average, 95 % within {:.1} mm", 1e3 * way.mean_m, 1e3 * way.p95_m)
-            };
-            rows.push((
-                "scan",
-                format!(
-                    "{} points; radii of {} nodes measured",
-                    count(scan.points),
-                    count(scan.measured_nodes)
-                ),
-            ));
-            rows.push(("points-surface", of(&scan.points_to_surface)));
-            rows.push(("surface-points", of(&scan.surface_to_points)));
-            rows.push(("points-axis", of(&scan.points_to_axis)));
-            rows.push(("axis-points", of(&scan.axis_to_points)));
-        }
-        let watertight = match (self.watertight, self.is_solid) {
-            (true, true) => "yes: one solid",
-            (true, false) => "yes: each axis is closed",
-            (false, _) => "no",
-        };
-        rows.extend([
-            ("surface", format!("{} triangles, {} vertices", count(self.triangles), count(self.vertices))),
-            ("leaves", count(self.leaves)),
-            ("watertight", watertight.to_owned()),
-            ("skeleton hash", self.skeleton_hash.clone()),
-            ("time", format!("{:.3} s to grow, {:.3} s to dress", self.seconds.grow, self.seconds.dress)),
-        ]);
-        let mut text = String::new();
-        for (name, value) in rows {
-            text.push_str(&format!("{name:14}  {value}\n"));
+        let mut text = format!("{} (seed {}, {})\n", self.source, self.seed, self.generator);
+        for group in Group::ALL {
+            let rows = NUMBERS.iter().filter(|number| number.group == group);
+            let mut lines: Vec<(&str, String)> = rows.filter_map(|number| self.line(number)).collect();
+            match group {
+                Group::Growth => lines.extend(self.scan.as_ref().map_or_else(Vec::new, Scan::lines)),
+                Group::Surface => {
+                    let Seconds { grow, dress } = self.seconds;
+                    lines.push(("time", format!("{grow:.3} s to grow, {dress:.3} s to measure")));
+                }
+                _ => {}
+            }
+            if !lines.is_empty() {
+                text.push_str(&format!("\n{}\n", group.name()));
+            }
+            for (label, value) in lines {
+                text.push_str(&format!("  {label:24}  {value}\n"));
+            }
         }
         text
+    }
+
+    /// A number for people; `None` where it does not apply.
+    fn line(&self, number: &Number) -> Option<(&'static str, String)> {
+        let unit =
+            |text: String| if number.unit.is_empty() { text } else { format!("{text} {}", number.unit) };
+        let reading = (number.reading)(&self.report);
+        if reading.is_nothing() {
+            return None;
+        }
+        let shown = match reading {
+            Reading::Count(count) => unit(indicatif::HumanCount(count).to_string()),
+            Reading::Real(real) => unit(rounded(real)),
+            Reading::Yes(true) if number.name == "watertight" && self.is_solid => "yes: one solid".to_owned(),
+            Reading::Yes(true) if number.name == "watertight" => "yes: each axis is closed".to_owned(),
+            Reading::Yes(true) if number.name == "canopy" => {
+                "a canopy without a stem: all radii are guessed".to_owned()
+            }
+            Reading::Yes(is_so) => if is_so { "yes" } else { "no" }.to_owned(),
+            Reading::Text(text) => text,
+            Reading::Counts(list) => {
+                let counts: Vec<_> = list.iter().map(|&n| indicatif::HumanCount(n).to_string()).collect();
+                counts.join(", ")
+            }
+            Reading::Reals(list) => unit(list.iter().map(|&x| rounded(x)).collect::<Vec<_>>().join(", ")),
+            Reading::Texts(list) => list.join(", "),
+            Reading::Corners(Corners { min, max }) => {
+                let place = |[x, y, z]: [f32; 3]| format!("({x:.2} {y:.2} {z:.2})");
+                unit(format!("{} to {}", place(min), place(max)))
+            }
+            _ => return None,
+        };
+        Some((number.label, shown))
+    }
+}
+
+/// Four digits that count, no more than six after the point.
+fn rounded(real: f64) -> String {
+    let magnitude = if real == 0.0 { 0.0 } else { real.abs().log10().floor() };
+    format!("{real:.*}", (3.0 - magnitude).clamp(0.0, 6.0) as usize)
+}
+
+impl Scan {
+    fn lines(&self) -> Vec<(&'static str, String)> {
+        let count = |n: usize| indicatif::HumanCount(n as u64);
+        let of = |way: &Distances| {
+            format!("{:.1} mm on average, 95 % within {:.1} mm", 1e3 * way.mean_m, 1e3 * way.p95_m)
+        };
+        let radii =
+            format!("{} points; radii of {} nodes measured", count(self.points), count(self.measured_nodes));
+        vec![
+            ("scan", radii),
+            ("points-surface", of(&self.points_to_surface)),
+            ("surface-points", of(&self.surface_to_points)),
+            ("points-axis", of(&self.points_to_axis)),
+            ("axis-points", of(&self.axis_to_points)),
+        ]
     }
 }

@@ -1,0 +1,235 @@
+//! What the numbers of a tree are read from, each computed once.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use glam::{DVec2, DVec3, Vec3};
+use linden_base::hull::{HullPolygon, HullSolid};
+use linden_base::memory::bytes_of;
+use linden_base::mesh::Bounds;
+use linden_base::monitor::{Holding, Monitor};
+use linden_plant::canopy::{Canopy, canopy, projection};
+use linden_plant::detail::{DetailError, Finest};
+use linden_plant::surface::{Survey, survey};
+use linden_skeleton::{Measures, Skeleton, Streams, ratio_of_orders};
+
+use super::{Corners, ReportError};
+use crate::dress::finest;
+use crate::grow::Grown;
+use crate::recipe::Recipe;
+
+/// Where the classes of wood by diameter end, metres; the last has no end. Wood of 7 cm and more is what foresters
+/// call merchantable (Derbholz).
+pub const DIAMETERS_M: [f64; 7] = [0.01, 0.02, 0.04, 0.07, 0.1, 0.2, 0.5];
+
+/// The wood of one order.
+#[derive(Clone, Copy, Default)]
+pub(super) struct WoodOfOrder {
+    pub length_m: f64,
+    pub volume_m3: f64,
+    pub area_m2: f64,
+}
+
+/// Mean and standard deviation of angles, degrees.
+#[derive(Clone, Default)]
+pub(super) struct Angles {
+    pub count: usize,
+    pub mean: Option<f64>,
+    /// Of the sample: divided by one less than the count.
+    pub sd: Option<f64>,
+}
+
+impl Angles {
+    fn of(degrees: &[f64]) -> Self {
+        let count = degrees.len();
+        let mean = (count > 0).then(|| degrees.iter().sum::<f64>() / count as f64);
+        let squares =
+            mean.map(|mean| degrees.iter().map(|angle| (angle - mean) * (angle - mean)).sum::<f64>());
+        let sd = squares.filter(|_| count > 1).map(|squares| (squares / (count - 1) as f64).sqrt());
+        Self { count, mean, sd }
+    }
+}
+
+/// Of everything, seen from above; of the crown, in space.
+pub(super) struct Hulls {
+    pub plan: HullPolygon,
+    pub solid: HullSolid,
+}
+
+fn from_above(points: impl Iterator<Item = DVec3>) -> Vec<DVec2> {
+    points.map(|at| DVec2::new(at.x, at.z)).collect()
+}
+
+pub(super) struct Figures<'a> {
+    pub grown: &'a Grown,
+    pub is_reduced: bool,
+    pub skeleton: Arc<Skeleton>,
+    pub organs: usize,
+    pub measures: Measures,
+    pub wood: Hulls,
+    pub all: Hulls,
+    pub canopy: Canopy,
+    pub survey: Survey,
+    pub tips: usize,
+    pub path_mean_m: f64,
+    pub path_longest_m: f64,
+    pub streams: Vec<Streams>,
+    /// By order, from 0 on.
+    pub by_order: Vec<WoodOfOrder>,
+    /// By the classes of [`DIAMETERS_M`].
+    pub by_diameter_m3: Vec<f64>,
+    pub angles: Angles,
+    /// By the order of the lateral, from 1 on.
+    pub angles_by_order: Vec<Angles>,
+    floor_m: f64,
+    crown_base_m: Option<f64>,
+}
+
+impl<'a> Figures<'a> {
+    pub fn new(recipe: &Recipe, grown: &'a Grown, monitor: &dyn Monitor) -> Result<Self, ReportError> {
+        let holding = Holding::new(monitor, grown.bytes() + recipe.inputs.bytes());
+        let Finest { skeleton, organs, tubes } = finest(recipe, grown, &holding)?;
+        let survey = survey(&skeleton, &tubes, &holding)?;
+        // Points for two hulls, and lists of nodes.
+        let bytes = bytes_of::<[f64; 12]>(skeleton.positions.len()) + skeleton.topology_bytes();
+        let admitted = holding.admit("measuring the tree", bytes, "grow a smaller tree");
+        admitted.map_err(DetailError::from)?;
+        let nodes = || skeleton.positions.iter().map(|at| at.as_dvec3());
+        let floor_m = nodes().map(|at| at.y).reduce(f64::min).unwrap_or(0.0);
+        let canopy = recipe.with_specimen(|specimen| canopy(specimen, &organs, floor_m, &holding))?;
+        monitor.check()?;
+        let measures = skeleton.measures();
+        let laterals = skeleton.axes.iter().filter(|axis| axis.order == 1);
+        let bases = laterals.map(|axis| f64::from(skeleton.positions[axis.parent as usize].y));
+        let crown_base_m = canopy.lowest_leaf_m.or(bases.reduce(f64::min));
+        let is_crown = |at: &DVec3| crown_base_m.is_some_and(|base| at.y >= base);
+        let plan = HullPolygon::of(&from_above(nodes()));
+        let crown: Vec<DVec3> = nodes().filter(is_crown).collect();
+        let wood = Hulls { plan, solid: HullSolid::of(&crown) };
+        let leaves = || canopy.corners.iter().copied();
+        let ground = wood.plan.corners.iter().copied().chain(from_above(leaves()));
+        let points: Vec<DVec3> = wood.solid.corners.iter().copied().chain(leaves()).collect();
+        let all = Hulls { plan: HullPolygon::of(&ground.collect::<Vec<_>>()), solid: HullSolid::of(&points) };
+
+        let tips = skeleton.tips();
+        let paths = skeleton.path_lengths_m();
+        let to_tips = || tips.iter().map(|&tip| paths[tip as usize]);
+        let (by_order, by_diameter_m3) = wood_by_classes(&skeleton);
+        let angles: Vec<(u32, f64)> = skeleton
+            .branching_angles()
+            .iter()
+            .map(|found| (skeleton.axes[found.axis as usize].order, found.angle_rad.to_degrees()))
+            .collect();
+        let of_order = |order: u32| {
+            let some: Vec<f64> =
+                angles.iter().filter(|(of, _)| *of == order).map(|(_, angle)| *angle).collect();
+            Angles::of(&some)
+        };
+        Ok(Self {
+            grown,
+            is_reduced: !Arc::ptr_eq(&skeleton, &grown.skeleton),
+            organs: organs.len(),
+            measures,
+            wood,
+            all,
+            survey,
+            path_mean_m: to_tips().sum::<f64>() / tips.len().max(1) as f64,
+            path_longest_m: to_tips().fold(0.0, f64::max),
+            tips: tips.len(),
+            streams: skeleton.streams(),
+            by_order,
+            by_diameter_m3,
+            angles: Angles::of(&angles.iter().map(|(_, angle)| *angle).collect::<Vec<_>>()),
+            angles_by_order: (1..=measures.max_order).map(of_order).collect(),
+            floor_m,
+            crown_base_m,
+            canopy,
+            skeleton,
+        })
+    }
+
+    /// Of wood and everything on it, above the lowest node, metres.
+    pub fn height_with_leaves_m(&self) -> f64 {
+        let top = self.canopy.corners.iter().map(|at| at.y - self.floor_m).fold(0.0, f64::max);
+        top.max(self.measures.height_m)
+    }
+
+    pub fn dbh_m(&self) -> Option<f64> {
+        (self.measures.trunk_diameter_at_m > 0.0).then_some(self.measures.trunk_diameter_m)
+    }
+
+    pub fn crown_base_m(&self) -> Option<f64> {
+        Some(self.crown_base_m? - self.floor_m)
+    }
+
+    /// Factors from order to order of Strahler: of numbers (fewer by), of lengths (longer by).
+    pub fn stream_ratios(&self) -> [Option<f64>; 2] {
+        let numbers: Vec<f64> = self.streams.iter().map(|stream| stream.count as f64).collect();
+        let lengths: Vec<f64> = self.streams.iter().map(|stream| stream.mean_length_m).collect();
+        [ratio_of_orders(&numbers).map(f64::recip), ratio_of_orders(&lengths)]
+    }
+
+    pub fn leaf_area_index(&self) -> Option<f64> {
+        let (area, ground) = (self.canopy.leaf_area_m2(), self.all.plan.area());
+        (area > 0.0 && ground > 0.0).then(|| area / ground)
+    }
+
+    /// Shares of the leaf area in nine classes of ten degrees.
+    pub fn inclination_shares(&self) -> Option<Vec<f64>> {
+        let classes = &self.canopy.inclinations_m2;
+        let total: f64 = classes.iter().sum();
+        let share = |part: &[f64]| part.iter().sum::<f64>() / total;
+        (total > 0.0).then(|| classes.chunks(classes.len() / 9).map(share).collect())
+    }
+
+    /// By area, degrees.
+    pub fn inclination_mean_deg(&self) -> Option<f64> {
+        let classes = &self.canopy.inclinations_m2;
+        let total: f64 = classes.iter().sum();
+        let width = 90.0 / classes.len() as f64;
+        let sum: f64 = classes.iter().enumerate().map(|(i, area)| (i as f64 + 0.5) * width * area).sum();
+        (total > 0.0).then(|| sum / total)
+    }
+
+    /// G at zenith angles of 0, 10, … 90 degrees.
+    pub fn projections(&self) -> Option<Vec<f64>> {
+        let at = |tens: u32| projection(&self.canopy.inclinations_m2, f64::from(10 * tens).to_radians());
+        (0..10).map(at).collect()
+    }
+
+    pub fn layer_m(&self) -> Option<f64> {
+        let (floor, top) = (self.canopy.floor_m, self.canopy.top_m);
+        (self.canopy.leaf_area_m2() > 0.0 && top > floor)
+            .then(|| (top - floor) / self.canopy.layers_m2.len() as f64)
+    }
+
+    pub fn leaf_area_density(&self) -> Option<Vec<f64>> {
+        let volume = self.layer_m()? * self.all.plan.area();
+        (volume > 0.0).then(|| self.canopy.layers_m2.iter().map(|area| area / volume).collect())
+    }
+
+    pub fn bounds(&self) -> Corners {
+        let leaves = Bounds::of(self.canopy.corners.iter().map(|at| at.as_vec3()));
+        let all = self.survey.bounds.into_iter().chain(leaves).reduce(Bounds::union);
+        all.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO }).into()
+    }
+}
+
+/// The wood by order, and its volume by diameter: segments as cylinders.
+fn wood_by_classes(skeleton: &Skeleton) -> (Vec<WoodOfOrder>, Vec<f64>) {
+    let mut by_order: Vec<WoodOfOrder> = Vec::new();
+    let mut by_diameter = vec![0.0; DIAMETERS_M.len() + 1];
+    for (axis, length_m, radius_m) in skeleton.cylinder_sizes() {
+        let (length_m, radius_m) = (f64::from(length_m), f64::from(radius_m));
+        let order = axis.order as usize;
+        if by_order.len() <= order {
+            by_order.resize(order + 1, WoodOfOrder::default());
+        }
+        let volume_m3 = TAU / 2.0 * radius_m * radius_m * length_m;
+        by_order[order].length_m += length_m;
+        by_order[order].volume_m3 += volume_m3;
+        by_order[order].area_m2 += TAU * radius_m * length_m;
+        by_diameter[DIAMETERS_M.partition_point(|&end| end <= 2.0 * radius_m)] += volume_m3;
+    }
+    (by_order, by_diameter)
+}
