@@ -47,7 +47,8 @@ pub fn resolve(source: &Path, set: &[(String, String)], monitor: &dyn Monitor) -
     Ok(reader.finish(shown(source), recipe))
 }
 
-fn is_file_key(name: &str) -> bool {
+/// Whether `--set` names a file by this key.
+pub fn is_file_key(name: &str) -> bool {
     Preset::file_keys().any(|(_, key, _)| key == name)
 }
 

@@ -54,12 +54,12 @@ impl HullPolygon {
 
     /// Unit squared; 0 for points in a row.
     pub fn area(&self) -> f64 {
-        self.edges().map(|(a, b)| a.perp_dot(b)).sum::<f64>() / 2.0
+        self.edges().fold(0.0, |sum, (a, b)| sum + a.perp_dot(b)) / 2.0
     }
 
     /// The way round, for points in a row there and back.
     pub fn perimeter(&self) -> f64 {
-        self.edges().map(|(a, b)| a.distance(b)).sum()
+        self.edges().fold(0.0, |sum, (a, b)| sum + a.distance(b))
     }
 
     /// Its width between two parallel lines, averaged over all directions: perimeter ÷ π (Cauchy 1841).
@@ -144,7 +144,7 @@ impl HullSolid {
             let [a, b, c] = [a, b, c].map(|corner| self.corners[corner as usize] - from);
             a.dot(b.cross(c))
         };
-        self.triangles.iter().map(of).sum::<f64>() / 6.0
+        self.triangles.iter().map(of).fold(0.0, |sum, part| sum + part) / 6.0
     }
 }
 

@@ -62,6 +62,8 @@ pub enum Phase {
     Sweep,
     /// Contouring wood into one solid; unit: blocks of cells.
     Solidify,
+    /// Growing and measuring many trees; unit: trees.
+    Measure,
     /// Writing files; unit: bytes.
     Write,
 }
@@ -79,6 +81,7 @@ impl Phase {
             Self::Sprout => ("leafing", "axes"),
             Self::Sweep => ("surfacing", "axes"),
             Self::Solidify => ("making one solid", "blocks"),
+            Self::Measure => ("measuring", "trees"),
             Self::Write => ("writing", "bytes"),
         }
     }

@@ -79,7 +79,12 @@ impl Canopy {
 
     /// The opaque part of all leaves, one side, square metres.
     pub fn leaf_area_m2(&self) -> f64 {
-        self.leafy().map(|crop| crop.area_m2).sum()
+        self.leafy().fold(0.0, |sum, crop| sum + crop.area_m2)
+    }
+
+    /// The same with each leaf counted once, however many sheets of an organ show it, square metres.
+    pub fn leaf_area_once_m2(&self) -> f64 {
+        self.leafy().fold(0.0, |sum, crop| sum + crop.area_m2 / f64::from(crop.sheets))
     }
 
     fn leafy(&self) -> impl Iterator<Item = &Crop> {

@@ -1,11 +1,13 @@
 //! What documents say of knobs, formats, crown shapes and parts is made from the tables that the program
 //! reads.
 
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use linden::colonization::crown::SHAPES;
 use linden::knob::Knob;
 use linden::preset::{KNOBS, PART_KNOBS, Preset};
+use linden::report::{Group, NUMBERS, Number, Of};
 use linden_exporters::{Format, LooksIn, REGISTRY};
 
 use crate::{is_update, read, root};
@@ -228,4 +230,53 @@ fn the_formats_are_those_of_the_program() {
         }
     }
     check_block("docs/formats.md", "formats", &text);
+}
+
+#[test]
+fn the_numbers_are_those_of_the_program() {
+    let mut page = format!(
+        "# Numbers\n\n\
+         Generated from the table of the program: `{COMMAND}`.\n\n\
+         What `linden stats`, `linden sweep` and `GrownTree::report` of the [library](library.md) say of a tree. `linden schema\n\
+         --stats` prints this table as JSON. What does not apply is null in JSON, an empty field in a table. Lists are one field,\n\
+         their items joined by `;`. All numbers are of one tree: the whole, or, with a budget of triangles (`--triangles`), the\n\
+         reduced one; `tree` says which.\n\n\
+         Lengths are metres, Y is up, angles are degrees. Sums run in one order: the same recipe gives the same numbers to the\n\
+         last digit, on any number of threads.\n\n\
+         | of | includes |\n|---|---|\n"
+    );
+    for of in [Of::Wood, Of::Leaves, Of::All, Of::Surface, Of::Growth] {
+        writeln!(page, "| {} | {} |", format!("{of:?}").to_lowercase(), of.includes()).unwrap();
+    }
+    for group in Group::ALL {
+        let name = group.name();
+        write!(page, "\n## {name}\n\n| name | unit | of | definition | source |\n|---|---|---|---|---|\n")
+            .unwrap();
+        for Number { name, unit, of, meaning, source, .. } in NUMBERS.iter().filter(|row| row.group == group)
+        {
+            let of = format!("{of:?}").to_lowercase();
+            writeln!(page, "| `{name}` | {unit} | {of} | {} | {} |", cell(meaning), cell(source)).unwrap();
+        }
+    }
+    check("docs/numbers.md", &page);
+}
+
+#[test]
+fn every_number_has_a_name_of_its_own_and_the_unit_that_it_ends_in() {
+    let names: BTreeSet<&str> = NUMBERS.iter().map(|number| number.name).collect();
+    assert_eq!(names.len(), NUMBERS.len());
+    for number in NUMBERS {
+        let name = number.name;
+        let ending = match number.unit {
+            "m" => "_m",
+            "m²" => "_m2",
+            "m³" => "_m3",
+            "m²/m³" => "_m2_per_m3",
+            "°" => "_deg",
+            "" => "",
+            other => panic!("{name}: {other}"),
+        };
+        assert!(name.ends_with(ending) || name == "bounds", "{name}");
+        assert!(!number.meaning.ends_with('.') && number.meaning.len() > 3, "{name}");
+    }
 }

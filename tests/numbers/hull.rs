@@ -134,7 +134,7 @@ fn many_points_are_taken_in_parts() {
         .map(|i| {
             let p = DVec3::from([0, 1, 2].map(|axis| key.child(i).child(axis).between(-1.0, 1.0)));
             let p = p / p.length().max(1.0);
-            if i % 10 == 0 { p.with_y(0.25) } else { p }
+            if i % 10 == 0 { (p * 0.9).with_y(0.25) } else { p }
         })
         .collect();
     let hull = HullSolid::of(&points);

@@ -19,6 +19,7 @@ mod sheet;
 mod show;
 mod size;
 mod stats;
+mod sweep;
 mod workbench;
 
 use std::io::{self, Write};
@@ -85,6 +86,7 @@ Examples:
   linden forest fir:3 simple -o wood.glb --area 60 --scene
   linden export scan.xyz -o tree.glb --set step=0.05
   linden recipe tree.glb
+  linden sweep abop-honda-a --define r1=0.6:0.9:0.1 --seeds 2 -o table.csv
   linden doctor
 
 Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.";
@@ -95,6 +97,7 @@ enum CliCommand {
     List(list::List),
     Show(show::Show),
     Stats(stats::Stats),
+    Sweep(sweep::Sweep),
     Preview(preview::Preview),
     Sheet(sheet::Sheet),
     Export(export::Export),
@@ -117,6 +120,11 @@ struct GrowArgs {
     /// several times
     #[arg(long = "set", short, value_name = "KNOB=VALUE", add = complete::settings())]
     settings: Vec<String>,
+
+    /// Give a constant of the grammar ('#define') another value ('linden show SOURCE' lists them); may be given
+    /// several times
+    #[arg(long = "define", value_name = "NAME=VALUE")]
+    defines: Vec<String>,
 
     /// The root of all random choices; the same as --set seed=N
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole)]
@@ -162,7 +170,8 @@ impl GrowArgs {
         seasons: &[Season],
         progress: &Progress,
     ) -> anyhow::Result<Source> {
-        let source = source::resolve(&self.source, pairs, progress)?;
+        let mut source = source::resolve(&self.source, pairs, progress)?;
+        define(&mut source, &self.defines)?;
         notes(&source.notes, progress);
         let preset = &source.recipe.preset;
         let mut idle = idle(preset, pairs);
@@ -174,6 +183,14 @@ impl GrowArgs {
         }
         notes(&idle, progress);
         Ok(source)
+    }
+
+    /// Refuses `--define` where there is no one grammar.
+    fn without_defines(&self, instead: &str) -> anyhow::Result<()> {
+        if self.defines.is_empty() {
+            return Ok(());
+        }
+        Err(exit::usage(format!("--define is for one tree of a grammar; {instead}")))
     }
 
     /// What `--set` and `--seed` say, as names and values, the seed last.
@@ -197,15 +214,32 @@ fn lods(text: &str) -> (String, String) {
 
 /// `KNOB=VALUE` as names and values.
 fn pairs(settings: &[String]) -> anyhow::Result<Vec<(String, String)>> {
+    split_pairs(settings, "--set", "KNOB=VALUE, like --set points=500")
+}
+
+/// `NAME=VALUE` as names and values.
+fn defines(settings: &[String]) -> anyhow::Result<Vec<(String, String)>> {
+    split_pairs(settings, "--define", "NAME=VALUE, like --define r1=0.8")
+}
+
+fn split_pairs(settings: &[String], flag: &str, expected: &str) -> anyhow::Result<Vec<(String, String)>> {
     let mut pairs = Vec::new();
     for setting in settings {
         let Some((name, value)) = setting.split_once('=') else {
             let shown = linden::knob::printable(setting);
-            return Err(exit::usage(format!("--set {shown}: expected KNOB=VALUE, like --set points=500")));
+            return Err(exit::usage(format!("{flag} {shown}: expected {expected}")));
         };
         pairs.push((name.trim().to_owned(), value.trim().to_owned()));
     }
     Ok(pairs)
+}
+
+/// Gives constants of a source's grammar other values.
+fn define(source: &mut Source, settings: &[String]) -> anyhow::Result<()> {
+    for (name, value) in defines(settings)? {
+        source.recipe.preset.define(&name, &value).map_err(exit::usage)?;
+    }
+    Ok(())
 }
 
 /// Grows a source; what the user should know goes to standard error.
@@ -333,6 +367,7 @@ impl CliCommand {
             Self::List(command) => command.run(),
             Self::Show(command) => command.run(),
             Self::Stats(command) => command.run(),
+            Self::Sweep(command) => command.run(),
             Self::Preview(command) => command.run(),
             Self::Sheet(command) => command.run(),
             Self::Export(command) => command.run(),

@@ -51,6 +51,10 @@ pub struct Sheet {
     #[arg(long = "set", short, value_name = "KNOB=VALUE", add = super::complete::settings())]
     settings: Vec<String>,
 
+    /// Give a constant of every tree's grammar ('#define') another value; may be given several times
+    #[arg(long = "define", value_name = "NAME=VALUE")]
+    defines: Vec<String>,
+
     /// Width x height of each tree, pixels
     #[arg(long, value_name = "WxH", default_value = "240x288", value_parser = size)]
     size: (u32, u32),
@@ -88,6 +92,7 @@ impl Sheet {
         let mut trees = Vec::with_capacity(sources.len());
         for path in &sources {
             let mut source = source::resolve(path, &settings, &progress)?;
+            super::define(&mut source, &self.defines)?;
             super::notes(&source.notes, &progress);
             super::notes(&super::idle(&source.recipe.preset, &settings), &progress);
             if self.lods.is_some() && source.recipe.preset.dressing.detail.levels() == 1 {

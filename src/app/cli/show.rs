@@ -44,8 +44,26 @@ struct ShownPreset<'a> {
     about: &'a str,
     generator: &'static str,
     knobs: Vec<KnobRow>,
+    /// Of a grammar's `#define` lines; empty for what is no grammar.
+    constants: Vec<ConstantRow>,
     forecast: Option<ForecastRow>,
     recipe: serde_json::Value,
+}
+
+/// A constant of a grammar.
+#[derive(Serialize)]
+struct ConstantRow {
+    name: String,
+    /// As it is written: a number, or an expression of constants before it.
+    written: String,
+    value: f64,
+}
+
+fn constants(preset: &Preset) -> Vec<ConstantRow> {
+    let all = preset.settings::<LSystem>().map_or_else(Vec::new, |settings| settings.grammar.constants());
+    all.into_iter()
+        .map(|(name, written, value)| ConstantRow { name: name.to_owned(), written, value })
+        .collect()
 }
 
 #[derive(Serialize)]
@@ -87,6 +105,7 @@ impl Show {
         if let Some(named) = self.growing.source.to_str()
             && let Some(forest) = Described::find(named, &progress)?
         {
+            self.growing.without_defines("a forest has several trees")?;
             let how = match (self.json, self.toml) {
                 (true, _) => As::Json,
                 (_, true) => As::Document,
@@ -138,6 +157,7 @@ impl Show {
                 about: &preset.about,
                 generator: preset.grows_by().id(),
                 knobs,
+                constants: constants(preset),
                 forecast,
                 recipe: serde_json::to_value(&source.recipe)?,
             });

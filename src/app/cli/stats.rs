@@ -135,7 +135,7 @@ impl StatsReport {
                 text.push_str(&format!("\n{}\n", group.name()));
             }
             for (label, value) in lines {
-                text.push_str(&format!("  {label:24}  {value}\n"));
+                text.push_str(&format!("  {label:26}  {value}\n"));
             }
         }
         text
@@ -146,7 +146,9 @@ impl StatsReport {
         let unit =
             |text: String| if number.unit.is_empty() { text } else { format!("{text} {}", number.unit) };
         let reading = (number.reading)(&self.report);
-        if reading.is_nothing() {
+        // As without, on a bare tree.
+        let is_bare = self.report.leaves == 0 && number.name.contains("with_leaves");
+        if reading.is_nothing() || is_bare {
             return None;
         }
         let shown = match reading {
@@ -177,7 +179,10 @@ impl StatsReport {
 
 /// Four digits that count, no more than six after the point.
 fn rounded(real: f64) -> String {
-    let magnitude = if real == 0.0 { 0.0 } else { real.abs().log10().floor() };
+    if real == 0.0 {
+        return "0".to_owned();
+    }
+    let magnitude = real.abs().log10().floor();
     format!("{real:.*}", (3.0 - magnitude).clamp(0.0, 6.0) as usize)
 }
 

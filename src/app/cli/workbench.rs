@@ -56,6 +56,7 @@ pub struct TerminalArgs {
 
 impl Open {
     pub fn run(self) -> anyhow::Result<()> {
+        self.growing.without_defines("in the workbench edit the grammar itself")?;
         let set = self.growing.pairs()?;
         source::ensure_there(&self.growing.source)?;
         self.terminal.open(Some(self.growing.source), set)

@@ -109,7 +109,21 @@ impl Settings for LSystem {
 
     fn describe(&self, _: &Inputs) -> Vec<Passage> {
         let lines = self.grammar.to_string().lines().map(str::to_owned).collect();
-        vec![Passage { heading: "grammar", lines }]
+        let mut passages = vec![Passage { heading: "grammar", lines }];
+        let constants = self.grammar.constants();
+        if !constants.is_empty() {
+            let line = |(name, written, number): &(&str, String, f64)| {
+                let value = number.to_string();
+                if *written == value {
+                    format!("{name} = {value}")
+                } else {
+                    format!("{name} = {written} = {value}")
+                }
+            };
+            let lines = constants.iter().map(line).collect();
+            passages.push(Passage { heading: "constants (--define NAME=VALUE)", lines });
+        }
+        passages
     }
 
     fn plain(&self) -> Box<dyn Settings> {

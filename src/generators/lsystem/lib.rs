@@ -32,6 +32,7 @@
 mod chance;
 mod command;
 mod context;
+mod define;
 mod derive;
 mod error;
 mod expression;
@@ -52,6 +53,7 @@ mod turtle;
 mod turtle_settings;
 mod variation;
 
+pub use define::DefineError;
 pub use derive::{Derived, Way, derive_by, derive_string};
 pub use error::{GrammarError, GrammarPart, LsystemError, Problem};
 pub use forecast::{Forecast, forecast};

@@ -1,5 +1,6 @@
 //! Presets: a document ⇄ what the pipeline needs, and the table of knobs between them.
 
+mod define;
 mod edit;
 #[cfg(test)]
 mod foliage_tests;
@@ -24,6 +25,7 @@ use linden_skeleton::Wood;
 use linden_skeleton::generator::{Asked, Generator, Settings};
 use linden_skeleton::refine::Refinement;
 
+pub use define::DefineError;
 pub use edit::EditError;
 pub use knobs::{KNOBS, PresetKnob, Section};
 pub use library::{Builtin, BuiltinSize, RecipeError, UnknownPreset, builtin, builtin_file, builtins};

@@ -237,7 +237,7 @@ numbers! {
         ("Raumonen et al. 2013, Fast automatic precision tree models from terrestrial laser scanner data") = |f| f.measures.wood_volume_m3;
     wood_area_m2: f64, Wood "surface" ["m²"] Wood
         "the sum of 2 π r l over the same cylinders, ends not counted"
-        ("Raumonen et al. 2013") = |f| f.by_order.iter().map(|order| order.area_m2).sum();
+        ("Raumonen et al. 2013") = |f| f.by_order.iter().fold(0.0, |sum, order| sum + order.area_m2);
     length_by_order_m: Vec<f64>, Wood "length by order" ["m"] Wood
         "total length of the axes of each order, from order 0 (stems) on"
         ("") = |f| f.by_order.iter().map(|order| order.length_m).collect();
@@ -315,6 +315,9 @@ numbers! {
     leaf_area_m2: f64, Leaves "area" ["m²"] Leaves
         "one side of all triangles of leaves, as far as their picture leaves them opaque (alpha of one half and more, counted by pixels); twigs drawn on the picture and every one of crossing sheets are included"
         ("Watson 1947, Comparative physiological studies on the growth of field crops: one side") = |f| f.canopy.leaf_area_m2();
+    leaf_area_once_m2: f64, Leaves "each leaf once" ["m²"] Leaves
+        "leaf_area_m2 with the area of each kind divided by its sheets_by_kind: ÷ leaf_count it is the mean area of a leaf"
+        ("") = |f| f.canopy.leaf_area_once_m2();
     leaf_area_index: Option<f64>, Leaves "area index" [""] Leaves
         "leaf_area_m2 ÷ crown_projection_with_leaves_m2; null without leaves"
         ("Watson 1947, over the ground that the crown covers") = |f| f.leaf_area_index();

@@ -1,0 +1,50 @@
+//! The numbers of a report, computed again by numpy and trimesh from exported files.
+
+use std::fs;
+
+use linden::Quiet;
+use linden::dress::dress;
+use linden::grow::grow;
+use linden::preset::builtin;
+use linden::report::Report;
+use linden_tests::fixtures::export;
+use linden_tests::presets::recipe;
+
+use crate::outside::{exported, run};
+
+/// Both generators; leaves as cards, twigs, curved blades, fans and tufts, of grammars, and none.
+const PLANTS: [(&str, &[(&str, &str)]); 10] = [
+    ("abop-b", &[]),
+    ("abop-honda-a", &[]),
+    ("dressed-honda-a", &[]),
+    ("dressed-simple", &[]),
+    ("simple", &[]),
+    ("fir", &[("points", "400"), ("leaf_form", "tuft"), ("leaf_outline", "spruce"), ("leaves_per_m", "5")]),
+    ("cypress", &[("leaf_form", "twig"), ("leaves_per_m", "3")]),
+    ("sphere", &[("leaf_form", "curved"), ("leaves_per_m", "10"), ("leaf_outline", "palmate")]),
+    ("date-palm", &[]),
+    ("male-fern", &[]),
+];
+
+#[test]
+fn reports_are_what_the_files_hold() {
+    let dir = exported("numbers");
+    for (id, settings) in PLANTS {
+        let folder = dir.join(id);
+        fs::create_dir_all(&folder).unwrap();
+        let mut recipe = recipe(builtin(id).unwrap());
+        for &(knob, value) in [("bark_size", "16")].iter().chain(settings) {
+            recipe.preset.set(knob, value).unwrap();
+        }
+        let grown = grow(&recipe, &Quiet).unwrap();
+        let scene = dress(&recipe, &grown, &Quiet).unwrap();
+        export(&scene, "glb", &[], &folder.join("tree.glb")).unwrap();
+        export(&scene, "qsm", &[], &folder.join("tree.csv")).unwrap();
+        let report = Report::of(&recipe, &grown, &Quiet).unwrap();
+        fs::write(folder.join("report.json"), serde_json::to_string(&report).unwrap()).unwrap();
+        // It is read back as it was.
+        let json = fs::read_to_string(folder.join("report.json")).unwrap();
+        assert_eq!(serde_json::from_str::<Report>(&json).unwrap(), report, "{id}");
+    }
+    run("numbers.py", &dir);
+}
