@@ -70,6 +70,7 @@ fn bash_completes_commands_presets_knobs_values_and_formats() {
     has("linden export fir --set junction=", "blend");
     assert_eq!(at("linden stats oak --set width=pi"), ["pipe"]);
     assert_eq!(at("linden export fir --set glb.quan"), ["glb.quantize="]);
+    assert_eq!(at("linden sweep abop-honda-a --define r"), ["r1=", "r2="]);
     assert_eq!(at("linden export fir --set glb.quantize=t"), ["true"]);
     assert_eq!(at("linden export fir --format usd"), ["usda", "usdz"]);
     assert_eq!(at("linden preview fir --graphics=si"), ["sixel"]);

@@ -5,11 +5,12 @@ use std::path::Path;
 
 use crate::program::Folder;
 
-const COMMANDS: [&str; 13] = [
+const COMMANDS: [&str; 14] = [
     "open",
     "list",
     "show",
     "stats",
+    "sweep",
     "preview",
     "sheet",
     "export",

@@ -19,4 +19,5 @@ mod program;
 mod reading;
 mod same_wood;
 mod seasons;
+mod sweep;
 mod user_pictures;

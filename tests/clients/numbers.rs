@@ -46,5 +46,5 @@ fn reports_are_what_the_files_hold() {
         let json = fs::read_to_string(folder.join("report.json")).unwrap();
         assert_eq!(serde_json::from_str::<Report>(&json).unwrap(), report, "{id}");
     }
-    run("numbers.py", &dir);
+    run("measured.py", &dir);
 }

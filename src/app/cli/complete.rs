@@ -11,7 +11,8 @@ use clap_complete::engine::{
 };
 use linden::forest::{FOREST_KNOBS, builtin_forests};
 use linden::knob::Kind;
-use linden::preset::{KNOBS, builtin, builtins};
+use linden::lsystem::Grammar;
+use linden::preset::{KNOBS, LSystem, builtin, builtins};
 use linden::season::SEASONS;
 use linden_exporters::{REGISTRY, exporters};
 
@@ -31,6 +32,17 @@ pub fn shown() -> ArgValueCompleter {
 /// `KNOB=VALUE`, and `FORMAT.OPTION=VALUE` where files are written.
 pub fn settings() -> ArgValueCompleter {
     ArgValueCompleter::new(setting)
+}
+
+/// `NAME=` of the constants of the grammar that stands on the line.
+pub fn constants() -> ArgValueCandidates {
+    ArgValueCandidates::new(|| {
+        let preset = typed_line().iter().find_map(|word| builtin(word).ok()?.load().ok());
+        let grammar =
+            preset.as_ref().and_then(|preset| preset.settings::<LSystem>()).map(|settings| &settings.grammar);
+        let constants = grammar.map_or_else(Vec::new, Grammar::constants);
+        constants.iter().map(|(name, written, _)| candidate(&format!("{name}="), written)).collect()
+    })
 }
 
 /// Ids of formats.
@@ -116,12 +128,16 @@ fn candidate(value: &str, help: &str) -> CompletionCandidate {
     CompletionCandidate::new(value).help(Some(help.to_owned().into()))
 }
 
+/// What is typed: behind `--` and the word that calls the program, whose name is a preset's, too.
+fn typed_line() -> Vec<String> {
+    std::env::args().skip_while(|word| word != "--").skip(2).collect()
+}
+
 /// A knob or an option: what is before `=`, its kind, its help.
 type Named = (String, Kind, &'static str);
 
 fn setting(typed: &OsStr) -> Vec<CompletionCandidate> {
-    // Behind `--` and the word that calls the program, whose name is a preset's, too.
-    let line: Vec<String> = std::env::args().skip_while(|word| word != "--").skip(2).collect();
+    let line = typed_line();
     let known = known(&line);
     let all: Vec<_> = match typed.to_string_lossy().split_once('=') {
         None => known.iter().map(|(name, _, help)| candidate(&format!("{name}="), help)).collect(),

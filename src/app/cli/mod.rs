@@ -123,7 +123,7 @@ struct GrowArgs {
 
     /// Give a constant of the grammar ('#define') another value ('linden show SOURCE' lists them); may be given
     /// several times
-    #[arg(long = "define", value_name = "NAME=VALUE")]
+    #[arg(long = "define", value_name = "NAME=VALUE", add = complete::constants())]
     defines: Vec<String>,
 
     /// The root of all random choices; the same as --set seed=N

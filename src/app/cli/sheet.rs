@@ -52,7 +52,7 @@ pub struct Sheet {
     settings: Vec<String>,
 
     /// Give a constant of every tree's grammar ('#define') another value; may be given several times
-    #[arg(long = "define", value_name = "NAME=VALUE")]
+    #[arg(long = "define", value_name = "NAME=VALUE", add = super::complete::constants())]
     defines: Vec<String>,
 
     /// Width x height of each tree, pixels

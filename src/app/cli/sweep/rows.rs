@@ -175,6 +175,11 @@ impl Table {
         }
         let shown = show(path);
         let opening = || format!("opening {shown}");
+        if path.metadata().is_ok_and(|about| !about.is_file()) {
+            return Err(usage(format!(
+                "{shown} is no regular file, which rows are added to; - is standard output"
+            )));
+        }
         let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(path);
         let mut file = file.with_context(opening)?;
         let mut text = String::new();
