@@ -9,7 +9,7 @@ use linden_pipeline::dress::DetailError;
 use linden_pipeline::grow::GrowError;
 use linden_pipeline::input::InputError;
 use linden_pipeline::lsystem::GrammarError;
-use linden_pipeline::preset::{KnobError, RecipeError, UnknownPreset};
+use linden_pipeline::preset::{DefineError, KnobError, RecipeError, UnknownPreset};
 use linden_pipeline::report::ReportError;
 use linden_raster::RasterError;
 
@@ -67,6 +67,9 @@ pub enum Error {
     /// A knob that there is not, or a value that it does not take.
     #[error(transparent)]
     Knob(#[from] KnobError),
+    /// A constant that the grammar has not, or a value that it does not take.
+    #[error(transparent)]
+    Define(#[from] DefineError),
     /// Nothing grew.
     #[error(transparent)]
     Grow(#[from] GrowError),

@@ -69,6 +69,22 @@ impl Tree {
         Ok(self)
     }
 
+    /// With another value of a constant of its grammar (`#define`), as `--define name=value` does.
+    ///
+    /// ```
+    /// let honda = linden::tree("abop-honda-a")?.define("r1", "0.8")?.grow()?;
+    /// assert!(honda.measures().height_m < linden::tree("abop-honda-a")?.grow()?.measures().height_m);
+    /// assert!(linden::tree("fir")?.define("r1", "0.8").is_err());
+    /// # Ok::<(), linden::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Define`]: no grammar, an unknown name, or a value that it does not take.
+    pub fn define(mut self, name: &str, value: &str) -> Result<Self, Error> {
+        self.recipe.preset.define(name, value)?;
+        Ok(self)
+    }
+
     /// With a monitor, which hears of progress, can cancel, and limits memory. Without one there is no progress
     /// and no limit.
     #[must_use]

@@ -33,6 +33,20 @@ fn a_preset_becomes_a_file_and_so_does_a_forest() {
 }
 
 #[test]
+fn a_hundred_trees_are_a_table() {
+    let folder = tempfile::tempdir().unwrap();
+    let said = run(folder.path(), "sweep", "");
+    let rows: Vec<Vec<&str>> = said.lines().map(|line| line.split(',').collect()).collect();
+    assert!(rows.len() == 101 && rows.iter().all(|row| row.len() == rows[0].len()), "{said}");
+    let column = |name: &str| rows[0].iter().position(|column| *column == name).unwrap();
+    let (length, volume) = (column("total_length_m"), column("wood_volume_m3"));
+    // The same seed has the same axes, as thick as the exponent makes them.
+    assert_eq!(rows[1][length], rows[21][length]);
+    assert_ne!(rows[1][volume], rows[21][volume]);
+    assert_ne!(rows[1][length], rows[2][length]);
+}
+
+#[test]
 fn a_grammar_is_drawn() {
     let folder = tempfile::tempdir().unwrap();
     let said = run(folder.path(), "grammar", "weed.png");
