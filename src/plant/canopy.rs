@@ -23,6 +23,8 @@ use crate::texture::leaf::Outline;
 
 /// Organs that one task measures.
 const PER_TASK: usize = 2048;
+/// Points that a task keeps before it takes their hull: users' meshes have thousands.
+const MOST_CORNERS: usize = 1 << 14;
 /// Classes of inclination from level to upright, a tenth of a degree each.
 pub const INCLINATIONS: usize = 900;
 /// Layers of equal thickness.
@@ -169,6 +171,9 @@ pub fn canopy(
         part.vertices += mesh.positions.len();
         part.triangles += mesh.triangles.len();
         part.corners.extend(mesh.positions.iter().map(|p| p.as_dvec3()));
+        if part.corners.len() > MOST_CORNERS {
+            part.corners = HullSolid::of(&part.corners).corners;
+        }
         part.crops[stamp.crop].0 += 1;
         if crops[stamp.crop].is_leaf {
             let top_m = mesh.positions.iter().map(|p| f64::from(p.y)).reduce(f64::max);

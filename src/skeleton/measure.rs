@@ -4,9 +4,13 @@ use super::{Axis, NO_PARENT, Skeleton};
 use glam::DVec2;
 use linden_base::hull::HullPolygon;
 use linden_base::mesh::Bounds;
+use rayon::prelude::*;
 
 /// Breast height, where trunks are measured by convention.
 const BREAST_HEIGHT_M: f64 = 1.3;
+
+/// Nodes whose hull is taken at once.
+const NODES_PER_PIECE: usize = 1 << 13;
 
 /// Lengths in metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -48,9 +52,12 @@ impl Skeleton {
 
     /// The convex hull of all nodes, seen from above: X and Z.
     pub fn seen_from_above(&self) -> HullPolygon {
-        let nodes: Vec<DVec2> =
-            self.positions.iter().map(|at| at.as_dvec3()).map(|at| DVec2::new(at.x, at.z)).collect();
-        HullPolygon::of(&nodes)
+        // A piece at a time: a list of all nodes once more would have to be asked for.
+        let pieces = self.positions.par_chunks(NODES_PER_PIECE).map(|nodes| {
+            let plan: Vec<DVec2> = nodes.iter().map(|at| DVec2::new(at.x.into(), at.z.into())).collect();
+            HullPolygon::of(&plan).corners
+        });
+        HullPolygon::of(&pieces.collect::<Vec<_>>().concat())
     }
 
     /// Length of the segment that ends in a node, metres; 0 for the foot of a stem.

@@ -90,6 +90,9 @@ impl<'a> Figures<'a> {
         let holding = Holding::new(monitor, grown.bytes() + recipe.inputs.bytes());
         let Finest { skeleton, organs, tubes } = finest(recipe, grown, &holding)?;
         let survey = survey(&skeleton, &tubes, &holding)?;
+        // A budget may be as large as the tree.
+        let is_whole = organs.len() == grown.organs.len() && tubes == recipe.preset.dressing.tubes;
+        let is_reduced = !is_whole || skeleton != grown.skeleton;
         // Points for two hulls, and lists of nodes.
         let bytes = bytes_of::<[f64; 12]>(skeleton.positions.len()) + skeleton.topology_bytes();
         let admitted = holding.admit("measuring the tree", bytes, "grow a smaller tree");
@@ -103,7 +106,7 @@ impl<'a> Figures<'a> {
         let bases = laterals.map(|axis| f64::from(skeleton.positions[axis.parent as usize].y));
         let crown_base_m = canopy.lowest_leaf_m.or(bases.reduce(f64::min));
         let is_crown = |at: &DVec3| crown_base_m.is_some_and(|base| at.y >= base);
-        let plan = HullPolygon::of(&from_above(nodes()));
+        let plan = skeleton.seen_from_above();
         let crown: Vec<DVec3> = nodes().filter(is_crown).collect();
         let wood = Hulls { plan, solid: HullSolid::of(&crown) };
         let leaves = || canopy.corners.iter().copied();
@@ -127,7 +130,7 @@ impl<'a> Figures<'a> {
         };
         Ok(Self {
             grown,
-            is_reduced: !Arc::ptr_eq(&skeleton, &grown.skeleton),
+            is_reduced,
             organs: organs.len(),
             measures,
             wood,
