@@ -81,6 +81,9 @@ fn fault(line: &str) -> Option<String> {
         if is_placeholder(value) || is_placeholder(name) {
             continue;
         }
+        // Of a list or range the first value.
+        let is_swept = words.first().is_some_and(|command| command == "sweep");
+        let value = if is_swept { value.split([',', ':']).next().unwrap_or_default() } else { value };
         match knob(name).map(|knob| knob.kind) {
             None => return Some(format!("no knob is called {name}")),
             Some(Kind::Choice(known)) if name == "crown" && known.contains(&value) => {}

@@ -58,7 +58,7 @@ impl Grammar {
     /// let other = tree.defining("r", "0.5")?;
     /// assert_eq!(other.to_string(), "A(1)\n#define r 0.5\nA(x) -> F(x*r)\n");
     /// let error = tree.defining("R", "0.5").unwrap_err().to_string();
-    /// assert_eq!(error, "the grammar defines no 'R'; it defines: r");
+    /// assert_eq!(error, "the grammar defines no 'R' (did you mean 'r'?); it defines: r");
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
@@ -67,9 +67,11 @@ impl Grammar {
     pub fn defining(&self, name: &str, value: &str) -> Result<Self, DefineError> {
         let known = || self.definitions.iter().map(|definition| definition.name.as_str());
         let Some(index) = known().position(|known| known == name) else {
+            // Names are short: another case is as far away as any other letter.
+            let alike = known().find(|known| known.eq_ignore_ascii_case(name));
             return Err(DefineError::Unknown {
                 name: excerpt(name),
-                nearest: nearest(name, known()).map(str::to_owned),
+                nearest: alike.or(nearest(name, known())).map(str::to_owned),
                 known: known().map(str::to_owned).collect(),
             });
         };
