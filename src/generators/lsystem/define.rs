@@ -32,7 +32,7 @@ pub enum DefineError {
         value: String,
         /// What is wrong with the grammar then, and where.
         #[source]
-        error: GrammarError,
+        error: Box<GrammarError>,
     },
 }
 
@@ -84,7 +84,7 @@ impl Grammar {
         Self::new(&axiom, &lines).map_err(|error| DefineError::Value {
             name: name.to_owned(),
             value: printable(value),
-            error,
+            error: Box::new(error),
         })
     }
 }

@@ -52,7 +52,7 @@ impl Report {
     /// use linden_pipeline::{Quiet, grow::grow, preset::builtin, recipe::Recipe, report::Report};
     /// let recipe = Recipe::new(builtin("abop-a")?.load()?);
     /// let report = Report::of(&recipe, &grow(&recipe, &Quiet)?, &Quiet)?;
-    /// assert_eq!((report.segments, report.leaf_count, report.dbh_m), (3125, 0, None));
+    /// assert_eq!((report.segments, report.leaf_count, report.leaf_area_index), (3125, 0, None));
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///

@@ -27,6 +27,7 @@ const MOST: usize = 10_000_000;
 /// --set and --define take a range from:to:step (inclusive, like 0.5:0.9:0.1), a list a,b,c, or one value.
 /// The columns are those of 'linden stats', which 'linden schema --stats' defines.
 #[derive(Args)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub struct Sweep {
     #[command(flatten)]
     growing: GrowArgs,
