@@ -188,7 +188,7 @@ pub(crate) fn advice(error: &io::Error) -> &'static str {
         StorageFull => "; free some space there or write to another disk",
         QuotaExceeded => "; free some of your quota there or write to another disk",
         ReadOnlyFilesystem => "; that file system is read-only: write somewhere else",
-        PermissionDenied => "; you may not write there: choose a directory of yours or ask for permission",
+        PermissionDenied => crate::system::DENIED,
         FileTooLarge => "; the file system or a limit (ulimit -f) allows no file of that size",
         NotFound => "; the directory is gone: create it again",
         InvalidFilename => "; the file system does not take that name: choose a shorter or plainer one",

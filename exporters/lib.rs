@@ -54,13 +54,14 @@ mod mtg;
 mod obj;
 mod options;
 mod plugin;
-mod plugin_guard;
 mod ply;
 mod qsm;
 mod recipe;
 mod registry;
 mod stl;
+mod system;
 mod usda;
+mod workplace;
 pub mod writing;
 
 use std::io;

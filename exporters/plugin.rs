@@ -17,15 +17,15 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ExitStatus};
 use std::sync::Mutex;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use linden_pipeline::Monitor;
 use linden_pipeline::knob::printable;
 use linden_pipeline::stage::Stage;
 
 use crate::gltf::Glb;
-use crate::plugin_guard::Workplace;
-use crate::{Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Options, Readable};
+use crate::workplace::Workplace;
+use crate::{Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Options, Readable, system};
 
 /// What programs' names begin with.
 const PREFIX: &str = "linden-export-";
@@ -84,11 +84,7 @@ fn search_path() -> Vec<PathBuf> {
 
 fn is_program(path: &Path) -> bool {
     let Ok(meta) = fs::metadata(path) else { return false };
-    #[cfg(unix)]
-    let may_run = std::os::unix::fs::PermissionsExt::mode(&meta.permissions()) & 0o111 != 0;
-    #[cfg(not(unix))]
-    let may_run = true;
-    meta.is_file() && may_run
+    system::is_program(&meta)
 }
 
 fn known(id: &str, program: PathBuf) -> &'static Plugin {
@@ -229,14 +225,6 @@ impl Running {
             std::thread::sleep(LOOK);
         }
     }
-
-    #[cfg(unix)]
-    fn signal(&self, signal: rustix::process::Signal) {
-        if let Some(group) = i32::try_from(self.0.id()).ok().and_then(rustix::process::Pid::from_raw) {
-            // Whoever is gone already cannot be told.
-            let _ = rustix::process::kill_process_group(group, signal);
-        }
-    }
 }
 
 impl Drop for Running {
@@ -244,15 +232,7 @@ impl Drop for Running {
         if !matches!(self.0.try_wait(), Ok(None)) {
             return;
         }
-        #[cfg(unix)]
-        {
-            self.signal(rustix::process::Signal::TERM);
-            let asked = Instant::now();
-            while asked.elapsed() < GRACE && matches!(self.0.try_wait(), Ok(None)) {
-                std::thread::sleep(LOOK);
-            }
-            self.signal(rustix::process::Signal::KILL);
-        }
+        system::ask_to_end(&mut self.0, GRACE);
         let _ = self.0.kill();
         let _ = self.0.wait();
     }

@@ -11,13 +11,13 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
-#[cfg(unix)]
+use super::file_system::{FileSystem, again, synced};
 use super::record::Record;
-use super::staged::{Staged, mode_of};
-use super::system::{FileSystem, again, synced};
+use super::staged::Staged;
 use super::temporary::{PART, TempName, placing};
 use super::{Bundle, Files, Place};
 use crate::ExportError;
+use crate::system::{REPLACES_OPEN_FILES, TELLS_FILES_APART, compared, mode_of};
 
 /// A file that an export has left.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,7 +36,7 @@ pub struct Written {
 pub fn ensure_distinct(bundles: &[Bundle]) -> Result<(), ExportError> {
     let mut seen = BTreeSet::new();
     for files in bundles.iter().filter_map(files_of) {
-        if !seen.insert(files.main.location.path()) {
+        if !seen.insert(compared(files.main.location.path())) {
             return Err(ExportError::SameTarget { path: files.main.location.shown_path() });
         }
     }
@@ -54,14 +54,14 @@ pub fn ensure_spared(bundles: &[Bundle], sources: &[PathBuf]) -> Result<(), Expo
         let mut real = BTreeSet::new();
         for source in sources {
             match again(|| bundle.system.canonicalize(source)) {
-                Ok(path) => real.extend([path]),
+                Ok(path) => real.extend([compared(path)]),
                 // A source that is gone by now cannot be replaced any more.
                 Err(e) if e.kind() == io::ErrorKind::NotFound => {}
                 Err(e) => return Err(super::target::looking(source, e)),
             }
         }
         let mut locations = std::iter::once(main).chain(sides).map(|staged| &staged.location);
-        if let Some(location) = locations.find(|location| real.contains(&location.path())) {
+        if let Some(location) = locations.find(|location| real.contains(&compared(location.path()))) {
             let problem = "the tree is grown from that file; choose another name".to_owned();
             return Err(ExportError::Target { path: location.shown_path(), problem });
         }
@@ -104,7 +104,7 @@ pub fn commit_all(bundles: Vec<Bundle>) -> Result<Vec<Written>, ExportError> {
             written.push(Written { path: staged.location.shown_path(), bytes: staged.bytes });
         }
         for side in side_files {
-            let path = side.location.path();
+            let path = compared(side.location.path());
             if sides.get(&path).is_some_and(|other| !side.holds_same(other)) {
                 return Err(ExportError::SameTarget { path: side.location.shown_path() });
             }
@@ -112,7 +112,7 @@ pub fn commit_all(bundles: Vec<Bundle>) -> Result<Vec<Written>, ExportError> {
         }
         mains.push(main);
     }
-    if let Some(main) = mains.iter().find(|main| sides.contains_key(&main.location.path())) {
+    if let Some(main) = mains.iter().find(|main| sides.contains_key(&compared(main.location.path()))) {
         return Err(ExportError::SameTarget { path: main.location.shown_path() });
     }
     place_all(system, sides.into_values().chain(mains).collect())?;
@@ -172,21 +172,18 @@ fn place_all(system: &'static dyn FileSystem, staged: Vec<Staged>) -> Result<(),
     Ok(())
 }
 
-/// What is about to be placed, for the next run to complete where several files belong together.
-#[cfg(unix)]
+/// What is about to be placed, for the next run to complete where several files belong together. There is
+/// none where files cannot be told apart.
 fn records(system: &'static dyn FileSystem, ready: &[Ready]) -> Result<Vec<Record>, ExportError> {
+    if !TELLS_FILES_APART {
+        return Ok(Vec::new());
+    }
     let several = ready.iter().map(|ready| &ready.staged).filter(|_| ready.len() > 1);
     let failed = |source| ready[0].staged.location.failed("placing", source);
     let files = several.clone().map(|staged| (staged.temp_path().to_owned(), staged.location.path()));
     let text = Record::text(system, files).map_err(failed)?;
     let folders: BTreeSet<&Path> = several.map(|staged| staged.location.folder.as_path()).collect();
     folders.into_iter().map(|folder| Record::write(system, folder, &text).map_err(failed)).collect()
-}
-
-/// Where files cannot be told from others there are none.
-#[cfg(not(unix))]
-fn records(_: &'static dyn FileSystem, _: &[Ready]) -> Result<(), ExportError> {
-    Ok(())
 }
 
 /// All that can be done for a file before it is placed.
@@ -201,6 +198,9 @@ fn prepare(system: &'static dyn FileSystem, mut staged: Staged) -> io::Result<Re
     let before = there.as_ref().filter(|meta| meta.is_file()).and_then(|meta| {
         if let Some(mode) = mode_of(meta) {
             staged.set_mode(mode);
+        }
+        if !REPLACES_OPEN_FILES {
+            return None;
         }
         let open = again(|| system.open(&path)).ok()?;
         let _ = again(|| system.try_lock(&open));

@@ -14,8 +14,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use linden_pipeline::Quiet;
 use rustix::io::Errno;
 
+use super::file_system::{FileSystem, System};
 use super::folders::make_folders_on;
-use super::system::{FileSystem, System};
 use super::*;
 
 /// A file system on which one call fails, or all from one on.

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::system::{FileSystem, System, again, synced};
+use super::file_system::{FileSystem, System, again, synced};
 use crate::ExportError;
 
 /// Folders that were made. Dropped, they are removed as far as they are empty.

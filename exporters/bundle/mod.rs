@@ -6,12 +6,12 @@
 //! Standard output, pipes and devices are the exception: their bytes go out as they are made, because a
 //! reader should not have to wait and there is nothing to put back.
 //!
-//! Every call of the operating system goes through [`system::FileSystem`].
+//! Every call of the operating system goes through [`file_system::FileSystem`].
 
 mod commit;
+mod file_system;
 mod folders;
 mod pipe;
-#[cfg(unix)]
 mod record;
 mod shared;
 mod single;
@@ -19,7 +19,6 @@ mod sink;
 mod staged;
 mod stem;
 mod sweep;
-mod system;
 mod target;
 mod temporary;
 
@@ -29,6 +28,7 @@ use std::path::{Path, PathBuf};
 use linden_pipeline::Monitor;
 
 pub use commit::{Written, commit_all, ensure_distinct, ensure_spared};
+use file_system::{FileSystem, System};
 pub use folders::{MadeFolders, make_folders};
 use pipe::Pipe;
 pub use shared::Pictures;
@@ -36,7 +36,6 @@ pub use single::write_file;
 pub use sink::Sink;
 use staged::Staged;
 use sweep::sweep;
-use system::{FileSystem, System};
 pub use target::{Existing, examine};
 use target::{Located, locate};
 pub use temporary::abandon;
@@ -116,7 +115,6 @@ impl Bundle {
     /// read is waited for as long as the monitor wants it.
     pub fn stdout() -> Self {
         const LABEL: &str = "standard output";
-        #[cfg(unix)]
         if let Ok(pipe) = Pipe::stdout() {
             let place = Place::Pipe { label: LABEL.to_owned(), pipe };
             return Self { place, notes: Vec::new(), system: &System, is_synced: true, membership: None };

@@ -10,11 +10,10 @@ use std::time::Duration;
 
 use linden_pipeline::{Cancelled, Monitor};
 
+use crate::system;
+
 /// Between two looks at the monitor.
 const LOOK: Duration = Duration::from_millis(50);
-/// Bytes that a pipe takes without blocking when it says that it takes any (POSIX: at least 512, and
-/// what Linux and macOS say is atomic).
-const PIECE: usize = if cfg!(target_os = "linux") { 4096 } else { 512 };
 
 /// Something that is written to as it is.
 pub(super) struct Pipe {
@@ -34,12 +33,10 @@ impl Pipe {
     }
 
     /// Standard output, which may be anything.
-    #[cfg(unix)]
     pub fn stdout() -> io::Result<Self> {
-        use std::os::fd::AsFd;
-        let file = File::from(io::stdout().as_fd().try_clone_to_owned()?);
+        let file = system::stdout()?;
         // Whoever shares it expects it to block, and writing more than a piece might.
-        let piece = if file.metadata()?.is_file() { usize::MAX } else { PIECE };
+        let piece = if file.metadata()?.is_file() { usize::MAX } else { system::PIECE };
         Ok(Self { file: Some(file), path: PathBuf::new(), piece })
     }
 
@@ -47,15 +44,10 @@ impl Pipe {
     fn try_open(&mut self) -> io::Result<bool> {
         let mut options = File::options();
         options.write(true);
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::OpenOptionsExt;
-            let flags = rustix::fs::OFlags::NONBLOCK | rustix::fs::OFlags::NOCTTY;
-            options.custom_flags(flags.bits() as i32);
-        }
+        system::opens_at_once(&mut options);
         match options.open(&self.path) {
             Ok(file) => self.file = Some(file),
-            Err(error) if self.has_no_reader(&error) => return Ok(false),
+            Err(error) if system::has_no_reader(&self.path, &error) => return Ok(false),
             Err(error) => return Err(error),
         }
         Ok(true)
@@ -64,19 +56,6 @@ impl Pipe {
     /// Whether it has no reader yet.
     pub fn is_unread(&mut self) -> bool {
         self.file.is_none() && matches!(self.try_open(), Ok(false))
-    }
-
-    /// What the system says of a pipe that is not read.
-    #[cfg(unix)]
-    fn has_no_reader(&self, error: &io::Error) -> bool {
-        use std::os::unix::fs::FileTypeExt;
-        let is_pipe = || std::fs::metadata(&self.path).is_ok_and(|meta| meta.file_type().is_fifo());
-        rustix::io::Errno::from_io_error(error) == Some(rustix::io::Errno::NXIO) && is_pipe()
-    }
-
-    #[cfg(not(unix))]
-    fn has_no_reader(&self, _: &io::Error) -> bool {
-        false
     }
 
     /// A way to write to it that hears the monitor: what was cancelled ends with [`Cancelled`] as its
@@ -104,7 +83,7 @@ impl Write for Patient<'_> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         loop {
             self.monitor.check().map_err(io::Error::other)?;
-            if !is_ready(self.file)? {
+            if !system::is_ready(self.file, LOOK)? {
                 continue;
             }
             match self.file.write(&bytes[..bytes.len().min(self.piece)]) {
@@ -117,23 +96,6 @@ impl Write for Patient<'_> {
     fn flush(&mut self) -> io::Result<()> {
         Ok(())
     }
-}
-
-/// Waits a moment until it can be written to; a failure is left to the writing.
-#[cfg(unix)]
-fn is_ready(file: &File) -> io::Result<bool> {
-    use rustix::event::{PollFd, PollFlags, Timespec, poll};
-    let look = Timespec { tv_sec: 0, tv_nsec: LOOK.subsec_nanos().into() };
-    match poll(&mut [PollFd::new(file, PollFlags::OUT)], Some(&look)) {
-        Ok(count) => Ok(count > 0),
-        Err(rustix::io::Errno::INTR) => Ok(false),
-        Err(error) => Err(error.into()),
-    }
-}
-
-#[cfg(not(unix))]
-fn is_ready(_: &File) -> io::Result<bool> {
-    Ok(true)
 }
 
 /// Whether an error is that of a writer that was cancelled.

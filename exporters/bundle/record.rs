@@ -10,12 +10,11 @@
 use std::ffi::{OsStr, OsString};
 use std::fs::{File, Metadata};
 use std::io;
-use std::os::unix::ffi::{OsStrExt, OsStringExt};
-use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
-use super::system::{FileSystem, again, synced};
+use super::file_system::{FileSystem, again, synced};
 use super::temporary::{RECORD, TempName, is_temporary};
+use crate::system::{change_of, is_mine, name_from};
 
 const FIRST_LINE: &str = "linden: files to be placed together";
 /// Without it the record was not finished, and so nothing was placed.
@@ -41,9 +40,10 @@ struct Identity {
     changed: (i64, i64),
 }
 
-impl From<&Metadata> for Identity {
-    fn from(meta: &Metadata) -> Self {
-        Self { inode: meta.ino(), bytes: meta.len(), changed: (meta.mtime(), meta.mtime_nsec()) }
+impl Identity {
+    /// `None` where the system does not tell.
+    fn of(meta: &Metadata) -> Option<Self> {
+        change_of(meta).map(|(inode, changed)| Self { inode, bytes: meta.len(), changed })
     }
 }
 
@@ -88,7 +88,7 @@ impl Record {
 /// unless there was an error.
 pub(super) fn complete(system: &dyn FileSystem, record: &File) -> io::Result<()> {
     let meta = record.metadata()?;
-    if meta.uid() != rustix::process::geteuid().as_raw() || meta.len() > LONGEST {
+    if !is_mine(&meta) || meta.len() > LONGEST {
         return Ok(());
     }
     let Some(entries) = parse(&read(system, record)?) else { return Ok(()) };
@@ -118,7 +118,7 @@ pub(super) fn complete(system: &dyn FileSystem, record: &File) -> io::Result<()>
 /// The regular file at a path.
 fn identity(system: &dyn FileSystem, path: &Path) -> io::Result<Option<Identity>> {
     match again(|| system.symlink_metadata(path)) {
-        Ok(meta) => Ok(Some(Identity::from(&meta))),
+        Ok(meta) => Ok(Identity::of(&meta)),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
         Err(error) => Err(error),
     }
@@ -177,7 +177,7 @@ fn parse(bytes: &[u8]) -> Option<Vec<Entry>> {
 /// Names may be any bytes.
 fn hex(name: &OsStr) -> String {
     let digit = |value: u8| char::from_digit(value.into(), 16).unwrap_or('0');
-    name.as_bytes().iter().flat_map(|byte| [digit(byte >> 4), digit(byte & 15)]).collect()
+    name.as_encoded_bytes().iter().flat_map(|byte| [digit(byte >> 4), digit(byte & 15)]).collect()
 }
 
 fn unhex(text: &str) -> Option<OsString> {
@@ -189,7 +189,7 @@ fn unhex(text: &str) -> Option<OsString> {
             _ => None,
         })
         .collect();
-    bytes.map(OsString::from_vec)
+    bytes.and_then(name_from)
 }
 
 #[cfg(test)]
@@ -201,7 +201,7 @@ mod tests {
         let identity = Identity { inode: u64::MAX, bytes: 7, changed: (-1, 999_999_999) };
         let entry = |temporary: &str, path: &[u8]| Entry {
             temporary: temporary.into(),
-            path: OsString::from_vec(path.to_vec()).into(),
+            path: name_from(path.to_vec()).unwrap().into(),
             new: identity,
             old: None,
         };

@@ -4,11 +4,12 @@ use std::ffi::OsStr;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::file_system::{FileSystem, System, again, synced};
 use super::staged::Staged;
 use super::sweep::sweep;
-use super::system::{FileSystem, System, again, synced};
 use super::target::Location;
 use super::temporary::placing;
+use crate::system::refused;
 
 /// Writes a whole file or nothing, as a [`Bundle`](super::Bundle) does: to the disk, and into its place in
 /// one moment. A file that is there is replaced (a link is followed, and stays), or with
@@ -34,6 +35,9 @@ pub(super) fn write_file_on(
     };
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let name = path.file_name().ok_or(io::ErrorKind::InvalidFilename)?;
+    if let Some(problem) = refused(name) {
+        return Err(io::Error::new(io::ErrorKind::InvalidFilename, problem));
+    }
     let location = located(folder, name);
     sweep(system, folder);
     let mut staged = Staged::with_mode(system, location, mode)?;

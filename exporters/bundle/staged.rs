@@ -8,10 +8,11 @@ use std::path::Path;
 use linden_pipeline::Monitor;
 
 use super::Sink;
-use super::system::{FileSystem, again, synced};
+use super::file_system::{FileSystem, again, synced};
 use super::target::Location;
 use super::temporary::{PART, TempName};
 use crate::ExportError;
+use crate::system::mode_of;
 
 /// The mode of files that are nothing special.
 pub(super) const ORDINARY: u32 = 0o666;
@@ -194,17 +195,5 @@ impl Write for Appending<'_> {
 
     fn flush(&mut self) -> io::Result<()> {
         Ok(())
-    }
-}
-
-/// Permissions, where there are any.
-#[cfg_attr(unix, allow(clippy::unnecessary_wraps, reason = "other systems have none"))]
-pub(super) fn mode_of(meta: &std::fs::Metadata) -> Option<u32> {
-    #[cfg(unix)]
-    return Some(std::os::unix::fs::PermissionsExt::mode(&meta.permissions()) & 0o777);
-    #[cfg(not(unix))]
-    {
-        let _ = meta;
-        None
     }
 }

@@ -4,8 +4,10 @@ use std::fs::File;
 use std::io;
 use std::path::Path;
 
-use super::system::{FileSystem, again};
+use super::file_system::{FileSystem, again};
+use super::record::complete;
 use super::temporary::{PART, RECORD, is_at, is_known, is_ours};
+use crate::system::TELLS_FILES_APART;
 
 /// Tidies up what programs that were killed have left in a folder. What they were about to place together
 /// is completed; then files with our temporary names go whose lock is free. What cannot be looked at is
@@ -18,15 +20,14 @@ pub(super) fn sweep(system: &dyn FileSystem, folder: &Path) {
     };
     for path in of_kind(RECORD) {
         match left(system, &path) {
-            #[cfg(unix)]
+            // What it speaks of is left for a system that can complete it.
+            Left::Ours(_) if !TELLS_FILES_APART => return,
             Left::Ours(record) => {
-                if super::record::complete(system, &record).is_err() {
+                if complete(system, &record).is_err() {
                     return;
                 }
                 let _ = again(|| system.remove(&path));
             }
-            #[cfg(not(unix))]
-            Left::Ours(_) => {}
             Left::Nothing => {}
             // What it speaks of is not left: a program is at work, or tidies up.
             Left::InUse => return,

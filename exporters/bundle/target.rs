@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use linden_pipeline::knob::printable;
 
-use super::system::{FileSystem, System, again};
-use crate::ExportError;
+use super::file_system::{FileSystem, System, again};
+use crate::{ExportError, system};
 
 /// As many as Linux follows.
 const MOST_LINKS: usize = 40;
@@ -88,6 +88,12 @@ pub(super) fn looking(target: &Path, source: io::Error) -> ExportError {
 /// Follows links, and finds out whether a file can stand where they lead.
 pub(super) fn locate(system: &dyn FileSystem, target: &Path) -> Result<Located, ExportError> {
     let fault = |problem: String| ExportError::Target { path: target.to_owned(), problem };
+    if system::is_null_device(target) {
+        return Ok(Located::Stream(target.to_owned()));
+    }
+    if let Some(problem) = target.file_name().and_then(system::refused) {
+        return Err(fault(problem.to_owned()));
+    }
     let io_fault = |source| looking(target, source);
     let ends_in_separator = target
         .as_os_str()
@@ -105,10 +111,10 @@ pub(super) fn locate(system: &dyn FileSystem, target: &Path) -> Result<Located, 
         Ok(meta) if meta.is_dir() => return Err(fault("that is a directory; name a file in it".to_owned())),
         Ok(meta) if !meta.is_file() => return Ok(Located::Stream(path)),
         Ok(meta) if meta.permissions().readonly() => {
-            return Err(fault(
-                "that file is write-protected; allow writing to it (chmod u+w) or choose another name"
-                    .to_owned(),
-            ));
+            return Err(fault(format!(
+                "that file is write-protected; allow writing to it ({}) or choose another name",
+                system::HOW_TO_ALLOW_WRITING
+            )));
         }
         Ok(_) => true,
         Err(e) if e.kind() == io::ErrorKind::NotFound => false,
@@ -157,7 +163,7 @@ fn follow(system: &dyn FileSystem, target: &Path) -> io::Result<PathBuf> {
             // The magic links of /proc (what /dev/stdout points at) lead to names that are no paths.
             Ok(meta) if !meta.is_file() => return Ok(path),
             Ok(_) => {}
-            Err(e) if is_missing(&e) || is_circle(&e) => {}
+            Err(e) if is_missing(&e) || system::leads_in_a_circle(&e) => {}
             Err(e) => return Err(e),
         }
         let to = again(|| system.read_link(&path))?;
@@ -168,14 +174,4 @@ fn follow(system: &dyn FileSystem, target: &Path) -> io::Result<PathBuf> {
 
 fn is_missing(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory)
-}
-
-fn is_circle(error: &io::Error) -> bool {
-    #[cfg(unix)]
-    return rustix::io::Errno::from_io_error(error) == Some(rustix::io::Errno::LOOP);
-    #[cfg(not(unix))]
-    {
-        let _ = error;
-        false
-    }
 }

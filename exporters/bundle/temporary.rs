@@ -10,7 +10,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::system::{FileSystem, again};
+use super::file_system::{FileSystem, again};
+use crate::system::is_same_file;
 
 /// What temporary names begin and end with.
 const PREFIX: &str = ".linden-";
@@ -138,17 +139,7 @@ pub(super) fn is_at(system: &dyn FileSystem, file: &File, path: &Path) -> io::Re
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(false),
         there => there?,
     };
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::MetadataExt;
-        let here = file.metadata()?;
-        Ok((here.dev(), here.ino()) == (there.dev(), there.ino()))
-    }
-    #[cfg(not(unix))]
-    {
-        let _ = (file, there);
-        Ok(true)
-    }
+    Ok(is_same_file(&file.metadata()?, &there))
 }
 
 /// Whether a name is that of a file on its way: `.linden-1234-5.part`.

@@ -5,6 +5,8 @@ use std::fs::{self, File, Metadata, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::system;
+
 /// What a bundle asks of a file system. Methods are single calls: none tries again, none tidies up.
 pub(super) trait FileSystem: Sync {
     /// What is at a path, links followed.
@@ -103,28 +105,14 @@ impl FileSystem for System {
         fs::remove_dir(path)
     }
 
-    #[cfg(target_os = "linux")]
     fn create_unnamed(&self, folder: &Path, mode: u32) -> io::Result<File> {
-        use rustix::fs::{Mode, OFlags};
-        let flags = OFlags::TMPFILE | OFlags::RDWR | OFlags::CLOEXEC;
-        let file = File::from(rustix::fs::open(folder, flags, Mode::from_raw_mode(mode))?);
-        // It is named by way of this link: without it a file could be written and never placed.
-        fs::symlink_metadata(link_of(&file)).map_err(|_| io::ErrorKind::Unsupported)?;
-        Ok(file)
-    }
-
-    #[cfg(not(target_os = "linux"))]
-    fn create_unnamed(&self, _: &Path, _: u32) -> io::Result<File> {
-        Err(io::ErrorKind::Unsupported.into())
+        system::create_unnamed(folder, mode)
     }
 
     fn create(&self, path: &Path, mode: u32) -> io::Result<File> {
         let mut options = File::options();
         options.read(true).write(true).create_new(true);
-        #[cfg(unix)]
-        std::os::unix::fs::OpenOptionsExt::mode(&mut options, mode);
-        #[cfg(not(unix))]
-        let _ = mode;
+        system::with_mode(&mut options, mode);
         options.open(path)
     }
 
@@ -132,13 +120,7 @@ impl FileSystem for System {
         let open = |writes: bool| {
             let mut options = File::options();
             options.read(true).write(writes);
-            #[cfg(unix)]
-            {
-                use std::os::unix::fs::OpenOptionsExt;
-                // A pipe of that name is not waited for.
-                let flags = rustix::fs::OFlags::NOFOLLOW | rustix::fs::OFlags::NONBLOCK;
-                options.custom_flags(flags.bits() as i32);
-            }
+            system::opens_no_link(&mut options);
             options.open(path)
         };
         // Locks on a network need files that are open for writing.
@@ -146,13 +128,7 @@ impl FileSystem for System {
     }
 
     fn open_folder(&self, path: &Path) -> io::Result<File> {
-        #[cfg(unix)]
-        return File::open(path);
-        #[cfg(not(unix))]
-        {
-            let _ = path;
-            Err(io::ErrorKind::Unsupported.into())
-        }
+        system::open_folder(path)
     }
 
     fn try_lock(&self, file: &File) -> io::Result<bool> {
@@ -168,35 +144,19 @@ impl FileSystem for System {
     }
 
     fn read_at(&self, file: &File, bytes: &mut [u8], offset: u64) -> io::Result<usize> {
-        #[cfg(unix)]
-        return std::os::unix::fs::FileExt::read_at(file, bytes, offset);
-        #[cfg(windows)]
-        return std::os::windows::fs::FileExt::seek_read(file, bytes, offset);
+        system::read_at(file, bytes, offset)
     }
 
     fn set_mode(&self, file: &File, mode: u32) -> io::Result<()> {
-        #[cfg(unix)]
-        return file.set_permissions(std::os::unix::fs::PermissionsExt::from_mode(mode));
-        #[cfg(not(unix))]
-        {
-            let _ = (file, mode);
-            Ok(())
-        }
+        system::set_mode(file, mode)
     }
 
     fn sync(&self, file: &File) -> io::Result<()> {
         file.sync_all()
     }
 
-    #[cfg(target_os = "linux")]
     fn link_unnamed(&self, file: &File, path: &Path) -> io::Result<()> {
-        use rustix::fs::{AtFlags, CWD, linkat};
-        Ok(linkat(CWD, link_of(file), CWD, path, AtFlags::SYMLINK_FOLLOW)?)
-    }
-
-    #[cfg(not(target_os = "linux"))]
-    fn link_unnamed(&self, _: &File, _: &Path) -> io::Result<()> {
-        Err(io::ErrorKind::Unsupported.into())
+        system::link_unnamed(file, path)
     }
 
     fn link(&self, from: &Path, to: &Path) -> io::Result<()> {
@@ -204,28 +164,14 @@ impl FileSystem for System {
     }
 
     fn rename(&self, from: &Path, to: &Path) -> io::Result<()> {
-        fs::rename(from, to)
+        system::rename(from, to)
     }
 
-    #[cfg(any(target_os = "linux", target_vendor = "apple"))]
     fn exchange(&self, one: &Path, other: &Path) -> io::Result<()> {
-        use rustix::fs::{CWD, RenameFlags, renameat_with};
-        Ok(renameat_with(CWD, one, CWD, other, RenameFlags::EXCHANGE)?)
-    }
-
-    #[cfg(not(any(target_os = "linux", target_vendor = "apple")))]
-    fn exchange(&self, _: &Path, _: &Path) -> io::Result<()> {
-        Err(io::ErrorKind::Unsupported.into())
+        system::exchange(one, other)
     }
 
     fn remove(&self, path: &Path) -> io::Result<()> {
         fs::remove_file(path)
     }
-}
-
-/// The link that the system keeps for an open file.
-#[cfg(target_os = "linux")]
-fn link_of(file: &File) -> PathBuf {
-    use std::os::fd::AsRawFd;
-    PathBuf::from(format!("/proc/self/fd/{}", file.as_raw_fd()))
 }
