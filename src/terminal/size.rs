@@ -1,5 +1,7 @@
 //! How large the terminal is.
 
+use crate::system::asked_size;
+
 /// The most columns, and the most rows, that are used of a terminal: those of a screen of 8K in a tiny
 /// font. What claims more has them left empty, since a grid of all that can be claimed (65535×65535)
 /// would take more memory than there is.
@@ -27,14 +29,7 @@ impl TerminalSize {
     /// The terminal that the process has; `COLUMNS` and `LINES`
     /// come first, and 80×24 is what there is without a terminal.
     pub fn of_stdout() -> Self {
-        // Not `size` on Unix: without a terminal it would start a program that looks for one.
-        let asked = if cfg!(unix) {
-            crossterm::terminal::window_size().map(|size| (size.columns, size.rows))
-        } else {
-            crossterm::terminal::size()
-        };
-        let asked = asked.ok();
-        Self::resolve(|name| std::env::var(name).ok(), asked)
+        Self::resolve(|name| std::env::var(name).ok(), asked_size())
     }
 
     /// The same from values: an environment, and what the terminal says (columns, rows).

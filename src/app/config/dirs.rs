@@ -9,6 +9,8 @@
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
+use crate::system::{FAMILY, Family};
+
 /// The two directories, where they can be known. Neither needs to exist.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Dirs {
@@ -19,16 +21,20 @@ pub struct Dirs {
 }
 
 /// Why there is no [`Dirs::config`], and what to do.
-pub const NO_CONFIG: &str = if cfg!(windows) {
-    "there is no directory to look for settings and presets in; set APPDATA, or LINDEN_CONFIG_DIR"
-} else {
-    "there is no home directory to look for settings and presets in; set HOME, or LINDEN_CONFIG_DIR"
+pub const NO_CONFIG: &str = match FAMILY {
+    Family::Windows => {
+        "there is no directory to look for settings and presets in; set APPDATA, or LINDEN_CONFIG_DIR"
+    }
+    Family::Apple | Family::Xdg => {
+        "there is no home directory to look for settings and presets in; set HOME, or LINDEN_CONFIG_DIR"
+    }
 };
 /// Why there is no [`Dirs::state`], and what to do.
-pub const NO_STATE: &str = if cfg!(windows) {
-    "there is no directory to keep the session in; set LOCALAPPDATA, or LINDEN_STATE_DIR"
-} else {
-    "there is no home directory to keep the session in; set HOME, or LINDEN_STATE_DIR"
+pub const NO_STATE: &str = match FAMILY {
+    Family::Windows => "there is no directory to keep the session in; set LOCALAPPDATA, or LINDEN_STATE_DIR",
+    Family::Apple | Family::Xdg => {
+        "there is no home directory to keep the session in; set HOME, or LINDEN_STATE_DIR"
+    }
 };
 
 /// Where a system keeps what belongs to a user: a variable, and a path below what it names.
@@ -48,12 +54,10 @@ const WINDOWS: Convention = Convention { config: ("APPDATA", ""), state: ("LOCAL
 impl Convention {
     /// This system's.
     const fn here() -> Self {
-        if cfg!(windows) {
-            WINDOWS
-        } else if cfg!(target_os = "macos") {
-            MACOS
-        } else {
-            LINUX
+        match FAMILY {
+            Family::Windows => WINDOWS,
+            Family::Apple => MACOS,
+            Family::Xdg => LINUX,
         }
     }
 }

@@ -10,7 +10,27 @@ mod desk;
 #[path = "portable.rs"]
 mod desk;
 
+/// Where systems keep what belongs to a user.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// Linux and the BSDs: in folders of the home directory whose names begin with a dot.
+    Xdg,
+    /// macOS: in its Library.
+    Apple,
+    /// Windows: where its variables say.
+    Windows,
+}
+
+/// This system's.
+pub const FAMILY: Family = if cfg!(windows) {
+    Family::Windows
+} else if cfg!(target_os = "macos") {
+    Family::Apple
+} else {
+    Family::Xdg
+};
+
 pub use desk::{
-    HANGUP, cpu_time, end_by, exit_by, is_pipe, is_writable, lower_priority, on_signals, opens_at_once,
-    outlive_file_limits,
+    CTRL_ALT_TYPES, HANGUP, cpu_time, end_by, exit_by, is_pipe, is_writable, lower_priority, on_signals,
+    opens_at_once, outlive_file_limits,
 };

@@ -9,6 +9,8 @@ use std::time::Duration;
 
 use signal_hook::consts::{SIGINT, SIGTERM};
 
+/// Whether a key that is held with Ctrl and Alt types a character: Windows says AltGr so.
+pub const CTRL_ALT_TYPES: bool = true;
 /// Stands for a terminal that is gone: the code of 128 + 1 that shells of Unix expect.
 pub const HANGUP: i32 = 1;
 /// How often it is looked whether a signal came: they set a flag, and nothing waits for it.

@@ -12,6 +12,8 @@ use rustix::fs::{Access, OFlags};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
 use signal_hook::low_level;
 
+/// Whether a key that is held with Ctrl and Alt types a character.
+pub const CTRL_ALT_TYPES: bool = false;
 /// The signal of a terminal that is gone.
 pub const HANGUP: i32 = SIGHUP;
 

@@ -16,4 +16,4 @@ mod desk;
 mod desk;
 
 pub use desk::{ANSWERS, Listener, Tty, ask, listen};
-pub(crate) use desk::{discard_input, drain, is_ours, may_be_written, stands_for, stop, stops};
+pub(crate) use desk::{asked_size, discard_input, drain, is_ours, may_be_written, stands_for, stop, stops};

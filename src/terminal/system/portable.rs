@@ -205,6 +205,11 @@ pub(crate) fn stands_for(name: &str) -> Option<&'static str> {
     (cfg!(windows) && name == "COLORTERM").then_some("truecolor")
 }
 
+/// Columns and rows of the terminal that the process has.
+pub(crate) fn asked_size() -> Option<(u16, u16)> {
+    crossterm::terminal::size().ok()
+}
+
 /// Whether no other job has the terminal: there are none.
 pub(crate) fn is_ours(_: &Tty) -> bool {
     true

@@ -9,6 +9,7 @@ use tui_input::{Input, InputRequest};
 use unicode_width::UnicodeWidthStr;
 
 use crate::config::theme::Theme;
+use crate::system::CTRL_ALT_TYPES;
 use crate::tui::command::Context;
 use crate::tui::layout::View;
 use crate::tui::model::Model;
@@ -99,8 +100,7 @@ impl Prompt {
 
 /// Edits a line as shells do; whether the text changed.
 pub fn edit(input: &mut Input, key: KeyEvent) -> bool {
-    // Windows says AltGr so; elsewhere it types nothing.
-    if cfg!(unix) && key.modifiers.contains(KeyModifiers::CONTROL | KeyModifiers::ALT) {
+    if !CTRL_ALT_TYPES && key.modifiers.contains(KeyModifiers::CONTROL | KeyModifiers::ALT) {
         return false;
     }
     let word = match (key.code, key.modifiers) {

@@ -15,5 +15,11 @@ pub(crate) const fn stands_for(_name: &str) -> Option<&'static str> {
     None
 }
 
+/// Columns and rows of the terminal that the process has.
+pub(crate) fn asked_size() -> Option<(u16, u16)> {
+    // Not `size`: without a terminal it would start a program that looks for one.
+    crossterm::terminal::window_size().ok().map(|size| (size.columns, size.rows))
+}
+
 /// Whether replies of the terminal reach us.
 pub const ANSWERS: bool = true;
