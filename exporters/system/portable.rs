@@ -51,6 +51,10 @@ pub fn rename(from: &Path, to: &Path) -> io::Result<()> {
     loop {
         match fs::rename(from, to) {
             Err(error) if is_denied(&error) && asked.elapsed() < PATIENCE => std::thread::sleep(LOOK),
+            // So that it is known for what it is.
+            Err(error) if is_denied(&error) => {
+                return Err(io::Error::new(io::ErrorKind::PermissionDenied, error));
+            }
             done => return done,
         }
     }
@@ -209,6 +213,29 @@ mod tests {
         for name in ["oak.glb", "auxin.glb", "com.glb", "com10.glb", "conifer.obj", "Ölbaum.usda", ".aux"] {
             assert_eq!(refused(OsStr::new(name)), None, "{name}");
         }
+    }
+
+    #[cfg(windows)]
+    #[test]
+    fn a_file_that_another_program_keeps_open_is_waited_for_and_then_told() {
+        use std::os::windows::fs::OpenOptionsExt as _;
+        let dir = tempfile::tempdir().unwrap();
+        let (new, old) = (dir.path().join("new"), dir.path().join("old"));
+        fs::write(&new, "new").unwrap();
+        fs::write(&old, "old").unwrap();
+        let keep = || File::options().read(true).share_mode(0).open(&old).unwrap();
+        let kept = keep();
+        assert_eq!(rename(&new, &old).unwrap_err().kind(), io::ErrorKind::PermissionDenied);
+        drop(kept);
+        assert_eq!(fs::read_to_string(&old).unwrap(), "old");
+        let kept = keep();
+        let other = std::thread::spawn(move || {
+            std::thread::sleep(LOOK * 5);
+            drop(kept);
+        });
+        rename(&new, &old).unwrap();
+        other.join().unwrap();
+        assert_eq!(fs::read_to_string(&old).unwrap(), "new");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::fmt;
 use std::io;
 
-pub use crate::system::Tty;
+pub use crate::system::{Tty, takes_sequences};
 
 /// A standard stream.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

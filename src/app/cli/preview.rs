@@ -17,6 +17,7 @@ use linden_raster::{
 };
 use linden_terminal::graphics::encode;
 use linden_terminal::probe::{Environment, Graphics, Overrides};
+use linden_terminal::tty::takes_sequences;
 use linden_terminal::{
     CellStyle, ColorDepth, Glyphs, Image, MAX_CELLS, Protocol, TerminalSize, Tty, draw_cells,
 };
@@ -229,7 +230,7 @@ const KITTY_IDS: u32 = 10_000;
 /// How the terminal is shown pictures: in a protocol for pixels, or as characters. What the flags leave
 /// open, the environment may say, and else what is certain of any terminal.
 fn in_terminal(flags: &Overrides) -> (Option<Protocol>, CellStyle) {
-    let is_terminal = std::io::stdout().is_terminal();
+    let is_terminal = std::io::stdout().is_terminal() && takes_sequences();
     let environment = Environment::of_process();
     // What is wrong there is said by the workbench and by 'linden doctor'.
     let said = Overrides::from_environment(&environment).unwrap_or_default();

@@ -3,23 +3,31 @@
 use std::fs::{Metadata, OpenOptions};
 use std::io;
 use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-use signal_hook::consts::{SIGINT, SIGTERM};
+use signal_hook::consts::SIGINT;
 
 /// Whether a key that is held with Ctrl and Alt types a character: Windows says AltGr so.
 pub const CTRL_ALT_TYPES: bool = true;
 /// Stands for a terminal that is gone: the code of 128 + 1 that shells of Unix expect.
 pub const HANGUP: i32 = 1;
-/// How often it is looked whether a signal came: they set a flag, and nothing waits for it.
-const LOOK: Duration = Duration::from_millis(50);
+
+/// Calls `hear` when Ctrl-C, Ctrl-Break or the closing of the console asks the process to end, on a thread
+/// of its own.
+#[cfg(windows)]
+pub fn on_signals(mut hear: impl FnMut(i32) + Send + 'static) -> io::Result<()> {
+    ctrlc::set_handler(move || hear(SIGINT)).map_err(io::Error::other)
+}
 
 /// Calls `hear` when Ctrl-C or the like asks the process to end, on a thread of its own.
+#[cfg(not(windows))]
 pub fn on_signals(mut hear: impl FnMut(i32) + Send + 'static) -> io::Result<()> {
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicBool, Ordering};
+    /// How often it is looked whether a signal came: they set a flag, and nothing waits for it.
+    const LOOK: Duration = Duration::from_millis(50);
     let asked = Arc::new(AtomicBool::new(false));
-    for signal in [SIGINT, SIGTERM] {
+    for signal in [SIGINT, signal_hook::consts::SIGTERM] {
         signal_hook::flag::register(signal, Arc::clone(&asked))?;
     }
     let listen = move || loop {

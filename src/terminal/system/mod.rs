@@ -15,5 +15,5 @@ mod desk;
 #[path = "portable.rs"]
 mod desk;
 
-pub use desk::{ANSWERS, Listener, Tty, ask, listen};
+pub use desk::{ANSWERS, Listener, Tty, ask, listen, takes_sequences};
 pub(crate) use desk::{asked_size, discard_input, drain, is_ours, may_be_written, stands_for, stop, stops};

@@ -210,6 +210,14 @@ pub(crate) fn asked_size() -> Option<(u16, u16)> {
     crossterm::terminal::size().ok()
 }
 
+/// Whether the terminal takes control sequences; Windows' console is asked to.
+pub fn takes_sequences() -> bool {
+    #[cfg(windows)]
+    return crossterm::ansi_support::supports_ansi();
+    #[cfg(not(windows))]
+    true
+}
+
 /// Whether no other job has the terminal: there are none.
 pub(crate) fn is_ours(_: &Tty) -> bool {
     true

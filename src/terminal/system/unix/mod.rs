@@ -21,5 +21,10 @@ pub(crate) fn asked_size() -> Option<(u16, u16)> {
     crossterm::terminal::window_size().ok().map(|size| (size.columns, size.rows))
 }
 
+/// Whether the terminal takes control sequences: all do.
+pub const fn takes_sequences() -> bool {
+    true
+}
+
 /// Whether replies of the terminal reach us.
 pub const ANSWERS: bool = true;
