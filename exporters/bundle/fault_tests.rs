@@ -1,6 +1,6 @@
 //! Every call of the operating system fails in turn, in every way that matters: there are the old files
 //! then or the new ones, and nothing else.
-#![cfg(unix)]
+#![cfg(all(unix, not(linden_portable)))]
 
 use std::collections::BTreeSet;
 use std::ffi::OsString;

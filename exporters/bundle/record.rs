@@ -192,7 +192,7 @@ fn unhex(text: &str) -> Option<OsString> {
     bytes.and_then(name_from)
 }
 
-#[cfg(test)]
+#[cfg(all(test, unix, not(linden_portable)))]
 mod tests {
     use super::*;
 
