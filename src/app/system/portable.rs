@@ -7,7 +7,7 @@ use std::time::Duration;
 
 use signal_hook::consts::SIGINT;
 
-/// Whether a key that is held with Ctrl and Alt types a character: Windows says AltGr so.
+/// Whether a key that is held with Ctrl and Alt types a character: Windows says `AltGr` so.
 pub const CTRL_ALT_TYPES: bool = true;
 /// Stands for a terminal that is gone: the code of 128 + 1 that shells of Unix expect.
 pub const HANGUP: i32 = 1;
