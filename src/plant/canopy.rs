@@ -391,16 +391,13 @@ mod tests {
     fn projections_are_means_over_the_compass() {
         for inclination in [0.0_f64, 20.0, 57.0, 75.0, 90.0] {
             for zenith in [0.0_f64, 15.0, 45.0, 80.0, 90.0] {
-                let normal = Vec3::new(
-                    inclination.to_radians().sin() as f32,
-                    inclination.to_radians().cos() as f32,
-                    0.0,
-                );
+                let (sin, cos) = libm::sincos(inclination.to_radians());
+                let normal = Vec3::new(sin as f32, cos as f32, 0.0);
+                let (sin, cos) = libm::sincos(zenith.to_radians());
                 let mean = (0..3600)
                     .map(|i| {
-                        let turn = (f64::from(i) / 10.0).to_radians();
-                        let (sin, cos) = (zenith.to_radians().sin(), zenith.to_radians().cos());
-                        normal.as_dvec3().dot(DVec3::new(sin * turn.cos(), cos, sin * turn.sin())).abs()
+                        let (east, north) = libm::sincos((f64::from(i) / 10.0).to_radians());
+                        normal.as_dvec3().dot(DVec3::new(sin * north, cos, sin * east)).abs()
                     })
                     .sum::<f64>()
                     / 3600.0;

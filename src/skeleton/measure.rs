@@ -1,6 +1,6 @@
 //! What a forester would measure.
 
-use super::{Axis, NO_PARENT, Skeleton};
+use super::{Axis, Forks, NO_PARENT, Skeleton};
 use glam::DVec2;
 use linden_base::hull::HullPolygon;
 use linden_base::mesh::Bounds;
@@ -75,6 +75,22 @@ impl Skeleton {
         stems.map(|axis| (axis, foot_radius(axis))).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
+    /// The nodes of a stem, and of the axes that its wood runs on into.
+    fn trunk(&self, stem: &Axis) -> Vec<u32> {
+        let mut trunk = self.nodes_of(stem).to_vec();
+        let forks = Forks::new(self);
+        if forks.is_empty() {
+            return trunk;
+        }
+        // Laterals come after what bears them.
+        for (index, axis) in (0..).zip(&self.axes) {
+            if trunk.last() == Some(&axis.parent) && forks.runs_on(index) {
+                trunk.extend_from_slice(self.nodes_of(axis));
+            }
+        }
+        trunk
+    }
+
     fn base_diameter_m(&self) -> f64 {
         self.thickest_stem().map_or(0.0, |(_, radius)| 2.0 * radius)
     }
@@ -83,7 +99,7 @@ impl Skeleton {
     fn trunk_diameter(&self) -> (f64, f64) {
         let Some((stem, foot_radius)) = self.thickest_stem() else { return (0.0, 0.0) };
         let mut along = 0.0;
-        for pair in self.nodes_of(stem).windows(2) {
+        for pair in self.trunk(stem).windows(2) {
             let length = self.segment_length(pair[1] as usize);
             if along + length >= BREAST_HEIGHT_M && length > 0.0 {
                 let t = (BREAST_HEIGHT_M - along) / length;
@@ -100,7 +116,23 @@ impl Skeleton {
 mod tests {
     use glam::Vec3;
 
-    use crate::{Branching, NO_PARENT, Skeleton, Wood};
+    use crate::{Branching, Edge, NO_PARENT, Skeleton, Wood};
+
+    #[test]
+    fn a_trunk_is_measured_beyond_the_end_of_its_axis() {
+        let branching = Branching {
+            positions: vec![Vec3::ZERO, Vec3::Y, Vec3::new(0.0, 2.0, 0.0), Vec3::new(1.0, 1.0, 0.0)],
+            parents: vec![NO_PARENT, 0, 1, 1],
+            births: vec![0; 4],
+            radii: Some(vec![0.2, 0.2, 0.1, 0.05]),
+            edges: Some(vec![Edge::Succeeds, Edge::Succeeds, Edge::Branches, Edge::Branches]),
+        };
+        let skeleton = Skeleton::build(branching, &Wood::default()).unwrap();
+        assert_eq!(skeleton.axes.len(), 3);
+        let measures = skeleton.measures();
+        assert_eq!(measures.trunk_diameter_at_m, 1.3);
+        assert!((measures.trunk_diameter_m - 0.34).abs() < 1e-6, "{measures:?}");
+    }
 
     #[test]
     fn a_pole_with_one_branch() {

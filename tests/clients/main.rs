@@ -7,6 +7,7 @@ mod compressed;
 mod cylinders;
 mod foliage;
 mod instances;
+mod mtg;
 mod numbers;
 mod outside;
 mod presets;

@@ -210,6 +210,7 @@ fn text_is_the_same_on_any_number_of_threads() {
         ("ply", "tree.ply", &[("encoding", "ascii")]),
         ("ply-skeleton", "tree.ply", &[("encoding", "ascii")]),
         ("qsm", "tree.csv", &[]),
+        ("mtg", "tree.mtg", &[]),
     ] {
         let bytes = [1, 3].map(|threads| {
             let target = dir.path().join(name);

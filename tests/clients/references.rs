@@ -90,6 +90,7 @@ fn a_single_stream_holds_a_whole_file_that_names_no_other() {
                 assert_eq!(bytes.len(), 84 + 50 * count as usize);
             }
             "qsm" => assert!(fs::read_to_string(&file).unwrap().contains("\nid,parent,branch,")),
+            "mtg" => assert!(fs::read_to_string(&file).unwrap().contains("\nMTG:\nENTITY-CODE")),
             _ => assert!(fs::read(&file).unwrap().starts_with(b"ply\n")),
         }
     }

@@ -113,7 +113,7 @@ fn what_a_format_cannot_hold_is_refused_or_told() {
     let trees = trees();
     let wood = wood(&trees);
     let dir = tempfile::tempdir().unwrap();
-    for format in ["ply-skeleton", "qsm"] {
+    for format in ["ply-skeleton", "qsm", "mtg"] {
         let said = export_stage(&wood, format, &[], &dir.path().join("wood.any")).unwrap_err().to_string();
         assert!(said.contains("several trees") && said.contains("glb"), "{said}");
     }
@@ -122,7 +122,7 @@ fn what_a_format_cannot_hold_is_refused_or_told() {
     let mut nowhere = wood.clone();
     nowhere.places.retain(|place| place.plant == 0);
     for (stage, expected) in [(broken, "place 1"), (nowhere, "plant 1 stands nowhere")] {
-        for format in ["obj", "ply", "gltf", "glb", "usda", "usdz", "qsm"] {
+        for format in ["obj", "ply", "gltf", "glb", "usda", "usdz", "qsm", "mtg"] {
             let said =
                 export_stage(&stage, format, &[], &dir.path().join("wood.any")).unwrap_err().to_string();
             assert!(said.contains(expected), "{format}: {said}");
