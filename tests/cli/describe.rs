@@ -92,6 +92,20 @@ fn the_list_names_the_presets_that_are_promised() {
 }
 
 #[test]
+fn show_derives_strings() {
+    let folder = Folder::new();
+    // ABOP, Fig. 1.24 a: F -> F[+F]F[-F]F.
+    assert_eq!(folder.run(&["show", "abop-a", "--derive", "0"]).done().out, "F\n");
+    assert_eq!(folder.run(&["show", "abop-a", "--derive", "1"]).done().out, "F[+F]F[-F]F\n");
+    let twice = folder.run(&["show", "abop-a", "--derive", "2"]).done().out;
+    assert_eq!(twice, "F[+F]F[-F]F\n".replace('F', "F[+F]F[-F]F"));
+    let refused = folder.run(&["show", "oak", "--derive", "1"]);
+    assert!(refused.code == Some(2) && refused.err.contains("colonization"), "{}", refused.err);
+    let long = folder.run(&["show", "abop-a", "--derive", "30"]);
+    assert!(long.code == Some(1) && long.err.contains("limit"), "{}", long.err);
+}
+
+#[test]
 fn show_tells_forecast_and_knobs() {
     let folder = Folder::new();
     let text = folder.run(&["show", "abop-a"]).done().out;

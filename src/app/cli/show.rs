@@ -2,6 +2,7 @@
 
 use clap::Args;
 use linden::knob::{Value, printable};
+use linden::lsystem::{TurtleSettings, derive_string};
 use linden::preset::{LSystem, Preset, PresetKnob, Section};
 use linden::recipe::Recipe;
 use serde::Serialize;
@@ -31,6 +32,10 @@ pub struct Show {
     /// Only what differs from the defaults: of the knobs, or of the document with --toml
     #[arg(long)]
     changed: bool,
+
+    /// The string that a grammar derives in so many steps, and nothing else
+    #[arg(long, value_name = "STEPS", conflicts_with_all = ["json", "toml", "changed"])]
+    derive: Option<u32>,
 }
 
 #[derive(Serialize)]
@@ -106,6 +111,9 @@ impl Show {
             && let Some(forest) = Described::find(named, &progress)?
         {
             self.growing.without_defines("a forest has several trees")?;
+            if self.derive.is_some() {
+                return Err(usage("--derive is for one grammar, and a forest has several trees"));
+            }
             let how = match (self.json, self.toml) {
                 (true, _) => As::Json,
                 (_, true) => As::Document,
@@ -120,6 +128,14 @@ impl Show {
         }
         let source = self.growing.resolve(&progress)?;
         let preset = &source.recipe.preset;
+        if let Some(steps) = self.derive {
+            let Some(lsystem) = preset.settings::<LSystem>() else {
+                let generator = preset.grows_by().id();
+                return Err(usage(format!("--derive is for grammars, and {} grows by {generator}", preset.id)));
+            };
+            let settings = TurtleSettings { derivations: steps, ..lsystem.turtle(preset.seed) };
+            return super::print(&(derive_string(&lsystem.grammar, &settings)? + "\n"));
+        }
         if self.toml {
             let text = if self.changed { preset.to_toml_changed()? } else { preset.to_toml()? };
             return super::print(&text);
