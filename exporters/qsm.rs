@@ -3,7 +3,9 @@
 //! Columns as `TreeQSM` (Raumonen et al. 2013) gives them, named with their units: identifiers count from
 //! 1 and a parent of 0 is none; parents stand before children, the cylinders of a branch one after
 //! another. Branch 1 is the stem, its order 0. Length and the volume `π r² l` add up to what
-//! `linden stats` says.
+//! `linden stats` says. `node` and `parent_node` are the segment's nodes, numbered from 0: what leaves the foot
+//! of a stem has no cylinder below, but its node. The radii at both ends are those of the frustum that holds as
+//! much as the cylinder.
 //!
 //! The recipe is the one line that starts with `# recipe: `, before the header; readers that know no
 //! comments get a bare table with `comments=false`, and the recipe is then lost.
@@ -42,13 +44,13 @@ static FORMAT: Format = Format {
     estimate: Some(|amounts, options| {
         let comments = if options.is_on("comments") { amounts.recipe_bytes + 150 } else { 0 };
         // Flat trees have fewer digits than round ones.
-        let row = 74.0 + 4.0 * mean_digits(amounts.nodes);
+        let row = 93.0 + 6.0 * mean_digits(amounts.nodes);
         (row * amounts.nodes as f64) as u64 + comments + 150
     }),
 };
 
 const HEADER: &str = "id,parent,branch,branch_order,position_in_branch,start_x_m,start_y_m,start_z_m,\
-                      axis_x,axis_y,axis_z,length_m,radius_m,birth\n";
+                      axis_x,axis_y,axis_z,length_m,radius_m,birth,node,parent_node,start_radius_m,end_radius_m\n";
 
 impl Exporter for Qsm {
     fn format(&self) -> &'static Format {
@@ -104,6 +106,10 @@ fn row(text: &mut Text, index: u32, cylinder: &Cylinder, order: u32, birth: u32)
     let ([x, y, z], [dx, dy, dz]) = (cylinder.start.to_array(), cylinder.direction.to_array());
     text.floats([x, y, z, dx, dy, dz, cylinder.length_m, cylinder.radius_m], b",");
     text.byte(b',');
-    text.integer(birth);
+    for n in [birth, cylinder.node, cylinder.parent_node] {
+        text.integer(n);
+        text.byte(b',');
+    }
+    text.floats(cylinder.end_radii_m, b",");
     text.byte(b'\n');
 }

@@ -13,6 +13,8 @@ use super::{Axis, NO_PARENT, Skeleton};
 pub struct Cylinder {
     /// The node that the segment ends in.
     pub node: u32,
+    /// The node that it begins at: known also where no cylinder ends, at the foot of a stem.
+    pub parent_node: u32,
     /// Index of the cylinder below among all of the tree; `None` at the foot of a stem.
     pub parent: Option<u32>,
     /// Index of the axis.
@@ -28,6 +30,8 @@ pub struct Cylinder {
     /// Of the cylinder that holds as much wood as the frustum between the nodes' radii. A lateral
     /// starts as thick as its first node, not as its parent.
     pub radius_m: f32,
+    /// Of that frustum, at its lower end and at its upper one.
+    pub end_radii_m: [f32; 2],
 }
 
 impl Cylinder {
@@ -71,6 +75,7 @@ impl Skeleton {
                 ends_in[to as usize] = Some(cylinders.len() as u32);
                 cylinders.push(Cylinder {
                     node: to,
+                    parent_node: from,
                     parent: ends_in[from as usize],
                     axis: index,
                     place,
@@ -78,6 +83,7 @@ impl Skeleton {
                     direction: (end - start).normalize_or(Vec3::Y),
                     length_m,
                     radius_m,
+                    end_radii_m: [self.lower_radius(axis, [from, to]), self.radii[to as usize]],
                 });
             }
         }
@@ -101,9 +107,14 @@ impl Skeleton {
     /// Length and radius of the cylinder for a segment of an axis.
     fn cylinder_size(&self, axis: &Axis, [from, to]: [u32; 2]) -> (f32, f32) {
         let upper = f64::from(self.radii[to as usize]);
-        let lower = if from == axis.parent { upper } else { f64::from(self.radii[from as usize]) };
+        let lower = f64::from(self.lower_radius(axis, [from, to]));
         let squared = (lower * lower + lower * upper + upper * upper) / 3.0;
         (self.positions[from as usize].distance(self.positions[to as usize]), squared.sqrt() as f32)
+    }
+
+    /// A lateral is as thick where it begins as at its first node.
+    fn lower_radius(&self, axis: &Axis, [from, to]: [u32; 2]) -> f32 {
+        self.radii[if from == axis.parent { to } else { from } as usize]
     }
 
     /// The two nodes of each segment of an axis, base to apex, from the node that the axis leaves from.

@@ -92,6 +92,18 @@ fn every_preset_is_its_table_of_cylinders() {
         let order = rows.iter().map(|row| row.index("branch_order")).max().unwrap();
         assert_eq!(order, measures.max_order as usize, "{id}");
 
+        // Nodes are the tree's, and the frusta between both radii hold what the cylinders hold.
+        let mut frusta = 0.0;
+        for row in &rows {
+            let (node, parent) = (row.index("node"), row.index("parent_node"));
+            assert_eq!(skeleton.parents[node] as usize, parent, "{id}");
+            assert_eq!(row.index("parent") == 0, skeleton.parents[parent] == NO_PARENT, "{id}");
+            let [lower, upper] = ["start_radius_m", "end_radius_m"].map(|name| row.number(name));
+            assert_eq!(upper as f32, skeleton.radii[node], "{id}");
+            frusta += PI / 3.0 * row.number("length_m") * (lower * lower + lower * upper + upper * upper);
+        }
+        assert!((frusta / measures.wood_volume_m3 - 1.0).abs() < 1e-5, "{id}: {frusta}");
+
         // Each stands on the one that it names, and continues its branch or starts the next order.
         let size = f64::from(skeleton.positions.iter().fold(0.0_f32, |m, p| m.max(p.abs().max_element())));
         for (i, row) in rows.iter().enumerate() {

@@ -131,7 +131,10 @@ impl Show {
         if let Some(steps) = self.derive {
             let Some(lsystem) = preset.settings::<LSystem>() else {
                 let generator = preset.grows_by().id();
-                return Err(usage(format!("--derive is for grammars, and {} grows by {generator}", preset.id)));
+                return Err(usage(format!(
+                    "--derive is for grammars, and {} grows by {generator}",
+                    preset.id
+                )));
             };
             let settings = TurtleSettings { derivations: steps, ..lsystem.turtle(preset.seed) };
             return super::print(&(derive_string(&lsystem.grammar, &settings)? + "\n"));
