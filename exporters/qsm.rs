@@ -16,7 +16,7 @@ use std::io;
 
 use linden_pipeline::Monitor;
 use linden_pipeline::memory::bytes_of;
-use linden_pipeline::skeleton::Cylinder;
+use linden_pipeline::skeleton::{Cylinder, Forks};
 use linden_pipeline::stage::Stage;
 
 use crate::options::{OptionSpec, Options};
@@ -71,7 +71,8 @@ impl Exporter for Qsm {
         let stage = &fit(stage, &FORMAT, bundle);
         let scene = validate::single_tree(stage, FORMAT.id, monitor)?;
         let nodes = scene.skeleton.positions.len();
-        let more = bytes_of::<(Cylinder, Option<u32>)>(nodes) + records::bytes(nodes);
+        let forks = Forks::bytes_for(&scene.skeleton);
+        let more = forks + bytes_of::<(Cylinder, Option<u32>)>(nodes) + records::bytes(nodes);
         memory::admit(stage, &[], more, monitor)?;
         let mut head = String::new();
         if options.is_on("comments") {

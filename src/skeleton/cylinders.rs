@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 
-use super::{Axis, NO_PARENT, Skeleton};
+use super::{Axis, Forks, NO_PARENT, Skeleton};
 
 /// One segment as a cylinder; metres, Y up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,7 +28,7 @@ pub struct Cylinder {
     /// Above or equal to zero.
     pub length_m: f32,
     /// Of the cylinder that holds as much wood as the frustum between the nodes' radii. A lateral
-    /// starts as thick as its first node, not as its parent.
+    /// starts as thick as its first node, not as its parent, unless it goes on where that axis ended.
     pub radius_m: f32,
     /// Of that frustum, at its lower end and at its upper one.
     pub end_radii_m: [f32; 2],
@@ -66,12 +66,14 @@ impl Skeleton {
     /// ```
     pub fn cylinders(&self) -> Vec<Cylinder> {
         let mut cylinders: Vec<Cylinder> = Vec::with_capacity(self.positions.len());
+        let forks = Forks::new(self);
         // The cylinder that ends in each node.
         let mut ends_in = vec![None; self.positions.len()];
         for (index, axis) in (0..).zip(&self.axes) {
+            let runs_on = forks.runs_on(index);
             for (place, [from, to]) in (0..).zip(self.segments_of(axis)) {
                 let (start, end) = (self.positions[from as usize], self.positions[to as usize]);
-                let (length_m, radius_m) = self.cylinder_size(axis, [from, to]);
+                let (length_m, radius_m) = self.cylinder_size((axis, runs_on), [from, to]);
                 ends_in[to as usize] = Some(cylinders.len() as u32);
                 cylinders.push(Cylinder {
                     node: to,
@@ -83,7 +85,7 @@ impl Skeleton {
                     direction: (end - start).normalize_or(Vec3::Y),
                     length_m,
                     radius_m,
-                    end_radii_m: [self.lower_radius(axis, [from, to]), self.radii[to as usize]],
+                    end_radii_m: [self.lower_radius((axis, runs_on), [from, to]), self.radii[to as usize]],
                 });
             }
         }
@@ -92,10 +94,12 @@ impl Skeleton {
 
     /// Axis, length and radius of all [`cylinders`](Self::cylinders), in their order, without making a list of them.
     pub fn cylinder_sizes(&self) -> impl Iterator<Item = (&Axis, f32, f32)> {
-        let segments = self.axes.iter().flat_map(|axis| self.segments_of(axis).map(move |ends| (axis, ends)));
+        let forks = Forks::new(self);
+        let axes = (0..).zip(&self.axes).map(move |(index, axis)| (axis, forks.runs_on(index)));
+        let segments = axes.flat_map(|axis| self.segments_of(axis.0).map(move |ends| (axis, ends)));
         segments.map(|(axis, ends)| {
             let (length_m, radius_m) = self.cylinder_size(axis, ends);
-            (axis, length_m, radius_m)
+            (axis.0, length_m, radius_m)
         })
     }
 
@@ -105,16 +109,17 @@ impl Skeleton {
     }
 
     /// Length and radius of the cylinder for a segment of an axis.
-    fn cylinder_size(&self, axis: &Axis, [from, to]: [u32; 2]) -> (f32, f32) {
+    fn cylinder_size(&self, axis: (&Axis, bool), [from, to]: [u32; 2]) -> (f32, f32) {
         let upper = f64::from(self.radii[to as usize]);
         let lower = f64::from(self.lower_radius(axis, [from, to]));
         let squared = (lower * lower + lower * upper + upper * upper) / 3.0;
         (self.positions[from as usize].distance(self.positions[to as usize]), squared.sqrt() as f32)
     }
 
-    /// A lateral is as thick where it begins as at its first node.
-    fn lower_radius(&self, axis: &Axis, [from, to]: [u32; 2]) -> f32 {
-        self.radii[if from == axis.parent { to } else { from } as usize]
+    /// A lateral is as thick where it begins as at its first node, but where the wood of an axis that ended
+    /// [runs on](Forks::runs_on) into it.
+    fn lower_radius(&self, (axis, runs_on): (&Axis, bool), [from, to]: [u32; 2]) -> f32 {
+        self.radii[if from == axis.parent && !runs_on { to } else { from } as usize]
     }
 
     /// The two nodes of each segment of an axis, base to apex, from the node that the axis leaves from.

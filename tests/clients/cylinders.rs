@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use linden::grow::grow;
 use linden::preset::builtins;
+use linden::skeleton::Forks;
 use linden::{DVec3, NO_PARENT, Quiet, Skeleton};
 use linden_tests::fixtures::{RECIPE, export, scene};
 use linden_tests::presets::recipe;
@@ -54,10 +55,13 @@ fn table(skeleton: Arc<Skeleton>, options: &[(&str, &str)]) -> String {
     fs::read_to_string(target).unwrap()
 }
 
-/// Frusta between the radii of a segment's nodes, a lateral's first as thick as its first node.
+/// Frusta between the radii of a segment's nodes, a lateral's first as thick as its first node, but where an
+/// axis that ended goes on.
 fn frusta_m3(skeleton: &Skeleton) -> f64 {
     let mut bases = vec![false; skeleton.positions.len()];
-    for axis in skeleton.axes.iter().filter(|axis| axis.parent != NO_PARENT) {
+    let forks = Forks::new(skeleton);
+    let laterals = (0..).zip(&skeleton.axes).filter(|(_, axis)| axis.parent != NO_PARENT);
+    for (_, axis) in laterals.filter(|(index, _)| !forks.runs_on(*index)) {
         bases[skeleton.nodes_of(axis)[0] as usize] = true;
     }
     let of = |node: usize| {

@@ -5,7 +5,7 @@ use linden::grow::grow as grow_recipe;
 use linden::lsystem::{derive_string, grow};
 use linden::preset::{LSystem, builtins};
 use linden::recipe::Recipe;
-use linden::skeleton::{Axis, AxisRule, Wood};
+use linden::skeleton::{Axis, AxisRule, Forks, Wood};
 use linden::{Edge, NO_PARENT, Quiet, Skeleton};
 
 /// Of each segment, in the order of the string: its axis, numbered as axes begin, and the order of that.
@@ -124,6 +124,30 @@ fn an_axis_ends_where_all_is_bracketed() {
     // From one foot: what is not bracketed is the stem.
     let foot: Vec<_> = axes_of("[+F][-FF]FFF").iter().map(|axis| (axis.order, axis.len)).collect();
     assert_eq!(foot, [(0, 4), (1, 1), (1, 2)]);
+}
+
+#[test]
+fn wood_runs_on_where_an_axis_ended() {
+    let forks_of = |axiom: &str| {
+        let skeleton = Skeleton::build(crate::drawn(axiom, 45.0), &Wood::default()).unwrap();
+        let forks = Forks::new(&skeleton);
+        let onward: Vec<u32> = (0..skeleton.axes.len() as u32).filter(|&axis| forks.runs_on(axis)).collect();
+        let ends: Vec<u32> = (0..skeleton.parents.len() as u32).filter(|&node| forks.ends_at(node)).collect();
+        (ends, onward)
+    };
+    // Into the thickest, else the straightest, else the first.
+    assert_eq!(forks_of("!(1)F[+!(0.5)F][-!(0.6)FF]"), (vec![1], vec![2]));
+    assert_eq!(forks_of("F[+F][+(10)F]"), (vec![1], vec![2]));
+    assert_eq!(forks_of("F[+F][-F]"), (vec![1], vec![1]));
+    assert_eq!(forks_of("F[+F]F[-F]F"), (vec![], vec![]));
+    // A cone's frustum from the end of the stem: of radii 1/2 and 1/4 and of length 1.
+    let branching = crate::drawn("!(1)F[+!(0.5)F][-!(0.4)F]", 45.0);
+    let radii: Vec<f64> = branching.radii.iter().flatten().map(|&radius| f64::from(radius)).collect();
+    let skeleton = Skeleton::build(branching, &Wood::default()).unwrap();
+    let cylinder = skeleton.cylinders()[1];
+    let frustum = (radii[1].powi(2) + radii[1] * radii[2] + radii[2].powi(2)) / 3.0;
+    assert!((f64::from(cylinder.radius_m).powi(2) / frustum - 1.0).abs() < 1e-5);
+    assert_eq!(skeleton.cylinders()[2].end_radii_m, [skeleton.radii[3]; 2]);
 }
 
 #[test]

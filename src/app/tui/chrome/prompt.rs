@@ -103,6 +103,11 @@ pub fn edit(input: &mut Input, key: KeyEvent) -> bool {
     if !CTRL_ALT_TYPES && key.modifiers.contains(KeyModifiers::CONTROL | KeyModifiers::ALT) {
         return false;
     }
+    // Nothing can be selected: with Shift, keys that move the cursor move it.
+    let key = match key.code {
+        KeyCode::Char(_) => key,
+        _ => KeyEvent { modifiers: key.modifiers - KeyModifiers::SHIFT, ..key },
+    };
     let word = match (key.code, key.modifiers) {
         // Words with Alt too, as terminals on a Mac send them.
         (KeyCode::Left | KeyCode::Char('b'), KeyModifiers::ALT) => Some(InputRequest::GoToPrevWord),
@@ -170,6 +175,14 @@ mod tests {
         let held = KeyModifiers::CONTROL | KeyModifiers::ALT;
         assert!(!edit(&mut input, KeyEvent::new(KeyCode::Char('x'), held)));
         assert!(edit(&mut input, KeyEvent::new(KeyCode::Char('X'), KeyModifiers::SHIFT)));
+        let end = input.cursor();
+        for (code, cursor) in
+            [(KeyCode::Home, 0), (KeyCode::Right, 1), (KeyCode::End, end), (KeyCode::Left, end - 1)]
+        {
+            assert!(!edit(&mut input, KeyEvent::new(code, KeyModifiers::SHIFT)), "moving changes no text");
+            assert_eq!(input.cursor(), cursor, "Shift {code:?}");
+        }
+        edit(&mut input, KeyEvent::new(KeyCode::End, KeyModifiers::NONE));
         assert_eq!(input.value(), "aX");
     }
 
