@@ -189,7 +189,7 @@ numbers! {
         "of the stem that is thickest at its foot, trunk_diameter_at_m above it; between nodes by linear interpolation of their radii"
         ("") = |f| f.measures.trunk_diameter_m;
     trunk_diameter_at_m: f64, Stem "measured at" ["m"] Wood
-        "where trunk_diameter_m is measured, along the stem from its foot: 1.3, or 0 for a stem that is shorter"
+        "where trunk_diameter_m is measured, from the foot along the stem and, where a grammar ends that at a fork, along the thickest of what leaves there: 1.3, or 0 for a stem that is shorter"
         ("") = |f| f.measures.trunk_diameter_at_m;
     dbh_m: Option<f64>, Stem "at breast height" ["m"] Wood
         "diameter at breast height: trunk_diameter_m where that is at 1.3 m, null for a shorter stem"

@@ -635,7 +635,7 @@ fn estimates_are_on_screen_for_what_is_ticked() {
     let triangles = scene.parts.iter().map(|part| part.mesh.triangles.len() as u64).sum::<u64>();
     assert_eq!(estimate.triangles, triangles);
     let text = bench.text(100, 30);
-    assert!(text.contains("2 500 triangles, about 769 KiB"), "{text}");
+    assert!(text.contains("2 500 triangles, about 770 KiB"), "{text}");
     // One of an older tree is not told.
     bench.model.tree.as_mut().unwrap().set("seed", "99", Instant::now()).unwrap();
     let text = bench.text(100, 30);
