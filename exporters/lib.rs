@@ -161,7 +161,7 @@ mod tests {
         let said = find("gtlf").err().unwrap().to_string();
         assert_eq!(
             said,
-            "no export format is called 'gtlf' (did you mean 'gltf'?); there are: obj, ply, ply-skeleton, gltf, glb, usda, usdz, qsm, stl"
+            "no export format is called 'gtlf' (did you mean 'gltf'?); there are: obj, ply, ply-skeleton, gltf, glb, usda, usdz, qsm, mtg, stl"
         );
         let said = for_path(Path::new("fir.usdc")).err().unwrap().to_string();
         assert!(said.contains("did you mean '.usda'?") && said.contains(".glb"), "{said}");
