@@ -54,6 +54,7 @@ impl Skeleton {
     /// #     parents: vec![NO_PARENT, 0, 1, 1],
     /// #     births: vec![0; 4],
     /// #     radii: None,
+    /// #     edges: None,
     /// # };
     /// let tree = Skeleton::build(fork, &Default::default())?; // 0 - 1 - 2 and 1 - 3
     /// let children = tree.children();
@@ -110,6 +111,7 @@ impl Skeleton {
     /// #     parents: vec![NO_PARENT, 0, 1, 1],
     /// #     births: vec![0; 4],
     /// #     radii: None,
+    /// #     edges: None,
     /// # };
     /// let tree = Skeleton::build(fork, &Default::default())?; // 2 m up; at 1 m a lateral of 3 m
     /// assert_eq!(tree.tips(), [2, 3]);
@@ -168,6 +170,7 @@ impl Skeleton {
     /// #     parents: vec![NO_PARENT, 0, 1, 1],
     /// #     births: vec![0; 4],
     /// #     radii: None,
+    /// #     edges: None,
     /// # };
     /// let tree = Skeleton::build(fork, &Default::default())?; // 2 m up; at 1 m a lateral of 3 m
     /// let streams = tree.streams();
@@ -207,6 +210,7 @@ impl Skeleton {
     /// #     parents: vec![NO_PARENT, 0, 1, 1],
     /// #     births: vec![0; 4],
     /// #     radii: None,
+    /// #     edges: None,
     /// # };
     /// let tree = Skeleton::build(fork, &Default::default())?; // a lateral leaves square
     /// let angles = tree.branching_angles();

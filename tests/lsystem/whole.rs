@@ -24,6 +24,15 @@ fn derived(definition: &Definition, derivations: u32, seed: u64) -> Option<(u32,
     last.filter(|(_, string)| string.len() < 4000)
 }
 
+#[test]
+fn conditions_that_are_written_otherwise_share_no_chance() {
+    for (first, second) in [("-0 >= 2", "0 >= 2"), ("1 > 0", "1 > 0 + 0")] {
+        let rules = [format!("A : {first} -> B"), format!("A : {second} -> C")];
+        assert!(Grammar::new("A", &rules).is_ok(), "{rules:?}");
+    }
+    assert!(Grammar::new("A", &["A : 0 >= 2 -> B", "A : (0) >= 2 -> C"]).is_err());
+}
+
 fn compare(random: &mut Random, derivations: u32, seed: u64) -> Result<(), TestCaseError> {
     let definition = random.definition();
     let grammar = grammar(&definition);

@@ -106,6 +106,9 @@ pub(super) fn wood(
             thick.push(ThickAxis { layer, color, line: line.clone(), is_lateral });
         }
     }
+    let bytes = bytes_grown::<Place>(places_kept) + bytes_grown::<ThickAxis>(thick.len());
+    ledger.take(bytes - bytes_held)?;
+    bytes_held = bytes;
     // Equal colours in one shape: fewer to draw, fewer to write.
     thick.sort_by_key(|axis| (axis.layer, axis.color));
     for ((_, color, class), bundle) in thin {
@@ -135,8 +138,10 @@ pub(super) fn wood(
             });
         }
     }
-    ledger.give_back(bytes_held);
-    ledger.take(drawing.bytes())?;
+    // Both are there at once, and the points were twice while their list grew the last time.
+    let growing = drawing.bytes() / 2;
+    ledger.take(drawing.bytes() + growing)?;
+    ledger.give_back(bytes_held + growing);
     Ok(())
 }
 

@@ -188,6 +188,8 @@ impl Expression {
     pub(super) fn is_same(&self, other: &Self) -> bool {
         let same = |(a, b): (&Token, &Token)| match (a, b) {
             (Token::Parameter(a, _), Token::Parameter(b, _)) => a == b,
+            // 0 and -0 are written otherwise.
+            (Token::Number(a), Token::Number(b)) => a.to_bits() == b.to_bits(),
             _ => a == b,
         };
         self.tokens.len() == other.tokens.len() && self.tokens.iter().zip(&other.tokens).all(same)
