@@ -72,7 +72,9 @@ impl Exporter for Qsm {
         let scene = validate::single_tree(stage, FORMAT.id, monitor)?;
         let nodes = scene.skeleton.positions.len();
         let forks = Forks::bytes_for(&scene.skeleton);
-        let more = forks + bytes_of::<(Cylinder, Option<u32>)>(nodes) + records::bytes(nodes);
+        // Rows are longer than most records.
+        let text = records::bytes(nodes) * 3 / 2;
+        let more = forks + bytes_of::<(Cylinder, Option<u32>)>(nodes) + text;
         memory::admit(stage, &[], more, monitor)?;
         let mut head = String::new();
         if options.is_on("comments") {
