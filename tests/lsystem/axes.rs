@@ -145,8 +145,9 @@ fn wood_runs_on_where_an_axis_ended() {
     let radii: Vec<f64> = branching.radii.iter().flatten().map(|&radius| f64::from(radius)).collect();
     let skeleton = Skeleton::build(branching, &Wood::default()).unwrap();
     let cylinder = skeleton.cylinders()[1];
-    let frustum = (radii[1].powi(2) + radii[1] * radii[2] + radii[2].powi(2)) / 3.0;
-    assert!((f64::from(cylinder.radius_m).powi(2) / frustum - 1.0).abs() < 1e-5);
+    let (lower, upper, radius) = (radii[1], radii[2], f64::from(cylinder.radius_m));
+    let frustum = (lower * lower + lower * upper + upper * upper) / 3.0;
+    assert!((radius * radius / frustum - 1.0).abs() < 1e-5);
     assert_eq!(skeleton.cylinders()[2].end_radii_m, [skeleton.radii[3]; 2]);
 }
 
