@@ -237,12 +237,7 @@ impl Exporter for PlySkeleton {
         // Orders and edges stay while records are formatted; the edges grew one by one.
         let more = bytes_of::<u32>(nodes) + bytes_grown::<[u32; 2]>(nodes) + records::bytes(nodes);
         memory::admit(stage, &[], more, monitor)?;
-        let mut orders = vec![0; nodes];
-        for axis in &skeleton.axes {
-            for &node in skeleton.nodes_of(axis) {
-                orders[node as usize] = axis.order;
-            }
-        }
+        let orders = skeleton.orders();
         let edges: Vec<[u32; 2]> = (0..)
             .zip(&skeleton.parents)
             .filter(|&(_, &parent)| parent != NO_PARENT)

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use glam::DVec3;
 use linden_base::memory::bytes_of;
 
+use super::radii::by_axis;
 use super::{NO_PARENT, Skeleton};
 
 /// The children of all nodes, in one list.
@@ -85,11 +86,7 @@ impl Skeleton {
 
     /// The axis of each node, as an index of [`Skeleton::axes`].
     pub fn axis_of_nodes(&self) -> Vec<u32> {
-        let mut axis_of = vec![0; self.positions.len()];
-        for (index, axis) in (0..).zip(&self.axes) {
-            self.nodes_of(axis).iter().for_each(|&node| axis_of[node as usize] = index);
-        }
-        axis_of
+        by_axis::axis_of(&self.axes, &self.axis_nodes)
     }
 
     /// The order of each node's axis: 0 on stems.

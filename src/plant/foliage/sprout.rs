@@ -342,8 +342,8 @@ impl Task<'_> {
             })?;
         }
         let is_tip = skeleton.nodes_of(axis).last().is_none_or(|apex| !forks.ends_at(*apex));
-        let is_bare = begun.length_m <= begun.covered_m || !is_tip;
-        if let Some(apex) = walk.apex(*young, skeleton).filter(|_| kind.terminal && !is_bare) {
+        let is_bare = begun.length_m <= begun.covered_m;
+        if let Some(apex) = walk.apex(*young, skeleton).filter(|_| kind.terminal && is_tip && !is_bare) {
             each(&apex, 0, turn)?;
         }
         Ok(())

@@ -77,7 +77,7 @@ pub(crate) fn keys(axes: &[Axis], axis_nodes: &[u32], key: Key) -> Vec<Key> {
 }
 
 /// Which axis each node stands in.
-pub(super) fn axis_of(axes: &[Axis], axis_nodes: &[u32]) -> Vec<u32> {
+pub(crate) fn axis_of(axes: &[Axis], axis_nodes: &[u32]) -> Vec<u32> {
     let mut of = vec![0; axis_nodes.len()];
     for (index, axis) in axes.iter().enumerate() {
         for &node in nodes(axis, axis_nodes) {
