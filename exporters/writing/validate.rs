@@ -265,6 +265,7 @@ mod tests {
                 births: vec![0, 1],
                 axes: vec![linden_pipeline::skeleton::Axis { order: 0, parent: NO_PARENT, first: 0, len: 2 }],
                 axis_nodes: vec![0, 1],
+                ..Skeleton::default()
             }),
         }
     }

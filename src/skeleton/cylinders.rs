@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 
-use super::{Axis, Forks, NO_PARENT, Skeleton};
+use super::{Axis, Forks, NO_PARENT, Skeleton, WidthSteps};
 
 /// One segment as a cylinder; metres, Y up.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -117,9 +117,10 @@ impl Skeleton {
     }
 
     /// A lateral is as thick where it begins as at its first node, but where the wood of an axis that ended
-    /// [runs on](Forks::runs_on) into it.
+    /// [runs on](Forks::runs_on) into it; where radii go in steps, all segments are.
     fn lower_radius(&self, (axis, runs_on): (&Axis, bool), [from, to]: [u32; 2]) -> f32 {
-        self.radii[if from == axis.parent && !runs_on { to } else { from } as usize]
+        let is_even = self.width_steps == WidthSteps::Cylinder || (from == axis.parent && !runs_on);
+        self.radii[if is_even { to } else { from } as usize]
     }
 
     /// The two nodes of each segment of an axis, base to apex, from the node that the axis leaves from.

@@ -23,10 +23,10 @@ use linden_base::random::Key;
 
 pub use axes::Forks;
 pub use cylinders::Cylinder;
-pub use measure::Measures;
+pub use measure::{BREAST_HEIGHT_M, Measures};
 pub use radii::axes_by_tips;
 pub use radii::pipe::count_tips;
-pub use radii::{AxisRule, Span, Width, Wood};
+pub use radii::{AxisRule, Span, Width, WidthSteps, Wood};
 pub use topology::{BranchingAngle, Children, Streams, ratio_of_orders};
 
 /// The parent of a node that stands at the foot of a stem.
@@ -90,6 +90,8 @@ pub struct Skeleton {
     pub axes: Vec<Axis>,
     /// Node indices, axis by axis, base to apex. Each node stands here once.
     pub axis_nodes: Vec<u32>,
+    /// How the radius goes from node to node.
+    pub width_steps: WidthSteps,
 }
 
 /// Why a branching is no tree. A generator that returns such a thing has a bug, but callers of the
@@ -231,7 +233,7 @@ impl Skeleton {
         let edges = edges.filter(|_| wood.axes != AxisRule::Thickest);
         let Built { axes, axis_nodes, radii } =
             radii::build(&positions, &parents, given, edges.as_deref(), wood, key);
-        Ok(Self { positions, parents, radii, births, axes, axis_nodes })
+        Ok(Self { positions, parents, radii, births, axes, axis_nodes, width_steps: wood.width_steps })
     }
 
     /// The nodes of an axis, base to apex.
@@ -268,6 +270,9 @@ impl Skeleton {
         feed(&mut self.births.iter().copied());
         feed(&mut self.axes.iter().flat_map(|a| [a.order, a.parent, a.first, a.len]));
         feed(&mut self.axis_nodes.iter().copied());
+        if self.width_steps == WidthSteps::Cylinder {
+            feed(&mut std::iter::once(1));
+        }
         hasher.update(&block);
         hasher.digest128()
     }

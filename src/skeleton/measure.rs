@@ -1,13 +1,13 @@
 //! What a forester would measure.
 
-use super::{Axis, Forks, NO_PARENT, Skeleton};
+use super::{Axis, Forks, NO_PARENT, Skeleton, WidthSteps};
 use glam::DVec2;
 use linden_base::hull::HullPolygon;
 use linden_base::mesh::Bounds;
 use rayon::prelude::*;
 
 /// Breast height, where trunks are measured by convention.
-const BREAST_HEIGHT_M: f64 = 1.3;
+pub const BREAST_HEIGHT_M: f64 = 1.3;
 
 /// Nodes whose hull is taken at once.
 const NODES_PER_PIECE: usize = 1 << 13;
@@ -21,7 +21,7 @@ pub struct Measures {
     pub height_m: f64,
     /// Seen from above, the distance of two parallel lines that enclose all nodes, averaged over all directions.
     pub crown_width_m: f64,
-    /// Of the thickest stem, [`Measures::trunk_diameter_at_m`] above its foot.
+    /// Of the thickest stem, [`Measures::trunk_diameter_at_m`] above its foot; of the skeleton, without a flare.
     pub trunk_diameter_m: f64,
     /// Where that is measured: 1.3 along the stem, 0 for a stem that is shorter.
     pub trunk_diameter_at_m: f64,
@@ -69,23 +69,33 @@ impl Skeleton {
     }
 
     /// The stem that is thickest at its foot, and that foot's radius.
-    fn thickest_stem(&self) -> Option<(&Axis, f64)> {
-        let foot_radius = |axis: &Axis| f64::from(self.radii[self.nodes_of(axis)[0] as usize]);
-        let stems = self.axes.iter().filter(|axis| axis.parent == NO_PARENT);
-        stems.map(|axis| (axis, foot_radius(axis))).max_by(|a, b| a.1.total_cmp(&b.1))
+    fn thickest_stem(&self) -> Option<(u32, f64)> {
+        let foot_radius = |axis: &Axis| {
+            let nodes = self.nodes_of(axis);
+            let steps = self.width_steps == WidthSteps::Cylinder;
+            let node = nodes.get(1).filter(|_| steps).unwrap_or(&nodes[0]);
+            f64::from(self.radii[*node as usize])
+        };
+        let stems = (0..).zip(&self.axes).filter(|(_, axis)| axis.parent == NO_PARENT);
+        stems.map(|(index, axis)| (index, foot_radius(axis))).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// The nodes of a stem, and of the axes that its wood runs on into.
-    fn trunk(&self, stem: &Axis) -> Vec<u32> {
-        let mut trunk = self.nodes_of(stem).to_vec();
+    /// The stem that is thickest at its foot, and the axes that its wood runs on into, from the foot up: indices
+    /// into [`Skeleton::axes`].
+    pub fn trunk(&self) -> Vec<u32> {
+        let Some((stem, _)) = self.thickest_stem() else { return Vec::new() };
+        let mut trunk = vec![stem];
         let forks = Forks::new(self);
         if forks.is_empty() {
             return trunk;
         }
+        let apex = |axis: &Axis| self.nodes_of(axis).last().copied();
+        let mut top = apex(&self.axes[stem as usize]);
         // Laterals come after what bears them.
         for (index, axis) in (0..).zip(&self.axes) {
-            if trunk.last() == Some(&axis.parent) && forks.runs_on(index) {
-                trunk.extend_from_slice(self.nodes_of(axis));
+            if top == Some(axis.parent) && forks.runs_on(index) {
+                trunk.push(index);
+                top = apex(axis);
             }
         }
         trunk
@@ -97,18 +107,20 @@ impl Skeleton {
 
     /// Where the trunk's diameter is measured, and the diameter.
     fn trunk_diameter(&self) -> (f64, f64) {
-        let Some((stem, foot_radius)) = self.thickest_stem() else { return (0.0, 0.0) };
         let mut along = 0.0;
-        for pair in self.trunk(stem).windows(2) {
+        let axes = self.trunk().into_iter().map(|axis| &self.axes[axis as usize]);
+        let nodes: Vec<u32> = axes.flat_map(|axis| self.nodes_of(axis)).copied().collect();
+        for pair in nodes.windows(2) {
             let length = self.segment_length(pair[1] as usize);
             if along + length >= BREAST_HEIGHT_M && length > 0.0 {
                 let t = (BREAST_HEIGHT_M - along) / length;
                 let [below, above] = [pair[0], pair[1]].map(|n| f64::from(self.radii[n as usize]));
+                let below = if self.width_steps == WidthSteps::Cylinder { above } else { below };
                 return (BREAST_HEIGHT_M, 2.0 * (below + (above - below) * t));
             }
             along += length;
         }
-        (0.0, 2.0 * foot_radius)
+        (0.0, self.base_diameter_m())
     }
 }
 

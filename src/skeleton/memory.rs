@@ -124,7 +124,7 @@ impl Skeleton {
 
     /// Bytes that it takes, reserved places included.
     pub fn bytes(&self) -> u64 {
-        let Self { positions, parents, radii, births, axes, axis_nodes } = self;
+        let Self { positions, parents, radii, births, axes, axis_nodes, width_steps: _ } = self;
         bytes_of::<[f32; 3]>(positions.capacity())
             + bytes_of::<u32>(
                 parents.capacity() + radii.capacity() + births.capacity() + axis_nodes.capacity(),

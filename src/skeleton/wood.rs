@@ -4,7 +4,7 @@ use linden_base::field;
 use linden_base::knob::{Field, Kind, Knob, Value, integer, real, real_or_auto};
 
 use crate::refine::{Refinement, STEPS, Step};
-use crate::{AxisRule, Width, Wood};
+use crate::{AxisRule, Width, WidthSteps, Wood};
 
 /// The names of all steps of refinement.
 const STEP_NAMES: [&str; STEPS.len()] = {
@@ -52,6 +52,20 @@ impl Wood {
                  grammar wrote."
             ),
             see_also(&["width", "order_ratio", "radius_exponent"])
+        ),
+        field!(
+            "width_steps",
+            Kind::Choice(WidthSteps::WORDS),
+            "",
+            "how the radius goes from node to node: evenly (taper), or in a step at each node (cylinder)",
+            width_steps,
+            details(
+                "With cylinder each segment is as thick all along as the node that it ends in: !(1)F!(0.5)F \
+                 of a grammar is a cylinder on a cylinder, a table of cylinders has the radii that were \
+                 asked for, and volumes are sums of π r² l to the last digit. taper draws wood as it grows, \
+                 and what stands above a fork is spread along it by width_smoothing."
+            ),
+            see_also(&["width", "width_smoothing", "segment_width"])
         ),
         field!(
             "base_radius",

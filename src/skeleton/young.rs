@@ -65,7 +65,7 @@ impl Skeleton {
         let parents: Vec<u32> = nodes.iter().map(parent).collect();
         let Built { axes, axis_nodes, radii } =
             radii::build_young(self, &nodes, &positions, &parents, wood, key);
-        Self { positions, parents, radii, births, axes, axis_nodes }
+        Self { positions, parents, radii, births, axes, axis_nodes, width_steps: self.width_steps }
     }
 
     /// How each of some nodes is joined to its parent.

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """The numbers of `report.json` of each folder, computed again from the files beside it: numpy and trimesh.
 
-Wood from the table of cylinders (`tree.csv`), crowns and leaves from the mesh (`tree.glb`) and its pictures.
+Lengths and topology from the table of cylinders (`tree.csv`); volumes and diameters of wood, crowns and leaves
+from the mesh (`tree.glb`) and its pictures.
 """
 
 import csv
@@ -14,7 +15,7 @@ import numpy as np
 import trimesh
 
 TOLERANCE = 0.01
-COLUMNS = ["parent", "branch_order", "position_in_branch", "length_m", "radius_m"]
+COLUMNS = ["parent", "branch", "start_radius_m", "branch_order", "position_in_branch", "length_m", "radius_m"]
 COLUMNS += [f"start_{axis}_m" for axis in "xyz"] + [f"axis_{axis}" for axis in "xyz"]
 
 
@@ -25,17 +26,13 @@ def cylinders(path):
 
 
 def wood(rows, found):
-    """Lengths, volumes, areas and the topology by walking down from the tips."""
+    """Lengths, the cylinders' volume and the topology by walking down from the tips."""
     length = np.array([row["length_m"] for row in rows])
     radius = np.array([row["radius_m"] for row in rows])
     order = np.array([int(row["branch_order"]) for row in rows])
     found["total_length_m"] = length.sum()
-    volume, area = np.pi * radius**2 * length, 2 * np.pi * radius * length
-    found["wood_volume_m3"], found["wood_area_m2"] = volume.sum(), area.sum()
-    for name, values in [("length_by_order_m", length), ("wood_volume_by_order_m3", volume), ("wood_area_by_order_m2", area)]:
-        found[name] = np.bincount(order, weights=values)
-    ends = [0.01, 0.02, 0.04, 0.07, 0.1, 0.2, 0.5]
-    found["wood_volume_by_diameter_m3"] = np.bincount(np.digitize(2 * radius, ends), weights=volume, minlength=8)
+    found["cylinder_volume_m3"] = (np.pi * radius**2 * length).sum()
+    found["length_by_order_m"] = np.bincount(order, weights=length)
 
     start = np.array([[row[f"start_{axis}_m"] for axis in "xyz"] for row in rows])
     axis = np.array([[row[f"axis_{axis}"] for axis in "xyz"] for row in rows])
@@ -75,6 +72,48 @@ def wood(rows, found):
         of = order[laterals]
         found["branching_angle_by_order_deg"] = [angles[of == o].mean() for o in range(1, order.max() + 1)]
     return np.vstack([start, end])
+
+
+def tubes(mesh, rows, found):
+    """Volumes of the wood's mesh: each axis is a closed piece of it, in the order of the axes."""
+    corners, same = np.unique(mesh.vertices, axis=0, return_inverse=True)
+    faces = same.reshape(-1)[mesh.faces]
+    piece = trimesh.graph.connected_component_labels(
+        np.vstack([faces[:, :2], faces[:, 1:]]), node_count=len(corners))[faces[:, 0]]
+    a, b, c = (corners[faces[:, i]] for i in range(3))
+    signed = np.einsum("ij,ij->i", a, np.cross(b, c)) / 6
+    found["wood_volume_m3"] = signed.sum()
+    # A piece's first triangle says when it was written.
+    _, first, number = np.unique(piece, return_index=True, return_inverse=True)
+    order_of = {int(row["branch"]): int(row["branch_order"]) for row in rows}
+    axes = sorted(order_of)
+    if len(first) == len(axes):
+        volumes = np.bincount(number.reshape(-1), weights=signed)[np.argsort(first)]
+        found["wood_volume_by_order_m3"] = np.bincount([order_of[axis] for axis in axes], weights=volumes)
+
+
+def girth(mesh, rows, report, found):
+    """The trunk's diameter: of the circle with the area of a cut through the mesh across the stem's course."""
+    stems = [row for row in rows if row["branch_order"] == 0 and row["position_in_branch"] == 1]
+    stem = max(stems, key=lambda row: row["start_radius_m"])["branch"]
+    if report["dbh_m"] is None:
+        return
+    left = 1.3
+    for row in (row for row in rows if row["branch"] == stem):
+        if left <= row["length_m"]:
+            break
+        left -= row["length_m"]
+    else:
+        return
+    start, along = (np.array([row[f"{name}_{axis}{unit}"] for axis in "xyz"]) for name, unit in [("start", "_m"), ("axis", "")])
+    at = start + along * left
+    cut = mesh.section(plane_origin=at, plane_normal=along)
+    flat, back = cut.to_2D()
+    middle = (np.linalg.inv(back) @ np.append(at, 1))[:2]
+    # What else is cut are laterals, within the stem or far from it.
+    loops = [loop for loop in flat.discrete if np.linalg.norm(loop[:-1].mean(axis=0) - middle) < 0.5 * report["dbh_m"]]
+    areas = [abs(np.sum(p[:-1, 0] * p[1:, 1] - p[1:, 0] * p[:-1, 1])) / 2 for p in loops]
+    found["dbh_m"] = found["trunk_diameter_m"] = 2 * np.sqrt(max(areas) / np.pi)
 
 
 def row_is_first(row):
@@ -188,6 +227,9 @@ def check(folder):
     nodes = wood(rows, found)
     floor = report["_floor_m"] = nodes[:, 1].min()
     scene = trimesh.load(folder / "tree.glb", process=False)
+    bark = scene.geometry["wood"]
+    tubes(bark, rows, found)
+    girth(bark, rows, report, found)
     points = leaves(scene, report, found)
     crown(nodes, "", found)
     found["crown_projection_m2"] = plan_area(nodes) or 0.0

@@ -12,10 +12,13 @@ use linden_tests::presets::recipe;
 
 use crate::outside::{exported, run};
 
-/// Both generators; leaves as cards, twigs, curved blades, fans and tufts, of grammars, and none.
-const PLANTS: [(&str, &[(&str, &str)]); 10] = [
-    ("abop-b", &[]),
-    ("abop-honda-a", &[]),
+/// Both generators; leaves as cards, twigs, curved blades, fans and tufts, of grammars, and none; wood with flare
+/// and collars, in steps, with ends of all kinds.
+const PLANTS: [(&str, &[(&str, &str)]); 12] = [
+    ("abop-b", &[("width_steps", "cylinder")]),
+    ("abop-honda-a", &[("width_steps", "cylinder"), ("ends", "cut")]),
+    ("abop-aono-a", &[("width_smoothing", "0")]),
+    ("oak", &[("leaf_keep", "0.02"), ("flare", "0.8"), ("flare_height", "2.5"), ("flare_ridges", "5")]),
     ("dressed-honda-a", &[]),
     ("dressed-simple", &[]),
     ("simple", &[]),
@@ -33,7 +36,7 @@ fn reports_are_what_the_files_hold() {
         let folder = dir.join(id);
         fs::create_dir_all(&folder).unwrap();
         let mut recipe = recipe(builtin(id).unwrap());
-        for &(knob, value) in [("bark_size", "16")].iter().chain(settings) {
+        for &(knob, value) in [("bark_size", "16"), ("sides", "64")].iter().chain(settings) {
             recipe.preset.set(knob, value).unwrap();
         }
         let grown = grow(&recipe, &Quiet).unwrap();

@@ -28,7 +28,7 @@ fn the_gallery_shows_each_preset_as_it_is() {
         let recipe = recipe(builtin);
         let grown = grow(&recipe, &Quiet).unwrap();
         let skeleton = &grown.skeleton;
-        let surface = survey(skeleton, &recipe.preset.dressing.tubes, &Quiet).unwrap();
+        let surface = survey(skeleton, &recipe.preset.dressing.tubes, &mut |_| (), &Quiet).unwrap();
         let measures = skeleton.measures();
         let about = if preset.about.is_empty() { String::new() } else { format!("<br>{}", preset.about) };
         writeln!(

@@ -9,7 +9,7 @@ use linden_plant::settings::{Arrangement, Form, LeafKind};
 use linden_plant::surface::{Ends, Junction};
 use linden_plant::wind::Wind;
 use linden_skeleton::generator::RadiiFrom;
-use linden_skeleton::{AxisRule, Width};
+use linden_skeleton::{AxisRule, Width, WidthSteps};
 
 use super::Preset;
 
@@ -172,6 +172,12 @@ static RULES: &[Rule] = &[
         knobs: &["junction_detail"],
         why: |preset| {
             when(preset.dressing.tubes.junction != Junction::Watertight, "it is for junction=watertight")
+        },
+    },
+    Rule {
+        knobs: &["width_smoothing"],
+        why: |preset| {
+            when(preset.wood.width_steps == WidthSteps::Cylinder, "width_steps=cylinder keeps its steps")
         },
     },
     Rule {

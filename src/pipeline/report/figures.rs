@@ -10,8 +10,8 @@ use linden_base::mesh::Bounds;
 use linden_base::monitor::{Holding, Monitor};
 use linden_plant::canopy::{Canopy, canopy, projection};
 use linden_plant::detail::{DetailError, Finest};
-use linden_plant::surface::{Survey, survey};
-use linden_skeleton::{Measures, Skeleton, Streams, ratio_of_orders};
+use linden_plant::surface::{Stretch, SurfaceError, Survey, Tubes, survey};
+use linden_skeleton::{BREAST_HEIGHT_M, Measures, Skeleton, Streams, ratio_of_orders};
 
 use super::{Corners, ReportError};
 use crate::dress::finest;
@@ -28,6 +28,19 @@ pub(super) struct WoodOfOrder {
     pub length_m: f64,
     pub volume_m3: f64,
     pub area_m2: f64,
+}
+
+/// The wood as its tubes have it: with flare, collars, smoothing and taper.
+#[derive(Default)]
+pub(super) struct WoodOfTubes {
+    /// By order, from 0 on.
+    pub by_order: Vec<WoodOfOrder>,
+    /// By the classes of [`DIAMETERS_M`].
+    pub by_diameter_m3: Vec<f64>,
+    /// Of the trunk at its foot.
+    pub base_diameter_m: f64,
+    /// Of the trunk at breast height, where it gets there.
+    pub dbh_m: Option<f64>,
 }
 
 /// Mean and standard deviation of angles, degrees.
@@ -74,10 +87,7 @@ pub(super) struct Figures<'a> {
     pub path_mean_m: f64,
     pub path_longest_m: f64,
     pub streams: Vec<Streams>,
-    /// By order, from 0 on.
-    pub by_order: Vec<WoodOfOrder>,
-    /// By the classes of [`DIAMETERS_M`].
-    pub by_diameter_m3: Vec<f64>,
+    pub tubes: WoodOfTubes,
     pub angles: Angles,
     /// By the order of the lateral, from 1 on.
     pub angles_by_order: Vec<Angles>,
@@ -89,7 +99,7 @@ impl<'a> Figures<'a> {
     pub fn new(recipe: &Recipe, grown: &'a Grown, monitor: &dyn Monitor) -> Result<Self, ReportError> {
         let holding = Holding::new(monitor, grown.bytes() + recipe.inputs.bytes());
         let Finest { skeleton, organs, tubes } = finest(recipe, grown, &holding)?;
-        let survey = survey(&skeleton, &tubes, &holding)?;
+        let (survey, wood_of_tubes) = WoodOfTubes::survey(&skeleton, &tubes, &holding)?;
         // A budget may be as large as the tree.
         let is_whole = organs.len() == grown.organs.len() && tubes == recipe.preset.dressing.tubes;
         let is_reduced = !is_whole || skeleton != grown.skeleton;
@@ -117,7 +127,6 @@ impl<'a> Figures<'a> {
         let tips = skeleton.tips();
         let paths = skeleton.path_lengths_m();
         let to_tips = || tips.iter().map(|&tip| paths[tip as usize]);
-        let (by_order, by_diameter_m3) = wood_by_classes(&skeleton);
         let angles: Vec<(u32, f64)> = skeleton
             .branching_angles()
             .iter()
@@ -140,8 +149,7 @@ impl<'a> Figures<'a> {
             path_longest_m: to_tips().fold(0.0, f64::max),
             tips: tips.len(),
             streams: skeleton.streams(),
-            by_order,
-            by_diameter_m3,
+            tubes: wood_of_tubes,
             angles: Angles::of(&angles.iter().map(|(_, angle)| *angle).collect::<Vec<_>>()),
             angles_by_order: (1..=measures.max_order).map(of_order).collect(),
             floor_m,
@@ -157,8 +165,8 @@ impl<'a> Figures<'a> {
         top.max(self.measures.height_m)
     }
 
-    pub fn dbh_m(&self) -> Option<f64> {
-        (self.measures.trunk_diameter_at_m > 0.0).then_some(self.measures.trunk_diameter_m)
+    pub fn sum_of_orders(&self, of: impl Fn(&WoodOfOrder) -> f64) -> f64 {
+        self.tubes.by_order.iter().fold(0.0, |sum, order| sum + of(order))
     }
 
     pub fn crown_base_m(&self) -> Option<f64> {
@@ -218,21 +226,43 @@ impl<'a> Figures<'a> {
     }
 }
 
-/// The wood by order, and its volume by diameter: segments as cylinders.
-fn wood_by_classes(skeleton: &Skeleton) -> (Vec<WoodOfOrder>, Vec<f64>) {
-    let mut by_order: Vec<WoodOfOrder> = Vec::new();
-    let mut by_diameter = vec![0.0; DIAMETERS_M.len() + 1];
-    for (axis, length_m, radius_m) in skeleton.cylinder_sizes() {
-        let (length_m, radius_m) = (f64::from(length_m), f64::from(radius_m));
-        let order = axis.order as usize;
-        if by_order.len() <= order {
-            by_order.resize(order + 1, WoodOfOrder::default());
+impl WoodOfTubes {
+    fn survey(
+        skeleton: &Skeleton,
+        tubes: &Tubes,
+        monitor: &dyn Monitor,
+    ) -> Result<(Survey, Self), SurfaceError> {
+        let orders = skeleton.axes.iter().map(|axis| axis.order + 1).max().unwrap_or(0);
+        let mut wood = Self {
+            by_order: vec![WoodOfOrder::default(); orders as usize],
+            by_diameter_m3: vec![0.0; DIAMETERS_M.len() + 1],
+            ..Self::default()
+        };
+        let trunk = skeleton.trunk();
+        let mut climbed_m = 0.0;
+        let mut visit = |stretch: Stretch| {
+            let (volume_m3, radius_m) = (stretch.volume_m3(), stretch.radius_m());
+            let order = &mut wood.by_order[skeleton.axes[stretch.axis as usize].order as usize];
+            order.volume_m3 += volume_m3;
+            order.area_m2 += TAU * radius_m * stretch.length_m;
+            wood.by_diameter_m3[DIAMETERS_M.partition_point(|&end| end <= 2.0 * radius_m)] += volume_m3;
+            // Axes come in order, and so do those of the trunk.
+            if !stretch.is_end && trunk.binary_search(&stretch.axis).is_ok() {
+                let [lower, upper] = stretch.radii_m;
+                if climbed_m == 0.0 && wood.base_diameter_m == 0.0 {
+                    wood.base_diameter_m = 2.0 * lower;
+                }
+                if (climbed_m..climbed_m + stretch.length_m).contains(&BREAST_HEIGHT_M) {
+                    let share = (BREAST_HEIGHT_M - climbed_m) / stretch.length_m;
+                    wood.dbh_m = Some(2.0 * (lower + (upper - lower) * share));
+                }
+                climbed_m += stretch.length_m;
+            }
+        };
+        let survey = survey(skeleton, tubes, &mut visit, monitor)?;
+        for (axis, length_m, _) in skeleton.cylinder_sizes() {
+            wood.by_order[axis.order as usize].length_m += f64::from(length_m);
         }
-        let volume_m3 = TAU / 2.0 * radius_m * radius_m * length_m;
-        by_order[order].length_m += length_m;
-        by_order[order].volume_m3 += volume_m3;
-        by_order[order].area_m2 += TAU * radius_m * length_m;
-        by_diameter[DIAMETERS_M.partition_point(|&end| end <= 2.0 * radius_m)] += volume_m3;
+        Ok((survey, wood))
     }
-    (by_order, by_diameter)
 }

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::figures::Figures;
 use super::{Corners, Reading};
+use linden_skeleton::BREAST_HEIGHT_M;
 
 /// Where a number stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -81,7 +82,9 @@ impl Of {
     /// What is included.
     pub const fn includes(self) -> &'static str {
         match self {
-            Self::Wood => "the axial tree: nodes, segments and their radii; no leaves, no flare, no collars",
+            Self::Wood => {
+                "the wood: nodes and segments, and where it has a thickness the tubes that the surface makes of them; no leaves"
+            }
             Self::Leaves => {
                 "leaves of the preset and leaves, needles and polygons of the grammar; no blossom, no fruit"
             }
@@ -186,17 +189,17 @@ numbers! {
         ("") = |f| f.skeleton.segments();
 
     trunk_diameter_m: f64, Stem "diameter" ["m"] Wood
-        "of the stem that is thickest at its foot, trunk_diameter_at_m above it; between nodes by linear interpolation of their radii"
-        ("") = |f| f.measures.trunk_diameter_m;
+        "of the stem that is thickest at its foot, trunk_diameter_at_m above it, as its tube has it, with a flare that reaches there: of the circle with as much area; between two rings by linear interpolation"
+        ("") = |f| f.tubes.dbh_m.unwrap_or(f.tubes.base_diameter_m);
     trunk_diameter_at_m: f64, Stem "measured at" ["m"] Wood
         "where trunk_diameter_m is measured, from the foot along the stem and, where a grammar ends that at a fork, along the thickest of what leaves there: 1.3, or 0 for a stem that is shorter"
-        ("") = |f| f.measures.trunk_diameter_at_m;
+        ("") = |f| f.tubes.dbh_m.map_or(0.0, |_| BREAST_HEIGHT_M);
     dbh_m: Option<f64>, Stem "at breast height" ["m"] Wood
         "diameter at breast height: trunk_diameter_m where that is at 1.3 m, null for a shorter stem"
-        ("West 2015, Tree and Forest Measurement") = |f| f.dbh_m();
+        ("West 2015, Tree and Forest Measurement") = |f| f.tubes.dbh_m;
     base_diameter_m: f64, Stem "at the foot" ["m"] Wood
-        "twice the radius of the foot of the stem that is thickest there"
-        ("") = |f| f.measures.base_diameter_m;
+        "of the stem that is thickest at its foot, there, as its tube has it, with its flare"
+        ("") = |f| f.tubes.base_diameter_m;
 
     crown_width_m: f64, Crown "width" ["m"] Wood
         "the distance of two parallel upright planes that enclose all nodes, averaged over all directions: perimeter of their convex hull seen from above ÷ π"
@@ -233,23 +236,26 @@ numbers! {
         ("US Forest Service, FIA Field Guide, uncompacted live crown ratio: the lowest live foliage") = |f| f.crown_base_m();
 
     wood_volume_m3: f64, Wood "volume" ["m³"] Wood
-        "the sum of π r² l over all segments as cylinders, each with the volume of the frustum between its nodes' radii; overlaps at forks are counted twice"
-        ("Raumonen et al. 2013, Fast automatic precision tree models from terrestrial laser scanner data") = |f| f.measures.wood_volume_m3;
+        "the sum of π r² l over the tubes of all axes between each two of their rings, as cylinders with the volume of the frustum, round, with flare, collars, smoothing, taper and ends, as the mesh has them; a lateral begins on its parent's centre line, and what overlaps at forks is counted twice"
+        ("Raumonen et al. 2013, Fast automatic precision tree models from terrestrial laser scanner data") = |f| f.sum_of_orders(|order| order.volume_m3);
+    cylinder_volume_m3: f64, Wood "volume of cylinders" ["m³"] Wood
+        "the sum of π r² l over the cylinders of a table (format qsm), one for each segment: the skeleton alone, without flare, collars, smoothing and taper of twigs"
+        ("Raumonen et al. 2013") = |f| f.measures.wood_volume_m3;
     wood_area_m2: f64, Wood "surface" ["m²"] Wood
-        "the sum of 2 π r l over the same cylinders, ends not counted"
-        ("Raumonen et al. 2013") = |f| f.by_order.iter().fold(0.0, |sum, order| sum + order.area_m2);
+        "the sum of 2 π r l over the same cylinders as wood_volume_m3"
+        ("Raumonen et al. 2013") = |f| f.sum_of_orders(|order| order.area_m2);
     length_by_order_m: Vec<f64>, Wood "length by order" ["m"] Wood
         "total length of the axes of each order, from order 0 (stems) on"
-        ("") = |f| f.by_order.iter().map(|order| order.length_m).collect();
+        ("") = |f| f.tubes.by_order.iter().map(|order| order.length_m).collect();
     wood_volume_by_order_m3: Vec<f64>, Wood "volume by order" ["m³"] Wood
         "wood_volume_m3 of the axes of each order"
-        ("") = |f| f.by_order.iter().map(|order| order.volume_m3).collect();
+        ("") = |f| f.tubes.by_order.iter().map(|order| order.volume_m3).collect();
     wood_area_by_order_m2: Vec<f64>, Wood "surface by order" ["m²"] Wood
         "wood_area_m2 of the axes of each order"
-        ("") = |f| f.by_order.iter().map(|order| order.area_m2).collect();
+        ("") = |f| f.tubes.by_order.iter().map(|order| order.area_m2).collect();
     wood_volume_by_diameter_m3: Vec<f64>, Wood "volume by diameter" ["m³"] Wood
         "wood_volume_m3 of cylinders of a diameter below 1, 2, 4, 7, 10, 20, 50 cm, and from 50 cm on: each class begins where the one before ends; from 7 cm on wood counts as merchantable"
-        ("Pretzsch 2009") = |f| f.by_diameter_m3.clone();
+        ("Pretzsch 2009") = |f| f.tubes.by_diameter_m3.clone();
 
     axes: usize, Branching "axes" [""] Wood
         "chains of segments from a base to an apex: stems and laterals"

@@ -102,6 +102,7 @@ impl<'a> Wood<'a> {
             parents: Vec::with_capacity(kept),
             axes: Vec::new(),
             axis_nodes: Vec::with_capacity(kept),
+            width_steps: whole.width_steps,
         };
         // Where a node is in the thinner tree, or else the nearest node below it that stays.
         let mut new = vec![NO_PARENT; keep.len()];

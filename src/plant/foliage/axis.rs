@@ -6,7 +6,7 @@
 
 use glam::{Quat, Vec3};
 
-use linden_skeleton::{Axis, NO_PARENT, Skeleton};
+use linden_skeleton::{Axis, NO_PARENT, Skeleton, WidthSteps};
 
 /// Wood on which leaves may grow.
 #[derive(Clone, Copy, Debug)]
@@ -43,6 +43,8 @@ pub(super) struct Place {
 #[derive(Default)]
 pub(super) struct Walk {
     stations: Vec<Station>,
+    /// Whether segments are as thick all along as where they end.
+    is_stepped: bool,
 }
 
 #[derive(Clone, Copy)]
@@ -68,6 +70,7 @@ impl Walk {
     /// the arc length at which it leaves its parent's wood.
     pub fn begin(&mut self, skeleton: &Skeleton, axis: &Axis) -> Option<Begun> {
         self.stations.clear();
+        self.is_stepped = skeleton.width_steps == WidthSteps::Cylinder;
         let nodes = skeleton.nodes_of(axis);
         let &first = nodes.first()?;
         let at = |node: u32| skeleton.positions[node as usize];
@@ -214,7 +217,11 @@ impl Walk {
         Place {
             number,
             center: a.position.lerp(b.position, share),
-            radius_m: a.radius_m + (b.radius_m - a.radius_m) * share,
+            radius_m: if self.is_stepped {
+                b.radius_m
+            } else {
+                a.radius_m + (b.radius_m - a.radius_m) * share
+            },
             tangent: b.tangent,
             side: b.side,
             node: b.node,

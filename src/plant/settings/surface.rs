@@ -35,6 +35,19 @@ impl Tubes {
             see_also(&["sides", "subdivisions", "triangles"])
         ),
         field!(
+            "width_smoothing",
+            real(0.0, 100.0),
+            "",
+            "over how many radii the surface spreads a change of the radius; 0: from one node to the next",
+            width_smoothing,
+            details(
+                "The pipe model ends a limb's share of the trunk all at once above its fork; wood takes a few \
+                 diameters for it. 2 does, 0 leaves each node the radius that the skeleton has, 10 makes \
+                 trunks that taper evenly. width_steps=cylinder keeps its steps."
+            ),
+            see_also(&["width_steps", "rings", "radius_exponent"])
+        ),
+        field!(
             "bark_tile",
             real(0.01, 100.0),
             "m",

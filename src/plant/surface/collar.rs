@@ -171,7 +171,7 @@ impl Collar {
             let t = if squared > 0.0 { (from.dot(along) / squared).clamp(0.0, 1.0) } else { 0.0 };
             let out = from - along * t;
             let length = out.length();
-            let distance = length - (pair[0].radius + (pair[1].radius - pair[0].radius) * t);
+            let distance = length - (pair[0].onward + (pair[1].radius - pair[0].onward) * t);
             if distance < nearest.0 {
                 nearest = (distance, if length > 0.0 { out / length } else { Vec3::ZERO });
             }
@@ -194,9 +194,8 @@ fn at(stations: &[Station], along_m: f32) -> (Vec3, f32, Vec3) {
         let length = from.position.distance(to.position);
         let direction = (to.position - from.position).normalize_or(Vec3::Y);
         if along_m <= start + length && length > 0.0 {
-            let t = (along_m - start) / length;
-            let radius = from.radius + (to.radius - from.radius) * t;
-            return (from.position.lerp(to.position, t), radius, direction);
+            let here = from.toward(&to, (along_m - start) / length);
+            return (here.position, here.radius, direction);
         }
         start += length;
         last = (to.position, to.radius, direction);

@@ -24,7 +24,7 @@ pub(super) fn subdivide(stations: &mut Vec<Station>, rings: u32) {
         let arc = Arc::new([before, from.position, to.position, after]);
         stations.extend((1..rings).map(|k| {
             let t = k as f32 / rings as f32;
-            Station { position: arc.at(t), radius: from.radius + (to.radius - from.radius) * t }
+            Station { position: arc.at(t), ..from.toward(&to, t) }
         }));
     }
     stations.extend(coarse.last());
@@ -64,7 +64,7 @@ mod tests {
     use super::*;
 
     fn through(points: &[(f32, f32)], rings: u32) -> Vec<Vec3> {
-        let station = |&(x, y): &(f32, f32)| Station { position: Vec3::new(x, y, 0.0), radius: y };
+        let station = |&(x, y): &(f32, f32)| Station::new(Vec3::new(x, y, 0.0), y);
         let mut stations: Vec<Station> = points.iter().map(station).collect();
         subdivide(&mut stations, rings);
         stations.iter().map(|station| station.position).collect()

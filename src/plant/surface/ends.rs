@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use super::features::Ends;
 use super::path::Ring;
 use super::target::{Amount, PlacedRing, Target};
-use super::tube_form::TubeForm;
+use super::tube_form::{Circle, TubeForm};
 use linden_base::random::Key;
 
 /// How much [`close_base`] writes.
@@ -25,20 +25,21 @@ fn has_hollows(form: &TubeForm) -> bool {
 pub(super) fn close_base(
     ring: &Ring,
     form: &TubeForm,
-    circle: &[(f32, f32)],
+    circle: &Circle,
+    reach: f32,
     tile_m: f32,
     target: &mut Target<'_>,
 ) {
-    let sides = circle.len() as u32 - 1;
+    let sides = circle.sides();
     let across = ring.tangent.cross(ring.side);
     let first = target.next();
-    for &corner in &circle[..sides as usize] {
+    for &corner in &circle.corners[..sides as usize] {
         let (cos, sin) = corner;
         let out = ring.side * cos + across * sin;
         // The seam of the first ring's wall, bit for bit.
         let radius = match form.flare {
-            Some(flare) => ring.radius * flare.ridge(ring.along, corner).0,
-            None => ring.radius,
+            Some(flare) => ring.radius * reach * flare.ridge(ring.along, corner).0,
+            None => ring.radius * reach,
         };
         let uv = Vec2::new(sin, cos) * (ring.radius / tile_m);
         target.vertex(ring.center + out * radius, -ring.tangent, uv);
@@ -63,6 +64,16 @@ pub(super) const fn tip_amount(sides: usize, ends: Ends) -> Amount {
         Ends::Cut => Amount { vertices: sides, triangles: sides - 2 },
         // Walls of the splinters, then facets down to the hollow's bottom.
         Ends::Broken => Amount { vertices: sides + 1 + 3 * sides, triangles: 3 * sides },
+    }
+}
+
+/// Length and upper radius of the frustum that holds as much as an end, in radii of the last ring.
+pub(super) const fn frustum(ends: Ends) -> Option<[f64; 2]> {
+    match ends {
+        Ends::Bud => Some([1.0, 0.0]),
+        Ends::Cut => None,
+        // Splinters are 1.375 radii high on average, over a hollow down to 0.5, and lean in.
+        Ends::Broken => Some([1.08, 0.87]),
     }
 }
 

@@ -92,7 +92,7 @@ impl Flare {
             if i > 0 {
                 along += stations[i - 1].position.distance(stations[i].position);
             }
-            stations[i].radius *= 1.0 + self.swell(along);
+            stations[i].scale(1.0 + self.swell(along));
         }
     }
 
@@ -154,7 +154,7 @@ pub(super) fn taper_twig(stations: &mut [Station], taper: f32) {
     for i in first + 1..stations.len() {
         along += stations[i - 1].position.distance(stations[i].position);
         // A bud has a thickness, too.
-        stations[i].radius *= (1.0 - taper * along / total).max(0.05);
+        stations[i].scale((1.0 - taper * along / total).max(0.05));
     }
 }
 

@@ -15,6 +15,7 @@ mod path;
 mod plan;
 mod solid;
 mod spread;
+mod stretch;
 mod survey;
 mod target;
 mod tube;
@@ -36,6 +37,7 @@ pub use count::count;
 pub use features::{COLLAR_RADII, Ends, FLARE_RADII, Features};
 pub use linden_base::topology::{Topology, crowded_edges, topology};
 pub use solid::MOST_SOLID_TRIANGLES;
+pub use stretch::Stretch;
 pub use survey::{Survey, survey};
 pub use target::Amount;
 
@@ -47,6 +49,9 @@ pub struct Tubes {
     pub sides: u32,
     /// Rings per segment, at least 1: with more, the tube follows a smooth curve through the nodes.
     pub rings: u32,
+    /// Length, in radii, over which a change of the radius is spread, above zero or 0 for none: the pipe
+    /// model's steps end all at once above a fork, those of wood do not.
+    pub width_smoothing: f32,
     /// Edge of the square of bark that the picture shows, metres.
     pub bark_tile_m: f32,
     /// Features that are added to the bare tubes.
@@ -91,6 +96,7 @@ impl Default for Tubes {
         Self {
             sides: 24,
             rings: 1,
+            width_smoothing: 2.0,
             bark_tile_m: 0.5,
             features: Features::default(),
             junction: Junction::Overlap,
@@ -166,12 +172,32 @@ pub fn sweep(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Resul
     let course = Course::new(skeleton, tubes);
     match tubes.junction {
         Junction::Watertight => solid::solidify(&course, monitor),
-        Junction::Overlap | Junction::Blend => sweep_some(&course, 0..skeleton.axes.len(), monitor),
+        Junction::Overlap | Junction::Blend => Ok(sweep_some(&course, 0..skeleton.axes.len(), monitor)?.0),
+    }
+}
+
+/// A plan that was carried out, and with which ease each of its tubes.
+struct Swept {
+    plan: Plan,
+    eases: Vec<f32>,
+}
+
+impl Swept {
+    /// The stretches of its tubes.
+    fn stretches(&self, course: &Course<'_>) -> Vec<Stretch> {
+        let tubes = self.plan.axes().zip(&self.eases);
+        tubes
+            .flat_map(|((rings, form), &ease)| tube::stretches(rings, form, &course.roundness, ease))
+            .collect()
     }
 }
 
 /// Sweeps the tubes of some axes.
-fn sweep_some(course: &Course<'_>, axes: Range<usize>, monitor: &dyn Monitor) -> Result<Mesh, SurfaceError> {
+fn sweep_some(
+    course: &Course<'_>,
+    axes: Range<usize>,
+    monitor: &dyn Monitor,
+) -> Result<(Mesh, Vec<Swept>), SurfaceError> {
     let all = course.skeleton.axes.len() as u64;
     let tile_m = course.tubes.bark_tile_m;
     let starts: Vec<usize> = axes.clone().step_by(AXES_PER_TASK).collect();
@@ -193,17 +219,19 @@ fn sweep_some(course: &Course<'_>, axes: Range<usize>, monitor: &dyn Monitor) ->
     monitor.admit(DOING, planned + Mesh::bytes_for(vertices, triangles), ADVICE)?;
     let mut mesh = Mesh::zeroed(vertices, triangles);
     let done = AtomicU64::new(axes.start as u64);
-    slices(&mut mesh, &plans).into_par_iter().zip(&plans).try_for_each(|(mut target, plan)| {
+    let swept = slices(&mut mesh, &plans).into_par_iter().zip(plans).map(|(mut target, plan)| {
         monitor.check()?;
-        for (rings, form) in plan.axes() {
-            tube::sweep(rings, form, &course.roundness, tile_m, &mut target);
-        }
+        let tubes = plan.axes();
+        let eases = tubes
+            .map(|(rings, form)| tube::sweep(rings, form, &course.roundness, tile_m, &mut target))
+            .collect();
         let swept = plan.len() as u64;
         let before = done.fetch_add(swept, Ordering::Relaxed);
         monitor.advance(Phase::Sweep, before + swept, Some(all));
-        Ok::<(), Cancelled>(())
-    })?;
-    Ok(mesh)
+        Ok(Swept { plan, eases })
+    });
+    let swept = swept.collect::<Result<Vec<_>, Cancelled>>()?;
+    Ok((mesh, swept))
 }
 
 /// Cuts the mesh into the slices that each plan fills, in order.
@@ -256,8 +284,8 @@ mod tests {
         let wood = Wood { tip_radius_m: Some(0.1), ..Wood::default() };
         let pole = tree(vec![Vec3::ZERO, Vec3::Y, Vec3::Y * 4.0], vec![NO_PARENT, 0, 1], &wood);
         let mesh = sweep(&pole, &Tubes { sides: 16, bark_tile_m: 0.25, ..Tubes::default() }, &Quiet).unwrap();
-        let polygon = 16.0 / 2.0 * libm::sin(2.0 * PI / 16.0) * 0.1 * 0.1;
-        assert!((volume(&mesh) - polygon * (4.0 + 0.1 / 3.0)).abs() < 1e-6);
+        // The polygons have the circle's area; the bud is a pyramid, one radius high.
+        assert!((volume(&mesh) - PI * 0.1 * 0.1 * (4.0 + 0.1 / 3.0)).abs() < 1e-6);
         // Bands of 2 × 16 over two segments, the tip's 16, the base's 14.
         assert_eq!(mesh.triangles.len(), 2 * 2 * 16 + 16 + 14);
         assert_eq!(topology(&mesh, &Quiet).unwrap(), Topology::default());

@@ -7,19 +7,77 @@ use glam::{Quat, Vec3};
 pub(super) struct Station {
     pub position: Vec3,
     pub radius: f32,
+    /// Of the wood above, which differs where it steps.
+    pub onward: f32,
 }
 
-/// A circle of the tube: centre, radius and an orthonormal frame.
+impl Station {
+    pub const fn new(position: Vec3, radius: f32) -> Self {
+        Self { position, radius, onward: radius }
+    }
+
+    /// On the straight line to the next station, a share of the way.
+    pub fn toward(&self, next: &Self, share: f32) -> Self {
+        let position = self.position.lerp(next.position, share);
+        Self::new(position, self.onward + (next.radius - self.onward) * share)
+    }
+
+    pub fn scale(&mut self, factor: f32) {
+        self.radius *= factor;
+        self.onward *= factor;
+    }
+
+    fn steps(&self) -> bool {
+        self.radius != self.onward
+    }
+}
+
+/// Gives each segment the radius that it ends with.
+pub(super) fn step(stations: &mut [Station]) {
+    let upper: Vec<f32> = stations.iter().skip(1).map(|station| station.radius).collect();
+    for (station, onward) in stations.iter_mut().zip(upper) {
+        station.onward = onward;
+    }
+    if let Some(base) = stations.first_mut() {
+        base.radius = base.onward;
+    }
+}
+
+/// A ring of the tube: centre, radius and an orthonormal frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ring {
     pub center: Vec3,
+    /// Of the wood below and that of the wood above, which differ where it steps.
     pub radius: f32,
+    pub onward: f32,
     /// Unit vector along the axis, toward the apex.
     pub tangent: Vec3,
     /// Unit vector to where the ring's angle is 0; `tangent × side` is where it is 90°.
     pub side: Vec3,
+    /// Where the axis bends: how much wider the ring is within the bend, as a vector in the ring's plane. A
+    /// circle of either segment, cut off by that plane, is longer there.
+    pub mitre: Vec3,
     /// Arc length from the base, metres.
     pub along: f32,
+}
+
+impl Ring {
+    pub fn steps(&self) -> bool {
+        self.radius != self.onward
+    }
+
+    /// The direction out of the ring at `(cos, sin)`, unit, and the place of a circle of radius 1 there,
+    /// from the centre.
+    pub fn outward(&self, (cos, sin): (f32, f32)) -> (Vec3, Vec3) {
+        let out = self.side * cos + self.tangent.cross(self.side) * sin;
+        let widest = self.mitre.length_squared();
+        // Most rings stand in no bend.
+        if widest == 0.0 {
+            (out, out)
+        } else {
+            (out, out + self.mitre * (self.mitre.dot(out) / widest.sqrt()))
+        }
+    }
 }
 
 /// Cosine of the sharpest turn that a ring can bridge, 143°: beyond it the band on either side is
@@ -27,14 +85,23 @@ pub(super) struct Ring {
 const SHARPEST_TURN: f32 = -0.8;
 
 /// Takes out stations that coincide and spreads steps of the radius: what wood looks like before
-/// features are added. Fewer than two stations are none.
-pub(super) fn prepare(stations: &mut Vec<Station>) {
-    stations.dedup_by(|next, kept| !distinct(kept, next));
+/// features are added. `softness` is the length, in radii, over which a change is spread, 0 for none. Fewer
+/// than two stations are none.
+pub(super) fn prepare(stations: &mut Vec<Station>, softness: f32) {
+    stations.dedup_by(|next, kept| {
+        let coincide = !distinct(kept, next);
+        if coincide && (next.steps() || kept.steps()) {
+            kept.onward = next.onward;
+        }
+        coincide
+    });
     if stations.len() < 2 {
         stations.clear();
         return;
     }
-    soften(stations);
+    if softness > 0.0 {
+        soften(stations, softness);
+    }
 }
 
 /// Makes wood at least so thick that the corners of its rings are apart in `f32`: what is thinner could not
@@ -42,7 +109,9 @@ pub(super) fn prepare(stations: &mut Vec<Station>) {
 pub(super) fn thicken(stations: &mut [Station], sides: impl Fn(f32) -> u32) {
     for station in stations {
         let resolution_m = station.position.abs().max_element() * f32::EPSILON;
-        station.radius = station.radius.max(CORNERS_APART * sides(station.radius) as f32 * resolution_m);
+        for radius in [&mut station.radius, &mut station.onward] {
+            *radius = radius.max(CORNERS_APART * sides(*radius) as f32 * resolution_m);
+        }
     }
 }
 
@@ -54,33 +123,75 @@ const CORNERS_APART: f32 = 4.0;
 /// them parallel transport frames and appends them to `rings`.
 ///
 /// A station whose ring would cut the previous one (a sharp turn of thick wood) is passed over. The base
-/// is always kept, the apex unless it stands on the base; fewer than two stations give no rings.
-pub(super) fn rings(stations: &[Station], rings: &mut Vec<Ring>) {
+/// is always kept, the apex unless it stands on the base; fewer than two stations give no rings. Nothing
+/// steps at either end. `reach` is how far the corners of a ring stand, in radii.
+///
+/// Whether the axis bends so much somewhere that its tube has to be looked at: what is checked here are rings,
+/// not the triangles between rings of few and other numbers of sides.
+pub(super) fn rings(stations: &[Station], reach: impl Fn(f32) -> f32, rings: &mut Vec<Ring>) -> bool {
     if stations.len() < 2 {
-        return;
+        return false;
     }
-    let kept = without_folds(stations);
+    let widest = |radius: f32| radius * reach(radius);
+    let kept = without_folds(stations, widest);
+    let last = kept.len() - 1;
+    let is_bent = kept.windows(2).any(|pair| !is_gentle(&pair[0], &pair[1], GENTLEST));
     let mut along = 0.0;
-    let mut side = kept[0].1.any_orthonormal_vector();
-    for (i, &(station, tangent)) in kept.iter().enumerate() {
+    let mut side = kept[0].tangent.any_orthonormal_vector();
+    for (i, here) in kept.iter().enumerate() {
         if i > 0 {
-            let (before, before_tangent) = kept[i - 1];
-            along += before.position.distance(station.position);
-            side = transport(side, before_tangent, tangent);
+            let before = &kept[i - 1];
+            along += before.position.distance(here.position);
+            side = transport(side, before.tangent, here.tangent);
         }
-        rings.push(Ring { center: station.position, radius: station.radius, tangent, side, along });
+        let mitre = if i == 0 || i == last { Vec3::ZERO } else { mitre([&kept[i - 1], here, &kept[i + 1]]) };
+        let Station { radius, onward, .. } = stations[here.index];
+        let [radius, onward] = match i {
+            0 => [onward; 2],
+            _ if i == last => [radius; 2],
+            _ => [radius, onward],
+        };
+        rings.push(Ring { center: here.position, radius, onward, tangent: here.tangent, side, mitre, along });
     }
+    is_bent
 }
 
-/// Length, in radii, over which a change of radius is spread.
-const SOFTNESS: f32 = 2.0;
+/// A station that stays, as wide as its ring will be.
+#[derive(Clone, Copy)]
+struct Kept {
+    index: usize,
+    position: Vec3,
+    /// To the farthest corners of the ring below and of the one above, metres.
+    radius: f32,
+    onward: f32,
+    tangent: Vec3,
+}
+
+/// The widest that a ring gets in a bend, against a circle: at 96°.
+const WIDEST_MITRE: f32 = 1.5;
+
+/// How much wider a ring is within the bend of its axis, no more than leaves it clear of its neighbours.
+fn mitre([before, here, after]: [&Kept; 3]) -> Vec3 {
+    let toward = direction(here, after);
+    let within = toward.reject_from_normalized(here.tangent).normalize_or_zero();
+    let radius = here.radius.max(here.onward);
+    let room = |other: &Kept| {
+        let distance = (here.position - other.position).dot(other.tangent).abs();
+        let sine = here.tangent.cross(other.tangent).length();
+        if sine > 0.0 { distance / (radius * sine) } else { f32::INFINITY }
+    };
+    // Half of the room: a neighbour's ring may be wider, too.
+    let room = f32::midpoint(1.0, room(before).min(room(after)));
+    let wider = (1.0 / toward.dot(here.tangent)).min(WIDEST_MITRE).min(room);
+    within * (wider - 1.0).max(0.0)
+}
 
 /// Spreads the pipe model's steps, which end all at once above a fork, along the axis as wood does.
 ///
 /// A first-order low-pass over the arc length, up and then down, so that nothing is shifted. The
 /// ends keep their radii, and radii that only shrink still only shrink.
-fn soften(stations: &mut [Station]) {
-    let share = |length: f32, radius: f32| length / (length + SOFTNESS * radius);
+fn soften(stations: &mut [Station], softness: f32) {
+    let share = |length: f32, radius: f32| length / (length + softness * radius);
     for i in 1..stations.len() - 1 {
         let (before, here) = (stations[i - 1], stations[i]);
         let share = share(before.position.distance(here.position), here.radius);
@@ -89,15 +200,18 @@ fn soften(stations: &mut [Station]) {
     for i in (1..stations.len() - 1).rev() {
         let (here, after) = (stations[i], stations[i + 1]);
         let share = share(here.position.distance(after.position), here.radius);
-        stations[i].radius = after.radius + share * (here.radius - after.radius);
+        stations[i] = Station::new(here.position, after.radius + share * (here.radius - after.radius));
     }
 }
 
 /// Whether two stations are far enough apart for a segment between them, in `f32` at that place.
 fn distinct(a: &Station, b: &Station) -> bool {
-    let magnitude = a.position.abs().max(b.position.abs()).max_element();
-    let least = (magnitude * 4.0 * f32::EPSILON).max(a.radius.min(b.radius) * 1e-3);
-    a.position.distance(b.position) > least
+    are_distinct([a.position, b.position], a.radius.min(b.radius))
+}
+
+fn are_distinct([a, b]: [Vec3; 2], radius: f32) -> bool {
+    let magnitude = a.abs().max(b.abs()).max_element();
+    a.distance(b) > (magnitude * 4.0 * f32::EPSILON).max(radius * 1e-3)
 }
 
 /// Rotates `side` with the tangent: parallel transport by the smallest rotation. Where the axis
@@ -111,80 +225,94 @@ fn transport(side: Vec3, from: Vec3, to: Vec3) -> Vec3 {
 ///
 /// A stack: a station whose ring cannot stand between its neighbours gives way to the next one.
 /// The tangent is the bisector of the two segments, at the ends the segment itself.
-fn without_folds(stations: &[Station]) -> Vec<(Station, Vec3)> {
-    let mut kept = vec![(stations[0], Vec3::ZERO)];
-    for &station in &stations[1..] {
-        push(&mut kept, station);
+fn without_folds(stations: &[Station], widest: impl Fn(f32) -> f32) -> Vec<Kept> {
+    let whole = |index: usize| {
+        let Station { position, radius, onward } = stations[index];
+        Kept { index, position, radius: widest(radius), onward: widest(onward), tangent: Vec3::ZERO }
+    };
+    let mut kept = vec![whole(0)];
+    for index in 1..stations.len() {
+        push(&mut kept, whole(index));
     }
     // The last segment is judged too, now that nothing comes after it; two rings always stand.
     while kept.len() > 2 && !is_ahead(&kept[kept.len() - 2], &kept[kept.len() - 1]) {
-        let apex = kept.pop().map_or(stations[0], |(station, _)| station);
+        let apex = kept.pop().unwrap_or(kept[0]);
         kept.pop();
         push(&mut kept, apex);
     }
     if kept.len() == 1 {
         // The axis returned to its base: end it at the node farthest from there.
-        let distance = |s: &&Station| s.position.distance_squared(stations[0].position);
-        if let Some(&far) = stations.iter().max_by(|a, b| distance(a).total_cmp(&distance(b))) {
-            push(&mut kept, far);
+        let distance = |&index: &usize| stations[index].position.distance_squared(stations[0].position);
+        let far = (0..stations.len()).max_by(|a, b| distance(a).total_cmp(&distance(b)));
+        if let Some(far) = far {
+            push(&mut kept, whole(far));
         }
     }
     kept
 }
 
 /// Puts a station on the stack and takes those off that cannot stand before it.
-fn push(kept: &mut Vec<(Station, Vec3)>, next: Station) {
+fn push(kept: &mut Vec<Kept>, next: Kept) {
     while let [.., before, top] = kept.as_mut_slice() {
-        let incoming = direction(&before.0, &top.0);
-        let outgoing = direction(&top.0, &next);
+        let incoming = direction(before, top);
+        let outgoing = direction(top, &next);
         let bisector = (incoming + outgoing).normalize_or_zero();
-        if incoming.dot(outgoing) > SHARPEST_TURN && is_ahead(before, &(top.0, bisector)) {
-            top.1 = bisector;
-            kept.push((next, outgoing));
+        if incoming.dot(outgoing) > SHARPEST_TURN && is_ahead(before, &Kept { tangent: bisector, ..*top }) {
+            top.tangent = bisector;
+            kept.push(Kept { tangent: outgoing, ..next });
             return;
         }
         kept.pop();
     }
-    if distinct(&kept[0].0, &next) {
-        kept[0].1 = direction(&kept[0].0, &next);
-        kept.push((next, kept[0].1));
+    let base = &mut kept[0];
+    if are_distinct([base.position, next.position], base.radius.min(next.radius)) {
+        base.tangent = direction(base, &next);
+        let tangent = base.tangent;
+        kept.push(Kept { tangent, ..next });
     }
 }
 
-fn direction(from: &Station, to: &Station) -> Vec3 {
+fn direction(from: &Kept, to: &Kept) -> Vec3 {
     (to.position - from.position).normalize_or_zero()
 }
 
 /// Whether the band between two rings looks outward everywhere.
-fn is_ahead((a, ta): &(Station, Vec3), (b, tb): &(Station, Vec3)) -> bool {
+fn is_ahead(a: &Kept, b: &Kept) -> bool {
     let chord = b.position - a.position;
-    let sine = ta.cross(*tb).length();
-    let room = 0.02 * a.radius.min(b.radius);
+    let sine = a.tangent.cross(b.tangent).length();
+    let room = 0.02 * a.onward.min(b.radius);
     // Each ring wholly on its side of the other's plane: nothing can cross.
-    let apart = chord.dot(*ta) > b.radius * sine + room && chord.dot(*tb) > a.radius * sine + room;
-    let length = chord.length();
-    let gentle = chord.dot(*ta) > GENTLE * length && chord.dot(*tb) > GENTLE * length;
-    apart && (gentle || looks_outward(&(*a, *ta), &(*b, *tb)))
+    let [ahead_of_a, ahead_of_b] = [chord.dot(a.tangent), chord.dot(b.tangent)];
+    let apart = ahead_of_a > b.radius * sine + room && ahead_of_b > a.onward * sine + room;
+    apart && (is_gentle(a, b, GENTLE) || looks_outward(a, b))
+}
+
+fn is_gentle(a: &Kept, b: &Kept, cosine: f32) -> bool {
+    let chord = b.position - a.position;
+    chord.dot(a.tangent).min(chord.dot(b.tangent)) > cosine * chord.length()
 }
 
 /// Cosine of the angle between segment and tangent up to which a band cannot be sheared inside out.
 const GENTLE: f32 = 0.8;
+/// The same for rings that are wider than circles, of any number of sides.
+const GENTLEST: f32 = 0.97;
 
 /// Compares the faces of a sharply bent band with the directions out of its rings.
-fn looks_outward((a, ta): &(Station, Vec3), (b, tb): &(Station, Vec3)) -> bool {
+fn looks_outward(a: &Kept, b: &Kept) -> bool {
     const SAMPLES: u32 = 24;
+    let (ta, tb) = (a.tangent, b.tangent);
     let side_a = ta.any_orthonormal_vector();
-    let side_b = transport(side_a, *ta, *tb);
+    let side_b = transport(side_a, ta, tb);
     (0..SAMPLES).all(|k| {
         let (sin, cos) = libm::sincosf(std::f32::consts::TAU * k as f32 / SAMPLES as f32);
         let out = |side: Vec3, tangent: Vec3| side * cos + tangent.cross(side) * sin;
-        let (out_a, out_b) = (out(side_a, *ta), out(side_b, *tb));
-        let along = (b.position + out_b * b.radius) - (a.position + out_a * a.radius);
+        let (out_a, out_b) = (out(side_a, ta), out(side_b, tb));
+        let along = (b.position + out_b * b.radius) - (a.position + out_a * a.onward);
         let faces = |tangent: Vec3, outward: Vec3| {
             let normal = tangent.cross(outward).cross(along).normalize_or_zero();
             normal.dot(out_a + out_b) > 0.4
         };
-        faces(*ta, out_a) && faces(*tb, out_b)
+        faces(ta, out_a) && faces(tb, out_b)
     })
 }
 
@@ -194,13 +322,13 @@ mod tests {
 
     fn swept(mut stations: Vec<Station>) -> Vec<Ring> {
         let mut out = Vec::new();
-        prepare(&mut stations);
-        rings(&stations, &mut out);
+        prepare(&mut stations, 2.0);
+        rings(&stations, |_| 1.0, &mut out);
         out
     }
 
     fn along(points: &[(f32, f32, f32)], radius: f32) -> Vec<Ring> {
-        let stations = points.iter().map(|&(x, y, z)| Station { position: Vec3::new(x, y, z), radius });
+        let stations = points.iter().map(|&(x, y, z)| Station::new(Vec3::new(x, y, z), radius));
         swept(stations.collect())
     }
 
@@ -227,7 +355,7 @@ mod tests {
     #[test]
     fn a_step_of_the_radius_is_spread_and_stays_monotonous() {
         let radius = |i: usize| if i < 20 { 0.2 } else { 0.1 };
-        let stations = (0..60).map(|i| Station { position: Vec3::Y * (0.05 * i as f32), radius: radius(i) });
+        let stations = (0..60).map(|i| Station::new(Vec3::Y * (0.05 * i as f32), radius(i)));
         let out = swept(stations.collect());
         assert_eq!((out[0].radius, out[59].radius), (0.2, 0.1));
         assert!(out.windows(2).all(|pair| pair[1].radius <= pair[0].radius));

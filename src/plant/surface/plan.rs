@@ -12,7 +12,7 @@ use super::tube;
 use super::tube_form::{Roundness, TubeForm};
 use super::{Tubes, curve};
 use linden_base::memory::bytes_of;
-use linden_skeleton::{Axis, Forks, NO_PARENT, Skeleton};
+use linden_skeleton::{Axis, Forks, NO_PARENT, Skeleton, WidthSteps};
 
 /// The inputs that all axes of one skeleton share.
 pub(super) struct Course<'a> {
@@ -39,9 +39,14 @@ impl<'a> Course<'a> {
     }
 
     fn station(&self, node: u32, thick: u32) -> Station {
-        Station {
-            position: self.skeleton.positions[node as usize],
-            radius: self.skeleton.radii[thick as usize],
+        Station::new(self.skeleton.positions[node as usize], self.skeleton.radii[thick as usize])
+    }
+
+    /// Over how many radii changes of the radius are spread: steps that were asked for stay.
+    fn softness(&self) -> f32 {
+        match self.skeleton.width_steps {
+            WidthSteps::Taper => self.tubes.width_smoothing,
+            WidthSteps::Cylinder => 0.0,
         }
     }
 
@@ -57,10 +62,13 @@ impl<'a> Course<'a> {
             stations.extend(nodes.first().map(|first| self.station(axis.parent, thick(first))));
         }
         stations.extend(nodes.iter().map(|&node| self.station(node, node)));
+        if self.skeleton.width_steps == WidthSteps::Cylinder {
+            path::step(stations);
+        }
         taper_twig(stations, features.twig_taper);
         path::thicken(stations, |radius_m| self.roundness.sides(radius_m));
         curve::subdivide(stations, self.tubes.rings);
-        path::prepare(stations);
+        path::prepare(stations, self.softness());
         let is_stem = axis.parent == NO_PARENT;
         let mut form = TubeForm { axis: index as u32, is_stem, ..TubeForm::default() };
         let (Some(&base), Some(&apex)) = (stations.first(), stations.last()) else { return form };
@@ -76,7 +84,7 @@ impl<'a> Course<'a> {
         } else if features.collar > 0.0 && !runs_on {
             form.collar = self.collar(axis, base.radius, stations).map(Box::new);
         }
-        path::rings(stations, rings);
+        form.is_bent = path::rings(stations, |radius_m| self.roundness.reach(radius_m), rings);
         form
     }
 
@@ -126,8 +134,11 @@ impl<'a> Course<'a> {
             let fallback = below.map_or(Vec3::Y, |station| (here - station.position).normalize_or(Vec3::Y));
             ((here - before).normalize_or_zero() + (after - here).normalize_or_zero()).normalize_or(fallback)
         };
+        if self.skeleton.width_steps == WidthSteps::Cylinder {
+            path::step(&mut spine);
+        }
         curve::subdivide(&mut spine, self.tubes.rings);
-        path::prepare(&mut spine);
+        path::prepare(&mut spine, self.softness());
         if is_base
             && root == NO_PARENT
             && let Some(flare) = spine.first().and_then(|foot| Flare::new(&self.tubes.features, foot.radius))

@@ -13,15 +13,11 @@ pub(super) fn insert(stations: &mut Vec<Station>, places: impl Iterator<Item = f
         stations.push(from);
         let length = from.position.distance(to.position);
         // A ring closer to the next one would only be passed over.
-        let room = from.radius.min(to.radius) * 0.05;
+        let room = from.onward.min(to.radius) * 0.05;
         while let Some(place) = places.next_if(|&place| place < start + length) {
             let within = place - start;
             if within > room && length - within > room {
-                let t = within / length;
-                stations.push(Station {
-                    position: from.position.lerp(to.position, t),
-                    radius: from.radius + (to.radius - from.radius) * t,
-                });
+                stations.push(from.toward(&to, within / length));
             }
         }
         start += length;
@@ -37,7 +33,7 @@ mod tests {
 
     #[test]
     fn stations_come_where_they_are_asked_for_and_the_line_stays() {
-        let station = |y: f32| Station { position: Vec3::Y * y, radius: 0.1 * (3.0 - y) };
+        let station = |y: f32| Station::new(Vec3::Y * y, 0.1 * (3.0 - y));
         let mut stations = vec![station(0.0), station(1.0), station(2.0)];
         insert(&mut stations, [0.25, 0.5, 1.0, 1.5, 7.0].into_iter());
         let heights: Vec<f32> = stations.iter().map(|found| found.position.y).collect();

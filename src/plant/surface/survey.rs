@@ -1,7 +1,11 @@
 //! Measures a surface without keeping it.
 
-use super::plan::{Course, planned_bytes_of};
-use super::{ADVICE, DOING, Junction, SurfaceError, Topology, Tubes, sweep, sweep_some, topology};
+use super::plan::{Course, Plan, planned_bytes, planned_bytes_of};
+use super::{
+    ADVICE, DOING, Junction, Stretch, SurfaceError, Topology, Tubes, sweep, sweep_some, topology, tube,
+};
+use rayon::prelude::*;
+
 use linden_base::mesh::Bounds;
 use linden_base::monitor::Monitor;
 use linden_base::topology::topology_bytes;
@@ -31,18 +35,34 @@ const NODES_PER_PIECE: [usize; 2] = [1 << 10, 1 << 16];
 /// Sweeps and checks the tubes of all axes a few at a time, so that trees can be measured whose mesh
 /// would not fit the memory.
 ///
+/// Visits the stretches of all tubes in the order of [`Skeleton::axes`], each from base to apex: what the mesh
+/// holds. A lateral begins on its parent's centre line. With [`Junction::Watertight`] it is the
+/// tubes that are made one solid, without their collars.
+///
 /// # Errors
 /// [`SurfaceError::Cancelled`], or memory. A mesh of any size can be surveyed.
-pub fn survey(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Result<Survey, SurfaceError> {
+pub fn survey(
+    skeleton: &Skeleton,
+    tubes: &Tubes,
+    visit: &mut dyn FnMut(Stretch),
+    monitor: &dyn Monitor,
+) -> Result<Survey, SurfaceError> {
     let tubes = &tubes.settled();
+    let course = Course::new(skeleton, tubes);
     if tubes.junction == Junction::Watertight {
         // There is no part of a solid, and no solid that is not kept whole on the way.
         let mesh = sweep(skeleton, tubes, monitor)?;
         let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
         let topology = topology(&mesh, monitor)?;
-        return Ok(Survey { vertices, triangles, bounds: mesh.bounds(), topology });
+        let bounds = mesh.bounds();
+        drop(mesh);
+        monitor.admit(DOING, planned_bytes(skeleton, tubes), ADVICE)?;
+        let plan = Plan::new(&course, 0..skeleton.axes.len());
+        for (rings, form) in plan.axes() {
+            tube::stretches(rings, form, &course.roundness, 0.0).for_each(&mut *visit);
+        }
+        return Ok(Survey { vertices, triangles, bounds, topology });
     }
-    let course = Course::new(skeleton, tubes);
     let mut whole = Survey::default();
     let around = tubes.rings.max(1) as usize * tubes.sides.max(1) as usize;
     let most = (VERTICES_PER_PIECE / around).clamp(NODES_PER_PIECE[0], NODES_PER_PIECE[1]);
@@ -58,7 +78,10 @@ pub fn survey(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Resu
             end += 1;
         }
         monitor.admit(DOING, planned_bytes_of(nodes, end - first, tubes), ADVICE)?;
-        let mesh = sweep_some(&course, first..end, monitor)?;
+        let (mesh, swept) = sweep_some(&course, first..end, monitor)?;
+        let stretches: Vec<Vec<Stretch>> = swept.par_iter().map(|swept| swept.stretches(&course)).collect();
+        drop(swept);
+        stretches.into_iter().flatten().for_each(&mut *visit);
         let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
         let bytes = mesh.bytes() + topology_bytes(vertices, triangles);
         monitor.admit("measuring the surface", bytes, ADVICE)?;
@@ -100,7 +123,7 @@ mod tests {
             let skeleton = gnarled(seed);
             let tubes = Tubes { sides, rings, ..Tubes::default() };
             let mesh = sweep(&skeleton, &tubes, &Quiet).unwrap();
-            let survey = survey(&skeleton, &tubes, &Quiet).unwrap();
+            let survey = survey(&skeleton, &tubes, &mut |_| (), &Quiet).unwrap();
             assert_eq!((survey.vertices, survey.triangles), (mesh.positions.len(), mesh.triangles.len()));
             assert_eq!(survey.bounds, mesh.bounds());
             assert_eq!(survey.topology, topology(&mesh, &Quiet).unwrap());

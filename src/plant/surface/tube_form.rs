@@ -18,11 +18,28 @@ pub(super) struct Roundness {
 }
 
 #[derive(Clone, Debug)]
-struct Circle {
+pub(super) struct Circle {
     /// Thicker rings deviate too far from it.
     largest_radius_m: f32,
     /// Unit vectors `(cos, sin)` at equal angles, the first one again at the end: the seam.
-    corners: Vec<(f32, f32)>,
+    pub corners: Vec<(f32, f32)>,
+    /// How far from the centre the corners of the polygon stand, in radii of the circle that it is for.
+    pub reach: f32,
+}
+
+impl Circle {
+    pub fn sides(&self) -> u32 {
+        self.corners.len() as u32 - 1
+    }
+}
+
+/// How far out a polygon's corners stand for a circle of radius 1. The polygon has the circle's area, so that
+/// wood has its volume whatever its sides; of fewer than 8 sides its girth, so that twigs are seen as wide as
+/// they are: by Cauchy's formula a girth is π times the mean width. Corners on the circle would make a twig of
+/// three sides a fifth too thin.
+fn reach(sides: u32) -> f32 {
+    let half = PI / sides as f32;
+    if sides < 8 { half / libm::sinf(half) } else { (2.0 * half / libm::sinf(2.0 * half)).sqrt() }
 }
 
 impl Roundness {
@@ -43,6 +60,7 @@ impl Roundness {
                     (cos, sin)
                 })
                 .collect(),
+            reach: reach(n),
         };
         let fewer = SIDES.into_iter().filter(|&n| n < sides);
         let more = SIDES.into_iter().filter(|&n| n > sides);
@@ -50,16 +68,21 @@ impl Roundness {
     }
 
     /// The circle for a radius, with at least `least_sides` sides where there is one.
-    fn circle(&self, radius_m: f32, least_sides: u32) -> &[(f32, f32)] {
-        let is_enough = |circle: &&Circle| {
-            radius_m <= circle.largest_radius_m && circle.corners.len() as u32 > least_sides
-        };
-        let enough = self.circles.iter().find(is_enough).or(self.circles.last());
-        enough.map_or(&[], |circle| &circle.corners)
+    fn circle(&self, radius_m: f32, least_sides: u32) -> &Circle {
+        let is_enough =
+            |circle: &Circle| radius_m <= circle.largest_radius_m && circle.sides() >= least_sides;
+        let enough = self.circles.iter().position(is_enough);
+        // There is always one: that of the sides that were asked for.
+        &self.circles[enough.unwrap_or(self.circles.len() - 1)]
     }
 
     pub(super) fn sides(&self, radius_m: f32) -> u32 {
-        self.circle(radius_m, 0).len() as u32 - 1
+        self.circle(radius_m, 0).sides()
+    }
+
+    /// How far the corners of a ring of a radius stand from its centre, in that radius.
+    pub(super) fn reach(&self, radius_m: f32) -> f32 {
+        self.circle(radius_m, 0).reach
     }
 }
 
@@ -73,17 +96,20 @@ pub(super) struct TubeForm {
     pub ends: Ends,
     /// Which axis of the skeleton it is: splinters differ from one to the next.
     pub axis: u32,
+    /// Whether it bends so much that it could fold.
+    pub is_bent: bool,
     /// Whether it stands on the ground.
     pub is_stem: bool,
 }
 
 impl TubeForm {
-    pub fn circle<'a>(&self, ring: &Ring, roundness: &'a Roundness) -> &'a [(f32, f32)] {
+    /// The circle for a ring, or for what is below or above it, of a radius.
+    pub fn circle<'a>(&self, ring: &Ring, radius_m: f32, roundness: &'a Roundness) -> &'a Circle {
         let least = self.flare.map_or(0, |flare| flare.least_sides(ring.along));
         let wider = match &self.collar {
             Some(collar) if collar.shapes(ring.along) => 0.5 * collar.fillet_m,
             _ => 0.0,
         };
-        roundness.circle(ring.radius + wider, least)
+        roundness.circle(radius_m + wider, least)
     }
 }

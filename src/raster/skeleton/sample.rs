@@ -15,6 +15,7 @@ pub fn stem(nodes: &[(Vec3, f32)]) -> Skeleton {
         births: (0..n).collect(),
         axes: vec![Axis { order: 0, parent: NO_PARENT, first: 0, len: n }],
         axis_nodes: (0..n).collect(),
+        ..Skeleton::default()
     }
 }
 

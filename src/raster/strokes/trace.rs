@@ -5,6 +5,7 @@ use std::sync::LazyLock;
 
 use glam::{Vec2, Vec3};
 use linden_pipeline::memory::bytes_of;
+use linden_pipeline::skeleton::WidthSteps;
 use linden_pipeline::skeleton::{Axis, Forks};
 use linden_pipeline::{Monitor, NO_PARENT, Skeleton};
 use rayon::prelude::*;
@@ -202,7 +203,11 @@ impl<'a> Tracer<'a> {
 
     fn stroke(&self, ends: [End; 2], node: u32, widen: f32, base: Cap) -> Option<(Kind, Stroke)> {
         let [a, b] = ends;
-        let widths = ends.map(|end| end.width_px() * widen);
+        let widths = match self.skeleton.width_steps {
+            WidthSteps::Taper => ends,
+            WidthSteps::Cylinder => [b; 2],
+        };
+        let widths = widths.map(|end| end.width_px() * widen);
         let wide = widths[0].max(widths[1]).max(HAIR_PX);
         let (p, q) = (a.seen.at, b.seen.at);
         if p.max(q).cmplt(Vec2::splat(-wide)).any() || p.min(q).cmpgt(self.frame + wide).any() {

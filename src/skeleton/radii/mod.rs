@@ -46,6 +46,18 @@ linden_base::words! {
     }
 }
 
+linden_base::words! {
+    /// How the radius goes from node to node.
+    #[derive(Default)]
+    WidthSteps {
+        /// Evenly, from the one's radius to the other's.
+        #[default]
+        Taper = "taper",
+        /// In a step at each node: a segment has the radius of the node that it ends in all along.
+        Cylinder = "cylinder",
+    }
+}
+
 /// Shares that are drawn uniformly; a `min` above `max` is taken as below it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
@@ -62,6 +74,8 @@ pub struct Wood {
     pub width: Width,
     /// Which child of a node continues its axis.
     pub axes: AxisRule,
+    /// How the radius goes from node to node.
+    pub width_steps: WidthSteps,
     /// Metres at the thickest stem's foot; `None`: follows from the tips where the pipe model knows
     /// them, else from the height.
     pub base_radius_m: Option<f64>,
@@ -89,6 +103,7 @@ impl Default for Wood {
         Self {
             width: Width::Auto,
             axes: AxisRule::Auto,
+            width_steps: WidthSteps::Taper,
             base_radius_m: None,
             tip_radius_m: None,
             slenderness: 30.0,

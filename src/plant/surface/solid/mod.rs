@@ -100,7 +100,7 @@ fn pieces(plan: &Plan, lattice: &Lattice) -> Vec<Piece> {
         let first = pieces.len();
         pieces.extend(rings.windows(2).map(|pair| {
             let (mut from, to) = (pair[0], &pair[1]);
-            from.radius = from.radius.max(least_m);
+            from.radius = from.onward.max(least_m);
             Piece {
                 from,
                 to: to.center,

@@ -105,7 +105,7 @@ fn too_fine_a_solid_is_refused_before_work_begins() {
     let poles: Vec<glam::Vec3> = (0..3000).map(|i| glam::Vec3::Y * i as f32).collect();
     let parents = (0..3000_u32).map(|i| i.checked_sub(1).unwrap_or(NO_PARENT)).collect();
     let pole = tree(poles, parents, &Wood { tip_radius_m: Some(0.1), ..Wood::default() });
-    let refused = survey(&pole, &watertight(256), &Quiet).unwrap_err();
+    let refused = survey(&pole, &watertight(256), &mut |_| (), &Quiet).unwrap_err();
     assert!(matches!(refused, SurfaceError::TooFine { .. }), "{refused}");
     assert!(refused.to_string().contains("junction_detail"), "{refused}");
 }
