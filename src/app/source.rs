@@ -41,11 +41,18 @@ pub fn resolve(source: &Path, set: &[(String, String)], monitor: &dyn Monitor) -
         reader.give(key, file)?;
     }
     let mut recipe = reader.load(source)?;
-    for (name, value) in knobs {
+    for (name, value) in &knobs {
         recipe.preset.set(name, value).map_err(usage)?;
+    }
+    if reader.is_bare_grammar && !knobs.iter().any(|(name, _)| name == "segment_length") {
+        reader.notes.push(format!("{}: {UNITS}", shown(source)));
     }
     Ok(reader.finish(shown(source), recipe))
 }
+
+/// What a grammar without a preset does not say.
+const UNITS: &str = "a grammar has no units: a unit of F is segment_length (0.1 m), one of ! is segment_width \
+                     (0.01 m thick); --set segment_length=1 reads metres";
 
 /// Whether `--set` names a file by this key.
 pub fn is_file_key(name: &str) -> bool {
@@ -140,6 +147,8 @@ struct Reader<'a> {
     /// Files that the user puts in the place of those that the preset names: key, name, content.
     given: Vec<(String, String, Input)>,
     notes: Vec<String>,
+    /// Whether it read a grammar that comes without a preset.
+    is_bare_grammar: bool,
     /// What was read.
     files: Vec<PathBuf>,
 }
@@ -154,7 +163,7 @@ struct NamedDocument<'a> {
 
 impl<'a> Reader<'a> {
     fn new(monitor: &'a dyn Monitor) -> Self {
-        Self { monitor, given: Vec::new(), notes: Vec::new(), files: Vec::new() }
+        Self { monitor, given: Vec::new(), notes: Vec::new(), is_bare_grammar: false, files: Vec::new() }
     }
 
     fn finish(self, shown: String, recipe: Recipe) -> Source {
@@ -220,6 +229,7 @@ impl<'a> Reader<'a> {
                     anyhow::anyhow!("{shown}:{}:{}: {}", error.line, error.column, error.problem)
                 })?;
                 let preset = Preset::of_grammar(&id, parsed.grammar, parsed.angle_deg, parsed.derivations);
+                self.is_bare_grammar = true;
                 return Ok(self.replaced(Recipe::new(preset)));
             }
             InputKind::ObjMesh | InputKind::PlyMesh => Preset::of_mesh(&id, &name),

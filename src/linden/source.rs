@@ -131,7 +131,10 @@ fn failed(path: &Path, error: io::Error) -> Error {
     Error::Read { path: path.to_owned(), error }
 }
 
-/// A tree from a grammar: an axiom and rules.
+/// A tree from a grammar: an axiom and rules, and lines `#define name value` among them.
+///
+/// A grammar has no units: one of `F` is the knob `segment_length`, 0.1 m by default, one of `!` is
+/// `segment_width`, 0.01 m thick. Angles are degrees.
 ///
 /// ```
 /// let weed = linden::grammar("F", &["F -> F[+F]F[-F]F"])?.set("derivations", "5")?.grow()?;
