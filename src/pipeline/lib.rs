@@ -13,6 +13,7 @@
 //! | [`dress`](mod@dress) | skeleton → scene, levels of detail, seasons |
 //! | [`report`] | every number of a tree, with its definition |
 //! | [`forest`] | many trees, laid out |
+//! | [`manifest`] | many trees: sources, seeds and values of knobs, as numbered items |
 //! | [`forecast`] | how large a tree will be, before it is grown |
 //!
 //! What these stand on is here too, by its names: [`knob`], [`input`], [`picture`], [`monitor`] …
@@ -24,6 +25,7 @@ pub mod forecast;
 pub mod forest;
 pub mod generators;
 pub mod grow;
+pub mod manifest;
 pub mod preset;
 pub mod recipe;
 pub mod report;

@@ -60,7 +60,10 @@ fn flags_turn_options_of_every_format_that_has_them() {
 fn a_grammar_an_envelope_and_points_grow_without_a_preset() {
     let folder = Folder::new();
     folder.write("treeA.txt", TREE_A);
-    folder.run(&["export", "treeA.txt", "-o", "a.glb"]).done();
+    // Of what it does not say the user hears, but not who has said it.
+    let said = folder.run(&["stats", "treeA.txt"]);
+    assert!(said.code == Some(0) && said.err.contains("segment_length (0.1 m)"), "{}", said.err);
+    folder.run(&["export", "treeA.txt", "--set", "segment_length=0.1", "-o", "a.glb"]).done();
     assert!(folder.read("a.glb").starts_with(b"glTF"));
 
     folder.write("envelope.obj", BOX);
@@ -201,7 +204,7 @@ fn the_same_export_is_the_same_bytes_on_any_number_of_threads() {
 fn formats_are_chosen_by_ending_or_by_name() {
     let folder = Folder::new();
     folder.write("treeA.txt", TREE_A);
-    folder.run(&["export", "treeA.txt", "--format", "obj,ply-skeleton"]).done();
+    folder.run(&["export", "treeA.txt", "--set", "segment_length=1", "--format", "obj,ply-skeleton"]).done();
     let names = folder.names();
     assert!(
         names.contains(&"treeA.obj".to_owned()) && names.contains(&"treeA-skeleton.ply".to_owned()),
@@ -210,7 +213,18 @@ fn formats_are_chosen_by_ending_or_by_name() {
     let text = String::from_utf8_lossy(&folder.read("treeA-skeleton.ply")).into_owned();
     assert!(text.contains("element edge 125"), "5^3 segments");
 
-    folder.run(&["export", "treeA.txt", "-o", "x.ply", "--set", "ply.encoding=ascii"]).done();
+    folder
+        .run(&[
+            "export",
+            "treeA.txt",
+            "--set",
+            "segment_length=1",
+            "-o",
+            "x.ply",
+            "--set",
+            "ply.encoding=ascii",
+        ])
+        .done();
     assert!(String::from_utf8_lossy(&folder.read("x.ply")).contains("format ascii 1.0"));
 }
 

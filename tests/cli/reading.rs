@@ -309,7 +309,7 @@ fn a_pipe_is_read_and_waiting_for_its_writer_ends_with_a_signal() {
     // With a writer it is a source.
     let mut writer =
         Command::new("sh").args(["-c", "cat g.txt > pipe"]).current_dir(folder.path()).spawn().unwrap();
-    let said = folder.run(&["stats", "pipe", "--json"]).done();
+    let said = folder.run(&["stats", "pipe", "--set", "segment_length=1", "--json"]).done();
     assert_eq!(said.json()["segments"], 2);
     writer.wait().unwrap();
     // A document may not name one.

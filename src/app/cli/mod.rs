@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand, one table ([`CliCommand`]) that parsing, help,
 //! completions and the manual are made from.
 
+mod batch;
 mod complete;
 mod completions;
 mod doctor;
@@ -15,6 +16,7 @@ mod placing;
 mod preview;
 mod recipe;
 mod schema;
+mod share;
 mod sheet;
 mod show;
 mod size;
@@ -98,6 +100,7 @@ enum CliCommand {
     Show(show::Show),
     Stats(stats::Stats),
     Sweep(sweep::Sweep),
+    Batch(batch::Batch),
     Preview(preview::Preview),
     Sheet(sheet::Sheet),
     Export(export::Export),
@@ -368,6 +371,7 @@ impl CliCommand {
             Self::Show(command) => command.run(),
             Self::Stats(command) => command.run(),
             Self::Sweep(command) => command.run(),
+            Self::Batch(command) => command.run(),
             Self::Preview(command) => command.run(),
             Self::Sheet(command) => command.run(),
             Self::Export(command) => command.run(),

@@ -1,7 +1,6 @@
 //! `linden sweep`: many trees of one source, a row of numbers each.
 
 mod rows;
-mod values;
 mod work;
 
 use std::path::PathBuf;
@@ -9,6 +8,7 @@ use std::path::PathBuf;
 use anyhow::bail;
 use clap::Args;
 use linden::knob::Kind;
+use linden::manifest::values;
 use linden::preset::KNOBS;
 use linden::recipe::Recipe;
 

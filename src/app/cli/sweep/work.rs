@@ -13,6 +13,7 @@ use linden::report::Report;
 
 use super::rows::Row;
 use super::{Item, Plan};
+use crate::cli::share::Share;
 use crate::exit::sentence;
 use crate::progress::Progress;
 
@@ -24,25 +25,6 @@ pub struct Work<'a> {
     pub plan: &'a Plan,
     /// The first item that is not done yet.
     pub first: usize,
-}
-
-/// Watches one of several trees that grow at once: each may hold its share of the memory.
-struct Job<'a> {
-    progress: &'a Progress,
-    is_over: &'a AtomicBool,
-    jobs: u64,
-}
-
-impl Monitor for Job<'_> {
-    fn is_cancelled(&self) -> bool {
-        self.is_over.load(Ordering::Relaxed) || self.progress.is_cancelled()
-    }
-
-    fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
-
-    fn memory_limit(&self) -> u64 {
-        self.progress.memory_limit() / self.jobs
-    }
 }
 
 /// An item with its row and the seconds that it took.
@@ -68,7 +50,7 @@ impl Work<'_> {
                 let pool = pool.context("starting threads")?;
                 let (sender, next, is_over, taken) = (sender.clone(), &next, &is_over, &taken);
                 scope.spawn(move || {
-                    let job = Job { progress, is_over, jobs: jobs as u64 };
+                    let job = Share { progress, is_over, jobs: jobs as u64 };
                     while !job.is_cancelled() {
                         // Within reach of what is written.
                         if next.load(Ordering::Relaxed) as u64
@@ -124,7 +106,7 @@ impl Work<'_> {
         Ok(())
     }
 
-    fn measure(&self, item: &Item, job: &Job<'_>) -> (Row, [f64; 2]) {
+    fn measure(&self, item: &Item, job: &Share<'_>) -> (Row, [f64; 2]) {
         let recipe = match self.plan.recipe(item) {
             Ok(recipe) => recipe,
             Err(error) => {

@@ -1,0 +1,198 @@
+//! `linden batch`: all trees of a manifest, or a part of them, each into files that are named by what they hold.
+
+mod part;
+mod plan;
+mod rows;
+mod work;
+
+use std::path::PathBuf;
+
+use anyhow::bail;
+use clap::Args;
+use linden::Monitor;
+
+use self::part::Part;
+use self::plan::Plan;
+use self::rows::{Journal, Rows};
+use crate::exit::{say, usage};
+use crate::forecast::Outlook;
+use crate::paths::show;
+use crate::progress::Progress;
+
+/// Grow and write all trees of a manifest, or a part of them
+///
+/// A manifest names sources, seeds, values of knobs and formats; 'docs/farms.md' shows one. Its trees are numbered from
+/// 0. Files are named by what decides them, as ab/cdef….glb, so that any parts, repeated or side by side, give the same
+/// files. A tree that fails is noted and stops no other.
+#[derive(Args)]
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
+pub struct Batch {
+    /// The manifest: TOML, or JSON Lines with a tree a line
+    #[arg(value_name = "MANIFEST")]
+    manifest: PathBuf,
+
+    /// Write into this folder
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+
+    /// Only trees with these numbers, like 0-99,200 or 0-999:10
+    #[arg(long, value_name = "RANGES", conflicts_with = "shard")]
+    only: Option<String>,
+
+    /// Only part I of N, every Nth tree from I on; I counts from 0
+    #[arg(long, value_name = "I/N")]
+    shard: Option<String>,
+
+    /// So many trees at a time, which share --memory; without, one for each thread
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
+
+    /// Leave out trees whose files are there, whoever wrote them
+    #[arg(long)]
+    resume: bool,
+
+    /// Stop at the first tree that fails
+    #[arg(long)]
+    fail_fast: bool,
+
+    /// Wait until files are on the disk: without, a power cut can take the last of them, and --resume makes them again
+    #[arg(long)]
+    sync: bool,
+
+    /// Grow nothing; say how many trees, bytes and seconds it will be
+    #[arg(long, conflicts_with_all = ["merge", "resume"])]
+    dry_run: bool,
+
+    /// Grow nothing; write index.jsonl over all parts, and say what is missing
+    #[arg(long, conflicts_with_all = ["resume", "only", "shard"])]
+    merge: bool,
+}
+
+/// Trees that a forecast looks at: spread evenly over the part.
+const FORECAST_OF: usize = 24;
+
+impl Batch {
+    pub fn run(self) -> anyhow::Result<()> {
+        let progress = Progress::new();
+        let plan = Plan::read(&self.manifest, &progress)?;
+        let part = match (&self.only, &self.shard) {
+            (Some(ranges), _) => Part::only(ranges, plan.len()),
+            (_, Some(shard)) => Part::shard(shard, plan.len()),
+            _ => Ok(Part::all(plan.len())),
+        };
+        let part = part.map_err(usage)?;
+        if self.dry_run {
+            return self.forecast(&plan, &part, &progress);
+        }
+        if self.merge {
+            return self.merge(&plan, &progress);
+        }
+        std::fs::create_dir_all(&self.out)
+            .map_err(|error| anyhow::anyhow!("making the folder {}: {error}", show(&self.out)))?;
+        let known = if self.resume { Rows::read(&self.out)? } else { Rows::default() };
+        let mut missing = Vec::new();
+        for number in part.numbers() {
+            progress.check()?;
+            if !self.resume || !known.has(&plan.tree(number)?, &self.out) {
+                missing.push(number);
+            }
+        }
+        let count = missing.len();
+        if count == 0 {
+            say("note: all of these trees are there already");
+            return Ok(());
+        }
+        let mut journal = Journal::begin(&self.out)?;
+        let work = work::Work { plan: &plan, numbers: &missing, out: &self.out, sync: self.sync };
+        let (mut failed, mut stopped) = (0, None);
+        work.run(self.jobs.map(usize::from), &progress, |row| {
+            journal.write(&row)?;
+            if let Some(error) = &row.error {
+                failed += 1;
+                let said = format!("tree {}: {error}", row.index);
+                if self.fail_fast {
+                    stopped = Some(said);
+                    return Ok(false);
+                }
+                progress.clear();
+                say(&format!("note: {said}"));
+            }
+            Ok(true)
+        })?;
+        progress.clear();
+        match (stopped, failed) {
+            (Some(said), _) => bail!("{said}"),
+            (None, 0) => super::print(&format!("{count} trees written into {}\n", show(&self.out))),
+            (None, failed) => bail!("{failed} of {count} trees failed; --resume tries them again"),
+        }
+    }
+
+    fn forecast(&self, plan: &Plan, part: &Part, progress: &Progress) -> anyhow::Result<()> {
+        let numbers: Vec<usize> = part.numbers().collect();
+        let count = numbers.len();
+        let looks = count.min(FORECAST_OF);
+        let (mut seconds, mut bytes, mut largest) = (0.0, 0.0, 0_u64);
+        for look in 0..looks {
+            progress.check()?;
+            // From the middle of each stretch.
+            let tree = plan.tree(numbers[(2 * look + 1) * count / (2 * looks)])?;
+            let recipe = &tree.recipe;
+            let Some(outlook) = Outlook::of(recipe, progress) else {
+                bail!("tree {} cannot grow: --only {} says why", tree.index, tree.index);
+            };
+            let formats: Vec<_> = tree.outputs.iter().map(|(e, options, _)| (e.format(), options)).collect();
+            seconds += outlook.export_s(recipe, &formats, 1);
+            for (format, options) in formats {
+                bytes += outlook.estimate.bytes(format, options).unwrap_or(0) as f64;
+            }
+            largest = largest.max(outlook.sample.skeleton_bytes().unwrap_or(0));
+        }
+        let share = count as f64 / looks.max(1) as f64;
+        let jobs = self.jobs.map_or_else(rayon::current_num_threads, usize::from);
+        progress.clear();
+        let bytes = (bytes * share) as u64;
+        let text = format!(
+            "trees    {}\nbytes    {}\nseconds  {:.0} of work, {:.0} with {jobs} at a time\nmemory   about {} for the largest that was looked at\n",
+            indicatif::HumanCount(count as u64),
+            indicatif::BinaryBytes(bytes),
+            seconds * share,
+            seconds * share / jobs as f64,
+            indicatif::BinaryBytes(largest),
+        );
+        super::print(&text)
+    }
+
+    /// One index over all parts.
+    fn merge(&self, plan: &Plan, progress: &Progress) -> anyhow::Result<()> {
+        let rows = Rows::read(&self.out)?;
+        let (mut index, mut failed, mut missing) = (String::new(), 0, Vec::new());
+        for number in 0..plan.len() {
+            progress.check()?;
+            let tree = plan.tree(number)?;
+            if let Some(row) = rows.whole(&tree, &self.out) {
+                index += &row.line_of_index();
+            } else if let Some(row) = rows.failure(&tree) {
+                failed += 1;
+                index += &row.line_of_index();
+            } else {
+                missing.push(number);
+            }
+        }
+        rows::write_index(&self.out, &index)?;
+        progress.clear();
+        let written = plan.len() - failed - missing.len();
+        let path = self.out.join(rows::INDEX);
+        super::print(&format!("{written} of {} trees in {}\n", plan.len(), show(&path)))?;
+        match (failed, missing.as_slice()) {
+            (0, []) => Ok(()),
+            (failed, []) => bail!("{failed} trees failed; the index says why"),
+            (failed, missing) => {
+                bail!(
+                    "{failed} trees failed, {} are missing: --only {}",
+                    missing.len(),
+                    part::ranges(missing)
+                )
+            }
+        }
+    }
+}

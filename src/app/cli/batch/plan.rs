@@ -1,0 +1,140 @@
+//! A manifest with its sources read: which tree has which number, and where its files go.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use linden::manifest::Manifest;
+use linden::recipe::Recipe;
+use linden_exporters::{Exporter, Options, find};
+use xxhash_rust::xxh3::xxh3_128;
+
+use crate::exit::usage;
+use crate::paths::show;
+use crate::progress::Progress;
+use crate::source::{self, Source};
+
+/// A manifest with its sources.
+pub struct Plan {
+    manifest: Manifest,
+    /// By the names that the manifest has for them.
+    sources: BTreeMap<String, Source>,
+}
+
+/// One tree.
+pub struct Tree {
+    /// Its number, from 0.
+    pub index: usize,
+    pub source: String,
+    pub set: BTreeMap<String, String>,
+    pub define: BTreeMap<String, String>,
+    pub recipe: Recipe,
+    /// Files that it is read from.
+    pub files: Vec<PathBuf>,
+    /// Formats, their options, and the main files within the output folder.
+    pub outputs: Vec<(&'static dyn Exporter, Options, String)>,
+}
+
+impl Plan {
+    pub fn read(path: &Path, progress: &Progress) -> anyhow::Result<Self> {
+        let shown = show(path);
+        let content = source::open(path, progress)?;
+        let bytes = content.bytes(progress).with_context(|| format!("reading {shown}"))?;
+        let text = source::document(&bytes, &shown, progress)?;
+        let manifest = Manifest::parse(text).map_err(|fault| source::locate(&shown, &fault))?;
+        let mut plan = Self { manifest, sources: BTreeMap::new() };
+        let names: BTreeSet<&String> = plan.manifest.trees.iter().map(|kind| &kind.source).collect();
+        for name in names {
+            // Beside the manifest, as a preset names its files.
+            let beside = path.parent().map(|folder| folder.join(name)).filter(|beside| beside.is_file());
+            let found = source::resolve(beside.as_deref().unwrap_or(Path::new(name)), &[], progress)?;
+            crate::cli::notes(&found.notes, progress);
+            plan.sources.insert(name.clone(), found);
+        }
+        plan.check_options()?;
+        // A mistake in a knob is found before anything grows.
+        let mut first = 0;
+        for kind in 0..plan.manifest.trees.len() {
+            if plan.manifest.trees.len() <= 1000 || kind == 0 {
+                plan.tree(first)?;
+            }
+            first += plan.manifest.trees[kind].count();
+        }
+        Ok(plan)
+    }
+
+    /// How many trees there are.
+    pub fn len(&self) -> usize {
+        self.manifest.len()
+    }
+
+    /// Each option must belong to a format that is written.
+    fn check_options(&self) -> anyhow::Result<()> {
+        let kinds = self.manifest.trees.iter().flat_map(|kind| &kind.formats);
+        let formats: BTreeSet<&str> = self.manifest.formats.iter().chain(kinds).map(String::as_str).collect();
+        for format in &formats {
+            find(format).map_err(usage)?;
+        }
+        for name in self.manifest.options.keys() {
+            let format = name.split_once('.').map_or("", |(format, _)| format);
+            if !formats.contains(format) {
+                return Err(usage(format!("options: '{name}' is of no format that is written")));
+            }
+        }
+        Ok(())
+    }
+
+    /// The tree with a number.
+    pub fn tree(&self, number: usize) -> anyhow::Result<Tree> {
+        let item = self.manifest.item(number).with_context(|| format!("there is no tree {number}"))?;
+        let naming = || format!("tree {number}");
+        let source = self.sources.get(item.source).with_context(naming)?;
+        let mut recipe = source.recipe.clone();
+        for (name, value) in &item.define {
+            recipe.preset.define(name, value).map_err(usage).with_context(naming)?;
+        }
+        for (name, value) in &item.set {
+            recipe.preset.set(name, value).map_err(usage).with_context(naming)?;
+        }
+        if let Some(seed) = item.seed {
+            recipe.preset.seed = seed;
+        }
+        let line = recipe.to_line();
+        let outputs = item.formats.iter().map(|id| {
+            let exporter = find(id).map_err(usage)?;
+            let mut options = Options::new(exporter.format());
+            for (name, value) in &self.manifest.options {
+                if let Some((_, option)) =
+                    name.split_once('.').filter(|(format, _)| *format == exporter.format().id)
+                {
+                    options.set(option, value).map_err(usage)?;
+                }
+            }
+            let path = address(&line, exporter, &options);
+            Ok((exporter, options, path))
+        });
+        let owned = |pairs: &[(&str, String)]| {
+            pairs.iter().map(|(name, value)| ((*name).to_owned(), value.clone())).collect()
+        };
+        Ok(Tree {
+            index: number,
+            source: item.source.to_owned(),
+            set: owned(&item.set),
+            define: owned(&item.define),
+            outputs: outputs.collect::<anyhow::Result<_>>()?,
+            files: source.files.clone(),
+            recipe,
+        })
+    }
+}
+
+/// The name of a file by all that decides it: `ab/cdef….glb`. The recipe says which linden it is.
+fn address(recipe: &str, exporter: &dyn Exporter, options: &Options) -> String {
+    let format = exporter.format();
+    let mut text = format!("{recipe}\n{}", format.id);
+    for (name, value) in options.iter() {
+        text += &format!("\n{name}={value}");
+    }
+    let hash = format!("{:032x}", xxh3_128(text.as_bytes()));
+    format!("{}/{}.{}", &hash[..2], &hash[2..], format.extensions[0])
+}

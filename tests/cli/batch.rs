@@ -1,0 +1,211 @@
+//! `batch`: parts of any shape, repeated and broken off, give the same files and the same index.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+use std::time::Duration;
+
+use crate::program::{Folder, Said, linden};
+
+const MANIFEST: &str = r#"
+formats = ["glb", "qsm"]
+options = { "glb.quantize" = true }
+seed = 5
+
+[[trees]]
+source = "abop-honda-a"
+define = { r1 = ["0.8", "0.9"] }
+set = { derivations = [3, 4], bark_size = 16 }
+
+[[trees]]
+source = "own.txt"
+seeds = "1..4"
+samples = 2
+set = { angle = "20.0..40.0", bark_size = 16, segment_length = 0.2 }
+
+[[trees]]
+source = "fir"
+seeds = [3, 9]
+formats = ["obj"]
+set = { points = "100..200", bark_size = 16, leaf_form = "none" }
+"#;
+const TREES: usize = 4 + 8 + 2;
+
+fn folder() -> Folder {
+    let folder = Folder::new();
+    folder.write("m.toml", MANIFEST);
+    folder.write("own.txt", "axiom=F\nangle=20\nnumber of derivations=2\nF=(0.5)F[+F]F\nF=(0.5)FF\n");
+    folder
+}
+
+fn batch(folder: &Folder, out: &str, further: &[&str]) -> Said {
+    folder.run(&[&["batch", "m.toml", "--out", out], further].concat())
+}
+
+/// All files below a folder but the parts, which name processes.
+fn files(root: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut folders = vec![root.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap().map(Result::unwrap) {
+            let name = entry.path().strip_prefix(root).unwrap().to_string_lossy().into_owned();
+            if entry.path().is_dir() {
+                if name != "parts" {
+                    folders.push(entry.path());
+                }
+            } else {
+                found.insert(name, fs::read(entry.path()).unwrap());
+            }
+        }
+    }
+    found
+}
+
+fn index(folder: &Folder, out: &str) -> Vec<serde_json::Value> {
+    let text = String::from_utf8(folder.read(&format!("{out}/index.jsonl"))).unwrap();
+    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+fn all_at_once(folder: &Folder) -> BTreeMap<String, Vec<u8>> {
+    assert_eq!(batch(folder, "whole", &[]).code, Some(0));
+    assert_eq!(batch(folder, "whole", &["--merge"]).code, Some(0));
+    files(&folder.file("whole"))
+}
+
+#[test]
+fn a_batch_is_the_trees_of_its_manifest() {
+    let folder = folder();
+    let whole = all_at_once(&folder);
+    let rows = index(&folder, "whole");
+    assert_eq!(rows.len(), TREES);
+    assert!(rows.iter().enumerate().all(|(number, row)| row["index"] == number));
+    let varied = |row: &serde_json::Value| (row["define"]["r1"].clone(), row["set"]["derivations"].clone());
+    let firsts: Vec<_> = rows[..4].iter().map(varied).collect();
+    let expected = [("0.8", "3"), ("0.9", "3"), ("0.8", "4"), ("0.9", "4")];
+    assert_eq!(firsts.len(), 4);
+    assert_eq!(
+        firsts.iter().map(|(r1, n)| (r1.as_str().unwrap(), n.as_str().unwrap())).collect::<BTreeSet<_>>(),
+        expected.into_iter().collect()
+    );
+    // Each file is what export writes for the same tree.
+    let row = &rows[2];
+    let r1 = format!("r1={}", row["define"]["r1"].as_str().unwrap());
+    let derivations = format!("derivations={}", row["set"]["derivations"].as_str().unwrap());
+    let args = ["export", "abop-honda-a", "--define", &r1, "--set", &derivations, "--set", "bark_size=16"];
+    folder.run(&[&args[..], &["--quantize", "-o", "one.glb"]].concat()).done();
+    let path = row["files"][0]["path"].as_str().unwrap();
+    assert!(path.ends_with(".glb") && whole[path] == folder.read("one.glb"));
+    // What is drawn is within its bounds and differs.
+    let angles: BTreeSet<String> = rows[4..12].iter().map(|row| row["set"]["angle"].to_string()).collect();
+    assert_eq!(angles.len(), 8);
+    assert!(rows[12]["set"]["points"].as_str().unwrap().parse::<u32>().unwrap() >= 100);
+    // An OBJ comes with its material and pictures, and each of them is in the row.
+    let names: Vec<&str> =
+        rows[12]["files"].as_array().unwrap().iter().filter_map(|f| f["path"].as_str()).collect();
+    assert!(names.len() > 2 && names.iter().all(|name| whole.contains_key(*name)), "{names:?}");
+}
+
+#[test]
+fn shards_repeats_and_other_numbers_of_jobs_give_the_same_bytes() {
+    let folder = folder();
+    let whole = all_at_once(&folder);
+    for shard in ["2/3", "0/3", "1/3", "0/3"] {
+        assert_eq!(batch(&folder, "parts", &["--shard", shard, "--jobs", "3"]).code, Some(0));
+    }
+    batch(&folder, "parts", &["--merge"]);
+    assert!(files(&folder.file("parts")) == whole);
+    // Chunks that overlap, the second time only what is missing.
+    let said = batch(&folder, "chunks", &["--only", "0-5", "--jobs", "1"]).out;
+    assert!(said.starts_with("6 trees"), "{said}");
+    let said = batch(&folder, "chunks", &["--only", "3-13", "--resume"]).out;
+    assert!(said.starts_with("8 trees"), "{said}");
+    assert!(batch(&folder, "chunks", &["--resume"]).err.contains("there already"));
+    batch(&folder, "chunks", &["--merge"]);
+    assert!(files(&folder.file("chunks")) == whole);
+}
+
+#[test]
+fn a_batch_that_is_killed_again_and_again_ends_as_one_that_was_not() {
+    let folder = folder();
+    let whole = all_at_once(&folder);
+    let mut delay = 20;
+    for _ in 0..12 {
+        let mut child = linden()
+            .args(["batch", "m.toml", "--out", "killed", "--resume"])
+            .current_dir(folder.path())
+            .stderr(std::process::Stdio::null())
+            .stdout(std::process::Stdio::null())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_millis(delay));
+        let _ = child.kill();
+        child.wait().unwrap();
+        delay = delay * 5 / 4;
+    }
+    let said = batch(&folder, "killed", &["--resume"]);
+    assert_eq!(said.code, Some(0), "{}", said.err);
+    assert_eq!(batch(&folder, "killed", &["--merge"]).code, Some(0));
+    let found = files(&folder.file("killed"));
+    for (name, bytes) in &whole {
+        assert!(found.get(name) == Some(bytes), "{name}");
+    }
+    // What a killed worker left behind are temporary files, which the next one to write there sweeps.
+    let strange: Vec<&String> =
+        found.keys().filter(|name| !whole.contains_key(*name) && !name.contains(".linden-")).collect();
+    assert!(strange.is_empty(), "{strange:?}");
+}
+
+#[test]
+fn a_tree_that_fails_stops_no_other() {
+    let folder = Folder::new();
+    folder.write(
+        "m.toml",
+        "formats = [\"qsm\"]\n[[trees]]\nsource = \"abop-a\"\nset = { derivations = [2, 40, 3] }\n",
+    );
+    let said = batch(&folder, "out", &[]);
+    assert!(said.code == Some(1) && said.err.contains("tree 1: "), "{}", said.err);
+    let said = batch(&folder, "out", &["--merge"]);
+    assert!(said.code == Some(1) && said.out.starts_with("2 of 3 trees"), "{} {}", said.out, said.err);
+    let rows = index(&folder, "out");
+    assert!(rows[1]["error"].as_str().unwrap().contains("40 derivations"), "{}", rows[1]);
+    assert!(rows[0]["error"].is_null() && rows[2]["error"].is_null());
+    let said = batch(&folder, "fast", &["--fail-fast", "--jobs", "1"]);
+    assert!(said.code == Some(1) && said.err.contains("tree 1: "));
+    let said = batch(&folder, "fast", &["--merge"]);
+    assert!(said.err.contains("1 are missing: --only 2"), "{}", said.err);
+}
+
+#[test]
+fn mistakes_are_told_before_anything_grows() {
+    let folder = folder();
+    for (args, expected) in [
+        (&["--shard", "3/3"][..], "shards of 3 are 0/3 to 2/3"),
+        (&["--only", "9-20"], "the manifest has 14 trees"),
+        (&["--only", "x"], "expected numbers and ranges"),
+    ] {
+        let said = batch(&folder, "out", args);
+        assert!(said.code == Some(2) && said.err.contains(expected), "{}", said.err);
+    }
+    for (text, expected) in [
+        ("formats = [\"glb\"]\n[[trees]]\nsource = \"oka\"\n", "oak"),
+        ("formats = [\"gbl\"]\n[[trees]]\nsource = \"oak\"\n", "glb"),
+        ("formats = [\"glb\"]\n[[trees]]\nsource = \"oak\"\nset = { pionts = 3 }\n", "points"),
+        (
+            "formats = [\"glb\"]\noptions = { \"obj.x\" = 1 }\n[[trees]]\nsource = \"oak\"\n",
+            "no format that is written",
+        ),
+    ] {
+        folder.write("m.toml", text);
+        let said = batch(&folder, "out", &[]);
+        assert!(said.code == Some(2) && said.err.contains(expected), "{text}: {}", said.err);
+    }
+    assert!(!folder.file("out").exists());
+}
+
+#[test]
+fn a_dry_run_says_what_it_will_be() {
+    let folder = folder();
+    let said = batch(&folder, "out", &["--dry-run"]);
+    assert!(said.out.contains("trees    14") && said.out.contains("MiB"), "{}", said.out);
+    assert!(!folder.file("out").exists());
+}
