@@ -5,6 +5,7 @@
 
 mod axes;
 mod cylinders;
+mod fingerprint;
 pub mod generator;
 mod measure;
 mod memory;
@@ -15,9 +16,9 @@ mod topology;
 mod wood;
 mod young;
 
+use fingerprint::Fingerprint;
 use glam::Vec3;
 use radii::Built;
-use xxhash_rust::xxh3::Xxh3;
 
 use linden_base::random::Key;
 
@@ -249,31 +250,16 @@ impl Skeleton {
     /// A 128-bit fingerprint of everything in it (XXH3 over little-endian bytes): equal on all
     /// machines and for any number of threads exactly when the skeleton is the same, bit for bit.
     pub fn hash(&self) -> u128 {
-        let mut hasher = Xxh3::new();
-        let mut block = Vec::with_capacity(1 << 14);
-        let mut feed = |words: &mut dyn Iterator<Item = u32>| {
-            let mut count = 0_u64;
-            for word in words {
-                block.extend_from_slice(&word.to_le_bytes());
-                count += 1;
-                if block.len() >= 1 << 14 {
-                    hasher.update(&block);
-                    block.clear();
-                }
-            }
-            // The length ends each array, so that entries cannot move from one to the next unseen.
-            block.extend_from_slice(&count.to_le_bytes());
-        };
-        feed(&mut self.positions.iter().flat_map(Vec3::to_array).map(f32::to_bits));
-        feed(&mut self.parents.iter().copied());
-        feed(&mut self.radii.iter().map(|r| r.to_bits()));
-        feed(&mut self.births.iter().copied());
-        feed(&mut self.axes.iter().flat_map(|a| [a.order, a.parent, a.first, a.len]));
-        feed(&mut self.axis_nodes.iter().copied());
+        let mut fingerprint = Fingerprint::new();
+        fingerprint.vectors(&self.positions);
+        fingerprint.words(self.parents.iter().copied());
+        fingerprint.reals(&self.radii);
+        fingerprint.words(self.births.iter().copied());
+        fingerprint.words(self.axes.iter().flat_map(|a| [a.order, a.parent, a.first, a.len]));
+        fingerprint.words(self.axis_nodes.iter().copied());
         if self.width_steps == WidthSteps::Cylinder {
-            feed(&mut std::iter::once(1));
+            fingerprint.words([1]);
         }
-        hasher.update(&block);
-        hasher.digest128()
+        fingerprint.finish()
     }
 }

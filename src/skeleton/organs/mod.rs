@@ -5,6 +5,7 @@
 //! settings describe ([`Organs::shapes`]).
 
 mod area;
+mod hash;
 mod prototype;
 
 use std::sync::Arc;
