@@ -21,6 +21,8 @@
           inherit (manifest) version;
           src = self;
           cargoLock.lockFile = ./Cargo.lock;
+          # For `linden --version` and the files that it writes: the source comes without its repository.
+          env.LINDEN_COMMIT = self.shortRev or self.dirtyShortRev or "";
           cargoBuildFlags = [ "--package" "linden-cli" ];
           # Of the program alone: all tests ask for Python, Node.js and a network.
           cargoTestFlags = [ "--package" "linden-base" "--package" "linden-exporters" ];

@@ -82,8 +82,8 @@ pub use plugin::program_on_path;
 pub use recipe::Readable;
 pub use registry::{REGISTRY, Registry, USUAL, exporters, find, for_path, recipe_in};
 
-/// What wrote a file, as files say it.
-pub const GENERATOR: &str = concat!("linden ", env!("CARGO_PKG_VERSION"));
+/// What wrote a file, as files say it: `linden 0.2.0 (abc1234)`.
+pub const GENERATOR: &str = linden_pipeline::recipe::PROGRAM;
 
 /// Writes stages in one format: see [`writing`] for one of a few lines.
 pub trait Exporter: Sync {

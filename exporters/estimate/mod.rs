@@ -13,6 +13,7 @@ use std::collections::BTreeSet;
 use linden_pipeline::forecast::Sample;
 use linden_pipeline::grow::Grown;
 use linden_pipeline::monitor::{Cancelled, Monitor};
+use linden_pipeline::provenance::TreeHash;
 use linden_pipeline::recipe::Recipe;
 use linden_pipeline::settings::Dressing;
 use linden_pipeline::surface::{self, Junction, SurfaceError, Tubes};
@@ -138,7 +139,8 @@ impl Estimate {
             foliage_materials: (colors.len() + kinds.len()) as u64,
             nodes: of_wood(skeleton.positions.len() as u64),
             axes: of_wood(skeleton.axes.len() as u64),
-            recipe_bytes: recipe.to_line().len() as u64,
+            // As long as with its own hashes.
+            recipe_bytes: recipe.to_line_of(TreeHash { skeleton: 0, organs: 0 }).len() as u64,
             picture_bytes: bark_bytes(recipe) + leaves.sum::<u64>(),
             billboard_bytes: billboard_bytes(detail),
             wind,

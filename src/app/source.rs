@@ -6,11 +6,13 @@ use std::path::{Path, PathBuf};
 use anyhow::{Context, bail};
 use linden::Monitor;
 use linden::forest::builtin_forest;
+use linden::grow::Grown;
 use linden::input::{InputKind, sniff};
 use linden::knob::{did_you_mean, nearest, printable};
 use linden::lsystem::text;
 use linden::monitor::Holding;
 use linden::preset::{Fault, Preset, RecipeError, builtin, builtin_file, builtins};
+use linden::provenance::Provenance;
 use linden::recipe::{Input, Inputs, Recipe};
 
 use crate::config::dirs::Dirs;
@@ -27,10 +29,20 @@ pub struct Source {
     pub shown: String,
     /// What grows.
     pub recipe: Recipe,
+    /// What its document says of the tree that it is from, where it is a recipe.
+    pub provenance: Option<Provenance>,
     /// What the user should know about it.
     pub notes: Vec<String>,
     /// The files that it was read from, which no output may replace.
     pub files: Vec<PathBuf>,
+}
+
+impl Source {
+    /// Whether the tree that grew is the one that the recipe was made with, where there is anything to say.
+    pub fn tree_note(&self, grown: &Grown) -> Option<String> {
+        let note = self.provenance.as_ref()?.tree_note(&self.recipe, grown)?;
+        Some(format!("{}: {note}", self.shown))
+    }
 }
 
 /// Reads SOURCE and turns the knobs.
@@ -146,6 +158,7 @@ struct Reader<'a> {
     monitor: &'a dyn Monitor,
     /// Files that the user puts in the place of those that the preset names: key, name, content.
     given: Vec<(String, String, Input)>,
+    provenance: Option<Provenance>,
     notes: Vec<String>,
     /// Whether it read a grammar that comes without a preset.
     is_bare_grammar: bool,
@@ -163,11 +176,19 @@ struct NamedDocument<'a> {
 
 impl<'a> Reader<'a> {
     fn new(monitor: &'a dyn Monitor) -> Self {
-        Self { monitor, given: Vec::new(), notes: Vec::new(), is_bare_grammar: false, files: Vec::new() }
+        Self {
+            monitor,
+            given: Vec::new(),
+            provenance: None,
+            notes: Vec::new(),
+            is_bare_grammar: false,
+            files: Vec::new(),
+        }
     }
 
     fn finish(self, shown: String, recipe: Recipe) -> Source {
-        Source { shown, recipe, notes: self.notes, files: self.files }
+        let Self { provenance, notes, files, .. } = self;
+        Source { shown, recipe, provenance, notes, files }
     }
 
     /// Reads a file that is named on the command line, in place of the one that the preset names.
@@ -250,7 +271,11 @@ impl<'a> Reader<'a> {
         }
         let preset = Preset::from_json(json).map_err(|fault| locate(shown, &fault))?;
         let recipe = self.furnished(preset, &NamedDocument { path, shown, text: json })?;
+        let provenance = Provenance::of(json, &recipe);
+        self.notes.extend(provenance.version_note().map(|note| format!("{shown}: {note}")));
         self.notes.extend(other_files(json, &recipe.inputs));
+        // With other files it is another recipe.
+        self.provenance = Some(provenance).filter(|_| self.given.is_empty());
         Ok(recipe)
     }
 

@@ -55,7 +55,8 @@ pub fn read_allowing<P: AsRef<Path>>(path: impl AsRef<Path>, folders: &[P]) -> R
     ensure_regular(path).map_err(|error| failed(path, error))?;
     let mut file = BufReader::new(File::open(path).map_err(|error| failed(path, error))?);
     if let Some(json) = linden_exporters::recipe_in(&mut file).map_err(|error| failed(path, error))? {
-        return furnished(path, Preset::from_json(&json).map_err(document)?, &allowed);
+        let tree = furnished(path, Preset::from_json(&json).map_err(document)?, &allowed)?;
+        return Ok(tree.with_provenance(&json));
     }
     drop(file);
     let bytes = load(path).map_err(|error| failed(path, error))?;
@@ -72,7 +73,8 @@ pub fn read_allowing<P: AsRef<Path>>(path: impl AsRef<Path>, folders: &[P]) -> R
             return furnished(path, Preset::from_toml(text()?).map_err(document)?, &allowed);
         }
         InputKind::Recipe => {
-            return furnished(path, Preset::from_json(text()?).map_err(document)?, &allowed);
+            let tree = furnished(path, Preset::from_json(text()?).map_err(document)?, &allowed)?;
+            return Ok(tree.with_provenance(text()?));
         }
         InputKind::Grammar => {
             let found = text::parse(text()?).map_err(|error| {

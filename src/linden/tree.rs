@@ -9,6 +9,7 @@ use linden_pipeline::grow::{Grown, grow};
 use linden_pipeline::monitor::{Monitor, Quiet};
 use linden_pipeline::picture::Picture;
 use linden_pipeline::preset::KNOBS;
+use linden_pipeline::provenance::Provenance;
 use linden_pipeline::recipe::Recipe;
 use linden_pipeline::report::Report;
 use linden_pipeline::skeleton::{Measures, Skeleton};
@@ -28,17 +29,25 @@ pub struct Tree {
     turned: Vec<&'static str>,
     /// Files that it was read from, which no export replaces.
     sources: Vec<PathBuf>,
+    /// What the recipe's document says of the tree that it is from.
+    provenance: Option<Provenance>,
 }
 
 impl Tree {
     /// The tree of a recipe.
     pub fn of(recipe: Recipe) -> Self {
-        Self { recipe, watcher: Arc::new(Quiet), turned: Vec::new(), sources: Vec::new() }
+        let (turned, sources) = (Vec::new(), Vec::new());
+        Self { recipe, watcher: Arc::new(Quiet), turned, sources, provenance: None }
     }
 
     /// Read from files, which no export is to replace.
     pub(crate) fn sparing(self, sources: Vec<PathBuf>) -> Self {
         Self { sources, ..self }
+    }
+
+    /// As its document, a recipe, says of itself.
+    pub(crate) fn with_provenance(self, json: &str) -> Self {
+        Self { provenance: Some(Provenance::of(json, &self.recipe)), ..self }
     }
 
     /// With another seed: another tree of the same kind.
@@ -109,6 +118,10 @@ impl Tree {
     pub fn grow(self) -> Result<GrownTree, Error> {
         let mut grown = grow(&self.recipe, &*self.watcher)?;
         grown.notes.extend(self.recipe.preset.idle_notes(self.turned.iter().copied()));
+        if let Some(provenance) = &self.provenance {
+            let tree_note = provenance.tree_note(&self.recipe, &grown);
+            grown.notes.extend(provenance.version_note().into_iter().chain(tree_note));
+        }
         Ok(GrownTree { tree: self, grown })
     }
 }
@@ -154,8 +167,8 @@ impl GrownTree {
         Ok(Report::of(&self.tree.recipe, &self.grown, &*self.tree.watcher)?)
     }
 
-    /// What the user should know: limits that were hit, meshes that are open, knobs that change
-    /// nothing.
+    /// What the user should know: limits that were hit, meshes that are open, knobs that change nothing; of a
+    /// recipe that another version made, that it is one, and whether the tree is still the same.
     pub fn notes(&self) -> &[String] {
         &self.grown.notes
     }

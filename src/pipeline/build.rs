@@ -1,13 +1,15 @@
 //! Lists the files of `presets/`, so that adding a preset is adding a file. Those in `forests/` are
-//! documents of forests, all others of trees.
+//! documents of forests, all others of trees. Says which version this is.
 
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::{env, fs};
 
 fn main() -> Result<(), Box<dyn Error>> {
+    println!("cargo::rustc-env=VERSION_AND_COMMIT={}", version()?);
     let out = env::var("OUT_DIR")?;
     if env::var_os("CARGO_FEATURE_PRESETS").is_none() {
         fs::write(Path::new(&out).join("builtins.rs"), "static BUILTINS: &[Builtin] = &[];\n")?;
@@ -54,6 +56,56 @@ fn main() -> Result<(), Box<dyn Error>> {
     fs::write(Path::new(&out).join("builtins.rs"), table)?;
     fs::write(Path::new(&out).join("forests.rs"), forests)?;
     Ok(())
+}
+
+/// The package's version, and the commit behind it where that is known: `0.2.0 (abc1234)`.
+fn version() -> Result<String, Box<dyn Error>> {
+    let (version, package) = (env::var("CARGO_PKG_VERSION")?, env::var("CARGO_MANIFEST_DIR")?);
+    println!("cargo::rerun-if-env-changed=LINDEN_COMMIT");
+    let package = Path::new(&package);
+    // Packagers say it, as there is no repository where they build. An empty one is none.
+    let named = env::var("LINDEN_COMMIT").ok();
+    let commit = named.or_else(|| commit_of_package(package)).or_else(|| commit_of_checkout(package));
+    let commit = commit.map(|commit| commit.trim().chars().take(40).collect::<String>());
+    let is_commit =
+        |text: &String| !text.is_empty() && text.bytes().all(|b| b.is_ascii_alphanumeric() || b == b'-');
+    Ok(match commit.filter(is_commit) {
+        // A whole hash becomes what git shows of it.
+        Some(commit) if commit.len() == 40 => format!("{version} ({})", &commit[..7]),
+        Some(commit) => format!("{version} ({commit})"),
+        None => version,
+    })
+}
+
+/// What cargo notes in a package that it made.
+fn commit_of_package(package: &Path) -> Option<String> {
+    let note = fs::read_to_string(package.join(".cargo_vcs_info.json")).ok()?;
+    let (_, rest) = note.split_once("\"sha1\"")?;
+    rest.split('"').nth(1).map(str::to_owned)
+}
+
+/// That of the repository that this package is a folder of, and of no other around it.
+fn commit_of_checkout(package: &Path) -> Option<String> {
+    let root = package.parent()?.parent()?;
+    if !package.ends_with("src/pipeline") || !root.join(".git").exists() {
+        return None;
+    }
+    let git = |arguments: &[&str]| {
+        let done = Command::new("git").arg("-C").arg(root).args(arguments).output().ok()?;
+        let text = String::from_utf8(done.stdout).ok()?;
+        done.status.success().then(|| text.trim_end().to_owned())
+    };
+    let branch = git(&["symbolic-ref", "--quiet", "HEAD"]);
+    // A commit moves its branch, and a branch that is packed only the log.
+    for file in ["HEAD", "logs/HEAD", "packed-refs"].into_iter().chain(branch.as_deref()) {
+        // A file that is not there would run this anew each time.
+        if let Some(path) = git(&["rev-parse", "--git-path", file]).map(|path| root.join(path))
+            && path.is_file()
+        {
+            println!("cargo::rerun-if-changed={}", path.display());
+        }
+    }
+    git(&["rev-parse", "--short=7", "HEAD"])
 }
 
 /// What was measured of each preset, as Rust has it: lines of an id, metres and leaves.

@@ -21,7 +21,7 @@ pub use linden_plant::dress::DressError;
 /// [`DressError`]: too large, or cancelled.
 pub fn dress(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Scene, DressError> {
     let monitor = holding_points(grown, monitor);
-    recipe.with_specimen(|specimen| dress::dress(specimen, grown.body(), &monitor))
+    recipe.with_specimen_of(&grown.skeleton, |specimen| dress::dress(specimen, grown.body(), &monitor))
 }
 
 /// The levels of detail that a recipe asks for, the finest first, within its budgets; one where it asks for
@@ -31,7 +31,7 @@ pub fn dress(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Sc
 /// [`DetailError`].
 pub fn levels(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<Levels, DetailError> {
     let monitor = holding_points(grown, monitor);
-    recipe.with_specimen(|specimen| detail::levels(specimen, grown.body(), &monitor))
+    recipe.with_specimen_of(&grown.skeleton, |specimen| detail::levels(specimen, grown.body(), &monitor))
 }
 
 /// The same wood with the leaves of several seasons, each with the levels of [`levels`].
@@ -45,7 +45,8 @@ pub fn year(
     monitor: &dyn Monitor,
 ) -> Result<Year, DetailError> {
     let monitor = holding_points(grown, monitor);
-    recipe.with_specimen(|specimen| detail::year(specimen, grown.body(), seasons, &monitor))
+    recipe
+        .with_specimen_of(&grown.skeleton, |specimen| detail::year(specimen, grown.body(), seasons, &monitor))
 }
 
 /// Wood and leaves of the finest level, without their meshes.

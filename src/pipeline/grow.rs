@@ -12,6 +12,7 @@ use linden_skeleton::refine::{RefineError, Room, refine};
 use linden_skeleton::{AxisRule, NO_PARENT, Skeleton, SkeletonError, Wood};
 
 use crate::preset::Preset;
+use crate::provenance::TreeHash;
 use crate::recipe::{InputsError, Recipe};
 
 pub use linden_skeleton::generator::{Colonized, Fit, Scanned, Spread};
@@ -39,6 +40,18 @@ impl Grown {
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
         self.body().bytes() + self.colonized.as_ref().map_or(0, Colonized::bytes)
+    }
+
+    /// The fingerprints of the tree.
+    ///
+    /// ```
+    /// use linden_pipeline::{Quiet, grow::grow, preset::builtin, recipe::Recipe};
+    /// let fir = Recipe::new(builtin("fir")?.load()?);
+    /// assert_eq!(grow(&fir, &Quiet)?.hash(), grow(&fir, &Quiet)?.hash());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn hash(&self) -> TreeHash {
+        TreeHash { skeleton: self.skeleton.hash(), organs: self.organs.hash() }
     }
 
     /// The tree as it is dressed.

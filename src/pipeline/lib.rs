@@ -8,6 +8,7 @@
 //! |---|---|
 //! | [`preset`] | documents ⇄ settings, built-in presets, the table of all knobs |
 //! | [`recipe`] | a preset with its files: everything to grow the same tree again |
+//! | [`provenance`] | fingerprints of recipes and trees, and whether a tree is the one that it was |
 //! | [`generators`] | the registry of generators |
 //! | [`grow`](mod@grow) | recipe → skeleton |
 //! | [`dress`](mod@dress) | skeleton → scene, levels of detail, seasons |
@@ -27,6 +28,7 @@ pub mod generators;
 pub mod grow;
 pub mod manifest;
 pub mod preset;
+pub mod provenance;
 pub mod recipe;
 pub mod report;
 

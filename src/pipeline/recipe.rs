@@ -1,19 +1,28 @@
 //! A recipe: a preset, resolved, with the files it needs. Everything to grow the same tree again.
 
+use std::borrow::Cow;
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 use linden_base::knob::{did_you_mean, nearest, printable};
 use linden_plant::Specimen;
+use linden_plant::foliage::Organs;
 use linden_plant::settings::Dressing;
+use linden_skeleton::Skeleton;
 use linden_skeleton::generator::Task;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use crate::preset::Preset;
+use crate::provenance::{TreeHash, document_hash, hash_text};
 
 pub use linden_base::input::{Geometry, Input, Inputs};
 
-/// The version of linden that a recipe names: another one may grow another tree.
-pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+/// The version of linden that a recipe names, with the commit that it was built from where that is known:
+/// `0.2.0 (abc1234)`. Another one may grow another tree. Changes that were not committed do not show in it.
+pub const VERSION: &str = env!("VERSION_AND_COMMIT");
+
+/// What wrote a file, as files say it: `linden 0.2.0 (abc1234)`.
+pub const PROGRAM: &str = concat!("linden ", env!("VERSION_AND_COMMIT"));
 
 /// Everything that decides a tree.
 #[derive(Clone, Debug)]
@@ -125,24 +134,68 @@ impl Recipe {
         Task { seed: self.preset.seed, inputs: &self.inputs, wood: self.preset.wood }
     }
 
-    /// Does something with what is needed to dress this recipe's tree.
-    pub fn with_specimen<R>(&self, dress: impl FnOnce(&Specimen<'_>) -> R) -> R {
-        let Preset { id, name, seed, dressing, .. } = &self.preset;
-        let line = |dressing: &Dressing| {
-            if *dressing == self.preset.dressing {
-                return self.to_line();
-            }
-            let preset = Preset { dressing: dressing.clone(), ..self.preset.clone() };
-            Self { preset, inputs: self.inputs.clone() }.to_line()
-        };
-        let name = printable(if name.trim().is_empty() { id } else { name });
-        dress(&Specimen { name: &name, seed: *seed, dressing, inputs: &self.inputs, recipe: &line })
+    /// Does something with what says how this recipe's tree looks; lines of the recipe know of no tree.
+    pub fn with_specimen<R>(&self, work: impl FnOnce(&Specimen<'_>) -> R) -> R {
+        self.with_lines(&|dressing, _| self.in_dressing(dressing).to_line(), work)
     }
 
-    /// One line of printable ASCII (JSON), as every exported file carries it. It is a preset
-    /// document too: [`Preset::from_json`] reads it.
+    /// Does something with what is needed to dress this recipe's tree, which grew to `skeleton`.
+    pub fn with_specimen_of<R>(&self, skeleton: &Skeleton, dress: impl FnOnce(&Specimen<'_>) -> R) -> R {
+        let hash = OnceCell::new();
+        let line = |dressing: &Dressing, organs: &Organs| {
+            let skeleton = *hash.get_or_init(|| skeleton.hash());
+            self.in_dressing(dressing).to_line_of(TreeHash { skeleton, organs: organs.hash() })
+        };
+        self.with_lines(&line, dress)
+    }
+
+    fn with_lines<R>(
+        &self,
+        recipe: &dyn Fn(&Dressing, &Organs) -> String,
+        work: impl FnOnce(&Specimen<'_>) -> R,
+    ) -> R {
+        let Preset { id, name, seed, dressing, .. } = &self.preset;
+        let name = printable(if name.trim().is_empty() { id } else { name });
+        work(&Specimen { name: &name, seed: *seed, dressing, inputs: &self.inputs, recipe })
+    }
+
+    fn in_dressing(&self, dressing: &Dressing) -> Cow<'_, Self> {
+        if *dressing == self.preset.dressing {
+            return Cow::Borrowed(self);
+        }
+        let preset = Preset { dressing: dressing.clone(), ..self.preset.clone() };
+        Cow::Owned(Self { preset, inputs: self.inputs.clone() })
+    }
+
+    /// A 128-bit fingerprint of everything that decides the tree and its looks, files included: XXH3 of the
+    /// recipe as JSON without white space, keys sorted, and without the keys that say who wrote it or what it is
+    /// called (`linden`, `hash`, `id`, `name`, `group`, `summary`, `source`, `about`). The same whatever build
+    /// says it, as long as presets have the same knobs.
+    ///
+    /// ```
+    /// use linden_pipeline::{preset::builtin, recipe::Recipe};
+    /// let fir = Recipe::new(builtin("fir")?.load()?);
+    /// let mut other = fir.clone();
+    /// other.preset.name = "Abies alba".to_owned();
+    /// assert_eq!(other.hash(), fir.hash());
+    /// other.preset.seed += 1;
+    /// assert_ne!(other.hash(), fir.hash());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn hash(&self) -> u128 {
+        // What was written a moment ago is JSON.
+        serde_json::to_string(&Content(self)).ok().and_then(|json| document_hash(&json)).unwrap_or_default()
+    }
+
+    /// One line of printable ASCII (JSON), with this version and the recipe's hash. It is a preset document
+    /// too: [`Preset::from_json`] reads it.
     pub fn to_line(&self) -> String {
         ascii_line(self)
+    }
+
+    /// The same with the hashes of the tree that it grew, as every exported file carries it.
+    pub fn to_line_of(&self, tree: TreeHash) -> String {
+        ascii_line(&Document { recipe: self, tree: Some(tree) })
     }
 }
 
@@ -165,15 +218,61 @@ pub(crate) fn ascii_line(value: &impl Serialize) -> String {
 
 impl Serialize for Recipe {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Document { recipe: self, tree: None }.serialize(serializer)
+    }
+}
+
+/// A recipe with what it says of the program and of the tree.
+struct Document<'a> {
+    recipe: &'a Recipe,
+    tree: Option<TreeHash>,
+}
+
+impl Serialize for Document<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("linden", VERSION)?;
-        self.preset.serialize_into(&mut map)?;
-        let files = self.preset.files().into_iter();
-        let files: Vec<_> = files.filter_map(|file| Some(NamedInput(file, self.input(file)?))).collect();
-        if !files.is_empty() {
-            map.serialize_entry("inputs", &files)?;
+        map.serialize_entry("hash", &Hashes { recipe: self.recipe.hash(), tree: self.tree })?;
+        self.recipe.serialize_into(&mut map)?;
+        map.end()
+    }
+}
+
+/// As documents have them.
+pub(crate) struct Hashes {
+    pub recipe: u128,
+    pub tree: Option<TreeHash>,
+}
+
+impl Serialize for Hashes {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        map.serialize_entry("recipe", &hash_text(self.recipe))?;
+        if let Some(TreeHash { skeleton, organs }) = self.tree {
+            map.serialize_entry("skeleton", &hash_text(skeleton))?;
+            map.serialize_entry("organs", &hash_text(organs))?;
         }
         map.end()
+    }
+}
+
+/// A recipe alone.
+struct Content<'a>(&'a Recipe);
+
+impl Serialize for Content<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        self.0.serialize_into(&mut map)?;
+        map.end()
+    }
+}
+
+impl Recipe {
+    fn serialize_into<M: SerializeMap>(&self, map: &mut M) -> Result<(), M::Error> {
+        self.preset.serialize_into(map)?;
+        let files = self.preset.files().into_iter();
+        let files: Vec<_> = files.filter_map(|file| Some(NamedInput(file, self.input(file)?))).collect();
+        if files.is_empty() { Ok(()) } else { map.serialize_entry("inputs", &files) }
     }
 }
 

@@ -80,7 +80,9 @@ pub fn dress(specimen: &Specimen<'_>, body: Body<'_>, monitor: &dyn Monitor) -> 
     let wardrobe = Wardrobe::new(specimen, body.organs, &held)?;
     let field = Field::of(specimen, body.skeleton);
     let blown = field.as_ref().map(|field| Blown { field, axes: None });
-    wardrobe.dress(specimen, body, blown, monitor)
+    let mut scene = wardrobe.dress(specimen, body, blown, monitor)?;
+    scene.recipe = (specimen.recipe)(specimen.dressing, body.organs);
+    Ok(scene)
 }
 
 /// The pictures of a tree's bark and leaves, drawn once for all of its levels of detail and looks.
@@ -125,7 +127,8 @@ impl Wardrobe {
         bark.chain(covers).map(|picture| picture.rgba().len() as u64).sum()
     }
 
-    /// As [`dress`](dress()), with these pictures and this wind.
+    /// As [`dress`](dress()), with these pictures and this wind, and without the recipe: the body may be a
+    /// level of the tree.
     ///
     /// # Errors
     /// [`DressError`].
@@ -154,7 +157,7 @@ impl Wardrobe {
         self.leaves(specimen, body.organs, blown, &mut materials, &mut parts, &wooded)?;
         Ok(Scene {
             name: specimen.name.to_owned(),
-            recipe: (specimen.recipe)(specimen.dressing),
+            recipe: String::new(),
             materials,
             parts,
             skeleton: Arc::clone(body.skeleton),

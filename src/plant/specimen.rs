@@ -20,8 +20,8 @@ pub struct Specimen<'a> {
     pub dressing: &'a Dressing,
     /// The files that the dressing names.
     pub inputs: &'a Inputs,
-    /// The recipe's line as files carry it, were the dressing another.
-    pub recipe: &'a dyn Fn(&Dressing) -> String,
+    /// The recipe's line as files carry it, of the tree in this dressing with these organs on it.
+    pub recipe: &'a dyn Fn(&Dressing, &Organs) -> String,
 }
 
 impl<'a> Specimen<'a> {

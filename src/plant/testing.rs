@@ -11,6 +11,7 @@ use linden_base::monitor::Quiet;
 use linden_pipeline::grow::Grown;
 use linden_pipeline::preset::{Preset, builtin};
 use linden_pipeline::recipe::Recipe;
+use linden_skeleton::organs::Organs;
 
 use crate::settings::{
     self, BarkSettings, DetailSettings, Dressing, FoliageSettings, LeafKind, WindSettings,
@@ -45,7 +46,7 @@ impl Subject {
 
     pub fn with<R>(&self, work: impl FnOnce(&Specimen<'_>) -> R) -> R {
         let preset = &self.recipe.preset;
-        let line = |_: &Dressing| self.recipe.to_line();
+        let line = |_: &Dressing, _: &Organs| self.recipe.to_line();
         work(&Specimen {
             name: &preset.name,
             seed: preset.seed,

@@ -146,9 +146,9 @@ fn any_number_of_threads_grows_the_same_tree() {
     let on = |threads: usize, id: &str| {
         let builtin = builtins().iter().find(|builtin| builtin.id == id).unwrap();
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| grow(&recipe(builtin), &Quiet).unwrap().skeleton.hash())
+        pool.install(|| grow(&recipe(builtin), &Quiet).unwrap().hash())
     };
-    for id in ["heart", "sphere", "abop-stochastic"] {
+    for id in ["heart", "sphere", "abop-stochastic", "dressed-simple"] {
         assert_eq!(on(1, id), on(4, id), "{id}");
     }
 }

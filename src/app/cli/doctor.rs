@@ -199,7 +199,7 @@ impl Doctor {
         };
         let defaults = Settings::default();
         let report = DoctorReport {
-            linden: env!("CARGO_PKG_VERSION"),
+            linden: linden::recipe::VERSION,
             system: format!("{OS} {ARCH}"),
             threads: std::thread::available_parallelism().map_or(1, usize::from),
             terminal: TerminalReport {

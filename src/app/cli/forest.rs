@@ -335,6 +335,7 @@ impl Described {
         files.extend(path.clone());
         let beside = path.as_deref().unwrap_or(Path::new(""));
         let mut kinds = Vec::new();
+        let mut said = Vec::new();
         for tree in document.trees {
             let source = match &tree.source {
                 TreeSource::Recipe(json) => source::of_recipe(beside, json, progress)?,
@@ -349,7 +350,10 @@ impl Described {
                     source::resolve(&named, &[], progress)?
                 }
             };
-            super::notes(&source.notes, progress);
+            // Of the same document all kinds say the same.
+            let news: Vec<_> = source.notes.into_iter().filter(|note| !said.contains(note)).collect();
+            super::notes(&news, progress);
+            said.extend(news);
             files.extend(source.files);
             let mut recipe = source.recipe;
             for (name, value) in &tree.set {

@@ -50,7 +50,7 @@ const STYLES: Styles = Styles::styled()
 
 /// Grows trees from L-systems and space colonization and hands them to every 3D pipeline.
 #[derive(Parser)]
-#[command(name = "linden", version, styles = STYLES, max_term_width = 110)]
+#[command(name = "linden", version = linden::recipe::VERSION, styles = STYLES, max_term_width = 110)]
 #[command(override_usage = "linden [OPTIONS] [COMMAND]")]
 #[command(after_help = EXAMPLES)]
 struct Cli {
@@ -255,6 +255,7 @@ fn grown_beside(source: &Source, holding: &dyn Monitor, progress: &Progress) -> 
     use anyhow::Context as _;
     let grown = grow(&source.recipe, holding).with_context(|| source.shown.clone())?;
     notes(&grown.notes, progress);
+    notes(source.tree_note(&grown).as_slice(), progress);
     Ok(grown)
 }
 

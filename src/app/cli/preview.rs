@@ -200,12 +200,14 @@ impl Preview {
             let (width, height) = self.size.unwrap_or(FILE_SIZE);
             let size = Size::new(width, height).map_err(usage)?;
             let drawing = Drawing::new(&grown.skeleton, &camera, &styled(style), size, &progress);
-            let svg = drawing.with_context(|| source.shown.clone())?.svg(Some(&source.recipe.to_line()));
+            let svg = drawing
+                .with_context(|| source.shown.clone())?
+                .svg(Some(&source.recipe.to_line_of(grown.hash())));
             return target.write_svg(&svg, &progress);
         }
         let picture = draw(style, self.size.unwrap_or(FILE_SIZE))?;
         target.admit(Size::new(picture.width(), picture.height())?, sitter.bytes(), &progress)?;
-        target.write(&picture, Some(&source.recipe.to_line()), &progress)
+        target.write(&picture, Some(&source.recipe.to_line_of(grown.hash())), &progress)
     }
 }
 

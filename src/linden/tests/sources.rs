@@ -94,3 +94,21 @@ fn devices_and_folders_are_refused_before_they_are_read() {
         assert!(refused.to_string().contains("no regular file"), "{refused}");
     }
 }
+
+#[test]
+fn a_recipe_says_who_made_it_and_whether_its_tree_is_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let tree = tree("fir").unwrap().set("points", "60").unwrap();
+    let grown = tree.clone().grow().unwrap();
+    let line = grown.recipe().to_line_of(grown.grown().hash());
+    let notes = |line: &str, seed: u64| {
+        let path = folder.path().join("fir.json");
+        fs::write(&path, line).unwrap();
+        read(&path).unwrap().seed(seed).grow().unwrap().notes().to_vec()
+    };
+    assert!(notes(&line, 1).is_empty());
+    let older = line.replace(linden::recipe::VERSION, "0.0.9");
+    let said = notes(&older, 1);
+    assert!(said.len() == 2 && said[0].contains("0.0.9") && said[1].contains("the same tree"), "{said:?}");
+    assert_eq!(notes(&older, 2).len(), 1, "of another seed no tree is known");
+}

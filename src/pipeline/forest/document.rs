@@ -231,6 +231,7 @@ impl<'de: 'a, 'a> Deserialize<'de> for Json<'a> {
                         "name" => json.name = map.next_value()?,
                         "summary" => json.summary = map.next_value()?,
                         "tree" => json.tree = map.next_value()?,
+                        "hash" => drop(map.next_value::<serde::de::IgnoredAny>()?),
                         _ => drop(json.knobs.insert(key, map.next_value()?)),
                     }
                 }
@@ -272,6 +273,7 @@ mod tests {
     use super::*;
     use crate::forest::Forest;
     use crate::preset::{Preset, builtin};
+    use crate::provenance::document_hash;
     use crate::recipe::Recipe;
 
     #[test]
@@ -286,6 +288,11 @@ mod tests {
         assert!(line.bytes().all(|byte| (b' '..=b'~').contains(&byte)));
         let back = ForestDocument::parse(&line).unwrap();
         assert_eq!((&back.name, back.layout), (&forest.name, forest.layout));
+        assert_eq!(
+            document_hash(&line),
+            Some(forest.hash()),
+            "who wrote it and what it is called count for nothing"
+        );
         for (kind, tree) in forest.kinds.iter().zip(&back.trees) {
             assert_eq!((kind.share, kind.size), (tree.share, tree.size));
             let TreeSource::Recipe(json) = &tree.source else { panic!("{:?}", tree.source) };

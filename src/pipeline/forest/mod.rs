@@ -29,7 +29,8 @@ mod spacing;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
 use crate::grow::Grown;
-use crate::recipe::{Recipe, VERSION, ascii_line};
+use crate::provenance::document_hash;
+use crate::recipe::{Hashes, Recipe, VERSION, ascii_line};
 use linden_base::monitor::Monitor;
 use linden_plant::detail::{DetailError, Simplifier};
 
@@ -96,7 +97,14 @@ impl Forest {
         Self { name: id.clone(), id, kinds, layout: Layout::default() }
     }
 
-    /// One line of printable ASCII (JSON): [`ForestDocument::parse`] reads it.
+    /// A 128-bit fingerprint of everything that decides the forest: as [`Recipe::hash`], of all its kinds and its
+    /// layout.
+    pub fn hash(&self) -> u128 {
+        serde_json::to_string(&Content(self)).ok().and_then(|json| document_hash(&json)).unwrap_or_default()
+    }
+
+    /// One line of printable ASCII (JSON), with this version and the forest's hash: [`ForestDocument::parse`]
+    /// reads it.
     pub fn to_line(&self) -> String {
         ascii_line(self)
     }
@@ -106,12 +114,30 @@ impl Serialize for Forest {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("linden", VERSION)?;
+        map.serialize_entry("hash", &Hashes { recipe: self.hash(), tree: None })?;
+        self.serialize_into(&mut map)?;
+        map.end()
+    }
+}
+
+/// A forest alone.
+struct Content<'a>(&'a Forest);
+
+impl Serialize for Content<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        self.0.serialize_into(&mut map)?;
+        map.end()
+    }
+}
+
+impl Forest {
+    fn serialize_into<M: SerializeMap>(&self, map: &mut M) -> Result<(), M::Error> {
         map.serialize_entry("name", &self.name)?;
         for (knob, value) in self.layout.knobs() {
             map.serialize_entry(knob.knob.name, &value.to_string())?;
         }
-        map.serialize_entry("tree", &self.kinds)?;
-        map.end()
+        map.serialize_entry("tree", &self.kinds)
     }
 }
 

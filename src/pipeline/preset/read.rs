@@ -13,8 +13,8 @@ use super::{Colonization, LSystem, Preset, ScanSettings, Space, former};
 use crate::generators;
 
 /// Keys before all tables that are no knobs.
-const HEADINGS: [&str; 9] =
-    ["id", "name", "group", "summary", "source", "about", "linden", "input", "inputs"];
+const HEADINGS: [&str; 10] =
+    ["id", "name", "group", "summary", "source", "about", "linden", "hash", "input", "inputs"];
 
 impl Preset {
     /// Reads a preset document (TOML).

@@ -75,6 +75,7 @@ fn from_above(points: impl Iterator<Item = DVec3>) -> Vec<DVec2> {
 
 pub(super) struct Figures<'a> {
     pub grown: &'a Grown,
+    pub recipe_hash: u128,
     pub is_reduced: bool,
     pub skeleton: Arc<Skeleton>,
     pub organs: usize,
@@ -139,6 +140,7 @@ impl<'a> Figures<'a> {
         };
         Ok(Self {
             grown,
+            recipe_hash: recipe.hash(),
             is_reduced,
             organs: organs.len(),
             measures,

@@ -7,6 +7,8 @@ use serde::{Deserialize, Serialize};
 use super::figures::Figures;
 use super::{Corners, Reading};
 use linden_skeleton::BREAST_HEIGHT_M;
+use crate::provenance::hash_text;
+use crate::recipe::VERSION;
 
 /// Where a number stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -164,7 +166,16 @@ numbers! {
         ("") = |f| (if f.is_reduced { "reduced" } else { "whole" }).to_owned();
     skeleton_hash: String, Tree "skeleton hash" [""] Wood
         "XXH3 (128 bits) of the whole tree's nodes, parents, radii, births and axes, whatever budget it is shown with: equal for equal trees"
-        ("") = |f| format!("{:032x}", f.grown.skeleton.hash());
+        ("") = |f| hash_text(f.grown.skeleton.hash());
+    organs_hash: String, Tree "organs hash" [""] All
+        "XXH3 (128 bits) of everything that grows on the whole tree, in its order: outlines, places, directions, sizes, shapes, nodes and births: equal for equal leaves and other organs"
+        ("") = |f| hash_text(f.grown.organs.hash());
+    recipe_hash: String, Tree "recipe hash" [""] Growth
+        "XXH3 (128 bits) of the recipe as JSON without white space, keys sorted, without names and version: everything that decides the tree and its looks, files included"
+        ("") = |f| hash_text(f.recipe_hash);
+    linden_version: String, Tree "linden" [""] Growth
+        "the version of linden, with the commit that it was built from where that is known"
+        ("") = |_f| VERSION.to_owned();
 
     height_m: f64, Size "height" ["m"] Wood
         "the highest node above the lowest"

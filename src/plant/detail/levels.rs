@@ -148,7 +148,7 @@ pub fn year(
         year.push((season, levels));
         wardrobe = Some(worn);
     }
-    Ok(Year { seasons: year, notes, recipe: (specimen.recipe)(specimen.dressing) })
+    Ok(Year { seasons: year, notes, recipe: (specimen.recipe)(specimen.dressing, body.organs) })
 }
 
 /// Which levels there are to be of a tree.
@@ -237,6 +237,10 @@ impl Plan {
                 }
             }
         }
+        let recipe = (specimen.recipe)(specimen.dressing, body.organs);
+        for scene in &mut scenes {
+            scene.recipe.clone_from(&recipe);
+        }
         if detail.billboard > 0 {
             let how = Billboard { planes: detail.billboard, size_px: detail.billboard_size_px };
             let held = Holding::new(monitor, scenes.iter().skip(1).map(Scene::bytes).sum());
@@ -307,7 +311,6 @@ fn dressed(
     let blown = field.map(|field| Blown { field, axes: Some(&axes) });
     let mut scene = wardrobe.dress(&specimen.with(&dressing), thin, blown, monitor)?;
     // Whatever is shown of it, this is the tree.
-    scene.recipe = (specimen.recipe)(specimen.dressing);
     scene.skeleton = Arc::clone(body.skeleton);
     Ok(scene)
 }

@@ -208,7 +208,7 @@ impl Table {
             };
             let Some(has_failed) = kind.is_of(keys, &item, &recipe, line.trim_end_matches('\n')) else {
                 bail!(
-                    "row {} of {shown} is of another tree than this sweep has there: take another file, or --overwrite",
+                    "row {} of {shown} is of another tree, or of another linden, than this sweep has there: take another file, or --overwrite",
                     done + 1
                 );
             };
