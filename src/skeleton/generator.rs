@@ -19,6 +19,7 @@ use linden_base::monitor::{Cancelled, Monitor};
 use linden_base::random::Key;
 
 use crate::organs::Organs;
+use crate::publication::Publication;
 use crate::{AxisRule, Branching, Skeleton, Wood};
 
 /// A way to grow trees.
@@ -31,6 +32,11 @@ pub trait Generator: Sync {
 
     /// One line: how it grows trees.
     fn help(&self) -> &'static str;
+
+    /// What its method is from: for those who cite a tree of it.
+    fn publications(&self) -> &'static [Publication] {
+        &[]
+    }
 
     /// All knobs that settings of it may have, each once, in the order of documents and forms. The first is
     /// turned before the others, wherever it stands in a document: it may decide which others there are.

@@ -10,6 +10,7 @@ pub mod generator;
 mod measure;
 mod memory;
 pub mod organs;
+pub mod publication;
 mod radii;
 pub mod refine;
 mod topology;

@@ -17,6 +17,7 @@ mod kills;
 mod pipes;
 mod plugins;
 mod program;
+mod provenance;
 mod reading;
 mod same_wood;
 mod seasons;

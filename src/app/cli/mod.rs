@@ -2,6 +2,7 @@
 //! completions and the manual are made from.
 
 mod batch;
+mod cite;
 mod complete;
 mod completions;
 mod doctor;
@@ -88,6 +89,7 @@ Examples:
   linden forest fir:3 simple -o wood.glb --area 60 --scene
   linden export scan.xyz -o tree.glb --set step=0.05
   linden recipe tree.glb
+  linden cite tree.glb --format bibtex
   linden sweep abop-honda-a --define r1=0.6:0.9:0.1 --seeds 2 -o table.csv
   linden doctor
 
@@ -105,6 +107,7 @@ enum CliCommand {
     Sheet(sheet::Sheet),
     Export(export::Export),
     Recipe(recipe::Recipe),
+    Cite(cite::Cite),
     Forest(forest::Forest),
     Doctor(doctor::Doctor),
     Completions(completions::Completions),
@@ -377,6 +380,7 @@ impl CliCommand {
             Self::Sheet(command) => command.run(),
             Self::Export(command) => command.run(),
             Self::Recipe(command) => command.run(),
+            Self::Cite(command) => command.run(),
             Self::Forest(command) => command.run(),
             Self::Doctor(command) => command.run(),
             Self::Completions(command) => command.run(),

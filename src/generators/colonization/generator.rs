@@ -12,6 +12,7 @@ use linden_skeleton::generator::{
     Asked, Branched, Generator, GeneratorError, KeyContent, Passage, SampleSize, Sampler, Settings, TableKey,
     Tables, Task, Traits, Written,
 };
+use linden_skeleton::publication::{Publication, SPACE_COLONIZATION};
 
 use crate::ColonizationError;
 use crate::crown::envelope::Envelope;
@@ -71,6 +72,10 @@ impl Generator for SpaceColonization {
 
     fn help(&self) -> &'static str {
         "branches compete for points in a crown: a shape, a mesh, or several"
+    }
+
+    fn publications(&self) -> &'static [Publication] {
+        &[SPACE_COLONIZATION]
     }
 
     fn knobs(&self) -> Vec<Knob> {

@@ -8,6 +8,7 @@ use linden_skeleton::generator::{
     Branched, Generator, GeneratorError, KeyContent, Passage, RadiiFrom, SampleSize, Sampler, Settings,
     TableKey, Task, Traits, Written,
 };
+use linden_skeleton::publication::{ABOP, Publication};
 use linden_skeleton::{AxisRule, Width, Wood};
 
 use crate::chance::chooses;
@@ -30,6 +31,10 @@ impl Generator for LSystems {
 
     fn help(&self) -> &'static str {
         "rules rewrite a string of symbols, which a turtle draws"
+    }
+
+    fn publications(&self) -> &'static [Publication] {
+        &[ABOP]
     }
 
     fn knobs(&self) -> Vec<Knob> {

@@ -12,6 +12,7 @@ use linden_skeleton::generator::{
     Branched, Fit, Generator, GeneratorError, KeyContent, Measured, Passage, RadiiFrom, SampleSize, Sampler,
     Settings, TableKey, Task, Traits, Written,
 };
+use linden_skeleton::publication::{Publication, PublicationKind, SPACE_COLONIZATION};
 use linden_skeleton::{Branching, Skeleton, Wood};
 
 use crate::canopy::Verdict;
@@ -22,6 +23,28 @@ use crate::{Girth, ScanGrowthError, ScanSettings, fit, girth};
 
 /// Trees that were scanned, or points that are given otherwise.
 pub const GENERATOR: &dyn Generator = &Scans;
+
+/// Axes through the middles of points that are as far from the foot.
+const VERROUST_LAZARUS: Publication = Publication {
+    key: "verroust1999",
+    kind: PublicationKind::InProceedings,
+    authors: &["Verroust, Anne", "Lazarus, Francis"],
+    title: "Extracting Skeletal Curves from 3D Scattered Data",
+    year: 1999,
+    venue: "International Conference on Shape Modeling and Applications",
+    pages: "194-201",
+};
+
+/// The same of trees.
+const XU_GOSSETT_CHEN: Publication = Publication {
+    key: "xu2007",
+    kind: PublicationKind::Article,
+    authors: &["Xu, Hui", "Gossett, Nathan", "Chen, Baoquan"],
+    title: "Knowledge and Heuristic-Based Modeling of Laser-Scanned Trees",
+    year: 2007,
+    venue: "ACM Transactions on Graphics 26(4)",
+    pages: "19",
+};
 
 struct Scans;
 
@@ -39,6 +62,10 @@ impl Generator for Scans {
 
     fn help(&self) -> &'static str {
         "branches grow into given points: a laser scan of a tree, or attraction points"
+    }
+
+    fn publications(&self) -> &'static [Publication] {
+        &[SPACE_COLONIZATION, VERROUST_LAZARUS, XU_GOSSETT_CHEN]
     }
 
     fn knobs(&self) -> Vec<Knob> {
