@@ -17,7 +17,7 @@ use linden_pipeline::stage::Stage;
 use crate::options::Options;
 use crate::writing::records::{self, Text};
 use crate::writing::{fit, memory, validate};
-use crate::{Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, recipe};
+use crate::{Bundle, Encoding, ExportError, Exporter, Format, Holds, Readable, recipe};
 
 /// A multiscale tree graph.
 pub(crate) struct Mtg;
@@ -106,11 +106,10 @@ impl Exporter for Mtg {
         memory::admit(stage, &[], more, monitor)?;
         let rows = rows(skeleton);
         let columns = most as usize + 2;
+        let (name, recipe) = recipe::of_stage(stage);
         let head = format!(
-            "# {GENERATOR}\n# name: {}\n# recipe: {}\n# units: metres; up axis: Z\n{HEAD}{}\
-             XX\tYY\tZZ\tradius\tlength\torder\tbirth\tnode\n",
-            linden_pipeline::knob::printable(&scene.name),
-            scene.recipe,
+            "{}{HEAD}{}XX\tYY\tZZ\tradius\tlength\torder\tbirth\tnode\n",
+            recipe::comments(name, recipe, "metres; up axis: Z"),
             "\t".repeat(columns)
         );
         bundle.write_main(None, monitor, |out| {

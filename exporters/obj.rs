@@ -142,11 +142,8 @@ impl Exporter for Obj {
 }
 
 fn header(stage: &Stage<'_>) -> String {
-    format!(
-        "# {GENERATOR}\n# name: {}\n# recipe: {}\n# units: metres, up axis: Y, triangles counter-clockwise from outside\n",
-        linden_pipeline::knob::printable(&stage.name),
-        stage.recipe
-    )
+    let units = "metres, up axis: Y, triangles counter-clockwise from outside";
+    recipe::comments(&stage.name, &stage.recipe, units)
 }
 
 /// What the `number`-th tree is called.

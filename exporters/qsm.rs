@@ -22,7 +22,7 @@ use linden_pipeline::stage::Stage;
 use crate::options::{OptionSpec, Options};
 use crate::writing::records::{self, Text};
 use crate::writing::{fit, mean_digits, memory, validate};
-use crate::{Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, recipe};
+use crate::{Bundle, Encoding, ExportError, Exporter, Format, Holds, Readable, recipe};
 
 /// A table of cylinders.
 pub(crate) struct Qsm;
@@ -78,11 +78,8 @@ impl Exporter for Qsm {
         memory::admit(stage, &[], more, monitor)?;
         let mut head = String::new();
         if options.is_on("comments") {
-            head = format!(
-                "# {GENERATOR}\n# name: {}\n# recipe: {}\n# units: metres, up axis: Y; parent 0: none\n",
-                linden_pipeline::knob::printable(&scene.name),
-                scene.recipe
-            );
+            let (name, recipe) = recipe::of_stage(stage);
+            head = recipe::comments(name, recipe, "metres, up axis: Y; parent 0: none");
         }
         head += HEADER;
         let skeleton = &scene.skeleton;

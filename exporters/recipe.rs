@@ -3,7 +3,9 @@
 
 use std::io::{self, BufRead, ErrorKind, Read, Seek, SeekFrom};
 
-use crate::Exporter;
+use linden_pipeline::stage::Stage;
+
+use crate::{Exporter, GENERATOR};
 
 /// Bytes that can be read from any place: an open file behind a [`BufReader`](io::BufReader), or a
 /// [`Cursor`](io::Cursor).
@@ -70,6 +72,26 @@ pub(crate) fn line(file: &mut dyn Readable) -> io::Result<Option<Vec<u8>>> {
     }
     line.pop_if(|last| *last == b'\r');
     Ok(Some(line))
+}
+
+/// The name and the recipe of what is on a stage: of a tree that is alone those of its scene.
+pub(crate) fn of_stage<'a>(stage: &'a Stage<'_>) -> (&'a str, &'a str) {
+    match stage.finest().next().filter(|_| stage.is_single()) {
+        Some((_, scene)) => (&scene.name, &scene.recipe),
+        None => (&stage.name, &stage.recipe),
+    }
+}
+
+/// The comments that a text begins with: what wrote it, a name, the recipe as [`in_comments`] finds it, and what its
+/// numbers are.
+///
+/// ```
+/// let head = linden_exporters::writing::comments("fir", "{}", "metres, up axis: Y");
+/// assert!(head.ends_with("# name: fir\n# recipe: {}\n# units: metres, up axis: Y\n"));
+/// ```
+pub fn comments(name: &str, recipe: &str, units: &str) -> String {
+    let name = linden_pipeline::knob::printable(name);
+    format!("# {GENERATOR}\n# name: {name}\n# recipe: {recipe}\n# units: {units}\n")
 }
 
 /// The recipe in the comments that a text begins with: the line that starts with `# recipe: `.

@@ -11,6 +11,7 @@
 //! | check and list meshes and materials | [`distinct::DistinctMeshes`], or [`validate::single_tree`] for a skeleton |
 //! | list and compress pictures | [`pictures`] |
 //! | ask for the memory | [`memory::admit`] |
+//! | begin a text with its recipe | [`comments`] |
 //! | write | [`Bundle::write_main`](crate::Bundle::write_main), [`records::write`] |
 //!
 //! A format of a few lines, the tips of a tree as `x y z`:
@@ -19,7 +20,7 @@
 //! use std::io;
 //!
 //! use linden_pipeline::{Monitor, Quiet, dress::dress, grow::grow, preset::builtin, recipe::Recipe, stage::Stage};
-//! use linden_exporters::writing::{fit, memory, recipe_in_comments, records, validate};
+//! use linden_exporters::writing::{comments, fit, memory, recipe_in_comments, records, validate};
 //! use linden_exporters::{Bundle, Encoding, ExportError, Exporter, Format, Holds, Options, Readable};
 //!
 //! struct Tips;
@@ -58,7 +59,7 @@
 //!         let nodes = &scene.skeleton.positions;
 //!         memory::admit(&stage, &[], records::bytes(nodes.len()), monitor)?;
 //!         bundle.write_main(None, monitor, |out| {
-//!             out.write(format!("# recipe: {}\n", scene.recipe).as_bytes())?;
+//!             out.write(comments(&scene.name, &scene.recipe, "metres").as_bytes())?;
 //!             records::write(out, nodes.len(), |text, range| {
 //!                 for node in &nodes[range] {
 //!                     text.floats(node.to_array(), b" ");
@@ -77,7 +78,7 @@
 //! Tips.write(&Stage::of(&scene), &Options::new(&FORMAT), &mut bundle, &Quiet)?;
 //! let written = bundle.commit()?;
 //! let text = std::fs::read_to_string(&written[0].path)?;
-//! assert_eq!(text.lines().count(), 1 + scene.skeleton.positions.len());
+//! assert_eq!(text.lines().count(), 4 + scene.skeleton.positions.len());
 //! # Ok(())
 //! # }
 //! ```
@@ -94,4 +95,4 @@ pub mod validate;
 pub use self::fit::fit;
 pub use self::names::{identifier, one_word};
 pub use crate::estimate::mean_digits;
-pub use crate::recipe::in_comments as recipe_in_comments;
+pub use crate::recipe::{comments, in_comments as recipe_in_comments};
