@@ -6,20 +6,17 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use glam::{DVec3, Vec2};
+use glam::DVec3;
 use linden_base::hull::HullSolid;
-use linden_base::knob::FieldValue;
 use linden_base::mesh::Mesh;
 use linden_base::monitor::{Cancelled, Monitor};
-use linden_base::picture::Picture;
-use linden_skeleton::organs::{LeafShape, Organs, PROTOTYPES};
+use linden_skeleton::organs::{LeafShape, OrganClass, Organs, PROTOTYPES};
 use rayon::prelude::*;
 
 use crate::Specimen;
 use crate::dress::covers;
-use crate::foliage::{CUTOUT, Cover, FoliageError, Shaper};
+use crate::foliage::{Cover, FoliageError, Shaper, opaque_shares};
 use crate::settings::{Form, LeafKind};
-use crate::texture::leaf::Outline;
 
 /// Organs that one task measures.
 const PER_TASK: usize = 2048;
@@ -133,7 +130,7 @@ pub fn canopy(
     let kinds: Vec<&LeafKind> = specimen.dressing.foliage.kinds().collect();
     let mut crops: Vec<Crop> = vec![plain("polygon", true)];
     crops.extend(
-        PROTOTYPES.iter().map(|prototype| plain(prototype.name, matches!(prototype.letter, 'L' | 'N'))),
+        PROTOTYPES.iter().map(|prototype| plain(prototype.name, prototype.class == OrganClass::Leaf)),
     );
     let first_kind = crops.len();
     crops.extend(kinds.iter().map(|kind| crop_of(kind)));
@@ -145,8 +142,8 @@ pub fn canopy(
         .collect();
     stamps.extend(shapes.iter().map(|LeafShape { kind, mesh, .. }| {
         let kind = usize::from(*kind).min(kinds.len() - 1);
-        let cover = covers.get(kind).and_then(Option::as_ref);
-        Stamp { mesh, shares: opaque_shares(mesh, cover), crop: first_kind + kind }
+        let mask = covers.get(kind).and_then(Option::as_ref).and_then(Cover::mask).map(AsRef::as_ref);
+        Stamp { mesh, shares: opaque_shares(mesh, mask), crop: first_kind + kind }
     }));
     let measuring = Measuring { organs, stamps: &stamps, crops: &crops };
 
@@ -240,19 +237,13 @@ fn plain(name: &str, is_leaf: bool) -> Crop {
 }
 
 fn crop_of(kind: &LeafKind) -> Crop {
-    let name = match (kind.form, &kind.picture) {
-        (Form::Mesh, _) => "mesh".to_owned(),
-        (_, Some(_)) => "picture".to_owned(),
-        _ => kind.outline.to_value().to_string(),
-    };
     let (leaves_each, sheets) = match kind.form {
         Form::Twig => (kind.twig_leaves, 2),
         Form::Cross => (1, 2),
         Form::Tuft => (1, 3),
         Form::None | Form::Card | Form::Curved | Form::Fan | Form::Mesh => (1, 1),
     };
-    let is_leaf = !matches!(kind.outline, Outline::Blossom | Outline::Fruit);
-    Crop { leaves_each, sheets, ..plain(&name, is_leaf) }
+    Crop { leaves_each, sheets, ..plain(&kind.label(), kind.class() == OrganClass::Leaf) }
 }
 
 struct Measuring<'a> {
@@ -288,50 +279,6 @@ impl Measuring<'_> {
             look(&mesh, stamp, f64::from(self.organs.placed.positions[placed].y));
         }
     }
-}
-
-/// The share of each triangle that its picture does not cut out.
-fn opaque_shares(mesh: &Mesh, cover: Option<&Cover>) -> Vec<f64> {
-    let Some(cover) = cover.filter(|cover| cover.is_cut_out) else {
-        return vec![1.0; mesh.triangles.len()];
-    };
-    let share = |triangle: &[u32; 3]| opaque_share(&cover.base_color, triangle.map(|v| mesh.uvs[v as usize]));
-    mesh.triangles.iter().map(share).collect()
-}
-
-/// The share of the pixels whose middles lie in a triangle (texture coordinates, V up) that are not cut out; for a
-/// triangle between all of them, whether the pixel in its middle is.
-fn opaque_share(picture: &Picture, corners: [Vec2; 3]) -> f64 {
-    let (width, height) = (picture.width() as usize, picture.height() as usize);
-    let size = Vec2::new(width as f32, height as f32);
-    let corners = corners.map(|uv| (Vec2::new(uv.x, 1.0 - uv.y) * size).as_dvec2());
-    let is_opaque = |x: usize, y: usize| f32::from(picture.rgba()[4 * (y * width + x) + 3]) >= CUTOUT * 255.0;
-    let (mut all, mut opaque) = (0_u64, 0_u64);
-    let lines = corners.map(|corner| corner.y);
-    let (low, high) =
-        (lines.into_iter().fold(f64::MAX, f64::min), lines.into_iter().fold(f64::MIN, f64::max));
-    for y in (low - 0.5).ceil().max(0.0) as usize..((high - 0.5).ceil().max(0.0) as usize).min(height) {
-        let middle = y as f64 + 0.5;
-        // Where the triangle's edges cross the row of middles.
-        let crossings = (0..3).filter_map(|i| {
-            let (a, b) = (corners[i], corners[(i + 1) % 3]);
-            ((a.y > middle) != (b.y > middle)).then(|| a.x + (middle - a.y) / (b.y - a.y) * (b.x - a.x))
-        });
-        let (left, right) = crossings.fold((f64::MAX, f64::MIN), |(l, r), x| (l.min(x), r.max(x)));
-        if left > right {
-            continue;
-        }
-        let columns =
-            (left - 0.5).ceil().max(0.0) as usize..((right - 0.5).ceil().max(0.0) as usize).min(width);
-        all += columns.len() as u64;
-        opaque += columns.filter(|&x| is_opaque(x, y)).count() as u64;
-    }
-    if all > 0 {
-        return opaque as f64 / all as f64;
-    }
-    let middle = corners.iter().sum::<glam::DVec2>() / 3.0;
-    let pixel = |at: f64, count: usize| (at.max(0.0) as usize).min(count.saturating_sub(1));
-    if width * height > 0 && is_opaque(pixel(middle.x, width), pixel(middle.y, height)) { 1.0 } else { 0.0 }
 }
 
 /// The mean projection of leaf area on a plane square to a direction, as a share of the area: Ross' G function, for
@@ -372,20 +319,6 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-
-    #[test]
-    fn the_opaque_share_is_that_of_the_pixels() {
-        // Left half opaque.
-        let rgba = (0..64 * 64).flat_map(|i| [0, 0, 0, if i % 64 < 32 { 255 } else { 0 }]).collect();
-        let picture = Picture::new(64, 64, rgba);
-        let of = |corners: [[f32; 2]; 3]| opaque_share(&picture, corners.map(Vec2::from));
-        assert_eq!(of([[0.0, 0.0], [0.5, 0.0], [0.5, 1.0]]), 1.0);
-        assert_eq!(of([[0.5, 0.0], [1.0, 0.0], [1.0, 1.0]]), 0.0);
-        assert!((of([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]) - 0.75).abs() < 0.01);
-        assert!((of([[1.0, 0.0], [0.0, 0.0], [1.0, 1.0]]) - 0.25).abs() < 0.01);
-        assert_eq!(of([[0.2, 0.5], [0.2, 0.5], [0.2, 0.5]]), 1.0, "no pixel's middle in it");
-        assert_eq!(of([[0.8, 0.5], [0.8, 0.5], [0.8, 0.5]]), 0.0);
-    }
 
     #[test]
     fn projections_are_means_over_the_compass() {

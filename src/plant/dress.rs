@@ -4,8 +4,11 @@ use std::sync::Arc;
 
 use glam::Vec3;
 
-use crate::foliage::{self, CUTOUT, Cover, Foliage, FoliageError, Instances, Look};
+use crate::foliage::{
+    self, CUTOUT, Cover, DressedKind, DressedOrgans, Foliage, FoliageError, Instances, Look,
+};
 use crate::scene::{Material, Part, Scene, Wrap};
+use crate::settings::LeafKind;
 use crate::surface::{self, SurfaceError};
 use crate::texture::{self, BarkError, BarkPictures};
 use crate::wind::{Blown, Field};
@@ -154,30 +157,44 @@ impl Wardrobe {
         }
         let wooded = Holding::new(monitor, wood.bytes());
         let mut parts = vec![wood];
-        self.leaves(specimen, body.organs, blown, &mut materials, &mut parts, &wooded)?;
+        let organs = self.organs(specimen, body.organs);
+        self.leaves((body.organs, &organs), blown, &mut materials, &mut parts, &wooded)?;
         Ok(Scene {
             name: specimen.name.to_owned(),
             recipe: String::new(),
             materials,
             parts,
             skeleton: Arc::clone(body.skeleton),
+            organs,
         })
+    }
+
+    /// The organs in the shapes and pictures of their kinds.
+    fn organs(&self, specimen: &Specimen<'_>, organs: &Arc<Organs>) -> DressedOrgans {
+        let foliage = &specimen.dressing.foliage;
+        // A recipe with other kinds than the organs grew by: the shapes they grew with fit at least.
+        let fit = self.shapes.len() == organs.shapes.len();
+        let shapes = Arc::clone(if fit { &self.shapes } else { &organs.shapes });
+        let covers = self.covers.iter().map(Option::as_ref).chain(std::iter::repeat(None));
+        let dressed = |(kind, cover): (&LeafKind, Option<&Cover>)| DressedKind {
+            name: kind.label(),
+            class: kind.class(),
+            mask: cover.and_then(Cover::mask).cloned(),
+        };
+        let kinds = foliage.kinds().zip(covers).map(dressed).collect();
+        DressedOrgans::new(Arc::clone(organs), shapes, kinds, foliage.turtle_colors())
     }
 
     /// Adds what grows on the wood, in the pictures of its kinds.
     fn leaves(
         &self,
-        specimen: &Specimen<'_>,
-        organs: &Arc<Organs>,
+        (organs, dressed): (&Organs, &DressedOrgans),
         blown: Option<Blown<'_>>,
         materials: &mut Vec<Material>,
         parts: &mut Vec<Part>,
         monitor: &dyn Monitor,
     ) -> Result<(), FoliageError> {
-        let colors = specimen.dressing.foliage.turtle_colors();
-        // A recipe with other kinds than the organs grew by: the shapes they grew with fit at least.
-        let fit = self.shapes.len() == organs.shapes.len();
-        let shapes = if fit { &self.shapes } else { &organs.shapes };
+        let (shapes, colors) = (dressed.shapes(), dressed.colors());
         for Foliage { look, mesh } in foliage::meshes_of(organs, shapes, colors.len(), monitor)? {
             let numbered =
                 |name: &str, i: usize| if i == 0 { name.to_owned() } else { format!("{name}_{i}") };
@@ -195,7 +212,7 @@ impl Wardrobe {
             };
             let mut part = Part::new(name.clone(), materials.len(), mesh);
             let is_placed = !organs.placed.prototypes.is_empty();
-            part.instances = is_placed.then(|| Instances::of(organs, shapes, colors.len(), look));
+            part.instances = is_placed.then(|| Instances::of(dressed, look));
             if let Some(blown) = blown {
                 let held: u64 = parts.iter().skip(1).map(Part::bytes).sum();
                 let bytes = held + part.bytes() + blown.field.bytes_for(part.mesh.positions.len());

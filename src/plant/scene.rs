@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::foliage::Instances;
+use crate::foliage::{DressedOrgans, Instances};
 use crate::wind::PartWind;
 pub use linden_base::mesh::{Bounds, Mesh};
 use linden_base::picture::Picture;
@@ -24,6 +24,8 @@ pub struct Scene {
     pub parts: Vec<Part>,
     /// The axial tree beneath.
     pub skeleton: Arc<Skeleton>,
+    /// What grows on the wood, one by one: the parts show it.
+    pub organs: DressedOrgans,
 }
 
 impl Scene {
@@ -37,8 +39,8 @@ impl Scene {
         self.skeleton.bytes()
             + self.materials.iter().map(pictures).sum::<u64>()
             + self.parts.iter().map(Part::bytes).sum::<u64>()
-            // All parts hold on to the same organs.
-            + self.parts.iter().find_map(|part| part.instances.as_ref()).map_or(0, Instances::bytes)
+            // Parts hold on to the same organs.
+            + self.organs.bytes()
     }
 }
 

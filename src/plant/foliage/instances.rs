@@ -1,13 +1,10 @@
 //! Foliage as few meshes in many places: what [`meshes`](super::meshes()) bakes, before it is baked.
 
-use std::sync::Arc;
-
 use glam::{Mat3, Quat, Vec3};
 
-use super::{Look, Organs, PROTOTYPES};
+use super::{DressedOrgans, Look, PROTOTYPES, PlacedOrgans};
 use linden_base::memory::bytes_of;
 use linden_base::mesh::Mesh;
-use linden_skeleton::organs::LeafShape;
 
 /// The placed organs of a part: the end of its mesh are copies of a few meshes, and this tells which
 /// stand where. What comes before in that mesh are outlines, which are no copies of anything.
@@ -16,9 +13,7 @@ use linden_skeleton::organs::LeafShape;
 /// one of a kind with dome normals does not.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Instances {
-    organs: Arc<Organs>,
-    shapes: Arc<[LeafShape]>,
-    colors: usize,
+    dressed: DressedOrgans,
     look: Look,
 }
 
@@ -45,6 +40,16 @@ pub struct Placement {
 }
 
 impl Placement {
+    /// Of what points along `heading` and shows its upper side to `up`: unit vectors, square to each other.
+    pub(super) fn new(position: Vec3, heading: Vec3, up: Vec3, scale: f32) -> Self {
+        let turn = Quat::from_mat3(&Mat3::from_cols(heading.cross(up), heading, up));
+        Self { position, rotation: turn.normalize(), scale }
+    }
+
+    pub(super) fn of_placed(placed: &PlacedOrgans, organ: usize) -> Self {
+        Self::new(placed.positions[organ], placed.headings[organ], placed.ups[organ], placed.sizes_m[organ])
+    }
+
     /// Where a point of the mesh is, metres.
     pub fn point(&self, local: Vec3) -> Vec3 {
         self.position + self.rotation * (local * self.scale)
@@ -52,33 +57,28 @@ impl Placement {
 }
 
 impl Instances {
-    /// Those of a look among organs that are baked with these shapes and as many colours.
-    pub(crate) fn of(organs: &Arc<Organs>, shapes: &Arc<[LeafShape]>, colors: usize, look: Look) -> Self {
-        Self { organs: Arc::clone(organs), shapes: Arc::clone(shapes), colors: colors.max(1), look }
+    /// Those of a look among the organs of a scene.
+    pub(crate) fn of(dressed: &DressedOrgans, look: Look) -> Self {
+        Self { dressed: dressed.clone(), look }
     }
 
     /// The meshes that stand somewhere, each with all its places. Takes about 50 ns and
     /// [`Instances::BYTES`] a copy.
     pub fn copies(&self) -> Vec<Copies<'_>> {
-        let placed = &self.organs.placed;
-        let meshes = PROTOTYPES.len() + self.shapes.len();
+        let DressedOrgans { organs, shapes, .. } = &self.dressed;
+        let placed = &organs.placed;
+        let meshes = PROTOTYPES.len() + shapes.len();
         let mut placements: Vec<Vec<Placement>> = vec![Vec::new(); meshes];
         for (organ, &prototype) in placed.prototypes.iter().enumerate() {
             if self.look_of(organ) != self.look {
                 continue;
             }
             if let Some(of) = placements.get_mut(usize::from(prototype)) {
-                let (heading, up) = (placed.headings[organ], placed.ups[organ]);
-                let turn = Quat::from_mat3(&Mat3::from_cols(heading.cross(up), heading, up));
-                of.push(Placement {
-                    position: placed.positions[organ],
-                    rotation: turn.normalize(),
-                    scale: placed.sizes_m[organ],
-                });
+                of.push(Placement::of_placed(placed, organ));
             }
         }
-        let shapes = (1..).zip(self.shapes.iter()).map(|(number, variant)| {
-            let first = self.shapes.iter().position(|shape| shape.kind == variant.kind).unwrap_or_default();
+        let shapes = (1..).zip(shapes.iter()).map(|(number, variant)| {
+            let first = shapes.iter().position(|shape| shape.kind == variant.kind).unwrap_or_default();
             (format!("variant_{}", number - first), &variant.mesh)
         });
         let named =
@@ -95,27 +95,22 @@ impl Instances {
 
     /// No fewer copies than there are.
     pub fn most(&self) -> usize {
-        self.organs.placed.prototypes.len()
+        self.dressed.organs.placed.prototypes.len()
     }
 
     /// Whether the baked copies have normals that point out of the crown.
     pub fn has_dome_normals(&self) -> bool {
         let Look::Kind(kind) = self.look else { return false };
-        self.shapes.iter().any(|shape| shape.is_dome && usize::from(shape.kind) == kind)
-    }
-
-    /// Bytes that it holds on to.
-    pub fn bytes(&self) -> u64 {
-        self.organs.bytes()
+        self.dressed.shapes.iter().any(|shape| shape.is_dome && usize::from(shape.kind) == kind)
     }
 
     /// As they are sorted when they are baked.
     fn look_of(&self, organ: usize) -> Look {
-        let placed = &self.organs.placed;
+        let placed = &self.dressed.organs.placed;
         let shape = usize::from(placed.prototypes[organ]).checked_sub(PROTOTYPES.len());
-        match shape.and_then(|shape| self.shapes.get(shape)) {
+        match shape.and_then(|shape| self.dressed.shapes.get(shape)) {
             Some(shape) => Look::Kind(usize::from(shape.kind)),
-            None => Look::Color((placed.growth.colors[organ] as usize).min(self.colors - 1)),
+            None => Look::Color(self.dressed.color_slot(placed.growth.colors[organ])),
         }
     }
 }

@@ -25,6 +25,13 @@ pub struct Cover {
     pub cells: Vec<Cell>,
 }
 
+impl Cover {
+    /// The picture whose alpha says what is cut out; `None`: all is opaque.
+    pub(crate) fn mask(&self) -> Option<&Arc<Picture>> {
+        self.is_cut_out.then_some(&self.base_color)
+    }
+}
+
 /// Where the alpha of leaves is cut.
 pub const CUTOUT: f32 = 0.5;
 /// Side of one colour of a palette, pixels: enough that smaller copies of the picture do not mix two.

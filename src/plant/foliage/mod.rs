@@ -8,23 +8,28 @@
 //! the same bits on any number of threads.
 
 mod axis;
+mod dressed;
 mod form;
 mod instances;
 mod look;
 mod mesh;
+mod opaque;
 mod outline;
 mod pose;
 mod sprout;
 #[cfg(test)]
 mod tests;
 
+pub(crate) use dressed::DressedKind;
+pub use dressed::{DressedOrgan, DressedOrgans, MeasuredOrgans};
 pub use instances::{Copies, Instances, Placement};
 pub use linden_skeleton::organs::{
-    Hanging, LeafShape, MAX_CORNERS, OrganOrigins, Organs, PROTOTYPES, PlacedOrgans, Polygons, Prototype,
-    prototype,
+    Hanging, LeafShape, MAX_CORNERS, OrganClass, OrganOrigins, Organs, PROTOTYPES, PlacedOrgans, Polygons,
+    Prototype, prototype,
 };
 pub use look::{CUTOUT, Cover, cover};
 pub use mesh::{Foliage, FoliageError, Look, Shaper, meshes, meshes_of};
+pub(crate) use opaque::opaque_shares;
 pub use sprout::GROWING;
 pub(crate) use sprout::kind_shapes;
 pub use sprout::sprout;

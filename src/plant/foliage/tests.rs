@@ -431,7 +431,8 @@ fn instances_expand_to_what_is_baked() {
     subject.recipe.preset.seed = 5;
     let organs = grown(&subject, &tree);
     let baked = &meshes(&organs, 1, &Quiet).unwrap()[0];
-    let instances = Instances::of(&organs, &organs.shapes, 1, baked.look);
+    let dressed = DressedOrgans::new(Arc::clone(&organs), Arc::clone(&organs.shapes), Vec::new(), &[]);
+    let instances = Instances::of(&dressed, baked.look);
     let copies = instances.copies();
     assert_eq!(copies.len(), organs.shapes.len());
     assert!(copies.len() > 1 && !instances.has_dome_normals());

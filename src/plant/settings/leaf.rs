@@ -7,6 +7,7 @@ use linden_base::knob::{Field, FieldValue, Kind, Value, integer, names, real, re
 use super::foliage::{Arrangement, Edge, FoliageSettings, Form, LeafKind, Normals};
 use crate::season::SEASONS;
 use crate::texture::leaf::Outline;
+use linden_skeleton::organs::OrganClass;
 
 /// The most colours that one kind of organ has.
 const MOST_COLORS: usize = 32;
@@ -393,6 +394,24 @@ pub const LEAF_KNOBS: [Field<LeafKind>; 33] = [
 impl LeafKind {
     /// The knobs that the first kind has: all but the last, `share`.
     pub const FIELDS: &[Field<Self>] = LEAF_KNOBS.split_at(LEAF_KNOBS.len() - 1).0;
+
+    /// What tables call it: its outline, or `mesh` or `picture` for the user's.
+    pub fn label(&self) -> String {
+        match (self.form, &self.picture) {
+            (Form::Mesh, _) => "mesh".to_owned(),
+            (_, Some(_)) => "picture".to_owned(),
+            _ => self.outline.to_value().to_string(),
+        }
+    }
+
+    /// What its organs are, by its outline.
+    pub const fn class(&self) -> OrganClass {
+        match self.outline {
+            Outline::Blossom => OrganClass::Blossom,
+            Outline::Fruit => OrganClass::Fruit,
+            _ => OrganClass::Leaf,
+        }
+    }
 }
 
 impl FoliageSettings {

@@ -16,7 +16,7 @@ use linden_base::mesh::{Bounds, Mesh};
 
 use crate::refine::Rider;
 
-pub use prototype::{PROTOTYPES, Prototype, prototype};
+pub use prototype::{OrganClass, PROTOTYPES, Prototype, prototype};
 
 /// The most corners that one polygon may have: far more than any leaf's outline, few enough for the
 /// triangulation, whose worst case is cubic.

@@ -7,12 +7,25 @@ use glam::{Vec2, Vec3};
 
 use linden_base::mesh::Mesh;
 
+/// What an organ is: leaves have numbers of their own, which blossom and fruit have no part in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum OrganClass {
+    /// A leaf or a needle, alone or several on a card.
+    Leaf,
+    /// A flower.
+    Blossom,
+    /// A fruit or a cone.
+    Fruit,
+}
+
 /// A shape that a letter after `~` stands for.
 pub struct Prototype {
     /// The letter that grammars write after `~`.
     pub letter: char,
     /// The name of the shape.
     pub name: &'static str,
+    /// What it is.
+    pub class: OrganClass,
     /// One line: how it looks and what is one unit of it.
     pub help: &'static str,
     shape: LazyLock<Mesh>,
@@ -23,10 +36,16 @@ pub struct Prototype {
 /// Each is one unit long along +Y, which becomes the turtle's heading, begins at the origin, and shows
 /// its upper side to +Z, which becomes the turtle's up.
 pub static PROTOTYPES: [Prototype; 4] = [
-    Prototype::new('L', "leaf", "a pointed leaf blade, one unit long", leaf),
-    Prototype::new('K', "blossom", "five petals round the heading, one unit across", blossom),
-    Prototype::new('B', "berry", "a round fruit, one unit thick", berry),
-    Prototype::new('N', "needle", "a needle, one unit long", needle),
+    Prototype::new('L', "leaf", OrganClass::Leaf, "a pointed leaf blade, one unit long", leaf),
+    Prototype::new(
+        'K',
+        "blossom",
+        OrganClass::Blossom,
+        "five petals round the heading, one unit across",
+        blossom,
+    ),
+    Prototype::new('B', "berry", OrganClass::Fruit, "a round fruit, one unit thick", berry),
+    Prototype::new('N', "needle", OrganClass::Leaf, "a needle, one unit long", needle),
 ];
 
 /// The index in [`PROTOTYPES`] that a letter stands for.
@@ -35,8 +54,14 @@ pub fn prototype(letter: char) -> Option<u8> {
 }
 
 impl Prototype {
-    const fn new(letter: char, name: &'static str, help: &'static str, shape: fn() -> Mesh) -> Self {
-        Self { letter, name, help, shape: LazyLock::new(shape) }
+    const fn new(
+        letter: char,
+        name: &'static str,
+        class: OrganClass,
+        help: &'static str,
+        shape: fn() -> Mesh,
+    ) -> Self {
+        Self { letter, name, class, help, shape: LazyLock::new(shape) }
     }
 
     /// Its triangles, with normals and texture coordinates from 0 to 1.

@@ -16,6 +16,7 @@ use glam::{Vec2, Vec3};
 use self::finish::Finished;
 use self::raster::{Drawn, View};
 use self::texture::Texture;
+use crate::foliage::DressedOrgans;
 use crate::scene::{Material, Part, Scene, Wrap};
 use linden_base::memory::{OverMemory, bytes_of};
 use linden_base::mesh::{Bounds, Mesh};
@@ -103,6 +104,7 @@ pub fn billboard(scene: &Scene, how: &Billboard, monitor: &dyn Monitor) -> Resul
         materials: vec![material],
         parts: vec![Part::new("billboard", 0, sheet.mesh(&frames, foot))],
         skeleton: Arc::clone(&scene.skeleton),
+        organs: DressedOrgans::default(),
     })
 }
 
