@@ -4,6 +4,7 @@
 //! of them come into their places together or none does.
 
 use std::collections::BTreeSet;
+use std::ffi::OsString;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -69,9 +70,19 @@ impl Output {
 
     /// The path with something between the name and its ending.
     fn path_with(&self, suffix: &str) -> PathBuf {
-        let mut name = self.path.file_stem().unwrap_or_default().to_os_string();
+        let dots =
+            self.exporter.format().ending_of(&self.path).map_or(0, |ending| ending.matches('.').count());
+        let mut stem = self.path.clone();
+        let endings: Vec<OsString> = (0..=dots)
+            .filter_map(|_| {
+                let ending = stem.extension()?.to_owned();
+                stem.set_extension("");
+                Some(ending)
+            })
+            .collect();
+        let mut name = stem.file_name().unwrap_or_default().to_os_string();
         name.push(suffix);
-        if let Some(ending) = self.path.extension() {
+        for ending in endings.iter().rev() {
             name.push(".");
             name.push(ending);
         }
@@ -239,5 +250,21 @@ mod tests {
             assert!(names.iter().all(|name| Path::new(name).components().count() == 1), "{names:?}");
         }
         assert_eq!(default_name("fir", crate::find("ply-skeleton").unwrap()), "fir-skeleton.ply");
+        assert_eq!(default_name("fir", crate::find("organs").unwrap()), "fir.organs.csv");
+    }
+
+    #[test]
+    fn what_tells_files_apart_stands_before_the_whole_ending() {
+        let autumn = [Season { name: "autumn".to_owned(), season: 0.75 }];
+        for (format, path, expected) in [
+            ("obj", "a.b/old.fir.obj", "a.b/old.fir_autumn.obj"),
+            ("organs", "fir.organs.csv", "fir_autumn.organs.csv"),
+            ("organs", "fir.csv", "fir_autumn.csv"),
+            ("organs", "fir", "fir_autumn"),
+        ] {
+            let exporter = crate::find(format).unwrap();
+            let output = Output::new(exporter, Options::new(exporter.format()), path.into());
+            assert_eq!(output.in_seasons(&autumn)[0].path, Path::new(expected));
+        }
     }
 }

@@ -1,5 +1,7 @@
 //! The facts about a format: everything that the rest of the program knows of it.
 
+use std::path::Path;
+
 use crate::{Amounts, OptionSpec, Options};
 
 /// What a format is called and can do: feeds the command line, its help, the workbench's form, the
@@ -38,6 +40,19 @@ impl Format {
         self.holds.levels
     }
 
+    /// The longest of its endings that a file's name has, in any case.
+    pub fn ending_of(&self, path: &Path) -> Option<&'static str> {
+        let name = path.file_name()?.to_string_lossy().to_lowercase();
+        // A name that begins with a dot has no ending; one may be all of a double ending.
+        let ends = |ending: &&str| {
+            let stem = name.strip_suffix(*ending);
+            stem.is_some_and(|stem| {
+                stem.len() > 1 && stem.ends_with('.') || stem.is_empty() && ending.contains('.')
+            })
+        };
+        self.extensions.iter().copied().filter(ends).max_by_key(|ending| ending.len())
+    }
+
     /// What becomes of a plant's seasons.
     pub const fn seasons(&self) -> LooksIn {
         self.holds.seasons
@@ -73,6 +88,8 @@ pub enum LooksIn {
 pub struct Holds {
     /// The surface, with what covers it: leaves.
     pub surface: bool,
+    /// Where there is no surface: leaves and other organs, one by one.
+    pub organs: bool,
     /// What the surface looks like: colours, or pictures of them.
     pub colors: bool,
     /// Pictures, in the file or beside it.
@@ -97,6 +114,7 @@ impl Holds {
     /// The axial tree alone.
     pub const SKELETON: Self = Self {
         surface: false,
+        organs: false,
         colors: false,
         pictures: false,
         normals: false,
@@ -107,6 +125,9 @@ impl Holds {
         instances: false,
         recipe: true,
     };
+
+    /// The axial tree with what grows on it in one season.
+    pub const ORGANS: Self = Self { organs: true, seasons: LooksIn::Files, ..Self::SKELETON };
 
     /// One plant in one look with its pictures, at rest.
     pub const MESH: Self = Self {

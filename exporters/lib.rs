@@ -53,6 +53,7 @@ mod gltf;
 mod mtg;
 mod obj;
 mod options;
+mod organs;
 mod plugin;
 mod ply;
 mod qsm;
@@ -134,6 +135,7 @@ mod tests {
         assert_eq!(by("fir.obj"), "obj");
         assert_eq!(by("fir.usda"), "usda");
         assert_eq!(by("fir.usd"), "usda");
+        assert_eq!((by("fir.csv"), by("fir.Organs.csv"), by("organs.csv")), ("qsm", "organs", "organs"));
     }
 
     #[test]
@@ -150,6 +152,7 @@ mod tests {
             let Format { id, options, holds, .. } = exporter.format();
             let has = |name| options.iter().any(|spec| spec.knob.name == name);
             assert_eq!((holds.pictures, holds.instances), (has("pictures"), has("instances")), "{id}");
+            assert!(!(holds.surface && holds.organs), "{id}");
             assert!(holds.surface || !(holds.colors || holds.wind || holds.setting), "{id}");
             assert!(holds.colors || !holds.pictures, "{id}");
             assert!(holds.pictures || !holds.normals, "{id}");
@@ -161,7 +164,7 @@ mod tests {
         let said = find("gtlf").err().unwrap().to_string();
         assert_eq!(
             said,
-            "no export format is called 'gtlf' (did you mean 'gltf'?); there are: obj, ply, ply-skeleton, gltf, glb, usda, usdz, qsm, mtg, stl"
+            "no export format is called 'gtlf' (did you mean 'gltf'?); there are: obj, ply, ply-skeleton, gltf, glb, usda, usdz, qsm, mtg, organs, stl"
         );
         let said = for_path(Path::new("fir.usdc")).err().unwrap().to_string();
         assert!(said.contains("did you mean '.usda'?") && said.contains(".glb"), "{said}");

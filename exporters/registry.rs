@@ -5,7 +5,7 @@ use std::path::Path;
 
 use linden_pipeline::knob::nearest;
 
-use crate::{ExportError, Exporter, Readable, gltf, mtg, obj, plugin, ply, qsm, recipe, stl, usda};
+use crate::{ExportError, Exporter, Readable, gltf, mtg, obj, organs, plugin, ply, qsm, recipe, stl, usda};
 
 /// Linden's formats. Where two claim an ending, the first has it.
 #[rustfmt::skip] // a line for each
@@ -19,6 +19,7 @@ pub static REGISTRY: &[&dyn Exporter] = &[
     &usda::Usdz,
     &qsm::Qsm,
     &mtg::Mtg,
+    &organs::Organs,
     &stl::Stl,
 ];
 
@@ -99,19 +100,18 @@ impl Registry {
         })
     }
 
-    /// The exporter for a file's ending, in any case.
+    /// The exporter for a file's ending, in any case: that of the longest, `organs.csv` before `csv`.
     ///
     /// # Errors
     /// [`ExportError::UnknownExtension`] with the nearest ending and the list.
     pub fn for_path(&self, path: &Path) -> Result<&'static dyn Exporter, ExportError> {
         let typed = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
         let endings = || self.exporters.iter().flat_map(|exporter| exporter.format().extensions).copied();
-        self.exporters
-            .iter()
-            .copied()
-            .find(|exporter| exporter.format().extensions.contains(&typed.as_str()))
-            .or_else(|| plugin::find(&typed))
-            .ok_or_else(|| {
+        let claims = |exporter: &&dyn Exporter| exporter.format().ending_of(path).map(str::len);
+        // The last of several is taken; where two claim an ending, the first has it.
+        let claimed = self.exporters.iter().rev().filter(|exporter| claims(exporter).is_some());
+        claimed.max_by_key(|exporter| claims(exporter)).copied().or_else(|| plugin::find(&typed)).ok_or_else(
+            || {
                 let mut known: Vec<_> = endings().collect();
                 known.dedup();
                 ExportError::UnknownExtension {
@@ -119,7 +119,8 @@ impl Registry {
                     nearest: nearest(&typed, endings()).filter(|_| !typed.is_empty()),
                     known,
                 }
-            })
+            },
+        )
     }
 
     /// The recipe that a file carries, letter by letter, whichever of these formats it is in, previews included;

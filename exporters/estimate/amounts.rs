@@ -32,6 +32,8 @@ pub struct Amounts {
     pub plain_vertices: u64,
     /// Places of foliage that is written as instances: see [`Amounts::instanced`].
     pub placements: u64,
+    /// Leaves and other organs.
+    pub organs: u64,
     /// Nodes of the skeleton.
     pub nodes: u64,
     /// Axes of the skeleton.

@@ -15,6 +15,8 @@ pub(super) struct LevelAmounts {
     pub leaf_triangles: u64,
     /// Vertices of what has no pictures.
     pub plain_vertices: u64,
+    /// Leaves and other organs.
+    pub organs: u64,
     /// What instances leave out and put in its place.
     pub instanced: Instanced,
 }
@@ -40,6 +42,7 @@ impl LevelAmounts {
             leaf_vertices,
             leaf_triangles: budget - for_wood,
             plain_vertices: of_leaves(self.plain_vertices),
+            organs: of_leaves(self.organs),
             // One of each shape is written however few there are.
             instanced: Instanced {
                 vertices: left(self.leaf_vertices, instanced.vertices),
@@ -59,6 +62,7 @@ impl LevelAmounts {
             plain_vertices: self.plain_vertices + other.plain_vertices,
             leaf_vertices: self.leaf_vertices + other.leaf_vertices,
             leaf_triangles: self.leaf_triangles + other.leaf_triangles,
+            organs: self.organs + other.organs,
             instanced: Instanced {
                 vertices: a.vertices + b.vertices,
                 triangles: a.triangles + b.triangles,

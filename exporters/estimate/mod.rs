@@ -119,6 +119,7 @@ impl Estimate {
             plain_vertices: of_leaves(organs.plain_amount().0),
             leaf_vertices: foliage_vertices,
             leaf_triangles: foliage_triangles,
+            organs: of_leaves(organs.len() as u64),
             instanced,
         };
         let budgets = detail.budgets();
@@ -209,6 +210,7 @@ impl Estimate {
             leaf_vertices: level.leaf_vertices,
             plain_vertices: level.plain_vertices,
             placements: 0,
+            organs: level.organs,
             nodes: self.nodes,
             axes: self.axes,
             recipe_bytes: self.recipe_bytes,

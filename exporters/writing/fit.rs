@@ -9,6 +9,12 @@ use crate::{Bundle, Format, Holds, LooksIn, REGISTRY};
 /// The knob that shows in pictures of normals alone.
 const RELIEF: &str = "bark_relief";
 
+/// The knob that shows in normals alone.
+const NORMALS: &str = "leaf_normals";
+
+/// Knobs of detail that leave out leaves in the finest level.
+const BUDGETS: [&str; 2] = ["triangles", "lod_triangles"];
+
 /// Knobs that show in colours and pictures, most of them in these alone.
 const SHOWN: [&str; 19] = [
     "bark",
@@ -68,9 +74,9 @@ pub fn fit<'a>(stage: &Stage<'a>, format: &Format, bundle: &mut Bundle) -> Stage
     let Format { id, holds, .. } = format;
     let mut parts = stage.plants.iter().flat_map(Plant::scenes).flat_map(|scene| &scene.parts);
     let has_wind = parts.any(|part| part.wind.is_some());
-    let turned = |section: &dyn Fn(Section) -> bool| -> Vec<&'static str> {
+    let turned = |of: &dyn Fn(Section, &str) -> bool| -> Vec<&'static str> {
         let is_turned = |name: &str| stage.turned.iter().any(|turned| turned == name);
-        let rows = KNOBS.iter().filter(|row| section(row.section) && is_turned(row.knob.name));
+        let rows = KNOBS.iter().filter(|row| of(row.section, row.knob.name) && is_turned(row.knob.name));
         rows.map(|row| row.knob.name).collect()
     };
     if !holds.recipe {
@@ -80,11 +86,16 @@ pub fn fit<'a>(stage: &Stage<'a>, format: &Format, bundle: &mut Bundle) -> Stage
         ));
     }
     if !holds.surface {
-        let mut names = turned(&Section::covers);
+        let without = |section: Section, name: &str| match section {
+            Section::Foliage => !holds.organs || name == NORMALS,
+            Section::Detail => !(holds.organs && BUDGETS.contains(&name)),
+            _ => section.covers(),
+        };
+        let mut names = turned(&without);
         for (is_there, name) in [
             (stage.levels() > 1, "lods"),
             (has_wind, "wind"),
-            (stage.seasons() > 1, "seasons"),
+            (stage.seasons() > 1 && holds.seasons == LooksIn::Nothing, "seasons"),
             (stage.setting.is_some(), "scene"),
         ] {
             if is_there && !names.contains(&name) {
@@ -93,11 +104,13 @@ pub fn fit<'a>(stage: &Stage<'a>, format: &Format, bundle: &mut Bundle) -> Stage
         }
         if !names.is_empty() {
             let change = if names.len() == 1 { "changes" } else { "change" };
-            bundle.note(format!("{id} holds the skeleton alone: {} {change} nothing in it", listed(&names)));
+            let what = if holds.organs { "no surface" } else { "the skeleton alone" };
+            bundle.note(format!("{id} holds {what}: {} {change} nothing in it", listed(&names)));
         }
+        note_seasons(stage, format, bundle);
         return stage.in_season(0);
     }
-    let shown: Vec<&str> = turned(&|_| true).into_iter().filter(|name| SHOWN.contains(name)).collect();
+    let shown: Vec<&str> = turned(&|_, _| true).into_iter().filter(|name| SHOWN.contains(name)).collect();
     if !holds.colors && !shown.is_empty() {
         let others = holders(|holds| holds.colors);
         bundle.note(format!(
@@ -113,7 +126,7 @@ pub fn fit<'a>(stage: &Stage<'a>, format: &Format, bundle: &mut Bundle) -> Stage
         ));
     }
     if has_wind && !holds.wind {
-        let mut names = turned(&|section| section == Section::Wind);
+        let mut names = turned(&|section, _| section == Section::Wind);
         if !names.contains(&"wind") {
             names.insert(0, "wind");
         }
@@ -133,14 +146,20 @@ pub fn fit<'a>(stage: &Stage<'a>, format: &Format, bundle: &mut Bundle) -> Stage
             "{id} holds one level of detail: of lods the finest was written; give each a file, or write {others}"
         ));
     }
-    if stage.seasons() > 1 && holds.seasons == LooksIn::Files {
+    if note_seasons(stage, format, bundle) { stage.in_season(0) } else { stage.clone() }
+}
+
+/// Notes that a format holds one season of several; whether it is so.
+fn note_seasons(stage: &Stage<'_>, format: &Format, bundle: &mut Bundle) -> bool {
+    let is_one = stage.seasons() > 1 && format.holds.seasons == LooksIn::Files;
+    if is_one {
         let shown = stage.plants.iter().find_map(|plant| plant.seasons.first());
         let others = holders(|holds| holds.seasons == LooksIn::One);
         bundle.note(format!(
-            "{id} holds one season: of seasons '{}' was written; give each a file, or write {others}",
+            "{} holds one season: of seasons '{}' was written; give each a file, or write {others}",
+            format.id,
             shown.map_or("", |season| season.name.as_str()),
         ));
-        return stage.in_season(0);
     }
-    stage.clone()
+    is_one
 }

@@ -4,7 +4,7 @@
 use linden_pipeline::Monitor;
 use linden_pipeline::scene::{Bounds, Material, Mesh, Part, Scene};
 use linden_pipeline::skeleton::{NO_PARENT, Skeleton};
-use linden_pipeline::stage::Stage;
+use linden_pipeline::stage::{Place, Stage};
 use rayon::prelude::*;
 
 use crate::ExportError;
@@ -80,6 +80,21 @@ pub fn single_tree<'a>(
     };
     scene(first.scene, monitor)?;
     Ok(first.scene)
+}
+
+/// The trees of a stage, each checked once, in their finest level and first season.
+///
+/// # Errors
+/// As [`stage`](self::stage()) and [`scene`](self::scene()).
+pub fn trees<'s, 'a>(
+    stage: &'s Stage<'a>,
+    monitor: &dyn Monitor,
+) -> Result<Vec<(&'s Place, &'a Scene)>, ExportError> {
+    self::stage(stage)?;
+    for level in stage.plants.iter().filter_map(|plant| plant.levels().first()) {
+        scene(level.scene, monitor)?;
+    }
+    Ok(stage.finest().collect())
 }
 
 fn is_line(text: &str) -> bool {
@@ -230,6 +245,7 @@ mod tests {
     use std::sync::Arc;
 
     use glam::{Vec2, Vec3};
+    use linden_pipeline::foliage::DressedOrgans;
     use linden_pipeline::picture::Picture;
     use linden_pipeline::scene::{Material, Mesh};
 
@@ -267,6 +283,7 @@ mod tests {
                 axis_nodes: vec![0, 1],
                 ..Skeleton::default()
             }),
+            organs: DressedOrgans::default(),
         }
     }
 

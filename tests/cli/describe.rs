@@ -89,7 +89,10 @@ fn the_list_names_the_presets_that_are_promised() {
     assert!(of("orchard")["height_m"].is_null() && of("orchard")["generator"] == "forest");
     let formats = folder.run(&["list", "--exporters", "--json"]).done().json();
     let ids: Vec<&str> = formats.as_array().unwrap().iter().map(|row| row["id"].as_str().unwrap()).collect();
-    assert_eq!(ids, ["obj", "ply", "ply-skeleton", "gltf", "glb", "usda", "usdz", "qsm", "mtg", "stl"]);
+    assert_eq!(
+        ids,
+        ["obj", "ply", "ply-skeleton", "gltf", "glb", "usda", "usdz", "qsm", "mtg", "organs", "stl"]
+    );
 }
 
 #[test]
