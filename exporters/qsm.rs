@@ -5,7 +5,8 @@
 //! another. Branch 1 is the stem, its order 0. Length and the volume `π r² l` add up to what
 //! `linden stats` says. `node` and `parent_node` are the segment's nodes, numbered from 0: what leaves the foot
 //! of a stem has no cylinder below, but its node. The radii at both ends are those of the frustum that holds as
-//! much as the cylinder.
+//! much as the cylinder. `tree` counts the trees of a forest from 1; ids, branches and nodes begin again in each, so that
+//! the rows of one are a table for themselves.
 //!
 //! The recipe is the one line that starts with `# recipe: `, before the header; readers that know no
 //! comments get a bare table with `comments=false`, and the recipe is then lost.
@@ -17,7 +18,7 @@ use std::io;
 use linden_pipeline::Monitor;
 use linden_pipeline::memory::bytes_of;
 use linden_pipeline::skeleton::{Cylinder, Forks};
-use linden_pipeline::stage::Stage;
+use linden_pipeline::stage::{Place, Stage};
 
 use crate::options::{OptionSpec, Options};
 use crate::writing::records::{self, Text};
@@ -44,13 +45,13 @@ static FORMAT: Format = Format {
     estimate: Some(|amounts, options| {
         let comments = if options.is_on("comments") { amounts.recipe_bytes + 150 } else { 0 };
         // Flat trees have fewer digits than round ones.
-        let row = 93.0 + 6.0 * mean_digits(amounts.nodes);
+        let row = 95.0 + 6.0 * mean_digits(amounts.nodes);
         (row * amounts.nodes as f64) as u64 + comments + 150
     }),
 };
 
 const HEADER: &str = "id,parent,branch,branch_order,position_in_branch,start_x_m,start_y_m,start_z_m,\
-                      axis_x,axis_y,axis_z,length_m,radius_m,birth,node,parent_node,start_radius_m,end_radius_m\n";
+                      axis_x,axis_y,axis_z,length_m,radius_m,birth,node,parent_node,start_radius_m,end_radius_m,tree\n";
 
 impl Exporter for Qsm {
     fn format(&self) -> &'static Format {
@@ -69,34 +70,55 @@ impl Exporter for Qsm {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         let stage = &fit(stage, &FORMAT, bundle);
-        let scene = validate::single_tree(stage, FORMAT.id, monitor)?;
-        let nodes = scene.skeleton.positions.len();
-        let forks = Forks::bytes_for(&scene.skeleton);
-        // Rows are longer than most records.
-        let text = records::bytes(nodes) * 3 / 2;
-        let more = forks + bytes_of::<(Cylinder, Option<u32>)>(nodes) + text;
-        memory::admit(stage, &[], more, monitor)?;
+        let trees = validate::trees(stage, monitor)?;
+        let more = trees.iter().map(|(_, scene)| {
+            let nodes = scene.skeleton.positions.len();
+            // Rows are longer than most records.
+            let text = records::bytes(nodes) * 3 / 2;
+            Forks::bytes_for(&scene.skeleton) + bytes_of::<(Cylinder, Option<u32>)>(nodes) + text
+        });
+        memory::admit(stage, &[], more.max().unwrap_or(0), monitor)?;
         let mut head = String::new();
         if options.is_on("comments") {
             let (name, recipe) = recipe::of_stage(stage);
             head = recipe::comments(name, recipe, "metres, up axis: Y; parent 0: none");
         }
         head += HEADER;
-        let skeleton = &scene.skeleton;
-        let cylinders = skeleton.cylinders();
         bundle.write_main(None, monitor, |out| {
             out.write(head.as_bytes())?;
-            records::write(out, cylinders.len(), |text, range| {
-                for index in range {
-                    let cylinder = &cylinders[index];
-                    let order = skeleton.axes[cylinder.axis as usize].order;
-                    row(text, index as u32, cylinder, order, skeleton.births[cylinder.node as usize]);
-                }
-            })
+            for (tree, (place, scene)) in (1..).zip(&trees) {
+                let skeleton = &scene.skeleton;
+                let cylinders = skeleton.cylinders();
+                records::write(out, cylinders.len(), |text, range| {
+                    for index in range {
+                        let cylinder = placed(cylinders[index], place);
+                        let order = skeleton.axes[cylinder.axis as usize].order;
+                        row(text, index as u32, &cylinder, order, skeleton.births[cylinder.node as usize]);
+                        text.byte(b',');
+                        text.integer(tree);
+                        text.byte(b'\n');
+                    }
+                })?;
+            }
+            Ok(())
         })
     }
 }
 
+/// A cylinder where its tree stands.
+fn placed(cylinder: Cylinder, place: &Place) -> Cylinder {
+    let Some(motion) = place.motion() else { return cylinder };
+    Cylinder {
+        start: motion.point(cylinder.start),
+        direction: motion.direction(cylinder.direction),
+        length_m: cylinder.length_m * place.scale,
+        radius_m: cylinder.radius_m * place.scale,
+        end_radii_m: cylinder.end_radii_m.map(|radius_m| radius_m * place.scale),
+        ..cylinder
+    }
+}
+
+/// All columns but the last.
 fn row(text: &mut Text, index: u32, cylinder: &Cylinder, order: u32, birth: u32) {
     let parent = cylinder.parent.map_or(0, |parent| parent + 1);
     for n in [index + 1, parent, cylinder.axis + 1, order, cylinder.place + 1] {
@@ -111,5 +133,4 @@ fn row(text: &mut Text, index: u32, cylinder: &Cylinder, order: u32, birth: u32)
         text.byte(b',');
     }
     text.floats(cylinder.end_radii_m, b",");
-    text.byte(b'\n');
 }
