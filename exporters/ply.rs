@@ -3,14 +3,19 @@
 //! Binary little-endian by default. The recipe stands in the comments that start with `recipe: `; a
 //! long one is cut into several, because some readers take only short lines: their texts, joined
 //! without anything between, are the recipe.
+//!
+//! A skeleton's vertices have, beside place and radius, `birth`, `order` (of the axis: 0 on stems), `parent` (a vertex of
+//! the file, -1 at a foot), `axis` (counted from 0 in each tree), `position_in_axis` (segments of the axis up to there),
+//! `strahler` (the order of Strahler of the segment that ends there), `branches` (1 where that segment begins a lateral
+//! axis, 0 where it succeeds another) and `tree` (counted from 1).
 
 use std::io;
 
 use linden_pipeline::Monitor;
-use linden_pipeline::memory::{bytes_grown, bytes_of};
+use linden_pipeline::memory::bytes_of;
 use linden_pipeline::scene::Material;
-use linden_pipeline::skeleton::NO_PARENT;
-use linden_pipeline::stage::{Motion, Stage};
+use linden_pipeline::skeleton::{NO_PARENT, Skeleton};
+use linden_pipeline::stage::{Motion, Place, Stage};
 
 use crate::options::{OptionSpec, Options};
 use crate::writing::distinct::{DistinctMeshes, MeshPart};
@@ -63,14 +68,17 @@ static SKELETON: Format = Format {
     extensions: &[],
     media_type: "application/ply",
     self_contained: true,
-    help: "the axial tree: nodes with radius, birth and order, and edges between them",
+    help: "the axial tree: nodes with radius, birth, parent, axis and orders, and edges between them",
     options: OPTIONS,
     holds: Holds::SKELETON,
     encoding,
     estimate: Some(|amounts, options| {
         // As text measured over the built-in presets; indices of edges are a small part of it.
-        let node = if encoding(options) == Encoding::Text { 50 } else { 32 };
-        node * amounts.nodes + amounts.recipe_bytes + 400
+        let node = match encoding(options) {
+            Encoding::Text => 62.0 + mean_digits(amounts.nodes) + mean_digits(amounts.axes),
+            _ => 56.0,
+        };
+        (node * amounts.nodes as f64) as u64 + amounts.recipe_bytes + 600
     }),
 };
 
@@ -227,62 +235,128 @@ impl Exporter for PlySkeleton {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         let stage = &fit(stage, &SKELETON, bundle);
-        let scene = validate::single_tree(stage, SKELETON.id, monitor)?;
+        let trees = validate::trees(stage, monitor)?;
         let ascii = encoding(options) == Encoding::Text;
-        let skeleton = &scene.skeleton;
-        let nodes = skeleton.positions.len();
+        let sum = |count: fn(&Skeleton) -> usize| -> usize {
+            trees.iter().map(|(_, scene)| count(&scene.skeleton)).sum()
+        };
+        let (nodes, edges) = (sum(|skeleton| skeleton.positions.len()), sum(Skeleton::segments));
         if nodes > i32::MAX as usize {
             return Err(too_large(SKELETON.id, format!("{nodes} nodes")));
         }
-        // Orders and edges stay while records are formatted; the edges grew one by one.
-        let more = bytes_of::<u32>(nodes) + bytes_grown::<[u32; 2]>(nodes) + records::bytes(nodes);
+        let most = trees.iter().map(|(_, scene)| scene.skeleton.positions.len()).max().unwrap_or(0);
+        // The topology of a tree while its records are formatted; Strahler's orders are counted with another list.
+        let more = bytes_of::<[u32; 4]>(most) + records::bytes(most);
         memory::admit(stage, &[], more, monitor)?;
-        let orders = skeleton.orders();
-        let edges: Vec<[u32; 2]> = (0..)
-            .zip(&skeleton.parents)
-            .filter(|&(_, &parent)| parent != NO_PARENT)
-            .map(|(node, &parent)| [parent, node])
-            .collect();
-        let mut head = header(&scene.name, &scene.recipe, ascii);
+        let (name, recipe) = recipe::of_stage(stage);
+        let mut head = header(name, recipe, ascii);
         head += &format!("element vertex {nodes}\n");
         for name in ["x", "y", "z", "radius"] {
             head += &format!("property float {name}\n");
         }
-        head += "property int birth\nproperty int order\n";
-        head += &format!(
-            "element edge {}\nproperty int vertex1\nproperty int vertex2\nend_header\n",
-            edges.len()
-        );
-        let bytes = head.len() + nodes * 24 + edges.len() * 8;
+        for name in LABELS {
+            head += &format!("property int {name}\n");
+        }
+        head += &format!("element edge {edges}\nproperty int vertex1\nproperty int vertex2\nend_header\n");
+        let bytes = head.len() + nodes * 48 + edges * 8;
         bundle.write_main((!ascii).then_some(bytes as u64), monitor, |out| {
             out.write(head.as_bytes())?;
-            records::write(out, nodes, |text, range| {
-                for i in range {
-                    let [x, y, z] = skeleton.positions[i].to_array();
-                    let numbers = [x, y, z, skeleton.radii[i]];
-                    // PLY's `int` is signed; no tree lives for two thousand million steps.
-                    let labels = [skeleton.births[i], orders[i]].map(|n| n.min(i32::MAX as u32));
-                    if ascii {
-                        text.floats(numbers, b" ");
-                        integers(text, &labels);
-                    } else {
-                        text.bytes(&bytemuck::cast::<_, [u8; 16]>(numbers));
-                        text.bytes(&bytemuck::cast::<_, [u8; 8]>(labels));
+            let mut before = 0;
+            for (tree, (place, scene)) in (1..).zip(&trees) {
+                let topology = Topology::of(&scene.skeleton, before, tree);
+                records::write(out, scene.skeleton.positions.len(), |text, range| {
+                    for node in range {
+                        write_node(text, &topology, place, node, ascii);
                     }
-                }
-            })?;
-            if ascii {
-                records::write(out, edges.len(), |text, range| {
-                    for [parent, node] in &edges[range] {
-                        text.integer(*parent);
-                        integers(text, &[*node]);
-                    }
-                })
-            } else {
-                out.write(bytemuck::cast_slice(&edges))
+                })?;
+                before += scene.skeleton.positions.len() as u32;
             }
+            before = 0;
+            for (_, scene) in &trees {
+                let parents = &scene.skeleton.parents;
+                records::write(out, parents.len(), |text, range| {
+                    for node in range.filter(|&node| parents[node] != NO_PARENT) {
+                        let ends = [before + parents[node], before + node as u32];
+                        if ascii {
+                            text.integer(ends[0]);
+                            integers(text, &ends[1..]);
+                        } else {
+                            text.bytes(&bytemuck::cast::<_, [u8; 8]>(ends));
+                        }
+                    }
+                })?;
+                before += parents.len() as u32;
+            }
+            Ok(())
         })
     }
+}
+
+/// What is said of a node by whole numbers.
+const LABELS: [&str; 8] =
+    ["birth", "order", "parent", "axis", "position_in_axis", "strahler", "branches", "tree"];
+
+/// How the nodes of a tree are joined.
+struct Topology<'a> {
+    skeleton: &'a Skeleton,
+    axes: Vec<u32>,
+    places: Vec<u32>,
+    strahler: Vec<u32>,
+    /// Vertices of the file that come first.
+    before: u32,
+    tree: u32,
+}
+
+impl<'a> Topology<'a> {
+    fn of(skeleton: &'a Skeleton, before: u32, tree: u32) -> Self {
+        let mut places = vec![0; skeleton.positions.len()];
+        for axis in &skeleton.axes {
+            // A lateral's first segment begins at a node of another axis.
+            let first = u32::from(axis.parent != NO_PARENT);
+            for (place, &node) in (first..).zip(skeleton.nodes_of(axis)) {
+                places[node as usize] = place;
+            }
+        }
+        let (axes, strahler) = (skeleton.axis_of_nodes(), skeleton.strahler());
+        Self { skeleton, axes, places, strahler, before, tree }
+    }
+
+    /// As [`LABELS`] names them; a parent of -1 is none.
+    fn labels(&self, node: usize) -> [i32; 8] {
+        let Skeleton { parents, births, axes, .. } = self.skeleton;
+        let (axis, parent) = (self.axes[node], parents[node]);
+        let order = axes.get(axis as usize).map_or(0, |axis| axis.order);
+        let is_foot = parent == NO_PARENT;
+        let branches = !is_foot && self.axes[parent as usize] != axis;
+        // PLY's `int` is signed; no tree lives for two thousand million steps.
+        let [birth, order, axis, place, strahler, tree] =
+            [births[node], order, axis, self.places[node], self.strahler[node], self.tree]
+                .map(|n| i32::try_from(n).unwrap_or(i32::MAX));
+        let parent = if is_foot { -1 } else { (self.before + parent) as i32 };
+        [birth, order, parent, axis, place, strahler, branches.into(), tree]
+    }
+}
+
+fn write_node(text: &mut Text, topology: &Topology<'_>, place: &Place, node: usize, ascii: bool) {
+    let skeleton = topology.skeleton;
+    let position = skeleton.positions[node];
+    let [x, y, z] = place.motion().map_or(position, |motion| motion.point(position)).to_array();
+    let numbers = [x, y, z, skeleton.radii[node] * place.scale];
+    let labels = topology.labels(node);
+    if !ascii {
+        text.bytes(&bytemuck::cast::<_, [u8; 16]>(numbers));
+        text.bytes(&bytemuck::cast::<_, [u8; 32]>(labels));
+        return;
+    }
+    text.floats(numbers, b" ");
+    for label in labels {
+        text.byte(b' ');
+        if label < 0 {
+            text.byte(b'-');
+        }
+        text.integer(label.unsigned_abs());
+    }
+    text.byte(b'\n');
 }
 
 fn header(name: &str, recipe: &str, ascii: bool) -> String {
