@@ -1,20 +1,27 @@
 //! A multiscale tree graph as text: what `OpenAlea` and `AMAPmod` read (Godin & Caraglio 1998, "A multiscale model of plant
 //! topological structures").
 //!
-//! Three scales: the plant `P`, its axes `A`, their internodes `I`, joined by `/` (is made of), `<` (succeeds) and `+`
-//! (branches). An internode's place is its upper end, the plant's its foot; what leaves the very foot of a stem is an
-//! axis of the plant that nothing bears, as a second stem is. Z is up, as those programs have it.
+//! Three scales: plants `P`, their axes `A`, the internodes `I` of these, joined by `/` (is made of), `<` (succeeds) and `+`
+//! (branches). Organs stand at the scale of internodes, each joined by `+` to the one that bears it: leaves and needles
+//! `L`, blossom `B`, fruit `F`. An internode's place is its upper end, an organ's where it is attached, a plant's its foot;
+//! what leaves the very foot of a stem is an axis of the plant that nothing bears, as a second stem is, and organs at a
+//! foot are borne by the first internode above. An organ's length is the size of its shape, its `organ` the id that a
+//! table of organs has it under. Z is up, as those programs have it.
 //!
 //! The recipe is the comment that starts with `# recipe: `.
 
+use std::collections::BTreeSet;
 use std::io;
 
+use glam::Vec3;
 use linden_pipeline::Monitor;
+use linden_pipeline::foliage::{MeasuredOrgans, OrganClass};
 use linden_pipeline::memory::bytes_of;
+use linden_pipeline::scene::Scene;
 use linden_pipeline::skeleton::{Axis, NO_PARENT, Skeleton};
-use linden_pipeline::stage::Stage;
+use linden_pipeline::stage::{Place, Stage};
 
-use crate::options::Options;
+use crate::options::{OptionSpec, Options};
 use crate::writing::records::{self, Text};
 use crate::writing::{fit, memory, validate};
 use crate::{Bundle, Encoding, ExportError, Exporter, Format, Holds, Readable, recipe};
@@ -28,12 +35,21 @@ static FORMAT: Format = Format {
     extensions: &["mtg"],
     media_type: "text/plain",
     self_contained: true,
-    help: "plant, axes and internodes with / < + between them, for OpenAlea and other plant models; Z up",
-    options: &[],
-    holds: Holds::SKELETON,
+    help: "plant, axes, internodes and organs with / < + between them, for OpenAlea and other plant models; Z up",
+    options: &[OptionSpec::switch(
+        "organs",
+        true,
+        "leaves, blossom and fruit too, on the internodes that bear them",
+    )],
+    holds: Holds::ORGANS,
     encoding: |_| Encoding::Text,
-    estimate: Some(|amounts, _| 75 * amounts.nodes + amounts.recipe_bytes + 700),
+    estimate: Some(|amounts, options| {
+        let organs = if options.is_on("organs") { 96 * amounts.organs } else { 0 };
+        75 * amounts.nodes + organs + amounts.recipe_bytes + 800
+    }),
 };
+
+static WOOD: Format = Format { holds: Holds::SKELETON, ..FORMAT };
 
 /// A lateral stands a column to the right of what bears it, so that lines grow with the order.
 const MOST_ORDERS: u32 = 250;
@@ -44,12 +60,15 @@ SYMBOL\tSCALE\tDECOMPOSITION\tINDEXATION\tDEFINITION\n\
 $\t0\tFREE\tFREE\tIMPLICIT\n\
 P\t1\tFREE\tFREE\tEXPLICIT\n\
 A\t2\tFREE\tFREE\tEXPLICIT\n\
-I\t3\tFREE\tFREE\tEXPLICIT\n\n\
+I\t3\tFREE\tFREE\tEXPLICIT\n\
+L\t3\tFREE\tFREE\tEXPLICIT\n\
+B\t3\tFREE\tFREE\tEXPLICIT\n\
+F\t3\tFREE\tFREE\tEXPLICIT\n\n\
 DESCRIPTION:\n\
 LEFT\tRIGHT\tRELTYPE\tMAX\n\
 A\tA\t+\t?\n\
 I\tI\t<\t1\n\
-I\tI\t+\t?\n\n\
+I\tI,L,B,F\t+\t?\n\n\
 FEATURES:\n\
 NAME\tTYPE\n\
 XX\tREAL\n\
@@ -59,7 +78,10 @@ radius\tREAL\n\
 length\tREAL\n\
 order\tINT\n\
 birth\tINT\n\
-node\tINT\n\n\
+node\tINT\n\
+area\tREAL\n\
+kind\tSTRING\n\
+organ\tINT\n\n\
 MTG:\n\
 ENTITY-CODE";
 
@@ -71,6 +93,8 @@ enum Row {
     Axis(u32),
     /// The internode of an axis with a number, from 1.
     Internode(u32, u32),
+    /// An organ and its number on its internode, from 1.
+    Organ(u32, u32),
 }
 
 impl Exporter for Mtg {
@@ -85,56 +109,80 @@ impl Exporter for Mtg {
     fn write(
         &self,
         stage: &Stage<'_>,
-        _: &Options,
+        options: &Options,
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
-        let stage = &fit(stage, &FORMAT, bundle);
-        let scene = validate::single_tree(stage, FORMAT.id, monitor)?;
-        let skeleton = &*scene.skeleton;
-        let most = skeleton.axes.iter().map(|axis| axis.order).max().unwrap_or(0);
+        let with_organs = options.is_on("organs");
+        let stage = &fit(stage, if with_organs { &FORMAT } else { &WOOD }, bundle);
+        let trees = validate::trees(stage, monitor)?;
+        let axes = trees.iter().flat_map(|(_, scene)| &scene.skeleton.axes);
+        let most = axes.map(|axis| axis.order).max().unwrap_or(0);
         if most > MOST_ORDERS {
             let amount = format!("axes of order {most}");
             let advice = "take another format, like qsm";
             return Err(ExportError::TooLarge { format: FORMAT.id, amount, limit: "order 250", advice });
         }
-        let (nodes, axes) = (skeleton.positions.len(), skeleton.axes.len());
-        let more = bytes_of::<(Row, u32)>(nodes + axes + 1)
-            + bytes_of::<[u32; 5]>(axes)
-            + records::bytes(nodes + axes)
-            + u64::from(most) * 8192;
-        memory::admit(stage, &[], more, monitor)?;
-        let rows = rows(skeleton);
-        let columns = most as usize + 2;
+        let organs = |scene: &Scene| if with_organs { scene.organs.len() } else { 0 };
+        let bytes = trees.iter().map(|(_, scene)| {
+            let (nodes, axes) = (scene.skeleton.positions.len(), scene.skeleton.axes.len());
+            let rows = nodes + axes + 1 + organs(scene);
+            bytes_of::<(Row, u32)>(rows)
+                + bytes_of::<[u32; 5]>(axes)
+                + bytes_of::<[u32; 2]>(organs(scene))
+                + records::bytes(rows)
+        });
+        memory::admit(stage, &[], bytes.max().unwrap_or(0) + u64::from(most) * 8192, monitor)?;
+        // Of plants, axes, and what they bear.
+        let columns = most as usize + 2 + usize::from(trees.iter().any(|(_, scene)| organs(scene) > 0));
         let (name, recipe) = recipe::of_stage(stage);
         let head = format!(
-            "{}{HEAD}{}XX\tYY\tZZ\tradius\tlength\torder\tbirth\tnode\n",
+            "{}{HEAD}{}XX\tYY\tZZ\tradius\tlength\torder\tbirth\tnode\tarea\tkind\torgan\n",
             recipe::comments(name, recipe, "metres; up axis: Z"),
             "\t".repeat(columns)
         );
+        let mut left_out = 0;
         bundle.write_main(None, monitor, |out| {
             out.write(head.as_bytes())?;
-            records::write(out, rows.len(), |text, range| {
-                for &(row, depth) in &rows[range] {
-                    write_row(text, skeleton, row, depth, columns);
-                }
-            })
-        })
+            for (number, (place, scene)) in (1..).zip(&trees) {
+                let skeleton = &*scene.skeleton;
+                let mut borne: Vec<(u32, u32)> = Vec::with_capacity(organs(scene));
+                borne.extend(scene.organs.nodes().zip(0..).take(organs(scene)));
+                borne.sort_unstable();
+                let rows = rows(skeleton, &borne);
+                left_out +=
+                    borne.len() - rows.iter().filter(|(row, _)| matches!(row, Row::Organ(..))).count();
+                drop(borne);
+                let organs = scene.organs.measured();
+                let plant = Plant { number, place, skeleton, organs: &organs, columns };
+                records::write(out, rows.len(), |text, range| {
+                    for &(row, depth) in &rows[range] {
+                        plant.write(text, row, depth);
+                    }
+                })?;
+            }
+            Ok(())
+        })?;
+        if left_out > 0 {
+            bundle.note(format!(
+                "mtg: no internode bears {left_out} of the organs; the table of organs has them"
+            ));
+        }
+        Ok(())
     }
 }
 
-/// The graph's lines with how many axes bear theirs, depth first: an internode, what it bears, the next one.
-fn rows(skeleton: &Skeleton) -> Vec<(Row, u32)> {
+/// The graph's lines with how many axes bear theirs, depth first: an internode, its organs, its laterals, the next one.
+/// `organs` are in the order of the nodes that they hang on.
+fn rows(skeleton: &Skeleton, organs: &[(u32, u32)]) -> Vec<(Row, u32)> {
     // Laterals by the node that bears them, in order.
     let mut laterals: Vec<(u32, u32)> =
         (0..).zip(&skeleton.axes).map(|(index, axis)| (axis.parent, index)).collect();
     laterals.sort_unstable();
     let is_foot = |node: u32| node == NO_PARENT || skeleton.parents[node as usize] == NO_PARENT;
-    let borne_by = |node: u32| {
-        let from = laterals.partition_point(|&(parent, _)| parent < node);
-        laterals[from..].iter().take_while(move |&&(parent, _)| parent == node).map(|&(_, axis)| axis)
-    };
-    let mut rows = vec![(Row::Plant, 0)];
+    let mut rows = Vec::with_capacity(skeleton.positions.len() + skeleton.axes.len() + 1 + organs.len());
+    rows.push((Row::Plant, 0));
+    let mut feet = BTreeSet::new();
     // Axes that are being walked, with how many internodes are done, and how many axes bear each.
     let mut open: Vec<(u32, u32, u32)> = Vec::new();
     for (stem, axis) in (0..).zip(&skeleton.axes) {
@@ -149,13 +197,23 @@ fn rows(skeleton: &Skeleton) -> Vec<(Row, u32)> {
                 rows.push((Row::Axis(index), depth));
             }
             rows.push((Row::Internode(index, done + 1), depth));
+            let foot = skeleton.parents[node as usize];
+            let at_foot = (is_foot(foot) && feet.insert(foot)).then_some(foot);
+            let hanging = at_foot.into_iter().chain([node]).flat_map(|bearer| on_node(organs, bearer));
+            rows.extend((1..).zip(hanging).map(|(number, organ)| (Row::Organ(organ, number), depth + 1)));
             open.push((index, done + 1, depth));
             let first = open.len();
-            open.extend(borne_by(node).map(|lateral| (lateral, 0, depth + 1)));
+            open.extend(on_node(&laterals, node).map(|lateral| (lateral, 0, depth + 1)));
             open[first..].reverse();
         }
     }
     rows
+}
+
+/// What hangs on a node, out of a list in the order of nodes.
+fn on_node(list: &[(u32, u32)], node: u32) -> impl Iterator<Item = u32> {
+    let from = list.partition_point(|&(bearer, _)| bearer < node);
+    list[from..].iter().take_while(move |&&(bearer, _)| bearer == node).map(|&(_, borne)| borne)
 }
 
 /// The nodes that end an axis' internodes: the foot of a stem ends none.
@@ -163,48 +221,86 @@ fn internodes<'a>(skeleton: &'a Skeleton, axis: &Axis) -> &'a [u32] {
     &skeleton.nodes_of(axis)[usize::from(axis.parent == NO_PARENT)..]
 }
 
-fn write_row(text: &mut Text, skeleton: &Skeleton, row: Row, depth: u32, columns: usize) {
-    let mut column = 0;
-    let mut tab = |text: &mut Text, to: usize| {
-        while column < to {
-            text.byte(b'\t');
-            column += 1;
+/// A tree where it stands.
+struct Plant<'a> {
+    number: u32,
+    place: &'a Place,
+    skeleton: &'a Skeleton,
+    organs: &'a MeasuredOrgans<'a>,
+    /// Before the first feature.
+    columns: usize,
+}
+
+impl Plant<'_> {
+    fn write(&self, text: &mut Text, row: Row, depth: u32) {
+        let Self { skeleton, place, .. } = self;
+        let column = depth as usize + 1;
+        match row {
+            Row::Plant => {
+                text.bytes(b"/P");
+                text.integer(self.number);
+                let foot = skeleton.axes.first().map_or(0, |axis| skeleton.nodes_of(axis)[0]);
+                self.place(text, 0, skeleton.positions[foot as usize]);
+            }
+            Row::Axis(index) => {
+                tabs(text, column);
+                text.bytes(if depth > 0 { b"+A" } else { b"/A" });
+                text.integer(index + 1);
+            }
+            Row::Internode(index, number) => {
+                let axis = &skeleton.axes[index as usize];
+                let node = internodes(skeleton, axis)[number as usize - 1];
+                tabs(text, column);
+                text.bytes(if number == 1 { b"^/I" } else { b"^<I" });
+                text.integer(number);
+                let position = skeleton.positions[node as usize];
+                self.place(text, column, position);
+                text.byte(b'\t');
+                let parent = skeleton.positions[skeleton.parents[node as usize] as usize];
+                let sizes_m = [skeleton.radii[node as usize], position.distance(parent)];
+                text.floats(sizes_m.map(|size_m| size_m * place.scale), b"\t");
+                for number in [axis.order, skeleton.births[node as usize], node] {
+                    text.byte(b'\t');
+                    text.integer(number);
+                }
+            }
+            Row::Organ(index, number) => self.organs.each(index as usize..index as usize + 1, |_, organ| {
+                tabs(text, column);
+                text.bytes(match organ.class {
+                    OrganClass::Leaf => b"+L",
+                    OrganClass::Blossom => b"+B",
+                    OrganClass::Fruit => b"+F",
+                });
+                text.integer(number);
+                self.place(text, column, organ.placement.position);
+                // Neither radius nor order.
+                text.bytes(b"\t\t");
+                text.float(organ.placement.scale * place.scale);
+                text.bytes(b"\t\t");
+                text.integer(organ.birth);
+                text.byte(b'\t');
+                text.integer(organ.node);
+                text.byte(b'\t');
+                text.float((organ.area_m2 * f64::from(place.scale) * f64::from(place.scale)) as f32);
+                text.byte(b'\t');
+                text.slice(organ.kind.as_bytes());
+                text.byte(b'\t');
+                text.integer(index);
+            }),
         }
-    };
-    let at = |text: &mut Text, node: u32| {
-        let [x, y, z] = skeleton.positions[node as usize].to_array();
+        text.byte(b'\n');
+    }
+
+    /// The features of a place, after an entity in a column.
+    fn place(&self, text: &mut Text, column: usize, position: Vec3) {
+        tabs(text, self.columns - column);
+        let moved = self.place.motion().map_or(position, |motion| motion.point(position));
+        let [x, y, z] = moved.to_array();
         // Turned about X, so that Y up becomes Z up; no zero has a sign.
         text.floats([x, 0.0 - z, y], b"\t");
-    };
-    match row {
-        Row::Plant => {
-            text.bytes(b"/P1");
-            tab(text, columns);
-            let foot = skeleton.axes.first().map_or(0, |axis| skeleton.nodes_of(axis)[0]);
-            at(text, foot);
-        }
-        Row::Axis(index) => {
-            tab(text, 1 + depth as usize);
-            text.bytes(if depth > 0 { b"+A" } else { b"/A" });
-            text.integer(index + 1);
-        }
-        Row::Internode(index, number) => {
-            let axis = &skeleton.axes[index as usize];
-            let node = internodes(skeleton, axis)[number as usize - 1];
-            tab(text, 1 + depth as usize);
-            text.bytes(if number == 1 { b"^/I" } else { b"^<I" });
-            text.integer(number);
-            tab(text, columns);
-            at(text, node);
-            text.byte(b'\t');
-            let parent = skeleton.positions[skeleton.parents[node as usize] as usize];
-            let length_m = skeleton.positions[node as usize].distance(parent);
-            text.floats([skeleton.radii[node as usize], length_m], b"\t");
-            for number in [axis.order, skeleton.births[node as usize], node] {
-                text.byte(b'\t');
-                text.integer(number);
-            }
-        }
     }
-    text.byte(b'\n');
+}
+
+fn tabs(text: &mut Text, count: usize) {
+    (0..count).for_each(|_| text.byte(b'\t'));
 }

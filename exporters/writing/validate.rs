@@ -341,6 +341,17 @@ mod tests {
     }
 
     #[test]
+    fn several_trees_are_no_single_one() {
+        let scene = scene();
+        let mut stage = Stage::of(&scene);
+        assert!(single_tree(&stage, "any", &linden_pipeline::Quiet).is_ok());
+        stage.places.push(Place { position: Vec3::X, ..Place::origin(0) });
+        let said = single_tree(&stage, "any", &linden_pipeline::Quiet).unwrap_err().to_string();
+        assert!(said.contains("several trees") && said.contains("glb"), "{said}");
+        assert_eq!(trees(&stage, &linden_pipeline::Quiet).unwrap().len(), 2);
+    }
+
+    #[test]
     fn bounds_are_the_stored_numbers() {
         let bounds = super::scene(&scene(), &linden_pipeline::Quiet).unwrap();
         assert_eq!(bounds, [Bounds { min: Vec3::ZERO, max: Vec3::new(1.0, 1.0, 0.0) }]);

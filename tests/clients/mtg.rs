@@ -4,8 +4,11 @@
 use std::collections::BTreeMap;
 use std::fs;
 
+use linden::canopy::canopy;
+use linden::foliage::Organs;
 use linden::grow::grow;
 use linden::preset::builtins;
+use linden::recipe::Recipe;
 use linden::{NO_PARENT, Quiet, Skeleton, Vec3};
 use linden_tests::fixtures::{RECIPE, export, scene};
 use linden_tests::presets::recipe;
@@ -25,14 +28,25 @@ fn section<'a>(text: &'a str, heading: &str) -> Vec<&'a str> {
     lines.take_while(|line| !line.is_empty()).collect()
 }
 
-/// The axes by their names with the internode that bears each, and all internodes.
-fn read(text: &str) -> (Vec<Option<usize>>, Vec<Internode>) {
+#[derive(Debug)]
+struct Organ {
+    class: char,
+    kind: String,
+    /// The internode that it is joined to.
+    bearer: usize,
+    features: BTreeMap<String, f64>,
+}
+
+/// The axes by their names with the internode that bears each, all internodes, and all organs.
+fn read(text: &str) -> (Vec<Option<usize>>, Vec<Internode>, Vec<Organ>) {
     assert_eq!(text.lines().find(|line| !line.starts_with('#')), Some("CODE:\tFORM-A"));
     let classes = section(text, "CLASSES:");
     assert_eq!(classes[0], "SYMBOL\tSCALE\tDECOMPOSITION\tINDEXATION\tDEFINITION");
     let scales: BTreeMap<&str, &str> =
         classes[1..].iter().map(|line| line.split_once('\t').unwrap()).collect();
-    assert!(scales["P"].starts_with('1') && scales["A"].starts_with('2') && scales["I"].starts_with('3'));
+    for (class, scale) in [('P', 1), ('A', 2), ('I', 3), ('L', 3), ('B', 3), ('F', 3)] {
+        assert!(scales[&*class.to_string()].starts_with(&scale.to_string()), "{class}");
+    }
     let known: Vec<&str> =
         section(text, "FEATURES:")[1..].iter().map(|line| line.split('\t').next().unwrap()).collect();
     let code = section(text, "MTG:");
@@ -41,7 +55,8 @@ fn read(text: &str) -> (Vec<Option<usize>>, Vec<Internode>) {
     let columns = head.iter().position(|name| known.contains(name)).unwrap();
     assert_eq!(head[columns..], known);
 
-    let (mut axes, mut internodes) = (Vec::new(), Vec::<Internode>::new());
+    let (mut axes, mut internodes, mut organs) = (Vec::new(), Vec::<Internode>::new(), Vec::new());
+    let number = |name: &str, text: &str| Some((name.to_owned(), text.parse().ok()?));
     // By column: the axis there, and its last internode.
     let mut open: Vec<(usize, Option<usize>)> = Vec::new();
     for line in &code[2..] {
@@ -58,19 +73,27 @@ fn read(text: &str) -> (Vec<Option<usize>>, Vec<Internode>) {
             axes.push(bearer);
             continue;
         }
+        let features: BTreeMap<String, f64> =
+            known.iter().zip(&fields[columns..]).filter_map(|(name, text)| number(name, text)).collect();
+        if let Some(class) =
+            ["+L", "+B", "+F"].iter().find_map(|class| entity.strip_prefix(*class).and(class.chars().last()))
+        {
+            // In the column to the right of what bears it.
+            open.truncate(column - 1);
+            let bearer = open.last().and_then(|&(_, last)| last).unwrap();
+            let kind = fields[columns + known.iter().position(|name| *name == "kind").unwrap()].to_owned();
+            organs.push(Organ { class, kind, bearer, features });
+            continue;
+        }
         let (axis, last) = *open.last().unwrap();
         let joined = if entity.starts_with("^/I") { '+' } else { '<' };
         assert!(entity.starts_with(if last.is_some() { "^<I" } else { "^/I" }), "{line}");
         let below = last.or(axes[axis]).map(|node| (node, joined));
-        let features: BTreeMap<String, f64> = (known.iter())
-            .zip(&fields[columns..])
-            .map(|(name, number)| ((*name).to_owned(), number.parse().unwrap()))
-            .collect();
         let [x, y, z] = ["XX", "YY", "ZZ"].map(|name| features[name] as f32);
         open.last_mut().unwrap().1 = Some(internodes.len());
         internodes.push(Internode { axis, below, place: Vec3::new(x, z, -y), features });
     }
-    (axes, internodes)
+    (axes, internodes, organs)
 }
 
 fn is_foot(skeleton: &Skeleton, node: u32) -> bool {
@@ -89,7 +112,8 @@ fn every_preset_is_its_graph() {
         fs::remove_file(&target).unwrap();
         let id = builtin.id;
         assert!(text.lines().any(|line| line.strip_prefix("# recipe: ") == Some(RECIPE)), "{id}");
-        let (axes, internodes) = read(&text);
+        let (axes, internodes, organs) = read(&text);
+        assert!(organs.is_empty(), "{id}");
         assert_eq!(internodes.len(), skeleton.segments(), "{id}");
         let of = |internode: &Internode| internode.features["node"] as usize;
         let mut axis_of = vec![usize::MAX; skeleton.parents.len()];
@@ -117,5 +141,73 @@ fn every_preset_is_its_graph() {
             }
         }
         assert_eq!(seen.len(), axes.len(), "{id}");
+    }
+}
+
+/// What [`canopy`] counts and measures of each kind.
+pub fn crops(recipe: &Recipe, organs: &Organs) -> BTreeMap<String, (usize, f64)> {
+    let canopy = recipe.with_specimen(|specimen| canopy(specimen, organs, 0.0, &Quiet)).unwrap();
+    let mut crops: BTreeMap<String, (usize, f64)> = BTreeMap::new();
+    for crop in canopy.crops {
+        let sum = crops.entry(crop.name).or_default();
+        *sum = (sum.0 + crop.organs, sum.1 + crop.area_m2);
+    }
+    crops
+}
+
+/// Whether counts are equal and areas nearly so.
+pub fn assert_same(found: &BTreeMap<String, (usize, f64)>, expected: &BTreeMap<String, (usize, f64)>) {
+    assert!(!expected.is_empty() && found.keys().eq(expected.keys()), "{found:?} {expected:?}");
+    for (kind, (count, area)) in expected {
+        assert_eq!(found[kind].0, *count, "{kind}");
+        assert!((found[kind].1 - area).abs() < 1e-4 * area, "{kind}: {} {area}", found[kind].1);
+    }
+}
+
+#[test]
+fn organs_are_joined_to_the_internodes_that_bear_them() {
+    let dir = tempfile::tempdir().unwrap();
+    let target = dir.path().join("tree.mtg");
+    for (recipe, grown, scene) in [crate::foliage::scene(), crate::instances::dressed(&[])] {
+        let skeleton = &grown.skeleton;
+        export(&scene, "mtg", &[], &target).unwrap();
+        let (_, internodes, organs) = read(&fs::read_to_string(&target).unwrap());
+        assert_eq!(internodes.len(), skeleton.segments());
+        let mut found: BTreeMap<String, (usize, f64)> = BTreeMap::new();
+        let mut seen = vec![false; grown.organs.len()];
+        for Organ { class, kind, bearer, features } in &organs {
+            let sum = found.entry(kind.clone()).or_default();
+            *sum = (sum.0 + 1, sum.1 + features["area"]);
+            let expected = match kind.as_str() {
+                "blossom" => 'B',
+                "berry" | "fruit" => 'F',
+                _ => 'L',
+            };
+            assert_eq!(*class, expected, "{kind}");
+            let organ = features["organ"] as usize;
+            assert!(!std::mem::replace(&mut seen[organ], true), "once");
+            let hanging = grown.organs.growth(organ);
+            assert_eq!(features["node"] as u32, hanging.node);
+            assert_eq!(features["birth"] as u32, hanging.birth);
+            // Its internode ends at its node; the lowest begins at a foot.
+            let node = internodes[*bearer].features["node"] as u32;
+            let begins = skeleton.parents[node as usize];
+            assert!(node == hanging.node || is_foot(skeleton, begins) && begins == hanging.node);
+            if let Some(placed) = organ.checked_sub(grown.organs.polygons.ends.len()) {
+                let [x, y, z] = ["XX", "YY", "ZZ"].map(|name| features[name] as f32);
+                assert_eq!(Vec3::new(x, z, -y), grown.organs.placed.positions[placed]);
+                assert_eq!(features["length"] as f32, grown.organs.placed.sizes_m[placed]);
+            }
+        }
+        assert_same(&found, &crops(&recipe, &grown.organs));
+
+        // Without them the wood is the same.
+        export(&scene, "mtg", &[("organs", "false")], &target).unwrap();
+        let (_, wood, none) = read(&fs::read_to_string(&target).unwrap());
+        assert!(none.is_empty());
+        let joined = |internodes: &[Internode]| -> Vec<_> {
+            internodes.iter().map(|internode| (internode.axis, internode.below, internode.place)).collect()
+        };
+        assert_eq!(joined(&wood), joined(&internodes));
     }
 }
