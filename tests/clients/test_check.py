@@ -193,9 +193,9 @@ ply_edit("ply_winding", "tree.ply", "wind against", ply_swap)
 ply_edit("ply_scaled", "tree.ply", "area, texture or bounds", ply_scale, by="agreement")
 ply_edit("ply_too_long", "tree.ply", "after the last", lambda body, _: body + b"x")
 ply_edit("ply_too_short", "tree.ply", "", lambda body, _: body[:-5])
-ply_edit("skeleton_radius", "tree_skeleton.ply", "not above zero", pack("<f", 0.0, 2, 24, 12))
-ply_edit("skeleton_nan", "tree_skeleton.ply", "not finite", pack("<f", np.inf, 2, 24))
-ply_edit("skeleton_edge", "tree_skeleton.ply", "node that is not there", pack("<i", 77, 13, 24))
+ply_edit("skeleton_radius", "tree_skeleton.ply", "not above zero", pack("<f", 0.0, 2, 48, 12))
+ply_edit("skeleton_nan", "tree_skeleton.ply", "not finite", pack("<f", np.inf, 2, 48))
+ply_edit("skeleton_edge", "tree_skeleton.ply", "node that is not there", pack("<i", 77, 13, 48))
 
 
 # ---- STL: the first triangle's numbers
