@@ -44,6 +44,14 @@ fn a_knob_that_changes_nothing_is_named_with_what_it_waits_for() {
             "qsm holds the skeleton alone: flare, bark_size and scene change nothing in it",
         ),
         (
+            &["export", "dressed-simple", "-o", "x.organs.csv", "--scene", "--set", "leaf_normals=dome"],
+            "organs holds no surface: bark_size, leaf_normals and scene change nothing in it",
+        ),
+        (
+            &["export", "simple", "-o", "x.organs.csv"],
+            "organs: nothing grows on the wood, so that the table is its header alone",
+        ),
+        (
             &["export", "simple", "-o", "x.obj", "--scene"],
             "obj holds no camera, sun, sky and ground: scene is left out",
         ),
