@@ -63,8 +63,11 @@ fn table(stage: &Stage<'_>) -> Vec<Row> {
     lines.map(row).collect()
 }
 
-/// The meshes of a GLB that stand in many places, with their places.
-fn instances(scene: &Scene) -> Vec<(String, Vec<Vec3>, Vec<(Vec3, Quat, f32)>)> {
+/// Where a copy stands: moved, turned, and how large it is.
+type Placed = (Vec3, Quat, f32);
+
+/// The meshes of a GLB that stand in many places, with their names, vertices and places.
+fn instances(scene: &Scene) -> Vec<(String, Vec<Vec3>, Vec<Placed>)> {
     let dir = tempfile::tempdir().unwrap();
     let target = dir.path().join("tree.glb");
     export(scene, "glb", &[("instances", "true")], &target).unwrap();
@@ -137,7 +140,7 @@ fn check(recipe: &Recipe, grown: &Grown, scene: &Scene) {
     assert_eq!(groups.len(), copies.len());
     for (name, group) in &groups {
         let is_same = |&i: &usize| {
-            let places: &[(Vec3, Quat, f32)] = &copies[i].2;
+            let places: &[Placed] = &copies[i].2;
             // A blossom and a berry may have one place.
             let suffix = if name.1 == 0 { name.0.to_owned() } else { format!("variant_{}", name.1) };
             copies[i].0.ends_with(&format!("_{suffix}"))
@@ -148,7 +151,9 @@ fn check(recipe: &Recipe, grown: &Grown, scene: &Scene) {
                 })
         };
         let of = (0..copies.len()).find(is_same).unwrap_or_else(|| panic!("no copies are {name:?}"));
-        group.iter().for_each(|&row| shapes[row] = Some(of));
+        for &row in group {
+            shapes[row] = Some(of);
+        }
     }
     let part_of = |name: &str| {
         let parts = scene.parts.iter().enumerate().filter(|(_, part)| name.starts_with(&part.name));
