@@ -91,6 +91,7 @@ Examples:
   linden recipe tree.glb
   linden cite tree.glb --format bibtex
   linden sweep abop-honda-a --define r1=0.6:0.9:0.1 --seeds 2 -o table.csv
+  linden batch trees.toml --shard 0/4 --out trees
   linden doctor
 
 Exit codes: 0 done, 1 failed, 2 wrong usage, 130 interrupted.";

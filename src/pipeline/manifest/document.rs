@@ -47,7 +47,7 @@ impl Manifest {
                 "seed" => manifest.seed = whole(entry, u64::MAX)?,
                 "trees" => manifest.trees = TREES.read(&entry.node, kind)?,
                 other => {
-                    let meant = did_you_mean(nearest(other, KEYS.into_iter()));
+                    let meant = did_you_mean(nearest(other, KEYS));
                     let message = format!("a manifest has no '{}'{meant}", excerpt(other));
                     return Err(Fault::new(entry.place, message));
                 }

@@ -6,9 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use super::figures::Figures;
 use super::{Corners, Reading};
-use linden_skeleton::BREAST_HEIGHT_M;
 use crate::provenance::hash_text;
 use crate::recipe::VERSION;
+use linden_skeleton::BREAST_HEIGHT_M;
 
 /// Where a number stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
