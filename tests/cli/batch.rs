@@ -209,3 +209,46 @@ fn a_dry_run_says_what_it_will_be() {
     assert!(said.out.contains("trees    14") && said.out.contains("MiB"), "{}", said.out);
     assert!(!folder.file("out").exists());
 }
+
+/// The jobs that are printed, with a shell in the place of what would start it: all parts, then the index.
+#[test]
+fn jobs_that_are_printed_make_the_whole_batch() {
+    let folder = folder();
+    let whole = all_at_once(&folder);
+    let program = Path::new(env!("CARGO_BIN_EXE_linden")).parent().unwrap().to_owned();
+    let path = format!("{}:{}", program.display(), std::env::var("PATH").unwrap());
+    let template = |engine: &str| {
+        let args = ["batch", "m.toml", "--out", "of it's", "--template", engine, "--parts", "3"];
+        let said = folder.run(&args);
+        assert_eq!(said.code, Some(0), "{}", said.err);
+        said.out
+    };
+    let sh = |script: &str, variables: &[(&str, String)]| {
+        let mut command = std::process::Command::new("sh");
+        command.args(["-c", script]).current_dir(folder.path()).env("PATH", &path);
+        let output = command.envs(variables.iter().map(|(name, value)| (name, value))).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    };
+    let slurm = template("slurm");
+    assert!(slurm.contains("--array=0-2\n"), "{slurm}");
+    for task in 0..3 {
+        sh(&slurm, &[("SLURM_ARRAY_TASK_ID", task.to_string())]);
+    }
+    let merge = slurm.lines().find_map(|line| line.split_once("--wrap=")).unwrap().1;
+    sh(&format!("sh -c {merge}"), &[]);
+    assert!(files(&folder.file("of it's")) == whole);
+
+    // GNU parallel, as far as this needs it: a line of a shell for each word it reads.
+    fs::remove_dir_all(folder.file("of it's")).unwrap();
+    folder.write(
+        "parallel",
+        "#!/bin/sh\nshift 3\nwhile read n; do sh -c \"$(echo \"$*\" | sed \"s/{}/$n/\")\" || exit; done\n",
+    );
+    let parallel = template("parallel");
+    sh(&format!("chmod +x parallel; export PATH=.:$PATH\n{parallel}"), &[]);
+    assert!(files(&folder.file("of it's")) == whole);
+
+    for (engine, expected) in [("openjd", "default: \"0-13\""), ("kubernetes", "completions: 3\n")] {
+        assert!(template(engine).contains(expected) && template(engine).contains("\"of it's\""), "{engine}");
+    }
+}

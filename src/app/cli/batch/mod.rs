@@ -3,6 +3,7 @@
 mod part;
 mod plan;
 mod rows;
+mod template;
 mod work;
 
 use std::path::PathBuf;
@@ -14,6 +15,7 @@ use linden::Monitor;
 use self::part::Part;
 use self::plan::Plan;
 use self::rows::{Journal, Rows};
+use self::template::{Engine, Job};
 use crate::exit::{say, usage};
 use crate::forecast::Outlook;
 use crate::paths::show;
@@ -66,7 +68,19 @@ pub struct Batch {
     /// Grow nothing; write index.jsonl over all parts, and say what is missing
     #[arg(long, conflicts_with_all = ["resume", "only", "shard"])]
     merge: bool,
+
+    /// Grow nothing; print a job that spreads this batch over machines
+    #[arg(long, value_name = "ENGINE", conflicts_with_all = ["resume", "only", "shard", "dry_run", "merge"])]
+    template: Option<Engine>,
+
+    /// For --template: so many parts, each some minutes of work at best; without, one for each ten trees, 1000 at
+    /// most. Open Job Description finds that by itself
+    #[arg(long, value_name = "N", requires = "template", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    parts: Option<u32>,
 }
+
+/// The most parts that are taken without asking: what an array of Slurm may have as it is installed.
+const MOST_PARTS: usize = 1000;
 
 /// Trees that a forecast looks at: spread evenly over the part.
 const FORECAST_OF: usize = 24;
@@ -75,6 +89,14 @@ impl Batch {
     pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
         let plan = Plan::read(&self.manifest, &progress)?;
+        if let Some(engine) = self.template {
+            let trees = plan.len();
+            let most = trees.div_ceil(10).min(MOST_PARTS);
+            let shards = self.parts.map_or(most, |parts| (parts as usize).min(trees)).max(1);
+            let job = Job { manifest: &self.manifest, out: &self.out, trees, shards };
+            progress.clear();
+            return super::print(&engine.print(&job));
+        }
         let part = match (&self.only, &self.shard) {
             (Some(ranges), _) => Part::only(ranges, plan.len()),
             (_, Some(shard)) => Part::shard(shard, plan.len()),
