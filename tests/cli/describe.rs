@@ -5,12 +5,13 @@ use std::path::Path;
 
 use crate::program::Folder;
 
-const COMMANDS: [&str; 15] = [
+const COMMANDS: [&str; 16] = [
     "open",
     "list",
     "show",
     "stats",
     "sweep",
+    "batch",
     "preview",
     "sheet",
     "export",

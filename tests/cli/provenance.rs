@@ -213,7 +213,7 @@ fn a_citation_names_everything_that_makes_the_tree() {
     assert_eq!(bibtex.matches('{').count(), bibtex.matches('}').count());
 
     folder.write("weed.l", "axiom=F\nangle=25.7\nnumber of derivations=4\nF=(1)F[+F]F[-F]F\n");
-    let weed = folder.run(&["cite", "weed.l"]).done().out;
+    let weed = folder.run(&["cite", "weed.l", "--set", "segment_length=0.1"]).done().out;
     assert!(weed.contains("The Algorithmic Beauty of Plants") && weed.contains("(weed)"), "{weed}");
     let wood = folder.run(&["cite", "mixed-wood"]).done().out;
     for kind in ["oak", "silver-birch", "scots-pine", "hazel"] {
