@@ -44,7 +44,7 @@ static FORMAT: Format = Format {
     holds: Holds::ORGANS,
     encoding: |_| Encoding::Text,
     estimate: Some(|amounts, options| {
-        let organs = if options.is_on("organs") { 96 * amounts.organs } else { 0 };
+        let organs = if options.is_on("organs") { 165 * amounts.organs } else { 0 };
         75 * amounts.nodes + organs + amounts.recipe_bytes + 800
     }),
 };
@@ -81,7 +81,16 @@ birth\tINT\n\
 node\tINT\n\
 area\tREAL\n\
 kind\tSTRING\n\
-organ\tINT\n\n\
+organ\tINT\n\
+dx\tREAL\n\
+dy\tREAL\n\
+dz\tREAL\n\
+nx\tREAL\n\
+ny\tREAL\n\
+nz\tREAL\n\
+red\tINT\n\
+green\tINT\n\
+blue\tINT\n\n\
 MTG:\n\
 ENTITY-CODE";
 
@@ -137,10 +146,13 @@ impl Exporter for Mtg {
         let columns = most as usize + 2 + usize::from(trees.iter().any(|(_, scene)| organs(scene) > 0));
         let (name, recipe) = recipe::of_stage(stage);
         let head = format!(
-            "{}{HEAD}{}XX\tYY\tZZ\tradius\tlength\torder\tbirth\tnode\tarea\tkind\torgan\n",
+            "{}{HEAD}{}XX\tYY\tZZ\tradius\tlength\torder\tbirth\tnode\tarea\tkind\torgan\tdx\tdy\tdz\tnx\tny\tnz\tred\tgreen\tblue\n",
             recipe::comments(name, recipe, "metres; up axis: Z"),
             "\t".repeat(columns)
         );
+        if !with_organs && trees.iter().all(|(_, scene)| scene.organs.is_empty()) {
+            bundle.note("mtg: organs=false changes nothing where nothing grows on the wood");
+        }
         let mut left_out = 0;
         bundle.write_main(None, monitor, |out| {
             out.write(head.as_bytes())?;
@@ -286,6 +298,16 @@ impl Plant<'_> {
                 text.slice(organ.kind.as_bytes());
                 text.byte(b'\t');
                 text.integer(index);
+                text.byte(b'\t');
+                let turn = self.place.rotation() * organ.placement.rotation;
+                let [direction, face] = [turn * Vec3::Y, turn * Vec3::Z].map(z_up);
+                text.floats(direction, b"\t");
+                text.byte(b'\t');
+                text.floats(face, b"\t");
+                for channel in organ.color {
+                    text.byte(b'\t');
+                    text.integer(channel.into());
+                }
             }),
         }
         text.byte(b'\n');
@@ -295,10 +317,13 @@ impl Plant<'_> {
     fn place(&self, text: &mut Text, column: usize, position: Vec3) {
         tabs(text, self.columns - column);
         let moved = self.place.motion().map_or(position, |motion| motion.point(position));
-        let [x, y, z] = moved.to_array();
-        // Turned about X, so that Y up becomes Z up; no zero has a sign.
-        text.floats([x, 0.0 - z, y], b"\t");
+        text.floats(z_up(moved), b"\t");
     }
+}
+
+/// Turned about X, so that Y up becomes Z up; no zero has a sign.
+fn z_up(at: Vec3) -> [f32; 3] {
+    [at.x, 0.0 - at.z, at.y]
 }
 
 fn tabs(text: &mut Text, count: usize) {

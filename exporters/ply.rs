@@ -235,6 +235,11 @@ impl Exporter for PlySkeleton {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         let stage = &fit(stage, &SKELETON, bundle);
+        if stage.turned.iter().any(|name| name == "width_steps") {
+            bundle.note(
+                "ply-skeleton holds a radius for each node: width_steps, how wood goes from one to the next, changes nothing in it; qsm holds the cylinders",
+            );
+        }
         let trees = validate::trees(stage, monitor)?;
         let ascii = encoding(options) == Encoding::Text;
         let sum = |count: fn(&Skeleton) -> usize| -> usize {

@@ -197,6 +197,12 @@ fn organs_are_joined_to_the_internodes_that_bear_them() {
                 let [x, y, z] = ["XX", "YY", "ZZ"].map(|name| features[name] as f32);
                 assert_eq!(Vec3::new(x, z, -y), grown.organs.placed.positions[placed]);
                 assert_eq!(features["length"] as f32, grown.organs.placed.sizes_m[placed]);
+                // Its frame: along it, and out of its upper side.
+                let (headings, ups) = (&grown.organs.placed.headings, &grown.organs.placed.ups);
+                for (names, expected) in [(["dx", "dy", "dz"], headings), (["nx", "ny", "nz"], ups)] {
+                    let [x, y, z] = names.map(|name| features[name] as f32);
+                    assert!(expected[placed].distance(Vec3::new(x, z, -y)) < 1e-4);
+                }
             }
         }
         assert_same(&found, &crops(&recipe, &grown.organs));

@@ -295,6 +295,9 @@ impl LSystem {
         match knob {
             "derivations" if self.grammar.productions().is_empty() => Some("the grammar has no rules"),
             "angle" if !self.writes(TURNS, true) => Some("each turn of the grammar names its angle"),
+            "width_steps" | "width_smoothing" if wood.width == Width::Grammar && !self.writes("!", false) => {
+                Some("the grammar has no !: all its wood has one radius")
+            }
             "segment_width" | "width_ratio" if is_ruled => Some("it is for width=grammar"),
             "segment_width" if wood.width == Width::Auto && !self.gives_radii(wood) => {
                 Some("the grammar has no !; with width=grammar all its wood has this width")

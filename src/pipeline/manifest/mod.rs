@@ -13,7 +13,7 @@
 //! )?;
 //! assert_eq!(manifest.len(), 6);
 //! let item = manifest.item(4).expect("there are six");
-//! assert_eq!((item.seed, item.set[1].1.as_str()), (2, "0.8")); // knobs in the order of their names
+//! assert_eq!((item.seed, item.set[1].1.as_str()), (Some(2), "0.8")); // knobs in the order of their names
 //! # Ok::<(), linden_pipeline::document::Fault>(())
 //! ```
 //!

@@ -175,6 +175,17 @@ static RULES: &[Rule] = &[
         },
     },
     Rule {
+        knobs: &["width_steps", "width_smoothing"],
+        why: |preset| {
+            let traits = preset.generator.traits(&preset.wood);
+            // Where all go on in brackets, the wood of an axis that ends runs on into a thinner one.
+            when(
+                preset.settled_width() == Some(Width::Order) && traits.axes == AxisRule::Thickest,
+                "width=order keeps one radius all along an axis",
+            )
+        },
+    },
+    Rule {
         knobs: &["width_smoothing"],
         why: |preset| {
             when(preset.wood.width_steps == WidthSteps::Cylinder, "width_steps=cylinder keeps its steps")
