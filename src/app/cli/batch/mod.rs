@@ -164,17 +164,19 @@ impl Batch {
             };
             let formats: Vec<_> = tree.outputs.iter().map(|(e, options, _)| (e.format(), options)).collect();
             seconds += outlook.export_s(recipe, &formats, 1);
-            for (format, options) in formats {
-                bytes += outlook.estimate.bytes(format, options).unwrap_or(0) as f64;
-            }
-            largest = largest.max(outlook.sample.skeleton_bytes().unwrap_or(0));
+            // A tree is held with what its largest file is written from.
+            let files =
+                formats.iter().map(|(format, options)| outlook.estimate.bytes(format, options).unwrap_or(0));
+            let largest_file = files.clone().max().unwrap_or(0);
+            bytes += files.sum::<u64>() as f64;
+            largest = largest.max(outlook.sample.skeleton_bytes().unwrap_or(0) + largest_file);
         }
         let share = count as f64 / looks.max(1) as f64;
         let jobs = self.jobs.map_or_else(rayon::current_num_threads, usize::from);
         progress.clear();
         let bytes = (bytes * share) as u64;
         let text = format!(
-            "trees    {}\nbytes    {}\nseconds  {:.0} of work, {:.0} with {jobs} at a time\nmemory   about {} for the largest that was looked at\n",
+            "trees    {}\nbytes    {}\nseconds  {:.0} of work, {:.0} with {jobs} at a time\nmemory   at least {} for each tree at a time\n",
             indicatif::HumanCount(count as u64),
             indicatif::BinaryBytes(bytes),
             seconds * share,
