@@ -14,9 +14,9 @@ use linden::Monitor;
 
 use self::part::Part;
 use self::plan::Plan;
-use self::rows::{Journal, Rows};
+use self::rows::{Journal, Row, Rows};
 use self::template::{Engine, Job};
-use crate::exit::{say, usage};
+use crate::exit::{say, sentence, usage};
 use crate::forecast::Outlook;
 use crate::paths::show;
 use crate::progress::Progress;
@@ -115,7 +115,10 @@ impl Batch {
         let mut missing = Vec::new();
         for number in part.numbers() {
             progress.check()?;
-            if !self.resume || !known.has(&plan.tree(number)?, &self.out) {
+            // What cannot be a tree at all is said by whoever comes to it, and stops no other.
+            let is_there =
+                self.resume && plan.tree(number).is_ok_and(|tree| known.whole(&tree, &self.out).is_some());
+            if !is_there {
                 missing.push(number);
             }
         }
@@ -192,14 +195,20 @@ impl Batch {
         let (mut index, mut failed, mut missing) = (String::new(), 0, Vec::new());
         for number in 0..plan.len() {
             progress.check()?;
-            let tree = plan.tree(number)?;
-            if let Some(row) = rows.whole(&tree, &self.out) {
-                index += &row.line_of_index();
-            } else if let Some(row) = rows.failure(&tree) {
-                failed += 1;
-                index += &row.line_of_index();
-            } else {
-                missing.push(number);
+            let unreadable;
+            let row = match plan.tree(number) {
+                Ok(tree) => rows.whole(&tree, &self.out).or_else(|| rows.failure(&tree)),
+                Err(error) => {
+                    unreadable = Row::unreadable(number, sentence(&error));
+                    Some(&unreadable)
+                }
+            };
+            match row {
+                Some(row) => {
+                    failed += usize::from(row.error.is_some());
+                    index += &row.line_of_index();
+                }
+                None => missing.push(number),
             }
         }
         rows::write_index(&self.out, &index)?;

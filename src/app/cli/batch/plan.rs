@@ -14,6 +14,9 @@ use crate::paths::show;
 use crate::progress::Progress;
 use crate::source::{self, Source};
 
+/// The most trees of one manifest.
+const MOST: usize = 10_000_000;
+
 /// A manifest with its sources.
 pub struct Plan {
     manifest: Manifest,
@@ -52,6 +55,10 @@ impl Plan {
             plan.sources.insert(name.clone(), found);
         }
         plan.check_options()?;
+        if plan.len() > MOST {
+            let trees = plan.len();
+            return Err(usage(format!("{shown}: {trees} trees are more than {MOST}; divide the manifest")));
+        }
         // A mistake in a knob is found before anything grows.
         let mut first = 0;
         for kind in 0..plan.manifest.trees.len() {

@@ -16,7 +16,7 @@ pub const INDEX: &str = "index.jsonl";
 const PARTS: &str = "parts";
 
 /// What became of a tree.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Row {
     pub index: usize,
     pub source: String,
@@ -25,7 +25,7 @@ pub struct Row {
     pub set: BTreeMap<String, String>,
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub define: BTreeMap<String, String>,
-    /// The address of the first main file: which recipe, by which linden.
+    /// The addresses of all main files: which recipe, by which linden, in which formats.
     pub key: String,
     #[serde(default)]
     pub files: Vec<WrittenFile>,
@@ -60,31 +60,13 @@ impl Row {
             set: tree.set.clone(),
             define: tree.define.clone(),
             key: key(tree),
-            files: Vec::new(),
-            skeleton_hash: None,
-            nodes: None,
-            height_m: None,
-            seconds: None,
-            error: None,
+            ..Self::default()
         }
     }
 
     /// A row of a tree that no recipe was made of.
     pub fn unreadable(index: usize, error: String) -> Self {
-        Self {
-            index,
-            source: String::new(),
-            seed: 0,
-            set: BTreeMap::new(),
-            define: BTreeMap::new(),
-            key: String::new(),
-            files: Vec::new(),
-            skeleton_hash: None,
-            nodes: None,
-            height_m: None,
-            seconds: None,
-            error: Some(error),
-        }
+        Self { index, error: Some(error), ..Self::default() }
     }
 
     fn line(&self) -> anyhow::Result<String> {
@@ -142,10 +124,6 @@ impl Rows {
         };
         let rows = self.written.get(&tree.index)?;
         rows.iter().find(|row| row.key == key && row.files.iter().all(is_there))
-    }
-
-    pub fn has(&self, tree: &Tree, out: &Path) -> bool {
-        self.whole(tree, out).is_some()
     }
 
     /// The last row that says why a tree failed.
