@@ -7,7 +7,7 @@ use linden_base::knob::{did_you_mean, excerpt, nearest};
 
 use super::draw::Draw;
 use super::values::values;
-use super::{Kind, Manifest, Sampling, Seeds, Values, Varied};
+use super::{Manifest, Sampling, Seeds, TreeKind, Values, Varied};
 
 const TREES: List = List { key: "trees", heading: "[[trees]]", one: "kind", most: (1_000_000, "a manifest") };
 
@@ -86,8 +86,8 @@ impl Manifest {
 }
 
 /// One `[[trees]]`.
-fn kind(number: usize, entries: &[Entry], place: Option<TextPlace>) -> Result<Kind, Fault> {
-    let mut kind = Kind {
+fn kind(number: usize, entries: &[Entry], place: Option<TextPlace>) -> Result<TreeKind, Fault> {
+    let mut kind = TreeKind {
         source: String::new(),
         formats: Vec::new(),
         seeds: None,

@@ -42,12 +42,12 @@ pub struct Manifest {
     /// Decides what is drawn.
     pub seed: u64,
     /// Kinds of trees.
-    pub trees: Vec<Kind>,
+    pub trees: Vec<TreeKind>,
 }
 
 /// Trees of one source.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Kind {
+pub struct TreeKind {
     /// A preset's id, or a file beside the manifest.
     pub source: String,
     /// As [`Manifest::formats`], for these trees; empty: those.
@@ -136,7 +136,7 @@ impl Seeds {
     }
 }
 
-impl Kind {
+impl TreeKind {
     /// How many trees there are.
     pub fn count(&self) -> usize {
         let seeds = self.seeds.as_ref().map_or(1, Seeds::len);

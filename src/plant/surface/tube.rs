@@ -44,7 +44,7 @@ pub(super) fn amount(rings: &[Ring], form: &TubeForm, roundness: &Roundness, til
 
 /// How much of a collar's fillet is laid, from the first that folds nothing: wood that turns within its
 /// own thickness leaves no room for more. At 0 rings are circles with their corners on them.
-pub(super) const EASES: [f32; 4] = [1.0, 0.6, 0.3, 0.0];
+const EASES: [f32; 4] = [1.0, 0.6, 0.3, 0.0];
 
 /// Writes the tube over some rings (none or at least two). Gives the ease that folded nothing.
 pub(super) fn sweep(
@@ -120,15 +120,17 @@ impl Wall<'_> {
         for (i, pair) in rings.windows(2).enumerate() {
             let wraps = band_wraps(&pair[0], &pair[1], tile_m);
             let bottom = match below.take() {
-                Some((placed, same)) if same == wraps && !pair[0].steps() => placed,
+                Some((placed, same)) if same == wraps => placed,
                 _ => self.ring(i, Of::Above, wraps, target),
             };
             let top = self.ring(i + 1, Of::Below, wraps, target);
             join(&bottom, &top, target);
             if pair[1].steps() {
+                // The next band begins with a ring of its own.
                 self.ledge(i + 1, wraps, target);
+            } else {
+                below = Some((top, wraps));
             }
-            below = Some((top, wraps));
         }
         if let Some((rim, wraps)) = below {
             ends::close_tip(apex, form, &rim, wraps, tile_m, target);
