@@ -77,7 +77,7 @@ pub fn ensure_spared(bundles: &[Bundle], sources: &[PathBuf]) -> Result<(), Expo
 /// Files are on the disk before they are placed, and their folders afterwards, unless a bundle is
 /// [unsynced](Bundle::unsynced).
 ///
-/// Gives what was written, bundle by bundle, the main file first.
+/// Gives what was written, bundle by bundle, the main file first, and the shared pictures that were there.
 ///
 /// # Errors
 /// [`ExportError::SameTarget`] and [`ExportError::Io`]. One of `syncing the directory of` comes when all
@@ -91,7 +91,7 @@ pub fn commit_all(bundles: Vec<Bundle>) -> Result<Vec<Written>, ExportError> {
     let mut folders = BTreeMap::new();
     for bundle in bundles {
         let is_synced = bundle.is_synced;
-        let Place::Files(Files { main, sides: side_files, .. }) = bundle.place else { continue };
+        let Place::Files(Files { main, sides: side_files, there, .. }) = bundle.place else { continue };
         for staged in std::iter::once(&main).chain(&side_files) {
             if !staged.whole {
                 let source = io::Error::other("its writer has not finished");
@@ -103,6 +103,7 @@ pub fn commit_all(bundles: Vec<Bundle>) -> Result<Vec<Written>, ExportError> {
             }
             written.push(Written { path: staged.location.shown_path(), bytes: staged.bytes });
         }
+        written.extend(there);
         for side in side_files {
             let path = compared(side.location.path());
             if sides.get(&path).is_some_and(|other| !side.holds_same(other)) {

@@ -50,6 +50,7 @@ pub struct Bundle {
     /// Whether files are brought to the disk.
     is_synced: bool,
     membership: Option<shared::Membership>,
+    picture_folder: Option<shared::PictureFolder>,
 }
 
 enum Place {
@@ -70,6 +71,8 @@ struct Files {
     stem: String,
     main: Staged,
     sides: Vec<Staged>,
+    /// Files that it refers to and that were there before.
+    there: Vec<Written>,
 }
 
 impl Bundle {
@@ -94,21 +97,33 @@ impl Bundle {
             Located::File { location, .. } => {
                 sweep(system, &location.folder);
                 let stem = stem::plain(Path::new(&location.name));
-                Place::Files(Files { stem, main: Staged::create(system, location)?, sides: Vec::new() })
+                Place::Files(Files {
+                    stem,
+                    main: Staged::create(system, location)?,
+                    sides: Vec::new(),
+                    there: Vec::new(),
+                })
             }
             Located::Stream(path) => Place::Pipe {
                 label: linden_pipeline::knob::printable(&target.to_string_lossy()),
                 pipe: Pipe::open(&path).map_err(|source| target::looking(target, source))?,
             },
         };
-        Ok(Self { place, notes: Vec::new(), system, is_synced: true, membership: None })
+        Ok(Self { place, notes: Vec::new(), system, is_synced: true, membership: None, picture_folder: None })
     }
 
     /// A bundle of a single file that goes to `out` as it is made; `label` names it in messages:
     /// `standard output`.
     pub fn stream(label: &str, out: impl Write + Send + 'static) -> Self {
         let place = Place::Stream { label: label.to_owned(), out: Box::new(out) };
-        Self { place, notes: Vec::new(), system: &System, is_synced: true, membership: None }
+        Self {
+            place,
+            notes: Vec::new(),
+            system: &System,
+            is_synced: true,
+            membership: None,
+            picture_folder: None,
+        }
     }
 
     /// A bundle of a single file that goes to standard output as it is made. A reader that does not
@@ -117,7 +132,14 @@ impl Bundle {
         const LABEL: &str = "standard output";
         if let Ok(pipe) = Pipe::stdout() {
             let place = Place::Pipe { label: LABEL.to_owned(), pipe };
-            return Self { place, notes: Vec::new(), system: &System, is_synced: true, membership: None };
+            return Self {
+                place,
+                notes: Vec::new(),
+                system: &System,
+                is_synced: true,
+                membership: None,
+                picture_folder: None,
+            };
         }
         Self::stream(LABEL, std::io::stdout())
     }
@@ -249,11 +271,15 @@ fn side_location(
     name: &str,
 ) -> Result<target::Location, ExportError> {
     let beside = target::Location { name: name.into(), ..main.clone() };
-    let path = beside.shown_path();
-    match locate(system, &path)? {
+    located_file(system, &beside.shown_path())
+}
+
+/// Where a file goes that must be one.
+fn located_file(system: &dyn FileSystem, path: &Path) -> Result<target::Location, ExportError> {
+    match locate(system, path)? {
         Located::File { location, .. } => Ok(location),
         Located::Stream(_) => Err(ExportError::Target {
-            path,
+            path: path.to_owned(),
             problem: "that is a pipe or a device, and a file belongs there; remove it or choose another name"
                 .to_owned(),
         }),

@@ -1,5 +1,5 @@
-//! Pictures that several files of one export refer to: those of a plant's levels and seasons, where each
-//! takes a file of its own.
+//! Pictures that several files refer to: those of a plant's levels and seasons, where each takes a file of its
+//! own, and those of many exports in one folder.
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -9,7 +9,12 @@ use std::sync::{Arc, Mutex, PoisonError};
 use linden_pipeline::Monitor;
 use xxhash_rust::xxh3::xxh3_128;
 
-use super::{Bundle, Place, stem};
+use super::commit::Written;
+use super::file_system::again;
+use super::folders::make_folders_on;
+use super::staged::Staged;
+use super::sweep::sweep;
+use super::{Bundle, Place, located_file, stem};
 use crate::ExportError;
 
 /// The pictures of all bundles that are committed together: what is under which name.
@@ -52,6 +57,13 @@ impl Pictures {
     }
 }
 
+/// A folder of pictures that are named by what they hold.
+pub(super) struct PictureFolder {
+    path: PathBuf,
+    /// From the folder of the main file to it, with `/`.
+    reference: String,
+}
+
 #[derive(PartialEq, Eq)]
 enum Taken {
     /// It was free, and is taken now.
@@ -74,8 +86,46 @@ impl Bundle {
         self
     }
 
-    /// Writes a picture beside the main file, unless one with the same bytes that it may refer to is there;
-    /// gives the name of the file.
+    /// Keeps pictures in a folder, named by their bytes: exports that have the same pictures, now or later and by
+    /// any number of programs, share the files. The folder is made when it is needed. `reference` is the way to
+    /// it from the main file's folder, like `../pictures`.
+    #[must_use]
+    pub fn with_pictures_in(mut self, folder: &Path, reference: &str) -> Self {
+        self.picture_folder =
+            Some(PictureFolder { path: folder.to_owned(), reference: reference.to_owned() });
+        self
+    }
+
+    /// Writes a picture into the folder of all pictures, unless it is there; gives the way to it.
+    fn write_into(
+        &mut self,
+        folder: &PictureFolder,
+        ending: &str,
+        bytes: &[u8],
+        monitor: &dyn Monitor,
+    ) -> Result<String, ExportError> {
+        let name = format!("{:032x}.{ending}", xxh3_128(bytes));
+        let path = folder.path.join(&name);
+        make_folders_on(self.system, &path)?.keep();
+        let location = located_file(self.system, &path)?;
+        let Place::Files(files) = &mut self.place else { return Ok(name) };
+        let length = bytes.len() as u64;
+        let is_there =
+            again(|| self.system.metadata(&location.path())).is_ok_and(|there| there.len() == length);
+        if is_there {
+            files.there.push(Written { path: location.shown_path(), bytes: length });
+        } else {
+            sweep(self.system, &location.folder);
+            let mut picture = Staged::create(self.system, location)?;
+            picture.write(Some(length), monitor, |out| out.write(bytes))?;
+            files.sides.push(picture);
+        }
+        Ok(format!("{}/{name}", folder.reference))
+    }
+
+    /// Writes a picture beside the main file or into the [folder of all pictures](Bundle::with_pictures_in),
+    /// unless one with the same bytes that it may refer to is there; gives the name of the file, or the way to it
+    /// from the main file's folder, with `/`.
     ///
     /// # Errors
     /// As [`Bundle::write_side`].
@@ -86,6 +136,12 @@ impl Bundle {
         monitor: &dyn Monitor,
     ) -> Result<String, ExportError> {
         let own_name = self.side_name(suffix);
+        if let Some(folder) = self.picture_folder.take_if(|_| matches!(self.place, Place::Files(_))) {
+            let ending = suffix.rsplit_once('.').map_or("png", |(_, ending)| ending);
+            let written = self.write_into(&folder, ending, bytes, monitor);
+            self.picture_folder = Some(folder);
+            return written;
+        }
         let (name, taken) = match (&self.membership, &self.place) {
             (Some(Membership { pictures, families }), Place::Files(files)) => {
                 let fingerprint = xxh3_128(bytes);

@@ -130,6 +130,38 @@ fn bundles_share_a_picture_only_when_it_is_the_same() {
 }
 
 #[test]
+fn a_folder_of_pictures_holds_each_once_whoever_writes_it() {
+    let dir = tempfile::tempdir().unwrap();
+    let pictures = dir.path().join("pictures");
+    fs::create_dir(dir.path().join("a")).unwrap();
+    let write = |name: &str, picture: &[u8]| {
+        let mut bundle = Bundle::create(&dir.path().join("a").join(name))
+            .unwrap()
+            .with_pictures_in(&pictures, "../pictures");
+        let way = bundle.write_picture("_bark.png", picture, &Quiet).unwrap();
+        fill(&mut bundle, name).unwrap();
+        (way, bundle.commit().unwrap())
+    };
+    let (one, written) = write("one.obj", b"bark");
+    let there = pictures.join(one.strip_prefix("../pictures/").unwrap());
+    assert_eq!(fs::read(&there).unwrap(), b"bark");
+    let [main, picture] = written.as_slice() else { panic!("{written:?}") };
+    assert_eq!((main.bytes, &picture.path, picture.bytes), (7, &there, 4));
+    let made = fs::metadata(&there).unwrap().modified().unwrap();
+    // The same again is listed and left alone, another is another.
+    let (two, listed) = write("two.obj", b"bark");
+    assert_eq!((&two, &listed[1]), (&one, picture));
+    assert_eq!(fs::metadata(&there).unwrap().modified().unwrap(), made);
+    let (three, _) = write("three.obj", b"birch");
+    assert_ne!(three, one);
+    // What was cut off is written anew.
+    fs::write(&there, b"ba").unwrap();
+    write("one.obj", b"bark");
+    assert_eq!(fs::read(&there).unwrap(), b"bark");
+    assert_eq!((listing(&pictures).len(), listing(&dir.path().join("a")).len()), (2, 3));
+}
+
+#[test]
 fn a_side_file_is_never_somebody_elses_main_file() {
     let dir = tempfile::tempdir().unwrap();
     let mut a = staged(&dir.path().join("fir.obj"), "a");

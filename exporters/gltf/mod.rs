@@ -424,7 +424,7 @@ fn json(document: &Document) -> Result<Vec<u8>, ExportError> {
 fn percent_encoded(name: &str) -> String {
     let mut uri = String::with_capacity(name.len());
     for byte in name.bytes() {
-        if byte.is_ascii_alphanumeric() || b"-._~".contains(&byte) {
+        if byte.is_ascii_alphanumeric() || b"-._~/".contains(&byte) {
             uri.push(byte.into());
         } else {
             uri.push_str(&format!("%{byte:02X}"));

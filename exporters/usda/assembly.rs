@@ -215,7 +215,7 @@ uniform token[] xformOpOrder = ["xformOp:orient"]"#,
     match writing.sky.as_deref() {
         Some(file) => layer.lines(&format!(
             r#"float inputs:intensity = {}
-asset inputs:texture:file = @./{file}@
+asset inputs:texture:file = @{file}@
 token inputs:texture:format = "latlong""#,
             radiance / sky.mean
         ))?,

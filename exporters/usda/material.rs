@@ -99,7 +99,7 @@ fn texture(name: &str, path: &str, file: &str, reading: &Reading<'_>) -> String 
     {{
         uniform token info:id = "UsdUVTexture"
         {more}
-        asset inputs:file = @./{file}@
+        asset inputs:file = @{file}@
         token inputs:sourceColorSpace = "{color_space}"
         float2 inputs:st.connect = <{path}/Coordinates.outputs:result>
         token inputs:wrapS = "{wrap}"

@@ -134,9 +134,11 @@ impl<'a> Writing<'a> {
         Ok(Self { stage, distinct, pictures, files: Vec::new(), sky: None, with_skeleton, with_instances })
     }
 
-    /// Says what each picture's file is called.
+    /// Says what each picture's file is called, or the way to it.
     fn name_files(&mut self, files: Vec<String>) {
-        self.files = files;
+        // Without the dot USD looks in its search path.
+        let from_here = |file: String| if file.starts_with("../") { file } else { format!("./{file}") };
+        self.files = files.into_iter().map(from_here).collect();
         let is_sky = self.pictures.last().is_some_and(|named| named.stem() == SKY);
         self.sky = self.files.last().filter(|_| is_sky).cloned();
     }

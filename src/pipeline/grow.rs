@@ -291,7 +291,7 @@ mod tests {
         for (knob, value) in settings {
             preset.set(knob, value).unwrap();
         }
-        Recipe { preset, inputs: row.recipe(&Quiet).unwrap().inputs }
+        Recipe::with_files(preset, row.recipe(&Quiet).unwrap().inputs)
     }
 
     #[test]

@@ -3,11 +3,13 @@
 use std::borrow::Cow;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use linden_base::knob::{did_you_mean, nearest, printable};
 use linden_plant::Specimen;
 use linden_plant::foliage::Organs;
 use linden_plant::settings::Dressing;
+use linden_plant::texture::DrawnPictures;
 use linden_skeleton::Skeleton;
 use linden_skeleton::generator::Task;
 use serde::ser::{Serialize, SerializeMap, Serializer};
@@ -32,6 +34,8 @@ pub struct Recipe {
     /// Contents of the files that the preset names. Missing and unknown ones are errors when the tree is
     /// to grow ([`Recipe::check_inputs`]).
     pub inputs: Inputs,
+    /// What was drawn for it and for those that were made of it.
+    drawn: Arc<DrawnPictures>,
 }
 
 /// A recipe whose files are not those that its preset names.
@@ -80,8 +84,26 @@ impl std::fmt::Display for Named<'_> {
 
 impl Recipe {
     /// Of a preset that needs no files, or whose files are yet to be put into [`Recipe::inputs`].
-    pub const fn new(preset: Preset) -> Self {
-        Self { preset, inputs: Inputs::new() }
+    pub fn new(preset: Preset) -> Self {
+        Self::with_files(preset, Inputs::new())
+    }
+
+    /// Of a preset and the files that it names.
+    pub fn with_files(preset: Preset, inputs: Inputs) -> Self {
+        Self { preset, inputs, drawn: Arc::default() }
+    }
+
+    /// The same files and another preset, which names them too: this recipe, changed. What was drawn for one of
+    /// them serves the other, as it does for a clone.
+    #[must_use]
+    pub fn with_preset(&self, preset: Preset) -> Self {
+        Self { preset, inputs: self.inputs.clone(), drawn: Arc::clone(&self.drawn) }
+    }
+
+    /// Draws bark and leaves into `drawn`, and takes them from there: for trees that may look alike.
+    #[must_use]
+    pub fn drawn_into(self, drawn: &Arc<DrawnPictures>) -> Self {
+        Self { drawn: Arc::clone(drawn), ..self }
     }
 
     /// The content of a file that the preset names.
@@ -156,7 +178,8 @@ impl Recipe {
     ) -> R {
         let Preset { id, name, seed, dressing, .. } = &self.preset;
         let name = printable(if name.trim().is_empty() { id } else { name });
-        work(&Specimen { name: &name, seed: *seed, dressing, inputs: &self.inputs, recipe })
+        let Self { inputs, drawn, .. } = self;
+        work(&Specimen { name: &name, seed: *seed, dressing, inputs, drawn, recipe })
     }
 
     fn in_dressing(&self, dressing: &Dressing) -> Cow<'_, Self> {
@@ -164,7 +187,7 @@ impl Recipe {
             return Cow::Borrowed(self);
         }
         let preset = Preset { dressing: dressing.clone(), ..self.preset.clone() };
-        Cow::Owned(Self { preset, inputs: self.inputs.clone() })
+        Cow::Owned(self.with_preset(preset))
     }
 
     /// A 128-bit fingerprint of everything that decides the tree and its looks, files included: XXH3 of the
@@ -344,7 +367,7 @@ mod tests {
     #[test]
     fn renaming_keeps_what_was_read_with_its_name() {
         let inputs = [("fruit.obj", read(FRUIT)), ("leaf.obj", read(LEAF))].into_iter().collect();
-        let mut recipe = Recipe { preset: preset(), inputs };
+        let mut recipe = Recipe::with_files(preset(), inputs);
         // Each gets the other's name.
         let names = [("leaf.obj", "fruit.obj"), ("fruit.obj", "leaf.obj")];
         recipe.rename_files(&names.map(|(from, to)| (from.to_owned(), to.to_owned())).into());
@@ -356,7 +379,7 @@ mod tests {
     #[test]
     fn a_file_put_in_anothers_place_takes_that_out() {
         let inputs = [("fruit.obj", read(FRUIT)), ("leaf.obj", read(LEAF))].into_iter().collect();
-        let mut recipe = Recipe { preset: preset(), inputs };
+        let mut recipe = Recipe::with_files(preset(), inputs);
         assert!(recipe.put_file("leaf_mesh", "fruit.obj", &read(FRUIT)));
         assert_eq!(recipe.inputs.iter().map(|(name, _)| name).collect::<Vec<_>>(), ["fruit.obj"]);
         assert_eq!(recipe.check_inputs(), Ok(()));

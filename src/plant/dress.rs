@@ -238,7 +238,7 @@ impl Wardrobe {
 /// The bark, with pictures that are drawn or given by the user.
 fn bark(specimen: &Specimen<'_>, monitor: &dyn Monitor) -> Result<Material, DressError> {
     let look = &specimen.dressing.bark;
-    let drawn = look.bark(specimen.key().named("bark"));
+    let drawn = look.bark();
     let find = |knob, file: &Option<String>| match file {
         None => Ok(None),
         Some(file) => match specimen.picture(file) {
@@ -255,11 +255,11 @@ fn bark(specimen: &Specimen<'_>, monitor: &dyn Monitor) -> Result<Material, Dres
     let BarkPictures { base_color, normal } = match (base_color, normal) {
         (Some(base_color), Some(normal)) => BarkPictures { base_color, normal },
         (Some(base_color), None) => {
-            let normal = texture::normals_by_lightness(&base_color, drawn.relief, monitor)?;
+            let normal = specimen.drawn.relief(&base_color, drawn.relief, monitor)?;
             BarkPictures { base_color, normal }
         }
-        (None, Some(normal)) => BarkPictures { normal, ..drawn.draw(monitor)? },
-        (None, None) => drawn.draw(monitor)?,
+        (None, Some(normal)) => BarkPictures { normal, ..specimen.drawn.bark(&drawn, monitor)? },
+        (None, None) => specimen.drawn.bark(&drawn, monitor)?,
     };
     let [n, p] = [&normal, &base_color].map(|picture| [picture.width(), picture.height()]);
     // To a pixel of the larger one's side.

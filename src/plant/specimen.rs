@@ -8,18 +8,21 @@ use linden_skeleton::Skeleton;
 use linden_skeleton::organs::Organs;
 
 use crate::settings::Dressing;
+use crate::texture::DrawnPictures;
 
 /// How a tree is to look, with all that this needs.
 #[derive(Clone, Copy)]
 pub struct Specimen<'a> {
     /// Its name for people; printable.
     pub name: &'a str,
-    /// The number that pictures and leaves are drawn by.
+    /// The number that leaves and wind are drawn by.
     pub seed: u64,
     /// How it looks.
     pub dressing: &'a Dressing,
     /// The files that the dressing names.
     pub inputs: &'a Inputs,
+    /// Pictures that were drawn before.
+    pub drawn: &'a DrawnPictures,
     /// The recipe's line as files carry it, of the tree in this dressing with these organs on it.
     pub recipe: &'a dyn Fn(&Dressing, &Organs) -> String,
 }

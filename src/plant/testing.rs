@@ -17,6 +17,7 @@ use crate::settings::{
     self, BarkSettings, DetailSettings, Dressing, FoliageSettings, LeafKind, WindSettings,
 };
 use crate::surface::Tubes;
+use crate::texture::DrawnPictures;
 use crate::{Body, Specimen};
 
 /// A recipe, and how its tree looks.
@@ -52,6 +53,7 @@ impl Subject {
             seed: preset.seed,
             dressing: &self.dressing,
             inputs: &self.recipe.inputs,
+            drawn: &DrawnPictures::default(),
             recipe: &line,
         })
     }

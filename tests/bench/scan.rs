@@ -55,7 +55,7 @@ fn main() {
     preset.set("origin", "keep").unwrap();
     let geometry = Geometry::Points(Arc::new(points.clone()));
     let input = Input { hash: 0, up: Up::Y, geometry };
-    let recipe = Recipe { preset, inputs: [("scan.ply", input)].into_iter().collect() };
+    let recipe = Recipe::with_files(preset, [("scan.ply", input)].into_iter().collect());
     let grown = grow(&recipe, &Quiet).unwrap();
     println!("{} points, {} nodes; seconds", points.len(), grown.skeleton.positions.len());
     println!("threads   prepare   distances   all of grow");

@@ -275,3 +275,67 @@ fn jobs_that_are_printed_make_the_whole_batch() {
         assert!(template(engine).contains(expected) && template(engine).contains("\"of it's\""), "{engine}");
     }
 }
+
+/// What an OBJ's material, a glTF and a USD refer to, from their own folder.
+fn references(path: &str, bytes: &[u8]) -> Vec<String> {
+    let text = String::from_utf8_lossy(bytes);
+    let ending = Path::new(path).extension().and_then(|ending| ending.to_str());
+    let found: Vec<String> = match ending {
+        Some("mtl") => text
+            .lines()
+            .filter(|line| ["map_", "norm "].iter().any(|key| line.starts_with(key)))
+            .filter_map(|line| Some(line.split_once(' ')?.1.to_owned()))
+            .collect(),
+        Some("gltf") => {
+            let document: serde_json::Value = serde_json::from_str(&text).unwrap();
+            let uris =
+                document["images"].as_array().unwrap().iter().map(|image| image["uri"].as_str().unwrap());
+            uris.map(str::to_owned).collect()
+        }
+        Some("usda") => {
+            let assets = text.lines().filter_map(|line| line.split_once("inputs:file = @"));
+            assets.filter_map(|(_, rest)| Some(rest.split_once('@')?.0.to_owned())).collect()
+        }
+        _ => Vec::new(),
+    };
+    found.into_iter().map(|way| way.strip_prefix("../").expect(&way).to_owned()).collect()
+}
+
+#[test]
+fn trees_that_look_alike_share_their_pictures() {
+    let folder = Folder::new();
+    let manifest = r#"
+formats = ["obj", "gltf", "usda"]
+[[trees]]
+source = "dressed-simple"
+seeds = "1..4"
+set = { points = 60, bark_size = 16, leaf_size = 32, bark_seed = [1, 2] }
+"#;
+    folder.write("m.toml", manifest);
+    assert_eq!(batch(&folder, "out", &["--jobs", "2"]).code, Some(0));
+    assert_eq!(batch(&folder, "out", &["--merge"]).code, Some(0));
+    let whole = files(&folder.file("out"));
+    let pictures: BTreeSet<&String> = whole.keys().filter(|name| name.starts_with("pictures/")).collect();
+    let referred: BTreeSet<String> = whole.iter().flat_map(|(path, bytes)| references(path, bytes)).collect();
+    assert!(referred.iter().eq(pictures.iter().copied()), "{referred:?} are not {pictures:?}");
+    // Two barks and one kind of leaves, colours and normals, and the leaves' opacity for OBJ.
+    assert_eq!(pictures.len(), 2 * 2 + 2 + 1);
+    let rows = index(&folder, "out");
+    for row in &rows {
+        let of_row: Vec<&str> =
+            row["files"].as_array().unwrap().iter().filter_map(|f| f["path"].as_str()).collect();
+        assert_eq!(of_row.iter().filter(|name| name.starts_with("pictures/")).count(), 5, "{of_row:?}");
+        assert!(of_row.iter().all(|name| whole.contains_key(*name)));
+    }
+    // One by one, backwards, with the pictures there already.
+    for only in ["6-7", "0-3:3", "1-5"] {
+        assert_eq!(batch(&folder, "again", &["--only", only, "--resume"]).code, Some(0));
+    }
+    assert_eq!(batch(&folder, "again", &["--merge"]).code, Some(0));
+    assert!(files(&folder.file("again")) == whole);
+    // A picture that is gone is made again.
+    fs::remove_file(folder.file("again").join(pictures.first().unwrap())).unwrap();
+    assert_eq!(batch(&folder, "again", &["--merge"]).code, Some(1));
+    assert_eq!(batch(&folder, "again", &["--resume"]).code, Some(0));
+    assert!(files(&folder.file("again")) == whole);
+}

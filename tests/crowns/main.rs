@@ -26,7 +26,7 @@ fn recipe(text: &str) -> Recipe {
     let preset = Preset::from_toml(text).unwrap();
     let read = |file: &str| Input::read(file, builtin_file(file)?, &Quiet).ok();
     let inputs = preset.files().into_iter().filter_map(|file| Some((file, read(file)?))).collect();
-    Recipe { preset, inputs }
+    Recipe::with_files(preset, inputs)
 }
 
 fn grown(more: &str) -> Grown {
@@ -200,7 +200,7 @@ fn a_recipe_names_all_its_files_and_grows_the_same_tree_again() {
     assert_eq!(names, first.preset.files());
     assert!(json["inputs"][1]["xxh3"].as_str().is_some_and(|hash| hash.len() == 32));
     let preset = Preset::from_json(&line).unwrap();
-    let again = Recipe { preset, inputs: first.inputs.clone() };
+    let again = first.with_preset(preset);
     let tree = grow(&first, &Quiet).unwrap();
     assert_eq!(tree.skeleton.hash(), grow(&again, &Quiet).unwrap().skeleton.hash());
 }

@@ -333,7 +333,7 @@ fn scan(bytes: &[u8]) -> String {
         Geometry::Mesh(_) => Preset::of("scan", Colonization::of(Space::Envelope { file: FILE.to_owned() })),
         Geometry::Picture(_) => return "picture".to_owned(),
     });
-    planted(&Recipe { preset, inputs: [(FILE, input)].into_iter().collect() })
+    planted(&Recipe::with_files(preset, [(FILE, input)].into_iter().collect()))
 }
 
 /// The most that a whole recipe may hold.
@@ -365,7 +365,7 @@ fn grown(preset: Preset) -> String {
     let heart = builtin_file("heart.obj").unwrap_or_default();
     let read = |file: &str| Input::read(file, builtin_file(file).unwrap_or(heart), &Quiet).ok();
     let inputs = preset.files().into_iter().filter_map(|file| Some((file, read(file)?))).collect();
-    planted(&Recipe { preset, inputs })
+    planted(&Recipe::with_files(preset, inputs))
 }
 
 /// Grows a recipe, gives it its surface, and writes it in every format.

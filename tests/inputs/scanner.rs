@@ -155,7 +155,7 @@ pub fn grown_back(points: Vec<DVec3>, settings: &[(&str, &str)]) -> Grown {
     }
     let geometry = Geometry::Points(Arc::new(points));
     let input = Input { hash: 0, up: Up::Y, geometry };
-    grow(&Recipe { preset, inputs: [("scan.ply", input)].into_iter().collect() }, &Quiet).unwrap()
+    grow(&Recipe::with_files(preset, [("scan.ply", input)].into_iter().collect()), &Quiet).unwrap()
 }
 
 /// What is compared.

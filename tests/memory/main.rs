@@ -98,7 +98,7 @@ fn scan(count: u32) -> Recipe {
     let input = Input::read("scan.xyz", text.as_bytes(), &Quiet).unwrap();
     assert!(matches!(&input.geometry, Geometry::Points(points) if points.len() == count as usize));
     let preset = linden::preset::Preset::of("scan", linden::preset::ScanSettings::of("scan.xyz"));
-    Recipe { preset, inputs: [("scan.xyz", input)].into_iter().collect() }
+    Recipe::with_files(preset, [("scan.xyz", input)].into_iter().collect())
 }
 
 /// Whole strings are in memory while the turtle draws the last one. The number of shoots doubles.

@@ -106,7 +106,7 @@ impl GalleryRequest {
         }
         let mut preset = self.base.preset.clone();
         preset.set(self.knob, &value.to_string()).map_err(|error| error.to_string())?;
-        Ok(Arc::new(Recipe { preset, inputs: self.base.inputs.clone() }))
+        Ok(Arc::new(self.base.with_preset(preset)))
     }
 
     fn row(&self) -> Option<PresetKnob> {

@@ -245,7 +245,7 @@ impl Tree {
             self.series = None;
             self.current = self.past.pop().unwrap_or_else(|| Arc::clone(&self.current));
         } else {
-            let next = Arc::new(Recipe { preset, inputs: self.current.inputs.clone() });
+            let next = Arc::new(self.current.with_preset(preset));
             self.series = series;
             let last = std::mem::replace(&mut self.current, next);
             if !follows {

@@ -63,6 +63,12 @@ impl Picture {
         &self.rgba
     }
 
+    /// Bytes of its pixels, and of the files that [`Picture::encoded`] made of them so far.
+    pub fn bytes(&self) -> u64 {
+        let files = self.encoded.iter().filter_map(OnceLock::get).map(Vec::len);
+        (self.rgba.len() + files.sum::<usize>()) as u64
+    }
+
     /// Whether every pixel is opaque.
     pub fn is_opaque(&self) -> bool {
         self.rgba.as_chunks::<4>().0.iter().all(|p| p[3] == 255)

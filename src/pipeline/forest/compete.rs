@@ -5,7 +5,6 @@ use super::planned::PlannedTree;
 use crate::preset::{
     Colonization, CrownPart, GrowthSettings, LSystem, MOST_PARTS, Preset, Role, Solid, Space,
 };
-use crate::recipe::Recipe;
 use linden_base::knob::printable;
 use linden_plant::stage::Place;
 
@@ -55,6 +54,6 @@ pub(super) fn together(tree: &PlannedTree, places: &[Place]) -> Result<PlannedTr
     let growth = GrowthSettings { max_nodes, ..colonization.growth.clone() };
     let grown = Colonization { parts, points, growth, ..colonization.clone() };
     let preset = Preset { generator: Box::new(grown), ..preset.clone() };
-    let recipe = Recipe { preset, inputs: tree.recipe.inputs.clone() };
+    let recipe = tree.recipe.with_preset(preset);
     Ok(PlannedTree { recipe, stems, ..tree.clone() })
 }

@@ -164,12 +164,12 @@ const TREE: Field<Preset> = field!(
     "the root of all random choices: another seed, another tree",
     seed,
     details(
-        "Points of a crown, choices of a grammar, tapers, leaves and bark all draw from it, each with a key \
+        "Points of a crown, choices of a grammar, tapers and leaves all draw from it, each with a key \
          of its own, so that turning a knob of leaves moves no branch. The same seed gives the same files \
          on every machine, with any number of threads. A grammar without chance grows the same plant from \
          every seed."
     ),
-    see_also(&["angle_jitter", "points", "sway"])
+    see_also(&["angle_jitter", "points", "sway", "bark_seed"])
 );
 
 /// The rows that stand before the generators'.

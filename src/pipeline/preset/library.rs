@@ -101,7 +101,7 @@ impl Builtin {
             .filter_map(|file| Some((file, self.input(file)?)))
             .map(|(file, bytes)| Ok((file, Input::read(file, bytes, monitor)?)))
             .collect::<Result<_, InputError>>()?;
-        Ok(Recipe { preset, inputs })
+        Ok(Recipe::with_files(preset, inputs))
     }
 }
 

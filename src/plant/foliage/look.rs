@@ -11,6 +11,7 @@ use crate::texture::leaf::{self, Cell, LeafLook, LeafPictures, Margin, TwigLook}
 use linden_base::input::A_PICTURE;
 use linden_base::monitor::Monitor;
 use linden_base::picture::Picture;
+use linden_base::random::Key;
 
 /// The pictures that cover the organs of a kind.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,11 +67,9 @@ pub fn cover(
     if kind.form == Form::Mesh {
         return Ok(palette(&look.colors));
     }
-    let key = specimen.key().named("leaf pictures").child(index as u64);
-    let LeafPictures { base_color, normal, cells } = match kind.form {
-        Form::Twig => look.draw_twig(&twig(kind), key, monitor)?,
-        _ => look.draw(key, monitor)?,
-    };
+    let key = Key::new(specimen.dressing.foliage.picture_seed).named("leaf pictures").child(index as u64);
+    let twig = (kind.form == Form::Twig).then(|| twig(kind));
+    let LeafPictures { base_color, normal, cells } = specimen.drawn.leaves(look, twig, key, monitor)?;
     Ok(Cover { base_color, normal: Some(normal), is_cut_out: true, cells })
 }
 

@@ -20,6 +20,8 @@ pub struct BarkSettings {
     pub grain: f32,
     /// Side of the drawn pictures, pixels.
     pub size_px: u32,
+    /// The number that the pictures are drawn by.
+    pub seed: u64,
     /// A picture of the user's in place of the drawn one: the file, relative to the preset's. It is as
     /// wide as [`crate::surface::Tubes::bark_tile_m`] and continues across its edges.
     pub picture: Option<String>,
@@ -36,6 +38,7 @@ impl Default for BarkSettings {
             relief: None,
             grain: 1.0,
             size_px: 512,
+            seed: 1,
             picture: None,
             normal: None,
         }
@@ -58,8 +61,8 @@ impl BarkSettings {
     ];
 
     /// The bark to draw.
-    pub fn bark(&self, key: Key) -> Bark {
-        let usual = Bark::new(self.style, key);
+    pub fn bark(&self) -> Bark {
+        let usual = Bark::new(self.style, Key::new(self.seed).named("bark"));
         Bark {
             color: self.color.unwrap_or(usual.color),
             relief: self.relief.unwrap_or(usual.relief),
@@ -100,7 +103,7 @@ impl BarkSettings {
             details(
                 "ridged has long ridges that part and meet, as oak and ash; smooth is thin with lenticels, \
                  as beech; plated flakes between fissures, as pine; birch is white with dark marks; peeling \
-                 has patches, as plane. Each has a usual colour and relief, and seed varies it."
+                 has patches, as plane. Each has a usual colour and relief, and bark_seed varies it."
             ),
             see_also(&["bark_color", "bark_relief", "bark_tile", "bark_grain"])
         ),
@@ -143,6 +146,18 @@ impl BarkSettings {
                  a millimetre a pixel, enough unless a camera comes close."
             ),
             see_also(&["bark_tile", "leaf_size", "billboard_size"])
+        ),
+        field!(
+            "bark_seed",
+            integer(0, u64::MAX),
+            "",
+            "another number, another bark of the same kind",
+            seed,
+            details(
+                "It is apart from seed, so that all trees of a kind share one picture: a forest or a batch of them \
+                 draws and holds it once."
+            ),
+            see_also(&["bark", "leaf_seed", "seed"])
         ),
     ];
 }

@@ -222,6 +222,8 @@ pub struct FoliageSettings {
     pub season: f64,
     /// The side of the drawn pictures, pixels.
     pub size_px: u32,
+    /// The number that pictures are drawn by.
+    pub picture_seed: u64,
     /// What stands in the section itself.
     pub first: LeafKind,
     /// Further kinds.
@@ -230,7 +232,7 @@ pub struct FoliageSettings {
 
 impl Default for FoliageSettings {
     fn default() -> Self {
-        Self { season: 0.35, size_px: 1024, first: LeafKind::default(), also: Vec::new() }
+        Self { season: 0.35, size_px: 1024, picture_seed: 1, first: LeafKind::default(), also: Vec::new() }
     }
 }
 

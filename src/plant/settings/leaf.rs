@@ -442,5 +442,17 @@ impl FoliageSettings {
             ),
             see_also(&["bark_size", "billboard_size", "leaf_outline"])
         ),
+        field!(
+            "leaf_seed",
+            integer(0, u64::MAX),
+            "",
+            "another number, other pictures of the same kinds of leaves",
+            picture_seed,
+            details(
+                "It is apart from seed, so that all trees of a kind share their pictures: a forest or a batch of \
+                 them draws and holds them once."
+            ),
+            see_also(&["leaf_size", "bark_seed", "seed"])
+        ),
     ];
 }

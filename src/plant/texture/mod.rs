@@ -4,10 +4,12 @@
 //! number of threads. Bark tiles in both directions.
 
 mod bark;
+mod drawn;
 mod ground;
 pub mod leaf;
 mod periodic;
 
 pub(crate) use bark::opaque;
 pub use bark::{Bark, BarkError, BarkPictures, BarkStyle, normals_by_lightness};
+pub use drawn::DrawnPictures;
 pub use ground::{GROUND_TILE_M, ground};

@@ -2,10 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::Context;
+use linden::Monitor;
 use linden::manifest::Manifest;
 use linden::recipe::Recipe;
+use linden::texture::DrawnPictures;
 use linden_exporters::{Exporter, Options, find};
 use xxhash_rust::xxh3::xxh3_128;
 
@@ -16,6 +19,11 @@ use crate::source::{self, Source};
 
 /// The most trees of one manifest.
 const MOST: usize = 10_000_000;
+
+/// Bytes for pictures that several trees share: what a dozen kinds need, but never much of what there is.
+pub fn room_for_pictures(progress: &Progress) -> u64 {
+    (progress.memory_limit() / 8).min(64 << 20)
+}
 
 /// A manifest with its sources.
 pub struct Plan {
@@ -45,12 +53,14 @@ impl Plan {
         let bytes = content.bytes(progress).with_context(|| format!("reading {shown}"))?;
         let text = source::document(&bytes, &shown, progress)?;
         let manifest = Manifest::parse(text).map_err(|fault| source::locate(&shown, &fault))?;
+        let drawn = Arc::new(DrawnPictures::new(room_for_pictures(progress)));
         let mut plan = Self { manifest, sources: BTreeMap::new() };
         let names: BTreeSet<&String> = plan.manifest.trees.iter().map(|kind| &kind.source).collect();
         for name in names {
             // Beside the manifest, as a preset names its files.
             let beside = path.parent().map(|folder| folder.join(name)).filter(|beside| beside.is_file());
-            let found = source::resolve(beside.as_deref().unwrap_or(Path::new(name)), &[], progress)?;
+            let mut found = source::resolve(beside.as_deref().unwrap_or(Path::new(name)), &[], progress)?;
+            found.recipe = found.recipe.drawn_into(&drawn);
             crate::cli::notes(&found.notes, progress);
             plan.sources.insert(name.clone(), found);
         }

@@ -43,7 +43,7 @@ pub struct Row {
 }
 
 /// A file of a tree, pictures beside main files too.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct WrittenFile {
     /// Within the output folder, with slashes.
     pub path: String,

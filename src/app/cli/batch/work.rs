@@ -1,22 +1,23 @@
 //! Grows and writes trees, some at a time.
 
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc;
 use std::time::Instant;
 
 use anyhow::Context;
 use linden::Monitor;
 use linden::dress::levels;
 use linden::grow::grow;
-use linden::monitor::{Holding, Phase};
+use linden::monitor::Holding;
 use linden_exporters::{Batch, Bundle, Output};
 
-use super::plan::{Plan, Tree};
+use super::plan::{Plan, Tree, room_for_pictures};
 use super::rows::{Row, WrittenFile};
-use crate::cli::share::Share;
+use crate::cli::crew::{Crew, Share};
 use crate::exit::sentence;
 use crate::progress::Progress;
+
+/// The folder of the pictures of all trees, within the output folder.
+const PICTURES: &str = "pictures";
 
 /// What is to be done.
 pub struct Work<'a> {
@@ -33,48 +34,12 @@ impl Work<'_> {
         &self,
         jobs: Option<usize>,
         progress: &Progress,
-        mut take: impl FnMut(Row) -> anyhow::Result<bool>,
+        take: impl FnMut(Row) -> anyhow::Result<bool>,
     ) -> anyhow::Result<()> {
-        let threads = rayon::current_num_threads();
-        let jobs = jobs.unwrap_or(threads).min(self.numbers.len()).max(1);
-        let (next, is_over) = (AtomicUsize::new(0), AtomicBool::new(false));
-        let (sender, receiver) = mpsc::channel::<Row>();
-        std::thread::scope(|scope| {
-            for _ in 0..jobs {
-                // A pool each, so that no thread that waits for a tree's parts begins another tree.
-                let pool = rayon::ThreadPoolBuilder::new().num_threads((threads / jobs).max(1)).build();
-                let pool = pool.context("starting threads")?;
-                let (sender, next, is_over) = (sender.clone(), &next, &is_over);
-                scope.spawn(move || {
-                    let share = Share { progress, is_over, jobs: jobs as u64 };
-                    while !share.is_cancelled() {
-                        let Some(&number) = self.numbers.get(next.fetch_add(1, Ordering::Relaxed)) else {
-                            break;
-                        };
-                        let row = pool.install(|| self.tree(number, &share));
-                        // What was stopped is no row.
-                        if share.is_cancelled() || sender.send(row).is_err() {
-                            break;
-                        }
-                    }
-                });
-            }
-            drop(sender);
-            let mut done = 0;
-            let written = (|| {
-                for row in receiver {
-                    done += 1;
-                    if !take(row)? {
-                        return Ok(());
-                    }
-                    progress.advance(Phase::Measure, done, Some(self.numbers.len() as u64));
-                }
-                progress.check()?;
-                Ok(())
-            })();
-            is_over.store(true, Ordering::Relaxed);
-            written
-        })
+        let crew = Crew::of_threads(progress);
+        let memory = crew.memory - room_for_pictures(progress);
+        let crew = Crew { jobs: jobs.unwrap_or(crew.jobs), memory, ..crew };
+        crew.run(0..self.numbers.len(), |at, share| self.tree(self.numbers[at], share), take)
     }
 
     fn tree(&self, number: usize, share: &Share<'_>) -> Row {
@@ -106,6 +71,7 @@ impl Work<'_> {
         }
         let bundle = |output: &Output| {
             let bundle = Bundle::create(&output.path)?;
+            let bundle = bundle.with_pictures_in(&self.out.join(PICTURES), &format!("../{PICTURES}"));
             Ok(if self.sync { bundle } else { bundle.unsynced() })
         };
         let mut batch = Batch::open(outputs, tree.files.clone(), bundle)?;
@@ -123,6 +89,10 @@ impl Work<'_> {
             let parts: Vec<_> = within.iter().map(|part| part.to_string_lossy()).collect();
             row.files.push(WrittenFile { path: parts.join("/"), bytes: file.bytes });
         }
+        // Pictures come last and once, in an order that does not depend on who wrote them.
+        let picture = |file: &WrittenFile| file.path.strip_prefix(PICTURES).map(str::to_owned);
+        row.files.sort_by_cached_key(picture);
+        row.files.dedup();
         Ok(())
     }
 }

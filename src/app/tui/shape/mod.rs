@@ -129,7 +129,7 @@ fn nudge(model: &mut Model, up: bool, how: Nudge) {
 /// What a knob that stands at `auto` is on the tree on screen, where that can be seen.
 pub fn resolved(tree: &Tree, row: &PresetKnob) -> Option<Value> {
     if row.knob.name == "bark_relief" {
-        let bark = tree.preset().dressing.bark.bark(linden::random::Key::new(tree.preset().seed));
+        let bark = tree.preset().dressing.bark.bark();
         return Some(Value::Real(rounded(bark.relief)));
     }
     let shown = tree.shown.as_ref().filter(|shown| Arc::ptr_eq(&shown.recipe, tree.recipe()))?;
