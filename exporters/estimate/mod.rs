@@ -150,6 +150,12 @@ impl Estimate {
         })
     }
 
+    /// The same where the pictures of bark and leaves are there already.
+    #[must_use]
+    pub fn without_pictures(&self) -> Self {
+        Self { picture_bytes: 0, ..self.clone() }
+    }
+
     /// Triangles of each level, the finest first.
     pub(crate) fn level_triangles(&self) -> impl Iterator<Item = f64> {
         self.levels.iter().map(|level| level.triangles as f64)

@@ -40,7 +40,20 @@ const PACKED_TRIANGLE_S: f64 = 90e-9;
 impl Estimate {
     /// From a skeleton to all levels of a scene, its pictures drawn.
     pub fn dress_seconds(&self, recipe: &Recipe) -> f64 {
-        let Dressing { detail, tubes, foliage, wind, .. } = &recipe.preset.dressing;
+        self.shape_seconds(recipe) + self.draw_seconds(recipe)
+    }
+
+    /// Drawing bark and leaves.
+    pub fn draw_seconds(&self, recipe: &Recipe) -> f64 {
+        let Dressing { bark, foliage, .. } = &recipe.preset.dressing;
+        let square = |side: u32| f64::from(side) * f64::from(side);
+        square(bark.size_px) * BARK_PIXEL_S
+            + self.drawn_kinds(recipe) * square(foliage.size_px) * LEAF_PIXEL_S
+    }
+
+    /// From a skeleton to all levels of a scene where bark and leaves were drawn before.
+    pub fn shape_seconds(&self, recipe: &Recipe) -> f64 {
+        let Dressing { detail, tubes, wind, .. } = &recipe.preset.dressing;
         let triangles: f64 = self.level_triangles().sum();
         let is_solved = detail.finest() > 0 || detail.triangle_levels() > 1;
         let solved = if is_solved { SOLVED_TRIANGLE_S * self.unbudgeted_triangles() * 8.0 } else { 0.0 };
@@ -51,11 +64,7 @@ impl Estimate {
         let blown = if wind.wind == linden_pipeline::wind::Wind::Off { 0.0 } else { BLOWN_TRIANGLE_S };
         let square = |side: u32| f64::from(side) * f64::from(side);
         let planes = f64::from(detail.billboard) * square(detail.billboard_size_px);
-        triangles * (swept + blown)
-            + solved
-            + square(recipe.preset.dressing.bark.size_px) * BARK_PIXEL_S
-            + self.drawn_kinds(recipe) * square(foliage.size_px) * LEAF_PIXEL_S
-            + planes * BILLBOARD_PIXEL_S
+        triangles * (swept + blown) + solved + planes * BILLBOARD_PIXEL_S
     }
 
     /// Measuring the surface and the leaves, as `linden stats` does.

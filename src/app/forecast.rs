@@ -50,10 +50,37 @@ impl Outlook {
     /// From the recipe to files in these formats, in a number of seasons; writing those without an estimate is
     /// left out.
     pub fn export_s(&self, recipe: &Recipe, formats: &[(&'static Format, &Options)], looks: usize) -> f64 {
+        let each = self.shape_and_write_s(recipe, formats) + self.estimate.draw_seconds(recipe);
+        self.grow_s + each * looks.max(1) as f64 + self.estimate.compress_seconds(recipe)
+    }
+
+    /// The same where the pictures of bark and leaves are there already.
+    pub fn export_alike_s(&self, recipe: &Recipe, formats: &[(&'static Format, &Options)]) -> f64 {
+        self.grow_s + self.shape_and_write_s(recipe, formats)
+    }
+
+    /// Pictures of bark and leaves, drawn and compressed.
+    pub fn pictures_s(&self, recipe: &Recipe) -> f64 {
+        self.estimate.draw_seconds(recipe) + self.estimate.compress_seconds(recipe)
+    }
+
+    fn shape_and_write_s(&self, recipe: &Recipe, formats: &[(&'static Format, &Options)]) -> f64 {
         let written =
             formats.iter().filter_map(|(format, options)| self.estimate.write_seconds(format, options));
-        let each = self.estimate.dress_seconds(recipe) + written.sum::<f64>();
-        self.grow_s + each * looks.max(1) as f64 + self.estimate.compress_seconds(recipe)
+        self.estimate.shape_seconds(recipe) + written.sum::<f64>()
+    }
+
+    /// Of the files in each of these formats; none for formats without an estimate.
+    pub fn file_bytes<'a>(
+        &'a self,
+        formats: &'a [(&'static Format, &'a Options)],
+    ) -> impl Iterator<Item = u64> + Clone + 'a {
+        formats.iter().map(|(format, options)| self.estimate.bytes(format, options).unwrap_or(0))
+    }
+
+    /// What is held at least while it is written: the tree with what its largest file is written from.
+    pub fn held_bytes(&self, formats: &[(&'static Format, &Options)]) -> u64 {
+        self.sample.skeleton_bytes().unwrap_or(0) + self.file_bytes(formats).max().unwrap_or(0)
     }
 
     /// From the recipe to a picture.

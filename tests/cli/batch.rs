@@ -233,6 +233,29 @@ fn a_dry_run_says_what_it_will_be() {
     assert!(!folder.file("out").exists());
 }
 
+/// Pictures beside files count once for all trees that share them.
+#[test]
+fn a_dry_run_says_how_many_bytes_there_will_be() {
+    let folder = Folder::new();
+    let trees = "[[trees]]\nsource = \"simple\"\nseeds = \"1..12\"\n";
+    for formats in ["\"usda\"", "\"glb\", \"obj\""] {
+        for bark in ["bark_seed = 2", "bark_seed = \"1..1000\""] {
+            let set = format!("set = {{ points = 150, leaf_form = \"none\", bark_size = 256, {bark} }}\n");
+            folder.write("m.toml", format!("formats = [{formats}]\n{trees}{set}"));
+            let said = batch(&folder, "out", &["--dry-run"]).done().out;
+            let words: Vec<&str> = said.split_whitespace().collect();
+            let at = words.iter().position(|word| *word == "bytes").unwrap();
+            assert_eq!(words[at + 2], "MiB", "{said}");
+            let forecast = words[at + 1].parse::<f64>().unwrap() * f64::from(1 << 20);
+            batch(&folder, "out", &[]).done();
+            let bytes: usize = files(&folder.file("out")).values().map(Vec::len).sum();
+            let ratio = forecast / bytes as f64;
+            assert!((0.7..1.3).contains(&ratio), "{formats}, {bark}: {ratio}");
+            fs::remove_dir_all(folder.file("out")).unwrap();
+        }
+    }
+}
+
 /// The jobs that are printed, with a shell in the place of what would start it: all parts, then the index.
 #[test]
 fn jobs_that_are_printed_make_the_whole_batch() {
@@ -336,6 +359,8 @@ set = { points = 60, bark_size = 16, leaf_size = 32, bark_seed = [1, 2] }
     // A picture that is gone is made again.
     fs::remove_file(folder.file("again").join(pictures.first().unwrap())).unwrap();
     assert_eq!(batch(&folder, "again", &["--merge"]).code, Some(1));
-    assert_eq!(batch(&folder, "again", &["--resume"]).code, Some(0));
+    for done in ["--resume", "--merge"] {
+        assert_eq!(batch(&folder, "again", &[done]).code, Some(0));
+    }
     assert!(files(&folder.file("again")) == whole);
 }

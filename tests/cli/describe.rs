@@ -5,13 +5,14 @@ use std::path::Path;
 
 use crate::program::Folder;
 
-const COMMANDS: [&str; 16] = [
+const COMMANDS: [&str; 17] = [
     "open",
     "list",
     "show",
     "stats",
     "sweep",
     "batch",
+    "bench",
     "preview",
     "sheet",
     "export",

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot go on fails")]
 mod bad_input;
 mod batch;
+mod bench;
 mod completions;
 mod describe;
 mod docs;

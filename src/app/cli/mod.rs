@@ -2,6 +2,7 @@
 //! completions and the manual are made from.
 
 mod batch;
+mod bench;
 mod cite;
 mod complete;
 mod completions;
@@ -104,6 +105,7 @@ enum CliCommand {
     Stats(stats::Stats),
     Sweep(sweep::Sweep),
     Batch(batch::Batch),
+    Bench(bench::Bench),
     Preview(preview::Preview),
     Sheet(sheet::Sheet),
     Export(export::Export),
@@ -377,6 +379,7 @@ impl CliCommand {
             Self::Stats(command) => command.run(),
             Self::Sweep(command) => command.run(),
             Self::Batch(command) => command.run(),
+            Self::Bench(command) => command.run(),
             Self::Preview(command) => command.run(),
             Self::Sheet(command) => command.run(),
             Self::Export(command) => command.run(),

@@ -1,10 +1,11 @@
 //! `linden batch`: all trees of a manifest, or a part of them, each into files that are named by what they hold.
 
+mod forecast;
 mod part;
-mod plan;
+pub mod plan;
 mod rows;
 mod template;
-mod work;
+pub mod work;
 
 use std::path::PathBuf;
 
@@ -12,12 +13,12 @@ use anyhow::bail;
 use clap::Args;
 use linden::Monitor;
 
+use self::forecast::Forecast;
 use self::part::Part;
 use self::plan::Plan;
 use self::rows::{Journal, Row, Rows};
 use self::template::{Engine, Job};
 use crate::exit::{say, sentence, usage};
-use crate::forecast::Outlook;
 use crate::paths::show;
 use crate::progress::Progress;
 
@@ -82,9 +83,6 @@ pub struct Batch {
 /// The most parts that are taken without asking: what an array of Slurm may have as it is installed.
 const MOST_PARTS: usize = 1000;
 
-/// Trees that a forecast looks at: spread evenly over the part.
-const FORECAST_OF: usize = 24;
-
 impl Batch {
     pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
@@ -104,7 +102,11 @@ impl Batch {
         };
         let part = part.map_err(usage)?;
         if self.dry_run {
-            return self.forecast(&plan, &part, &progress);
+            let forecast = Forecast::of(&plan, &part, &progress)?;
+            progress.clear();
+            return super::print(
+                &forecast.text(self.jobs.map_or_else(rayon::current_num_threads, usize::from)),
+            );
         }
         if self.merge {
             return self.merge(&plan, &progress);
@@ -150,43 +152,6 @@ impl Batch {
             (None, 0) => super::print(&format!("{count} trees written into {}\n", show(&self.out))),
             (None, failed) => bail!("{failed} of {count} trees failed; --resume tries them again"),
         }
-    }
-
-    fn forecast(&self, plan: &Plan, part: &Part, progress: &Progress) -> anyhow::Result<()> {
-        let numbers: Vec<usize> = part.numbers().collect();
-        let count = numbers.len();
-        let looks = count.min(FORECAST_OF);
-        let (mut seconds, mut bytes, mut largest) = (0.0, 0.0, 0_u64);
-        for look in 0..looks {
-            progress.check()?;
-            // From the middle of each stretch.
-            let tree = plan.tree(numbers[(2 * look + 1) * count / (2 * looks)])?;
-            let recipe = &tree.recipe;
-            let Some(outlook) = Outlook::of(recipe, progress) else {
-                bail!("tree {} cannot grow: --only {} says why", tree.index, tree.index);
-            };
-            let formats: Vec<_> = tree.outputs.iter().map(|(e, options, _)| (e.format(), options)).collect();
-            seconds += outlook.export_s(recipe, &formats, 1);
-            // A tree is held with what its largest file is written from.
-            let files =
-                formats.iter().map(|(format, options)| outlook.estimate.bytes(format, options).unwrap_or(0));
-            let largest_file = files.clone().max().unwrap_or(0);
-            bytes += files.sum::<u64>() as f64;
-            largest = largest.max(outlook.sample.skeleton_bytes().unwrap_or(0) + largest_file);
-        }
-        let share = count as f64 / looks.max(1) as f64;
-        let jobs = self.jobs.map_or_else(rayon::current_num_threads, usize::from);
-        progress.clear();
-        let bytes = (bytes * share) as u64;
-        let text = format!(
-            "trees    {}\nbytes    {}\nseconds  {:.0} of work, {:.0} with {jobs} at a time\nmemory   at least {} for each tree at a time\n",
-            indicatif::HumanCount(count as u64),
-            indicatif::BinaryBytes(bytes),
-            seconds * share,
-            seconds * share / jobs as f64,
-            indicatif::BinaryBytes(largest),
-        );
-        super::print(&text)
     }
 
     /// One index over all parts.

@@ -9,7 +9,7 @@ use linden::Monitor;
 use linden::manifest::Manifest;
 use linden::recipe::Recipe;
 use linden::texture::DrawnPictures;
-use linden_exporters::{Exporter, Options, find};
+use linden_exporters::{Exporter, Format, Options, find};
 use xxhash_rust::xxh3::xxh3_128;
 
 use crate::exit::usage;
@@ -46,6 +46,13 @@ pub struct Tree {
     pub outputs: Vec<(&'static dyn Exporter, Options, String)>,
 }
 
+impl Tree {
+    /// The formats with their options.
+    pub fn formats(&self) -> Vec<(&'static Format, &Options)> {
+        self.outputs.iter().map(|(exporter, options, _)| (exporter.format(), options)).collect()
+    }
+}
+
 impl Plan {
     pub fn read(path: &Path, progress: &Progress) -> anyhow::Result<Self> {
         let shown = show(path);
@@ -53,6 +60,11 @@ impl Plan {
         let bytes = content.bytes(progress).with_context(|| format!("reading {shown}"))?;
         let text = source::document(&bytes, &shown, progress)?;
         let manifest = Manifest::parse(text).map_err(|fault| source::locate(&shown, &fault))?;
+        Self::of(manifest, path, progress)
+    }
+
+    /// Of a manifest at a path, which its files are beside.
+    pub fn of(manifest: Manifest, path: &Path, progress: &Progress) -> anyhow::Result<Self> {
         let drawn = Arc::new(DrawnPictures::new(room_for_pictures(progress)));
         let mut plan = Self { manifest, sources: BTreeMap::new() };
         let names: BTreeSet<&String> = plan.manifest.trees.iter().map(|kind| &kind.source).collect();
@@ -66,7 +78,7 @@ impl Plan {
         }
         plan.check_options()?;
         if plan.len() > MOST {
-            let trees = plan.len();
+            let (shown, trees) = (show(path), plan.len());
             return Err(usage(format!("{shown}: {trees} trees are more than {MOST}; divide the manifest")));
         }
         // A mistake in a knob is found before anything grows.

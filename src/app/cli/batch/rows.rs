@@ -14,6 +14,8 @@ use crate::paths::show;
 /// The index over all parts.
 pub const INDEX: &str = "index.jsonl";
 const PARTS: &str = "parts";
+/// The folder of the pictures of all trees, within the output folder.
+pub const PICTURES: &str = "pictures";
 
 /// What became of a tree.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -48,6 +50,13 @@ pub struct WrittenFile {
     /// Within the output folder, with slashes.
     pub path: String,
     pub bytes: u64,
+}
+
+impl WrittenFile {
+    /// Where it lies among the pictures that trees share; `None` for the tree's own files.
+    pub fn shared(&self) -> Option<&str> {
+        self.path.strip_prefix(PICTURES)?.strip_prefix('/')
+    }
 }
 
 impl Row {

@@ -11,13 +11,10 @@ use linden::monitor::Holding;
 use linden_exporters::{Batch, Bundle, Output};
 
 use super::plan::{Plan, Tree, room_for_pictures};
-use super::rows::{Row, WrittenFile};
+use super::rows::{PICTURES, Row, WrittenFile};
 use crate::cli::crew::{Crew, Share};
 use crate::exit::sentence;
 use crate::progress::Progress;
-
-/// The folder of the pictures of all trees, within the output folder.
-const PICTURES: &str = "pictures";
 
 /// What is to be done.
 pub struct Work<'a> {
@@ -90,8 +87,7 @@ impl Work<'_> {
             row.files.push(WrittenFile { path: parts.join("/"), bytes: file.bytes });
         }
         // Pictures come last and once, in an order that does not depend on who wrote them.
-        let picture = |file: &WrittenFile| file.path.strip_prefix(PICTURES).map(str::to_owned);
-        row.files.sort_by_cached_key(picture);
+        row.files.sort_by_cached_key(|file| file.shared().map(str::to_owned));
         row.files.dedup();
         Ok(())
     }
