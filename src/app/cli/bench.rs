@@ -18,7 +18,7 @@ use crate::progress::Progress;
 use crate::system::cpu_time;
 
 /// Plants from the smallest to the largest, of all ways to grow.
-const USUAL: [&str; 6] = ["bush-3d", "abop-honda-a", "fir", "birch", "oak", "abop-ternary-c"];
+const USUAL: [&str; 6] = ["bush-3d", "abop-honda-a", "fir", "silver-birch", "oak", "abop-ternary-c"];
 
 /// Seeds to grow: more than a machine makes in the time.
 const SEEDS: u64 = 1_000_000;
@@ -208,5 +208,17 @@ impl Benchmark {
             "\nlinden {linden}, {format}, {jobs} at a time on {threads} threads; CPU, bytes and memory are for a tree\n"
         );
         text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::USUAL;
+
+    #[test]
+    fn what_is_grown_without_a_word_is_there() {
+        for id in USUAL {
+            assert!(linden::preset::builtin(id).is_ok(), "{id}");
+        }
     }
 }
