@@ -12,6 +12,7 @@
 //! | module | is |
 //! |---|---|
 //! | [`Format`], [`Options`] | facts about a format, and its settings |
+//! | [`Assembly`], [`Member`] | files of plants put together, without their meshes |
 //! | [`Batch`], [`Output`] | what is written where, all of it together: levels and seasons in files of their own where a format holds one |
 //! | [`Bundle`], [`Sink`] | the files of an export, whole or not at all |
 //! | [`Estimate`], [`Amounts`] | bytes and seconds, told before anything is written |
@@ -44,6 +45,7 @@
 #[cfg(target_endian = "big")]
 compile_error!("linden-exporters writes arrays as they lie in memory and needs a little-endian target");
 
+mod assembly;
 mod batch;
 mod bundle;
 mod error;
@@ -70,6 +72,7 @@ use std::io;
 use linden_pipeline::Monitor;
 use linden_pipeline::stage::Stage;
 
+pub use assembly::{Assembly, Member, MemberPlace};
 pub use batch::{Batch, Output, default_name, plain_stem};
 pub use bundle::{
     Bundle, Existing, MadeFolders, Pictures, Sink, Written, abandon, commit_all, ensure_distinct,

@@ -421,7 +421,7 @@ fn json(document: &Document) -> Result<Vec<u8>, ExportError> {
 }
 
 /// A relative URI (RFC 3986): everything but the unreserved characters as `%XX` of its UTF-8.
-fn percent_encoded(name: &str) -> String {
+pub(crate) fn percent_encoded(name: &str) -> String {
     let mut uri = String::with_capacity(name.len());
     for byte in name.bytes() {
         if byte.is_ascii_alphanumeric() || b"-._~/".contains(&byte) {

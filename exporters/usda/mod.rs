@@ -23,6 +23,7 @@ mod layer;
 mod material;
 mod mesh;
 mod package;
+pub(crate) mod payloads;
 mod plant;
 mod skeleton;
 mod syntax;

@@ -3,6 +3,7 @@
 // A test's helpers panic like the test itself.
 #![allow(clippy::unwrap_used, clippy::expect_used)]
 
+mod assembly;
 mod compressed;
 mod cylinders;
 mod foliage;

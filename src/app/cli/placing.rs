@@ -14,7 +14,7 @@ use crate::exit::{ReaderGone, usage};
 use crate::progress::Progress;
 
 /// How files come into their places.
-#[derive(Args)]
+#[derive(Args, Default)]
 pub struct Placing {
     /// Make directories that are missing; they go again when nothing is written
     #[arg(long)]

@@ -117,18 +117,14 @@ impl Sheet {
             Labels::None => 0,
             Labels::Names => 1 + u32::from(self.seeds > 1) + u32::from(self.lods.is_some()),
         };
-        let capitals = (width as f32 / 26.0).clamp(6.0, 24.0);
+        let capitals = capitals(width);
         let below = Label::rows(lines, capitals);
         let high = height.saturating_add(below);
         let whole = Size::new(columns.saturating_mul(width), rows.saturating_mul(high)).map_err(usage)?;
         let cell = Size::new(width, height).map_err(usage)?;
 
         let style = if self.look == Some(PreviewLook::Turtle) { Style::paper() } else { Style::studio() };
-        // Labels stand on what the pictures end with.
-        let paper = match style.background {
-            Background::Plain(color) | Background::Gradient(_, color) => color,
-            Background::Transparent => [255; 3],
-        };
+        let paper = paper(&style);
 
         target.admit(whole, 0, &progress)?;
         let holding = Holding::new(&progress, u64::from(whole.width()) * u64::from(whole.height()) * 4);
@@ -212,10 +208,23 @@ impl Sheet {
 const USUAL_LEVELS: u32 = 4;
 
 /// As `linden preview` looks from above.
-const PITCH_DEG: f32 = 8.0;
+pub(super) const PITCH_DEG: f32 = 8.0;
+
+/// What labels stand on: the colour that pictures end with.
+pub(super) fn paper(style: &Style<'_>) -> [u8; 3] {
+    match style.background {
+        Background::Plain(color) | Background::Gradient(_, color) => color,
+        Background::Transparent => [255; 3],
+    }
+}
+
+/// The height of a label's capitals below pictures of a width, pixels.
+pub(super) fn capitals(width: u32) -> f32 {
+    (width as f32 / 26.0).clamp(6.0, 24.0)
+}
 
 /// How many in a row give a sheet that is nearest to half as wide again as it is high.
-fn columns(count: u32, (width, height): (u32, u32)) -> u32 {
+pub(super) fn columns(count: u32, (width, height): (u32, u32)) -> u32 {
     let aspect = |columns: u32| {
         let rows = count.div_ceil(columns);
         f64::from(columns) * f64::from(width) / (f64::from(rows) * f64::from(height))
@@ -225,19 +234,19 @@ fn columns(count: u32, (width, height): (u32, u32)) -> u32 {
 }
 
 /// A picture that is put together from others; white where none lies.
-struct Mosaic {
+pub(super) struct Mosaic {
     width: u32,
     height: u32,
     rgba: Vec<u8>,
 }
 
 impl Mosaic {
-    fn new(width: u32, height: u32) -> Self {
+    pub fn new(width: u32, height: u32) -> Self {
         Self { width, height, rgba: vec![255; width as usize * height as usize * 4] }
     }
 
     /// Copies a picture that fits, its upper left corner at a column and a row.
-    fn lay(&mut self, picture: &Picture, column: u32, row: u32) {
+    pub fn lay(&mut self, picture: &Picture, column: u32, row: u32) {
         let bytes = picture.width() as usize * 4;
         for (line, pixels) in picture.rgba().chunks_exact(bytes).enumerate() {
             let at = ((row as usize + line) * self.width as usize + column as usize) * 4;
@@ -245,7 +254,7 @@ impl Mosaic {
         }
     }
 
-    fn finish(self) -> Picture {
+    pub fn finish(self) -> Picture {
         Picture::new(self.width, self.height, self.rgba)
     }
 }

@@ -1,10 +1,15 @@
 //! `linden batch`: all trees of a manifest, or a part of them, each into files that are named by what they hold.
 
+mod assembly;
+mod contact;
 mod forecast;
+mod merge;
 mod part;
 pub mod plan;
 mod rows;
+mod table;
 mod template;
+mod thumbnail;
 pub mod work;
 
 use std::path::PathBuf;
@@ -14,11 +19,12 @@ use clap::Args;
 use linden::Monitor;
 
 use self::forecast::Forecast;
+use self::merge::Merged;
 use self::part::Part;
 use self::plan::Plan;
-use self::rows::{Journal, Row, Rows};
+use self::rows::{Journal, Rows};
 use self::template::{Engine, Job};
-use crate::exit::{say, sentence, usage};
+use crate::exit::{say, usage};
 use crate::paths::show;
 use crate::progress::Progress;
 
@@ -38,7 +44,7 @@ pub struct Batch {
     #[arg(long, value_name = "DIR", default_value = "out")]
     out: PathBuf,
 
-    /// Only trees with these numbers, like 0-99,200 or 0-999:10
+    /// Only trees with these numbers, like 0-99,200 or 0-999:10; with --merge, those of sheets and assemblies
     #[arg(long, value_name = "RANGES", conflicts_with = "shard")]
     only: Option<String>,
 
@@ -67,8 +73,11 @@ pub struct Batch {
     dry_run: bool,
 
     /// Grow nothing; write index.jsonl over all parts, and say what is missing
-    #[arg(long, conflicts_with_all = ["resume", "only", "shard"])]
+    #[arg(long, conflicts_with_all = ["resume", "shard"])]
     merge: bool,
+
+    #[command(flatten)]
+    merged: Merged,
 
     /// Grow nothing; print a job that spreads this batch over machines
     #[arg(long, value_name = "ENGINE", conflicts_with_all = ["resume", "only", "shard", "dry_run", "merge"])]
@@ -109,7 +118,8 @@ impl Batch {
             );
         }
         if self.merge {
-            return self.merge(&plan, &progress);
+            let part = self.only.is_some().then_some(&part);
+            return self.merged.write(&plan, part, &self.out, &progress);
         }
         std::fs::create_dir_all(&self.out)
             .map_err(|error| anyhow::anyhow!("making the folder {}: {error}", show(&self.out)))?;
@@ -151,46 +161,6 @@ impl Batch {
             (Some(said), _) => bail!("{said}"),
             (None, 0) => super::print(&format!("{count} trees written into {}\n", show(&self.out))),
             (None, failed) => bail!("{failed} of {count} trees failed; --resume tries them again"),
-        }
-    }
-
-    /// One index over all parts.
-    fn merge(&self, plan: &Plan, progress: &Progress) -> anyhow::Result<()> {
-        let rows = Rows::read(&self.out)?;
-        let (mut index, mut failed, mut missing) = (String::new(), 0, Vec::new());
-        for number in 0..plan.len() {
-            progress.check()?;
-            let unreadable;
-            let row = match plan.tree(number) {
-                Ok(tree) => rows.whole(&tree, &self.out).or_else(|| rows.failure(&tree)),
-                Err(error) => {
-                    unreadable = Row::unreadable(number, sentence(&error));
-                    Some(&unreadable)
-                }
-            };
-            match row {
-                Some(row) => {
-                    failed += usize::from(row.error.is_some());
-                    index += &row.line_of_index();
-                }
-                None => missing.push(number),
-            }
-        }
-        rows::write_index(&self.out, &index)?;
-        progress.clear();
-        let written = plan.len() - failed - missing.len();
-        let path = self.out.join(rows::INDEX);
-        super::print(&format!("{written} of {} trees in {}\n", plan.len(), show(&path)))?;
-        match (failed, missing.as_slice()) {
-            (0, []) => Ok(()),
-            (failed, []) => bail!("{failed} trees failed; the index says why"),
-            (failed, missing) => {
-                bail!(
-                    "{failed} trees failed, {} are missing: --only {}",
-                    missing.len(),
-                    part::ranges(missing)
-                )
-            }
         }
     }
 }

@@ -9,9 +9,10 @@ use linden::Monitor;
 use linden::manifest::Manifest;
 use linden::recipe::Recipe;
 use linden::texture::DrawnPictures;
-use linden_exporters::{Exporter, Format, Options, find};
+use linden_exporters::{ExportError, Exporter, Format, Options, find};
 use xxhash_rust::xxh3::xxh3_128;
 
+use super::thumbnail::Thumbnail;
 use crate::exit::usage;
 use crate::paths::show;
 use crate::progress::Progress;
@@ -27,6 +28,7 @@ pub fn room_for_pictures(progress: &Progress) -> u64 {
 
 /// A manifest with its sources.
 pub struct Plan {
+    path: PathBuf,
     manifest: Manifest,
     /// By the names that the manifest has for them.
     sources: BTreeMap<String, Source>,
@@ -66,7 +68,7 @@ impl Plan {
     /// Of a manifest at a path, which its files are beside.
     pub fn of(manifest: Manifest, path: &Path, progress: &Progress) -> anyhow::Result<Self> {
         let drawn = Arc::new(DrawnPictures::new(room_for_pictures(progress)));
-        let mut plan = Self { manifest, sources: BTreeMap::new() };
+        let mut plan = Self { path: path.to_owned(), manifest, sources: BTreeMap::new() };
         let names: BTreeSet<&String> = plan.manifest.trees.iter().map(|kind| &kind.source).collect();
         for name in names {
             // Beside the manifest, as a preset names its files.
@@ -97,12 +99,23 @@ impl Plan {
         self.manifest.len()
     }
 
+    /// The manifest, and the files that its trees are grown from.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let of_sources = self.sources.values().flat_map(|source| &source.files);
+        of_sources.chain([&self.path]).cloned().collect()
+    }
+
+    /// Whether trees are grown from what the manifest calls so.
+    pub fn has_source(&self, name: &str) -> bool {
+        self.sources.contains_key(name)
+    }
+
     /// Each option must belong to a format that is written.
     fn check_options(&self) -> anyhow::Result<()> {
         let kinds = self.manifest.trees.iter().flat_map(|kind| &kind.formats);
         let formats: BTreeSet<&str> = self.manifest.formats.iter().chain(kinds).map(String::as_str).collect();
         for format in &formats {
-            find(format).map_err(usage)?;
+            exporter(format).map_err(usage)?;
         }
         for name in self.manifest.options.keys() {
             let format = name.split_once('.').map_or("", |(format, _)| format);
@@ -130,7 +143,7 @@ impl Plan {
         }
         let line = recipe.to_line();
         let outputs = item.formats.iter().map(|id| {
-            let exporter = find(id).map_err(usage)?;
+            let exporter = exporter(id).map_err(usage)?;
             let mut options = Options::new(exporter.format());
             for (name, value) in &self.manifest.options {
                 if let Some((_, option)) =
@@ -155,6 +168,11 @@ impl Plan {
             recipe,
         })
     }
+}
+
+/// A format that trees may be written in: an exporter's, or a picture.
+fn exporter(id: &str) -> Result<&'static dyn Exporter, ExportError> {
+    if id == Thumbnail.format().id { Ok(&Thumbnail) } else { find(id) }
 }
 
 /// The name of a file by all that decides it: `ab/cdef….glb`. The recipe says which linden it is.

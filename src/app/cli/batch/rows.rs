@@ -37,6 +37,9 @@ pub struct Row {
     pub nodes: Option<usize>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub height_m: Option<f64>,
+    /// The least and the largest corner of a box around the whole tree; none where nothing is seen of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bounds_m: Option<[[f32; 3]; 2]>,
     /// How long it took; in parts alone, since it differs from run to run.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub seconds: Option<f64>,
@@ -71,6 +74,12 @@ impl Row {
             key: key(tree),
             ..Self::default()
         }
+    }
+
+    /// The main file that has the first of these endings that there is.
+    pub fn main_file(&self, endings: &[&str]) -> Option<&str> {
+        let of = |ending: &&str| self.key.split(' ').find(|path| path.rsplit('.').next() == Some(ending));
+        endings.iter().find_map(of)
     }
 
     /// A row of a tree that no recipe was made of.
@@ -175,9 +184,5 @@ impl Journal {
 pub fn write_index(out: &Path, text: &str) -> anyhow::Result<()> {
     let path = out.join(INDEX);
     let writing = || format!("writing {}", show(&path));
-    let mut file = tempfile::NamedTempFile::new_in(out).with_context(writing)?;
-    file.write_all(text.as_bytes()).with_context(writing)?;
-    file.as_file().sync_all().with_context(writing)?;
-    file.persist(&path).with_context(writing)?;
-    Ok(())
+    linden_exporters::write_file(&path, text.as_bytes(), 0o666, true).with_context(writing)
 }

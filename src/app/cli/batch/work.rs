@@ -79,7 +79,9 @@ impl Work<'_> {
         let levels = levels(&tree.recipe, &grown, share)?;
         drop(grown);
         let holding = Holding::new(share, tree.recipe.inputs.bytes());
-        batch.write(&levels.stage(), &holding, |_| ())?;
+        let stage = levels.stage();
+        row.bounds_m = stage.bounds().map(|bounds| [bounds.min.to_array(), bounds.max.to_array()]);
+        batch.write(&stage, &holding, |_| ())?;
         share.check()?;
         for file in batch.commit()? {
             let within = file.path.strip_prefix(self.out).unwrap_or(&file.path);
