@@ -57,6 +57,8 @@ pub struct Display {
     wanted: Option<Wanted>,
     /// Whether the newest frame is not yet all sent.
     rest: bool,
+    /// Whether a status was asked for after the picture was placed.
+    asked_behind_picture: bool,
     frames: u64,
     /// Bytes that are no part of the screen.
     beside: Vec<u8>,
@@ -88,6 +90,7 @@ impl Display {
             size,
             wanted: None,
             rest: false,
+            asked_behind_picture: false,
             frames: 0,
             beside: Vec::new(),
         }
@@ -143,9 +146,11 @@ impl Display {
             return;
         }
         let mut bytes = composed.bytes;
-        if self.pacer.asks(bytes.len()) {
+        let asks = self.pacer.asks(bytes.len());
+        if asks {
             bytes.extend_from_slice(QUERY);
         }
+        self.asked_behind_picture = if composed.placed { asks } else { self.asked_behind_picture };
         self.pacer.sent(bytes.len(), now);
         // The output is idle: it takes them. If it did not, nothing of the screen would be known.
         if let Err(Busy(_)) = self.output.send(bytes, composed.picture) {
@@ -162,9 +167,29 @@ impl Display {
     /// The terminal has answered a query of the [`Pacer`]'s.
     pub fn acked(&mut self, now: Instant) {
         self.pacer.acked(now);
+        if self.asked_behind_picture && self.pacer.in_flight() == 0 {
+            self.asked_behind_picture = false;
+            self.rest |= self.screen.is_read();
+        }
         // A picture in one piece may have been held back by what was known of the link.
         self.rest |= self.wanted.as_ref().is_some_and(|wanted| wanted.graphic.is_some());
         self.pump(now);
+    }
+
+    /// The terminal has said what became of a picture of kitty's that was placed. One that is not there is sent
+    /// again.
+    pub fn answered(&mut self, id: u32, ok: bool, now: Instant) {
+        if self.screen.answered(id, ok) {
+            self.rest = self.wanted.is_some();
+            self.pump(now);
+        }
+    }
+
+    /// How long an answer of the terminal may still take, if one is to come.
+    pub fn awaits(&self) -> Option<Duration> {
+        let is_asked = self.pacer.in_flight() > 0 || self.screen.awaits();
+        let trip = self.pacer.shortest_round_trip().unwrap_or_default();
+        (is_asked && !self.pacer.is_mute()).then(|| (trip * 3).max(Duration::from_millis(100)))
     }
 
     /// When [`Display::pump`] wants to be called if nothing else happens before.

@@ -5,8 +5,11 @@
 //! sixels in one piece, so they are sent only where the link takes them at once.
 //!
 //! The cells of a picture's area are blank as long as it stands, so that nothing shines through its
-//! transparent parts. A new picture of kitty's is placed before the old one is deleted.
+//! transparent parts. A new picture of kitty's is placed before the old one is deleted. One that something
+//! lies over is taken off the screen and kept by the terminal. What kitty says it could not show, or
+//! says nothing of where it did before, is sent again.
 
+mod canvas;
 mod kitty;
 mod pixels;
 
@@ -16,8 +19,10 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use ratatui::layout::Rect;
 
-use kitty::Transmission;
+use kitty::{PlaceReply, Transmission};
 use pixels::Pixels;
+
+pub(crate) use canvas::{Canvas, Placement};
 
 use crate::grid::{Image, ImageError};
 
@@ -118,7 +123,7 @@ impl Encoded {
         match self.protocol {
             Protocol::Kitty => {
                 Transmission::new(id, 0).send(&self.bytes, usize::MAX, &mut bytes);
-                kitty::place(id, area, &mut bytes);
+                kitty::place(id, area, PlaceReply::None, &mut bytes);
             }
             Protocol::Iterm2 | Protocol::Sixel => bytes.extend_from_slice(&self.bytes),
         }
@@ -224,129 +229,6 @@ fn sixels(pixels: &Pixels<'_>, budget: usize) -> Result<(Vec<u8>, u32), EncodeEr
         text.push_str("\x1b\\");
     }
     Ok((text.into_bytes(), height))
-}
-
-/// Which picture a terminal shows, and which one is on its way.
-#[derive(Debug, Default)]
-pub(crate) struct Canvas {
-    standing: Option<Standing>,
-    coming: Option<Transmission>,
-    last_id: u32,
-}
-
-/// A picture that is shown.
-#[derive(Clone, Copy, Debug)]
-struct Standing {
-    generation: u64,
-    area: Rect,
-    /// kitty's number, for others 0.
-    id: u32,
-}
-
-/// How far a picture is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Placement {
-    /// It is shown.
-    Standing,
-    /// There is more to send.
-    Unfinished,
-    /// All is there to [`Canvas::place`] it.
-    Ready,
-}
-
-impl Canvas {
-    /// The cells that are beneath a picture.
-    pub fn covered(&self) -> Option<Rect> {
-        self.standing.map(|standing| standing.area)
-    }
-
-    /// Whether a picture is shown where it should be.
-    pub fn stands(&self, graphic: &Graphic) -> bool {
-        self.standing.is_some_and(|s| s.generation == graphic.generation && s.area == graphic.area)
-    }
-
-    /// Ends what is no longer wanted. Gives the area whose cells must be painted to remove a picture.
-    pub fn prepare(&mut self, wanted: Option<&Graphic>, out: &mut Vec<u8>) -> Option<Rect> {
-        if let Some(coming) = &self.coming
-            && wanted.is_none_or(|graphic| graphic.generation != coming.generation)
-        {
-            coming.abandon(out);
-            self.coming = None;
-        }
-        let standing = self.standing?;
-        // In the same place the old picture stays until the new one is there; the same picture in
-        // another place is moved.
-        let stays = wanted.is_some_and(|graphic| {
-            graphic.area == standing.area
-                || standing.id != 0
-                    && graphic.generation == standing.generation
-                    && graphic.data.protocol == Protocol::Kitty
-        });
-        if stays { None } else { self.remove(out) }
-    }
-
-    fn remove(&mut self, out: &mut Vec<u8>) -> Option<Rect> {
-        let standing = self.standing.take()?;
-        if standing.id != 0 {
-            kitty::delete(standing.id, out);
-            return None;
-        }
-        Some(standing.area)
-    }
-
-    /// Ends and removes everything; cells are not painted.
-    pub fn remove_all(&mut self, out: &mut Vec<u8>) {
-        if let Some(coming) = self.coming.take() {
-            coming.abandon(out);
-        }
-        self.remove(out);
-    }
-
-    /// Sends what is allowed of a picture that comes in pieces.
-    pub fn send(&mut self, graphic: &Graphic, allowed: usize, out: &mut Vec<u8>) -> Placement {
-        if self.stands(graphic) {
-            return Placement::Standing;
-        }
-        if graphic.data.protocol != Protocol::Kitty
-            || self.standing.is_some_and(|s| s.id != 0 && s.generation == graphic.generation)
-        {
-            return Placement::Ready;
-        }
-        let coming = self.coming.get_or_insert_with(|| {
-            // Small numbers, of which none is in use: two at most are.
-            self.last_id = self.last_id % 9_999 + 1;
-            Transmission::new(self.last_id, graphic.generation)
-        });
-        if coming.send(&graphic.data.bytes, allowed, out) { Placement::Ready } else { Placement::Unfinished }
-    }
-
-    /// Whether what is beneath a picture must be painted anew so that the old one is gone.
-    pub fn needs_fresh_cells(&self, graphic: &Graphic) -> bool {
-        graphic.data.protocol != Protocol::Kitty && !graphic.data.opaque && self.standing.is_some()
-    }
-
-    /// Whether the cursor is somewhere else once a picture is placed.
-    pub fn moves_cursor(graphic: &Graphic) -> bool {
-        graphic.data.protocol != Protocol::Kitty
-    }
-
-    /// Shows a picture, whose upper left cell the cursor is in, and deletes the one before.
-    pub fn place(&mut self, graphic: &Graphic, out: &mut Vec<u8>) {
-        let old = self.standing.take();
-        let id = if graphic.data.protocol == Protocol::Kitty {
-            let moved = old.filter(|old| old.generation == graphic.generation).map(|old| old.id);
-            let id = moved.or(self.coming.take().map(|coming| coming.id)).unwrap_or_default();
-            kitty::place(id, graphic.area, out);
-            id
-        } else {
-            out.extend_from_slice(&graphic.data.bytes);
-            0
-        };
-        if let Some(old) = old.filter(|old| old.id != 0 && old.id != id) {
-            kitty::delete(old.id, out);
-        }
-        self.standing = Some(Standing { generation: graphic.generation, area: graphic.area, id });
-    }
 }
 
 #[cfg(test)]

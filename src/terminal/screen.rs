@@ -27,7 +27,7 @@ use ratatui::layout::Rect;
 use ratatui::style::Color;
 
 use crate::color::ColorDepth;
-use crate::graphics::{Canvas, Graphic, Placement};
+use crate::graphics::{Canvas, Graphic, Placement, Protocol};
 use encoder::Encoder;
 use look::{Look, is_doubtful, width};
 use plan::Plan;
@@ -87,6 +87,8 @@ pub struct Composed {
     pub bytes: Vec<u8>,
     /// How many of them are pictures'.
     pub picture: usize,
+    /// Whether a picture is placed by them, which the terminal answers.
+    pub placed: bool,
     /// Whether there is more to send of this frame.
     pub rest: bool,
 }
@@ -177,38 +179,63 @@ impl Screen {
         if self.invalid || frame.buffer.area != self.shown.area {
             self.clear(frame.buffer.area, &mut cleared);
         }
+        // What appears at once.
         let mut out = Vec::new();
         let wanted = frame.graphic.filter(|graphic| {
             let inside = graphic.area.intersection(frame.buffer.area) == graphic.area;
             let possible = self.canvas.stands(graphic) || graphic.data.may_be_sent(allowance.atomic);
-            inside && possible && !graphic.area.is_empty()
+            inside && possible && !graphic.area.is_empty() && !self.canvas.has_given_up(graphic)
         });
-        if let Some(uncovered) = self.canvas.prepare(wanted, &mut out) {
+        // Commands about pictures stay out of synchronized output.
+        let mut bytes = cleared;
+        if let Some(uncovered) = self.canvas.prepare(wanted, &mut bytes) {
             self.forget(uncovered);
         }
-        let plan = Plan::new(frame, self.canvas.covered());
+        let plan = Plan::new(frame, self.canvas.covered(wanted));
         self.paint_text(frame.buffer, &plan, &mut out);
         let text = out.len();
         let mut rest = self.paint_late(frame.buffer, &plan, allowance.paced, &mut out);
+        let mut picture = out.len() - text;
+        let mut placed = false;
         if let Some(graphic) = wanted
             && !rest
         {
-            let left = allowance.paced.saturating_sub(out.len() - text);
-            rest = self.place(graphic, frame.buffer, left, &mut out);
+            let left = allowance.paced.saturating_sub(picture);
+            let before = bytes.len() + out.len();
+            (rest, placed) = self.place(graphic, frame.buffer, left, &mut out, &mut bytes);
+            picture += bytes.len() + out.len() - before;
         }
-        let picture = out.len() - text;
         self.settle_cursor(frame, &mut out);
+        self.synchronize(&mut out, &mut bytes);
+        Composed { bytes, picture, placed, rest }
+    }
 
-        let bytes = if out.is_empty() {
-            cleared
-        } else if self.options.synchronized {
-            [&cleared, &b"\x1b[?2026h"[..], &out, b"\x1b[?2026l"].concat()
-        } else if cleared.is_empty() {
-            out
-        } else {
-            [cleared, out].concat()
-        };
-        Composed { bytes, picture, rest }
+    /// Moves what was composed to the bytes for the terminal, where it appears at once.
+    fn synchronize(&self, out: &mut Vec<u8>, bytes: &mut Vec<u8>) {
+        if out.is_empty() {
+            return;
+        }
+        let (begin, end): (&[u8], &[u8]) =
+            if self.options.synchronized { (b"\x1b[?2026h", b"\x1b[?2026l") } else { (b"", b"") };
+        bytes.extend_from_slice(begin);
+        bytes.append(out);
+        bytes.extend_from_slice(end);
+    }
+
+    /// Takes the terminal's answer to the placement of a picture of kitty's. Whether there is something to send
+    /// again.
+    pub fn answered(&mut self, id: u32, ok: bool) -> bool {
+        self.canvas.answered(id, ok)
+    }
+
+    /// All that was composed has been read by the terminal. Whether there is something to send again.
+    pub fn is_read(&mut self) -> bool {
+        self.canvas.is_read()
+    }
+
+    /// Whether the terminal still has to say what became of a picture.
+    pub fn awaits(&self) -> bool {
+        self.canvas.awaits()
     }
 
     /// Starts from nothing: outside of synchronized output, in which tmux loses what follows a clear.
@@ -442,11 +469,26 @@ impl Screen {
         self.known[cells].fill(Known::Yes);
     }
 
-    /// Whether there is more to send of a picture of pixels.
-    fn place(&mut self, graphic: &Graphic, buffer: &Buffer, allowed: usize, out: &mut Vec<u8>) -> bool {
-        match self.canvas.send(graphic, allowed, out) {
-            Placement::Standing => false,
-            Placement::Unfinished => true,
+    /// Whether there is more to send of a picture of pixels, and whether it is placed. What was composed before is
+    /// moved to `bytes` when something follows that must not be synchronized.
+    fn place(
+        &mut self,
+        graphic: &Graphic,
+        buffer: &Buffer,
+        allowed: usize,
+        out: &mut Vec<u8>,
+        bytes: &mut Vec<u8>,
+    ) -> (bool, bool) {
+        let is_apart = graphic.data.protocol() == Protocol::Kitty;
+        let mut pieces = Vec::new();
+        let placement = self.canvas.send(graphic, allowed, &mut pieces);
+        if !pieces.is_empty() {
+            self.synchronize(out, bytes);
+            bytes.append(&mut pieces);
+        }
+        match placement {
+            Placement::Standing => (false, false),
+            Placement::Unfinished => (true, false),
             Placement::Ready => {
                 // Where the picture is transparent, nothing must shine through.
                 if self.canvas.needs_fresh_cells(graphic) {
@@ -457,11 +499,14 @@ impl Screen {
                     self.paint_row(buffer, &plan, row, true, usize::MAX, out);
                 }
                 self.encoder.go(out, graphic.area.x, graphic.area.y);
-                self.canvas.place(graphic, out);
-                if Canvas::moves_cursor(graphic) {
+                if is_apart {
+                    self.synchronize(out, bytes);
+                    self.canvas.place(graphic, bytes);
+                } else {
+                    self.canvas.place(graphic, out);
                     self.encoder.lose_cursor();
                 }
-                false
+                (false, is_apart)
             }
         }
     }

@@ -1,6 +1,10 @@
 //! kitty's graphics protocol (<https://sw.kovidgoyal.net/kitty/graphics-protocol/>).
 //!
-//! Every command asks for silence (`q=2`): a reply that comes late would be typed.
+//! Every command asks for silence (`q=2`) but one: the placement of a picture on a screen that is ours, whose reply
+//! says whether it is there. Outside of it a reply that comes late would be typed.
+//!
+//! No command goes into a synchronized update (private mode 2026): what kitty holds back during one it reads again
+//! afterwards, and now and then fails at a picture (seen in 0.26.5; the picture is gone then).
 
 use ratatui::layout::Rect;
 
@@ -60,9 +64,25 @@ impl Transmission {
 
 /// Shows a picture over some cells, from the cursor on, which stays. The same picture in another
 /// place is moved: its placement keeps its number.
-pub(super) fn place(id: u32, area: Rect, out: &mut Vec<u8>) {
+pub(super) fn place(id: u32, area: Rect, reply: PlaceReply, out: &mut Vec<u8>) {
     let (columns, rows) = (area.width, area.height);
-    out.extend_from_slice(format!("\x1b_Ga=p,i={id},p=1,c={columns},r={rows},C=1,q=2\x1b\\").as_bytes());
+    let quiet = match reply {
+        PlaceReply::Wanted => "",
+        PlaceReply::None => ",q=2",
+    };
+    out.extend_from_slice(format!("\x1b_Ga=p,i={id},p=1,c={columns},r={rows},C=1{quiet}\x1b\\").as_bytes());
+}
+
+/// Whether the terminal is to say what became of a placement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum PlaceReply {
+    Wanted,
+    None,
+}
+
+/// Takes a picture off the screen; the terminal keeps its data.
+pub(super) fn hide(id: u32, out: &mut Vec<u8>) {
+    out.extend_from_slice(format!("\x1b_Ga=d,d=i,i={id},q=2\x1b\\").as_bytes());
 }
 
 /// Deletes a picture and its data.

@@ -60,6 +60,10 @@ struct Kitty {
     /// Whether there was a moment without a picture after the first one.
     flickered: bool,
     largest_chunk: usize,
+    /// The picture that was placed last.
+    last_placed: u32,
+    /// Whether a synchronized update has begun.
+    is_held_back: bool,
     text: String,
 }
 
@@ -67,13 +71,19 @@ impl Kitty {
     fn read(&mut self, bytes: &[u8]) {
         let mut rest = std::str::from_utf8(bytes).unwrap();
         while let Some(at) = rest.find("\x1b_G") {
-            self.text.push_str(&rest[..at]);
+            self.say(&rest[..at]);
             let (command, after) = rest[at + 3..].split_once("\x1b\\").unwrap();
             rest = after;
             let (control, payload) = command.split_once(';').unwrap_or((command, ""));
             let keys: std::collections::BTreeMap<&str, &str> =
                 control.split(',').map(|pair| pair.split_once('=').unwrap()).collect();
-            assert_eq!(keys["q"], "2", "no reply is wanted: {control}");
+            let wants_reply = keys.get("a") == Some(&"p");
+            assert_eq!(
+                keys.get("q"),
+                (!wants_reply).then_some(&"2"),
+                "a reply to placements alone: {control}"
+            );
+            assert!(!self.is_held_back, "a picture in a synchronized update: {control}");
             let number = |key: &str| keys[key].parse::<u32>().unwrap();
             match keys.get("a").copied() {
                 Some("t") => {
@@ -88,18 +98,28 @@ impl Kitty {
                     assert!(self.pictures.contains_key(&number("i")));
                     assert_eq!(keys["C"], "1", "the cursor stays");
                     self.placed.insert(number("i"), (number("c") as u16, number("r") as u16));
+                    self.last_placed = number("i");
                 }
                 Some("d") => {
                     assert!(self.coming.is_none(), "no command between chunks");
-                    assert_eq!(keys["d"], "I");
                     self.placed.remove(&number("i"));
-                    self.pictures.remove(&number("i"));
+                    if keys["d"] == "I" {
+                        self.pictures.remove(&number("i"));
+                    } else {
+                        assert_eq!(keys["d"], "i");
+                    }
                     self.flickered |= self.placed.is_empty();
                 }
                 other => panic!("{other:?}"),
             }
         }
-        self.text.push_str(rest);
+        self.say(rest);
+    }
+
+    fn say(&mut self, text: &str) {
+        self.text.push_str(text);
+        let ends = [text.rfind("\x1b[?2026h"), text.rfind("\x1b[?2026l")];
+        self.is_held_back = if ends == [None, None] { self.is_held_back } else { ends[0] > ends[1] };
     }
 
     fn chunk(&mut self, payload: &str, more: u32) {
@@ -130,7 +150,8 @@ struct Rig {
 impl Rig {
     fn new() -> Self {
         let buffer = Buffer::empty(Rect::new(0, 0, 60, 16));
-        Self { screen: Screen::new(ScreenOptions::default()), buffer, kitty: Kitty::default() }
+        let options = ScreenOptions { synchronized: true, ..ScreenOptions::default() };
+        Self { screen: Screen::new(options), buffer, kitty: Kitty::default() }
     }
 
     fn show(&mut self, graphic: Option<&Graphic>, allowance: Allowance) -> Composed {
@@ -223,7 +244,71 @@ fn the_cells_beneath_are_blank_while_it_stands_and_come_back() {
     assert_eq!(contents(&mut rig, Some(&picture), Allowance::ALL).trim(), "text");
     // A pop-up: no picture, its cells.
     let seen = contents(&mut rig, None, Allowance::ALL);
-    assert!(seen.contains("draft") && rig.kitty.placed.is_empty() && rig.kitty.pictures.is_empty());
+    assert!(seen.contains("draft") && rig.kitty.placed.is_empty());
+}
+
+#[test]
+fn what_something_lay_over_is_placed_again_for_a_few_bytes() {
+    let mut rig = Rig::new();
+    for row in AREA.top()..AREA.bottom() {
+        rig.buffer.set_string(AREA.x, row, "draft of the picture", Style::new());
+    }
+    let picture = graphic(Protocol::Kitty, 1, AREA);
+    rig.send(Some(&picture), usize::MAX);
+    rig.send(None, usize::MAX);
+    assert_eq!((rig.kitty.placed.len(), rig.kitty.pictures.len()), (0, 1));
+    let back = rig.show(Some(&picture), Allowance::ALL).bytes;
+    rig.kitty.read(&back);
+    assert_eq!((rig.kitty.placed.len(), rig.kitty.pictures.len()), (1, 1));
+    // The picture's cells are blank again; none of it is sent.
+    assert!(back.len() < 400 && !String::from_utf8_lossy(&back).contains("draft"), "{}", back.len());
+    // Another picture instead: the terminal keeps one.
+    rig.send(None, usize::MAX);
+    rig.send(Some(&graphic(Protocol::Kitty, 2, AREA)), 3000);
+    assert_eq!((rig.kitty.placed.len(), rig.kitty.pictures.len()), (1, 1));
+    rig.send(None, usize::MAX);
+    rig.kitty.read(&rig.screen.farewell());
+    assert!(rig.kitty.pictures.is_empty());
+}
+
+#[test]
+fn a_picture_that_the_terminal_lost_is_sent_again() {
+    let mut rig = Rig::new();
+    let picture = graphic(Protocol::Kitty, 1, AREA);
+    rig.send(Some(&picture), usize::MAX);
+    // As long as it has never answered, silence says nothing.
+    assert!(rig.screen.awaits() && !rig.screen.is_read());
+    assert!(!rig.screen.answered(rig.kitty.last_placed, true) && !rig.screen.awaits());
+    let first = rig.kitty.last_placed;
+    rig.send(Some(&graphic(Protocol::Kitty, 2, AREA)), usize::MAX);
+    assert!(!rig.screen.answered(first, false), "that one is gone anyhow");
+    // Now silence is a loss, and so is a refusal.
+    assert!(rig.screen.is_read());
+    rig.send(Some(&graphic(Protocol::Kitty, 2, AREA)), usize::MAX);
+    assert!(rig.screen.answered(rig.kitty.last_placed, false));
+    rig.send(Some(&graphic(Protocol::Kitty, 2, AREA)), usize::MAX);
+    assert_eq!((rig.kitty.placed.len(), rig.kitty.pictures.len()), (1, 1));
+    assert!(!rig.screen.answered(rig.kitty.last_placed, true) && !rig.screen.is_read());
+}
+
+#[test]
+fn a_picture_that_is_lost_again_and_again_gives_way_to_cells() {
+    let mut rig = Rig::new();
+    rig.buffer.set_string(12, 3, "draft", Style::new());
+    let picture = graphic(Protocol::Kitty, 1, AREA);
+    let mut sent = 0;
+    loop {
+        rig.send(Some(&picture), usize::MAX);
+        if rig.kitty.placed.is_empty() {
+            break;
+        }
+        sent += 1;
+        rig.screen.answered(rig.kitty.last_placed, false);
+    }
+    assert!(sent == 3 && rig.kitty.pictures.is_empty() && rig.kitty.text.contains("draft"), "{sent}");
+    // The next one is tried.
+    rig.send(Some(&graphic(Protocol::Kitty, 2, AREA)), usize::MAX);
+    assert_eq!(rig.kitty.placed.len(), 1);
 }
 
 #[test]

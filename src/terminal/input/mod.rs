@@ -35,8 +35,13 @@ pub enum Reply {
     Version(String),
     /// OSC 11: its background, sRGB.
     Background([u8; 3]),
-    /// The answer to a kitty graphics query: whether it has them.
-    KittyGraphics(bool),
+    /// The answer to a command of kitty's graphics protocol.
+    KittyGraphics {
+        /// The picture's number; 0 where none is said.
+        id: u32,
+        /// Whether it was done.
+        ok: bool,
+    },
     /// DECRPM: a private mode, and whether the terminal knows it and can set it.
     Mode {
         /// Its number: 2026 is synchronized output.

@@ -202,8 +202,8 @@ fn replies() {
         ("\x1b]11;rgb:1/2\x1b\\", None),
         ("\x1b]10;rgb:1/2/3\x1b\\", None),
         // kitty graphics, "Querying support".
-        ("\x1b_Gi=31;OK\x1b\\", Some(Reply::KittyGraphics(true))),
-        ("\x1b_Gi=31;ENOTSUPPORTED:no\x1b\\", Some(Reply::KittyGraphics(false))),
+        ("\x1b_Gi=31;OK\x1b\\", Some(Reply::KittyGraphics { id: 31, ok: true })),
+        ("\x1b_Gi=31;ENOTSUPPORTED:no\x1b\\", Some(Reply::KittyGraphics { id: 31, ok: false })),
         ("\x1b_other\x1b\\", None),
     ] {
         assert_eq!(reply(bytes), expected, "{bytes:?}");

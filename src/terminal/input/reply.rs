@@ -78,10 +78,12 @@ fn channel(digits: &str) -> Option<u8> {
     Some(((value * 255 + most / 2) / most) as u8)
 }
 
-/// `Gi=31;OK`, or a reason instead of OK
+/// `Gi=31,p=1;OK`, or a reason instead of OK
 /// (<https://sw.kovidgoyal.net/kitty/graphics-protocol/#querying-support-and-available-transmission-mediums>).
 fn graphics(body: &[u8]) -> Option<Reply> {
     let body = body.strip_prefix(b"G")?;
     let message = body.iter().position(|byte| *byte == b';')?;
-    Some(Reply::KittyGraphics(&body[message + 1..] == b"OK"))
+    let keys = std::str::from_utf8(&body[..message]).ok()?;
+    let id = keys.split(',').find_map(|key| key.strip_prefix("i=")?.parse().ok()).unwrap_or_default();
+    Some(Reply::KittyGraphics { id, ok: &body[message + 1..] == b"OK" })
 }

@@ -91,7 +91,7 @@ impl Findings {
             Reply::Attributes(attributes) => first(&mut self.attributes, attributes.clone()),
             Reply::Version(version) => first(&mut self.version, version.clone()),
             Reply::Background(background) => first(&mut self.background, *background),
-            Reply::KittyGraphics(has) => first(&mut self.kitty_graphics, *has),
+            Reply::KittyGraphics { ok, .. } => first(&mut self.kitty_graphics, *ok),
             Reply::Mode { number: SYNCHRONIZED_MODE, known } => first(&mut self.synchronized, *known),
             Reply::Rendition(rendition) => first(&mut self.rendition, rendition.clone()),
             Reply::CellPixels { width, height } => {

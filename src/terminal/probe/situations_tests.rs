@@ -282,8 +282,8 @@ fn late_answers_count_and_the_first_of_a_kind() {
     assert!(!findings.is_settled());
     findings.give_up();
     assert!(findings.is_settled() && !findings.is_complete());
-    assert!(findings.take(&Reply::KittyGraphics(true)));
-    assert!(!findings.take(&Reply::KittyGraphics(false)), "that is about another image");
+    assert!(findings.take(&Reply::KittyGraphics { id: 31, ok: true }));
+    assert!(!findings.take(&Reply::KittyGraphics { id: 2, ok: false }), "that is about another image");
     assert!(!findings.take(&Reply::Status) && !findings.take(&Reply::Mode { number: 1004, known: true }));
     assert!(findings.take(&Reply::Attributes(vec![62])));
     assert!(findings.is_complete());

@@ -267,6 +267,9 @@ impl Runtime {
             Said::Event(event) => event,
             Said::Reply(Reply::Status) => return self.display.acked(now),
             Said::Reply(reply) => {
+                if let Reply::KittyGraphics { id, ok } = reply {
+                    self.display.answered(id, ok, now);
+                }
                 if self.probing.take(&reply, &self.session) {
                     self.know_terminal(now);
                 }
@@ -365,6 +368,10 @@ impl Runtime {
         if end != End::Hangup {
             // The last frame may still be on its way to a slow terminal.
             self.display.output().flush(FAREWELL);
+            // What the terminal still says must not be typed where the shell reads.
+            if let Some(within) = self.display.awaits() {
+                self.session.expect_replies(Some(within));
+            }
             let bytes = self.display.farewell();
             if self.display.output().send(bytes, 0).is_ok() {
                 self.display.output().flush(FAREWELL);
