@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::program::Folder;
 
-const COMMANDS: [&str; 16] = [
+const COMMANDS: [&str; 17] = [
     "open",
     "list",
     "show",
@@ -16,6 +16,7 @@ const COMMANDS: [&str; 16] = [
     "sheet",
     "export",
     "recipe",
+    "verify",
     "cite",
     "forest",
     "doctor",

@@ -23,3 +23,4 @@ mod same_wood;
 mod seasons;
 mod sweep;
 mod user_pictures;
+mod verify;

@@ -23,6 +23,7 @@ mod show;
 mod size;
 mod stats;
 mod sweep;
+mod verify;
 mod workbench;
 
 use std::io::{self, Write};
@@ -89,6 +90,7 @@ Examples:
   linden forest fir:3 simple -o wood.glb --area 60 --scene
   linden export scan.xyz -o tree.glb --set step=0.05
   linden recipe tree.glb
+  linden verify tree.glb
   linden cite tree.glb --format bibtex
   linden sweep abop-honda-a --define r1=0.6:0.9:0.1 --seeds 2 -o table.csv
   linden batch trees.toml --shard 0/4 --out trees
@@ -108,6 +110,7 @@ enum CliCommand {
     Sheet(sheet::Sheet),
     Export(export::Export),
     Recipe(recipe::Recipe),
+    Verify(verify::Verify),
     Cite(cite::Cite),
     Forest(forest::Forest),
     Doctor(doctor::Doctor),
@@ -381,6 +384,7 @@ impl CliCommand {
             Self::Sheet(command) => command.run(),
             Self::Export(command) => command.run(),
             Self::Recipe(command) => command.run(),
+            Self::Verify(command) => command.run(),
             Self::Cite(command) => command.run(),
             Self::Forest(command) => command.run(),
             Self::Doctor(command) => command.run(),

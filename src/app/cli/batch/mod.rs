@@ -14,6 +14,7 @@ use linden::Monitor;
 
 use self::part::Part;
 use self::plan::Plan;
+pub use self::rows::listed_files;
 use self::rows::{Journal, Row, Rows};
 use self::template::{Engine, Job};
 use crate::exit::{say, sentence, usage};

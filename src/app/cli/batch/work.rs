@@ -1,20 +1,18 @@
 //! Grows and writes trees, some at a time.
 
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc;
 use std::time::Instant;
 
 use anyhow::Context;
 use linden::Monitor;
 use linden::dress::levels;
 use linden::grow::grow;
-use linden::monitor::{Holding, Phase};
+use linden::monitor::Holding;
 use linden_exporters::{Batch, Bundle, Output};
 
 use super::plan::{Plan, Tree};
 use super::rows::{Row, WrittenFile};
-use crate::cli::share::Share;
+use crate::cli::share::{Share, side_by_side};
 use crate::exit::sentence;
 use crate::progress::Progress;
 
@@ -33,48 +31,10 @@ impl Work<'_> {
         &self,
         jobs: Option<usize>,
         progress: &Progress,
-        mut take: impl FnMut(Row) -> anyhow::Result<bool>,
+        take: impl FnMut(Row) -> anyhow::Result<bool>,
     ) -> anyhow::Result<()> {
-        let threads = rayon::current_num_threads();
-        let jobs = jobs.unwrap_or(threads).min(self.numbers.len()).max(1);
-        let (next, is_over) = (AtomicUsize::new(0), AtomicBool::new(false));
-        let (sender, receiver) = mpsc::channel::<Row>();
-        std::thread::scope(|scope| {
-            for _ in 0..jobs {
-                // A pool each, so that no thread that waits for a tree's parts begins another tree.
-                let pool = rayon::ThreadPoolBuilder::new().num_threads((threads / jobs).max(1)).build();
-                let pool = pool.context("starting threads")?;
-                let (sender, next, is_over) = (sender.clone(), &next, &is_over);
-                scope.spawn(move || {
-                    let share = Share { progress, is_over, jobs: jobs as u64 };
-                    while !share.is_cancelled() {
-                        let Some(&number) = self.numbers.get(next.fetch_add(1, Ordering::Relaxed)) else {
-                            break;
-                        };
-                        let row = pool.install(|| self.tree(number, &share));
-                        // What was stopped is no row.
-                        if share.is_cancelled() || sender.send(row).is_err() {
-                            break;
-                        }
-                    }
-                });
-            }
-            drop(sender);
-            let mut done = 0;
-            let written = (|| {
-                for row in receiver {
-                    done += 1;
-                    if !take(row)? {
-                        return Ok(());
-                    }
-                    progress.advance(Phase::Measure, done, Some(self.numbers.len() as u64));
-                }
-                progress.check()?;
-                Ok(())
-            })();
-            is_over.store(true, Ordering::Relaxed);
-            written
-        })
+        let numbers = self.numbers;
+        side_by_side(numbers.len(), jobs, progress, |item, share| self.tree(numbers[item], share), take)
     }
 
     fn tree(&self, number: usize, share: &Share<'_>) -> Row {
