@@ -60,7 +60,10 @@ impl<'de> Deserialize<'de> for Uri {
                 f.write_str("a URI")
             }
             fn visit_str<E: Error>(self, text: &str) -> Result<Self::Value, E> {
-                Ok(Uri { is_data: text.starts_with("data:"), is_jpeg: text.ends_with(".jpg") })
+                Ok(Uri {
+                    is_data: text.starts_with("data:"),
+                    is_jpeg: text.rsplit('.').next() == Some("jpg"),
+                })
             }
         }
         deserializer.deserialize_str(Text)

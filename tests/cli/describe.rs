@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::program::Folder;
 
-const COMMANDS: [&str; 17] = [
+const COMMANDS: [&str; 18] = [
     "open",
     "list",
     "show",
@@ -17,6 +17,7 @@ const COMMANDS: [&str; 17] = [
     "export",
     "recipe",
     "verify",
+    "lint",
     "cite",
     "forest",
     "doctor",
