@@ -14,6 +14,7 @@ mod forest;
 mod interrupt;
 mod jobs;
 mod kills;
+mod lint;
 mod pipes;
 mod plugins;
 mod program;

