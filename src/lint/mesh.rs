@@ -68,13 +68,23 @@ pub fn six_volumes(geometry: &Geometry) -> f64 {
     geometry.triangles.iter().map(of).sum()
 }
 
-/// The lowest and the highest corner of pieces in their places.
+/// Vertices in their places that are looked at one by one.
+const MOST: usize = 50_000_000;
+
+/// The lowest and the highest corner of pieces in their places; of meshes with a very great many, of their boxes.
 pub fn bounds(asset: &Asset, pieces: &[Piece]) -> Option<[Vec3; 2]> {
     let mut bounds: Option<[Vec3; 2]> = None;
     for piece in pieces {
         let Some(geometry) = &asset.meshes[piece.mesh].geometry else { continue };
+        let corners;
+        let positions = if geometry.positions.len().saturating_mul(piece.places.len()) <= MOST {
+            &geometry.positions
+        } else {
+            corners = box_of(&geometry.positions);
+            &corners
+        };
         for place in &piece.places {
-            for &at in &geometry.positions {
+            for &at in positions {
                 let at = place.transform_point3(at);
                 let [low, high] = bounds.unwrap_or([at, at]);
                 bounds = Some([low.min(at), high.max(at)]);
@@ -82,6 +92,16 @@ pub fn bounds(asset: &Asset, pieces: &[Piece]) -> Option<[Vec3; 2]> {
         }
     }
     bounds
+}
+
+/// The eight corners around positions.
+fn box_of(positions: &[Vec3]) -> Vec<Vec3> {
+    let low = positions.iter().copied().fold(Vec3::MAX, Vec3::min);
+    let high = positions.iter().copied().fold(Vec3::MIN, Vec3::max);
+    let pick = |corner: u32| {
+        Vec3::select(glam::BVec3::new(corner & 1 > 0, corner & 2 > 0, corner & 4 > 0), high, low)
+    };
+    (0..8).map(pick).collect()
 }
 
 /// Twice the area of a triangle, as a vector along its normal.

@@ -49,7 +49,7 @@ fn check(asset: &Asset, limits: &Limits, found: &mut Findings<'_>) {
         let change = f64::from(((other - size).abs() / size.max_element().max(1e-6)).max_element()) * 100.0;
         if change > pop {
             let message = format!(
-                "its bounding box is {:.2} x {:.2} x {:.2} m after {:.2} x {:.2} x {:.2}: {change:.0} % of the longest side, more than {pop}",
+                "its bounding box is {:.2} x {:.2} x {:.2} m after {:.2} x {:.2} x {:.2}: {change:.1} % of the longest side, more than {pop}",
                 other.x, other.y, other.z, size.x, size.y, size.z
             );
             found.over(Some(&place), message, change, pop);

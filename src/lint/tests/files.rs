@@ -247,6 +247,28 @@ fn usd_that_is_broken_or_binary_is_an_error() {
     assert!(said(b"#usda 1.0\ndef {").starts_with("USD: "));
 }
 
+/// A small file may name the same numbers as often as it likes.
+#[test]
+fn what_is_named_again_and_again_stays_within_memory() {
+    let mut model = Model::clean();
+    model.pictures = vec![[8, 8], [8, 8]];
+    model.edit = |document| {
+        let mesh = document["meshes"][1].clone();
+        document["meshes"] = json!(vec![mesh; 3000]);
+    };
+    assert!(matches!(read("a.gltf", &model.gltf(), &NoFiles, &Poor), Err(ReadError::Memory(_))));
+    model.edit = |document| {
+        let places = document["accessors"].as_array().unwrap().len();
+        let accessor =
+            json!({"componentType": 5126, "type": "VEC3", "count": 4_000_000_000_u32, "sparse": {}});
+        document["accessors"].as_array_mut().unwrap().push(accessor);
+        document["nodes"][1]["extensions"] =
+            json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": places}}});
+    };
+    let said = read("a.gltf", &model.gltf(), &NoFiles, &Quiet).unwrap_err().to_string();
+    assert!(said.contains("2000000 places"), "{said}");
+}
+
 /// Allows few bytes.
 struct Poor;
 

@@ -36,13 +36,15 @@ pub(super) fn read(
     textures(asset, &document, &buffers, beside);
     materials(asset, &document);
     // Meshes by the document's, each primitive one of ours.
+    // Many primitives may be made of the same accessors.
+    let mut held = 0;
     let mut pieces = Vec::with_capacity(document.meshes.len());
     for (index, mesh) in document.meshes.iter().enumerate() {
         monitor.check()?;
         let name = mesh.name.clone().unwrap_or_else(|| format!("mesh {index}"));
         let mut of_mesh = Vec::new();
         for primitive in mesh.primitives.iter().filter(|primitive| (4..=6).contains(&primitive.mode)) {
-            let mut read = primitive_mesh(asset, primitive, &buffers, monitor)?;
+            let mut read = primitive_mesh(asset, primitive, &buffers, &mut held, monitor)?;
             read.name = match asset.material_of(&read) {
                 Some(material) if mesh.primitives.len() > 1 => format!("{name}, {}", material.name),
                 _ => name.clone(),
@@ -214,6 +216,7 @@ fn primitive_mesh(
     asset: &mut Asset,
     primitive: &Primitive,
     buffers: &Buffers<'_>,
+    held: &mut u64,
     monitor: &dyn Monitor,
 ) -> Result<Mesh, ReadError> {
     let attribute = |name: &str| primitive.attributes.get(name).copied();
@@ -238,7 +241,8 @@ fn primitive_mesh(
         }
         return Ok(mesh);
     }
-    monitor.admit(READING, 48 * vertices as u64 + 16 * corners as u64, ADVICE)?;
+    *held += 48 * vertices as u64 + 16 * corners as u64;
+    monitor.admit(READING, *held, ADVICE)?;
     let positions: Vec<Vec3> = buffers.values(position)?.vectors();
     let indices = match primitive.indices {
         Some(indices) => buffers.indices(indices)?,

@@ -8,6 +8,7 @@ use super::accessor::Buffers;
 use super::document::{Document, Node};
 use super::{ReadError, broken};
 use crate::asset::{Aspect, Asset};
+use crate::read::MOST_PLACES;
 use crate::read::arrange::{Drawn, arrange};
 
 /// `pieces` are the asset's meshes of each mesh of the document.
@@ -23,7 +24,15 @@ pub(super) fn read(
         .filter_map(|node| node.extensions.lod.as_ref())
         .flat_map(|lod| lod.ids.clone())
         .collect();
-    let mut walk = Walk { document, buffers, pieces, levels, visited: BTreeSet::new(), drawn: Vec::new() };
+    let mut walk = Walk {
+        document,
+        buffers,
+        pieces,
+        levels,
+        visited: BTreeSet::new(),
+        drawn: Vec::new(),
+        left: MOST_PLACES,
+    };
     let scene = document.scenes.get(document.scene.unwrap_or(0));
     let roots: Vec<usize> = match scene {
         Some(scene) => scene.nodes.clone(),
@@ -49,6 +58,8 @@ struct Walk<'a> {
     levels: BTreeSet<usize>,
     visited: BTreeSet<usize>,
     drawn: Vec<Drawn>,
+    /// Places that there may still be.
+    left: usize,
 }
 
 /// A node that is to be looked at.
@@ -101,20 +112,23 @@ impl Walk<'_> {
     ) -> Result<(), ReadError> {
         let Some(mesh) = node.mesh else { return Ok(()) };
         let meshes = self.pieces.get(mesh).ok_or_else(|| broken(format!("there is no mesh {mesh}")))?;
+        let too_many = || broken(format!("its meshes have more than {MOST_PLACES} places"));
         let places = match &node.extensions.instancing {
             None => vec![at],
             Some(instancing) => {
                 let of = |name: &str| instancing.attributes.get(name).copied();
                 let attributes = ["TRANSLATION", "ROTATION", "SCALE"].map(of);
+                let count = attributes.into_iter().flatten().next();
+                let count = count.map_or(Ok(1), |index| self.buffers.count(index))?;
+                let all = count.saturating_mul(meshes.len().max(1));
+                self.left = self.left.checked_sub(all).ok_or_else(too_many)?;
                 let packed = attributes.into_iter().flatten().find_map(|index| self.buffers.packed(index));
                 match packed {
                     None => self.instances(attributes)?.into_iter().map(|instance| at * instance).collect(),
                     Some(packed) => {
                         asset.note(Aspect::Places, format!("{packed} is not unpacked"));
-                        let count = attributes.into_iter().flatten().next();
-                        let count = count.map_or(Ok(1), |index| self.buffers.count(index))?;
-                        // As many as there are, for the count of triangles; no more than a forest has.
-                        vec![at; count.min(1_000_000)]
+                        // As many as there are, for the count of triangles.
+                        vec![at; count]
                     }
                 }
             }

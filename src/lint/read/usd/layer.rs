@@ -10,6 +10,7 @@ use openusd::usda;
 use super::mesh::vectors;
 use super::{ReadError, broken};
 use crate::asset::{Aspect, Asset};
+use crate::read::MOST_PLACES;
 use crate::read::arrange::level_of;
 
 /// A layer.
@@ -28,8 +29,6 @@ pub(super) enum Levels {
 
 /// Prims within prims, and lists within lists: the parser calls itself for each.
 const DEEPEST: usize = 200;
-/// Places of a prototype: no forest has more.
-const MOST_PLACES: usize = 4_000_000;
 
 impl Layer {
     pub fn parse(text: &str) -> Result<Self, ReadError> {
@@ -151,7 +150,7 @@ impl Layer {
     }
 
     /// Where a prim stands: in one place, or where an instancer above it puts it.
-    pub fn places(&self, prim: &Path, asset: &mut Asset) -> Vec<Affine3A> {
+    pub fn places(&self, prim: &Path, asset: &mut Asset) -> Result<Vec<Affine3A>, ReadError> {
         let mut places = vec![self.transform(prim, asset)];
         // A prim and its variants are one.
         let mut done = BTreeSet::new();
@@ -165,8 +164,7 @@ impl Layer {
             if self.kind(&above).as_deref() == Some("PointInstancer") {
                 let instances = self.instances(&above, prim);
                 if instances.len().saturating_mul(places.len()) > MOST_PLACES {
-                    asset.note(Aspect::Places, "an instancer has too many places");
-                    return places;
+                    return Err(too_many());
                 }
                 places =
                     instances.iter().flat_map(|at| places.iter().map(move |place| *at * *place)).collect();
@@ -175,7 +173,7 @@ impl Layer {
                 *place = transform * *place;
             }
         }
-        places
+        Ok(places)
     }
 
     fn instances(&self, instancer: &Path, prim: &Path) -> Vec<Affine3A> {
@@ -237,6 +235,10 @@ impl Layer {
         }
         transform
     }
+}
+
+pub(super) fn too_many() -> ReadError {
+    broken(format!("its meshes have more than {MOST_PLACES} places"))
 }
 
 /// A path without variants.

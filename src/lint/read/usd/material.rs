@@ -62,8 +62,15 @@ pub(super) fn read(asset: &mut Asset, layer: &Layer, beside: &dyn Beside) -> Mat
             }
         }
         material.others = used.into_values().collect();
-        materials.insert(path, asset.materials.len());
-        asset.materials.push(material);
+        // Names are within a prim: what only looks the same is the same.
+        let known = asset.materials.iter().position(|known| *known == material);
+        if known.is_none() && asset.materials.iter().any(|known| known.name == material.name) {
+            material.name.clone_from(&path);
+        }
+        materials.insert(path, known.unwrap_or(asset.materials.len()));
+        if known.is_none() {
+            asset.materials.push(material);
+        }
     }
     materials
 }

@@ -16,7 +16,7 @@ use glam::{Affine3A, Quat, Vec3};
 use self::layer::{Layer, Levels};
 use self::package::Package;
 use super::arrange::{Drawn, arrange};
-use super::{Beside, ReadError};
+use super::{Beside, MOST_PLACES, ReadError};
 use crate::asset::{Aspect, Asset};
 
 pub(super) fn read(asset: &mut Asset, bytes: &[u8], beside: &dyn Beside) -> Result<(), ReadError> {
@@ -42,7 +42,7 @@ pub(super) fn broken(problem: impl AsRef<str>) -> ReadError {
 fn read_layer(asset: &mut Asset, layer: &Layer, beside: &dyn Beside) -> Result<(), ReadError> {
     let root = root(layer);
     let materials = material::read(asset, layer, beside);
-    let mut drawn = Vec::new();
+    let (mut drawn, mut left) = (Vec::new(), MOST_PLACES);
     for prim in layer.prims_of("Mesh") {
         let level = match layer.level(&prim) {
             Levels::Hidden => {
@@ -61,7 +61,9 @@ fn read_layer(asset: &mut Asset, layer: &Layer, beside: &dyn Beside) -> Result<(
         }
         let bound = layer.binding(&prim);
         read.material = bound.and_then(|material| materials.get(&material).copied());
-        let places = layer.places(&prim, asset).into_iter().map(|place| root * place).collect();
+        let places: Vec<Affine3A> =
+            layer.places(&prim, asset)?.into_iter().map(|place| root * place).collect();
+        left = left.checked_sub(places.len()).ok_or_else(layer::too_many)?;
         let above = prim.strict_ancestors().filter_map(|above| above.name().map(str::to_owned)).collect();
         drawn.push(Drawn { mesh: asset.meshes.len(), node: read.name.clone(), places, level, above });
         asset.meshes.push(read);
