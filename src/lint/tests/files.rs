@@ -144,9 +144,9 @@ fn another_reader_finds_the_same() {
         let primitive = mesh.primitives().next().unwrap();
         let reader = primitive.reader(|buffer| Some(&buffers[buffer.index()]));
         let geometry = ours.geometry.as_ref().unwrap();
-        let positions: Vec<[f32; 3]> = geometry.positions.iter().map(|at| at.to_array()).collect();
+        let positions: Vec<[f32; 3]> = geometry.positions.iter().map(glam::Vec3::to_array).collect();
         assert_eq!(reader.read_positions().unwrap().collect::<Vec<_>>(), positions);
-        let normals: Vec<[f32; 3]> = geometry.normals.iter().flatten().map(|at| at.to_array()).collect();
+        let normals: Vec<[f32; 3]> = geometry.normals.iter().flatten().map(glam::Vec3::to_array).collect();
         assert_eq!(reader.read_normals().unwrap().collect::<Vec<_>>(), normals);
         let indices: Vec<u32> = geometry.triangles.iter().flatten().copied().collect();
         assert_eq!(reader.read_indices().unwrap().into_u32().collect::<Vec<_>>(), indices);
@@ -154,7 +154,7 @@ fn another_reader_finds_the_same() {
             let theirs = reader.read_tex_coords(set).map(|uvs| uvs.into_f32().collect::<Vec<_>>());
             let ours = geometry.uvs[set as usize]
                 .as_ref()
-                .map(|uvs| uvs.iter().map(|uv| uv.to_array()).collect::<Vec<_>>());
+                .map(|uvs| uvs.iter().map(glam::Vec2::to_array).collect::<Vec<_>>());
             assert_eq!(theirs, ours);
         }
     }
@@ -189,7 +189,7 @@ fn broken_files_are_errors_that_say_so() {
         ("not enough bytes", |document| document["accessors"][0]["count"] = 4_000_000_000_u32.into()),
         ("buffer view that is not there", |document| document["accessors"][0]["bufferView"] = 999.into()),
         ("buffer view that is not there", |document| {
-            document["bufferViews"][0]["byteOffset"] = u64::MAX.into()
+            document["bufferViews"][0]["byteOffset"] = u64::MAX.into();
         }),
         ("there is no accessor", |document| document["meshes"][0]["primitives"][0]["indices"] = 999.into()),
         ("an index names vertex", |document| document["accessors"][0]["count"] = 3.into()),

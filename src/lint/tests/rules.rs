@@ -124,7 +124,7 @@ static FAULTS: &[Fault] = &[
     }),
     (&["texture-missing"], "half a picture", |model| {
         model.edit = |document| {
-            document["images"][0] = serde_json::json!({"uri": "data:image/png;base64,iVBORw0KGgo="})
+            document["images"][0] = serde_json::json!({"uri": "data:image/png;base64,iVBORw0KGgo="});
         };
     }),
     (&["alpha-blend"], "blended leaves", |model| model.materials[1]["alphaMode"] = "BLEND".into()),

@@ -110,7 +110,7 @@ impl Model {
         let mut meshes = Vec::new();
         for part in &self.parts {
             let mut attributes =
-                json!({"POSITION": file.floats("VEC3", part.positions.iter().flat_map(|v| v.to_array()))});
+                json!({"POSITION": file.floats("VEC3", part.positions.iter().flat_map(Vec3::to_array))});
             let bounds = |pick: fn(Vec3, Vec3) -> Vec3| {
                 part.positions
                     .iter()
@@ -123,9 +123,9 @@ impl Model {
                 (accessor["min"], accessor["max"]) = (json!(bounds(Vec3::min)), json!(bounds(Vec3::max)));
             }
             for (name, kind, values) in [
-                ("NORMAL", "VEC3", part.normals.iter().flat_map(|v| v.to_array()).collect::<Vec<f32>>()),
-                ("TEXCOORD_0", "VEC2", part.uvs.iter().flat_map(|v| v.to_array()).collect()),
-                ("TEXCOORD_1", "VEC2", part.light.iter().flat_map(|v| v.to_array()).collect()),
+                ("NORMAL", "VEC3", part.normals.iter().flat_map(Vec3::to_array).collect::<Vec<f32>>()),
+                ("TEXCOORD_0", "VEC2", part.uvs.iter().flat_map(Vec2::to_array).collect()),
+                ("TEXCOORD_1", "VEC2", part.light.iter().flat_map(Vec2::to_array).collect()),
             ] {
                 if !values.is_empty() {
                     attributes[name] = file.floats(kind, values).into();
