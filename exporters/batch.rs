@@ -64,6 +64,13 @@ impl Output {
         (0..levels).map(|level| Self { path: path(level), level: Some(level), ..self.clone() }).collect()
     }
 
+    /// Puts it into a folder.
+    pub fn move_into(&mut self, folder: &Path) {
+        for path in std::iter::once(&mut self.path).chain(&mut self.families) {
+            *path = folder.join(path.file_name().unwrap_or_default());
+        }
+    }
+
     fn is_stream(&self) -> bool {
         self.path == Path::new("-") || matches!(examine(&self.path), Ok(Existing::Stream))
     }

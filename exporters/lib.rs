@@ -63,6 +63,7 @@ mod recipe;
 mod registry;
 mod stl;
 mod system;
+mod traces;
 mod usda;
 mod workplace;
 pub mod writing;
@@ -84,7 +85,8 @@ pub use format::{Encoding, Format, Holds, LooksIn};
 pub use options::{OptionSpec, Options};
 pub use plugin::program_on_path;
 pub use recipe::Readable;
-pub use registry::{REGISTRY, Registry, USUAL, exporters, find, for_path, recipe_in};
+pub use registry::{REGISTRY, Registry, USUAL, exporters, find, for_path, recipe_in, writers};
+pub use traces::Traces;
 
 /// What wrote a file, as files say it: `linden 0.2.0 (abc1234)`.
 pub const GENERATOR: &str = linden_pipeline::recipe::PROGRAM;
@@ -101,6 +103,15 @@ pub trait Exporter: Sync {
     /// # Errors
     /// What reading failed with.
     fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>>;
+
+    /// What a file of this format, read from its beginning, shows of the options that it was written with; where
+    /// a format says nothing of that, the defaults.
+    ///
+    /// # Errors
+    /// What reading failed with.
+    fn traces(&self, _file: &mut dyn Readable) -> io::Result<Traces> {
+        Ok(Traces::none(self.format()))
+    }
 
     /// Writes `stage` into `bundle`, which the caller then commits.
     ///

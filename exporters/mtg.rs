@@ -24,7 +24,7 @@ use linden_pipeline::stage::{Place, Stage};
 use crate::options::{OptionSpec, Options};
 use crate::writing::records::{self, Text};
 use crate::writing::{fit, memory, validate};
-use crate::{Bundle, Encoding, ExportError, Exporter, Format, Holds, Readable, recipe};
+use crate::{Bundle, Encoding, ExportError, Exporter, Format, Holds, Readable, Traces, recipe};
 
 /// A multiscale tree graph.
 pub(crate) struct Mtg;
@@ -113,6 +113,10 @@ impl Exporter for Mtg {
 
     fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {
         recipe::in_comments(file)
+    }
+
+    fn traces(&self, _file: &mut dyn Readable) -> io::Result<Traces> {
+        Ok(Traces::none(&FORMAT).with_either("organs"))
     }
 
     fn write(

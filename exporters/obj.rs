@@ -20,7 +20,8 @@ use crate::writing::pictures::{self, NamedPicture};
 use crate::writing::records::{self, Digits, Text};
 use crate::writing::{fit, mean_digits, memory, one_word};
 use crate::{
-    Amounts, Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Sink, recipe,
+    Amounts, Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Sink, Traces,
+    recipe, traces,
 };
 
 /// Wavefront OBJ.
@@ -59,6 +60,12 @@ impl Exporter for Obj {
 
     fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {
         recipe::in_comments(file)
+    }
+
+    /// Pictures show in the library alone.
+    fn traces(&self, file: &mut dyn Readable) -> io::Result<Traces> {
+        let lines = traces::last_line(file)?.starts_with(b"l ");
+        Ok(Traces::none(&FORMAT).with_switch("lines", lines).with_either("pictures"))
     }
 
     fn write(

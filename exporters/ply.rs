@@ -22,7 +22,8 @@ use crate::writing::distinct::{DistinctMeshes, MeshPart};
 use crate::writing::records::{self, Text};
 use crate::writing::{fit, mean_digits, memory, pictures, validate};
 use crate::{
-    Amounts, Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Sink, recipe,
+    Amounts, Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Sink, Traces,
+    recipe, traces,
 };
 
 /// A mesh with normals, texture coordinates and vertex colours.
@@ -96,6 +97,10 @@ impl Exporter for Ply {
 
     fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {
         in_header(file)
+    }
+
+    fn traces(&self, file: &mut dyn Readable) -> io::Result<Traces> {
+        encoded(&MESH, file)
     }
 
     fn write(
@@ -225,6 +230,10 @@ impl Exporter for PlySkeleton {
 
     fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {
         in_header(file)
+    }
+
+    fn traces(&self, file: &mut dyn Readable) -> io::Result<Traces> {
+        encoded(&SKELETON, file)
     }
 
     fn write(
@@ -382,6 +391,11 @@ fn header(name: &str, recipe: &str, ascii: bool) -> String {
     }
     head += "comment units: metres, up axis: Y, triangles counter-clockwise from outside\n";
     head
+}
+
+fn encoded(format: &'static Format, file: &mut dyn Readable) -> io::Result<Traces> {
+    let [is_ascii, _end] = traces::beginnings(file, ["format ascii", "end_header"])?;
+    Ok(Traces::none(format).with("encoding", if is_ascii { "ascii" } else { "binary" }))
 }
 
 /// The recipe in a header: its comments, put together.

@@ -5,7 +5,9 @@ use std::path::Path;
 
 use linden_pipeline::knob::nearest;
 
-use crate::{ExportError, Exporter, Readable, gltf, mtg, obj, organs, plugin, ply, qsm, recipe, stl, usda};
+use crate::{
+    ExportError, Exporter, Readable, gltf, mtg, obj, organs, plugin, ply, qsm, recipe, stl, traces, usda,
+};
 
 /// Linden's formats. Where two claim an ending, the first has it.
 #[rustfmt::skip] // a line for each
@@ -133,11 +135,28 @@ impl Registry {
     pub fn recipe_in(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {
         recipe::in_any(&self.exporters, file)
     }
+
+    /// The exporters that may have written a file, those of its name's ending first: several formats carry
+    /// recipes in the same way. None for a file without a recipe.
+    ///
+    /// # Errors
+    /// What reading failed with.
+    pub fn writers(&self, path: &Path, file: &mut dyn Readable) -> io::Result<Vec<&'static dyn Exporter>> {
+        traces::writers(&self.exporters, path, file)
+    }
 }
 
 /// All formats of [`Registry::new`] and of plug-ins on the search path.
 pub fn exporters() -> Vec<&'static dyn Exporter> {
     Registry::new().exporters()
+}
+
+/// The exporters of [`Registry::new`] that may have written a file.
+///
+/// # Errors
+/// As [`Registry::writers`].
+pub fn writers(path: &Path, file: &mut dyn Readable) -> io::Result<Vec<&'static dyn Exporter>> {
+    Registry::new().writers(path, file)
 }
 
 /// The exporter of [`Registry::new`] that scripts call `id`.

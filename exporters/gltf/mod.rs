@@ -16,6 +16,7 @@ mod quantize;
 mod recipe;
 mod setting;
 mod tangents;
+mod traces;
 mod wind;
 
 use std::io;
@@ -38,7 +39,7 @@ use crate::options::{OptionSpec, Options};
 use crate::writing::distinct::{DistinctMeshes, NamedMaterial};
 use crate::writing::pictures::{self, NamedPicture};
 use crate::writing::{fit, instances, memory};
-use crate::{Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, LooksIn, Readable};
+use crate::{Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, LooksIn, Readable, Traces};
 
 /// JSON, with a buffer and pictures beside it.
 pub(crate) struct Gltf;
@@ -138,6 +139,10 @@ impl Exporter for Gltf {
 
     fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {
         recipe::in_text(file)
+    }
+
+    fn traces(&self, file: &mut dyn Readable) -> io::Result<Traces> {
+        traces::in_text(file)
     }
 
     fn write(
@@ -251,6 +256,10 @@ impl Exporter for Glb {
 
     fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {
         recipe::in_binary(file)
+    }
+
+    fn traces(&self, file: &mut dyn Readable) -> io::Result<Traces> {
+        traces::in_binary(file)
     }
 
     fn write(

@@ -15,15 +15,20 @@ const JSON: u32 = 0x4e4f_534a;
 
 /// Of a `.glb`, whose first chunk is the document.
 pub(super) fn in_binary(file: &mut dyn Readable) -> io::Result<Option<String>> {
+    match document_bytes(file)? {
+        Some(bytes) => in_document(&mut file.take(bytes)),
+        None => Ok(None),
+    }
+}
+
+/// The length of a `.glb`'s document, where the file then stands; `None` where it is no `.glb`.
+pub(super) fn document_bytes(file: &mut dyn Readable) -> io::Result<Option<u64>> {
     if !begins(file, b"glTF\x02\0\0\0")? {
         return Ok(None);
     }
     let _length = word(file)?;
     let bytes = word(file)?;
-    if word(file)? != JSON {
-        return Ok(None);
-    }
-    in_document(&mut file.take(bytes.into()))
+    Ok((word(file)? == JSON).then_some(bytes.into()))
 }
 
 /// Of a `.gltf`.

@@ -46,7 +46,9 @@ use crate::options::{OptionSpec, Options};
 use crate::writing::distinct::{DistinctMeshes, MeshPart};
 use crate::writing::pictures::{self, NamedPicture};
 use crate::writing::{fit, instances, memory};
-use crate::{Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Sink, recipe};
+use crate::{
+    Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Sink, Traces, recipe, traces,
+};
 
 /// OpenUSD as text.
 pub(crate) struct Usda;
@@ -162,6 +164,10 @@ impl Exporter for Usda {
         in_layer(file)
     }
 
+    fn traces(&self, file: &mut dyn Readable) -> io::Result<Traces> {
+        in_text(&FORMAT, file)
+    }
+
     fn write(
         &self,
         stage: &Stage<'_>,
@@ -194,6 +200,11 @@ impl Exporter for Usdz {
 
     fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {
         package::first(file, in_layer)
+    }
+
+    /// The layer is stored as it is, and what `flavor=ar` leaves out is what the other options do.
+    fn traces(&self, file: &mut dyn Readable) -> io::Result<Traces> {
+        in_text(&PACKAGE, file)
     }
 
     fn write(
@@ -229,6 +240,25 @@ impl Exporter for Usdz {
         let bytes = package.finish()?;
         bundle.write_main(Some(bytes.len() as u64), monitor, |out| out.write(&bytes))
     }
+}
+
+fn in_text(format: &'static Format, file: &mut dyn Readable) -> io::Result<Traces> {
+    let seen = traces::beginnings(
+        file,
+        [
+            "uniform token info:id = \"UsdUVTexture\"",
+            "def BasisCurves ",
+            "def PointInstancer ",
+            "def Camera ",
+            "variantSet \"season\"",
+        ],
+    );
+    let [pictures, skeleton, instances, setting, seasons] = seen?;
+    let traces = Traces::none(format)
+        .with_switch("pictures", pictures)
+        .with_switch("skeleton", skeleton)
+        .with_switch("instances", instances);
+    Ok(Traces { setting, seasons, ..traces })
 }
 
 /// The recipe of a layer: the root's stands before those of the trees below it.

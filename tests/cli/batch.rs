@@ -356,6 +356,11 @@ set = { points = 60, bark_size = 16, leaf_size = 32, bark_seed = [1, 2] }
     }
     assert_eq!(batch(&folder, "again", &["--merge"]).code, Some(0));
     assert!(files(&folder.file("again")) == whole);
+    // Their recipes give them again, with the pictures that they share.
+    let verified = folder.run(&["verify", "out", "--json"]).done().json();
+    let rows = verified["files"].as_array().unwrap();
+    assert_eq!(rows.len(), 8 * 3);
+    assert!(rows.iter().all(|file| file["outcome"] == "same-bytes"), "{verified}");
     // A picture that is gone is made again.
     fs::remove_file(folder.file("again").join(pictures.first().unwrap())).unwrap();
     assert_eq!(batch(&folder, "again", &["--merge"]).code, Some(1));

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::program::Folder;
 
-const COMMANDS: [&str; 17] = [
+const COMMANDS: [&str; 19] = [
     "open",
     "list",
     "show",
@@ -17,6 +17,8 @@ const COMMANDS: [&str; 17] = [
     "sheet",
     "export",
     "recipe",
+    "verify",
+    "lint",
     "cite",
     "forest",
     "doctor",

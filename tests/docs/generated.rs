@@ -9,6 +9,7 @@ use linden::knob::Knob;
 use linden::preset::{KNOBS, PART_KNOBS, Preset};
 use linden::report::{Group, NUMBERS, Number, Of};
 use linden_exporters::{Format, LooksIn, REGISTRY};
+use linden_lint::{PROFILES, RULES};
 
 use crate::{is_update, read, root};
 
@@ -279,4 +280,36 @@ fn every_number_has_a_name_of_its_own_and_the_unit_that_it_ends_in() {
         assert!(name.ends_with(ending) || name == "bounds", "{name}");
         assert!(!number.meaning.ends_with('.') && number.meaning.len() > 3, "{name}");
     }
+}
+
+#[test]
+fn the_rules_of_lint_are_those_of_the_program() {
+    let mut rules = "| rule | level | looks for | why | what to do |\n|---|---|---|---|---|\n".to_owned();
+    let mut limits = "\n| limit | usual | |\n|---|---|---|\n".to_owned();
+    for rule in RULES {
+        let [checks, why, mend] = [rule.checks, rule.why, rule.mend].map(cell);
+        writeln!(rules, "| `{}` | {} | {checks} | {why} | {mend} |", rule.id, rule.severity.word()).unwrap();
+        for limit in rule.limits {
+            let unit = if limit.unit.is_empty() { String::new() } else { format!(" {}", limit.unit) };
+            writeln!(
+                limits,
+                "| `{}.{}` | {}{unit} | {} |",
+                rule.id,
+                limit.name,
+                limit.usual,
+                cell(limit.help)
+            )
+            .unwrap();
+        }
+    }
+    check_block("docs/lint.md", "rules", &(rules + &limits));
+    let mut profiles = "| profile | for | what differs |\n|---|---|---|\n".to_owned();
+    for profile in PROFILES {
+        let limits = profile.limits.iter().map(|(rule, limit, value)| format!("`{rule}.{limit}` {value}"));
+        let severities =
+            profile.severities.iter().map(|(rule, severity)| format!("`{rule}` {}", severity.word()));
+        let differs: Vec<String> = limits.chain(severities).collect();
+        writeln!(profiles, "| `{}` | {} | {} |", profile.id, profile.help, differs.join(", ")).unwrap();
+    }
+    check_block("docs/lint.md", "profiles", &profiles);
 }

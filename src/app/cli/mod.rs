@@ -12,6 +12,7 @@ mod export;
 mod forest;
 mod forest_page;
 mod knob;
+mod lint;
 mod list;
 mod man;
 mod outputs;
@@ -24,6 +25,7 @@ mod show;
 mod size;
 mod stats;
 mod sweep;
+mod verify;
 mod workbench;
 
 use std::io::{self, Write};
@@ -90,6 +92,8 @@ Examples:
   linden forest fir:3 simple -o wood.glb --area 60 --scene
   linden export scan.xyz -o tree.glb --set step=0.05
   linden recipe tree.glb
+  linden verify tree.glb
+  linden lint tree.glb --profile mobile --deny warnings
   linden cite tree.glb --format bibtex
   linden sweep abop-honda-a --define r1=0.6:0.9:0.1 --seeds 2 -o table.csv
   linden batch trees.toml --shard 0/4 --out trees
@@ -110,6 +114,8 @@ enum CliCommand {
     Sheet(sheet::Sheet),
     Export(export::Export),
     Recipe(recipe::Recipe),
+    Verify(verify::Verify),
+    Lint(lint::Lint),
     Cite(cite::Cite),
     Forest(forest::Forest),
     Doctor(doctor::Doctor),
@@ -384,6 +390,8 @@ impl CliCommand {
             Self::Sheet(command) => command.run(),
             Self::Export(command) => command.run(),
             Self::Recipe(command) => command.run(),
+            Self::Verify(command) => command.run(),
+            Self::Lint(command) => command.run(),
             Self::Cite(command) => command.run(),
             Self::Forest(command) => command.run(),
             Self::Doctor(command) => command.run(),

@@ -21,7 +21,7 @@ use glam::DVec3;
 pub use inputs::{Geometry, Input, Inputs};
 pub use obj::read_obj;
 pub use picture::{A_PICTURE, UserPicture, UserPictureError, read_picture};
-pub use ply::{PlyData, read_ply};
+pub use ply::{PlyColumns, PlyData, read_ply, read_ply_with};
 pub use sniff::{InputKind, sniff};
 pub use xyz::read_xyz;
 

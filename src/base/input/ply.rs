@@ -26,6 +26,47 @@ pub struct PlyData {
     pub faces: Vec<[u32; 3]>,
 }
 
+/// Values of vertices, a column for each property that was asked for.
+pub type PlyColumns = Vec<Option<Vec<f32>>>;
+
+/// The same with further scalar properties of the vertices, in the order of their names; `None` for those that the
+/// file has not.
+///
+/// # Errors
+/// As [`read_ply`].
+pub fn read_ply_with(
+    bytes: &[u8],
+    names: &[&str],
+    monitor: &dyn Monitor,
+) -> Result<(PlyData, PlyColumns), InputError> {
+    let mut columns: Vec<Column> = names.iter().map(|name| Column::new(name)).collect();
+    let data = read(bytes, &mut columns, monitor)?;
+    Ok((data, columns.into_iter().map(|column| column.index.map(|_| column.values)).collect()))
+}
+
+/// Further values of the vertices.
+struct Column {
+    name: String,
+    /// Which property it is.
+    index: Option<usize>,
+    values: Vec<f32>,
+}
+
+impl Column {
+    fn new(name: &str) -> Self {
+        Self { name: name.to_owned(), index: None, values: Vec::new() }
+    }
+
+    fn find(&mut self, element: &Element) {
+        let is_it =
+            |property: &Property| property.name == self.name && matches!(property.kind, Kind::Scalar(_));
+        self.index = element.properties.iter().position(is_it);
+        if self.index.is_some() {
+            self.values.reserve_exact(element.rows as usize);
+        }
+    }
+}
+
 /// Reads vertices, faces and triangle strips; further elements and properties, lists too, are passed over.
 ///
 /// # Errors
@@ -33,13 +74,17 @@ pub struct PlyData {
 /// holds, knows unknown types, or has no scalar `x`, `y`, `z`; numbers that are not finite; indices of
 /// no vertex; data that ends early; no memory; cancelled.
 pub fn read_ply(bytes: &[u8], monitor: &dyn Monitor) -> Result<PlyData, InputError> {
+    read(bytes, &mut [], monitor)
+}
+
+fn read(bytes: &[u8], columns: &mut [Column], monitor: &dyn Monitor) -> Result<PlyData, InputError> {
     let header = Header::read(bytes)?;
     let mut data = PlyData::default();
     let mut body = Body { bytes, at: header.end, encoding: header.encoding };
     for element in &header.elements {
         body.can_hold(element)?;
         match element.name.as_str() {
-            "vertex" => read_vertices(&mut body, element, &mut data.positions, monitor)?,
+            "vertex" => read_vertices(&mut body, element, &mut data.positions, columns, monitor)?,
             "face" | "tristrips" => {
                 let held = bytes_of::<DVec3>(data.positions.capacity());
                 read_faces(&mut body, element, &mut data.faces, held, monitor)?;
@@ -413,6 +458,7 @@ fn read_vertices(
     body: &mut Body<'_>,
     element: &Element,
     positions: &mut Vec<DVec3>,
+    columns: &mut [Column],
     monitor: &dyn Monitor,
 ) -> Result<(), InputError> {
     let axis = |name: &str| {
@@ -427,7 +473,12 @@ fn read_vertices(
     };
     let axes = [axis("x")?, axis("y")?, axis("z")?];
     // Bounded by the file's size: `can_hold` has seen the bytes.
-    monitor.admit(READING, bytes_of::<DVec3>(element.rows as usize), READING_ADVICE)?;
+    let held =
+        bytes_of::<DVec3>(element.rows as usize) + bytes_of::<f32>(columns.len() * element.rows as usize);
+    monitor.admit(READING, held, READING_ADVICE)?;
+    for column in columns.iter_mut() {
+        column.find(element);
+    }
     positions.reserve_exact(element.rows as usize);
     let position = std::cell::Cell::new(DVec3::ZERO);
     each_property(
@@ -440,6 +491,12 @@ fn read_vertices(
                 let mut whole = position.get();
                 whole[axis] = x;
                 position.set(whole);
+                Ok(())
+            }
+            (None, Kind::Scalar(scalar)) => {
+                let column = columns.iter_mut().find(|column| column.index == Some(i));
+                let Some(column) = column else { return Ok(body.skip_property(kind)?) };
+                column.values.push(body.number(scalar)? as f32);
                 Ok(())
             }
             _ => Ok(body.skip_property(kind)?),

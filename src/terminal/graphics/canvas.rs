@@ -98,7 +98,9 @@ impl Canvas {
             None if standing.id != 0 => {
                 kitty::hide(standing.id, out);
                 let before = std::mem::replace(&mut self.hidden, self.standing.take());
-                before.iter().for_each(|before| kitty::delete(before.id, out));
+                if let Some(before) = before {
+                    kitty::delete(before.id, out);
+                }
                 None
             }
             _ => self.remove(out),

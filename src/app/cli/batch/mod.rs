@@ -23,6 +23,7 @@ use self::merge::Merged;
 use self::part::Part;
 use self::plan::Plan;
 use self::rows::{Journal, Rows};
+pub use self::rows::{PICTURES, listed_files};
 use self::template::{Engine, Job};
 use crate::exit::{say, usage};
 use crate::paths::show;

@@ -151,6 +151,19 @@ impl Rows {
     }
 }
 
+/// The files that the index of an output folder lists, or where there is none its parts, with their lengths; none for
+/// a folder that no batch wrote.
+pub fn listed_files(out: &Path) -> anyhow::Result<BTreeMap<String, u64>> {
+    let path = out.join(INDEX);
+    let rows: Vec<Row> = if path.is_file() {
+        let text = fs::read_to_string(&path).with_context(|| format!("reading {}", show(&path)))?;
+        text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect()
+    } else {
+        Rows::read(out)?.written.into_values().flatten().collect()
+    };
+    Ok(rows.into_iter().flat_map(|row| row.files).map(|file| (file.path, file.bytes)).collect())
+}
+
 /// The part that this call writes, a line at a time. Each call has a file of its own, so that no two get into each
 /// other's lines.
 pub struct Journal {

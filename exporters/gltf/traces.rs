@@ -1,0 +1,99 @@
+//! The options of a glTF out of its document.
+
+use std::fmt;
+use std::io::{self, Read};
+
+use serde::Deserialize;
+use serde::de::{Deserializer, Error, IgnoredAny, Visitor};
+
+use super::recipe::document_bytes;
+use super::{GLB, GLTF, WEBP};
+use crate::{Format, Readable, Traces};
+
+/// Of a `.glb`.
+pub(super) fn in_binary(file: &mut dyn Readable) -> io::Result<Traces> {
+    match document_bytes(file)? {
+        Some(bytes) => in_document(&GLB, &mut file.take(bytes)),
+        None => Ok(Traces::none(&GLB)),
+    }
+}
+
+/// Of a `.gltf`.
+pub(super) fn in_text(file: &mut dyn Readable) -> io::Result<Traces> {
+    in_document(&GLTF, file)
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+struct Document {
+    extensions_used: Vec<String>,
+    buffers: Vec<Buffer>,
+    images: Vec<Image>,
+    cameras: Vec<IgnoredAny>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct Buffer {
+    uri: Option<Uri>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+struct Image {
+    mime_type: Option<String>,
+    uri: Option<Uri>,
+}
+
+/// How a URI begins and ends: data may be all of a file.
+struct Uri {
+    is_data: bool,
+    is_jpeg: bool,
+}
+
+impl<'de> Deserialize<'de> for Uri {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct Text;
+        impl Visitor<'_> for Text {
+            type Value = Uri;
+            fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                f.write_str("a URI")
+            }
+            fn visit_str<E: Error>(self, text: &str) -> Result<Self::Value, E> {
+                Ok(Uri {
+                    is_data: text.starts_with("data:"),
+                    is_jpeg: text.rsplit('.').next() == Some("jpg"),
+                })
+            }
+        }
+        deserializer.deserialize_str(Text)
+    }
+}
+
+fn in_document(format: &'static Format, json: &mut dyn Read) -> io::Result<Traces> {
+    let document = match serde_json::from_reader::<_, Document>(json) {
+        Ok(document) => document,
+        Err(error) if error.is_io() => return Err(error.into()),
+        Err(_) => return Ok(Traces::none(format)),
+    };
+    let uses = |name: &str| document.extensions_used.iter().any(|used| used == name);
+    let is_jpeg = |image: &Image| {
+        image.mime_type.as_deref() == Some("image/jpeg") || image.uri.as_ref().is_some_and(|uri| uri.is_jpeg)
+    };
+    let picture_format = match document.images.iter().any(is_jpeg) {
+        _ if uses(WEBP) => "webp",
+        true => "jpeg",
+        false => "png",
+    };
+    let embed = document.buffers.iter().any(|buffer| buffer.uri.as_ref().is_some_and(|uri| uri.is_data));
+    let mut traces = Traces::none(format)
+        .with_switch("pictures", !document.images.is_empty())
+        .with("picture_format", picture_format)
+        .with_switch("instances", uses("EXT_mesh_gpu_instancing"))
+        .with_switch("quantize", uses("KHR_mesh_quantization"))
+        .with("compress", if uses("EXT_meshopt_compression") { "meshopt" } else { "none" });
+    if format.id == GLTF.id {
+        traces = traces.with_switch("embed", embed);
+    }
+    Ok(Traces { setting: !document.cameras.is_empty(), ..traces })
+}

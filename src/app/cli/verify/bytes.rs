@@ -1,0 +1,231 @@
+//! Writes a tree as a file shows that it was written, and compares.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{BufRead, BufReader, ErrorKind};
+use std::path::{Path, PathBuf};
+
+use anyhow::Context;
+use linden::Monitor;
+use linden::season::Season;
+use linden_exporters::{Batch, Bundle, Exporter, LooksIn, Options, Output, Traces, writers};
+
+use super::tree::Tree;
+use crate::cli::batch::PICTURES;
+use crate::paths::show;
+use crate::reading;
+
+/// What the bytes say.
+pub enum Bytes {
+    /// All are the same, those of the files `beside` it too.
+    Same { format: &'static str, options: BTreeMap<&'static str, String>, beside: Vec<PathBuf> },
+    /// Where they differ.
+    Other(String),
+    /// Why they were not compared.
+    NotCompared(String),
+}
+
+/// Compares a file with what its tree gives, written with the options that show in it.
+pub fn compare(path: &Path, tree: &Tree, monitor: &dyn Monitor) -> anyhow::Result<Bytes> {
+    let mut file = BufReader::new(reading::open_regular(path)?);
+    let exporters = writers(path, &mut file)?;
+    if exporters.is_empty() {
+        return Ok(Bytes::NotCompared("a picture or a recipe alone: no bytes to compare".to_owned()));
+    }
+    let mut first_difference = None;
+    for exporter in exporters {
+        std::io::Seek::rewind(&mut file)?;
+        let traces = exporter.traces(&mut file)?;
+        if traces.seasons {
+            return Ok(Bytes::NotCompared("several seasons are in it: bytes not compared".to_owned()));
+        }
+        for options in &traces.options {
+            let attempts = attempts(path, exporter, options, tree.levels.levels.len());
+            for (pictures, attempt) in
+                places(path).flat_map(|place| attempts.iter().map(move |of| (place, of)))
+            {
+                monitor.check()?;
+                match attempt.difference(path, pictures, tree, &traces, monitor)? {
+                    Difference::None(beside) => {
+                        let format = exporter.format().id;
+                        let options = options.iter().map(|(name, value)| (name, value.to_string())).collect();
+                        return Ok(Bytes::Same { format, options, beside });
+                    }
+                    Difference::At(what) => first_difference = first_difference.or(Some(what)),
+                }
+            }
+            if !exporter.format().self_contained && is_of_a_season(path) {
+                return Ok(Bytes::NotCompared(
+                    "it shares pictures with other seasons: bytes not compared".to_owned(),
+                ));
+            }
+        }
+    }
+    Ok(Bytes::Other(first_difference.unwrap_or_default()))
+}
+
+/// Where the pictures of a file may lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum PicturePlace {
+    Beside,
+    /// In the folder that the trees of a batch share.
+    Shared,
+}
+
+fn places(path: &Path) -> impl Iterator<Item = PicturePlace> {
+    let shared = shared_folder(path).is_some_and(|folder| folder.is_dir()).then_some(PicturePlace::Shared);
+    shared.into_iter().chain([PicturePlace::Beside])
+}
+
+/// The pictures of the batch that a file may belong to.
+fn shared_folder(path: &Path) -> Option<PathBuf> {
+    match path.parent()?.parent() {
+        Some(folder) => Some(folder.join(PICTURES)),
+        // A name alone.
+        None => Some(std::path::absolute(path).ok()?.parent()?.parent()?.join(PICTURES)),
+    }
+}
+
+enum Difference {
+    /// The files beside the main one.
+    None(Vec<PathBuf>),
+    At(String),
+}
+
+/// Outputs that are written together, and which of them is the file.
+struct Attempt {
+    outputs: Vec<Output>,
+    index: usize,
+}
+
+/// How a file may have been named: as it is, as a level or as a season of another name.
+fn attempts(path: &Path, exporter: &'static dyn Exporter, options: &Options, levels: usize) -> Vec<Attempt> {
+    let format = exporter.format();
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let ending = format.ending_of(path).map_or(0, |ending| ending.len() + 1);
+    let (stem, ending) = name.split_at(name.len() - ending);
+    let in_files = levels > 1 && format.levels() == LooksIn::Files;
+    let level = stem.rsplit_once("_LOD").and_then(|(stem, level)| Some((stem, level.parse().ok()?)));
+    let (stem, index) =
+        level.filter(|&(_, level): &(_, usize)| in_files && level < levels).unwrap_or((stem, 0));
+    let output = |stem: &str| Output::new(exporter, options.clone(), format!("{stem}{ending}").into());
+    let in_levels = |output: Output| {
+        let outputs = if level.is_some() { output.in_levels(levels) } else { vec![output] };
+        Attempt { index: index.min(outputs.len() - 1), outputs }
+    };
+    let mut attempts = vec![in_levels(output(stem))];
+    if format.seasons() == LooksIn::Files
+        && let Some((stem, season)) = stem.rsplit_once('_')
+    {
+        let season = Season { name: season.to_owned(), season: 0.0 };
+        attempts.extend(output(stem).in_seasons(&[season]).into_iter().map(in_levels));
+    }
+    attempts
+}
+
+/// Whether it is named as one of the seasons that `--seasons` has.
+fn is_of_a_season(path: &Path) -> bool {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let stem = stem.rsplit_once("_LOD").map_or(stem.as_str(), |(stem, _)| stem);
+    Season::all().iter().any(|season| stem.ends_with(&format!("_{}", season.name)))
+}
+
+fn stem_of(path: &Path) -> String {
+    path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+impl Attempt {
+    /// Where what is written now differs from the files that are there.
+    fn difference(
+        &self,
+        path: &Path,
+        pictures: PicturePlace,
+        tree: &Tree,
+        traces: &Traces,
+        monitor: &dyn Monitor,
+    ) -> anyhow::Result<Difference> {
+        let folder = tempfile::tempdir().context("making a temporary folder")?;
+        let (own_folder, shared) = (folder.path().join("tree"), folder.path().join(PICTURES));
+        std::fs::create_dir(&own_folder).context("making a temporary folder")?;
+        let mut outputs = self.outputs.clone();
+        for output in &mut outputs {
+            output.move_into(&own_folder);
+        }
+        let mains: Vec<PathBuf> = outputs.iter().map(|output| output.path.clone()).collect();
+        let bundle = |output: &Output| {
+            let bundle = Bundle::create(&output.path)?.unsynced();
+            Ok(match pictures {
+                PicturePlace::Beside => bundle,
+                PicturePlace::Shared => bundle.with_pictures_in(&shared, &format!("../{PICTURES}")),
+            })
+        };
+        let mut batch = Batch::open(outputs, Vec::new(), bundle)?;
+        let stage = tree.levels.stage();
+        let stage = if traces.setting { stage.in_setting() } else { stage };
+        batch.write(&stage, monitor, |_| ())?;
+        let written = batch.commit()?;
+        let Some(main) = mains.get(self.index) else { return Ok(Difference::At(String::new())) };
+        if let Some(at) = difference(path, main)? {
+            return Ok(Difference::At(at));
+        }
+        let own = stem_of(main);
+        let mut beside = Vec::new();
+        for side in written.iter().map(|file| &file.path).filter(|side| !mains.contains(side)) {
+            let name = side.file_name().unwrap_or_default();
+            if side.starts_with(&shared) {
+                let there = shared_folder(path).unwrap_or_default().join(name);
+                if let Some(at) = difference(&there, side)? {
+                    return Ok(Difference::At(at));
+                }
+                beside.push(there);
+                continue;
+            }
+            let text = name.to_string_lossy();
+            let is_of_another = mains.iter().any(|other| text.starts_with(&stem_of(other)));
+            if is_of_another && !text.starts_with(&own) {
+                continue;
+            }
+            let there = path.with_file_name(name);
+            if let Some(at) = difference(&there, side)? {
+                return Ok(Difference::At(at));
+            }
+            beside.push(there);
+        }
+        Ok(Difference::None(beside))
+    }
+}
+
+/// Where a file differs from what was written now.
+fn difference(there: &Path, now: &Path) -> anyhow::Result<Option<String>> {
+    let name = show(Path::new(there.file_name().unwrap_or_default()));
+    let reading = || format!("reading {}", show(there));
+    let mut a = match reading::open_regular(there) {
+        Ok(file) => BufReader::new(file),
+        Err(error) if error.kind() == ErrorKind::NotFound => {
+            return Ok(Some(format!("{name}, which belongs to it, is not there")));
+        }
+        Err(error) => return Err(error).with_context(reading),
+    };
+    let mut b = BufReader::new(File::open(now).with_context(reading)?);
+    let (length, expected) = (a.get_ref().metadata()?.len(), b.get_ref().metadata()?.len());
+    let mut at = 0_u64;
+    loop {
+        let (left, right) = (a.fill_buf().with_context(reading)?, b.fill_buf()?);
+        let count = left.len().min(right.len());
+        if left[..count] != right[..count] || (count == 0 && left.len() != right.len()) {
+            let same = left.iter().zip(right).take_while(|(a, b)| a == b).count() as u64;
+            let lengths = if length == expected {
+                String::new()
+            } else {
+                format!("; it has {length} bytes, its recipe gives {expected}")
+            };
+            return Ok(Some(format!("{name} differs from byte {} on{lengths}", at + same)));
+        }
+        if count == 0 {
+            return Ok(None);
+        }
+        a.consume(count);
+        b.consume(count);
+        at += count as u64;
+    }
+}

@@ -1,0 +1,100 @@
+//! `linden verify`: grows the recipes of files again, and says whether the files are what they grow.
+
+mod bytes;
+mod find;
+mod row;
+mod tree;
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use anyhow::bail;
+use clap::Args;
+use linden::recipe::VERSION;
+use serde::Serialize;
+
+use self::row::{Outcome, Row};
+use crate::progress::Progress;
+
+/// Grow the recipes of files again and compare
+///
+/// Trees are compared by their hashes; files by their bytes, where this version wrote them and they show with which
+/// options. Nothing is written but into a temporary folder, which vanishes.
+#[derive(Args)]
+pub struct Verify {
+    /// Files that linden wrote, or folders of such files, as 'linden batch' makes them
+    #[arg(value_name = "FILE|DIR", required = true)]
+    paths: Vec<PathBuf>,
+
+    /// Take nothing but the same bytes for good: not the same tree alone
+    #[arg(long)]
+    bytes: bool,
+
+    /// So many trees at a time, which share --memory; without, one for each thread
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    jobs: Option<u16>,
+
+    /// Machine-readable
+    #[arg(long)]
+    json: bool,
+}
+
+/// The names of `--json`: scripts rely on them.
+#[derive(Serialize)]
+struct VerifyReport<'a> {
+    linden: &'static str,
+    files: &'a [Row],
+    /// Files in folders that carry no recipe, as pictures beside them.
+    others: usize,
+    good: usize,
+    bad: usize,
+}
+
+impl Verify {
+    pub fn run(self) -> anyhow::Result<()> {
+        let progress = Progress::new();
+        let found = find::find(&self.paths, &progress)?;
+        let (mut rows, mut others) = (found.rows, found.others);
+        rows.extend(tree::check(&found.groups, self.jobs.map(usize::from), &progress)?);
+        let beside: BTreeSet<PathBuf> = rows.iter().flat_map(|row| row.beside.iter().cloned()).collect();
+        others.retain(|path| !beside.contains(path));
+        // What an index lists is somebody's; all else in a folder is not asked for.
+        rows.extend(found.listed.unchecked(&others));
+        rows.sort_by(|a, b| a.path.cmp(&b.path));
+        let is_good = |row: &&Row| row.outcome.is_good(self.bytes);
+        let good = rows.iter().filter(is_good).count();
+        let bad = rows.len() - good;
+        progress.clear();
+        if self.json {
+            let report = VerifyReport { linden: VERSION, files: &rows, others: others.len(), good, bad };
+            super::print_json(&report)?;
+        } else {
+            super::print(&table(&rows, others.len()))?;
+        }
+        match (rows.len(), bad) {
+            (0, _) => bail!("no file there carries a recipe of linden's"),
+            (_, 0) => Ok(()),
+            (count, bad) => bail!("{bad} of {count} files are not verified"),
+        }
+    }
+}
+
+/// A line for each file, and how many of each kind there are.
+fn table(rows: &[Row], others: usize) -> String {
+    let mut text = String::new();
+    for row in rows {
+        text.push_str(&format!("{:11} {}\n", row.outcome.word(), row.file));
+        if let Some(reason) = &row.reason {
+            text.push_str(&format!("{:11}   {reason}\n", ""));
+        }
+    }
+    let counts = Outcome::ALL.iter().filter_map(|outcome| {
+        let count = rows.iter().filter(|row| row.outcome == *outcome).count();
+        (count > 0).then(|| format!("{count} {}", outcome.word()))
+    });
+    let mut counts: Vec<String> = counts.collect();
+    if others > 0 {
+        counts.push(format!("{others} others without a recipe"));
+    }
+    text + &format!("\n{}\n", counts.join(", "))
+}

@@ -1,0 +1,125 @@
+//! Grows the recipe of some files again, some recipes at a time.
+
+use std::sync::Arc;
+
+use linden::dress::{Levels, levels};
+use linden::grow::{Grown, grow};
+use linden::knob::excerpt;
+use linden::monitor::Holding;
+use linden::recipe::VERSION;
+use linden::texture::DrawnPictures;
+
+use super::bytes::{Bytes, compare};
+use super::find::Group;
+use super::row::{Outcome, Row};
+use crate::cli::crew::{Crew, Share};
+use crate::exit::sentence;
+use crate::progress::Progress;
+use crate::source::{self, Source};
+
+/// Checks all files.
+pub fn check(groups: &[Group], jobs: Option<usize>, progress: &Progress) -> anyhow::Result<Vec<Row>> {
+    let mut rows = Vec::new();
+    let crew = Crew::of_threads(progress);
+    let crew = Crew { jobs: jobs.unwrap_or(crew.jobs), ..crew };
+    let drawn = Arc::default();
+    crew.run(
+        0..groups.len(),
+        |index, share| check_group(&groups[index], &drawn, share),
+        |checked| {
+            rows.extend(checked);
+            Ok(true)
+        },
+    )?;
+    Ok(rows)
+}
+
+fn check_group(group: &Group, drawn: &Arc<DrawnPictures>, share: &Share<'_>) -> Vec<Row> {
+    let all = |outcome: Outcome, reason: &str| {
+        group.files.iter().map(|path| Row::new(path, outcome).because(reason)).collect()
+    };
+    if source::is_forest(&group.json) {
+        return all(Outcome::Unchecked, "a forest: its trees are not grown again; 'linden forest' does");
+    }
+    let Some(first) = group.files.first() else { return Vec::new() };
+    match source::of_recipe(first, &group.json, share).and_then(|source| grown(source, drawn, share)) {
+        Ok(tree) => group.files.iter().map(|path| tree.check(path, share)).collect(),
+        Err(error) => all(Outcome::Failed, &sentence(&error).replace(['\n', '\r'], " ")),
+    }
+}
+
+/// A tree that was grown again.
+pub struct Tree {
+    pub source: Source,
+    grown: Grown,
+    pub levels: Levels,
+}
+
+fn grown(mut source: Source, drawn: &Arc<DrawnPictures>, share: &Share<'_>) -> anyhow::Result<Tree> {
+    source.recipe = source.recipe.drawn_into(drawn);
+    let grown = grow(&source.recipe, share)?;
+    let levels = levels(&source.recipe, &grown, share)?;
+    Ok(Tree { source, grown, levels })
+}
+
+impl Tree {
+    fn check(&self, path: &std::path::Path, share: &Share<'_>) -> Row {
+        let provenance = self.source.provenance.as_ref();
+        let now = self.grown.hash();
+        let then = provenance.and_then(|provenance| provenance.tree);
+        let mut row = Row::new(path, Outcome::Unchecked);
+        row.version = provenance.and_then(|provenance| provenance.version.clone());
+        row.skeleton = then.map(|then| then.skeleton == now.skeleton);
+        row.organs = then.map(|then| then.organs == now.organs);
+        let other = provenance.and_then(|provenance| provenance.other_version());
+        let other = other.map(|other| format!("made by linden {}, this is {VERSION}", excerpt(other)));
+        let what = match (row.skeleton, row.organs) {
+            (Some(true), Some(true)) | (None, _) | (_, None) => None,
+            (Some(false), Some(true)) => Some("its skeleton differs"),
+            (Some(true), Some(false)) => Some("its organs differ"),
+            (Some(false), Some(false)) => Some("its skeleton and its organs differ"),
+        };
+        if let Some(what) = what {
+            let why = other.into_iter().chain(self.source.notes.iter().cloned());
+            let why: Vec<String> = std::iter::once(what.to_owned()).chain(why).collect();
+            row.outcome = Outcome::OtherTree;
+            return row.because(why.join("; "));
+        }
+        if let Some(other) = other {
+            if then.is_some() {
+                row.outcome = Outcome::SameTree;
+            }
+            return row.because(other);
+        }
+        let holding = Holding::new(share, self.source.recipe.inputs.bytes());
+        match compare(path, self, &holding) {
+            Ok(bytes) => self.judge(row, bytes, then.is_some()),
+            Err(error) => {
+                row.outcome = Outcome::Failed;
+                row.because(sentence(&error).replace(['\n', '\r'], " "))
+            }
+        }
+    }
+
+    fn judge(&self, mut row: Row, bytes: Bytes, is_known: bool) -> Row {
+        const CHANGED: &str = "its recipe was changed, or says no hashes";
+        match bytes {
+            Bytes::Same { format, options, beside } => {
+                row.outcome = Outcome::SameBytes;
+                (row.format, row.options, row.beside) = (Some(format), options, beside);
+                row
+            }
+            Bytes::NotCompared(reason) => {
+                row.outcome = if is_known { Outcome::SameTree } else { Outcome::Unchecked };
+                row.because(if is_known { reason } else { CHANGED.to_owned() })
+            }
+            Bytes::Other(reason) => {
+                row.outcome = if is_known { Outcome::OtherBytes } else { Outcome::Unchecked };
+                let notes = self.source.notes.iter();
+                let why = std::iter::once(if is_known { reason.as_str() } else { CHANGED });
+                let why: Vec<&str> = why.chain(notes.map(String::as_str)).collect();
+                row.because(why.join("; "))
+            }
+        }
+    }
+}

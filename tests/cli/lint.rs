@@ -1,0 +1,120 @@
+//! `lint`: the same of all formats, what our own files are, and exit codes.
+
+use serde_json::Value;
+
+use crate::program::{Folder, Said};
+
+fn lint(folder: &Folder, args: &[&str]) -> (Said, Value) {
+    let said = folder.run(&[&["lint", "--json"], args].concat());
+    let report = serde_json::from_str(&said.out).unwrap_or_default();
+    (said, report)
+}
+
+fn rules(report: &Value) -> Vec<String> {
+    let findings = report["files"][0]["findings"].as_array().unwrap().iter();
+    findings.map(|finding| finding["rule"].as_str().unwrap().to_owned()).collect()
+}
+
+const SMALL: [&str; 4] = ["--set", "points=60", "--set", "bark_size=64"];
+
+#[test]
+fn all_formats_of_a_tree_have_the_same_counts() {
+    let folder = Folder::new();
+    let outputs =
+        ["-o", "a.glb", "-o", "a.gltf", "-o", "a.obj", "-o", "a.ply", "-o", "a.usda", "-o", "a.usdz"];
+    folder.run(&[&["export", "dressed-simple"], &SMALL[..], &outputs].concat()).done();
+    let numbers = |file: &str, key: &str| {
+        let (said, report) = lint(&folder, &[file]);
+        assert!(said.code == Some(0), "{file}: {}{}", said.out, said.err);
+        assert!(!rules(&report).iter().any(|rule| rule == "degenerate" || rule == "winding"), "{report}");
+        report["files"][0]["numbers"][key].clone()
+    };
+    let stats = folder.run(&["stats", "a.glb", "--json"]).done().json();
+    for file in ["a.glb", "a.gltf", "a.obj", "a.ply", "a.usda", "a.usdz"] {
+        assert_eq!(numbers(file, "triangles")[0], stats["triangles"], "{file}");
+        let height = numbers(file, "height_m").as_f64().unwrap();
+        let expected = numbers("a.glb", "height_m").as_f64().unwrap();
+        assert!((height - expected).abs() < 1e-4, "{file}: {height} {expected}");
+        assert_eq!(numbers(file, "draw_calls")[0], if file == "a.ply" { 1 } else { 2 }, "{file}");
+        // OBJ has no roughness, but a picture of what is cut out.
+        let materials = if file == "a.ply" { 0 } else { 2 };
+        assert_eq!(numbers(file, "materials"), materials, "{file}");
+    }
+}
+
+#[test]
+fn levels_are_seen_in_one_file_and_in_several() {
+    let folder = Folder::new();
+    let args = ["export", "fir", "--lods", "3", "-o", "a.glb", "-o", "a.obj", "-o", "a.usda", "-o", "q.glb"];
+    folder.run(&[&args[..], &SMALL[..]].concat()).done();
+    let triangles = |files: &[&str]| {
+        let (_, report) = lint(&folder, files);
+        assert_eq!(report["files"].as_array().unwrap().len(), 1, "{report}");
+        report["files"][0]["numbers"]["triangles"].clone()
+    };
+    let levels = triangles(&["a.glb"]);
+    assert_eq!(levels.as_array().unwrap().len(), 3);
+    assert_eq!(triangles(&["a_LOD1.obj", "a_LOD0.obj", "a_LOD2.obj"]), levels);
+    assert_eq!(triangles(&["a.usda"]), levels);
+    let (_, report) = lint(&folder, &["a_LOD0.obj", "a_LOD2.obj"]);
+    assert!(rules(&report).contains(&"lod-chain".to_owned()), "{report}");
+}
+
+#[test]
+fn exit_codes_are_for_scripts() {
+    let folder = Folder::new();
+    folder
+        .write("a.obj", "o tree\nv 0 0 0\nv 1 0 0\nv 0 2 0\nvn 0 0 1\nf 1//1 2//1 3//1\nf 1//1 1//1 2//1\n");
+    let (said, report) = lint(&folder, &["a.obj"]);
+    assert_eq!(
+        (said.code, report["warnings"].as_u64(), rules(&report)[0].as_str()),
+        (Some(0), Some(2), "degenerate")
+    );
+    assert_eq!(folder.run(&["lint", "a.obj", "--deny", "warnings"]).code, Some(1));
+    assert_eq!(folder.run(&["lint", "a.obj", "--set", "degenerate=error"]).code, Some(1));
+    let off = ["lint", "a.obj", "--deny", "warnings", "--set", "degenerate=off", "--set", "pivot=off"];
+    assert_eq!(folder.run(&off).done().code, Some(0));
+    folder.write("r.toml", "profile = \"film\"\n[rules]\ndegenerate = \"error\"\n");
+    assert_eq!(folder.run(&["lint", "a.obj", "--config", "r.toml"]).code, Some(1));
+    folder.write("r.toml", "[rules]\ndegenrate = \"error\"\n");
+    for (args, expected) in [
+        (&["a.obj", "--config", "r.toml"][..], "did you mean 'degenerate'?"),
+        (&["a.obj", "--profile", "desk"], "desktop"),
+        (&["a.obj", "--set", "triangles.max=many"], "no number"),
+        (&["b.obj"], "no file"),
+        (&["."], "directory"),
+        (&[], "required"),
+    ] {
+        let said = folder.run(&[&["lint"], args].concat());
+        assert!(said.code == Some(2) && said.err.contains(expected), "{args:?}: {}", said.err);
+    }
+    folder.write("broken.glb", "glTF");
+    let said = folder.run(&["lint", "broken.glb", "a.obj"]);
+    assert!(
+        said.code == Some(1) && said.err.contains("broken.glb: reading broken.glb: glTF: it ends"),
+        "{}",
+        said.err
+    );
+    assert!(said.out.contains("a.obj: OBJ, 2 triangles"), "{}", said.out);
+    let text = folder.run(&["lint", "--rules", "--profile", "mobile"]).done().out;
+    assert!(text.contains("triangles.max = 10000 triangles") && text.contains("Mend: "), "{text}");
+    let rows = folder.run(&["lint", "--rules", "--json"]).done().json();
+    assert!(rows.as_array().unwrap().iter().any(|row| row["id"] == "uv-overlap" && row["level"] == "off"));
+}
+
+/// A stranger's file names nothing outside of its folder.
+#[test]
+fn what_lies_outside_is_not_read() {
+    let folder = Folder::new();
+    std::fs::create_dir(folder.file("models")).unwrap();
+    folder.write("secret.png", "secret");
+    folder.write("models/a.mtl", "newmtl bark\nmap_Kd ../secret.png\n");
+    folder.write("models/a.obj", "mtllib a.mtl\no tree\nusemtl bark\nv 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n");
+    let (_, report) = lint(&folder, &["models/a.obj"]);
+    let missing = report["files"][0]["findings"].as_array().unwrap().iter();
+    let missing: Vec<&Value> = missing.filter(|finding| finding["rule"] == "texture-missing").collect();
+    assert!(
+        missing.len() == 1 && missing[0]["message"].as_str().unwrap().contains("--allow-path"),
+        "{report}"
+    );
+}

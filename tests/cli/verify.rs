@@ -1,0 +1,219 @@
+//! `verify`: what linden wrote is what its recipe grows, and any change is found.
+
+use std::fs;
+
+use serde_json::Value;
+
+use crate::program::{Folder, Said};
+
+const SMALL: [&str; 6] = ["--set", "points=60", "--set", "bark_size=64", "--seed", "7"];
+
+fn export(folder: &Folder, source: &str, args: &[&str]) {
+    // Instances and the like say what they leave out.
+    let said = folder.run(&[&["export", source], &SMALL[..], args].concat());
+    assert_eq!(said.code, Some(0), "{}", said.err);
+}
+
+fn verify(folder: &Folder, args: &[&str]) -> (Said, Value) {
+    let said = folder.run(&[&["verify", "--json"], args].concat());
+    let report = serde_json::from_str(&said.out).unwrap_or_default();
+    (said, report)
+}
+
+/// The outcome and the reason of the only file.
+fn only(folder: &Folder, file: &str) -> (Option<i32>, String, String) {
+    let (said, report) = verify(folder, &[file]);
+    let row = &report["files"][0];
+    let text = |key: &str| row[key].as_str().unwrap_or_default().to_owned();
+    (said.code, text("outcome"), text("reason"))
+}
+
+#[test]
+fn every_format_and_option_is_seen_and_gives_the_same_bytes() {
+    let folder = Folder::new();
+    for (ending, set) in [
+        ("obj", &[][..]),
+        ("obj", &["obj.lines=true"]),
+        ("obj", &["obj.pictures=false"]),
+        ("ply", &[]),
+        ("ply", &["ply.encoding=ascii"]),
+        ("gltf", &[]),
+        ("gltf", &["gltf.embed=true", "gltf.picture_format=webp"]),
+        ("gltf", &["gltf.picture_format=jpeg"]),
+        ("glb", &[]),
+        ("glb", &["glb.pictures=false"]),
+        ("glb", &["glb.picture_format=jpeg", "glb.instances=true"]),
+        ("glb", &["glb.quantize=true", "glb.compress=meshopt", "wind=attributes"]),
+        ("usda", &[]),
+        ("usda", &["usda.pictures=false", "usda.skeleton=false", "lods=2"]),
+        ("usda", &["usda.instances=true"]),
+        ("usdz", &[]),
+        ("usdz", &["usdz.flavor=ar"]),
+        ("csv", &[]),
+        ("mtg", &[]),
+        ("mtg", &["mtg.organs=false"]),
+        ("organs.csv", &[]),
+    ] {
+        let name = format!("a.{ending}");
+        let set: Vec<&str> = set.iter().flat_map(|set| ["--set", set]).collect();
+        export(&folder, "dressed-simple", &[&["-o", &name], &set[..]].concat());
+        let before = folder.content();
+        let (said, report) = verify(&folder, &[&name, "--bytes"]);
+        let row = &report["files"][0];
+        assert_eq!(row["outcome"], "same-bytes", "{name} {set:?}: {row}");
+        assert_eq!(
+            (said.code, row["skeleton"].as_bool(), row["organs"].as_bool()),
+            (Some(0), Some(true), Some(true))
+        );
+        assert_eq!(folder.content(), before, "nothing is written");
+        for name in folder.names() {
+            fs::remove_file(folder.file(&name)).unwrap();
+        }
+    }
+}
+
+#[test]
+fn a_flavour_a_scene_and_a_name_without_ending() {
+    let folder = Folder::new();
+    export(&folder, "fir", &["-o", "s.ply", "--format", "ply-skeleton"]);
+    export(&folder, "fir", &["-o", "scene.glb", "-o", "scene.usda", "--scene"]);
+    export(&folder, "fir", &["-o", "plain", "--format", "glb"]);
+    folder.run(&["preview", "fir", "-o", "p.png", "--size", "40x40", "--set", "points=60"]).done();
+    folder.write("recipe.json", folder.run(&["recipe", "plain"]).done().out);
+    for file in ["s.ply", "scene.glb", "scene.usda", "plain"] {
+        assert_eq!(only(&folder, file), (Some(0), "same-bytes".to_owned(), String::new()), "{file}");
+    }
+    for file in ["p.png", "recipe.json"] {
+        let (code, outcome, reason) = only(&folder, file);
+        assert_eq!((code, outcome.as_str()), (Some(0), "same-tree"), "{file}: {reason}");
+        assert_eq!(verify(&folder, &[file, "--bytes"]).0.code, Some(1));
+    }
+}
+
+#[test]
+fn levels_and_seasons_in_files_of_their_own() {
+    let folder = Folder::new();
+    let args = ["--lods", "2", "--seasons", "summer,autumn", "-o", "a.ply", "-o", "a.obj", "-o", "a.glb"];
+    export(&folder, "dressed-simple", &args);
+    export(&folder, "dressed-simple", &["--lods", "3", "--billboard", "-o", "b.obj"]);
+    let (said, report) = verify(&folder, &["."]);
+    assert_eq!(said.code, Some(0), "{}{}", said.out, said.err);
+    let rows = report["files"].as_array().unwrap();
+    assert_eq!(rows.len(), 4 + 4 + 2 + 4, "{report}");
+    for row in rows {
+        let name = row["file"].as_str().unwrap();
+        // Pictures of seasons have names by the other seasons.
+        let expected = if name.contains("a_") && row["format"].as_str().is_none_or(|format| format == "obj") {
+            "same-tree"
+        } else {
+            "same-bytes"
+        };
+        assert!(row["outcome"] == expected || row["outcome"] == "same-bytes", "{row}");
+    }
+}
+
+#[test]
+fn what_was_changed_is_found() {
+    let folder = Folder::new();
+    export(&folder, "fir", &["-o", "a.obj", "-o", "a.glb", "-o", "a.ply"]);
+    assert_eq!(verify(&folder, &["a.obj", "a.glb", "a.ply"]).0.code, Some(0));
+    // A bit near the end, and the end itself.
+    let mut bytes = folder.read("a.glb");
+    let at = bytes.len() - 10;
+    bytes[at] ^= 1;
+    folder.write("a.glb", &bytes);
+    let (code, outcome, reason) = only(&folder, "a.glb");
+    assert_eq!((code, outcome.as_str()), (Some(1), "other-bytes"));
+    assert!(reason.contains(&format!("a.glb differs from byte {at} on")), "{reason}");
+    bytes = folder.read("a.ply");
+    bytes.pop();
+    folder.write("a.ply", &bytes);
+    let (_, outcome, reason) = only(&folder, "a.ply");
+    assert!(outcome == "other-bytes" && reason.contains(&format!("{} bytes", bytes.len())), "{reason}");
+    // A file beside it.
+    let picture = folder.names().into_iter().find(|name| name.ends_with("bark.png")).unwrap();
+    let kept = folder.read(&picture);
+    fs::remove_file(folder.file(&picture)).unwrap();
+    let (_, outcome, reason) = only(&folder, "a.obj");
+    assert!(outcome == "other-bytes" && reason.contains(&picture), "{reason}");
+    folder.write(&picture, [&kept[..], b" "].concat());
+    assert_eq!(only(&folder, "a.obj").1, "other-bytes");
+    folder.write(&picture, &kept);
+    assert_eq!(only(&folder, "a.obj").1, "same-bytes");
+}
+
+#[test]
+fn other_trees_versions_and_recipes() {
+    let folder = Folder::new();
+    export(&folder, "fir", &["-o", "a.obj", "--set", "obj.pictures=false"]);
+    let text = String::from_utf8(folder.read("a.obj")).unwrap();
+    let line: Value = folder.run(&["recipe", "a.obj"]).done().json();
+    let (version, skeleton) = (line["linden"].as_str().unwrap(), line["hash"]["skeleton"].as_str().unwrap());
+    let tampered = format!("{:032x}", u128::from_str_radix(skeleton, 16).unwrap() ^ 1);
+    folder.write("a.obj", text.replace(skeleton, &tampered));
+    let (code, outcome, reason) = only(&folder, "a.obj");
+    assert_eq!((code, outcome.as_str(), reason.as_str()), (Some(1), "other-tree", "its skeleton differs"));
+    let older = text.replace(&format!("\"linden\":\"{version}\""), "\"linden\":\"0.0.9\"");
+    folder.write("a.obj", &older);
+    let (code, outcome, reason) = only(&folder, "a.obj");
+    assert_eq!((code, outcome.as_str()), (Some(0), "same-tree"));
+    assert!(reason.starts_with("made by linden 0.0.9"), "{reason}");
+    folder.write("a.obj", older.replace(skeleton, &tampered));
+    let (_, outcome, reason) = only(&folder, "a.obj");
+    assert!(outcome == "other-tree" && reason.contains("0.0.9"), "{reason}");
+    folder.write("a.obj", text.replace("\"points\":60", "\"points\":61"));
+    let (code, outcome, reason) = only(&folder, "a.obj");
+    assert_eq!((code, outcome.as_str()), (Some(1), "unchecked"), "{reason}");
+    folder.write("a.obj", "v 0 0 0\n");
+    assert_eq!(only(&folder, "a.obj").1, "unchecked");
+    assert_eq!(verify(&folder, &["nothing.glb"]).0.code, Some(2));
+}
+
+/// The file that a recipe names is part of what decides.
+#[test]
+fn an_input_that_was_changed_is_named() {
+    let folder = Folder::new();
+    folder.write("leaf.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    folder.write("p.toml", "id = \"p\"\n[lsystem]\naxiom = \"FF[+F]F\"\nrules = []\n[foliage]\nleaf_form = \"mesh\"\nleaf_mesh = \"leaf.obj\"\n");
+    folder.run(&["export", "p.toml", "-o", "p.glb", "--set", "bark_size=16"]);
+    assert_eq!(only(&folder, "p.glb").1, "same-bytes");
+    folder.write("leaf.obj", "v 0 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 3\n");
+    let (code, outcome, reason) = only(&folder, "p.glb");
+    assert_ne!(outcome, "same-bytes");
+    assert!(code == Some(1) && reason.contains("leaf.obj is not the file"), "{outcome} {reason}");
+    fs::remove_file(folder.file("leaf.obj")).unwrap();
+    assert_eq!(only(&folder, "p.glb").1, "failed");
+}
+
+#[test]
+fn a_batch_is_verified_and_what_is_missing_in_it_is_said() {
+    let folder = Folder::new();
+    folder.write(
+        "m.toml",
+        "formats = [\"glb\", \"obj\"]\noptions = { \"glb.quantize\" = true }\n[[trees]]\nsource = \"fir\"\nseeds = \"1..6\"\nset = { points = 60, bark_size = 16 }\n",
+    );
+    folder.run(&["batch", "m.toml", "--out", "out"]).done();
+    let (said, report) = verify(&folder, &["out", "--bytes", "--jobs", "2"]);
+    assert_eq!((said.code, report["good"].as_u64()), (Some(0), Some(12)), "{}{}", said.out, said.err);
+    let one = verify(&folder, &["out", "--bytes", "--jobs", "1"]).1;
+    assert_eq!(one, report, "in any order of work");
+    folder.run(&["batch", "m.toml", "--out", "out", "--merge"]).done();
+    let rows = report["files"].as_array().unwrap();
+    let glb = rows.iter().find(|row| row["format"] == "glb").unwrap();
+    let file = &glb["file"].as_str().unwrap().to_owned();
+    fs::remove_file(folder.file(file)).unwrap();
+    let (said, report) = verify(&folder, &["out"]);
+    let bad: Vec<&Value> =
+        report["files"].as_array().unwrap().iter().filter(|row| row["outcome"] != "same-bytes").collect();
+    assert_eq!((said.code, bad.len(), bad[0]["outcome"].as_str()), (Some(1), 1, Some("missing")), "{report}");
+    assert!(bad[0]["file"] == *file);
+    let text = folder.run(&["verify", "out"]);
+    assert!(
+        text.out.contains("11 same bytes, 1 missing") && text.err.contains("1 of 12 files"),
+        "{}",
+        text.out
+    );
+    // Cut off: no recipe is found in it any more, and the index knows it.
+    folder.write(file, "");
+    assert_eq!(verify(&folder, &["out"]).1["bad"], 1);
+}
