@@ -15,7 +15,7 @@ use linden_pipeline::stage::{Camera, Place, Setting};
 
 use super::layer::Layer;
 use super::plant::{Component, Head, Variants};
-use super::syntax::{Names, tuple};
+use super::syntax::{Names, beside, tuple};
 use super::{Writing, instancer, material, mesh};
 use crate::ExportError;
 
@@ -215,9 +215,10 @@ uniform token[] xformOpOrder = ["xformOp:orient"]"#,
     match writing.sky.as_deref() {
         Some(file) => layer.lines(&format!(
             r#"float inputs:intensity = {}
-asset inputs:texture:file = @{file}@
+asset inputs:texture:file = {}
 token inputs:texture:format = "latlong""#,
-            radiance / sky.mean
+            radiance / sky.mean,
+            beside(file),
         ))?,
         None => layer.lines(&format!(
             "color3f inputs:color = {}\nfloat inputs:intensity = {radiance}",

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use linden_pipeline::picture::Picture;
 use linden_pipeline::scene::{Material, Wrap};
 
-use super::syntax::tuple;
+use super::syntax::{beside, tuple};
 
 /// The prim at `path`, not indented. `file` gives the file of a picture, where it is written.
 pub(super) fn describe<'f>(
@@ -92,14 +92,14 @@ fn texture(name: &str, path: &str, file: &str, reading: &Reading<'_>) -> String 
         Wrap::Clamp => "clamp",
     };
     let alpha = if reading.alpha { "\n        float outputs:a" } else { "" };
-    // Names of side files hold nothing that ends or changes an asset path; see `Bundle::side_name`.
+    let asset = beside(file);
     format!(
         r#"
     def Shader "{name}"
     {{
         uniform token info:id = "UsdUVTexture"
         {more}
-        asset inputs:file = @{file}@
+        asset inputs:file = {asset}
         token inputs:sourceColorSpace = "{color_space}"
         float2 inputs:st.connect = <{path}/Coordinates.outputs:result>
         token inputs:wrapS = "{wrap}"

@@ -139,9 +139,7 @@ impl<'a> Writing<'a> {
 
     /// Says what each picture's file is called, or the way to it.
     fn name_files(&mut self, files: Vec<String>) {
-        // Without the dot USD looks in its search path.
-        let from_here = |file: String| if file.starts_with("../") { file } else { format!("./{file}") };
-        self.files = files.into_iter().map(from_here).collect();
+        self.files = files;
         let is_sky = self.pictures.last().is_some_and(|named| named.stem() == SKY);
         self.sky = self.files.last().filter(|_| is_sky).cloned();
     }

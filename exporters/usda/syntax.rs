@@ -64,6 +64,12 @@ pub(super) fn tuple(numbers: [f32; 3]) -> String {
     format!("({x}, {y}, {z})")
 }
 
+/// A side file as an asset path from the layer on: without a dot in front USD looks in its search path. Names of side
+/// files, and the way to them, hold nothing that ends or changes one; see `Bundle::side_name`.
+pub(super) fn beside(file: &str) -> String {
+    if file.starts_with("../") { format!("@{file}@") } else { format!("@./{file}@") }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -53,6 +53,19 @@ fn message(model: &Model, area: Rect, buffer: &mut Buffer, view: &mut View) {
     buffer.set_stringn(area.x + 1, area.y, clipped(&message.text, room.into()), room.into(), style);
 }
 
+/// What whoever opens the workbench for the first time is told.
+pub fn welcome(model: &Model) -> String {
+    let ways = [
+        ("preset-next", "another tree"),
+        ("focus-next", "its knobs"),
+        ("export", "write it as a file"),
+        ("help", "all keys"),
+    ];
+    let key = |id| model.config.keymap.keys_of(id).first().map(|key| key_label(&key.to_string()));
+    let ways = ways.into_iter().filter_map(|(id, what)| Some(format!("{} {what}", key(id)?)));
+    format!("Welcome to linden: {}", ways.collect::<Vec<_>>().join(", "))
+}
+
 /// A command that the footer offers, with the key that runs it.
 pub struct Hint {
     /// The command.
@@ -179,7 +192,25 @@ pub fn key_label(key: &str) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     use super::*;
+    use crate::config::keymap::Keymap;
+    use crate::tui::testing::Bench;
+
+    #[test]
+    fn a_welcome_names_keys_as_they_are() {
+        let mut bench = Bench::new(90, 24).without_pictures();
+        let said = welcome(&bench.model);
+        assert_eq!(
+            said,
+            "Welcome to linden: j another tree, Tab its knobs, e write it as a file, ? all keys"
+        );
+        let keymap = "[keys]\npreset-next = \"n\"\n";
+        let (keymap, _) = Keymap::read(Path::new("keymap.toml"), keymap, &crate::tui::commands::key_table());
+        bench.model.config.keymap = keymap;
+        assert!(welcome(&bench.model).starts_with("Welcome to linden: n another tree"));
+    }
 
     #[test]
     fn keys_are_called_what_people_call_them() {

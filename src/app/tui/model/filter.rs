@@ -5,6 +5,9 @@ use nucleo_matcher::{Config, Matcher, Utf32Str};
 
 use super::entry::{ListRow, PresetEntry};
 
+/// Groups that stand before all others.
+const FIRST: [&str; 2] = ["Plants", "crowns"];
+
 /// The rows of the list: all groups with their headings, or the matches, the best first.
 pub fn rows(entries: &[PresetEntry], filter: &str) -> Vec<ListRow> {
     if filter.trim().is_empty() {
@@ -38,6 +41,8 @@ fn grouped(entries: &[PresetEntry]) -> Vec<ListRow> {
             groups.push(&entry.group);
         }
     }
+    // Plants in leaf first, whoever comes for a tree; the rest as it is listed.
+    groups.sort_by_key(|group| FIRST.iter().position(|first| first == group).unwrap_or(FIRST.len()));
     let mut rows = Vec::with_capacity(entries.len() + groups.len());
     for group in groups {
         rows.push(ListRow::Heading(group.to_owned()));
@@ -69,6 +74,17 @@ mod tests {
         all.sort();
         all.dedup();
         assert_eq!(all.len(), linden::preset::builtins().len());
+    }
+
+    #[test]
+    fn plants_come_first_and_the_books_weeds_after() {
+        let library = Library::builtin();
+        let rows = rows(&library.entries, "");
+        let headings: Vec<&str> = rows
+            .iter()
+            .filter_map(|row| if let ListRow::Heading(group) = row { Some(group.as_str()) } else { None })
+            .collect();
+        assert_eq!(headings, ["Plants", "crowns", "abop", "older"]);
     }
 
     #[test]

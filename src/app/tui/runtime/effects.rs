@@ -16,6 +16,7 @@ use crate::config::presets;
 use crate::config::session::Session;
 use crate::jobs::THREAD_PREFIX;
 use crate::trust;
+use crate::tui::chrome::footer;
 use crate::tui::effect::Effect;
 use crate::tui::model::Config;
 use crate::tui::shape::save;
@@ -24,6 +25,9 @@ use crate::tui::update::Msg;
 
 /// Terminals drop longer clipboards.
 const LONGEST_COPY: usize = 74_000;
+
+/// What is seen by whoever opens the workbench for the first time.
+const FIRST_TREE: &str = "oak";
 
 impl Runtime {
     pub(super) fn act(&mut self, effect: Effect) {
@@ -67,8 +71,9 @@ impl Runtime {
                 (memory::place(source), Changes { knobs, whole: grammar })
             }
             (None, None) => {
-                let first = self.model.library.entry().map(|entry| entry.place.clone());
-                (first.unwrap_or(TreePlace::Builtin("fir")), Changes { knobs: set, whole: None })
+                let welcome = footer::welcome(&self.model);
+                self.model.say(welcome);
+                (TreePlace::Builtin(FIRST_TREE), Changes { knobs: set, whole: None })
             }
         };
         self.model.library.select_place(&place);
