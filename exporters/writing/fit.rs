@@ -16,11 +16,12 @@ const NORMALS: &str = "leaf_normals";
 const BUDGETS: [&str; 2] = ["triangles", "lod_triangles"];
 
 /// Knobs that show in colours and pictures, most of them in these alone.
-const SHOWN: [&str; 19] = [
+const SHOWN: [&str; 21] = [
     "bark",
     "bark_color",
     "bark_grain",
     "bark_size",
+    "bark_seed",
     "bark_tile",
     "leaf_outline",
     "leaf_lobes",
@@ -35,6 +36,7 @@ const SHOWN: [&str; 19] = [
     "evergreen",
     "season",
     "leaf_size",
+    "leaf_seed",
     "billboard_size",
 ];
 

@@ -30,6 +30,7 @@ mod layout;
 mod library;
 mod model;
 mod picture;
+mod ranking;
 mod runtime;
 mod screen;
 mod shape;

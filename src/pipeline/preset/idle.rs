@@ -5,7 +5,7 @@
 //! What only shows in the finished tree (a `tip_radius` below that of any twig) is no business of these
 //! rules.
 
-use linden_plant::settings::{Arrangement, Form, LeafKind};
+use linden_plant::settings::{Arrangement, Dressing, Form, LeafKind};
 use linden_plant::surface::{Ends, Junction};
 use linden_plant::wind::Wind;
 use linden_skeleton::generator::RadiiFrom;
@@ -77,6 +77,15 @@ impl Preset {
         self.dressing.foliage.first.form != Form::None || self.dressing.foliage.also.iter().any(takes)
     }
 
+    /// Whether another seed may give another tree, its leaves and its wind included.
+    fn leaves_to_chance(&self) -> bool {
+        let Dressing { foliage, wind, .. } = &self.dressing;
+        let bears_leaves = foliage.kinds().any(|kind| kind.form != Form::None) || self.places_organs();
+        let wanders = self.refines("wander") && (self.refinement.sway > 0.0 || self.refinement.gnarl > 0.0);
+        let tapers = self.settled_width().is_none_or(|width| matches!(width, Width::Taper | Width::Order));
+        self.generator.draws() || bears_leaves || wanders || tapers || wind.wind != Wind::Off
+    }
+
     fn places_organs(&self) -> bool {
         self.generator.traits(&self.wood).places_organs
     }
@@ -88,6 +97,16 @@ fn when(holds: bool, why: &'static str) -> Option<&'static str> {
 }
 
 static RULES: &[Rule] = &[
+    // Before all tables.
+    Rule {
+        knobs: &["seed"],
+        why: |preset| {
+            when(
+                !preset.leaves_to_chance(),
+                "nothing is left to chance: angle_jitter, length_jitter and leaves would be; bark_seed is for the bark",
+            )
+        },
+    },
     // [wood]
     Rule {
         knobs: &["width"],
@@ -217,7 +236,7 @@ static RULES: &[Rule] = &[
     },
     // [bark]
     Rule {
-        knobs: &["bark", "bark_color", "bark_grain"],
+        knobs: &["bark", "bark_color", "bark_grain", "bark_seed"],
         why: |preset| {
             when(preset.dressing.bark.picture.is_some(), "bark_picture stands in place of the drawn one")
         },
@@ -233,7 +252,7 @@ static RULES: &[Rule] = &[
     },
     // [foliage]
     Rule {
-        knobs: &["season", "leaf_size"],
+        knobs: &["season", "leaf_size", "leaf_seed"],
         why: |preset| {
             when(preset.dressing.foliage.kinds().all(|kind| kind.form == Form::None), "leaf_form is none")
         },
@@ -359,7 +378,7 @@ static RULES: &[Rule] = &[
         },
     },
     Rule {
-        knobs: &["leaf_size"],
+        knobs: &["leaf_size", "leaf_seed"],
         why: |preset| {
             let mut drawn = preset.dressing.foliage.kinds().filter(|kind| kind.form != Form::None);
             let is_given = drawn.all(|kind| kind.picture.is_some() || kind.form == Form::Mesh);

@@ -134,6 +134,10 @@ pub(super) fn rings(stations: &[Station], reach: impl Fn(f32) -> f32, rings: &mu
     }
     let widest = |radius: f32| radius * reach(radius);
     let kept = without_folds(stations, widest);
+    // One ring alone would be a disc that nothing closes.
+    if kept.len() < 2 {
+        return false;
+    }
     let last = kept.len() - 1;
     let is_bent = kept.windows(2).any(|pair| !is_gentle(&pair[0], &pair[1], GENTLEST));
     let mut along = 0.0;
@@ -245,7 +249,13 @@ fn without_folds(stations: &[Station], widest: impl Fn(f32) -> f32) -> Vec<Kept>
         let distance = |&index: &usize| stations[index].position.distance_squared(stations[0].position);
         let far = (0..stations.len()).max_by(|a, b| distance(a).total_cmp(&distance(b)));
         if let Some(far) = far {
-            push(&mut kept, whole(far));
+            // However near that is: a tube has two rings.
+            let (base, apex) = (&mut kept[0], whole(far));
+            let tangent = direction(base, &apex);
+            if tangent != Vec3::ZERO {
+                base.tangent = tangent;
+                kept.push(Kept { tangent, ..apex });
+            }
         }
     }
     kept
@@ -364,6 +374,21 @@ mod tests {
         // As much wood is added above the step as is taken below it.
         let moved: f32 = out.iter().enumerate().map(|(i, ring)| ring.radius - radius(i)).sum();
         assert!(moved.abs() < 0.5, "{moved} of a step of 0.1 over 40 rings");
+    }
+
+    /// Rings are wider than circles: stations that are just distinct are not, by what is laid.
+    #[test]
+    fn an_axis_that_is_shorter_than_its_rings_are_wide_has_two_or_none() {
+        for micrometres in 1..400 {
+            let far = micrometres as f32 * 1e-6;
+            let mut stations: Vec<Station> =
+                [0.0, far].map(|y| Station::new(Vec3::new(0.3, y, 0.1), 0.02)).to_vec();
+            prepare(&mut stations, 0.0);
+            let mut laid = Vec::new();
+            rings(&stations, |_| 1.2, &mut laid);
+            assert!(laid.len() == stations.len(), "{far} m: {} rings of {}", laid.len(), stations.len());
+            assert!(laid.iter().all(|ring| (ring.tangent.length() - 1.0).abs() < 1e-4), "{far} m");
+        }
     }
 
     #[test]

@@ -46,7 +46,7 @@ pub const COMMANDS: &[Command] = &[
         context: Context::GLOBAL,
         keys: &[":"],
         title: "Palette",
-        help: "Finds any command by its name",
+        help: "Finds any command, knob or preset by its name; 'season 0.8' turns a knob",
         hint: Some(100),
         hindrance: free,
         run: |model, _| {

@@ -1,10 +1,9 @@
-//! The palette: every command by its name.
+//! The palette: every command, knob and preset by its name.
 //!
-//! Commands are judged as they will run: with the palette closed.
+//! Commands are judged as they will run: with the palette closed. A knob takes what follows its name, as
+//! `season 0.8`.
 
 use crossterm::event::{KeyCode, KeyEvent, KeyModifiers, MouseEvent};
-use nucleo_matcher::pattern::{CaseMatching, Normalization, Pattern};
-use nucleo_matcher::{Config, Matcher, Utf32Str};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use tui_input::Input;
@@ -16,8 +15,12 @@ use super::prompt::{self, edit, paint, paste};
 use crate::tui::command::Context;
 use crate::tui::dialog::{After, Dialog};
 use crate::tui::effect::Effects;
-use crate::tui::layout::{Target, View, centered, first_row};
-use crate::tui::model::{Command, Model};
+use crate::tui::layout::{Pane, Target, View, centered, first_row};
+use crate::tui::library::show_selected;
+use crate::tui::model::{Command, FormSpot, Model};
+use crate::tui::ranking::Ranking;
+use crate::tui::shape;
+use crate::tui::tree::TreePlace;
 use crate::wrap::clipped;
 
 /// Cells of a command's name.
@@ -31,50 +34,73 @@ pub struct Palette {
     pub input: Input,
     /// The row that Enter runs.
     pub selected: usize,
-    /// Every command that can be meant where the palette was opened, and why it cannot be used now.
-    commands: Vec<(&'static Command, Option<String>)>,
+    /// All that can be meant where the palette was opened.
+    choices: Vec<Choice>,
+}
+
+/// What can be chosen.
+struct Choice {
+    what: What,
+    title: String,
+    about: String,
+    /// Why it cannot be used now.
+    hindrance: Option<String>,
+}
+
+#[derive(Clone)]
+enum What {
+    Command(&'static Command),
+    Knob(&'static str),
+    Preset(TreePlace),
 }
 
 /// A row of the palette.
-pub struct Found<'p> {
-    /// The command.
-    pub command: &'static Command,
-    /// Why it cannot be used now.
-    pub hindrance: Option<&'p str>,
+struct Found<'p> {
+    choice: &'p Choice,
+    /// What a knob is to be turned to.
+    value: Option<&'p str>,
     /// The letters of its title that match what was typed.
-    pub marks: Vec<u32>,
+    marks: Vec<u32>,
 }
 
 impl Palette {
     /// With nothing typed, above what is open now.
     pub fn new(model: &Model) -> Self {
-        Self { input: Input::default(), selected: 0, commands: judged(model) }
+        Self { input: Input::default(), selected: 0, choices: choices(model) }
     }
 
-    /// The commands that match, the best first; all when nothing is typed.
-    pub fn found(&self) -> Vec<Found<'_>> {
-        let pattern = Pattern::parse(self.input.value(), CaseMatching::Ignore, Normalization::Smart);
-        let mut matcher = Matcher::new(Config::DEFAULT);
-        let mut buffer = Vec::new();
+    /// What matches, the best first; everything when nothing is typed.
+    fn found(&self) -> Vec<Found<'_>> {
+        if let Some(turned) = self.turned() {
+            return vec![turned];
+        }
+        let mut ranking = Ranking::of(self.input.value());
         let mut found: Vec<(u32, Found<'_>)> = Vec::new();
-        for (command, hindrance) in &self.commands {
-            let mut marks = Vec::new();
-            let title = pattern.indices(Utf32Str::new(command.title, &mut buffer), &mut matcher, &mut marks);
-            if title.is_none() {
-                marks.clear();
-            }
-            let id = pattern.score(Utf32Str::new(command.id, &mut buffer), &mut matcher);
-            let help = pattern.score(Utf32Str::new(command.help, &mut buffer), &mut matcher);
-            // A name is meant more often than a description.
-            let score = title.map(|score| 3 * score).into_iter().chain(id.map(|score| 2 * score)).chain(help);
-            if let Some(score) = score.max() {
-                let hindrance = hindrance.as_deref();
-                found.push((score, Found { command, hindrance, marks }));
+        for choice in &self.choices {
+            let (title, marks) = ranking.marked(&choice.title).unzip();
+            let other = match &choice.what {
+                What::Command(command) => ranking.score(command.id),
+                What::Preset(_) => ranking.score(&choice.about),
+                What::Knob(_) => None,
+            };
+            // A title is meant more often than another name of the same.
+            let score = title.map(|score| 3 * score).into_iter().chain(other.map(|score| 2 * score)).max();
+            if let Some(score) = score {
+                found.push((score, Found { choice, value: None, marks: marks.unwrap_or_default() }));
             }
         }
-        // Stable: equals keep the table's order.
+        // Stable: equals keep their order, commands first.
         found.sort_by_key(|(score, _)| std::cmp::Reverse(*score));
         found.into_iter().map(|(_, found)| found).collect()
+    }
+
+    /// A knob by its whole name, with what it is to be turned to.
+    fn turned(&self) -> Option<Found<'_>> {
+        let (name, value) = self.input.value().trim_start().split_once([' ', '='])?;
+        let choice =
+            self.choices.iter().find(|choice| matches!(choice.what, What::Knob(knob) if knob == name))?;
+        let value = value.trim_start_matches([' ', '=']).trim_end();
+        Some(Found { choice, value: Some(value).filter(|value| !value.is_empty()), marks: Vec::new() })
     }
 
     fn step(&mut self, down: bool, by: usize) {
@@ -108,10 +134,10 @@ impl Dialog<Model> for Palette {
             buffer.set_stringn(list.x, list.y, " nothing matches", list.width.into(), theme.popup_dim);
         }
         let first = first_row(self.selected, found.len(), list.height.into());
-        for (y, (i, command)) in (list.y..list.bottom()).zip(found.iter().enumerate().skip(first)) {
+        for (y, (i, found)) in (list.y..list.bottom()).zip(found.iter().enumerate().skip(first)) {
             let row = Rect { y, height: 1, ..list };
             view.regions.push((row, Target::Dialog(Some(i))));
-            palette_row(model, command, i == self.selected, row, buffer);
+            palette_row(model, found, i == self.selected, row, buffer);
         }
         if outer != area && found.len() > list.height.into() {
             scrollbar(model, Rect { x: list.right(), width: 1, ..list }, first, found.len(), buffer);
@@ -149,32 +175,54 @@ impl Dialog<Model> for Palette {
         self.step(down, 1);
     }
 
-    /// Runs the selected command with the palette closed. One that cannot be used says why, and the
-    /// palette stays.
+    /// Does what is selected, with the palette closed. What cannot be done says why, and the palette stays.
     fn accept(&mut self, model: &mut Model, effects: &mut Effects) -> After {
-        let chosen = self.found().get(self.selected).map(|found| found.command);
-        let Some(command) = chosen else { return After::Stays };
-        let is_hindered = (command.hindrance)(model).is_some();
-        model.run(command, effects);
-        if is_hindered { After::Stays } else { After::Closes }
+        let (what, value) = match self.found().get(self.selected) {
+            Some(found) => (found.choice.what.clone(), found.value.map(str::to_owned)),
+            None => return After::Stays,
+        };
+        match (what, value) {
+            (What::Command(command), _) => {
+                let is_hindered = (command.hindrance)(model).is_some();
+                model.run(command, effects);
+                if is_hindered {
+                    return After::Stays;
+                }
+            }
+            (What::Knob(name), Some(value)) => {
+                if !shape::value::take(model, name, &value) {
+                    return After::Stays;
+                }
+            }
+            (What::Knob(name), None) => {
+                model.focus_on(Pane::Shape);
+                model.form.selected = Some(FormSpot::Knob(name));
+            }
+            (What::Preset(place), _) => {
+                model.library.filter_by("");
+                model.library.select_place(&place);
+                show_selected(model, effects);
+            }
+        }
+        After::Closes
     }
 
     /// What can be used may have changed.
     fn refresh(&mut self, model: &Model) {
-        self.commands = judged(model);
+        self.choices = choices(model);
     }
 }
 
-/// A command, what it does or why it cannot be used, and its keys.
+/// What can be chosen, what it does or why it cannot, and its keys.
 fn palette_row(model: &Model, found: &Found<'_>, chosen: bool, row: Rect, buffer: &mut Buffer) {
     let theme = &model.config.theme;
-    let can_be_used = found.hindrance.is_none();
+    let Choice { what, title, about, hindrance } = found.choice;
     let base = if chosen { theme.selected } else { theme.popup };
     let dimmed = |style| if chosen { base } else { theme.popup.patch(style) };
     buffer.set_style(row, base);
     let width = usize::from(row.width);
-    let name = if can_be_used { base } else { base.patch(theme.disabled) };
-    buffer.set_stringn(row.x + 1, row.y, found.command.title, width.saturating_sub(1), name);
+    let name = if hindrance.is_none() { base } else { base.patch(theme.disabled) };
+    buffer.set_stringn(row.x + 1, row.y, title, width.saturating_sub(1), name);
     for &mark in &found.marks {
         if let Some(cell) = buffer.cell_mut((row.x + 1 + mark as u16, row.y))
             && (mark as usize) + 1 < width
@@ -182,38 +230,57 @@ fn palette_row(model: &Model, found: &Found<'_>, chosen: bool, row: Rect, buffer
             cell.set_style(theme.matched);
         }
     }
-    let keys: Vec<_> = model
-        .config
-        .keymap
-        .keys_of(found.command.id)
-        .iter()
-        .take(2)
-        .map(|key| key_label(&key.to_string()))
-        .collect();
-    let keys = keys.join(" ");
-    let about = found.hindrance.unwrap_or(found.command.help);
-    let style = dimmed(if can_be_used { theme.popup_dim } else { theme.warning });
-    let from = NAME + 2;
-    let room = width.saturating_sub(from + keys.width() + 2);
+    let tail = match what {
+        What::Command(command) => {
+            let keys = model.config.keymap.keys_of(command.id).iter().take(2);
+            keys.map(|key| key_label(&key.to_string())).collect::<Vec<_>>().join(" ")
+        }
+        What::Knob(_) => "knob".to_owned(),
+        What::Preset(_) => "preset".to_owned(),
+    };
+    let turning = found.value.map(|value| format!("becomes {value}, was {about}"));
+    let about = turning.as_deref().or(hindrance.as_deref()).unwrap_or(about);
+    let style = dimmed(if hindrance.is_none() { theme.popup_dim } else { theme.warning });
+    let from = NAME.max(title.width()) + 2;
+    let room = width.saturating_sub(from + tail.width() + 2);
     if room >= 8 {
         buffer.set_stringn(row.x + from as u16, row.y, clipped(about, room), room, style);
     }
-    let wide = keys.width() as u16 + 1;
-    if usize::from(wide) + found.command.title.width() + 2 <= width {
-        buffer.set_stringn(row.right() - wide, row.y, &keys, width, dimmed(theme.key));
+    let wide = tail.width() as u16 + 1;
+    if usize::from(wide) + title.width() + 2 <= width {
+        let style = if matches!(what, What::Command(_)) { theme.key } else { theme.popup_dim };
+        buffer.set_stringn(row.right() - wide, row.y, &tail, width, dimmed(style));
     }
 }
 
-/// The commands that can be meant where the topmost dialog is, or the panes are.
-fn judged(model: &Model) -> Vec<(&'static Command, Option<String>)> {
+/// What can be meant where the topmost dialog is, or the panes are.
+fn choices(model: &Model) -> Vec<Choice> {
     let here = model.context();
     let is_meant = |context: Context| {
         context == Context::ALWAYS
             || if context.is_below_dialogs() { model.dialogs.is_empty() } else { context == here }
     };
-    model
-        .commands()
-        .filter(|command| is_meant(command.context))
-        .map(|command| (command, (command.hindrance)(model)))
-        .collect()
+    let command = |command: &'static Command| Choice {
+        what: What::Command(command),
+        title: command.title.to_owned(),
+        about: command.help.to_owned(),
+        hindrance: (command.hindrance)(model),
+    };
+    let commands = model.commands().filter(|command| is_meant(command.context)).map(command);
+    // Panes lie behind a dialog.
+    let (tree, library) = (model.tree.as_ref(), &model.library);
+    let panes = tree.filter(|_| model.dialogs.is_empty());
+    let knobs = panes.into_iter().flat_map(|tree| tree.preset().knobs()).map(|(row, value)| Choice {
+        what: What::Knob(row.knob.name),
+        title: row.knob.name.to_owned(),
+        about: format!("{value}: {}", row.knob.help),
+        hindrance: None,
+    });
+    let presets = library.entries.iter().filter(|_| model.dialogs.is_empty()).map(|entry| Choice {
+        what: What::Preset(entry.place.clone()),
+        title: linden::knob::printable(&entry.id),
+        about: linden::knob::printable(&entry.name),
+        hindrance: None,
+    });
+    commands.chain(knobs).chain(presets).collect()
 }

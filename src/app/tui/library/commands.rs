@@ -5,6 +5,7 @@ use super::{go, set_filter};
 use crate::tui::command::Context;
 use crate::tui::layout::Pane;
 use crate::tui::model::{Command, free};
+use crate::tui::shape;
 
 /// A page of the list, roughly.
 const PAGE: isize = 10;
@@ -75,11 +76,14 @@ pub const COMMANDS: &[Command] = &[
         id: "filter",
         context: Context::GLOBAL,
         keys: &["/"],
-        title: "Filter presets",
-        help: "Filters the list of presets as you type; Enter keeps the filter, Esc drops it",
+        title: "Find",
+        help: "Among the knobs goes to the one whose name you type, elsewhere filters the list of presets as you type; Enter keeps that, Esc drops it",
         hint: Some(30),
         hindrance: free,
         run: |model, _| {
+            if model.focus == Pane::Shape && model.tree.is_some() {
+                return shape::find_knob(model);
+            }
             model.focus_on(Pane::Presets);
             let line = FilterLine::new(&model.library.filter);
             model.dialogs.open(line);

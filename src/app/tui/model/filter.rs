@@ -1,9 +1,7 @@
 //! The filter of the list: which entries it leaves, and in which order.
 
-use nucleo_matcher::pattern::{CaseMatching, Normalization, Pattern};
-use nucleo_matcher::{Config, Matcher, Utf32Str};
-
 use super::entry::{ListRow, PresetEntry};
+use crate::tui::ranking::Ranking;
 
 /// Groups that stand before all others.
 const FIRST: [&str; 2] = ["Plants", "crowns"];
@@ -13,21 +11,14 @@ pub fn rows(entries: &[PresetEntry], filter: &str) -> Vec<ListRow> {
     if filter.trim().is_empty() {
         return grouped(entries);
     }
-    let pattern = Pattern::parse(filter, CaseMatching::Ignore, Normalization::Smart);
-    let mut matcher = Matcher::new(Config::DEFAULT);
-    let mut buffer = Vec::new();
+    let mut ranking = Ranking::of(filter);
     let mut found: Vec<(u32, usize, Vec<u32>)> = Vec::new();
     for (i, entry) in entries.iter().enumerate() {
-        let mut marks = Vec::new();
-        let id = pattern.indices(Utf32Str::new(&entry.id, &mut buffer), &mut matcher, &mut marks);
-        marks.sort_unstable();
-        marks.dedup();
-        let about = format!("{} {} {}", entry.name, entry.group, entry.summary);
-        let about = pattern.score(Utf32Str::new(&about, &mut buffer), &mut matcher);
-        // A hit in the id is meant more often than one in the description.
-        let score = id.map(|score| 2 * score).into_iter().chain(about).max();
-        if let Some(score) = score {
-            found.push((score, i, if id.is_some() { marks } else { Vec::new() }));
+        let (id, marks) = ranking.marked(&entry.id).unzip();
+        // A hit in the id is meant more often than one in the name or the group.
+        let about = ranking.score(&format!("{} {}", entry.name, entry.group));
+        if let Some(score) = id.map(|score| 2 * score).into_iter().chain(about).max() {
+            found.push((score, i, marks.unwrap_or_default()));
         }
     }
     found.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));

@@ -3,6 +3,7 @@
 mod commands;
 mod complete;
 mod editor;
+mod find;
 mod forecast;
 pub mod grammar;
 pub mod nudge;
@@ -158,6 +159,12 @@ fn open(model: &mut Model) {
         return nudge(model, true, Nudge::Usual);
     }
     model.dialogs.open(ValueLine::new(row.knob.name, &value.to_string()));
+}
+
+/// Asks for a knob's name.
+pub fn find_knob(model: &mut Model) {
+    let line = find::FindLine::new(model);
+    model.dialogs.open(line);
 }
 
 /// The wanted recipe grew, or why not.

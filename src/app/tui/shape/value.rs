@@ -10,7 +10,7 @@ use crate::tui::command::Context;
 use crate::tui::dialog::{After, Dialog};
 use crate::tui::effect::Effects;
 use crate::tui::layout::View;
-use crate::tui::model::Model;
+use crate::tui::model::{FormSpot, Model};
 
 /// The line of a knob's value.
 pub struct ValueLine {
@@ -81,6 +81,20 @@ impl Dialog<Model> for ValueLine {
         turn(model, self.knob, completed(self.knob, self.prompt.text().trim()));
         After::Closes
     }
+}
+
+/// Turns a knob to what was typed, and puts the cursor on it; whether that could be done, and why not is said.
+pub fn take(model: &mut Model, name: &'static str, text: &str) -> bool {
+    let now = model.now;
+    let Some(tree) = &mut model.tree else { return false };
+    match tree.set(name, completed(name, text), now) {
+        Ok(()) => model.form.selected = Some(FormSpot::Knob(name)),
+        Err(error) => {
+            model.say_warning(error.to_string());
+            return false;
+        }
+    }
+    true
 }
 
 /// Turns a knob to what was typed; says why not.

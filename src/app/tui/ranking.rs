@@ -1,0 +1,59 @@
+//! What was typed, against names: letters in their order, as fzf ranks them. Beginnings and starts of words count more,
+//! gaps cost.
+
+use nucleo_matcher::pattern::{CaseMatching, Normalization, Pattern};
+use nucleo_matcher::{Config, Matcher, Utf32Str};
+
+/// What was typed.
+pub struct Ranking {
+    pattern: Pattern,
+    matcher: Matcher,
+    buffer: Vec<char>,
+}
+
+impl Ranking {
+    /// Of a text: words apart, each of which must match.
+    pub fn of(typed: &str) -> Self {
+        let mut config = Config::DEFAULT;
+        config.prefer_prefix = true;
+        let pattern = Pattern::parse(typed, CaseMatching::Ignore, Normalization::Smart);
+        Self { pattern, matcher: Matcher::new(config), buffer: Vec::new() }
+    }
+
+    /// How well a name matches; `None` where it does not.
+    pub fn score(&mut self, name: &str) -> Option<u32> {
+        self.pattern.score(Utf32Str::new(name, &mut self.buffer), &mut self.matcher)
+    }
+
+    /// The same with the letters that match, in their order.
+    pub fn marked(&mut self, name: &str) -> Option<(u32, Vec<u32>)> {
+        let mut marks = Vec::new();
+        let text = Utf32Str::new(name, &mut self.buffer);
+        let score = self.pattern.indices(text, &mut self.matcher, &mut marks)?;
+        marks.sort_unstable();
+        marks.dedup();
+        Some((score, marks))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn beginnings_and_starts_of_words_come_before_letters_within() {
+        let names = ["leaf_margin", "relief_m", "clump_size", "leaf_form", "form_leaf_x"];
+        let best = |typed: &str| {
+            let mut ranking = Ranking::of(typed);
+            let mut scored: Vec<_> =
+                names.iter().filter_map(|name| Some((ranking.score(name)?, *name))).collect();
+            scored.sort_by(|a, b| b.0.cmp(&a.0));
+            scored.first().map(|(_, name)| *name)
+        };
+        assert_eq!(best("lf"), Some("leaf_form"));
+        assert_eq!(best("form"), Some("form_leaf_x"));
+        assert_eq!(best("leaf m"), Some("leaf_margin"));
+        assert_eq!(best("zq"), None);
+        assert_eq!(Ranking::of("lf").marked("leaf_form").map(|(_, marks)| marks), Some(vec![0, 5]));
+    }
+}

@@ -1,0 +1,83 @@
+//! A knob's name, typed: the cursor goes to the best match at once.
+
+use crossterm::event::KeyEvent;
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+
+use super::{FormRow, rows};
+use crate::tui::chrome::prompt::{self, Prompt};
+use crate::tui::command::Context;
+use crate::tui::dialog::{After, Dialog};
+use crate::tui::effect::Effects;
+use crate::tui::layout::View;
+use crate::tui::model::{FormSpot, Model};
+use crate::tui::ranking::Ranking;
+
+/// The line of a knob's name.
+pub struct FindLine {
+    prompt: Prompt,
+    /// Where the cursor was, for Esc.
+    before: Option<FormSpot>,
+}
+
+impl FindLine {
+    /// From where the cursor is.
+    pub fn new(model: &Model) -> Self {
+        Self { prompt: Prompt::new(""), before: model.form.selected }
+    }
+
+    fn follow(&mut self, model: &mut Model) {
+        let found = best(model, self.prompt.text());
+        let is_typed = !self.prompt.text().trim().is_empty();
+        self.prompt.problem = (is_typed && found.is_none()).then(|| "no knob matches".to_owned());
+        model.form.selected = found.filter(|_| is_typed).or(self.before);
+    }
+}
+
+/// The knob that matches best by its name, or by that of its group.
+fn best(model: &Model, typed: &str) -> Option<FormSpot> {
+    let rows = rows(model.tree.as_ref()?.preset());
+    let mut ranking = Ranking::of(typed);
+    let score = |row: &FormRow| {
+        let FormRow::Knob(knob, _) = row else { return None };
+        let name = ranking.score(knob.knob.name).map(|score| 2 * score);
+        let group = ranking.score(&format!("{} {}", knob.section.title(), knob.knob.name));
+        Some((name.into_iter().chain(group).max()?, knob.knob.name))
+    };
+    // The first of equals.
+    let mut found: Vec<_> = rows.iter().filter_map(score).collect();
+    found.sort_by_key(|(score, _)| std::cmp::Reverse(*score));
+    found.first().map(|(_, name)| FormSpot::Knob(name))
+}
+
+impl Dialog<Model> for FindLine {
+    fn context(&self) -> Context {
+        prompt::CONTEXT
+    }
+
+    fn is_prompt(&self) -> bool {
+        true
+    }
+
+    fn paint(&self, model: &Model, screen: Rect, buffer: &mut Buffer, view: &mut View) {
+        let remark = self.prompt.problem.clone().map(|text| prompt::Remark { text, warns: true });
+        self.prompt.paint_at_bottom(model, "knob", remark.as_ref(), screen, buffer, view);
+    }
+
+    fn key(&mut self, model: &mut Model, key: KeyEvent, _effects: &mut Effects) -> After {
+        if self.prompt.key(key) {
+            self.follow(model);
+        }
+        After::Stays
+    }
+
+    fn paste(&mut self, model: &mut Model, text: &str, _effects: &mut Effects) -> After {
+        self.prompt.paste(text);
+        self.follow(model);
+        After::Stays
+    }
+
+    fn cancel(&mut self, model: &mut Model, _effects: &mut Effects) {
+        model.form.selected = self.before;
+    }
+}
