@@ -47,7 +47,7 @@ mod tests {
             let mut ranking = Ranking::of(typed);
             let mut scored: Vec<_> =
                 names.iter().filter_map(|name| Some((ranking.score(name)?, *name))).collect();
-            scored.sort_by(|a, b| b.0.cmp(&a.0));
+            scored.sort_by_key(|(score, _)| std::cmp::Reverse(*score));
             scored.first().map(|(_, name)| *name)
         };
         assert_eq!(best("lf"), Some("leaf_form"));
