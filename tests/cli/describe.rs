@@ -243,13 +243,13 @@ fn pixels(png: &[u8]) -> ((u32, u32), Vec<u8>) {
 fn a_sheet_is_made_of_the_previews_of_its_trees() {
     let folder = Folder::new();
     let sheet =
-        ["sheet", "fir", "older-a", "--seeds", "2", "--size", "60x70", "--columns", "3", "-o", "s.png"];
+        ["sheet", "fir", "older-shrub", "--seeds", "2", "--size", "60x70", "--columns", "3", "-o", "s.png"];
     folder.run(&[&sheet[..], &["--labels", "none"]].concat()).done();
     let (size, whole) = pixels(&folder.read("s.png"));
     assert_eq!(size, (180, 140));
     let channels = whole.len() / (180 * 140);
     for (place, (id, seed)) in
-        [("fir", "1"), ("fir", "2"), ("older-a", "1"), ("older-a", "2")].iter().enumerate()
+        [("fir", "1"), ("fir", "2"), ("older-shrub", "1"), ("older-shrub", "2")].iter().enumerate()
     {
         let png = folder.run(&["preview", id, "--seed", seed, "--size", "60x70", "-o", "-"]).done().bytes;
         let (size, preview) = pixels(&png);
@@ -308,7 +308,7 @@ fn flat_drawings_are_pictures_and_svg() {
     assert!(usual.starts_with("<svg xmlns=") && usual.contains("viewBox=\"0 0 300 360\""));
     assert!(usual.contains("<path ") && usual.contains("older-a"), "strokes, and the recipe");
     // Its quotes are letters that XML has for itself.
-    let named = ["preview", "older-a", "--set", "derivations=3", "--seed", "7", "-o"];
+    let named = ["preview", "older-a", "--set", "derivations=3", "--set", "angle=21.5", "-o"];
     let recipe = |file: &str| {
         folder.run(&[&named[..], &[file]].concat()).done();
         folder.run(&["recipe", file]).done().out
