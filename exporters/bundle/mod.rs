@@ -109,21 +109,18 @@ impl Bundle {
                 pipe: Pipe::open(&path).map_err(|source| target::looking(target, source))?,
             },
         };
-        Ok(Self { place, notes: Vec::new(), system, is_synced: true, membership: None, picture_folder: None })
+        Ok(Self::at(place, system))
+    }
+
+    const fn at(place: Place, system: &'static dyn FileSystem) -> Self {
+        Self { place, notes: Vec::new(), system, is_synced: true, membership: None, picture_folder: None }
     }
 
     /// A bundle of a single file that goes to `out` as it is made; `label` names it in messages:
     /// `standard output`.
     pub fn stream(label: &str, out: impl Write + Send + 'static) -> Self {
         let place = Place::Stream { label: label.to_owned(), out: Box::new(out) };
-        Self {
-            place,
-            notes: Vec::new(),
-            system: &System,
-            is_synced: true,
-            membership: None,
-            picture_folder: None,
-        }
+        Self::at(place, &System)
     }
 
     /// A bundle of a single file that goes to standard output as it is made. A reader that does not
@@ -132,14 +129,7 @@ impl Bundle {
         const LABEL: &str = "standard output";
         if let Ok(pipe) = Pipe::stdout() {
             let place = Place::Pipe { label: LABEL.to_owned(), pipe };
-            return Self {
-                place,
-                notes: Vec::new(),
-                system: &System,
-                is_synced: true,
-                membership: None,
-                picture_folder: None,
-            };
+            return Self::at(place, &System);
         }
         Self::stream(LABEL, std::io::stdout())
     }

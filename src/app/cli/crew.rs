@@ -15,6 +15,11 @@ use crate::progress::Progress;
 /// Results that may wait for one before them: what a slow tree holds up.
 const MOST_WAITING: usize = 4096;
 
+/// Bytes for pictures that several trees share: what a dozen kinds need, but never much of what there is.
+pub fn room_for_pictures(progress: &Progress) -> u64 {
+    (progress.memory_limit() / 8).min(64 << 20)
+}
+
 /// Workers that do one piece of work after another, each on threads of its own.
 pub struct Crew<'a> {
     pub progress: &'a Progress,

@@ -35,7 +35,7 @@ impl Forecast {
     pub fn of(plan: &Plan, part: &Part, progress: &Progress) -> anyhow::Result<Self> {
         let numbers: Vec<usize> = part.numbers().collect();
         let mut forecast = Self { trees: numbers.len(), ..Self::default() };
-        let samples = evenly(&numbers, MOST_SAMPLES);
+        let samples = from_the_middles(&numbers, MOST_SAMPLES);
         let share = numbers.len() as f64 / samples.len().max(1) as f64;
         let looks = looks(plan, &numbers, progress)? / samples.len().max(1) as f64;
         for number in samples {
@@ -75,7 +75,7 @@ impl Forecast {
 }
 
 /// From the middle of each of so many stretches.
-fn evenly(numbers: &[usize], most: usize) -> Vec<usize> {
+fn from_the_middles(numbers: &[usize], most: usize) -> Vec<usize> {
     let count = numbers.len().min(most);
     (0..count).map(|look| numbers[(2 * look + 1) * numbers.len() / (2 * count)]).collect()
 }
@@ -83,7 +83,7 @@ fn evenly(numbers: &[usize], most: usize) -> Vec<usize> {
 /// How many different barks and foliages there are. Where nearly each tree has its own, those that were not
 /// compared have, too.
 fn looks(plan: &Plan, numbers: &[usize], progress: &Progress) -> anyhow::Result<f64> {
-    let compared = evenly(numbers, MOST_COMPARED);
+    let compared = from_the_middles(numbers, MOST_COMPARED);
     let mut known: Vec<(BarkSettings, FoliageSettings)> = Vec::new();
     for &number in &compared {
         progress.check()?;

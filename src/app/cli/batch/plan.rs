@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use anyhow::Context;
-use linden::Monitor;
 use linden::manifest::Manifest;
 use linden::recipe::Recipe;
 use linden::texture::DrawnPictures;
@@ -13,6 +12,7 @@ use linden_exporters::{ExportError, Exporter, Format, Options, find};
 use xxhash_rust::xxh3::xxh3_128;
 
 use super::thumbnail::Thumbnail;
+use crate::cli::crew::room_for_pictures;
 use crate::exit::usage;
 use crate::paths::show;
 use crate::progress::Progress;
@@ -20,11 +20,6 @@ use crate::source::{self, Source};
 
 /// The most trees of one manifest.
 const MOST: usize = 10_000_000;
-
-/// Bytes for pictures that several trees share: what a dozen kinds need, but never much of what there is.
-pub fn room_for_pictures(progress: &Progress) -> u64 {
-    (progress.memory_limit() / 8).min(64 << 20)
-}
 
 /// A manifest with its sources.
 pub struct Plan {

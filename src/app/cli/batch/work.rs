@@ -10,9 +10,9 @@ use linden::grow::grow;
 use linden::monitor::Holding;
 use linden_exporters::{Batch, Bundle, Output};
 
-use super::plan::{Plan, Tree, room_for_pictures};
+use super::plan::{Plan, Tree};
 use super::rows::{PICTURES, Row, WrittenFile};
-use crate::cli::crew::{Crew, Share};
+use crate::cli::crew::{Crew, Share, room_for_pictures};
 use crate::exit::sentence;
 use crate::progress::Progress;
 

@@ -12,7 +12,7 @@ use linden::texture::DrawnPictures;
 use super::bytes::{Bytes, compare};
 use super::find::Group;
 use super::row::{Outcome, Row};
-use crate::cli::crew::{Crew, Share};
+use crate::cli::crew::{Crew, Share, room_for_pictures};
 use crate::exit::sentence;
 use crate::progress::Progress;
 use crate::source::{self, Source};
@@ -21,8 +21,9 @@ use crate::source::{self, Source};
 pub fn check(groups: &[Group], jobs: Option<usize>, progress: &Progress) -> anyhow::Result<Vec<Row>> {
     let mut rows = Vec::new();
     let crew = Crew::of_threads(progress);
-    let crew = Crew { jobs: jobs.unwrap_or(crew.jobs), ..crew };
-    let drawn = Arc::default();
+    let room = room_for_pictures(progress);
+    let crew = Crew { jobs: jobs.unwrap_or(crew.jobs), memory: crew.memory - room, ..crew };
+    let drawn = Arc::new(DrawnPictures::new(room));
     crew.run(
         0..groups.len(),
         |index, share| check_group(&groups[index], &drawn, share),
