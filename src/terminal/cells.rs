@@ -33,6 +33,8 @@ pub enum Glyphs {
     Halves,
     /// 2×4 dots per cell, one colour: what there is without colours.
     Braille,
+    /// Letters and signs, the more of a cell is drawn the darker: what there is without Unicode.
+    Ascii,
 }
 
 impl Glyphs {
@@ -41,7 +43,7 @@ impl Glyphs {
         match self {
             Self::Quadrants => (2, 2),
             Self::Halves => (1, 2),
-            Self::Braille => (2, 4),
+            Self::Braille | Self::Ascii => (2, 4),
         }
     }
 }
@@ -61,7 +63,7 @@ pub struct CellStyle {
 impl CellStyle {
     /// Whether cells have one colour, over the terminal's own background.
     fn is_monochrome(self) -> bool {
-        self.colors == ColorDepth::None || self.glyphs == Glyphs::Braille
+        self.colors == ColorDepth::None || matches!(self.glyphs, Glyphs::Braille | Glyphs::Ascii)
     }
 }
 
@@ -373,10 +375,13 @@ fn glyph(glyphs: Glyphs, drawn: u32) -> char {
         [' ', '▘', '▝', '▀', '▖', '▌', '▞', '▛', '▗', '▚', '▐', '▜', '▄', '▙', '▟', '█'];
     const HALVES: [char; 4] = [' ', '▀', '▄', '█'];
     // Unicode numbers the dots down the left column, then down the right one, the lowest row last.
+    // From nothing to all of a cell.
+    const RAMP: [char; 9] = [' ', '.', ':', '-', '=', '+', '*', '#', '@'];
     const DOTS: [u32; 8] = [0x01, 0x08, 0x02, 0x10, 0x04, 0x20, 0x40, 0x80];
     match glyphs {
         Glyphs::Quadrants => QUADRANTS[(drawn & 15) as usize],
         Glyphs::Halves => HALVES[(drawn & 3) as usize],
+        Glyphs::Ascii => RAMP[(drawn & 255).count_ones() as usize],
         Glyphs::Braille => {
             let dots = (0..8).filter(|i| drawn >> i & 1 == 1).fold(0, |dots, i| dots | DOTS[i]);
             char::from_u32(0x2800 + dots).unwrap_or(' ')

@@ -17,11 +17,13 @@
 //! | [`probe`] | what a terminal can do: queries, replies, conclusions |
 //! | [`screen`] | what the terminal shows, and the fewest bytes that change it |
 //! | [`session`] | the terminal while it is ours: taken, and given back whatever happens |
+//! | [`ascii`] | a screen for terminals that show nothing else |
 //! | [`size`] | columns and rows |
 //! | [`tty`] | the terminal's descriptors |
 //!
 //! Systems differ in one folder, `system`; the events are [`crossterm`]'s everywhere.
 
+pub mod ascii;
 pub mod cells;
 pub mod color;
 pub mod display;

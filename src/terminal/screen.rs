@@ -29,7 +29,8 @@ use ratatui::style::Color;
 use crate::color::ColorDepth;
 use crate::graphics::{Canvas, Graphic, Placement, Protocol};
 use encoder::Encoder;
-use look::{Look, is_doubtful, width};
+pub(crate) use look::width;
+use look::{Look, is_doubtful};
 use plan::Plan;
 
 /// How a terminal is spoken to.

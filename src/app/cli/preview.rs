@@ -16,7 +16,7 @@ use linden_raster::{
     Background, Camera, Drawing, Paint, Size, Style, Surface, draw_flat, draw_skeleton, draw_surface,
 };
 use linden_terminal::graphics::encode;
-use linden_terminal::probe::{Environment, Graphics, Overrides};
+use linden_terminal::probe::{Capabilities, Environment, Findings, Graphics, Overrides};
 use linden_terminal::tty::takes_sequences;
 use linden_terminal::{
     CellStyle, ColorDepth, Glyphs, Image, MAX_CELLS, Protocol, TerminalSize, Tty, draw_cells,
@@ -241,7 +241,12 @@ fn in_terminal(flags: &Overrides) -> (Option<Protocol>, CellStyle) {
         .colors()
         .unwrap_or_else(|| ColorDepth::detect(|name| std::env::var(name).ok(), is_terminal));
     let (graphics, glyphs) = overrides.graphics().unwrap_or((Graphics::Cells, None));
-    let usual = if colors == ColorDepth::None { Glyphs::Braille } else { Glyphs::Quadrants };
+    let known = Capabilities::conclude(&Findings::default(), &environment, &Overrides::default());
+    let usual = match colors {
+        _ if !known.unicode.value => Glyphs::Ascii,
+        ColorDepth::None => Glyphs::Braille,
+        _ => Glyphs::Quadrants,
+    };
     let style = CellStyle { glyphs: glyphs.unwrap_or(usual), colors, ..CellStyle::default() };
     let protocol = match graphics {
         Graphics::Kitty => Some(Protocol::Kitty),

@@ -35,6 +35,10 @@ pub struct Session {
     pub focus: String,
     /// What the list was filtered by.
     pub filter: String,
+    /// Marked presets: ids of built-in ones, paths of files.
+    pub favourites: Vec<String>,
+    /// Groups of the list whose presets are hidden.
+    pub folded: Vec<String>,
     /// Hints that need not be given again.
     pub hints_seen: Vec<String>,
     /// Knobs that were turned, as `--set` takes them: name and value.
@@ -79,6 +83,8 @@ impl Default for Session {
             look: "skeleton".to_owned(),
             focus: String::new(),
             filter: String::new(),
+            favourites: Vec::new(),
+            folded: Vec::new(),
             hints_seen: Vec::new(),
             knobs: Vec::new(),
             camera: Camera::default(),
@@ -222,6 +228,8 @@ mod tests {
             look: "surface".into(),
             focus: "form".into(),
             filter: "fi\"r".into(),
+            favourites: vec!["oak".into(), "/home/a b/\u{fc}.toml".into()],
+            folded: vec!["crowns".into()],
             hints_seen: vec!["orbit".into(), "yank".into()],
             knobs: vec![("points".into(), "500".into()), ("kill".into(), "3D".into())],
             camera: Camera { yaw_deg: -12.5, pitch_deg: 90.0, zoom: 0.3, pan: [0.1, -2e-7] },

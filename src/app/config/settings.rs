@@ -79,7 +79,7 @@ pub enum Takes {
     Text(&'static str),
 }
 
-const GRAPHICS: [(&str, Option<Graphics>); 7] = [
+const GRAPHICS: [(&str, Option<Graphics>); 8] = [
     ("auto", None),
     ("kitty", Some(Graphics::Kitty)),
     ("sixel", Some(Graphics::Sixel)),
@@ -87,6 +87,7 @@ const GRAPHICS: [(&str, Option<Graphics>); 7] = [
     ("quadrants", Some(Graphics::Cells(Glyphs::Quadrants))),
     ("halves", Some(Graphics::Cells(Glyphs::Halves))),
     ("braille", Some(Graphics::Cells(Glyphs::Braille))),
+    ("ascii", Some(Graphics::Cells(Glyphs::Ascii))),
 ];
 
 const COLORS: [(&str, Option<ColorDepth>); 5] = [

@@ -178,7 +178,11 @@ impl Medium {
                 Graphics::Iterm2 => Some(Protocol::Iterm2),
                 Graphics::Cells => None,
             },
-            glyphs: if colors == ColorDepth::None { Glyphs::Braille } else { terminal.glyphs.value },
+            glyphs: match terminal.glyphs.value {
+                Glyphs::Ascii => Glyphs::Ascii,
+                _ if colors == ColorDepth::None => Glyphs::Braille,
+                glyphs => glyphs,
+            },
             colors,
             background: terminal.background.value.unwrap_or(usual),
             dark,

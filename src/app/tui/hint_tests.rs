@@ -175,8 +175,7 @@ fn commands_run_everywhere_without_harm_and_those_that_cannot_say_why() {
 fn the_footer_never_cuts_a_hint() {
     for path in situations() {
         let offered = hints(&bench(path).model);
-        let words: Vec<String> =
-            offered.iter().map(|hint| format!("{} {}", hint.key, hint.command.title)).collect();
+        let words: Vec<String> = offered.iter().map(|hint| format!("{} {}", hint.key, hint.label)).collect();
         let mut bench = bench(path);
         if bench.model.dialogs.last().is_some_and(super::dialog::Dialog::is_prompt) {
             continue;

@@ -6,8 +6,12 @@ use super::command::Context;
 
 /// Three panes from here.
 const THREE: u16 = 110;
-/// Two panes from here; below, one, with tabs.
-const TWO: u16 = 72;
+/// Two panes from here; below, one above the other, with tabs.
+const TWO: u16 = 56;
+/// Columns of the list of presets, whatever it holds.
+const LIST: [u16; 2] = [20, 34];
+/// Rows from which one pane stands above the other where they have no room side by side.
+const STACKED: u16 = 8;
 
 /// One of the three panes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -24,7 +28,12 @@ impl Pane {
     /// From left to right.
     pub const ALL: [Self; 3] = [Self::Presets, Self::Picture, Self::Shape];
 
-    /// What its border says.
+    /// The pane that follows after so many steps to the right, round the corner.
+    pub const fn next(self, by: usize) -> Self {
+        Self::ALL[(self as usize + by) % Self::ALL.len()]
+    }
+
+    /// What its heading says.
     pub const fn title(self) -> &'static str {
         match self {
             Self::Presets => "Presets",
@@ -66,10 +75,14 @@ pub enum Target {
 pub struct Layout {
     /// The uppermost row: what is on screen.
     pub title: Rect,
-    /// The row of tabs, where there is room for one pane only.
+    /// The row of tabs, where panes have no room side by side.
     pub tabs: Rect,
-    /// Each pane with its border; empty for those that are not shown.
+    /// The row above each pane: a rule with the pane's name; empty where there is none.
+    pub headings: [Rect; 3],
+    /// Each pane; empty for those that are not shown.
     pub panes: [Rect; 3],
+    /// The rules between panes.
+    pub rules: [Rect; 2],
     /// The lowest row: hints or a message.
     pub footer: Rect,
 }
@@ -86,8 +99,9 @@ pub struct View {
 }
 
 impl Layout {
-    /// The panes for a size. `focus` has keys; `side` is the last focused pane but the picture.
-    pub fn new(columns: u16, rows: u16, focus: Pane, side: Pane) -> Self {
+    /// The panes for a size. `focus` has keys; `side` is the last focused pane but the picture; `list` is the
+    /// columns that the list of presets would fill.
+    pub fn new(columns: u16, rows: u16, focus: Pane, side: Pane, list: u16) -> Self {
         let mut layout = Self::default();
         let mut body = Rect::new(0, 0, columns, rows);
         if body.is_empty() {
@@ -102,34 +116,81 @@ impl Layout {
             body.height -= 1;
             layout.footer = Rect::new(0, body.bottom(), columns, 1);
         }
-        let [presets, middle, shape] = &mut layout.panes;
+        let list = list.clamp(LIST[0], LIST[1]);
         if columns >= THREE {
-            let (left, right) = if columns >= 150 { (34, 46) } else { (30, 38) };
-            *presets = Rect { width: left, ..body };
-            *shape = Rect { x: columns - right, width: right, ..body };
-            *middle = Rect { x: left, width: columns - left - right, ..body };
+            let form = if columns >= 150 { 46 } else { 38 };
+            let picture = columns - list.min(columns / 4) - form - 2;
+            layout.beside(
+                body,
+                &[(Pane::Presets, list.min(columns / 4)), (Pane::Picture, picture), (Pane::Shape, form)],
+            );
         } else if columns >= TWO {
-            let left = if side == Pane::Shape { 36 } else { 30 };
-            *(if side == Pane::Shape { shape } else { presets }) = Rect { width: left, ..body };
-            *middle = Rect { x: left, width: columns - left, ..body };
+            let left = if side == Pane::Shape { (columns / 2).min(38) } else { list.min(columns / 3) };
+            layout.beside(body, &[(side, left), (Pane::Picture, columns - left - 1)]);
         } else {
-            if body.height >= 4 {
-                layout.tabs = Rect { height: 1, ..body };
-                body.y += 1;
-                body.height -= 1;
-            }
-            layout.panes[focus as usize] = body;
+            layout.stack(body, focus);
         }
         layout
+    }
+
+    /// Panes from left to right with their columns, a rule between two of them, each below its heading.
+    fn beside(&mut self, body: Rect, panes: &[(Pane, u16)]) {
+        let heading = u16::from(body.height >= 4);
+        let mut x = body.x;
+        for (i, &(pane, width)) in panes.iter().enumerate() {
+            if i > 0 {
+                self.rules[i - 1] = Rect { x: x - 1, width: 1, ..body };
+            }
+            let column = Rect { x, width, ..body };
+            self.headings[pane as usize] = Rect { height: heading, ..column };
+            self.panes[pane as usize] =
+                Rect { y: column.y + heading, height: column.height - heading, ..column };
+            x += width + 1;
+        }
+    }
+
+    /// One column: tabs, and the picture above the pane that has the keys. So a preset and a knob are seen
+    /// at work on the narrowest screen.
+    fn stack(&mut self, mut body: Rect, focus: Pane) {
+        if body.height >= 4 {
+            self.tabs = Rect { height: 1, ..body };
+            body.y += 1;
+            body.height -= 1;
+        }
+        let lower = match focus {
+            _ if body.height < STACKED => body.height,
+            Pane::Picture => 0,
+            Pane::Presets => (body.height / 3).max(3),
+            Pane::Shape => body.height / 2,
+        };
+        let mut upper = body.height - lower;
+        if focus == Pane::Picture {
+            self.panes[Pane::Picture as usize] = body;
+            return;
+        }
+        self.panes[focus as usize] = Rect { y: body.y + upper, height: lower, ..body };
+        // The rule takes its row from the picture, where that can spare it.
+        if upper > STACKED {
+            upper -= 1;
+            self.rules[0] = Rect { y: body.y + upper, height: 1, ..body };
+        }
+        self.panes[Pane::Picture as usize] = Rect { height: upper, ..body };
     }
 
     /// Where a pane is, `None` when it is not shown.
     pub fn pane(&self, pane: Pane) -> Option<Rect> {
         Some(self.panes[pane as usize]).filter(|area| !area.is_empty())
     }
+
+    /// Where a pane's text is: within a column of air on both sides. The picture fills its pane.
+    pub fn text(&self, pane: Pane) -> Option<Rect> {
+        let area = self.pane(pane)?;
+        let air = u16::from(pane != Pane::Picture && area.width >= 12);
+        Some(Rect { x: area.x + air, width: area.width - 2 * air, ..area })
+    }
 }
 
-/// The inside of a pane's border. Panes too small for a border have none.
+/// The inside of a dialog's border. Dialogs too small for a border have none.
 pub fn inside(area: Rect) -> Rect {
     if area.width < 4 || area.height < 3 {
         return area;

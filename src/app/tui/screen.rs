@@ -4,13 +4,13 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::Style;
 use ratatui::text::{Line, Span};
-use ratatui::widgets::{Block, BorderType, Widget};
+use ratatui::widgets::Widget;
 use unicode_width::UnicodeWidthStr;
 
 use super::chrome::footer;
 use super::dialog::Dialog;
 use super::figures::{metres, thousands};
-use super::layout::{Pane, Target, View, inside};
+use super::layout::{Layout, Pane, Target, View};
 use super::model::Model;
 use super::{export, growth, library, picture, shape};
 use crate::wrap::clipped;
@@ -22,14 +22,15 @@ pub fn view(model: &Model, buffer: &mut Buffer) -> View {
     buffer.set_style(buffer.area, model.config.theme.text);
     title(model, layout.title, buffer);
     tabs(model, layout.tabs, buffer, &mut view);
+    frame(model, &layout, buffer);
     for pane in Pane::ALL {
-        let Some(area) = layout.pane(pane) else { continue };
-        view.regions.push((area, Target::Pane(pane)));
-        let inner = border(model, pane, area, buffer, &mut view);
+        let (Some(area), Some(text)) = (layout.pane(pane), layout.text(pane)) else { continue };
+        view.regions.extend([layout.headings[pane as usize], area].map(|part| (part, Target::Pane(pane))));
+        heading(model, pane, &layout, buffer, &mut view);
         match pane {
-            Pane::Presets => library::view::view(model, inner, buffer, &mut view),
-            Pane::Picture => picture::view::view(model, inner, buffer, &mut view),
-            Pane::Shape => shape::view::view(model, inner, buffer, &mut view),
+            Pane::Presets => library::view::view(model, text, buffer, &mut view),
+            Pane::Picture => picture::view::view(model, text, buffer, &mut view),
+            Pane::Shape => shape::view::view(model, text, buffer, &mut view),
         }
     }
     let (screen, body) = (Rect::new(0, 0, model.size.0, model.size.1), model.dialog_body());
@@ -52,29 +53,58 @@ fn dialogs(model: &Model, screen: Rect, body: Rect, buffer: &mut Buffer, view: &
     }
 }
 
-/// Draws a pane's border with its title; gives the inside.
-fn border(model: &Model, pane: Pane, area: Rect, buffer: &mut Buffer, view: &mut View) -> Rect {
-    let inner = inside(area);
-    if inner == area {
-        return inner;
+/// Draws the rules: one above the panes, one between two of them.
+fn frame(model: &Model, layout: &Layout, buffer: &mut Buffer) {
+    let style = model.config.theme.border;
+    for heading in layout.headings {
+        for x in heading.left()..heading.right() {
+            buffer.set_string(x, heading.y, "─", style);
+        }
+    }
+    let is_headed = layout.headings.iter().any(|heading| !heading.is_empty());
+    for rule in layout.rules {
+        for place in rule.positions() {
+            let symbol = match (rule.width, is_headed && place.y == rule.y) {
+                (1, true) => "┬",
+                (1, false) => "│",
+                _ => "─",
+            };
+            buffer.set_string(place.x, place.y, symbol, style);
+        }
+    }
+}
+
+/// Draws a pane's name and what is to be said of it into the rule above it.
+fn heading(model: &Model, pane: Pane, layout: &Layout, buffer: &mut Buffer, view: &mut View) {
+    let area = layout.headings[pane as usize];
+    if pane == Pane::Picture && area.is_empty() {
+        // Without a heading the bar to scrub lies on the picture's last row.
+        let picture = layout.panes[pane as usize];
+        let row = Rect { y: picture.bottom().saturating_sub(1), height: 1.min(picture.height), ..picture };
+        return growth::bar::view(model, row, buffer, view);
+    }
+    if area.width < 4 || area.is_empty() {
+        return;
     }
     let theme = &model.config.theme;
     let focused = model.focus == pane && model.dialogs.is_empty();
-    let style = if focused { theme.border_focused } else { theme.border };
     let name = if focused { theme.title_focused } else { theme.title };
-    let mut top = vec![Span::styled(format!(" {} ", pane.title()), name)];
-    match pane {
-        Pane::Presets => top.extend(library::view::heading(model)),
-        Pane::Picture => top.extend(picture::view::heading(model)),
-        Pane::Shape => top.extend(shape::view::heading(model)),
+    if focused {
+        buffer.set_style(area, theme.border_focused);
     }
-    let block = Block::bordered().border_type(BorderType::Rounded).border_style(style).title(Line::from(top));
-    block.render(area, buffer);
+    let mut words = vec![Span::styled(format!(" {} ", pane.title()), name)];
+    words.extend(match pane {
+        Pane::Presets => library::view::heading(model),
+        Pane::Picture => picture::view::heading(model),
+        Pane::Shape => shape::view::heading(model),
+    });
+    let room = Rect { x: area.x + 1, width: area.width - 2, ..area };
+    let words = Line::from(words);
+    let width = (words.width() as u16).min(room.width);
+    words.render(Rect { width, ..room }, buffer);
     if pane == Pane::Picture {
-        let row = Rect { y: area.bottom() - 1, height: 1, ..inner };
-        growth::bar::view(model, row, buffer, view);
+        growth::bar::view(model, Rect { x: room.x + width, width: room.width - width, ..room }, buffer, view);
     }
-    inner
 }
 
 /// What is on screen, in one line: as many of the figures as have room.

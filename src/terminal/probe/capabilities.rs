@@ -56,6 +56,8 @@ pub struct Capabilities {
     pub graphics: Told<Graphics>,
     /// Which characters pictures are made of, where they are made of characters.
     pub glyphs: Told<Glyphs>,
+    /// Whether it shows more than ASCII.
+    pub unicode: Told<bool>,
     /// How many colours it has.
     pub colors: Told<ColorDepth>,
     /// Its background, sRGB, if it says.
@@ -88,11 +90,16 @@ impl Capabilities {
             }
             None => (known.graphics(), None),
         };
-        let glyphs = forced_glyphs.unwrap_or_else(|| known.glyphs(colors.value));
+        let unicode = match &forced_glyphs {
+            Some(forced) => Told::new(forced.value != Glyphs::Ascii, forced.why.clone()),
+            None => known.unicode(),
+        };
+        let glyphs = forced_glyphs.unwrap_or_else(|| known.glyphs(colors.value, &unicode));
         Self {
             name: known.name(),
             graphics,
             glyphs,
+            unicode,
             colors,
             background: known.background(),
             dark: known.dark(),
@@ -104,11 +111,12 @@ impl Capabilities {
     }
 
     /// The lines of a report: each a capability, the conclusion and its reason.
-    pub fn rows(&self) -> [(&'static str, String, &str); 10] {
+    pub fn rows(&self) -> [(&'static str, String, &str); 11] {
         let glyphs = match self.glyphs.value {
             Glyphs::Quadrants => "quadrants",
             Glyphs::Halves => "halves",
             Glyphs::Braille => "braille",
+            Glyphs::Ascii => "ascii",
         };
         let colors = match self.colors.value {
             ColorDepth::True => "truecolor",
@@ -127,6 +135,7 @@ impl Capabilities {
             ("remote", yes_no(self.remote.value), &self.remote.why),
             ("pictures", self.graphics.value.to_string(), &self.graphics.why),
             ("characters", glyphs.to_owned(), &self.glyphs.why),
+            ("unicode", yes_no(self.unicode.value), &self.unicode.why),
             ("colours", colors.to_owned(), &self.colors.why),
             ("background", background.unwrap_or_else(unknown), &self.background.why),
             ("dark", yes_no(self.dark.value), &self.dark.why),
@@ -262,8 +271,28 @@ impl<'a> Known<'a> {
         }
     }
 
-    fn glyphs(&self, colors: ColorDepth) -> Told<Glyphs> {
-        if colors == ColorDepth::None {
+    /// Only what is said counts: where no variable is set, as in most containers, terminals show Unicode
+    /// all the same.
+    fn unicode(&self) -> Told<bool> {
+        if self.environment.term() == "dumb" {
+            return Told::new(false, self.environment.quote("TERM"));
+        }
+        let locale =
+            ["LC_ALL", "LC_CTYPE", "LANG"].into_iter().find(|name| self.environment.get(name).is_some());
+        let Some(name) = locale else { return Told::new(true, "no variable of the locale says otherwise") };
+        let value = self.environment.get(name).unwrap_or_default();
+        let charset = value.split_once('.').map(|(_, charset)| charset.split('@').next().unwrap_or_default());
+        let shows = match charset {
+            Some(charset) => charset.replace('-', "").eq_ignore_ascii_case("utf8"),
+            None => !matches!(value, "C" | "POSIX"),
+        };
+        Told::new(shows, self.environment.quote(name))
+    }
+
+    fn glyphs(&self, colors: ColorDepth, unicode: &Told<bool>) -> Told<Glyphs> {
+        if !unicode.value {
+            Told::new(Glyphs::Ascii, unicode.why.clone())
+        } else if colors == ColorDepth::None {
             Told::new(Glyphs::Braille, "without colours dots show most")
         } else if self.environment.term() == "linux" {
             Told::new(Glyphs::Halves, "the console's fonts have no quadrants")

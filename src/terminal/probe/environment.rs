@@ -10,7 +10,7 @@ use crate::system;
 pub struct Environment(BTreeMap<String, String>);
 
 /// Every variable that is looked at.
-const NAMES: [&str; 24] = [
+const NAMES: [&str; 27] = [
     "CLICOLOR",
     "CLICOLOR_FORCE",
     "COLORFGBG",
@@ -18,6 +18,9 @@ const NAMES: [&str; 24] = [
     "FORCE_COLOR",
     "KITTY_WINDOW_ID",
     "KONSOLE_VERSION",
+    "LANG",
+    "LC_ALL",
+    "LC_CTYPE",
     "LC_TERMINAL",
     "LC_TERMINAL_VERSION",
     super::overrides::COLORS,

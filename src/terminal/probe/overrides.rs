@@ -11,13 +11,14 @@ pub(super) const GRAPHICS: &str = "LINDEN_GRAPHICS";
 pub(super) const COLORS: &str = "LINDEN_COLORS";
 
 /// Ways to draw pictures, by name.
-const GRAPHICS_NAMES: [(&str, (Graphics, Option<Glyphs>)); 6] = [
+const GRAPHICS_NAMES: [(&str, (Graphics, Option<Glyphs>)); 7] = [
     ("kitty", (Graphics::Kitty, None)),
     ("sixel", (Graphics::Sixel, None)),
     ("iterm2", (Graphics::Iterm2, None)),
     ("quadrants", (Graphics::Cells, Some(Glyphs::Quadrants))),
     ("halves", (Graphics::Cells, Some(Glyphs::Halves))),
     ("braille", (Graphics::Cells, Some(Glyphs::Braille))),
+    ("ascii", (Graphics::Cells, Some(Glyphs::Ascii))),
 ];
 
 /// Numbers of colours, by name.
@@ -92,8 +93,9 @@ impl Overrides {
         Self { graphics: self.graphics.or(other.graphics), colors: self.colors.or(other.colors) }
     }
 
-    /// How pictures are drawn: `kitty`, `sixel`, `iterm2`, `quadrants`, `halves`, `braille`, or `auto`
-    /// for what is found. `from` says where that stood: a flag, a variable, a key of a file. The last
+    /// How pictures are drawn: `kitty`, `sixel`, `iterm2`, `quadrants`, `halves`, `braille`, `ascii` (the
+    /// rest of the screen too), or `auto` for
+    /// what is found. `from` says where that stood: a flag, a variable, a key of a file. The last
     /// call counts.
     ///
     /// # Errors

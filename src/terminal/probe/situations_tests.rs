@@ -356,6 +356,7 @@ fn what_is_insisted_on_comes_first() {
         ("quadrants", Cells, Glyphs::Quadrants),
         ("halves", Cells, Glyphs::Halves),
         ("braille", Cells, Glyphs::Braille),
+        ("ascii", Cells, Glyphs::Ascii),
         ("auto", Kitty, Glyphs::Quadrants),
     ] {
         let mut overrides = Overrides::default();
@@ -384,7 +385,7 @@ fn a_bad_override_names_what_is_allowed() {
     let environment = Environment::from_pairs([("LINDEN_GRAPHICS", "Kitty\x1b[31m")]);
     assert_eq!(
         Overrides::from_environment(&environment).unwrap_err().to_string(),
-        "LINDEN_GRAPHICS: 'Kitty\\u{1b}[31m' is none of kitty, sixel, iterm2, quadrants, halves, braille, auto"
+        "LINDEN_GRAPHICS: 'Kitty\\u{1b}[31m' is none of kitty, sixel, iterm2, quadrants, halves, braille, ascii, auto"
     );
     let environment = Environment::from_pairs([("LINDEN_COLORS", "8")]);
     assert_eq!(
@@ -437,4 +438,29 @@ fn what_is_asked() {
         assert!(asked.ends_with("\x1b[c"), "{environment:?}");
         assert!(!asked.contains("\x1b_") && !asked.contains("\x1bP"), "{environment:?}");
     }
+}
+
+#[test]
+fn what_is_not_unicode_says_so() {
+    let unicode = |pairs: &[(&'static str, &str)]| {
+        let environment = Environment::from_pairs(pairs.iter().copied());
+        let found = Capabilities::conclude(&Findings::default(), &environment, &Overrides::default());
+        assert_eq!(found.glyphs.value == Glyphs::Ascii, !found.unicode.value, "{pairs:?}");
+        (found.unicode.value, found.unicode.why)
+    };
+    for (pairs, expected) in [
+        (&[("TERM", "xterm")][..], true),
+        (&[("TERM", "xterm"), ("LANG", "C")], false),
+        (&[("TERM", "xterm"), ("LANG", "POSIX")], false),
+        (&[("TERM", "xterm"), ("LANG", "C.UTF-8")], true),
+        (&[("TERM", "xterm"), ("LANG", "de_DE.utf8")], true),
+        (&[("TERM", "xterm"), ("LANG", "de_DE@euro")], true),
+        (&[("TERM", "xterm"), ("LANG", "de_DE.ISO-8859-15@euro")], false),
+        (&[("TERM", "xterm"), ("LANG", "en_US.UTF-8"), ("LC_ALL", "C")], false),
+        (&[("TERM", "xterm"), ("LC_CTYPE", "en_US.UTF-8"), ("LANG", "C")], true),
+        (&[("TERM", "dumb"), ("LANG", "en_US.UTF-8")], false),
+    ] {
+        assert_eq!(unicode(pairs).0, expected, "{pairs:?}");
+    }
+    assert_eq!(unicode(&[("LANG", "C")]).1, "LANG=C");
 }

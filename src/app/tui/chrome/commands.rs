@@ -9,8 +9,7 @@ use crate::tui::layout::Pane;
 use crate::tui::model::{Command, Model, free, without_preset};
 
 fn focus_by(model: &mut Model, by: usize) {
-    let at = Pane::ALL.iter().position(|pane| *pane == model.focus).unwrap_or(0);
-    model.focus_on(Pane::ALL[(at + by) % Pane::ALL.len()]);
+    model.focus_on(model.focus.next(by));
 }
 
 fn scroll(model: &mut Model, by: isize) {
@@ -73,7 +72,7 @@ pub const COMMANDS: &[Command] = &[
         keys: &["tab"],
         title: "Next pane",
         help: "Moves to the next pane: presets, picture, knobs",
-        hint: Some(28),
+        hint: Some(89),
         hindrance: free,
         run: |model, _| focus_by(model, 1),
     },

@@ -10,8 +10,8 @@ use crate::tui::layout::{Target, View};
 use crate::tui::model::{Command, Model, Weight};
 use crate::wrap::clipped;
 
-/// Hints from this place on have their room before all others: the ways to help and out.
-const RESERVED: u8 = 90;
+/// Hints from this place on have their room before all others: the ways to other panes, to help and out.
+const RESERVED: u8 = 89;
 /// Between two hints.
 const GAP: u16 = 2;
 
@@ -72,11 +72,13 @@ pub struct Hint {
     pub command: &'static Command,
     /// Its key as people know it.
     pub key: String,
+    /// What it is called here.
+    pub label: &'static str,
 }
 
 impl Hint {
     fn width(&self) -> u16 {
-        (self.key.width() + 1 + self.command.title.width()) as u16
+        (self.key.width() + 1 + self.label.width()) as u16
     }
 }
 
@@ -99,7 +101,9 @@ fn hint(model: &Model, id: &str) -> Option<Hint> {
     let command = model.command(id)?;
     let runs_it = |key: &&linden_terminal::input::Shortcut| model.command_of(**key) == Some(command.id);
     let key = model.config.keymap.keys_of(id).iter().find(runs_it)?;
-    Some(Hint { command, key: key_label(&key.to_string()) })
+    // A pane by its name says more than 'next'.
+    let label = if id == "focus-next" { model.focus.next(1).title() } else { command.title };
+    Some(Hint { command, key: key_label(&key.to_string()), label })
 }
 
 /// Those that have room, whole, in their order: the reserved ones first, then as many of the others
@@ -143,7 +147,7 @@ fn paint<'h>(
     for hint in hints.iter().map(std::borrow::Borrow::borrow) {
         let place = Rect { x, width: hint.width(), ..area };
         buffer.set_string(x, area.y, &hint.key, theme.key);
-        buffer.set_string(x + hint.key.width() as u16 + 1, area.y, hint.command.title, theme.hint);
+        buffer.set_string(x + hint.key.width() as u16 + 1, area.y, hint.label, theme.hint);
         view.regions.push((place, Target::Command(hint.command.id)));
         x += hint.width() + GAP;
     }

@@ -1,4 +1,4 @@
-//! The bar to scrub, in the picture's lower border.
+//! The bar to scrub, in the rule above the picture.
 
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;

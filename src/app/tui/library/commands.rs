@@ -1,14 +1,19 @@
 //! The commands of the list of presets.
 
 use super::filter_line::FilterLine;
-use super::{go, set_filter};
+use super::{back, choose, go, mark, set_filter};
 use crate::tui::command::Context;
 use crate::tui::layout::Pane;
-use crate::tui::model::{Command, free};
+use crate::tui::model::{Command, Model, free};
 use crate::tui::shape;
 
 /// A page of the list, roughly.
 const PAGE: isize = 10;
+
+fn without_entry(model: &Model) -> Option<String> {
+    let is_on_entry = model.library.at_group.is_none() && model.library.selected_row().is_some();
+    (!is_on_entry).then(|| "the cursor is on no preset".to_owned())
+}
 
 /// The rows.
 pub const COMMANDS: &[Command] = &[
@@ -94,10 +99,62 @@ pub const COMMANDS: &[Command] = &[
         context: Context::PRESETS,
         keys: &["enter", "l", "right"],
         title: "To its picture",
-        help: "Moves on to the picture of the selected preset",
+        help: "Moves on to the picture of the selected preset; unfolds a folded group",
         hint: Some(20),
         hindrance: free,
-        run: |model, _| model.focus_on(Pane::Picture),
+        run: choose,
+    },
+    Command {
+        id: "favourite",
+        context: Context::PRESETS,
+        keys: &["*"],
+        title: "Favourite",
+        help: "Lists the selected preset among the favourites, above all others, or no more",
+        hint: None,
+        hindrance: without_entry,
+        run: |model, _| mark(model),
+    },
+    Command {
+        id: "group-fold",
+        context: Context::PRESETS,
+        keys: &["h", "left"],
+        title: "Fold group",
+        help: "Hides the presets of the group below its heading, which Enter unfolds",
+        hint: None,
+        hindrance: |model| {
+            if !model.library.filter.trim().is_empty() {
+                return Some("a filter is set, and what it finds has no groups".to_owned());
+            }
+            model.library.at_group.as_ref().map(|group| format!("{group} is folded"))
+        },
+        run: |model, _| {
+            if let Some(group) = model.library.group().map(str::to_owned) {
+                model.library.fold(&group, true);
+            }
+        },
+    },
+    Command {
+        id: "groups-fold",
+        context: Context::PRESETS,
+        keys: &["z"],
+        title: "Fold all groups",
+        help: "Hides the presets of all groups, or shows them again",
+        hint: None,
+        hindrance: |model| {
+            let filters = !model.library.filter.trim().is_empty();
+            filters.then(|| "a filter is set, and what it finds has no groups".to_owned())
+        },
+        run: |model, _| model.library.fold_all(),
+    },
+    Command {
+        id: "preset-back",
+        context: Context::GLOBAL,
+        keys: &["`"],
+        title: "Preset before",
+        help: "Shows the preset that was on screen before this one, and the other way round",
+        hint: None,
+        hindrance: |model| model.library.before.is_none().then(|| "no other preset was shown yet".to_owned()),
+        run: back,
     },
     Command {
         id: "filter-clear",

@@ -55,9 +55,10 @@ pub fn show_selected(model: &mut Model, effects: &mut Effects) {
 
 /// Puts a tree on screen; the one before goes onto the shelf if it was changed.
 fn take(model: &mut Model, tree: Tree) {
-    if let Some(before) = model.tree.replace(tree)
-        && before.is_modified()
-    {
+    let before = model.tree.replace(tree);
+    model.library.before =
+        before.as_ref().map(|before| before.place.clone()).or_else(|| model.library.before.take());
+    if let Some(before) = before.filter(Tree::is_modified) {
         model.library.shelf.retain(|other| other.place != before.place);
         model.library.shelf.push(before);
     }
@@ -159,13 +160,52 @@ pub fn clicked(model: &mut Model, row: usize, mouse: MouseEvent, effects: &mut E
         return wheel(model, mouse, effects);
     }
     model.focus_on(Pane::Presets);
-    if let Some(ListRow::Entry(index, _)) = model.library.rows.get(row) {
-        model.library.selected = *index;
-        show_selected(model, effects);
+    match model.library.rows.get(row) {
+        Some(ListRow::Entry(index, _)) => {
+            (model.library.selected, model.library.at_group) = (*index, None);
+            show_selected(model, effects);
+        }
+        Some(ListRow::Heading(heading)) => {
+            let heading = heading.clone();
+            model.library.fold(&heading.group, !heading.is_folded);
+        }
+        None => {}
     }
 }
 
 fn go(model: &mut Model, by: isize, effects: &mut Effects) {
-    model.library.step(by);
-    show_selected(model, effects);
+    // What a folded group holds is not shown before it unfolds.
+    if model.library.step(by) {
+        show_selected(model, effects);
+    }
+}
+
+/// Shows the preset that was on screen before this one.
+fn back(model: &mut Model, effects: &mut Effects) {
+    if let Some(place) = model.library.before.clone()
+        && model.library.select_place(&place)
+    {
+        show_selected(model, effects);
+    }
+}
+
+/// Unfolds the group whose heading has the cursor, or moves on to the picture.
+fn choose(model: &mut Model, effects: &mut Effects) {
+    match model.library.at_group.clone() {
+        Some(group) => {
+            model.library.fold(&group, false);
+            show_selected(model, effects);
+        }
+        None => model.focus_on(Pane::Picture),
+    }
+}
+
+/// Marks the selected preset, or takes the mark off.
+fn mark(model: &mut Model) {
+    let name = model.library.entry().map(|entry| entry.id.clone()).unwrap_or_default();
+    match model.library.toggle_favourite() {
+        Some(true) => model.say(format!("{name} is a favourite now")),
+        Some(false) => model.say(format!("{name} is no favourite any more")),
+        None => {}
+    }
 }

@@ -9,14 +9,12 @@ use unicode_width::UnicodeWidthStr;
 use super::filter_line::FilterLine;
 use crate::tui::layout::{Pane, Target, View, first_row};
 use crate::tui::model::Model;
-use crate::tui::model::{ListRow, PresetEntry};
+use crate::tui::model::{GroupHeading, ID_COLUMNS, ListRow, PresetEntry};
 use crate::wrap::{clipped, wrapped, wrapped_within};
 
 /// The most rows that tell about the selected preset, and the height that it takes for them.
 const ABOUT: u16 = 9;
 const WITH_ABOUT: u16 = 16;
-/// Cells of an id, behind which names begin; longer ids push them on.
-const IDS: usize = 9;
 
 /// What the pane's border says beside its name: how many a filter leaves.
 pub fn heading(model: &Model) -> Vec<Span<'static>> {
@@ -77,14 +75,9 @@ pub fn view(model: &Model, mut area: Rect, buffer: &mut Buffer, view: &mut View)
         }
         let place = Rect { y, height: 1, ..list };
         match row {
-            ListRow::Heading(group) => {
-                buffer.set_stringn(
-                    place.x,
-                    y,
-                    clipped(title(group, place.width.into()), place.width.into()),
-                    place.width.into(),
-                    theme.heading,
-                );
+            ListRow::Heading(heading) => {
+                view.regions.push((place, Target::Preset(i)));
+                heading_row(model, heading, cursor == Some(i), place, buffer);
             }
             ListRow::Entry(index, marks) => {
                 view.regions.push((place, Target::Preset(i)));
@@ -96,6 +89,23 @@ pub fn view(model: &Model, mut area: Rect, buffer: &mut Buffer, view: &mut View)
     for (y, (text, style)) in (list.bottom()..area.bottom()).zip(about) {
         buffer.set_stringn(area.x, y, text, area.width.into(), style);
     }
+}
+
+fn heading_row(model: &Model, heading: &GroupHeading, chosen: bool, area: Rect, buffer: &mut Buffer) {
+    let theme = &model.config.theme;
+    let base = match (chosen, model.focus == Pane::Presets) {
+        (true, true) => theme.selected,
+        (true, false) => theme.selected_unfocused,
+        (false, _) => theme.heading,
+    };
+    if chosen {
+        buffer.set_style(area, base);
+    }
+    let count = if heading.is_folded { format!(" ({})", heading.members) } else { String::new() };
+    let mark = if heading.is_folded { "▸ " } else { "" };
+    let room = usize::from(area.width).saturating_sub(count.width() + mark.width());
+    let text = format!("{mark}{}{count}", clipped(title(&heading.group, room), room));
+    buffer.set_stringn(area.x, area.y, text, area.width.into(), base);
 }
 
 /// A group as a heading.
@@ -135,7 +145,7 @@ fn entry_row(
     } else if is_modified {
         ("●", theme.modified)
     } else {
-        (" ", base)
+        (if model.library.is_favourite(entry) { "★" } else { " " }, base.patch(theme.accent))
     };
     buffer.set_stringn(area.x, area.y, mark, area.width.into(), base.patch(style));
     let room = usize::from(area.width).saturating_sub(2);
@@ -151,12 +161,10 @@ fn entry_row(
             }
         }
     }
-    let from = IDS.max(id.width()) + 2;
+    let from = ID_COLUMNS.max(id.width()) + 2;
     let left = room.saturating_sub(from);
-    // What the id says already need not be said again.
-    let says_more = !entry.name.is_empty() && !entry.name.eq_ignore_ascii_case(&entry.id);
-    let fits = entry.name.width() <= left || (from == IDS + 2 && left >= 8);
-    if says_more && fits {
+    let fits = entry.name.width() <= left || (from == ID_COLUMNS + 2 && left >= 8);
+    if entry.says_more() && fits {
         let style = if chosen { base } else { theme.dim };
         buffer.set_stringn(area.x + 2 + from as u16, area.y, clipped(&entry.name, left), left, style);
     }

@@ -1,6 +1,7 @@
 //! Entries and rows of the list of presets.
 
 use linden::preset::Preset;
+use unicode_width::UnicodeWidthStr;
 
 use crate::tui::tree::TreePlace;
 
@@ -27,12 +28,44 @@ pub struct PresetEntry {
 #[derive(Clone, Debug, PartialEq)]
 pub enum ListRow {
     /// A group's heading.
-    Heading(String),
+    Heading(GroupHeading),
     /// An entry, by its index, with the characters of its id that the filter matched.
     Entry(usize, Vec<u32>),
 }
 
+/// The heading of a group.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct GroupHeading {
+    /// The group.
+    pub group: String,
+    /// How many entries it has.
+    pub members: usize,
+    /// Whether they are hidden; the cursor can be on such a heading.
+    pub is_folded: bool,
+}
+
+/// Cells of an id, behind which names begin; longer ids push them on.
+pub const ID_COLUMNS: usize = 9;
+
 impl PresetEntry {
+    /// What favourites are remembered by: the id of a built-in preset, the path of a file.
+    pub fn key(&self) -> String {
+        match &self.place {
+            TreePlace::Builtin(id) => (*id).to_owned(),
+            TreePlace::File(path) => path.to_string_lossy().into_owned(),
+        }
+    }
+
+    /// Cells of its row: a mark, its id and its name.
+    pub fn columns(&self) -> usize {
+        2 + ID_COLUMNS.max(self.id.width()) + if self.says_more() { 2 + self.name.width() } else { 0 }
+    }
+
+    /// Whether its name says more than its id.
+    pub fn says_more(&self) -> bool {
+        !self.name.is_empty() && !self.name.eq_ignore_ascii_case(&self.id)
+    }
+
     /// The entry of a preset.
     pub fn of(place: TreePlace, preset: &Preset) -> Self {
         Self {

@@ -1,11 +1,12 @@
 //! The list of presets: entries, rows, the filter, and changed trees that are not on screen.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 use linden::preset::{Heading, Preset, builtins};
 
 use super::entry::{ListRow, PresetEntry};
-use super::filter;
+use super::filter::Listing;
 use crate::config::presets::UserPreset;
 use crate::tui::tree::{Tree, TreePlace};
 
@@ -18,6 +19,14 @@ pub struct Library {
     pub rows: Vec<ListRow>,
     /// The selected entry's index; survives filtering and reloading by its place.
     pub selected: usize,
+    /// The folded group whose heading has the cursor; `None` where the selected entry has it.
+    pub at_group: Option<String>,
+    /// Groups whose entries are hidden.
+    pub folded: BTreeSet<String>,
+    /// Keys of marked entries ([`PresetEntry::key`]), which are listed first.
+    pub favourites: BTreeSet<String>,
+    /// The place that was on screen before the one that is.
+    pub before: Option<TreePlace>,
     /// Changed trees that are not on screen.
     pub shelf: Vec<Tree>,
 }
@@ -36,6 +45,10 @@ impl Library {
             filter: String::new(),
             rows: Vec::new(),
             selected: 0,
+            at_group: None,
+            folded: BTreeSet::new(),
+            favourites: BTreeSet::new(),
+            before: None,
             shelf: Vec::new(),
         };
         library.arrange();
@@ -74,6 +87,12 @@ impl Library {
         }
     }
 
+    /// Columns that the list would fill: its longest row with air on both sides.
+    pub fn columns(&self) -> u16 {
+        let longest = self.entries.iter().map(PresetEntry::columns).max().unwrap_or(0);
+        u16::try_from(longest + 2).unwrap_or(u16::MAX)
+    }
+
     /// The rows of the list.
     pub fn rows(&self) -> &[ListRow] {
         &self.rows
@@ -99,9 +118,80 @@ impl Library {
         self.entries.get(self.selected)
     }
 
-    /// The row of the selected entry, `None` when the filter hides it.
+    /// The row of the cursor, `None` when the filter hides it.
     pub fn selected_row(&self) -> Option<usize> {
-        self.rows.iter().position(|row| matches!(row, ListRow::Entry(index, _) if *index == self.selected))
+        self.rows.iter().position(|row| self.has_cursor(row))
+    }
+
+    fn has_cursor(&self, row: &ListRow) -> bool {
+        match (row, &self.at_group) {
+            (ListRow::Entry(index, _), None) => *index == self.selected,
+            (ListRow::Heading(heading), Some(group)) => heading.is_folded && heading.group == *group,
+            _ => false,
+        }
+    }
+
+    /// The group that the cursor is in; `None` where nothing is listed.
+    pub fn group(&self) -> Option<&str> {
+        self.at_group.as_deref().or_else(|| Some(self.listing().group_of(self.entry()?)))
+    }
+
+    /// Whether the selected entry is marked.
+    pub fn is_favourite(&self, entry: &PresetEntry) -> bool {
+        self.favourites.contains(&entry.key())
+    }
+
+    /// Marks the selected entry, or takes the mark off. The cursor stays on it. Whether it is marked now.
+    pub fn toggle_favourite(&mut self) -> Option<bool> {
+        let key = self.entry()?.key();
+        let is_marked = !self.favourites.remove(&key);
+        if is_marked {
+            self.favourites.insert(key);
+        }
+        self.at_group = None;
+        self.arrange();
+        Some(is_marked)
+    }
+
+    /// Hides the entries of a group, the cursor going to its heading when it was in there; or shows them,
+    /// the cursor going from the heading to the first.
+    pub fn fold(&mut self, group: &str, hides: bool) {
+        let had_cursor = self.group() == Some(group);
+        if hides {
+            self.folded.insert(group.to_owned());
+        } else {
+            self.folded.remove(group);
+        }
+        if had_cursor {
+            self.at_group = hides.then(|| group.to_owned());
+        }
+        self.rows = self.listing().rows(&self.entries);
+        if had_cursor && !hides && self.entry().is_none_or(|entry| self.listing().group_of(entry) != group) {
+            let after =
+                self.rows.iter().skip_while(|row| !matches!(row, ListRow::Heading(h) if h.group == group));
+            let first =
+                after.skip(1).find_map(|row| if let ListRow::Entry(i, _) = row { Some(*i) } else { None });
+            self.selected = first.unwrap_or(self.selected);
+        }
+    }
+
+    /// Hides the entries of all groups, or shows them when they are hidden already.
+    pub fn fold_all(&mut self) {
+        let groups: BTreeSet<String> =
+            self.entries.iter().map(|entry| self.listing().group_of(entry).to_owned()).collect();
+        let group = self.group().map(str::to_owned);
+        if groups.is_subset(&self.folded) {
+            self.folded.clear();
+            self.at_group = None;
+        } else {
+            self.folded = groups;
+            self.at_group = group;
+        }
+        self.arrange();
+    }
+
+    fn listing(&self) -> Listing<'_> {
+        Listing { filter: &self.filter, folded: &self.folded, favourites: &self.favourites }
     }
 
     /// Whether a tree of that place waits with changes.
@@ -109,11 +199,20 @@ impl Library {
         self.shelf.iter().any(|tree| tree.place == *place)
     }
 
-    /// Selects the entry of a place, if it is listed.
+    /// Selects the entry of a place, if it is listed; its group unfolds.
     pub fn select_place(&mut self, place: &TreePlace) -> bool {
         let found = self.entries.iter().position(|entry| entry.place == *place);
         self.selected = found.unwrap_or(self.selected.min(self.entries.len().saturating_sub(1)));
+        self.at_group = None;
+        self.unfold_selected();
         found.is_some()
+    }
+
+    fn unfold_selected(&mut self) {
+        let group = self.entry().map(|entry| self.listing().group_of(entry).to_owned());
+        if group.is_some_and(|group| self.folded.remove(&group)) {
+            self.rows = self.listing().rows(&self.entries);
+        }
     }
 
     /// Sets the filter.
@@ -122,26 +221,115 @@ impl Library {
         self.arrange();
     }
 
-    /// Filters anew. The cursor stays where it is if it can, else it goes to the best match.
+    /// Lists anew. The cursor stays where it is if it can, else it goes to the first row.
     fn arrange(&mut self) {
-        self.rows = filter::rows(&self.entries, &self.filter);
+        if !self.filter.trim().is_empty() {
+            self.at_group = None;
+        }
+        self.rows = self.listing().rows(&self.entries);
         if self.selected_row().is_none() {
+            // Folded away: its heading has the cursor.
+            self.at_group = self.entry().map(|entry| self.listing().group_of(entry).to_owned());
+        }
+        if self.selected_row().is_none() {
+            self.at_group = None;
             let first =
                 self.rows.iter().find_map(|row| if let ListRow::Entry(i, _) = row { Some(*i) } else { None });
             self.selected = first.unwrap_or(self.selected);
         }
     }
 
-    /// Moves the cursor by a number of entries.
-    pub fn step(&mut self, by: isize) {
-        let listed: Vec<usize> = self
+    /// Moves the cursor by a number of rows that it can be on: entries, and headings of folded groups.
+    /// Whether it is on an entry now.
+    pub fn step(&mut self, by: isize) -> bool {
+        let stops: Vec<&ListRow> = self
             .rows
             .iter()
-            .filter_map(|row| if let ListRow::Entry(i, _) = row { Some(*i) } else { None })
+            .filter(|row| !matches!(row, ListRow::Heading(heading) if !heading.is_folded))
             .collect();
-        if let Some(at) = listed.iter().position(|&i| i == self.selected) {
-            let to = at.saturating_add_signed(by).min(listed.len() - 1);
-            self.selected = listed[to];
+        if let Some(at) = stops.iter().position(|row| self.has_cursor(row)) {
+            match stops[at.saturating_add_signed(by).min(stops.len() - 1)] {
+                ListRow::Entry(index, _) => (self.selected, self.at_group) = (*index, None),
+                ListRow::Heading(heading) => self.at_group = Some(heading.group.clone()),
+            }
         }
+        self.at_group.is_none()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the cursor is on, in words.
+    fn cursor(library: &Library) -> String {
+        match &library.at_group {
+            Some(group) => format!("[{group}]"),
+            None => library.entry().map(|entry| entry.id.clone()).unwrap_or_default(),
+        }
+    }
+
+    fn listed(library: &Library) -> usize {
+        library.rows().iter().filter(|row| matches!(row, ListRow::Entry(..))).count()
+    }
+
+    #[test]
+    fn a_folded_group_hides_its_entries_and_its_heading_can_be_reached() {
+        let mut library = Library::builtin();
+        let all = listed(&library);
+        library.step(isize::MIN);
+        let first = cursor(&library);
+        library.fold("Plants", true);
+        assert_eq!(cursor(&library), "[Plants]");
+        assert!(listed(&library) < all && library.selected_row() == Some(0));
+        library.step(1);
+        assert!(library.at_group.is_none(), "below is the first of the next group");
+        library.step(-1);
+        assert_eq!(cursor(&library), "[Plants]");
+        library.fold("Plants", false);
+        assert_eq!(cursor(&library), first);
+        assert_eq!(listed(&library), all);
+    }
+
+    #[test]
+    fn all_groups_fold_and_unfold_and_the_cursor_stays() {
+        let mut library = Library::builtin();
+        library.step(isize::MIN);
+        library.step(3);
+        let (before, all) = (cursor(&library), listed(&library));
+        library.fold_all();
+        assert_eq!((listed(&library), cursor(&library)), (0, "[Plants]".to_owned()));
+        library.step(isize::MAX);
+        library.step(isize::MIN);
+        assert_eq!(cursor(&library), "[Plants]");
+        library.fold_all();
+        assert_eq!((listed(&library), cursor(&library)), (all, before));
+    }
+
+    #[test]
+    fn a_filter_finds_what_is_folded_away() {
+        let mut library = Library::builtin();
+        library.fold_all();
+        library.filter_by("fir");
+        assert_eq!(cursor(&library), "fir");
+        library.filter_by("");
+        assert_eq!(cursor(&library), "[crowns]", "that of what was found");
+        let place = library.entry().unwrap().place.clone();
+        library.select_place(&place);
+        assert_eq!(cursor(&library), "fir");
+    }
+
+    #[test]
+    fn favourites_stand_first_and_once() {
+        let mut library = Library::builtin();
+        let all = listed(&library);
+        library.select_place(&TreePlace::Builtin("fir"));
+        assert_eq!(library.toggle_favourite(), Some(true));
+        assert_eq!(cursor(&library), "fir");
+        assert_eq!(library.selected_row(), Some(1), "below the heading of favourites");
+        assert_eq!(library.group(), Some("Favourites"));
+        assert_eq!(listed(&library), all);
+        assert_eq!(library.toggle_favourite(), Some(false));
+        assert_eq!(library.group(), Some("crowns"));
     }
 }

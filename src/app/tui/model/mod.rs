@@ -20,7 +20,7 @@ use linden_terminal::input::Shortcut;
 use linden_terminal::probe::Capabilities;
 use ratatui::layout::Rect;
 
-pub use entry::{ListRow, PresetEntry};
+pub use entry::{GroupHeading, ID_COLUMNS, ListRow, PresetEntry};
 pub use exporting::{ExportReport, Exporting, RunningExport};
 pub use form::{Form, FormSpot};
 pub use growth::Playback;
@@ -157,7 +157,7 @@ impl Model {
 
     /// Where the panes are.
     pub fn layout(&self) -> Layout {
-        Layout::new(self.size.0, self.size.1, self.focus, self.side)
+        Layout::new(self.size.0, self.size.1, self.focus, self.side, self.library.columns())
     }
 
     /// Where dialogs may lie: above the footer, which has their hints.

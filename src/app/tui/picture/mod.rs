@@ -13,7 +13,7 @@ use ratatui::layout::Rect;
 
 pub use commands::COMMANDS;
 
-use super::layout::{Pane, inside};
+use super::layout::Pane;
 use super::model::{Model, QUIET};
 use crate::jobs::{Detail, DrawRequest, Medium, Painted, ShownTree};
 
@@ -52,7 +52,7 @@ fn split(inner: Rect) -> (Rect, Rect) {
 
 /// The cells of the picture itself, `None` when it is not on screen.
 pub fn area(model: &Model) -> Option<Rect> {
-    let (picture, _) = split(inside(model.layout().pane(Pane::Picture)?));
+    let (picture, _) = split(model.layout().text(Pane::Picture)?);
     Some(picture).filter(|area| !area.is_empty())
 }
 

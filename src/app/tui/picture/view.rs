@@ -8,7 +8,7 @@ use unicode_width::UnicodeWidthStr;
 use super::split;
 use crate::jobs::{Painted, PictureLook};
 use crate::tui::figures::thousands;
-use crate::tui::layout::View;
+use crate::tui::layout::{Pane, View};
 use crate::tui::model::Model;
 use crate::tui::tree::GrowthProgress;
 use crate::wrap::clipped;
@@ -47,7 +47,10 @@ pub fn view(model: &Model, inner: Rect, buffer: &mut Buffer, view: &mut View) {
     {
         view.late.push(area);
         painted.put(area, buffer);
-        if model.picture.scale && model.config.settings.scale_bar && !scale.is_empty() {
+        // Where panes have no headings, the bar to scrub takes the row.
+        let is_taken =
+            model.growth.step().is_some() && model.layout().headings[Pane::Picture as usize].is_empty();
+        if model.picture.scale && model.config.settings.scale_bar && !scale.is_empty() && !is_taken {
             scale_bar(model, painted, scale, buffer);
         }
     }

@@ -27,7 +27,12 @@ impl Memory {
         let used = if wanted {
             session.clone()
         } else {
-            Session { export: session.export.clone(), ..Session::default() }
+            Session {
+                export: session.export.clone(),
+                favourites: session.favourites.clone(),
+                folded: session.folded.clone(),
+                ..Session::default()
+            }
         };
         (Self { file, rest: session, is_on }, used, complaints.iter().map(ToString::to_string).collect())
     }
@@ -59,6 +64,8 @@ pub fn restore(model: &mut Model, session: &Session) {
             Vec2::new(right as f32, up as f32),
         );
     }
+    model.library.favourites = session.favourites.iter().cloned().collect();
+    model.library.folded = session.folded.iter().cloned().collect();
     model.library.filter_by(&session.filter);
     model.exporting.remember(session);
 }
@@ -70,6 +77,8 @@ fn remembered(model: &Model, rest: &Session) -> Session {
         look: model.picture.look.name().to_owned(),
         focus: model.focus.title().to_lowercase(),
         filter: model.library.filter.clone(),
+        favourites: model.library.favourites.iter().cloned().collect(),
+        folded: model.library.folded.iter().cloned().collect(),
         camera: Camera {
             yaw_deg: camera.yaw_deg.into(),
             pitch_deg: camera.pitch_deg.into(),

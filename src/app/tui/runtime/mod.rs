@@ -335,6 +335,9 @@ impl Runtime {
         self.model.stats = self.keys.line(&self.display.stats());
         let mut buffer = Buffer::empty(Rect::new(0, 0, self.model.size.0, self.model.size.1));
         let view = screen::view(&self.model, &mut buffer);
+        if !self.model.terminal.unicode.value {
+            linden_terminal::ascii::fold(&mut buffer);
+        }
         self.model.regions = view.regions;
         let graphic = self.graphic();
         self.display.present(buffer, view.cursor, view.late, graphic, now);

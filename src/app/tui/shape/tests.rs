@@ -373,7 +373,7 @@ fn every_theme_shows_the_cursor_what_was_changed_and_what_is_wrong() {
         let style = |name: &str, x: u16| buffer[(x, y(name))].style();
         // A usual knob, the one under the cursor, and the one that was turned: three looks, and marks.
         assert_ne!(style("segment_length", 3), style("angle ", 3));
-        assert_ne!(style("segment_length", 20), style("derivations", 20));
+        assert_ne!(style("segment_length", 21), style("derivations", 21));
         assert!(lines[usize::from(y("derivations"))].contains("●derivations"));
         bench.keys("x down end").typed("]");
         let (buffer, _) = bench.paint(100, 40);
