@@ -69,8 +69,18 @@ pub struct Display {
 struct Wanted {
     buffer: Buffer,
     cursor: Option<(u16, u16)>,
+    first: Vec<Rect>,
     late: Vec<Rect>,
     graphic: Option<Graphic>,
+}
+
+/// When the cells of a frame are sent.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Order {
+    /// Before all others: the row that a key has moved to.
+    pub first: Vec<Rect>,
+    /// After the text, as the link takes them: pictures.
+    pub late: Vec<Rect>,
 }
 
 impl Settings {
@@ -102,7 +112,7 @@ impl Display {
         &mut self,
         buffer: Buffer,
         cursor: Option<(u16, u16)>,
-        late: Vec<Rect>,
+        order: Order,
         graphic: Option<Graphic>,
         now: Instant,
     ) {
@@ -110,7 +120,8 @@ impl Display {
             return;
         }
         self.frames += 1;
-        self.wanted = Some(Wanted { buffer, cursor, late, graphic });
+        let Order { first, late } = order;
+        self.wanted = Some(Wanted { buffer, cursor, first, late, graphic });
         self.rest = true;
         self.pump(now);
     }
@@ -135,11 +146,16 @@ impl Display {
         let frame = Frame {
             buffer: &wanted.buffer,
             cursor: wanted.cursor,
+            first: &wanted.first,
             late: &wanted.late,
             graphic: wanted.graphic.as_ref(),
         };
         let paced = self.pacer.allowance(now);
-        let allowance = Allowance { paced, atomic: self.pacer.atomic_allowance(now) };
+        let allowance = Allowance {
+            text: self.pacer.text_allowance(now),
+            paced,
+            atomic: self.pacer.atomic_allowance(now),
+        };
         let composed = self.screen.compose(&frame, allowance);
         self.rest = composed.rest;
         if composed.bytes.is_empty() {

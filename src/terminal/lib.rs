@@ -44,7 +44,7 @@ mod system;
 
 pub use cells::{CellPicture, CellStyle, Glyphs, PictureCell, draw_cells};
 pub use color::ColorDepth;
-pub use display::{Display, Settings, Stats};
+pub use display::{Display, Order, Settings, Stats};
 pub use graphics::{Encoded, Graphic, Protocol};
 pub use grid::{Image, ImageError};
 pub use listen::{Incoming, Listener, listen};

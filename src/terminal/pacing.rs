@@ -43,6 +43,15 @@ const SLOW: f64 = 8192.0;
 const MUTE_RATE: f64 = 65536.0;
 const MUTE_PIECE: usize = 8192;
 const MEBIBYTE: f64 = 1_048_576.0;
+/// How long a key's answer may wait behind text.
+const TEXT_QUEUE: Duration = Duration::from_millis(40);
+/// Of the known rate of a slow link, what pieces are sent with: usually a little less, since the largest rate of
+/// late is known, and every so many pieces more, to find a faster one. As BBR does it (Cardwell et al. 2016).
+const SLOWER: f64 = 0.85;
+const FASTER: f64 = 1.25;
+const PROBES: u32 = 8;
+/// Bytes a second from which no text is worth a pause.
+const FAST: f64 = 262_144.0;
 /// How long the shortest round trip is believed: routes change.
 const MEMORY: Duration = Duration::from_secs(30);
 /// How long a picture that comes in one piece may take.
@@ -76,6 +85,10 @@ pub struct Pacer {
     reduced_at: Option<Instant>,
     /// When a mute terminal may get the next piece.
     next: Option<Instant>,
+    /// When what was sent is through a link of the rate that is known.
+    clear_at: Option<Instant>,
+    /// Pieces that were sent at that rate.
+    paced: u32,
 }
 
 /// Whether a terminal answers queries.
@@ -137,7 +150,19 @@ impl Pacer {
             last_reply: None,
             reduced_at: None,
             next: None,
+            clear_at: None,
+            paced: 0,
         }
+    }
+
+    /// How long the bytes that were sent still stand before a link that is known to be slow.
+    fn backlog(&self, now: Instant) -> Duration {
+        self.clear_at.map_or(Duration::ZERO, |at| at.saturating_duration_since(now))
+    }
+
+    /// The rate of a link that is known to be slow.
+    fn slow_rate(&self) -> Option<f64> {
+        self.rate().filter(|rate| self.remote && !self.is_mute() && *rate < FAST)
     }
 
     /// How many bytes of pictures may be sent now in one piece: 0, or enough for a useful one.
@@ -150,10 +175,25 @@ impl Pacer {
                 _ => MUTE_PIECE,
             };
         }
+        // One after the other at the link's rate: a key's answer waits behind one piece, not behind a window.
+        if self.slow_rate().is_some() && self.backlog(now) > Duration::ZERO {
+            return 0;
+        }
         // Many pieces are in flight, so that replies tell early, and the time that one takes by
         // itself is not taken for a queue.
         let piece = (self.window / 16).max(LEAST_PIECE);
         if self.window.saturating_sub(self.in_flight) < piece { 0 } else { piece }
+    }
+
+    /// How many bytes of text may be sent now beside what answers a key: as many as a link that is known to be
+    /// slow takes in [`TEXT_QUEUE`]; all where nothing of the kind is known. Nothing while other bytes stand
+    /// before the link.
+    pub fn text_allowance(&self, now: Instant) -> usize {
+        match self.slow_rate() {
+            None => usize::MAX,
+            Some(_) if self.backlog(now) > Duration::ZERO => 0,
+            Some(rate) => ((rate * TEXT_QUEUE.as_secs_f64()) as usize).max(LEAST_PIECE),
+        }
     }
 
     /// Whether [`QUERY`] is to be appended to this number of bytes.
@@ -170,6 +210,13 @@ impl Pacer {
             let from = self.next.map_or(now, |next| next.max(now));
             self.next = Some(from + Duration::from_secs_f64(bytes as f64 / MUTE_RATE));
             return;
+        }
+        if let Some(rate) = self.slow_rate() {
+            // One piece of some follows faster: else no link would ever be found to be faster.
+            self.paced += 1;
+            let gain = if self.paced.is_multiple_of(PROBES) { FASTER } else { SLOWER };
+            let takes = Duration::from_secs_f64(bytes as f64 / (rate * gain));
+            self.clear_at = Some(self.clear_at.map_or(now, |at| at.max(now)) + takes);
         }
         self.unanswered.push_back(Piece { sent: now, bytes });
         self.in_flight += bytes;
@@ -262,9 +309,13 @@ impl Pacer {
         }
     }
 
-    /// When [`Pacer::allowance`] may be more than now, without a reply.
+    /// When an allowance may be more than now, without a reply.
     pub fn wake_at(&self) -> Option<Instant> {
-        if self.is_mute() { self.next } else { self.deadline() }
+        if self.is_mute() {
+            return self.next;
+        }
+        let clear_at = self.slow_rate().and(self.clear_at);
+        [clear_at, self.deadline()].into_iter().flatten().min()
     }
 
     /// The largest picture that may be sent in one piece now: what the link takes in a quarter of a

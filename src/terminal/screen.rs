@@ -1,7 +1,7 @@
 //! What the terminal shows, and the fewest bytes that bring it to what it should show.
 //!
-//! A frame's text is sent first and whole. Its pictures come after, as many bytes at a time as the
-//! caller allows; what was sent is remembered cell by cell, so that a newer frame may take over at any
+//! A frame's text is sent first, and whole where the caller allows that; where not, the cells that answer a key
+//! go by themselves before it. Its pictures come after, as many bytes at a time as the caller allows; what was sent is remembered cell by cell, so that a newer frame may take over at any
 //! moment. Nothing is sent twice, and a frame that looks like the one before costs no byte.
 //!
 //! Buffers are ratatui's. [`CellDiffOption`](ratatui::buffer::CellDiffOption)s are not looked at,
@@ -12,7 +12,7 @@
 //! use ratatui::buffer::Buffer;
 //! let mut screen = Screen::new(ScreenOptions::default());
 //! let buffer = Buffer::with_lines(["linden"]);
-//! let frame = Frame { buffer: &buffer, cursor: None, late: &[], graphic: None };
+//! let frame = Frame { buffer: &buffer, cursor: None, first: &[], late: &[], graphic: None };
 //! let first = screen.compose(&frame, Allowance::ALL);
 //! assert!(first.bytes.starts_with(b"\x1b[m\x1b[2J\x1b[Hlinden") && !first.rest);
 //! assert!(screen.compose(&frame, Allowance::ALL).bytes.is_empty());
@@ -31,7 +31,7 @@ use crate::graphics::{Canvas, Graphic, Placement, Protocol};
 use encoder::Encoder;
 pub(crate) use look::width;
 use look::{Look, is_doubtful};
-use plan::Plan;
+use plan::{Layer, Plan};
 
 /// How a terminal is spoken to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,15 +59,19 @@ pub struct Frame<'a> {
     pub buffer: &'a Buffer,
     /// Column and row of the cursor, which is hidden without.
     pub cursor: Option<(u16, u16)>,
+    /// Areas whose cells come before all others: the row that a key has moved to.
+    pub first: &'a [Rect],
     /// Areas whose cells may come later: pictures.
     pub late: &'a [Rect],
     /// A picture of pixels over some of the cells. Until it can be shown the cells are.
     pub graphic: Option<&'a Graphic>,
 }
 
-/// How many bytes of pictures may be sent now.
+/// How many bytes may be sent now beside what comes before all others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Allowance {
+    /// Of the text.
+    pub text: usize,
     /// Of what can be sent piece by piece.
     pub paced: usize,
     /// The largest picture that may be sent in one piece.
@@ -76,9 +80,9 @@ pub struct Allowance {
 
 impl Allowance {
     /// Everything.
-    pub const ALL: Self = Self { paced: usize::MAX, atomic: usize::MAX };
+    pub const ALL: Self = Self { text: usize::MAX, paced: usize::MAX, atomic: usize::MAX };
     /// Text alone.
-    pub const NONE: Self = Self { paced: 0, atomic: 0 };
+    pub const NONE: Self = Self { text: usize::MAX, paced: 0, atomic: 0 };
 }
 
 /// Bytes to be written in one piece.
@@ -193,7 +197,11 @@ impl Screen {
             self.forget(uncovered);
         }
         let plan = Plan::new(frame, self.canvas.covered(wanted));
-        self.paint_text(frame.buffer, &plan, &mut out);
+        if self.paint_text(frame.buffer, &plan, allowance.text, &mut out) {
+            self.settle_cursor(frame, &mut out);
+            self.synchronize(&mut out, &mut bytes);
+            return Composed { bytes, picture: 0, placed: false, rest: true };
+        }
         let text = out.len();
         let mut rest = self.paint_late(frame.buffer, &plan, allowance.paced, &mut out);
         let mut picture = out.len() - text;
@@ -261,10 +269,19 @@ impl Screen {
         }
     }
 
-    fn paint_text(&mut self, buffer: &Buffer, plan: &Plan, out: &mut Vec<u8>) {
+    /// Sends what answers a key, and the rest of the text as much as is allowed: when that is not all, after what
+    /// answers a key nothing. Whether there is more to send.
+    fn paint_text(&mut self, buffer: &Buffer, plan: &Plan, allowed: usize, out: &mut Vec<u8>) -> bool {
         for row in 0..buffer.area.height {
-            self.paint_row(buffer, plan, row, false, usize::MAX, out);
+            self.paint_row(buffer, plan, row, Layer::First, usize::MAX, out);
         }
+        if !out.is_empty() && allowed < usize::MAX {
+            return true;
+        }
+        let end = out.len().saturating_add(allowed);
+        let rest =
+            (0..buffer.area.height).find(|row| !self.paint_row(buffer, plan, *row, Layer::Text, end, out));
+        rest.is_some()
     }
 
     /// Whether there is more to send.
@@ -276,7 +293,7 @@ impl Screen {
         let end = out.len().saturating_add(allowed);
         let first = if rows.contains(&self.resume) { self.resume } else { rows.start };
         for row in (first..rows.end).chain(rows.start..first) {
-            if !self.paint_row(buffer, plan, row, true, end, out) {
+            if !self.paint_row(buffer, plan, row, Layer::Late, end, out) {
                 self.resume = row;
                 return true;
             }
@@ -285,14 +302,14 @@ impl Screen {
         false
     }
 
-    /// Sends the cells of a row that are, or are not, late and look otherwise than they should.
+    /// Sends the cells of a row that are of a layer and look otherwise than they should.
     /// Whether it could be finished before the output's end.
     fn paint_row(
         &mut self,
         buffer: &Buffer,
         plan: &Plan,
         row: u16,
-        late: bool,
+        layer: Layer,
         end: usize,
         out: &mut Vec<u8>,
     ) -> bool {
@@ -302,7 +319,7 @@ impl Screen {
             let at = usize::from(row) * usize::from(columns) + usize::from(column);
             let cell = plan.cell(buffer, at);
             let taken = width(cell).clamp(1, columns - column);
-            if plan.late[at] != late || self.shows(cell, at, taken, columns - column) {
+            if plan.layers[at] != layer || self.shows(cell, at, taken, columns - column) {
                 column += taken;
                 continue;
             }
@@ -310,7 +327,7 @@ impl Screen {
                 return false;
             }
             let look = Look::of(cell, columns - column, self.options.colors);
-            column += match self.blank_run(buffer, plan, look, (column, row), late) {
+            column += match self.blank_run(buffer, plan, look, (column, row), layer) {
                 Some(run) => {
                     self.erase(run, (column, row), out);
                     run.cells
@@ -348,7 +365,7 @@ impl Screen {
         plan: &Plan,
         look: Look<'_>,
         (column, row): (u16, u16),
-        late: bool,
+        layer: Layer,
     ) -> Option<Run> {
         let paper = look.blank_paper()?;
         if paper != Color::Reset && !self.options.erases_in_color {
@@ -360,7 +377,7 @@ impl Screen {
         while end < columns {
             let at = row_start + usize::from(end);
             let cell = plan.cell(buffer, at);
-            if plan.late[at] != late
+            if plan.layers[at] != layer
                 || width(cell) > 1
                 || Look::of(cell, columns - end, self.options.colors) != look
             {
@@ -497,7 +514,7 @@ impl Screen {
                 }
                 let plan = Plan::beneath(buffer, graphic.area);
                 for row in graphic.area.top()..graphic.area.bottom() {
-                    self.paint_row(buffer, &plan, row, true, usize::MAX, out);
+                    self.paint_row(buffer, &plan, row, Layer::Late, usize::MAX, out);
                 }
                 self.encoder.go(out, graphic.area.x, graphic.area.y);
                 if is_apart {
@@ -530,7 +547,7 @@ impl Screen {
 pub(crate) fn paint_cost(buffer: &Buffer, colors: ColorDepth) -> usize {
     let mut screen = Screen::new(ScreenOptions { colors, ..ScreenOptions::default() });
     let late = [buffer.area];
-    let frame = Frame { buffer, cursor: None, late: &late, graphic: None };
+    let frame = Frame { buffer, cursor: None, first: &[], late: &late, graphic: None };
     screen.compose(&frame, Allowance::ALL).picture
 }
 

@@ -23,9 +23,9 @@ fn main() {
     first_frame();
     let baseline = echo();
     keys_while_growing(baseline);
-    for case in &links::CASES {
-        let answers = links::answers(case, 15);
-        let name = format!("key to answer, {}, a picture on its way", case.name);
+    for (case, pane) in links::CASES.iter().flat_map(|case| ["form", "list"].map(|pane| (case, pane))) {
+        let answers = links::answers(case, pane, 15);
+        let name = format!("key to answer, {pane}, {}, a picture on its way", case.name);
         row(&name, Some(case.budget), answers.iter().map(|a| a.whole).collect(), Some(case.link.round_trip));
         row("  of that the program", None, answers.iter().map(|a| a.program).collect(), None);
         row("  of that in the queue", None, answers.iter().map(|a| a.queued).collect(), None);

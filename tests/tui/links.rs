@@ -3,7 +3,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::harness::{Answers, Home, Link, Setup, Workbench, eventually, form_cursor};
+use super::harness::{Answers, Home, Link, Setup, Workbench, eventually, form_cursor, list_cursor};
 
 pub struct Case {
     pub name: &'static str,
@@ -12,7 +12,12 @@ pub struct Case {
     pub budget: Duration,
 }
 
-pub const CASES: [Case; 2] = [
+pub const CASES: [Case; 3] = [
+    Case {
+        name: "12.5 kB/s, 300 ms",
+        link: Link { bytes_per_second: 12_500.0, round_trip: Duration::from_millis(300) },
+        budget: Duration::from_millis(350),
+    },
     Case {
         name: "12.5 kB/s, 150 ms",
         link: Link { bytes_per_second: 12_500.0, round_trip: Duration::from_millis(150) },
@@ -35,18 +40,24 @@ pub struct Answered {
     pub whole: Duration,
 }
 
-/// Presses keys of the form, each when a new picture has set out.
-pub fn answers(case: &Case, keys: usize) -> Vec<Answered> {
+/// Presses keys of the form or of the list, each when a new picture has set out.
+pub fn answers(case: &Case, pane: &str, keys: usize) -> Vec<Answered> {
     let home = Home::new();
     let setup = Setup::new(120, 40).over_ssh().answers(Answers::Plain).link(case.link);
     let workbench = setup.args(&["open", "fir"]).start(&home);
     workbench.wait_for_tree();
-    workbench.keys("\t\t");
+    workbench.keys(if pane == "form" { "\t\t" } else { "" });
     workbench.settle();
-    (0..keys).map(|round| answered(&workbench, case.link, if round % 4 < 2 { "j" } else { "k" })).collect()
+    let press = |round: usize| if round % 4 < 2 { "j" } else { "k" };
+    (0..keys).map(|round| answered(&workbench, case.link, pane, press(round))).collect()
 }
 
-fn answered(workbench: &Workbench, link: Link, key: &str) -> Answered {
+/// What the cursor of a pane is on.
+fn cursor(screen: &vt100::Screen, pane: &str) -> Option<String> {
+    if pane == "form" { form_cursor(screen).map(|row| row.to_string()) } else { list_cursor(screen) }
+}
+
+fn answered(workbench: &Workbench, link: Link, pane: &str, key: &str) -> Answered {
     // Another look is another picture.
     let before = workbench.sent();
     workbench.keys("c");
@@ -60,10 +71,10 @@ fn answered(workbench: &Workbench, link: Link, key: &str) -> Answered {
     let bytes = workbench.bytes();
     let mut parser = vt100::Parser::new(40.try_into().unwrap(), 120.try_into().unwrap(), 0);
     parser.process(&bytes[..sent]);
-    let start = form_cursor(parser.screen());
+    let start = cursor(parser.screen(), pane);
     let answer = (sent..bytes.len()).find(|at| {
         parser.process(&bytes[*at..=*at]);
-        form_cursor(parser.screen()).is_some_and(|row| Some(row) != start)
+        cursor(parser.screen(), pane).is_some_and(|on| Some(on) != start)
     });
     let answer = answer.expect("the cursor moves");
     let (came, shown) = workbench.times_of(answer);
@@ -76,18 +87,18 @@ fn answered(workbench: &Workbench, link: Link, key: &str) -> Answered {
 
 #[test]
 fn pictures_leave_room_for_keys() {
-    for case in &CASES {
-        let answers = answers(case, 9);
+    for (case, pane) in CASES.iter().flat_map(|case| ["form", "list"].map(|pane| (case, pane))) {
+        let answers = answers(case, pane, 9);
         let mut waits: Vec<Duration> = answers.iter().map(|a| case.link.round_trip + a.queued).collect();
         waits.sort_unstable();
         let whole: Vec<_> = answers.iter().map(|a| (a.program, a.whole)).collect();
         println!(
-            "{}: round trip and queue {waits:?}; the program's own time, and on the clock {whole:?}",
+            "{} {pane}: round trip and queue {waits:?}; the program's own time, and on the clock {whole:?}",
             case.name
         );
-        let median = waits[waits.len() / 2];
-        assert!(median <= case.budget, "{}: {waits:?}", case.name);
-        // A single one may have met a long piece.
-        assert!(waits[waits.len() - 1] <= 2 * case.budget, "{}: {waits:?}", case.name);
+        // All but one of nine: a single one may have met a long piece.
+        let most = waits[waits.len() - 2];
+        assert!(most <= case.budget, "{} {pane}: {waits:?}", case.name);
+        assert!(waits[waits.len() - 1] <= 2 * case.budget, "{} {pane}: {waits:?}", case.name);
     }
 }

@@ -1,5 +1,6 @@
 //! Where the panes are, and what the mouse can mean on the screen.
 
+use linden_terminal::Order;
 use ratatui::layout::Rect;
 
 use super::command::Context;
@@ -70,6 +71,15 @@ pub enum Target {
     Dialog(Option<usize>),
 }
 
+impl View {
+    /// The rows of a list that show that the cursor has moved, and where it was: sent before all others.
+    pub fn answers(&mut self, list: Rect, y: u16) {
+        let top = y.saturating_sub(1).max(list.y);
+        let bottom = (y + 2).min(list.bottom());
+        self.order.first.push(Rect { y: top, height: bottom.saturating_sub(top), ..list });
+    }
+}
+
 /// Where everything is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Layout {
@@ -94,8 +104,8 @@ pub struct View {
     pub cursor: Option<(u16, u16)>,
     /// What lies where; the topmost last.
     pub regions: Vec<(Rect, Target)>,
-    /// Cells that may come later than all others: pictures.
-    pub late: Vec<Rect>,
+    /// Which cells come before the others, as the answer to a key, and which may come later: pictures.
+    pub order: Order,
 }
 
 impl Layout {

@@ -52,7 +52,13 @@ impl Rig {
     }
 
     fn present(&mut self, buffer: &Buffer) {
-        self.display.present(buffer.clone(), None, vec![PICTURE], None, self.now);
+        self.display.present(
+            buffer.clone(),
+            None,
+            Order { first: Vec::new(), late: vec![PICTURE] },
+            None,
+            self.now,
+        );
     }
 
     /// Lets the writer finish, and the display go on, until nothing more is sent.
@@ -215,7 +221,7 @@ fn farewell_removes_pictures_and_sends_nothing_more() {
     let data = Arc::new(encode(Protocol::Kitty, &[200; 32 * 32 * 4], (32, 32), area, usize::MAX).unwrap());
     let graphic = Graphic { generation: 1, area, data };
     let buffer = Buffer::empty(Rect::new(0, 0, 120, 40));
-    rig.display.present(buffer, None, vec![area], Some(graphic), rig.now);
+    rig.display.present(buffer, None, Order { first: Vec::new(), late: vec![area] }, Some(graphic), rig.now);
     rig.settle();
     let bytes = String::from_utf8(rig.display.farewell()).unwrap();
     assert!(bytes.contains("a=d,d=I,i=1"), "{bytes:?}");

@@ -155,14 +155,14 @@ impl Rig {
     }
 
     fn show(&mut self, graphic: Option<&Graphic>, allowance: Allowance) -> Composed {
-        let frame = Frame { buffer: &self.buffer, cursor: None, late: &[AREA], graphic };
+        let frame = Frame { buffer: &self.buffer, cursor: None, first: &[], late: &[AREA], graphic };
         self.screen.compose(&frame, allowance)
     }
 
     /// In pieces, to the end; how many there were.
     fn send(&mut self, graphic: Option<&Graphic>, paced: usize) -> usize {
         for n in 1..10_000 {
-            let composed = self.show(graphic, Allowance { paced, atomic: usize::MAX });
+            let composed = self.show(graphic, Allowance { text: usize::MAX, paced, atomic: usize::MAX });
             self.kitty.read(&composed.bytes);
             if !composed.rest {
                 return n;
@@ -178,7 +178,7 @@ fn kitty_gets_the_picture_in_pieces_between_which_text_goes() {
     let mut rig = Rig::new();
     for (n, letter) in ('a'..='z').enumerate() {
         rig.buffer.set_string(n as u16, 15, letter.to_string(), Style::new());
-        let composed = rig.show(Some(&picture), Allowance { paced: 700, atomic: 0 });
+        let composed = rig.show(Some(&picture), Allowance { text: usize::MAX, paced: 700, atomic: 0 });
         assert!(composed.picture <= 700 || n == 0, "{}", composed.picture);
         assert!(String::from_utf8_lossy(&composed.bytes).contains(letter), "a key is answered at once");
         rig.kitty.read(&composed.bytes);
@@ -214,14 +214,14 @@ fn a_new_picture_is_there_before_the_old_one_goes() {
 fn a_picture_that_is_overtaken_is_ended() {
     let mut rig = Rig::new();
     let (old, new) = (graphic(Protocol::Kitty, 1, AREA), graphic(Protocol::Kitty, 2, AREA));
-    let composed = rig.show(Some(&old), Allowance { paced: 3000, atomic: 0 });
+    let composed = rig.show(Some(&old), Allowance { text: usize::MAX, paced: 3000, atomic: 0 });
     rig.kitty.read(&composed.bytes);
     assert!(rig.kitty.coming.is_some());
     rig.send(Some(&new), 3000);
     assert_eq!((rig.kitty.pictures.len(), rig.kitty.placed.len()), (1, 1));
     // And one that the program's end overtakes.
     let mut rig = Rig::new();
-    let composed = rig.show(Some(&old), Allowance { paced: 3000, atomic: 0 });
+    let composed = rig.show(Some(&old), Allowance { text: usize::MAX, paced: 3000, atomic: 0 });
     rig.kitty.read(&composed.bytes);
     rig.kitty.read(&rig.screen.farewell());
     assert!(rig.kitty.coming.is_none() && rig.kitty.pictures.is_empty());
@@ -240,7 +240,10 @@ fn the_cells_beneath_are_blank_while_it_stands_and_come_back() {
         terminal.process(&bytes);
         terminal.screen().contents()
     };
-    assert!(contents(&mut rig, Some(&picture), Allowance { paced: 900, atomic: 0 }).contains("draft"));
+    assert!(
+        contents(&mut rig, Some(&picture), Allowance { text: usize::MAX, paced: 900, atomic: 0 })
+            .contains("draft")
+    );
     assert_eq!(contents(&mut rig, Some(&picture), Allowance::ALL).trim(), "text");
     // A pop-up: no picture, its cells.
     let seen = contents(&mut rig, None, Allowance::ALL);
@@ -380,10 +383,14 @@ fn pictures_in_one_piece_wait_for_a_link_that_takes_them() {
         let mut rig = Rig::new();
         rig.buffer.set_string(12, 3, "draft", Style::new());
         let picture = graphic(protocol, 1, AREA);
-        let small = rig.show(Some(&picture), Allowance { paced: 5000, atomic: picture.data.len() - 1 });
+        let small = rig.show(
+            Some(&picture),
+            Allowance { text: usize::MAX, paced: 5000, atomic: picture.data.len() - 1 },
+        );
         assert!(small.bytes.len() < 200 && !small.rest, "the cells stay");
         assert!(String::from_utf8_lossy(&small.bytes).contains("draft"));
-        let whole = rig.show(Some(&picture), Allowance { paced: 5000, atomic: picture.data.len() });
+        let whole =
+            rig.show(Some(&picture), Allowance { text: usize::MAX, paced: 5000, atomic: picture.data.len() });
         assert!(whole.bytes.len() > picture.data.len());
         // It stands, whatever the link does now.
         assert!(rig.show(Some(&picture), Allowance::NONE).bytes.is_empty());

@@ -238,3 +238,31 @@ fn a_picture_in_one_piece_must_fit() {
     assert!(!Pacer::new(true).fits_atomic(1, later), "nothing is known yet");
     assert!(Pacer::new(false).fits_atomic(1 << 30, later));
 }
+
+#[test]
+fn text_waits_on_a_link_that_is_known_to_be_slow_and_nowhere_else() {
+    let start = Instant::now();
+    let at = |ms: u64| start + Duration::from_millis(ms);
+    let known = |remote: bool, bytes_per_second: u64| {
+        let mut pacer = Pacer::new(remote);
+        assert_eq!(pacer.text_allowance(start), usize::MAX, "nothing is known yet");
+        // Pieces of 1000 bytes that follow each other on a link with a round trip of 100 ms.
+        for piece in 0..4 {
+            pacer.sent(1000, at(piece));
+        }
+        for piece in 1..=4 {
+            pacer.acked(at(100 + piece * 1000 * 1000 / bytes_per_second));
+        }
+        pacer
+    };
+    let mut slow = known(true, 12_500);
+    let allowed = slow.text_allowance(at(600));
+    assert!((512..1_000).contains(&allowed), "{allowed}");
+    slow.sent(allowed, at(600));
+    assert_eq!((slow.text_allowance(at(601)), slow.allowance(at(601))), (0, 0), "until that is through");
+    let then = slow.wake_at().unwrap();
+    assert!(then > at(620) && then < at(660), "{:?}", then.duration_since(start));
+    assert!(slow.text_allowance(then) > 0 && slow.allowance(then) > 0);
+    assert_eq!(known(true, 1_000_000).text_allowance(at(600)), usize::MAX);
+    assert_eq!(known(false, 12_500).text_allowance(at(600)), usize::MAX);
+}

@@ -7,10 +7,21 @@ use ratatui::layout::Rect;
 
 use super::Frame;
 
+/// When a cell is sent.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Layer {
+    /// Before all others: what answers a key.
+    First,
+    /// With the text.
+    Text,
+    /// After the text: pictures.
+    Late,
+}
+
 /// Which cells come when, and which are beneath a picture of pixels.
 pub(super) struct Plan {
     /// By place in the buffer.
-    pub late: Vec<bool>,
+    pub layers: Vec<Layer>,
     /// By place in the buffer; empty where nothing is.
     covered: Vec<bool>,
     /// The rows that have late cells.
@@ -20,14 +31,17 @@ pub(super) struct Plan {
 impl Plan {
     pub fn new(frame: &Frame<'_>, covered: Option<Rect>) -> Self {
         let area = frame.buffer.area;
-        let mut plan =
-            Self { late: vec![false; frame.buffer.content.len()], covered: Vec::new(), late_rows: 0..0 };
+        let layers = vec![Layer::Text; frame.buffer.content.len()];
+        let mut plan = Self { layers, covered: Vec::new(), late_rows: 0..0 };
+        for rect in frame.first {
+            mark(&mut plan.layers, Layer::First, frame.buffer, rect.intersection(area));
+        }
         for &rect in frame.late {
             let rect = rect.intersection(area);
             if rect.is_empty() {
                 continue;
             }
-            mark(&mut plan.late, frame.buffer, rect);
+            mark(&mut plan.layers, Layer::Late, frame.buffer, rect);
             plan.late_rows = if plan.late_rows.is_empty() {
                 rect.top()..rect.bottom()
             } else {
@@ -42,14 +56,15 @@ impl Plan {
 
     /// The cells beneath a picture alone.
     pub fn beneath(buffer: &Buffer, area: Rect) -> Self {
-        let mut late = vec![false; buffer.content.len()];
-        mark(&mut late, buffer, area);
-        Self { covered: late.clone(), late, late_rows: area.top()..area.bottom() }
+        let mut layers = vec![Layer::Text; buffer.content.len()];
+        mark(&mut layers, Layer::Late, buffer, area);
+        let covered = layers.iter().map(|layer| *layer == Layer::Late).collect();
+        Self { layers, covered, late_rows: area.top()..area.bottom() }
     }
 
     fn cover(&mut self, buffer: &Buffer, rect: Rect) {
         self.covered.resize(buffer.content.len(), false);
-        mark(&mut self.covered, buffer, rect.intersection(buffer.area));
+        mark(&mut self.covered, true, buffer, rect.intersection(buffer.area));
     }
 
     /// The cell that should be shown at a place.
@@ -59,9 +74,9 @@ impl Plan {
     }
 }
 
-fn mark(marks: &mut [bool], buffer: &Buffer, rect: Rect) {
+fn mark<T: Copy>(marks: &mut [T], with: T, buffer: &Buffer, rect: Rect) {
     for row in rect.top()..rect.bottom() {
         let from = buffer.index_of(rect.x, row);
-        marks[from..from + usize::from(rect.width)].fill(true);
+        marks[from..from + usize::from(rect.width)].fill(with);
     }
 }

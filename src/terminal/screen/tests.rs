@@ -136,8 +136,8 @@ impl Rig {
     }
 
     fn show(&mut self, buffer: &Buffer, late: &[Rect], paced: usize) -> Composed {
-        let frame = Frame { buffer, cursor: None, late, graphic: None };
-        let composed = self.screen.compose(&frame, Allowance { paced, atomic: 0 });
+        let frame = Frame { buffer, cursor: None, first: &[], late, graphic: None };
+        let composed = self.screen.compose(&frame, Allowance { text: usize::MAX, paced, atomic: 0 });
         self.terminal.process(&composed.bytes);
         composed
     }
@@ -383,7 +383,7 @@ fn the_cursor_is_shown_where_it_is_wanted() {
     let mut rig = Rig::new(20, 3, ScreenOptions::default());
     let buffer = Buffer::empty(Rect::new(0, 0, 20, 3));
     let mut at = |cursor| {
-        let frame = Frame { buffer: &buffer, cursor, late: &[], graphic: None };
+        let frame = Frame { buffer: &buffer, cursor, first: &[], late: &[], graphic: None };
         let bytes = rig.screen.compose(&frame, Allowance::ALL).bytes;
         rig.terminal.process(&bytes);
         let screen = rig.terminal.screen();
@@ -419,4 +419,45 @@ fn clusters_of_which_the_width_is_doubtful_do_not_shift_their_row() {
     let text = String::from_utf8(bytes).unwrap();
     let after = text.split_once('\u{fe0f}').unwrap().1;
     assert!(after.starts_with("\r\x1b[4Cafter") || after.starts_with("\x1b[;5Hafter"), "{after:?}");
+}
+
+#[test]
+fn on_a_slow_link_the_answer_to_a_key_goes_alone_and_before_the_text() {
+    let mut rig = Rig::new(40, 6, ScreenOptions::default());
+    let screen = |cursor: u16, about: &str| {
+        let mut buffer = Buffer::empty(Rect::new(0, 0, 40, 6));
+        for row in 0..5 {
+            let style = if row == cursor { Style::new().bg(Color::Blue) } else { Style::new() };
+            buffer.set_string(0, row, format!("row {row}     "), style);
+            buffer.set_string(12, row, format!("{about} of row {cursor}"), Style::new());
+        }
+        buffer
+    };
+    rig.show(&screen(1, "something"), &[], 0);
+    let after = screen(2, "something else is told");
+    let first = [Rect::new(0, 1, 10, 3)];
+    let frame = Frame { buffer: &after, cursor: None, first: &first, late: &[], graphic: None };
+    let mut writes = Vec::new();
+    for _ in 0..20 {
+        let composed = rig.screen.compose(&frame, Allowance { text: 160, paced: 0, atomic: 0 });
+        rig.terminal.process(&composed.bytes);
+        writes.push(composed.bytes.len());
+        if writes.len() == 1 {
+            let screen = rig.terminal.screen();
+            assert_eq!(screen.cell(2, 0).unwrap().bgcolor(), vt100::Color::Idx(4), "the cursor is there");
+            assert!(!screen.contents().contains("else"), "and nothing else yet");
+        }
+        if !composed.rest {
+            break;
+        }
+    }
+    assert!(writes[0] < 60, "{writes:?}");
+    assert!(writes.len() > 2 && writes.iter().all(|bytes| *bytes <= 160 + 20), "{writes:?}");
+    rig.assert_shows(&after);
+    // Where all may be sent, it goes together.
+    let composed = rig.screen.compose(
+        &Frame { buffer: &screen(3, "more"), cursor: None, first: &first, late: &[], graphic: None },
+        Allowance::NONE,
+    );
+    assert!(!composed.rest);
 }

@@ -20,7 +20,7 @@ use rustix::process::{Pid, Signal, kill_process};
 
 pub use process::{End, Process};
 pub use sequences::{Token, tokens};
-pub use shown::{Shown, form_cursor};
+pub use shown::{Shown, form_cursor, list_cursor};
 pub use terminal::{Answers, Link};
 use terminal::{Keyboard, Monitor};
 

@@ -82,7 +82,18 @@ impl Shown {
 
 /// The row of the form that the cursor is on: the one with another background.
 pub fn form_cursor(screen: &Screen) -> Option<u16> {
-    let (rows, columns) = screen.size();
-    let background = |row| screen.cell(row, columns.get() - 10).map(vt100::Cell::bgcolor);
+    cursor_at(screen, screen.size().1.get() - 10)
+}
+
+/// The id of the preset that the cursor of the list is on, as far as it has been written.
+pub fn list_cursor(screen: &Screen) -> Option<String> {
+    let row = cursor_at(screen, 4)?;
+    Some(screen.rows(3, 12).nth(row.into())?.trim().to_owned())
+}
+
+/// The row that is lit in a column.
+fn cursor_at(screen: &Screen, column: u16) -> Option<u16> {
+    let rows = screen.size().0;
+    let background = |row| screen.cell(row, column).map(vt100::Cell::bgcolor);
     (2..rows.get().saturating_sub(8)).find(|row| background(*row) != background(0))
 }

@@ -162,6 +162,7 @@ pub fn paint(input: &Input, area: Rect, buffer: &mut Buffer, view: &mut View, th
     buffer.set_stringn(area.x, area.y, linden::knob::printable(&rest), area.width.into(), theme.input);
     let at = area.x + (input.visual_cursor().saturating_sub(scroll) as u16).min(area.width - 1);
     view.cursor = Some((at, area.y));
+    view.order.first.push(area);
 }
 
 #[cfg(test)]

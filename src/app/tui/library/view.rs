@@ -74,6 +74,9 @@ pub fn view(model: &Model, mut area: Rect, buffer: &mut Buffer, view: &mut View)
             break;
         }
         let place = Rect { y, height: 1, ..list };
+        if cursor == Some(i) {
+            view.answers(list, y);
+        }
         match row {
             ListRow::Heading(heading) => {
                 view.regions.push((place, Target::Preset(i)));

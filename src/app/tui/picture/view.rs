@@ -45,7 +45,7 @@ pub fn view(model: &Model, inner: Rect, buffer: &mut Buffer, view: &mut View) {
     if let Some(painted) = &model.picture.painted
         && model.tree.as_ref().is_some_and(|tree| tree.shown.is_some())
     {
-        view.late.push(area);
+        view.order.late.push(area);
         painted.put(area, buffer);
         // Where panes have no headings, the bar to scrub takes the row.
         let is_taken =

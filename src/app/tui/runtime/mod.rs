@@ -340,7 +340,7 @@ impl Runtime {
         }
         self.model.regions = view.regions;
         let graphic = self.graphic();
-        self.display.present(buffer, view.cursor, view.late, graphic, now);
+        self.display.present(buffer, view.cursor, view.order, graphic, now);
         self.is_stale = false;
         self.keys.painted(now);
     }

@@ -64,6 +64,9 @@ pub fn view(model: &Model, area: Rect, buffer: &mut Buffer, view: &mut View) {
     let first = first_row(at, rows.len(), list.height.into());
     for (y, (i, row)) in (list.y..list.bottom()).zip(rows.iter().enumerate().skip(first)) {
         let place = Rect { y, height: 1, ..list };
+        if i == at {
+            view.answers(list, y);
+        }
         if row.spot().is_some() {
             view.regions.push((place, Target::Knob(i)));
         }

@@ -88,7 +88,7 @@ fn screen(model: &mut Model) -> Buffer {
     let mut buffer = Buffer::empty(Rect::new(0, 0, model.size.0, model.size.1));
     let view = screen::view(model, &mut buffer);
     model.regions = view.regions;
-    for late in view.late {
+    for late in view.order.late {
         assert_eq!(late.intersection(buffer.area).area(), late.area(), "{late}");
     }
     buffer

@@ -65,7 +65,7 @@ impl Dialog<Model> for Gallery {
 /// Paints the gallery over everything but the footer.
 fn paint(model: &Model, gallery: &Gallery, area: Rect, buffer: &mut Buffer, view: &mut View) {
     // The picture beneath is covered, and the footer's hints are the gallery's.
-    view.late.clear();
+    view.order = linden_terminal::Order::default();
     let hints: Vec<_> =
         view.regions.iter().filter(|(_, target)| matches!(target, Target::Command(_))).copied().collect();
     match gallery.page(model) {
@@ -156,7 +156,7 @@ fn cell(
     }
     match thumbnail.map(|thumbnail| &thumbnail.result) {
         Some(Ok(picture)) => {
-            view.late.push(parts.picture);
+            view.order.late.push(parts.picture);
             picture.cells.put(buffer, parts.picture);
         }
         Some(Err(why)) => {
