@@ -19,6 +19,7 @@ mod exit;
 mod forecast;
 mod jobs;
 mod memory;
+mod numbers;
 mod paths;
 mod progress;
 mod reading;

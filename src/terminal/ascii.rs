@@ -68,7 +68,7 @@ mod tests {
         let mut buffer = Buffer::empty(Rect::new(0, 0, 24, 1));
         buffer.set_string(0, 0, "─┬─ Bézier │ 木 ● 3×4 →…", Style::new());
         fold(&mut buffer);
-        let text: String = buffer.content.iter().map(|cell| cell.symbol()).collect();
+        let text: String = buffer.content.iter().map(ratatui::buffer::Cell::symbol).collect();
         assert_eq!(text, "-+- Bezier | ?  * 3x4 >~");
     }
 

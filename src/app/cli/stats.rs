@@ -5,12 +5,13 @@ use std::time::Instant;
 use anyhow::Context;
 use clap::Args;
 use linden::grow::{Scanned, Spread};
-use linden::report::{Corners, Group, NUMBERS, Number, Reading, Report};
+use linden::report::{Group, NUMBERS, Report};
 use linden::surface::Junction;
 use serde::Serialize;
 
 use super::GrowArgs;
 use crate::forecast::{Outlook, announce};
+use crate::numbers::line;
 use crate::progress::Progress;
 
 /// Grow a source and measure it
@@ -122,7 +123,8 @@ impl StatsReport {
         let mut text = format!("{} (seed {}, {})\n", self.source, self.seed, self.generator);
         for group in Group::ALL {
             let rows = NUMBERS.iter().filter(|number| number.group == group);
-            let mut lines: Vec<(&str, String)> = rows.filter_map(|number| self.line(number)).collect();
+            let mut lines: Vec<(&str, String)> =
+                rows.filter_map(|number| line(number, &self.report, self.is_solid)).collect();
             match group {
                 Group::Growth => lines.extend(self.scan.as_ref().map_or_else(Vec::new, Scan::lines)),
                 Group::Surface => {
@@ -140,50 +142,6 @@ impl StatsReport {
         }
         text
     }
-
-    /// A number for people; `None` where it does not apply.
-    fn line(&self, number: &Number) -> Option<(&'static str, String)> {
-        let unit =
-            |text: String| if number.unit.is_empty() { text } else { format!("{text} {}", number.unit) };
-        let reading = (number.reading)(&self.report);
-        // As without, on a bare tree.
-        let is_bare = self.report.leaves == 0 && number.name.contains("with_leaves");
-        if reading.is_nothing() || is_bare {
-            return None;
-        }
-        let shown = match reading {
-            Reading::Count(count) => unit(indicatif::HumanCount(count).to_string()),
-            Reading::Real(real) => unit(rounded(real)),
-            Reading::Yes(true) if number.name == "watertight" && self.is_solid => "yes: one solid".to_owned(),
-            Reading::Yes(true) if number.name == "watertight" => "yes: each axis is closed".to_owned(),
-            Reading::Yes(true) if number.name == "canopy" => {
-                "a canopy without a stem: all radii are guessed".to_owned()
-            }
-            Reading::Yes(is_so) => if is_so { "yes" } else { "no" }.to_owned(),
-            Reading::Text(text) => text,
-            Reading::Counts(list) => {
-                let counts: Vec<_> = list.iter().map(|&n| indicatif::HumanCount(n).to_string()).collect();
-                counts.join(", ")
-            }
-            Reading::Reals(list) => unit(list.iter().map(|&x| rounded(x)).collect::<Vec<_>>().join(", ")),
-            Reading::Texts(list) => list.join(", "),
-            Reading::Corners(Corners { min, max }) => {
-                let place = |[x, y, z]: [f32; 3]| format!("({x:.2} {y:.2} {z:.2})");
-                unit(format!("{} to {}", place(min), place(max)))
-            }
-            _ => return None,
-        };
-        Some((number.label, shown))
-    }
-}
-
-/// Four digits that count, no more than six after the point.
-fn rounded(real: f64) -> String {
-    if real == 0.0 {
-        return "0".to_owned();
-    }
-    let magnitude = real.abs().log10().floor();
-    format!("{real:.*}", (3.0 - magnitude).clamp(0.0, 6.0) as usize)
 }
 
 impl Scan {

@@ -258,6 +258,15 @@ impl Setting {
         (self.read)(settings)
     }
 
+    /// Sets it to what was typed.
+    ///
+    /// # Errors
+    /// What it takes instead.
+    pub fn set(&self, settings: &mut Settings, text: &str) -> Result<(), String> {
+        (self.write)(settings, &self.parse(text)?);
+        Ok(())
+    }
+
     fn parse(&self, text: &str) -> Result<Value, String> {
         match self.takes {
             Takes::Kind(kind) => kind.parse(text),

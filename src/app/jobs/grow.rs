@@ -1,6 +1,7 @@
 //! Grows the tree on screen.
 
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use glam::Vec3;
 use linden::Skeleton;
@@ -61,15 +62,19 @@ pub struct ShownTree {
     pub outline: Vec<Vec<Vec3>>,
     /// The last derivation or iteration.
     pub steps: u32,
+    /// How long it took to grow.
+    pub took: Duration,
 }
 
 /// Grows a recipe; `None` when it was cancelled.
 pub fn grow_shown(recipe: &Arc<Recipe>, watcher: &Watcher<'_>) -> Option<Result<Arc<ShownTree>, String>> {
+    let started = Instant::now();
     let grown = match grow(recipe, watcher) {
         Ok(grown) => grown,
         Err(GrowError::Cancelled(_)) => return None,
         Err(error) => return Some(Err(error.to_string())),
     };
+    let took = started.elapsed();
     let points = grown.colonized.as_ref().map_or(&[][..], |colonized| &colonized.points);
     let outline = match outline(recipe, watcher) {
         Ok(outline) => outline,
@@ -92,6 +97,7 @@ pub fn grow_shown(recipe: &Arc<Recipe>, watcher: &Watcher<'_>) -> Option<Result<
         outline,
         steps: skeleton.births.iter().copied().max().unwrap_or(0),
         grown,
+        took,
     })))
 }
 

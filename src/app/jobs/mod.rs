@@ -10,6 +10,7 @@ mod gallery;
 mod grow;
 mod lane;
 mod look;
+mod measure;
 mod relay;
 
 pub use draw::{Detail, DrawRequest, Medium, Painted, Painter, PictureLook, wind_strength};
@@ -20,4 +21,5 @@ pub use grow::stage;
 pub use grow::{ShownTree, grow_shown};
 pub use lane::{Answer, Done, Lane, THREAD_PREFIX, Watcher};
 pub use look::{Findings, Inquiry, TargetFinding, look};
+pub use measure::{Measured, MeasuredFigures, measure};
 pub use relay::Relay;

@@ -40,6 +40,8 @@ pub enum Effect {
     Export(ExportOrder),
     /// Stop the export that is under way.
     CancelExport,
+    /// Put settings in force that were changed in the model.
+    Settle,
     /// Read the user's presets, theme, keymap and settings again; answered by `Msg::Configured`.
     Reconfigure,
 }

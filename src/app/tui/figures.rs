@@ -27,3 +27,15 @@ pub fn metres(m: f64) -> String {
     };
     format!("{m:.digits$}")
 }
+
+/// An amount of bytes, to two or three digits.
+pub fn length(bytes: u64) -> String {
+    let (mut amount, mut unit) = (bytes as f64, "B");
+    for larger in ["KiB", "MiB", "GiB", "TiB"] {
+        if amount >= 999.5 {
+            (amount, unit) = (amount / 1024.0, larger);
+        }
+    }
+    let digits = usize::from(amount < 9.95 && unit != "B");
+    format!("{amount:.digits$} {unit}")
+}

@@ -34,6 +34,7 @@ mod ranking;
 mod runtime;
 mod screen;
 mod shape;
+mod statistics;
 #[cfg(test)]
 mod testing;
 mod tree;

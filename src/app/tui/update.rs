@@ -13,10 +13,10 @@ use super::effect::Effects;
 use super::layout::{Pane, Target};
 use super::model::{Config, Model, QUIET};
 use super::tree::{GrowthProgress, TreePlace};
-use super::{export, growth, library, picture, shape, vary, wind};
+use super::{export, growth, library, picture, shape, statistics, vary, wind};
 use crate::config::Complaint;
 use crate::config::presets::UserPreset;
-use crate::jobs::{ExportNews, Painted, ShownTree, Thumbnail};
+use crate::jobs::{ExportNews, Measured, Painted, ShownTree, Thumbnail};
 use crate::source::Source;
 
 /// What can happen.
@@ -43,6 +43,8 @@ pub enum Msg {
     Broken(&'static str, String),
     /// A picture of the gallery is there.
     Thumbnail(Box<Thumbnail>),
+    /// The tree on screen was measured.
+    Measured(Box<Measured>),
     /// An export's progress or end.
     Export(ExportNews),
     /// A preset was saved, or why not.
@@ -109,6 +111,7 @@ pub fn update(model: &mut Model, msg: Msg, now: Instant) -> Effects {
             model.say_error(format!("{doing} failed, which is a fault in linden: {why}; please report it"));
         }
         Msg::Thumbnail(thumbnail) => vary::thumbnail(model, *thumbnail),
+        Msg::Measured(measured) => statistics::measured(model, *measured),
         Msg::Export(news) => export::news(model, news, &mut effects),
         Msg::Saved(saved) => shape::saved(model, saved, &mut effects),
         Msg::Edited(text) => shape::edited(model, text),
@@ -150,7 +153,10 @@ fn on_key(model: &mut Model, key: KeyEvent, effects: &mut Effects) {
 }
 
 fn on_paste(model: &mut Model, text: &str, effects: &mut Effects) {
-    model.tell(|dialog, model| dialog.paste(model, text, effects));
+    match library::dropped_path(text).filter(|_| model.dialogs.is_empty()) {
+        Some(path) => library::open_path(model, &path, effects),
+        None => drop(model.tell(|dialog, model| dialog.paste(model, text, effects))),
+    }
 }
 
 fn run(model: &mut Model, id: &str, effects: &mut Effects) {

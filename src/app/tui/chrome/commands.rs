@@ -45,7 +45,7 @@ pub const COMMANDS: &[Command] = &[
         context: Context::GLOBAL,
         keys: &[":"],
         title: "Palette",
-        help: "Finds any command, knob or preset by its name; 'season 0.8' turns a knob",
+        help: "Finds any command, knob, preset, format or setting by its name; 'season 0.8' turns a knob, 'theme light' a setting, '~/oak.toml' opens a file",
         hint: Some(100),
         hindrance: free,
         run: |model, _| {

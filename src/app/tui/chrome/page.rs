@@ -38,6 +38,8 @@ pub struct Page {
     pub lines: Vec<PageLine>,
     /// The first row on screen.
     pub scroll: usize,
+    /// What its lines are made by anew after each message, where they follow the model.
+    pub source: Option<fn(&Model) -> Vec<PageLine>>,
 }
 
 /// A line of a page, or a row of it on screen.
@@ -66,6 +68,16 @@ pub struct Laid {
 }
 
 impl Page {
+    /// A page whose lines follow the model.
+    pub fn live(title: &'static str, source: fn(&Model) -> Vec<PageLine>, model: &Model) -> Self {
+        Self { title, lines: source(model), scroll: 0, source: Some(source) }
+    }
+
+    /// Whether its lines follow the model.
+    pub const fn is_live(&self) -> bool {
+        self.source.is_some()
+    }
+
     /// All commands with their keys, those of this place first; in the form, before them what the chosen
     /// knob does.
     pub fn help(model: &Model) -> Self {
@@ -95,7 +107,7 @@ impl Page {
                 lines.push(PageLine::Keys(keys.join(" "), command.help.to_owned()));
             }
         }
-        Self { title: "Help", lines, scroll: 0 }
+        Self { title: "Help", lines, scroll: 0, source: None }
     }
 
     /// What was said, the newest first.
@@ -105,7 +117,7 @@ impl Page {
         if lines.is_empty() {
             lines.push(PageLine::Text(Weight::Note, "nothing was said yet".to_owned()));
         }
-        Self { title: "Messages", lines, scroll: 0 }
+        Self { title: "Messages", lines, scroll: 0, source: None }
     }
 
     /// Its rows on a screen of that size: wrapped, in two columns where it has sections and there is
@@ -198,6 +210,12 @@ impl Dialog<Model> for Page {
         if area != laid.area && laid.most_scroll() > 0 {
             let bar = Rect { x: area.right(), width: 1, ..area };
             scrollbar(model, bar, first, laid.rows(), buffer);
+        }
+    }
+
+    fn refresh(&mut self, model: &Model) {
+        if let Some(source) = self.source {
+            self.lines = source(model);
         }
     }
 

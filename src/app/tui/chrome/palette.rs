@@ -1,9 +1,10 @@
-//! The palette: every command, knob and preset by its name.
+//! The palette: every command, knob, preset, format and setting by its name, and files by their paths.
 //!
 //! Commands are judged as they will run: with the palette closed. A knob takes what follows its name, as
-//! `season 0.8`.
+//! `season 0.8`, and so does a setting, as `theme light`.
 
 use crossterm::event::{KeyCode, KeyEvent, KeyModifiers, MouseEvent};
+use linden_exporters::exporters;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use tui_input::Input;
@@ -12,11 +13,13 @@ use unicode_width::UnicodeWidthStr;
 use super::footer::key_label;
 use super::popup::{popup, scrollbar};
 use super::prompt::{self, edit, paint, paste};
+use crate::config::settings::{SETTINGS, Setting};
 use crate::tui::command::Context;
 use crate::tui::dialog::{After, Dialog};
-use crate::tui::effect::Effects;
+use crate::tui::effect::{Effect, Effects};
+use crate::tui::export;
 use crate::tui::layout::{Pane, Target, View, centered, first_row};
-use crate::tui::library::show_selected;
+use crate::tui::library::{open_path, show_selected};
 use crate::tui::model::{Command, FormSpot, Model};
 use crate::tui::ranking::Ranking;
 use crate::tui::shape;
@@ -36,6 +39,8 @@ pub struct Palette {
     pub selected: usize,
     /// All that can be meant where the palette was opened.
     choices: Vec<Choice>,
+    /// What a path means that is typed.
+    file: Choice,
 }
 
 /// What can be chosen.
@@ -52,6 +57,10 @@ enum What {
     Command(&'static Command),
     Knob(&'static str),
     Preset(TreePlace),
+    Format(&'static str),
+    Setting(&'static Setting),
+    /// A path as it was typed.
+    File,
 }
 
 /// A row of the palette.
@@ -66,11 +75,21 @@ struct Found<'p> {
 impl Palette {
     /// With nothing typed, above what is open now.
     pub fn new(model: &Model) -> Self {
-        Self { input: Input::default(), selected: 0, choices: choices(model) }
+        let file = Choice {
+            what: What::File,
+            title: "open".to_owned(),
+            about: "a preset, a grammar, a mesh, a scan, or an export with its recipe".to_owned(),
+            hindrance: None,
+        };
+        Self { input: Input::default(), selected: 0, choices: choices(model), file }
     }
 
     /// What matches, the best first; everything when nothing is typed.
     fn found(&self) -> Vec<Found<'_>> {
+        let typed = self.input.value().trim();
+        if self.choices.iter().any(|choice| matches!(choice.what, What::Preset(_))) && is_path(typed) {
+            return vec![Found { choice: &self.file, value: Some(typed), marks: Vec::new() }];
+        }
         if let Some(turned) = self.turned() {
             return vec![turned];
         }
@@ -81,7 +100,7 @@ impl Palette {
             let other = match &choice.what {
                 What::Command(command) => ranking.score(command.id),
                 What::Preset(_) => ranking.score(&choice.about),
-                What::Knob(_) => None,
+                What::Knob(_) | What::Format(_) | What::Setting(_) | What::File => None,
             };
             // A title is meant more often than another name of the same.
             let score = title.map(|score| 3 * score).into_iter().chain(other.map(|score| 2 * score)).max();
@@ -94,11 +113,14 @@ impl Palette {
         found.into_iter().map(|(_, found)| found).collect()
     }
 
-    /// A knob by its whole name, with what it is to be turned to.
+    /// A knob or a setting by its whole name, with what it is to be turned to.
     fn turned(&self) -> Option<Found<'_>> {
         let (name, value) = self.input.value().trim_start().split_once([' ', '='])?;
-        let choice =
-            self.choices.iter().find(|choice| matches!(choice.what, What::Knob(knob) if knob == name))?;
+        let choice = self.choices.iter().find(|choice| match choice.what {
+            What::Knob(knob) => knob == name,
+            What::Setting(setting) => setting.name == name,
+            _ => false,
+        })?;
         let value = value.trim_start_matches([' ', '=']).trim_end();
         Some(Found { choice, value: Some(value).filter(|value| !value.is_empty()), marks: Vec::new() })
     }
@@ -198,6 +220,17 @@ impl Dialog<Model> for Palette {
                 model.focus_on(Pane::Shape);
                 model.form.selected = Some(FormSpot::Knob(name));
             }
+            (What::Format(id), _) => export::open_with(model, id),
+            (What::Setting(setting), value) => {
+                let Some(value) = value else {
+                    self.input = Input::new(format!("{} ", setting.name));
+                    return After::Stays;
+                };
+                if !set(model, setting, &value, effects) {
+                    return After::Stays;
+                }
+            }
+            (What::File, path) => open_path(model, path.as_deref().unwrap_or_default(), effects),
             (What::Preset(place), _) => {
                 model.library.filter_by("");
                 model.library.select_place(&place);
@@ -237,8 +270,14 @@ fn palette_row(model: &Model, found: &Found<'_>, chosen: bool, row: Rect, buffer
         }
         What::Knob(_) => "knob".to_owned(),
         What::Preset(_) => "preset".to_owned(),
+        What::Format(_) => "format".to_owned(),
+        What::Setting(_) => "setting".to_owned(),
+        What::File => "file".to_owned(),
     };
-    let turning = found.value.map(|value| format!("becomes {value}, was {about}"));
+    let turning = found.value.map(|value| match what {
+        What::File => format!("{}: {about}", linden::knob::printable(value)),
+        _ => format!("becomes {value}, was {about}"),
+    });
     let about = turning.as_deref().or(hindrance.as_deref()).unwrap_or(about);
     let style = dimmed(if hindrance.is_none() { theme.popup_dim } else { theme.warning });
     let from = NAME.max(title.width()) + 2;
@@ -282,5 +321,41 @@ fn choices(model: &Model) -> Vec<Choice> {
         about: linden::knob::printable(&entry.name),
         hindrance: None,
     });
-    commands.chain(knobs).chain(presets).collect()
+    let formats = exporters().into_iter().filter(|_| panes.is_some()).map(|exporter| Choice {
+        what: What::Format(exporter.format().id),
+        title: exporter.format().id.to_owned(),
+        about: format!("exports {}", exporter.format().name),
+        hindrance: None,
+    });
+    let settings = SETTINGS.iter().filter(|_| model.dialogs.is_empty()).map(|setting| Choice {
+        what: What::Setting(setting),
+        title: setting.name.to_owned(),
+        about: format!("{}: {}", setting.value(&model.config.settings), setting.help),
+        hindrance: None,
+    });
+    commands.chain(knobs).chain(presets).chain(formats).chain(settings).collect()
 }
+
+/// Whether what was typed begins as paths do.
+fn is_path(typed: &str) -> bool {
+    ["/", "~/", "./", "../"].iter().any(|start| typed.starts_with(start))
+}
+
+/// Changes a setting for this session, and says where it is kept; whether the value was one.
+fn set(model: &mut Model, setting: &'static Setting, value: &str, effects: &mut Effects) -> bool {
+    match setting.set(&mut model.config.settings, value) {
+        Ok(()) => {
+            model.say(format!("{} is {value} until you leave; config.toml keeps it", setting.name));
+            effects.push(Effect::Settle);
+            true
+        }
+        Err(why) => {
+            model.say_warning(format!("{}: {why}", setting.name));
+            false
+        }
+    }
+}
+
+#[cfg(test)]
+#[path = "palette_tests.rs"]
+mod tests;

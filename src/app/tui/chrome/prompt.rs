@@ -21,6 +21,8 @@ pub const CONTEXT: Context = Context::new(80, "prompt", "While typing a line");
 /// A line that is typed.
 pub struct Prompt {
     input: Input,
+    /// Whether the first character that is typed takes the place of all that is there.
+    is_selected: bool,
     /// What is wrong with what was typed so far.
     pub problem: Option<String>,
 }
@@ -36,7 +38,12 @@ pub struct Remark {
 impl Prompt {
     /// A line with something in it already, the cursor at its end.
     pub fn new(text: &str) -> Self {
-        Self { input: Input::new(text.to_owned()), problem: None }
+        Self { input: Input::new(text.to_owned()), is_selected: false, problem: None }
+    }
+
+    /// A line with something in it that the first character typed replaces; a key that moves the cursor keeps it.
+    pub fn selected(text: &str) -> Self {
+        Self { is_selected: !text.is_empty(), ..Self::new(text) }
     }
 
     /// What was typed.
@@ -46,22 +53,38 @@ impl Prompt {
 
     /// Puts another text in the line, the cursor at its end.
     pub fn replace(&mut self, text: &str) {
+        self.is_selected = false;
         self.input = Input::new(text.to_owned());
     }
 
     /// A key; whether it changed the text.
     pub fn key(&mut self, key: KeyEvent) -> bool {
+        let held = key.modifiers - KeyModifiers::SHIFT;
+        let replaces = matches!(key.code, KeyCode::Char(_)) && held.is_empty()
+            || matches!(key.code, KeyCode::Backspace | KeyCode::Delete);
+        if std::mem::take(&mut self.is_selected) && replaces {
+            self.input = Input::default();
+            edit(&mut self.input, key);
+            return true;
+        }
         edit(&mut self.input, key)
     }
 
     /// Pasted text, as one line.
     pub fn paste(&mut self, text: &str) {
+        if std::mem::take(&mut self.is_selected) {
+            self.input = Input::default();
+        }
         paste(&mut self.input, text);
     }
 
     /// Paints the line into a row, with its cursor.
     pub fn paint(&self, area: Rect, buffer: &mut Buffer, view: &mut View, theme: &Theme) {
         paint(&self.input, area, buffer, view, theme);
+        if self.is_selected {
+            let width = (self.text().width() as u16).min(area.width);
+            buffer.set_style(Rect { width, height: area.height.min(1), ..area }, theme.selected);
+        }
     }
 
     /// Paints the line at the bottom of the screen, a label before it and a remark above.

@@ -82,7 +82,7 @@ fn files(model: &Model) -> Page {
         }
         lines.push(text(Weight::Note, String::new()));
     }
-    Page { title: "Exported files", lines, scroll: 0 }
+    Page { title: "Exported files", lines, scroll: 0, source: None }
 }
 
 /// The rows.

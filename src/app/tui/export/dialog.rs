@@ -148,6 +148,14 @@ impl ExportDialog {
         }
     }
 
+    /// Ticks a format, and puts the cursor on it.
+    pub fn choose(&mut self, format: &str) {
+        if let Some(i) = self.formats.iter().position(|choice| choice.exporter.format().id == format) {
+            self.formats[i].chosen = true;
+            self.cursor = ExportSpot::Format(i);
+        }
+    }
+
     /// The rows from the top.
     pub fn spots(&self) -> Vec<ExportSpot> {
         let mut spots = Vec::new();

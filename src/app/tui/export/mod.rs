@@ -12,10 +12,13 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 pub use commands::COMMANDS;
+#[cfg(test)]
+pub use dialog::CONTEXT as EXPORT_CONTEXT;
 pub use view::status;
 
 use self::dialog::{ExportDialog, ExportSpot, StartState};
 use super::effect::{Effect, Effects};
+use super::library;
 use super::model::{ExportReport, Exporting, Model, RunningExport};
 use super::tree::Tree;
 use crate::jobs::{ExportNews, ExportOrder, Inquiry, ShownTree, WHOLE};
@@ -76,7 +79,8 @@ pub fn news(model: &mut Model, news: ExportNews, effects: &mut Effects) {
             }
         }
         ExportNews::Found(findings) => {
-            if dialog(model).is_some_and(|dialog| dialog.take(*findings)) {
+            let Some(findings) = library::found(model, *findings) else { return };
+            if dialog(model).is_some_and(|dialog| dialog.take(findings)) {
                 decide(model, effects);
             }
         }
@@ -125,6 +129,14 @@ fn cancel(model: &mut Model, effects: &mut Effects) {
 /// The dialog, if it is open.
 fn dialog(model: &mut Model) -> Option<&mut ExportDialog> {
     model.dialogs.find_mut()
+}
+
+/// Opens the dialog with a format ticked, the cursor on it.
+pub fn open_with(model: &mut Model, format: &str) {
+    let Some(tree) = &model.tree else { return };
+    let mut dialog = ExportDialog::new(&model.exporting.last, &tree.wanted().preset.id);
+    dialog.choose(format);
+    model.dialogs.open(dialog);
 }
 
 /// Why there is nothing to export.

@@ -18,7 +18,7 @@ use crate::tui::chrome::prompt;
 use crate::tui::command::Context;
 use crate::tui::dialog::{After, Dialog};
 use crate::tui::effect::Effects;
-use crate::tui::figures::thousands;
+use crate::tui::figures::{length, thousands};
 use crate::tui::layout::{Target, View, centered, first_row};
 use crate::tui::model::Model;
 use crate::wrap::clipped;
@@ -148,18 +148,6 @@ fn heading_row(model: &Model, has_grown: bool, estimate: Option<&Estimate>, area
 fn count(n: u64) -> String {
     let unit = 10_u64.pow(n.max(1).ilog10().saturating_sub(1));
     thousands((n + unit / 2) / unit * unit)
-}
-
-/// An estimated length of files, to two or three digits.
-fn length(bytes: u64) -> String {
-    let (mut amount, mut unit) = (bytes as f64, "B");
-    for larger in ["KiB", "MiB", "GiB", "TiB"] {
-        if amount >= 999.5 {
-            (amount, unit) = (amount / 1024.0, larger);
-        }
-    }
-    let digits = usize::from(amount < 9.95 && unit != "B");
-    format!("{amount:.digits$} {unit}")
 }
 
 /// A row that is painted.

@@ -1,6 +1,7 @@
 //! The commands of the list of presets.
 
 use super::filter_line::FilterLine;
+use super::open_line::OpenLine;
 use super::{back, choose, go, mark, set_filter};
 use crate::tui::command::Context;
 use crate::tui::layout::Pane;
@@ -145,6 +146,19 @@ pub const COMMANDS: &[Command] = &[
             filters.then(|| "a filter is set, and what it finds has no groups".to_owned())
         },
         run: |model, _| model.library.fold_all(),
+    },
+    Command {
+        id: "open-file",
+        context: Context::GLOBAL,
+        keys: &["ctrl-o"],
+        title: "Open file",
+        help: "Opens a preset, a grammar, a mesh, a scan or an export: type its path, Tab completes, up and down go through the files and show each; a file that is dropped on the terminal opens, too",
+        hint: None,
+        hindrance: free,
+        run: |model, _| {
+            let line = OpenLine::new(model);
+            model.dialogs.open(line);
+        },
     },
     Command {
         id: "preset-back",

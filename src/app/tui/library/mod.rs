@@ -5,6 +5,7 @@
 
 mod commands;
 mod filter_line;
+mod open_line;
 pub mod view;
 
 use std::path::PathBuf;
@@ -13,7 +14,9 @@ use crossterm::event::{MouseEvent, MouseEventKind};
 use linden::recipe::Recipe;
 
 pub use commands::COMMANDS;
+pub use open_line::{dropped_path, open_path};
 
+use self::open_line::OpenLine;
 use super::effect::{Effect, Effects};
 use super::layout::Pane;
 use super::model::ListRow;
@@ -22,7 +25,24 @@ use super::picture;
 use super::tree::{Tree, TreePlace};
 use crate::config::Complaint;
 use crate::config::presets::UserPreset;
+use crate::jobs::{Findings, Inquiry};
 use crate::source::Source;
+
+/// What the list wants to know of the disk, while a path is typed.
+pub fn wanted(model: &Model) -> Option<Inquiry> {
+    model.dialogs.top::<OpenLine>().map(OpenLine::inquiry)
+}
+
+/// What was found out about a path that is typed; `None` when that was it.
+pub fn found(model: &mut Model, findings: Findings) -> Option<Findings> {
+    match model.dialogs.top_mut::<OpenLine>() {
+        Some(line) => {
+            line.take(findings);
+            None
+        }
+        None => Some(findings),
+    }
+}
 
 /// Sets the filter, as it is typed: the cursor is on the best match.
 pub fn set_filter(model: &mut Model, text: &str, effects: &mut Effects) {

@@ -5,6 +5,8 @@
 pub struct Form {
     /// The row that it is on.
     pub selected: Option<FormSpot>,
+    /// Whether only what differs from the document is listed.
+    pub only_turned: bool,
 }
 
 /// A row that the cursor can be on. By name, so that it stays when a choice brings other knobs.
@@ -17,8 +19,8 @@ pub enum FormSpot {
 }
 
 impl Form {
-    /// To the first knob.
+    /// To the first knob of another tree.
     pub fn reset(&mut self) {
-        self.selected = None;
+        *self = Self::default();
     }
 }

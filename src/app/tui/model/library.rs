@@ -93,6 +93,16 @@ impl Library {
         u16::try_from(longest + 2).unwrap_or(u16::MAX)
     }
 
+    /// Takes entries off the list.
+    pub fn forget(&mut self, is_forgotten: impl Fn(&TreePlace) -> bool) {
+        let selected = self.entry().map(|entry| entry.place.clone());
+        self.entries.retain(|entry| !is_forgotten(&entry.place));
+        self.arrange();
+        if let Some(place) = selected {
+            self.select_place(&place);
+        }
+    }
+
     /// The rows of the list.
     pub fn rows(&self) -> &[ListRow] {
         &self.rows

@@ -39,6 +39,7 @@ use crate::config::dirs::Dirs;
 use crate::config::keymap::Keymap;
 use crate::config::settings::Settings;
 use crate::config::theme::Theme;
+use crate::jobs::Measured;
 
 /// A message of no weight leaves the footer after this.
 const MESSAGE_STAYS: Duration = Duration::from_secs(4);
@@ -86,6 +87,8 @@ pub struct Model {
     pub messages: VecDeque<Message>,
     /// The export under way, and what the dialog offers next time.
     pub exporting: Exporting,
+    /// The numbers of the tree that was measured last.
+    pub measured: Option<Measured>,
     /// What the user configured.
     pub config: Config,
     /// What the terminal can do, as far as it is known.
@@ -139,6 +142,7 @@ impl Model {
             message: None,
             messages: VecDeque::new(),
             exporting: Exporting::default(),
+            measured: None,
             config,
             terminal,
             regions: Vec::new(),
@@ -258,6 +262,13 @@ impl Model {
         let stays = if weight == Weight::Note { MESSAGE_STAYS } else { 2 * MESSAGE_STAYS };
         let message = Message { weight, text, until: self.now + stays };
         tracing::debug!(?weight, text = message.text, "message");
+        // What is said again while it still stands is said once.
+        let stands =
+            |said: &&Message| said.weight == weight && said.text == message.text && said.until > self.now;
+        if self.messages.iter().rev().find(stands).is_some() {
+            self.message = Some(message);
+            return;
+        }
         self.messages.push_back(message.clone());
         if self.messages.len() > MOST_MESSAGES {
             self.messages.pop_front();

@@ -56,6 +56,7 @@ impl Runtime {
             Effect::Export(order) => self.desk.export(order),
             Effect::CancelExport => self.desk.cancel_export(),
             Effect::Reconfigure => self.reconfigure(),
+            Effect::Settle => self.settle(),
         }
     }
 
@@ -201,6 +202,20 @@ impl Runtime {
     pub(super) fn watch_source(&mut self) {
         let files = self.model.tree.as_ref().map(crate::tui::tree::Tree::files).unwrap_or_default();
         self.watching.files(files);
+    }
+
+    /// Puts settings in force that were changed on screen.
+    fn settle(&mut self) {
+        let settings = self.model.config.settings.clone();
+        if let Err(error) = self.session.set_mouse(settings.mouse) {
+            self.model.say_error(format!("switching the mouse: {error}"));
+        }
+        setup::insist(&mut self.probing, &settings);
+        self.watch_files();
+        self.know_terminal(Instant::now());
+        for complaint in setup::theme(&mut self.model.config, &self.probing.conclude()) {
+            self.model.say_error(complaint.to_string());
+        }
     }
 
     fn reconfigure(&mut self) {

@@ -13,13 +13,15 @@ use linden::recipe::Recipe;
 use super::Happening;
 use crate::exit;
 use crate::jobs::{
-    Answer, Done, DrawRequest, ExportNews, ExportOrder, GalleryRequest, Inquiry, Lane, Painted, Painter,
-    Relay, ShownTree, Thumbnail, Watcher, grow_shown, look, paint_gallery, run_export,
+    Answer, Done, DrawRequest, ExportNews, ExportOrder, GalleryRequest, Inquiry, Lane, Measured, Painted,
+    Painter, Relay, ShownTree, Thumbnail, Watcher, grow_shown, look, measure, paint_gallery, run_export,
 };
 use crate::source::{self, Source};
 use crate::tui::export;
+use crate::tui::library;
 use crate::tui::model::Model;
 use crate::tui::picture;
+use crate::tui::statistics;
 use crate::tui::tree::{GrowthProgress, TreePlace};
 use crate::tui::update::Msg;
 use crate::tui::vary;
@@ -45,6 +47,7 @@ pub enum News {
     Grow(Answer<Result<Arc<ShownTree>, String>>),
     Draw(Answer<Result<Box<Painted>, String>>),
     Gallery(Answer<Thumbnail>),
+    Measure(Answer<Box<Measured>>),
     Export(Answer<ExportNews>),
     Look(Answer<ExportNews>),
 }
@@ -58,6 +61,9 @@ pub struct Desk {
     grow: Relay<Arc<Recipe>>,
     draw: Relay<DrawRequest>,
     gallery: Lane<GalleryRequest>,
+    measure: Lane<Arc<ShownTree>>,
+    /// The tree that was asked to be measured last.
+    asked_measures: Option<Arc<ShownTree>>,
     export: Lane<ExportOrder>,
     look: Lane<Inquiry>,
     /// What the export dialog asked last.
@@ -90,6 +96,11 @@ impl Desk {
         let gallery = Lane::start("gallery", send(sender, News::Gallery), |request, watcher, give| {
             paint_gallery(request, watcher, give);
         })?;
+        let measure = Lane::start("measure", send(sender, News::Measure), |shown, watcher, give| {
+            if let Some(measured) = measure(shown, watcher) {
+                give(Box::new(measured));
+            }
+        })?;
         let export = Lane::start("export", send(sender, News::Export), |order, watcher, give| {
             run_export(order, watcher, give);
         })?;
@@ -97,6 +108,8 @@ impl Desk {
             look(inquiry, watcher, give);
         })?;
         Ok(Self {
+            measure,
+            asked_measures: None,
             export,
             look,
             asked_look: None,
@@ -174,6 +187,11 @@ impl Desk {
                 Done::Broken(why) => Some(Msg::Broken("looking at targets", why)),
                 Done::Progress { .. } | Done::Finished => None,
             },
+            News::Measure(answer) => match answer.done {
+                Done::Value(measured) => Some(Msg::Measured(measured)),
+                Done::Broken(why) => Some(Msg::Broken("measuring", why)),
+                Done::Progress { .. } | Done::Finished => None,
+            },
             News::Gallery(answer) => match answer.done {
                 Done::Value(thumbnail) => Some(Msg::Thumbnail(Box::new(thumbnail))),
                 Done::Broken(why) => Some(Msg::Broken("drawing the gallery", why)),
@@ -202,13 +220,24 @@ impl Desk {
                 self.grow.want(Arc::clone(wanted), now);
             }
         }
-        match export::wanted(model) {
+        match library::wanted(model).or_else(|| export::wanted(model)) {
             Some(inquiry) if self.asked_look.as_ref() != Some(&inquiry) => {
                 self.asked_look = Some(inquiry.clone());
                 self.look.submit(inquiry);
             }
             None if self.asked_look.take().is_some() => self.look.cancel(),
             Some(_) | None => {}
+        }
+        match (statistics::wanted(model), &self.asked_measures) {
+            (Some(shown), asked) if !asked.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, &shown)) => {
+                self.asked_measures = Some(Arc::clone(&shown));
+                self.measure.submit(shown);
+            }
+            (None, Some(_)) => {
+                self.asked_measures = None;
+                self.measure.cancel();
+            }
+            _ => {}
         }
         match (vary::wanted(model), &self.asked_gallery) {
             (None, None) => {}

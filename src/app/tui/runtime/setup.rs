@@ -17,13 +17,7 @@ use crate::tui::model::Config;
 pub fn configuration(probing: &mut Probing) -> (Config, Vec<String>) {
     let dirs = Dirs::of_environment();
     let (settings, mut complaints) = Settings::load(dirs.settings().as_deref());
-    let mut told = Vec::new();
-    let mut overrides = settings.overrides();
-    match Overrides::from_environment(probing.environment()) {
-        Ok(named) => overrides = named.or(overrides),
-        Err(error) => told.push(error.to_string()),
-    }
-    probing.take_overrides(overrides);
+    let told = insist(probing, &settings);
     let table = commands::key_table();
     let (keymap, found) = Keymap::load(dirs.keymap().as_deref(), &table);
     complaints.extend(found);
@@ -32,6 +26,18 @@ pub fn configuration(probing: &mut Probing) -> (Config, Vec<String>) {
     let found = theme(&mut config, &capabilities);
     config.complaints.extend(found);
     (config, told)
+}
+
+/// Tells what settings and the environment say of the terminal; complaints about the environment come back.
+pub fn insist(probing: &mut Probing, settings: &Settings) -> Vec<String> {
+    let mut told = Vec::new();
+    let mut overrides = settings.overrides();
+    match Overrides::from_environment(probing.environment()) {
+        Ok(named) => overrides = named.or(overrides),
+        Err(error) => told.push(error.to_string()),
+    }
+    probing.take_overrides(overrides);
+    told
 }
 
 /// Puts the theme in force that settings and terminal ask for.

@@ -3,7 +3,7 @@
 use super::grammar::GrammarEditor;
 use super::nudge::Nudge;
 use super::save_lines::SaveLine;
-use super::{grammar, nudge, open, save, selected, selected_rule, step, turn};
+use super::{grammar, nudge, only_turned, open, save, selected, selected_rule, step, turn};
 use crate::tui::command::Context;
 use crate::tui::dialog::After;
 use crate::tui::effect::{Effect, Effects};
@@ -137,6 +137,16 @@ pub const COMMANDS: &[Command] = &[
         hindrance: without_preset,
         run: |model, _| step(model, -8),
     },
+    Command {
+        id: "knobs-changed",
+        context: Context::SHAPE,
+        keys: &["*"],
+        title: "Changed knobs alone",
+        help: "Lists only what differs from the saved preset, or all again",
+        hint: None,
+        hindrance: |model| if model.form.only_turned { None } else { is_unmodified(model) },
+        run: |model, _| only_turned(model),
+    },
     nudging(
         "knob-more",
         &["right", "l"],
@@ -233,6 +243,8 @@ pub const COMMANDS: &[Command] = &[
         hint: Some(32),
         hindrance: |model| unless(model, Tree::can_undo, "nothing was changed"),
         run: |model, _| {
+            // What was said of the change is no longer so.
+            model.message = None;
             if let Some(tree) = &mut model.tree {
                 tree.undo();
             }
@@ -247,6 +259,8 @@ pub const COMMANDS: &[Command] = &[
         hint: None,
         hindrance: |model| unless(model, Tree::can_redo, "nothing was undone"),
         run: |model, _| {
+            // What was said of the change is no longer so.
+            model.message = None;
             if let Some(tree) = &mut model.tree {
                 tree.redo();
             }

@@ -30,6 +30,8 @@ impl FindLine {
         let found = best(model, self.prompt.text());
         let is_typed = !self.prompt.text().trim().is_empty();
         self.prompt.problem = (is_typed && found.is_none()).then(|| "no knob matches".to_owned());
+        // What is looked for may be one that was not changed.
+        model.form.only_turned &= !is_typed;
         model.form.selected = found.filter(|_| is_typed).or(self.before);
     }
 }

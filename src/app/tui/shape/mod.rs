@@ -79,6 +79,36 @@ pub fn rows(preset: &Preset) -> Vec<FormRow> {
     rows
 }
 
+/// The rows that are listed of the tree on screen: all, or those that differ from the document with the headings of
+/// their sections.
+pub fn listed(model: &Model, tree: &Tree) -> Vec<FormRow> {
+    let all = rows(&tree.wanted().preset);
+    if !model.form.only_turned {
+        return all;
+    }
+    let saved = grammar_of(&tree.saved().preset).map(|grammar| grammar::lines(grammar).0).unwrap_or_default();
+    let mut kept: Vec<FormRow> = Vec::new();
+    for row in all {
+        let differs = match &row {
+            FormRow::Heading(_) => true,
+            FormRow::Rule(_, text) => !saved.contains(text),
+            FormRow::MoreRules(_) => false,
+            FormRow::Knob(knob, _) => tree.is_turned(knob),
+        };
+        if differs {
+            // A section without rows has no heading.
+            if matches!((kept.last(), &row), (Some(FormRow::Heading(_)), FormRow::Heading(_))) {
+                kept.pop();
+            }
+            kept.push(row);
+        }
+    }
+    if matches!(kept.last(), Some(FormRow::Heading(_))) {
+        kept.pop();
+    }
+    kept
+}
+
 /// Where the cursor is, among these rows: at the top when what it was on is gone.
 pub fn spot(model: &Model, rows: &[FormRow]) -> Option<FormSpot> {
     let mut all = rows.iter().filter_map(FormRow::spot);
@@ -88,7 +118,7 @@ pub fn spot(model: &Model, rows: &[FormRow]) -> Option<FormSpot> {
 
 /// The knob that the cursor is on, with its value; `None` on a line of the grammar.
 pub fn selected(model: &Model) -> Option<(PresetKnob, Value)> {
-    let rows = rows(model.tree.as_ref()?.preset());
+    let rows = listed(model, model.tree.as_ref()?);
     let spot = spot(model, &rows)?;
     rows.into_iter().find_map(|row| match row {
         FormRow::Knob(knob, value) if FormSpot::Knob(knob.knob.name) == spot => Some((knob, value)),
@@ -98,7 +128,7 @@ pub fn selected(model: &Model) -> Option<(PresetKnob, Value)> {
 
 /// The line of the grammar that the cursor is on.
 fn selected_rule(model: &Model) -> Option<usize> {
-    match spot(model, &rows(model.tree.as_ref()?.preset()))? {
+    match spot(model, &listed(model, model.tree.as_ref()?))? {
         FormSpot::Rule(index) => Some(index),
         FormSpot::Knob(_) => None,
     }
@@ -107,7 +137,7 @@ fn selected_rule(model: &Model) -> Option<usize> {
 /// Moves the cursor by a number of rows.
 fn step(model: &mut Model, by: isize) {
     let Some(tree) = &model.tree else { return };
-    let rows = rows(tree.preset());
+    let rows = listed(model, tree);
     let spots: Vec<_> = rows.iter().filter_map(FormRow::spot).collect();
     let at = spots.iter().position(|other| Some(*other) == spot(model, &rows)).unwrap_or(0);
     let to = at.saturating_add_signed(by).min(spots.len().saturating_sub(1));
@@ -159,6 +189,16 @@ fn open(model: &mut Model) {
         return nudge(model, true, Nudge::Usual);
     }
     model.dialogs.open(ValueLine::new(row.knob.name, &value.to_string()));
+}
+
+/// Lists only what differs from the document, or all again. The cursor stays where it can.
+fn only_turned(model: &mut Model) {
+    model.form.only_turned = !model.form.only_turned;
+    model.say(if model.form.only_turned {
+        "only what was changed is listed"
+    } else {
+        "all knobs are listed"
+    });
 }
 
 /// Asks for a knob's name.
@@ -233,7 +273,7 @@ pub fn wheel(model: &mut Model, mouse: MouseEvent) {
 pub fn clicked(model: &mut Model, row: usize, mouse: MouseEvent, _effects: &mut Effects) {
     let Some(tree) = &model.tree else { return };
     // As they are on screen.
-    let rows = rows(&tree.wanted().preset);
+    let rows = listed(model, tree);
     let Some(clicked) = rows.get(row).and_then(FormRow::spot) else { return wheel(model, mouse) };
     match mouse.kind {
         MouseEventKind::Down(_) => {

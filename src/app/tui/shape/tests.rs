@@ -103,6 +103,46 @@ fn reset_revert_compare_undo_and_redo() {
 }
 
 #[test]
+fn what_was_changed_is_listed_alone_on_a_key() {
+    let mut bench = FormBench::new("fir");
+    bench.on("points").keys("*");
+    assert!(bench.said().contains("nothing differs"), "{}", bench.said());
+    bench.keys("right").on("leaf_form").keys("right").on("points").keys("*");
+    let shown = |bench: &mut FormBench| text(&bench.paint(120, 40).0);
+    let screen = shown(&mut bench);
+    assert!(screen.contains("●points") && screen.contains("●leaf_form"), "{screen}");
+    assert!(!screen.contains(" seed  ") && !screen.contains("influence"), "{screen}");
+    // Down goes to the next that was changed; a knob that is looked for brings all back.
+    bench.keys("down");
+    assert_eq!(bench.model.form.selected, Some(FormSpot::Knob("leaf_form")));
+    bench.keys("/").typed("influ").keys("enter");
+    assert!(shown(&mut bench).contains("influence"));
+    bench.keys("* u u");
+    assert!(shown(&mut bench).contains("nothing differs"), "{}", shown(&mut bench));
+    bench.keys("*");
+    assert!(shown(&mut bench).contains("influence"));
+}
+
+#[test]
+fn what_is_typed_takes_the_place_of_the_value_unless_one_moves_in_it_first() {
+    let mut bench = FormBench::new("fir");
+    bench.on("points").keys("enter").typed("55").keys("enter");
+    assert_eq!(bench.value("points"), "55");
+    bench.keys("enter end").typed("5").keys("enter");
+    assert_eq!(bench.value("points"), "555");
+    bench.keys("enter backspace").typed("7").keys("enter");
+    assert_eq!(bench.value("points"), "7");
+}
+
+#[test]
+fn a_range_with_two_ends_has_a_slider() {
+    let mut bench = FormBench::new("oak");
+    bench.on("season");
+    let screen = text(&bench.paint(120, 40).0);
+    assert!(screen.contains("●───") || screen.contains("━●"), "{screen}");
+}
+
+#[test]
 fn keys_that_are_held_are_one_step_of_undo_and_there_and_back_is_none() {
     let mut bench = FormBench::new("fir");
     let now = bench.model.now;

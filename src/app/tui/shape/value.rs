@@ -21,9 +21,9 @@ pub struct ValueLine {
 }
 
 impl ValueLine {
-    /// Goes on with the value that is set.
+    /// With the value that is set, which the first character typed replaces.
     pub fn new(knob: &'static str, value: &str) -> Self {
-        Self { prompt: Prompt::new(value), knob }
+        Self { prompt: Prompt::selected(value), knob }
     }
 
     /// The text changed: what is wrong with it now.

@@ -10,7 +10,7 @@ use ratatui::widgets::{Paragraph, Widget, Wrap};
 use unicode_width::UnicodeWidthStr;
 
 use super::value::ValueLine;
-use super::{FormRow, complete, forecast, resolved, rows, spot};
+use super::{FormRow, complete, forecast, listed, resolved, spot};
 use crate::tui::chrome::prompt::Prompt;
 use crate::tui::layout::{Pane, Target, View, first_row};
 use crate::tui::model::{FormSpot, Model};
@@ -19,6 +19,8 @@ use crate::wrap::{clipped, wrapped, wrapped_within};
 
 /// Rows that explain what the cursor is on, where there is room: a third of the form, within these.
 const ABOUT: [u16; 2] = [4, 9];
+/// Cells of the bar that shows where a value stands in its range.
+const SLIDER: usize = 20;
 /// Columns of a knob's name.
 const NAME: u16 = 18;
 /// The marks of what differs from the document, of the same while the document is looked at, and of
@@ -32,6 +34,7 @@ pub fn heading(model: &Model) -> Vec<Span<'static>> {
     let theme = &model.config.theme;
     match &model.tree {
         Some(tree) if tree.compares => vec![Span::styled("○ as saved ", theme.warning)],
+        Some(_) if model.form.only_turned => vec![Span::styled("● changed alone ", theme.modified)],
         Some(tree) if tree.is_modified() => vec![Span::styled("● modified ", theme.modified)],
         _ => Vec::new(),
     }
@@ -47,7 +50,7 @@ pub fn view(model: &Model, area: Rect, buffer: &mut Buffer, view: &mut View) {
     };
     let about = if area.height >= 12 { (area.height / 3).clamp(ABOUT[0], ABOUT[1]) } else { 0 };
     let list = Rect { height: area.height - about, ..area };
-    let rows = rows(&tree.wanted().preset);
+    let rows = listed(model, tree);
     let chosen = spot(model, &rows);
     let other = if tree.compares { tree.recipe() } else { tree.saved() };
     let form = FormView {
@@ -61,6 +64,10 @@ pub fn view(model: &Model, area: Rect, buffer: &mut Buffer, view: &mut View) {
             .unwrap_or_default(),
     };
     let at = rows.iter().position(|row| row.spot().is_some() && row.spot() == chosen).unwrap_or(0);
+    if rows.is_empty() && !list.is_empty() {
+        let text = clipped("nothing differs from the saved preset", list.width.into());
+        buffer.set_stringn(list.x, list.y, text, list.width.into(), theme.dim);
+    }
     let first = first_row(at, rows.len(), list.height.into());
     for (y, (i, row)) in (list.y..list.bottom()).zip(rows.iter().enumerate().skip(first)) {
         let place = Rect { y, height: 1, ..list };
@@ -298,6 +305,9 @@ impl FormView<'_> {
         {
             lines.push(Line::styled(format!("changes nothing: {why}"), theme.warning));
         }
+        if let Some((low, high, share)) = slider(&row_knob.knob.kind, value) {
+            lines.push(self.slider(low, high, share));
+        }
         if typed(self.model).is_some() && !complete::words(row_knob.knob.name).is_empty() {
             range.push(Span::styled(" · Tab completes", theme.dim));
         }
@@ -315,6 +325,19 @@ impl FormView<'_> {
         lines.push(Line::from(range));
     }
 
+    /// Where a value stands in its range: `0 ━━━━━●──── 10`.
+    fn slider(&self, low: f64, high: f64, share: f64) -> Line<'static> {
+        let theme = &self.model.config.theme;
+        let at = (share * (SLIDER - 1) as f64).round() as usize;
+        Line::from(vec![
+            Span::styled(format!("{low} "), theme.unit),
+            Span::styled("━".repeat(at), theme.gauge),
+            Span::styled("●", theme.value),
+            Span::styled("─".repeat(SLIDER - 1 - at), theme.gauge_track),
+            Span::styled(format!(" {high}"), theme.unit),
+        ])
+    }
+
     /// The preset as it would be with what is being typed.
     fn as_typed(&self) -> Preset {
         let mut preset = self.tree.wanted().preset.clone();
@@ -324,6 +347,23 @@ impl FormView<'_> {
         }
         preset
     }
+}
+
+/// The ends of a knob's range and the share of it that a value is at; `None` where there is no end.
+fn slider(kind: &Kind, value: &Value) -> Option<(f64, f64, f64)> {
+    let (low, high) = match *kind {
+        Kind::Real { min, max, .. } | Kind::Length { min, max, .. } => (min, max),
+        Kind::Integer { min, max } if max <= 1000 => (min as f64, max as f64),
+        _ => return None,
+    };
+    let at = match value {
+        Value::Real(x) => *x,
+        Value::Integer(n) => *n as f64,
+        _ => return None,
+    };
+    // Nobody turns a knob from one end of a million to the other.
+    let is_seen = low.is_finite() && high.is_finite() && high > low && high - low <= 1000.0;
+    is_seen.then(|| (low, high, ((at - low) / (high - low)).clamp(0.0, 1.0)))
 }
 
 /// A value with its unit, where it has one.
