@@ -31,30 +31,48 @@ fn say(text: &str) -> PageLine {
     PageLine::Text(Weight::Note, text.to_owned())
 }
 
+/// The groups of numbers: what an artist asks for first, hashes last.
+const GROUPS: [Group; 9] = [
+    Group::Size,
+    Group::Surface,
+    Group::Leaves,
+    Group::Wood,
+    Group::Stem,
+    Group::Crown,
+    Group::Branching,
+    Group::Growth,
+    Group::Tree,
+];
+
 fn measured(shown: &ShownTree, figures: &MeasuredFigures) -> Vec<PageLine> {
     let is_solid = shown.recipe.preset.dressing.tubes.junction == Junction::Watertight;
-    let mut lines = Vec::new();
-    for group in Group::ALL {
+    let (grow_s, measure_s) = (shown.took.as_secs_f64(), figures.took.as_secs_f64());
+    let mut lines = vec![
+        PageLine::Heading("Cost".to_owned()),
+        row("memory", format!("{} for the tree as it grew", length(shown.grown.bytes()))),
+        row("time", format!("{grow_s:.3} s to grow, {measure_s:.3} s to measure")),
+    ];
+    for group in GROUPS {
         let rows = NUMBERS.iter().filter(|number| number.group == group);
         let mut rows = rows.filter_map(|number| line(number, &figures.report, is_solid)).peekable();
         if rows.peek().is_some() {
             lines.push(PageLine::Heading(capital(group.name())));
-            lines.extend(rows.map(|(label, value)| PageLine::Keys(label.to_owned(), value)));
+            lines.extend(rows.map(|(label, value)| row(label, value)));
         }
-    }
-    let mut put = |label: &str, value: String| lines.push(PageLine::Keys(label.to_owned(), value));
-    put("", String::new());
-    put("memory", format!("{} for the tree as it grew", length(shown.grown.bytes())));
-    let (grow_s, measure_s) = (shown.took.as_secs_f64(), figures.took.as_secs_f64());
-    put("time", format!("{grow_s:.3} s to grow, {measure_s:.3} s to measure"));
-    lines.push(PageLine::Heading("Files, with the usual options".to_owned()));
-    for exporter in exporters() {
-        let format = exporter.format();
-        if let Some(bytes) = figures.estimate.bytes(format, &Options::new(format)) {
-            lines.push(PageLine::Keys(format.id.to_owned(), format!("about {}", length(bytes))));
+        if group == Group::Leaves {
+            lines.push(PageLine::Heading("Files, with the usual options".to_owned()));
+            lines.extend(exporters().into_iter().filter_map(|exporter| {
+                let format = exporter.format();
+                let bytes = figures.estimate.bytes(format, &Options::new(format))?;
+                Some(row(format.id, format!("about {}", length(bytes))))
+            }));
         }
     }
     lines
+}
+
+fn row(label: &str, value: String) -> PageLine {
+    PageLine::Keys(label.to_owned(), value)
 }
 
 fn capital(text: &str) -> String {
