@@ -43,13 +43,15 @@ const SLOW: f64 = 8192.0;
 const MUTE_RATE: f64 = 65536.0;
 const MUTE_PIECE: usize = 8192;
 const MEBIBYTE: f64 = 1_048_576.0;
+/// Replies of one measurement of the rate.
+const RUN: u32 = 4;
 /// How long a key's answer may wait behind text.
 const TEXT_QUEUE: Duration = Duration::from_millis(40);
 /// Of the known rate of a slow link, what pieces are sent with: usually a little less, since the largest rate of
-/// late is known, and every so many pieces more, to find a faster one. As BBR does it (Cardwell et al. 2016).
+/// late is known, and at the beginning of each cycle of pieces more, to find a faster one. As BBR does it (Cardwell et al. 2016).
 const SLOWER: f64 = 0.85;
 const FASTER: f64 = 1.25;
-const PROBES: u32 = 8;
+const CYCLE: u32 = 16;
 /// Bytes a second from which no text is worth a pause.
 const FAST: f64 = 262_144.0;
 /// How long the shortest round trip is believed: routes change.
@@ -75,6 +77,8 @@ pub struct Pacer {
     last_trip: Option<Duration>,
     /// What a mebibyte takes on the link.
     mebibyte: Shortest,
+    /// Replies that make the next measurement of that.
+    run: Option<Run>,
     /// The last few times in queues, of which the least counts: replies come now and then late.
     queued: [Duration; 3],
     /// Whether queues have never been seen yet.
@@ -99,6 +103,15 @@ enum Answers {
     Yes,
     /// It gets no more queries.
     Never,
+}
+
+/// Replies that followed each other while the link was busy.
+#[derive(Clone, Copy, Debug)]
+struct Run {
+    /// When the reply before the first of them came.
+    since: Instant,
+    bytes: usize,
+    replies: u32,
 }
 
 /// Bytes that were sent together.
@@ -145,6 +158,7 @@ impl Pacer {
             trip: Shortest::default(),
             last_trip: None,
             mebibyte: Shortest::default(),
+            run: None,
             queued: [Duration::MAX; 3],
             starting: true,
             last_reply: None,
@@ -162,7 +176,8 @@ impl Pacer {
 
     /// The rate of a link that is known to be slow.
     fn slow_rate(&self) -> Option<f64> {
-        self.rate().filter(|rate| self.remote && !self.is_mute() && *rate < FAST)
+        // As long as no queue was ever seen, what was measured may be how fast pieces were sent.
+        self.rate().filter(|rate| self.remote && !self.starting && !self.is_mute() && *rate < FAST)
     }
 
     /// How many bytes of pictures may be sent now in one piece: 0, or enough for a useful one.
@@ -212,9 +227,9 @@ impl Pacer {
             return;
         }
         if let Some(rate) = self.slow_rate() {
-            // One piece of some follows faster: else no link would ever be found to be faster.
-            self.paced += 1;
-            let gain = if self.paced.is_multiple_of(PROBES) { FASTER } else { SLOWER };
+            // Some pieces follow faster, enough for a measurement: else no link would ever be found to be faster.
+            let gain = if self.paced % CYCLE <= RUN { FASTER } else { SLOWER };
+            self.paced = self.paced.wrapping_add(1);
             let takes = Duration::from_secs_f64(bytes as f64 / (rate * gain));
             self.clear_at = Some(self.clear_at.map_or(now, |at| at.max(now)) + takes);
         }
@@ -246,14 +261,25 @@ impl Pacer {
         self.last_reply = (!self.unanswered.is_empty()).then_some(now);
     }
 
-    /// The rate from the time between two replies, of which the second was already awaited when the
-    /// first came: then the link was busy with its piece, unless that was sent late, which makes the
-    /// result too small. So the largest of late counts.
+    /// The rate from the time of some replies, each to what was already on its way when the one before came: then
+    /// the link was busy with their pieces, unless one was sent late, which makes the result too small. So the
+    /// largest of late counts; and several replies, since two that come together only look fast.
     fn measure(&mut self, piece: Piece, now: Instant) {
-        let Some(last) = self.last_reply.filter(|&last| piece.sent <= last) else { return };
+        let Some(last) = self.last_reply.filter(|&last| piece.sent <= last) else {
+            self.run = None;
+            return;
+        };
+        let run = self.run.get_or_insert(Run { since: last, bytes: 0, replies: 0 });
+        run.bytes += piece.bytes;
+        run.replies += 1;
+        if run.replies < RUN {
+            return;
+        }
+        let (bytes, since) = (run.bytes, run.since);
+        self.run = None;
         // Replies that come together say no more than "fast".
-        let seconds = now.duration_since(last).as_secs_f64().max(0.000_25);
-        self.mebibyte.add(Duration::from_secs_f64(MEBIBYTE / piece.bytes as f64 * seconds), now);
+        let seconds = now.duration_since(since).as_secs_f64().max(0.001);
+        self.mebibyte.add(Duration::from_secs_f64(MEBIBYTE / bytes as f64 * seconds), now);
     }
 
     fn steer(&mut self, piece: Piece, trip: Duration, now: Instant) {

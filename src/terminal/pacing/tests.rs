@@ -247,10 +247,10 @@ fn text_waits_on_a_link_that_is_known_to_be_slow_and_nowhere_else() {
         let mut pacer = Pacer::new(remote);
         assert_eq!(pacer.text_allowance(start), usize::MAX, "nothing is known yet");
         // Pieces of 1000 bytes that follow each other on a link with a round trip of 100 ms.
-        for piece in 0..4 {
+        for piece in 0..5 {
             pacer.sent(1000, at(piece));
         }
-        for piece in 1..=4 {
+        for piece in 1..=5 {
             pacer.acked(at(100 + piece * 1000 * 1000 / bytes_per_second));
         }
         pacer
