@@ -124,6 +124,22 @@ impl View {
         Vec3::new(direction.dot(self.right), direction.dot(self.up), direction.dot(self.toward))
     }
 
+    /// A direction from the camera's axes back into the world.
+    pub(crate) fn turned_back(&self, direction: Vec3) -> Vec3 {
+        self.right * direction.x + self.up * direction.y + self.toward * direction.z
+    }
+
+    /// Where the camera stands.
+    pub(crate) fn eye(&self) -> Vec3 {
+        self.target + self.toward * self.distance
+    }
+
+    /// The direction in the world that a place of the picture shows, one metre of it along the lens' axis.
+    pub(crate) fn ray(&self, at: Vec2) -> Vec3 {
+        let off = (at - self.middle_px) / self.focal_px;
+        self.turned_back(Vec3::new(off.x, -off.y, -1.0))
+    }
+
     /// Pixels per metre at what the camera looks at, the tree's axis: what a scale bar shows.
     pub fn scale_at_target(&self) -> f32 {
         self.focal_px / self.distance
@@ -141,7 +157,7 @@ impl View {
 
     /// Whether the camera stands above the horizontal plane at a height.
     pub fn is_above(&self, height_m: f32) -> bool {
-        (self.target + self.toward * self.distance).y > height_m
+        self.eye().y > height_m
     }
 }
 

@@ -15,8 +15,8 @@
 //! | [`person`], [`scale`] | how large it all is |
 //! | [`memory`] | how much memory a picture takes |
 //!
-//! Both drawers share the light (`light`), the strokes (`strokes`: twigs thinner than a pixel are strokes
-//! on a surface too) and the backdrop (`canvas`).
+//! Both drawers share the light (`light`), the shade that the tree throws (`shade`), the strokes (`strokes`: twigs
+//! thinner than a pixel are strokes on a surface too) and what is behind the tree (`backdrop`).
 
 pub mod camera;
 pub mod color;
@@ -29,8 +29,10 @@ pub mod skeleton;
 pub mod style;
 pub mod surface;
 
+mod backdrop;
 mod canvas;
 mod light;
+mod shade;
 mod strokes;
 
 use linden_pipeline::memory::OverMemory;
@@ -41,7 +43,7 @@ pub use extent::Extent;
 pub use person::{PERSON_M, Person};
 pub use scale::nice_length_m;
 pub use skeleton::draw_skeleton;
-pub use style::{Background, Paint, Style};
+pub use style::{Background, Landscape, Paint, Style};
 pub use surface::{Surface, draw_surface};
 
 /// The longest side of a picture, pixels: 8192² pixels are 268 MB.

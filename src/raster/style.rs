@@ -18,15 +18,18 @@ pub enum Paint {
     Radius,
     /// The birth step.
     Birth,
+    /// How much of the sky it sees.
+    Light,
 }
 
 impl Paint {
     /// Every way to paint: its name for users, and what it shows.
-    pub const ALL: [(&'static str, Self, &'static str); 4] = [
+    pub const ALL: [(&'static str, Self, &'static str); 5] = [
         ("wood", Self::Wood, "the colour of bark"),
         ("order", Self::Order, "branching order, dark stem to bright twigs"),
         ("radius", Self::Radius, "thickness, dark thin to bright thick"),
         ("birth", Self::Birth, "when it grew, dark early to bright late"),
+        ("light", Self::Light, "how much of the sky it sees, dark in the shade to bright in the open"),
     ];
 
     /// The way to paint that a user means.
@@ -44,10 +47,50 @@ pub enum Background {
     Plain([u8; 3]),
     /// From the picture's upper edge to its lower one.
     Gradient([u8; 3], [u8; 3]),
+    /// Level ground below a sky, as the camera sees them.
+    Landscape(Landscape),
+}
+
+/// Level ground that fades into a sky. Colours are sRGB.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Landscape {
+    /// High above.
+    pub sky: [u8; 3],
+    /// Where sky and ground meet.
+    pub horizon: [u8; 3],
+    /// Below the tree.
+    pub ground: [u8; 3],
+}
+
+impl Landscape {
+    /// A bright studio.
+    pub const STUDIO: Self = Self { sky: [176, 203, 228], horizon: [240, 240, 236], ground: [206, 203, 190] };
+
+    /// Dusk over a dark terminal, or a bright day over a light one, in keeping with its background.
+    pub fn over(background: [u8; 3], dark: bool) -> Self {
+        let near = |color: [u8; 3], share: f32| {
+            let mixed = |i: usize| f32::from(background[i]) * share + f32::from(color[i]) * (1.0 - share);
+            std::array::from_fn(|i| mixed(i).round() as u8)
+        };
+        if dark {
+            Self {
+                sky: near([22, 32, 54], 0.45),
+                horizon: near([84, 96, 116], 0.3),
+                ground: near([58, 58, 54], 0.3),
+            }
+        } else {
+            Self {
+                sky: near([166, 198, 230], 0.25),
+                horizon: near([243, 243, 240], 0.5),
+                ground: near([206, 203, 190], 0.2),
+            }
+        }
+    }
 }
 
 /// The style of a picture. Colours are sRGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::struct_excessive_bools, reason = "switches that have nothing to do with each other")]
 pub struct Style<'a> {
     /// The quantity that the wood's colour shows.
     pub paint: Paint,
@@ -65,6 +108,8 @@ pub struct Style<'a> {
     pub haze_amount: f32,
     /// Whether the tree throws a soft shadow on the ground.
     pub ground_shadow: bool,
+    /// Whether soft gradients of the background are dithered. Without, they take far fewer bytes.
+    pub grain: bool,
     /// Attraction points, metres: drawn as dots.
     pub points: &'a [Vec3],
     /// The dots' colour.
@@ -116,17 +161,18 @@ impl Style<'_> {
         Extent::of(skeleton, &all)
     }
 
-    /// For a picture file: a bright backdrop and a soft shadow.
+    /// For a picture file: a bright landscape and a soft shadow.
     pub const fn studio() -> Self {
         Self {
             paint: Paint::Wood,
-            background: Background::Gradient([214, 224, 232], [245, 241, 233]),
+            background: Background::Landscape(Landscape::STUDIO),
             trunk: [112, 86, 64],
             twig: [120, 84, 54],
             ink: [44, 36, 30],
             haze: [196, 204, 208],
-            haze_amount: 0.42,
+            haze_amount: 0.26,
             ground_shadow: true,
+            grain: true,
             points: &[],
             point: [40, 122, 184],
             outline: &[],
@@ -137,7 +183,7 @@ impl Style<'_> {
             leaf_colors: &[],
             until: None,
             draft: false,
-            exposure: 1.0,
+            exposure: 1.2,
         }
     }
 
@@ -163,8 +209,9 @@ impl Style<'_> {
             twig: [206, 182, 142],
             ink: [214, 194, 158],
             haze: [74, 84, 104],
-            haze_amount: 0.5,
+            haze_amount: 0.4,
             ground_shadow: false,
+            grain: false,
             points: &[],
             point: [96, 176, 232],
             outline: &[],
@@ -175,7 +222,19 @@ impl Style<'_> {
             leaf_colors: &[],
             until: None,
             draft: false,
-            exposure: 2.4,
+            exposure: 1.3,
+        }
+    }
+
+    /// For a terminal with a background: the tree in a landscape that is in keeping with it.
+    pub fn landscape(background: [u8; 3], dark: bool) -> Self {
+        let base = if dark { Self::over_dark() } else { Self::over_light() };
+        let landscape = Landscape::over(background, dark);
+        Self {
+            background: Background::Landscape(landscape),
+            haze: landscape.horizon,
+            ground_shadow: true,
+            ..base
         }
     }
 
@@ -184,8 +243,8 @@ impl Style<'_> {
         Self {
             background: Background::Transparent,
             ground_shadow: false,
-            haze_amount: 0.34,
-            exposure: 0.85,
+            grain: false,
+            haze_amount: 0.26,
             ..Self::studio()
         }
     }

@@ -352,6 +352,9 @@ fn mean(cell: &[Light], which: u32, behind: [f32; 3]) -> [f32; 3] {
 /// Thresholds of an ordered dither (Bayer 1973), in sixteenths.
 const BAYER: [[u8; 4]; 4] = [[0, 8, 2, 10], [12, 4, 14, 6], [3, 11, 1, 9], [15, 7, 13, 5]];
 
+/// The share of the brightest that what is there has at least, where something is not.
+const PRESENT: f32 = 0.34;
+
 /// Which parts to draw when there is one colour: those whose lightness differs from the
 /// background's, dithered gently so that lines stay lines.
 fn inked(parts: &[Light], width: usize, behind: [f32; 3]) -> Vec<bool> {
@@ -362,9 +365,11 @@ fn inked(parts: &[Light], width: usize, behind: [f32; 3]) -> Vec<bool> {
     if most < 0.02 {
         return vec![false; parts.len()];
     }
+    // Before nothing, what is as dark as the background is there too: it has a few dots.
+    let least = if parts.iter().any(|part| part.alpha < TRANSPARENT) { PRESENT } else { 0.0 };
     let drawn = |(i, c): (usize, &f32)| {
         let threshold = f32::from(BAYER[i / width % 4][i % width % 4]) / 16.0;
-        c / most > 0.28 + 0.4 * threshold
+        (c / most) * (1.0 - least) + parts[i].alpha * least > 0.28 + 0.4 * threshold
     };
     contrast.iter().enumerate().map(drawn).collect()
 }

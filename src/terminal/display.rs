@@ -71,7 +71,7 @@ struct Wanted {
     cursor: Option<(u16, u16)>,
     first: Vec<Rect>,
     late: Vec<Rect>,
-    graphic: Option<Graphic>,
+    graphics: Vec<Graphic>,
 }
 
 /// When the cells of a frame are sent.
@@ -113,7 +113,7 @@ impl Display {
         buffer: Buffer,
         cursor: Option<(u16, u16)>,
         order: Order,
-        graphic: Option<Graphic>,
+        graphics: Vec<Graphic>,
         now: Instant,
     ) {
         if buffer.area != Rect::new(0, 0, self.size.0, self.size.1) {
@@ -121,7 +121,7 @@ impl Display {
         }
         self.frames += 1;
         let Order { first, late } = order;
-        self.wanted = Some(Wanted { buffer, cursor, first, late, graphic });
+        self.wanted = Some(Wanted { buffer, cursor, first, late, graphics });
         self.rest = true;
         self.pump(now);
     }
@@ -148,7 +148,7 @@ impl Display {
             cursor: wanted.cursor,
             first: &wanted.first,
             late: &wanted.late,
-            graphic: wanted.graphic.as_ref(),
+            graphics: &wanted.graphics,
         };
         let paced = self.pacer.allowance(now);
         let allowance = Allowance {
@@ -188,7 +188,7 @@ impl Display {
             self.rest |= self.screen.is_read();
         }
         // A picture in one piece may have been held back by what was known of the link.
-        self.rest |= self.wanted.as_ref().is_some_and(|wanted| wanted.graphic.is_some());
+        self.rest |= self.wanted.as_ref().is_some_and(|wanted| !wanted.graphics.is_empty());
         self.pump(now);
     }
 

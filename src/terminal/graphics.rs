@@ -7,7 +7,7 @@
 //! The cells of a picture's area are blank as long as it stands, so that nothing shines through its
 //! transparent parts. A new picture of kitty's is placed before the old one is deleted. One that something
 //! lies over is taken off the screen and kept by the terminal. What kitty says it could not show, or
-//! says nothing of where it did before, is sent again.
+//! says nothing of where it did before, is sent again. There may be several at once, side by side.
 
 mod canvas;
 mod kitty;
@@ -55,6 +55,8 @@ pub struct Graphic {
     pub generation: u64,
     /// The cells that it covers.
     pub area: Rect,
+    /// Pictures of a higher layer lie over those of lower ones, which the terminal keeps meanwhile, unseen.
+    pub layer: u8,
     /// The picture.
     pub data: Arc<Encoded>,
 }

@@ -12,7 +12,7 @@
 //! use ratatui::buffer::Buffer;
 //! let mut screen = Screen::new(ScreenOptions::default());
 //! let buffer = Buffer::with_lines(["linden"]);
-//! let frame = Frame { buffer: &buffer, cursor: None, first: &[], late: &[], graphic: None };
+//! let frame = Frame { buffer: &buffer, cursor: None, first: &[], late: &[], graphics: &[] };
 //! let first = screen.compose(&frame, Allowance::ALL);
 //! assert!(first.bytes.starts_with(b"\x1b[m\x1b[2J\x1b[Hlinden") && !first.rest);
 //! assert!(screen.compose(&frame, Allowance::ALL).bytes.is_empty());
@@ -63,8 +63,8 @@ pub struct Frame<'a> {
     pub first: &'a [Rect],
     /// Areas whose cells may come later: pictures.
     pub late: &'a [Rect],
-    /// A picture of pixels over some of the cells. Until it can be shown the cells are.
-    pub graphic: Option<&'a Graphic>,
+    /// Pictures of pixels over some of the cells, side by side. Until one can be shown its cells are.
+    pub graphics: &'a [Graphic],
 }
 
 /// How many bytes may be sent now beside what comes before all others.
@@ -186,17 +186,13 @@ impl Screen {
         }
         // What appears at once.
         let mut out = Vec::new();
-        let wanted = frame.graphic.filter(|graphic| {
-            let inside = graphic.area.intersection(frame.buffer.area) == graphic.area;
-            let possible = self.canvas.stands(graphic) || graphic.data.may_be_sent(allowance.atomic);
-            inside && possible && !graphic.area.is_empty() && !self.canvas.has_given_up(graphic)
-        });
+        let wanted = self.wanted(frame, allowance.atomic);
         // Commands about pictures stay out of synchronized output.
         let mut bytes = cleared;
-        if let Some(uncovered) = self.canvas.prepare(wanted, &mut bytes) {
+        for uncovered in self.canvas.prepare(&wanted, &mut bytes) {
             self.forget(uncovered);
         }
-        let plan = Plan::new(frame, self.canvas.covered(wanted));
+        let plan = Plan::new(frame, &self.canvas.covered(&wanted));
         if self.paint_text(frame.buffer, &plan, allowance.text, &mut out) {
             self.settle_cursor(frame, &mut out);
             self.synchronize(&mut out, &mut bytes);
@@ -206,17 +202,37 @@ impl Screen {
         let mut rest = self.paint_late(frame.buffer, &plan, allowance.paced, &mut out);
         let mut picture = out.len() - text;
         let mut placed = false;
-        if let Some(graphic) = wanted
-            && !rest
-        {
+        let mut atomic = allowance.atomic;
+        for graphic in wanted {
+            if rest || self.canvas.stands(graphic) || !graphic.data.may_be_sent(atomic) {
+                continue;
+            }
             let left = allowance.paced.saturating_sub(picture);
             let before = bytes.len() + out.len();
-            (rest, placed) = self.place(graphic, frame.buffer, left, &mut out, &mut bytes);
-            picture += bytes.len() + out.len() - before;
+            let (unfinished, is_placed) = self.place(graphic, frame.buffer, left, &mut out, &mut bytes);
+            let sent = bytes.len() + out.len() - before;
+            (rest, placed) = (unfinished, placed || is_placed);
+            picture += sent;
+            atomic = atomic.saturating_sub(sent);
         }
         self.settle_cursor(frame, &mut out);
         self.synchronize(&mut out, &mut bytes);
         Composed { bytes, picture, placed, rest }
+    }
+
+    /// The pictures of a frame that stand or can be sent now; one that is on its way comes first.
+    fn wanted<'a>(&self, frame: &Frame<'a>, atomic: usize) -> Vec<&'a Graphic> {
+        let mut wanted: Vec<&Graphic> = frame
+            .graphics
+            .iter()
+            .filter(|graphic| {
+                let inside = graphic.area.intersection(frame.buffer.area) == graphic.area;
+                let possible = self.canvas.stands(graphic) || graphic.data.may_be_sent(atomic);
+                inside && possible && !graphic.area.is_empty() && !self.canvas.has_given_up(graphic)
+            })
+            .collect();
+        wanted.sort_by_key(|graphic| !self.canvas.is_coming(graphic));
+        wanted
     }
 
     /// Moves what was composed to the bytes for the terminal, where it appears at once.
@@ -547,7 +563,7 @@ impl Screen {
 pub(crate) fn paint_cost(buffer: &Buffer, colors: ColorDepth) -> usize {
     let mut screen = Screen::new(ScreenOptions { colors, ..ScreenOptions::default() });
     let late = [buffer.area];
-    let frame = Frame { buffer, cursor: None, first: &[], late: &late, graphic: None };
+    let frame = Frame { buffer, cursor: None, first: &[], late: &late, graphics: &[] };
     screen.compose(&frame, Allowance::ALL).picture
 }
 

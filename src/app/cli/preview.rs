@@ -69,7 +69,7 @@ pub struct Preview {
     #[arg(long, alias = "style", value_enum)]
     look: Option<PreviewLook>,
 
-    /// What colour tells of a skeleton: wood (when not given), order, radius or birth
+    /// What colour tells of a skeleton: wood (when not given), order, radius, birth or light
     #[arg(long, value_parser = paint)]
     color: Option<Paint>,
 

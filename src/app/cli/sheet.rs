@@ -214,6 +214,7 @@ pub(super) const PITCH_DEG: f32 = 8.0;
 pub(super) fn paper(style: &Style<'_>) -> [u8; 3] {
     match style.background {
         Background::Plain(color) | Background::Gradient(_, color) => color,
+        Background::Landscape(landscape) => landscape.ground,
         Background::Transparent => [255; 3],
     }
 }

@@ -80,7 +80,7 @@ impl Default for Session {
         Self {
             source: None,
             grammar: None,
-            look: "skeleton".to_owned(),
+            look: "usual".to_owned(),
             focus: String::new(),
             filter: String::new(),
             favourites: Vec::new(),

@@ -30,6 +30,8 @@ pub struct Settings {
     pub person: bool,
     /// Whether the picture has a scale bar.
     pub scale_bar: bool,
+    /// What is behind the tree.
+    pub scenery: Scenery,
     /// How fast the turntable turns, degrees per second; below 0 clockwise seen from above.
     pub turntable_deg_per_s: f64,
     /// Whether files are read again when they change.
@@ -51,6 +53,15 @@ pub enum Graphics {
     Iterm2,
     /// As characters.
     Cells(Glyphs),
+}
+
+/// What is behind the tree on screen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scenery {
+    /// Ground and sky.
+    Lit,
+    /// The terminal's own background.
+    Plain,
 }
 
 /// One of [`SETTINGS`].
@@ -98,6 +109,8 @@ const COLORS: [(&str, Option<ColorDepth>); 5] = [
     ("none", Some(ColorDepth::None)),
 ];
 
+const SCENERY: [(&str, Scenery); 2] = [("lit", Scenery::Lit), ("plain", Scenery::Plain)];
+
 /// The words of a table, for [`Kind::Choice`].
 const fn words<T: Copy, const N: usize>(table: [(&'static str, T); N]) -> [&'static str; N] {
     let mut words = [""; N];
@@ -111,6 +124,7 @@ const fn words<T: Copy, const N: usize>(table: [(&'static str, T); N]) -> [&'sta
 
 const GRAPHICS_WORDS: [&str; GRAPHICS.len()] = words(GRAPHICS);
 const COLORS_WORDS: [&str; COLORS.len()] = words(COLORS);
+const SCENERY_WORDS: [&str; SCENERY.len()] = words(SCENERY);
 
 /// The word of a value.
 fn word_of<T: Copy + PartialEq>(table: &[(&'static str, T)], value: T) -> Value {
@@ -191,6 +205,14 @@ pub const SETTINGS: &[Setting] = &[
     switch!(person, "a person beside the tree, for its size"),
     switch!(scale_bar, "a scale bar in the picture"),
     Setting {
+        name: "scenery",
+        takes: Takes::Kind(Kind::Choice(&SCENERY_WORDS)),
+        unit: "",
+        help: "what is behind the tree: lit is ground and sky in keeping with the background, plain is the background",
+        read: |settings| word_of(&SCENERY, settings.scenery),
+        write: |settings, value| of_word(&SCENERY, value, &mut settings.scenery),
+    },
+    Setting {
         name: "turntable",
         takes: Takes::Kind(Kind::Real { min: -360.0, max: 360.0, auto: false, names: &[] }),
         unit: "deg/s",
@@ -233,6 +255,7 @@ impl Default for Settings {
             editor: None,
             person: true,
             scale_bar: true,
+            scenery: Scenery::Lit,
             turntable_deg_per_s: 30.0,
             reload: true,
             restore: true,
@@ -346,7 +369,7 @@ mod tests {
     #[test]
     fn every_setting_can_be_set() {
         let text = "theme = \"moor\"\ngraphics = \"halves\"\ncolors = 256\nmouse = false\neditor = \"hx -c x\"\n\
-                    person = false\nscale_bar = false\nmemory = \"512M\"\n\
+                    person = false\nscale_bar = false\nscenery = \"plain\"\nmemory = \"512M\"\n\
                     turntable = -12.5\nreload = false\nrestore = false\n";
         let (settings, complaints) = read(text);
         assert_eq!(complaints, []);
@@ -358,6 +381,7 @@ mod tests {
             editor: Some("hx -c x".into()),
             person: false,
             scale_bar: false,
+            scenery: Scenery::Plain,
             turntable_deg_per_s: -12.5,
             reload: false,
             restore: false,

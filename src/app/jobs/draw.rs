@@ -22,9 +22,10 @@ use ratatui::layout::Rect;
 
 use super::grow::Plant;
 use super::{ShownTree, Watcher};
+use crate::config::settings::Scenery;
 
 /// Most bytes of a draft, and of a full picture, over a network.
-const DRAFT_BYTES: usize = 16_000;
+pub(super) const DRAFT_BYTES: usize = 16_000;
 pub(super) const FULL_BYTES: usize = 100_000;
 /// The longer side of a picture that a terminal shows as pixels.
 const LONGEST_PX: u32 = 1400;
@@ -121,6 +122,8 @@ pub struct Medium {
     pub cell_px: (u16, u16),
     /// Whether each byte goes over a network.
     pub remote: bool,
+    /// Whether the tree stands in a landscape, not before the terminal's background.
+    pub landscape: bool,
 }
 
 /// A picture, ready for the screen.
@@ -136,6 +139,8 @@ pub struct Painted {
     columns_per_m: f32,
     /// Whether a person stands beside the tree.
     pub shows_person: bool,
+    /// What the ends of the colours mean, where these show a quantity.
+    pub legend: Option<[String; 2]>,
     /// How long drawing took.
     pub took: Duration,
 }
@@ -167,7 +172,7 @@ impl Painted {
 
 impl Medium {
     /// What a terminal's capabilities come to.
-    pub fn of(terminal: &Capabilities) -> Self {
+    pub fn of(terminal: &Capabilities, scenery: Scenery) -> Self {
         let cell_px = terminal.cell_px.value;
         let (dark, colors) = (terminal.dark.value, terminal.colors.value);
         let usual = if dark { [16, 16, 18] } else { [250, 250, 250] };
@@ -188,12 +193,36 @@ impl Medium {
             dark,
             cell_px: cell_px.unwrap_or(USUAL_CELL_PX),
             remote: terminal.remote.value,
+            // A few colours show no landscape, only bands of it.
+            landscape: scenery == Scenery::Lit
+                && (terminal.graphics.value != Graphics::Cells || colors == ColorDepth::True),
         }
     }
 
     /// What trees are painted with over this background.
-    pub(super) const fn style(&self) -> Style<'static> {
-        if self.dark { Style::over_dark() } else { Style::over_light() }
+    pub(super) fn style(&self) -> Style<'static> {
+        match (self.landscape, self.dark) {
+            (true, dark) => Style::landscape(self.background, dark),
+            (false, true) => Style::over_dark(),
+            (false, false) => Style::over_light(),
+        }
+    }
+
+    /// Encodes pixels for an area, where the terminal shows such: `None` where it shows characters, and where
+    /// that would take more bytes than the budget.
+    pub(super) fn graphic(
+        &self,
+        picture: &Picture,
+        area: Rect,
+        budget: usize,
+    ) -> Result<Option<Arc<Encoded>>, String> {
+        let Some(protocol) = self.graphics else { return Ok(None) };
+        // What frames the pieces in which it is sent comes on top.
+        let (size, payload) = ((picture.width(), picture.height()), budget / 25 * 24);
+        let encoded =
+            encode(protocol, picture.rgba(), size, area, payload).map_err(|error| error.to_string())?;
+        // Sixels cannot be made smaller at will: where they are too many bytes, cells show.
+        Ok((encoded.len() <= budget).then(|| Arc::new(encoded)))
     }
 
     /// Pixels of a picture that an area of cells shows as characters.
@@ -262,17 +291,7 @@ impl Painter {
             (Detail::Full, true) => FULL_BYTES,
             (_, false) => usize::MAX,
         };
-        let graphic = match protocol {
-            None => None,
-            Some(protocol) => {
-                // What frames the pieces in which it is sent comes on top.
-                let payload = budget / 25 * 24;
-                let encoded = encode(protocol, picture.rgba(), (width, height), area, payload);
-                let encoded = encoded.map_err(|error| Some(error.to_string()))?;
-                // Nor can they be made smaller at will: where they are too many bytes, cells show.
-                (encoded.len() <= budget).then(|| Arc::new(encoded))
-            }
-        };
+        let graphic = Medium { graphics: protocol, ..medium }.graphic(&picture, area, budget)?;
         // Cells of full pictures stay within their budget at home too: the difference is not seen.
         // Those that only stand until the pixels come, or below a dialog, are a draft.
         let for_cells = if graphic.is_some() && medium.remote { DRAFT_BYTES } else { budget.min(FULL_BYTES) };
@@ -280,7 +299,8 @@ impl Painter {
         let view = request.camera.view(request.shown.extent(true, false), size);
         let columns_per_m = view.scale_at_target() * f32::from(area.width) / width as f32;
         let shows_person = request.camera.extent.is_some_and(|extent| extent.person.is_some());
-        Ok(Painted { cells, graphic, columns_per_m, shows_person, took: start.elapsed(), request })
+        let legend = legend(&request);
+        Ok(Painted { legend, cells, graphic, columns_per_m, shows_person, took: start.elapsed(), request })
     }
 
     /// The pixels; `Err(None)` when it was cancelled.
@@ -387,6 +407,28 @@ impl Painter {
     }
 }
 
+/// What the darkest and the brightest colour of a look mean.
+fn legend(request: &DrawRequest) -> Option<[String; 2]> {
+    let PictureLook::Skeleton(paint) = request.look else { return None };
+    let skeleton = &request.shown.grown.skeleton;
+    let thickness = |radius_m: f32| match radius_m * 2.0 {
+        m if m >= 1.0 => format!("{m:.1} m"),
+        m if m >= 0.01 => format!("{:.0} cm", m * 100.0),
+        m => format!("{:.1} mm", m * 1000.0),
+    };
+    match paint {
+        Paint::Wood => None,
+        Paint::Order => Some(["order 0".to_owned(), request.shown.measures.max_order.to_string()]),
+        Paint::Radius => {
+            let thick = skeleton.radii.iter().copied().filter(|&radius| radius > 0.0);
+            let (least, most) = thick.fold((f32::INFINITY, 0.0_f32), |(a, b), r| (a.min(r), b.max(r)));
+            least.is_finite().then(|| [format!("{} thick", thickness(least)), thickness(most)])
+        }
+        Paint::Birth => Some(["step 0".to_owned(), request.shown.steps.to_string()]),
+        Paint::Light => Some(["shade".to_owned(), "open sky".to_owned()]),
+    }
+}
+
 /// Draws a surface.
 fn surface(
     surface: &Surface<'_>,
@@ -432,7 +474,7 @@ fn moved(parts: &[Part], frame: u32) -> Vec<Part> {
 }
 
 /// Pixels of a picture that fills an area of cells one to one.
-fn exact_pixels(area: Rect, (wide, high): (u16, u16)) -> (u32, u32) {
+pub(super) fn exact_pixels(area: Rect, (wide, high): (u16, u16)) -> (u32, u32) {
     ((u32::from(area.width) * u32::from(wide)).max(1), (u32::from(area.height) * u32::from(high)).max(1))
 }
 

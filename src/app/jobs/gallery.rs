@@ -3,7 +3,7 @@
 //! A picture is given as soon as its tree has grown, from the first to the last: as strokes, in the
 //! scale that is known by then. What can be better when all have grown (a surface, the scale that is
 //! common to all) is given once more. So there is something to see early, and no tree waits for the
-//! largest.
+//! largest. Where the terminal shows pixels each picture has its own; over a network only the last of a tree.
 
 use std::sync::Arc;
 
@@ -16,13 +16,16 @@ use linden::lsystem::{GrowingError, LsystemError};
 use linden::picture::Picture;
 use linden::preset::{PresetKnob, Section};
 use linden::recipe::Recipe;
+use linden::skeleton::Measures;
 use linden::skeleton::generator::SampleSize;
 use linden::{Cancelled, Monitor};
 use linden_raster::extent::RINGS;
 use linden_raster::{Camera, Extent, RasterError, Size, Style, Surface, draw_surface};
+use linden_terminal::Encoded;
 use linden_terminal::cells::CellPicture;
+use ratatui::layout::Rect;
 
-use super::draw::FULL_BYTES;
+use super::draw::{DRAFT_BYTES, FULL_BYTES, exact_pixels};
 use super::grow::Plant;
 use super::{Medium, PictureLook, ShownTree};
 
@@ -76,12 +79,32 @@ pub struct Thumbnail {
 /// A small picture of a tree.
 #[derive(Debug)]
 pub struct SmallPicture {
-    /// The picture.
+    /// The picture as characters.
     pub cells: CellPicture,
+    /// As pixels.
+    pub graphic: Option<Arc<Encoded>>,
     /// Nodes of the tree.
     pub nodes: usize,
-    /// Its height, metres.
+    /// Its size.
+    pub size: TreeSize,
+}
+
+/// How large a tree is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TreeSize {
+    /// Metres.
     pub height_m: f64,
+    /// Metres.
+    pub width_m: f64,
+    /// Leaves and other organs.
+    pub leaves: usize,
+}
+
+impl TreeSize {
+    /// Of a tree's wood, and the number of its organs.
+    pub fn of(measures: &Measures, leaves: usize) -> Self {
+        Self { height_m: measures.height_m, width_m: measures.crown_width_m, leaves }
+    }
 }
 
 impl GalleryRequest {
@@ -131,7 +154,11 @@ impl Thumbnail {
 pub fn paint_gallery(request: GalleryRequest, monitor: &dyn Monitor, give: &dyn Fn(Thumbnail)) {
     let size = {
         let (columns, rows) = request.cells;
-        let (width, height) = request.medium.pixels_of_cells(columns, rows);
+        let area = Rect::new(0, 0, columns, rows);
+        let (width, height) = match request.medium.graphics {
+            Some(_) => exact_pixels(area, request.medium.cell_px),
+            None => request.medium.pixels_of_cells(columns, rows),
+        };
         Size::new(width, height)
     };
     let request = Arc::new(request);
@@ -206,7 +233,8 @@ impl Studio<'_> {
                 extents.push(sitter.extent);
             }
             let frame = if request.one_scale { around(&extents) } else { sitter.extent };
-            give(index, self.strokes(&sitter, frame))?;
+            let is_last = !request.one_scale && !has_surface;
+            give(index, self.strokes(&sitter, frame, is_last))?;
             if shares_skeleton {
                 shared.get_or_insert_with(|| sitter.plant.clone());
             }
@@ -219,7 +247,9 @@ impl Studio<'_> {
         for (index, drawn) in drawn.into_iter().enumerate() {
             let Some((frame, kept)) = drawn else { continue };
             let last = if request.one_scale { common } else { frame };
-            if last == frame && !has_surface {
+            // Over a network what was given first is characters alone.
+            let has_pixels = request.medium.graphics.is_none() || !request.medium.remote;
+            if last == frame && !has_surface && (!request.one_scale || has_pixels) {
                 continue;
             }
             let sitter = kept.map_or_else(|| self.grow(index, shared.as_ref()), Ok);
@@ -264,7 +294,7 @@ impl Studio<'_> {
     /// A tree as well as it can be drawn.
     fn best(&self, sitter: &GallerySubject, frame: Extent) -> Result<SmallPicture, NoPicture> {
         if self.request.look != PictureLook::Surface {
-            return self.strokes(sitter, frame);
+            return self.strokes(sitter, frame, true);
         }
         let mut recipe = (*sitter.recipe).clone();
         recipe.preset.dressing.bark.size_px = recipe.preset.dressing.bark.size_px.min(BARK_PX);
@@ -285,11 +315,16 @@ impl Studio<'_> {
         let surface = Surface::from(&scene);
         let camera = self.camera(frame);
         let drawn = draw_surface(&surface, &camera, &self.request.medium.style(), self.size, self.monitor);
-        self.small(sitter, drawn)
+        self.small(sitter, drawn, true)
     }
 
-    /// A tree as strokes.
-    fn strokes(&self, sitter: &GallerySubject, frame: Extent) -> Result<SmallPicture, NoPicture> {
+    /// A tree as strokes. `is_last`: nothing better follows.
+    fn strokes(
+        &self,
+        sitter: &GallerySubject,
+        frame: Extent,
+        is_last: bool,
+    ) -> Result<SmallPicture, NoPicture> {
         let base = self.request.medium.style();
         let paint = if let PictureLook::Skeleton(paint) = self.request.look { paint } else { base.paint };
         let style = Style {
@@ -300,7 +335,7 @@ impl Studio<'_> {
         };
         let (look, camera) = (self.request.look, self.camera(frame));
         let drawn = look.draw(&sitter.plant.skeleton, &camera, &style, self.size, self.monitor);
-        self.small(sitter, drawn)
+        self.small(sitter, drawn, is_last)
     }
 
     fn camera(&self, frame: Extent) -> Camera {
@@ -312,6 +347,7 @@ impl Studio<'_> {
         &self,
         sitter: &GallerySubject,
         drawn: Result<Picture, RasterError>,
+        is_last: bool,
     ) -> Result<SmallPicture, NoPicture> {
         let picture = drawn.map_err(|error| match error {
             RasterError::Cancelled => NoPicture::Cancelled,
@@ -319,10 +355,16 @@ impl Studio<'_> {
         })?;
         let GalleryRequest { medium, cells, values, .. } = self.request;
         // Together they cost no more than one large picture.
-        let budget = FULL_BYTES / values.len().max(1);
+        let count = values.len().max(1);
+        let area = Rect::new(0, 0, cells.0, cells.1);
+        let most = if medium.remote { FULL_BYTES / count } else { usize::MAX };
+        let graphic = if is_last || !medium.remote { medium.graphic(&picture, area, most) } else { Ok(None) };
+        let graphic = graphic.map_err(NoPicture::Because)?;
+        let budget = if medium.graphics.is_some() { DRAFT_BYTES } else { FULL_BYTES } / count;
         let cells = medium.cells(&picture, self.size, *cells, budget).map_err(NoPicture::Because)?;
-        let nodes = sitter.plant.skeleton.positions.len();
-        Ok(SmallPicture { cells, nodes, height_m: sitter.plant.skeleton.measures().height_m })
+        let Plant { skeleton, organs, .. } = &sitter.plant;
+        let (nodes, size) = (skeleton.positions.len(), TreeSize::of(&skeleton.measures(), organs.len()));
+        Ok(SmallPicture { cells, graphic, nodes, size })
     }
 }
 

@@ -39,6 +39,7 @@ fn request(base: Arc<Recipe>, knob: &'static str, values: Vec<Value>) -> Gallery
             dark: true,
             cell_px: (10, 20),
             remote: false,
+            landscape: false,
         },
     }
 }
@@ -97,7 +98,7 @@ fn each_picture_is_what_its_recipe_gives_and_seeds_differ() {
         assert_eq!(picture.nodes, skeleton.positions.len());
         let heights = skeleton.positions.iter().map(|p| f64::from(p.y));
         let (low, high) = heights.fold((f64::MAX, f64::MIN), |(low, high), y| (low.min(y), high.max(y)));
-        assert!((picture.height_m - (high - low)).abs() < 1e-4);
+        assert!((picture.size.height_m - (high - low)).abs() < 1e-4);
     }
     assert_ne!(pictures[0].cells, pictures[1].cells);
     assert_ne!(pictures[1].cells, pictures[2].cells);
@@ -271,4 +272,31 @@ fn nobody_is_given_what_nobody_wants() {
         }
     });
     assert_eq!(given.into_inner(), 3);
+}
+
+#[test]
+fn pictures_of_pixels_come_once_over_a_network_and_cost_no_more_than_one() {
+    let base = base("fir", &[("points", "250")]);
+    for remote in [false, true] {
+        for (look, one_scale) in [(PictureLook::Surface, false), (PictureLook::Skeleton(Paint::Wood), true)] {
+            let mut request = request(Arc::clone(&base), "seed", seeds(3..7));
+            (request.look, request.one_scale) = (look, one_scale);
+            request.medium.graphics = Some(linden_terminal::Protocol::Kitty);
+            (request.medium.remote, request.medium.landscape) = (remote, true);
+            let given = painted(request);
+            let bytes = |thumbnail: &Thumbnail| {
+                let picture = thumbnail.result.as_ref().unwrap();
+                picture.graphic.as_ref().map(|graphic| graphic.len())
+            };
+            let sent: Vec<usize> = given.iter().filter_map(bytes).collect();
+            assert!(given.len() > 4 || one_scale);
+            if remote {
+                assert_eq!(sent.len(), 4, "the last of each");
+                assert!(sent.iter().sum::<usize>() <= FULL_BYTES);
+            } else {
+                assert_eq!(sent.len(), given.len());
+            }
+            assert!(last(given).iter().all(|result| result.as_ref().unwrap().graphic.is_some()));
+        }
+    }
 }

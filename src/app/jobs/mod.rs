@@ -15,7 +15,7 @@ mod relay;
 
 pub use draw::{Detail, DrawRequest, Medium, Painted, Painter, PictureLook, wind_strength};
 pub use export::{ExportNews, ExportOrder, WHOLE, run as run_export};
-pub use gallery::{GalleryRequest, SmallPicture, Thumbnail, paint_gallery};
+pub use gallery::{GalleryRequest, SmallPicture, Thumbnail, TreeSize, paint_gallery};
 #[cfg(test)]
 pub use grow::stage;
 pub use grow::{ShownTree, grow_shown};

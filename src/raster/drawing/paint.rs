@@ -8,7 +8,7 @@ use tiny_skia::{
 };
 
 use super::{Drawing, Kind, Shape, text};
-use crate::{Background, RasterError};
+use crate::{Background, Landscape, RasterError};
 
 /// Shapes between two looks at the monitor.
 const CHECK_EVERY: usize = 1 << 8;
@@ -49,7 +49,8 @@ impl Drawing {
         match self.background {
             Background::Transparent => {}
             Background::Plain(color) => pixels.fill(opaque(color)),
-            Background::Gradient(top, bottom) => {
+            Background::Gradient(top, bottom)
+            | Background::Landscape(Landscape { sky: top, horizon: bottom, .. }) => {
                 let stops = vec![GradientStop::new(0.0, opaque(top)), GradientStop::new(1.0, opaque(bottom))];
                 let (from, to) = (Point::from_xy(0.0, 0.0), Point::from_xy(0.0, high));
                 let gradient = LinearGradient::new(from, to, stops, SpreadMode::Pad, Transform::identity());

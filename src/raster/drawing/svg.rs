@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use glam::Vec2;
 
 use super::{Drawing, Kind, Shape};
-use crate::Background;
+use crate::{Background, Landscape};
 
 impl Drawing {
     /// The drawing as SVG: the same strokes, one unit a pixel, places to a hundredth of it. `recipe`, one
@@ -23,7 +23,8 @@ impl Drawing {
         match self.background {
             Background::Transparent => {}
             Background::Plain(color) => svg += &format!("<rect {whole} fill=\"{}\"/>\n", hex(color)),
-            Background::Gradient(top, bottom) => {
+            Background::Gradient(top, bottom)
+            | Background::Landscape(Landscape { sky: top, horizon: bottom, .. }) => {
                 svg += &format!(
                     "<linearGradient id=\"paper\" x2=\"0\" y2=\"1\"><stop stop-color=\"{}\"/>\
                      <stop offset=\"1\" stop-color=\"{}\"/></linearGradient>\n\

@@ -13,7 +13,6 @@ use linden_pipeline::{Monitor, NO_PARENT, Skeleton};
 use super::outline::{Place, tapered};
 use super::{Drawing, Kind, Shape};
 use crate::color::{encoded, linear};
-use crate::light::on_surface;
 use crate::memory::Ledger;
 use crate::strokes::trace::Colors;
 use crate::{Paint, RasterError, Style, View};
@@ -296,9 +295,12 @@ pub(super) fn organs(
     Ok(())
 }
 
-/// One of a few tones by where a leaf faces, so that one is told from the next: it is no light.
+/// One of a few tones by where a leaf faces in the camera's axes, so that one is told from the next: it is no
+/// light, only as if some came over the left shoulder.
 fn tone(normal: Vec3) -> f32 {
-    let facing = on_surface(if normal.z < 0.0 { -normal } else { normal }).clamp(0.0, 1.2) / 1.2;
+    let normal = if normal.z < 0.0 { -normal } else { normal };
+    let facing = (normal.dot(Vec3::new(-0.527, 0.685, 0.503)) + 0.35) / 1.35;
+    let facing = (0.24 + 0.10 * normal.y + 1.10 * facing.max(0.0)).clamp(0.0, 1.2) / 1.2;
     0.72 + 0.4 * (facing * TONES).round() / TONES
 }
 

@@ -9,18 +9,23 @@ pub(crate) mod sample;
 #[cfg(test)]
 mod tests;
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 use linden_pipeline::picture::Picture;
 use linden_pipeline::{Monitor, NO_PARENT, Skeleton};
 
-use crate::canvas::{self, Backdrop};
-use crate::light::Air;
+use crate::backdrop::Backdrop;
+use crate::canvas;
+use crate::light::{Air, sun};
 use crate::memory::{Ledger, picture_bytes};
+use crate::shade::{Cells, Shade};
 use crate::strokes::paint::BRUSH_BYTES_PER_PIXEL;
 use crate::strokes::trace::{self, Tracer};
 use crate::strokes::{Runs, leaves, overlay};
 use crate::style::foot;
 use crate::{Camera, Extent, RasterError, Size, Style, View};
+
+/// How deep shade is: strokes must be told from each other inside a crown too.
+const SHADE: f32 = 0.75;
 
 /// Draws the axial tree with [`Style::organs`] on it, framed by the camera.
 ///
@@ -37,20 +42,18 @@ pub fn draw_skeleton(
 ) -> Result<Picture, RasterError> {
     monitor.check()?;
     let Framing { tree_extent, foot, framed, view } = Framing::new(skeleton, camera, style, size)?;
-    let air = Air::new(&tree_extent, &view, style);
     let ledger = Ledger::new(monitor);
-    ledger.take(picture_bytes(size) + overlay::bytes(style) + trace::bytes(skeleton, style))?;
+    let held = overlay::bytes(style) + trace::bytes(skeleton, style) + Cells::bytes();
+    ledger.take(picture_bytes(size) + held)?;
+    let air = Air::new(&tree_extent, &view, style, shade(skeleton, style, &tree_extent, &view), SHADE);
+    let shadow = style.ground_shadow.then(|| air.shade().shadow_on(foot.y));
     let tracer = Tracer::new(skeleton, &view, &air, style, size);
     let mut pieces = tracer.trace(&ledger, monitor)?;
     pieces.extend(leaves::trace(&tracer, style, &ledger, monitor)?);
     pieces.push(overlay::trace(style, &framed, &view, &air, size, monitor)?);
     let mut runs = Runs::together(pieces, &ledger)?;
     runs.sort(monitor)?;
-    let shadow_m = style.ground_shadow.then(|| match style.until {
-        Some(step) => reach_m(skeleton, step, Vec2::new(foot.x, foot.z)),
-        None => tree_extent.radius(),
-    });
-    let backdrop = Backdrop::new(style.background, &view, foot, shadow_m);
+    let backdrop = Backdrop::new(style, &view, &tree_extent, foot, shadow);
     ledger.take(canvas::band_bytes(size, BRUSH_BYTES_PER_PIXEL))?;
     canvas::compose(size, &backdrop, monitor, |rows, pixels| runs.paint(rows, pixels, monitor))
 }
@@ -90,14 +93,21 @@ pub(crate) fn framed(camera: &Camera, style: &Style, tree_extent: Extent, foot: 
     }
 }
 
-/// How far a tree reached from its foot at a step, level, metres.
-fn reach_m(skeleton: &Skeleton, step: u32, foot: Vec2) -> f32 {
-    let present = skeleton.born_by(step);
-    let nodes = skeleton.positions.iter().zip(&skeleton.radii).zip(present);
-    nodes
-        .filter(|(_, there)| *there)
-        .map(|((p, r), _)| Vec2::new(p.x, p.z).distance(foot) + r)
-        .fold(0.0, f32::max)
+/// The shade of the wood and leaves that are there.
+fn shade(skeleton: &Skeleton, style: &Style, extent: &Extent, view: &View) -> Shade {
+    let cells = Cells::around(extent, style.draft);
+    let present = style.until.map(|step| skeleton.born_by(step));
+    let is_present = |node: u32| present.as_ref().is_none_or(|present| present[node as usize]);
+    cells.add_wood(skeleton, is_present);
+    if let Some(organs) = style.organs {
+        let is_grown = |organ: usize| {
+            let growth = organs.growth(organ);
+            let is_carried = (growth.node as usize) < skeleton.positions.len() && is_present(growth.node);
+            is_carried && style.until.is_none_or(|step| growth.birth <= step)
+        };
+        cells.add_organs(organs, is_grown);
+    }
+    cells.lit(sun(view))
 }
 
 pub(crate) fn check(skeleton: &Skeleton) -> Result<(), RasterError> {

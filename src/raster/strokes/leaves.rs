@@ -10,7 +10,6 @@ use super::trace::Tracer;
 use super::{Facet, Runs};
 use crate::canvas::Rows;
 use crate::color::linear;
-use crate::light::on_surface;
 use crate::memory::Ledger;
 use crate::{Paint, RasterError, Style};
 
@@ -18,8 +17,6 @@ use crate::{Paint, RasterError, Style};
 const PER_TASK: usize = 256;
 /// About as many organs as a draft shows.
 const DRAFT_ORGANS: usize = 20_000;
-/// The share of its light that a leaf has from all around, much of it through itself.
-const THROUGH: f32 = 0.45;
 /// A pixel is not worth a blend below this coverage.
 const NOTHING: f32 = 1.0 / 1024.0;
 
@@ -91,11 +88,8 @@ impl Leaf<'_> {
             let depth_m = placed.iter().map(|p| p.depth_m).sum::<f32>() / 3.0;
             let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
             let normal: Vec3 = triangle.iter().map(|&v| mesh.normals[v as usize]).sum();
-            let normal = tracer.view.turn(normal.normalize_or(Vec3::Y));
-            // The backs are lit as the fronts are.
-            let normal = if normal.z < 0.0 { -normal } else { normal };
-            let light = tracer.air.light_at(middle) * (THROUGH + (1.0 - THROUGH) * on_surface(normal));
-            facets.push(Facet { corners: at, color: tracer.air.haze(color * light, depth_m) });
+            let lit = tracer.air.on_leaf(middle, normal.normalize_or(Vec3::Y));
+            facets.push(Facet { corners: at, color: tracer.air.haze(lit.on(color), depth_m) });
             far_m += depth_m;
             seen += 1.0;
         }

@@ -34,8 +34,8 @@ pub(crate) struct Stroke {
     pub alpha: f32,
     /// Linear light; before the light of `bar` falls on it where there is one.
     pub color: Vec3,
-    /// For thick strokes of wood: the light across, and how much of it there is.
-    pub bar: Option<(Bar, f32)>,
+    /// For thick strokes of wood: the light across.
+    pub bar: Option<Bar>,
     pub caps: [Cap; 2],
 }
 

@@ -242,7 +242,7 @@ impl<'a> Placed<'a> {
 
     fn light(&self, s: f32, half: f32) -> Vec3 {
         match &self.stroke.bar {
-            Some((bar, amount)) => self.stroke.color * (amount * bar.at((s / half).clamp(-1.0, 1.0))),
+            Some(bar) => bar.at((s / half).clamp(-1.0, 1.0)).on(self.stroke.color),
             None => self.stroke.color,
         }
     }

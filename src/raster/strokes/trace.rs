@@ -14,8 +14,9 @@ use super::draft::Thinned;
 use super::{Cap, Kind, Runs, Stroke};
 use crate::camera::Projected;
 use crate::color::{linear, ramp};
-use crate::light::{Air, Bar};
+use crate::light::Air;
 use crate::memory::Ledger;
+use crate::shade::sky_shares;
 use crate::{Paint, RasterError, Size, Style, View};
 
 /// Narrower than this, pixels, a stroke keeps its width and fades.
@@ -36,9 +37,12 @@ const AXES_PER_TASK: usize = 256;
 /// Bytes that [`Tracer::new`] takes: marks and orders of nodes, what a draft keeps of axes.
 pub(crate) fn bytes(skeleton: &Skeleton, style: &Style) -> u64 {
     let marks = if style.until.is_some() { skeleton.positions.len() as u64 } else { 0 };
-    let orders = if style.paint == Paint::Order { bytes_of::<u32>(skeleton.positions.len()) } else { 0 };
+    let values = match style.paint {
+        Paint::Order | Paint::Light => bytes_of::<u32>(skeleton.positions.len()),
+        Paint::Wood | Paint::Radius | Paint::Birth => 0,
+    };
     let kept = if style.draft { bytes_of::<[u32; 4]>(skeleton.positions.len()) } else { 0 };
-    marks + orders + kept
+    marks + values + kept
 }
 
 /// Traces a skeleton.
@@ -219,13 +223,12 @@ impl<'a> Tracer<'a> {
             return None;
         }
         let depth_m = f32::midpoint(a.seen.depth_m, b.seen.depth_m);
-        let bar = Bar::along(self.view.turn(b.at_m - a.at_m).normalize_or(Vec3::Y));
-        let volume = self.air.light_at((a.at_m + b.at_m) / 2.0);
+        let bar = self.air.bar((a.at_m + b.at_m) / 2.0, (b.at_m - a.at_m).normalize_or(Vec3::Y));
         let plain = self.colors.of(node);
         let (kind, color, bar, caps) = if mean >= THICK_PX {
-            (Kind::Thick, self.air.haze(plain, depth_m), Some((bar, volume)), [base, Cap::Round])
+            (Kind::Thick, self.air.haze(plain, depth_m), Some(bar), [base, Cap::Round])
         } else {
-            (Kind::Thin, self.air.haze(plain * (volume * bar.mean()), depth_m), None, [Cap::Cut; 2])
+            (Kind::Thin, self.air.haze(bar.mean().on(plain), depth_m), None, [Cap::Cut; 2])
         };
         let half_widths = widths.map(|w| w.max(HAIR_PX) / 2.0);
         Some((kind, Stroke { ends: [p, q], half_widths, depth_m, alpha, color, bar, caps }))
@@ -272,6 +275,8 @@ enum Values<'a> {
     /// As logarithms: a tip is as far from a twig as a bough from a trunk.
     Radii(&'a [f32]),
     Steps(Cow<'a, [u32]>),
+    /// From 0 to 1.
+    Shares(Vec<f32>),
 }
 
 impl<'a> Colors<'a> {
@@ -279,6 +284,7 @@ impl<'a> Colors<'a> {
         let values = match style.paint {
             Paint::Wood | Paint::Radius => Values::Radii(&skeleton.radii),
             Paint::Birth => Values::Steps(Cow::Borrowed(&skeleton.births)),
+            Paint::Light => Values::Shares(sky_shares(skeleton, style.organs)),
             Paint::Order => {
                 let mut orders = vec![0; skeleton.positions.len()];
                 for axis in &skeleton.axes {
@@ -297,6 +303,7 @@ impl<'a> Colors<'a> {
                 // All alike: as thick as any can be.
                 if span > 1e-6 { [libm::logf(min), 1.0 / span] } else { [f32::MIN, 1.0] }
             }
+            Values::Shares(_) => [0.0, 1.0],
             Values::Steps(steps) => [0.0, 1.0 / steps.iter().copied().max().unwrap_or(0).max(1) as f32],
         };
         let (trunk, twig) = (linear(style.trunk), linear(style.twig));
@@ -315,6 +322,7 @@ impl<'a> Colors<'a> {
                 _ => self.scale[0],
             },
             Values::Steps(steps) => steps[node as usize] as f32,
+            Values::Shares(shares) => shares[node as usize],
         };
         let share = ((value - self.scale[0]) * self.scale[1]).clamp(0.0, 1.0);
         self.table[(share * 255.0 + 0.5) as usize]

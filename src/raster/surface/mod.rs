@@ -17,9 +17,11 @@ use linden_pipeline::{Monitor, Skeleton};
 
 use self::samples::Samples;
 use self::triangles::Triangles;
-use crate::canvas::{self, Backdrop};
-use crate::light::Air;
+use crate::backdrop::Backdrop;
+use crate::canvas;
+use crate::light::{Air, sun};
 use crate::memory::{Ledger, picture_bytes};
+use crate::shade::Cells;
 use crate::skeleton::{check, framed};
 use crate::strokes::paint::BRUSH_BYTES_PER_PIXEL;
 use crate::strokes::trace::{self, Tracer};
@@ -80,15 +82,26 @@ pub fn draw_surface(
     };
     let framed = framed(camera, style, tree_extent, foot);
     let view = camera.view(framed, size);
-    let air = Air::new(&tree_extent, &view, style);
+    let cells = Cells::around(&tree_extent, style.draft);
+    for part in surface.parts {
+        cells.add_part(part, surface.materials[part.material].double_sided);
+    }
+    monitor.check()?;
+    let air = Air::new(&tree_extent, &view, style, cells.lit(sun(&view)), 1.0);
+    let shadow = style.ground_shadow.then(|| air.shade().shadow_on(foot.y));
 
     let ledger = Ledger::new(monitor);
     let factor = samples_per_side(size, style.draft);
     let samples = samples::BYTES * u64::from(factor * factor);
     // Strokes and triangles come and stay; the bands are asked for beside them before they are made.
     let bands = canvas::band_bytes(size, BRUSH_BYTES_PER_PIXEL + samples);
-    ledger
-        .take(picture_bytes(size) + bands + overlay::bytes(style) + trace::bytes(surface.skeleton, style))?;
+    ledger.take(
+        picture_bytes(size)
+            + bands
+            + overlay::bytes(style)
+            + trace::bytes(surface.skeleton, style)
+            + Cells::bytes(),
+    )?;
     let mut pieces = Vec::new();
     if has_skeleton {
         let bark = surface.materials.first().map_or(Vec3::ONE, triangles::mean_color);
@@ -100,8 +113,7 @@ pub fn draw_surface(
     runs.sort(monitor)?;
 
     let triangles = Triangles::new(surface, &view, &air, style, (size, factor), &ledger, monitor)?;
-    let backdrop =
-        Backdrop::new(style.background, &view, foot, style.ground_shadow.then(|| tree_extent.radius()));
+    let backdrop = Backdrop::new(style, &view, &tree_extent, foot, shadow);
     canvas::compose(size, &backdrop, monitor, |rows, pixels| {
         let mut samples = Samples::new(rows, factor);
         triangles.draw(rows, &mut samples, monitor)?;

@@ -302,3 +302,96 @@ fn any_camera_and_any_size_are_harmless() {
         }
     }
 }
+
+/// A tree whose twigs carry leaves, lit.
+fn leafy() -> (Skeleton, Vec<Part>, Vec<Material>) {
+    let (skeleton, mut parts) = tree(2);
+    let mut leaves = Mesh::default();
+    for &twig in skeleton.positions.iter().skip(40).step_by(3) {
+        let first = leaves.positions.len() as u32;
+        let corners = [Vec3::ZERO, Vec3::new(0.12, 0.03, 0.0), Vec3::new(0.12, 0.05, 0.12), Vec3::Z * 0.12];
+        leaves.positions.extend(corners.map(|corner| twig + corner));
+        leaves.normals.extend([Vec3::Y; 4]);
+        leaves.uvs.extend([Vec2::ZERO; 4]);
+        leaves.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+    }
+    parts.push(part(leaves, 1));
+    let leaf = Material { double_sided: true, ..material([0.08, 0.2, 0.04]) };
+    (skeleton, parts, vec![material([0.16, 0.1, 0.06]), leaf])
+}
+
+/// The mean colour of the blocks of a picture that a tree fills, and which they are.
+fn blocks(picture: &Picture, tree: &Picture) -> Vec<Option<Vec3>> {
+    const SIDE: u32 = 15;
+    let (across, down) = (tree.width() / SIDE, tree.height() / SIDE);
+    let places = |x: u32, y: u32| (0..SIDE * SIDE).map(move |i| (x * SIDE + i % SIDE, y * SIDE + i / SIDE));
+    let of = |x, y| {
+        let at = places(x, y).map(|(x, y)| ((y * tree.width() + x) * 4) as usize);
+        let inside: Vec<usize> = at.filter(|&at| tree.rgba()[at + 3] > 250).collect();
+        let sum: Vec3 =
+            inside.iter().map(|&at| Vec3::from([0, 1, 2].map(|c| f32::from(picture.rgba()[at + c])))).sum();
+        (inside.len() > 60).then(|| sum / inside.len() as f32)
+    };
+    (0..down).flat_map(|y| (0..across).map(move |x| of(x, y))).collect()
+}
+
+#[test]
+fn a_picture_file_and_a_terminal_show_the_same_tree() {
+    let (skeleton, parts, materials) = leafy();
+    let surface = Surface { parts: &parts, materials: &materials, skeleton: &skeleton };
+    let with =
+        |style: &Style| draw_surface(&surface, &Camera::default(), style, size(300, 360), &Quiet).unwrap();
+    let tree = with(&Style::over_light());
+    let colors = |style: &Style| blocks(&with(style), &tree);
+    let file = colors(&Style::studio());
+    assert!(file.iter().flatten().count() > 20);
+    let light = colors(&Style::landscape([250; 3], false));
+    for (file, terminal) in file.iter().zip(&light) {
+        let (Some(file), Some(terminal)) = (file, terminal) else { continue };
+        assert!((*file - *terminal).abs().max_element() < 24.0, "{file} {terminal}");
+    }
+    // At dusk all is brighter or darker together: what is lit in one is lit in the other.
+    let dark = colors(&Style::landscape([16, 16, 18], true));
+    let pairs: Vec<(f32, f32)> =
+        file.iter().zip(&dark).filter_map(|(a, b)| Some((a.as_ref()?.y, b.as_ref()?.y))).collect();
+    let mean = |of: fn(&(f32, f32)) -> f32| pairs.iter().map(of).sum::<f32>() / pairs.len() as f32;
+    let (a, b) = (mean(|pair| pair.0), mean(|pair| pair.1));
+    let both: f32 = pairs.iter().map(|pair| (pair.0 - a) * (pair.1 - b)).sum();
+    let [own_a, own_b] = [
+        pairs.iter().map(|pair| (pair.0 - a) * (pair.0 - a)).sum::<f32>(),
+        pairs.iter().map(|pair| (pair.1 - b) * (pair.1 - b)).sum::<f32>(),
+    ];
+    assert!(both / (own_a * own_b).sqrt() > 0.9, "{both} {own_a} {own_b}");
+}
+
+#[test]
+fn a_lit_picture_is_the_same_on_any_number_of_threads() {
+    let (skeleton, parts, materials) = leafy();
+    let surface = Surface { parts: &parts, materials: &materials, skeleton: &skeleton };
+    let with = |threads, style: &Style| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| draw_surface(&surface, &Camera::default(), style, size(150, 180), &Quiet).unwrap())
+    };
+    for style in [Style::studio(), Style::landscape([16, 16, 18], true)] {
+        let one = with(1, &style);
+        assert!([2, 5].into_iter().all(|threads| with(threads, &style) == one));
+    }
+}
+
+#[test]
+fn a_crown_is_brighter_on_the_suns_side_and_darker_within() {
+    let (skeleton, parts, materials) = leafy();
+    let surface = Surface { parts: &parts, materials: &materials, skeleton: &skeleton };
+    let picture =
+        draw_surface(&surface, &Camera::front(), &Style::over_light(), size(300, 360), &Quiet).unwrap();
+    let light = |left: bool| {
+        let mut sum = (0.0_f32, 0.0_f32);
+        for (i, pixel) in picture.rgba().chunks_exact(4).enumerate().filter(|(_, pixel)| pixel[3] == 255) {
+            if (i % 300 < 150) == left {
+                sum = (sum.0 + f32::from(pixel[1]), sum.1 + 1.0);
+            }
+        }
+        sum.0 / sum.1
+    };
+    assert!(light(true) > 1.08 * light(false), "{} {}", light(true), light(false));
+}

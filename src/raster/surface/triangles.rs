@@ -10,7 +10,7 @@ use super::Surface;
 use super::samples::Samples;
 use super::texels::Texels;
 use crate::canvas::{Rows, band_height};
-use crate::light::{Air, on_surface};
+use crate::light::{Air, Lit};
 use crate::memory::Ledger;
 use crate::strokes::trace::HAIR_PX;
 use crate::{RasterError, Size, Style, View};
@@ -51,7 +51,7 @@ struct Vertex {
 struct Corner {
     at: Vec2,
     nearness: f32,
-    light: f32,
+    lit: Lit,
     /// The haze's share.
     haze: f32,
     uv: Vec2,
@@ -236,7 +236,8 @@ impl<'a> Triangles<'a> {
                     _ => seen.base_color,
                 };
                 samples.nearness[at] = nearness;
-                let light = (color * mix(|v| v.light)).lerp(self.lens.air.color(), mix(|v| v.haze));
+                let lit = Lit { sun: mix(|v| v.lit.sun), sky: mix(|v| v.lit.sky) };
+                let light = lit.on(color).lerp(self.lens.air.color(), mix(|v| v.haze));
                 samples.light[at] = light.extend(1.0);
             }
         }
@@ -279,15 +280,18 @@ impl Lens<'_> {
     /// Lights a corner. Most triangles of a large tree are hidden twigs, so this waits until one is drawn.
     fn light(&self, seen: &Seen, vertex: u32) -> Corner {
         let (mesh, vertex) = (&seen.part.mesh, vertex as usize);
-        let mut normal = self.view.turn(mesh.normals[vertex]);
-        if seen.double_sided && normal.z < 0.0 {
-            normal = -normal;
-        }
+        let (place, normal) = (mesh.positions[vertex], mesh.normals[vertex]);
+        // What is seen from both sides is a leaf.
+        let Lit { sun, sky } = if seen.double_sided {
+            self.air.on_leaf(place, normal)
+        } else {
+            self.air.on_surface(place, normal)
+        };
         let Vertex { at, nearness } = seen.vertices[vertex];
         Corner {
             at,
             nearness,
-            light: self.air.light_at(mesh.positions[vertex]) * on_surface(normal) * self.exposure,
+            lit: Lit { sun: sun * self.exposure, sky: sky * self.exposure },
             haze: self.air.thickness(1.0 / nearness),
             uv: mesh.uvs[vertex],
         }

@@ -56,7 +56,7 @@ impl Rig {
             buffer.clone(),
             None,
             Order { first: Vec::new(), late: vec![PICTURE] },
-            None,
+            Vec::new(),
             self.now,
         );
     }
@@ -219,9 +219,9 @@ fn farewell_removes_pictures_and_sends_nothing_more() {
     let mut rig = Rig::new(Settings { remote: false, ..SETTINGS });
     let area = Rect::new(0, 0, 4, 2);
     let data = Arc::new(encode(Protocol::Kitty, &[200; 32 * 32 * 4], (32, 32), area, usize::MAX).unwrap());
-    let graphic = Graphic { generation: 1, area, data };
+    let graphic = Graphic { generation: 1, area, layer: 0, data };
     let buffer = Buffer::empty(Rect::new(0, 0, 120, 40));
-    rig.display.present(buffer, None, Order { first: Vec::new(), late: vec![area] }, Some(graphic), rig.now);
+    rig.display.present(buffer, None, Order { first: Vec::new(), late: vec![area] }, vec![graphic], rig.now);
     rig.settle();
     let bytes = String::from_utf8(rig.display.farewell()).unwrap();
     assert!(bytes.contains("a=d,d=I,i=1"), "{bytes:?}");

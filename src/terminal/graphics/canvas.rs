@@ -1,4 +1,4 @@
-//! Which picture a terminal shows, and which one is on its way.
+//! Which pictures a terminal shows, and which one is on its way.
 
 use ratatui::layout::Rect;
 
@@ -11,9 +11,9 @@ const MOST_LOST: u32 = 3;
 /// The pictures of a terminal.
 #[derive(Debug, Default)]
 pub(crate) struct Canvas {
-    standing: Option<Standing>,
-    /// kitty's: one that the terminal has and does not show.
-    hidden: Option<Standing>,
+    standing: Vec<Standing>,
+    /// kitty's: those that the terminal has and does not show.
+    hidden: Vec<Standing>,
     coming: Option<Transmission>,
     last_id: u32,
     /// kitty's pictures that were lost, of which the terminal may have parts.
@@ -22,8 +22,8 @@ pub(crate) struct Canvas {
     confirms: bool,
     /// Pictures that were lost one after the other.
     lost: u32,
-    /// The picture that was lost too often.
-    given_up: Option<u64>,
+    /// The pictures that were lost too often.
+    given_up: Vec<u64>,
 }
 
 /// A picture that is shown.
@@ -31,10 +31,24 @@ pub(crate) struct Canvas {
 struct Standing {
     generation: u64,
     area: Rect,
+    layer: u8,
     /// kitty's number, for others 0.
     id: u32,
     /// Whether the terminal has said that it is there.
     is_confirmed: bool,
+}
+
+impl Standing {
+    fn is_of(&self, graphic: &Graphic) -> bool {
+        self.generation == graphic.generation
+    }
+
+    /// Whether it stays while a graphic is wanted. In the same place the old picture stays until the new one
+    /// is there; the same picture in another place is moved.
+    fn stays_for(&self, graphic: &Graphic) -> bool {
+        graphic.area == self.area
+            || self.id != 0 && self.is_of(graphic) && graphic.data.protocol == Protocol::Kitty
+    }
 }
 
 /// How far a picture is.
@@ -49,71 +63,63 @@ pub(crate) enum Placement {
 }
 
 impl Canvas {
-    /// The cells that are beneath a picture, once a graphic that only has to be placed is there.
-    pub fn covered(&self, wanted: Option<&Graphic>) -> Option<Rect> {
-        let placed = wanted.filter(|graphic| is_of(self.hidden, graphic)).map(|graphic| graphic.area);
-        placed.or(self.standing.map(|standing| standing.area))
+    /// The cells that are beneath pictures, once those that only have to be placed are there.
+    pub fn covered(&self, wanted: &[&Graphic]) -> Vec<Rect> {
+        let placed = wanted.iter().filter(|graphic| self.hidden.iter().any(|hidden| hidden.is_of(graphic)));
+        placed.map(|graphic| graphic.area).chain(self.standing.iter().map(|standing| standing.area)).collect()
     }
 
     /// Whether a picture is shown where it should be.
     pub fn stands(&self, graphic: &Graphic) -> bool {
-        is_of(self.standing, graphic) && self.standing.is_some_and(|s| s.area == graphic.area)
+        self.standing.iter().any(|standing| standing.is_of(graphic) && standing.area == graphic.area)
+    }
+
+    /// Whether a picture is on its way.
+    pub fn is_coming(&self, graphic: &Graphic) -> bool {
+        self.coming.as_ref().is_some_and(|coming| coming.generation == graphic.generation)
     }
 
     /// Whether a picture could not be shown, however often it was sent.
     pub fn has_given_up(&self, graphic: &Graphic) -> bool {
-        self.given_up == Some(graphic.generation)
+        self.given_up.contains(&graphic.generation)
     }
 
-    /// Ends what is no longer wanted. Gives the area whose cells must be painted to remove a picture.
-    pub fn prepare(&mut self, wanted: Option<&Graphic>, out: &mut Vec<u8>) -> Option<Rect> {
+    /// Ends what is no longer wanted. Gives the areas whose cells must be painted to remove pictures.
+    pub fn prepare(&mut self, wanted: &[&Graphic], out: &mut Vec<u8>) -> Vec<Rect> {
+        let (staying, leaving): (Vec<_>, Vec<_>) = std::mem::take(&mut self.standing)
+            .into_iter()
+            .partition(|standing| wanted.iter().any(|graphic| standing.stays_for(graphic)));
+        self.standing = staying;
+        // Between two pieces of a picture nothing else is said.
         if let Some(coming) = &self.coming
-            && wanted.is_none_or(|graphic| graphic.generation != coming.generation)
+            && (leaving.iter().any(|left| left.id != 0)
+                || wanted.iter().all(|graphic| graphic.generation != coming.generation))
         {
             coming.abandon(out);
             self.coming = None;
         }
-        // Between two pieces of a picture nothing else is said.
         if self.coming.is_none() {
             self.stale.drain(..).for_each(|id| kitty::delete(id, out));
-            if let (Some(hidden), Some(graphic)) = (self.hidden, wanted)
-                && hidden.generation != graphic.generation
-            {
-                kitty::delete(hidden.id, out);
-                self.hidden = None;
+            let is_over = |hidden: &mut Standing| {
+                let same = wanted.iter().any(|graphic| graphic.layer == hidden.layer);
+                let above = !wanted.is_empty() && wanted.iter().all(|graphic| graphic.layer < hidden.layer);
+                (same || above) && wanted.iter().all(|graphic| !hidden.is_of(graphic))
+            };
+            self.hidden.extract_if(.., is_over).for_each(|hidden| kitty::delete(hidden.id, out));
+        }
+        let mut uncovered = Vec::new();
+        for left in leaving {
+            if left.id == 0 {
+                uncovered.push(left.area);
+            } else if wanted.iter().all(|graphic| graphic.layer > left.layer) {
+                // Something lies over it, and will go again.
+                kitty::hide(left.id, out);
+                self.hidden.push(left);
+            } else {
+                kitty::delete(left.id, out);
             }
         }
-        let standing = self.standing?;
-        // In the same place the old picture stays until the new one is there; the same picture in
-        // another place is moved.
-        let stays = wanted.is_some_and(|graphic| {
-            graphic.area == standing.area
-                || standing.id != 0
-                    && graphic.generation == standing.generation
-                    && graphic.data.protocol == Protocol::Kitty
-        });
-        match wanted {
-            _ if stays => None,
-            // Something lies over it, and will go again.
-            None if standing.id != 0 => {
-                kitty::hide(standing.id, out);
-                let before = std::mem::replace(&mut self.hidden, self.standing.take());
-                if let Some(before) = before {
-                    kitty::delete(before.id, out);
-                }
-                None
-            }
-            _ => self.remove(out),
-        }
-    }
-
-    fn remove(&mut self, out: &mut Vec<u8>) -> Option<Rect> {
-        let standing = self.standing.take()?;
-        if standing.id != 0 {
-            kitty::delete(standing.id, out);
-            return None;
-        }
-        Some(standing.area)
+        uncovered
     }
 
     /// Ends and removes everything; cells are not painted.
@@ -121,19 +127,21 @@ impl Canvas {
         if let Some(coming) = self.coming.take() {
             coming.abandon(out);
         }
-        let hidden = self.hidden.take().map(|hidden| hidden.id);
-        self.stale.drain(..).chain(hidden).for_each(|id| kitty::delete(id, out));
-        self.remove(out);
-        (self.lost, self.given_up) = (0, None);
+        let shown = self.standing.drain(..).chain(self.hidden.drain(..)).map(|standing| standing.id);
+        let ids = self.stale.drain(..).chain(shown.filter(|&id| id != 0));
+        ids.for_each(|id| kitty::delete(id, out));
+        self.lost = 0;
+        self.given_up.clear();
     }
 
-    /// Sends what is allowed of a picture that comes in pieces.
+    /// Sends what is allowed of a picture that comes in pieces. One that is coming must be finished before
+    /// another is begun.
     pub fn send(&mut self, graphic: &Graphic, allowed: usize, out: &mut Vec<u8>) -> Placement {
         if self.stands(graphic) {
             return Placement::Standing;
         }
-        let is_there = is_of(self.standing.filter(|s| s.id != 0), graphic) || is_of(self.hidden, graphic);
-        if graphic.data.protocol != Protocol::Kitty || is_there {
+        let mut there = self.standing.iter().filter(|standing| standing.id != 0).chain(&self.hidden);
+        if graphic.data.protocol != Protocol::Kitty || there.any(|there| there.is_of(graphic)) {
             return Placement::Ready;
         }
         let coming = self.coming.get_or_insert_with(|| {
@@ -146,36 +154,36 @@ impl Canvas {
 
     /// Whether what is beneath a picture must be painted anew so that the old one is gone.
     pub fn needs_fresh_cells(&self, graphic: &Graphic) -> bool {
-        graphic.data.protocol != Protocol::Kitty && !graphic.data.opaque && self.standing.is_some()
+        let overlaps = |standing: &Standing| !standing.area.intersection(graphic.area).is_empty();
+        graphic.data.protocol != Protocol::Kitty && !graphic.data.opaque && self.standing.iter().any(overlaps)
     }
 
     /// Shows a picture, whose upper left cell the cursor is in, and deletes the one before.
     pub fn place(&mut self, graphic: &Graphic, out: &mut Vec<u8>) {
-        let old = self.standing.take();
+        let Graphic { generation, area, layer, .. } = *graphic;
+        let mut old: Vec<Standing> =
+            self.standing.extract_if(.., |standing| standing.stays_for(graphic)).collect();
         let id = if graphic.data.protocol == Protocol::Kitty {
-            let moved = old.filter(|old| old.generation == graphic.generation);
-            let there =
-                moved.or_else(|| self.hidden.take_if(|hidden| hidden.generation == graphic.generation));
-            let there = there.map(|there| there.id);
+            old.extend(self.hidden.extract_if(.., |hidden| hidden.generation == generation));
+            let there = old.iter().find(|old| old.generation == generation).map(|there| there.id);
             let id = there.or_else(|| self.coming.take().map(|coming| coming.id)).unwrap_or_default();
-            kitty::place(id, graphic.area, PlaceReply::Wanted, out);
+            kitty::place(id, area, PlaceReply::Wanted, out);
             id
         } else {
             out.extend_from_slice(&graphic.data.bytes);
             0
         };
-        if let Some(old) = old.filter(|old| old.id != 0 && old.id != id) {
+        for old in old.into_iter().filter(|old| old.id != 0 && old.id != id) {
             kitty::delete(old.id, out);
         }
-        let Graphic { generation, area, .. } = *graphic;
-        self.standing = Some(Standing { generation, area, id, is_confirmed: id == 0 });
+        self.standing.push(Standing { generation, area, layer, id, is_confirmed: id == 0 });
     }
 
     /// Takes the terminal's answer to a placement. Whether the picture is lost and has to be sent again.
     pub fn answered(&mut self, id: u32, ok: bool) -> bool {
-        if let Some(standing) = self.standing.as_mut().filter(|standing| standing.id == id && id != 0) {
+        if let Some(standing) = self.standing.iter_mut().find(|standing| standing.id == id && id != 0) {
             if !ok {
-                return self.lose();
+                return self.lose(|standing| standing.id == id);
             }
             standing.is_confirmed = true;
             (self.confirms, self.lost) = (true, 0);
@@ -183,29 +191,27 @@ impl Canvas {
         false
     }
 
-    /// The terminal has read all that was sent, the placement of the picture too: a terminal that answers has
-    /// answered by now. Whether the picture is lost and has to be sent again.
+    /// The terminal has read all that was sent, the placement of the pictures too: a terminal that answers has
+    /// answered by now. Whether a picture is lost and has to be sent again.
     pub fn is_read(&mut self) -> bool {
-        let is_silent = self.standing.is_some_and(|standing| !standing.is_confirmed);
-        is_silent && self.confirms && self.lose()
+        self.confirms && self.lose(|standing| !standing.is_confirmed)
     }
 
     /// Whether an answer is still to come.
     pub fn awaits(&self) -> bool {
-        self.standing.is_some_and(|standing| !standing.is_confirmed)
+        self.standing.iter().any(|standing| !standing.is_confirmed)
     }
 
-    fn lose(&mut self) -> bool {
-        let Some(standing) = self.standing.take() else { return false };
-        self.stale.push(standing.id);
-        self.lost += 1;
-        if self.lost >= MOST_LOST {
-            self.given_up = Some(standing.generation);
+    /// Whether there was any to lose.
+    fn lose(&mut self, is_lost: impl Fn(&Standing) -> bool) -> bool {
+        let lost: Vec<Standing> = self.standing.extract_if(.., |standing| is_lost(standing)).collect();
+        self.lost += u32::from(!lost.is_empty());
+        for standing in &lost {
+            self.stale.push(standing.id);
+            if self.lost >= MOST_LOST {
+                self.given_up.push(standing.generation);
+            }
         }
-        true
+        !lost.is_empty()
     }
-}
-
-fn is_of(shown: Option<Standing>, graphic: &Graphic) -> bool {
-    shown.is_some_and(|shown| shown.generation == graphic.generation)
 }

@@ -37,7 +37,7 @@ fn graphic(protocol: Protocol, generation: u64, area: Rect) -> Graphic {
     let mut rgba = tree(width, height);
     rgba[3] = 0;
     let data = Arc::new(encode(protocol, &rgba, (width, height), area, usize::MAX).unwrap());
-    Graphic { generation, area, data }
+    Graphic { generation, area, layer: 0, data }
 }
 
 fn decode_png(bytes: &[u8]) -> (u32, u32, Vec<u8>) {
@@ -155,7 +155,11 @@ impl Rig {
     }
 
     fn show(&mut self, graphic: Option<&Graphic>, allowance: Allowance) -> Composed {
-        let frame = Frame { buffer: &self.buffer, cursor: None, first: &[], late: &[AREA], graphic };
+        self.show_all(graphic.cloned().as_slice(), allowance)
+    }
+
+    fn show_all(&mut self, graphics: &[Graphic], allowance: Allowance) -> Composed {
+        let frame = Frame { buffer: &self.buffer, cursor: None, first: &[], late: &[AREA], graphics };
         self.screen.compose(&frame, allowance)
     }
 
@@ -444,5 +448,97 @@ fn sizes_that_lie_are_errors() {
             let rgba = vec![200; (width * height * 4) as usize];
             assert!(encode(protocol, &rgba, (width, height), AREA, 1).is_ok(), "{width}x{height}");
         }
+    }
+}
+
+/// Six pictures side by side, of a layer above the first.
+fn tiles(protocol: Protocol, first: u64) -> Vec<Graphic> {
+    (0..6_u16)
+        .map(|i| {
+            let area = Rect::new(2 + i % 3 * 18, 1 + i / 3 * 7, 16, 6);
+            Graphic { layer: 1, ..graphic(protocol, first + u64::from(i), area) }
+        })
+        .collect()
+}
+
+impl Rig {
+    fn send_all(&mut self, graphics: &[Graphic], paced: usize) -> usize {
+        let mut bytes = 0;
+        for _ in 0..10_000 {
+            let composed = self.show_all(graphics, Allowance { text: usize::MAX, paced, atomic: usize::MAX });
+            self.kitty.read(&composed.bytes);
+            bytes += composed.bytes.len();
+            if !composed.rest {
+                return bytes;
+            }
+        }
+        panic!("it never ends");
+    }
+}
+
+#[test]
+fn several_pictures_stand_side_by_side_and_are_sent_once() {
+    let mut rig = Rig::new();
+    let tiles = tiles(Protocol::Kitty, 10);
+    let pixels: usize = tiles.iter().map(|tile| tile.data.len()).sum();
+    let sent = rig.send_all(&tiles, 3000);
+    assert_eq!((rig.kitty.pictures.len(), rig.kitty.placed.len()), (6, 6));
+    assert!(sent < pixels / 10 * 11, "{sent} for {pixels}");
+    // A frame around another one is text alone.
+    rig.buffer.set_string(1, 0, "┏━━━━━━━━━━━━━━━━┓", Style::new());
+    rig.buffer.set_string(19, 0, "╭────────────────╮", Style::new());
+    let moved = rig.show_all(&tiles, Allowance::ALL).bytes;
+    assert!(!moved.is_empty() && moved.len() < 200 && !moved.windows(3).any(|at| at == b"\x1b_G"));
+    // Something over all of them, and away again: no pixel is sent.
+    rig.send_all(&[], 3000);
+    assert_eq!((rig.kitty.pictures.len(), rig.kitty.placed.len()), (6, 0));
+    let back = rig.send_all(&tiles, usize::MAX);
+    assert!(rig.kitty.placed.len() == 6 && back < 1500, "{back}");
+}
+
+#[test]
+fn a_gallery_lies_over_the_picture_and_leaves_nothing_behind() {
+    let mut rig = Rig::new();
+    let picture = graphic(Protocol::Kitty, 1, AREA);
+    rig.send(Some(&picture), usize::MAX);
+    rig.send_all(&tiles(Protocol::Kitty, 10), 3000);
+    assert_eq!((rig.kitty.pictures.len(), rig.kitty.placed.len()), (7, 6), "the first is kept");
+    // Another page.
+    rig.send_all(&tiles(Protocol::Kitty, 20), 3000);
+    assert_eq!((rig.kitty.pictures.len(), rig.kitty.placed.len()), (7, 6));
+    // Fewer pictures, while one of them is on its way.
+    let next = tiles(Protocol::Kitty, 30);
+    rig.kitty.read(
+        &rig.screen
+            .compose(
+                &Frame { buffer: &rig.buffer, cursor: None, first: &[], late: &[], graphics: &next },
+                Allowance { text: usize::MAX, paced: 2000, atomic: 0 },
+            )
+            .bytes,
+    );
+    rig.send_all(&next[..2], 3000);
+    assert_eq!((rig.kitty.pictures.len(), rig.kitty.placed.len()), (3, 2));
+    // Closed: the first picture again, and it alone, for a few bytes.
+    let back = rig.send_all(std::slice::from_ref(&picture), usize::MAX);
+    assert_eq!((rig.kitty.pictures.len(), rig.kitty.placed.len()), (1, 1));
+    assert!(back < 600, "{back}");
+}
+
+#[test]
+fn pictures_in_one_piece_come_one_by_one_as_the_link_takes_them() {
+    for protocol in [Protocol::Sixel, Protocol::Iterm2] {
+        let mut rig = Rig::new();
+        let tiles = tiles(protocol, 1);
+        let most = tiles.iter().map(|tile| tile.data.len()).max().unwrap();
+        for n in 1..=tiles.len() {
+            let sent = rig
+                .show_all(&tiles, Allowance { text: usize::MAX, paced: 5000, atomic: most + 200 })
+                .bytes
+                .len();
+            assert!(sent > most / 2 && sent < 2 * most, "{protocol:?} {n}: {sent} of {most}");
+        }
+        assert!(rig.show_all(&tiles, Allowance::ALL).bytes.is_empty(), "{protocol:?}");
+        let fewer = rig.show_all(&tiles[..3], Allowance::ALL).bytes;
+        assert!(!fewer.is_empty() && fewer.len() < 600, "{protocol:?}: {}", fewer.len());
     }
 }

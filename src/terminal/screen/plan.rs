@@ -18,7 +18,7 @@ pub(super) enum Layer {
     Late,
 }
 
-/// Which cells come when, and which are beneath a picture of pixels.
+/// Which cells come when, and which are beneath pictures of pixels.
 pub(super) struct Plan {
     /// By place in the buffer.
     pub layers: Vec<Layer>,
@@ -29,7 +29,7 @@ pub(super) struct Plan {
 }
 
 impl Plan {
-    pub fn new(frame: &Frame<'_>, covered: Option<Rect>) -> Self {
+    pub fn new(frame: &Frame<'_>, covered: &[Rect]) -> Self {
         let area = frame.buffer.area;
         let layers = vec![Layer::Text; frame.buffer.content.len()];
         let mut plan = Self { layers, covered: Vec::new(), late_rows: 0..0 };
@@ -48,7 +48,7 @@ impl Plan {
                 plan.late_rows.start.min(rect.top())..plan.late_rows.end.max(rect.bottom())
             };
         }
-        if let Some(rect) = covered {
+        for &rect in covered {
             plan.cover(frame.buffer, rect);
         }
         plan

@@ -136,7 +136,7 @@ impl Rig {
     }
 
     fn show(&mut self, buffer: &Buffer, late: &[Rect], paced: usize) -> Composed {
-        let frame = Frame { buffer, cursor: None, first: &[], late, graphic: None };
+        let frame = Frame { buffer, cursor: None, first: &[], late, graphics: &[] };
         let composed = self.screen.compose(&frame, Allowance { text: usize::MAX, paced, atomic: 0 });
         self.terminal.process(&composed.bytes);
         composed
@@ -383,7 +383,7 @@ fn the_cursor_is_shown_where_it_is_wanted() {
     let mut rig = Rig::new(20, 3, ScreenOptions::default());
     let buffer = Buffer::empty(Rect::new(0, 0, 20, 3));
     let mut at = |cursor| {
-        let frame = Frame { buffer: &buffer, cursor, first: &[], late: &[], graphic: None };
+        let frame = Frame { buffer: &buffer, cursor, first: &[], late: &[], graphics: &[] };
         let bytes = rig.screen.compose(&frame, Allowance::ALL).bytes;
         rig.terminal.process(&bytes);
         let screen = rig.terminal.screen();
@@ -436,7 +436,7 @@ fn on_a_slow_link_the_answer_to_a_key_goes_alone_and_before_the_text() {
     rig.show(&screen(1, "something"), &[], 0);
     let after = screen(2, "something else is told");
     let first = [Rect::new(0, 1, 10, 3)];
-    let frame = Frame { buffer: &after, cursor: None, first: &first, late: &[], graphic: None };
+    let frame = Frame { buffer: &after, cursor: None, first: &first, late: &[], graphics: &[] };
     let mut writes = Vec::new();
     for _ in 0..20 {
         let composed = rig.screen.compose(&frame, Allowance { text: 160, paced: 0, atomic: 0 });
@@ -456,7 +456,7 @@ fn on_a_slow_link_the_answer_to_a_key_goes_alone_and_before_the_text() {
     rig.assert_shows(&after);
     // Where all may be sent, it goes together.
     let composed = rig.screen.compose(
-        &Frame { buffer: &screen(3, "more"), cursor: None, first: &first, late: &[], graphic: None },
+        &Frame { buffer: &screen(3, "more"), cursor: None, first: &first, late: &[], graphics: &[] },
         Allowance::NONE,
     );
     assert!(!composed.rest);

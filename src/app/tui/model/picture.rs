@@ -5,15 +5,16 @@ use std::time::Instant;
 use glam::Vec2;
 use linden_raster::{Camera, Paint};
 
-use crate::jobs::{Painted, PictureLook};
+use crate::jobs::{Painted, PictureLook, ShownTree};
 
 impl PictureLook {
     /// All, in the order in which a key goes through them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Skeleton(Paint::Wood),
         Self::Skeleton(Paint::Order),
         Self::Skeleton(Paint::Radius),
         Self::Skeleton(Paint::Birth),
+        Self::Skeleton(Paint::Light),
         Self::Surface,
         Self::Turtle,
     ];
@@ -27,7 +28,14 @@ impl PictureLook {
             Self::Skeleton(Paint::Order) => "order",
             Self::Skeleton(Paint::Radius) => "radius",
             Self::Skeleton(Paint::Birth) => "birth",
+            Self::Skeleton(Paint::Light) => "light",
         }
+    }
+
+    /// What a tree is drawn as until another look is chosen: with leaves its surface, which has them as they
+    /// are.
+    pub fn usual(shown: &ShownTree) -> Self {
+        if shown.grown.organs.shapes.is_empty() { Self::Skeleton(Paint::Wood) } else { Self::Surface }
     }
 
     /// The look of a name.
@@ -43,6 +51,8 @@ pub struct PictureState {
     pub camera: Camera,
     /// What is drawn.
     pub look: PictureLook,
+    /// Whether the look was chosen; otherwise each tree has its usual one.
+    pub is_look_chosen: bool,
     /// Whether attraction points are.
     pub points: bool,
     /// Whether the crown's outline is.
@@ -66,6 +76,7 @@ impl Default for PictureState {
         Self {
             camera: Camera::default(),
             look: PictureLook::Skeleton(Paint::Wood),
+            is_look_chosen: false,
             points: false,
             outline: false,
             scale: true,

@@ -4,6 +4,7 @@ use glam::Vec2;
 use linden_raster::Camera;
 
 use super::{turn_by, zoom_by};
+use crate::config::settings::Scenery;
 use crate::jobs::PictureLook;
 use crate::tui::command::Context;
 use crate::tui::model::{Command, Model, free, without_tree};
@@ -53,6 +54,7 @@ fn has_no_crown(model: &Model) -> Option<String> {
 }
 
 fn cycle_look(model: &mut Model, by: usize) {
+    model.picture.is_look_chosen = true;
     let at = PictureLook::ALL.iter().position(|look| *look == model.picture.look).unwrap_or(0);
     model.picture.look = PictureLook::ALL[(at + by) % PictureLook::ALL.len()];
     let name = model.picture.look.name();
@@ -225,7 +227,7 @@ pub const COMMANDS: &[Command] = &[
         context: Context::GLOBAL,
         keys: &["c"],
         title: "Look",
-        help: "Draws the tree otherwise: as skeleton, by axis order, by radius, by birth step, as shaded surface",
+        help: "Draws the tree otherwise: as skeleton, by axis order, by radius, by birth step, by light, as shaded surface",
         hint: Some(42),
         hindrance: free,
         run: |model, _| cycle_look(model, 1),
@@ -239,6 +241,19 @@ pub const COMMANDS: &[Command] = &[
         hint: None,
         hindrance: free,
         run: |model, _| cycle_look(model, PictureLook::ALL.len() - 1),
+    },
+    Command {
+        id: "scenery",
+        context: Context::GLOBAL,
+        keys: &["B"],
+        title: "Scenery",
+        help: "Shows the tree in a landscape, or before the terminal's background",
+        hint: None,
+        hindrance: free,
+        run: |model, _| {
+            let scenery = &mut model.config.settings.scenery;
+            *scenery = if *scenery == Scenery::Lit { Scenery::Plain } else { Scenery::Lit };
+        },
     },
     Command {
         id: "overlay-points",

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 use crossterm::event::{KeyModifiers, MouseButton, MouseEvent, MouseEventKind};
 use glam::Vec2;
 use linden_raster::Camera;
+use linden_terminal::Encoded;
 use ratatui::layout::Rect;
 
 pub use commands::COMMANDS;
@@ -114,9 +115,17 @@ pub fn wanted(model: &Model) -> Option<DrawRequest> {
         outline: picture.outline,
         person,
         area,
-        medium: Medium::of(&model.terminal),
+        medium: Medium::of(&model.terminal, model.config.settings.scenery),
         detail: if hurried { Detail::Draft } else { Detail::Full },
     })
+}
+
+/// The picture as pixels, where there are such, and the cells that it covers.
+pub fn graphic(model: &Model) -> Option<(Rect, Arc<Encoded>)> {
+    let painted = model.picture.painted.as_ref()?;
+    let area = area(model)?;
+    let data = painted.graphic.as_ref().filter(|_| painted.request.area == area)?;
+    Some((area, Arc::clone(data)))
 }
 
 /// A picture is there.

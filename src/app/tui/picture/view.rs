@@ -1,12 +1,15 @@
 //! The picture's pane, painted.
 
+use linden_raster::color::{encoded, ramp};
+use linden_terminal::ColorDepth;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
+use ratatui::style::Color;
 use ratatui::text::Span;
 use unicode_width::UnicodeWidthStr;
 
 use super::split;
-use crate::jobs::{Painted, PictureLook};
+use crate::jobs::Painted;
 use crate::tui::figures::thousands;
 use crate::tui::layout::{Pane, View};
 use crate::tui::model::Model;
@@ -18,7 +21,7 @@ pub fn heading(model: &Model) -> Vec<Span<'static>> {
     let theme = &model.config.theme;
     let picture = &model.picture;
     let mut words = Vec::new();
-    if picture.look != PictureLook::ALL[0] {
+    if picture.is_look_chosen {
         words.push(picture.look.name());
     }
     for (on, word) in [
@@ -52,6 +55,11 @@ pub fn view(model: &Model, inner: Rect, buffer: &mut Buffer, view: &mut View) {
             model.growth.step().is_some() && model.layout().headings[Pane::Picture as usize].is_empty();
         if model.picture.scale && model.config.settings.scale_bar && !scale.is_empty() && !is_taken {
             scale_bar(model, painted, scale, buffer);
+        }
+        if let Some(ends) = &painted.legend
+            && painted.request.medium.colors != ColorDepth::None
+        {
+            legend(model, ends, scale, buffer);
         }
     }
     let say = |buffer: &mut Buffer, y: u16, text: &str, style| {
@@ -87,6 +95,30 @@ fn words(growing: &GrowthProgress) -> String {
     }
 }
 
+/// Cells of the legend's bar of colours.
+const LEGEND: u16 = 12;
+
+/// `order 0 ████████ 5`, on the right: what the colours mean.
+fn legend(model: &Model, [low, high]: &[String; 2], area: Rect, buffer: &mut Buffer) {
+    let style = model.config.theme.scale_bar;
+    let (before, after) = (format!(" {low} "), format!(" {high}"));
+    let words = (before.width() + after.width()) as u16;
+    // The scale bar has a third of the row, and its label.
+    let room = area.width.saturating_sub(area.width / 3 + 8);
+    if area.is_empty() || room < words + LEGEND / 2 {
+        return;
+    }
+    let bar = LEGEND.min(room - words);
+    let from = area.right() - words - bar;
+    let (x, _) = buffer.set_stringn(from, area.y, &before, usize::from(before.width() as u16), style);
+    for i in 0..bar {
+        let light = ramp((f32::from(i) + 0.5) / f32::from(bar));
+        let [r, g, b] = (encoded(light) * 255.0).round().to_array().map(|c| c as u8);
+        buffer[(x + i, area.y)].set_char('█').set_fg(Color::Rgb(r, g, b));
+    }
+    buffer.set_stringn(x + bar, area.y, &after, after.width(), style);
+}
+
 /// `├────┤ 2 m`, as long as two metres are at the tree's axis.
 fn scale_bar(model: &Model, painted: &Painted, area: Rect, buffer: &mut Buffer) {
     let theme = &model.config.theme;
@@ -102,7 +134,7 @@ fn scale_bar(model: &Model, painted: &Painted, area: Rect, buffer: &mut Buffer) 
     };
     let bar = format!("├{}┤ {label}", "─".repeat(columns - 2));
     buffer.set_stringn(area.x, area.y, &bar, area.width.into(), theme.scale_bar);
-    if painted.shows_person {
+    if painted.shows_person && painted.legend.is_none() {
         let text = "person 1.75 m";
         let width = text.width() as u16;
         if usize::from(area.width) > bar.width() + text.width() + 2 {

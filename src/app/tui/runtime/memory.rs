@@ -50,7 +50,7 @@ impl Memory {
 /// Puts back how things were looked at. The tree itself is loaded as any other.
 pub fn restore(model: &mut Model, session: &Session) {
     if let Some(look) = PictureLook::named(&session.look) {
-        model.picture.look = look;
+        (model.picture.look, model.picture.is_look_chosen) = (look, true);
     }
     if let Some(pane) = Pane::ALL.into_iter().find(|pane| pane.title().to_lowercase() == session.focus) {
         model.focus_on(pane);
@@ -74,7 +74,11 @@ pub fn restore(model: &mut Model, session: &Session) {
 fn remembered(model: &Model, rest: &Session) -> Session {
     let camera = &model.picture.camera;
     let mut session = Session {
-        look: model.picture.look.name().to_owned(),
+        look: if model.picture.is_look_chosen {
+            model.picture.look.name().to_owned()
+        } else {
+            "usual".to_owned()
+        },
         focus: model.focus.title().to_lowercase(),
         filter: model.library.filter.clone(),
         favourites: model.library.favourites.iter().cloned().collect(),

@@ -14,6 +14,7 @@ mod watchdog;
 mod watching;
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::time::{Duration, Instant};
 
@@ -22,8 +23,8 @@ use linden_terminal::input::{Reply, Said};
 use linden_terminal::probe::Overrides;
 use linden_terminal::session::install_panic_hook;
 use linden_terminal::{
-    Capabilities, Display, Graphic, Incoming, Listener, Modes, Output, Session, Settings as DisplaySettings,
-    Tty, listen,
+    Capabilities, Display, Encoded, Graphic, Incoming, Listener, Modes, Output, Session,
+    Settings as DisplaySettings, Tty, listen,
 };
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
@@ -38,6 +39,7 @@ use super::model::Model;
 use super::picture;
 use super::screen;
 use super::update::{Msg, update, wake_at};
+use super::vary;
 use crate::jobs::THREAD_PREFIX;
 use crate::system;
 
@@ -96,7 +98,8 @@ struct Runtime {
     is_stale: bool,
     /// The number of the picture on screen, for terminals that show pixels.
     generation: u64,
-    shown_picture: Option<std::sync::Arc<linden_terminal::Encoded>>,
+    /// Pictures that were shown and may be again, by their generations.
+    shown_pictures: Vec<(u64, Arc<Encoded>)>,
     keys: stats::Latency,
     watchdog: Watchdog,
 }
@@ -165,7 +168,7 @@ impl Runtime {
             end: None,
             is_stale: true,
             generation: 0,
-            shown_picture: None,
+            shown_pictures: Vec::new(),
             keys: stats::Latency::new(start.stats),
             watchdog,
         };
@@ -339,26 +342,37 @@ impl Runtime {
             linden_terminal::ascii::fold(&mut buffer);
         }
         self.model.regions = view.regions;
-        let graphic = self.graphic();
-        self.display.present(buffer, view.cursor, view.order, graphic, now);
+        let graphics = self.graphics();
+        self.display.present(buffer, view.cursor, view.order, graphics, now);
         self.is_stale = false;
         self.keys.painted(now);
     }
 
-    /// The picture as pixels, where the terminal shows such and nothing lies over it.
-    fn graphic(&mut self) -> Option<Graphic> {
+    /// The pictures as pixels, where the terminal shows such and nothing lies over them: that of the tree, or
+    /// those of a gallery.
+    fn graphics(&mut self) -> Vec<Graphic> {
         let is_covered = self.model.dialogs.iter().any(|dialog| !dialog.is_prompt());
-        let painted = self.model.picture.painted.as_ref().filter(|_| !is_covered)?;
-        let area = picture::area(&self.model)?;
-        let data = painted.graphic.as_ref().filter(|_| painted.request.area == area)?;
-        if !self.shown_picture.as_ref().is_some_and(|shown| std::sync::Arc::ptr_eq(shown, data)) {
-            self.generation += 1;
-            self.shown_picture = Some(std::sync::Arc::clone(data));
+        let (layer, wanted) = match vary::graphics(&self.model) {
+            Some(small) => (1, small),
+            None if is_covered => (0, Vec::new()),
+            None => (0, picture::graphic(&self.model).into_iter().collect()),
+        };
+        // What nothing else holds any more is not shown again.
+        self.shown_pictures.retain(|(_, data)| Arc::strong_count(data) > 1);
+        let mut graphics = Vec::with_capacity(wanted.len());
+        for (area, data) in wanted {
+            if data.protocol() == linden_terminal::graphics::Protocol::Kitty {
+                self.session.expect_images(true);
+            }
+            let known = self.shown_pictures.iter().find(|(_, shown)| Arc::ptr_eq(shown, &data));
+            let generation = known.map_or(self.generation + 1, |(generation, _)| *generation);
+            if generation > self.generation {
+                self.generation = generation;
+                self.shown_pictures.push((generation, Arc::clone(&data)));
+            }
+            graphics.push(Graphic { generation, area, layer, data });
         }
-        if data.protocol() == linden_terminal::graphics::Protocol::Kitty {
-            self.session.expect_images(true);
-        }
-        Some(Graphic { generation: self.generation, area, data: std::sync::Arc::clone(data) })
+        graphics
     }
 
     /// Gives the terminal back and keeps what is restored next time.

@@ -30,7 +30,7 @@ use super::layout::Pane;
 use super::model::{FormSpot, Model};
 use super::picture;
 use super::tree::{Tree, TreePlace, grammar_of};
-use crate::jobs::ShownTree;
+use crate::jobs::{PictureLook, ShownTree};
 
 /// A row of the form.
 #[derive(Clone)]
@@ -220,6 +220,9 @@ pub fn grown(model: &mut Model, grown: Result<Arc<ShownTree>, String>) {
                 tracing::debug!(note, "growing");
             }
             tree.shown = Some(Arc::clone(&shown));
+            if !model.picture.is_look_chosen {
+                model.picture.look = PictureLook::usual(&shown);
+            }
             if is_first {
                 picture::first_look(model, &shown);
             }

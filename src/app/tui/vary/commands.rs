@@ -201,7 +201,7 @@ pub const COMMANDS: &[Command] = &[
         "gallery-scale",
         &["z"],
         "Scale",
-        "Shows all trees in one scale, or each as large as can be",
+        "Shows each tree as large as can be, or all in one scale",
         Some(16),
         |model, _| {
             with(model, |gallery, _| gallery.one_scale = !gallery.one_scale);

@@ -6,8 +6,11 @@ use crate::tui::layout::inside;
 
 /// The smallest cell with its frame: less shows no tree.
 const SMALLEST: (u16, u16) = (18, 9);
-/// The most cells, across and down: more is more than one looks at.
-const MOST: (u16, u16) = (6, 4);
+/// The most cells, across and down: more are more than one looks at, and too small for it.
+const MOST: (u16, u16) = (4, 3);
+
+/// From this height on, the room in a frame has a row of words below the picture.
+const WITH_WORDS: u16 = 8;
 
 /// Cells of one size, row by row from the upper left.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,7 +30,7 @@ pub struct Parts {
     pub framed: bool,
     /// The picture; may be empty.
     pub picture: Rect,
-    /// The words below the picture, where there is no frame; empty where there is no room.
+    /// The row of words below the picture; empty where there is no room.
     pub words: Rect,
 }
 
@@ -79,7 +82,12 @@ impl Grid {
         let inner = inside(cell);
         let nothing = Rect { y: cell.bottom(), height: 0, ..cell };
         if inner != cell {
-            return Parts { framed: true, picture: inner, words: nothing };
+            if inner.height < WITH_WORDS {
+                return Parts { framed: true, picture: inner, words: nothing };
+            }
+            let picture = Rect { height: inner.height - 1, ..inner };
+            let words = Rect { y: picture.bottom(), height: 1, ..inner };
+            return Parts { framed: true, picture, words };
         }
         if cell.height < 2 {
             return Parts { framed: false, picture: cell, words: nothing };
@@ -99,7 +107,7 @@ mod tests {
             for height in 0..=120 {
                 let area = Rect { x: 1, y: 2, width, height };
                 let most = Grid::most(area);
-                assert!((1..=24).contains(&most));
+                assert!((1..=12).contains(&most));
                 // All counts where they are few, else the borders.
                 for count in [1, 2, 3, most / 2, most - 1, most] {
                     let count = count.clamp(1, most);
@@ -143,9 +151,10 @@ mod tests {
         assert_eq!(shape(78, 21, 2), (2, 1));
         assert_eq!(shape(78, 21, 8), (4, 2));
         assert_eq!(shape(60, 100, 3), (1, 3));
-        assert_eq!(shape(400, 118, 24), (6, 4));
+        assert_eq!(shape(400, 118, 12), (4, 3));
         assert_eq!(Grid::most(Rect::new(0, 0, 78, 21)), 8);
         assert_eq!(Grid::most(Rect::new(0, 0, 1, 1)), 1);
-        assert_eq!(Grid::most(Rect::new(0, 0, 398, 117)), 24);
+        assert_eq!(Grid::most(Rect::new(0, 0, 118, 38)), 12);
+        assert_eq!(Grid::most(Rect::new(0, 0, 398, 117)), 12);
     }
 }

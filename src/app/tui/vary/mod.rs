@@ -15,6 +15,7 @@ use std::sync::Arc;
 use linden::knob::{Knob, Value};
 use linden::preset::{PresetKnob, Section};
 use linden_raster::Camera;
+use linden_terminal::Encoded;
 use ratatui::layout::Rect;
 
 pub use commands::COMMANDS;
@@ -98,7 +99,7 @@ fn open(model: &mut Model, name: &'static str) {
         first,
         chosen: current,
         spread: USUAL_SPREAD,
-        one_scale: true,
+        one_scale: false,
         camera: Camera::orbit(yaw_deg, pitch_deg),
         pictures: Vec::new(),
     });
@@ -147,6 +148,9 @@ impl Gallery {
         if picture.is_empty() {
             return None;
         }
+        let medium = Medium::of(&model.terminal, model.config.settings.scenery);
+        // In so few characters a tree stands out best before nothing.
+        let medium = Medium { landscape: medium.landscape && medium.graphics.is_some(), ..medium };
         // Skeletons are alike whatever covers them.
         let covers = page.section.covers();
         Some(GalleryRequest {
@@ -158,8 +162,7 @@ impl Gallery {
             look: if covers { PictureLook::Surface } else { model.picture.look },
             one_scale: self.one_scale,
             cells: (picture.width, picture.height),
-            // Terminals show one picture of pixels at a time.
-            medium: Medium { graphics: None, ..Medium::of(&model.terminal) },
+            medium,
         })
     }
 
@@ -269,6 +272,21 @@ fn label(knob: &Knob, value: &Value) -> String {
     let has_unit = matches!(value, Value::Real(_) | Value::Integer(_)) && knob.unit != knob.name;
     let unit = if has_unit && !knob.unit.is_empty() { format!(" {}", knob.unit) } else { String::new() };
     format!("{} {value}{unit}", knob.name)
+}
+
+/// The pictures of the gallery as pixels, and the cells that they cover; `None` when no gallery is on top.
+pub fn graphics(model: &Model) -> Option<Vec<(Rect, Arc<Encoded>)>> {
+    let gallery = model.dialogs.top::<Gallery>()?;
+    let Ok(page) = gallery.page(model) else { return Some(Vec::new()) };
+    let shown = page.values.iter().enumerate().filter_map(|(index, value)| {
+        let area = Grid::parts(page.grid.cell(index)).picture;
+        let picture = gallery.picture(model, value)?;
+        // One of another size has yet to be drawn for this one.
+        let fits = picture.request.cells == (area.width, area.height);
+        let graphic = picture.result.as_ref().ok()?.graphic.as_ref().filter(|_| fits)?;
+        Some((area, Arc::clone(graphic)))
+    });
+    Some(shown.collect())
 }
 
 /// The pictures that should be on screen, `None` when there is no gallery or no room.

@@ -443,3 +443,52 @@ fn a_gallery_on_a_tiny_screen() {
     take_in(&mut model, pictures);
     insta::assert_snapshot!(text(&mut model));
 }
+
+#[test]
+fn moving_in_a_gallery_of_pixels_sends_no_pixels() {
+    use linden_terminal::{Allowance, Frame, Graphic, Screen, ScreenOptions};
+    let mut model = fir((120, 40));
+    model.terminal.graphics.value = linden_terminal::probe::Graphics::Kitty;
+    press(&mut model, "v");
+    let pictures = paint(&mut model);
+    take_in(&mut model, pictures);
+    let mut terminal = Screen::new(ScreenOptions::default());
+    let mut show = |model: &mut Model| {
+        let shown = graphics(model).unwrap();
+        assert_eq!(shown.len(), 12);
+        let graphics: Vec<Graphic> = shown
+            .into_iter()
+            .zip(1..)
+            .map(|((area, data), generation)| Graphic { generation, area, layer: 1, data })
+            .collect();
+        let buffer = screen(model);
+        let frame = Frame { buffer: &buffer, cursor: None, first: &[], late: &[], graphics: &graphics };
+        terminal.compose(&frame, Allowance::ALL).bytes
+    };
+    let first = show(&mut model);
+    assert!(first.windows(3).filter(|bytes| bytes == b"\x1b_G").count() >= 24);
+    for key in ["right", "down", "left", "up"] {
+        press(&mut model, key);
+        let moved = show(&mut model);
+        assert!(!moved.windows(3).any(|bytes| bytes == b"\x1b_G"), "{key}");
+        // Two frames of text, and what is chosen.
+        assert!(moved.len() < 1400, "{key}: {}", moved.len());
+    }
+}
+
+#[test]
+fn what_is_said_below_a_picture_is_the_difference() {
+    let mut model = fir((120, 40));
+    press(&mut model, "v");
+    let pictures = paint(&mut model);
+    let size = |index: usize| pictures[index].result.as_ref().unwrap().size;
+    let (now, other) = (size(0), size(1));
+    take_in(&mut model, pictures);
+    let text = text(&mut model);
+    let more = format!("{:+.1} m tall", other.height_m - now.height_m);
+    assert!(text.contains(&more), "{more}\n{text}");
+    let percent = ((other.width_m / now.width_m - 1.0) * 100.0).round();
+    let word = if percent < 0.0 { "narrower" } else { "wider" };
+    assert!(text.contains(&format!("{} % {word}", percent.abs())), "{text}");
+    assert!(text.contains(" m wide"), "what is set has its size");
+}

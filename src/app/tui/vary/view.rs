@@ -1,5 +1,7 @@
 //! The gallery as a dialog: the mouse, and how it is painted.
 
+use std::sync::Arc;
+
 use crossterm::event::MouseEvent;
 use linden::knob::Value;
 use ratatui::buffer::Buffer;
@@ -12,7 +14,7 @@ use unicode_width::UnicodeWidthStr;
 use super::grid::Grid;
 use super::sweep::SEED;
 use super::{CONTEXT, Gallery, GalleryPage, label};
-use crate::jobs::{SmallPicture, Thumbnail};
+use crate::jobs::{SmallPicture, Thumbnail, TreeSize};
 use crate::tui::chrome::footer::key_label;
 use crate::tui::chrome::popup::popup;
 use crate::tui::command::Context;
@@ -97,7 +99,7 @@ fn title(model: &Model, gallery: &Gallery, page: &GalleryPage) -> String {
         _ if page.knob.name == SEED => "Seeds".to_owned(),
         _ => format!("Sweep: {}", page.knob.name),
     };
-    let scale = if gallery.one_scale { "" } else { " · each in its own scale" };
+    let scale = if gallery.one_scale { " · in one scale" } else { "" };
     let (there, all) = gallery.progress(model, page);
     let progress = if there < all { format!(" · {there} of {all}") } else { String::new() };
     format!("{what}{scale}{progress}")
@@ -121,9 +123,9 @@ fn cell(
     let is_chosen = index == page.chosen;
     let now = if *value == page.current { " · now" } else { "" };
     let name = format!("{}{now}", label(&page.knob, value));
-    let facts = match thumbnail.map(|thumbnail| &thumbnail.result) {
-        Some(Ok(picture)) => facts(picture),
-        Some(Err(_)) | None => vec![String::new()],
+    let (sizes, amounts) = match thumbnail.map(|thumbnail| &thumbnail.result) {
+        Some(Ok(picture)) => (sizes(picture.size, size_set(model, page)), amounts(picture)),
+        Some(Err(_)) | None => Default::default(),
     };
     let style = if is_chosen { theme.popup_title } else { theme.popup };
     if parts.framed {
@@ -139,15 +141,19 @@ fn cell(
             (BorderType::Rounded, theme.border)
         };
         let mut block = Block::bordered().border_type(kind).border_style(lines).title(top);
-        let facts = fitting(facts, room);
-        if !facts.is_empty() {
-            let line = Line::styled(format!(" {facts} "), theme.popup_dim).right_aligned();
+        let below = fitting(if parts.words.is_empty() { sizes.clone() } else { amounts }, room);
+        if !below.is_empty() {
+            let line = Line::styled(format!(" {below} "), theme.popup_dim).right_aligned();
             block = block.title_bottom(line);
         }
         block.render(area, buffer);
+        if !parts.words.is_empty() {
+            let width = usize::from(parts.words.width).saturating_sub(2);
+            buffer.set_stringn(parts.words.x + 1, parts.words.y, fitting(sizes, width), width, theme.popup);
+        }
     } else {
         let all: Vec<String> =
-            facts.iter().map(|facts| format!("{name} · {facts}")).chain([name.clone()]).collect();
+            sizes.iter().map(|size| format!("{name} · {size}")).chain([name.clone()]).collect();
         let width = usize::from(parts.words.width);
         let text = if thumbnail.is_some() { fitting(all, width) } else { clipped(&name, width) };
         if !parts.words.is_empty() {
@@ -168,10 +174,54 @@ fn cell(
     }
 }
 
-/// What is said of a tree: as much as may be, and less where there is less room.
-fn facts(picture: &SmallPicture) -> Vec<String> {
-    let (nodes, height) = (thousands(picture.nodes as u64), metres(picture.height_m));
-    vec![format!("{nodes} nodes · {height} m"), format!("{nodes} · {height} m"), format!("{height} m")]
+/// The size of the tree with what is set now, where that is known.
+fn size_set(model: &Model, page: &GalleryPage) -> Option<TreeSize> {
+    let tree = model.tree.as_ref()?;
+    let shown = tree.shown.as_ref().filter(|shown| Arc::ptr_eq(&shown.recipe, tree.recipe()));
+    let seen = || {
+        let gallery = model.dialogs.find::<Gallery>()?;
+        gallery.picture(model, &page.current)?.result.as_ref().ok().map(|picture| picture.size)
+    };
+    shown.map(|shown| TreeSize::of(&shown.measures, shown.grown.organs.len())).or_else(seen)
+}
+
+/// How much larger or smaller a tree is than the one that is set; its size where that is not known. As much as
+/// may be, and less where there is less room.
+fn sizes(size: TreeSize, set: Option<TreeSize>) -> Vec<String> {
+    let absolute = || {
+        let (height, width) = (metres(size.height_m), metres(size.width_m));
+        vec![format!("{height} m tall · {width} m wide"), format!("{height} m tall"), format!("{height} m")]
+    };
+    let Some(set) = set.filter(|set| *set != size) else { return absolute() };
+    let more_m = size.height_m - set.height_m;
+    // Steps of a hundredth or so of the tree.
+    let digits = match set.height_m {
+        m if m >= 3.0 => 1,
+        m if m >= 0.3 => 2,
+        _ => 3,
+    };
+    let taller = match format!("{more_m:+.digits$}") {
+        none if none.trim_start_matches(['+', '-', '0', '.']).is_empty() => "as tall".to_owned(),
+        more => format!("{more} m tall"),
+    };
+    let percent = ((size.width_m / set.width_m.max(1e-9) - 1.0) * 100.0).round();
+    let wider = match percent {
+        _ if !percent.is_finite() => return vec![taller],
+        0.0 => "as wide".to_owned(),
+        more if more > 0.0 => format!("{more} % wider"),
+        less => format!("{} % narrower", -less),
+    };
+    vec![format!("{taller} · {wider}"), taller.clone(), format!("{} m", metres(size.height_m))]
+}
+
+/// What there is most of.
+fn amounts(picture: &SmallPicture) -> Vec<String> {
+    let nodes = format!("{} nodes", thousands(picture.nodes as u64));
+    match picture.size.leaves {
+        0 => vec![nodes],
+        1 => vec!["1 leaf".to_owned()],
+        leaves => vec![format!("{} leaves", thousands(leaves as u64))],
+    }
 }
 
 /// The first text that fits, or the last one cut.
