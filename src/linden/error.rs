@@ -9,7 +9,7 @@ use linden_pipeline::dress::DetailError;
 use linden_pipeline::grow::GrowError;
 use linden_pipeline::input::InputError;
 use linden_pipeline::lsystem::GrammarError;
-use linden_pipeline::preset::{DefineError, KnobError, RecipeError, UnknownPreset};
+use linden_pipeline::preset::{DefineError, KnobError, RecipeError, ShortEditError, UnknownPreset};
 use linden_pipeline::report::ReportError;
 use linden_raster::RasterError;
 
@@ -70,6 +70,9 @@ pub enum Error {
     /// A constant that the grammar has not, or a value that it does not take.
     #[error(transparent)]
     Define(#[from] DefineError),
+    /// An edit of the wood that is none.
+    #[error(transparent)]
+    Edit(#[from] ShortEditError),
     /// Nothing grew.
     #[error(transparent)]
     Grow(#[from] GrowError),

@@ -94,6 +94,25 @@ impl Tree {
         Ok(self)
     }
 
+    /// With an edit of its wood, as `--edit text` does: of one axis, named by its path in the tree as it grows. What is
+    /// edited is found by the path alone; an axis that is not there is said among [`GrownTree::notes`].
+    ///
+    /// ```
+    /// let whole = linden::tree("fir")?.set("points", "300")?;
+    /// let cut = whole.clone().edit("cut stem 0.5")?.grow()?;
+    /// assert!(cut.measures().height_m < whole.clone().grow()?.measures().height_m);
+    /// let notes = whole.edit("remove stem2")?.grow()?.notes().join("");
+    /// assert!(notes.starts_with("edit 1 (remove stem2) was left out: the tree has no stem2: it has 1 stem"));
+    /// # Ok::<(), linden::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Edit`]: no operation or axis, or a value that the operation does not take.
+    pub fn edit(mut self, text: &str) -> Result<Self, Error> {
+        self.recipe.preset.edit(text)?;
+        Ok(self)
+    }
+
     /// With a monitor, which hears of progress, can cancel, and limits memory. Without one there is no progress
     /// and no limit.
     #[must_use]

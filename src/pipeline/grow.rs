@@ -7,6 +7,7 @@ use linden_base::monitor::Holding;
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_plant::Body;
 use linden_plant::foliage::{self, FoliageError, Organs};
+use linden_skeleton::edit::{AxisPath, AxisPaths, Edit, EditError, Edited, Operation, Origins, Remark, edit};
 use linden_skeleton::generator::{Branched, GeneratorError};
 use linden_skeleton::refine::{RefineError, Room, refine};
 use linden_skeleton::{AxisRule, NO_PARENT, Skeleton, SkeletonError, Wood};
@@ -22,6 +23,12 @@ pub use linden_skeleton::generator::{Colonized, Fit, Scanned, Spread};
 pub struct Grown {
     /// The axial tree.
     pub skeleton: Arc<Skeleton>,
+    /// The tree before its wood was edited and before it was made younger.
+    pub as_grown: AsGrown,
+    /// Where nodes and axes of `skeleton` are from; `None`: it is the tree as grown.
+    pub origins: Option<Arc<Origins>>,
+    /// What is to be known of edits of the wood that were not made, or not as they say; among the notes, too.
+    pub remarks: Vec<Remark>,
     /// The settings that its radii were made by, with the rule settled: for [`Skeleton::until`].
     pub wood: Wood,
     /// Leaves and other organs on it.
@@ -36,10 +43,96 @@ pub struct Grown {
     pub notes: Vec<String>,
 }
 
+/// A tree as it grew: edits of the wood name its axes.
+#[derive(Clone, Debug)]
+pub struct AsGrown {
+    /// The axial tree.
+    pub skeleton: Arc<Skeleton>,
+    /// The organs that its generator placed.
+    pub given: Arc<Organs>,
+    /// The share of its births that is to be shown; `None`: all.
+    pub age: Option<f64>,
+    /// The most nodes that it may have.
+    pub most_nodes: u64,
+}
+
+impl AsGrown {
+    /// Bytes that it takes beside what a tree holds of it.
+    fn bytes_beside(&self, grown: &Grown) -> u64 {
+        let skeleton = if Arc::ptr_eq(&self.skeleton, &grown.skeleton) { 0 } else { self.skeleton.bytes() };
+        let given = if Arc::ptr_eq(&self.given, &grown.given) { 0 } else { self.given.bytes() };
+        skeleton + given
+    }
+}
+
 impl Grown {
+    /// A tree that is nothing but its wood and what grows on it.
+    pub fn of(skeleton: Arc<Skeleton>, wood: Wood, organs: Arc<Organs>, given: Arc<Organs>) -> Self {
+        let most_nodes = skeleton.positions.len() as u64;
+        let (as_skeleton, as_given) = (Arc::clone(&skeleton), Arc::clone(&given));
+        let as_grown = AsGrown { skeleton: as_skeleton, given: as_given, age: None, most_nodes };
+        let (origins, symbols, colonized) = (None, None, None);
+        let (remarks, notes) = (Vec::new(), Vec::new());
+        Self { skeleton, as_grown, origins, remarks, wood, organs, given, symbols, colonized, notes }
+    }
+
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
-        self.body().bytes() + self.colonized.as_ref().map_or(0, Colonized::bytes)
+        self.body().bytes()
+            + self.as_grown.bytes_beside(self)
+            + self.origins.as_ref().map_or(0, |origins| origins.bytes())
+            + self.colonized.as_ref().map_or(0, Colonized::bytes)
+    }
+
+    /// The paths of all axes of the tree as grown: what [`Grown::axis_path`] goes by.
+    pub fn axis_paths(&self) -> AxisPaths {
+        AxisPaths::new(&self.as_grown.skeleton)
+    }
+
+    /// The path by which edits name an axis of the skeleton (with `paths` those of [`Grown::axis_paths`]); `None` where
+    /// there is no such axis.
+    ///
+    /// ```
+    /// use linden_pipeline::{Quiet, grow::grow, preset::builtin, recipe::Recipe};
+    /// let mut fir = builtin("fir")?.load()?;
+    /// fir.edit("remove stem/1")?;
+    /// let grown = grow(&Recipe::new(fir), &Quiet)?;
+    /// let paths = grown.axis_paths();
+    /// let of = |axis| grown.axis_path(axis, &paths).map(|path| path.to_string());
+    /// assert_eq!(of(0).as_deref(), Some("stem"));
+    /// assert!((0..grown.skeleton.axes.len() as u32).all(|axis| of(axis).as_deref() != Some("stem/1")));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn axis_path(&self, axis: u32, paths: &AxisPaths) -> Option<AxisPath> {
+        match &self.origins {
+            Some(origins) => origins.path(axis, paths),
+            None => paths.path(axis),
+        }
+    }
+
+    /// An edit of an axis of the skeleton, which finds it again when other knobs change the tree a little; `None` where
+    /// there is no such axis.
+    pub fn edit_of(&self, axis: u32, operation: Operation, paths: &AxisPaths) -> Option<Edit> {
+        let path = self.axis_path(axis, paths)?;
+        Some(Edit::new(path, operation).witnessed(&self.as_grown.skeleton, paths))
+    }
+
+    /// The tree at a step of its growth, edited as it is: [`Skeleton::until`].
+    pub fn until(&self, step: u32, key: linden_base::random::Key) -> Skeleton {
+        match self.origins.as_ref().filter(|_| !self.skeleton.marks.is_empty()) {
+            Some(origins) => {
+                origins.until((&self.skeleton, &self.as_grown.skeleton), step, &self.wood, key).0
+            }
+            None => self.skeleton.until(step, &self.wood, key),
+        }
+    }
+
+    /// Asks for the memory that [`Grown::until`] takes, the skeleton included.
+    ///
+    /// # Errors
+    /// [`OverMemory`].
+    pub fn admit_until(&self, monitor: &dyn Monitor) -> Result<(), OverMemory> {
+        admit_until((&self.skeleton, &self.as_grown.skeleton), &self.wood, monitor)
     }
 
     /// The fingerprints of the tree.
@@ -76,6 +169,9 @@ pub enum GrowError {
     /// Refinement.
     #[error("refining: {0}")]
     Refine(#[source] RefineError),
+    /// Edits of the wood.
+    #[error("editing the wood: {0}")]
+    Edit(#[source] EditError),
     /// The skeleton.
     #[error("building the skeleton: {0}")]
     Skeleton(#[from] SkeletonError),
@@ -97,7 +193,7 @@ pub enum GrowError {
     },
 }
 
-linden_base::from_cancellable!(GrowError: RefineError => Refine, FoliageError => Foliage);
+linden_base::from_cancellable!(GrowError: RefineError => Refine, EditError => Edit, FoliageError => Foliage);
 
 impl From<GeneratorError> for GrowError {
     fn from(error: GeneratorError) -> Self {
@@ -166,21 +262,120 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
         }),
         None => None,
     };
-    let skeleton = match branched.age {
-        Some(age) => aged(&skeleton, age, &wood, &recipe.preset, monitor)?,
-        None => skeleton,
-    };
-    let given = Arc::new(organs);
+    let as_grown =
+        AsGrown { skeleton, given: Arc::new(organs), age: branched.age, most_nodes: branched.most_nodes };
+    let Shaped { skeleton, given, origins, remarks } = shape(&as_grown, &wood, &recipe.preset, monitor)?;
     let monitor = Holding::new(monitor, skeleton.bytes());
+    let mut notes = branched.notes;
+    notes.extend(remarks.iter().map(ToString::to_string));
     Ok(Grown {
         organs: sprout(recipe, &skeleton, &given, &monitor)?,
         given,
         skeleton,
+        as_grown,
+        origins,
+        remarks,
         wood,
         symbols: branched.symbols,
         colonized: colonized.map(|colonized| Colonized { scan, ..colonized }),
-        notes: branched.notes,
+        notes,
     })
+}
+
+/// The tree of a recipe that differs in its edits and in what covers the wood alone from the one that `grown` grew
+/// from: the same as of [`grow`], without growing it again.
+///
+/// ```
+/// use linden_pipeline::{Quiet, grow::{grow, reedit}, preset::builtin, recipe::Recipe};
+/// let mut fir = builtin("fir")?.load()?;
+/// let grown = grow(&Recipe::new(fir.clone()), &Quiet)?;
+/// fir.edit("cut stem 0.5")?;
+/// let recipe = Recipe::new(fir);
+/// assert_eq!(reedit(&grown, &recipe, &Quiet)?.hash(), grow(&recipe, &Quiet)?.hash());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// As [`grow`], as far as it has to do with edits and leaves.
+pub fn reedit(grown: &Grown, recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> {
+    recipe.check_inputs()?;
+    let as_grown = grown.as_grown.clone();
+    let held = recipe.inputs.bytes() + grown.bytes();
+    let monitor = Holding::new(monitor, held);
+    let Shaped { skeleton, given, origins, remarks } =
+        shape(&as_grown, &grown.wood, &recipe.preset, &monitor)?;
+    let before: Vec<String> = grown.remarks.iter().map(ToString::to_string).collect();
+    let of_growth = grown.notes.iter().filter(|note| !before.contains(note)).cloned();
+    let notes = of_growth.chain(remarks.iter().map(ToString::to_string)).collect();
+    let monitor = Holding::new(&monitor, skeleton.bytes());
+    Ok(Grown {
+        organs: sprout(recipe, &skeleton, &given, &monitor)?,
+        given,
+        skeleton,
+        as_grown,
+        origins,
+        remarks,
+        wood: grown.wood,
+        symbols: grown.symbols,
+        colonized: grown.colonized.clone(),
+        notes,
+    })
+}
+
+/// What becomes of a tree as it grew.
+struct Shaped {
+    skeleton: Arc<Skeleton>,
+    given: Arc<Organs>,
+    origins: Option<Arc<Origins>>,
+    remarks: Vec<Remark>,
+}
+
+/// Edits the wood, and then makes the tree as young as it is to be shown.
+fn shape(
+    as_grown: &AsGrown,
+    wood: &Wood,
+    preset: &Preset,
+    monitor: &dyn Monitor,
+) -> Result<Shaped, GrowError> {
+    let AsGrown { skeleton: grown, given, age, most_nodes } = as_grown;
+    let mut shaped =
+        Shaped { skeleton: Arc::clone(grown), given: Arc::clone(given), origins: None, remarks: Vec::new() };
+    if !preset.edits.is_empty() {
+        let Edited { skeleton, organs, origins, remarks } =
+            edit(grown, given, &preset.edits, *most_nodes, monitor)?;
+        shaped.remarks = remarks;
+        shaped.skeleton = Arc::new(skeleton);
+        shaped.given = Arc::new(organs);
+        shaped.origins = Some(Arc::new(origins));
+    }
+    let Some(age) = *age else { return Ok(shaped) };
+    let held = shaped.origins.as_ref().map_or(0, |origins| origins.bytes());
+    admit_until((&shaped.skeleton, grown), wood, &Holding::new(monitor, held))?;
+    let (step, key) = (step_of(grown, age), preset.wood_key());
+    let (young, origins) = match &shaped.origins {
+        Some(origins) => origins.until((&shaped.skeleton, grown), step, wood, key),
+        None => {
+            let young = grown.until(step, wood, key);
+            let origins = Origins::of_young(grown, &young, step);
+            (young, origins)
+        }
+    };
+    shaped.skeleton = Arc::new(young);
+    shaped.origins = Some(Arc::new(origins));
+    Ok(shaped)
+}
+
+/// Asks for the memory of a tree that was edited and as it grew, and of a younger one.
+fn admit_until(
+    (skeleton, grown): (&Skeleton, &Skeleton),
+    wood: &Wood,
+    monitor: &dyn Monitor,
+) -> Result<(), OverMemory> {
+    if skeleton.marks.is_empty() {
+        return skeleton.admit_until(wood, monitor);
+    }
+    // Both trees young, and where their nodes are from.
+    grown.admit_until(wood, &Holding::new(monitor, 3 * skeleton.bytes()))
 }
 
 /// Everything that grows on a skeleton: what its generator placed, and the leaves of the recipe.
@@ -211,23 +406,15 @@ pub fn outline(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Vec<Vec<glam::V
     Ok(recipe.preset.generator.outline(&recipe.task(), monitor)?)
 }
 
-/// The tree as it was after a share of its births; the first segment at least.
-fn aged(
-    skeleton: &Skeleton,
-    age: f64,
-    wood: &Wood,
-    preset: &Preset,
-    monitor: &dyn Monitor,
-) -> Result<Arc<Skeleton>, OverMemory> {
-    skeleton.admit_until(wood, monitor)?;
+/// The step after a share of a tree's births, at which it has its first segment at least.
+fn step_of(skeleton: &Skeleton, age: f64) -> u32 {
     let last = skeleton.births.iter().copied().max().unwrap_or(0);
     let on_foot = |&node: &usize| {
         let parent = skeleton.parents[node];
         parent != NO_PARENT && skeleton.parents[parent as usize] == NO_PARENT
     };
     let first = (0..skeleton.parents.len()).filter(on_foot).map(|node| skeleton.births[node]).min();
-    let step = (libm::ceil(age * f64::from(last)) as u32).max(first.unwrap_or(0));
-    Ok(Arc::new(skeleton.until(step, wood, preset.wood_key())))
+    (libm::ceil(age * f64::from(last)) as u32).max(first.unwrap_or(0))
 }
 
 /// What becomes of what a generator leaves behind.

@@ -5,8 +5,10 @@
 
 mod axes;
 mod cylinders;
+pub mod edit;
 mod fingerprint;
 pub mod generator;
+mod marks;
 mod measure;
 mod memory;
 pub mod organs;
@@ -25,6 +27,7 @@ use linden_base::random::Key;
 
 pub use axes::Forks;
 pub use cylinders::Cylinder;
+pub use marks::{Marks, Tips};
 pub use measure::{BREAST_HEIGHT_M, Measures};
 pub use radii::axes_by_tips;
 pub use radii::pipe::count_tips;
@@ -94,6 +97,8 @@ pub struct Skeleton {
     pub axis_nodes: Vec<u32>,
     /// How the radius goes from node to node.
     pub width_steps: WidthSteps,
+    /// What editing left behind ([`edit`]); empty as grown.
+    pub marks: Marks,
 }
 
 /// Why a branching is no tree. A generator that returns such a thing has a bug, but callers of the
@@ -235,7 +240,8 @@ impl Skeleton {
         let edges = edges.filter(|_| wood.axes != AxisRule::Thickest);
         let Built { axes, axis_nodes, radii } =
             radii::build(&positions, &parents, given, edges.as_deref(), wood, key);
-        Ok(Self { positions, parents, radii, births, axes, axis_nodes, width_steps: wood.width_steps })
+        let (width_steps, marks) = (wood.width_steps, Marks::default());
+        Ok(Self { positions, parents, radii, births, axes, axis_nodes, width_steps, marks })
     }
 
     /// The nodes of an axis, base to apex.
@@ -260,6 +266,13 @@ impl Skeleton {
         fingerprint.words(self.axis_nodes.iter().copied());
         if self.width_steps == WidthSteps::Cylinder {
             fingerprint.words([1]);
+        }
+        if !self.marks.is_empty() {
+            let Marks { numbers, cuts, tips } = &self.marks;
+            fingerprint.words(numbers.iter().copied());
+            fingerprint.words(cuts.iter().copied());
+            let bits = tips.map_or(0, |tips| tips.radii_m.to_bits());
+            fingerprint.words([bits as u32, (bits >> 32) as u32, tips.map_or(0, |tips| tips.count)]);
         }
         fingerprint.finish()
     }

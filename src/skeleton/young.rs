@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::radii::{self, Built};
-use super::{Edge, NO_PARENT, Skeleton, Wood};
+use super::{Edge, Marks, NO_PARENT, Skeleton, Wood};
 use linden_base::random::Key;
 
 impl Skeleton {
@@ -65,7 +65,8 @@ impl Skeleton {
         let parents: Vec<u32> = nodes.iter().map(parent).collect();
         let Built { axes, axis_nodes, radii } =
             radii::build_young(self, &nodes, &positions, &parents, wood, key);
-        Self { positions, parents, radii, births, axes, axis_nodes, width_steps: self.width_steps }
+        let (width_steps, marks) = (self.width_steps, Marks::default());
+        Self { positions, parents, radii, births, axes, axis_nodes, width_steps, marks }
     }
 
     /// How each of some nodes is joined to its parent.

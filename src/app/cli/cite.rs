@@ -119,6 +119,7 @@ impl Cite {
             && let Some(described) = Described::find(named, progress)?
         {
             self.growing.without_defines("a forest has several trees")?;
+            self.growing.without_edits("a forest has several trees")?;
             let source = described.shown();
             let mut forest = described.resolve(&mut Vec::new(), progress)?;
             for (name, value) in self.growing.pairs()? {
@@ -157,9 +158,9 @@ impl Cite {
 
     /// The command line that does something else with the same source.
     fn command(&self, command: &str) -> String {
-        let GrowArgs { source, settings, defines, seed } = &self.growing;
+        let GrowArgs { source, settings, defines, edits, seed } = &self.growing;
         let mut words = vec!["linden".to_owned(), command.to_owned(), crate::paths::show(source)];
-        for (flag, pairs) in [("--set", settings), ("--define", defines)] {
+        for (flag, pairs) in [("--set", settings), ("--define", defines), ("--edit", edits)] {
             words.extend(pairs.iter().flat_map(|pair| [flag.to_owned(), printable(pair)]));
         }
         words.extend(seed.iter().flat_map(|seed| ["--seed".to_owned(), seed.to_string()]));

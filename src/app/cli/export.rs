@@ -85,6 +85,7 @@ impl Export {
         };
         if !self.further.is_empty() {
             self.growing.without_defines("export each by itself")?;
+            self.growing.without_edits("export each by itself")?;
             if self.seasons.is_some() {
                 return Err(usage(
                     "--seasons is for one source: export each by itself, or turn all to one with --set season=summer",

@@ -1,6 +1,7 @@
 //! The command line: one file per subcommand, one table ([`CliCommand`]) that parsing, help,
 //! completions and the manual are made from.
 
+mod axes;
 mod batch;
 mod bench;
 mod cite;
@@ -141,6 +142,11 @@ struct GrowArgs {
     #[arg(long = "define", value_name = "NAME=VALUE", add = complete::constants())]
     defines: Vec<String>,
 
+    /// Edit the wood, like 'remove stem/12' or 'bend stem/4 30 towards=0,-1,0' ('linden show SOURCE --axes' lists the
+    /// axes); may be given several times, behind the edits of the source
+    #[arg(long = "edit", value_name = "EDIT")]
+    edits: Vec<String>,
+
     /// The root of all random choices; the same as --set seed=N
     #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = whole)]
     seed: Option<u64>,
@@ -187,6 +193,9 @@ impl GrowArgs {
     ) -> anyhow::Result<Source> {
         let mut source = source::resolve(&self.source, pairs, progress)?;
         define(&mut source, &self.defines)?;
+        for edit in &self.edits {
+            source.recipe.preset.edit(edit).map_err(exit::usage)?;
+        }
         notes(&source.notes, progress);
         let preset = &source.recipe.preset;
         let mut idle = idle(preset, pairs);
@@ -206,6 +215,14 @@ impl GrowArgs {
             return Ok(());
         }
         Err(exit::usage(format!("--define is for one tree of a grammar; {instead}")))
+    }
+
+    /// Refuses `--edit` where there is no one tree.
+    fn without_edits(&self, instead: &str) -> anyhow::Result<()> {
+        if self.edits.is_empty() {
+            return Ok(());
+        }
+        Err(exit::usage(format!("--edit is for one tree; {instead}")))
     }
 
     /// What `--set` and `--seed` say, as names and values, the seed last.

@@ -4,8 +4,11 @@
 use clap::Args;
 use linden::generators;
 use linden::knob::{FARTHEST, Kind, Knob};
-use linden::preset::{BarkSettings, FileKey, KNOBS, LEAF_KNOBS, LeafKind, MOST_KINDS, Section};
+use linden::preset::{
+    BarkSettings, EDIT_OPERATION, EDITS, FileKey, KNOBS, LEAF_KNOBS, LeafKind, MOST_KINDS, Section,
+};
 use linden::report::{NUMBERS, Number};
+use linden::skeleton::edit::{EDIT_KNOBS, EDIT_PATHS, Edit, MOST_EDITS, Operation};
 use linden::skeleton::generator::{KeyContent, TableKey, Tables};
 use linden_exporters::REGISTRY;
 use serde_json::{Map, Value, json};
@@ -100,6 +103,7 @@ fn document() -> Value {
         let table = json!({ "type": "object", "properties": keys, "additionalProperties": false });
         properties.insert(section.key().to_owned(), table);
     }
+    properties.insert(EDITS.to_owned(), edits());
     let one_of: Vec<Value> =
         generators::all().iter().map(|generator| json!({ "required": [generator.id()] })).collect();
     let formats: Map<String, Value> = REGISTRY
@@ -128,6 +132,42 @@ fn document() -> Value {
         "properties": properties,
         "additionalProperties": false,
         "$defs": { "export options": { "type": "object", "properties": formats } },
+    })
+}
+
+/// Edits of the wood: for each operation the keys that it has.
+fn edits() -> Value {
+    let item = |word: &&str| {
+        let edit = Edit::named(word)?;
+        let mut keys: Map<String, Value> = EDIT_KNOBS
+            .iter()
+            .filter(|row| row.is_of(&edit.operation))
+            .map(|row| (row.knob.name.to_owned(), of(&row.knob)))
+            .collect();
+        let mut required = vec![EDIT_OPERATION];
+        for row in EDIT_PATHS.iter().filter(|row| row.is_of(&edit.operation)) {
+            let pattern = "^(stem|new)([1-9][0-9]*)?(/[1-9][0-9]*)*$";
+            let schema = json!({ "type": "string", "pattern": pattern, "description": row.help });
+            keys.insert(row.name.to_owned(), schema);
+            required.push(row.name);
+        }
+        if *word == "curve" {
+            required.push("points");
+        }
+        keys.insert(EDIT_OPERATION.to_owned(), json!({ "const": word }));
+        Some(json!({
+            "type": "object",
+            "required": required,
+            "properties": keys,
+            "additionalProperties": false,
+        }))
+    };
+    let items: Vec<Value> = Operation::WORDS.iter().filter_map(item).collect();
+    json!({
+        "type": "array",
+        "items": { "oneOf": items },
+        "maxItems": MOST_EDITS,
+        "description": "edits of single axes of the grown tree, in their order",
     })
 }
 

@@ -8,6 +8,7 @@ use linden::recipe::Recipe;
 use serde::Serialize;
 
 use super::GrowArgs;
+use super::axes::AxisList;
 use super::forest::Described;
 use super::forest_page::{self, As};
 use super::size::{SizeRow, count};
@@ -17,6 +18,7 @@ use crate::progress::Progress;
 
 /// Say what a source is, which knobs it has, and how large it would grow
 #[derive(Args)]
+#[allow(clippy::struct_excessive_bools, reason = "a bool for each flag")]
 pub struct Show {
     #[command(flatten)]
     growing: GrowArgs,
@@ -32,6 +34,10 @@ pub struct Show {
     /// Only what differs from the defaults: of the knobs, or of the document with --toml
     #[arg(long)]
     changed: bool,
+
+    /// Grow it, and list its axes by the paths that edits name them with (--edit), and nothing else
+    #[arg(long, conflicts_with_all = ["toml", "changed", "derive"])]
+    axes: bool,
 
     /// The string that a grammar derives in so many steps, and nothing else
     #[arg(long, value_name = "STEPS", conflicts_with_all = ["json", "toml", "changed"])]
@@ -111,6 +117,10 @@ impl Show {
             && let Some(forest) = Described::find(named, &progress)?
         {
             self.growing.without_defines("a forest has several trees")?;
+            self.growing.without_edits("a forest has several trees")?;
+            if self.axes {
+                return Err(usage("--axes is for one tree, and a forest has several"));
+            }
             if self.derive.is_some() {
                 return Err(usage("--derive is for one grammar, and a forest has several trees"));
             }
@@ -138,6 +148,10 @@ impl Show {
             };
             let settings = TurtleSettings { derivations: steps, ..lsystem.turtle(preset.seed) };
             return super::print(&(derive_string(&lsystem.grammar, &settings)? + "\n"));
+        }
+        if self.axes {
+            let list = AxisList::of(&super::grown(&source, &progress)?);
+            return if self.json { super::print_json(&list) } else { super::print(&list.text()) };
         }
         if self.toml {
             let text = if self.changed { preset.to_toml_changed()? } else { preset.to_toml()? };
@@ -233,6 +247,10 @@ fn page(recipe: &Recipe, knobs: &[KnobRow], forecast: Option<&ForecastRow>, only
     }
     if let Some(forecast) = forecast {
         text.push_str(&forecast.lines());
+    }
+    if !preset.edits.is_empty() {
+        text.push_str("\nedits of the wood\n");
+        preset.edits.iter().for_each(|edit| text.push_str(&format!("  {edit}\n")));
     }
     let [name_width, value_width] = [
         knobs.iter().map(|row| row.name.len()).max().unwrap_or(0),

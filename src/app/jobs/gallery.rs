@@ -299,15 +299,8 @@ impl Studio<'_> {
         let mut recipe = (*sitter.recipe).clone();
         recipe.preset.dressing.bark.size_px = recipe.preset.dressing.bark.size_px.min(BARK_PX);
         recipe.preset.dressing.foliage.size_px = recipe.preset.dressing.foliage.size_px.min(LEAF_PX);
-        let grown = Grown {
-            skeleton: Arc::clone(&sitter.plant.skeleton),
-            wood: recipe.preset.wood,
-            organs: Arc::clone(&sitter.plant.organs),
-            given: Arc::clone(&sitter.plant.given),
-            symbols: None,
-            colonized: None,
-            notes: Vec::new(),
-        };
+        let Plant { skeleton, organs, given } = sitter.plant.clone();
+        let grown = Grown::of(skeleton, recipe.preset.wood, organs, given);
         let scene = dress(&recipe, &grown, self.monitor).map_err(|error| match error {
             DressError::Cancelled(_) => NoPicture::Cancelled,
             other => NoPicture::Because(other.to_string()),

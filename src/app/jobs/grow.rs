@@ -111,12 +111,8 @@ pub fn stage(shown: &ShownTree, step: u32, watcher: &Watcher<'_>) -> Result<Opti
     let Some(derived) = recipe.preset.generator.derived(step) else {
         let organs_bytes = shown.grown.bytes() - shown.grown.skeleton.bytes();
         let beside = Holding::new(watcher, organs_bytes);
-        shown
-            .grown
-            .skeleton
-            .admit_until(&shown.grown.wood, &beside)
-            .map_err(|over| Some(over.to_string()))?;
-        let young = shown.grown.skeleton.until(step, &shown.grown.wood, recipe.preset.wood_key());
+        shown.grown.admit_until(&beside).map_err(|over| Some(over.to_string()))?;
+        let young = shown.grown.until(step, recipe.preset.wood_key());
         if young.positions.is_empty() {
             return Ok(None);
         }

@@ -119,6 +119,8 @@ pub fn sample(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Sample, GrowErro
     let mut bare = recipe.clone();
     bare.preset.dressing.foliage.first.form = Form::None;
     bare.preset.dressing.foliage.also.clear();
+    // They name axes of the whole tree.
+    bare.preset.edits.clear();
     let (mut recipe, mut grown, multiple) = small(bare, monitor)?;
     let Multiple { wood_times, mut leaf_times, point_times, crowding, coarser } = multiple;
     // More could not be counted in bytes, and nothing is so large.

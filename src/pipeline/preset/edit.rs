@@ -8,8 +8,10 @@ use std::mem;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, Formatted, Item, TableLike, Value};
 
 use linden_plant::settings::LeafKind;
+use linden_skeleton::edit::Edit as WoodEdit;
 use linden_skeleton::generator::KeyContent;
 
+use super::edits::EDIT_OPERATION;
 use super::{Preset, former};
 use crate::generators;
 
@@ -25,8 +27,8 @@ pub enum EditError {
     Toml(#[from] toml_edit::TomlError),
 }
 
-/// Keys that say what a preset, a part or a kind of leaves is: never a default.
-const ALWAYS: [&str; 4] = ["id", "crown", "role", "mesh"];
+/// Keys that say what a preset, a part, a kind of leaves or an edit is: never a default.
+const ALWAYS: [&str; 7] = ["id", "crown", "role", "mesh", EDIT_OPERATION, "axis", "from"];
 
 /// Whether a key says what something is: one of [`ALWAYS`], or a generator's that is no knob.
 fn is_always(key: &str) -> bool {
@@ -90,6 +92,7 @@ impl Preset {
     pub fn plain(&self) -> Self {
         let mut plain = Self::of_boxed(&self.id, self.generator.plain());
         plain.dressing.foliage.also = vec![LeafKind::default(); self.dressing.foliage.also.len()];
+        plain.edits = self.edits.iter().map(WoodEdit::plain).collect();
         plain
     }
 

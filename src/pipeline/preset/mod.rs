@@ -2,6 +2,7 @@
 
 mod define;
 mod edit;
+mod edits;
 #[cfg(test)]
 mod foliage_tests;
 mod former;
@@ -22,11 +23,13 @@ use linden_base::knob::{Knob, Value, nearest, printable};
 use linden_base::random::Key;
 use linden_plant::settings::Dressing;
 use linden_skeleton::Wood;
+use linden_skeleton::edit::Edit as WoodEdit;
 use linden_skeleton::generator::{Asked, Generator, Settings};
 use linden_skeleton::refine::Refinement;
 
 pub use define::DefineError;
 pub use edit::EditError;
+pub use edits::{EDIT_OPERATION, EDITS, ShortEditError};
 pub use knobs::{KNOBS, PresetKnob, Section};
 pub use library::{Builtin, BuiltinSize, RecipeError, UnknownPreset, builtin, builtin_file, builtins};
 pub use linden_base::document::{Fault, FileKey, TextPlace};
@@ -67,6 +70,8 @@ pub struct Preset {
     pub refinement: Refinement,
     /// How thick it is.
     pub wood: Wood,
+    /// Edits of single axes of the grown tree, in their order.
+    pub edits: Vec<WoodEdit>,
     /// How it looks.
     pub dressing: Dressing,
 }

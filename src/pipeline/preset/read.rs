@@ -8,6 +8,7 @@ use linden_skeleton::Wood;
 use linden_skeleton::generator::{Asked, Generator, Settings};
 use linden_skeleton::refine::Refinement;
 
+use super::edits::{self, EDITS};
 use super::knobs::{KNOBS, Section};
 use super::{Colonization, LSystem, Preset, ScanSettings, Space, former};
 use crate::generators;
@@ -65,6 +66,7 @@ impl Preset {
             generator,
             refinement: Refinement::default(),
             wood: Wood::default(),
+            edits: Vec::new(),
             dressing: Dressing::default(),
         }
     }
@@ -145,6 +147,7 @@ fn read(mut document: Node, text: Option<&str>) -> Result<Preset, Fault> {
                     return Err(entry.node.mismatch(&entry.key, "a table"));
                 }
             }
+            None if entry.key == EDITS => preset.edits = edits::read(&entry.node)?,
             None if HEADINGS.contains(&entry.key.as_str()) => {}
             None => turn(&mut preset, Section::Tree, entry)?,
         }
@@ -258,6 +261,7 @@ fn unknown(preset: &Preset, section: Section, key: &str) -> String {
     names.extend(materials(preset, section));
     if section == Section::Tree {
         names.extend(HEADINGS);
+        names.push(EDITS);
         names.extend(Section::all().iter().map(|s| s.key()).filter(|s| !s.is_empty()));
     }
     match nearest(&key, names.iter().copied()) {

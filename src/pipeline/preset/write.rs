@@ -9,6 +9,7 @@ use linden_plant::settings::{ALSO, LeafKind};
 use linden_skeleton::generator::Written;
 
 use super::Preset;
+use super::edits::{EDITS, WrittenEdit};
 use super::knobs::Section;
 
 impl Serialize for Preset {
@@ -44,6 +45,9 @@ impl Preset {
             } else if !knobs.is_empty() {
                 map.serialize_entry(section.key(), &knobs)?;
             }
+        }
+        if !self.edits.is_empty() {
+            map.serialize_entry(EDITS, &self.edits.iter().map(WrittenEdit).collect::<Vec<_>>())?;
         }
         Ok(())
     }

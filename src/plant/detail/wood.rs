@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use super::Detail;
 use linden_base::monitor::{Cancelled, Monitor};
-use linden_skeleton::{Axis, NO_PARENT, Skeleton};
+use linden_skeleton::{Axis, Marks, NO_PARENT, Skeleton};
 
 /// Fractional part of the golden ratio: its multiples fill the unit interval evenly at every moment
 /// (Weyl's sequence with the least discrepancy).
@@ -103,6 +103,7 @@ impl<'a> Wood<'a> {
             axes: Vec::new(),
             axis_nodes: Vec::with_capacity(kept),
             width_steps: whole.width_steps,
+            marks: Marks { tips: whole.marks.tips, ..Marks::default() },
         };
         // Where a node is in the thinner tree, or else the nearest node below it that stays.
         let mut new = vec![NO_PARENT; keep.len()];
@@ -128,7 +129,15 @@ impl<'a> Wood<'a> {
             let len = thin.axis_nodes.len() as u32 - first;
             thin.axes.push(Axis { order: axis.order, parent, first, len });
             axes.push(index as u32);
+            // Tips stay with their axes, and so do those that were cut.
+            if let Some(&tip) = whole.nodes_of(axis).last().filter(|tip| whole.is_cut_at(**tip)) {
+                thin.marks.cuts.push(new[tip as usize]);
+            }
+            if !whole.marks.is_empty() {
+                thin.marks.numbers.push(whole.axis_number(index));
+            }
         }
+        thin.marks.cuts.sort_unstable();
         (thin, axes)
     }
 }

@@ -192,7 +192,8 @@ impl Field<'_> {
             let (placed, walk) = (PlacedOrgans::default(), Walk::default());
             let mut task = Task { field: self, skeleton, forks: &forks, young, placed, walk };
             for (i, axis) in axes.iter().enumerate() {
-                task.axis((chunk * AXES_PER_TASK + i) as u64, axis, monitor)?;
+                let number = skeleton.axis_number(chunk * AXES_PER_TASK + i);
+                task.axis(number.into(), axis, monitor)?;
             }
             let before = done.fetch_add(axes.len() as u64, std::sync::atomic::Ordering::Relaxed);
             monitor.advance(Phase::Sprout, before + axes.len() as u64, Some(skeleton.axes.len() as u64));
@@ -262,10 +263,8 @@ fn young(kind: &LeafKind, skeleton: &Skeleton, forks: &Forks) -> Young {
     let first_birth = libm::ceil((1.0 - kind.max_age) * f64::from(births)) as u32;
     let max_radius_m = kind.max_radius_m.map_or_else(
         || {
-            let apices = skeleton.axes.iter().filter_map(|axis| skeleton.nodes_of(axis).last());
-            let tips = apices.filter(|apex| !forks.ends_at(**apex));
-            let sum: f64 = tips.map(|&tip| f64::from(skeleton.radii[tip as usize])).sum();
-            (AUTO_RADIUS * sum / (skeleton.axes.len() - forks.len()).max(1) as f64) as f32
+            let tips = skeleton.grown_tips(forks);
+            (AUTO_RADIUS * tips.radii_m / f64::from(tips.count)) as f32
         },
         |radius| radius as f32,
     );
@@ -296,12 +295,12 @@ struct Task<'a> {
 impl Task<'_> {
     fn axis(
         &mut self,
-        index: u64,
+        number: u64,
         axis: &linden_skeleton::Axis,
         monitor: &dyn Monitor,
     ) -> Result<(), Cancelled> {
         let Self { field, skeleton, forks, young, placed, walk } = self;
-        let (kind, key) = (field.crop.kind, field.key.child(index));
+        let (kind, key) = (field.crop.kind, field.key.child(number));
         let Some(begun) = walk.begin(skeleton, axis) else { return Ok(()) };
         let phyllotaxis = Phyllotaxis::of(kind);
         let turn = if phyllotaxis.is_flat() && !begun.is_upright {

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::Vec3;
 
 use super::collar::{Collar, MOST_RINGS};
-use super::features::{Flare, taper_twig};
+use super::features::{Ends, Flare, taper_twig};
 use super::path::{self, Ring, Station};
 use super::target::Amount;
 use super::tube;
@@ -65,7 +65,9 @@ impl<'a> Course<'a> {
         if self.skeleton.width_steps == WidthSteps::Cylinder {
             path::step(stations);
         }
-        taper_twig(stations, features.twig_taper);
+        // What was cut off ends as thick as it was there.
+        let is_cut = nodes.last().is_some_and(|apex| self.skeleton.is_cut_at(*apex));
+        taper_twig(stations, if is_cut { 0.0 } else { features.twig_taper });
         path::thicken(stations, |radius_m| self.roundness.sides(radius_m));
         curve::subdivide(stations, self.tubes.rings);
         path::prepare(stations, self.softness());
@@ -75,6 +77,10 @@ impl<'a> Course<'a> {
         let is_tip = nodes.last().is_none_or(|apex| !self.forks.ends_at(*apex));
         if apex.radius > features.ends_above_m && is_tip {
             form.ends = features.ends;
+        }
+        // Where wood was cut off there is no bud.
+        if form.ends == Ends::Bud && is_cut {
+            form.ends = Ends::Cut;
         }
         if is_stem {
             form.flare = Flare::new(features, base.radius);
