@@ -56,13 +56,16 @@ pub struct AsGrown {
     pub most_nodes: u64,
 }
 
-impl AsGrown {
-    /// Bytes that it takes beside what a tree holds of it.
-    fn bytes_beside(&self, grown: &Grown) -> u64 {
-        let skeleton = if Arc::ptr_eq(&self.skeleton, &grown.skeleton) { 0 } else { self.skeleton.bytes() };
-        let given = if Arc::ptr_eq(&self.given, &grown.given) { 0 } else { self.given.bytes() };
-        skeleton + given
-    }
+/// Bytes that a tree takes as it grew, where it is another one now, and what is known of where that is from.
+fn bytes_beside(
+    as_grown: &AsGrown,
+    skeleton: &Arc<Skeleton>,
+    given: &Arc<Organs>,
+    origins: Option<&Origins>,
+) -> u64 {
+    let wood = if Arc::ptr_eq(&as_grown.skeleton, skeleton) { 0 } else { as_grown.skeleton.bytes() };
+    let organs = if Arc::ptr_eq(&as_grown.given, given) { 0 } else { as_grown.given.bytes() };
+    wood + organs + origins.map_or(0, Origins::bytes)
 }
 
 impl Grown {
@@ -79,8 +82,7 @@ impl Grown {
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
         self.body().bytes()
-            + self.as_grown.bytes_beside(self)
-            + self.origins.as_ref().map_or(0, |origins| origins.bytes())
+            + bytes_beside(&self.as_grown, &self.skeleton, &self.given, self.origins.as_deref())
             + self.colonized.as_ref().map_or(0, Colonized::bytes)
     }
 
@@ -265,7 +267,8 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
     let as_grown =
         AsGrown { skeleton, given: Arc::new(organs), age: branched.age, most_nodes: branched.most_nodes };
     let Shaped { skeleton, given, origins, remarks } = shape(&as_grown, &wood, &recipe.preset, monitor)?;
-    let monitor = Holding::new(monitor, skeleton.bytes());
+    let beside = bytes_beside(&as_grown, &skeleton, &given, origins.as_deref());
+    let monitor = Holding::new(monitor, skeleton.bytes() + beside);
     let mut notes = branched.notes;
     notes.extend(remarks.iter().map(ToString::to_string));
     Ok(Grown {

@@ -9,6 +9,7 @@ mod completions;
 mod describe;
 mod docs;
 mod doctor;
+mod edits;
 mod effects;
 mod figures;
 mod forecasts;

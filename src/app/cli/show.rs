@@ -18,7 +18,7 @@ use crate::progress::Progress;
 
 /// Say what a source is, which knobs it has, and how large it would grow
 #[derive(Args)]
-#[allow(clippy::struct_excessive_bools, reason = "a bool for each flag")]
+#[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub struct Show {
     #[command(flatten)]
     growing: GrowArgs,

@@ -51,6 +51,27 @@ impl Preset {
         self.edits.push(edit);
         Ok(())
     }
+
+    /// Whether another preset grows the same tree before its wood is edited and covered, from the same files: then
+    /// [`reedit`](crate::grow::reedit) makes its tree of this one's.
+    ///
+    /// ```
+    /// let oak = linden_pipeline::preset::builtin("oak")?.load()?;
+    /// let mut other = oak.clone();
+    /// other.edit("cut stem 0.5")?;
+    /// other.set("leaf_form", "none")?;
+    /// assert!(oak.grows_as(&other));
+    /// other.set("seed", "7")?;
+    /// assert!(!oak.grows_as(&other));
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn grows_as(&self, other: &Self) -> bool {
+        let Self { seed, generator, refinement, wood, .. } = self;
+        *seed == other.seed
+            && *generator == other.generator
+            && *refinement == other.refinement
+            && *wood == other.wood
+    }
 }
 
 /// Reads the list of edits.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-use glam::{DQuat, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 use super::workpiece::{WorkAxis, WorkNode, Workpiece};
 use super::{
@@ -219,7 +219,7 @@ impl Bench<'_> {
             Some(towards) => {
                 let to =
                     direction(*towards).ok_or("'towards' has no length, and so no direction; give it one")?;
-                (DQuat::from_rotation_arc(chord, to), to)
+                (upright(chord, to), to)
             }
             None if from_stem => (DQuat::IDENTITY, site.tangent),
             None => {
@@ -304,6 +304,15 @@ struct Placed {
     to: DVec3,
     births: i64,
     origin: u32,
+}
+
+/// The turn from one direction to another that keeps what looks up looking up.
+fn upright(from: DVec3, to: DVec3) -> DQuat {
+    let frame = |along: DVec3| {
+        let side = square_to(along);
+        DMat3::from_cols(along, side, along.cross(side))
+    };
+    DQuat::from_mat3(&(frame(to) * frame(from).transpose())).normalize()
 }
 
 /// Along an axis at one of its nodes, or at the one that it leaves from.

@@ -256,9 +256,9 @@ impl Skeleton {
 }
 
 /// How far the beginning of an axis may be from where it was, in lengths of the axis.
-const NEAR_PER_LENGTH: f64 = 0.1;
+const NEAR_PER_LENGTH: f64 = 0.05;
 /// The same in sizes of the tree.
-const NEAR_PER_TREE: f64 = 0.01;
+const NEAR_PER_TREE: f64 = 0.005;
 
 /// Finds axes that edits name, also where the tree is not quite the one that they were made for.
 pub(super) struct Finder<'a> {

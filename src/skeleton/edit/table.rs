@@ -437,21 +437,23 @@ impl fmt::Display for Edit {
         let main = OPERATIONS.iter().find(|row| row.word == self.operation.word()).and_then(|row| row.main);
         let plain = self.plain();
         let shown = |value: Value| value.to_string().replace(' ', ",");
-        for (key, path) in self.paths().into_iter().filter(|(key, _)| *key != "axis") {
-            if main == Some(key) { write!(f, " {path}")? } else { write!(f, " {key}={path}")? }
-        }
+        let mut parts: Vec<(&str, String)> = Vec::new();
+        let others = self.paths().into_iter().filter(|(key, _)| *key != "axis");
+        parts.extend(others.map(|(key, path)| (key, path.to_string())));
         for row in EDIT_KNOBS.iter().filter(|row| row.is_of(&self.operation)) {
             let name = row.knob.name;
             let is_witness = matches!(name, "near" | "from_near" | "branching");
             let (value, default) = ((row.read)(self), (row.read)(&plain));
-            let Some(value) = value.filter(|value| !is_witness && Some(value) != default.as_ref()) else {
-                continue;
-            };
-            if main == Some(name) {
-                write!(f, " {}", shown(value))?;
-            } else {
-                write!(f, " {name}={}", shown(value))?;
+            if let Some(value) = value.filter(|value| !is_witness && Some(value) != default.as_ref()) {
+                parts.push((name, shown(value)));
             }
+        }
+        // What needs no name comes first.
+        if let Some((_, value)) = parts.iter().find(|(key, _)| main == Some(*key)) {
+            write!(f, " {value}")?;
+        }
+        for (key, value) in parts.iter().filter(|(key, _)| main != Some(*key)) {
+            write!(f, " {key}={value}")?;
         }
         Ok(())
     }
