@@ -118,6 +118,10 @@ pub struct Style<'a> {
     pub outline: &'a [Vec<Vec3>],
     /// The lines' colour.
     pub line: [u8; 3],
+    /// Polylines, metres, drawn over everything as thick lines: what is pointed at.
+    pub marked: &'a [Vec<Vec3>],
+    /// Their colour.
+    pub mark: [u8; 3],
     /// Whether a person stands beside the tree, for scale: see [`Extent::with_person`].
     pub person: bool,
     /// The person's colour.
@@ -177,6 +181,8 @@ impl Style<'_> {
             point: [40, 122, 184],
             outline: &[],
             line: [70, 128, 150],
+            marked: &[],
+            mark: [255, 166, 48],
             person: false,
             person_color: [150, 157, 166],
             organs: None,
@@ -216,6 +222,8 @@ impl Style<'_> {
             point: [96, 176, 232],
             outline: &[],
             line: [94, 150, 170],
+            marked: &[],
+            mark: [255, 166, 48],
             person: false,
             person_color: [98, 108, 126],
             organs: None,

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use glam::Vec3;
 use linden::dress::{DressError, dress};
 use linden::foliage::Organs;
 use linden::picture::Picture;
@@ -97,6 +98,10 @@ pub struct DrawRequest {
     pub outline: bool,
     /// With a person beside it.
     pub person: bool,
+    /// The axis that is marked.
+    pub marked: Option<u32>,
+    /// Wood alone, so that its axes can be told apart.
+    pub bare: bool,
     /// The cells that it fills.
     pub area: Rect,
     /// What shows it.
@@ -153,9 +158,18 @@ impl DrawRequest {
             && self.camera == other.camera
             && self.look == other.look
             && (self.points, self.outline, self.person) == (other.points, other.outline, other.person)
+            && (self.marked, self.bare) == (other.marked, other.bare)
             && self.area == other.area
             && self.medium == other.medium
     }
+}
+
+/// An axis from where it leaves to its tip, metres.
+fn line_of(skeleton: &Skeleton, axis: u32) -> Vec<Vec3> {
+    let Some(axis) = skeleton.axes.get(axis as usize) else { return Vec::new() };
+    let from = Some(axis.parent).filter(|parent| *parent != linden::skeleton::NO_PARENT);
+    let nodes = from.into_iter().chain(skeleton.nodes_of(axis).iter().copied());
+    nodes.map(|node| skeleton.positions[node as usize]).collect()
 }
 
 impl Painted {
@@ -313,8 +327,12 @@ impl Painter {
         let shown = &request.shown;
         let base = request.medium.style();
         let points = shown.grown.colonized.as_ref().map_or(&[][..], |colonized| &colonized.points);
+        let look = if request.bare { PictureLook::Skeleton(Paint::Wood) } else { request.look };
+        let marked: Vec<Vec<Vec3>> =
+            request.marked.into_iter().map(|axis| line_of(&shown.grown.skeleton, axis)).collect();
         let style = Style {
-            paint: if let PictureLook::Skeleton(paint) = request.look { paint } else { base.paint },
+            marked: &marked,
+            paint: if let PictureLook::Skeleton(paint) = look { paint } else { base.paint },
             points: if request.points { points } else { &[] },
             outline: if request.outline { &shown.outline } else { &[] },
             person: request.person,
@@ -322,7 +340,7 @@ impl Painter {
             draft: request.detail == Detail::Draft,
             ..base
         };
-        let drawn = match (request.look, request.stage) {
+        let drawn = match (look, request.stage) {
             // Until the surface is there, its skeleton is: a draft does not wait.
             (PictureLook::Surface, None) if request.detail == Detail::Full || self.has_scene(shown) => {
                 let Some(frame) = request.wind else {
@@ -340,8 +358,8 @@ impl Painter {
                 let blown = request.wind.map(|frame| blown_at(shown, frame, watcher)).transpose()?;
                 let calm = (&*shown.grown.skeleton, &*shown.grown.organs);
                 let (skeleton, organs) = blown.as_ref().map_or(calm, |(wood, leaves)| (wood, leaves));
-                let style = Style { organs: Some(organs), ..style };
-                request.look.draw(skeleton, &request.camera, &style, size, watcher)
+                let style = Style { organs: (!request.bare).then_some(organs), ..style };
+                look.draw(skeleton, &request.camera, &style, size, watcher)
             }
             (_, Some(step)) => {
                 let Some(Plant { skeleton, organs, .. }) = self.stage(shown, step, watcher)? else {
@@ -349,7 +367,7 @@ impl Painter {
                     return Ok(Picture::new(size.width(), size.height(), vec![0; bytes]));
                 };
                 let style = Style { organs: Some(&organs), ..style };
-                request.look.draw(&skeleton, &request.camera, &style, size, watcher)
+                look.draw(&skeleton, &request.camera, &style, size, watcher)
             }
         };
         drawn.map_err(unless_cancelled)

@@ -6,7 +6,7 @@
 //! line here.
 
 use super::model::Command;
-use super::{chrome, export, growth, library, picture, shape, statistics, vary, wind};
+use super::{chrome, export, growth, library, picture, shape, statistics, vary, wind, wood};
 
 /// All commands, room by room.
 pub const ALL: &[&[Command]] = &[
@@ -16,6 +16,7 @@ pub const ALL: &[&[Command]] = &[
     growth::COMMANDS,
     wind::COMMANDS,
     shape::COMMANDS,
+    wood::COMMANDS,
     statistics::COMMANDS,
     vary::COMMANDS,
     export::COMMANDS,

@@ -41,6 +41,7 @@ mod tree;
 mod update;
 mod vary;
 mod wind;
+mod wood;
 
 pub use commands::key_table;
 pub use runtime::{End, StartOptions, run};

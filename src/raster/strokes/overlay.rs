@@ -47,11 +47,17 @@ pub(crate) fn trace(
         }
     }
     let (width_px, alpha) = faded(frame.min_element() / 500.0, 0.7, 2.0);
-    let pen = Pen { half_px: width_px / 2.0, alpha, color: linear(style.line) };
+    let pen = Pen { half_px: width_px / 2.0, alpha, color: linear(style.line), is_over: false };
     for (i, line) in style.outline.iter().enumerate() {
         if i % 1024 == 0 {
             monitor.check()?;
         }
+        outline(line, &pen, framed, view, air, frame, &mut runs);
+    }
+    let (width_px, alpha) = faded(frame.min_element() / 130.0, 1.2, 7.0);
+    let pen = Pen { half_px: width_px / 2.0, alpha, color: linear(style.mark), is_over: true };
+    for line in style.marked {
+        monitor.check()?;
         outline(line, &pen, framed, view, air, frame, &mut runs);
     }
     if style.person
@@ -67,6 +73,8 @@ struct Pen {
     half_px: f32,
     alpha: f32,
     color: Vec3,
+    /// Whether it lies over everything, however far away.
+    is_over: bool,
 }
 
 /// A width between two, and how opaque it is: in a small picture, what should be thinner still must
@@ -91,16 +99,16 @@ fn outline(line: &[Vec3], pen: &Pen, framed: &Extent, view: &View, air: &Air, fr
             if a.at.max(b.at).cmplt(-margin).any() || a.at.min(b.at).cmpgt(frame + margin).any() {
                 continue;
             }
-            let depth_m = f32::midpoint(a.depth_m, b.depth_m);
-            let [before, behind] = LINE_ALPHA;
+            let depth_m = if pen.is_over { 0.0 } else { f32::midpoint(a.depth_m, b.depth_m) };
+            let [before, behind] = if pen.is_over { [0.9; 2] } else { LINE_ALPHA };
             let stroke = Stroke {
                 ends: [a.at, b.at],
                 half_widths: [pen.half_px; 2],
                 depth_m,
                 alpha: pen.alpha * (before + (behind - before) * air.way(depth_m)),
-                color: air.haze(pen.color, depth_m),
+                color: if pen.is_over { pen.color } else { air.haze(pen.color, depth_m) },
                 bar: None,
-                caps: [Cap::Cut; 2],
+                caps: [if pen.is_over { Cap::Round } else { Cap::Cut }; 2],
             };
             let is_first = i == 0 && k == 0;
             if is_first {

@@ -16,7 +16,7 @@ const PAN: f32 = 0.08;
 /// Closer by a key.
 const ZOOM: f32 = 1.2;
 
-fn orbit(model: &mut Model, yaw: f32, pitch: f32) {
+pub fn orbit(model: &mut Model, yaw: f32, pitch: f32) {
     let camera = &mut model.picture.camera;
     turn_by(camera, yaw);
     camera.pitch_deg = (camera.pitch_deg + pitch).clamp(-90.0, 90.0);

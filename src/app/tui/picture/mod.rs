@@ -12,10 +12,11 @@ use linden_raster::Camera;
 use linden_terminal::Encoded;
 use ratatui::layout::Rect;
 
-pub use commands::COMMANDS;
+pub use commands::{COMMANDS, orbit};
 
 use super::layout::Pane;
 use super::model::{Model, QUIET};
+use super::wood;
 use crate::jobs::{Detail, DrawRequest, Medium, Painted, ShownTree};
 
 /// Frames a second of what moves by itself: here, and where each costs bytes on a network.
@@ -114,6 +115,8 @@ pub fn wanted(model: &Model) -> Option<DrawRequest> {
         points: picture.points,
         outline: picture.outline,
         person,
+        marked: wood::marked(model, shown),
+        bare: wood::is_bare(model),
         area,
         medium: Medium::of(&model.terminal, model.config.settings.scenery),
         detail: if hurried { Detail::Draft } else { Detail::Full },
@@ -183,7 +186,7 @@ pub fn mouse(model: &mut Model, mouse: MouseEvent) {
 }
 
 /// Comes closer, or goes away.
-fn zoom_by(model: &mut Model, factor: f32) {
+pub fn zoom_by(model: &mut Model, factor: f32) {
     let camera = &mut model.picture.camera;
     let zoom = (camera.zoom * factor).clamp(0.1, 200.0);
     // What is in the middle stays there, also where it comes no closer.

@@ -1,0 +1,153 @@
+//! The commands of editing the wood.
+
+use super::{CONTEXT, WoodPick, ask, go, open, remove, with};
+use crate::tui::command::Context;
+use crate::tui::effect::Effects;
+use crate::tui::model::{Command, Model, free, without_tree};
+use crate::tui::picture::{orbit, zoom_by};
+
+const fn row(
+    id: &'static str,
+    keys: &'static [&'static str],
+    title: &'static str,
+    help: &'static str,
+    hint: Option<u8>,
+    run: fn(&mut Model, &mut Effects),
+) -> Command {
+    Command { id, context: CONTEXT, keys, title, help, hint, hindrance: free, run }
+}
+
+/// A row that needs somewhere to go.
+const fn moving(
+    id: &'static str,
+    keys: &'static [&'static str],
+    title: &'static str,
+    help: &'static str,
+    hint: Option<u8>,
+    hindrance: fn(&Model) -> Option<String>,
+    run: fn(&mut Model, &mut Effects),
+) -> Command {
+    Command { id, context: CONTEXT, keys, title, help, hint, hindrance, run }
+}
+
+/// Why there is nowhere to go.
+fn unless(model: &Model, can: impl Fn(&WoodPick) -> bool, why: &str) -> Option<String> {
+    model.dialogs.top::<WoodPick>().is_none_or(|pick| !can(pick)).then(|| why.to_owned())
+}
+
+/// Degrees a key.
+const TURN_DEG: f32 = 6.0;
+/// Closer by a key.
+const CLOSER: f32 = 1.2;
+
+/// The rows.
+pub const COMMANDS: &[Command] = &[
+    Command {
+        id: "wood-edit",
+        context: Context::GLOBAL,
+        keys: &["a"],
+        title: "Edit the wood",
+        help: "Picks an axis, to take it away, cut, bend, scale it, or add one; edits are saved with the preset",
+        hint: None,
+        hindrance: |model| {
+            let is_busy = !model.dialogs.is_empty();
+            is_busy.then(|| "a dialog is open".to_owned()).or_else(|| without_tree(model))
+        },
+        run: |model, _| open(model),
+    },
+    moving(
+        "wood-up",
+        &["k", "up"],
+        "Next axis",
+        "To the axis that leaves above this one",
+        Some(10),
+        |m| unless(m, |pick| pick.beside(true).is_some(), "no axis leaves above this one"),
+        |m, _| {
+            go(m, |pick| pick.beside(true));
+        },
+    ),
+    moving(
+        "wood-down",
+        &["j", "down"],
+        "Axis before",
+        "To the axis that leaves below this one",
+        None,
+        |m| unless(m, |pick| pick.beside(false).is_some(), "no axis leaves below this one"),
+        |m, _| {
+            go(m, |pick| pick.beside(false));
+        },
+    ),
+    moving(
+        "wood-in",
+        &["l", "right"],
+        "Its branches",
+        "To the longest axis that this one bears",
+        Some(11),
+        |m| unless(m, |pick| pick.longest().is_some(), "this axis bears no other"),
+        |m, _| {
+            go(m, WoodPick::longest);
+        },
+    ),
+    moving(
+        "wood-out",
+        &["h", "left"],
+        "What bears it",
+        "To the axis that bears this one",
+        Some(12),
+        |m| unless(m, |pick| pick.parent().is_some(), "nothing bears a stem"),
+        |m, _| {
+            go(m, WoodPick::parent);
+        },
+    ),
+    row(
+        "wood-remove",
+        &["x", "delete"],
+        "Remove",
+        "Takes the axis away with all that it bears",
+        Some(13),
+        |m, _| {
+            remove(m);
+        },
+    ),
+    row("wood-cut", &["c"], "Cut", "Cuts the axis at a share of its length", Some(14), |m, _| ask(m, "cut")),
+    row("wood-bend", &["b"], "Bend", "Bends the axis towards a direction", Some(15), |m, _| ask(m, "bend")),
+    row(
+        "wood-scale",
+        &["s"],
+        "Scale",
+        "Makes the axis and what it bears longer or shorter, thicker or thinner",
+        Some(16),
+        |m, _| {
+            ask(m, "scale");
+        },
+    ),
+    row("wood-add", &["a"], "Add", "Adds an axis that this one bears", Some(17), |m, _| ask(m, "add")),
+    row("wood-curve", &["w"], "Curve", "Leads the axis along control points", None, |m, _| ask(m, "curve")),
+    row("wood-leaves", &["v"], "Leaves", "Shows leaves, or wood alone", None, |m, _| {
+        with(m, |pick| pick.leaves = !pick.leaves);
+    }),
+    row("wood-orbit-left", &["shift-left", "H"], "Orbit left", "Turns the tree", None, |m, _| {
+        orbit(m, TURN_DEG, 0.0)
+    }),
+    row(
+        "wood-orbit-right",
+        &["shift-right", "L"],
+        "Orbit right",
+        "Turns the tree the other way",
+        None,
+        |m, _| {
+            orbit(m, -TURN_DEG, 0.0);
+        },
+    ),
+    row("wood-orbit-up", &["shift-up", "K"], "From above", "Looks from farther above", None, |m, _| {
+        orbit(m, 0.0, TURN_DEG);
+    }),
+    row("wood-orbit-down", &["shift-down", "J"], "From below", "Looks from farther below", None, |m, _| {
+        orbit(m, 0.0, -TURN_DEG);
+    }),
+    row("wood-closer", &["+", "="], "Closer", "Comes closer", None, |m, _| zoom_by(m, CLOSER)),
+    row("wood-farther", &["-"], "Farther", "Goes farther away", None, |m, _| zoom_by(m, 1.0 / CLOSER)),
+    row("wood-close", &["esc", "q", "enter"], "Done", "Leaves; the edits stay", Some(90), |m, _| {
+        m.dialogs.close::<WoodPick>();
+    }),
+];

@@ -1,0 +1,91 @@
+use super::*;
+use crate::tui::testing::Bench;
+
+/// The axes of the tree on screen, and what is picked.
+fn state(bench: &Bench) -> (usize, String) {
+    let shown = bench.model.tree.as_ref().unwrap().shown.as_ref().unwrap();
+    let pick = bench.model.dialogs.find::<WoodPick>().map(|pick| pick.path.to_string());
+    (shown.grown.skeleton.axes.len(), pick.unwrap_or_default())
+}
+
+fn fir() -> Bench {
+    let mut bench = Bench::new(120, 40).without_pictures().with_tree();
+    bench.keys("/").types("fir").keys("enter").settle();
+    bench
+}
+
+#[test]
+fn an_axis_is_picked_by_keys_taken_away_and_given_back() {
+    let mut bench = fir();
+    let (all, _) = state(&bench);
+    bench.keys("a");
+    assert_eq!(state(&bench).1, "stem");
+    assert!(bench.screen().contains(" stem · "), "{}", bench.screen());
+    bench.keys("l");
+    let picked = state(&bench).1;
+    let shown = Arc::clone(bench.model.tree.as_ref().unwrap().shown.as_ref().unwrap());
+    let skeleton = &shown.grown.skeleton;
+    let longest = (1..skeleton.axes.len() as u32)
+        .filter(|axis| skeleton.axes[*axis as usize].order == 1)
+        .max_by(|a, b| skeleton.axis_length_m(*a).total_cmp(&skeleton.axis_length_m(*b)));
+    assert_eq!(skeleton.axis_path(longest.unwrap()).unwrap().to_string(), picked, "the longest limb");
+    assert_eq!(marked(&bench.model, &shown), longest);
+    bench.keys("x").settle();
+    let tree = bench.model.tree.as_ref().unwrap();
+    let edits: Vec<String> = tree.preset().edits.iter().map(|edit| edit.plain().to_string()).collect();
+    assert!(tree.preset().edits[0].near.is_some(), "it is found again after other changes");
+    assert!(edits[0].starts_with(&format!("remove {picked}")), "{edits:?}");
+    let (fewer, on) = state(&bench);
+    assert!(fewer < all && on == "stem", "{fewer} of {all}, on {on}: what bore it");
+    bench.keys("u").settle();
+    assert_eq!(state(&bench).0, all);
+    bench.keys("esc");
+    assert!(bench.model.dialogs.is_empty());
+}
+
+#[test]
+fn an_edit_is_typed_and_what_is_wrong_with_it_is_said() {
+    let mut bench = fir();
+    bench.keys("a l c");
+    let picked = state(&bench).1;
+    assert!(bench.screen().contains(&format!("cut {picked} 0.5")), "{}", bench.screen());
+    bench.keys("backspace backspace backspace").types("7 m");
+    assert!(bench.screen().contains("cut"), "{}", bench.screen());
+    bench.keys("enter");
+    assert!(bench.model.tree.as_ref().unwrap().preset().edits.is_empty(), "that is no share");
+    bench.keys("backspace backspace backspace").types("0.25").keys("enter").settle();
+    let shown = Arc::clone(bench.model.tree.as_ref().unwrap().shown.as_ref().unwrap());
+    let pick = bench.model.dialogs.find::<WoodPick>().unwrap();
+    let before = linden::grow::grow(bench.model.tree.as_ref().unwrap().saved(), &linden::Quiet).unwrap();
+    let path: AxisPath = picked.parse().unwrap();
+    let whole = before.skeleton.axis_length_m(before.skeleton.find_axis(&path).unwrap());
+    let cut = shown.grown.skeleton.axis_length_m(pick.axis);
+    assert!((cut / whole - 0.25).abs() < 1e-4, "{cut} of {whole}");
+}
+
+#[test]
+fn the_mouse_picks_what_is_drawn_there() {
+    let mut bench = Bench::new(120, 40).with_tree();
+    bench.keys("/").types("fir").keys("enter").settle();
+    bench.keys("a");
+    let request = picture::wanted(&bench.model).unwrap();
+    let shown = Arc::clone(&request.shown);
+    let (wide, high) = request.medium.cell_px;
+    let size = Size::new(
+        u32::from(request.area.width) * u32::from(wide),
+        u32::from(request.area.height) * u32::from(high),
+    );
+    let view = request.camera.view(shown.extent(false, false), size.unwrap());
+    // The tip of the lowest long limb: nothing else is near.
+    let skeleton = &shown.grown.skeleton;
+    let tip = |axis: &u32| {
+        let nodes = skeleton.nodes_of(&skeleton.axes[*axis as usize]);
+        view.project(skeleton.positions[*nodes.last().unwrap() as usize]).at
+    };
+    let widest = (0..skeleton.axes.len() as u32).max_by(|a, b| tip(a).x.total_cmp(&tip(b).x)).unwrap();
+    let at = tip(&widest);
+    let cell = |px: f32, one: u16| (px / f32::from(one)) as u16;
+    let (column, row) = (request.area.x + cell(at.x, wide), request.area.y + cell(at.y, high));
+    bench.mouse(crossterm::event::MouseEventKind::Down(crossterm::event::MouseButton::Left), column, row);
+    assert_eq!(marked(&bench.model, &shown), Some(widest));
+}
