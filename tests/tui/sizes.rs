@@ -54,7 +54,7 @@ fn panes_come_with_columns() {
         let text = screen.row(rows - 2);
         if columns < 56 {
             // The list stands below the picture.
-            assert!(text.chars().next() == Some(' ') && !screen.text().contains('│'), "{}", screen.text());
+            assert!(text.starts_with(' ') && !screen.text().contains('│'), "{}", screen.text());
         } else {
             // Whatever the size: the rules run down to the footer.
             assert_eq!(

@@ -79,6 +79,15 @@ pub enum Detail {
     Full,
 }
 
+/// An axis that is marked in a picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PickedAxis {
+    /// The axis; `None` while another tree is on its way.
+    pub axis: Option<u32>,
+    /// Whether wood alone is drawn, so that axes can be told apart.
+    pub bare: bool,
+}
+
 /// A picture that should be on screen.
 #[derive(Clone, Debug)]
 pub struct DrawRequest {
@@ -98,10 +107,8 @@ pub struct DrawRequest {
     pub outline: bool,
     /// With a person beside it.
     pub person: bool,
-    /// The axis that is marked.
-    pub marked: Option<u32>,
-    /// Wood alone, so that its axes can be told apart.
-    pub bare: bool,
+    /// What is marked of it, while its wood is edited.
+    pub pick: Option<PickedAxis>,
     /// The cells that it fills.
     pub area: Rect,
     /// What shows it.
@@ -158,7 +165,7 @@ impl DrawRequest {
             && self.camera == other.camera
             && self.look == other.look
             && (self.points, self.outline, self.person) == (other.points, other.outline, other.person)
-            && (self.marked, self.bare) == (other.marked, other.bare)
+            && self.pick == other.pick
             && self.area == other.area
             && self.medium == other.medium
     }
@@ -327,9 +334,14 @@ impl Painter {
         let shown = &request.shown;
         let base = request.medium.style();
         let points = shown.grown.colonized.as_ref().map_or(&[][..], |colonized| &colonized.points);
-        let look = if request.bare { PictureLook::Skeleton(Paint::Wood) } else { request.look };
-        let marked: Vec<Vec<Vec3>> =
-            request.marked.into_iter().map(|axis| line_of(&shown.grown.skeleton, axis)).collect();
+        let bare = request.pick.is_some_and(|pick| pick.bare);
+        let look = if bare { PictureLook::Skeleton(Paint::Wood) } else { request.look };
+        let marked: Vec<Vec<Vec3>> = request
+            .pick
+            .and_then(|pick| pick.axis)
+            .into_iter()
+            .map(|axis| line_of(&shown.grown.skeleton, axis))
+            .collect();
         let style = Style {
             marked: &marked,
             paint: if let PictureLook::Skeleton(paint) = look { paint } else { base.paint },
@@ -358,7 +370,7 @@ impl Painter {
                 let blown = request.wind.map(|frame| blown_at(shown, frame, watcher)).transpose()?;
                 let calm = (&*shown.grown.skeleton, &*shown.grown.organs);
                 let (skeleton, organs) = blown.as_ref().map_or(calm, |(wood, leaves)| (wood, leaves));
-                let style = Style { organs: (!request.bare).then_some(organs), ..style };
+                let style = Style { organs: (!bare).then_some(organs), ..style };
                 look.draw(skeleton, &request.camera, &style, size, watcher)
             }
             (_, Some(step)) => {

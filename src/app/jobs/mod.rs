@@ -13,7 +13,7 @@ mod look;
 mod measure;
 mod relay;
 
-pub use draw::{Detail, DrawRequest, Medium, Painted, Painter, PictureLook, wind_strength};
+pub use draw::{Detail, DrawRequest, Medium, Painted, Painter, PickedAxis, PictureLook, wind_strength};
 pub use export::{ExportNews, ExportOrder, WHOLE, run as run_export};
 pub use gallery::{GalleryRequest, SmallPicture, Thumbnail, TreeSize, paint_gallery};
 #[cfg(test)]

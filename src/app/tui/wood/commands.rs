@@ -127,7 +127,7 @@ pub const COMMANDS: &[Command] = &[
         with(m, |pick| pick.leaves = !pick.leaves);
     }),
     row("wood-orbit-left", &["shift-left", "H"], "Orbit left", "Turns the tree", None, |m, _| {
-        orbit(m, TURN_DEG, 0.0)
+        orbit(m, TURN_DEG, 0.0);
     }),
     row(
         "wood-orbit-right",

@@ -26,7 +26,7 @@ use super::figures::{metres, thousands};
 use super::layout::{Pane, Target, View};
 use super::model::Model;
 use super::picture;
-use crate::jobs::ShownTree;
+use crate::jobs::{PickedAxis, ShownTree};
 use crate::wrap::clipped;
 
 /// Where the keys of the pick are listened to.
@@ -145,15 +145,11 @@ impl WoodPick {
     }
 }
 
-/// The axis that pictures of a tree mark.
-pub fn marked(model: &Model, shown: &Arc<ShownTree>) -> Option<u32> {
+/// What pictures of a tree mark.
+pub fn picked(model: &Model, shown: &Arc<ShownTree>) -> Option<PickedAxis> {
     let pick = model.dialogs.find::<WoodPick>()?;
-    Arc::ptr_eq(&pick.shown, shown).then_some(pick.axis)
-}
-
-/// Whether pictures show wood alone.
-pub fn is_bare(model: &Model) -> bool {
-    model.dialogs.find::<WoodPick>().is_some_and(|pick| !pick.leaves)
+    let axis = Arc::ptr_eq(&pick.shown, shown).then_some(pick.axis);
+    Some(PickedAxis { axis, bare: !pick.leaves })
 }
 
 /// Begins to edit.

@@ -22,19 +22,19 @@ fn an_axis_is_picked_by_keys_taken_away_and_given_back() {
     assert_eq!(state(&bench).1, "stem");
     assert!(bench.screen().contains(" stem · "), "{}", bench.screen());
     bench.keys("l");
-    let picked = state(&bench).1;
+    let on_path = state(&bench).1;
     let shown = Arc::clone(bench.model.tree.as_ref().unwrap().shown.as_ref().unwrap());
     let skeleton = &shown.grown.skeleton;
     let longest = (1..skeleton.axes.len() as u32)
         .filter(|axis| skeleton.axes[*axis as usize].order == 1)
         .max_by(|a, b| skeleton.axis_length_m(*a).total_cmp(&skeleton.axis_length_m(*b)));
-    assert_eq!(skeleton.axis_path(longest.unwrap()).unwrap().to_string(), picked, "the longest limb");
-    assert_eq!(marked(&bench.model, &shown), longest);
+    assert_eq!(skeleton.axis_path(longest.unwrap()).unwrap().to_string(), on_path, "the longest limb");
+    assert_eq!(picked(&bench.model, &shown), Some(PickedAxis { axis: longest, bare: true }));
     bench.keys("x").settle();
     let tree = bench.model.tree.as_ref().unwrap();
     let edits: Vec<String> = tree.preset().edits.iter().map(|edit| edit.plain().to_string()).collect();
     assert!(tree.preset().edits[0].near.is_some(), "it is found again after other changes");
-    assert!(edits[0].starts_with(&format!("remove {picked}")), "{edits:?}");
+    assert!(edits[0].starts_with(&format!("remove {on_path}")), "{edits:?}");
     let (fewer, on) = state(&bench);
     assert!(fewer < all && on == "stem", "{fewer} of {all}, on {on}: what bore it");
     bench.keys("u").settle();
@@ -47,8 +47,8 @@ fn an_axis_is_picked_by_keys_taken_away_and_given_back() {
 fn an_edit_is_typed_and_what_is_wrong_with_it_is_said() {
     let mut bench = fir();
     bench.keys("a l c");
-    let picked = state(&bench).1;
-    assert!(bench.screen().contains(&format!("cut {picked} 0.5")), "{}", bench.screen());
+    let on_path = state(&bench).1;
+    assert!(bench.screen().contains(&format!("cut {on_path} 0.5")), "{}", bench.screen());
     bench.keys("backspace backspace backspace").types("7 m");
     assert!(bench.screen().contains("cut"), "{}", bench.screen());
     bench.keys("enter");
@@ -57,7 +57,7 @@ fn an_edit_is_typed_and_what_is_wrong_with_it_is_said() {
     let shown = Arc::clone(bench.model.tree.as_ref().unwrap().shown.as_ref().unwrap());
     let pick = bench.model.dialogs.find::<WoodPick>().unwrap();
     let before = linden::grow::grow(bench.model.tree.as_ref().unwrap().saved(), &linden::Quiet).unwrap();
-    let path: AxisPath = picked.parse().unwrap();
+    let path: AxisPath = on_path.parse().unwrap();
     let whole = before.skeleton.axis_length_m(before.skeleton.find_axis(&path).unwrap());
     let cut = shown.grown.skeleton.axis_length_m(pick.axis);
     assert!((cut / whole - 0.25).abs() < 1e-4, "{cut} of {whole}");
@@ -87,5 +87,5 @@ fn the_mouse_picks_what_is_drawn_there() {
     let cell = |px: f32, one: u16| (px / f32::from(one)) as u16;
     let (column, row) = (request.area.x + cell(at.x, wide), request.area.y + cell(at.y, high));
     bench.mouse(crossterm::event::MouseEventKind::Down(crossterm::event::MouseButton::Left), column, row);
-    assert_eq!(marked(&bench.model, &shown), Some(widest));
+    assert_eq!(picked(&bench.model, &shown).and_then(|pick| pick.axis), Some(widest));
 }
