@@ -23,6 +23,7 @@ use xxhash_rust::xxh3::xxh3_128;
 use crate::{read, root};
 
 const DRAWN: &str = "presets/pictures/drawn.txt";
+const FILM: &str = "presets/pictures/workbench-film.png";
 const WORKBENCH: &str = "presets/pictures/workbench.png";
 
 /// Options of `linden preview` and `linden sheet` that take no value.
@@ -238,8 +239,8 @@ fn pictures_show_what_the_program_draws() {
 
 #[test]
 fn pictures_in_documents_are_drawn_by_a_script() {
-    // Rendered with Blender: tests/render.
-    let rendered = ["presets/pictures/plants-cycles.png", "presets/pictures/cycles.png", WORKBENCH];
+    // Rendered with Blender: tests/render. Filmed in a terminal: presets/pictures/film.
+    let rendered = ["presets/pictures/plants-cycles.png", "presets/pictures/cycles.png", WORKBENCH, FILM];
     let drawn: Vec<String> = list().into_iter().map(|(path, _)| path).collect();
     for folder in
         ["presets/pictures", "presets/pictures/gallery", "presets/pictures/seasons", "docs/pictures"]
