@@ -201,7 +201,7 @@ impl Pacer {
     }
 
     /// How many bytes of text may be sent now beside what answers a key: as many as a link that is known to be
-    /// slow takes in [`TEXT_QUEUE`]; all where nothing of the kind is known. Nothing while other bytes stand
+    /// slow takes in 40 ms; all where nothing of the kind is known. Nothing while other bytes stand
     /// before the link.
     pub fn text_allowance(&self, now: Instant) -> usize {
         match self.slow_rate() {

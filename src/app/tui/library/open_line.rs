@@ -22,10 +22,8 @@ use crate::wrap::clipped;
 /// Rows of the list of files, at most.
 const MOST_ROWS: u16 = 12;
 /// Endings of files that trees grow from, which alone are listed beside directories.
-const ENDINGS: [&str; 16] = [
-    "toml", "json", "lsys", "l", "txt", "obj", "ply", "glb", "gltf", "stl", "usda", "usdz", "xyz", "csv",
-    "las", "laz",
-];
+const ENDINGS: [&str; 12] =
+    ["toml", "json", "l", "txt", "obj", "ply", "glb", "gltf", "usda", "usdz", "xyz", "csv"];
 
 /// The line of a path.
 pub struct OpenLine {
