@@ -163,7 +163,7 @@ pub const COMMANDS: &[Command] = &[
     Command {
         id: "preset-back",
         context: Context::GLOBAL,
-        keys: &["`"],
+        keys: &[";"],
         title: "Preset before",
         help: "Shows the preset that was on screen before this one, and the other way round",
         hint: None,
