@@ -214,9 +214,10 @@ impl Medium {
             dark,
             cell_px: cell_px.unwrap_or(USUAL_CELL_PX),
             remote: terminal.remote.value,
-            // A few colours show no landscape, only bands of it.
+            // A few colours show no landscape, only bands of it; and over a network its cells cost as much as the tree.
             landscape: scenery == Scenery::Lit
-                && (terminal.graphics.value != Graphics::Cells || colors == ColorDepth::True),
+                && (terminal.graphics.value != Graphics::Cells
+                    || colors == ColorDepth::True && !terminal.remote.value),
         }
     }
 

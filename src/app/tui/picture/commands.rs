@@ -5,7 +5,7 @@ use linden_raster::Camera;
 
 use super::{turn_by, zoom_by};
 use crate::config::settings::Scenery;
-use crate::jobs::PictureLook;
+use crate::jobs::{Medium, PictureLook};
 use crate::tui::command::Context;
 use crate::tui::model::{Command, Model, free, without_tree};
 
@@ -50,6 +50,14 @@ fn has_no_crown(model: &Model) -> Option<String> {
         shown
             .is_some_and(|shown| shown.outline.is_empty())
             .then(|| "given points have no crown around them".to_owned())
+    })
+}
+
+fn has_no_landscape(model: &Model) -> Option<String> {
+    let has_one = Medium::of(&model.terminal, Scenery::Lit).landscape;
+    (!has_one).then(|| {
+        "this terminal shows no landscape; that takes pixels, or 24-bit colours and no network between"
+            .to_owned()
     })
 }
 
@@ -249,7 +257,7 @@ pub const COMMANDS: &[Command] = &[
         title: "Scenery",
         help: "Shows the tree in a landscape, or before the terminal's background",
         hint: None,
-        hindrance: free,
+        hindrance: has_no_landscape,
         run: |model, _| {
             let scenery = &mut model.config.settings.scenery;
             *scenery = if *scenery == Scenery::Lit { Scenery::Plain } else { Scenery::Lit };
