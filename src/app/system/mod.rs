@@ -31,6 +31,6 @@ pub const FAMILY: Family = if cfg!(windows) {
 };
 
 pub use desk::{
-    CTRL_ALT_TYPES, HANGUP, cpu_time, end_by, exit_by, is_pipe, is_writable, lower_priority, on_signals,
-    opens_at_once, outlive_file_limits,
+    CTRL_ALT_TYPES, HANGUP, QUOTES_DROPPED, cpu_time, end_by, exit_by, is_pipe, is_writable, lower_priority,
+    on_signals, opens_at_once, outlive_file_limits,
 };

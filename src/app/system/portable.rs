@@ -9,6 +9,8 @@ use signal_hook::consts::SIGINT;
 
 /// Whether a key that is held with Ctrl and Alt types a character: Windows says `AltGr` so.
 pub const CTRL_ALT_TYPES: bool = true;
+/// Whether terminals quote a path that is dropped on them as shells take it: here `\` parts folders.
+pub const QUOTES_DROPPED: bool = false;
 /// Stands for a terminal that is gone: the code of 128 + 1 that shells of Unix expect.
 pub const HANGUP: i32 = 1;
 

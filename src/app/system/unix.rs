@@ -14,6 +14,8 @@ use signal_hook::low_level;
 
 /// Whether a key that is held with Ctrl and Alt types a character.
 pub const CTRL_ALT_TYPES: bool = false;
+/// Whether terminals quote a path that is dropped on them as shells take it.
+pub const QUOTES_DROPPED: bool = true;
 /// The signal of a terminal that is gone.
 pub const HANGUP: i32 = SIGHUP;
 

@@ -41,7 +41,7 @@ pub enum Effect {
     /// Stop the export that is under way.
     CancelExport,
     /// Put settings in force that were changed in the model.
-    Settle,
+    ApplySettings,
     /// Read the user's presets, theme, keymap and settings again; answered by `Msg::Configured`.
     Reconfigure,
 }

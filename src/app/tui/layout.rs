@@ -71,15 +71,6 @@ pub enum Target {
     Dialog(Option<usize>),
 }
 
-impl View {
-    /// The rows of a list that show that the cursor has moved, and where it was: sent before all others.
-    pub fn answers(&mut self, list: Rect, y: u16) {
-        let top = y.saturating_sub(1).max(list.y);
-        let bottom = (y + 2).min(list.bottom());
-        self.order.first.push(Rect { y: top, height: bottom.saturating_sub(top), ..list });
-    }
-}
-
 /// Where everything is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Layout {
@@ -108,6 +99,15 @@ pub struct View {
     pub order: Order,
 }
 
+impl View {
+    /// The rows of a list that show that the cursor has moved, and where it was: sent before all others.
+    pub fn answers(&mut self, list: Rect, y: u16) {
+        let top = y.saturating_sub(1).max(list.y);
+        let bottom = (y + 2).min(list.bottom());
+        self.order.first.push(Rect { y: top, height: bottom.saturating_sub(top), ..list });
+    }
+}
+
 impl Layout {
     /// The panes for a size. `focus` has keys; `side` is the last focused pane but the picture; `list` is the
     /// columns that the list of presets would fill.
@@ -129,11 +129,9 @@ impl Layout {
         let list = list.clamp(LIST[0], LIST[1]);
         if columns >= THREE {
             let form = if columns >= 150 { 46 } else { 38 };
-            let picture = columns - list.min(columns / 4) - form - 2;
-            layout.beside(
-                body,
-                &[(Pane::Presets, list.min(columns / 4)), (Pane::Picture, picture), (Pane::Shape, form)],
-            );
+            let list = list.min(columns / 4);
+            let picture = columns - list - form - 2;
+            layout.beside(body, &[(Pane::Presets, list), (Pane::Picture, picture), (Pane::Shape, form)]);
         } else if columns >= TWO {
             let left = if side == Pane::Shape { (columns / 2).min(38) } else { list.min(columns / 3) };
             layout.beside(body, &[(side, left), (Pane::Picture, columns - left - 1)]);

@@ -73,11 +73,6 @@ impl Page {
         Self { title, lines: source(model), scroll: 0, source: Some(source) }
     }
 
-    /// Whether its lines follow the model.
-    pub const fn is_live(&self) -> bool {
-        self.source.is_some()
-    }
-
     /// All commands with their keys, those of this place first; in the form, before them what the chosen
     /// knob does.
     pub fn help(model: &Model) -> Self {

@@ -346,7 +346,7 @@ fn set(model: &mut Model, setting: &'static Setting, value: &str, effects: &mut 
     match setting.set(&mut model.config.settings, value) {
         Ok(()) => {
             model.say(format!("{} is {value} until you leave; config.toml keeps it", setting.name));
-            effects.push(Effect::Settle);
+            effects.push(Effect::ApplySettings);
             true
         }
         Err(why) => {

@@ -14,7 +14,7 @@ fn formats_settings_and_files_are_within_reach() {
     assert!(bench.screen().contains("becomes light"), "{}", bench.screen());
     bench.keys("enter");
     assert_eq!(bench.model.config.settings.theme, "light");
-    assert!(matches!(bench.effects.last(), Some(Effect::Settle)));
+    assert!(matches!(bench.effects.last(), Some(Effect::ApplySettings)));
     // A setting without a value waits for one; a wrong one says what it takes.
     bench.keys(":").types("scale_bar").keys("enter");
     assert_eq!(bench.model.context(), prompt::CONTEXT);

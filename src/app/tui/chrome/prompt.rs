@@ -164,6 +164,16 @@ pub fn paste(input: &mut Input, text: &str) {
     *input = Input::new(value.collect()).with_cursor(behind);
 }
 
+/// What all texts begin with; `None` where there are none.
+pub fn common_start(texts: &[String]) -> Option<&str> {
+    let (first, rest) = texts.split_first()?;
+    Some(rest.iter().fold(first.as_str(), |common, other| {
+        let same = common.char_indices().zip(other.chars()).find(|((_, a), b)| a != b);
+        let end = same.map_or(common.len().min(other.len()), |((at, _), _)| at);
+        &common[..end]
+    }))
+}
+
 /// Paints an input into a row, scrolled so that its cursor is in sight.
 pub fn paint(input: &Input, area: Rect, buffer: &mut Buffer, view: &mut View, theme: &Theme) {
     if area.is_empty() {

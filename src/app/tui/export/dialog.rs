@@ -12,7 +12,7 @@ use tui_input::Input;
 
 use crate::config::session;
 use crate::jobs::{Findings, Inquiry, ShownTree, TargetFinding};
-use crate::tui::chrome::prompt::{edit, paste};
+use crate::tui::chrome::prompt::{common_start, edit, paste};
 use crate::tui::command::Context;
 use crate::tui::shape::nudge::{Nudge, nudged};
 use linden_exporters::{Output, default_name};
@@ -391,15 +391,10 @@ fn directory_of(target: &str) -> &str {
 /// Goes on with a line as far as all completions agree, and offers them.
 fn complete(line: &mut Typing, completions: Vec<String>) {
     let Some(typed) = line.completes.take() else { return };
-    let Some((first, rest)) = completions.split_first() else {
+    let Some(common) = common_start(&completions) else {
         line.problem = Some("no name there begins like that".to_owned());
         return;
     };
-    let common = rest.iter().fold(first.as_str(), |common, other| {
-        let same = common.char_indices().zip(other.chars()).find(|((_, a), b)| a != b);
-        let end = same.map_or(common.len().min(other.len()), |((at, _), _)| at);
-        &common[..end]
-    });
     let cursor = common.chars().count();
     let behind: String = line.input.value().chars().skip(typed.chars().count()).collect();
     line.input = Input::new(format!("{common}{behind}")).with_cursor(cursor);

@@ -10,6 +10,7 @@ use ratatui::widgets::{Clear, Widget as _};
 use super::show_selected;
 use crate::jobs::{Findings, Inquiry};
 use crate::paths::expand;
+use crate::system::QUOTES_DROPPED;
 use crate::tui::chrome::prompt::{self, Prompt};
 use crate::tui::command::Context;
 use crate::tui::dialog::{After, Dialog};
@@ -106,13 +107,9 @@ impl OpenLine {
     /// Goes on as far as all offers agree.
     fn complete(&mut self) {
         self.at = None;
-        let Some(first) = self.offers.first() else { return };
-        let agrees = |end: usize| self.offers.iter().all(|offer| offer.starts_with(&first[..end]));
-        let ends = first.char_indices().map(|(at, _)| at).chain([first.len()]);
-        let common = ends.take_while(|end| agrees(*end)).last().unwrap_or(0);
-        if common > self.prompt.text().len() {
-            let text = first[..common].to_owned();
-            self.prompt.replace(&text);
+        let Some(common) = prompt::common_start(&self.offers) else { return };
+        if common.len() > self.prompt.text().len() {
+            self.prompt.replace(common);
         }
     }
 
@@ -221,7 +218,7 @@ fn dropped(text: &str) -> String {
         return unescaped(&rest[rest.find('/').unwrap_or(0)..]);
     }
     match shell_words::split(text).as_deref() {
-        Ok([only]) if cfg!(unix) => only.clone(),
+        Ok([only]) if QUOTES_DROPPED => only.clone(),
         _ => text.to_owned(),
     }
 }
@@ -280,7 +277,7 @@ mod tests {
     use super::*;
     use crate::jobs::ExportNews;
     use crate::tui::library;
-    use crate::tui::testing::{Bench, key_event};
+    use crate::tui::testing::Bench;
     use crate::tui::update::Msg;
 
     /// Answers what the line wants to know from the disk.
@@ -357,6 +354,5 @@ mod tests {
         bench.msg(Msg::Input(crossterm::event::Event::Paste("'/tmp/my oak.toml' ".to_owned())));
         let place = TreePlace::File("/tmp/my oak.toml".into());
         assert!(matches!(bench.effects.last(), Some(Effect::Load(of)) if *of == place));
-        bench.msg(Msg::Input(key_event("down")));
     }
 }

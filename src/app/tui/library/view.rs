@@ -16,7 +16,7 @@ use crate::wrap::{clipped, wrapped, wrapped_within};
 const ABOUT: u16 = 9;
 const WITH_ABOUT: u16 = 16;
 
-/// What the pane's border says beside its name: how many a filter leaves.
+/// What the pane's heading says beside its name: how many a filter leaves.
 pub fn heading(model: &Model) -> Vec<Span<'static>> {
     let library = &model.library;
     if library.filter.trim().is_empty() {

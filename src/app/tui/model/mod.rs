@@ -264,8 +264,8 @@ impl Model {
         tracing::debug!(?weight, text = message.text, "message");
         // What is said again while it still stands is said once.
         let stands =
-            |said: &&Message| said.weight == weight && said.text == message.text && said.until > self.now;
-        if self.messages.iter().rev().find(stands).is_some() {
+            |said: &Message| said.weight == weight && said.text == message.text && said.until > self.now;
+        if self.messages.iter().rev().any(stands) {
             self.message = Some(message);
             return;
         }

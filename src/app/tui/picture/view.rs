@@ -16,7 +16,7 @@ use crate::tui::model::Model;
 use crate::tui::tree::GrowthProgress;
 use crate::wrap::clipped;
 
-/// What the pane's border says beside its name.
+/// What the pane's heading says beside its name.
 pub fn heading(model: &Model) -> Vec<Span<'static>> {
     let theme = &model.config.theme;
     let picture = &model.picture;

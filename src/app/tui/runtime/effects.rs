@@ -56,7 +56,7 @@ impl Runtime {
             Effect::Export(order) => self.desk.export(order),
             Effect::CancelExport => self.desk.cancel_export(),
             Effect::Reconfigure => self.reconfigure(),
-            Effect::Settle => self.settle(),
+            Effect::ApplySettings => self.apply_settings(),
         }
     }
 
@@ -205,12 +205,12 @@ impl Runtime {
     }
 
     /// Puts settings in force that were changed on screen.
-    fn settle(&mut self) {
+    fn apply_settings(&mut self) {
         let settings = self.model.config.settings.clone();
         if let Err(error) = self.session.set_mouse(settings.mouse) {
             self.model.say_error(format!("switching the mouse: {error}"));
         }
-        setup::insist(&mut self.probing, &settings);
+        setup::override_terminal(&mut self.probing, &settings);
         self.watch_files();
         self.know_terminal(Instant::now());
         for complaint in setup::theme(&mut self.model.config, &self.probing.conclude()) {

@@ -17,7 +17,7 @@ use crate::tui::model::Config;
 pub fn configuration(probing: &mut Probing) -> (Config, Vec<String>) {
     let dirs = Dirs::of_environment();
     let (settings, mut complaints) = Settings::load(dirs.settings().as_deref());
-    let told = insist(probing, &settings);
+    let told = override_terminal(probing, &settings);
     let table = commands::key_table();
     let (keymap, found) = Keymap::load(dirs.keymap().as_deref(), &table);
     complaints.extend(found);
@@ -28,8 +28,9 @@ pub fn configuration(probing: &mut Probing) -> (Config, Vec<String>) {
     (config, told)
 }
 
-/// Tells what settings and the environment say of the terminal; complaints about the environment come back.
-pub fn insist(probing: &mut Probing, settings: &Settings) -> Vec<String> {
+/// Puts what settings and the environment say of the terminal in the place of what is found; gives complaints about
+/// the environment.
+pub fn override_terminal(probing: &mut Probing, settings: &Settings) -> Vec<String> {
     let mut told = Vec::new();
     let mut overrides = settings.overrides();
     match Overrides::from_environment(probing.environment()) {

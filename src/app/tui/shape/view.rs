@@ -29,7 +29,7 @@ const TURNED: &str = "●";
 const ASIDE: &str = "○";
 const REFUSED: &str = "✗";
 
-/// What the pane's border says beside its name.
+/// What the pane's heading says beside its name.
 pub fn heading(model: &Model) -> Vec<Span<'static>> {
     let theme = &model.config.theme;
     match &model.tree {

@@ -1,6 +1,6 @@
 //! The command of the page of numbers.
 
-use super::page;
+use super::{TITLE, page};
 use crate::tui::chrome::Page;
 use crate::tui::command::Context;
 use crate::tui::model::{Command, without_preset};
@@ -15,7 +15,7 @@ pub const COMMANDS: &[Command] = &[Command {
     hint: None,
     hindrance: without_preset,
     run: |model, _| {
-        let page = Page::live("Statistics", page::lines, model);
+        let page = Page::live(TITLE, page::lines, model);
         model.dialogs.open(page);
     },
 }];

@@ -11,9 +11,12 @@ use super::chrome::Page;
 use super::model::Model;
 use crate::jobs::{Measured, ShownTree};
 
+/// The page's title, by which it is known.
+const TITLE: &str = "Statistics";
+
 /// The tree that is to be measured: the one on screen, while the page is open and it was not measured yet.
 pub fn wanted(model: &Model) -> Option<Arc<ShownTree>> {
-    let is_open = model.dialogs.find::<Page>().is_some_and(Page::is_live);
+    let is_open = model.dialogs.find::<Page>().is_some_and(|page| page.title == TITLE);
     let shown = model.tree.as_ref()?.shown.as_ref().filter(|_| is_open)?;
     of(model, shown).is_none().then(|| Arc::clone(shown))
 }

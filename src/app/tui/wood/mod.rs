@@ -177,7 +177,7 @@ fn add(model: &mut Model, text: &str) -> Result<(), String> {
         preset.edits.push(Edit::witnessed(last, &grown.as_grown.skeleton, &named));
     }
     tree.replace(preset);
-    model.say(format!("edited: {text}; u takes it back"));
+    model.say(format!("edited: {text}; Undo takes it back"));
     Ok(())
 }
 
