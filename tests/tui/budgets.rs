@@ -5,6 +5,7 @@
 //! | a key that leaves the picture alone | 150 B |
 //! | a draft over a network | 16 KB |
 //! | a full picture over a network | 100 KB |
+//! | another preset over a network, in characters | 16 KB |
 //! | rest | nothing, not even a wake-up |
 
 use std::time::{Duration, Instant};
@@ -14,6 +15,7 @@ use crate::harness::{Answers, Home, Setup, Token, Workbench, find, tokens};
 const KEY: usize = 150;
 const DRAFT: usize = 16_000;
 const FULL: usize = 100_000;
+const ANOTHER_PRESET: usize = 16_000;
 /// Where there is room, the form explains the knob that the cursor is on, at length in a tall terminal: up
 /// to fifteen lines of 36 columns, which a key that moves it asks for, and the way there.
 const ABOUT: usize = 15 * (36 + 8);
@@ -114,6 +116,27 @@ fn pictures_over_a_network_stay_within_their_budget() {
             assert!(whole <= FULL + TEXT, "{whole}");
             let median = drafts[drafts.len() / 2];
             assert!(median <= DRAFT, "{columns}x{rows} {answers:?}: {drafts:?}");
+        }
+    }
+}
+
+#[test]
+fn another_preset_over_a_network_costs_little_in_characters() {
+    for (columns, rows) in [(80, 24), (120, 40)] {
+        let home = Home::new();
+        let setup = Setup::new(columns, rows).over_ssh().answers(Answers::TrueColor).args(&["open", "oak"]);
+        let workbench = setup.start(&home);
+        workbench.wait_for_tree();
+        workbench.settle();
+        let mut before = workbench.screen().text();
+        // In both directions: the last is a tree that has grown already.
+        for key in ["j", "j", "j", "k"] {
+            let cost = cost(&workbench, key);
+            let text = workbench.screen().text();
+            println!("{columns}x{rows} {key}: {cost}");
+            assert!(text != before, "another preset is shown");
+            assert!((1..=ANOTHER_PRESET).contains(&cost), "{columns}x{rows} {key}: {cost}");
+            before = text;
         }
     }
 }

@@ -28,6 +28,9 @@ use crate::config::settings::Scenery;
 /// Most bytes of a draft, and of a full picture, over a network.
 pub(super) const DRAFT_BYTES: usize = 16_000;
 pub(super) const FULL_BYTES: usize = 100_000;
+/// The same of characters: both come for each preset that the list's cursor passes.
+pub(super) const DRAFT_CELLS_BYTES: usize = 3_500;
+pub(super) const FULL_CELLS_BYTES: usize = 9_000;
 /// The longer side of a picture that a terminal shows as pixels.
 const LONGEST_PX: u32 = 1400;
 /// Sixels of one picture: a screen of 5K. A terminal that claims more shows characters.
@@ -316,7 +319,11 @@ impl Painter {
         let graphic = Medium { graphics: protocol, ..medium }.graphic(&picture, area, budget)?;
         // Cells of full pictures stay within their budget at home too: the difference is not seen.
         // Those that only stand until the pixels come, or below a dialog, are a draft.
-        let for_cells = if graphic.is_some() && medium.remote { DRAFT_BYTES } else { budget.min(FULL_BYTES) };
+        let for_cells = match (request.detail, medium.remote) {
+            (_, false) => FULL_BYTES,
+            (Detail::Full, true) if graphic.is_none() => FULL_CELLS_BYTES,
+            (_, true) => DRAFT_CELLS_BYTES,
+        };
         let cells = medium.cells(&picture, size, (area.width, area.height), for_cells)?;
         let view = request.camera.view(request.shown.extent(true, false), size);
         let columns_per_m = view.scale_at_target() * f32::from(area.width) / width as f32;

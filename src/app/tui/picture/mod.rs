@@ -122,9 +122,17 @@ pub fn wanted(model: &Model) -> Option<DrawRequest> {
     })
 }
 
+/// What is on screen: until the next tree's picture is there, that of the one before, which a slow line would
+/// carry twice if it went meanwhile. `None` where a tree did not grow, and says why.
+fn standing(model: &Model) -> Option<&Painted> {
+    let tree = model.tree.as_ref()?;
+    let has_failed = tree.shown.is_none() && tree.fault.is_some();
+    model.picture.painted.as_deref().filter(|_| !has_failed)
+}
+
 /// The picture as pixels, where there are such, and the cells that it covers.
 pub fn graphic(model: &Model) -> Option<(Rect, Arc<Encoded>)> {
-    let painted = model.picture.painted.as_ref()?;
+    let painted = standing(model)?;
     let area = area(model)?;
     let data = painted.graphic.as_ref().filter(|_| painted.request.area == area)?;
     Some((area, Arc::clone(data)))
@@ -192,3 +200,6 @@ pub fn zoom_by(model: &mut Model, factor: f32) {
     camera.pan *= zoom / camera.zoom;
     camera.zoom = zoom;
 }
+
+#[cfg(test)]
+mod tests;

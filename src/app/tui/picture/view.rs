@@ -8,7 +8,7 @@ use ratatui::style::Color;
 use ratatui::text::Span;
 use unicode_width::UnicodeWidthStr;
 
-use super::split;
+use super::{split, standing};
 use crate::jobs::Painted;
 use crate::tui::figures::thousands;
 use crate::tui::layout::{Pane, View};
@@ -45,9 +45,7 @@ pub fn heading(model: &Model) -> Vec<Span<'static>> {
 pub fn view(model: &Model, inner: Rect, buffer: &mut Buffer, view: &mut View) {
     let theme = &model.config.theme;
     let (area, scale) = split(inner);
-    if let Some(painted) = &model.picture.painted
-        && model.tree.as_ref().is_some_and(|tree| tree.shown.is_some())
-    {
+    if let Some(painted) = standing(model) {
         view.order.late.push(area);
         painted.put(area, buffer);
         // Where panes have no headings, the bar to scrub takes the row.
@@ -81,7 +79,7 @@ pub fn view(model: &Model, inner: Rect, buffer: &mut Buffer, view: &mut View) {
         say(buffer, area.y + area.height / 2, fault, theme.error);
     } else if let Some(growing) = &tree.growing {
         say(buffer, area.y, &words(growing), theme.busy);
-    } else if tree.shown.is_none() {
+    } else if tree.shown.is_none() && standing(model).is_none() {
         say(buffer, area.y + area.height / 2, "growing …", theme.dim);
     }
 }
