@@ -1,5 +1,7 @@
 //! SOURCE: a preset's id, a file told by its content, or `-`; with overrides it becomes a recipe.
 
+pub mod forest;
+
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 

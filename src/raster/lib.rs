@@ -44,7 +44,7 @@ pub use person::{PERSON_M, Person};
 pub use scale::nice_length_m;
 pub use skeleton::draw_skeleton;
 pub use style::{Background, Landscape, Paint, Style};
-pub use surface::{Surface, draw_surface};
+pub use surface::{Surface, draw_stage, draw_surface, stage_extent};
 
 /// The longest side of a picture, pixels: 8192² pixels are 268 MB.
 pub const MAX_SIDE: u32 = 8192;

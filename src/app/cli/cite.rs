@@ -9,8 +9,9 @@ use linden::skeleton::publication::Publication;
 use serde::Serialize;
 
 use super::GrowArgs;
-use super::forest::{Described, turn};
+use super::forest::resolved;
 use crate::progress::Progress;
+use crate::source::forest::{ForestFile, turn};
 
 /// Say what to put into a paper about a tree or a forest
 ///
@@ -116,12 +117,12 @@ impl Cite {
     fn citation(&self, progress: &Progress) -> anyhow::Result<Citation> {
         let program = Program { name: "linden", version: VERSION, license: env!("CARGO_PKG_LICENSE") };
         if let Some(named) = self.growing.source.to_str()
-            && let Some(described) = Described::find(named, progress)?
+            && let Some(described) = ForestFile::find(named, progress)?
         {
             self.growing.without_defines("a forest has several trees")?;
             self.growing.without_edits("a forest has several trees")?;
             let source = described.shown();
-            let mut forest = described.resolve(&mut Vec::new(), progress)?;
+            let mut forest = resolved(described, progress)?;
             for (name, value) in self.growing.pairs()? {
                 turn(&mut forest, &name, &value)?;
             }

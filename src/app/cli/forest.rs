@@ -4,24 +4,15 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
-use linden::dress::{Levels, levels};
-use linden::forest::{
-    FOREST_KNOBS, ForestDocument, ForestKind, Layout, Places, SCATTERING, TreeSource, budgeted,
-    builtin_forest, builtin_forests,
-};
-use linden::grow::grow;
+use linden::forest::{FOREST_KNOBS, ForestKind, GrownForest, Layout, Places, SCATTERING, builtin_forests};
 use linden::monitor::Holding;
-use linden::preset::{KnobError, builtin};
-use linden::scene::Wrap;
-use linden::stage::{self, Plant, Stage};
 
 use super::outputs::{Outputs, finish, write};
 use crate::exit::usage;
 use crate::forecast::{ForestOutlook, announce};
-use crate::paths::show;
 use crate::progress::Progress;
 use crate::source;
-use crate::trust;
+use crate::source::forest::{ForestFile, turn};
 
 /// Lay out a forest and write it for 3D programs
 ///
@@ -119,9 +110,12 @@ impl Forest {
         progress: &Progress,
     ) -> anyhow::Result<linden::forest::Forest> {
         if let [only] = self.kinds.as_slice()
-            && let Some(described) = Described::find(only, progress)?
+            && let Some(file) = ForestFile::find(only, progress)?
         {
-            return described.resolve(files, progress);
+            let source = file.resolve(progress)?;
+            super::notes(&source.notes, progress);
+            files.extend(source.files);
+            return Ok(source.forest);
         }
         let mut kinds = Vec::new();
         for kind in &self.kinds {
@@ -182,45 +176,25 @@ impl Written<'_> {
         let plan = forest.plan(progress).with_context(|| forest.id.clone())?;
         let outlook = ForestOutlook::of(&plan.trees, forest.layout.triangles, progress);
         announce(outlook.export_s(&batch.formats()), &outlook.amount());
-        let mut grown: Vec<Levels> = Vec::with_capacity(plan.trees.len());
         let inputs = plan.trees.iter().map(|tree| tree.recipe.inputs.bytes()).sum::<u64>();
-        let mut held = inputs;
-        for tree in &plan.trees {
-            let holding = Holding::new(progress, held);
-            let naming = || tree.name.clone();
-            let wood = grow(&tree.recipe, &holding).with_context(naming)?;
-            let recipe = budgeted(&tree.recipe, &wood, forest.layout.triangles * tree.stems, &holding);
-            let recipe = recipe.with_context(naming)?;
-            let mut of_tree = levels(&recipe, &wood, &holding).with_context(naming)?;
-            let first = plan.trees.iter().position(|first| first.kind == tree.kind);
-            if let Some(first) = first.and_then(|first| grown.get(first)) {
-                share_tiles(first, &mut of_tree);
-            }
-            let about = |note: &String| format!("{}: {note}", tree.name);
-            let said: Vec<String> =
-                wood.notes.iter().map(about).chain(of_tree.notes.iter().cloned()).collect();
+        let grown = GrownForest::grow(forest, plan, progress, &mut |tree| {
+            let about = tree.notes.iter().map(|note| format!("{}: {note}", tree.name));
+            let said: Vec<String> = about.chain(tree.levels.notes.iter().cloned()).collect();
             super::notes(&said, progress);
-            held += of_tree.levels.iter().map(|level| level.scene.bytes()).sum::<u64>();
-            grown.push(of_tree);
-        }
-        let plants = plan.trees.iter().zip(&grown).map(|(tree, of_tree)| {
-            let levels = of_tree.levels.iter();
-            let levels = levels.map(|level| stage::Level { scene: &level.scene, coverage: level.coverage });
-            Plant::in_levels(tree.name.clone(), levels.collect())
-        });
-        let stage = Stage {
-            name: forest.name.clone(),
-            recipe: forest.to_line(),
-            plants: plants.collect(),
-            places: plan.places,
-            setting: None,
-            turned: turned.iter().map(|(name, _)| name.clone()).collect(),
-        };
+        })?;
+        let stage = grown.stage().turned_by(turned.iter().map(|(name, _)| name.as_str()));
         let stage = if self.scene { stage.in_setting() } else { stage };
         let holding = Holding::new(progress, inputs);
         write(&mut batch, &stage, &holding, progress)?;
         finish(batch, progress)
     }
+}
+
+/// The forest that a file describes, once its notes are printed.
+pub(super) fn resolved(file: ForestFile, progress: &Progress) -> anyhow::Result<linden::forest::Forest> {
+    let source = file.resolve(progress)?;
+    super::notes(&source.notes, progress);
+    Ok(source.forest)
 }
 
 /// Several sources in one file, each tree where its own file has it; `settings` are the knobs that are turned on
@@ -270,132 +244,6 @@ fn with_share(kind: &str) -> anyhow::Result<(&str, f64)> {
              part, or leave out the kind",
             linden::knob::printable(&format!("{name}:{share}"))
         ))),
-    }
-}
-
-/// A forest's document, as an argument names it.
-pub(super) struct Described {
-    id: String,
-    /// `None`: built in.
-    path: Option<PathBuf>,
-    /// As it stands in the file.
-    pub text: String,
-    pub document: ForestDocument,
-}
-
-impl Described {
-    /// The document that an argument names, if it is one of a forest.
-    pub fn find(argument: &str, progress: &Progress) -> anyhow::Result<Option<Self>> {
-        if let Ok(builtin) = builtin_forest(argument) {
-            let document = builtin.load().map_err(|fault| source::locate(builtin.id, &fault))?;
-            let (id, text) = (builtin.id.to_owned(), builtin.text.to_owned());
-            return Ok(Some(Self { id, path: None, text, document }));
-        }
-        let path = Path::new(argument);
-        if builtin(argument).is_ok() || !path.is_file() {
-            return Ok(None);
-        }
-        let Some(text) = Self::text(path, progress)? else { return Ok(None) };
-        let document = ForestDocument::parse(&text).map_err(|fault| source::locate(&show(path), &fault))?;
-        let stem = path.file_stem();
-        let id = stem.map_or_else(|| "forest".to_owned(), |stem| stem.to_string_lossy().into_owned());
-        Ok(Some(Self { id, path: Some(path.to_owned()), text, document }))
-    }
-
-    /// The text of a forest's document, or the recipe that a forest's file carries.
-    fn text(path: &Path, progress: &Progress) -> anyhow::Result<Option<String>> {
-        let shown = show(path);
-        let reading = || format!("reading {shown}");
-        let mut content = source::open(path, progress)?;
-        if let Some(recipe) = content.recipe(progress).with_context(reading)? {
-            return Ok(Some(recipe).filter(|json| source::is_forest(json)));
-        }
-        if !path.extension().is_some_and(|ending| ending == "toml" || ending == "json") {
-            return Ok(None);
-        }
-        let bytes = content.bytes(progress).with_context(reading)?;
-        let text = source::document(&bytes, &shown, progress)?;
-        // What tells it from a preset.
-        let has_trees = text.lines().any(|line| line.trim_start().starts_with("[[tree]]"));
-        Ok((has_trees || source::is_forest(text)).then(|| text.to_owned()))
-    }
-
-    /// As it was named: an id, or a file.
-    pub fn shown(&self) -> String {
-        self.path.as_deref().map_or_else(|| self.id.clone(), show)
-    }
-
-    /// The forest, its kinds read; `files` takes what it was read from.
-    pub fn resolve(
-        self,
-        files: &mut Vec<PathBuf>,
-        progress: &Progress,
-    ) -> anyhow::Result<linden::forest::Forest> {
-        let Self { id, path, document, text } = self;
-        files.extend(path.clone());
-        let beside = path.as_deref().unwrap_or(Path::new(""));
-        let mut kinds = Vec::new();
-        let mut said = Vec::new();
-        for tree in document.trees {
-            let source = match &tree.source {
-                TreeSource::Recipe(json) => source::of_recipe(beside, json, progress)?,
-                TreeSource::Named(name) => {
-                    let is_id = builtin(name).is_ok() || source::user_preset(Path::new(name))?.is_some();
-                    let named = if is_id {
-                        PathBuf::from(name)
-                    } else {
-                        let place = || source::mention(&show(beside), &text, name);
-                        trust::beside(path.as_deref(), name).with_context(place)?
-                    };
-                    source::resolve(&named, &[], progress)?
-                }
-            };
-            // Of the same document all kinds say the same.
-            let news: Vec<_> = source.notes.into_iter().filter(|note| !said.contains(note)).collect();
-            super::notes(&news, progress);
-            said.extend(news);
-            files.extend(source.files);
-            let mut recipe = source.recipe;
-            for (name, value) in &tree.set {
-                recipe.preset.set(name, value).map_err(usage)?;
-            }
-            kinds.push(ForestKind { recipe, share: tree.share, size: tree.size });
-        }
-        let name = if document.name.trim().is_empty() { id.clone() } else { document.name };
-        let name = linden::knob::printable(&name);
-        Ok(linden::forest::Forest { id, name, kinds, layout: document.layout })
-    }
-}
-
-/// Turns a knob of the forest, or else of all kinds of trees that have it.
-pub(super) fn turn(forest: &mut linden::forest::Forest, name: &str, value: &str) -> anyhow::Result<()> {
-    if FOREST_KNOBS.iter().any(|row| row.knob.name == name) {
-        return forest.layout.set(name, value).map_err(usage);
-    }
-    let mut unknown = None;
-    let mut turned = 0;
-    for kind in &mut forest.kinds {
-        match kind.recipe.preset.set(name, value) {
-            Ok(()) => turned += 1,
-            Err(error @ KnobError::Value { .. }) => return Err(usage(error)),
-            Err(error) => unknown = unknown.or(Some(error)),
-        }
-    }
-    match unknown.filter(|_| turned == 0) {
-        Some(error) => Err(usage(error)),
-        None => Ok(()),
-    }
-}
-
-/// Trees of a kind have the same bark: the pictures that tile, which fit any tree.
-fn share_tiles(first: &Levels, other: &mut Levels) {
-    let Some(first) = first.levels.first() else { return };
-    for material in other.levels.iter_mut().flat_map(|level| &mut level.scene.materials) {
-        let same = first.scene.materials.iter().find(|first| first.name == material.name);
-        if let Some(same) = same.filter(|first| first.wrap == Wrap::Repeat && material.wrap == first.wrap) {
-            material.base_color_picture.clone_from(&same.base_color_picture);
-            material.normal_picture.clone_from(&same.normal_picture);
-        }
     }
 }
 

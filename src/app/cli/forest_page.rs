@@ -4,12 +4,13 @@ use linden::forest::Forest;
 use linden::knob::printable;
 use serde::Serialize;
 
-use super::forest::{Described, turn};
+use super::forest::resolved;
 use super::list::{FOREST, FORESTS};
 use super::size::SizeRow;
 use crate::exit::usage;
 use crate::forecast::ForestOutlook;
 use crate::progress::Progress;
+use crate::source::forest::{ForestFile, turn};
 
 #[derive(Serialize)]
 struct ShownForest {
@@ -57,7 +58,7 @@ pub(super) enum As {
 
 /// Shows a forest with some knobs turned.
 pub(super) fn show(
-    described: Described,
+    described: ForestFile,
     pairs: &[(String, String)],
     how: As,
     progress: &Progress,
@@ -73,7 +74,7 @@ pub(super) fn show(
     }
     let summary = described.document.summary.clone();
     let shown = described.shown();
-    let mut forest = described.resolve(&mut Vec::new(), progress)?;
+    let mut forest = resolved(described, progress)?;
     for (name, value) in pairs {
         turn(&mut forest, name, value)?;
     }

@@ -1,5 +1,7 @@
 //! `linden preview`: a picture of the skeleton or the surface, in the terminal or as a file.
 
+mod forest;
+
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
@@ -29,6 +31,7 @@ use crate::exit::usage;
 use crate::forecast::{Outlook, announce};
 use crate::progress::Progress;
 use crate::source::Source;
+use crate::source::forest::ForestFile;
 use crate::viewpoint::broad_side;
 
 /// Draw a source: in the terminal, or as a picture's file
@@ -56,9 +59,9 @@ pub struct Preview {
     #[arg(long, allow_negative_numbers = true, value_parser = angle)]
     yaw: Option<f32>,
 
-    /// Look from above, degrees
-    #[arg(long, default_value_t = 8.0, allow_negative_numbers = true, value_parser = angle)]
-    pitch: f32,
+    /// Look from above, degrees; when not given 8, of a forest 22
+    #[arg(long, allow_negative_numbers = true, value_parser = angle)]
+    pitch: Option<f32>,
 
     /// Closer (above 1) or farther (below 1)
     #[arg(long, default_value_t = 1.0, value_parser = zoom)]
@@ -105,6 +108,8 @@ pub(super) enum PreviewLook {
     Turtle,
 }
 
+/// How far from above a tree is looked at by default, degrees.
+const PITCH_DEG: f32 = 8.0;
 /// Pixels of a file by default.
 const FILE_SIZE: (u32, u32) = (800, 1000);
 
@@ -117,6 +122,11 @@ impl Preview {
             )));
         }
         let overrides = self.terminal.overrides()?;
+        if let Some(named) = self.growing.source.to_str()
+            && let Some(file) = ForestFile::find(named, &progress)?
+        {
+            return self.forest(file, &overrides, &progress);
+        }
         // A place that cannot be written to is found before anything grows.
         let open = |path: &Path, id: &str| PictureTarget::open_or_svg(path, id, &self.placing);
         let named = self.output.as_deref().filter(|path| !is_folder(path));
@@ -154,7 +164,10 @@ impl Preview {
         let sitter = PreviewSubject::new(&source, &grown, look, self.lod, &progress, &progress)?;
         let camera = Camera {
             zoom: self.zoom,
-            ..Camera::orbit(self.yaw.unwrap_or_else(|| broad_side(&grown.skeleton)), self.pitch)
+            ..Camera::orbit(
+                self.yaw.unwrap_or_else(|| broad_side(&grown.skeleton)),
+                self.pitch.unwrap_or(PITCH_DEG),
+            )
         };
         let styled = |style: Style<'static>| {
             let style = Style {
@@ -171,30 +184,7 @@ impl Preview {
         let draw = |style: Style<'static>, (width, height): (u32, u32)| -> anyhow::Result<Picture> {
             sitter.draw(&camera, &styled(style), Size::new(width, height).map_err(usage)?, &progress)
         };
-        let Some(target) = target else {
-            let terminal = TerminalSize::of_stdout();
-            // The last row is for the prompt.
-            let (columns, rows) =
-                self.size.unwrap_or((terminal.columns.into(), terminal.rows.saturating_sub(1).into()));
-            let (columns, rows) = (cells(columns)?, cells(rows)?);
-            let (protocol, style) = in_terminal(&overrides);
-            if let Some(protocol) = protocol {
-                let area = Rect::new(0, 0, columns, rows);
-                let (wide, high) = Tty::open().ok().and_then(|tty| tty.size().cell_px()).unwrap_or((10, 20));
-                let size = (u32::from(columns) * u32::from(wide), u32::from(rows) * u32::from(high));
-                let picture = draw(Style::over_dark(), size)?;
-                let encoded = encode(protocol, picture.rgba(), size, area, usize::MAX)?;
-                progress.clear();
-                return super::print_bytes(&encoded.at_cursor(KITTY_IDS + std::process::id(), area));
-            }
-            let picture = draw(
-                Style::over_dark(),
-                linden_terminal::cells::square_pixels(columns, rows, terminal.cell_aspect),
-            )?;
-            let image = Image::new(picture.width(), picture.height(), picture.rgba())?;
-            progress.clear();
-            return super::print(&draw_cells(&image, columns, rows, &style));
-        };
+        let Some(target) = target else { return self.show(&overrides, &progress, draw) };
         let style = if look == Some(PreviewLook::Turtle) { Style::paper() } else { Style::studio() };
         if is_svg {
             let (width, height) = self.size.unwrap_or(FILE_SIZE);
@@ -212,6 +202,37 @@ impl Preview {
 }
 
 impl Preview {
+    /// Shows a picture in the terminal, as pixels or as characters.
+    fn show(
+        &self,
+        overrides: &Overrides,
+        progress: &Progress,
+        draw: impl Fn(Style<'static>, (u32, u32)) -> anyhow::Result<Picture>,
+    ) -> anyhow::Result<()> {
+        let terminal = TerminalSize::of_stdout();
+        // The last row is for the prompt.
+        let (columns, rows) =
+            self.size.unwrap_or((terminal.columns.into(), terminal.rows.saturating_sub(1).into()));
+        let (columns, rows) = (cells(columns)?, cells(rows)?);
+        let (protocol, style) = in_terminal(overrides);
+        if let Some(protocol) = protocol {
+            let area = Rect::new(0, 0, columns, rows);
+            let (wide, high) = Tty::open().ok().and_then(|tty| tty.size().cell_px()).unwrap_or((10, 20));
+            let size = (u32::from(columns) * u32::from(wide), u32::from(rows) * u32::from(high));
+            let picture = draw(Style::over_dark(), size)?;
+            let encoded = encode(protocol, picture.rgba(), size, area, usize::MAX)?;
+            progress.clear();
+            return super::print_bytes(&encoded.at_cursor(KITTY_IDS + std::process::id(), area));
+        }
+        let picture = draw(
+            Style::over_dark(),
+            linden_terminal::cells::square_pixels(columns, rows, terminal.cell_aspect),
+        )?;
+        let image = Image::new(picture.width(), picture.height(), picture.rgba())?;
+        progress.clear();
+        super::print(&draw_cells(&image, columns, rows, &style))
+    }
+
     /// Colours that tell something are those of a skeleton; so are points and outlines inside a crown. An SVG
     /// is a flat drawing.
     fn chosen_look(&self, is_svg: bool) -> anyhow::Result<Option<PreviewLook>> {

@@ -9,12 +9,12 @@ use serde::Serialize;
 
 use super::GrowArgs;
 use super::axes::AxisList;
-use super::forest::Described;
 use super::forest_page::{self, As};
 use super::size::{SizeRow, count};
 use crate::exit::usage;
 use crate::forecast::Outlook;
 use crate::progress::Progress;
+use crate::source::forest::ForestFile;
 
 /// Say what a source is, which knobs it has, and how large it would grow
 #[derive(Args)]
@@ -114,7 +114,7 @@ impl Show {
     pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
         if let Some(named) = self.growing.source.to_str()
-            && let Some(forest) = Described::find(named, &progress)?
+            && let Some(forest) = ForestFile::find(named, &progress)?
         {
             self.growing.without_defines("a forest has several trees")?;
             self.growing.without_edits("a forest has several trees")?;

@@ -39,9 +39,9 @@ const MOST_SIXELS: u64 = 16 << 20;
 const DRAFT_SCALE: u32 = 2;
 /// Sides of the thickest tube, and pixels of the bark's side, on a screen.
 const MOST_SIDES: u32 = 12;
-const MOST_BARK_PX: u32 = 256;
+pub(super) const MOST_BARK_PX: u32 = 256;
 /// Of the side of a picture of leaves, which holds several.
-const MOST_LEAF_PX: u32 = 256;
+pub(super) const MOST_LEAF_PX: u32 = 256;
 /// A cell's pixels where a terminal does not tell: what most fonts come near.
 const USUAL_CELL_PX: (u16, u16) = (10, 20);
 

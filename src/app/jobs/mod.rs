@@ -6,6 +6,7 @@
 
 mod draw;
 mod export;
+mod forest;
 mod gallery;
 mod grow;
 mod lane;
@@ -15,6 +16,7 @@ mod relay;
 
 pub use draw::{Detail, DrawRequest, Medium, Painted, Painter, PickedAxis, PictureLook, wind_strength};
 pub use export::{ExportNews, ExportOrder, WHOLE, run as run_export};
+pub use forest::{FOREST_PITCH_DEG, ShownForest, grow_shown_forest};
 pub use gallery::{GalleryRequest, SmallPicture, Thumbnail, TreeSize, paint_gallery};
 #[cfg(test)]
 pub use grow::stage;

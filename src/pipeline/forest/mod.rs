@@ -20,6 +20,7 @@
 mod compete;
 mod document;
 mod error;
+mod grown;
 mod layout;
 mod library;
 mod plan;
@@ -36,6 +37,7 @@ use linden_plant::detail::{DetailError, Simplifier};
 
 pub use document::{ForestDocument, TreeLine, TreeSource};
 pub use error::{ForestError, Loner};
+pub use grown::{GrownForest, GrownForestError, GrownTree};
 pub use layout::{FOREST_KNOBS, ForestKnob, Layout, LayoutError, Places, SCATTERING};
 pub use library::{BuiltinForest, builtin_forest, builtin_forests};
 pub use plan::MOST_PLACES;

@@ -252,8 +252,8 @@ impl<'a> Stage<'a> {
     }
 
     /// Points of what is seen from near, the outermost in many directions among them: their hull is
-    /// nearly that of all.
-    fn outermost(&self) -> Vec<Vec3> {
+    /// nearly that of all. In the first season.
+    pub fn outermost(&self) -> Vec<Vec3> {
         // Half of the directions of a grid on a cube; the other half is opposite.
         let steps = || (-2_i8..=2).map(f32::from);
         let directions: Vec<Vec3> = steps()

@@ -5,6 +5,7 @@
 //! and its triangles are left out. So twigs neither vanish nor sparkle when the camera turns.
 
 mod samples;
+mod stage;
 #[cfg(test)]
 mod tests;
 mod texels;
@@ -14,6 +15,8 @@ use glam::Vec3;
 use linden_pipeline::picture::Picture;
 use linden_pipeline::scene::{Material, Part, Scene};
 use linden_pipeline::{Monitor, Skeleton};
+
+pub use self::stage::{draw_stage, stage_extent};
 
 use self::samples::Samples;
 use self::triangles::Triangles;

@@ -1,15 +1,18 @@
 use std::f32::consts::PI;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use glam::{Vec2, Vec3};
+use linden_pipeline::foliage::DressedOrgans;
 use linden_pipeline::monitor::Phase;
 use linden_pipeline::picture::Picture;
-use linden_pipeline::scene::{Material, Mesh, Part};
+use linden_pipeline::scene::{Material, Mesh, Part, Scene};
 use linden_pipeline::skeleton::{Branching, Wood};
+use linden_pipeline::stage::{Level, Place, Plant, Stage};
 use linden_pipeline::surface::{Tubes, sweep};
 use linden_pipeline::{Monitor, NO_PARENT, Quiet, Skeleton};
 
-use super::{Surface, draw_surface};
+use super::{Surface, draw_stage, draw_surface, stage_extent};
 use crate::skeleton::sample;
 use crate::{Camera, Extent, RasterError, Size, Style, draw_skeleton};
 
@@ -394,4 +397,58 @@ fn a_crown_is_brighter_on_the_suns_side_and_darker_within() {
         sum.0 / sum.1
     };
     assert!(light(true) > 1.08 * light(false), "{} {}", light(true), light(false));
+}
+
+/// A scene of one ball.
+fn scene(radius: f32) -> Scene {
+    let (skeleton, name) = (Arc::new(Skeleton::default()), "ball".to_owned());
+    let parts = vec![part(ball(Vec3::new(0.0, radius, 0.0), radius), 0)];
+    let materials = vec![material([0.2, 0.5, 0.1])];
+    Scene { name, recipe: "{}".to_owned(), skeleton, organs: DressedOrgans::default(), parts, materials }
+}
+
+#[test]
+fn a_stage_is_its_plants_where_they_stand() {
+    let (near, far) = (scene(1.0), scene(2.0));
+    let level = |scene, coverage| Level { scene, coverage };
+    let plants = vec![
+        Plant::in_levels("small".to_owned(), vec![level(&near, 0.0)]),
+        Plant::in_levels("large".to_owned(), vec![level(&far, 0.0)]),
+    ];
+    let turned = Place { plant: 1, position: Vec3::new(6.0, 0.0, -2.0), turn_rad: 1.0, scale: 0.5 };
+    let places = vec![Place::origin(0), turned, Place { position: Vec3::new(-5.0, 0.0, 0.0), ..turned }];
+    let stage = Stage { plants, places, ..Stage::of(&near) };
+    // Balls are the same from all sides, so that their places and sizes say all.
+    let at = |x: f32, z: f32| part(ball(Vec3::new(x, 1.0, z), 1.0), 0);
+    let parts = [at(0.0, 0.0), at(6.0, -2.0), at(-5.0, 0.0)];
+    let extent = stage_extent(&stage);
+    let camera = Camera { extent, ..Camera::default() };
+    let of_parts = draw(&parts, &near.materials, &Skeleton::default(), &camera, size(300, 200));
+    let of_stage =
+        draw_stage(&stage, &Camera::default(), &Style::over_dark(), size(300, 200), &Quiet).unwrap();
+    let differing = of_parts.rgba().iter().zip(of_stage.rgba()).filter(|(a, b)| a.abs_diff(**b) > 8).count();
+    assert!(ink(&of_parts) > 2000.0);
+    assert!(differing * 100 < of_parts.rgba().len(), "{differing} of {}", of_parts.rgba().len());
+}
+
+#[test]
+fn plants_that_are_small_in_the_picture_are_drawn_coarsely_and_drafts_altogether() {
+    let (fine, coarse) = (scene(1.0), Scene { materials: vec![material([0.9, 0.0, 0.0])], ..scene(1.0) });
+    let levels = vec![Level { scene: &fine, coverage: 0.5 }, Level { scene: &coarse, coverage: 0.0 }];
+    let stage = |places: Vec<Place>| Stage {
+        plants: vec![Plant::in_levels("ball".to_owned(), levels.clone())],
+        places,
+        ..Stage::of(&fine)
+    };
+    let red = |stage: &Stage<'_>, draft: bool| {
+        let style = Style { draft, ..Style::over_dark() };
+        let picture = draw_stage(stage, &Camera::default(), &style, size(200, 200), &Quiet).unwrap();
+        let is_red = |p: &[u8]| p[3] > 128 && p[0] > p[1];
+        picture.rgba().chunks_exact(4).filter(|p| is_red(p)).count()
+    };
+    let alone = stage(vec![Place::origin(0)]);
+    let place = |i: u8| Place { position: Vec3::X * f32::from(i) * 3.0, ..Place::origin(0) };
+    let row = stage((0..8).map(place).collect());
+    assert_eq!(red(&alone, false), 0, "it fills the picture");
+    assert!(red(&alone, true) > 1000 && red(&row, false) > 100);
 }

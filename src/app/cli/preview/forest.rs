@@ -1,0 +1,93 @@
+//! A forest's picture.
+
+use std::sync::Arc;
+
+use anyhow::Context;
+use linden::monitor::Holding;
+use linden::picture::Picture;
+use linden_raster::{Background, Camera, Size, Style, draw_stage};
+use linden_terminal::probe::Overrides;
+
+use super::{Preview, PreviewLook};
+use crate::cli::forest::resolved;
+use crate::cli::placing::PictureTarget;
+use crate::exit::usage;
+use crate::jobs::{FOREST_PITCH_DEG, ShownForest};
+use crate::progress::Progress;
+use crate::source::forest::{ForestFile, turn};
+
+/// Pixels of a forest's file by default.
+const FILE_SIZE: (u32, u32) = (1400, 900);
+/// Turn round the forest by default, degrees: along neither side of its square.
+const YAW_DEG: f32 = 30.0;
+
+impl Preview {
+    /// Draws a forest, its surfaces.
+    pub(super) fn forest(
+        &self,
+        file: ForestFile,
+        overrides: &Overrides,
+        progress: &Progress,
+    ) -> anyhow::Result<()> {
+        self.refuse_for_a_forest()?;
+        let mut forest = resolved(file, progress)?;
+        for (name, value) in self.growing.pairs()?.into_iter().chain(self.budget.pair()) {
+            turn(&mut forest, &name, &value)?;
+        }
+        let target = self
+            .output
+            .as_deref()
+            .map(|path| PictureTarget::open_or_svg(path, &forest.id, &self.placing))
+            .transpose()?;
+        if target.as_ref().is_some_and(PictureTarget::is_svg) {
+            return Err(usage(
+                "an SVG is a flat drawing of one tree; a forest's picture is .png, .jpg or .webp",
+            ));
+        }
+        let file_size = self.size.unwrap_or(FILE_SIZE);
+        if let Some(target) = &target {
+            target.admit(Size::new(file_size.0, file_size.1).map_err(usage)?, 0, progress)?;
+        }
+        let id = forest.id.clone();
+        let shown = ShownForest::grow(&Arc::new(forest), progress).with_context(|| id.clone())?;
+        let held = shown.grown.bytes();
+        let stage = shown.grown.stage();
+        let camera = Camera {
+            zoom: self.zoom,
+            extent: shown.extent,
+            ..Camera::orbit(self.yaw.unwrap_or(YAW_DEG), self.pitch.unwrap_or(FOREST_PITCH_DEG))
+        };
+        let draw = |style: Style<'static>, (width, height): (u32, u32)| -> anyhow::Result<Picture> {
+            let background = self.background.unwrap_or(style.background);
+            let ground_shadow = style.ground_shadow && self.background != Some(Background::Transparent);
+            let style = Style { background, ground_shadow, ..style };
+            let size = Size::new(width, height).map_err(usage)?;
+            draw_stage(&stage, &camera, &style, size, &Holding::new(progress, held))
+                .with_context(|| id.clone())
+        };
+        let Some(target) = target else { return self.show(overrides, progress, draw) };
+        let picture = draw(Style::studio(), file_size)?;
+        target.admit(Size::new(picture.width(), picture.height())?, held, progress)?;
+        target.write(&picture, Some(&shown.forest.to_line()), progress)
+    }
+
+    /// What a forest's picture has not.
+    fn refuse_for_a_forest(&self) -> anyhow::Result<()> {
+        self.growing.without_defines("a forest has several trees")?;
+        self.growing.without_edits("a forest has several trees")?;
+        let given = [
+            (self.look.is_some_and(|look| look != PreviewLook::Surface), "--look"),
+            (self.color.is_some(), "--color"),
+            (self.lod.is_some(), "--lod"),
+            (self.points, "--points"),
+            (self.outline, "--outline"),
+            (self.person, "--person"),
+        ];
+        match given.into_iter().find(|(is_given, _)| *is_given) {
+            Some((_, flag)) => Err(usage(format!(
+                "{flag} is for one tree: a forest's picture shows the surfaces of its trees"
+            ))),
+            None => Ok(()),
+        }
+    }
+}
