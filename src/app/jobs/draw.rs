@@ -6,13 +6,14 @@ use std::time::{Duration, Instant};
 use glam::Vec3;
 use linden::dress::{DressError, dress};
 use linden::foliage::Organs;
+use linden::monitor::Holding;
 use linden::picture::Picture;
 use linden::preset::Preset;
 use linden::scene::{Mesh, Part, Scene};
 use linden::wind::{Blow, Wind, blown};
 use linden::{Monitor, Skeleton};
 use linden_raster::{
-    Camera, Paint, RasterError, Size, Style, Surface, draw_flat, draw_skeleton, draw_surface,
+    Camera, Paint, RasterError, Size, Style, Surface, draw_flat, draw_skeleton, draw_stage, draw_surface,
 };
 use linden_terminal::cells::{CellPicture, square_pixels};
 use linden_terminal::graphics::{Encoded, Protocol, encode};
@@ -22,7 +23,7 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
 use super::grow::Plant;
-use super::{ShownTree, Watcher};
+use super::{ShownForest, ShownTree, Subject, Watcher};
 use crate::config::settings::Scenery;
 
 /// Most bytes of a draft, and of a full picture, over a network.
@@ -94,8 +95,8 @@ pub struct PickedAxis {
 /// A picture that should be on screen.
 #[derive(Clone, Debug)]
 pub struct DrawRequest {
-    /// The tree.
-    pub shown: Arc<ShownTree>,
+    /// What of.
+    pub subject: Subject,
     /// The step of growth that is drawn, `None` for the grown tree.
     pub stage: Option<u32>,
     /// The frame of the wind's loop that the grown tree is drawn at, `None` for a calm.
@@ -163,7 +164,7 @@ pub struct Painted {
 impl DrawRequest {
     /// Whether another request is for the same picture, whatever the detail.
     pub fn is_of(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.shown, &other.shown)
+        self.subject.is(&other.subject)
             && (self.stage, self.wind) == (other.stage, other.wind)
             && self.camera == other.camera
             && self.look == other.look
@@ -325,8 +326,9 @@ impl Painter {
             (_, true) => DRAFT_CELLS_BYTES,
         };
         let cells = medium.cells(&picture, size, (area.width, area.height), for_cells)?;
-        let view = request.camera.view(request.shown.extent(true, false), size);
-        let columns_per_m = view.scale_at_target() * f32::from(area.width) / width as f32;
+        let view = request.subject.extent().map(|extent| request.camera.view(extent, size));
+        let scale = view.map_or(0.0, |view| view.scale_at_target());
+        let columns_per_m = scale * f32::from(area.width) / width as f32;
         let shows_person = request.camera.extent.is_some_and(|extent| extent.person.is_some());
         let legend = legend(&request);
         Ok(Painted { legend, cells, graphic, columns_per_m, shows_person, took: start.elapsed(), request })
@@ -339,8 +341,11 @@ impl Painter {
         size: Size,
         watcher: &Watcher<'_>,
     ) -> Result<Picture, Option<String>> {
-        let shown = &request.shown;
         let base = request.medium.style();
+        let shown = match &request.subject {
+            Subject::Tree(shown) => shown,
+            Subject::Forest(forest) => return stand(forest, request, base, size, watcher),
+        };
         let points = shown.grown.colonized.as_ref().map_or(&[][..], |colonized| &colonized.points);
         let bare = request.pick.is_some_and(|pick| pick.bare);
         let look = if bare { PictureLook::Skeleton(Paint::Wood) } else { request.look };
@@ -448,7 +453,8 @@ impl Painter {
 /// What the darkest and the brightest colour of a look mean.
 fn legend(request: &DrawRequest) -> Option<[String; 2]> {
     let PictureLook::Skeleton(paint) = request.look else { return None };
-    let skeleton = &request.shown.grown.skeleton;
+    let shown = request.subject.tree()?;
+    let skeleton = &shown.grown.skeleton;
     let thickness = |radius_m: f32| match radius_m * 2.0 {
         m if m >= 1.0 => format!("{m:.1} m"),
         m if m >= 0.01 => format!("{:.0} cm", m * 100.0),
@@ -456,13 +462,13 @@ fn legend(request: &DrawRequest) -> Option<[String; 2]> {
     };
     match paint {
         Paint::Wood => None,
-        Paint::Order => Some(["order 0".to_owned(), request.shown.measures.max_order.to_string()]),
+        Paint::Order => Some(["order 0".to_owned(), shown.measures.max_order.to_string()]),
         Paint::Radius => {
             let thick = skeleton.radii.iter().copied().filter(|&radius| radius > 0.0);
             let (least, most) = thick.fold((f32::INFINITY, 0.0_f32), |(a, b), r| (a.min(r), b.max(r)));
             least.is_finite().then(|| [format!("{} thick", thickness(least)), thickness(most)])
         }
-        Paint::Birth => Some(["step 0".to_owned(), request.shown.steps.to_string()]),
+        Paint::Birth => Some(["step 0".to_owned(), shown.steps.to_string()]),
         Paint::Light => Some(["shade".to_owned(), "open sky".to_owned()]),
     }
 }
@@ -476,6 +482,19 @@ fn surface(
     watcher: &Watcher<'_>,
 ) -> Result<Picture, Option<String>> {
     draw_surface(surface, &request.camera, style, size, watcher).map_err(unless_cancelled)
+}
+
+/// Draws a forest.
+fn stand(
+    forest: &ShownForest,
+    request: &DrawRequest,
+    base: Style<'_>,
+    size: Size,
+    watcher: &Watcher<'_>,
+) -> Result<Picture, Option<String>> {
+    let style = Style { draft: request.detail == Detail::Draft, ..base };
+    let holding = Holding::new(watcher, forest.grown.bytes());
+    draw_stage(&forest.grown.stage(), &request.camera, &style, size, &holding).map_err(unless_cancelled)
 }
 
 fn unless_cancelled(error: RasterError) -> Option<String> {

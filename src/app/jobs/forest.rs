@@ -1,7 +1,6 @@
 //! Grows the forest on screen.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
 use linden::forest::{Forest, GrownForest, GrownForestError};
 use linden::monitor::Monitor;
@@ -19,6 +18,8 @@ const LEAST_OF_A_TREE: u64 = 10_000;
 const LEVELS: u32 = 2;
 /// From where forests are looked at: from a hill, so that those behind are seen as well.
 pub const FOREST_PITCH_DEG: f32 = 22.0;
+/// And from which side, degrees: along neither side of the square.
+pub const FOREST_YAW_DEG: f32 = 30.0;
 
 /// A forest that grew, and what is known of it.
 #[derive(Debug)]
@@ -31,8 +32,6 @@ pub struct ShownForest {
     pub trees: u64,
     /// What pictures frame; `None` when there is nothing.
     pub extent: Option<Extent>,
-    /// How long it took to grow.
-    pub took: Duration,
 }
 
 impl ShownForest {
@@ -41,7 +40,6 @@ impl ShownForest {
     /// # Errors
     /// [`GrownForestError`].
     pub fn grow(forest: &Arc<Forest>, monitor: &dyn Monitor) -> Result<Self, GrownForestError> {
-        let started = Instant::now();
         let mut drawn = (**forest).clone();
         for kind in &mut drawn.kinds {
             let dressing = &mut kind.recipe.preset.dressing;
@@ -65,7 +63,7 @@ impl ShownForest {
             }
         }
         let extent = stage_extent(&grown.stage());
-        Ok(Self { forest: Arc::clone(forest), trees, extent, grown, took: started.elapsed() })
+        Ok(Self { forest: Arc::clone(forest), trees, extent, grown })
     }
 }
 

@@ -13,10 +13,11 @@ mod lane;
 mod look;
 mod measure;
 mod relay;
+mod subject;
 
 pub use draw::{Detail, DrawRequest, Medium, Painted, Painter, PickedAxis, PictureLook, wind_strength};
 pub use export::{ExportNews, ExportOrder, WHOLE, run as run_export};
-pub use forest::{FOREST_PITCH_DEG, ShownForest, grow_shown_forest};
+pub use forest::{FOREST_PITCH_DEG, FOREST_YAW_DEG, ShownForest, grow_shown_forest};
 pub use gallery::{GalleryRequest, SmallPicture, Thumbnail, TreeSize, paint_gallery};
 #[cfg(test)]
 pub use grow::stage;
@@ -25,3 +26,4 @@ pub use lane::{Answer, Done, Lane, THREAD_PREFIX, Watcher};
 pub use look::{Findings, Inquiry, TargetFinding, look};
 pub use measure::{Measured, MeasuredFigures, measure};
 pub use relay::Relay;
+pub use subject::Subject;

@@ -9,6 +9,7 @@ use linden::preset::{KnobError, builtin};
 
 use crate::exit::usage;
 use crate::paths::show;
+use crate::source::Source;
 use crate::trust;
 
 /// A forest and what it was read from.
@@ -22,6 +23,27 @@ pub struct ForestSource {
     pub notes: Vec<String>,
     /// The files that it was read from, which no output may replace.
     pub files: Vec<PathBuf>,
+}
+
+/// What a source may be: a tree, or a forest.
+#[derive(Debug)]
+pub enum AnySource {
+    /// A tree.
+    Tree(Box<Source>),
+    /// Several.
+    Forest(Box<ForestSource>),
+}
+
+impl AnySource {
+    /// Reads a source: a forest, or else a tree.
+    pub fn read(source: &Path, monitor: &dyn Monitor) -> anyhow::Result<Self> {
+        if let Some(named) = source.to_str()
+            && let Some(file) = ForestFile::find(named, monitor)?
+        {
+            return Ok(Self::Forest(Box::new(file.resolve(monitor)?)));
+        }
+        Ok(Self::Tree(Box::new(super::resolve(source, &[], monitor)?)))
+    }
 }
 
 /// A forest's document, as an argument names it.

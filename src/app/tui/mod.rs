@@ -25,6 +25,7 @@ mod dialog;
 mod effect;
 mod export;
 mod figures;
+mod forest;
 mod growth;
 mod layout;
 mod library;

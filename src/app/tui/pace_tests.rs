@@ -7,6 +7,7 @@ use super::testing::Bench;
 use super::tree::TreePlace;
 use super::update::{Msg, wake_at};
 use crate::jobs::{Watcher, grow_shown};
+use crate::source::forest::AnySource;
 
 /// Does what the runtime does when it wakes: whether anything is due then that was not done.
 fn wakes_for_something(bench: &mut Bench) -> bool {
@@ -61,7 +62,7 @@ fn a_tree_that_a_held_key_has_overtaken_is_seen_until_the_newer_one_is_there() {
     assert!(Arc::ptr_eq(&on_screen(&bench), &second));
     bench.model.loading = Some(TreePlace::Builtin("fir"));
     let fir = crate::source::resolve("fir".as_ref(), &[], &linden::Quiet).unwrap();
-    bench.msg(Msg::Loaded(TreePlace::Builtin("fir"), Ok(Box::new(fir))));
+    bench.msg(Msg::Loaded(TreePlace::Builtin("fir"), Ok(AnySource::Tree(Box::new(fir)))));
     bench.msg(Msg::Grown(Ok(first)));
     assert!(bench.model.tree.as_ref().unwrap().shown.is_none());
 }

@@ -1,5 +1,6 @@
 //! The whole screen, painted into a buffer.
 
+use linden::forest::Places;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::Style;
@@ -10,6 +11,7 @@ use unicode_width::UnicodeWidthStr;
 use super::chrome::footer;
 use super::dialog::Dialog;
 use super::figures::{metres, thousands};
+use super::forest::ForestOnScreen;
 use super::layout::{Layout, Pane, Target, View};
 use super::model::Model;
 use super::{export, growth, library, picture, shape};
@@ -118,6 +120,9 @@ fn title(model: &Model, area: Rect, buffer: &mut Buffer) {
     buffer.set_stringn(area.right() - right, area.y, stats, right.into(), theme.dim);
     let mut row = TitleRow { x: area.x + 1, end: area.right() - right, y: area.y, buffer };
     row.put("linden", theme.title_focused, 2);
+    if let Some(forest) = &model.forest {
+        return forest_title(model, forest, area.width, &mut row);
+    }
     let Some(tree) = &model.tree else { return };
     let preset = &tree.wanted().preset;
     let name = if preset.name.is_empty() { &preset.id } else { &preset.name };
@@ -135,6 +140,33 @@ fn title(model: &Model, area: Rect, buffer: &mut Buffer) {
         figures.push(format!("{} m tall", metres(m.height_m)));
         figures.push(format!("crown {} m", metres(m.crown_width_m)));
         figures.push(format!("order {}", m.max_order));
+    }
+    for (i, figure) in figures.iter().enumerate() {
+        let text = if i == 0 { figure.clone() } else { format!("· {figure}") };
+        if !row.put(&text, theme.dim, 1) {
+            break;
+        }
+    }
+}
+
+/// The same of a forest.
+fn forest_title(model: &Model, forest: &ForestOnScreen, width: u16, row: &mut TitleRow<'_>) {
+    let theme = &model.config.theme;
+    row.put(&clipped(&forest.wanted().name, usize::from(width / 3).max(12)), theme.accent, 2);
+    if forest.is_modified() {
+        row.put("● modified", theme.modified, 2);
+    }
+    let layout = &forest.wanted().layout;
+    let mut figures = vec![format!("seed {}", layout.seed)];
+    if let Some(shown) = &forest.shown {
+        figures.push(format!("{} trees", thousands(shown.trees)));
+        let grown = shown.grown.trees.len() as u64;
+        if grown < shown.trees {
+            figures.push(format!("{} of them grown", thousands(grown)));
+        }
+        if layout.places == Places::Scattered {
+            figures.push(format!("{} m × {} m", layout.area_m, layout.area_m));
+        }
     }
     for (i, figure) in figures.iter().enumerate() {
         let text = if i == 0 { figure.clone() } else { format!("· {figure}") };

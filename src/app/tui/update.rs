@@ -13,11 +13,11 @@ use super::effect::Effects;
 use super::layout::{Pane, Target};
 use super::model::{Config, Model, QUIET};
 use super::tree::{GrowthProgress, TreePlace};
-use super::{export, growth, library, picture, shape, statistics, vary, wind};
+use super::{export, forest, growth, library, picture, shape, statistics, vary, wind};
 use crate::config::Complaint;
 use crate::config::presets::UserPreset;
-use crate::jobs::{ExportNews, Measured, Painted, ShownTree, Thumbnail};
-use crate::source::Source;
+use crate::jobs::{ExportNews, Measured, Painted, ShownForest, ShownTree, Thumbnail};
+use crate::source::forest::AnySource;
 
 /// What can happen.
 pub enum Msg {
@@ -30,11 +30,13 @@ pub enum Msg {
     /// The terminal said what it can do.
     Terminal(Box<Capabilities>),
     /// A preset was read, or why not.
-    Loaded(TreePlace, Result<Box<Source>, String>),
+    Loaded(TreePlace, Result<AnySource, String>),
     /// How far the growing is.
     Growing(GrowthProgress),
     /// The wanted recipe grew, or why not.
     Grown(Result<Arc<ShownTree>, String>),
+    /// The wanted forest grew, or why not.
+    ForestGrown(Result<Arc<ShownForest>, String>),
     /// A picture is there.
     Painted(Box<Painted>),
     /// No picture can be had, and why.
@@ -87,9 +89,12 @@ pub fn update(model: &mut Model, msg: Msg, now: Instant) -> Effects {
         Msg::Growing(growing) => {
             if let Some(tree) = &mut model.tree {
                 tree.growing = Some(growing);
+            } else if let Some(forest) = &mut model.forest {
+                forest.growing = Some(growing);
             }
         }
         Msg::Grown(grown) => shape::grown(model, grown),
+        Msg::ForestGrown(grown) => forest::grown(model, grown),
         Msg::Painted(painted) => {
             picture::painted(model, *painted);
             growth::seen(model);
@@ -107,6 +112,9 @@ pub fn update(model: &mut Model, msg: Msg, now: Instant) -> Effects {
             model.wind.stop();
             if let Some(tree) = &mut model.tree {
                 tree.growing = None;
+            }
+            if let Some(forest) = &mut model.forest {
+                forest.growing = None;
             }
             model.say_error(format!("{doing} failed, which is a fault in linden: {why}; please report it"));
         }

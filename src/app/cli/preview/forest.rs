@@ -12,14 +12,12 @@ use super::{Preview, PreviewLook};
 use crate::cli::forest::resolved;
 use crate::cli::placing::PictureTarget;
 use crate::exit::usage;
-use crate::jobs::{FOREST_PITCH_DEG, ShownForest};
+use crate::jobs::{FOREST_PITCH_DEG, FOREST_YAW_DEG, ShownForest};
 use crate::progress::Progress;
 use crate::source::forest::{ForestFile, turn};
 
 /// Pixels of a forest's file by default.
 const FILE_SIZE: (u32, u32) = (1400, 900);
-/// Turn round the forest by default, degrees: along neither side of its square.
-const YAW_DEG: f32 = 30.0;
 
 impl Preview {
     /// Draws a forest, its surfaces.
@@ -55,7 +53,7 @@ impl Preview {
         let camera = Camera {
             zoom: self.zoom,
             extent: shown.extent,
-            ..Camera::orbit(self.yaw.unwrap_or(YAW_DEG), self.pitch.unwrap_or(FOREST_PITCH_DEG))
+            ..Camera::orbit(self.yaw.unwrap_or(FOREST_YAW_DEG), self.pitch.unwrap_or(FOREST_PITCH_DEG))
         };
         let draw = |style: Style<'static>, (width, height): (u32, u32)| -> anyhow::Result<Picture> {
             let background = self.background.unwrap_or(style.background);

@@ -6,7 +6,7 @@ use super::{prompt, yank};
 use crate::tui::command::Context;
 use crate::tui::effect::{Effect, Effects};
 use crate::tui::layout::Pane;
-use crate::tui::model::{Command, Model, free, without_preset};
+use crate::tui::model::{Command, Model, free, without_form};
 
 fn focus_by(model: &mut Model, by: usize) {
     model.focus_on(model.focus.next(by));
@@ -93,14 +93,16 @@ pub const COMMANDS: &[Command] = &[
         title: "Copy command",
         help: "Copies the command line that exports what is on screen (through the terminal, so over SSH too)",
         hint: Some(50),
-        hindrance: without_preset,
+        hindrance: without_form,
         run: |model, effects| {
-            if let Some(tree) = &model.tree {
-                let text = yank::command_line(tree);
-                let first = text.lines().next().unwrap_or_default().to_owned();
-                effects.push(Effect::Copy(text));
-                model.say(format!("copied: {first}"));
-            }
+            let of_tree = model.tree.as_ref().map(yank::command_line);
+            let of_forest = || model.forest.as_ref().and_then(yank::forest_command_line);
+            let Some(text) = of_tree.or_else(of_forest) else {
+                return model.say_warning("the forest's file has a name that no terminal should be given");
+            };
+            let first = text.lines().next().unwrap_or_default().to_owned();
+            effects.push(Effect::Copy(text));
+            model.say(format!("copied: {first}"));
         },
     },
     Command {
@@ -110,10 +112,12 @@ pub const COMMANDS: &[Command] = &[
         title: "Copy recipe",
         help: "Copies the recipe: one line of JSON that grows this tree anywhere",
         hint: None,
-        hindrance: without_preset,
+        hindrance: without_form,
         run: |model, effects| {
-            if let Some(tree) = &model.tree {
-                effects.push(Effect::Copy(tree.recipe().to_line()));
+            let of_tree = model.tree.as_ref().map(|tree| tree.recipe().to_line());
+            let of_forest = || model.forest.as_ref().map(|forest| forest.wanted().to_line());
+            if let Some(line) = of_tree.or_else(of_forest) {
+                effects.push(Effect::Copy(line));
                 model.say("copied the recipe: one line of JSON, which linden takes as a SOURCE");
             }
         },

@@ -315,6 +315,14 @@ fn choices(model: &Model) -> Vec<Choice> {
         about: format!("{value}: {}", row.knob.help),
         hindrance: None,
     });
+    let forest = model.forest.as_ref().filter(|_| model.dialogs.is_empty());
+    let of_forest = forest.into_iter().flat_map(|forest| forest.wanted().layout.knobs());
+    let of_forest = of_forest.map(|(row, value)| Choice {
+        what: What::Knob(row.knob.name),
+        title: row.knob.name.to_owned(),
+        about: format!("{value}: {}", row.knob.help),
+        hindrance: None,
+    });
     let presets = library.entries.iter().filter(|_| model.dialogs.is_empty()).map(|entry| Choice {
         what: What::Preset(entry.place.clone()),
         title: linden::knob::printable(&entry.id),
@@ -333,7 +341,7 @@ fn choices(model: &Model) -> Vec<Choice> {
         about: format!("{}: {}", setting.value(&model.config.settings), setting.help),
         hindrance: None,
     });
-    commands.chain(knobs).chain(presets).chain(formats).chain(settings).collect()
+    commands.chain(knobs).chain(of_forest).chain(presets).chain(formats).chain(settings).collect()
 }
 
 /// Whether what was typed begins as paths do.

@@ -1,35 +1,48 @@
 //! The command line and the recipe of what is on screen.
 
+use crate::tui::forest::ForestOnScreen;
 use crate::tui::tree::{Tree, TreePlace};
 
 /// A command line that exports what is on screen, for a shell.
 pub fn command_line(tree: &Tree) -> String {
-    let id = &tree.preset().id;
-    let stem: String = id
-        .chars()
-        .map(|c| if c.is_alphanumeric() || matches!(c, '-' | '_' | '.') { c } else { '-' })
-        .collect();
-    let target = format!("{stem}.glb");
-    // A path that a terminal would obey is not pasted into one.
-    let is_safe = match &tree.place {
-        TreePlace::Builtin(_) => true,
-        TreePlace::File(path) => path.to_str().is_some_and(|path| linden::knob::printable(path) == path),
-    };
-    let Some(overrides) = tree.overrides().filter(|_| is_safe) else {
+    let target = format!("{}.glb", stem(&tree.preset().id));
+    let Some((overrides, source)) = tree.overrides().zip(source_word(&tree.place)) else {
         // What knobs cannot say goes along as a whole.
         let recipe = tree.recipe().to_line();
         return format!("linden export - -o {target} <<'END'\n{recipe}\nEND");
     };
-    let source = match &tree.place {
-        TreePlace::Builtin(id) => (*id).to_owned(),
-        TreePlace::File(path) => path.to_string_lossy().into_owned(),
-    };
-    let mut words = vec!["linden".to_owned(), "export".to_owned(), source, "-o".to_owned(), target];
+    joined("export", source, target, overrides)
+}
+
+/// The command line that writes a forest; `None` where its file has a name that no terminal should be given.
+pub fn forest_command_line(forest: &ForestOnScreen) -> Option<String> {
+    let target = format!("{}.glb", stem(&forest.wanted().id));
+    Some(joined("forest", source_word(&forest.place)?, target, forest.overrides()))
+}
+
+fn joined(command: &str, source: String, target: String, overrides: Vec<(&'static str, String)>) -> String {
+    let mut words = vec!["linden".to_owned(), command.to_owned(), source, "-o".to_owned(), target];
     for (name, value) in overrides {
         words.push("--set".to_owned());
         words.push(format!("{name}={value}"));
     }
     shell_words::join(words)
+}
+
+/// What names a place on a command line; `None` for a path that a terminal would obey.
+fn source_word(place: &TreePlace) -> Option<String> {
+    match place {
+        TreePlace::Builtin(id) => Some((*id).to_owned()),
+        TreePlace::File(path) => {
+            path.to_str().filter(|path| linden::knob::printable(path) == *path).map(str::to_owned)
+        }
+    }
+}
+
+/// An id as the name of a file.
+fn stem(id: &str) -> String {
+    let kept = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.');
+    id.chars().map(|c| if kept(c) { c } else { '-' }).collect()
 }
 
 #[cfg(test)]

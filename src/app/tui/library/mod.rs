@@ -18,15 +18,17 @@ pub use open_line::{dropped_path, open_path};
 
 use self::open_line::OpenLine;
 use super::effect::{Effect, Effects};
+use super::forest::ForestOnScreen;
 use super::layout::Pane;
 use super::model::ListRow;
 use super::model::Model;
 use super::picture;
-use super::tree::{Tree, TreePlace};
+use super::tree::{Changes, Tree, TreePlace};
 use crate::config::Complaint;
 use crate::config::presets::UserPreset;
 use crate::jobs::{Findings, Inquiry};
 use crate::source::Source;
+use crate::source::forest::{AnySource, ForestSource};
 
 /// What the list wants to know of the disk, while a path is typed.
 pub fn wanted(model: &Model) -> Option<Inquiry> {
@@ -60,7 +62,7 @@ pub fn show_selected(model: &mut Model, effects: &mut Effects) {
     if model.loading.as_ref() == Some(&place) {
         return;
     }
-    if model.loading.is_none() && model.tree.as_ref().is_some_and(|tree| tree.place == place) {
+    if model.loading.is_none() && model.place() == Some(&place) {
         return;
     }
     if let Some(at) = model.library.shelf.iter().position(|tree| tree.place == place) {
@@ -69,18 +71,33 @@ pub fn show_selected(model: &mut Model, effects: &mut Effects) {
         take(model, tree);
         return;
     }
+    if let Some(at) = model.library.forests.iter().position(|forest| forest.place == place) {
+        let forest = model.library.forests.remove(at);
+        model.loading = None;
+        clear(model);
+        model.forest = Some(forest);
+        return;
+    }
     model.loading = Some(place.clone());
     effects.push(Effect::Load(place));
 }
 
 /// Puts a tree on screen; the one before goes onto the shelf if it was changed.
 fn take(model: &mut Model, tree: Tree) {
-    let before = model.tree.replace(tree);
-    model.library.before =
-        before.as_ref().map(|before| before.place.clone()).or_else(|| model.library.before.take());
-    if let Some(before) = before.filter(Tree::is_modified) {
+    clear(model);
+    model.tree = Some(tree);
+}
+
+/// Takes what is on screen away; a tree goes onto the shelf if it was changed.
+fn clear(model: &mut Model) {
+    model.library.before = model.place().cloned().or_else(|| model.library.before.take());
+    if let Some(before) = model.tree.take().filter(Tree::is_modified) {
         model.library.shelf.retain(|other| other.place != before.place);
         model.library.shelf.push(before);
+    }
+    if let Some(before) = model.forest.take().filter(ForestOnScreen::is_modified) {
+        model.library.forests.retain(|other| other.place != before.place);
+        model.library.forests.push(before);
     }
     model.form.reset();
     model.growth.stop();
@@ -92,7 +109,7 @@ fn take(model: &mut Model, tree: Tree) {
 pub fn loaded(
     model: &mut Model,
     place: TreePlace,
-    source: Result<Box<Source>, String>,
+    source: Result<AnySource, String>,
     _effects: &mut Effects,
 ) {
     // What is not waited for any more is dropped.
@@ -101,7 +118,14 @@ pub fn loaded(
     }
     model.loading = None;
     match source {
-        Ok(source) => {
+        Ok(AnySource::Forest(source)) => {
+            for note in &source.notes {
+                model.say(note.clone());
+            }
+            let changes = model.changes.take().filter(|(of, _)| *of == place);
+            reread_forest(model, place, *source, changes.map(|(_, changes)| changes));
+        }
+        Ok(AnySource::Tree(source)) => {
             let Source { recipe, notes, .. } = *source;
             for note in notes {
                 model.say(note);
@@ -144,6 +168,29 @@ fn reread(model: &mut Model, place: TreePlace, recipe: Recipe) {
     }
 }
 
+/// A forest's document was read, for the first time or anew.
+fn reread_forest(model: &mut Model, place: TreePlace, source: ForestSource, changes: Option<Changes>) {
+    if let TreePlace::File(path) = &place {
+        model.library.add_forest(path.clone(), &source);
+        model.library.select_place(&place);
+    }
+    let mut forest = ForestOnScreen::new(place, source);
+    let again = model.forest.take_if(|before| before.place == forest.place);
+    let turned = again.as_ref().map(ForestOnScreen::overrides).unwrap_or_default();
+    let turned = turned.into_iter().map(|(name, value)| (name.to_owned(), value));
+    for (name, value) in turned.chain(changes.into_iter().flat_map(|changes| changes.knobs)) {
+        if let Err(error) = forest.set(&name, &value) {
+            model.say_error(error.to_string());
+        }
+    }
+    match again {
+        // The last one stays on screen while the new one grows.
+        Some(before) => forest.shown = before.shown,
+        None => clear(model),
+    }
+    model.forest = Some(forest);
+}
+
 /// The user's presets were read, and what could not be.
 pub fn listed(model: &mut Model, presets: Vec<UserPreset>, complaints: Vec<Complaint>) {
     model.library.set_user(presets);
@@ -159,6 +206,13 @@ pub fn changed(model: &mut Model, files: &[PathBuf], effects: &mut Effects) {
         && files.iter().any(|file| file == path)
     {
         let place = tree.place.clone();
+        model.loading = Some(place.clone());
+        effects.push(Effect::Load(place));
+    }
+    if let Some(forest) = &model.forest
+        && files.iter().any(|file| forest.is_from(file))
+    {
+        let place = forest.place.clone();
         model.loading = Some(place.clone());
         effects.push(Effect::Load(place));
     }

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeSet;
 
+use super::FORESTS;
 use super::entry::{GroupHeading, ListRow, PresetEntry};
 use crate::tui::ranking::Ranking;
 
 /// Groups that stand before all others.
-const FIRST: [&str; 3] = [FAVOURITES, "Plants", "crowns"];
+const FIRST: [&str; 4] = [FAVOURITES, "Plants", FORESTS, "crowns"];
 /// The group of those that were marked.
 const FAVOURITES: &str = "Favourites";
 
@@ -96,10 +97,10 @@ mod tests {
     #[test]
     fn without_a_filter_everything_is_there_once() {
         let mut all = ids("");
-        assert_eq!(all.len(), linden::preset::builtins().len());
+        assert_eq!(all.len(), linden::preset::builtins().len() + linden::forest::builtin_forests().len());
         all.sort();
         all.dedup();
-        assert_eq!(all.len(), linden::preset::builtins().len());
+        assert_eq!(all.len(), linden::preset::builtins().len() + linden::forest::builtin_forests().len());
     }
 
     #[test]
@@ -111,7 +112,7 @@ mod tests {
                 |row| if let ListRow::Heading(heading) = row { Some(heading.group.as_str()) } else { None },
             )
             .collect();
-        assert_eq!(headings, ["Plants", "crowns", "abop", "older"]);
+        assert_eq!(headings, ["Plants", "Forests", "crowns", "abop", "older"]);
     }
 
     #[test]

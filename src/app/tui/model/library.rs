@@ -3,12 +3,18 @@
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
+use linden::forest::builtin_forests;
 use linden::preset::{Heading, Preset, builtins};
 
 use super::entry::{ListRow, PresetEntry};
 use super::filter::Listing;
 use crate::config::presets::UserPreset;
+use crate::source::forest::ForestSource;
+use crate::tui::forest::ForestOnScreen;
 use crate::tui::tree::{Tree, TreePlace};
+
+/// The group of the built-in forests.
+pub const FORESTS: &str = "Forests";
 
 /// The list of presets.
 pub struct Library {
@@ -29,6 +35,8 @@ pub struct Library {
     pub before: Option<TreePlace>,
     /// Changed trees that are not on screen.
     pub shelf: Vec<Tree>,
+    /// Changed forests that are not on screen.
+    pub forests: Vec<ForestOnScreen>,
 }
 
 impl Library {
@@ -40,8 +48,20 @@ impl Library {
             let (place, id) = (TreePlace::Builtin(builtin.id), builtin.id.to_owned());
             Some(PresetEntry { place, id, name, group, summary, source, fault: None })
         });
+        let forests = builtin_forests().iter().filter_map(|builtin| {
+            let document = builtin.load().ok()?;
+            Some(PresetEntry {
+                place: TreePlace::Builtin(builtin.id),
+                id: builtin.id.to_owned(),
+                name: document.name,
+                group: FORESTS.to_owned(),
+                summary: document.summary,
+                source: String::new(),
+                fault: None,
+            })
+        });
         let mut library = Self {
-            entries: entries.collect(),
+            entries: entries.chain(forests).collect(),
             filter: String::new(),
             rows: Vec::new(),
             selected: 0,
@@ -50,6 +70,7 @@ impl Library {
             favourites: BTreeSet::new(),
             before: None,
             shelf: Vec::new(),
+            forests: Vec::new(),
         };
         library.arrange();
         library
@@ -83,6 +104,23 @@ impl Library {
         let place = TreePlace::File(path);
         if self.entries.iter().all(|entry| entry.place != place) {
             self.entries.push(PresetEntry { group: "opened".to_owned(), ..PresetEntry::of(place, preset) });
+            self.arrange();
+        }
+    }
+
+    /// The same of a forest's file.
+    pub fn add_forest(&mut self, path: PathBuf, source: &ForestSource) {
+        let place = TreePlace::File(path);
+        if self.entries.iter().all(|entry| entry.place != place) {
+            self.entries.push(PresetEntry {
+                place,
+                id: source.forest.id.clone(),
+                name: source.forest.name.clone(),
+                group: "opened".to_owned(),
+                summary: source.summary.clone(),
+                source: String::new(),
+                fault: None,
+            });
             self.arrange();
         }
     }

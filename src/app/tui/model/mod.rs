@@ -24,7 +24,7 @@ pub use entry::{GroupHeading, ID_COLUMNS, ListRow, PresetEntry};
 pub use exporting::{ExportReport, Exporting, RunningExport};
 pub use form::{Form, FormSpot};
 pub use growth::Playback;
-pub use library::Library;
+pub use library::{FORESTS, Library};
 pub use message::{Message, Weight};
 pub use picture::PictureState;
 pub use wind::Breeze;
@@ -32,6 +32,7 @@ pub use wind::Breeze;
 use super::command::{self, Context};
 use super::dialog::{After, Dialog, Dialogs};
 use super::effect::Effects;
+use super::forest::ForestOnScreen;
 use super::layout::{Layout, Pane, Target};
 use super::tree::{Changes, Tree, TreePlace};
 use crate::config::Complaint;
@@ -71,6 +72,8 @@ pub struct Model {
     pub changes: Option<(TreePlace, Changes)>,
     /// The tree on screen.
     pub tree: Option<Tree>,
+    /// The forest on screen, where that is no tree.
+    pub forest: Option<ForestOnScreen>,
     /// How it is looked at.
     pub picture: PictureState,
     /// Growth, played.
@@ -134,6 +137,7 @@ impl Model {
             loading: None,
             changes: None,
             tree: None,
+            forest: None,
             picture: PictureState::default(),
             growth: Playback::default(),
             wind: Breeze::default(),
@@ -277,6 +281,14 @@ impl Model {
     }
 }
 
+impl Model {
+    /// Where what is on screen comes from.
+    pub fn place(&self) -> Option<&TreePlace> {
+        let forest = self.forest.as_ref().map(|forest| &forest.place);
+        self.tree.as_ref().map(|tree| &tree.place).or(forest)
+    }
+}
+
 /// For commands that can always be used.
 pub const fn free(_: &Model) -> Option<String> {
     None
@@ -284,11 +296,27 @@ pub const fn free(_: &Model) -> Option<String> {
 
 /// For commands that need a preset.
 pub fn without_preset(model: &Model) -> Option<String> {
-    model.tree.is_none().then(|| "no preset is chosen".to_owned())
+    match (&model.tree, &model.forest) {
+        (Some(_), _) => None,
+        (None, Some(_)) => Some("this is for one tree, and a forest is on screen".to_owned()),
+        (None, None) => Some("no preset is chosen".to_owned()),
+    }
 }
 
 /// For commands that need a tree on screen.
 pub fn without_tree(model: &Model) -> Option<String> {
     let shown = model.tree.as_ref().and_then(|tree| tree.shown.as_ref());
-    shown.is_none().then(|| "no tree has grown yet".to_owned())
+    let why = || without_preset(model).unwrap_or_else(|| "no tree has grown yet".to_owned());
+    shown.is_none().then(why)
+}
+
+/// For commands that need a form: a tree, or a forest.
+pub fn without_form(model: &Model) -> Option<String> {
+    if model.forest.is_some() { None } else { without_preset(model) }
+}
+
+/// For commands that need something grown on screen.
+pub fn without_picture(model: &Model) -> Option<String> {
+    let has_forest = model.forest.as_ref().is_some_and(|forest| forest.shown.is_some());
+    if has_forest { None } else { without_tree(model) }
 }

@@ -7,7 +7,7 @@ use super::{turn_by, zoom_by};
 use crate::config::settings::Scenery;
 use crate::jobs::{Medium, PictureLook};
 use crate::tui::command::Context;
-use crate::tui::model::{Command, Model, free, without_tree};
+use crate::tui::model::{Command, Model, free, without_picture, without_tree};
 
 /// Degrees a key.
 const TURN_DEG: f32 = 6.0;
@@ -178,10 +178,13 @@ pub const COMMANDS: &[Command] = &[
         title: "Whole tree",
         help: "Frames the whole tree again",
         hint: Some(14),
-        hindrance: without_tree,
+        hindrance: without_picture,
         run: |model, _| {
             model.picture.turn(None);
             super::reset(model);
+            if model.forest.is_some() {
+                super::first_look_at_forest(model);
+            }
             if let Some(shown) = model.tree.as_ref().and_then(|tree| tree.shown.clone()) {
                 super::first_look(model, &shown);
             }
@@ -224,7 +227,7 @@ pub const COMMANDS: &[Command] = &[
         title: "Turntable",
         help: "Turns the tree by itself; again, or the mouse, stops it",
         hint: Some(40),
-        hindrance: without_tree,
+        hindrance: without_picture,
         run: |model, _| {
             let now = model.now;
             model.picture.turn(if model.picture.is_turning() { None } else { Some(now) });

@@ -17,7 +17,10 @@ pub use commands::{COMMANDS, orbit};
 use super::layout::Pane;
 use super::model::{Model, QUIET};
 use super::wood;
-use crate::jobs::{Detail, DrawRequest, Medium, Painted, ShownTree};
+use crate::jobs::{
+    Detail, DrawRequest, FOREST_PITCH_DEG, FOREST_YAW_DEG, Medium, Painted, PictureLook, ShownForest,
+    ShownTree, Subject,
+};
 
 /// Frames a second of what moves by itself: here, and where each costs bytes on a network.
 const FRAME: Duration = Duration::from_millis(66);
@@ -98,13 +101,15 @@ pub fn reset(model: &mut Model) {
 
 /// The picture that should be on screen, `None` when there is nothing to draw or no room.
 pub fn wanted(model: &Model) -> Option<DrawRequest> {
-    let shown = model.tree.as_ref()?.shown.as_ref()?;
     let area = area(model)?;
-    let hurried = !model.picture.fast && (is_moving(model) || model.now < model.last_input + QUIET);
+    if let Some(forest) = &model.forest {
+        return Some(of_forest(model, forest.shown.as_ref()?, area));
+    }
+    let shown = model.tree.as_ref()?.shown.as_ref()?;
     let picture = &model.picture;
     let person = picture.scale && model.config.settings.person;
     Some(DrawRequest {
-        shown: Arc::clone(shown),
+        subject: Subject::Tree(Arc::clone(shown)),
         stage: model.growth.step(),
         wind: model.wind.frame().filter(|_| model.growth.step().is_none()),
         camera: Camera {
@@ -118,15 +123,39 @@ pub fn wanted(model: &Model) -> Option<DrawRequest> {
         pick: wood::picked(model, shown),
         area,
         medium: Medium::of(&model.terminal, model.config.settings.scenery),
-        detail: if hurried { Detail::Draft } else { Detail::Full },
+        detail: detail(model),
     })
+}
+
+/// The picture of a forest: its surfaces, whatever look is chosen for trees.
+fn of_forest(model: &Model, shown: &Arc<ShownForest>, area: Rect) -> DrawRequest {
+    DrawRequest {
+        subject: Subject::Forest(Arc::clone(shown)),
+        stage: None,
+        wind: None,
+        camera: Camera { extent: shown.extent, ..model.picture.camera },
+        look: PictureLook::Surface,
+        points: false,
+        outline: false,
+        person: false,
+        pick: None,
+        area,
+        medium: Medium::of(&model.terminal, model.config.settings.scenery),
+        detail: detail(model),
+    }
+}
+
+fn detail(model: &Model) -> Detail {
+    let hurried = !model.picture.fast && (is_moving(model) || model.now < model.last_input + QUIET);
+    if hurried { Detail::Draft } else { Detail::Full }
 }
 
 /// What is on screen: until the next tree's picture is there, that of the one before, which a slow line would
 /// carry twice if it went meanwhile. `None` where a tree did not grow, and says why.
 fn standing(model: &Model) -> Option<&Painted> {
-    let tree = model.tree.as_ref()?;
-    let has_failed = tree.shown.is_none() && tree.fault.is_some();
+    let tree = model.tree.as_ref().map(|tree| tree.shown.is_none() && tree.fault.is_some());
+    let forest = model.forest.as_ref().map(|forest| forest.shown.is_none() && forest.fault.is_some());
+    let has_failed = tree.or(forest)?;
     model.picture.painted.as_deref().filter(|_| !has_failed)
 }
 
@@ -153,6 +182,14 @@ pub fn first_look(model: &mut Model, shown: &ShownTree) {
     }
     model.picture.camera.yaw_deg = shown.broad_side_deg();
     model.picture.camera.pitch_deg = 8.0;
+}
+
+/// A forest grew for the first time: it is looked at from a hill.
+pub fn first_look_at_forest(model: &mut Model) {
+    if !std::mem::take(&mut model.picture.keeps_camera) {
+        let camera = &mut model.picture.camera;
+        (camera.yaw_deg, camera.pitch_deg) = (FOREST_YAW_DEG, FOREST_PITCH_DEG);
+    }
 }
 
 /// The pointer moves with a button down that went down in the picture: orbit, or pan with Shift or

@@ -65,7 +65,11 @@ pub fn view(model: &Model, inner: Rect, buffer: &mut Buffer, view: &mut View) {
         let x = area.x + (area.width - text.width() as u16) / 2;
         buffer.set_stringn(x, y, text, area.width.into(), style);
     };
-    let Some(tree) = &model.tree else {
+    let on_screen = (
+        model.tree.as_ref().map(|tree| (tree.shown.is_some(), &tree.fault, &tree.growing)),
+        model.forest.as_ref().map(|forest| (forest.shown.is_some(), &forest.fault, &forest.growing)),
+    );
+    let Some((has_grown, fault, growing)) = on_screen.0.or(on_screen.1) else {
         if !area.is_empty() {
             let text = if model.loading.is_some() { "reading …" } else { "choose a preset" };
             say(buffer, area.y + area.height / 2, text, theme.dim);
@@ -75,11 +79,11 @@ pub fn view(model: &Model, inner: Rect, buffer: &mut Buffer, view: &mut View) {
     if area.is_empty() {
         return;
     }
-    if let Some(fault) = tree.fault.as_ref().filter(|_| tree.shown.is_none()) {
+    if let Some(fault) = fault.as_ref().filter(|_| !has_grown) {
         say(buffer, area.y + area.height / 2, fault, theme.error);
-    } else if let Some(growing) = &tree.growing {
+    } else if let Some(growing) = growing {
         say(buffer, area.y, &words(growing), theme.busy);
-    } else if tree.shown.is_none() && standing(model).is_none() {
+    } else if !has_grown && standing(model).is_none() {
         say(buffer, area.y + area.height / 2, "growing …", theme.dim);
     }
 }

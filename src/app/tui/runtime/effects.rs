@@ -200,7 +200,9 @@ impl Runtime {
 
     /// Watches what the tree on screen was read from.
     pub(super) fn watch_source(&mut self) {
-        let files = self.model.tree.as_ref().map(crate::tui::tree::Tree::files).unwrap_or_default();
+        let of_forest = self.model.forest.as_ref().map(|forest| forest.files().to_vec());
+        let of_tree = self.model.tree.as_ref().map(crate::tui::tree::Tree::files);
+        let files = of_tree.or(of_forest).unwrap_or_default();
         self.watching.files(files);
     }
 

@@ -8,15 +8,18 @@ use std::sync::Arc;
 use std::sync::mpsc::Sender;
 use std::time::{Duration, Instant};
 
+use linden::Monitor;
+use linden::forest::Forest;
 use linden::recipe::Recipe;
 
 use super::Happening;
 use crate::exit;
 use crate::jobs::{
     Answer, Done, DrawRequest, ExportNews, ExportOrder, GalleryRequest, Inquiry, Lane, Measured, Painted,
-    Painter, Relay, ShownTree, Thumbnail, Watcher, grow_shown, look, measure, paint_gallery, run_export,
+    Painter, Relay, ShownForest, ShownTree, Thumbnail, Watcher, grow_shown, grow_shown_forest, look, measure,
+    paint_gallery, run_export,
 };
-use crate::source::{self, Source};
+use crate::source::forest::AnySource;
 use crate::tui::export;
 use crate::tui::library;
 use crate::tui::model::Model;
@@ -39,12 +42,13 @@ const KEPT_NODES: usize = 2_000_000;
 const LEAST_NODES: usize = 1_000;
 
 /// A preset that was read, or why not.
-type Read = (TreePlace, Result<Box<Source>, String>);
+type Read = (TreePlace, Result<AnySource, String>);
 
 /// What a lane said.
 pub enum News {
     Load(Answer<Read>),
     Grow(Answer<Result<Arc<ShownTree>, String>>),
+    Forest(Answer<Result<Arc<ShownForest>, String>>),
     Draw(Answer<Result<Box<Painted>, String>>),
     Gallery(Answer<Thumbnail>),
     Measure(Answer<Box<Measured>>),
@@ -59,6 +63,9 @@ pub struct Desk {
     /// reading must not pass for the second.
     asked_load: u64,
     grow: Relay<Arc<Recipe>>,
+    forest: Lane<Arc<Forest>>,
+    /// The forest that was asked for last.
+    asked_forest: Option<(u64, Arc<Forest>)>,
     draw: Relay<DrawRequest>,
     gallery: Lane<GalleryRequest>,
     measure: Lane<Arc<ShownTree>>,
@@ -87,6 +94,12 @@ impl Desk {
                 give(grown);
             }
         })?;
+        let forest =
+            Lane::start("forest", send(sender, News::Forest), |forest: Arc<Forest>, watcher, give| {
+                if let Some(grown) = grow_shown_forest(&forest, watcher) {
+                    give(grown);
+                }
+            })?;
         let mut painter = Painter::default();
         let draw = Lane::start("draw", send(sender, News::Draw), move |request, watcher, give| {
             if let Some(painted) = painter.paint(request, watcher) {
@@ -117,6 +130,8 @@ impl Desk {
             asked_gallery: None,
             load,
             asked_load: 0,
+            forest,
+            asked_forest: None,
             grow: Relay::new(grow, GROWING_PATIENCE),
             draw: Relay::new(draw, DRAWING_PATIENCE),
             asked_recipe: None,
@@ -171,6 +186,19 @@ impl Desk {
                 }
                 Done::Broken(why) => Some(Msg::Broken("growing", why)),
             },
+            News::Forest(Answer { number, .. })
+                if self.asked_forest.as_ref().is_none_or(|(asked, _)| *asked != number) =>
+            {
+                None
+            }
+            News::Forest(answer) => match answer.done {
+                Done::Progress { stage, done, total } => {
+                    Some(Msg::Growing(GrowthProgress { stage, done, total }))
+                }
+                Done::Value(grown) => Some(Msg::ForestGrown(grown)),
+                Done::Broken(why) => Some(Msg::Broken("growing the forest", why)),
+                Done::Finished => None,
+            },
             News::Draw(Answer { number, done }) => match done {
                 Done::Finished => {
                     self.draw.finished(number, now);
@@ -219,6 +247,21 @@ impl Desk {
                 }
                 self.grow.want(Arc::clone(wanted), now);
             }
+        } else if self.asked_recipe.take().is_some() {
+            self.grow.cancel();
+        }
+        match (&model.forest, &self.asked_forest) {
+            (Some(forest), asked)
+                if !asked.as_ref().is_some_and(|(_, asked)| Arc::ptr_eq(asked, forest.wanted())) =>
+            {
+                let wanted = Arc::clone(forest.wanted());
+                self.asked_forest = Some((self.forest.submit(Arc::clone(&wanted)), wanted));
+            }
+            (None, Some(_)) => {
+                self.asked_forest = None;
+                self.forest.cancel();
+            }
+            _ => {}
         }
         match library::wanted(model).or_else(|| export::wanted(model)) {
             Some(inquiry) if self.asked_look.as_ref() != Some(&inquiry) => {
@@ -302,8 +345,8 @@ fn read(place: TreePlace, watcher: &Watcher<'_>, give: &dyn Fn(Read)) {
         TreePlace::Builtin(id) => PathBuf::from(id),
         TreePlace::File(path) => path.clone(),
     };
-    let resolved = source::resolve(&path, &[], watcher);
-    if !linden::Monitor::is_cancelled(watcher) {
-        give((place, resolved.map(Box::new).map_err(|error| exit::sentence(&error))));
+    let read = AnySource::read(&path, watcher);
+    if !watcher.is_cancelled() {
+        give((place, read.map_err(|error| exit::sentence(&error))));
     }
 }

@@ -95,13 +95,17 @@ fn remembered(model: &Model, rest: &Session) -> Session {
         knobs: Vec::new(),
         ..rest.clone()
     };
-    let Some(tree) = &model.tree else { return session };
-    session.source = match &tree.place {
-        TreePlace::Builtin(id) => Some((*id).to_owned()),
-        TreePlace::File(path) => {
-            std::path::absolute(path).ok().and_then(|path| path.to_str().map(str::to_owned))
-        }
+    let absolute = |path: &Path| std::path::absolute(path).ok()?.to_str().map(str::to_owned);
+    session.source = match model.place() {
+        Some(TreePlace::Builtin(id)) => Some((*id).to_owned()),
+        Some(TreePlace::File(path)) => absolute(path),
+        None => None,
     };
+    if let Some(forest) = &model.forest {
+        let knobs = forest.overrides().into_iter();
+        session.knobs = knobs.map(|(name, value)| (name.to_owned(), value)).collect();
+    }
+    let Some(tree) = &model.tree else { return session };
     match tree.overrides() {
         Some(knobs) => {
             session.knobs = knobs.into_iter().map(|(name, value)| (name.to_owned(), value)).collect();
@@ -115,6 +119,9 @@ fn remembered(model: &Model, rest: &Session) -> Session {
 /// Where a source is that was remembered, or named on the command line.
 pub fn place(source: &str) -> TreePlace {
     if let Ok(builtin) = linden::preset::builtin(source) {
+        return TreePlace::Builtin(builtin.id);
+    }
+    if let Ok(builtin) = linden::forest::builtin_forest(source) {
         return TreePlace::Builtin(builtin.id);
     }
     // Which of several is meant is asked where the source is read.

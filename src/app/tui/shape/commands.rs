@@ -7,13 +7,27 @@ use super::{grammar, nudge, only_turned, open, save, selected, selected_rule, st
 use crate::tui::command::Context;
 use crate::tui::dialog::After;
 use crate::tui::effect::{Effect, Effects};
+use crate::tui::forest::{self, ForestOnScreen};
 use crate::tui::layout::Pane;
-use crate::tui::model::{Command, Model, free, without_preset};
+use crate::tui::model::{Command, Model, free, without_form, without_preset};
 use crate::tui::tree::{Tree, TreePlace, grammar_of};
 
 fn unless(model: &Model, can: impl Fn(&Tree) -> bool, why: &str) -> Option<String> {
     without_preset(model)
         .or_else(|| model.tree.as_ref().is_some_and(|tree| !can(tree)).then(|| why.to_owned()))
+}
+
+/// The same where a forest may be on screen instead.
+fn either(
+    model: &Model,
+    tree: impl Fn(&Tree) -> bool,
+    can: impl Fn(&ForestOnScreen) -> bool,
+    why: &str,
+) -> Option<String> {
+    match &model.forest {
+        Some(forest) => (!can(forest)).then(|| why.to_owned()),
+        None => unless(model, tree, why),
+    }
 }
 
 fn is_unmodified(model: &Model) -> Option<String> {
@@ -72,7 +86,7 @@ const fn nudging(
     hint: Option<u8>,
     run: fn(&mut Model, &mut Effects),
 ) -> Command {
-    Command { id, context: Context::SHAPE, keys, title, help, hint, hindrance: without_preset, run }
+    Command { id, context: Context::SHAPE, keys, title, help, hint, hindrance: without_form, run }
 }
 
 /// The rows.
@@ -84,7 +98,7 @@ pub const COMMANDS: &[Command] = &[
         title: "Next knob",
         help: "Goes to the knob below",
         hint: None,
-        hindrance: without_preset,
+        hindrance: without_form,
         run: |model, _| step(model, 1),
     },
     Command {
@@ -94,7 +108,7 @@ pub const COMMANDS: &[Command] = &[
         title: "Previous knob",
         help: "Goes to the knob above",
         hint: None,
-        hindrance: without_preset,
+        hindrance: without_form,
         run: |model, _| step(model, -1),
     },
     Command {
@@ -104,7 +118,7 @@ pub const COMMANDS: &[Command] = &[
         title: "First knob",
         help: "Goes to the top of the form",
         hint: None,
-        hindrance: without_preset,
+        hindrance: without_form,
         run: |model, _| step(model, isize::MIN),
     },
     Command {
@@ -114,7 +128,7 @@ pub const COMMANDS: &[Command] = &[
         title: "Last knob",
         help: "Goes to the bottom of the form",
         hint: None,
-        hindrance: without_preset,
+        hindrance: without_form,
         run: |model, _| step(model, isize::MAX),
     },
     Command {
@@ -124,7 +138,7 @@ pub const COMMANDS: &[Command] = &[
         title: "Knobs: page down",
         help: "Goes eight knobs down",
         hint: None,
-        hindrance: without_preset,
+        hindrance: without_form,
         run: |model, _| step(model, 8),
     },
     Command {
@@ -134,7 +148,7 @@ pub const COMMANDS: &[Command] = &[
         title: "Knobs: page up",
         help: "Goes eight knobs up",
         hint: None,
-        hindrance: without_preset,
+        hindrance: without_form,
         run: |model, _| step(model, -8),
     },
     Command {
@@ -202,7 +216,7 @@ pub const COMMANDS: &[Command] = &[
         title: "Type",
         help: "Types the knob's value, flips a switch, opens the grammar",
         hint: Some(12),
-        hindrance: without_preset,
+        hindrance: without_form,
         run: |model, _| open(model),
     },
     Command {
@@ -213,6 +227,10 @@ pub const COMMANDS: &[Command] = &[
         help: "Gives the knob, or the grammar, the saved preset's value back",
         hint: Some(14),
         hindrance: |model| {
+            if let Some((knob, _)) = forest::selected(model) {
+                let can = |forest: &ForestOnScreen| forest.is_turned(knob.name);
+                return either(model, |_| false, can, "this is as saved");
+            }
             let rule = selected_rule(model).is_some();
             let turned = |tree: &Tree| {
                 (rule && tree.grammar() != grammar_of(&tree.saved().preset))
@@ -221,6 +239,10 @@ pub const COMMANDS: &[Command] = &[
             unless(model, turned, "this is as saved")
         },
         run: |model, _| {
+            if let Some((knob, _)) = forest::selected(model) {
+                let saved = model.forest.as_ref().and_then(|forest| forest.saved_value(knob.name));
+                return turn(model, knob.name, &saved.map(|value| value.to_string()).unwrap_or_default());
+            }
             let Some((row, _)) = selected(model) else {
                 if let Some(tree) = &mut model.tree {
                     tree.reset_grammar();
@@ -241,10 +263,13 @@ pub const COMMANDS: &[Command] = &[
         title: "Undo",
         help: "Takes the last change back; there is no limit",
         hint: Some(32),
-        hindrance: |model| unless(model, Tree::can_undo, "nothing was changed"),
+        hindrance: |model| either(model, Tree::can_undo, ForestOnScreen::can_undo, "nothing was changed"),
         run: |model, _| {
             // What was said of the change is no longer so.
             model.message = None;
+            if let Some(forest) = &mut model.forest {
+                forest.undo();
+            }
             if let Some(tree) = &mut model.tree {
                 tree.undo();
             }
@@ -257,10 +282,13 @@ pub const COMMANDS: &[Command] = &[
         title: "Redo",
         help: "Does again what was undone",
         hint: None,
-        hindrance: |model| unless(model, Tree::can_redo, "nothing was undone"),
+        hindrance: |model| either(model, Tree::can_redo, ForestOnScreen::can_redo, "nothing was undone"),
         run: |model, _| {
             // What was said of the change is no longer so.
             model.message = None;
+            if let Some(forest) = &mut model.forest {
+                forest.redo();
+            }
             if let Some(tree) = &mut model.tree {
                 tree.redo();
             }
@@ -287,8 +315,18 @@ pub const COMMANDS: &[Command] = &[
         title: "Revert all",
         help: "Gives all knobs the saved preset's values back; undo leads back",
         hint: None,
-        hindrance: is_unmodified,
+        hindrance: |model| {
+            either(
+                model,
+                Tree::is_modified,
+                ForestOnScreen::is_modified,
+                "nothing differs from the saved preset",
+            )
+        },
         run: |model, _| {
+            if let Some(forest) = &mut model.forest {
+                forest.revert();
+            }
             if let Some(tree) = &mut model.tree {
                 let saved = tree.saved().preset.clone();
                 tree.replace(saved);

@@ -26,6 +26,7 @@ pub use value::turn;
 use self::nudge::{Nudge, nudged};
 use self::value::ValueLine;
 use super::effect::Effects;
+use super::forest;
 use super::layout::Pane;
 use super::model::{FormSpot, Model};
 use super::picture;
@@ -136,16 +137,26 @@ fn selected_rule(model: &Model) -> Option<usize> {
 
 /// Moves the cursor by a number of rows.
 fn step(model: &mut Model, by: isize) {
-    let Some(tree) = &model.tree else { return };
-    let rows = listed(model, tree);
-    let spots: Vec<_> = rows.iter().filter_map(FormRow::spot).collect();
-    let at = spots.iter().position(|other| Some(*other) == spot(model, &rows)).unwrap_or(0);
+    let (spots, chosen) = match &model.tree {
+        Some(tree) => {
+            let rows = listed(model, tree);
+            (rows.iter().filter_map(FormRow::spot).collect(), spot(model, &rows))
+        }
+        None => (forest::spots(), forest::selected(model).map(|(knob, _)| FormSpot::Knob(knob.name))),
+    };
+    let at = spots.iter().position(|other| Some(*other) == chosen).unwrap_or(0);
     let to = at.saturating_add_signed(by).min(spots.len().saturating_sub(1));
     model.form.selected = spots.get(to).copied();
 }
 
 /// Nudges the selected knob.
 fn nudge(model: &mut Model, up: bool, how: Nudge) {
+    if let Some((knob, value)) = forest::selected(model) {
+        return match nudged(&knob.kind, &value, up, how) {
+            Some(text) => turn(model, knob.name, &text),
+            None => model.say(format!("{} is typed: press Enter ({})", knob.name, knob.kind)),
+        };
+    }
     let Some((row, value)) = selected(model) else {
         return model.say("a line of the grammar is typed: press Enter");
     };
@@ -184,11 +195,13 @@ fn open(model: &mut Model) {
     if let Some(rule) = selected_rule(model) {
         return grammar::open(model, rule);
     }
-    let Some((row, value)) = selected(model) else { return };
-    if row.knob.kind == Kind::Switch {
+    let of_tree = selected(model).map(|(row, value)| (row.knob.name, row.knob.kind, value));
+    let of_forest = || forest::selected(model).map(|(knob, value)| (knob.name, knob.kind, value));
+    let Some((name, kind, value)) = of_tree.or_else(of_forest) else { return };
+    if kind == Kind::Switch {
         return nudge(model, true, Nudge::Usual);
     }
-    model.dialogs.open(ValueLine::new(row.knob.name, &value.to_string()));
+    model.dialogs.open(ValueLine::new(name, &value.to_string()));
 }
 
 /// Lists only what differs from the document, or all again. The cursor stays where it can.
@@ -274,13 +287,21 @@ pub fn wheel(model: &mut Model, mouse: MouseEvent) {
 /// The mouse on a row of the form: selects, and on a selected line of the grammar opens it; the wheel
 /// turns the knob with Ctrl, else moves on.
 pub fn clicked(model: &mut Model, row: usize, mouse: MouseEvent, _effects: &mut Effects) {
-    let Some(tree) = &model.tree else { return };
     // As they are on screen.
-    let rows = listed(model, tree);
-    let Some(clicked) = rows.get(row).and_then(FormRow::spot) else { return wheel(model, mouse) };
+    let (clicked, chosen) = match &model.tree {
+        Some(tree) => {
+            let rows = listed(model, tree);
+            (rows.get(row).and_then(FormRow::spot), spot(model, &rows))
+        }
+        None => (
+            forest::spots().get(row).copied(),
+            forest::selected(model).map(|(knob, _)| FormSpot::Knob(knob.name)),
+        ),
+    };
+    let Some(clicked) = clicked else { return wheel(model, mouse) };
     match mouse.kind {
         MouseEventKind::Down(_) => {
-            let again = model.focus == Pane::Shape && spot(model, &rows) == Some(clicked);
+            let again = model.focus == Pane::Shape && chosen == Some(clicked);
             model.focus_on(Pane::Shape);
             model.form.selected = Some(clicked);
             if again {

@@ -29,10 +29,12 @@ impl ValueLine {
     /// The text changed: what is wrong with it now.
     fn judge(&mut self, model: &Model) {
         let text = completed(self.knob, self.prompt.text());
-        self.prompt.problem = model.tree.as_ref().and_then(|tree| {
+        let of_forest = model.forest.as_ref().and_then(|forest| forest.problem(self.knob, text));
+        let of_tree = model.tree.as_ref().and_then(|tree| {
             let mut preset = tree.preset().clone();
             preset.set(self.knob, text).err().map(|error| error.to_string())
         });
+        self.prompt.problem = of_tree.or(of_forest);
     }
 }
 
@@ -85,24 +87,28 @@ impl Dialog<Model> for ValueLine {
 
 /// Turns a knob to what was typed, and puts the cursor on it; whether that could be done, and why not is said.
 pub fn take(model: &mut Model, name: &'static str, text: &str) -> bool {
-    let now = model.now;
-    let Some(tree) = &mut model.tree else { return false };
-    match tree.set(name, completed(name, text), now) {
-        Ok(()) => model.form.selected = Some(FormSpot::Knob(name)),
-        Err(error) => {
-            model.say_warning(error.to_string());
-            return false;
-        }
+    let is_turned = try_turn(model, name, completed(name, text));
+    if is_turned {
+        model.form.selected = Some(FormSpot::Knob(name));
     }
-    true
+    is_turned
 }
 
 /// Turns a knob to what was typed; says why not.
 pub fn turn(model: &mut Model, name: &'static str, text: &str) {
+    try_turn(model, name, text);
+}
+
+/// Turns a knob of the tree or the forest on screen; whether that could be done, and why not is said.
+fn try_turn(model: &mut Model, name: &'static str, text: &str) -> bool {
     let now = model.now;
-    if let Some(tree) = &mut model.tree
-        && let Err(error) = tree.set(name, text, now)
-    {
-        model.say_warning(error.to_string());
+    let turned = match (&mut model.tree, &mut model.forest) {
+        (Some(tree), _) => tree.set(name, text, now).map_err(|error| error.to_string()),
+        (None, Some(forest)) => forest.set(name, text).map_err(|error| error.to_string()),
+        (None, None) => return false,
+    };
+    if let Err(why) = &turned {
+        model.say_warning(why.clone());
     }
+    turned.is_ok()
 }

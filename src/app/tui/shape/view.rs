@@ -12,6 +12,7 @@ use unicode_width::UnicodeWidthStr;
 use super::value::ValueLine;
 use super::{FormRow, complete, forecast, listed, resolved, spot};
 use crate::tui::chrome::prompt::Prompt;
+use crate::tui::forest::ForestOnScreen;
 use crate::tui::layout::{Pane, Target, View, first_row};
 use crate::tui::model::{FormSpot, Model};
 use crate::tui::tree::{Tree, grammar_of};
@@ -36,6 +37,9 @@ pub fn heading(model: &Model) -> Vec<Span<'static>> {
         Some(tree) if tree.compares => vec![Span::styled("○ as saved ", theme.warning)],
         Some(_) if model.form.only_turned => vec![Span::styled("● changed alone ", theme.modified)],
         Some(tree) if tree.is_modified() => vec![Span::styled("● modified ", theme.modified)],
+        None if model.forest.as_ref().is_some_and(ForestOnScreen::is_modified) => {
+            vec![Span::styled("● modified ", theme.modified)]
+        }
         _ => Vec::new(),
     }
 }
@@ -43,6 +47,9 @@ pub fn heading(model: &Model) -> Vec<Span<'static>> {
 /// Paints the form.
 pub fn view(model: &Model, area: Rect, buffer: &mut Buffer, view: &mut View) {
     let theme = &model.config.theme;
+    if let Some(forest) = &model.forest {
+        return crate::tui::forest::view::view(model, forest, area, buffer, view);
+    }
     let Some(tree) = &model.tree else {
         let text = if model.loading.is_some() { "reading …" } else { "choose a preset" };
         buffer.set_stringn(area.x, area.y, text, area.width.into(), theme.dim);

@@ -27,8 +27,9 @@ use crate::config::dirs::Dirs;
 use crate::config::keymap::Keymap;
 use crate::config::settings::Settings;
 use crate::config::theme::Theme;
-use crate::jobs::{Painter, Watcher, grow_shown};
+use crate::jobs::{Painter, Watcher, grow_shown, grow_shown_forest};
 use crate::source;
+use crate::source::forest::AnySource;
 
 /// From one message to the next.
 const BETWEEN: Duration = Duration::from_millis(100);
@@ -96,7 +97,7 @@ impl Bench {
         self.model.loading = Some(place.clone());
         let set = [("derivations".to_owned(), "2".to_owned())];
         let source = source::resolve(Path::new(id), &set, &linden::Quiet).unwrap();
-        self.msg(Msg::Loaded(place, Ok(Box::new(source))));
+        self.msg(Msg::Loaded(place, Ok(AnySource::Tree(Box::new(source)))));
         self.settle();
         self
     }
@@ -163,8 +164,8 @@ impl Bench {
                         TreePlace::Builtin(id) => PathBuf::from(id),
                         TreePlace::File(path) => path.clone(),
                     };
-                    let source = source::resolve(&path, &[], &linden::Quiet);
-                    let source = source.map(Box::new).map_err(|error| crate::exit::sentence(&error));
+                    let source = AnySource::read(&path, &linden::Quiet);
+                    let source = source.map_err(|error| crate::exit::sentence(&error));
                     self.msg(Msg::Loaded(place, source));
                 }
                 other => self.effects.push(other),
@@ -181,6 +182,13 @@ impl Bench {
             let recipe = Arc::clone(tree.wanted());
             let grown = grow_shown(&recipe, &Watcher::idle()).unwrap();
             self.msg(Msg::Grown(grown));
+        }
+        if let Some(forest) = &self.model.forest
+            && !forest.shown.as_ref().is_some_and(|shown| Arc::ptr_eq(&shown.forest, forest.wanted()))
+        {
+            let wanted = Arc::clone(forest.wanted());
+            let grown = grow_shown_forest(&wanted, &Watcher::idle()).unwrap();
+            self.msg(Msg::ForestGrown(grown));
         }
         // Nothing is done for so long that the picture is wanted in full.
         self.wait(Duration::from_secs(1));

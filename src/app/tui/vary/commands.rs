@@ -2,7 +2,7 @@
 
 use super::chance::has_chance;
 use super::sweep::{SEED, SPREADS, USUAL_SPREAD, ValueSeries};
-use super::{CONTEXT, Gallery, GalleryPage, Way, open, reroll};
+use super::{CONTEXT, Gallery, GalleryPage, Way, open, reroll, seed};
 use crate::tui::command::Context;
 use crate::tui::dialog::After;
 use crate::tui::effect::Effects;
@@ -17,10 +17,8 @@ fn has_no_chance(model: &Model) -> Option<String> {
 }
 
 fn has_no_seed(model: &Model, end: u64) -> Option<String> {
-    has_no_chance(model).or_else(|| {
-        let is_at_end = model.tree.as_ref().is_some_and(|tree| tree.preset().seed == end);
-        is_at_end.then(|| format!("there is no seed beyond {end}"))
-    })
+    let has_chance = if model.forest.is_some() { None } else { has_no_chance(model) };
+    has_chance.or_else(|| (seed(model) == Some(end)).then(|| format!("there is no seed beyond {end}")))
 }
 
 fn cannot_sweep(model: &Model) -> Option<String> {

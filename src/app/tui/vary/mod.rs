@@ -311,9 +311,15 @@ pub fn thumbnail(model: &mut Model, thumbnail: Thumbnail) {
     }
 }
 
+/// The seed of what is on screen.
+fn seed(model: &Model) -> Option<u64> {
+    let of_forest = model.forest.as_ref().map(|forest| forest.wanted().layout.seed);
+    model.tree.as_ref().map(|tree| tree.preset().seed).or(of_forest)
+}
+
 /// Rolls the dice again, or back: the next seed is as unlike this one as any other.
 fn reroll(model: &mut Model, on: bool) {
-    let Some(seed) = model.tree.as_ref().map(|tree| tree.preset().seed) else { return };
+    let Some(seed) = seed(model) else { return };
     let next = if on { seed.checked_add(1) } else { seed.checked_sub(1) };
     if let Some(next) = next {
         shape::turn(model, SEED, &next.to_string());

@@ -69,7 +69,7 @@ fn the_mouse_picks_what_is_drawn_there() {
     bench.keys("/").types("fir").keys("enter").settle();
     bench.keys("a");
     let request = picture::wanted(&bench.model).unwrap();
-    let shown = Arc::clone(&request.shown);
+    let shown = Arc::clone(request.subject.tree().unwrap());
     let (wide, high) = request.medium.cell_px;
     let size = Size::new(
         u32::from(request.area.width) * u32::from(wide),
