@@ -12,6 +12,7 @@ use std::path::Path;
 
 use linden::Quiet;
 use linden::dress::dress;
+use linden::forest::{TreeSource, builtin_forest};
 use linden::grow::grow;
 use linden::preset::{Builtin, KNOBS, Preset, builtins};
 use linden::recipe::Recipe;
@@ -125,6 +126,13 @@ fn origin(command: &str, code: &str, golden: &BTreeMap<String, String>) -> Strin
         assert!(before > 0, "no preset is in the group {group}");
     }
     for source in &drawing.sources {
+        if let Ok(forest) = builtin_forest(source) {
+            from += &unix(forest.text);
+            for tree in forest.load().unwrap().trees {
+                let TreeSource::Named(id) = tree.source else { panic!("{source} carries a recipe") };
+                add(builtins().iter().find(|builtin| builtin.id == id).unwrap());
+            }
+        }
         if let Some(builtin) = builtins().iter().find(|builtin| builtin.id == *source) {
             add(builtin);
         }

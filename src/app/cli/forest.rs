@@ -178,9 +178,7 @@ impl Written<'_> {
         announce(outlook.export_s(&batch.formats()), &outlook.amount());
         let inputs = plan.trees.iter().map(|tree| tree.recipe.inputs.bytes()).sum::<u64>();
         let grown = GrownForest::grow(forest, plan, progress, &mut |tree| {
-            let about = tree.notes.iter().map(|note| format!("{}: {note}", tree.name));
-            let said: Vec<String> = about.chain(tree.levels.notes.iter().cloned()).collect();
-            super::notes(&said, progress);
+            super::notes(&tree.said().collect::<Vec<_>>(), progress);
         })?;
         let stage = grown.stage().turned_by(turned.iter().map(|(name, _)| name.as_str()));
         let stage = if self.scene { stage.in_setting() } else { stage };

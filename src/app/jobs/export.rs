@@ -5,9 +5,11 @@ use std::sync::{Arc, Mutex};
 
 use linden::Monitor;
 use linden::dress::levels;
+use linden::forest::{Forest, GrownForest};
 use linden::grow::{Grown, grow};
 use linden::monitor::Phase;
 use linden::recipe::Recipe;
+use linden::stage::Stage;
 use linden_exporters::{Bundle, Estimate, Existing, examine, make_folders};
 
 use super::{Done, Findings, ShownTree};
@@ -21,20 +23,47 @@ use linden_exporters::{Batch, Output};
 pub struct ExportOrder {
     /// Tells it from other orders: its news carry it.
     pub number: u64,
-    /// The tree.
-    pub recipe: Arc<Recipe>,
-    /// The tree as it grew, so that it need not grow again.
-    pub shown: Option<Arc<ShownTree>>,
+    /// What of.
+    pub subject: ExportSubject,
+    /// Whether with camera, sun, sky and ground, in formats that hold them.
+    pub scene: bool,
     /// What is written where; `~/` may still stand before a path.
     pub outputs: Vec<Output>,
     /// Targets whose file may be replaced: those that the user was asked about.
     pub replaces: Vec<PathBuf>,
     /// Whether directories that are missing are made: the user was asked about them.
     pub makes_folders: bool,
-    /// Files that the tree is grown from, which are never replaced.
+    /// Files that it is grown from, which are never replaced.
     pub sources: Vec<PathBuf>,
     /// The knobs that differ from the document: it is noted where they change nothing.
     pub turned: Vec<&'static str>,
+}
+
+/// What is exported.
+#[derive(Clone, Debug)]
+pub enum ExportSubject {
+    /// A tree.
+    Tree {
+        /// What it grows from.
+        recipe: Arc<Recipe>,
+        /// As it grew, so that it need not grow again.
+        shown: Option<Arc<ShownTree>>,
+    },
+    /// A forest, whose trees are grown for the file: those on screen are simpler.
+    Forest(Arc<Forest>),
+}
+
+impl ExportSubject {
+    /// How many levels of detail are asked for.
+    fn levels(&self) -> usize {
+        match self {
+            Self::Tree { recipe, .. } => recipe.preset.dressing.detail.levels(),
+            Self::Forest(forest) => {
+                let levels = forest.kinds.iter().map(|kind| kind.recipe.preset.dressing.detail.levels());
+                levels.max().unwrap_or(1)
+            }
+        }
+    }
 }
 
 /// What an export says, and what was found out for the dialog.
@@ -111,7 +140,7 @@ pub fn run(order: ExportOrder, watcher: &dyn Monitor, say: &dyn Fn(ExportNews)) 
 type Exported = (Vec<(PathBuf, u64)>, Vec<String>);
 
 fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported> {
-    let ExportOrder { recipe, shown, mut outputs, replaces, makes_folders, sources, turned, .. } = order;
+    let ExportOrder { subject, scene, mut outputs, replaces, makes_folders, sources, turned, .. } = order;
     let home = std::env::home_dir();
     // They go again when the export fails.
     let mut folders = Vec::new();
@@ -125,8 +154,8 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
         }
         ensure_expected(output, may_replace)?;
     }
-    let levels_wanted = recipe.preset.dressing.detail.levels();
-    outputs = outputs.into_iter().flat_map(|output| output.in_levels(levels_wanted)).collect();
+    let levels = subject.levels();
+    outputs = outputs.into_iter().flat_map(|output| output.in_levels(levels)).collect();
     if let Some(there) = outputs.iter().find(|output| output.level.is_some() && output.path.exists()) {
         anyhow::bail!("{} is there already; remove it, or choose another name", show(&there.path));
     }
@@ -137,43 +166,13 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
     let mut batch =
         Batch::open(outputs, sources, |output| Bundle::create(&output.path))?.with_folders(folders);
     let gauge = Gauge::new(watcher);
-    let again: Grown;
-    let grown = match &shown {
-        Some(shown) => &shown.grown,
-        None => {
-            gauge.begin(GROWING, None);
-            again = grow(&recipe, &gauge)?;
-            &again
+    let how = HowExported { planned: &planned, scene, turned: &turned };
+    let mut notes = match &subject {
+        ExportSubject::Tree { recipe, shown } => {
+            write_tree(recipe, shown.as_deref(), &how, &mut batch, &gauge)?
         }
+        ExportSubject::Forest(forest) => write_forest(forest, &how, &mut batch, &gauge)?,
     };
-    let estimate = Estimate::new(&recipe, grown, watcher)?;
-    gauge.begin(DRESSING, None);
-    let levels = levels(&recipe, grown, &gauge)?;
-    let bytes = |output: &Output| {
-        let format = output.exporter.format();
-        match output.level {
-            Some(level) => estimate.level_bytes(level, format, &output.options),
-            None => estimate.bytes(format, &output.options),
-        }
-    };
-    let bytes: Vec<u64> = planned.iter().map(|output| bytes(output).unwrap_or(0).max(1)).collect();
-    let mut notes = grown.notes.clone();
-    // Each output takes its share of what is left.
-    let mut left: u64 = bytes.iter().sum();
-    let mut rest = bytes.iter();
-    let mut next = || {
-        if let Some(&share) = rest.next() {
-            gauge.begin(share as f64 / left.max(1) as f64, Some(share));
-            left -= share;
-        }
-    };
-    next();
-    notes.extend_from_slice(&levels.notes);
-    notes.extend(recipe.preset.idle_notes(turned.iter().copied()));
-    batch.write(&levels.stage().turned_by(turned), &gauge, |told| {
-        notes.extend_from_slice(told);
-        next();
-    })?;
     // What came to be there meanwhile was not asked about.
     for (path, replaced) in targets.iter().zip(replaced) {
         if !replaced && !matches!(examine(path), Ok(Existing::Nothing)) {
@@ -188,6 +187,105 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
     let files = batch.commit()?.into_iter().map(|file| (absolute(file.path), file.bytes)).collect();
     notes.dedup();
     Ok((files, notes))
+}
+
+/// What a subject is exported with.
+struct HowExported<'o> {
+    planned: &'o [Output],
+    scene: bool,
+    turned: &'o [&'static str],
+}
+
+impl HowExported<'_> {
+    fn stage<'s>(&self, stage: Stage<'s>) -> Stage<'s> {
+        let stage = stage.turned_by(self.turned.iter().copied());
+        if self.scene { stage.in_setting() } else { stage }
+    }
+}
+
+/// Grows a tree where that is still to be done, dresses and writes it; gives the notes.
+fn write_tree(
+    recipe: &Recipe,
+    shown: Option<&ShownTree>,
+    how: &HowExported<'_>,
+    batch: &mut Batch,
+    gauge: &Gauge<'_>,
+) -> anyhow::Result<Vec<String>> {
+    let again: Grown;
+    let grown = match shown {
+        Some(shown) => &shown.grown,
+        None => {
+            gauge.begin(GROWING, None);
+            again = grow(recipe, gauge)?;
+            &again
+        }
+    };
+    let estimate = Estimate::new(recipe, grown, gauge.watcher)?;
+    gauge.begin(DRESSING, None);
+    let levels = levels(recipe, grown, gauge)?;
+    let bytes = |output: &Output| {
+        let format = output.exporter.format();
+        match output.level {
+            Some(level) => estimate.level_bytes(level, format, &output.options),
+            None => estimate.bytes(format, &output.options),
+        }
+    };
+    let bytes: Vec<u64> = how.planned.iter().map(|output| bytes(output).unwrap_or(0).max(1)).collect();
+    let mut notes = grown.notes.clone();
+    notes.extend_from_slice(&levels.notes);
+    notes.extend(recipe.preset.idle_notes(how.turned.iter().copied()));
+    write_files(&how.stage(levels.stage()), &bytes, batch, gauge, &mut notes)?;
+    Ok(notes)
+}
+
+/// Grows a forest and writes it; gives the notes.
+fn write_forest(
+    forest: &Forest,
+    how: &HowExported<'_>,
+    batch: &mut Batch,
+    gauge: &Gauge<'_>,
+) -> anyhow::Result<Vec<String>> {
+    let plan = forest.plan(gauge)?;
+    // Of each tree its growth and its surface; what is left is for writing.
+    let mut trees = plan.trees.len();
+    let share = |trees: usize| (GROWING + DRESSING) / trees.max(1) as f64;
+    gauge.begin(share(trees), None);
+    let mut notes = Vec::new();
+    let grown = GrownForest::grow(forest, plan, gauge, &mut |tree| {
+        notes.extend(tree.said());
+        trees -= 1;
+        if trees > 0 {
+            gauge.begin(share(trees), None);
+        }
+    })?;
+    // How much a forest's file will be is not known before; its scenes tell the order.
+    let each = vec![grown.bytes().max(1); how.planned.len()];
+    write_files(&how.stage(grown.stage()), &each, batch, gauge, &mut notes)?;
+    Ok(notes)
+}
+
+/// Writes all files; each takes its share of what is left of the whole, by its bytes.
+fn write_files(
+    stage: &Stage<'_>,
+    bytes: &[u64],
+    batch: &mut Batch,
+    gauge: &Gauge<'_>,
+    notes: &mut Vec<String>,
+) -> anyhow::Result<()> {
+    let mut left: u64 = bytes.iter().sum();
+    let mut rest = bytes.iter();
+    let mut next = || {
+        if let Some(&share) = rest.next() {
+            gauge.begin(share as f64 / left.max(1) as f64, Some(share));
+            left -= share;
+        }
+    };
+    next();
+    batch.write(stage, gauge, |told| {
+        notes.extend_from_slice(told);
+        next();
+    })?;
+    Ok(())
 }
 
 /// Refuses what the user does not expect to be there.

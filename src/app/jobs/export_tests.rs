@@ -25,8 +25,8 @@ fn order(dir: &Path, formats: &[&str]) -> ExportOrder {
     };
     ExportOrder {
         number: 7,
-        recipe: recipe("older-c"),
-        shown: None,
+        subject: ExportSubject::Tree { recipe: recipe("older-c"), shown: None },
+        scene: false,
         outputs: formats.iter().map(output).collect(),
         replaces: Vec::new(),
         makes_folders: false,
@@ -218,7 +218,7 @@ fn the_gauge_fills_from_nothing_to_nearly_all() {
     let dir = tempfile::tempdir().unwrap();
     let reports = Reports::default();
     let mut several = order(dir.path(), &["obj", "ply", "gltf", "usda"]);
-    several.recipe = recipe("fir");
+    several.subject = ExportSubject::Tree { recipe: recipe("fir"), shown: None };
     assert!(matches!(ran(several, &reports), ExportNews::Done { .. }));
     let reports = reports.0.into_inner().unwrap();
     let written: Vec<u64> =

@@ -16,7 +16,7 @@ mod relay;
 mod subject;
 
 pub use draw::{Detail, DrawRequest, Medium, Painted, Painter, PickedAxis, PictureLook, wind_strength};
-pub use export::{ExportNews, ExportOrder, WHOLE, run as run_export};
+pub use export::{ExportNews, ExportOrder, ExportSubject, WHOLE, run as run_export};
 pub use forest::{FOREST_PITCH_DEG, FOREST_YAW_DEG, ShownForest, grow_shown_forest};
 pub use gallery::{GalleryRequest, SmallPicture, Thumbnail, TreeSize, paint_gallery};
 #[cfg(test)]

@@ -33,6 +33,14 @@ pub struct GrownTree {
     pub notes: Vec<String>,
 }
 
+impl GrownTree {
+    /// All that the user should know about it, with its name where it is about this tree alone.
+    pub fn said(&self) -> impl Iterator<Item = String> {
+        let about = self.notes.iter().map(|note| format!("{}: {note}", self.name));
+        about.chain(self.levels.notes.iter().cloned())
+    }
+}
+
 /// Why a forest did not grow.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]

@@ -1,7 +1,7 @@
 //! The commands that export, and those of the dialog.
 
 use super::dialog::{self, ExportDialog, StartState};
-use super::{cancel, has_nothing, start};
+use super::{cancel, has_nothing, new_dialog, start};
 use crate::tui::chrome::{Page, PageLine};
 use crate::tui::command::Context;
 use crate::tui::dialog::After;
@@ -92,13 +92,13 @@ pub const COMMANDS: &[Command] = &[
         context: Context::GLOBAL,
         keys: &["e"],
         title: "Export",
-        help: "Writes the tree on screen for 3D programs",
+        help: "Writes what is on screen for 3D programs",
         hint: Some(40),
         hindrance: has_nothing,
         run: |model, _| {
-            let Some(tree) = &model.tree else { return };
-            let dialog = ExportDialog::new(&model.exporting.last, &tree.wanted().preset.id);
-            model.dialogs.open(dialog);
+            if let Some(dialog) = new_dialog(model) {
+                model.dialogs.open(dialog);
+            }
         },
     },
     Command {

@@ -17,6 +17,8 @@ use crate::tui::command::Context;
 use crate::tui::shape::nudge::{Nudge, nudged};
 use linden_exporters::{Output, default_name};
 
+/// How the session's file calls it that camera, sun, sky and ground go along.
+const SCENE: &str = "scene";
 /// Where the dialog's keys are listened to.
 pub const CONTEXT: Context = Context::new(50, "export", "While exporting");
 /// Where the keys of a line in the dialog are listened to.
@@ -32,6 +34,8 @@ pub struct ExportDialog {
     pub line: Option<Typing>,
     /// How far the start is.
     pub start: StartState,
+    /// Whether camera, sun, sky and ground go along.
+    pub scene: bool,
     /// What was found out about targets, by what was typed.
     findings: BTreeMap<String, TargetFinding>,
     /// What the tree will amount to.
@@ -62,6 +66,8 @@ pub enum ExportSpot {
     Option(usize, usize),
     /// Where a chosen format goes.
     Target(usize),
+    /// Whether camera, sun, sky and ground go along.
+    Scene,
     /// The button.
     Start,
 }
@@ -141,6 +147,7 @@ impl ExportDialog {
             cursor: ExportSpot::Format(cursor),
             line: None,
             start: StartState::Idle,
+            scene: last.options.iter().any(|(name, value)| name == SCENE && value == "true"),
             findings: BTreeMap::new(),
             estimate: None,
             round: 0,
@@ -166,7 +173,7 @@ impl ExportDialog {
                 spots.extend((0..choice.exporter.format().options.len()).map(|k| ExportSpot::Option(i, k)));
             }
         }
-        spots.push(ExportSpot::Start);
+        spots.extend([ExportSpot::Scene, ExportSpot::Start]);
         spots
     }
 
@@ -193,6 +200,10 @@ impl ExportDialog {
         if let ExportSpot::Format(i) = self.cursor {
             self.formats[i].chosen = !self.formats[i].chosen;
             self.start = StartState::Idle;
+            return true;
+        }
+        if self.cursor == ExportSpot::Scene {
+            (self.scene, self.start) = (!self.scene, StartState::Idle);
             return true;
         }
         let is_toggled = self.option().is_some_and(|(_, spec, _)| is_toggled(spec));
@@ -222,7 +233,7 @@ impl ExportDialog {
             ExportSpot::Option(..) => {
                 self.option().map(|(_, _, value)| value.to_string()).unwrap_or_default()
             }
-            ExportSpot::Format(_) | ExportSpot::Start => return,
+            ExportSpot::Format(_) | ExportSpot::Scene | ExportSpot::Start => return,
         };
         self.start = StartState::Idle;
         self.line = Some(Typing::new(&text));
@@ -248,7 +259,7 @@ impl ExportDialog {
                     return;
                 }
             }
-            ExportSpot::Format(_) | ExportSpot::Start => {}
+            ExportSpot::Format(_) | ExportSpot::Scene | ExportSpot::Start => {}
         }
         self.line = None;
     }
@@ -362,6 +373,9 @@ impl ExportDialog {
     /// What was chosen, for next time.
     pub fn choices(&self) -> session::ExportChoices {
         let mut options = Vec::new();
+        if self.scene {
+            options.push((SCENE.to_owned(), "true".to_owned()));
+        }
         for choice in &self.formats {
             let format = choice.exporter.format();
             for (spec, (name, value)) in format.options.iter().zip(choice.options.iter()) {

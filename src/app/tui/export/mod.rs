@@ -21,7 +21,7 @@ use super::effect::{Effect, Effects};
 use super::library;
 use super::model::{ExportReport, Exporting, Model, RunningExport};
 use super::tree::Tree;
-use crate::jobs::{ExportNews, ExportOrder, Inquiry, ShownTree, WHOLE};
+use crate::jobs::{ExportNews, ExportOrder, ExportSubject, Inquiry, ShownTree, WHOLE};
 use crate::paths::show;
 
 /// Exports that may wait; each keeps a tree in memory.
@@ -33,6 +33,9 @@ const MOST_REPORTS: usize = 20;
 /// was asked last; answered by [`ExportNews::Found`].
 pub fn wanted(model: &Model) -> Option<Inquiry> {
     let dialog = model.dialogs.find::<ExportDialog>()?;
+    if let Some(forest) = &model.forest {
+        return Some(dialog.inquiry(None, forest.files().to_vec()));
+    }
     let tree = model.tree.as_ref()?;
     Some(dialog.inquiry(current(tree), tree.files()))
 }
@@ -131,16 +134,26 @@ fn dialog(model: &mut Model) -> Option<&mut ExportDialog> {
     model.dialogs.find_mut()
 }
 
+/// A dialog for what is on screen.
+fn new_dialog(model: &Model) -> Option<ExportDialog> {
+    let of_forest = model.forest.as_ref().map(|forest| forest.wanted().id.as_str());
+    let id = model.tree.as_ref().map(|tree| tree.wanted().preset.id.as_str()).or(of_forest)?;
+    Some(ExportDialog::new(&model.exporting.last, id))
+}
+
 /// Opens the dialog with a format ticked, the cursor on it.
 pub fn open_with(model: &mut Model, format: &str) {
-    let Some(tree) = &model.tree else { return };
-    let mut dialog = ExportDialog::new(&model.exporting.last, &tree.wanted().preset.id);
-    dialog.choose(format);
-    model.dialogs.open(dialog);
+    if let Some(mut dialog) = new_dialog(model) {
+        dialog.choose(format);
+        model.dialogs.open(dialog);
+    }
 }
 
 /// Why there is nothing to export.
 fn has_nothing(model: &Model) -> Option<String> {
+    if let Some(forest) = &model.forest {
+        return forest.fault.as_ref().map(|fault| format!("the forest did not grow: {fault}"));
+    }
     let Some(tree) = &model.tree else { return Some("no preset is chosen".to_owned()) };
     tree.fault.as_ref().map(|fault| format!("the tree did not grow: {fault}"))
 }
@@ -159,26 +172,31 @@ fn decide(model: &mut Model, effects: &mut Effects) {
     }
 }
 
+/// What is on screen, the files that it was read from, and the knobs that were turned.
+fn subject(model: &Model) -> Option<(ExportSubject, Vec<PathBuf>, Vec<&'static str>)> {
+    if let Some(forest) = &model.forest {
+        let turned = forest.overrides().into_iter().map(|(name, _)| name).collect();
+        return Some((ExportSubject::Forest(Arc::clone(forest.wanted())), forest.files().to_vec(), turned));
+    }
+    let tree = model.tree.as_ref()?;
+    let (recipe, shown) = (Arc::clone(tree.wanted()), current(tree).cloned());
+    Some((ExportSubject::Tree { recipe, shown }, tree.files(), tree.turned()))
+}
+
 /// Hands the order in and closes the dialog.
 fn start(model: &mut Model, effects: &mut Effects) {
-    let Some((outputs, replaces, makes_folders, last)) = dialog(model)
-        .map(|dialog| (dialog.outputs(), dialog.replaced(), dialog.makes_folders(), dialog.choices()))
-    else {
-        return;
-    };
-    let Some(tree) = &model.tree else { return };
-    let recipe = Arc::clone(tree.wanted());
-    let shown = current(tree).cloned();
+    let Some(dialog) = model.dialogs.find::<ExportDialog>() else { return };
+    let Some((subject, sources, turned)) = subject(model) else { return };
+    let (outputs, replaces, scene) = (dialog.outputs(), dialog.replaced(), dialog.scene);
+    let (makes_folders, last) = (dialog.makes_folders(), dialog.choices());
     let exporting = &mut model.exporting;
     exporting.last = last;
     exporting.numbers += 1;
     let number = exporting.numbers;
-    let sources = tree.files();
-    let turned = tree.turned();
     exporting.waiting.push_back(ExportOrder {
         number,
-        recipe,
-        shown,
+        subject,
+        scene,
         outputs,
         replaces,
         makes_folders,
@@ -217,7 +235,7 @@ impl ExportDialog {
             }
             ExportSpot::Start => self.press_start(model),
             ExportSpot::Target(_) => self.begin_line(),
-            ExportSpot::Format(_) | ExportSpot::Option(..) => {
+            ExportSpot::Format(_) | ExportSpot::Option(..) | ExportSpot::Scene => {
                 if !self.toggle() {
                     self.begin_line();
                 }

@@ -19,6 +19,7 @@ use crate::tui::command::Context;
 use crate::tui::dialog::{After, Dialog};
 use crate::tui::effect::Effects;
 use crate::tui::figures::{length, thousands};
+use crate::tui::forest::ForestOnScreen;
 use crate::tui::layout::{Target, View, centered, first_row};
 use crate::tui::model::Model;
 use crate::wrap::clipped;
@@ -39,6 +40,9 @@ const NAME: usize = 10;
 const BAR: u64 = 10;
 /// Columns of a name in the footer.
 const SHORT: usize = 18;
+
+/// What the switch is for.
+const SCENE: &str = "with a camera that frames it, sun, sky and ground, in formats that hold them";
 
 /// What the footer says of the export under way.
 pub fn status(model: &Model) -> Vec<Span<'static>> {
@@ -100,7 +104,8 @@ fn paint(model: &Model, dialog: &ExportDialog, body: Rect, buffer: &mut Buffer, 
     // The frame, a heading, the rows, and what is said of one.
     let height = (spots.len() as u16).saturating_add(3 + ABOUT);
     let outer = centered(COLUMNS, height.min(body.height.saturating_sub(2).max(body.height.min(8))), body);
-    let name = model.tree.as_ref().map_or("", |tree| tree.wanted().preset.id.as_str());
+    let of_forest = model.forest.as_ref().map_or("", |forest| forest.wanted().id.as_str());
+    let name = model.tree.as_ref().map_or(of_forest, |tree| tree.wanted().preset.id.as_str());
     let title = clipped(&format!("Export {name}"), usize::from(outer.width).saturating_sub(4));
     let area = popup(model, &title, outer, buffer, view);
     if area.is_empty() {
@@ -115,7 +120,11 @@ fn paint(model: &Model, dialog: &ExportDialog, body: Rect, buffer: &mut Buffer, 
     let shown = model.tree.as_ref().and_then(current);
     let estimate = shown.and_then(|shown| dialog.estimate(shown));
     if heading > 0 {
-        heading_row(model, shown.is_some(), estimate, Rect { height: 1, ..area }, buffer);
+        let row = Rect { height: 1, ..area };
+        match &model.forest {
+            Some(forest) => forest_row(model, forest, row, buffer),
+            None => heading_row(model, shown.is_some(), estimate, row, buffer),
+        }
     }
     let list = Rect { y: area.y + heading, height: area.height - heading - about, ..area };
     let at = spots.iter().position(|spot| *spot == dialog.cursor).unwrap_or(0);
@@ -144,6 +153,20 @@ fn heading_row(model: &Model, has_grown: bool, estimate: Option<&Estimate>, area
     buffer.set_stringn(area.x, area.y, text, area.width.into(), model.config.theme.popup_dim);
 }
 
+/// How many trees there will be; what that comes to is known when it is written.
+fn forest_row(model: &Model, forest: &ForestOnScreen, area: Rect, buffer: &mut Buffer) {
+    let most = forest.wanted().layout.triangles;
+    let text = match &forest.shown {
+        Some(shown) if most > 0 => {
+            format!(" {} trees, up to {} triangles each", thousands(shown.trees), thousands(most))
+        }
+        Some(shown) => format!(" {} trees", thousands(shown.trees)),
+        None => " the forest is still growing".to_owned(),
+    };
+    let text = clipped(&text, area.width.into());
+    buffer.set_stringn(area.x, area.y, text, area.width.into(), model.config.theme.popup_dim);
+}
+
 /// An estimated number, to two digits: the others would promise too much.
 fn count(n: u64) -> String {
     let unit = 10_u64.pow(n.max(1).ilog10().saturating_sub(1));
@@ -169,6 +192,7 @@ impl RowPainter<'_> {
             ExportSpot::Format(i) => self.format(&self.dialog.formats[i], base, buffer),
             ExportSpot::Option(i, k) => self.option(&self.dialog.formats[i], k, base, buffer, view),
             ExportSpot::Target(i) => self.target(&self.dialog.formats[i], base, buffer, view),
+            ExportSpot::Scene => self.scene(base, buffer),
             ExportSpot::Start => self.start(buffer, view),
         }
     }
@@ -254,6 +278,14 @@ impl RowPainter<'_> {
             let dim = self.model.config.theme.popup_dim;
             self.text(x, self.area.right(), help, if self.chosen { base } else { dim }, buffer);
         }
+    }
+
+    fn scene(&self, base: Style, buffer: &mut Buffer) {
+        let theme = &self.model.config.theme;
+        let tick = if self.dialog.scene { "[x] " } else { "[ ] " };
+        let x = self.text(self.area.x + 1, self.area.right(), tick, base.patch(theme.value), buffer);
+        self.text(x, self.area.right(), "scene", base, buffer);
+        self.about(x + ID as u16, SCENE, base, buffer);
     }
 
     fn target(&self, choice: &FormatChoice, base: Style, buffer: &mut Buffer, view: &mut View) {
@@ -396,6 +428,7 @@ fn said(model: &Model, dialog: &ExportDialog) -> (String, Style) {
                 "where the file goes; files that belong to it lie beside it. Tab completes, ~/ is home";
             (words.to_owned(), theme.popup_dim)
         }),
+        ExportSpot::Scene => (SCENE.to_owned(), theme.popup),
         ExportSpot::Start => match dialog.start {
             StartState::Asking => {
                 let files: Vec<_> =

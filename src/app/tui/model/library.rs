@@ -13,6 +13,8 @@ use crate::source::forest::ForestSource;
 use crate::tui::forest::ForestOnScreen;
 use crate::tui::tree::{Tree, TreePlace};
 
+/// The group of files that were opened.
+const OPENED: &str = "opened";
 /// The group of the built-in forests.
 pub const FORESTS: &str = "Forests";
 
@@ -79,7 +81,13 @@ impl Library {
     /// Puts the user's presets in the list, in the place of those that were there.
     pub fn set_user(&mut self, presets: Vec<UserPreset>) {
         let selected = self.entry().map(|entry| entry.place.clone());
-        self.entries.retain(|entry| matches!(entry.place, TreePlace::Builtin(_)));
+        let is_listed = |entry: &PresetEntry| {
+            presets.iter().any(|preset| entry.place == TreePlace::File(preset.path.clone()))
+        };
+        self.entries.retain(|entry| match entry.place {
+            TreePlace::Builtin(_) => true,
+            TreePlace::File(_) => entry.group == OPENED && !is_listed(entry),
+        });
         self.entries.extend(presets.into_iter().map(|preset| PresetEntry {
             place: TreePlace::File(preset.path),
             id: preset.id,
@@ -103,7 +111,7 @@ impl Library {
     pub fn add_file(&mut self, path: PathBuf, preset: &Preset) {
         let place = TreePlace::File(path);
         if self.entries.iter().all(|entry| entry.place != place) {
-            self.entries.push(PresetEntry { group: "opened".to_owned(), ..PresetEntry::of(place, preset) });
+            self.entries.push(PresetEntry { group: OPENED.to_owned(), ..PresetEntry::of(place, preset) });
             self.arrange();
         }
     }
@@ -116,7 +124,7 @@ impl Library {
                 place,
                 id: source.forest.id.clone(),
                 name: source.forest.name.clone(),
-                group: "opened".to_owned(),
+                group: OPENED.to_owned(),
                 summary: source.summary.clone(),
                 source: String::new(),
                 fault: None,

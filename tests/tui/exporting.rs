@@ -1,0 +1,72 @@
+//! Exports from the dialog are the files that the command line writes.
+
+use std::fs;
+use std::path::Path;
+use std::process::Command;
+
+use crate::harness::{Home, Setup, eventually};
+
+const FOREST: &str = "area = 14\nspacing = 6\nseed = 4\n[[tree]]\npreset = \"older-c\"\nshare = 2\n[[tree]]\npreset = \"simple\"\n";
+
+/// What the command line writes.
+fn written(args: &[&str], to: &Path) -> Vec<u8> {
+    let output = Command::new(env!("CARGO_BIN_EXE_linden")).args(args).arg("-o").arg(to).output().unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    fs::read(to).unwrap()
+}
+
+/// What the workbench writes of a source into a folder, with its scene, once it says that it has `grown`; the
+/// GLB's bytes.
+fn exported(home: &Home, source: &str, grown: &str, into: &Path, name: &str) -> Vec<u8> {
+    let workbench = Setup::new(120, 40).args(&["open", source]).start(home);
+    workbench.wait_for_text(grown);
+    workbench.settle();
+    workbench.keys("e");
+    workbench.wait_for_text("[x] glb");
+    // Where to: below the format.
+    workbench.keys("j");
+    workbench.settle();
+    workbench.keys("\r");
+    workbench.settle();
+    // All that stands in the line goes first.
+    workbench.keys("\x15");
+    workbench.settle();
+    let target = into.join(name);
+    workbench.keys(target.to_str().unwrap());
+    workbench.settle();
+    workbench.keys("\r");
+    workbench.settle();
+    // The scene is above the button.
+    workbench.keys("Gk");
+    workbench.settle();
+    workbench.keys(" ");
+    workbench.wait_for_text("[x] scene");
+    workbench.keys("G");
+    workbench.settle();
+    workbench.keys("\r");
+    workbench.wait_for_text("exported");
+    eventually("the file", || fs::read(&target).ok())
+}
+
+#[test]
+fn a_forest_is_written_as_on_the_command_line() {
+    let home = Home::new();
+    let forest = home.write("copse.toml", FOREST);
+    let source = forest.to_str().unwrap();
+    // An opened file stays in the list, also when the user's presets were read after it.
+    let there = exported(&home, source, "of them grown", home.path(), "there.glb");
+    let here = written(&["forest", source, "--scene"], &home.path().join("here.glb"));
+    assert!(there == here, "{} and {} bytes", there.len(), here.len());
+    // Another program finds the camera.
+    let plain = written(&["forest", source], &home.path().join("plain.glb"));
+    let has_camera = |glb: &[u8]| String::from_utf8_lossy(glb).contains("\"cameras\"");
+    assert!(has_camera(&there) && !has_camera(&plain));
+}
+
+#[test]
+fn a_tree_is_written_as_on_the_command_line() {
+    let home = Home::new();
+    let there = exported(&home, "abop-c", "nodes", home.path(), "there.glb");
+    let here = written(&["export", "abop-c", "--scene"], &home.path().join("here.glb"));
+    assert!(there == here, "{} and {} bytes", there.len(), here.len());
+}
