@@ -247,3 +247,47 @@ fn what_cannot_stand_side_by_side_is_refused_with_what_to_do() {
     refused(&["fir", "nope"], 2, &["no preset and no file 'nope'"]);
     assert!(folder.names().is_empty());
 }
+
+#[test]
+fn a_forests_picture_shows_its_trees_and_carries_its_recipe_on_any_number_of_threads() {
+    let folder = Folder::new();
+    let preview = |threads: &str, name: &str, line: &[&str]| {
+        let run = linden()
+            .env("RAYON_NUM_THREADS", threads)
+            .args(["preview", "orchard", "--size", "160x90", "--background", "transparent"])
+            .args(line)
+            .args(["-o", name])
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        (run.status.code(), String::from_utf8_lossy(&run.stderr).into_owned())
+    };
+    let area = ["--set", "area=25", "--set", "bark_size=32", "--set", "leaf_size=32"];
+    for (threads, name) in [("1", "one.png"), ("2", "two.png")] {
+        let (code, said) = preview(threads, name, &area);
+        assert_eq!(code, Some(0), "{said}");
+    }
+    let one = folder.read("one.png");
+    assert!(one == folder.read("two.png"), "one thread and two differ");
+    let mut reader = png::Decoder::new(std::io::Cursor::new(&one)).read_info().unwrap();
+    let mut seen = vec![0; reader.output_buffer_size().unwrap()];
+    reader.next_frame(&mut seen).unwrap();
+    let covered = seen.chunks_exact(4).filter(|pixel| pixel[3] > 128).count();
+    assert!((500..12_000).contains(&covered), "{covered} of 14400 pixels");
+    // The recipe is that of the forest, not of what a picture leaves out of it.
+    let again = linden().args(["recipe", "one.png"]).current_dir(folder.path()).output().unwrap();
+    let recipe: Value = serde_json::from_slice(&again.stdout).unwrap();
+    assert_eq!((&recipe["area"], &recipe["triangles"]), (&Value::from("25"), &Value::from("150000")));
+    for (line, why) in [
+        (&["--look", "turtle"][..], "--look is for one tree"),
+        (&["--person"], "--person is for one tree"),
+        (&["--lod", "1"], "--lod is for one tree"),
+        (&["--set", "area=0"], "area"),
+    ] {
+        let (code, said) = preview("1", "no.png", line);
+        assert!(code == Some(2) && said.contains(why), "{line:?}: {code:?} {said}");
+    }
+    let (code, said) = preview("1", "no.svg", &[]);
+    assert!(code == Some(2) && said.contains("one tree"), "{code:?} {said}");
+    assert!(!folder.path().join("no.svg").exists());
+}

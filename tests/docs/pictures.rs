@@ -126,17 +126,18 @@ fn origin(command: &str, code: &str, golden: &BTreeMap<String, String>) -> Strin
         assert!(before > 0, "no preset is in the group {group}");
     }
     for source in &drawing.sources {
-        if let Ok(forest) = builtin_forest(source) {
-            from += &unix(forest.text);
-            for tree in forest.load().unwrap().trees {
-                let TreeSource::Named(id) = tree.source else { panic!("{source} carries a recipe") };
-                add(builtins().iter().find(|builtin| builtin.id == id).unwrap());
-            }
-        }
         if let Some(builtin) = builtins().iter().find(|builtin| builtin.id == *source) {
             add(builtin);
         }
     }
+    let forests: Vec<_> = drawing.sources.iter().filter_map(|source| builtin_forest(source).ok()).collect();
+    for forest in &forests {
+        for tree in forest.load().unwrap().trees {
+            let TreeSource::Named(id) = tree.source else { panic!("{} carries a recipe", forest.id) };
+            add(builtins().iter().find(|builtin| builtin.id == id).unwrap());
+        }
+    }
+    from.extend(forests.iter().map(|forest| unix(forest.text)));
     for source in drawing.sources.iter().filter(|source| source.contains('/')) {
         let text = unix(&read(source));
         let recipe =
