@@ -7,7 +7,7 @@ use linden::monitor::Monitor;
 use linden_raster::{Extent, stage_extent};
 
 use super::Watcher;
-use super::draw::{MOST_BARK_PX, MOST_LEAF_PX};
+use super::painter::{MOST_BARK_PX, MOST_LEAF_PX};
 
 /// Triangles of all trees in a picture together, and of one: no more are seen of one among many.
 const MOST_TRIANGLES: u64 = 6_000_000;

@@ -53,6 +53,8 @@ pub struct PictureState {
     pub look: PictureLook,
     /// Whether the look was chosen; otherwise each tree has its usual one.
     pub is_look_chosen: bool,
+    /// The level of detail that is looked at, the finest being 0; `None` for all that grew.
+    pub level: Option<usize>,
     /// Whether attraction points are.
     pub points: bool,
     /// Whether the crown's outline is.
@@ -77,6 +79,7 @@ impl Default for PictureState {
             camera: Camera::default(),
             look: PictureLook::Skeleton(Paint::Wood),
             is_look_chosen: false,
+            level: None,
             points: false,
             outline: false,
             scale: true,

@@ -3,7 +3,7 @@
 use glam::Vec2;
 use linden_raster::Camera;
 
-use super::{turn_by, zoom_by};
+use super::{levels, turn_by, zoom_by};
 use crate::config::settings::Scenery;
 use crate::jobs::{Medium, PictureLook};
 use crate::tui::command::Context;
@@ -59,6 +59,26 @@ fn has_no_landscape(model: &Model) -> Option<String> {
         "this terminal shows no landscape; that takes pixels, or 24-bit colours and no network between"
             .to_owned()
     })
+}
+
+fn has_one_level(model: &Model) -> Option<String> {
+    without_tree(model).or_else(|| {
+        let why = "this tree has one level of detail; lods, lod_triangles and billboard make more";
+        (levels(model) <= 1).then(|| why.to_owned())
+    })
+}
+
+/// Goes on to the next level of detail, in the look that has such.
+fn next_level(model: &mut Model) {
+    let next = model.picture.level.map_or(0, |level| level + 1);
+    model.picture.level = Some(next).filter(|next| *next < levels(model));
+    if model.picture.level.is_some() {
+        (model.picture.look, model.picture.is_look_chosen) = (PictureLook::Surface, true);
+        model.growth.stop();
+        model.wind.stop();
+    } else {
+        model.say("all that grew is shown again");
+    }
 }
 
 fn cycle_look(model: &mut Model, by: usize) {
@@ -232,6 +252,16 @@ pub const COMMANDS: &[Command] = &[
             let now = model.now;
             model.picture.turn(if model.picture.is_turning() { None } else { Some(now) });
         },
+    },
+    Command {
+        id: "level-next",
+        context: Context::GLOBAL,
+        keys: &["D"],
+        title: "Level of detail",
+        help: "Shows the next coarser level of detail as it is exported; after the coarsest, all that grew again",
+        hint: None,
+        hindrance: has_one_level,
+        run: |model, _| next_level(model),
     },
     Command {
         id: "look-next",

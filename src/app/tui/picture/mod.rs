@@ -91,7 +91,7 @@ fn turn_by(camera: &mut Camera, degrees: f32) {
 /// Another tree is on screen: the whole of it, from its broad side once it has grown.
 pub fn reset(model: &mut Model) {
     let picture = &mut model.picture;
-    picture.drag = None;
+    (picture.drag, picture.level) = (None, None);
     if picture.keeps_camera {
         return;
     }
@@ -112,6 +112,7 @@ pub fn wanted(model: &Model) -> Option<DrawRequest> {
         subject: Subject::Tree(Arc::clone(shown)),
         stage: model.growth.step(),
         wind: model.wind.frame().filter(|_| model.growth.step().is_none()),
+        level: level(model),
         camera: Camera {
             extent: Some(shown.extent(picture.points || picture.outline, person)),
             ..picture.camera
@@ -133,6 +134,7 @@ fn of_forest(model: &Model, shown: &Arc<ShownForest>, area: Rect) -> DrawRequest
         subject: Subject::Forest(Arc::clone(shown)),
         stage: None,
         wind: None,
+        level: None,
         camera: Camera { extent: shown.extent, ..model.picture.camera },
         look: PictureLook::Surface,
         points: false,
@@ -143,6 +145,17 @@ fn of_forest(model: &Model, shown: &Arc<ShownForest>, area: Rect) -> DrawRequest
         medium: Medium::of(&model.terminal, model.config.settings.scenery),
         detail: detail(model),
     }
+}
+
+/// The level of detail that is shown: none where the tree has no such level any more, or moves.
+fn level(model: &Model) -> Option<usize> {
+    let is_still = model.wind.frame().is_none() && model.growth.step().is_none();
+    model.picture.level.filter(|level| *level < levels(model) && is_still)
+}
+
+/// How many levels of detail the tree on screen has; 0 without a tree.
+fn levels(model: &Model) -> usize {
+    model.tree.as_ref().map_or(0, |tree| tree.wanted().preset.dressing.detail.levels())
 }
 
 fn detail(model: &Model) -> Detail {

@@ -15,3 +15,30 @@ fn the_last_picture_stands_until_the_next_is_there_and_goes_where_none_will_come
     assert!(standing(&bench.model).is_none());
     assert!(bench.screen().contains("the grammar draws nothing"));
 }
+
+#[test]
+fn levels_of_detail_are_gone_through_and_are_those_of_an_export() {
+    let mut bench = Bench::new(120, 40).with("dressed-bush");
+    bench.keys("D");
+    let said = bench.model.message.clone().unwrap().text;
+    assert!(said.contains("one level of detail"), "{said}");
+    let now = bench.model.now;
+    bench.model.tree.as_mut().unwrap().set("lods", "2", now).unwrap();
+    bench.settle();
+    let recipe = Arc::clone(bench.model.tree.as_ref().unwrap().wanted());
+    let grown = linden::grow::grow(&recipe, &linden::Quiet).unwrap();
+    let exported = linden::dress::levels(&recipe, &grown, &linden::Quiet).unwrap();
+    let count = |level: usize| -> u64 {
+        let parts = &exported.levels[level].scene.parts;
+        parts.iter().map(|part| part.mesh.triangles.len() as u64).sum()
+    };
+    assert!(count(1) < count(0));
+    for level in 0..2 {
+        bench.keys("D").settle();
+        let painted = bench.model.picture.painted.as_ref().unwrap();
+        assert_eq!(painted.level, Some((level, count(level))));
+        assert!(bench.screen().contains(&format!("level {level}: ")), "{}", bench.screen());
+    }
+    bench.keys("D").settle();
+    assert_eq!(bench.model.picture.painted.as_ref().unwrap().level, None);
+}

@@ -24,6 +24,11 @@ pub fn heading(model: &Model) -> Vec<Span<'static>> {
     if picture.is_look_chosen {
         words.push(picture.look.name());
     }
+    let level = picture.painted.as_ref().and_then(|painted| painted.level);
+    if let Some((level, triangles)) = level.filter(|(level, _)| picture.level == Some(*level)) {
+        let text = format!("· level {level}: {} triangles ", thousands(triangles));
+        return vec![Span::styled(text, theme.dim)];
+    }
     for (on, word) in [
         (picture.points, "points"),
         (picture.outline, "crown"),
