@@ -17,6 +17,7 @@ mod parametric;
 mod polygon;
 mod presets;
 mod properties;
+mod trace;
 mod tropism;
 mod turtle;
 mod whole;

@@ -199,6 +199,22 @@ pub enum LsystemError {
         /// The most derivations, fewer than asked for, that are known to stay within the limit.
         fits: Option<u32>,
     },
+    /// A word that is too long to be listed with its origins.
+    #[error(
+        "{derivations} derivations give more than the {limit} modules that are listed with their origins: {}",
+        match .fits {
+            Some(fits) => format!("use {fits} derivations or fewer, or the string alone"),
+            None => "use fewer derivations, or the string alone".to_owned(),
+        }
+    )]
+    TooManyToTrace {
+        /// What was asked for.
+        derivations: u32,
+        /// [`MAX_TRACED`](super::MAX_TRACED).
+        limit: u64,
+        /// The most derivations, fewer than asked for, that are known to stay within the limit.
+        fits: Option<u32>,
+    },
     /// A system grew past the limit although its forecast did not.
     #[error(
         "{}{derivations} derivations give more than the limit of {limit} symbols: use fewer derivations{} a higher limit",

@@ -146,6 +146,11 @@ impl Grammar {
     pub fn productions(&self) -> &[Production] {
         &self.productions
     }
+
+    /// The line of a rule in this grammar as it is shown, from 1 for the axiom.
+    pub fn line_of(&self, production: usize) -> usize {
+        2 + self.definitions.len() + usize::from(!self.ignored.is_empty()) + production
+    }
 }
 
 /// The productions that share out their probability, in the order of their first ones.

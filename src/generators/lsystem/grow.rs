@@ -103,10 +103,7 @@ pub fn grow_by(
     if forecast.segments == 0 && forecast.exact {
         return Err(nothing);
     }
-    let (stems, lean_deg) = match settings.habit {
-        Stems::One => (1, 0.0),
-        Stems::Several { stems, lean_deg } => (stems, lean_deg),
-    };
+    let (stems, lean_deg) = settings.stems();
     let limit = settings.symbol_limit;
     if forecast.symbols.saturating_mul(stems.into()) > limit.into() {
         return Err(LsystemError::TooManyStems { stems, symbols: forecast.symbols, limit });
@@ -155,6 +152,14 @@ pub fn grow_by(
 }
 
 impl TurtleSettings {
+    /// How many stems there are, and how far each leans, degrees.
+    pub(super) fn stems(&self) -> (u32, f64) {
+        match self.habit {
+            Stems::One => (1, 0.0),
+            Stems::Several { stems, lean_deg } => (stems, lean_deg),
+        }
+    }
+
     /// Checks the settings, and what the derivation would give.
     pub(super) fn admit(&self, program: &Program) -> Result<Forecast, LsystemError> {
         let &Self { derivations, symbol_limit: limit, .. } = self;

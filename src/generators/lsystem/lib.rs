@@ -54,6 +54,7 @@ mod turtle_settings;
 mod variation;
 
 pub use define::DefineError;
+pub use derive::trace::{MAX_TRACED, Traced, TracedModule, trace};
 pub use derive::{Derived, Way, derive_by, derive_string};
 pub use error::{GrammarError, GrammarPart, LsystemError, Problem};
 pub use forecast::{Forecast, forecast};

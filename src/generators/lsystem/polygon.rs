@@ -43,6 +43,11 @@ impl Herbarium {
             + bytes_of::<Open>(self.open.capacity())
     }
 
+    /// How many polygons were filled, and how many organs were placed.
+    pub fn counts(&self) -> [usize; 2] {
+        [self.organs.polygons.ends.len(), self.organs.placed.prototypes.len()]
+    }
+
     /// Whether a list may move to a larger place with the next organ.
     pub fn is_full(&self) -> bool {
         let Organs { polygons, placed, .. } = &self.organs;

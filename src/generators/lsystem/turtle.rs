@@ -191,6 +191,12 @@ impl<'a> Turtle<'a> {
         self.herbarium.check_closed()
     }
 
+    /// How many nodes, polygons and placed organs there are.
+    pub(super) fn counts(&self) -> [usize; 3] {
+        let [polygons, placed] = self.herbarium.counts();
+        [self.branching.positions.len(), polygons, placed]
+    }
+
     pub(super) fn into_parts(self) -> (Branching, Organs) {
         let mut organs = self.herbarium.into_organs();
         // Without wood above them, organs of one stem hang on another.

@@ -21,12 +21,12 @@ const CHUNK: usize = 1 << 12;
 /// A choice that is none: the module stays.
 const KEEP: u32 = u32::MAX;
 /// The module is cut.
-const DROP: u32 = u32::MAX - 1;
+pub(super) const DROP: u32 = u32::MAX - 1;
 /// A string in memory.
 #[derive(Default)]
-struct Buffer {
-    modules: Vec<u32>,
-    births: Vec<u32>,
+pub(super) struct Buffer {
+    pub modules: Vec<u32>,
+    pub births: Vec<u32>,
     /// Empty when nothing is left to chance.
     keys: Vec<Key>,
     /// Where the arguments of a module stand in `values`, when they are computed.
@@ -35,9 +35,9 @@ struct Buffer {
 }
 
 /// A buffer with the meaning of its modules.
-struct Text<'a> {
-    program: &'a Program,
-    buffer: &'a Buffer,
+pub(super) struct Text<'a> {
+    pub program: &'a Program,
+    pub buffer: &'a Buffer,
 }
 
 impl Modules for Text<'_> {
@@ -95,11 +95,11 @@ impl std::ops::AddAssign for Size {
 }
 
 /// One derivation step over a string.
-struct Step<'a> {
+pub(super) struct Step<'a> {
     text: Text<'a>,
     neighbours: &'a Neighbours,
     /// What becomes of each module: an alternative, [`KEEP`] or [`DROP`].
-    choices: Vec<u32>,
+    pub choices: Vec<u32>,
     number: u32,
 }
 
@@ -159,17 +159,7 @@ pub(super) fn derive<S: Sink>(outlet: &mut Outlet<'_, S>) -> Result<(), LsystemE
     for number in 1..last {
         outlet.monitor.check()?;
         let step = Step::choose(program, &string, &mut neighbours, number, outlet.monitor)?;
-        let sizes = step.sizes();
-        let size = Size::sum(&sizes);
-        outlet.check_limit(size.modules)?;
-        if size.values > u32::MAX.into() {
-            // Places of arguments have 32 bits.
-            outlet.check_limit(u64::MAX)?;
-        }
-        let bytes = string.size().bytes(program).saturating_add(size.bytes(program));
-        let bytes = bytes.saturating_add(outlet.sink.bytes());
-        outlet.monitor.admit("deriving the L-system", bytes, "use fewer derivations")?;
-        let next = step.write(&sizes)?;
+        let next = step.apply(outlet)?;
         string = next;
         outlet.monitor.advance(Phase::Derive, string.modules.len() as u64, None);
     }
@@ -179,7 +169,7 @@ pub(super) fn derive<S: Sink>(outlet: &mut Outlet<'_, S>) -> Result<(), LsystemE
 }
 
 /// The axiom in a buffer.
-fn axiom(program: &Program, settings: &TurtleSettings) -> Result<Buffer, LsystemError> {
+pub(super) fn axiom(program: &Program, settings: &TurtleSettings) -> Result<Buffer, LsystemError> {
     let word = program.axiom;
     let mut buffer = Buffer::default();
     let size = Size { modules: word.len() as u64, values: word.values.into() };
@@ -193,7 +183,7 @@ fn axiom(program: &Program, settings: &TurtleSettings) -> Result<Buffer, Lsystem
 
 impl<'a> Step<'a> {
     /// Chooses what becomes of every module.
-    fn choose(
+    pub(super) fn choose(
         program: &'a Program,
         buffer: &'a Buffer,
         neighbours: &'a mut Neighbours,
@@ -286,6 +276,22 @@ impl<'a> Step<'a> {
                 i += rest;
             }
         }
+    }
+
+    /// Writes the next string, within the limits.
+    pub(super) fn apply<S: Sink>(&self, outlet: &Outlet<'_, S>) -> Result<Buffer, LsystemError> {
+        let sizes = self.sizes();
+        let size = Size::sum(&sizes);
+        outlet.check_limit(size.modules)?;
+        if size.values > u32::MAX.into() {
+            // Places of arguments have 32 bits.
+            outlet.check_limit(u64::MAX)?;
+        }
+        let Text { program, buffer } = self.text;
+        let bytes = buffer.size().bytes(program).saturating_add(size.bytes(program));
+        let bytes = bytes.saturating_add(outlet.sink.bytes());
+        outlet.monitor.admit("deriving the L-system", bytes, "use fewer derivations")?;
+        self.write(&sizes)
     }
 
     /// What each chunk becomes.

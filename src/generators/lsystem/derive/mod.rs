@@ -7,6 +7,7 @@
 
 mod buffers;
 mod stream;
+pub(super) mod trace;
 
 use super::command::Command;
 use super::error::LsystemError;
@@ -127,16 +128,7 @@ pub(super) fn derive<S: Sink>(
     monitor: &dyn Monitor,
     sink: &mut S,
 ) -> Result<u64, LsystemError> {
-    let mut outlet = Outlet {
-        program,
-        settings,
-        total,
-        monitor,
-        ranges: program.commands().map(|(command, _)| Command::computed_range(command)).collect(),
-        sink,
-        given: 0,
-        spent: 0,
-    };
+    let mut outlet = Outlet::new(program, settings, total, monitor, sink);
     if way == Way::BreadthFirst || program.has_contexts() {
         buffers::derive(&mut outlet)?;
     } else {
@@ -200,7 +192,18 @@ struct Outlet<'a, S> {
     spent: u64,
 }
 
-impl<S: Sink> Outlet<'_, S> {
+impl<'a, S: Sink> Outlet<'a, S> {
+    fn new(
+        program: &'a Program,
+        settings: &'a TurtleSettings,
+        total: Option<u64>,
+        monitor: &'a dyn Monitor,
+        sink: &'a mut S,
+    ) -> Self {
+        let ranges = program.commands().map(|(command, _)| Command::computed_range(command)).collect();
+        Self { program, settings, total, monitor, ranges, sink, given: 0, spent: 0 }
+    }
+
     /// Modules with constant arguments.
     fn give(&mut self, modules: &[u32], birth: u32) -> Result<(), LsystemError> {
         for some in modules.chunks(PATIENCE as usize) {

@@ -31,20 +31,21 @@ struct Compiler<'a> {
     calls: Vec<Call>,
     formulas: Vec<Formula>,
     library: Library,
-    grouped: Vec<Vec<&'a Production>>,
+    /// With their places in the grammar.
+    grouped: Vec<Vec<(u32, &'a Production)>>,
 }
 
 impl<'a> Compiler<'a> {
     fn new(grammar: &'a Grammar) -> Self {
         let productions = grammar.productions();
-        let grouped: Vec<Vec<&Production>> = groups(productions)
+        let grouped: Vec<Vec<(u32, &Production)>> = groups(productions)
             .into_iter()
-            .map(|group| group.into_iter().map(|i| &productions[i]).collect())
+            .map(|group| group.into_iter().map(|i| (i as u32, &productions[i])).collect())
             .collect();
         let mut classes = BTreeMap::new();
         for group in &grouped {
             let next = classes.len() as u32;
-            classes.entry(group[0].predecessor.class()).or_insert(next);
+            classes.entry(group[0].1.predecessor.class()).or_insert(next);
         }
         Self {
             classes,
@@ -66,27 +67,27 @@ impl<'a> Compiler<'a> {
         // By class; rules that look around before those that do not (ABOP, section 1.8).
         let mut grouped = std::mem::take(&mut self.grouped);
         grouped.sort_by_key(|group| {
-            let first = group[0];
+            let (_, first) = group[0];
             (self.classes[&first.predecessor.class()], first.left.is_empty() && first.right.is_empty())
         });
         let mut rewrites: Vec<Rewrite> = Vec::new();
         let mut groups = Vec::new();
         let mut alternatives: Vec<Alternative> = Vec::new();
         for productions in &grouped {
-            let class = self.classes[&productions[0].predecessor.class()] as usize;
+            let class = self.classes[&productions[0].1.predecessor.class()] as usize;
             let start = alternatives.len() as u32;
             let mut up_to = 0.0;
-            for production in productions.iter().filter(|production| production.probability > 0.0) {
+            for &(place, production) in productions.iter().filter(|(_, rule)| rule.probability > 0.0) {
                 let word = self.word(&production.successor);
                 up_to += production.probability;
-                alternatives.push(Alternative { up_to, word, group: groups.len() as u32 });
+                alternatives.push(Alternative { up_to, word, group: groups.len() as u32, production: place });
             }
             let index = groups.len() as u32;
             if rewrites.len() == class {
                 rewrites.push(Rewrite { groups: index..index, vanishes_in: u32::MAX });
             }
             rewrites[class].groups.end = index + 1;
-            let group = self.group(productions[0], start..alternatives.len() as u32);
+            let group = self.group(productions[0].1, start..alternatives.len() as u32);
             groups.push(group);
         }
         let is_random = |group: &Group| group.is_random || group.alternatives.len() > 1;

@@ -156,6 +156,8 @@ pub(super) struct Alternative {
     pub up_to: f64,
     pub word: Word,
     pub group: u32,
+    /// Its place in [`Grammar::productions`](crate::Grammar::productions).
+    pub production: u32,
 }
 
 impl Group {

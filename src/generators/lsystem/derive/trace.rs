@@ -1,0 +1,248 @@
+//! A word with the origin of each module, and what the turtle draws for it.
+//!
+//! Derived breadth first, as the definition has it: the choices of the last step say which module
+//! became which. Only who asks pays for it; growing keeps nothing of the kind.
+
+use std::fmt;
+use std::ops::Range;
+
+use super::buffers::{Buffer, DROP, Step, Text, axiom};
+use super::{Outlet, Sink};
+use crate::context::{Modules, Neighbours};
+use crate::error::{LsystemError, Short};
+use crate::grammar::Grammar;
+use crate::program::Program;
+use crate::turtle::Turtle;
+use crate::turtle_settings::TurtleSettings;
+use linden_base::monitor::Monitor;
+use linden_base::random::Key;
+
+/// The most modules that [`trace`] lists, in the word and in each one on the way to it.
+pub const MAX_TRACED: u64 = 1_000_000;
+
+/// The word after some derivation steps, module by module.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Traced {
+    /// From first to last. A `%` and what it cuts are not part of the word.
+    pub modules: Vec<TracedModule>,
+    /// Why the turtle cannot draw this word, where it cannot: then no module has drawn anything.
+    pub undrawn: Option<LsystemError>,
+}
+
+/// A module of a derived word, and where it comes from.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct TracedModule {
+    /// The symbol, one character.
+    pub symbol: char,
+    /// Numbers that are finite.
+    pub arguments: Vec<f64>,
+    /// The derivation step that wrote it; 0 for the axiom.
+    pub birth: u32,
+    /// The module of the word one step before that it was, or that was rewritten to it, from 0; none
+    /// in the axiom.
+    pub parent: Option<u32>,
+    /// The rule that wrote it in the last step, as a place in [`Grammar::productions`]; none in the
+    /// axiom, and where the module was kept.
+    pub rule: Option<u32>,
+    /// The rule that rewrites it in the next step; none where it is kept, or cut by a `%`.
+    pub next_rule: Option<u32>,
+    /// The nodes of [`Drawn::branching`](crate::Drawn::branching) that the turtle left for it: one at
+    /// the far end of the segment that it drew, and before it the foot of a stem that begins there.
+    pub nodes: Range<u32>,
+    /// The polygon that it filled, as a place in [`Organs::polygons`](linden_skeleton::organs::Organs).
+    pub polygon: Option<u32>,
+    /// The organ that it placed, as a place in [`Organs::placed`](linden_skeleton::organs::Organs).
+    pub placed: Option<u32>,
+}
+
+/// Derives a word and lists its modules with their origins: for words that people look at.
+///
+/// Uses the derivations, the seed and the turtle of `settings`; of a plant with several stems, the first,
+/// whose nodes come first. The word is that of [`derive_string`](crate::derive_string()).
+///
+/// Written out it is an axiom again: [`Traced`] shows itself as grammars are written. For a grammar without
+/// chance, deriving that axiom goes on where the word stands. It does not where chance has a say, because
+/// choices are keyed by the path from the first axiom, nor can it where the word is empty or holds an
+/// argument that may be computed but not written, as the length of an `F(0)`.
+///
+/// ```
+/// use linden_base::monitor::Quiet;
+/// use linden_lsystem::{Grammar, TurtleSettings, trace};
+/// let weed = Grammar::new("X", &["X -> F[+X]", "F -> FF"])?;
+/// let settings = TurtleSettings { derivations: 2, ..TurtleSettings::default() };
+/// let word = trace(&weed, &settings, &Quiet)?;
+/// assert_eq!(word.to_string(), "FF[+F[+X]]");
+/// let (second, inner) = (&word.modules[1], &word.modules[4]);
+/// assert_eq!((second.parent, second.rule, second.nodes.clone()), (Some(0), Some(1), 2..3));
+/// assert_eq!((inner.parent, inner.rule, inner.next_rule), (Some(3), Some(0), Some(1)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// As [`derive_string`](crate::derive_string()), and [`LsystemError::TooManyToTrace`]. What only the
+/// turtle refuses is [`Traced::undrawn`].
+pub fn trace(
+    grammar: &Grammar,
+    settings: &TurtleSettings,
+    monitor: &dyn Monitor,
+) -> Result<Traced, LsystemError> {
+    let program = Program::compile(grammar);
+    let limited = TurtleSettings { symbol_limit: settings.symbol_limit.min(MAX_TRACED), ..*settings };
+    let is_ours = settings.symbol_limit > MAX_TRACED;
+    let refused = |error| match error {
+        LsystemError::TooManySymbols { derivations, fits, .. } if is_ours => {
+            LsystemError::TooManyToTrace { derivations, limit: MAX_TRACED, fits }
+        }
+        LsystemError::GrewPastLimit { derivations, .. } if is_ours => {
+            LsystemError::TooManyToTrace { derivations, limit: MAX_TRACED, fits: None }
+        }
+        other => other,
+    };
+    limited.admit(&program).map_err(refused)?;
+    let mut turtle = Turtle::new(&program, &limited, 0, 0, monitor)?;
+    turtle.start(0.0, settings.stems().1, Key::new(settings.seed).named("turtle"));
+    let mut drawing = Drawing { turtle, drawn: Vec::new() };
+    let mut outlet = Outlet::new(&program, &limited, None, monitor, &mut drawing);
+    let (string, origins) = rewrite(&outlet).map_err(refused)?;
+    let next_rules = next_rules(&program, &string, settings.derivations, monitor)?;
+    let undrawn = match draw(&mut outlet, &Text { program: &program, buffer: &string }) {
+        Ok(()) => None,
+        Err(LsystemError::Cancelled(cancelled)) => return Err(cancelled.into()),
+        Err(LsystemError::Memory(over)) => return Err(over.into()),
+        Err(error) => Some(error),
+    };
+    let drawn = if undrawn.is_none() { drawing.drawn } else { Vec::new() };
+    let text = Text { program: &program, buffer: &string };
+    let module = |index: usize| {
+        let origin = origins.get(index);
+        let [nodes, mut polygons, mut placed] = drawn.get(index).cloned().unwrap_or_default();
+        TracedModule {
+            symbol: text.entry(index).symbol,
+            arguments: text.arguments(index).to_vec(),
+            birth: string.births[index],
+            parent: origin.map(|origin| origin.parent),
+            rule: origin.and_then(|origin| origin.rule),
+            next_rule: next_rules[index],
+            nodes,
+            polygon: polygons.next_back(),
+            placed: placed.next_back(),
+        }
+    };
+    Ok(Traced { modules: (0..text.count()).map(module).collect(), undrawn })
+}
+
+/// Where a module of a word comes from.
+#[derive(Clone, Copy)]
+struct Origin {
+    parent: u32,
+    rule: Option<u32>,
+}
+
+/// The word after all steps, and the origins of its modules in the last one; none without steps.
+fn rewrite<S: Sink>(outlet: &Outlet<'_, S>) -> Result<(Buffer, Vec<Origin>), LsystemError> {
+    let (program, last) = (outlet.program, outlet.settings.derivations);
+    let mut string = axiom(program, outlet.settings)?;
+    let mut origins = Vec::new();
+    let mut neighbours = Neighbours::default();
+    for number in 1..=last {
+        outlet.monitor.check()?;
+        let step = Step::choose(program, &string, &mut neighbours, number, outlet.monitor)?;
+        let next = step.apply(outlet)?;
+        if number == last {
+            origins = origins_of(program, &step.choices);
+        }
+        string = next;
+    }
+    Ok((string, origins))
+}
+
+/// For each module of the next word the one that it comes from.
+fn origins_of(program: &Program, choices: &[u32]) -> Vec<Origin> {
+    let of_module = |(parent, &choice): (u32, &u32)| {
+        let (count, rule) = match program.alternatives.get(choice as usize) {
+            Some(chosen) => (chosen.word.len(), Some(chosen.production)),
+            None => (usize::from(choice != DROP), None),
+        };
+        std::iter::repeat_n(Origin { parent, rule }, count)
+    };
+    (0..).zip(choices).flat_map(of_module).collect()
+}
+
+/// The rule that one more step would apply to each module.
+fn next_rules(
+    program: &Program,
+    string: &Buffer,
+    step: u32,
+    monitor: &dyn Monitor,
+) -> Result<Vec<Option<u32>>, LsystemError> {
+    let mut neighbours = Neighbours::default();
+    let next = Step::choose(program, string, &mut neighbours, step + 1, monitor)?;
+    let rule = |&choice: &u32| program.alternatives.get(choice as usize).map(|chosen| chosen.production);
+    Ok(next.choices.iter().map(rule).collect())
+}
+
+fn draw(outlet: &mut Outlet<'_, Drawing<'_>>, text: &Text<'_>) -> Result<(), LsystemError> {
+    for index in 0..text.count() {
+        let (id, birth) = (text.buffer.modules[index], text.buffer.births[index]);
+        if text.entry(index).is_computed() {
+            outlet.apply(id, text.arguments(index), birth)?;
+        } else {
+            outlet.give(&[id], birth)?;
+        }
+    }
+    outlet.sink.turtle.finish()
+}
+
+/// A turtle that is watched.
+struct Drawing<'a> {
+    turtle: Turtle<'a>,
+    /// For each module the nodes, polygons and placed organs that came with it.
+    drawn: Vec<[Range<u32>; 3]>,
+}
+
+impl Drawing<'_> {
+    fn watch(
+        &mut self,
+        walk: impl FnOnce(&mut Turtle<'_>) -> Result<(), LsystemError>,
+    ) -> Result<(), LsystemError> {
+        let before = self.turtle.counts();
+        walk(&mut self.turtle)?;
+        let after = self.turtle.counts();
+        self.drawn.push(std::array::from_fn(|i| before[i] as u32..after[i] as u32));
+        Ok(())
+    }
+}
+
+impl Sink for Drawing<'_> {
+    fn take(&mut self, modules: &[u32], birth: u32) -> Result<(), LsystemError> {
+        modules.iter().try_for_each(|id| self.watch(|turtle| turtle.take(std::slice::from_ref(id), birth)))
+    }
+
+    fn apply(&mut self, module: u32, arguments: &[f64], birth: u32) -> Result<(), LsystemError> {
+        self.watch(|turtle| turtle.apply(module, arguments, birth))
+    }
+
+    fn bytes(&self) -> u64 {
+        self.turtle.bytes()
+    }
+}
+
+impl fmt::Display for Traced {
+    /// The modules end to end.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.modules.iter().try_for_each(|module| module.fmt(f))
+    }
+}
+
+impl fmt::Display for TracedModule {
+    /// As grammars are written: `F(0.5)`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}", self.symbol)?;
+        for (i, argument) in self.arguments.iter().enumerate() {
+            write!(f, "{}{}", if i == 0 { '(' } else { ',' }, Short(*argument))?;
+        }
+        if self.arguments.is_empty() { Ok(()) } else { f.write_str(")") }
+    }
+}
