@@ -32,11 +32,14 @@ fn word(grammar: &Grammar, derivations: u32) -> Traced {
 fn others() -> Vec<Grammar> {
     let of = |axiom: &str, rules: &[&str]| Grammar::new(axiom, rules).unwrap();
     vec![
-        of("A(1,10)", &[
-            "#define r 0.9",
-            "A(l,w) : l > 0.7 -> !(w)F(l)[&(45)B(l*0.6,w*0.707)]/(137.5)A(l*r,w*0.707)",
-            "B(l,w) -> !(w)F(l)[-(45)$B(l*0.6,w*0.707)]+(-l)B(l*r/1000,w*0.707)",
-        ]),
+        of(
+            "A(1,10)",
+            &[
+                "#define r 0.9",
+                "A(l,w) : l > 0.7 -> !(w)F(l)[&(45)B(l*0.6,w*0.707)]/(137.5)A(l*r,w*0.707)",
+                "B(l,w) -> !(w)F(l)[-(45)$B(l*0.6,w*0.707)]+(-l)B(l*r/1000,w*0.707)",
+            ],
+        ),
         of("F[+b]aFaF", &["#ignore +-F", "a < b -> a", "b > [a] -> bb", "a -> b", "b < a > a -> F"]),
         of("X", &["X -> F[+X%Y]-X", "Y -> FX", "F -> F~LF"]),
         of("X", &["X -> F[{+F-F-F}]'X", "F -> FfF"]),
@@ -83,7 +86,7 @@ fn a_word_is_an_axiom_again_from_which_derivation_goes_on() {
 
 #[test]
 fn words_are_those_that_grow_also_by_chance() {
-    let chance = ["F -> (0.33) F[+F]F[-F]F", "F -> (0.33) F[+F]F", "F -> (0.34) F[-F(random(1,2))]F"];
+    let chance = ["F -> (0.33) F[+F]F[-F]F", "F -> (0.33) F[+F]F", "F -> (0.34) F[-F(ran(2))]F"];
     let mut all = others();
     all.push(Grammar::new("F", &chance).unwrap());
     for grammar in all {
@@ -135,6 +138,10 @@ fn each_node_of_the_wood_belongs_to_the_module_that_drew_it() {
             assert!(births.iter().all(|&birth| birth == module.birth));
         }
         assert_eq!(next, nodes, "{grammar}");
+        let of_nodes: Vec<Option<usize>> = (0..=nodes).map(|node| traced.module_of(node)).collect();
+        let drawn =
+            traced.modules.iter().enumerate().flat_map(|(i, module)| module.nodes.clone().map(move |_| i));
+        assert!(of_nodes.into_iter().eq(drawn.map(Some).chain([None])), "the inverse of the modules' nodes");
         if index < is_plain {
             let drawing = traced.modules.iter().filter(|module| !module.nodes.is_empty()).count();
             assert_eq!(drawing, traced.to_string().matches('F').count());
@@ -160,6 +167,7 @@ fn a_word_that_cannot_be_drawn_is_a_word() {
     let axiom = word(&grammar, 0);
     assert_eq!((axiom.to_string(), &axiom.undrawn), ("F{A".to_owned(), &Some(LsystemError::PolygonUnclosed)));
     assert!(axiom.modules.iter().all(|module| module.nodes.is_empty()));
+    assert_eq!(axiom.module_of(0), None);
     assert_eq!(word(&grammar, 1).undrawn, None);
 }
 

@@ -229,6 +229,16 @@ impl Sink for Drawing<'_> {
     }
 }
 
+impl Traced {
+    /// The module for which the turtle left a node of [`Drawn::branching`](crate::Drawn::branching), as a place in
+    /// [`Self::modules`]; none for a node of a further stem, and where nothing was drawn.
+    pub fn module_of(&self, node: u32) -> Option<usize> {
+        // Nodes come in the order of the word, so the ends of their ranges only rise.
+        let at = self.modules.partition_point(|module| module.nodes.end <= node);
+        (at < self.modules.len()).then_some(at)
+    }
+}
+
 impl fmt::Display for Traced {
     /// The modules end to end.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
