@@ -114,6 +114,44 @@ fn show_derives_strings() {
 }
 
 #[test]
+fn show_derives_module_by_module() {
+    let folder = Folder::new();
+    let word = |steps: &str| folder.run(&["show", "abop-d", "--derive", steps, "--json"]).done().json();
+    // ABOP, Fig. 1.24 d: X -> F[+X]F[-X]+X, F -> FF.
+    let (now, next) = (word("1"), word("2"));
+    let rules: Vec<&str> =
+        now["rules"].as_array().unwrap().iter().map(|row| row["rule"].as_str().unwrap()).collect();
+    assert_eq!(rules, ["X -> F[+X]F[-X]+X", "F -> FF"]);
+    let page = folder.run(&["show", "abop-d"]).done().out;
+    let mut grammar = page.lines().skip_while(|line| *line != "grammar").skip(1);
+    for row in now["rules"].as_array().unwrap() {
+        let line = row["line"].as_u64().unwrap() as usize;
+        assert_eq!(grammar.clone().nth(line - 1).unwrap().trim(), row["rule"].as_str().unwrap());
+    }
+    assert_eq!(grammar.next().unwrap().trim(), now["axiom"].as_str().unwrap());
+    let modules = |word: &serde_json::Value| word["modules"].as_array().unwrap().clone();
+    let text: String = modules(&next).iter().map(|row| row["symbol"].as_str().unwrap().to_owned()).collect();
+    assert_eq!(text + "\n", folder.run(&["show", "abop-d", "--derive", "2"]).done().out);
+    let mut node = 0;
+    for row in modules(&next) {
+        let parent = &modules(&now)[row["parent"].as_u64().unwrap() as usize];
+        assert_eq!(row["rule"], parent["next_rule"]);
+        if row["symbol"] == "F" {
+            node += 1;
+            assert_eq!(row["node"], node, "node 0 is the foot");
+        } else {
+            assert!(row["node"].is_null());
+        }
+    }
+    assert!(modules(&word("0"))[0]["parent"].is_null());
+    let long = folder.run(&["show", "abop-d", "--derive", "12", "--json"]);
+    assert!(long.code == Some(1) && long.err.contains("1000000 modules"), "{}", long.err);
+    assert!(long.err.contains("derivations or fewer"), "{}", long.err);
+    let refused = folder.run(&["show", "oak", "--derive", "1", "--json"]);
+    assert!(refused.code == Some(2) && refused.err.contains("colonization"), "{}", refused.err);
+}
+
+#[test]
 fn show_tells_forecast_and_knobs() {
     let folder = Folder::new();
     let text = folder.run(&["show", "abop-a"]).done().out;

@@ -8,6 +8,7 @@ mod cite;
 mod complete;
 mod completions;
 mod crew;
+mod derivation;
 mod doctor;
 mod export;
 mod forest;

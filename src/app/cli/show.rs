@@ -2,7 +2,6 @@
 
 use clap::Args;
 use linden::knob::{Value, printable};
-use linden::lsystem::{TurtleSettings, derive_string};
 use linden::preset::{LSystem, Preset, PresetKnob, Section};
 use linden::recipe::Recipe;
 use serde::Serialize;
@@ -39,8 +38,9 @@ pub struct Show {
     #[arg(long, conflicts_with_all = ["toml", "changed", "derive"])]
     axes: bool,
 
-    /// The string that a grammar derives in so many steps, and nothing else
-    #[arg(long, value_name = "STEPS", conflicts_with_all = ["json", "toml", "changed"])]
+    /// The string that a grammar derives in so many steps, and nothing else; with --json module by module, with the
+    /// rule that wrote each, what it was one step before, and what the turtle drew for it
+    #[arg(long, value_name = "STEPS", conflicts_with_all = ["toml", "changed"])]
     derive: Option<u32>,
 }
 
@@ -139,15 +139,7 @@ impl Show {
         let source = self.growing.resolve(&progress)?;
         let preset = &source.recipe.preset;
         if let Some(steps) = self.derive {
-            let Some(lsystem) = preset.settings::<LSystem>() else {
-                let generator = preset.grows_by().id();
-                return Err(usage(format!(
-                    "--derive is for grammars, and {} grows by {generator}",
-                    preset.id
-                )));
-            };
-            let settings = TurtleSettings { derivations: steps, ..lsystem.turtle(preset.seed) };
-            return super::print(&(derive_string(&lsystem.grammar, &settings)? + "\n"));
+            return super::derivation::show(preset, steps, self.json, &progress);
         }
         if self.axes {
             let list = AxisList::of(&super::grown(&source, &progress)?);
