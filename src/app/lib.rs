@@ -21,6 +21,7 @@ mod jobs;
 mod memory;
 mod numbers;
 mod paths;
+mod portrait;
 mod progress;
 mod reading;
 mod signals;

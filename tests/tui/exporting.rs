@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use crate::harness::{Home, Setup, eventually};
+use crate::harness::{Home, Setup, Workbench, eventually};
 
 const FOREST: &str = "area = 14\nspacing = 6\nseed = 4\n[[tree]]\npreset = \"older-c\"\nshare = 2\n[[tree]]\npreset = \"simple\"\n";
 
@@ -69,4 +69,32 @@ fn a_tree_is_written_as_on_the_command_line() {
     let there = exported(&home, "abop-c", "nodes", home.path(), "there.glb");
     let here = written(&["export", "abop-c", "--scene"], &home.path().join("here.glb"));
     assert!(there == here, "{} and {} bytes", there.len(), here.len());
+}
+
+/// Opens the dialog with a format ticked by the palette, and exports. What was ticked last time is ticked too.
+fn export(workbench: &Workbench, home: &Home, format: &str, file: &str) -> Vec<u8> {
+    workbench.keys(&format!(":{format}"));
+    workbench.wait_for_text("exports ");
+    workbench.keys("\r");
+    workbench.wait_for_text(&format!("[x] {format}"));
+    workbench.keys("x");
+    eventually("the file", || fs::read(home.file(file)).ok())
+}
+
+#[test]
+fn a_mesh_and_pictures_are_those_of_the_command_line() {
+    let tree = ["older-c", "--set", "seed=3", "--set", "bark_color=#336699"];
+    let home = Home::new();
+    let workbench = Workbench::open(&home, 120, 50, &[&["open"][..], &tree].concat());
+    let png = export(&workbench, &home, "png", "older-c.png");
+    let glb = fs::read(home.file("older-c.glb")).unwrap();
+    for name in ["older-c.png", "older-c.glb"] {
+        fs::remove_file(home.file(name)).unwrap();
+    }
+    let svg = export(&workbench, &home, "svg", "older-c.svg");
+
+    let of = |command: &[&'static str]| [command, &tree].concat();
+    assert!(glb == written(&of(&["export"]), &home.file("cli.glb")), "the mesh");
+    assert!(png == written(&of(&["preview", "--look", "surface"]), &home.file("cli.png")), "the picture");
+    assert!(svg == written(&of(&["preview"]), &home.file("cli.svg")), "the drawing");
 }

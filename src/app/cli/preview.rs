@@ -14,9 +14,7 @@ use linden::grow::Grown;
 use linden::monitor::Holding;
 use linden::picture::Picture;
 use linden::scene::Scene;
-use linden_raster::{
-    Background, Camera, Drawing, Paint, Size, Style, Surface, draw_flat, draw_skeleton, draw_surface,
-};
+use linden_raster::{Background, Camera, Paint, Size, Style};
 use linden_terminal::graphics::encode;
 use linden_terminal::probe::{Capabilities, Environment, Findings, Graphics, Overrides};
 use linden_terminal::tty::takes_sequences;
@@ -29,10 +27,10 @@ use super::placing::{PictureTarget, Placing, is_folder};
 use super::{GrowArgs, workbench};
 use crate::exit::usage;
 use crate::forecast::{Outlook, announce};
+use crate::portrait::{FILE_SIZE, PITCH_DEG, Portrait, file_style, on_background};
 use crate::progress::Progress;
 use crate::source::Source;
 use crate::source::forest::ForestFile;
-use crate::viewpoint::broad_side;
 
 /// Draw a source: in the terminal, or as a picture's file
 #[derive(Args)]
@@ -108,11 +106,6 @@ pub(super) enum PreviewLook {
     Turtle,
 }
 
-/// How far from above a tree is looked at by default, degrees.
-const PITCH_DEG: f32 = 8.0;
-/// Pixels of a file by default.
-const FILE_SIZE: (u32, u32) = (800, 1000);
-
 impl Preview {
     pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
@@ -162,13 +155,8 @@ impl Preview {
             Vec::new()
         };
         let sitter = PreviewSubject::new(&source, &grown, look, self.lod, &progress, &progress)?;
-        let camera = Camera {
-            zoom: self.zoom,
-            ..Camera::orbit(
-                self.yaw.unwrap_or_else(|| broad_side(&grown.skeleton)),
-                self.pitch.unwrap_or(PITCH_DEG),
-            )
-        };
+        let portrait = sitter.portrait();
+        let camera = portrait.camera(self.yaw, self.pitch.unwrap_or(PITCH_DEG), self.zoom);
         let styled = |style: Style<'static>| {
             let style = Style {
                 paint: self.color.unwrap_or_default(),
@@ -177,22 +165,19 @@ impl Preview {
                 person: self.person,
                 ..sitter.styled(style)
             };
-            let background = self.background.unwrap_or(style.background);
-            let ground_shadow = style.ground_shadow && self.background != Some(Background::Transparent);
-            Style { background, ground_shadow, ..style }
+            on_background(style, self.background)
         };
         let draw = |style: Style<'static>, (width, height): (u32, u32)| -> anyhow::Result<Picture> {
             sitter.draw(&camera, &styled(style), Size::new(width, height).map_err(usage)?, &progress)
         };
         let Some(target) = target else { return self.show(&overrides, &progress, draw) };
-        let style = if look == Some(PreviewLook::Turtle) { Style::paper() } else { Style::studio() };
+        let style = file_style(look == Some(PreviewLook::Turtle));
         if is_svg {
             let (width, height) = self.size.unwrap_or(FILE_SIZE);
             let size = Size::new(width, height).map_err(usage)?;
-            let drawing = Drawing::new(&grown.skeleton, &camera, &styled(style), size, &progress);
-            let svg = drawing
-                .with_context(|| source.shown.clone())?
-                .svg(Some(&source.recipe.to_line_of(grown.hash())));
+            let recipe = source.recipe.to_line_of(grown.hash());
+            let svg = portrait.svg(&camera, &styled(style), size, &recipe, &progress);
+            let svg = svg.with_context(|| source.shown.clone())?;
             return target.write_svg(&svg, &progress);
         }
         let picture = draw(style, self.size.unwrap_or(FILE_SIZE))?;
@@ -345,10 +330,17 @@ impl<'a> PreviewSubject<'a> {
 
     /// A style with this tree's leaves.
     pub fn styled<'b>(&'b self, style: Style<'b>) -> Style<'b> {
-        Style {
-            organs: Some(&self.grown.organs),
+        self.portrait().styled(style)
+    }
+
+    /// What is drawn of it.
+    fn portrait(&self) -> Portrait<'_> {
+        Portrait {
+            skeleton: &self.grown.skeleton,
+            organs: &self.grown.organs,
             leaf_colors: self.source.recipe.preset.dressing.foliage.turtle_colors(),
-            ..style
+            scene: self.scene.as_ref(),
+            is_flat: self.is_flat,
         }
     }
 
@@ -371,12 +363,7 @@ impl<'a> PreviewSubject<'a> {
         monitor: &dyn Monitor,
     ) -> anyhow::Result<Picture> {
         let holding = Holding::new(monitor, self.bytes());
-        let drawn = match &self.scene {
-            Some(scene) => draw_surface(&Surface::from(scene), camera, style, size, &holding),
-            None if self.is_flat => draw_flat(&self.grown.skeleton, camera, style, size, &holding),
-            None => draw_skeleton(&self.grown.skeleton, camera, style, size, &holding),
-        };
-        drawn.with_context(|| self.source.shown.clone())
+        self.portrait().draw(camera, style, size, &holding).with_context(|| self.source.shown.clone())
     }
 }
 

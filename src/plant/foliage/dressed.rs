@@ -87,8 +87,14 @@ impl DressedOrgans {
         &self.shapes
     }
 
-    pub(crate) fn colors(&self) -> &[[u8; 3]] {
+    /// Those of a grammar by their colour index, sRGB.
+    pub fn colors(&self) -> &[[u8; 3]] {
         &self.colors
+    }
+
+    /// The organs as they grew.
+    pub fn as_grown(&self) -> &Organs {
+        &self.organs
     }
 
     /// The index of the colour that an organ of a grammar is drawn in.

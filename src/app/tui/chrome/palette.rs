@@ -4,7 +4,6 @@
 //! `season 0.8`, and so does a setting, as `theme light`.
 
 use crossterm::event::{KeyCode, KeyEvent, KeyModifiers, MouseEvent};
-use linden_exporters::exporters;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use tui_input::Input;
@@ -329,7 +328,7 @@ fn choices(model: &Model) -> Vec<Choice> {
         about: linden::knob::printable(&entry.name),
         hindrance: None,
     });
-    let formats = exporters().into_iter().filter(|_| panes.is_some()).map(|exporter| Choice {
+    let formats = export::formats().into_iter().filter(|_| panes.is_some()).map(|exporter| Choice {
         what: What::Format(exporter.format().id),
         title: exporter.format().id.to_owned(),
         about: format!("exports {}", exporter.format().name),

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crossterm::event::KeyEvent;
 use linden::knob::{Kind, Value};
-use linden_exporters::{Estimate, Exporter, OptionSpec, Options, USUAL, exporters};
+use linden_exporters::{Estimate, Exporter, OptionSpec, Options, USUAL};
 use tui_input::Input;
 
 use crate::config::session;
@@ -118,7 +118,7 @@ impl FormatChoice {
 impl ExportDialog {
     /// The dialog for a tree's id, with what was chosen last.
     pub fn new(last: &session::ExportChoices, id: &str) -> Self {
-        let all = exporters();
+        let all = super::formats();
         let known = |format: &str| all.iter().any(|exporter| exporter.format().id == format);
         let is_first = !last.formats.iter().any(|format| known(format));
         let choice = |exporter: &&'static dyn Exporter| {

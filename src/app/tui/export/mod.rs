@@ -23,11 +23,18 @@ use super::model::{ExportReport, Exporting, Model, RunningExport};
 use super::tree::Tree;
 use crate::jobs::{ExportNews, ExportOrder, ExportSubject, Inquiry, ShownTree, WHOLE};
 use crate::paths::show;
+use crate::portrait::{PNG, SVG};
+use linden_exporters::{Exporter, Registry};
 
 /// Exports that may wait; each keeps a tree in memory.
 const MOST_WAITING: usize = 8;
 /// Exports that the page of files tells of.
 const MOST_REPORTS: usize = 20;
+
+/// What can be exported to: linden's formats, pictures, and those of plug-ins.
+pub fn formats() -> Vec<&'static dyn Exporter> {
+    Registry::new().with(PNG).with(SVG).exporters()
+}
 
 /// What the dialog wants to know, `None` without a dialog. To be asked whenever it differs from what
 /// was asked last; answered by [`ExportNews::Found`].

@@ -169,7 +169,7 @@ impl ExportBench {
     }
 
     fn click(&mut self, wanted: Target) -> Effects {
-        let (_, view) = self.screen(100, 30);
+        let (_, view) = self.screen(100, 40);
         let (area, _) = *view.regions.iter().rev().find(|(_, target)| *target == wanted).unwrap();
         let kind = MouseEventKind::Down(MouseButton::Left);
         let (column, row) = (area.x + 1, area.y);
@@ -195,7 +195,7 @@ fn text_of(buffer: &Buffer) -> String {
 }
 
 fn place_of(format: &str) -> usize {
-    linden_exporters::REGISTRY.iter().position(|exporter| exporter.format().id == format).unwrap()
+    super::formats().iter().position(|exporter| exporter.format().id == format).unwrap()
 }
 
 fn tree_of(order: &ExportOrder) -> (&Arc<Recipe>, Option<&Arc<ShownTree>>) {
@@ -512,6 +512,47 @@ fn what_is_done_is_told_and_listed() {
     // News of an order that has ended change nothing.
     bench.send(Msg::Export(ExportNews::Cancelled { number }));
     assert!(!bench.model.exporting.is_running());
+}
+
+#[test]
+fn pictures_are_formats_with_the_size_and_the_recipe_that_was_asked_for() {
+    let mut bench = ExportBench::new();
+    bench.keys("e space");
+    for (format, options) in [("png", &["height", "width"][..]), ("svg", &["width"])] {
+        let place = place_of(format);
+        bench.go_to(ExportSpot::Format(place));
+        bench.keys("space");
+        for (option, pixels) in options.iter().zip(["50", "40"]) {
+            let specs = bench.dialog().formats[place].exporter.format().options;
+            let at = specs.iter().position(|spec| spec.knob.name == *option).unwrap();
+            bench.go_to(ExportSpot::Option(place, at));
+            bench.keys("enter");
+            bench.retype(pixels);
+            bench.keys("enter");
+        }
+    }
+    assert!(bench.text(100, 60).contains("size unknown"), "{}", bench.text(100, 60));
+    bench.go_to(ExportSpot::Option(place_of("png"), 1));
+    bench.keys("right");
+    let order = ExportBench::order(bench.keys("x"));
+    assert_eq!(formats(&order), ["png", "svg"]);
+    bench.send(carried_out(order));
+    let report = &bench.model.exporting.reports[0];
+    assert_eq!(report.notes, ["png.color changes nothing: it is for png.look=skeleton"]);
+    let listed: Vec<_> = report.files.iter().map(|(path, _)| path.clone()).collect();
+    assert_eq!(listed, ["older-c.png", "older-c.svg"].map(|name| bench.dir.path().join(name)));
+
+    let shown = bench.model.tree.as_ref().unwrap().shown.as_ref().unwrap();
+    let recipe = shown.recipe.to_line_of(shown.grown.hash());
+    for path in &listed {
+        let mut file = std::io::BufReader::new(fs::File::open(path).unwrap());
+        assert_eq!(linden_exporters::recipe_in(&mut file).unwrap().as_ref(), Some(&recipe));
+    }
+    let png = fs::read(&listed[0]).unwrap();
+    let sides: Vec<u32> = png[16..24].chunks(4).map(|b| u32::from_be_bytes(b.try_into().unwrap())).collect();
+    assert_eq!(sides, [40, 50]);
+    let svg = fs::read_to_string(&listed[1]).unwrap();
+    assert!(svg.lines().next().unwrap().contains("width=\"50\" height=\"1000\""), "{svg:.200}");
 }
 
 #[test]

@@ -1,0 +1,95 @@
+//! Pictures of a tree in files: `linden preview` and the export dialog draw the same ones.
+
+mod formats;
+
+use linden::Monitor;
+use linden::Skeleton;
+use linden::foliage::Organs;
+use linden::picture::Picture;
+use linden::scene::Scene;
+use linden_raster::{
+    Background, Camera, Drawing, RasterError, Size, Style, Surface, draw_flat, draw_skeleton, draw_surface,
+};
+
+use crate::viewpoint::broad_side;
+
+pub use formats::{PNG, SVG};
+
+/// How far from above a tree is looked at by default, degrees.
+pub const PITCH_DEG: f32 = 8.0;
+/// Pixels of a file by default.
+pub const FILE_SIZE: (u32, u32) = (800, 1000);
+
+/// A tree that is drawn.
+pub struct Portrait<'a> {
+    /// Its wood.
+    pub skeleton: &'a Skeleton,
+    /// What grows on it.
+    pub organs: &'a Organs,
+    /// The colours of a grammar's organs, sRGB.
+    pub leaf_colors: &'a [[u8; 3]],
+    /// Dressed, where its surface is shown.
+    pub scene: Option<&'a Scene>,
+    /// Whether it is drawn flat.
+    pub is_flat: bool,
+}
+
+impl<'a> Portrait<'a> {
+    /// A camera that looks at the tree; at its broad side where no yaw (degrees) is given.
+    pub fn camera(&self, yaw_deg: Option<f32>, pitch_deg: f32, zoom: f32) -> Camera {
+        let yaw_deg = yaw_deg.unwrap_or_else(|| broad_side(self.skeleton));
+        Camera { zoom, ..Camera::orbit(yaw_deg, pitch_deg) }
+    }
+
+    /// A style with this tree's leaves.
+    pub fn styled<'b>(&self, style: Style<'b>) -> Style<'b>
+    where
+        'a: 'b,
+    {
+        Style { organs: Some(self.organs), leaf_colors: self.leaf_colors, ..style }
+    }
+
+    /// Draws it in pixels.
+    ///
+    /// # Errors
+    /// Those of the drawing.
+    pub fn draw(
+        &self,
+        camera: &Camera,
+        style: &Style<'_>,
+        size: Size,
+        monitor: &dyn Monitor,
+    ) -> Result<Picture, RasterError> {
+        match self.scene {
+            Some(scene) => draw_surface(&Surface::from(scene), camera, style, size, monitor),
+            None if self.is_flat => draw_flat(self.skeleton, camera, style, size, monitor),
+            None => draw_skeleton(self.skeleton, camera, style, size, monitor),
+        }
+    }
+
+    /// Draws it flat, as the text of an SVG that carries a recipe.
+    ///
+    /// # Errors
+    /// Those of the drawing.
+    pub fn svg(
+        &self,
+        camera: &Camera,
+        style: &Style<'_>,
+        size: Size,
+        recipe: &str,
+        monitor: &dyn Monitor,
+    ) -> Result<String, RasterError> {
+        Ok(Drawing::new(self.skeleton, camera, style, size, monitor)?.svg(Some(recipe)))
+    }
+}
+
+/// What a file's picture is painted with by default.
+pub fn file_style(is_flat: bool) -> Style<'static> {
+    if is_flat { Style::paper() } else { Style::studio() }
+}
+
+/// A style on a background, its own where none is given. Nothing transparent is shadowed.
+pub fn on_background(style: Style<'_>, background: Option<Background>) -> Style<'_> {
+    let ground_shadow = style.ground_shadow && background != Some(Background::Transparent);
+    Style { background: background.unwrap_or(style.background), ground_shadow, ..style }
+}
