@@ -103,12 +103,12 @@ fn a_mesh_and_pictures_are_those_of_the_command_line() {
 fn pictures_of_the_user_are_in_the_file_as_on_the_command_line() {
     let home = Home::new();
     home.write("bark.png", include_bytes!("../fixtures/pictures/turned.png"));
-    home.write(
+    let mine = home.write(
         "mine.toml",
         "id = \"mine\"\nname = \"Mine\"\n[colonization]\ncrown = \"sphere\"\npoints = 60\n\
          [bark]\nbark_picture = \"bark.png\"\n",
     );
     let workbench = Workbench::open(&home, 120, 50, &["open", "mine.toml"]);
     let glb = export(&workbench, &home, "glb", "mine.glb");
-    assert!(glb == written(&home, &["export", "mine.toml"], "cli.glb"));
+    assert!(glb == written(&["export", mine.to_str().unwrap()], &home.file("cli.glb")));
 }

@@ -223,6 +223,7 @@ fn refused(error: RasterError) -> ExportError {
     }
 }
 
+#[expect(clippy::needless_pass_by_value, reason = "an error is handed over")]
 fn broken(error: impl ToString) -> ExportError {
     ExportError::Scene { what: "the picture".to_owned(), problem: error.to_string() }
 }

@@ -116,9 +116,8 @@ impl FormatChoice {
 }
 
 impl ExportDialog {
-    /// The dialog for a tree's id, with what was chosen last.
-    pub fn new(last: &session::ExportChoices, id: &str) -> Self {
-        let all = super::formats();
+    /// The dialog for an id and what it can be written in, with what was chosen last.
+    pub fn new(last: &session::ExportChoices, id: &str, all: &[&'static dyn Exporter]) -> Self {
         let known = |format: &str| all.iter().any(|exporter| exporter.format().id == format);
         let is_first = !last.formats.iter().any(|format| known(format));
         let choice = |exporter: &&'static dyn Exporter| {

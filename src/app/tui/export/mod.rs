@@ -24,7 +24,7 @@ use super::tree::Tree;
 use crate::jobs::{ExportNews, ExportOrder, ExportSubject, Inquiry, ShownTree, WHOLE};
 use crate::paths::show;
 use crate::portrait::{PNG, SVG};
-use linden_exporters::{Exporter, Registry};
+use linden_exporters::{Exporter, Registry, exporters};
 
 /// Exports that may wait; each keeps a tree in memory.
 const MOST_WAITING: usize = 8;
@@ -145,7 +145,9 @@ fn dialog(model: &mut Model) -> Option<&mut ExportDialog> {
 fn new_dialog(model: &Model) -> Option<ExportDialog> {
     let of_forest = model.forest.as_ref().map(|forest| forest.wanted().id.as_str());
     let id = model.tree.as_ref().map(|tree| tree.wanted().preset.id.as_str()).or(of_forest)?;
-    Some(ExportDialog::new(&model.exporting.last, id))
+    // A picture of a forest is drawn by 'linden preview', from trees that are simpler.
+    let all = if model.forest.is_some() { exporters() } else { formats() };
+    Some(ExportDialog::new(&model.exporting.last, id, &all))
 }
 
 /// Opens the dialog with a format ticked, the cursor on it.
