@@ -138,6 +138,13 @@ fn each_node_of_the_wood_belongs_to_the_module_that_drew_it() {
             assert!(births.iter().all(|&birth| birth == module.birth));
         }
         assert_eq!(next, nodes, "{grammar}");
+        for module in &traced.modules {
+            if let Some(node) = module.nodes.clone().next_back() {
+                let end = grown.branching.positions[node as usize];
+                let at = module.at.unwrap();
+                assert!(at.distance(end) <= 1e-6 * end.length(), "{at}: its segment ends at {end}");
+            }
+        }
         let of_nodes: Vec<Option<usize>> = (0..=nodes).map(|node| traced.module_of(node)).collect();
         let drawn =
             traced.modules.iter().enumerate().flat_map(|(i, module)| module.nodes.clone().map(move |_| i));
@@ -148,6 +155,35 @@ fn each_node_of_the_wood_belongs_to_the_module_that_drew_it() {
             assert_eq!(drawing as u32, nodes - 1, "a segment ends in each node but the foot");
         }
     }
+}
+
+#[test]
+fn the_turtle_stands_where_turning_and_walking_by_definition_leads() {
+    // In a plane: heading (cos, sin), left is +, a branch goes back to where it left.
+    let (axiom, rules) = FIGURES[5];
+    let grammar = grammar(axiom, rules);
+    let settings =
+        TurtleSettings { derivations: 3, angle_deg: 90.0, segment_m: 0.5, ..TurtleSettings::default() };
+    let traced = trace(&grammar, &settings, &Quiet).unwrap();
+    let (mut x, mut y, mut quarter, mut stack) = (0.0, 0.0, 1_usize, Vec::new());
+    for module in &traced.modules {
+        match module.symbol {
+            'F' => {
+                let way = [[0.5, 0.0], [0.0, 0.5], [-0.5, 0.0], [0.0, -0.5]][quarter % 4];
+                (x, y) = (x + way[0], y + way[1]);
+            }
+            '+' => quarter += 1,
+            '-' => quarter += 3,
+            '[' => stack.push((x, y, quarter)),
+            ']' => (x, y, quarter) = stack.pop().unwrap(),
+            _ => {}
+        }
+        let at = module.at.unwrap();
+        assert!((at.x - x).abs() < 1e-5 && (at.y - y).abs() < 1e-5 && at.z.abs() < 1e-5, "{at} {x} {y}");
+    }
+    let actions: Vec<&str> =
+        traced.modules.iter().take(4).map(linden::lsystem::TracedModule::action).collect();
+    assert_eq!(actions, ["draws a segment"; 4]);
 }
 
 #[test]

@@ -95,6 +95,8 @@ struct ModuleRow {
     /// The polygon, or the placed organ.
     polygon: Option<u32>,
     organ: Option<u32>,
+    /// Where the turtle stood after it, metres.
+    at: Option<[f32; 3]>,
 }
 
 impl Word {
@@ -111,10 +113,20 @@ impl Word {
 impl From<TracedModule> for ModuleRow {
     fn from(module: TracedModule) -> Self {
         let TracedModule {
-            symbol, arguments, birth, parent, rule, next_rule, nodes, polygon, placed, ..
+            symbol,
+            arguments,
+            birth,
+            parent,
+            rule,
+            next_rule,
+            nodes,
+            polygon,
+            placed,
+            at,
+            ..
         } = module;
-        let node = nodes.last();
-        Self { symbol, arguments, birth, parent, rule, next_rule, node, polygon, organ: placed }
+        let (node, at) = (nodes.last(), at.map(Into::into));
+        Self { symbol, arguments, birth, parent, rule, next_rule, node, polygon, organ: placed, at }
     }
 }
 

@@ -85,6 +85,32 @@ impl Command {
         })
     }
 
+    /// What the turtle does there, in words.
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Self::Draw | Self::DrawUnrecorded => "draws a segment",
+            Self::Move => "moves on without drawing",
+            Self::Push => "begins a branch",
+            Self::Pop => "ends a branch",
+            Self::Yaw(Sense::Left) => "turns left",
+            Self::Yaw(_) => "turns right",
+            Self::Pitch(Sense::Down) => "pitches down",
+            Self::Pitch(_) => "pitches up",
+            Self::Roll(Sense::Left) => "rolls left",
+            Self::Roll(_) => "rolls right",
+            Self::TurnAround => "turns round",
+            Self::Level => "rolls until left is level",
+            Self::Width => "sets the width",
+            Self::Colour => "sets the colour of organs",
+            Self::PolygonBegin => "begins a polygon",
+            Self::PolygonVertex => "sets a vertex",
+            Self::PolygonEnd => "fills the polygon",
+            Self::Organ => "places the organ that follows",
+            Self::Cut => "cuts the rest of the branch",
+            Self::Silent => "draws nothing",
+        }
+    }
+
     /// Whether it draws a segment, outside polygons.
     pub(super) fn draws(self) -> bool {
         matches!(self, Self::Draw | Self::DrawUnrecorded)

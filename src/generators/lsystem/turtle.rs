@@ -1,6 +1,6 @@
 //! The turtle of ABOP, appendix C, drawing a branching structure and what grows on it.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::command::{Command, Sense};
 use super::derive::Sink;
@@ -189,6 +189,11 @@ impl<'a> Turtle<'a> {
             return Err(LsystemError::UnknownOrgan { found: None });
         }
         self.herbarium.check_closed()
+    }
+
+    /// Where it stands, metres.
+    pub(super) fn stands_at(&self) -> Vec3 {
+        self.state.position.as_vec3()
     }
 
     /// How many nodes, polygons and placed organs there are.

@@ -8,12 +8,14 @@ use std::ops::Range;
 
 use super::buffers::{Buffer, DROP, Step, Text, axiom};
 use super::{Outlet, Sink};
+use crate::command::Command;
 use crate::context::{Modules, Neighbours};
 use crate::error::{LsystemError, Short};
 use crate::grammar::Grammar;
 use crate::program::Program;
 use crate::turtle::Turtle;
 use crate::turtle_settings::TurtleSettings;
+use glam::Vec3;
 use linden_base::monitor::Monitor;
 use linden_base::random::Key;
 
@@ -55,6 +57,8 @@ pub struct TracedModule {
     pub polygon: Option<u32>,
     /// The organ that it placed, as a place in [`Organs::placed`](linden_skeleton::organs::Organs).
     pub placed: Option<u32>,
+    /// Where the turtle stood after it, metres; it begins at the origin. None where nothing was drawn.
+    pub at: Option<Vec3>,
 }
 
 /// Derives a word and lists its modules with their origins: for words that people look at.
@@ -117,7 +121,9 @@ pub fn trace(
     let text = Text { program: &program, buffer: &string };
     let module = |index: usize| {
         let origin = origins.get(index);
-        let [nodes, mut polygons, mut placed] = drawn.get(index).cloned().unwrap_or_default();
+        let watched = drawn.get(index).cloned();
+        let at = watched.as_ref().map(|watched| watched.at);
+        let [nodes, mut polygons, mut placed] = watched.map(|watched| watched.made).unwrap_or_default();
         TracedModule {
             symbol: text.entry(index).symbol,
             arguments: text.arguments(index).to_vec(),
@@ -128,6 +134,7 @@ pub fn trace(
             nodes,
             polygon: polygons.next_back(),
             placed: placed.next_back(),
+            at,
         }
     };
     Ok(Traced { modules: (0..text.count()).map(module).collect(), undrawn })
@@ -198,8 +205,17 @@ fn draw(outlet: &mut Outlet<'_, Drawing<'_>>, text: &Text<'_>) -> Result<(), Lsy
 /// A turtle that is watched.
 struct Drawing<'a> {
     turtle: Turtle<'a>,
-    /// For each module the nodes, polygons and placed organs that came with it.
-    drawn: Vec<[Range<u32>; 3]>,
+    /// For each module.
+    drawn: Vec<Watched>,
+}
+
+/// What came with a module.
+#[derive(Clone)]
+struct Watched {
+    /// Nodes, polygons and placed organs.
+    made: [Range<u32>; 3],
+    /// Where the turtle stood then.
+    at: Vec3,
 }
 
 impl Drawing<'_> {
@@ -210,7 +226,8 @@ impl Drawing<'_> {
         let before = self.turtle.counts();
         walk(&mut self.turtle)?;
         let after = self.turtle.counts();
-        self.drawn.push(std::array::from_fn(|i| before[i] as u32..after[i] as u32));
+        let made = std::array::from_fn(|i| before[i] as u32..after[i] as u32);
+        self.drawn.push(Watched { made, at: self.turtle.stands_at() });
         Ok(())
     }
 }
@@ -236,6 +253,14 @@ impl Traced {
         // Nodes come in the order of the word, so the ends of their ranges only rise.
         let at = self.modules.partition_point(|module| module.nodes.end <= node);
         (at < self.modules.len()).then_some(at)
+    }
+}
+
+impl TracedModule {
+    /// What the turtle does there, in words: `turns left`.
+    pub fn action(&self) -> &'static str {
+        // A word holds symbols alone.
+        Command::of(self.symbol).map_or("", Command::words)
     }
 }
 
