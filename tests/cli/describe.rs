@@ -143,6 +143,19 @@ fn show_derives_module_by_module() {
             assert!(row["node"].is_null());
         }
     }
+    // The turtle goes straight up first, and after each branch stands where that began.
+    let mut begun = Vec::new();
+    for row in modules(&next) {
+        match row["symbol"].as_str().unwrap() {
+            "[" => begun.push(row["at"].clone()),
+            "]" => assert_eq!(Some(&row["at"]), begun.pop().as_ref()),
+            _ => {}
+        }
+    }
+    assert!(begun.is_empty());
+    let first: Vec<f64> =
+        modules(&next)[0]["at"].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
+    assert!(first[0].abs() < 1e-6 && first[1] > 0.0 && first[2].abs() < 1e-6, "{first:?}");
     assert!(modules(&word("0"))[0]["parent"].is_null());
     let long = folder.run(&["show", "abop-d", "--derive", "12", "--json"]);
     assert!(long.code == Some(1) && long.err.contains("1000000 modules"), "{}", long.err);

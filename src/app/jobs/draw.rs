@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::time::Duration;
 
+use glam::Vec3;
 use linden::picture::Picture;
 use linden::{Monitor, Skeleton};
 use linden_raster::{Camera, Paint, RasterError, Size, Style, draw_flat, draw_skeleton};
@@ -66,13 +67,19 @@ pub enum Detail {
     Full,
 }
 
-/// An axis that is marked in a picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct PickedAxis {
-    /// The axis; `None` while another tree is on its way.
-    pub axis: Option<u32>,
-    /// Whether wood alone is drawn, so that axes can be told apart.
+/// What is pointed at in a picture.
+#[derive(Clone, Debug)]
+pub struct Marks {
+    /// Polylines, metres.
+    pub lines: Arc<Vec<Vec<Vec3>>>,
+    /// Whether wood alone is drawn, so that what is marked can be told apart.
     pub bare: bool,
+}
+
+impl PartialEq for Marks {
+    fn eq(&self, other: &Self) -> bool {
+        self.bare == other.bare && (Arc::ptr_eq(&self.lines, &other.lines) || self.lines == other.lines)
+    }
 }
 
 /// A picture that should be on screen.
@@ -96,8 +103,8 @@ pub struct DrawRequest {
     pub outline: bool,
     /// With a person beside it.
     pub person: bool,
-    /// What is marked of it, while its wood is edited.
-    pub pick: Option<PickedAxis>,
+    /// What is pointed at in it.
+    pub marks: Option<Marks>,
     /// The cells that it fills.
     pub area: Rect,
     /// What shows it.
@@ -149,6 +156,11 @@ pub struct Painted {
 }
 
 impl DrawRequest {
+    /// The polylines that are pointed at, and whether wood alone is drawn.
+    pub(super) fn marked(&self) -> (&[Vec<Vec3>], bool) {
+        self.marks.as_ref().map_or((&[], false), |marks| (&marks.lines[..], marks.bare))
+    }
+
     /// Whether another request is for the same picture, whatever the detail.
     pub fn is_of(&self, other: &Self) -> bool {
         self.subject.is(&other.subject)
@@ -156,7 +168,7 @@ impl DrawRequest {
             && self.camera == other.camera
             && self.look == other.look
             && (self.points, self.outline, self.person) == (other.points, other.outline, other.person)
-            && self.pick == other.pick
+            && self.marks == other.marks
             && self.area == other.area
             && self.medium == other.medium
     }

@@ -4,6 +4,7 @@
 //! inside its loops (through [`Monitor`]), and what it still says carries the number of a request
 //! that is not waited for any more.
 
+mod derive;
 mod draw;
 mod export;
 mod forest;
@@ -16,7 +17,8 @@ mod painter;
 mod relay;
 mod subject;
 
-pub use draw::{Detail, DrawRequest, Medium, Painted, PickedAxis, PictureLook};
+pub use derive::{Derivation, DerivedWord, WordRequest, derive};
+pub use draw::{Detail, DrawRequest, Marks, Medium, Painted, PictureLook};
 pub use export::{ExportNews, ExportOrder, ExportSubject, WHOLE, run as run_export};
 pub use forest::{FOREST_PITCH_DEG, FOREST_YAW_DEG, ShownForest, grow_shown_forest};
 pub use gallery::{GalleryRequest, SmallPicture, Thumbnail, TreeSize, paint_gallery};

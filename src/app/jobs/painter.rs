@@ -3,7 +3,6 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use glam::Vec3;
 use linden::Skeleton;
 use linden::dress::{DetailError, DressError, dress, levels};
 use linden::foliage::Organs;
@@ -21,7 +20,7 @@ use super::draw::{
     PictureLook, exact_pixels, pixels,
 };
 use super::grow::Plant;
-use super::{ShownForest, ShownTree, Subject, Watcher};
+use super::{DerivedWord, ShownForest, ShownTree, Subject, Watcher};
 
 /// Sixels of one picture: a screen of 5K. A terminal that claims more shows characters.
 const MOST_SIXELS: u64 = 16 << 20;
@@ -114,18 +113,13 @@ impl Painter {
         let shown = match &request.subject {
             Subject::Tree(shown) => shown,
             Subject::Forest(forest) => return stand(forest, request, base, size, watcher),
+            Subject::Word(word) => return written(word, request, base, size, watcher),
         };
         let points = shown.grown.colonized.as_ref().map_or(&[][..], |colonized| &colonized.points);
-        let bare = request.pick.is_some_and(|pick| pick.bare);
+        let (marked, bare) = request.marked();
         let look = if bare { PictureLook::Skeleton(Paint::Wood) } else { request.look };
-        let marked: Vec<Vec<Vec3>> = request
-            .pick
-            .and_then(|pick| pick.axis)
-            .into_iter()
-            .map(|axis| line_of(&shown.grown.skeleton, axis))
-            .collect();
         let style = Style {
-            marked: &marked,
+            marked,
             paint: if let PictureLook::Skeleton(paint) = look { paint } else { base.paint },
             points: if request.points { points } else { &[] },
             outline: if request.outline { &shown.outline } else { &[] },
@@ -159,8 +153,7 @@ impl Painter {
             }
             (_, Some(step)) => {
                 let Some(Plant { skeleton, organs, .. }) = self.stage(shown, step, watcher)? else {
-                    let bytes = size.width() as usize * size.height() as usize * 4;
-                    return Ok(Picture::new(size.width(), size.height(), vec![0; bytes]));
+                    return Ok(blank(size));
                 };
                 let style = Style { organs: Some(&organs), ..style };
                 look.draw(&skeleton, &request.camera, &style, size, watcher)
@@ -226,14 +219,6 @@ impl Painter {
         self.stage = Some((Arc::clone(shown), step, plant.clone()));
         Ok(plant)
     }
-}
-
-/// An axis from where it leaves to its tip, metres.
-fn line_of(skeleton: &Skeleton, axis: u32) -> Vec<Vec3> {
-    let Some(axis) = skeleton.axes.get(axis as usize) else { return Vec::new() };
-    let from = Some(axis.parent).filter(|parent| *parent != linden::skeleton::NO_PARENT);
-    let nodes = from.into_iter().chain(skeleton.nodes_of(axis).iter().copied());
-    nodes.map(|node| skeleton.positions[node as usize]).collect()
 }
 
 /// What the darkest and the brightest colour of a look mean.
@@ -307,6 +292,32 @@ fn stand(
     let style = Style { draft: request.detail == Detail::Draft, ..base };
     let holding = Holding::new(watcher, forest.grown.bytes());
     draw_stage(&forest.grown.stage(), &request.camera, &style, size, &holding).map_err(unless_cancelled)
+}
+
+/// Draws what the turtle draws for a word.
+fn written(
+    word: &DerivedWord,
+    request: &DrawRequest,
+    base: Style<'_>,
+    size: Size,
+    watcher: &Watcher<'_>,
+) -> Result<Picture, Option<String>> {
+    let Some(Plant { skeleton, organs, .. }) = &word.plant else { return Ok(blank(size)) };
+    let (marked, bare) = request.marked();
+    let style = Style {
+        marked,
+        organs: (!bare).then_some(organs),
+        leaf_colors: word.request.recipe.preset.dressing.foliage.turtle_colors(),
+        draft: request.detail == Detail::Draft,
+        ..base
+    };
+    request.look.draw(skeleton, &request.camera, &style, size, watcher).map_err(unless_cancelled)
+}
+
+/// A picture of nothing.
+fn blank(size: Size) -> Picture {
+    let bytes = size.width() as usize * size.height() as usize * 4;
+    Picture::new(size.width(), size.height(), vec![0; bytes])
 }
 
 fn unless_cancelled(error: RasterError) -> Option<String> {

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use linden_raster::Extent;
 
-use super::{ShownForest, ShownTree};
+use super::{DerivedWord, ShownForest, ShownTree};
 
 /// What a picture shows.
 #[derive(Clone, Debug)]
@@ -13,6 +13,8 @@ pub enum Subject {
     Tree(Arc<ShownTree>),
     /// Many, at their places.
     Forest(Arc<ShownForest>),
+    /// What the turtle draws for a word.
+    Word(Arc<DerivedWord>),
 }
 
 impl Subject {
@@ -21,6 +23,7 @@ impl Subject {
         match (self, other) {
             (Self::Tree(a), Self::Tree(b)) => Arc::ptr_eq(a, b),
             (Self::Forest(a), Self::Forest(b)) => Arc::ptr_eq(a, b),
+            (Self::Word(a), Self::Word(b)) => Arc::ptr_eq(a, b),
             _ => false,
         }
     }
@@ -30,6 +33,7 @@ impl Subject {
         match self {
             Self::Tree(shown) => Some(shown.extent(true, false)),
             Self::Forest(shown) => shown.extent,
+            Self::Word(word) => word.extent,
         }
     }
 
@@ -37,7 +41,7 @@ impl Subject {
     pub fn tree(&self) -> Option<&Arc<ShownTree>> {
         match self {
             Self::Tree(shown) => Some(shown),
-            Self::Forest(_) => None,
+            Self::Forest(_) | Self::Word(_) => None,
         }
     }
 }

@@ -6,7 +6,7 @@
 //! line here.
 
 use super::model::Command;
-use super::{chrome, export, growth, library, picture, shape, statistics, vary, wind, wood};
+use super::{chrome, derivation, export, growth, library, picture, shape, statistics, vary, wind, wood};
 
 /// All commands, room by room.
 pub const ALL: &[&[Command]] = &[
@@ -17,6 +17,9 @@ pub const ALL: &[&[Command]] = &[
     wind::COMMANDS,
     shape::COMMANDS,
     wood::COMMANDS,
+    wood::CAMERA,
+    derivation::COMMANDS,
+    derivation::CAMERA,
     statistics::COMMANDS,
     vary::COMMANDS,
     export::COMMANDS,

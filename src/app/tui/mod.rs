@@ -21,6 +21,7 @@
 mod chrome;
 mod command;
 mod commands;
+mod derivation;
 mod dialog;
 mod effect;
 mod export;

@@ -13,10 +13,10 @@ use super::effect::Effects;
 use super::layout::{Pane, Target};
 use super::model::{Config, Model, QUIET};
 use super::tree::{GrowthProgress, TreePlace};
-use super::{export, forest, growth, library, picture, shape, statistics, vary, wind};
+use super::{derivation, export, forest, growth, library, picture, shape, statistics, vary, wind};
 use crate::config::Complaint;
 use crate::config::presets::UserPreset;
-use crate::jobs::{ExportNews, Measured, Painted, ShownForest, ShownTree, Thumbnail};
+use crate::jobs::{Derivation, ExportNews, Measured, Painted, ShownForest, ShownTree, Thumbnail};
 use crate::source::forest::AnySource;
 
 /// What can happen.
@@ -47,6 +47,8 @@ pub enum Msg {
     Thumbnail(Box<Thumbnail>),
     /// The tree on screen was measured.
     Measured(Box<Measured>),
+    /// A word was derived, or why not.
+    Derived(Box<Derivation>),
     /// An export's progress or end.
     Export(ExportNews),
     /// A preset was saved, or why not.
@@ -120,6 +122,7 @@ pub fn update(model: &mut Model, msg: Msg, now: Instant) -> Effects {
         }
         Msg::Thumbnail(thumbnail) => vary::thumbnail(model, *thumbnail),
         Msg::Measured(measured) => statistics::measured(model, *measured),
+        Msg::Derived(derivation) => derivation::derived(model, *derivation),
         Msg::Export(news) => export::news(model, news, &mut effects),
         Msg::Saved(saved) => shape::saved(model, saved, &mut effects),
         Msg::Edited(text) => shape::edited(model, text),

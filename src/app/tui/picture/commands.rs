@@ -7,6 +7,7 @@ use super::{levels, turn_by, zoom_by};
 use crate::config::settings::Scenery;
 use crate::jobs::{Medium, PictureLook};
 use crate::tui::command::Context;
+use crate::tui::effect::Effects;
 use crate::tui::model::{Command, Model, free, without_picture, without_tree};
 
 /// Degrees a key.
@@ -87,6 +88,43 @@ fn cycle_look(model: &mut Model, by: usize) {
     model.picture.look = PictureLook::ALL[(at + by) % PictureLook::ALL.len()];
     let name = model.picture.look.name();
     model.say(format!("drawn: {name}"));
+}
+
+/// Rows that turn the tree and come closer, for dialogs that leave the picture in sight: left, right, up, down,
+/// closer, farther.
+pub const fn camera_rows(context: Context, ids: [&'static str; 6]) -> [Command; 6] {
+    const fn row(
+        context: Context,
+        id: &'static str,
+        keys: &'static [&'static str],
+        [title, help]: [&'static str; 2],
+        run: fn(&mut Model, &mut Effects),
+    ) -> Command {
+        Command { id, context, keys, title, help, hint: None, hindrance: free, run }
+    }
+    let [left, right, up, down, closer, farther] = ids;
+    [
+        row(context, left, &["shift-left", "H"], ["Orbit left", "Turns the tree"], |m, _| {
+            orbit(m, TURN_DEG, 0.0);
+        }),
+        row(
+            context,
+            right,
+            &["shift-right", "L"],
+            ["Orbit right", "Turns the tree the other way"],
+            |m, _| {
+                orbit(m, -TURN_DEG, 0.0);
+            },
+        ),
+        row(context, up, &["shift-up", "K"], ["From above", "Looks from farther above"], |m, _| {
+            orbit(m, 0.0, TURN_DEG);
+        }),
+        row(context, down, &["shift-down", "J"], ["From below", "Looks from farther below"], |m, _| {
+            orbit(m, 0.0, -TURN_DEG);
+        }),
+        row(context, closer, &["+", "="], ["Closer", "Comes closer"], |m, _| zoom_by(m, ZOOM)),
+        row(context, farther, &["-"], ["Farther", "Goes farther away"], |m, _| zoom_by(m, 1.0 / ZOOM)),
+    ]
 }
 
 /// The rows.

@@ -8,12 +8,13 @@ use std::time::{Duration, Instant};
 
 use crossterm::event::{KeyModifiers, MouseButton, MouseEvent, MouseEventKind};
 use glam::Vec2;
-use linden_raster::Camera;
+use linden_raster::{Camera, Paint, Size, View};
 use linden_terminal::Encoded;
 use ratatui::layout::Rect;
 
-pub use commands::{COMMANDS, orbit};
+pub use commands::{COMMANDS, camera_rows};
 
+use super::derivation;
 use super::layout::Pane;
 use super::model::{Model, QUIET};
 use super::wood;
@@ -105,6 +106,12 @@ pub fn wanted(model: &Model) -> Option<DrawRequest> {
     if let Some(forest) = &model.forest {
         return Some(of_forest(model, forest.shown.as_ref()?, area));
     }
+    if let Some((word, marks)) = derivation::shown(model) {
+        let camera = Camera { extent: word.extent, ..model.picture.camera };
+        let look = PictureLook::Skeleton(Paint::Wood);
+        let plain = plain(model, Subject::Word(Arc::clone(word)), area);
+        return Some(DrawRequest { camera, look, marks: Some(marks), ..plain });
+    }
     let shown = model.tree.as_ref()?.shown.as_ref()?;
     let picture = &model.picture;
     let person = picture.scale && model.config.settings.person;
@@ -121,7 +128,7 @@ pub fn wanted(model: &Model) -> Option<DrawRequest> {
         points: picture.points,
         outline: picture.outline,
         person,
-        pick: wood::picked(model, shown),
+        marks: wood::marks(model, shown),
         area,
         medium: Medium::of(&model.terminal, model.config.settings.scenery),
         detail: detail(model),
@@ -130,21 +137,37 @@ pub fn wanted(model: &Model) -> Option<DrawRequest> {
 
 /// The picture of a forest: its surfaces, whatever look is chosen for trees.
 fn of_forest(model: &Model, shown: &Arc<ShownForest>, area: Rect) -> DrawRequest {
+    plain(model, Subject::Forest(Arc::clone(shown)), area)
+}
+
+/// The picture of something as it is, with nothing beside it.
+fn plain(model: &Model, subject: Subject, area: Rect) -> DrawRequest {
     DrawRequest {
-        subject: Subject::Forest(Arc::clone(shown)),
+        camera: Camera { extent: subject.extent(), ..model.picture.camera },
+        subject,
         stage: None,
         wind: None,
         level: None,
-        camera: Camera { extent: shown.extent, ..model.picture.camera },
         look: PictureLook::Surface,
         points: false,
         outline: false,
         person: false,
-        pick: None,
+        marks: None,
         area,
         medium: Medium::of(&model.terminal, model.config.settings.scenery),
         detail: detail(model),
     }
+}
+
+/// How the picture is seen, in pixels, and the pixel in the middle of a cell of the screen.
+pub fn pointed_at(model: &Model, column: u16, row: u16) -> Option<(View, Vec2)> {
+    let request = wanted(model)?;
+    let (area, (wide, high)) = (request.area, request.medium.cell_px);
+    let size =
+        Size::new(u32::from(area.width) * u32::from(wide), u32::from(area.height) * u32::from(high)).ok()?;
+    let view = request.camera.view(request.subject.extent()?, size);
+    let middle = |cell: u16, from: u16, px: u16| (f32::from(cell.saturating_sub(from)) + 0.5) * f32::from(px);
+    Some((view, Vec2::new(middle(column, area.x, wide), middle(row, area.y, high))))
 }
 
 /// The level of detail that is shown: none where the tree has no such level any more, or moves.

@@ -15,11 +15,12 @@ use linden::recipe::Recipe;
 use super::Happening;
 use crate::exit;
 use crate::jobs::{
-    Answer, Done, DrawRequest, ExportNews, ExportOrder, GalleryRequest, Inquiry, Lane, Measured, Painted,
-    Painter, Relay, ShownForest, ShownTree, Thumbnail, Watcher, grow_shown, grow_shown_forest, look, measure,
-    paint_gallery, run_export,
+    Answer, Derivation, Done, DrawRequest, ExportNews, ExportOrder, GalleryRequest, Inquiry, Lane, Measured,
+    Painted, Painter, Relay, ShownForest, ShownTree, Thumbnail, Watcher, WordRequest, derive, grow_shown,
+    grow_shown_forest, look, measure, paint_gallery, run_export,
 };
 use crate::source::forest::AnySource;
+use crate::tui::derivation;
 use crate::tui::export;
 use crate::tui::library;
 use crate::tui::model::Model;
@@ -52,6 +53,7 @@ pub enum News {
     Draw(Answer<Result<Box<Painted>, String>>),
     Gallery(Answer<Thumbnail>),
     Measure(Answer<Box<Measured>>),
+    Derive(Answer<Box<Derivation>>),
     Export(Answer<ExportNews>),
     Look(Answer<ExportNews>),
 }
@@ -67,22 +69,47 @@ pub struct Desk {
     /// The forest that was asked for last.
     asked_forest: Option<(u64, Arc<Forest>)>,
     draw: Relay<DrawRequest>,
-    gallery: Lane<GalleryRequest>,
-    measure: Lane<Arc<ShownTree>>,
-    /// The tree that was asked to be measured last.
-    asked_measures: Option<Arc<ShownTree>>,
+    gallery: Asked<GalleryRequest>,
+    measure: Asked<Arc<ShownTree>>,
+    derive: Asked<WordRequest>,
     export: Lane<ExportOrder>,
-    look: Lane<Inquiry>,
-    /// What the export dialog asked last.
-    asked_look: Option<Inquiry>,
-    /// The gallery that was asked for last.
-    asked_gallery: Option<GalleryRequest>,
+    look: Asked<Inquiry>,
     /// The recipe that was asked for last.
     asked_recipe: Option<Arc<Recipe>>,
     /// The picture that was asked for last.
     asked_picture: Option<DrawRequest>,
     /// Trees that grew lately, the newest last.
     kept: Vec<Arc<ShownTree>>,
+}
+
+/// A lane that is asked once for what the model wants.
+struct Asked<R> {
+    lane: Lane<R>,
+    /// What was asked for last.
+    last: Option<R>,
+    is_same: fn(&R, &R) -> bool,
+}
+
+impl<R: Clone + Send + 'static> Asked<R> {
+    fn new(lane: Lane<R>, is_same: fn(&R, &R) -> bool) -> Self {
+        Self { lane, last: None, is_same }
+    }
+
+    /// Asks, unless that was asked for last; drops what was asked for when nothing is wanted any more.
+    fn want(&mut self, wanted: Option<R>) {
+        match (wanted, &self.last) {
+            (Some(wanted), Some(last)) if (self.is_same)(last, &wanted) => {}
+            (Some(wanted), _) => {
+                self.last = Some(wanted.clone());
+                self.lane.submit(wanted);
+            }
+            (None, Some(_)) => {
+                self.last = None;
+                self.lane.cancel();
+            }
+            (None, None) => {}
+        }
+    }
 }
 
 impl Desk {
@@ -114,6 +141,11 @@ impl Desk {
                 give(Box::new(measured));
             }
         })?;
+        let derive = Lane::start("derive", send(sender, News::Derive), |request, watcher, give| {
+            if let Some(derivation) = derive(request, watcher) {
+                give(Box::new(derivation));
+            }
+        })?;
         let export = Lane::start("export", send(sender, News::Export), |order, watcher, give| {
             run_export(order, watcher, give);
         })?;
@@ -121,13 +153,11 @@ impl Desk {
             look(inquiry, watcher, give);
         })?;
         Ok(Self {
-            measure,
-            asked_measures: None,
+            measure: Asked::new(measure, Arc::ptr_eq),
+            derive: Asked::new(derive, PartialEq::eq),
             export,
-            look,
-            asked_look: None,
-            gallery,
-            asked_gallery: None,
+            look: Asked::new(look, PartialEq::eq),
+            gallery: Asked::new(gallery, GalleryRequest::is_of),
             load,
             asked_load: 0,
             forest,
@@ -220,6 +250,11 @@ impl Desk {
                 Done::Broken(why) => Some(Msg::Broken("measuring", why)),
                 Done::Progress { .. } | Done::Finished => None,
             },
+            News::Derive(answer) => match answer.done {
+                Done::Value(derivation) => Some(Msg::Derived(derivation)),
+                Done::Broken(why) => Some(Msg::Broken("deriving", why)),
+                Done::Progress { .. } | Done::Finished => None,
+            },
             News::Gallery(answer) => match answer.done {
                 Done::Value(thumbnail) => Some(Msg::Thumbnail(Box::new(thumbnail))),
                 Done::Broken(why) => Some(Msg::Broken("drawing the gallery", why)),
@@ -263,38 +298,10 @@ impl Desk {
             }
             _ => {}
         }
-        match library::wanted(model).or_else(|| export::wanted(model)) {
-            Some(inquiry) if self.asked_look.as_ref() != Some(&inquiry) => {
-                self.asked_look = Some(inquiry.clone());
-                self.look.submit(inquiry);
-            }
-            None if self.asked_look.take().is_some() => self.look.cancel(),
-            Some(_) | None => {}
-        }
-        match (statistics::wanted(model), &self.asked_measures) {
-            (Some(shown), asked) if !asked.as_ref().is_some_and(|asked| Arc::ptr_eq(asked, &shown)) => {
-                self.asked_measures = Some(Arc::clone(&shown));
-                self.measure.submit(shown);
-            }
-            (None, Some(_)) => {
-                self.asked_measures = None;
-                self.measure.cancel();
-            }
-            _ => {}
-        }
-        match (vary::wanted(model), &self.asked_gallery) {
-            (None, None) => {}
-            (None, Some(_)) => {
-                self.asked_gallery = None;
-                self.gallery.cancel();
-            }
-            (Some(wanted), asked) => {
-                if !asked.as_ref().is_some_and(|asked| asked.is_of(&wanted)) {
-                    self.asked_gallery = Some(wanted.clone());
-                    self.gallery.submit(wanted);
-                }
-            }
-        }
+        self.look.want(library::wanted(model).or_else(|| export::wanted(model)));
+        self.measure.want(statistics::wanted(model));
+        self.derive.want(derivation::wanted(model));
+        self.gallery.want(vary::wanted(model));
         if let Some(wanted) = picture::wanted(model) {
             let is_there = |have: &DrawRequest| have.is_of(&wanted) && have.detail >= wanted.detail;
             let is_painted = model.picture.painted.as_ref().is_some_and(|painted| is_there(&painted.request));

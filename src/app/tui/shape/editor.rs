@@ -188,6 +188,12 @@ impl Class {
     }
 }
 
+/// The style of a character of a module: of its symbol, or behind it, where arguments are.
+pub fn class_style(is_behind: bool, c: char, theme: &Theme) -> Style {
+    let mut classes = Classes { comment: false, in_brackets: is_behind };
+    classes.of(c).style(theme)
+}
+
 /// Tells a line's characters from left to right.
 struct Classes {
     comment: bool,

@@ -16,15 +16,17 @@ pub mod view;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use crossterm::event::{KeyModifiers, MouseEvent, MouseEventKind};
+use crossterm::event::{KeyEvent, KeyModifiers, MouseEvent, MouseEventKind};
 use linden::knob::{Kind, Value};
 use linden::preset::{Preset, PresetKnob, Section};
 
 pub use commands::COMMANDS;
+pub use editor::class_style;
 pub use value::turn;
 
 use self::nudge::{Nudge, nudged};
 use self::value::ValueLine;
+use super::command::Context;
 use super::effect::Effects;
 use super::forest;
 use super::layout::Pane;
@@ -55,6 +57,14 @@ impl FormRow {
             Self::Rule(index, _) => Some(FormSpot::Rule(*index)),
             Self::Heading(_) | Self::MoreRules(_) => None,
         }
+    }
+}
+
+/// Undoes or redoes, for dialogs in which the keys for that are those that they are everywhere.
+pub fn undo_or_redo(model: &mut Model, key: KeyEvent, effects: &mut Effects) {
+    let id = model.config.keymap.lookup(Context::GLOBAL.id(), key.into());
+    if let Some(command) = id.filter(|id| ["undo", "redo"].contains(id)).and_then(|id| model.command(id)) {
+        model.run(command, effects);
     }
 }
 

@@ -16,6 +16,7 @@ use ratatui::layout::Rect;
 use ratatui::style::{Color, Modifier, Style};
 
 use super::commands::{self, key_table};
+use super::derivation;
 use super::effect::Effect;
 use super::layout::View;
 use super::model::{Config, Model};
@@ -27,7 +28,7 @@ use crate::config::dirs::Dirs;
 use crate::config::keymap::Keymap;
 use crate::config::settings::Settings;
 use crate::config::theme::Theme;
-use crate::jobs::{Painter, Watcher, grow_shown, grow_shown_forest};
+use crate::jobs::{Painter, Watcher, derive, grow_shown, grow_shown_forest};
 use crate::source;
 use crate::source::forest::AnySource;
 
@@ -189,6 +190,10 @@ impl Bench {
             let wanted = Arc::clone(forest.wanted());
             let grown = grow_shown_forest(&wanted, &Watcher::idle()).unwrap();
             self.msg(Msg::ForestGrown(grown));
+        }
+        while let Some(wanted) = derivation::wanted(&self.model) {
+            let derivation = derive(wanted, &Watcher::idle()).unwrap();
+            self.msg(Msg::Derived(Box::new(derivation)));
         }
         // Nothing is done for so long that the picture is wanted in full.
         self.wait(Duration::from_secs(1));

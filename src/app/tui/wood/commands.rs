@@ -4,7 +4,7 @@ use super::{CONTEXT, WoodPick, ask, go, open, remove, with};
 use crate::tui::command::Context;
 use crate::tui::effect::Effects;
 use crate::tui::model::{Command, Model, free, without_tree};
-use crate::tui::picture::{orbit, zoom_by};
+use crate::tui::picture::camera_rows;
 
 const fn row(
     id: &'static str,
@@ -34,11 +34,6 @@ const fn moving(
 fn unless(model: &Model, can: impl Fn(&WoodPick) -> bool, why: &str) -> Option<String> {
     model.dialogs.top::<WoodPick>().is_none_or(|pick| !can(pick)).then(|| why.to_owned())
 }
-
-/// Degrees a key.
-const TURN_DEG: f32 = 6.0;
-/// Closer by a key.
-const CLOSER: f32 = 1.2;
 
 /// The rows.
 pub const COMMANDS: &[Command] = &[
@@ -126,28 +121,20 @@ pub const COMMANDS: &[Command] = &[
     row("wood-leaves", &["v"], "Leaves", "Shows leaves, or wood alone", None, |m, _| {
         with(m, |pick| pick.leaves = !pick.leaves);
     }),
-    row("wood-orbit-left", &["shift-left", "H"], "Orbit left", "Turns the tree", None, |m, _| {
-        orbit(m, TURN_DEG, 0.0);
-    }),
-    row(
-        "wood-orbit-right",
-        &["shift-right", "L"],
-        "Orbit right",
-        "Turns the tree the other way",
-        None,
-        |m, _| {
-            orbit(m, -TURN_DEG, 0.0);
-        },
-    ),
-    row("wood-orbit-up", &["shift-up", "K"], "From above", "Looks from farther above", None, |m, _| {
-        orbit(m, 0.0, TURN_DEG);
-    }),
-    row("wood-orbit-down", &["shift-down", "J"], "From below", "Looks from farther below", None, |m, _| {
-        orbit(m, 0.0, -TURN_DEG);
-    }),
-    row("wood-closer", &["+", "="], "Closer", "Comes closer", None, |m, _| zoom_by(m, CLOSER)),
-    row("wood-farther", &["-"], "Farther", "Goes farther away", None, |m, _| zoom_by(m, 1.0 / CLOSER)),
     row("wood-close", &["esc", "q", "enter"], "Done", "Leaves; the edits stay", Some(90), |m, _| {
         m.dialogs.close::<WoodPick>();
     }),
 ];
+
+/// The rows that look from elsewhere.
+pub const CAMERA: &[Command] = &camera_rows(
+    CONTEXT,
+    [
+        "wood-orbit-left",
+        "wood-orbit-right",
+        "wood-orbit-up",
+        "wood-orbit-down",
+        "wood-closer",
+        "wood-farther",
+    ],
+);

@@ -8,15 +8,15 @@ mod line;
 use std::sync::Arc;
 
 use crossterm::event::{KeyEvent, MouseEvent};
-use glam::Vec2;
+use glam::Vec3;
+use linden::Skeleton;
 use linden::skeleton::NO_PARENT;
 use linden::skeleton::edit::{AxisPath, AxisPaths, Edit, Operation};
-use linden_raster::Size;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use unicode_width::UnicodeWidthStr;
 
-pub use commands::COMMANDS;
+pub use commands::{CAMERA, COMMANDS};
 
 use self::line::EditLine;
 use super::command::Context;
@@ -26,7 +26,8 @@ use super::figures::{metres, thousands};
 use super::layout::{Pane, Target, View};
 use super::model::Model;
 use super::picture;
-use crate::jobs::{PickedAxis, ShownTree};
+use super::shape;
+use crate::jobs::{Marks, ShownTree};
 use crate::wrap::clipped;
 
 /// Where the keys of the pick are listened to.
@@ -44,6 +45,8 @@ pub struct WoodPick {
     axis: u32,
     /// Its path.
     path: AxisPath,
+    /// From where it leaves to its tip.
+    line: Arc<Vec<Vec<Vec3>>>,
     /// Whether leaves are drawn.
     leaves: bool,
 }
@@ -53,13 +56,15 @@ impl WoodPick {
     fn new(shown: &Arc<ShownTree>) -> Option<Self> {
         let (paths, current) = (shown.grown.axis_paths(), AxisPaths::new(&shown.grown.skeleton));
         let path = shown.grown.axis_path(0, &paths)?;
-        Some(Self { shown: Arc::clone(shown), paths, current, axis: 0, path, leaves: false })
+        let line = Arc::new(vec![line_of(&shown.grown.skeleton, 0)]);
+        Some(Self { shown: Arc::clone(shown), paths, current, axis: 0, path, line, leaves: false })
     }
 
     /// Puts the cursor on an axis.
     fn go_to(&mut self, axis: u32) {
         if let Some(path) = self.shown.grown.axis_path(axis, &self.paths) {
             (self.axis, self.path) = (axis, path);
+            self.line = Arc::new(vec![line_of(&self.shown.grown.skeleton, axis)]);
         }
     }
 
@@ -145,11 +150,19 @@ impl WoodPick {
     }
 }
 
-/// What pictures of a tree mark.
-pub fn picked(model: &Model, shown: &Arc<ShownTree>) -> Option<PickedAxis> {
+/// An axis from where it leaves to its tip, metres.
+fn line_of(skeleton: &Skeleton, axis: u32) -> Vec<Vec3> {
+    let Some(axis) = skeleton.axes.get(axis as usize) else { return Vec::new() };
+    let from = Some(axis.parent).filter(|parent| *parent != NO_PARENT);
+    let nodes = from.into_iter().chain(skeleton.nodes_of(axis).iter().copied());
+    nodes.map(|node| skeleton.positions[node as usize]).collect()
+}
+
+/// What pictures of a tree mark: nothing while another tree is on its way.
+pub fn marks(model: &Model, shown: &Arc<ShownTree>) -> Option<Marks> {
     let pick = model.dialogs.find::<WoodPick>()?;
-    let axis = Arc::ptr_eq(&pick.shown, shown).then_some(pick.axis);
-    Some(PickedAxis { axis, bare: !pick.leaves })
+    let lines = if Arc::ptr_eq(&pick.shown, shown) { Arc::clone(&pick.line) } else { Arc::default() };
+    Some(Marks { lines, bare: !pick.leaves })
 }
 
 /// Begins to edit.
@@ -215,15 +228,7 @@ fn go(model: &mut Model, to: impl FnOnce(&WoodPick) -> Option<u32>) {
 
 /// The axis of which a node is drawn nearest to a place of the screen.
 fn nearest(model: &Model, shown: &ShownTree, column: u16, row: u16) -> Option<u32> {
-    let request = picture::wanted(model)?;
-    let (area, (wide, high)) = (request.area, request.medium.cell_px);
-    let size =
-        Size::new(u32::from(area.width) * u32::from(wide), u32::from(area.height) * u32::from(high)).ok()?;
-    let view = request.camera.view(shown.extent(false, false), size);
-    let place = Vec2::new(
-        (f32::from(column.saturating_sub(area.x)) + 0.5) * f32::from(wide),
-        (f32::from(row.saturating_sub(area.y)) + 0.5) * f32::from(high),
-    );
+    let (view, place) = picture::pointed_at(model, column, row)?;
     let skeleton = &shown.grown.skeleton;
     let axis_of = skeleton.axis_of_nodes();
     // Of wood that lies over each other, the thicker one: a trunk can be hit, and a twig beside it, too.
@@ -273,11 +278,7 @@ impl Dialog<Model> for WoodPick {
 
     /// Undo and redo, by the keys that they have everywhere.
     fn key(&mut self, model: &mut Model, key: KeyEvent, effects: &mut Effects) -> After {
-        let id = model.config.keymap.lookup(Context::GLOBAL.id(), key.into());
-        if let Some(command) = id.filter(|id| ["undo", "redo"].contains(id)).and_then(|id| model.command(id))
-        {
-            model.run(command, effects);
-        }
+        shape::undo_or_redo(model, key, effects);
         After::Stays
     }
 

@@ -1,3 +1,5 @@
+use linden_raster::Size;
+
 use super::*;
 use crate::tui::testing::Bench;
 
@@ -29,7 +31,11 @@ fn an_axis_is_picked_by_keys_taken_away_and_given_back() {
         .filter(|axis| skeleton.axes[*axis as usize].order == 1)
         .max_by(|a, b| skeleton.axis_length_m(*a).total_cmp(&skeleton.axis_length_m(*b)));
     assert_eq!(skeleton.axis_path(longest.unwrap()).unwrap().to_string(), on_path, "the longest limb");
-    assert_eq!(picked(&bench.model, &shown), Some(PickedAxis { axis: longest, bare: true }));
+    let marks = marks(&bench.model, &shown).unwrap();
+    let nodes = skeleton.nodes_of(&skeleton.axes[longest.unwrap() as usize]);
+    let tip = skeleton.positions[*nodes.last().unwrap() as usize];
+    assert!(marks.bare && marks.lines.len() == 1);
+    assert_eq!((marks.lines[0].len(), marks.lines[0].last()), (nodes.len() + 1, Some(&tip)));
     bench.keys("x").settle();
     let tree = bench.model.tree.as_ref().unwrap();
     let edits: Vec<String> = tree.preset().edits.iter().map(|edit| edit.plain().to_string()).collect();
@@ -87,5 +93,5 @@ fn the_mouse_picks_what_is_drawn_there() {
     let cell = |px: f32, one: u16| (px / f32::from(one)) as u16;
     let (column, row) = (request.area.x + cell(at.x, wide), request.area.y + cell(at.y, high));
     bench.mouse(crossterm::event::MouseEventKind::Down(crossterm::event::MouseButton::Left), column, row);
-    assert_eq!(picked(&bench.model, &shown).and_then(|pick| pick.axis), Some(widest));
+    assert_eq!(bench.model.dialogs.find::<WoodPick>().map(|pick| pick.axis), Some(widest));
 }
