@@ -9,6 +9,7 @@
 mod budgets;
 mod carried_on;
 mod colors;
+mod derivation;
 mod exporting;
 mod given_back;
 mod growing;

@@ -9,12 +9,12 @@ use crate::jobs::DerivedWord;
 /// Half a cross, as a share of what is framed.
 const CROSS: f32 = 0.012;
 
-/// Polylines for a module, metres: its segment; of a bracket, its branch; of a brace, its outline; else a cross where
-/// the turtle stands.
+/// Polylines for a module, metres: its segment; of a bracket, its branch; of a brace, its outline; a cross where the
+/// turtle stands, where that is nothing or hard to find.
 pub fn of(word: &DerivedWord, module: usize) -> Vec<Vec<Vec3>> {
     let modules = &word.traced.modules;
     let Some(at) = modules.get(module).and_then(|module| module.at) else { return Vec::new() };
-    let lines = match modules[module].symbol {
+    let mut lines = match modules[module].symbol {
         '[' | ']' => match bracket(modules, module) {
             Some(other) => segments(modules, module.min(other), module.max(other)),
             None => Vec::new(),
@@ -25,14 +25,20 @@ pub fn of(word: &DerivedWord, module: usize) -> Vec<Vec<Vec3>> {
         },
         _ => segments(modules, module, module + 1),
     };
-    if lines.iter().any(|line| line.len() > 1) {
-        return lines;
-    }
     let half_m = word.extent.map_or(0.0, |extent| {
         let wide = 2.0 * extent.radii.iter().copied().fold(0.0, f32::max);
         CROSS * wide.max(extent.top - extent.bottom)
     });
-    Vec3::AXES.iter().map(|axis| vec![at - axis * half_m, at + axis * half_m]).collect()
+    // What is too short to be found is crossed, too.
+    if length_m(&lines) < 2.0 * half_m {
+        lines.extend(Vec3::AXES.iter().map(|axis| vec![at - axis * half_m, at + axis * half_m]));
+    }
+    lines
+}
+
+fn length_m(lines: &[Vec<Vec3>]) -> f32 {
+    let of_line = |line: &Vec<Vec3>| line.windows(2).map(|ends| ends[0].distance(ends[1])).sum::<f32>();
+    lines.iter().map(of_line).sum()
 }
 
 /// Where the turtle stood before a module.
