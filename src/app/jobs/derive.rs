@@ -55,12 +55,27 @@ pub struct DerivedWord {
     pub request: WordRequest,
     /// Its modules.
     pub traced: Traced,
-    /// For each module the cells that its text takes.
+    /// For each module the cells that it takes in [`short`].
     pub widths: Vec<u16>,
     /// What the turtle draws: none where it draws nothing, or cannot ([`Traced::undrawn`]).
     pub plant: Option<Plant>,
     /// What pictures frame.
     pub extent: Option<Extent>,
+}
+
+/// A module as the panel has it among others: its arguments rounded to four digits.
+pub fn short(module: &TracedModule) -> String {
+    let rounded = |argument: &f64| {
+        let text = format!("{argument:.3e}");
+        text.parse().map_or(text, |number: f64| number.to_string())
+    };
+    match &module.arguments[..] {
+        [] => module.symbol.to_string(),
+        arguments => {
+            let arguments: Vec<String> = arguments.iter().map(rounded).collect();
+            format!("{}({})", module.symbol, arguments.join(","))
+        }
+    }
 }
 
 /// Derives a word; `None` when it was cancelled.
@@ -88,7 +103,7 @@ fn derived(request: &WordRequest, watcher: &Watcher<'_>) -> Result<DerivedWord, 
             Some(NoWord { why: error.to_string(), fits })
         }
     })?;
-    let widths: Vec<u16> = traced.modules.iter().map(|module| module.to_string().width() as u16).collect();
+    let widths: Vec<u16> = traced.modules.iter().map(|module| short(module).width() as u16).collect();
     let modules = traced.modules.len() * (size_of::<TracedModule>() + size_of::<u16>());
     let holding = Holding::new(watcher, modules as u64);
     let plant = if traced.undrawn.is_none() { drawn(request, &holding)? } else { None };

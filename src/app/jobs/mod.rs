@@ -17,7 +17,7 @@ mod painter;
 mod relay;
 mod subject;
 
-pub use derive::{Derivation, DerivedWord, WordRequest, derive};
+pub use derive::{Derivation, DerivedWord, WordRequest, derive, short};
 pub use draw::{Detail, DrawRequest, Marks, Medium, Painted, PictureLook};
 pub use export::{ExportNews, ExportOrder, ExportSubject, WHOLE, run as run_export};
 pub use forest::{FOREST_PITCH_DEG, FOREST_YAW_DEG, ShownForest, grow_shown_forest};

@@ -93,6 +93,19 @@ fn lines_hold_every_module_once_and_fit() {
 }
 
 #[test]
+fn arguments_are_short_in_the_word_and_whole_above_it() {
+    let mut bench = Bench::new(120, 40).without_pictures().with("abop-honda-a");
+    bench.keys("d").settle();
+    // The widths of ABOP, Fig. 2.6 a, go by 0.707: 10, then 7.07.
+    let screen = bench.screen();
+    assert!(["!(10)F(1)", "!(7.07)"].iter().all(|text| screen.contains(text)), "{screen}");
+    let width = debugger(&bench).modules().iter().position(|module| module.to_string().len() > 12).unwrap();
+    bench.model.dialogs.top_mut::<Debugger>().unwrap().go_to(width);
+    let whole = debugger(&bench).module().unwrap().to_string();
+    assert!(bench.screen().contains(&whole), "{whole}: {}", bench.screen());
+}
+
+#[test]
 fn the_picture_marks_the_segment_or_the_branch_of_a_module() {
     let mut bench = looking();
     let marked = |bench: &Bench| shown(&bench.model).unwrap().1.lines;

@@ -8,7 +8,7 @@ use ratatui::style::Style;
 use unicode_width::UnicodeWidthStr;
 
 use super::{Debugger, PICTURE, WORD, grammar, marks};
-use crate::jobs::DerivedWord;
+use crate::jobs::{DerivedWord, short};
 use crate::tui::figures::{metres, thousands};
 use crate::tui::layout::{Pane, Target, View, first_row};
 use crate::tui::model::Model;
@@ -212,7 +212,7 @@ fn letters(model: &Model, debugger: &Debugger, word: &DerivedWord, area: Rect, b
     for (y, line) in (area.y..area.bottom()).zip(first..debugger.lines.len()) {
         let mut x = area.x;
         for at in debugger.line(line) {
-            let text = modules[at].to_string();
+            let text = short(&modules[at]);
             let is_kin = kin.contains(&at);
             for (i, c) in text.char_indices() {
                 let mut style = class_style(i > 0, c, theme);
