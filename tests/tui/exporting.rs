@@ -100,6 +100,37 @@ fn a_mesh_and_pictures_are_those_of_the_command_line() {
 }
 
 #[test]
+fn what_is_turned_for_an_export_alone_is_in_its_file_and_not_on_screen() {
+    let home = Home::new();
+    let workbench = Workbench::open(&home, 120, 50, &["open", "dressed-simple"]);
+    workbench.keys("e");
+    workbench.wait_for_text("[x] glb");
+    // Up from the scene: the season, the wind, the billboard, its levels.
+    workbench.keys("Gkk");
+    workbench.settle();
+    for (row, up, value) in [("season", "", "0.6"), ("lods", "kkkk", "2")] {
+        workbench.keys(up);
+        workbench.settle();
+        workbench.keys("\r");
+        workbench.settle();
+        workbench.keys("\x15");
+        workbench.settle();
+        workbench.keys(value);
+        workbench.settle();
+        workbench.keys("\r");
+        workbench.wait_for_text(&format!("●{row}"));
+    }
+    workbench.wait_for_text("another tree than on screen");
+    workbench.keys("x");
+    let there = eventually("the file", || fs::read(home.file("dressed-simple.glb")).ok());
+    let set = ["--set", "season=0.6", "--set", "lods=2"];
+    let here = written(&[&["export", "dressed-simple"][..], &set].concat(), &home.file("cli.glb"));
+    assert!(there == here, "{} and {} bytes", there.len(), here.len());
+    assert!(there != written(&["export", "dressed-simple"], &home.file("plain.glb")));
+    assert!(!workbench.screen().text().contains("modified"), "the tree on screen is as it was");
+}
+
+#[test]
 fn pictures_of_the_user_are_in_the_file_as_on_the_command_line() {
     let home = Home::new();
     home.write("bark.png", include_bytes!("../fixtures/pictures/turned.png"));

@@ -7,9 +7,12 @@ use std::sync::Arc;
 
 use crossterm::event::KeyEvent;
 use linden::knob::{Kind, Value};
+use linden::preset::PresetKnob;
+use linden::recipe::Recipe;
 use linden_exporters::{Estimate, Exporter, OptionSpec, Options, USUAL};
 use tui_input::Input;
 
+use super::own::OwnKnobs;
 use crate::config::session;
 use crate::jobs::{Findings, Inquiry, ShownTree, TargetFinding};
 use crate::tui::chrome::prompt::{common_start, edit, paste};
@@ -36,6 +39,8 @@ pub struct ExportDialog {
     pub start: StartState,
     /// Whether camera, sun, sky and ground go along.
     pub scene: bool,
+    /// Knobs of the tree that are turned for this export; none of a forest.
+    pub own: Option<OwnKnobs>,
     /// What was found out about targets, by what was typed.
     findings: BTreeMap<String, TargetFinding>,
     /// What the tree will amount to.
@@ -66,6 +71,8 @@ pub enum ExportSpot {
     Option(usize, usize),
     /// Where a chosen format goes.
     Target(usize),
+    /// A knob of the tree, by its place among those that are turned here.
+    Own(usize),
     /// Whether camera, sun, sky and ground go along.
     Scene,
     /// The button.
@@ -117,7 +124,12 @@ impl FormatChoice {
 
 impl ExportDialog {
     /// The dialog for an id and what it can be written in, with what was chosen last.
-    pub fn new(last: &session::ExportChoices, id: &str, all: &[&'static dyn Exporter]) -> Self {
+    pub fn new(
+        last: &session::ExportChoices,
+        id: &str,
+        all: &[&'static dyn Exporter],
+        tree: Option<&Arc<Recipe>>,
+    ) -> Self {
         let known = |format: &str| all.iter().any(|exporter| exporter.format().id == format);
         let is_first = !last.formats.iter().any(|format| known(format));
         let choice = |exporter: &&'static dyn Exporter| {
@@ -147,6 +159,7 @@ impl ExportDialog {
             line: None,
             start: StartState::Idle,
             scene: last.options.iter().any(|(name, value)| name == SCENE && value == "true"),
+            own: tree.map(OwnKnobs::new),
             findings: BTreeMap::new(),
             estimate: None,
             round: 0,
@@ -172,6 +185,7 @@ impl ExportDialog {
                 spots.extend((0..choice.exporter.format().options.len()).map(|k| ExportSpot::Option(i, k)));
             }
         }
+        spots.extend((0..self.own.as_ref().map_or(0, OwnKnobs::len)).map(ExportSpot::Own));
         spots.extend([ExportSpot::Scene, ExportSpot::Start]);
         spots
     }
@@ -205,17 +219,30 @@ impl ExportDialog {
             (self.scene, self.start) = (!self.scene, StartState::Idle);
             return true;
         }
-        let is_toggled = self.option().is_some_and(|(_, spec, _)| is_toggled(spec));
+        if let Some((knob, ..)) = self.own_row() {
+            return is_toggled(&knob.knob.kind) && self.nudge(true);
+        }
+        let is_toggled = self.option().is_some_and(|(_, spec, _)| is_toggled(&spec.knob.kind));
         is_toggled && self.nudge(true)
     }
 
     /// Changes the option at the cursor by one; whether that can be.
     pub fn nudge(&mut self, up: bool) -> bool {
+        if let (ExportSpot::Own(row), Some(own)) = (self.cursor, &mut self.own) {
+            self.start = StartState::Idle;
+            return own.nudge(row, up);
+        }
         let Some((i, spec, value)) = self.option() else { return false };
         let Some(text) = nudged(&spec.knob.kind, value, up, Nudge::Usual) else { return false };
         self.start = StartState::Idle;
         // What a nudge gives is a value of its kind.
         self.formats[i].options.set(spec.knob.name, &text).is_ok()
+    }
+
+    /// The knob at the cursor that is turned for this export.
+    fn own_row(&self) -> Option<(&PresetKnob, Value, bool)> {
+        let ExportSpot::Own(row) = self.cursor else { return None };
+        self.own.as_ref()?.row(row)
     }
 
     /// The option at the cursor: its format's place, its row, its value.
@@ -232,6 +259,7 @@ impl ExportDialog {
             ExportSpot::Option(..) => {
                 self.option().map(|(_, _, value)| value.to_string()).unwrap_or_default()
             }
+            ExportSpot::Own(_) => self.own_row().map(|(_, value, _)| value.to_string()).unwrap_or_default(),
             ExportSpot::Format(_) | ExportSpot::Scene | ExportSpot::Start => return,
         };
         self.start = StartState::Idle;
@@ -255,6 +283,12 @@ impl ExportDialog {
                 let spec = &self.formats[i].exporter.format().options[k];
                 if let Err(error) = self.formats[i].options.set(spec.knob.name, &text) {
                     line.problem = Some(error.to_string());
+                    return;
+                }
+            }
+            ExportSpot::Own(row) => {
+                if let Some(Err(problem)) = self.own.as_mut().map(|own| own.set(row, &text)) {
+                    line.problem = Some(problem);
                     return;
                 }
             }
@@ -306,7 +340,7 @@ impl ExportDialog {
             round: self.round,
             targets: chosen.map(target).collect(),
             completes: self.line.as_ref().and_then(|line| line.completes.clone()),
-            shown: shown.filter(|shown| self.estimate(shown).is_none()).cloned(),
+            shown: shown.filter(|shown| !self.is_another_tree() && self.estimate(shown).is_none()).cloned(),
             sources,
         }
     }
@@ -324,6 +358,11 @@ impl ExportDialog {
         self.start == StartState::Looking && inquiry.round == self.round
     }
 
+    /// Whether what is exported is not what is on screen: its size is not known.
+    pub fn is_another_tree(&self) -> bool {
+        self.own.as_ref().is_some_and(|own| !own.is_idle())
+    }
+
     /// Takes what a tree will amount to.
     pub fn take_estimate(&mut self, shown: Arc<ShownTree>, estimate: Estimate) {
         self.estimate = Some((shown, estimate));
@@ -331,6 +370,9 @@ impl ExportDialog {
 
     /// What a tree will amount to, once it is known.
     pub fn estimate(&self, shown: &Arc<ShownTree>) -> Option<&Estimate> {
+        if self.is_another_tree() {
+            return None;
+        }
         self.estimate.as_ref().filter(|(of, _)| Arc::ptr_eq(of, shown)).map(|(_, estimate)| estimate)
     }
 
@@ -392,8 +434,8 @@ impl ExportDialog {
 }
 
 /// Whether an option has so few values that keys go through them.
-pub fn is_toggled(spec: &OptionSpec) -> bool {
-    matches!(spec.knob.kind, Kind::Switch | Kind::Choice(_))
+pub fn is_toggled(kind: &Kind) -> bool {
+    matches!(kind, Kind::Switch | Kind::Choice(_))
 }
 
 /// A target's directory as it was typed, with the separator at its end; nothing for the current one.

@@ -6,6 +6,7 @@
 
 mod commands;
 mod dialog;
+mod own;
 mod view;
 
 use std::path::PathBuf;
@@ -17,6 +18,7 @@ pub use dialog::CONTEXT as EXPORT_CONTEXT;
 pub use view::status;
 
 use self::dialog::{ExportDialog, ExportSpot, StartState};
+use self::own::OwnKnobs;
 use super::effect::{Effect, Effects};
 use super::library;
 use super::model::{ExportReport, Exporting, Model, RunningExport};
@@ -147,7 +149,8 @@ fn new_dialog(model: &Model) -> Option<ExportDialog> {
     let id = model.tree.as_ref().map(|tree| tree.wanted().preset.id.as_str()).or(of_forest)?;
     // A picture of a forest is drawn by 'linden preview', from trees that are simpler.
     let all = if model.forest.is_some() { exporters() } else { formats() };
-    Some(ExportDialog::new(&model.exporting.last, id, &all))
+    let tree = model.tree.as_ref().map(Tree::wanted);
+    Some(ExportDialog::new(&model.exporting.last, id, &all, tree))
 }
 
 /// Opens the dialog with a format ticked, the cursor on it.
@@ -188,14 +191,26 @@ fn subject(model: &Model) -> Option<(ExportSubject, Vec<PathBuf>, Vec<&'static s
         return Some((ExportSubject::Forest(Arc::clone(forest.wanted())), forest.files().to_vec(), turned));
     }
     let tree = model.tree.as_ref()?;
-    let (recipe, shown) = (Arc::clone(tree.wanted()), current(tree).cloned());
-    Some((ExportSubject::Tree { recipe, shown }, tree.files(), tree.turned()))
+    let dialog = model.dialogs.find::<ExportDialog>()?;
+    let (mut recipe, mut shown, mut turned) =
+        (Arc::clone(tree.wanted()), current(tree).cloned(), tree.turned());
+    for (name, value) in dialog.own.iter().flat_map(OwnKnobs::turned) {
+        // Its document may have been read again, and have another value that this one goes with no more.
+        Arc::make_mut(&mut recipe).preset.set(name, &value).ok()?;
+        // The leaves may be others.
+        shown = None;
+        turned.extend((!turned.contains(&name)).then_some(name));
+    }
+    Some((ExportSubject::Tree { recipe, shown }, tree.files(), turned))
 }
 
 /// Hands the order in and closes the dialog.
 fn start(model: &mut Model, effects: &mut Effects) {
     let Some(dialog) = model.dialogs.find::<ExportDialog>() else { return };
-    let Some((subject, sources, turned)) = subject(model) else { return };
+    let Some((subject, sources, turned)) = subject(model) else {
+        let why = "Export: what is turned here does not go with the tree on screen any more; open it again";
+        return model.say_warning(why);
+    };
     let (outputs, replaces, scene) = (dialog.outputs(), dialog.replaced(), dialog.scene);
     let (makes_folders, last) = (dialog.makes_folders(), dialog.choices());
     let exporting = &mut model.exporting;
@@ -244,7 +259,7 @@ impl ExportDialog {
             }
             ExportSpot::Start => self.press_start(model),
             ExportSpot::Target(_) => self.begin_line(),
-            ExportSpot::Format(_) | ExportSpot::Option(..) | ExportSpot::Scene => {
+            ExportSpot::Format(_) | ExportSpot::Option(..) | ExportSpot::Own(_) | ExportSpot::Scene => {
                 if !self.toggle() {
                     self.begin_line();
                 }

@@ -738,3 +738,39 @@ fn text_from_outside_cannot_drive_the_terminal() {
         assert!(text.contains("u{1b}"), "{text}");
     }
 }
+
+#[test]
+fn knobs_are_turned_for_one_export_and_its_size_is_not_promised() {
+    let mut bench = ExportBench::new();
+    bench.keys("e");
+    assert!(bench.text(100, 50).contains(" vertices, "));
+    bench.go_to(ExportSpot::Own(0));
+    bench.keys("enter");
+    bench.retype("90x");
+    bench.keys("enter");
+    assert!(bench.dialog().line.as_ref().unwrap().problem.is_some(), "that is no number");
+    bench.retype("90");
+    bench.keys("enter");
+    let text = bench.text(100, 50);
+    assert!(text.contains("●triangles") && text.contains("90") && !text.contains(" vertices, "), "{text}");
+    let tree = bench.model.tree.as_ref().unwrap();
+    assert!(!tree.is_modified(), "the tree on screen is as it was");
+    let target = bench.at("few.glb");
+    bench.go_to(ExportSpot::Target(place_of("glb")));
+    bench.keys("enter");
+    bench.retype(&target);
+    bench.keys("enter");
+    let order = ExportBench::order(bench.keys("x"));
+    let (recipe, shown) = tree_of(&order);
+    assert_eq!((recipe.preset.dressing.detail.triangles, shown.is_none()), (90, true));
+    assert!(order.turned.contains(&"triangles"));
+    // The next dialog is that of the tree again; and what is set back is the tree.
+    bench.keys("e");
+    let text = bench.text(100, 50);
+    assert!(!text.contains('●') && text.contains(" vertices, "), "{text}");
+    bench.go_to(ExportSpot::Own(1));
+    bench.keys("right");
+    assert!(bench.text(100, 50).contains("●lods"));
+    bench.keys("left");
+    assert!(!bench.text(100, 50).contains('●'));
+}

@@ -36,6 +36,8 @@ const ID: usize = 13;
 const INDENT: u16 = 4;
 /// Columns of an option's name.
 const NAME: usize = 10;
+/// Columns of the name of a knob that is turned here.
+const OWN: u16 = 14;
 /// Columns of the footer's bar.
 const BAR: u64 = 10;
 /// Columns of a name in the footer.
@@ -123,6 +125,13 @@ fn paint(model: &Model, dialog: &ExportDialog, body: Rect, buffer: &mut Buffer, 
         let row = Rect { height: 1, ..area };
         match &model.forest {
             Some(forest) => forest_row(model, forest, row, buffer),
+            None if dialog.is_another_tree() => {
+                let text = clipped(
+                    " another tree than on screen: its size is known when it is written",
+                    row.width.into(),
+                );
+                buffer.set_stringn(row.x, row.y, text, row.width.into(), model.config.theme.popup_dim);
+            }
             None => heading_row(model, shown.is_some(), estimate, row, buffer),
         }
     }
@@ -192,6 +201,7 @@ impl RowPainter<'_> {
             ExportSpot::Format(i) => self.format(&self.dialog.formats[i], base, buffer),
             ExportSpot::Option(i, k) => self.option(&self.dialog.formats[i], k, base, buffer, view),
             ExportSpot::Target(i) => self.target(&self.dialog.formats[i], base, buffer, view),
+            ExportSpot::Own(row) => self.own(row, base, buffer, view),
             ExportSpot::Scene => self.scene(base, buffer),
             ExportSpot::Start => self.start(buffer, view),
         }
@@ -278,6 +288,27 @@ impl RowPainter<'_> {
             let dim = self.model.config.theme.popup_dim;
             self.text(x, self.area.right(), help, if self.chosen { base } else { dim }, buffer);
         }
+    }
+
+    /// A knob that is turned for this export.
+    fn own(&self, row: usize, base: Style, buffer: &mut Buffer, view: &mut View) {
+        let Some((knob, value, differs)) = self.dialog.own.as_ref().and_then(|own| own.row(row)) else {
+            return;
+        };
+        let (theme, end) = (&self.model.config.theme, self.area.right());
+        if differs {
+            self.text(self.area.x, end, "●", base.patch(theme.modified), buffer);
+        }
+        let x = self.text(self.area.x + 1, end, knob.knob.name, base, buffer).max(self.area.x + OWN) + 1;
+        if self.line(x, buffer, view) {
+            return;
+        }
+        let text = match knob.knob.kind {
+            Kind::Choice(_) => format!("‹ {value} ›"),
+            _ => format!("{value} {}", knob.knob.unit),
+        };
+        let x = self.text(x, end, &text, base.patch(theme.value), buffer);
+        self.about(x + 2, knob.knob.help, base, buffer);
     }
 
     fn scene(&self, base: Style, buffer: &mut Buffer) {
@@ -428,6 +459,13 @@ fn said(model: &Model, dialog: &ExportDialog) -> (String, Style) {
                 "where the file goes; files that belong to it lie beside it. Tab completes, ~/ is home";
             (words.to_owned(), theme.popup_dim)
         }),
+        ExportSpot::Own(row) => match dialog.own.as_ref().and_then(|own| own.row(row)) {
+            Some((knob, ..)) => {
+                let text = format!("of this export alone: {} ({})", knob.knob.help, knob.knob.kind);
+                (text, theme.popup)
+            }
+            None => (String::new(), theme.popup),
+        },
         ExportSpot::Scene => (SCENE.to_owned(), theme.popup),
         ExportSpot::Start => match dialog.start {
             StartState::Asking => {
