@@ -5,6 +5,7 @@ use linden::lsystem::TracedModule;
 use linden_raster::View;
 
 use crate::jobs::DerivedWord;
+use crate::tui::picture;
 
 /// Half a cross, as a share of what is framed.
 const CROSS: f32 = 0.012;
@@ -110,14 +111,7 @@ pub fn nearest(word: &DerivedWord, view: &View, place: Vec2) -> Option<usize> {
     let drawn = (0..modules.len()).filter(|&module| !modules[module].nodes.is_empty());
     let with_distance = drawn.filter_map(|module| {
         let (from, to) = (before(modules, module), modules[module].at?);
-        Some((module, distance(place, view.project(from).at, view.project(to).at)))
+        Some((module, picture::distance_px(place, view.project(from).at, view.project(to).at)))
     });
     with_distance.min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(module, _)| module)
-}
-
-/// How far a point is from a segment.
-fn distance(point: Vec2, from: Vec2, to: Vec2) -> f32 {
-    let along = to - from;
-    let share = ((point - from).dot(along) / along.length_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
-    point.distance(from + along * share)
 }

@@ -170,6 +170,13 @@ pub fn pointed_at(model: &Model, column: u16, row: u16) -> Option<(View, Vec2)> 
     Some((view, Vec2::new(middle(column, area.x, wide), middle(row, area.y, high))))
 }
 
+/// How far a pixel is from a line between two others.
+pub fn distance_px(place: Vec2, from: Vec2, to: Vec2) -> f32 {
+    let along = to - from;
+    let share = ((place - from).dot(along) / along.length_squared().max(f32::MIN_POSITIVE)).clamp(0.0, 1.0);
+    place.distance(from + along * share)
+}
+
 /// The level of detail that is shown: none where the tree has no such level any more, or moves.
 fn level(model: &Model) -> Option<usize> {
     let is_still = model.wind.frame().is_none() && model.growth.step().is_none();

@@ -226,7 +226,7 @@ fn go(model: &mut Model, to: impl FnOnce(&WoodPick) -> Option<u32>) {
     });
 }
 
-/// The axis of which a node is drawn nearest to a place of the screen.
+/// The axis of which a segment is drawn nearest to a place of the screen.
 fn nearest(model: &Model, shown: &ShownTree, column: u16, row: u16) -> Option<u32> {
     let (view, place) = picture::pointed_at(model, column, row)?;
     let skeleton = &shown.grown.skeleton;
@@ -234,7 +234,9 @@ fn nearest(model: &Model, shown: &ShownTree, column: u16, row: u16) -> Option<u3
     // Of wood that lies over each other, the thicker one: a trunk can be hit, and a twig beside it, too.
     let cost = |node: usize| {
         let seen = view.project(skeleton.positions[node]);
-        (seen.at.distance(place) - seen.scale * skeleton.radii[node]).max(0.0)
+        let parent = skeleton.positions.get(skeleton.parents[node] as usize);
+        let from = parent.map_or(seen.at, |&parent| view.project(parent).at);
+        (picture::distance_px(place, from, seen.at) - seen.scale * skeleton.radii[node]).max(0.0)
     };
     let thicker = |a: usize, b: usize| skeleton.radii[b].total_cmp(&skeleton.radii[a]);
     let found =

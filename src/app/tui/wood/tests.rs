@@ -95,3 +95,32 @@ fn the_mouse_picks_what_is_drawn_there() {
     bench.mouse(crossterm::event::MouseEventKind::Down(crossterm::event::MouseButton::Left), column, row);
     assert_eq!(bench.model.dialogs.find::<WoodPick>().map(|pick| pick.axis), Some(widest));
 }
+
+#[test]
+fn a_click_on_a_long_segment_picks_it_though_a_node_of_another_axis_is_nearer() {
+    let mut bench = Bench::new(120, 40).with_tree();
+    // A limb of one segment, and on it a twig that comes back to a tenth of a metre below its middle.
+    let grammar = "axiom = F(1)[+(90)F(1)[+(90)F(0.5)+(90)F(0.5)+(90)F(0.4)]]F(1)\nX -> X\n";
+    shape::grammar::take_text(&mut bench.model, grammar);
+    bench.settle();
+    bench.keys("a").settle();
+    let shown = Arc::clone(bench.model.tree.as_ref().unwrap().shown.as_ref().unwrap());
+    let skeleton = &shown.grown.skeleton;
+    let limb = (0..3).find(|&axis| skeleton.axes[axis].order == 1).unwrap() as u32;
+    let middle = line_of(skeleton, limb).iter().take(2).sum::<Vec3>() / 2.0;
+    let nearest = (0..skeleton.positions.len())
+        .min_by(|&a, &b| {
+            let far = |node: usize| skeleton.positions[node].distance(middle);
+            far(a).total_cmp(&far(b))
+        })
+        .unwrap();
+    assert_ne!(skeleton.axis_of_nodes()[nearest], limb, "the node next to it is the twig's");
+    let area = picture::area(&bench.model).unwrap();
+    let (wide, high) = picture::wanted(&bench.model).unwrap().medium.cell_px;
+    let (view, _) = picture::pointed_at(&bench.model, area.x, area.y).unwrap();
+    let at = view.project(middle).at;
+    let cell = |px: f32, one: u16| (px / f32::from(one)) as u16;
+    let press = crossterm::event::MouseEventKind::Down(crossterm::event::MouseButton::Left);
+    bench.mouse(press, area.x + cell(at.x, wide), area.y + cell(at.y, high));
+    assert_eq!(bench.model.dialogs.find::<WoodPick>().map(|pick| pick.axis), Some(limb));
+}
