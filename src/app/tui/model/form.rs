@@ -16,6 +16,8 @@ pub enum FormSpot {
     Knob(&'static str),
     /// The grammar's axiom (0) or one of its rules (from 1).
     Rule(usize),
+    /// An edit of the wood.
+    Edit(usize),
 }
 
 impl Form {

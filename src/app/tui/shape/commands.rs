@@ -3,7 +3,7 @@
 use super::grammar::GrammarEditor;
 use super::nudge::Nudge;
 use super::save_lines::SaveLine;
-use super::{grammar, nudge, only_turned, open, save, selected, selected_rule, step, turn};
+use super::{grammar, nudge, only_turned, open, save, selected, selected_edit, selected_rule, step, turn};
 use crate::tui::command::Context;
 use crate::tui::dialog::After;
 use crate::tui::effect::{Effect, Effects};
@@ -11,6 +11,7 @@ use crate::tui::forest::{self, ForestOnScreen};
 use crate::tui::layout::Pane;
 use crate::tui::model::{Command, Model, free, without_form, without_preset};
 use crate::tui::tree::{Tree, TreePlace, grammar_of};
+use crate::tui::wood;
 
 fn unless(model: &Model, can: impl Fn(&Tree) -> bool, why: &str) -> Option<String> {
     without_preset(model)
@@ -231,6 +232,9 @@ pub const COMMANDS: &[Command] = &[
                 let can = |forest: &ForestOnScreen| forest.is_turned(knob.name);
                 return either(model, |_| false, can, "this is as saved");
             }
+            if selected_edit(model).is_some() {
+                return Some("an edit is typed anew, or taken away with its own key".to_owned());
+            }
             let rule = selected_rule(model).is_some();
             let turned = |tree: &Tree| {
                 (rule && tree.grammar() != grammar_of(&tree.saved().preset))
@@ -253,6 +257,23 @@ pub const COMMANDS: &[Command] = &[
             match saved {
                 Some(value) => turn(model, row.knob.name, &value.to_string()),
                 None => model.say_warning("the saved preset does not have this knob"),
+            }
+        },
+    },
+    Command {
+        id: "edit-remove",
+        context: Context::SHAPE,
+        keys: &["delete"],
+        title: "Take edit away",
+        help: "Takes the edit of the wood at the cursor out of the preset",
+        hint: Some(15),
+        hindrance: |model| {
+            let why = || "the cursor is on no edit of the wood".to_owned();
+            without_preset(model).or_else(|| selected_edit(model).is_none().then(why))
+        },
+        run: |model, _| {
+            if let Some(edit) = selected_edit(model) {
+                wood::take_away(model, edit);
             }
         },
     },

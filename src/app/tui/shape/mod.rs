@@ -33,6 +33,7 @@ use super::layout::Pane;
 use super::model::{FormSpot, Model};
 use super::picture;
 use super::tree::{Tree, TreePlace, grammar_of};
+use super::wood;
 use crate::jobs::{PictureLook, ShownTree};
 
 /// A row of the form.
@@ -47,6 +48,10 @@ pub enum FormRow {
     MoreRules(usize),
     /// A knob with its value.
     Knob(PresetKnob, Value),
+    /// The heading of the edits of the wood.
+    Edits,
+    /// One of them, in short.
+    Edit(usize, String),
 }
 
 impl FormRow {
@@ -55,7 +60,8 @@ impl FormRow {
         match self {
             Self::Knob(knob, _) => Some(FormSpot::Knob(knob.knob.name)),
             Self::Rule(index, _) => Some(FormSpot::Rule(*index)),
-            Self::Heading(_) | Self::MoreRules(_) => None,
+            Self::Edit(index, _) => Some(FormSpot::Edit(*index)),
+            Self::Heading(_) | Self::MoreRules(_) | Self::Edits => None,
         }
     }
 }
@@ -87,7 +93,16 @@ pub fn rows(preset: &Preset) -> Vec<FormRow> {
         }
         rows.extend(members.into_iter().map(|(row, value)| FormRow::Knob(*row, value.clone())));
     }
+    if !preset.edits.is_empty() {
+        rows.push(FormRow::Edits);
+        rows.extend(edit_lines(preset).into_iter().enumerate().map(|(i, line)| FormRow::Edit(i, line)));
+    }
     rows
+}
+
+/// The edits of the wood in short, a line each.
+fn edit_lines(preset: &Preset) -> Vec<String> {
+    preset.edits.iter().map(ToString::to_string).collect()
 }
 
 /// The rows that are listed of the tree on screen: all, or those that differ from the document with the headings of
@@ -98,23 +113,26 @@ pub fn listed(model: &Model, tree: &Tree) -> Vec<FormRow> {
         return all;
     }
     let saved = grammar_of(&tree.saved().preset).map(|grammar| grammar::lines(grammar).0).unwrap_or_default();
+    let saved_edits = edit_lines(&tree.saved().preset);
+    let is_heading = |row: &FormRow| matches!(row, FormRow::Heading(_) | FormRow::Edits);
     let mut kept: Vec<FormRow> = Vec::new();
     for row in all {
         let differs = match &row {
-            FormRow::Heading(_) => true,
+            FormRow::Heading(_) | FormRow::Edits => true,
+            FormRow::Edit(_, text) => !saved_edits.contains(text),
             FormRow::Rule(_, text) => !saved.contains(text),
             FormRow::MoreRules(_) => false,
             FormRow::Knob(knob, _) => tree.is_turned(knob),
         };
         if differs {
             // A section without rows has no heading.
-            if matches!((kept.last(), &row), (Some(FormRow::Heading(_)), FormRow::Heading(_))) {
+            if is_heading(&row) && kept.last().is_some_and(is_heading) {
                 kept.pop();
             }
             kept.push(row);
         }
     }
-    if matches!(kept.last(), Some(FormRow::Heading(_))) {
+    if kept.last().is_some_and(is_heading) {
         kept.pop();
     }
     kept
@@ -141,7 +159,15 @@ pub fn selected(model: &Model) -> Option<(PresetKnob, Value)> {
 fn selected_rule(model: &Model) -> Option<usize> {
     match spot(model, &listed(model, model.tree.as_ref()?))? {
         FormSpot::Rule(index) => Some(index),
-        FormSpot::Knob(_) => None,
+        FormSpot::Knob(_) | FormSpot::Edit(_) => None,
+    }
+}
+
+/// The edit of the wood that the cursor is on.
+fn selected_edit(model: &Model) -> Option<usize> {
+    match spot(model, &listed(model, model.tree.as_ref()?))? {
+        FormSpot::Edit(index) => Some(index),
+        FormSpot::Knob(_) | FormSpot::Rule(_) => None,
     }
 }
 
@@ -168,7 +194,8 @@ fn nudge(model: &mut Model, up: bool, how: Nudge) {
         };
     }
     let Some((row, value)) = selected(model) else {
-        return model.say("a line of the grammar is typed: press Enter");
+        let what = if selected_edit(model).is_some() { "an edit" } else { "a line of the grammar" };
+        return model.say(format!("{what} is typed: press Enter"));
     };
     // What is left to linden is nudged from what linden has made of it.
     let now = model.tree.as_ref().and_then(|tree| resolved(tree, &row)).filter(|_| value == Value::Auto);
@@ -200,10 +227,13 @@ fn rounded(x: f32) -> f64 {
     format!("{x:.2e}").parse().unwrap_or(f64::from(x))
 }
 
-/// Enter: types the knob's value, flips a switch, opens the grammar.
+/// Enter: types the knob's value or an edit, flips a switch, opens the grammar.
 fn open(model: &mut Model) {
     if let Some(rule) = selected_rule(model) {
         return grammar::open(model, rule);
+    }
+    if let Some(edit) = selected_edit(model) {
+        return wood::type_again(model, edit);
     }
     let of_tree = selected(model).map(|(row, value)| (row.knob.name, row.knob.kind, value));
     let of_forest = || forest::selected(model).map(|(knob, value)| (knob.name, knob.kind, value));

@@ -10,7 +10,7 @@ use ratatui::widgets::{Paragraph, Widget, Wrap};
 use unicode_width::UnicodeWidthStr;
 
 use super::value::ValueLine;
-use super::{FormRow, complete, forecast, listed, resolved, spot};
+use super::{FormRow, complete, edit_lines, forecast, listed, resolved, spot};
 use crate::tui::chrome::prompt::Prompt;
 use crate::tui::forest::ForestOnScreen;
 use crate::tui::layout::{Pane, Target, View, first_row};
@@ -69,6 +69,7 @@ pub fn view(model: &Model, area: Rect, buffer: &mut Buffer, view: &mut View) {
         other_rules: grammar_of(&other.preset)
             .map(|grammar| super::grammar::lines(grammar).0)
             .unwrap_or_default(),
+        other_edits: edit_lines(&other.preset),
     };
     let at = rows.iter().position(|row| row.spot().is_some() && row.spot() == chosen).unwrap_or(0);
     if rows.is_empty() && !list.is_empty() {
@@ -131,6 +132,8 @@ struct FormView<'a> {
     other: &'a Preset,
     /// Its grammar, a line each.
     other_rules: Vec<String>,
+    /// Its edits of the wood, a line each.
+    other_edits: Vec<String>,
 }
 
 impl FormView<'_> {
@@ -150,9 +153,12 @@ impl FormView<'_> {
                 let text = clipped(&format!(" … and {more} more rules"), area.width.into());
                 buffer.set_stringn(area.x, area.y, text, area.width.into(), theme.dim);
             }
-            FormRow::Rule(_, text) => {
+            FormRow::Edits => {
+                buffer.set_stringn(area.x, area.y, "Edits of the wood", area.width.into(), theme.heading);
+            }
+            FormRow::Rule(_, text) | FormRow::Edit(_, text) => {
                 buffer.set_style(area, base);
-                let is_other = !self.other_rules.contains(text);
+                let is_other = !self.other_rules.contains(text) && !self.other_edits.contains(text);
                 self.mark(
                     is_other.then_some(if self.tree.compares { ASIDE } else { TURNED }),
                     base,
@@ -230,6 +236,7 @@ impl FormView<'_> {
         let name = match row {
             FormRow::Knob(row_knob, _) => row_knob.knob.name,
             FormRow::Rule(0, _) => "axiom",
+            FormRow::Edit(..) => "edit",
             _ => "rule",
         };
         let rule =
@@ -248,7 +255,20 @@ impl FormView<'_> {
                 }
                 lines.push(Line::styled("Enter edits the grammar; E opens it in $EDITOR", theme.text));
             }
-            FormRow::Heading(_) | FormRow::MoreRules(_) => {}
+            FormRow::Edit(index, text) => {
+                if text.width() + 1 > usize::from(area.width) {
+                    lines.push(Line::styled(linden::knob::printable(text), theme.value));
+                }
+                let remarks = self.tree.shown.iter().flat_map(|shown| &shown.grown.remarks);
+                for remark in remarks.filter(|remark| remark.number == index + 1) {
+                    lines.push(Line::styled(remark.why.clone(), theme.warning));
+                }
+                lines.push(Line::styled(
+                    "Enter types it anew, Delete takes it away; docs/editing.md",
+                    theme.text,
+                ));
+            }
+            FormRow::Heading(_) | FormRow::MoreRules(_) | FormRow::Edits => {}
         }
         let is_grown_by = matches!(row, FormRow::Rule(..))
             || matches!(row, FormRow::Knob(PresetKnob { section: Section::Generator(_), .. }, _));

@@ -15,12 +15,14 @@ use crate::tui::model::Model;
 /// The line of an edit.
 pub struct EditLine {
     prompt: Prompt,
+    /// The edit of the preset in whose place it goes.
+    replaces: Option<usize>,
 }
 
 impl EditLine {
     /// With an edit to begin with.
-    pub fn new(text: &str) -> Self {
-        Self { prompt: Prompt::new(text) }
+    pub fn new(text: &str, replaces: Option<usize>) -> Self {
+        Self { prompt: Prompt::new(text), replaces }
     }
 
     fn judge(&mut self) {
@@ -64,7 +66,7 @@ impl Dialog<Model> for EditLine {
     }
 
     fn accept(&mut self, model: &mut Model, _effects: &mut Effects) -> After {
-        match super::add(model, self.prompt.text().trim()) {
+        match super::add(model, self.prompt.text().trim(), self.replaces) {
             Ok(()) => After::Closes,
             Err(why) => {
                 self.prompt.problem = Some(why);

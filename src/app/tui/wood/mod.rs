@@ -178,16 +178,23 @@ fn open(model: &mut Model) {
     }
 }
 
-/// Adds an edit that was typed to the preset; why not.
-fn add(model: &mut Model, text: &str) -> Result<(), String> {
+/// Adds an edit that was typed to the preset, or puts it in the place of another; why not.
+fn add(model: &mut Model, text: &str, replaces: Option<usize>) -> Result<(), String> {
     let Some(tree) = &mut model.tree else { return Err("no preset is chosen".to_owned()) };
     let mut preset = tree.preset().clone();
+    let place = replaces.filter(|place| *place < preset.edits.len());
+    if let Some(place) = place {
+        preset.edits.remove(place);
+    }
     preset.edit(text).map_err(|error| error.problem)?;
     if let (Some(last), Some(shown)) = (preset.edits.pop(), &tree.shown) {
         let grown = &shown.grown;
         let named = grown.axis_paths();
         // That it is found again when other knobs change the tree a little.
         preset.edits.push(Edit::witnessed(last, &grown.as_grown.skeleton, &named));
+    }
+    if let Some(place) = place {
+        preset.edits[place..].rotate_right(1);
     }
     tree.replace(preset);
     model.say(format!("edited: {text}; Undo takes it back"));
@@ -198,7 +205,7 @@ fn add(model: &mut Model, text: &str) -> Result<(), String> {
 fn remove(model: &mut Model) {
     let Some(pick) = model.dialogs.top::<WoodPick>() else { return };
     let text = pick.text(Operation::Remove.word());
-    if let Err(why) = add(model, &text) {
+    if let Err(why) = add(model, &text, None) {
         model.say_warning(why);
     }
 }
@@ -206,8 +213,27 @@ fn remove(model: &mut Model) {
 /// Asks how the axis that is picked is to be edited.
 fn ask(model: &mut Model, word: &str) {
     let Some(pick) = model.dialogs.top::<WoodPick>() else { return };
-    let line = EditLine::new(&pick.text(word));
+    let line = EditLine::new(&pick.text(word), None);
     model.dialogs.open(line);
+}
+
+/// Types an edit of the preset anew.
+pub fn type_again(model: &mut Model, edit: usize) {
+    let text = model.tree.as_ref().and_then(|tree| tree.preset().edits.get(edit));
+    if let Some(text) = text.map(ToString::to_string) {
+        model.dialogs.open(EditLine::new(&text, Some(edit)));
+    }
+}
+
+/// Takes an edit out of the preset.
+pub fn take_away(model: &mut Model, edit: usize) {
+    let Some(tree) = &mut model.tree else { return };
+    let mut preset = tree.preset().clone();
+    if edit < preset.edits.len() {
+        let text = preset.edits.remove(edit).to_string();
+        tree.replace(preset);
+        model.say(format!("taken away: {text}; Undo gives it back"));
+    }
 }
 
 /// Changes the pick.

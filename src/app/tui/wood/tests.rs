@@ -124,3 +124,51 @@ fn a_click_on_a_long_segment_picks_it_though_a_node_of_another_axis_is_nearer() 
     bench.mouse(press, area.x + cell(at.x, wide), area.y + cell(at.y, high));
     assert_eq!(bench.model.dialogs.find::<WoodPick>().map(|pick| pick.axis), Some(limb));
 }
+
+#[test]
+fn edits_stand_in_the_form_where_they_are_typed_anew_and_taken_away() {
+    let mut bench = fir();
+    let (all, _) = state(&bench);
+    for text in ["remove stem/3", "scale stem/5 0.5", "remove stem/7"] {
+        add(&mut bench.model, text, None).unwrap();
+    }
+    bench.settle();
+    let edits = |bench: &Bench| -> Vec<String> {
+        let preset = bench.model.tree.as_ref().unwrap().preset();
+        preset.edits.iter().map(ToString::to_string).collect()
+    };
+    let before = edits(&bench);
+    assert!(before.len() == 3 && state(&bench).0 < all, "{before:?}");
+    bench.model.focus_on(Pane::Shape);
+    bench.keys("G");
+    let screen = bench.screen();
+    assert!(screen.contains("Edits of the wood") && screen.contains(&format!("●{}", before[2])), "{screen}");
+    // The one in the middle, in its place.
+    bench.keys("k enter ctrl-u").types("scale stem/5 0.7").keys("enter").settle();
+    let after = edits(&bench);
+    assert_eq!([&after[0], &after[2]], [&before[0], &before[2]]);
+    assert!(after.len() == 3 && after[1].contains("0.7"), "{after:?}");
+    assert!(bench.model.tree.as_ref().unwrap().preset().edits[1].near.is_some(), "it is found again");
+    bench.keys("delete").settle();
+    assert_eq!(edits(&bench), [before[0].clone(), before[2].clone()]);
+    bench.keys("u u").settle();
+    assert_eq!(edits(&bench), before);
+    // What changed alone: the edits, below their heading.
+    bench.keys("*");
+    let screen = bench.screen();
+    assert!(screen.contains("Edits of the wood") && !screen.contains("crown_base"), "{screen}");
+    bench.keys("g");
+    assert!(bench.screen().contains("Delete takes it"), "{}", bench.screen());
+}
+
+#[test]
+fn an_edit_that_was_not_made_says_so_in_the_form() {
+    let mut bench = fir();
+    add(&mut bench.model, "remove stem/9999", None).unwrap();
+    bench.settle();
+    bench.model.focus_on(Pane::Shape);
+    bench.keys("G");
+    let shown = bench.model.tree.as_ref().unwrap().shown.as_ref().unwrap();
+    let why: String = shown.grown.remarks[0].why.chars().take(24).collect();
+    assert!(bench.screen().contains(&why), "{why}: {}", bench.screen());
+}
