@@ -236,3 +236,19 @@ fn small_screens_show_what_they_can() {
         }
     }
 }
+
+#[test]
+fn a_click_means_the_letter_that_stands_there_also_above_a_warning() {
+    let mut bench = Bench::grown(120, 40).without_pictures();
+    // Each module says which it is, and the open brace keeps a warning below them.
+    shape::grammar::take_text(&mut bench.model, "axiom = {A(1)\nA(n) -> F(n)A(n+1)\n");
+    let now = bench.model.now;
+    bench.model.tree.as_mut().unwrap().set("derivations", "400", now).unwrap();
+    bench.keys("d").settle();
+    bench.keys("G").settle();
+    let area = view::areas(&bench.model).word;
+    let row = bench.screen().lines().nth(area.y.into()).unwrap().to_owned();
+    bench.mouse(MouseEventKind::Down(MouseButton::Left), area.x, area.y);
+    let pointed = debugger(&bench).module().unwrap().to_string();
+    assert!(row.contains(&format!("│ {pointed}")), "{pointed}: {row}");
+}

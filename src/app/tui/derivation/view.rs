@@ -49,10 +49,22 @@ pub fn areas(model: &Model) -> Areas {
 
 /// The module that is painted where the mouse is.
 pub fn module_at(debugger: &Debugger, area: Rect, mouse: MouseEvent) -> Option<usize> {
-    let row = mouse.row.checked_sub(area.y)?;
+    let (area, _) = split(debugger, area);
+    let row = mouse.row.checked_sub(area.y).filter(|row| *row < area.height)?;
     let line = first_line(debugger, area) + usize::from(row);
     let is_there = line < debugger.lines.len();
     is_there.then(|| debugger.at_column(line, mouse.column.saturating_sub(area.x).into()))
+}
+
+/// The rows of the word's letters, and below them why there is no word, or no plant.
+fn split(debugger: &Debugger, area: Rect) -> (Rect, Option<(Rect, String)>) {
+    let undrawn = || debugger.word.as_ref().and_then(|word| word.traced.undrawn.as_ref());
+    let why = debugger.fault.clone().or_else(|| undrawn().map(ToString::to_string));
+    let Some(why) = why else { return (area, None) };
+    let rows = wrapped_within(&why, area.width.into(), FAULT).len() as u16;
+    let rows = rows.min(area.height / 2);
+    let letters = Rect { height: area.height - rows, ..area };
+    (letters, Some((Rect { y: letters.bottom(), height: rows, ..area }, why)))
 }
 
 fn first_line(debugger: &Debugger, area: Rect) -> usize {
@@ -91,13 +103,9 @@ pub fn paint(model: &Model, debugger: &Debugger, buffer: &mut Buffer, view: &mut
         );
     };
     head(model, debugger, word, areas.head, buffer);
-    let mut rest = areas.word;
-    let why = debugger.fault.clone().or_else(|| word.traced.undrawn.as_ref().map(ToString::to_string));
-    if let Some(why) = why {
-        let rows = wrapped_within(&why, rest.width.into(), FAULT).len() as u16;
-        let rows = rows.min(rest.height / 2);
-        rest.height -= rows;
-        say(&why, Rect { y: rest.bottom(), height: rows, ..rest }, theme.warning, buffer);
+    let (rest, why) = split(debugger, areas.word);
+    if let Some((area, why)) = why {
+        say(&why, area, theme.warning, buffer);
     }
     letters(model, debugger, word, rest, buffer);
     // The answer to a key: what is said of the module, and its line with those beside it.

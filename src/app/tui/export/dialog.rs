@@ -12,7 +12,7 @@ use linden::recipe::Recipe;
 use linden_exporters::{Estimate, Exporter, OptionSpec, Options, USUAL};
 use tui_input::Input;
 
-use super::own::OwnKnobs;
+use super::knobs::ExportKnobs;
 use crate::config::session;
 use crate::jobs::{Findings, Inquiry, ShownTree, TargetFinding};
 use crate::tui::chrome::prompt::{common_start, edit, paste};
@@ -40,7 +40,7 @@ pub struct ExportDialog {
     /// Whether camera, sun, sky and ground go along.
     pub scene: bool,
     /// Knobs of the tree that are turned for this export; none of a forest.
-    pub own: Option<OwnKnobs>,
+    pub knobs: Option<ExportKnobs>,
     /// What was found out about targets, by what was typed.
     findings: BTreeMap<String, TargetFinding>,
     /// What the tree will amount to.
@@ -72,7 +72,7 @@ pub enum ExportSpot {
     /// Where a chosen format goes.
     Target(usize),
     /// A knob of the tree, by its place among those that are turned here.
-    Own(usize),
+    Knob(usize),
     /// Whether camera, sun, sky and ground go along.
     Scene,
     /// The button.
@@ -159,7 +159,7 @@ impl ExportDialog {
             line: None,
             start: StartState::Idle,
             scene: last.options.iter().any(|(name, value)| name == SCENE && value == "true"),
-            own: tree.map(OwnKnobs::new),
+            knobs: tree.map(ExportKnobs::new),
             findings: BTreeMap::new(),
             estimate: None,
             round: 0,
@@ -185,7 +185,7 @@ impl ExportDialog {
                 spots.extend((0..choice.exporter.format().options.len()).map(|k| ExportSpot::Option(i, k)));
             }
         }
-        spots.extend((0..self.own.as_ref().map_or(0, OwnKnobs::len)).map(ExportSpot::Own));
+        spots.extend((0..self.knobs.as_ref().map_or(0, ExportKnobs::len)).map(ExportSpot::Knob));
         spots.extend([ExportSpot::Scene, ExportSpot::Start]);
         spots
     }
@@ -219,7 +219,7 @@ impl ExportDialog {
             (self.scene, self.start) = (!self.scene, StartState::Idle);
             return true;
         }
-        if let Some((knob, ..)) = self.own_row() {
+        if let Some((knob, ..)) = self.knob_row() {
             return is_toggled(&knob.knob.kind) && self.nudge(true);
         }
         let is_toggled = self.option().is_some_and(|(_, spec, _)| is_toggled(&spec.knob.kind));
@@ -228,9 +228,9 @@ impl ExportDialog {
 
     /// Changes the option at the cursor by one; whether that can be.
     pub fn nudge(&mut self, up: bool) -> bool {
-        if let (ExportSpot::Own(row), Some(own)) = (self.cursor, &mut self.own) {
+        if let (ExportSpot::Knob(row), Some(knobs)) = (self.cursor, &mut self.knobs) {
             self.start = StartState::Idle;
-            return own.nudge(row, up);
+            return knobs.nudge(row, up);
         }
         let Some((i, spec, value)) = self.option() else { return false };
         let Some(text) = nudged(&spec.knob.kind, value, up, Nudge::Usual) else { return false };
@@ -240,9 +240,9 @@ impl ExportDialog {
     }
 
     /// The knob at the cursor that is turned for this export.
-    fn own_row(&self) -> Option<(&PresetKnob, Value, bool)> {
-        let ExportSpot::Own(row) = self.cursor else { return None };
-        self.own.as_ref()?.row(row)
+    fn knob_row(&self) -> Option<(&PresetKnob, Value, bool)> {
+        let ExportSpot::Knob(row) = self.cursor else { return None };
+        self.knobs.as_ref()?.row(row)
     }
 
     /// The option at the cursor: its format's place, its row, its value.
@@ -259,7 +259,7 @@ impl ExportDialog {
             ExportSpot::Option(..) => {
                 self.option().map(|(_, _, value)| value.to_string()).unwrap_or_default()
             }
-            ExportSpot::Own(_) => self.own_row().map(|(_, value, _)| value.to_string()).unwrap_or_default(),
+            ExportSpot::Knob(_) => self.knob_row().map(|(_, value, _)| value.to_string()).unwrap_or_default(),
             ExportSpot::Format(_) | ExportSpot::Scene | ExportSpot::Start => return,
         };
         self.start = StartState::Idle;
@@ -286,8 +286,8 @@ impl ExportDialog {
                     return;
                 }
             }
-            ExportSpot::Own(row) => {
-                if let Some(Err(problem)) = self.own.as_mut().map(|own| own.set(row, &text)) {
+            ExportSpot::Knob(row) => {
+                if let Some(Err(problem)) = self.knobs.as_mut().map(|knobs| knobs.set(row, &text)) {
                     line.problem = Some(problem);
                     return;
                 }
@@ -360,7 +360,7 @@ impl ExportDialog {
 
     /// Whether what is exported is not what is on screen: its size is not known.
     pub fn is_another_tree(&self) -> bool {
-        self.own.as_ref().is_some_and(|own| !own.is_idle())
+        self.knobs.as_ref().is_some_and(|knobs| !knobs.is_idle())
     }
 
     /// Takes what a tree will amount to.

@@ -6,7 +6,7 @@
 
 mod commands;
 mod dialog;
-mod own;
+mod knobs;
 mod view;
 
 use std::path::PathBuf;
@@ -18,7 +18,7 @@ pub use dialog::CONTEXT as EXPORT_CONTEXT;
 pub use view::status;
 
 use self::dialog::{ExportDialog, ExportSpot, StartState};
-use self::own::OwnKnobs;
+use self::knobs::ExportKnobs;
 use super::effect::{Effect, Effects};
 use super::library;
 use super::model::{ExportReport, Exporting, Model, RunningExport};
@@ -194,7 +194,7 @@ fn subject(model: &Model) -> Option<(ExportSubject, Vec<PathBuf>, Vec<&'static s
     let dialog = model.dialogs.find::<ExportDialog>()?;
     let (mut recipe, mut shown, mut turned) =
         (Arc::clone(tree.wanted()), current(tree).cloned(), tree.turned());
-    for (name, value) in dialog.own.iter().flat_map(OwnKnobs::turned) {
+    for (name, value) in dialog.knobs.iter().flat_map(ExportKnobs::turned) {
         // Its document may have been read again, and have another value that this one goes with no more.
         Arc::make_mut(&mut recipe).preset.set(name, &value).ok()?;
         // The leaves may be others.
@@ -259,7 +259,7 @@ impl ExportDialog {
             }
             ExportSpot::Start => self.press_start(model),
             ExportSpot::Target(_) => self.begin_line(),
-            ExportSpot::Format(_) | ExportSpot::Option(..) | ExportSpot::Own(_) | ExportSpot::Scene => {
+            ExportSpot::Format(_) | ExportSpot::Option(..) | ExportSpot::Knob(_) | ExportSpot::Scene => {
                 if !self.toggle() {
                     self.begin_line();
                 }

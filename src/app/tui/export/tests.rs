@@ -744,7 +744,7 @@ fn knobs_are_turned_for_one_export_and_its_size_is_not_promised() {
     let mut bench = ExportBench::new();
     bench.keys("e");
     assert!(bench.text(100, 50).contains(" vertices, "));
-    bench.go_to(ExportSpot::Own(0));
+    bench.go_to(ExportSpot::Knob(0));
     bench.keys("enter");
     bench.retype("90x");
     bench.keys("enter");
@@ -768,7 +768,7 @@ fn knobs_are_turned_for_one_export_and_its_size_is_not_promised() {
     bench.keys("e");
     let text = bench.text(100, 50);
     assert!(!text.contains('●') && text.contains(" vertices, "), "{text}");
-    bench.go_to(ExportSpot::Own(1));
+    bench.go_to(ExportSpot::Knob(1));
     bench.keys("right");
     assert!(bench.text(100, 50).contains("●lods"));
     bench.keys("left");

@@ -37,7 +37,7 @@ const INDENT: u16 = 4;
 /// Columns of an option's name.
 const NAME: usize = 10;
 /// Columns of the name of a knob that is turned here.
-const OWN: u16 = 14;
+const KNOB_NAME: u16 = 14;
 /// Columns of the footer's bar.
 const BAR: u64 = 10;
 /// Columns of a name in the footer.
@@ -201,7 +201,7 @@ impl RowPainter<'_> {
             ExportSpot::Format(i) => self.format(&self.dialog.formats[i], base, buffer),
             ExportSpot::Option(i, k) => self.option(&self.dialog.formats[i], k, base, buffer, view),
             ExportSpot::Target(i) => self.target(&self.dialog.formats[i], base, buffer, view),
-            ExportSpot::Own(row) => self.own(row, base, buffer, view),
+            ExportSpot::Knob(row) => self.knob(row, base, buffer, view),
             ExportSpot::Scene => self.scene(base, buffer),
             ExportSpot::Start => self.start(buffer, view),
         }
@@ -291,15 +291,16 @@ impl RowPainter<'_> {
     }
 
     /// A knob that is turned for this export.
-    fn own(&self, row: usize, base: Style, buffer: &mut Buffer, view: &mut View) {
-        let Some((knob, value, differs)) = self.dialog.own.as_ref().and_then(|own| own.row(row)) else {
+    fn knob(&self, row: usize, base: Style, buffer: &mut Buffer, view: &mut View) {
+        let Some((knob, value, differs)) = self.dialog.knobs.as_ref().and_then(|knobs| knobs.row(row)) else {
             return;
         };
         let (theme, end) = (&self.model.config.theme, self.area.right());
         if differs {
             self.text(self.area.x, end, "●", base.patch(theme.modified), buffer);
         }
-        let x = self.text(self.area.x + 1, end, knob.knob.name, base, buffer).max(self.area.x + OWN) + 1;
+        let x =
+            self.text(self.area.x + 1, end, knob.knob.name, base, buffer).max(self.area.x + KNOB_NAME) + 1;
         if self.line(x, buffer, view) {
             return;
         }
@@ -459,7 +460,7 @@ fn said(model: &Model, dialog: &ExportDialog) -> (String, Style) {
                 "where the file goes; files that belong to it lie beside it. Tab completes, ~/ is home";
             (words.to_owned(), theme.popup_dim)
         }),
-        ExportSpot::Own(row) => match dialog.own.as_ref().and_then(|own| own.row(row)) {
+        ExportSpot::Knob(row) => match dialog.knobs.as_ref().and_then(|knobs| knobs.row(row)) {
             Some((knob, ..)) => {
                 let text = format!("of this export alone: {} ({})", knob.knob.help, knob.knob.kind);
                 (text, theme.popup)

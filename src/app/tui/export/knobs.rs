@@ -12,7 +12,7 @@ use crate::tui::shape::nudge::{Nudge, nudged};
 const KNOBS: [&str; 6] = ["triangles", "lods", "lod_triangles", "billboard", "wind", "season"];
 
 /// The knobs of one export.
-pub struct OwnKnobs {
+pub struct ExportKnobs {
     /// What is on screen.
     tree: Arc<Recipe>,
     /// The same with what is turned here.
@@ -21,7 +21,7 @@ pub struct OwnKnobs {
     rows: Vec<PresetKnob>,
 }
 
-impl OwnKnobs {
+impl ExportKnobs {
     /// For a tree, none of them turned yet.
     pub fn new(tree: &Arc<Recipe>) -> Self {
         let all = tree.preset.knobs();
