@@ -16,7 +16,7 @@ use crate::preset::Preset;
 use crate::provenance::TreeHash;
 use crate::recipe::{InputsError, Recipe};
 
-pub use linden_skeleton::generator::{Colonized, Fit, Scanned, Spread};
+pub use linden_skeleton::generator::{Colonized, Fit, Obstruction, Obstructs, Scanned, Spread};
 
 /// A grown tree, and how it came about.
 #[derive(Clone, Debug)]
@@ -409,6 +409,22 @@ pub fn outline(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Vec<Vec<glam::V
     Ok(recipe.preset.generator.outline(&recipe.task(), monitor)?)
 }
 
+/// What stands in the way of a recipe's tree and what takes light from it, where the tree of [`grow`] stands. None
+/// for what grows by itself.
+///
+/// ```
+/// use linden_pipeline::{Quiet, grow::{Obstructs, obstructions}, preset::builtin};
+/// let stone = &obstructions(&builtin("around-the-stone")?.recipe(&Quiet)?, &Quiet)?[0];
+/// assert!(stone.effect == Obstructs::Branches && !stone.triangles.is_empty());
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// As [`outline`].
+pub fn obstructions(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Vec<Obstruction>, GrowError> {
+    Ok(recipe.preset.generator.obstructions(&recipe.task(), monitor)?)
+}
+
 /// The step after a share of a tree's births, at which it has its first segment at least.
 fn step_of(skeleton: &Skeleton, age: f64) -> u32 {
     let last = skeleton.births.iter().copied().max().unwrap_or(0);
@@ -508,6 +524,51 @@ mod tests {
                 assert!((a - b).abs().max_element() < slack, "{id} {settings:?}: {a} {b}");
             }
         }
+    }
+
+    /// Whether a place is inside of triangles: a ray crosses them an odd number of times.
+    fn is_inside(solid: &Obstruction, place: Vec3) -> bool {
+        let way = Vec3::new(0.83, 0.41, 0.377);
+        let crosses = |triangle: &u32| {
+            let [a, b, c] = solid.corners(*triangle);
+            let (ab, ac) = (b - a, c - a);
+            let across = way.cross(ac);
+            let (det, from) = (ab.dot(across), place - a);
+            let u = from.dot(across) / det;
+            let v = way.dot(from.cross(ab)) / det;
+            let t = ac.dot(from.cross(ab)) / det;
+            u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0
+        };
+        (0..solid.triangles.len() as u32).filter(crosses).count() % 2 == 1
+    }
+
+    #[test]
+    fn obstructions_stand_where_growth_meets_them() {
+        let cases: [(&str, &[(&str, &str)]); 4] = [
+            ("around-the-stone", &[("points", "1500")]),
+            ("around-the-stone", &[("points", "1500"), ("root", "5,2,-3")]),
+            ("street-lamp", &[("points", "1500")]),
+            ("street-lamp", &[("points", "1500"), ("root", "5,2,-3"), ("origin", "root")]),
+        ];
+        for (id, settings) in cases {
+            let recipe = recipe(id, settings);
+            let grown = grow(&recipe, &Quiet).unwrap();
+            let all = obstructions(&recipe, &Quiet).unwrap();
+            assert_eq!(all.len(), 1, "{id}");
+            let solid = &all[0];
+            let wanted = if id == "street-lamp" { Obstructs::Light } else { Obstructs::Branches };
+            assert_eq!(solid.effect, wanted);
+            // No point is in either; nor is wood in the stone, which it comes near.
+            let points = grown.colonized.unwrap().points;
+            let wood = if wanted == Obstructs::Branches { &grown.skeleton.positions[..] } else { &[] };
+            let entered = points.iter().chain(wood).filter(|place| is_inside(solid, **place)).count();
+            assert!(entered <= points.len() / 500, "{id} {settings:?}: {entered} places are inside");
+            let bounds = Bounds::of(solid.positions.iter().copied()).unwrap();
+            let near =
+                points.iter().filter(|p| p.cmpge(bounds.min).all() && p.cmple(bounds.max).all()).count();
+            assert!(near > 10, "{id} {settings:?}: {near} points are around it");
+        }
+        assert_eq!(obstructions(&recipe("fir", &[]), &Quiet).unwrap(), []);
     }
 
     #[test]

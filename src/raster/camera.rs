@@ -11,6 +11,8 @@ use crate::{Extent, Size};
 /// Half of the angle over the picture's longer side, degrees: mild, as a long lens from across the
 /// road. A tree gains depth and its trunk stays upright.
 const HALF_ANGLE_DEG: f32 = 13.0;
+/// Sine of the least angle between a ray and a plane on which it has a place.
+const LEAST_STEEP: f32 = 0.2;
 /// The share of the picture's half side that the tree may fill.
 const FILL: f32 = 0.94;
 
@@ -58,12 +60,25 @@ impl Camera {
         Self::orbit(0.0, 90.0)
     }
 
+    /// Level, to the right in the picture; length 1.
+    pub fn right(&self) -> Vec3 {
+        let (sin_yaw, cos_yaw) = sincos_deg(finite_or(self.yaw_deg, 0.0));
+        Vec3::new(cos_yaw, 0.0, -sin_yaw)
+    }
+
+    /// Upwards in the picture; length 1.
+    pub fn up(&self) -> Vec3 {
+        let (sin_pitch, cos_pitch) = sincos_deg(finite_or(self.pitch_deg, 0.0).clamp(-90.0, 90.0));
+        // Across `right`, from upright to the way that the lens looks along the ground.
+        Vec3::Y * cos_pitch + Vec3::Y.cross(self.right()) * sin_pitch
+    }
+
     /// Sets up the projection for a tree and a size.
     pub fn view(&self, tree: Extent, size: Size) -> View {
         let extent = self.extent.unwrap_or(tree);
         let (sin_yaw, cos_yaw) = sincos_deg(finite_or(self.yaw_deg, 0.0));
         let (sin_pitch, cos_pitch) = sincos_deg(finite_or(self.pitch_deg, 0.0).clamp(-90.0, 90.0));
-        let right = Vec3::new(cos_yaw, 0.0, -sin_yaw);
+        let right = self.right();
         let toward = Vec3::new(cos_pitch * sin_yaw, sin_pitch, cos_pitch * cos_yaw);
         let up = toward.cross(right);
 
@@ -138,6 +153,19 @@ impl View {
     pub(crate) fn ray(&self, at: Vec2) -> Vec3 {
         let off = (at - self.middle_px) / self.focal_px;
         self.turned_back(Vec3::new(off.x, -off.y, -1.0))
+    }
+
+    /// The place that a pixel shows at a depth, metres from the lens along its axis.
+    pub fn place(&self, at: Vec2, depth_m: f32) -> Vec3 {
+        self.eye() + self.ray(at) * depth_m
+    }
+
+    /// The place that a pixel shows of a plane; `None` where it is seen all but from its edge, or lies behind.
+    pub fn on_plane(&self, at: Vec2, through: Vec3, normal: Vec3) -> Option<Vec3> {
+        let ray = self.ray(at);
+        let steep = ray.dot(normal) / (ray.length() * normal.length());
+        let depth_m = (through - self.eye()).dot(normal) / ray.dot(normal);
+        (steep.abs() > LEAST_STEEP && depth_m > 0.0).then(|| self.place(at, depth_m))
     }
 
     /// Pixels per metre at what the camera looks at, the tree's axis: what a scale bar shows.
@@ -240,6 +268,21 @@ mod tests {
         let metre = view.project(axis + view.right() / 2.0).at - view.project(axis - view.right() / 2.0).at;
         // The aim may lie above or below the axis' middle, in the plane of the picture: same depth.
         assert!((metre.length() / view.scale_at_target() - 1.0).abs() < 1e-4, "{metre}");
+    }
+
+    #[test]
+    fn a_pixel_shows_the_place_that_appears_there() {
+        let view =
+            Camera { zoom: 1.7, ..Camera::orbit(40.0, 20.0) }.view(can(), Size::new(300, 500).unwrap());
+        let place = Vec3::new(2.0, 6.5, -3.0);
+        let seen = view.project(place);
+        assert!(view.place(seen.at, seen.depth_m).distance(place) < 1e-4);
+        let axis = Vec3::new(3.0, 0.0, -2.0);
+        for normal in [Vec3::new(0.64, 0.0, 0.77), Vec3::Y] {
+            let on = view.on_plane(seen.at, axis, normal).unwrap();
+            assert!((on - axis).dot(normal).abs() < 1e-4 && view.project(on).at.distance(seen.at) < 0.02);
+        }
+        assert_eq!(view.on_plane(seen.at, axis, view.right()), None, "seen from its edge");
     }
 
     #[test]

@@ -2,6 +2,7 @@
 
 use glam::{Vec2, Vec3};
 use linden_pipeline::Skeleton;
+use linden_pipeline::grow::Obstruction;
 
 use crate::person::Person;
 
@@ -70,6 +71,15 @@ impl Extent {
             }
         }
         Some(Self { x: middle.x, z: middle.z, bottom: min.y, top: max.y, radii, person: None })
+    }
+
+    /// The corners of what stands beside the tree that this extent is of, metres, but none farther away from it than
+    /// half of its longest side: a house behind a shrub must not make it a speck.
+    pub fn in_reach(self, obstructions: &[Obstruction]) -> impl Iterator<Item = Vec3> {
+        let margin = Vec3::splat(self.height().max(2.0 * self.radius()) / 2.0);
+        let low = Vec3::new(self.x - self.radius(), self.bottom, self.z - self.radius()) - margin;
+        let high = Vec3::new(self.x + self.radius(), self.top, self.z + self.radius()) + margin;
+        obstructions.iter().flat_map(|solid| &solid.positions).map(move |place| place.clamp(low, high))
     }
 
     /// The widest ring's radius, metres.

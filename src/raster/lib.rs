@@ -43,7 +43,7 @@ pub use extent::Extent;
 pub use person::{PERSON_M, Person};
 pub use scale::nice_length_m;
 pub use skeleton::draw_skeleton;
-pub use style::{Background, Landscape, Paint, Style};
+pub use style::{Background, Handle, Landscape, Paint, Style};
 pub use surface::{Surface, draw_stage, draw_surface, stage_extent};
 
 /// The longest side of a picture, pixels: 8192² pixels are 268 MB.

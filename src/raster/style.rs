@@ -3,6 +3,7 @@
 use glam::Vec3;
 use linden_pipeline::Skeleton;
 use linden_pipeline::foliage::Organs;
+use linden_pipeline::grow::Obstruction;
 
 use crate::Extent;
 
@@ -88,6 +89,15 @@ impl Landscape {
     }
 }
 
+/// A place in a picture that can be taken hold of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Handle {
+    /// Metres.
+    pub at: Vec3,
+    /// Whether it is the one that moves.
+    pub is_picked: bool,
+}
+
 /// The style of a picture. Colours are sRGB.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[expect(clippy::struct_excessive_bools, reason = "switches that have nothing to do with each other")]
@@ -118,9 +128,17 @@ pub struct Style<'a> {
     pub outline: &'a [Vec<Vec3>],
     /// The lines' colour.
     pub line: [u8; 3],
+    /// What stands in the tree's way, and what takes light from it: solids that can be seen through.
+    pub obstructions: &'a [Obstruction],
+    /// The colour of what no branch enters.
+    pub obstacle: [u8; 3],
+    /// The colour of what takes light away.
+    pub shade: [u8; 3],
     /// Polylines, metres, drawn over everything as thick lines: what is pointed at.
     pub marked: &'a [Vec<Vec3>],
-    /// Their colour.
+    /// Places that can be taken hold of, drawn over everything as discs.
+    pub handles: &'a [Handle],
+    /// The colour of both.
     pub mark: [u8; 3],
     /// Whether a person stands beside the tree, for scale: see [`Extent::with_person`].
     pub person: bool,
@@ -145,7 +163,7 @@ pub struct Style<'a> {
 
 impl Style<'_> {
     /// Everything that a picture of a skeleton shows, which is what it frames when the camera has no
-    /// extent: the tree, the points, the outline, and the person if there is to be one and the plant
+    /// extent: the tree, the points, the outline, what stands in the way, and the person if there is to be one and the plant
     /// is large enough ([`Extent::person`] tells). `None` when there is nothing at all.
     pub fn extent(&self, skeleton: &Skeleton) -> Option<Extent> {
         let extent = self.extent_without_person(skeleton)?;
@@ -157,11 +175,16 @@ impl Style<'_> {
 
     pub(crate) fn extent_without_person(&self, skeleton: &Skeleton) -> Option<Extent> {
         let organs = self.organs.filter(|organs| !organs.is_empty());
-        if self.outline.is_empty() && organs.is_none() {
+        if self.outline.is_empty() && organs.is_none() && self.obstructions.is_empty() {
             return Extent::of(skeleton, self.points);
         }
         let given = self.points.iter().chain(self.outline.iter().flatten()).copied();
-        let all: Vec<Vec3> = given.chain(organs.into_iter().flat_map(Organs::hull)).collect();
+        let mut all: Vec<Vec3> = given.chain(organs.into_iter().flat_map(Organs::hull)).collect();
+        let tree = Extent::of(skeleton, &all)?;
+        if self.obstructions.is_empty() {
+            return Some(tree);
+        }
+        all.extend(tree.in_reach(self.obstructions));
         Extent::of(skeleton, &all)
     }
 
@@ -181,7 +204,11 @@ impl Style<'_> {
             point: [40, 122, 184],
             outline: &[],
             line: [70, 128, 150],
+            obstructions: &[],
+            obstacle: [150, 148, 146],
+            shade: [78, 84, 132],
             marked: &[],
+            handles: &[],
             mark: [255, 166, 48],
             person: false,
             person_color: [150, 157, 166],
@@ -222,7 +249,11 @@ impl Style<'_> {
             point: [96, 176, 232],
             outline: &[],
             line: [94, 150, 170],
+            obstructions: &[],
+            obstacle: [150, 152, 160],
+            shade: [132, 140, 214],
             marked: &[],
+            handles: &[],
             mark: [255, 166, 48],
             person: false,
             person_color: [98, 108, 126],

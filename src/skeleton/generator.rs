@@ -22,6 +22,8 @@ use crate::organs::Organs;
 use crate::publication::Publication;
 use crate::{AxisRule, Branching, Skeleton, Wood};
 
+pub use crate::obstruction::{FaceEdge, Obstruction, Obstructs};
+
 /// A way to grow trees.
 pub trait Generator: Sync {
     /// What scripts call it, and the key of its table in documents: lower-case letters.
@@ -176,6 +178,18 @@ pub trait Settings: Any + fmt::Debug + Send + Sync + Duplicate {
     /// # Errors
     /// Those of growing that have to do with it.
     fn outline(&self, _task: &Task<'_>, _monitor: &dyn Monitor) -> Result<Vec<Vec<Vec3>>, GeneratorError> {
+        Ok(Vec::new())
+    }
+
+    /// What stands in the tree's way, and what takes light from it, where the tree of [`Settings::grow`] stands.
+    ///
+    /// # Errors
+    /// Those of growing that have to do with it.
+    fn obstructions(
+        &self,
+        _task: &Task<'_>,
+        _monitor: &dyn Monitor,
+    ) -> Result<Vec<Obstruction>, GeneratorError> {
         Ok(Vec::new())
     }
 

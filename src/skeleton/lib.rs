@@ -11,6 +11,7 @@ pub mod generator;
 mod marks;
 mod measure;
 mod memory;
+mod obstruction;
 pub mod organs;
 pub mod publication;
 mod radii;

@@ -399,6 +399,28 @@ fn previews_have_the_size_and_the_background_that_was_asked_for() {
 }
 
 #[test]
+fn a_preview_shows_what_stands_in_the_way_and_a_tree_alone_where_that_is_asked_for() {
+    let folder = Folder::new();
+    let draw = |id: &str, more: &[&str]| {
+        let drawn = folder
+            .run(&[&["preview", id, "--size", "80x96", "--set", "points=300", "-o", "-"], more].concat());
+        assert_eq!(drawn.code, Some(0), "{}", drawn.err);
+        (drawn.bytes, drawn.err)
+    };
+    for id in ["around-the-stone", "street-lamp"] {
+        for look in ["skeleton", "surface", "turtle"] {
+            let [(with, said), (without, _)] =
+                [&["--look", look][..], &["--look", look, "--alone"]].map(|more| draw(id, more));
+            assert_ne!(with, without, "{id} {look}");
+            assert!(!said.contains("--alone"), "{said}");
+        }
+    }
+    let [(with, _), (without, said)] = [&[][..], &["--alone"]].map(|more| draw("fir", more));
+    assert_eq!(with, without);
+    assert!(said.contains("--alone changes nothing"), "{said}");
+}
+
+#[test]
 fn a_preview_is_in_the_format_of_its_ending_and_carries_its_recipe() {
     let folder = Folder::new();
     let preview = |file: &str, background: &str| {

@@ -90,6 +90,10 @@ pub struct Preview {
     #[arg(long)]
     outline: bool,
 
+    /// Show the tree alone, without what stands in its way and what takes light from it
+    #[arg(long)]
+    alone: bool,
+
     /// Stand a person of 1.75 m beside the tree; tiny plants have none
     #[arg(long)]
     person: bool,
@@ -154,6 +158,14 @@ impl Preview {
         } else {
             Vec::new()
         };
+        let obstructions = if self.alone {
+            Vec::new()
+        } else {
+            linden::grow::obstructions(&source.recipe, &progress).with_context(|| source.shown.clone())?
+        };
+        if self.alone && !source.recipe.preset.has_obstructions() {
+            super::notes(&["--alone changes nothing: nothing stands beside this tree".into()], &progress);
+        }
         let sitter = PreviewSubject::new(&source, &grown, look, self.lod, &progress, &progress)?;
         let portrait = sitter.portrait();
         let camera = portrait.camera(self.yaw, self.pitch.unwrap_or(PITCH_DEG), self.zoom);
@@ -162,6 +174,7 @@ impl Preview {
                 paint: self.color.unwrap_or_default(),
                 points: points.unwrap_or_default(),
                 outline: &outline,
+                obstructions: &obstructions,
                 person: self.person,
                 ..sitter.styled(style)
             };

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use anyhow::Context;
 use clap::{Args, ValueEnum};
 use indicatif::HumanCount;
 use linden::knob::printable;
@@ -153,9 +154,12 @@ impl Sheet {
                 } else {
                     vec![PreviewSubject::new(&source, &grown, self.look, None, &progress, &holding)?]
                 };
+                let obstructions = linden::grow::obstructions(&source.recipe, &holding)
+                    .with_context(|| source.shown.clone())?;
                 let camera = Camera::orbit(broad_side(&grown.skeleton), PITCH_DEG);
                 for ((level, at), sitter) in (place..).enumerate().zip(&sitters) {
-                    let mut picture = sitter.draw(&camera, &sitter.styled(style), cell, &holding)?;
+                    let style = Style { obstructions: &obstructions, ..sitter.styled(style) };
+                    let mut picture = sitter.draw(&camera, &style, cell, &holding)?;
                     if lines > 0 {
                         let lines = self.label(&source, level, sitter);
                         let label = Label { lines, height: capitals, color: style.ink };

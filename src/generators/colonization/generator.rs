@@ -9,15 +9,16 @@ use linden_growth::Origin;
 use linden_growth::stand::grow_at;
 use linden_skeleton::Wood;
 use linden_skeleton::generator::{
-    Asked, Branched, Generator, GeneratorError, KeyContent, Passage, SampleSize, Sampler, Settings, TableKey,
-    Tables, Task, Traits, Written,
+    Asked, Branched, Generator, GeneratorError, KeyContent, Obstruction, Obstructs, Passage, SampleSize,
+    Sampler, Settings, TableKey, Tables, Task, Traits, Written,
 };
 use linden_skeleton::publication::{Publication, SPACE_COLONIZATION};
 
 use crate::ColonizationError;
 use crate::crown::envelope::Envelope;
+use crate::crown::skin::Skin;
 use crate::crown::{self, compound::dashed};
-use crate::part::{self, CrownPart, MOST_PARTS, PART, PART_CROWN, PART_KNOBS, Solid};
+use crate::part::{self, CrownPart, MOST_PARTS, PART, PART_CROWN, PART_KNOBS, Role, Solid};
 use crate::sample::Smaller;
 use crate::settings::{Colonization, Space};
 use crate::shape_knobs::means_mesh;
@@ -263,6 +264,26 @@ impl Settings for Colonization {
             *place = (place.as_dvec3() + shift).as_vec3();
         }
         Ok(lines)
+    }
+
+    fn obstructions(
+        &self,
+        task: &Task<'_>,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Obstruction>, GeneratorError> {
+        if !self.parts.iter().any(|part| matches!(part.role, Role::Obstacle | Role::Shade)) {
+            return Ok(Vec::new());
+        }
+        let standing = Standing::new(self, task.seed, task.inputs, monitor)?;
+        // With parts, all stand where they are to, without a lift.
+        let shift = self.growth.shift(standing.root, standing.origin, false);
+        let solids = standing.obstacles.iter().map(|obstacle| (Obstructs::Branches, obstacle.solid.skin()));
+        let shades = standing.shades.iter().map(|shade| (Obstructs::Light, shade.solid.skin()));
+        let placed = |(effect, skin): (Obstructs, Skin)| {
+            let Skin { positions, triangles } = skin.moved(|place| (place.as_dvec3() + shift).as_vec3());
+            Obstruction::new(effect, positions, triangles)
+        };
+        Ok(solids.chain(shades).map(placed).collect())
     }
 
     fn sampler<'a>(

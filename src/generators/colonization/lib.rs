@@ -5,6 +5,7 @@
 //! | [`crown`] | solids that crowns are made of: shapes by their dimensions, meshes, compounds |
 //! | [`scatter`] | attraction points, uniform in a crown's volume |
 //! | [`Colonization`] | the settings and their knobs |
+//! | [`CrownDraft`] | a crown shape by handles that can be dragged |
 //! | [`CrownPart`] | what else there is: pieces of the crown, other trees, obstacles, shade |
 //! | [`GENERATOR`] | the generator |
 //!
@@ -28,6 +29,7 @@
 pub mod crown;
 mod error;
 mod generator;
+mod handles;
 mod obstacles;
 mod part;
 mod parts;
@@ -39,6 +41,7 @@ mod standing;
 
 pub use error::ColonizationError;
 pub use generator::GENERATOR;
+pub use handles::{CrownDraft, CrownHandle, HandleMoves, MESH_HAS_NO_PROFILE};
 pub use part::{CrownPart, MOST_PARTS, PART_CROWN, PART_KNOBS, PartKnob, Role, Solid};
 pub use parts::PartError;
 pub use settings::{Colonization, Space};

@@ -107,7 +107,7 @@ impl Standing {
     }
 
     /// A crown shape on top of the trunk.
-    fn shape(
+    pub fn shape(
         settings: &Colonization,
         shape: &str,
         dimensions: &[(&'static str, Value)],

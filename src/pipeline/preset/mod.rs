@@ -35,7 +35,8 @@ pub use library::{Builtin, BuiltinSize, RecipeError, UnknownPreset, builtin, bui
 pub use linden_base::document::{Fault, FileKey, TextPlace};
 pub use linden_base::knob::Length;
 pub use linden_colonization::{
-    Colonization, CrownPart, MOST_PARTS, PART_CROWN, PART_KNOBS, PartKnob, Role, Solid, Space,
+    Colonization, CrownDraft, CrownHandle, CrownPart, HandleMoves, MESH_HAS_NO_PROFILE, MOST_PARTS,
+    PART_CROWN, PART_KNOBS, PartKnob, Role, Solid, Space,
 };
 pub use linden_growth::{GrowthSettings, Origin, UpAxis};
 pub use linden_lsystem::{LSystem, StemHabit};
@@ -150,6 +151,12 @@ impl Preset {
     /// The same, to be changed.
     pub fn settings_mut<T: Settings>(&mut self) -> Option<&mut T> {
         self.generator.downcast_mut()
+    }
+
+    /// Whether something stands in the tree's way or takes light from it.
+    pub fn has_obstructions(&self) -> bool {
+        let is_one = |part: &CrownPart| matches!(part.role, Role::Obstacle | Role::Shade);
+        self.settings::<Colonization>().is_some_and(|settings| settings.parts.iter().any(is_one))
     }
 
     /// The key of what radii draw.

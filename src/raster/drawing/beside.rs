@@ -1,4 +1,4 @@
-//! What is drawn beside the plant: attraction points, the crown's outline, a person, a scale.
+//! What is drawn beside the plant: attraction points, the crown's outline, what is pointed at, a person, a scale.
 
 use glam::{Vec2, Vec3};
 use linden_pipeline::Monitor;
@@ -6,6 +6,7 @@ use linden_pipeline::Monitor;
 use super::outline::{Place, disc, tapered};
 use super::{Drawing, Kind, Word};
 use crate::person::LIMBS;
+use crate::strokes::handles::discs;
 use crate::{Extent, RasterError, Style, View, nice_length_m};
 
 /// Points between two looks at the monitor.
@@ -34,6 +35,21 @@ pub(super) fn trace(
             }
         }
     });
+    let width = (least / 130.0).clamp(1.2, 7.0);
+    drawing.shape(Kind::Lines { width }, style.mark, 0.9, |drawing| {
+        for line in style.marked {
+            for part in line.split(|point| !point.is_finite()).filter(|part| part.len() > 1) {
+                drawing.points.extend(part.iter().map(|&point| view.project(point).at));
+                drawing.end_line();
+            }
+        }
+    });
+    for handle in style.handles.iter().filter(|handle| handle.at.is_finite()) {
+        let at = view.project(handle.at).at;
+        for (color, radius_px) in discs(handle, style, least) {
+            drawing.shape(Kind::Rings, color, 1.0, |drawing| disc(drawing, Place { at, half: radius_px }));
+        }
+    }
     if let Some(person) = framed.person.filter(|_| style.person) {
         let place = person.place(framed, view);
         let scale = view.project(place).scale;

@@ -19,6 +19,7 @@
 
 mod beside;
 pub mod label;
+mod obstructions;
 mod outline;
 mod paint;
 mod svg;
@@ -120,6 +121,7 @@ impl Drawing {
             ends: Vec::new(),
             words: Vec::new(),
         };
+        obstructions::trace(&mut drawing, &framed, &view, style, monitor)?;
         trace::wood(&mut drawing, skeleton, &view, style, &ledger, monitor)?;
         trace::organs(&mut drawing, skeleton, &view, style, &ledger, monitor)?;
         beside::trace(&mut drawing, &framed, &view, style, monitor)?;

@@ -89,7 +89,8 @@ impl Leaf<'_> {
             let middle = (corners[0] + corners[1] + corners[2]) / 3.0;
             let normal: Vec3 = triangle.iter().map(|&v| mesh.normals[v as usize]).sum();
             let lit = tracer.air.on_leaf(middle, normal.normalize_or(Vec3::Y));
-            facets.push(Facet { corners: at, color: tracer.air.haze(lit.on(color), depth_m) });
+            let color = tracer.air.haze(lit.on(color), depth_m);
+            facets.push(Facet { corners: at, color, alpha: 1.0 });
             far_m += depth_m;
             seen += 1.0;
         }
@@ -184,7 +185,7 @@ mod tests {
             let corners = [0, 2, 4].map(|i| base + Vec2::new(at(i), at(i + 1)) * size);
             let area = (corners[1] - corners[0]).perp_dot(corners[2] - corners[0]).abs() / 2.0;
             let mut sum = 0.0;
-            each_pixel(&Facet { corners, color: Vec3::ONE }, rows, |_, coverage| sum += coverage);
+            each_pixel(&Facet { corners, color: Vec3::ONE, alpha: 1.0 }, rows, |_, coverage| sum += coverage);
             assert!((sum - area).abs() < 0.01 + 0.002 * area, "seed {seed}: {sum} is not {area}");
         }
     }
@@ -195,7 +196,9 @@ mod tests {
         let [a, b, c, d] = [(2.3, 1.1), (17.7, 3.9), (16.2, 18.4), (1.9, 15.5)].map(Vec2::from);
         let mut sums = [0.0_f32; 400];
         for corners in [[a, b, c], [a, d, c]] {
-            each_pixel(&Facet { corners, color: Vec3::ONE }, rows, |pixel, coverage| sums[pixel] += coverage);
+            each_pixel(&Facet { corners, color: Vec3::ONE, alpha: 1.0 }, rows, |pixel, coverage| {
+                sums[pixel] += coverage
+            });
         }
         for y in 5..14 {
             for x in 5..14 {

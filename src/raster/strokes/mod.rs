@@ -10,7 +10,11 @@
 
 mod coverage;
 mod draft;
+pub(crate) mod handles;
 pub(crate) mod leaves;
+#[cfg(test)]
+mod obstruction_tests;
+pub(crate) mod obstructions;
 pub(crate) mod overlay;
 pub(crate) mod paint;
 pub(crate) mod trace;
@@ -86,6 +90,8 @@ pub(crate) struct Facet {
     pub corners: [Vec2; 3],
     /// Linear light.
     pub color: Vec3,
+    /// How much of what is behind it hides.
+    pub alpha: f32,
 }
 
 /// Runs and their strokes and facets.

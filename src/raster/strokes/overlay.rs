@@ -1,11 +1,11 @@
-//! What is drawn beside the wood: attraction points, the crown's outline, a person.
+//! What is drawn beside the wood: attraction points, the crown's outline, what stands in the way, a person.
 
 use glam::{Vec2, Vec3};
 use linden_pipeline::Monitor;
 use linden_pipeline::memory::bytes_grown;
 
 use super::trace::dot;
-use super::{Cap, Kind, Run, Runs, Stroke};
+use super::{Cap, Kind, Run, Runs, Stroke, handles, obstructions};
 use crate::color::linear;
 use crate::light::Air;
 use crate::person::{LIMBS, Person};
@@ -18,7 +18,8 @@ const LINE_ALPHA: [f32; 2] = [0.75, 0.3];
 
 /// Bytes that [`trace`] takes at most for the points: a stroke and a run each, in lists that grow.
 pub(crate) fn bytes(style: &Style) -> u64 {
-    bytes_grown::<Stroke>(style.points.len()) + bytes_grown::<Run>(style.points.len())
+    let points = bytes_grown::<Stroke>(style.points.len()) + bytes_grown::<Run>(style.points.len());
+    points + obstructions::bytes(style)
 }
 
 /// Everything that the style lays over the tree.
@@ -31,6 +32,7 @@ pub(crate) fn trace(
     monitor: &dyn Monitor,
 ) -> Result<Runs, RasterError> {
     let mut runs = Runs::default();
+    obstructions::trace(style, framed, view, air, size, &mut runs, monitor)?;
     let frame = Vec2::new(size.width() as f32, size.height() as f32);
     let color = linear(style.point);
     let (radius_px, alpha) = faded(frame.min_element() / 400.0, 0.5, 3.0);
@@ -60,6 +62,7 @@ pub(crate) fn trace(
         monitor.check()?;
         outline(line, &pen, framed, view, air, frame, &mut runs);
     }
+    handles::trace(style, view, size, &mut runs);
     if style.person
         && let Some(person) = framed.person
     {
@@ -69,22 +72,30 @@ pub(crate) fn trace(
 }
 
 /// What an outline is drawn with.
-struct Pen {
-    half_px: f32,
-    alpha: f32,
-    color: Vec3,
+pub(super) struct Pen {
+    pub half_px: f32,
+    pub alpha: f32,
+    pub color: Vec3,
     /// Whether it lies over everything, however far away.
-    is_over: bool,
+    pub is_over: bool,
 }
 
 /// A width between two, and how opaque it is: in a small picture, what should be thinner still must
 /// not bury the tree.
-fn faded(ideal_px: f32, least_px: f32, most_px: f32) -> (f32, f32) {
+pub(super) fn faded(ideal_px: f32, least_px: f32, most_px: f32) -> (f32, f32) {
     (ideal_px.clamp(least_px, most_px), libm::sqrtf((ideal_px / least_px).min(1.0)))
 }
 
 /// One polyline, in pieces that are short enough to be sorted among the branches.
-fn outline(line: &[Vec3], pen: &Pen, framed: &Extent, view: &View, air: &Air, frame: Vec2, runs: &mut Runs) {
+pub(super) fn outline(
+    line: &[Vec3],
+    pen: &Pen,
+    framed: &Extent,
+    view: &View,
+    air: &Air,
+    frame: Vec2,
+    runs: &mut Runs,
+) {
     let longest_m = (framed.height().max(2.0 * framed.radius()) / 24.0).max(1e-6);
     for (i, pair) in line.windows(2).enumerate() {
         let [from, to] = [pair[0], pair[1]];

@@ -118,7 +118,8 @@ impl Brush {
                 if laid[pixel].w == 0.0 {
                     touched.push(pixel as u32);
                 }
-                laid[pixel] += (facet.color * coverage).extend(coverage);
+                let alpha = coverage * facet.alpha;
+                laid[pixel] += (facet.color * alpha).extend(alpha);
                 depth_m[pixel] = far_m;
             });
         }

@@ -6,6 +6,8 @@ use super::{Bench, Left, is_stem};
 
 /// Samples of the curve between two control points.
 const SAMPLES: usize = 64;
+/// Two points no farther apart are one, metres.
+const APART_M: f64 = 1e-9;
 /// The curve is divided so that no node turns farther, radians, and each piece between points at least once.
 const TURN_PER_NODE: f64 = 0.15;
 /// The most nodes that a piece between two control points gets.
@@ -20,7 +22,7 @@ impl Bench<'_> {
         let mut control = vec![base];
         for point in points.iter().map(|&point| base + DVec3::from(point)) {
             // Two points at one place are one.
-            if control.last().is_none_or(|last| last.distance(point) > 1e-9) {
+            if control.last().is_none_or(|last| last.distance(point) > APART_M) {
                 control.push(point);
             }
         }
@@ -63,6 +65,18 @@ impl Bench<'_> {
         self.carry(axis, is_lateral, &line, (&old, &new), &turns);
         Ok(())
     }
+}
+
+/// The curve that an edit with `do = "curve"` leads an axis along: through its base and the points after it, metres.
+/// Fewer than two points apart make no curve.
+pub fn curve_through(points: &[DVec3]) -> Vec<DVec3> {
+    let mut control: Vec<DVec3> = Vec::with_capacity(points.len());
+    for &point in points {
+        if point.is_finite() && control.last().is_none_or(|last| last.distance(point) > APART_M) {
+            control.push(point);
+        }
+    }
+    if control.len() < 2 { Vec::new() } else { sample(&control) }
 }
 
 /// Points of the centripetal Catmull–Rom curve through all of `control` (Barry & Goldman 1988; Yuksel, Schaefer &

@@ -28,6 +28,7 @@ use self::workpiece::Workpiece;
 use crate::organs::Organs;
 use crate::{NO_PARENT, Skeleton};
 
+pub use curve::curve_through;
 pub use path::{AxisPath, AxisPaths, AxisRoot};
 pub use table::{EDIT_KNOBS, EDIT_PATHS, EditKnob, EditPath};
 

@@ -79,6 +79,7 @@ impl Preview {
             (self.lod.is_some(), "--lod"),
             (self.points, "--points"),
             (self.outline, "--outline"),
+            (self.alone, "--alone"),
             (self.person, "--person"),
         ];
         match given.into_iter().find(|(is_given, _)| *is_given) {

@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 
+use super::skin::Skin;
 use super::{
     Crown, CrownError, Dimensions, SIZE_LIMIT_M, Shape, ShapeKnob, level, radius_squared, revolve,
     round_bounds,
@@ -211,6 +212,11 @@ impl Crown for Revolved {
         profile.insert(0, (profile[0].0, 0.0));
         profile.push((self.height.at(1.0), 0.0));
         revolve(&profile, &[0.0, 0.25, 0.5, 0.75, 1.0].map(at))
+    }
+
+    fn skin(&self) -> Skin {
+        let at = |i: i32| (self.height.at(f64::from(i) / 24.0), self.radius.at(f64::from(i) / 24.0));
+        Skin::revolved(&(0..=24).map(at).collect::<Vec<_>>())
     }
 
     fn volume_m3(&self) -> f64 {

@@ -11,6 +11,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::Crown;
+use super::skin::Skin;
 use linden_base::mesh::Bounds;
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_base::random::Key;
@@ -184,6 +185,12 @@ impl Crown for Compound {
             }
         };
         self.pieces.iter().flat_map(lines).collect()
+    }
+
+    /// The skins of the pieces that add.
+    fn skin(&self) -> Skin {
+        let adding = self.pieces.iter().filter(|piece| piece.operation == Operation::Add);
+        Skin::together(adding.map(|piece| piece.crown.skin()))
     }
 
     fn volume_m3(&self) -> f64 {

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 
+use super::skin::Skin;
 use super::{
     CROWN_HEIGHT, CROWN_RADIUS, Crown, CrownError, Dimensions, Shape, ShapeKnob, level, radius_squared,
     revolve, round_bounds,
@@ -63,6 +64,10 @@ impl Crown for Cone {
             &[ring(0.0), ring(self.height_m)],
             &[ring(0.0), ring(self.height_m / 3.0), ring(self.height_m * 2.0 / 3.0)],
         )
+    }
+
+    fn skin(&self) -> Skin {
+        Skin::revolved(&[(0.0, self.radius_m), (self.height_m, 0.0)])
     }
 
     fn volume_m3(&self) -> f64 {

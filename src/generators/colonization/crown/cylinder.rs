@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 
+use super::skin::Skin;
 use super::{
     CROWN_HEIGHT, CROWN_RADIUS, Crown, CrownError, Dimensions, Shape, ShapeKnob, level, radius_squared,
     revolve, round_bounds,
@@ -51,6 +52,10 @@ impl Crown for Cylinder {
     fn outline(&self) -> Vec<Vec<Vec3>> {
         let ring = |part: f64| (self.height_m * part, self.radius_m);
         revolve(&[ring(0.0), ring(1.0)], &[ring(0.0), ring(0.5), ring(1.0)])
+    }
+
+    fn skin(&self) -> Skin {
+        Skin::revolved(&[(0.0, self.radius_m), (self.height_m, self.radius_m)])
     }
 
     fn volume_m3(&self) -> f64 {

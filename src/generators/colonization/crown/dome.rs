@@ -4,6 +4,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 
 use glam::{DVec3, Vec3};
 
+use super::skin::Skin;
 use super::{CROWN_RADIUS, Crown, CrownError, Dimensions, Shape, ShapeKnob, revolve, round_bounds};
 use linden_base::knob::Value;
 use linden_base::mesh::Bounds;
@@ -46,6 +47,14 @@ impl Crown for Dome {
             (self.radius_m * sin, self.radius_m * cos)
         };
         revolve(&(0..=16).map(arc).collect::<Vec<_>>(), &[arc(0), arc(4), arc(9)])
+    }
+
+    fn skin(&self) -> Skin {
+        let arc = |i: i32| {
+            let (sin, cos) = libm::sincos(f64::from(i) / 12.0 * FRAC_PI_2);
+            (self.radius_m * sin, self.radius_m * cos)
+        };
+        Skin::revolved(&(0..=12).map(arc).collect::<Vec<_>>())
     }
 
     fn volume_m3(&self) -> f64 {

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 
+use super::skin::Skin;
 use super::{
     CROWN_HEIGHT, CROWN_RADIUS, Crown, CrownError, Dimensions, Shape, ShapeKnob, radius_squared, revolve,
     round_bounds,
@@ -62,6 +63,11 @@ impl Crown for Ellipsoid {
     fn outline(&self) -> Vec<Vec<Vec3>> {
         let arc = |i: i32| self.at(f64::from(i) / 32.0 * PI);
         revolve(&(0..=32).map(arc).collect::<Vec<_>>(), &[arc(8), arc(16), arc(24)])
+    }
+
+    fn skin(&self) -> Skin {
+        let arc = |i: i32| self.at(f64::from(i) / 24.0 * PI);
+        Skin::revolved(&(0..=24).map(arc).collect::<Vec<_>>())
     }
 
     fn volume_m3(&self) -> f64 {

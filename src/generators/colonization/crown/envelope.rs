@@ -11,6 +11,7 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::shells::{Shell, shells};
+use super::skin::Skin;
 use super::topology::Surface;
 use super::winding::WindingTree;
 use super::{Crown, units};
@@ -220,6 +221,13 @@ impl Crown for Envelope {
         let level = |i: u32| (DVec3::Y, height * f64::from(i) / f64::from(LEVELS));
         let planes = (1..LEVELS).map(level).chain([(DVec3::X, 0.0), (DVec3::Z, 0.0)]);
         planes.flat_map(|(normal, distance)| self.surface.cut(normal, distance)).collect()
+    }
+
+    fn skin(&self) -> Skin {
+        Skin {
+            positions: self.surface.positions.iter().map(|place| place.as_vec3()).collect(),
+            triangles: self.surface.triangles.clone(),
+        }
     }
 
     fn volume_m3(&self) -> f64 {

@@ -22,6 +22,7 @@ use rayon::prelude::*;
 
 use super::Crown;
 use super::clumps::{Clumps, STRENGTH};
+use super::skin::Skin;
 use linden_base::mesh::Bounds;
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_base::random::Key;
@@ -107,6 +108,10 @@ impl Crown for Favored {
 
     fn outline(&self) -> Vec<Vec<Vec3>> {
         self.crown.outline()
+    }
+
+    fn skin(&self) -> Skin {
+        self.crown.skin()
     }
 
     fn volume_m3(&self) -> f64 {

@@ -9,6 +9,7 @@ use std::ops::Range;
 
 use glam::{DVec3, Vec3};
 
+use super::skin::Skin;
 use super::{Crown, level, radius_squared, revolve, round_bounds};
 use linden_base::mesh::Bounds;
 use linden_base::random::Key;
@@ -203,6 +204,10 @@ impl Crown for Lathe {
             profile.push((last.0, 0.0));
         }
         revolve(&profile, &rings)
+    }
+
+    fn skin(&self) -> Skin {
+        Skin::revolved(&self.profile.iter().map(|&[height, radius]| (height, radius)).collect::<Vec<_>>())
     }
 
     fn volume_m3(&self) -> f64 {

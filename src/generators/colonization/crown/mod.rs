@@ -23,6 +23,7 @@ pub mod placed;
 pub mod revolution;
 mod section;
 pub mod shells;
+pub mod skin;
 pub mod sphere;
 mod topology;
 pub mod weber_penn;
@@ -37,6 +38,8 @@ use linden_base::knob::{Kind, Knob, Value, did_you_mean, nearest, printable};
 use linden_base::mesh::Bounds;
 use linden_base::random::Key;
 
+use self::skin::Skin;
+
 /// A solid that attraction points are drawn in.
 pub trait Crown: Sync + Send {
     /// A box around the solid.
@@ -50,6 +53,9 @@ pub trait Crown: Sync + Send {
 
     /// Polylines that draw the solid.
     fn outline(&self) -> Vec<Vec<Vec3>>;
+
+    /// Triangles that draw its surface.
+    fn skin(&self) -> Skin;
 
     /// The volume in cubic metres.
     fn volume_m3(&self) -> f64;
@@ -70,6 +76,10 @@ impl<C: Crown + ?Sized> Crown for Arc<C> {
 
     fn outline(&self) -> Vec<Vec<Vec3>> {
         (**self).outline()
+    }
+
+    fn skin(&self) -> Skin {
+        (**self).skin()
     }
 
     fn volume_m3(&self) -> f64 {
@@ -266,7 +276,7 @@ fn wrong_kind(knob: &'static str, found: Option<&Value>, expected: &str) -> Crow
 }
 
 /// No crown is taller or wider: the tallest trees have 116 m.
-const SIZE_LIMIT_M: f64 = 200.0;
+pub(crate) const SIZE_LIMIT_M: f64 = 200.0;
 
 /// Crowns from a bonsai's to the tallest tree's.
 const SIZE: Kind = Kind::Real { min: 0.01, max: SIZE_LIMIT_M, auto: false, names: &[] };
@@ -314,7 +324,7 @@ fn round_bounds(low: f64, high: f64, radius: f64) -> Bounds {
     Bounds { min: Vec3::new(-radius, low, -radius), max: Vec3::new(radius, high, radius) }
 }
 
-/// Draws a solid of revolution: meridians along `profile` (height, radius) and rings of `rings`.
+/// Draws a solid of revolution: the profile itself first, then other meridians along `profile` (height, radius) and rings of `rings`.
 fn revolve(profile: &[(f64, f64)], rings: &[(f64, f64)]) -> Vec<Vec<Vec3>> {
     const MERIDIANS: u32 = 8;
     const SIDES: u32 = 48;
@@ -408,6 +418,10 @@ pub(crate) mod tests {
         }
         fn outline(&self) -> Vec<Vec<Vec3>> {
             self.0.outline()
+        }
+
+        fn skin(&self) -> Skin {
+            self.0.skin()
         }
         fn volume_m3(&self) -> f64 {
             self.0.volume_m3()

@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::Crown;
+use super::skin::Skin;
 use linden_base::mesh::Bounds;
 use linden_base::random::Key;
 
@@ -60,6 +61,10 @@ impl Crown for PlacedCrown {
             *place = self.out(place.as_dvec3()).as_vec3();
         }
         lines
+    }
+
+    fn skin(&self) -> Skin {
+        self.crown.skin().moved(|place| self.out(place.as_dvec3()).as_vec3())
     }
 
     fn volume_m3(&self) -> f64 {

@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 
+use super::skin::Skin;
 use super::{CROWN_RADIUS, Crown, CrownError, Dimensions, Shape, ShapeKnob, revolve, round_bounds};
 use linden_base::knob::Value;
 use linden_base::mesh::Bounds;
@@ -44,6 +45,14 @@ impl Crown for Sphere {
             (self.radius_m * (1.0 - cos), self.radius_m * sin)
         };
         revolve(&(0..=32).map(arc).collect::<Vec<_>>(), &[arc(8), arc(16), arc(24)])
+    }
+
+    fn skin(&self) -> Skin {
+        let arc = |i: i32| {
+            let (sin, cos) = libm::sincos(f64::from(i) / 24.0 * PI);
+            (self.radius_m * (1.0 - cos), self.radius_m * sin)
+        };
+        Skin::revolved(&(0..=24).map(arc).collect::<Vec<_>>())
     }
 
     fn volume_m3(&self) -> f64 {

@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 
+use super::skin::Skin;
 use super::{
     CROWN_HEIGHT, CROWN_RADIUS, Crown, CrownError, Dimensions, Shape, ShapeKnob, level, radius_squared,
     revolve, round_bounds,
@@ -181,6 +182,10 @@ impl Crown for WeberPenn {
         profile.insert(0, (self.height_m, 0.0));
         profile.push((0.0, 0.0));
         revolve(&profile, &[0.0, 0.3, 0.5, 0.7, 1.0].map(|ratio| self.at(ratio)))
+    }
+
+    fn skin(&self) -> Skin {
+        Skin::revolved(&(0..=24).map(|i| self.at(f64::from(i) / 24.0)).collect::<Vec<_>>())
     }
 
     fn volume_m3(&self) -> f64 {
