@@ -6,7 +6,7 @@ use std::time::Duration;
 use glam::Vec3;
 use linden::picture::Picture;
 use linden::{Monitor, Skeleton};
-use linden_raster::{Camera, Paint, RasterError, Size, Style, draw_flat, draw_skeleton};
+use linden_raster::{Camera, Handle, Paint, RasterError, Size, Style, draw_flat, draw_skeleton};
 use linden_terminal::cells::{CellPicture, square_pixels};
 use linden_terminal::graphics::{Encoded, Protocol, encode};
 use linden_terminal::probe::{Capabilities, Graphics};
@@ -68,17 +68,20 @@ pub enum Detail {
 }
 
 /// What is pointed at in a picture.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Marks {
     /// Polylines, metres.
     pub lines: Arc<Vec<Vec<Vec3>>>,
+    /// What can be taken hold of.
+    pub handles: Arc<Vec<Handle>>,
     /// Whether wood alone is drawn, so that what is marked can be told apart.
     pub bare: bool,
 }
 
 impl PartialEq for Marks {
     fn eq(&self, other: &Self) -> bool {
-        self.bare == other.bare && (Arc::ptr_eq(&self.lines, &other.lines) || self.lines == other.lines)
+        let has_same_lines = Arc::ptr_eq(&self.lines, &other.lines) || self.lines == other.lines;
+        self.bare == other.bare && has_same_lines && self.handles == other.handles
     }
 }
 
@@ -101,6 +104,8 @@ pub struct DrawRequest {
     pub points: bool,
     /// With its crown's outline.
     pub outline: bool,
+    /// With what stands in its way and what takes light from it.
+    pub obstructions: bool,
     /// With a person beside it.
     pub person: bool,
     /// What is pointed at in it.
@@ -156,6 +161,11 @@ pub struct Painted {
 }
 
 impl DrawRequest {
+    /// What can be taken hold of.
+    pub(super) fn handles(&self) -> &[Handle] {
+        self.marks.as_ref().map_or(&[], |marks| &marks.handles[..])
+    }
+
     /// The polylines that are pointed at, and whether wood alone is drawn.
     pub(super) fn marked(&self) -> (&[Vec<Vec3>], bool) {
         self.marks.as_ref().map_or((&[], false), |marks| (&marks.lines[..], marks.bare))
@@ -168,6 +178,7 @@ impl DrawRequest {
             && self.camera == other.camera
             && self.look == other.look
             && (self.points, self.outline, self.person) == (other.points, other.outline, other.person)
+            && self.obstructions == other.obstructions
             && self.marks == other.marks
             && self.area == other.area
             && self.medium == other.medium

@@ -27,7 +27,7 @@ use ratatui::layout::Rect;
 
 use super::draw::{DRAFT_BYTES, FULL_BYTES, exact_pixels};
 use super::grow::Plant;
-use super::{Medium, PictureLook, ShownTree};
+use super::{Framed, Medium, PictureLook, ShownTree};
 
 /// Larger trees are not grown for a small picture. A tree that is on screen already is drawn whatever
 /// its size.
@@ -214,7 +214,8 @@ impl Studio<'_> {
         };
         let has_surface = request.look == PictureLook::Surface;
         let shares_skeleton = request.shares_skeleton();
-        let mut extents: Vec<Extent> = request.known.iter().map(|known| known.extent(false, false)).collect();
+        let mut extents: Vec<Extent> =
+            request.known.iter().map(|known| known.extent(Framed::Tree, false)).collect();
         let mut shared = None;
         let mut kept_nodes = 0;
         // For each tree that grew: what its picture framed, and the tree itself while there is room.
@@ -266,7 +267,7 @@ impl Studio<'_> {
             && (Arc::ptr_eq(&known.recipe, &recipe) || self.request.shares_skeleton())
         {
             let plant = self.leafed(&recipe, Plant::from(&known.grown))?;
-            let extent = plant.extent().unwrap_or_else(|| known.extent(false, false));
+            let extent = plant.extent().unwrap_or_else(|| known.extent(Framed::Tree, false));
             return Ok(GallerySubject { recipe, plant, extent });
         }
         let plant = match shared {

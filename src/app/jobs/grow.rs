@@ -6,11 +6,11 @@ use std::time::{Duration, Instant};
 use glam::Vec3;
 use linden::Skeleton;
 use linden::foliage::{FoliageError, Organs};
-use linden::grow::{GrowError, Grown, grow, outline, sprout};
+use linden::grow::{GrowError, Grown, Obstruction, grow, obstructions, outline, reedit, sprout};
 use linden::monitor::Holding;
 use linden::recipe::Recipe;
 use linden::skeleton::{Measures, SkeletonError};
-use linden_raster::{Extent, RasterError};
+use linden_raster::Extent;
 
 use super::Watcher;
 
@@ -54,51 +54,103 @@ pub struct ShownTree {
     pub measures: Measures,
     /// What pictures frame: the tree.
     narrow: Extent,
-    /// The tree, its attraction points and its crown.
+    /// The tree, and what stands beside it.
+    beside: Extent,
+    /// The tree, its attraction points, its crown and what stands beside it.
     wide: Extent,
     /// What the tree stands on, metres.
     ground_m: f32,
     /// The crown's outline; empty for what has no crown.
-    pub outline: Vec<Vec<Vec3>>,
+    pub outline: Arc<Vec<Vec<Vec3>>>,
+    /// What stands in its way, and what takes light from it.
+    pub obstructions: Arc<Vec<Obstruction>>,
     /// The last derivation or iteration.
     pub steps: u32,
     /// How long it took to grow.
     pub took: Duration,
 }
 
-/// Grows a recipe; `None` when it was cancelled.
-pub fn grow_shown(recipe: &Arc<Recipe>, watcher: &Watcher<'_>) -> Option<Result<Arc<ShownTree>, String>> {
-    let started = Instant::now();
-    let grown = match grow(recipe, watcher) {
-        Ok(grown) => grown,
-        Err(GrowError::Cancelled(_)) => return None,
-        Err(error) => return Some(Err(error.to_string())),
+/// Grows trees, one after the other, and makes of the last one what another recipe has that differs in what is done to
+/// the grown wood alone, or in what covers it.
+#[derive(Default)]
+pub struct Grower {
+    last: Option<Arc<ShownTree>>,
+}
+
+impl Grower {
+    /// Grows a recipe; `None` when it was cancelled.
+    pub fn grow(
+        &mut self,
+        recipe: &Arc<Recipe>,
+        watcher: &Watcher<'_>,
+    ) -> Option<Result<Arc<ShownTree>, String>> {
+        let last = self.last.take().filter(|last| grows_alike(&last.recipe, recipe));
+        let grown = grown_from(last.as_deref(), recipe, watcher);
+        self.last = grown.as_ref().ok().map(Arc::clone).or(last);
+        match grown {
+            Ok(shown) => Some(Ok(shown)),
+            Err(GrowError::Cancelled(_)) => None,
+            Err(error) => Some(Err(error.to_string())),
+        }
+    }
+}
+
+/// Whether two recipes grow the same wood, before that is edited and covered.
+fn grows_alike(one: &Recipe, other: &Recipe) -> bool {
+    let (a, b) = (&one.preset, &other.preset);
+    let has_same_file = |file: &str| {
+        let [one, other] = [one, other].map(|recipe| recipe.inputs.get(file).map(|input| input.hash));
+        one.is_some() && one == other
     };
-    let took = started.elapsed();
+    (a.seed, &a.generator, &a.refinement, a.wood) == (b.seed, &b.generator, &b.refinement, b.wood)
+        && a.generator.inputs().into_iter().all(has_same_file)
+}
+
+/// Grows a recipe by itself.
+#[cfg(test)]
+pub fn grow_shown(recipe: &Arc<Recipe>, watcher: &Watcher<'_>) -> Option<Result<Arc<ShownTree>, String>> {
+    Grower::default().grow(recipe, watcher)
+}
+
+/// Grows a recipe, from the wood of `last` where there is such.
+fn grown_from(
+    last: Option<&ShownTree>,
+    recipe: &Arc<Recipe>,
+    watcher: &Watcher<'_>,
+) -> Result<Arc<ShownTree>, GrowError> {
+    let started = Instant::now();
+    let grown = match last {
+        Some(last) => reedit(&last.grown, recipe, watcher)?,
+        None => grow(recipe, watcher)?,
+    };
+    let took = last.map_or_else(|| started.elapsed(), |last| last.took);
     let points = grown.colonized.as_ref().map_or(&[][..], |colonized| &colonized.points);
-    let outline = match outline(recipe, watcher) {
-        Ok(outline) => outline,
-        Err(GrowError::Cancelled(_)) => return None,
-        // The tree grew in it a moment ago.
-        Err(error) => return Some(Err(error.to_string())),
+    let (outline, obstructions) = match last {
+        Some(last) => (Arc::clone(&last.outline), Arc::clone(&last.obstructions)),
+        None => (Arc::new(outline(recipe, watcher)?), Arc::new(obstructions(recipe, watcher)?)),
     };
     let skeleton = &grown.skeleton;
     let given = points.iter().chain(outline.iter().flatten()).copied();
-    let around: Vec<Vec3> = given.chain(grown.organs.hull()).collect();
-    let (Some(narrow), Some(wide)) = (Plant::from(&grown).extent(), Extent::of(skeleton, &around)) else {
-        return Some(Err(RasterError::Empty.to_string()));
+    let narrow = Plant::from(&grown).extent().ok_or(SkeletonError::Empty)?;
+    let near: Vec<Vec3> = narrow.in_reach(&obstructions).collect();
+    let with = |more: &mut dyn Iterator<Item = Vec3>| {
+        let around: Vec<Vec3> = more.chain(near.iter().copied()).chain(grown.organs.hull()).collect();
+        Extent::of(skeleton, &around).unwrap_or(narrow)
     };
-    Some(Ok(Arc::new(ShownTree {
+    let (beside, wide) = (with(&mut std::iter::empty()), with(&mut given.into_iter()));
+    Ok(Arc::new(ShownTree {
         recipe: Arc::clone(recipe),
         measures: skeleton.measures(),
         narrow,
+        beside,
         wide,
         ground_m: skeleton.positions.iter().map(|p| p.y).fold(f32::INFINITY, f32::min),
         outline,
+        obstructions,
         steps: skeleton.births.iter().copied().max().unwrap_or(0),
         grown,
         took,
-    })))
+    }))
 }
 
 /// A tree as it was at a step of its growth: at an iteration of colonization, or at a derivation,
@@ -133,16 +185,66 @@ pub fn stage(shown: &ShownTree, step: u32, watcher: &Watcher<'_>) -> Result<Opti
     }
 }
 
+/// What a picture of a tree frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Framed {
+    /// The tree.
+    Tree,
+    /// The tree, and what stands beside it.
+    Beside,
+    /// Those, its attraction points and its crown.
+    All,
+}
+
 impl ShownTree {
-    /// What pictures frame: the tree; with what it grew in when that is shown; with a person when
-    /// one is to stand there and the plant is large enough.
-    pub fn extent(&self, wide: bool, person: bool) -> Extent {
-        let extent = if wide { self.wide } else { self.narrow };
+    /// What pictures frame: the tree; with what stands beside it and what it grew in when that is shown; with a
+    /// person when one is to stand there and the plant is large enough.
+    pub fn extent(&self, frame: Framed, person: bool) -> Extent {
+        let extent = match frame {
+            Framed::Tree => self.narrow,
+            Framed::Beside => self.beside,
+            Framed::All => self.wide,
+        };
         if person { extent.with_person(self.ground_m) } else { extent }
     }
 
     /// The yaw that shows a flat tree (the plane systems of ABOP) from its broad side.
     pub fn broad_side_deg(&self) -> f32 {
         crate::viewpoint::broad_side(&self.grown.skeleton)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use linden::preset::{Preset, builtin};
+
+    use super::*;
+
+    fn grown(grower: &mut Grower, recipe: &Arc<Recipe>) -> Arc<ShownTree> {
+        grower.grow(recipe, &Watcher::idle()).unwrap().unwrap()
+    }
+
+    #[test]
+    fn an_edit_or_another_leaf_grows_no_new_wood_and_gives_the_tree_that_growing_gives() {
+        let first = Arc::new(builtin("oak").unwrap().recipe(&linden::Quiet).unwrap());
+        let with = |change: &dyn Fn(&mut Preset)| {
+            let mut preset = first.preset.clone();
+            change(&mut preset);
+            Arc::new(first.with_preset(preset))
+        };
+        let edited = with(&|preset| preset.edit("cut stem/3 0.5").unwrap());
+        let leafier = with(&|preset| preset.set("leaf_length", "0.2").unwrap());
+        let reseeded = with(&|preset| preset.seed += 1);
+        let mut grower = Grower::default();
+        let wood = Arc::clone(&grown(&mut grower, &first).grown.as_grown.skeleton);
+        for (recipe, is_same_wood) in [(&edited, true), (&leafier, true), (&reseeded, false), (&first, false)]
+        {
+            let shown = grown(&mut grower, recipe);
+            let anew = grow(recipe, &linden::Quiet).unwrap();
+            assert_eq!(shown.grown.hash(), anew.hash());
+            assert_eq!(shown.grown.notes, anew.notes);
+            assert_eq!(Arc::ptr_eq(&shown.grown.as_grown.skeleton, &wood), is_same_wood);
+            assert!(Arc::ptr_eq(&shown.recipe, recipe));
+        }
     }
 }

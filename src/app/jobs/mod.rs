@@ -22,9 +22,9 @@ pub use draw::{Detail, DrawRequest, Marks, Medium, Painted, PictureLook};
 pub use export::{ExportNews, ExportOrder, ExportSubject, WHOLE, run as run_export};
 pub use forest::{FOREST_PITCH_DEG, FOREST_YAW_DEG, ShownForest, grow_shown_forest};
 pub use gallery::{GalleryRequest, SmallPicture, Thumbnail, TreeSize, paint_gallery};
+pub use grow::{Framed, Grower, ShownTree};
 #[cfg(test)]
-pub use grow::stage;
-pub use grow::{ShownTree, grow_shown};
+pub use grow::{grow_shown, stage};
 pub use lane::{Answer, Done, Lane, THREAD_PREFIX, Watcher};
 pub use look::{Findings, Inquiry, TargetFinding, look};
 pub use measure::{Measured, MeasuredFigures, measure};

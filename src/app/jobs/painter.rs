@@ -120,9 +120,11 @@ impl Painter {
         let look = if bare { PictureLook::Skeleton(Paint::Wood) } else { request.look };
         let style = Style {
             marked,
+            handles: request.handles(),
             paint: if let PictureLook::Skeleton(paint) = look { paint } else { base.paint },
             points: if request.points { points } else { &[] },
-            outline: if request.outline { &shown.outline } else { &[] },
+            outline: if request.outline { &shown.outline[..] } else { &[] },
+            obstructions: if request.obstructions { &shown.obstructions[..] } else { &[] },
             person: request.person,
             leaf_colors: shown.recipe.preset.dressing.foliage.turtle_colors(),
             draft: request.detail == Detail::Draft,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use linden_raster::Extent;
 
-use super::{DerivedWord, ShownForest, ShownTree};
+use super::{DerivedWord, Framed, ShownForest, ShownTree};
 
 /// What a picture shows.
 #[derive(Clone, Debug)]
@@ -31,7 +31,7 @@ impl Subject {
     /// What pictures frame that show all of it; `None` when there is nothing.
     pub fn extent(&self) -> Option<Extent> {
         match self {
-            Self::Tree(shown) => Some(shown.extent(true, false)),
+            Self::Tree(shown) => Some(shown.extent(Framed::All, false)),
             Self::Forest(shown) => shown.extent,
             Self::Word(word) => word.extent,
         }

@@ -219,7 +219,8 @@ pub fn derived(model: &mut Model, derivation: Derivation) {
 /// The word whose picture is shown, with what that marks.
 pub fn shown(model: &Model) -> Option<(&Arc<DerivedWord>, Marks)> {
     let debugger = model.dialogs.find::<Debugger>()?;
-    let marks = Marks { lines: Arc::clone(&debugger.marked), bare: !debugger.leaves };
+    let lines = Arc::clone(&debugger.marked);
+    let marks = Marks { lines, bare: !debugger.leaves, ..Marks::default() };
     Some((debugger.word.as_ref()?, marks))
 }
 

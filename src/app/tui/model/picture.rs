@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use glam::Vec2;
-use linden_raster::{Camera, Paint};
+use linden_raster::{Camera, Extent, Paint};
 
 use crate::jobs::{Painted, PictureLook, ShownTree};
 
@@ -59,12 +59,16 @@ pub struct PictureState {
     pub points: bool,
     /// Whether the crown's outline is.
     pub outline: bool,
+    /// Whether what stands in its way and what takes light from it is.
+    pub obstructions: bool,
     /// Whether a person stands beside it, and a scale bar below.
     pub scale: bool,
     /// When the turntable last moved; `None` when it stands.
     pub turning: Option<Instant>,
     /// What is on screen.
     pub painted: Option<Box<Painted>>,
+    /// What stays framed while something is dragged, which would run away from the pointer otherwise.
+    pub frozen: Option<Extent>,
     /// Where the pointer was while a button is down.
     pub drag: Option<(u16, u16)>,
     /// Whether the next tree is looked at from where the camera is.
@@ -82,9 +86,11 @@ impl Default for PictureState {
             level: None,
             points: false,
             outline: false,
+            obstructions: true,
             scale: true,
             turning: None,
             painted: None,
+            frozen: None,
             drag: None,
             keeps_camera: false,
             fast: false,

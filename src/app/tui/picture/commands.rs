@@ -54,6 +54,14 @@ fn has_no_crown(model: &Model) -> Option<String> {
     })
 }
 
+fn stands_alone(model: &Model) -> Option<String> {
+    let shown = model.tree.as_ref().and_then(|tree| tree.shown.as_ref());
+    without_tree(model).or_else(|| {
+        let is_alone = shown.is_some_and(|shown| shown.obstructions.is_empty());
+        is_alone.then(|| "nothing stands in this tree's way or shades it".to_owned())
+    })
+}
+
 fn has_no_landscape(model: &Model) -> Option<String> {
     let has_one = Medium::of(&model.terminal, Scenery::Lit).landscape;
     (!has_one).then(|| {
@@ -353,6 +361,20 @@ pub const COMMANDS: &[Command] = &[
         hint: None,
         hindrance: has_no_crown,
         run: |model, _| model.picture.outline = !model.picture.outline,
+    },
+    Command {
+        id: "overlay-obstructions",
+        context: Context::GLOBAL,
+        keys: &["W"],
+        title: "Obstacles and shade",
+        help: "Shows or hides what stands in the tree's way, and the places where it has less light",
+        hint: None,
+        hindrance: stands_alone,
+        run: |model, _| {
+            model.picture.obstructions = !model.picture.obstructions;
+            let now = if model.picture.obstructions { "shown" } else { "hidden" };
+            model.say(format!("obstacles and shade: {now}"));
+        },
     },
     Command {
         id: "overlay-scale",

@@ -16,10 +16,10 @@ pub use commands::{COMMANDS, camera_rows};
 
 use super::derivation;
 use super::layout::Pane;
-use super::model::{Model, QUIET};
+use super::model::{Model, PictureState, QUIET};
 use super::wood;
 use crate::jobs::{
-    Detail, DrawRequest, FOREST_PITCH_DEG, FOREST_YAW_DEG, Medium, Painted, PictureLook, ShownForest,
+    Detail, DrawRequest, FOREST_PITCH_DEG, FOREST_YAW_DEG, Framed, Medium, Painted, PictureLook, ShownForest,
     ShownTree, Subject,
 };
 
@@ -92,7 +92,7 @@ fn turn_by(camera: &mut Camera, degrees: f32) {
 /// Another tree is on screen: the whole of it, from its broad side once it has grown.
 pub fn reset(model: &mut Model) {
     let picture = &mut model.picture;
-    (picture.drag, picture.level) = (None, None);
+    (picture.drag, picture.level, picture.frozen) = (None, None, None);
     if picture.keeps_camera {
         return;
     }
@@ -121,18 +121,28 @@ pub fn wanted(model: &Model) -> Option<DrawRequest> {
         wind: model.wind.frame().filter(|_| model.growth.step().is_none()),
         level: level(model),
         camera: Camera {
-            extent: Some(shown.extent(picture.points || picture.outline, person)),
+            extent: Some(picture.frozen.unwrap_or_else(|| shown.extent(framed(picture), person))),
             ..picture.camera
         },
         look: picture.look,
         points: picture.points,
         outline: picture.outline,
+        obstructions: picture.obstructions,
         person,
         marks: wood::marks(model, shown),
         area,
         medium: Medium::of(&model.terminal, model.config.settings.scenery),
         detail: detail(model),
     })
+}
+
+/// What is framed with what is shown.
+fn framed(picture: &PictureState) -> Framed {
+    match (picture.points || picture.outline, picture.obstructions) {
+        (true, _) => Framed::All,
+        (false, true) => Framed::Beside,
+        (false, false) => Framed::Tree,
+    }
 }
 
 /// The picture of a forest: its surfaces, whatever look is chosen for trees.
@@ -151,6 +161,7 @@ fn plain(model: &Model, subject: Subject, area: Rect) -> DrawRequest {
         look: PictureLook::Surface,
         points: false,
         outline: false,
+        obstructions: false,
         person: false,
         marks: None,
         area,
@@ -163,11 +174,17 @@ fn plain(model: &Model, subject: Subject, area: Rect) -> DrawRequest {
 pub fn pointed_at(model: &Model, column: u16, row: u16) -> Option<(View, Vec2)> {
     let request = wanted(model)?;
     let (area, (wide, high)) = (request.area, request.medium.cell_px);
-    let size =
-        Size::new(u32::from(area.width) * u32::from(wide), u32::from(area.height) * u32::from(high)).ok()?;
-    let view = request.camera.view(request.subject.extent()?, size);
+    let view = seen(&request)?;
     let middle = |cell: u16, from: u16, px: u16| (f32::from(cell.saturating_sub(from)) + 0.5) * f32::from(px);
     Some((view, Vec2::new(middle(column, area.x, wide), middle(row, area.y, high))))
+}
+
+/// How a picture is seen, in pixels of the cells that it fills.
+fn seen(request: &DrawRequest) -> Option<View> {
+    let (area, (wide, high)) = (request.area, request.medium.cell_px);
+    let size =
+        Size::new(u32::from(area.width) * u32::from(wide), u32::from(area.height) * u32::from(high)).ok()?;
+    Some(request.camera.view(request.subject.extent()?, size))
 }
 
 /// How far a pixel is from a line between two others.

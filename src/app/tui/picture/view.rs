@@ -1,17 +1,20 @@
 //! The picture's pane, painted.
 
+use glam::Vec2;
+use linden::grow::Obstructs;
+use linden_raster::Handle;
 use linden_raster::color::{encoded, ramp};
-use linden_terminal::ColorDepth;
+use linden_terminal::{ColorDepth, Glyphs};
 use ratatui::buffer::Buffer;
-use ratatui::layout::Rect;
-use ratatui::style::Color;
+use ratatui::layout::{Position, Rect};
+use ratatui::style::{Color, Modifier};
 use ratatui::text::Span;
 use unicode_width::UnicodeWidthStr;
 
-use super::{split, standing};
+use super::{seen, split, standing};
 use crate::jobs::Painted;
 use crate::tui::figures::thousands;
-use crate::tui::layout::{Pane, View};
+use crate::tui::layout::{Pane, Target, View};
 use crate::tui::model::Model;
 use crate::tui::tree::GrowthProgress;
 use crate::wrap::clipped;
@@ -29,9 +32,16 @@ pub fn heading(model: &Model) -> Vec<Span<'static>> {
         let text = format!("· level {level}: {} triangles ", thousands(triangles));
         return vec![Span::styled(text, theme.dim)];
     }
+    let beside = model.tree.as_ref().and_then(|tree| tree.shown.as_ref());
+    let has = |effect| {
+        picture.obstructions
+            && beside.is_some_and(|shown| shown.obstructions.iter().any(|one| one.effect == effect))
+    };
     for (on, word) in [
         (picture.points, "points"),
         (picture.outline, "crown"),
+        (has(Obstructs::Branches), "obstacle"),
+        (has(Obstructs::Light), "shade"),
         (picture.is_turning(), "turning"),
         (model.wind.is_blowing(), "wind"),
     ] {
@@ -46,6 +56,32 @@ pub fn heading(model: &Model) -> Vec<Span<'static>> {
     }
 }
 
+/// What a dialog says that is about the picture: in the place of its heading, or on the picture's last row. The mouse
+/// means the dialog all over the picture.
+pub fn banner(model: &Model, words: &str, buffer: &mut Buffer, view: &mut View) {
+    let theme = &model.config.theme;
+    let layout = model.layout();
+    if let Some(area) = super::area(model) {
+        view.regions.push((area, Target::Dialog(Some(0))));
+    }
+    let heading = layout.headings[Pane::Picture as usize];
+    let below = layout.pane(Pane::Picture).unwrap_or(layout.title);
+    let row = if heading.is_empty() {
+        Rect { y: below.bottom().saturating_sub(1), height: 1.min(below.height), ..below }
+    } else {
+        heading
+    };
+    if row.is_empty() {
+        return;
+    }
+    let text = clipped(&format!(" {words} "), row.width.into());
+    buffer.set_style(row, theme.popup);
+    buffer.set_stringn(row.x, row.y, &text, row.width.into(), theme.selected);
+    let rest = " ".repeat(usize::from(row.width).saturating_sub(text.width()));
+    buffer.set_string(row.x + text.width() as u16, row.y, rest, theme.popup);
+    view.order.first.push(row);
+}
+
 /// Paints the picture, or why there is none.
 pub fn view(model: &Model, inner: Rect, buffer: &mut Buffer, view: &mut View) {
     let theme = &model.config.theme;
@@ -53,6 +89,7 @@ pub fn view(model: &Model, inner: Rect, buffer: &mut Buffer, view: &mut View) {
     if let Some(painted) = standing(model) {
         view.order.late.push(area);
         painted.put(area, buffer);
+        handles(model, painted, area, buffer);
         // Where panes have no headings, the bar to scrub takes the row.
         let is_taken =
             model.growth.step().is_some() && model.layout().headings[Pane::Picture as usize].is_empty();
@@ -90,6 +127,30 @@ pub fn view(model: &Model, inner: Rect, buffer: &mut Buffer, view: &mut View) {
         say(buffer, area.y, &words(growing), theme.busy);
     } else if !has_grown && standing(model).is_none() {
         say(buffer, area.y + area.height / 2, "growing …", theme.dim);
+    }
+}
+
+/// What can be taken hold of in a picture of characters: a letter each, which a few coarse pixels cannot be told from
+/// the lines around them.
+fn handles(model: &Model, painted: &Painted, area: Rect, buffer: &mut Buffer) {
+    let request = &painted.request;
+    let (Some(marks), None) = (&request.marks, request.medium.graphics) else { return };
+    let Some(view) = seen(request) else { return };
+    let signs = if request.medium.glyphs == Glyphs::Ascii { ["o", "@"] } else { ["○", "●"] };
+    let (wide, high) = request.medium.cell_px;
+    // The one that is picked lies over the others.
+    let mut all: Vec<&Handle> = marks.handles.iter().collect();
+    all.sort_by_key(|handle| handle.is_picked);
+    for handle in all {
+        let at = view.project(handle.at).at / Vec2::new(f32::from(wide), f32::from(high));
+        let place =
+            Position::new(request.area.x + at.x.max(0.0) as u16, request.area.y + at.y.max(0.0) as u16);
+        if at.cmplt(Vec2::ZERO).any() || !area.contains(place) {
+            continue;
+        }
+        let style = model.config.theme.accent.add_modifier(Modifier::BOLD);
+        let style = if handle.is_picked { style.add_modifier(Modifier::REVERSED) } else { style };
+        buffer[(place.x, place.y)].set_symbol(signs[usize::from(handle.is_picked)]).set_style(style);
     }
 }
 

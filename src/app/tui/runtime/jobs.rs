@@ -15,8 +15,8 @@ use linden::recipe::Recipe;
 use super::Happening;
 use crate::exit;
 use crate::jobs::{
-    Answer, Derivation, Done, DrawRequest, ExportNews, ExportOrder, GalleryRequest, Inquiry, Lane, Measured,
-    Painted, Painter, Relay, ShownForest, ShownTree, Thumbnail, Watcher, WordRequest, derive, grow_shown,
+    Answer, Derivation, Done, DrawRequest, ExportNews, ExportOrder, GalleryRequest, Grower, Inquiry, Lane,
+    Measured, Painted, Painter, Relay, ShownForest, ShownTree, Thumbnail, Watcher, WordRequest, derive,
     grow_shown_forest, look, measure, paint_gallery, run_export,
 };
 use crate::source::forest::AnySource;
@@ -116,11 +116,13 @@ impl Desk {
     /// Starts the lanes.
     pub fn start(sender: &Sender<Happening>) -> std::io::Result<Self> {
         let load = Lane::start("read", send(sender, News::Load), read)?;
-        let grow = Lane::start("grow", send(sender, News::Grow), |recipe: Arc<Recipe>, watcher, give| {
-            if let Some(grown) = grow_shown(&recipe, watcher) {
-                give(grown);
-            }
-        })?;
+        let mut grower = Grower::default();
+        let grow =
+            Lane::start("grow", send(sender, News::Grow), move |recipe: Arc<Recipe>, watcher, give| {
+                if let Some(grown) = grower.grow(&recipe, watcher) {
+                    give(grown);
+                }
+            })?;
         let forest =
             Lane::start("forest", send(sender, News::Forest), |forest: Arc<Forest>, watcher, give| {
                 if let Some(grown) = grow_shown_forest(&forest, watcher) {

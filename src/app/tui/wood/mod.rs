@@ -162,7 +162,7 @@ fn line_of(skeleton: &Skeleton, axis: u32) -> Vec<Vec3> {
 pub fn marks(model: &Model, shown: &Arc<ShownTree>) -> Option<Marks> {
     let pick = model.dialogs.find::<WoodPick>()?;
     let lines = if Arc::ptr_eq(&pick.shown, shown) { Arc::clone(&pick.line) } else { Arc::default() };
-    Some(Marks { lines, bare: !pick.leaves })
+    Some(Marks { lines, bare: !pick.leaves, ..Marks::default() })
 }
 
 /// Begins to edit.

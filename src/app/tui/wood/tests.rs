@@ -1,6 +1,7 @@
 use linden_raster::Size;
 
 use super::*;
+use crate::jobs::Framed;
 use crate::tui::testing::Bench;
 
 /// The axes of the tree on screen, and what is picked.
@@ -81,7 +82,7 @@ fn the_mouse_picks_what_is_drawn_there() {
         u32::from(request.area.width) * u32::from(wide),
         u32::from(request.area.height) * u32::from(high),
     );
-    let view = request.camera.view(shown.extent(false, false), size.unwrap());
+    let view = request.camera.view(shown.extent(Framed::Tree, false), size.unwrap());
     // The tip of the lowest long limb: nothing else is near.
     let skeleton = &shown.grown.skeleton;
     let tip = |axis: &u32| {
