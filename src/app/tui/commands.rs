@@ -6,7 +6,9 @@
 //! line here.
 
 use super::model::Command;
-use super::{chrome, derivation, export, growth, library, picture, shape, statistics, vary, wind, wood};
+use super::{
+    chrome, crown, derivation, export, growth, library, picture, shape, statistics, vary, wind, wood,
+};
 
 /// All commands, room by room.
 pub const ALL: &[&[Command]] = &[
@@ -16,6 +18,8 @@ pub const ALL: &[&[Command]] = &[
     growth::COMMANDS,
     wind::COMMANDS,
     shape::COMMANDS,
+    crown::COMMANDS,
+    crown::CAMERA,
     wood::COMMANDS,
     wood::CAMERA,
     derivation::COMMANDS,

@@ -57,6 +57,12 @@ pub trait Dialog<M>: Any {
         After::Stays
     }
 
+    /// The pointer moves with a button down that went down in the dialog, or the button goes up; whether that was
+    /// meant for it.
+    fn drag(&mut self, _model: &mut M, _mouse: MouseEvent) -> bool {
+        false
+    }
+
     /// The wheel was turned by a notch, on a spot or elsewhere in the dialog.
     fn wheel(&mut self, _model: &mut M, _spot: Option<usize>, _down: bool) {}
 

@@ -15,7 +15,10 @@ type Path = Vec<&'static str>;
 
 fn bench(path: &[&str]) -> Bench {
     // One in which chance has a part: it can be varied.
-    let mut bench = Bench::new(160, 48).without_pictures().with("abop-stochastic");
+    let bench = Bench::new(160, 48).without_pictures();
+    // A crown can be shaped where there is one.
+    let shapes = path.first() == Some(&"crown-edit");
+    let mut bench = if shapes { bench.with_plain("simple") } else { bench.with("abop-stochastic") };
     for id in path {
         bench.run(id);
     }
@@ -69,6 +72,7 @@ fn find_situations() -> Vec<Path> {
     all.push(vec!["growth-start"]);
     all.push(vec!["focus-next", "zoom-in"]);
     all.push(vec!["help", "page-last"]);
+    all.push(vec!["crown-edit"]);
     // The rows of the first format: its options, then its target.
     for row in 1..5 {
         let first = vec!["export", "export-first", "export-toggle"];

@@ -13,7 +13,7 @@
 //! | [`command`], [`layout`], [`dialog`] | what a command and a dialog are; where the panes are |
 //! | [`model`] | the state |
 //! | [`chrome`] | what frames the panes: footer, palette, pages, typed lines |
-//! | [`library`], [`picture`], [`growth`], [`wind`], [`shape`], [`vary`], [`export`] | the rooms: a pane or a dialog with its commands each |
+//! | [`library`], [`picture`], [`growth`], [`wind`], [`shape`], [`crown`], [`wood`], [`vary`], [`export`] | the rooms: a pane or a dialog with its commands each |
 //! | [`commands`] | the one table of commands |
 //! | [`screen`], [`update`] | all of it painted; all that can happen |
 //! | [`runtime`] | the loop |
@@ -21,6 +21,7 @@
 mod chrome;
 mod command;
 mod commands;
+mod crown;
 mod derivation;
 mod dialog;
 mod effect;

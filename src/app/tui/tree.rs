@@ -62,6 +62,10 @@ enum UndoSeries {
     Knob(&'static str, Instant),
     /// One editing of the grammar.
     Grammar,
+    /// One drag in the picture.
+    Drag,
+    /// Keys that move one thing in the picture; when the last one was.
+    Nudge(Instant),
 }
 
 /// The grammar as it was typed, with its comments and its mistakes.
@@ -190,6 +194,25 @@ impl Tree {
     /// Replaces the whole preset (a variation, all knobs as saved), as one step of undo.
     pub fn replace(&mut self, preset: Preset) {
         self.change(preset, false, None);
+    }
+
+    /// Begins a drag: what is [dragged](Self::drag) from here on is one step of undo.
+    pub fn begin_drag(&mut self) {
+        self.series = None;
+    }
+
+    /// Replaces the whole preset while something of it is dragged.
+    pub fn drag(&mut self, preset: Preset) {
+        let follows = self.series == Some(UndoSeries::Drag);
+        self.change(preset, follows, Some(UndoSeries::Drag));
+    }
+
+    /// Replaces the whole preset by a key that moves something a little: keys that follow each other fast are one
+    /// step of undo, until a [drag begins](Self::begin_drag).
+    pub fn nudge(&mut self, preset: Preset, now: Instant) {
+        let follows = matches!(self.series, Some(UndoSeries::Nudge(at))
+            if now.saturating_duration_since(at) < ONE_STEP);
+        self.change(preset, follows, Some(UndoSeries::Nudge(now)));
     }
 
     /// The grammar, `None` for a tree that grows by colonization.

@@ -194,9 +194,22 @@ fn on_dialog(model: &mut Model, spot: Option<usize>, mouse: MouseEvent, effects:
     }
 }
 
+/// The pointer moves with a button down, or a button goes up, and the topmost dialog is what is dragged in.
+fn dragged(model: &mut Model, mouse: MouseEvent) -> bool {
+    if !matches!(mouse.kind, MouseEventKind::Drag(_) | MouseEventKind::Up(_)) {
+        return false;
+    }
+    let mut is_meant = false;
+    model.tell(|dialog, model| {
+        is_meant = dialog.drag(model, mouse);
+        After::Stays
+    });
+    is_meant
+}
+
 fn on_mouse(model: &mut Model, mouse: MouseEvent, effects: &mut Effects) {
     // A drag goes on where it began, wherever the pointer is now.
-    if picture::dragged(model, mouse) {
+    if picture::dragged(model, mouse) || dragged(model, mouse) {
         return;
     }
     let at = Position::new(mouse.column, mouse.row);

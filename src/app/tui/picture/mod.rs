@@ -1,6 +1,7 @@
 //! The picture, and how it is looked at.
 
 mod commands;
+pub mod hold;
 pub mod view;
 
 use std::sync::Arc;
@@ -14,6 +15,7 @@ use ratatui::layout::Rect;
 
 pub use commands::{COMMANDS, camera_rows};
 
+use super::crown;
 use super::derivation;
 use super::layout::Pane;
 use super::model::{Model, PictureState, QUIET};
@@ -129,7 +131,7 @@ pub fn wanted(model: &Model) -> Option<DrawRequest> {
         outline: picture.outline,
         obstructions: picture.obstructions,
         person,
-        marks: wood::marks(model, shown),
+        marks: wood::marks(model, shown).or_else(|| crown::marks(model)),
         area,
         medium: Medium::of(&model.terminal, model.config.settings.scenery),
         detail: detail(model),

@@ -92,12 +92,20 @@ impl Bench {
     }
 
     /// Puts an L-system's tree on screen, derived twice.
-    pub fn with(mut self, id: &'static str) -> Self {
+    pub fn with(self, id: &'static str) -> Self {
+        self.with_set(id, &[("derivations".to_owned(), "2".to_owned())])
+    }
+
+    /// Puts any tree on screen.
+    pub fn with_plain(self, id: &'static str) -> Self {
+        self.with_set(id, &[])
+    }
+
+    fn with_set(mut self, id: &'static str, set: &[(String, String)]) -> Self {
         let place = TreePlace::Builtin(id);
         self.model.library.select_place(&place);
         self.model.loading = Some(place.clone());
-        let set = [("derivations".to_owned(), "2".to_owned())];
-        let source = source::resolve(Path::new(id), &set, &linden::Quiet).unwrap();
+        let source = source::resolve(Path::new(id), set, &linden::Quiet).unwrap();
         self.msg(Msg::Loaded(place, Ok(AnySource::Tree(Box::new(source)))));
         self.settle();
         self

@@ -10,11 +10,11 @@ use std::sync::Arc;
 use crossterm::event::{KeyEvent, MouseEvent};
 use glam::Vec3;
 use linden::Skeleton;
+use linden::preset::Preset;
 use linden::skeleton::NO_PARENT;
 use linden::skeleton::edit::{AxisPath, AxisPaths, Edit, Operation};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
-use unicode_width::UnicodeWidthStr;
 
 pub use commands::{CAMERA, COMMANDS};
 
@@ -23,12 +23,12 @@ use super::command::Context;
 use super::dialog::{After, Dialog};
 use super::effect::Effects;
 use super::figures::{metres, thousands};
-use super::layout::{Pane, Target, View};
+use super::layout::View;
 use super::model::Model;
 use super::picture;
 use super::shape;
+use super::tree::Tree;
 use crate::jobs::{Marks, ShownTree};
-use crate::wrap::clipped;
 
 /// Where the keys of the pick are listened to.
 pub const CONTEXT: Context = Context::new(55, "wood", "While editing the wood");
@@ -181,6 +181,14 @@ fn open(model: &mut Model) {
 /// Adds an edit that was typed to the preset, or puts it in the place of another; why not.
 fn add(model: &mut Model, text: &str, replaces: Option<usize>) -> Result<(), String> {
     let Some(tree) = &mut model.tree else { return Err("no preset is chosen".to_owned()) };
+    let preset = edited(tree, text, replaces)?;
+    tree.replace(preset);
+    model.say(format!("edited: {text}; Undo takes it back"));
+    Ok(())
+}
+
+/// The preset with an edit that was typed, in the place of another where one is named; why there is none.
+fn edited(tree: &Tree, text: &str, replaces: Option<usize>) -> Result<Preset, String> {
     let mut preset = tree.preset().clone();
     let place = replaces.filter(|place| *place < preset.edits.len());
     if let Some(place) = place {
@@ -196,9 +204,7 @@ fn add(model: &mut Model, text: &str, replaces: Option<usize>) -> Result<(), Str
     if let Some(place) = place {
         preset.edits[place..].rotate_right(1);
     }
-    tree.replace(preset);
-    model.say(format!("edited: {text}; Undo takes it back"));
-    Ok(())
+    Ok(preset)
 }
 
 /// Takes the axis that is picked away.
@@ -280,28 +286,7 @@ impl Dialog<Model> for WoodPick {
     }
 
     fn paint(&self, model: &Model, _screen: Rect, buffer: &mut Buffer, view: &mut View) {
-        let theme = &model.config.theme;
-        let layout = model.layout();
-        if let Some(area) = picture::area(model) {
-            view.regions.push((area, Target::Dialog(Some(0))));
-        }
-        // In the place of the picture's heading, or on the row below it.
-        let heading = layout.headings[Pane::Picture as usize];
-        let below = layout.pane(Pane::Picture).unwrap_or(layout.title);
-        let row = if heading.is_empty() {
-            Rect { y: below.bottom().saturating_sub(1), height: 1.min(below.height), ..below }
-        } else {
-            heading
-        };
-        if row.is_empty() {
-            return;
-        }
-        let text = clipped(&format!(" {} ", self.words()), row.width.into());
-        buffer.set_style(row, theme.popup);
-        buffer.set_stringn(row.x, row.y, &text, row.width.into(), theme.selected);
-        let rest = " ".repeat(usize::from(row.width).saturating_sub(text.width()));
-        buffer.set_string(row.x + text.width() as u16, row.y, rest, theme.popup);
-        view.order.first.push(row);
+        picture::view::banner(model, &self.words(), buffer, view);
     }
 
     /// Undo and redo, by the keys that they have everywhere.

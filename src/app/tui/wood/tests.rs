@@ -2,6 +2,7 @@ use linden_raster::Size;
 
 use super::*;
 use crate::jobs::Framed;
+use crate::tui::layout::Pane;
 use crate::tui::testing::Bench;
 
 /// The axes of the tree on screen, and what is picked.
