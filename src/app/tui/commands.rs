@@ -22,6 +22,8 @@ pub const ALL: &[&[Command]] = &[
     crown::CAMERA,
     wood::COMMANDS,
     wood::CAMERA,
+    wood::CURVE,
+    wood::CURVE_CAMERA,
     derivation::COMMANDS,
     derivation::CAMERA,
     statistics::COMMANDS,

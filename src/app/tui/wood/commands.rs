@@ -1,7 +1,9 @@
 //! The commands of editing the wood.
 
+use super::curve::{self, CurvePick};
 use super::{CONTEXT, WoodPick, ask, go, open, remove, with};
 use crate::tui::command::Context;
+use crate::tui::dialog::After;
 use crate::tui::effect::Effects;
 use crate::tui::model::{Command, Model, free, without_tree};
 use crate::tui::picture::camera_rows;
@@ -117,7 +119,14 @@ pub const COMMANDS: &[Command] = &[
         },
     ),
     row("wood-add", &["a"], "Add", "Adds an axis that this one bears", Some(17), |m, _| ask(m, "add")),
-    row("wood-curve", &["w"], "Curve", "Leads the axis along control points", None, |m, _| ask(m, "curve")),
+    row(
+        "wood-curve",
+        &["w"],
+        "Curve",
+        "Leads the axis along control points, which are dragged in the picture or moved by keys",
+        Some(18),
+        |m, _| curve::open(m),
+    ),
     row("wood-leaves", &["v"], "Leaves", "Shows leaves, or wood alone", None, |m, _| {
         with(m, |pick| pick.leaves = !pick.leaves);
     }),
@@ -125,6 +134,145 @@ pub const COMMANDS: &[Command] = &[
         m.dialogs.close::<WoodPick>();
     }),
 ];
+
+/// A row of drawing a curve.
+const fn curve_row(
+    id: &'static str,
+    keys: &'static [&'static str],
+    [title, help]: [&'static str; 2],
+    hint: Option<u8>,
+    hindrance: fn(&Model) -> Option<String>,
+    run: fn(&mut Model, &mut Effects),
+) -> Command {
+    Command { id, context: curve::CONTEXT, keys, title, help, hint, hindrance, run }
+}
+
+fn with_curve(model: &mut Model, act: impl FnOnce(&mut CurvePick, &mut Model)) {
+    model.with(|pick: &mut CurvePick, model| {
+        act(pick, model);
+        After::Stays
+    });
+}
+
+/// The rows of drawing a curve.
+pub const CURVE: &[Command] = &[
+    curve_row(
+        "curve-next",
+        &["tab", "n"],
+        ["Next point", "Picks the next control point"],
+        Some(10),
+        free,
+        |m, _| {
+            with_curve(m, |pick, _| pick.go(1));
+        },
+    ),
+    curve_row(
+        "curve-previous",
+        &["shift-tab", "N"],
+        ["Point before", "Picks the control point before"],
+        None,
+        free,
+        |m, _| with_curve(m, |pick, _| pick.go(-1)),
+    ),
+    curve_row(
+        "curve-up",
+        &["up", "k"],
+        ["Up", "Moves the point up in the picture"],
+        Some(12),
+        free,
+        |m, _| {
+            with_curve(m, |pick, model| pick.step(model, 0.0, 1.0));
+        },
+    ),
+    curve_row(
+        "curve-down",
+        &["down", "j"],
+        ["Down", "Moves the point down in the picture"],
+        None,
+        free,
+        |m, _| {
+            with_curve(m, |pick, model| pick.step(model, 0.0, -1.0));
+        },
+    ),
+    curve_row(
+        "curve-left",
+        &["left", "h"],
+        ["Left", "Moves the point to the left in the picture"],
+        Some(13),
+        free,
+        |m, _| {
+            with_curve(m, |pick, model| pick.step(model, -1.0, 0.0));
+        },
+    ),
+    curve_row(
+        "curve-right",
+        &["right", "l"],
+        ["Right", "Moves the point to the right in the picture"],
+        None,
+        free,
+        |m, _| {
+            with_curve(m, |pick, model| pick.step(model, 1.0, 0.0));
+        },
+    ),
+    curve_row(
+        "curve-add",
+        &["a"],
+        ["Add point", "Adds a control point behind the one that is picked"],
+        Some(14),
+        |m| {
+            let is_full = m.dialogs.top::<CurvePick>().is_some_and(CurvePick::is_full);
+            is_full.then(|| "a curve has 64 points at most".to_owned())
+        },
+        |m, _| with_curve(m, CurvePick::add_point),
+    ),
+    curve_row(
+        "curve-remove",
+        &["x", "delete"],
+        ["Remove point", "Takes the control point away"],
+        Some(15),
+        |m| {
+            let is_last = m.dialogs.top::<CurvePick>().is_some_and(CurvePick::has_one_point);
+            is_last.then(|| "a curve needs a point; Esc leaves the axis as it was".to_owned())
+        },
+        |m, _| with_curve(m, CurvePick::remove_point),
+    ),
+    curve_row(
+        "curve-type",
+        &["i"],
+        ["Type", "Types the points, metres from the base of the axis"],
+        Some(16),
+        free,
+        |m, _| {
+            curve::type_points(m);
+        },
+    ),
+    curve_row("curve-accept", &["enter"], ["Done", "Leaves; the curve stays"], Some(89), free, |m, _| {
+        curve::accept(m);
+    }),
+    curve_row(
+        "curve-cancel",
+        &["esc", "q"],
+        ["Cancel", "Leaves the wood as it was before"],
+        Some(90),
+        free,
+        |m, effects| {
+            m.cancel(effects);
+        },
+    ),
+];
+
+/// The rows that look from elsewhere while a curve is drawn.
+pub const CURVE_CAMERA: &[Command] = &camera_rows(
+    curve::CONTEXT,
+    [
+        "curve-orbit-left",
+        "curve-orbit-right",
+        "curve-orbit-up",
+        "curve-orbit-down",
+        "curve-closer",
+        "curve-farther",
+    ],
+);
 
 /// The rows that look from elsewhere.
 pub const CAMERA: &[Command] = &camera_rows(

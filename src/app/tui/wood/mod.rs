@@ -3,6 +3,7 @@
 //! Paths name axes of the tree as it grew, so that the cursor stays on its axis when an edit takes others away.
 
 mod commands;
+mod curve;
 mod line;
 
 use std::sync::Arc;
@@ -16,7 +17,7 @@ use linden::skeleton::edit::{AxisPath, AxisPaths, Edit, Operation};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
-pub use commands::{CAMERA, COMMANDS};
+pub use commands::{CAMERA, COMMANDS, CURVE, CURVE_CAMERA};
 
 use self::line::EditLine;
 use super::command::Context;
@@ -160,6 +161,9 @@ fn line_of(skeleton: &Skeleton, axis: u32) -> Vec<Vec3> {
 
 /// What pictures of a tree mark: nothing while another tree is on its way.
 pub fn marks(model: &Model, shown: &Arc<ShownTree>) -> Option<Marks> {
+    if let Some(marks) = curve::marks(model) {
+        return Some(marks);
+    }
     let pick = model.dialogs.find::<WoodPick>()?;
     let lines = if Arc::ptr_eq(&pick.shown, shown) { Arc::clone(&pick.line) } else { Arc::default() };
     Some(Marks { lines, bare: !pick.leaves, ..Marks::default() })

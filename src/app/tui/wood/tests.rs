@@ -174,3 +174,105 @@ fn an_edit_that_was_not_made_says_so_in_the_form() {
     let why: String = shown.grown.remarks[0].why.chars().take(24).collect();
     assert!(bench.screen().contains(&why), "{why}: {}", bench.screen());
 }
+
+/// The points of the curve that the preset has, metres from the base.
+fn points(bench: &Bench) -> Vec<[f64; 3]> {
+    let edits = &bench.model.tree.as_ref().unwrap().preset().edits;
+    match edits.last().map(|edit| &edit.operation) {
+        Some(Operation::Curve { points }) => points.clone(),
+        _ => Vec::new(),
+    }
+}
+
+/// The cell in which a control point is drawn.
+fn cell_of(bench: &Bench, handle: usize) -> (u16, u16) {
+    let request = picture::wanted(&bench.model).unwrap();
+    let at = request.marks.as_ref().unwrap().handles[handle].at;
+    let (view, _) = picture::pointed_at(&bench.model, request.area.x, request.area.y).unwrap();
+    let (px, (wide, high)) = (view.project(at).at, request.medium.cell_px);
+    let cell = |px: f32, one: u16| (px / f32::from(one)) as u16;
+    (request.area.x + cell(px.x, wide), request.area.y + cell(px.y, high))
+}
+
+#[test]
+fn a_control_point_is_dragged_and_the_edit_is_the_one_that_is_typed() {
+    use crossterm::event::{MouseButton, MouseEventKind};
+    let mut bench = fir();
+    bench.keys("a l w");
+    let on_path = state(&bench).1;
+    assert!(points(&bench).is_empty(), "nothing is changed before a point has moved");
+    let (column, row) = cell_of(&bench, 2);
+    bench.mouse(MouseEventKind::Down(MouseButton::Left), column, row);
+    for way in 1..=3 {
+        bench.mouse(MouseEventKind::Drag(MouseButton::Left), column, row - way);
+    }
+    bench.mouse(MouseEventKind::Up(MouseButton::Left), column, row - 3);
+    bench.settle();
+    assert_eq!(cell_of(&bench, 2), (column, row - 3), "the point is where the pointer let go");
+    let drawn = bench.model.tree.as_ref().unwrap().preset().edits.clone();
+    assert_eq!(drawn.len(), 1);
+    assert!(drawn[0].near.is_some() && drawn[0].axis.to_string() == on_path);
+    // The tip of the grown axis is that point.
+    let shown = Arc::clone(bench.model.tree.as_ref().unwrap().shown.as_ref().unwrap());
+    let axis = shown.grown.skeleton.find_axis(&on_path.parse().unwrap()).unwrap();
+    let line = line_of(&shown.grown.skeleton, axis);
+    let last = points(&bench)[2].map(|x| x as f32);
+    assert!(line.last().unwrap().distance(line[0] + Vec3::from(last)) < 1e-3);
+    let typed = drawn[0].to_string();
+    // One drag is one step, and the same edit typed gives the same.
+    bench.keys("u enter");
+    assert!(points(&bench).is_empty());
+    add(&mut bench.model, &typed, None).unwrap();
+    assert_eq!(bench.model.tree.as_ref().unwrap().preset().edits, drawn);
+}
+
+#[test]
+fn points_move_by_keys_come_and_go_and_are_given_up() {
+    let mut bench = fir();
+    bench.keys("a l w up up");
+    let once = points(&bench);
+    assert_eq!(once.len(), 3);
+    bench.keys("u");
+    assert!(points(&bench).is_empty(), "keys that follow each other are one step");
+    bench.keys("ctrl-r a").settle();
+    assert_eq!(points(&bench).len(), 4);
+    assert!(bench.screen().contains("point 3 of 4"), "{}", bench.screen());
+    bench.keys("x tab x").settle();
+    assert_eq!(points(&bench).len(), 2);
+    // Drawn anew, the edit is the same one.
+    bench.keys("enter w down");
+    let tree = bench.model.tree.as_ref().unwrap();
+    assert_eq!((tree.preset().edits.len(), points(&bench).len()), (1, 2));
+    let now = points(&bench);
+    bench.keys("left esc");
+    assert!(bench.model.dialogs.top::<WoodPick>().is_some());
+    assert_ne!(points(&bench), now, "given up: as it was when drawing began");
+    bench.keys("w x x");
+    let said = bench.model.message.clone().unwrap().text;
+    assert!(said.contains("a curve needs a point"), "{said}");
+}
+
+#[test]
+fn points_are_typed_as_well() {
+    let mut bench = fir();
+    bench.keys("a l w i ctrl-u");
+    let on_path = state(&bench).1;
+    bench.types(&format!("curve {on_path} 0.2,0.1,0,0.5,0.4,0.1")).keys("enter").settle();
+    assert_eq!(points(&bench), [[0.2, 0.1, 0.0], [0.5, 0.4, 0.1]]);
+    assert!(bench.screen().contains("point 2 of 2"), "{}", bench.screen());
+}
+
+#[test]
+fn what_is_drawn_and_how_to_leave_are_told_on_small_screens() {
+    for (columns, rows) in [(120, 40), (60, 18), (40, 12)] {
+        let mut bench = Bench::new(columns, rows).without_pictures().with_tree();
+        bench.keys("/").types("fir").keys("enter").settle();
+        bench.model.focus_on(Pane::Picture);
+        bench.keys("a l w");
+        bench.model.message = None;
+        let screen = bench.screen();
+        for words in ["curve of stem/", "Esc Cancel", "Enter Done"] {
+            assert!(screen.contains(words), "{columns}x{rows} {words}\n{screen}");
+        }
+    }
+}
