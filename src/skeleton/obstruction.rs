@@ -93,7 +93,9 @@ mod tests {
         let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z];
         let mut triangles = vec![[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]];
         if turned {
-            triangles.iter_mut().for_each(|t| t.swap(0, 1));
+            for triangle in &mut triangles {
+                triangle.swap(0, 1);
+            }
         }
         Obstruction::new(Obstructs::Branches, positions, triangles)
     }

@@ -34,6 +34,7 @@ use crate::source::forest::ForestFile;
 
 /// Draw a source: in the terminal, or as a picture's file
 #[derive(Args)]
+#[expect(clippy::struct_excessive_bools, reason = "switches that have nothing to do with each other")]
 pub struct Preview {
     #[command(flatten)]
     growing: GrowArgs,

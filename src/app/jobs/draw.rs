@@ -87,6 +87,7 @@ impl PartialEq for Marks {
 
 /// A picture that should be on screen.
 #[derive(Clone, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "switches that have nothing to do with each other")]
 pub struct DrawRequest {
     /// What of.
     pub subject: Subject,

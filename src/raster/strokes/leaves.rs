@@ -197,7 +197,7 @@ mod tests {
         let mut sums = [0.0_f32; 400];
         for corners in [[a, b, c], [a, d, c]] {
             each_pixel(&Facet { corners, color: Vec3::ONE, alpha: 1.0 }, rows, |pixel, coverage| {
-                sums[pixel] += coverage
+                sums[pixel] += coverage;
             });
         }
         for y in 5..14 {

@@ -4,10 +4,12 @@ use glam::{Vec2, Vec3};
 use linden_pipeline::grow::{Obstruction, Obstructs};
 use linden_pipeline::picture::Picture;
 use linden_pipeline::scene::{Material, Mesh, Part, Wrap};
-use linden_pipeline::{Quiet, Skeleton};
+use linden_pipeline::{Monitor, Quiet, Skeleton};
 
 use crate::skeleton::sample::stem;
-use crate::{Camera, Extent, Size, Style, Surface, View, draw_flat, draw_skeleton, draw_surface};
+use crate::{
+    Camera, Extent, RasterError, Size, Style, Surface, View, draw_flat, draw_skeleton, draw_surface,
+};
 
 /// A box from one corner to the opposite one.
 fn block(low: Vec3, high: Vec3) -> Obstruction {
@@ -54,6 +56,9 @@ fn meets(view: &View, at: Vec2, low: Vec3, high: Vec3) -> Option<bool> {
     around.iter().all(|&one| one == around[0]).then_some(around[0])
 }
 
+/// A look without light.
+type Draw = fn(&Skeleton, &Camera, &Style<'_>, Size, &dyn Monitor) -> Result<Picture, RasterError>;
+
 #[test]
 fn a_solid_is_seen_where_rays_meet_it_from_all_sides_and_in_every_look() {
     let (low, high) = (Vec3::new(-1.4, 0.4, -0.7), Vec3::new(1.2, 3.1, 1.0));
@@ -63,13 +68,6 @@ fn a_solid_is_seen_where_rays_meet_it_from_all_sides_and_in_every_look() {
     for (yaw, pitch) in [(0.0, 0.0), (35.0, 20.0), (120.0, -15.0), (200.0, 70.0)] {
         let camera = camera(yaw, pitch);
         let view = camera.view(Extent::of(&tree, &[]).unwrap(), size());
-        type Draw = fn(
-            &Skeleton,
-            &Camera,
-            &Style<'_>,
-            Size,
-            &dyn linden_pipeline::Monitor,
-        ) -> Result<Picture, crate::RasterError>;
         for draw in [draw_skeleton as Draw, draw_flat as Draw] {
             let [with, without] =
                 [&style, &bare].map(|style| draw(&tree, &camera, style, size(), &Quiet).unwrap());

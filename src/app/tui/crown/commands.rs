@@ -61,7 +61,7 @@ pub const COMMANDS: &[Command] = &[
         run: |model, _| open(model),
     },
     row("crown-next", &["tab", "n"], ["Next handle", "Picks the next handle"], 10, free, |m, _| {
-        with(m, |pick, _| pick.go(1))
+        with(m, |pick, _| pick.go(1));
     }),
     Command {
         hint: None,
@@ -75,10 +75,10 @@ pub const COMMANDS: &[Command] = &[
         )
     },
     row("crown-up", &["up", "k"], ["Up", "Moves the handle up"], 12, is_level, |m, _| {
-        with(m, |pick, model| pick.step(model, 1.0, 0.0))
+        with(m, |pick, model| pick.step(model, 1.0, 0.0));
     }),
     row("crown-down", &["down", "j"], ["Down", "Moves the handle down"], 13, is_level, |m, _| {
-        with(m, |pick, model| pick.step(model, -1.0, 0.0))
+        with(m, |pick, model| pick.step(model, -1.0, 0.0));
     }),
     row(
         "crown-out",

@@ -169,3 +169,18 @@ fn what_is_picked_and_how_to_leave_are_told_on_small_screens() {
         }
     }
 }
+
+#[test]
+fn handles_are_letters_where_pictures_are_characters() {
+    for (says, signs) in [(&[][..], ['○', '●']), (&[("LC_ALL", "C")], ['o', '@'])] {
+        let mut bench = Bench::on(120, 40, &[&[("COLORTERM", "truecolor")][..], says].concat(), "auto");
+        bench = bench.with_plain("simple");
+        bench.keys("A tab").settle();
+        let lines: Vec<Vec<char>> = bench.screen().lines().map(|line| line.chars().collect()).collect();
+        for handle in 0..pick(&bench).draft.handles.len() {
+            let (column, row) = cell_of(&bench, handle);
+            let sign = signs[usize::from(handle == pick(&bench).picked)];
+            assert_eq!(lines[row as usize][column as usize], sign, "{handle}\n{}", bench.screen());
+        }
+    }
+}

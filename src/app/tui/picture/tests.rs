@@ -42,3 +42,24 @@ fn levels_of_detail_are_gone_through_and_are_those_of_an_export() {
     bench.keys("D").settle();
     assert_eq!(bench.model.picture.painted.as_ref().unwrap().level, None);
 }
+
+#[test]
+fn what_stands_in_the_way_is_shown_and_framed_until_it_is_hidden() {
+    let mut bench = Bench::new(120, 40).without_pictures().with_plain("around-the-stone");
+    let shown = Arc::clone(bench.model.tree.as_ref().unwrap().shown.as_ref().unwrap());
+    let extent = |bench: &Bench| wanted(&bench.model).unwrap().camera.extent.unwrap();
+    assert!(wanted(&bench.model).unwrap().obstructions && bench.screen().contains("· obstacle"));
+    // The stone is as high as the tree, but for its branches above; what is framed holds all of it.
+    let stone = &shown.obstructions[0].positions;
+    let top = stone.iter().map(|place| place.y).fold(f32::NEG_INFINITY, f32::max);
+    let low = stone.iter().map(|place| place.y).fold(f32::INFINITY, f32::min);
+    assert!(extent(&bench).top >= top && extent(&bench).bottom <= low);
+    bench.keys("W");
+    assert!(!wanted(&bench.model).unwrap().obstructions && !bench.screen().contains("· obstacle"));
+    assert_eq!(extent(&bench), shown.extent(Framed::Tree, true));
+    assert!(bench.model.message.as_ref().unwrap().text.contains("hidden"));
+    let mut bench = Bench::grown(120, 40);
+    bench.keys("W");
+    let said = bench.model.message.clone().unwrap().text;
+    assert!(said.contains("nothing stands in this tree's way"), "{said}");
+}

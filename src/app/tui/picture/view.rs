@@ -148,7 +148,8 @@ fn handles(model: &Model, painted: &Painted, area: Rect, buffer: &mut Buffer) {
         if at.cmplt(Vec2::ZERO).any() || !area.contains(place) {
             continue;
         }
-        let style = model.config.theme.accent.add_modifier(Modifier::BOLD);
+        // Before no colour of the picture, in which it would be lost.
+        let style = model.config.theme.accent.bg(Color::Reset).add_modifier(Modifier::BOLD);
         let style = if handle.is_picked { style.add_modifier(Modifier::REVERSED) } else { style };
         buffer[(place.x, place.y)].set_symbol(signs[usize::from(handle.is_picked)]).set_style(style);
     }

@@ -123,7 +123,7 @@ pub fn marks(model: &Model) -> Option<Marks> {
     let pick = model.dialogs.find::<CurvePick>()?;
     let mut through = vec![pick.base];
     through.extend(pick.points.iter().map(|&point| pick.base + point));
-    let line = curve_through(&through).into_iter().map(|place| place.as_vec3()).collect();
+    let line = curve_through(&through).into_iter().map(DVec3::as_vec3).collect();
     let handle = |(i, at)| Handle { at, is_picked: i == pick.picked };
     let handles = pick.places().into_iter().enumerate().map(handle).collect();
     Some(Marks { lines: Arc::new(vec![line]), handles: Arc::new(handles), bare: true })
@@ -138,7 +138,7 @@ impl CurvePick {
     fn text(&self) -> String {
         // A thousandth of the axis tells places apart, and reads well.
         let scale = libm::pow(10.0, -libm::floor(libm::log10(self.length_m * GRAIN))).min(1e9);
-        let numbers = self.points.iter().flat_map(|point| point.to_array());
+        let numbers = self.points.iter().flat_map(DVec3::to_array);
         let numbers: Vec<String> =
             numbers.map(|x| libm::round(x * scale) / scale + 0.0).map(|x| x.to_string()).collect();
         format!("curve {} {}", self.axis, numbers.join(","))
