@@ -291,7 +291,8 @@ fn stand(
     size: Size,
     watcher: &Watcher<'_>,
 ) -> Result<Picture, Option<String>> {
-    let style = Style { draft: request.detail == Detail::Draft, ..base };
+    let obstructions = if request.obstructions { &forest.obstructions[..] } else { &[] };
+    let style = Style { obstructions, draft: request.detail == Detail::Draft, ..base };
     let holding = Holding::new(watcher, forest.grown.bytes());
     draw_stage(&forest.grown.stage(), &request.camera, &style, size, &holding).map_err(unless_cancelled)
 }

@@ -52,13 +52,14 @@ impl Preview {
         let stage = shown.grown.stage();
         let camera = Camera {
             zoom: self.zoom,
-            extent: shown.extent,
+            extent: if self.alone { shown.extent } else { shown.beside },
             ..Camera::orbit(self.yaw.unwrap_or(FOREST_YAW_DEG), self.pitch.unwrap_or(FOREST_PITCH_DEG))
         };
         let draw = |style: Style<'static>, (width, height): (u32, u32)| -> anyhow::Result<Picture> {
             let background = self.background.unwrap_or(style.background);
             let ground_shadow = style.ground_shadow && self.background != Some(Background::Transparent);
-            let style = Style { background, ground_shadow, ..style };
+            let obstructions = if self.alone { &[] } else { &shown.obstructions[..] };
+            let style = Style { background, ground_shadow, obstructions, ..style };
             let size = Size::new(width, height).map_err(usage)?;
             draw_stage(&stage, &camera, &style, size, &Holding::new(progress, held))
                 .with_context(|| id.clone())
@@ -79,7 +80,6 @@ impl Preview {
             (self.lod.is_some(), "--lod"),
             (self.points, "--points"),
             (self.outline, "--outline"),
-            (self.alone, "--alone"),
             (self.person, "--person"),
         ];
         match given.into_iter().find(|(is_given, _)| *is_given) {

@@ -55,10 +55,9 @@ fn has_no_crown(model: &Model) -> Option<String> {
 }
 
 fn stands_alone(model: &Model) -> Option<String> {
-    let shown = model.tree.as_ref().and_then(|tree| tree.shown.as_ref());
-    without_tree(model).or_else(|| {
-        let is_alone = shown.is_some_and(|shown| shown.obstructions.is_empty());
-        is_alone.then(|| "nothing stands in this tree's way or shades it".to_owned())
+    without_picture(model).or_else(|| {
+        let why = "nothing stands in the way here or takes light";
+        super::beside(model).is_empty().then(|| why.to_owned())
     })
 }
 

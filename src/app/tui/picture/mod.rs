@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use crossterm::event::{KeyModifiers, MouseButton, MouseEvent, MouseEventKind};
 use glam::Vec2;
+use linden::grow::Obstruction;
 use linden_raster::{Camera, Paint, Size, View};
 use linden_terminal::Encoded;
 use ratatui::layout::Rect;
@@ -138,6 +139,13 @@ pub fn wanted(model: &Model) -> Option<DrawRequest> {
     })
 }
 
+/// What stands beside the tree or the trees on screen.
+fn beside(model: &Model) -> &[Obstruction] {
+    let tree = model.tree.as_ref().and_then(|tree| tree.shown.as_ref()).map(|shown| &shown.obstructions[..]);
+    let forest = model.forest.as_ref().and_then(|forest| forest.shown.as_ref());
+    tree.or_else(|| forest.map(|shown| &shown.obstructions[..])).unwrap_or_default()
+}
+
 /// What is framed with what is shown.
 fn framed(picture: &PictureState) -> Framed {
     match (picture.points || picture.outline, picture.obstructions) {
@@ -149,7 +157,10 @@ fn framed(picture: &PictureState) -> Framed {
 
 /// The picture of a forest: its surfaces, whatever look is chosen for trees.
 fn of_forest(model: &Model, shown: &Arc<ShownForest>, area: Rect) -> DrawRequest {
-    plain(model, Subject::Forest(Arc::clone(shown)), area)
+    let plain = plain(model, Subject::Forest(Arc::clone(shown)), area);
+    let obstructions = model.picture.obstructions;
+    let extent = if obstructions { shown.beside } else { shown.extent };
+    DrawRequest { obstructions, camera: Camera { extent, ..plain.camera }, ..plain }
 }
 
 /// The picture of something as it is, with nothing beside it.

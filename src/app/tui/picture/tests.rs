@@ -61,5 +61,5 @@ fn what_stands_in_the_way_is_shown_and_framed_until_it_is_hidden() {
     let mut bench = Bench::grown(120, 40);
     bench.keys("W");
     let said = bench.model.message.clone().unwrap().text;
-    assert!(said.contains("nothing stands in this tree's way"), "{said}");
+    assert!(said.contains("nothing stands in the way here"), "{said}");
 }

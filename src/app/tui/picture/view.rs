@@ -11,7 +11,7 @@ use ratatui::style::{Color, Modifier};
 use ratatui::text::Span;
 use unicode_width::UnicodeWidthStr;
 
-use super::{seen, split, standing};
+use super::{beside, seen, split, standing};
 use crate::jobs::Painted;
 use crate::tui::figures::thousands;
 use crate::tui::layout::{Pane, Target, View};
@@ -32,11 +32,7 @@ pub fn heading(model: &Model) -> Vec<Span<'static>> {
         let text = format!("· level {level}: {} triangles ", thousands(triangles));
         return vec![Span::styled(text, theme.dim)];
     }
-    let beside = model.tree.as_ref().and_then(|tree| tree.shown.as_ref());
-    let has = |effect| {
-        picture.obstructions
-            && beside.is_some_and(|shown| shown.obstructions.iter().any(|one| one.effect == effect))
-    };
+    let has = |effect| picture.obstructions && beside(model).iter().any(|one| one.effect == effect);
     for (on, word) in [
         (picture.points, "points"),
         (picture.outline, "crown"),
