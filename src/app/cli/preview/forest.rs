@@ -48,6 +48,12 @@ impl Preview {
         }
         let id = forest.id.clone();
         let shown = ShownForest::grow(&Arc::new(forest), progress).with_context(|| id.clone())?;
+        if self.alone && shown.obstructions.is_empty() {
+            crate::cli::notes(
+                &["--alone changes nothing: nothing stands beside these trees".into()],
+                progress,
+            );
+        }
         let held = shown.grown.bytes();
         let stage = shown.grown.stage();
         let camera = Camera {
