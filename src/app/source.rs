@@ -70,7 +70,7 @@ const UNITS: &str = "a grammar has no units: a unit of F is segment_length (0.1 
 
 /// Whether `--set` names a file by this key.
 pub fn is_file_key(name: &str) -> bool {
-    Preset::file_keys().any(|(_, key, _)| key == name)
+    Preset::is_file_key(name)
 }
 
 /// A recipe that stands in a document, with the files that it needs: beside that, or built in.
@@ -218,7 +218,7 @@ impl<'a> Reader<'a> {
                 RecipeError::Input(error) => error.into(),
                 other => other.into(),
             })?;
-            return Ok(self.replaced(recipe));
+            return self.replaced(recipe);
         }
         let users = user_preset(source)?;
         let path = users.as_deref().unwrap_or(source);
@@ -253,7 +253,7 @@ impl<'a> Reader<'a> {
                 })?;
                 let preset = Preset::of_grammar(&id, parsed.grammar, parsed.angle_deg, parsed.derivations);
                 self.is_bare_grammar = true;
-                return Ok(self.replaced(Recipe::new(preset)));
+                return self.replaced(Recipe::new(preset));
             }
             InputKind::ObjMesh | InputKind::PlyMesh => Preset::of_mesh(&id, &name),
             InputKind::PlyPoints | InputKind::XyzPoints => Preset::of_points(&id, &name),
@@ -261,7 +261,7 @@ impl<'a> Reader<'a> {
         let mut recipe = Recipe::new(preset);
         let input = self.input(&name, bytes).with_context(reading)?;
         recipe.inputs.insert(name, input);
-        Ok(self.replaced(recipe))
+        self.replaced(recipe)
     }
 
     /// Reads a tree's recipe, and says which of its files are others by now.
@@ -282,17 +282,18 @@ impl<'a> Reader<'a> {
     }
 
     /// The recipe with the files that the user gave.
-    fn replaced(&self, mut recipe: Recipe) -> Recipe {
+    fn replaced(&self, mut recipe: Recipe) -> anyhow::Result<Recipe> {
         for (key, file, input) in &self.given {
+            recipe.preset.check_kind_of(key).map_err(usage)?;
             recipe.put_file(key, file, input);
         }
-        recipe
+        Ok(recipe)
     }
 
     /// A preset with the files that it names: those that the user gave, else beside its document, else
     /// built in.
     fn furnished(&mut self, preset: Preset, document: &NamedDocument<'_>) -> anyhow::Result<Recipe> {
-        let mut recipe = self.replaced(Recipe::new(preset));
+        let mut recipe = self.replaced(Recipe::new(preset))?;
         let files: Vec<String> = recipe.preset.files().into_iter().map(str::to_owned).collect();
         for file in files {
             if recipe.input(&file).is_none() {

@@ -8,7 +8,6 @@ use linden_pipeline::dress::{Levels, levels};
 use linden_pipeline::grow::{Grown, grow};
 use linden_pipeline::monitor::{Monitor, Quiet};
 use linden_pipeline::picture::Picture;
-use linden_pipeline::preset::KNOBS;
 use linden_pipeline::provenance::Provenance;
 use linden_pipeline::recipe::Recipe;
 use linden_pipeline::report::Report;
@@ -73,8 +72,7 @@ impl Tree {
     /// [`Error::Knob`]: an unknown name, or a value that the knob does not take.
     pub fn set(mut self, knob: &str, value: &str) -> Result<Self, Error> {
         self.recipe.preset.set(knob, value)?;
-        self.turned
-            .extend(KNOBS.iter().map(|row| row.knob).filter(|known| known.is_called(knob)).map(|k| k.name));
+        self.turned.extend(self.recipe.preset.find_knob(knob).map(|row| row.knob.name));
         Ok(self)
     }
 

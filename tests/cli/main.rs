@@ -17,6 +17,7 @@ mod forest;
 mod interrupt;
 mod jobs;
 mod kills;
+mod kinds;
 mod lint;
 mod pipes;
 mod plugins;

@@ -97,8 +97,9 @@ fn about(table: &str) -> &'static str {
             "Bark is drawn by the program. Pictures of yours replace it: `bark_picture` tiles and is `bark_tile` metres wide."
         }
         "foliage" => {
-            "Leaves, of any generator; the wood does not change with them. `[[foliage.also]]` has the same knobs for a second kind,\n\
-             for blossom or fruit."
+            "Leaves, of any generator; the wood does not change with them. Each `[[foliage.also]]` is a further kind with the same knobs,\n\
+             for blossom or fruit: `--set also.1.leaf_keep=0` turns those of the first of them, and so does its name (`name = \"blossom\"` in\n\
+             its table), or its outline where no other kind has that: `--set blossom.leaf_keep=0`."
         }
         "detail" => "[Levels of detail](formats.md#levels-of-detail).",
         "wind" => "[Wind](formats.md#wind).",

@@ -10,9 +10,9 @@ use clap_complete::engine::{
     ArgValueCandidates, ArgValueCompleter, CompletionCandidate, PathCompleter, ValueCompleter,
 };
 use linden::forest::{FOREST_KNOBS, builtin_forests};
-use linden::knob::Kind;
+use linden::knob::{Kind, Knob};
 use linden::lsystem::Grammar;
-use linden::preset::{KNOBS, LSystem, builtin, builtins};
+use linden::preset::{KNOBS, LSystem, PresetKnob, Section, builtin, builtins};
 use linden::season::SEASONS;
 use linden_exporters::{REGISTRY, exporters};
 
@@ -154,12 +154,20 @@ fn setting(typed: &OsStr) -> Vec<CompletionCandidate> {
 /// where files are written.
 fn known(line: &[String]) -> Vec<Named> {
     let preset = line.iter().find_map(|word| builtin(word).ok()?.load().ok());
-    let knobs: Vec<_> = match preset {
-        Some(preset) => preset.knobs().into_iter().map(|(knob, _)| knob.knob).collect(),
-        None => KNOBS.iter().map(|row| row.knob).collect(),
+    let named = |knob: Knob| (knob.name.to_owned(), knob.kind, knob.help);
+    let mut all: Vec<Named> = match preset {
+        Some(preset) => {
+            let labels = preset.kind_labels();
+            let of_kind = |(row, _): (PresetKnob, _)| match row.section {
+                Section::Kind(kind) => {
+                    (format!("{}.{}", labels[kind], row.short_name()), row.knob.kind, row.knob.help)
+                }
+                _ => named(row.knob),
+            };
+            preset.all_knobs().into_iter().map(of_kind).collect()
+        }
+        None => KNOBS.iter().map(|row| named(row.knob)).collect(),
     };
-    let mut all: Vec<Named> =
-        knobs.into_iter().map(|knob| (knob.name.to_owned(), knob.kind, knob.help)).collect();
     let is = |command: &str| line.iter().any(|word| word == command);
     if is("forest") {
         let of_forests = FOREST_KNOBS.iter().map(|row| &row.knob);
@@ -167,8 +175,7 @@ fn known(line: &[String]) -> Vec<Named> {
     }
     if is("export") || is("forest") {
         for format in REGISTRY.iter().map(|exporter| exporter.format()) {
-            let option =
-                |knob: &linden::knob::Knob| (format!("{}.{}", format.id, knob.name), knob.kind, knob.help);
+            let option = |knob: &Knob| (format!("{}.{}", format.id, knob.name), knob.kind, knob.help);
             all.extend(format.options.iter().map(|spec| option(&spec.knob)));
         }
     }

@@ -68,7 +68,7 @@ impl Export {
     pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
         let (settings, of_formats): (Vec<_>, Vec<_>) =
-            self.growing.pairs()?.into_iter().partition(|(name, _)| !name.contains('.'));
+            self.growing.pairs()?.into_iter().partition(|(name, _)| !super::is_of_format(name));
         let flags = [
             ("lod_ratio", self.lod_ratio.map(|x| x.to_string())),
             ("billboard", self.billboard.map(|n| n.to_string())),

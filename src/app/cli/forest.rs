@@ -89,7 +89,7 @@ impl Forest {
     pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
         let (of_formats, knobs): (Vec<_>, Vec<_>) =
-            super::pairs(&self.settings)?.into_iter().partition(|(name, _)| name.contains('.'));
+            super::pairs(&self.settings)?.into_iter().partition(|(name, _)| super::is_of_format(name));
         let mut sources = Vec::new();
         let mut forest = self.resolve(&mut sources, &progress)?;
         let flags = self.layout.set.iter().map(|(name, value)| ((*name).to_owned(), value.clone()));
@@ -204,9 +204,7 @@ pub(super) fn side_by_side(
     progress: &Progress,
 ) -> anyhow::Result<()> {
     // Files are named source by source, and so is the seed: here it lays nothing out.
-    let is_own = |(name, _): &&(String, String)| {
-        name == "seed" || linden::preset::Preset::file_keys().any(|(_, key, _)| key == name)
-    };
+    let is_own = |(name, _): &&(String, String)| name == "seed" || linden::preset::Preset::is_file_key(name);
     let (set, shared): (Vec<_>, Vec<_>) = settings.iter().partition(is_own);
     let set: Vec<(String, String)> = set.into_iter().cloned().collect();
     let shared: Vec<(String, String)> = shared.into_iter().cloned().collect();

@@ -245,6 +245,11 @@ fn lods(text: &str) -> (String, String) {
     (name.to_owned(), text.to_owned())
 }
 
+/// Whether a name is that of an option of a format, `glb.instances`, and no knob, as `blossom.leaf_keep` is one.
+fn is_of_format(name: &str) -> bool {
+    name.contains('.') && !linden::preset::is_kind_knob(name)
+}
+
 /// `KNOB=VALUE` as names and values.
 fn pairs(settings: &[String]) -> anyhow::Result<Vec<(String, String)>> {
     split_pairs(settings, "--set", "KNOB=VALUE, like --set points=500")

@@ -5,7 +5,8 @@ use clap::Args;
 use linden::generators;
 use linden::knob::{FARTHEST, Kind, Knob};
 use linden::preset::{
-    BarkSettings, EDIT_OPERATION, EDITS, FileKey, KNOBS, LEAF_KNOBS, LeafKind, MOST_KINDS, Section,
+    BarkSettings, EDIT_OPERATION, EDITS, FileKey, KIND_NAME, KIND_NAME_HELP, KNOBS, LEAF_KNOBS, LeafKind,
+    MOST_KINDS, Section,
 };
 use linden::report::{NUMBERS, Number};
 use linden::skeleton::edit::{EDIT_KNOBS, EDIT_PATHS, Edit, MOST_EDITS, Operation};
@@ -93,6 +94,7 @@ fn document() -> Value {
                     "additionalProperties": false,
                 });
                 keys.extend(files(&LeafKind::FILES));
+                keys.insert(KIND_NAME.to_owned(), kind_name());
                 keys.insert(
                     "also".to_owned(),
                     json!({ "type": "array", "items": kind, "maxItems": MOST_KINDS - 1 }),
@@ -174,7 +176,12 @@ fn edits() -> Value {
 /// Keys of a kind of leaves: knobs, and the files that it may need.
 fn leaf_keys() -> Map<String, Value> {
     let knobs = LEAF_KNOBS.iter().map(|row| (row.knob.name.to_owned(), of(&row.knob)));
-    knobs.chain(files(&LeafKind::FILES)).collect()
+    knobs.chain(files(&LeafKind::FILES)).chain([(KIND_NAME.to_owned(), kind_name())]).collect()
+}
+
+/// What a kind is called.
+fn kind_name() -> Value {
+    json!({ "type": "string", "pattern": "^[a-z][a-z0-9_-]{0,31}$", "description": KIND_NAME_HELP })
 }
 
 /// Keys that name files.

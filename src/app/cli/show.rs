@@ -54,7 +54,10 @@ struct ShownPreset<'a> {
     origin: &'a str,
     about: &'a str,
     generator: &'static str,
+    /// Those of further kinds of foliage are named by their addresses, `also.1.leaf_keep`.
     knobs: Vec<KnobRow>,
+    /// The further kinds of foliage.
+    kinds: Vec<KindRow>,
     /// Of a grammar's `#define` lines; empty for what is no grammar.
     constants: Vec<ConstantRow>,
     forecast: Option<ForecastRow>,
@@ -70,6 +73,20 @@ struct ConstantRow {
     value: f64,
 }
 
+/// A further kind of foliage.
+#[derive(Serialize)]
+struct KindRow {
+    /// What its knobs' names begin with.
+    address: String,
+    /// What else they may begin with.
+    label: String,
+}
+
+fn kinds(preset: &Preset) -> Vec<KindRow> {
+    let row = |(i, label)| KindRow { address: format!("also.{}", i + 1), label };
+    preset.kind_labels().into_iter().enumerate().map(row).collect()
+}
+
 fn constants(preset: &Preset) -> Vec<ConstantRow> {
     let all = preset.settings::<LSystem>().map_or_else(Vec::new, |settings| settings.grammar.constants());
     all.into_iter()
@@ -80,6 +97,12 @@ fn constants(preset: &Preset) -> Vec<ConstantRow> {
 #[derive(Serialize)]
 struct KnobRow {
     name: &'static str,
+    /// Without its kind of foliage.
+    #[serde(skip)]
+    short_name: &'static str,
+    /// The number of its kind of foliage, from 0, where it is a further one.
+    #[serde(skip)]
+    kind: Option<usize>,
     section: &'static str,
     value: String,
     unit: &'static str,
@@ -149,18 +172,20 @@ impl Show {
             let text = if self.changed { preset.to_toml_changed()? } else { preset.to_toml()? };
             return super::print(&text);
         }
-        let plain = preset.plain().knobs();
+        let plain = preset.plain().all_knobs();
         // A crown's shape is what grows, no matter of defaults.
         let is_default = |knob: &PresetKnob, value: &Value| {
             knob.knob.name != "crown"
                 && plain.iter().any(|(other, default)| other.knob.name == knob.knob.name && default == value)
         };
         let knobs: Vec<KnobRow> = preset
-            .knobs()
+            .all_knobs()
             .into_iter()
             .map(|(knob, value): (_, Value)| KnobRow {
                 is_changed: !is_default(&knob, &value),
                 name: knob.knob.name,
+                short_name: knob.short_name(),
+                kind: if let Section::Kind(kind) = knob.section { Some(kind) } else { None },
                 section: knob.section.key(),
                 is_number: matches!(value, Value::Real(_) | Value::Integer(_) | Value::Vector(_)),
                 value: value.to_string(),
@@ -182,6 +207,7 @@ impl Show {
                 about: &preset.about,
                 generator: preset.grows_by().id(),
                 knobs,
+                kinds: kinds(preset),
                 constants: constants(preset),
                 forecast,
                 recipe: serde_json::to_value(&source.recipe)?,
@@ -245,7 +271,7 @@ fn page(recipe: &Recipe, knobs: &[KnobRow], forecast: Option<&ForecastRow>, only
         preset.edits.iter().for_each(|edit| text.push_str(&format!("  {edit}\n")));
     }
     let [name_width, value_width] = [
-        knobs.iter().map(|row| row.name.len()).max().unwrap_or(0),
+        knobs.iter().map(|row| row.short_name.len()).max().unwrap_or(0),
         knobs.iter().map(|row| row.value.len() + row.unit.len() + 1).max().unwrap_or(0).min(24),
     ];
     for section in Section::all() {
@@ -268,13 +294,35 @@ fn page(recipe: &Recipe, knobs: &[KnobRow], forecast: Option<&ForecastRow>, only
             text.push_str(&format!("  {:name_width$}  {:value_width$}  {}\n", "", "", row.range));
         }
         for (_, key, help) in files {
-            let file = preset.file(key);
-            let size = file
-                .and_then(|file| recipe.input(file))
-                .map(|input| format!(": {}", input.extent()))
-                .unwrap_or_default();
-            let value = file.map_or_else(|| "none".to_owned(), |file| printable(file) + &size);
+            let value = preset.file(key).map_or_else(|| "none".to_owned(), |file| with_extent(recipe, file));
             text.push_str(&format!("  {key:name_width$}  {value:value_width$}  {help}\n"));
+        }
+        if section == Section::Foliage {
+            text.push_str(&further_kinds(recipe, knobs, name_width, value_width));
+        }
+    }
+    text
+}
+
+/// A file as a page names it: what is in it, too.
+fn with_extent(recipe: &Recipe, file: &str) -> String {
+    let extent = recipe.input(file).map(|input| format!(": {}", input.extent())).unwrap_or_default();
+    printable(file) + &extent
+}
+
+/// The further kinds of foliage with their knobs. What these take stands above, with the first kind's.
+fn further_kinds(recipe: &Recipe, knobs: &[KnobRow], name_width: usize, value_width: usize) -> String {
+    let mut text = String::new();
+    for (i, KindRow { address, label }) in kinds(&recipe.preset).iter().enumerate() {
+        let called = if label == address { String::new() } else { format!(", '{label}'") };
+        text.push_str(&format!("\nfoliage.also {}{called}: --set {label}.leaf_keep=0\n", i + 1));
+        for row in knobs.iter().filter(|row| row.kind == Some(i)) {
+            let value = if row.is_number { format!("{} {}", row.value, row.unit) } else { row.value.clone() };
+            let (name, value) = (row.short_name, value.trim_end());
+            text.push_str(&format!("  {name:name_width$}  {value:value_width$}  {}\n", row.help));
+        }
+        for (key, file) in recipe.preset.kind_files(i) {
+            text.push_str(&format!("  {key:name_width$}  {}\n", with_extent(recipe, file)));
         }
     }
     text

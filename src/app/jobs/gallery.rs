@@ -133,7 +133,7 @@ impl GalleryRequest {
     }
 
     fn row(&self) -> Option<PresetKnob> {
-        self.base.preset.knobs().into_iter().map(|(row, _)| row).find(|row| row.knob.name == self.knob)
+        self.base.preset.find_knob(self.knob)
     }
 
     /// Whether all trees have the base's skeleton: only what covers it differs.

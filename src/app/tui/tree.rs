@@ -154,7 +154,7 @@ impl Tree {
 
     /// The names of the knobs that differ from the document.
     pub fn turned(&self) -> Vec<&'static str> {
-        let knobs = self.current.preset.knobs().into_iter();
+        let knobs = self.current.preset.all_knobs().into_iter();
         knobs.filter(|(knob, _)| self.is_turned(knob)).map(|(knob, _)| knob.knob.name).collect()
     }
 
@@ -358,7 +358,7 @@ impl Tree {
         let mut set = Vec::new();
         // A choice (the crown's shape) brings knobs along: what comes after it in the table is
         // compared with what the choice made of it.
-        for (row, value) in self.current.preset.knobs() {
+        for (row, value) in self.current.preset.all_knobs() {
             if row.read(&preset).as_ref() != Some(&value) {
                 let text = value.to_string();
                 preset.set(row.knob.name, &text).ok()?;

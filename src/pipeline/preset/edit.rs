@@ -204,13 +204,24 @@ fn edit_list(document: &mut dyn TableLike, key: &str, [had, wanted, plain]: [&Ar
         document.insert(key, Item::ArrayOfTables(ArrayOfTables::new()));
     }
     let Some(list) = document.get_mut(key).and_then(Item::as_array_of_tables_mut) else { return };
+    // What was taken out goes with its comments; what comes behind it keeps its own.
+    let mut had: Vec<&toml_edit::Table> = had.iter().collect();
+    had.truncate(list.len());
     while list.len() > wanted.len() {
-        list.remove(list.len() - 1);
+        let same = |(a, b): (&&toml_edit::Table, &toml_edit::Table)| a.to_string() == b.to_string();
+        let gone = had.iter().zip(wanted.iter()).take_while(|pair| same(*pair)).count();
+        let is_known = gone < had.len()
+            && had.get(gone + 1).zip(wanted.get(gone)).is_none_or(|(a, b)| a.to_string() == b.to_string());
+        let gone = if is_known { gone } else { list.len() - 1 };
+        list.remove(gone);
+        if gone < had.len() {
+            had.remove(gone);
+        }
     }
     for (i, wanted) in wanted.iter().enumerate() {
         let default = plain.get(i).unwrap_or(&none);
         match list.get_mut(i) {
-            Some(table) => edit(table, had.get(i).unwrap_or(&none), wanted, default),
+            Some(table) => edit(table, had.get(i).copied().unwrap_or(&none), wanted, default),
             None => {
                 let mut new = wanted.clone();
                 strip(&mut new, default);

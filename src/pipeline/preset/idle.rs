@@ -11,7 +11,7 @@ use linden_plant::wind::Wind;
 use linden_skeleton::generator::RadiiFrom;
 use linden_skeleton::{AxisRule, Width, WidthSteps};
 
-use super::Preset;
+use super::{Preset, Section};
 
 /// Some knobs, and why they change nothing; `None` where they do.
 struct Rule {
@@ -32,9 +32,27 @@ impl Preset {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn idle(&self, knob: &str) -> Option<&'static str> {
+        if let Some(row) = self.kind_knob(knob).ok().flatten()
+            && let Section::Kind(kind) = row.section
+        {
+            return self.idle_of_kind(kind, row.short_name());
+        }
         let of_others =
             || RULES.iter().filter(|rule| rule.knobs.contains(&knob)).find_map(|rule| (rule.why)(self));
         self.generator.idle(knob, &self.wood).or_else(of_others)
+    }
+
+    /// The same for a knob of a further kind of foliage.
+    fn idle_of_kind(&self, kind: usize, knob: &str) -> Option<&'static str> {
+        let kind = self.dressing.foliage.also.get(kind)?;
+        if kind.share > 0.0 && PLACES.contains(&knob) {
+            return Some("the kind takes places of the first one: it is for share=0");
+        }
+        // What holds for the first kind holds for each.
+        let mut alone = self.clone();
+        alone.dressing.foliage.first = kind.clone();
+        alone.dressing.foliage.also.clear();
+        alone.idle(knob)
     }
 
     /// A line for each of some knobs that changes nothing: `stems changes nothing: it is for habit=shrub`.

@@ -29,6 +29,8 @@ pub enum Section {
     Bark,
     /// `[foliage]`
     Foliage,
+    /// A further kind of foliage, `[[foliage.also]]`, by its number from 0. No document has more sections for it.
+    Kind(usize),
     /// `[detail]`
     Detail,
     /// `[wind]`
@@ -36,7 +38,7 @@ pub enum Section {
 }
 
 impl Section {
-    /// All sections, in the order of a document.
+    /// All sections that have a table of their own, in the order of a document.
     pub fn all() -> Vec<Self> {
         let generators = generators::all().iter().map(|generator| Self::Generator(generator.id()));
         let rest = [Self::Wood, Self::Surface, Self::Bark, Self::Foliage, Self::Detail, Self::Wind];
@@ -45,7 +47,7 @@ impl Section {
 
     /// Whether its knobs leave the skeleton as it is: they say what covers it and what is shown of it.
     pub const fn covers(self) -> bool {
-        matches!(self, Self::Surface | Self::Bark | Self::Foliage | Self::Detail | Self::Wind)
+        matches!(self, Self::Surface | Self::Bark | Self::Foliage | Self::Kind(_) | Self::Detail | Self::Wind)
     }
 
     /// The table's key, empty for [`Section::Tree`].
@@ -57,6 +59,7 @@ impl Section {
             Self::Surface => "surface",
             Self::Bark => "bark",
             Self::Foliage => "foliage",
+            Self::Kind(_) => "foliage.also",
             Self::Detail => "detail",
             Self::Wind => "wind",
         }
@@ -71,6 +74,7 @@ impl Section {
             Self::Surface => "Surface",
             Self::Bark => "Bark",
             Self::Foliage => "Foliage",
+            Self::Kind(_) => "Further foliage",
             Self::Detail => "Levels of detail",
             Self::Wind => "Wind",
         }
@@ -99,6 +103,8 @@ enum Access {
     Bark(Field<BarkSettings>),
     /// Of the first kind of leaves.
     Leaf(Field<LeafKind>),
+    /// Of a further kind, by its number.
+    Kind(usize, Field<LeafKind>),
     Foliage(Field<FoliageSettings>),
     Detail(Field<DetailSettings>),
     Wind(Field<WindSettings>),
@@ -108,6 +114,11 @@ impl PresetKnob {
     /// The row for a knob of a generator.
     pub(super) const fn of_generator(id: &'static str, knob: Knob) -> Self {
         Self { knob, section: Section::Generator(id), access: Access::Generator }
+    }
+
+    /// The row for a knob of a further kind of foliage.
+    pub(super) const fn of_kind(kind: usize, knob: Knob, field: Field<LeafKind>) -> Self {
+        Self { knob, section: Section::Kind(kind), access: Access::Kind(kind, field) }
     }
 
     /// The knob's value, `None` when the preset does not have the knob.
@@ -131,6 +142,7 @@ impl PresetKnob {
             Access::Surface(field) => (field.read)(&dressing.tubes),
             Access::Bark(field) => (field.read)(&dressing.bark),
             Access::Leaf(field) => (field.read)(&dressing.foliage.first),
+            Access::Kind(kind, field) => (field.read)(dressing.foliage.also.get(*kind)?),
             Access::Foliage(field) => (field.read)(&dressing.foliage),
             Access::Detail(field) => (field.read)(&dressing.detail),
             Access::Wind(field) => (field.read)(&dressing.wind),
@@ -149,6 +161,11 @@ impl PresetKnob {
             Access::Surface(field) => (field.write)(&mut preset.dressing.tubes, value),
             Access::Bark(field) => (field.write)(&mut preset.dressing.bark, value),
             Access::Leaf(field) => (field.write)(&mut preset.dressing.foliage.first, value),
+            Access::Kind(kind, field) => {
+                if let Some(kind) = preset.dressing.foliage.also.get_mut(*kind) {
+                    (field.write)(kind, value);
+                }
+            }
             Access::Foliage(field) => (field.write)(&mut preset.dressing.foliage, value),
             Access::Detail(field) => (field.write)(&mut preset.dressing.detail, value),
             Access::Wind(field) => (field.write)(&mut preset.dressing.wind, value),

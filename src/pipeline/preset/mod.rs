@@ -7,6 +7,9 @@ mod edits;
 mod foliage_tests;
 mod former;
 mod idle;
+#[cfg(test)]
+mod kind_tests;
+mod kinds;
 mod knobs;
 mod library;
 mod mention;
@@ -30,6 +33,7 @@ use linden_skeleton::refine::Refinement;
 pub use define::DefineError;
 pub use edit::EditError;
 pub use edits::{EDIT_OPERATION, EDITS, ShortEditError};
+pub use kinds::{KindError, is_kind_knob, knob_named};
 pub use knobs::{KNOBS, PresetKnob, Section};
 pub use library::{Builtin, BuiltinSize, RecipeError, UnknownPreset, builtin, builtin_file, builtins};
 pub use linden_base::document::{Fault, FileKey, TextPlace};
@@ -41,8 +45,8 @@ pub use linden_colonization::{
 pub use linden_growth::{GrowthSettings, Origin, UpAxis};
 pub use linden_lsystem::{LSystem, StemHabit};
 pub use linden_plant::settings::{
-    Arrangement, BarkSettings, DetailSettings, Edge, FoliageSettings, Form, LEAF_KNOBS, LeafKind, MOST_KINDS,
-    Normals, WindSettings,
+    Arrangement, BarkSettings, DetailSettings, Edge, FoliageSettings, Form, KIND_NAME, KIND_NAME_HELP,
+    LEAF_KNOBS, LeafKind, MOST_KINDS, Normals, WindSettings,
 };
 pub use linden_scan::{ScanRadius, ScanSettings};
 pub use mention::mention;
@@ -104,6 +108,14 @@ pub enum KnobError {
         preset: String,
         /// All that it has.
         known: Vec<&'static str>,
+    },
+    /// It names a kind of foliage that is not there, or a knob that no kind has.
+    #[error("{name}: {problem}")]
+    Kind {
+        /// What was typed, printable.
+        name: String,
+        /// What is wrong, and what there is.
+        problem: String,
     },
     /// Not a value of the knob.
     #[error("knob '{name}'{}: {problem}", InUnit(.unit))]
@@ -201,7 +213,9 @@ impl Preset {
 
     /// Gives such a key a file; whether there is such a key.
     pub(crate) fn put_file(&mut self, key: &str, file: &str) -> bool {
-        self.dressing.foliage.first.put_file(key, file) || self.dressing.bark.put_file(key, file)
+        self.dressing.foliage.first.put_file(key, file)
+            || self.dressing.bark.put_file(key, file)
+            || self.put_kind_file(key, file)
     }
 
     /// The knobs that this preset has, with their values, in the order of the table.
@@ -220,7 +234,8 @@ impl Preset {
             .collect()
     }
 
-    /// Turns a knob, as `--set name=text` does. The preset is unchanged when it fails.
+    /// Turns a knob, as `--set name=text` does. The preset is unchanged when it fails. A knob of a further kind of
+    /// foliage is named by its kind: `also.1.leaf_keep`, or by what that is called: `blossom.leaf_keep`.
     ///
     /// ```
     /// let mut fir = linden_pipeline::preset::builtin("fir")?.load()?;
@@ -234,7 +249,12 @@ impl Preset {
     /// An unknown name, or a value that the knob does not take.
     pub fn set(&mut self, name: &str, text: &str) -> Result<(), KnobError> {
         let knobs = self.knobs();
-        let Some((knob, _)) = knobs.iter().find(|(knob, _)| knob.knob.is_called(name)) else {
+        let of_kind = self
+            .kind_knob(name)
+            .map_err(|problem| KnobError::Kind { name: printable(name), problem })?
+            .map(|knob| (knob, Value::Auto));
+        let found = knobs.iter().find(|(knob, _)| knob.knob.is_called(name)).or(of_kind.as_ref());
+        let Some((knob, _)) = found else {
             let known: Vec<&'static str> = knobs.iter().map(|(knob, _)| knob.knob.name).collect();
             let preset = printable(&self.id);
             return Err(match KNOBS.iter().find(|knob| knob.knob.is_called(name)) {

@@ -194,7 +194,10 @@ fn materials(preset: &Preset, section: Section) -> Vec<&'static str> {
             preset.grows_by().keys().iter().map(|key| key.name).collect()
         }
         Section::Bark => BarkSettings::FILES.map(|row| row.key).to_vec(),
-        Section::Foliage => LeafKind::FILES.map(|row| row.key).into_iter().chain([settings::ALSO]).collect(),
+        Section::Foliage => {
+            let others = [settings::ALSO, settings::KIND_NAME];
+            LeafKind::FILES.map(|row| row.key).into_iter().chain(others).collect()
+        }
         _ => Vec::new(),
     }
 }

@@ -5,7 +5,7 @@ use serde::ser::{SerializeMap, Serializer};
 
 use linden_base::document::NamesFiles;
 use linden_base::knob::Value;
-use linden_plant::settings::{ALSO, LeafKind};
+use linden_plant::settings::{ALSO, KIND_NAME, LeafKind};
 use linden_skeleton::generator::Written;
 
 use super::Preset;
@@ -85,6 +85,9 @@ impl Knobs<'_> {
         }
         match self.section {
             Section::Foliage => {
+                if let Some(name) = &self.preset.dressing.foliage.first.name {
+                    map.serialize_entry(KIND_NAME, name)?;
+                }
                 for (key, file) in self.preset.dressing.foliage.first.named_files() {
                     map.serialize_entry(key, file)?;
                 }
@@ -139,6 +142,9 @@ impl Serialize for Kind<'_> {
     /// All keys, also those that stand at their default.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
+        if let Some(name) = &self.0.name {
+            map.serialize_entry(KIND_NAME, name)?;
+        }
         for (knob, value) in self.0.knobs() {
             map.serialize_entry(knob.name, &Plain(value))?;
         }

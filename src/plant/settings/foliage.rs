@@ -4,7 +4,7 @@
 //! A new key is a field of [`LeafKind`] and a row of [`LEAF_KNOBS`].
 
 use linden_base::document::{Entry, Fault, FileKey, List, NamesFiles, TextPlace};
-use linden_base::knob::{Knob, Value, values};
+use linden_base::knob::{Knob, Value, excerpt, values};
 use linden_base::{file_key, words};
 
 use super::leaf::LEAF_KNOBS;
@@ -13,11 +13,20 @@ use crate::texture::leaf::Outline;
 /// More kinds would make a picture each.
 pub const MOST_KINDS: usize = 8;
 
+/// Letters of a kind's name.
+const LONGEST_NAME: usize = 32;
+
 /// Old leaves and young ones.
 const TURTLE_COLORS: [[u8; 3]; 2] = [[74, 122, 48], [122, 154, 62]];
 
 /// The key of the list of further kinds in `[foliage]`.
 pub const ALSO: &str = "also";
+
+/// The key of a kind's name.
+pub const KIND_NAME: &str = "name";
+
+/// What [`KIND_NAME`] is, a line.
+pub const KIND_NAME_HELP: &str = "what the kind is called: its knobs are then turned as blossom.leaf_keep; lower-case letters, digits, - and _";
 
 words! {
     /// What a leaf is made of. Lengths are shares of its own.
@@ -84,6 +93,8 @@ words! {
 /// One kind of organ: leaves, needles, flowers, fruit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeafKind {
+    /// What people and scripts call it: `blossom`. See [`check_kind_name`].
+    pub name: Option<String>,
     /// What it is made of.
     pub form: Form,
     /// For [`Form::Mesh`]: the file, relative to the preset's.
@@ -160,6 +171,7 @@ impl Default for LeafKind {
     /// Nothing grows; leaves of a hand's length when a form is chosen.
     fn default() -> Self {
         Self {
+            name: None,
             form: Form::None,
             mesh: None,
             picture: None,
@@ -268,15 +280,54 @@ const LIST: List = List {
 pub fn read(foliage: &mut FoliageSettings, entry: &Entry) -> Result<bool, Fault> {
     if entry.key == ALSO {
         foliage.also = LIST.read(&entry.node, read_kind)?;
-        return Ok(true);
+    } else if !take_name(&mut foliage.first, entry)? {
+        return foliage.first.take_file(entry);
     }
-    foliage.first.take_file(entry)
+    let mut names: Vec<&str> = Vec::new();
+    for name in foliage.kinds().filter_map(|kind| kind.name.as_deref()) {
+        if names.contains(&name) {
+            return Err(Fault::new(
+                entry.place,
+                format!("two kinds of foliage are called '{name}'; rename one"),
+            ));
+        }
+        names.push(name);
+    }
+    Ok(true)
+}
+
+/// Takes a kind's name; whether the entry was one.
+fn take_name(kind: &mut LeafKind, entry: &Entry) -> Result<bool, Fault> {
+    if entry.key != KIND_NAME {
+        return Ok(false);
+    }
+    let name = entry.node.text(KIND_NAME)?.trim();
+    check_kind_name(name).map_err(|problem| {
+        Fault::new(entry.node.place, format!("'{}' is no name of a kind: {problem}", excerpt(name)))
+    })?;
+    kind.name = Some(name.to_owned());
+    Ok(true)
+}
+
+/// Whether a kind may be called so: lower-case letters, digits, `-` and `_`, beginning with a letter.
+///
+/// # Errors
+/// What is wrong with the name.
+pub fn check_kind_name(name: &str) -> Result<(), String> {
+    let is_one = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-' || c == '_';
+    if name == ALSO {
+        return Err(format!("'{ALSO}' stands for all further kinds"));
+    }
+    if !name.starts_with(|c: char| c.is_ascii_lowercase()) || !name.chars().all(is_one) {
+        return Err("it takes lower-case letters, digits, - and _, a letter first".to_owned());
+    }
+    if name.len() > LONGEST_NAME { Err(format!("it is longer than {LONGEST_NAME} letters")) } else { Ok(()) }
 }
 
 fn read_kind(number: usize, entries: &[Entry], place: Option<TextPlace>) -> Result<LeafKind, Fault> {
     let mut kind = LeafKind::default();
     for entry in entries {
-        if kind.take_file(entry)? {
+        if take_name(&mut kind, entry)? || kind.take_file(entry)? {
             continue;
         }
         let Some(row) = LEAF_KNOBS.iter().find(|row| row.knob.is_called(&entry.key)) else {
@@ -284,7 +335,7 @@ fn read_kind(number: usize, entries: &[Entry], place: Option<TextPlace>) -> Resu
             return Err(LIST.unknown(
                 number,
                 entry,
-                &rows.chain(LeafKind::FILES.map(|row| row.key)).collect::<Vec<_>>(),
+                &rows.chain(LeafKind::FILES.map(|row| row.key)).chain([KIND_NAME]).collect::<Vec<_>>(),
             ));
         };
         (row.write)(&mut kind, entry.node.value(&entry.key, &row.knob.kind)?);

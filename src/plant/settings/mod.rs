@@ -11,7 +11,10 @@ use crate::surface::Tubes;
 
 pub use bark::BarkSettings;
 pub use detail::DetailSettings;
-pub use foliage::{ALSO, Arrangement, Edge, FoliageSettings, Form, LeafKind, MOST_KINDS, Normals, read};
+pub use foliage::{
+    ALSO, Arrangement, Edge, FoliageSettings, Form, KIND_NAME, KIND_NAME_HELP, LeafKind, MOST_KINDS, Normals,
+    check_kind_name, read,
+};
 pub use leaf::LEAF_KNOBS;
 pub use wind::WindSettings;
 

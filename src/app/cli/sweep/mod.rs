@@ -9,7 +9,7 @@ use anyhow::bail;
 use clap::Args;
 use linden::knob::Kind;
 use linden::manifest::values;
-use linden::preset::KNOBS;
+use linden::preset::knob_named;
 use linden::recipe::Recipe;
 
 use self::rows::{Existing, Opened, Table, TableKind};
@@ -145,7 +145,6 @@ impl Axis {
 
 /// Whether commas belong to a knob's values.
 fn is_list(name: &str) -> bool {
-    let knob = KNOBS.iter().map(|row| row.knob).find(|knob| knob.is_called(name));
     let has_commas = |kind: Kind| {
         matches!(
             kind,
@@ -156,7 +155,7 @@ fn is_list(name: &str) -> bool {
                 | Kind::Colors { .. }
         )
     };
-    knob.is_some_and(|knob| has_commas(knob.kind))
+    knob_named(name).is_some_and(|knob| has_commas(knob.kind))
 }
 
 impl Sweep {

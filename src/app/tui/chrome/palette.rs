@@ -4,6 +4,7 @@
 //! `season 0.8`, and so does a setting, as `theme light`.
 
 use crossterm::event::{KeyCode, KeyEvent, KeyModifiers, MouseEvent};
+use linden::preset::Section;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use tui_input::Input;
@@ -116,7 +117,7 @@ impl Palette {
     fn turned(&self) -> Option<Found<'_>> {
         let (name, value) = self.input.value().trim_start().split_once([' ', '='])?;
         let choice = self.choices.iter().find(|choice| match choice.what {
-            What::Knob(knob) => knob == name,
+            What::Knob(knob) => knob == name || choice.title == name,
             What::Setting(setting) => setting.name == name,
             _ => false,
         })?;
@@ -308,9 +309,13 @@ fn choices(model: &Model) -> Vec<Choice> {
     // Panes lie behind a dialog.
     let (tree, library) = (model.tree.as_ref(), &model.library);
     let panes = tree.filter(|_| model.dialogs.is_empty());
-    let knobs = panes.into_iter().flat_map(|tree| tree.preset().knobs()).map(|(row, value)| Choice {
+    let labels = panes.map_or_else(Vec::new, |tree| tree.preset().kind_labels());
+    let knobs = panes.into_iter().flat_map(|tree| tree.preset().all_knobs()).map(|(row, value)| Choice {
         what: What::Knob(row.knob.name),
-        title: row.knob.name.to_owned(),
+        title: match row.section {
+            Section::Kind(kind) => format!("{}.{}", labels[kind], row.short_name()),
+            _ => row.knob.name.to_owned(),
+        },
         about: format!("{value}: {}", row.knob.help),
         hindrance: None,
     });

@@ -18,6 +18,8 @@ pub enum FormSpot {
     Rule(usize),
     /// An edit of the wood.
     Edit(usize),
+    /// A further kind of foliage, by its number from 0.
+    Kind(usize),
 }
 
 impl Form {

@@ -3,7 +3,9 @@
 use super::grammar::GrammarEditor;
 use super::nudge::Nudge;
 use super::save_lines::SaveLine;
-use super::{grammar, nudge, only_turned, open, save, selected, selected_edit, selected_rule, step, turn};
+use super::{
+    grammar, kinds, nudge, only_turned, open, save, selected, selected_edit, selected_rule, step, turn,
+};
 use crate::tui::command::Context;
 use crate::tui::dialog::After;
 use crate::tui::effect::{Effect, Effects};
@@ -235,6 +237,9 @@ pub const COMMANDS: &[Command] = &[
             if selected_edit(model).is_some() {
                 return Some("an edit is typed anew, or taken away with its own key".to_owned());
             }
+            if kinds::selected_kind(model).is_some() {
+                return Some("a kind of foliage is named anew, or taken away with its own key".to_owned());
+            }
             let rule = selected_rule(model).is_some();
             let turned = |tree: &Tree| {
                 (rule && tree.grammar() != grammar_of(&tree.saved().preset))
@@ -261,19 +266,33 @@ pub const COMMANDS: &[Command] = &[
         },
     },
     Command {
+        id: "kind-add",
+        context: Context::SHAPE,
+        keys: &["+"],
+        title: "Add foliage",
+        help: "Adds a kind of foliage: a copy of the one that the cursor is in, else blossoms",
+        hint: None,
+        hindrance: |model| without_preset(model).or_else(|| kinds::is_full(model)),
+        run: |model, _| kinds::add(model),
+    },
+    Command {
         id: "edit-remove",
         context: Context::SHAPE,
         keys: &["delete"],
-        title: "Take edit away",
-        help: "Takes the edit of the wood at the cursor out of the preset",
+        title: "Take away",
+        help: "Takes the edit of the wood, or the kind of foliage, whose line the cursor is on out of the preset",
         hint: Some(15),
         hindrance: |model| {
-            let why = || "the cursor is on no edit of the wood".to_owned();
-            without_preset(model).or_else(|| selected_edit(model).is_none().then(why))
+            let why =
+                || "the cursor is on no edit of the wood and no heading of a kind of foliage".to_owned();
+            let is_on_one = selected_edit(model).is_some() || kinds::selected_kind(model).is_some();
+            without_preset(model).or_else(|| (!is_on_one).then(why))
         },
         run: |model, _| {
             if let Some(edit) = selected_edit(model) {
                 wood::take_away(model, edit);
+            } else if let Some(kind) = kinds::selected_kind(model) {
+                kinds::take_away(model, kind);
             }
         },
     },

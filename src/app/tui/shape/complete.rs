@@ -1,11 +1,10 @@
 //! Words completed while a knob's value is typed.
 
-use linden::preset::KNOBS;
+use linden::preset::knob_named;
 
 /// The words that a knob takes, `auto` among them.
 pub fn words(name: &str) -> Vec<&'static str> {
-    let row = KNOBS.iter().copied().find(|row| row.knob.name == name);
-    row.map_or_else(Vec::new, |row| row.knob.kind.words())
+    knob_named(name).map_or_else(Vec::new, |knob| knob.kind.words())
 }
 
 /// What Tab or Down (`forward`), or Up, make of what was typed: the first word that begins so, and

@@ -1,6 +1,7 @@
 //! A knob's name, typed: the cursor goes to the best match at once.
 
 use crossterm::event::KeyEvent;
+use linden::preset::Section;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
@@ -38,12 +39,17 @@ impl FindLine {
 
 /// The knob that matches best by its name, or by that of its group.
 fn best(model: &Model, typed: &str) -> Option<FormSpot> {
-    let rows = rows(model.tree.as_ref()?.preset());
+    let preset = model.tree.as_ref()?.preset();
+    let (rows, labels) = (rows(preset), preset.kind_labels());
     let mut ranking = Ranking::of(typed);
     let score = |row: &FormRow| {
         let FormRow::Knob(knob, _) = row else { return None };
         let name = ranking.score(knob.knob.name).map(|score| 2 * score);
-        let group = ranking.score(&format!("{} {}", knob.section.title(), knob.knob.name));
+        let section = match knob.section {
+            Section::Kind(kind) => labels[kind].as_str(),
+            section => section.title(),
+        };
+        let group = ranking.score(&format!("{section} {}", knob.short_name()));
         Some((name.into_iter().chain(group).max()?, knob.knob.name))
     };
     // The first of equals.

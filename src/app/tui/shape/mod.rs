@@ -6,6 +6,7 @@ mod editor;
 mod find;
 mod forecast;
 pub mod grammar;
+mod kinds;
 pub mod nudge;
 pub mod save;
 pub mod save_lines;
@@ -48,6 +49,8 @@ pub enum FormRow {
     MoreRules(usize),
     /// A knob with its value.
     Knob(PresetKnob, Value),
+    /// The heading of a further kind of foliage, by its number from 0.
+    Kind(usize, String),
     /// The heading of the edits of the wood.
     Edits,
     /// One of them, in short.
@@ -61,6 +64,7 @@ impl FormRow {
             Self::Knob(knob, _) => Some(FormSpot::Knob(knob.knob.name)),
             Self::Rule(index, _) => Some(FormSpot::Rule(*index)),
             Self::Edit(index, _) => Some(FormSpot::Edit(*index)),
+            Self::Kind(kind, _) => Some(FormSpot::Kind(*kind)),
             Self::Heading(_) | Self::MoreRules(_) | Self::Edits => None,
         }
     }
@@ -92,6 +96,14 @@ pub fn rows(preset: &Preset) -> Vec<FormRow> {
             rows.extend((more > 0).then_some(FormRow::MoreRules(more)));
         }
         rows.extend(members.into_iter().map(|(row, value)| FormRow::Knob(*row, value.clone())));
+        if section == Section::Foliage {
+            let all = preset.kind_knobs();
+            for (kind, heading) in kinds::headings(preset).into_iter().enumerate() {
+                rows.push(FormRow::Kind(kind, heading));
+                let its = all.iter().filter(|(row, _)| row.section == Section::Kind(kind));
+                rows.extend(its.map(|(row, value)| FormRow::Knob(*row, value.clone())));
+            }
+        }
     }
     if !preset.edits.is_empty() {
         rows.push(FormRow::Edits);
@@ -114,11 +126,16 @@ pub fn listed(model: &Model, tree: &Tree) -> Vec<FormRow> {
     }
     let saved = grammar_of(&tree.saved().preset).map(|grammar| grammar::lines(grammar).0).unwrap_or_default();
     let saved_edits = edit_lines(&tree.saved().preset);
-    let is_heading = |row: &FormRow| matches!(row, FormRow::Heading(_) | FormRow::Edits);
+    let saved_kinds = kinds::headings(&tree.saved().preset);
+    let is_heading = |row: &FormRow| match row {
+        // A kind that is new or was named is listed for itself.
+        FormRow::Kind(_, heading) => saved_kinds.contains(heading),
+        row => matches!(row, FormRow::Heading(_) | FormRow::Edits),
+    };
     let mut kept: Vec<FormRow> = Vec::new();
     for row in all {
         let differs = match &row {
-            FormRow::Heading(_) | FormRow::Edits => true,
+            FormRow::Heading(_) | FormRow::Edits | FormRow::Kind(..) => true,
             FormRow::Edit(_, text) => !saved_edits.contains(text),
             FormRow::Rule(_, text) => !saved.contains(text),
             FormRow::MoreRules(_) => false,
@@ -159,7 +176,7 @@ pub fn selected(model: &Model) -> Option<(PresetKnob, Value)> {
 fn selected_rule(model: &Model) -> Option<usize> {
     match spot(model, &listed(model, model.tree.as_ref()?))? {
         FormSpot::Rule(index) => Some(index),
-        FormSpot::Knob(_) | FormSpot::Edit(_) => None,
+        FormSpot::Knob(_) | FormSpot::Edit(_) | FormSpot::Kind(_) => None,
     }
 }
 
@@ -167,7 +184,7 @@ fn selected_rule(model: &Model) -> Option<usize> {
 fn selected_edit(model: &Model) -> Option<usize> {
     match spot(model, &listed(model, model.tree.as_ref()?))? {
         FormSpot::Edit(index) => Some(index),
-        FormSpot::Knob(_) | FormSpot::Rule(_) => None,
+        FormSpot::Knob(_) | FormSpot::Rule(_) | FormSpot::Kind(_) => None,
     }
 }
 
@@ -194,6 +211,9 @@ fn nudge(model: &mut Model, up: bool, how: Nudge) {
         };
     }
     let Some((row, value)) = selected(model) else {
+        if kinds::selected_kind(model).is_some() {
+            return model.say("the name of a kind of foliage is typed: press Enter; its knobs stand below");
+        }
         let what = if selected_edit(model).is_some() { "an edit" } else { "a line of the grammar" };
         return model.say(format!("{what} is typed: press Enter"));
     };
@@ -234,6 +254,10 @@ fn open(model: &mut Model) {
     }
     if let Some(edit) = selected_edit(model) {
         return wood::type_again(model, edit);
+    }
+    if let Some(kind) = kinds::selected_kind(model) {
+        let line = kinds::KindLine::new(model, kind);
+        return model.dialogs.open(line);
     }
     let of_tree = selected(model).map(|(row, value)| (row.knob.name, row.knob.kind, value));
     let of_forest = || forest::selected(model).map(|(knob, value)| (knob.name, knob.kind, value));
@@ -358,6 +382,8 @@ pub fn clicked(model: &mut Model, row: usize, mouse: MouseEvent, _effects: &mut 
     }
 }
 
+#[cfg(test)]
+mod kind_tests;
 #[cfg(test)]
 mod save_tests;
 #[cfg(test)]

@@ -113,7 +113,7 @@ fn typed(model: &Model) -> Option<&Prompt> {
 /// semicolon, else the first that is named at all.
 pub fn culprit(tree: &Tree) -> Option<&'static str> {
     let fault = tree.fault.as_ref()?;
-    let knobs = tree.wanted().preset.knobs();
+    let knobs = tree.wanted().preset.all_knobs();
     let first_in = |text: &str| {
         text.split(|c: char| !c.is_alphanumeric() && c != '_')
             .find_map(|word| knobs.iter().map(|(row, _)| row.knob.name).find(|name| *name == word))
@@ -155,6 +155,19 @@ impl FormView<'_> {
             }
             FormRow::Edits => {
                 buffer.set_stringn(area.x, area.y, "Edits of the wood", area.width.into(), theme.heading);
+            }
+            FormRow::Kind(_, text) => {
+                let style = if chosen { base } else { theme.heading };
+                if chosen {
+                    buffer.set_style(area, base);
+                }
+                buffer.set_stringn(
+                    area.x,
+                    area.y,
+                    clipped(text, area.width.into()),
+                    area.width.into(),
+                    style,
+                );
             }
             FormRow::Rule(_, text) | FormRow::Edit(_, text) => {
                 buffer.set_style(area, base);
@@ -203,7 +216,7 @@ impl FormView<'_> {
         };
         self.mark(mark, base, area, buffer);
         let name_width = (area.width / 2).min(NAME);
-        let name = clipped(row_knob.knob.name, usize::from(name_width));
+        let name = clipped(row_knob.short_name(), usize::from(name_width));
         let name_style = if refused { base.patch(theme.error) } else { base };
         buffer.set_stringn(area.x + 1, area.y, name, name_width.into(), name_style);
         let x = area.x + 1 + name_width + 1;
@@ -237,6 +250,7 @@ impl FormView<'_> {
             FormRow::Knob(row_knob, _) => row_knob.knob.name,
             FormRow::Rule(0, _) => "axiom",
             FormRow::Edit(..) => "edit",
+            FormRow::Kind(..) => "kind of foliage",
             _ => "rule",
         };
         let rule =
@@ -267,6 +281,17 @@ impl FormView<'_> {
                     "Enter types it anew, Delete takes it away; docs/editing.md",
                     theme.text,
                 ));
+            }
+            FormRow::Kind(kind, _) => {
+                let preset = &self.tree.wanted().preset;
+                let label = preset.kind_labels().into_iter().nth(*kind).unwrap_or_default();
+                lines.push(Line::styled(
+                    format!("Enter names it, Delete takes it away, + copies it; --set {label}.leaf_keep=0"),
+                    theme.text,
+                ));
+                for (key, file) in preset.kind_files(*kind) {
+                    lines.push(Line::styled(format!("{key} {}", linden::knob::printable(file)), theme.value));
+                }
             }
             FormRow::Heading(_) | FormRow::MoreRules(_) | FormRow::Edits => {}
         }

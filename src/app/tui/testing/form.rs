@@ -121,7 +121,7 @@ impl FormBench {
 
     /// A knob's value as text.
     pub fn value(&self, name: &str) -> String {
-        let knobs = self.tree().preset().knobs();
+        let knobs = self.tree().preset().all_knobs();
         knobs.into_iter().find(|(row, _)| row.knob.name == name).unwrap().1.to_string()
     }
 

@@ -68,7 +68,7 @@ struct GalleryPage {
 /// A knob of the tree on screen, with its value.
 fn knob(model: &Model, name: &str) -> Result<(PresetKnob, Value), String> {
     let tree = model.tree.as_ref().ok_or("no preset is chosen")?;
-    let found = tree.preset().knobs().into_iter().find(|(row, _)| row.knob.name == name);
+    let found = tree.preset().all_knobs().into_iter().find(|(row, _)| row.knob.name == name);
     found.ok_or_else(|| format!("this tree has no {name} any more"))
 }
 
