@@ -126,6 +126,8 @@ pub struct Batch {
     bundles: Vec<Bundle>,
     /// What the tree is grown from, and must not be replaced.
     sources: Vec<PathBuf>,
+    /// Those that are written already.
+    written: Vec<Bundle>,
     /// Made for the files, and removed again after them unless they are committed.
     folders: Vec<MadeFolders>,
 }
@@ -157,7 +159,7 @@ impl Batch {
         let bundles = outputs.iter().map(sharing).collect::<Result<Vec<_>, ExportError>>()?;
         ensure_distinct(&bundles)?;
         ensure_spared(&bundles, &sources)?;
-        Ok(Self { outputs, bundles, sources, folders: Vec::new() })
+        Ok(Self { outputs, bundles, sources, written: Vec::new(), folders: Vec::new() })
     }
 
     /// With folders that were made for it.
@@ -180,6 +182,32 @@ impl Batch {
     /// How many outputs are streams: they hold one file each, and it goes out as it is made.
     pub fn streams(&self) -> usize {
         self.bundles.iter().filter(|bundle| !bundle.takes_side_files()).count()
+    }
+
+    /// Writes outputs that need no stage, which `write` says it did; [`write`](Self::write) leaves them alone then, and
+    /// all come into their places together.
+    ///
+    /// # Errors
+    /// The first that `write` fails with.
+    pub fn write_apart<E>(
+        &mut self,
+        mut write: impl FnMut(&Output, &mut Bundle) -> Result<bool, E>,
+    ) -> Result<(), E> {
+        let mut index = 0;
+        while index < self.outputs.len() {
+            if write(&self.outputs[index], &mut self.bundles[index])? {
+                self.outputs.remove(index);
+                self.written.push(self.bundles.remove(index));
+            } else {
+                index += 1;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether all is written that needs no stage, and nothing is left.
+    pub fn is_written(&self) -> bool {
+        self.outputs.is_empty()
     }
 
     /// Writes one output after another (those of levels that there are in the end); `told` hears of each when it is written, with what the user
@@ -214,7 +242,8 @@ impl Batch {
     ///
     /// # Errors
     /// As [`commit_all`], and when a file beside a main one would replace what the tree is grown from.
-    pub fn commit(self) -> Result<Vec<Written>, ExportError> {
+    pub fn commit(mut self) -> Result<Vec<Written>, ExportError> {
+        self.bundles.append(&mut self.written);
         ensure_spared(&self.bundles, &self.sources)?;
         let mut written = commit_all(self.bundles)?;
         self.folders.into_iter().for_each(MadeFolders::keep);

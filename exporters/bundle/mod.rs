@@ -191,6 +191,14 @@ impl Bundle {
         }
     }
 
+    /// What the main file is called in its folder; `None` for a stream.
+    pub fn main_name(&self) -> Option<&Path> {
+        match &self.place {
+            Place::Files(files) => Some(Path::new(&files.main.location.name)),
+            Place::Pipe { .. } | Place::Stream { .. } => None,
+        }
+    }
+
     /// What a side file with this ending is called: `fir` and `_bark.png` give `fir_bark.png`.
     /// It is made of characters that every reader of every format here takes: Unicode letters,
     /// digits, `-`, `_`, `.` and `+`.

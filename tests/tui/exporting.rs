@@ -105,8 +105,8 @@ fn what_is_turned_for_an_export_alone_is_in_its_file_and_not_on_screen() {
     let workbench = Workbench::open(&home, 120, 50, &["open", "dressed-simple"]);
     workbench.keys("e");
     workbench.wait_for_text("[x] glb");
-    // Up from the scene: the season, the wind, the billboard, its levels.
-    workbench.keys("Gkk");
+    // Up from the scene and the seasons: the season, the wind, the billboard, its levels.
+    workbench.keys("Gkkk");
     workbench.settle();
     for (row, up, value) in [("season", "", "0.6"), ("lods", "kkkk", "2")] {
         workbench.keys(up);
@@ -142,4 +142,123 @@ fn pictures_of_the_user_are_in_the_file_as_on_the_command_line() {
     let workbench = Workbench::open(&home, 120, 50, &["open", "mine.toml"]);
     let glb = export(&workbench, &home, "glb", "mine.glb");
     assert!(glb == written(&["export", mine.to_str().unwrap()], &home.file("cli.glb")));
+}
+
+/// Types into the row at the cursor what replaces all that stands there.
+fn retype(workbench: &Workbench, text: &str) {
+    for keys in ["\r", "\x15", text, "\r"] {
+        workbench.keys(keys);
+        workbench.settle();
+    }
+}
+
+#[test]
+fn contact_sheets_are_those_of_the_command_line() {
+    let home = Home::new();
+    let tree = ["older-c", "--set", "seed=3"];
+    let workbench = Workbench::open(&home, 120, 50, &[&["open"][..], &tree].concat());
+    workbench.keys(":png-sheet");
+    workbench.wait_for_text("exports Contact sheet");
+    workbench.keys("\r");
+    workbench.wait_for_text("[x] png-sheet");
+    // Below where it goes: how many, how many in a row.
+    for (keys, value) in [("jj", "3"), ("j", "1")] {
+        workbench.keys(keys);
+        workbench.settle();
+        retype(&workbench, value);
+    }
+    workbench.keys("x");
+    let there = eventually("the file", || fs::read(home.file("older-c-sheet.png")).ok());
+    let of = |more: &[&'static str]| [&["sheet"][..], &tree, more].concat();
+    assert!(there == written(&of(&["--seeds", "3", "--columns", "1"]), &home.file("cli.png")));
+    assert!(there != written(&of(&["--seeds", "3"]), &home.file("usual.png")), "as many in a row as usual");
+}
+
+#[test]
+fn a_name_tells_the_format_of_a_picture() {
+    let home = Home::new();
+    let workbench = Workbench::open(&home, 120, 50, &["open", "older-c"]);
+    for (name, magic) in [("there.jpg", &b"\xff\xd8\xff"[..]), ("there.webp", b"RIFF")] {
+        workbench.keys(":png");
+        workbench.wait_for_text("exports Picture");
+        workbench.keys("\r");
+        workbench.wait_for_text("[x] png ");
+        workbench.keys("j");
+        workbench.settle();
+        retype(&workbench, home.file(name).to_str().unwrap());
+        workbench.keys("x");
+        workbench.settle();
+        // The mesh was written with the first one.
+        workbench.keys("y");
+        let there = eventually("the file", || fs::read(home.file(name)).ok());
+        let cli = home.file(&name.replace("there", "cli"));
+        assert!(there == written(&["preview", "older-c", "--look", "surface"], &cli), "{name}");
+        assert!(there.starts_with(magic), "{name}");
+    }
+}
+
+#[test]
+fn several_seasons_are_those_of_the_command_line() {
+    let home = Home::new();
+    let workbench = Workbench::open(&home, 120, 50, &["open", "dressed-simple"]);
+    workbench.keys("e");
+    workbench.wait_for_text("[x] glb");
+    workbench.keys("Gkk");
+    workbench.settle();
+    for keys in ["\r", "sumer", "\r"] {
+        workbench.keys(keys);
+        workbench.settle();
+    }
+    workbench.wait_for_text("did you mean 'summer'");
+    for keys in ["\x15", "summer,autumn", "\r"] {
+        workbench.keys(keys);
+        workbench.settle();
+    }
+    workbench.keys("x");
+    workbench.wait_for_text("exported");
+    let files = |start: &str| -> Vec<(String, Vec<u8>)> {
+        let mut names: Vec<String> = fs::read_dir(home.path())
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .filter(|name| {
+                name.starts_with(start) && Path::new(name).extension().is_some_and(|ending| ending == "glb")
+            })
+            .collect();
+        names.sort();
+        names
+            .into_iter()
+            .map(|name| (name[start.len()..].to_owned(), fs::read(home.file(&name)).unwrap()))
+            .collect()
+    };
+    let to = home.file("cli.glb");
+    let run = Command::new(env!("CARGO_BIN_EXE_linden"))
+        .args(["export", "dressed-simple", "--seasons", "summer,autumn", "-o"])
+        .arg(&to)
+        .output()
+        .unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let (there, here) = (files("dressed-simple"), files("cli"));
+    let names = |files: &[(String, Vec<u8>)]| files.iter().map(|(name, _)| name.clone()).collect::<Vec<_>>();
+    assert!(!there.is_empty() && there == here, "{:?} and {:?}", names(&there), names(&here));
+}
+
+#[test]
+fn a_forests_picture_is_that_of_the_command_line() {
+    let home = Home::new();
+    let forest = home.write("copse.toml", FOREST);
+    let source = forest.to_str().unwrap();
+    let workbench = Setup::new(120, 50).args(&["open", source]).start(&home);
+    workbench.wait_for_text("of them grown");
+    workbench.settle();
+    workbench.keys("e");
+    workbench.wait_for_text("[x] glb");
+    // Above the scene: the last format.
+    workbench.keys("Gkk");
+    workbench.settle();
+    workbench.keys(" ");
+    workbench.wait_for_text("[x] png");
+    workbench.keys("x");
+    workbench.wait_for_text("exported");
+    let there = eventually("the file", || fs::read(home.file("copse.png")).ok());
+    assert!(there == written(&["preview", source], &home.file("cli.png")));
 }

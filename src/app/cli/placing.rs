@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use linden::Monitor;
 use linden::memory::OverMemory;
-use linden::picture::{PNG_BYTES_PER_PIXEL, Picture, PictureFormat};
+use linden::picture::{Picture, PictureFormat};
 use linden_exporters::{Bundle, ExportError, MadeFolders, make_folders, plain_stem};
 use linden_raster::Size;
-use linden_raster::memory::admit_png;
 
 use crate::exit::{ReaderGone, usage};
+use crate::portrait;
 use crate::progress::Progress;
 
 /// How files come into their places.
@@ -131,10 +131,8 @@ impl PictureTarget {
 
     /// Asks for what a picture of this size takes while it is written, beside `held_bytes`.
     pub fn admit(&self, size: Size, held_bytes: u64, monitor: &dyn Monitor) -> Result<(), OverMemory> {
-        let pixels = u64::from(size.width()) * u64::from(size.height());
         let PictureKind::Pixels(format) = self.kind else { return Ok(()) };
-        let beyond_png = format.encoding_bytes_per_pixel().saturating_sub(PNG_BYTES_PER_PIXEL);
-        admit_png(size, held_bytes.saturating_add(pixels * beyond_png), monitor)
+        portrait::admit(format, size, held_bytes, monitor)
     }
 
     /// Writes the file, with the recipe of what it shows, and puts it in its place.
@@ -142,7 +140,7 @@ impl PictureTarget {
         let format = if let PictureKind::Pixels(format) = self.kind { format } else { PictureFormat::Png };
         let bytes = picture.preview(format, recipe)?;
         progress.clear();
-        super::notes(&losses(picture, format, recipe), progress);
+        super::notes(&portrait::losses(picture, format, recipe), progress);
         self.put(&bytes, progress)
     }
 
@@ -179,24 +177,6 @@ fn unknown_ending(path: &Path) -> String {
         crate::paths::show(path),
         known.join(", ")
     )
-}
-
-/// What a format leaves out of a picture.
-fn losses(picture: &Picture, format: PictureFormat, recipe: Option<&str>) -> Vec<String> {
-    let mut losses = Vec::new();
-    if !format.has_alpha() && !picture.is_opaque() {
-        losses.push(format!(
-            "{} has no transparency: the background is white; write .png or .webp to keep it transparent",
-            format.name()
-        ));
-    }
-    if recipe.is_some_and(|recipe| !format.has_room_for(recipe)) {
-        losses.push(format!(
-            "the recipe is left out, {} has no room for one so long: write .png or .webp to carry it",
-            format.name()
-        ));
-    }
-    losses
 }
 
 /// Where a file goes that is called `name` in a folder.

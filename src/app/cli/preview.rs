@@ -6,15 +6,9 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
 use anyhow::Context;
-use clap::{Args, ValueEnum};
-use linden::Monitor;
-use linden::dress::dress;
-use linden::dress::levels;
-use linden::grow::Grown;
-use linden::monitor::Holding;
+use clap::Args;
 use linden::picture::Picture;
-use linden::scene::Scene;
-use linden_raster::{Background, Camera, Paint, Size, Style};
+use linden_raster::{Background, Paint, Size, Style};
 use linden_terminal::graphics::encode;
 use linden_terminal::probe::{Capabilities, Environment, Findings, Graphics, Overrides};
 use linden_terminal::tty::takes_sequences;
@@ -27,9 +21,8 @@ use super::placing::{PictureTarget, Placing, is_folder};
 use super::{GrowArgs, workbench};
 use crate::exit::usage;
 use crate::forecast::{Outlook, announce};
-use crate::portrait::{FILE_SIZE, PITCH_DEG, Portrait, file_style, on_background};
+use crate::portrait::{FILE_SIZE, PITCH_DEG, PreviewLook, Sitter, file_style, on_background};
 use crate::progress::Progress;
-use crate::source::Source;
 use crate::source::forest::ForestFile;
 
 /// Draw a source: in the terminal, or as a picture's file
@@ -103,14 +96,6 @@ pub struct Preview {
     pub(super) terminal: workbench::TerminalLook,
 }
 
-/// What is drawn.
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub(super) enum PreviewLook {
-    Skeleton,
-    Surface,
-    Turtle,
-}
-
 impl Preview {
     pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
@@ -148,7 +133,7 @@ impl Preview {
         if let Some(outlook) = Outlook::of(&source.recipe, &progress) {
             let (width, height) = self.size.filter(|_| target.is_some()).unwrap_or(FILE_SIZE);
             let pixels = f64::from(width) * f64::from(height);
-            let shows_surface = PreviewSubject::shows_surface(&source, &outlook.sample.grown, look, self.lod);
+            let shows_surface = Sitter::shows_surface(&source.recipe, &outlook.sample.grown, look, self.lod);
             announce(outlook.picture_s(&source.recipe, pixels, shows_surface), &outlook.amount());
         }
         let grown = super::grown(&source, &progress)?;
@@ -167,7 +152,9 @@ impl Preview {
         if self.alone && !source.recipe.preset.has_obstructions() {
             super::notes(&["--alone changes nothing: nothing stands beside this tree".into()], &progress);
         }
-        let sitter = PreviewSubject::new(&source, &grown, look, self.lod, &progress, &progress)?;
+        let say = &mut |notes: &[String]| super::notes(notes, &progress);
+        let sitter = Sitter::new(&source.recipe, &grown, look, self.lod, say, &progress);
+        let sitter = sitter.with_context(|| source.shown.clone())?;
         let portrait = sitter.portrait();
         let camera = portrait.camera(self.yaw, self.pitch.unwrap_or(PITCH_DEG), self.zoom);
         let styled = |style: Style<'static>| {
@@ -182,7 +169,8 @@ impl Preview {
             on_background(style, self.background)
         };
         let draw = |style: Style<'static>, (width, height): (u32, u32)| -> anyhow::Result<Picture> {
-            sitter.draw(&camera, &styled(style), Size::new(width, height).map_err(usage)?, &progress)
+            let size = Size::new(width, height).map_err(usage)?;
+            sitter.draw(&camera, &styled(style), size, &progress).with_context(|| source.shown.clone())
         };
         let Some(target) = target else { return self.show(&overrides, &progress, draw) };
         let style = file_style(look == Some(PreviewLook::Turtle));
@@ -275,141 +263,6 @@ fn in_terminal(flags: &Overrides) -> (Option<Protocol>, CellStyle) {
         Graphics::Cells => None,
     };
     (protocol, style)
-}
-
-/// A tree that is drawn.
-pub(super) struct PreviewSubject<'a> {
-    source: &'a Source,
-    grown: &'a Grown,
-    /// Dressed, where its surface is shown.
-    scene: Option<Scene>,
-    /// Whether it is drawn flat.
-    is_flat: bool,
-}
-
-impl<'a> PreviewSubject<'a> {
-    /// Dresses the tree where that is wanted, or usual: where leaves have pictures, a level of detail is
-    /// asked for, or a budget of triangles.
-    pub fn new(
-        source: &'a Source,
-        grown: &'a Grown,
-        look: Option<PreviewLook>,
-        level: Option<usize>,
-        progress: &Progress,
-        monitor: &dyn Monitor,
-    ) -> anyhow::Result<Self> {
-        let budget = source.recipe.preset.dressing.detail.finest() > 0;
-        let shows_surface = Self::shows_surface(source, grown, look, level);
-        if budget && !shows_surface {
-            super::notes(
-                &["triangles changes nothing in a skeleton: it is for --look surface".into()],
-                progress,
-            );
-        }
-        let scene = shows_surface.then(|| match level {
-            None if !budget => dress(&source.recipe, grown, monitor).with_context(|| source.shown.clone()),
-            _ => at_level(source, grown, level, progress, monitor),
-        });
-        let is_flat = look == Some(PreviewLook::Turtle);
-        Ok(Self { source, grown, scene: scene.transpose()?, is_flat })
-    }
-
-    /// A tree in each of its levels of detail, finest first.
-    pub fn of_levels(
-        source: &'a Source,
-        grown: &'a Grown,
-        progress: &Progress,
-        monitor: &dyn Monitor,
-    ) -> anyhow::Result<Vec<Self>> {
-        let all = levels(&source.recipe, grown, monitor).with_context(|| source.shown.clone())?;
-        super::notes(&all.notes, progress);
-        Ok(all
-            .levels
-            .into_iter()
-            .map(|level| Self { source, grown, scene: Some(level.scene), is_flat: false })
-            .collect())
-    }
-
-    /// Whether it is dressed.
-    pub fn shows_surface(
-        source: &Source,
-        grown: &Grown,
-        look: Option<PreviewLook>,
-        level: Option<usize>,
-    ) -> bool {
-        let budget = source.recipe.preset.dressing.detail.finest() > 0;
-        let usual = !grown.organs.shapes.is_empty() || budget || level.is_some();
-        look.map_or(usual, |look| look == PreviewLook::Surface)
-    }
-
-    /// A style with this tree's leaves.
-    pub fn styled<'b>(&'b self, style: Style<'b>) -> Style<'b> {
-        self.portrait().styled(style)
-    }
-
-    /// What is drawn of it.
-    fn portrait(&self) -> Portrait<'_> {
-        Portrait {
-            skeleton: &self.grown.skeleton,
-            organs: &self.grown.organs,
-            leaf_colors: self.source.recipe.preset.dressing.foliage.turtle_colors(),
-            scene: self.scene.as_ref(),
-            is_flat: self.is_flat,
-        }
-    }
-
-    /// Triangles of its surface, 0 where that is not shown.
-    pub fn triangles(&self) -> u64 {
-        let parts = self.scene.iter().flat_map(|scene| &scene.parts);
-        parts.map(|part| part.mesh.triangles.len() as u64).sum()
-    }
-
-    /// Bytes that the tree takes, with its surface where that is shown.
-    pub fn bytes(&self) -> u64 {
-        self.source.recipe.inputs.bytes() + self.grown.bytes() + self.scene.as_ref().map_or(0, Scene::bytes)
-    }
-
-    pub fn draw(
-        &self,
-        camera: &Camera,
-        style: &Style<'_>,
-        size: Size,
-        monitor: &dyn Monitor,
-    ) -> anyhow::Result<Picture> {
-        let holding = Holding::new(monitor, self.bytes());
-        self.portrait().draw(camera, style, size, &holding).with_context(|| self.source.shown.clone())
-    }
-}
-
-/// A tree in one of its levels of detail, the finest where none is named.
-fn at_level(
-    source: &Source,
-    grown: &Grown,
-    level: Option<usize>,
-    progress: &Progress,
-    monitor: &dyn Monitor,
-) -> anyhow::Result<Scene> {
-    let mut recipe = source.recipe.clone();
-    let detail = &mut recipe.preset.dressing.detail;
-    if level.is_none() {
-        (detail.triangles, detail.lod_triangles) = (detail.finest(), vec![0.0]);
-        (detail.lods, detail.billboard) = (1, 0);
-    }
-    let mut all = levels(&recipe, grown, monitor).with_context(|| source.shown.clone())?;
-    super::notes(&all.notes, progress);
-    let (level, count) = (level.unwrap_or(0), all.levels.len());
-    if level >= count {
-        let there = if count == 1 {
-            "one level of detail, 0".to_owned()
-        } else {
-            format!("levels 0 to {}", count - 1)
-        };
-        return Err(usage(format!(
-            "--lod {level}: this tree has {there}; ask for more, like --set lods={}",
-            (level + 1).min(8)
-        )));
-    }
-    Ok(all.levels.swap_remove(level).scene)
 }
 
 fn cells(n: u32) -> anyhow::Result<u16> {

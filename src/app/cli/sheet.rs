@@ -4,21 +4,17 @@ use std::path::PathBuf;
 
 use anyhow::Context;
 use clap::{Args, ValueEnum};
-use indicatif::HumanCount;
-use linden::knob::printable;
 use linden::monitor::Holding;
-use linden::picture::Picture;
 use linden::preset::builtins;
-use linden_raster::drawing::label::Label;
-use linden_raster::{Background, Camera, Size, Style};
 
 use super::placing::{PictureTarget, Placing};
-use super::preview::{PreviewLook, PreviewSubject, size};
+use super::preview::size;
 use crate::exit::usage;
 use crate::forecast::{Outlook, announce};
+use crate::portrait::sheet::{SheetDrawing, SheetPlan, in_levels};
+use crate::portrait::{PreviewLook, Sitter};
 use crate::progress::Progress;
-use crate::source::{self, Source};
-use crate::viewpoint::broad_side;
+use crate::source;
 
 /// Draw several trees side by side on one picture
 #[derive(Args)]
@@ -96,52 +92,38 @@ impl Sheet {
             super::define(&mut source, &self.defines)?;
             super::notes(&source.notes, &progress);
             super::notes(&super::idle(&source.recipe.preset, &settings), &progress);
-            if self.lods.is_some() && source.recipe.preset.dressing.detail.levels() == 1 {
-                source.recipe.preset.dressing.detail.lods = USUAL_LEVELS;
+            if self.lods.is_some() {
+                in_levels(&mut source.recipe);
             }
             trees.push(source);
         }
         // A tree with fewer levels than another leaves the rest of its places empty.
         let levels =
             trees.iter().map(|source| source.recipe.preset.dressing.detail.levels()).max().unwrap_or(1);
-        let levels = if self.lods.is_some() { levels as u64 } else { 1 };
-        let count = u32::try_from(sources.len() as u64 * self.seeds * levels).unwrap_or(u32::MAX);
-        let (width, height) = self.size;
-        let columns = self.columns.unwrap_or_else(|| match levels {
-            1 => columns(count, self.size),
-            // A tree a row.
-            levels => levels as u32,
-        });
-        let columns = columns.min(count);
-        let rows = count.div_ceil(columns);
-        let lines = match self.labels {
-            Labels::None => 0,
-            Labels::Names => 1 + u32::from(self.seeds > 1) + u32::from(self.lods.is_some()),
+        let plan = SheetPlan {
+            seeds: self.seeds,
+            lods: self.lods.is_some(),
+            size: self.size,
+            columns: self.columns,
+            look: self.look,
+            names: self.labels == Labels::Names,
         };
-        let capitals = capitals(width);
-        let below = Label::rows(lines, capitals);
-        let high = height.saturating_add(below);
-        let whole = Size::new(columns.saturating_mul(width), rows.saturating_mul(high)).map_err(usage)?;
-        let cell = Size::new(width, height).map_err(usage)?;
-
-        let style = if self.look == Some(PreviewLook::Turtle) { Style::paper() } else { Style::studio() };
-        let paper = paper(&style);
-
-        target.admit(whole, 0, &progress)?;
-        let holding = Holding::new(&progress, u64::from(whole.width()) * u64::from(whole.height()) * 4);
-        let mut sheet = Mosaic::new(whole.width(), whole.height());
-        let mut place = 0;
+        let (width, height) = self.size;
+        let mut sheet = SheetDrawing::new(plan, sources.len(), levels)?;
+        let (levels, count) = (sheet.levels(), sheet.count());
+        target.admit(sheet.size(), 0, &progress)?;
+        let holding = Holding::new(&progress, sheet.bytes());
         let (mut seconds, mut announced) = (0.0, false);
         for mut source in trees {
             if let Some(outlook) = Outlook::of(&source.recipe, &progress).filter(|_| !announced) {
                 let shows_surface = self.lods.is_some()
-                    || PreviewSubject::shows_surface(&source, &outlook.sample.grown, self.look, None);
+                    || Sitter::shows_surface(&source.recipe, &outlook.sample.grown, self.look, None);
                 let pixels = f64::from(width) * f64::from(height) * levels as f64;
                 let each = outlook.picture_s(&source.recipe, pixels, shows_surface);
                 // What is known so far, taken for all that follow.
                 seconds += each * self.seeds as f64;
                 let trees = f64::from(count) / levels as f64;
-                let done = (f64::from(place) / levels as f64).max(1.0);
+                let done = (f64::from(sheet.drawn()) / levels as f64).max(1.0);
                 let all = seconds * (trees / (done + self.seeds as f64 - 1.0)).max(1.0);
                 announced = announce(all, &format!("{trees} trees, {} each", outlook.amount()));
             }
@@ -149,41 +131,11 @@ impl Sheet {
             for step in 0..self.seeds {
                 source.recipe.preset.seed = first.wrapping_add(step);
                 let grown = super::grown_beside(&source, &holding, &progress)?;
-                let sitters = if self.lods.is_some() {
-                    PreviewSubject::of_levels(&source, &grown, &progress, &holding)?
-                } else {
-                    vec![PreviewSubject::new(&source, &grown, self.look, None, &progress, &holding)?]
-                };
-                let obstructions = linden::grow::obstructions(&source.recipe, &holding)
-                    .with_context(|| source.shown.clone())?;
-                let camera = Camera::orbit(broad_side(&grown.skeleton), PITCH_DEG);
-                for ((level, at), sitter) in (place..).enumerate().zip(&sitters) {
-                    let style = Style { obstructions: &obstructions, ..sitter.styled(style) };
-                    let mut picture = sitter.draw(&camera, &style, cell, &holding)?;
-                    if lines > 0 {
-                        let lines = self.label(&source, level, sitter);
-                        let label = Label { lines, height: capitals, color: style.ink };
-                        picture = label.below(&picture, below, paper);
-                    }
-                    sheet.lay(&picture, at % columns * width, at / columns * high);
-                }
-                place += levels as u32;
+                let say = &mut |notes: &[String]| super::notes(notes, &progress);
+                sheet.lay(&source.recipe, &grown, say, &holding).with_context(|| source.shown.clone())?;
             }
         }
         target.write(&sheet.finish(), None, &progress)
-    }
-
-    /// What stands below a tree: what it is, and what tells it from its neighbours.
-    fn label(&self, source: &Source, level: usize, sitter: &PreviewSubject<'_>) -> Vec<String> {
-        let preset = &source.recipe.preset;
-        let mut lines = vec![printable(&preset.name)];
-        if self.seeds > 1 {
-            lines.push(format!("seed {}", preset.seed));
-        }
-        if self.lods.is_some() {
-            lines.push(format!("level {level}, {} triangles", HumanCount(sitter.triangles())));
-        }
-        lines
     }
 
     /// What is asked for: groups first, then the sources.
@@ -205,83 +157,5 @@ impl Sheet {
         }
         sources.extend(self.sources.iter().cloned());
         Ok(sources)
-    }
-}
-
-/// Levels of detail of a tree that says nothing of them.
-const USUAL_LEVELS: u32 = 4;
-
-/// As `linden preview` looks from above.
-pub(super) const PITCH_DEG: f32 = 8.0;
-
-/// What labels stand on: the colour that pictures end with.
-pub(super) fn paper(style: &Style<'_>) -> [u8; 3] {
-    match style.background {
-        Background::Plain(color) | Background::Gradient(_, color) => color,
-        Background::Landscape(landscape) => landscape.ground,
-        Background::Transparent => [255; 3],
-    }
-}
-
-/// The height of a label's capitals below pictures of a width, pixels.
-pub(super) fn capitals(width: u32) -> f32 {
-    (width as f32 / 26.0).clamp(6.0, 24.0)
-}
-
-/// How many in a row give a sheet that is nearest to half as wide again as it is high.
-pub(super) fn columns(count: u32, (width, height): (u32, u32)) -> u32 {
-    let aspect = |columns: u32| {
-        let rows = count.div_ceil(columns);
-        f64::from(columns) * f64::from(width) / (f64::from(rows) * f64::from(height))
-    };
-    let off = |columns: &u32| (aspect(*columns) - 1.5).abs();
-    (1..=count.max(1)).min_by(|a, b| off(a).total_cmp(&off(b))).unwrap_or(1)
-}
-
-/// A picture that is put together from others; white where none lies.
-pub(super) struct Mosaic {
-    width: u32,
-    height: u32,
-    rgba: Vec<u8>,
-}
-
-impl Mosaic {
-    pub fn new(width: u32, height: u32) -> Self {
-        Self { width, height, rgba: vec![255; width as usize * height as usize * 4] }
-    }
-
-    /// Copies a picture that fits, its upper left corner at a column and a row.
-    pub fn lay(&mut self, picture: &Picture, column: u32, row: u32) {
-        let bytes = picture.width() as usize * 4;
-        for (line, pixels) in picture.rgba().chunks_exact(bytes).enumerate() {
-            let at = ((row as usize + line) * self.width as usize + column as usize) * 4;
-            self.rgba[at..at + bytes].copy_from_slice(pixels);
-        }
-    }
-
-    pub fn finish(self) -> Picture {
-        Picture::new(self.width, self.height, self.rgba)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn sheets_are_a_little_wider_than_high() {
-        assert_eq!(columns(1, (240, 288)), 1);
-        // 7 x 240 by 4 x 288 is 1.46.
-        assert_eq!(columns(28, (240, 288)), 7);
-        assert_eq!(columns(6, (100, 100)), 3);
-    }
-
-    #[test]
-    fn pictures_lie_where_they_were_laid() {
-        let mut sheet = Mosaic::new(3, 2);
-        sheet.lay(&Picture::new(1, 2, vec![1, 2, 3, 4, 5, 6, 7, 8]), 2, 0);
-        let rgba = sheet.finish().rgba().to_vec();
-        assert_eq!((&rgba[8..12], &rgba[20..24]), (&[1, 2, 3, 4][..], &[5, 6, 7, 8][..]));
-        assert!(rgba[..8].iter().chain(&rgba[12..20]).all(|&byte| byte == 255));
     }
 }

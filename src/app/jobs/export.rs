@@ -4,11 +4,12 @@ use std::path::PathBuf;
 use std::sync::{Arc, Mutex};
 
 use linden::Monitor;
-use linden::dress::levels;
+use linden::dress::{levels, year};
 use linden::forest::{Forest, GrownForest};
 use linden::grow::{Grown, grow};
 use linden::monitor::Phase;
 use linden::recipe::Recipe;
+use linden::season::Season;
 use linden::stage::Stage;
 use linden_exporters::{Bundle, Estimate, Existing, examine, make_folders};
 
@@ -16,6 +17,7 @@ use super::{Done, Findings, ShownTree};
 use crate::exit;
 use crate::paths::expand;
 use crate::paths::show;
+use crate::portrait::{Sitters, is_apart, write_apart};
 use linden_exporters::{Batch, Output};
 
 /// What to export.
@@ -27,6 +29,8 @@ pub struct ExportOrder {
     pub subject: ExportSubject,
     /// Whether with camera, sun, sky and ground, in formats that hold them.
     pub scene: bool,
+    /// The seasons that a tree is written in; none: in the one that it is in.
+    pub seasons: Vec<Season>,
     /// What is written where; `~/` may still stand before a path.
     pub outputs: Vec<Output>,
     /// Targets whose file may be replaced: those that the user was asked about.
@@ -140,7 +144,9 @@ pub fn run(order: ExportOrder, watcher: &dyn Monitor, say: &dyn Fn(ExportNews)) 
 type Exported = (Vec<(PathBuf, u64)>, Vec<String>);
 
 fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported> {
-    let ExportOrder { subject, scene, mut outputs, replaces, makes_folders, sources, turned, .. } = order;
+    let ExportOrder {
+        subject, scene, seasons, mut outputs, replaces, makes_folders, sources, turned, ..
+    } = order;
     let home = std::env::home_dir();
     // They go again when the export fails.
     let mut folders = Vec::new();
@@ -155,24 +161,30 @@ fn export(order: ExportOrder, watcher: &dyn Monitor) -> anyhow::Result<Exported>
         ensure_expected(output, may_replace)?;
     }
     let levels = subject.levels();
+    outputs = outputs.into_iter().flat_map(|output| output.in_seasons(&seasons)).collect();
     outputs = outputs.into_iter().flat_map(|output| output.in_levels(levels)).collect();
-    if let Some(there) = outputs.iter().find(|output| output.level.is_some() && output.path.exists()) {
+    let is_another = |output: &&Output| output.level.is_some() || output.season.is_some();
+    if let Some(there) = outputs.iter().filter(is_another).find(|output| output.path.exists()) {
         anyhow::bail!("{} is there already; remove it, or choose another name", show(&there.path));
     }
     let targets: Vec<PathBuf> = outputs.iter().map(|output| output.path.clone()).collect();
     let replaced: Vec<bool> =
         targets.iter().map(|path| matches!(examine(path), Ok(Existing::File))).collect();
-    let planned = outputs.clone();
+    let planned: Vec<Output> =
+        outputs.iter().filter(|output| !is_apart(output.exporter.format())).cloned().collect();
     let mut batch =
         Batch::open(outputs, sources, |output| Bundle::create(&output.path))?.with_folders(folders);
     let gauge = Gauge::new(watcher);
-    let how = HowExported { planned: &planned, scene, turned: &turned };
-    let mut notes = match &subject {
-        ExportSubject::Tree { recipe, shown } => {
-            write_tree(recipe, shown.as_deref(), &how, &mut batch, &gauge)?
-        }
-        ExportSubject::Forest(forest) => write_forest(forest, &how, &mut batch, &gauge)?,
-    };
+    let how = HowExported { planned: &planned, scene, turned: &turned, seasons: &seasons };
+    let mut notes = draw_apart(&subject, planned.is_empty(), &mut batch, &gauge)?;
+    if !batch.is_written() {
+        notes.extend(match &subject {
+            ExportSubject::Tree { recipe, shown } => {
+                write_tree(recipe, shown.as_deref(), &how, &mut batch, &gauge)?
+            }
+            ExportSubject::Forest(forest) => write_forest(forest, &how, &mut batch, &gauge)?,
+        });
+    }
     // What came to be there meanwhile was not asked about.
     for (path, replaced) in targets.iter().zip(replaced) {
         if !replaced && !matches!(examine(path), Ok(Existing::Nothing)) {
@@ -194,13 +206,50 @@ struct HowExported<'o> {
     planned: &'o [Output],
     scene: bool,
     turned: &'o [&'static str],
+    seasons: &'o [Season],
 }
 
 impl HowExported<'_> {
+    /// Notes of knobs that were turned and change nothing, in none of the seasons.
+    fn idle(&self, recipe: &Recipe) -> Vec<String> {
+        let mut idle = recipe.preset.idle_notes(self.turned.iter().copied());
+        for season in self.seasons {
+            let mut preset = recipe.preset.clone();
+            preset.dressing.foliage.season = season.season;
+            let of_one = preset.idle_notes(self.turned.iter().copied());
+            idle.retain(|note| of_one.contains(note));
+        }
+        idle
+    }
+
     fn stage<'s>(&self, stage: Stage<'s>) -> Stage<'s> {
         let stage = stage.turned_by(self.turned.iter().copied());
         if self.scene { stage.in_setting() } else { stage }
     }
+}
+
+/// Draws the pictures that grow what they show; gives the notes.
+fn draw_apart(
+    subject: &ExportSubject,
+    is_all: bool,
+    batch: &mut Batch,
+    gauge: &Gauge<'_>,
+) -> anyhow::Result<Vec<String>> {
+    let sitters = match subject {
+        ExportSubject::Tree { recipe, .. } => Sitters::Tree(recipe),
+        ExportSubject::Forest(forest) => Sitters::Forest(forest),
+    };
+    let mut notes = Vec::new();
+    batch.write_apart(|output, bundle| {
+        if !is_apart(output.exporter.format()) {
+            return Ok(false);
+        }
+        gauge.begin(if is_all { 1.0 } else { GROWING }, None);
+        let is_written = write_apart(output, &sitters, bundle, gauge)?;
+        notes.extend_from_slice(bundle.notes());
+        anyhow::Ok(is_written)
+    })?;
+    Ok(notes)
 }
 
 /// Grows a tree where that is still to be done, dresses and writes it; gives the notes.
@@ -222,7 +271,14 @@ fn write_tree(
     };
     let estimate = Estimate::new(recipe, grown, gauge.watcher)?;
     gauge.begin(DRESSING, None);
-    let levels = levels(recipe, grown, gauge)?;
+    let (one, several);
+    let (stage, said) = if how.seasons.is_empty() {
+        one = levels(recipe, grown, gauge)?;
+        (one.stage(), &one.notes)
+    } else {
+        several = year(recipe, grown, how.seasons, gauge)?;
+        (several.stage(), &several.notes)
+    };
     let bytes = |output: &Output| {
         let format = output.exporter.format();
         match output.level {
@@ -232,9 +288,9 @@ fn write_tree(
     };
     let bytes: Vec<u64> = how.planned.iter().map(|output| bytes(output).unwrap_or(0).max(1)).collect();
     let mut notes = grown.notes.clone();
-    notes.extend_from_slice(&levels.notes);
-    notes.extend(recipe.preset.idle_notes(how.turned.iter().copied()));
-    write_files(&how.stage(levels.stage()), &bytes, batch, gauge, &mut notes)?;
+    notes.extend_from_slice(said);
+    notes.extend(how.idle(recipe));
+    write_files(&how.stage(stage), &bytes, batch, gauge, &mut notes)?;
     Ok(notes)
 }
 

@@ -27,6 +27,7 @@ fn order(dir: &Path, formats: &[&str]) -> ExportOrder {
         number: 7,
         subject: ExportSubject::Tree { recipe: recipe("older-c"), shown: None },
         scene: false,
+        seasons: Vec::new(),
         outputs: formats.iter().map(output).collect(),
         replaces: Vec::new(),
         makes_folders: false,

@@ -4,7 +4,6 @@ use std::io;
 
 use linden::knob::{Kind, Knob, Value, integer, names, real, real_or_auto};
 use linden::monitor::Holding;
-use linden::picture::PictureFormat;
 use linden::scene::Scene;
 use linden::stage::Stage;
 use linden::{Cancelled, Monitor};
@@ -12,10 +11,9 @@ use linden_exporters::writing::fit;
 use linden_exporters::{
     Bundle, Encoding, ExportError, Exporter, Format, Holds, LooksIn, OptionSpec, Options, Readable, recipe_in,
 };
-use linden_raster::memory::admit_png;
 use linden_raster::{Background, Camera, MAX_SIDE, Paint, RasterError, Size, Style};
 
-use super::{FILE_SIZE, PITCH_DEG, Portrait, file_style, on_background};
+use super::{FILE_SIZE, PITCH_DEG, Portrait, admit, file_style, format_of, on_background, write_picture};
 
 /// A picture of pixels.
 pub static PNG: &dyn Exporter = &Png;
@@ -25,7 +23,10 @@ pub static SVG: &dyn Exporter = &Svg;
 struct Png;
 struct Svg;
 
-const SIDE: Kind = integer(1, MAX_SIDE as u64);
+pub(super) const SIDE: Kind = integer(1, MAX_SIDE as u64);
+/// The endings of pictures, that of the usual format first.
+pub(super) const PICTURES: &[&str] = &["png", "jpg", "jpeg", "webp"];
+
 const PAINTS: [&str; Paint::ALL.len()] = names(&Paint::ALL);
 
 const WIDTH: OptionSpec =
@@ -43,7 +44,7 @@ const YAW: OptionSpec = OptionSpec {
 };
 const PITCH: OptionSpec =
     OptionSpec { knob: Knob::new("pitch", real(-90.0, 90.0), "°", "look from above"), default: "8" };
-const ZOOM: OptionSpec = OptionSpec {
+pub(super) const ZOOM: OptionSpec = OptionSpec {
     knob: Knob::new("zoom", real(0.01, 1000.0), "", "closer (above 1) or farther (below 1)"),
     default: "1",
 };
@@ -57,11 +58,11 @@ const PERSON: OptionSpec =
 
 static PNG_FORMAT: Format = Format {
     id: "png",
-    name: "Picture (PNG)",
-    extensions: &["png"],
+    name: "Picture (PNG, JPEG, WebP)",
+    extensions: PICTURES,
     media_type: "image/png",
     self_contained: true,
-    help: "a picture of the tree, as 'linden preview' draws it; carries the recipe",
+    help: "a picture of the tree, as 'linden preview' draws it; a name in .jpg or .webp has that format",
     options: &[
         OptionSpec::choice(
             "look",
@@ -121,12 +122,11 @@ impl Exporter for Png {
         }
         let portrait = Portrait { scene: shows_surface.then_some(scene), is_flat, ..of_scene(scene) };
         let size = size(options)?;
-        admit_png(size, scene.bytes(), monitor)?;
+        admit(format_of(bundle), size, scene.bytes(), monitor)?;
         let style = Style { paint, ..style(&portrait, options) };
         let holding = Holding::new(monitor, scene.bytes());
         let picture = portrait.draw(&camera(&portrait, options), &style, size, &holding).map_err(refused)?;
-        let png = picture.preview(PictureFormat::Png, Some(&stage.recipe)).map_err(broken)?;
-        bundle.write_main(Some(png.len() as u64), monitor, |sink| sink.write(&png))
+        write_picture(&picture, Some(&stage.recipe), bundle, monitor)
     }
 }
 
@@ -178,14 +178,17 @@ fn of_scene(scene: &Scene) -> Portrait<'_> {
     }
 }
 
-fn style<'a>(portrait: &Portrait<'a>, options: &Options) -> Style<'a> {
-    let background = if options.is_word("background", "studio") {
+pub(super) fn background(options: &Options) -> Option<Background> {
+    if options.is_word("background", "studio") {
         Some(Style::studio().background)
     } else {
         options.is_word("background", "transparent").then_some(Background::Transparent)
-    };
+    }
+}
+
+fn style<'a>(portrait: &Portrait<'a>, options: &Options) -> Style<'a> {
     let style = Style { person: options.is_on("person"), ..file_style(portrait.is_flat) };
-    on_background(portrait.styled(style), background)
+    on_background(portrait.styled(style), background(options))
 }
 
 fn camera(portrait: &Portrait<'_>, options: &Options) -> Camera {
@@ -194,14 +197,19 @@ fn camera(portrait: &Portrait<'_>, options: &Options) -> Camera {
 }
 
 fn size(options: &Options) -> Result<Size, ExportError> {
-    let side = |name, usual| match options.value(name) {
-        Some(Value::Integer(pixels)) => u32::try_from(*pixels).unwrap_or(u32::MAX),
-        _ => usual,
-    };
+    let side = |name, usual| whole(options, name).unwrap_or(usual);
     Size::new(side("width", FILE_SIZE.0), side("height", FILE_SIZE.1)).map_err(refused)
 }
 
-fn number(options: &Options, name: &str) -> Option<f32> {
+/// A whole number among the options.
+pub(super) fn whole(options: &Options, name: &str) -> Option<u32> {
+    match options.value(name) {
+        Some(Value::Integer(n)) => Some(u32::try_from(*n).unwrap_or(u32::MAX)),
+        _ => None,
+    }
+}
+
+pub(super) fn number(options: &Options, name: &str) -> Option<f32> {
     match options.value(name) {
         Some(Value::Real(x)) => Some(*x as f32),
         _ => None,
@@ -224,6 +232,6 @@ fn refused(error: RasterError) -> ExportError {
 }
 
 #[expect(clippy::needless_pass_by_value, reason = "an error is handed over")]
-fn broken(error: impl ToString) -> ExportError {
+pub(super) fn broken(error: impl ToString) -> ExportError {
     ExportError::Scene { what: "the picture".to_owned(), problem: error.to_string() }
 }

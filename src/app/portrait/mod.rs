@@ -1,19 +1,27 @@
 //! Pictures of a tree in files: `linden preview` and the export dialog draw the same ones.
 
+mod apart;
 mod formats;
+pub mod sheet;
+mod sitter;
 
 use linden::Monitor;
 use linden::Skeleton;
 use linden::foliage::Organs;
-use linden::picture::Picture;
+use linden::memory::OverMemory;
+use linden::picture::{PNG_BYTES_PER_PIXEL, Picture, PictureFormat};
 use linden::scene::Scene;
+use linden_exporters::{Bundle, ExportError};
+use linden_raster::memory::admit_png;
 use linden_raster::{
     Background, Camera, Drawing, RasterError, Size, Style, Surface, draw_flat, draw_skeleton, draw_surface,
 };
 
 use crate::viewpoint::broad_side;
 
+pub use apart::{FOREST_PNG, FOREST_SIZE, SHEET, Sitters, draw_forest, is_apart, write_apart};
 pub use formats::{PNG, SVG};
+pub use sitter::{PreviewLook, Sitter};
 
 /// How far from above a tree is looked at by default, degrees.
 pub const PITCH_DEG: f32 = 8.0;
@@ -92,4 +100,57 @@ pub fn file_style(is_flat: bool) -> Style<'static> {
 pub fn on_background(style: Style<'_>, background: Option<Background>) -> Style<'_> {
     let ground_shadow = style.ground_shadow && background != Some(Background::Transparent);
     Style { background: background.unwrap_or(style.background), ground_shadow, ..style }
+}
+
+/// The format of a picture's file, by its name; PNG where that says nothing.
+fn format_of(bundle: &Bundle) -> PictureFormat {
+    bundle.main_name().and_then(PictureFormat::of_name).unwrap_or(PictureFormat::Png)
+}
+
+/// Asks for what a picture of this size takes while it is written, beside `held_bytes`.
+///
+/// # Errors
+/// That there is too little memory.
+pub fn admit(
+    format: PictureFormat,
+    size: Size,
+    held_bytes: u64,
+    monitor: &dyn Monitor,
+) -> Result<(), OverMemory> {
+    let pixels = u64::from(size.width()) * u64::from(size.height());
+    let beyond_png = format.encoding_bytes_per_pixel().saturating_sub(PNG_BYTES_PER_PIXEL);
+    admit_png(size, held_bytes.saturating_add(pixels * beyond_png), monitor)
+}
+
+/// Writes a picture in the format that its file's name tells, with the recipe of what it shows.
+fn write_picture(
+    picture: &Picture,
+    recipe: Option<&str>,
+    bundle: &mut Bundle,
+    monitor: &dyn Monitor,
+) -> Result<(), ExportError> {
+    let format = format_of(bundle);
+    let bytes = picture.preview(format, recipe).map_err(formats::broken)?;
+    for loss in losses(picture, format, recipe) {
+        bundle.note(loss);
+    }
+    bundle.write_main(Some(bytes.len() as u64), monitor, |sink| sink.write(&bytes))
+}
+
+/// What a format leaves out of a picture.
+pub fn losses(picture: &Picture, format: PictureFormat, recipe: Option<&str>) -> Vec<String> {
+    let mut losses = Vec::new();
+    if !format.has_alpha() && !picture.is_opaque() {
+        losses.push(format!(
+            "{} has no transparency: the background is white; write .png or .webp to keep it transparent",
+            format.name()
+        ));
+    }
+    if recipe.is_some_and(|recipe| !format.has_room_for(recipe)) {
+        losses.push(format!(
+            "the recipe is left out, {} has no room for one so long: write .png or .webp to carry it",
+            format.name()
+        ));
+    }
+    losses
 }

@@ -15,9 +15,9 @@ use super::merge::say_left_out;
 use super::rows::Row;
 use super::thumbnail::SIZE;
 use crate::cli::placing::{PictureTarget, Placing};
-use crate::cli::sheet::{Mosaic, capitals, columns, paper};
 use crate::exit::{say, usage};
 use crate::paths::show;
+use crate::portrait::sheet::{Mosaic, capitals, columns, paper};
 use crate::progress::Progress;
 
 /// The most trees of a sheet: a picture of 15 million pixels.

@@ -9,7 +9,8 @@ use linden::stage::Stage;
 use linden_exporters::{Bundle, Encoding, ExportError, Exporter, Format, Holds, Options, Readable};
 use linden_raster::{Camera, RasterError, Size, Style, Surface, draw_surface};
 
-use crate::cli::sheet::{PITCH_DEG, paper};
+use crate::portrait::PITCH_DEG;
+use crate::portrait::sheet::paper;
 use crate::viewpoint::broad_side;
 
 /// Width and height, pixels.

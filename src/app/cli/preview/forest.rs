@@ -3,21 +3,18 @@
 use std::sync::Arc;
 
 use anyhow::Context;
-use linden::monitor::Holding;
 use linden::picture::Picture;
-use linden_raster::{Background, Camera, Size, Style, draw_stage};
+use linden_raster::{Camera, Size, Style};
 use linden_terminal::probe::Overrides;
 
-use super::{Preview, PreviewLook};
+use super::Preview;
 use crate::cli::forest::resolved;
 use crate::cli::placing::PictureTarget;
 use crate::exit::usage;
 use crate::jobs::{FOREST_PITCH_DEG, FOREST_YAW_DEG, ShownForest};
+use crate::portrait::{FOREST_SIZE, PreviewLook, draw_forest};
 use crate::progress::Progress;
 use crate::source::forest::{ForestFile, turn};
-
-/// Pixels of a forest's file by default.
-const FILE_SIZE: (u32, u32) = (1400, 900);
 
 impl Preview {
     /// Draws a forest, its surfaces.
@@ -42,7 +39,7 @@ impl Preview {
                 "an SVG is a flat drawing of one tree; a forest's picture is .png, .jpg or .webp",
             ));
         }
-        let file_size = self.size.unwrap_or(FILE_SIZE);
+        let file_size = self.size.unwrap_or(FOREST_SIZE);
         if let Some(target) = &target {
             target.admit(Size::new(file_size.0, file_size.1).map_err(usage)?, 0, progress)?;
         }
@@ -55,20 +52,16 @@ impl Preview {
             );
         }
         let held = shown.grown.bytes();
-        let stage = shown.grown.stage();
         let camera = Camera {
             zoom: self.zoom,
             extent: if self.alone { shown.extent } else { shown.beside },
             ..Camera::orbit(self.yaw.unwrap_or(FOREST_YAW_DEG), self.pitch.unwrap_or(FOREST_PITCH_DEG))
         };
         let draw = |style: Style<'static>, (width, height): (u32, u32)| -> anyhow::Result<Picture> {
-            let background = self.background.unwrap_or(style.background);
-            let ground_shadow = style.ground_shadow && self.background != Some(Background::Transparent);
             let obstructions = if self.alone { &[] } else { &shown.obstructions[..] };
-            let style = Style { background, ground_shadow, obstructions, ..style };
+            let style = Style { obstructions, ..style };
             let size = Size::new(width, height).map_err(usage)?;
-            draw_stage(&stage, &camera, &style, size, &Holding::new(progress, held))
-                .with_context(|| id.clone())
+            draw_forest(&shown, &camera, style, self.background, size, progress).with_context(|| id.clone())
         };
         let Some(target) = target else { return self.show(overrides, progress, draw) };
         let picture = draw(Style::studio(), file_size)?;

@@ -9,6 +9,7 @@ use crossterm::event::KeyEvent;
 use linden::knob::{Kind, Value};
 use linden::preset::PresetKnob;
 use linden::recipe::Recipe;
+use linden::season::Season;
 use linden_exporters::{Estimate, Exporter, OptionSpec, Options, USUAL};
 use tui_input::Input;
 
@@ -22,6 +23,8 @@ use linden_exporters::{Output, default_name};
 
 /// How the session's file calls it that camera, sun, sky and ground go along.
 const SCENE: &str = "scene";
+/// How it calls the seasons that are written.
+const SEASONS: &str = "seasons";
 /// Where the dialog's keys are listened to.
 pub const CONTEXT: Context = Context::new(50, "export", "While exporting");
 /// Where the keys of a line in the dialog are listened to.
@@ -39,6 +42,8 @@ pub struct ExportDialog {
     pub start: StartState,
     /// Whether camera, sun, sky and ground go along.
     pub scene: bool,
+    /// The seasons that are written, as they were typed; empty: the one that the tree is in.
+    pub seasons: String,
     /// Knobs of the tree that are turned for this export; none of a forest.
     pub knobs: Option<ExportKnobs>,
     /// What was found out about targets, by what was typed.
@@ -73,6 +78,8 @@ pub enum ExportSpot {
     Target(usize),
     /// A knob of the tree, by its place among those that are turned here.
     Knob(usize),
+    /// In which seasons the tree is written.
+    Seasons,
     /// Whether camera, sun, sky and ground go along.
     Scene,
     /// The button.
@@ -159,6 +166,12 @@ impl ExportDialog {
             line: None,
             start: StartState::Idle,
             scene: last.options.iter().any(|(name, value)| name == SCENE && value == "true"),
+            seasons: last.options.iter().find(|(name, _)| name == SEASONS).map_or_else(
+                String::new,
+                |(_, list)| {
+                    if seasons_of(list).is_ok() { list.clone() } else { String::new() }
+                },
+            ),
             knobs: tree.map(ExportKnobs::new),
             findings: BTreeMap::new(),
             estimate: None,
@@ -186,6 +199,7 @@ impl ExportDialog {
             }
         }
         spots.extend((0..self.knobs.as_ref().map_or(0, ExportKnobs::len)).map(ExportSpot::Knob));
+        spots.extend(self.knobs.as_ref().map(|_| ExportSpot::Seasons));
         spots.extend([ExportSpot::Scene, ExportSpot::Start]);
         spots
     }
@@ -260,6 +274,7 @@ impl ExportDialog {
                 self.option().map(|(_, _, value)| value.to_string()).unwrap_or_default()
             }
             ExportSpot::Knob(_) => self.knob_row().map(|(_, value, _)| value.to_string()).unwrap_or_default(),
+            ExportSpot::Seasons => self.seasons.clone(),
             ExportSpot::Format(_) | ExportSpot::Scene | ExportSpot::Start => return,
         };
         self.start = StartState::Idle;
@@ -292,6 +307,13 @@ impl ExportDialog {
                     return;
                 }
             }
+            ExportSpot::Seasons => match seasons_of(&text) {
+                Ok(_) => self.seasons = text,
+                Err(problem) => {
+                    line.problem = Some(problem);
+                    return;
+                }
+            },
             ExportSpot::Format(_) | ExportSpot::Scene | ExportSpot::Start => {}
         }
         self.line = None;
@@ -360,7 +382,12 @@ impl ExportDialog {
 
     /// Whether what is exported is not what is on screen: its size is not known.
     pub fn is_another_tree(&self) -> bool {
-        self.knobs.as_ref().is_some_and(|knobs| !knobs.is_idle())
+        self.knobs.as_ref().is_some_and(|knobs| !knobs.is_idle()) || !self.chosen_seasons().is_empty()
+    }
+
+    /// The seasons that are written; none: the one that the tree is in.
+    pub fn chosen_seasons(&self) -> Vec<Season> {
+        if self.knobs.is_none() { Vec::new() } else { seasons_of(&self.seasons).unwrap_or_default() }
     }
 
     /// Takes what a tree will amount to.
@@ -417,6 +444,9 @@ impl ExportDialog {
         if self.scene {
             options.push((SCENE.to_owned(), "true".to_owned()));
         }
+        if !self.seasons.is_empty() {
+            options.push((SEASONS.to_owned(), self.seasons.clone()));
+        }
         for choice in &self.formats {
             let format = choice.exporter.format();
             for (spec, (name, value)) in format.options.iter().zip(choice.options.iter()) {
@@ -430,6 +460,15 @@ impl ExportDialog {
             formats: self.chosen().map(|choice| choice.exporter.format().id.to_owned()).collect(),
             options,
         }
+    }
+}
+
+/// Reads a list of seasons as `--seasons` does; an empty one is none.
+fn seasons_of(text: &str) -> Result<Vec<Season>, String> {
+    match text.trim() {
+        "" => Ok(Vec::new()),
+        "all" => Ok(Season::all()),
+        list => Season::parse_list(list).map_err(|error| error.to_string()),
     }
 }
 

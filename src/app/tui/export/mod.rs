@@ -25,8 +25,8 @@ use super::model::{ExportReport, Exporting, Model, RunningExport};
 use super::tree::Tree;
 use crate::jobs::{ExportNews, ExportOrder, ExportSubject, Inquiry, ShownTree, WHOLE};
 use crate::paths::show;
-use crate::portrait::{PNG, SVG};
-use linden_exporters::{Exporter, Registry, exporters};
+use crate::portrait::{FOREST_PNG, PNG, SHEET, SVG};
+use linden_exporters::{Exporter, Registry};
 
 /// Exports that may wait; each keeps a tree in memory.
 const MOST_WAITING: usize = 8;
@@ -35,7 +35,12 @@ const MOST_REPORTS: usize = 20;
 
 /// What can be exported to: linden's formats, pictures, and those of plug-ins.
 pub fn formats() -> Vec<&'static dyn Exporter> {
-    Registry::new().with(PNG).with(SVG).exporters()
+    Registry::new().with(PNG).with(SVG).with(SHEET).exporters()
+}
+
+/// What a forest can be exported to. It has no flat drawing, and no sheet of several.
+fn formats_of_forests() -> Vec<&'static dyn Exporter> {
+    Registry::new().with(FOREST_PNG).exporters()
 }
 
 /// What the dialog wants to know, `None` without a dialog. To be asked whenever it differs from what
@@ -147,8 +152,7 @@ fn dialog(model: &mut Model) -> Option<&mut ExportDialog> {
 fn new_dialog(model: &Model) -> Option<ExportDialog> {
     let of_forest = model.forest.as_ref().map(|forest| forest.wanted().id.as_str());
     let id = model.tree.as_ref().map(|tree| tree.wanted().preset.id.as_str()).or(of_forest)?;
-    // A picture of a forest is drawn by 'linden preview', from trees that are simpler.
-    let all = if model.forest.is_some() { exporters() } else { formats() };
+    let all = if model.forest.is_some() { formats_of_forests() } else { formats() };
     let tree = model.tree.as_ref().map(Tree::wanted);
     Some(ExportDialog::new(&model.exporting.last, id, &all, tree))
 }
@@ -212,6 +216,7 @@ fn start(model: &mut Model, effects: &mut Effects) {
         return model.say_warning(why);
     };
     let (outputs, replaces, scene) = (dialog.outputs(), dialog.replaced(), dialog.scene);
+    let seasons = dialog.chosen_seasons();
     let (makes_folders, last) = (dialog.makes_folders(), dialog.choices());
     let exporting = &mut model.exporting;
     exporting.last = last;
@@ -221,6 +226,7 @@ fn start(model: &mut Model, effects: &mut Effects) {
         number,
         subject,
         scene,
+        seasons,
         outputs,
         replaces,
         makes_folders,
@@ -258,7 +264,7 @@ impl ExportDialog {
                 model.say("y is yes, n is no");
             }
             ExportSpot::Start => self.press_start(model),
-            ExportSpot::Target(_) => self.begin_line(),
+            ExportSpot::Target(_) | ExportSpot::Seasons => self.begin_line(),
             ExportSpot::Format(_) | ExportSpot::Option(..) | ExportSpot::Knob(_) | ExportSpot::Scene => {
                 if !self.toggle() {
                     self.begin_line();

@@ -43,6 +43,9 @@ const BAR: u64 = 10;
 /// Columns of a name in the footer.
 const SHORT: usize = 18;
 
+/// What the list of seasons is for, and how it is typed.
+const SEASONS: &str = "several seasons at once: in one file where the format holds them, else a file each";
+const SEASONS_HOW: &str = "summer,autumn or spring=0.05,winter or all; empty: as it is on screen";
 /// What the switch is for.
 const SCENE: &str = "with a camera that frames it, sun, sky and ground, in formats that hold them";
 
@@ -202,6 +205,7 @@ impl RowPainter<'_> {
             ExportSpot::Option(i, k) => self.option(&self.dialog.formats[i], k, base, buffer, view),
             ExportSpot::Target(i) => self.target(&self.dialog.formats[i], base, buffer, view),
             ExportSpot::Knob(row) => self.knob(row, base, buffer, view),
+            ExportSpot::Seasons => self.seasons(base, buffer, view),
             ExportSpot::Scene => self.scene(base, buffer),
             ExportSpot::Start => self.start(buffer, view),
         }
@@ -310,6 +314,22 @@ impl RowPainter<'_> {
         };
         let x = self.text(x, end, &text, base.patch(theme.value), buffer);
         self.about(x + 2, knob.knob.help, base, buffer);
+    }
+
+    /// In which seasons it is written.
+    fn seasons(&self, base: Style, buffer: &mut Buffer, view: &mut View) {
+        let (theme, end) = (&self.model.config.theme, self.area.right());
+        let list = self.dialog.seasons.as_str();
+        if !list.is_empty() {
+            self.text(self.area.x, end, "●", base.patch(theme.modified), buffer);
+        }
+        let x = self.text(self.area.x + 1, end, "seasons", base, buffer).max(self.area.x + KNOB_NAME) + 1;
+        if self.line(x, buffer, view) {
+            return;
+        }
+        let shown = if list.is_empty() { "as it is" } else { list };
+        let x = self.text(x, end, &linden::knob::printable(shown), base.patch(theme.value), buffer);
+        self.about(x + 2, SEASONS, base, buffer);
     }
 
     fn scene(&self, base: Style, buffer: &mut Buffer) {
@@ -467,6 +487,7 @@ fn said(model: &Model, dialog: &ExportDialog) -> (String, Style) {
             }
             None => (String::new(), theme.popup),
         },
+        ExportSpot::Seasons => (format!("{SEASONS}; {SEASONS_HOW}"), theme.popup),
         ExportSpot::Scene => (SCENE.to_owned(), theme.popup),
         ExportSpot::Start => match dialog.start {
             StartState::Asking => {
