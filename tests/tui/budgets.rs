@@ -6,6 +6,7 @@
 //! | a draft over a network | 16 KB |
 //! | a full picture over a network | 100 KB |
 //! | another preset over a network, in characters | 16 KB |
+//! | leaving a dialog over a network, in characters | 1.4 KB |
 //! | rest | nothing, not even a wake-up |
 
 use std::time::{Duration, Instant};
@@ -16,6 +17,8 @@ const KEY: usize = 150;
 const DRAFT: usize = 16_000;
 const FULL: usize = 100_000;
 const ANOTHER_PRESET: usize = 16_000;
+/// Hints in the footer and what the dialog lay on: half a kilobyte, and fourteen rows.
+const LEAVING: usize = 1400;
 /// Where there is room, the form explains the knob that the cursor is on, at length in a tall terminal: up
 /// to fifteen lines of 36 columns, which a key that moves it asks for, and the way there.
 const ABOUT: usize = 15 * (36 + 8);
@@ -137,6 +140,35 @@ fn another_preset_over_a_network_costs_little_in_characters() {
             assert!(text != before, "another preset is shown");
             assert!((1..=ANOTHER_PRESET).contains(&cost), "{columns}x{rows} {key}: {cost}");
             before = text;
+        }
+    }
+}
+
+#[test]
+fn leaving_a_dialog_over_a_network_costs_little_in_characters() {
+    for (columns, rows) in [(80, 24), (120, 40)] {
+        for (colors, answers) in [("truecolor", Answers::TrueColor), ("256", Answers::Plain)] {
+            let home = Home::new();
+            let args = ["open", "oak", "--colors", colors];
+            let setup = Setup::new(columns, rows).over_ssh().answers(answers).args(&args);
+            let workbench = setup.start(&home);
+            workbench.wait_for_tree();
+            workbench.settle();
+            for pane in ["list", "picture", "form"] {
+                for (key, shows) in
+                    [("?", "Help"), (":", "Commands"), ("e", "Export oak"), ("S", "Statistics")]
+                {
+                    workbench.keys(key);
+                    workbench.wait_for_text(shows);
+                    workbench.settle();
+                    let cost = cost(&workbench, "\x1b");
+                    assert!(!workbench.screen().text().contains(&format!(" {shows} ─")), "it is gone");
+                    println!("{columns}x{rows} {colors} {pane} {key}: {cost}");
+                    assert!((1..=LEAVING).contains(&cost), "{columns}x{rows} {colors} {pane} {key}: {cost}");
+                }
+                workbench.keys("\t");
+                workbench.settle();
+            }
         }
     }
 }

@@ -13,7 +13,7 @@ fn focus_by(model: &mut Model, by: usize) {
 }
 
 fn scroll(model: &mut Model, by: isize) {
-    let body = model.dialog_body();
+    let body = model.popup_body();
     if let Some(page) = model.dialogs.top_mut::<Page>() {
         page.scroll_by(by, body);
     }
@@ -22,7 +22,7 @@ fn scroll(model: &mut Model, by: isize) {
 /// A page less a line, so that the eye finds where it was.
 fn page_rows(model: &Model) -> isize {
     let page = model.dialogs.top::<Page>();
-    page.map_or(1, |page| (page.lay(model.dialog_body()).text.height as isize - 1).max(1))
+    page.map_or(1, |page| (page.lay(model.popup_body()).text.height as isize - 1).max(1))
 }
 
 /// The rows.

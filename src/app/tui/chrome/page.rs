@@ -175,9 +175,9 @@ impl Dialog<Model> for Page {
         CONTEXT
     }
 
-    fn paint(&self, model: &Model, body: Rect, buffer: &mut Buffer, view: &mut View) {
+    fn paint(&self, model: &Model, _body: Rect, buffer: &mut Buffer, view: &mut View) {
         let theme = &model.config.theme;
-        let laid = self.lay(body);
+        let laid = self.lay(model.popup_body());
         let area = popup(model, self.title, laid.area, buffer, view);
         let first = self.scroll.min(laid.most_scroll());
         for (i, column) in laid.columns.iter().enumerate() {
@@ -215,7 +215,7 @@ impl Dialog<Model> for Page {
     }
 
     fn wheel(&mut self, model: &mut Model, _spot: Option<usize>, down: bool) {
-        self.scroll_by(if down { WHEEL } else { -WHEEL }, model.dialog_body());
+        self.scroll_by(if down { WHEEL } else { -WHEEL }, model.popup_body());
     }
 }
 

@@ -137,9 +137,12 @@ impl Dialog<Model> for Palette {
         prompt::CONTEXT
     }
 
-    fn paint(&self, model: &Model, body: Rect, buffer: &mut Buffer, view: &mut View) {
+    fn paint(&self, model: &Model, _body: Rect, buffer: &mut Buffer, view: &mut View) {
         let theme = &model.config.theme;
-        let mut area = centered(86, body.height.saturating_sub(2).clamp(body.height.min(5), 24), body);
+        let body = model.popup_body();
+        // In a pane it takes all of the room.
+        let air = if body == model.dialog_body() { 2 } else { 0 };
+        let mut area = centered(86, body.height.saturating_sub(air).clamp(body.height.min(5), 24), body);
         area.y = body.y + (body.height / 8).min(body.height - area.height);
         let outer = area;
         let area = popup(model, "Commands", area, buffer, view);

@@ -74,8 +74,8 @@ impl Dialog<Model> for ExportDialog {
         if self.line.is_some() { dialog::LINE } else { dialog::CONTEXT }
     }
 
-    fn paint(&self, model: &Model, body: Rect, buffer: &mut Buffer, view: &mut View) {
-        paint(model, self, body, buffer, view);
+    fn paint(&self, model: &Model, _body: Rect, buffer: &mut Buffer, view: &mut View) {
+        paint(model, self, model.popup_body(), buffer, view);
     }
 
     fn key(&mut self, _model: &mut Model, key: KeyEvent, _effects: &mut Effects) -> After {
@@ -108,7 +108,9 @@ fn paint(model: &Model, dialog: &ExportDialog, body: Rect, buffer: &mut Buffer, 
     let spots = dialog.spots();
     // The frame, a heading, the rows, and what is said of one.
     let height = (spots.len() as u16).saturating_add(3 + ABOUT);
-    let outer = centered(COLUMNS, height.min(body.height.saturating_sub(2).max(body.height.min(8))), body);
+    // In a pane it takes all of the room.
+    let air = if body == model.dialog_body() { 2 } else { 0 };
+    let outer = centered(COLUMNS, height.min(body.height.saturating_sub(air).max(body.height.min(8))), body);
     let of_forest = model.forest.as_ref().map_or("", |forest| forest.wanted().id.as_str());
     let name = model.tree.as_ref().map_or(of_forest, |tree| tree.wanted().preset.id.as_str());
     let title = clipped(&format!("Export {name}"), usize::from(outer.width).saturating_sub(4));

@@ -17,7 +17,7 @@ use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
 use linden_terminal::input::Shortcut;
-use linden_terminal::probe::Capabilities;
+use linden_terminal::probe::{Capabilities, Graphics};
 use ratatui::layout::Rect;
 
 pub use entry::{GroupHeading, ID_COLUMNS, ListRow, PresetEntry};
@@ -41,6 +41,12 @@ use crate::config::keymap::Keymap;
 use crate::config::settings::Settings;
 use crate::config::theme::Theme;
 use crate::jobs::Measured;
+
+/// Rows of a dialog of text beside a picture of characters over a network. Each costs some 50 bytes when it goes, beside
+/// half a kilobyte for the footer: with so many little more than a kilobyte.
+const MOST_POPUP_ROWS: u16 = 14;
+/// Columns and rows that a dialog of text has room in.
+const LEAST_POPUP: (u16, u16) = (24, 8);
 
 /// A message of no weight leaves the footer after this.
 const MESSAGE_STAYS: Duration = Duration::from_secs(4);
@@ -171,6 +177,20 @@ impl Model {
     /// Where dialogs may lie: above the footer, which has their hints.
     pub fn dialog_body(&self) -> Rect {
         Rect::new(0, 0, self.size.0, self.size.1 - self.layout().footer.height)
+    }
+
+    /// Where dialogs of text lie. A picture of characters costs a slow line kilobytes when a dialog that covered it
+    /// goes: there they lie over the list or the form, whichever is wider, and the picture stays.
+    pub fn popup_body(&self) -> Rect {
+        let body = self.dialog_body();
+        if !self.terminal.remote.value || self.terminal.graphics.value != Graphics::Cells {
+            return body;
+        }
+        let layout = self.layout();
+        let beside = [Pane::Shape, Pane::Presets].into_iter().map(|pane| layout.panes[pane as usize]);
+        let has_room = |area: &Rect| area.width >= LEAST_POPUP.0 && area.height >= LEAST_POPUP.1;
+        let widest = beside.filter(has_room).max_by_key(|area| area.width);
+        widest.map_or(body, |area| Rect { height: area.height.min(MOST_POPUP_ROWS), ..area })
     }
 
     /// Where keys are listened to: the topmost dialog, or the focused pane.
