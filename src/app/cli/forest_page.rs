@@ -5,8 +5,9 @@ use linden::knob::printable;
 use serde::Serialize;
 
 use super::forest::resolved;
-use super::list::{FOREST, FORESTS};
+use super::list::FORESTS;
 use super::size::SizeRow;
+use crate::config::presets::FOREST;
 use crate::exit::usage;
 use crate::forecast::ForestOutlook;
 use crate::progress::Progress;

@@ -3,12 +3,13 @@
 use clap::Args;
 use linden::forest::{BuiltinForest, ForestDocument, builtin_forest, builtin_forests};
 use linden::knob::printable;
-use linden::preset::{Preset, builtin, builtins};
+use linden::preset::{Preset, builtin, builtins, check_tag};
 use serde::Serialize;
 
 use super::{complete, knob};
 use crate::config::dirs::Dirs;
-use crate::config::presets::{self, UserPreset};
+use crate::config::presets::{self, FOREST, UserPreset};
+use crate::config::session::SessionFile;
 use crate::paths::show;
 use crate::progress::Progress;
 use crate::{exit, source};
@@ -24,6 +25,10 @@ pub struct List {
     #[arg(long)]
     exporters: bool,
 
+    /// Only what has this tag, in its document or from the workbench (key #); may be given several times
+    #[arg(long = "tag", value_name = "TAG", conflicts_with_all = ["exporters", "knobs"])]
+    tags: Vec<String>,
+
     /// List the knobs instead; with a name, say at length what that one does
     #[arg(long, value_name = "KNOB", num_args = 0..=1, default_missing_value = "")]
     #[arg(conflicts_with = "exporters", add = complete::knobs())]
@@ -32,8 +37,6 @@ pub struct List {
 
 /// The group of forests.
 pub(super) const FORESTS: &str = "forests";
-/// What makes a forest, where a preset names its generator.
-pub(super) const FOREST: &str = "forest";
 
 #[derive(Serialize)]
 struct PresetRow {
@@ -46,6 +49,8 @@ struct PresetRow {
     leaves: Option<u64>,
     summary: String,
     source: String,
+    /// Those of its document, then those that the user gave it in the workbench.
+    tags: Vec<String>,
     /// The file of a preset of the user's.
     path: Option<String>,
     /// Why it cannot be grown.
@@ -53,6 +58,9 @@ struct PresetRow {
     /// What SOURCE is, where that is not the id.
     #[serde(skip)]
     named: Option<String>,
+    /// The path as the workbench remembers it.
+    #[serde(skip)]
+    file: Option<String>,
 }
 
 impl List {
@@ -77,15 +85,17 @@ impl List {
                 leaves: None,
                 summary,
                 source: String::new(),
+                tags: Vec::new(),
                 path: None,
                 problem: None,
                 named: None,
+                file: None,
             })
         };
         let rows = builtins()
             .iter()
             .map(|builtin| {
-                let Preset { id, name, group, summary, source, generator, .. } = builtin.load()?;
+                let Preset { id, name, group, summary, source, generator, tags, .. } = builtin.load()?;
                 let (height_m, leaves) = builtin.size.map(|size| (size.height_m, size.leaves)).unzip();
                 Ok(PresetRow {
                     id,
@@ -96,14 +106,17 @@ impl List {
                     leaves,
                     summary,
                     source,
+                    tags,
                     path: None,
                     problem: None,
                     named: None,
+                    file: None,
                 })
             })
             .chain(builtin_forests().iter().map(forest))
             .chain(users().into_iter().map(Ok))
             .collect::<anyhow::Result<Vec<PresetRow>>>()?;
+        let rows = tagged(rows, &self.tags)?;
         if self.json {
             return super::print_json(&rows);
         }
@@ -116,7 +129,11 @@ impl List {
             if row.group != group {
                 text.push_str(if group.is_empty() { "" } else { "\n" });
                 text.push_str(&printable(&row.group));
-                text.push_str(if row.generator == FOREST { ", for 'linden forest'\n" } else { "\n" });
+                text.push_str(if row.generator == FOREST && row.path.is_none() {
+                    ", for 'linden forest'\n"
+                } else {
+                    "\n"
+                });
                 group = &row.group;
             }
             let height = row.height_m.map_or_else(String::new, |height| format!("{height:.2} m"));
@@ -127,12 +144,35 @@ impl List {
             };
             let id = printable(row.named.as_deref().unwrap_or(&row.id));
             let summary = printable(row.problem.as_deref().unwrap_or(&row.summary));
-            let line = format!("  {id:width$}  {:12}  {height:>7}  {leaves:>7}  {summary}", row.generator);
+            let mut line =
+                format!("  {id:width$}  {:12}  {height:>7}  {leaves:>7}  {summary}", row.generator);
+            for tag in &row.tags {
+                line.push_str("  #");
+                line.push_str(&printable(tag));
+            }
             text.push_str(line.trim_end());
             text.push('\n');
         }
         super::print(&text)
     }
+}
+
+/// The rows with the user's tags; those alone that have all of the wanted ones, where any are wanted.
+fn tagged(mut rows: Vec<PresetRow>, wanted: &[String]) -> anyhow::Result<Vec<PresetRow>> {
+    let wanted: Vec<&str> = wanted.iter().map(|tag| tag.trim_start_matches('#')).collect();
+    for tag in &wanted {
+        check_tag(tag).map_err(exit::usage)?;
+    }
+    let given = SessionFile::load(Dirs::of_environment().session()).1.tags;
+    for row in &mut rows {
+        let key = row.file.as_deref().unwrap_or(&row.id);
+        let more = given.get(key).into_iter().flatten().filter(|tag| !row.tags.contains(tag));
+        let more: Vec<String> = more.cloned().collect();
+        row.tags.extend(more);
+    }
+    let has = |row: &PresetRow| wanted.iter().all(|tag| row.tags.iter().any(|known| known == tag));
+    rows.retain(has);
+    Ok(rows)
 }
 
 /// The user's presets. An id that a built-in preset or another file has means that one, or neither: such
@@ -153,10 +193,12 @@ fn users() -> Vec<PresetRow> {
         leaves: None,
         summary: preset.summary.clone(),
         source: preset.source.clone(),
+        tags: preset.tags.clone(),
         path: Some(show(&preset.path)),
         problem: preset.state.as_ref().err().map(|complaint| format!("cannot be grown: {complaint}")),
         named: (builtin(&preset.id).is_ok() || builtin_forest(&preset.id).is_ok() || !is_alone(&preset.id))
             .then(|| show(&preset.path)),
+        file: Some(preset.path.to_string_lossy().into_owned()),
     };
     found.iter().map(row).collect()
 }

@@ -6,7 +6,7 @@ use linden::generators;
 use linden::knob::{FARTHEST, Kind, Knob};
 use linden::preset::{
     BarkSettings, EDIT_OPERATION, EDITS, FileKey, KIND_NAME, KIND_NAME_HELP, KNOBS, LEAF_KNOBS, LeafKind,
-    MOST_KINDS, Section,
+    MOST_KINDS, MOST_TAGS, Section,
 };
 use linden::report::{NUMBERS, Number};
 use linden::skeleton::edit::{EDIT_KNOBS, EDIT_PATHS, Edit, MOST_EDITS, Operation};
@@ -53,6 +53,13 @@ fn document() -> Value {
     ] {
         properties.insert(key.to_owned(), json!({ "type": "string", "description": help }));
     }
+    properties.insert(
+        "tags".to_owned(),
+        json!({
+            "type": "array", "items": { "type": "string" }, "maxItems": MOST_TAGS,
+            "description": "words that it is found by: small letters, digits, - and _",
+        }),
+    );
     // What a recipe has besides.
     properties.insert(
         "linden".to_owned(),

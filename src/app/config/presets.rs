@@ -9,6 +9,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use linden::Monitor;
+use linden::forest::ForestDocument;
 use linden::input::{InputKind, sniff};
 use linden::knob::excerpt;
 use linden::lsystem::text;
@@ -25,6 +26,8 @@ const MAX_BYTES: u64 = 64 << 20;
 const MAX_ENTRIES: usize = 10_000;
 /// The group of what lies in `presets/` itself and names none.
 const OWN: &str = "own";
+/// What makes a forest, where a preset names its generator.
+pub const FOREST: &str = "forest";
 
 /// A file that may grow. Its texts are from outside: show them through `printable`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -41,6 +44,8 @@ pub struct UserPreset {
     pub summary: String,
     /// Where it comes from.
     pub source: String,
+    /// Words that its document is found by.
+    pub tags: Vec<String>,
     /// What makes the tree; empty for what cannot be read.
     pub generator: &'static str,
     /// Whether it can be read.
@@ -140,6 +145,23 @@ fn has_ending(path: &Path) -> bool {
 
 fn entry(path: PathBuf, folder: Option<String>) -> UserPreset {
     let id = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    if let Some(read) = forest(&path) {
+        let (name, summary, state) = match read {
+            Ok(document) => (document.name, document.summary, Ok(())),
+            Err(complaint) => (String::new(), String::new(), Err(complaint)),
+        };
+        return UserPreset {
+            name: if name.is_empty() { id.clone() } else { name },
+            group: folder.unwrap_or_else(|| OWN.to_owned()),
+            summary,
+            source: String::new(),
+            tags: Vec::new(),
+            generator: FOREST,
+            id,
+            path,
+            state,
+        };
+    }
     let (read, state) = match read(&path, &id) {
         Ok((preset, state)) => (Some(preset), state),
         Err(complaint) => (None, Err(complaint)),
@@ -150,11 +172,27 @@ fn entry(path: PathBuf, folder: Option<String>) -> UserPreset {
         group: folder.or_else(|| of(|preset| &preset.group)).unwrap_or_else(|| OWN.to_owned()),
         summary: of(|preset| &preset.summary).unwrap_or_default(),
         source: of(|preset| &preset.source).unwrap_or_default(),
+        tags: read.as_ref().map_or_else(Vec::new, |preset| preset.tags.clone()),
         generator: read.as_ref().map_or("", |preset| preset.grows_by().id()),
         id,
         path,
         state,
     }
+}
+
+/// Reads the document of a forest; `None` where it is none.
+fn forest(path: &Path) -> Option<Result<ForestDocument, Complaint>> {
+    if !path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) {
+        return None;
+    }
+    // What cannot be read is said where presets are.
+    let text = files::read_text(path, MAX_BYTES).ok().flatten().filter(|text| has_trees(text))?;
+    Some(ForestDocument::parse(&text).map_err(|fault| of_fault(path, &fault)))
+}
+
+/// Whether a document lists trees, which tells a forest's from a preset's.
+pub fn has_trees(text: &str) -> bool {
+    text.lines().any(|line| line.trim_start().starts_with("[[tree]]"))
 }
 
 /// Reads a document as [`crate::source::resolve`] will, but for the files that it names.

@@ -3,6 +3,7 @@
 //! It is written whole or not at all, and only when it says something new; of two processes the last
 //! to write wins. A file that is not of this version is kept beside the new one.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -43,6 +44,8 @@ pub struct Session {
     pub hints_seen: Vec<String>,
     /// Knobs that were turned, as `--set` takes them: name and value.
     pub knobs: Vec<(String, String)>,
+    /// Tags that the user gave, by what favourites are remembered by; the documents' are not among them.
+    pub tags: BTreeMap<String, Vec<String>>,
     /// From where the tree was looked at.
     pub camera: Camera,
     /// What was exported last.
@@ -86,6 +89,7 @@ impl Default for Session {
             favourites: Vec::new(),
             folded: Vec::new(),
             hints_seen: Vec::new(),
+            tags: BTreeMap::new(),
             knobs: Vec::new(),
             camera: Camera::default(),
             export: ExportChoices::default(),
@@ -231,6 +235,7 @@ mod tests {
             favourites: vec!["oak".into(), "/home/a b/\u{fc}.toml".into()],
             folded: vec!["crowns".into()],
             hints_seen: vec!["orbit".into(), "yank".into()],
+            tags: BTreeMap::from([("oak".into(), vec!["hedge".into(), "old".into()])]),
             knobs: vec![("points".into(), "500".into()), ("kill".into(), "3D".into())],
             camera: Camera { yaw_deg: -12.5, pitch_deg: 90.0, zoom: 0.3, pan: [0.1, -2e-7] },
             export: ExportChoices {

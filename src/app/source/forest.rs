@@ -7,6 +7,7 @@ use linden::Monitor;
 use linden::forest::{FOREST_KNOBS, Forest, ForestDocument, ForestKind, TreeSource, builtin_forest};
 use linden::preset::{KnobError, builtin};
 
+use crate::config::presets::has_trees;
 use crate::exit::usage;
 use crate::paths::show;
 use crate::source::Source;
@@ -66,7 +67,8 @@ impl ForestFile {
             let (id, text) = (builtin.id.to_owned(), builtin.text.to_owned());
             return Ok(Some(Self { id, path: None, text, document }));
         }
-        let path = Path::new(argument);
+        let users = super::user_preset(Path::new(argument))?;
+        let path = users.as_deref().unwrap_or(Path::new(argument));
         if builtin(argument).is_ok() || !path.is_file() {
             return Ok(None);
         }
@@ -91,8 +93,7 @@ impl ForestFile {
         let bytes = content.bytes(monitor).with_context(reading)?;
         let text = super::document(&bytes, &shown, monitor)?;
         // What tells it from a preset.
-        let has_trees = text.lines().any(|line| line.trim_start().starts_with("[[tree]]"));
-        Ok((has_trees || super::is_forest(text)).then(|| text.to_owned()))
+        Ok((has_trees(text) || super::is_forest(text)).then(|| text.to_owned()))
     }
 
     /// As it was named: an id, or a file.

@@ -16,6 +16,7 @@ mod mention;
 #[cfg(test)]
 mod part_tests;
 mod read;
+mod tags;
 mod write;
 
 use std::collections::BTreeMap;
@@ -51,6 +52,7 @@ pub use linden_plant::settings::{
 pub use linden_scan::{ScanRadius, ScanSettings};
 pub use mention::mention;
 pub use read::Heading;
+pub use tags::{MOST_TAGS, check_tag};
 
 /// Everything that says how a tree grows and looks.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,6 +69,8 @@ pub struct Preset {
     pub source: String,
     /// A paragraph about what to look for: what a book's picture of it shows, say. May be empty.
     pub about: String,
+    /// Words that it is found by. See [`check_tag`].
+    pub tags: Vec<String>,
     /// The root of all random choices.
     pub seed: u64,
     /// How it grows.

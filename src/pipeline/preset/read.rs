@@ -10,12 +10,13 @@ use linden_skeleton::refine::Refinement;
 
 use super::edits::{self, EDITS};
 use super::knobs::{KNOBS, Section};
+use super::tags::{self, TAGS};
 use super::{Colonization, LSystem, Preset, ScanSettings, Space, former};
 use crate::generators;
 
 /// Keys before all tables that are no knobs.
-const HEADINGS: [&str; 10] =
-    ["id", "name", "group", "summary", "source", "about", "linden", "hash", "input", "inputs"];
+const HEADINGS: [&str; 11] =
+    ["id", "name", "group", "summary", "source", "about", TAGS, "linden", "hash", "input", "inputs"];
 
 impl Preset {
     /// Reads a preset document (TOML).
@@ -62,6 +63,7 @@ impl Preset {
             summary: String::new(),
             source: String::new(),
             about: String::new(),
+            tags: Vec::new(),
             seed: 1,
             generator,
             refinement: Refinement::default(),
@@ -83,6 +85,8 @@ pub struct Heading {
     pub summary: String,
     /// As [`Preset::source`].
     pub source: String,
+    /// As [`Preset::tags`].
+    pub tags: Vec<String>,
 }
 
 impl Heading {
@@ -103,6 +107,7 @@ impl Heading {
             group: of("group")?,
             summary: of("summary")?,
             source: of("source")?,
+            tags: tags::read(entries)?,
         })
     }
 }
@@ -127,7 +132,8 @@ fn read(mut document: Node, text: Option<&str>) -> Result<Preset, Fault> {
         let place = entries.iter().find(|entry| entry.key == "id").and_then(|entry| entry.node.place);
         return Err(Fault::new(place, "'id' is empty: name the preset, like id = \"my-tree\""));
     }
-    let Heading { name, group, summary, source } = Heading::read(entries)?;
+    let Heading { name, group, summary, source, tags } = Heading::read(entries)?;
+    preset.tags = tags;
     (preset.name, preset.summary, preset.source) = (name, summary, source);
     preset.group = if group.is_empty() { preset.group } else { group };
     preset.about = text_of(entries, "about")?.unwrap_or_default();

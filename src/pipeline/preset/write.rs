@@ -11,6 +11,7 @@ use linden_skeleton::generator::Written;
 use super::Preset;
 use super::edits::{EDITS, WrittenEdit};
 use super::knobs::Section;
+use super::tags::TAGS;
 
 impl Serialize for Preset {
     /// All headings and all knobs, also those that stand at their default: what is written does not
@@ -37,6 +38,9 @@ impl Preset {
         }
         if !self.about.is_empty() {
             map.serialize_entry("about", &self.about)?;
+        }
+        if !self.tags.is_empty() {
+            map.serialize_entry(TAGS, &self.tags)?;
         }
         for section in Section::all() {
             let knobs = Knobs { preset: self, section };

@@ -128,11 +128,11 @@ impl Setup {
         let mut command = CommandBuilder::new(program);
         command.args(args);
         command.env_clear();
+        command.env("LANG", "C.UTF-8");
         for (name, value) in &self.environment {
             command.env(name, value);
         }
         command.env("PATH", std::env::var_os("PATH").unwrap_or_default());
-        command.env("LANG", "C.UTF-8");
         command.env("HOME", home.path());
         command.env("LINDEN", PROGRAM);
         command.env("LINDEN_CONFIG_DIR", home.file("config"));

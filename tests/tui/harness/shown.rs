@@ -40,6 +40,16 @@ impl Shown {
         self.rows().iter().find_map(begins).unwrap_or_default()
     }
 
+    /// The colour of the first letter of a text, where that is one of 24 bits.
+    pub fn ink(&self, text: &str) -> Option<[u8; 3]> {
+        let (row, at) = (0..).zip(self.rows()).find_map(|(y, row)| Some((y, row.find(text)?)))?;
+        let column = self.row(row)[..at].chars().count();
+        match self.screen.cell(row, u16::try_from(column).ok()?)?.fgcolor() {
+            vt100::Color::Rgb(r, g, b) => Some([r, g, b]),
+            _ => None,
+        }
+    }
+
     /// The lowest row.
     pub fn footer(&self) -> String {
         self.row(self.size().1 - 1)

@@ -20,7 +20,7 @@ use crate::tui::effect::{Effect, Effects};
 use crate::tui::export;
 use crate::tui::layout::{Pane, Target, View, centered, first_row};
 use crate::tui::library::{open_path, show_selected};
-use crate::tui::model::{Command, FormSpot, Model};
+use crate::tui::model::{Command, FormSpot, Model, has_tags, split_tags};
 use crate::tui::ranking::Ranking;
 use crate::tui::shape;
 use crate::tui::tree::TreePlace;
@@ -50,6 +50,8 @@ struct Choice {
     about: String,
     /// Why it cannot be used now.
     hindrance: Option<String>,
+    /// Of a preset: its tags.
+    tags: Vec<String>,
 }
 
 #[derive(Clone)]
@@ -80,6 +82,7 @@ impl Palette {
             title: "open".to_owned(),
             about: "a preset, a grammar, a mesh, a scan, or an export with its recipe".to_owned(),
             hindrance: None,
+            tags: Vec::new(),
         };
         Self { input: Input::default(), selected: 0, choices: choices(model), file }
     }
@@ -93,9 +96,14 @@ impl Palette {
         if let Some(turned) = self.turned() {
             return vec![turned];
         }
-        let mut ranking = Ranking::of(self.input.value());
+        let (wanted, words) = split_tags(self.input.value());
+        let mut ranking = Ranking::of(&words);
         let mut found: Vec<(u32, Found<'_>)> = Vec::new();
-        for choice in &self.choices {
+        let is_tagged = |choice: &&Choice| {
+            let tags: Vec<&str> = choice.tags.iter().map(String::as_str).collect();
+            has_tags(&tags, &wanted)
+        };
+        for choice in self.choices.iter().filter(is_tagged) {
             let (title, marks) = ranking.marked(&choice.title).unzip();
             let other = match &choice.what {
                 What::Command(command) => ranking.score(command.id),
@@ -252,7 +260,7 @@ impl Dialog<Model> for Palette {
 /// What can be chosen, what it does or why it cannot, and its keys.
 fn palette_row(model: &Model, found: &Found<'_>, chosen: bool, row: Rect, buffer: &mut Buffer) {
     let theme = &model.config.theme;
-    let Choice { what, title, about, hindrance } = found.choice;
+    let Choice { what, title, about, hindrance, .. } = found.choice;
     let base = if chosen { theme.selected } else { theme.popup };
     let dimmed = |style| if chosen { base } else { theme.popup.patch(style) };
     buffer.set_style(row, base);
@@ -307,6 +315,7 @@ fn choices(model: &Model) -> Vec<Choice> {
         title: command.title.to_owned(),
         about: command.help.to_owned(),
         hindrance: (command.hindrance)(model),
+        tags: Vec::new(),
     };
     let commands = model.commands().filter(|command| is_meant(command.context)).map(command);
     // Panes lie behind a dialog.
@@ -321,6 +330,7 @@ fn choices(model: &Model) -> Vec<Choice> {
         },
         about: format!("{value}: {}", row.knob.help),
         hindrance: None,
+        tags: Vec::new(),
     });
     let forest = model.forest.as_ref().filter(|_| model.dialogs.is_empty());
     let of_forest = forest.into_iter().flat_map(|forest| forest.wanted().layout.knobs());
@@ -329,24 +339,28 @@ fn choices(model: &Model) -> Vec<Choice> {
         title: row.knob.name.to_owned(),
         about: format!("{value}: {}", row.knob.help),
         hindrance: None,
+        tags: Vec::new(),
     });
     let presets = library.entries.iter().filter(|_| model.dialogs.is_empty()).map(|entry| Choice {
         what: What::Preset(entry.place.clone()),
         title: linden::knob::printable(&entry.id),
         about: linden::knob::printable(&entry.name),
         hindrance: None,
+        tags: library.tags_of(entry).into_iter().map(str::to_owned).collect(),
     });
     let formats = export::formats().into_iter().filter(|_| panes.is_some()).map(|exporter| Choice {
         what: What::Format(exporter.format().id),
         title: exporter.format().id.to_owned(),
         about: format!("exports {}", exporter.format().name),
         hindrance: None,
+        tags: Vec::new(),
     });
     let settings = SETTINGS.iter().filter(|_| model.dialogs.is_empty()).map(|setting| Choice {
         what: What::Setting(setting),
         title: setting.name.to_owned(),
         about: format!("{}: {}", setting.value(&model.config.settings), setting.help),
         hindrance: None,
+        tags: Vec::new(),
     });
     commands.chain(knobs).chain(of_forest).chain(presets).chain(formats).chain(settings).collect()
 }

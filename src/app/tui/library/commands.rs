@@ -2,6 +2,7 @@
 
 use super::filter_line::FilterLine;
 use super::open_line::OpenLine;
+use super::tag_line::TagLine;
 use super::{back, choose, go, mark, set_filter};
 use crate::tui::command::Context;
 use crate::tui::layout::Pane;
@@ -114,6 +115,19 @@ pub const COMMANDS: &[Command] = &[
         hint: None,
         hindrance: without_entry,
         run: |model, _| mark(model),
+    },
+    Command {
+        id: "tags",
+        context: Context::PRESETS,
+        keys: &["#"],
+        title: "Tags",
+        help: "Types the tags of the selected preset, by which it is found: #hedge in the filter and the palette",
+        hint: None,
+        hindrance: without_entry,
+        run: |model, _| {
+            let line = TagLine::new(model);
+            model.dialogs.open(line);
+        },
     },
     Command {
         id: "group-fold",

@@ -6,6 +6,7 @@
 mod commands;
 mod filter_line;
 mod open_line;
+mod tag_line;
 pub mod view;
 
 use std::path::PathBuf;

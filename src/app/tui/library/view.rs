@@ -171,6 +171,14 @@ fn entry_row(
         let style = if chosen { base } else { theme.dim };
         buffer.set_stringn(area.x + 2 + from as u16, area.y, clipped(&entry.name, left), left, style);
     }
+    // Tags stand behind, where all of that has room.
+    let tags = model.library.tags_of(entry);
+    let used = from + if entry.says_more() { entry.name.width() + 2 } else { 0 };
+    let tags = if tags.is_empty() { String::new() } else { format!("#{}", tags.join(" #")) };
+    if !tags.is_empty() && room > used + tags.width() {
+        let style = if chosen { base } else { theme.info };
+        buffer.set_stringn(area.x + 2 + used as u16, area.y, &tags, room - used, style);
+    }
 }
 
 /// What the selected preset is and where it comes from, as rows; none where there is no room.
@@ -186,6 +194,10 @@ fn about(model: &Model, area: Rect) -> Vec<(String, Style)> {
     }
     let name = if entry.name.is_empty() { &entry.id } else { &entry.name };
     rows.push((clipped(name, width), theme.accent));
+    let tags = model.library.tags_of(entry);
+    if !tags.is_empty() && most > rows.len() + 1 {
+        rows.push((clipped(&format!("#{}", tags.join(" #")), width), theme.info));
+    }
     let left = most - rows.len();
     let source = if entry.source.is_empty() { Vec::new() } else { wrapped(&entry.source, width) };
     // The source may take what the summary leaves, and a third of the room in any case.

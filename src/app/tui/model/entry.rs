@@ -20,6 +20,8 @@ pub struct PresetEntry {
     pub summary: String,
     /// Where it comes from.
     pub source: String,
+    /// Words that its document is found by; those of the user's are the library's.
+    pub tags: Vec<String>,
     /// Why it cannot be read, if it cannot.
     pub fault: Option<String>,
 }
@@ -75,6 +77,7 @@ impl PresetEntry {
             group: preset.group.clone(),
             summary: preset.summary.clone(),
             source: preset.source.clone(),
+            tags: preset.tags.clone(),
             fault: None,
         }
     }

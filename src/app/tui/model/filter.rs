@@ -1,6 +1,6 @@
 //! The filter of the list: which entries it leaves, and in which order.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::FORESTS;
 use super::entry::{GroupHeading, ListRow, PresetEntry};
@@ -20,6 +20,8 @@ pub struct Listing<'l> {
     pub folded: &'l BTreeSet<String>,
     /// Keys of entries ([`PresetEntry::key`]) that stand in a group of their own.
     pub favourites: &'l BTreeSet<String>,
+    /// Tags that the user gave, by the keys of entries.
+    pub tags: &'l BTreeMap<String, Vec<String>>,
 }
 
 impl Listing<'_> {
@@ -28,9 +30,12 @@ impl Listing<'_> {
         if self.filter.trim().is_empty() {
             return self.grouped(entries);
         }
-        let mut ranking = Ranking::of(self.filter);
+        let (wanted, words) = split_tags(self.filter);
+        let mut ranking = Ranking::of(&words);
         let mut found: Vec<(u32, usize, Vec<u32>)> = Vec::new();
-        for (i, entry) in entries.iter().enumerate() {
+        for (i, entry) in
+            entries.iter().enumerate().filter(|(_, entry)| has_tags(&self.tags_of(entry), &wanted))
+        {
             let (id, marks) = ranking.marked(&entry.id).unzip();
             // A hit in the id is meant more often than one in the name or the group.
             let about = ranking.score(&format!("{} {}", entry.name, entry.group));
@@ -40,6 +45,20 @@ impl Listing<'_> {
         }
         found.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
         found.into_iter().map(|(_, i, marks)| ListRow::Entry(i, marks)).collect()
+    }
+
+    /// The tags of an entry: its document's, then the user's.
+    pub fn tags_of<'e>(self, entry: &'e PresetEntry) -> Vec<&'e str>
+    where
+        Self: 'e,
+    {
+        let mut tags: Vec<&str> = entry.tags.iter().map(String::as_str).collect();
+        for tag in self.tags.get(&entry.key()).into_iter().flatten() {
+            if !tags.contains(&tag.as_str()) {
+                tags.push(tag);
+            }
+        }
+        tags
     }
 
     /// The group that an entry is listed in.
@@ -74,6 +93,18 @@ impl Listing<'_> {
     }
 }
 
+/// Tells the tags (`#hedge`) from the other words of what was typed.
+pub fn split_tags(typed: &str) -> (Vec<&str>, String) {
+    let (tags, words): (Vec<&str>, Vec<&str>) =
+        typed.split_whitespace().partition(|word| word.starts_with('#'));
+    (tags.into_iter().map(|tag| &tag[1..]).collect(), words.join(" "))
+}
+
+/// Whether each of the wanted tags is the beginning of one that there is: they are being typed.
+pub fn has_tags(tags: &[&str], wanted: &[&str]) -> bool {
+    wanted.iter().all(|wanted| tags.iter().any(|tag| tag.starts_with(wanted)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -81,7 +112,8 @@ mod tests {
 
     fn rows(filter: &str) -> Vec<ListRow> {
         let none = BTreeSet::new();
-        Listing { filter, folded: &none, favourites: &none }.rows(&Library::builtin().entries)
+        let tags = BTreeMap::new();
+        Listing { filter, folded: &none, favourites: &none, tags: &tags }.rows(&Library::builtin().entries)
     }
 
     fn ids(filter: &str) -> Vec<String> {
@@ -121,6 +153,29 @@ mod tests {
         assert_eq!(ids("bush")[0], "bush-3d");
         assert_eq!(ids("abpc")[0], "abop-c", "letters may be left out");
         assert!(ids("zzqx").is_empty());
+    }
+
+    #[test]
+    fn tags_leave_those_that_have_all_of_them() {
+        let mut library = Library::builtin();
+        for (id, tags) in [("fir", ["conifer", "dark"]), ("scots-pine", ["conifer", "light"])] {
+            library.select_place(&crate::tui::tree::TreePlace::Builtin(id));
+            library.tag(tags.map(str::to_owned).to_vec());
+        }
+        let found = |library: &mut Library, filter: &str| -> Vec<String> {
+            library.filter_by(filter);
+            let ids = library.rows().iter().filter_map(|row| match row {
+                ListRow::Entry(i, _) => Some(library.get(*i).id.clone()),
+                ListRow::Heading(_) => None,
+            });
+            let mut ids: Vec<String> = ids.collect();
+            ids.sort();
+            ids
+        };
+        assert_eq!(found(&mut library, "#conifer"), ["fir", "scots-pine"]);
+        assert_eq!(found(&mut library, "#con #li"), ["scots-pine"], "beginnings count");
+        assert_eq!(found(&mut library, "#conifer fir"), ["fir"]);
+        assert!(found(&mut library, "#palm").is_empty());
     }
 
     #[test]

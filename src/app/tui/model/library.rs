@@ -1,6 +1,6 @@
 //! The list of presets: entries, rows, the filter, and changed trees that are not on screen.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use linden::forest::builtin_forests;
@@ -33,6 +33,8 @@ pub struct Library {
     pub folded: BTreeSet<String>,
     /// Keys of marked entries ([`PresetEntry::key`]), which are listed first.
     pub favourites: BTreeSet<String>,
+    /// Tags that the user gave, by the keys of entries.
+    pub tags: BTreeMap<String, Vec<String>>,
     /// The place that was on screen before the one that is.
     pub before: Option<TreePlace>,
     /// Changed trees that are not on screen.
@@ -46,9 +48,9 @@ impl Library {
     pub fn builtin() -> Self {
         // The tests read every built-in document.
         let entries = builtins().iter().filter_map(|builtin| {
-            let Heading { name, group, summary, source } = builtin.heading().ok()?;
+            let Heading { name, group, summary, source, tags } = builtin.heading().ok()?;
             let (place, id) = (TreePlace::Builtin(builtin.id), builtin.id.to_owned());
-            Some(PresetEntry { place, id, name, group, summary, source, fault: None })
+            Some(PresetEntry { place, id, name, group, summary, source, tags, fault: None })
         });
         let forests = builtin_forests().iter().filter_map(|builtin| {
             let document = builtin.load().ok()?;
@@ -59,6 +61,7 @@ impl Library {
                 group: FORESTS.to_owned(),
                 summary: document.summary,
                 source: String::new(),
+                tags: Vec::new(),
                 fault: None,
             })
         });
@@ -70,6 +73,7 @@ impl Library {
             at_group: None,
             folded: BTreeSet::new(),
             favourites: BTreeSet::new(),
+            tags: BTreeMap::new(),
             before: None,
             shelf: Vec::new(),
             forests: Vec::new(),
@@ -99,6 +103,7 @@ impl Library {
             },
             summary: preset.summary,
             source: preset.source,
+            tags: preset.tags,
             fault: preset.state.err().map(|complaint| complaint.to_string()),
         }));
         self.arrange();
@@ -127,6 +132,7 @@ impl Library {
                 group: OPENED.to_owned(),
                 summary: source.summary.clone(),
                 source: String::new(),
+                tags: Vec::new(),
                 fault: None,
             });
             self.arrange();
@@ -197,6 +203,29 @@ impl Library {
         self.favourites.contains(&entry.key())
     }
 
+    /// The tags of an entry: its document's, then the user's.
+    pub fn tags_of<'e>(&'e self, entry: &'e PresetEntry) -> Vec<&'e str> {
+        self.listing().tags_of(entry)
+    }
+
+    /// The tags that the user gave the selected entry.
+    pub fn given_tags(&self) -> &[String] {
+        let tags = self.entry().and_then(|entry| self.tags.get(&entry.key()));
+        tags.map_or(&[], Vec::as_slice)
+    }
+
+    /// Gives the selected entry these tags in the place of those that the user gave before. The cursor stays on it.
+    pub fn tag(&mut self, tags: Vec<String>) {
+        let Some(entry) = self.entry() else { return };
+        let key = entry.key();
+        if tags.is_empty() {
+            self.tags.remove(&key);
+        } else {
+            self.tags.insert(key, tags);
+        }
+        self.arrange();
+    }
+
     /// Marks the selected entry, or takes the mark off. The cursor stays on it. Whether it is marked now.
     pub fn toggle_favourite(&mut self) -> Option<bool> {
         let key = self.entry()?.key();
@@ -247,7 +276,7 @@ impl Library {
     }
 
     fn listing(&self) -> Listing<'_> {
-        Listing { filter: &self.filter, folded: &self.folded, favourites: &self.favourites }
+        Listing { filter: &self.filter, folded: &self.folded, favourites: &self.favourites, tags: &self.tags }
     }
 
     /// Whether a tree of that place waits with changes.

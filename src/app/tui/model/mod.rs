@@ -22,6 +22,7 @@ use ratatui::layout::Rect;
 
 pub use entry::{GroupHeading, ID_COLUMNS, ListRow, PresetEntry};
 pub use exporting::{ExportReport, Exporting, RunningExport};
+pub use filter::{has_tags, split_tags};
 pub use form::{Form, FormSpot};
 pub use growth::Playback;
 pub use library::{FORESTS, Library};

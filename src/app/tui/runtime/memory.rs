@@ -31,6 +31,7 @@ impl Memory {
                 export: session.export.clone(),
                 favourites: session.favourites.clone(),
                 folded: session.folded.clone(),
+                tags: session.tags.clone(),
                 ..Session::default()
             }
         };
@@ -66,6 +67,7 @@ pub fn restore(model: &mut Model, session: &Session) {
     }
     model.library.favourites = session.favourites.iter().cloned().collect();
     model.library.folded = session.folded.iter().cloned().collect();
+    model.library.tags = session.tags.clone();
     model.library.filter_by(&session.filter);
     model.exporting.remember(session);
 }
@@ -83,6 +85,7 @@ fn remembered(model: &Model, rest: &Session) -> Session {
         filter: model.library.filter.clone(),
         favourites: model.library.favourites.iter().cloned().collect(),
         folded: model.library.folded.iter().cloned().collect(),
+        tags: model.library.tags.clone(),
         camera: Camera {
             yaw_deg: camera.yaw_deg.into(),
             pitch_deg: camera.pitch_deg.into(),

@@ -164,6 +164,26 @@ fn edits_stand_in_the_form_where_they_are_typed_anew_and_taken_away() {
 }
 
 #[test]
+fn changed_alone_lists_the_edits_that_the_document_has_not() {
+    let mut bench = fir();
+    add(&mut bench.model, "remove stem/3", None).unwrap();
+    bench.settle();
+    bench.model.focus_on(Pane::Shape);
+    bench.keys("*");
+    let screen = bench.screen();
+    assert!(screen.contains("Edits of the wood") && screen.contains("●remove stem/3"), "{screen}");
+    assert!(!screen.contains("crown_height"), "knobs are as they were: {screen}");
+    // One that is saved is none of them; another beside it is.
+    let tree = bench.model.tree.as_mut().unwrap();
+    let (place, recipe) = (tree.place.clone(), std::sync::Arc::clone(tree.recipe()));
+    tree.saved_as(place, recipe);
+    add(&mut bench.model, "cut stem/5 0.5", None).unwrap();
+    bench.settle();
+    let screen = bench.screen();
+    assert!(screen.contains("●cut stem/5") && !screen.contains("remove stem/3"), "{screen}");
+}
+
+#[test]
 fn an_edit_that_was_not_made_says_so_in_the_form() {
     let mut bench = fir();
     add(&mut bench.model, "remove stem/9999", None).unwrap();
