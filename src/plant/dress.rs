@@ -70,6 +70,9 @@ linden_base::from_cancellable!(
 const BLOWING: &str = "computing the wind";
 const BLOWING_ADVICE: &str = "use wind=attributes, a budget of triangles, or no wind";
 
+/// Parts and materials of leaves are called so, and of the cards in place of them.
+const LEAVES: &str = "leaves";
+const CARDS: &str = "branches";
 /// Leaves are a little glossy.
 const LEAF_ROUGHNESS: f32 = 0.6;
 
@@ -94,6 +97,8 @@ pub struct Wardrobe {
     /// By kind; `None` where no organ is of it.
     covers: Vec<Option<Cover>>,
     shapes: Arc<[LeafShape]>,
+    /// What the first kind's part and material are called.
+    foliage_name: &'static str,
 }
 
 impl Wardrobe {
@@ -103,7 +108,8 @@ impl Wardrobe {
     /// [`DressError`].
     pub fn new(specimen: &Specimen<'_>, organs: &Organs, monitor: &dyn Monitor) -> Result<Self, DressError> {
         let bark = bark(specimen, monitor)?;
-        Self { bark, covers: Vec::new(), shapes: Vec::new().into() }.in_season(specimen, organs, monitor)
+        Self { bark, covers: Vec::new(), shapes: Vec::new().into(), foliage_name: LEAVES }
+            .in_season(specimen, organs, monitor)
     }
 
     /// The same bark with the leaves of another season.
@@ -119,7 +125,33 @@ impl Wardrobe {
         let bark = [&self.bark.base_color_picture, &self.bark.normal_picture];
         let pictures = bark.into_iter().flatten().map(|picture| picture.rgba().len() as u64).sum();
         let (covers, shapes) = covers(specimen, organs, &Holding::new(monitor, pictures))?;
-        Ok(Self { bark: self.bark.clone(), covers, shapes: shapes.into() })
+        Ok(Self { bark: self.bark.clone(), covers, shapes: shapes.into(), foliage_name: LEAVES })
+    }
+
+    /// The same bark, with branch cards in place of leaves.
+    pub(crate) fn with_cards(&self, cover: Cover, shapes: Arc<[LeafShape]>) -> Self {
+        Self { bark: self.bark.clone(), covers: vec![Some(cover)], shapes, foliage_name: CARDS }
+    }
+
+    /// What the wood is covered with.
+    pub(crate) const fn bark(&self) -> &Material {
+        &self.bark
+    }
+
+    /// Organs alone, without wind.
+    ///
+    /// # Errors
+    /// [`FoliageError`].
+    pub(crate) fn foliage(
+        &self,
+        specimen: &Specimen<'_>,
+        organs: &Arc<Organs>,
+        monitor: &dyn Monitor,
+    ) -> Result<(Vec<Material>, Vec<Part>), FoliageError> {
+        let (mut materials, mut parts) = (Vec::new(), Vec::new());
+        let dressed = self.organs(specimen, organs);
+        self.leaves((organs, &dressed), None, &mut materials, &mut parts, monitor)?;
+        Ok((materials, parts))
     }
 
     /// Bytes of the pictures.
@@ -170,7 +202,7 @@ impl Wardrobe {
     }
 
     /// The organs in the shapes and pictures of their kinds.
-    fn organs(&self, specimen: &Specimen<'_>, organs: &Arc<Organs>) -> DressedOrgans {
+    pub(crate) fn organs(&self, specimen: &Specimen<'_>, organs: &Arc<Organs>) -> DressedOrgans {
         let foliage = &specimen.dressing.foliage;
         // A recipe with other kinds than the organs grew by: the shapes they grew with fit at least.
         let fit = self.shapes.len() == organs.shapes.len();
@@ -208,7 +240,7 @@ impl Wardrobe {
                     numbered(if organs.shapes.is_empty() { "leaves" } else { "organs" }, i),
                     colors.get(i).copied().map_or([0.0; 3], linear),
                 ),
-                Look::Kind(i) => (numbered("leaves", i), cover.map_or([0.0; 3], mean_color)),
+                Look::Kind(i) => (numbered(self.foliage_name, i), cover.map_or([0.0; 3], mean_color)),
             };
             let mut part = Part::new(name.clone(), materials.len(), mesh);
             let is_placed = !organs.placed.prototypes.is_empty();

@@ -102,7 +102,7 @@ impl<'a> Leaves<'a> {
 }
 
 /// Some of the organs, larger: round the place where they are attached.
-fn selected(all: &Organs, stays: impl Fn(usize) -> bool, scale: f32) -> Organs {
+pub(super) fn selected(all: &Organs, stays: impl Fn(usize) -> bool, scale: f32) -> Organs {
     let mut some = Organs { shapes: Arc::clone(&all.shapes), ..Organs::default() };
     let (polygons, new) = (&all.polygons, &mut some.polygons);
     for polygon in (0..polygons.ends.len()).filter(|&polygon| stays(polygon)) {

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use super::billboard::{Billboard, billboard};
+use super::cards::Cards;
 use super::{Detail, DetailError, Simplified, Simplifier};
 use crate::dress::{DressError, Wardrobe};
 use crate::foliage::{Organs, sprout};
@@ -188,7 +189,7 @@ impl Plan {
                 ));
             }
             for &budget in &budgets[most..] {
-                details.push(simplifier.within(budget, monitor)?);
+                details.push(simplifier.within(budget, detail.branch_cards, monitor)?);
             }
             return Ok(Self { details: Some(details) });
         }
@@ -206,7 +207,7 @@ impl Plan {
                 ));
                 break;
             }
-            details.push(simplifier.within(budget, monitor)?);
+            details.push(simplifier.within(budget, detail.branch_cards, monitor)?);
             budget = (budget as f64 * detail.lod_ratio) as u64;
         }
         Ok(Self { details: Some(details) })
@@ -230,10 +231,34 @@ impl Plan {
             }
             Some(details) => {
                 let simplifier = Simplifier::new(tubes, body, monitor)?;
-                for level_detail in details {
+                let carded = || details.iter().filter(|level| level.card_m > 0.0);
+                let mut pieces = Vec::new();
+                for level in carded() {
+                    pieces.push(simplifier.pieces(level, monitor)?);
+                }
+                let cards = match pieces.is_empty() {
+                    true => None,
+                    false => {
+                        Some(Cards::new(&pieces, specimen, body, wardrobe, detail.card_size_px, monitor)?)
+                    }
+                };
+                drop(pieces);
+                let mut organs = cards.iter().flat_map(|cards| &cards.levels);
+                for level in details {
                     let held = Holding::new(monitor, scenes.iter().map(Scene::bytes).sum());
-                    let thin = simplifier.simplified(level_detail, &held)?;
-                    scenes.push(dressed(thin, wardrobe, field.as_ref(), specimen, body, &held)?);
+                    let mut thin = simplifier.simplified(level, &held)?;
+                    let mut worn = wardrobe;
+                    if let (Some(cards), true) = (&cards, level.card_m > 0.0) {
+                        worn = &cards.wardrobe;
+                        thin.organs =
+                            organs.next().map_or_else(Organs::default, |organs| Organs::clone(organs));
+                    }
+                    let mut scene = dressed(thin, worn, field.as_ref(), specimen, body, &held)?;
+                    if level.card_m > 0.0 {
+                        // Whatever stands for them, these are the tree's.
+                        scene.organs = wardrobe.organs(specimen, body.organs);
+                    }
+                    scenes.push(scene);
                 }
             }
         }
@@ -291,7 +316,7 @@ pub fn finest(dressing: &Dressing, body: Body<'_>, monitor: &dyn Monitor) -> Res
         });
     }
     let simplifier = Simplifier::new(tubes, body, monitor)?;
-    let chosen = simplifier.within(budget, monitor)?;
+    let chosen = simplifier.within(budget, detail.branch_cards, monitor)?;
     let Simplified { skeleton, organs, tubes, .. } = simplifier.simplified(&chosen, monitor)?;
     Ok(Finest { skeleton: Arc::new(skeleton), organs: Arc::new(organs), tubes })
 }

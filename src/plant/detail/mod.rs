@@ -9,6 +9,8 @@
 //! ([`Simplifier::within`]).
 
 pub mod billboard;
+mod cards;
+mod drawing;
 mod leaves;
 mod levels;
 mod solve;
@@ -24,6 +26,7 @@ use linden_skeleton::Skeleton;
 use linden_skeleton::organs::Organs;
 
 use self::billboard::BillboardError;
+use self::cards::{Burden, Pieces, TRIANGLES};
 use self::leaves::Leaves;
 use self::wood::Wood;
 
@@ -45,6 +48,9 @@ pub struct Detail {
     pub smallest_radius_m: f32,
     /// Share of the leaves that is kept, 0 to 1.
     pub leaf_share: f64,
+    /// Branch cards stand for pieces of foliage of about this size, metres, in place of all leaves; 0: leaves as
+    /// they are.
+    pub card_m: f32,
 }
 
 /// Leaves grow no larger than this: beyond it crowns look like balloons.
@@ -59,6 +65,7 @@ impl Detail {
             tolerance_m: 0.0,
             smallest_radius_m: 0.0,
             leaf_share: 1.0,
+            card_m: 0.0,
         }
     }
 
@@ -122,6 +129,7 @@ pub struct Simplifier<'a> {
     tubes: Tubes,
     wood: Wood<'a>,
     leaves: Leaves<'a>,
+    burden: Burden,
 }
 
 /// A tree with less of it: what [`crate::dress`] takes in place of the whole.
@@ -131,7 +139,7 @@ pub struct Simplified {
     pub skeleton: Skeleton,
     /// For each of its axes the axis of the whole tree.
     pub axes: Vec<u32>,
-    /// The leaves that are shown, still hanging on the nodes of the whole tree.
+    /// The leaves that are shown, still hanging on the nodes of the whole tree; none where cards stand for them.
     pub organs: Organs,
     /// How it is swept.
     pub tubes: Tubes,
@@ -144,12 +152,15 @@ impl<'a> Simplifier<'a> {
     /// [`DetailError::Cancelled`], or memory.
     pub fn new(tubes: &Tubes, body: Body<'a>, monitor: &dyn Monitor) -> Result<Self, DetailError> {
         let nodes = body.skeleton.positions.len() + body.skeleton.axes.len();
-        let bytes = body.skeleton.bytes() + bytes_of::<[u32; 4]>(nodes + body.organs.len());
+        let bytes = body.skeleton.bytes()
+            + bytes_of::<[u32; 4]>(nodes + body.organs.len())
+            + Burden::bytes_for(body.skeleton.positions.len());
         monitor.admit("preparing levels of detail", bytes, "grow a smaller tree")?;
         Ok(Self {
             tubes: *tubes,
             wood: Wood::new(body.skeleton, monitor)?,
             leaves: Leaves::new(body.organs, monitor)?,
+            burden: Burden::new(body.skeleton, body.organs),
         })
     }
 
@@ -160,9 +171,15 @@ impl<'a> Simplifier<'a> {
     pub fn simplified(&self, detail: &Detail, monitor: &dyn Monitor) -> Result<Simplified, DetailError> {
         monitor.check()?;
         let (skeleton, axes) = self.wood.thinned(detail);
-        let organs = self.leaves.thinned(detail);
+        let organs = if detail.card_m > 0.0 { Organs::default() } else { self.leaves.thinned(detail) };
         let tubes = Tubes { sides: detail.sides, rings: detail.rings, ..self.tubes };
         Ok(Simplified { skeleton, axes, organs, tubes })
+    }
+
+    /// What the cards of a level stand for.
+    fn pieces(&self, detail: &Detail, monitor: &dyn Monitor) -> Result<Pieces, DetailError> {
+        let cut = self.burden.cut(detail.card_m, monitor)?;
+        Ok(Pieces { cut, is_thin: self.wood.thin_nodes(detail) })
     }
 
     /// How many triangles a level has, exactly.
@@ -170,7 +187,11 @@ impl<'a> Simplifier<'a> {
     /// # Errors
     /// [`DetailError::Cancelled`].
     pub fn triangles(&self, detail: &Detail, monitor: &dyn Monitor) -> Result<u64, DetailError> {
-        Ok(self.wood_triangles(detail, monitor)? + self.leaves.triangles(detail.leaf_share))
+        let wood = self.wood_triangles(detail, monitor)?;
+        if detail.card_m > 0.0 {
+            return Ok(wood + TRIANGLES * self.burden.count(detail.card_m, monitor)? as u64);
+        }
+        Ok(wood + self.leaves.triangles(detail.leaf_share))
     }
 
     fn wood_triangles(&self, detail: &Detail, monitor: &dyn Monitor) -> Result<u64, DetailError> {

@@ -1,5 +1,6 @@
 //! From a number of triangles to the detail that has as many.
 
+use super::cards::TRIANGLES;
 use super::{Detail, DetailError, Simplifier};
 use crate::surface::Tubes;
 use linden_base::monitor::Monitor;
@@ -15,6 +16,8 @@ pub fn share_of_wood(budget: u64, wood: u64, leaves: u64) -> u64 {
     // What leaves cannot use goes to the wood.
     for_wood.max(budget.saturating_sub(leaves)).min(wood)
 }
+/// Where more of the leaves' triangles are left than this share, leaves are thinned out: some fewer are not missed.
+const LEAVES_AS_THEY_ARE: f64 = 0.7;
 /// As near as this share of the budget is near enough.
 const NEAR: f64 = 0.01;
 /// The count is promised to be within this share of the budget.
@@ -45,12 +48,17 @@ impl Simplifier<'_> {
 
     /// The detail with `budget` triangles, or all where the tree has no more.
     ///
-    /// Wood and leaves share the budget. The count is within 5 % of it for every tree of more than a few
+    /// Wood and leaves share the budget; `with_cards`, branch cards stand for leaves where many would be left out. The count is within 5 % of it for every tree of more than a few
     /// tubes (a tube alone changes by whole rings and sides); with leaves it is exact to one of them.
     ///
     /// # Errors
     /// [`DetailError::TooFew`] below [`Self::least_triangles`]; [`DetailError::Cancelled`].
-    pub fn within(&self, budget: u64, monitor: &dyn Monitor) -> Result<Detail, DetailError> {
+    pub fn within(
+        &self,
+        budget: u64,
+        with_cards: bool,
+        monitor: &dyn Monitor,
+    ) -> Result<Detail, DetailError> {
         let all = Detail::full(&self.tubes);
         let wood = self.wood_triangles(&all, monitor)?;
         let leaves = self.leaves.total();
@@ -66,7 +74,16 @@ impl Simplifier<'_> {
         let for_wood = share_of_wood(budget, wood, leaves).clamp(least_wood, budget - self.leaves.least());
         let mut detail = self.wood_within(for_wood, monitor)?;
         let used = self.wood_triangles(&detail, monitor)?;
-        detail.leaf_share = self.leaves.share_within(budget.saturating_sub(used));
+        let rest = budget.saturating_sub(used);
+        if with_cards && rest < (leaves as f64 * LEAVES_AS_THEY_ARE) as u64 {
+            let size_m = self.size_of_pieces(rest / TRIANGLES, monitor)?;
+            let cards = TRIANGLES * self.burden.count(size_m, monitor)? as u64;
+            if cards <= rest && within(PROMISED, used + cards, budget) {
+                detail.card_m = size_m;
+                return Ok(detail);
+            }
+        }
+        detail.leaf_share = self.leaves.share_within(rest);
         Ok(detail)
     }
 
@@ -89,6 +106,7 @@ impl Simplifier<'_> {
             tolerance_m: TOLERANCE * error_m,
             smallest_radius_m: SMALLEST * error_m,
             leaf_share: 1.0,
+            card_m: 0.0,
         }
     }
 
@@ -208,7 +226,7 @@ mod tests {
                 if budget < 300 {
                     continue;
                 }
-                let detail = simplifier.within(budget, &Quiet).unwrap();
+                let detail = simplifier.within(budget, true, &Quiet).unwrap();
                 let found = simplifier.triangles(&detail, &Quiet).unwrap();
                 let off = found as f64 / budget as f64 - 1.0;
                 assert!(off.abs() <= 0.05, "{} {budget}: {found} ({detail:?})", builtin.id);
@@ -225,16 +243,19 @@ mod tests {
         let simplifier = Simplifier::new(&subject.dressing.tubes, body(&grown), &Quiet).unwrap();
         let least = simplifier.least_triangles(&Quiet).unwrap();
         assert!((10..200).contains(&least), "{least}");
-        let detail = simplifier.within(least, &Quiet).unwrap();
+        let detail = simplifier.within(least, true, &Quiet).unwrap();
         assert_eq!(simplifier.triangles(&detail, &Quiet).unwrap(), least);
-        let said = simplifier.within(least - 1, &Quiet).unwrap_err().to_string();
+        let said = simplifier.within(least - 1, true, &Quiet).unwrap_err().to_string();
         assert!(
             said.contains(&format!("triangles={}", least - 1)) && said.contains(&format!("{least} ")),
             "{said}"
         );
         let full = simplifier.full_triangles(&Quiet).unwrap();
         for budget in [full, full + 1, u64::MAX] {
-            assert_eq!(simplifier.within(budget, &Quiet).unwrap(), Detail::full(&subject.dressing.tubes));
+            assert_eq!(
+                simplifier.within(budget, true, &Quiet).unwrap(),
+                Detail::full(&subject.dressing.tubes)
+            );
         }
     }
 }

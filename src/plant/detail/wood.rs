@@ -66,6 +66,11 @@ impl<'a> Wood<'a> {
         Ok(Self { skeleton, stays, needed, axis_of })
     }
 
+    /// For each node whether its axis is left out.
+    pub fn thin_nodes(&self, detail: &Detail) -> Vec<bool> {
+        self.axis_of.iter().map(|&axis| self.stays[axis as usize] < detail.smallest_radius_m).collect()
+    }
+
     /// The thickest that the tree has, metres.
     pub fn thickest_m(&self) -> f32 {
         self.skeleton.radii.iter().copied().fold(0.0, f32::max)

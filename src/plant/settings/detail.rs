@@ -15,6 +15,10 @@ pub struct DetailSettings {
     pub lod_triangles: Vec<f64>,
     /// Triangles of a level as a share of those of the one before.
     pub lod_ratio: f64,
+    /// Whether branch cards stand for leaves where many would be left out.
+    pub branch_cards: bool,
+    /// Side of the cards' picture, pixels.
+    pub card_size_px: u32,
     /// Upright planes of a last level, after those of triangles; 0: none.
     pub billboard: u32,
     /// Height of the planes' picture, pixels.
@@ -55,6 +59,8 @@ impl Default for DetailSettings {
             lods: 1,
             lod_triangles: vec![0.0],
             lod_ratio: 0.33,
+            branch_cards: true,
+            card_size_px: 1024,
             billboard: 0,
             billboard_size_px: 1024,
         }
@@ -115,6 +121,28 @@ impl DetailSettings {
                  root of the ratio times that, so that triangles a pixel stay about the same."
             ),
             see_also(&["lods", "triangles"])
+        ),
+        field!(
+            "branch_cards",
+            Kind::Switch,
+            "",
+            "pictures of leafy twigs on crossed planes in place of leaves, where a budget would leave many leaves out",
+            branch_cards,
+            details(
+                "The tree's foliage is cut into pieces that hang together: twigs, branches or limbs, as large as the \
+                 budget asks for. Some of them are drawn, with leaves and thin wood, into one picture with colour, \
+                 alpha and normals, and stand for all. Without them leaves are left out evenly, and those that stay \
+                 are enlarged to at most twice their size."
+            ),
+            see_also(&["card_size", "triangles", "lods"])
+        ),
+        field!(
+            "card_size",
+            integer(128, 4096),
+            "px",
+            "side of the branch cards' picture, for all levels together",
+            card_size_px,
+            see_also(&["branch_cards", "leaf_size", "billboard_size"])
         ),
         field!(
             "billboard",

@@ -4,24 +4,19 @@
 //! away at a right angle to it: colours without light (a renderer adds that), alpha, and normals in the
 //! plane's own tangent space. All planes share one pair of pictures.
 
-mod finish;
-mod raster;
-mod texture;
-
 use std::f32::consts::PI;
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
 
-use self::finish::Finished;
-use self::raster::{Drawn, View};
-use self::texture::Texture;
+use super::drawing::{
+    self, CUTOUT, Canvas, Drawn, Finished, MARGIN_PX, Pixels, SAMPLES, Texture, View, mean,
+};
 use crate::foliage::DressedOrgans;
 use crate::scene::{Material, Part, Scene, Wrap};
 use linden_base::memory::{OverMemory, bytes_of};
 use linden_base::mesh::{Bounds, Mesh};
 use linden_base::monitor::{Cancelled, Monitor};
-use linden_base::picture::Picture;
 
 /// How the planes are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,12 +39,6 @@ pub enum BillboardError {
     Memory(#[from] OverMemory),
 }
 
-/// Samples along a pixel's side.
-const SAMPLES: u32 = 2;
-/// Pixels between the tree and the edge of its part of the picture: what neighbours and filters may mix in.
-const MARGIN_PX: u32 = 4;
-/// The material's threshold; the pictures' alpha is made to suit it.
-const CUTOUT: f32 = 0.5;
 /// Neither leaves nor bark shine from afar.
 const ROUGHNESS: f32 = 0.9;
 
@@ -67,15 +56,21 @@ pub fn billboard(scene: &Scene, how: &Billboard, monitor: &dyn Monitor) -> Resul
     let sheet = Sheet::new(&frames, how.size_px.max(4 * MARGIN_PX));
     let pixels = sheet.size.area() as u64;
     let samples = pixels * u64::from(SAMPLES * SAMPLES);
-    let bytes = bytes_of::<Drawn>(1) * samples + bytes_of::<[f32; 16]>(1) * pixels + Texture::bytes(scene);
+    let bytes = bytes_of::<Drawn>(1) * samples
+        + bytes_of::<[f32; 16]>(1) * pixels
+        + scene.materials.iter().map(Texture::bytes_of).sum::<u64>();
     monitor.admit("drawing the billboard", scene.bytes() + bytes, "lower billboard_size")?;
 
     let textures: Vec<Option<Texture>> = scene.materials.iter().map(Texture::of).collect();
-    let mut drawn = raster::Canvas::new(sheet.size.times(SAMPLES));
+    let mut drawn = Canvas::new(sheet.size.times(SAMPLES));
     for (frame, cell) in frames.iter().zip(&sheet.cells) {
         let view = View {
+            // Heights are the tree's own.
+            origin: foot.with_y(0.0),
             right: frame.right,
+            up: Vec3::Y,
             toward: frame.toward,
+            relief: 1.0,
             // Where the upper left corner of the cell is, and how many samples a metre has.
             corner: Vec2::new(frame.low.x, frame.high.y),
             scale: SAMPLES as f32 / sheet.texel_m,
@@ -84,10 +79,10 @@ pub fn billboard(scene: &Scene, how: &Billboard, monitor: &dyn Monitor) -> Resul
         };
         for part in &scene.parts {
             let (material, texture) = (&scene.materials[part.material], textures[part.material].as_ref());
-            raster::draw(&mut drawn, &view, &part.mesh, material, texture, foot, monitor)?;
+            drawing::draw(&mut drawn, &view, &part.mesh, material, texture, monitor)?;
         }
     }
-    let Finished { color, normal } = finish::finish(&drawn, SAMPLES, CUTOUT, monitor)?;
+    let Finished { color, normal } = drawing::finish(&drawn, SAMPLES, CUTOUT, monitor)?;
     let material = Material {
         name: "billboard".to_owned(),
         base_color: mean(&color),
@@ -152,31 +147,6 @@ impl Cell {
     }
 }
 
-/// A place in a picture from its upper left corner, or a size.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Pixels {
-    x: u32,
-    y: u32,
-}
-
-impl Pixels {
-    const fn new(x: u32, y: u32) -> Self {
-        Self { x, y }
-    }
-
-    const fn times(self, factor: u32) -> Self {
-        Self { x: self.x * factor, y: self.y * factor }
-    }
-
-    const fn to_vec2(self) -> Vec2 {
-        Vec2::new(self.x as f32, self.y as f32)
-    }
-
-    const fn area(self) -> usize {
-        self.x as usize * self.y as usize
-    }
-}
-
 impl Sheet {
     fn new(frames: &[Frame], size_px: u32) -> Self {
         let margins = 2 * MARGIN_PX;
@@ -223,18 +193,6 @@ impl Sheet {
         }
         mesh
     }
-}
-
-/// The mean of what is not cut out, linear.
-fn mean(picture: &Picture) -> [f32; 3] {
-    let (mut sum, mut count) = (Vec3::ZERO, 0.0_f32);
-    for &[r, g, b, a] in picture.rgba().as_chunks::<4>().0 {
-        if f32::from(a) >= CUTOUT * 255.0 {
-            sum += Vec3::from(linden_base::color::linear([r, g, b]));
-            count += 1.0;
-        }
-    }
-    (sum / count.max(1.0)).to_array()
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ const TRIANGLES_PER_CHECK: usize = 1 << 14;
 
 /// What a sample shows.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Drawn {
+pub(in crate::detail) struct Drawn {
     /// Metres towards the viewer; minus infinity where nothing is.
     pub near_m: f32,
     /// Linear, as the material has it.
@@ -23,7 +23,7 @@ pub(super) struct Drawn {
 }
 
 /// All samples, rows from the top.
-pub(super) struct Canvas {
+pub(in crate::detail) struct Canvas {
     pub size: Pixels,
     pub samples: Vec<Drawn>,
 }
@@ -36,12 +36,18 @@ impl Canvas {
 }
 
 /// Where a plane's part of the canvas is, and how it sees.
-pub(super) struct View {
+pub(in crate::detail) struct View {
+    /// What corners and nearness are measured from.
+    pub origin: Vec3,
+    /// Unit vectors of the plane.
     pub right: Vec3,
+    pub up: Vec3,
     /// Unit vector to the viewer.
     pub toward: Vec3,
-    /// The upper left corner: metres right of the foot, height.
+    /// The upper left corner: metres right of the origin and above it.
     pub corner: Vec2,
+    /// How much of their tilt normals keep: 1 all, 0 none.
+    pub relief: f32,
     /// Samples per metre.
     pub scale: f32,
     /// The part's first sample, and how many it has.
@@ -58,21 +64,20 @@ struct Corner {
 
 /// Draws a mesh. A material's alpha is tested, and its back is drawn only where it is double-sided: then
 /// with the normal that a viewer sees.
-pub(super) fn draw(
+pub(in crate::detail) fn draw(
     canvas: &mut Canvas,
     view: &View,
     mesh: &Mesh,
     material: &Material,
     texture: Option<&Texture>,
-    foot: Vec3,
     monitor: &dyn Monitor,
 ) -> Result<(), Cancelled> {
     let seen = |vertex: u32| {
-        let place = mesh.positions[vertex as usize];
-        let across = (place - foot).dot(view.right);
+        let away = mesh.positions[vertex as usize] - view.origin;
         Corner {
-            at: Vec2::new(across - view.corner.x, view.corner.y - place.y) * view.scale,
-            near_m: (place - foot).dot(view.toward),
+            at: Vec2::new(away.dot(view.right) - view.corner.x, view.corner.y - away.dot(view.up))
+                * view.scale,
+            near_m: away.dot(view.toward),
         }
     };
     for (index, &triangle) in mesh.triangles.iter().enumerate() {
@@ -125,12 +130,14 @@ pub(super) fn draw(
                     }
                 };
                 let normal = normals[0] + (normals[1] - normals[0]) * s + (normals[2] - normals[0]) * t;
-                let mut normal = Vec3::new(normal.dot(view.right), normal.y, normal.dot(view.toward));
+                let mut normal =
+                    Vec3::new(normal.dot(view.right), normal.dot(view.up), normal.dot(view.toward));
                 if area > 0.0 {
                     normal = -normal;
                 }
                 // Smooth normals may look away from the viewer at a rim; a picture cannot.
                 normal.z = normal.z.max(0.0);
+                let normal = Vec3::Z.lerp(normal.normalize_or(Vec3::Z), view.relief);
                 *sample = Drawn { near_m, color, normal: normal.normalize_or(Vec3::Z) };
             }
         }

@@ -2,15 +2,15 @@
 
 use glam::{Vec3, Vec4};
 
+use super::Canvas;
 use super::Pixels;
-use super::raster::Canvas;
 use crate::detail::wood::GOLDEN;
 use linden_base::color::encode;
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_base::picture::Picture;
 
 /// The two pictures.
-pub(super) struct Finished {
+pub(in crate::detail) struct Finished {
     /// sRGB and alpha.
     pub color: Picture,
     /// Tangent space.
@@ -18,7 +18,7 @@ pub(super) struct Finished {
 }
 
 /// Makes pictures of `samples × samples` to a pixel, cut out where alpha is below `cutout`.
-pub(super) fn finish(
+pub(in crate::detail) fn finish(
     drawn: &Canvas,
     samples: u32,
     cutout: f32,

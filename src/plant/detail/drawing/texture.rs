@@ -1,15 +1,17 @@
 //! Pictures on what is drawn, halved until their texels are about as large as samples.
 
+use std::sync::Arc;
+
 use glam::{Vec2, Vec4};
 
-use crate::scene::{Material, Scene, Wrap};
+use crate::scene::{Material, Wrap};
 use linden_base::color::linear;
 use linden_base::memory::bytes_of;
 use linden_base::picture::Picture;
 
 /// A picture in linear light at several sizes, each half the last. Colours carry their alpha with them
 /// (premultiplied), so that what is cut out does not tint what is not.
-pub(super) struct Texture {
+pub(in crate::detail) struct Texture {
     levels: Vec<Level>,
     repeats: bool,
 }
@@ -31,12 +33,10 @@ impl Texture {
         Some(Self { levels, repeats: material.wrap == Wrap::Repeat })
     }
 
-    /// Bytes that all pictures of a scene take.
-    pub fn bytes(scene: &Scene) -> u64 {
-        let pictures = scene.materials.iter().filter_map(|material| material.base_color_picture.as_ref());
-        let texels: u64 =
-            pictures.map(|picture| u64::from(picture.width()) * u64::from(picture.height())).sum();
-        bytes_of::<Vec4>(1) * texels * 4 / 3
+    /// Bytes that a material's picture takes here.
+    pub fn bytes_of(material: &Material) -> u64 {
+        let texels = |picture: &Arc<Picture>| u64::from(picture.width()) * u64::from(picture.height());
+        bytes_of::<Vec4>(1) * material.base_color_picture.as_ref().map_or(0, texels) * 4 / 3
     }
 
     /// Texels on the side of the whole, squared: its area.

@@ -1,0 +1,130 @@
+//! A few pieces that stand for all: the prototypes of branch cards.
+
+use glam::Vec2;
+use rayon::prelude::*;
+
+use super::clusters::Cut;
+use super::frame::Frame;
+use super::{Rod, rods};
+use linden_base::monitor::{Cancelled, Monitor};
+use linden_skeleton::Skeleton;
+use linden_skeleton::organs::Organs;
+
+/// Squares along the side of the grid that tells pieces apart, on each of three planes.
+const GRID: usize = 6;
+/// How far that grid reaches from the middle, radii.
+const REACH: f32 = 2.0;
+const CELLS: usize = 3 * GRID * GRID;
+/// Rounds of moving groups to their means.
+const ROUNDS: usize = 8;
+
+/// Pieces, and which of them stands for each.
+pub(in crate::detail) struct Deck {
+    pub frames: Vec<Frame>,
+    /// By piece, an index into `prototypes`.
+    pub card_of: Vec<u8>,
+    /// Pieces.
+    pub prototypes: Vec<u32>,
+}
+
+/// Where a piece has its foliage, as it lies.
+type Look = [f32; CELLS];
+
+impl Deck {
+    /// Chooses up to `most` prototypes, such that each piece is much like its own: k-means over where foliage is (Lloyd
+    /// 1982), begun with pieces evenly chosen, ended with the piece nearest to each mean.
+    pub fn new(
+        cut: &Cut,
+        skeleton: &Skeleton,
+        organs: &Organs,
+        most: usize,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, Cancelled> {
+        let frames: Vec<Frame> = cut
+            .pieces
+            .iter()
+            .map(|(node, mass)| {
+                let parent = skeleton.parents[*node as usize];
+                let foot = skeleton.positions[if parent == u32::MAX { *node } else { parent } as usize];
+                Frame::of(mass, foot)
+            })
+            .collect();
+        let looks = looks(cut, &frames, organs);
+        monitor.check()?;
+        let count = frames.len();
+        let groups = most.clamp(1, usize::from(u8::MAX)).min(count);
+        let mut means: Vec<Look> = (0..groups).map(|i| looks[(2 * i + 1) * count / (2 * groups)]).collect();
+        let mut group_of = vec![0; count];
+        for _ in 0..ROUNDS {
+            monitor.check()?;
+            group_of = looks.par_iter().map(|look| nearest(look, &means)).collect();
+            let mut sums = vec![([0.0_f32; CELLS], 0.0_f32); groups];
+            for (look, &group) in looks.iter().zip(&group_of) {
+                let (sum, count) = &mut sums[group];
+                sum.iter_mut().zip(look).for_each(|(sum, value)| *sum += value);
+                *count += 1.0;
+            }
+            for (mean, (sum, count)) in means.iter_mut().zip(sums) {
+                if count > 0.0 {
+                    *mean = sum.map(|value| value / count);
+                }
+            }
+        }
+        let mut best: Vec<Option<(f32, u32)>> = vec![None; groups];
+        for (piece, (look, &group)) in looks.iter().zip(&group_of).enumerate() {
+            let away = distance(look, &means[group]);
+            if best[group].is_none_or(|(least, _)| away < least) {
+                best[group] = Some((away, piece as u32));
+            }
+        }
+        let mut number = vec![0; groups];
+        let mut prototypes = Vec::with_capacity(groups);
+        for (group, found) in best.into_iter().enumerate() {
+            if let Some((_, piece)) = found {
+                number[group] = prototypes.len() as u8;
+                prototypes.push(piece);
+            }
+        }
+        let card_of = group_of.into_iter().map(|group| number[group]).collect();
+        Ok(Self { frames, card_of, prototypes })
+    }
+}
+
+fn distance(a: &Look, b: &Look) -> f32 {
+    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
+}
+
+fn nearest(look: &Look, means: &[Look]) -> usize {
+    let away = |&i: &usize| distance(look, &means[i]);
+    (0..means.len()).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(0)
+}
+
+/// The share of each piece's foliage in each square of the grids.
+fn looks(cut: &Cut, frames: &[Frame], organs: &Organs) -> Vec<Look> {
+    let mut looks = vec![[0.0; CELLS]; frames.len()];
+    for Rod { node, from, to, weight } in rods(organs) {
+        let Some(&piece) = cut.piece_of.get(node as usize) else { continue };
+        let Some(frame) = frames.get(piece as usize) else { continue };
+        let weight = weight / cut.pieces[piece as usize].1.weight as f32;
+        for share in [0.25, 0.75] {
+            let at = frame.local(from.lerp(to, share));
+            let planes = [Vec2::new(at.x, at.y), Vec2::new(at.y, at.z), Vec2::new(at.x, at.z)];
+            for (plane, at) in planes.into_iter().enumerate() {
+                splat(&mut looks[piece as usize][plane * GRID * GRID..], at, weight / 2.0);
+            }
+        }
+    }
+    looks
+}
+
+/// Adds to the four squares around a place.
+fn splat(grid: &mut [f32], at: Vec2, weight: f32) {
+    let side = GRID as f32;
+    let place = ((at / REACH * 0.5 + 0.5) * side - 0.5).clamp(Vec2::ZERO, Vec2::splat(side - 1.001));
+    let cell = place.y as usize * GRID + place.x as usize;
+    let (s, t) = (place.x.fract(), place.y.fract());
+    grid[cell] += (1.0 - s) * (1.0 - t) * weight;
+    grid[cell + 1] += s * (1.0 - t) * weight;
+    grid[cell + GRID] += (1.0 - s) * t * weight;
+    grid[cell + GRID + 1] += s * t * weight;
+}

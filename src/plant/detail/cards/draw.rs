@@ -1,0 +1,320 @@
+//! Draws pieces of foliage as they are seen from their own sides, side by side on one picture.
+
+use std::sync::Arc;
+
+use glam::{Vec2, Vec3};
+
+use super::clusters::Cut;
+use super::frame::Frame;
+use super::{PLANES, Pieces};
+use crate::detail::DetailError;
+use crate::detail::drawing::{
+    self, CUTOUT, Canvas, Drawn, Finished, MARGIN_PX, Pixels, SAMPLES, Texture, View,
+};
+use crate::detail::leaves::selected;
+use crate::dress::Wardrobe;
+use crate::foliage::Cover;
+use crate::scene::Material;
+use crate::texture::leaf::Cell;
+use crate::{Body, Specimen};
+use linden_base::color::encode;
+use linden_base::memory::bytes_of;
+use linden_base::mesh::{Bounds, Mesh};
+use linden_base::monitor::Monitor;
+use linden_skeleton::{NO_PARENT, Skeleton};
+
+/// How much of their tilt leaves keep on a card, whose normals are the crown's already.
+const RELIEF: f32 = 0.4;
+/// Thicker wood than this share of a piece's radius is not shown on its card: what stands elsewhere has none of it.
+const THICKEST: f32 = 0.04;
+/// Sides of the wood on a card.
+const SIDES: u32 = 4;
+
+/// The drawn cards.
+pub(super) struct DrawnCards {
+    /// One for each model, in units of its radius, by its own directions.
+    pub meshes: Vec<Mesh>,
+    pub cover: Cover,
+}
+
+impl DrawnCards {
+    /// The mean colour, sRGB.
+    pub fn color(&self) -> [u8; 3] {
+        self.cover.cells.first().map_or([0; 3], |cell| cell.color)
+    }
+}
+
+/// A plane of a card: its directions in the frame of the piece.
+#[derive(Clone, Copy)]
+struct Plane {
+    right: Vec3,
+    up: Vec3,
+    toward: Vec3,
+}
+
+/// From above its plane, from its side, from its end.
+const SEEN: [Plane; 3] = [
+    Plane { right: Vec3::X, up: Vec3::Y, toward: Vec3::Z },
+    Plane { right: Vec3::NEG_Z, up: Vec3::Y, toward: Vec3::X },
+    Plane { right: Vec3::NEG_X, up: Vec3::Z, toward: Vec3::Y },
+];
+
+/// What is drawn in a cell.
+struct Sight {
+    model: usize,
+    plane: Plane,
+    low: Vec2,
+    high: Vec2,
+}
+
+impl Sight {
+    fn size(&self) -> Vec2 {
+        (self.high - self.low).max(Vec2::splat(1e-3))
+    }
+}
+
+/// A piece as it is, in its own frame.
+struct Model {
+    /// Each with its material.
+    parts: Vec<(usize, Mesh)>,
+}
+
+/// Draws the pieces of some levels.
+///
+/// # Errors
+/// [`DetailError`]: memory, or cancelled.
+pub(super) fn draw<'a>(
+    models: impl Iterator<Item = (&'a Pieces, u32, &'a Frame)>,
+    specimen: &Specimen<'_>,
+    body: Body<'_>,
+    wardrobe: &Wardrobe,
+    size_px: u32,
+    monitor: &dyn Monitor,
+) -> Result<DrawnCards, DetailError> {
+    let mut materials =
+        vec![Material { base_color_picture: None, normal_picture: None, ..wardrobe.bark().clone() }];
+    let (mut drawn, mut sights) = (Vec::new(), Vec::new());
+    for (level, piece, frame) in models {
+        monitor.check()?;
+        let model = model(level, piece, frame, specimen, body, wardrobe, &mut materials, monitor)?;
+        sights.extend(seen(drawn.len(), &model, frame));
+        drawn.push(model);
+    }
+    let sheet = Sheet::new(&sights, size_px);
+    let pixels = u64::from(size_px) * u64::from(size_px);
+    let bytes = bytes_of::<Drawn>(1) * pixels * u64::from(SAMPLES * SAMPLES)
+        + bytes_of::<[f32; 16]>(1) * pixels
+        + materials.iter().map(Texture::bytes_of).sum::<u64>();
+    monitor.admit("drawing branch cards", bytes, "lower card_size").map_err(DetailError::from)?;
+    let textures: Vec<Option<Texture>> = materials.iter().map(Texture::of).collect();
+    let mut canvas = Canvas::new(Pixels::new(size_px, size_px).times(SAMPLES));
+    let mut meshes = vec![Mesh::default(); drawn.len()];
+    for (sight, &first) in sights.iter().zip(&sheet.cells) {
+        let Plane { right, up, toward } = sight.plane;
+        let size = sheet.pixels(sight);
+        let inner = Pixels::new(first.x + MARGIN_PX, first.y + MARGIN_PX);
+        let view = View {
+            origin: Vec3::ZERO,
+            right,
+            up,
+            toward,
+            relief: RELIEF,
+            corner: Vec2::new(sight.low.x, sight.high.y),
+            scale: sheet.scale * SAMPLES as f32,
+            first: inner.times(SAMPLES),
+            size: Pixels::new(size.x - 2 * MARGIN_PX, size.y - 2 * MARGIN_PX).times(SAMPLES),
+        };
+        for (material, mesh) in &drawn[sight.model].parts {
+            drawing::draw(
+                &mut canvas,
+                &view,
+                mesh,
+                &materials[*material],
+                textures[*material].as_ref(),
+                monitor,
+            )?;
+        }
+        add_plane(&mut meshes[sight.model], sight, inner, sheet.scale, size_px);
+    }
+    let Finished { color, normal } = drawing::finish(&canvas, SAMPLES, CUTOUT, monitor)?;
+    let mean = drawing::mean(&color).map(|light| (encode(light) * 255.0 + 0.5) as u8);
+    let whole = Cell {
+        min: Vec2::ZERO,
+        max: Vec2::ONE,
+        attach: Vec2::splat(0.5),
+        unit: Vec2::ONE,
+        outline: vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y],
+        color: mean,
+    };
+    let cover = Cover {
+        base_color: Arc::new(color),
+        normal: Some(Arc::new(normal)),
+        is_cut_out: true,
+        cells: vec![whole],
+    };
+    Ok(DrawnCards { meshes, cover })
+}
+
+/// The leaves and the thin wood of a piece.
+#[expect(clippy::too_many_arguments)]
+fn model(
+    level: &Pieces,
+    piece: u32,
+    frame: &Frame,
+    specimen: &Specimen<'_>,
+    body: Body<'_>,
+    wardrobe: &Wardrobe,
+    materials: &mut Vec<Material>,
+    monitor: &dyn Monitor,
+) -> Result<Model, DetailError> {
+    let Cut { piece_of, .. } = &level.cut;
+    let is_in = |organ: usize| piece_of.get(body.organs.growth(organ).node as usize) == Some(&piece);
+    let organs = Arc::new(selected(body.organs, is_in, 1.0));
+    let mut parts = vec![(0, wood(body.skeleton, piece, frame, level))];
+    let (mut found, foliage) =
+        wardrobe.foliage(specimen, &organs, monitor).map_err(crate::dress::DressError::from)?;
+    for part in foliage {
+        let material = found[part.material].clone();
+        let known = materials.iter().position(|other| other.name == material.name);
+        let at = known.unwrap_or_else(|| {
+            materials.push(material);
+            materials.len() - 1
+        });
+        parts.push((at, part.mesh));
+    }
+    found.clear();
+    let (side, heading, up) = (frame.side(), frame.heading, frame.up);
+    for (_, mesh) in &mut parts {
+        for position in &mut mesh.positions {
+            *position = frame.local(*position);
+        }
+        for normal in &mut mesh.normals {
+            *normal = Vec3::new(normal.dot(side), normal.dot(heading), normal.dot(up));
+        }
+    }
+    Ok(Model { parts })
+}
+
+/// Thin wood as prisms without ends.
+fn wood(skeleton: &Skeleton, piece: u32, frame: &Frame, level: &Pieces) -> Mesh {
+    let mut mesh = Mesh::default();
+    for (node, _) in level.cut.piece_of.iter().enumerate().filter(|(_, of)| **of == piece) {
+        let parent = skeleton.parents[node];
+        if parent == NO_PARENT || !level.is_thin[node] || skeleton.radii[node] > frame.radius_m * THICKEST {
+            continue;
+        }
+        let (from, to) = (skeleton.positions[parent as usize], skeleton.positions[node]);
+        let Some(along) = (to - from).try_normalize() else { continue };
+        let (u, v) = along.any_orthonormal_pair();
+        // A lateral begins as thick as it goes on.
+        let radii = [skeleton.radii[parent as usize].min(skeleton.radii[node] * 1.5), skeleton.radii[node]];
+        let first = mesh.positions.len() as u32;
+        for (at, radius) in [from, to].into_iter().zip(radii) {
+            for side in 0..SIDES {
+                let (sin, cos) = libm::sincosf(std::f32::consts::TAU * side as f32 / SIDES as f32);
+                let out = u * cos + v * sin;
+                mesh.positions.push(at + out * radius);
+                mesh.normals.push(out);
+                mesh.uvs.push(Vec2::ZERO);
+            }
+        }
+        for side in 0..SIDES {
+            let (a, b) = (first + side, first + (side + 1) % SIDES);
+            mesh.triangles.extend([[a, b, b + SIDES], [a, b + SIDES, a + SIDES]]);
+        }
+    }
+    mesh
+}
+
+/// The planes that show most of a piece to who stands on the ground, and what they show.
+fn seen(model: usize, of: &Model, frame: &Frame) -> Vec<Sight> {
+    let world = |v: Vec3| frame.side() * v.x + frame.heading * v.y + frame.up * v.z;
+    let mut sights: Vec<(f32, Sight)> = SEEN
+        .iter()
+        .map(|&plane| {
+            let places = of.parts.iter().flat_map(|(_, mesh)| &mesh.positions);
+            let flat = places.map(|at| Vec3::new(at.dot(plane.right), at.dot(plane.up), 0.0));
+            let bounds = Bounds::of(flat).unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO });
+            let sight = Sight { model, plane, low: bounds.min.truncate(), high: bounds.max.truncate() };
+            let rise = world(plane.toward).y.abs();
+            // The mean of |n·d| over level directions, and a little for those from above.
+            let visible = std::f32::consts::FRAC_2_PI * (1.0 - rise * rise).max(0.0).sqrt() + 0.3 * rise;
+            (sight.size().x * sight.size().y * visible, sight)
+        })
+        .collect();
+    sights.sort_by(|a, b| b.0.total_cmp(&a.0));
+    sights.into_iter().take(PLANES).map(|(_, sight)| sight).collect()
+}
+
+/// Adds a rectangle with what is seen of it.
+fn add_plane(mesh: &mut Mesh, sight: &Sight, inner: Pixels, scale: f32, size_px: u32) {
+    let Plane { right, up, toward } = sight.plane;
+    let first = mesh.positions.len() as u32;
+    for (x, y) in [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0_f32)] {
+        let at = sight.low + sight.size() * Vec2::new(x, y);
+        mesh.positions.push(right * at.x + up * at.y);
+        mesh.normals.push(toward);
+        let pixel = inner.to_vec2() + sight.size() * scale * Vec2::new(x, 1.0 - y);
+        let uv = pixel / size_px as f32;
+        mesh.uvs.push(Vec2::new(uv.x, 1.0 - uv.y));
+    }
+    mesh.triangles.extend([[first, first + 1, first + 2], [first, first + 2, first + 3]]);
+}
+
+/// Where cells lie on a square: on shelves, the tallest first.
+struct Sheet {
+    /// Pixels of a radius.
+    scale: f32,
+    /// The upper left corner of each sight's cell.
+    cells: Vec<Pixels>,
+}
+
+impl Sheet {
+    /// In the largest scale in which all have room.
+    fn new(sights: &[Sight], size_px: u32) -> Self {
+        const STEPS: u32 = 20;
+        let mut order: Vec<usize> = (0..sights.len()).collect();
+        order.sort_by(|&a, &b| sights[b].size().y.total_cmp(&sights[a].size().y).then(a.cmp(&b)));
+        let (mut low, mut high) = (0.0, size_px as f32);
+        let mut best = Self { scale: 1e-3, cells: vec![Pixels::new(0, 0); sights.len()] };
+        for _ in 0..STEPS {
+            let scale = f32::midpoint(low, high);
+            match shelves(sights, &order, scale, size_px) {
+                Some(cells) => (low, best) = (scale, Self { scale, cells }),
+                None => high = scale,
+            }
+        }
+        best
+    }
+
+    fn pixels(&self, sight: &Sight) -> Pixels {
+        pixels(sight, self.scale)
+    }
+}
+
+/// A cell with its margins.
+fn pixels(sight: &Sight, scale: f32) -> Pixels {
+    let size = (sight.size() * scale).ceil();
+    Pixels::new(size.x as u32 + 2 * MARGIN_PX, size.y as u32 + 2 * MARGIN_PX)
+}
+
+fn shelves(sights: &[Sight], order: &[usize], scale: f32, size_px: u32) -> Option<Vec<Pixels>> {
+    let mut cells = vec![Pixels::new(0, 0); sights.len()];
+    let (mut x, mut y, mut height) = (0, 0, 0);
+    for &at in order {
+        let size = pixels(&sights[at], scale);
+        if size.x > size_px {
+            return None;
+        }
+        if x + size.x > size_px {
+            (x, y, height) = (0, y + height, 0);
+        }
+        height = height.max(size.y);
+        if y + height > size_px {
+            return None;
+        }
+        cells[at] = Pixels::new(x, y);
+        x += size.x;
+    }
+    Some(cells)
+}

@@ -1,0 +1,154 @@
+//! Branch cards: the leafy twigs of a tree as pictures of a few of them, on crossed planes where they hang.
+//!
+//! Foliage is cut into pieces that hang together (`clusters`), as large as a budget of triangles asks for: twigs,
+//! branches, limbs. A few pieces, each the one that is most like its group (`deck`), are drawn into one atlas as
+//! they are seen from their own sides, leaves and thin wood alike (`draw`). The cards are organs like leaves
+//! ([`Organs`]): exporters, instances and wind take them as such.
+
+mod clusters;
+mod deck;
+mod draw;
+mod frame;
+
+use std::sync::Arc;
+
+use glam::Vec3;
+
+use super::{DetailError, Simplifier};
+use crate::dress::Wardrobe;
+use crate::{Body, Specimen};
+use linden_base::mesh::Mesh;
+use linden_base::monitor::{Cancelled, Monitor};
+use linden_skeleton::organs::{LeafShape, OrganOrigins, Organs, PROTOTYPES, PlacedOrgans};
+
+pub(super) use clusters::{Burden, Cut};
+
+use deck::Deck;
+
+/// Planes of a card.
+const PLANES: usize = 2;
+/// Triangles of a card.
+pub(super) const TRIANGLES: u64 = 2 * PLANES as u64;
+/// Different cards of the finest level that has any. The next ones, farther away, have fewer.
+const MOST_CARDS: usize = 24;
+/// The fewest of a level.
+const FEWEST_CARDS: usize = 8;
+
+/// An organ in short: where it begins and ends, and how much it counts, square metres.
+struct Rod {
+    node: u32,
+    from: Vec3,
+    to: Vec3,
+    weight: f32,
+}
+
+/// All organs in short.
+fn rods(organs: &Organs) -> impl Iterator<Item = Rod> {
+    let least = 1e-12;
+    let polygons = (0..organs.polygons.ends.len()).filter_map(move |polygon| {
+        let corners = organs.corners_of(polygon);
+        let from = *corners.first()?;
+        // Opposite to where it is attached.
+        let to = corners[corners.len() / 2];
+        let weight = from.distance_squared(to).max(least);
+        Some(Rod { node: organs.polygons.growth.nodes[polygon], from, to, weight })
+    });
+    let placed = &organs.placed;
+    let leaves = (0..placed.len()).map(move |organ| {
+        let (from, size_m) = (placed.positions[organ], placed.sizes_m[organ]);
+        let to = from + placed.headings[organ] * size_m;
+        Rod { node: placed.growth.nodes[organ], from, to, weight: (size_m * size_m).max(least) }
+    });
+    polygons.chain(leaves)
+}
+
+/// A level's pieces, with the wood that is not among them.
+pub(super) struct Pieces {
+    pub cut: Cut,
+    /// For each node whether its piece of wood is thin: the cards show it.
+    pub is_thin: Vec<bool>,
+}
+
+/// Branch cards of some levels.
+pub(super) struct Cards {
+    /// What they are dressed in.
+    pub wardrobe: Wardrobe,
+    /// Those of each level, as organs.
+    pub levels: Vec<Arc<Organs>>,
+}
+
+impl Cards {
+    /// Draws the cards of some levels, finest first, on one picture of `size_px` pixels a side.
+    ///
+    /// # Errors
+    /// [`DetailError`]: memory, or cancelled.
+    pub fn new(
+        levels: &[Pieces],
+        specimen: &Specimen<'_>,
+        body: Body<'_>,
+        wardrobe: &Wardrobe,
+        size_px: u32,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, DetailError> {
+        let mut most = MOST_CARDS;
+        let mut decks = Vec::with_capacity(levels.len());
+        for level in levels {
+            decks.push(Deck::new(&level.cut, body.skeleton, body.organs, most, monitor)?);
+            most = (most * 2 / 3).max(FEWEST_CARDS);
+        }
+        let models = levels.iter().zip(&decks).flat_map(|(level, deck)| {
+            deck.prototypes.iter().map(move |&piece| (level, piece, &deck.frames[piece as usize]))
+        });
+        let drawn = draw::draw(models, specimen, body, wardrobe, size_px, monitor)?;
+        let color = drawn.color();
+        let shape = |mesh: Mesh| LeafShape { kind: 0, sketch: mesh.clone(), mesh, color, is_dome: true };
+        let shapes: Arc<[LeafShape]> = drawn.meshes.into_iter().map(shape).collect();
+        let mut first = PROTOTYPES.len();
+        let mut organs = Vec::with_capacity(levels.len());
+        for (level, deck) in levels.iter().zip(decks) {
+            organs.push(Arc::new(Organs {
+                placed: placed(level, &deck, first),
+                shapes: Arc::clone(&shapes),
+                ..Organs::default()
+            }));
+            first += deck.prototypes.len();
+        }
+        Ok(Self { wardrobe: wardrobe.with_cards(drawn.cover, shapes), levels: organs })
+    }
+}
+
+/// A card for each piece.
+fn placed(level: &Pieces, deck: &Deck, first: usize) -> PlacedOrgans {
+    let nodes: Vec<u32> = level.cut.pieces.iter().map(|(node, _)| *node).collect();
+    let frames = || deck.frames.iter();
+    PlacedOrgans {
+        prototypes: deck.card_of.iter().map(|&card| first as u8 + card).collect(),
+        positions: frames().map(|frame| frame.middle).collect(),
+        headings: frames().map(|frame| frame.heading).collect(),
+        ups: frames().map(|frame| frame.up).collect(),
+        sizes_m: frames().map(|frame| frame.radius_m).collect(),
+        growth: OrganOrigins { colors: vec![0; nodes.len()], births: vec![0; nodes.len()], nodes },
+    }
+}
+
+impl Simplifier<'_> {
+    /// The size of pieces, metres, of which there are at most `count`, and as few less as can be.
+    pub(super) fn size_of_pieces(&self, count: u64, monitor: &dyn Monitor) -> Result<f32, Cancelled> {
+        /// Halvings: a thousandth of the way.
+        const STEPS: u32 = 24;
+        let (mut fine, mut coarse) = (0.0_f32, self.wood.size_m().max(1e-3) * 2.0);
+        for _ in 0..STEPS {
+            let middle = if fine == 0.0 { coarse / 8.0 } else { (fine * coarse).sqrt() };
+            let pieces = self.burden.count(middle, monitor)? as u64;
+            if pieces > count {
+                fine = middle;
+            } else {
+                coarse = middle;
+                if pieces as f64 > count as f64 * 0.995 {
+                    break;
+                }
+            }
+        }
+        Ok(coarse)
+    }
+}
