@@ -2,8 +2,11 @@
 
 use std::collections::BTreeSet;
 
-use linden_pipeline::detail::share_of_wood;
+use linden_pipeline::detail::{Shares, shares};
 use linden_pipeline::foliage::{Organs, PROTOTYPES};
+
+/// Of a card's two planes.
+const TRIANGLES_A_CARD: u64 = 4;
 
 /// Vertices and triangles of one or more levels of detail.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -17,22 +20,53 @@ pub(super) struct LevelAmounts {
     pub plain_vertices: u64,
     /// Leaves and other organs.
     pub organs: u64,
+    /// Whether branch cards stand for the leaves.
+    pub in_cards: bool,
     /// What instances leave out and put in its place.
     pub instanced: Instanced,
 }
 
 impl LevelAmounts {
-    /// What is left of them within a budget of triangles.
-    pub fn within(&self, budget: u64) -> Self {
+    /// What is left of them within a budget of triangles, `with_cards` where these may stand for leaves.
+    pub fn within(&self, budget: u64, with_cards: bool) -> Self {
         if budget >= self.triangles {
             return *self;
         }
         let wood = self.triangles - self.leaf_triangles;
-        let for_wood = share_of_wood(budget, wood, self.leaf_triangles);
+        let Shares { wood: for_wood, in_cards } = shares(budget, wood, self.leaf_triangles, with_cards);
         let part = |share: u64, all: u64| {
             move |count: u64| (count as f64 * (share as f64 / all.max(1) as f64)) as u64
         };
         let (of_wood, of_leaves) = (part(for_wood, wood), part(budget - for_wood, self.leaf_triangles));
+        if in_cards {
+            let leaf_triangles = budget - for_wood;
+            // Rectangles; instances are written all the same, once each of a few.
+            let leaf_vertices = 2 * leaf_triangles;
+            let copies = leaf_triangles / TRIANGLES_A_CARD;
+            return Self {
+                vertices: of_wood(self.vertices - self.leaf_vertices) + leaf_vertices,
+                triangles: budget,
+                leaf_vertices,
+                leaf_triangles,
+                plain_vertices: 0,
+                organs: self.organs,
+                in_cards: true,
+                instanced: Instanced {
+                    vertices: if self.instanced.copies > 0 {
+                        leaf_vertices - leaf_vertices.min(200)
+                    } else {
+                        0
+                    },
+                    triangles: if self.instanced.copies > 0 {
+                        leaf_triangles - leaf_triangles.min(100)
+                    } else {
+                        0
+                    },
+                    plain_vertices: 0,
+                    copies: if self.instanced.copies > 0 { copies } else { 0 },
+                },
+            };
+        }
         let leaf_vertices = of_leaves(self.leaf_vertices);
         let instanced = self.instanced;
         let left = |all: u64, copies: u64| of_leaves(all).saturating_sub(all - copies);
@@ -43,6 +77,7 @@ impl LevelAmounts {
             leaf_triangles: budget - for_wood,
             plain_vertices: of_leaves(self.plain_vertices),
             organs: of_leaves(self.organs),
+            in_cards: false,
             // One of each shape is written however few there are.
             instanced: Instanced {
                 vertices: left(self.leaf_vertices, instanced.vertices),
@@ -63,6 +98,7 @@ impl LevelAmounts {
             leaf_vertices: self.leaf_vertices + other.leaf_vertices,
             leaf_triangles: self.leaf_triangles + other.leaf_triangles,
             organs: self.organs + other.organs,
+            in_cards: self.in_cards || other.in_cards,
             instanced: Instanced {
                 vertices: a.vertices + b.vertices,
                 triangles: a.triangles + b.triangles,

@@ -20,7 +20,7 @@ use linden_pipeline::surface::{self, Junction, SurfaceError, Tubes};
 use linden_pipeline::wind::Wind;
 
 use self::level::{Instanced, LevelAmounts};
-use self::pictures::{bark_bytes, billboard_bytes, file_bytes, leaf_picture_bytes};
+use self::pictures::{bark_bytes, billboard_bytes, card_bytes, file_bytes, leaf_picture_bytes};
 use crate::{Format, LooksIn, Options};
 
 pub use self::amounts::{Amounts, mean_digits};
@@ -40,8 +40,10 @@ pub struct Estimate {
     axes: u64,
     /// The recipe's line.
     recipe_bytes: u64,
-    /// All pictures as PNG but those of the billboard.
-    picture_bytes: u64,
+    /// Pictures as PNG: of the bark, of leaves, of branch cards.
+    bark_bytes: u64,
+    leaf_bytes: u64,
+    card_bytes: u64,
     /// Those of the billboard.
     billboard_bytes: u64,
     wind: Wind,
@@ -120,17 +122,18 @@ impl Estimate {
             leaf_vertices: foliage_vertices,
             leaf_triangles: foliage_triangles,
             organs: of_leaves(organs.len() as u64),
+            in_cards: false,
             instanced,
         };
         let budgets = detail.budgets();
         let budget = if detail.finest() == 0 { u64::MAX } else { detail.finest() };
-        let finest = all.within(budget);
+        let finest = all.within(budget, detail.branch_cards);
         let of_level = |level: usize| {
             let share = libm::pow(detail.lod_ratio, level as f64);
             match budgets.get(level) {
-                Some(&budget) => all.within(budget),
+                Some(&budget) => all.within(budget, detail.branch_cards),
                 None if level == 0 => finest,
-                None => all.within((finest.triangles as f64 * share) as u64),
+                None => all.within((finest.triangles as f64 * share) as u64, detail.branch_cards),
             }
         };
         Ok(Self {
@@ -142,7 +145,9 @@ impl Estimate {
             axes: of_wood(skeleton.axes.len() as u64),
             // As long as with its own hashes.
             recipe_bytes: recipe.to_line_of(TreeHash { skeleton: 0, organs: 0 }).len() as u64,
-            picture_bytes: bark_bytes(recipe) + leaves.sum::<u64>(),
+            bark_bytes: bark_bytes(recipe),
+            leaf_bytes: leaves.sum::<u64>(),
+            card_bytes: card_bytes(detail.card_size_px),
             billboard_bytes: billboard_bytes(detail),
             wind,
             all_triangles: all.triangles,
@@ -153,7 +158,7 @@ impl Estimate {
     /// The same where the pictures of bark and leaves are there already.
     #[must_use]
     pub fn without_pictures(&self) -> Self {
-        Self { picture_bytes: 0, ..self.clone() }
+        Self { bark_bytes: 0, leaf_bytes: 0, ..self.clone() }
     }
 
     /// Triangles of each level, the finest first.
@@ -189,7 +194,7 @@ impl Estimate {
             }
             LooksIn::One => {
                 let all = self.levels.iter().copied().fold(LevelAmounts::default(), LevelAmounts::and);
-                let amounts = self.amounts(all, self.picture_bytes + self.billboard_bytes);
+                let amounts = self.amounts(all, self.picture_bytes(&self.levels) + self.billboard_bytes);
                 estimate(&amounts, options) + LEVEL_BYTES * (self.level_count() as u64).saturating_sub(1)
             }
             LooksIn::Nothing => estimate(&self.level_amounts(0), options),
@@ -204,9 +209,21 @@ impl Estimate {
     /// What a level alone amounts to; beyond those of triangles, the billboard.
     fn level_amounts(&self, level: usize) -> Amounts {
         match self.levels.get(level) {
-            Some(&amounts) => self.amounts(amounts, self.picture_bytes),
+            Some(&amounts) => self.amounts(amounts, self.picture_bytes(&[amounts])),
             None => self.amounts(LevelAmounts::default(), self.billboard_bytes),
         }
+    }
+
+    /// Whether branch cards stand for leaves in any level.
+    pub(crate) fn has_cards(&self) -> bool {
+        self.levels.iter().any(|level| level.in_cards)
+    }
+
+    /// The pictures that some levels show.
+    fn picture_bytes(&self, levels: &[LevelAmounts]) -> u64 {
+        let any = |in_cards: bool| levels.iter().any(|level| level.in_cards == in_cards);
+        let leaves = if any(false) { self.leaf_bytes } else { 0 };
+        self.bark_bytes + leaves + if any(true) { self.card_bytes } else { 0 }
     }
 
     fn amounts(&self, level: LevelAmounts, picture_bytes: u64) -> Amounts {

@@ -23,6 +23,8 @@ const BARK_PIXEL_S: f64 = 300e-9;
 const LEAF_PIXEL_S: f64 = 120e-9;
 /// Drawing a pixel of a billboard.
 const BILLBOARD_PIXEL_S: f64 = 600e-9;
+/// Drawing and compressing a pixel of branch cards, both pictures.
+const CARD_PIXEL_S: f64 = 350e-9;
 /// Compressing a pixel of a picture.
 const PNG_PIXEL_S: f64 = 45e-9;
 /// Solving for a level: triangles of the whole tree are counted again and again.
@@ -64,7 +66,8 @@ impl Estimate {
         let blown = if wind.wind == linden_pipeline::wind::Wind::Off { 0.0 } else { BLOWN_TRIANGLE_S };
         let square = |side: u32| f64::from(side) * f64::from(side);
         let planes = f64::from(detail.billboard) * square(detail.billboard_size_px);
-        triangles * (swept + blown) + solved + planes * BILLBOARD_PIXEL_S
+        let cards = if self.has_cards() { square(detail.card_size_px) * CARD_PIXEL_S } else { 0.0 };
+        triangles * (swept + blown) + solved + planes * BILLBOARD_PIXEL_S + cards
     }
 
     /// Measuring the surface and the leaves, as `linden stats` does.

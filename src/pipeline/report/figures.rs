@@ -99,10 +99,11 @@ pub(super) struct Figures<'a> {
 impl<'a> Figures<'a> {
     pub fn new(recipe: &Recipe, grown: &'a Grown, monitor: &dyn Monitor) -> Result<Self, ReportError> {
         let holding = Holding::new(monitor, grown.bytes() + recipe.inputs.bytes());
-        let Finest { skeleton, organs, tubes } = finest(recipe, grown, &holding)?;
+        let Finest { skeleton, organs, cards, tubes } = finest(recipe, grown, &holding)?;
         let (survey, wood_of_tubes) = WoodOfTubes::survey(&skeleton, &tubes, &holding)?;
         // A budget may be as large as the tree.
-        let is_whole = organs.len() == grown.organs.len() && tubes == recipe.preset.dressing.tubes;
+        let is_whole =
+            organs.len() == grown.organs.len() && cards.is_none() && tubes == recipe.preset.dressing.tubes;
         let is_reduced = !is_whole || skeleton != grown.skeleton;
         // Points for two hulls, and lists of nodes.
         let bytes = bytes_of::<[f64; 12]>(skeleton.positions.len()) + skeleton.topology_bytes();
@@ -110,7 +111,10 @@ impl<'a> Figures<'a> {
         admitted.map_err(DetailError::from)?;
         let nodes = || skeleton.positions.iter().map(|at| at.as_dvec3());
         let floor_m = nodes().map(|at| at.y).reduce(f64::min).unwrap_or(0.0);
-        let canopy = recipe.with_specimen(|specimen| canopy(specimen, &organs, floor_m, &holding))?;
+        let mut canopy = recipe.with_specimen(|specimen| canopy(specimen, &organs, floor_m, &holding))?;
+        if let Some([vertices, triangles]) = cards {
+            (canopy.vertices, canopy.triangles) = (vertices as usize, triangles as usize);
+        }
         monitor.check()?;
         let measures = skeleton.measures();
         let laterals = skeleton.axes.iter().filter(|axis| axis.order == 1);

@@ -236,12 +236,10 @@ impl Plan {
                 for level in carded() {
                     pieces.push(simplifier.pieces(level, monitor)?);
                 }
-                let cards = match pieces.is_empty() {
-                    true => None,
-                    false => {
-                        Some(Cards::new(&pieces, specimen, body, wardrobe, detail.card_size_px, monitor)?)
-                    }
-                };
+                let size_px = detail.card_size_px;
+                let cards = (!pieces.is_empty())
+                    .then(|| Cards::new(&pieces, specimen, body, wardrobe, size_px, monitor))
+                    .transpose()?;
                 drop(pieces);
                 let mut organs = cards.iter().flat_map(|cards| &cards.levels);
                 for level in details {
@@ -294,8 +292,10 @@ impl Plan {
 pub struct Finest {
     /// The axial tree.
     pub skeleton: Arc<Skeleton>,
-    /// What grows on it.
+    /// What grows on it; all that grows on the tree where branch cards stand for it.
     pub organs: Arc<Organs>,
+    /// Vertices and triangles of those cards.
+    pub cards: Option<[u64; 2]>,
     /// How its surface is made.
     pub tubes: Tubes,
 }
@@ -312,13 +312,16 @@ pub fn finest(dressing: &Dressing, body: Body<'_>, monitor: &dyn Monitor) -> Res
         return Ok(Finest {
             skeleton: Arc::clone(body.skeleton),
             organs: Arc::clone(body.organs),
+            cards: None,
             tubes: *tubes,
         });
     }
     let simplifier = Simplifier::new(tubes, body, monitor)?;
     let chosen = simplifier.within(budget, detail.branch_cards, monitor)?;
     let Simplified { skeleton, organs, tubes, .. } = simplifier.simplified(&chosen, monitor)?;
-    Ok(Finest { skeleton: Arc::new(skeleton), organs: Arc::new(organs), tubes })
+    let cards = simplifier.cards(&chosen, monitor)?;
+    let organs = if cards.is_some() { Arc::clone(body.organs) } else { Arc::new(organs) };
+    Ok(Finest { skeleton: Arc::new(skeleton), organs, cards, tubes })
 }
 
 /// Dresses a level.

@@ -31,7 +31,7 @@ use self::leaves::Leaves;
 use self::wood::Wood;
 
 pub use levels::{Finest, Level, Levels, Year, finest, levels, year};
-pub use solve::share_of_wood;
+pub use solve::{Shares, shares};
 
 /// How much of a tree is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -129,7 +129,8 @@ pub struct Simplifier<'a> {
     tubes: Tubes,
     wood: Wood<'a>,
     leaves: Leaves<'a>,
-    burden: Burden,
+    organs: &'a Organs,
+    skeleton: &'a Skeleton,
 }
 
 /// A tree with less of it: what [`crate::dress`] takes in place of the whole.
@@ -160,7 +161,8 @@ impl<'a> Simplifier<'a> {
             tubes: *tubes,
             wood: Wood::new(body.skeleton, monitor)?,
             leaves: Leaves::new(body.organs, monitor)?,
-            burden: Burden::new(body.skeleton, body.organs),
+            organs: body.organs,
+            skeleton: body.skeleton,
         })
     }
 
@@ -178,8 +180,23 @@ impl<'a> Simplifier<'a> {
 
     /// What the cards of a level stand for.
     fn pieces(&self, detail: &Detail, monitor: &dyn Monitor) -> Result<Pieces, DetailError> {
-        let cut = self.burden.cut(detail.card_m, monitor)?;
-        Ok(Pieces { cut, is_thin: self.wood.thin_nodes(detail) })
+        let is_thin = self.wood.thin_nodes(detail);
+        let cut = Burden::new(self.skeleton, self.organs, &is_thin).cut(detail.card_m, monitor)?;
+        Ok(Pieces { cut, is_thin })
+    }
+
+    /// What cards would stand for.
+    fn burden(&self, detail: &Detail) -> Burden {
+        Burden::new(self.skeleton, self.organs, &self.wood.thin_nodes(detail))
+    }
+
+    /// Vertices and triangles of a level's branch cards; `None` where leaves are shown as they are.
+    fn cards(&self, detail: &Detail, monitor: &dyn Monitor) -> Result<Option<[u64; 2]>, Cancelled> {
+        if detail.card_m == 0.0 {
+            return Ok(None);
+        }
+        let triangles = TRIANGLES * self.burden(detail).count(detail.card_m, monitor)? as u64;
+        Ok(Some([2 * triangles, triangles]))
     }
 
     /// How many triangles a level has, exactly.
@@ -188,10 +205,8 @@ impl<'a> Simplifier<'a> {
     /// [`DetailError::Cancelled`].
     pub fn triangles(&self, detail: &Detail, monitor: &dyn Monitor) -> Result<u64, DetailError> {
         let wood = self.wood_triangles(detail, monitor)?;
-        if detail.card_m > 0.0 {
-            return Ok(wood + TRIANGLES * self.burden.count(detail.card_m, monitor)? as u64);
-        }
-        Ok(wood + self.leaves.triangles(detail.leaf_share))
+        let cards = self.cards(detail, monitor)?;
+        Ok(wood + cards.map_or_else(|| self.leaves.triangles(detail.leaf_share), |[_, triangles]| triangles))
     }
 
     fn wood_triangles(&self, detail: &Detail, monitor: &dyn Monitor) -> Result<u64, DetailError> {

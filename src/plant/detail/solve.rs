@@ -9,15 +9,46 @@ use linden_base::monitor::Monitor;
 /// is its leaves.
 const WOOD_FIRST: f64 = 1.25;
 
-/// How many of `budget` triangles are the wood's, where there are `wood` and `leaves` of them in all.
-pub fn share_of_wood(budget: u64, wood: u64, leaves: u64) -> u64 {
+/// Where more of the leaves' triangles are left than this share, leaves are thinned out: some fewer are not missed.
+const LEAVES_AS_THEY_ARE: f64 = 0.7;
+/// And where more of the wood is left of a tree without leaves.
+const TWIGS_AS_THEY_ARE: f64 = 0.5;
+/// Of a tree without leaves so much of the budget is wood where cards show its twigs.
+const BARE_WOOD: f64 = 0.35;
+/// A smaller budget than this has no cards of a tree without leaves: a picture would weigh more than all else.
+const LEAST_FOR_TWIGS: u64 = 2000;
+
+/// What a budget of triangles is spent on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shares {
+    /// Triangles of the wood; all others are those of leaves, or of cards.
+    pub wood: u64,
+    /// Whether branch cards are to stand for leaves and thin wood.
+    pub in_cards: bool,
+}
+
+/// How `budget` triangles are spent where there are `wood` and `leaves` of them in all, `with_cards` where these may
+/// stand for leaves.
+pub fn shares(budget: u64, wood: u64, leaves: u64, with_cards: bool) -> Shares {
+    let for_wood = share_of_wood(budget, wood, leaves);
+    let is_below = |count: u64, share: f64, all: u64| (count as f64) < share * all as f64;
+    if with_cards && leaves > 0 && is_below(budget.saturating_sub(for_wood), LEAVES_AS_THEY_ARE, leaves) {
+        return Shares { wood: for_wood, in_cards: true };
+    }
+    if with_cards && leaves == 0 && budget >= LEAST_FOR_TWIGS && is_below(budget, TWIGS_AS_THEY_ARE, wood) {
+        return Shares { wood: (budget as f64 * BARE_WOOD) as u64, in_cards: true };
+    }
+    Shares { wood: for_wood, in_cards: false }
+}
+
+/// How many of `budget` triangles are the wood's where leaves are thinned out.
+fn share_of_wood(budget: u64, wood: u64, leaves: u64) -> u64 {
     let share = budget as f64 / (wood + leaves).max(1) as f64;
     let for_wood = (libm::pow(share.min(1.0), WOOD_FIRST) * wood as f64) as u64;
     // What leaves cannot use goes to the wood.
     for_wood.max(budget.saturating_sub(leaves)).min(wood)
 }
-/// Where more of the leaves' triangles are left than this share, leaves are thinned out: some fewer are not missed.
-const LEAVES_AS_THEY_ARE: f64 = 0.7;
+
 /// As near as this share of the budget is near enough.
 const NEAR: f64 = 0.01;
 /// The count is promised to be within this share of the budget.
@@ -70,21 +101,38 @@ impl Simplifier<'_> {
         if budget < least {
             return Err(DetailError::TooFew { budget, least });
         }
+        if with_cards && let Some(detail) = self.in_cards(budget, [wood, leaves], least_wood, monitor)? {
+            return Ok(detail);
+        }
         // Each needs its least.
-        let for_wood = share_of_wood(budget, wood, leaves).clamp(least_wood, budget - self.leaves.least());
-        let mut detail = self.wood_within(for_wood, monitor)?;
+        let for_wood = shares(budget, wood, leaves, false).wood;
+        let mut detail =
+            self.wood_within(for_wood.clamp(least_wood, budget - self.leaves.least()), monitor)?;
+        let used = self.wood_triangles(&detail, monitor)?;
+        detail.leaf_share = self.leaves.share_within(budget.saturating_sub(used));
+        Ok(detail)
+    }
+
+    /// The detail with `budget` triangles and branch cards; `None` where these are not wanted, or cannot meet it.
+    fn in_cards(
+        &self,
+        budget: u64,
+        [wood, leaves]: [u64; 2],
+        least_wood: u64,
+        monitor: &dyn Monitor,
+    ) -> Result<Option<Detail>, DetailError> {
+        let shares = shares(budget, wood, leaves, true);
+        if !shares.in_cards {
+            return Ok(None);
+        }
+        let mut detail = self.wood_within(shares.wood.clamp(least_wood, budget), monitor)?;
         let used = self.wood_triangles(&detail, monitor)?;
         let rest = budget.saturating_sub(used);
-        if with_cards && rest < (leaves as f64 * LEAVES_AS_THEY_ARE) as u64 {
-            let size_m = self.size_of_pieces(rest / TRIANGLES, monitor)?;
-            let cards = TRIANGLES * self.burden.count(size_m, monitor)? as u64;
-            if cards <= rest && within(PROMISED, used + cards, budget) {
-                detail.card_m = size_m;
-                return Ok(detail);
-            }
-        }
-        detail.leaf_share = self.leaves.share_within(rest);
-        Ok(detail)
+        let burden = self.burden(&detail);
+        let size_m = self.size_of_pieces(&burden, rest / TRIANGLES, monitor)?;
+        let cards = TRIANGLES * burden.count(size_m, monitor)? as u64;
+        detail.card_m = size_m;
+        Ok((cards <= rest && within(PROMISED, used + cards, budget)).then_some(detail))
     }
 
     /// All deviations of the wood from one number: 0 is all of it, 1 the stem alone.

@@ -2,6 +2,7 @@ use glam::{Vec2, Vec3};
 
 use super::*;
 use linden_base::monitor::Quiet;
+use linden_base::picture::Picture;
 use linden_skeleton::Skeleton;
 
 fn material(base_color: [f32; 3], double_sided: bool) -> Material {

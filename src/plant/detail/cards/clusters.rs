@@ -84,7 +84,7 @@ fn outer(v: DVec3) -> DMat3 {
     DMat3::from_cols(v * v.x, v * v.y, v * v.z)
 }
 
-/// What each node of a tree bears.
+/// What each node of a tree bears: organs, and wood that is left out.
 pub(in crate::detail) struct Burden {
     /// By node.
     borne: Vec<Mass>,
@@ -103,10 +103,10 @@ pub(in crate::detail) struct Cut {
 }
 
 impl Burden {
-    pub fn new(skeleton: &Skeleton, organs: &Organs) -> Self {
+    pub fn new(skeleton: &Skeleton, organs: &Organs, is_thin: &[bool]) -> Self {
         let nodes = skeleton.positions.len();
         let mut borne = vec![Mass::NOTHING; nodes];
-        for Rod { node, from, to, weight } in rods(organs) {
+        for Rod { node, from, to, weight } in rods(skeleton, organs, is_thin) {
             if let Some(there) = borne.get_mut(node as usize) {
                 *there = there.with(&Mass::rod(from, to, weight.into()));
             }

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::clusters::Cut;
 use super::frame::Frame;
-use super::{Rod, rods};
+use super::{Pieces, Rod, rods};
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_skeleton::Skeleton;
 use linden_skeleton::organs::Organs;
@@ -34,12 +34,13 @@ impl Deck {
     /// Chooses up to `most` prototypes, such that each piece is much like its own: k-means over where foliage is (Lloyd
     /// 1982), begun with pieces evenly chosen, ended with the piece nearest to each mean.
     pub fn new(
-        cut: &Cut,
+        pieces: &Pieces,
         skeleton: &Skeleton,
         organs: &Organs,
         most: usize,
         monitor: &dyn Monitor,
     ) -> Result<Self, Cancelled> {
+        let Pieces { cut, is_thin } = pieces;
         let frames: Vec<Frame> = cut
             .pieces
             .iter()
@@ -49,7 +50,7 @@ impl Deck {
                 Frame::of(mass, foot)
             })
             .collect();
-        let looks = looks(cut, &frames, organs);
+        let looks = looks(cut, &frames, rods(skeleton, organs, is_thin));
         monitor.check()?;
         let count = frames.len();
         let groups = most.clamp(1, usize::from(u8::MAX)).min(count);
@@ -100,9 +101,9 @@ fn nearest(look: &Look, means: &[Look]) -> usize {
 }
 
 /// The share of each piece's foliage in each square of the grids.
-fn looks(cut: &Cut, frames: &[Frame], organs: &Organs) -> Vec<Look> {
+fn looks(cut: &Cut, frames: &[Frame], rods: impl Iterator<Item = Rod>) -> Vec<Look> {
     let mut looks = vec![[0.0; CELLS]; frames.len()];
-    for Rod { node, from, to, weight } in rods(organs) {
+    for Rod { node, from, to, weight } in rods {
         let Some(&piece) = cut.piece_of.get(node as usize) else { continue };
         let Some(frame) = frames.get(piece as usize) else { continue };
         let weight = weight / cut.pieces[piece as usize].1.weight as f32;

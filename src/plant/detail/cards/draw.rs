@@ -26,7 +26,9 @@ use linden_skeleton::{NO_PARENT, Skeleton};
 /// How much of their tilt leaves keep on a card, whose normals are the crown's already.
 const RELIEF: f32 = 0.4;
 /// Thicker wood than this share of a piece's radius is not shown on its card: what stands elsewhere has none of it.
-const THICKEST: f32 = 0.04;
+const THICKEST: f32 = 0.07;
+/// The same of a tree without leaves, whose cards show nothing else.
+const THICKEST_BARE: f32 = 0.3;
 /// Sides of the wood on a card.
 const SIDES: u32 = 4;
 
@@ -170,7 +172,8 @@ fn model(
     let Cut { piece_of, .. } = &level.cut;
     let is_in = |organ: usize| piece_of.get(body.organs.growth(organ).node as usize) == Some(&piece);
     let organs = Arc::new(selected(body.organs, is_in, 1.0));
-    let mut parts = vec![(0, wood(body.skeleton, piece, frame, level))];
+    let thickest = if body.organs.is_empty() { THICKEST_BARE } else { THICKEST };
+    let mut parts = vec![(0, wood(body.skeleton, piece, frame.radius_m * thickest, level))];
     let (mut found, foliage) =
         wardrobe.foliage(specimen, &organs, monitor).map_err(crate::dress::DressError::from)?;
     for part in foliage {
@@ -196,11 +199,11 @@ fn model(
 }
 
 /// Thin wood as prisms without ends.
-fn wood(skeleton: &Skeleton, piece: u32, frame: &Frame, level: &Pieces) -> Mesh {
+fn wood(skeleton: &Skeleton, piece: u32, thickest_m: f32, level: &Pieces) -> Mesh {
     let mut mesh = Mesh::default();
     for (node, _) in level.cut.piece_of.iter().enumerate().filter(|(_, of)| **of == piece) {
         let parent = skeleton.parents[node];
-        if parent == NO_PARENT || !level.is_thin[node] || skeleton.radii[node] > frame.radius_m * THICKEST {
+        if parent == NO_PARENT || !level.is_thin[node] || skeleton.radii[node] > thickest_m {
             continue;
         }
         let (from, to) = (skeleton.positions[parent as usize], skeleton.positions[node]);

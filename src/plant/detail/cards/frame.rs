@@ -72,34 +72,26 @@ const SWEEPS: usize = 6;
 /// The unit eigenvectors of a symmetric matrix by rising eigenvalue, by Jacobi's rotations (Golub & Van Loan, Matrix
 /// Computations, 8.5).
 fn axes(matrix: DMat3) -> [DVec3; 3] {
-    let mut a = matrix.to_cols_array_2d();
-    let mut v = DMat3::IDENTITY.to_cols_array_2d();
+    let (mut a, mut v) = (matrix, DMat3::IDENTITY);
     for _ in 0..SWEEPS {
         for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            if a[p][q].abs() < 1e-300 {
+            let off = a.col(q)[p];
+            if off.abs() < 1e-300 {
                 continue;
             }
-            let theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
-            let t = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
-            let c = 1.0 / (t * t + 1.0).sqrt();
-            let s = t * c;
-            for k in 0..3 {
-                let (x, y) = (a[k][p], a[k][q]);
-                (a[k][p], a[k][q]) = (c * x - s * y, s * x + c * y);
-            }
-            for k in 0..3 {
-                let (x, y) = (a[p][k], a[q][k]);
-                (a[p][k], a[q][k]) = (c * x - s * y, s * x + c * y);
-            }
-            for row in 0..3 {
-                let (x, y) = (v[p][row], v[q][row]);
-                (v[p][row], v[q][row]) = (c * x - s * y, s * x + c * y);
-            }
+            let theta = (a.col(q)[q] - a.col(p)[p]) / (2.0 * off);
+            let tan = theta.signum() / (theta.abs() + (theta * theta + 1.0).sqrt());
+            let cos = 1.0 / (tan * tan + 1.0).sqrt();
+            let mut turn = DMat3::IDENTITY;
+            (turn.col_mut(p)[p], turn.col_mut(q)[q]) = (cos, cos);
+            (turn.col_mut(p)[q], turn.col_mut(q)[p]) = (-tan * cos, tan * cos);
+            a = turn.transpose() * a * turn;
+            v *= turn;
         }
     }
     let mut order = [0, 1, 2];
-    order.sort_by(|&i, &j| a[i][i].total_cmp(&a[j][j]));
-    order.map(|i| DVec3::from_array(v[i]).normalize_or(DVec3::Y))
+    order.sort_by(|&i, &j| a.col(i)[i].total_cmp(&a.col(j)[j]));
+    order.map(|i| v.col(i).normalize_or(DVec3::Y))
 }
 
 #[cfg(test)]

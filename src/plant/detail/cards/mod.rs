@@ -9,6 +9,8 @@ mod clusters;
 mod deck;
 mod draw;
 mod frame;
+#[cfg(test)]
+mod tests;
 
 use std::sync::Arc;
 
@@ -19,6 +21,7 @@ use crate::dress::Wardrobe;
 use crate::{Body, Specimen};
 use linden_base::mesh::Mesh;
 use linden_base::monitor::{Cancelled, Monitor};
+use linden_skeleton::Skeleton;
 use linden_skeleton::organs::{LeafShape, OrganOrigins, Organs, PROTOTYPES, PlacedOrgans};
 
 pub(super) use clusters::{Burden, Cut};
@@ -34,7 +37,7 @@ const MOST_CARDS: usize = 24;
 /// The fewest of a level.
 const FEWEST_CARDS: usize = 8;
 
-/// An organ in short: where it begins and ends, and how much it counts, square metres.
+/// An organ or a piece of thin wood in short: where it begins and ends, and how much it counts, square metres.
 struct Rod {
     node: u32,
     from: Vec3,
@@ -42,8 +45,15 @@ struct Rod {
     weight: f32,
 }
 
-/// All organs in short.
-fn rods(organs: &Organs) -> impl Iterator<Item = Rod> {
+/// Wood counts less than its outline: it is seen where there are no leaves.
+const OF_WOOD: f32 = 0.5;
+
+/// All that cards show.
+fn rods<'a>(
+    skeleton: &'a Skeleton,
+    organs: &'a Organs,
+    is_thin: &'a [bool],
+) -> impl Iterator<Item = Rod> + 'a {
     let least = 1e-12;
     let polygons = (0..organs.polygons.ends.len()).filter_map(move |polygon| {
         let corners = organs.corners_of(polygon);
@@ -59,7 +69,14 @@ fn rods(organs: &Organs) -> impl Iterator<Item = Rod> {
         let to = from + placed.headings[organ] * size_m;
         Rod { node: placed.growth.nodes[organ], from, to, weight: (size_m * size_m).max(least) }
     });
-    polygons.chain(leaves)
+    let thin = (0..skeleton.positions.len()).filter(|node| is_thin[*node]).filter_map(move |node| {
+        let parent = skeleton.parents[node];
+        let from = *skeleton.positions.get(parent as usize)?;
+        let to = skeleton.positions[node];
+        let weight = (OF_WOOD * 2.0 * skeleton.radii[node] * from.distance(to)).max(least);
+        Some(Rod { node: node as u32, from, to, weight })
+    });
+    polygons.chain(leaves).chain(thin)
 }
 
 /// A level's pieces, with the wood that is not among them.
@@ -93,7 +110,7 @@ impl Cards {
         let mut most = MOST_CARDS;
         let mut decks = Vec::with_capacity(levels.len());
         for level in levels {
-            decks.push(Deck::new(&level.cut, body.skeleton, body.organs, most, monitor)?);
+            decks.push(Deck::new(level, body.skeleton, body.organs, most, monitor)?);
             most = (most * 2 / 3).max(FEWEST_CARDS);
         }
         let models = levels.iter().zip(&decks).flat_map(|(level, deck)| {
@@ -133,13 +150,18 @@ fn placed(level: &Pieces, deck: &Deck, first: usize) -> PlacedOrgans {
 
 impl Simplifier<'_> {
     /// The size of pieces, metres, of which there are at most `count`, and as few less as can be.
-    pub(super) fn size_of_pieces(&self, count: u64, monitor: &dyn Monitor) -> Result<f32, Cancelled> {
+    pub(super) fn size_of_pieces(
+        &self,
+        burden: &Burden,
+        count: u64,
+        monitor: &dyn Monitor,
+    ) -> Result<f32, Cancelled> {
         /// Halvings: a thousandth of the way.
         const STEPS: u32 = 24;
         let (mut fine, mut coarse) = (0.0_f32, self.wood.size_m().max(1e-3) * 2.0);
         for _ in 0..STEPS {
             let middle = if fine == 0.0 { coarse / 8.0 } else { (fine * coarse).sqrt() };
-            let pieces = self.burden.count(middle, monitor)? as u64;
+            let pieces = burden.count(middle, monitor)? as u64;
             if pieces > count {
                 fine = middle;
             } else {

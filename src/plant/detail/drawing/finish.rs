@@ -5,6 +5,7 @@ use glam::{Vec3, Vec4};
 use super::Canvas;
 use super::Pixels;
 use crate::detail::wood::GOLDEN;
+use crate::texture::leaf;
 use linden_base::color::encode;
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_base::picture::Picture;
@@ -43,7 +44,9 @@ pub(in crate::detail) fn finish(
     }
     let share = 1.0 / (samples * samples) as f32;
     let covered: Vec<f32> = colors.values.iter().map(|sum| sum.w * share).collect();
-    let alpha = keep_coverage(&covered, size, cutout);
+    let mut alpha = keep_coverage(&covered, size, cutout);
+    // Smaller copies of the picture keep it, too.
+    leaf::keep_coverage(&mut alpha, size.x as usize);
     colors.fill(monitor)?;
     normals.fill(monitor)?;
     let code = |x: f32| libm::roundf(x.clamp(0.0, 1.0) * 255.0) as u8;

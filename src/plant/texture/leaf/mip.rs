@@ -8,7 +8,21 @@
 
 use rayon::prelude::*;
 
-use super::paint::Spot;
+/// What has an alpha.
+pub(crate) trait Cutout: Send + Sync {
+    fn alpha(&self) -> f32;
+    fn set_alpha(&mut self, alpha: f32);
+}
+
+impl Cutout for f32 {
+    fn alpha(&self) -> f32 {
+        *self
+    }
+
+    fn set_alpha(&mut self, alpha: f32) {
+        *self = alpha;
+    }
+}
 
 /// What is not cut out stays below this: one half with room for rounding.
 const MOST: f32 = 0.45;
@@ -19,19 +33,22 @@ const LEVELS: usize = 3;
 /// Steps of the bisection for the factor.
 const STEPS: usize = 12;
 
-/// Means over blocks, `side` to a row.
+/// Means over blocks, `width` to a row.
 struct Blocks {
-    side: usize,
+    width: usize,
+    height: usize,
     values: Vec<f32>,
 }
 
 /// Raises the alpha of what is not cut out.
-pub(super) fn keep_coverage(spots: &mut [Spot], n: usize) {
+///
+/// Rows have `width` pixels.
+pub(crate) fn keep_coverage<T: Cutout>(spots: &mut [T], width: usize) {
     // Copies of smaller pictures show nothing.
-    if n < 8 * BLOCK {
+    if width < 8 * BLOCK || spots.len() / width < 8 * BLOCK {
         return;
     }
-    let covered = Blocks::of(spots, n);
+    let covered = Blocks::of(spots, width);
     let near = covered.blurred();
     let wanted = covered.values.iter().sum::<f32>() / covered.values.len() as f32;
     let (mut low, mut high) = (0.0, 4.0);
@@ -45,48 +62,50 @@ pub(super) fn keep_coverage(spots: &mut [Spot], n: usize) {
     }
     // Where nothing lies between all and nothing, all: rather a thick spray than none.
     let gain = high;
-    spots.par_chunks_mut(n).enumerate().for_each(|(row, line)| {
+    spots.par_chunks_mut(width).enumerate().for_each(|(row, line)| {
         for (column, spot) in line.iter_mut().enumerate() {
-            if spot.alpha < 0.5 {
+            let alpha = spot.alpha();
+            if alpha < 0.5 {
                 let halo = (gain * near.at(column as f32, row as f32)).min(MOST);
-                spot.alpha = spot.alpha.max(halo);
+                spot.set_alpha(alpha.max(halo));
             }
         }
     });
 }
 
 impl Blocks {
-    fn of(spots: &[Spot], n: usize) -> Self {
-        let side = n / BLOCK;
-        let mut values = vec![0.0; side * side];
-        values.par_chunks_mut(side).enumerate().for_each(|(row, out)| {
-            for line in spots[row * BLOCK * n..].chunks(n).take(BLOCK) {
+    fn of<T: Cutout>(spots: &[T], row_len: usize) -> Self {
+        let (width, height) = (row_len / BLOCK, spots.len() / row_len / BLOCK);
+        let mut values = vec![0.0; width * height];
+        values.par_chunks_mut(width).enumerate().for_each(|(row, out)| {
+            for line in spots[row * BLOCK * row_len..].chunks(row_len).take(BLOCK) {
                 for (out, block) in out.iter_mut().zip(line.chunks_exact(BLOCK)) {
-                    *out += block.iter().map(|spot| spot.alpha).sum::<f32>() / (BLOCK * BLOCK) as f32;
+                    *out += block.iter().map(Cutout::alpha).sum::<f32>() / (BLOCK * BLOCK) as f32;
                 }
             }
         });
-        Self { side, values }
+        Self { width, height, values }
     }
 
     /// The mean of each block and its eight neighbours.
     fn blurred(&self) -> Self {
-        let last = self.side - 1;
         let mean = |i: usize| {
-            let (x, y) = (i % self.side, i / self.side);
-            let rows = [y.saturating_sub(1), y, (y + 1).min(last)];
-            let columns = [x.saturating_sub(1), x, (x + 1).min(last)];
-            rows.iter().flat_map(|y| columns.iter().map(move |x| self.values[y * self.side + x])).sum::<f32>()
+            let (x, y) = (i % self.width, i / self.width);
+            let rows = [y.saturating_sub(1), y, (y + 1).min(self.height - 1)];
+            let columns = [x.saturating_sub(1), x, (x + 1).min(self.width - 1)];
+            rows.iter()
+                .flat_map(|y| columns.iter().map(move |x| self.values[y * self.width + x]))
+                .sum::<f32>()
                 / 9.0
         };
-        Self { side: self.side, values: (0..self.values.len()).map(mean).collect() }
+        Self { values: (0..self.values.len()).map(mean).collect(), ..*self }
     }
 
     /// What blocks have when their free parts are raised.
     fn raised(&self, near: &Self, gain: f32) -> Self {
         let values =
             self.values.iter().zip(&near.values).map(|(c, near)| c + (1.0 - c) * (gain * near).min(MOST));
-        Self { side: self.side, values: values.collect() }
+        Self { values: values.collect(), ..*self }
     }
 
     /// The share that is cut out, on average over the levels.
@@ -105,24 +124,25 @@ impl Blocks {
     }
 
     fn halved(&self) -> Self {
-        let side = self.side / 2;
+        let (width, height) = (self.width / 2, self.height / 2);
         let mean = |i: usize| {
-            let corner = i / side * 2 * self.side + i % side * 2;
+            let corner = i / width * 2 * self.width + i % width * 2;
             let at = |offset: usize| self.values[corner + offset];
-            (at(0) + at(1) + at(self.side) + at(self.side + 1)) / 4.0
+            (at(0) + at(1) + at(self.width) + at(self.width + 1)) / 4.0
         };
-        Self { side, values: (0..side * side).map(mean).collect() }
+        Self { width, height, values: (0..width * height).map(mean).collect() }
     }
 
     /// Between the middles of blocks, at a pixel.
     fn at(&self, column: f32, row: f32) -> f32 {
-        let place = |pixel: f32| ((pixel + 0.5) / BLOCK as f32 - 0.5).clamp(0.0, (self.side - 1) as f32);
-        let (x, y) = (place(column), place(row));
+        let place =
+            |pixel: f32, count: usize| ((pixel + 0.5) / BLOCK as f32 - 0.5).clamp(0.0, (count - 1) as f32);
+        let (x, y) = (place(column, self.width), place(row, self.height));
         let (left, top) = (x as usize, y as usize);
-        let (right, low) = ((left + 1).min(self.side - 1), (top + 1).min(self.side - 1));
+        let (right, low) = ((left + 1).min(self.width - 1), (top + 1).min(self.height - 1));
         let (fx, fy) = (x - left as f32, y - top as f32);
         let line = |row: usize| {
-            let (a, b) = (self.values[row * self.side + left], self.values[row * self.side + right]);
+            let (a, b) = (self.values[row * self.width + left], self.values[row * self.width + right]);
             a + (b - a) * fx
         };
         line(top) + (line(low) - line(top)) * fy
@@ -132,6 +152,7 @@ impl Blocks {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::texture::leaf::paint::Spot;
 
     const N: usize = 256;
 

@@ -31,6 +31,7 @@ use linden_base::monitor::{Cancelled, Monitor};
 use linden_base::picture::Picture;
 use linden_base::random::Key;
 
+pub(crate) use mip::keep_coverage;
 pub use outline::{Margin, Outline, Veins};
 
 /// What leaf to draw.

@@ -10,6 +10,7 @@ use glam::{Affine2, Vec2, Vec3};
 use super::coverage::coverage;
 use super::field::Window;
 use super::figure::{Figure, Piece, Skin};
+use super::mip::Cutout;
 use crate::texture::periodic::{Noise, smoothstep};
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_base::random::Key;
@@ -22,6 +23,16 @@ pub(super) struct Spot {
     /// The normal's slopes, to the right and up.
     pub slope: Vec2,
     pub alpha: f32,
+}
+
+impl Cutout for Spot {
+    fn alpha(&self) -> f32 {
+        self.alpha
+    }
+
+    fn set_alpha(&mut self, alpha: f32) {
+        self.alpha = alpha;
+    }
 }
 
 /// The noises that all pieces share, each piece at its own place.

@@ -1,0 +1,181 @@
+use glam::{Vec2, Vec3};
+
+use super::clusters::NONE;
+use super::*;
+use crate::detail::drawing::{Canvas, Pixels, Texture, View, draw};
+use crate::detail::{Detail, Level, levels};
+use crate::scene::Scene;
+use crate::testing::{Subject, body};
+use linden_base::monitor::Quiet;
+use linden_pipeline::grow::Grown;
+
+fn subject(id: &str, knobs: &[(&str, &str)]) -> (Subject, Grown) {
+    let subject = Subject::builtin(id, knobs);
+    let grown = subject.grow();
+    (subject, grown)
+}
+
+fn dressed(subject: &Subject, grown: &Grown) -> Vec<Level> {
+    subject.with(|specimen| levels(specimen, body(grown), &Quiet)).unwrap().levels
+}
+
+#[test]
+fn pieces_hang_together_and_hold_every_organ_once() {
+    for id in ["hazel", "ash", "abop-bush"] {
+        let (subject, grown) = subject(id, &[]);
+        let simplifier = Simplifier::new(&subject.dressing.tubes, body(&grown), &Quiet).unwrap();
+        let mut before = usize::MAX;
+        for size_m in [0.1, 0.4, 1.5] {
+            let detail = Detail { card_m: size_m, ..Detail::full(&subject.dressing.tubes) };
+            let Pieces { cut, .. } = simplifier.pieces(&detail, &Quiet).unwrap();
+            assert_eq!(cut.pieces.len(), simplifier.burden(&detail).count(size_m, &Quiet).unwrap());
+            assert!(cut.pieces.len() < before, "{id}: larger pieces are fewer");
+            before = cut.pieces.len();
+            // A piece is what is below its node, down to the nodes of other pieces.
+            for (node, &piece) in cut.piece_of.iter().enumerate() {
+                let parent = grown.skeleton.parents[node];
+                if piece == NONE || cut.pieces[piece as usize].0 as usize == node {
+                    continue;
+                }
+                assert_eq!(cut.piece_of[parent as usize], piece, "{id}: {node}");
+            }
+            // Their boxes are no larger than asked for, but for what one node bears.
+            let mut boxes =
+                vec![(Vec3::INFINITY, Vec3::NEG_INFINITY, std::collections::BTreeSet::new()); before];
+            for organ in 0..grown.organs.len() {
+                let node = grown.organs.growth(organ).node;
+                let piece = cut.piece_of[node as usize];
+                assert_ne!(piece, NONE, "{id}: each organ is in one");
+                let placed = organ - grown.organs.polygons.ends.len().min(organ);
+                if organ < grown.organs.polygons.ends.len() {
+                    continue;
+                }
+                let (low, high, nodes) = &mut boxes[piece as usize];
+                let at = grown.organs.placed.positions[placed];
+                (*low, *high) = (low.min(at), high.max(at));
+                nodes.insert(node);
+            }
+            for (low, high, nodes) in boxes.iter().filter(|(_, _, nodes)| nodes.len() > 1) {
+                assert!(low.distance(*high) <= size_m * 1.5, "{id} {size_m}: {nodes:?}");
+            }
+        }
+    }
+}
+
+/// What a scene covers, seen from a side without perspective: each pixel whether anything is there.
+fn covered(scene: &Scene, toward: Vec3, low: Vec2, scale: f32, side: u32) -> Vec<bool> {
+    let mut canvas = Canvas::new(Pixels::new(side, side));
+    let view = View {
+        origin: Vec3::ZERO,
+        right: Vec3::Y.cross(toward).normalize(),
+        up: Vec3::Y,
+        toward,
+        corner: Vec2::new(low.x, low.y + side as f32 / scale),
+        scale,
+        relief: 1.0,
+        first: Pixels::new(0, 0),
+        size: Pixels::new(side, side),
+    };
+    for part in &scene.parts {
+        let material = &scene.materials[part.material];
+        draw(&mut canvas, &view, &part.mesh, material, Texture::of(material).as_ref(), &Quiet).unwrap();
+    }
+    canvas.samples.iter().map(|sample| sample.near_m > f32::NEG_INFINITY).collect()
+}
+
+#[test]
+fn a_tree_of_cards_covers_what_the_tree_covers() {
+    // Coarse pixels and open crowns: by chance alone an apple would come to 0.2, as thinned leaves do.
+    for (id, budget, least) in [("hazel", "8000", 0.65), ("apple", "5000", 0.5)] {
+        let (whole, grown) = subject(id, &[]);
+        let (few, _) = subject(id, &[("triangles", budget)]);
+        let (plain, _) = subject(id, &[("triangles", budget), ("branch_cards", "false")]);
+        let [whole, few, plain] = [&whole, &few, &plain].map(|subject| dressed(subject, &grown));
+        let bounds = linden_base::mesh::Bounds::of(
+            whole[0].scene.parts.iter().flat_map(|part| part.mesh.positions.iter().copied()),
+        );
+        let size_m = bounds.unwrap().size().length();
+        let side = 240;
+        let scale = side as f32 / size_m;
+        let low = Vec2::new(-size_m / 2.0, -0.2 * size_m);
+        for degrees in [17.0_f32, 139.0] {
+            let (sin, cos) = libm::sincosf(degrees.to_radians());
+            let toward = Vec3::new(sin, 0.1, cos).normalize();
+            let of = |levels: &[Level]| covered(&levels[0].scene, toward, low, scale, side);
+            let (all, some, thinned) = (of(&whole), of(&few), of(&plain));
+            let count = |of: &dyn Fn(bool, bool) -> bool, with: &[bool]| {
+                all.iter().zip(with).filter(|(a, b)| of(**a, **b)).count() as f64
+            };
+            let iou = |with: &[bool]| count(&|a, b| a && b, with) / count(&|a, b| a || b, with);
+            let share = some.iter().filter(|there| **there).count() as f64 / count(&|a, _| a, &some);
+            assert!((0.85..1.15).contains(&share), "{id} {degrees}: {share}");
+            assert!(iou(&some) > least, "{id} {degrees}: {}", iou(&some));
+            assert!(iou(&some) > iou(&thinned) + 0.1, "{id}: {} {}", iou(&some), iou(&thinned));
+        }
+    }
+}
+
+#[test]
+fn levels_share_one_picture_and_each_card_shows_a_part_of_its_own() {
+    let (subject, grown) = subject("ash", &[("triangles", "20000"), ("lods", "3"), ("card_size", "512")]);
+    let levels = dressed(&subject, &grown);
+    let pictures: Vec<_> = levels
+        .iter()
+        .map(|level| {
+            let material = level.scene.materials.iter().find(|material| material.name == "branches").unwrap();
+            material.base_color_picture.clone().unwrap()
+        })
+        .collect();
+    assert!(pictures.iter().all(|picture| Arc::ptr_eq(picture, &pictures[0])));
+    assert_eq!([pictures[0].width(), pictures[0].height()], [512; 2]);
+    let mut rectangles = std::collections::BTreeSet::new();
+    for level in &levels {
+        let part = level.scene.parts.iter().find(|part| part.name == "branches").unwrap();
+        assert!(part.mesh.uvs.iter().all(|uv| uv.min_element() >= 0.0 && uv.max_element() <= 1.0));
+        for corners in part.mesh.uvs.chunks(4) {
+            let pixel = |uv: Vec2| [(uv.x * 512.0).round() as i32, (uv.y * 512.0).round() as i32];
+            rectangles.insert([pixel(corners[0]), pixel(corners[2])]);
+        }
+    }
+    let rectangles: Vec<_> = rectangles.into_iter().collect();
+    assert!(rectangles.len() > 40, "{}", rectangles.len());
+    for (i, [a, b]) in rectangles.iter().enumerate() {
+        for [c, d] in &rectangles[..i] {
+            let apart = b[0] <= c[0] || d[0] <= a[0] || b[1] <= c[1] || d[1] <= a[1];
+            assert!(apart, "{a:?} {b:?} and {c:?} {d:?}");
+        }
+    }
+    // The organs stay those of the tree.
+    assert!(levels.iter().all(|level| level.scene.organs.len() == grown.organs.len()));
+}
+
+#[test]
+fn smaller_copies_of_the_picture_cover_as_much() {
+    let (subject, grown) = subject("norway-spruce", &[("triangles", "8000")]);
+    let levels = dressed(&subject, &grown);
+    let material = levels[0].scene.materials.iter().find(|material| material.name == "branches").unwrap();
+    let picture = material.base_color_picture.clone().unwrap();
+    let side = picture.width() as usize;
+    let alpha: Vec<f32> = picture.rgba().as_chunks::<4>().0.iter().map(|p| f32::from(p[3]) / 255.0).collect();
+    // By the definition: the mean of squares, cut at one half.
+    let share = |square: usize| {
+        let n = side / square;
+        let kept = (0..n * n).filter(|i| {
+            let at = |k: usize| alpha[(i / n * square + k / square) * side + i % n * square + k % square];
+            (0..square * square).map(at).sum::<f32>() >= 0.5 * (square * square) as f32
+        });
+        kept.count() as f64 / (n * n) as f64
+    };
+    let whole = share(1);
+    assert!(whole > 0.1, "{whole}");
+    let mean = [4, 8, 16].map(share).iter().sum::<f64>() / 3.0 / whole;
+    assert!((0.8..1.25).contains(&mean), "{mean}");
+}
+
+#[test]
+fn a_bare_tree_keeps_its_twigs() {
+    let (subject, grown) = subject("oak", &[("season", "1"), ("triangles", "12000")]);
+    let levels = dressed(&subject, &grown);
+    let part = levels[0].scene.parts.iter().find(|part| part.name == "branches").unwrap();
+    assert!(part.mesh.triangles.len() > 5000);
+}
