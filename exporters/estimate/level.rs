@@ -2,11 +2,15 @@
 
 use std::collections::BTreeSet;
 
-use linden_pipeline::detail::{Shares, shares};
+use linden_pipeline::detail::{Amount, Shares, shares};
 use linden_pipeline::foliage::{Organs, PROTOTYPES};
 
 /// Of a card's two planes.
 const TRIANGLES_A_CARD: u64 = 4;
+/// Different cards of a level.
+const MESHES: u64 = 24;
+/// What a document says of a mesh that is copied takes as much as so many of its places.
+const PLACES_A_MESH: u64 = 36;
 
 /// Vertices and triangles of one or more levels of detail.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,6 +24,8 @@ pub(super) struct LevelAmounts {
     pub plain_vertices: u64,
     /// Leaves and other organs.
     pub organs: u64,
+    /// Nodes that bear them.
+    pub sites: u64,
     /// Whether branch cards stand for the leaves.
     pub in_cards: bool,
     /// What instances leave out and put in its place.
@@ -33,7 +39,8 @@ impl LevelAmounts {
             return *self;
         }
         let wood = self.triangles - self.leaf_triangles;
-        let Shares { wood: for_wood, in_cards } = shares(budget, wood, self.leaf_triangles, with_cards);
+        let tree = Amount { wood, leaves: self.leaf_triangles, sites: self.sites };
+        let Shares { wood: for_wood, in_cards } = shares(budget, tree, with_cards);
         let part = |share: u64, all: u64| {
             move |count: u64| (count as f64 * (share as f64 / all.max(1) as f64)) as u64
         };
@@ -42,7 +49,7 @@ impl LevelAmounts {
             let leaf_triangles = budget - for_wood;
             // Rectangles; instances are written all the same, once each of a few.
             let leaf_vertices = 2 * leaf_triangles;
-            let copies = leaf_triangles / TRIANGLES_A_CARD;
+            let copies = leaf_triangles / TRIANGLES_A_CARD + MESHES * PLACES_A_MESH;
             return Self {
                 vertices: of_wood(self.vertices - self.leaf_vertices) + leaf_vertices,
                 triangles: budget,
@@ -50,6 +57,7 @@ impl LevelAmounts {
                 leaf_triangles,
                 plain_vertices: 0,
                 organs: self.organs,
+                sites: self.sites,
                 in_cards: true,
                 instanced: Instanced {
                     vertices: if self.instanced.copies > 0 {
@@ -77,6 +85,7 @@ impl LevelAmounts {
             leaf_triangles: budget - for_wood,
             plain_vertices: of_leaves(self.plain_vertices),
             organs: of_leaves(self.organs),
+            sites: self.sites,
             in_cards: false,
             // One of each shape is written however few there are.
             instanced: Instanced {
@@ -98,6 +107,7 @@ impl LevelAmounts {
             leaf_vertices: self.leaf_vertices + other.leaf_vertices,
             leaf_triangles: self.leaf_triangles + other.leaf_triangles,
             organs: self.organs + other.organs,
+            sites: self.sites,
             in_cards: self.in_cards || other.in_cards,
             instanced: Instanced {
                 vertices: a.vertices + b.vertices,

@@ -122,6 +122,7 @@ impl Estimate {
             leaf_vertices: foliage_vertices,
             leaf_triangles: foliage_triangles,
             organs: of_leaves(organs.len() as u64),
+            sites: of_leaves(organs.sites()),
             in_cards: false,
             instanced,
         };

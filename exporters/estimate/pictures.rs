@@ -22,9 +22,9 @@ pub(super) fn billboard_bytes(detail: &DetailSettings) -> u64 {
     (f64::from(detail.billboard) * side * side * BILLBOARD_BYTES) as u64
 }
 
-/// For each pixel of a square as high as a plane: both pictures. Between an oak (0.8) and a fir, whose
-/// needles say more (1.9).
-const BILLBOARD_BYTES: f64 = 1.25;
+/// For each pixel of a square as high as a plane: both pictures. Between an oak (0.8), a fir, whose
+/// needles say more (1.9), and a box hedge in branch cards (2.7).
+const BILLBOARD_BYTES: f64 = 1.7;
 
 /// Both pictures of branch cards as PNG, all levels together: measured at 1024 pixels over all plants.
 pub(super) fn card_bytes(size_px: u32) -> u64 {

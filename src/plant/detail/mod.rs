@@ -31,7 +31,7 @@ use self::leaves::Leaves;
 use self::wood::Wood;
 
 pub use levels::{Finest, Level, Levels, Year, finest, levels, year};
-pub use solve::{Shares, shares};
+pub use solve::{Amount, Shares, shares};
 
 /// How much of a tree is shown.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -187,6 +187,15 @@ impl Organs {
         Hanging { node: all.nodes[at], color: all.colors[at], birth: all.births[at] }
     }
 
+    /// How many nodes bear any.
+    pub fn sites(&self) -> u64 {
+        let nodes = self.polygons.growth.nodes.iter().chain(&self.placed.growth.nodes);
+        let mut nodes: Vec<u32> = nodes.copied().collect();
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes.len() as u64
+    }
+
     /// The organs as refinement takes them along: the polygons, then those of `placed`.
     pub fn riders(&self) -> Vec<Rider> {
         let nodes = self.polygons.growth.nodes.iter().chain(&self.placed.growth.nodes);

@@ -82,7 +82,7 @@ pub fn billboard(scene: &Scene, how: &Billboard, monitor: &dyn Monitor) -> Resul
             drawing::draw(&mut drawn, &view, &part.mesh, material, texture, monitor)?;
         }
     }
-    let Finished { color, normal } = drawing::finish(&drawn, SAMPLES, CUTOUT, monitor)?;
+    let Finished { color, normal } = drawing::finish(&drawn, SAMPLES, CUTOUT, false, monitor)?;
     let material = Material {
         name: "billboard".to_owned(),
         base_color: mean(&color),

@@ -138,7 +138,7 @@ pub(super) fn draw<'a>(
         }
         add_plane(&mut meshes[sight.model], sight, inner, sheet.scale, size_px);
     }
-    let Finished { color, normal } = drawing::finish(&canvas, SAMPLES, CUTOUT, monitor)?;
+    let Finished { color, normal } = drawing::finish(&canvas, SAMPLES, CUTOUT, true, monitor)?;
     let mean = drawing::mean(&color).map(|light| (encode(light) * 255.0 + 0.5) as u8);
     let whole = Cell {
         min: Vec2::ZERO,

@@ -3,7 +3,7 @@ use glam::{Vec2, Vec3};
 use super::clusters::NONE;
 use super::*;
 use crate::detail::drawing::{Canvas, Pixels, Texture, View, draw};
-use crate::detail::{Detail, Level, levels};
+use crate::detail::{Detail, Level, levels, year};
 use crate::scene::Scene;
 use crate::testing::{Subject, body};
 use linden_base::monitor::Quiet;
@@ -173,9 +173,17 @@ fn smaller_copies_of_the_picture_cover_as_much() {
 }
 
 #[test]
-fn a_bare_tree_keeps_its_twigs() {
-    let (subject, grown) = subject("oak", &[("season", "1"), ("triangles", "12000")]);
-    let levels = dressed(&subject, &grown);
-    let part = levels[0].scene.parts.iter().find(|part| part.name == "branches").unwrap();
-    assert!(part.mesh.triangles.len() > 5000);
+fn cards_show_twigs_in_seasons_without_leaves() {
+    let (subject, grown) = subject("oak", &[("triangles", "12000")]);
+    let seasons = crate::season::Season::parse_list("summer,bare").unwrap();
+    let year = subject.with(|specimen| year(specimen, body(&grown), &seasons, &Quiet)).unwrap();
+    let cards = |season: usize| {
+        let scene = &year.seasons[season].1[0].scene;
+        let material = scene.materials.iter().find(|material| material.name == "branches").unwrap();
+        (scene.parts.iter().map(|part| part.mesh.triangles.len()).sum::<usize>(), material.base_color)
+    };
+    let [(summer, green), (winter, brown)] = [cards(0), cards(1)];
+    assert!(summer <= 12_000 && winter <= 14_000, "{summer} {winter}");
+    assert!(green[1] > 1.5 * green[0], "{green:?}");
+    assert!(brown[1] < 1.2 * brown[0], "{brown:?}");
 }

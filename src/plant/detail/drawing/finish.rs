@@ -18,11 +18,13 @@ pub(in crate::detail) struct Finished {
     pub normal: Picture,
 }
 
-/// Makes pictures of `samples × samples` to a pixel, cut out where alpha is below `cutout`.
+/// Makes pictures of `samples × samples` to a pixel, cut out where alpha is below `cutout`. What is
+/// covered stays so `in_copies`: smaller ones of the picture. That costs about half of the file again where thin wood is seen.
 pub(in crate::detail) fn finish(
     drawn: &Canvas,
     samples: u32,
     cutout: f32,
+    in_copies: bool,
     monitor: &dyn Monitor,
 ) -> Result<Finished, Cancelled> {
     let size = Pixels::new(drawn.size.x / samples, drawn.size.y / samples);
@@ -45,8 +47,9 @@ pub(in crate::detail) fn finish(
     let share = 1.0 / (samples * samples) as f32;
     let covered: Vec<f32> = colors.values.iter().map(|sum| sum.w * share).collect();
     let mut alpha = keep_coverage(&covered, size, cutout);
-    // Smaller copies of the picture keep it, too.
-    leaf::keep_coverage(&mut alpha, size.x as usize);
+    if in_copies {
+        leaf::keep_coverage(&mut alpha, size.x as usize);
+    }
     colors.fill(monitor)?;
     normals.fill(monitor)?;
     let code = |x: f32| libm::roundf(x.clamp(0.0, 1.0) * 255.0) as u8;
