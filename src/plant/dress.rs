@@ -9,9 +9,10 @@ use crate::foliage::{
 };
 use crate::scene::{Material, Part, Scene, Wrap};
 use crate::settings::LeafKind;
-use crate::surface::{self, SurfaceError};
+use crate::surface::{self, Junction, SurfaceError, Tubes};
 use crate::texture::{self, BarkError, BarkPictures};
 use crate::wind::{Blown, Field};
+use crate::wood_parts;
 use crate::{Body, Specimen};
 use linden_base::color::linear;
 use linden_base::input::A_PICTURE;
@@ -19,6 +20,7 @@ use linden_base::knob::printable;
 use linden_base::mesh::Mesh;
 use linden_base::monitor::Holding;
 use linden_base::monitor::{Cancelled, Monitor};
+use linden_skeleton::Skeleton;
 use linden_skeleton::organs::{LeafShape, Organs};
 
 /// Bark scatters light in all directions; nothing on it shines.
@@ -68,6 +70,7 @@ linden_base::from_cancellable!(
 
 /// For messages about memory.
 const BLOWING: &str = "computing the wind";
+const PARTING: &str = "parting the wood by its thickness";
 const BLOWING_ADVICE: &str = "use wind=attributes, a budget of triangles, or no wind";
 
 /// Parts and materials of leaves are called so, and of the cards in place of them.
@@ -94,6 +97,9 @@ pub fn dress(specimen: &Specimen<'_>, body: Body<'_>, monitor: &dyn Monitor) -> 
 /// The pictures of a tree's bark and leaves, drawn once for all of its levels of detail and looks.
 pub struct Wardrobe {
     bark: Material,
+    /// Of limbs, then of twigs, where they have one of their own: the largest radius of the wood that wears it,
+    /// metres, and what it is called.
+    thin_barks: Vec<(&'static str, f32, Material)>,
     /// By kind; `None` where no organ is of it.
     covers: Vec<Option<Cover>>,
     shapes: Arc<[LeafShape]>,
@@ -107,9 +113,9 @@ impl Wardrobe {
     /// # Errors
     /// [`DressError`].
     pub fn new(specimen: &Specimen<'_>, organs: &Organs, monitor: &dyn Monitor) -> Result<Self, DressError> {
-        let bark = bark(specimen, monitor)?;
-        Self { bark, covers: Vec::new(), shapes: Vec::new().into(), foliage_name: LEAVES }
-            .in_season(specimen, organs, monitor)
+        let (bark, thin_barks) = (bark(specimen, monitor)?, thin_barks(specimen, monitor)?);
+        let (covers, shapes) = (Vec::new(), Vec::new().into());
+        Self { bark, thin_barks, covers, shapes, foliage_name: LEAVES }.in_season(specimen, organs, monitor)
     }
 
     /// The same bark with the leaves of another season.
@@ -122,20 +128,20 @@ impl Wardrobe {
         organs: &Organs,
         monitor: &dyn Monitor,
     ) -> Result<Self, DressError> {
-        let bark = [&self.bark.base_color_picture, &self.bark.normal_picture];
-        let pictures = bark.into_iter().flatten().map(|picture| picture.rgba().len() as u64).sum();
-        let (covers, shapes) = covers(specimen, organs, &Holding::new(monitor, pictures))?;
-        Ok(Self { bark: self.bark.clone(), covers, shapes: shapes.into(), foliage_name: LEAVES })
+        let (covers, shapes) = covers(specimen, organs, &Holding::new(monitor, self.bark_bytes()))?;
+        let (bark, thin_barks) = (self.bark.clone(), self.thin_barks.clone());
+        Ok(Self { bark, thin_barks, covers, shapes: shapes.into(), foliage_name: LEAVES })
     }
 
     /// The same bark, with branch cards in place of leaves.
     pub(crate) fn with_cards(&self, cover: Cover, shapes: Arc<[LeafShape]>) -> Self {
-        Self { bark: self.bark.clone(), covers: vec![Some(cover)], shapes, foliage_name: CARDS }
+        let (bark, thin_barks) = (self.bark.clone(), self.thin_barks.clone());
+        Self { bark, thin_barks, covers: vec![Some(cover)], shapes, foliage_name: CARDS }
     }
 
-    /// What the wood is covered with.
-    pub(crate) const fn bark(&self) -> &Material {
-        &self.bark
+    /// What the thinnest wood is covered with.
+    pub(crate) fn twig_bark(&self) -> &Material {
+        self.thin_barks.last().map_or(&self.bark, |(_, _, bark)| bark)
     }
 
     /// Organs alone, without wind.
@@ -154,12 +160,18 @@ impl Wardrobe {
         Ok((materials, parts))
     }
 
+    /// Bytes of the barks' pictures.
+    fn bark_bytes(&self) -> u64 {
+        let barks = std::iter::once(&self.bark).chain(self.thin_barks.iter().map(|(_, _, bark)| bark));
+        let pictures = barks.flat_map(|bark| [&bark.base_color_picture, &bark.normal_picture]);
+        pictures.flatten().map(|picture| picture.rgba().len() as u64).sum()
+    }
+
     /// Bytes of the pictures.
     fn bytes(&self) -> u64 {
-        let bark = [&self.bark.base_color_picture, &self.bark.normal_picture].into_iter().flatten();
         let covers = self.covers.iter().flatten();
         let covers = covers.flat_map(|cover| std::iter::once(&cover.base_color).chain(cover.normal.as_ref()));
-        bark.chain(covers).map(|picture| picture.rgba().len() as u64).sum()
+        self.bark_bytes() + covers.map(|picture| picture.rgba().len() as u64).sum::<u64>()
     }
 
     /// As [`dress`](dress()), with these pictures and this wind, and without the recipe: the body may be a
@@ -177,8 +189,7 @@ impl Wardrobe {
         let tubes = &specimen.dressing.tubes;
         let held = body.bytes() + specimen.inputs.bytes() + self.bytes();
         let monitor: &dyn Monitor = &Holding::new(monitor, held);
-        let mut wood = surface::sweep(body.skeleton, tubes, monitor)?;
-        stretch(&mut wood, &self.bark);
+        let wood = surface::sweep(body.skeleton, tubes, monitor)?;
         let mut materials = vec![self.bark.clone()];
         let mut wood = Part::new("wood", 0, wood);
         if let Some(blown) = blown {
@@ -187,8 +198,14 @@ impl Wardrobe {
             let tubes = surface::count(body.skeleton, tubes, monitor)?;
             wood.wind = Some(blown.wood(&wood.mesh, &tubes, monitor)?);
         }
-        let wooded = Holding::new(monitor, wood.bytes());
-        let mut parts = vec![wood];
+        let mut parts = self.by_thickness(wood, body.skeleton, tubes, monitor)?;
+        if let Some(trunk) = parts.first_mut().filter(|part| part.material == 0) {
+            stretch(&mut trunk.mesh, &self.bark);
+        }
+        if parts.iter().any(|part| part.material > 0) {
+            materials.extend(self.thin_barks.iter().map(|(_, _, bark)| bark.clone()));
+        }
+        let wooded = Holding::new(monitor, parts.iter().map(Part::bytes).sum());
         let organs = self.organs(specimen, body.organs);
         self.leaves((body.organs, &organs), blown, &mut materials, &mut parts, &wooded)?;
         Ok(Scene {
@@ -199,6 +216,29 @@ impl Wardrobe {
             skeleton: Arc::clone(body.skeleton),
             organs,
         })
+    }
+
+    /// The wood, in as many parts as it has barks. A solid has no tubes to tell thick from thin: it is one.
+    fn by_thickness(
+        &self,
+        wood: Part,
+        skeleton: &Skeleton,
+        tubes: &Tubes,
+        monitor: &dyn Monitor,
+    ) -> Result<Vec<Part>, SurfaceError> {
+        if self.thin_barks.is_empty() || tubes.junction == Junction::Watertight {
+            return Ok(vec![wood]);
+        }
+        monitor.admit(
+            PARTING,
+            2 * wood.bytes(),
+            "lower sides, or let all wood have one bark (limb_radius=0)",
+        )?;
+        let counts = surface::count(skeleton, tubes, monitor)?;
+        let limits_m: Vec<f32> = self.thin_barks.iter().map(|(_, radius_m, _)| *radius_m).collect();
+        let classes = surface::classes(&wood.mesh, &counts, skeleton, &limits_m, monitor)?;
+        let names: Vec<&str> = self.thin_barks.iter().map(|(name, _, _)| *name).collect();
+        Ok(wood_parts::cut(&wood, &classes, &names))
     }
 
     /// The organs in the shapes and pictures of their kinds.
@@ -227,6 +267,7 @@ impl Wardrobe {
         monitor: &dyn Monitor,
     ) -> Result<(), FoliageError> {
         let (shapes, colors) = (dressed.shapes(), dressed.colors());
+        let wooden = parts.len();
         for Foliage { look, mesh } in foliage::meshes_of(organs, shapes, colors.len(), monitor)? {
             let numbered =
                 |name: &str, i: usize| if i == 0 { name.to_owned() } else { format!("{name}_{i}") };
@@ -246,7 +287,7 @@ impl Wardrobe {
             let is_placed = !organs.placed.prototypes.is_empty();
             part.instances = is_placed.then(|| Instances::of(dressed, look));
             if let Some(blown) = blown {
-                let held: u64 = parts.iter().skip(1).map(Part::bytes).sum();
+                let held: u64 = parts.iter().skip(wooden).map(Part::bytes).sum();
                 let bytes = held + part.bytes() + blown.field.bytes_for(part.mesh.positions.len());
                 monitor.admit(BLOWING, bytes, BLOWING_ADVICE)?;
                 part.wind = Some(blown.leaves(&part.mesh, organs, look, colors.len(), monitor)?);
@@ -299,8 +340,25 @@ fn bark(specimen: &Specimen<'_>, monitor: &dyn Monitor) -> Result<Material, Dres
     if n_area.abs_diff(p_area) > u64::from(n[0].max(n[1]).max(p[0]).max(p[1])) {
         return Err(DressError::Proportions { normal: n, picture: p });
     }
-    Ok(Material {
-        name: "bark".to_owned(),
+    Ok(bark_material("bark".to_owned(), mean, BarkPictures { base_color, normal }))
+}
+
+/// The barks of limbs and twigs, where they have one of their own.
+fn thin_barks(
+    specimen: &Specimen<'_>,
+    monitor: &dyn Monitor,
+) -> Result<Vec<(&'static str, f32, Material)>, BarkError> {
+    let barks = specimen.dressing.bark.thin_barks();
+    let drawn = barks.into_iter().map(|(name, radius_m, bark)| {
+        let pictures = specimen.drawn.bark(&bark, monitor)?;
+        Ok((name, radius_m, bark_material(format!("bark_{name}"), bark.color, pictures)))
+    });
+    drawn.collect()
+}
+
+fn bark_material(name: String, mean: [u8; 3], BarkPictures { base_color, normal }: BarkPictures) -> Material {
+    Material {
+        name,
         base_color: linear(mean),
         base_color_picture: Some(base_color),
         normal_picture: Some(normal),
@@ -308,7 +366,7 @@ fn bark(specimen: &Specimen<'_>, monitor: &dyn Monitor) -> Result<Material, Dres
         double_sided: false,
         cutout: None,
         wrap: Wrap::Repeat,
-    })
+    }
 }
 
 /// Lays a bark that is not square on as it is: [`crate::surface::Tubes::bark_tile_m`] is its width.

@@ -49,5 +49,6 @@ pub mod surface;
 mod testing;
 pub mod texture;
 pub mod wind;
+mod wood_parts;
 
 pub use specimen::{Body, Specimen};

@@ -268,6 +268,34 @@ static RULES: &[Rule] = &[
             )
         },
     },
+    Rule {
+        knobs: &["bark_lenticels"],
+        why: |preset| {
+            let bark = &preset.dressing.bark;
+            let has_thin = !bark.thin_barks().is_empty();
+            when(
+                bark.picture.is_some() && !has_thin,
+                "bark_picture stands in place of the drawn one, and limbs and twigs have no bark of their own",
+            )
+        },
+    },
+    Rule {
+        knobs: &["limb_bark", "limb_color"],
+        why: |preset| when(preset.dressing.bark.limbs.radius_m == 0.0, "limb_radius is 0"),
+    },
+    Rule {
+        knobs: &["twig_bark", "twig_color"],
+        why: |preset| when(preset.dressing.bark.twigs.radius_m == 0.0, "twig_radius is 0"),
+    },
+    Rule {
+        knobs: &["limb_radius", "limb_bark", "limb_color", "twig_radius", "twig_bark", "twig_color"],
+        why: |preset| {
+            when(
+                preset.dressing.tubes.junction == Junction::Watertight,
+                "junction=watertight makes one solid of all wood, with one bark",
+            )
+        },
+    },
     // [foliage]
     Rule {
         knobs: &["season", "leaf_size", "leaf_seed"],

@@ -18,6 +18,12 @@ pub struct BarkSettings {
     pub relief: Option<f32>,
     /// Strength of the grain; 1 is usual.
     pub grain: f32,
+    /// How many lenticels lie across it: 0 those of its style alone, 1 in dense rows.
+    pub lenticels: f32,
+    /// The bark of wood that is thinner than the trunk.
+    pub limbs: ThinBark,
+    /// That of wood that is thinner still.
+    pub twigs: ThinBark,
     /// Side of the drawn pictures, pixels.
     pub size_px: u32,
     /// The number that the pictures are drawn by.
@@ -30,6 +36,37 @@ pub struct BarkSettings {
     pub normal: Option<String>,
 }
 
+linden_base::words! {
+    /// The kind of bark of thin wood.
+    #[derive(Default)]
+    ThinStyle {
+        /// Smooth: that of young bark.
+        #[default]
+        Auto = "auto",
+        /// [`BarkStyle::Ridged`]
+        Ridged = "ridged",
+        /// [`BarkStyle::Smooth`]
+        Smooth = "smooth",
+        /// [`BarkStyle::Plated`]
+        Plated = "plated",
+        /// [`BarkStyle::Birch`]
+        Birch = "birch",
+        /// [`BarkStyle::Peeling`]
+        Peeling = "peeling",
+    }
+}
+
+/// The bark of wood up to a thickness.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ThinBark {
+    /// The thickest wood that has it, metres; 0: none has.
+    pub radius_m: f64,
+    /// What kind of bark.
+    pub style: ThinStyle,
+    /// Mean colour, sRGB; `None`: that of the trunk.
+    pub color: Option<[u8; 3]>,
+}
+
 impl Default for BarkSettings {
     fn default() -> Self {
         Self {
@@ -37,6 +74,9 @@ impl Default for BarkSettings {
             color: None,
             relief: None,
             grain: 1.0,
+            lenticels: 0.0,
+            limbs: ThinBark::default(),
+            twigs: ThinBark::default(),
             size_px: 512,
             seed: 1,
             picture: None,
@@ -67,9 +107,33 @@ impl BarkSettings {
             color: self.color.unwrap_or(usual.color),
             relief: self.relief.unwrap_or(usual.relief),
             roughness: self.grain,
+            lenticels: self.lenticels,
             size_px: self.size_px,
             ..usual
         }
+    }
+
+    /// The barks of limbs and of twigs, and the largest radius of the wood that has them, metres; the thicker
+    /// first. Their pictures are a half and a quarter as large: less is seen of them.
+    pub fn thin_barks(&self) -> Vec<(&'static str, f32, Bark)> {
+        let trunk = self.bark();
+        let of = |name: &'static str, thin: &ThinBark, size_px: u32| {
+            let style = BarkStyle::named(thin.style.word()).unwrap_or(BarkStyle::Smooth);
+            let usual = Bark::new(style, Key::new(self.seed).named(name));
+            let bark = Bark {
+                color: thin.color.unwrap_or(trunk.color),
+                size_px: size_px.max(16).min(self.size_px),
+                roughness: self.grain,
+                lenticels: self.lenticels,
+                ..usual
+            };
+            (name, thin.radius_m as f32, bark)
+        };
+        let all = [("limbs", &self.limbs, self.size_px / 2), ("twigs", &self.twigs, self.size_px / 4)];
+        all.into_iter()
+            .filter(|(_, thin, _)| thin.radius_m > 0.0)
+            .map(|(name, thin, size_px)| of(name, thin, size_px))
+            .collect()
     }
 }
 
@@ -134,6 +198,75 @@ impl BarkSettings {
             "strength of the grain: 0 polished, 1 usual",
             grain,
             see_also(&["bark", "bark_relief"])
+        ),
+        field!(
+            "bark_lenticels",
+            real(0.0, 1.0),
+            "",
+            "how many lenticels lie across the bark: 0 only those of its kind, 1 dense rows of bands",
+            lenticels,
+            details(
+                "0.6 and more is a cherry, 0.2 a rowan or a young apple. They are rusty on dark bark and dark on \
+                 light bark; limbs and twigs with a bark of their own have them too."
+            ),
+            see_also(&["bark", "limb_radius", "twig_radius"])
+        ),
+        field!(
+            "limb_radius",
+            real(0.0, 10.0),
+            "m",
+            "wood up to this radius has the bark of limbs: limb_bark and limb_color; 0: all has that of the trunk",
+            limbs.radius_m,
+            details(
+                "Bark is older and rougher the thicker the wood is. 0.06 leaves ridges or plates to the trunk and \
+                 to great limbs. The wood is then written in parts, each with a material: wood, wood_limbs, \
+                 wood_twigs."
+            ),
+            see_also(&["twig_radius", "limb_bark", "limb_color", "bark"])
+        ),
+        field!(
+            "limb_bark",
+            Kind::Choice(ThinStyle::WORDS),
+            "",
+            "kind of bark on limbs; auto: smooth",
+            limbs.style,
+            see_also(&["limb_radius", "bark"])
+        ),
+        field!(
+            "limb_color",
+            Kind::Color { auto: true },
+            "sRGB",
+            "mean colour of the bark of limbs; auto: that of the trunk",
+            limbs.color,
+            see_also(&["limb_radius", "bark_color"])
+        ),
+        field!(
+            "twig_radius",
+            real(0.0, 10.0),
+            "m",
+            "wood up to this radius has the bark of twigs: twig_bark and twig_color; 0: none has",
+            twigs.radius_m,
+            details(
+                "0.01 is the shoots of the last years, which are green, red or yellow in many kinds: willow, \
+                 dogwood, maple, lime in winter."
+            ),
+            see_also(&["limb_radius", "twig_bark", "twig_color", "bark"])
+        ),
+        field!(
+            "twig_bark",
+            Kind::Choice(ThinStyle::WORDS),
+            "",
+            "kind of bark on twigs; auto: smooth",
+            twigs.style,
+            see_also(&["twig_radius", "bark"])
+        ),
+        field!(
+            "twig_color",
+            Kind::Color { auto: true },
+            "sRGB",
+            "mean colour of the bark of twigs; auto: that of the trunk",
+            twigs.color,
+            see_also(&["twig_radius", "bark_color"])
         ),
         field!(
             "bark_size",

@@ -9,7 +9,7 @@ mod wind;
 
 use crate::surface::Tubes;
 
-pub use bark::BarkSettings;
+pub use bark::{BarkSettings, ThinBark, ThinStyle};
 pub use detail::DetailSettings;
 pub use foliage::{
     ALSO, Arrangement, Edge, FoliageSettings, Form, KIND_NAME, KIND_NAME_HELP, LeafKind, MOST_KINDS, Normals,

@@ -18,6 +18,7 @@ mod spread;
 mod stretch;
 mod survey;
 mod target;
+mod thickness;
 mod tube;
 mod tube_form;
 
@@ -40,6 +41,7 @@ pub use solid::MOST_SOLID_TRIANGLES;
 pub use stretch::Stretch;
 pub use survey::{Survey, survey};
 pub use target::Amount;
+pub(crate) use thickness::classes;
 
 /// How the skin is made.
 #[derive(Clone, Copy, Debug, PartialEq)]

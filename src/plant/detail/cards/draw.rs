@@ -94,7 +94,7 @@ pub(super) fn draw<'a>(
     monitor: &dyn Monitor,
 ) -> Result<DrawnCards, DetailError> {
     let mut materials =
-        vec![Material { base_color_picture: None, normal_picture: None, ..wardrobe.bark().clone() }];
+        vec![Material { base_color_picture: None, normal_picture: None, ..wardrobe.twig_bark().clone() }];
     let (mut drawn, mut sights) = (Vec::new(), Vec::new());
     for (level, piece, frame) in models {
         monitor.check()?;

@@ -3,6 +3,7 @@
 //! The height is composed of plates, ridges or layers, bent by slow noise, and grain. Colour follows
 //! it: furrows are dark, what sticks out is weathered, and lichen sits where light and rain come.
 
+mod lenticels;
 mod styles;
 mod surface;
 mod user;
@@ -12,6 +13,7 @@ use std::sync::Arc;
 use glam::Vec3;
 use rayon::prelude::*;
 
+use self::lenticels::Lenticels;
 use self::surface::{Spot, Surface};
 pub use self::user::{normals_by_lightness, opaque};
 use linden_base::color::{encode, linear};
@@ -69,6 +71,8 @@ pub struct Bark {
     pub color: [u8; 3],
     /// How strong the grain is: 0 polished, 1 usual, up to 3.
     pub roughness: f32,
+    /// How many lenticels lie across it beside those of its style: 0 none, 1 in dense rows, as cherry.
+    pub lenticels: f32,
     /// From the deepest furrow to the highest ridge, as a share of the picture's side; 0 to 0.5.
     pub relief: f32,
     /// The picture's side, pixels: 1 to [`Bark::MAX_SIZE_PX`].
@@ -115,7 +119,7 @@ impl Bark {
             BarkStyle::Birch => ([212, 208, 198], 0.008),
             BarkStyle::Peeling => ([158, 150, 122], 0.004),
         };
-        Self { style, color, roughness: 1.0, relief, size_px: 512, key }
+        Self { style, color, roughness: 1.0, lenticels: 0.0, relief, size_px: 512, key }
     }
 
     /// Draws both pictures.
@@ -133,10 +137,15 @@ impl Bark {
         monitor.admit("drawing the bark", bytes, "lower bark_size")?;
         let roughness = if self.roughness.is_finite() { self.roughness.clamp(0.0, 3.0) } else { 1.0 };
         let surface = Surface::new(self.style, roughness, self.key);
+        let lenticels = Lenticels::new(self);
         let mut spots = vec![Spot::default(); n * n];
         spots.par_chunks_mut(n).enumerate().try_for_each(|(row, spots)| {
             monitor.check()?;
-            surface.row(1.0 - (row as f32 + 0.5) / size as f32, spots);
+            let v = 1.0 - (row as f32 + 0.5) / size as f32;
+            surface.row(v, spots);
+            if let Some(lenticels) = &lenticels {
+                lenticels.row(v, spots);
+            }
             Ok::<_, Cancelled>(())
         })?;
         let relief = if self.relief.is_finite() { self.relief.clamp(0.0, 0.5) } else { 0.0 };
