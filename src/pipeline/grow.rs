@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use linden_base::input::Geometry;
 use linden_base::memory::OverMemory;
 use linden_base::monitor::Holding;
 use linden_base::monitor::{Cancelled, Monitor};
@@ -12,7 +13,7 @@ use linden_skeleton::generator::{Branched, GeneratorError};
 use linden_skeleton::refine::{RefineError, Room, refine};
 use linden_skeleton::{AxisRule, NO_PARENT, Skeleton, SkeletonError, Wood};
 
-use crate::preset::Preset;
+use crate::preset::{Form, Preset};
 use crate::provenance::TreeHash;
 use crate::recipe::{InputsError, Recipe};
 
@@ -271,6 +272,7 @@ pub fn grow(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> 
     let monitor = Holding::new(monitor, skeleton.bytes() + beside);
     let mut notes = branched.notes;
     notes.extend(remarks.iter().map(ToString::to_string));
+    notes.extend(mesh_notes(recipe));
     Ok(Grown {
         organs: sprout(recipe, &skeleton, &given, &monitor)?,
         given,
@@ -308,8 +310,9 @@ pub fn reedit(grown: &Grown, recipe: &Recipe, monitor: &dyn Monitor) -> Result<G
     let Shaped { skeleton, given, origins, remarks } =
         shape(&as_grown, &grown.wood, &recipe.preset, &monitor)?;
     let before: Vec<String> = grown.remarks.iter().map(ToString::to_string).collect();
-    let of_growth = grown.notes.iter().filter(|note| !before.contains(note)).cloned();
-    let notes = of_growth.chain(remarks.iter().map(ToString::to_string)).collect();
+    let of_growth = grown.notes.iter().filter(|note| !before.contains(note) && !note.starts_with(MESH_NOTE));
+    let notes = of_growth.cloned().chain(remarks.iter().map(ToString::to_string)).chain(mesh_notes(recipe));
+    let notes = notes.collect();
     let monitor = Holding::new(&monitor, skeleton.bytes());
     Ok(Grown {
         organs: sprout(recipe, &skeleton, &given, &monitor)?,
@@ -392,6 +395,19 @@ pub fn sprout(
     monitor: &dyn Monitor,
 ) -> Result<Arc<Organs>, FoliageError> {
     recipe.with_specimen(|specimen| foliage::sprout(specimen, skeleton, given, monitor))
+}
+
+/// How the notes of [`mesh_notes`] begin.
+const MESH_NOTE: &str = "leaf_mesh: ";
+
+/// What is to be known of the users' meshes of leaves.
+fn mesh_notes(recipe: &Recipe) -> Vec<String> {
+    let kinds = recipe.preset.dressing.foliage.kinds().filter(|kind| kind.form == Form::Mesh);
+    let note = |file: &String| match recipe.inputs.get(file).map(|input| &input.geometry) {
+        Some(Geometry::Mesh(mesh)) => foliage::mesh_note(file, mesh),
+        _ => None,
+    };
+    kinds.filter_map(|kind| kind.mesh.as_ref()).filter_map(note).collect()
 }
 
 /// Polylines that draw what a recipe's tree grows in, metres, where the tree of [`grow`] stands: its crown,

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use crate::Specimen;
 use crate::dress::covers;
 use crate::foliage::{Cover, FoliageError, Shaper, opaque_shares};
-use crate::settings::{Form, LeafKind};
+use crate::settings::{Cluster, Form, LeafKind};
 
 /// Organs that one task measures.
 const PER_TASK: usize = 2048;
@@ -237,6 +237,10 @@ fn plain(name: &str, is_leaf: bool) -> Crop {
 }
 
 fn crop_of(kind: &LeafKind) -> Crop {
+    if kind.cluster != Cluster::None {
+        let leaves_each = kind.cluster_count;
+        return Crop { leaves_each, ..plain(&kind.label(), kind.class() == OrganClass::Leaf) };
+    }
     let (leaves_each, sheets) = match kind.form {
         Form::Twig => (kind.twig_leaves, 2),
         Form::Cross => (1, 2),

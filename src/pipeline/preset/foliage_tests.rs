@@ -40,6 +40,26 @@ fn kinds_survive_writing_and_reading() {
 }
 
 #[test]
+fn kinds_have_names() {
+    let text = "name = \"leaf\"\nleaf_form = \"card\"\n[[foliage.also]]\nleaf_form = \"card\"\n\
+                leaf_outline = \"blossom\"\n[[foliage.also]]\nname = \"bud\"\nleaf_form = \"card\"\n\
+                [[foliage.also]]\nleaf_form = \"card\"\nleaf_outline = \"blossom\"";
+    let preset = Preset::from_toml(&document(text)).unwrap();
+    // Two have one outline: these go by their numbers.
+    assert_eq!(preset.kind_labels(), ["also.1", "bud", "also.3"]);
+    let again = Preset::from_toml(&preset.to_toml().unwrap()).unwrap();
+    assert_eq!(again, preset);
+    let json = serde_json::to_string(&preset).unwrap();
+    assert_eq!(Preset::from_json(&json).unwrap(), preset);
+}
+
+#[test]
+fn petals_are_lobes_of_a_blossom() {
+    let preset = Preset::from_toml(&document("leaf_outline = \"blossom\"\npetals = 9")).unwrap();
+    assert_eq!(preset.dressing.foliage.first.lobes, 9);
+}
+
+#[test]
 fn files_are_renamed_together() {
     let mut preset = Preset::from_toml(&document(APPLE)).unwrap();
     let names = [("apple.png", "x.png"), ("blossom.obj", "y.obj"), ("other.obj", "z.obj")];
@@ -61,6 +81,12 @@ fn what_is_wrong_with_a_kind_is_said_with_its_place() {
         ("leaf_mesh = \" \"", "5:13", "'leaf_mesh' is empty"),
         ("share = 0.5", "5:1", "there is no 'share'"),
         ("leaf_length = 0", "5:15", "0.0005 to 10"),
+        ("name = \"Leaf\"", "5:8", "'Leaf' is no name of a kind: it takes lower-case letters"),
+        (
+            "name = \"a\"\n[[foliage.also]]\nname = \"a\"\nleaf_form = \"card\"",
+            "6:3",
+            "two kinds of foliage are called 'a'",
+        ),
     ] {
         let message = Preset::from_toml(&document(foliage)).unwrap_err().to_string();
         assert!(message.starts_with(&format!("{place}: ")) && message.contains(said), "{foliage}: {message}");

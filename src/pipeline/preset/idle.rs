@@ -5,8 +5,10 @@
 //! What only shows in the finished tree (a `tip_radius` below that of any twig) is no business of these
 //! rules.
 
-use linden_plant::settings::{Arrangement, Dressing, Form, LeafKind};
+use linden_plant::foliage::Calendar;
+use linden_plant::settings::{Arrangement, Cluster, Dressing, FoliageSettings, Form, LeafKind, TURNING};
 use linden_plant::surface::{Ends, Junction};
+use linden_plant::texture::leaf::{LeafLook, Outline};
 use linden_plant::wind::Wind;
 use linden_skeleton::generator::RadiiFrom;
 use linden_skeleton::{AxisRule, Width, WidthSteps};
@@ -307,7 +309,7 @@ static RULES: &[Rule] = &[
         knobs: &["season"],
         why: |preset| {
             let mut kinds = preset.dressing.foliage.kinds().filter(|kind| kind.form != Form::None);
-            when(kinds.all(|kind| kind.evergreen), "all leaves are evergreen")
+            when(kinds.all(|kind| !Calendar::of(kind).changes()), "all leaves are evergreen")
         },
     },
     Rule {
@@ -354,7 +356,12 @@ static RULES: &[Rule] = &[
     Rule {
         knobs: &["evergreen"],
         why: |preset| {
-            let is_summer = (SUMMER..=TURNING).contains(&preset.dressing.foliage.season);
+            let FoliageSettings { season, first, .. } = &preset.dressing.foliage;
+            let LeafKind { season_range, turn_range, season_fade, .. } = LeafKind::default();
+            let is_usual = first.season_range == season_range
+                && first.turn_range == turn_range
+                && first.season_fade == season_fade;
+            let is_summer = is_usual && (SUMMER..=TURNING[0]).contains(season);
             when(is_summer, "in summer (season 0.25 to 0.54) all leaves are alike")
         },
     },
@@ -399,10 +406,60 @@ static RULES: &[Rule] = &[
         },
     },
     Rule {
-        knobs: &["autumn_colors"],
+        knobs: &["autumn_colors", "turn_range"],
         why: |preset| {
-            when(preset.dressing.foliage.first.evergreen, "the leaves are evergreen")
-                .or(when(preset.dressing.foliage.season < TURNING, "no leaf turns before season=0.54"))
+            let FoliageSettings { season, first, .. } = &preset.dressing.foliage;
+            let turns_from = first.turn_range.iter().copied().fold(f64::INFINITY, f64::min);
+            when(first.evergreen, "the leaves are evergreen").or(when(
+                *season < turns_from,
+                "no leaf turns before turn_range begins (season=0.54, where it says nothing else)",
+            ))
+        },
+    },
+    Rule {
+        knobs: &["turn_range"],
+        why: |preset| {
+            let LeafKind { outline, form, autumn_colors, .. } = &preset.dressing.foliage.first;
+            let has_usual = *form != Form::Mesh && !LeafLook::new(*outline).autumn_colors.is_empty();
+            when(autumn_colors.is_none() && !has_usual, "this kind has no autumn_colors")
+        },
+    },
+    Rule {
+        knobs: &["young_colors"],
+        why: |preset| {
+            let FoliageSettings { season, first, .. } = &preset.dressing.foliage;
+            when(first.evergreen, "the leaves are evergreen").or(when(
+                Calendar::of(first).ripeness(*season as f32) >= 1.0,
+                "the leaves are no longer young in this season: it is for a quarter of the year after season_range begins",
+            ))
+        },
+    },
+    Rule {
+        knobs: &["season_fade"],
+        why: |preset| {
+            let first = &preset.dressing.foliage.first;
+            when(!Calendar::of(first).changes(), "the leaves are evergreen, all the year")
+        },
+    },
+    Rule {
+        knobs: &["petal_rows"],
+        why: |preset| {
+            let LeafKind { outline, form, .. } = &preset.dressing.foliage.first;
+            when(*outline != Outline::Blossom || *form == Form::Mesh, "it is for leaf_outline=blossom")
+        },
+    },
+    Rule {
+        knobs: &["cluster_count", "cluster_length", "cluster_stalk", "cluster_facing"],
+        why: |preset| when(preset.dressing.foliage.first.cluster == Cluster::None, "cluster is none"),
+    },
+    Rule {
+        knobs: OUT_OF_SEASON,
+        why: |preset| {
+            let FoliageSettings { season, first, .. } = &preset.dressing.foliage;
+            when(
+                !Calendar::of(first).is_there(*season as f32),
+                "season_range says that none of them is there in this season",
+            )
         },
     },
     Rule {
@@ -414,6 +471,9 @@ static RULES: &[Rule] = &[
             "leaf_petiole",
             "leaf_colors",
             "autumn_colors",
+            "young_colors",
+            "turn_range",
+            "petal_rows",
             "leaf_tint_spread",
         ],
         why: |preset| {
@@ -463,9 +523,6 @@ static RULES: &[Rule] = &[
 /// The season from which leaves are full-grown and green.
 const SUMMER: f64 = 0.25;
 
-/// The season before which all leaves are as in summer.
-const TURNING: f64 = 0.54;
-
 /// Why what decides the radii of other trees may not decide those of a scanned one.
 const OF_SCANS: &str = "the points on the bark say how thick the wood is, where there are enough; scan_radius=pipe leaves that to the pipe model";
 
@@ -492,6 +549,41 @@ const LOOKS: &[&str] = &[
     "leaf_tint_spread",
     "evergreen",
     "leaf_keep",
+    "season_range",
+    "season_fade",
+    "young_colors",
+    "turn_range",
+    "petal_rows",
+    "cluster",
+    "cluster_count",
+    "cluster_length",
+    "cluster_stalk",
+    "cluster_facing",
+];
+
+/// What changes nothing of leaves that are not there: most of what says how they look.
+const OUT_OF_SEASON: &[&str] = &[
+    "leaf_outline",
+    "leaf_length",
+    "leaf_width",
+    "leaf_size_spread",
+    "leaf_angle",
+    "leaf_droop",
+    "leaf_level",
+    "leaf_up",
+    "leaf_jitter",
+    "leaf_offset",
+    "leaf_normals",
+    "leaf_keep",
+    "autumn_colors",
+    "young_colors",
+    "turn_range",
+    "petal_rows",
+    "cluster",
+    "cluster_count",
+    "cluster_length",
+    "cluster_stalk",
+    "cluster_facing",
 ];
 
 /// What says where leaves grow.
@@ -505,6 +597,7 @@ const PLACES: &[&str] = &[
     "leaf_tip",
     "leaf_terminal",
     "leaf_grid",
+    "leaf_from",
 ];
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use super::billboard::{Billboard, billboard};
 use super::cards::Cards;
 use super::{Detail, DetailError, Simplified, Simplifier};
 use crate::dress::{DressError, Wardrobe};
-use crate::foliage::{Organs, sprout};
+use crate::foliage::{Calendar, Organs, sprout};
 use crate::scene::Scene;
 use crate::season::Season;
 use crate::settings::{Dressing, Form};
@@ -129,7 +129,8 @@ pub fn year(
     let fullest = (1..looks.len()).fold(0, |best, at| if amount(at) > amount(best) { at } else { best });
 
     let mut notes = Vec::new();
-    if specimen.dressing.foliage.kinds().all(|kind| kind.evergreen || kind.form == Form::None) {
+    if specimen.dressing.foliage.kinds().all(|kind| !Calendar::of(kind).changes() || kind.form == Form::None)
+    {
         notes.push("seasons: nothing on this plant changes with them".to_owned());
     }
     let fullest = Body { organs: &looks[fullest].1, ..body };

@@ -6,16 +6,17 @@
 
 use glam::{Mat3, Vec2, Vec3};
 
+use super::cluster;
 use super::mesh::FoliageError;
 use linden_base::input::TriangleMesh;
 use linden_skeleton::organs::LeafShape;
 
-use crate::settings::{Form, LeafKind, Normals};
+use crate::settings::{Cluster, Form, LeafKind, Normals};
 use crate::texture::leaf::Cell;
 use linden_base::mesh::{Bounds, Mesh};
 
 /// The most triangles of a user's mesh: there will be thousands of it.
-const MAX_TRIANGLES: usize = 20_000;
+pub(super) const MAX_TRIANGLES: usize = 20_000;
 
 /// The variants of the `index`-th kind, one for each cell of its picture.
 ///
@@ -27,22 +28,38 @@ pub(super) fn shapes(
     cells: &[Cell],
     users_mesh: Option<&TriangleMesh>,
 ) -> Result<Vec<LeafShape>, FoliageError> {
-    let shape = |cell: &Cell| {
-        let mesh = match (kind.form, users_mesh) {
-            (Form::Mesh, Some(users_mesh)) => users(users_mesh, cell)?,
-            (Form::None | Form::Mesh, _) => Mesh::default(),
-            (Form::Card, _) => card(cell),
-            (Form::Cross, _) => crossed(cell, 2),
-            (Form::Tuft, _) => crossed(cell, 3),
-            (Form::Curved, _) => curved(cell),
-            (Form::Twig, _) => twig(cell),
-            (Form::Fan, _) => fan(kind, cell),
+    let shape = |(variant, cell): (usize, &Cell)| {
+        let users =
+            users_mesh.filter(|_| kind.form == Form::Mesh).map(|mesh| users(mesh, cell)).transpose()?;
+        let mesh = match (kind.cluster, users) {
+            (_, None) if kind.form == Form::Mesh => Mesh::default(),
+            (Cluster::None, Some(mesh)) => mesh,
+            (Cluster::None, None) => single(kind, cell),
+            (_, users) => cluster::cluster(kind, variant, cells, users.as_ref())?,
         };
         let sketch = sketch(kind, cell, &mesh);
         let is_dome = kind.normals == Normals::Dome;
         Ok(LeafShape { kind: index as u8, mesh, sketch, color: cell.color, is_dome })
     };
-    cells.iter().map(shape).collect()
+    cells.iter().enumerate().map(shape).collect()
+}
+
+/// One leaf, or whatever stands alone.
+fn single(kind: &LeafKind, cell: &Cell) -> Mesh {
+    match kind.form {
+        Form::None | Form::Mesh => Mesh::default(),
+        Form::Card => card(cell),
+        Form::Cross => crossed(cell, 2),
+        Form::Tuft => crossed(cell, 3),
+        Form::Curved => curved(cell),
+        Form::Twig => twig(cell),
+        Form::Fan => fan(kind, cell),
+    }
+}
+
+/// A member of a cluster, one unit long, along +Y.
+pub(super) fn member(kind: &LeafKind, cell: &Cell) -> Mesh {
+    if cluster::is_round(kind) { cluster::round(kind, cell) } else { single(kind, cell) }
 }
 
 /// What is drawn in a cell, in units of the leaf: lower left and upper right corner.
@@ -217,6 +234,28 @@ fn users(model: &TriangleMesh, cell: &Cell) -> Result<Mesh, FoliageError> {
     Ok(mesh.with_smooth_normals())
 }
 
+/// Longer across than along by this, a mesh lies on its side.
+const LYING: f64 = 2.5;
+
+/// What the user should know of a mesh of a leaf: that its longest side is not the one that leaves point along, as
+/// in files from programs whose Z is up.
+pub fn mesh_note(file: &str, model: &TriangleMesh) -> Option<String> {
+    let corners = model.triangles.iter().flatten().filter_map(|&vertex| model.positions.get(vertex as usize));
+    let (low, high) = corners.fold(None, |found: Option<(glam::DVec3, glam::DVec3)>, &p| {
+        Some(found.map_or((p, p), |(low, high)| (low.min(p), high.max(p))))
+    })?;
+    let size = high - low;
+    let (axis, longest) = if size.z > size.x { ("Z", size.z) } else { ("X", size.x) };
+    (longest > LYING * size.y).then(|| {
+        format!(
+            "leaf_mesh: '{}' is {:.1} times as long along {axis} as along Y, which leaves point along from their foot \
+             (upper side +Z); if it lies on its side, export it with Y up",
+            linden_base::knob::printable(file),
+            longest / size.y.max(f64::MIN_POSITIVE),
+        )
+    })
+}
+
 /// Adds a mesh, its vertices moved by a rotation and a uniform scale.
 fn append(all: &mut Mesh, other: &Mesh, place: impl Fn(Vec3) -> Vec3) {
     let first = all.positions.len() as u32;
@@ -231,6 +270,9 @@ const SKETCHED_LEAVES: u32 = 9;
 
 /// Rhombs in place of leaves.
 fn sketch(kind: &LeafKind, cell: &Cell, mesh: &Mesh) -> Mesh {
+    if kind.cluster != Cluster::None && kind.form != Form::None {
+        return cluster::sketch(kind, cell);
+    }
     let (low, high) = extent(cell);
     let half = ((high.x - low.x) / 2.0).min(1.0);
     let mut all = Mesh::default();

@@ -4,10 +4,12 @@ use std::sync::Arc;
 
 use glam::Vec2;
 
+use super::Calendar;
+use super::cluster::Layout;
 use super::mesh::FoliageError;
 use crate::Specimen;
-use crate::settings::{Arrangement, Edge, Form, LeafKind};
-use crate::texture::leaf::{self, Cell, LeafLook, LeafPictures, Margin, TwigLook};
+use crate::settings::{Arrangement, Cluster, Edge, Form, LeafKind, TURNING};
+use crate::texture::leaf::{self, Cell, LeafLook, LeafPictures, Margin, Outline, TwigLook};
 use linden_base::input::A_PICTURE;
 use linden_base::monitor::Monitor;
 use linden_base::picture::Picture;
@@ -65,7 +67,9 @@ pub fn cover(
     let season = specimen.dressing.foliage.season as f32;
     let look = look(kind, season, size_px);
     if kind.form == Form::Mesh {
-        return Ok(palette(&look.colors));
+        // No outline has usual colours for it: it has those that were asked for.
+        let autumn_colors = if kind.autumn_colors.is_some() { look.autumn_colors } else { Vec::new() };
+        return Ok(palette(&LeafLook { autumn_colors, ..look }.plain_colors()));
     }
     let key = Key::new(specimen.dressing.foliage.picture_seed).named("leaf pictures").child(index as u64);
     let twig = (kind.form == Form::Twig).then(|| twig(kind));
@@ -75,9 +79,15 @@ pub fn cover(
 
 fn look(kind: &LeafKind, season: f32, size_px: u32) -> LeafLook {
     let usual = LeafLook::new(kind.outline);
+    let is_clustered_fruit = kind.cluster != Cluster::None && kind.outline == Outline::Fruit;
     LeafLook {
         width: kind.width.map_or(usual.width, |width| width as f32),
-        lobes: if kind.lobes == 0 { usual.lobes } else { kind.lobes },
+        lobes: match kind.lobes {
+            // A cluster's fruit hang one by one, on stalks of the cluster's.
+            _ if is_clustered_fruit => 1,
+            0 => usual.lobes,
+            lobes => lobes,
+        },
         lobe_depth: kind.lobe_depth.map_or(usual.lobe_depth, |depth| depth as f32),
         margin: match kind.margin {
             Edge::Auto => usual.margin,
@@ -87,6 +97,7 @@ fn look(kind: &LeafKind, season: f32, size_px: u32) -> LeafLook {
         },
         // The stalk of a fan bears all its leaflets, which have none of their own.
         petiole: match kind.form {
+            _ if is_clustered_fruit => 0.05,
             Form::Fan => 0.02,
             _ => kind.petiole.map_or(usual.petiole, |petiole| petiole as f32),
         },
@@ -96,11 +107,22 @@ fn look(kind: &LeafKind, season: f32, size_px: u32) -> LeafLook {
         } else {
             kind.autumn_colors.clone().unwrap_or(usual.autumn_colors)
         },
+        young_colors: if kind.evergreen { Vec::new() } else { kind.young_colors.clone().unwrap_or_default() },
+        ripeness: (!kind.evergreen).then(|| Calendar::of(kind).ripeness(season)),
+        turning: turning(kind),
+        petal_rows: kind.petal_rows,
+        has_stalk_color: kind.cluster != Cluster::None,
         color_spread: kind.tint_spread as f32,
         season: if kind.evergreen { SUMMER } else { season },
         size_px,
         ..LeafLook::new(kind.outline)
     }
+}
+
+/// The seasons between which a kind turns, in their order.
+fn turning(kind: &LeafKind) -> [f32; 2] {
+    let at = |i: usize| kind.turn_range.get(i).copied().unwrap_or(TURNING[i]) as f32;
+    [at(0).min(at(1)), at(0).max(at(1))]
 }
 
 fn twig(kind: &LeafKind) -> TwigLook {
@@ -111,18 +133,26 @@ fn twig(kind: &LeafKind) -> TwigLook {
             Arrangement::Alternate | Arrangement::Spiral => leaf::Arrangement::Alternate,
             _ => leaf::Arrangement::Opposite,
         },
-        length_m: (length_m(kind) as f32 - leaf_length_m).max(leaf_length_m / 4.0),
+        length_m: (card_m(kind) as f32 - leaf_length_m).max(leaf_length_m / 4.0),
         leaf_length_m,
         ..TwigLook::default()
     }
 }
 
-/// Of what stands at one place: a leaf, or a whole twig card, metres.
+/// Of what stands at one place: a leaf, a whole twig card or cluster, metres.
 pub(super) fn length_m(kind: &LeafKind) -> f64 {
+    if kind.cluster != Cluster::None {
+        return Layout::of(kind).height_m();
+    }
     match kind.form {
-        Form::Twig => kind.twig_length_m.unwrap_or(4.0 * kind.length_m),
+        Form::Twig => card_m(kind),
         _ => kind.length_m,
     }
+}
+
+/// Of a twig card, metres.
+fn card_m(kind: &LeafKind) -> f64 {
+    kind.twig_length_m.unwrap_or(4.0 * kind.length_m)
 }
 
 /// One colour for each cell: for what has a shape of its own.
@@ -145,7 +175,8 @@ fn palette(colors: &[[u8; 3]]) -> Cover {
         let half = Vec2::splat(0.25 / columns as f32);
         let (min, max) = (middle - half, middle + half);
         let outline = vec![min, Vec2::new(max.x, min.y), max, Vec2::new(min.x, max.y)];
-        Cell { min, max, attach: Vec2::new(middle.x, min.y), unit: half * 2.0, outline, color }
+        let attach = Vec2::new(middle.x, min.y);
+        Cell { min, max, attach, unit: half * 2.0, outline, color, stalk: middle }
     };
     Cover {
         base_color: Arc::new(Picture::new(side, side, rgba)),

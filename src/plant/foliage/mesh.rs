@@ -87,7 +87,9 @@ pub enum FoliageError {
         limit: usize,
     },
     /// A mesh without any height.
-    #[error("the mesh of a leaf has no height; it must point up along Y from its foot")]
+    #[error(
+        "the mesh of a leaf has no height: it must point along +Y from its foot, its upper side to +Z; export it with Y up"
+    )]
     MeshFlat,
     /// The picture.
     #[error("drawing leaves: {0}")]

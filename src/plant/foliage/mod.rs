@@ -8,6 +8,9 @@
 //! the same bits on any number of threads.
 
 mod axis;
+mod bare;
+mod calendar;
+mod cluster;
 mod dressed;
 mod form;
 mod instances;
@@ -20,8 +23,10 @@ mod sprout;
 #[cfg(test)]
 mod tests;
 
+pub use calendar::Calendar;
 pub(crate) use dressed::DressedKind;
 pub use dressed::{DressedOrgan, DressedOrgans, MeasuredOrgans};
+pub use form::mesh_note;
 pub use instances::{Copies, Instances, Placement};
 pub use linden_skeleton::organs::{
     Hanging, LeafShape, MAX_CORNERS, OrganClass, OrganOrigins, Organs, PROTOTYPES, PlacedOrgans, Polygons,

@@ -9,7 +9,7 @@ use crate::settings::{Arrangement, LeafKind};
 use linden_base::random::Key;
 
 /// π (3 - √5), 137.5°: from one leaf of a spiral to the next.
-const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+pub(super) const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 
 /// Where a leaf is, metres, and its unit vectors: along it, and square to that off its upper side.
 #[derive(Clone, Copy, Debug)]

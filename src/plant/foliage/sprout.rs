@@ -8,7 +8,9 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::Calendar;
 use super::axis::{Place, Spaced, Walk, Young};
+use super::bare::bare_below;
 use super::form::shapes;
 use super::look::{Cover, cover, length_m};
 use super::mesh::FoliageError;
@@ -58,7 +60,9 @@ pub fn sprout(
     let mut crops = Vec::new();
     for (index, kind) in foliage.kinds().enumerate() {
         let first = (PROTOTYPES.len() + all.len()) as u8;
-        if kind.form != Form::None {
+        let is_there = Calendar::of(kind).is_there(foliage.season as f32);
+        // Nothing is drawn for what is out of season.
+        if kind.form != Form::None && is_there {
             let Cover { cells, .. } = cover(specimen, index, kind, small, monitor)?;
             all.extend(kind_shapes(specimen, index, kind, &cells)?);
         }
@@ -68,15 +72,19 @@ pub fn sprout(
     organs.shapes = Arc::from(all);
     let key = specimen.key().named("leaves");
     if let Some(first) = crops.first().filter(|crop| crop.kind.form != Form::None) {
-        take_over(&mut organs.placed, first, key.named("grammar"));
+        if first.variants > 0 {
+            take_over(&mut organs.placed, first, key.named("grammar"));
+        } else {
+            organs.placed = without_leaves(&organs.placed);
+        }
     }
     let (first, also) = crops.split_at(1);
     let takers: Vec<&Crop> = also.iter().filter(|crop| crop.kind.share > 0.0).collect();
     let mut fields = Vec::new();
-    if first[0].kind.form != Form::None || !takers.is_empty() {
+    if first[0].variants > 0 || !takers.is_empty() {
         fields.push(Field { crop: &first[0], takers, key: key.child(0) });
     }
-    for (i, crop) in also.iter().enumerate().filter(|(_, crop)| crop.kind.share == 0.0) {
+    for (i, crop) in also.iter().enumerate().filter(|(_, crop)| crop.kind.share == 0.0 && crop.variants > 0) {
         fields.push(Field { crop, takers: Vec::new(), key: key.child(i as u64 + 1) });
     }
     for field in fields {
@@ -118,21 +126,11 @@ struct Crop<'a> {
     size_m: f64,
 }
 
-/// When leaves are full-grown, begin to fall, and are all gone.
-const GROWN: f32 = 0.2;
-const FALL: f32 = 0.75;
-/// The size of a leaf that has just unfolded.
-const YOUNG_SIZE: f32 = 0.35;
-
 impl<'a> Crop<'a> {
     fn new(kind: &'a LeafKind, first: u8, variants: u8, season: f32) -> Self {
-        let (mut kept, mut size) = (kind.keep, length_m(kind));
-        if !kind.evergreen {
-            kept *= f64::from(1.0 - ((season - FALL) / (1.0 - FALL)).clamp(0.0, 1.0));
-            let t = (season / GROWN).min(1.0);
-            size *= f64::from(YOUNG_SIZE + (1.0 - YOUNG_SIZE) * t * t * (3.0 - 2.0 * t));
-        }
-        Self { kind, first, variants, kept, size_m: size }
+        let calendar = Calendar::of(kind);
+        let (kept, size_m) = (kind.keep * calendar.share(season), length_m(kind) * calendar.size(season));
+        Self { kind, first, variants, kept, size_m }
     }
 
     /// Whether a leaf is there at all. A key's number is below `kept` for no smaller share.
@@ -168,6 +166,23 @@ fn take_over(placed: &mut PlacedOrgans, crop: &Crop, key: Key) {
     }
 }
 
+/// What a grammar placed but leaves and needles: these are out of season.
+fn without_leaves(placed: &PlacedOrgans) -> PlacedOrgans {
+    let leafy: Vec<u8> = ['L', 'N'].into_iter().filter_map(prototype).collect();
+    let mut others = PlacedOrgans::default();
+    for i in (0..placed.len()).filter(|&i| !leafy.contains(&placed.prototypes[i])) {
+        others.prototypes.push(placed.prototypes[i]);
+        others.positions.push(placed.positions[i]);
+        others.headings.push(placed.headings[i]);
+        others.ups.push(placed.ups[i]);
+        others.sizes_m.push(placed.sizes_m[i]);
+        others.growth.nodes.push(placed.growth.nodes[i]);
+        others.growth.colors.push(placed.growth.colors[i]);
+        others.growth.births.push(placed.growth.births[i]);
+    }
+    others
+}
+
 /// A walk over all axes.
 struct Field<'a> {
     crop: &'a Crop<'a>,
@@ -185,6 +200,7 @@ impl Field<'_> {
     ) -> Result<(), FoliageError> {
         let forks = Forks::new(skeleton);
         let young = young(self.crop.kind, skeleton, &forks);
+        let bare = bare_below(self.crop.kind, skeleton);
         self.admit(young, skeleton, placed.len(), monitor)?;
         let done = std::sync::atomic::AtomicU64::new(0);
         let chunks = skeleton.axes.par_chunks(AXES_PER_TASK).enumerate().map(|(chunk, axes)| {
@@ -192,8 +208,9 @@ impl Field<'_> {
             let (placed, walk) = (PlacedOrgans::default(), Walk::default());
             let mut task = Task { field: self, skeleton, forks: &forks, young, placed, walk };
             for (i, axis) in axes.iter().enumerate() {
-                let number = skeleton.axis_number(chunk * AXES_PER_TASK + i);
-                task.axis(number.into(), axis, monitor)?;
+                let index = chunk * AXES_PER_TASK + i;
+                let bare_to = bare.get(&index).copied().unwrap_or(f32::NEG_INFINITY);
+                task.axis(skeleton.axis_number(index).into(), axis, bare_to, monitor)?;
             }
             let before = done.fetch_add(axes.len() as u64, std::sync::atomic::Ordering::Relaxed);
             monitor.advance(Phase::Sprout, before + axes.len() as u64, Some(skeleton.axes.len() as u64));
@@ -297,6 +314,7 @@ impl Task<'_> {
         &mut self,
         number: u64,
         axis: &linden_skeleton::Axis,
+        bare_to: f32,
         monitor: &dyn Monitor,
     ) -> Result<(), Cancelled> {
         let Self { field, skeleton, forks, young, placed, walk } = self;
@@ -313,6 +331,9 @@ impl Task<'_> {
             seen += 1;
             if seen.is_multiple_of(PLACES_PER_CHECK) {
                 monitor.check()?;
+            }
+            if place.center.y < bare_to {
+                return Ok(());
             }
             for copy in 0..kind.count {
                 let leaf = u64::from(member) * u64::from(kind.count) + u64::from(copy);

@@ -276,6 +276,95 @@ fn seasons_hide_and_shrink_leaves_and_move_none() {
 }
 
 #[test]
+fn kinds_have_calendars_of_their_own() {
+    let tree = bent(1);
+    let at = |season: f64| {
+        let subject = recipe(&format!(
+            "leaf_form = \"card\"\nleaves_per_m = 60\nseason_range = [0.1, 1]\nseason = {season}\n\
+             [[foliage.also]]\nleaf_form = \"card\"\nleaf_outline = \"blossom\"\nleaves_per_m = 40\n\
+             season_range = [0, 0.15]\n\
+             [[foliage.also]]\nleaf_form = \"card\"\nleaf_outline = \"fruit\"\nleaves_per_m = 20\n\
+             season_range = [0.4, 0.9]"
+        ));
+        let organs = grown(&subject, &tree);
+        let mut counts = [0; 3];
+        for &prototype in &organs.placed.prototypes {
+            let shape = usize::from(prototype) - PROTOTYPES.len();
+            counts[usize::from(organs.shapes[shape].kind)] += 1;
+        }
+        (counts, organs)
+    };
+    let [blossom, both, summer, late, bare] = [0.05, 0.14, 0.3, 0.6, 1.0].map(|season| at(season).0);
+    assert!(blossom[0] == 0 && blossom[1] > 0 && blossom[2] == 0, "{blossom:?}");
+    assert!(both[0] > 0 && both[1] > 0 && both[1] < blossom[1], "{both:?}");
+    assert!(summer[0] > both[0] && summer[1..] == [0, 0], "{summer:?}");
+    assert!(late[0] == summer[0] && late[2] > 0, "{late:?}");
+    assert_eq!(bare, [0; 3]);
+    // What is there in two seasons is in the same place, and nothing is drawn for what is not there.
+    assert!(poses(&at(0.35).1).is_subset(&poses(&at(0.6).1)));
+    assert!(at(0.05).1.shapes.iter().all(|shape| shape.kind == 1));
+}
+
+#[test]
+fn clusters_bear_as_many_as_they_are_told() {
+    let tree = twigs(2, 4);
+    for cluster in ["umbel", "corymb", "raceme", "panicle", "pompom"] {
+        let of = |count: u32, form: &str| {
+            let subject = recipe(&format!(
+                "leaf_form = \"{form}\"\nleaf_outline = \"blossom\"\nleaf_length = 0.03\nleaves_per_m = 9\n\
+                 cluster = \"{cluster}\"\ncluster_count = {count}\ncluster_stalk = 0.05\ncluster_length = 0.1"
+            ));
+            grown(&subject, &tree)
+        };
+        let triangles = |organs: &Organs| organs.shapes[0].mesh.triangles.len();
+        let [one, two, three] = [10, 20, 30].map(|count| triangles(&of(count, "card")));
+        assert_eq!(two - one, three - two, "{cluster}: each member is as much");
+        assert!(two > one);
+        let organs = of(12, "curved");
+        for shape in organs.shapes.iter() {
+            let mesh = &shape.mesh;
+            assert!(mesh.normals.iter().all(|normal| (normal.length() - 1.0).abs() < 1e-4), "{cluster}");
+            assert!(mesh.uvs.iter().all(|uv| (uv - 0.5).abs().max_element() <= 0.5));
+            assert!(mesh.triangles.iter().flatten().all(|&v| (v as usize) < mesh.positions.len()));
+            // One unit is the cluster's height: nothing stands far beyond.
+            let farthest = mesh.positions.iter().map(|p| p.length()).fold(0.0, f32::max);
+            assert!((0.5..2.0).contains(&farthest), "{cluster}: {farthest}");
+        }
+    }
+}
+
+#[test]
+fn the_trunk_of_a_young_tree_is_bare_below_its_branches() {
+    // A stem of 3 m as thin as its two branches, and a shoot that runs up along it from 0.4 m.
+    let mut positions: Vec<Vec3> = (0..=30).map(|i| Vec3::Y * (0.1 * i as f32)).collect();
+    let mut parents: Vec<u32> = std::iter::once(NO_PARENT).chain(0..30).collect();
+    let mut branch = |from: u32, way: Vec3, off: Vec3, count: u32| {
+        let mut last = from;
+        for i in 1..=count {
+            positions.push(Vec3::Y * (0.1 * from as f32) + off + way * (0.1 * i as f32));
+            parents.push(last);
+            last = positions.len() as u32 - 1;
+        }
+    };
+    branch(15, Vec3::new(0.9, 0.4, 0.0).normalize(), Vec3::ZERO, 8);
+    branch(20, Vec3::new(-0.9, 0.4, 0.2).normalize(), Vec3::ZERO, 8);
+    branch(4, Vec3::Y, Vec3::X * 0.03, 9);
+    let radii = vec![0.012; positions.len()];
+    let tree = built(positions, parents, radii);
+    let lowest = |more: &str| {
+        let subject = recipe(&format!("leaf_form = \"card\"\nleaves_per_m = 40\n{more}"));
+        let organs = grown(&subject, &tree);
+        organs.placed.positions.iter().map(|p| p.y).fold(f32::MAX, f32::min)
+    };
+    assert!((lowest("") - 1.5).abs() < 0.1, "{}", lowest(""));
+    assert!(lowest("leaf_from = 0") < 0.1);
+    assert!(lowest("leaf_from = 2.2") < 0.6, "branches are not the trunk");
+    // A stem without branches is a shoot.
+    let subject = recipe("leaf_form = \"card\"\nleaves_per_m = 40");
+    assert!(grown(&subject, &twigs(1, 8)).placed.positions.iter().any(|p| p.y < 0.1));
+}
+
+#[test]
 fn leaves_gather_at_tips() {
     let tree = twigs(300, 10);
     let along = |organs: &Organs| {
@@ -513,6 +602,26 @@ fn a_mesh_of_the_users_stands_on_its_foot_one_unit_high() {
 }
 
 #[test]
+fn a_mesh_that_lies_on_its_side_is_noted() {
+    let blade = |text: &str| {
+        let input = Input::read("a.obj", text.as_bytes(), &Quiet).unwrap();
+        match input.geometry {
+            linden_base::input::Geometry::Mesh(mesh) => mesh_note("a.obj", &mesh),
+            _ => panic!("no mesh"),
+        }
+    };
+    // Along Z, as Blender has it before its exporter turns it.
+    let lying = blade("v -0.2 0 0\nv 0.2 0 0\nv 0 0.1 1\nf 1 2 3\n").unwrap();
+    assert!(
+        lying.starts_with("leaf_mesh: 'a.obj'") && lying.contains("10.0 times as long along Z"),
+        "{lying}"
+    );
+    assert_eq!(blade("v -0.2 0 0\nv 0.2 0 0\nv 0 1 0.1\nf 1 2 3\n"), None);
+    // A bowl is wider than high, and may be meant so.
+    assert_eq!(blade("v -0.5 0 0\nv 0.5 0 0\nv 0 0.5 0.5\nf 1 2 3\n"), None);
+}
+
+#[test]
 fn what_is_wrong_with_a_leafs_file_is_said() {
     let tree = twigs(1, 3);
     let said = |subject: &Subject| sprout(subject, &tree, &Arc::default(), &Quiet).unwrap_err().to_string();
@@ -612,8 +721,8 @@ fn no_knob_of_leaves_changes_the_wood() {
             Kind::Choice(words) => words.iter().map(|&word| word.to_owned()).collect(),
             Kind::Switch => vec!["true".to_owned(), "false".to_owned()],
             Kind::Real { min, max, .. } => vec![min.to_string(), (min + (max - min) * 0.1).to_string()],
-            Kind::Integer { min, .. } => vec![(min + 1).to_string(), (min + 20).to_string()],
-            Kind::Reals { .. } => vec!["2 3".to_owned()],
+            Kind::Integer { min, max } => vec![(min + 1).to_string(), (min + 20).min(max).to_string()],
+            Kind::Reals { max, .. } => vec![if max < 3.0 { "0.2 0.6" } else { "2 3" }.to_owned()],
             Kind::Colors { .. } => vec!["#123456 #abcdef".to_owned()],
             other => panic!("a value of {other:?}"),
         };

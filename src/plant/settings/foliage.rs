@@ -19,6 +19,9 @@ const LONGEST_NAME: usize = 32;
 /// Old leaves and young ones.
 const TURTLE_COLORS: [[u8; 3]; 2] = [[74, 122, 48], [122, 154, 62]];
 
+/// When leaves turn where nothing is said: the first and the last, seasons.
+pub const TURNING: [f64; 2] = [0.54, 1.0];
+
 /// The key of the list of further kinds in `[foliage]`.
 pub const ALSO: &str = "also";
 
@@ -77,6 +80,24 @@ words! {
         Serrate = "serrate",
         /// Rounded teeth.
         Crenate = "crenate"
+    }
+}
+
+words! {
+    /// How the members of a cluster stand: flowers, fruit.
+    Cluster {
+        /// There is none: each stands alone.
+        None = "none",
+        /// All stalks from the end of a common one.
+        Umbel = "umbel",
+        /// Outer stalks longer, so that all end about level.
+        Corymb = "corymb",
+        /// Short stalks all along a common one.
+        Raceme = "raceme",
+        /// A cone: stalks along a common one, the longest at its foot.
+        Panicle = "panicle",
+        /// A ball.
+        Pompom = "pompom"
     }
 }
 
@@ -161,6 +182,28 @@ pub struct LeafKind {
     pub tint_spread: f64,
     /// Whether the season leaves them alone.
     pub evergreen: bool,
+    /// The seasons in which it begins and ends, 0 to 1; the first larger than the second: over the winter.
+    pub season_range: Vec<f64>,
+    /// Over which share of the year it opens, and falls; `None`: as [`Calendar`](crate::foliage::Calendar) has it.
+    pub season_fade: Option<f64>,
+    /// sRGB: the upper side when it has just opened; `None`: green ones are lighter and yellower.
+    pub young_colors: Option<Vec<[u8; 3]>>,
+    /// The seasons from which and to which it turns to its autumn colours.
+    pub turn_range: Vec<f64>,
+    /// Rows of petals, of [`LeafKind::lobes`] each.
+    pub petal_rows: u32,
+    /// How several of it stand together in one place.
+    pub cluster: Cluster,
+    /// How many do.
+    pub cluster_count: u32,
+    /// The common stalk, from the twig to its end, metres; `None`: by what is on it.
+    pub cluster_length_m: Option<f64>,
+    /// The longest stalk of a member, metres; `None`: as much as gives all of them room.
+    pub cluster_stalk_m: Option<f64>,
+    /// Where members look: 0 out along their stalks, 1 all along the common one, -1 back; `None`: as usual.
+    pub cluster_facing: Option<f64>,
+    /// None grow on the trunk below this height, metres; `None`: below its lowest branch.
+    pub from_m: Option<f64>,
     /// The share that is kept.
     pub keep: f64,
     /// For a further kind: how many places of the first it takes, of 1; 0: it has its own places.
@@ -205,6 +248,17 @@ impl Default for LeafKind {
             autumn_colors: None,
             tint_spread: 0.5,
             evergreen: false,
+            season_range: vec![0.0, 1.0],
+            season_fade: None,
+            young_colors: None,
+            turn_range: TURNING.to_vec(),
+            petal_rows: 1,
+            cluster: Cluster::None,
+            cluster_count: 7,
+            cluster_length_m: None,
+            cluster_stalk_m: None,
+            cluster_facing: None,
+            from_m: None,
             keep: 1.0,
             share: 0.0,
         }
@@ -214,7 +268,11 @@ impl Default for LeafKind {
 impl LeafKind {
     /// The keys that name files.
     pub const FILES: [FileKey<Self>; 2] = [
-        file_key!("leaf_mesh", "for leaf_form=mesh: an OBJ file, relative to the preset's", mesh),
+        file_key!(
+            "leaf_mesh",
+            "for leaf_form=mesh: an OBJ file, relative to the preset's; it points along +Y from its foot, its upper side to +Z, and is made leaf_length high",
+            mesh
+        ),
         file_key!(
             "leaf_picture",
             "in place of the drawn picture: a PNG, JPEG, WebP or TGA file, relative to the preset's; its alpha cuts the leaf out",

@@ -4,13 +4,14 @@
 use linden_base::field;
 use linden_base::knob::{Field, FieldValue, Kind, Value, integer, names, real, real_or_auto};
 
+use super::bloom::BLOOM_KNOBS;
 use super::foliage::{Arrangement, Edge, FoliageSettings, Form, LeafKind, Normals};
 use crate::season::SEASONS;
 use crate::texture::leaf::Outline;
 use linden_skeleton::organs::OrganClass;
 
 /// The most colours that one kind of organ has.
-const MOST_COLORS: usize = 32;
+pub(super) const MOST_COLORS: usize = 32;
 
 /// The names of all outlines.
 const OUTLINES: [&str; Outline::ALL.len()] = names(&Outline::ALL);
@@ -26,8 +27,29 @@ impl FieldValue for Outline {
     }
 }
 
-/// The keys of a kind of organ, beside the files `leaf_mesh` and `leaf_picture`.
-pub const LEAF_KNOBS: [Field<LeafKind>; 33] = [
+/// The keys of a kind of organ, beside its name and the files `leaf_mesh` and `leaf_picture`.
+pub const LEAF_KNOBS: [Field<LeafKind>; LOOKS.len() + BLOOM_KNOBS.len() + 1] = {
+    let mut all = [SHARE; LOOKS.len() + BLOOM_KNOBS.len() + 1];
+    let mut i = 0;
+    while i + 1 < all.len() {
+        all[i] = if i < LOOKS.len() { LOOKS[i] } else { BLOOM_KNOBS[i - LOOKS.len()] };
+        i += 1;
+    }
+    all
+};
+
+/// For further kinds alone.
+const SHARE: Field<LeafKind> = field!(
+    "share",
+    real(0.0, 1.0),
+    "",
+    "for a further kind: how many places of the first kind it takes; 0: it has places of its own",
+    share,
+    see_also(&["leaf_keep"])
+);
+
+/// What one leaf is and where it stands.
+const LOOKS: [Field<LeafKind>; 33] = [
     field!(
         "leaf_form",
         Kind::Choice(Form::WORDS),
@@ -96,9 +118,10 @@ pub const LEAF_KNOBS: [Field<LeafKind>; 33] = [
         details(
             "Lobes of one side for lobed, all of them for palmate; leaflets for fan; pairs for pinnate, \
              palm and fern; branches of one side for bipinnate; needles for pine and spruce; tufts for \
-             larch; petals for blossom; how many for fruit. Other outlines have none."
+             larch; petals of a row for blossom; how many for fruit. Other outlines have none."
         ),
-        see_also(&["leaf_lobe_depth", "leaf_outline"])
+        aliases(&["petals"]),
+        see_also(&["leaf_lobe_depth", "leaf_outline", "petal_rows"])
     ),
     field!(
         "leaf_lobe_depth",
@@ -214,6 +237,18 @@ pub const LEAF_KNOBS: [Field<LeafKind>; 33] = [
              leaves to the outermost twigs; a larger one lets them sprout from limbs, as after pollarding."
         ),
         see_also(&["leaf_max_age", "leaves_per_m", "tip_radius"])
+    ),
+    field!(
+        "leaf_from",
+        real_or_auto(0.0, 1000.0),
+        "m",
+        "no leaves grow on a trunk below this height; auto: below its lowest branch",
+        from_m,
+        details(
+            "A young tree's trunk is as thin as twigs are, and bears no leaves all the same. A stem without \
+             a branch has leaves all along under auto. 0 gives suckers and water shoots the whole trunk."
+        ),
+        see_also(&["leaf_max_radius", "leaf_max_age"])
     ),
     field!(
         "leaf_max_age",
@@ -335,10 +370,10 @@ pub const LEAF_KNOBS: [Field<LeafKind>; 33] = [
         "colours of the upper side in summer; of a grammar's polygons and organs: index 0 of ' has the first, the last repeats; auto: as usual",
         colors,
         details(
-            "Several mix over the crown: each variant of the picture has one. In spring they start lighter \
-             and yellower, in autumn they turn to autumn_colors."
+            "Several mix over the crown: each variant of the picture has one. In spring they start as \
+             young_colors, by default lighter and yellower, in autumn they turn to autumn_colors."
         ),
-        see_also(&["autumn_colors", "leaf_tint_spread", "season"])
+        see_also(&["young_colors", "autumn_colors", "leaf_tint_spread", "season"])
     ),
     field!(
         "autumn_colors",
@@ -348,10 +383,10 @@ pub const LEAF_KNOBS: [Field<LeafKind>; 33] = [
         autumn_colors,
         details(
             "Leaves go through them in this order, one leaf earlier than another, from season 0.54 on; at 1 \
-             they have reached the last. Most outlines turn yellow and brown, lobed and palmate orange and \
-             red."
+             they have reached the last. turn_range says it otherwise: for fruit that ripens in summer, for \
+             petals that fade. Most outlines turn yellow and brown, lobed and palmate orange and red."
         ),
-        see_also(&["season", "leaf_colors", "evergreen"])
+        see_also(&["season", "turn_range", "leaf_colors", "evergreen"])
     ),
     field!(
         "leaf_tint_spread",
@@ -381,22 +416,17 @@ pub const LEAF_KNOBS: [Field<LeafKind>; 33] = [
         keep,
         see_also(&["leaves_per_m", "season", "triangles"])
     ),
-    field!(
-        "share",
-        real(0.0, 1.0),
-        "",
-        "for a further kind: how many places of the first kind it takes; 0: it has places of its own",
-        share,
-        see_also(&["leaf_keep"])
-    ),
 ];
 
 impl LeafKind {
     /// The knobs that the first kind has: all but the last, `share`.
     pub const FIELDS: &[Field<Self>] = LEAF_KNOBS.split_at(LEAF_KNOBS.len() - 1).0;
 
-    /// What tables call it: its outline, or `mesh` or `picture` for the user's.
+    /// What tables call it: its name, or else its outline, or `mesh` or `picture` for the user's.
     pub fn label(&self) -> String {
+        if let Some(name) = &self.name {
+            return name.clone();
+        }
         match (self.form, &self.picture) {
             (Form::Mesh, _) => "mesh".to_owned(),
             (_, Some(_)) => "picture".to_owned(),
@@ -407,7 +437,7 @@ impl LeafKind {
     /// What its organs are, by its outline.
     pub const fn class(&self) -> OrganClass {
         match self.outline {
-            Outline::Blossom => OrganClass::Blossom,
+            Outline::Blossom | Outline::Petal => OrganClass::Blossom,
             Outline::Fruit => OrganClass::Fruit,
             _ => OrganClass::Leaf,
         }
@@ -426,9 +456,10 @@ impl FoliageSettings {
             details(
                 "Leaves unfold from 0 to 0.2, light green and a third of their length at first; they begin \
                  to turn at 0.54 and fall from 0.75 to 1. The wood stays, and a leaf that is there in two \
-                 seasons hangs at the same place. Evergreen kinds stay as in summer."
+                 seasons hangs at the same place. Evergreen kinds stay as in summer. season_range gives a \
+                 kind, blossom say, its own part of the year."
             ),
-            see_also(&["evergreen", "autumn_colors", "leaf_keep"])
+            see_also(&["season_range", "evergreen", "autumn_colors", "leaf_keep"])
         ),
         field!(
             "leaf_size",

@@ -139,6 +139,7 @@ impl Grid {
             unit: Vec2::splat(self.scale / self.size),
             outline: octagon(placed.figure.points().map(uv), min.max(Vec2::ZERO), max.min(Vec2::ONE), soft.x),
             color: mean_color(placed, self.size as usize, spots),
+            stalk: uv(placed.figure.stalk.unwrap_or(Vec2::new(0.0, 0.005))),
         }
     }
 }

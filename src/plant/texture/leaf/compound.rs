@@ -28,6 +28,7 @@ pub(super) fn leaf(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
         Outline::Scale => conifer::scale(look, tint, key),
         Outline::Blossom => flower::blossom(look, tint, key),
         Outline::Fruit => flower::fruit(look, tint, key),
+        Outline::Petal => flower::petal(look, tint, key),
         _ => single(look, tint, key),
     }
 }

@@ -52,7 +52,7 @@ fn blade(foot: Vec2, along: Vec2, radius: f32, bow: f32, skin: Skin) -> Piece {
 pub(super) fn needle(look: &LeafLook, tint: &Tint, key: Key) -> Figure {
     let radius = look.width.clamp(0.004, 1.0) / 2.0;
     let bow = key.named("bow").between(-0.04, 0.04) as f32;
-    Figure { pieces: vec![blade(Vec2::ZERO, Vec2::Y, radius, bow, skin(tint, key))] }
+    Figure { pieces: vec![blade(Vec2::ZERO, Vec2::Y, radius, bow, skin(tint, key))], ..Figure::default() }
 }
 
 /// The end of a shoot with needles in pairs that spread to all sides.

@@ -12,6 +12,8 @@ use linden_base::memory::bytes_of;
 pub(super) struct Figure {
     /// From the lowest to the uppermost.
     pub pieces: Vec<Piece>,
+    /// The middle of a spot that has the colour of stalks, where one is drawn for its own sake.
+    pub stalk: Option<Vec2>,
 }
 
 impl Figure {

@@ -25,6 +25,7 @@ use rayon::prelude::*;
 
 use self::tint::Tint;
 
+use linden_base::color::encode;
 use linden_base::input::UserPicture;
 use linden_base::memory::OverMemory;
 use linden_base::monitor::{Cancelled, Monitor};
@@ -73,6 +74,17 @@ pub struct LeafLook {
     pub autumn_colors: Vec<[u8; 3]>,
     /// Colour of the veins, sRGB; `None`: paler than the blade.
     pub vein_color: Option<[u8; 3]>,
+    /// Colours of the upper side when it has just unfolded, sRGB; none: green ones are lighter and yellower.
+    pub young_colors: Vec<[u8; 3]>,
+    /// How much of its youth is over: 0 just unfolded, 1 and beyond as in summer; `None`: as leaves that unfold
+    /// at season 0 are, whose youth lasts to 0.25.
+    pub ripeness: Option<f32>,
+    /// The seasons from which and to which it goes through its autumn colours.
+    pub turning: [f32; 2],
+    /// Rows of petals, of [`LeafLook::lobes`] each: 1 to [`LeafLook::MOST_PETAL_ROWS`].
+    pub petal_rows: u32,
+    /// Whether a spot of the colour of stalks is drawn beside it: see [`Cell::stalk`].
+    pub has_stalk_color: bool,
     /// How much variants differ in tint: 0 not at all, 1 widely.
     pub color_spread: f32,
     /// 0 flush, 0.35 summer, 0.75 autumn, 1 withered.
@@ -160,6 +172,8 @@ pub struct Cell {
     pub outline: Vec<Vec2>,
     /// Mean colour, sRGB: for surfaces without pictures.
     pub color: [u8; 3],
+    /// Where the picture has the colour of stalks, for those that are no part of it.
+    pub stalk: Vec2,
 }
 
 impl Cell {
@@ -173,6 +187,7 @@ impl Cell {
             unit: Vec2::new(height as f32 / width as f32, 1.0),
             outline: vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y],
             color: picture.mean_color,
+            stalk: Vec2::new(0.5, 0.5 / height.max(1) as f32),
         }
     }
 }
@@ -202,6 +217,8 @@ impl LeafLook {
     pub const MAX_VARIANTS: u32 = 64;
     /// The most lobes, leaflets or needles; more are as many.
     pub const MOST_LOBES: u32 = 400;
+    /// The most rows of petals; more are as many.
+    pub const MOST_PETAL_ROWS: u32 = 8;
     /// The most teeth along one side; more are as many.
     pub const MOST_TEETH: u32 = 100;
 
@@ -223,6 +240,11 @@ impl LeafLook {
             colors: usual.colors.to_vec(),
             autumn_colors: usual.autumn_colors.to_vec(),
             vein_color: None,
+            young_colors: Vec::new(),
+            ripeness: None,
+            turning: [0.54, 1.0],
+            petal_rows: 1,
+            has_stalk_color: false,
             color_spread: 0.5,
             season: 0.35,
             variants: 4,
@@ -251,6 +273,19 @@ impl LeafLook {
         self.atlas(Some(twig), key, monitor)
     }
 
+    /// Its colours in its season, sRGB, for what has a shape of its own: one for each of [`LeafLook::colors`].
+    pub(crate) fn plain_colors(&self) -> Vec<[u8; 3]> {
+        if self.young_colors.is_empty() && self.autumn_colors.is_empty() {
+            return self.colors.clone();
+        }
+        let look = Self { color_spread: 0.0, ..self.bounded() };
+        let of = |variant: u32| {
+            let blade = Tint::new(&look, variant, Key::new(0)).blade;
+            blade.to_array().map(|c| (encode(c.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8)
+        };
+        (0..self.colors.len() as u32).map(of).collect()
+    }
+
     /// With numbers that can be drawn: out of range, the nearest that is in it.
     fn bounded(&self) -> Self {
         let usual = self.outline.usual();
@@ -268,6 +303,9 @@ impl LeafLook {
             vein_strength: within(self.vein_strength, 0.0, 2.0, 1.0),
             color_spread: within(self.color_spread, 0.0, 1.0, 0.5),
             season: within(self.season, 0.0, 1.0, 0.35),
+            ripeness: self.ripeness.map(|ripeness| within(ripeness, 0.0, 1e3, 1.0)),
+            turning: self.turning.map(|season| within(season, 0.0, 1.0, 0.54)),
+            petal_rows: self.petal_rows.clamp(1, Self::MOST_PETAL_ROWS),
             ..self.clone()
         }
     }
@@ -297,7 +335,15 @@ impl LeafLook {
                 let key = key.child(u64::from(variant));
                 Ok(match twig {
                     Some(twig) => twig::twig(look, twig, variant, key),
-                    None => compound::leaf(look, &Tint::new(look, variant, key.named("tint")), key),
+                    None => {
+                        let tint = Tint::new(look, variant, key.named("tint"));
+                        let figure = compound::leaf(look, &tint, key);
+                        if look.has_stalk_color {
+                            flower::with_stalk_color(figure, look, &tint, key.named("stalk"))
+                        } else {
+                            figure
+                        }
+                    }
                 })
             })
             .collect::<Result<_, Cancelled>>()?;

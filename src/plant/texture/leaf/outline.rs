@@ -51,6 +51,8 @@ pub enum Outline {
     Blossom,
     /// Round fruit on stalks: cherry, apple. `lobes` are how many.
     Fruit,
+    /// One petal: clusters of them are flowers that are seen from all sides, magnolia, tulip.
+    Petal,
 }
 
 impl Outline {
@@ -78,6 +80,7 @@ impl Outline {
                 | Self::Scale
                 | Self::Blossom
                 | Self::Fruit
+                | Self::Petal
         )
     }
 
@@ -182,7 +185,7 @@ const NEEDLES: Usual =
 
 impl Outline {
     /// Every outline: its name for users, and what it looks like.
-    pub const ALL: [(&'static str, Self, &'static str); 23] = [
+    pub const ALL: [(&'static str, Self, &'static str); 24] = [
         ("ovate", Self::Ovate, "egg-shaped, widest below the middle, as beech and pear"),
         ("obovate", Self::Obovate, "egg-shaped, widest above the middle, as alder"),
         ("elliptic", Self::Elliptic, "an ellipse"),
@@ -206,6 +209,11 @@ impl Outline {
         ("scale", Self::Scale, "a flat spray of scales, as cypress"),
         ("blossom", Self::Blossom, "a flower seen from above"),
         ("fruit", Self::Fruit, "round fruit on stalks, as cherry and apple"),
+        (
+            "petal",
+            Self::Petal,
+            "one petal, for flowers made of them, as magnolia, and for the scales of cones",
+        ),
     ];
 
     /// The outline that a user means.
@@ -248,6 +256,9 @@ impl Outline {
             Self::Larch => Usual { autumn_colors: YELLOWS, colors: GREENS, ..needles(0.05, 9) },
             Self::Scale => needles(0.5, 9),
             Self::Blossom => Usual { colors: PETALS, autumn_colors: &[], ..parts(leaf(0.85, 0.0), 5) },
+            Self::Petal => {
+                Usual { colors: PETALS, autumn_colors: &[], veins: Veins::Parallel, ..leaf(0.55, 0.0) }
+            }
             Self::Fruit => {
                 Usual { colors: CHERRIES, veins: Veins::None, autumn_colors: &[], ..parts(leaf(0.9, 0.6), 2) }
             }

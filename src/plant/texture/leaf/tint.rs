@@ -9,10 +9,9 @@ use linden_base::random::Key;
 
 /// Young leaves: light, yellow-green.
 const FLUSH: [u8; 3] = [158, 186, 84];
-/// When leaves are full-grown and dark.
+
+/// When leaves that unfold at season 0 are full-grown and dark.
 const SUMMER: f32 = 0.25;
-/// When the first leaves turn, and when the last have.
-const TURNING: [f32; 2] = [0.54, 1.0];
 
 /// One leaf's colours, linear light.
 #[derive(Clone, Copy, Debug)]
@@ -35,12 +34,17 @@ impl Tint {
         // Lighter or darker, and more or less yellow.
         let summer = summer * (1.0 + 0.22 * vary("light")) * Vec3::new(1.0 + 0.16 * vary("warm"), 1.0, 1.0);
         let season = look.season;
-        let young = 0.75 * (1.0 - (season / SUMMER).min(1.0));
+        let young = 1.0 - look.ripeness.unwrap_or(season / SUMMER).min(1.0);
         let is_green = summer.y > summer.x;
-        let green = if is_green { summer.lerp(Vec3::from(linear(FLUSH)), young) } else { summer };
+        let green = match look.young_colors.len() {
+            0 if is_green => summer.lerp(Vec3::from(linear(FLUSH)), 0.75 * young),
+            0 => summer,
+            youngs => summer.lerp(Vec3::from(linear(look.young_colors[variant as usize % youngs])), young),
+        };
         // Leaves turn one after another.
         let late = 0.28 * (0.35 + spread) * key.named("late").between(-1.0, 1.0) as f32;
-        let turned = (season - TURNING[0]) / (TURNING[1] - TURNING[0]);
+        let [first, last] = look.turning;
+        let turned = (season - first) / (last - first).max(1e-3);
         let turned =
             if turned > 0.0 { (turned + late * (4.0 * turned).min(1.0)).clamp(0.0, 1.0) } else { 0.0 };
         let ramp = |at: f32| -> Vec3 {
