@@ -16,13 +16,20 @@ const NORMALS: &str = "leaf_normals";
 const BUDGETS: [&str; 2] = ["triangles", "lod_triangles"];
 
 /// Knobs that show in colours and pictures, most of them in these alone.
-const SHOWN: [&str; 21] = [
+const SHOWN: [&str; 31] = [
     "bark",
     "bark_color",
     "bark_grain",
     "bark_size",
     "bark_seed",
     "bark_tile",
+    "bark_lenticels",
+    "limb_radius",
+    "limb_bark",
+    "limb_color",
+    "twig_radius",
+    "twig_bark",
+    "twig_color",
     "leaf_outline",
     "leaf_lobes",
     "leaf_lobe_depth",
@@ -32,6 +39,9 @@ const SHOWN: [&str; 21] = [
     "leaf_normals",
     "leaf_colors",
     "autumn_colors",
+    "young_colors",
+    "turn_range",
+    "petal_rows",
     "leaf_tint_spread",
     "evergreen",
     "season",
