@@ -84,7 +84,7 @@ fn what_is_wrong_with_a_kind_is_said_with_its_place() {
         ("name = \"Leaf\"", "5:8", "'Leaf' is no name of a kind: it takes lower-case letters"),
         (
             "name = \"a\"\n[[foliage.also]]\nname = \"a\"\nleaf_form = \"card\"",
-            "6:3",
+            "5:1",
             "two kinds of foliage are called 'a'",
         ),
     ] {

@@ -147,6 +147,7 @@ pub(super) fn draw<'a>(
         unit: Vec2::ONE,
         outline: vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y],
         color: mean,
+        stalk: Vec2::splat(0.5),
     };
     let cover = Cover {
         base_color: Arc::new(color),
