@@ -48,10 +48,10 @@ fn documents_survive_writing_and_reading() {
 fn a_list_shows_what_the_document_says() {
     for builtin in builtins() {
         let (head, preset) = (builtin.heading().unwrap(), builtin.load().unwrap());
-        let Heading { name, group, summary, source } = head;
+        let Heading { name, group, summary, source, tags } = head;
         assert_eq!(
-            (name, group, summary, source),
-            (preset.name, preset.group, preset.summary, preset.source)
+            (name, group, summary, source, tags),
+            (preset.name, preset.group, preset.summary, preset.source, preset.tags)
         );
         assert_eq!(builtin.id, preset.id);
     }

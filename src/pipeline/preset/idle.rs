@@ -503,6 +503,20 @@ static RULES: &[Rule] = &[
         why: |preset| when(preset.dressing.detail.levels() == 1, "there is one level: it is for lods"),
     },
     Rule {
+        knobs: &["branch_cards", "card_size"],
+        why: |preset| {
+            let detail = &preset.dressing.detail;
+            when(
+                detail.finest() == 0 && detail.triangle_levels() == 1,
+                "all leaves are shown: it is for triangles and lods",
+            )
+        },
+    },
+    Rule {
+        knobs: &["card_size"],
+        why: |preset| when(!preset.dressing.detail.branch_cards, "branch_cards is false"),
+    },
+    Rule {
         knobs: &["billboard_size"],
         why: |preset| when(preset.dressing.detail.billboard == 0, "billboard is 0"),
     },

@@ -46,8 +46,8 @@ pub use linden_colonization::{
 pub use linden_growth::{GrowthSettings, Origin, UpAxis};
 pub use linden_lsystem::{LSystem, StemHabit};
 pub use linden_plant::settings::{
-    Arrangement, BarkSettings, Cluster, DetailSettings, Edge, FoliageSettings, Form, KIND_NAME, KIND_NAME_HELP,
-    LEAF_KNOBS, LeafKind, MOST_KINDS, Normals, WindSettings,
+    Arrangement, BarkSettings, Cluster, DetailSettings, Edge, FoliageSettings, Form, KIND_NAME,
+    KIND_NAME_HELP, LEAF_KNOBS, LeafKind, MOST_KINDS, Normals, WindSettings,
 };
 pub use linden_scan::{ScanRadius, ScanSettings};
 pub use mention::mention;

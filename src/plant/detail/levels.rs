@@ -9,7 +9,7 @@ use crate::dress::{DressError, Wardrobe};
 use crate::foliage::{Calendar, Organs, sprout};
 use crate::scene::Scene;
 use crate::season::Season;
-use crate::settings::{Dressing, Form};
+use crate::settings::{DetailSettings, Dressing, Form};
 use crate::stage::{self, Stage};
 use crate::surface::Tubes;
 use crate::wind::{Blown, Field};
@@ -192,7 +192,7 @@ impl Plan {
             for &budget in &budgets[most..] {
                 details.push(simplifier.within(budget, detail.branch_cards, monitor)?);
             }
-            return Ok(Self { details: Some(details) });
+            return Ok(Self::of(details, dressing, notes));
         }
         let least = simplifier.least_triangles(monitor)?;
         let mut budget = if detail.triangles == 0 { full } else { detail.triangles };
@@ -211,7 +211,19 @@ impl Plan {
             details.push(simplifier.within(budget, detail.branch_cards, monitor)?);
             budget = (budget as f64 * detail.lod_ratio) as u64;
         }
-        Ok(Self { details: Some(details) })
+        Ok(Self::of(details, dressing, notes))
+    }
+
+    /// Levels of these details. Says what is asked for cards where no level has any.
+    fn of(details: Vec<Detail>, dressing: &Dressing, notes: &mut Vec<String>) -> Self {
+        let DetailSettings { branch_cards, card_size_px, .. } = dressing.detail;
+        let is_asked = branch_cards && card_size_px != DetailSettings::default().card_size_px;
+        if is_asked && details.iter().all(|level| level.card_m == 0.0) {
+            notes.push(
+                "card_size: no level needs branch cards, since enough leaves are left in all".to_owned(),
+            );
+        }
+        Self { details: Some(details) }
     }
 
     /// Dresses a tree in these levels, and in what stands for it from afar.

@@ -13,8 +13,8 @@ use crate::surface::Tubes;
 pub use bark::{BarkSettings, ThinBark, ThinStyle};
 pub use detail::DetailSettings;
 pub use foliage::{
-    ALSO, Arrangement, Cluster, Edge, FoliageSettings, Form, KIND_NAME, KIND_NAME_HELP, LeafKind, MOST_KINDS, Normals,
-    TURNING, check_kind_name, read,
+    ALSO, Arrangement, Cluster, Edge, FoliageSettings, Form, KIND_NAME, KIND_NAME_HELP, LeafKind, MOST_KINDS,
+    Normals, TURNING, check_kind_name, read,
 };
 pub use leaf::LEAF_KNOBS;
 pub use wind::WindSettings;
