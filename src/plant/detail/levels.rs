@@ -153,6 +153,9 @@ pub fn year(
     Ok(Year { seasons: year, notes, recipe: (specimen.recipe)(specimen.dressing, body.organs) })
 }
 
+/// For notes.
+const NO_CARDS: &str = "no level needs them, since enough leaves are left in each";
+
 /// Which levels there are to be of a tree.
 struct Plan {
     /// How much each has, finest first; `None`: one with everything.
@@ -178,6 +181,7 @@ impl Plan {
         let simplifier = Simplifier::new(tubes, body, monitor)?;
         let full = simplifier.full_triangles(monitor)?;
         let mut details = Vec::new();
+        let mut are_cards_missed = false;
         if !budgets.is_empty() {
             let most = budgets.iter().rposition(|&budget| budget >= full).unwrap_or(0);
             if budgets[0] > full {
@@ -191,8 +195,9 @@ impl Plan {
             }
             for &budget in &budgets[most..] {
                 details.push(simplifier.within(budget, detail.branch_cards, monitor)?);
+                are_cards_missed |= !detail.branch_cards && simplifier.is_in_cards(budget, monitor)?;
             }
-            return Ok(Self::of(details, dressing, notes));
+            return Ok(Self::of(details, dressing, are_cards_missed, notes));
         }
         let least = simplifier.least_triangles(monitor)?;
         let mut budget = if detail.triangles == 0 { full } else { detail.triangles };
@@ -209,19 +214,26 @@ impl Plan {
                 break;
             }
             details.push(simplifier.within(budget, detail.branch_cards, monitor)?);
+            are_cards_missed |= !detail.branch_cards && simplifier.is_in_cards(budget, monitor)?;
             budget = (budget as f64 * detail.lod_ratio) as u64;
         }
-        Ok(Self::of(details, dressing, notes))
+        Ok(Self::of(details, dressing, are_cards_missed, notes))
     }
 
     /// Levels of these details. Says what is asked for cards where no level has any.
-    fn of(details: Vec<Detail>, dressing: &Dressing, notes: &mut Vec<String>) -> Self {
+    fn of(
+        details: Vec<Detail>,
+        dressing: &Dressing,
+        are_cards_missed: bool,
+        notes: &mut Vec<String>,
+    ) -> Self {
         let DetailSettings { branch_cards, card_size_px, .. } = dressing.detail;
         let is_asked = branch_cards && card_size_px != DetailSettings::default().card_size_px;
         if is_asked && details.iter().all(|level| level.card_m == 0.0) {
-            notes.push(
-                "card_size: no level needs branch cards, since enough leaves are left in all".to_owned(),
-            );
+            notes.push(format!("card_size: {NO_CARDS}"));
+        }
+        if !branch_cards && !are_cards_missed {
+            notes.push(format!("branch_cards: {NO_CARDS}"));
         }
         Self { details: Some(details) }
     }

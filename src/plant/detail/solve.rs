@@ -119,6 +119,14 @@ impl Simplifier<'_> {
         Ok(detail)
     }
 
+    /// Whether branch cards would stand for leaves within this budget.
+    ///
+    /// # Errors
+    /// As [`Self::within`].
+    pub fn is_in_cards(&self, budget: u64, monitor: &dyn Monitor) -> Result<bool, DetailError> {
+        Ok(self.within(budget, true, monitor)?.card_m > 0.0)
+    }
+
     /// The detail with `budget` triangles and branch cards; `None` where these are not wanted, or cannot meet it.
     fn in_cards(
         &self,
