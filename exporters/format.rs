@@ -96,6 +96,8 @@ pub struct Holds {
     pub pictures: bool,
     /// Pictures of normals: how deep the bark is.
     pub normals: bool,
+    /// What passes through leaves.
+    pub translucency: bool,
     /// Levels of detail.
     pub levels: LooksIn,
     /// Seasons.
@@ -118,6 +120,7 @@ impl Holds {
         colors: false,
         pictures: false,
         normals: false,
+        translucency: false,
         levels: LooksIn::Nothing,
         seasons: LooksIn::Nothing,
         wind: false,
@@ -142,6 +145,7 @@ impl Holds {
 
     /// Everything in one file.
     pub const SCENE: Self = Self {
+        translucency: true,
         levels: LooksIn::One,
         seasons: LooksIn::One,
         wind: true,

@@ -247,12 +247,31 @@ pub(super) struct Material {
 pub(super) struct MaterialExtensions {
     #[serde(rename = "KHR_materials_unlit", skip_serializing_if = "Option::is_none")]
     pub unlit: Option<Empty>,
+    #[serde(rename = "KHR_materials_diffuse_transmission", skip_serializing_if = "Option::is_none")]
+    pub diffuse_transmission: Option<DiffuseTransmission>,
 }
 
 impl MaterialExtensions {
     pub fn unlit() -> Self {
-        Self { unlit: Some(Empty {}) }
+        Self { unlit: Some(Empty {}), diffuse_transmission: None }
     }
+
+    pub fn diffuse_transmission(through: DiffuseTransmission) -> Self {
+        Self { unlit: None, diffuse_transmission: Some(through) }
+    }
+}
+
+/// `KHR_materials_diffuse_transmission` (release candidate): light that leaves on the other side. Its
+/// colour stands for itself, the base colour is not part of it.
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct DiffuseTransmission {
+    /// Of the light that is not reflected as by a mirror, 0 to 1.
+    pub diffuse_transmission_factor: f32,
+    /// Linear RGB.
+    pub diffuse_transmission_color_factor: [f32; 3],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub diffuse_transmission_color_texture: Option<TextureInfo>,
 }
 
 /// `{}`.

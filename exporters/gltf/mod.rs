@@ -23,15 +23,15 @@ use std::io;
 
 use linden_pipeline::Monitor;
 use linden_pipeline::picture::PictureFormat;
-use linden_pipeline::scene::Wrap;
+use linden_pipeline::scene::{Translucency, Wrap};
 use linden_pipeline::stage::Stage;
 use serde_json::value::RawValue;
 
 use self::buffer::Layout;
 use self::document::{
-    Asset, Buffer, BufferExtensions, Document, DocumentExtensions, Fallback, Image, ImageSource, LightList,
-    Material, MaterialExtensions, PbrMetallicRoughness, Sampler, SceneRoot, Texture, TextureExtensions,
-    TextureInfo, TextureTransform,
+    Asset, Buffer, BufferExtensions, DiffuseTransmission, Document, DocumentExtensions, Fallback, Image,
+    ImageSource, LightList, Material, MaterialExtensions, PbrMetallicRoughness, Sampler, SceneRoot, Texture,
+    TextureExtensions, TextureInfo, TextureTransform,
 };
 use self::nodes::{SceneGraph, Standing};
 use self::quantize::Range;
@@ -76,6 +76,16 @@ const PICTURE_FORMAT: OptionSpec = OptionSpec::choice(
      a tenth fewer bytes (EXT_texture_webp, which the reader must know); normals stay PNG",
 );
 
+const TRANSLUCENCY: OptionSpec = OptionSpec::switch(
+    "translucency",
+    false,
+    "light passes through leaves (KHR_materials_diffuse_transmission, a release candidate: Babylon.js and path \
+     tracers know it, others leave it out)",
+);
+
+/// What lets light through. Never required: without it foliage is reflective alone.
+const DIFFUSE_TRANSMISSION: &str = "KHR_materials_diffuse_transmission";
+
 /// Marks textures that are WebP. Required: a second picture for readers without it would double the file.
 const WEBP: &str = "EXT_texture_webp";
 
@@ -95,6 +105,27 @@ fn is_quantized(distinct: &DistinctMeshes<'_>, options: &Options, bundle: &mut B
     options.is_on("quantize") && !sways
 }
 
+/// Says where `translucency`, or the knob that is for it, changes nothing.
+fn note_translucency(
+    distinct: &DistinctMeshes<'_>,
+    stage: &Stage<'_>,
+    options: &Options,
+    bundle: &mut Bundle,
+) {
+    let is_translucent = distinct.materials.iter().any(|named| named.material.translucency.is_some());
+    match options.is_on("translucency") {
+        true if !is_translucent => {
+            bundle.note("translucency changes nothing: there are no leaves that light passes through");
+        }
+        false if stage.turned.iter().any(|name| name == "leaf_translucency") => {
+            bundle.note(
+                "leaf_translucency changes nothing in it: glTF says it with the option translucency=true",
+            );
+        }
+        _ => {}
+    }
+}
+
 static GLTF: Format = Format {
     id: "gltf",
     name: "glTF 2.0 (JSON)",
@@ -109,6 +140,7 @@ static GLTF: Format = Format {
         INSTANCES,
         QUANTIZE,
         COMPRESS,
+        TRANSLUCENCY,
     ],
     holds: HOLDS,
     encoding,
@@ -122,7 +154,7 @@ static GLB: Format = Format {
     media_type: "model/gltf-binary",
     self_contained: true,
     help: "for engines and the web: everything in one file",
-    options: &[PICTURES, PICTURE_FORMAT, INSTANCES, QUANTIZE, COMPRESS],
+    options: &[PICTURES, PICTURE_FORMAT, INSTANCES, QUANTIZE, COMPRESS, TRANSLUCENCY],
     holds: HOLDS,
     encoding,
     estimate: Some(estimate::bytes),
@@ -154,6 +186,7 @@ impl Exporter for Gltf {
     ) -> Result<(), ExportError> {
         let stage = &fit(stage, &GLTF, bundle);
         let distinct = distinct(stage, options, bundle, monitor)?;
+        note_translucency(&distinct, stage, options, bundle);
         let pictures = pictures(&distinct, options, bundle);
         memory::admit(stage, &pictures, own_bytes(&distinct, &pictures), monitor)?;
         let embed = options.is_on("embed") || !bundle.takes_side_files();
@@ -271,6 +304,7 @@ impl Exporter for Glb {
     ) -> Result<(), ExportError> {
         let stage = &fit(stage, &GLB, bundle);
         let distinct = distinct(stage, options, bundle, monitor)?;
+        note_translucency(&distinct, stage, options, bundle);
         let pictures = pictures(&distinct, options, bundle);
         memory::admit(stage, &pictures, own_bytes(&distinct, &pictures), monitor)?;
         let mut layout =
@@ -330,6 +364,7 @@ fn document(
         Some(TextureInfo { index, extensions })
     };
     let unlit = distinct.dome.as_ref().map(|dome| dome.material);
+    let is_translucent = options.is_on("translucency");
     let materials: Vec<Material> = distinct
         .materials
         .iter()
@@ -352,10 +387,26 @@ fn document(
                 double_sided: material.double_sided,
                 alpha_mode: cutout.map(|_| "MASK"),
                 alpha_cutoff: cutout,
-                extensions: (unlit == Some(index)).then(MaterialExtensions::unlit),
+                extensions: if unlit == Some(index) {
+                    Some(MaterialExtensions::unlit())
+                } else {
+                    let through = material.translucency.filter(|_| is_translucent);
+                    through.map(|Translucency { share, tint }| {
+                        let texture = texture(index, material.base_color_picture.as_ref());
+                        let plain = || [0, 1, 2].map(|i| tint[i] * material.base_color[i]);
+                        MaterialExtensions::diffuse_transmission(DiffuseTransmission {
+                            diffuse_transmission_factor: share,
+                            diffuse_transmission_color_factor: if texture.is_some() { tint } else { plain() },
+                            diffuse_transmission_color_texture: texture,
+                        })
+                    })
+                },
             }
         })
         .collect();
+    let has_translucent = materials
+        .iter()
+        .any(|material| material.extensions.as_ref().is_some_and(|all| all.diffuse_transmission.is_some()));
     let standing = match (options.is_on("instances"), stage.is_single()) {
         (false, _) => Standing::Plants(Vec::new()),
         (true, true) => Standing::Leaves(nodes::lay_out_copies(distinct, layout)),
@@ -363,6 +414,9 @@ fn document(
     };
     let SceneGraph { nodes, roots, meshes, cameras, lights, mut extensions, mut required } =
         nodes::nodes(stage, distinct, layout, &standing);
+    if has_translucent {
+        extensions.push(DIFFUSE_TRANSMISSION);
+    }
     let animation = animation::animation(distinct, &meshes, &nodes, layout);
     if options.is_word("compress", "meshopt") {
         let bytes = stage.bytes() + layout.compressing_bytes();

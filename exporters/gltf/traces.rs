@@ -7,7 +7,7 @@ use serde::Deserialize;
 use serde::de::{Deserializer, Error, IgnoredAny, Visitor};
 
 use super::recipe::document_bytes;
-use super::{GLB, GLTF, WEBP};
+use super::{DIFFUSE_TRANSMISSION, GLB, GLTF, WEBP};
 use crate::{Format, Readable, Traces};
 
 /// Of a `.glb`.
@@ -92,6 +92,12 @@ fn in_document(format: &'static Format, json: &mut dyn Read) -> io::Result<Trace
         .with_switch("instances", uses("EXT_mesh_gpu_instancing"))
         .with_switch("quantize", uses("KHR_mesh_quantization"))
         .with("compress", if uses("EXT_meshopt_compression") { "meshopt" } else { "none" });
+    // Without leaves it does not show.
+    traces = if uses(DIFFUSE_TRANSMISSION) {
+        traces.with_switch("translucency", true)
+    } else {
+        traces.with_either("translucency")
+    };
     if format.id == GLTF.id {
         traces = traces.with_switch("embed", embed);
     }

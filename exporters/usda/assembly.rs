@@ -147,7 +147,8 @@ fn write_setting(
         layer.lines("\n")?;
         layer.open("def Scope \"Materials\"")?;
         let of = format!("{path}/Materials/{name}");
-        layer.lines(&material::describe(look.material, &name, &of, |picture| writing.file(picture)))?;
+        layer
+            .lines(&material::describe(look.material, &name, &of, false, |picture| writing.file(picture)))?;
         layer.close()?;
         layer.close()?;
     }

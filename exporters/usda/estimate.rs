@@ -24,7 +24,8 @@ pub(super) fn bytes(amounts: &Amounts, options: &Options) -> u64 {
     let places = 109.0 * amounts.placements as f64;
     // Vectors of four and three numbers; the latter with the index of their vertex.
     let moved = WIND * amounts.wind_vectors() as f64 + (TARGET + digits) * amounts.target_vectors() as f64;
-    let around = 2 * amounts.recipe_bytes + 3000 + 900 * amounts.foliage_materials;
+    let materialx = if options.is_on("materialx") && is_full { 3400 * amounts.foliage_materials } else { 0 };
+    let around = 2 * amounts.recipe_bytes + 3000 + 900 * amounts.foliage_materials + materialx;
     let pictures = if options.is_on("pictures") { amounts.picture_bytes } else { 0 };
     (85.0 * vertices as f64 + places + moved + faces + curves) as u64 + around + pictures
 }

@@ -1,17 +1,20 @@
-//! A material as a `UsdPreviewSurface` network.
+//! A material as a `UsdPreviewSurface` network, and what else there is of it beside.
 
 use std::sync::Arc;
 
 use linden_pipeline::picture::Picture;
 use linden_pipeline::scene::{Material, Wrap};
 
+use super::materialx;
 use super::syntax::{beside, tuple};
 
-/// The prim at `path`, not indented. `file` gives the file of a picture, where it is written.
+/// The prim at `path`, not indented, `with_materialx` beside where that says more. `file` gives the file of a
+/// picture, where it is written.
 pub(super) fn describe<'f>(
     material: &Material,
     name: &str,
     path: &str,
+    with_materialx: bool,
     file: impl Fn(Option<&Arc<Picture>>) -> Option<&'f str>,
 ) -> String {
     let color = file(material.base_color_picture.as_ref());
@@ -32,9 +35,11 @@ pub(super) fn describe<'f>(
         ),
         None => String::new(),
     };
+    let network = if with_materialx { materialx::network(material, path, &file) } else { None };
+    let also = network.as_ref().map(|network| format!("\n    {}", network.output)).unwrap_or_default();
     let mut text = format!(
         r#"def Material "{name}"
-{{
+{{{also}
     token outputs:surface.connect = <{path}/Surface.outputs:surface>
 
     def Shader "Surface"
@@ -73,7 +78,7 @@ pub(super) fn describe<'f>(
         let reading = Reading { color_space: "raw", wrap: material.wrap, alpha: false, more: decode };
         text += &texture("Normal", path, file, &reading);
     }
-    text + "}\n\n"
+    text + &network.map(|network| network.shaders).unwrap_or_default() + "}\n\n"
 }
 
 /// How a picture is read.

@@ -4,7 +4,7 @@
 //! /fir                  Xform, component, the recipe
 //!     /Geometry/wood      Mesh per part
 //!     /Geometry/Skeleton  BasisCurves, a curve per axis
-//!     /Materials/bark     UsdPreviewSurface
+//!     /Materials/bark     UsdPreviewSurface; for leaves a MaterialX surface too
 //! ```
 //!
 //! With `instances`, foliage is a `PointInstancer` per part, which holds its prototypes.
@@ -21,6 +21,7 @@ mod indexed;
 mod instancer;
 mod layer;
 mod material;
+mod materialx;
 mod mesh;
 mod package;
 pub(crate) mod payloads;
@@ -50,6 +51,12 @@ use crate::{
     Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Sink, Traces, recipe, traces,
 };
 
+const MATERIALX: OptionSpec = OptionSpec::switch(
+    "materialx",
+    true,
+    "for leaves a MaterialX surface beside UsdPreviewSurface, which knows of no light that passes through",
+);
+
 /// OpenUSD as text.
 pub(crate) struct Usda;
 
@@ -70,6 +77,7 @@ static FORMAT: Format = Format {
         OptionSpec::switch("pictures", true, "bark pictures beside the file; without, one colour"),
         OptionSpec::switch("skeleton", true, "the skeleton too, as guide curves: one per axis"),
         INSTANCES,
+        MATERIALX,
     ],
     holds: Holds::SCENE,
     encoding: |_| Encoding::Text,
@@ -95,6 +103,7 @@ static PACKAGE: Format = Format {
         OptionSpec::switch("pictures", true, "pictures in the package; without, one colour"),
         OptionSpec::switch("skeleton", true, "the skeleton too, as guide curves: one per axis"),
         INSTANCES,
+        MATERIALX,
     ],
     holds: Holds::SCENE,
     encoding: |_| Encoding::Text,
@@ -112,6 +121,7 @@ struct Writing<'a> {
     sky: Option<String>,
     with_skeleton: bool,
     with_instances: bool,
+    with_materialx: bool,
 }
 
 impl<'a> Writing<'a> {
@@ -134,7 +144,18 @@ impl<'a> Writing<'a> {
             pictures.extend(skies.map(|sky| NamedPicture::png(SKY, sky, Wrap::Clamp)));
         }
         let with_skeleton = options.is_on("skeleton") && !is_ar;
-        Ok(Self { stage, distinct, pictures, files: Vec::new(), sky: None, with_skeleton, with_instances })
+        let with_materialx = options.is_on("materialx") && !is_ar;
+        note_materialx(&distinct, stage, options, bundle);
+        Ok(Self {
+            stage,
+            distinct,
+            pictures,
+            files: Vec::new(),
+            sky: None,
+            with_skeleton,
+            with_instances,
+            with_materialx,
+        })
     }
 
     /// Says what each picture's file is called, or the way to it.
@@ -147,6 +168,25 @@ impl<'a> Writing<'a> {
     /// The file of a picture, where it is written.
     fn file(&self, picture: Option<&Arc<Picture>>) -> Option<&str> {
         pictures::index_of(&self.pictures, picture).map(|index| self.files[index].as_str())
+    }
+}
+
+/// Says where `materialx`, or what it is for, changes nothing.
+fn note_materialx(distinct: &DistinctMeshes<'_>, stage: &Stage<'_>, options: &Options, bundle: &mut Bundle) {
+    let is_on = options.is_on("materialx");
+    let is_translucent = distinct.materials.iter().any(|named| named.material.translucency.is_some());
+    if !is_on && !is_translucent {
+        bundle.note("materialx=false changes nothing: there are no leaves that light passes through");
+    }
+    let is_ar = options.is_word("flavor", "ar");
+    let is_turned = stage.turned.iter().any(|name| name == "leaf_translucency");
+    if is_translucent && is_ar && !is_on {
+        bundle.note("materialx=false changes nothing: usdz.flavor=ar leaves it out anyway");
+    }
+    if is_turned && (is_ar || !is_on) {
+        bundle.note(
+            "leaf_translucency changes nothing in it: UsdPreviewSurface has no word for it, materialx has",
+        );
     }
 }
 
@@ -245,17 +285,21 @@ fn in_text(format: &'static Format, file: &mut dyn Readable) -> io::Result<Trace
         file,
         [
             "uniform token info:id = \"UsdUVTexture\"",
+            materialx::TRACE,
             "def BasisCurves ",
             "def PointInstancer ",
             "def Camera ",
             "variantSet \"season\"",
         ],
     );
-    let [pictures, skeleton, instances, setting, seasons] = seen?;
+    let [pictures, materialx, skeleton, instances, setting, seasons] = seen?;
     let traces = Traces::none(format)
         .with_switch("pictures", pictures)
         .with_switch("skeleton", skeleton)
         .with_switch("instances", instances);
+    // Without leaves it does not show.
+    let traces =
+        if materialx { traces.with_switch("materialx", true) } else { traces.with_either("materialx") };
     Ok(Traces { setting, seasons, ..traces })
 }
 

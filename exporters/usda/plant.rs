@@ -149,7 +149,10 @@ impl<'a> Component<'a> {
         for (&look, name) in &self.materials {
             let look = &self.writing.distinct.materials[look];
             let path = format!("{}/Materials/{name}", self.path);
-            let text = material::describe(look.material, name, &path, |picture| self.writing.file(picture));
+            let text =
+                material::describe(look.material, name, &path, self.writing.with_materialx, |picture| {
+                    self.writing.file(picture)
+                });
             layer.lines(&text)?;
         }
         layer.close()

@@ -12,6 +12,9 @@ const RELIEF: &str = "bark_relief";
 /// The knob that shows in normals alone.
 const NORMALS: &str = "leaf_normals";
 
+/// The knob that shows in materials alone.
+const TRANSLUCENCY: &str = "leaf_translucency";
+
 /// Knobs of detail that leave out leaves in the finest level.
 const BUDGETS: [&str; 2] = ["triangles", "lod_triangles"];
 
@@ -135,6 +138,12 @@ pub fn fit<'a>(stage: &Stage<'a>, format: &Format, bundle: &mut Bundle) -> Stage
         let others = holders(|holds| holds.normals);
         bundle.note(format!(
             "{id} holds no pictures of normals: {RELIEF} changes nothing in it; {others} hold them"
+        ));
+    }
+    if !holds.translucency && stage.turned.iter().any(|name| name == TRANSLUCENCY) {
+        let others = holders(|holds| holds.translucency);
+        bundle.note(format!(
+            "{id} has no translucent materials: {TRANSLUCENCY} changes nothing in it; {others} have them"
         ));
     }
     if has_wind && !holds.wind {

@@ -272,6 +272,7 @@ mod tests {
                 double_sided: false,
                 cutout: None,
                 wrap: linden_pipeline::scene::Wrap::Repeat,
+                translucency: None,
             }],
             parts: vec![Part::new("wood", 0, mesh)],
             skeleton: Arc::new(Skeleton {

@@ -302,6 +302,7 @@ impl Wardrobe {
                 double_sided: true,
                 cutout: cover.filter(|cover| cover.is_cut_out).map(|_| CUTOUT),
                 wrap: Wrap::Clamp,
+                translucency: cover.and_then(|cover| cover.translucency),
             });
         }
         Ok(())
@@ -366,6 +367,7 @@ fn bark_material(name: String, mean: [u8; 3], BarkPictures { base_color, normal 
         double_sided: false,
         cutout: None,
         wrap: Wrap::Repeat,
+        translucency: None,
     }
 }
 

@@ -12,6 +12,7 @@ import io
 import json
 import logging
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -197,8 +198,16 @@ def with_usd_core(path):
     stage = Usd.Stage.Open(str(path))
     validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
     for error in UsdValidation.ValidationContext(validators).Validate(stage):
+        if is_materialx(error.GetMessage()):
+            continue
         if error.GetType() in (UsdValidation.ValidationErrorType.Error, UsdValidation.ValidationErrorType.Warn):
             yield f"{error.GetName()}: {error.GetMessage()}"
+
+
+def is_materialx(message):
+    """Whether it is said of a node of MaterialX that no registry knows it: the wheel of usd-core is built without
+    MaterialX. The exporter's tests check these nodes."""
+    return re.search(r"shaderId 'ND_\w+' .* not found in sdrRegistry", message)
 
 
 def with_nvidia(path):
@@ -222,7 +231,7 @@ def with_nvidia(path):
         for rule in json.loads(report.read_text())["rules"]:
             for issue in rule["issues"]:
                 name = issue["rule"]["name"]
-                if issue["severity"] != "INFO" and name not in NVIDIA_ALLOWED:
+                if issue["severity"] != "INFO" and name not in NVIDIA_ALLOWED and not is_materialx(issue["message"]):
                     where = (issue["at"] or {}).get("path", "")
                     yield f"{issue['severity']} {name}: {issue['message']} {where}"
 

@@ -113,7 +113,11 @@ fn of_format(id: &str) -> (&'static dyn Exporter, Options) {
 fn seen(recipe: &Recipe) -> Result<(Export, Export), String> {
     let dressed = Dressed::of(recipe, &[])?;
     let [surface, skeleton] = ["glb", "ply-skeleton"].map(|id| {
-        let (exporter, options) = of_format(id);
+        let (exporter, mut options) = of_format(id);
+        if id == "glb" {
+            // All that materials are.
+            options.set("translucency", "true").unwrap();
+        }
         dressed.export(exporter, &options, &[], false)
     });
     // What the skeleton's format says of levels is no effect.

@@ -2,9 +2,11 @@
 """Renders an exported file with Blender's Cycles, to see what Blender makes of it:
 
     python tests/render/render.py FILE OUT.png [--size 640] [--samples 32] [--view front|side|top|detail|own]
+                                  [--translucent [SHARE]]
 
 Runs in a Python with Blender as a module (pip install bpy==5.0.1, Python 3.11): `bpy` is large and
 no test needs it. Reads .glb .gltf .obj .ply .usda .usd, frames what it finds, adds sun and sky.
+`--translucent` lets light through what is cut out: no importer of Blender 5.0 reads that.
 `--view own` adds nothing: it shows a file that has its own camera and light (`linden export --scene`).
 """
 
@@ -51,6 +53,37 @@ def show_vertex_colors(meshes):
         mesh.materials.append(material)
 
 
+def let_light_through(share, tint=(0.95, 1.0, 0.5)):
+    """Splits the colour of leaves between the side that is lit and the other one."""
+    for material in bpy.data.materials:
+        tree = material.node_tree
+        surface = next((n for n in tree.nodes if n.type == "BSDF_PRINCIPLED"), None) if tree else None
+        if surface is None or not surface.inputs["Alpha"].is_linked:
+            continue
+        nodes, link = tree.nodes, tree.links.new
+        color, alpha = (surface.inputs[name].links[0].from_socket for name in ("Base Color", "Alpha"))
+
+        def times(factor):
+            mix = nodes.new("ShaderNodeMix")
+            mix.data_type, mix.blend_type = "RGBA", "MULTIPLY"
+            mix.inputs["Factor"].default_value = 1
+            link(color, mix.inputs[6])
+            mix.inputs[7].default_value = (*factor, 1)
+            return mix.outputs[2]
+
+        through, both = nodes.new("ShaderNodeBsdfTranslucent"), nodes.new("ShaderNodeAddShader")
+        hole, cut = nodes.new("ShaderNodeBsdfTransparent"), nodes.new("ShaderNodeMixShader")
+        link(times([share * x for x in tint]), through.inputs["Color"])
+        link(times([1 - share] * 3), surface.inputs["Base Color"])
+        tree.links.remove(surface.inputs["Alpha"].links[0])
+        link(surface.outputs[0], both.inputs[0])
+        link(through.outputs[0], both.inputs[1])
+        link(alpha, cut.inputs[0])
+        link(hole.outputs[0], cut.inputs[1])
+        link(both.outputs[0], cut.inputs[2])
+        link(cut.outputs[0], nodes["Material Output"].inputs["Surface"])
+
+
 def frame(meshes, view):
     corners = [o.matrix_world @ Vector(c) for o in meshes for c in o.bound_box]
     low = Vector(map(min, zip(*corners)))
@@ -89,9 +122,12 @@ def main():
     parser.add_argument("--size", type=int, default=640)
     parser.add_argument("--samples", type=int, default=32)
     parser.add_argument("--view", choices=["front", "side", "top", "detail", "own"], default="front")
+    parser.add_argument("--translucent", type=float, nargs="?", const=0.45, default=0.0, metavar="SHARE")
     arguments = parser.parse_args()
     meshes = load(arguments.file.resolve())
     show_vertex_colors(meshes)
+    if arguments.translucent:
+        let_light_through(arguments.translucent)
     if arguments.view == "own":
         cameras = [o for o in bpy.context.scene.objects if o.type == "CAMERA"]
         if not cameras:

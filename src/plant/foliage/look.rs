@@ -8,6 +8,7 @@ use super::Calendar;
 use super::cluster::Layout;
 use super::mesh::FoliageError;
 use crate::Specimen;
+use crate::scene::Translucency;
 use crate::settings::{Arrangement, Cluster, Edge, Form, LeafKind, TURNING};
 use crate::texture::leaf::{self, Cell, LeafLook, LeafPictures, Margin, Outline, TwigLook};
 use linden_base::input::A_PICTURE;
@@ -26,6 +27,8 @@ pub struct Cover {
     pub is_cut_out: bool,
     /// Where each variant of the organ is in the picture; at least one.
     pub cells: Vec<Cell>,
+    /// What passes through the organ.
+    pub translucency: Option<Translucency>,
 }
 
 impl Cover {
@@ -53,6 +56,7 @@ pub fn cover(
     size_px: u32,
     monitor: &dyn Monitor,
 ) -> Result<Cover, FoliageError> {
+    let translucency = translucency(kind);
     if let Some(file) = &kind.picture {
         let Some(found) = specimen.picture(file) else {
             return Err(FoliageError::WrongInput { file: file.clone(), expected: A_PICTURE });
@@ -62,6 +66,7 @@ pub fn cover(
             normal: None,
             is_cut_out: found.has_alpha,
             cells: vec![Cell::whole(found)],
+            translucency,
         });
     }
     let season = specimen.dressing.foliage.season as f32;
@@ -69,12 +74,22 @@ pub fn cover(
     if kind.form == Form::Mesh {
         // No outline has usual colours for it: it has those that were asked for.
         let autumn_colors = if kind.autumn_colors.is_some() { look.autumn_colors } else { Vec::new() };
-        return Ok(palette(&LeafLook { autumn_colors, ..look }.plain_colors()));
+        let cover = palette(&LeafLook { autumn_colors, ..look }.plain_colors());
+        return Ok(Cover { translucency, ..cover });
     }
     let key = Key::new(specimen.dressing.foliage.picture_seed).named("leaf pictures").child(index as u64);
     let twig = (kind.form == Form::Twig).then(|| twig(kind));
     let LeafPictures { base_color, normal, cells } = specimen.drawn.leaves(look, twig, key, monitor)?;
-    Ok(Cover { base_color, normal: Some(normal), is_cut_out: true, cells })
+    Ok(Cover { base_color, normal: Some(normal), is_cut_out: true, cells, translucency })
+}
+
+fn translucency(kind: &LeafKind) -> Option<Translucency> {
+    // The user's mesh may be of any thickness.
+    let usual = if kind.form == Form::Mesh { 0.0 } else { kind.outline.translucency() };
+    let share = kind.translucency.map_or(usual, |share| share as f32);
+    let is_green = !matches!(kind.outline, Outline::Blossom | Outline::Fruit);
+    let tint = if is_green { Translucency::LEAF_TINT } else { [1.0; 3] };
+    Translucency::leaf(share).map(|leaf| Translucency { tint, ..leaf })
 }
 
 fn look(kind: &LeafKind, season: f32, size_px: u32) -> LeafLook {
@@ -183,5 +198,6 @@ fn palette(colors: &[[u8; 3]]) -> Cover {
         normal: None,
         is_cut_out: false,
         cells: colors.iter().enumerate().map(cell).collect(),
+        translucency: None,
     }
 }

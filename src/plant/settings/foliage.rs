@@ -180,6 +180,8 @@ pub struct LeafKind {
     pub autumn_colors: Option<Vec<[u8; 3]>>,
     /// How much leaves differ in tint, 0 to 1.
     pub tint_spread: f64,
+    /// The share of scattered light that leaves on the other side; `None`: as usual for its outline.
+    pub translucency: Option<f64>,
     /// Whether the season leaves them alone.
     pub evergreen: bool,
     /// The seasons in which it begins and ends, 0 to 1; the first larger than the second: over the winter.
@@ -247,6 +249,7 @@ impl Default for LeafKind {
             colors: None,
             autumn_colors: None,
             tint_spread: 0.5,
+            translucency: None,
             evergreen: false,
             season_range: vec![0.0, 1.0],
             season_fade: None,

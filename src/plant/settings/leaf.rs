@@ -49,7 +49,7 @@ const SHARE: Field<LeafKind> = field!(
 );
 
 /// What one leaf is and where it stands.
-const LOOKS: [Field<LeafKind>; 33] = [
+const LOOKS: [Field<LeafKind>; 34] = [
     field!(
         "leaf_form",
         Kind::Choice(Form::WORDS),
@@ -370,7 +370,8 @@ const LOOKS: [Field<LeafKind>; 33] = [
         "colours of the upper side in summer; of a grammar's polygons and organs: index 0 of ' has the first, the last repeats; auto: as usual",
         colors,
         details(
-            "Several mix over the crown: each variant of the picture has one. In spring they start as \
+            "All that a leaf scatters, to both sides (leaf_translucency): lighter than a leaf that lies on a \
+             table. Several mix over the crown: each variant of the picture has one. In spring they start as \
              young_colors, by default lighter and yellower, in autumn they turn to autumn_colors."
         ),
         see_also(&["young_colors", "autumn_colors", "leaf_tint_spread", "season"])
@@ -399,6 +400,19 @@ const LOOKS: [Field<LeafKind>; 33] = [
              in autumn."
         ),
         see_also(&["leaf_colors", "autumn_colors", "season"])
+    ),
+    field!(
+        "leaf_translucency",
+        real_or_auto(0.0, 0.9),
+        "",
+        "the share of the light scattered by a leaf that comes out on its other side; auto: as usual for its outline",
+        translucency,
+        details(
+            "Leaves glow where the sun stands behind them, and crowns are lighter inside. Usual are 0.45 for \
+             broad leaves, 0.2 for needles and 0 for fruit and meshes of yours. USD says it in MaterialX \
+             surfaces, glTF with glb.translucency=true; other formats have no word for it."
+        ),
+        see_also(&["leaf_colors", "leaf_normals"])
     ),
     field!(
         "evergreen",

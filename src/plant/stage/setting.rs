@@ -246,6 +246,7 @@ impl Sky {
             double_sided: false,
             cutout: None,
             wrap: Wrap::Clamp,
+            translucency: None,
         };
         Self {
             picture,
@@ -312,6 +313,7 @@ impl Ground {
             double_sided: false,
             cutout: None,
             wrap: Wrap::Repeat,
+            translucency: None,
         };
         Self { mesh, material }
     }

@@ -92,6 +92,8 @@ pub fn billboard(scene: &Scene, how: &Billboard, monitor: &dyn Monitor) -> Resul
         double_sided: true,
         cutout: Some(CUTOUT),
         wrap: Wrap::Clamp,
+        // Mostly of leaves, where there are any.
+        translucency: scene.materials.iter().find_map(|material| material.translucency),
     };
     Ok(Scene {
         name: scene.name.clone(),

@@ -15,6 +15,7 @@ fn material(base_color: [f32; 3], double_sided: bool) -> Material {
         double_sided,
         cutout: None,
         wrap: Wrap::Clamp,
+        translucency: None,
     }
 }
 

@@ -154,6 +154,8 @@ pub(super) fn draw<'a>(
         normal: Some(Arc::new(normal)),
         is_cut_out: true,
         cells: vec![whole],
+        // Mostly of leaves, where there are any.
+        translucency: materials.iter().find_map(|material| material.translucency),
     };
     Ok(DrawnCards { meshes, cover })
 }
