@@ -19,7 +19,7 @@ const TRANSLUCENCY: &str = "leaf_translucency";
 const BUDGETS: [&str; 2] = ["triangles", "lod_triangles"];
 
 /// Knobs that show in colours and pictures, most of them in these alone.
-const SHOWN: [&str; 31] = [
+const SHOWN: [&str; 32] = [
     "bark",
     "bark_color",
     "bark_grain",
@@ -46,6 +46,7 @@ const SHOWN: [&str; 31] = [
     "turn_range",
     "petal_rows",
     "leaf_tint_spread",
+    "leaf_shade",
     "evergreen",
     "season",
     "leaf_size",

@@ -475,6 +475,7 @@ static RULES: &[Rule] = &[
             "turn_range",
             "petal_rows",
             "leaf_tint_spread",
+            "leaf_shade",
         ],
         why: |preset| {
             when(
@@ -561,6 +562,8 @@ const LOOKS: &[&str] = &[
     "leaf_normals",
     "autumn_colors",
     "leaf_tint_spread",
+    "leaf_shade",
+    "leaf_translucency",
     "evergreen",
     "leaf_keep",
     "season_range",

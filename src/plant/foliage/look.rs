@@ -42,6 +42,8 @@ impl Cover {
 pub const CUTOUT: f32 = 0.5;
 /// Side of one colour of a palette, pixels: enough that smaller copies of the picture do not mix two.
 const SWATCH_PX: u32 = 16;
+/// How far leaves of the shade are darker where nothing is said.
+const USUAL_SHADE: f32 = 0.5;
 /// The season that evergreens are always in.
 const SUMMER: f32 = 0.35;
 
@@ -70,7 +72,7 @@ pub fn cover(
         });
     }
     let season = specimen.dressing.foliage.season as f32;
-    let look = look(kind, season, size_px);
+    let look = look(kind, season, size_px).from_shade_to_sun();
     if kind.form == Form::Mesh {
         // No outline has usual colours for it: it has those that were asked for.
         let autumn_colors = if kind.autumn_colors.is_some() { look.autumn_colors } else { Vec::new() };
@@ -90,6 +92,12 @@ fn translucency(kind: &LeafKind) -> Option<Translucency> {
     let is_green = !matches!(kind.outline, Outline::Blossom | Outline::Fruit);
     let tint = if is_green { Translucency::LEAF_TINT } else { [1.0; 3] };
     Translucency::leaf(share).map(|leaf| Translucency { tint, ..leaf })
+}
+
+/// How far leaves of the shade differ from those of the sun.
+pub(super) fn shade(kind: &LeafKind) -> f32 {
+    let usual = if matches!(kind.outline, Outline::Blossom | Outline::Fruit) { 0.0 } else { USUAL_SHADE };
+    kind.shade.map_or(usual, |shade| shade as f32)
 }
 
 fn look(kind: &LeafKind, season: f32, size_px: u32) -> LeafLook {
@@ -128,6 +136,7 @@ fn look(kind: &LeafKind, season: f32, size_px: u32) -> LeafLook {
         petal_rows: kind.petal_rows,
         has_stalk_color: kind.cluster != Cluster::None,
         color_spread: kind.tint_spread as f32,
+        shade: shade(kind),
         season: if kind.evergreen { SUMMER } else { season },
         size_px,
         ..LeafLook::new(kind.outline)

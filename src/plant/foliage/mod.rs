@@ -20,6 +20,7 @@ mod opaque;
 mod outline;
 mod pose;
 mod sprout;
+mod sunlight;
 #[cfg(test)]
 mod tests;
 

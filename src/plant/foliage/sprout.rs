@@ -14,7 +14,8 @@ use super::bare::bare_below;
 use super::form::shapes;
 use super::look::{Cover, cover, length_m};
 use super::mesh::FoliageError;
-use super::pose::{Phyllotaxis, pose};
+use super::pose::{Phyllotaxis, Pose, pose};
+use super::sunlight::Sunlight;
 use super::{Organs, PROTOTYPES, PlacedOrgans, prototype};
 use crate::Specimen;
 use crate::settings::{Form, LeafKind};
@@ -71,9 +72,14 @@ pub fn sprout(
     }
     organs.shapes = Arc::from(all);
     let key = specimen.key().named("leaves");
+    let forks = Forks::new(skeleton);
+    let sunlight = crops
+        .iter()
+        .find(|crop| crop.shade > 0.0 && crop.kind.form != Form::None)
+        .map(|crop| Sunlight::of(skeleton, young(crop.kind, skeleton, &forks)));
     if let Some(first) = crops.first().filter(|crop| crop.kind.form != Form::None) {
         if first.variants > 0 {
-            take_over(&mut organs.placed, first, key.named("grammar"));
+            take_over(&mut organs.placed, first, sunlight.as_ref(), key.named("grammar"));
         } else {
             organs.placed = without_leaves(&organs.placed);
         }
@@ -82,13 +88,14 @@ pub fn sprout(
     let takers: Vec<&Crop> = also.iter().filter(|crop| crop.kind.share > 0.0).collect();
     let mut fields = Vec::new();
     if first[0].variants > 0 || !takers.is_empty() {
-        fields.push(Field { crop: &first[0], takers, key: key.child(0) });
+        fields.push(Field { crop: &first[0], takers, key: key.child(0), sunlight: sunlight.as_ref() });
     }
     for (i, crop) in also.iter().enumerate().filter(|(_, crop)| crop.kind.share == 0.0 && crop.variants > 0) {
-        fields.push(Field { crop, takers: Vec::new(), key: key.child(i as u64 + 1) });
+        let key = key.child(i as u64 + 1);
+        fields.push(Field { crop, takers: Vec::new(), key, sunlight: sunlight.as_ref() });
     }
     for field in fields {
-        field.grow(skeleton, &mut organs.placed, monitor)?;
+        field.grow(skeleton, &forks, &mut organs.placed, monitor)?;
     }
     Ok(Arc::new(organs))
 }
@@ -124,13 +131,15 @@ struct Crop<'a> {
     kept: f64,
     /// Before the size of each leaf varies it, metres.
     size_m: f64,
+    /// How far light chooses the variant, 0 to 1: the first ones are those of the shade.
+    shade: f32,
 }
 
 impl<'a> Crop<'a> {
     fn new(kind: &'a LeafKind, first: u8, variants: u8, season: f32) -> Self {
         let calendar = Calendar::of(kind);
         let (kept, size_m) = (kind.keep * calendar.share(season), length_m(kind) * calendar.size(season));
-        Self { kind, first, variants, kept, size_m }
+        Self { kind, first, variants, kept, size_m, shade: super::look::shade(kind) }
     }
 
     /// Whether a leaf is there at all. A key's number is below `kept` for no smaller share.
@@ -147,6 +156,13 @@ impl<'a> Crop<'a> {
     fn variant(&self, key: Key) -> u8 {
         self.first + (key.child(VARIANT).bits() % u64::from(self.variants.max(1))) as u8
     }
+
+    /// The variant of a leaf that so much light reaches, 0 to 1.
+    fn variant_in(&self, light: f32, key: Key) -> u8 {
+        let chance = key.child(VARIANT).unit() as f32;
+        let at = (chance + (light - chance) * self.shade) * f32::from(self.variants);
+        self.first + (at.max(0.0) as u8).min(self.variants.saturating_sub(1))
+    }
 }
 
 // What a leaf draws below its key, after the three numbers of its pose.
@@ -157,11 +173,16 @@ const TAKER: u64 = 6;
 const VARIANT: u64 = 7;
 
 /// Gives the leaves and needles of a grammar the variants of a kind.
-fn take_over(placed: &mut PlacedOrgans, crop: &Crop, key: Key) {
+fn take_over(placed: &mut PlacedOrgans, crop: &Crop, sunlight: Option<&Sunlight>, key: Key) {
     let leafy: Vec<u8> = ['L', 'N'].into_iter().filter_map(prototype).collect();
-    for (i, prototype) in placed.prototypes.iter_mut().enumerate() {
+    let places = placed.prototypes.iter_mut().zip(&placed.positions);
+    for (i, (prototype, &place)) in places.enumerate() {
         if leafy.contains(prototype) && crop.variants > 0 {
-            *prototype = crop.variant(key.child(i as u64));
+            let key = key.child(i as u64);
+            *prototype = match sunlight.filter(|_| crop.shade > 0.0) {
+                Some(sunlight) => crop.variant_in(sunlight.at(place), key),
+                None => crop.variant(key),
+            };
         }
     }
 }
@@ -189,24 +210,26 @@ struct Field<'a> {
     /// Kinds that take places from it.
     takers: Vec<&'a Crop<'a>>,
     key: Key,
+    /// Where a kind has leaves of the sun and of the shade.
+    sunlight: Option<&'a Sunlight>,
 }
 
 impl Field<'_> {
     fn grow(
         &self,
         skeleton: &Skeleton,
+        forks: &Forks,
         placed: &mut PlacedOrgans,
         monitor: &dyn Monitor,
     ) -> Result<(), FoliageError> {
-        let forks = Forks::new(skeleton);
-        let young = young(self.crop.kind, skeleton, &forks);
+        let young = young(self.crop.kind, skeleton, forks);
         let bare = bare_below(self.crop.kind, skeleton);
         self.admit(young, skeleton, placed.len(), monitor)?;
         let done = std::sync::atomic::AtomicU64::new(0);
         let chunks = skeleton.axes.par_chunks(AXES_PER_TASK).enumerate().map(|(chunk, axes)| {
             monitor.check()?;
             let (placed, walk) = (PlacedOrgans::default(), Walk::default());
-            let mut task = Task { field: self, skeleton, forks: &forks, young, placed, walk };
+            let mut task = Task { field: self, skeleton, forks, young, placed, walk };
             for (i, axis) in axes.iter().enumerate() {
                 let index = chunk * AXES_PER_TASK + i;
                 let bare_to = bare.get(&index).copied().unwrap_or(f32::NEG_INFINITY);
@@ -340,7 +363,13 @@ impl Task<'_> {
                 let key = key.child(place.number).child(leaf);
                 let crop = field.at(key);
                 if crop.is_kept(key, place.along) {
-                    add(placed, crop, place, azimuth, copy, skeleton, key);
+                    let lit = field.sunlight.filter(|_| crop.shade > 0.0);
+                    let variant = match lit {
+                        Some(sunlight) => crop.variant_in(sunlight.at(place.center), key),
+                        None => crop.variant(key),
+                    };
+                    let pose = pose(crop.kind, place, azimuth, copy, key);
+                    add(placed, (variant, crop.size_m(key)), &pose, place, skeleton);
                 }
             }
             Ok::<(), Cancelled>(())
@@ -370,22 +399,19 @@ impl Task<'_> {
     }
 }
 
-/// Adds a leaf at a place.
+/// Adds a leaf at a place: which variant, and how large, metres.
 fn add(
     placed: &mut PlacedOrgans,
-    crop: &Crop,
+    (variant, size_m): (u8, f32),
+    pose: &Pose,
     place: &Place,
-    azimuth: f32,
-    copy: u32,
     skeleton: &Skeleton,
-    key: Key,
 ) {
-    let pose = pose(crop.kind, place, azimuth, copy, key);
-    placed.prototypes.push(crop.variant(key));
+    placed.prototypes.push(variant);
     placed.positions.push(pose.foot);
     placed.headings.push(pose.heading);
     placed.ups.push(pose.up);
-    placed.sizes_m.push(crop.size_m(key));
+    placed.sizes_m.push(size_m);
     placed.growth.nodes.push(place.node);
     placed.growth.colors.push(0);
     placed.growth.births.push(skeleton.births[place.node as usize]);

@@ -180,6 +180,8 @@ pub struct LeafKind {
     pub autumn_colors: Option<Vec<[u8; 3]>>,
     /// How much leaves differ in tint, 0 to 1.
     pub tint_spread: f64,
+    /// How far leaves of the shade are darker than those of the sun; `None`: as usual for its outline.
+    pub shade: Option<f64>,
     /// The share of scattered light that leaves on the other side; `None`: as usual for its outline.
     pub translucency: Option<f64>,
     /// Whether the season leaves them alone.
@@ -249,6 +251,7 @@ impl Default for LeafKind {
             colors: None,
             autumn_colors: None,
             tint_spread: 0.5,
+            shade: None,
             translucency: None,
             evergreen: false,
             season_range: vec![0.0, 1.0],

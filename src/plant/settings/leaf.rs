@@ -49,7 +49,7 @@ const SHARE: Field<LeafKind> = field!(
 );
 
 /// What one leaf is and where it stands.
-const LOOKS: [Field<LeafKind>; 34] = [
+const LOOKS: [Field<LeafKind>; 35] = [
     field!(
         "leaf_form",
         Kind::Choice(Form::WORDS),
@@ -400,6 +400,20 @@ const LOOKS: [Field<LeafKind>; 34] = [
              in autumn."
         ),
         see_also(&["leaf_colors", "autumn_colors", "season"])
+    ),
+    field!(
+        "leaf_shade",
+        real_or_auto(0.0, 1.0),
+        "",
+        "how far leaves inside and low in the crown are darker than those in the sun; auto: 0.5, blossom and fruit 0",
+        shade,
+        details(
+            "Leaves of the shade are darker and bluer, leaves of the sun lighter and yellower. The variants of the \
+             picture are ordered by it and leaf_colors from the darkest to the lightest, and the twigs above a leaf \
+             say which of them it likely is: in every format, without a vertex more. 0 mixes all over the crown, 1 \
+             leaves nothing to chance."
+        ),
+        see_also(&["leaf_colors", "leaf_tint_spread", "leaf_translucency"])
     ),
     field!(
         "leaf_translucency",

@@ -65,6 +65,7 @@ fn skin(tree: &Skeleton) -> Result<(Vec<Part>, Vec<Material>), Box<dyn std::erro
         double_sided: false,
         cutout: None,
         wrap: linden_pipeline::scene::Wrap::Repeat,
+        translucency: None,
     };
     Ok((vec![Part::new("wood", 0, mesh)], vec![bark]))
 }

@@ -26,6 +26,7 @@ fn material(base_color: [f32; 3]) -> Material {
         double_sided: false,
         cutout: None,
         wrap: linden_pipeline::scene::Wrap::Repeat,
+        translucency: None,
     }
 }
 

@@ -25,7 +25,7 @@ use rayon::prelude::*;
 
 use self::tint::Tint;
 
-use linden_base::color::encode;
+use linden_base::color::{encode, linear};
 use linden_base::input::UserPicture;
 use linden_base::memory::OverMemory;
 use linden_base::monitor::{Cancelled, Monitor};
@@ -87,6 +87,9 @@ pub struct LeafLook {
     pub has_stalk_color: bool,
     /// How much variants differ in tint: 0 not at all, 1 widely.
     pub color_spread: f32,
+    /// How much the last variants, leaves of the sun, are lighter and yellower than the first, leaves of the shade:
+    /// 0 not at all, 1 by half.
+    pub shade: f32,
     /// 0 flush, 0.35 summer, 0.75 autumn, 1 withered.
     pub season: f32,
     /// How many different leaves: 1 to [`LeafLook::MAX_VARIANTS`].
@@ -246,10 +249,24 @@ impl LeafLook {
             petal_rows: 1,
             has_stalk_color: false,
             color_spread: 0.5,
+            shade: 0.0,
             season: 0.35,
             variants: 4,
             size_px: 1024,
         }
+    }
+
+    /// The same with its summer colours from the darkest to the lightest, if leaves of the shade differ.
+    #[must_use]
+    pub fn from_shade_to_sun(mut self) -> Self {
+        if self.shade > 0.0 {
+            let light = |color: &[u8; 3]| {
+                let [r, g, b] = linear(*color);
+                0.2126 * r + 0.7152 * g + 0.0722 * b
+            };
+            self.colors.sort_by(|a, b| light(a).total_cmp(&light(b)));
+        }
+        self
     }
 
     /// Draws an atlas of single leaves.
@@ -302,6 +319,7 @@ impl LeafLook {
             petiole: within(self.petiole, 0.0, 0.9, usual.petiole),
             vein_strength: within(self.vein_strength, 0.0, 2.0, 1.0),
             color_spread: within(self.color_spread, 0.0, 1.0, 0.5),
+            shade: within(self.shade, 0.0, 1.0, 0.0),
             season: within(self.season, 0.0, 1.0, 0.35),
             ripeness: self.ripeness.map(|ripeness| within(ripeness, 0.0, 1e3, 1.0)),
             turning: self.turning.map(|season| within(season, 0.0, 1.0, 0.54)),

@@ -30,9 +30,19 @@ impl Tint {
         let spread = look.color_spread;
         let vary = |name: &str| key.named(name).between(-1.0, 1.0) as f32 * spread;
         let summers = if look.colors.is_empty() { &[[90, 120, 60]][..] } else { &look.colors[..] };
-        let summer = Vec3::from(linear(summers[variant as usize % summers.len()]));
+        // In their order where they have one, otherwise in turn.
+        let index = if look.shade > 0.0 {
+            variant as usize * summers.len() / look.variants.max(1) as usize
+        } else {
+            variant as usize
+        };
+        let summer = Vec3::from(linear(summers[index % summers.len()]));
         // Lighter or darker, and more or less yellow.
         let summer = summer * (1.0 + 0.22 * vary("light")) * Vec3::new(1.0 + 0.16 * vary("warm"), 1.0, 1.0);
+        // From shade to sun, -1 to 1.
+        let place = 2.0 * variant as f32 / look.variants.saturating_sub(1).max(1) as f32 - 1.0;
+        let sun = if look.variants > 1 { look.shade * place } else { 0.0 };
+        let summer = summer * (1.0 + 0.25 * sun) * Vec3::new(1.0 + 0.12 * sun, 1.0, 1.0 - 0.12 * sun);
         let season = look.season;
         let young = 1.0 - look.ripeness.unwrap_or(season / SUMMER).min(1.0);
         let is_green = summer.y > summer.x;
