@@ -13,6 +13,15 @@ use crate::{Extent, Size};
 const HALF_ANGLE_DEG: f32 = 13.0;
 /// Sine of the least angle between a ray and a plane on which it has a place.
 const LEAST_STEEP: f32 = 0.2;
+/// The same of somebody's eyes who stands before it, as a lens of 28 mm.
+const EYE_HALF_ANGLE_DEG: f32 = 32.0;
+/// From the upper edge down to the horizon that such eyes see, and how much of that trees may take.
+const EYE_HORIZON: f32 = 0.78;
+const EYE_FILL: f32 = 0.92;
+/// What is wider than so many heights runs out of the picture on both sides, rather than being seen from far.
+const EYE_WIDEST: f32 = 1.1;
+/// How far the trees of a forest reach toward whoever looks at it, of its radius: its corners are farther.
+const EYE_NEAREST: f32 = 0.8;
 /// The share of the picture's half side that the tree may fill.
 const FILL: f32 = 0.94;
 
@@ -28,6 +37,9 @@ pub struct Camera {
     pub zoom: f32,
     /// Shifts the picture, in halves of its shorter side: right and up.
     pub pan: Vec2,
+    /// Stands on the ground with eyes at this height, metres, and looks level, whatever the pitch; `None`: looks at
+    /// the tree's middle.
+    pub eye_m: Option<f32>,
     /// The extent to frame; `None` for the tree's. One extent for several pictures keeps the scale.
     pub extent: Option<Extent>,
 }
@@ -42,7 +54,7 @@ impl Default for Camera {
 impl Camera {
     /// From a direction, the whole tree in the frame.
     pub const fn orbit(yaw_deg: f32, pitch_deg: f32) -> Self {
-        Self { yaw_deg, pitch_deg, zoom: 1.0, pan: Vec2::ZERO, extent: None }
+        Self { yaw_deg, pitch_deg, zoom: 1.0, pan: Vec2::ZERO, eye_m: None, extent: None }
     }
 
     /// From +Z.
@@ -76,6 +88,9 @@ impl Camera {
     /// Sets up the projection for a tree and a size.
     pub fn view(&self, tree: Extent, size: Size) -> View {
         let extent = self.extent.unwrap_or(tree);
+        if let Some(eye_m) = self.eye_m {
+            return self.standing(eye_m, extent, size);
+        }
         let (sin_yaw, cos_yaw) = sincos_deg(finite_or(self.yaw_deg, 0.0));
         let (sin_pitch, cos_pitch) = sincos_deg(finite_or(self.pitch_deg, 0.0).clamp(-90.0, 90.0));
         let right = self.right();
@@ -97,6 +112,41 @@ impl Camera {
             distance,
             focal_px: focal_px * zoom,
             middle_px: half + Vec2::new(pan.x, -pan.y),
+        }
+    }
+}
+
+impl Camera {
+    /// Eyes that look level keep trunks upright: the horizon is moved down in the picture instead. So near that the
+    /// nearest trees are as high as the sky has room for.
+    fn standing(&self, eye_m: f32, extent: Extent, size: Size) -> View {
+        let (sin_yaw, cos_yaw) = sincos_deg(finite_or(self.yaw_deg, 0.0));
+        let whole = Vec2::new(size.width() as f32, size.height() as f32);
+        let focal_px = whole.max_element() / 2.0 / tan_deg(EYE_HALF_ANGLE_DEG);
+        let height_m = extent.height().max(1e-6);
+        // Nobody looks over what is smaller than they are.
+        let eye_m = finite_or(eye_m, 1.65).clamp(0.05 * height_m, 0.55 * height_m);
+        let (radius_m, widest_m) = (extent.radius(), EYE_WIDEST * height_m);
+        let nearest = if radius_m > widest_m { EYE_NEAREST } else { 1.0 };
+        // Each ring's nearest place has room below the upper edge, and the widest ring at the sides.
+        let per_metre = focal_px / (EYE_HORIZON * EYE_FILL * whole.y);
+        let below = extent.radii.iter().enumerate().map(|(ring, radius)| {
+            let top_m = height_m * (ring + 1) as f32 / extent.radii.len() as f32;
+            nearest * radius + (top_m - eye_m).max(0.0) * per_metre
+        });
+        let slope = FILL * whole.x / 2.0 / focal_px;
+        let beside = radius_m.min(widest_m) * libm::sqrtf(1.0 + 1.0 / (slope * slope));
+        let distance = below.fold(beside, f32::max);
+        let zoom = finite_or(self.zoom, 1.0).clamp(0.01, 1000.0);
+        let pan = if self.pan.is_finite() { self.pan } else { Vec2::ZERO } * whole.min_element() / 2.0;
+        View {
+            right: Vec3::new(cos_yaw, 0.0, -sin_yaw),
+            up: Vec3::Y,
+            toward: Vec3::new(sin_yaw, 0.0, cos_yaw),
+            target: Vec3::new(extent.x, extent.bottom + eye_m, extent.z),
+            distance,
+            focal_px: focal_px * zoom,
+            middle_px: Vec2::new(whole.x / 2.0 + pan.x, EYE_HORIZON * whole.y - pan.y),
         }
     }
 }
@@ -216,6 +266,32 @@ mod tests {
             let (s, c) = libm::sincosf((i as f32 / 2.0).to_radians());
             [e.bottom, e.top].map(|y| Vec3::new(e.x + e.radius() * c, y, e.z + e.radius() * s))
         })
+    }
+
+    #[test]
+    fn eyes_see_the_horizon_level_and_the_nearest_trees_whole() {
+        for (w, h) in [(1400, 900), (800, 1000)] {
+            let size = Size::new(w, h).unwrap();
+            let wide = Extent { radii: [60.0; RINGS], ..can() };
+            for extent in [can(), wide] {
+                let camera = Camera { eye_m: Some(1.65), ..Camera::orbit(17.0, 40.0) };
+                let view = camera.view(extent, size);
+                assert!((view.eye().y - (extent.bottom + 1.65)).abs() < 1e-4);
+                // What is far at the eyes' height is on the horizon, whichever way.
+                for far in [Vec3::new(-300.0, 0.0, -900.0), Vec3::new(500.0, 0.0, -700.0)] {
+                    let seen = view.project(view.eye() + view.turned_back(far));
+                    assert!((seen.at.y - EYE_HORIZON * h as f32).abs() < 0.1, "{}", seen.at);
+                }
+                // The whole height is inside at the nearest place, and takes most of the picture.
+                let reach = extent.radius() * if extent == wide { EYE_NEAREST } else { 1.0 };
+                let near = view.toward * reach + Vec3::new(extent.x, 0.0, extent.z);
+                let [foot, top] = [extent.bottom, extent.top].map(|y| view.project(near.with_y(y)).at.y);
+                assert!(0.0 < top && foot < h as f32 && top < foot, "{w}x{h}: {top} to {foot}");
+                let across = rims(extent).map(|p| view.project(p).at.x);
+                let inside = across.filter(|x| (0.0..=w as f32).contains(x)).count();
+                assert!(extent == wide || inside == rims(extent).count(), "{inside}");
+            }
+        }
     }
 
     #[test]

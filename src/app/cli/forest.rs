@@ -6,6 +6,7 @@ use anyhow::Context;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use linden::forest::{FOREST_KNOBS, ForestKind, GrownForest, Layout, Places, SCATTERING, builtin_forests};
 use linden::monitor::Holding;
+use linden::stage::Moment;
 
 use super::outputs::{Outputs, finish, write};
 use crate::exit::usage;
@@ -40,6 +41,11 @@ pub struct Forest {
     /// With a camera that frames the forest, sun, sky and ground, in formats that hold them
     #[arg(long)]
     scene: bool,
+
+    /// The sun of --scene at a latitude (degrees, north above 0), day of the year and hour of the sun's own
+    /// time, like 52,172,15.5; when not given an afternoon's, behind the viewer
+    #[arg(long, value_name = "LAT,DAY,HOUR", requires = "scene", allow_hyphen_values = true, value_parser = Moment::parse)]
+    sun: Option<Moment>,
 }
 
 /// A flag for each knob of a forest.
@@ -99,7 +105,13 @@ impl Forest {
         }
         check_scattering(&forest, &turned)?;
         let command = format!("linden forest {} -o forest.glb", self.kinds.join(" "));
-        let written = Written { outputs: &self.outputs, of_formats: &of_formats, command, scene: self.scene };
+        let written = Written {
+            outputs: &self.outputs,
+            of_formats: &of_formats,
+            command,
+            scene: self.scene,
+            sun: self.sun,
+        };
         written.write(&forest, sources, &turned, &progress)
     }
 
@@ -151,6 +163,8 @@ pub(super) struct Written<'a> {
     pub command: String,
     /// Whether with camera, sun, sky and ground.
     pub scene: bool,
+    /// When the sun shines.
+    pub sun: Option<Moment>,
 }
 
 impl Written<'_> {
@@ -182,6 +196,10 @@ impl Written<'_> {
         })?;
         let stage = grown.stage().turned_by(turned.iter().map(|(name, _)| name.as_str()));
         let stage = if self.scene { stage.in_setting() } else { stage };
+        let stage = match &self.sun {
+            Some(moment) => stage.at_moment(moment).map_err(usage)?,
+            None => stage,
+        };
         let holding = Holding::new(progress, inputs);
         write(&mut batch, &stage, &holding, progress)?;
         finish(batch, progress)

@@ -55,6 +55,19 @@ pub struct Preview {
     #[arg(long, allow_negative_numbers = true, value_parser = angle)]
     pitch: Option<f32>,
 
+    /// Stand before it and look level, with eyes so high, metres (1.65 when not said): trunks stay upright, and
+    /// a forest fills the picture
+    #[arg(
+        long,
+        value_name = "M",
+        num_args = 0..=1,
+        require_equals = true,
+        default_missing_value = "1.65",
+        value_parser = eye,
+        conflicts_with = "pitch"
+    )]
+    eye: Option<f32>,
+
     /// Closer (above 1) or farther (below 1)
     #[arg(long, default_value_t = 1.0, value_parser = zoom)]
     zoom: f32,
@@ -157,6 +170,7 @@ impl Preview {
         let sitter = sitter.with_context(|| source.shown.clone())?;
         let portrait = sitter.portrait();
         let camera = portrait.camera(self.yaw, self.pitch.unwrap_or(PITCH_DEG), self.zoom);
+        let camera = Camera { eye_m: self.eye, ..camera };
         let styled = |style: Style<'static>| {
             let style = Style {
                 paint: self.color.unwrap_or_default(),
@@ -287,6 +301,12 @@ fn zoom(text: &str) -> Result<f32, String> {
     finite(text)
         .filter(|z| (0.01..=1000.0).contains(z))
         .ok_or_else(|| "expected a number from 0.01 to 1000".to_owned())
+}
+
+fn eye(text: &str) -> Result<f32, String> {
+    finite(text)
+        .filter(|m| (0.01..=1000.0).contains(m))
+        .ok_or_else(|| "expected metres from 0.01 to 1000, like 1.65".to_owned())
 }
 
 fn finite(text: &str) -> Option<f32> {

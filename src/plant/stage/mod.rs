@@ -16,6 +16,7 @@
 //! ```
 
 mod setting;
+mod sunshine;
 
 use glam::{Quat, Vec3};
 
@@ -23,6 +24,7 @@ use crate::scene::Scene;
 use linden_base::mesh::Bounds;
 
 pub use setting::{Camera, Ground, Setting, Sky, Sun};
+pub use sunshine::{Moment, SunError};
 
 /// Plants at their places, and what stands around them.
 #[derive(Clone, Debug)]
@@ -186,6 +188,22 @@ impl<'a> Stage<'a> {
     pub fn in_setting(self) -> Self {
         let setting = Setting::around(&self.outermost());
         Self { setting, ..self }
+    }
+
+    /// The same with its setting, where it has one, in the light of a moment.
+    ///
+    /// # Errors
+    /// [`SunError::Night`].
+    pub fn at_moment(mut self, moment: &Moment) -> Result<Self, SunError> {
+        if let Some(setting) = &mut self.setting {
+            let usual = setting.sun;
+            setting.sun = moment.sun(&usual)?;
+            // The sky gets its light from the sun, and loses less of it where that is low.
+            let share = setting.sun.illuminance_lux * setting.sun.toward.y.max(0.1)
+                / (usual.illuminance_lux * usual.toward.y);
+            setting.sky.illuminance_lux *= libm::sqrtf(share);
+        }
+        Ok(self)
     }
 
     /// Whether it is a single tree in a single look and level with nothing around it.

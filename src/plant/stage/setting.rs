@@ -88,6 +88,12 @@ const EYE_M: f32 = 1.65;
 const FOV_RAD: f32 = 0.85;
 /// The part of the picture, either way, that plants take.
 const FILLED: f32 = 0.86;
+/// The ground reaches as many of the plants' sizes: seen from the height of a wood's camera, its edge lies half a
+/// degree below the horizon.
+const GROUND_SIZES: f32 = 24.0;
+/// Down to which latitude the sky keeps the colour of the horizon, radians: beyond the edge of the ground it is what
+/// haze makes of the ground there.
+const HAZE_RAD: f32 = 0.14;
 /// Hazy sunshine. The sun of a clear noon is ten times that; programs whose exposure is made for lamps
 /// (Blender divides lux by 683) show that one as plain white.
 const SUN_LUX: f32 = 10_000.0;
@@ -102,7 +108,7 @@ impl Setting {
     /// is looked down at. `None` without points.
     pub fn around(points: &[Vec3]) -> Option<Self> {
         let bounds = Bounds::of(points.iter().copied())?;
-        let radius_m = 8.0 * bounds.size().max_element().max(0.1);
+        let radius_m = GROUND_SIZES * bounds.size().max_element().max(0.1);
         let middle = Vec3 { y: 0.0, ..0.5 * (bounds.min + bounds.max) };
         Some(Self {
             camera: Camera::framing(points, bounds),
@@ -195,7 +201,7 @@ impl Camera {
 
 impl Sun {
     /// Behind the left shoulder of somebody who looks as [`Camera::framing`] does.
-    fn afternoon() -> Self {
+    pub(super) fn afternoon() -> Self {
         let toward = Vec3::new(-0.3, 0.85, 0.95).normalize();
         Self { toward, illuminance_lux: SUN_LUX, diameter_rad: SUN_DIAMETER_RAD, color: [1.0, 0.96, 0.88] }
     }
@@ -217,7 +223,7 @@ impl Sky {
             const BELOW: [f32; 3] = [0.2, 0.2, 0.15];
             let mix = |a: [f32; 3], b: [f32; 3], t: f32| [0, 1, 2].map(|i| a[i] + (b[i] - a[i]) * t);
             if latitude < 0.0 {
-                return mix(HORIZON, BELOW, (latitude * -12.0).min(1.0));
+                return mix(HORIZON, BELOW, ((-latitude - HAZE_RAD) * 6.0).clamp(0.0, 1.0));
             }
             mix(HORIZON, ZENITH, libm::powf(libm::sinf(latitude), 0.6))
         };

@@ -54,6 +54,7 @@ impl Preview {
         let held = shown.grown.bytes();
         let camera = Camera {
             zoom: self.zoom,
+            eye_m: self.eye,
             extent: if self.alone { shown.extent } else { shown.beside },
             ..Camera::orbit(self.yaw.unwrap_or(FOREST_YAW_DEG), self.pitch.unwrap_or(FOREST_PITCH_DEG))
         };

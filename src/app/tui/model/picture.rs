@@ -111,7 +111,7 @@ impl PictureState {
 
     /// Looks from where it was looked from last time, also when the tree has grown.
     pub fn restore(&mut self, yaw_deg: f32, pitch_deg: f32, zoom: f32, pan: Vec2) {
-        self.camera = Camera { yaw_deg, pitch_deg, zoom, pan, extent: None };
+        self.camera = Camera { yaw_deg, pitch_deg, zoom, pan, eye_m: None, extent: None };
         self.keeps_camera = true;
     }
 }
