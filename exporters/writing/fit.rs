@@ -103,7 +103,7 @@ pub fn fit<'a>(stage: &Stage<'a>, format: &Format, bundle: &mut Bundle) -> Stage
     }
     if !holds.surface {
         let without = |section: Section, name: &str| match section {
-            Section::Foliage => !holds.organs || name == NORMALS,
+            Section::Foliage => !holds.organs || [NORMALS, TRANSLUCENCY].contains(&name),
             Section::Detail => !(holds.organs && BUDGETS.contains(&name)),
             _ => section.covers(),
         };

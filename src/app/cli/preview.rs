@@ -68,6 +68,10 @@ pub struct Preview {
     )]
     eye: Option<f32>,
 
+    /// Fog: how much of the farthest place it hides, 0 to 1 (0.75 when not said)
+    #[arg(long, value_name = "X", num_args = 0..=1, require_equals = true, default_missing_value = "0.75", value_parser = fog)]
+    fog: Option<f32>,
+
     /// Closer (above 1) or farther (below 1)
     #[arg(long, default_value_t = 1.0, value_parser = zoom)]
     zoom: f32,
@@ -178,6 +182,7 @@ impl Preview {
                 outline: &outline,
                 obstructions: &obstructions,
                 person: self.person,
+                haze_amount: self.fog.unwrap_or(style.haze_amount),
                 ..sitter.styled(style)
             };
             on_background(style, self.background)
@@ -307,6 +312,12 @@ fn eye(text: &str) -> Result<f32, String> {
     finite(text)
         .filter(|m| (0.01..=1000.0).contains(m))
         .ok_or_else(|| "expected metres from 0.01 to 1000, like 1.65".to_owned())
+}
+
+fn fog(text: &str) -> Result<f32, String> {
+    finite(text)
+        .filter(|x| (0.0..=1.0).contains(x))
+        .ok_or_else(|| "expected a share from 0 to 1, like 0.75".to_owned())
 }
 
 fn finite(text: &str) -> Option<f32> {

@@ -60,7 +60,8 @@ impl Preview {
         };
         let draw = |style: Style<'static>, (width, height): (u32, u32)| -> anyhow::Result<Picture> {
             let obstructions = if self.alone { &[] } else { &shown.obstructions[..] };
-            let style = Style { obstructions, ..style };
+            let haze_amount = self.fog.unwrap_or(style.haze_amount);
+            let style = Style { obstructions, haze_amount, ..style };
             let size = Size::new(width, height).map_err(usage)?;
             draw_forest(&shown, &camera, style, self.background, size, progress).with_context(|| id.clone())
         };
