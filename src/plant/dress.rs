@@ -9,6 +9,7 @@ use crate::foliage::{
 };
 use crate::scene::{Material, Part, Scene, Wrap};
 use crate::settings::LeafKind;
+use crate::surface::relief::{self, Heights, ReliefError};
 use crate::surface::{self, Junction, SurfaceError, Tubes};
 use crate::texture::{self, BarkError, BarkPictures};
 use crate::wind::{Blown, Field};
@@ -42,6 +43,9 @@ pub enum DressError {
     /// The bark's pictures.
     #[error(transparent)]
     Bark(BarkError),
+    /// The bark's relief in the mesh.
+    #[error(transparent)]
+    Relief(ReliefError),
     /// A file for the bark that is missing or holds something else.
     #[error("'{knob}' is '{}', which must hold {A_PICTURE}", printable(.file))]
     NoPicture {
@@ -65,7 +69,7 @@ pub enum DressError {
 }
 
 linden_base::from_cancellable!(
-    DressError: SurfaceError => Surface, FoliageError => Foliage, BarkError => Bark
+    DressError: SurfaceError => Surface, FoliageError => Foliage, BarkError => Bark, ReliefError => Relief
 );
 
 /// For messages about memory.
@@ -201,6 +205,13 @@ impl Wardrobe {
         let mut parts = self.by_thickness(wood, body.skeleton, tubes, monitor)?;
         if let Some(trunk) = parts.first_mut().filter(|part| part.material == 0) {
             stretch(&mut trunk.mesh, &self.bark);
+        }
+        if let Some(heights) = heights(specimen, blown.is_some()) {
+            let height_m = specimen.dressing.bark.relief_height_m;
+            if let Some((trunk, thin)) = parts.split_first_mut().filter(|(part, _)| part.material == 0) {
+                let thin: Vec<&Mesh> = thin.iter().map(|part| &part.mesh).collect();
+                relief::lay(&mut trunk.mesh, &thin, &heights, height_m, monitor)?;
+            }
         }
         if parts.iter().any(|part| part.material > 0) {
             materials.extend(self.thin_barks.iter().map(|(_, _, bark)| bark.clone()));
@@ -369,6 +380,19 @@ fn bark_material(name: String, mean: [u8; 3], BarkPictures { base_color, normal 
         wrap: Wrap::Repeat,
         translucency: None,
     }
+}
+
+/// Values a row of the bark's heights: more than a mesh shows.
+const HEIGHTS: usize = 256;
+
+/// What is laid on the wood: drawn bark, on the only level of a tree that stands still.
+fn heights(specimen: &Specimen<'_>, is_blown: bool) -> Option<Heights> {
+    let (look, detail) = (&specimen.dressing.bark, &specimen.dressing.detail);
+    let is_drawn = look.picture.is_none() && look.normal.is_none();
+    let is_whole = detail.levels() == 1 && detail.finest() == 0;
+    let is_laid = look.relief_height_m > 0.0 && is_drawn && is_whole && !is_blown;
+    let bark = look.bark();
+    is_laid.then(|| Heights { values: bark.heights(HEIGHTS), side: HEIGHTS, relief: bark.relief })
 }
 
 /// Lays a bark that is not square on as it is: [`crate::surface::Tubes::bark_tile_m`] is its width.

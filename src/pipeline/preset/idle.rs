@@ -298,6 +298,21 @@ static RULES: &[Rule] = &[
             )
         },
     },
+    Rule {
+        knobs: &["bark_relief_height"],
+        why: |preset| {
+            let Dressing { bark, detail, wind, .. } = &preset.dressing;
+            when(
+                bark.picture.is_some() || bark.normal.is_some(),
+                "it is for drawn bark, and a picture stands in its place",
+            )
+            .or(when(
+                detail.levels() > 1 || detail.finest() > 0,
+                "it is for one level of detail without a budget of triangles",
+            ))
+            .or(when(wind.wind != Wind::Off, "it is for wood that stands still, and wind moves it"))
+        },
+    },
     // [foliage]
     Rule {
         knobs: &["season", "leaf_size", "leaf_seed"],

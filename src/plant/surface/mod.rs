@@ -13,6 +13,7 @@ mod ends;
 mod features;
 mod path;
 mod plan;
+pub mod relief;
 mod solid;
 mod spread;
 mod stretch;

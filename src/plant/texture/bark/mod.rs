@@ -157,6 +157,20 @@ impl Bark {
     }
 }
 
+impl Bark {
+    /// How high the drawn bark is, in `side` rows of as many values, V up: 0 to 1, about.
+    pub fn heights(&self, side: usize) -> Vec<f32> {
+        let roughness = if self.roughness.is_finite() { self.roughness.clamp(0.0, 3.0) } else { 1.0 };
+        let surface = Surface::new(self.style, roughness, self.key);
+        let row = |row: usize| {
+            let mut spots = vec![Spot::default(); side];
+            surface.row((row as f32 + 0.5) / side as f32, &mut spots);
+            spots.into_iter().map(|spot| spot.height).collect::<Vec<_>>()
+        };
+        (0..side).into_par_iter().flat_map_iter(row).collect()
+    }
+}
+
 /// sRGB pixels whose mean, in linear light, is the colour asked for.
 fn colors(spots: &[Spot], n: usize, color: [u8; 3]) -> Vec<u8> {
     let wanted = Vec3::from(linear(color));
