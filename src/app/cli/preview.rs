@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Context;
 use clap::Args;
 use linden::picture::Picture;
-use linden_raster::{Background, Paint, Size, Style};
+use linden_raster::{Background, Camera, Paint, Size, Style};
 use linden_terminal::graphics::encode;
 use linden_terminal::probe::{Capabilities, Environment, Findings, Graphics, Overrides};
 use linden_terminal::tty::takes_sequences;
