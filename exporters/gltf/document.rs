@@ -264,14 +264,15 @@ impl MaterialExtensions {
 /// `KHR_materials_diffuse_transmission` (release candidate): light that leaves on the other side. Its
 /// colour stands for itself, the base colour is not part of it.
 #[derive(Serialize)]
-#[serde(rename_all = "camelCase")]
 pub(super) struct DiffuseTransmission {
     /// Of the light that is not reflected as by a mirror, 0 to 1.
-    pub diffuse_transmission_factor: f32,
+    #[serde(rename = "diffuseTransmissionFactor")]
+    pub share: f32,
     /// Linear RGB.
-    pub diffuse_transmission_color_factor: [f32; 3],
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub diffuse_transmission_color_texture: Option<TextureInfo>,
+    #[serde(rename = "diffuseTransmissionColorFactor")]
+    pub color: [f32; 3],
+    #[serde(rename = "diffuseTransmissionColorTexture", skip_serializing_if = "Option::is_none")]
+    pub texture: Option<TextureInfo>,
 }
 
 /// `{}`.

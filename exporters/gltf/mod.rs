@@ -345,6 +345,7 @@ fn embedded(pictures: &[NamedPicture<'_>], layout: &mut Layout) -> Result<Vec<Im
 }
 
 /// The document, but for the buffer's URI. `sources` tells where each picture is.
+#[allow(clippy::too_many_lines, reason = "a list of what the document holds, one after the other")]
 fn document(
     stage: &Stage<'_>,
     distinct: &DistinctMeshes<'_>,
@@ -391,15 +392,8 @@ fn document(
                     Some(MaterialExtensions::unlit())
                 } else {
                     let through = material.translucency.filter(|_| is_translucent);
-                    through.map(|Translucency { share, tint }| {
-                        let texture = texture(index, material.base_color_picture.as_ref());
-                        let plain = || [0, 1, 2].map(|i| tint[i] * material.base_color[i]);
-                        MaterialExtensions::diffuse_transmission(DiffuseTransmission {
-                            diffuse_transmission_factor: share,
-                            diffuse_transmission_color_factor: if texture.is_some() { tint } else { plain() },
-                            diffuse_transmission_color_texture: texture,
-                        })
-                    })
+                    let texture = texture(index, material.base_color_picture.as_ref());
+                    through.map(|through| passing(through, texture, material.base_color))
                 },
             }
         })
@@ -468,6 +462,13 @@ fn document(
         accessors: std::mem::take(&mut layout.accessors),
         buffer_views: std::mem::take(&mut layout.views),
     })
+}
+
+/// Light that passes, in the colours of a texture or in one.
+fn passing(through: Translucency, texture: Option<TextureInfo>, color: [f32; 3]) -> MaterialExtensions {
+    let Translucency { share, tint } = through;
+    let color = if texture.is_some() { tint } else { [0, 1, 2].map(|i| tint[i] * color[i]) };
+    MaterialExtensions::diffuse_transmission(DiffuseTransmission { share, color, texture })
 }
 
 /// The recipe letter by letter: parsing and printing again could round a number.

@@ -1,11 +1,11 @@
-//! What `UsdPreviewSurface` cannot say of a material: light that passes. A MaterialX network around Autodesk's
+//! What `UsdPreviewSurface` cannot say of a material: light that passes. A `MaterialX` network around Autodesk's
 //! Standard Surface stands beside it, for renderers that know `mtlx` (Karma, Arnold, Omniverse, Storm where it is
-//! built with MaterialX); all others take the `UsdPreviewSurface` as ever.
+//! built with `MaterialX`); all others take the `UsdPreviewSurface` as ever.
 //!
 //! A thin-walled Standard Surface mixes diffuse reflection in `base_color` and diffuse transmission in
-//! `subsurface_color` by `subsurface`. `OpenPBR` says the same in other words, but the graph that MaterialX 1.39 has
-//! for it applies the subsurface's colour twice (MaterialX issue 3027): leaves would be darker than without it.
-//! Names of nodes are those of MaterialX 1.39.
+//! `subsurface_color` by `subsurface`. `OpenPBR` says the same in other words, but the graph that `MaterialX` 1.39 has
+//! for it applies the subsurface's colour twice (`MaterialX` issue 3027): leaves would be darker than without it.
+//! Names of nodes are those of `MaterialX` 1.39.
 
 use std::sync::Arc;
 
@@ -75,9 +75,9 @@ pub(super) fn network<'f>(
         material.roughness, translucency.share
     );
     let mut node = |name: &str, id: &str, inputs: &[String], out: &str| {
-        let inputs: String = inputs.iter().map(|input| format!("        {input}\n")).collect();
+        let inputs = inputs.join("\n        ");
         shaders += &format!(
-            "\n    def Shader \"{name}\"\n    {{\n        uniform token info:id = \"{id}\"\n{inputs}        {out} \
+            "\n    def Shader \"{name}\"\n    {{\n        uniform token info:id = \"{id}\"\n        {inputs}\n        {out} \
              outputs:out\n    }}\n"
         );
     };
@@ -137,7 +137,7 @@ mod tests {
 
     use super::*;
 
-    /// Inputs and outputs of the nodes as `stdlib_defs.mtlx` and `standard_surface.mtlx` of MaterialX 1.39.4 define
+    /// Inputs and outputs of the nodes as `stdlib_defs.mtlx` and `standard_surface.mtlx` of `MaterialX` 1.39.4 define
     /// them, in the types that USD has for theirs.
     const NODES: [(&str, &str, &str); 10] = [
         (

@@ -136,7 +136,7 @@ mod tests {
     }
 
     fn elevation_deg(toward: Vec3) -> f32 {
-        toward.y.asin().to_degrees()
+        libm::asinf(toward.y).to_degrees()
     }
 
     #[test]

@@ -108,7 +108,9 @@ pub fn lay(
             // The foot stays on its ground.
             mean.y = 0.0;
         }
-        group.iter().for_each(|&i| positions[i as usize] += mean);
+        for &i in group {
+            positions[i as usize] += mean;
+        }
     }
     wood.positions = positions;
     Ok(())

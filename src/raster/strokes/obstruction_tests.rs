@@ -134,6 +134,7 @@ fn wood_before_a_wall_is_as_ever_and_wood_behind_it_is_seen_through_it() {
             double_sided: true,
             cutout: None,
             wrap: Wrap::Repeat,
+            translucency: None,
         }];
         let surface = Surface { parts: &parts, materials: &materials, skeleton: &Skeleton::default() };
         changed(z, |style| draw_surface(&surface, &camera(0.0, 0.0), style, size(), &Quiet).unwrap())
