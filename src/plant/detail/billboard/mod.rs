@@ -10,7 +10,7 @@ use std::sync::Arc;
 use glam::{Vec2, Vec3};
 
 use super::drawing::{
-    self, CUTOUT, Canvas, Drawn, Finished, MARGIN_PX, Pixels, SAMPLES, Texture, View, mean,
+    self, CUTOUT, Canvas, Drawn, Finished, MARGIN_PX, Pile, Pixels, Resolved, SAMPLES, Texture, View, mean,
 };
 use crate::foliage::DressedOrgans;
 use crate::scene::{Material, Part, Scene, Wrap};
@@ -57,7 +57,7 @@ pub fn billboard(scene: &Scene, how: &Billboard, monitor: &dyn Monitor) -> Resul
     let pixels = sheet.size.area() as u64;
     let samples = pixels * u64::from(SAMPLES * SAMPLES);
     let bytes = bytes_of::<Drawn>(1) * samples
-        + bytes_of::<[f32; 16]>(1) * pixels
+        + Pile::bytes(sheet.size)
         + scene.materials.iter().map(Texture::bytes_of).sum::<u64>();
     monitor.admit("drawing the billboard", scene.bytes() + bytes, "lower billboard_size")?;
 
@@ -82,7 +82,10 @@ pub fn billboard(scene: &Scene, how: &Billboard, monitor: &dyn Monitor) -> Resul
             drawing::draw(&mut drawn, &view, &part.mesh, material, texture, monitor)?;
         }
     }
-    let Finished { color, normal } = drawing::finish(&drawn, SAMPLES, CUTOUT, false, monitor)?;
+    let mut pile = Pile::new(sheet.size, SAMPLES);
+    pile.lay(&Resolved::of(&drawn, SAMPLES), Pixels::new(0, 0));
+    drop(drawn);
+    let Finished { color, normal } = pile.finish(CUTOUT, false, monitor)?;
     let material = Material {
         name: "billboard".to_owned(),
         base_color: mean(&color),

@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use glam::{Vec2, Vec3};
+use rayon::prelude::*;
 
 use super::clusters::Cut;
 use super::frame::Frame;
 use super::{PLANES, Pieces};
 use crate::detail::DetailError;
 use crate::detail::drawing::{
-    self, CUTOUT, Canvas, Drawn, Finished, MARGIN_PX, Pixels, SAMPLES, Texture, View,
+    self, CUTOUT, Canvas, Drawn, Finished, MARGIN_PX, Pile, Pixels, Resolved, SAMPLES, Texture, View,
 };
 use crate::detail::leaves::selected;
 use crate::dress::Wardrobe;
@@ -20,7 +21,7 @@ use crate::{Body, Specimen};
 use linden_base::color::encode;
 use linden_base::memory::bytes_of;
 use linden_base::mesh::{Bounds, Mesh};
-use linden_base::monitor::Monitor;
+use linden_base::monitor::{Cancelled, Monitor};
 use linden_skeleton::{NO_PARENT, Skeleton};
 
 /// How much of their tilt leaves keep on a card, whose normals are the crown's already.
@@ -103,18 +104,17 @@ pub(super) fn draw<'a>(
         drawn.push(model);
     }
     let sheet = Sheet::new(&sights, size_px);
-    let pixels = u64::from(size_px) * u64::from(size_px);
-    let bytes = bytes_of::<Drawn>(1) * pixels * u64::from(SAMPLES * SAMPLES)
-        + bytes_of::<[f32; 16]>(1) * pixels
+    let size = Pixels::new(size_px, size_px);
+    // Two cells are drawn at a time on two cores, and all are kept until they are laid.
+    let bytes = bytes_of::<Drawn>(size.area())
+        + 2 * Pile::bytes(size)
         + materials.iter().map(Texture::bytes_of).sum::<u64>();
     monitor.admit("drawing branch cards", bytes, "lower card_size").map_err(DetailError::from)?;
-    let textures: Vec<Option<Texture>> = materials.iter().map(Texture::of).collect();
-    let mut canvas = Canvas::new(Pixels::new(size_px, size_px).times(SAMPLES));
-    let mut meshes = vec![Mesh::default(); drawn.len()];
-    for (sight, &first) in sights.iter().zip(&sheet.cells) {
+    let textures: Vec<Option<Texture>> = materials.par_iter().map(Texture::of).collect();
+    let cells = sights.par_iter().map(|sight| {
+        let cell = sheet.pixels(sight);
+        let inner = Pixels::new(cell.x - 2 * MARGIN_PX, cell.y - 2 * MARGIN_PX).times(SAMPLES);
         let Plane { right, up, toward } = sight.plane;
-        let size = sheet.pixels(sight);
-        let inner = Pixels::new(first.x + MARGIN_PX, first.y + MARGIN_PX);
         let view = View {
             origin: Vec3::ZERO,
             right,
@@ -123,22 +123,25 @@ pub(super) fn draw<'a>(
             relief: RELIEF,
             corner: Vec2::new(sight.low.x, sight.high.y),
             scale: sheet.scale * SAMPLES as f32,
-            first: inner.times(SAMPLES),
-            size: Pixels::new(size.x - 2 * MARGIN_PX, size.y - 2 * MARGIN_PX).times(SAMPLES),
+            first: Pixels::new(0, 0),
+            size: inner,
         };
+        let mut canvas = Canvas::new(inner);
         for (material, mesh) in &drawn[sight.model].parts {
-            drawing::draw(
-                &mut canvas,
-                &view,
-                mesh,
-                &materials[*material],
-                textures[*material].as_ref(),
-                monitor,
-            )?;
+            let texture = textures[*material].as_ref();
+            drawing::draw(&mut canvas, &view, mesh, &materials[*material], texture, monitor)?;
         }
+        Ok(Resolved::of(&canvas, SAMPLES))
+    });
+    let cells = cells.collect::<Result<Vec<Resolved>, Cancelled>>()?;
+    let mut pile = Pile::new(size, SAMPLES);
+    let mut meshes = vec![Mesh::default(); drawn.len()];
+    for ((sight, first), cell) in sights.iter().zip(&sheet.cells).zip(cells) {
+        let inner = Pixels::new(first.x + MARGIN_PX, first.y + MARGIN_PX);
+        pile.lay(&cell, inner);
         add_plane(&mut meshes[sight.model], sight, inner, sheet.scale, size_px);
     }
-    let Finished { color, normal } = drawing::finish(&canvas, SAMPLES, CUTOUT, true, monitor)?;
+    let Finished { color, normal } = pile.finish(CUTOUT, true, monitor)?;
     let mean = drawing::mean(&color).map(|light| (encode(light) * 255.0 + 0.5) as u8);
     let whole = Cell {
         min: Vec2::ZERO,

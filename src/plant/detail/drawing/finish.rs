@@ -1,12 +1,14 @@
 //! Samples → pictures: alpha that a threshold can cut, colours beyond the edge.
 
 use glam::{Vec3, Vec4};
+use rayon::prelude::*;
 
 use super::Canvas;
 use super::Pixels;
 use crate::detail::wood::GOLDEN;
 use crate::texture::leaf;
 use linden_base::color::encode;
+use linden_base::memory::bytes_of;
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_base::picture::Picture;
 
@@ -18,53 +20,90 @@ pub(in crate::detail) struct Finished {
     pub normal: Picture,
 }
 
-/// Makes pictures of `samples × samples` to a pixel, cut out where alpha is below `cutout`. What is
-/// covered stays so `in_copies`: smaller ones of the picture. That costs about half of the file again where thin wood is seen.
-pub(in crate::detail) fn finish(
-    drawn: &Canvas,
-    samples: u32,
-    cutout: f32,
-    in_copies: bool,
-    monitor: &dyn Monitor,
-) -> Result<Finished, Cancelled> {
-    let size = Pixels::new(drawn.size.x / samples, drawn.size.y / samples);
-    let (mut colors, mut normals) = (Plane::new(size), Plane::new(size));
-    for y in 0..size.y {
-        monitor.check()?;
-        for x in 0..size.x {
-            let at = (y * size.x + x) as usize;
-            for (dy, dx) in (0..samples).flat_map(|dy| (0..samples).map(move |dx| (dy, dx))) {
-                let sample =
-                    (y * samples + dy) as usize * drawn.size.x as usize + (x * samples + dx) as usize;
-                let seen = &drawn.samples[sample];
-                if seen.near_m > f32::NEG_INFINITY {
-                    colors.values[at] += seen.color.extend(1.0);
-                    normals.values[at] += seen.normal.extend(1.0);
+/// A picture that is put together from what was drawn in samples.
+pub(in crate::detail) struct Pile {
+    colors: Plane,
+    normals: Plane,
+    /// Share of a pixel that a sample is.
+    share: f32,
+}
+
+/// What the pixels of a drawing show: colours and normals, summed over their samples.
+pub(in crate::detail) struct Resolved {
+    size: Pixels,
+    pixels: Vec<(Vec4, Vec4)>,
+}
+
+impl Resolved {
+    /// Of `samples × samples` to a pixel.
+    pub fn of(drawn: &Canvas, samples: u32) -> Self {
+        let size = Pixels::new(drawn.size.x / samples, drawn.size.y / samples);
+        let mut pixels = vec![(Vec4::ZERO, Vec4::ZERO); size.area()];
+        for (row, line) in drawn.samples.chunks_exact(drawn.size.x as usize).enumerate() {
+            let first = row / samples as usize * size.x as usize;
+            for (column, seen) in line.iter().enumerate() {
+                let at = first + column / samples as usize;
+                if let (Some(pixel), true) = (pixels.get_mut(at), seen.near_m > f32::NEG_INFINITY) {
+                    pixel.0 += seen.color.extend(1.0);
+                    pixel.1 += seen.normal.extend(1.0);
+                }
+            }
+        }
+        Self { size, pixels }
+    }
+}
+
+impl Pile {
+    /// Nothing yet, for drawings of `samples × samples` to a pixel.
+    pub fn new(size: Pixels, samples: u32) -> Self {
+        Self { colors: Plane::new(size), normals: Plane::new(size), share: 1.0 / (samples * samples) as f32 }
+    }
+
+    /// Bytes while it is made and finished.
+    pub const fn bytes(size: Pixels) -> u64 {
+        bytes_of::<[f32; 16]>(size.area())
+    }
+
+    /// Lays a drawing, its upper left corner at a pixel.
+    pub fn lay(&mut self, drawing: &Resolved, corner: Pixels) {
+        let size = self.colors.size;
+        for (row, line) in drawing.pixels.chunks_exact((drawing.size.x as usize).max(1)).enumerate() {
+            let y = corner.y as usize + row;
+            for (x, (color, normal)) in (corner.x as usize..size.x as usize).zip(line) {
+                if y < size.y as usize {
+                    self.colors.values[y * size.x as usize + x] += *color;
+                    self.normals.values[y * size.x as usize + x] += *normal;
                 }
             }
         }
     }
-    let share = 1.0 / (samples * samples) as f32;
-    let covered: Vec<f32> = colors.values.iter().map(|sum| sum.w * share).collect();
-    let mut alpha = keep_coverage(&covered, size, cutout);
-    if in_copies {
-        leaf::keep_coverage(&mut alpha, size.x as usize);
+
+    /// Makes the pictures, cut out where alpha is below `cutout`. What is covered stays so `in_copies`: smaller
+    /// ones of the picture. That costs about half of the file again where thin wood is seen.
+    pub fn finish(self, cutout: f32, in_copies: bool, monitor: &dyn Monitor) -> Result<Finished, Cancelled> {
+        let Self { mut colors, mut normals, share } = self;
+        let size = colors.size;
+        let covered: Vec<f32> = colors.values.iter().map(|sum| sum.w * share).collect();
+        let mut alpha = keep_coverage(&covered, size, cutout);
+        if in_copies {
+            leaf::keep_coverage(&mut alpha, size.x as usize);
+        }
+        let (filled, others) = rayon::join(|| colors.fill(monitor), || normals.fill(monitor));
+        filled.and(others)?;
+        let code = |x: f32| libm::roundf(x.clamp(0.0, 1.0) * 255.0) as u8;
+        let color = |(color, alpha): (&Vec4, f32)| {
+            let [r, g, b] = color.truncate().to_array().map(|light| code(encode(light.clamp(0.0, 1.0))));
+            [r, g, b, code(alpha)]
+        };
+        let normal = |normal: &Vec4| {
+            let normal = normal.truncate().normalize_or(Vec3::Z) * 0.5 + 0.5;
+            [code(normal.x), code(normal.y), code(normal.z), 255]
+        };
+        let color: Vec<[u8; 4]> = colors.values.par_iter().zip(alpha).map(color).collect();
+        let normal: Vec<[u8; 4]> = normals.values.par_iter().map(normal).collect();
+        let picture = |pixels: Vec<[u8; 4]>| Picture::new(size.x, size.y, pixels.into_flattened());
+        Ok(Finished { color: picture(color), normal: picture(normal) })
     }
-    colors.fill(monitor)?;
-    normals.fill(monitor)?;
-    let code = |x: f32| libm::roundf(x.clamp(0.0, 1.0) * 255.0) as u8;
-    let color = colors.values.iter().zip(alpha).flat_map(|(color, alpha)| {
-        let [r, g, b] = color.truncate().to_array().map(|light| code(encode(light.clamp(0.0, 1.0))));
-        [r, g, b, code(alpha)]
-    });
-    let normal = normals.values.iter().flat_map(|normal| {
-        let normal = normal.truncate().normalize_or(Vec3::Z) * 0.5 + 0.5;
-        [code(normal.x), code(normal.y), code(normal.z), 255]
-    });
-    Ok(Finished {
-        color: Picture::new(size.x, size.y, color.collect()),
-        normal: Picture::new(size.x, size.y, normal.collect()),
-    })
 }
 
 /// Alpha such that as much is above the threshold as is covered: cut at half of their cover, thin twigs
