@@ -169,7 +169,7 @@ impl ExportBench {
     }
 
     fn click(&mut self, wanted: Target) -> Effects {
-        let (_, view) = self.screen(100, 40);
+        let (_, view) = self.screen(100, 48);
         let (area, _) = *view.regions.iter().rev().find(|(_, target)| *target == wanted).unwrap();
         let kind = MouseEventKind::Down(MouseButton::Left);
         let (column, row) = (area.x + 1, area.y);
@@ -685,7 +685,7 @@ fn estimates_are_on_screen_for_what_is_ticked() {
     let triangles = scene.parts.iter().map(|part| part.mesh.triangles.len() as u64).sum::<u64>();
     assert_eq!(estimate.triangles, triangles);
     let text = bench.text(100, 30);
-    assert!(text.contains("2 500 triangles, about 770 KiB"), "{text}");
+    assert!(text.contains("2 500 triangles, about 771 KiB"), "{text}");
     // One of an older tree is not told.
     bench.model.tree.as_mut().unwrap().set("seed", "99", Instant::now()).unwrap();
     let text = bench.text(100, 30);

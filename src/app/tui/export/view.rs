@@ -272,8 +272,8 @@ impl RowPainter<'_> {
         let x = self.area.x + 1 + INDENT;
         if let (Kind::Switch, Value::Switch(on)) = (spec.knob.kind, value) {
             let x = self.text(x, end, if *on { "[x] " } else { "[ ] " }, base.patch(theme.value), buffer);
-            self.text(x, end, spec.knob.name, base, buffer);
-            self.about(x + NAME as u16 + 1, spec.knob.help, base, buffer);
+            let named = self.text(x, end, spec.knob.name, base, buffer);
+            self.about(named.max(x + NAME as u16) + 1, spec.knob.help, base, buffer);
             return;
         }
         let x = self.text(x, end, spec.knob.name, base, buffer) + 1;
