@@ -55,7 +55,7 @@ pub struct Estimate {
 
 impl Estimate {
     /// Counts what the surface and the foliage of a tree will have, within its budget: exactly, but for
-    /// `junction=watertight`, which is counted as tubes.
+    /// `junction=watertight`, which is counted as tubes, and for the rings where two barks meet, which count once.
     ///
     /// # Errors
     /// [`Cancelled`].

@@ -222,9 +222,13 @@ fn numbers_of_a_reduced_tree_are_all_of_that_tree() {
     let few = folder.run(&["stats", "dressed-simple", "--triangles", "3000", "--json"]).done().json();
     assert_eq!((whole["tree"].as_str(), few["tree"].as_str()), (Some("whole"), Some("reduced")));
     assert!((few["triangles"].as_f64().unwrap() / 3000.0 - 1.0).abs() < 0.06);
-    for name in ["nodes", "segments", "axes", "leaves", "total_length_m", "wood_volume_m3", "tips"] {
+    for name in ["nodes", "segments", "axes", "total_length_m", "wood_volume_m3", "tips"] {
         assert!(few[name].as_f64() < whole[name].as_f64(), "{name}: {} {}", few[name], whole[name]);
     }
+    // Branch cards stand for all leaves; without them, some are left out.
+    assert_eq!(few["leaves"], whole["leaves"]);
+    let thinned = ["stats", "dressed-simple", "--triangles", "3000", "--set", "branch_cards=false", "--json"];
+    assert!(folder.run(&thinned).done().json()["leaves"].as_f64() < whole["leaves"].as_f64());
     // Which tree it is does not change.
     assert_eq!(few["skeleton_hash"], whole["skeleton_hash"]);
 }
