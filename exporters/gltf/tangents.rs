@@ -7,6 +7,9 @@
 use glam::{Vec3, Vec4};
 use linden_pipeline::scene::Mesh;
 
+/// The squared sine of the least angle to the normal at which a direction counts.
+const LEAST_SLOPE: f32 = 1e-4;
+
 /// One tangent per vertex: a unit vector, and 1 or -1 for the side of the bitangent
 /// (`cross(normal, tangent) * w` points to the picture's upper edge).
 ///
@@ -27,9 +30,13 @@ pub(super) fn tangents(mesh: &Mesh) -> Vec<Vec4> {
     }
     for (sum, &normal) in sums.iter_mut().zip(&mesh.normals) {
         let along_u = sum.truncate().reject_from(normal);
+        // What is left of a direction that is the normal's own is rounding, and lies anywhere.
+        let is_clear = along_u.length_squared() > LEAST_SLOPE * sum.truncate().length_squared();
         // A vertex whose texture does not stretch anywhere: any direction in the surface will do.
-        let tangent =
-            along_u.try_normalize().unwrap_or_else(|| normal.any_orthogonal_vector().normalize_or(Vec3::X));
+        let tangent = along_u
+            .try_normalize()
+            .filter(|_| is_clear)
+            .unwrap_or_else(|| normal.any_orthogonal_vector().normalize_or(Vec3::X));
         *sum = tangent.extend(if sum.w < 0.0 { -1.0 } else { 1.0 });
     }
     sums

@@ -159,7 +159,9 @@ def with_trimesh(path, tree):
     if found != expected:
         yield f"{found} triangles of {expected}"
     # Wood that has several barks is parted where they meet: each part is open there.
-    is_parted = any("wood_" in name for name in meshes) or (path.suffix == ".ply" and b"comment part wood_" in path.read_bytes()[:4096])
+    is_parted = any("wood_" in name or "bark_" in name for name in meshes) or (
+        path.suffix == ".ply" and b"comment part wood_" in path.read_bytes().partition(b"end_header")[0]
+    )
     for name, mesh in meshes.items():
         if is_parted and ("wood" in name or "bark" in str(getattr(mesh.visual, "material", "")) or path.suffix in (".ply", ".obj")):
             continue
@@ -237,6 +239,9 @@ def with_nvidia(path):
                 name = issue["rule"]["name"]
                 if issue["severity"] != "INFO" and name not in NVIDIA_ALLOWED and not is_materialx(issue["message"]):
                     where = (issue["at"] or {}).get("path", "")
+                    # Wood of several barks is parted where they meet.
+                    if name == "ManifoldChecker" and "/wood_" in where:
+                        continue
                     yield f"{issue['severity']} {name}: {issue['message']} {where}"
 
 
