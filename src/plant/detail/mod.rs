@@ -180,9 +180,8 @@ impl<'a> Simplifier<'a> {
 
     /// What the cards of a level stand for.
     fn pieces(&self, detail: &Detail, monitor: &dyn Monitor) -> Result<Pieces, DetailError> {
-        let is_thin = self.wood.thin_nodes(detail);
-        let cut = Burden::new(self.skeleton, self.organs, &is_thin).cut(detail.card_m, monitor)?;
-        Ok(Pieces { cut, is_thin })
+        let cut = self.burden(detail).cut(detail.card_m, monitor)?;
+        Ok(Pieces { cut, is_thin: self.wood.thin_nodes(detail) })
     }
 
     /// What cards would stand for.

@@ -180,7 +180,7 @@ fn model(
     let organs = Arc::new(selected(body.organs, is_in, 1.0));
     let thickest = if body.organs.is_empty() { THICKEST_BARE } else { THICKEST };
     let mut parts = vec![(0, wood(body.skeleton, piece, frame.radius_m * thickest, level))];
-    let (mut found, foliage) =
+    let (found, foliage) =
         wardrobe.foliage(specimen, &organs, monitor).map_err(crate::dress::DressError::from)?;
     for part in foliage {
         let material = found[part.material].clone();
@@ -191,7 +191,6 @@ fn model(
         });
         parts.push((at, part.mesh));
     }
-    found.clear();
     let (side, heading, up) = (frame.side(), frame.heading, frame.up);
     for (_, mesh) in &mut parts {
         for position in &mut mesh.positions {
