@@ -15,8 +15,9 @@ const JPEG_QUALITY: u8 = 90;
 /// What a file says about the picture.
 #[derive(Default)]
 pub(super) struct About<'a> {
-    /// Whether its colours are sRGB.
-    pub is_srgb: bool,
+    /// Whether it is to be looked at rather than laid on a surface: its colours are sRGB, and its file is as small as
+    /// can be.
+    pub is_for_people: bool,
     /// How to grow what it shows.
     pub recipe: Option<&'a str>,
 }
@@ -45,9 +46,14 @@ fn png(picture: &Picture, about: &About<'_>) -> Result<Vec<u8>, png::EncodingErr
     let opaque = picture.is_opaque();
     let mut bytes = Vec::with_capacity(picture.rgba.len() / 2);
     let mut encoder = png::Encoder::new(&mut bytes, picture.width, picture.height);
+    if !about.is_for_people {
+        // Bark and leaves hardly repeat: without looking for what does, their colours take 5 to 25 % more and their
+        // normals 5 % less, in a thirtieth of the time (benchmark `pictures`).
+        encoder.set_compression(png::Compression::Fast);
+    }
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_color(if opaque { png::ColorType::Rgb } else { png::ColorType::Rgba });
-    if about.is_srgb {
+    if about.is_for_people {
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     }
     if let Some(recipe) = about.recipe {

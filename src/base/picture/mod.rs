@@ -105,7 +105,7 @@ impl Picture {
     /// [`PictureError`].
     pub fn preview(&self, format: PictureFormat, recipe: Option<&str>) -> Result<Vec<u8>, PictureError> {
         let recipe = recipe.filter(|recipe| format.has_room_for(recipe));
-        encode::encode(self, format, &encode::About { is_srgb: true, recipe })
+        encode::encode(self, format, &encode::About { is_for_people: true, recipe })
     }
 
     /// [`Picture::preview`] as PNG without a recipe.

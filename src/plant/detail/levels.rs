@@ -1,5 +1,6 @@
 //! A recipe's chain of levels: the tree as its knobs want it, and what stands for it from afar.
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::billboard::{Billboard, billboard};
@@ -63,6 +64,8 @@ const NEAR: f32 = 0.5;
 pub fn levels(specimen: &Specimen<'_>, body: Body<'_>, monitor: &dyn Monitor) -> Result<Levels, DetailError> {
     let mut notes = Vec::new();
     let plan = Plan::new(specimen.dressing, body, &mut notes, monitor)?;
+    let dressing = plan.dressing(specimen.dressing);
+    let specimen = &specimen.with(&dressing);
     let wardrobe = Wardrobe::new(specimen, body.organs, monitor)?;
     Ok(Levels { levels: plan.dress(specimen, body, &wardrobe, monitor)?, notes })
 }
@@ -138,7 +141,8 @@ pub fn year(
     let mut wardrobe: Option<Wardrobe> = None;
     let mut year = Vec::with_capacity(seasons.len());
     for (season, (dressing, organs)) in seasons.into_iter().zip(&looks) {
-        let specimen = specimen.with(dressing);
+        let dressing = plan.dressing(dressing);
+        let specimen = specimen.with(&dressing);
         let body = Body { organs, ..body };
         let holding = Holding::new(monitor, held);
         let worn = match &wardrobe {
@@ -152,6 +156,10 @@ pub fn year(
     }
     Ok(Year { seasons: year, notes, recipe: (specimen.recipe)(specimen.dressing, body.organs) })
 }
+
+/// Side of the pictures of leaves that cards are drawn with, pixels, or a quarter of `leaf_size`: a leaf is far
+/// larger in it than on any card.
+const LEAVES_ON_CARDS_PX: u32 = 256;
 
 /// For notes.
 const NO_CARDS: &str = "no level needs them, since enough leaves are left in each";
@@ -236,6 +244,19 @@ impl Plan {
             notes.push(format!("branch_cards: {NO_CARDS}"));
         }
         Self { details: Some(details) }
+    }
+
+    /// How the tree is dressed in these levels: leaves that are seen on cards alone are small on them, and so may be
+    /// their pictures.
+    fn dressing<'a>(&self, asked: &'a Dressing) -> Cow<'a, Dressing> {
+        let are_all_cards = self.details.iter().flatten().all(|level| level.card_m > 0.0);
+        if self.details.is_none() || !are_all_cards {
+            return Cow::Borrowed(asked);
+        }
+        let mut dressing = asked.clone();
+        let size_px = &mut dressing.foliage.size_px;
+        *size_px = (*size_px).min(LEAVES_ON_CARDS_PX.max(*size_px / 4));
+        Cow::Owned(dressing)
     }
 
     /// Dresses a tree in these levels, and in what stands for it from afar.

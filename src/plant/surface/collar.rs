@@ -94,7 +94,7 @@ impl Collar {
         for i in 0..=STEPS {
             let along = farthest * i as f32 / STEPS as f32;
             let (center, radius, direction) = at(stations, along);
-            let (distance, out) = self.distance(center);
+            let (distance, out) = self.distance(center, EVERYWHERE);
             // How much deeper than its centre a ring's deepest point lies, at most.
             let tilt = radius * direction.cross(out).length();
             if from.is_none() && distance > -(radius + 0.3 * self.fillet_m) {
@@ -125,9 +125,10 @@ impl Collar {
             return (center + out * radius_m, normal);
         }
         let (mut least, mut most) = (0.0_f32, self.fillet_m * ease);
+        let near = self.near(center + out * radius_m, most);
         for _ in 0..ROUNDS {
             let wide = f32::midpoint(least, most);
-            if wide < self.width(center + out * (radius_m + wide), out, ease).0 {
+            if wide < self.width(center + out * (radius_m + wide), out, ease, near).0 {
                 least = wide;
             } else {
                 most = wide;
@@ -135,7 +136,7 @@ impl Collar {
         }
         let place = center + out * (radius_m + f32::midpoint(least, most));
         // On the quarter circle the normal turns from the lateral's to the parent's.
-        let (_, share, parents) = self.width(place, out, ease);
+        let (_, share, parents) = self.width(place, out, ease, near);
         let turned = normal * (1.0 - share * share).sqrt() + parents * share;
         (place, turned.normalize_or(normal))
     }
@@ -146,8 +147,8 @@ impl Collar {
     ///
     /// Where both surfaces look the same way there is no corner to fill: the radius of the fillet goes
     /// with the sine of the angle between their normals, but an acute crotch keeps the whole of it.
-    fn width(&self, place: Vec3, out: Vec3, ease: f32) -> (f32, f32, Vec3) {
-        let (distance, parents) = self.distance(place);
+    fn width(&self, place: Vec3, out: Vec3, ease: f32, near: Near) -> (f32, f32, Vec3) {
+        let (distance, parents) = self.distance(place, near);
         let alike = parents.dot(out).clamp(0.0, 1.0);
         let fillet = self.fillet_m * ease * (1.0 - alike * alike).sqrt();
         if !(distance < fillet) {
@@ -161,23 +162,67 @@ impl Collar {
         (fillet * (1.0 - (1.0 - share * share).sqrt()), share, parents)
     }
 
-    /// Signed distance from the parent's surface, metres, and the unit vector away from its axis.
-    fn distance(&self, point: Vec3) -> (f32, Vec3) {
-        let mut nearest = (f32::INFINITY, Vec3::ZERO);
-        for pair in self.spine.windows(2) {
-            let along = pair[1].position - pair[0].position;
-            let squared = along.length_squared();
-            let from = point - pair[0].position;
-            let t = if squared > 0.0 { (from.dot(along) / squared).clamp(0.0, 1.0) } else { 0.0 };
-            let out = from - along * t;
-            let length = out.length();
-            let distance = length - (pair[0].onward + (pair[1].radius - pair[0].onward) * t);
+    /// Which pieces of the parent can be nearest to places within `reach_m` of a point.
+    fn near(&self, point: Vec3, reach_m: f32) -> Near {
+        /// What rounding may add, as a share.
+        const CARE: f32 = 1e-3;
+        let pieces = self.spine.len().saturating_sub(1);
+        if pieces > Near::BITS as usize {
+            return EVERYWHERE;
+        }
+        // A piece's distance changes by as much as the place, and by what the radius changes on the way.
+        let mut farthest_m = f32::INFINITY;
+        let mut least_m = [0.0; Near::BITS as usize];
+        for (pair, least_m) in self.spine.windows(2).zip(&mut least_m) {
+            let length_m = pair[0].position.distance(pair[1].position);
+            let slope = (pair[1].radius - pair[0].onward).abs() / length_m;
+            let change_m = reach_m * (1.0 + if slope.is_finite() { slope } else { 0.0 });
+            let (distance_m, _) = from_piece(point, &pair[0], &pair[1]);
+            let care_m = CARE * (distance_m.abs() + change_m);
+            *least_m = distance_m - change_m - care_m;
+            farthest_m = farthest_m.min(distance_m + change_m + care_m);
+        }
+        (0..pieces).filter(|&i| least_m[i] <= farthest_m).fold(0, |near, i| near | (1 << i))
+    }
+
+    /// Signed distance from the parent's surface, metres, and the unit vector away from its axis. Only the near
+    /// pieces of the parent are looked at.
+    fn distance(&self, point: Vec3, near: Near) -> (f32, Vec3) {
+        let mut nearest = (f32::INFINITY, Vec3::ZERO, 0.0);
+        let mut look = |i: usize| {
+            let (distance, out) = from_piece(point, &self.spine[i], &self.spine[i + 1]);
             if distance < nearest.0 {
-                nearest = (distance, if length > 0.0 { out / length } else { Vec3::ZERO });
+                nearest = (distance, out, out.length());
+            }
+        };
+        let pieces = self.spine.len().saturating_sub(1);
+        if near == EVERYWHERE {
+            (0..pieces).for_each(look);
+        } else {
+            let mut left = near;
+            while left != 0 {
+                look(left.trailing_zeros() as usize);
+                left &= left - 1;
             }
         }
-        nearest
+        let (distance, out, length) = nearest;
+        (distance, if length > 0.0 { out / length } else { Vec3::ZERO })
     }
+}
+
+/// Pieces of a spine, a bit for each.
+type Near = u64;
+/// All of them, however many there are.
+const EVERYWHERE: Near = Near::MAX;
+
+/// Signed distance from the surface of a piece of wood, metres, and the way out from its axis.
+fn from_piece(point: Vec3, base: &Station, apex: &Station) -> (f32, Vec3) {
+    let along = apex.position - base.position;
+    let squared = along.length_squared();
+    let from = point - base.position;
+    let t = if squared > 0.0 { (from.dot(along) / squared).clamp(0.0, 1.0) } else { 0.0 };
+    let out = from - along * t;
+    (out.length() - (base.onward + (apex.radius - base.onward) * t), out)
 }
 
 /// Arc length, metres.

@@ -74,12 +74,19 @@ impl Favored {
         Ok(Self { crown, favor, clumps, depths })
     }
 
-    fn density(&self, p: DVec3) -> f64 {
+    /// Of the shell and the top: at least as much as there is of all.
+    fn favored(&self, p: DVec3) -> f64 {
         let Bounds { min, max } = self.crown.bounds();
         let (low, high) = (f64::from(min.y), f64::from(max.y));
         let height = ((p.y - low) / (high - low)).clamp(0.0, 1.0);
-        let density = self.favor.density(self.depths.as_ref().map_or(0.0, |depths| depths.at(p)), height);
-        self.clumps.map_or(density, |clumps| density * clumps.density(p))
+        self.favor.density(self.depths.as_ref().map_or(0.0, |depths| depths.at(p)), height)
+    }
+
+    /// Whether a place is taken, where so much of all places is.
+    fn takes(&self, p: DVec3, share: f64) -> bool {
+        let favored = self.favored(p);
+        // Clumps only take away, and take longest to find.
+        share < favored && self.clumps.is_none_or(|clumps| share < favored * clumps.density(p))
     }
 }
 
@@ -99,7 +106,7 @@ impl Crown for Favored {
         loop {
             let key = key.child(attempt);
             let p = self.crown.sample(key);
-            if key.named("density").unit() < self.density(p) {
+            if self.takes(p, key.named("density").unit()) {
                 return p;
             }
             attempt += 1;

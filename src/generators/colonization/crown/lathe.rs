@@ -56,7 +56,34 @@ impl Ring {
         let squares = frustum(self.outer_m[0], outer) - frustum(self.inner_m[0], inner);
         PI / 3.0 * up * (self.high_m - self.low_m) * squares
     }
+
+    /// Between which shares of the height so much volume is reached: one of the intervals that halving comes to,
+    /// found by Newton's method, so that most halvings need not be done.
+    fn guess(&self, below_m3: f64) -> (f64, f64) {
+        /// Each about doubles the digits.
+        const ROUNDS: u32 = 4;
+        /// How many intervals there are in the whole: the more, the less is left to halve.
+        const PARTS: [f64; 2] = [(1_u64 << 46) as f64, (1_u64 << 16) as f64];
+        let mut up = below_m3 / self.below_m3(1.0);
+        for _ in 0..ROUNDS {
+            let [inner, outer] = self.radii(up);
+            let area = PI * (outer * outer - inner * inner) * (self.high_m - self.low_m);
+            up = (up - (self.below_m3(up) - below_m3) / area).clamp(0.0, 1.0);
+        }
+        let is_between = |&(low, high): &(f64, f64)| {
+            (low == 0.0 || self.below_m3(low) < below_m3) && (high == 1.0 || self.below_m3(high) >= below_m3)
+        };
+        let part = |parts: f64| {
+            let part = (up * parts).floor().min(parts - 1.0);
+            (part / parts, (part + 1.0) / parts)
+        };
+        // Newton's method may end in a division by nothing, or at a place right beside the interval.
+        PARTS.map(part).into_iter().find(is_between).unwrap_or((0.0, 1.0))
+    }
 }
+
+/// What is left of a whole after 52 halvings.
+const HALVED: f64 = 1.0 / (1_u64 << 52) as f64;
 
 /// A side of the profile that passes a slab.
 struct Side {
@@ -174,9 +201,9 @@ impl Crown for Lathe {
         // Rounding may lead past the last one; a lathe without rings is never drawn from.
         let Some(ring) = self.rings.get(slot).or_else(|| self.rings.last()) else { return DVec3::ZERO };
         let below = volume - (ring.up_to_m3 - ring.below_m3(1.0));
-        let (mut low, mut high) = (0.0, 1.0);
-        // 52 halvings use up the significand.
-        for _ in 0..52 {
+        let (mut low, mut high) = ring.guess(below);
+        // As far as 52 halvings of the whole would come, which use up the significand.
+        while high - low > HALVED {
             let middle = 0.5 * (low + high);
             if ring.below_m3(middle) < below { low = middle } else { high = middle }
         }
@@ -254,6 +281,31 @@ mod tests {
             }
         }
         assert!((3000..20_000).contains(&inside), "{inside}");
+    }
+
+    #[test]
+    fn heights_are_those_of_halving_alone() {
+        for i in 0..300 {
+            let key = Key::new(11).child(i);
+            let profile: Vec<[f64; 2]> = (0..6)
+                .map(|k| [0, 1].map(|axis| key.child(k).child(axis).between(0.0, 6.0).max(1.0) - 1.0))
+                .collect();
+            let solid = Lathe::new(&profile);
+            for ring in &solid.rings {
+                for share in [0.0, 1e-12, 1e-3, 0.3, 0.5, 0.97, 1.0 - 1e-12, 1.0] {
+                    let below = share * ring.below_m3(1.0);
+                    let halved = |mut low: f64, mut high: f64| {
+                        while high - low > HALVED {
+                            let middle = 0.5 * (low + high);
+                            if ring.below_m3(middle) < below { low = middle } else { high = middle }
+                        }
+                        (low, high)
+                    };
+                    let (low, high) = ring.guess(below);
+                    assert_eq!(halved(low, high), halved(0.0, 1.0), "{profile:?}, {share}");
+                }
+            }
+        }
     }
 
     #[test]

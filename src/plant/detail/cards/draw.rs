@@ -30,6 +30,9 @@ const RELIEF: f32 = 0.4;
 const THICKEST: f32 = 0.07;
 /// The same of a tree without leaves, whose cards show nothing else.
 const THICKEST_BARE: f32 = 0.3;
+/// Cells that are drawn before they are laid: for any number of cores that machines have, and few enough not to be
+/// much memory.
+const CELLS_AT_ONCE: usize = 16;
 /// Sides of the wood on a card.
 const SIDES: u32 = 4;
 
@@ -105,13 +108,17 @@ pub(super) fn draw<'a>(
     }
     let sheet = Sheet::new(&sights, size_px);
     let size = Pixels::new(size_px, size_px);
-    // Two cells are drawn at a time on two cores, and all are kept until they are laid.
-    let bytes = bytes_of::<Drawn>(size.area())
-        + 2 * Pile::bytes(size)
+    // Of the cells that are drawn at once, samples and what becomes of them.
+    let mut largest: Vec<usize> = sights.iter().map(|sight| sheet.pixels(sight).area()).collect();
+    largest.sort_unstable_by(|a, b| b.cmp(a));
+    let at_once: usize = largest.iter().take(CELLS_AT_ONCE).sum();
+    let bytes = bytes_of::<Drawn>(at_once * (SAMPLES * SAMPLES) as usize)
+        + Resolved::bytes(at_once)
+        + Pile::bytes(size)
         + materials.iter().map(Texture::bytes_of).sum::<u64>();
     monitor.admit("drawing branch cards", bytes, "lower card_size").map_err(DetailError::from)?;
     let textures: Vec<Option<Texture>> = materials.par_iter().map(Texture::of).collect();
-    let cells = sights.par_iter().map(|sight| {
+    let drawn_cell = |sight: &Sight| {
         let cell = sheet.pixels(sight);
         let inner = Pixels::new(cell.x - 2 * MARGIN_PX, cell.y - 2 * MARGIN_PX).times(SAMPLES);
         let Plane { right, up, toward } = sight.plane;
@@ -132,14 +139,18 @@ pub(super) fn draw<'a>(
             drawing::draw(&mut canvas, &view, mesh, &materials[*material], texture, monitor)?;
         }
         Ok(Resolved::of(&canvas, SAMPLES))
-    });
-    let cells = cells.collect::<Result<Vec<Resolved>, Cancelled>>()?;
+    };
     let mut pile = Pile::new(size, SAMPLES);
     let mut meshes = vec![Mesh::default(); drawn.len()];
-    for ((sight, first), cell) in sights.iter().zip(&sheet.cells).zip(cells) {
-        let inner = Pixels::new(first.x + MARGIN_PX, first.y + MARGIN_PX);
-        pile.lay(&cell, inner);
-        add_plane(&mut meshes[sight.model], sight, inner, sheet.scale, size_px);
+    let placed: Vec<(&Sight, &Pixels)> = sights.iter().zip(&sheet.cells).collect();
+    for some in placed.chunks(CELLS_AT_ONCE) {
+        let cells = some.par_iter().map(|(sight, _)| drawn_cell(sight));
+        let cells = cells.collect::<Result<Vec<Resolved>, Cancelled>>()?;
+        for ((sight, first), cell) in some.iter().zip(cells) {
+            let inner = Pixels::new(first.x + MARGIN_PX, first.y + MARGIN_PX);
+            pile.lay(&cell, inner);
+            add_plane(&mut meshes[sight.model], sight, inner, sheet.scale, size_px);
+        }
     }
     let Finished { color, normal } = pile.finish(CUTOUT, true, monitor)?;
     let mean = drawing::mean(&color).map(|light| (encode(light) * 255.0 + 0.5) as u8);

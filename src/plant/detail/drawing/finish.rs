@@ -7,7 +7,7 @@ use super::Canvas;
 use super::Pixels;
 use crate::detail::wood::GOLDEN;
 use crate::texture::leaf;
-use linden_base::color::encode;
+use linden_base::color;
 use linden_base::memory::bytes_of;
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_base::picture::Picture;
@@ -35,6 +35,11 @@ pub(in crate::detail) struct Resolved {
 }
 
 impl Resolved {
+    /// Bytes of so many pixels.
+    pub const fn bytes(pixels: usize) -> u64 {
+        bytes_of::<(Vec4, Vec4)>(pixels)
+    }
+
     /// Of `samples × samples` to a pixel.
     pub fn of(drawn: &Canvas, samples: u32) -> Self {
         let size = Pixels::new(drawn.size.x / samples, drawn.size.y / samples);
@@ -91,15 +96,15 @@ impl Pile {
         let (filled, others) = rayon::join(|| colors.fill(monitor), || normals.fill(monitor));
         filled.and(others)?;
         let code = |x: f32| libm::roundf(x.clamp(0.0, 1.0) * 255.0) as u8;
-        let color = |(color, alpha): (&Vec4, f32)| {
-            let [r, g, b] = color.truncate().to_array().map(|light| code(encode(light.clamp(0.0, 1.0))));
+        let colored = |(color, alpha): (&Vec4, f32)| {
+            let [r, g, b] = color.truncate().to_array().map(color::code);
             [r, g, b, code(alpha)]
         };
         let normal = |normal: &Vec4| {
             let normal = normal.truncate().normalize_or(Vec3::Z) * 0.5 + 0.5;
             [code(normal.x), code(normal.y), code(normal.z), 255]
         };
-        let color: Vec<[u8; 4]> = colors.values.par_iter().zip(alpha).map(color).collect();
+        let color: Vec<[u8; 4]> = colors.values.par_iter().zip(alpha).map(colored).collect();
         let normal: Vec<[u8; 4]> = normals.values.par_iter().map(normal).collect();
         let picture = |pixels: Vec<[u8; 4]>| Picture::new(size.x, size.y, pixels.into_flattened());
         Ok(Finished { color: picture(color), normal: picture(normal) })

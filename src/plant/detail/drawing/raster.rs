@@ -1,5 +1,7 @@
 //! Triangles → samples, without perspective: colours as they are, normals, and the nearest counts.
 
+use std::ops::Range;
+
 use glam::{Vec2, Vec3};
 
 use super::Pixels;
@@ -100,29 +102,33 @@ pub(in crate::detail) fn draw(
         }
         let uvs = triangle.map(|vertex| mesh.uvs[vertex as usize]);
         let normals = triangle.map(|vertex| mesh.normals[vertex as usize]);
-        // Texels that a sample covers.
-        let texels = texture.map_or(0.0, |texture| {
-            ((uvs[1] - uvs[0]).perp_dot(uvs[2] - uvs[0]) / area).abs() * texture.area()
+        // Texels that a sample covers choose how much the picture is halved.
+        let texture = texture.map(|texture| {
+            let covered = ((uvs[1] - uvs[0]).perp_dot(uvs[2] - uvs[0]) / area).abs() * texture.area();
+            texture.halved(covered)
         });
+        // Weights of b and c, and how they change from sample to sample.
+        let inverse = 1.0 / area;
+        let (across, down) = (Vec2::new(ac.y, -ab.y) * inverse, Vec2::new(-ac.x, ab.x) * inverse);
         for y in from.y as u32..=to.y as u32 {
-            for x in from.x as u32..=to.x as u32 {
-                let away = Vec2::new(x as f32, y as f32) + 0.5 - a.at;
-                // Weights of b and c.
-                let (s, t) = (away.perp_dot(ac) / area, ab.perp_dot(away) / area);
+            let away = Vec2::new(from.x, y as f32) + 0.5 - a.at;
+            let first = across * away.x + down * away.y;
+            let row = (view.first.y + y) as usize * canvas.size.x as usize;
+            let row = &mut canvas.samples[row + (view.first.x + from.x as u32) as usize..];
+            let inside = inside(first, across, (to.x - from.x) as usize + 1);
+            for (x, sample) in inside.clone().zip(&mut row[inside]) {
+                let Vec2 { x: s, y: t } = first + across * x as f32;
                 if s < 0.0 || t < 0.0 || s + t > 1.0 {
                     continue;
                 }
                 let near_m = a.near_m + (b.near_m - a.near_m) * s + (c.near_m - a.near_m) * t;
-                let row = (view.first.y + y) as usize * canvas.size.x as usize;
-                let sample = &mut canvas.samples[row + (view.first.x + x) as usize];
                 if near_m <= sample.near_m {
                     continue;
                 }
                 let color = match texture {
                     None => Vec3::from(material.base_color),
                     Some(texture) => {
-                        let color =
-                            texture.at(uvs[0] + (uvs[1] - uvs[0]) * s + (uvs[2] - uvs[0]) * t, texels);
+                        let color = texture.at(uvs[0] + (uvs[1] - uvs[0]) * s + (uvs[2] - uvs[0]) * t);
                         if material.cutout.is_some_and(|least| color.w < least) {
                             continue;
                         }
@@ -143,4 +149,54 @@ pub(in crate::detail) fn draw(
         }
     }
     Ok(())
+}
+
+/// Which of `count` samples of a row may lie in a triangle: those where both weights, which are `first` and change by
+/// `across`, and their sum are between 0 and 1. One too many on either side at most.
+fn inside(first: Vec2, across: Vec2, count: usize) -> Range<usize> {
+    let (mut low, mut high) = (0.0_f32, count as f32);
+    // Each must not be below 0.
+    let weights = [(first.x, across.x), (first.y, across.y), (1.0 - first.x - first.y, -across.x - across.y)];
+    for (start, change) in weights {
+        let root = -start / change;
+        if change > 0.0 {
+            low = low.max(root);
+        } else if change < 0.0 {
+            high = high.min(root);
+        } else if start < 0.0 {
+            return 0..0;
+        }
+    }
+    // Rounded outwards, and a sample more for what rounding does to the weights.
+    let from = ((low.floor() - 1.0).max(0.0) as usize).min(count);
+    from..((high.ceil() + 2.0).max(0.0) as usize).clamp(from, count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linden_base::random::Key;
+
+    #[test]
+    fn no_sample_of_a_triangle_is_passed_over() {
+        let mut found = 0;
+        for i in 0..20_000 {
+            let key = Key::new(4).child(i);
+            let unit = |k: u64| key.child(k).between(-1.0, 1.0) as f32;
+            // Flat ones and rows along a side among them.
+            let across = Vec2::new(unit(0), if i % 5 == 0 { 0.0 } else { unit(1) }) * 10.0_f32.powf(unit(2) * 2.0);
+            let first = Vec2::new(unit(3), if i % 7 == 0 { 0.0 } else { unit(4) }) * 10.0_f32.powf(1.0 + unit(5));
+            let range = inside(first, across, 50);
+            let truly: Vec<usize> = (0..50)
+                .filter(|&x| {
+                    let Vec2 { x: s, y: t } = first + across * x as f32;
+                    s >= 0.0 && t >= 0.0 && s + t <= 1.0
+                })
+                .collect();
+            assert!(truly.iter().all(|x| range.contains(x)), "{first} {across}: {truly:?} not in {range:?}");
+            assert!(range.len() <= truly.len() + 5, "{first} {across}: {truly:?} in {range:?}");
+            found += truly.len();
+        }
+        assert!(found > 10_000, "{found}");
+    }
 }

@@ -44,10 +44,24 @@ impl Texture {
         self.levels[0].width as f32 * self.levels[0].height as f32
     }
 
-    /// The colour at a place, V up, where a sample is as large as `texels` (an area).
-    pub fn at(&self, uv: Vec2, texels: f32) -> Vec4 {
+    /// As it is looked at where a sample is as large as so many texels (an area).
+    pub fn halved(&self, texels: f32) -> Halved<'_> {
         let halved = if texels > 1.0 { (0.5 * libm::log2f(texels)) as usize } else { 0 };
-        self.levels[halved.min(self.levels.len() - 1)].at(uv, self.repeats)
+        Halved { level: &self.levels[halved.min(self.levels.len() - 1)], repeats: self.repeats }
+    }
+}
+
+/// A picture in one of its sizes.
+#[derive(Clone, Copy)]
+pub(in crate::detail) struct Halved<'a> {
+    level: &'a Level,
+    repeats: bool,
+}
+
+impl Halved<'_> {
+    /// The colour at a place, V up.
+    pub fn at(self, uv: Vec2) -> Vec4 {
+        self.level.at(uv, self.repeats)
     }
 }
 
@@ -87,13 +101,15 @@ impl Level {
     /// Between the four nearest texels.
     fn at(&self, uv: Vec2, repeats: bool) -> Vec4 {
         let split = |x: f32, n: u32| {
-            let x = if repeats { x - x.floor() } else { x.clamp(0.0, 1.0) } * n as f32 - 0.5;
-            let low = x.floor();
-            let wrap = |i: i64| {
-                let n = i64::from(n);
-                (if repeats { i.rem_euclid(n) } else { i.clamp(0, n - 1) }) as u32
-            };
-            (wrap(low as i64), wrap(low as i64 + 1), x - low)
+            // Half a texel before the first, at the least.
+            let x = if repeats { x - x.floor() } else { x.clamp(0.0, 1.0) } * n as f32 + 0.5;
+            let high = x as u32;
+            let way = x - high as f32;
+            if repeats {
+                let wrap = |i: u32| if i >= n { i - n } else { i };
+                return (wrap(high + n - 1), wrap(high), way);
+            }
+            (high.saturating_sub(1), high.min(n - 1), way)
         };
         let (x0, x1, s) = split(uv.x, self.width);
         let (y0, y1, t) = split(1.0 - uv.y, self.height);

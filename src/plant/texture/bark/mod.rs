@@ -191,7 +191,7 @@ fn colors(spots: &[Spot], n: usize, color: [u8; 3]) -> Vec<u8> {
         gain *= wanted / found.max(Vec3::splat(1e-6));
     }
     let curve: Vec<u8> =
-        (0..=CURVE_STEPS).map(|i| (encode(i as f32 / CURVE_STEPS as f32) * 255.0 + 0.5) as u8).collect();
+        (0..=CURVE_STEPS).map(|i| code(i as f32 / CURVE_STEPS as f32)).collect();
     let byte = |c: f32| curve[(c.clamp(0.0, 1.0) * CURVE_STEPS as f32 + 0.5) as usize];
     let mut rgba = vec![255; spots.len() * 4];
     rgba.par_chunks_mut(4 * n).zip(spots.par_chunks(n)).for_each(|(pixels, spots)| {

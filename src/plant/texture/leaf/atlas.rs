@@ -53,7 +53,7 @@ pub(super) fn draw(
     bleed(&mut spots, n, monitor)?;
     keep_coverage(&mut spots, n);
     let curve: Vec<u8> =
-        (0..=CURVE_STEPS).map(|i| (encode(i as f32 / CURVE_STEPS as f32) * 255.0 + 0.5) as u8).collect();
+        (0..=CURVE_STEPS).map(|i| code(i as f32 / CURVE_STEPS as f32)).collect();
     let (mut colors, mut normals) = (vec![0; n * n * 4], vec![255; n * n * 4]);
     colors.par_chunks_mut(4 * n).zip(normals.par_chunks_mut(4 * n)).zip(spots.par_chunks(n)).for_each(
         |((colors, normals), spots)| {
@@ -182,7 +182,7 @@ fn mean_color(placed: &Placed<'_>, n: usize, spots: &[Spot]) -> [u8; 3] {
         color += line.iter().map(|spot| spot.color).sum::<Vec3>();
         alpha += line.iter().map(|spot| spot.alpha).sum::<f32>();
     }
-    (color / alpha.max(1e-6)).to_array().map(|c| (encode(c.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8)
+    (color / alpha.max(1e-6)).to_array().map(code)
 }
 
 /// Divides colours and slopes by alpha, and gives pixels without any those of what is near: the mean
