@@ -12,9 +12,9 @@ use crate::{
     Bundle, Existing, ExportError, Exporter, Format, LooksIn, MadeFolders, Options, Pictures, Written,
     commit_all, ensure_distinct, ensure_spared, examine,
 };
-use linden_pipeline::Monitor;
 use linden_pipeline::season::Season;
 use linden_pipeline::stage::Stage;
+use linden_pipeline::{Monitor, Wanted};
 
 /// One output: who writes it, with which options, where.
 #[derive(Clone)]
@@ -142,6 +142,12 @@ impl Batch {
             }
         }
         formats
+    }
+
+    /// What has to be made of a plant for all outputs: see [`Recipe::wanting`](linden_pipeline::recipe::Recipe::wanting).
+    pub fn wanted(&self) -> Wanted {
+        let each = self.outputs.iter().map(|output| output.exporter.format().holds.wanted());
+        each.fold(Wanted::SKELETON, Wanted::or)
     }
 
     /// Tries all places; `bundle` makes a bundle of an output.

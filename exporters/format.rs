@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use linden_pipeline::Wanted;
+
 use crate::{Amounts, OptionSpec, Options};
 
 /// What a format is called and can do: feeds the command line, its help, the workbench's form, the
@@ -153,4 +155,65 @@ impl Holds {
         instances: true,
         ..Self::MESH
     };
+
+    /// What has to be made of a plant for it.
+    pub const fn wanted(&self) -> Wanted {
+        Wanted { surface: self.surface, organs: self.organs, colors: self.colors }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use linden_pipeline::dress::levels;
+    use linden_pipeline::grow::grow;
+    use linden_pipeline::preset::builtin;
+    use linden_pipeline::recipe::Recipe;
+    use linden_pipeline::stage::Stage;
+    use linden_pipeline::{Quiet, Wanted};
+
+    use crate::{Bundle, Options, REGISTRY};
+
+    /// Bytes of all files, by name.
+    fn written(stage: &Stage<'_>, exporter: &dyn crate::Exporter) -> Vec<(String, Vec<u8>)> {
+        let folder = tempfile::tempdir().unwrap();
+        let mut bundle = Bundle::create(&folder.path().join("tree.any")).unwrap();
+        exporter.write(stage, &Options::new(exporter.format()), &mut bundle, &Quiet).unwrap();
+        let files = bundle.commit().unwrap();
+        let name = |path: &std::path::Path| path.file_name().unwrap().to_string_lossy().into_owned();
+        files.iter().map(|file| (name(&file.path), std::fs::read(&file.path).unwrap())).collect()
+    }
+
+    #[test]
+    fn formats_write_the_same_of_what_they_want_alone() {
+        let cases: [(&str, &[(&str, &str)]); 4] = [
+            ("dressed-fir", &[]),
+            ("oak", &[("points", "400"), ("triangles", "3000"), ("leaf_size", "64"), ("bark_size", "64")]),
+            ("oak", &[("points", "300"), ("lods", "2"), ("billboard", "2"), ("wind", "attributes")]),
+            ("abop-f", &[]),
+        ];
+        let mut less = 0;
+        for (id, knobs) in cases {
+            let mut preset = builtin(id).unwrap().load().unwrap();
+            for (knob, value) in knobs {
+                preset.set(knob, value).unwrap();
+            }
+            let recipe = Recipe::new(preset);
+            let grown = grow(&recipe, &Quiet).unwrap();
+            let all = levels(&recipe, &grown, &Quiet).unwrap();
+            for exporter in REGISTRY {
+                let wanted = exporter.format().holds.wanted();
+                let some = levels(&recipe.clone().wanting(wanted), &grown, &Quiet).unwrap();
+                assert_eq!(some.notes, all.notes);
+                let is_less = some.levels[0].scene.parts.len() < all.levels[0].scene.parts.len();
+                assert_eq!(is_less, !wanted.surface);
+                less += u32::from(wanted != Wanted::ALL);
+                // Of one level, as formats that hold no more are given it.
+                let of_one = |levels: &linden_pipeline::dress::Levels| {
+                    written(&Stage::of(&levels.levels[0].scene), *exporter)
+                };
+                assert!(of_one(&some) == of_one(&all), "{id} {knobs:?}: {}", exporter.format().id);
+            }
+        }
+        assert!(less > 12, "{less}");
+    }
 }

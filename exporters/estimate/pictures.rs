@@ -23,8 +23,8 @@ pub(super) fn billboard_bytes(detail: &DetailSettings) -> u64 {
 }
 
 /// For each pixel of a square as high as a plane: both pictures. Between an oak (0.8), a fir, whose
-/// needles say more (1.9), and a box hedge in branch cards (2.7).
-const BILLBOARD_BYTES: f64 = 1.7;
+/// needles say more (1.9), and a box hedge in branch cards (2.8).
+const BILLBOARD_BYTES: f64 = 1.8;
 
 /// Both pictures of branch cards as PNG, all levels together: measured at 1024 pixels over all plants.
 pub(super) fn card_bytes(size_px: u32) -> u64 {
@@ -46,11 +46,11 @@ pub(super) fn file_bytes(recipe: &Recipe, file: &str) -> u64 {
 /// neighbours have not said, and takes 0.73 times as much for each doubling of the side.
 fn picture_bytes(look: &BarkSettings) -> u64 {
     let (color, normal, relief) = match look.style {
-        BarkStyle::Ridged => (0.79, 1.80, 0.045),
-        BarkStyle::Smooth => (0.53, 0.54, 0.006),
-        BarkStyle::Plated => (0.92, 1.90, 0.035),
-        BarkStyle::Birch => (0.73, 1.2, 0.008),
-        BarkStyle::Peeling => (0.68, 0.43, 0.012),
+        BarkStyle::Ridged => (0.98, 1.72, 0.045),
+        BarkStyle::Smooth => (0.66, 0.54, 0.006),
+        BarkStyle::Plated => (1.10, 1.80, 0.035),
+        BarkStyle::Birch => (0.90, 1.2, 0.008),
+        BarkStyle::Peeling => (0.85, 0.43, 0.012),
     };
     let side = f64::from(look.size_px.max(1));
     let coarseness = libm::pow(side / 512.0, -0.45);

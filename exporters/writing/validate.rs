@@ -78,7 +78,7 @@ pub fn single_tree<'a>(
         let advice = "write its trees one by one, or the whole as glb or usda";
         return Err(ExportError::Holds { format, what: "several trees", advice });
     };
-    scene(first.scene, monitor)?;
+    bare(first.scene, monitor)?;
     Ok(first.scene)
 }
 
@@ -92,7 +92,7 @@ pub fn trees<'s, 'a>(
 ) -> Result<Vec<(&'s Place, &'a Scene)>, ExportError> {
     self::stage(stage)?;
     for level in stage.plants.iter().filter_map(|plant| plant.levels().first()) {
-        scene(level.scene, monitor)?;
+        bare(level.scene, monitor)?;
     }
     Ok(stage.finest().collect())
 }
@@ -107,6 +107,15 @@ fn is_line(text: &str) -> bool {
 /// # Errors
 /// [`ExportError::Scene`] and [`ExportError::Cancelled`].
 pub fn scene(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Bounds>, ExportError> {
+    if scene.parts.is_empty() {
+        let problem = "it has no parts".to_owned();
+        return Err(ExportError::Scene { what: "the scene".to_owned(), problem });
+    }
+    bare(scene, monitor)
+}
+
+/// As [`scene`], also where nobody wanted a surface.
+fn bare(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Bounds>, ExportError> {
     let fault =
         |problem: &str| ExportError::Scene { what: "the scene".to_owned(), problem: problem.to_owned() };
     if scene.name.is_empty() || scene.name.chars().any(char::is_control) {
@@ -114,9 +123,6 @@ pub fn scene(scene: &Scene, monitor: &dyn Monitor) -> Result<Vec<Bounds>, Export
     }
     if !is_line(&scene.recipe) {
         return Err(fault("its recipe is not one line of printable ASCII"));
-    }
-    if scene.parts.is_empty() {
-        return Err(fault("it has no parts"));
     }
     scene.materials.iter().try_for_each(check_material)?;
     check_skeleton(&scene.skeleton)
@@ -315,6 +321,9 @@ mod tests {
             ("differ in length", |s| Arc::make_mut(&mut s.skeleton).births.truncate(1)),
         ];
         for exporter in REGISTRY {
+            // The axial tree alone needs none.
+            let has_surface = exporter.format().holds.surface;
+            let breakages = breakages.into_iter().filter(|(what, _)| has_surface || *what != "no parts");
             for (expected, break_it) in breakages {
                 let mut scene = scene();
                 break_it(&mut scene);

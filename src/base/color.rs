@@ -66,7 +66,9 @@ static CURVE: LazyLock<Curve> = LazyLock::new(|| {
 
 /// Linear light of an sRGB colour.
 pub fn linear(srgb: [u8; 3]) -> [f32; 3] {
-    srgb.map(|c| decode(f32::from(c) / 255.0))
+    static LIGHT: LazyLock<[f32; 256]> =
+        LazyLock::new(|| std::array::from_fn(|code| decode(code as f32 / 255.0)));
+    srgb.map(|c| LIGHT[usize::from(c)])
 }
 
 #[cfg(test)]

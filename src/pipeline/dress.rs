@@ -1,12 +1,12 @@
 //! Recipe and grown tree → scene.
 
-use linden_base::monitor::{Holding, Monitor};
+use linden_base::monitor::{Holding, Monitor, Phase};
 use linden_plant::foliage::{FoliageError, LeafShape, Organs};
 use linden_plant::scene::Scene;
 use linden_plant::season::Season;
 use linden_plant::{detail, dress};
 
-use crate::grow::Grown;
+use crate::grow::{GrowError, Grown, grow};
 use crate::recipe::Recipe;
 
 pub use linden_plant::detail::{DetailError, Finest, Level, Levels, Year};
@@ -61,6 +61,39 @@ pub fn finest(recipe: &Recipe, grown: &Grown, monitor: &dyn Monitor) -> Result<F
 /// what dresses its body knows nothing of them.
 fn holding_points<'a>(grown: &Grown, monitor: &'a dyn Monitor) -> Holding<'a> {
     Holding::new(monitor, grown.bytes().saturating_sub(grown.body().bytes()))
+}
+
+/// Grows a tree, and draws meanwhile what does not depend on how it grows ([`dress::draw_ahead`]), where there is
+/// memory for both.
+///
+/// # Errors
+/// Those of growth; what could not be drawn is said by dressing.
+pub fn grow_and_draw(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Grown, GrowError> {
+    if monitor.memory_limit() < 16 * AHEAD_BYTES {
+        return grow(recipe, monitor);
+    }
+    let growing = Holding::new(monitor, AHEAD_BYTES);
+    let ahead = || recipe.with_specimen(|specimen| dress::draw_ahead(specimen, &Unseen(monitor)));
+    let (grown, _) = rayon::join(|| grow(recipe, &growing), ahead);
+    grown
+}
+
+/// What may be drawn beside growth.
+const AHEAD_BYTES: u64 = 64 << 20;
+
+/// Work beside other work: cancelled with it and within its memory, but its progress is not shown.
+struct Unseen<'a>(&'a dyn Monitor);
+
+impl Monitor for Unseen<'_> {
+    fn is_cancelled(&self) -> bool {
+        self.0.is_cancelled()
+    }
+
+    fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
+
+    fn memory_limit(&self) -> u64 {
+        AHEAD_BYTES
+    }
 }
 
 /// The shapes of leaves as they are dressed: they follow the pictures' outlines, which are finer than those

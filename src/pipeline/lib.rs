@@ -36,7 +36,7 @@ pub use linden_base::{color, document, glam, hull, input, knob, memory, mesh, mo
 pub use linden_colonization as colonization;
 pub use linden_growth as growth;
 pub use linden_lsystem as lsystem;
-pub use linden_plant::{Body, Specimen};
+pub use linden_plant::{Body, Specimen, Wanted};
 pub use linden_plant::{canopy, detail, foliage, scene, season, settings, stage, surface, texture, wind};
 pub use linden_scan as scan;
 pub use linden_skeleton as skeleton;

@@ -6,10 +6,10 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use linden_base::knob::{did_you_mean, nearest, printable};
-use linden_plant::Specimen;
 use linden_plant::foliage::Organs;
 use linden_plant::settings::Dressing;
 use linden_plant::texture::DrawnPictures;
+use linden_plant::{Specimen, Wanted};
 use linden_skeleton::Skeleton;
 use linden_skeleton::generator::Task;
 use serde::ser::{Serialize, SerializeMap, Serializer};
@@ -36,6 +36,8 @@ pub struct Recipe {
     pub inputs: Inputs,
     /// What was drawn for it and for those that were made of it.
     drawn: Arc<DrawnPictures>,
+    /// What of the tree is dressed.
+    wanted: Wanted,
 }
 
 /// A recipe whose files are not those that its preset names.
@@ -90,20 +92,27 @@ impl Recipe {
 
     /// Of a preset and the files that it names.
     pub fn with_files(preset: Preset, inputs: Inputs) -> Self {
-        Self { preset, inputs, drawn: Arc::default() }
+        Self { preset, inputs, drawn: Arc::default(), wanted: Wanted::ALL }
     }
 
     /// The same files and another preset, which names them too: this recipe, changed. What was drawn for one of
     /// them serves the other, as it does for a clone.
     #[must_use]
     pub fn with_preset(&self, preset: Preset) -> Self {
-        Self { preset, inputs: self.inputs.clone(), drawn: Arc::clone(&self.drawn) }
+        Self { preset, inputs: self.inputs.clone(), drawn: Arc::clone(&self.drawn), wanted: self.wanted }
     }
 
     /// Draws bark and leaves into `drawn`, and takes them from there: for trees that may look alike.
     #[must_use]
     pub fn drawn_into(self, drawn: &Arc<DrawnPictures>) -> Self {
         Self { drawn: Arc::clone(drawn), ..self }
+    }
+
+    /// The same tree, dressed only as far as somebody looks at it: what formats hold, say. The recipe's line and
+    /// fingerprint stay what they are.
+    #[must_use]
+    pub fn wanting(self, wanted: Wanted) -> Self {
+        Self { wanted, ..self }
     }
 
     /// The content of a file that the preset names.
@@ -178,8 +187,8 @@ impl Recipe {
     ) -> R {
         let Preset { id, name, seed, dressing, .. } = &self.preset;
         let name = printable(if name.trim().is_empty() { id } else { name });
-        let Self { inputs, drawn, .. } = self;
-        work(&Specimen { name: &name, seed: *seed, dressing, inputs, drawn, recipe })
+        let Self { inputs, drawn, wanted, .. } = self;
+        work(&Specimen { name: &name, seed: *seed, dressing, inputs, drawn, wanted: *wanted, recipe })
     }
 
     fn in_dressing(&self, dressing: &Dressing) -> Cow<'_, Self> {

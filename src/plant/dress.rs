@@ -8,7 +8,7 @@ use crate::foliage::{
     self, CUTOUT, Cover, DressedKind, DressedOrgans, Foliage, FoliageError, Instances, Look,
 };
 use crate::scene::{Material, Part, Scene, Wrap};
-use crate::settings::LeafKind;
+use crate::settings::{Form, LeafKind};
 use crate::surface::relief::{self, Heights, ReliefError};
 use crate::surface::{self, Junction, SurfaceError, Tubes};
 use crate::texture::{self, BarkError, BarkPictures};
@@ -191,6 +191,16 @@ impl Wardrobe {
         monitor: &dyn Monitor,
     ) -> Result<Scene, DressError> {
         let tubes = &specimen.dressing.tubes;
+        if !specimen.wanted.surface {
+            return Ok(Scene {
+                name: specimen.name.to_owned(),
+                recipe: String::new(),
+                materials: vec![self.bark.clone()],
+                parts: Vec::new(),
+                skeleton: Arc::clone(body.skeleton),
+                organs: self.organs(specimen, body.organs),
+            });
+        }
         let held = body.bytes() + specimen.inputs.bytes() + self.bytes();
         let monitor: &dyn Monitor = &Holding::new(monitor, held);
         let wood = surface::sweep(body.skeleton, tubes, monitor)?;
@@ -320,10 +330,31 @@ impl Wardrobe {
     }
 }
 
+/// Draws the pictures of a plant that do not depend on how it grows, into [`Specimen::drawn`], where dressing it finds
+/// them: beside growth, that is, where another core has nothing to do.
+///
+/// # Errors
+/// [`DressError`], as dressing would say it.
+pub fn draw_ahead(specimen: &Specimen<'_>, monitor: &dyn Monitor) -> Result<(), DressError> {
+    bark(specimen, monitor)?;
+    thin_barks(specimen, monitor)?;
+    // Cards show leaves in smaller pictures, and which levels have cards is known of grown trees alone.
+    let has_budget = specimen.dressing.detail.finest() > 0 || specimen.dressing.detail.triangle_levels() > 1;
+    let has_leaves = specimen.wanted.surface || specimen.wanted.organs;
+    let foliage = &specimen.dressing.foliage;
+    if has_leaves && !has_budget && foliage.first.form != Form::None {
+        foliage::cover(specimen, 0, &foliage.first, foliage.size_px, monitor)?;
+    }
+    Ok(())
+}
+
 /// The bark, with pictures that are drawn or given by the user.
 fn bark(specimen: &Specimen<'_>, monitor: &dyn Monitor) -> Result<Material, DressError> {
     let look = &specimen.dressing.bark;
     let drawn = look.bark();
+    if !specimen.wanted.colors {
+        return Ok(bark_material("bark".to_owned(), drawn.color, None));
+    }
     let find = |knob, file: &Option<String>| match file {
         None => Ok(None),
         Some(file) => match specimen.picture(file) {
@@ -352,7 +383,7 @@ fn bark(specimen: &Specimen<'_>, monitor: &dyn Monitor) -> Result<Material, Dres
     if n_area.abs_diff(p_area) > u64::from(n[0].max(n[1]).max(p[0]).max(p[1])) {
         return Err(DressError::Proportions { normal: n, picture: p });
     }
-    Ok(bark_material("bark".to_owned(), mean, BarkPictures { base_color, normal }))
+    Ok(bark_material("bark".to_owned(), mean, Some(BarkPictures { base_color, normal })))
 }
 
 /// The barks of limbs and twigs, where they have one of their own.
@@ -362,18 +393,20 @@ fn thin_barks(
 ) -> Result<Vec<(&'static str, f32, Material)>, BarkError> {
     let barks = specimen.dressing.bark.thin_barks();
     let drawn = barks.into_iter().map(|(name, radius_m, bark)| {
-        let pictures = specimen.drawn.bark(&bark, monitor)?;
+        let pictures = specimen.wanted.colors.then(|| specimen.drawn.bark(&bark, monitor)).transpose()?;
         Ok((name, radius_m, bark_material(format!("bark_{name}"), bark.color, pictures)))
     });
     drawn.collect()
 }
 
-fn bark_material(name: String, mean: [u8; 3], BarkPictures { base_color, normal }: BarkPictures) -> Material {
+fn bark_material(name: String, mean: [u8; 3], pictures: Option<BarkPictures>) -> Material {
+    let (base_color_picture, normal_picture) =
+        pictures.map(|BarkPictures { base_color, normal }| (base_color, normal)).unzip();
     Material {
         name,
         base_color: linear(mean),
-        base_color_picture: Some(base_color),
-        normal_picture: Some(normal),
+        base_color_picture,
+        normal_picture,
         roughness: BARK_ROUGHNESS,
         double_sided: false,
         cutout: None,
@@ -426,6 +459,9 @@ pub(crate) fn covers(
 ) -> Result<(Vec<Option<Cover>>, Vec<LeafShape>), FoliageError> {
     let foliage = &specimen.dressing.foliage;
     let (mut covers, mut shapes) = (Vec::new(), Vec::new());
+    if !specimen.wanted.surface && !specimen.wanted.organs {
+        return Ok((covers, shapes));
+    }
     let mut pictures = 0;
     for (index, kind) in foliage.kinds().enumerate() {
         if !organs.shapes.iter().any(|shape| usize::from(shape.kind) == index) {

@@ -51,4 +51,4 @@ pub mod texture;
 pub mod wind;
 mod wood_parts;
 
-pub use specimen::{Body, Specimen};
+pub use specimen::{Body, Specimen, Wanted};

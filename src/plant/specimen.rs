@@ -10,6 +10,40 @@ use linden_skeleton::organs::Organs;
 use crate::settings::Dressing;
 use crate::texture::DrawnPictures;
 
+/// What is made of a plant beside its axial tree: nothing is drawn and no mesh is made that nobody looks at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Wanted {
+    /// The meshes of wood and foliage.
+    pub surface: bool,
+    /// Leaves and other organs one by one, in the shapes that they are dressed in.
+    pub organs: bool,
+    /// The colours of the surface: pictures of bark.
+    pub colors: bool,
+}
+
+impl Wanted {
+    /// Everything.
+    pub const ALL: Self = Self { surface: true, organs: true, colors: true };
+    /// The axial tree alone.
+    pub const SKELETON: Self = Self { surface: false, organs: false, colors: false };
+
+    /// What either of two wants.
+    #[must_use]
+    pub const fn or(self, other: Self) -> Self {
+        Self {
+            surface: self.surface || other.surface,
+            organs: self.organs || other.organs,
+            colors: self.colors || other.colors,
+        }
+    }
+}
+
+impl Default for Wanted {
+    fn default() -> Self {
+        Self::ALL
+    }
+}
+
 /// How a tree is to look, with all that this needs.
 #[derive(Clone, Copy)]
 pub struct Specimen<'a> {
@@ -23,6 +57,8 @@ pub struct Specimen<'a> {
     pub inputs: &'a Inputs,
     /// Pictures that were drawn before.
     pub drawn: &'a DrawnPictures,
+    /// What is made of it.
+    pub wanted: Wanted,
     /// The recipe's line as files carry it, of the tree in this dressing with these organs on it.
     pub recipe: &'a dyn Fn(&Dressing, &Organs) -> String,
 }

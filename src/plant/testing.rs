@@ -18,7 +18,7 @@ use crate::settings::{
 };
 use crate::surface::Tubes;
 use crate::texture::DrawnPictures;
-use crate::{Body, Specimen};
+use crate::{Body, Specimen, Wanted};
 
 /// A recipe, and how its tree looks.
 pub struct Subject {
@@ -54,6 +54,7 @@ impl Subject {
             dressing: &self.dressing,
             inputs: &self.recipe.inputs,
             drawn: &DrawnPictures::default(),
+            wanted: Wanted::ALL,
             recipe: &line,
         })
     }

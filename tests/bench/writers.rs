@@ -12,8 +12,14 @@ use std::io::{BufWriter, Write};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
+use linden::Quiet;
+use linden::dress::dress;
+use linden::grow::grow;
+use linden::picture::Picture;
+use linden::preset::builtin;
 use linden::scene::Scene;
 use linden_tests::fixtures::{export, large};
+use linden_tests::presets::recipe;
 
 const TRIANGLES: usize = 1_000_000;
 const ROUNDS: usize = 9;
@@ -44,6 +50,42 @@ fn main() {
     compare(&scene, rounds, "ply", "ply", &[], naive_ply);
     compare(&scene, rounds, "glb", "glb", bare, naive_glb);
     compare(&scene, rounds, "glb tangents", "glb", &[], naive_glb);
+    println!(
+        "{:24} {:>9} {:>9} {:>9} {:>9} {:>8}",
+        "texture", "bytes", "usual", "ours ms", "usual ms", "× usual"
+    );
+    for id in ["oak", "silver-birch", "norway-spruce"] {
+        textures(id, rounds);
+    }
+}
+
+/// Pictures of bark and leaves as files, beside what the encoder does unless it is told otherwise.
+fn textures(id: &str, rounds: usize) {
+    let mut recipe = recipe(builtin(id).unwrap());
+    recipe.preset.set("points", "300").unwrap();
+    let scene = dress(&recipe, &grow(&recipe, &Quiet).unwrap(), &Quiet).unwrap();
+    for material in scene.materials {
+        for (kind, picture) in [("", material.base_color_picture), ("_normal", material.normal_picture)] {
+            let Some(picture) = picture else { continue };
+            let (mut times, mut bytes) = ([const { Vec::new() }; 2], [0; 2]);
+            for _ in 0..rounds {
+                // A copy has no file yet.
+                let fresh = Picture::new(picture.width(), picture.height(), picture.rgba().to_vec());
+                let start = Instant::now();
+                bytes[0] = fresh.png().unwrap().len();
+                times[0].push(start.elapsed());
+                let start = Instant::now();
+                bytes[1] = fresh.srgb_png().unwrap().len();
+                times[1].push(start.elapsed());
+            }
+            for rounds in &mut times {
+                rounds.sort();
+            }
+            let [ours, usual] = times.map(|times| times[times.len() / 2].as_secs_f64() * 1e3);
+            let title = format!("{id} {}{kind}", material.name);
+            println!("{title:24} {:9} {:9} {ours:9.1} {usual:9.1} {:8.1}", bytes[0], bytes[1], usual / ours);
+        }
+    }
 }
 
 fn compare(scene: &Scene, rounds: usize, title: &str, format: &str, options: &[(&str, &str)], naive: Naive) {

@@ -93,3 +93,34 @@ fn stats_and_every_format_agree_on_dressed_plants() {
         }
     }
 }
+
+#[test]
+fn timings_add_up_and_name_the_files() {
+    let folder = Folder::new();
+    let args = ["export", "simple", "--set", "bark_size=32", "--format", "glb,obj"];
+    let found = folder.run(&[&args[..], &["--timings", "--json"]].concat()).done().json();
+    let number =
+        |of: &serde_json::Value, name: &str| of[name].as_f64().unwrap_or_else(|| panic!("{name} in {of}"));
+    let steps = found["steps"].as_array().unwrap();
+    let names: Vec<&str> = steps.iter().map(|step| step["step"].as_str().unwrap()).collect();
+    assert_eq!(names, ["read", "grow", "dress", "write", "commit"]);
+    for name in ["seconds", "cpu_seconds"] {
+        let sum: f64 = steps.iter().map(|step| number(step, name)).sum();
+        assert!((sum - number(&found, name)).abs() < 1e-6 && sum > 0.0, "{found}");
+    }
+    // What a process of this kind needs at least, and what a tree of this size cannot.
+    assert!((1e6..1e9).contains(&number(&found, "peak_memory_bytes")), "{found}");
+    assert!(number(&found, "threads") >= 1.0);
+    let files = found["files"].as_array().unwrap();
+    assert!(files.len() >= 3, "{found}");
+    for file in files {
+        let there = std::fs::metadata(folder.file(file["path"].as_str().unwrap())).unwrap().len();
+        assert_eq!(file["bytes"].as_u64(), Some(there), "{file}");
+    }
+    let table = folder.run(&[&args[..], &["--timings"]].concat());
+    assert_eq!(table.code, Some(0));
+    assert!(table.err.contains("commit") && table.err.contains("threads"), "{}", table.err);
+    assert!(table.out.contains("simple.glb"), "{}", table.out);
+    let said = folder.run(&["export", "simple", "--format", "glb", "-o", "-", "--timings", "--json"]);
+    assert!(said.code == Some(2) && said.err.contains("standard output"), "{}", said.err);
+}

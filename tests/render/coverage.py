@@ -103,7 +103,8 @@ def main():
             all_covered, all_color = whole[view]
             rows.append((covered.sum() / all_covered.sum(), (covered & all_covered).sum() / (covered | all_covered).sum(),
                          numpy.linalg.norm(color - all_color)))
-            print("{}\t{} triangles\t{:g}°\tcovered {:.3f}\tIoU {:.3f}\tΔE {:.1f}".format(file.name, count, view, *rows[-1]))
+            parts = "L {:+.1f} a {:+.1f} b {:+.1f}".format(*(color - all_color))
+            print("{}\t{} triangles\t{:g}°\tcovered {:.3f}\tIoU {:.3f}\tΔE {:.1f}\t{}".format(file.name, count, view, *rows[-1], parts))
         if rows:
             print("{}\t{} triangles\tmean\tcovered {:.3f}\tIoU {:.3f}\tΔE {:.1f}".format(file.name, count, *numpy.mean(rows, axis=0)), flush=True)
 

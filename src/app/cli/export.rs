@@ -11,7 +11,8 @@ use linden::stage::Moment;
 use linden_exporters::{Exporter, REGISTRY};
 
 use super::forest::{Written, side_by_side};
-use super::outputs::{Outputs, finish, write};
+use super::outputs::{Outputs, commit, list, write};
+use super::timings::Timings;
 use super::{GrowArgs, complete};
 use crate::exit::usage;
 use crate::forecast::{Outlook, announce};
@@ -68,11 +69,20 @@ pub struct Export {
     /// time, like 52,172,15.5; when not given an afternoon's, behind the viewer
     #[arg(long, value_name = "LAT,DAY,HOUR", requires = "scene", allow_hyphen_values = true, value_parser = Moment::parse)]
     sun: Option<Moment>,
+
+    /// Say what each step took, with threads, bytes and memory, on standard error
+    #[arg(long)]
+    timings: bool,
+
+    /// With --timings: on standard output, machine-readable, in place of the list of files
+    #[arg(long, requires = "timings")]
+    json: bool,
 }
 
 impl Export {
     pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
+        let mut timings = Timings::new();
         let (settings, of_formats): (Vec<_>, Vec<_>) =
             self.growing.pairs()?.into_iter().partition(|(name, _)| !super::is_of_format(name));
         let flags = [
@@ -90,6 +100,9 @@ impl Export {
             Some(list) => Season::parse_list(list).map_err(usage)?,
         };
         if !self.further.is_empty() {
+            if self.timings {
+                return Err(usage("--timings is for one source: export each by itself"));
+            }
             self.growing.without_defines("export each by itself")?;
             self.growing.without_edits("export each by itself")?;
             if self.seasons.is_some() {
@@ -105,17 +118,24 @@ impl Export {
             let written = Written { outputs, of_formats: &of_formats, command, scene, sun };
             return side_by_side(&sources, &settings, written, &progress);
         }
-        let source = self.growing.resolve_in(&settings, &seasons, &progress)?;
+        let mut source = self.growing.resolve_in(&settings, &seasons, &progress)?;
         let id = &source.recipe.preset.id;
         let command = format!("linden export {0} -o {0}.glb", crate::paths::show(&self.growing.source));
         let planned = source.recipe.preset.dressing.detail.levels();
         let files = source.files.clone();
         let mut batch = self.outputs.open(id, &command, &of_formats, (planned, &seasons), files)?;
+        let streams = batch.streams();
+        if self.json && streams > 0 {
+            return Err(usage("--json: the file itself is on standard output; write it with -o FILE"));
+        }
+        timings.lap("read");
         if let Some(outlook) = Outlook::of(&source.recipe, &progress) {
             let seconds = outlook.export_s(&source.recipe, &batch.formats(), seasons.len());
             announce(seconds, &outlook.amount());
         }
-        let grown = super::grown(&source, &progress)?;
+        source.recipe = source.recipe.wanting(batch.wanted());
+        let grown = super::grown_and_drawn(&source, &progress)?;
+        timings.lap("grow");
         let (one, several);
         let (stage, notes) = if seasons.is_empty() {
             one = levels(&source.recipe, &grown, &progress).with_context(|| source.shown.clone())?;
@@ -134,9 +154,20 @@ impl Export {
         };
         // Scenes have taken what they need of it.
         drop(grown);
+        timings.lap("dress");
         let holding = Holding::new(&progress, source.recipe.inputs.bytes());
         write(&mut batch, &stage, &holding, &progress)?;
-        finish(batch, &progress)
+        timings.lap("write");
+        let written = commit(batch, &progress)?;
+        timings.lap("commit");
+        if self.timings && !self.json {
+            crate::exit::say(timings.table(&source.shown, &written).trim_end());
+        }
+        match (self.json, streams) {
+            (true, _) => super::print(&timings.json(&source.shown, &written)?),
+            (false, 0) => list(&written),
+            (false, _) => Ok(()),
+        }
     }
 }
 

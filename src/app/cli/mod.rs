@@ -27,6 +27,7 @@ mod show;
 mod size;
 mod stats;
 mod sweep;
+mod timings;
 mod verify;
 mod workbench;
 
@@ -37,7 +38,8 @@ use std::process::ExitCode;
 use clap::builder::styling::{AnsiColor, Styles};
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use linden::Monitor;
-use linden::grow::{Grown, grow};
+use linden::dress::grow_and_draw;
+use linden::grow::{GrowError, Grown, grow};
 use linden::knob::{Kind, Value};
 use linden::preset::Preset;
 use linden::season::Season;
@@ -285,10 +287,19 @@ fn grown(source: &Source, progress: &Progress) -> anyhow::Result<Grown> {
     grown_beside(source, progress, progress)
 }
 
+/// The same, with its pictures drawn meanwhile.
+fn grown_and_drawn(source: &Source, progress: &Progress) -> anyhow::Result<Grown> {
+    noted(grow_and_draw(&source.recipe, progress), source, progress)
+}
+
 /// The same beside what `holding` knows to be held.
 fn grown_beside(source: &Source, holding: &dyn Monitor, progress: &Progress) -> anyhow::Result<Grown> {
+    noted(grow(&source.recipe, holding), source, progress)
+}
+
+fn noted(grown: Result<Grown, GrowError>, source: &Source, progress: &Progress) -> anyhow::Result<Grown> {
     use anyhow::Context as _;
-    let grown = grow(&source.recipe, holding).with_context(|| source.shown.clone())?;
+    let grown = grown.with_context(|| source.shown.clone())?;
     notes(&grown.notes, progress);
     notes(source.tree_note(&grown).as_slice(), progress);
     Ok(grown)

@@ -13,7 +13,7 @@ use super::placing::{Placing, as_sole_output, explained, in_folder, is_dash, is_
 use super::complete;
 use crate::exit::usage;
 use crate::progress::Progress;
-use linden_exporters::{Batch, Output, default_name};
+use linden_exporters::{Batch, Output, Written, default_name};
 
 /// What is written where.
 #[derive(Args)]
@@ -157,14 +157,25 @@ pub fn write(
 /// Puts all files in their places and lists them, unless a file itself is on standard output.
 pub fn finish(batch: Batch, progress: &Progress) -> anyhow::Result<()> {
     let streams = batch.streams();
+    let written = commit(batch, progress)?;
+    if streams == 0 { list(&written) } else { Ok(()) }
+}
+
+/// Puts all files in their places.
+pub fn commit(batch: Batch, progress: &Progress) -> anyhow::Result<Vec<Written>> {
     let written = batch.commit().map_err(explained)?;
     progress.clear();
+    Ok(written)
+}
+
+/// Lists files on standard output.
+pub fn list(written: &[Written]) -> anyhow::Result<()> {
     let mut lines = String::new();
     for file in written {
         let size = indicatif::BinaryBytes(file.bytes);
         lines.push_str(&format!("{}  {size}\n", crate::paths::show(&file.path)));
     }
-    if streams == 0 { super::print(&lines) } else { Ok(()) }
+    super::print(&lines)
 }
 
 /// Each `FORMAT.OPTION` must belong to a format that is written.

@@ -271,12 +271,13 @@ fn write_tree(
     };
     let estimate = Estimate::new(recipe, grown, gauge.watcher)?;
     gauge.begin(DRESSING, None);
+    let dressed = recipe.clone().wanting(batch.wanted());
     let (one, several);
     let (stage, said) = if how.seasons.is_empty() {
-        one = levels(recipe, grown, gauge)?;
+        one = levels(&dressed, grown, gauge)?;
         (one.stage(), &one.notes)
     } else {
-        several = year(recipe, grown, how.seasons, gauge)?;
+        several = year(&dressed, grown, how.seasons, gauge)?;
         (several.stage(), &several.notes)
     };
     let bytes = |output: &Output| {

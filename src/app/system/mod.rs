@@ -32,5 +32,5 @@ pub const FAMILY: Family = if cfg!(windows) {
 
 pub use desk::{
     CTRL_ALT_TYPES, HANGUP, QUOTES_DROPPED, cpu_time, end_by, exit_by, is_pipe, is_writable, lower_priority,
-    on_signals, opens_at_once, outlive_file_limits,
+    on_signals, opens_at_once, outlive_file_limits, peak_memory,
 };

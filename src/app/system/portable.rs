@@ -62,6 +62,11 @@ pub fn cpu_time() -> Option<Duration> {
     None
 }
 
+/// Is not told.
+pub fn peak_memory() -> Option<u64> {
+    None
+}
+
 /// Whether files can be made in a directory: tried, since permissions here are more than a bit.
 pub fn is_writable(directory: &Path) -> bool {
     tempfile::tempfile_in(directory).is_ok()

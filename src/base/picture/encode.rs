@@ -48,11 +48,17 @@ fn png(picture: &Picture, about: &About<'_>) -> Result<Vec<u8>, png::EncodingErr
     let mut encoder = png::Encoder::new(&mut bytes, picture.width, picture.height);
     if !about.is_for_people {
         // Bark and leaves hardly repeat: without looking for what does, their colours take 5 to 25 % more and their
-        // normals 5 % less, in a thirtieth of the time (benchmark `pictures`).
+        // normals 5 % less, in a thirtieth of the time (benchmark `writers`).
         encoder.set_compression(png::Compression::Fast);
     }
     encoder.set_depth(png::BitDepth::Eight);
-    encoder.set_color(if opaque { png::ColorType::Rgb } else { png::ColorType::Rgba });
+    let color = match (opaque, !about.is_for_people && picture.is_grey()) {
+        (true, true) => png::ColorType::Grayscale,
+        (false, true) => png::ColorType::GrayscaleAlpha,
+        (true, false) => png::ColorType::Rgb,
+        (false, false) => png::ColorType::Rgba,
+    };
+    encoder.set_color(color);
     if about.is_for_people {
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
     }
@@ -60,10 +66,11 @@ fn png(picture: &Picture, about: &About<'_>) -> Result<Vec<u8>, png::EncodingErr
         encoder.add_text_chunk(KEYWORD.to_owned(), recipe.to_owned())?;
     }
     let mut writer = encoder.write_header()?;
-    if opaque {
-        writer.write_image_data(&rgb(picture))?;
-    } else {
-        writer.write_image_data(&picture.rgba)?;
+    match color {
+        png::ColorType::Grayscale => writer.write_image_data(&grey(picture))?,
+        png::ColorType::GrayscaleAlpha => writer.write_image_data(&grey_and_alpha(picture))?,
+        png::ColorType::Rgb => writer.write_image_data(&rgb(picture))?,
+        _ => writer.write_image_data(&picture.rgba)?,
     }
     writer.finish()?;
     Ok(bytes)
@@ -104,6 +111,14 @@ fn webp(picture: &Picture, about: &About<'_>) -> Result<Vec<u8>, ImageError> {
 
 fn rgb(picture: &Picture) -> Vec<u8> {
     picture.rgba.as_chunks().0.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect()
+}
+
+fn grey(picture: &Picture) -> Vec<u8> {
+    picture.rgba.as_chunks::<4>().0.iter().map(|pixel| pixel[0]).collect()
+}
+
+fn grey_and_alpha(picture: &Picture) -> Vec<u8> {
+    picture.rgba.as_chunks().0.iter().flat_map(|&[grey, _, _, a]| [grey, a]).collect()
 }
 
 /// What a pixel looks like on a white page, in sRGB as browsers do it.

@@ -74,6 +74,11 @@ impl Picture {
         self.rgba.as_chunks::<4>().0.iter().all(|p| p[3] == 255)
     }
 
+    /// Whether no pixel has a colour.
+    pub fn is_grey(&self) -> bool {
+        self.rgba.as_chunks::<4>().0.iter().all(|&[r, g, b, _]| r == g && g == b)
+    }
+
     /// The picture as PNG: [`Picture::encoded`].
     ///
     /// # Errors
@@ -83,8 +88,8 @@ impl Picture {
     }
 
     /// The picture as a file, compressed when it is first asked for: 8 bits per channel, no alpha channel
-    /// where every pixel is opaque, nothing said about colour (a normal map has none). JPEG shows what is not
-    /// opaque over white.
+    /// where every pixel is opaque, one channel in place of three (PNG) where all are grey; nothing said about colour
+    /// (a normal map has none). JPEG shows what is not opaque over white.
     ///
     /// # Errors
     /// [`PictureError`].
@@ -172,6 +177,16 @@ mod tests {
     fn an_opaque_picture_has_no_alpha_channel() {
         let bytes = Picture::new(1, 2, vec![1, 2, 3, 255, 4, 5, 6, 255]).srgb_png().unwrap();
         assert_eq!(decoded(&bytes), (png::ColorType::Rgb, vec![1, 2, 3, 4, 5, 6]));
+    }
+
+    #[test]
+    fn what_has_no_colour_has_one_channel_for_it() {
+        let grey = |alpha| Picture::new(1, 2, vec![7, 7, 7, 255, 9, 9, 9, alpha]);
+        assert_eq!(decoded(grey(255).png().unwrap()), (png::ColorType::Grayscale, vec![7, 9]));
+        let with_alpha = vec![7, 255, 9, 200];
+        assert_eq!(decoded(grey(200).png().unwrap()), (png::ColorType::GrayscaleAlpha, with_alpha));
+        let nearly = Picture::new(1, 2, vec![7, 7, 7, 255, 9, 9, 8, 255]);
+        assert_eq!(decoded(nearly.png().unwrap()), (png::ColorType::Rgb, vec![7, 7, 7, 9, 9, 8]));
     }
 
     #[test]

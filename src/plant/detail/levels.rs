@@ -277,7 +277,8 @@ impl Plan {
             }
             Some(details) => {
                 let simplifier = Simplifier::new(tubes, body, monitor)?;
-                let carded = || details.iter().filter(|level| level.card_m > 0.0);
+                let are_seen = specimen.wanted.surface;
+                let carded = || details.iter().filter(|level| are_seen && level.card_m > 0.0);
                 let mut pieces = Vec::new();
                 for level in carded() {
                     pieces.push(simplifier.pieces(level, monitor)?);
@@ -310,7 +311,7 @@ impl Plan {
         for scene in &mut scenes {
             scene.recipe.clone_from(&recipe);
         }
-        if detail.billboard > 0 {
+        if detail.billboard > 0 && specimen.wanted.surface {
             let how = Billboard { planes: detail.billboard, size_px: detail.billboard_size_px };
             let held = Holding::new(monitor, scenes.iter().skip(1).map(Scene::bytes).sum());
             scenes.push(billboard(&scenes[0], &how, &held)?);

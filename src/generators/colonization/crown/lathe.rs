@@ -63,15 +63,20 @@ impl Ring {
         /// Each about doubles the digits.
         const ROUNDS: u32 = 4;
         /// How many intervals there are in the whole: the more, the less is left to halve.
-        const PARTS: [f64; 2] = [(1_u64 << 46) as f64, (1_u64 << 16) as f64];
+        const PARTS: [f64; 2] = [(1_u64 << 42) as f64, (1_u64 << 16) as f64];
+        /// What rounding adds to a volume, as a share of the cylinder around the ring: far more than it can.
+        const CARE: f64 = 1.0 / (1_u64 << 48) as f64;
         let mut up = below_m3 / self.below_m3(1.0);
         for _ in 0..ROUNDS {
             let [inner, outer] = self.radii(up);
             let area = PI * (outer * outer - inner * inner) * (self.high_m - self.low_m);
             up = (up - (self.below_m3(up) - below_m3) / area).clamp(0.0, 1.0);
         }
+        let widest = self.outer_m[0].max(self.outer_m[1]);
+        let care_m3 = CARE * PI * widest * widest * (self.high_m - self.low_m);
         let is_between = |&(low, high): &(f64, f64)| {
-            (low == 0.0 || self.below_m3(low) < below_m3) && (high == 1.0 || self.below_m3(high) >= below_m3)
+            (low == 0.0 || self.below_m3(low) < below_m3 - care_m3)
+                && (high == 1.0 || self.below_m3(high) > below_m3 + care_m3)
         };
         let part = |parts: f64| {
             let part = (up * parts).floor().min(parts - 1.0);

@@ -1,6 +1,6 @@
 //! A few pieces that stand for all: the prototypes of branch cards.
 
-use glam::Vec2;
+use glam::{Vec2, Vec4};
 use rayon::prelude::*;
 
 use super::clusters::Cut;
@@ -91,8 +91,15 @@ impl Deck {
     }
 }
 
+/// Squared. Four sums at a time, which is what makes it fast.
 fn distance(a: &Look, b: &Look) -> f32 {
-    a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum()
+    const { assert!(CELLS.is_multiple_of(4)) };
+    let pairs = a.as_chunks::<4>().0.iter().zip(b.as_chunks::<4>().0);
+    let squares = pairs.fold(Vec4::ZERO, |sum, (&a, &b)| {
+        let away = Vec4::from(a) - Vec4::from(b);
+        sum + away * away
+    });
+    squares.element_sum()
 }
 
 fn nearest(look: &Look, means: &[Look]) -> usize {

@@ -138,17 +138,17 @@ pub(super) fn draw<'a>(
             let texture = textures[*material].as_ref();
             drawing::draw(&mut canvas, &view, mesh, &materials[*material], texture, monitor)?;
         }
-        Ok(Resolved::of(&canvas, SAMPLES))
+        Ok((Resolved::of(&canvas, SAMPLES), light_within(canvas.layers())))
     };
     let mut pile = Pile::new(size, SAMPLES);
     let mut meshes = vec![Mesh::default(); drawn.len()];
     let placed: Vec<(&Sight, &Pixels)> = sights.iter().zip(&sheet.cells).collect();
     for some in placed.chunks(CELLS_AT_ONCE) {
         let cells = some.par_iter().map(|(sight, _)| drawn_cell(sight));
-        let cells = cells.collect::<Result<Vec<Resolved>, Cancelled>>()?;
-        for ((sight, first), cell) in some.iter().zip(cells) {
+        let cells = cells.collect::<Result<Vec<(Resolved, f32)>, Cancelled>>()?;
+        for ((sight, first), (cell, light)) in some.iter().zip(cells) {
             let inner = Pixels::new(first.x + MARGIN_PX, first.y + MARGIN_PX);
-            pile.lay(&cell, inner);
+            pile.lay(&cell, inner, light);
             add_plane(&mut meshes[sight.model], sight, inner, sheet.scale, size_px);
         }
     }
@@ -173,6 +173,33 @@ pub(super) fn draw<'a>(
     };
     Ok(DrawnCards { meshes, cover })
 }
+
+/// How much light is left of what falls on a piece, where it is seen: a card is flat, and what leaves within a piece
+/// take from each other is drawn on it.
+///
+/// Leaves that lie at random are `τ / (1 − exp(−τ))` layers where there are any, at an optical thickness of τ. Both a
+/// ray of light and a look reach down to a depth t with `exp(−t)`, so that what is seen of it has
+/// `∫exp(−2t)dt / ∫exp(−t)dt = (1 + exp(−τ)) / 2` of the light. Light that goes on from leaf to leaf gives some of
+/// the rest back ([`FROM_LEAVES`]).
+fn light_within(layers: f32) -> f32 {
+    /// Newton's rounds: each about doubles the digits, and a guess is near.
+    const ROUNDS: u32 = 6;
+    // For many layers they are the thickness, for few twice what they are more than one.
+    let mut depth = (2.0 * (layers - 1.0)).min(layers);
+    for _ in 0..ROUNDS {
+        if depth < 1e-3 {
+            return 1.0;
+        }
+        let through = libm::expf(-depth);
+        let covered = 1.0 - through;
+        let slope = (covered - depth * through) / (covered * covered);
+        depth -= (depth / covered - layers) / slope;
+    }
+    1.0 - (1.0 - FROM_LEAVES) * (1.0 - libm::expf(-depth)) / 2.0
+}
+
+/// The share of the light that leaves take from each other and give back: see [`light_within`].
+const FROM_LEAVES: f32 = 0.3;
 
 /// The leaves and the thin wood of a piece.
 #[expect(clippy::too_many_arguments)]
@@ -336,4 +363,28 @@ fn shelves(sights: &[Sight], order: &[usize], scale: f32, size_px: u32) -> Optio
         x += size.x;
     }
     Some(cells)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_within_a_piece_is_what_falls_through_it_to_what_is_seen() {
+        assert_eq!(light_within(1.0), 1.0);
+        for depth in [0.05, 0.3, 1.0, 2.0, 5.0, 12.0_f64] {
+            // Leaves in thin slices, each hiding what lies below from looks and from light.
+            let slices = 100_000;
+            let (mut seen, mut lit) = (0.0, 0.0);
+            for i in 0..slices {
+                let through = (-depth * (f64::from(i) + 0.5) / f64::from(slices)).exp();
+                seen += through;
+                lit += through * through;
+            }
+            let layers = depth / (1.0 - (-depth).exp());
+            let expected = 1.0 - (1.0 - f64::from(FROM_LEAVES)) * (1.0 - lit / seen);
+            let found = f64::from(light_within(layers as f32));
+            assert!((found - expected).abs() < 1e-3, "{depth}: {found}, not {expected}");
+        }
+    }
 }

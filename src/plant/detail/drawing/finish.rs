@@ -69,14 +69,15 @@ impl Pile {
         bytes_of::<[f32; 16]>(size.area())
     }
 
-    /// Lays a drawing, its upper left corner at a pixel.
-    pub fn lay(&mut self, drawing: &Resolved, corner: Pixels) {
+    /// Lays a drawing, its upper left corner at a pixel, its colours times `light`.
+    pub fn lay(&mut self, drawing: &Resolved, corner: Pixels, light: f32) {
+        let light = Vec3::splat(light).extend(1.0);
         let size = self.colors.size;
         for (row, line) in drawing.pixels.chunks_exact((drawing.size.x as usize).max(1)).enumerate() {
             let y = corner.y as usize + row;
             for (x, (color, normal)) in (corner.x as usize..size.x as usize).zip(line) {
                 if y < size.y as usize {
-                    self.colors.values[y * size.x as usize + x] += *color;
+                    self.colors.values[y * size.x as usize + x] += *color * light;
                     self.normals.values[y * size.x as usize + x] += *normal;
                 }
             }

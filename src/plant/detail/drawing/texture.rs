@@ -72,12 +72,8 @@ impl Level {
         if width == 0 || pixels.len() != width as usize * height as usize {
             return None;
         }
-        let mut curve = [0.0; 256];
-        for (code, light) in curve.iter_mut().enumerate() {
-            *light = linear([code as u8; 3])[0];
-        }
         let texel = |&[r, g, b, a]: &[u8; 4]| {
-            let [r, g, b] = [r, g, b].map(|code| curve[usize::from(code)]);
+            let [r, g, b] = linear([r, g, b]);
             Vec4::new(r, g, b, 1.0) * (f32::from(a) / 255.0)
         };
         Some(Self { width, height, texels: pixels.iter().map(texel).collect() })

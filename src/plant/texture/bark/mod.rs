@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use self::lenticels::Lenticels;
 use self::surface::{Spot, Surface};
 pub use self::user::{normals_by_lightness, opaque};
-use linden_base::color::{encode, linear};
+use linden_base::color::{code, linear};
 use linden_base::memory::{OverMemory, bytes_of};
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_base::picture::Picture;
@@ -190,8 +190,7 @@ fn colors(spots: &[Spot], n: usize, color: [u8; 3]) -> Vec<u8> {
         let found = mean(gain);
         gain *= wanted / found.max(Vec3::splat(1e-6));
     }
-    let curve: Vec<u8> =
-        (0..=CURVE_STEPS).map(|i| code(i as f32 / CURVE_STEPS as f32)).collect();
+    let curve: Vec<u8> = (0..=CURVE_STEPS).map(|i| code(i as f32 / CURVE_STEPS as f32)).collect();
     let byte = |c: f32| curve[(c.clamp(0.0, 1.0) * CURVE_STEPS as f32 + 0.5) as usize];
     let mut rgba = vec![255; spots.len() * 4];
     rgba.par_chunks_mut(4 * n).zip(spots.par_chunks(n)).for_each(|(pixels, spots)| {

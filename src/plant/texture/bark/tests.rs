@@ -1,5 +1,6 @@
 use super::*;
 use linden_base::color::decode;
+use linden_base::color::encode;
 use linden_base::monitor::{Phase, Quiet};
 
 fn pictures(style: BarkStyle, size_px: u32) -> BarkPictures {

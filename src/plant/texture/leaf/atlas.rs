@@ -10,7 +10,7 @@ use super::figure::Figure;
 use super::mip::keep_coverage;
 use super::paint::{Grain, Placed, Spot, rows};
 use super::{Cell, LeafError, LeafPictures};
-use linden_base::color::encode;
+use linden_base::color::code;
 use linden_base::memory::bytes_of;
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_base::picture::Picture;
@@ -52,8 +52,7 @@ pub(super) fn draw(
     let cells = placed.iter().map(|placed| grid.cell(placed, &spots)).collect();
     bleed(&mut spots, n, monitor)?;
     keep_coverage(&mut spots, n);
-    let curve: Vec<u8> =
-        (0..=CURVE_STEPS).map(|i| code(i as f32 / CURVE_STEPS as f32)).collect();
+    let curve: Vec<u8> = (0..=CURVE_STEPS).map(|i| code(i as f32 / CURVE_STEPS as f32)).collect();
     let (mut colors, mut normals) = (vec![0; n * n * 4], vec![255; n * n * 4]);
     colors.par_chunks_mut(4 * n).zip(normals.par_chunks_mut(4 * n)).zip(spots.par_chunks(n)).for_each(
         |((colors, normals), spots)| {

@@ -1,0 +1,110 @@
+//! `--timings`: what an export took, for reports of slowness.
+
+use std::time::{Duration, Instant};
+
+use linden_exporters::Written;
+use serde::Serialize;
+
+use crate::system::{cpu_time, peak_memory};
+
+/// A clock for the steps of a command.
+pub struct Timings {
+    started: Instant,
+    /// When the step under way began, and what all threads had worked then.
+    last: (Instant, Option<Duration>),
+    steps: Vec<Step>,
+}
+
+/// The names of `--json`: scripts rely on them.
+#[derive(Serialize)]
+struct Step {
+    step: &'static str,
+    seconds: f64,
+    /// Of all threads; null where the system does not tell.
+    cpu_seconds: Option<f64>,
+}
+
+/// The names of `--json`: scripts rely on them.
+#[derive(Serialize)]
+struct Report<'a> {
+    linden: &'static str,
+    source: &'a str,
+    /// Threads that there may be.
+    threads: usize,
+    seconds: f64,
+    /// Of all threads; null where the system does not tell.
+    cpu_seconds: Option<f64>,
+    /// Of the whole process; null where the system does not tell.
+    peak_memory_bytes: Option<u64>,
+    /// In their order, one after the other: together they take as long as the whole.
+    steps: &'a [Step],
+    files: Vec<File>,
+}
+
+#[derive(Serialize)]
+struct File {
+    path: String,
+    bytes: u64,
+}
+
+impl Timings {
+    /// Starts the clock.
+    pub fn new() -> Self {
+        let now = Instant::now();
+        Self { started: now, last: (now, cpu_time()), steps: Vec::new() }
+    }
+
+    /// The step that is over now.
+    pub fn lap(&mut self, step: &'static str) {
+        let (now, worked) = (Instant::now(), cpu_time());
+        let cpu_seconds = worked.zip(self.last.1).map(|(now, then)| now.saturating_sub(then).as_secs_f64());
+        self.steps.push(Step { step, seconds: (now - self.last.0).as_secs_f64(), cpu_seconds });
+        self.last = (now, worked);
+    }
+
+    fn report<'a>(&'a self, source: &'a str, written: &[Written]) -> Report<'a> {
+        let file = |written: &Written| File { path: crate::paths::show(&written.path), bytes: written.bytes };
+        Report {
+            linden: linden::recipe::VERSION,
+            source,
+            threads: rayon::current_num_threads(),
+            seconds: (self.last.0 - self.started).as_secs_f64(),
+            cpu_seconds: self.steps.iter().map(|step| step.cpu_seconds).sum(),
+            peak_memory_bytes: peak_memory(),
+            steps: &self.steps,
+            files: written.iter().map(file).collect(),
+        }
+    }
+
+    /// For scripts.
+    ///
+    /// # Errors
+    /// None that is known of.
+    pub fn json(&self, source: &str, written: &[Written]) -> anyhow::Result<String> {
+        Ok(serde_json::to_string_pretty(&self.report(source, written))? + "\n")
+    }
+
+    /// For people.
+    pub fn table(&self, source: &str, written: &[Written]) -> String {
+        let report = self.report(source, written);
+        let cpu =
+            |seconds: Option<f64>| seconds.map_or_else(|| format!("{:>9}", "-"), |s| format!("{s:9.3}"));
+        let mut text = format!("{:12}{:>9} {:>9}\n", "step", "seconds", "CPU");
+        for Step { step, seconds, cpu_seconds } in report.steps {
+            text += &format!("{step:12}{seconds:9.3} {}\n", cpu(*cpu_seconds));
+        }
+        text += &format!("{:12}{:9.3} {}\n", "all", report.seconds, cpu(report.cpu_seconds));
+        let bytes = report.files.iter().map(|file| file.bytes).sum();
+        let peak = report.peak_memory_bytes.map_or_else(String::new, |bytes| {
+            format!(", at most {} of memory", indicatif::BinaryBytes(bytes))
+        });
+        let files = if report.files.len() == 1 { "file" } else { "files" };
+        text += &format!(
+            "{} {files} of {}, {} threads{peak}\n",
+            report.files.len(),
+            indicatif::BinaryBytes(bytes),
+            report.threads
+        );
+        text
+    }
+}
