@@ -483,3 +483,58 @@ fn mean_color(cover: &Cover) -> [f32; 3] {
     let sum = cover.cells.iter().map(|cell| Vec3::from(linear(cell.color))).sum::<Vec3>();
     (sum / cover.cells.len().max(1) as f32).to_array()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Wanted;
+    use crate::testing::{Subject, body};
+    use linden_base::monitor::{Phase, Quiet};
+
+    /// Nobody wants anything any more: nothing is drawn.
+    struct Stop;
+
+    impl Monitor for Stop {
+        fn is_cancelled(&self) -> bool {
+            true
+        }
+
+        fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
+    }
+
+    #[test]
+    fn what_is_drawn_ahead_is_not_drawn_again() {
+        let subject =
+            Subject::builtin("oak", &[("points", "300"), ("leaf_size", "64"), ("limb_radius", "0.05")]);
+        let grown = subject.grow();
+        subject.with(|specimen| {
+            let pictures = |monitor: &dyn Monitor| {
+                let (covers, _) = covers(specimen, &grown.organs, monitor)?;
+                Ok::<_, DressError>((bark(specimen, monitor)?, thin_barks(specimen, monitor)?, covers))
+            };
+            assert!(matches!(pictures(&Stop), Err(DressError::Cancelled(_))));
+            draw_ahead(specimen, &Quiet).unwrap();
+            let found = pictures(&Stop).unwrap();
+            // As they are drawn when nothing is there yet: bark, that of limbs, leaves.
+            let anew = subject.dress(&grown).materials;
+            assert_eq!((&found.0, &found.1[0].2), (&anew[0], &anew[1]));
+            let leaves = found.2[0].as_ref().map(|cover| &cover.base_color);
+            assert!(leaves.is_some() && leaves == anew[2].base_color_picture.as_ref());
+        });
+    }
+
+    #[test]
+    fn what_nobody_wants_is_not_made() {
+        let subject =
+            Subject::builtin("oak", &[("points", "300"), ("leaf_size", "64"), ("limb_radius", "0.05")]);
+        let grown = subject.grow();
+        subject.with(|specimen| {
+            let specimen = Specimen { wanted: Wanted::SKELETON, ..*specimen };
+            // Not even where all that may be asked is whether to stop.
+            let wardrobe = Wardrobe::new(&specimen, &grown.organs, &Stop).unwrap();
+            let scene = wardrobe.dress(&specimen, body(&grown), None, &Stop).unwrap();
+            assert!(scene.parts.is_empty() && scene.materials[0].base_color_picture.is_none());
+            assert_eq!(scene.skeleton, grown.skeleton);
+        });
+    }
+}
