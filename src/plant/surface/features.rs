@@ -1,7 +1,7 @@
 //! What makes tubes wood: a foot that flares, collars where branches leave, ends that tell their story.
 
 use super::path::Station;
-use super::{Tubes, spread};
+use super::{SurfaceRoots, Tubes, spread};
 
 linden_base::words! {
     /// How an axis ends.
@@ -28,6 +28,8 @@ pub struct Features {
     pub flare_ridges: u32,
     /// How much of the flare is buttresses, 0 to 1.
     pub flare_depth: f32,
+    /// Roots on the ground round the foot.
+    pub roots: SurfaceRoots,
     /// How far the wood of an axis swells round the foot of a lateral: the fillet's radius is this
     /// share of the axis' radius there, of no more than [`COLLAR_RADII`] radii of the lateral.
     pub collar: f32,
@@ -46,6 +48,7 @@ impl Default for Features {
             flare_height_m: None,
             flare_ridges: 0,
             flare_depth: 0.6,
+            roots: SurfaceRoots::default(),
             collar: 0.0,
             twig_taper: 0.0,
             ends: Ends::Bud,

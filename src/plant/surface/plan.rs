@@ -7,6 +7,7 @@ use glam::Vec3;
 use super::collar::{Collar, MOST_RINGS};
 use super::features::{Ends, Flare, taper_twig};
 use super::path::{self, Ring, Station};
+use super::roots::{self, Stools};
 use super::target::Amount;
 use super::tube;
 use super::tube_form::{Roundness, TubeForm};
@@ -22,6 +23,7 @@ pub(super) struct Course<'a> {
     /// Where each node stands in [`Skeleton::axis_nodes`]; empty where no collar asks for it.
     places: Vec<u32>,
     forks: Forks,
+    stools: Stools,
 }
 
 impl<'a> Course<'a> {
@@ -35,7 +37,8 @@ impl<'a> Course<'a> {
         }
         let thickest_m = skeleton.radii.iter().copied().fold(0.0, f32::max);
         let roundness = Roundness::new(tubes.sides, thickest_m);
-        Self { skeleton, tubes, roundness, places, forks: Forks::new(skeleton) }
+        let stools = Stools::new(skeleton, &tubes.features.roots);
+        Self { skeleton, tubes, roundness, places, forks: Forks::new(skeleton), stools }
     }
 
     fn station(&self, node: u32, thick: u32) -> Station {
@@ -180,16 +183,32 @@ impl Plan {
             let tile_m = course.tubes.bark_tile_m;
             plan.amount =
                 plan.amount.and(tube::amount(&plan.rings[first..], &form, &course.roundness, tile_m));
+            let flare = form.flare;
             plan.axes.push((plan.rings.len(), form));
+            plan.add_roots(course, index as u32, first, flare);
         }
         plan
     }
 
-    pub fn len(&self) -> usize {
-        self.axes.len()
+    /// Adds the roots of a stem whose rings begin at `first`.
+    fn add_roots(&mut self, course: &Course<'_>, axis: u32, first: usize, flare: Option<Flare>) {
+        let Tubes { sides, bark_tile_m, ref features, .. } = *course.tubes;
+        let stem = &self.rings[first..];
+        let all = course.stools.roots_of(course.skeleton, axis, stem, flare, (&features.roots, sides));
+        for roots::Laid { rings, root, is_bent } in all {
+            let form = TubeForm { axis, root: Some(Box::new(root)), is_bent, ..TubeForm::default() };
+            let amount = tube::amount(&rings, &form, &course.roundness, bark_tile_m);
+            self.amount = self.amount.and(Amount { roots: [amount.vertices, amount.triangles], ..amount });
+            self.rings.extend(rings);
+            self.axes.push((self.rings.len(), form));
+        }
     }
 
-    /// The rings of each axis, and what is made of them.
+    pub fn len(&self) -> usize {
+        self.axes.iter().filter(|(_, form)| form.root.is_none()).count()
+    }
+
+    /// The rings of each tube: an axis, or a root behind its stem, and what is made of them.
     pub fn axes(&self) -> impl Iterator<Item = (&[Ring], &TubeForm)> {
         let starts = std::iter::once(0).chain(self.axes.iter().map(|&(end, _)| end));
         starts.zip(&self.axes).map(|(start, (end, form))| (&self.rings[start..*end], form))
@@ -201,6 +220,12 @@ impl Plan {
             + bytes_of::<Ring>(self.rings.capacity())
             + bytes_of::<(usize, TubeForm)>(self.axes.capacity())
             + collars.map(|collar| collar.bytes()).sum::<u64>()
+            + self
+                .axes
+                .iter()
+                .filter_map(|(_, form)| form.root.as_ref())
+                .map(|root| root.bytes())
+                .sum::<u64>()
     }
 }
 
@@ -217,7 +242,12 @@ pub(super) fn planned_bytes_of(nodes: usize, axes: usize, tubes: &Tubes) -> u64 
     // A ring for each node and one more for each lateral, and those between.
     let most = (nodes + axes).saturating_mul(tubes.rings as usize);
     let collars = if tubes.features.collar > 0.0 { axes } else { 0 };
+    let roots = Stools::most(axes) * roots::most_roots(tubes.features.roots.count);
+    let most = most + roots * roots::MOST_RINGS;
     bytes_of::<Ring>(most + collars * MOST_RINGS).saturating_mul(2)
-        + bytes_of::<(usize, TubeForm)>(axes)
+        + bytes_of::<(usize, TubeForm)>(axes + roots)
+        // A fork has the rings of its root.
+        + bytes_of::<Ring>(roots * roots::MOST_RINGS)
+        + bytes_of::<roots::Root>(roots)
         + bytes_of::<Collar>(collars)
 }
