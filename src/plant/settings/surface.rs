@@ -168,6 +168,28 @@ impl Tubes {
             see_also(&["surface_roots", "root_reach"])
         ),
         field!(
+            "stubs",
+            real(0.0, 20.0),
+            "1/m",
+            "what is left of shed limbs on a metre of the bole: dead snags and healed swellings; 0: it is smooth",
+            features.stubs.per_m,
+            details(
+                "They stand from above the flare to the lowest limb and a fifth into the crown, round the trunk \
+                 as branches did. About two in five have healed: the bark has closed over them. 0.5 to 1 suits \
+                 an oak, 2 to 4 a spruce that stood in a wood. They are surface alone, like surface_roots, and \
+                 bark_relief_height lays its relief on them too."
+            ),
+            see_also(&["stub_length", "surface_roots", "bark_relief_height"])
+        ),
+        field!(
+            "stub_length",
+            real(0.0, 2.0),
+            "m",
+            "how long snags are on average; 0: all have healed",
+            features.stubs.length_m,
+            see_also(&["stubs"])
+        ),
+        field!(
             "collar",
             real(0.0, 1.0),
             "",

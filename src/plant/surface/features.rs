@@ -1,7 +1,7 @@
 //! What makes tubes wood: a foot that flares, collars where branches leave, ends that tell their story.
 
 use super::path::Station;
-use super::{SurfaceRoots, Tubes, spread};
+use super::{Stubs, SurfaceRoots, Tubes, spread};
 
 linden_base::words! {
     /// How an axis ends.
@@ -30,6 +30,8 @@ pub struct Features {
     pub flare_depth: f32,
     /// Roots on the ground round the foot.
     pub roots: SurfaceRoots,
+    /// What is left of limbs that the bole has shed.
+    pub stubs: Stubs,
     /// How far the wood of an axis swells round the foot of a lateral: the fillet's radius is this
     /// share of the axis' radius there, of no more than [`COLLAR_RADII`] radii of the lateral.
     pub collar: f32,
@@ -49,6 +51,7 @@ impl Default for Features {
             flare_ridges: 0,
             flare_depth: 0.6,
             roots: SurfaceRoots::default(),
+            stubs: Stubs::default(),
             collar: 0.0,
             twig_taper: 0.0,
             ends: Ends::Bud,

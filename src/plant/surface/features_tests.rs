@@ -15,6 +15,7 @@ pub(super) const ALL: Features = Features {
     flare_ridges: 5,
     flare_depth: 0.8,
     roots: SurfaceRoots { count: 5, reach: 4.0, rise: 0.5, smallest_m: 0.0 },
+    stubs: Stubs { per_m: 2.0, length_m: 0.1, smallest_m: 0.0 },
     collar: 0.8,
     twig_taper: 0.9,
     ends: Ends::Broken,

@@ -9,6 +9,8 @@ pub struct Amount {
     pub vertices: usize,
     /// Triangles.
     pub triangles: usize,
+    /// Those of the vertices that are left of shed limbs: behind those of their stem.
+    pub stubs: usize,
     /// Those of these vertices and triangles that are surface roots: the last ones of their stem.
     pub roots: [usize; 2],
 }
@@ -16,7 +18,7 @@ pub struct Amount {
 impl Amount {
     /// Without roots among them.
     pub(super) const fn of(vertices: usize, triangles: usize) -> Self {
-        Self { vertices, triangles, roots: [0; 2] }
+        Self { vertices, triangles, stubs: 0, roots: [0; 2] }
     }
 
     /// Both together.
@@ -25,6 +27,7 @@ impl Amount {
         Self {
             vertices: self.vertices + other.vertices,
             triangles: self.triangles + other.triangles,
+            stubs: self.stubs + other.stubs,
             roots: [self.roots[0] + other.roots[0], self.roots[1] + other.roots[1]],
         }
     }

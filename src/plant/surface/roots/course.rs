@@ -6,7 +6,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use super::host::Host;
-use super::{Root, SurfaceRoots, heading, turn};
+use super::{FILLET_SIDES, Root, SurfaceRoots, heading, turn};
 use crate::surface::features::Flare;
 use crate::surface::path::{self, Ring, Station};
 use linden_base::random::Key;
@@ -315,6 +315,7 @@ impl Foot {
             upright,
             phases: [phase("lump"), phase("second lump")],
             base_m: run.base_m,
+            sides: FILLET_SIDES,
         };
         Some(Laid { rings, root, is_bent })
     }

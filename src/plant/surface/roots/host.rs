@@ -8,7 +8,7 @@ use linden_base::memory::bytes_of;
 
 /// Some rings of a stem at its foot, or of a root.
 #[derive(Clone, Debug)]
-pub(super) struct Host {
+pub(in crate::surface) struct Host {
     pub rings: Vec<Ring>,
     pub flare: Option<Flare>,
 }
@@ -17,7 +17,7 @@ pub(super) struct Host {
 const COVERED: f32 = 0.3;
 
 /// A corner of a root as if there was nothing else.
-pub(super) struct Bare {
+pub(in crate::surface) struct Bare {
     pub center: Vec3,
     /// Unit vector across the root.
     pub out: Vec3,
@@ -114,8 +114,13 @@ impl Host {
     /// How far the surface of a stem is from its axis at a height over its foot, in a direction, metres.
     pub fn reach_m(&self, height_m: f32, direction: Vec3) -> f32 {
         let Some(first) = self.rings.first() else { return 0.0 };
-        let at = first.center + Vec3::Y * height_m;
-        let (mut least, mut most) = (0.0, 20.0 * first.onward);
+        self.reach_along_m(first.center + Vec3::Y * height_m, direction)
+    }
+
+    /// How far the surface is from a place within, in a direction, metres.
+    pub fn reach_along_m(&self, at: Vec3, direction: Vec3) -> f32 {
+        let widest_m = self.rings.iter().map(|ring| ring.onward).fold(0.0, f32::max);
+        let (mut least, mut most) = (0.0, 20.0 * widest_m);
         for _ in 0..24 {
             let middle = f32::midpoint(least, most);
             if self.near(at + direction * middle).0 < 0.0 { least = middle } else { most = middle }

@@ -16,12 +16,12 @@ use glam::Vec3;
 use super::features::Flare;
 use super::path::Ring;
 use super::tube;
-use host::Host;
 use linden_base::memory::bytes_of;
 use linden_base::random::Key;
 use linden_skeleton::{NO_PARENT, Skeleton};
 
 pub(super) use course::{Laid, MOST_RINGS, most_roots};
+pub(super) use host::Host;
 
 /// Roots on the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,9 +61,25 @@ pub(super) struct Root {
     phases: [f32; 2],
     /// Radius at the base, metres.
     base_m: f32,
+    /// Sides in the fillet.
+    sides: u32,
 }
 
 impl Root {
+    /// Something short on a host, in a fillet of a radius; from `clear_m` on it is clear of the host, it lies `sunk_m`
+    /// under the host's bark and has a radius of `base_m`. `None` without rings.
+    pub fn on(
+        host: Arc<Host>,
+        [fillet_m, clear_m, sunk_m, base_m]: [f32; 4],
+        key: Key,
+        rings: &[Ring],
+    ) -> Option<Self> {
+        let length_m = rings.last()?.along;
+        let phases = ["lump", "second lump"].map(|name| key.named(name).between(0.0, f64::from(TAU)) as f32);
+        let upright = [1.1, 1.0];
+        Some(Self { host, fillet_m, clear_m, sunk_m, length_m, upright, phases, base_m, sides: STUB_SIDES })
+    }
+
     /// Place and normal of a corner, where `out` leaves a ring of a radius; the radius shrinks by `slope`. `ease` is
     /// the share of the fillet that is laid.
     pub fn place(&self, ring: &Ring, out: Vec3, radius_m: f32, slope: f32, ease: f32) -> (Vec3, Vec3) {
@@ -80,7 +96,7 @@ impl Root {
 
     /// Sides that its fillet needs, where the thickest wood has `sides`.
     pub fn least_sides(&self, along_m: f32, sides: u32) -> u32 {
-        if along_m < self.clear_m { sides.min(FILLET_SIDES) } else { 0 }
+        if along_m < self.clear_m { sides.min(self.sides) } else { 0 }
     }
 
     /// Pictures round the girth where it has a radius.
@@ -122,8 +138,9 @@ impl Root {
     }
 }
 
-/// Sides of a root in its fillet.
+/// Sides of a root in its fillet, and of what is left of a limb.
 const FILLET_SIDES: u32 = 24;
+const STUB_SIDES: u32 = 14;
 
 /// A stem that may have roots.
 #[derive(Clone, Copy, Debug)]
@@ -213,13 +230,18 @@ impl Stools {
 
 /// The same in all levels of detail: the foot and the tip of an axis stay in each.
 fn key(skeleton: &Skeleton, axis: u32) -> Key {
+    stem_key(skeleton, axis).named("roots")
+}
+
+/// What differs from stem to stem, and is the same in all levels of detail of one.
+pub(super) fn stem_key(skeleton: &Skeleton, axis: u32) -> Key {
     let nodes = skeleton.nodes_of(&skeleton.axes[axis as usize]);
     let ends = [nodes.first(), nodes.last()].into_iter().flatten().map(|&node| node as usize);
     let numbers = ends.flat_map(|node| {
         let [x, y, z] = skeleton.positions[node].to_array();
         [x, y, z, skeleton.radii[node]]
     });
-    numbers.fold(Key::new(0).named("roots"), |key, number| key.child(number.to_bits().into()))
+    numbers.fold(Key::new(0), |key, number| key.child(number.to_bits().into()))
 }
 
 /// Without its height.
