@@ -98,7 +98,7 @@ impl Flare {
             if i > 0 {
                 along += stations[i - 1].position.distance(stations[i].position);
             }
-            stations[i].scale(1.0 + self.swell(along));
+            stations[i].scale(self.wider(along));
         }
     }
 
@@ -107,6 +107,11 @@ impl Flare {
         let rest = (1.0 - along_m / self.height_m).max(0.0);
         // Steep at the ground and without a crease at the upper end.
         self.share * rest * rest * (0.15 + 0.85 * rest)
+    }
+
+    /// How many times as wide as without it the wood is at a height.
+    pub fn wider(&self, along_m: f32) -> f32 {
+        1.0 + self.swell(along_m)
     }
 
     pub fn has_ridges(&self) -> bool {

@@ -18,7 +18,10 @@ fn band_wraps(ring: &Ring, next: &Ring, form: &TubeForm, tile_m: f32) -> f32 {
     if let Some(root) = &form.root {
         return root.wraps(f32::midpoint(ring.onward, next.radius), tile_m);
     }
-    wraps(f32::midpoint(ring.onward, next.radius), tile_m)
+    let radius_m = f32::midpoint(ring.onward, next.radius);
+    // A flare widens the pictures: with more of them there was a seam all round the foot.
+    let wider = form.flare.map_or(1.0, |flare| flare.wider(f32::midpoint(ring.along, next.along)));
+    wraps(radius_m / wider, tile_m)
 }
 
 /// How much [`sweep`] writes for the same rings.
