@@ -12,13 +12,13 @@ use crate::surface::path::{self, Ring, Station};
 use linden_base::random::Key;
 
 /// How high over the foot a root leaves the trunk, in radii of the trunk.
-const LEAVES: f32 = 1.4;
+const LEAVES: f32 = 1.8;
 /// How far in front of the foot it has come down to the ground, in radii of the trunk.
 const COMES_DOWN: f32 = 1.1;
 /// How it comes down: steeply from the trunk, then ever flatter.
-const FALL: f32 = 2.6;
+const FALL: f32 = 3.2;
 /// Its radius within the trunk, as a share of that where it is out of it.
-const EMERGES: f32 = 0.6;
+const EMERGES: f32 = 0.5;
 /// From this share of its run on it goes into the ground.
 const DIVES: f32 = 0.6;
 /// Its radius at the very end, as a share of that at its base.
@@ -196,7 +196,7 @@ impl Foot {
                 let t = t * (0.6 + 0.4 * t);
                 let height = lies_m + (leaves_m - lies_m) * libm::powf(1.0 - t, FALL);
                 let place = self.center + out * (within_m + (down_m - within_m) * t) + Vec3::Y * height;
-                let swells = EMERGES + (1.0 - EMERGES) * smooth(t / 0.5);
+                let swells = EMERGES + (1.0 - EMERGES) * smooth(t / 0.65);
                 Station::new(place, base_m * swells * (1.0 - 0.15 * t))
             })
             .collect();
