@@ -91,8 +91,12 @@ impl Estimate {
         let (mut vertices, mut triangles) = (0, 0);
         match surface::count(skeleton, &tubes, monitor) {
             Ok(counts) => {
-                vertices = of_wood(counts.iter().map(|count| count.vertices as u64).sum());
-                triangles = of_wood(counts.iter().map(|count| count.triangles as u64).sum());
+                // A larger tree has no more roots than its sample.
+                let roots = [0, 1].map(|i| counts.iter().map(|count| count.roots[i] as u64).sum::<u64>());
+                let all = [0, 1].map(|i| {
+                    counts.iter().map(|count| [count.vertices, count.triangles][i] as u64).sum::<u64>()
+                });
+                [vertices, triangles] = [0, 1].map(|i| of_wood(all[i] - roots[i]) + roots[i]);
             }
             Err(SurfaceError::Cancelled(cancelled)) => return Err(cancelled),
             // Counting finds nothing else.

@@ -21,8 +21,8 @@ use linden_base::knob::printable;
 use linden_base::mesh::Mesh;
 use linden_base::monitor::Holding;
 use linden_base::monitor::{Cancelled, Monitor};
-use linden_skeleton::Skeleton;
 use linden_skeleton::organs::{LeafShape, Organs};
+use linden_skeleton::{NO_PARENT, Skeleton};
 
 /// Bark scatters light in all directions; nothing on it shines.
 const BARK_ROUGHNESS: f32 = 0.9;
@@ -218,9 +218,11 @@ impl Wardrobe {
         }
         if let Some(heights) = heights(specimen, blown.is_some()) {
             let height_m = specimen.dressing.bark.relief_height_m;
+            // Roots go below it.
+            let ground_m = (tubes.features.roots.count > 0).then(|| foot_m(body.skeleton));
             if let Some((trunk, thin)) = parts.split_first_mut().filter(|(part, _)| part.material == 0) {
                 let thin: Vec<&Mesh> = thin.iter().map(|part| &part.mesh).collect();
-                relief::lay(&mut trunk.mesh, &thin, &heights, height_m, monitor)?;
+                relief::lay(&mut trunk.mesh, &thin, &heights, (ground_m, height_m), monitor)?;
             }
         }
         if parts.iter().any(|part| part.material > 0) {
@@ -426,6 +428,13 @@ fn heights(specimen: &Specimen<'_>, is_blown: bool) -> Option<Heights> {
     let is_laid = look.relief_height_m > 0.0 && is_drawn && is_whole && !is_blown;
     let bark = look.bark();
     is_laid.then(|| Heights { values: bark.heights(HEIGHTS), side: HEIGHTS, relief: bark.relief })
+}
+
+/// Height of the lowest foot of a stem, metres.
+fn foot_m(skeleton: &Skeleton) -> f32 {
+    let stems = skeleton.axes.iter().filter(|axis| axis.parent == NO_PARENT);
+    let feet = stems.filter_map(|axis| skeleton.nodes_of(axis).first());
+    feet.map(|&foot| skeleton.positions[foot as usize].y).fold(f32::INFINITY, f32::min)
 }
 
 /// Lays a bark that is not square on as it is: [`crate::surface::Tubes::bark_tile_m`] is its width.

@@ -72,6 +72,8 @@ pub fn plants() -> Vec<Plant> {
         ("flare", "1"),
         ("flare_ridges", "4"),
         ("flare_depth", "0.6"),
+        ("surface_roots", "3"),
+        ("stubs", "2"),
         ("ends", "cut"),
         ("junction", "blend"),
         ("waves", "3"),

@@ -249,6 +249,14 @@ static RULES: &[Rule] = &[
         why: |preset| when(preset.dressing.tubes.features.flare_depth == 0.0, "flare_depth is 0"),
     },
     Rule {
+        knobs: &["root_reach", "root_rise"],
+        why: |preset| when(preset.dressing.tubes.features.roots.count == 0, "surface_roots is 0"),
+    },
+    Rule {
+        knobs: &["stub_length"],
+        why: |preset| when(preset.dressing.tubes.features.stubs.per_m == 0.0, "stubs is 0"),
+    },
+    Rule {
         knobs: &["ends_above"],
         why: |preset| {
             when(preset.dressing.tubes.features.ends == Ends::Bud, "all ends are buds: it is for other ends")

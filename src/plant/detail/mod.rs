@@ -174,8 +174,16 @@ impl<'a> Simplifier<'a> {
         monitor.check()?;
         let (skeleton, axes) = self.wood.thinned(detail);
         let organs = if detail.card_m > 0.0 { Organs::default() } else { self.leaves.thinned(detail) };
-        let tubes = Tubes { sides: detail.sides, rings: detail.rings, ..self.tubes };
+        let tubes = self.tubes(detail);
         Ok(Simplified { skeleton, axes, organs, tubes })
+    }
+
+    /// How a level's wood is swept: roots and stubs go as limbs of their thickness do.
+    fn tubes(&self, detail: &Detail) -> Tubes {
+        let mut tubes = Tubes { sides: detail.sides, rings: detail.rings, ..self.tubes };
+        tubes.features.roots.smallest_m = detail.smallest_radius_m;
+        tubes.features.stubs.smallest_m = detail.smallest_radius_m;
+        tubes
     }
 
     /// What the cards of a level stand for.
@@ -210,7 +218,7 @@ impl<'a> Simplifier<'a> {
 
     fn wood_triangles(&self, detail: &Detail, monitor: &dyn Monitor) -> Result<u64, DetailError> {
         monitor.check()?;
-        let tubes = Tubes { sides: detail.sides, rings: detail.rings, ..self.tubes };
+        let tubes = self.tubes(detail);
         let (skeleton, _) = self.wood.thinned(detail);
         let counts = surface::count(&skeleton, &tubes, monitor)?;
         Ok(counts.iter().map(|tube| tube.triangles as u64).sum())

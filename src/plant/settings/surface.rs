@@ -128,6 +128,68 @@ impl Tubes {
             see_also(&["flare_ridges", "flare"])
         ),
         field!(
+            "surface_roots",
+            integer(0, 24),
+            "",
+            "roots on the ground round the foot, half in the soil; 0: none",
+            features.roots.count,
+            details(
+                "They leave the trunk at its buttresses as far as it has such (flare_ridges), the strongest \
+                 first, then in the widest gaps; some fork, and all dive below the ground before they end. 4 \
+                 to 7 suit an old oak or beech, 8 to 12 thinner ones a spruce. A thinner stem has fewer, \
+                 several stems of one stool have those of the thickest. They are surface alone: measures of \
+                 the wood, CSV, MTG and QSM files are without them, wind does not move them, and levels of \
+                 detail drop them like limbs of their thickness."
+            ),
+            see_also(&["root_reach", "root_rise", "flare_ridges", "flare"])
+        ),
+        field!(
+            "root_reach",
+            real(2.0, 20.0),
+            "",
+            "how far roots run from the middle of the foot before they are gone, in radii of the trunk there",
+            features.roots.reach,
+            details(
+                "5 shows their beginnings, 8 to 12 a tree that stands on rock or whose soil was washed away. \
+                 Each is up to a third shorter or a quarter longer."
+            ),
+            see_also(&["surface_roots", "root_rise"])
+        ),
+        field!(
+            "root_rise",
+            real(0.0, 1.0),
+            "",
+            "how much of the roots the soil shows",
+            features.roots.rise,
+            details(
+                "At 0 they crop out here and there, at 0.5 about half of them is seen, at 1 they lie on the \
+                 ground. They rise and sink on their way in any case."
+            ),
+            see_also(&["surface_roots", "root_reach"])
+        ),
+        field!(
+            "stubs",
+            real(0.0, 20.0),
+            "1/m",
+            "what is left of shed limbs on a metre of the bole: dead snags and healed swellings; 0: it is smooth",
+            features.stubs.per_m,
+            details(
+                "They stand from above the flare to the lowest limb and a fifth into the crown, round the trunk \
+                 as branches did. About two in five have healed: the bark has closed over them. 0.5 to 1 suits \
+                 an oak, 2 to 4 a spruce that stood in a wood. They are surface alone, like surface_roots, and \
+                 bark_relief_height lays its relief on them too."
+            ),
+            see_also(&["stub_length", "surface_roots", "bark_relief_height"])
+        ),
+        field!(
+            "stub_length",
+            real(0.0, 2.0),
+            "m",
+            "how long snags are on average; 0: all have healed",
+            features.stubs.length_m,
+            see_also(&["stubs"])
+        ),
+        field!(
             "collar",
             real(0.0, 1.0),
             "",

@@ -11,9 +11,9 @@ use linden_base::random::Key;
 /// How much [`close_base`] writes.
 pub(super) fn base_amount(sides: usize, form: &TubeForm) -> Amount {
     if has_hollows(form) {
-        return Amount { vertices: sides + 1, triangles: sides };
+        return Amount::of(sides + 1, sides);
     }
-    Amount { vertices: sides, triangles: sides - 2 }
+    Amount::of(sides, sides - 2)
 }
 
 /// Whether the base is no convex polygon: then triangles meet in its middle.
@@ -60,10 +60,10 @@ pub(super) fn close_base(
 /// How much [`close_tip`] writes.
 pub(super) const fn tip_amount(sides: usize, ends: Ends) -> Amount {
     match ends {
-        Ends::Bud => Amount { vertices: sides, triangles: sides },
-        Ends::Cut => Amount { vertices: sides, triangles: sides - 2 },
+        Ends::Bud => Amount::of(sides, sides),
+        Ends::Cut => Amount::of(sides, sides - 2),
         // Walls of the splinters, then facets down to the hollow's bottom.
-        Ends::Broken => Amount { vertices: sides + 1 + 3 * sides, triangles: 3 * sides },
+        Ends::Broken => Amount::of(sides + 1 + 3 * sides, 3 * sides),
     }
 }
 

@@ -1,7 +1,7 @@
 //! What makes tubes wood: a foot that flares, collars where branches leave, ends that tell their story.
 
 use super::path::Station;
-use super::{Tubes, spread};
+use super::{Stubs, SurfaceRoots, Tubes, spread};
 
 linden_base::words! {
     /// How an axis ends.
@@ -28,6 +28,10 @@ pub struct Features {
     pub flare_ridges: u32,
     /// How much of the flare is buttresses, 0 to 1.
     pub flare_depth: f32,
+    /// Roots on the ground round the foot.
+    pub roots: SurfaceRoots,
+    /// What is left of limbs that the bole has shed.
+    pub stubs: Stubs,
     /// How far the wood of an axis swells round the foot of a lateral: the fillet's radius is this
     /// share of the axis' radius there, of no more than [`COLLAR_RADII`] radii of the lateral.
     pub collar: f32,
@@ -46,6 +50,8 @@ impl Default for Features {
             flare_height_m: None,
             flare_ridges: 0,
             flare_depth: 0.6,
+            roots: SurfaceRoots::default(),
+            stubs: Stubs::default(),
             collar: 0.0,
             twig_taper: 0.0,
             ends: Ends::Bud,
@@ -92,7 +98,7 @@ impl Flare {
             if i > 0 {
                 along += stations[i - 1].position.distance(stations[i].position);
             }
-            stations[i].scale(1.0 + self.swell(along));
+            stations[i].scale(self.wider(along));
         }
     }
 
@@ -101,6 +107,11 @@ impl Flare {
         let rest = (1.0 - along_m / self.height_m).max(0.0);
         // Steep at the ground and without a crease at the upper end.
         self.share * rest * rest * (0.15 + 0.85 * rest)
+    }
+
+    /// How many times as wide as without it the wood is at a height.
+    pub fn wider(&self, along_m: f32) -> f32 {
+        1.0 + self.swell(along_m)
     }
 
     pub fn has_ridges(&self) -> bool {

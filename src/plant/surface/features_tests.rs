@@ -14,6 +14,8 @@ pub(super) const ALL: Features = Features {
     flare_height_m: None,
     flare_ridges: 5,
     flare_depth: 0.8,
+    roots: SurfaceRoots { count: 5, reach: 4.0, rise: 0.5, smallest_m: 0.0 },
+    stubs: Stubs { per_m: 2.0, length_m: 0.1, smallest_m: 0.0 },
     collar: 0.8,
     twig_taper: 0.9,
     ends: Ends::Broken,
@@ -46,6 +48,20 @@ fn gnarled_wood_with_everything_stays_closed() {
     }
     // The rest is where wood turns within its own thickness.
     assert!(flipped * 10_000 < triangles, "{flipped} of {triangles} triangles are folded");
+}
+
+/// Of a trunk that does not taper, whatever its foot is like.
+#[test]
+fn a_flare_has_no_seam_of_pictures_round_it() {
+    for flare in [0.5, 2.0] {
+        let tubes = with(Features { flare, flare_ridges: 5, ..Features::default() });
+        let tubes = Tubes { bark_tile_m: 0.1, ..tubes };
+        let mesh = sweep(&pole(), &tubes, &Quiet).unwrap();
+        // Rings close where the first one does: after as many pictures as go round the trunk.
+        let wall = |i: &usize| mesh.normals[*i].y.abs() < 0.9 && mesh.positions[*i].y < 3.9;
+        let most = (0..mesh.positions.len()).filter(wall).map(|i| mesh.uvs[i].x).fold(0.0, f32::max);
+        assert_eq!(most, 6.0, "{flare}: 2 π · 0.1 m is six pictures of 0.1 m");
+    }
 }
 
 #[test]

@@ -14,9 +14,11 @@ mod features;
 mod path;
 mod plan;
 pub mod relief;
+mod roots;
 mod solid;
 mod spread;
 mod stretch;
+mod stubs;
 mod survey;
 mod target;
 mod thickness;
@@ -38,8 +40,10 @@ use linden_skeleton::Skeleton;
 pub use count::count;
 pub use features::{COLLAR_RADII, Ends, FLARE_RADII, Features};
 pub use linden_base::topology::{Topology, crowded_edges, topology};
+pub use roots::SurfaceRoots;
 pub use solid::MOST_SOLID_TRIANGLES;
 pub use stretch::Stretch;
+pub use stubs::Stubs;
 pub use survey::{Survey, survey};
 pub use target::Amount;
 pub(crate) use thickness::classes;
@@ -190,6 +194,7 @@ impl Swept {
     fn stretches(&self, course: &Course<'_>) -> Vec<Stretch> {
         let tubes = self.plan.axes().zip(&self.eases);
         tubes
+            .filter(|((_, form), _)| form.root.is_none())
             .flat_map(|((rings, form), &ease)| tube::stretches(rings, form, &course.roundness, ease))
             .collect()
     }
@@ -245,7 +250,7 @@ fn slices<'a>(mesh: &'a mut Mesh, plans: &[Plan]) -> Vec<Target<'a>> {
     plans
         .iter()
         .map(|plan| {
-            let Amount { vertices, triangles } = plan.amount;
+            let Amount { vertices, triangles, .. } = plan.amount;
             let (positions, p) = std::mem::take(&mut rest.0).split_at_mut(vertices);
             let (normals, n) = std::mem::take(&mut rest.1).split_at_mut(vertices);
             let (uvs, u) = std::mem::take(&mut rest.2).split_at_mut(vertices);

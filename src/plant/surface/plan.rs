@@ -7,6 +7,8 @@ use glam::Vec3;
 use super::collar::{Collar, MOST_RINGS};
 use super::features::{Ends, Flare, taper_twig};
 use super::path::{self, Ring, Station};
+use super::roots::{self, Laid, Stools};
+use super::stubs::{self, Bole, Boles};
 use super::target::Amount;
 use super::tube;
 use super::tube_form::{Roundness, TubeForm};
@@ -22,6 +24,8 @@ pub(super) struct Course<'a> {
     /// Where each node stands in [`Skeleton::axis_nodes`]; empty where no collar asks for it.
     places: Vec<u32>,
     forks: Forks,
+    stools: Stools,
+    boles: Boles,
 }
 
 impl<'a> Course<'a> {
@@ -35,7 +39,9 @@ impl<'a> Course<'a> {
         }
         let thickest_m = skeleton.radii.iter().copied().fold(0.0, f32::max);
         let roundness = Roundness::new(tubes.sides, thickest_m);
-        Self { skeleton, tubes, roundness, places, forks: Forks::new(skeleton) }
+        let stools = Stools::new(skeleton, &tubes.features.roots);
+        let boles = Boles::new(skeleton, &tubes.features.stubs);
+        Self { skeleton, tubes, roundness, places, forks: Forks::new(skeleton), stools, boles }
     }
 
     fn station(&self, node: u32, thick: u32) -> Station {
@@ -180,16 +186,62 @@ impl Plan {
             let tile_m = course.tubes.bark_tile_m;
             plan.amount =
                 plan.amount.and(tube::amount(&plan.rings[first..], &form, &course.roundness, tile_m));
+            let flare = form.flare;
             plan.axes.push((plan.rings.len(), form));
+            let stem = first..plan.rings.len();
+            plan.add_stubs(course, index as u32, &stem, flare);
+            plan.add_roots(course, index as u32, &stem, flare);
         }
         plan
     }
 
-    pub fn len(&self) -> usize {
-        self.axes.len()
+    /// Adds a tube of a stem that is no axis.
+    fn add(&mut self, course: &Course<'_>, form: TubeForm, laid: Laid, count: impl Fn(Amount) -> Amount) {
+        let Laid { rings, root, is_bent } = laid;
+        let form = TubeForm { root: Some(Box::new(root)), is_bent, ..form };
+        let amount = tube::amount(&rings, &form, &course.roundness, course.tubes.bark_tile_m);
+        self.amount = self.amount.and(count(amount));
+        self.rings.extend(rings);
+        self.axes.push((self.rings.len(), form));
     }
 
-    /// The rings of each axis, and what is made of them.
+    /// Adds what is left of limbs on a stem whose rings are these.
+    fn add_stubs(&mut self, course: &Course<'_>, axis: u32, rings: &Range<usize>, flare: Option<Flare>) {
+        let Some(stem) = course.boles.stem(axis) else { return };
+        let key = roots::stem_key(course.skeleton, axis).named("stubs");
+        let bole = Bole {
+            rings: &self.rings[rings.clone()],
+            flare,
+            crown_m: stem.crown_m,
+            radius_m: stem.radius_m,
+            key,
+        };
+        for (number, (laid, ends)) in (0..).zip(bole.stubs(&course.tubes.features.stubs)) {
+            // Splinters differ from one to the next.
+            let form = TubeForm { axis: key.child(number).bits() as u32, ends, ..TubeForm::default() };
+            self.add(course, form, laid, |amount| Amount { stubs: amount.vertices, ..amount });
+        }
+    }
+
+    /// Adds the roots of a stem whose rings are these.
+    fn add_roots(&mut self, course: &Course<'_>, axis: u32, rings: &Range<usize>, flare: Option<Flare>) {
+        let Tubes { sides, ref features, .. } = *course.tubes;
+        let stem = &self.rings[rings.clone()];
+        let all = course.stools.roots_of(course.skeleton, axis, stem, flare, (&features.roots, sides));
+        for laid in all {
+            let form = TubeForm { axis, ..TubeForm::default() };
+            self.add(course, form, laid, |amount| Amount {
+                roots: [amount.vertices, amount.triangles],
+                ..amount
+            });
+        }
+    }
+
+    pub fn len(&self) -> usize {
+        self.axes.iter().filter(|(_, form)| form.root.is_none()).count()
+    }
+
+    /// The rings of each tube: an axis, or a root behind its stem, and what is made of them.
     pub fn axes(&self) -> impl Iterator<Item = (&[Ring], &TubeForm)> {
         let starts = std::iter::once(0).chain(self.axes.iter().map(|&(end, _)| end));
         starts.zip(&self.axes).map(|(start, (end, form))| (&self.rings[start..*end], form))
@@ -201,6 +253,12 @@ impl Plan {
             + bytes_of::<Ring>(self.rings.capacity())
             + bytes_of::<(usize, TubeForm)>(self.axes.capacity())
             + collars.map(|collar| collar.bytes()).sum::<u64>()
+            + self
+                .axes
+                .iter()
+                .filter_map(|(_, form)| form.root.as_ref())
+                .map(|root| root.bytes())
+                .sum::<u64>()
     }
 }
 
@@ -217,7 +275,14 @@ pub(super) fn planned_bytes_of(nodes: usize, axes: usize, tubes: &Tubes) -> u64 
     // A ring for each node and one more for each lateral, and those between.
     let most = (nodes + axes).saturating_mul(tubes.rings as usize);
     let collars = if tubes.features.collar > 0.0 { axes } else { 0 };
+    let roots = Stools::most(axes) * roots::most_roots(tubes.features.roots.count);
+    let stubs = if tubes.features.stubs.per_m > 0.0 { Boles::most(axes) * stubs::MOST } else { 0 };
+    let most = most + roots * roots::MOST_RINGS + stubs * stubs::MOST_RINGS;
+    let roots = roots + stubs;
     bytes_of::<Ring>(most + collars * MOST_RINGS).saturating_mul(2)
-        + bytes_of::<(usize, TubeForm)>(axes)
+        + bytes_of::<(usize, TubeForm)>(axes + roots)
+        // A fork has the rings of its root.
+        + bytes_of::<Ring>(roots * roots::MOST_RINGS)
+        + bytes_of::<roots::Root>(roots)
         + bytes_of::<Collar>(collars)
 }

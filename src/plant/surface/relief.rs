@@ -59,8 +59,8 @@ impl Heights {
     }
 }
 
-/// Lays a relief on the wood that is lower than a height over its foot, metres. Where it goes on as wood with
-/// another bark, in `others`, it stays as it is.
+/// Lays a relief on the wood that is lower than a height over its foot, metres. The foot is at `ground_m`, or where
+/// the wood is lowest. Where it goes on as wood with another bark, in `others`, it stays as it is.
 ///
 /// # Errors
 /// [`ReliefError`].
@@ -68,10 +68,11 @@ pub fn lay(
     wood: &mut Mesh,
     others: &[&Mesh],
     heights: &Heights,
-    height_m: f32,
+    (ground_m, height_m): (Option<f32>, f32),
     monitor: &dyn Monitor,
 ) -> Result<(), ReliefError> {
-    let foot_m = wood.positions.iter().map(|p| p.y).fold(f32::INFINITY, f32::min);
+    let lowest_m = || wood.positions.iter().map(|p| p.y).fold(f32::INFINITY, f32::min);
+    let foot_m = ground_m.unwrap_or_else(lowest_m);
     if !foot_m.is_finite() || heights.side == 0 {
         return Ok(());
     }
@@ -104,7 +105,7 @@ pub fn lay(
             continue;
         }
         let mut mean = group.iter().map(|&i| moved[i as usize]).sum::<Vec3>() / group.len() as f32;
-        if wood.positions[group[0] as usize].y < foot_m + 1e-3 {
+        if (wood.positions[group[0] as usize].y - foot_m).abs() < 1e-3 {
             // The foot stays on its ground.
             mean.y = 0.0;
         }
@@ -281,7 +282,7 @@ mod tests {
     fn relief_moves_low_wood_and_opens_no_seam() {
         let plain = tube();
         let mut rough = plain.clone();
-        lay(&mut rough, &[], &furrows(0.05), 2.0, &Quiet).unwrap();
+        lay(&mut rough, &[], &furrows(0.05), (None, 2.0), &Quiet).unwrap();
         assert!(rough.triangles.len() > 8 * plain.triangles.len(), "{}", rough.triangles.len());
         // Every edge but those of the two rims is between two triangles, seam or not.
         let is_rim = |ends: &[[u32; 3]; 2]| {
@@ -317,7 +318,7 @@ mod tests {
         // As textured as the thick one: a hundredth of the tiles round it.
         twig.uvs.iter_mut().for_each(|uv| uv.x *= 0.01);
         let plain = twig.clone();
-        lay(&mut twig, &[], &furrows(0.05), 2.0, &Quiet).unwrap();
+        lay(&mut twig, &[], &furrows(0.05), (None, 2.0), &Quiet).unwrap();
         assert_eq!(twig.triangles, plain.triangles);
         let most =
             twig.positions.iter().zip(&plain.positions).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
@@ -331,7 +332,7 @@ mod tests {
         high.triangles.drain(..2 * 12);
         // The second ring is in both.
         high.positions.drain(..13);
-        lay(&mut low, &[&high], &furrows(0.05), 4.0, &Quiet).unwrap();
+        lay(&mut low, &[&high], &furrows(0.05), (None, 4.0), &Quiet).unwrap();
         let ring: Vec<Vec3> = tube().positions[13..26].to_vec();
         assert!(low.positions[13..26] == ring[..]);
         assert!(low.positions.iter().filter(|p| p.y == 1.0).all(|p| ring.contains(p)));
@@ -341,8 +342,8 @@ mod tests {
     #[test]
     fn it_is_the_same_each_time() {
         let [mut a, mut b] = [tube(), tube()];
-        lay(&mut a, &[], &furrows(0.05), 2.0, &Quiet).unwrap();
-        lay(&mut b, &[], &furrows(0.05), 2.0, &Quiet).unwrap();
+        lay(&mut a, &[], &furrows(0.05), (None, 2.0), &Quiet).unwrap();
+        lay(&mut b, &[], &furrows(0.05), (None, 2.0), &Quiet).unwrap();
         assert!(a == b);
     }
 }

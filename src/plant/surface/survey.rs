@@ -37,7 +37,7 @@ const NODES_PER_PIECE: [usize; 2] = [1 << 10, 1 << 16];
 ///
 /// Visits the stretches of all tubes in the order of [`Skeleton::axes`], each from base to apex: what the mesh
 /// holds. A lateral begins on its parent's centre line. With [`Junction::Watertight`] it is the
-/// tubes that are made one solid, without their collars.
+/// tubes that are made one solid, without their collars. Surface roots are in the mesh and not among them.
 ///
 /// # Errors
 /// [`SurfaceError::Cancelled`], or memory. A mesh of any size can be surveyed.
@@ -58,7 +58,7 @@ pub fn survey(
         drop(mesh);
         monitor.admit(DOING, planned_bytes(skeleton, tubes), ADVICE)?;
         let plan = Plan::new(&course, 0..skeleton.axes.len());
-        for (rings, form) in plan.axes() {
+        for (rings, form) in plan.axes().filter(|(_, form)| form.root.is_none()) {
             tube::stretches(rings, form, &course.roundness, 0.0).for_each(&mut *visit);
         }
         return Ok(Survey { vertices, triangles, bounds, topology });

@@ -9,13 +9,27 @@ pub struct Amount {
     pub vertices: usize,
     /// Triangles.
     pub triangles: usize,
+    /// Those of the vertices that are left of shed limbs: behind those of their stem.
+    pub stubs: usize,
+    /// Those of these vertices and triangles that are surface roots: the last ones of their stem.
+    pub roots: [usize; 2],
 }
 
 impl Amount {
+    /// Without roots among them.
+    pub(super) const fn of(vertices: usize, triangles: usize) -> Self {
+        Self { vertices, triangles, stubs: 0, roots: [0; 2] }
+    }
+
     /// Both together.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
-        Self { vertices: self.vertices + other.vertices, triangles: self.triangles + other.triangles }
+        Self {
+            vertices: self.vertices + other.vertices,
+            triangles: self.triangles + other.triangles,
+            stubs: self.stubs + other.stubs,
+            roots: [self.roots[0] + other.roots[0], self.roots[1] + other.roots[1]],
+        }
     }
 }
 

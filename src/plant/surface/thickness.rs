@@ -39,13 +39,17 @@ pub(crate) fn classes(
         let mut near = 0;
         radii.clear();
         // Rings follow each other along the axis.
-        for place in &mesh.positions[vertex..(vertex + amount.vertices).min(mesh.positions.len())] {
+        let stubs_from = vertex + amount.vertices - amount.roots[0] - amount.stubs;
+        for place in &mesh.positions[vertex..stubs_from.min(mesh.positions.len())] {
             let off = |i: usize| stations[i].0.distance_squared(*place);
             while near + 1 < stations.len() && off(near + 1) <= off(near) {
                 near += 1;
             }
             radii.push(stations.get(near).map_or(0.0, |station| station.1));
         }
+        // What is left of limbs is of the bole, and roots are wood of the foot, however thin.
+        let foot_m = stations.first().map_or(0.0, |station| station.1);
+        radii.extend(std::iter::repeat_n(foot_m, amount.stubs + amount.roots[0]));
         for corners in &mesh.triangles[triangle..(triangle + amount.triangles).min(mesh.triangles.len())] {
             let of = |corner: u32| radii.get((corner as usize).wrapping_sub(vertex)).copied().unwrap_or(0.0);
             let radius = corners.iter().map(|&corner| of(corner)).fold(0.0, f32::max);

@@ -12,8 +12,16 @@ use super::tube_form::{Circle, Roundness, TubeForm};
 
 /// Pictures round the girth between two rings. They follow the radius; where their number changes,
 /// the ring stands twice, with the coordinates of either side.
-fn band_wraps(ring: &Ring, next: &Ring, tile_m: f32) -> f32 {
-    wraps(f32::midpoint(ring.onward, next.radius), tile_m)
+///
+/// Round a root they are halved as it gets thinner and do not go one by one: a seam or two instead of many.
+fn band_wraps(ring: &Ring, next: &Ring, form: &TubeForm, tile_m: f32) -> f32 {
+    if let Some(root) = &form.root {
+        return root.wraps(f32::midpoint(ring.onward, next.radius), tile_m);
+    }
+    let radius_m = f32::midpoint(ring.onward, next.radius);
+    // A flare widens the pictures: with more of them there was a seam all round the foot.
+    let wider = form.flare.map_or(1.0, |flare| flare.wider(f32::midpoint(ring.along, next.along)));
+    wraps(radius_m / wider, tile_m)
 }
 
 /// How much [`sweep`] writes for the same rings.
@@ -24,7 +32,7 @@ pub(super) fn amount(rings: &[Ring], form: &TubeForm, roundness: &Roundness, til
     let mut amount = ends::base_amount(ends[0], form).and(ends::tip_amount(ends[1], form.ends));
     let mut before = None;
     for pair in rings.windows(2) {
-        let wraps = band_wraps(&pair[0], &pair[1], tile_m);
+        let wraps = band_wraps(&pair[0], &pair[1], form, tile_m);
         let (bottom, top) = (sides(&pair[0], pair[0].onward), sides(&pair[1], pair[1].radius));
         if before != Some(wraps) {
             amount.vertices += bottom + 1;
@@ -68,7 +76,7 @@ pub(super) fn sweep(
 }
 
 const fn may_fold(form: &TubeForm) -> bool {
-    form.collar.is_some() || form.is_bent
+    form.collar.is_some() || form.root.is_some() || form.is_bent
 }
 
 /// What a tube over some rings holds, between each two of them and beyond the last; `ease` is what [`sweep`] gave.
@@ -118,7 +126,7 @@ impl Wall<'_> {
         ends::close_base(base, form, circle, self.reach(circle), tile_m, target);
         let mut below: Option<(PlacedRing, f32)> = None;
         for (i, pair) in rings.windows(2).enumerate() {
-            let wraps = band_wraps(&pair[0], &pair[1], tile_m);
+            let wraps = band_wraps(&pair[0], &pair[1], form, tile_m);
             let bottom = match below.take() {
                 Some((placed, same)) if same == wraps => placed,
                 _ => self.ring(i, Of::Above, wraps, target),
@@ -201,7 +209,8 @@ impl Wall<'_> {
     }
 
     fn is_featured(&self, ring: &Ring) -> bool {
-        self.form.flare.is_some_and(|flare| ring.along < flare.height_m)
+        self.form.root.is_some() && ring.along > 0.0
+            || self.form.flare.is_some_and(|flare| ring.along < flare.height_m)
             || self.form.collar.as_ref().is_some_and(|collar| collar.shapes(ring.along))
     }
 
@@ -211,6 +220,9 @@ impl Wall<'_> {
         let ring = &rings[i];
         let (cos, sin) = corner;
         let (out, at) = self.outward(ring, corner);
+        if let Some(root) = &form.root {
+            return root.place(ring, out, Self::radius(ring, of), self.slope(i, of, |_| 1.0), ease);
+        }
         let ridge = |ring: &Ring| form.flare.map_or((1.0, 0.0), |flare| flare.ridge(ring.along, corner));
         let (factor, by_angle) = ridge(ring);
         let radius = Self::radius(ring, of) * self.reach(circle) * factor;

@@ -5,6 +5,7 @@ use std::f32::consts::{PI, TAU};
 use super::collar::Collar;
 use super::features::{Ends, Flare};
 use super::path::Ring;
+use super::roots::Root;
 
 /// Side counts that rings take. Few distinct ones, so that neighbouring rings mostly agree.
 const SIDES: [u32; 14] = [3, 4, 5, 6, 8, 10, 12, 16, 20, 24, 32, 48, 64, 128];
@@ -93,6 +94,8 @@ pub(super) struct TubeForm {
     pub flare: Option<Flare>,
     /// Of a lateral.
     pub collar: Option<Box<Collar>>,
+    /// Of a root.
+    pub root: Option<Box<Root>>,
     pub ends: Ends,
     /// Which axis of the skeleton it is: splinters differ from one to the next.
     pub axis: u32,
@@ -105,7 +108,11 @@ pub(super) struct TubeForm {
 impl TubeForm {
     /// The circle for a ring, or for what is below or above it, of a radius.
     pub fn circle<'a>(&self, ring: &Ring, radius_m: f32, roundness: &'a Roundness) -> &'a Circle {
-        let least = self.flare.map_or(0, |flare| flare.least_sides(ring.along));
+        let least = match (&self.flare, &self.root) {
+            (Some(flare), _) => flare.least_sides(ring.along),
+            (_, Some(root)) => root.least_sides(ring.along, roundness.sides(roundness.thickest_m)),
+            _ => 0,
+        };
         let wider = match &self.collar {
             Some(collar) if collar.shapes(ring.along) => 0.5 * collar.fillet_m,
             _ => 0.0,

@@ -212,13 +212,19 @@ impl Blown<'_> {
             let axis = self.axes.map_or(index, |axes| axes[index] as usize);
             let swing = &self.field.axes[axis];
             let first = wind.motions.len();
-            for &place in &mesh.positions[first..(first + tube.vertices).min(count)] {
+            let (roots_from, last) = (first + tube.vertices - tube.roots[0], first + tube.vertices);
+            for &place in &mesh.positions[first..roots_from.min(count)] {
                 let sway = swing.share(place).min(1.0) * swing.flexible;
                 wind.motions.push([swing.level as f32, swing.phase, sway, 0.0]);
                 wind.pivots.push(swing.pivot.extend(place.distance(swing.pivot)).to_array());
                 for (target, moved) in wind.targets.iter_mut().zip(ends(swing.moved(place))) {
                     target.offsets.push(moved);
                 }
+            }
+            for &place in &mesh.positions[roots_from.min(count)..last.min(count)] {
+                wind.motions.push([swing.level as f32, swing.phase, 0.0, 0.0]);
+                wind.pivots.push(swing.pivot.extend(place.distance(swing.pivot)).to_array());
+                wind.targets.iter_mut().for_each(|target| target.offsets.push(Vec3::ZERO));
             }
         }
         Ok(wind)

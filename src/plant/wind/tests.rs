@@ -73,6 +73,27 @@ fn every_vertex_has_its_wind_and_the_foot_stands_still() {
     }
 }
 
+#[test]
+fn roots_on_the_ground_stand_still() {
+    let (_, bare) = windy("fir", &[("wind_strength", "1")]);
+    let (_, rooted) = windy("fir", &[("wind_strength", "1"), ("surface_roots", "6"), ("root_reach", "15")]);
+    let known: std::collections::BTreeSet<_> =
+        bare.parts[0].mesh.positions.iter().map(|place| place.to_array().map(f32::to_bits)).collect();
+    let wind = rooted.parts[0].wind.as_ref().unwrap();
+    let mut roots = 0;
+    for (vertex, place) in rooted.parts[0].mesh.positions.iter().enumerate() {
+        if known.contains(&place.to_array().map(f32::to_bits)) {
+            continue;
+        }
+        roots += 1;
+        assert_eq!(wind.motions[vertex][2], 0.0, "{place}");
+        assert!(Motion::ALL.iter().all(|&motion| offset(wind, motion, vertex) == Vec3::ZERO), "{place}");
+    }
+    assert!(roots > 500, "{roots}");
+    // A trunk moves as it did.
+    assert_eq!(wind.motions.len() - roots, bare.parts[0].mesh.positions.len());
+}
+
 /// Where a branch begins, it goes with its parent: no gap opens.
 #[test]
 fn branches_go_where_their_parents_go() {

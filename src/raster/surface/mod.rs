@@ -14,7 +14,7 @@ mod triangles;
 use glam::Vec3;
 use linden_pipeline::picture::Picture;
 use linden_pipeline::scene::{Material, Part, Scene};
-use linden_pipeline::{Monitor, Skeleton};
+use linden_pipeline::{Monitor, NO_PARENT, Skeleton};
 
 pub use self::stage::{draw_stage, stage_extent};
 
@@ -53,12 +53,33 @@ impl<'a> From<&'a Scene> for Surface<'a> {
 /// Draws a surface in the colours of its materials, framed as [`crate::draw_skeleton`] frames its
 /// skeleton. [`Style::paint`] and [`Style::until`] mean nothing here.
 ///
+/// Where the skeleton stands on its foot, wood that is lower is in the ground: it is not seen from above.
+///
 /// # Errors
 /// [`RasterError::Empty`] with neither triangles nor nodes; [`RasterError::Mesh`] with the first
 /// part that cannot be drawn; those of the skeleton; [`RasterError::Cancelled`] soon after the
 /// monitor is.
 pub fn draw_surface(
     surface: &Surface,
+    camera: &Camera,
+    style: &Style,
+    size: Size,
+    monitor: &dyn Monitor,
+) -> Result<Picture, RasterError> {
+    draw_on_ground(surface, ground_m(surface.skeleton), camera, style, size, monitor)
+}
+
+/// The height that a plant stands on: `None` where anything but the foot of a stem is lowest.
+pub(crate) fn ground_m(skeleton: &Skeleton) -> Option<f32> {
+    let foot_m = foot(skeleton)?.y;
+    let stands = |(parent, place): (&u32, &Vec3)| *parent == NO_PARENT && place.y <= foot_m;
+    skeleton.parents.iter().zip(&skeleton.positions).any(stands).then_some(foot_m)
+}
+
+/// As [`draw_surface`], with the ground at a height.
+fn draw_on_ground(
+    surface: &Surface,
+    ground_m: Option<f32>,
     camera: &Camera,
     style: &Style,
     size: Size,
@@ -81,7 +102,8 @@ pub fn draw_surface(
         let all: Vec<Vec3> = vertices().collect();
         let lowest = vertices().reduce(|a, b| if b.y < a.y { b } else { a });
         let tree_extent = Extent::of(surface.skeleton, &all).ok_or(RasterError::Empty)?;
-        (tree_extent, lowest.ok_or(RasterError::Empty)?)
+        let lowest = lowest.ok_or(RasterError::Empty)?;
+        (tree_extent, ground_m.map_or(lowest, |ground_m| lowest.with_y(ground_m)))
     };
     let framed = framed(camera, style, tree_extent, foot);
     let view = camera.view(framed, size);
@@ -115,7 +137,9 @@ pub fn draw_surface(
     let mut runs = Runs::together(pieces, &ledger)?;
     runs.sort(monitor)?;
 
-    let triangles = Triangles::new(surface, &view, &air, style, (size, factor), &ledger, monitor)?;
+    let ground_m = ground_m.filter(|ground_m| view.eye().y > *ground_m);
+    let triangles =
+        Triangles::new((surface, ground_m), &view, &air, style, (size, factor), &ledger, monitor)?;
     let backdrop = Backdrop::new(style, &view, &tree_extent, foot, shadow);
     canvas::compose(size, &backdrop, monitor, |rows, pixels| {
         let mut samples = Samples::new(rows, factor);

@@ -8,7 +8,7 @@ use linden_pipeline::scene::{Material, Mesh, Part};
 use linden_pipeline::stage::{Level, Place, Plant, Stage};
 use linden_pipeline::{Monitor, Skeleton};
 
-use super::{Surface, draw_surface};
+use super::{Surface, draw_on_ground, ground_m};
 use crate::memory::Ledger;
 use crate::{Camera, Extent, RasterError, Size, Style, View};
 
@@ -18,12 +18,12 @@ pub fn stage_extent(stage: &Stage<'_>) -> Option<Extent> {
     Extent::of(&Skeleton::default(), &stage.outermost())
 }
 
-/// Draws the plants of a stage at their places, in their first season, as [`draw_surface`] draws one. A plant
+/// Draws the plants of a stage at their places, in their first season, as [`draw_surface`](super::draw_surface) draws one. A plant
 /// that is small in the picture is drawn in a coarser level, where it has such; all are in the coarsest where
 /// [`Style::draft`] is.
 ///
 /// # Errors
-/// As [`draw_surface`]; parts count plant by plant, level by level.
+/// As [`draw_surface`](super::draw_surface); parts count plant by plant, level by level.
 pub fn draw_stage(
     stage: &Stage<'_>,
     camera: &Camera,
@@ -75,7 +75,13 @@ pub fn draw_stage(
     }
     let surface = Surface { parts: &parts, materials: &materials, skeleton: &Skeleton::default() };
     let camera = Camera { extent: camera.extent.or(Some(extent)), ..*camera };
-    draw_surface(&surface, &camera, style, size, &Holding::new(monitor, held))
+    let stands = |place: &Place| {
+        let level = stage.plants.get(place.plant)?.levels().first()?;
+        Some(place.position.y + place.scale * ground_m(&level.scene.skeleton)?)
+    };
+    let grounds: Option<Vec<f32>> = stage.places.iter().map(stands).collect();
+    let ground_m = grounds.and_then(|grounds| grounds.into_iter().reduce(f32::min));
+    draw_on_ground(&surface, ground_m, &camera, style, size, &Holding::new(monitor, held))
 }
 
 fn height_m(plant: &Plant<'_>) -> f32 {

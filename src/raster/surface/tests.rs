@@ -230,6 +230,26 @@ fn any_number_of_threads_gives_the_same_bytes() {
     assert!([2, 3, 8].into_iter().all(|threads| with(threads) == one));
 }
 
+/// A ball that is half in the ground, beside a tree: from above half of it is seen.
+#[test]
+fn what_is_in_the_ground_is_not_seen_from_above() {
+    let (skeleton, _) = tree(2);
+    let foot = skeleton.positions[0];
+    let place = Vec3::new(foot.x + 0.5, foot.y, foot.z);
+    let whole = [part(ball(place + Vec3::Y * 2.0, 0.3), 0)];
+    let half = [part(ball(place, 0.3), 0)];
+    let ink_of = |parts: &[Part], pitch: f32| {
+        let camera = Camera::orbit(0.0, pitch);
+        let bare = ink(&draw(&[], &[material([0.4; 3])], &skeleton, &camera, size(500, 600)));
+        ink(&draw(parts, &[material([0.4; 3])], &skeleton, &camera, size(500, 600))) - bare
+    };
+    // As good as level: the upper half. From above: the whole of the circle's far half and an ellipse.
+    let share = ink_of(&half, 1.0) / ink_of(&whole, 1.0);
+    assert!((0.4..0.65).contains(&share), "{share}");
+    let share = ink_of(&half, -40.0) / ink_of(&whole, -40.0);
+    assert!(share > 0.85, "seen from below it is whole: {share}");
+}
+
 #[test]
 fn cancelling_stops_soon() {
     /// Cancels at the n-th look, and counts the looks.

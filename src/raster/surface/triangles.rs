@@ -54,6 +54,8 @@ struct Corner {
     lit: Lit,
     /// The haze's share.
     haze: f32,
+    /// Over the ground, metres; leaves are over it in any case.
+    height_m: f32,
     uv: Vec2,
 }
 
@@ -101,7 +103,7 @@ pub(super) struct Triangles<'a> {
 
 impl<'a> Triangles<'a> {
     pub fn new(
-        surface: &Surface<'a>,
+        (surface, ground_m): (&Surface<'a>, Option<f32>),
         view: &'a View,
         air: &'a Air<'a>,
         style: &Style,
@@ -110,7 +112,13 @@ impl<'a> Triangles<'a> {
         monitor: &dyn Monitor,
     ) -> Result<Self, RasterError> {
         let band_height = band_height(size);
-        let lens = Lens { view, air, exposure: style.exposure, factor };
+        let lens = Lens {
+            view,
+            air,
+            exposure: style.exposure,
+            factor,
+            ground_m: ground_m.unwrap_or(f32::NEG_INFINITY),
+        };
         let mut parts = Vec::with_capacity(surface.parts.len());
         let mut bins = Vec::new();
         for (i, part) in surface.parts.iter().enumerate() {
@@ -176,6 +184,11 @@ impl<'a> Triangles<'a> {
 
     fn triangle(&self, seen: &Seen, corners: [Corner; 3], rows: Rows, samples: &mut Samples) {
         let [a, b, c] = corners;
+        let is_in_ground = corners.map(|corner| corner.height_m < 0.0);
+        if is_in_ground == [true; 3] {
+            return;
+        }
+        let dips = is_in_ground != [false; 3];
         let (ab, ac) = (b.at - a.at, c.at - a.at);
         let area = ab.perp_dot(ac);
         let first_row = (rows.top * samples.factor) as f32;
@@ -222,7 +235,7 @@ impl<'a> Triangles<'a> {
                 let mix = |of: fn(&Corner) -> f32| of(&a) + (of(&b) - of(&a)) * wb + (of(&c) - of(&a)) * wc;
                 let nearness = mix(|v| v.nearness);
                 let at = line + x as usize;
-                if nearness <= samples.nearness[at] {
+                if nearness <= samples.nearness[at] || (dips && mix(|v| v.height_m) < 0.0) {
                     continue;
                 }
                 let color = match (&seen.texels, halved) {
@@ -260,6 +273,8 @@ struct Lens<'a> {
     air: &'a Air<'a>,
     exposure: f32,
     factor: u32,
+    /// Wood that is lower is in the ground.
+    ground_m: f32,
 }
 
 impl Lens<'_> {
@@ -293,6 +308,7 @@ impl Lens<'_> {
             nearness,
             lit: Lit { sun: sun * self.exposure, sky: sky * self.exposure },
             haze: self.air.thickness(1.0 / nearness),
+            height_m: if seen.double_sided { f32::INFINITY } else { place.y - self.ground_m },
             uv: mesh.uvs[vertex],
         }
     }

@@ -12,10 +12,13 @@ pub(super) struct Piece {
     pub to: Vec3,
     pub to_radius_m: f32,
     pub length_m: f32,
-    pub axis: u32,
+    /// Which tube it is of: an axis, or a root.
+    pub tube: u32,
     /// Whether it ends flat below, or above.
     pub is_flat: [bool; 2],
     pub flare: Option<Flare>,
+    /// A place and the direction upward of the ground that a stem stands on, where the piece would bulge into it.
+    pub floor: Option<[Vec3; 2]>,
 }
 
 /// How near a piece is to a point.
@@ -54,6 +57,12 @@ impl Piece {
                 near = Near { distance_m: beyond_m, out: course.normalize_or_zero() * way, ..near };
             }
         }
+        if let Some([foot, up]) = self.floor {
+            let below_m = (foot - point).dot(up);
+            if below_m > near.distance_m {
+                near = Near { distance_m: below_m, out: -up, ..near };
+            }
+        }
         near
     }
 
@@ -80,11 +89,11 @@ pub(super) struct Nearest {
 impl Nearest {
     /// Counts a piece in, `index` of `pieces`. The order of pieces decides among equals.
     pub fn meet(&mut self, pieces: &[Piece], index: u32, near: Near) {
-        let axis = |found: &Option<(u32, Near)>| found.map(|(index, _)| pieces[index as usize].axis);
+        let tube = |found: &Option<(u32, Near)>| found.map(|(index, _)| pieces[index as usize].tube);
         let is_nearer =
             |found: &Option<(u32, Near)>| found.is_none_or(|(_, other)| near.distance_m < other.distance_m);
-        let piece_axis = Some(pieces[index as usize].axis);
-        if axis(&self.first) == piece_axis {
+        let piece_tube = Some(pieces[index as usize].tube);
+        if tube(&self.first) == piece_tube {
             if is_nearer(&self.first) {
                 self.first = Some((index, near));
             }

@@ -113,7 +113,7 @@ fn barked(
             let first = angle(guide, corners[0].place);
             corners.map(|corner| {
                 let at_corner = &pieces[corner.piece as usize];
-                let piece = if at_corner.axis == guide.axis { at_corner } else { guide };
+                let piece = if at_corner.tube == guide.tube { at_corner } else { guide };
                 // The turn that is nearest to the first corner's.
                 let turn = angle(piece, corner.place) - first;
                 let turn = turn - TAU * (turn / TAU).round();

@@ -96,8 +96,11 @@ pub(super) fn solidify(course: &Course<'_>, monitor: &dyn Monitor) -> Result<Mes
 fn pieces(plan: &Plan, lattice: &Lattice) -> Vec<Piece> {
     let least_m = THINNEST_CELLS * lattice.cell_m;
     let mut pieces = Vec::new();
-    for (rings, form) in plan.axes() {
+    for (number, (rings, form)) in (0..).zip(plan.axes()) {
         let first = pieces.len();
+        // The foot is flat, however close rings are there.
+        let stands = form.collar.is_none() && form.is_stem;
+        let foot = rings.first().filter(|_| stands).map(|base| [base.center, base.tangent]);
         pieces.extend(rings.windows(2).map(|pair| {
             let (mut from, to) = (pair[0], &pair[1]);
             from.radius = from.onward.max(least_m);
@@ -106,14 +109,14 @@ fn pieces(plan: &Plan, lattice: &Lattice) -> Vec<Piece> {
                 to: to.center,
                 to_radius_m: to.radius.max(least_m),
                 length_m: to.along - from.along,
-                axis: form.axis,
+                tube: number,
                 is_flat: [false; 2],
                 flare: form.flare.filter(|flare| from.along < flare.height_m),
+                floor: foot.filter(|_| from.along > 0.0 && from.along < 1.5 * from.radius),
             }
         }));
         if let [base, ..] = &mut pieces[first..]
-            && form.collar.is_none()
-            && form.is_stem
+            && stands
         {
             base.is_flat[0] = true;
         }

@@ -77,6 +77,18 @@ fn a_pole_has_its_radius_and_its_flat_foot() {
     assert!(found.watertight() && found.flipped == 0, "{found:?}");
 }
 
+/// However close its rings are: each is the middle of a ball that would bulge below it.
+#[test]
+fn a_flared_foot_is_flat_too() {
+    let wood = Wood { tip_radius_m: Some(0.1), base_radius_m: Some(0.1), ..Wood::default() };
+    let pole = tree(vec![glam::Vec3::ZERO, glam::Vec3::Y * 2.0], vec![NO_PARENT, 0], &wood);
+    let features = Features { flare: 0.6, ..Features::default() };
+    let solid = sweep(&pole, &Tubes { features, ..watertight(40) }, &Quiet).unwrap();
+    assert!(solid.positions.iter().all(|p| p.y > -0.002));
+    let foot = solid.positions.iter().filter(|p| p.y < 0.002).map(|p| p.with_y(0.0).length());
+    assert!((foot.fold(0.0, f32::max) / 0.16 - 1.0).abs() < 0.05);
+}
+
 #[test]
 fn gnarled_wood_becomes_one_solid_on_any_number_of_threads() {
     let features = Features { collar: 0.7, flare: 0.8, flare_ridges: 5, ..Features::default() };
