@@ -18,7 +18,8 @@ pub struct Timings {
 /// The names of `--json`: scripts rely on them.
 #[derive(Serialize)]
 struct Step {
-    step: &'static str,
+    #[serde(rename = "step")]
+    name: &'static str,
     seconds: f64,
     /// Of all threads; null where the system does not tell.
     cpu_seconds: Option<f64>,
@@ -55,10 +56,10 @@ impl Timings {
     }
 
     /// The step that is over now.
-    pub fn lap(&mut self, step: &'static str) {
+    pub fn lap(&mut self, name: &'static str) {
         let (now, worked) = (Instant::now(), cpu_time());
         let cpu_seconds = worked.zip(self.last.1).map(|(now, then)| now.saturating_sub(then).as_secs_f64());
-        self.steps.push(Step { step, seconds: (now - self.last.0).as_secs_f64(), cpu_seconds });
+        self.steps.push(Step { name, seconds: (now - self.last.0).as_secs_f64(), cpu_seconds });
         self.last = (now, worked);
     }
 
@@ -90,8 +91,8 @@ impl Timings {
         let cpu =
             |seconds: Option<f64>| seconds.map_or_else(|| format!("{:>9}", "-"), |s| format!("{s:9.3}"));
         let mut text = format!("{:12}{:>9} {:>9}\n", "step", "seconds", "CPU");
-        for Step { step, seconds, cpu_seconds } in report.steps {
-            text += &format!("{step:12}{seconds:9.3} {}\n", cpu(*cpu_seconds));
+        for Step { name, seconds, cpu_seconds } in report.steps {
+            text += &format!("{name:12}{seconds:9.3} {}\n", cpu(*cpu_seconds));
         }
         text += &format!("{:12}{:9.3} {}\n", "all", report.seconds, cpu(report.cpu_seconds));
         let bytes = report.files.iter().map(|file| file.bytes).sum();

@@ -83,7 +83,7 @@ pub fn billboard(scene: &Scene, how: &Billboard, monitor: &dyn Monitor) -> Resul
         }
     }
     let mut pile = Pile::new(sheet.size, SAMPLES);
-    pile.lay(&Resolved::of(&drawn, SAMPLES), Pixels::new(0, 0), 1.0);
+    pile.lay(&Resolved::of(&drawn, SAMPLES), Pixels::new(0, 0), Vec3::ONE);
     drop(drawn);
     let Finished { color, normal } = pile.finish(CUTOUT, false, monitor)?;
     let material = Material {

@@ -56,6 +56,12 @@ impl Resolved {
         }
         Self { size, pixels }
     }
+
+    /// Of all that is seen, linear.
+    pub fn mean_color(&self) -> Vec3 {
+        let sum: Vec4 = self.pixels.iter().map(|(color, _)| *color).sum();
+        sum.truncate() / sum.w.max(1.0)
+    }
 }
 
 impl Pile {
@@ -70,8 +76,8 @@ impl Pile {
     }
 
     /// Lays a drawing, its upper left corner at a pixel, its colours times `light`.
-    pub fn lay(&mut self, drawing: &Resolved, corner: Pixels, light: f32) {
-        let light = Vec3::splat(light).extend(1.0);
+    pub fn lay(&mut self, drawing: &Resolved, corner: Pixels, light: Vec3) {
+        let light = light.extend(1.0);
         let size = self.colors.size;
         for (row, line) in drawing.pixels.chunks_exact((drawing.size.x as usize).max(1)).enumerate() {
             let y = corner.y as usize + row;

@@ -206,7 +206,6 @@ mod tests {
             normals: vec![Vec3::Z; 4],
             uvs: vec![Vec2::ZERO; 4],
             triangles: vec![[0, 1, 2], [0, 2, 3]],
-            ..Mesh::default()
         }
     }
 
@@ -258,9 +257,9 @@ mod tests {
             let unit = |k: u64| key.child(k).between(-1.0, 1.0) as f32;
             // Flat ones and rows along a side among them.
             let across =
-                Vec2::new(unit(0), if i % 5 == 0 { 0.0 } else { unit(1) }) * 10.0_f32.powf(unit(2) * 2.0);
+                Vec2::new(unit(0), if i % 5 == 0 { 0.0 } else { unit(1) }) * libm::powf(10.0, unit(2) * 2.0);
             let first =
-                Vec2::new(unit(3), if i % 7 == 0 { 0.0 } else { unit(4) }) * 10.0_f32.powf(1.0 + unit(5));
+                Vec2::new(unit(3), if i % 7 == 0 { 0.0 } else { unit(4) }) * libm::powf(10.0, 1.0 + unit(5));
             let range = inside(first, across, 50);
             let truly: Vec<usize> = (0..50)
                 .filter(|&x| {
