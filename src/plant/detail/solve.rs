@@ -40,11 +40,12 @@ pub fn shares(budget: u64, tree: Amount, with_cards: bool) -> Shares {
     let Amount { wood, leaves, sites } = tree;
     let for_wood = share_of_wood(budget, wood, leaves);
     let left = budget.saturating_sub(for_wood);
-    let is_below = |count: u64, share: f64, all: u64| (count as f64) < share * all as f64;
-    let in_cards = with_cards
-        && is_below(left, LEAVES_AS_THEY_ARE, leaves)
-        && is_below(left / TRIANGLES, MOST_SITES, sites);
-    Shares { wood: for_wood, in_cards }
+    // What cards cannot use goes to the wood, as far as there is any.
+    let for_cards = left.min(TRIANGLES * (MOST_SITES * sites as f64) as u64);
+    let beside_cards = budget.saturating_sub(for_cards);
+    let are_many_left = left as f64 >= LEAVES_AS_THEY_ARE * leaves as f64;
+    let in_cards = with_cards && !are_many_left && for_cards > 0 && beside_cards < wood;
+    Shares { wood: if in_cards { beside_cards } else { for_wood }, in_cards }
 }
 
 /// How many of `budget` triangles are the wood's where leaves are thinned out.
