@@ -102,7 +102,12 @@ fn quarters(folder: &Folder, leaf: &str) -> [[u8; 4]; 4] {
     assert_eq!(size, [16, 12], "{leaf}");
     [(4, 3), (12, 3), (4, 9), (12, 9)].map(|(column, row)| {
         let pixel = &bytes[(row * 16 + column) * samples..][..samples];
-        [pixel[0], pixel[1], pixel[2], if samples == 4 { pixel[3] } else { 255 }]
+        match *pixel {
+            [grey] => [grey, grey, grey, 255],
+            [grey, alpha] => [grey, grey, grey, alpha],
+            [r, g, b] => [r, g, b, 255],
+            _ => [pixel[0], pixel[1], pixel[2], pixel[3]],
+        }
     })
 }
 

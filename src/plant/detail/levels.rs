@@ -65,8 +65,7 @@ pub fn levels(specimen: &Specimen<'_>, body: Body<'_>, monitor: &dyn Monitor) ->
     let mut notes = Vec::new();
     let plan = Plan::new(specimen.dressing, body, &mut notes, monitor)?;
     let dressing = plan.dressing(specimen.dressing);
-    let specimen = &specimen.with(&dressing);
-    let wardrobe = Wardrobe::new(specimen, body.organs, monitor)?;
+    let wardrobe = Wardrobe::new(&specimen.with(&dressing), body.organs, monitor)?;
     Ok(Levels { levels: plan.dress(specimen, body, &wardrobe, monitor)?, notes })
 }
 
@@ -141,13 +140,13 @@ pub fn year(
     let mut wardrobe: Option<Wardrobe> = None;
     let mut year = Vec::with_capacity(seasons.len());
     for (season, (dressing, organs)) in seasons.into_iter().zip(&looks) {
-        let dressing = plan.dressing(dressing);
-        let specimen = specimen.with(&dressing);
+        let worn_in = plan.dressing(dressing);
+        let (specimen, worn_in) = (specimen.with(dressing), specimen.with(&worn_in));
         let body = Body { organs, ..body };
         let holding = Holding::new(monitor, held);
         let worn = match &wardrobe {
-            Some(before) => before.in_season(&specimen, organs, &holding)?,
-            None => Wardrobe::new(&specimen, organs, &holding)?,
+            Some(before) => before.in_season(&worn_in, organs, &holding)?,
+            None => Wardrobe::new(&worn_in, organs, &holding)?,
         };
         let levels = plan.dress(&specimen, body, &worn, &holding)?;
         held += levels.iter().map(|level| level.scene.bytes()).sum::<u64>();
@@ -259,7 +258,7 @@ impl Plan {
         Cow::Owned(dressing)
     }
 
-    /// Dresses a tree in these levels, and in what stands for it from afar.
+    /// Dresses a tree in these levels, and in what stands for it from afar. The wardrobe is of [`Self::dressing`].
     fn dress(
         &self,
         specimen: &Specimen<'_>,
@@ -267,6 +266,10 @@ impl Plan {
         wardrobe: &Wardrobe,
         monitor: &dyn Monitor,
     ) -> Result<Vec<Level>, DetailError> {
+        // Files say how the tree was asked for.
+        let recipe = (specimen.recipe)(specimen.dressing, body.organs);
+        let dressing = self.dressing(specimen.dressing);
+        let specimen = &specimen.with(&dressing);
         let Dressing { detail, tubes, .. } = specimen.dressing;
         let field = Field::of(specimen, body.skeleton);
         let mut scenes: Vec<Scene> = Vec::new();
@@ -307,7 +310,6 @@ impl Plan {
                 }
             }
         }
-        let recipe = (specimen.recipe)(specimen.dressing, body.organs);
         for scene in &mut scenes {
             scene.recipe.clone_from(&recipe);
         }

@@ -279,10 +279,9 @@ impl<'a> Stage<'a> {
             .filter(|d| d.abs().max_element() == 2.0)
             .collect();
         let of_plant = |plant: &Plant<'a>| -> Vec<Vec3> {
-            let meshes = plant.levels().first().map_or(&[][..], |level| &level.scene.parts);
-            let positions = || meshes.iter().flat_map(|part| &part.mesh.positions);
+            let scene = plant.levels().first().map(|level| level.scene);
             let mut outermost = vec![(f32::NEG_INFINITY, Vec3::ZERO); directions.len()];
-            for &point in positions() {
+            for &point in scene.into_iter().flat_map(points_of) {
                 for (direction, most) in directions.iter().zip(&mut outermost) {
                     let far = direction.dot(point);
                     if far > most.0 {
@@ -326,7 +325,16 @@ impl<'a> Stage<'a> {
 
 fn plant_bounds(plant: &Plant<'_>) -> Option<Bounds> {
     let scene = plant.levels().first()?.scene;
+    if scene.parts.is_empty() {
+        return Bounds::of(points_of(scene).copied());
+    }
     scene.parts.iter().filter_map(|part| part.mesh.bounds()).reduce(Bounds::union)
+}
+
+/// Where there is something of a plant: its surface, or its axes where nobody wanted a surface.
+fn points_of(scene: &Scene) -> impl Iterator<Item = &Vec3> {
+    let axes: &[Vec3] = if scene.parts.is_empty() { &scene.skeleton.positions } else { &[] };
+    scene.parts.iter().flat_map(|part| &part.mesh.positions).chain(axes)
 }
 
 #[cfg(test)]
