@@ -18,7 +18,18 @@ const PLANTS: [(&str, &[(&str, &str)]); 12] = [
     ("abop-b", &[("width_steps", "cylinder")]),
     ("abop-honda-a", &[("width_steps", "cylinder"), ("ends", "cut")]),
     ("abop-aono-a", &[("width_smoothing", "0")]),
-    ("oak", &[("leaf_keep", "0.02"), ("flare", "0.8"), ("flare_height", "2.5"), ("flare_ridges", "5")]),
+    // No number counts roots and stubs, which meshes have.
+    (
+        "oak",
+        &[
+            ("leaf_keep", "0.02"),
+            ("flare", "0.8"),
+            ("flare_height", "2.5"),
+            ("flare_ridges", "5"),
+            ("surface_roots", "0"),
+            ("stubs", "0"),
+        ],
+    ),
     ("dressed-honda-a", &[]),
     ("dressed-simple", &[]),
     ("simple", &[]),

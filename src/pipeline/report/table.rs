@@ -85,7 +85,7 @@ impl Of {
     pub const fn includes(self) -> &'static str {
         match self {
             Self::Wood => {
-                "the wood: nodes and segments, and where it has a thickness the tubes that the surface makes of them; no leaves"
+                "the wood: nodes and segments, and where it has a thickness the tubes that the surface makes of them; no leaves, no roots on the ground and no stubs"
             }
             Self::Leaves => {
                 "leaves of the preset and leaves, needles and polygons of the grammar; no blossom, no fruit"
