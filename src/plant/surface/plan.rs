@@ -265,24 +265,23 @@ impl Plan {
 /// What plans take at most, with the lists of rings that grow one by one.
 pub(super) fn planned_bytes(skeleton: &Skeleton, tubes: &Tubes) -> u64 {
     let places = if tubes.features.collar > 0.0 { bytes_of::<u32>(skeleton.positions.len()) } else { 0 };
-    places
-        + Forks::bytes_for(skeleton)
-        + planned_bytes_of(skeleton.positions.len(), skeleton.axes.len(), tubes)
+    places + Forks::bytes_for(skeleton) + planned_bytes_of(skeleton.positions.len(), &skeleton.axes, tubes)
 }
 
-/// The same for `axes` axes with `nodes` nodes together, without what is shared by all.
-pub(super) fn planned_bytes_of(nodes: usize, axes: usize, tubes: &Tubes) -> u64 {
+/// The same for some axes with `nodes` nodes together, without what is shared by all.
+pub(super) fn planned_bytes_of(nodes: usize, axes: &[Axis], tubes: &Tubes) -> u64 {
+    let stems = axes.iter().filter(|axis| axis.parent == NO_PARENT).count();
+    let axes = axes.len();
     // A ring for each node and one more for each lateral, and those between.
     let most = (nodes + axes).saturating_mul(tubes.rings as usize);
     let collars = if tubes.features.collar > 0.0 { axes } else { 0 };
-    let roots = Stools::most(axes) * roots::most_roots(tubes.features.roots.count);
-    let stubs = if tubes.features.stubs.per_m > 0.0 { Boles::most(axes) * stubs::MOST } else { 0 };
+    let roots = Stools::most(stems) * roots::most_roots(tubes.features.roots.count);
+    let stubs = if tubes.features.stubs.per_m > 0.0 { Boles::most(stems) * stubs::MOST } else { 0 };
     let most = most + roots * roots::MOST_RINGS + stubs * stubs::MOST_RINGS;
-    let roots = roots + stubs;
     bytes_of::<Ring>(most + collars * MOST_RINGS).saturating_mul(2)
-        + bytes_of::<(usize, TubeForm)>(axes + roots)
-        // A fork has the rings of its root.
-        + bytes_of::<Ring>(roots * roots::MOST_RINGS)
-        + bytes_of::<roots::Root>(roots)
+        + bytes_of::<(usize, TubeForm)>(axes + roots + stubs)
+        // A fork has the rings of its root, a stub those around it.
+        + bytes_of::<Ring>(roots * roots::MOST_RINGS + stubs * stubs::HOST_RINGS)
+        + bytes_of::<roots::Root>(roots + stubs)
         + bytes_of::<Collar>(collars)
 }

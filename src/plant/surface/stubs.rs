@@ -32,6 +32,8 @@ impl Default for Stubs {
 pub(super) const MOST: usize = 256;
 /// Rings of one at most.
 pub(super) const MOST_RINGS: usize = 10;
+/// Rings of the stem that one is laid against.
+pub(super) const HOST_RINGS: usize = 4;
 /// Below this height over the foot, in radii of the trunk, there are none: there it is too thick and too old.
 const LOWEST: f32 = 2.2;
 /// How far they go into the crown, as a share of its height: there dead limbs are among living ones.
@@ -94,7 +96,8 @@ impl Bole<'_> {
         // Limbs that are shed stood at all angles, few of them steep.
         let rises = key.named("rises").between(-0.2, 0.7) as f32;
         let way = (out + from.tangent * if healed { 0.0 } else { rises }).normalize_or(out);
-        let (first, last) = (above.saturating_sub(2), (above + 2).min(self.rings.len()));
+        let (first, last) =
+            (above.saturating_sub(HOST_RINGS / 2), (above + HOST_RINGS / 2).min(self.rings.len()));
         let host = Host { rings: self.rings[first..last].to_vec(), flare: self.flare };
         let bark_m = host.reach_along_m(center, way);
         let start_m = bark_m - 1.5 * radius_m;

@@ -77,7 +77,7 @@ pub fn survey(
             nodes += axis.len as usize;
             end += 1;
         }
-        monitor.admit(DOING, planned_bytes_of(nodes, end - first, tubes), ADVICE)?;
+        monitor.admit(DOING, planned_bytes_of(nodes, &skeleton.axes[first..end], tubes), ADVICE)?;
         let (mesh, swept) = sweep_some(&course, first..end, monitor)?;
         let stretches: Vec<Vec<Stretch>> = swept.par_iter().map(|swept| swept.stretches(&course)).collect();
         drop(swept);
