@@ -497,19 +497,8 @@ fn mean_color(cover: &Cover) -> [f32; 3] {
 mod tests {
     use super::*;
     use crate::Wanted;
-    use crate::testing::{Subject, body};
-    use linden_base::monitor::{Phase, Quiet};
-
-    /// Nobody wants anything any more: nothing is drawn.
-    struct Stop;
-
-    impl Monitor for Stop {
-        fn is_cancelled(&self) -> bool {
-            true
-        }
-
-        fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
-    }
+    use crate::testing::{Stop, Subject, body};
+    use linden_base::monitor::Quiet;
 
     #[test]
     fn what_is_drawn_ahead_is_not_drawn_again() {

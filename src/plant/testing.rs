@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use linden_base::document::{Datum, Entry, NamesFiles, Node};
 use linden_base::knob::{Field, set};
-use linden_base::monitor::Quiet;
+use linden_base::monitor::{Monitor, Phase, Quiet};
 use linden_pipeline::grow::Grown;
 use linden_pipeline::preset::{Preset, builtin};
 use linden_pipeline::recipe::Recipe;
@@ -19,6 +19,17 @@ use crate::settings::{
 use crate::surface::Tubes;
 use crate::texture::DrawnPictures;
 use crate::{Body, Specimen, Wanted};
+
+/// Nobody wants anything any more: what asks, stops.
+pub struct Stop;
+
+impl Monitor for Stop {
+    fn is_cancelled(&self) -> bool {
+        true
+    }
+
+    fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
+}
 
 /// A recipe, and how its tree looks.
 pub struct Subject {

@@ -25,7 +25,7 @@ from render import light, load  # noqa: E402
 
 PLANTS = "oak,ash,silver-birch,norway-spruce,kanzan-cherry,apple"
 SUMMER, AUTUMN, WINTER = (["--set", f"season={season}"] for season in (0.4, 0.75, 0.98))
-# What stands over a column, what linden is told, and how far above the foot the camera looks, as a share of the height.
+# What stands over a column, what linden is told, and whether the foot is shown from near.
 COLUMNS = [
     ("5 000 triangles", ["--triangles", "5000"], False),
     ("20 000", ["--triangles", "20000"], False),

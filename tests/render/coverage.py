@@ -6,7 +6,7 @@
 
 From the same camera, on a transparent film: the pixels that the level covers (alpha over one half) as a share of those
 of the full tree, both together over either (intersection over union), and how far the mean colours of what is covered
-are apart (CIE 1976, in CIELAB). A line for each level and direction, then the means of each level. Directions are degrees round
+are apart (CIE 1976, in CIELAB), with the level's L, a and b less the tree's. A line for each level and direction, then the means of each level. Directions are degrees round
 the tree. Runs in a Python with Blender as a module (pip install bpy==5.0.1 pillow, Python 3.11).
 """
 

@@ -158,18 +158,9 @@ impl<W: Clone + PartialEq, P: Clone + Held> Shelf<W, P> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::Stop;
     use crate::texture::BarkStyle;
-    use linden_base::monitor::{Phase, Quiet};
-
-    struct Stop;
-
-    impl Monitor for Stop {
-        fn is_cancelled(&self) -> bool {
-            true
-        }
-
-        fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
-    }
+    use linden_base::monitor::Quiet;
 
     fn bark(seed: u64) -> Bark {
         Bark { size_px: 64, ..Bark::new(BarkStyle::Plated, Key::new(seed)) }

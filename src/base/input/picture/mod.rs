@@ -12,7 +12,7 @@ use image::{ColorType, DynamicImage, ImageDecoder, ImageError};
 
 use self::format::{Readable, other_format};
 use self::open::{Opened, open};
-use crate::color::{decode, encode};
+use crate::color::{code, decode};
 use crate::knob::printable;
 use crate::memory::OverMemory;
 use crate::monitor::Monitor;
@@ -182,7 +182,7 @@ fn mean_color(rgba: &[u8]) -> [u8; 3] {
     if weight == 0.0 {
         return [0; 3];
     }
-    sums.map(|sum| (encode((sum / weight) as f32) * 255.0 + 0.5) as u8)
+    sums.map(|sum| code((sum / weight) as f32))
 }
 
 #[cfg(test)]

@@ -18,7 +18,7 @@ use crate::foliage::Cover;
 use crate::scene::Material;
 use crate::texture::leaf::Cell;
 use crate::{Body, Specimen};
-use linden_base::color::encode;
+use linden_base::color::code;
 use linden_base::memory::bytes_of;
 use linden_base::mesh::{Bounds, Mesh};
 use linden_base::monitor::{Cancelled, Monitor};
@@ -155,7 +155,7 @@ pub(super) fn draw<'a>(
         }
     }
     let Finished { color, normal } = pile.finish(CUTOUT, true, monitor)?;
-    let mean = drawing::mean(&color).map(|light| (encode(light) * 255.0 + 0.5) as u8);
+    let mean = drawing::mean(&color).map(code);
     let whole = Cell {
         min: Vec2::ZERO,
         max: Vec2::ONE,
@@ -182,7 +182,7 @@ pub(super) fn draw<'a>(
 /// Leaves that lie at random are `τ / (1 − exp(−τ))` layers where there are any, at an optical thickness of τ. A look
 /// reaches down to a depth t with `exp(−t)`; light, of which leaves scatter a share ω (`color`) on, with `exp(−κt)`, κ =
 /// √(1 − ω) (Goudriaan 1977, *Crop Micrometeorology*). What is seen has `∫exp(−(1 + κ)t)dt / ∫exp(−t)dt` of the light.
-/// [`DRAWN`] of the rest is taken away.
+/// [`SHADE_SHARE`] of the rest is taken away.
 fn light_within(layers: f32, color: Vec3) -> Vec3 {
     /// Newton's rounds: each about doubles the digits, and a guess is near.
     const ROUNDS: u32 = 6;
@@ -201,12 +201,12 @@ fn light_within(layers: f32, color: Vec3) -> Vec3 {
         let reach = 1.0 + (1.0 - scattered.clamp(0.0, 1.0)).sqrt();
         (1.0 - libm::expf(-reach * depth)) / (reach * (1.0 - libm::expf(-depth)))
     });
-    Vec3::ONE - DRAWN * (Vec3::ONE - Vec3::from(left))
+    Vec3::ONE - SHADE_SHARE * (Vec3::ONE - Vec3::from(left))
 }
 
 /// How much of what leaves within a piece take from each other is drawn: the cards of a crown shade each other, too.
 /// Fitted to six plants as Cycles shows them, an oak and an apple most; without, those are lighter than their trees.
-const DRAWN: f32 = 0.3;
+const SHADE_SHARE: f32 = 0.3;
 
 /// The leaves and the thin wood of a piece.
 #[expect(clippy::too_many_arguments)]
@@ -393,7 +393,7 @@ mod tests {
                     seen += libm::exp(-t);
                     lit += libm::exp(-t) * libm::exp(-reach * t);
                 }
-                let expected = 1.0 - f64::from(DRAWN) * (1.0 - lit / seen);
+                let expected = 1.0 - f64::from(SHADE_SHARE) * (1.0 - lit / seen);
                 assert!((f64::from(found) - expected).abs() < 1e-3, "{depth}: {found}, not {expected}");
             }
         }

@@ -25,7 +25,7 @@ use rayon::prelude::*;
 
 use self::tint::Tint;
 
-use linden_base::color::{encode, linear};
+use linden_base::color::{code, linear};
 use linden_base::input::UserPicture;
 use linden_base::memory::OverMemory;
 use linden_base::monitor::{Cancelled, Monitor};
@@ -298,7 +298,7 @@ impl LeafLook {
         let look = Self { color_spread: 0.0, ..self.bounded() };
         let of = |variant: u32| {
             let blade = Tint::new(&look, variant, Key::new(0)).blade;
-            blade.to_array().map(|c| (encode(c.clamp(0.0, 1.0)) * 255.0 + 0.5) as u8)
+            blade.to_array().map(code)
         };
         (0..self.colors.len() as u32).map(of).collect()
     }
