@@ -19,7 +19,7 @@ const TRANSLUCENCY: &str = "leaf_translucency";
 const BUDGETS: [&str; 2] = ["triangles", "lod_triangles"];
 
 /// Knobs that show in colours and pictures, most of them in these alone.
-const SHOWN: [&str; 32] = [
+const SHOWN: [&str; 33] = [
     "bark",
     "bark_color",
     "bark_grain",
@@ -39,6 +39,7 @@ const SHOWN: [&str; 32] = [
     "leaf_margin",
     "leaf_petiole",
     "twig_leaves",
+    "twig_tuft",
     "leaf_normals",
     "leaf_colors",
     "autumn_colors",

@@ -1,85 +1,83 @@
 #!/usr/bin/env python3
-"""Renders plants at several budgets of triangles, in three seasons and from near with Blender's Cycles, a row for each:
+"""Renders plants at several budgets of triangles, in three seasons and from near, a row for each, in Blender's Cycles or in
+three.js:
 
     cargo build --release
     python tests/render/budgets.py presets/pictures/budgets-cycles.jpg [--linden target/release/linden]
-                                   [--plants oak,ash] [--peer NAME=FILE ...] [--size 300] [--samples 24]
+                                   [--plants oak,ash] [--renderer cycles|three] [--peer PLANT=NAME=FILE ...]
+                                   [--columns 5000,20000,near] [--size 300] [--samples 24]
 
-A peer is a model of another program (.glb, .obj, .usda), which has a row with its one model. All are framed alike: by their
-height, from eye height. Runs where `render.py` runs (pip install bpy==5.0.1 pillow).
+A peer is a model of another program (.glb; in Cycles .obj and .usda as well), which stands at the end of the row of the
+plant that it is like. All are framed alike: by their height, from eye height. Cycles runs where `render.py` runs (pip
+install bpy==5.0.1 pillow); three.js needs Chromium and `npm ci --prefix tests/render/three`, where `peers.mjs` writes
+models of ez-tree.
 """
 
 import argparse
-import math
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
-import bpy
-from mathutils import Vector
 from PIL import Image, ImageDraw
 
-sys.path.insert(0, str(Path(__file__).parent))
-from render import light, load  # noqa: E402
+HERE = Path(__file__).resolve().parent
+sys.path.insert(0, str(HERE))
 
 PLANTS = "oak,ash,silver-birch,norway-spruce,kanzan-cherry,apple"
 SUMMER, AUTUMN, WINTER = (["--set", f"season={season}"] for season in (0.4, 0.75, 0.98))
-# What stands over a column, what linden is told, and whether the foot is shown from near.
-COLUMNS = [
-    ("5 000 triangles", ["--triangles", "5000"], False),
-    ("20 000", ["--triangles", "20000"], False),
-    ("100 000", ["--triangles", "100000"], False),
-    ("all", [], False),
-    ("autumn, 20 000", ["--triangles", "20000", *AUTUMN], False),
-    ("winter, all", WINTER, False),
-    ("from near", [], True),
-]
+# By name: what stands over a column, what linden is told, and from where it is seen.
+COLUMNS = {
+    "5000": ("5 000 triangles", ["--triangles", "5000"], "whole"),
+    "20000": ("20 000", ["--triangles", "20000"], "whole"),
+    "100000": ("100 000", ["--triangles", "100000"], "whole"),
+    "all": ("all", [], "whole"),
+    "autumn": ("autumn, 20 000", ["--triangles", "20000", *AUTUMN], "whole"),
+    "winter": ("winter, all", WINTER, "whole"),
+    "near": ("from near", [], "foot"),
+    "leaves": ("leaves", [], "leaves"),
+}
 LABEL = 18
 
 
-def stand(meshes, is_near):
-    """A camera that shows a plant whole, or its foot."""
-    corners = [o.matrix_world @ Vector(c) for o in meshes for c in o.bound_box]
-    low, high = Vector(map(min, zip(*corners))), Vector(map(max, zip(*corners)))
-    height = high.z
-    # The longest of what has to be seen.
-    reach = max(height, 0.9 * max(high.x - low.x, high.y - low.y))
-    camera = bpy.data.cameras.new("camera")
-    camera.lens, camera.clip_end = 50, 1000 * reach
-    middle, size = (Vector((0, 0, 1.1)), 3.2) if is_near else (Vector((0, 0, height / 2)), 1.08 * reach)
-    away = 0.5 * size / math.tan(camera.angle / 2)
-    looking = bpy.data.objects.new("camera", camera)
+def in_cycles(shots, size, samples):
+    """Draws `(model, view, picture)` and gives the triangles of each."""
+    import bpy  # Before mathutils, which it brings.
+    from mathutils import Vector
+    from render import box_of, draw, light, load, look
+
     toward = Vector((0.35, -1, 0.1)).normalized()
-    looking.location = middle + toward * away
-    looking.rotation_euler = (-toward).to_track_quat("-Z", "Y").to_euler()
-    bpy.context.collection.objects.link(looking)
-    bpy.context.scene.camera = looking
-    bpy.ops.mesh.primitive_plane_add(size=400 * reach, location=(0, 0, 0))
-    ground = bpy.data.materials.new("ground")
-    ground.use_nodes = True
-    ground.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.24, 0.22, 0.16, 1)
-    ground.node_tree.nodes["Principled BSDF"].inputs["Roughness"].default_value = 1
-    bpy.context.object.data.materials.append(ground)
+    for model, view, picture in shots:
+        meshes = load(model)
+        triangles = sum(len(o.data.polygons) for o in meshes)
+        light()
+        low, high = box_of(meshes)
+        # The longest of what has to be seen.
+        reach = max(high.z, 0.9 * max(high.x - low.x, high.y - low.y))
+        if view == "foot":
+            look(Vector((0, 0, 1.1)), 3.2, toward)
+        elif view == "leaves":
+            # What stands out farthest to the camera at half the height.
+            middle = max((o.matrix_world @ v.co for o in meshes for v in list(o.data.vertices)[::7]), key=lambda at: at.dot(toward) - 0.5 * abs(at.z - high.z / 2))
+            look(middle, 1.2, toward)
+        else:
+            look(Vector((0, 0, high.z / 2)), 1.12 * reach, toward)
+        bpy.ops.mesh.primitive_plane_add(size=400 * reach, location=(0, 0, 0))
+        ground = bpy.data.materials.new("ground")
+        ground.use_nodes = True
+        surface = ground.node_tree.nodes["Principled BSDF"]
+        surface.inputs["Base Color"].default_value = (0.24, 0.22, 0.16, 1)
+        surface.inputs["Roughness"].default_value = 1
+        bpy.context.object.data.materials.append(ground)
+        draw(picture, size, samples)
+        yield triangles
 
 
-def rendered(file, is_near, size, samples):
-    meshes = load(file)
-    triangles = sum(len(o.data.polygons) for o in meshes)
-    light()
-    stand(meshes, is_near)
-    scene = bpy.context.scene
-    scene.render.engine = "CYCLES"
-    scene.cycles.samples, scene.cycles.seed = samples, 1
-    scene.cycles.use_denoising = False
-    # Leaves stand behind leaves: a ray goes through what is cut out of many.
-    scene.cycles.transparent_max_bounces = 128
-    scene.view_settings.view_transform = "Standard"
-    scene.render.resolution_x = scene.render.resolution_y = size
-    picture = file.with_suffix(".png")
-    scene.render.filepath = str(picture)
-    bpy.ops.render.render(write_still=True)
-    return Image.open(picture).convert("RGB"), triangles
+def in_three(shots, size, _samples):
+    words = [word for model, view, picture in shots for word in ("--view", view, f"{model}={picture}")]
+    drawn = subprocess.run(["node", HERE / "three" / "shoot.mjs", "--size", str(size), *words], check=True, stdout=subprocess.PIPE, text=True)
+    for line in drawn.stdout.splitlines():
+        yield int(line.rsplit(" ", 1)[1])
 
 
 def main():
@@ -87,34 +85,36 @@ def main():
     parser.add_argument("out", type=Path)
     parser.add_argument("--linden", default="target/release/linden")
     parser.add_argument("--plants", default=PLANTS)
-    parser.add_argument("--peer", action="append", default=[], metavar="NAME=FILE")
+    parser.add_argument("--columns", default=",".join(name for name in COLUMNS if name != "leaves"))
+    parser.add_argument("--renderer", choices=["cycles", "three"], default="cycles")
+    parser.add_argument("--peer", action="append", default=[], metavar="PLANT=NAME=FILE")
     parser.add_argument("--size", type=int, default=300)
     parser.add_argument("--samples", type=int, default=24)
     arguments = parser.parse_args()
-    plants = arguments.plants.split(",")
+    plants, columns = arguments.plants.split(","), arguments.columns.split(",")
+    peers = {plant: [peer.split("=", 2)[1:] for peer in arguments.peer if peer.startswith(f"{plant}=")] for plant in plants}
     size = arguments.size
-    sheet = Image.new("RGB", (size * len(COLUMNS), (size + LABEL) * (len(plants) + len(arguments.peer))), "white")
-    draw = ImageDraw.Draw(sheet)
-
-    def put(row, column, picture, label):
-        left, top = size * column, (size + LABEL) * row
-        draw.text((left + 4, top + 3), label, fill="black")
-        sheet.paste(picture, (left, top + LABEL))
-        print(label, flush=True)
-
-    with tempfile.TemporaryDirectory() as folder:
-        for row, plant in enumerate(plants):
-            for column, (title, words, is_near) in enumerate(COLUMNS):
-                file = Path(folder) / f"{column}.glb"
-                subprocess.run([arguments.linden, "export", plant, *words, "-o", str(file)], check=True, capture_output=True)
-                picture, triangles = rendered(file, is_near, size, arguments.samples)
-                put(row, column, picture, f"{plant}, {title} ({triangles:,})" if "all" in title else f"{plant}, {title}")
-        for row, peer in enumerate(arguments.peer, len(plants)):
-            name, file = peer.split("=", 1)
-            copy = Path(folder) / f"peer{Path(file).suffix}"
-            copy.write_bytes(Path(file).read_bytes())
-            picture, triangles = rendered(copy, False, size, arguments.samples)
-            put(row, 0, picture, f"{name} ({triangles:,})")
+    across = len(columns) + max(map(len, peers.values()))
+    sheet = Image.new("RGB", (size * across, (size + LABEL) * len(plants)), "white")
+    pen = ImageDraw.Draw(sheet)
+    draw = {"cycles": in_cycles, "three": in_three}[arguments.renderer]
+    for row, plant in enumerate(plants):
+        with tempfile.TemporaryDirectory() as folder:
+            shots, titles = [], []
+            for name in columns:
+                title, words, view = COLUMNS[name]
+                model = Path(folder) / f"{name}.glb"
+                subprocess.run([arguments.linden, "export", plant, *words, "-o", model], check=True, capture_output=True)
+                shots.append((model, view, model.with_suffix(".png")))
+                titles.append(f"{plant}, {title}" + (" ({:,})" if "all" in title else ""))
+            for number, (name, file) in enumerate(peers[plant]):
+                shots.append((Path(file).resolve(), "whole", Path(folder) / f"peer-{number}.png"))
+                titles.append(name + " ({:,})")
+            for column, (shot, title, triangles) in enumerate(zip(shots, titles, draw(shots, size, arguments.samples))):
+                left, top = size * column, (size + LABEL) * row
+                pen.text((left + 4, top + 3), title.format(triangles), fill="black")
+                sheet.paste(Image.open(shot[2]).convert("RGB").resize((size, size), Image.LANCZOS), (left, top + LABEL))
+                print(title.format(triangles), flush=True)
     sheet.save(arguments.out, quality=88)
 
 

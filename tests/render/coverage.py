@@ -16,13 +16,15 @@ import sys
 import tempfile
 from pathlib import Path
 
-import bpy
+import bpy  # Before mathutils, which it brings.
+import bpy  # Before mathutils, which it brings.
+import bpy  # Before mathutils, which it brings.
 import numpy
 from mathutils import Vector
 from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).parent))
-from render import light, load  # noqa: E402
+from render import box_of, draw, light, load, look  # noqa: E402
 
 
 def frame(box, degrees):
@@ -31,36 +33,11 @@ def frame(box, degrees):
     middle, size = (low + high) / 2, (high - low).length
     turn = math.radians(degrees)
     toward = Vector((math.sin(turn), -math.cos(turn), 0.15)).normalized()
-    camera = bpy.data.cameras.new("camera")
-    camera.lens = 50
-    camera.clip_end = 100 * size
-    looking = bpy.data.objects.new("camera", camera)
-    looking.location = middle + toward * (0.5 * size / math.tan(camera.angle / 2) * 0.95)
-    looking.rotation_euler = (-toward).to_track_quat("-Z", "Y").to_euler()
-    bpy.context.collection.objects.link(looking)
-    bpy.context.scene.camera = looking
-
-
-def box_of(meshes):
-    corners = [o.matrix_world @ Vector(c) for o in meshes for c in o.bound_box]
-    return Vector(map(min, zip(*corners))), Vector(map(max, zip(*corners)))
+    look(middle, 0.95 * size, toward)
 
 
 def render(size, samples, path):
-    scene = bpy.context.scene
-    scene.render.engine = "CYCLES"
-    scene.render.film_transparent = True
-    scene.cycles.samples = samples
-    scene.cycles.use_denoising = False
-    scene.cycles.seed = 1
-    # Leaves stand behind leaves: a ray goes through what is cut out of many.
-    scene.cycles.transparent_max_bounces = 128
-    scene.view_settings.view_transform = "Standard"
-    scene.render.resolution_x = scene.render.resolution_y = size
-    scene.render.filepath = str(path)
-    scene.render.image_settings.file_format = "PNG"
-    scene.render.image_settings.color_mode = "RGBA"
-    bpy.ops.render.render(write_still=True)
+    draw(path, size, samples, is_transparent=True)
     return numpy.asarray(Image.open(path).convert("RGBA"), dtype=float) / 255
 
 

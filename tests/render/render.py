@@ -84,22 +84,47 @@ def let_light_through(share, tint=(0.95, 1.0, 0.5)):
         link(cut.outputs[0], nodes["Material Output"].inputs["Surface"])
 
 
-def frame(meshes, view):
+def box_of(meshes):
+    """The lowest and the highest corner of all."""
     corners = [o.matrix_world @ Vector(c) for o in meshes for c in o.bound_box]
-    low = Vector(map(min, zip(*corners)))
-    high = Vector(map(max, zip(*corners)))
-    middle, size = (low + high) / 2, (high - low).length
-    toward = {"front": Vector((0.25, -1, 0.15)), "side": Vector((1, 0.1, 0.15)),
-              "top": Vector((0.01, -0.05, 1)), "detail": Vector((0.25, -1, 0.15))}[view].normalized()
+    return Vector(map(min, zip(*corners))), Vector(map(max, zip(*corners)))
+
+
+def look(middle, size, toward):
+    """A camera in the direction `toward` that shows `size` metres around `middle`."""
     camera = bpy.data.cameras.new("camera")
     camera.lens = 50
-    camera.clip_end = 100 * size
-    distance = 0.5 * size / math.tan(camera.angle / 2) * (0.45 if view == "detail" else 1.05)
+    camera.clip_start, camera.clip_end = size / 1000, 1000 * size
     looking = bpy.data.objects.new("camera", camera)
-    looking.location = middle + toward * distance
+    looking.location = middle + toward * (0.5 * size / math.tan(camera.angle / 2))
     looking.rotation_euler = (-toward).to_track_quat("-Z", "Y").to_euler()
     bpy.context.collection.objects.link(looking)
     bpy.context.scene.camera = looking
+
+
+def draw(picture, size, samples, is_transparent=False):
+    """What the camera sees, as a PNG of `size` pixels."""
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    scene.render.film_transparent = is_transparent
+    scene.cycles.samples, scene.cycles.seed = samples, 1
+    scene.cycles.use_denoising = False
+    # Leaves stand behind leaves: a ray goes through what is cut out of many.
+    scene.cycles.transparent_max_bounces = 128
+    scene.view_settings.view_transform = "Standard"
+    scene.render.resolution_x = scene.render.resolution_y = size
+    scene.render.filepath = str(Path(picture).resolve())
+    scene.render.image_settings.file_format = "PNG"
+    scene.render.image_settings.color_mode = "RGBA" if is_transparent else "RGB"
+    bpy.ops.render.render(write_still=True)
+
+
+def frame(meshes, view):
+    low, high = box_of(meshes)
+    middle, size = (low + high) / 2, (high - low).length
+    toward = {"front": Vector((0.25, -1, 0.15)), "side": Vector((1, 0.1, 0.15)),
+              "top": Vector((0.01, -0.05, 1)), "detail": Vector((0.25, -1, 0.15))}[view].normalized()
+    look(middle, size * (0.45 if view == "detail" else 1.05), toward)
 
 
 def light():
@@ -136,16 +161,7 @@ def main():
     else:
         frame(meshes, arguments.view)
         light()
-    scene = bpy.context.scene
-    scene.render.engine = "CYCLES"
-    scene.cycles.samples = arguments.samples
-    scene.cycles.use_denoising = False
-    scene.cycles.seed = 1
-    scene.view_settings.view_transform = "Standard"
-    scene.render.resolution_x = scene.render.resolution_y = arguments.size
-    scene.render.filepath = str(arguments.out.resolve())
-    scene.render.image_settings.file_format = "PNG"
-    bpy.ops.render.render(write_still=True)
+    draw(arguments.out, arguments.size, arguments.samples)
     triangles = sum(len(m.data.loop_triangles) or len(m.data.polygons) for m in meshes)
     print(f"{arguments.file.name}: {len(meshes)} meshes, {triangles} triangles -> {arguments.out}")
 

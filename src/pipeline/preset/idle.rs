@@ -366,7 +366,7 @@ static RULES: &[Rule] = &[
         },
     },
     Rule {
-        knobs: &["twig_length", "twig_leaves"],
+        knobs: &["twig_length", "twig_leaves", "twig_tuft"],
         why: |preset| when(preset.dressing.foliage.first.form != Form::Twig, "it is for leaf_form=twig"),
     },
     Rule {
@@ -576,6 +576,7 @@ const LOOKS: &[&str] = &[
     "leaf_petiole",
     "twig_length",
     "twig_leaves",
+    "twig_tuft",
     "leaf_angle",
     "leaf_droop",
     "leaf_level",

@@ -178,9 +178,10 @@ impl<'a> Simplifier<'a> {
         Ok(Simplified { skeleton, axes, organs, tubes })
     }
 
-    /// How a level's wood is swept: roots and stubs go as limbs of their thickness do.
+    /// How a level's wood is swept: roots and stubs go as limbs of their thickness do, and so do buttresses.
     fn tubes(&self, detail: &Detail) -> Tubes {
         let mut tubes = Tubes { sides: detail.sides, rings: detail.rings, ..self.tubes };
+        tubes.features.flare_smallest_m = detail.smallest_radius_m;
         tubes.features.roots.smallest_m = detail.smallest_radius_m;
         tubes.features.stubs.smallest_m = detail.smallest_radius_m;
         tubes

@@ -299,6 +299,19 @@ mod tests {
         assert!(checked > 100, "{checked}");
     }
 
+    /// From where a forest is seen, a tree of a game has some hundreds.
+    #[test]
+    fn the_largest_plants_can_be_had_in_500_triangles() {
+        for id in ["oak", "norway-spruce"] {
+            let subject = Subject::builtin(id, &[]);
+            let grown = subject.grow();
+            let simplifier = Simplifier::new(&subject.dressing.tubes, body(&grown), &Quiet).unwrap();
+            let detail = simplifier.within(500, true, &Quiet).unwrap();
+            let found = simplifier.triangles(&detail, &Quiet).unwrap();
+            assert!((475..=525).contains(&found) && detail.card_m > 0.0, "{id}: {found} {detail:?}");
+        }
+    }
+
     #[test]
     fn the_least_is_met_and_less_is_refused() {
         let subject = Subject::builtin("fir", &[]);

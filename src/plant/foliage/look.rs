@@ -154,11 +154,13 @@ fn twig(kind: &LeafKind) -> TwigLook {
     TwigLook {
         leaves: kind.twig_leaves,
         arrangement: match kind.arrangement {
-            Arrangement::Alternate | Arrangement::Spiral => leaf::Arrangement::Alternate,
+            Arrangement::Alternate => leaf::Arrangement::Alternate,
+            Arrangement::Spiral => leaf::Arrangement::Spiral,
             _ => leaf::Arrangement::Opposite,
         },
         length_m: (card_m(kind) as f32 - leaf_length_m).max(leaf_length_m / 4.0),
         leaf_length_m,
+        tuft: kind.twig_tuft as f32,
         ..TwigLook::default()
     }
 }

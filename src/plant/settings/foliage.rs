@@ -142,6 +142,8 @@ pub struct LeafKind {
     pub twig_length_m: Option<f64>,
     /// Leaves on a twig card.
     pub twig_leaves: u32,
+    /// How far they gather at its end, 0 to 1.
+    pub twig_tuft: f64,
     /// How they stand round a twig.
     pub arrangement: Arrangement,
     /// Leaves a node, where they are whorled.
@@ -232,6 +234,7 @@ impl Default for LeafKind {
             petiole: None,
             twig_length_m: None,
             twig_leaves: 12,
+            twig_tuft: 0.0,
             arrangement: Arrangement::Spiral,
             whorl: 3,
             per_m: 40.0,

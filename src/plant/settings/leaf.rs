@@ -49,7 +49,7 @@ const SHARE: Field<LeafKind> = field!(
 );
 
 /// What one leaf is and where it stands.
-const LOOKS: [Field<LeafKind>; 35] = [
+const LOOKS: [Field<LeafKind>; 36] = [
     field!(
         "leaf_form",
         Kind::Choice(Form::WORDS),
@@ -177,6 +177,18 @@ const LOOKS: [Field<LeafKind>; 35] = [
             "leaves_per_m then counts cards: with 12 leaves on each a twelfth of them gives as many leaves."
         ),
         see_also(&["twig_length", "leaves_per_m", "leaf_form"])
+    ),
+    field!(
+        "twig_tuft",
+        real(0.0, 1.0),
+        "",
+        "for leaf_form=twig: how far leaves gather at the card's end; 0: evenly along it",
+        twig_tuft,
+        details(
+            "Oaks bear their leaves in tufts at the ends of their shoots (0.5 to 0.8), so that their crowns look \
+             coarse and full of holes; limes and beeches spread them in one plane (0)."
+        ),
+        see_also(&["twig_leaves", "leaf_arrangement"])
     ),
     field!(
         "leaf_arrangement",

@@ -28,6 +28,8 @@ pub struct Features {
     pub flare_ridges: u32,
     /// How much of the flare is buttresses, 0 to 1.
     pub flare_depth: f32,
+    /// Of the flare nothing is shown that is smaller, metres; 0: all.
+    pub flare_smallest_m: f32,
     /// Roots on the ground round the foot.
     pub roots: SurfaceRoots,
     /// What is left of limbs that the bole has shed.
@@ -50,6 +52,7 @@ impl Default for Features {
             flare_height_m: None,
             flare_ridges: 0,
             flare_depth: 0.6,
+            flare_smallest_m: 0.0,
             roots: SurfaceRoots::default(),
             stubs: Stubs::default(),
             collar: 0.0,
@@ -66,8 +69,12 @@ pub const FLARE_RADII: f32 = 5.0;
 /// Most width of a collar, in radii of the lateral: a twig on a trunk lifts little bark.
 pub const COLLAR_RADII: f32 = 2.0;
 
-/// Rings within a flare, those of the axis aside.
+/// Rings within a flare, those of the axis aside, and the fewest where little of it is seen.
 const FLARE_RINGS: usize = 10;
+const FEWEST_FLARE_RINGS: usize = 2;
+/// Sides of a buttress, and the fewest that show that there is one.
+const RIDGE_SIDES: u32 = 12;
+const FEWEST_RIDGE_SIDES: u32 = 4;
 
 /// The foot of one stem.
 #[derive(Clone, Copy, Debug)]
@@ -76,20 +83,37 @@ pub(super) struct Flare {
     pub height_m: f32,
     ridges: u32,
     depth: f32,
+    /// Rings along it.
+    rings: usize,
+    /// Sides of a buttress.
+    ridge_sides: u32,
 }
 
 impl Flare {
     pub fn new(features: &Features, foot_radius_m: f32) -> Option<Self> {
         let height_m = features.flare_height_m.unwrap_or(foot_radius_m * FLARE_RADII);
-        let Features { flare: share, flare_ridges: ridges, flare_depth: depth, .. } = *features;
-        (share > 0.0 && height_m > 0.0).then_some(Self { share, height_m, ridges, depth })
+        let Features { flare: share, flare_ridges, flare_depth: depth, flare_smallest_m, .. } = *features;
+        // A curve of height h, drawn in n straight pieces, is h (π/n)² / 2 from them, about.
+        let pieces = |height_m: f32| {
+            std::f32::consts::PI * libm::sqrtf(0.5 * height_m / flare_smallest_m.max(f32::MIN_POSITIVE))
+        };
+        let swell_m = share * foot_radius_m;
+        let is_ridged = depth * swell_m >= flare_smallest_m;
+        (share > 0.0 && height_m > 0.0).then(|| Self {
+            share,
+            height_m,
+            ridges: if is_ridged { flare_ridges } else { 0 },
+            depth,
+            rings: (pieces(swell_m) as usize).clamp(FEWEST_FLARE_RINGS, FLARE_RINGS),
+            ridge_sides: (pieces(depth * swell_m) as u32).clamp(FEWEST_RIDGE_SIDES, RIDGE_SIDES),
+        })
     }
 
     /// Widens the stations at the foot and puts more of them there.
     pub fn widen(&self, stations: &mut Vec<Station>) {
-        let steps = (1..=FLARE_RINGS).map(|i| {
+        let steps = (1..=self.rings).map(|i| {
             // Closer at the foot, where the profile bends most.
-            let t = i as f32 / FLARE_RINGS as f32;
+            let t = i as f32 / self.rings as f32;
             self.height_m * t * (0.4 + 0.6 * t)
         });
         spread::insert(stations, steps);
@@ -120,7 +144,7 @@ impl Flare {
 
     /// Sides that buttresses need.
     pub fn least_sides(&self, along_m: f32) -> u32 {
-        if along_m < self.height_m { self.ridges * 12 } else { 0 }
+        if along_m < self.height_m { self.ridges * self.ridge_sides } else { 0 }
     }
 
     /// Change of the mean radius by buttresses at a height and in a direction `(cos, sin)`: a factor,

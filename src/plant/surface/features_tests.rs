@@ -14,6 +14,7 @@ pub(super) const ALL: Features = Features {
     flare_height_m: None,
     flare_ridges: 5,
     flare_depth: 0.8,
+    flare_smallest_m: 0.0,
     roots: SurfaceRoots { count: 5, reach: 4.0, rise: 0.5, smallest_m: 0.0 },
     stubs: Stubs { per_m: 2.0, length_m: 0.1, smallest_m: 0.0 },
     collar: 0.8,
@@ -126,6 +127,45 @@ fn a_foot_is_wider_by_its_flare_and_the_wood_above_stays() {
     let mean = foot.iter().sum::<f32>() / foot.len() as f32;
     let crossings = foot.windows(2).filter(|pair| (pair[0] > mean) != (pair[1] > mean)).count();
     assert_eq!(crossings, 8);
+}
+
+/// Its surface is where the whole one is, within what may be left out, and it takes fewer triangles for it.
+#[test]
+fn a_foot_seen_from_afar_has_fewer_sides_and_the_same_shape() {
+    let whole = Features {
+        flare: 1.0,
+        flare_height_m: Some(0.6),
+        flare_ridges: 5,
+        flare_depth: 0.6,
+        ..Features::default()
+    };
+    let of = |smallest: f32| {
+        let flared = Features { flare_smallest_m: smallest, ..whole };
+        let mesh = sweep(&pole(), &with(flared), &Quiet).unwrap();
+        assert_eq!(topology(&mesh, &Quiet).unwrap(), Topology::default());
+        mesh
+    };
+    let fine = of(0.0);
+    let mut last = fine.triangles.len();
+    for smallest in [0.003, 0.01, 0.03, 0.2] {
+        let coarse = of(smallest);
+        assert!(coarse.triangles.len() < last, "{smallest}: {} of {last}", coarse.triangles.len());
+        last = coarse.triangles.len();
+        for p in fine.positions.iter().filter(|p| p.y > 0.0 && p.y < 1.0) {
+            let nearest = coarse.triangles.iter().map(|corners| {
+                let [a, b, c] = corners.map(|i| coarse.positions[i as usize]);
+                // Dense enough for what is measured here.
+                let places =
+                    (0..=12).flat_map(|i| (0..=12 - i).map(move |j| (i as f32 / 12.0, j as f32 / 12.0)));
+                places
+                    .map(|(u, v)| (a + (b - a) * u + (c - a) * v).distance(*p))
+                    .fold(f32::INFINITY, f32::min)
+            });
+            let away = nearest.fold(f32::INFINITY, f32::min);
+            assert!(away < 1.5 * smallest + 0.012, "{smallest}: {away} m at {p}");
+        }
+    }
+    assert!(last < 24 * 2 * 9, "without buttresses: {last}");
 }
 
 /// A lateral at a right angle: in the plane of both axes the fillet is a quarter of a circle that

@@ -113,6 +113,8 @@ pub struct TwigLook {
     pub color: [u8; 3],
     /// Between the twig and its leaves, degrees.
     pub angle_deg: f32,
+    /// How far leaves gather at its end: 0 evenly along it, 1 nearly all in its last third.
+    pub tuft: f32,
 }
 
 impl TwigLook {
@@ -130,6 +132,7 @@ impl Default for TwigLook {
             leaf_length_m: 0.08,
             color: [104, 84, 62],
             angle_deg: 55.0,
+            tuft: 0.0,
         }
     }
 }
@@ -142,6 +145,8 @@ pub enum Arrangement {
     Alternate,
     /// In pairs.
     Opposite,
+    /// Around it, each 137.5 degrees on: some are seen along their length.
+    Spiral,
 }
 
 /// The pictures of an atlas, both square.
