@@ -2,10 +2,34 @@
 
 use linden_pipeline::preset::{BarkSettings, DetailSettings};
 use linden_pipeline::recipe::{Geometry, Recipe};
+use linden_pipeline::surface::Junction;
 use linden_pipeline::texture::BarkStyle;
 
-/// Both pictures of a bark as PNG, drawn or from files.
+/// All pictures of a bark as PNG, drawn or from files.
 pub(super) fn bark_bytes(recipe: &Recipe) -> u64 {
+    let look = &recipe.preset.dressing.bark;
+    let is_mossy = look.moss.amount > 0.0 && recipe.preset.dressing.tubes.junction != Junction::Watertight;
+    if is_mossy { bare_bytes(recipe) + mossy_bytes(recipe) } else { bare_bytes(recipe) }
+}
+
+/// Those of bark with moss: one as large as the bark's own, two of a quarter of its pixels.
+fn mossy_bytes(recipe: &Recipe) -> u64 {
+    let look = &recipe.preset.dressing.bark;
+    let color = look.picture.as_ref().map_or_else(
+        || {
+            let side = f64::from(look.size_px);
+            (side * side * libm::pow(side / 512.0, -0.45)) as u64
+        },
+        |file| file_bytes(recipe, file),
+    );
+    (MOSSY * color as f64) as u64
+}
+
+/// All three pictures of moss, in bytes a pixel of the bark's own: between a beech, whose bark is plain, and an ash.
+const MOSSY: f64 = 2.05;
+
+/// Both pictures of a bark without moss.
+fn bare_bytes(recipe: &Recipe) -> u64 {
     let look = &recipe.preset.dressing.bark;
     match (&look.picture, &look.normal) {
         (None, None) => picture_bytes(look),

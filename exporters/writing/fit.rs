@@ -19,7 +19,7 @@ const TRANSLUCENCY: &str = "leaf_translucency";
 const BUDGETS: [&str; 2] = ["triangles", "lod_triangles"];
 
 /// Knobs that show in colours and pictures, most of them in these alone.
-const SHOWN: [&str; 33] = [
+const SHOWN: [&str; 38] = [
     "bark",
     "bark_color",
     "bark_grain",
@@ -33,6 +33,11 @@ const SHOWN: [&str; 33] = [
     "twig_radius",
     "twig_bark",
     "twig_color",
+    "moss",
+    "moss_side",
+    "moss_height",
+    "moss_radius",
+    "moss_color",
     "leaf_outline",
     "leaf_lobes",
     "leaf_lobe_depth",

@@ -7,10 +7,11 @@ use glam::Vec3;
 use crate::foliage::{
     self, CUTOUT, Cover, DressedKind, DressedOrgans, Foliage, FoliageError, Instances, Look,
 };
+use crate::moss::{self, Mossy};
 use crate::scene::{Material, Part, Scene, Wrap};
-use crate::settings::{Form, LeafKind};
+use crate::settings::{Dressing, Form, LeafKind};
 use crate::surface::relief::{self, Heights, ReliefError};
-use crate::surface::{self, Junction, SurfaceError, Tubes};
+use crate::surface::{self, Junction, SurfaceError};
 use crate::texture::{self, BarkError, BarkPictures};
 use crate::wind::{Blown, Field};
 use crate::wood_parts;
@@ -104,6 +105,8 @@ pub struct Wardrobe {
     /// Of limbs, then of twigs, where they have one of their own: the largest radius of the wood that wears it,
     /// metres, and what it is called.
     thin_barks: Vec<(&'static str, f32, Material)>,
+    /// The bark under more and more moss, where any grows.
+    mossy: Vec<Material>,
     /// By kind; `None` where no organ is of it.
     covers: Vec<Option<Cover>>,
     shapes: Arc<[LeafShape]>,
@@ -118,8 +121,10 @@ impl Wardrobe {
     /// [`DressError`].
     pub fn new(specimen: &Specimen<'_>, organs: &Organs, monitor: &dyn Monitor) -> Result<Self, DressError> {
         let (bark, thin_barks) = (bark(specimen, monitor)?, thin_barks(specimen, monitor)?);
+        let mossy = moss::materials(specimen, &bark, monitor)?;
         let (covers, shapes) = (Vec::new(), Vec::new().into());
-        Self { bark, thin_barks, covers, shapes, foliage_name: LEAVES }.in_season(specimen, organs, monitor)
+        Self { bark, thin_barks, mossy, covers, shapes, foliage_name: LEAVES }
+            .in_season(specimen, organs, monitor)
     }
 
     /// The same bark with the leaves of another season.
@@ -133,14 +138,18 @@ impl Wardrobe {
         monitor: &dyn Monitor,
     ) -> Result<Self, DressError> {
         let (covers, shapes) = covers(specimen, organs, &Holding::new(monitor, self.bark_bytes()))?;
-        let (bark, thin_barks) = (self.bark.clone(), self.thin_barks.clone());
-        Ok(Self { bark, thin_barks, covers, shapes: shapes.into(), foliage_name: LEAVES })
+        Ok(Self { covers, shapes: shapes.into(), ..self.bare() })
     }
 
     /// The same bark, with branch cards in place of leaves.
     pub(crate) fn with_cards(&self, cover: Cover, shapes: Arc<[LeafShape]>) -> Self {
-        let (bark, thin_barks) = (self.bark.clone(), self.thin_barks.clone());
-        Self { bark, thin_barks, covers: vec![Some(cover)], shapes, foliage_name: CARDS }
+        Self { covers: vec![Some(cover)], shapes, foliage_name: CARDS, ..self.bare() }
+    }
+
+    /// The same barks without anything on the wood.
+    fn bare(&self) -> Self {
+        let (bark, thin_barks, mossy) = (self.bark.clone(), self.thin_barks.clone(), self.mossy.clone());
+        Self { bark, thin_barks, mossy, covers: Vec::new(), shapes: Vec::new().into(), foliage_name: LEAVES }
     }
 
     /// What the thinnest wood is covered with.
@@ -168,7 +177,7 @@ impl Wardrobe {
     fn bark_bytes(&self) -> u64 {
         let barks = std::iter::once(&self.bark).chain(self.thin_barks.iter().map(|(_, _, bark)| bark));
         let pictures = barks.flat_map(|bark| [&bark.base_color_picture, &bark.normal_picture]);
-        pictures.flatten().map(|picture| picture.rgba().len() as u64).sum()
+        pictures.flatten().map(|picture| picture.rgba().len() as u64).sum::<u64>() + moss::bytes(&self.mossy)
     }
 
     /// Bytes of the pictures.
@@ -212,7 +221,7 @@ impl Wardrobe {
             let tubes = surface::count(body.skeleton, tubes, monitor)?;
             wood.wind = Some(blown.wood(&wood.mesh, &tubes, monitor)?);
         }
-        let mut parts = self.by_thickness(wood, body.skeleton, tubes, monitor)?;
+        let (mut parts, mut is_thick) = self.by_thickness(wood, specimen, body.skeleton, monitor)?;
         if let Some(trunk) = parts.first_mut().filter(|part| part.material == 0) {
             stretch(&mut trunk.mesh, &self.bark);
         }
@@ -222,11 +231,17 @@ impl Wardrobe {
             let ground_m = (tubes.features.roots.count > 0).then(|| foot_m(body.skeleton));
             if let Some((trunk, thin)) = parts.split_first_mut().filter(|(part, _)| part.material == 0) {
                 let thin: Vec<&Mesh> = thin.iter().map(|part| &part.mesh).collect();
-                relief::lay(&mut trunk.mesh, &thin, &heights, (ground_m, height_m), monitor)?;
+                relief::lay(&mut trunk.mesh, &thin, &heights, (ground_m, height_m), &mut is_thick, monitor)?;
             }
         }
         if parts.iter().any(|part| part.material > 0) {
             materials.extend(self.thin_barks.iter().map(|(_, _, bark)| bark.clone()));
+        }
+        if let Some(trunk) = parts.first().filter(|part| part.material == 0 && !is_thick.is_empty()) {
+            let mossy = Mossy::on(specimen, foot_m(body.skeleton), foot_radius_m(body.skeleton));
+            let cut = mossy.cut(trunk, &is_thick, materials.len());
+            parts.splice(..1, cut);
+            materials.extend(self.mossy.iter().cloned());
         }
         let wooded = Holding::new(monitor, parts.iter().map(Part::bytes).sum());
         let organs = self.organs(specimen, body.organs);
@@ -241,27 +256,40 @@ impl Wardrobe {
         })
     }
 
-    /// The wood, in as many parts as it has barks. A solid has no tubes to tell thick from thin: it is one.
+    /// The wood, in as many parts as it has barks, and for each triangle of the first whether it is thick enough for
+    /// moss, where any grows. A solid has no tubes to tell thick from thin: it is one, and bare.
     fn by_thickness(
         &self,
         wood: Part,
+        specimen: &Specimen<'_>,
         skeleton: &Skeleton,
-        tubes: &Tubes,
         monitor: &dyn Monitor,
-    ) -> Result<Vec<Part>, SurfaceError> {
-        if self.thin_barks.is_empty() || tubes.junction == Junction::Watertight {
-            return Ok(vec![wood]);
+    ) -> Result<(Vec<Part>, Vec<bool>), SurfaceError> {
+        let Dressing { tubes, bark, .. } = specimen.dressing;
+        let is_bare = self.mossy.is_empty();
+        if self.thin_barks.is_empty() && is_bare || tubes.junction == Junction::Watertight {
+            return Ok((vec![wood], Vec::new()));
         }
         monitor.admit(
             PARTING,
             2 * wood.bytes(),
-            "lower sides, or let all wood have one bark (limb_radius=0)",
+            "lower sides, or let all wood have one bark (limb_radius=0, moss=0)",
         )?;
         let counts = surface::count(skeleton, tubes, monitor)?;
         let limits_m: Vec<f32> = self.thin_barks.iter().map(|(_, radius_m, _)| *radius_m).collect();
         let classes = surface::classes(&wood.mesh, &counts, skeleton, &limits_m, monitor)?;
+        let mut is_thick = Vec::new();
+        if !is_bare {
+            let least_m = bark.moss.least_radius_m(foot_radius_m(skeleton));
+            let thin = surface::classes(&wood.mesh, &counts, skeleton, &[least_m], monitor)?;
+            let of_trunk = classes.iter().zip(thin).filter(|(class, _)| **class == 0);
+            is_thick = of_trunk.map(|(_, thin)| thin == 0).collect();
+        }
+        if self.thin_barks.is_empty() {
+            return Ok((vec![wood], is_thick));
+        }
         let names: Vec<&str> = self.thin_barks.iter().map(|(name, _, _)| *name).collect();
-        Ok(wood_parts::cut(&wood, &classes, &names))
+        Ok((wood_parts::cut(&wood, &classes, &names), is_thick))
     }
 
     /// The organs in the shapes and pictures of their kinds.
@@ -338,7 +366,7 @@ impl Wardrobe {
 /// # Errors
 /// [`DressError`], as dressing would say it.
 pub fn draw_ahead(specimen: &Specimen<'_>, monitor: &dyn Monitor) -> Result<(), DressError> {
-    bark(specimen, monitor)?;
+    moss::materials(specimen, &bark(specimen, monitor)?, monitor)?;
     thin_barks(specimen, monitor)?;
     // Cards show leaves in smaller pictures, and which levels have cards is known of grown trees alone.
     let has_budget = specimen.dressing.detail.finest() > 0 || specimen.dressing.detail.triangle_levels() > 1;
@@ -435,6 +463,13 @@ fn foot_m(skeleton: &Skeleton) -> f32 {
     let stems = skeleton.axes.iter().filter(|axis| axis.parent == NO_PARENT);
     let feet = stems.filter_map(|axis| skeleton.nodes_of(axis).first());
     feet.map(|&foot| skeleton.positions[foot as usize].y).fold(f32::INFINITY, f32::min)
+}
+
+/// Radius of the thickest stem at its foot, metres.
+fn foot_radius_m(skeleton: &Skeleton) -> f32 {
+    let stems = skeleton.axes.iter().filter(|axis| axis.parent == NO_PARENT);
+    let feet = stems.filter_map(|axis| skeleton.nodes_of(axis).first());
+    feet.map(|&foot| skeleton.radii[foot as usize]).fold(0.0, f32::max)
 }
 
 /// Lays a bark that is not square on as it is: [`crate::surface::Tubes::bark_tile_m`] is its width.

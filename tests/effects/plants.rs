@@ -74,6 +74,7 @@ pub fn plants() -> Vec<Plant> {
         ("flare_depth", "0.6"),
         ("surface_roots", "3"),
         ("stubs", "2"),
+        ("moss", "0.5"),
         ("ends", "cut"),
         ("junction", "blend"),
         ("waves", "3"),

@@ -307,6 +307,19 @@ static RULES: &[Rule] = &[
         },
     },
     Rule {
+        knobs: &["moss_side", "moss_height", "moss_radius", "moss_color"],
+        why: |preset| when(preset.dressing.bark.moss.amount == 0.0, "moss is 0"),
+    },
+    Rule {
+        knobs: &["moss", "moss_side", "moss_height", "moss_radius", "moss_color"],
+        why: |preset| {
+            when(
+                preset.dressing.tubes.junction == Junction::Watertight,
+                "junction=watertight makes one solid of all wood, with one bark",
+            )
+        },
+    },
+    Rule {
         knobs: &["bark_relief_height"],
         why: |preset| {
             let Dressing { bark, detail, wind, .. } = &preset.dressing;

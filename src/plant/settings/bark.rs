@@ -5,6 +5,7 @@ use linden_base::knob::{Field, FieldValue, Kind, Value, integer, names, real, re
 use linden_base::random::Key;
 use linden_base::{field, file_key};
 
+use super::moss::{MOSS_FIELDS, MossSettings};
 use crate::texture::{Bark, BarkStyle};
 
 /// How bark looks.
@@ -26,6 +27,8 @@ pub struct BarkSettings {
     pub limbs: ThinBark,
     /// That of wood that is thinner still.
     pub twigs: ThinBark,
+    /// Moss on it.
+    pub moss: MossSettings,
     /// Side of the drawn pictures, pixels.
     pub size_px: u32,
     /// The number that the pictures are drawn by.
@@ -80,6 +83,7 @@ impl Default for BarkSettings {
             lenticels: 0.0,
             limbs: ThinBark::default(),
             twigs: ThinBark::default(),
+            moss: MossSettings::default(),
             size_px: 512,
             seed: 1,
             picture: None,
@@ -285,6 +289,11 @@ impl BarkSettings {
             twigs.color,
             see_also(&["twig_radius", "bark_color"])
         ),
+        MOSS_FIELDS[0],
+        MOSS_FIELDS[1],
+        MOSS_FIELDS[2],
+        MOSS_FIELDS[3],
+        MOSS_FIELDS[4],
         field!(
             "bark_size",
             integer(16, 4096),

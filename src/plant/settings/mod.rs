@@ -5,6 +5,7 @@ mod bloom;
 mod detail;
 mod foliage;
 mod leaf;
+mod moss;
 mod surface;
 mod wind;
 
@@ -17,6 +18,7 @@ pub use foliage::{
     Normals, TURNING, check_kind_name, read,
 };
 pub use leaf::LEAF_KNOBS;
+pub use moss::MossSettings;
 pub use wind::WindSettings;
 
 /// How a plant looks.

@@ -60,7 +60,8 @@ impl Heights {
 }
 
 /// Lays a relief on the wood that is lower than a height over its foot, metres. The foot is at `ground_m`, or where
-/// the wood is lowest. Where it goes on as wood with another bark, in `others`, it stays as it is.
+/// the wood is lowest. Where it goes on as wood with another bark, in `others`, it stays as it is. What `tags` say of
+/// each triangle, they say of its pieces then.
 ///
 /// # Errors
 /// [`ReliefError`].
@@ -69,6 +70,7 @@ pub fn lay(
     others: &[&Mesh],
     heights: &Heights,
     (ground_m, height_m): (Option<f32>, f32),
+    tags: &mut Vec<bool>,
     monitor: &dyn Monitor,
 ) -> Result<(), ReliefError> {
     let lowest_m = || wood.positions.iter().map(|p| p.y).fold(f32::INFINITY, f32::min);
@@ -83,7 +85,7 @@ pub fn lay(
     still.dedup();
     for _ in 0..ROUNDS {
         monitor.check()?;
-        if !halve(wood, &still, top_m, monitor)? {
+        if !halve(wood, &still, top_m, tags, monitor)? {
             break;
         }
     }
@@ -165,6 +167,7 @@ fn halve(
     wood: &mut Mesh,
     still: &[[u32; 3]],
     top_m: f32,
+    tags: &mut Vec<bool>,
     monitor: &dyn Monitor,
 ) -> Result<bool, ReliefError> {
     let (tiles_m, radii_m) = (tile_lengths(wood), radii(wood));
@@ -225,6 +228,10 @@ fn halve(
             (Some(p), Some(q), Some(r)) => vec![[a, p, r], [p, b, q], [r, q, c], [p, q, r]],
         }
     };
+    if !tags.is_empty() {
+        let tagged = wood.triangles.iter().zip(tags.iter());
+        *tags = tagged.flat_map(|(corners, &tag)| std::iter::repeat_n(tag, pieces(corners).len())).collect();
+    }
     wood.triangles = wood.triangles.par_iter().flat_map_iter(pieces).collect();
     Ok(true)
 }
@@ -282,7 +289,7 @@ mod tests {
     fn relief_moves_low_wood_and_opens_no_seam() {
         let plain = tube();
         let mut rough = plain.clone();
-        lay(&mut rough, &[], &furrows(0.05), (None, 2.0), &Quiet).unwrap();
+        lay(&mut rough, &[], &furrows(0.05), (None, 2.0), &mut Vec::new(), &Quiet).unwrap();
         assert!(rough.triangles.len() > 8 * plain.triangles.len(), "{}", rough.triangles.len());
         // Every edge but those of the two rims is between two triangles, seam or not.
         let is_rim = |ends: &[[u32; 3]; 2]| {
@@ -318,7 +325,7 @@ mod tests {
         // As textured as the thick one: a hundredth of the tiles round it.
         twig.uvs.iter_mut().for_each(|uv| uv.x *= 0.01);
         let plain = twig.clone();
-        lay(&mut twig, &[], &furrows(0.05), (None, 2.0), &Quiet).unwrap();
+        lay(&mut twig, &[], &furrows(0.05), (None, 2.0), &mut Vec::new(), &Quiet).unwrap();
         assert_eq!(twig.triangles, plain.triangles);
         let most =
             twig.positions.iter().zip(&plain.positions).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
@@ -332,7 +339,7 @@ mod tests {
         high.triangles.drain(..2 * 12);
         // The second ring is in both.
         high.positions.drain(..13);
-        lay(&mut low, &[&high], &furrows(0.05), (None, 4.0), &Quiet).unwrap();
+        lay(&mut low, &[&high], &furrows(0.05), (None, 4.0), &mut Vec::new(), &Quiet).unwrap();
         let ring: Vec<Vec3> = tube().positions[13..26].to_vec();
         assert!(low.positions[13..26] == ring[..]);
         assert!(low.positions.iter().filter(|p| p.y == 1.0).all(|p| ring.contains(p)));
@@ -342,8 +349,8 @@ mod tests {
     #[test]
     fn it_is_the_same_each_time() {
         let [mut a, mut b] = [tube(), tube()];
-        lay(&mut a, &[], &furrows(0.05), (None, 2.0), &Quiet).unwrap();
-        lay(&mut b, &[], &furrows(0.05), (None, 2.0), &Quiet).unwrap();
+        lay(&mut a, &[], &furrows(0.05), (None, 2.0), &mut Vec::new(), &Quiet).unwrap();
+        lay(&mut b, &[], &furrows(0.05), (None, 2.0), &mut Vec::new(), &Quiet).unwrap();
         assert!(a == b);
     }
 }

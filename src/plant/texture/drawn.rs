@@ -4,7 +4,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use super::bark::normals_by_lightness;
 use super::leaf::{LeafError, LeafLook, LeafPictures, TwigLook};
-use super::{Bark, BarkError, BarkPictures};
+use super::{Bark, BarkError, BarkPictures, Moss};
 use linden_base::monitor::Monitor;
 use linden_base::picture::Picture;
 use linden_base::random::Key;
@@ -18,6 +18,7 @@ use linden_base::random::Key;
 pub struct DrawnPictures {
     barks: Shelf<Bark, BarkPictures>,
     reliefs: Shelf<Relief, Arc<Picture>>,
+    mosses: Shelf<MossyBark, Arc<Picture>>,
     leaves: Shelf<Leaves, LeafPictures>,
 }
 
@@ -32,7 +33,13 @@ impl DrawnPictures {
     /// With room for so many bytes, of pixels and of files that were made of them.
     pub const fn new(bytes: u64) -> Self {
         let room = bytes / 4;
-        Self { barks: Shelf::new(room), reliefs: Shelf::new(room), leaves: Shelf::new(bytes - 2 * room) }
+        let small = room / 2;
+        Self {
+            barks: Shelf::new(room),
+            reliefs: Shelf::new(small),
+            mosses: Shelf::new(small),
+            leaves: Shelf::new(bytes - 2 * room),
+        }
     }
 
     /// [`Bark::draw`].
@@ -49,6 +56,17 @@ impl DrawnPictures {
     ) -> Result<Arc<Picture>, BarkError> {
         let wanted = Relief { of: Arc::clone(of), depth };
         self.reliefs.get(&wanted, || normals_by_lightness(of, depth, monitor))
+    }
+
+    /// [`Moss::grow_on`].
+    pub(crate) fn mossy(
+        &self,
+        of: &Arc<Picture>,
+        moss: Moss,
+        monitor: &dyn Monitor,
+    ) -> Result<Arc<Picture>, BarkError> {
+        let wanted = MossyBark { of: Arc::clone(of), moss };
+        self.mosses.get(&wanted, || Ok(Arc::new(moss.grow_on(of, monitor)?)))
     }
 
     /// [`LeafLook::draw`], or [`LeafLook::draw_twig`] where there is one.
@@ -77,6 +95,19 @@ struct Relief {
 impl PartialEq for Relief {
     fn eq(&self, other: &Self) -> bool {
         self.depth == other.depth && Arc::ptr_eq(&self.of, &other.of)
+    }
+}
+
+/// Moss on a picture.
+#[derive(Clone, Debug)]
+struct MossyBark {
+    of: Arc<Picture>,
+    moss: Moss,
+}
+
+impl PartialEq for MossyBark {
+    fn eq(&self, other: &Self) -> bool {
+        self.moss == other.moss && Arc::ptr_eq(&self.of, &other.of)
     }
 }
 

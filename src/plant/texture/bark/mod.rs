@@ -4,6 +4,7 @@
 //! it: furrows are dark, what sticks out is weathered, and lichen sits where light and rain come.
 
 mod lenticels;
+mod moss;
 mod styles;
 mod surface;
 mod user;
@@ -14,6 +15,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use self::lenticels::Lenticels;
+pub use self::moss::Moss;
 use self::surface::{Spot, Surface};
 pub use self::user::{normals_by_lightness, opaque};
 use linden_base::color::{code, linear};
