@@ -82,6 +82,7 @@ pub fn plants() -> Vec<Plant> {
         ("clumps", "0.6"),
         ("season", "0.7"),
     ];
+        ("unevenness", "0.5"),
     let windy: &[(&str, &str)] = &[("wind", "sway")];
     let levels: &[(&str, &str)] = &[("lods", "2"), ("billboard", "2"), ("billboard_size", "64")];
     vec![

@@ -9,6 +9,7 @@ use crate::crown::compound::{Compound, CompoundError, Operation, Piece};
 use crate::crown::envelope::{Envelope, EnvelopeError};
 use crate::crown::favor::{Favor, Favored};
 use crate::crown::placed::PlacedCrown;
+use crate::crown::uneven::Uneven;
 use crate::crown::{self, Crown, CrownError};
 use linden_base::input::{Geometry, Inputs};
 use linden_base::monitor::{Cancelled, Monitor};
@@ -103,6 +104,13 @@ impl Standing {
             let key = Key::new(seed).named("clumps");
             (settings.clumps > 0.0).then_some(Clumps { share: settings.clumps, size_m, key })
         };
+        let dented = |crown: Box<dyn Crown>, tree: u64| -> Result<Box<dyn Crown>, Cancelled> {
+            if settings.unevenness == 0.0 {
+                return Ok(crown);
+            }
+            let key = Key::new(seed).named("unevenness").child(tree);
+            Ok(Box::new(Uneven::new(crown, settings.unevenness, key, monitor)?))
+        };
         let favored = |crown: Box<dyn Crown>| -> Result<Box<dyn Crown>, Cancelled> {
             let clumps = clumps(&*crown);
             if favor == Favor::default() && clumps.is_none() {
@@ -112,7 +120,7 @@ impl Standing {
         };
         let parts = &settings.parts;
         if parts.is_empty() {
-            self.crown = favored(self.crown)?;
+            self.crown = favored(dented(self.crown, 0)?)?;
             return Ok(self);
         }
         if parts.iter().any(|part| matches!(part.role, Role::Add | Role::Subtract)) && self.trees() > 1 {
@@ -166,8 +174,8 @@ impl Standing {
             }
         }
         let mut crowns: Vec<Arc<dyn Crown>> = Vec::with_capacity(trees.len());
-        for tree in &mut trees {
-            crowns.push(Arc::from(favored(tree.crown(parts, monitor)?)?));
+        for (number, tree) in (0..).zip(&mut trees) {
+            crowns.push(Arc::from(favored(dented(tree.crown(parts, monitor)?, number)?)?));
         }
         if crowns.len() > 1 {
             if trees_of_shells == 0 {

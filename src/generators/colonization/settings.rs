@@ -30,6 +30,8 @@ pub struct Colonization {
     pub clumps: f64,
     /// Distance of clumps, metres; `None`: a fifth of the crown's longest side.
     pub clump_size_m: Option<f64>,
+    /// How far the crown is dented, 0 to 1; see [`crate::crown::uneven`].
+    pub unevenness: f64,
     /// How it grows into the points.
     pub growth: GrowthSettings,
 }
@@ -147,7 +149,21 @@ impl Colonization {
                 "auto makes some 60 clumps in a crown like a ball; half as large a size makes eight times \
                  as many. Clumps smaller than a few steps cannot be told apart."
             ),
-            see_also(&["clumps", "step"])
+            see_also(&["clumps", "step", "unevenness"])
+        ),
+        field!(
+            "unevenness",
+            real(0.0, 1.0),
+            "",
+            "how far the crown is dented, another way with each seed: some boughs reach farther, and between them is sky; 0: as its shape says",
+            unevenness,
+            details(
+                "Thirteen lobes look out of the middle of the crown, with its parts put together: the top stays, some \
+                 reach a fifth farther at 1, others fall short by up to 0.45, and clefts part them; towards the base \
+                 the dents fade. All points lie in what is left. 0.3 takes the compasses out of an outline, 0.5 to 0.7 \
+                 is an old tree that lost limbs. Heads within the boughs are what clumps makes."
+            ),
+            see_also(&["clumps", "shell_density", "crown"])
         ),
     ];
 
@@ -162,6 +178,7 @@ impl Colonization {
             top_density: 0.0,
             clumps: 0.0,
             clump_size_m: None,
+            unevenness: 0.0,
             growth: GrowthSettings::default(),
         }
     }

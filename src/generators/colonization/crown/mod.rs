@@ -26,6 +26,7 @@ pub mod shells;
 pub mod skin;
 pub mod sphere;
 mod topology;
+pub mod uneven;
 pub mod weber_penn;
 mod winding;
 

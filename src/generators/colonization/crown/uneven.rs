@@ -1,0 +1,307 @@
+//! A crown with dents: some boughs reach farther than others, and between them one sees the sky.
+//!
+//! Lobes look from the middle of the crown into directions spread evenly over a sphere (Fibonacci's spiral, turned and
+//! shaken at random). The first is the top's and reaches as far as the crown does; of the others some reach a little
+//! farther, most fall short, each by another share, and between neighbours there are clefts. In the direction `q` the
+//! crown is `s(q)` times as large about its middle:
+//!
+//! ```text
+//! s(q) = 1 + f · (Σ wᵢ reachᵢ / Σ wᵢ · (1 − cleft · (1 − smoothstep(0, 0.3, φ₂ − φ₁))) − 1),    wᵢ = exp(9 (q · lᵢ − 1))
+//! ```
+//!
+//! where `φ₁` and `φ₂` are the angles to the nearest and the second nearest lobe, and `f` falls from 1 to a quarter on
+//! the way down to the crown's base, so that trunks stay as long as they are. Directions are measured in the halves of
+//! the crown's box: a tall crown has its lobes one above the other. Points are as dense in all of it.
+
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+
+use super::Crown;
+use super::skin::Skin;
+use linden_base::mesh::Bounds;
+use linden_base::monitor::{Cancelled, Monitor};
+use linden_base::random::Key;
+
+/// Lobes of a crown.
+const LOBES: usize = 13;
+/// How far the longest lobe reaches beyond the crown, at the full amount.
+const LONGEST: f64 = 0.2;
+/// By how much less the shortest one reaches.
+const SHORTEST: f64 = 0.65;
+/// How deep clefts are, at the full amount.
+const CLEFT: f64 = 0.5;
+/// How fast a lobe's share falls off with the angle.
+const FALL: f64 = 9.0;
+/// The difference of two angles from which on there is no cleft, radians.
+const WIDE: f64 = 0.3;
+/// How far lobes are shaken off the spiral, in the distance of neighbours.
+const SHAKEN: f64 = 0.35;
+/// Points that measure the volume.
+const PROBES: u64 = 1 << 14;
+/// What is left of the dents at the crown's base, and between which heights of a direction they fade.
+const AT_BASE: f64 = 0.25;
+const FADES: [f64; 2] = [-0.1, -0.8];
+
+/// Where a crown is dented.
+#[derive(Clone, Debug)]
+pub struct Dents {
+    /// Unit vectors, each with how far it reaches, 1 the whole way.
+    lobes: Vec<(DVec3, f64)>,
+    cleft: f64,
+    middle: DVec3,
+    half: DVec3,
+}
+
+impl Dents {
+    /// Of a crown in a box: `amount` is 0 for none, 1 for half of the reach.
+    pub fn new(bounds: Bounds, amount: f64, key: Key) -> Self {
+        let turn = key.named("turn").between(0.0, std::f64::consts::TAU);
+        let apart = (4.0 * std::f64::consts::PI / LOBES as f64).sqrt();
+        // Each lobe takes a rank at random, so that some reach all the way in every crown.
+        let mut ranks: Vec<usize> = (1..LOBES).collect();
+        ranks.sort_by_key(|&rank| key.named("rank").child(rank as u64).bits());
+        let lobe = |i: usize| {
+            // From the top down.
+            let y = 1.0 - 2.0 * i as f64 / (LOBES as f64 - 0.5);
+            let round = (1.0 - y * y).max(0.0).sqrt();
+            let (sin, cos) = libm::sincos(turn + GOLDEN_ANGLE * i as f64);
+            let even = DVec3::new(round * cos, y, round * sin);
+            let shaken = SHAKEN * apart * if i == 0 { 0.5 } else { 1.0 };
+            let way = (even + key.named("lobe").child(i as u64).in_ball() * shaken).normalize_or(even);
+            let reach = match i {
+                0 => 1.0,
+                _ => {
+                    // From nearly 0 to 1; few fall far short.
+                    let short = ranks[i - 1] as f64 / (LOBES - 1) as f64;
+                    1.0 + amount * (LONGEST - SHORTEST * short * short)
+                }
+            };
+            (way, reach)
+        };
+        let half = (bounds.size().as_dvec3() / 2.0).max(DVec3::splat(1e-6));
+        let middle = ((bounds.min + bounds.max) / 2.0).as_dvec3();
+        Self { lobes: (0..LOBES).map(lobe).collect(), cleft: CLEFT * amount, middle, half }
+    }
+
+    /// How large the crown is in the direction of a place, as a share of the whole one.
+    pub fn share(&self, p: DVec3) -> f64 {
+        let q = ((p - self.middle) / self.half).normalize_or_zero();
+        if q == DVec3::ZERO {
+            return 1.0;
+        }
+        let (mut sum, mut weights) = (0.0, 0.0);
+        let mut nearest = [-1.0_f64; 2];
+        for &(way, reach) in &self.lobes {
+            let cos = q.dot(way);
+            let weight = libm::exp(FALL * (cos - 1.0));
+            sum += weight * reach;
+            weights += weight;
+            if cos > nearest[0] {
+                nearest = [cos, nearest[0]];
+            } else if cos > nearest[1] {
+                nearest[1] = cos;
+            }
+        }
+        let [first, second] = nearest.map(|cos| libm::acos(cos.clamp(-1.0, 1.0)));
+        let t = ((second - first) / WIDE).clamp(0.0, 1.0);
+        let cleft = self.cleft * (1.0 - t * t * (3.0 - 2.0 * t));
+        let low = ((FADES[0] - q.y) / (FADES[0] - FADES[1])).clamp(0.0, 1.0);
+        1.0 + (1.0 - (1.0 - AT_BASE) * low) * (sum / weights * (1.0 - cleft) - 1.0)
+    }
+
+    fn shrunk(&self, place: Vec3) -> Vec3 {
+        let p = place.as_dvec3();
+        (self.middle + (p - self.middle) * self.share(p)).as_vec3()
+    }
+}
+
+/// Between neighbours of Fibonacci's spiral, radians.
+const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+
+/// A crown with dents.
+pub struct Uneven {
+    crown: Box<dyn Crown>,
+    dents: Dents,
+    /// The largest of all shares.
+    most: f64,
+    volume_m3: f64,
+}
+
+impl Uneven {
+    /// The dented crown.
+    ///
+    /// # Errors
+    /// [`Cancelled`].
+    pub fn new(
+        crown: Box<dyn Crown>,
+        amount: f64,
+        key: Key,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, Cancelled> {
+        let dents = Dents::new(crown.bounds(), amount, key);
+        let most = 1.0 + LONGEST * amount;
+        let probe = Key::new(0).named("uneven");
+        let cubes: Vec<f64> = (0..PROBES)
+            .into_par_iter()
+            .map(|i| {
+                monitor.check()?;
+                Ok(cube(dents.share(crown.sample(probe.child(i)))))
+            })
+            .collect::<Result<_, Cancelled>>()?;
+        // In their order, for any number of threads.
+        let volume_m3 = crown.volume_m3() * cubes.iter().sum::<f64>() / PROBES as f64;
+        Ok(Self { crown, dents, most, volume_m3 })
+    }
+}
+
+fn cube(x: f64) -> f64 {
+    x * x * x
+}
+
+impl Crown for Uneven {
+    fn bounds(&self) -> Bounds {
+        let Bounds { min, max } = self.crown.bounds();
+        let far = (max - min) * (0.5 * (self.most - 1.0)) as f32;
+        // Nothing is lower than the base or higher than the top by more than lobes are beside them.
+        Bounds { min: min - far, max: max + far }
+    }
+
+    fn contains(&self, p: DVec3) -> bool {
+        let Dents { middle, .. } = self.dents;
+        self.crown.contains(middle + (p - middle) / self.dents.share(p))
+    }
+
+    /// A place of the whole crown, moved in or out, with the chance that its direction has as much room. A few attempts
+    /// on average: no share is below a fifth.
+    fn sample(&self, key: Key) -> DVec3 {
+        let Dents { middle, .. } = self.dents;
+        let mut attempt = 0;
+        loop {
+            let key = key.child(attempt);
+            let p = self.crown.sample(key);
+            let share = self.dents.share(p);
+            if key.named("room").unit() * cube(self.most) < cube(share) {
+                return middle + (p - middle) * share;
+            }
+            attempt += 1;
+        }
+    }
+
+    fn outline(&self) -> Vec<Vec<Vec3>> {
+        let mut lines = self.crown.outline();
+        for place in lines.iter_mut().flatten() {
+            *place = self.dents.shrunk(*place);
+        }
+        lines
+    }
+
+    fn skin(&self) -> Skin {
+        self.crown.skin().moved(|place| self.dents.shrunk(place))
+    }
+
+    fn volume_m3(&self) -> f64 {
+        self.volume_m3
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::crown::shape;
+    use linden_base::knob::Value;
+    use linden_base::monitor::Quiet;
+
+    fn ball() -> Box<dyn Crown> {
+        shape("sphere").unwrap().of(&[("crown_radius", Value::Real(3.0))]).unwrap()
+    }
+
+    fn dented(amount: f64, seed: u64) -> Uneven {
+        Uneven::new(ball(), amount, Key::new(seed), &Quiet).unwrap()
+    }
+
+    /// How far the crown reaches from its middle in directions over a sphere, in its radius.
+    fn reaches(crown: &Uneven) -> Vec<(f64, f64)> {
+        let directions = (0..400).map(|i| Key::new(77).child(i).in_ball().normalize());
+        let reach = |way: DVec3| {
+            let steps = (0..800).filter(|i| crown.contains(DVec3::Y * 3.0 + way * (f64::from(*i) * 0.005)));
+            (steps.count() as f64 / 600.0, way.y)
+        };
+        directions.map(reach).collect()
+    }
+
+    #[test]
+    fn sectors_of_the_crown_reach_differently_far_and_some_all_the_way() {
+        for seed in 0..4 {
+            let reaches = reaches(&dented(1.0, seed));
+            let upper: Vec<f64> =
+                reaches.iter().filter(|(_, y)| *y > -0.1).map(|(reach, _)| *reach).collect();
+            let share = |from: f64, to: f64| {
+                upper.iter().filter(|reach| (from..to).contains(*reach)).count() as f64 / upper.len() as f64
+            };
+            assert!(share(0.95, 1.21) > 0.1, "seed {seed}: {}", share(0.95, 1.21));
+            assert!(share(0.0, 0.75) > 0.15, "seed {seed}: {}", share(0.0, 0.75));
+            // The heart stays, and at the base nearly all.
+            assert!(share(0.0, 0.2) == 0.0);
+            assert!(reaches.iter().filter(|(_, y)| *y < -0.85).all(|(reach, _)| (0.8..1.1).contains(reach)));
+        }
+        let even = reaches(&dented(0.0, 1));
+        assert!(even.iter().all(|(reach, _)| (0.98..1.02).contains(reach)));
+    }
+
+    #[test]
+    fn points_are_within_and_as_dense_everywhere() {
+        let crown = dented(1.0, 5);
+        let bounds = crown.bounds();
+        // Of places in the box that it contains, and of those that it draws: as many in each half of each axis.
+        let mut inside = [0.0; 6];
+        let mut drawn = [0.0; 6];
+        let count = |halves: &mut [f64; 6], p: DVec3| {
+            for (axis, x) in (p - DVec3::Y * 3.0).to_array().into_iter().enumerate() {
+                halves[2 * axis + usize::from(x > 0.0)] += 1.0;
+            }
+        };
+        let (mut all, mut kept) = (0.0, 0.0);
+        for i in 0..200_000 {
+            let key = Key::new(8).child(i);
+            let p = DVec3::from([0, 1, 2].map(|axis| key.child(axis).between(-3.6, 3.6))) + DVec3::Y * 3.0;
+            all += 1.0;
+            if crown.contains(p) {
+                kept += 1.0;
+                count(&mut inside, p);
+            }
+        }
+        let counted_m3 = kept / all * 7.2 * 7.2 * 7.2;
+        assert!((counted_m3 / crown.volume_m3() - 1.0).abs() < 0.03, "{counted_m3} {}", crown.volume_m3());
+        for i in 0..60_000 {
+            let p = crown.sample(Key::new(3).child(i));
+            assert!(
+                crown.contains(p)
+                    && p.as_vec3().cmpge(bounds.min).all()
+                    && p.as_vec3().cmple(bounds.max).all()
+            );
+            count(&mut drawn, p);
+        }
+        for (inside, drawn) in inside.iter().zip(&drawn) {
+            assert!((inside / kept - drawn / 60_000.0).abs() < 0.012, "{inside} of {kept}, {drawn} of 60000");
+        }
+    }
+
+    #[test]
+    fn each_seed_has_dents_of_its_own() {
+        let [a, b] = [1, 2].map(|seed| reaches(&dented(0.8, seed)));
+        let differ = a.iter().zip(&b).filter(|(a, b)| (a.0 - b.0).abs() > 0.1).count();
+        assert!(differ > 100, "{differ} of 400 directions differ");
+        assert_eq!(reaches(&dented(0.8, 1)), a);
+    }
+
+    /// A surface is where the crown ends.
+    #[test]
+    fn the_picture_of_it_is_its_surface() {
+        let crown = dented(1.0, 4);
+        let middle = DVec3::Y * 3.0;
+        for place in crown.skin().positions {
+            let way = place.as_dvec3() - middle;
+            assert!(crown.contains(middle + way * 0.97) && !crown.contains(middle + way * 1.03), "{place}");
+        }
+    }
+}
