@@ -15,11 +15,14 @@ const NORMALS: &str = "leaf_normals";
 /// The knob that shows in materials alone.
 const TRANSLUCENCY: &str = "leaf_translucency";
 
+/// The knob of the wood that shows in leaves and colours alone.
+const KILLING: &str = "dead_below";
+
 /// Knobs of detail that leave out leaves in the finest level.
 const BUDGETS: [&str; 2] = ["triangles", "lod_triangles"];
 
 /// Knobs that show in colours and pictures, most of them in these alone.
-const SHOWN: [&str; 38] = [
+const SHOWN: [&str; 40] = [
     "bark",
     "bark_color",
     "bark_grain",
@@ -38,6 +41,8 @@ const SHOWN: [&str; 38] = [
     "moss_height",
     "moss_radius",
     "moss_color",
+    "dead_color",
+    "dead_below",
     "leaf_outline",
     "leaf_lobes",
     "leaf_lobe_depth",
@@ -111,6 +116,8 @@ pub fn fit<'a>(stage: &Stage<'a>, format: &Format, bundle: &mut Bundle) -> Stage
         let without = |section: Section, name: &str| match section {
             Section::Foliage => !holds.organs || [NORMALS, TRANSLUCENCY].contains(&name),
             Section::Detail => !(holds.organs && BUDGETS.contains(&name)),
+            // It takes leaves away, and the wood stays.
+            Section::Wood if name == KILLING => !holds.organs,
             _ => section.covers(),
         };
         let mut names = turned(&without);

@@ -494,7 +494,15 @@ fn build(branched: &mut Branched, preset: &Preset, monitor: &dyn Monitor) -> Res
     }
     branching.admit_build(&preset.wood, monitor)?;
     let wood = preset.wood.settled(branching.radii.is_some(), branching.edges.is_some());
-    let skeleton = Skeleton::build_keyed(branching, &wood, preset.wood_key())?;
+    let mut skeleton = Skeleton::build_keyed(branching, &wood, preset.wood_key())?;
+    let side = &preset.refinement.side;
+    if !side.add_to(&mut skeleton, preset.wood_key().named("side"), branched.most_nodes, monitor)? {
+        branched.notes.push(
+            "epicormic, dead_twigs: some are left out, for the tree has as many nodes as it may; raise max_nodes or \
+             symbol_limit"
+                .to_owned(),
+        );
+    }
     Ok(Built { skeleton: Arc::new(skeleton), wood, organs, measured_nodes })
 }
 

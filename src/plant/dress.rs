@@ -23,7 +23,7 @@ use linden_base::mesh::Mesh;
 use linden_base::monitor::Holding;
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_skeleton::organs::{LeafShape, Organs};
-use linden_skeleton::{NO_PARENT, Skeleton};
+use linden_skeleton::{AxisKind, NO_PARENT, Skeleton};
 
 /// Bark scatters light in all directions; nothing on it shines.
 const BARK_ROUGHNESS: f32 = 0.9;
@@ -81,6 +81,8 @@ const BLOWING_ADVICE: &str = "use wind=attributes, a budget of triangles, or no 
 /// Parts and materials of leaves are called so, and of the cards in place of them.
 const LEAVES: &str = "leaves";
 const CARDS: &str = "branches";
+/// What the wood of dead twigs and its material are called, after `wood` and `bark`.
+const DEAD: &str = "dead";
 /// Leaves are a little glossy.
 const LEAF_ROUGHNESS: f32 = 0.6;
 
@@ -236,6 +238,9 @@ impl Wardrobe {
         }
         if parts.iter().any(|part| part.material > 0) {
             materials.extend(self.thin_barks.iter().map(|(_, _, bark)| bark.clone()));
+            let color = specimen.dressing.bark.dead_color;
+            let dead = || bark_material(format!("bark_{DEAD}"), color, None);
+            materials.extend((specimen.wanted.colors && has_dead(body.skeleton)).then(dead));
         }
         if let Some(trunk) = parts.first().filter(|part| part.material == 0 && !is_thick.is_empty()) {
             let mossy = Mossy::on(specimen, foot_m(body.skeleton), foot_radius_m(body.skeleton));
@@ -267,7 +272,8 @@ impl Wardrobe {
     ) -> Result<(Vec<Part>, Vec<bool>), SurfaceError> {
         let Dressing { tubes, bark, .. } = specimen.dressing;
         let is_bare = self.mossy.is_empty();
-        if self.thin_barks.is_empty() && is_bare || tubes.junction == Junction::Watertight {
+        let has_dead = specimen.wanted.colors && has_dead(skeleton);
+        if self.thin_barks.is_empty() && is_bare && !has_dead || tubes.junction == Junction::Watertight {
             return Ok((vec![wood], Vec::new()));
         }
         monitor.admit(
@@ -277,7 +283,17 @@ impl Wardrobe {
         )?;
         let counts = surface::count(skeleton, tubes, monitor)?;
         let limits_m: Vec<f32> = self.thin_barks.iter().map(|(_, radius_m, _)| *radius_m).collect();
-        let classes = surface::classes(&wood.mesh, &counts, skeleton, &limits_m, monitor)?;
+        let mut classes = surface::classes(&wood.mesh, &counts, skeleton, &limits_m, monitor)?;
+        if has_dead {
+            let dead = limits_m.len() as u8 + 1;
+            let mut first = 0;
+            for (axis, amount) in counts.iter().enumerate() {
+                if skeleton.kind_of(axis) == AxisKind::Dead {
+                    classes[first..first + amount.triangles].fill(dead);
+                }
+                first += amount.triangles;
+            }
+        }
         let mut is_thick = Vec::new();
         if !is_bare {
             let least_m = bark.moss.least_radius_m(foot_radius_m(skeleton));
@@ -285,10 +301,11 @@ impl Wardrobe {
             let of_trunk = classes.iter().zip(thin).filter(|(class, _)| **class == 0);
             is_thick = of_trunk.map(|(_, thin)| thin == 0).collect();
         }
-        if self.thin_barks.is_empty() {
+        if limits_m.is_empty() && !has_dead {
             return Ok((vec![wood], is_thick));
         }
-        let names: Vec<&str> = self.thin_barks.iter().map(|(name, _, _)| *name).collect();
+        let names = self.thin_barks.iter().map(|(name, _, _)| *name).chain(has_dead.then_some(DEAD));
+        let names: Vec<&str> = names.collect();
         Ok((wood_parts::cut(&wood, &classes, &names), is_thick))
     }
 
@@ -465,6 +482,11 @@ fn foot_m(skeleton: &Skeleton) -> f32 {
     feet.map(|&foot| skeleton.positions[foot as usize].y).fold(f32::INFINITY, f32::min)
 }
 
+/// Whether there are dead twigs.
+fn has_dead(skeleton: &Skeleton) -> bool {
+    (0..skeleton.axes.len()).any(|axis| skeleton.kind_of(axis) == AxisKind::Dead)
+}
+
 /// Radius of the thickest stem at its foot, metres.
 fn foot_radius_m(skeleton: &Skeleton) -> f32 {
     let stems = skeleton.axes.iter().filter(|axis| axis.parent == NO_PARENT);
@@ -537,8 +559,10 @@ mod tests {
 
     #[test]
     fn what_is_drawn_ahead_is_not_drawn_again() {
-        let subject =
-            Subject::builtin("oak", &[("points", "300"), ("leaf_size", "64"), ("limb_radius", "0.05")]);
+        let subject = Subject::builtin(
+            "oak",
+            &[("points", "300"), ("leaf_size", "64"), ("limb_radius", "0.05"), ("moss", "0.5")],
+        );
         let grown = subject.grow();
         subject.with(|specimen| {
             let pictures = |monitor: &dyn Monitor| {
@@ -552,8 +576,51 @@ mod tests {
             let anew = subject.dress(&grown).materials;
             assert_eq!((&found.0, &found.1[0].2), (&anew[0], &anew[1]));
             let leaves = found.2[0].as_ref().map(|cover| &cover.base_color);
-            assert!(leaves.is_some() && leaves == anew[2].base_color_picture.as_ref());
+            let worn = anew.iter().find(|material| material.name == LEAVES);
+            assert!(leaves.is_some() && leaves == worn.and_then(|worn| worn.base_color_picture.as_ref()));
+            let mossy = moss::materials(specimen, &found.0, &Stop).unwrap();
+            assert!(mossy.len() == 3 && mossy.iter().all(|mossy| anew.contains(mossy)));
         });
+    }
+
+    #[test]
+    fn dead_twigs_are_bare_and_shoots_have_leaves() {
+        let small = [("points", "300"), ("leaf_size", "64"), ("bark_size", "64")];
+        let of = |knobs: &[(&str, &str)]| {
+            let subject = Subject::builtin("oak", &[&small[..], knobs].concat());
+            let grown = subject.grow();
+            let scene = subject.dress(&grown);
+            (grown, scene)
+        };
+        let (before, bare) = of(&[("dead_twigs", "0"), ("epicormic", "0")]);
+        let (after, scene) = of(&[("dead_twigs", "6"), ("epicormic", "2")]);
+        let skeleton = &after.skeleton;
+        let axis_of = skeleton.axis_of_nodes();
+        let kind = |node: u32| skeleton.kind_of(axis_of[node as usize] as usize);
+        let placed = &after.organs.placed;
+        let on = |wanted: AxisKind| {
+            (0..placed.len()).filter(|&organ| kind(placed.growth.nodes[organ]) == wanted).count()
+        };
+        assert_eq!(on(AxisKind::Dead), 0);
+        assert!(on(AxisKind::Shoot) > 50, "{}", on(AxisKind::Shoot));
+        // What grew has the leaves that it had, in the same places.
+        let grown = (0..placed.len()).filter(|&organ| kind(placed.growth.nodes[organ]) == AxisKind::Grown);
+        let places: Vec<Vec3> = grown.map(|organ| placed.positions[organ]).collect();
+        assert_eq!(places, before.organs.placed.positions);
+        // The dead have a colour of their own, and nothing else has.
+        let dead = scene.parts.iter().find(|part| part.name == "wood_dead").unwrap();
+        assert_eq!(scene.materials[dead.material].name, "bark_dead");
+        let dead_axes = (0..skeleton.axes.len()).filter(|&axis| skeleton.kind_of(axis) == AxisKind::Dead);
+        let nodes: usize = dead_axes.map(|axis| skeleton.axes[axis].len as usize).sum();
+        assert!(
+            dead.mesh.triangles.len() > 4 * nodes && !bare.materials.iter().any(|m| m.name == "bark_dead")
+        );
+        for at in dead.mesh.positions.iter().step_by(7) {
+            let near = |node: &usize| {
+                kind(*node as u32) == AxisKind::Dead && skeleton.positions[*node].distance(*at) < 0.7
+            };
+            assert!((0..skeleton.positions.len()).any(|node| near(&node)), "{at}");
+        }
     }
 
     #[test]

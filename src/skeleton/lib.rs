@@ -16,6 +16,7 @@ pub mod organs;
 pub mod publication;
 mod radii;
 pub mod refine;
+mod side;
 mod topology;
 mod wood;
 mod young;
@@ -33,6 +34,7 @@ pub use measure::{BREAST_HEIGHT_M, Measures};
 pub use radii::axes_by_tips;
 pub use radii::pipe::count_tips;
 pub use radii::{AxisRule, Span, Width, WidthSteps, Wood};
+pub use side::{AxisKind, SideWood};
 pub use topology::{BranchingAngle, Children, Streams, ratio_of_orders};
 
 /// The parent of a node that stands at the foot of a stem.

@@ -314,5 +314,77 @@ impl Refinement {
             ),
             see_also(&["sway", "refine", "subdivisions"])
         ),
+        field!(
+            "epicormic",
+            real(0.0, 20.0),
+            "1/m",
+            "burls with leafy shoots on a metre of trunk, less than half as many on thick limbs; 0: none",
+            side.epicormic_per_m,
+            details(
+                "Buds that slept under the bark sprout where light comes to old wood: oaks, limes, willows and poplars. \
+                 A burl bears 3 to 7 shoots with the leaves of the tree, in its seasons; they are axes like all others, \
+                 in every format, count as foliage where the crown's base is measured, and come with the last step of \
+                 growth: a younger tree (age) has none. 0.3 to 1 suits an oak, 4 a lime full of them."
+            ),
+            see_also(&["epicormic_length", "epicormic_range", "dead_twigs"])
+        ),
+        field!(
+            "epicormic_length",
+            real(0.01, 10.0),
+            "m",
+            "mean length of epicormic shoots",
+            side.epicormic_length_m,
+            see_also(&["epicormic"])
+        ),
+        field!(
+            "epicormic_range",
+            Kind::Reals { min: 0.0, max: 1.0, most: 2 },
+            "",
+            "between which shares of the tree's height epicormic shoots stand",
+            side.epicormic_range,
+            see_also(&["epicormic"])
+        ),
+        field!(
+            "dead_twigs",
+            real(0.0, 100.0),
+            "1/m",
+            "dead twigs on a metre of stem, half as many on the inner parts of its limbs; 0: none",
+            side.dead_per_m,
+            details(
+                "What the shade of the crown has killed stays on conifers for years: fine, grey, drooping, without a \
+                 needle, below the living crown and inside of it. They are axes like all others, in dead_color, and \
+                 come with the last step of growth: a younger tree (age) has none. 3 to 8 suits a spruce, 1 to 2 a pine \
+                 or larch; dead_below takes the needles of low limbs."
+            ),
+            see_also(&["dead_length", "dead_range", "dead_below", "dead_color", "stubs"])
+        ),
+        field!(
+            "dead_length",
+            real(0.01, 10.0),
+            "m",
+            "mean length of dead twigs on the stem; those on limbs are less than half as long",
+            side.dead_length_m,
+            see_also(&["dead_twigs"])
+        ),
+        field!(
+            "dead_range",
+            Kind::Reals { min: 0.0, max: 1.0, most: 2 },
+            "",
+            "between which shares of the tree's height dead twigs leave",
+            side.dead_range,
+            see_also(&["dead_twigs"])
+        ),
+        field!(
+            "dead_below",
+            real(0.0, 1.0),
+            "",
+            "limbs that leave the stem below this share of the tree's height are dead, with all that they bear; 0: none",
+            side.dead_below,
+            details(
+                "They are as they grew, in dead_color and without leaves: the lowest whorls of a spruce that stood in \
+                 a wood. Not in younger trees (age). With dead_twigs it makes a skirt below the living crown."
+            ),
+            see_also(&["dead_twigs", "dead_color", "stubs"])
+        ),
     ];
 }

@@ -75,14 +75,16 @@ pub fn plants() -> Vec<Plant> {
         ("surface_roots", "3"),
         ("stubs", "2"),
         ("moss", "0.5"),
+        ("epicormic", "1"),
+        ("dead_twigs", "2"),
         ("ends", "cut"),
         ("junction", "blend"),
         ("waves", "3"),
         ("phototropism", "0.3"),
         ("clumps", "0.6"),
+        ("unevenness", "0.5"),
         ("season", "0.7"),
     ];
-        ("unevenness", "0.5"),
     let windy: &[(&str, &str)] = &[("wind", "sway")];
     let levels: &[(&str, &str)] = &[("lods", "2"), ("billboard", "2"), ("billboard_size", "64")];
     vec![

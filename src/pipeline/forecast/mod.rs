@@ -22,7 +22,7 @@ use linden_plant::foliage::{FoliageError, GROWING, Organs};
 use linden_plant::settings::Form;
 use linden_skeleton::generator::{Multiple, SampleSize, SampleStep};
 use linden_skeleton::refine::Refinement;
-use linden_skeleton::{NO_PARENT, Skeleton, Width};
+use linden_skeleton::{NO_PARENT, SideWood, Skeleton, Width};
 
 use crate::grow::{GrowError, Grown, grow, sprout};
 use crate::preset::Preset;
@@ -121,6 +121,8 @@ pub fn sample(recipe: &Recipe, monitor: &dyn Monitor) -> Result<Sample, GrowErro
     bare.preset.dressing.foliage.also.clear();
     // They name axes of the whole tree.
     bare.preset.edits.clear();
+    // A few on the trunk, which a multiple of the sample would have more of.
+    bare.preset.refinement.side = SideWood::default();
     let (mut recipe, mut grown, multiple) = small(bare, monitor)?;
     let Multiple { wood_times, mut leaf_times, point_times, crowding, coarser } = multiple;
     // More could not be counted in bytes, and nothing is so large.

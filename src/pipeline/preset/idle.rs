@@ -262,6 +262,30 @@ static RULES: &[Rule] = &[
             when(preset.dressing.tubes.features.ends == Ends::Bud, "all ends are buds: it is for other ends")
         },
     },
+    Rule {
+        knobs: &["epicormic_length", "epicormic_range"],
+        why: |preset| when(preset.refinement.side.epicormic_per_m == 0.0, "epicormic is 0"),
+    },
+    Rule {
+        knobs: &["dead_length", "dead_range"],
+        why: |preset| when(preset.refinement.side.dead_per_m == 0.0, "dead_twigs is 0"),
+    },
+    Rule {
+        knobs: &["dead_color"],
+        why: |preset| {
+            let side = &preset.refinement.side;
+            when(side.dead_per_m == 0.0 && side.dead_below == 0.0, "dead_twigs and dead_below are 0")
+        },
+    },
+    Rule {
+        knobs: &["dead_color"],
+        why: |preset| {
+            when(
+                preset.dressing.tubes.junction == Junction::Watertight,
+                "junction=watertight makes one solid of all wood, with one bark",
+            )
+        },
+    },
     // [bark]
     Rule {
         knobs: &["bark", "bark_color", "bark_grain", "bark_seed"],

@@ -6,7 +6,7 @@
 
 use std::collections::BTreeMap;
 
-use linden_skeleton::{Axis, NO_PARENT, Skeleton};
+use linden_skeleton::{Axis, AxisKind, NO_PARENT, Skeleton};
 
 use crate::settings::LeafKind;
 
@@ -17,13 +17,23 @@ const ALONG: f32 = 3.0;
 
 /// Up to which height (Y, metres) axes bear nothing of a kind, by their indices; others have no such height.
 pub(super) fn bare_below(kind: &LeafKind, skeleton: &Skeleton) -> BTreeMap<usize, f32> {
+    let mut bare = bare_wood(kind, skeleton);
+    let dead = (0..skeleton.axes.len()).filter(|&axis| skeleton.kind_of(axis) == AxisKind::Dead);
+    bare.extend(dead.map(|axis| (axis, f32::INFINITY)));
+    bare
+}
+
+/// The same but for dead twigs. Shoots out of old wood are no branches that a crown begins with.
+fn bare_wood(kind: &LeafKind, skeleton: &Skeleton) -> BTreeMap<usize, f32> {
     let stems = skeleton.axes.iter().enumerate().filter(|(_, axis)| axis.parent == NO_PARENT);
     if let Some(from_m) = kind.from_m {
         let foot = |axis| skeleton.nodes_of(axis).first().map(|&node| skeleton.positions[node as usize].y);
         return stems.filter_map(|(index, axis)| Some((index, foot(axis)? + from_m as f32))).collect();
     }
     let axis_of = skeleton.axis_of_nodes();
-    let of_stems = skeleton.axes.iter().enumerate().filter_map(|(index, axis)| {
+    let grown =
+        skeleton.axes.iter().enumerate().filter(|(index, _)| skeleton.kind_of(*index) == AxisKind::Grown);
+    let of_stems = grown.filter_map(|(index, axis)| {
         let stem = (axis.parent != NO_PARENT).then(|| axis_of[axis.parent as usize] as usize)?;
         (skeleton.axes[stem].parent == NO_PARENT).then_some((index, stem))
     });

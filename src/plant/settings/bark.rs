@@ -27,6 +27,8 @@ pub struct BarkSettings {
     pub limbs: ThinBark,
     /// That of wood that is thinner still.
     pub twigs: ThinBark,
+    /// Colour of dead twigs, sRGB.
+    pub dead_color: [u8; 3],
     /// Moss on it.
     pub moss: MossSettings,
     /// Side of the drawn pictures, pixels.
@@ -83,6 +85,7 @@ impl Default for BarkSettings {
             lenticels: 0.0,
             limbs: ThinBark::default(),
             twigs: ThinBark::default(),
+            dead_color: [104, 98, 90],
             moss: MossSettings::default(),
             size_px: 512,
             seed: 1,
@@ -288,6 +291,14 @@ impl BarkSettings {
             "mean colour of the bark of twigs; auto: that of the trunk",
             twigs.color,
             see_also(&["twig_radius", "bark_color"])
+        ),
+        field!(
+            "dead_color",
+            Kind::Color { auto: false },
+            "sRGB",
+            "colour of dead twigs (dead_twigs), which have lost their bark",
+            dead_color,
+            see_also(&["dead_twigs", "bark_color"])
         ),
         MOSS_FIELDS[0],
         MOSS_FIELDS[1],

@@ -21,7 +21,7 @@ use rayon::prelude::*;
 
 use super::axes::successors;
 use super::radii::pipe::count_tips;
-use super::{Branching, Edge, NO_PARENT, Wood};
+use super::{Branching, Edge, NO_PARENT, SideWood, Wood};
 use linden_base::memory::{OverMemory, bytes_of};
 use linden_base::monitor::{Cancelled, Monitor, Phase};
 use linden_base::random::Key;
@@ -80,6 +80,8 @@ pub struct Refinement {
     pub sway: f64,
     /// How far axes bend to and fro over a few times their thickness, as a share of it, about.
     pub gnarl: f64,
+    /// Epicormic shoots and dead twigs; they are no refinement of what grew, and stand on the finished tree.
+    pub side: SideWood,
 }
 
 impl Refinement {
@@ -110,6 +112,7 @@ impl Default for Refinement {
             trunk_curve: vec![0.0],
             sway: 0.0,
             gnarl: 0.0,
+            side: SideWood::default(),
         }
     }
 }
