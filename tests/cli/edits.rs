@@ -32,20 +32,20 @@ fn edited_trees_are_written_verified_and_grown_again() {
     let edit = ["--edit", "cut stem 0.5", "-o", "cut.glb"];
     folder.run(&with(&["export", "oak"], &edit)).done();
     folder.run(&["verify", "cut.glb"]).done();
-    let height = |source: &str| {
+    let nodes = |source: &str| {
         let args = if source == "oak" {
             with(&["stats", "oak", "--json"], &[])
         } else {
             vec!["stats", source, "--json"]
         };
-        folder.run(&args).done().json()["height_m"].as_f64().unwrap()
+        folder.run(&args).done().json()["nodes"].as_f64().unwrap()
     };
-    assert!(height("cut.glb") < height("oak"));
+    assert!(nodes("cut.glb") < nodes("oak"));
     // A document that show writes is the same tree.
     let toml = folder.run(&with(&["show", "oak", "--toml"], &["--edit", "cut stem 0.5"])).done().out;
     assert!(toml.contains("[[edit]]\ndo = \"cut\"\naxis = \"stem\"\n"), "{toml}");
     folder.write("cut.toml", &toml);
-    assert_eq!(height("cut.toml"), height("cut.glb"));
+    assert_eq!(nodes("cut.toml"), nodes("cut.glb"));
 }
 
 #[test]
