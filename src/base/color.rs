@@ -71,6 +71,11 @@ pub fn linear(srgb: [u8; 3]) -> [f32; 3] {
     srgb.map(|c| LIGHT[usize::from(c)])
 }
 
+/// Relative luminance of linear light (ITU-R BT.709, whose primaries sRGB has).
+pub fn luminance([r, g, b]: [f32; 3]) -> f32 {
+    0.2126 * r + 0.7152 * g + 0.0722 * b
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -20,6 +20,9 @@ use xxhash_rust::xxh3::xxh3_64;
 /// ("Fast splittable pseudorandom number generators", `SplitMix64`).
 const GOLDEN_GAMMA: u64 = 0x9E37_79B9_7F4A_7C15;
 
+/// π (3 − √5), 137.5°: turned by it again and again, nothing comes to stand above another. Leaves of a spiral do.
+pub const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+
 /// One place where something is chosen at random.
 ///
 /// ```

@@ -240,10 +240,10 @@ impl Wardrobe {
             materials.extend(self.thin_barks.iter().map(|(_, _, bark)| bark.clone()));
             let color = specimen.dressing.bark.dead_color;
             let dead = || bark_material(format!("bark_{DEAD}"), color, None);
-            materials.extend((specimen.wanted.colors && has_dead(body.skeleton)).then(dead));
+            materials.extend(has_dead(body.skeleton).then(dead));
         }
         if let Some(trunk) = parts.first().filter(|part| part.material == 0 && !is_thick.is_empty()) {
-            let mossy = Mossy::on(specimen, foot_m(body.skeleton), foot_radius_m(body.skeleton));
+            let mossy = Mossy::on(specimen, foot_m(body.skeleton), body.skeleton.foot_radius_m());
             let cut = mossy.cut(trunk, &is_thick, materials.len());
             parts.splice(..1, cut);
             materials.extend(self.mossy.iter().cloned());
@@ -272,16 +272,16 @@ impl Wardrobe {
     ) -> Result<(Vec<Part>, Vec<bool>), SurfaceError> {
         let Dressing { tubes, bark, .. } = specimen.dressing;
         let is_bare = self.mossy.is_empty();
-        let has_dead = specimen.wanted.colors && has_dead(skeleton);
+        let has_dead = has_dead(skeleton);
         if self.thin_barks.is_empty() && is_bare && !has_dead || tubes.junction == Junction::Watertight {
             return Ok((vec![wood], Vec::new()));
         }
+        let counts = surface::count(skeleton, tubes, monitor)?;
         monitor.admit(
             PARTING,
-            2 * wood.bytes(),
+            wood.bytes() + wood_parts::bytes_for(&wood) + std::mem::size_of_val(&counts[..]) as u64,
             "lower sides, or let all wood have one bark (limb_radius=0, moss=0)",
         )?;
-        let counts = surface::count(skeleton, tubes, monitor)?;
         let limits_m: Vec<f32> = self.thin_barks.iter().map(|(_, radius_m, _)| *radius_m).collect();
         let mut classes = surface::classes(&wood.mesh, &counts, skeleton, &limits_m, monitor)?;
         if has_dead {
@@ -296,7 +296,7 @@ impl Wardrobe {
         }
         let mut is_thick = Vec::new();
         if !is_bare {
-            let least_m = bark.moss.least_radius_m(foot_radius_m(skeleton));
+            let least_m = bark.moss.least_radius_m(skeleton.foot_radius_m());
             let thin = surface::classes(&wood.mesh, &counts, skeleton, &[least_m], monitor)?;
             let of_trunk = classes.iter().zip(thin).filter(|(class, _)| **class == 0);
             is_thick = of_trunk.map(|(_, thin)| thin == 0).collect();
@@ -485,13 +485,6 @@ fn foot_m(skeleton: &Skeleton) -> f32 {
 /// Whether there are dead twigs.
 fn has_dead(skeleton: &Skeleton) -> bool {
     (0..skeleton.axes.len()).any(|axis| skeleton.kind_of(axis) == AxisKind::Dead)
-}
-
-/// Radius of the thickest stem at its foot, metres.
-fn foot_radius_m(skeleton: &Skeleton) -> f32 {
-    let stems = skeleton.axes.iter().filter(|axis| axis.parent == NO_PARENT);
-    let feet = stems.filter_map(|axis| skeleton.nodes_of(axis).first());
-    feet.map(|&foot| skeleton.radii[foot as usize]).fold(0.0, f32::max)
 }
 
 /// Lays a bark that is not square on as it is: [`crate::surface::Tubes::bark_tile_m`] is its width.

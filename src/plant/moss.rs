@@ -4,8 +4,6 @@
 //! noise. Triangles with enough of it are cut out of the trunk's part into up to [`STEPS`] parts of their own, each
 //! with a picture of the bark on which moss covers so much more; the last step below is bare. No triangle is added.
 
-use std::sync::Arc;
-
 use glam::Vec3;
 
 use crate::Specimen;
@@ -38,23 +36,27 @@ const NOISE: f32 = 0.22;
 /// Waves of the noise, to a metre.
 const WAVES_PER_M: f32 = 2.3;
 
-/// The materials of mossy bark, a step each; none where no moss is to be seen.
+/// The materials of mossy bark, a step each; none without moss.
 pub(crate) fn materials(
     specimen: &Specimen<'_>,
     bark: &Material,
     monitor: &dyn Monitor,
 ) -> Result<Vec<Material>, BarkError> {
     let look = &specimen.dressing.bark;
-    let (Some(picture), true) = (&bark.base_color_picture, look.moss.amount > 0.0) else {
+    if look.moss.amount == 0.0 {
         return Ok(Vec::new());
-    };
+    }
+    // Without a picture, where nobody wants colours, the wood is cut all the same: files hold it in one order.
+    let picture = bark.base_color_picture.as_ref();
     let step = |((share, halvings), name): ((f32, u32), &str)| {
         let key = Key::new(look.seed).named("moss");
         let moss = Moss { share, color: look.moss.color, halvings, key };
         Ok(Material {
             name: format!("bark_{name}"),
             base_color: moss.mean(bark.base_color),
-            base_color_picture: Some(specimen.drawn.mossy(picture, moss, monitor)?),
+            base_color_picture: picture
+                .map(|picture| specimen.drawn.mossy(picture, moss, monitor))
+                .transpose()?,
             normal_picture: bark.normal_picture.clone(),
             ..bark.clone()
         })
@@ -91,12 +93,9 @@ impl<'a> Mossy<'a> {
         // What hangs over is dry.
         let faced = BY_SIDE * toward + BY_SKY * normal.y.max(0.0) - 0.6 * (-normal.y).max(0.0);
         let foot = BY_FOOT * libm::expf(-5.0 * high);
-        settings.amount.sqrt() * (faced.max(0.0) * low + foot) * self.shy() + NOISE * self.noise(place)
-    }
-
-    /// Small amounts have a density that is less everywhere.
-    fn shy(&self) -> f32 {
-        0.5 + 0.5 * self.settings.amount
+        // Small amounts are thin everywhere.
+        let amount = settings.amount;
+        amount.sqrt() * (faced.max(0.0) * low + foot) * (0.5 + 0.5 * amount) + NOISE * self.noise(place)
     }
 
     /// -1 to 1, slow.
@@ -137,7 +136,7 @@ impl<'a> Mossy<'a> {
 /// Bytes of all steps' pictures.
 pub(crate) fn bytes(materials: &[Material]) -> u64 {
     let pictures = materials.iter().filter_map(|material| material.base_color_picture.as_ref());
-    pictures.map(|picture| Arc::as_ref(picture).rgba().len() as u64).sum()
+    pictures.map(|picture| picture.rgba().len() as u64).sum()
 }
 
 #[cfg(test)]

@@ -1,30 +1,40 @@
 //! The wood in parts, each with the bark of its thickness.
 
+use std::collections::BTreeMap;
+
+use linden_base::memory::bytes_of;
 use linden_base::mesh::Mesh;
 
 use crate::scene::Part;
 use crate::wind::{PartWind, Target};
 
-/// Cuts a part into parts by the class of each triangle; vertices between two classes are in both. The first keeps
+/// Cuts a part into parts by the class of each triangle; vertices between two classes are in both, and twice in one
+/// whose triangles meet there alone, so that no part hangs together by a point. The first keeps
 /// the name and the material, others have the name of their class behind it and the materials after that one, in
 /// the order of `names`. Classes without triangles are left out, but for the first.
 pub(crate) fn cut(whole: &Part, classes: &[u8], names: &[&str]) -> Vec<Part> {
     let mut parts = Vec::with_capacity(names.len() + 1);
     let mut index = vec![u32::MAX; whole.mesh.positions.len()];
+    let is_border = borders(&whole.mesh, classes);
     for class in 0..=names.len() as u8 {
         let of_class = || whole.mesh.triangles.iter().zip(classes).filter(|(_, of)| **of == class);
-        let mut vertices = Vec::new();
-        let mut triangles = Vec::with_capacity(of_class().count());
+        let mut vertices: Vec<u32> = Vec::new();
+        let mut triangles: Vec<[u32; 3]> = of_class().map(|(corners, _)| *corners).collect();
         index.fill(u32::MAX);
-        for (corners, _) in of_class() {
-            triangles.push(corners.map(|vertex| {
-                let new = &mut index[vertex as usize];
+        let fans = further_fans(&triangles, &is_border);
+        let mut of_fans = BTreeMap::new();
+        for (number, corners) in triangles.iter_mut().enumerate() {
+            for (corner, vertex) in corners.iter_mut().enumerate() {
+                let new = match fans.get(&(number, corner)) {
+                    None => &mut index[*vertex as usize],
+                    Some(&fan) => of_fans.entry((*vertex, fan)).or_insert(u32::MAX),
+                };
                 if *new == u32::MAX {
                     *new = vertices.len() as u32;
-                    vertices.push(vertex as usize);
+                    vertices.push(*vertex);
                 }
-                *new
-            }));
+                *vertex = *new;
+            }
         }
         if triangles.is_empty() && class > 0 {
             continue;
@@ -50,11 +60,56 @@ pub(crate) fn cut(whole: &Part, classes: &[u8], names: &[&str]) -> Vec<Part> {
     parts
 }
 
-fn taken<T: Copy>(all: &[T], vertices: &[usize]) -> Vec<T> {
-    vertices.iter().filter_map(|&vertex| all.get(vertex).copied()).collect()
+/// Bytes that cutting a part takes at most, the parts among them.
+pub(crate) fn bytes_for(whole: &Part) -> u64 {
+    let (vertices, triangles) = (whole.mesh.positions.len(), whole.mesh.triangles.len());
+    // Which vertices a part takes, its own number for each, and where borders are; the class of a triangle.
+    whole.bytes() + bytes_of::<([u32; 3], [u8; 3])>(vertices) + bytes_of::<u8>(triangles)
 }
 
-fn blown(wind: &PartWind, vertices: &[usize]) -> PartWind {
+/// Whether triangles of several classes meet at a vertex.
+fn borders(mesh: &Mesh, classes: &[u8]) -> Vec<bool> {
+    let mut first: Vec<Option<u8>> = vec![None; mesh.positions.len()];
+    let mut is_border = vec![false; first.len()];
+    for (corners, &class) in mesh.triangles.iter().zip(classes) {
+        for &vertex in corners {
+            is_border[vertex as usize] |= *first[vertex as usize].get_or_insert(class) != class;
+        }
+    }
+    is_border
+}
+
+/// The fan of each corner, by its triangle and its number there: triangles round a vertex that share an edge are a fan.
+/// Corners of a vertex's first fan are left out, which is all that vertices within a class have.
+fn further_fans(triangles: &[[u32; 3]], is_border: &[bool]) -> BTreeMap<(usize, usize), usize> {
+    let mut around: BTreeMap<u32, Vec<(usize, usize)>> = BTreeMap::new();
+    for (number, corners) in triangles.iter().enumerate() {
+        for (corner, &vertex) in corners.iter().enumerate().filter(|(_, vertex)| is_border[**vertex as usize])
+        {
+            around.entry(vertex).or_default().push((number, corner));
+        }
+    }
+    let share_edge =
+        |a: usize, b: usize| triangles[a].iter().filter(|vertex| triangles[b].contains(vertex)).count() > 1;
+    let mut further = BTreeMap::new();
+    for corners in around.values() {
+        let mut fans: Vec<usize> = (0..corners.len()).collect();
+        for (i, j) in (0..corners.len()).flat_map(|i| (0..i).map(move |j| (i, j))) {
+            let (from, to) = (fans[i].max(fans[j]), fans[i].min(fans[j]));
+            if from != to && share_edge(corners[i].0, corners[j].0) {
+                fans.iter_mut().filter(|fan| **fan == from).for_each(|fan| *fan = to);
+            }
+        }
+        further.extend(corners.iter().copied().zip(fans).filter(|(_, fan)| *fan > 0));
+    }
+    further
+}
+
+fn taken<T: Copy>(all: &[T], vertices: &[u32]) -> Vec<T> {
+    vertices.iter().filter_map(|&vertex| all.get(vertex as usize).copied()).collect()
+}
+
+fn blown(wind: &PartWind, vertices: &[u32]) -> PartWind {
     let target =
         |target: &Target| Target { motion: target.motion, offsets: taken(&target.offsets, vertices) };
     PartWind {
@@ -101,5 +156,24 @@ mod tests {
         }
         let twigs = cut(&whole, &[2; 4], &["limbs", "twigs"]);
         assert_eq!((twigs.len(), twigs[0].name.as_str()), (1, "wood_twigs"));
+    }
+
+    #[test]
+    fn no_part_hangs_together_by_a_point() {
+        // A wheel of six triangles round vertex 0.
+        let triangles: Vec<[u32; 3]> = (0..6).map(|i| [0, 1 + i, 1 + (i + 1) % 6]).collect();
+        let mesh = Mesh { positions: vec![Vec3::ZERO; 7], triangles, ..Mesh::default() };
+        let whole = Part::new("wood", 0, mesh);
+        // Opposite spokes are of one class: two fans of it meet at the hub, and those of the other, too.
+        let parts = cut(&whole, &[0, 0, 1, 0, 1, 1], &["limbs"]);
+        let hubs = |part: &Part| {
+            let hubs: std::collections::BTreeSet<u32> =
+                part.mesh.triangles.iter().map(|corners| corners[0]).collect();
+            hubs.len()
+        };
+        assert_eq!([hubs(&parts[0]), hubs(&parts[1])], [2, 2]);
+        // Three in a row, and what lies beside them: one fan each, with no vertex more.
+        let parts = cut(&whole, &[0, 0, 0, 1, 1, 1], &["limbs"]);
+        assert_eq!(parts.iter().map(|part| part.mesh.positions.len()).collect::<Vec<_>>(), [5, 5]);
     }
 }

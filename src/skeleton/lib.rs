@@ -252,6 +252,13 @@ impl Skeleton {
         &self.axis_nodes[axis.first as usize..(axis.first + axis.len) as usize]
     }
 
+    /// Radius of the thickest stem at its foot, metres; 0 without any.
+    pub fn foot_radius_m(&self) -> f32 {
+        let stems = self.axes.iter().filter(|axis| axis.parent == NO_PARENT);
+        let feet = stems.filter_map(|axis| self.nodes_of(axis).first());
+        feet.map(|&foot| self.radii[foot as usize]).fold(0.0, f32::max)
+    }
+
     /// How many segments (internodes) there are: each node but the feet of the stems ends one.
     pub fn segments(&self) -> usize {
         self.parents.iter().filter(|&&p| p != NO_PARENT).count()

@@ -10,7 +10,7 @@ use glam::Vec3;
 use crate::{Axis, Forks, NO_PARENT, Skeleton};
 use linden_base::memory::{OverMemory, bytes_of};
 use linden_base::monitor::Monitor;
-use linden_base::random::Key;
+use linden_base::random::{GOLDEN_ANGLE, Key};
 
 /// Shoots and dead twigs of a tree.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,7 +57,9 @@ pub enum AxisKind {
     Dead,
 }
 
-/// Numbers of shoots begin with this one …
+/// Numbers of limbs that grew and are dead begin with this one …
+const KILLED: u32 = 0b001 << KIND_SHIFT;
+/// … those of shoots with this one …
 const SHOOT: u32 = 0b010 << KIND_SHIFT;
 /// … and those of dead twigs with this one; no tree has so many axes, and edits number theirs behind.
 const DEAD: u32 = 0b011 << KIND_SHIFT;
@@ -75,8 +77,6 @@ const MOST: u64 = 2000;
 const SHOOTS: [f64; 2] = [3.0, 7.0];
 /// Radius of a burl ÷ that of the wood that it stands on, and the largest, metres.
 const BURL: (f32, f32) = (0.22, 0.07);
-/// From one dead twig to the next round the stem.
-const DIVERGENCE: f64 = 2.399_963_229_728_653;
 /// Dead twigs on a metre of the inner parts of limbs ÷ those of a metre of stem.
 const ON_LIMBS: f64 = 0.5;
 /// The inner part of a limb, as a share of its length.
@@ -87,11 +87,20 @@ const SIDE_TWIGS: f64 = 5.0;
 impl Skeleton {
     /// What an axis is.
     pub fn kind_of(&self, axis: usize) -> AxisKind {
-        match self.marks.numbers.get(axis) {
-            Some(number) if number >> KIND_SHIFT == DEAD >> KIND_SHIFT => AxisKind::Dead,
-            Some(number) if number >> KIND_SHIFT == SHOOT >> KIND_SHIFT => AxisKind::Shoot,
+        match self.kind_bits(axis) {
+            KILLED | DEAD => AxisKind::Dead,
+            SHOOT => AxisKind::Shoot,
             _ => AxisKind::Grown,
         }
+    }
+
+    /// Whether an axis is a shoot or a dead twig that stands on the finished tree: neither grown nor made by an edit.
+    pub(crate) fn is_side_wood(&self, axis: usize) -> bool {
+        matches!(self.kind_bits(axis), SHOOT | DEAD)
+    }
+
+    fn kind_bits(&self, axis: usize) -> u32 {
+        self.marks.numbers.get(axis).map_or(0, |number| number >> KIND_SHIFT << KIND_SHIFT)
     }
 }
 
@@ -203,7 +212,7 @@ impl SideWood {
             let turn = key.named("turn").between(0.0, std::f64::consts::TAU);
             for (index, place) in site.places(axis, per_m, &self.dead_range, part, key) {
                 let key = key.child(index);
-                let azimuth = turn + DIVERGENCE * index as f64 + key.named("aside").between(-0.5, 0.5);
+                let azimuth = turn + GOLDEN_ANGLE * index as f64 + key.named("aside").between(-0.5, 0.5);
                 let around = place.around(azimuth as f32);
                 let out = if order == 0 { around } else { (around - Vec3::Y * 0.6).normalize_or(around) };
                 self.dead_twig(site, &place, out, size, key);
@@ -294,9 +303,7 @@ impl<'a> Site<'a> {
         }
         let heights = tree.positions.iter().map(|at| at.y);
         let (low, high) = heights.fold((f32::MAX, f32::MIN), |(low, high), y| (low.min(y), high.max(y)));
-        let stems = tree.axes.iter().filter(|axis| axis.parent == NO_PARENT);
-        let feet = stems.filter_map(|axis| tree.nodes_of(axis).first());
-        let foot_radius_m = feet.map(|&foot| tree.radii[foot as usize]).fold(0.0, f32::max);
+        let foot_radius_m = tree.foot_radius_m();
         let born = tree.births.iter().copied().max().unwrap_or(0);
         let tip_m = (tips.radii_m / f64::from(tips.count)) as f32;
         let (floor_m, height_m) = (low, high - low);
@@ -318,7 +325,7 @@ impl<'a> Site<'a> {
             let low = order == 1 && tree.positions[parent as usize].y < top_m;
             is_dead[axis] = low || is_dead[axis_of[parent as usize] as usize];
             if is_dead[axis] {
-                tree.marks.numbers[axis] = DEAD | axis as u32;
+                tree.marks.numbers[axis] = KILLED | axis as u32;
             }
         }
     }

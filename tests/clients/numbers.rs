@@ -28,6 +28,8 @@ const PLANTS: [(&str, &[(&str, &str)]); 12] = [
             ("flare_ridges", "5"),
             ("surface_roots", "0"),
             ("stubs", "0"),
+            // It cuts the wood into parts, which are measured whole.
+            ("moss", "0"),
         ],
     ),
     ("dressed-honda-a", &[]),

@@ -394,7 +394,10 @@ fn planted(recipe: &Recipe) -> String {
     for part in &scene.parts {
         let found = topology(&part.mesh, &Quiet).expect("nobody cancels");
         assert_eq!(found.not_finite, 0, "part {}: {found:?}", part.name);
-        assert!(part.name != "wood" || found.open_edges == 0, "the wood is open: {found:?}");
+        // Wood in parts is open where bark of one kind meets that of another.
+        let is_whole =
+            part.name == "wood" && !scene.parts.iter().any(|other| other.name.starts_with("wood_"));
+        assert!(!is_whole || found.open_edges == 0, "the wood is open: {found:?}");
     }
     for exporter in REGISTRY {
         let mut bundle = Bundle::stream("memory", std::io::sink());

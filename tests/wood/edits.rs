@@ -7,8 +7,8 @@ use linden::glam::DVec3;
 use linden::grow::{Grown, grow, reedit};
 use linden::preset::{Preset, builtin};
 use linden::recipe::Recipe;
-use linden::skeleton::Forks;
 use linden::skeleton::edit::{AxisPaths, Edit, EditError, Edited, Operation, edit};
+use linden::skeleton::{AxisKind, Forks};
 use linden::surface::{sweep, topology};
 use linden::{NO_PARENT, Quiet, Skeleton};
 use proptest::prelude::*;
@@ -116,12 +116,13 @@ fn every_axis_is_found_by_its_path() {
             assert_eq!(paths.find(&path), Some(axis), "{id} {path}");
             assert_eq!(path.to_string().parse(), Ok(path.clone()));
             assert_eq!(path.laterals.len(), skeleton.axes[axis as usize].order as usize);
-            // By the definition: the place among all that leave the same axis, from its base up.
+            // By the definition: the place among all that leave the same axis, from its base up; shoots come last.
             if let Some(parent) = paths.parent(axis) {
                 let nodes = skeleton.nodes_of(&skeleton.axes[parent as usize]);
                 let place = |lateral: u32| {
                     let leaves = skeleton.axes[lateral as usize].parent;
-                    nodes.iter().position(|&node| node == leaves).map(|place| (place, lateral))
+                    let is_late = skeleton.kind_of(lateral as usize) != AxisKind::Grown;
+                    nodes.iter().position(|&node| node == leaves).map(|place| (is_late, place, lateral))
                 };
                 let before = (0..skeleton.axes.len() as u32).filter_map(place);
                 let before = before.filter(|other| Some(*other) < place(axis)).count();
@@ -140,7 +141,8 @@ fn without_edits_a_tree_stays_to_the_bit() {
         assert!(remarks.is_empty() && organs == *tree.given, "{id}");
         let marks = skeleton.marks.clone();
         assert_eq!(Skeleton { marks: tree.skeleton.marks.clone(), ..skeleton }, *tree.skeleton, "{id}");
-        assert!(marks.cuts.is_empty() && marks.numbers.iter().copied().eq(0..marks.numbers.len() as u32));
+        let numbers = (0..marks.numbers.len()).map(|axis| tree.skeleton.axis_number(axis));
+        assert!(marks.cuts.is_empty() && marks.numbers.iter().copied().eq(numbers), "{id}");
     }
 }
 

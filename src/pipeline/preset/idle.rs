@@ -116,6 +116,9 @@ fn when(holds: bool, why: &'static str) -> Option<&'static str> {
     holds.then_some(why)
 }
 
+/// For all that differs from one part of the wood to another.
+const ONE_BARK: &str = "junction=watertight makes one solid of all wood, with one bark";
+
 static RULES: &[Rule] = &[
     // Before all tables.
     Rule {
@@ -279,12 +282,7 @@ static RULES: &[Rule] = &[
     },
     Rule {
         knobs: &["dead_color"],
-        why: |preset| {
-            when(
-                preset.dressing.tubes.junction == Junction::Watertight,
-                "junction=watertight makes one solid of all wood, with one bark",
-            )
-        },
+        why: |preset| when(preset.dressing.tubes.junction == Junction::Watertight, ONE_BARK),
     },
     // [bark]
     Rule {
@@ -323,12 +321,7 @@ static RULES: &[Rule] = &[
     },
     Rule {
         knobs: &["limb_radius", "limb_bark", "limb_color", "twig_radius", "twig_bark", "twig_color"],
-        why: |preset| {
-            when(
-                preset.dressing.tubes.junction == Junction::Watertight,
-                "junction=watertight makes one solid of all wood, with one bark",
-            )
-        },
+        why: |preset| when(preset.dressing.tubes.junction == Junction::Watertight, ONE_BARK),
     },
     Rule {
         knobs: &["moss_side", "moss_height", "moss_radius", "moss_color"],
@@ -336,12 +329,7 @@ static RULES: &[Rule] = &[
     },
     Rule {
         knobs: &["moss", "moss_side", "moss_height", "moss_radius", "moss_color"],
-        why: |preset| {
-            when(
-                preset.dressing.tubes.junction == Junction::Watertight,
-                "junction=watertight makes one solid of all wood, with one bark",
-            )
-        },
+        why: |preset| when(preset.dressing.tubes.junction == Junction::Watertight, ONE_BARK),
     },
     Rule {
         knobs: &["bark_relief_height"],

@@ -11,11 +11,10 @@ use glam::{Mat3, Vec2, Vec3};
 
 use super::form;
 use super::mesh::FoliageError;
-use super::pose::GOLDEN_ANGLE;
 use crate::settings::{Cluster, Form, LeafKind};
 use crate::texture::leaf::{Cell, Outline};
 use linden_base::mesh::Mesh;
-use linden_base::random::Key;
+use linden_base::random::{GOLDEN_ANGLE, Key};
 
 /// The sizes of a cluster, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,10 +6,7 @@ use glam::{Quat, Vec3};
 
 use super::axis::Place;
 use crate::settings::{Arrangement, LeafKind};
-use linden_base::random::Key;
-
-/// π (3 - √5), 137.5°: from one leaf of a spiral to the next.
-pub(super) const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+use linden_base::random::{GOLDEN_ANGLE, Key};
 
 /// Where a leaf is, metres, and its unit vectors: along it, and square to that off its upper side.
 #[derive(Clone, Copy, Debug)]

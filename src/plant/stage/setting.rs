@@ -7,7 +7,7 @@ use glam::{Mat3, Quat, Vec2, Vec3};
 
 use crate::scene::{Material, Wrap};
 use crate::texture::{GROUND_TILE_M, ground};
-use linden_base::color::encode;
+use linden_base::color::{encode, luminance};
 use linden_base::mesh::{Bounds, Mesh};
 use linden_base::picture::Picture;
 use linden_base::random::Key;
@@ -257,7 +257,7 @@ impl Sky {
         Self {
             picture,
             illuminance_lux: SKY_LUX,
-            mean: (0.2126 * sum[0] + 0.7152 * sum[1] + 0.0722 * sum[2]) / weights,
+            mean: luminance(sum) / weights,
             color: sum.map(|x| x / most),
             dome: dome(middle, radius_m),
             material,

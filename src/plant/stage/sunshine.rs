@@ -3,6 +3,7 @@
 use glam::Vec3;
 
 use super::Sun;
+use linden_base::color::luminance;
 
 /// A moment in the year at some latitude.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,10 +122,6 @@ fn through_air(sine: f32) -> [f32; 3] {
     let degrees = libm::asinf(sine.clamp(0.0, 1.0)).to_degrees();
     let thicknesses = 1.0 / (sine.max(0.0) + 0.50572 * libm::powf(degrees + 6.07995, -1.6364));
     AIR.map(|depth| libm::expf(-depth * thicknesses))
-}
-
-fn luminance([r, g, b]: [f32; 3]) -> f32 {
-    0.2126 * r + 0.7152 * g + 0.0722 * b
 }
 
 #[cfg(test)]

@@ -17,8 +17,8 @@ use linden_base::random::Key;
 #[derive(Debug)]
 pub struct DrawnPictures {
     barks: Shelf<Bark, BarkPictures>,
-    reliefs: Shelf<Relief, Arc<Picture>>,
-    mosses: Shelf<MossyBark, Arc<Picture>>,
+    reliefs: Shelf<Made<f32>, Arc<Picture>>,
+    mosses: Shelf<Made<Moss>, Arc<Picture>>,
     leaves: Shelf<Leaves, LeafPictures>,
 }
 
@@ -54,7 +54,7 @@ impl DrawnPictures {
         depth: f32,
         monitor: &dyn Monitor,
     ) -> Result<Arc<Picture>, BarkError> {
-        let wanted = Relief { of: Arc::clone(of), depth };
+        let wanted = Made { of: Arc::clone(of), how: depth };
         self.reliefs.get(&wanted, || normals_by_lightness(of, depth, monitor))
     }
 
@@ -65,7 +65,7 @@ impl DrawnPictures {
         moss: Moss,
         monitor: &dyn Monitor,
     ) -> Result<Arc<Picture>, BarkError> {
-        let wanted = MossyBark { of: Arc::clone(of), moss };
+        let wanted = Made { of: Arc::clone(of), how: moss };
         self.mosses.get(&wanted, || Ok(Arc::new(moss.grow_on(of, monitor)?)))
     }
 
@@ -85,29 +85,16 @@ impl DrawnPictures {
     }
 }
 
-/// Normals that follow a picture.
+/// What is made of a picture: normals that follow it to a depth, moss on it.
 #[derive(Clone, Debug)]
-struct Relief {
+struct Made<H> {
     of: Arc<Picture>,
-    depth: f32,
+    how: H,
 }
 
-impl PartialEq for Relief {
+impl<H: PartialEq> PartialEq for Made<H> {
     fn eq(&self, other: &Self) -> bool {
-        self.depth == other.depth && Arc::ptr_eq(&self.of, &other.of)
-    }
-}
-
-/// Moss on a picture.
-#[derive(Clone, Debug)]
-struct MossyBark {
-    of: Arc<Picture>,
-    moss: Moss,
-}
-
-impl PartialEq for MossyBark {
-    fn eq(&self, other: &Self) -> bool {
-        self.moss == other.moss && Arc::ptr_eq(&self.of, &other.of)
+        self.how == other.how && Arc::ptr_eq(&self.of, &other.of)
     }
 }
 

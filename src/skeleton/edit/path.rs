@@ -16,7 +16,8 @@ use crate::{NO_PARENT, Skeleton};
 const MOST_STEPS: usize = 4096;
 
 /// The place of an axis in the tree: a stem, and which lateral to take from there on, each counted from 1 at the
-/// base of its parent (of those that leave at one node, as the tree grew them).
+/// base of its parent (of those that leave at one node, as the tree grew them). Epicormic shoots and dead twigs are
+/// counted after all that grew, so that another number of them moves no path of a limb.
 ///
 /// `stem` is the first stem, `stem2` the second. `new`, `new2` … are the axes that the first, second … edit
 /// that adds wood adds.
@@ -113,7 +114,7 @@ fn number(digits: &str) -> Option<u32> {
 #[derive(Clone, Debug)]
 pub struct AxisPaths {
     stems: Vec<u32>,
-    /// Laterals of all axes, axis by axis, from the base up.
+    /// Laterals of all axes, axis by axis, from the base up; side wood after what grew.
     laterals: Vec<u32>,
     /// Where those of each axis end in `laterals`.
     ends: Vec<u32>,
@@ -121,6 +122,8 @@ pub struct AxisPaths {
     parents: Vec<u32>,
     /// The how-manieth lateral (or stem) each axis is, from 1.
     numbers: Vec<u32>,
+    /// Of each axis whether it is side wood.
+    are_side_wood: Vec<bool>,
 }
 
 impl AxisPaths {
@@ -139,7 +142,8 @@ impl AxisPaths {
                 stems.push(index);
             } else {
                 parents[index as usize] = axis_of[axis.parent as usize];
-                leaving.push((places[axis.parent as usize], index));
+                let is_side_wood = skeleton.is_side_wood(index as usize);
+                leaving.push((is_side_wood, places[axis.parent as usize], index));
             }
         }
         drop((axis_of, places));
@@ -148,23 +152,24 @@ impl AxisPaths {
         for (number, &stem) in (1..).zip(&stems) {
             numbers[stem as usize] = number;
         }
-        for &(_, lateral) in &leaving {
+        for &(.., lateral) in &leaving {
             let parent = parents[lateral as usize] as usize;
             ends[parent] += 1;
             numbers[lateral as usize] = ends[parent];
         }
         // Nodes stand axis by axis, and so do the laterals that leave there; but axes may stand in any order.
-        let mut by_axis: Vec<u32> = leaving.iter().map(|&(_, lateral)| lateral).collect();
+        let mut by_axis: Vec<u32> = leaving.iter().map(|&(.., lateral)| lateral).collect();
         by_axis.sort_by_key(|&lateral| parents[lateral as usize]);
         let mut sum = 0;
         for end in &mut ends {
             sum += *end;
             *end = sum;
         }
-        Self { stems, laterals: by_axis, ends, parents, numbers }
+        let are_side_wood = (0..count).map(|axis| skeleton.is_side_wood(axis)).collect();
+        Self { stems, laterals: by_axis, ends, parents, numbers, are_side_wood }
     }
 
-    /// The laterals of an axis from its base up, as indices of [`Skeleton::axes`].
+    /// The laterals of an axis from its base up, side wood after what grew, as indices of [`Skeleton::axes`].
     pub fn laterals(&self, axis: u32) -> &[u32] {
         let axis = axis as usize;
         let Some(&end) = self.ends.get(axis) else { return &[] };
@@ -212,13 +217,15 @@ impl AxisPaths {
     }
 
     /// A fingerprint of how axes bear axes, wherever they are: equal where each axis has as many laterals as
-    /// before, so that all paths mean the same axes.
+    /// before, so that all paths mean the same axes. Side wood does not count.
     pub fn fingerprint(&self) -> u32 {
         let mut hasher = Xxh3::new();
         let mut open: Vec<u32> = self.stems.iter().rev().copied().collect();
         hasher.update(&(self.stems.len() as u64).to_le_bytes());
         while let Some(axis) = open.pop() {
             let laterals = self.laterals(axis);
+            let grown = laterals.partition_point(|&lateral| !self.are_side_wood[lateral as usize]);
+            let laterals = &laterals[..grown];
             hasher.update(&(laterals.len() as u32).to_le_bytes());
             open.extend(laterals.iter().rev());
         }
@@ -227,7 +234,7 @@ impl AxisPaths {
 
     /// Bytes that those of a skeleton take at most while they are found.
     pub fn bytes_for(skeleton: &Skeleton) -> u64 {
-        bytes_of::<[u32; 2]>(skeleton.axis_nodes.len()) + bytes_of::<[u32; 7]>(skeleton.axes.len())
+        bytes_of::<[u32; 2]>(skeleton.axis_nodes.len()) + bytes_of::<[u32; 9]>(skeleton.axes.len())
     }
 }
 
@@ -303,7 +310,9 @@ impl<'a> Finder<'a> {
             return self.added.get(path).copied().ok_or(Missing::NotAdded);
         }
         let found = self.paths.follow(path);
-        let Some(near) = near.map(DVec3::from).filter(|_| branching != Some(self.fingerprint)) else {
+        let is_known = branching == Some(self.fingerprint)
+            && !found.is_ok_and(|axis| self.paths.are_side_wood[axis as usize]);
+        let Some(near) = near.map(DVec3::from).filter(|_| !is_known) else {
             return found.map_err(|(last, steps)| {
                 Missing::Count(last.map(|axis| {
                     let way = AxisPath { root: path.root, laterals: path.laterals[..steps].to_vec() };

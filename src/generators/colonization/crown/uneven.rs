@@ -20,7 +20,7 @@ use super::Crown;
 use super::skin::Skin;
 use linden_base::mesh::Bounds;
 use linden_base::monitor::{Cancelled, Monitor};
-use linden_base::random::Key;
+use linden_base::random::{GOLDEN_ANGLE, Key};
 
 /// Lobes of a crown.
 const LOBES: usize = 13;
@@ -53,7 +53,7 @@ pub struct Dents {
 }
 
 impl Dents {
-    /// Of a crown in a box: `amount` is 0 for none, 1 for half of the reach.
+    /// Of a crown in a box: `amount` is 0 for none, 1 for lobes and clefts as long and deep as they can be.
     pub fn new(bounds: Bounds, amount: f64, key: Key) -> Self {
         let turn = key.named("turn").between(0.0, std::f64::consts::TAU);
         let apart = (4.0 * std::f64::consts::PI / LOBES as f64).sqrt();
@@ -109,14 +109,12 @@ impl Dents {
         1.0 + (1.0 - (1.0 - AT_BASE) * low) * (sum / weights * (1.0 - cleft) - 1.0)
     }
 
-    fn shrunk(&self, place: Vec3) -> Vec3 {
+    /// Where a place of the whole crown is in the dented one.
+    fn moved(&self, place: Vec3) -> Vec3 {
         let p = place.as_dvec3();
         (self.middle + (p - self.middle) * self.share(p)).as_vec3()
     }
 }
-
-/// Between neighbours of Fibonacci's spiral, radians.
-const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
 
 /// A crown with dents.
 pub struct Uneven {
@@ -190,13 +188,13 @@ impl Crown for Uneven {
     fn outline(&self) -> Vec<Vec<Vec3>> {
         let mut lines = self.crown.outline();
         for place in lines.iter_mut().flatten() {
-            *place = self.dents.shrunk(*place);
+            *place = self.dents.moved(*place);
         }
         lines
     }
 
     fn skin(&self) -> Skin {
-        self.crown.skin().moved(|place| self.dents.shrunk(place))
+        self.crown.skin().moved(|place| self.dents.moved(place))
     }
 
     fn volume_m3(&self) -> f64 {

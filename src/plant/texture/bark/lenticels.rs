@@ -6,7 +6,7 @@ use glam::Vec3;
 use super::Bark;
 use super::surface::Spot;
 use crate::texture::periodic::{Cells, Octaves, smoothstep};
-use linden_base::color::linear;
+use linden_base::color::{linear, luminance};
 
 /// Places for lenticels, round the girth and up the branch.
 const PLACES: (u32, u32) = (4, 26);
@@ -34,7 +34,7 @@ impl Lenticels {
         let key = bark.key.named("lenticels");
         let cells = Cells::new(PLACES.0, PLACES.1, 0.8, key.named("places"));
         let character = (0..cells.len() as u64).map(|i| key.child(i).unit() as f32).collect();
-        let light = Vec3::from(linear(bark.color)).dot(Vec3::new(0.2126, 0.7152, 0.0722));
+        let light = luminance(linear(bark.color));
         // Cork: rusty on what is dark.
         let tint = if light < DARK { Vec3::new(1.75, 1.45, 1.2) } else { Vec3::new(0.5, 0.44, 0.38) };
         Some(Self { cells, character, ragged: Octaves::new(24, 60, 3, key.named("ragged")), share, tint })

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::BarkError;
 use crate::texture::periodic::{Cells, Noise, Octaves, smoothstep};
-use linden_base::color::{code, decode};
+use linden_base::color::{code, linear, luminance};
 use linden_base::memory::bytes_of;
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_base::picture::Picture;
@@ -52,7 +52,7 @@ impl Moss {
         let field = self.field(&light, [width, height], monitor)?;
         let least = quantile(&field, 1.0 - self.share.clamp(0.0, 1.0));
         let (soft, grain) = (self.noise("soft", 7, 2), self.noise("grain", 90, 2));
-        let green = Vec3::from(self.color.map(|c| decode(f32::from(c) / 255.0)));
+        let green = Vec3::from(linear(self.color));
         let film = self.film();
         let mut rgba = vec![255; width * height * 4];
         rgba.par_chunks_mut(4 * width).enumerate().try_for_each(|(row, out)| {
@@ -61,10 +61,8 @@ impl Moss {
             let (soft, grain) = (soft.row(v, width), grain.row(v, width));
             for (column, out) in out.as_chunks_mut::<4>().0.iter_mut().enumerate() {
                 let (bark, above) = (light[row * width + column], field[row * width + column] - least);
-                // Algae keep the bark's light and dark, and are yellower than moss.
-                let tone = bark.dot(LUMINANCE) * Vec3::new(1.02, 1.22, 0.62);
                 let shade = 1.0 - 0.35 * smoothstep(-3.0 * EDGE, 0.0, above) * f32::from(self.share > 0.0);
-                let bare = bark.lerp(tone, film * (0.75 + 0.5 * soft[column]).clamp(0.0, 1.0)) * shade;
+                let bare = bark.lerp(algae(bark), film * (0.75 + 0.5 * soft[column]).clamp(0.0, 1.0)) * shade;
                 // Cushions are dark at their edges and yellower where they are young.
                 let young = Vec3::new(1.35, 1.12, 0.8);
                 let hue = green * Vec3::ONE.lerp(young, (0.5 + 0.9 * soft[column]).clamp(0.0, 1.0));
@@ -81,9 +79,8 @@ impl Moss {
 
     /// The mean colour where the bark has one, linear.
     pub fn mean(&self, bark: [f32; 3]) -> [f32; 3] {
-        let (bark, green) = (Vec3::from(bark), Vec3::from(self.color.map(|c| decode(f32::from(c) / 255.0))));
-        let tone = bark.dot(LUMINANCE) * Vec3::new(1.02, 1.22, 0.62);
-        bark.lerp(tone, 0.75 * self.film()).lerp(green, self.share.clamp(0.0, 1.0)).to_array()
+        let (bark, green) = (Vec3::from(bark), Vec3::from(linear(self.color)));
+        bark.lerp(algae(bark), 0.75 * self.film()).lerp(green, self.share.clamp(0.0, 1.0)).to_array()
     }
 
     /// Octaves that are the same whatever the share.
@@ -93,8 +90,7 @@ impl Moss {
 
     /// The bark's pixels in linear light, halved as often as is asked for; width and height.
     fn linear(&self, bark: &Picture) -> (Vec<Vec3>, [usize; 2]) {
-        let curve: Vec<f32> = (0..=255_u8).map(|code| decode(f32::from(code) / 255.0)).collect();
-        let pixel = |&[r, g, b, _]: &[u8; 4]| Vec3::from([r, g, b].map(|code| curve[usize::from(code)]));
+        let pixel = |&[r, g, b, _]: &[u8; 4]| Vec3::from(linear([r, g, b]));
         let mut light: Vec<Vec3> = bark.rgba().as_chunks().0.iter().map(pixel).collect();
         let mut size = [bark.width(), bark.height()];
         for _ in 0..self.halvings {
@@ -124,7 +120,8 @@ impl Moss {
         let patches = self.noise("patches", 4, 3);
         let (bend_u, bend_v) =
             (Noise::new(24, 24, self.key.named("bend u")), Noise::new(24, 24, self.key.named("bend v")));
-        let mean = light.iter().map(|bark| bark.dot(LUMINANCE)).sum::<f32>() / light.len().max(1) as f32;
+        let mean =
+            light.iter().map(|bark| luminance(bark.to_array())).sum::<f32>() / light.len().max(1) as f32;
         let mut field = vec![0.0; width * height];
         field.par_chunks_mut(width).enumerate().try_for_each(|(row, out)| {
             monitor.check()?;
@@ -134,7 +131,8 @@ impl Moss {
                 let u = (column as f32 + 0.5) / width as f32;
                 let (bu, bv) = (u + 0.02 * bend_u.at(u, v), v + 0.02 * bend_v.at(u, v));
                 // Moss holds in furrows, which are dark.
-                let dark = 1.0 - (light[row * width + column].dot(LUMINANCE) / mean.max(1e-6)).min(2.0);
+                let dark =
+                    1.0 - (luminance(light[row * width + column].to_array()) / mean.max(1e-6)).min(2.0);
                 let tuft = (tufts.at(bu, bv).border * 14.0).min(1.0);
                 *out = 0.5 * tuft + 0.9 * patches[column] + 0.22 * dark;
             }
@@ -144,8 +142,10 @@ impl Moss {
     }
 }
 
-/// Of linear light (ITU-R BT.709).
-const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
+/// Bark under a film of algae: as light and dark as it is, and yellower than moss.
+fn algae(bark: Vec3) -> Vec3 {
+    luminance(bark.to_array()) * Vec3::new(1.02, 1.22, 0.62)
+}
 
 /// The value below which a share of all lies.
 fn quantile(values: &[f32], share: f32) -> f32 {
@@ -167,7 +167,7 @@ mod tests {
         Moss { share, color: [70, 92, 30], halvings: 0, key: Key::new(4) }
     }
 
-    /// Pixels far nearer to green than the bark is: those where green outweighs red by a third.
+    /// Pixels far nearer to green than the bark is: those where green outweighs red by a fifth.
     fn green(picture: &Picture) -> Vec<bool> {
         let is_green = |&[r, g, _, _]: &[u8; 4]| f32::from(g) > 1.2 * f32::from(r);
         picture.rgba().as_chunks().0.iter().map(is_green).collect()
@@ -218,8 +218,13 @@ mod tests {
         assert!((share(&whole) - share(&half)).abs() < 0.08, "{} {}", share(&whole), share(&half));
         // As forecast, within what cushions' light and dark are worth.
         let mean = |picture: &Picture, channel: usize| {
-            let sum: f32 =
-                picture.rgba().as_chunks::<4>().0.iter().map(|p| decode(f32::from(p[channel]) / 255.0)).sum();
+            let sum: f32 = picture
+                .rgba()
+                .as_chunks::<4>()
+                .0
+                .iter()
+                .map(|&[r, g, b, _]| linear([r, g, b])[channel])
+                .sum();
             sum / (picture.rgba().len() / 4) as f32
         };
         let bark_mean = [0, 1, 2].map(|channel| mean(&bark.base_color, channel));

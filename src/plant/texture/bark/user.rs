@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::{BarkError, normals};
-use linden_base::color::{decode, encode};
+use linden_base::color::{encode, linear, luminance};
 use linden_base::monitor::Monitor;
 use linden_base::picture::Picture;
 
@@ -35,12 +35,8 @@ pub fn normals_by_lightness(
     let (width, height) = (picture.width() as usize, picture.height() as usize);
     // Two fields of heights and the normals.
     monitor.admit("shaping the bark", (width * height * 12) as u64, "scale bark_picture down")?;
-    let curve: Vec<f32> = (0..=255_u8).map(|code| decode(f32::from(code) / 255.0)).collect();
-    let light = |&[r, g, b, _]: &[u8; 4]| {
-        let [r, g, b] = [r, g, b].map(|code| curve[usize::from(code)]);
-        // Relative luminance (ITU-R BT.709), evenly spaced for the eye.
-        encode(0.2126 * r + 0.7152 * g + 0.0722 * b)
-    };
+    // Evenly spaced for the eye.
+    let light = |&[r, g, b, _]: &[u8; 4]| encode(luminance(linear([r, g, b])));
     let raw: Vec<f32> = picture.rgba().as_chunks().0.par_iter().map(light).collect();
     monitor.check()?;
     let mut smooth = vec![0.0_f32; raw.len()];

@@ -25,7 +25,7 @@ use rayon::prelude::*;
 
 use self::tint::Tint;
 
-use linden_base::color::{code, linear};
+use linden_base::color::{code, linear, luminance};
 use linden_base::input::UserPicture;
 use linden_base::memory::OverMemory;
 use linden_base::monitor::{Cancelled, Monitor};
@@ -265,10 +265,7 @@ impl LeafLook {
     #[must_use]
     pub fn from_shade_to_sun(mut self) -> Self {
         if self.shade > 0.0 {
-            let light = |color: &[u8; 3]| {
-                let [r, g, b] = linear(*color);
-                0.2126 * r + 0.7152 * g + 0.0722 * b
-            };
+            let light = |color: &[u8; 3]| luminance(linear(*color));
             self.colors.sort_by(|a, b| light(a).total_cmp(&light(b)));
         }
         self
