@@ -3,6 +3,8 @@
 
 use std::io::{self, SeekFrom};
 
+use linden_pipeline::stage::Surroundings;
+
 use crate::{Exporter, Format, Options, Readable, recipe};
 
 /// What is seen in a file.
@@ -10,8 +12,8 @@ use crate::{Exporter, Format, Options, Readable, recipe};
 pub struct Traces {
     /// The options that it may have been written with, the most likely first: one set where all of them show.
     pub options: Vec<Options>,
-    /// Whether camera, sun, sky and ground are in it.
-    pub setting: bool,
+    /// What its camera, sun, sky and ground were asked for with, where they are in it.
+    pub setting: Option<Surroundings>,
     /// Whether several seasons are in it.
     pub seasons: bool,
 }
@@ -19,7 +21,7 @@ pub struct Traces {
 impl Traces {
     /// Of a file of which nothing shows: the defaults.
     pub fn none(format: &'static Format) -> Self {
-        Self { options: vec![Options::new(format)], setting: false, seasons: false }
+        Self { options: vec![Options::new(format)], setting: None, seasons: false }
     }
 
     /// With an option that shows.
@@ -74,8 +76,8 @@ pub(crate) fn writers(
     Ok(found)
 }
 
-/// Which of some beginnings lines of the file have, white space aside. Reads no further than it takes to see all or the
-/// last of them.
+/// Which of some beginnings lines of the file have, white space aside: a line has the first of them that it begins with.
+/// Reads no further than it takes to see the last of them.
 pub(crate) fn beginnings<const N: usize>(
     file: &mut dyn Readable,
     beginnings: [&str; N],
@@ -84,12 +86,26 @@ pub(crate) fn beginnings<const N: usize>(
     let mut line = Vec::new();
     while seen.last() != Some(&true) && file.read_until(b'\n', &mut line)? > 0 {
         let text = line.trim_ascii_start();
-        for (seen, beginning) in seen.iter_mut().zip(beginnings) {
-            *seen |= text.starts_with(beginning.as_bytes());
+        let first = beginnings.iter().position(|beginning| text.starts_with(beginning.as_bytes()));
+        if let Some(seen) = first.and_then(|first| seen.get_mut(first)) {
+            *seen = true;
         }
         line.clear();
     }
     Ok(seen)
+}
+
+/// What stands behind a beginning in the first line that has it, white space aside.
+pub(crate) fn behind(file: &mut dyn Readable, beginning: &str) -> io::Result<Option<Vec<u8>>> {
+    file.rewind()?;
+    let mut line = Vec::new();
+    while file.read_until(b'\n', &mut line)? > 0 {
+        if let Some(rest) = line.trim_ascii().strip_prefix(beginning.as_bytes()) {
+            return Ok(Some(rest.to_vec()));
+        }
+        line.clear();
+    }
+    Ok(None)
 }
 
 /// The last line of a text.

@@ -185,11 +185,17 @@ pub(super) struct Extras {
     /// What a mesh's morph targets are called: the extras are where importers look for that.
     #[serde(rename = "targetNames", skip_serializing_if = "Vec::is_empty")]
     pub target_names: Vec<&'static str>,
+    /// What camera, sun and ground were asked for with, where that is not the usual.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub linden_setting: Option<String>,
 }
 
 impl Extras {
     fn is_empty(&self) -> bool {
-        self.linden.is_none() && self.screen_coverage.is_empty() && self.target_names.is_empty()
+        self.linden.is_none()
+            && self.screen_coverage.is_empty()
+            && self.target_names.is_empty()
+            && self.linden_setting.is_none()
     }
 }
 

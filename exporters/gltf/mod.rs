@@ -401,11 +401,13 @@ fn document(
     let has_translucent = materials
         .iter()
         .any(|material| material.extensions.as_ref().is_some_and(|all| all.diffuse_transmission.is_some()));
-    let standing = match (options.is_on("instances"), stage.is_single()) {
-        (false, _) => Standing::Plants(Vec::new()),
-        (true, true) => Standing::Leaves(nodes::lay_out_copies(distinct, layout)),
-        (true, false) => Standing::Plants(nodes::lay_out_instances(stage, layout)),
-    };
+    let mut standing = Standing::default();
+    if options.is_on("instances") {
+        if !stage.is_single() {
+            standing.plants = nodes::lay_out_instances(stage, layout);
+        }
+        standing.pieces = nodes::lay_out_copies(distinct, layout);
+    }
     let SceneGraph { nodes, roots, meshes, cameras, lights, mut extensions, mut required } =
         nodes::nodes(stage, distinct, layout, &standing);
     if has_translucent {

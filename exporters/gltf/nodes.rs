@@ -14,7 +14,7 @@ use super::document::{
 };
 use super::quantize::{self, Cube};
 use super::{recipe, setting};
-use crate::writing::distinct::{DistinctMeshes, MeshPart};
+use crate::writing::distinct::{DistinctMeshes, MeshCopies, MeshPart};
 
 /// The graph and what it refers to. The first node carries the recipe and all plants.
 pub(super) struct SceneGraph {
@@ -75,12 +75,14 @@ pub(super) fn lay_out_copies(distinct: &DistinctMeshes<'_>, layout: &mut Layout)
     distinct.parts().zip(cubes).map(of_piece).collect()
 }
 
-/// What stands in many places.
-pub(super) enum Standing {
-    /// Plants: an entry for each; none where each place has a node.
-    Plants(Vec<Instancing>),
-    /// Leaves of a plant that stands alone: an entry for each piece.
-    Leaves(Vec<Option<Instancing>>),
+/// Where things stand that stand in many places, where instances were asked for.
+#[derive(Default)]
+pub(super) struct Standing {
+    /// An entry for each plant; none where each place has a node.
+    pub plants: Vec<Instancing>,
+    /// Leaves of a plant that stands alone, cover of the ground: an entry for each piece; none where each copy has a
+    /// node.
+    pub pieces: Vec<Option<Instancing>>,
 }
 
 /// Builds the graph; `layout` is that of the meshes.
@@ -90,10 +92,7 @@ pub(super) fn nodes(
     layout: &Layout,
     standing: &Standing,
 ) -> SceneGraph {
-    let (instances, copies) = match standing {
-        Standing::Plants(instances) => (instances.as_slice(), &[][..]),
-        Standing::Leaves(instances) => (&[][..], instances.as_slice()),
-    };
+    let (instances, copies) = (standing.plants.as_slice(), standing.pieces.as_slice());
     let arrays = &layout.primitives;
     let root = Node {
         name: stage.name.clone(),
@@ -120,23 +119,33 @@ pub(super) fn nodes(
         extensions.extend(quantize::EXTENSIONS);
         required.extend(quantize::EXTENSIONS);
     }
-    if graph.nodes.iter().any(|node| node.extensions.instancing.is_some()) {
-        extensions.push(INSTANCING);
-        required.push(INSTANCING);
-    }
     let Graph { mut nodes, mut meshes, .. } = graph;
     let (mut roots, mut cameras, mut lights) = (vec![0], Vec::new(), None);
     if let Some(setting) = &stage.setting {
         extensions.extend(setting::EXTENSIONS);
         let first = nodes.len();
-        let around = || distinct.ground.iter().chain(&distinct.dome);
-        for (piece, arrays) in around().zip(&arrays[arrays.len() - around().count()..]) {
+        let offset = arrays.len() - distinct.surroundings().count();
+        for (piece, index) in distinct.surroundings().zip(offset..) {
             let name = piece.name.to_string();
-            nodes.push(Node { name: name.clone(), mesh: Some(meshes.len()), ..Node::default() });
-            let primitives = vec![primitive(piece, arrays)];
+            let mesh = Some(meshes.len());
+            let node = || Node { name: name.clone(), mesh, ..Node::default() };
+            let instancing = copies.get(index).copied().flatten();
+            let extensions = NodeExtensions { instancing, ..NodeExtensions::default() };
+            match &piece.copies {
+                Some(MeshCopies { placements, .. }) if instancing.is_none() => {
+                    nodes.extend(placements.iter().map(|at| Node {
+                        translation: Some(at.position.to_array()),
+                        rotation: Some(at.rotation.to_array()),
+                        scale: Some([at.scale; 3]),
+                        ..node()
+                    }));
+                }
+                _ => nodes.push(Node { extensions, ..node() }),
+            }
+            let primitives = vec![primitive(piece, &arrays[index])];
             meshes.push(Mesh { name, primitives, extras: Extras::default() });
         }
-        nodes.push(setting::camera_node(&setting.camera));
+        nodes.push(setting::camera_node(setting));
         cameras.push(setting::camera(&setting.camera));
         let shining = setting::lights(setting);
         nodes.extend(
@@ -147,6 +156,10 @@ pub(super) fn nodes(
         );
         lights = Some(shining.into_iter().map(|(light, _)| light).collect());
         roots.extend(first..nodes.len());
+    }
+    if nodes.iter().any(|node| node.extensions.instancing.is_some()) {
+        extensions.push(INSTANCING);
+        required.push(INSTANCING);
     }
     SceneGraph { nodes, roots, meshes, cameras, lights, extensions, required }
 }

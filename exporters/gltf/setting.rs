@@ -9,7 +9,7 @@ use std::f32::consts::TAU;
 use glam::{Quat, Vec3};
 use linden_pipeline::stage::{self, Setting};
 
-use super::document::{Camera, Light, LightIndex, Node, NodeExtensions, Perspective};
+use super::document::{Camera, Extras, Light, LightIndex, Node, NodeExtensions, Perspective};
 
 /// What lights and a sky that is not lit need.
 pub(super) const EXTENSIONS: [&str; 2] = ["KHR_lights_punctual", "KHR_materials_unlit"];
@@ -29,8 +29,11 @@ pub(super) fn camera(camera: &stage::Camera) -> Camera {
     Camera { name: "Camera", kind: "perspective", perspective }
 }
 
-pub(super) fn camera_node(camera: &stage::Camera) -> Node {
+/// Where the camera is. Its extras tell what the setting was asked for with.
+pub(super) fn camera_node(Setting { camera, surroundings, .. }: &Setting) -> Node {
+    let linden_setting = (!surroundings.is_usual()).then(|| surroundings.to_string());
     Node {
+        extras: Extras { linden_setting, ..Extras::default() },
         name: "Camera".to_owned(),
         camera: Some(0),
         translation: Some(camera.position.to_array()),

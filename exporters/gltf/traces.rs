@@ -3,6 +3,7 @@
 use std::fmt;
 use std::io::{self, Read};
 
+use linden_pipeline::stage::Surroundings;
 use serde::Deserialize;
 use serde::de::{Deserializer, Error, IgnoredAny, Visitor};
 
@@ -30,6 +31,18 @@ struct Document {
     buffers: Vec<Buffer>,
     images: Vec<Image>,
     cameras: Vec<IgnoredAny>,
+    nodes: Vec<Node>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct Node {
+    extras: Option<SettingExtras>,
+}
+
+#[derive(Deserialize)]
+struct SettingExtras {
+    linden_setting: Option<String>,
 }
 
 #[derive(Default, Deserialize)]
@@ -101,5 +114,8 @@ fn in_document(format: &'static Format, json: &mut dyn Read) -> io::Result<Trace
     if format.id == GLTF.id {
         traces = traces.with_switch("embed", embed);
     }
-    Ok(Traces { setting: !document.cameras.is_empty(), ..traces })
+    let told = document.nodes.into_iter().rev().find_map(|node| node.extras?.linden_setting);
+    let surroundings = told.map_or(Ok(Surroundings::default()), |text| Surroundings::parse(&text));
+    let setting = surroundings.ok().filter(|_| !document.cameras.is_empty());
+    Ok(Traces { setting, ..traces })
 }

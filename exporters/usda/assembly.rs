@@ -5,23 +5,34 @@
 //!     /Prototypes/oak_1     class: each distinct plant once
 //!     /Trees                Xform, group
 //!         /oak_1_1            instanceable reference to a prototype
-//!     /Setting              Xform, group: Camera, Sun, Sky, Ground
+//!     /Setting              Xform, group: Camera, Ground and what covers it, Sun, Sky
 //! ```
 //!
 //! With `instances`, `Trees` is a `PointInstancer` that holds its prototypes.
 
+use std::collections::BTreeMap;
+
 use linden_pipeline::foliage::Placement;
+use linden_pipeline::scene::Bounds;
 use linden_pipeline::stage::{Camera, Place, Setting};
 
 use super::layer::Layer;
 use super::plant::{Component, Head, Variants};
-use super::syntax::{Names, beside, tuple};
+use super::syntax::{Names, beside, identifier, quoted, tuple};
 use super::{Writing, instancer, material, mesh};
 use crate::ExportError;
+use crate::writing::distinct::MeshPart;
 
 /// Lux by unit of intensity. USD leaves the unit to the renderer's exposure: with this one, hazy sunshine
 /// on white paper is a little above 1 where nobody has set one.
 const LUX_PER_UNIT: f32 = 2732.0;
+
+/// How the line begins that tells what the setting was asked for with.
+pub(super) const SETTING_TRACE: &str = "custom string userProperties:linden:setting = ";
+/// How the instancers of the ground's cover begin, which are there whatever the options.
+pub(super) const COVER_TRACE: &str = "def PointInstancer \"Ground_";
+/// What is written last where there is a setting.
+pub(super) const LAST_TRACE: &str = "def DomeLight ";
 
 /// Everything below the layer's metadata.
 pub(super) fn write(layer: &mut Layer<'_, '_>, writing: &Writing<'_>, root: &str) -> Result<(), ExportError> {
@@ -133,24 +144,78 @@ fn write_setting(
     root: &str,
 ) -> Result<(), ExportError> {
     open_group(layer, "Setting")?;
+    if !setting.surroundings.is_usual() {
+        let told = quoted(&setting.surroundings.to_string());
+        layer.lines(&format!("{SETTING_TRACE}{told}\n\n"))?;
+    }
     write_camera(layer, &setting.camera)?;
-    write_lights(layer, writing, setting)?;
+    for cover in writing.distinct.cover.chunk_by(|a, b| a.copied_part() == b.copied_part()) {
+        write_cover(layer, writing, cover, root)?;
+    }
     if let Some(piece) = &writing.distinct.ground {
         layer.open("def Xform \"Ground\" (\n    kind = \"component\"\n)")?;
-        let look = &writing.distinct.materials[piece.material];
-        let mut names = Names::default();
-        let (prim, name) = (names.unique(&piece.name), names.unique(&look.material.name));
-        let path = format!("/{root}/Setting/Ground");
-        layer.open("def Scope \"Geometry\"")?;
-        mesh::write(layer, &writing.distinct, piece, "", &prim, &format!("{path}/Materials/{name}"))?;
+        write_pieces(layer, writing, std::slice::from_ref(piece), &format!("/{root}/Setting/Ground"))?;
         layer.close()?;
         layer.lines("\n")?;
-        layer.open("def Scope \"Materials\"")?;
+    }
+    write_lights(layer, writing, setting)?;
+    layer.close()
+}
+
+/// The patches of a kind of cover as the prototypes of an instancer.
+fn write_cover(
+    layer: &mut Layer<'_, '_>,
+    writing: &Writing<'_>,
+    patches: &[MeshPart<'_>],
+    root: &str,
+) -> Result<(), ExportError> {
+    let copies = || patches.iter().filter_map(|patch| patch.copies.as_ref());
+    let kind = patches.first().and_then(MeshPart::copied_part).unwrap_or_default();
+    let name = format!("Ground_{kind}");
+    let path = format!("/{root}/Setting/{name}/Prototypes");
+    let seen = copies().map(|copies| copies.seen).reduce(Bounds::union);
+    let paths: Vec<String> =
+        patches.iter().map(|patch| format!("{path}/Geometry/{}", identifier(&patch.name))).collect();
+    let placed: Vec<(u32, Placement)> = (0..)
+        .zip(copies())
+        .flat_map(|(index, copies)| copies.placements.iter().map(move |at| (index, *at)))
+        .collect();
+    layer.open(&format!("def PointInstancer \"{name}\" (\n    kind = \"group\"\n)"))?;
+    instancer::write(layer, seen, &paths, &placed)?;
+    layer.open("def Scope \"Prototypes\"")?;
+    write_pieces(layer, writing, patches, &path)?;
+    layer.close()?;
+    layer.close()?;
+    layer.lines("\n")
+}
+
+/// Meshes and their materials below the prim at a path.
+fn write_pieces(
+    layer: &mut Layer<'_, '_>,
+    writing: &Writing<'_>,
+    pieces: &[MeshPart<'_>],
+    path: &str,
+) -> Result<(), ExportError> {
+    let mut names = Names::default();
+    let mut materials: BTreeMap<usize, String> = BTreeMap::new();
+    for piece in pieces {
+        let material = &writing.distinct.materials[piece.material].name;
+        materials.entry(piece.material).or_insert_with(|| names.unique(material));
+    }
+    layer.open("def Scope \"Geometry\"")?;
+    for piece in pieces {
+        let binding = format!("{path}/Materials/{}", materials[&piece.material]);
+        mesh::write(layer, &writing.distinct, piece, "", &identifier(&piece.name), &binding)?;
+    }
+    layer.close()?;
+    layer.lines("\n")?;
+    layer.open("def Scope \"Materials\"")?;
+    for (&index, name) in &materials {
+        let look = writing.distinct.materials[index].material;
         let of = format!("{path}/Materials/{name}");
-        layer
-            .lines(&material::describe(look.material, &name, &of, false, |picture| writing.file(picture)))?;
-        layer.close()?;
-        layer.close()?;
+        let text =
+            material::describe(look, name, &of, writing.with_materialx, |picture| writing.file(picture));
+        layer.lines(&text)?;
     }
     layer.close()
 }

@@ -36,7 +36,7 @@ use std::sync::Arc;
 use linden_pipeline::memory::{bytes_grown, bytes_of};
 use linden_pipeline::picture::Picture;
 use linden_pipeline::scene::{Mesh, Wrap};
-use linden_pipeline::stage::Stage;
+use linden_pipeline::stage::{Stage, Surroundings};
 use linden_pipeline::{Monitor, Vec3};
 
 use self::layer::Layer;
@@ -287,12 +287,18 @@ fn in_text(format: &'static Format, file: &mut dyn Readable) -> io::Result<Trace
             "uniform token info:id = \"UsdUVTexture\"",
             materialx::TRACE,
             "def BasisCurves ",
+            assembly::COVER_TRACE,
             "def PointInstancer ",
             "def Camera ",
             "variantSet \"season\"",
+            assembly::LAST_TRACE,
         ],
     );
-    let [pictures, materialx, skeleton, instances, setting, seasons] = seen?;
+    let [pictures, materialx, skeleton, _, instances, camera, seasons, _] = seen?;
+    let told = if camera { traces::behind(file, assembly::SETTING_TRACE)? } else { None };
+    let text = told.as_deref().and_then(recipe::text).and_then(|literal| unquoted(&literal));
+    let surroundings = text.map_or(Ok(Surroundings::default()), |text| Surroundings::parse(&text));
+    let setting = surroundings.ok().filter(|_| camera);
     let traces = Traces::none(format)
         .with_switch("pictures", pictures)
         .with_switch("skeleton", skeleton)

@@ -44,6 +44,8 @@ pub struct DistinctMeshes<'a> {
     pub models: Vec<PlantModel<'a>>,
     /// Each once.
     pub materials: Vec<NamedMaterial<'a>>,
+    /// What covers the ground, each in many places.
+    pub cover: Vec<MeshPart<'a>>,
     /// The ground that all stand on.
     pub ground: Option<MeshPart<'a>>,
     /// The sky as a mesh: for formats that have none.
@@ -128,8 +130,14 @@ impl<'a> DistinctMeshes<'a> {
     /// [`ExportError::Cancelled`].
     pub fn of(stage: &'a Stage<'_>, monitor: &dyn Monitor) -> Result<Self, ExportError> {
         validate::stage(stage)?;
-        let mut distinct =
-            Self { models: Vec::new(), materials: Vec::new(), ground: None, dome: None, plants: Vec::new() };
+        let mut distinct = Self {
+            models: Vec::new(),
+            materials: Vec::new(),
+            cover: Vec::new(),
+            ground: None,
+            dome: None,
+            plants: Vec::new(),
+        };
         let mut names = BTreeSet::new();
         for plant in &stage.plants {
             let (seasons, levels) = (plant.seasons.len(), plant.levels().len());
@@ -169,7 +177,15 @@ impl<'a> DistinctMeshes<'a> {
     /// As [`DistinctMeshes::of`].
     pub fn in_setting(stage: &'a Stage<'_>, monitor: &dyn Monitor) -> Result<Self, ExportError> {
         let mut distinct = Self::of(stage, monitor)?;
-        if let Some(Ground { mesh, material }) = stage.setting.as_ref().map(|setting| &setting.ground) {
+        if let Some(Ground { mesh, material, cover }) = stage.setting.as_ref().map(|setting| &setting.ground)
+        {
+            for patch in cover {
+                let part = distinct.around(&patch.name, &patch.mesh, &patch.material, monitor)?;
+                let placements = patch.placements.clone();
+                let seen = patch.bounds().unwrap_or(part.bounds);
+                let copies = Some(MeshCopies { part: patch.kind.name(), placements, seen });
+                distinct.cover.push(MeshPart { copies, ..part });
+            }
             distinct.ground = Some(distinct.around("Ground", mesh, material, monitor)?);
         }
         Ok(distinct)
@@ -253,9 +269,14 @@ impl<'a> DistinctMeshes<'a> {
         self.plants[plant].seasons
     }
 
-    /// All meshes, each once; ground and sky come last.
+    /// All meshes, each once; those of [`DistinctMeshes::surroundings`] come last.
     pub fn parts(&self) -> impl Iterator<Item = &MeshPart<'a>> {
-        self.models.iter().flat_map(|model| &model.parts).chain(&self.ground).chain(&self.dome)
+        self.models.iter().flat_map(|model| &model.parts).chain(self.surroundings())
+    }
+
+    /// What stands round the plants: cover of the ground, ground, sky.
+    pub fn surroundings(&self) -> impl Iterator<Item = &MeshPart<'a>> {
+        self.cover.iter().chain(&self.ground).chain(&self.dome)
     }
 
     /// How many copies of pieces stand somewhere.

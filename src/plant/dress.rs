@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::Vec3;
 
 use crate::foliage::{
-    self, CUTOUT, Cover, DressedKind, DressedOrgans, Foliage, FoliageError, Instances, Look,
+    self, CUTOUT, Cover, DressedKind, DressedOrgans, Foliage, FoliageError, Instances, Look, ShedLeaf,
 };
 use crate::moss::{self, Mossy};
 use crate::scene::{Material, Part, Scene, Wrap};
@@ -320,6 +320,7 @@ impl Wardrobe {
             name: kind.label(),
             class: kind.class(),
             mask: cover.and_then(Cover::mask).cloned(),
+            shed: ShedLeaf::of(kind),
         };
         let kinds = foliage.kinds().zip(covers).map(dressed).collect();
         DressedOrgans::new(Arc::clone(organs), shapes, kinds, foliage.turtle_colors())

@@ -77,10 +77,13 @@ fn a_flavour_a_scene_and_a_name_without_ending() {
     let folder = Folder::new();
     export(&folder, "fir", &["-o", "s.ply", "--format", "ply-skeleton"]);
     export(&folder, "fir", &["-o", "scene.glb", "-o", "scene.usda", "--scene"]);
+    let around = ["--scene", "--sun", "52,172,9.5", "--cover", "litter,grass"];
+    export(&folder, "fir", &[&["-o", "meadow.glb", "-o", "meadow.usda"], &around[..]].concat());
+    export(&folder, "fir", &[&["-o", "copies.glb", "--set", "glb.instances=true"], &around[..]].concat());
     export(&folder, "fir", &["-o", "plain", "--format", "glb"]);
     folder.run(&["preview", "fir", "-o", "p.png", "--size", "40x40", "--set", "points=60"]).done();
     folder.write("recipe.json", folder.run(&["recipe", "plain"]).done().out);
-    for file in ["s.ply", "scene.glb", "scene.usda", "plain"] {
+    for file in ["s.ply", "scene.glb", "scene.usda", "meadow.glb", "meadow.usda", "copies.glb", "plain"] {
         assert_eq!(only(&folder, file), (Some(0), "same-bytes".to_owned(), String::new()), "{file}");
     }
     for file in ["p.png", "recipe.json"] {

@@ -7,11 +7,11 @@ use clap::Args;
 use linden::dress::{levels, year};
 use linden::monitor::Holding;
 use linden::season::Season;
-use linden::stage::Moment;
 use linden_exporters::{Exporter, REGISTRY};
 
 use super::forest::{Written, side_by_side};
 use super::outputs::{Outputs, commit, list, write};
+use super::scene::SceneFlags;
 use super::timings::Timings;
 use super::{GrowArgs, complete};
 use crate::exit::usage;
@@ -61,14 +61,8 @@ pub struct Export {
     #[arg(long, value_name = "LIST", num_args = 0..=1, default_missing_value = "all", add = complete::seasons())]
     seasons: Option<String>,
 
-    /// With a camera that frames the tree, sun, sky and ground, in formats that hold them
-    #[arg(long)]
-    scene: bool,
-
-    /// The sun of --scene at a latitude (degrees, north above 0), day of the year and hour of the sun's own
-    /// time, like 52,172,15.5; when not given an afternoon's, behind the viewer
-    #[arg(long, value_name = "LAT,DAY,HOUR", requires = "scene", allow_hyphen_values = true, value_parser = Moment::parse)]
-    sun: Option<Moment>,
+    #[command(flatten)]
+    scene: SceneFlags,
 
     /// Say what each step took, with threads, bytes and memory, on standard error
     #[arg(long)]
@@ -114,8 +108,8 @@ impl Export {
                 std::iter::once(&self.growing.source).chain(&self.further).cloned().collect();
             let named: Vec<String> = sources.iter().map(|path| crate::paths::show(path)).collect();
             let command = format!("linden export {} -o wood.glb", named.join(" "));
-            let (outputs, scene, sun) = (&self.outputs, self.scene, self.sun);
-            let written = Written { outputs, of_formats: &of_formats, command, scene, sun };
+            let (outputs, scene) = (&self.outputs, &self.scene);
+            let written = Written { outputs, of_formats: &of_formats, command, scene };
             return side_by_side(&sources, &settings, written, &progress);
         }
         let mut source = self.growing.resolve_in(&settings, &seasons, &progress)?;
@@ -147,11 +141,7 @@ impl Export {
         };
         super::notes(notes, &progress);
         let stage = stage.turned_by(settings.iter().map(|(name, _)| name.as_str()));
-        let stage = if self.scene { stage.in_setting() } else { stage };
-        let stage = match &self.sun {
-            Some(moment) => stage.at_moment(moment).map_err(usage)?,
-            None => stage,
-        };
+        let stage = self.scene.around(stage, &progress)?;
         // Scenes have taken what they need of it.
         drop(grown);
         timings.lap("dress");

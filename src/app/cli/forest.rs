@@ -6,9 +6,9 @@ use anyhow::Context;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use linden::forest::{FOREST_KNOBS, ForestKind, GrownForest, Layout, Places, SCATTERING, builtin_forests};
 use linden::monitor::Holding;
-use linden::stage::Moment;
 
 use super::outputs::{Outputs, finish, write};
+use super::scene::SceneFlags;
 use crate::exit::usage;
 use crate::forecast::{ForestOutlook, announce};
 use crate::progress::Progress;
@@ -38,14 +38,8 @@ pub struct Forest {
     #[command(flatten)]
     outputs: Outputs,
 
-    /// With a camera that frames the forest, sun, sky and ground, in formats that hold them
-    #[arg(long)]
-    scene: bool,
-
-    /// The sun of --scene at a latitude (degrees, north above 0), day of the year and hour of the sun's own
-    /// time, like 52,172,15.5; when not given an afternoon's, behind the viewer
-    #[arg(long, value_name = "LAT,DAY,HOUR", requires = "scene", allow_hyphen_values = true, value_parser = Moment::parse)]
-    sun: Option<Moment>,
+    #[command(flatten)]
+    scene: SceneFlags,
 }
 
 /// A flag for each knob of a forest.
@@ -105,13 +99,8 @@ impl Forest {
         }
         check_scattering(&forest, &turned)?;
         let command = format!("linden forest {} -o forest.glb", self.kinds.join(" "));
-        let written = Written {
-            outputs: &self.outputs,
-            of_formats: &of_formats,
-            command,
-            scene: self.scene,
-            sun: self.sun,
-        };
+        let written =
+            Written { outputs: &self.outputs, of_formats: &of_formats, command, scene: &self.scene };
         written.write(&forest, sources, &turned, &progress)
     }
 
@@ -161,10 +150,8 @@ pub(super) struct Written<'a> {
     pub of_formats: &'a [(String, String)],
     /// What who named neither file nor format could have typed.
     pub command: String,
-    /// Whether with camera, sun, sky and ground.
-    pub scene: bool,
-    /// When the sun shines.
-    pub sun: Option<Moment>,
+    /// What stands around.
+    pub scene: &'a SceneFlags,
 }
 
 impl Written<'_> {
@@ -195,11 +182,7 @@ impl Written<'_> {
             super::notes(&tree.said().collect::<Vec<_>>(), progress);
         })?;
         let stage = grown.stage().turned_by(turned.iter().map(|(name, _)| name.as_str()));
-        let stage = if self.scene { stage.in_setting() } else { stage };
-        let stage = match &self.sun {
-            Some(moment) => stage.at_moment(moment).map_err(usage)?,
-            None => stage,
-        };
+        let stage = self.scene.around(stage, progress)?;
         let holding = Holding::new(progress, inputs);
         write(&mut batch, &stage, &holding, progress)?;
         finish(batch, progress)

@@ -21,6 +21,7 @@ mod outputs;
 mod placing;
 mod preview;
 mod recipe;
+mod scene;
 mod schema;
 mod sheet;
 mod show;

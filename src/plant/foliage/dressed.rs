@@ -3,8 +3,11 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::fallen::{FallenLeaf, ShedLeaf};
 use super::{LeafShape, Organs, PROTOTYPES, Placement, Shaper, opaque_shares};
+use crate::texture::leaf::LeafError;
 use linden_base::mesh::Mesh;
+use linden_base::monitor::Monitor;
 use linden_base::picture::Picture;
 use linden_skeleton::organs::OrganClass;
 
@@ -27,6 +30,8 @@ pub(crate) struct DressedKind {
     pub class: OrganClass,
     /// The picture that cuts its shapes out.
     pub mask: Option<Arc<Picture>>,
+    /// A single leaf, where its shapes are drawn.
+    pub shed: Option<ShedLeaf>,
 }
 
 /// An organ of a scene.
@@ -100,6 +105,49 @@ impl DressedOrgans {
     /// The index of the colour that an organ of a grammar is drawn in.
     pub(super) fn color_slot(&self, color: u32) -> usize {
         (color as usize).min(self.colors.len().max(1) - 1)
+    }
+
+    /// The leaf that it sheds: of the kind that most of its leaves are; `None` without placed leaves.
+    ///
+    /// # Errors
+    /// [`LeafError`]: cancelled.
+    pub fn fallen_leaf(&self, monitor: &dyn Monitor) -> Result<Option<FallenLeaf>, LeafError> {
+        let measured = self.measured();
+        let kind_of = |shape: usize| {
+            let shape = shape.checked_sub(PROTOTYPES.len()).and_then(|shape| self.shapes.get(shape));
+            shape.map(|shape| usize::from(shape.kind))
+        };
+        // By kind, those of grammars first.
+        let mut counts = vec![0_u32; 1 + self.kinds.len()];
+        for &shape in &self.organs.placed.prototypes {
+            let shape = usize::from(shape);
+            if measured.shapes.get(shape).is_some_and(|measured| measured.class == OrganClass::Leaf) {
+                counts[kind_of(shape).map_or(0, |kind| 1 + kind.min(self.kinds.len() - 1))] += 1;
+            }
+        }
+        let most = (0..counts.len()).max_by_key(|&kind| (counts[kind], usize::MAX - kind));
+        let Some(most) = most.filter(|&kind| counts[kind] > 0) else { return Ok(None) };
+        let kind = most.checked_sub(1).map(|kind| &self.kinds[kind]);
+        if let Some(shed) = kind.and_then(|kind| kind.shed.as_ref()) {
+            return shed.draw(monitor).map(Some);
+        }
+        let is_of = |&(shape, _): &(usize, &MeasuredShape<'_>)| kind_of(shape) == most.checked_sub(1);
+        let simplest = measured
+            .shapes
+            .iter()
+            .enumerate()
+            .filter(is_of)
+            .filter(|(_, shape)| shape.class == OrganClass::Leaf)
+            .map(|(shape, _)| match shape.checked_sub(PROTOTYPES.len()) {
+                None => PROTOTYPES[shape].mesh(),
+                Some(shape) => &self.shapes[shape].mesh,
+            })
+            .min_by_key(|mesh| mesh.triangles.len());
+        let sizes = self.organs.placed.prototypes.iter().zip(&self.organs.placed.sizes_m);
+        let sizes = sizes.filter(|(shape, _)| kind_of(usize::from(**shape)) == most.checked_sub(1));
+        let size_m = sizes.map(|(_, size_m)| f64::from(*size_m)).sum::<f64>() / f64::from(counts[most]);
+        let picture = kind.and_then(|kind| kind.mask.clone());
+        Ok(simplest.map(|mesh| FallenLeaf::of(vec![mesh.clone()], picture, size_m as f32)))
     }
 
     /// Measures each shape once, for [`MeasuredOrgans::each`].
@@ -183,7 +231,7 @@ impl MeasuredOrgans<'_> {
 }
 
 /// One side of all triangles, as far as a picture leaves them opaque, square units.
-fn area(mesh: &Mesh, mask: Option<&Picture>) -> f64 {
+pub(super) fn area(mesh: &Mesh, mask: Option<&Picture>) -> f64 {
     let of = |(triangle, share): (&[u32; 3], f64)| {
         let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize].as_dvec3());
         (b - a).cross(c - a).length() / 2.0 * share

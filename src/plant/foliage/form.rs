@@ -94,6 +94,13 @@ fn card(cell: &Cell) -> Mesh {
     sheet(cell, &[low.x, high.x], &[low.y, high.y], |at| at.extend(0.0))
 }
 
+/// A dry leaf, bent along and across.
+pub(super) fn curled(cell: &Cell) -> Mesh {
+    let (low, high) = extent(cell);
+    let along = [low.y, 0.5 * (low.y + high.y), high.y];
+    sheet(cell, &middle(low.x, high.x), &along, |at| hanging(at, -0.5, 0.5))
+}
+
 /// Cards about the heading.
 fn crossed(cell: &Cell, cards: u32) -> Mesh {
     let mut all = Mesh::default();

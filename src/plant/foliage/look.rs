@@ -100,7 +100,8 @@ pub(super) fn shade(kind: &LeafKind) -> f32 {
     kind.shade.map_or(usual, |shade| shade as f32)
 }
 
-fn look(kind: &LeafKind, season: f32, size_px: u32) -> LeafLook {
+/// What a kind's leaves look like in a season, in a picture of a size.
+pub(super) fn look(kind: &LeafKind, season: f32, size_px: u32) -> LeafLook {
     let usual = LeafLook::new(kind.outline);
     let is_clustered_fruit = kind.cluster != Cluster::None && kind.outline == Outline::Fruit;
     LeafLook {

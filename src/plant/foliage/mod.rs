@@ -12,6 +12,7 @@ mod bare;
 mod calendar;
 mod cluster;
 mod dressed;
+mod fallen;
 mod form;
 mod instances;
 mod look;
@@ -27,6 +28,8 @@ mod tests;
 pub use calendar::Calendar;
 pub(crate) use dressed::DressedKind;
 pub use dressed::{DressedOrgan, DressedOrgans, MeasuredOrgans};
+pub use fallen::FallenLeaf;
+pub(crate) use fallen::ShedLeaf;
 pub use form::mesh_note;
 pub use instances::{Copies, Instances, Placement};
 pub use linden_skeleton::organs::{

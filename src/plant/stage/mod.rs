@@ -15,16 +15,20 @@
 //! # }
 //! ```
 
+mod ground_cover;
 mod setting;
 mod sunshine;
+mod surroundings;
 
 use glam::{Quat, Vec3};
 
 use crate::scene::Scene;
 use linden_base::mesh::Bounds;
 
+pub use ground_cover::{GroundCover, GroundPatch, UnknownGroundCover};
 pub use setting::{Camera, Ground, Setting, Sky, Sun};
 pub use sunshine::{Moment, SunError};
+pub use surroundings::{Surroundings, SurroundingsError};
 
 /// Plants at their places, and what stands around them.
 #[derive(Clone, Debug)]

@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::{Mat3, Quat, Vec2, Vec3};
 
+use super::{GroundPatch, Surroundings};
 use crate::scene::{Material, Wrap};
 use crate::texture::{GROUND_TILE_M, ground};
 use linden_base::color::{encode, luminance};
@@ -23,6 +24,8 @@ pub struct Setting {
     pub sky: Sky,
     /// The ground that they stand on.
     pub ground: Ground,
+    /// What it was asked for with: files carry it.
+    pub surroundings: Surroundings,
 }
 
 /// A pinhole camera.
@@ -73,13 +76,15 @@ pub struct Sky {
     pub material: Material,
 }
 
-/// A disc to stand on.
+/// A disc to stand on, and what covers it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Ground {
     /// The geometry, facing up.
     pub mesh: Mesh,
     /// Its look.
     pub material: Material,
+    /// What grows and lies on it, on request.
+    pub cover: Vec<GroundPatch>,
 }
 
 /// Eyes of somebody who stands, metres.
@@ -115,6 +120,7 @@ impl Setting {
             sun: Sun::afternoon(),
             sky: Sky::hazy(middle, radius_m),
             ground: Ground::disc(middle, radius_m),
+            surroundings: Surroundings::default(),
         })
     }
 
@@ -123,6 +129,7 @@ impl Setting {
         let Self { sky, ground, .. } = self;
         let pictures = ground.material.base_color_picture.iter().chain([&sky.picture]);
         ground.mesh.bytes()
+            + ground.cover.iter().map(GroundPatch::bytes).sum::<u64>()
             + sky.dome.bytes()
             + pictures.map(|picture| picture.rgba().len() as u64).sum::<u64>()
     }
@@ -321,7 +328,7 @@ impl Ground {
             wrap: Wrap::Repeat,
             translucency: None,
         };
-        Self { mesh, material }
+        Self { mesh, material, cover: Vec::new() }
     }
 }
 
@@ -371,7 +378,7 @@ mod tests {
     #[test]
     fn ground_and_sky_are_seen_from_within() {
         let points = corners(Vec3::new(-3.0, 0.0, 1.0), Vec3::new(3.0, 12.0, 4.0));
-        let Setting { ground, sun, sky, camera } = Setting::around(&points).unwrap();
+        let Setting { ground, sun, sky, camera, .. } = Setting::around(&points).unwrap();
         assert!(faces(&ground.mesh).all(|(face, _)| face.y > 0.0));
         let middle = Vec3::new(0.0, 0.0, 2.5);
         assert!(faces(&sky.dome).all(|(face, at)| face.dot(middle - at) > 0.0));

@@ -161,7 +161,10 @@ impl Attempt {
         };
         let mut batch = Batch::open(outputs, Vec::new(), bundle)?;
         let stage = tree.levels.stage();
-        let stage = if traces.setting { stage.in_setting() } else { stage };
+        let stage = match &traces.setting {
+            Some(surroundings) => stage.surrounded(surroundings, monitor)?,
+            None => stage,
+        };
         batch.write(&stage, monitor, |_| ())?;
         let written = batch.commit()?;
         let Some(main) = mains.get(self.index) else { return Ok(Difference::At(String::new())) };
