@@ -13,6 +13,7 @@
 //!
 //! Everything that is worth testing alone lives in the libraries.
 
+mod cache;
 mod cli;
 mod config;
 mod exit;

@@ -190,7 +190,7 @@ impl<'a> Reader<'a> {
 
     fn finish(self, shown: String, recipe: Recipe) -> Source {
         let Self { provenance, notes, files, .. } = self;
-        Source { shown, recipe, provenance, notes, files }
+        Source { shown, recipe: crate::cache::kept(recipe), provenance, notes, files }
     }
 
     /// Reads a file that is named on the command line, in place of the one that the preset names.

@@ -5,6 +5,7 @@ mod assembly;
 mod bad_input;
 mod batch;
 mod bench;
+mod cache;
 mod completions;
 mod describe;
 mod docs;

@@ -13,6 +13,8 @@ pub fn linden() -> Command {
     for name in ["NO_COLOR", "FORCE_COLOR", "CLICOLOR_FORCE", "COLORTERM", "COLUMNS", "LINES"] {
         command.env_remove(name);
     }
+    // What other tests, or the user, have drawn must not either.
+    command.env("LINDEN_CACHE", "off");
     command
 }
 

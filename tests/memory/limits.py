@@ -24,6 +24,9 @@ import sys
 import tempfile
 import threading
 
+# Everything is drawn here, and nothing of it kept in the folder of the user.
+os.environ["LINDEN_CACHE"] = "off"
+
 BASE_MIB = 32
 LIMITS_MIB = [24, 48, 96, 256]
 FORMATS = ["obj", "ply", "ply-skeleton", "qsm", "gltf", "glb", "usda", "usdz"]

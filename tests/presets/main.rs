@@ -48,10 +48,17 @@ fn documents_survive_writing_and_reading() {
 fn a_list_shows_what_the_document_says() {
     for builtin in builtins() {
         let (head, preset) = (builtin.heading().unwrap(), builtin.load().unwrap());
-        let Heading { name, group, summary, source, tags } = head;
+        let Heading { name, group, summary, source, tags, generator } = head;
         assert_eq!(
-            (name, group, summary, source, tags),
-            (preset.name, preset.group, preset.summary, preset.source, preset.tags)
+            (name, group, summary, source, tags, generator),
+            (
+                preset.name,
+                preset.group,
+                preset.summary,
+                preset.source,
+                preset.tags,
+                Some(preset.generator.generator().id())
+            )
         );
         assert_eq!(builtin.id, preset.id);
     }

@@ -14,12 +14,16 @@ models of ez-tree.
 """
 
 import argparse
+import os
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
 from PIL import Image, ImageDraw
+
+# Everything is drawn here, and nothing of it kept in the folder of the user.
+os.environ["LINDEN_CACHE"] = "off"
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))

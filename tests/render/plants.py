@@ -9,6 +9,7 @@ apart: mean absolute difference of all pixels, of 255; exits with 1 where that i
 """
 
 import argparse
+import os
 import subprocess
 import sys
 import tempfile
@@ -17,6 +18,9 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image, ImageDraw
+
+# Everything is drawn here, and nothing of it kept in the folder of the user.
+os.environ["LINDEN_CACHE"] = "off"
 
 HERE = Path(__file__).resolve().parent
 PLANTS = HERE.parent.parent / "presets" / "plants"

@@ -12,6 +12,7 @@ use linden_terminal::{Capabilities, ColorDepth, Tty};
 use serde::Serialize;
 
 use super::workbench::TerminalLook;
+use crate::cache;
 use crate::config::dirs::Dirs;
 use crate::config::keymap::{self, Keymap};
 use crate::config::settings::{self, SETTINGS, Settings};
@@ -20,6 +21,9 @@ use crate::config::{Complaint, presets};
 use crate::paths::show;
 use crate::progress::Progress;
 use crate::tui::key_table;
+
+/// What is in the cache's directory.
+const PICTURES: &str = "drawn pictures";
 
 /// How long a terminal may take to answer, as in the workbench.
 const PATIENCE: Duration = Duration::from_millis(1500);
@@ -65,6 +69,7 @@ struct DoctorReport {
     settings: Vec<Set>,
     theme: String,
     presets: Presets,
+    cache: Cache,
     complaints: Vec<Trouble>,
 }
 
@@ -108,6 +113,15 @@ struct Presets {
     #[serde(rename = "own")]
     users: usize,
     broken: usize,
+}
+
+/// Pictures that were drawn in other runs.
+#[derive(Serialize)]
+struct Cache {
+    entries: u64,
+    bytes: u64,
+    /// 0: nothing is kept.
+    limit_bytes: u64,
 }
 
 #[derive(Serialize)]
@@ -182,7 +196,8 @@ impl Doctor {
         let count = broken.clone().count();
         troubles.extend(complaints.iter().chain(broken).map(Trouble::of));
         let directories = directories(&dirs);
-        for dir in directories.iter().filter(|dir| !dir.writable) {
+        // Without pictures that are kept, all works.
+        for dir in directories.iter().filter(|dir| !dir.writable && dir.what != PICTURES) {
             troubles.push(match &dir.path {
                 Some(path) => Trouble {
                     file: Some(path.clone()),
@@ -232,6 +247,7 @@ impl Doctor {
                 users: user_presets.len(),
                 broken: count,
             },
+            cache: kept(&dirs),
             complaints: troubles,
         };
         Ok((report, capabilities))
@@ -261,6 +277,13 @@ fn asked(environment: &Environment) -> (Findings, Option<String>, Option<(u16, u
     }
 }
 
+/// What is in the cache, as far as it can be read.
+fn kept(dirs: &Dirs) -> Cache {
+    let contents = dirs.pictures().and_then(|folder| cache::FolderStore::contents(&folder).ok());
+    let contents = contents.unwrap_or_default();
+    Cache { entries: contents.entries, bytes: contents.bytes, limit_bytes: cache::room() }
+}
+
 /// Where files are looked for and kept.
 fn directories(dirs: &Dirs) -> Vec<Directory> {
     let all = [
@@ -268,6 +291,7 @@ fn directories(dirs: &Dirs) -> Vec<Directory> {
         ("themes", dirs.themes()),
         ("presets", dirs.presets()),
         ("the session", dirs.state.clone()),
+        (PICTURES, dirs.pictures()),
     ];
     all.into_iter()
         .map(|(what, path)| Directory {
@@ -330,6 +354,14 @@ impl DoctorReport {
         let Presets { builtin, users, broken } = self.presets;
         let broken = if broken > 0 { format!(", {broken} of them broken") } else { String::new() };
         text += &format!("\nPresets\n  {builtin} built in, {users} of yours{broken}\n");
+
+        let Cache { entries, bytes, limit_bytes } = self.cache;
+        let (entries, bytes) = (indicatif::HumanCount(entries), indicatif::BinaryBytes(bytes));
+        text += "\nCache ('linden cache')\n  ";
+        text += &match limit_bytes {
+            0 => "off: all pictures are drawn anew\n".to_owned(),
+            limit => format!("{entries} entries, {bytes} of at most {}\n", indicatif::BinaryBytes(limit)),
+        };
 
         text += &format!(
             "\nSettings (config.toml; 'linden doctor --example config' shows all)\n  theme in use: {}\n",

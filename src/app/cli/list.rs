@@ -3,7 +3,7 @@
 use clap::Args;
 use linden::forest::{BuiltinForest, ForestDocument, builtin_forest, builtin_forests};
 use linden::knob::printable;
-use linden::preset::{Preset, builtin, builtins, check_tag};
+use linden::preset::{Heading, builtin, builtins, check_tag};
 use serde::Serialize;
 
 use super::{complete, knob};
@@ -95,13 +95,13 @@ impl List {
         let rows = builtins()
             .iter()
             .map(|builtin| {
-                let Preset { id, name, group, summary, source, generator, tags, .. } = builtin.load()?;
+                let Heading { name, group, summary, source, tags, generator } = builtin.heading()?;
                 let (height_m, leaves) = builtin.size.map(|size| (size.height_m, size.leaves)).unzip();
                 Ok(PresetRow {
-                    id,
+                    id: builtin.id.to_owned(),
                     name,
                     group,
-                    generator: generator.generator().id(),
+                    generator: generator.unwrap_or_default(),
                     height_m,
                     leaves,
                     summary,

@@ -36,14 +36,16 @@ const AFTER_HELP: &str = "\
 /// Variables, and what they say.
 const ENVIRONMENT: &[(&str, &str)] = &[
     ("LINDEN_MEMORY", "the most memory that work may hold, like 4G, or auto; as --memory"),
+    ("LINDEN_CACHE", "how much of drawn pictures is kept, like 2G, auto, or off; as cache in config.toml"),
     ("LINDEN_GRAPHICS", "how terminals are shown pictures; as --graphics"),
     ("LINDEN_COLORS", "how many colours the terminal has; as --colors"),
     ("LINDEN_LOG", "the file into which the workbench writes what happens; as --log"),
     ("LINDEN_LOG_LEVEL", "how much of it: error, warn, info, debug or trace"),
     ("LINDEN_CONFIG_DIR", "where settings, keys, themes and presets are, instead of XDG_CONFIG_HOME/linden"),
     ("LINDEN_STATE_DIR", "where the session is kept, instead of XDG_STATE_HOME/linden"),
+    ("LINDEN_CACHE_DIR", "where drawn pictures are kept, instead of XDG_CACHE_HOME/linden"),
     (complete_variable(), "set by the scripts of 'linden completions', to the shell's name"),
-    ("XDG_CONFIG_HOME, XDG_STATE_HOME", "~/.config and ~/.local/state where they are not set"),
+    ("XDG_CONFIG_HOME, XDG_STATE_HOME, XDG_CACHE_HOME", "~/.config, ~/.local/state, ~/.cache where not set"),
     ("NO_COLOR, CLICOLOR, CLICOLOR_FORCE, FORCE_COLOR, COLORTERM", "colours in the terminal, as elsewhere"),
     ("COLUMNS, LINES", "the size of a preview in the terminal, before what the terminal says"),
     ("VISUAL, EDITOR", "what the workbench edits documents in"),
@@ -58,6 +60,7 @@ const FILES: &[(&str, &str)] = &[
     ("~/.config/linden/themes/NAME.toml", "colours of the workbench; 'linden doctor --example theme'"),
     ("~/.config/linden/presets/", "presets and grammars of your own; folders are groups"),
     ("~/.local/state/linden/session.toml", "where the workbench was left"),
+    ("~/.cache/linden/pictures/", "pictures that were drawn, for the next time; 'linden cache' says how many"),
 ];
 
 /// How the program ends.

@@ -4,6 +4,7 @@
 mod axes;
 mod batch;
 mod bench;
+mod cache;
 mod cite;
 mod complete;
 mod completions;
@@ -32,6 +33,7 @@ mod timings;
 mod verify;
 mod workbench;
 
+use std::cell::LazyCell;
 use std::io::{self, Write};
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -45,6 +47,7 @@ use linden::knob::{Kind, Value};
 use linden::preset::Preset;
 use linden::season::Season;
 
+use crate::cache::CacheSize;
 use crate::config::dirs::Dirs;
 use crate::config::settings::Settings;
 use crate::progress::Progress;
@@ -77,6 +80,10 @@ struct Cli {
     /// A folder whose files documents may name; without, only what lies beside a document or below it
     #[arg(long, value_name = "DIR", global = true)]
     allow_path: Vec<PathBuf>,
+
+    /// Draw all pictures anew, and keep none ('linden cache')
+    #[arg(long, global = true)]
+    no_cache: bool,
 }
 
 const EXAMPLES: &str = "\
@@ -124,6 +131,7 @@ enum CliCommand {
     Cite(cite::Cite),
     Forest(forest::Forest),
     Doctor(doctor::Doctor),
+    Cache(cache::Cache),
     Completions(completions::Completions),
     Man(man::Man),
     Schema(schema::Schema),
@@ -352,7 +360,7 @@ pub fn run() -> ExitCode {
             return ExitCode::from(code);
         }
     };
-    if let Err(error) = limit_memory(cli.memory.as_deref()) {
+    if let Err(error) = limits(&cli) {
         return exit::report(&error);
     }
     if let Some(command) = &mut cli.command
@@ -375,23 +383,27 @@ pub fn run() -> ExitCode {
     }
 }
 
-/// The limit that the flag, the variable or `config.toml` sets, whichever comes first.
-fn limit_memory(flag: Option<&str>) -> anyhow::Result<()> {
-    let variable = std::env::var(memory::VARIABLE).ok().filter(|text| !text.is_empty());
-    let chosen = match (flag, &variable) {
-        (Some(text), _) => {
-            memory::parse(text).map_err(|problem| exit::usage(format!("--memory: {problem}")))?
+/// Limits memory, and opens the cache, by what flags, variables or `config.toml` say, whichever comes first.
+fn limits(cli: &Cli) -> anyhow::Result<()> {
+    let variable = |name: &str| std::env::var(name).ok().filter(|text| !text.is_empty());
+    let dirs = Dirs::of_environment();
+    // What is wrong in the file is said where it is shown: in the workbench, by the doctor.
+    let settings = LazyCell::new(|| Settings::load(dirs.settings().as_deref()).0);
+    let said = cli.memory.clone().map(|text| ("--memory", text));
+    let limit = match said.or_else(|| variable(memory::VARIABLE).map(|text| (memory::VARIABLE, text))) {
+        Some((name, text)) => {
+            memory::parse(&text).map_err(|problem| exit::usage(format!("{name}: {problem}")))?
         }
-        (None, Some(text)) => {
-            memory::parse(text).map_err(|problem| exit::usage(format!("{}: {problem}", memory::VARIABLE)))?
-        }
-        (None, None) => {
-            let dirs = Dirs::of_environment();
-            // What is wrong in the file is said where it is shown: in the workbench, by the doctor.
-            Settings::load(dirs.settings().as_deref()).0.memory_bytes
-        }
+        None => settings.memory_bytes,
     };
-    memory::set_limit(chosen);
+    memory::set_limit(limit);
+    let size = match variable(crate::cache::VARIABLE) {
+        _ if cli.no_cache => CacheSize::Off,
+        Some(text) => CacheSize::parse(&text)
+            .map_err(|problem| exit::usage(format!("{}: {problem}", crate::cache::VARIABLE)))?,
+        None => settings.cache,
+    };
+    crate::cache::open(dirs.pictures(), size);
     Ok(())
 }
 
@@ -430,6 +442,7 @@ impl CliCommand {
             Self::Cite(command) => command.run(),
             Self::Forest(command) => command.run(),
             Self::Doctor(command) => command.run(),
+            Self::Cache(command) => command.run(),
             Self::Completions(command) => command.run(),
             Self::Man(command) => command.run(Cli::command()),
             Self::Schema(command) => command.run(),

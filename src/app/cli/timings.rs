@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use linden_exporters::Written;
 use serde::Serialize;
 
+use crate::cache;
 use crate::system::{cpu_time, peak_memory};
 
 /// A clock for the steps of a command.
@@ -37,9 +38,20 @@ struct Report<'a> {
     cpu_seconds: Option<f64>,
     /// Of the whole process; null where the system does not tell.
     peak_memory_bytes: Option<u64>,
+    /// Pictures out of the cache; null where it is off.
+    cache: Option<Kept>,
     /// In their order, one after the other: together they take as long as the whole.
     steps: &'a [Step],
     files: Vec<File>,
+}
+
+/// Pictures, and files of pictures, that were asked for.
+#[derive(Serialize)]
+struct Kept {
+    /// They were there.
+    hits: u64,
+    /// They were drawn or compressed.
+    misses: u64,
 }
 
 #[derive(Serialize)]
@@ -72,6 +84,7 @@ impl Timings {
             seconds: (self.last.0 - self.started).as_secs_f64(),
             cpu_seconds: self.steps.iter().map(|step| step.cpu_seconds).sum(),
             peak_memory_bytes: peak_memory(),
+            cache: cache::counts().map(|cache::Counts { hits, misses }| Kept { hits, misses }),
             steps: &self.steps,
             files: written.iter().map(file).collect(),
         }
@@ -106,6 +119,10 @@ impl Timings {
             indicatif::BinaryBytes(bytes),
             report.threads
         );
+        text += &match report.cache {
+            Some(Kept { hits, misses }) => format!("pictures: {hits} out of the cache, {misses} made\n"),
+            None => "pictures: all made, without the cache\n".to_owned(),
+        };
         text
     }
 }

@@ -11,13 +11,15 @@ use std::path::{Path, PathBuf};
 
 use crate::system::{FAMILY, Family};
 
-/// The two directories, where they can be known. Neither needs to exist.
+/// The directories, where they can be known. None needs to exist.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Dirs {
     /// What the user writes: settings, themes, keymap, presets.
     pub config: Option<PathBuf>,
     /// What linden writes: the session.
     pub state: Option<PathBuf>,
+    /// What linden keeps to be quicker, and can make again: drawn pictures.
+    pub cache: Option<PathBuf>,
 }
 
 /// Why there is no [`Dirs::config`], and what to do.
@@ -37,19 +39,29 @@ pub const NO_STATE: &str = match FAMILY {
     }
 };
 
+/// Why there is no [`Dirs::cache`], and what to do.
+pub const NO_CACHE: &str = match FAMILY {
+    Family::Windows => "there is no directory for it; set LOCALAPPDATA, or LINDEN_CACHE_DIR",
+    Family::Apple | Family::Xdg => "there is no home directory; set HOME, or LINDEN_CACHE_DIR",
+};
+
 /// Where a system keeps what belongs to a user: a variable, and a path below what it names.
 #[derive(Clone, Copy, Debug)]
 struct Convention {
     config: (&'static str, &'static str),
     state: (&'static str, &'static str),
+    cache: (&'static str, &'static str),
 }
 
-const LINUX: Convention = Convention { config: ("HOME", ".config"), state: ("HOME", ".local/state") };
+const LINUX: Convention =
+    Convention { config: ("HOME", ".config"), state: ("HOME", ".local/state"), cache: ("HOME", ".cache") };
 const MACOS: Convention = Convention {
     config: ("HOME", "Library/Application Support"),
     state: ("HOME", "Library/Application Support"),
+    cache: ("HOME", "Library/Caches"),
 };
-const WINDOWS: Convention = Convention { config: ("APPDATA", ""), state: ("LOCALAPPDATA", "") };
+const WINDOWS: Convention =
+    Convention { config: ("APPDATA", ""), state: ("LOCALAPPDATA", ""), cache: ("LOCALAPPDATA", "") };
 
 impl Convention {
     /// This system's.
@@ -65,7 +77,8 @@ impl Convention {
 impl Dirs {
     /// What the environment says: `LINDEN_CONFIG_DIR` before `$XDG_CONFIG_HOME/linden` before the
     /// system's place (`$HOME/.config/linden`), and `LINDEN_STATE_DIR` before `$XDG_STATE_HOME/linden`
-    /// before the system's (`$HOME/.local/state/linden`).
+    /// before the system's (`$HOME/.local/state/linden`), and `LINDEN_CACHE_DIR` before `$XDG_CACHE_HOME/linden`
+    /// before the system's (`$HOME/.cache/linden`).
     pub fn new(lookup: impl Fn(&str) -> Option<OsString>) -> Self {
         Self::by(Convention::here(), lookup)
     }
@@ -82,6 +95,7 @@ impl Dirs {
         Self {
             config: find("LINDEN_CONFIG_DIR", "XDG_CONFIG_HOME", system.config),
             state: find("LINDEN_STATE_DIR", "XDG_STATE_HOME", system.state),
+            cache: find("LINDEN_CACHE_DIR", "XDG_CACHE_HOME", system.cache),
         }
     }
 
@@ -115,6 +129,11 @@ impl Dirs {
         self.state.as_deref().map(|dir| dir.join("session.toml"))
     }
 
+    /// Drawn pictures.
+    pub fn pictures(&self) -> Option<PathBuf> {
+        self.cache.as_deref().map(|dir| dir.join("pictures"))
+    }
+
     fn in_config(&self, name: impl AsRef<Path>) -> Option<PathBuf> {
         self.config.as_deref().map(|dir| dir.join(name))
     }
@@ -133,28 +152,29 @@ mod tests {
         on(LINUX, environment)
     }
 
-    fn paths(config: &str, state: &str) -> Dirs {
-        Dirs { config: Some(config.into()), state: Some(state.into()) }
+    fn paths(config: &str, state: &str, cache: &str) -> Dirs {
+        Dirs { config: Some(config.into()), state: Some(state.into()), cache: Some(cache.into()) }
     }
 
     #[test]
     fn the_most_particular_variable_counts() {
         let home = ("HOME", "/h");
-        assert_eq!(of(&[home]), paths("/h/.config/linden", "/h/.local/state/linden"));
-        let xdg = [home, ("XDG_CONFIG_HOME", "/c"), ("XDG_STATE_HOME", "/s")];
-        assert_eq!(of(&xdg), paths("/c/linden", "/s/linden"));
-        let named = [xdg.as_slice(), &[("LINDEN_CONFIG_DIR", "/a"), ("LINDEN_STATE_DIR", "/b")]].concat();
-        assert_eq!(of(&named), paths("/a", "/b"));
+        assert_eq!(of(&[home]), paths("/h/.config/linden", "/h/.local/state/linden", "/h/.cache/linden"));
+        let xdg = [home, ("XDG_CONFIG_HOME", "/c"), ("XDG_STATE_HOME", "/s"), ("XDG_CACHE_HOME", "/k")];
+        assert_eq!(of(&xdg), paths("/c/linden", "/s/linden", "/k/linden"));
+        let ours = [("LINDEN_CONFIG_DIR", "/a"), ("LINDEN_STATE_DIR", "/b"), ("LINDEN_CACHE_DIR", "/d")];
+        assert_eq!(of(&[xdg.as_slice(), &ours].concat()), paths("/a", "/b", "/d"));
     }
 
     #[test]
     fn each_system_has_its_places() {
         let home = ("HOME", "/h");
         let library = "/h/Library/Application Support/linden";
-        assert_eq!(on(MACOS, &[home]), paths(library, library));
-        assert_eq!(on(MACOS, &[home, ("XDG_CONFIG_HOME", "/c")]), paths("/c/linden", library));
+        let caches = "/h/Library/Caches/linden";
+        assert_eq!(on(MACOS, &[home]), paths(library, library, caches));
+        assert_eq!(on(MACOS, &[home, ("XDG_CONFIG_HOME", "/c")]), paths("/c/linden", library, caches));
         let windows = [home, ("APPDATA", "/roaming"), ("LOCALAPPDATA", "/local")];
-        assert_eq!(on(WINDOWS, &windows), paths("/roaming/linden", "/local/linden"));
+        assert_eq!(on(WINDOWS, &windows), paths("/roaming/linden", "/local/linden", "/local/linden"));
         assert_eq!(on(WINDOWS, &[home]), Dirs::default());
     }
 
@@ -180,9 +200,11 @@ mod tests {
 
     #[test]
     fn each_file_has_its_place() {
-        let dirs = paths("/c", "/s");
-        let all = [dirs.settings(), dirs.keymap(), dirs.presets(), dirs.themes(), dirs.session()];
-        let expected = ["/c/config.toml", "/c/keymap.toml", "/c/presets", "/c/themes", "/s/session.toml"];
-        assert_eq!(all.map(Option::unwrap), expected.map(PathBuf::from));
+        let dirs = paths("/c", "/s", "/k");
+        let ours = [dirs.settings(), dirs.keymap(), dirs.presets(), dirs.themes()];
+        let expected = ["/c/config.toml", "/c/keymap.toml", "/c/presets", "/c/themes"];
+        assert_eq!(ours.map(Option::unwrap), expected.map(PathBuf::from));
+        let linden = [dirs.session(), dirs.pictures()];
+        assert_eq!(linden.map(Option::unwrap), ["/s/session.toml", "/k/pictures"].map(PathBuf::from));
     }
 }

@@ -10,6 +10,7 @@ use linden_terminal::{ColorDepth, Glyphs};
 
 use super::Complaint;
 use super::document::{TomlDocument, entries, scalar, text_of};
+use crate::cache::{self, CacheSize};
 use crate::memory;
 
 /// What the user has set, defaults for the rest.
@@ -40,6 +41,8 @@ pub struct Settings {
     pub restore: bool,
     /// Bytes that work may hold at once; `None`: half of what there is.
     pub memory_bytes: Option<u64>,
+    /// How much of drawn pictures is kept.
+    pub cache: CacheSize,
 }
 
 /// How pictures are sent to the terminal.
@@ -86,6 +89,8 @@ pub enum Takes {
     Kind(Kind),
     /// An amount of memory.
     Memory,
+    /// How much is kept in the cache.
+    Cache,
     /// Any text of one line; what it stands for.
     Text(&'static str),
 }
@@ -243,6 +248,20 @@ pub const SETTINGS: &[Setting] = &[
             }
         },
     },
+    Setting {
+        name: "cache",
+        takes: Takes::Cache,
+        unit: "",
+        help: "how much of drawn pictures is kept on the disk for the next time ('linden cache')",
+        read: |settings| Value::Word(settings.cache.to_string()),
+        write: |settings, value| {
+            if let Value::Word(text) = value
+                && let Ok(size) = CacheSize::parse(text)
+            {
+                settings.cache = size;
+            }
+        },
+    },
 ];
 
 impl Default for Settings {
@@ -260,6 +279,7 @@ impl Default for Settings {
             reload: true,
             restore: true,
             memory_bytes: None,
+            cache: CacheSize::Auto,
         }
     }
 }
@@ -270,6 +290,7 @@ impl fmt::Display for Takes {
         match self {
             Self::Kind(kind) => kind.fmt(f),
             Self::Memory => f.write_str(memory::TAKES),
+            Self::Cache => f.write_str(cache::TAKES),
             Self::Text(what) => f.write_str(what),
         }
     }
@@ -294,6 +315,7 @@ impl Setting {
         match self.takes {
             Takes::Kind(kind) => kind.parse(text),
             Takes::Memory => memory::parse(text).map(|_| Value::Word(text.to_owned())),
+            Takes::Cache => CacheSize::parse(text).map(|_| Value::Word(text.to_owned())),
             Takes::Text(what) if text.chars().any(char::is_control) => {
                 Err(format!("'{}' has control characters; expected {what}", excerpt(text)))
             }
@@ -370,6 +392,7 @@ mod tests {
     fn every_setting_can_be_set() {
         let text = "theme = \"moor\"\ngraphics = \"halves\"\ncolors = 256\nmouse = false\neditor = \"hx -c x\"\n\
                     person = false\nscale_bar = false\nscenery = \"plain\"\nmemory = \"512M\"\n\
+                    cache = \"off\"\n\
                     turntable = -12.5\nreload = false\nrestore = false\n";
         let (settings, complaints) = read(text);
         assert_eq!(complaints, []);
@@ -386,6 +409,7 @@ mod tests {
             reload: false,
             restore: false,
             memory_bytes: Some(512 << 20),
+            cache: CacheSize::Off,
         };
         assert_eq!(settings, expected);
         // A setting that the text above forgets would still stand at its default.

@@ -4,11 +4,13 @@ mod encode;
 mod format;
 pub(crate) mod pieces;
 mod recipe;
+mod store;
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 pub use self::format::PictureFormat;
 pub use self::recipe::recipe_in_picture;
+pub use self::store::{DRAWING_SOURCE, PictureKey, PictureStore};
 
 /// Bytes a pixel while a picture is compressed as PNG, besides those of its colours: the colours, filtered,
 /// and the file, which moves to a larger place while it grows (measured).
@@ -30,6 +32,10 @@ pub struct Picture {
     /// What [`Picture::encoded`] gave for each of [`PictureFormat::ALL`]: several exporters write the same
     /// pictures, and compressing them takes longer than growing most trees.
     encoded: [OnceLock<Vec<u8>>; PictureFormat::ALL.len()],
+    /// What [`Picture::content`] gave.
+    content: OnceLock<PictureKey>,
+    /// Where files are kept that were made of it.
+    store: Option<Arc<dyn PictureStore>>,
 }
 
 /// Equal pixels: what was already compressed does not count.
@@ -45,7 +51,20 @@ impl Picture {
     /// `width × height` pixels of four bytes, rows from the top, not premultiplied. Whether the bytes
     /// are as many is checked where they are used.
     pub const fn new(width: u32, height: u32, rgba: Vec<u8>) -> Self {
-        Self { width, height, rgba, encoded: [const { OnceLock::new() }; PictureFormat::ALL.len()] }
+        Self {
+            width,
+            height,
+            rgba,
+            encoded: [const { OnceLock::new() }; PictureFormat::ALL.len()],
+            content: OnceLock::new(),
+            store: None,
+        }
+    }
+
+    /// The same picture, whose files ([`Picture::encoded`]) are taken from a store, and kept there.
+    #[must_use]
+    pub fn kept_in(self, store: &Arc<dyn PictureStore>) -> Self {
+        Self { store: Some(Arc::clone(store)), ..self }
     }
 
     /// Pixels per row.
@@ -98,7 +117,10 @@ impl Picture {
         if let Some(known) = kept.get() {
             return Ok(known);
         }
-        let encoded = encode::encode(self, format, &encode::About::default())?;
+        let encoded = match &self.store {
+            Some(store) => self.encoded_in(store.as_ref(), format)?,
+            None => encode::encode(self, format, &encode::About::default())?,
+        };
         Ok(kept.get_or_init(|| encoded))
     }
 

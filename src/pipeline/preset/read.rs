@@ -87,6 +87,8 @@ pub struct Heading {
     pub source: String,
     /// As [`Preset::tags`].
     pub tags: Vec<String>,
+    /// The id of what grows it.
+    pub generator: Option<&'static str>,
 }
 
 impl Heading {
@@ -95,7 +97,7 @@ impl Heading {
     pub(super) fn from_toml(text: &str) -> Result<Self, Fault> {
         let end = text.find("\n[").map_or(text.len(), |at| at + 1);
         match Node::from_toml(&text[..end])?.datum {
-            Datum::Table(entries) => Self::read(&entries),
+            Datum::Table(entries) => Ok(Self { generator: generator_in(&text[end..]), ..Self::read(&entries)? }),
             _ => Ok(Self::default()),
         }
     }
@@ -108,8 +110,18 @@ impl Heading {
             summary: of("summary")?,
             source: of("source")?,
             tags: tags::read(entries)?,
+            generator: None,
         })
     }
+}
+
+/// The first generator whose table begins at the start of a line.
+fn generator_in(tables: &str) -> Option<&'static str> {
+    let mut names = tables.lines().filter_map(|line| line.strip_prefix('['));
+    names.find_map(|name| {
+        let (name, _) = name.trim_start_matches('[').split_once([']', '.'])?;
+        generators::find(name).map(|generator| generator.id())
+    })
 }
 
 fn text_of(entries: &[Entry], key: &str) -> Result<Option<String>, Fault> {
@@ -132,7 +144,7 @@ fn read(mut document: Node, text: Option<&str>) -> Result<Preset, Fault> {
         let place = entries.iter().find(|entry| entry.key == "id").and_then(|entry| entry.node.place);
         return Err(Fault::new(place, "'id' is empty: name the preset, like id = \"my-tree\""));
     }
-    let Heading { name, group, summary, source, tags } = Heading::read(entries)?;
+    let Heading { name, group, summary, source, tags, .. } = Heading::read(entries)?;
     preset.tags = tags;
     (preset.name, preset.summary, preset.source) = (name, summary, source);
     preset.group = if group.is_empty() { preset.group } else { group };

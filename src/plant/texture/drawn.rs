@@ -3,10 +3,11 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use super::bark::normals_by_lightness;
+use super::kept::{Album, Pair};
 use super::leaf::{LeafError, LeafLook, LeafPictures, TwigLook};
 use super::{Bark, BarkError, BarkPictures, Moss};
 use linden_base::monitor::Monitor;
-use linden_base::picture::Picture;
+use linden_base::picture::{Picture, PictureKey, PictureStore};
 use linden_base::random::Key;
 
 /// Pictures by all that decides them: what was drawn once is not drawn or compressed again while there is room.
@@ -20,6 +21,7 @@ pub struct DrawnPictures {
     reliefs: Shelf<Made<f32>, Arc<Picture>>,
     mosses: Shelf<Made<Moss>, Arc<Picture>>,
     leaves: Shelf<Leaves, LeafPictures>,
+    album: Album,
 }
 
 impl Default for DrawnPictures {
@@ -39,12 +41,20 @@ impl DrawnPictures {
             reliefs: Shelf::new(small),
             mosses: Shelf::new(small),
             leaves: Shelf::new(bytes - 2 * room),
+            album: Album(None),
         }
+    }
+
+    /// What is not here is looked for in a store, and what is drawn is put there, for other runs of a program: the
+    /// same pictures, in less time.
+    #[must_use]
+    pub fn kept_in(self, store: Arc<dyn PictureStore>) -> Self {
+        Self { album: Album(Some(store)), ..self }
     }
 
     /// [`Bark::draw`].
     pub(crate) fn bark(&self, bark: &Bark, monitor: &dyn Monitor) -> Result<BarkPictures, BarkError> {
-        self.barks.get(bark, || bark.draw(monitor))
+        self.barks.get(bark, || self.album.get("bark", bark, None, monitor, || bark.draw(monitor)))
     }
 
     /// [`normals_by_lightness`].
@@ -55,7 +65,10 @@ impl DrawnPictures {
         monitor: &dyn Monitor,
     ) -> Result<Arc<Picture>, BarkError> {
         let wanted = Made { of: Arc::clone(of), how: depth };
-        self.reliefs.get(&wanted, || normals_by_lightness(of, depth, monitor))
+        self.reliefs.get(&wanted, || {
+            let draw = || normals_by_lightness(of, depth, monitor);
+            self.album.get("relief", &depth, Some(of), monitor, draw)
+        })
     }
 
     /// [`Moss::grow_on`].
@@ -66,7 +79,10 @@ impl DrawnPictures {
         monitor: &dyn Monitor,
     ) -> Result<Arc<Picture>, BarkError> {
         let wanted = Made { of: Arc::clone(of), how: moss };
-        self.mosses.get(&wanted, || Ok(Arc::new(moss.grow_on(of, monitor)?)))
+        self.mosses.get(&wanted, || {
+            let draw = || Ok(Arc::new(moss.grow_on(of, monitor)?));
+            self.album.get("moss", &moss, Some(of), monitor, draw)
+        })
     }
 
     /// [`LeafLook::draw`], or [`LeafLook::draw_twig`] where there is one.
@@ -78,10 +94,25 @@ impl DrawnPictures {
         monitor: &dyn Monitor,
     ) -> Result<LeafPictures, LeafError> {
         let wanted = Leaves { look, twig, key };
-        self.leaves.get(&wanted, || match &wanted.twig {
-            Some(twig) => wanted.look.draw_twig(twig, key, monitor),
-            None => wanted.look.draw(key, monitor),
+        self.leaves.get(&wanted, || {
+            self.album.get("leaves", &wanted, None, monitor, || match &wanted.twig {
+                Some(twig) => wanted.look.draw_twig(twig, key, monitor),
+                None => wanted.look.draw(key, monitor),
+            })
         })
+    }
+}
+
+impl DrawnPictures {
+    /// Colours and normals of branch cards, by a key of all that is seen on them: they are of one tree, and kept
+    /// nowhere but in a store.
+    pub(crate) fn cards<E>(
+        &self,
+        decided_by: impl FnOnce() -> PictureKey,
+        monitor: &dyn Monitor,
+        draw: impl FnOnce() -> Result<Pair, E>,
+    ) -> Result<Pair, E> {
+        self.album.get_by("cards", decided_by, monitor, draw)
     }
 }
 

@@ -6,6 +6,7 @@
 mod bark;
 mod drawn;
 mod ground;
+mod kept;
 pub mod leaf;
 mod periodic;
 

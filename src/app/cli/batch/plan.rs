@@ -12,6 +12,7 @@ use linden_exporters::{ExportError, Exporter, Format, Options, find};
 use xxhash_rust::xxh3::xxh3_128;
 
 use super::thumbnail::Thumbnail;
+use crate::cache;
 use crate::cli::crew::room_for_pictures;
 use crate::exit::usage;
 use crate::paths::show;
@@ -62,7 +63,7 @@ impl Plan {
 
     /// Of a manifest at a path, which its files are beside.
     pub fn of(manifest: Manifest, path: &Path, progress: &Progress) -> anyhow::Result<Self> {
-        let drawn = Arc::new(DrawnPictures::new(room_for_pictures(progress)));
+        let drawn = Arc::new(cache::pictures(DrawnPictures::new(room_for_pictures(progress))));
         let mut plan = Self { path: path.to_owned(), manifest, sources: BTreeMap::new() };
         let names: BTreeSet<&String> = plan.manifest.trees.iter().map(|kind| &kind.source).collect();
         for name in names {

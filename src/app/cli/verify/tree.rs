@@ -12,6 +12,7 @@ use linden::texture::DrawnPictures;
 use super::bytes::{Bytes, compare};
 use super::find::Group;
 use super::row::{Outcome, Row};
+use crate::cache;
 use crate::cli::crew::{Crew, Share, room_for_pictures};
 use crate::exit::sentence;
 use crate::progress::Progress;
@@ -23,7 +24,7 @@ pub fn check(groups: &[Group], jobs: Option<usize>, progress: &Progress) -> anyh
     let crew = Crew::of_threads(progress);
     let room = room_for_pictures(progress);
     let crew = Crew { jobs: jobs.unwrap_or(crew.jobs), memory: crew.memory - room, ..crew };
-    let drawn = Arc::new(DrawnPictures::new(room));
+    let drawn = Arc::new(cache::pictures(DrawnPictures::new(room)));
     crew.run(
         0..groups.len(),
         |index, share| check_group(&groups[index], &drawn, share),

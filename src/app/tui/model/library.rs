@@ -48,7 +48,7 @@ impl Library {
     pub fn builtin() -> Self {
         // The tests read every built-in document.
         let entries = builtins().iter().filter_map(|builtin| {
-            let Heading { name, group, summary, source, tags } = builtin.heading().ok()?;
+            let Heading { name, group, summary, source, tags, .. } = builtin.heading().ok()?;
             let (place, id) = (TreePlace::Builtin(builtin.id), builtin.id.to_owned());
             Some(PresetEntry { place, id, name, group, summary, source, tags, fault: None })
         });

@@ -22,6 +22,7 @@ use linden_base::color::code;
 use linden_base::memory::bytes_of;
 use linden_base::mesh::{Bounds, Mesh};
 use linden_base::monitor::{Cancelled, Monitor};
+use linden_base::picture::PictureKey;
 use linden_skeleton::{NO_PARENT, Skeleton};
 
 /// How much of their tilt leaves keep on a card, whose normals are the crown's already.
@@ -51,7 +52,7 @@ impl DrawnCards {
 }
 
 /// A plane of a card: its directions in the frame of the piece.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Plane {
     right: Vec3,
     up: Vec3,
@@ -66,6 +67,7 @@ const SEEN: [Plane; 3] = [
 ];
 
 /// What is drawn in a cell.
+#[derive(Debug)]
 struct Sight {
     model: usize,
     plane: Plane,
@@ -117,44 +119,51 @@ pub(super) fn draw<'a>(
         + Pile::bytes(size)
         + materials.iter().map(Texture::bytes_of).sum::<u64>();
     monitor.admit("drawing branch cards", bytes, "lower card_size").map_err(DetailError::from)?;
-    let textures: Vec<Option<Texture>> = materials.par_iter().map(Texture::of).collect();
-    let drawn_cell = |sight: &Sight| {
-        let cell = sheet.pixels(sight);
-        let inner = Pixels::new(cell.x - 2 * MARGIN_PX, cell.y - 2 * MARGIN_PX).times(SAMPLES);
-        let Plane { right, up, toward } = sight.plane;
-        let view = View {
-            origin: Vec3::ZERO,
-            right,
-            up,
-            toward,
-            relief: RELIEF,
-            corner: Vec2::new(sight.low.x, sight.high.y),
-            scale: sheet.scale * SAMPLES as f32,
-            first: Pixels::new(0, 0),
-            size: inner,
-        };
-        let mut canvas = Canvas::new(inner);
-        for (material, mesh) in &drawn[sight.model].parts {
-            let texture = textures[*material].as_ref();
-            drawing::draw(&mut canvas, &view, mesh, &materials[*material], texture, monitor)?;
-        }
-        let cell = Resolved::of(&canvas, SAMPLES);
-        let light = light_within(canvas.layers(), cell.mean_color());
-        Ok((cell, light))
-    };
-    let mut pile = Pile::new(size, SAMPLES);
+    let corners: Vec<Pixels> =
+        sheet.cells.iter().map(|first| Pixels::new(first.x + MARGIN_PX, first.y + MARGIN_PX)).collect();
     let mut meshes = vec![Mesh::default(); drawn.len()];
-    let placed: Vec<(&Sight, &Pixels)> = sights.iter().zip(&sheet.cells).collect();
-    for some in placed.chunks(CELLS_AT_ONCE) {
-        let cells = some.par_iter().map(|(sight, _)| drawn_cell(sight));
-        let cells = cells.collect::<Result<Vec<(Resolved, Vec3)>, Cancelled>>()?;
-        for ((sight, first), (cell, light)) in some.iter().zip(cells) {
-            let inner = Pixels::new(first.x + MARGIN_PX, first.y + MARGIN_PX);
-            pile.lay(&cell, inner, light);
-            add_plane(&mut meshes[sight.model], sight, inner, sheet.scale, size_px);
-        }
+    for (sight, corner) in sights.iter().zip(&corners) {
+        add_plane(&mut meshes[sight.model], sight, *corner, sheet.scale, size_px);
     }
-    let Finished { color, normal } = pile.finish(CUTOUT, true, monitor)?;
+    let decided_by = || decided_by(&drawn, &sights, &materials, size_px);
+    let [color, normal] = specimen.drawn.cards(decided_by, monitor, || {
+        let textures: Vec<Option<Texture>> = materials.par_iter().map(Texture::of).collect();
+        let drawn_cell = |sight: &Sight| {
+            let cell = sheet.pixels(sight);
+            let inner = Pixels::new(cell.x - 2 * MARGIN_PX, cell.y - 2 * MARGIN_PX).times(SAMPLES);
+            let Plane { right, up, toward } = sight.plane;
+            let view = View {
+                origin: Vec3::ZERO,
+                right,
+                up,
+                toward,
+                relief: RELIEF,
+                corner: Vec2::new(sight.low.x, sight.high.y),
+                scale: sheet.scale * SAMPLES as f32,
+                first: Pixels::new(0, 0),
+                size: inner,
+            };
+            let mut canvas = Canvas::new(inner);
+            for (material, mesh) in &drawn[sight.model].parts {
+                let texture = textures[*material].as_ref();
+                drawing::draw(&mut canvas, &view, mesh, &materials[*material], texture, monitor)?;
+            }
+            let cell = Resolved::of(&canvas, SAMPLES);
+            let light = light_within(canvas.layers(), cell.mean_color());
+            Ok((cell, light))
+        };
+        let mut pile = Pile::new(size, SAMPLES);
+        let placed: Vec<(&Sight, &Pixels)> = sights.iter().zip(&corners).collect();
+        for some in placed.chunks(CELLS_AT_ONCE) {
+            let cells = some.par_iter().map(|(sight, _)| drawn_cell(sight));
+            let cells = cells.collect::<Result<Vec<(Resolved, Vec3)>, Cancelled>>()?;
+            for ((_, corner), (cell, light)) in some.iter().zip(cells) {
+                pile.lay(&cell, **corner, light);
+            }
+        }
+        let Finished { color, normal } = pile.finish(CUTOUT, true, monitor)?;
+        Ok::<_, DetailError>([color, normal].map(Arc::new))
+    })?;
     let mean = drawing::mean(&color).map(code);
     let whole = Cell {
         min: Vec2::ZERO,
@@ -166,14 +175,36 @@ pub(super) fn draw<'a>(
         stalk: Vec2::splat(0.5),
     };
     let cover = Cover {
-        base_color: Arc::new(color),
-        normal: Some(Arc::new(normal)),
+        base_color: color,
+        normal: Some(normal),
         is_cut_out: true,
         cells: vec![whole],
         // Mostly of leaves, where there are any.
         translucency: materials.iter().find_map(|material| material.translucency),
     };
     Ok(DrawnCards { meshes, cover })
+}
+
+/// All that is seen on the cards: a key of it.
+fn decided_by(drawn: &[Model], sights: &[Sight], materials: &[Material], size_px: u32) -> PictureKey {
+    let bytes_of_mesh = |mesh: &Mesh| {
+        let Mesh { positions, normals, uvs, triangles } = mesh;
+        let [positions, normals] = [positions, normals].map(|of| bytemuck::cast_slice(of));
+        PictureKey::of(&[positions, normals, bytemuck::cast_slice(uvs), bytemuck::cast_slice(triangles)]).to_bytes()
+    };
+    let parts: Vec<Vec<(usize, [u8; 16])>> = drawn
+        .par_iter()
+        .map(|model| model.parts.iter().map(|(material, mesh)| (*material, bytes_of_mesh(mesh))).collect())
+        .collect();
+    let looks: Vec<_> = materials
+        .iter()
+        .map(|material| {
+            let pictures = [&material.base_color_picture, &material.normal_picture];
+            let pictures = pictures.map(|picture| picture.as_ref().map(|picture| picture.content()));
+            (Material { base_color_picture: None, normal_picture: None, ..material.clone() }, pictures)
+        })
+        .collect();
+    PictureKey::of(&[format!("{size_px} {parts:?} {sights:?} {looks:?}").as_bytes()])
 }
 
 /// How much light is left of what falls on a piece, where it is seen, by colour: a card is flat, and what leaves within a
