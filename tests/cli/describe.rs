@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::program::Folder;
 
-const COMMANDS: [&str; 19] = [
+const COMMANDS: [&str; 20] = [
     "open",
     "list",
     "show",
@@ -22,6 +22,7 @@ const COMMANDS: [&str; 19] = [
     "cite",
     "forest",
     "doctor",
+    "cache",
     "completions",
     "man",
     "schema",

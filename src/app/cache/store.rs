@@ -128,7 +128,7 @@ impl FolderStore {
         }
         // By the head, the length is what the file has: it is not believed before.
         let mut content = Vec::with_capacity(length as usize);
-        file.by_ref().take(length).read_to_end(&mut content)?;
+        Read::by_ref(&mut file).take(length).read_to_end(&mut content)?;
         if head != head_of(key, &[&content]) {
             return Err(damaged());
         }

@@ -125,8 +125,9 @@ fn second(key: PictureKey) -> PictureKey {
 }
 
 fn get_pair(store: &dyn PictureStore, key: PictureKey) -> Option<(Pair, Vec<u8>)> {
-    let (color, about) = Picture::get_from(store, key)?;
-    let (normal, none) = Picture::get_from(store, second(key))?;
+    // Both are asked for, so that a store counts as many that are missing as are made.
+    let found = [key, second(key)].map(|key| Picture::get_from(store, key));
+    let [Some((color, about)), Some((normal, none))] = found else { return None };
     let is_pair = none.is_empty() && [normal.width(), normal.height()] == [color.width(), color.height()];
     is_pair.then(|| ([Arc::new(color), Arc::new(normal)], about))
 }
