@@ -11,8 +11,7 @@ use std::{env, fs};
 use xxhash_rust::xxh3::Xxh3;
 
 /// Crates by which pictures are calculated.
-const CALCULATES: [&str; 7] =
-    ["earcut", "glam", "libm", "rand", "rand_distr", "rand_xoshiro", "xxhash-rust"];
+const CALCULATES: [&str; 7] = ["earcut", "glam", "libm", "rand", "rand_distr", "rand_xoshiro", "xxhash-rust"];
 
 fn main() -> Result<(), Box<dyn Error>> {
     let package = PathBuf::from(env::var("CARGO_MANIFEST_DIR")?);
@@ -38,7 +37,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     named.sort();
     let mut hasher = Xxh3::new();
     for (name, path) in named {
-        println!("cargo::rerun-if-changed={}", path.display());
         let text = fs::read(&path)?;
         hasher.update(name.as_bytes());
         hasher.update(&[0]);
@@ -82,7 +80,7 @@ fn versions(lock: &str) -> String {
         let name = package.lines().find_map(|line| line.strip_prefix("name = "));
         name.is_some_and(|name| CALCULATES.contains(&name.trim().trim_matches('"')))
     });
-    let lines = packages.flat_map(|package| package.lines());
+    let lines = packages.flat_map(str::lines);
     let wanted = lines.map(str::trim).filter(|line| line.starts_with("name = ") || line.starts_with("version = "));
     wanted.flat_map(|line| [line, "\n"]).collect()
 }

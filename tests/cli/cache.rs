@@ -43,7 +43,10 @@ impl Cached {
     /// All entries and what they hold.
     fn entries(&self) -> BTreeMap<PathBuf, Vec<u8>> {
         let Ok(listed) = fs::read_dir(self.0.file("cache/pictures")) else { return BTreeMap::new() };
-        listed.map(|entry| entry.unwrap().path()).map(|path| (path.clone(), fs::read(path).unwrap())).collect()
+        listed
+            .map(|entry| entry.unwrap().path())
+            .map(|path| (path.clone(), fs::read(path).unwrap()))
+            .collect()
     }
 
     /// Exports into a folder: the files, and how many pictures were there and were made.
@@ -54,7 +57,8 @@ impl Cached {
         let said = self.run(&args, environment);
         assert_eq!(said.code, Some(0), "{}", said.err);
         let counts = &said.json()["cache"];
-        let counts = (!counts.is_null()).then(|| ["hits", "misses"].map(|name| counts[name].as_u64().unwrap()));
+        let counts =
+            (!counts.is_null()).then(|| ["hits", "misses"].map(|name| counts[name].as_u64().unwrap()));
         let listed = fs::read_dir(self.0.file(into)).unwrap().map(|entry| entry.unwrap());
         let files = listed.map(|entry| (entry.file_name(), fs::read(entry.path()).unwrap())).collect();
         (files, counts)
@@ -145,7 +149,8 @@ fn it_is_shown_cleared_and_turned_off() {
     );
     assert!(!cached.0.file("cache").exists(), "looking makes nothing");
     // A picture of the tree fills it too.
-    let preview = ["preview", "abop-a", "--set=bark_size=32", "-o", "a.png", "--size=40x40", "--look=surface"];
+    let preview =
+        ["preview", "abop-a", "--set=bark_size=32", "-o", "a.png", "--size=40x40", "--look=surface"];
     cached.run(&preview, &[("LINDEN_CACHE", "off")]);
     assert_eq!(cached.entries().len(), 0, "off by the variable");
     assert_eq!(cached.run(&preview, &[]).code, Some(0));
@@ -153,7 +158,10 @@ fn it_is_shown_cleared_and_turned_off() {
     assert!(!entries.is_empty());
     let full = report(&[]);
     let bytes: usize = entries.values().map(Vec::len).sum();
-    assert_eq!((full["entries"].as_u64(), full["bytes"].as_u64()), (Some(entries.len() as u64), Some(bytes as u64)));
+    assert_eq!(
+        (full["entries"].as_u64(), full["bytes"].as_u64()),
+        (Some(entries.len() as u64), Some(bytes as u64))
+    );
     let text = cached.run(&["cache"], &[]).done().out;
     assert!(text.contains(&format!("{} entries", entries.len())) && text.contains("512.00 MiB"), "{text}");
     let doctor = cached.run(&["doctor"], &[]).done().out;

@@ -13,7 +13,7 @@ use linden::knob::excerpt;
 use linden::recipe::Recipe;
 use linden::texture::DrawnPictures;
 
-pub use self::store::{Counts, FolderStore};
+pub use self::store::{Contents, Counts, FolderStore};
 use crate::memory;
 
 /// The variable that says it where no flag does.

@@ -1,13 +1,13 @@
 //! `linden cache`: the folder of drawn pictures.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context;
 use clap::{Args, Subcommand};
 use indicatif::BinaryBytes;
 use serde::Serialize;
 
-use crate::cache::{self, FolderStore};
+use crate::cache::{self, Contents, FolderStore};
 use crate::config::dirs::{Dirs, NO_CACHE};
 use crate::exit::usage;
 use crate::paths::show;
@@ -48,21 +48,21 @@ impl Cache {
     pub fn run(self) -> anyhow::Result<()> {
         let folder = Dirs::of_environment().pictures();
         match self.action {
-            Some(Action::Clear) if self.json => {
-                Err(usage("--json is for 'linden cache'; 'linden cache clear' says nothing that a script needs"))
-            }
+            Some(Action::Clear) if self.json => Err(usage(
+                "--json is for 'linden cache'; 'linden cache clear' says nothing that a script needs",
+            )),
             Some(Action::Clear) => clear(folder),
-            None => self.report(folder),
+            None => self.report(folder.as_deref()),
         }
     }
 
-    fn report(&self, folder: Option<PathBuf>) -> anyhow::Result<()> {
-        let contents = match &folder {
+    fn report(&self, folder: Option<&Path>) -> anyhow::Result<()> {
+        let contents = match folder {
             Some(folder) => FolderStore::contents(folder)
                 .with_context(|| format!("looking at the kept pictures in {}", show(folder)))?,
-            None => Default::default(),
+            None => Contents::default(),
         };
-        let path = folder.as_deref().map(show);
+        let path = folder.map(show);
         let limit_bytes = cache::room();
         if self.json {
             let (entries, bytes) = (contents.entries, contents.bytes);

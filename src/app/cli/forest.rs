@@ -247,7 +247,7 @@ fn with_share(kind: &str) -> anyhow::Result<(&str, f64)> {
 fn after_help() -> String {
     let mut text = "Forests in the program:\n".to_owned();
     for forest in builtin_forests() {
-        let summary = forest.load().map(|document| document.summary).unwrap_or_default();
+        let summary = forest.heading().map(|heading| heading.summary).unwrap_or_default();
         text.push_str(&format!("  {:14}{summary}\n", forest.id));
     }
     let layout = Layout::default();

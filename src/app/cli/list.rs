@@ -1,7 +1,7 @@
 //! `linden list`: the presets, and the forests of them; formats; knobs.
 
 use clap::Args;
-use linden::forest::{BuiltinForest, ForestDocument, builtin_forest, builtin_forests};
+use linden::forest::{BuiltinForest, builtin_forest, builtin_forests};
 use linden::knob::printable;
 use linden::preset::{Heading, builtin, builtins, check_tag};
 use serde::Serialize;
@@ -74,8 +74,8 @@ impl List {
             None => {}
         }
         let forest = |forest: &'static BuiltinForest| {
-            let ForestDocument { name, summary, .. } =
-                forest.load().map_err(|fault| source::locate(forest.id, &fault))?;
+            let Heading { name, summary, .. } =
+                forest.heading().map_err(|fault| source::locate(forest.id, &fault))?;
             Ok(PresetRow {
                 id: forest.id.to_owned(),
                 name,

@@ -60,7 +60,10 @@ const FILES: &[(&str, &str)] = &[
     ("~/.config/linden/themes/NAME.toml", "colours of the workbench; 'linden doctor --example theme'"),
     ("~/.config/linden/presets/", "presets and grammars of your own; folders are groups"),
     ("~/.local/state/linden/session.toml", "where the workbench was left"),
-    ("~/.cache/linden/pictures/", "pictures that were drawn, for the next time; 'linden cache' says how many"),
+    (
+        "~/.cache/linden/pictures/",
+        "pictures that were drawn, for the next time; 'linden cache' says how many",
+    ),
 ];
 
 /// How the program ends.

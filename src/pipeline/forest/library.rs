@@ -1,6 +1,7 @@
 //! The forests in the program.
 
 use super::ForestDocument;
+use crate::preset::Heading;
 use linden_base::document::Fault;
 use linden_base::knob::nearest;
 
@@ -39,6 +40,14 @@ impl BuiltinForest {
     pub fn load(&self) -> Result<ForestDocument, Fault> {
         ForestDocument::parse(self.text)
     }
+
+    /// What a list shows of it: reads a few lines instead of the whole document.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn heading(&self) -> Result<Heading, Fault> {
+        Heading::from_toml(self.text)
+    }
 }
 
 #[cfg(test)]
@@ -53,6 +62,8 @@ mod tests {
         for forest in builtin_forests() {
             let document = forest.load().unwrap();
             assert!(!document.name.is_empty() && !document.summary.is_empty(), "{}", forest.id);
+            let heading = forest.heading().unwrap();
+            assert_eq!((&heading.name, &heading.summary), (&document.name, &document.summary));
             for tree in &document.trees {
                 let TreeSource::Named(id) = &tree.source else { panic!("{}: a recipe", forest.id) };
                 let mut preset = builtin(id).unwrap().load().unwrap();

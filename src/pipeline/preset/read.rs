@@ -94,7 +94,7 @@ pub struct Heading {
 impl Heading {
     /// Reads what stands before a document's first table: for documents without brackets at the start
     /// of a line there, which the built-in ones are.
-    pub(super) fn from_toml(text: &str) -> Result<Self, Fault> {
+    pub(crate) fn from_toml(text: &str) -> Result<Self, Fault> {
         let end = text.find("\n[").map_or(text.len(), |at| at + 1);
         match Node::from_toml(&text[..end])?.datum {
             Datum::Table(entries) => Ok(Self { generator: generator_in(&text[end..]), ..Self::read(&entries)? }),
