@@ -46,7 +46,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     println!("cargo::rerun-if-changed={}", package.display());
-    if let Some(lock) = package.ancestors().take(3).map(|folder| folder.join("Cargo.lock")).find(|lock| lock.is_file()) {
+    if let Some(lock) =
+        package.ancestors().take(3).map(|folder| folder.join("Cargo.lock")).find(|lock| lock.is_file())
+    {
         println!("cargo::rerun-if-changed={}", lock.display());
         hasher.update(versions(&fs::read_to_string(lock)?).as_bytes());
     }
@@ -81,6 +83,7 @@ fn versions(lock: &str) -> String {
         name.is_some_and(|name| CALCULATES.contains(&name.trim().trim_matches('"')))
     });
     let lines = packages.flat_map(str::lines);
-    let wanted = lines.map(str::trim).filter(|line| line.starts_with("name = ") || line.starts_with("version = "));
+    let wanted =
+        lines.map(str::trim).filter(|line| line.starts_with("name = ") || line.starts_with("version = "));
     wanted.flat_map(|line| [line, "\n"]).collect()
 }

@@ -53,7 +53,7 @@ impl Cached {
     fn export(&self, into: &str, more: &[&str], environment: &[(&str, &str)]) -> (Files, Option<[u64; 2]>) {
         fs::create_dir(self.0.file(into)).unwrap();
         let target = format!("{into}/");
-        let args = [&EXPORT, &["--timings", "--json", "-o", &target], more].concat();
+        let args = [&EXPORT[..], &["--timings", "--json", "-o", &target], more].concat();
         let said = self.run(&args, environment);
         assert_eq!(said.code, Some(0), "{}", said.err);
         let counts = &said.json()["cache"];

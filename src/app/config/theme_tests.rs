@@ -189,7 +189,7 @@ fn what_is_wrong_is_said_with_its_place_and_the_rest_counts() {
 #[test]
 fn themes_are_found_by_name_and_only_there() {
     let dir = tempfile::tempdir().unwrap();
-    let dirs = Dirs { config: Some(dir.path().to_owned()), state: None };
+    let dirs = Dirs { config: Some(dir.path().to_owned()), state: None, cache: None };
     std::fs::create_dir(dir.path().join("themes")).unwrap();
     std::fs::write(dir.path().join("themes/moor.toml"), "extends = \"plain\"\ntext = \"red\"").unwrap();
     std::fs::write(dir.path().join("secret.toml"), "").unwrap();

@@ -71,7 +71,8 @@ impl Picture {
         // The pixels come first: they need not move.
         let mut bytes = store.get(key)?;
         let tail = bytes.split_off(bytes.len().checked_sub(TAIL)?);
-        let [width, height, about] = [0, 4, 8].map(|at| tail[at..].first_chunk().map(|b| u32::from_le_bytes(*b)));
+        let [width, height, about] =
+            [0, 4, 8].map(|at| tail[at..].first_chunk().map(|b| u32::from_le_bytes(*b)));
         let (width, height, about) = (width?, height?, about?);
         let about = bytes.split_off(bytes.len().checked_sub(about as usize)?);
         let pixels = (width as usize).checked_mul(height as usize)?.checked_mul(4)?;

@@ -97,7 +97,9 @@ impl Heading {
     pub(crate) fn from_toml(text: &str) -> Result<Self, Fault> {
         let end = text.find("\n[").map_or(text.len(), |at| at + 1);
         match Node::from_toml(&text[..end])?.datum {
-            Datum::Table(entries) => Ok(Self { generator: generator_in(&text[end..]), ..Self::read(&entries)? }),
+            Datum::Table(entries) => {
+                Ok(Self { generator: generator_in(&text[end..]), ..Self::read(&entries)? })
+            }
             _ => Ok(Self::default()),
         }
     }

@@ -40,7 +40,7 @@ impl FormBench {
     /// With the preset of a place, and a directory for the user's.
     pub fn at(place: TreePlace, config: PathBuf) -> Self {
         let config = Config {
-            dirs: Dirs { config: Some(config), state: None },
+            dirs: Dirs { config: Some(config), state: None, cache: None },
             theme: Theme::dark(),
             keymap: Keymap::defaults(&commands::key_table()),
             settings: Settings::default(),

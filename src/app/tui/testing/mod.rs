@@ -64,7 +64,7 @@ impl Bench {
         let environment = Environment::from_pairs(pairs);
         let terminal = Capabilities::conclude(&Findings::default(), &environment, &Overrides::default());
         let home = |name: &str| Some(PathBuf::from("/nowhere").join(name));
-        let dirs = Dirs { config: home("config"), state: home("state") };
+        let dirs = Dirs { config: home("config"), state: home("state"), cache: None };
         let (theme, complaints) = Theme::load(&dirs, theme, !terminal.dark.value, terminal.colors.value);
         assert!(complaints.is_empty(), "{complaints:?}");
         let keymap = Keymap::defaults(&key_table());

@@ -190,7 +190,8 @@ fn decided_by(drawn: &[Model], sights: &[Sight], materials: &[Material], size_px
     let bytes_of_mesh = |mesh: &Mesh| {
         let Mesh { positions, normals, uvs, triangles } = mesh;
         let [positions, normals] = [positions, normals].map(|of| bytemuck::cast_slice(of));
-        PictureKey::of(&[positions, normals, bytemuck::cast_slice(uvs), bytemuck::cast_slice(triangles)]).to_bytes()
+        PictureKey::of(&[positions, normals, bytemuck::cast_slice(uvs), bytemuck::cast_slice(triangles)])
+            .to_bytes()
     };
     let parts: Vec<Vec<(usize, [u8; 16])>> = drawn
         .par_iter()
