@@ -25,7 +25,6 @@ mod thickness;
 mod tube;
 mod tube_form;
 
-use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
@@ -179,41 +178,20 @@ pub fn sweep(skeleton: &Skeleton, tubes: &Tubes, monitor: &dyn Monitor) -> Resul
     let course = Course::new(skeleton, tubes);
     match tubes.junction {
         Junction::Watertight => solid::solidify(&course, monitor),
-        Junction::Overlap | Junction::Blend => Ok(sweep_some(&course, 0..skeleton.axes.len(), monitor)?.0),
+        Junction::Overlap | Junction::Blend => sweep_all(&course, monitor),
     }
 }
 
-/// A plan that was carried out, and with which ease each of its tubes.
-struct Swept {
-    plan: Plan,
-    eases: Vec<f32>,
-}
-
-impl Swept {
-    /// The stretches of its tubes.
-    fn stretches(&self, course: &Course<'_>) -> Vec<Stretch> {
-        let tubes = self.plan.axes().zip(&self.eases);
-        tubes
-            .filter(|((_, form), _)| form.root.is_none())
-            .flat_map(|((rings, form), &ease)| tube::stretches(rings, form, &course.roundness, ease))
-            .collect()
-    }
-}
-
-/// Sweeps the tubes of some axes.
-fn sweep_some(
-    course: &Course<'_>,
-    axes: Range<usize>,
-    monitor: &dyn Monitor,
-) -> Result<(Mesh, Vec<Swept>), SurfaceError> {
-    let all = course.skeleton.axes.len() as u64;
+/// Sweeps the tubes of all axes into one mesh.
+fn sweep_all(course: &Course<'_>, monitor: &dyn Monitor) -> Result<Mesh, SurfaceError> {
+    let all = course.skeleton.axes.len();
     let tile_m = course.tubes.bark_tile_m;
-    let starts: Vec<usize> = axes.clone().step_by(AXES_PER_TASK).collect();
+    let starts: Vec<usize> = (0..all).step_by(AXES_PER_TASK).collect();
     let plans = starts
         .into_par_iter()
         .map(|start| {
             monitor.check()?;
-            Ok(Plan::new(course, start..axes.end.min(start + AXES_PER_TASK)))
+            Ok(Plan::new(course, start..all.min(start + AXES_PER_TASK)))
         })
         .collect::<Result<Vec<Plan>, Cancelled>>()?;
 
@@ -226,20 +204,18 @@ fn sweep_some(
     let planned: u64 = plans.iter().map(Plan::bytes).sum();
     monitor.admit(DOING, planned + Mesh::bytes_for(vertices, triangles), ADVICE)?;
     let mut mesh = Mesh::zeroed(vertices, triangles);
-    let done = AtomicU64::new(axes.start as u64);
-    let swept = slices(&mut mesh, &plans).into_par_iter().zip(plans).map(|(mut target, plan)| {
+    let done = AtomicU64::new(0);
+    slices(&mut mesh, &plans).into_par_iter().zip(plans).try_for_each(|(mut target, plan)| {
         monitor.check()?;
-        let tubes = plan.axes();
-        let eases = tubes
-            .map(|(rings, form)| tube::sweep(rings, form, &course.roundness, tile_m, &mut target))
-            .collect();
+        for (rings, form) in plan.axes() {
+            tube::sweep(rings, form, &course.roundness, tile_m, &mut target);
+        }
         let swept = plan.len() as u64;
         let before = done.fetch_add(swept, Ordering::Relaxed);
-        monitor.advance(Phase::Sweep, before + swept, Some(all));
-        Ok(Swept { plan, eases })
-    });
-    let swept = swept.collect::<Result<Vec<_>, Cancelled>>()?;
-    Ok((mesh, swept))
+        monitor.advance(Phase::Sweep, before + swept, Some(all as u64));
+        Ok::<(), Cancelled>(())
+    })?;
+    Ok(mesh)
 }
 
 /// Cuts the mesh into the slices that each plan fills, in order.

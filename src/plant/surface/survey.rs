@@ -1,14 +1,19 @@
 //! Measures a surface without keeping it.
 
-use super::plan::{Course, Plan, planned_bytes, planned_bytes_of};
-use super::{
-    ADVICE, DOING, Junction, Stretch, SurfaceError, Topology, Tubes, sweep, sweep_some, topology, tube,
-};
+use std::ops::Range;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
 use rayon::prelude::*;
 
-use linden_base::mesh::Bounds;
-use linden_base::monitor::Monitor;
-use linden_base::topology::topology_bytes;
+use super::plan::{Course, Plan, planned_bytes, planned_bytes_of};
+use super::target::{Amount, Target};
+use super::{
+    ADVICE, AXES_PER_TASK, DOING, Junction, Stretch, SurfaceError, Topology, Tubes, sweep, topology, tube,
+};
+use linden_base::mesh::{Bounds, Mesh};
+use linden_base::monitor::{Monitor, Phase};
+use linden_base::topology::{Proofs, SurfaceRef};
 use linden_skeleton::Skeleton;
 
 /// Measurements of the mesh that [`sweep`](super::sweep) gives for a skeleton.
@@ -20,20 +25,18 @@ pub struct Survey {
     pub triangles: usize,
     /// The box around it; `None` for no axes.
     pub bounds: Option<Bounds>,
-    /// Whether it is sound: the sum over its pieces, each some ten thousand nodes. No tube can close
-    /// another's hole by lying on it, as long as the two are in different pieces.
+    /// Whether it is sound: the sum over its tubes. No tube closes another's hole by lying on it.
     pub topology: Topology,
 }
 
-/// Vertices that are swept at once, a longer axis apart: their mesh, and the check of it, takes some tens
-/// of megabytes.
+/// Vertices that are swept between two looks at their stretches, a longer axis apart.
 const VERTICES_PER_PIECE: usize = 1 << 19;
 /// Nodes whose tubes are these, if all are as thick as the trunk; few enough to be worth a task for each
 /// thread.
 const NODES_PER_PIECE: [usize; 2] = [1 << 10, 1 << 16];
 
-/// Sweeps and checks the tubes of all axes a few at a time, so that trees can be measured whose mesh
-/// would not fit the memory.
+/// Sweeps and checks the tubes of all axes one by one, so that trees can be measured whose mesh would not fit the
+/// memory.
 ///
 /// Visits the stretches of all tubes in the order of [`Skeleton::axes`], each from base to apex: what the mesh
 /// holds. A lateral begins on its parent's centre line. With [`Junction::Watertight`] it is the
@@ -44,7 +47,7 @@ const NODES_PER_PIECE: [usize; 2] = [1 << 10, 1 << 16];
 pub fn survey(
     skeleton: &Skeleton,
     tubes: &Tubes,
-    visit: &mut dyn FnMut(Stretch),
+    visit: &mut (dyn FnMut(Stretch) + Send),
     monitor: &dyn Monitor,
 ) -> Result<Survey, SurfaceError> {
     let tubes = &tubes.settled();
@@ -63,10 +66,12 @@ pub fn survey(
         }
         return Ok(Survey { vertices, triangles, bounds, topology });
     }
+    let surveyor = Surveyor { course, benches: Mutex::default(), done: AtomicU64::new(0), monitor };
     let mut whole = Survey::default();
     let around = tubes.rings.max(1) as usize * tubes.sides.max(1) as usize;
     let most = (VERTICES_PER_PIECE / around).clamp(NODES_PER_PIECE[0], NODES_PER_PIECE[1]);
     let mut first = 0;
+    let mut seen: Vec<Vec<Stretch>> = Vec::new();
     // One after the other, each by all threads: pieces beside each other would pile up.
     while first < skeleton.axes.len() {
         let (mut end, mut nodes) = (first, 0);
@@ -77,23 +82,117 @@ pub fn survey(
             nodes += axis.len as usize;
             end += 1;
         }
-        monitor.admit(DOING, planned_bytes_of(nodes, &skeleton.axes[first..end], tubes), ADVICE)?;
-        let (mesh, swept) = sweep_some(&course, first..end, monitor)?;
-        let stretches: Vec<Vec<Stretch>> = swept.par_iter().map(|swept| swept.stretches(&course)).collect();
-        drop(swept);
-        stretches.into_iter().flatten().for_each(&mut *visit);
-        let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
-        let bytes = mesh.bytes() + topology_bytes(vertices, triangles);
-        monitor.admit("measuring the surface", bytes, ADVICE)?;
-        whole = whole.and(Survey {
-            vertices,
-            triangles,
-            bounds: mesh.bounds(),
-            topology: topology(&mesh, monitor)?,
-        });
+        let planned = planned_bytes_of(nodes, &skeleton.axes[first..end], tubes);
+        monitor.admit(DOING, planned, ADVICE)?;
+        // Stretches are visited in their order, which is one thread's work, beside the next piece.
+        let visited = || seen.into_iter().flatten().for_each(&mut *visit);
+        let (piece, ()) = rayon::join(|| surveyor.piece(first..end, planned), visited);
+        let (survey, stretches) = piece?;
+        whole = whole.and(survey);
+        seen = stretches;
         first = end;
     }
+    seen.into_iter().flatten().for_each(visit);
     Ok(whole)
+}
+
+/// Sweeps tubes to look at them.
+struct Surveyor<'a> {
+    course: Course<'a>,
+    /// Those that no thread works at.
+    benches: Mutex<Vec<Bench>>,
+    done: AtomicU64,
+    monitor: &'a dyn Monitor,
+}
+
+/// What one thread measures with: memory for a tube at a time, which stays in its cache, and what it has proved.
+#[derive(Default)]
+struct Bench {
+    mesh: Mesh,
+    proofs: Proofs,
+}
+
+impl Surveyor<'_> {
+    /// Some axes and their stretches, by all threads.
+    fn piece(&self, axes: Range<usize>, planned: u64) -> Result<(Survey, Vec<Vec<Stretch>>), SurfaceError> {
+        let starts: Vec<usize> = axes.clone().step_by(AXES_PER_TASK).collect();
+        let measured = starts.into_par_iter().map(|start| {
+            self.monitor.check()?;
+            let mut bench = self.benches().pop().unwrap_or_default();
+            let measured = self.task(start..axes.end.min(start + AXES_PER_TASK), planned, &mut bench);
+            self.benches().push(bench);
+            measured
+        });
+        let measured = measured.collect::<Result<Vec<_>, SurfaceError>>()?;
+        let whole = measured.iter().fold(Survey::default(), |whole, (survey, _)| whole.and(*survey));
+        Ok((whole, measured.into_iter().map(|(_, stretches)| stretches).collect()))
+    }
+
+    fn benches(&self) -> MutexGuard<'_, Vec<Bench>> {
+        self.benches.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Some axes and their stretches, by one thread.
+    fn task(
+        &self,
+        axes: Range<usize>,
+        planned: u64,
+        bench: &mut Bench,
+    ) -> Result<(Survey, Vec<Stretch>), SurfaceError> {
+        let Self { course, monitor, .. } = self;
+        let plan = Plan::new(course, axes);
+        let Amount { vertices, triangles, .. } = plan.amount;
+        let bytes = Mesh::bytes_for(vertices, triangles) + Proofs::bytes_for(vertices, triangles);
+        let beside = bytes.saturating_mul(rayon::current_num_threads() as u64);
+        monitor.admit("measuring the surface", planned.saturating_add(beside), ADVICE)?;
+        bench.make_room(vertices, triangles);
+        let (mut survey, mut stretches) = (Survey::default(), Vec::new());
+        for (rings, form) in plan.axes() {
+            let mut target = bench.target();
+            let ease = tube::sweep(rings, form, &course.roundness, course.tubes.bark_tile_m, &mut target);
+            let amount = target.done;
+            survey = survey.and(bench.measure(amount, *monitor)?);
+            if form.root.is_none() {
+                stretches.extend(tube::stretches(rings, form, &course.roundness, ease));
+            }
+        }
+        let swept = plan.len() as u64;
+        let before = self.done.fetch_add(swept, Ordering::Relaxed);
+        monitor.advance(Phase::Sweep, before + swept, Some(course.skeleton.axes.len() as u64));
+        Ok((survey, stretches))
+    }
+}
+
+impl Bench {
+    fn make_room(&mut self, vertices: usize, triangles: usize) {
+        if self.mesh.positions.len() < vertices || self.mesh.triangles.len() < triangles {
+            let [vertices, triangles] =
+                [vertices.max(self.mesh.positions.len()), triangles.max(self.mesh.triangles.len())];
+            // Not both at once.
+            self.mesh = Mesh::default();
+            self.mesh = Mesh::zeroed(vertices, triangles);
+        }
+    }
+
+    /// All of the memory, to be written from its beginning.
+    fn target(&mut self) -> Target<'_> {
+        let Mesh { positions, normals, uvs, triangles } = &mut self.mesh;
+        Target { positions, normals, uvs, triangles, first: 0, done: Amount::default() }
+    }
+
+    /// The tube that was written, this much.
+    fn measure(&mut self, amount: Amount, monitor: &dyn Monitor) -> Result<Survey, SurfaceError> {
+        let Amount { vertices, triangles, .. } = amount;
+        let surface = SurfaceRef {
+            positions: &self.mesh.positions[..vertices],
+            normals: &self.mesh.normals[..vertices],
+            uvs: &self.mesh.uvs[..vertices],
+            triangles: &self.mesh.triangles[..triangles],
+        };
+        let topology = self.proofs.topology(surface, monitor)?;
+        let bounds = Bounds::of(surface.positions.iter().copied());
+        Ok(Survey { vertices, triangles, bounds, topology })
+    }
 }
 
 impl Survey {

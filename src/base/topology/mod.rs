@@ -1,14 +1,18 @@
 //! Measures whether a surface is closed, from its triangles alone.
 
+mod proof;
+
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use xxhash_rust::xxh3::xxh3_64;
 
 use crate::memory::bytes_of;
 use crate::mesh::Mesh;
 use crate::monitor::{Cancelled, Monitor};
+
+pub use proof::{Proofs, SurfaceRef};
 
 /// What the triangles say about the surface, after vertices at the same place are made one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -48,13 +52,9 @@ impl Topology {
 pub fn topology(mesh: &Mesh, monitor: &dyn Monitor) -> Result<Topology, Cancelled> {
     let welded = weld(&mesh.positions, monitor)?;
     let sums = mesh.triangles.par_iter().map(|triangle| {
-        let [a, b, c] = triangle.map(|i| welded[i as usize]);
-        let [p, q, r] = triangle.map(|i| mesh.positions[i as usize].as_dvec3());
-        let normal = (q - p).cross(r - p);
-        let leaning: Vec3 = triangle.iter().map(|&i| mesh.normals[i as usize]).sum();
-        let degenerate = a == b || b == c || c == a || normal.length_squared() == 0.0;
-        let flipped = !degenerate && normal.dot(leaning.as_dvec3()) <= 0.0;
-        (usize::from(degenerate), usize::from(flipped))
+        let corners = triangle.map(|i| mesh.positions[i as usize]);
+        let leaning = triangle.iter().map(|&i| mesh.normals[i as usize]).sum();
+        fault(triangle.map(|i| welded[i as usize]), corners, leaning)
     });
     monitor.check()?;
     let (degenerate, flipped) = sums.reduce(|| (0, 0), |a, b| (a.0 + b.0, a.1 + b.1));
@@ -63,6 +63,16 @@ pub fn topology(mesh: &Mesh, monitor: &dyn Monitor) -> Result<Topology, Cancelle
     monitor.check()?;
     let open_edges = open_edges(&mesh.triangles, &welded, monitor)?;
     Ok(Topology { open_edges, degenerate, flipped, not_finite })
+}
+
+/// Whether a triangle is without area, or else looks the other way than `leaning`, the sum of its normals. Which
+/// of its corners are one, `welded` says.
+fn fault([a, b, c]: [u32; 3], corners: [Vec3; 3], leaning: Vec3) -> (usize, usize) {
+    let [p, q, r] = corners.map(|corner| corner.as_dvec3());
+    let normal: DVec3 = (q - p).cross(r - p);
+    let degenerate = a == b || b == c || c == a || normal.length_squared() == 0.0;
+    let flipped = !degenerate && normal.dot(leaning.as_dvec3()) <= 0.0;
+    (usize::from(degenerate), usize::from(flipped))
 }
 
 /// What [`topology`] takes at its worst, beside the mesh: three edges a triangle, and a few indices a
@@ -117,15 +127,18 @@ pub fn crowded_edges(mesh: &Mesh, monitor: &dyn Monitor) -> Result<usize, Cancel
 /// For each vertex the lowest index of a vertex at exactly the same place.
 fn weld(positions: &[Vec3], monitor: &dyn Monitor) -> Result<Vec<u32>, Cancelled> {
     /// Enough for pieces that a cache holds, few enough to be written side by side.
-    const PIECES: usize = 4096;
+    const MOST_PIECES: usize = 4096;
+    /// Vertices of a piece where few make all.
+    const PER_PIECE: usize = 64;
     // Adding zero makes -0.0 and 0.0 one place.
     let key = |i: u32| (positions[i as usize] + Vec3::ZERO).to_array().map(f32::to_bits);
     let hash = |i| xxh3_64(bytemuck::cast_slice(&key(i)));
     let hashes: Vec<u64> = (0..positions.len() as u32).into_par_iter().map(hash).collect();
     monitor.check()?;
     // Vertices at the same place have the same hash and so come into the same piece.
-    let pieces = Groups::new(PIECES, || {
-        hashes.iter().zip(0..).map(|(&hash, i): (_, u32)| (hash as usize % PIECES, ((hash >> 32) as u32, i)))
+    let count = (positions.len() / PER_PIECE).clamp(1, MOST_PIECES);
+    let pieces = Groups::new(count, || {
+        hashes.iter().zip(0..).map(|(&hash, i): (_, u32)| (hash as usize % count, ((hash >> 32) as u32, i)))
     });
     let welded: Vec<AtomicU32> = (0..positions.len()).into_par_iter().map(|_| AtomicU32::new(0)).collect();
     monitor.check()?;
