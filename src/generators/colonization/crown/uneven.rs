@@ -14,6 +14,7 @@
 //! the crown's box: a tall crown has its lobes one above the other. Points are as dense in all of it.
 
 use glam::{DVec3, Vec3};
+use multiversion::multiversion;
 use rayon::prelude::*;
 
 use super::Crown;
@@ -45,8 +46,7 @@ const FADES: [f64; 2] = [-0.1, -0.8];
 /// Where a crown is dented.
 #[derive(Clone, Debug)]
 pub struct Dents {
-    /// Unit vectors, each with how far it reaches, 1 the whole way.
-    lobes: Vec<(DVec3, f64)>,
+    lobes: Lobes,
     cleft: f64,
     middle: DVec3,
     half: DVec3,
@@ -80,7 +80,7 @@ impl Dents {
         };
         let half = (bounds.size().as_dvec3() / 2.0).max(DVec3::splat(1e-6));
         let middle = ((bounds.min + bounds.max) / 2.0).as_dvec3();
-        Self { lobes: (0..LOBES).map(lobe).collect(), cleft: CLEFT * amount, middle, half }
+        Self { lobes: Lobes::of((0..LOBES).map(lobe)), cleft: CLEFT * amount, middle, half }
     }
 
     /// How large the crown is in the direction of a place, as a share of the whole one.
@@ -89,30 +89,101 @@ impl Dents {
         if q == DVec3::ZERO {
             return 1.0;
         }
-        let (mut sum, mut weights) = (0.0, 0.0);
+        let mut cosines = [0.0; LANES];
+        let mut weights = [0.0; LANES];
+        weigh(&self.lobes, q, &mut cosines, &mut weights);
+        let (mut sum, mut whole) = (0.0, 0.0);
         let mut nearest = [-1.0_f64; 2];
-        for &(way, reach) in &self.lobes {
-            let cos = q.dot(way);
-            let weight = libm::exp(FALL * (cos - 1.0));
+        for ((&cos, &weight), &reach) in cosines.iter().zip(&weights).zip(&self.lobes.reach).take(LOBES) {
             sum += weight * reach;
-            weights += weight;
-            if cos > nearest[0] {
-                nearest = [cos, nearest[0]];
-            } else if cos > nearest[1] {
-                nearest[1] = cos;
-            }
+            whole += weight;
+            nearest = [nearest[0].max(cos), nearest[1].max(nearest[0].min(cos))];
         }
-        let [first, second] = nearest.map(|cos| libm::acos(cos.clamp(-1.0, 1.0)));
-        let t = ((second - first) / WIDE).clamp(0.0, 1.0);
-        let cleft = self.cleft * (1.0 - t * t * (3.0 - 2.0 * t));
+        let cleft = self.cleft * shut(nearest);
         let low = ((FADES[0] - q.y) / (FADES[0] - FADES[1])).clamp(0.0, 1.0);
-        1.0 + (1.0 - (1.0 - AT_BASE) * low) * (sum / weights * (1.0 - cleft) - 1.0)
+        1.0 + (1.0 - (1.0 - AT_BASE) * low) * (sum / whole * (1.0 - cleft) - 1.0)
     }
 
     /// Where a place of the whole crown is in the dented one.
     fn moved(&self, place: Vec3) -> Vec3 {
         let p = place.as_dvec3();
         (self.middle + (p - self.middle) * self.share(p)).as_vec3()
+    }
+}
+
+/// How far a cleft is there between the two lobes whose directions are nearest, by their cosines, the nearer first:
+/// 1 where both are as near, 0 from [`WIDE`] on.
+fn shut([first, second]: [f64; 2]) -> f64 {
+    // The arc cosine is nowhere less steep between two cosines than at the smaller of them, if it is positive: what
+    // is certainly as wide needs no angle.
+    const CERTAINLY: f64 = (WIDE + 1e-6) * (WIDE + 1e-6);
+    let apart = first - second;
+    if second >= 0.0 && apart * apart >= CERTAINLY * (1.0 - second * second) {
+        return 0.0;
+    }
+    let [first, second] = [first, second].map(|cos| libm::acos(cos.clamp(-1.0, 1.0)));
+    let t = ((second - first) / WIDE).clamp(0.0, 1.0);
+    1.0 - t * t * (3.0 - 2.0 * t)
+}
+
+/// Lobes side by side, as vectors of the processor take them.
+const LANES: usize = LOBES.next_multiple_of(4);
+
+/// Directions, unit vectors, and how far each reaches, 1 the whole way. What is beyond the last is zero.
+#[derive(Clone, Debug, Default)]
+struct Lobes {
+    x: [f64; LANES],
+    y: [f64; LANES],
+    z: [f64; LANES],
+    reach: [f64; LANES],
+}
+
+impl Lobes {
+    fn of(lobes: impl Iterator<Item = (DVec3, f64)>) -> Self {
+        let mut all = Self::default();
+        for (i, (way, reach)) in lobes.take(LANES).enumerate() {
+            (all.x[i], all.y[i], all.z[i], all.reach[i]) = (way.x, way.y, way.z, reach);
+        }
+        all
+    }
+}
+
+/// The cosine between a direction and each lobe, and how much that lobe has to say there: e to the power of
+/// [`FALL`] (cos - 1), which is from -18 to 0 but for rounding.
+///
+/// All at once, by the method that `libm::exp` takes for one after another (Sun Microsystems 2004, `e_exp.c`), and
+/// in its order, so that the bits are those of `libm::exp`.
+#[multiversion(targets("x86_64+avx2"))]
+fn weigh(lobes: &Lobes, way: DVec3, cosines: &mut [f64; LANES], weights: &mut [f64; LANES]) {
+    /// ln 2 in two parts, the first of which is exact times a small integer.
+    const LN2: [f64; 2] = [6.931_471_803_691_238_164_90e-1, 1.908_214_929_270_587_700_02e-10];
+    /// Of the polynomial for r (e^r + 1) / (e^r - 1) - 2 in r².
+    const REMEZ: [f64; 5] = [
+        1.666_666_666_666_660_190_37e-1,
+        -2.777_777_777_701_559_338_42e-3,
+        6.613_756_321_437_934_361_17e-5,
+        -1.653_390_220_546_525_153_90e-6,
+        4.138_136_797_057_238_460_39e-8,
+    ];
+    /// From here on up nothing is taken off: half of ln 2 but for the last bits, which `libm::exp` leaves out.
+    const WHOLE: f64 = -f64::from_bits(0x3fd6_2e43_0000_0000);
+    /// From here on up the exponential is a straight line.
+    const LINE: f64 = -f64::from_bits(0x3e30_0001_0000_0000);
+    /// Adding it leaves a whole number in the lowest bits.
+    const SHIFT: f64 = (1_u64 << 52) as f64;
+    for i in 0..LANES {
+        let cos = way.x * lobes.x[i] + way.y * lobes.y[i] + way.z * lobes.z[i];
+        cosines[i] = cos;
+        let x = FALL * (cos - 1.0);
+        let turns = (std::f64::consts::LOG2_E * x - 0.5).trunc();
+        let k = if x > WHOLE { 0.0 } else { turns };
+        let (high, low) = (x - k * LN2[0], k * LN2[1]);
+        let r = high - low;
+        let r2 = r * r;
+        let c = r - r2 * (REMEZ[0] + r2 * (REMEZ[1] + r2 * (REMEZ[2] + r2 * (REMEZ[3] + r2 * REMEZ[4]))));
+        let scaled = 1.0 + (r * c / (2.0 - c) - low + high);
+        let power = f64::from_bits((k + 1023.0 + SHIFT).to_bits() << 52);
+        weights[i] = if x > LINE { 1.0 + x } else { scaled * power };
     }
 }
 
@@ -281,6 +352,62 @@ mod tests {
         }
         for (inside, drawn) in inside.iter().zip(&drawn) {
             assert!((inside / kept - drawn / 60_000.0).abs() < 0.012, "{inside} of {kept}, {drawn} of 60000");
+        }
+    }
+
+    /// Each of the thirteen exponentials that the share is a mean by, one after another, and no angle left out.
+    #[test]
+    fn shares_have_the_bits_of_the_plain_formula() {
+        let formula = |dents: &Dents, p: DVec3| {
+            let q = ((p - dents.middle) / dents.half).normalize_or_zero();
+            let (mut sum, mut weights) = (0.0, 0.0);
+            let mut cosines = Vec::new();
+            for i in 0..LOBES {
+                let way = DVec3::new(dents.lobes.x[i], dents.lobes.y[i], dents.lobes.z[i]);
+                let cos = q.dot(way);
+                let weight = libm::exp(FALL * (cos - 1.0));
+                sum += weight * dents.lobes.reach[i];
+                weights += weight;
+                cosines.push(cos);
+            }
+            cosines.sort_by(|a, b| b.total_cmp(a));
+            let [first, second] = [cosines[0], cosines[1]].map(|cos| libm::acos(cos.clamp(-1.0, 1.0)));
+            let t = ((second - first) / WIDE).clamp(0.0, 1.0);
+            let cleft = dents.cleft * (1.0 - t * t * (3.0 - 2.0 * t));
+            let low = ((FADES[0] - q.y) / (FADES[0] - FADES[1])).clamp(0.0, 1.0);
+            1.0 + (1.0 - (1.0 - AT_BASE) * low) * (sum / weights * (1.0 - cleft) - 1.0)
+        };
+        for seed in 0..20 {
+            let dents = dented(0.05 * seed as f64, seed).dents;
+            let lobes = (0..LOBES).map(|i| DVec3::new(dents.lobes.x[i], dents.lobes.y[i], dents.lobes.z[i]));
+            let along = lobes.map(|way| dents.middle + way);
+            let any = (0..20_000).map(|i| DVec3::Y * 3.0 + Key::new(seed).child(i).in_ball() * 4.0);
+            for p in along.chain(any) {
+                assert_eq!(dents.share(p).to_bits(), formula(&dents, p).to_bits(), "seed {seed}: {p}");
+            }
+        }
+    }
+
+    /// Over the whole range of exponents, and on both sides of each place where the method changes.
+    #[test]
+    fn exponentials_have_the_bits_of_libm() {
+        let of = |x: f64| {
+            // Along one lobe, so that the cosine is what was asked for.
+            let lobes = Lobes::of([(DVec3::X, 1.0)].into_iter());
+            let (mut cosines, mut weights) = ([0.0; LANES], [0.0; LANES]);
+            let cos = 1.0 + x / FALL;
+            weigh(&lobes, DVec3::X * cos, &mut cosines, &mut weights);
+            assert_eq!(weights[0].to_bits(), libm::exp(FALL * (cos - 1.0)).to_bits(), "{x}");
+        };
+        for i in 0..400_000 {
+            of(-18.1 * f64::from(i) / 400_000.0);
+        }
+        for edge in [0.0, 0.5, 1.5, 2.0, 10.0].map(|turns: f64| -turns * std::f64::consts::LN_2) {
+            (-2000..2000).for_each(|i| of(edge + f64::from(i) * 1e-15));
+        }
+        for power in 0..60 {
+            of(-libm::scalbn(1.0, -power));
+            of(libm::scalbn(1.0, -power - 45));
         }
     }
 
