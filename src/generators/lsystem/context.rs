@@ -6,6 +6,8 @@
 //! context looks into a branch where it has brackets itself, and need not follow the branch to its
 //! end. ABOP's example: `BC < S > G[H]M` finds the S of `ABC[DE][SG[HI[JK]L]MNO]`.
 
+use rayon::join;
+
 use super::command::Command;
 use super::program::{Contexts, Entry, Group, Program, Sought};
 
@@ -21,18 +23,23 @@ pub(super) struct Neighbours {
     right: Vec<u32>,
     /// Of each `[`, its `]`; of each ignored module, the next that is not.
     close: Vec<u32>,
-    stack: Vec<u32>,
+    /// Branches that are open, as seen from either end of the string.
+    stacks: [Vec<u32>; 2],
+    /// By module identifier.
+    parts: Vec<Part>,
 }
 
 /// A string, as contexts look at it.
-pub(super) trait Modules {
+pub(super) trait Modules: Sync {
+    /// The module's identifier in [`Program::modules`].
+    fn id(&self, index: usize) -> u32;
     fn entry(&self, index: usize) -> &Entry;
     fn arguments(&self, index: usize) -> &[f64];
     fn count(&self) -> usize;
 }
 
 /// What a module is in the tree.
-#[derive(PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Part {
     Open,
     Close,
@@ -58,46 +65,15 @@ impl Neighbours {
 
     /// Looks through a string whose brackets balance, as far as the rules of a program need it.
     pub(super) fn find(&mut self, program: &Program, string: &impl Modules) {
-        let count = if program.contexts.left { string.count() } else { 0 };
-        renew(&mut self.left, count);
-        self.stack.clear();
-        let mut last = NOTHING;
-        for i in 0..count {
-            self.left[i] = last;
-            match part(string.entry(i)) {
-                Part::Open => self.stack.push(last),
-                Part::Close => last = self.stack.pop().unwrap_or(NOTHING),
-                Part::Seen => last = i as u32,
-                Part::Ignored => {}
-            }
-        }
-        let count = if program.contexts.right { string.count() } else { 0 };
-        renew(&mut self.right, count);
-        renew(&mut self.close, count);
-        self.stack.clear();
-        let (mut next, mut ahead) = (NOTHING, NOTHING);
-        for i in (0..count).rev() {
-            self.right[i] = next;
-            let part = part(string.entry(i));
-            if part == Part::Ignored {
-                self.close[i] = ahead;
-            } else {
-                ahead = i as u32;
-            }
-            match part {
-                // Two entries for each branch: its end, and what follows it.
-                Part::Close => {
-                    self.stack.extend([i as u32, next]);
-                    next = NOTHING;
-                }
-                Part::Open => {
-                    next = self.stack.pop().unwrap_or(NOTHING);
-                    self.close[i] = self.stack.pop().unwrap_or(NOTHING);
-                }
-                Part::Seen => next = i as u32,
-                Part::Ignored => {}
-            }
-        }
+        let count = |is_asked: bool| if is_asked { string.count() } else { 0 };
+        let Self { left, right, close, stacks: [from_left, from_right], parts } = self;
+        parts.clear();
+        parts.extend(program.modules.iter().map(part));
+        renew(left, count(program.contexts.left));
+        renew(right, count(program.contexts.right));
+        renew(close, count(program.contexts.right));
+        let part = |i: usize| parts[string.id(i) as usize];
+        join(|| find_left(left, part, from_left), || find_right(right, close, part, from_right));
     }
 
     /// Whether the contexts of a group stand around a module. Their arguments, and those of the module,
@@ -110,7 +86,7 @@ impl Neighbours {
         parameters: &mut Vec<f64>,
         work: &mut u64,
     ) -> bool {
-        parameters.clear();
+        // Those of a group that fits are all written below.
         parameters.resize(group.parameters, 0.0);
         let arguments = string.arguments(index);
         let first = group.arguments_at;
@@ -200,6 +176,49 @@ impl Neighbours {
         let is = |at: usize, wanted: Part| at < string.count() && part(string.entry(at)) == wanted;
         let at = if is(from, Part::Ignored) { self.close[from] as usize } else { from };
         is(at, Part::Open).then_some(at)
+    }
+}
+
+/// What stands towards the root of each module.
+fn find_left(left: &mut [u32], part: impl Fn(usize) -> Part, open: &mut Vec<u32>) {
+    open.clear();
+    let mut last = NOTHING;
+    for (i, left) in left.iter_mut().enumerate() {
+        *left = last;
+        match part(i) {
+            Part::Open => open.push(last),
+            Part::Close => last = open.pop().unwrap_or(NOTHING),
+            Part::Seen => last = i as u32,
+            Part::Ignored => {}
+        }
+    }
+}
+
+/// What stands along the axis of each module, and where branches end.
+fn find_right(right: &mut [u32], close: &mut [u32], part: impl Fn(usize) -> Part, open: &mut Vec<u32>) {
+    open.clear();
+    let (mut next, mut ahead) = (NOTHING, NOTHING);
+    for (i, (right, close)) in right.iter_mut().zip(close).enumerate().rev() {
+        *right = next;
+        let part = part(i);
+        if part == Part::Ignored {
+            *close = ahead;
+        } else {
+            ahead = i as u32;
+        }
+        match part {
+            // Two entries for each branch: its end, and what follows it.
+            Part::Close => {
+                open.extend([i as u32, next]);
+                next = NOTHING;
+            }
+            Part::Open => {
+                next = open.pop().unwrap_or(NOTHING);
+                *close = open.pop().unwrap_or(NOTHING);
+            }
+            Part::Seen => next = i as u32,
+            Part::Ignored => {}
+        }
     }
 }
 

@@ -41,6 +41,10 @@ pub(super) struct Text<'a> {
 }
 
 impl Modules for Text<'_> {
+    fn id(&self, index: usize) -> u32 {
+        self.buffer.modules[index]
+    }
+
     fn entry(&self, index: usize) -> &Entry {
         &self.program.modules[self.buffer.modules[index] as usize]
     }
@@ -79,8 +83,11 @@ impl Size {
     fn bytes(self, program: &Program) -> u64 {
         let chance = if program.random { size_of::<Key>() as u64 } else { 0 };
         let computed = if self.values > 0 { size_of::<u32>() as u64 } else { 0 };
+        let bound = program.groups.iter().filter(|group| group.has_context()).map(|group| group.parameters);
+        let bound = (bound.max().unwrap_or(0) * size_of::<f64>()) as u64;
         // What it is, when it was written, what becomes of it.
-        let module = 3 * size_of::<u32>() as u64 + chance + computed + Neighbours::bytes_a_module(program);
+        let module =
+            3 * size_of::<u32>() as u64 + chance + computed + bound + Neighbours::bytes_a_module(program);
         self.modules
             .saturating_mul(module)
             .saturating_add(self.values.saturating_mul(size_of::<f64>() as u64))
@@ -100,6 +107,9 @@ pub(super) struct Step<'a> {
     neighbours: &'a Neighbours,
     /// What becomes of each module: an alternative, [`KEEP`] or [`DROP`].
     pub choices: Vec<u32>,
+    /// By chunk, one after another: the parameters of all groups with contexts that were chosen, as long as nothing
+    /// is cut.
+    bound: Vec<Vec<f64>>,
     number: u32,
 }
 
@@ -193,33 +203,39 @@ impl<'a> Step<'a> {
         let text = Text { program, buffer };
         neighbours.find(program, &text);
         let mut choices = vec![KEEP; text.count()];
-        let step = Self { text, neighbours, choices: Vec::new(), number };
-        let outcomes: Vec<Result<bool, LsystemError>> = choices
+        let step = Self { text, neighbours, choices: Vec::new(), bound: Vec::new(), number };
+        let outcomes: Vec<Result<(bool, Vec<f64>), LsystemError>> = choices
             .par_chunks_mut(CHUNK)
             .enumerate()
             .map(|(i, chunk)| step.choose_chunk(i * CHUNK, chunk, monitor))
             .collect();
         let mut cuts = false;
+        let mut bound = Vec::with_capacity(outcomes.len());
         for outcome in outcomes {
-            cuts |= outcome?;
+            let (cuts_some, parameters) = outcome?;
+            cuts |= cuts_some;
+            bound.push(parameters);
         }
-        let mut step = Self { choices, ..step };
+        let mut step = Self { choices, bound, ..step };
         if cuts {
             step.cut();
+            step.bound.clear();
         }
         Ok(step)
     }
 
-    /// Chooses for some modules from `first` on. Whether some of what was chosen cuts what follows.
+    /// Chooses for some modules from `first` on. Whether some of what was chosen cuts what follows, and the
+    /// parameters of chosen groups with contexts.
     fn choose_chunk(
         &self,
         first: usize,
         choices: &mut [u32],
         monitor: &dyn Monitor,
-    ) -> Result<bool, LsystemError> {
+    ) -> Result<(bool, Vec<f64>), LsystemError> {
         monitor.check()?;
         let program = self.text.program;
         let mut parameters = Vec::new();
+        let mut bound = Vec::new();
         let mut cuts = false;
         let mut work = 0;
         for (i, choice) in choices.iter_mut().enumerate() {
@@ -228,13 +244,16 @@ impl<'a> Step<'a> {
                 let chosen = program.choose(group, self.key(index));
                 cuts |= program.alternatives[chosen].word.cuts;
                 *choice = chosen as u32;
+                if group.has_context() {
+                    bound.extend_from_slice(&parameters);
+                }
             }
             if work >= super::PATIENCE {
                 work = 0;
                 monitor.check()?;
             }
         }
-        Ok(cuts)
+        Ok((cuts, bound))
     }
 
     fn key(&self, index: usize) -> Key {
@@ -261,6 +280,30 @@ impl<'a> Step<'a> {
         parameters.clear();
         parameters.extend_from_slice(self.text.arguments(index));
         true
+    }
+
+    /// The parameters of the group that was chosen for a module; `bound` is what is left of its chunk's.
+    fn parameters_of<'s: 'o, 'o>(
+        &'s self,
+        group: &Group,
+        index: usize,
+        bound: &mut &'s [f64],
+        own: &'o mut Vec<f64>,
+    ) -> &'o [f64] {
+        if !group.has_context() {
+            return self.text.arguments(index);
+        }
+        if let Some((parameters, rest)) = bound.split_at_checked(group.parameters) {
+            *bound = rest;
+            return parameters;
+        }
+        self.bind(group, index, own, &mut 0);
+        own
+    }
+
+    /// The parameters that were bound in a chunk; none where something is cut.
+    fn bound(&self, chunk: usize) -> &[f64] {
+        self.bound.get(chunk).map_or(&[], |bound| bound)
     }
 
     /// Drops what follows a chosen word that cuts, up to the end of the branch.
@@ -335,7 +378,8 @@ impl<'a> Step<'a> {
 
     fn write_chunk(&self, first: usize, mut slot: Slot<'_>) -> Result<(), LsystemError> {
         let program = self.text.program;
-        let mut parameters = Vec::new();
+        let mut own = Vec::new();
+        let mut bound = self.bound(first / CHUNK);
         let end = self.choices.len().min(first + CHUNK);
         for index in first..end {
             match self.choices[index] {
@@ -348,8 +392,9 @@ impl<'a> Step<'a> {
                 }
                 chosen => {
                     let alternative = &program.alternatives[chosen as usize];
-                    self.bind(&program.groups[alternative.group as usize], index, &mut parameters, &mut 0);
-                    slot.word(program, alternative.word, &parameters, self.key(index), self.number)?;
+                    let group = &program.groups[alternative.group as usize];
+                    let parameters = self.parameters_of(group, index, &mut bound, &mut own);
+                    slot.word(program, alternative.word, parameters, self.key(index), self.number)?;
                 }
             }
         }
@@ -360,10 +405,15 @@ impl<'a> Step<'a> {
     fn hand_on<S: Sink>(&self, outlet: &mut Outlet<'_, S>) -> Result<(), LsystemError> {
         let program = self.text.program;
         let Buffer { modules, births, .. } = self.text.buffer;
-        let mut parameters = Vec::new();
+        let mut own = Vec::new();
+        let mut bound = self.bound(0);
         let mut scratch = Vec::new();
-        let mut index = 0;
+        let (mut index, mut chunk) = (0, 0);
         while index < modules.len() {
+            if index / CHUNK > chunk {
+                chunk = index / CHUNK;
+                bound = self.bound(chunk);
+            }
             let id = modules[index];
             let birth = births[index];
             match self.choices[index] {
@@ -382,8 +432,9 @@ impl<'a> Step<'a> {
                 }
                 chosen => {
                     let alternative = &program.alternatives[chosen as usize];
-                    self.bind(&program.groups[alternative.group as usize], index, &mut parameters, &mut 0);
-                    outlet.word(alternative.word, &parameters, self.key(index), self.number, &mut scratch)?;
+                    let group = &program.groups[alternative.group as usize];
+                    let parameters = self.parameters_of(group, index, &mut bound, &mut own);
+                    outlet.word(alternative.word, parameters, self.key(index), self.number, &mut scratch)?;
                 }
             }
             index += 1;
