@@ -27,8 +27,10 @@ pub(super) fn encode(bytes: &[u8], stride: usize, monitor: &dyn Monitor) -> Resu
         let mut out = Vec::with_capacity(piece.len() / 2);
         let mut before =
             index.checked_mul(task).filter(|&at| at > 0).map_or(first, |at| &bytes[at - stride..at]);
+        let mut deltas = Vec::new();
         for block in piece.chunks(items * stride) {
-            (0..stride).for_each(|byte| encode_bytes(block, before, byte, &mut out));
+            differences(block, before, &mut deltas);
+            (0..stride).for_each(|byte| encode_bytes(&deltas, stride, byte, &mut out));
             before = &block[block.len() - stride..];
         }
         Ok(out)
@@ -42,20 +44,25 @@ pub(super) fn encode(bytes: &[u8], stride: usize, monitor: &dyn Monitor) -> Resu
     Ok(stream)
 }
 
-/// One byte of each item of a block.
-fn encode_bytes(block: &[u8], before: &[u8], byte: usize, out: &mut Vec<u8>) {
-    let stride = before.len();
-    let groups = (block.len() / stride).div_ceil(GROUP);
+/// Each byte of a block less the same byte of the item before; `before` is that of the first.
+fn differences(block: &[u8], before: &[u8], deltas: &mut Vec<u8>) {
+    let delta = |(byte, earlier): (&u8, &u8)| zigzag(byte.wrapping_sub(*earlier));
+    deltas.clear();
+    deltas.extend(block.iter().zip(before).map(delta));
+    deltas.extend(block[before.len()..].iter().zip(block).map(delta));
+}
+
+/// One byte of each item of a block, by the differences of all.
+fn encode_bytes(deltas: &[u8], stride: usize, byte: usize, out: &mut Vec<u8>) {
+    let groups = (deltas.len() / stride).div_ceil(GROUP);
     let header = out.len();
     out.resize(header + groups.div_ceil(4), 0);
-    let mut last = before[byte];
-    for (group, items) in block.chunks(GROUP * stride).enumerate() {
-        let mut deltas = [0; GROUP];
-        for (delta, item) in deltas.iter_mut().zip(items.chunks_exact(stride)) {
-            *delta = zigzag(item[byte].wrapping_sub(last));
-            last = item[byte];
+    for (group, items) in deltas.chunks(GROUP * stride).enumerate() {
+        let mut some = [0; GROUP];
+        for (delta, item) in some.iter_mut().zip(items.chunks_exact(stride)) {
+            *delta = item[byte];
         }
-        let mode = encode_group(&deltas, out);
+        let mode = encode_group(&some, out);
         out[header + group / 4] |= mode << (2 * (group % 4));
     }
 }
@@ -68,25 +75,38 @@ fn zigzag(delta: u8) -> u8 {
 /// In the shortest of four modes, which is given: nothing (all zero), 2 or 4 bits each with those that
 /// are too large behind, or whole bytes.
 fn encode_group(deltas: &[u8; GROUP], out: &mut Vec<u8>) -> u8 {
-    let above = |most: u8| deltas.iter().filter(|&&delta| delta >= most).count();
-    if deltas.iter().all(|&delta| delta == 0) {
+    let above = |most: u8| usize::from(deltas.iter().map(|&delta| u8::from(delta >= most)).sum::<u8>());
+    let (two, four) = (GROUP / 4 + above(3), GROUP / 2 + above(15));
+    if above(1) == 0 {
         return 0;
     }
-    let (two, four) = (GROUP / 4 + above(3), GROUP / 2 + above(15));
-    let (mode, bits) = if two <= four && two < GROUP {
-        (1, 2)
+    if two <= four && two < GROUP {
+        pack::<2>(deltas, out);
+        1
     } else if four < GROUP {
-        (2, 4)
+        pack::<4>(deltas, out);
+        2
     } else {
         out.extend_from_slice(deltas);
-        return 3;
-    };
-    let sentinel = (1_u8 << bits) - 1;
-    for packed in deltas.chunks(8 / bits) {
-        out.push(packed.iter().fold(0, |byte, &delta| byte << bits | delta.min(sentinel)));
+        3
     }
-    out.extend(deltas.iter().filter(|&&delta| delta >= sentinel));
-    mode
+}
+
+/// In so many bits each, and behind them those that are too large, in whole bytes.
+fn pack<const BITS: usize>(deltas: &[u8; GROUP], out: &mut Vec<u8>) {
+    let sentinel = (1_u8 << BITS) - 1;
+    let packed = GROUP * BITS / 8;
+    // Into room for all of them, without a decision at any.
+    let mut bytes = [0; GROUP + GROUP / 2];
+    let mut len = packed;
+    for (byte, some) in bytes[..packed].iter_mut().zip(deltas.chunks_exact(8 / BITS)) {
+        *byte = some.iter().fold(0, |byte, &delta| byte << BITS | delta.min(sentinel));
+    }
+    for &delta in deltas {
+        bytes[len] = delta;
+        len += usize::from(delta >= sentinel);
+    }
+    out.extend_from_slice(&bytes[..len]);
 }
 
 #[cfg(test)]

@@ -18,17 +18,15 @@ const NONE: u32 = u32::MAX;
 /// Encodes triangles of vertices below `u32::MAX`. They come back in their order, each beginning with
 /// any of its corners.
 pub(super) fn encode(triangles: &[[u32; 3]], monitor: &dyn Monitor) -> Result<Vec<u8>, ExportError> {
-    // Which pairs are frequent is known when all were encoded once.
-    let mut first = Encoder::new(&[0; RECENT]);
-    first.run(triangles, monitor)?;
-    let mut last = Encoder::new(&first.frequent_pairs());
-    last.run(triangles, monitor)?;
-    let mut stream = Vec::with_capacity(1 + last.codes.len() + last.data.len() + RECENT);
-    stream.push(HEADER);
-    stream.append(&mut last.codes);
-    stream.append(&mut last.data);
-    stream.extend_from_slice(&last.pairs);
-    Ok(stream)
+    let mut encoder = Encoder::new();
+    encoder.codes.reserve(triangles.len());
+    for some in triangles.chunks(PER_CHECK) {
+        monitor.check()?;
+        for &triangle in some {
+            encoder.triangle(triangle);
+        }
+    }
+    Ok(encoder.finish())
 }
 
 /// The latest few of something, the latest first.
@@ -63,14 +61,14 @@ struct Encoder {
     next: u32,
     /// The vertex that was spelled out last.
     last: u32,
-    /// Pairs with codes of their own.
-    pairs: [u8; RECENT],
     /// How often each pair was there.
     counts: [u64; 256],
+    /// Where each of them stands: its triangle's place among the codes, and its byte's in the data.
+    places: Vec<[usize; 2]>,
 }
 
 impl Encoder {
-    fn new(pairs: &[u8; RECENT]) -> Self {
+    fn new() -> Self {
         Self {
             codes: Vec::new(),
             data: Vec::new(),
@@ -78,20 +76,32 @@ impl Encoder {
             vertices: Fifo::new(NONE),
             next: 0,
             last: 0,
-            pairs: *pairs,
             counts: [0; 256],
+            places: Vec::new(),
         }
     }
 
-    fn run(&mut self, triangles: &[[u32; 3]], monitor: &dyn Monitor) -> Result<(), ExportError> {
-        self.codes.reserve(triangles.len());
-        for some in triangles.chunks(PER_CHECK) {
-            monitor.check()?;
-            for &triangle in some {
-                self.triangle(triangle);
+    /// The stream. Which pairs are frequent is known now: these become codes, and their bytes are left out.
+    fn finish(mut self) -> Vec<u8> {
+        let pairs = self.frequent_pairs();
+        let mut stream = Vec::with_capacity(1 + self.codes.len() + self.data.len() + RECENT);
+        stream.push(HEADER);
+        let mut left_out = Vec::new();
+        for &[triangle, byte] in &self.places {
+            if let Some(place) = pairs[..PAIRS].iter().position(|&pair| pair == self.data[byte]) {
+                self.codes[triangle] = 0xf0 | place as u8;
+                left_out.push(byte);
             }
         }
-        Ok(())
+        stream.append(&mut self.codes);
+        let mut kept = 0;
+        for byte in left_out {
+            stream.extend_from_slice(&self.data[kept..byte]);
+            kept = byte + 1;
+        }
+        stream.extend_from_slice(&self.data[kept..]);
+        stream.extend_from_slice(&pairs);
+        stream
     }
 
     /// The pairs to give codes to: that of three new vertices first, which has no other code, then the
@@ -177,14 +187,12 @@ impl Encoder {
         let (second, third) = (code(b, &mut next), code(c, &mut next));
         self.next = next;
         let pair = second << 4 | third;
-        self.counts[usize::from(pair)] += u64::from(is_next);
-        match self.pairs[..PAIRS].iter().position(|&known| known == pair).filter(|_| is_next) {
-            Some(place) => self.codes.push(0xf0 | place as u8),
-            None => {
-                self.codes.push(if is_next { 0xfe } else { 0xff });
-                self.data.push(pair);
-            }
+        if is_next {
+            self.counts[usize::from(pair)] += 1;
+            self.places.push([self.codes.len(), self.data.len()]);
         }
+        self.codes.push(if is_next { 0xfe } else { 0xff });
+        self.data.push(pair);
         for (vertex, is_spelled) in [(a, !is_next), (b, second == SPELLED), (c, third == SPELLED)] {
             if is_spelled {
                 self.spell(vertex);
