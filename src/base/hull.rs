@@ -39,6 +39,10 @@ impl HullPolygon {
     }
 
     fn of_few(mut points: Vec<DVec2>) -> Self {
+        if let Some(corners) = ends_of_row(&points) {
+            return Self { corners };
+        }
+        drop_inner(&mut points);
         points.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
         points.dedup();
         if points.len() < 3 {
@@ -91,6 +95,65 @@ impl HullPolygon {
     }
 }
 
+/// The two ends of points in a row along an axis, as a flat plant has them seen from above: no order of all is needed.
+fn ends_of_row(points: &[DVec2]) -> Option<Vec<DVec2>> {
+    let first = *points.first()?;
+    let is_same = |of: fn(&DVec2) -> f64| points.iter().all(|p| of(p).to_bits() == of(&first).to_bits());
+    let along: fn(&DVec2) -> f64 = match () {
+        () if is_same(|p| p.y) => |p| p.x,
+        () if is_same(|p| p.x) => |p| p.y,
+        () => return None,
+    };
+    let by = |a: &&DVec2, b: &&DVec2| along(a).total_cmp(&along(b));
+    let mut ends: Vec<DVec2> =
+        [points.iter().min_by(by), points.iter().max_by(by)].into_iter().flatten().copied().collect();
+    ends.dedup();
+    Some(ends)
+}
+
+/// Takes out points that are no corners for certain: those well within the octagon of the farthest points in eight
+/// directions (Akl & Toussaint 1978, *A fast convex hull algorithm*). Sorting the rest is what a hull takes longest for.
+fn drop_inner(points: &mut Vec<DVec2>) {
+    /// Fewer are sorted as fast.
+    const FEW: usize = 64;
+    /// In squares of the farthest coordinate: far more than rounding adds to a product of two differences.
+    const MARGIN: f64 = 1e-12;
+    let Some(&first) = points.first().filter(|_| points.len() > FEW) else { return };
+    let ways = [
+        [1.0, 0.0],
+        [1.0, 1.0],
+        [0.0, 1.0],
+        [-1.0, 1.0],
+        [-1.0, 0.0],
+        [-1.0, -1.0],
+        [0.0, -1.0],
+        [1.0, -1.0],
+    ];
+    let ways = ways.map(DVec2::from_array);
+    let mut farthest = ways.map(|way| (way.dot(first), first));
+    let mut largest = 0.0_f64;
+    for &point in &*points {
+        largest = largest.max(point.abs().max_element());
+        for (way, best) in ways.iter().zip(&mut farthest) {
+            let far = way.dot(point);
+            if far > best.0 {
+                *best = (far, point);
+            }
+        }
+    }
+    let corners = farthest.map(|(_, point)| point);
+    let edges: Vec<(DVec2, DVec2)> = (0..8)
+        .map(|i| (corners[i], corners[(i + 1) % 8]))
+        .filter(|(from, to)| from != to)
+        .map(|(from, to)| (from, to - from))
+        .collect();
+    if edges.len() < 3 {
+        return;
+    }
+    let margin = MARGIN * largest * largest;
+    points.retain(|&point| !edges.iter().all(|&(from, along)| along.perp_dot(point - from) > margin));
+}
+
 /// The corners on the right of sorted points, first and last included.
 fn chain(points: impl Iterator<Item = DVec2>) -> Vec<DVec2> {
     let coord = |p: DVec2| Coord { x: p.x, y: p.y };
@@ -135,6 +198,24 @@ impl HullSolid {
             return Quickhull::of(&corners);
         }
         Quickhull::of(points)
+    }
+
+    /// The same of points that come one by one: of many, a few are held at a time.
+    pub fn of_all(mut points: impl Iterator<Item = DVec3>) -> Self {
+        const AT_ONCE: usize = 32 * PER_TASK;
+        let mut some: Vec<DVec3> = points.by_ref().take(AT_ONCE).collect();
+        if some.len() < AT_ONCE {
+            return Self::of(&some);
+        }
+        let mut corners = Vec::new();
+        while !some.is_empty() {
+            // Of the same pieces as if all were there.
+            let parts: Vec<Self> = some.par_chunks(PER_TASK).map(Self::of).collect();
+            corners.extend(parts.into_iter().flat_map(|part| part.corners));
+            some.clear();
+            some.extend(points.by_ref().take(AT_ONCE));
+        }
+        Quickhull::of(&corners)
     }
 
     /// Unit cubed.
@@ -305,6 +386,10 @@ fn simplex(points: &[DVec3]) -> Option<[usize; 4]> {
         best
     };
     let first = *points.first()?;
+    // In a plane across an axis, as flat plants are: what is the same for all needs no arithmetic.
+    if (0..3).any(|axis| points.iter().all(|p| p[axis] == first[axis])) {
+        return None;
+    }
     let a = far(&|p| p.distance_squared(first));
     let b = far(&|p| p.distance_squared(points[a]));
     let along = points[b] - points[a];
@@ -334,4 +419,66 @@ fn spanning(points: &[DVec3]) -> Vec<DVec3> {
     kept.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z)));
     kept.dedup();
     kept
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Key;
+
+    /// Gift wrapping: of all points the one that all others are on the left of, by exact signs.
+    fn wrapped(points: &[DVec2]) -> BTreeSet<[u64; 2]> {
+        let coord = |p: DVec2| Coord { x: p.x, y: p.y };
+        let is_edge = |a: DVec2, b: DVec2| {
+            a != b
+                && points.iter().all(|&p| {
+                    let side = orient2d(coord(a), coord(b), coord(p));
+                    side > 0.0 || side == 0.0 && (p - a).dot(p - b) <= 0.0
+                })
+        };
+        let begins_edge = |&&a: &&DVec2| points.iter().any(|&b| is_edge(a, b));
+        points.iter().filter(begins_edge).map(|p| p.to_array().map(f64::to_bits)).collect()
+    }
+
+    #[test]
+    fn what_is_left_out_unsorted_is_no_corner() {
+        for seed in 0..60 {
+            let key = Key::new(seed);
+            // Coarse places repeat and lie in rows, fine ones lie anywhere; some clouds are thin.
+            let steps = if seed % 3 == 0 { 7.0 } else { 1e9 };
+            let size = [1.0, if seed % 4 == 1 { 1e-9 } else { 1.0 }];
+            let x = |k: Key, axis: usize| (k.child(axis as u64).unit() * steps).floor() / steps * size[axis];
+            let points: Vec<DVec2> =
+                (0..150).map(|i| DVec2::new(x(key.child(i), 0), x(key.child(i), 1))).collect();
+            let hull = HullPolygon::of(&points);
+            let found: BTreeSet<[u64; 2]> =
+                hull.corners.iter().map(|p| p.to_array().map(f64::to_bits)).collect();
+            assert_eq!(found, wrapped(&points), "seed {seed}");
+            assert_eq!(found.len(), hull.corners.len());
+            assert!(hull.area() >= 0.0);
+            let mut few = points.clone();
+            drop_inner(&mut few);
+            assert!(few.len() < 100 || steps == 7.0 || size[1] < 1.0, "seed {seed}: {} are left", few.len());
+        }
+    }
+
+    #[test]
+    fn points_in_a_row_are_their_ends() {
+        let row: Vec<DVec2> = [3.0, -1.0, 2.0, 7.5, -1.0, 7.5].map(|x| DVec2::new(x, 4.0)).to_vec();
+        assert_eq!(HullPolygon::of(&row).corners, [DVec2::new(-1.0, 4.0), DVec2::new(7.5, 4.0)]);
+        let upright: Vec<DVec2> = row.iter().map(|p| DVec2::new(p.y, p.x)).collect();
+        assert_eq!(HullPolygon::of(&upright).corners, [DVec2::new(4.0, -1.0), DVec2::new(4.0, 7.5)]);
+        assert_eq!(HullPolygon::of(&[DVec2::ONE; 5]).corners, [DVec2::ONE]);
+    }
+
+    #[test]
+    fn points_one_by_one_have_the_hull_of_the_list() {
+        for count in [3, 1000, 32 * PER_TASK - 1, 32 * PER_TASK, 70 * PER_TASK + 5] {
+            for flat in [1.0, 0.0] {
+                let place = |i| Key::new(5).child(i as u64).in_ball() * DVec3::new(1.0, 2.0, flat);
+                let points: Vec<DVec3> = (0..count).map(place).collect();
+                assert_eq!(HullSolid::of_all(points.iter().copied()), HullSolid::of(&points), "{count}");
+            }
+        }
+    }
 }

@@ -105,8 +105,8 @@ impl<'a> Figures<'a> {
         let is_whole =
             organs.len() == grown.organs.len() && cards.is_none() && tubes == recipe.preset.dressing.tubes;
         let is_reduced = !is_whole || skeleton != grown.skeleton;
-        // Points for two hulls, and lists of nodes.
-        let bytes = bytes_of::<[f64; 12]>(skeleton.positions.len()) + skeleton.topology_bytes();
+        // Lists of nodes and of axes.
+        let bytes = bytes_of::<[f64; 6]>(skeleton.positions.len()) + skeleton.topology_bytes();
         let admitted = holding.admit("measuring the tree", bytes, "grow a smaller tree");
         admitted.map_err(DetailError::from)?;
         let nodes = || skeleton.positions.iter().map(|at| at.as_dvec3());
@@ -116,27 +116,22 @@ impl<'a> Figures<'a> {
             (canopy.vertices, canopy.triangles) = (vertices as usize, triangles as usize);
         }
         monitor.check()?;
-        let measures = skeleton.measures();
         let laterals = skeleton.axes.iter().filter(|axis| axis.order == 1);
         let bases = laterals.map(|axis| f64::from(skeleton.positions[axis.parent as usize].y));
         let crown_base_m = canopy.lowest_leaf_m.or(bases.reduce(f64::min));
         let is_crown = |at: &DVec3| crown_base_m.is_some_and(|base| at.y >= base);
-        let plan = skeleton.seen_from_above();
-        let crown: Vec<DVec3> = nodes().filter(is_crown).collect();
-        let wood = Hulls { plan, solid: HullSolid::of(&crown) };
+        let ((measures, wood), branching) = rayon::join(
+            || {
+                let solid = HullSolid::of_all(nodes().filter(is_crown));
+                (skeleton.measures(), Hulls { plan: skeleton.seen_from_above(), solid })
+            },
+            || BranchFigures::of(&skeleton),
+        );
         let leaves = || canopy.corners.iter().copied();
         let ground = wood.plan.corners.iter().copied().chain(from_above(leaves()));
         let points: Vec<DVec3> = wood.solid.corners.iter().copied().chain(leaves()).collect();
         let all = Hulls { plan: HullPolygon::of(&ground.collect::<Vec<_>>()), solid: HullSolid::of(&points) };
-
-        let tips = skeleton.tips();
-        let paths = skeleton.path_lengths_m();
-        let to_tips = || tips.iter().map(|&tip| paths[tip as usize]);
-        let angles: Vec<(u32, f64)> = skeleton
-            .branching_angles()
-            .iter()
-            .map(|found| (skeleton.axes[found.axis as usize].order, found.angle_rad.to_degrees()))
-            .collect();
+        let BranchFigures { tips, path_mean_m, path_longest_m, streams, angles } = branching;
         let of_order = |order: u32| {
             let some: Vec<f64> =
                 angles.iter().filter(|(of, _)| *of == order).map(|(_, angle)| *angle).collect();
@@ -151,10 +146,10 @@ impl<'a> Figures<'a> {
             wood,
             all,
             survey,
-            path_mean_m: to_tips().sum::<f64>() / tips.len().max(1) as f64,
-            path_longest_m: to_tips().fold(0.0, f64::max),
-            tips: tips.len(),
-            streams: skeleton.streams(),
+            path_mean_m,
+            path_longest_m,
+            tips,
+            streams,
             tubes: wood_of_tubes,
             angles: Angles::of(&angles.iter().map(|(_, angle)| *angle).collect::<Vec<_>>()),
             angles_by_order: (1..=measures.max_order).map(of_order).collect(),
@@ -229,6 +224,34 @@ impl<'a> Figures<'a> {
         let leaves = Bounds::of(self.canopy.corners.iter().map(|at| at.as_vec3()));
         let all = self.survey.bounds.into_iter().chain(leaves).reduce(Bounds::union);
         all.unwrap_or(Bounds { min: Vec3::ZERO, max: Vec3::ZERO }).into()
+    }
+}
+
+/// How the wood branches.
+struct BranchFigures {
+    tips: usize,
+    path_mean_m: f64,
+    path_longest_m: f64,
+    streams: Vec<Streams>,
+    /// Of each lateral its order and its angle, degrees.
+    angles: Vec<(u32, f64)>,
+}
+
+impl BranchFigures {
+    fn of(skeleton: &Skeleton) -> Self {
+        // One list of all nodes after another.
+        let (tips, path_mean_m, path_longest_m) = {
+            let (tips, paths) = (skeleton.tips(), skeleton.path_lengths_m());
+            let to_tips = || tips.iter().map(|&tip| paths[tip as usize]);
+            let mean_m = to_tips().sum::<f64>() / tips.len().max(1) as f64;
+            (tips.len(), mean_m, to_tips().fold(0.0, f64::max))
+        };
+        let angles = skeleton.branching_angles();
+        let angles = angles
+            .iter()
+            .map(|found| (skeleton.axes[found.axis as usize].order, found.angle_rad.to_degrees()))
+            .collect();
+        Self { tips, path_mean_m, path_longest_m, streams: skeleton.streams(), angles }
     }
 }
 
