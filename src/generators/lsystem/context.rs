@@ -89,8 +89,7 @@ impl Neighbours {
         // Those of a group that fits are all written below.
         parameters.resize(group.parameters, 0.0);
         let arguments = string.arguments(index);
-        let first = group.arguments_at;
-        parameters[first..first + arguments.len()].copy_from_slice(arguments);
+        put(parameters, group.arguments_at, arguments);
         if !group.left.is_empty() {
             let mut at = self.left[index];
             for sought in group.left.iter().copied() {
@@ -234,9 +233,15 @@ fn is_found(sought: Sought, string: &impl Modules, at: u32, parameters: &mut [f6
     if at == NOTHING || string.entry(at as usize).kind != kind {
         return false;
     }
-    let arguments = string.arguments(at as usize);
-    parameters[first as usize..first as usize + arguments.len()].copy_from_slice(arguments);
+    put(parameters, first as usize, string.arguments(at as usize));
     true
+}
+
+/// Puts a module's arguments among the parameters: one by one, since they are few.
+#[inline]
+fn put(parameters: &mut [f64], first: usize, arguments: &[f64]) {
+    let places = &mut parameters[first..first + arguments.len()];
+    places.iter_mut().zip(arguments).for_each(|(place, argument)| *place = *argument);
 }
 
 /// How many modules of a string a cut at `index` takes: up to the end of the branch.

@@ -41,14 +41,17 @@ pub(super) struct Text<'a> {
 }
 
 impl Modules for Text<'_> {
+    #[inline]
     fn id(&self, index: usize) -> u32 {
         self.buffer.modules[index]
     }
 
+    #[inline]
     fn entry(&self, index: usize) -> &Entry {
         &self.program.modules[self.buffer.modules[index] as usize]
     }
 
+    #[inline]
     fn arguments(&self, index: usize) -> &[f64] {
         let entry = self.entry(index);
         if !entry.is_computed() {
@@ -245,7 +248,7 @@ impl<'a> Step<'a> {
                 cuts |= program.alternatives[chosen].word.cuts;
                 *choice = chosen as u32;
                 if group.has_context() {
-                    bound.extend_from_slice(&parameters);
+                    bound.extend(parameters.iter().copied());
                 }
             }
             if work >= super::PATIENCE {
@@ -500,7 +503,8 @@ struct Slot<'a> {
 impl Slot<'_> {
     fn module(&mut self, id: u32, birth: u32, key: Key, computed: &[f64]) {
         let end = self.next_value + computed.len();
-        self.values[self.next_value..end].copy_from_slice(computed);
+        let places = &mut self.values[self.next_value..end];
+        places.iter_mut().zip(computed).for_each(|(place, value)| *place = *value);
         self.put(id, birth, key);
         self.next_value = end;
     }

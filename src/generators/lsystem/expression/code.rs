@@ -137,7 +137,15 @@ pub(super) fn constant(expression: &Expression) -> f64 {
 }
 
 fn run(code: &[Instruction], inputs: Inputs<'_>) -> f64 {
-    let mut below = [0.0; MAX_OPERANDS];
+    /// Most expressions need no more: to clear the stack for the longest takes longer than they do.
+    const FEW: usize = 8;
+    if code.len() <= FEW { run_on::<FEW>(code, inputs) } else { run_on::<MAX_OPERANDS>(code, inputs) }
+}
+
+/// `MOST` is how many values may wait below the topmost one; an instruction adds one at most.
+#[inline]
+fn run_on<const MOST: usize>(code: &[Instruction], inputs: Inputs<'_>) -> f64 {
+    let mut below = [0.0; MOST];
     let mut height = 0;
     // The topmost value is kept apart from those below it.
     let mut top = 0.0;
