@@ -4,7 +4,8 @@
 //! vertex, a mesh that grows by pushing. Both run in turn on one thread, round after round; medians.
 //! The naive surface has neither joined rings nor closed ends, so it has less to do for a vertex.
 //!
-//! Then what collars and flares cost, for a vertex of theirs; and one solid, for a triangle.
+//! Then what collars and flares cost, for a vertex of theirs; and one solid, for a triangle. At last whether all tubes
+//! are closed: tube by tube, beside the whole mesh with all its edges, for a triangle.
 
 #![allow(
     clippy::print_stdout,
@@ -19,7 +20,7 @@ use glam::{Vec2, Vec3};
 use linden::grow::grow;
 use linden::preset::builtin;
 use linden::scene::Mesh;
-use linden::surface::{Features, Junction, Tubes, sweep};
+use linden::surface::{Features, Junction, Tubes, survey, sweep, topology};
 use linden::{NO_PARENT, Quiet, Skeleton};
 use linden_tests::presets::recipe;
 
@@ -63,6 +64,36 @@ fn main() {
         );
     }
     features();
+    checks();
+}
+
+/// Both sweep the tubes; the survey gives the volumes of their stretches, too.
+fn checks() {
+    println!("\nclosed?                  triangles   survey ns/triangle   whole mesh ns/triangle");
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    for (id, knob, value) in [("abop-a", "derivations", "7"), ("sphere", "points", "20000")] {
+        let mut recipe = recipe(builtin(id).unwrap());
+        recipe.preset.set(knob, value).unwrap();
+        let skeleton = grow(&recipe, &Quiet).unwrap().skeleton;
+        let tubes = Tubes::default();
+        let mut times = [const { Vec::new() }; 2];
+        let mut triangles = 0;
+        for _ in 0..ROUNDS {
+            let started = Instant::now();
+            let found = one.install(|| survey(&skeleton, &tubes, &mut |_| (), &Quiet).unwrap());
+            times[0].push(started.elapsed().as_secs_f64());
+            let started = Instant::now();
+            let whole = one.install(|| topology(&sweep(&skeleton, &tubes, &Quiet).unwrap(), &Quiet).unwrap());
+            times[1].push(started.elapsed().as_secs_f64());
+            assert_eq!(found.topology, whole);
+            triangles = found.triangles;
+        }
+        let [ours, whole] = times.map(|mut times| {
+            times.sort_by(f64::total_cmp);
+            times[ROUNDS / 2] / triangles as f64 * 1e9
+        });
+        println!("{:22} {triangles:>11} {ours:>20.1} {whole:>24.1}", format!("{id} {knob}={value}"));
+    }
 }
 
 fn features() {
