@@ -68,7 +68,7 @@ pub fn topology(mesh: &Mesh, monitor: &dyn Monitor) -> Result<Topology, Cancelle
 /// Whether a triangle is without area, or else looks the other way than `leaning`, the sum of its normals. Which
 /// of its corners are one, `welded` says.
 fn fault([a, b, c]: [u32; 3], corners: [Vec3; 3], leaning: Vec3) -> (usize, usize) {
-    let [p, q, r] = corners.map(|corner| corner.as_dvec3());
+    let [p, q, r] = corners.map(Vec3::as_dvec3);
     let normal: DVec3 = (q - p).cross(r - p);
     let degenerate = a == b || b == c || c == a || normal.length_squared() == 0.0;
     let flipped = !degenerate && normal.dot(leaning.as_dvec3()) <= 0.0;

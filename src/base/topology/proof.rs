@@ -121,7 +121,7 @@ fn faults(surface: SurfaceRef<'_>) -> (usize, usize) {
             // Finite places are one if they are equal.
             let welded = [
                 0,
-                if p == q { 0 } else { 1 },
+                u32::from(p != q),
                 if r == p {
                     0
                 } else if r == q {
@@ -222,12 +222,14 @@ mod tests {
         assert_eq!(proofs.known.len(), 6, "each number of sides is proved once");
     }
 
+    type Damage = (&'static str, fn(&mut Mesh));
+
     /// A check that knows the sound tube must still see each damage to one like it.
     #[test]
     fn a_broken_tube_is_open_although_its_like_was_proved() {
         let sound = tube(8, 2.0);
         let last = sound.positions.len() - 1;
-        let damages: [(&str, fn(&mut Mesh)); 7] = [
+        let damages: [Damage; 7] = [
             ("a vertex of the seam is elsewhere", |mesh| mesh.positions[8].x += 1e-3),
             ("by one step of single precision", |mesh| mesh.positions[8].x = mesh.positions[8].x.next_up()),
             ("a corner of an end", |mesh| mesh.positions[20].y -= 0.1),
