@@ -156,14 +156,14 @@ impl Lobes {
 #[multiversion(targets("x86_64+avx2"))]
 fn weigh(lobes: &Lobes, way: DVec3, cosines: &mut [f64; LANES], weights: &mut [f64; LANES]) {
     /// ln 2 in two parts, the first of which is exact times a small integer.
-    const LN2: [f64; 2] = [6.931_471_803_691_238_164_90e-1, 1.908_214_929_270_587_700_02e-10];
+    const LN2: [f64; 2] = [6.931_471_803_691_238e-1, 1.908_214_929_270_587_7e-10];
     /// Of the polynomial for r (e^r + 1) / (e^r - 1) - 2 in r².
     const REMEZ: [f64; 5] = [
-        1.666_666_666_666_660_190_37e-1,
-        -2.777_777_777_701_559_338_42e-3,
-        6.613_756_321_437_934_361_17e-5,
-        -1.653_390_220_546_525_153_90e-6,
-        4.138_136_797_057_238_460_39e-8,
+        1.666_666_666_666_660_2e-1,
+        -2.777_777_777_701_559_3e-3,
+        6.613_756_321_437_934e-5,
+        -1.653_390_220_546_525_2e-6,
+        4.138_136_797_057_238_5e-8,
     ];
     /// From here on up nothing is taken off: half of ln 2 but for the last bits, which `libm::exp` leaves out.
     const WHOLE: f64 = -f64::from_bits(0x3fd6_2e43_0000_0000);
