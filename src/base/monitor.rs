@@ -54,6 +54,8 @@ pub enum Phase {
     Turtle,
     /// Growing by space colonization; unit: attraction points that are decided.
     Grow,
+    /// Growing stems on stems; unit: stems of a level.
+    Branch,
     /// Refining a branching; unit: steps.
     Refine,
     /// Growing leaves; unit: axes.
@@ -77,6 +79,7 @@ impl Phase {
             Self::Derive => ("deriving", "symbols"),
             Self::Turtle => ("drawing", "symbols"),
             Self::Grow => ("growing", "points"),
+            Self::Branch => ("branching", "stems"),
             Self::Refine => ("refining", "steps"),
             Self::Sprout => ("leafing", "axes"),
             Self::Sweep => ("surfacing", "axes"),

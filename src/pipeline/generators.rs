@@ -5,8 +5,12 @@ use std::sync::{Mutex, OnceLock};
 use linden_skeleton::generator::Generator;
 
 /// The generators that linden brings. A new one is its crate and one line here.
-const BUILTIN: &[&dyn Generator] =
-    &[linden_lsystem::GENERATOR, linden_colonization::GENERATOR, linden_scan::GENERATOR];
+const BUILTIN: &[&dyn Generator] = &[
+    linden_lsystem::GENERATOR,
+    linden_colonization::GENERATOR,
+    linden_scan::GENERATOR,
+    linden_weber_penn::GENERATOR,
+];
 
 /// Those that a program has added, until the registry is first read.
 static ADDED: Mutex<Vec<&'static dyn Generator>> = Mutex::new(Vec::new());
@@ -45,7 +49,7 @@ pub fn register(generator: &'static dyn Generator) -> Result<(), RegisterError> 
 ///
 /// ```
 /// let ids: Vec<&str> = linden_pipeline::generators::all().iter().map(|generator| generator.id()).collect();
-/// assert_eq!(ids, ["lsystem", "colonization", "scan"]);
+/// assert_eq!(ids, ["lsystem", "colonization", "scan", "weber-penn"]);
 /// ```
 pub fn all() -> &'static [&'static dyn Generator] {
     ALL.get_or_init(|| {

@@ -50,6 +50,7 @@ pub use linden_plant::settings::{
     KIND_NAME_HELP, LEAF_KNOBS, LeafKind, MOST_KINDS, Normals, WindSettings,
 };
 pub use linden_scan::{ScanRadius, ScanSettings};
+pub use linden_weber_penn::WeberPenn;
 pub use mention::mention;
 pub use read::Heading;
 pub use tags::{MOST_TAGS, check_tag};
