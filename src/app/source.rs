@@ -255,6 +255,12 @@ impl<'a> Reader<'a> {
                 self.is_bare_grammar = true;
                 return self.replaced(Recipe::new(preset));
             }
+            InputKind::TreeParameters => {
+                let (preset, notes) = Preset::of_tree_parameters(&id, utf8(bytes, shown)?)
+                    .map_err(|fault| locate(shown, &fault))?;
+                self.notes.extend(notes.into_iter().map(|note| format!("{shown}: {note}")));
+                return self.replaced(Recipe::new(preset));
+            }
             InputKind::ObjMesh | InputKind::PlyMesh => Preset::of_mesh(&id, &name),
             InputKind::PlyPoints | InputKind::XyzPoints => Preset::of_points(&id, &name),
         };

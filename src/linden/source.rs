@@ -23,7 +23,8 @@ pub fn tree(id: &str) -> Result<Tree, Error> {
 }
 
 /// A tree from a file, told by its content: a preset (TOML), a recipe (JSON, alone or in any file that linden
-/// wrote), a grammar, a mesh that a crown fills (OBJ, PLY), or points (PLY, XYZ).
+/// wrote), a grammar, parameters of Arbaro, Sapling or tree-gen, a mesh that a crown fills (OBJ, PLY), or points
+/// (PLY, XYZ).
 ///
 /// Files that a preset or recipe names are those beside it or below it ([`trust`]), else those that stand beside
 /// built-in presets. No export of the tree replaces a file that it was read from.
@@ -82,6 +83,10 @@ pub fn read_allowing<P: AsRef<Path>>(path: impl AsRef<Path>, folders: &[P]) -> R
                 document(Fault::new(Some(place), error.problem.to_string()))
             })?;
             Preset::of_grammar(&id, found.grammar, found.angle_deg, found.derivations)
+        }
+        InputKind::TreeParameters => {
+            let (preset, notes) = Preset::of_tree_parameters(&id, text()?).map_err(document)?;
+            return Ok(Tree::of(Recipe::new(preset)).sparing(vec![path.to_owned()]).noting(notes));
         }
         InputKind::ObjMesh | InputKind::PlyMesh => Preset::of_mesh(&id, &name),
         InputKind::PlyPoints | InputKind::XyzPoints => Preset::of_points(&id, &name),

@@ -30,18 +30,25 @@ pub struct Tree {
     sources: Vec<PathBuf>,
     /// What the recipe's document says of the tree that it is from.
     provenance: Option<Provenance>,
+    /// What is to be known of how it was read.
+    read_notes: Vec<String>,
 }
 
 impl Tree {
     /// The tree of a recipe.
     pub fn of(recipe: Recipe) -> Self {
-        let (turned, sources) = (Vec::new(), Vec::new());
-        Self { recipe, watcher: Arc::new(Quiet), turned, sources, provenance: None }
+        let (turned, sources, read_notes) = (Vec::new(), Vec::new(), Vec::new());
+        Self { recipe, watcher: Arc::new(Quiet), turned, sources, provenance: None, read_notes }
     }
 
     /// Read from files, which no export is to replace.
     pub(crate) fn sparing(self, sources: Vec<PathBuf>) -> Self {
         Self { sources, ..self }
+    }
+
+    /// With what is to be known of how it was read: what of a file was left out.
+    pub(crate) fn noting(self, read_notes: Vec<String>) -> Self {
+        Self { read_notes, ..self }
     }
 
     /// As its document, a recipe, says of itself.
@@ -134,6 +141,7 @@ impl Tree {
     /// [`Error::Grow`]: limits, contradictions, nothing in reach, files that are missing, cancelled.
     pub fn grow(self) -> Result<GrownTree, Error> {
         let mut grown = grow(&self.recipe, &*self.watcher)?;
+        grown.notes.extend(self.read_notes.iter().cloned());
         grown.notes.extend(self.recipe.preset.idle_notes(self.turned.iter().copied()));
         if let Some(provenance) = &self.provenance {
             let tree_note = provenance.tree_note(&self.recipe, &grown);

@@ -39,6 +39,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "text", run: grammar_file, rounds: 6000, words: words::TEXT },
     Target { name: "preset", run: preset, rounds: 1500, words: words::PRESET },
     Target { name: "recipe", run: recipe, rounds: 1500, words: words::RECIPE },
+    Target { name: "parameters", run: parameters, rounds: 3000, words: words::PARAMETERS },
     Target { name: "obj", run: obj, rounds: 3000, words: words::INPUT },
     Target { name: "ply", run: ply, rounds: 3000, words: words::INPUT },
     Target { name: "xyz", run: xyz, rounds: 3000, words: words::INPUT },
@@ -174,6 +175,20 @@ fn preset(bytes: &[u8]) -> String {
 fn recipe(bytes: &[u8]) -> String {
     match Preset::from_json(utf8(bytes)) {
         Ok(preset) => sound_preset(preset),
+        Err(fault) => said(&fault),
+    }
+}
+
+/// Parameters of Arbaro, Sapling and tree-gen.
+fn parameters(bytes: &[u8]) -> String {
+    match Preset::of_tree_parameters("tree", utf8(bytes)) {
+        Ok((preset, notes)) => {
+            notes.iter().for_each(|note| drop(said(note)));
+            let settings = preset.settings::<linden::preset::WeberPenn>().expect("that is how it grows");
+            let expected = linden::weber_penn::forecast(settings);
+            assert!(expected.nodes() >= 0.0 && expected.leaves() >= 0.0, "{expected:?}");
+            sound_preset(preset)
+        }
         Err(fault) => said(&fault),
     }
 }

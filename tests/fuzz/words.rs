@@ -286,3 +286,12 @@ pub const PICTURE: &[&str] = &[
     "Exif\u{0}\u{0}",
     "TRUEVISION-XFILE.\u{0}",
 ];
+
+/// Of parameter files.
+pub const PARAMETERS: &[&str] = &[
+    "<arbaro>", "</arbaro>", "<species name=\"a\">", "<param name=\"1Length\" value=\"0.5\"/>", "<!--", "-->",
+    "<!DOCTYPE a [<!ENTITY b \"c\">]>", "&amp;", "&b;", "1DownAngle=60\n", "9Branches=-3\n", "Shape=8\n", "#",
+    "{'", "'}", "': ", ", ", "(0, 1, 2, 3)", "[1, 2]", "'seed': ", "'customShape': ", "'shape': '8'", "True", "False",
+    "None", "params = ", "\"\"\"", "-0", "1e308", "-1e-300", "nan", "inf", "__import__('os')", "\\", "[[[[[", "((",
+    "'tropism': [0, 0, 3]", "'base_size': []", "'curve_res': [0, 1e9]", "'levels': 3", "'branches': (0, -5)",
+];

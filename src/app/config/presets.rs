@@ -220,6 +220,11 @@ fn read(path: &Path, id: &str) -> Result<(Preset, Result<(), Complaint>), Compla
             preset.summary = parsed.comments.into_iter().find(|line| !line.is_empty()).unwrap_or_default();
             return Ok((preset, Ok(())));
         }
+        InputKind::TreeParameters => {
+            let text = files::into_text(path, bytes)?;
+            let read = Preset::of_tree_parameters(id, &text).map_err(|fault| of_fault(path, &fault))?;
+            return Ok((read.0, Ok(())));
+        }
         InputKind::ObjMesh | InputKind::PlyMesh => {
             return Ok((Preset::of_mesh(id, &name), Ok(())));
         }

@@ -137,8 +137,8 @@ impl Input {
                 (Up::Y, geometry)
             }
             InputKind::XyzPoints => (Up::Z, Geometry::Points(Arc::new(read_xyz(bytes, monitor)?))),
-            InputKind::Preset | InputKind::Grammar | InputKind::Recipe => {
-                let looks = "is a preset, grammar or recipe; expected a mesh (OBJ, PLY), points (PLY, XYZ) or a picture";
+            InputKind::Preset | InputKind::Grammar | InputKind::Recipe | InputKind::TreeParameters => {
+                let looks = "is a preset, grammar, recipe or parameters of a tree; expected a mesh (OBJ, PLY), points (PLY, XYZ) or a picture";
                 return Err(InputError::Unknown { looks });
             }
         };

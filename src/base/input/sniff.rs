@@ -11,6 +11,8 @@ pub enum InputKind {
     Recipe,
     /// A grammar in the older text format.
     Grammar,
+    /// Parameters of a tree by Weber and Penn: XML of Arbaro, lines of names and values, Python literals.
+    TreeParameters,
     /// An OBJ mesh: a crown envelope.
     ObjMesh,
     /// A PLY file with faces: a crown envelope.
@@ -62,6 +64,9 @@ pub fn sniff(bytes: &[u8], file_name: &str) -> Result<InputKind, InputError> {
         let faces = ply::announces_faces(bytes)?;
         return Ok(if faces { InputKind::PlyMesh } else { InputKind::PlyPoints });
     }
+    if is_arbaro(bytes) {
+        return Ok(InputKind::TreeParameters);
+    }
     if let Some((_, looks)) = FOREIGN.iter().find(|(opening, _)| bytes.starts_with(opening)) {
         return Err(InputError::Unknown { looks });
     }
@@ -70,8 +75,10 @@ pub fn sniff(bytes: &[u8], file_name: &str) -> Result<InputKind, InputError> {
         return Err(InputError::Unknown { looks: "is binary data of no kind that linden reads" });
     }
     let text = text_of(bytes)?;
-    if text.trim_start().starts_with('{') {
-        return Ok(InputKind::Recipe);
+    if let Some(rest) = text.trim_start().strip_prefix('{') {
+        // JSON has no single quotes: this is a dict of Python's.
+        let is_dict = rest.trim_start().starts_with('\'');
+        return Ok(if is_dict { InputKind::TreeParameters } else { InputKind::Recipe });
     }
     let mut assigns = false;
     for (_, line) in lines(text) {
@@ -93,6 +100,15 @@ pub fn sniff(bytes: &[u8], file_name: &str) -> Result<InputKind, InputError> {
         "txt" | "l" => Ok(InputKind::Grammar),
         _ => Ok(InputKind::Preset),
     }
+}
+
+/// Whether these are parameters of Arbaro's: XML with its tag.
+fn is_arbaro(bytes: &[u8]) -> bool {
+    const OPENING: usize = 4096;
+    let opening = &bytes[..bytes.len().min(OPENING)];
+    let blank = opening.iter().take_while(|byte| byte.is_ascii_whitespace() || [0xef, 0xbb, 0xbf].contains(byte)).count();
+    let has = |tag: &[u8]| opening.windows(tag.len()).any(|part| part == tag);
+    opening.get(blank) == Some(&b'<') && (has(b"<arbaro") || has(b"<species"))
 }
 
 enum Evidence {
@@ -123,6 +139,13 @@ fn evidence(line: &str) -> Evidence {
     }
     let Some((key, value)) = line.split_once('=') else { return Evidence::None };
     let (key, value) = (key.trim(), value.trim());
+    // A module of Python's; names as Weber and Penn write them, of a level or of the tree.
+    let is_of_level = key.starts_with(|c: char| c.is_ascii_digit())
+        && key[1..].starts_with(|c: char| c.is_ascii_uppercase())
+        && value.parse::<f64>().is_ok();
+    if key == "params" && value.starts_with('{') || is_of_level || key == "RatioPower" || key == "BaseSize" {
+        return Evidence::For(InputKind::TreeParameters);
+    }
     let is_quoted = value.starts_with(['"', '\'']);
     match key {
         // TOML knows no bare words as values and no spaces in bare keys.
@@ -151,7 +174,7 @@ mod tests {
 
     #[test]
     fn content_decides() {
-        use InputKind::{Grammar, ObjMesh, PlyMesh, PlyPoints, Preset, Recipe, XyzPoints};
+        use InputKind::{Grammar, ObjMesh, PlyMesh, PlyPoints, Preset, Recipe, TreeParameters, XyzPoints};
         let ply = "ply\nformat ascii 1.0\nelement vertex 0\nelement face ";
         for (text, expected) in [
             ("# a preset\nname = \"oak\"\n[growth]\n", Preset),
@@ -161,6 +184,10 @@ mod tests {
             ("// tree A (pag. 25)\n// number of derivations => MIN\n\naxiom=F\nangle=25.7\n", Grammar),
             ("angle=22.5\r\nnumber of derivations=3\r\naxiom=F\r\n", Grammar),
             ("angle=20\nF=(1)FF-[-F+F+F]\n", Grammar),
+            ("<?xml version=\"1.0\"?>\n<!-- a --><arbaro>\n", TreeParameters),
+            ("{'levels': 3}", TreeParameters),
+            ("\"\"\" OAK \"\"\"\nparams = {\n    'shape': 7,\n", TreeParameters),
+            ("# a\nShape=1\n1DownAngle=60\n", TreeParameters),
             ("# Blender\nmtllib a.mtl\no Cube\nv 1 1 -1\n", ObjMesh),
             ("o x\nf -3 -2 -1\n", ObjMesh),
             (&format!("{ply}0\nend_header\n"), PlyPoints),

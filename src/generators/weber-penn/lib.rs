@@ -11,6 +11,7 @@
 //! | [`tapered`] | how thick a stem is along its length |
 //! | [`grow()`] | all stems, level by level, on any number of threads the same |
 //! | [`forecast()`] | how many there will be, in closed form |
+//! | [`read_parameters`] | parameter files of Arbaro, Sapling and tree-gen |
 //! | [`GENERATOR`] | the generator |
 //!
 //! Takes settings and a key, gives a branching with radii, and leaves. Knows no preset and opens no file.
@@ -36,6 +37,7 @@ mod generator;
 mod grow;
 mod leaf;
 mod level;
+mod read;
 mod sample;
 mod settings;
 mod shape;
@@ -46,6 +48,7 @@ pub use error::WeberPennError;
 pub use forecast::{Forecast, LevelForecast, forecast};
 pub use generator::GENERATOR;
 pub use grow::{Drawn, MAX_LEAVES, grow};
+pub use read::{MAX_BYTES, ParameterFile, ParameterLook, Program, read_parameters};
 pub use settings::{MAX_LEVELS, WeberPenn};
 pub use shape::{CrownShape, Dialect, Envelope};
 pub use taper::tapered;

@@ -78,6 +78,8 @@ pub struct WeberPenn {
     pub leaf_dist: CrownShape,
     /// Length of a leaf, metres.
     pub leaf_scale_m: f64,
+    /// The most by which lengths of leaves differ, as a share.
+    pub leaf_scale_spread: f64,
     /// How far leaves turn to the light, 0 to 1.
     pub leaf_bend: f64,
     /// The share of the leaves that is there, each larger in return.
@@ -421,10 +423,18 @@ impl WeberPenn {
             "length of a leaf",
             leaf_scale_m,
             details(
-                "Not of the tree's size. leaf_size_spread of the section foliage varies it, season unfolds it; \
-                 LeafScaleX of the paper, width by length, is leaf_width there."
+                "Whatever the tree's size. season unfolds leaves; LeafScaleX of the paper, width by length, is \
+                 leaf_width of the section foliage."
             ),
-            see_also(&["leaves", "leaf_quality", "leaf_width"])
+            see_also(&["leaf_scale_v", "leaves", "leaf_quality", "leaf_width"])
+        ),
+        field!(
+            "leaf_scale_v",
+            real(0.0, 1.0),
+            "",
+            "the most by which leaves are longer or shorter, as a share",
+            leaf_scale_spread,
+            see_also(&["leaf_scale"])
         ),
         field!(
             "leaf_bend",
@@ -541,7 +551,7 @@ impl WeberPenn {
         let has_leaves = self.leaves != 0.0 && self.levels > 1;
         match knob {
             "leaves" if self.levels == 1 => Some("levels=1: a trunk alone has no leaves"),
-            "leaf_dist" | "leaf_scale" | "leaf_bend" | "leaf_quality" | "leaf_stem" if !has_leaves => {
+            "leaf_dist" | "leaf_scale" | "leaf_scale_v" | "leaf_bend" | "leaf_quality" | "leaf_stem" if !has_leaves => {
                 Some("there are no leaves: leaves is 0, or levels 1")
             }
             "prune_width" if self.prune_ratio == 0.0 => Some("prune_ratio is 0"),
@@ -600,6 +610,7 @@ impl Default for WeberPenn {
             leaves: 0.0,
             leaf_dist: CrownShape::TaperedCylindrical,
             leaf_scale_m: 0.2,
+            leaf_scale_spread: 0.0,
             leaf_bend: 0.3,
             leaf_quality: 1.0,
             leaf_stem: 0.0,

@@ -333,7 +333,8 @@ impl Tree<'_> {
             DQuat::from_rotation_z(place.azimuth)
         };
         let stalk = along * about * DQuat::from_rotation_x(down);
-        let size_m = settings.leaf_scale_m / settings.leaf_quality.sqrt();
+        let drawn = 1.0 + settings.leaf_scale_spread * key.named("size").between(-1.0, 1.0);
+        let size_m = settings.leaf_scale_m * drawn / settings.leaf_quality.sqrt();
         let foot = origin + stalk * DVec3::Z * (radius_m + settings.leaf_stem * size_m);
         let turned = leaf::bent(stalk, foot, settings.leaf_bend);
         let leaves = &mut piece.leaves;

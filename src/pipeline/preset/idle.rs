@@ -252,6 +252,14 @@ static RULES: &[Rule] = &[
         why: |preset| when(preset.dressing.tubes.features.flare_depth == 0.0, "flare_depth is 0"),
     },
     Rule {
+        knobs: &["trunk_lobe_depth"],
+        why: |preset| when(preset.dressing.tubes.features.lobes == 0, "trunk_lobes is 0"),
+    },
+    Rule {
+        knobs: &["trunk_lobes"],
+        why: |preset| when(preset.dressing.tubes.features.lobe_depth == 0.0, "trunk_lobe_depth is 0"),
+    },
+    Rule {
         knobs: &["root_reach", "root_rise"],
         why: |preset| when(preset.dressing.tubes.features.roots.count == 0, "surface_roots is 0"),
     },

@@ -13,6 +13,7 @@ mod kinds;
 mod knobs;
 mod library;
 mod mention;
+mod parameters;
 #[cfg(test)]
 mod part_tests;
 mod read;

@@ -40,7 +40,8 @@ const SMALL_PX: u32 = 96;
 /// Everything that grows on a skeleton: what its generator left there, and the leaves of the preset.
 /// Without a kind that has a form it is the same `given`.
 ///
-/// Where the first kind has a form, the leaves and needles that a grammar placed have it too.
+/// Where the first kind has a form, the leaves and needles that a generator placed have it too: the season unfolds
+/// them and lets them fall, and `leaf_keep` thins them out, as it does with those of the kind's places.
 ///
 /// # Errors
 /// [`FoliageError`]: files that are missing, too many leaves, too little memory, or cancelled.
@@ -131,6 +132,8 @@ struct Crop<'a> {
     kept: f64,
     /// Before the size of each leaf varies it, metres.
     size_m: f64,
+    /// Of the whole size, the season's share.
+    unfolded: f32,
     /// How far light chooses the variant, 0 to 1: the first ones are those of the shade.
     shade: f32,
 }
@@ -139,7 +142,8 @@ impl<'a> Crop<'a> {
     fn new(kind: &'a LeafKind, first: u8, variants: u8, season: f32) -> Self {
         let calendar = Calendar::of(kind);
         let (kept, size_m) = (kind.keep * calendar.share(season), length_m(kind) * calendar.size(season));
-        Self { kind, first, variants, kept, size_m, shade: super::look::shade(kind) }
+        let unfolded = calendar.size(season) as f32;
+        Self { kind, first, variants, kept, size_m, unfolded, shade: super::look::shade(kind) }
     }
 
     /// Whether a leaf is there at all. A key's number is below `kept` for no smaller share.
@@ -172,26 +176,39 @@ const TIP: u64 = 5;
 const TAKER: u64 = 6;
 const VARIANT: u64 = 7;
 
-/// Gives the leaves and needles of a grammar the variants of a kind.
+/// Gives the leaves and needles that a generator placed the variants of a kind, and takes those away that the
+/// season and the user do not leave.
 fn take_over(placed: &mut PlacedOrgans, crop: &Crop, sunlight: Option<&Sunlight>, key: Key) {
     let leafy: Vec<u8> = ['L', 'N'].into_iter().filter_map(prototype).collect();
-    let places = placed.prototypes.iter_mut().zip(&placed.positions);
-    for (i, (prototype, &place)) in places.enumerate() {
+    let is_gone = |i: usize| key.child(i as u64).child(KEEP).unit() >= crop.kept;
+    let gone: Vec<bool> =
+        placed.prototypes.iter().enumerate().map(|(i, prototype)| leafy.contains(prototype) && is_gone(i)).collect();
+    let places = placed.prototypes.iter_mut().zip(&placed.positions).zip(&mut placed.sizes_m);
+    for (i, ((prototype, &place), size_m)) in places.enumerate() {
         if leafy.contains(prototype) && crop.variants > 0 {
             let key = key.child(i as u64);
             *prototype = match sunlight.filter(|_| crop.shade > 0.0) {
                 Some(sunlight) => crop.variant_in(sunlight.at(place), key),
                 None => crop.variant(key),
             };
+            *size_m *= crop.unfolded;
         }
+    }
+    if gone.contains(&true) {
+        *placed = without(placed, |i| gone[i]);
     }
 }
 
-/// What a grammar placed but leaves and needles: these are out of season.
+/// What a generator placed but leaves and needles: these are out of season.
 fn without_leaves(placed: &PlacedOrgans) -> PlacedOrgans {
     let leafy: Vec<u8> = ['L', 'N'].into_iter().filter_map(prototype).collect();
+    without(placed, |i| leafy.contains(&placed.prototypes[i]))
+}
+
+/// The organs that are not gone.
+fn without(placed: &PlacedOrgans, is_gone: impl Fn(usize) -> bool) -> PlacedOrgans {
     let mut others = PlacedOrgans::default();
-    for i in (0..placed.len()).filter(|&i| !leafy.contains(&placed.prototypes[i])) {
+    for i in (0..placed.len()).filter(|&i| !is_gone(i)) {
         others.prototypes.push(placed.prototypes[i]);
         others.positions.push(placed.positions[i]);
         others.headings.push(placed.headings[i]);

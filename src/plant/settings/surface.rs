@@ -128,6 +128,27 @@ impl Tubes {
             see_also(&["flare_ridges", "flare"])
         ),
         field!(
+            "trunk_lobes",
+            integer(0, 24),
+            "",
+            "lobes round a stem, all along it; 0: it is round",
+            features.lobes,
+            details(
+                "Lobes of Weber & Penn 1995: the cross-section is a sine round the circle, where flare_ridges are \
+                 buttresses of the foot alone. An aspen has 5, a willow 9. A stem has at least 6 sides for each, \
+                 up to its tip."
+            ),
+            see_also(&["trunk_lobe_depth", "flare_ridges", "sides"])
+        ),
+        field!(
+            "trunk_lobe_depth",
+            real(0.0, 0.5),
+            "",
+            "how far lobes of a stem stand out and in, as a share of the radius",
+            features.lobe_depth,
+            see_also(&["trunk_lobes"])
+        ),
+        field!(
             "surface_roots",
             integer(0, 24),
             "",

@@ -28,8 +28,12 @@ pub struct Features {
     pub flare_ridges: u32,
     /// How much of the flare is buttresses, 0 to 1.
     pub flare_depth: f32,
-    /// Of the flare nothing is shown that is smaller, metres; 0: all.
+    /// Of flare and lobes nothing is shown that is smaller, metres; 0: all.
     pub flare_smallest_m: f32,
+    /// Lobes round a stem, all along it; 0: it is round.
+    pub lobes: u32,
+    /// How far lobes stand out, as a share of the radius.
+    pub lobe_depth: f32,
     /// Roots on the ground round the foot.
     pub roots: SurfaceRoots,
     /// What is left of limbs that the bole has shed.
@@ -53,6 +57,8 @@ impl Default for Features {
             flare_ridges: 0,
             flare_depth: 0.6,
             flare_smallest_m: 0.0,
+            lobes: 0,
+            lobe_depth: 0.1,
             roots: SurfaceRoots::default(),
             stubs: Stubs::default(),
             collar: 0.0,
@@ -75,11 +81,16 @@ const FEWEST_FLARE_RINGS: usize = 2;
 /// Sides of a buttress, and the fewest that show that there is one.
 const RIDGE_SIDES: u32 = 12;
 const FEWEST_RIDGE_SIDES: u32 = 4;
+/// Sides of a lobe.
+const LOBE_SIDES: u32 = 6;
 
-/// The foot of one stem.
+/// The foot of one stem, and the lobes all along it.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Flare {
     share: f32,
+    /// 0 where the stem has none.
+    lobes: u32,
+    lobe_depth: f32,
     pub height_m: f32,
     ridges: u32,
     depth: f32,
@@ -99,9 +110,14 @@ impl Flare {
         };
         let swell_m = share * foot_radius_m;
         let is_ridged = depth * swell_m >= flare_smallest_m;
-        (share > 0.0 && height_m > 0.0).then(|| Self {
-            share,
-            height_m,
+        let Features { lobes, lobe_depth, .. } = *features;
+        let is_lobed = lobes > 0 && lobe_depth > 0.0 && lobe_depth * foot_radius_m >= flare_smallest_m;
+        let is_flared = share > 0.0 && height_m > 0.0;
+        (is_flared || is_lobed).then(|| Self {
+            share: if is_flared { share } else { 0.0 },
+            lobes: if is_lobed { lobes } else { 0 },
+            lobe_depth,
+            height_m: if is_flared { height_m } else { 0.0 },
             ridges: if is_ridged { flare_ridges } else { 0 },
             depth,
             rings: (pieces(swell_m) as usize).clamp(FEWEST_FLARE_RINGS, FLARE_RINGS),
@@ -111,6 +127,9 @@ impl Flare {
 
     /// Widens the stations at the foot and puts more of them there.
     pub fn widen(&self, stations: &mut Vec<Station>) {
+        if self.share == 0.0 {
+            return;
+        }
         let steps = (1..=self.rings).map(|i| {
             // Closer at the foot, where the profile bends most.
             let t = i as f32 / self.rings as f32;
@@ -128,6 +147,9 @@ impl Flare {
 
     /// How much wider the wood is at a height, as a share of its radius.
     fn swell(&self, along_m: f32) -> f32 {
+        if self.share == 0.0 {
+            return 0.0;
+        }
         let rest = (1.0 - along_m / self.height_m).max(0.0);
         // Steep at the ground and without a crease at the upper end.
         self.share * rest * rest * (0.15 + 0.85 * rest)
@@ -138,18 +160,37 @@ impl Flare {
         1.0 + self.swell(along_m)
     }
 
+    /// Whether the foot is no circle.
     pub fn has_ridges(&self) -> bool {
-        self.ridges > 0
+        self.ridges > 0 || self.lobes > 0
     }
 
-    /// Sides that buttresses need.
+    /// Whether the stem is anything but a round tube at a height.
+    pub fn shapes(&self, along_m: f32) -> bool {
+        self.lobes > 0 || along_m < self.height_m
+    }
+
+    /// Sides that buttresses and lobes need.
     pub fn least_sides(&self, along_m: f32) -> u32 {
-        if along_m < self.height_m { self.ridges * self.ridge_sides } else { 0 }
+        let ridges = if along_m < self.height_m { self.ridges * self.ridge_sides } else { 0 };
+        ridges.max(self.lobes * LOBE_SIDES)
     }
 
-    /// Change of the mean radius by buttresses at a height and in a direction `(cos, sin)`: a factor,
+    /// Change of the mean radius by buttresses and lobes at a height and in a direction `(cos, sin)`: a factor,
     /// and its derivative by the angle.
-    pub fn ridge(&self, along_m: f32, (cos, sin): (f32, f32)) -> (f32, f32) {
+    pub fn ridge(&self, along_m: f32, corner: (f32, f32)) -> (f32, f32) {
+        let (ridge, ridge_by_angle) = self.buttress(along_m, corner);
+        if self.lobes == 0 {
+            return (ridge, ridge_by_angle);
+        }
+        // Weber & Penn 1995, section 4.1: `1 + LobeDepth · sin(Lobes · angle)`.
+        let count = self.lobes as f32;
+        let (sin, cos) = libm::sincosf(count * libm::atan2f(corner.1, corner.0));
+        let (lobe, lobe_by_angle) = (1.0 + self.lobe_depth * sin, self.lobe_depth * count * cos);
+        (ridge * lobe, ridge_by_angle * lobe + ridge * lobe_by_angle)
+    }
+
+    fn buttress(&self, along_m: f32, (cos, sin): (f32, f32)) -> (f32, f32) {
         if self.ridges == 0 || along_m >= self.height_m {
             return (1.0, 0.0);
         }

@@ -15,6 +15,8 @@ pub(super) const ALL: Features = Features {
     flare_ridges: 5,
     flare_depth: 0.8,
     flare_smallest_m: 0.0,
+    lobes: 7,
+    lobe_depth: 0.2,
     roots: SurfaceRoots { count: 5, reach: 4.0, rise: 0.5, smallest_m: 0.0 },
     stubs: Stubs { per_m: 2.0, length_m: 0.1, smallest_m: 0.0 },
     collar: 0.8,
@@ -49,6 +51,26 @@ fn gnarled_wood_with_everything_stays_closed() {
     }
     // The rest is where wood turns within its own thickness.
     assert!(flipped * 10_000 < triangles, "{flipped} of {triangles} triangles are folded");
+}
+
+/// Of a trunk that does not taper: what the formula says, all the way up.
+#[test]
+fn lobes_are_a_sine_round_the_stem() {
+    let tubes = with(Features { lobes: 5, lobe_depth: 0.2, ..Features::default() });
+    let mesh = sweep(&pole(), &tubes, &Quiet).unwrap();
+    assert_eq!(topology(&mesh, &Quiet).unwrap(), Topology::default());
+    let radius = |p: &Vec3| libm::hypotf(p.x, p.z);
+    let all = |y: f32| mesh.positions.iter().filter(move |p| (p.y - y).abs() < 1e-5 && radius(p) > 0.01);
+    for y in [0.0, 1.0, 4.0] {
+        let (least, most) = all(y).map(radius).fold((9.0_f32, 0.0_f32), |(a, b), r| (a.min(r), b.max(r)));
+        assert!((least - 0.08).abs() < 0.004 && (most - 0.12).abs() < 0.004, "{y}: {least} {most}");
+    }
+    // Twice as much as the squares of a sine of 0.2 have on average is the area's gain.
+    let plain = sweep(&pole(), &with(Features::default()), &Quiet).unwrap();
+    let gain = volume(&mesh) / volume(&plain);
+    assert!((gain - 1.02).abs() < 0.02, "{gain}");
+    let off = with(Features { lobes: 0, lobe_depth: 0.2, ..Features::default() });
+    assert_eq!(sweep(&pole(), &off, &Quiet).unwrap().positions, plain.positions);
 }
 
 /// Of a trunk that does not taper, whatever its foot is like.

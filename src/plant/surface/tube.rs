@@ -210,7 +210,7 @@ impl Wall<'_> {
 
     fn is_featured(&self, ring: &Ring) -> bool {
         self.form.root.is_some() && ring.along > 0.0
-            || self.form.flare.is_some_and(|flare| ring.along < flare.height_m)
+            || self.form.flare.is_some_and(|flare| flare.shapes(ring.along))
             || self.form.collar.as_ref().is_some_and(|collar| collar.shapes(ring.along))
     }
 

@@ -111,7 +111,7 @@ fn pieces(plan: &Plan, lattice: &Lattice) -> Vec<Piece> {
                 length_m: to.along - from.along,
                 tube: number,
                 is_flat: [false; 2],
-                flare: form.flare.filter(|flare| from.along < flare.height_m),
+                flare: form.flare.filter(|flare| flare.shapes(from.along)),
                 floor: foot.filter(|_| from.along > 0.0 && from.along < 1.5 * from.radius),
             }
         }));

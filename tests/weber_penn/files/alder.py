@@ -1,0 +1,26 @@
+""" Alder """
+# Written for linden's tests, in the format of tree-gen.
+params = {
+    'shape': 0,
+    'g_scale': 9,
+    'g_scale_v': 1,
+    'levels': 3,
+    'ratio': 0.018,
+    'flare': 0.4,
+    'base_splits': -2,
+    'base_size': [0.2, 0.02, 0.02, 0.02],
+    'down_angle': [-0, 70, 50, 45],
+    'down_angle_v': [-0, -20, 10, 10],
+    'branches': [-0, 28, 8, 10],
+    'length': [1, 0.35, 0.5, 0],
+    'curve_res': [8, 5, 3, 0],
+    'bend_v': [-0, 40, 0, 0],
+    'branch_dist': [-0, 0, 2, 0],
+    'radius_mod': [1.2, 1, 1, 1],
+    'leaf_blos_num': 8,
+    'leaf_shape': 1,
+    'leaf_scale': 0.1,
+    'leaf_scale_x': 0.8,
+    'tropism': [0, 0, 0.7],
+    'sparkle': 1,
+}
