@@ -1,7 +1,7 @@
 //! Growth against the twin, and what must hold whatever the parameters are.
 
 use linden::Quiet;
-use linden::base::random::Key;
+use linden::random::Key;
 use linden::skeleton::{NO_PARENT, Skeleton, Wood};
 use linden::weber_penn::{CrownShape, Drawn, WeberPenn, WeberPennError, grow};
 
@@ -124,7 +124,8 @@ fn leaves_and_deeper_levels_leave_wood_alone() {
     let bare = grown(&settings, 9);
     settings.leaves = 7.0;
     assert_eq!(grown(&settings, 9).branching, bare.branching);
-    let shallow = grown(&WeberPenn { levels: 2, ..settings.clone() }, 9);
+    settings.levels = 2;
+    let shallow = grown(&settings, 9);
     let deep: Vec<_> = stems(&skeleton(&bare)).into_iter().filter(|stem| stem.0 < 2).map(|stem| stem.1).collect();
     let two: Vec<_> = stems(&skeleton(&shallow)).into_iter().map(|stem| stem.1).collect();
     assert!(deep.iter().zip(&two).all(|(a, b)| (a / b - 1.0).abs() < 0.01), "{deep:?} {two:?}");
@@ -132,7 +133,9 @@ fn leaves_and_deeper_levels_leave_wood_alone() {
 
 #[test]
 fn a_trunk_alone_has_neither_branches_nor_leaves() {
-    let settings = WeberPenn { levels: 1, leaves: 50.0, ..still() };
+    let mut settings = still();
+    settings.levels = 1;
+    settings.leaves = 50.0;
     let drawn = grown(&settings, 1);
     assert_eq!((drawn.stems, drawn.organs.len()), (vec![1], 0));
 }
@@ -176,7 +179,9 @@ fn leaves_turn_to_the_sky() {
     let mut settings = still();
     settings.leaves = 10.0;
     let mean_up = |bend: f64| {
-        let drawn = grown(&WeberPenn { leaf_bend: bend, ..settings.clone() }, 2);
+        let mut bent = settings.clone();
+        bent.leaf_bend = bend;
+        let drawn = grown(&bent, 2);
         let nodes = drawn.branching.positions.len() as u32;
         assert!(drawn.organs.placed.growth.nodes.iter().all(|&node| node < nodes));
         let ups = &drawn.organs.placed.ups;
@@ -202,7 +207,9 @@ fn what_is_too_large_is_refused_before_it_grows() {
     let refused = grow(&settings, Key::new(1), &Quiet).unwrap_err();
     assert!(refused.to_string().contains("max_nodes=900"), "{refused}");
     // Forks of forks of forks.
-    let splitting = WeberPenn { seg_splits: vec![8.0], curve_res: vec![200.0], ..WeberPenn::default() };
+    let mut splitting = WeberPenn::default();
+    splitting.seg_splits = vec![8.0];
+    splitting.curve_res = vec![200.0];
     assert!(grow(&splitting, Key::new(1), &Quiet).is_err());
 }
 

@@ -1,7 +1,7 @@
 //! The appendix: numbers of stems that need no program, and those that others have counted.
 
 use linden::Quiet;
-use linden::base::random::Key;
+use linden::random::Key;
 use linden::preset::{WeberPenn, builtin};
 use linden::weber_penn::{Drawn, forecast, grow};
 

@@ -277,7 +277,7 @@ impl<'a> Line<'a> {
         /// Radians between two nodes.
         const FINEST: f64 = PI / 15.0;
         const MOST: f64 = 6.0;
-        const OF_A_TURN: f64 = 10.0;
+        const OF_A_TURN: f64 = 6.0;
         let bend = self.joint(segment).angle_between(self.joint(segment + 1));
         let pieces = match self.helix {
             Some(_) => OF_A_TURN,

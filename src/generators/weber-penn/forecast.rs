@@ -68,7 +68,7 @@ fn limbs(level: &Level, base_splits: f64) -> [f64; 2] {
 /// Pieces that segments are drawn in, about.
 fn pieces(settings: &WeberPenn, level: &Level) -> f64 {
     if level.helix().is_some() {
-        return 10.0;
+        return 6.0;
     }
     if !settings.smooth || level.segments == 1 {
         return 1.0;
