@@ -72,6 +72,7 @@ fn plain() -> Vec<Preset> {
         "[lsystem]\naxiom = \"F\"\nrules = [\"F -> FF\"]",
         "[colonization]\ncrown = \"dome\"",
         "[colonization]\nscan = \"scan.xyz\"",
+        "[weber-penn]",
     ];
     tables.map(|table| Preset::from_toml(&format!("id = \"plain\"\n{table}\n")).unwrap()).to_vec()
 }
@@ -86,6 +87,7 @@ fn about(table: &str) -> &'static str {
         }
         "colonization" => "[Crowns and growth](crowns.md), and [scans](scans.md).",
         "scan" => "[From a laser scan](scans.md).",
+        "weber-penn" => "[Weber and Penn's trees](weber-penn.md). Lists have a number for each level, the trunk's first.",
         "wood" => {
             "Radii (`width` is the rule for them), and `refine`, a list of steps that are applied to the axes after growth, as in\n\
              Runions, Lane & Prusinkiewicz 2007."

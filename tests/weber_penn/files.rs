@@ -123,7 +123,8 @@ fn files_grow_as_they_are() -> Result<(), linden::Error> {
         let tree = linden::read(path(name))?.set("levels", "2")?.set("max_nodes", "5000")?;
         let grown = tree.grow()?;
         assert!(grown.measures().height_m > 3.0, "{name}: {}", grown.measures().height_m);
-        assert_eq!(grown.grown().organs.len() > 0, true, "{name}");
+        // The lines say nothing of leaves, and Arbaro then has none.
+        assert_eq!(grown.grown().organs.is_empty(), name == "rowan.cfg", "{name}");
         if name == "rowan.xml" {
             assert!(grown.notes().iter().any(|note| note.contains("'2Wobble' is unknown")), "{:?}", grown.notes());
         }

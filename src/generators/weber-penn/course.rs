@@ -50,8 +50,6 @@ struct Growing {
     frame: DQuat,
     /// What splits have bent it and each further segment undoes, radians.
     correction: f64,
-    /// What rounding the number of clones left over.
-    error: f64,
     share: f64,
 }
 
@@ -72,15 +70,16 @@ impl Start<'_> {
             position: self.origin,
             frame: self.frame,
             correction: 0.0,
-            error: first_error(self.key),
             share: 1.0,
         };
+        // A stem and its clones share what rounding leaves over.
+        let mut error = first_error(self.key);
         let mut limbs: Vec<Limb> = Vec::new();
         let mut waiting = std::collections::VecDeque::from([whole]);
         let mut segments = 0;
         while let Some(growing) = waiting.pop_front() {
             let index = limbs.len();
-            let (limb, clones) = self.grow(growing, index, segment_m);
+            let (limb, clones) = self.grow(growing, index, segment_m, &mut error);
             segments += limb.frames.len();
             limbs.push(limb);
             waiting.extend(clones);
@@ -92,8 +91,14 @@ impl Start<'_> {
     }
 
     /// Grows a limb to its tip; the clones that split from it are to be grown yet.
-    fn grow(&self, growing: Growing, index: usize, segment_m: f64) -> (Limb, Vec<Growing>) {
-        let Growing { mut limb, mut position, mut frame, mut correction, mut error, mut share } = growing;
+    fn grow(
+        &self,
+        growing: Growing,
+        index: usize,
+        segment_m: f64,
+        error: &mut f64,
+    ) -> (Limb, Vec<Growing>) {
+        let Growing { mut limb, mut position, mut frame, mut correction, mut share } = growing;
         let level = self.level;
         let (bends, splits) = (limb.key.named("bend"), limb.key.named("split"));
         let mut clones = Vec::new();
@@ -113,7 +118,7 @@ impl Start<'_> {
                 break;
             }
             let is_base = self.base_splits > 0 && segment == 0;
-            let count = if is_base { self.base_splits } else { diffused(level.seg_splits, &mut error) };
+            let count = if is_base { self.base_splits } else { diffused(level.seg_splits, error) };
             if count == 0 {
                 continue;
             }
@@ -137,7 +142,6 @@ impl Start<'_> {
                     position,
                     frame: turned,
                     correction: correction - angle / left,
-                    error: first_error(clone_key),
                     share,
                 });
             }

@@ -73,9 +73,12 @@ fn pieces(settings: &WeberPenn, level: &Level) -> f64 {
     if !settings.smooth || level.segments == 1 {
         return 1.0;
     }
-    // Bends by the whole curve and by half of what is drawn.
-    let bend = level.curve.abs().max(level.curve_back.abs()) + 0.5 * level.curve_spread + 2.0 * level.split_angle.abs() * level.seg_splits;
-    (0.5 + bend.to_degrees() / f64::from(level.segments) / 12.0).clamp(1.0, 6.0)
+    // Bends by the curve and, by the root of their squares' mean, by what is drawn; none before the first joint.
+    let curve = if level.curve_back == 0.0 { level.curve.abs() } else { level.curve.abs() + level.curve_back.abs() };
+    let joints = f64::from(level.segments - 1) / f64::from(level.segments);
+    let bend = libm::hypot(curve, 0.4 * level.curve_spread) / f64::from(level.segments) * joints
+        + level.split_angle.abs() * level.seg_splits;
+    (0.5 + bend.to_degrees() / 12.0).clamp(1.0, 6.0)
 }
 
 /// Stems on all parents of a level.

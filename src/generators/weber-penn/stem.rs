@@ -128,7 +128,7 @@ impl Tree<'_> {
         };
         let limbs = start.trace(length_m)?;
         piece.clones = limbs.len() as u32 - 1;
-        let bears = Bearing::of(self, stem, &body);
+        let mut bears = Bearing::of(self, stem, &body);
         // Of each limb: the node that ends each of its segments.
         let mut ends: Vec<Vec<u32>> = Vec::with_capacity(limbs.len());
         for limb in &limbs {
@@ -137,7 +137,7 @@ impl Tree<'_> {
                 Some(parent) => ends[parent][(limb.first - 1 - limbs[parent].first) as usize],
                 None => OUTSIDE,
             };
-            ends.push(self.limb(stem, (limb, &line), &body, &bears, foot, &mut piece));
+            ends.push(self.limb(stem, (limb, &line), &body, &mut bears, foot, &mut piece));
             if piece.positions.len() > most_nodes {
                 return None;
             }
@@ -191,14 +191,14 @@ impl Tree<'_> {
         stem: &Stem,
         (limb, line): (&Limb, &Line<'_>),
         body: &Body,
-        bears: &Bearing,
+        bears: &mut Bearing,
         foot: u32,
         piece: &mut Piece,
     ) -> Vec<u32> {
         let is_stem = limb.parent.is_none();
         let first_m = f64::from(limb.first) * body.segment_m;
-        let children = bears.children.as_ref().map(|crop| crop.places(limb, body.segment_m)).unwrap_or_default();
-        let leaves = bears.leaves.as_ref().map(|crop| crop.places(limb, body.segment_m)).unwrap_or_default();
+        let children = bears.children.as_mut().map(|crop| crop.places(limb, body.segment_m)).unwrap_or_default();
+        let leaves = bears.leaves.as_mut().map(|crop| crop.places(limb, body.segment_m)).unwrap_or_default();
         let mut cuts: Vec<f64> = Vec::new();
         let segments = limb.frames.len();
         for segment in 0..segments {
@@ -378,7 +378,7 @@ impl Bearing {
             };
             // Sums of shares come out a little below whole numbers.
             let count = libm::floor(count + 1e-9);
-            let crop = Crop::new(tree, body, (from_m, count), level, level.branches < 0.0, true);
+            let crop = Crop::new(tree, body, (from_m, count), level, level.branches < 0.0, true, 0.0);
             return Self { children: Some(crop), leaves: None };
         }
         if stem.level == 0 || settings.leaves == 0.0 {
@@ -387,7 +387,9 @@ impl Bearing {
         let share = settings.shape_ratio(settings.leaf_dist, stem.parent.along);
         let count = settings.leaves.abs() * share * settings.leaf_quality;
         let level = Level { branch_dist: 1.0, ..tree.levels[settings.levels as usize] };
-        let crop = Crop::new(tree, body, (from_m, count), level, settings.leaves < 0.0, false);
+        // A number with a fraction: what rounding leaves over begins anywhere, so that the mean is right.
+        let error = stem.key.named("leaves").between(-0.5, 0.5);
+        let crop = Crop::new(tree, body, (from_m, count), level, settings.leaves < 0.0, false, error);
         Self { children: None, leaves: Some(crop) }
     }
 }
@@ -403,6 +405,8 @@ struct Crop {
     /// Whether clones share what there is with their stem.
     is_shared: bool,
     is_arbaro: bool,
+    /// What rounding the number on the limbs before left over.
+    error: f64,
 }
 
 impl Crop {
@@ -413,13 +417,14 @@ impl Crop {
         level: Level,
         is_fan: bool,
         is_shared: bool,
+        error: f64,
     ) -> Self {
         let is_arbaro = tree.settings.dialect == crate::Dialect::Arbaro;
-        Self { level, from_m, length_m: body.length_m, count, is_fan, is_shared, is_arbaro }
+        Self { level, from_m, length_m: body.length_m, count, is_fan, is_shared, is_arbaro, error }
     }
 
     /// Where on a limb.
-    fn places(&self, limb: &Limb, segment_m: f64) -> Vec<Place> {
+    fn places(&mut self, limb: &Limb, segment_m: f64) -> Vec<Place> {
         if self.is_fan {
             return self.fan(limb);
         }
@@ -428,9 +433,8 @@ impl Crop {
             return Vec::new();
         }
         let mut places = Vec::new();
-        // The error of rounding goes on from segment to segment. Of a clone's share it begins anywhere.
-        let is_whole = limb.parent.is_none() && self.is_shared;
-        let mut due = if is_whole { 0.0 } else { limb.key.named("first").between(-0.5, 0.5) };
+        // The error of rounding goes on from segment to segment, and from the stem to its clones.
+        let mut due = self.error;
         let mut spiral = Spiral::new(&self.level, limb, self.is_arbaro);
         for (i, &share) in limb.shares.iter().enumerate() {
             let start_m = f64::from(limb.first + i as u32) * segment_m;
@@ -450,6 +454,7 @@ impl Crop {
             }
             due = after;
         }
+        self.error = due - places.len() as f64;
         places
     }
 
