@@ -87,7 +87,9 @@ fn about(table: &str) -> &'static str {
         }
         "colonization" => "[Crowns and growth](crowns.md), and [scans](scans.md).",
         "scan" => "[From a laser scan](scans.md).",
-        "weber-penn" => "[Weber and Penn's trees](weber-penn.md). Lists have a number for each level, the trunk's first.",
+        "weber-penn" => {
+            "[Weber and Penn's trees](weber-penn.md). Lists have a number for each level, the trunk's first."
+        }
         "wood" => {
             "Radii (`width` is the rule for them), and `refine`, a list of steps that are applied to the axes after growth, as in\n\
              Runions, Lane & Prusinkiewicz 2007."

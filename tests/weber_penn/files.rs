@@ -89,9 +89,18 @@ fn tree_gen() {
 #[test]
 fn what_is_no_parameter_is_refused_with_its_place() {
     for (text, expected) in [
-        ("<arbaro>\n <species name=\"a\">\n  <param name=\"1Length\" value=\"long\"/></species></arbaro>", "3:3: parameter '1Length': 'long' is no number"),
-        ("<arbaro><species>\n<param name=\"Levels\" value=\"2.5\"/></species></arbaro>", "2:1: parameter 'Levels': 2.5 is not a whole number from 1 to 8"),
-        ("<arbaro><param name=\"0CurveRes\" value=\"1e9\"/></arbaro>", "parameter '0CurveRes': 1000000000 is no value of curve_res"),
+        (
+            "<arbaro>\n <species name=\"a\">\n  <param name=\"1Length\" value=\"long\"/></species></arbaro>",
+            "3:3: parameter '1Length': 'long' is no number",
+        ),
+        (
+            "<arbaro><species>\n<param name=\"Levels\" value=\"2.5\"/></species></arbaro>",
+            "2:1: parameter 'Levels': 2.5 is not a whole number from 1 to 8",
+        ),
+        (
+            "<arbaro><param name=\"0CurveRes\" value=\"1e9\"/></arbaro>",
+            "parameter '0CurveRes': 1000000000 is no value of curve_res",
+        ),
         ("<arbaro><param name=\"Shape\" value=\"11\"/></arbaro>", "11 is no shape: 0 to 8 are"),
         ("<arbaro><param", "this XML is broken"),
         ("<arbaro><param value=\"1\"/></arbaro>", "a <param> has no name"),
@@ -126,7 +135,11 @@ fn files_grow_as_they_are() -> Result<(), linden::Error> {
         // The lines say nothing of leaves, and Arbaro then has none.
         assert_eq!(grown.grown().organs.is_empty(), name == "rowan.cfg", "{name}");
         if name == "rowan.xml" {
-            assert!(grown.notes().iter().any(|note| note.contains("'2Wobble' is unknown")), "{:?}", grown.notes());
+            assert!(
+                grown.notes().iter().any(|note| note.contains("'2Wobble' is unknown")),
+                "{:?}",
+                grown.notes()
+            );
         }
     }
     Ok(())

@@ -83,7 +83,10 @@ fn stems_are_as_many_and_as_long_as_the_twins() {
         for level in 0..4 {
             let radii = sum(level, &mut found.iter().map(|stem| (stem.0, stem.2)));
             let twins = sum(level, &mut expected.iter().map(|stem| (stem.0 as u32, stem.2)));
-            assert!((0.7..=1.0001).contains(&(radii / twins)), "{shape:?} level {level}: {radii} for {twins}");
+            assert!(
+                (0.7..=1.0001).contains(&(radii / twins)),
+                "{shape:?} level {level}: {radii} for {twins}"
+            );
         }
     }
 }
@@ -126,7 +129,8 @@ fn leaves_and_deeper_levels_leave_wood_alone() {
     assert_eq!(grown(&settings, 9).branching, bare.branching);
     settings.levels = 2;
     let shallow = grown(&settings, 9);
-    let deep: Vec<_> = stems(&skeleton(&bare)).into_iter().filter(|stem| stem.0 < 2).map(|stem| stem.1).collect();
+    let deep: Vec<_> =
+        stems(&skeleton(&bare)).into_iter().filter(|stem| stem.0 < 2).map(|stem| stem.1).collect();
     let two: Vec<_> = stems(&skeleton(&shallow)).into_iter().map(|stem| stem.1).collect();
     assert!(deep.iter().zip(&two).all(|(a, b)| (a / b - 1.0).abs() < 0.01), "{deep:?} {two:?}");
 }
@@ -147,7 +151,8 @@ fn the_envelope_holds_all_branches() {
     settings.smooth = false;
     settings.curve_spread_deg = vec![0.0, 80.0, 80.0];
     settings.prune_ratio = 1.0;
-    settings.envelope = linden::weber_penn::Envelope { width: 0.22, width_peak: 0.4, power_low: 0.3, power_high: 0.8 };
+    settings.envelope =
+        linden::weber_penn::Envelope { width: 0.22, width_peak: 0.4, power_low: 0.3, power_high: 0.8 };
     let pruned = grown(&settings, 4);
     let radius = |ratio: f64| {
         let peak = 0.4;

@@ -106,7 +106,10 @@ pub fn sniff(bytes: &[u8], file_name: &str) -> Result<InputKind, InputError> {
 fn is_arbaro(bytes: &[u8]) -> bool {
     const OPENING: usize = 4096;
     let opening = &bytes[..bytes.len().min(OPENING)];
-    let blank = opening.iter().take_while(|byte| byte.is_ascii_whitespace() || [0xef, 0xbb, 0xbf].contains(byte)).count();
+    let blank = opening
+        .iter()
+        .take_while(|byte| byte.is_ascii_whitespace() || [0xef, 0xbb, 0xbf].contains(byte))
+        .count();
     let has = |tag: &[u8]| opening.windows(tag.len()).any(|part| part == tag);
     opening.get(blank) == Some(&b'<') && (has(b"<arbaro") || has(b"<species"))
 }

@@ -50,6 +50,8 @@ struct Growing {
     frame: DQuat,
     /// What splits have bent it and each further segment undoes, radians.
     correction: f64,
+    /// What rounding the number of clones left over.
+    error: f64,
     share: f64,
 }
 
@@ -70,16 +72,15 @@ impl Start<'_> {
             position: self.origin,
             frame: self.frame,
             correction: 0.0,
+            error: first_error(self.key),
             share: 1.0,
         };
-        // A stem and its clones share what rounding leaves over.
-        let mut error = first_error(self.key);
         let mut limbs: Vec<Limb> = Vec::new();
         let mut waiting = std::collections::VecDeque::from([whole]);
         let mut segments = 0;
         while let Some(growing) = waiting.pop_front() {
             let index = limbs.len();
-            let (limb, clones) = self.grow(growing, index, segment_m, &mut error);
+            let (limb, clones) = self.grow(growing, index, segment_m);
             segments += limb.frames.len();
             limbs.push(limb);
             waiting.extend(clones);
@@ -91,14 +92,8 @@ impl Start<'_> {
     }
 
     /// Grows a limb to its tip; the clones that split from it are to be grown yet.
-    fn grow(
-        &self,
-        growing: Growing,
-        index: usize,
-        segment_m: f64,
-        error: &mut f64,
-    ) -> (Limb, Vec<Growing>) {
-        let Growing { mut limb, mut position, mut frame, mut correction, mut share } = growing;
+    fn grow(&self, growing: Growing, index: usize, segment_m: f64) -> (Limb, Vec<Growing>) {
+        let Growing { mut limb, mut position, mut frame, mut correction, mut error, mut share } = growing;
         let level = self.level;
         let (bends, splits) = (limb.key.named("bend"), limb.key.named("split"));
         let mut clones = Vec::new();
@@ -118,7 +113,7 @@ impl Start<'_> {
                 break;
             }
             let is_base = self.base_splits > 0 && segment == 0;
-            let count = if is_base { self.base_splits } else { diffused(level.seg_splits, error) };
+            let count = if is_base { self.base_splits } else { diffused(level.seg_splits, &mut error) };
             if count == 0 {
                 continue;
             }
@@ -142,6 +137,7 @@ impl Start<'_> {
                     position,
                     frame: turned,
                     correction: correction - angle / left,
+                    error: first_error(clone_key),
                     share,
                 });
             }
@@ -203,7 +199,7 @@ fn declination(frame: DQuat) -> f64 {
 }
 
 /// What rounding leaves over before the first segment. The paper carries it on from stem to stem, in an order
-/// that threads do not have; drawn for each, the mean is the same.
+/// that threads do not have; drawn for each limb, every segment splits as often as it is to on average.
 fn first_error(key: Key) -> f64 {
     key.named("splits").between(-0.5, 0.5)
 }
@@ -332,8 +328,12 @@ mod tests {
     /// Over many stems the mean is right, too, though each has few segments.
     #[test]
     fn few_segments_split_as_often_as_they_are_to() {
-        let settings =
-            WeberPenn { seg_splits: vec![0.2], curve_res: vec![6.0], split_angle_deg: vec![10.0], ..WeberPenn::default() };
+        let settings = WeberPenn {
+            seg_splits: vec![0.2],
+            curve_res: vec![6.0],
+            split_angle_deg: vec![10.0],
+            ..WeberPenn::default()
+        };
         let level = settings.level(0);
         let clones = |seed: u64| {
             let start = Start { key: Key::new(seed), ..start(&level) };
@@ -366,7 +366,8 @@ mod tests {
 
     #[test]
     fn a_helix_turns_once_a_segment_and_has_its_slope() {
-        let settings = WeberPenn { curve_spread_deg: vec![-30.0], curve_res: vec![4.0], ..WeberPenn::default() };
+        let settings =
+            WeberPenn { curve_spread_deg: vec![-30.0], curve_res: vec![4.0], ..WeberPenn::default() };
         let level = settings.level(0);
         let limbs = start(&level).trace(4.0).unwrap();
         let line = Line::new(&limbs[0], &level, 1.0, true);

@@ -39,10 +39,15 @@ pub fn forecast(settings: &WeberPenn) -> Forecast {
     for (number, level) in levels[..=last].iter().enumerate() {
         let splits = if number == 0 { libm::round(settings.base_splits.abs()) } else { 0.0 };
         let [limbs, segments] = limbs(level, splits);
-        let children = if number == last { 0.0 } else { children(settings, number, stems, levels[number + 1].branches.abs()) };
+        let children = if number == last {
+            0.0
+        } else {
+            children(settings, number, stems, levels[number + 1].branches.abs())
+        };
         let leaves = if number == last && number > 0 {
             let mean = mean(|along| settings.shape_ratio(settings.leaf_dist, along));
-            stems * settings.leaves.abs() * settings.leaf_quality * mean * segments / f64::from(level.segments)
+            stems * settings.leaves.abs() * settings.leaf_quality * mean * segments
+                / f64::from(level.segments)
         } else {
             0.0
         };
@@ -59,7 +64,8 @@ fn limbs(level: &Level, base_splits: f64) -> [f64; 2] {
     for segment in 0..level.segments {
         segments += limbs;
         if segment + 1 < level.segments {
-            limbs *= if segment == 0 && base_splits > 0.0 { 1.0 + base_splits } else { 1.0 + level.seg_splits };
+            limbs *=
+                if segment == 0 && base_splits > 0.0 { 1.0 + base_splits } else { 1.0 + level.seg_splits };
         }
     }
     [limbs, segments]
@@ -74,7 +80,8 @@ fn pieces(settings: &WeberPenn, level: &Level) -> f64 {
         return 1.0;
     }
     // Bends by the curve and, by the root of their squares' mean, by what is drawn; none before the first joint.
-    let curve = if level.curve_back == 0.0 { level.curve.abs() } else { level.curve.abs() + level.curve_back.abs() };
+    let curve =
+        if level.curve_back == 0.0 { level.curve.abs() } else { level.curve.abs() + level.curve_back.abs() };
     let joints = f64::from(level.segments - 1) / f64::from(level.segments);
     let bend = libm::hypot(curve, 0.4 * level.curve_spread) / f64::from(level.segments) * joints
         + level.split_angle.abs() * level.seg_splits;

@@ -90,9 +90,11 @@ fn grow_level(
         let nodes = 2.5 * count * each(at.nodes) * Branching::bytes_for(1) as f64;
         let leaves = 2.5 * count * each(at.leaves) * PlacedOrgans::BYTES_EACH as f64;
         let children = 3.0 * count * each(at.children) * size_of::<Stem>() as f64;
-        let held = drawn.branching.bytes() + drawn.organs.bytes() + bytes_of::<Stem>(stems.len() + next.capacity());
+        let held =
+            drawn.branching.bytes() + drawn.organs.bytes() + bytes_of::<Stem>(stems.len() + next.capacity());
         monitor.admit(DOING, held.saturating_add((nodes + leaves + children) as u64), ADVICE)?;
-        let most = tree.settings.max_nodes as usize - drawn.branching.positions.len().min(tree.settings.max_nodes as usize);
+        let most = tree.settings.max_nodes as usize
+            - drawn.branching.positions.len().min(tree.settings.max_nodes as usize);
         let pieces = batch
             .par_iter()
             .map(|stem| {

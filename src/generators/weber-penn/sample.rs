@@ -4,9 +4,9 @@ use linden_base::input::Inputs;
 use linden_skeleton::Skeleton;
 use linden_skeleton::generator::{GeneratorError, Multiple, SampleSize, SampleStep, Sampler};
 
+use crate::WeberPenn;
 use crate::forecast::forecast;
 use crate::settings::Thinned;
-use crate::WeberPenn;
 
 /// Leaves of a sample.
 const LEAVES: f64 = 50_000.0;

@@ -546,12 +546,15 @@ impl WeberPenn {
     /// Why a knob changes nothing as these settings stand, and what would let it.
     pub(crate) fn why_idle(&self, knob: &str) -> Option<&'static str> {
         let only = |list: &[f64], is_idle: fn(f64) -> bool| {
-            (0..self.levels as usize).all(|level| is_idle(list.get(level).or(list.last()).copied().unwrap_or(0.0)))
+            (0..self.levels as usize)
+                .all(|level| is_idle(list.get(level).or(list.last()).copied().unwrap_or(0.0)))
         };
         let has_leaves = self.leaves != 0.0 && self.levels > 1;
         match knob {
             "leaves" if self.levels == 1 => Some("levels=1: a trunk alone has no leaves"),
-            "leaf_dist" | "leaf_scale" | "leaf_scale_v" | "leaf_bend" | "leaf_quality" | "leaf_stem" if !has_leaves => {
+            "leaf_dist" | "leaf_scale" | "leaf_scale_v" | "leaf_bend" | "leaf_quality" | "leaf_stem"
+                if !has_leaves =>
+            {
                 Some("there are no leaves: leaves is 0, or levels 1")
             }
             "prune_width" if self.prune_ratio == 0.0 => Some("prune_ratio is 0"),

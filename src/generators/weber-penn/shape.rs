@@ -137,7 +137,10 @@ mod tests {
             let envelope = Envelope { width_peak, ..ROUND };
             let at = 1.0 - width_peak;
             let (above, below) = (envelope.ratio(at - 1e-9), envelope.ratio(at + 1e-9));
-            assert!((above - 1.0).abs() < 1e-6 && (below - 1.0).abs() < 1e-6, "{width_peak}: {above} {below}");
+            assert!(
+                (above - 1.0).abs() < 1e-6 && (below - 1.0).abs() < 1e-6,
+                "{width_peak}: {above} {below}"
+            );
         }
         assert_eq!((ROUND.ratio(-0.01), ROUND.ratio(1.01)), (0.0, 0.0));
     }

@@ -197,7 +197,8 @@ impl Tree<'_> {
     ) -> Vec<u32> {
         let is_stem = limb.parent.is_none();
         let first_m = f64::from(limb.first) * body.segment_m;
-        let children = bears.children.as_mut().map(|crop| crop.places(limb, body.segment_m)).unwrap_or_default();
+        let children =
+            bears.children.as_mut().map(|crop| crop.places(limb, body.segment_m)).unwrap_or_default();
         let leaves = bears.leaves.as_mut().map(|crop| crop.places(limb, body.segment_m)).unwrap_or_default();
         let mut cuts: Vec<f64> = Vec::new();
         let segments = limb.frames.len();
@@ -502,11 +503,7 @@ impl<'a> Spiral<'a> {
 /// Clones at the end of the trunk's first segment; up to as many where the number is below 0.
 fn base_splits(splits: f64, key: Key) -> u32 {
     let most = libm::round(splits.abs());
-    if splits >= 0.0 {
-        most as u32
-    } else {
-        (key.named("base splits").unit() * (most + 1.0)) as u32
-    }
+    if splits >= 0.0 { most as u32 } else { (key.named("base splits").unit() * (most + 1.0)) as u32 }
 }
 
 /// From Z up to Y up.

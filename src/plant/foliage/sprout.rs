@@ -181,8 +181,12 @@ const VARIANT: u64 = 7;
 fn take_over(placed: &mut PlacedOrgans, crop: &Crop, sunlight: Option<&Sunlight>, key: Key) {
     let leafy: Vec<u8> = ['L', 'N'].into_iter().filter_map(prototype).collect();
     let is_gone = |i: usize| key.child(i as u64).child(KEEP).unit() >= crop.kept;
-    let gone: Vec<bool> =
-        placed.prototypes.iter().enumerate().map(|(i, prototype)| leafy.contains(prototype) && is_gone(i)).collect();
+    let gone: Vec<bool> = placed
+        .prototypes
+        .iter()
+        .enumerate()
+        .map(|(i, prototype)| leafy.contains(prototype) && is_gone(i))
+        .collect();
     let places = placed.prototypes.iter_mut().zip(&placed.positions).zip(&mut placed.sizes_m);
     for (i, ((prototype, &place), size_m)) in places.enumerate() {
         if leafy.contains(prototype) && crop.variants > 0 {

@@ -46,7 +46,11 @@ pub(super) fn read_xml(text: &str) -> Result<ParameterFile, Fault> {
         let value = param.attribute("value").ok_or_else(|| said.fault("it has no value"))?;
         take(&mut draft, &said, value)?;
     }
-    Ok(draft.finish(Program::Arbaro, species.and_then(|node| node.attribute("name")).map(str::to_owned), None))
+    Ok(draft.finish(
+        Program::Arbaro,
+        species.and_then(|node| node.attribute("name")).map(str::to_owned),
+        None,
+    ))
 }
 
 pub(super) fn read_lines(text: &str) -> Result<ParameterFile, Fault> {
@@ -80,7 +84,10 @@ fn take(draft: &mut Draft, said: &Said<'_>, value: &str) -> Result<(), Fault> {
             if let Some((_, outline)) = known {
                 draft.look.leaf_outline = outline;
             } else if value != "0" {
-                draft.notes.push(said.note(&format!("is '{}', which linden does not know; it draws ellipses", excerpt(value))));
+                draft.notes.push(said.note(&format!(
+                    "is '{}', which linden does not know; it draws ellipses",
+                    excerpt(value)
+                )));
             }
             return Ok(());
         }

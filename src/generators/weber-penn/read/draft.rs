@@ -108,7 +108,9 @@ impl Draft {
             "rotate_v" | "length_v" | "split_angle_v" => value.abs(),
             _ => value,
         };
-        let Some(field) = WeberPenn::FIELDS.iter().find(|field| field.knob.name == *knob) else { return Ok(false) };
+        let Some(field) = WeberPenn::FIELDS.iter().find(|field| field.knob.name == *knob) else {
+            return Ok(false);
+        };
         let Value::Reals(mut list) = (field.read)(&self.settings) else { return Ok(false) };
         let last = list.last().copied().unwrap_or(0.0);
         list.resize(list.len().max(level + 1).max(4), last);
@@ -135,7 +137,9 @@ impl Draft {
                 self.notes.push(said.note("is in the paper's table without a formula and left out"));
             }
             _ => {
-                let Some((_, knob)) = OF_TREES.iter().find(|(known, _)| *known == name) else { return Ok(false) };
+                let Some((_, knob)) = OF_TREES.iter().find(|(known, _)| *known == name) else {
+                    return Ok(false);
+                };
                 let typed = match *knob {
                     "shape" | "leaf_dist" => {
                         let shape = CrownShape::of_number(value)
@@ -145,7 +149,9 @@ impl Draft {
                     "levels" => {
                         if !((1.0..=f64::from(crate::MAX_LEVELS)).contains(&value) && value.fract() == 0.0) {
                             let most = crate::MAX_LEVELS;
-                            return Err(said.fault(&format!("{value} is not a whole number from 1 to {most}")));
+                            return Err(
+                                said.fault(&format!("{value} is not a whole number from 1 to {most}"))
+                            );
                         }
                         Value::Integer(value as u64)
                     }
@@ -159,7 +165,9 @@ impl Draft {
     }
 
     fn turn(&mut self, knob: &str, value: Value, given: f64, said: &Said<'_>) -> Result<(), Fault> {
-        let Some(field) = WeberPenn::FIELDS.iter().find(|field| field.knob.name == knob) else { return Ok(()) };
+        let Some(field) = WeberPenn::FIELDS.iter().find(|field| field.knob.name == knob) else {
+            return Ok(());
+        };
         let unit = if field.knob.unit.is_empty() { String::new() } else { format!(" {}", field.knob.unit) };
         field.knob.kind.check(&value).map_err(|_| {
             let kind = field.knob.kind;
@@ -179,7 +187,8 @@ impl Draft {
 /// Whether a name is one of the paper's.
 pub fn knows(name: &str) -> bool {
     let of_level = name.strip_prefix(|c: char| c.is_ascii_digit());
-    paper_names().contains(&name) || of_level.is_some_and(|rest| OF_LEVELS.iter().any(|(known, _)| *known == rest))
+    paper_names().contains(&name)
+        || of_level.is_some_and(|rest| OF_LEVELS.iter().any(|(known, _)| *known == rest))
 }
 
 /// Names of the paper, for what may have been meant.

@@ -49,7 +49,16 @@ const OF_LEVELS: [(&str, &str); 15] = [
 
 /// Outlines by the numbers of its leaf shapes.
 const LEAF_SHAPES: [&str; 11] = [
-    "elliptic", "ovate", "linear", "cordate", "palmate", "palmate", "lobed", "lobed", "elliptic", "orbicular",
+    "elliptic",
+    "ovate",
+    "linear",
+    "cordate",
+    "palmate",
+    "palmate",
+    "lobed",
+    "lobed",
+    "elliptic",
+    "orbicular",
     "deltoid",
 ];
 
@@ -107,7 +116,8 @@ fn species(text: &str) -> Option<String> {
 
 fn take(draft: &mut Draft, said: &Said<'_>, value: &Literal) -> Result<(), Fault> {
     let number = || value.number().ok_or_else(|| said.fault("expected a number"));
-    let numbers = || value.numbers().ok_or_else(|| said.fault("expected a list of numbers, one for each level"));
+    let numbers =
+        || value.numbers().ok_or_else(|| said.fault("expected a list of numbers, one for each level"));
     let is_plain = |list: &[f64], plain: f64| list.iter().all(|&x| x == plain);
     match said.name {
         "base_size" => {
@@ -122,25 +132,33 @@ fn take(draft: &mut Draft, said: &Said<'_>, value: &Literal) -> Result<(), Fault
             let list = numbers()?;
             draft.tree("0Scale", list.first().copied().unwrap_or(1.0), said)?;
             if !is_plain(list.get(1..).unwrap_or_default(), 1.0) {
-                draft.notes.push(said.note("is of the trunk alone; the factors of its branches are left out"));
+                draft
+                    .notes
+                    .push(said.note("is of the trunk alone; the factors of its branches are left out"));
             }
         }
         "tropism" => {
             let list = numbers()?;
             draft.tree("AttractionUp", list.get(2).copied().unwrap_or(0.0), said)?;
             if list.iter().take(2).any(|&x| x != 0.0) {
-                draft.notes.push(said.note("draws to a side, too; only its third number is taken, up or down"));
+                draft
+                    .notes
+                    .push(said.note("draws to a side, too; only its third number is taken, up or down"));
             }
         }
         "branch_dist" => {
             let list = numbers()?;
             if list.iter().any(|&x| x.abs() >= 1.0) {
-                draft.notes.push(said.note("sets opposite branches or whorls, which linden does not; they are spread"));
+                draft.notes.push(
+                    said.note("sets opposite branches or whorls, which linden does not; they are spread"),
+                );
             }
         }
         "bend_v" => {
             if !is_plain(&numbers()?, 0.0) {
-                draft.notes.push(said.note("bends stems sideways, which the paper does not, and is left out"));
+                draft
+                    .notes
+                    .push(said.note("bends stems sideways, which the paper does not, and is left out"));
             }
         }
         "leaf_shape" => {
@@ -149,7 +167,9 @@ fn take(draft: &mut Draft, said: &Said<'_>, value: &Literal) -> Result<(), Fault
         }
         "blossom_shape" | "blossom_scale" | "blossom_rate" => {
             if number()? != 0.0 {
-                draft.notes.push(said.note("is of blossoms and left out: a further kind of foliage draws them"));
+                draft
+                    .notes
+                    .push(said.note("is of blossoms and left out: a further kind of foliage draws them"));
             }
         }
         "floor_splits" => {

@@ -85,7 +85,9 @@ impl<'a> Reader<'a> {
         let found = if rest.is_empty() { "the end".to_owned() } else { format!("'{}'", excerpt(&found)) };
         Fault::new(
             self.place(),
-            format!("expected {expected}, found {found}; parameters are numbers, texts, lists and tuples of them"),
+            format!(
+                "expected {expected}, found {found}; parameters are numbers, texts, lists and tuples of them"
+            ),
         )
     }
 
@@ -188,7 +190,8 @@ impl<'a> Reader<'a> {
                 || matches!(c, '.' | '_')
                 || (matches!(c, '+' | '-') && (*i == 0 || rest[..*i].ends_with(['e', 'E'])))
         };
-        let length = rest.char_indices().take_while(is_part).map(|(i, c)| i + c.len_utf8()).last().unwrap_or(0);
+        let length =
+            rest.char_indices().take_while(is_part).map(|(i, c)| i + c.len_utf8()).last().unwrap_or(0);
         let number = rest[..length].replace('_', "").parse::<f64>().ok().filter(|x| x.is_finite());
         let Some(number) = number else { return Err(self.fault("a number")) };
         self.at += length;

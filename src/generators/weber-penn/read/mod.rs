@@ -92,7 +92,8 @@ impl Default for ParameterLook {
 /// [`Fault`]: what is wrong, and where; more than [`MAX_BYTES`].
 pub fn read_parameters(text: &str) -> Result<ParameterFile, Fault> {
     if text.len() > MAX_BYTES {
-        let problem = format!("{} bytes are too many for parameters of a tree; {MAX_BYTES} are allowed", text.len());
+        let problem =
+            format!("{} bytes are too many for parameters of a tree; {MAX_BYTES} are allowed", text.len());
         return Err(Fault::new(None, problem));
     }
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);

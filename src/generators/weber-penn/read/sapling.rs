@@ -53,10 +53,41 @@ const OF_LEVELS: [(&str, &str); 15] = [
 
 /// What is Blender's: its view, meshes, armatures and animation.
 const OF_BLENDER: [&str; 35] = [
-    "af1", "af2", "af3", "armAnim", "armLevels", "autoTaper", "bevel", "bevelRes", "boneStep", "chooseSet",
-    "frameRate", "gust", "gustF", "handleType", "horzLeaves", "leafAnim", "leafangle", "loopFrames",
-    "makeMesh", "matIndex", "minRadius", "nrings", "previewArm", "resU", "showLeaves", "startCurv", "useArm",
-    "useOldDownAngle", "useParentAngle", "wind", "windGust", "windSpeed", "leafDupliObj", "do_update", "limitImport",
+    "af1",
+    "af2",
+    "af3",
+    "armAnim",
+    "armLevels",
+    "autoTaper",
+    "bevel",
+    "bevelRes",
+    "boneStep",
+    "chooseSet",
+    "frameRate",
+    "gust",
+    "gustF",
+    "handleType",
+    "horzLeaves",
+    "leafAnim",
+    "leafangle",
+    "loopFrames",
+    "makeMesh",
+    "matIndex",
+    "minRadius",
+    "nrings",
+    "previewArm",
+    "resU",
+    "showLeaves",
+    "startCurv",
+    "useArm",
+    "useOldDownAngle",
+    "useParentAngle",
+    "wind",
+    "windGust",
+    "windSpeed",
+    "leafDupliObj",
+    "do_update",
+    "limitImport",
 ];
 
 pub(super) fn read(text: &str) -> Result<ParameterFile, Fault> {
@@ -65,7 +96,8 @@ pub(super) fn read(text: &str) -> Result<ParameterFile, Fault> {
     let Datum::Dict(entries) = &literal.datum else {
         return Err(Fault::new(literal.place, "expected a dict of parameters"));
     };
-    let mut draft = Draft::new(WeberPenn::default(), ParameterLook { flare: 0.0, ..ParameterLook::default() });
+    let mut draft =
+        Draft::new(WeberPenn::default(), ParameterLook { flare: 0.0, ..ParameterLook::default() });
     if end < text.len() {
         draft.notes.push("what stands behind the dict is left out".to_owned());
     }
@@ -78,7 +110,10 @@ pub(super) fn read(text: &str) -> Result<ParameterFile, Fault> {
         if OF_BLENDER.contains(&key.as_str()) {
             of_blender.push(key.as_str());
         } else if key == "seed" {
-            seed = value.number().filter(|seed| (0.0..=f64::from(u32::MAX)).contains(seed)).map(|seed| seed as u64);
+            seed = value
+                .number()
+                .filter(|seed| (0.0..=f64::from(u32::MAX)).contains(seed))
+                .map(|seed| seed as u64);
         } else {
             take(&mut draft, &said, value, is_descendant)?;
         }
@@ -88,21 +123,24 @@ pub(super) fn read(text: &str) -> Result<ParameterFile, Fault> {
         draft.settings.prune_ratio = 0.0;
     }
     if !of_blender.is_empty() {
-        draft.notes.push(format!("left out, for they are Blender's and not the tree's: {}", of_blender.join(", ")));
+        draft
+            .notes
+            .push(format!("left out, for they are Blender's and not the tree's: {}", of_blender.join(", ")));
     }
     Ok(draft.finish(Program::Sapling, None, seed))
 }
 
 fn take(draft: &mut Draft, said: &Said<'_>, value: &Literal, is_descendant: bool) -> Result<(), Fault> {
-    let number = |literal: &Literal| {
-        literal.number().map(single).ok_or_else(|| said.fault("expected a number"))
-    };
+    let number =
+        |literal: &Literal| literal.number().map(single).ok_or_else(|| said.fault("expected a number"));
     match said.name {
         "prune" => return Ok(()),
         "leafShape" => return leaf_shape(draft, said, value),
         "attractUp" => return attraction(draft, said, value),
         "shape" if is_descendant && number(value)? >= 8.0 => {
-            draft.notes.push(said.note("is a profile of its own, which linden does not know; crown: cylindrical"));
+            draft
+                .notes
+                .push(said.note("is a profile of its own, which linden does not know; crown: cylindrical"));
             draft.tree("Shape", 3.0, said)?;
             return Ok(());
         }
@@ -111,7 +149,8 @@ fn take(draft: &mut Draft, said: &Said<'_>, value: &Literal, is_descendant: bool
     if let Some((_, name)) = OF_TREES.iter().find(|(known, _)| *known == said.name) {
         draft.tree(name, number(value)?, said)?;
     } else if let Some((_, name)) = OF_LEVELS.iter().find(|(known, _)| *known == said.name) {
-        let list = value.numbers().ok_or_else(|| said.fault("expected a tuple of numbers, one for each level"))?;
+        let list =
+            value.numbers().ok_or_else(|| said.fault("expected a tuple of numbers, one for each level"))?;
         for (level, &item) in list.iter().enumerate() {
             // The number of branches of the trunk means nothing here.
             if *name != "Branches" || level > 0 {
@@ -128,7 +167,9 @@ fn take(draft: &mut Draft, said: &Said<'_>, value: &Literal, is_descendant: bool
 fn leaf_shape(draft: &mut Draft, said: &Said<'_>, value: &Literal) -> Result<(), Fault> {
     let Datum::Text(shape) = &value.datum else { return Err(said.fault("expected a text like 'hex'")) };
     if shape != "hex" && shape != "rect" {
-        draft.notes.push(said.note("is an object of Blender's, which linden does not have; it draws ellipses"));
+        draft
+            .notes
+            .push(said.note("is an object of Blender's, which linden does not have; it draws ellipses"));
     }
     Ok(())
 }
