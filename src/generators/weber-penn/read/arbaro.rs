@@ -1,7 +1,7 @@
 //! Arbaro: XML of `<param name="1DownAngle" value="60"/>`, and lines like `1DownAngle=60`.
 
 use linden_base::document::{Fault, TextPlace};
-use linden_base::knob::excerpt;
+use linden_base::knob::{excerpt, printable};
 
 use super::draft::{Draft, Said, knows, paper_names};
 use super::{ParameterFile, ParameterLook, Program, place_at};
@@ -29,7 +29,10 @@ pub(super) fn read_xml(text: &str) -> Result<ParameterFile, Fault> {
     let document = roxmltree::Document::parse(text).map_err(|error| {
         let place = error.pos();
         let place = TextPlace { line: place.row as usize, column: place.col as usize };
-        Fault::new(Some(place), format!("this XML is broken: {error}; save the species anew in Arbaro"))
+        Fault::new(
+            Some(place),
+            format!("this XML is broken: {}; save the species anew in Arbaro", printable(&error.to_string())),
+        )
     })?;
     let mut draft = draft();
     let species = document.descendants().find(|node| node.has_tag_name("species"));
