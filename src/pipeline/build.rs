@@ -116,10 +116,18 @@ fn sizes(path: &Path) -> Result<BTreeMap<String, String>, Box<dyn Error>> {
             return Err(format!("{}: '{line}' is not an id and two numbers", path.display()).into());
         };
         let (height, leaves): (f64, u64) = (height.parse()?, leaves.parse()?);
+        let leaves = grouped(leaves);
         let size = format!("Some(BuiltinSize {{ height_m: {height:?}, leaves: {leaves} }})");
         sizes.insert(id.to_owned(), size);
     }
     Ok(sizes)
+}
+
+/// A number as code has it: `226_545`.
+fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let is_gap = |i: usize| i > 0 && (digits.len() - i).is_multiple_of(3);
+    digits.char_indices().flat_map(|(i, digit)| is_gap(i).then_some('_').into_iter().chain([digit])).collect()
 }
 
 fn sorted(folder: &Path) -> Result<Vec<PathBuf>, Box<dyn Error>> {

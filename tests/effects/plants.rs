@@ -31,6 +31,15 @@ const FILLED: &str =
 
 const SCANNED: &str = "id = \"scanned\"\n[colonization]\nscan = \"scan.xyz\"\n";
 
+/// Three levels of stems with leaves, in an envelope.
+const STEMS: &str = "id = \"stems\"\n[weber-penn]\nscale = 4\nbranches = [1, 6, 4]\ncurve_res = [4, 3, 2]\n\
+                     curve = [0, -40, 20]\ncurve_v = [30, 40, 40]\nseg_splits = [0.5, 0.3, 0]\nsplit_angle = [20, 20, 20]\n\
+                     leaves = 5\nprune_ratio = 0.5\nprune_width = 0.3\nattraction_up = 0.5\nshape = \"envelope\"\n";
+
+/// Two levels without leaves.
+const POLE: &str =
+    "id = \"pole\"\n[weber-penn]\nlevels = 2\nscale = 3\ncurve_v = [60, 60]\nbase_splits = 1\n";
+
 const HULL: &str = "v 0 1 0\nv 3 1 0\nv 1.5 1 2.5\nv 1.5 4 1\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n";
 
 /// A stem with a branch, as a scanner sees them: points on two tubes, Z up.
@@ -121,6 +130,8 @@ pub fn plants() -> Vec<Plant> {
             CROWN,
             &[&[("base_radius", "0.1"), ("leaf_form", "tuft"), ("lod_triangles", "900 300")]],
         ),
+        plant("stems on stems", STEMS, &[&[("leaf_form", "card"), ("trunk_lobes", "4"), ("season", "0.9")]]),
+        plant("bare stems", POLE, &[&[("twig_taper", "0.3")]]),
         plant("filled", FILLED, &[LEAVES]),
         plant("scanned", SCANNED, &[LEAVES]),
         plant("points", SCANNED, &[&[("contract", "false")]]),

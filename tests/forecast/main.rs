@@ -72,7 +72,7 @@ fn every_preset_is_forecast_within_a_factor_of_two() {
 #[test]
 fn larger_trees_are_forecast_from_a_sample() {
     let mut faults = Vec::new();
-    let turned: [(&str, &[(&str, &str)]); 30] = [
+    let turned: [(&str, &[(&str, &str)]); 34] = [
         ("abop-a", &[("derivations", "8")]),
         ("abop-stochastic", &[("derivations", "9"), ("seed", "77")]),
         ("abop-honda-b", &[("derivations", "15")]),
@@ -103,6 +103,10 @@ fn larger_trees_are_forecast_from_a_sample() {
         ("olive", &[("points", "30000"), ("age", "0.5")]),
         ("ash", &[("points", "20000"), ("width", "taper")]),
         ("box", &[("points", "40000"), ("triangles", "90000")]),
+        ("wp-quaking-aspen", &[("branches", "1 120 60 10"), ("seed", "3")]),
+        ("wp-black-tupelo", &[("branches", "1 80 40 20"), ("seed", "8")]),
+        ("wp-weeping-willow", &[("seed", "5")]),
+        ("wp-black-oak", &[("seed", "9"), ("leaves", "60")]),
     ];
     for (id, settings) in turned {
         let mut recipe = recipe(builtin(id).unwrap());

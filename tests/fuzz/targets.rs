@@ -183,7 +183,9 @@ fn recipe(bytes: &[u8]) -> String {
 fn parameters(bytes: &[u8]) -> String {
     match Preset::of_tree_parameters("tree", utf8(bytes)) {
         Ok((preset, notes)) => {
-            notes.iter().for_each(|note| drop(said(note)));
+            for note in &notes {
+                said(note);
+            }
             let settings = preset.settings::<linden::preset::WeberPenn>().expect("that is how it grows");
             let expected = linden::weber_penn::forecast(settings);
             assert!(expected.nodes() >= 0.0 && expected.leaves() >= 0.0, "{expected:?}");

@@ -90,7 +90,8 @@ impl Settings for WeberPenn {
             } else {
                 format!(", with about {:.0} leaves", expected.leaves)
             };
-            format!("level {level}: {:.0} stems{clones}{leaves}", expected.stems)
+            let stems = if expected.stems < 1.5 { "stem" } else { "stems" };
+            format!("level {level}: {:.0} {stems}{clones}{leaves}", expected.stems)
         };
         let lines = forecast(self).levels.iter().enumerate().map(line).collect();
         vec![Passage { heading: "stems that are expected", lines }]

@@ -35,6 +35,7 @@ mod error;
 mod forecast;
 mod generator;
 mod grow;
+mod knobs;
 mod leaf;
 mod level;
 mod read;

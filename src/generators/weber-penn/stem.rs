@@ -276,7 +276,7 @@ impl Tree<'_> {
         let (settings, number) = (self.settings, stem.level + 1);
         let level = &self.levels[number];
         let offset_m = place.offset_m;
-        let length_share = self.length_share(stem.key, level);
+        let length_share = length_share(stem.key, level);
         let from_tip = body.length_m - offset_m;
         let base_m = if stem.level == 0 { settings.base_size * self.scale_m } else { 0.0 };
         let ratio = from_tip / (body.length_m - base_m).max(f64::MIN_POSITIVE);
@@ -299,12 +299,6 @@ impl Tree<'_> {
         };
         let way_m = stem.way_m + offset_m;
         Some(Stem { key, level: number, origin, frame, length_m, length_share, parent, node, way_m })
-    }
-
-    /// Length of the children of a parent ÷ that of the parent, drawn once for all of them.
-    fn length_share(&self, parent: Key, level: &Level) -> f64 {
-        let drawn = level.length_spread * parent.named("length").between(-1.0, 1.0);
-        (level.length + drawn).max(0.0)
     }
 
     /// Radians; by where the stem leaves, 1 at the base of the crown, where the spread is below 0.
@@ -348,6 +342,12 @@ impl Tree<'_> {
         leaves.growth.colors.push(0);
         leaves.growth.births.push(piece.births[node as usize]);
     }
+}
+
+/// Length of the children of a parent ÷ that of the parent, drawn once for all of them.
+fn length_share(parent: Key, level: &Level) -> f64 {
+    let drawn = level.length_spread * parent.named("length").between(-1.0, 1.0);
+    (level.length + drawn).max(0.0)
 }
 
 /// What a stem bears.
