@@ -7,6 +7,9 @@ use linden::weber_penn::{CrownShape, Drawn, WeberPenn, WeberPennError, grow};
 
 use crate::twin::Twin;
 
+/// The length of a branch by where it leaves.
+type Ratio = fn(f64) -> f64;
+
 /// Straight stems without chance.
 fn still() -> WeberPenn {
     let mut settings = WeberPenn::default();
@@ -45,7 +48,7 @@ fn stems(skeleton: &Skeleton) -> Vec<(u32, f64, f64)> {
 
 #[test]
 fn stems_are_as_many_and_as_long_as_the_twins() {
-    let shapes: [(CrownShape, fn(f64) -> f64); 3] = [
+    let shapes: [(CrownShape, Ratio); 3] = [
         (CrownShape::Conical, |r| 0.2 + 0.8 * r),
         (CrownShape::TendFlame, |r| if r <= 0.7 { 0.5 + 0.5 * r / 0.7 } else { 0.5 + 0.5 * (1.0 - r) / 0.3 }),
         (CrownShape::Hemispherical, |r| 0.2 + 0.8 * (std::f64::consts::FRAC_PI_2 * r).sin()),
