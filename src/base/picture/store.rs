@@ -137,7 +137,9 @@ mod tests {
 
     /// A store in memory, with how often it was asked and given something.
     #[derive(Debug, Default)]
-    struct Memory(Mutex<(BTreeMap<PictureKey, Vec<u8>>, [usize; 2])>);
+    struct Memory(Mutex<(Kept, [usize; 2])>);
+
+    type Kept = BTreeMap<PictureKey, Vec<u8>>;
 
     impl PictureStore for Memory {
         fn get(&self, key: PictureKey) -> Option<Vec<u8>> {
@@ -154,7 +156,7 @@ mod tests {
     }
 
     fn picture(shade: u8) -> Picture {
-        Picture::new(3, 2, (0..24).map(|i| i * 7 ^ shade).collect())
+        Picture::new(3, 2, (0..24).map(|i| (i * 7) ^ shade).collect())
     }
 
     #[test]
