@@ -23,7 +23,7 @@ const ENDING: &str = "picture";
 /// How names of what is being written begin.
 const UNFINISHED: &str = ".unfinished-";
 /// What was being written so long ago will not be finished.
-const ABANDONED: Duration = Duration::from_secs(3600);
+const ABANDONED: Duration = Duration::from_hours(1);
 /// One run fills at most this share of the room: a batch of a thousand trees leaves what others keep.
 const SHARE_OF_A_RUN: u64 = 4;
 /// How much of the room is left once the oldest have given way, in eighths.
@@ -204,7 +204,9 @@ impl PictureStore for FolderStore {
 
 fn head_of(key: PictureKey, parts: &[&[u8]]) -> [u8; HEAD] {
     let mut sum = Xxh3::new();
-    parts.iter().for_each(|part| sum.update(part));
+    for part in parts {
+        sum.update(part);
+    }
     let length = parts.iter().map(|part| part.len() as u64).sum::<u64>();
     let mut head = [0; HEAD];
     head[..8].copy_from_slice(&MAGIC);

@@ -122,7 +122,7 @@ fn generator_in(tables: &str) -> Option<&'static str> {
     let mut names = tables.lines().filter_map(|line| line.strip_prefix('['));
     names.find_map(|name| {
         let (name, _) = name.trim_start_matches('[').split_once([']', '.'])?;
-        generators::find(name).map(|generator| generator.id())
+        generators::find(name).map(Generator::id)
     })
 }
 
