@@ -144,7 +144,7 @@ mod tests {
                 |row| if let ListRow::Heading(heading) = row { Some(heading.group.as_str()) } else { None },
             )
             .collect();
-        assert_eq!(headings, ["Plants", "Forests", "crowns", "abop", "older"]);
+        assert_eq!(headings, ["Plants", "Forests", "crowns", "abop", "older", "Weber & Penn"]);
     }
 
     #[test]
