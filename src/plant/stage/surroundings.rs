@@ -48,7 +48,7 @@ impl Surroundings {
         *self == Self::default()
     }
 
-    /// Reads what [`Surroundings::to_string`] writes.
+    /// Reads what its `Display` writes.
     ///
     /// # Errors
     /// [`SurroundingsError`].
