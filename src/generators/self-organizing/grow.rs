@@ -1,0 +1,244 @@
+//! The years of a tree, or of trees that stand together.
+
+use glam::{DVec3, Vec3};
+use linden_base::monitor::{Monitor, Phase};
+use linden_base::random::Key;
+use linden_skeleton::{Branching, Edge, NO_PARENT};
+
+use crate::light::{LightGrid, Pyramid};
+use crate::share::Shares;
+use crate::shed::shed;
+use crate::shoot::{Shoot, across, internodes};
+use crate::sums::Sums;
+use crate::tree::{APEX, LATERAL, NODE_BYTES, Node, Nodes, SHED};
+use crate::{SelfOrganizing, SelfOrganizingError};
+
+const DOING: &str = "growing by light";
+const ADVICE: &str = "lower years or vigor, or raise shed or internode";
+
+/// A tree, or several, with what became of them.
+#[derive(Clone, Debug, Default)]
+pub struct Grown {
+    /// Nodes with radii, births (16 a year) and edges: shoots of an apex go on, those of lateral buds branch.
+    pub branching: Branching,
+    /// Internodes of branches that were shed.
+    pub shed: u64,
+    /// Years that passed.
+    pub years: u32,
+    /// Whether growth stopped early, at the size of a sample.
+    pub is_cut: bool,
+}
+
+impl Grown {
+    /// All internodes that ever grew.
+    pub fn ever(&self) -> u64 {
+        self.branching.parents.iter().filter(|&&parent| parent != NO_PARENT).count() as u64 + self.shed
+    }
+}
+
+/// Grows a tree at the origin.
+///
+/// ```
+/// use linden_base::monitor::Quiet;
+/// use linden_base::random::Key;
+/// use linden_self_organizing::{SelfOrganizing, grow};
+///
+/// let tree = grow(&SelfOrganizing::default(), Key::new(7), &Quiet)?;
+/// let height_m = tree.branching.positions.iter().map(|place| place.y).fold(0.0, f32::max);
+/// assert!((3.0..15.0).contains(&height_m));
+/// # Ok::<(), linden_self_organizing::SelfOrganizingError>(())
+/// ```
+///
+/// # Errors
+/// [`SelfOrganizingError`]: too many nodes, too little memory or light, cancelled.
+pub fn grow(
+    settings: &SelfOrganizing,
+    key: Key,
+    monitor: &dyn Monitor,
+) -> Result<Grown, SelfOrganizingError> {
+    grow_stand(settings, &[Vec3::ZERO], key, monitor)
+}
+
+/// Grows a tree on each foot, metres, y = 0; they shade each other, and grow year by year at the same time.
+///
+/// A tree's random choices follow from its number and the key, not from the other trees.
+///
+/// # Errors
+/// As [`grow`].
+pub fn grow_stand(
+    settings: &SelfOrganizing,
+    feet: &[Vec3],
+    key: Key,
+    monitor: &dyn Monitor,
+) -> Result<Grown, SelfOrganizingError> {
+    let mut growth = Growth::new(settings);
+    for (number, foot) in (0..).zip(feet) {
+        let key = key.child(number);
+        let turn = key.named("turn").on_circle();
+        growth.plant(foot.as_dvec3() / settings.internode_m + CENTRE, DVec3::new(turn.x, 0.0, turn.y), key);
+    }
+    while growth.year < settings.years && !growth.is_cut {
+        growth.grow_year(monitor)?;
+        monitor.advance(Phase::Grow, growth.year.into(), Some(settings.years.into()));
+    }
+    growth.finish(monitor)
+}
+
+/// A foot at the origin is in the middle of its voxel, so that shade falls evenly about it.
+const CENTRE: DVec3 = DVec3::new(0.5, 0.0, 0.5);
+
+/// Trees in a year of their growth, and their light.
+pub(crate) struct Growth<'a> {
+    pub settings: &'a SelfOrganizing,
+    pub nodes: Nodes,
+    pub grid: LightGrid,
+    pub pyramid: Pyramid,
+    /// The last one that passed.
+    pub year: u32,
+    pub shed: u64,
+    pub is_cut: bool,
+}
+
+impl<'a> Growth<'a> {
+    pub fn new(settings: &'a SelfOrganizing) -> Self {
+        let SelfOrganizing { shade, shade_falloff, shade_depth, light_from, .. } = *settings;
+        let pyramid = Pyramid::new(shade, shade_falloff, shade_depth, light_from);
+        let (nodes, grid) = (Nodes::default(), LightGrid::default());
+        Self { settings, nodes, grid, pyramid, year: 0, shed: 0, is_cut: false }
+    }
+
+    /// Adds a seedling: a foot, in voxels, whose apex looks up, and the side of its first bud.
+    pub fn plant(&mut self, place: DVec3, side: DVec3, key: Key) {
+        let direction = DVec3::Y;
+        let side = across(side, direction);
+        let (parent, birth, order, flags, buds) = (NO_PARENT, 0, 0, APEX, 0);
+        self.nodes.push(&Node { parent, place, direction, side, key, birth, order, flags, buds });
+    }
+
+    /// One year: light, shares, what is shed, shoots.
+    pub fn grow_year(&mut self, monitor: &dyn Monitor) -> Result<(), SelfOrganizingError> {
+        monitor.check()?;
+        self.year += 1;
+        self.drop_old_buds();
+        let sums = Sums::new(&self.nodes, &self.grid, &self.pyramid);
+        let shares = Shares::new(&self.nodes, &sums, self.settings, self.year);
+        let shed_nodes = shed(&mut self.nodes, &sums, self.settings, self.year);
+        let shoots = self.shoots(&shares);
+        self.admit(&shoots, shed_nodes, monitor)?;
+        if self.is_cut {
+            self.year -= 1;
+            return Ok(());
+        }
+        self.sprout(&shoots, monitor)?;
+        if shed_nodes > 0 {
+            for node in (0..self.nodes.len()).filter(|&node| self.nodes.is(node, SHED)) {
+                self.grid.remove(self.nodes.voxel(node), &self.pyramid);
+            }
+            self.nodes.compact();
+            self.shed += shed_nodes as u64;
+        }
+        Ok(())
+    }
+
+    /// A bud may grow in the year after its shoot, and waits for some more.
+    fn drop_old_buds(&mut self) {
+        for node in 0..self.nodes.len() {
+            if self.nodes.buds[node] != 0 && self.year - self.nodes.year(node) > self.settings.bud_years + 1 {
+                self.nodes.buds[node] = 0;
+            }
+        }
+    }
+
+    /// The buds that grow, in the order of nodes, the apex first. All light is read before any of them casts shade.
+    fn shoots(&self, shares: &Shares) -> Vec<Shoot> {
+        let mut shoots = Vec::new();
+        for node in (0..self.nodes.len()).filter(|&node| !self.nodes.is(node, SHED)) {
+            let apex =
+                self.nodes.is(node, APEX).then(|| internodes(shares.onward[node], self.settings)).flatten();
+            let buds = self.nodes.buds[node];
+            let lateral = if buds == 0 { None } else { internodes(shares.bud[node], self.settings) };
+            if apex.is_none() && lateral.is_none() {
+                continue;
+            }
+            let gradient = self.grid.gradient(self.nodes.voxel(node)).map(|part| part as f64);
+            let brighter = DVec3::from_array(gradient).normalize_or_zero();
+            let shoot =
+                |bud, (internodes, length)| Shoot { node: node as u32, bud, internodes, length, brighter };
+            shoots.extend(apex.map(|size| shoot(None, size)));
+            let numbers = (0..u8::BITS).filter(|bit| buds & (1 << bit) != 0);
+            shoots.extend(
+                lateral.into_iter().flat_map(|size| numbers.clone().map(move |bit| shoot(Some(bit), size))),
+            );
+        }
+        shoots
+    }
+
+    /// Asks whether the year's shoots may grow.
+    fn admit(
+        &mut self,
+        shoots: &[Shoot],
+        shed_nodes: usize,
+        monitor: &dyn Monitor,
+    ) -> Result<(), SelfOrganizingError> {
+        let new: u64 = shoots.iter().map(|shoot| u64::from(shoot.internodes)).sum();
+        let (there, limit) = (self.nodes.len() as u64, self.settings.max_nodes);
+        let nodes = there - shed_nodes as u64 + new;
+        if nodes > self.settings.cut_at.into() && self.year > 1 {
+            self.is_cut = true;
+            return Ok(());
+        }
+        if nodes > limit.into() {
+            let (year, years) = (self.year, self.settings.years);
+            return Err(SelfOrganizingError::TooManyNodes { year, years, nodes, limit });
+        }
+        // Lists may move to places twice as large.
+        let bytes = (there + new).saturating_mul(2 * NODE_BYTES) + self.grid.bytes();
+        Ok(monitor.admit(DOING, bytes, ADVICE)?)
+    }
+
+    fn sprout(&mut self, shoots: &[Shoot], monitor: &dyn Monitor) -> Result<(), SelfOrganizingError> {
+        for (number, shoot) in shoots.iter().enumerate() {
+            if number % 1024 == 0 {
+                monitor.check()?;
+            }
+            let first = self.nodes.len() as u32;
+            let grown = shoot.grow(&self.nodes, first, self.year, self.settings);
+            let node = shoot.node as usize;
+            match shoot.bud {
+                None => self.nodes.flags[node] &= !APEX,
+                Some(bud) => self.nodes.buds[node] &= !(1 << bud),
+            }
+            for node in &grown {
+                self.nodes.push(node);
+                self.grid.add(self.nodes.voxel(self.nodes.len() - 1), &self.pyramid, monitor)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The trees in metres.
+    pub fn finish(self, monitor: &dyn Monitor) -> Result<Grown, SelfOrganizingError> {
+        let Self { settings, nodes, year, shed, is_cut, .. } = self;
+        monitor.admit(DOING, nodes.len() as u64 * (NODE_BYTES + 32), ADVICE)?;
+        let pipes = nodes.pipes();
+        let is_root = |&node: &usize| !nodes.is_foot(node);
+        if !(0..nodes.len()).any(|node| is_root(&node)) {
+            let (years, vigor) = (settings.years, settings.vigor);
+            return Err(SelfOrganizingError::NothingGrew { years, vigor });
+        }
+        let radius = |&pipes: &u32| {
+            let times = libm::pow(f64::from(pipes), 1.0 / settings.pipe_exponent);
+            (0.5 * settings.twig_diameter_m * times) as f32
+        };
+        let place = |place: &Vec3| ((place.as_dvec3() - CENTRE) * settings.internode_m).as_vec3();
+        let edge = |flags: &u8| if flags & LATERAL == 0 { Edge::Succeeds } else { Edge::Branches };
+        let branching = Branching {
+            positions: nodes.places.iter().map(place).collect(),
+            radii: Some(pipes.iter().map(radius).collect()),
+            edges: Some(nodes.flags.iter().map(edge).collect()),
+            parents: nodes.parents,
+            births: nodes.births,
+        };
+        Ok(Grown { branching, shed, years: year, is_cut })
+    }
+}

@@ -1,0 +1,354 @@
+//! Light: a grid of shade that every node adds to.
+//!
+//! Pałubicki et al. 2009, section 4.2.1 (shadow propagation): a node in voxel (i, j, k) adds `a·b^−q` to the
+//! voxels (i ± p, j − q, k ± p), 0 ≤ p ≤ q ≤ depth, a pyramid that hangs below it. Shade is counted in
+//! integers, [`FULL_LIGHT`] to the full light of the sky: sums are the same in any order, and what is taken out again
+//! leaves nothing behind. The ground, y = 0, takes none.
+
+use linden_base::memory::{OverMemory, bytes_of};
+use linden_base::monitor::Monitor;
+
+/// The shade that takes all light, and the light of an open place.
+pub(crate) const FULL_LIGHT: u32 = 1 << 16;
+
+/// Voxels along the edge of a brick.
+const EDGE: i32 = 8;
+/// log2 of that.
+const SHIFT: u32 = 3;
+/// Voxels of a brick.
+const VOXELS: usize = 512;
+/// Where the index has no brick.
+const NO_BRICK: u32 = u32::MAX;
+
+const DOING: &str = "keeping the light of a growing tree";
+const ADVICE: &str = "lower years or vigor, or raise internode";
+
+/// A voxel's place.
+pub(crate) type Voxel = [i32; 3];
+
+/// The pyramid of shade below a node.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Pyramid {
+    layers: Vec<Layer>,
+}
+
+/// One layer of a pyramid: a square of 2q + 1 voxels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Layer {
+    /// The shade in each voxel.
+    pub shade: u32,
+    /// How far the square is moved away from the light, voxels.
+    pub x: i32,
+    pub z: i32,
+}
+
+impl Pyramid {
+    /// `shade · falloff^−q` in layer q, from 0 to `depth`; each layer is moved by what the direction to the
+    /// light, tilted by 45° at most, asks for.
+    pub fn new(shade: f64, falloff: f64, depth: u32, to_light: [f64; 3]) -> Self {
+        let [x, y, z] = to_light;
+        let level = libm::hypot(x, z);
+        // tan of the tilt, at most 1.
+        let slope = if level > 0.0 { 1.0 / level.max(y) } else { 0.0 };
+        let mut weight = shade * f64::from(FULL_LIGHT);
+        let layers = (0..=depth).map(|q| {
+            let moved = |along: f64| -libm::round(f64::from(q) * along * slope) as i32;
+            let layer = Layer { shade: libm::round(weight) as u32, x: moved(x), z: moved(z) };
+            weight /= falloff;
+            layer
+        });
+        Self { layers: layers.collect() }
+    }
+
+    /// The shade in the node's voxel.
+    pub fn at_node(&self) -> u32 {
+        self.layers[0].shade
+    }
+
+    /// The corners of the box around the pyramid of a voxel.
+    fn reach(&self, [x, y, z]: Voxel) -> [Voxel; 2] {
+        let mut corners = [[x, y, z]; 2];
+        for (q, layer) in (0..).zip(&self.layers) {
+            corners[0][0] = corners[0][0].min(x + layer.x - q);
+            corners[1][0] = corners[1][0].max(x + layer.x + q);
+            corners[0][2] = corners[0][2].min(z + layer.z - q);
+            corners[1][2] = corners[1][2].max(z + layer.z + q);
+            corners[0][1] = (y - q).max(0);
+        }
+        corners
+    }
+}
+
+/// The shade in all voxels. Bricks of 8³ appear where something is shaded; without one, there is no shade.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LightGrid {
+    /// The brick at the index' corner.
+    origin: Voxel,
+    /// Bricks along x, y and z.
+    size: [i32; 3],
+    /// Numbers of bricks, or [`NO_BRICK`]; z runs fastest, then x.
+    index: Vec<u32>,
+    bricks: Vec<[u32; VOXELS]>,
+}
+
+impl LightGrid {
+    /// The shade in a voxel.
+    pub fn shade(&self, voxel: Voxel) -> u32 {
+        match self.slot(voxel.map(|v| v >> SHIFT)).map(|slot| self.index[slot]) {
+            None | Some(NO_BRICK) => 0,
+            Some(brick) => self.bricks[brick as usize][inside(voxel)],
+        }
+    }
+
+    /// Where less shade is: the negative of the central difference.
+    pub fn gradient(&self, [x, y, z]: Voxel) -> [i64; 3] {
+        let at = |voxel| i64::from(self.shade(voxel));
+        [
+            at([x - 1, y, z]) - at([x + 1, y, z]),
+            at([x, y - 1, z]) - at([x, y + 1, z]),
+            at([x, y, z - 1]) - at([x, y, z + 1]),
+        ]
+    }
+
+    /// Adds the pyramid of a node.
+    ///
+    /// # Errors
+    /// [`OverMemory`].
+    pub fn add(&mut self, voxel: Voxel, pyramid: &Pyramid, monitor: &dyn Monitor) -> Result<(), OverMemory> {
+        let [low, high] = pyramid.reach(voxel);
+        self.cover(low, high, monitor)?;
+        self.stamp(voxel, pyramid, u32::wrapping_add);
+        Ok(())
+    }
+
+    /// Takes out the pyramid of a node that was added.
+    pub fn remove(&mut self, voxel: Voxel, pyramid: &Pyramid) {
+        self.stamp(voxel, pyramid, u32::wrapping_sub);
+    }
+
+    /// Adds shade to all voxels between two, both included.
+    ///
+    /// # Errors
+    /// [`OverMemory`].
+    #[cfg(test)]
+    pub fn add_box(
+        &mut self,
+        low: Voxel,
+        high: Voxel,
+        shade: u32,
+        monitor: &dyn Monitor,
+    ) -> Result<(), OverMemory> {
+        self.cover(low, high, monitor)?;
+        for y in low[1]..=high[1] {
+            self.square([low[0], high[0]], y, [low[2], high[2]], |voxel| *voxel = voxel.wrapping_add(shade));
+        }
+        Ok(())
+    }
+
+    /// Bytes that it takes.
+    pub fn bytes(&self) -> u64 {
+        bytes_of::<u32>(self.index.capacity()) + bytes_of::<[u32; VOXELS]>(self.bricks.capacity())
+    }
+
+    fn stamp(&mut self, [x, y, z]: Voxel, pyramid: &Pyramid, op: fn(u32, u32) -> u32) {
+        for (q, layer) in (0..).zip(&pyramid.layers) {
+            if y < q {
+                break;
+            }
+            let (x, z, shade) = (x + layer.x, z + layer.z, layer.shade);
+            self.square([x - q, x + q], y - q, [z - q, z + q], |voxel| *voxel = op(*voxel, shade));
+        }
+    }
+
+    /// Changes the voxels of a level rectangle, whose bricks are there.
+    fn square(&mut self, x: [i32; 2], y: i32, z: [i32; 2], change: impl Fn(&mut u32)) {
+        for brick_x in x[0] >> SHIFT..=x[1] >> SHIFT {
+            for brick_z in z[0] >> SHIFT..=z[1] >> SHIFT {
+                let Some(slot) = self.slot([brick_x, y >> SHIFT, brick_z]) else { continue };
+                let Some(brick) = self.bricks.get_mut(self.index[slot] as usize) else { continue };
+                let within = |range: [i32; 2], brick: i32| {
+                    let first = brick * EDGE;
+                    [(range[0] - first).max(0), (range[1] - first).min(EDGE - 1)]
+                };
+                let ([x0, x1], [z0, z1]) = (within(x, brick_x), within(z, brick_z));
+                for x in x0..=x1 {
+                    let row = (((y & (EDGE - 1)) * EDGE + x) * EDGE) as usize;
+                    brick[row + z0 as usize..=row + z1 as usize].iter_mut().for_each(&change);
+                }
+            }
+        }
+    }
+
+    /// Where the index has a brick.
+    fn slot(&self, brick: Voxel) -> Option<usize> {
+        let at = |axis: usize| brick[axis] - self.origin[axis];
+        let is_inside = (0..3).all(|axis| (0..self.size[axis]).contains(&at(axis)));
+        is_inside.then(|| {
+            let row = at(1) as usize * self.size[0] as usize + at(0) as usize;
+            row * self.size[2] as usize + at(2) as usize
+        })
+    }
+
+    /// Makes all bricks of a box.
+    fn cover(&mut self, low: Voxel, high: Voxel, monitor: &dyn Monitor) -> Result<(), OverMemory> {
+        let (low, high) = (low.map(|v| v >> SHIFT), high.map(|v| v >> SHIFT));
+        if self.slot(low).is_none() || self.slot(high).is_none() {
+            self.widen(low, high, monitor)?;
+        }
+        for y in low[1]..=high[1] {
+            for x in low[0]..=high[0] {
+                for z in low[2]..=high[2] {
+                    if let Some(slot) = self.slot([x, y, z])
+                        && self.index[slot] == NO_BRICK
+                    {
+                        self.index[slot] = self.new_brick(monitor)?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn new_brick(&mut self, monitor: &dyn Monitor) -> Result<u32, OverMemory> {
+        let count = self.bricks.len();
+        if count == self.bricks.capacity() {
+            let more = (count / 2).max(64);
+            monitor.admit(DOING, self.bytes() + bytes_of::<[u32; VOXELS]>(count + more), ADVICE)?;
+            self.bricks.reserve_exact(more);
+        }
+        self.bricks.push([0; VOXELS]);
+        Ok(count as u32)
+    }
+
+    /// Makes the index hold a box of bricks, with some room towards where it grew.
+    fn widen(&mut self, low: Voxel, high: Voxel, monitor: &dyn Monitor) -> Result<(), OverMemory> {
+        let (mut origin, mut size) = (low, [0; 3]);
+        for axis in 0..3 {
+            let (first, last) = if self.index.is_empty() {
+                (low[axis] - 4, high[axis] + 4)
+            } else {
+                let (first, last) = (self.origin[axis], self.origin[axis] + self.size[axis] - 1);
+                let room = 4 + self.size[axis] / 2;
+                let first = if low[axis] < first { low[axis] - room } else { first };
+                (first, if high[axis] > last { high[axis] + room } else { last })
+            };
+            // There is nothing below the ground.
+            origin[axis] = if axis == 1 { first.max(0) } else { first };
+            size[axis] = last - origin[axis] + 1;
+        }
+        let slots = size.iter().fold(1_usize, |slots, &edge| slots.saturating_mul(edge as usize));
+        monitor.admit(DOING, self.bytes().saturating_add(bytes_of::<u32>(slots)), ADVICE)?;
+        let wider =
+            Self { origin, size, index: vec![NO_BRICK; slots], bricks: std::mem::take(&mut self.bricks) };
+        let old = std::mem::replace(self, wider);
+        let mut numbers = old.index.iter();
+        for y in 0..old.size[1] {
+            for x in 0..old.size[0] {
+                for z in 0..old.size[2] {
+                    let place = [old.origin[0] + x, old.origin[1] + y, old.origin[2] + z];
+                    if let (Some(&number), Some(slot)) = (numbers.next(), self.slot(place)) {
+                        self.index[slot] = number;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The place of a voxel in its brick.
+const fn inside([x, y, z]: Voxel) -> usize {
+    let mask = EDGE - 1;
+    (((y & mask) * EDGE + (x & mask)) * EDGE + (z & mask)) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linden_base::monitor::{Cancelled, Phase, Quiet};
+    use linden_base::random::Key;
+
+    const UP: [f64; 3] = [0.0, 1.0, 0.0];
+
+    /// The definition: the sum over all nodes of what they add to a voxel.
+    pub(crate) fn by_definition(nodes: &[Voxel], pyramid: &Pyramid, [x, y, z]: Voxel) -> u32 {
+        let from = |&[i, j, k]: &Voxel| {
+            let q = j - y;
+            let layer = usize::try_from(q).ok().and_then(|q| pyramid.layers.get(q));
+            layer.filter(|layer| (x - i - layer.x).abs() <= q && (z - k - layer.z).abs() <= q)
+        };
+        nodes.iter().filter_map(from).map(|layer| layer.shade).sum()
+    }
+
+    #[test]
+    fn shade_is_what_the_definition_says_in_every_voxel_and_vanishes_with_the_nodes() {
+        for to_light in [UP, [0.6, 1.0, -0.3], [-5.0, 1.0, 0.0]] {
+            let pyramid = Pyramid::new(0.1, 1.5, 5, to_light);
+            let key = Key::new(3);
+            let nodes: Vec<Voxel> = (0..60)
+                .map(|i| {
+                    let at = |axis: u64, low, high| {
+                        libm::floor(key.child(i).child(axis).between(low, high)) as i32
+                    };
+                    [at(0, -20.0, 20.0), at(1, 0.0, 30.0), at(2, -40.0, 9.0)]
+                })
+                .collect();
+            let mut grid = LightGrid::default();
+            for &node in &nodes {
+                grid.add(node, &pyramid, &Quiet).unwrap();
+            }
+            let all = |grid: &LightGrid, nodes: &[Voxel]| {
+                for x in -30..30 {
+                    for y in 0..32 {
+                        for z in -50..20 {
+                            let voxel = [x, y, z];
+                            assert_eq!(grid.shade(voxel), by_definition(nodes, &pyramid, voxel), "{voxel:?}");
+                        }
+                    }
+                }
+            };
+            all(&grid, &nodes);
+            nodes[20..].iter().rev().for_each(|&node| grid.remove(node, &pyramid));
+            all(&grid, &nodes[..20]);
+        }
+    }
+
+    #[test]
+    fn a_pyramid_falls_off_and_leans_away_from_the_light() {
+        let pyramid = Pyramid::new(0.5, 2.0, 3, [3.0, 1.0, 0.0]);
+        let shades: Vec<u32> = pyramid.layers.iter().map(|layer| layer.shade).collect();
+        assert_eq!(shades, [32768, 16384, 8192, 4096]);
+        // 72° from upright, taken as 45°.
+        let moved: Vec<i32> = pyramid.layers.iter().map(|layer| layer.x).collect();
+        assert_eq!(moved, [0, -1, -2, -3]);
+    }
+
+    #[test]
+    fn it_is_brighter_away_from_a_shaded_box() {
+        let mut grid = LightGrid::default();
+        grid.add_box([-9, 0, -9], [-1, 20, 9], 500, &Quiet).unwrap();
+        assert_eq!([grid.shade([-1, 20, 9]), grid.shade([0, 20, 9]), grid.shade([-1, 21, 9])], [500, 0, 0]);
+        assert_eq!(grid.gradient([0, 5, 0]), [500, 0, 0]);
+        assert_eq!(grid.gradient([-3, 20, 0]), [0, 500, 0]);
+    }
+
+    #[test]
+    fn without_memory_it_says_so() {
+        struct Small;
+        impl Monitor for Small {
+            fn is_cancelled(&self) -> bool {
+                false
+            }
+            fn advance(&self, _: Phase, _: u64, _: Option<u64>) {}
+            fn check(&self) -> Result<(), Cancelled> {
+                Ok(())
+            }
+            fn memory_limit(&self) -> u64 {
+                100_000
+            }
+        }
+        let refused =
+            LightGrid::default().add([0, 9, 0], &Pyramid::new(0.1, 1.5, 5, UP), &Small).unwrap_err();
+        assert!(refused.to_string().contains("raise internode"), "{refused}");
+    }
+}

@@ -1,0 +1,156 @@
+//! The trees that grow: a list for each property of nodes, parents before children.
+
+use glam::{DVec3, Vec3};
+use linden_base::random::Key;
+use linden_skeleton::NO_PARENT;
+
+use crate::light::Voxel;
+
+/// The most lateral buds at a node.
+pub(crate) const MOST_BUDS: u32 = 8;
+
+/// The apex of the node's axis is here, and alive.
+pub(crate) const APEX: u8 = 1;
+/// The node begins a lateral axis.
+pub(crate) const LATERAL: u8 = 2;
+/// The node is about to be taken out.
+pub(crate) const SHED: u8 = 4;
+
+/// A node is the end of an internode, with its leaves and their buds; the foot of a tree ends none.
+/// Lengths are in internodes, the edge of a voxel.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Nodes {
+    pub parents: Vec<u32>,
+    pub places: Vec<Vec3>,
+    /// Of the internode that ends here; of length 1.
+    pub directions: Vec<Vec3>,
+    /// Across the direction, where the first lateral bud is; of length 1.
+    pub sides: Vec<Vec3>,
+    /// What is drawn here and above.
+    pub keys: Vec<Key>,
+    /// The year, and the part of it in [`PARTS`].
+    pub births: Vec<u32>,
+    /// Of the axis: 0 for a stem.
+    pub orders: Vec<u8>,
+    pub flags: Vec<u8>,
+    /// Dormant lateral buds, a bit each.
+    pub buds: Vec<u8>,
+    /// Years in a row in which the branch that begins here was too dark.
+    pub dark_years: Vec<u8>,
+    /// Tips that were shed from here.
+    pub shed_tips: Vec<u32>,
+}
+
+/// Births in a year.
+pub(crate) const PARTS: u32 = 16;
+
+/// Bytes of a node with all that a year works out for it.
+pub(crate) const NODE_BYTES: u64 = 4 + 3 * 12 + 8 + 4 + 4 + 4 + YEAR_BYTES;
+/// Light, sums, shares.
+const YEAR_BYTES: u64 = 4 + 2 * 8 + 3 * 4 + 3 * 8 + 4;
+
+/// What a node is made of.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Node {
+    pub parent: u32,
+    pub place: DVec3,
+    pub direction: DVec3,
+    pub side: DVec3,
+    pub key: Key,
+    pub birth: u32,
+    pub order: u8,
+    pub flags: u8,
+    pub buds: u8,
+}
+
+impl Nodes {
+    pub fn len(&self) -> usize {
+        self.parents.len()
+    }
+
+    pub fn push(&mut self, node: &Node) {
+        self.parents.push(node.parent);
+        self.places.push(node.place.as_vec3());
+        self.directions.push(node.direction.as_vec3());
+        self.sides.push(node.side.as_vec3());
+        self.keys.push(node.key);
+        self.births.push(node.birth);
+        self.orders.push(node.order);
+        self.flags.push(node.flags);
+        self.buds.push(node.buds);
+        self.dark_years.push(0);
+        self.shed_tips.push(0);
+    }
+
+    pub fn is(&self, node: usize, flag: u8) -> bool {
+        self.flags[node] & flag != 0
+    }
+
+    /// Whether it is the foot of a tree.
+    pub fn is_foot(&self, node: usize) -> bool {
+        self.parents[node] == NO_PARENT
+    }
+
+    /// The year in which a node grew; 0 for a foot.
+    pub fn year(&self, node: usize) -> u32 {
+        self.births[node] / PARTS
+    }
+
+    /// Where a node's light is read, and its shade begins.
+    pub fn voxel(&self, node: usize) -> Voxel {
+        self.places[node].floor().to_array().map(|v| v as i32)
+    }
+
+    /// Takes out what is [`SHED`], keeping the order.
+    pub fn compact(&mut self) {
+        let mut kept = 0_u32;
+        let mut numbers = vec![NO_PARENT; self.len()];
+        for node in 0..self.len() {
+            if self.is(node, SHED) {
+                continue;
+            }
+            let parent = self.parents[node];
+            let parent = if parent == NO_PARENT { NO_PARENT } else { numbers[parent as usize] };
+            numbers[node] = kept;
+            let to = kept as usize;
+            self.parents[to] = parent;
+            self.places[to] = self.places[node];
+            self.directions[to] = self.directions[node];
+            self.sides[to] = self.sides[node];
+            self.keys[to] = self.keys[node];
+            self.births[to] = self.births[node];
+            self.orders[to] = self.orders[node];
+            self.flags[to] = self.flags[node];
+            self.buds[to] = self.buds[node];
+            self.dark_years[to] = self.dark_years[node];
+            self.shed_tips[to] = self.shed_tips[node];
+            kept += 1;
+        }
+        let kept = kept as usize;
+        self.parents.truncate(kept);
+        self.places.truncate(kept);
+        self.directions.truncate(kept);
+        self.sides.truncate(kept);
+        self.keys.truncate(kept);
+        self.births.truncate(kept);
+        self.orders.truncate(kept);
+        self.flags.truncate(kept);
+        self.buds.truncate(kept);
+        self.dark_years.truncate(kept);
+        self.shed_tips.truncate(kept);
+    }
+
+    /// How many tips hang on each node, those that were shed included: the pipes of the pipe model
+    /// (Shinozaki et al. 1964). Wood does not get thinner when it loses branches.
+    pub fn pipes(&self) -> Vec<u32> {
+        let mut pipes = self.shed_tips.clone();
+        for node in (0..self.len()).rev() {
+            pipes[node] = pipes[node].max(1);
+            if !self.is_foot(node) {
+                let parent = self.parents[node] as usize;
+                pipes[parent] = pipes[parent].saturating_add(pipes[node]);
+            }
+        }
+        pipes
+    }
+}
