@@ -41,6 +41,8 @@ mod error;
 mod generator;
 mod grow;
 mod light;
+#[cfg(test)]
+mod predictions;
 mod settings;
 mod share;
 mod shed;

@@ -1,0 +1,331 @@
+//! What the method predicts, tested on small trees: by definition, by brute force, by exact identities.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use glam::{DVec3, Vec3};
+use linden_base::monitor::Quiet;
+use linden_base::random::Key;
+use linden_skeleton::{Axis, Branching, Edge, NO_PARENT, Skeleton, Wood};
+
+use crate::grow::Growth;
+use crate::light::{FULL_LIGHT, LightGrid};
+use crate::share::Shares;
+use crate::sums::Sums;
+use crate::tree::{APEX, LATERAL};
+use crate::{Grown, Phyllotaxis, SelfOrganizing, SelfOrganizingError, Sharing, grow, grow_stand};
+
+/// The settings of most measurements.
+fn measured() -> SelfOrganizing {
+    SelfOrganizing { shed: 0.3, shed_patience: 1, ..SelfOrganizing::default() }
+}
+
+/// Those of the sweep over λ.
+fn denser(leader: f64) -> SelfOrganizing {
+    SelfOrganizing { years: 18, leader: vec![leader], shade: 0.1, shade_falloff: 1.5, ..measured() }
+}
+
+fn hash(grown: Grown) -> u128 {
+    Skeleton::build(grown.branching, &Wood::default()).unwrap().hash()
+}
+
+fn grown(settings: &SelfOrganizing, seed: u64) -> Grown {
+    grow(settings, Key::new(seed), &Quiet).unwrap()
+}
+
+fn height_m(grown: &Grown) -> f64 {
+    grown.branching.positions.iter().map(|place| f64::from(place.y)).fold(0.0, f64::max)
+}
+
+/// Grows a seedling at a place, in voxels, year by year.
+fn seedling(settings: &SelfOrganizing, place: DVec3, side: DVec3) -> Growth<'_> {
+    let mut growth = Growth::new(settings);
+    growth.plant(place, side, Key::new(5));
+    growth
+}
+
+fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap().install(work)
+}
+
+#[test]
+fn light_after_growth_and_shedding_is_that_of_the_living_nodes_in_every_voxel() {
+    let settings = SelfOrganizing { light_from: [0.4, 1.0, 0.1], ..measured() };
+    let mut growth = seedling(&settings, DVec3::new(0.5, 0.0, 0.5), DVec3::X);
+    (0..18).for_each(|_| growth.grow_year(&Quiet).unwrap());
+    assert!(growth.shed > 100, "{}", growth.shed);
+    let mut anew = LightGrid::default();
+    for node in (0..growth.nodes.len()).rev().filter(|&node| !growth.nodes.is_foot(node)) {
+        anew.add(growth.nodes.voxel(node), &growth.pyramid, &Quiet).unwrap();
+    }
+    let mut shaded = 0;
+    for x in -60..60 {
+        for y in 0..120 {
+            for z in -60..60 {
+                assert_eq!(growth.grid.shade([x, y, z]), anew.shade([x, y, z]), "{x} {y} {z}");
+                shaded += u32::from(anew.shade([x, y, z]) > 0);
+            }
+        }
+    }
+    assert!(shaded > 5000, "{shaded}");
+}
+
+#[test]
+fn any_number_of_threads_grows_the_same_tree() {
+    let settings = SelfOrganizing { years: 24, ..SelfOrganizing::default() };
+    let [one, eight] = [1, 8].map(|threads| on_threads(threads, || grown(&settings, 3)));
+    assert!(one.branching.positions.len() > 4096, "chunks of nodes: {}", one.branching.positions.len());
+    assert_eq!(hash(one), hash(eight));
+}
+
+#[test]
+fn what_is_shared_is_vigor_times_the_light_of_all_buds() {
+    for sharing in [Sharing::BorchertHonda, Sharing::Priority] {
+        let settings = SelfOrganizing { sharing, phyllotaxis: Phyllotaxis::Opposite, ..measured() };
+        let mut growth = seedling(&settings, DVec3::new(0.5, 0.0, 0.5), DVec3::X);
+        for year in 1..15 {
+            growth.grow_year(&Quiet).unwrap();
+            let nodes = &growth.nodes;
+            let sums = Sums::new(nodes, &growth.grid, &growth.pyramid);
+            let shares = Shares::new(nodes, &sums, &settings, year);
+            let bud = |node: usize| {
+                let apex = if nodes.is(node, APEX) { shares.onward[node] } else { 0.0 };
+                apex + shares.bud[node] * f64::from(nodes.buds[node].count_ones())
+            };
+            let light = |node: usize| {
+                let buds = u32::from(nodes.is(node, APEX)) + nodes.buds[node].count_ones();
+                u64::from(sums.light[node]) * u64::from(buds)
+            };
+            let given: f64 = (0..nodes.len()).map(bud).sum();
+            let all: u64 = (0..nodes.len()).map(light).sum();
+            let expected = settings.vigor * all as f64 / f64::from(FULL_LIGHT);
+            assert_eq!(all, sums.total(0));
+            assert!((given / expected - 1.0).abs() < 1e-12, "{sharing:?} {given} {expected}");
+        }
+    }
+}
+
+#[test]
+fn a_fork_loses_nothing() {
+    let settings = measured();
+    let mut growth = seedling(&settings, DVec3::new(0.5, 0.0, 0.5), DVec3::X);
+    (0..12).for_each(|_| growth.grow_year(&Quiet).unwrap());
+    let nodes = &growth.nodes;
+    let sums = Sums::new(nodes, &growth.grid, &growth.pyramid);
+    let shares = Shares::new(nodes, &sums, &settings, 12);
+    let mut forks = 0;
+    for node in (0..nodes.len()).filter(|&node| nodes.parents[node] != NO_PARENT && nodes.is(node, LATERAL)) {
+        // With one lateral a node, it gets all that does not go on.
+        let parent = nodes.parents[node] as usize;
+        assert_eq!(shares.flow[node], shares.flow[parent] - shares.onward[parent]);
+        forks += 1;
+    }
+    assert!(forks > 20, "{forks}");
+}
+
+#[test]
+fn without_preference_each_bud_gets_what_its_light_is_worth() {
+    let even = SelfOrganizing { leader: vec![0.5], ..denser(0.5) };
+    let mut growth = seedling(&even, DVec3::new(0.5, 0.0, 0.5), DVec3::X);
+    (0..14).for_each(|_| growth.grow_year(&Quiet).unwrap());
+    let nodes = &growth.nodes;
+    let sums = Sums::new(nodes, &growth.grid, &growth.pyramid);
+    let shares = Shares::new(nodes, &sums, &even, 15);
+    for node in 0..nodes.len() {
+        let worth = even.vigor * f64::from(sums.light[node]) / f64::from(FULL_LIGHT);
+        let got = [
+            nodes.is(node, APEX).then_some(shares.onward[node]),
+            (nodes.buds[node] > 0).then_some(shares.bud[node]),
+        ];
+        assert!(got.into_iter().flatten().all(|got| (got - worth).abs() < 1e-9), "{node}: {got:?} {worth}");
+    }
+    // So that both models grow the same tree.
+    for phyllotaxis in [Phyllotaxis::Spiral, Phyllotaxis::Opposite] {
+        let even = SelfOrganizing { phyllotaxis, ..even.clone() };
+        let equal = SelfOrganizing { sharing: Sharing::Priority, priority_least: 1.0, ..even.clone() };
+        let trees = [grown(&even, 2), grown(&equal, 2)];
+        assert!(trees[0].branching.positions.len() > 100);
+        let [one, other] = trees.map(hash);
+        assert_eq!(one, other);
+    }
+}
+
+/// The length of the main axis ÷ that of the longest lateral axis.
+fn leader_ratio(grown: Grown) -> f64 {
+    let tree = Skeleton::build(grown.branching, &Wood::default()).unwrap();
+    let paths = tree.path_lengths_m();
+    let length = |axis: &Axis| {
+        let last = tree.nodes_of(axis).last().map_or(0.0, |&last| paths[last as usize]);
+        last - if axis.parent == NO_PARENT { 0.0 } else { paths[axis.parent as usize] }
+    };
+    let stem = length(&tree.axes[0]);
+    stem / tree.axes[1..].iter().map(length).fold(0.0, f64::max)
+}
+
+#[test]
+fn leaders_rise_with_lambda_from_bushes_to_conifers() {
+    let mean = |leader| (0..5).map(|seed| leader_ratio(grown(&denser(leader), seed))).sum::<f64>() / 5.0;
+    let ratios = [0.46, 0.50, 0.54, 0.58].map(mean);
+    println!("ratios {ratios:?}");
+    assert!(ratios.is_sorted(), "{ratios:?}");
+    assert!(ratios[0] < 0.8, "{ratios:?}");
+    assert!((0.8..1.2).contains(&ratios[1]), "{ratios:?}");
+    assert!(ratios[2] > 1.25 && ratios[3] > 1.7, "{ratios:?}");
+}
+
+/// Trees 5 × 5 some metres apart, the inner one first, so that its key is the same at any distance.
+fn stand(spacing_m: f32, seed: u64) -> Branching {
+    let at = |i: i32| (i - 2) as f32 * spacing_m;
+    let mut feet = vec![Vec3::ZERO];
+    feet.extend((0..25).filter(|&i| i != 12).map(|i| Vec3::new(at(i % 5), 0.0, at(i / 5))));
+    let settings = SelfOrganizing { years: 16, ..measured() };
+    grow_stand(&settings, &feet, Key::new(seed), &Quiet).unwrap().branching
+}
+
+/// For each node of a stand the number of its tree, and whether it is on a lateral.
+fn trees_of(stand: &Branching) -> Vec<(usize, bool)> {
+    let mut of: Vec<(usize, bool)> = Vec::new();
+    let mut feet = 0;
+    for (&parent, &edge) in stand.parents.iter().zip(stand.edges.as_ref().unwrap()) {
+        if parent == NO_PARENT {
+            of.push((feet, false));
+            feet += 1;
+        } else {
+            let (tree, is_lateral) = of[parent as usize];
+            of.push((tree, is_lateral || edge == Edge::Branches));
+        }
+    }
+    of
+}
+
+fn quantile(mut values: Vec<f32>, share: f64) -> f64 {
+    values.sort_by(f32::total_cmp);
+    values.get((values.len() as f64 * share) as usize).map_or(0.0, |&value| f64::from(value))
+}
+
+/// Of the inner tree: the base of its crown ÷ its height, living internodes, crown radius, radius of its foot.
+fn inner(spacing_m: f32, seed: u64) -> [f64; 4] {
+    let stand = stand(spacing_m, seed);
+    let of = trees_of(&stand);
+    let places = |is_wanted: fn(&(usize, bool)) -> bool| -> Vec<Vec3> {
+        of.iter().zip(&stand.positions).filter(|(of, _)| is_wanted(of)).map(|(_, place)| *place).collect()
+    };
+    let (all, laterals) = (places(|of| of.0 == 0), places(|of| *of == (0, true)));
+    let height = all.iter().map(|place| place.y).fold(0.0, f32::max);
+    let base = quantile(laterals.iter().map(|place| place.y / height).collect(), 0.05);
+    let radius = quantile(laterals.iter().map(|place| place.x.hypot(place.z)).collect(), 0.95);
+    let foot = f64::from(stand.radii.as_ref().unwrap()[0]);
+    [base, all.len() as f64, radius, foot]
+}
+
+#[test]
+fn a_close_stand_lifts_its_crowns_and_a_wide_one_does_not() {
+    let mean = |spacing_m| {
+        let of: Vec<[f64; 4]> = (0..4).map(|seed| inner(spacing_m, seed)).collect();
+        [0, 1, 2, 3].map(|i| of.iter().map(|each| each[i]).sum::<f64>() / 4.0)
+    };
+    let open = mean(40.0);
+    // 1.8 and 0.7 radii of a crown in the open.
+    let [wide, close] = [1.8, 0.7].map(|radii| mean((radii * open[2]) as f32));
+    println!("open {open:?} wide {wide:?} close {close:?}");
+    assert!((wide[1] / open[1] - 1.0).abs() < 0.1, "{open:?} {wide:?}");
+    assert!((wide[2] / open[2] - 1.0).abs() < 0.1, "{open:?} {wide:?}");
+    assert!(close[0] > open[0] + 0.3, "{open:?} {close:?}");
+    assert!(close[1] < open[1] / 3.0, "{open:?} {close:?}");
+    assert!(close[3] < open[3], "{open:?} {close:?}");
+}
+
+#[test]
+fn crowns_keep_apart() {
+    for spacing_m in [2.0, 1.4, 1.0] {
+        let stand = stand(spacing_m, 1);
+        let mut trees: BTreeMap<[i32; 3], BTreeSet<usize>> = BTreeMap::new();
+        for (place, (tree, _)) in stand.positions.iter().zip(trees_of(&stand)) {
+            trees.entry((*place * 5.0).floor().to_array().map(|v| v as i32)).or_default().insert(tree);
+        }
+        let shared = trees.values().filter(|trees| trees.len() > 1).count();
+        println!("{spacing_m} m: {shared} of {}", trees.len());
+        assert!(shared * 50 < trees.len(), "{spacing_m} m: {shared} of {}", trees.len());
+    }
+}
+
+#[test]
+fn more_is_shed_and_less_lives_as_the_threshold_rises() {
+    let of = |shed| {
+        let trees: Vec<Grown> =
+            (0..3).map(|seed| grown(&SelfOrganizing { shed, ..measured() }, seed)).collect();
+        let living: usize = trees.iter().map(|tree| tree.branching.positions.len() - 1).sum();
+        let shed: u64 = trees.iter().map(|tree| tree.shed).sum();
+        (living, shed as f64 / (shed as f64 + living as f64))
+    };
+    let steps = [0.0, 0.1, 0.2, 0.3, 0.4].map(of);
+    println!("{steps:?}");
+    assert_eq!(steps[0].1, 0.0, "a threshold of 0 sheds nothing");
+    assert!(steps.is_sorted_by(|a, b| a.0 > b.0), "{steps:?}");
+    assert!(steps[..4].is_sorted_by(|a, b| a.1 < b.1), "{steps:?}");
+}
+
+#[test]
+fn what_shades_never_brightens_and_trees_keep_out_of_the_dark() {
+    let settings = measured();
+    let mut growth = seedling(&settings, DVec3::new(0.5, 0.0, 0.5), DVec3::X);
+    (0..12).for_each(|_| growth.grow_year(&Quiet).unwrap());
+    let before = Sums::new(&growth.nodes, &growth.grid, &growth.pyramid);
+    growth.grid.add([3, 30, 2], &growth.pyramid, &Quiet).unwrap();
+    growth.grid.add([-2, 14, 0], &growth.pyramid, &Quiet).unwrap();
+    let after = Sums::new(&growth.nodes, &growth.grid, &growth.pyramid);
+    assert!(before.light.iter().zip(&after.light).all(|(before, after)| after <= before));
+    assert!(after.total(0) < before.total(0));
+
+    let (mut dark, mut lit) = (0, 0);
+    for seed in 0..4 {
+        let mut growth = Growth::new(&settings);
+        growth.grid.add_box([-120, 0, -120], [-1, 240, 120], FULL_LIGHT * 6 / 10, &Quiet).unwrap();
+        growth.plant(DVec3::new(0.5, 0.0, 0.5), DVec3::X, Key::new(seed));
+        (0..20).for_each(|_| growth.grow_year(&Quiet).unwrap());
+        let in_dark = growth.nodes.places.iter().filter(|place| place.x < 0.0).count();
+        dark += in_dark;
+        lit += growth.nodes.len() - in_dark;
+    }
+    println!("dark {dark} lit {lit}");
+    assert!(3 * dark <= lit, "{dark} {lit}");
+}
+
+#[test]
+fn mirrored_seedlings_grow_mirrored_trees() {
+    let right = SelfOrganizing { jitter: 0.0, shed: 0.2, years: 16, ..measured() };
+    let left = SelfOrganizing { divergence_deg: -right.divergence_deg, ..right.clone() };
+    // Off the edges of voxels, which belong to one side.
+    let (place, side) = (DVec3::new(0.37, 0.0, 0.21), DVec3::new(0.8, 0.0, 0.6));
+    let mirror = DVec3::new(-1.0, 1.0, 1.0);
+    let mut trees = [seedling(&right, place, side), seedling(&left, place * mirror, side * mirror)];
+    for tree in &mut trees {
+        (0..16).for_each(|_| tree.grow_year(&Quiet).unwrap());
+    }
+    let [right, left] = trees.map(|tree| tree.nodes);
+    assert!(right.len() > 500, "{}", right.len());
+    assert_eq!(right.parents, left.parents);
+    let apart = right.places.iter().zip(&left.places).map(|(a, b)| (*a * mirror.as_vec3() - *b).length());
+    assert!(apart.fold(0.0, f32::max) < 1e-4);
+}
+
+#[test]
+fn refusals_say_what_to_turn() {
+    let settings = SelfOrganizing { max_nodes: 500, ..measured() };
+    let refused = grow(&settings, Key::new(1), &Quiet).unwrap_err();
+    assert!(matches!(refused, SelfOrganizingError::TooManyNodes { limit: 500, .. }), "{refused}");
+    assert!(refused.to_string().contains("raise max_nodes"), "{refused}");
+    let settings = SelfOrganizing { vigor: 0.5, ..measured() };
+    let refused = grow(&settings, Key::new(1), &Quiet).unwrap_err();
+    assert!(refused.to_string().contains("vigor=0.5: raise vigor"), "{refused}");
+}
+
+#[test]
+fn heights_and_sizes_are_near_those_of_another_program() {
+    // The measured table: means of nine trees, year 20.
+    let trees: Vec<Grown> = (0..9).map(|seed| grown(&measured(), seed)).collect();
+    let height = trees.iter().map(height_m).sum::<f64>() / 9.0;
+    let living = trees.iter().map(|tree| tree.branching.positions.len()).sum::<usize>() / 9;
+    println!("{height} m, {living} nodes");
+    assert!((5.5..9.5).contains(&height), "{height}");
+    assert!((1000..4200).contains(&living), "{living}");
+}
