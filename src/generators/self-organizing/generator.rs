@@ -107,12 +107,149 @@ impl Settings for SelfOrganizing {
     }
 
     fn limit(&mut self, _: &Inputs, size: &SampleSize) -> Result<bool, String> {
-        self.cut_at = self.cut_at.min(size.nodes);
+        self.max_nodes = self.max_nodes.min(size.nodes);
         Ok(false)
     }
 
     fn grow(&self, task: &Task<'_>, monitor: &dyn Monitor) -> Result<Branched, GeneratorError> {
         let grown = grow(self, task.key().named("self-organizing"), monitor)?;
         Ok(Branched { branching: grown.branching, most_nodes: self.max_nodes.into(), ..Branched::default() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use linden_base::knob::Kind;
+    use linden_base::memory::OverMemory;
+    use linden_base::monitor::{Cancelled, Phase, Quiet};
+    use linden_skeleton::Skeleton;
+
+    fn task(inputs: &Inputs) -> Task<'_> {
+        Task { seed: 4, inputs, wood: Wood::default() }
+    }
+
+    #[test]
+    fn every_knob_takes_its_value_back_and_points_to_knobs_that_there_are() {
+        let mut settings = SelfOrganizing::default();
+        let knobs = Settings::knobs(&settings);
+        let names: Vec<&str> = knobs.iter().map(|(knob, _)| knob.name).collect();
+        for (knob, value) in knobs {
+            assert!(Settings::set(&mut settings, knob.name, value.clone()), "{}", knob.name);
+            assert_eq!(knob.kind.parse(&value.to_string()), Ok(value), "{}", knob.name);
+            assert!(knob.see_also.iter().all(|other| names.contains(other)), "{}", knob.name);
+            assert!(matches!(knob.kind, Kind::Switch) || !knob.help.is_empty());
+        }
+        assert_eq!(settings, SelfOrganizing::default());
+    }
+
+    #[test]
+    fn each_knob_that_is_not_idle_changes_the_tree() {
+        let inputs = Inputs::new();
+        let hash = |settings: &SelfOrganizing| {
+            let branched = Settings::grow(settings, &task(&inputs), &Quiet).unwrap();
+            Skeleton::build(branched.branching, &Wood::default()).unwrap().hash()
+        };
+        let base = SelfOrganizing { years: 16, shed: 0.3, shed_patience: 1, ..SelfOrganizing::default() };
+        let plain = hash(&base);
+        for (knob, text) in [
+            ("years", "15"),
+            ("internode", "0.2"),
+            ("vigor", "2.2"),
+            ("sharing", "priority"),
+            ("leader", "0.54 0.5"),
+            ("mature_leader", "0.48"),
+            ("shade", "0.1"),
+            ("shade_falloff", "1.5"),
+            ("shade_depth", "4"),
+            ("light_from", "1,1,0"),
+            ("light_pull", "0.1"),
+            ("upward", "0.15 0"),
+            ("sideways", "0 0.3"),
+            ("phyllotaxis", "opposite"),
+            ("divergence", "120"),
+            ("branching_angle", "40"),
+            ("jitter", "0"),
+            ("longest_shoot", "2.5"),
+            ("max_order", "1"),
+            ("sympodial", "true"),
+            ("bud_years", "0"),
+            ("shed", "0.1"),
+            ("shed_grace", "1"),
+            ("shed_patience", "3"),
+            ("twig_diameter", "0.01"),
+            ("pipe_exponent", "2"),
+        ] {
+            let field = SelfOrganizing::FIELDS.iter().find(|field| field.knob.name == knob).unwrap();
+            let mut settings = base.clone();
+            assert_eq!(settings.why_idle(knob), None, "{knob}");
+            (field.write)(&mut settings, field.knob.kind.parse(text).unwrap());
+            assert_ne!(hash(&settings), plain, "{knob}");
+        }
+        let priority = SelfOrganizing { sharing: crate::Sharing::Priority, ..base.clone() };
+        for other in [
+            SelfOrganizing { priority_least: 0.1, ..priority.clone() },
+            SelfOrganizing { priority_share: 1.0, ..priority.clone() },
+        ] {
+            assert_ne!(hash(&other), hash(&priority), "{other:?}");
+        }
+        let whorled = SelfOrganizing { phyllotaxis: crate::Phyllotaxis::Whorled, ..base.clone() };
+        assert_ne!(hash(&SelfOrganizing { whorl: 3, ..whorled.clone() }), hash(&whorled));
+        let by_order = SelfOrganizing { upward: vec![0.3, 0.0], ..base.clone() };
+        assert_ne!(hash(&SelfOrganizing { reiteration: 2, ..by_order.clone() }), hash(&by_order));
+        // What is called idle changes nothing.
+        let idle =
+            SelfOrganizing { whorl: 3, priority_share: 1.0, mature_from: 3, reiteration: 2, ..base.clone() };
+        assert_eq!(hash(&idle), plain);
+    }
+
+    #[test]
+    fn a_younger_tree_is_the_same_tree_in_that_year() {
+        let inputs = Inputs::new();
+        let old = SelfOrganizing { years: 14, ..SelfOrganizing::default() };
+        let young = old.derived(9).unwrap();
+        let grow = |settings: &dyn Settings| settings.grow(&task(&inputs), &Quiet).unwrap().branching;
+        let (old, young) = (grow(&old), grow(&*young));
+        // What stands of it is where it was: nodes are not moved.
+        let is_there = |place: &glam::Vec3| young.positions.contains(place);
+        let kept = old.births.iter().zip(&old.positions).filter(|(birth, _)| **birth < 10 * 16);
+        let (there, all) = kept
+            .fold((0, 0_usize), |(there, all), (_, place)| (there + usize::from(is_there(place)), all + 1));
+        assert!(all > 50 && there == all, "{there} of {all}");
+        assert!(young.positions.len() >= all);
+    }
+
+    struct Watched {
+        cancelled_after: u64,
+        memory: u64,
+        year: std::sync::atomic::AtomicU64,
+    }
+
+    impl Monitor for Watched {
+        fn is_cancelled(&self) -> bool {
+            self.year.load(std::sync::atomic::Ordering::Relaxed) >= self.cancelled_after
+        }
+
+        fn advance(&self, _: Phase, done: u64, _: Option<u64>) {
+            self.year.store(done, std::sync::atomic::Ordering::Relaxed);
+        }
+
+        fn memory_limit(&self) -> u64 {
+            self.memory
+        }
+    }
+
+    #[test]
+    fn it_stops_when_cancelled_and_before_it_takes_too_much_memory() {
+        let inputs = Inputs::new();
+        let grow = |cancelled_after, memory| {
+            let watched = Watched { cancelled_after, memory, year: 0.into() };
+            let refused = Settings::grow(&SelfOrganizing::default(), &task(&inputs), &watched).err();
+            (refused.unwrap(), watched.year.into_inner())
+        };
+        let (refused, year) = grow(5, u64::MAX);
+        assert!(matches!(refused, GeneratorError::Cancelled(Cancelled)) && year == 5);
+        let (refused, _) = grow(1000, 600_000);
+        assert!(matches!(refused, GeneratorError::Memory(OverMemory { limit_bytes: 600_000, .. })));
     }
 }

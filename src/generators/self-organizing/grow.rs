@@ -23,10 +23,6 @@ pub struct Grown {
     pub branching: Branching,
     /// Internodes of branches that were shed.
     pub shed: u64,
-    /// Years that passed.
-    pub years: u32,
-    /// Whether growth stopped early, at the size of a sample.
-    pub is_cut: bool,
 }
 
 impl Grown {
@@ -77,7 +73,7 @@ pub fn grow_stand(
         let turn = key.named("turn").on_circle();
         growth.plant(foot.as_dvec3() / settings.internode_m + CENTRE, DVec3::new(turn.x, 0.0, turn.y), key);
     }
-    while growth.year < settings.years && !growth.is_cut {
+    while growth.year < settings.years {
         growth.grow_year(monitor)?;
         monitor.advance(Phase::Grow, growth.year.into(), Some(settings.years.into()));
     }
@@ -96,7 +92,6 @@ pub(crate) struct Growth<'a> {
     /// The last one that passed.
     pub year: u32,
     pub shed: u64,
-    pub is_cut: bool,
 }
 
 impl<'a> Growth<'a> {
@@ -104,7 +99,7 @@ impl<'a> Growth<'a> {
         let SelfOrganizing { shade, shade_falloff, shade_depth, light_from, .. } = *settings;
         let pyramid = Pyramid::new(shade, shade_falloff, shade_depth, light_from);
         let (nodes, grid) = (Nodes::default(), LightGrid::default());
-        Self { settings, nodes, grid, pyramid, year: 0, shed: 0, is_cut: false }
+        Self { settings, nodes, grid, pyramid, year: 0, shed: 0 }
     }
 
     /// Adds a seedling: a foot, in voxels, whose apex looks up, and the side of its first bud.
@@ -125,10 +120,6 @@ impl<'a> Growth<'a> {
         let shed_nodes = shed(&mut self.nodes, &sums, self.settings, self.year);
         let shoots = self.shoots(&shares);
         self.admit(&shoots, shed_nodes, monitor)?;
-        if self.is_cut {
-            self.year -= 1;
-            return Ok(());
-        }
         self.sprout(&shoots, monitor)?;
         if shed_nodes > 0 {
             for node in (0..self.nodes.len()).filter(|&node| self.nodes.is(node, SHED)) {
@@ -175,7 +166,7 @@ impl<'a> Growth<'a> {
 
     /// Asks whether the year's shoots may grow.
     fn admit(
-        &mut self,
+        &self,
         shoots: &[Shoot],
         shed_nodes: usize,
         monitor: &dyn Monitor,
@@ -183,10 +174,6 @@ impl<'a> Growth<'a> {
         let new: u64 = shoots.iter().map(|shoot| u64::from(shoot.internodes)).sum();
         let (there, limit) = (self.nodes.len() as u64, self.settings.max_nodes);
         let nodes = there - shed_nodes as u64 + new;
-        if nodes > self.settings.cut_at.into() && self.year > 1 {
-            self.is_cut = true;
-            return Ok(());
-        }
         if nodes > limit.into() {
             let (year, years) = (self.year, self.settings.years);
             return Err(SelfOrganizingError::TooManyNodes { year, years, nodes, limit });
@@ -218,7 +205,7 @@ impl<'a> Growth<'a> {
 
     /// The trees in metres.
     pub fn finish(self, monitor: &dyn Monitor) -> Result<Grown, SelfOrganizingError> {
-        let Self { settings, nodes, year, shed, is_cut, .. } = self;
+        let Self { settings, nodes, shed, .. } = self;
         monitor.admit(DOING, nodes.len() as u64 * (NODE_BYTES + 32), ADVICE)?;
         let pipes = nodes.pipes();
         let is_root = |&node: &usize| !nodes.is_foot(node);
@@ -239,6 +226,6 @@ impl<'a> Growth<'a> {
             parents: nodes.parents,
             births: nodes.births,
         };
-        Ok(Grown { branching, shed, years: year, is_cut })
+        Ok(Grown { branching, shed })
     }
 }

@@ -15,8 +15,8 @@ pub(crate) const FULL_LIGHT: u32 = 1 << 16;
 const EDGE: i32 = 8;
 /// log2 of that.
 const SHIFT: u32 = 3;
-/// Voxels of a brick.
-const VOXELS: usize = 512;
+/// Voxels of a brick: rows along z, x running faster than y. Of 32 bytes, so that a row is a vector of many machines.
+type Brick = [[u32; EDGE as usize]; (EDGE * EDGE) as usize];
 /// Where the index has no brick.
 const NO_BRICK: u32 = u32::MAX;
 
@@ -88,7 +88,7 @@ pub(crate) struct LightGrid {
     size: [i32; 3],
     /// Numbers of bricks, or [`NO_BRICK`]; z runs fastest, then x.
     index: Vec<u32>,
-    bricks: Vec<[u32; VOXELS]>,
+    bricks: Vec<Brick>,
 }
 
 impl LightGrid {
@@ -96,7 +96,10 @@ impl LightGrid {
     pub fn shade(&self, voxel: Voxel) -> u32 {
         match self.slot(voxel.map(|v| v >> SHIFT)).map(|slot| self.index[slot]) {
             None | Some(NO_BRICK) => 0,
-            Some(brick) => self.bricks[brick as usize][inside(voxel)],
+            Some(brick) => {
+                let [x, y, z] = voxel.map(|v| v & (EDGE - 1));
+                self.bricks[brick as usize][(y * EDGE + x) as usize][z as usize]
+            }
         }
     }
 
@@ -117,13 +120,13 @@ impl LightGrid {
     pub fn add(&mut self, voxel: Voxel, pyramid: &Pyramid, monitor: &dyn Monitor) -> Result<(), OverMemory> {
         let [low, high] = pyramid.reach(voxel);
         self.cover(low, high, monitor)?;
-        self.stamp(voxel, pyramid, u32::wrapping_add);
+        self.stamp(voxel, pyramid, |shade| shade);
         Ok(())
     }
 
     /// Takes out the pyramid of a node that was added.
     pub fn remove(&mut self, voxel: Voxel, pyramid: &Pyramid) {
-        self.stamp(voxel, pyramid, u32::wrapping_sub);
+        self.stamp(voxel, pyramid, u32::wrapping_neg);
     }
 
     /// Adds shade to all voxels between two, both included.
@@ -140,43 +143,54 @@ impl LightGrid {
     ) -> Result<(), OverMemory> {
         self.cover(low, high, monitor)?;
         for y in low[1]..=high[1] {
-            self.square([low[0], high[0]], y, [low[2], high[2]], |voxel| *voxel = voxel.wrapping_add(shade));
+            self.layer([low[0], high[0]], y, [low[2], high[2]], shade);
         }
         Ok(())
     }
 
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
-        bytes_of::<u32>(self.index.capacity()) + bytes_of::<[u32; VOXELS]>(self.bricks.capacity())
+        bytes_of::<u32>(self.index.capacity()) + bytes_of::<Brick>(self.bricks.capacity())
     }
 
-    fn stamp(&mut self, [x, y, z]: Voxel, pyramid: &Pyramid, op: fn(u32, u32) -> u32) {
-        for (q, layer) in (0..).zip(&pyramid.layers) {
-            if y < q {
-                break;
-            }
-            let (x, z, shade) = (x + layer.x, z + layer.z, layer.shade);
-            self.square([x - q, x + q], y - q, [z - q, z + q], |voxel| *voxel = op(*voxel, shade));
-        }
-    }
-
-    /// Changes the voxels of a level rectangle, whose bricks are there.
-    fn square(&mut self, x: [i32; 2], y: i32, z: [i32; 2], change: impl Fn(&mut u32)) {
-        for brick_x in x[0] >> SHIFT..=x[1] >> SHIFT {
-            for brick_z in z[0] >> SHIFT..=z[1] >> SHIFT {
-                let Some(slot) = self.slot([brick_x, y >> SHIFT, brick_z]) else { continue };
-                let Some(brick) = self.bricks.get_mut(self.index[slot] as usize) else { continue };
-                let within = |range: [i32; 2], brick: i32| {
-                    let first = brick * EDGE;
-                    [(range[0] - first).max(0), (range[1] - first).min(EDGE - 1)]
-                };
-                let ([x0, x1], [z0, z1]) = (within(x, brick_x), within(z, brick_z));
-                for x in x0..=x1 {
-                    let row = (((y & (EDGE - 1)) * EDGE + x) * EDGE) as usize;
-                    brick[row + z0 as usize..=row + z1 as usize].iter_mut().for_each(&change);
+    /// Adds a part of the shade of each layer, brick by brick: each is looked up once.
+    fn stamp(&mut self, voxel: Voxel, pyramid: &Pyramid, part: fn(u32) -> u32) {
+        let [low, high] = pyramid.reach(voxel).map(|corner| corner.map(|v| v >> SHIFT));
+        let [x, y, z] = voxel;
+        for brick_y in low[1]..=high[1] {
+            // The layers in this brick, above the ground.
+            let first = (y - brick_y * EDGE - (EDGE - 1)).max(0);
+            let last = (y - brick_y * EDGE).min(pyramid.layers.len() as i32 - 1);
+            for brick_x in low[0]..=high[0] {
+                for brick_z in low[2]..=high[2] {
+                    let Some(brick) = self.brick_mut([brick_x, brick_y, brick_z]) else { continue };
+                    for q in first..=last {
+                        let layer = pyramid.layers[q as usize];
+                        let (x, z) = (x + layer.x, z + layer.z);
+                        let x = within([x - q, x + q], brick_x);
+                        let z = within([z - q, z + q], brick_z);
+                        add_rectangle(brick, x, (y - q) & (EDGE - 1), z, part(layer.shade));
+                    }
                 }
             }
         }
+    }
+
+    /// Adds to the voxels of a level rectangle, whose bricks are there.
+    #[cfg(test)]
+    fn layer(&mut self, x: [i32; 2], y: i32, z: [i32; 2], shade: u32) {
+        for brick_x in x[0] >> SHIFT..=x[1] >> SHIFT {
+            for brick_z in z[0] >> SHIFT..=z[1] >> SHIFT {
+                if let Some(brick) = self.brick_mut([brick_x, y >> SHIFT, brick_z]) {
+                    add_rectangle(brick, within(x, brick_x), y & (EDGE - 1), within(z, brick_z), shade);
+                }
+            }
+        }
+    }
+
+    fn brick_mut(&mut self, brick: Voxel) -> Option<&mut Brick> {
+        let slot = self.slot(brick)?;
+        self.bricks.get_mut(self.index[slot] as usize)
     }
 
     /// Where the index has a brick.
@@ -213,10 +227,10 @@ impl LightGrid {
         let count = self.bricks.len();
         if count == self.bricks.capacity() {
             let more = (count / 2).max(64);
-            monitor.admit(DOING, self.bytes() + bytes_of::<[u32; VOXELS]>(count + more), ADVICE)?;
+            monitor.admit(DOING, self.bytes() + bytes_of::<Brick>(count + more), ADVICE)?;
             self.bricks.reserve_exact(more);
         }
-        self.bricks.push([0; VOXELS]);
+        self.bricks.push([[0; EDGE as usize]; (EDGE * EDGE) as usize]);
         Ok(count as u32)
     }
 
@@ -256,10 +270,21 @@ impl LightGrid {
     }
 }
 
-/// The place of a voxel in its brick.
-const fn inside([x, y, z]: Voxel) -> usize {
-    let mask = EDGE - 1;
-    (((y & mask) * EDGE + (x & mask)) * EDGE + (z & mask)) as usize
+/// The part of a range that is in a brick, counted from there; the first above the last where there is none.
+fn within(range: [i32; 2], brick: i32) -> [i32; 2] {
+    [(range[0] - brick * EDGE).max(0), (range[1] - brick * EDGE).min(EDGE - 1)]
+}
+
+fn add_rectangle(brick: &mut Brick, x: [i32; 2], y: i32, z: [i32; 2], shade: u32) {
+    // Whole rows: adding nothing to the voxels beside is faster than leaving them out.
+    let row: [u32; EDGE as usize] =
+        std::array::from_fn(|i| if (z[0]..=z[1]).contains(&(i as i32)) { shade } else { 0 });
+    for x in x[0]..=x[1] {
+        let voxels = &mut brick[(y * EDGE + x) as usize];
+        for (voxel, shade) in voxels.iter_mut().zip(row) {
+            *voxel = voxel.wrapping_add(shade);
+        }
+    }
 }
 
 #[cfg(test)]

@@ -103,8 +103,6 @@ pub struct SelfOrganizing {
     pub pipe_exponent: f64,
     /// Larger trees are refused.
     pub max_nodes: u32,
-    /// Growth stops before the year that passes so many nodes: samples of large trees.
-    pub(crate) cut_at: u32,
 }
 
 /// A list with a number for each order.
@@ -427,8 +425,20 @@ impl SelfOrganizing {
             "reiteration" if self.reiteration > self.bud_years + 1 => {
                 Some("no bud waits for so long: see bud_years")
             }
+            "reiteration" if !self.tells_orders() => {
+                Some("all orders are alike: leader, upward, sideways and branching_angle have one number")
+            }
             _ => None,
         }
+    }
+}
+
+impl SelfOrganizing {
+    /// Whether stems differ from other axes.
+    fn tells_orders(&self) -> bool {
+        let lists = [&self.leader, &self.upward, &self.sideways, &self.branching_angle_deg];
+        let differs = |list: &Vec<f64>| list.iter().any(|number| Some(number) != list.first());
+        self.max_order + 1 < MAX_ORDERS || lists.into_iter().any(differs)
     }
 }
 
@@ -474,7 +484,6 @@ impl Default for SelfOrganizing {
             twig_diameter_m: 0.002,
             pipe_exponent: 2.5,
             max_nodes: 10_000_000,
-            cut_at: u32::MAX,
         }
     }
 }
