@@ -179,6 +179,7 @@ mod tests {
             ("shed_patience", "3"),
             ("twig_diameter", "0.01"),
             ("pipe_exponent", "2"),
+            ("sag", "1"),
         ] {
             let field = SelfOrganizing::FIELDS.iter().find(|field| field.knob.name == knob).unwrap();
             let mut settings = base.clone();
@@ -195,6 +196,8 @@ mod tests {
         }
         let whorled = SelfOrganizing { phyllotaxis: crate::Phyllotaxis::Whorled, ..base.clone() };
         assert_ne!(hash(&SelfOrganizing { whorl: 3, ..whorled.clone() }), hash(&whorled));
+        let heavy = SelfOrganizing { sag: 1.0, ..base.clone() };
+        assert_ne!(hash(&SelfOrganizing { leaf_weight_kg: 0.02, ..heavy.clone() }), hash(&heavy));
         let by_order = SelfOrganizing { upward: vec![0.3, 0.0], ..base.clone() };
         assert_ne!(hash(&SelfOrganizing { reiteration: 2, ..by_order.clone() }), hash(&by_order));
         // What is called idle changes nothing.

@@ -110,7 +110,7 @@ impl<'a> Growth<'a> {
         self.nodes.push(&Node { parent, place, direction, side, key, birth, order, flags, buds });
     }
 
-    /// One year: light, shares, what is shed, shoots.
+    /// One year: light, shares, what is shed, shoots, bending.
     pub fn grow_year(&mut self, monitor: &dyn Monitor) -> Result<(), SelfOrganizingError> {
         monitor.check()?;
         self.year += 1;
@@ -127,6 +127,9 @@ impl<'a> Growth<'a> {
             }
             self.nodes.compact();
             self.shed += shed_nodes as u64;
+        }
+        if self.settings.sag > 0.0 {
+            self.bend(monitor)?;
         }
         Ok(())
     }
@@ -213,10 +216,7 @@ impl<'a> Growth<'a> {
             let (years, vigor) = (settings.years, settings.vigor);
             return Err(SelfOrganizingError::NothingGrew { years, vigor });
         }
-        let radius = |&pipes: &u32| {
-            let times = libm::pow(f64::from(pipes), 1.0 / settings.pipe_exponent);
-            (0.5 * settings.twig_diameter_m * times) as f32
-        };
+        let radius = |&pipes: &u32| (0.5 * settings.diameter_m(pipes)) as f32;
         let place = |place: &Vec3| ((place.as_dvec3() - CENTRE) * settings.internode_m).as_vec3();
         let edge = |flags: &u8| if flags & LATERAL == 0 { Edge::Succeeds } else { Edge::Branches };
         let branching = Branching {

@@ -7,7 +7,8 @@
 //! 2. vigor times that light is shared among the buds again;
 //! 3. branches that were too dark for too long are shed;
 //! 4. a bud with a share of 1 or more grows a shoot of as many internodes, towards the light, up or level;
-//! 5. new nodes cast shade, shed ones cast none any more.
+//! 5. new nodes cast shade, shed ones cast none any more;
+//! 6. branches bend under the weight that came upon them.
 //!
 //! Wood thickens by the pipe model, in which shed tips stay.
 //!
@@ -37,6 +38,7 @@
 //! # Ok::<(), linden_self_organizing::SelfOrganizingError>(())
 //! ```
 
+mod bend;
 mod error;
 mod generator;
 mod grow;

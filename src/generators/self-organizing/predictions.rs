@@ -48,8 +48,8 @@ fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
 }
 
 #[test]
-fn light_after_growth_and_shedding_is_that_of_the_living_nodes_in_every_voxel() {
-    let settings = SelfOrganizing { light_from: [0.4, 1.0, 0.1], ..measured() };
+fn light_after_growth_shedding_and_bending_is_that_of_the_living_nodes_in_every_voxel() {
+    let settings = SelfOrganizing { light_from: [0.4, 1.0, 0.1], sag: 1.0, ..measured() };
     let mut growth = seedling(&settings, DVec3::new(0.5, 0.0, 0.5), DVec3::X);
     (0..18).for_each(|_| growth.grow_year(&Quiet).unwrap());
     assert!(growth.shed > 100, "{}", growth.shed);
@@ -305,6 +305,29 @@ fn mirrored_seedlings_grow_mirrored_trees() {
     assert!(right.len() > 500, "{}", right.len());
     assert_eq!(right.parents, left.parents);
     let apart = right.places.iter().zip(&left.places).map(|(a, b)| (*a * mirror.as_vec3() - *b).length());
+    assert!(apart.fold(0.0, f32::max) < 1e-4);
+}
+
+#[test]
+fn branches_sink_under_their_weight_and_keep_their_lengths() {
+    // The same tree without light to answer to: only bending differs.
+    let straight = SelfOrganizing { light_pull: 0.0, shade: 0.0, shed: 0.0, years: 5, ..measured() };
+    let mean = |grown: &Grown, sideways: bool| {
+        let part = |place: &Vec3| f64::from(if sideways { place.x.hypot(place.z) } else { place.y });
+        grown.branching.positions.iter().map(part).sum::<f64>() / grown.branching.positions.len() as f64
+    };
+    let trees: Vec<Grown> =
+        [0.0, 0.3, 1.0].map(|sag| grown(&SelfOrganizing { sag, ..straight.clone() }, 6)).into();
+    println!("{:?}", trees.iter().map(|tree| [mean(tree, false), mean(tree, true)]).collect::<Vec<_>>());
+    let parents = |tree: &Grown| tree.branching.parents.clone();
+    assert!(trees.iter().all(|tree| parents(tree) == parents(&trees[0])));
+    assert!(trees.is_sorted_by(|a, b| mean(a, false) > mean(b, false)));
+    let lengths = |tree: &Grown| -> Vec<f32> {
+        let Branching { positions, parents, .. } = &tree.branching;
+        let nodes = positions.iter().zip(parents).filter(|(_, parent)| **parent != NO_PARENT);
+        nodes.map(|(place, &parent)| place.distance(positions[parent as usize])).collect()
+    };
+    let apart = lengths(&trees[0]).into_iter().zip(lengths(&trees[1])).map(|(a, b)| (a - b).abs());
     assert!(apart.fold(0.0, f32::max) < 1e-4);
 }
 

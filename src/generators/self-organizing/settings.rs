@@ -101,6 +101,10 @@ pub struct SelfOrganizing {
     pub twig_diameter_m: f64,
     /// n of the pipe model.
     pub pipe_exponent: f64,
+    /// How far branches bend under their weight: 1 as green wood does, 0 not at all.
+    pub sag: f64,
+    /// Weight of the leaves of a node, kilograms.
+    pub leaf_weight_kg: f64,
     /// Larger trees are refused.
     pub max_nodes: u32,
 }
@@ -398,6 +402,26 @@ impl SelfOrganizing {
             see_also(&["twig_diameter"])
         ),
         field!(
+            "sag",
+            real(0.0, 100.0),
+            "",
+            "how far branches bend under their weight: 1 as green wood does, 0 not at all",
+            sag,
+            details(
+                "Laterals are beams of 8 GPa and 900 kg/m3, bent each year by what came upon them; nothing springs \
+                 back. Limbs arch, and with upward above 0 their tips rise. Stems stay upright."
+            ),
+            see_also(&["leaf_weight", "twig_diameter", "upward"])
+        ),
+        field!(
+            "leaf_weight",
+            real(0.0, 10.0),
+            "kg",
+            "weight of the leaves of a node",
+            leaf_weight_kg,
+            see_also(&["sag"])
+        ),
+        field!(
             "max_nodes",
             integer(2, 100_000_000),
             "nodes",
@@ -419,6 +443,7 @@ impl SelfOrganizing {
             "divergence" if self.phyllotaxis != Phyllotaxis::Spiral => Some("phyllotaxis is not spiral"),
             "whorl" if self.phyllotaxis != Phyllotaxis::Whorled => Some("phyllotaxis is not whorled"),
             "shed_grace" | "shed_patience" if self.shed == 0.0 => Some("shed is 0"),
+            "leaf_weight" if self.sag == 0.0 => Some("sag is 0"),
             "shade_falloff" | "shade_depth" | "light_from" | "light_pull" if self.shade == 0.0 => {
                 Some("shade is 0")
             }
@@ -483,6 +508,8 @@ impl Default for SelfOrganizing {
             shed_patience: 2,
             twig_diameter_m: 0.002,
             pipe_exponent: 2.5,
+            sag: 0.0,
+            leaf_weight_kg: 0.001,
             max_nodes: 10_000_000,
         }
     }

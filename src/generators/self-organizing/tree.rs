@@ -39,15 +39,17 @@ pub(crate) struct Nodes {
     pub dark_years: Vec<u8>,
     /// Tips that were shed from here.
     pub shed_tips: Vec<u32>,
+    /// The largest moment of what hung on the internode so far, newton metres.
+    pub moments: Vec<f32>,
 }
 
 /// Births in a year.
 pub(crate) const PARTS: u32 = 16;
 
 /// Bytes of a node with all that a year works out for it.
-pub(crate) const NODE_BYTES: u64 = 4 + 3 * 12 + 8 + 4 + 4 + 4 + YEAR_BYTES;
-/// Light, sums, shares.
-const YEAR_BYTES: u64 = 4 + 2 * 8 + 3 * 4 + 3 * 8 + 4;
+pub(crate) const NODE_BYTES: u64 = 4 + 3 * 12 + 8 + 4 + 4 + 4 + 4 + YEAR_BYTES;
+/// Light, sums, shares; or, as much, loads and turns.
+const YEAR_BYTES: u64 = 4 + 4 * 8 + 7 * 8 + 24;
 
 /// What a node is made of.
 #[derive(Clone, Copy, Debug)]
@@ -80,6 +82,7 @@ impl Nodes {
         self.buds.push(node.buds);
         self.dark_years.push(0);
         self.shed_tips.push(0);
+        self.moments.push(0.0);
     }
 
     pub fn is(&self, node: usize, flag: u8) -> bool {
@@ -124,6 +127,7 @@ impl Nodes {
             self.buds[to] = self.buds[node];
             self.dark_years[to] = self.dark_years[node];
             self.shed_tips[to] = self.shed_tips[node];
+            self.moments[to] = self.moments[node];
             kept += 1;
         }
         let kept = kept as usize;
@@ -138,6 +142,7 @@ impl Nodes {
         self.buds.truncate(kept);
         self.dark_years.truncate(kept);
         self.shed_tips.truncate(kept);
+        self.moments.truncate(kept);
     }
 
     /// How many tips hang on each node, those that were shed included: the pipes of the pipe model

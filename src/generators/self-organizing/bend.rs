@@ -1,0 +1,129 @@
+//! Branches bend under the weight of wood and leaves.
+
+use std::f64::consts::PI;
+
+use glam::{DQuat, DVec3};
+use linden_base::memory::OverMemory;
+use linden_base::monitor::Monitor;
+
+use crate::SelfOrganizing;
+use crate::grow::Growth;
+
+/// Young's modulus of green wood, Pa; 5e9 to 12e9 are measured.
+const STIFFNESS: f64 = 8e9;
+/// Of green wood, kg/m³: 700 to 1100.
+const DENSITY: f64 = 900.0;
+/// m/s².
+const GRAVITY: f64 = 9.81;
+/// The most that an internode bends in a year, radians.
+const MOST: f64 = 0.3;
+
+/// What hangs on a node: weight in newtons, and weight times place in newton metres.
+#[derive(Clone, Copy, Default)]
+struct Load {
+    weight: f64,
+    x: f64,
+    z: f64,
+}
+
+impl Growth<'_> {
+    /// Bends all internodes by what this year added to their loads.
+    ///
+    /// The year's growth of the moment M about an internode bends it by the beam's `Δκ = ΔM / (E·I)`,
+    /// I = π·d⁴/64, with the wood that it has now; new wood is laid on the bent shape and keeps it, so that nothing
+    /// springs back when loads fall. Stems stay upright, as reaction wood keeps them. Limbs arch; shoots that turn up as they grow make their tips rise. Nodes that
+    /// come to another voxel take their shade along.
+    pub fn bend(&mut self, monitor: &dyn Monitor) -> Result<(), OverMemory> {
+        let turns = self.turns();
+        let nodes = &mut self.nodes;
+        // Places before and after, and how much is turned, of all that was looked at.
+        let mut moved: Vec<(DVec3, DQuat)> = Vec::with_capacity(nodes.len());
+        for (node, turn) in turns.into_iter().enumerate() {
+            let old = nodes.places[node].as_dvec3();
+            if nodes.is_foot(node) {
+                moved.push((old, DQuat::IDENTITY));
+                continue;
+            }
+            let parent = nodes.parents[node] as usize;
+            let (parent_old, below) = moved[parent];
+            let all = (below * turn).normalize();
+            moved.push((old, all));
+            if all == DQuat::IDENTITY && nodes.places[parent].as_dvec3() == parent_old {
+                continue;
+            }
+            let mut place = nodes.places[parent].as_dvec3() + all * (old - parent_old);
+            // What reaches the ground lies on it.
+            place.y = place.y.max(0.0);
+            let before = nodes.voxel(node);
+            nodes.places[node] = place.as_vec3();
+            nodes.directions[node] = (all * nodes.directions[node].as_dvec3()).normalize().as_vec3();
+            nodes.sides[node] = (all * nodes.sides[node].as_dvec3()).normalize().as_vec3();
+            let after = nodes.voxel(node);
+            if after != before {
+                self.grid.remove(before, &self.pyramid);
+                self.grid.add(after, &self.pyramid, monitor)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// How much each internode turns where it begins, against the one below.
+    fn turns(&mut self) -> Vec<DQuat> {
+        let settings = self.settings;
+        let nodes = &mut self.nodes;
+        let pipes = nodes.pipes();
+        let mut loads = vec![Load::default(); nodes.len()];
+        let mut turns = vec![DQuat::IDENTITY; nodes.len()];
+        for node in (0..nodes.len()).rev() {
+            if nodes.is_foot(node) {
+                continue;
+            }
+            let parent = nodes.parents[node] as usize;
+            let scale = settings.internode_m;
+            let (start, end) =
+                (nodes.places[parent].as_dvec3() * scale, nodes.places[node].as_dvec3() * scale);
+            let diameter = settings.diameter_m(pipes[node]);
+            let length = (end - start).length();
+            let wood = GRAVITY * DENSITY * PI / 4.0 * diameter * diameter * length;
+            let leaves = GRAVITY * settings.leaf_weight_kg;
+            let middle = (start + end) / 2.0;
+            let load = &mut loads[node];
+            load.weight += wood + leaves;
+            load.x += wood * middle.x + leaves * end.x;
+            load.z += wood * middle.z + leaves * end.z;
+            let load = *load;
+            let below = &mut loads[parent];
+            below.weight += load.weight;
+            below.x += load.x;
+            below.z += load.z;
+            // Of all beyond about the internode's start: its arm is level.
+            let arm = DVec3::new(load.x - load.weight * start.x, 0.0, load.z - load.weight * start.z);
+            let moment = arm.length();
+            let more = moment - f64::from(nodes.moments[node]);
+            if more <= 0.0 || nodes.orders[node] == 0 {
+                continue;
+            }
+            nodes.moments[node] = moment as f32;
+            let square = diameter * diameter;
+            let inertia = PI / 64.0 * square * square;
+            let angle = (settings.sag * length * more / (STIFFNESS * inertia)).min(MOST);
+            turns[node] = DQuat::from_axis_angle(DVec3::Y.cross(arm / moment), angle);
+        }
+        // No internode turns past the direction in which it hangs.
+        for (turn, direction) in turns.iter_mut().zip(&nodes.directions) {
+            let hanging = libm::acos(f64::from(-direction.y).clamp(-1.0, 1.0));
+            let (axis, angle) = turn.to_axis_angle();
+            if angle > hanging {
+                *turn = DQuat::from_axis_angle(axis, hanging);
+            }
+        }
+        turns
+    }
+}
+
+impl SelfOrganizing {
+    /// The pipe model: `d^n = Σ d_tip^n`.
+    pub(crate) fn diameter_m(&self, pipes: u32) -> f64 {
+        self.twig_diameter_m * libm::pow(f64::from(pipes), 1.0 / self.pipe_exponent)
+    }
+}
