@@ -21,7 +21,7 @@ const ADVICE: &str = "lower years or vigor, or raise shed or internode";
 pub struct Grown {
     /// Nodes with radii, births (16 a year) and edges: shoots of an apex go on, those of lateral buds branch.
     pub branching: Branching,
-    /// Internodes of branches that were shed.
+    /// Nodes of branches and trees that were shed.
     pub shed: u64,
 }
 
@@ -57,7 +57,8 @@ pub fn grow(
 
 /// Grows a tree on each foot, metres, y = 0; they shade each other, and grow year by year at the same time.
 ///
-/// A tree's random choices follow from its number and the key, not from the other trees.
+/// A tree's random choices follow from its number and the key, not from the other trees. A tree without any light
+/// falls, but for [`SelfOrganizing::shed`] = 0: there may be fewer trees than feet.
 ///
 /// # Errors
 /// As [`grow`].
@@ -122,7 +123,9 @@ impl<'a> Growth<'a> {
         self.admit(&shoots, shed_nodes, monitor)?;
         self.sprout(&shoots, monitor)?;
         if shed_nodes > 0 {
-            for node in (0..self.nodes.len()).filter(|&node| self.nodes.is(node, SHED)) {
+            for node in
+                (0..self.nodes.len()).filter(|&node| self.nodes.is(node, SHED) && !self.nodes.is_foot(node))
+            {
                 self.grid.remove(self.nodes.voxel(node), &self.pyramid);
             }
             self.nodes.compact();

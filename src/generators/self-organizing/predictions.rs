@@ -249,6 +249,30 @@ fn crowns_keep_apart() {
 }
 
 #[test]
+fn where_seedlings_stand_close_few_are_left() {
+    let settings = SelfOrganizing { years: 24, ..measured() };
+    let feet: Vec<Vec3> =
+        (0..400).map(|i| Vec3::new((i % 20) as f32 * 0.2, 0.0, (i / 20) as f32 * 0.2)).collect();
+    let trees = |years| {
+        let settings = SelfOrganizing { years, ..settings.clone() };
+        let stand = grow_stand(&settings, &feet, Key::new(1), &Quiet).unwrap().branching;
+        let is_foot = |(parent, _): &(&u32, &f32)| **parent == NO_PARENT;
+        let radii: Vec<f64> = stand
+            .parents
+            .iter()
+            .zip(stand.radii.as_ref().unwrap())
+            .filter(is_foot)
+            .map(|(_, &radius)| f64::from(radius))
+            .collect();
+        (radii.len(), radii.iter().sum::<f64>() / radii.len() as f64)
+    };
+    let years = [4, 8, 12, 16, 24].map(trees);
+    println!("{years:?}");
+    assert!(years.is_sorted_by(|a, b| a.0 >= b.0 && a.1 < b.1), "{years:?}");
+    assert!(years[0].0 == 400 && years[4].0 < 200, "{years:?}");
+}
+
+#[test]
 fn more_is_shed_and_less_lives_as_the_threshold_rises() {
     let of = |shed| {
         let trees: Vec<Grown> =
