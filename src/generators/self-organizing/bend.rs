@@ -8,6 +8,7 @@ use linden_base::monitor::Monitor;
 
 use crate::SelfOrganizing;
 use crate::grow::Growth;
+use crate::light::Change;
 
 /// Young's modulus of green wood, Pa; 5e9 to 12e9 are measured.
 const STIFFNESS: f64 = 8e9;
@@ -38,6 +39,7 @@ impl Growth<'_> {
         let nodes = &mut self.nodes;
         // Places before and after, and how much is turned, of all that was looked at.
         let mut moved: Vec<(DVec3, DQuat)> = Vec::with_capacity(nodes.len());
+        let mut changes = Vec::new();
         for (node, turn) in turns.into_iter().enumerate() {
             let old = nodes.places[node].as_dvec3();
             if nodes.is_foot(node) {
@@ -60,11 +62,11 @@ impl Growth<'_> {
             nodes.sides[node] = (all * nodes.sides[node].as_dvec3()).normalize().as_vec3();
             let after = nodes.voxel(node);
             if after != before {
-                self.grid.remove(before, &self.pyramid);
-                self.grid.add(after, &self.pyramid, monitor)?;
+                changes.push(Change { voxel: before, is_gone: true });
+                changes.push(Change { voxel: after, is_gone: false });
             }
         }
-        Ok(())
+        self.grid.change(&mut changes, &self.pyramid, monitor)
     }
 
     /// How much each internode turns where it begins, against the one below.

@@ -4,6 +4,9 @@ use linden_base::memory::OverMemory;
 use linden_base::monitor::Cancelled;
 use linden_skeleton::generator::GeneratorError;
 
+/// Within so many internodes of the origin trees may stand: about what single precision tells apart.
+pub(crate) const FARTHEST: f32 = 100_000.0;
+
 /// Why no tree grew.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -28,6 +31,21 @@ pub enum SelfOrganizingError {
         nodes: u64,
         /// [`SelfOrganizing::max_nodes`](crate::SelfOrganizing::max_nodes).
         limit: u32,
+    },
+    /// A foot that is not on the ground, or too far away for the grid of light.
+    #[error(
+        "growing by light: tree {number} is to stand at {x}, {y}, {z}; it needs y = 0, and x and z within \
+         {FARTHEST} internodes of the origin"
+    )]
+    Foot {
+        /// Of the tree, from 0.
+        number: usize,
+        /// Metres.
+        x: f32,
+        /// Metres.
+        y: f32,
+        /// Metres.
+        z: f32,
     },
     /// The seedling never grew.
     #[error(

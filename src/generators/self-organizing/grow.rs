@@ -5,7 +5,8 @@ use linden_base::monitor::{Monitor, Phase};
 use linden_base::random::Key;
 use linden_skeleton::{Branching, Edge, NO_PARENT};
 
-use crate::light::{LightGrid, Pyramid};
+use crate::error::FARTHEST;
+use crate::light::{Change, LightGrid, Pyramid};
 use crate::share::Shares;
 use crate::shed::shed;
 use crate::shoot::{Shoot, across, internodes};
@@ -68,6 +69,12 @@ pub fn grow_stand(
     key: Key,
     monitor: &dyn Monitor,
 ) -> Result<Grown, SelfOrganizingError> {
+    let farthest = FARTHEST * settings.internode_m as f32;
+    for (number, &Vec3 { x, y, z }) in feet.iter().enumerate() {
+        if y != 0.0 || !(x.abs() <= farthest && z.abs() <= farthest) {
+            return Err(SelfOrganizingError::Foot { number, x, y, z });
+        }
+    }
     let mut growth = Growth::new(settings);
     for (number, foot) in (0..).zip(feet) {
         let key = key.child(number);
@@ -121,13 +128,14 @@ impl<'a> Growth<'a> {
         let shed_nodes = shed(&mut self.nodes, &sums, self.settings, self.year);
         let shoots = self.shoots(&shares);
         self.admit(&shoots, shed_nodes, monitor)?;
+        let old = self.nodes.len();
         self.sprout(&shoots, monitor)?;
+        let shed = (0..old).filter(|&node| self.nodes.is(node, SHED) && !self.nodes.is_foot(node));
+        let change = |node, is_gone| Change { voxel: self.nodes.voxel(node), is_gone };
+        let mut changes: Vec<Change> = shed.map(|node| change(node, true)).collect();
+        changes.extend((old..self.nodes.len()).map(|node| change(node, false)));
+        self.grid.change(&mut changes, &self.pyramid, monitor)?;
         if shed_nodes > 0 {
-            for node in
-                (0..self.nodes.len()).filter(|&node| self.nodes.is(node, SHED) && !self.nodes.is_foot(node))
-            {
-                self.grid.remove(self.nodes.voxel(node), &self.pyramid);
-            }
             self.nodes.compact();
             self.shed += shed_nodes as u64;
         }
@@ -203,7 +211,6 @@ impl<'a> Growth<'a> {
             }
             for node in &grown {
                 self.nodes.push(node);
-                self.grid.add(self.nodes.voxel(self.nodes.len() - 1), &self.pyramid, monitor)?;
             }
         }
         Ok(())

@@ -79,6 +79,14 @@ impl Pyramid {
     }
 }
 
+/// A node that begins or ceases to cast shade.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Change {
+    pub voxel: Voxel,
+    /// Whether its shade, which was there, is to go.
+    pub is_gone: bool,
+}
+
 /// The shade in all voxels. Bricks of 8³ appear where something is shaded; without one, there is no shade.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LightGrid {
@@ -113,18 +121,38 @@ impl LightGrid {
         ]
     }
 
-    /// Adds the pyramid of a node.
+    /// Adds the pyramids of nodes, and takes out those of others, in the order of bricks: neighbours find them in
+    /// the processor's caches. Sums are the same in any order.
     ///
     /// # Errors
     /// [`OverMemory`].
-    pub fn add(&mut self, voxel: Voxel, pyramid: &Pyramid, monitor: &dyn Monitor) -> Result<(), OverMemory> {
-        let [low, high] = pyramid.reach(voxel);
-        self.cover(low, high, monitor)?;
-        self.stamp(voxel, pyramid, |shade| shade);
+    pub fn change(
+        &mut self,
+        changes: &mut [Change],
+        pyramid: &Pyramid,
+        monitor: &dyn Monitor,
+    ) -> Result<(), OverMemory> {
+        changes.sort_unstable_by_key(|change| change.voxel.map(|v| v >> SHIFT));
+        for change in changes {
+            if change.is_gone {
+                self.stamp(change.voxel, pyramid, u32::wrapping_neg);
+                continue;
+            }
+            let [low, high] = pyramid.reach(change.voxel);
+            self.cover(low, high, monitor)?;
+            self.stamp(change.voxel, pyramid, |shade| shade);
+        }
         Ok(())
     }
 
+    /// Adds the pyramid of a node.
+    #[cfg(test)]
+    pub fn add(&mut self, voxel: Voxel, pyramid: &Pyramid, monitor: &dyn Monitor) -> Result<(), OverMemory> {
+        self.change(&mut [Change { voxel, is_gone: false }], pyramid, monitor)
+    }
+
     /// Takes out the pyramid of a node that was added.
+    #[cfg(test)]
     pub fn remove(&mut self, voxel: Voxel, pyramid: &Pyramid) {
         self.stamp(voxel, pyramid, u32::wrapping_neg);
     }
@@ -154,7 +182,7 @@ impl LightGrid {
     }
 
     /// Adds a part of the shade of each layer, brick by brick: each is looked up once.
-    fn stamp(&mut self, voxel: Voxel, pyramid: &Pyramid, part: fn(u32) -> u32) {
+    fn stamp(&mut self, voxel: Voxel, pyramid: &Pyramid, part: impl Fn(u32) -> u32) {
         let [low, high] = pyramid.reach(voxel).map(|corner| corner.map(|v| v >> SHIFT));
         let [x, y, z] = voxel;
         for brick_y in low[1]..=high[1] {

@@ -361,6 +361,11 @@ fn refusals_say_what_to_turn() {
     let refused = grow(&settings, Key::new(1), &Quiet).unwrap_err();
     assert!(matches!(refused, SelfOrganizingError::TooManyNodes { limit: 500, .. }), "{refused}");
     assert!(refused.to_string().contains("raise max_nodes"), "{refused}");
+    let nan = Vec3::new(0.0, 0.0, f32::NAN);
+    for foot in [Vec3::new(0.0, 1.0, 0.0), Vec3::new(2e5, 0.0, 0.0), nan] {
+        let refused = grow_stand(&measured(), &[Vec3::ZERO, foot], Key::new(1), &Quiet).unwrap_err();
+        assert!(matches!(refused, SelfOrganizingError::Foot { number: 1, .. }), "{refused}");
+    }
     let settings = SelfOrganizing { vigor: 0.5, ..measured() };
     let refused = grow(&settings, Key::new(1), &Quiet).unwrap_err();
     assert!(refused.to_string().contains("vigor=0.5: raise vigor"), "{refused}");

@@ -49,7 +49,7 @@ pub(crate) const PARTS: u32 = 16;
 /// Bytes of a node with all that a year works out for it.
 pub(crate) const NODE_BYTES: u64 = 4 + 3 * 12 + 8 + 4 + 4 + 4 + 4 + YEAR_BYTES;
 /// Light, sums, shares; or, as much, loads and turns.
-const YEAR_BYTES: u64 = 4 + 4 * 8 + 7 * 8 + 24;
+const YEAR_BYTES: u64 = 4 + 4 * 8 + 7 * 8 + 2 * 16;
 
 /// What a node is made of.
 #[derive(Clone, Copy, Debug)]
@@ -101,7 +101,8 @@ impl Nodes {
 
     /// Where a node's light is read, and its shade begins.
     pub fn voxel(&self, node: usize) -> Voxel {
-        self.places[node].floor().to_array().map(|v| v as i32)
+        // Rounded down; `floor` is a call on machines without SSE 4.1.
+        self.places[node].to_array().map(|v| (v as i32).saturating_sub(i32::from(v < (v as i32) as f32)))
     }
 
     /// Takes out what is [`SHED`], keeping the order.
