@@ -56,3 +56,72 @@ pub(crate) fn shed(nodes: &mut Nodes, sums: &Sums, settings: &SelfOrganizing, ye
     }
     count
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::grow::Growth;
+    use crate::tree::{Node, PARTS};
+    use glam::DVec3;
+    use linden_base::monitor::Quiet;
+    use linden_base::random::Key;
+
+    /// A foot, a node of its stem and, there, a branch of one node that grew in year 1.
+    fn branch(settings: &SelfOrganizing) -> Nodes {
+        let mut growth = Growth::new(settings);
+        growth.plant(DVec3::ZERO, DVec3::X, Key::new(1));
+        let mut nodes = growth.nodes;
+        for (parent, flags) in [(0, 0), (1, LATERAL)] {
+            let (place, direction, side, key) = (DVec3::Y, DVec3::Y, DVec3::X, Key::new(2));
+            let (birth, order, buds) = (PARTS, 0, 0);
+            nodes.push(&Node { parent, place, direction, side, key, birth, order, flags, buds });
+        }
+        nodes
+    }
+
+    /// The year from 1 on in which the branch goes, where its bud gets these parts of full light.
+    fn goes(settings: &SelfOrganizing, light: &[f64]) -> Option<u32> {
+        let mut nodes = branch(settings);
+        (1..).zip(light).find_map(|(year, light)| {
+            let light = (light * f64::from(FULL_LIGHT)) as u64;
+            let sums = Sums {
+                onward: vec![light; 3],
+                lateral: vec![0; 3],
+                internodes: vec![2, 2, 1],
+                ..Sums::default()
+            };
+            (shed(&mut nodes, &sums, settings, year) > 0).then(|| {
+                assert!(nodes.is(2, SHED) && !nodes.is(1, SHED));
+                assert_eq!(nodes.shed_tips, [0, 1, 0]);
+                year
+            })
+        })
+    }
+
+    #[test]
+    fn a_branch_goes_after_its_grace_when_it_was_dark_for_years_in_a_row() {
+        let settings =
+            SelfOrganizing { shed: 0.3, shed_grace: 2, shed_patience: 2, ..SelfOrganizing::default() };
+        // Years 1 to 3 are within the grace: it is not counted either.
+        assert_eq!(goes(&settings, &[0.1; 9]), Some(5));
+        assert_eq!(goes(&settings, &[0.9, 0.9, 0.9, 0.1, 0.4, 0.1, 0.4, 0.1, 0.2]), Some(9));
+        assert_eq!(goes(&settings, &[0.31; 9]), None);
+        assert_eq!(goes(&SelfOrganizing { shed_patience: 1, ..settings.clone() }, &[0.1; 9]), Some(4));
+        assert_eq!(goes(&SelfOrganizing { shed: 0.0, ..settings }, &[0.0; 9]), None);
+    }
+
+    #[test]
+    fn a_stem_never_gets_thinner() {
+        let settings = SelfOrganizing { shed: 0.4, shed_patience: 1, ..SelfOrganizing::default() };
+        let mut growth = Growth::new(&settings);
+        growth.plant(DVec3::new(0.5, 0.0, 0.5), DVec3::X, Key::new(3));
+        let mut before = 0;
+        for _ in 0..25 {
+            growth.grow_year(&Quiet).unwrap();
+            let foot = growth.nodes.pipes()[0];
+            assert!(foot >= before, "{before} {foot}");
+            before = foot;
+        }
+        assert!(growth.shed > 1000, "{}", growth.shed);
+    }
+}
