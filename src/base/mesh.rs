@@ -73,6 +73,15 @@ pub struct Bounds {
 }
 
 impl Bounds {
+    /// Its eight corners: x changes first, then y.
+    pub fn corners(&self) -> [Vec3; 8] {
+        let Self { min, max } = *self;
+        std::array::from_fn(|i| {
+            let pick = |bit: usize, low: f32, high: f32| if i & bit == 0 { low } else { high };
+            Vec3::new(pick(1, min.x, max.x), pick(2, min.y, max.y), pick(4, min.z, max.z))
+        })
+    }
+
     /// Smallest box around some points, `None` when there are none.
     pub fn of(points: impl IntoIterator<Item = Vec3>) -> Option<Self> {
         let mut points = points.into_iter();

@@ -307,7 +307,7 @@ def gltf(path):
         else:
             places = [matrix]
         if "mesh" in node:
-            into = tree.around if node["name"] in ("Ground", "Sky") else tree.meshes
+            into = tree.around if node["name"].startswith(("Ground", "Sky")) else tree.meshes
             into.extend(moved(mesh, place) for mesh in meshes(node["mesh"]) for place in places)
         for child in node.get("children", []):
             visit(child, matrix)
@@ -384,7 +384,10 @@ def usda(path):
     for prim in walk:
         if prim.IsA(UsdGeom.PointInstancer):
             walk.PruneChildren()
-            tree.is_instanced = tree.is_rounded = True
+            is_cover = prim.GetName().startswith("Ground")
+            into = tree.around if is_cover else tree.meshes
+            if not is_cover:
+                tree.is_instanced = tree.is_rounded = True
             instancer = UsdGeom.PointInstancer(prim)
             places = instancer.ComputeInstanceTransformsAtTime(0, 0)
             prototypes = instancer.GetPrototypesRel().GetTargets()
@@ -394,9 +397,9 @@ def usda(path):
                 assert not prototype.IsInstanceable(), "a prototype is instanceable"
                 for own in Usd.PrimRange(prototype):
                     if own.IsA(UsdGeom.Mesh):
-                        tree.meshes.append(moved(mesh_of(own), above @ column(place)))
+                        into.append(moved(mesh_of(own), above @ column(place)))
         elif prim.IsA(UsdGeom.Mesh):
-            into = tree.around if prim.GetName() == "Ground" else tree.meshes
+            into = tree.around if prim.GetName().startswith("Ground") else tree.meshes
             into.append(moved(mesh_of(prim), column(cache.GetLocalToWorldTransform(prim))))
         elif prim.IsA(UsdGeom.BasisCurves):
             curves = UsdGeom.BasisCurves(prim)

@@ -2,10 +2,12 @@
 //! client.
 
 use glam::Vec3;
+use linden::Quiet;
 use linden::scene::Scene;
-use linden::stage::{Level, Place, Plant, Season, Stage};
+use linden::stage::{Level, Place, Plant, Season, Stage, Surroundings};
 use linden_tests::fixtures::{export_stage, scene};
 
+use crate::instances::dressed;
 use crate::outside::{exported, run};
 
 /// Two kinds of trees; the second has another material of the same name.
@@ -60,8 +62,12 @@ fn every_client_takes_a_forest_by_every_way() {
 fn every_client_takes_a_setting() {
     let trees = trees();
     let dir = exported("clients-setting");
-    for (name, stage) in [("wood", wood(&trees)), ("tree", Stage::of(&trees[0]))] {
-        let stage = stage.in_setting();
+    let leafy = dressed(&[]).2;
+    for (name, stage) in
+        [("wood", wood(&trees)), ("tree", Stage::of(&trees[0])), ("leafy", Stage::of(&leafy))]
+    {
+        let by = Surroundings::parse("sun=52,172,15.5 cover=grass,litter").unwrap();
+        let stage = stage.surrounded(&by, &Quiet).unwrap();
         for format in ["obj", "gltf", "glb", "usda", "usdz"] {
             export_stage(&stage, format, &[], &dir.join(format!("{name}.{format}"))).unwrap();
         }
@@ -69,12 +75,15 @@ fn every_client_takes_a_setting() {
             export_stage(&stage, format, &[option], &dir.join(format!("{name}_{}.{format}", option.0)))
                 .unwrap();
         }
+        export_stage(&stage, "glb", &[("instances", "true")], &dir.join(format!("{name}_instances.glb")))
+            .unwrap();
         let (document, ..) = gltf::import(dir.join(format!("{name}.glb"))).unwrap();
         assert_eq!(document.cameras().count(), 1);
         let nodes: Vec<_> = document.nodes().filter_map(|node| node.name().map(str::to_owned)).collect();
-        assert!(
-            ["Camera", "Sun", "Sky", "Ground"].iter().all(|wanted| nodes.iter().any(|name| name == wanted))
-        );
+        let is_there = |wanted: &str| nodes.iter().any(|name| name == wanted);
+        assert!(["Camera", "Sun", "Sky", "Ground", "Ground_grass_1"].into_iter().all(is_there));
+        // The others have no leaves to shed.
+        assert_eq!(is_there("Ground_litter_1"), name == "leafy");
     }
     run("check.py", &dir);
 }

@@ -4,7 +4,7 @@ use glam::{Mat3, Quat, Vec3};
 
 use super::{DressedOrgans, Look, PROTOTYPES, PlacedOrgans};
 use linden_base::memory::bytes_of;
-use linden_base::mesh::Mesh;
+use linden_base::mesh::{Bounds, Mesh};
 
 /// The placed organs of a part: the end of its mesh are copies of a few meshes, and this tells which
 /// stand where. What comes before in that mesh are outlines, which are no copies of anything.
@@ -53,6 +53,12 @@ impl Placement {
     /// Where a point of the mesh is, metres.
     pub fn point(&self, local: Vec3) -> Vec3 {
         self.position + self.rotation * (local * self.scale)
+    }
+
+    /// The box around the boxes of all copies of a mesh that lies in a box; `None` without placements.
+    pub fn bounds(placements: &[Self], of_mesh: Bounds) -> Option<Bounds> {
+        let corners = of_mesh.corners();
+        Bounds::of(placements.iter().flat_map(|placement| corners.map(|corner| placement.point(corner))))
     }
 }
 

@@ -95,9 +95,9 @@ fn blade(mesh: &mut Mesh, tuft: Vec2, key: Key) {
     let u = (hue as f32 + 0.5) / HUES as f32;
     mesh.uvs.extend([0.0, 0.0, 0.55, 0.55, 0.98].map(|v| Vec2::new(u, v)));
     mesh.triangles.extend([
-        [first, first + 1, first + 3],
-        [first, first + 3, first + 2],
-        [first + 2, first + 3, first + 4],
+        [first, first + 3, first + 1],
+        [first, first + 2, first + 3],
+        [first + 2, first + 4, first + 3],
     ]);
 }
 

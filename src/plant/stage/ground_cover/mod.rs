@@ -82,16 +82,7 @@ pub struct GroundPatch {
 impl GroundPatch {
     /// The box round all its copies, metres.
     pub fn bounds(&self) -> Option<Bounds> {
-        let own = self.mesh.bounds()?;
-        let corner = |i: u8| {
-            let pick = |bit: u8, low: f32, high: f32| if i & bit == 0 { low } else { high };
-            Vec3::new(
-                pick(1, own.min.x, own.max.x),
-                pick(2, own.min.y, own.max.y),
-                pick(4, own.min.z, own.max.z),
-            )
-        };
-        Bounds::of(self.placements.iter().flat_map(|at| (0..8).map(move |i| at.point(corner(i)))))
+        Placement::bounds(&self.placements, self.mesh.bounds()?)
     }
 
     /// Bytes that it takes.

@@ -15,6 +15,15 @@ fn covered<'s>(stage: Stage<'s>, kinds: &[GroundCover]) -> Stage<'s> {
     stage.surrounded(&Surroundings { sun: None, cover: kinds.to_vec() }, &Quiet).unwrap()
 }
 
+/// Whether each triangle shows its front where its normals point.
+fn winds_with_its_normals(mesh: &Mesh) -> bool {
+    mesh.triangles.iter().all(|triangle| {
+        let [a, b, c] = triangle.map(|vertex| mesh.positions[vertex as usize]);
+        let leaning: Vec3 = triangle.iter().map(|&vertex| mesh.normals[vertex as usize]).sum();
+        (b - a).cross(c - a).dot(leaning) > 0.0
+    })
+}
+
 fn patches<'s>(stage: &'s Stage<'_>, kind: GroundCover) -> Vec<&'s GroundPatch> {
     stage.setting.as_ref().unwrap().ground.cover.iter().filter(|patch| patch.kind == kind).collect()
 }
@@ -31,6 +40,7 @@ fn grass_stands_on_the_ground_and_has_no_edge() {
         assert!(bounds.min.y == 0.0 && (0.1..0.35).contains(&bounds.max.y), "{bounds:?}");
         assert_eq!(patch.mesh.positions.len(), patch.mesh.normals.len());
         assert!(patch.mesh.normals.iter().all(|n| n.y > 0.0 && (n.length() - 1.0).abs() < 1e-5));
+        assert!(winds_with_its_normals(&patch.mesh));
     }
     // By rings of the same area: as many in the first two thirds, and ever fewer after.
     let meadow = Meadow::seen_in(setting);
@@ -70,6 +80,7 @@ fn leaves_lie_below_the_crown_that_shed_them() {
     for patch in patches {
         let bounds = patch.mesh.bounds().unwrap();
         assert!(bounds.min.y > 0.0, "{bounds:?}");
+        assert!(winds_with_its_normals(&patch.mesh));
         // Brown, and as transparent as the leaf was.
         let brown = |rgba: &[u8]| rgba[0] >= rgba[1] && rgba[1] >= rgba[2];
         let picture = patch.material.base_color_picture.as_ref();
