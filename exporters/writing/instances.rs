@@ -5,17 +5,13 @@
 
 use std::borrow::Cow;
 
-use glam::Vec3;
 use linden_pipeline::Monitor;
-use linden_pipeline::foliage::{Copies, Instances};
-use linden_pipeline::scene::{Bounds, Mesh, Part};
+use linden_pipeline::foliage::{Copies, Instances, Placement};
+use linden_pipeline::scene::{Mesh, Part};
 use linden_pipeline::stage::Stage;
 
 use crate::writing::distinct::{DistinctMeshes, MeshCopies, MeshPart};
 use crate::{Bundle, ExportError};
-
-/// The corners of a box: a bit for each axis.
-const CORNERS: u8 = 8;
 
 /// Puts instances in the place of baked foliage, where a plant stands alone: in a forest the trees
 /// themselves are the instances. What moves in the wind stays as it is.
@@ -91,14 +87,7 @@ fn split<'a>(part: &'a Part, instances: &'a Instances, piece: MeshPart<'a>, piec
     }
     for Copies { name, mesh, placements } in copies {
         let Some(bounds) = mesh.bounds() else { continue };
-        let corner = |i: u8| {
-            let pick = |bit: u8, low: f32, high: f32| if i & bit == 0 { low } else { high };
-            let Bounds { min, max } = bounds;
-            Vec3::new(pick(1, min.x, max.x), pick(2, min.y, max.y), pick(4, min.z, max.z))
-        };
-        let corners = (0..CORNERS).map(corner);
-        let seen = placements.iter().flat_map(|placement| corners.clone().map(|at| placement.point(at)));
-        let Some(seen) = Bounds::of(seen) else { continue };
+        let Some(seen) = Placement::bounds(&placements, bounds) else { continue };
         pieces.push(MeshPart {
             name: Cow::Owned(format!("{}_{name}", part.name)),
             mesh: Cow::Borrowed(mesh),

@@ -37,8 +37,7 @@ const STEMS: &str = "id = \"stems\"\n[weber-penn]\nscale = 4\nbranches = [1, 6, 
                      leaves = 5\nprune_ratio = 0.5\nprune_width = 0.3\nattraction_up = 0.5\nshape = \"envelope\"\n";
 
 /// Two levels without leaves.
-const POLE: &str =
-    "id = \"pole\"\n[weber-penn]\nlevels = 2\nscale = 3\ncurve_v = [60, 60]\nbase_splits = 1\n";
+const POLE: &str = "id = \"pole\"\n[weber-penn]\nlevels = 2\nscale = 3\ncurve_v = [60, 60]\nbase_splits = 1\nsplit_angle = [30]\n";
 
 const HULL: &str = "v 0 1 0\nv 3 1 0\nv 1.5 1 2.5\nv 1.5 4 1\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n";
 
@@ -130,7 +129,11 @@ pub fn plants() -> Vec<Plant> {
             CROWN,
             &[&[("base_radius", "0.1"), ("leaf_form", "tuft"), ("lod_triangles", "900 300")]],
         ),
-        plant("stems on stems", STEMS, &[&[("leaf_form", "card"), ("trunk_lobes", "4"), ("season", "0.9")]]),
+        plant(
+            "stems on stems",
+            STEMS,
+            &[&[("leaf_form", "card"), ("trunk_lobes", "4"), ("season", "0.6"), ("leaf_max_radius", "1")]],
+        ),
         plant("bare stems", POLE, &[&[("twig_taper", "0.3")]]),
         plant("filled", FILLED, &[LEAVES]),
         plant("scanned", SCANNED, &[LEAVES]),

@@ -88,13 +88,7 @@ impl Settings for SelfOrganizing {
     }
 
     fn traits(&self, _: &Wood) -> Traits {
-        Traits {
-            radii: RadiiFrom::Generator,
-            axes: AxisRule::Grammar,
-            places_organs: false,
-            knows_use: false,
-            tells_age: true,
-        }
+        Traits { radii: RadiiFrom::Generator, axes: AxisRule::Grammar, ..Traits::default() }
     }
 
     /// Years: a younger tree has branches that the older one shed, which births do not tell.

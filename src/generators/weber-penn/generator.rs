@@ -106,8 +106,7 @@ impl Settings for WeberPenn {
             radii: RadiiFrom::Generator,
             axes: AxisRule::Grammar,
             places_organs: self.leaves != 0.0 && self.levels > 1,
-            knows_use: false,
-            tells_age: true,
+            ..Traits::default()
         }
     }
 

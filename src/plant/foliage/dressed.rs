@@ -121,8 +121,10 @@ impl DressedOrgans {
         let mut counts = vec![0_u32; 1 + self.kinds.len()];
         for &shape in &self.organs.placed.prototypes {
             let shape = usize::from(shape);
-            if measured.shapes.get(shape).is_some_and(|measured| measured.class == OrganClass::Leaf) {
-                counts[kind_of(shape).map_or(0, |kind| 1 + kind.min(self.kinds.len() - 1))] += 1;
+            let is_leaf = measured.shapes.get(shape).is_some_and(|shape| shape.class == OrganClass::Leaf);
+            if let Some(count) = counts.get_mut(kind_of(shape).map_or(0, |kind| 1 + kind)).filter(|_| is_leaf)
+            {
+                *count += 1;
             }
         }
         let most = (0..counts.len()).max_by_key(|&kind| (counts[kind], usize::MAX - kind));

@@ -198,7 +198,7 @@ impl<'a> Stage<'a> {
     ///
     /// # Errors
     /// [`SunError::Night`].
-    pub fn at_moment(mut self, moment: &Moment) -> Result<Self, SunError> {
+    pub(crate) fn at_moment(mut self, moment: &Moment) -> Result<Self, SunError> {
         if let Some(setting) = &mut self.setting {
             let usual = setting.sun;
             setting.sun = moment.sun(&usual)?;
@@ -315,13 +315,8 @@ impl<'a> Stage<'a> {
         let boxes: Vec<Option<Bounds>> = self.plants.iter().map(plant_bounds).collect();
         let placed = |place: &Place| {
             let bounds = boxes.get(place.plant).copied().flatten()?;
-            let [low, high] = [bounds.min, bounds.max];
-            let corner = |i: u8| {
-                let pick = |bit: u8, low: f32, high: f32| if i & bit == 0 { low } else { high };
-                Vec3::new(pick(1, low.x, high.x), pick(2, low.y, high.y), pick(4, low.z, high.z))
-            };
             let Some(motion) = place.motion() else { return Some(bounds) };
-            Bounds::of((0..8).map(|i| motion.point(corner(i))))
+            Bounds::of(bounds.corners().map(|corner| motion.point(corner)))
         };
         self.places.iter().filter_map(placed).reduce(Bounds::union)
     }

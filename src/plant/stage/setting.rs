@@ -336,11 +336,8 @@ impl Ground {
 mod tests {
     use super::*;
 
-    fn corners(min: Vec3, max: Vec3) -> Vec<Vec3> {
-        let pick = |i: u8, bit: u8, low: f32, high: f32| if i & bit == 0 { low } else { high };
-        (0..8)
-            .map(|i| Vec3::new(pick(i, 1, min.x, max.x), pick(i, 2, min.y, max.y), pick(i, 4, min.z, max.z)))
-            .collect()
+    fn corners(min: Vec3, max: Vec3) -> [Vec3; 8] {
+        Bounds { min, max }.corners()
     }
 
     #[test]

@@ -40,7 +40,6 @@ fn gnarled_wood_with_everything_stays_closed() {
     let (mut triangles, mut flipped) = (0, 0);
     for seed in 0..60 {
         let skeleton = gnarled(seed);
-        // Lobes fold twice as many triangles where wood turns so: 2 of 10 000.
         let round = Features { lobes: 0, ..ALL };
         for tubes in [with(round), Tubes { rings: 3, ..with(Features { ends: Ends::Cut, ..round }) }] {
             let mesh = sweep(&skeleton, &tubes, &Quiet).unwrap();
@@ -53,6 +52,20 @@ fn gnarled_wood_with_everything_stays_closed() {
     }
     // The rest is where wood turns within its own thickness.
     assert!(flipped * 10_000 < triangles, "{flipped} of {triangles} triangles are folded");
+}
+
+/// Lobes reach farther out, so that more of them cross where wood turns within its own thickness.
+#[test]
+fn lobed_gnarled_wood_stays_closed() {
+    let (mut triangles, mut flipped) = (0, 0);
+    for seed in 0..20 {
+        let mesh = sweep(&gnarled(seed), &with(ALL), &Quiet).unwrap();
+        let found = topology(&mesh, &Quiet).unwrap();
+        assert_eq!(Topology { flipped: 0, ..found }, Topology::default(), "seed {seed}");
+        triangles += mesh.triangles.len();
+        flipped += found.flipped;
+    }
+    assert!(flipped * 3_000 < triangles, "{flipped} of {triangles} triangles are folded");
 }
 
 /// Of a trunk that does not taper: what the formula says, all the way up.

@@ -38,13 +38,9 @@ impl PlacedCrown {
 
 impl Crown for PlacedCrown {
     fn bounds(&self) -> Bounds {
-        let Bounds { min, max } = self.crown.bounds();
-        let corner = |i: u8| {
-            let pick = |bit: u8, low: f32, high: f32| if i & bit == 0 { low } else { high };
-            Vec3::new(pick(1, min.x, max.x), pick(2, min.y, max.y), pick(4, min.z, max.z))
-        };
-        let corners = (0..8).map(|i| self.out(corner(i).as_dvec3()).as_vec3());
-        Bounds::of(corners).unwrap_or(Bounds { min, max })
+        let bounds = self.crown.bounds();
+        let corners = bounds.corners().map(|corner| self.out(corner.as_dvec3()).as_vec3());
+        Bounds::of(corners).unwrap_or(bounds)
     }
 
     fn contains(&self, p: DVec3) -> bool {
