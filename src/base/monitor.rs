@@ -56,6 +56,8 @@ pub enum Phase {
     Grow,
     /// Growing stems on stems; unit: stems of a level.
     Branch,
+    /// Growing by light; unit: years.
+    Age,
     /// Refining a branching; unit: steps.
     Refine,
     /// Growing leaves; unit: axes.
@@ -79,6 +81,7 @@ impl Phase {
             Self::Derive => ("deriving", "symbols"),
             Self::Turtle => ("drawing", "symbols"),
             Self::Grow => ("growing", "points"),
+            Self::Age => ("growing", "years"),
             Self::Branch => ("branching", "stems"),
             Self::Refine => ("refining", "steps"),
             Self::Sprout => ("leafing", "axes"),

@@ -10,6 +10,7 @@ const BUILTIN: &[&dyn Generator] = &[
     linden_colonization::GENERATOR,
     linden_scan::GENERATOR,
     linden_weber_penn::GENERATOR,
+    linden_self_organizing::GENERATOR,
 ];
 
 /// Those that a program has added, until the registry is first read.
@@ -49,7 +50,7 @@ pub fn register(generator: &'static dyn Generator) -> Result<(), RegisterError> 
 ///
 /// ```
 /// let ids: Vec<&str> = linden_pipeline::generators::all().iter().map(|generator| generator.id()).collect();
-/// assert_eq!(ids, ["lsystem", "colonization", "scan", "weber-penn"]);
+/// assert_eq!(ids, ["lsystem", "colonization", "scan", "weber-penn", "self-organizing"]);
 /// ```
 pub fn all() -> &'static [&'static dyn Generator] {
     ALL.get_or_init(|| {

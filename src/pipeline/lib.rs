@@ -39,6 +39,7 @@ pub use linden_lsystem as lsystem;
 pub use linden_plant::{Body, Specimen, Wanted};
 pub use linden_plant::{canopy, detail, foliage, scene, season, settings, stage, surface, texture, wind};
 pub use linden_scan as scan;
+pub use linden_self_organizing as self_organizing;
 pub use linden_skeleton as skeleton;
 pub use linden_weber_penn as weber_penn;
 

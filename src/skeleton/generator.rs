@@ -85,6 +85,15 @@ pub enum Asked {
     InDocument,
 }
 
+/// Steps in which a tree grew.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Steps {
+    /// How many.
+    pub count: u32,
+    /// What one of them is called, like `derivation`.
+    pub unit: &'static str,
+}
+
 /// A key of a generator's table that is no knob.
 #[derive(Clone, Copy)]
 pub struct TableKey {
@@ -198,13 +207,13 @@ pub trait Settings: Any + fmt::Debug + Send + Sync + Duplicate {
         true
     }
 
-    /// How often the tree is derived anew, where births do not tell how it grew.
-    fn derivations(&self) -> Option<u32> {
+    /// The steps in which the tree grew, where births do not tell what it was like in each.
+    fn steps(&self) -> Option<Steps> {
         None
     }
 
-    /// The settings of the tree as it was after some of [`Settings::derivations`].
-    fn derived(&self, _derivations: u32) -> Option<Box<dyn Settings>> {
+    /// The settings of the tree as it was after some of [`Settings::steps`].
+    fn at_step(&self, _step: u32) -> Option<Box<dyn Settings>> {
         None
     }
 

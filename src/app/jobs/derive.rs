@@ -114,7 +114,7 @@ fn derived(request: &WordRequest, watcher: &Watcher<'_>) -> Result<DerivedWord, 
 /// What the turtle draws, exactly where it says.
 fn drawn(request: &WordRequest, holding: &Holding<'_>) -> Result<Option<Plant>, Option<NoWord>> {
     let mut recipe = (*request.recipe).clone();
-    if let Some(generator) = recipe.preset.generator.derived(request.step) {
+    if let Some(generator) = recipe.preset.generator.at_step(request.step) {
         recipe.preset.generator = generator;
     }
     recipe.preset.refinement = Refinement::default();

@@ -153,14 +153,14 @@ fn grown_from(
     }))
 }
 
-/// A tree as it was at a step of its growth: at an iteration of colonization, or at a derivation,
-/// for which the L-system is derived again (its symbols are not kept from one to the next). `None`
+/// A tree as it was at a step of its growth: at an iteration of colonization, or at one of its generator's steps
+/// (a derivation, a year), to which it is grown again (nothing is kept from one to the next). `None`
 /// while nothing is drawn; `Err(None)` when it was cancelled.
 pub fn stage(shown: &ShownTree, step: u32, watcher: &Watcher<'_>) -> Result<Option<Plant>, Option<String>> {
     let mut recipe = (*shown.recipe).clone();
     // The whole tree stays while a younger one is shown.
     let holding = Holding::new(watcher, shown.grown.bytes());
-    let Some(derived) = recipe.preset.generator.derived(step) else {
+    let Some(derived) = recipe.preset.generator.at_step(step) else {
         let organs_bytes = shown.grown.bytes() - shown.grown.skeleton.bytes();
         let beside = Holding::new(watcher, organs_bytes);
         shown.grown.admit_until(&beside).map_err(|over| Some(over.to_string()))?;

@@ -6,7 +6,7 @@ use linden_base::knob::{Knob, Value, set, values};
 use linden_base::monitor::Monitor;
 use linden_skeleton::generator::{
     Branched, Generator, GeneratorError, KeyContent, Passage, RadiiFrom, SampleSize, Sampler, Settings,
-    TableKey, Task, Traits, Written,
+    Steps, TableKey, Task, Traits, Written,
 };
 use linden_skeleton::publication::{ABOP, Publication};
 use linden_skeleton::{AxisRule, Width, Wood};
@@ -154,11 +154,11 @@ impl Settings for LSystem {
             || chooses(&self.grammar, self.derivations)
     }
 
-    fn derivations(&self) -> Option<u32> {
-        Some(self.derivations)
+    fn steps(&self) -> Option<Steps> {
+        Some(Steps { count: self.derivations, unit: "derivation" })
     }
 
-    fn derived(&self, derivations: u32) -> Option<Box<dyn Settings>> {
+    fn at_step(&self, derivations: u32) -> Option<Box<dyn Settings>> {
         Some(Box::new(Self { derivations, ..self.clone() }))
     }
 

@@ -5,7 +5,7 @@ use linden_base::input::Inputs;
 use linden_base::knob::{Knob, Value, set, values};
 use linden_base::monitor::Monitor;
 use linden_skeleton::generator::{
-    Branched, Generator, GeneratorError, RadiiFrom, SampleSize, Settings, TableKey, Task, Traits,
+    Branched, Generator, GeneratorError, RadiiFrom, SampleSize, Settings, Steps, TableKey, Task, Traits,
 };
 use linden_skeleton::publication::{Publication, PublicationKind};
 use linden_skeleton::{AxisRule, Wood};
@@ -91,12 +91,12 @@ impl Settings for SelfOrganizing {
         Traits { radii: RadiiFrom::Generator, axes: AxisRule::Grammar, ..Traits::default() }
     }
 
-    /// Years: a younger tree has branches that the older one shed, which births do not tell.
-    fn derivations(&self) -> Option<u32> {
-        Some(self.years)
+    /// A younger tree has branches that the older one shed, which births do not tell.
+    fn steps(&self) -> Option<Steps> {
+        Some(Steps { count: self.years, unit: "year" })
     }
 
-    fn derived(&self, years: u32) -> Option<Box<dyn Settings>> {
+    fn at_step(&self, years: u32) -> Option<Box<dyn Settings>> {
         Some(Box::new(Self { years: years.max(1), ..self.clone() }))
     }
 
@@ -204,7 +204,7 @@ mod tests {
     fn a_younger_tree_is_the_same_tree_in_that_year() {
         let inputs = Inputs::new();
         let old = SelfOrganizing { years: 14, ..SelfOrganizing::default() };
-        let young = old.derived(9).unwrap();
+        let young = old.at_step(9).unwrap();
         let grow = |settings: &dyn Settings| settings.grow(&task(&inputs), &Quiet).unwrap().branching;
         let (old, young) = (grow(&old), grow(&*young));
         // What stands of it is where it was: nodes are not moved.

@@ -83,7 +83,7 @@ pub fn grow_stand(
     }
     while growth.year < settings.years {
         growth.grow_year(monitor)?;
-        monitor.advance(Phase::Grow, growth.year.into(), Some(settings.years.into()));
+        monitor.advance(Phase::Age, growth.year.into(), Some(settings.years.into()));
     }
     growth.finish(monitor)
 }

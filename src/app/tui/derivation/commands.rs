@@ -1,5 +1,7 @@
 //! The commands of looking at a derivation.
 
+use linden::lsystem::LSystem;
+
 use super::{CONTEXT, Debugger, close, edit_rule, go, open, with};
 use crate::tui::command::Context;
 use crate::tui::effect::Effects;
@@ -63,8 +65,8 @@ fn page(model: &mut Model, down: bool) {
 }
 
 /// The derivations of the tree itself.
-fn last_step(model: &Model) -> Option<u32> {
-    model.tree.as_ref()?.wanted().preset.generator.derivations()
+pub(super) fn last_step(model: &Model) -> Option<u32> {
+    Some(model.tree.as_ref()?.wanted().preset.settings::<LSystem>()?.derivations)
 }
 
 /// The rows.

@@ -226,9 +226,7 @@ pub fn shown(model: &Model) -> Option<(&Arc<DerivedWord>, Marks)> {
 
 /// Begins to look.
 fn open(model: &mut Model) {
-    let Some(last) = model.tree.as_ref().and_then(|tree| tree.preset().generator.derivations()) else {
-        return;
-    };
+    let Some(last) = commands::last_step(model) else { return };
     let step = model.growth.step().unwrap_or(last);
     model.growth.stop();
     model.wind.stop();

@@ -7,6 +7,7 @@ use ratatui::layout::Rect;
 use ratatui::style::Style;
 use unicode_width::UnicodeWidthStr;
 
+use super::commands::last_step;
 use super::{Debugger, PICTURE, WORD, grammar, marks};
 use crate::jobs::{DerivedWord, short};
 use crate::tui::figures::{metres, thousands};
@@ -116,7 +117,7 @@ pub fn paint(model: &Model, debugger: &Debugger, buffer: &mut Buffer, view: &mut
 
 /// `Derivation 3 of 5 · 1 234 modules`.
 fn title(model: &Model, debugger: &Debugger) -> String {
-    let last = model.tree.as_ref().and_then(|tree| tree.wanted().preset.generator.derivations());
+    let last = last_step(model);
     let of = last.map(|last| format!(" of {last}")).unwrap_or_default();
     let count = match &debugger.word {
         Some(word) if word.request.step == debugger.step => {

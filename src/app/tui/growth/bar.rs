@@ -4,7 +4,7 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use unicode_width::UnicodeWidthStr;
 
-use super::{derives, last_step, shown};
+use super::{last_step, regrown, shown};
 use crate::tui::layout::{Target, View};
 use crate::tui::model::Model;
 
@@ -17,7 +17,7 @@ pub fn view(model: &Model, row: Rect, buffer: &mut Buffer, view: &mut View) {
     let theme = &model.config.theme;
     let last = last_step(tree);
     let mark = if model.growth.is_playing() { "▶" } else { "⏸" };
-    let unit = if derives(tree) { "derivation" } else { "iteration" };
+    let unit = regrown(tree).map_or("iteration", |steps| steps.unit);
     let text = format!(" {mark} {unit} {step} of {last} ");
     let width = text.width() as u16;
     if width > row.width {

@@ -23,7 +23,7 @@ pub const COMMANDS: &[Command] = &[
         context: Context::GLOBAL,
         keys: &["p"],
         title: "Play growth",
-        help: "Plays the tree growing, derivation by derivation or iteration by iteration; again pauses",
+        help: "Plays the tree growing, by derivations, years or iterations; again pauses",
         hint: Some(44),
         hindrance: cannot_play,
         run: |model, _| play_or_pause(model),

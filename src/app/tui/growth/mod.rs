@@ -1,4 +1,4 @@
-//! Plays growth: derivation by derivation, iteration by iteration.
+//! Plays growth: derivation by derivation, year by year, iteration by iteration.
 //!
 //! The step on screen is a number; what a tree looked like then is the painter's business. A step is
 //! shown only when the picture of the one before has come, so a slow tree plays slower, not ragged.
@@ -9,6 +9,7 @@ mod commands;
 use std::time::Duration;
 
 pub use commands::COMMANDS;
+use linden::skeleton::generator::Steps;
 
 use super::model::Model;
 use super::picture;
@@ -16,30 +17,30 @@ use crate::jobs::ShownTree;
 
 /// A whole growth by iterations takes about so long.
 const WHOLE: Duration = Duration::from_secs(8);
-/// A derivation of an L-system is looked at for so long.
-const DERIVATION: Duration = Duration::from_millis(900);
+/// A derivation or a year is looked at for so long at most.
+const LONGEST: Duration = Duration::from_millis(900);
 
 /// The tree whose growth is played.
 fn shown(model: &Model) -> Option<&ShownTree> {
     model.tree.as_ref()?.shown.as_deref()
 }
 
-/// Whether steps are derivations.
-fn derives(shown: &ShownTree) -> bool {
-    shown.recipe.preset.generator.derivations().is_some()
+/// The steps to which the tree is grown again; without, steps are iterations.
+fn regrown(shown: &ShownTree) -> Option<Steps> {
+    shown.recipe.preset.generator.steps()
 }
 
 /// The last step: the grown tree.
 pub fn last_step(shown: &ShownTree) -> u32 {
-    shown.recipe.preset.generator.derivations().unwrap_or(shown.steps)
+    regrown(shown).map_or(shown.steps, |steps| steps.count)
 }
 
 /// Steps at once, and the pause after them.
 fn tempo(model: &Model, shown: &ShownTree) -> (u32, Duration) {
-    if derives(shown) {
-        return (1, DERIVATION);
-    }
     let frame = picture::frame_time(model);
+    if let Some(steps) = regrown(shown) {
+        return (1, (WHOLE / steps.count.max(1)).clamp(frame, LONGEST));
+    }
     let frames = (WHOLE.as_millis() / frame.as_millis()).max(1) as u32;
     (last_step(shown).div_ceil(frames).max(1), frame)
 }
@@ -74,8 +75,8 @@ fn play_or_pause(model: &mut Model) {
 fn step_by(model: &mut Model, by: i64) {
     let Some(tree) = shown(model) else { return };
     let last = last_step(tree);
-    // One key is one derivation, or a hundredth of many iterations.
-    let stride = if derives(tree) { 1 } else { i64::from(last.div_ceil(100).max(1)) };
+    // One key is one derivation or year, or a hundredth of many iterations.
+    let stride = if regrown(tree).is_some() { 1 } else { i64::from(last.div_ceil(100).max(1)) };
     let at = i64::from(model.growth.step.unwrap_or(last));
     model.growth.pause();
     go_to(model, (at + by * stride).clamp(0, i64::from(last)) as u32);
