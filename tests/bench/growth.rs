@@ -17,9 +17,9 @@
 
 #[path = "../colonization/naive.rs"]
 mod naive;
+mod timing;
 
 use std::cell::Cell;
-use std::time::Instant;
 
 use kiddo::{ImmutableKdTree, MutableKdTree, SquaredEuclidean};
 use linden::growth::{GrowthHabit, GrowthRule, grow};
@@ -28,6 +28,7 @@ use linden::{Branching, NO_PARENT, Quiet, Vec3};
 use multiversion::multiversion;
 use peak_alloc::PeakAlloc;
 use rayon::ThreadPool;
+use timing::{Timed, median, timed};
 
 #[global_allocator]
 static MEMORY: PeakAlloc = PeakAlloc;
@@ -156,32 +157,6 @@ fn row(setting: &Setting) {
         }
     }
     println!();
-}
-
-struct Timed<T> {
-    value: T,
-    cpu: f64,
-    wall: f64,
-}
-
-/// `cpu` is meaningful where `work` stays on the calling thread.
-fn timed<T>(work: impl FnOnce() -> T) -> Timed<T> {
-    let (clock, started) = (cpu_seconds(), Instant::now());
-    let value = work();
-    let wall = started.elapsed().as_secs_f64();
-    let cpu = clock.zip(cpu_seconds()).map_or(wall, |(before, after)| after - before);
-    Timed { value, cpu, wall }
-}
-
-/// What the calling thread has used, where the system tells.
-fn cpu_seconds() -> Option<f64> {
-    let status = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    Some(status.split(' ').next()?.parse::<f64>().ok()? * 1e-9)
-}
-
-fn median(mut some: Vec<f64>) -> f64 {
-    some.sort_by(f64::total_cmp);
-    some[some.len() / 2]
 }
 
 fn ball(points: usize) -> Vec<Vec3> {

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use crate::outside::{exported, run};
 
 /// Groups of presets with all their leaves.
-const DRESSED: [&str; 2] = ["Plants", "Weber & Penn"];
+const DRESSED: [&str; 3] = ["Plants", "Self-organizing", "Weber & Penn"];
 
 #[test]
 fn every_preset_passes_every_client_in_every_format() {

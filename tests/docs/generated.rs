@@ -73,6 +73,7 @@ fn plain() -> Vec<Preset> {
         "[colonization]\ncrown = \"dome\"",
         "[colonization]\nscan = \"scan.xyz\"",
         "[weber-penn]",
+        "[self-organizing]",
     ];
     tables.map(|table| Preset::from_toml(&format!("id = \"plain\"\n{table}\n")).unwrap()).to_vec()
 }
@@ -89,6 +90,9 @@ fn about(table: &str) -> &'static str {
         "scan" => "[From a laser scan](scans.md).",
         "weber-penn" => {
             "[Weber and Penn's trees](weber-penn.md). Lists have a number for each level, the trunk's first."
+        }
+        "self-organizing" => {
+            "[Trees that compete for light](self-organizing.md). Lists have a number for each order of axes, the stem's first."
         }
         "wood" => {
             "Radii (`width` is the rule for them), and `refine`, a list of steps that are applied to the axes after growth, as in\n\

@@ -39,6 +39,13 @@ const STEMS: &str = "id = \"stems\"\n[weber-penn]\nscale = 4\nbranches = [1, 6, 
 /// Two levels without leaves.
 const POLE: &str = "id = \"pole\"\n[weber-penn]\nlevels = 2\nscale = 3\ncurve_v = [60, 60]\nbase_splits = 1\nsplit_angle = [30]\n";
 
+/// Nine years in the light; and of buds by priority, in whorls, that bend and grow up again from old buds.
+const LIT: &str = "id = \"lit\"\n[self-organizing]\nyears = 9\nvigor = 2.4\nshed = 0.3\nshed_patience = 1\nmature_leader = 0.5\n\
+                   mature_from = 3\nmature_to = 6\n";
+
+const WHORLS: &str = "id = \"whorls\"\n[self-organizing]\nyears = 8\nvigor = 2.4\nsharing = \"priority\"\nphyllotaxis = \"whorled\"\nwhorl = 3\n\
+                      upward = [0.3, 0]\nreiteration = 2\nsag = 3\nleaf_weight = 0.01\n";
+
 const HULL: &str = "v 0 1 0\nv 3 1 0\nv 1.5 1 2.5\nv 1.5 4 1\nf 1 2 3\nf 1 4 2\nf 2 4 3\nf 3 4 1\n";
 
 /// A stem with a branch, as a scanner sees them: points on two tubes, Z up.
@@ -135,6 +142,8 @@ pub fn plants() -> Vec<Plant> {
             &[&[("leaf_form", "card"), ("trunk_lobes", "4"), ("season", "0.6"), ("leaf_max_radius", "1")]],
         ),
         plant("bare stems", POLE, &[&[("twig_taper", "0.3")]]),
+        plant("in the light", LIT, &[LEAVES]),
+        plant("whorls in the light", WHORLS, &[]),
         plant("filled", FILLED, &[LEAVES]),
         plant("scanned", SCANNED, &[LEAVES]),
         plant("points", SCANNED, &[&[("contract", "false")]]),

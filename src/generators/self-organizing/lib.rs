@@ -42,6 +42,7 @@ mod bend;
 mod error;
 mod generator;
 mod grow;
+mod knobs;
 mod light;
 #[cfg(test)]
 mod predictions;

@@ -144,7 +144,10 @@ mod tests {
                 |row| if let ListRow::Heading(heading) = row { Some(heading.group.as_str()) } else { None },
             )
             .collect();
-        assert_eq!(headings, ["Plants", "Forests", "crowns", "abop", "older", "Weber & Penn"]);
+        assert_eq!(
+            headings,
+            ["Plants", "Forests", "crowns", "abop", "older", "Self-organizing", "Weber & Penn"]
+        );
     }
 
     #[test]

@@ -1,0 +1,356 @@
+//! The knobs: their ranges, their help, and where they do nothing.
+
+use linden_base::field;
+use linden_base::knob::{Field, Kind, integer, real, real_or_auto};
+
+use crate::tree::MOST_BUDS;
+use crate::{MAX_ORDERS, Phyllotaxis, SelfOrganizing, Sharing};
+
+/// A list with a number for each order.
+const fn per_order(min: f64, max: f64) -> Kind {
+    Kind::Reals { min, max, most: MAX_ORDERS as usize }
+}
+
+impl SelfOrganizing {
+    /// The knobs.
+    pub const FIELDS: &[Field<Self>] = &[
+        field!(
+            "years",
+            integer(1, 1000),
+            "years",
+            "how long the tree grows",
+            years,
+            see_also(&["vigor", "internode", "max_nodes"])
+        ),
+        field!(
+            "internode",
+            real(0.001, 10.0),
+            "m",
+            "length of an internode: the unit of growth, and the edge of a voxel of light",
+            internode_m,
+            details(
+                "A shoot that gets 3.4 has three internodes of 3.4 / 3 times this length. All lengths follow: \
+                 a tree with twice the internode is twice as large, with as many nodes."
+            ),
+            see_also(&["vigor", "longest_shoot"])
+        ),
+        field!(
+            "vigor",
+            real(0.1, 20.0),
+            "internodes",
+            "internodes that a bud in full light may grow in a year",
+            vigor,
+            details(
+                "The tree gets its buds' light times this, and shares it. 1 or less nearly stops after some \
+                 years; above 3 shade wins and crowns get sparse."
+            ),
+            see_also(&["shade", "leader", "longest_shoot"])
+        ),
+        field!(
+            "sharing",
+            Kind::Choice(Sharing::WORDS),
+            "",
+            "how growth is shared among buds: fork by fork, or along axes by the light of laterals",
+            sharing,
+            details(
+                "borchert-honda goes by leader, priority by priority_least and priority_share. With leader=0.5, \
+                 and with priority_least=1, both give each bud what its light is worth."
+            ),
+            see_also(&["leader", "priority_least"])
+        ),
+        field!(
+            "leader",
+            per_order(0.01, 0.99),
+            "",
+            "weight of an axis against its laterals, for each order: above 0.5 a leader, below a bush",
+            leader,
+            details(
+                "Lambda of Borchert and Honda. 0.46 a bush, 0.5 no preference, 0.54 an oak, 0.6 a conifer. \
+                 Height is not limited: from 0.58 on leaders run away in few years."
+            ),
+            see_also(&["mature_leader", "sharing", "longest_shoot"])
+        ),
+        field!(
+            "mature_leader",
+            real_or_auto(0.01, 0.99),
+            "",
+            "leader of all orders of a mature tree: lower values round the crown; auto: as before",
+            mature_leader,
+            see_also(&["mature_from", "mature_to", "leader"])
+        ),
+        field!(
+            "mature_from",
+            integer(0, 1000),
+            "years",
+            "age from which leader moves to mature_leader",
+            mature_from,
+            see_also(&["mature_leader", "mature_to"])
+        ),
+        field!(
+            "mature_to",
+            integer(0, 1000),
+            "years",
+            "age in which leader is mature_leader",
+            mature_to,
+            see_also(&["mature_leader", "mature_from"])
+        ),
+        field!(
+            "priority_least",
+            real(0.0, 1.0),
+            "",
+            "weight of the darkest laterals of an axis; its apex has 1",
+            priority_least,
+            see_also(&["sharing", "priority_share"])
+        ),
+        field!(
+            "priority_share",
+            real(0.01, 1.0),
+            "",
+            "share of an axis' laterals, brightest first, over which weights fall to priority_least",
+            priority_share,
+            see_also(&["sharing", "priority_least"])
+        ),
+        field!(
+            "shade",
+            real(0.0, 1.0),
+            "",
+            "light that the leaves of a node take where it is, of full light",
+            shade,
+            details("0.05 to 0.2. With more, only the outer shell of the crown lives."),
+            see_also(&["shade_falloff", "shade_depth", "shed"])
+        ),
+        field!(
+            "shade_falloff",
+            real(1.0, 10.0),
+            "",
+            "factor by which shade gets weaker with each internode below",
+            shade_falloff,
+            details("Near 1 shade reaches far: sparse crowns and clear boles. 2: dense crowns."),
+            see_also(&["shade", "shade_depth"])
+        ),
+        field!(
+            "shade_depth",
+            integer(0, 16),
+            "internodes",
+            "how far down shade reaches",
+            shade_depth,
+            see_also(&["shade", "shade_falloff"])
+        ),
+        field!(
+            "light_from",
+            Kind::Vector { auto: false },
+            "",
+            "direction to the light, tilted by 45 degrees at most",
+            light_from,
+            see_also(&["light_pull"])
+        ),
+        field!(
+            "light_pull",
+            real(0.0, 5.0),
+            "",
+            "how far shoots turn to where less shade is",
+            light_pull,
+            see_also(&["upward", "shade"])
+        ),
+        field!(
+            "upward",
+            per_order(-5.0, 5.0),
+            "",
+            "how far shoots turn up, for each order; below 0 down",
+            upward,
+            details("0.1 to 0.2 for most; from 0.4 on crowns stay poor."),
+            see_also(&["sideways", "light_pull"])
+        ),
+        field!(
+            "sideways",
+            per_order(0.0, 5.0),
+            "",
+            "how far shoots turn level, for each order: branches of firs",
+            sideways,
+            see_also(&["upward"])
+        ),
+        field!(
+            "phyllotaxis",
+            Kind::Choice(Phyllotaxis::WORDS),
+            "",
+            "where lateral buds are on a shoot",
+            phyllotaxis,
+            details(
+                "alternate: elm, beech, lime. spiral: oak, poplar. opposite: maple, ash. whorled: pine, spruce; \
+                 buds stand at the ends of shoots alone."
+            ),
+            see_also(&["divergence", "whorl", "branching_angle"])
+        ),
+        field!(
+            "divergence",
+            real(-180.0, 180.0),
+            "degrees",
+            "from a bud to the next about the shoot, with phyllotaxis=spiral",
+            divergence_deg,
+            see_also(&["phyllotaxis"])
+        ),
+        field!(
+            "whorl",
+            integer(2, MOST_BUDS as u64),
+            "buds",
+            "buds at the end of a shoot, with phyllotaxis=whorled",
+            whorl,
+            see_also(&["phyllotaxis"])
+        ),
+        field!(
+            "branching_angle",
+            per_order(0.0, 180.0),
+            "degrees",
+            "from an axis to its laterals, for each order of the axis",
+            branching_angle_deg,
+            see_also(&["upward", "sideways"])
+        ),
+        field!(
+            "jitter",
+            real(0.0, 1.0),
+            "",
+            "how far each internode is drawn off its direction",
+            jitter,
+            see_also(&["light_pull"])
+        ),
+        field!(
+            "longest_shoot",
+            real(1.0, 200.0),
+            "internodes",
+            "the most that a shoot grows in a year",
+            longest_shoot,
+            see_also(&["vigor", "leader"])
+        ),
+        field!(
+            "max_order",
+            integer(0, MAX_ORDERS as u64 - 1),
+            "",
+            "the deepest order of axes: 0 is a stem alone",
+            max_order,
+            see_also(&["leader"])
+        ),
+        field!(
+            "sympodial",
+            Kind::Switch,
+            "",
+            "whether the apex dies at the end of each shoot, and laterals take over",
+            sympodial,
+            see_also(&["phyllotaxis"])
+        ),
+        field!(
+            "bud_years",
+            integer(0, 1000),
+            "years",
+            "how long a lateral bud that did not grow waits for light",
+            bud_years,
+            see_also(&["reiteration"])
+        ),
+        field!(
+            "reiteration",
+            integer(0, 1000),
+            "years",
+            "buds that waited for so long grow as stems do; 0: none",
+            reiteration,
+            see_also(&["bud_years"])
+        ),
+        field!(
+            "shed",
+            real(0.0, 1.0),
+            "",
+            "branches with less light for each of their internodes are shed, of full light; 0: none",
+            shed,
+            details(
+                "0.2 clears the inside of a crown. There is a cliff: at 0.3 a tree may stand, at 0.45 a pole."
+            ),
+            see_also(&["shed_grace", "shed_patience", "shade"])
+        ),
+        field!(
+            "shed_grace",
+            integer(0, 255),
+            "years",
+            "for how long a young branch is not shed",
+            shed_grace,
+            see_also(&["shed"])
+        ),
+        field!(
+            "shed_patience",
+            integer(1, 255),
+            "years",
+            "for how many years in a row a branch must be too dark to be shed",
+            shed_patience,
+            details("With 1, the first dark year kills; one lost limb then leads to one-sided crowns."),
+            see_also(&["shed"])
+        ),
+        field!(
+            "twig_diameter",
+            real(0.0001, 1.0),
+            "m",
+            "diameter of the last internodes",
+            twig_diameter_m,
+            see_also(&["pipe_exponent"])
+        ),
+        field!(
+            "pipe_exponent",
+            real(1.0, 5.0),
+            "",
+            "n of the pipe model: diameter is that of a twig times the tips above to the power of 1/n",
+            pipe_exponent,
+            details("Tips that were shed count: wood does not get thinner when branches die."),
+            see_also(&["twig_diameter"])
+        ),
+        field!(
+            "sag",
+            real(0.0, 100.0),
+            "",
+            "how far branches bend under their weight: 1 as green wood does, 0 not at all",
+            sag,
+            details(
+                "Laterals are beams of 8 GPa and 900 kg/m3, bent each year by what came upon them; nothing springs \
+                 back. Limbs arch, and with upward above 0 their tips rise. Stems stay upright."
+            ),
+            see_also(&["leaf_weight", "twig_diameter", "upward"])
+        ),
+        field!(
+            "leaf_weight",
+            real(0.0, 10.0),
+            "kg",
+            "weight of the leaves of a node",
+            leaf_weight_kg,
+            see_also(&["sag"])
+        ),
+        field!(
+            "max_nodes",
+            integer(2, 100_000_000),
+            "nodes",
+            "larger trees are refused",
+            max_nodes,
+            see_also(&["years", "vigor"])
+        ),
+    ];
+
+    /// Why a knob changes nothing as these settings stand, and what would let it.
+    pub(crate) fn why_idle(&self, knob: &str) -> Option<&'static str> {
+        let is_priority = self.sharing == Sharing::Priority;
+        match knob {
+            "leader" | "mature_leader" if is_priority => Some("sharing is priority"),
+            "priority_least" | "priority_share" if !is_priority => Some("sharing is borchert-honda"),
+            "mature_from" | "mature_to" if is_priority || self.mature_leader.is_none() => {
+                Some("leader does not change: mature_leader is auto, or sharing priority")
+            }
+            "divergence" if self.phyllotaxis != Phyllotaxis::Spiral => Some("phyllotaxis is not spiral"),
+            "whorl" if self.phyllotaxis != Phyllotaxis::Whorled => Some("phyllotaxis is not whorled"),
+            "shed_grace" | "shed_patience" if self.shed == 0.0 => Some("shed is 0"),
+            "leaf_weight" if self.sag == 0.0 => Some("sag is 0"),
+            "shade_falloff" | "shade_depth" | "light_from" | "light_pull" if self.shade == 0.0 => {
+                Some("shade is 0")
+            }
+            "reiteration" if self.reiteration > self.bud_years + 1 => {
+                Some("no bud waits for so long: see bud_years")
+            }
+            "reiteration" if !self.tells_orders() => {
+                Some("all orders are alike: leader, upward, sideways and branching_angle have one number")
+            }
+            _ => None,
+        }
+    }
+}
