@@ -84,7 +84,8 @@ impl Shoot {
         let (sin, cos) = libm::sincos(angle);
         let lateral = (direction * cos + side * sin).normalize_or(side);
         // The first buds of a lateral stand to the sides of the plane in which it leaves.
-        let handed = if settings.divergence_deg < 0.0 { -1.0 } else { 1.0 };
+        let is_left = settings.phyllotaxis == Phyllotaxis::Spiral && settings.divergence_deg < 0.0;
+        let handed = if is_left { -1.0 } else { 1.0 };
         let level = across(direction.cross(lateral) * handed, lateral);
         let waited = year - nodes.year(node);
         let is_stem = settings.reiteration > 0 && waited >= settings.reiteration;
