@@ -44,6 +44,7 @@ mod generator;
 mod grow;
 mod knobs;
 mod light;
+mod plane;
 #[cfg(test)]
 mod predictions;
 mod settings;

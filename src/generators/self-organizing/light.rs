@@ -5,8 +5,14 @@
 //! integers, [`FULL_LIGHT`] to the full light of the sky: sums are the same in any order, and what is taken out again
 //! leaves nothing behind. The ground, y = 0, takes none.
 
+use std::cmp::Reverse;
+
 use linden_base::memory::{OverMemory, bytes_of};
 use linden_base::monitor::Monitor;
+#[cfg(test)]
+use linden_base::monitor::Quiet;
+
+use crate::plane::Plane;
 
 /// The shade that takes all light, and the light of an open place.
 pub(crate) const FULL_LIGHT: u32 = 1 << 16;
@@ -15,6 +21,8 @@ pub(crate) const FULL_LIGHT: u32 = 1 << 16;
 const EDGE: i32 = 8;
 /// log2 of that.
 const SHIFT: u32 = 3;
+/// log2 of the edge of the tiles in which shade is added, voxels.
+const TILE_SHIFT: u32 = 8;
 /// Voxels of a brick: rows along z, x running faster than y. Of 32 bytes, so that a row is a vector of many machines.
 type Brick = [[u32; EDGE as usize]; (EDGE * EDGE) as usize];
 /// Where the index has no brick.
@@ -63,6 +71,19 @@ impl Pyramid {
     /// The shade in the node's voxel.
     pub fn at_node(&self) -> u32 {
         self.layers[0].shade
+    }
+
+    /// The layers below the node's.
+    pub fn depth(&self) -> i32 {
+        self.layers.len() as i32 - 1
+    }
+
+    /// What a node shades of a level that its pyramid reaches: from and to along x and z, and the shade there.
+    pub fn square(&self, [x, above, z]: Voxel, y: i32) -> ([[i32; 2]; 2], u32) {
+        let q = above - y;
+        let layer = self.layers[q as usize];
+        let (x, z) = (x + layer.x, z + layer.z);
+        ([[x - q, x + q], [z - q, z + q]], layer.shade)
     }
 
     /// The corners of the box around the pyramid of a voxel.
@@ -121,8 +142,8 @@ impl LightGrid {
         ]
     }
 
-    /// Adds the pyramids of nodes, and takes out those of others, in the order of bricks: neighbours find them in
-    /// the processor's caches. Sums are the same in any order.
+    /// Adds the pyramids of nodes, and takes out those of others: in tiles, whose tables stay in the processor's caches,
+    /// level by level. Sums are the same in any order.
     ///
     /// # Errors
     /// [`OverMemory`].
@@ -132,17 +153,48 @@ impl LightGrid {
         pyramid: &Pyramid,
         monitor: &dyn Monitor,
     ) -> Result<(), OverMemory> {
-        changes.sort_unstable_by_key(|change| change.voxel.map(|v| v >> SHIFT));
-        for change in changes {
-            if change.is_gone {
-                self.stamp(change.voxel, pyramid, u32::wrapping_neg);
-                continue;
+        let tile = |change: &Change| [change.voxel[0] >> TILE_SHIFT, change.voxel[2] >> TILE_SHIFT];
+        // From the top of a tile down.
+        changes.sort_unstable_by_key(|change| (tile(change), Reverse(change.voxel[1]), change.voxel));
+        let mut last = [[0; 3]; 2];
+        for change in changes.iter().filter(|change| !change.is_gone) {
+            let bricks = pyramid.reach(change.voxel).map(|corner| corner.map(|v| v >> SHIFT));
+            if bricks != last {
+                self.cover(bricks, monitor)?;
+                last = bricks;
             }
-            let [low, high] = pyramid.reach(change.voxel);
-            self.cover(low, high, monitor)?;
-            self.stamp(change.voxel, pyramid, |shade| shade);
+        }
+        let mut plane = Plane::default();
+        for tile in changes.chunk_by(|a, b| tile(a) == tile(b)) {
+            let (Some(highest), Some(lowest)) = (tile.first(), tile.last()) else { continue };
+            let ground = (lowest.voxel[1] - pyramid.depth()).max(0);
+            let (mut first, mut end) = (0, 0);
+            for y in (ground..=highest.voxel[1]).rev() {
+                first += tile[first..].iter().take_while(|node| node.voxel[1] > y + pyramid.depth()).count();
+                end += tile[end..].iter().take_while(|node| node.voxel[1] >= y).count();
+                plane.draw(y, &tile[first..end], pyramid, EDGE);
+                self.add_plane(y, &plane);
+            }
         }
         Ok(())
+    }
+
+    /// Adds shade to a level, whose bricks are there where it is shaded.
+    fn add_plane(&mut self, y: i32, plane: &Plane) {
+        let bricks = plane.size.map(|size| size as i32 / EDGE);
+        for brick_x in 0..bricks[0] {
+            for brick_z in 0..bricks[1] {
+                let at = [(plane.low[0] >> SHIFT) + brick_x, y >> SHIFT, (plane.low[1] >> SHIFT) + brick_z];
+                let Some(brick) = self.brick_mut(at) else { continue };
+                for x in 0..EDGE {
+                    let row = &mut brick[((y & (EDGE - 1)) * EDGE + x) as usize];
+                    let shades = &plane.row((brick_x * EDGE + x) as usize)[(brick_z * EDGE) as usize..];
+                    for (voxel, shade) in row.iter_mut().zip(shades) {
+                        *voxel = voxel.wrapping_add(*shade);
+                    }
+                }
+            }
+        }
     }
 
     /// Adds the pyramid of a node.
@@ -154,7 +206,7 @@ impl LightGrid {
     /// Takes out the pyramid of a node that was added.
     #[cfg(test)]
     pub fn remove(&mut self, voxel: Voxel, pyramid: &Pyramid) {
-        self.stamp(voxel, pyramid, u32::wrapping_neg);
+        self.change(&mut [Change { voxel, is_gone: true }], pyramid, &Quiet).unwrap();
     }
 
     /// Adds shade to all voxels between two, both included.
@@ -169,9 +221,15 @@ impl LightGrid {
         shade: u32,
         monitor: &dyn Monitor,
     ) -> Result<(), OverMemory> {
-        self.cover(low, high, monitor)?;
-        for y in low[1]..=high[1] {
-            self.layer([low[0], high[0]], y, [low[2], high[2]], shade);
+        self.cover([low, high].map(|corner| corner.map(|v| v >> SHIFT)), monitor)?;
+        for x in low[0]..=high[0] {
+            for y in low[1]..=high[1] {
+                for z in low[2]..=high[2] {
+                    let brick = self.brick_mut([x, y, z].map(|v| v >> SHIFT)).unwrap();
+                    let [x, y, z] = [x, y, z].map(|v| v & (EDGE - 1));
+                    brick[(y * EDGE + x) as usize][z as usize] += shade;
+                }
+            }
         }
         Ok(())
     }
@@ -179,41 +237,6 @@ impl LightGrid {
     /// Bytes that it takes.
     pub fn bytes(&self) -> u64 {
         bytes_of::<u32>(self.index.capacity()) + bytes_of::<Brick>(self.bricks.capacity())
-    }
-
-    /// Adds a part of the shade of each layer, brick by brick: each is looked up once.
-    fn stamp(&mut self, voxel: Voxel, pyramid: &Pyramid, part: impl Fn(u32) -> u32) {
-        let [low, high] = pyramid.reach(voxel).map(|corner| corner.map(|v| v >> SHIFT));
-        let [x, y, z] = voxel;
-        for brick_y in low[1]..=high[1] {
-            // The layers in this brick, above the ground.
-            let first = (y - brick_y * EDGE - (EDGE - 1)).max(0);
-            let last = (y - brick_y * EDGE).min(pyramid.layers.len() as i32 - 1);
-            for brick_x in low[0]..=high[0] {
-                for brick_z in low[2]..=high[2] {
-                    let Some(brick) = self.brick_mut([brick_x, brick_y, brick_z]) else { continue };
-                    for q in first..=last {
-                        let layer = pyramid.layers[q as usize];
-                        let (x, z) = (x + layer.x, z + layer.z);
-                        let x = within([x - q, x + q], brick_x);
-                        let z = within([z - q, z + q], brick_z);
-                        add_rectangle(brick, x, (y - q) & (EDGE - 1), z, part(layer.shade));
-                    }
-                }
-            }
-        }
-    }
-
-    /// Adds to the voxels of a level rectangle, whose bricks are there.
-    #[cfg(test)]
-    fn layer(&mut self, x: [i32; 2], y: i32, z: [i32; 2], shade: u32) {
-        for brick_x in x[0] >> SHIFT..=x[1] >> SHIFT {
-            for brick_z in z[0] >> SHIFT..=z[1] >> SHIFT {
-                if let Some(brick) = self.brick_mut([brick_x, y >> SHIFT, brick_z]) {
-                    add_rectangle(brick, within(x, brick_x), y & (EDGE - 1), within(z, brick_z), shade);
-                }
-            }
-        }
     }
 
     fn brick_mut(&mut self, brick: Voxel) -> Option<&mut Brick> {
@@ -231,9 +254,8 @@ impl LightGrid {
         })
     }
 
-    /// Makes all bricks of a box.
-    fn cover(&mut self, low: Voxel, high: Voxel, monitor: &dyn Monitor) -> Result<(), OverMemory> {
-        let (low, high) = (low.map(|v| v >> SHIFT), high.map(|v| v >> SHIFT));
+    /// Makes all bricks from one to another.
+    fn cover(&mut self, [low, high]: [Voxel; 2], monitor: &dyn Monitor) -> Result<(), OverMemory> {
         if self.slot(low).is_none() || self.slot(high).is_none() {
             self.widen(low, high, monitor)?;
         }
@@ -298,27 +320,10 @@ impl LightGrid {
     }
 }
 
-/// The part of a range that is in a brick, counted from there; the first above the last where there is none.
-fn within(range: [i32; 2], brick: i32) -> [i32; 2] {
-    [(range[0] - brick * EDGE).max(0), (range[1] - brick * EDGE).min(EDGE - 1)]
-}
-
-fn add_rectangle(brick: &mut Brick, x: [i32; 2], y: i32, z: [i32; 2], shade: u32) {
-    // Whole rows: adding nothing to the voxels beside is faster than leaving them out.
-    let row: [u32; EDGE as usize] =
-        std::array::from_fn(|i| if (z[0]..=z[1]).contains(&(i as i32)) { shade } else { 0 });
-    for x in x[0]..=x[1] {
-        let voxels = &mut brick[(y * EDGE + x) as usize];
-        for (voxel, shade) in voxels.iter_mut().zip(row) {
-            *voxel = voxel.wrapping_add(shade);
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use linden_base::monitor::{Cancelled, Phase, Quiet};
+    use linden_base::monitor::{Cancelled, Phase};
     use linden_base::random::Key;
 
     const UP: [f64; 3] = [0.0, 1.0, 0.0];
