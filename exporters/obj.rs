@@ -277,7 +277,7 @@ fn material_library(
 ) -> String {
     let mut mtl = format!("# {GENERATOR}\n");
     let file = |picture: Option<_>| pictures::index_of(pictures, picture).map(|index| &files[index]);
-    for NamedMaterial { name, material } in materials {
+    for NamedMaterial { name, material, .. } in materials {
         let Material { base_color, base_color_picture, normal_picture, roughness, .. } = material;
         let color_file = file(base_color_picture.as_ref());
         // Readers multiply the two, and the picture is to be used as it is.
@@ -296,7 +296,8 @@ fn material_library(
             mtl += &format!("map_d {file}\n");
         }
         if let Some(file) = file(normal_picture.as_ref()) {
-            mtl += &format!("norm {file}\n");
+            // `norm` is what assimp and others read; Blender takes `map_Bump`, and shows it as a map of normals.
+            mtl += &format!("norm {file}\nmap_Bump -bm 1 {file}\n");
         }
     }
     mtl

@@ -370,7 +370,7 @@ fn document(
         .materials
         .iter()
         .enumerate()
-        .map(|(index, NamedMaterial { name, material })| {
+        .map(|(index, NamedMaterial { name, material, .. })| {
             let base_color_texture = texture(index, material.base_color_picture.as_ref());
             // The two are multiplied, and the picture is to be used as it is.
             // Without its picture there is nothing to cut.
@@ -428,7 +428,7 @@ fn document(
     });
     let buffer = Buffer { byte_length: layout.bytes(), uri: None, extensions: None };
     let images = pictures.iter().zip(sources).map(|(named, source)| Image {
-        name: named.stem().trim_start_matches('_').to_owned(),
+        name: named.name.clone(),
         mime_type: named.format.media_type(),
         source,
     });

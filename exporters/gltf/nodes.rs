@@ -195,7 +195,7 @@ impl Graph<'_> {
                 if is_single {
                     self.meshes.extend(model.parts.iter().zip(primitives).map(
                         |(piece, (primitive, target_names))| Mesh {
-                            name: format!("{}{suffix}", piece.name),
+                            name: format!("{}{suffix}", model.full_name(&piece.name)),
                             primitives: vec![primitive],
                             extras: Extras { target_names, ..Extras::default() },
                         },

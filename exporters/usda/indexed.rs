@@ -1,10 +1,8 @@
 //! Values that repeat, each once.
 
-use glam::Vec2;
-
 /// The different values in the order of their first use, and for each of `values` which one it is;
 /// `None` where no value repeats.
-pub(super) fn indexed(values: &[Vec2]) -> Option<(Vec<Vec2>, Vec<u32>)> {
+pub(super) fn indexed<const N: usize>(values: &[[f32; N]]) -> Option<(Vec<[f32; N]>, Vec<u32>)> {
     const FREE: u32 = u32::MAX;
     // A table of places in `once`, at least half of it free, found by Fibonacci hashing and probed
     // linearly: five times as fast here as the standard map, whose hash resists attackers.
@@ -15,9 +13,11 @@ pub(super) fn indexed(values: &[Vec2]) -> Option<(Vec<Vec2>, Vec<u32>)> {
         .iter()
         .map(|&value| {
             // `+ 0.0` makes the two zeros one.
-            let value = value + 0.0;
-            let key = u64::from(value.x.to_bits()) << 32 | u64::from(value.y.to_bits());
-            let mut slot = (key.wrapping_mul(0x9e37_79b9_7f4a_7c15) >> (64 - bits)) as usize;
+            let value = value.map(|x| x + 0.0);
+            let hash = value.iter().fold(0_u64, |hash, x| {
+                (hash.rotate_left(32) ^ u64::from(x.to_bits())).wrapping_mul(0x9e37_79b9_7f4a_7c15)
+            });
+            let mut slot = (hash >> (64 - bits)) as usize;
             while table[slot] != FREE && once[table[slot] as usize] != value {
                 slot = (slot + 1) % table.len();
             }
@@ -37,8 +37,7 @@ mod tests {
 
     #[test]
     fn indices_lead_to_the_values_and_no_value_is_twice() {
-        let grid: Vec<_> =
-            (0u16..200).map(|i| Vec2::new(f32::from(i * 7 % 5), f32::from(i % 3) - 1.0)).collect();
+        let grid: Vec<_> = (0u16..200).map(|i| [f32::from(i * 7 % 5), f32::from(i % 3) - 1.0]).collect();
         let (once, indices) = indexed(&grid).unwrap();
         assert_eq!(once.len(), 15);
         assert!(indices.iter().zip(&grid).all(|(&index, value)| once[index as usize] == *value));
@@ -47,12 +46,12 @@ mod tests {
 
     #[test]
     fn the_two_zeros_are_one() {
-        assert_eq!(indexed(&[Vec2::new(0.0, 1.0), Vec2::new(-0.0, 1.0)]).unwrap().1, [0, 0]);
+        assert_eq!(indexed(&[[0.0, 1.0], [-0.0, 1.0]]).unwrap().1, [0, 0]);
     }
 
     #[test]
     fn different_values_need_no_indices() {
-        assert!(indexed(&[Vec2::ZERO, Vec2::X, Vec2::Y]).is_none());
-        assert!(indexed(&[]).is_none());
+        assert!(indexed(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]).is_none());
+        assert!(indexed::<4>(&[]).is_none());
     }
 }

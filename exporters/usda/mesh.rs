@@ -48,16 +48,26 @@ color3f[] primvars:displayColor = [{}] (
     let count = mesh.positions.len();
     layer.array("point3f[] points", count, None, |text, i| vector(text, mesh.positions[i].to_array()))?;
     layer.array("normal3f[] normals", count, vertex, |text, i| vector(text, mesh.normals[i].to_array()))?;
-    let st = "texCoord2f[] primvars:st";
-    if let Some((once, indices)) = indexed(&mesh.uvs) {
-        layer.array(st, once.len(), vertex, |text, i| vector(text, once[i].to_array()))?;
-        layer.array("int[] primvars:st:indices", indices.len(), None, |text, i| text.integer(indices[i]))?;
-    } else {
-        layer.array(st, count, vertex, |text, i| vector(text, mesh.uvs[i].to_array()))?;
-    }
+    primvar::<2>(layer, "texCoord2f[] primvars:st", bytemuck::cast_slice(&mesh.uvs))?;
     if let Some(wind) = wind {
         wind::write(layer, wind, parent, &format!("{parent}/{name}"))?;
     }
     layer.close()?;
     layer.lines("\n")
+}
+
+/// A primvar with a value for each vertex, each different one once.
+pub(super) fn primvar<const N: usize>(
+    layer: &mut Layer<'_, '_>,
+    declaration: &str,
+    values: &[[f32; N]],
+) -> Result<(), ExportError> {
+    let vertex = Some("vertex");
+    if let Some((once, indices)) = indexed(values) {
+        let name = declaration.rsplit(' ').next().unwrap_or_default();
+        layer.array(declaration, once.len(), vertex, |text, i| vector(text, once[i]))?;
+        layer.array(&format!("int[] {name}:indices"), indices.len(), None, |text, i| text.integer(indices[i]))
+    } else {
+        layer.array(declaration, values.len(), vertex, |text, i| vector(text, values[i]))
+    }
 }

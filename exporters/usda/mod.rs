@@ -2,9 +2,9 @@
 //!
 //! ```text
 //! /fir                  Xform, component, the recipe
-//!     /Geometry/wood      Mesh per part
+//!     /Geometry/fir_wood  Mesh per part
 //!     /Geometry/Skeleton  BasisCurves, a curve per axis
-//!     /Materials/bark     UsdPreviewSurface; for leaves a MaterialX surface too
+//!     /Materials/fir_bark UsdPreviewSurface; for leaves a MaterialX surface too
 //! ```
 //!
 //! With `instances`, foliage is a `PointInstancer` per part, which holds its prototypes.
@@ -17,6 +17,7 @@
 
 mod assembly;
 mod estimate;
+mod extent;
 mod indexed;
 mod instancer;
 mod layer;

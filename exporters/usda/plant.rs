@@ -87,7 +87,7 @@ impl<'a> Component<'a> {
         let mut names = Names::default();
         for model in component.models() {
             for &look in &model.materials {
-                let name = &writing.distinct.materials[look].material.name;
+                let name = &writing.distinct.materials[look].name;
                 component.materials.entry(look).or_insert_with(|| names.unique(name));
             }
         }
@@ -214,7 +214,7 @@ impl<'a> Component<'a> {
             .collect();
         let mut names = Names::default();
         let paths: Vec<String> =
-            pieces.iter().map(|piece| format!("{path}/{}", names.unique(&piece.name))).collect();
+            pieces.iter().map(|piece| format!("{path}/{}", names.unique(&self.full_name(piece)))).collect();
         layer.open(&format!("def PointInstancer \"{name}\""))?;
         instancer::write(layer, bounds, &paths, &placed)?;
         layer.open("def Scope \"Prototypes\"")?;
@@ -235,7 +235,13 @@ impl<'a> Component<'a> {
     ) -> Result<(), ExportError> {
         let material = self.materials.get(&piece.material).map_or("", String::as_str);
         let binding = format!("{}/Materials/{material}", self.path);
-        mesh::write(layer, &self.writing.distinct, piece, parent, &names.unique(&piece.name), &binding)
+        let name = names.unique(&self.full_name(piece));
+        mesh::write(layer, &self.writing.distinct, piece, parent, &name, &binding)
+    }
+
+    /// What a piece is called also outside of its plant.
+    fn full_name(&self, piece: &MeshPart<'_>) -> String {
+        self.model(0, 0).full_name(&piece.name)
     }
 
     /// The pieces that all seasons share.

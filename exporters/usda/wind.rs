@@ -2,15 +2,23 @@
 //!
 //! `primvars:wind` is level, phase, sway and flutter; `primvars:windPivot` the pivot and how far the
 //! vertex is from it (see [`PartWind`]). Where there is a sway loop, the plant's `Geometry` is a
-//! `SkelRoot` with a rig of one joint that moves nothing: `UsdSkel` has blend shapes on such prims only.
+//! `SkelRoot` with a rig whose joints move no vertex: `UsdSkel` has blend shapes on such prims only. What computes the
+//! extent of a `SkelRoot` looks at its joints and not at blend shapes, so that the two joints are the corners of the
+//! box in each frame, and all who ask get the same.
 
+use glam::Vec3;
 use linden_pipeline::scene::Bounds;
 use linden_pipeline::wind::{Motion, PartWind, Sway};
 
+use super::extent;
 use super::layer::{Layer, vector};
+use super::mesh::primvar;
 use super::syntax::tuple;
 use crate::ExportError;
 use crate::writing::distinct::MeshPart;
+
+/// The joints of the rig: the corners of the box round the plant.
+const JOINTS: &str = "\"low\", \"high\"";
 
 /// The loop of some meshes.
 pub(super) fn sway<'a>(pieces: &[&MeshPart<'a>]) -> Option<&'a Sway> {
@@ -24,10 +32,25 @@ pub(super) fn open_geometry(layer: &mut Layer<'_, '_>, pieces: &[&MeshPart<'_>])
         return layer.open("def Scope \"Geometry\"");
     }
     layer.open("def SkelRoot \"Geometry\"")?;
-    let Some(Bounds { min, max }) = pieces.iter().map(|piece| piece.bounds).reduce(Bounds::union) else {
-        return Ok(());
-    };
-    layer.lines(&format!("float3[] extent = [{}, {}]", tuple(min.to_array()), tuple(max.to_array())))
+    let Some(rest) = at_rest(pieces) else { return Ok(()) };
+    layer.lines(&format!("float3[] extent = {}", corners(rest)))
+}
+
+/// The box round some parts at rest.
+fn at_rest(pieces: &[&MeshPart<'_>]) -> Option<Bounds> {
+    pieces.iter().map(|piece| piece.bounds).reduce(Bounds::union)
+}
+
+/// `[(x, y, z), (x, y, z)]`.
+fn corners(Bounds { min, max }: Bounds) -> String {
+    format!("[{}, {}]", tuple(min.to_array()), tuple(max.to_array()))
+}
+
+/// A line for each frame from 0 on.
+fn samples(declaration: &str, of_frames: impl Iterator<Item = String>) -> String {
+    let lines: String =
+        (0..).zip(of_frames).map(|(frame, value)| format!("    {frame}: {value},\n")).collect();
+    format!("{declaration}.timeSamples = {{\n{lines}}}\n")
 }
 
 /// The motions that some mesh has a target for.
@@ -44,29 +67,39 @@ pub(super) fn write_rig(
     pieces: &[&MeshPart<'_>],
 ) -> Result<(), ExportError> {
     let motions = motions(pieces);
+    let frames = extent::of_frames(pieces, sway);
+    let Some(rest) = at_rest(pieces) else { return Ok(()) };
+    layer.lines(&samples("float3[] extent", frames.iter().map(|bounds| corners(*bounds))))?;
+    layer.lines("\n")?;
     layer.open("def Skeleton \"WindRig\" (\n    prepend apiSchemas = [\"SkelBindingAPI\"]\n)")?;
-    let still = "((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 0, 1))";
+    let moved = |at: Vec3| {
+        // Doubles: all digits of the floats that the extent has.
+        let [x, y, z] = at.to_array().map(f64::from);
+        format!("((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), ({x}, {y}, {z}, 1))")
+    };
+    let still = format!("{}, {}", moved(rest.min), moved(rest.max));
     layer.lines(&format!(
         r#"uniform matrix4d[] bindTransforms = [{still}]
-uniform token[] joints = ["foot"]
+uniform token[] joints = [{JOINTS}]
 uniform token purpose = "guide"
 uniform matrix4d[] restTransforms = [{still}]
 rel skel:animationSource = <{path}/Wind>"#
     ))?;
     layer.close()?;
     layer.open("def SkelAnimation \"Wind\"")?;
-    let mut text = format!(
-        "uniform token[] blendShapes = [{}]\nfloat[] blendShapeWeights.timeSamples = {{\n",
-        motions.iter().map(|motion| format!("\"{}\"", motion.name())).collect::<Vec<_>>().join(", ")
-    );
-    for frame in 0..=sway.frames() {
+    let names: Vec<String> = motions.iter().map(|motion| format!("\"{}\"", motion.name())).collect();
+    let weights = (0..=sway.frames()).map(|frame| {
         let weights: Vec<String> =
             motions.iter().map(|&motion| sway.weight(motion, frame).to_string()).collect();
-        text += &format!("    {frame}: [{}],\n", weights.join(", "));
-    }
-    text += "}\nuniform token[] joints = [\"foot\"]\nquatf[] rotations = [(1, 0, 0, 0)]\n";
-    text += "half3[] scales = [(1, 1, 1)]\nfloat3[] translations = [(0, 0, 0)]";
-    layer.lines(&text)?;
+        format!("[{}]", weights.join(", "))
+    });
+    layer.lines(&format!("uniform token[] blendShapes = [{}]", names.join(", ")))?;
+    layer.lines(&samples("float[] blendShapeWeights", weights))?;
+    layer.lines(&format!(
+        "uniform token[] joints = [{JOINTS}]\nquatf[] rotations = [(1, 0, 0, 0), (1, 0, 0, 0)]\n\
+         half3[] scales = [(1, 1, 1), (1, 1, 1)]"
+    ))?;
+    layer.lines(&samples("float3[] translations", frames.iter().map(|bounds| corners(*bounds))))?;
     layer.close()
 }
 
@@ -95,10 +128,8 @@ pub(super) fn write(
     geometry: &str,
     mesh: &str,
 ) -> Result<(), ExportError> {
-    let vertex = Some("vertex");
-    let count = wind.motions.len();
-    layer.array("float4[] primvars:wind", count, vertex, |text, i| vector(text, wind.motions[i]))?;
-    layer.array("float4[] primvars:windPivot", count, vertex, |text, i| vector(text, wind.pivots[i]))?;
+    primvar(layer, "float4[] primvars:wind", &wind.motions)?;
+    primvar(layer, "float4[] primvars:windPivot", &wind.pivots)?;
     if wind.targets.is_empty() {
         return Ok(());
     }
@@ -117,7 +148,7 @@ rel skel:skeleton = <{geometry}/WindRig>\n",
         layer.open(&format!("def BlendShape \"{}\"", target.motion.name()))?;
         // What stays where it is (the foot, the wood's inner ends) need not be said.
         let moved: Vec<u32> =
-            (0..).zip(&target.offsets).filter(|(_, o)| **o != glam::Vec3::ZERO).map(|(i, _)| i).collect();
+            (0..).zip(&target.offsets).filter(|(_, o)| **o != Vec3::ZERO).map(|(i, _)| i).collect();
         layer.array("uniform vector3f[] offsets", moved.len(), None, |text, i| {
             vector(text, target.offsets[moved[i] as usize].to_array());
         })?;

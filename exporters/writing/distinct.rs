@@ -103,10 +103,41 @@ pub struct MeshCopies<'a> {
 /// A material under a name that no other has.
 #[non_exhaustive]
 pub struct NamedMaterial<'a> {
-    /// Lower-case identifier: `bark`; `norway_spruce_bark` where there are several kinds of plants.
+    /// Lower-case identifier that says whose it is: `norway_spruce_bark`; `ground` of what belongs to no plant. Programs
+    /// that open several files in one project take materials of one name for the same.
     pub name: String,
+    /// What its pictures' files are called after the name of the main file: `bark`; `norway_spruce_bark` where there are
+    /// several kinds of plants.
+    pub file_name: String,
     /// The material.
     pub material: &'a Material,
+}
+
+/// Names that are taken.
+#[derive(Default)]
+struct Names {
+    materials: BTreeSet<String>,
+    files: BTreeSet<String>,
+    /// Whether there are several kinds of plants, whose pictures lie beside each other.
+    is_several: bool,
+}
+
+/// A name that was not taken, and is now.
+fn unique(plain: &str, taken: &mut BTreeSet<String>) -> String {
+    let mut name = plain.to_owned();
+    let mut number = 2;
+    while !taken.insert(name.clone()) {
+        name = format!("{plain}_{number}");
+        number += 1;
+    }
+    name
+}
+
+impl PlantModel<'_> {
+    /// What a part is called where parts of several plants come together: `norway_spruce_wood`.
+    pub fn full_name(&self, part: &str) -> String {
+        format!("{}_{part}", identifier(&self.scene.name))
+    }
 }
 
 impl MeshPart<'_> {
@@ -138,7 +169,7 @@ impl<'a> DistinctMeshes<'a> {
             dome: None,
             plants: Vec::new(),
         };
-        let mut names = BTreeSet::new();
+        let mut names = Names { is_several: stage.plants.len() > 1, ..Names::default() };
         for plant in &stage.plants {
             let (seasons, levels) = (plant.seasons.len(), plant.levels().len());
             distinct.plants.push(PlantRange { first: distinct.models.len(), seasons, levels });
@@ -147,10 +178,7 @@ impl<'a> DistinctMeshes<'a> {
                 let materials: Vec<usize> = scene
                     .materials
                     .iter()
-                    .map(|material| {
-                        let kind = (stage.plants.len() > 1).then_some(scene.name.as_str());
-                        distinct.index_of(material, kind, &mut names)
-                    })
+                    .map(|material| distinct.index_of(material, Some(&scene.name), &mut names))
                     .collect();
                 let pieces: Vec<MeshPart<'_>> = scene
                     .parts
@@ -211,34 +239,28 @@ impl<'a> DistinctMeshes<'a> {
         monitor: &dyn Monitor,
     ) -> Result<MeshPart<'a>, ExportError> {
         let bounds = validate::surroundings(name, mesh, material, monitor)?;
-        let mut names = self.materials.iter().map(|named| named.name.clone()).collect();
+        let mut names = Names {
+            materials: self.materials.iter().map(|named| named.name.clone()).collect(),
+            files: self.materials.iter().map(|named| named.file_name.clone()).collect(),
+            is_several: false,
+        };
         let index = self.index_of(material, None, &mut names);
         let (name, mesh) = (Cow::Borrowed(name), Cow::Borrowed(mesh));
         Ok(MeshPart { name, mesh, bounds, material: index, wind: None, copies: None })
     }
 
-    /// The index of a material; lists it if it is new. `kind` is what its plant is called where there
-    /// are several.
-    fn index_of(
-        &mut self,
-        material: &'a Material,
-        kind: Option<&str>,
-        names: &mut BTreeSet<String>,
-    ) -> usize {
+    /// The index of a material; lists it if it is new. `kind` is what its plant is called.
+    fn index_of(&mut self, material: &'a Material, kind: Option<&str>, names: &mut Names) -> usize {
         if let Some(known) = self.materials.iter().position(|named| named.material == material) {
             return known;
         }
-        let plain = match kind {
+        let full = match kind {
             Some(kind) => format!("{}_{}", identifier(kind), material.name),
             None => material.name.clone(),
         };
-        let mut name = plain.clone();
-        let mut number = 2;
-        while !names.insert(name.clone()) {
-            name = format!("{plain}_{number}");
-            number += 1;
-        }
-        self.materials.push(NamedMaterial { name, material });
+        let file = if names.is_several { full.clone() } else { material.name.clone() };
+        let (name, file_name) = (unique(&full, &mut names.materials), unique(&file, &mut names.files));
+        self.materials.push(NamedMaterial { name, file_name, material });
         self.materials.len() - 1
     }
 

@@ -16,6 +16,8 @@ use crate::writing::distinct::NamedMaterial;
 pub struct NamedPicture<'a> {
     /// What the name ends with.
     pub suffix: String,
+    /// What it is called within a file: `norway_spruce_bark_normal`.
+    pub name: String,
     /// The picture.
     pub picture: &'a Arc<Picture>,
     /// As its first material has it.
@@ -30,7 +32,8 @@ impl<'a> NamedPicture<'a> {
     /// A PNG of colours, whose name ends with `suffix` and `.png`.
     pub fn png(suffix: &str, picture: &'a Arc<Picture>, wrap: Wrap) -> Self {
         let format = PictureFormat::Png;
-        Self { suffix: with_ending(suffix, format), picture, wrap, is_normal: false, format }
+        let name = suffix.trim_start_matches('_').to_owned();
+        Self { suffix: with_ending(suffix, format), name, picture, wrap, is_normal: false, format }
     }
 
     /// The name's end without that of the format: `_bark_normal`.
@@ -60,7 +63,7 @@ fn is_same(a: &Arc<Picture>, b: &Arc<Picture>) -> bool {
 /// [`NamedPicture::store_as`] says otherwise.
 pub fn of_materials<'a>(materials: &[NamedMaterial<'a>]) -> Vec<NamedPicture<'a>> {
     let mut named: Vec<NamedPicture<'_>> = Vec::new();
-    for NamedMaterial { name, material } in materials {
+    for NamedMaterial { name, file_name, material } in materials {
         let Material { base_color_picture, normal_picture, .. } = material;
         for (picture, kind, is_normal) in [(base_color_picture, "", false), (normal_picture, "_normal", true)]
         {
@@ -69,8 +72,8 @@ pub fn of_materials<'a>(materials: &[NamedMaterial<'a>]) -> Vec<NamedPicture<'a>
                 known.is_normal |= is_normal;
                 continue;
             }
-            let new = NamedPicture::png(&format!("_{name}{kind}"), picture, material.wrap);
-            named.push(NamedPicture { is_normal, ..new });
+            let new = NamedPicture::png(&format!("_{file_name}{kind}"), picture, material.wrap);
+            named.push(NamedPicture { is_normal, name: format!("{name}{kind}"), ..new });
         }
     }
     named

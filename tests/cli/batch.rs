@@ -307,7 +307,7 @@ fn references(path: &str, bytes: &[u8]) -> Vec<String> {
         Some("mtl") => text
             .lines()
             .filter(|line| ["map_", "norm "].iter().any(|key| line.starts_with(key)))
-            .filter_map(|line| Some(line.split_once(' ')?.1.to_owned()))
+            .filter_map(|line| Some(line.split_once(' ')?.1.trim_start_matches("-bm 1 ").to_owned()))
             .collect(),
         Some("gltf") => {
             let document: serde_json::Value = serde_json::from_str(&text).unwrap();

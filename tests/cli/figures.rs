@@ -40,7 +40,8 @@ fn of_glb(bytes: &[u8]) -> (Count, u64) {
             let accessor = |index: &Value| &json["accessors"][index.as_u64().unwrap() as usize];
             let triangles = accessor(&primitive["indices"])["count"].as_u64().unwrap() / 3;
             count.triangles += triangles;
-            leaves += if mesh["name"] == "wood" { 0 } else { triangles };
+            leaves +=
+                if mesh["name"].as_str().is_some_and(|name| name.ends_with("_wood")) { 0 } else { triangles };
             let positions = accessor(&primitive["attributes"]["POSITION"]);
             count.take(vector(&positions["min"]));
             count.take(vector(&positions["max"]));

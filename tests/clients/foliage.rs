@@ -156,6 +156,8 @@ fn each_colour_is_a_double_sided_part_of_its_own() {
     let sides: Vec<bool> = document.materials().map(|material| material.double_sided()).collect();
     assert_eq!(sides, [false, true, true, true]);
     for (mesh, part) in document.meshes().zip(&scene.parts) {
+        let name = format!("{}_{}", linden_exporters::writing::identifier(&scene.name), part.name);
+        assert_eq!(mesh.name(), Some(name.as_str()));
         let primitive = mesh.primitives().next().unwrap();
         let reader = primitive.reader(|buffer| Some(&buffers[buffer.index()]));
         assert_eq!(reader.read_positions().unwrap().count(), part.mesh.positions.len());

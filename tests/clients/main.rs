@@ -19,3 +19,4 @@ mod seasons;
 mod skeletons;
 mod solid;
 mod stage;
+mod wind;

@@ -176,7 +176,7 @@ def opaque_shares(mesh):
 
 def leaves(scene, report, found):
     """Area, inclination, projection and layers of leaves: all meshes but the wood, blossom and fruit."""
-    parts = [mesh for name, mesh in scene.geometry.items() if name != "wood"]
+    parts = [mesh for name, mesh in scene.geometry.items() if not name.endswith("_wood")]
     if not parts:
         return np.empty((0, 3))
     points = np.vstack([mesh.vertices for mesh in parts])
@@ -227,7 +227,7 @@ def check(folder):
     nodes = wood(rows, found)
     floor = report["_floor_m"] = nodes[:, 1].min()
     scene = trimesh.load(folder / "tree.glb", process=False)
-    bark = scene.geometry["wood"]
+    bark = next(mesh for name, mesh in scene.geometry.items() if name.endswith("_wood"))
     tubes(bark, rows, found)
     girth(bark, rows, report, found)
     points = leaves(scene, report, found)

@@ -17,7 +17,7 @@ def seen(stage):
             continue
         mesh = UsdGeom.Mesh(prim)
         count = len(mesh.GetFaceVertexCountsAttr().Get())
-        if prim.GetName().startswith("wood"):
+        if "_wood" in prim.GetName():
             wood += count
             points = [tuple(point) for point in mesh.GetPointsAttr().Get()]
         else:

@@ -31,7 +31,7 @@ fn counted(file: &Path) -> (usize, usize, Vec<[f32; 3]>) {
     for mesh in document.meshes() {
         for primitive in mesh.primitives() {
             let triangles = primitive.indices().unwrap().count() / 3;
-            if mesh.name().unwrap().starts_with("wood") {
+            if mesh.name().unwrap().contains("_wood") {
                 wood += triangles;
                 let reader = primitive.reader(|buffer| Some(&buffers[buffer.index()].0[..]));
                 points.extend(reader.read_positions().unwrap());
