@@ -48,6 +48,7 @@ compile_error!("linden-exporters writes arrays as they lie in memory and needs a
 mod assembly;
 mod batch;
 mod bundle;
+mod collision;
 mod error;
 mod estimate;
 mod format;

@@ -20,6 +20,16 @@ impl OptionSpec {
         Self { knob, default: if default { "true" } else { "false" } }
     }
 
+    /// A whole number between two, both included.
+    pub const fn count(
+        name: &'static str,
+        (min, max): (u64, u64),
+        default: &'static str,
+        help: &'static str,
+    ) -> Self {
+        Self { knob: Knob::new(name, Kind::Integer { min, max }, "", help), default }
+    }
+
     /// One of some words, the first by default; at least one.
     pub const fn choice(name: &'static str, words: &'static [&'static str], help: &'static str) -> Self {
         Self { knob: Knob::new(name, Kind::Choice(words), "", help), default: words[0] }
@@ -90,6 +100,14 @@ impl Options {
     /// Whether a [`linden_pipeline::knob::Kind::Choice`] has this word.
     pub fn is_word(&self, name: &str, word: &str) -> bool {
         matches!(self.value(name), Some(Value::Word(set)) if set == word)
+    }
+
+    /// The number of an [`OptionSpec::count`]; 0 where the format lacks the option.
+    pub fn number(&self, name: &str) -> usize {
+        match self.value(name) {
+            Some(&Value::Integer(number)) => usize::try_from(number).unwrap_or(usize::MAX),
+            _ => 0,
+        }
     }
 
     /// The value of an option; `None` where the format has no such option.

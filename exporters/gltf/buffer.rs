@@ -12,6 +12,7 @@ use super::quantize::{self, Cube, Quanta, Range};
 use super::tangents::tangents;
 use super::wind::{self, WindArrays};
 use crate::ExportError;
+use crate::collision::Solid;
 use crate::writing::distinct::{DistinctMeshes, MeshPart};
 use crate::writing::pictures::{self, NamedPicture};
 
@@ -57,8 +58,8 @@ impl PrimitiveArrays {
     pub fn attributes(&self) -> Attributes {
         Attributes {
             position: self.first,
-            normal: self.first + 1,
-            texcoord_0: self.first + 2,
+            normal: Some(self.first + 1),
+            texcoord_0: Some(self.first + 2),
             tangent: self.with_tangents.then_some(self.first + 3),
             wind: self.wind.attributes.map(|[wind, _]| wind),
             wind_pivot: self.wind.attributes.map(|[_, pivot]| pivot),
@@ -254,6 +255,29 @@ impl Layout {
             max: bound(f32::max),
         });
         self.accessors.len() - 1
+    }
+
+    /// A shape behind everything else; gives the accessors of its points and its indices.
+    pub fn push_solid(&mut self, solid: &Solid) -> (usize, usize) {
+        let points: Vec<[f32; 3]> = solid.points.iter().map(|point| point.to_array()).collect();
+        let position = self.push_vectors(&points, "VEC3");
+        if let Some(Bounds { min, max }) = solid.bounds() {
+            self.accessors[position].min = Some(min.to_array().to_vec());
+            self.accessors[position].max = Some(max.to_array().to_vec());
+        }
+        // Few corners: two bytes hold them.
+        let short = solid.triangles.iter().flatten().flat_map(|&corner| (corner as u16).to_le_bytes());
+        let view = self.push_blob(short.collect());
+        self.accessors.push(Accessor {
+            buffer_view: Some(view),
+            component_type: ComponentType::U16,
+            normalized: false,
+            count: 3 * solid.triangles.len(),
+            shape: "SCALAR",
+            min: None,
+            max: None,
+        });
+        (position, self.accessors.len() - 1)
     }
 
     /// Puts a file's bytes behind everything else; gives its view.

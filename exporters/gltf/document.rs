@@ -67,7 +67,7 @@ pub(super) struct SceneRoot {
     pub nodes: Vec<usize>,
 }
 
-#[derive(Default, Serialize)]
+#[derive(Clone, Default, Serialize)]
 pub(super) struct Node {
     pub name: String,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -89,7 +89,7 @@ pub(super) struct Node {
     pub extras: Extras,
 }
 
-#[derive(Default, Serialize)]
+#[derive(Clone, Default, Serialize)]
 pub(super) struct NodeExtensions {
     #[serde(rename = "MSFT_lod", skip_serializing_if = "Option::is_none")]
     pub lod: Option<Lod>,
@@ -97,12 +97,66 @@ pub(super) struct NodeExtensions {
     pub light: Option<LightIndex>,
     #[serde(rename = "EXT_mesh_gpu_instancing", skip_serializing_if = "Option::is_none")]
     pub instancing: Option<Instancing>,
+    #[serde(rename = "OMI_physics_body", skip_serializing_if = "Option::is_none")]
+    pub body: Option<PhysicsBody>,
 }
 
 impl NodeExtensions {
     fn is_empty(&self) -> bool {
-        self.lod.is_none() && self.light.is_none() && self.instancing.is_none()
+        self.lod.is_none() && self.light.is_none() && self.instancing.is_none() && self.body.is_none()
     }
+}
+
+/// `OMI_physics_body`: what bears shapes and how it moves, or one of its shapes.
+#[derive(Clone, Copy, Serialize)]
+pub(super) struct PhysicsBody {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub motion: Option<BodyMotion>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub collider: Option<Collider>,
+}
+
+#[derive(Clone, Copy, Serialize)]
+pub(super) struct BodyMotion {
+    #[serde(rename = "type")]
+    pub kind: &'static str,
+}
+
+/// An index into the document's shapes.
+#[derive(Clone, Copy, Serialize)]
+pub(super) struct Collider {
+    pub shape: usize,
+}
+
+#[derive(Serialize)]
+pub(super) struct ShapeList {
+    pub shapes: Vec<Shape>,
+}
+
+/// `OMI_physics_shape`.
+#[derive(Serialize)]
+pub(super) struct Shape {
+    #[serde(rename = "type")]
+    pub kind: &'static str,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub capsule: Option<CapsuleShape>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub convex: Option<ConvexShape>,
+}
+
+/// Along Y of its node; the height is between the middles of its ends, metres.
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct CapsuleShape {
+    pub height: f32,
+    pub radius_bottom: f32,
+    pub radius_top: f32,
+}
+
+/// The hull of a mesh.
+#[derive(Serialize)]
+pub(super) struct ConvexShape {
+    pub mesh: usize,
 }
 
 /// `EXT_mesh_gpu_instancing`: the node's mesh in many places.
@@ -120,15 +174,17 @@ pub(super) struct InstanceAttributes {
     pub scale: usize,
 }
 
-#[derive(Serialize)]
+#[derive(Clone, Copy, Serialize)]
 pub(super) struct LightIndex {
     pub light: usize,
 }
 
 #[derive(Serialize)]
 pub(super) struct DocumentExtensions {
-    #[serde(rename = "KHR_lights_punctual")]
-    pub lights: LightList,
+    #[serde(rename = "KHR_lights_punctual", skip_serializing_if = "Option::is_none")]
+    pub lights: Option<LightList>,
+    #[serde(rename = "OMI_physics_shape", skip_serializing_if = "Option::is_none")]
+    pub shapes: Option<ShapeList>,
 }
 
 #[derive(Serialize)]
@@ -168,13 +224,13 @@ pub(super) struct Perspective {
 }
 
 /// `MSFT_lod`: the node is the finest level, and these are the others, finer ones first.
-#[derive(Serialize)]
+#[derive(Clone, Serialize)]
 pub(super) struct Lod {
     pub ids: Vec<usize>,
 }
 
 /// What no extension says; other programs keep it.
-#[derive(Default, Serialize)]
+#[derive(Clone, Default, Serialize)]
 pub(super) struct Extras {
     /// The recipe, letter by letter: a JSON object where it is one, else a string.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -188,6 +244,9 @@ pub(super) struct Extras {
     /// What camera, sun and ground were asked for with, where that is not the usual.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub linden_setting: Option<String>,
+    /// With which options there are shapes for physics.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub linden_collision: Option<String>,
 }
 
 impl Extras {
@@ -196,6 +255,7 @@ impl Extras {
             && self.screen_coverage.is_empty()
             && self.target_names.is_empty()
             && self.linden_setting.is_none()
+            && self.linden_collision.is_none()
     }
 }
 
@@ -211,21 +271,24 @@ pub(super) struct Mesh {
 pub(super) struct Primitive {
     pub attributes: Attributes,
     pub indices: usize,
-    pub material: usize,
+    /// None of shapes that are not drawn.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub material: Option<usize>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub targets: Vec<MorphTarget>,
 }
 
 /// Accessors of the vertex arrays.
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub(super) struct Attributes {
     pub position: usize,
-    pub normal: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub normal: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub tangent: Option<usize>,
-    #[serde(rename = "TEXCOORD_0")]
-    pub texcoord_0: usize,
+    #[serde(rename = "TEXCOORD_0", skip_serializing_if = "Option::is_none")]
+    pub texcoord_0: Option<usize>,
     #[serde(rename = "_WIND", skip_serializing_if = "Option::is_none")]
     pub wind: Option<usize>,
     #[serde(rename = "_WINDPIVOT", skip_serializing_if = "Option::is_none")]

@@ -3,6 +3,7 @@
 use linden_pipeline::picture::PictureFormat;
 use linden_pipeline::wind::Wind;
 
+use crate::collision;
 use crate::{Amounts, Encoding, Options};
 
 /// What meshopt leaves of wind. Set by estimate; three plants bear it out within 30 % (test).
@@ -42,7 +43,10 @@ pub(super) fn bytes(amounts: &Amounts, options: &Options) -> u64 {
             if is_quantized { vertices * 16 + tangents / 4 + plain * 4 } else { vertices * 32 + tangents };
         of_vertices + triangles * 3 * index + 40 * placements + moved
     };
-    let buffer = buffer + pictures;
+    let shapes = collision::expected(amounts.axes, options);
+    // As nodes, or as meshes of 34 points and 64 triangles each.
+    let shapes = shapes * if options.is_word("collision_as", "omi") { 340 } else { 34 * 12 + 64 * 6 + 780 };
+    let buffer = buffer + pictures + shapes;
     // As base64.
     let buffer = if options.is_on("embed") { buffer.div_ceil(3) * 4 } else { buffer };
     buffer + amounts.recipe_bytes + 1700 + 900 * amounts.foliage_materials

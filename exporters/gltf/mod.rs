@@ -8,6 +8,7 @@
 mod animation;
 mod buffer;
 mod byte_sink;
+mod collision;
 mod document;
 mod estimate;
 mod meshopt;
@@ -30,11 +31,12 @@ use serde_json::value::RawValue;
 use self::buffer::Layout;
 use self::document::{
     Asset, Buffer, BufferExtensions, DiffuseTransmission, Document, DocumentExtensions, Fallback, Image,
-    ImageSource, LightList, Material, MaterialExtensions, PbrMetallicRoughness, Sampler, SceneRoot, Texture,
-    TextureExtensions, TextureInfo, TextureTransform,
+    ImageSource, LightList, Material, MaterialExtensions, PbrMetallicRoughness, Sampler, SceneRoot,
+    ShapeList, Texture, TextureExtensions, TextureInfo, TextureTransform,
 };
 use self::nodes::{SceneGraph, Standing};
 use self::quantize::Range;
+use crate::collision::{COLLISION, MOST};
 use crate::options::{OptionSpec, Options};
 use crate::writing::distinct::{DistinctMeshes, NamedMaterial};
 use crate::writing::pictures::{self, NamedPicture};
@@ -141,6 +143,9 @@ static GLTF: Format = Format {
         QUANTIZE,
         COMPRESS,
         TRANSLUCENCY,
+        COLLISION,
+        MOST,
+        collision::AS,
     ],
     holds: HOLDS,
     encoding,
@@ -154,7 +159,17 @@ static GLB: Format = Format {
     media_type: "model/gltf-binary",
     self_contained: true,
     help: "for engines and the web: everything in one file",
-    options: &[PICTURES, PICTURE_FORMAT, INSTANCES, QUANTIZE, COMPRESS, TRANSLUCENCY],
+    options: &[
+        PICTURES,
+        PICTURE_FORMAT,
+        INSTANCES,
+        QUANTIZE,
+        COMPRESS,
+        TRANSLUCENCY,
+        COLLISION,
+        MOST,
+        collision::AS,
+    ],
     holds: HOLDS,
     encoding,
     estimate: Some(estimate::bytes),
@@ -185,6 +200,7 @@ impl Exporter for Gltf {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         let stage = &fit(stage, &GLTF, bundle);
+        collision::note(stage, options, bundle);
         let distinct = distinct(stage, options, bundle, monitor)?;
         note_translucency(&distinct, stage, options, bundle);
         let pictures = pictures(&distinct, options, bundle);
@@ -303,6 +319,7 @@ impl Exporter for Glb {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         let stage = &fit(stage, &GLB, bundle);
+        collision::note(stage, options, bundle);
         let distinct = distinct(stage, options, bundle, monitor)?;
         note_translucency(&distinct, stage, options, bundle);
         let pictures = pictures(&distinct, options, bundle);
@@ -408,8 +425,9 @@ fn document(
         }
         standing.pieces = nodes::lay_out_copies(distinct, layout);
     }
-    let SceneGraph { nodes, roots, meshes, cameras, lights, mut extensions, mut required } =
-        nodes::nodes(stage, distinct, layout, &standing);
+    let mut graph = nodes::nodes(stage, distinct, layout, &standing);
+    let shapes = collision::add(stage, distinct, options, layout, &mut graph);
+    let SceneGraph { nodes, roots, meshes, cameras, lights, mut extensions, mut required } = graph;
     if has_translucent {
         extensions.push(DIFFUSE_TRANSMISSION);
     }
@@ -454,7 +472,10 @@ fn document(
         scenes: [SceneRoot { name: stage.name.clone(), nodes: roots }],
         nodes,
         cameras,
-        extensions: lights.map(|lights| DocumentExtensions { lights: LightList { lights } }),
+        extensions: (lights.is_some() || !shapes.is_empty()).then(|| DocumentExtensions {
+            lights: lights.map(|lights| LightList { lights }),
+            shapes: (!shapes.is_empty()).then_some(ShapeList { shapes }),
+        }),
         meshes,
         materials,
         textures,

@@ -341,7 +341,7 @@ fn primitive(piece: &MeshPart<'_>, arrays: &PrimitiveArrays) -> Primitive {
     Primitive {
         attributes: arrays.attributes(),
         indices: arrays.indices,
-        material: piece.material,
+        material: Some(piece.material),
         targets: targets.collect(),
     }
 }
@@ -364,7 +364,7 @@ impl Move {
 }
 
 /// A node where its plant stands.
-fn placed(place: &Place, cube: Option<Cube>, node: Node) -> Node {
+pub(super) fn placed(place: &Place, cube: Option<Cube>, node: Node) -> Node {
     if place.is_origin() && cube.is_none() {
         return node;
     }

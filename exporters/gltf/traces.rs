@@ -37,12 +37,14 @@ struct Document {
 #[derive(Default, Deserialize)]
 #[serde(default)]
 struct Node {
-    extras: Option<SettingExtras>,
+    name: String,
+    extras: Option<ToldExtras>,
 }
 
 #[derive(Deserialize)]
-struct SettingExtras {
+struct ToldExtras {
     linden_setting: Option<String>,
+    linden_collision: Option<String>,
 }
 
 #[derive(Default, Deserialize)]
@@ -113,6 +115,16 @@ fn in_document(format: &'static Format, json: &mut dyn Read) -> io::Result<Trace
     };
     if format.id == GLTF.id {
         traces = traces.with_switch("embed", embed);
+    }
+    let collision = document.nodes.iter().find_map(|node| node.extras.as_ref()?.linden_collision.clone());
+    if let Some((shapes, most)) = collision.as_deref().and_then(|told| told.split_once(' ')) {
+        let has = |of: fn(&str) -> bool| document.nodes.iter().any(|node| of(&node.name));
+        let way = match () {
+            () if has(|name| name.starts_with("UCX_")) => "unreal",
+            () if has(|name| name.ends_with("-convcolonly")) => "godot",
+            () => "omi",
+        };
+        traces = traces.with("collision", shapes).with("collision_most", most).with("collision_as", way);
     }
     let told = document.nodes.into_iter().rev().find_map(|node| node.extras?.linden_setting);
     let surroundings = told.map_or(Ok(Surroundings::default()), |text| Surroundings::parse(&text));

@@ -3,6 +3,7 @@
 //! Text was measured over the built-in presets, in bytes a vertex or node without indices: those follow
 //! from the number of digits.
 
+use crate::collision;
 use crate::writing::mean_digits;
 use crate::{Amounts, Options};
 
@@ -26,6 +27,8 @@ pub(super) fn bytes(amounts: &Amounts, options: &Options) -> u64 {
     let moved = WIND * amounts.wind_vectors() as f64 + (TARGET + digits) * amounts.target_vectors() as f64;
     let materialx = if options.is_on("materialx") && is_full { 3400 * amounts.foliage_materials } else { 0 };
     let around = 2 * amounts.recipe_bytes + 3000 + 900 * amounts.foliage_materials + materialx;
+    let shapes = if is_full { 520 * collision::expected(amounts.axes, options) } else { 0 };
+    let around = around + shapes;
     let pictures = if options.is_on("pictures") { amounts.picture_bytes } else { 0 };
     (85.0 * vertices as f64 + places + moved + faces + curves) as u64 + around + pictures
 }

@@ -16,6 +16,7 @@
 //! inside the wood, and a renderer that drew it would show it through every gap.
 
 mod assembly;
+mod collision;
 mod estimate;
 mod extent;
 mod indexed;
@@ -44,6 +45,7 @@ use self::layer::Layer;
 use self::package::Package;
 use self::plant::{Component, Head};
 use self::syntax::{identifier, quoted, unquoted};
+use crate::collision::{COLLISION, Colliders, MOST, told};
 use crate::options::{OptionSpec, Options};
 use crate::writing::distinct::{DistinctMeshes, MeshPart};
 use crate::writing::pictures::{self, NamedPicture};
@@ -79,6 +81,8 @@ static FORMAT: Format = Format {
         OptionSpec::switch("skeleton", true, "the skeleton too, as guide curves: one per axis"),
         INSTANCES,
         MATERIALX,
+        COLLISION,
+        MOST,
     ],
     holds: Holds::SCENE,
     encoding: |_| Encoding::Text,
@@ -105,6 +109,8 @@ static PACKAGE: Format = Format {
         OptionSpec::switch("skeleton", true, "the skeleton too, as guide curves: one per axis"),
         INSTANCES,
         MATERIALX,
+        COLLISION,
+        MOST,
     ],
     holds: Holds::SCENE,
     encoding: |_| Encoding::Text,
@@ -123,6 +129,8 @@ struct Writing<'a> {
     with_skeleton: bool,
     with_instances: bool,
     with_materialx: bool,
+    /// Shapes for physics of each plant, and the options that they were asked for with.
+    collision: Option<(Vec<Colliders>, String)>,
 }
 
 impl<'a> Writing<'a> {
@@ -147,6 +155,15 @@ impl<'a> Writing<'a> {
         let with_skeleton = options.is_on("skeleton") && !is_ar;
         let with_materialx = options.is_on("materialx") && !is_ar;
         note_materialx(&distinct, stage, options, bundle);
+        let told = told(options);
+        if told.is_some() && is_ar {
+            bundle.note("usdz.flavor=ar: collision is left out, which phones do not know");
+        }
+        let colliders = |_: &String| {
+            let first = |plant| distinct.models[distinct.model(plant, 0, 0)].scene;
+            (0..distinct.plants()).map(|plant| Colliders::of(first(plant), options)).collect()
+        };
+        let collision = told.filter(|_| !is_ar).map(|told| (colliders(&told), told));
         Ok(Self {
             stage,
             distinct,
@@ -156,6 +173,7 @@ impl<'a> Writing<'a> {
             with_skeleton,
             with_instances,
             with_materialx,
+            collision,
         })
     }
 
@@ -288,6 +306,7 @@ fn in_text(format: &'static Format, file: &mut dyn Readable) -> io::Result<Trace
             "uniform token info:id = \"UsdUVTexture\"",
             materialx::TRACE,
             "def BasisCurves ",
+            collision::PRIM_TRACE,
             assembly::COVER_TRACE,
             "def PointInstancer ",
             "def Camera ",
@@ -295,7 +314,7 @@ fn in_text(format: &'static Format, file: &mut dyn Readable) -> io::Result<Trace
             assembly::LAST_TRACE,
         ],
     );
-    let [pictures, materialx, skeleton, _, instances, camera, seasons, _] = seen?;
+    let [pictures, materialx, skeleton, collision, _, instances, camera, seasons, _] = seen?;
     let told = if camera { traces::behind(file, assembly::SETTING_TRACE)? } else { None };
     let text = told.as_deref().and_then(recipe::text).and_then(|literal| unquoted(&literal));
     let surroundings = text.map_or(Ok(Surroundings::default()), |text| Surroundings::parse(&text));
@@ -304,6 +323,12 @@ fn in_text(format: &'static Format, file: &mut dyn Readable) -> io::Result<Trace
         .with_switch("pictures", pictures)
         .with_switch("skeleton", skeleton)
         .with_switch("instances", instances);
+    let shapes = if collision { traces::behind(file, collision::TOLD_TRACE)? } else { None };
+    let shapes = shapes.as_deref().and_then(recipe::text).and_then(|literal| unquoted(&literal));
+    let traces = match shapes.as_deref().and_then(|told| told.split_once(' ')) {
+        Some((shapes, most)) => traces.with("collision", shapes).with("collision_most", most),
+        None => traces,
+    };
     // Without leaves it does not show.
     let traces =
         if materialx { traces.with_switch("materialx", true) } else { traces.with_either("materialx") };

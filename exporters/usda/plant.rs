@@ -10,7 +10,7 @@ use linden_pipeline::scene::Bounds;
 
 use super::layer::Layer;
 use super::syntax::{Names, quoted};
-use super::{Writing, instancer, material, mesh, skeleton, wind};
+use super::{Writing, collision, instancer, material, mesh, skeleton, wind};
 use crate::writing::distinct::{MeshPart, PlantModel};
 use crate::{ExportError, GENERATOR};
 
@@ -144,6 +144,9 @@ impl<'a> Component<'a> {
             layer.lines("\n")?;
         } else if seasons > 1 {
             self.of_seasons(layer, 0)?;
+        }
+        if let Some((colliders, told)) = &self.writing.collision {
+            collision::write(layer, &colliders[self.plant], told)?;
         }
         layer.open("def Scope \"Materials\"")?;
         for (&look, name) in &self.materials {

@@ -155,7 +155,7 @@ def with_trimesh(path, tree):
     meshes = dict(loaded.geometry)
     placed = [meshes[loaded.graph[node][1]] for node in loaded.graph.nodes_geometry]
     found = sum(len(m.faces) for m in placed if hasattr(m, "faces"))
-    expected = sum(len(m.triangles) for m in tree.meshes + tree.around)
+    expected = sum(len(m.triangles) for m in tree.meshes + tree.around) + tree.collider_triangles
     if found != expected:
         yield f"{found} triangles of {expected}"
     # Wood that has several barks is parted where they meet: each part is open there.
@@ -166,13 +166,19 @@ def with_trimesh(path, tree):
         if is_parted and ("wood" in name or "bark" in str(getattr(mesh.visual, "material", "")) or path.suffix in (".ply", ".obj")):
             continue
         # Leaves have an edge, ground and sky too.
-        if not hasattr(mesh, "faces") or is_open(name + str(getattr(mesh.visual, "material", ""))):
+        if not hasattr(mesh, "faces") or is_open(name + called(mesh)):
             continue
         # Wood and leaves are one mesh there, and nothing tells which is which; see solid.py.
         if path.suffix == ".stl":
             continue
         if not is_closed(mesh) and not (path.suffix == ".ply" and is_closed(of_first_part(path, mesh))):
             yield "the surface is open or inside out"
+
+
+def called(mesh):
+    """What its material is called, and shows."""
+    material = getattr(mesh.visual, "material", None)
+    return f"{getattr(material, 'name', '')} {material}"
 
 
 def is_closed(mesh):

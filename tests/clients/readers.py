@@ -38,6 +38,7 @@ class Tree:
     recipe: str = ""
     files: list = field(default_factory=list)  # paths that it refers to
     around: list = field(default_factory=list)  # meshes of the setting: ground and sky
+    collider_triangles: int = 0  # of meshes that are for physics
     is_rounded: bool = False  # whether it stores turns or vertices in 16 bits or less
     is_instanced: bool = False  # whether it needs a reader that knows instances
     is_compressed: bool = False  # whether it needs one that decompresses
@@ -306,7 +307,12 @@ def gltf(path):
             places = [matrix @ local(dict(translation=t, rotation=r, scale=s)) for t, r, s in zip(*columns)]
         else:
             places = [matrix]
-        if "mesh" in node:
+        if "mesh" in node and (node["name"].startswith("UCX_") or node["name"].endswith("-convcolonly")):
+            # For physics: neither normals nor a material.
+            for primitive in document["meshes"][node["mesh"]]["primitives"]:
+                assert list(primitive["attributes"]) == ["POSITION"] and "material" not in primitive
+                tree.collider_triangles += len(array(primitive["indices"])) // 3
+        elif "mesh" in node:
             into = tree.around if node["name"].startswith(("Ground", "Sky")) else tree.meshes
             into.extend(moved(mesh, place) for mesh in meshes(node["mesh"]) for place in places)
         for child in node.get("children", []):
@@ -349,7 +355,7 @@ def entries(path):
 
 
 def usda(path):
-    from pxr import Usd, UsdGeom, UsdShade
+    from pxr import Usd, UsdGeom, UsdPhysics, UsdShade
 
     stage = Usd.Stage.Open(str(path))
     assert stage, "usd-core cannot open it"
@@ -396,8 +402,10 @@ def usda(path):
                 prototype = stage.GetPrimAtPath(prototypes[which])
                 assert not prototype.IsInstanceable(), "a prototype is instanceable"
                 for own in Usd.PrimRange(prototype):
-                    if own.IsA(UsdGeom.Mesh):
+                    if own.IsA(UsdGeom.Mesh) and not own.HasAPI(UsdPhysics.CollisionAPI):
                         into.append(moved(mesh_of(own), above @ column(place)))
+        elif prim.IsA(UsdGeom.Mesh) and prim.HasAPI(UsdPhysics.CollisionAPI):
+            assert UsdGeom.Imageable(prim).ComputePurpose() == UsdGeom.Tokens.guide
         elif prim.IsA(UsdGeom.Mesh):
             into = tree.around if prim.GetName().startswith("Ground") else tree.meshes
             into.append(moved(mesh_of(prim), column(cache.GetLocalToWorldTransform(prim))))
