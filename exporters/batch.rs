@@ -54,10 +54,11 @@ impl Output {
         seasons.iter().map(named).collect()
     }
 
-    /// The files for a number of levels of detail: this one, or for a format that holds one level only
+    /// The files for a number of levels of detail: this one, or for a format that holds one level only, or is to hold one,
     /// `fir_LOD0.obj`, `fir_LOD1.obj` and so on. A stream stays one, with the finest level.
     pub fn in_levels(self, levels: usize) -> Vec<Self> {
-        if levels < 2 || self.is_stream() || self.exporter.format().levels() != LooksIn::Files {
+        let looks_in = self.exporter.format().levels_with(&self.options);
+        if levels < 2 || self.is_stream() || looks_in != LooksIn::Files {
             return vec![self];
         }
         let path = |level: usize| self.path_with(&format!("_LOD{level}"));

@@ -33,6 +33,21 @@ pub enum ExportError {
         /// All ids.
         known: Vec<&'static str>,
     },
+    /// No program that files are for has this id.
+    #[error(
+        "no program is called '{}'{}; there are: {}",
+        printable(typed),
+        did_you_mean(*nearest),
+        known.join(", ")
+    )]
+    UnknownProfile {
+        /// What was asked for.
+        typed: String,
+        /// The id that was probably meant.
+        nearest: Option<&'static str>,
+        /// All ids.
+        known: Vec<&'static str>,
+    },
     /// No format claims this ending.
     #[error(
         "cannot tell the format of {} from its name: {}{}{}; known endings: .{}; or name the format",

@@ -42,6 +42,12 @@ impl Format {
         self.holds.levels
     }
 
+    /// The same with these options: some formats may have a file for each.
+    pub fn levels_with(&self, options: &Options) -> LooksIn {
+        let in_files = self.holds.levels == LooksIn::One && options.is_word("lods", "files");
+        if in_files { LooksIn::Files } else { self.holds.levels }
+    }
+
     /// The longest of its endings that a file's name has, in any case.
     pub fn ending_of(&self, path: &Path) -> Option<&'static str> {
         let name = path.file_name()?.to_string_lossy().to_lowercase();

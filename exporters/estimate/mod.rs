@@ -192,7 +192,7 @@ impl Estimate {
     /// has no estimate.
     pub fn bytes(&self, format: &Format, options: &Options) -> Option<u64> {
         let estimate = format.estimate?;
-        Some(match format.holds.levels {
+        Some(match format.levels_with(options) {
             LooksIn::Files => {
                 let levels = 0..self.level_count();
                 levels.map(|level| estimate(&self.level_amounts(level), options)).sum()

@@ -92,7 +92,7 @@ fn all_off(what: &str, recipe: &Recipe) -> Vec<String> {
                 exporter.write(stage, &options, &mut bundle, &Quiet).unwrap();
                 bundle.commit().unwrap().iter().map(|file| file.bytes).sum()
             };
-            let real = match format.levels() {
+            let real = match format.levels_with(&options) {
                 LooksIn::Files => levels.levels.iter().map(|level| write(&Stage::of(&level.scene))).sum(),
                 _ => write(&levels.stage()),
             };

@@ -78,6 +78,13 @@ const PICTURE_FORMAT: OptionSpec = OptionSpec::choice(
      a tenth fewer bytes (EXT_texture_webp, which the reader must know); normals stay PNG",
 );
 
+const LODS: OptionSpec = OptionSpec::choice(
+    "lods",
+    &["msft", "siblings", "files"],
+    "levels of detail: by MSFT_lod, of which many programs show the finest alone; as nodes NAME_LOD0, NAME_LOD1 side by \
+     side, which Unity and Unreal group; a file each",
+);
+
 const TRANSLUCENCY: OptionSpec = OptionSpec::switch(
     "translucency",
     false,
@@ -142,6 +149,7 @@ static GLTF: Format = Format {
         INSTANCES,
         QUANTIZE,
         COMPRESS,
+        LODS,
         TRANSLUCENCY,
         COLLISION,
         MOST,
@@ -165,6 +173,7 @@ static GLB: Format = Format {
         INSTANCES,
         QUANTIZE,
         COMPRESS,
+        LODS,
         TRANSLUCENCY,
         COLLISION,
         MOST,
@@ -425,7 +434,7 @@ fn document(
         }
         standing.pieces = nodes::lay_out_copies(distinct, layout);
     }
-    let mut graph = nodes::nodes(stage, distinct, layout, &standing);
+    let mut graph = nodes::nodes(stage, distinct, layout, &standing, options.is_word("lods", "siblings"));
     let shapes = collision::add(stage, distinct, options, layout, &mut graph);
     let SceneGraph { nodes, roots, meshes, cameras, lights, mut extensions, mut required } = graph;
     if has_translucent {

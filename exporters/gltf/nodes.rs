@@ -85,12 +85,13 @@ pub(super) struct Standing {
     pub pieces: Vec<Option<Instancing>>,
 }
 
-/// Builds the graph; `layout` is that of the meshes.
+/// Builds the graph; `layout` is that of the meshes. Levels are siblings below one node, or else those of `MSFT_lod`.
 pub(super) fn nodes(
     stage: &Stage<'_>,
     distinct: &DistinctMeshes<'_>,
     layout: &Layout,
     standing: &Standing,
+    are_siblings: bool,
 ) -> SceneGraph {
     let (instances, copies) = (standing.plants.as_slice(), standing.pieces.as_slice());
     let arrays = &layout.primitives;
@@ -104,6 +105,7 @@ pub(super) fn nodes(
         distinct,
         layout,
         copies,
+        are_siblings,
         nodes: vec![root],
         meshes: Vec::new(),
         first_mesh: Vec::new(),
@@ -170,6 +172,7 @@ struct Graph<'a> {
     layout: &'a Layout,
     /// By piece, and so by mesh where each has its own.
     copies: &'a [Option<Instancing>],
+    are_siblings: bool,
     nodes: Vec<Node>,
     meshes: Vec<Mesh>,
     /// The first mesh of each model.
@@ -245,7 +248,7 @@ impl Graph<'_> {
             }
             let first = self.nodes.len();
             finest.push(self.levels(&Place::origin(plant), &stage_plant.name, Self::instanced));
-            for node in &mut self.nodes[first..] {
+            for node in self.nodes[first..].iter_mut().filter(|node| node.mesh.is_some()) {
                 node.extensions.instancing = Some(*instancing);
             }
         }
@@ -304,7 +307,8 @@ impl Graph<'_> {
         self.layout.quanta.as_ref().map(|quanta| quanta.cube(plant))
     }
 
-    /// A place's plant in all its levels; gives the node of the finest, which names the others.
+    /// A place's plant in all its levels; gives the node of the finest, which names the others, or the one that has all
+    /// below it.
     fn levels(
         &mut self,
         place: &Place,
@@ -319,9 +323,13 @@ impl Graph<'_> {
                 self.push(node)
             })
             .collect();
+        let coverage = self.stage.plants[place.plant].levels().iter().map(|level| level.coverage);
+        if self.are_siblings && levels > 1 {
+            let extras = Extras { screen_coverage: coverage.collect(), ..Extras::default() };
+            return self.push(Node { name: name.to_owned(), children: of_levels, extras, ..Node::default() });
+        }
         let (finest, others) = (of_levels[0], &of_levels[1..]);
         if !others.is_empty() {
-            let coverage = self.stage.plants[place.plant].levels().iter().map(|level| level.coverage);
             let node = &mut self.nodes[finest];
             node.extras.screen_coverage = coverage.collect();
             node.extensions =

@@ -107,6 +107,11 @@ fn in_document(format: &'static Format, json: &mut dyn Read) -> io::Result<Trace
         .with_switch("instances", uses("EXT_mesh_gpu_instancing"))
         .with_switch("quantize", uses("KHR_mesh_quantization"))
         .with("compress", if uses("EXT_meshopt_compression") { "meshopt" } else { "none" });
+    // Of one level nothing shows; a file for each is told by its name.
+    let has_levels = document.nodes.iter().any(|node| node.name.ends_with("_LOD1"));
+    if has_levels && !uses("MSFT_lod") {
+        traces = traces.with("lods", "siblings");
+    }
     // Without leaves it does not show.
     traces = if uses(DIFFUSE_TRANSMISSION) {
         traces.with_switch("translucency", true)

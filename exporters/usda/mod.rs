@@ -69,6 +69,12 @@ const INSTANCES: OptionSpec = OptionSpec::switch(
     "leaves (in a forest whole trees) as few meshes in many places, by a PointInstancer",
 );
 
+const LODS: OptionSpec = OptionSpec::choice(
+    "lods",
+    &["variants", "files"],
+    "levels of detail: variants of the set lod; or a file each, for programs that let nobody choose",
+);
+
 static FORMAT: Format = Format {
     id: "usda",
     name: "OpenUSD (text)",
@@ -81,6 +87,7 @@ static FORMAT: Format = Format {
         OptionSpec::switch("skeleton", true, "the skeleton too, as guide curves: one per axis"),
         INSTANCES,
         MATERIALX,
+        LODS,
         COLLISION,
         MOST,
     ],
@@ -109,6 +116,7 @@ static PACKAGE: Format = Format {
         OptionSpec::switch("skeleton", true, "the skeleton too, as guide curves: one per axis"),
         INSTANCES,
         MATERIALX,
+        LODS,
         COLLISION,
         MOST,
     ],

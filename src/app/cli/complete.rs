@@ -14,7 +14,7 @@ use linden::knob::{Kind, Knob};
 use linden::lsystem::Grammar;
 use linden::preset::{KNOBS, LSystem, PresetKnob, Section, builtin, builtins};
 use linden::season::SEASONS;
-use linden_exporters::{REGISTRY, exporters};
+use linden_exporters::{PROFILES, REGISTRY, exporters};
 
 use crate::config::dirs::Dirs;
 use crate::config::presets::ids;
@@ -51,6 +51,11 @@ pub fn formats() -> ArgValueCandidates {
         let formats = exporters().into_iter().map(linden_exporters::Exporter::format);
         formats.map(|format| candidate(format.id, format.help)).collect()
     })
+}
+
+/// Programs that files are for.
+pub fn clients() -> ArgValueCandidates {
+    ArgValueCandidates::new(|| PROFILES.iter().map(|profile| candidate(profile.id, profile.name)).collect())
 }
 
 /// Some words.

@@ -77,8 +77,12 @@ impl Export {
     pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
         let mut timings = Timings::new();
-        let (settings, of_formats): (Vec<_>, Vec<_>) =
+        let (settings, of_formats): (Vec<(String, String)>, Vec<_>) =
             self.growing.pairs()?.into_iter().partition(|(name, _)| !super::is_of_format(name));
+        // What the program that files are for wants of the plant comes first, so that all else holds against it.
+        let of_client = self.outputs.profile()?.map_or(&[][..], |profile| profile.knobs);
+        let of_client = of_client.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned()));
+        let settings: Vec<_> = of_client.chain(settings).collect();
         let flags = [
             ("lod_ratio", self.lod_ratio.map(|x| x.to_string())),
             ("billboard", self.billboard.map(|n| n.to_string())),

@@ -6,6 +6,7 @@ mod batch;
 mod bench;
 mod cache;
 mod cite;
+mod client;
 mod complete;
 mod completions;
 mod crew;

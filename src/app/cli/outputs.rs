@@ -6,7 +6,7 @@ use clap::Args;
 use linden::Monitor;
 use linden::season::Season;
 use linden::stage::Stage;
-use linden_exporters::{Exporter, Options, REGISTRY, find, for_path};
+use linden_exporters::{Exporter, Options, Profile, REGISTRY, find, for_path};
 
 use super::placing::{Placing, as_sole_output, explained, in_folder, is_dash, is_folder, waiting};
 
@@ -26,6 +26,19 @@ pub struct Outputs {
     /// Write these formats: one for all outputs, or one for each; without -o to SOURCE.ENDING
     #[arg(long, value_name = "FORMAT", value_delimiter = ',', add = complete::formats())]
     format: Vec<String>,
+
+    /// For a program: options that suit it, in the format that it reads best where none is named ('linden show --for
+    /// CLIENT' prints them). Other options hold against it
+    #[arg(long = "for", value_name = "CLIENT", add = complete::clients())]
+    client: Option<String>,
+
+    /// How levels of detail are told; the same as --set FORMAT.lods=WAY for each format that has it
+    #[arg(long, value_name = "WAY", add = complete::values_of_option("lods"))]
+    lods_as: Option<String>,
+
+    /// Shapes for physics; the same as --set FORMAT.collision=SHAPES for each format that has it
+    #[arg(long, value_name = "SHAPES", num_args = 0..=1, default_missing_value = "capsules", add = complete::values_of_option("collision"))]
+    collision: Option<String>,
 
     /// Leaves, in a forest whole trees, as few meshes in many places; the same as --set FORMAT.instances=true
     /// for each format that has it
@@ -59,12 +72,17 @@ impl Outputs {
         sources: Vec<PathBuf>,
     ) -> anyhow::Result<Batch> {
         let targets = self.targets(id, command)?;
+        let profile = self.profile()?;
         check_formats(settings, &targets)?;
         let flags = self.flags();
         check_flags(&flags, &targets)?;
         let mut outputs = Vec::new();
         for (exporter, path) in targets {
-            let mut options = Options::new(exporter.format());
+            let format = exporter.format();
+            let mut options = match profile {
+                Some(profile) => profile.options(format).map_err(usage)?,
+                None => Options::new(format),
+            };
             for (option, value) in flags.iter().filter(|(option, _)| has(exporter, option)) {
                 options.set(option, value).map_err(usage)?;
             }
@@ -72,6 +90,9 @@ impl Outputs {
                 if let Some((_, name)) = name.split_once('.').filter(|(id, _)| *id == exporter.format().id) {
                     options.set(name, value).map_err(usage)?;
                 }
+            }
+            if let Some(profile) = profile {
+                super::notes(&profile.unread(format, &options, levels), &Progress::new());
             }
             let in_seasons = Output::new(exporter, options, path).in_seasons(seasons);
             outputs.extend(in_seasons.into_iter().flat_map(|output| output.in_levels(levels)));
@@ -85,6 +106,11 @@ impl Outputs {
         Ok(batch)
     }
 
+    /// The program that files are for.
+    pub fn profile(&self) -> anyhow::Result<Option<&'static Profile>> {
+        self.client.as_deref().map(Profile::find).transpose().map_err(usage)
+    }
+
     /// Options that flags turn, in all formats that have them.
     fn flags(&self) -> Vec<(&'static str, String)> {
         let switch = |is_on: bool| is_on.then(|| "true".to_owned());
@@ -92,6 +118,8 @@ impl Outputs {
             ("instances", switch(self.instances)),
             ("quantize", switch(self.quantize)),
             ("compress", self.compress.clone()),
+            ("lods", self.lods_as.clone()),
+            ("collision", self.collision.clone()),
         ];
         flags.into_iter().filter_map(|(option, value)| Some((option, value?))).collect()
     }
@@ -100,6 +128,13 @@ impl Outputs {
     fn targets(&self, id: &str, command: &str) -> anyhow::Result<Vec<(&'static dyn Exporter, PathBuf)>> {
         let formats =
             self.format.iter().map(|id| find(id.trim())).collect::<Result<Vec<_>, _>>().map_err(usage)?;
+        // What the program reads best, where nothing is named.
+        let formats = match self.profile()?.and_then(|profile| profile.formats.first()) {
+            Some(best) if formats.is_empty() && self.output.iter().all(|path| is_folder(path)) => {
+                vec![find(best).map_err(usage)?]
+            }
+            _ => formats,
+        };
         let place = |exporter: &'static dyn Exporter, path: &PathBuf| {
             (exporter, in_folder(path, || default_name(id, exporter)))
         };

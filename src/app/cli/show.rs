@@ -1,22 +1,26 @@
 //! `linden show`: what a source or a forest is, its knobs, its forecast.
 
 use clap::Args;
+use clap::builder::ArgPredicate;
 use linden::knob::{Value, printable};
 use linden::preset::{LSystem, Preset, PresetKnob, Section};
 use linden::recipe::Recipe;
 use serde::Serialize;
 
-use super::GrowArgs;
 use super::axes::AxisList;
 use super::forest_page::{self, As};
 use super::size::{SizeRow, count};
+use super::{GrowArgs, complete};
 use crate::exit::usage;
 use crate::forecast::Outlook;
 use crate::progress::Progress;
 use crate::source::forest::ForestFile;
 
-/// Say what a source is, which knobs it has, and how large it would grow
+/// Say what a source is, which knobs it has, and how large it would grow; or what a program reads
 #[derive(Args)]
+#[command(mut_arg("source", |source| {
+    source.required(false).required_unless_present("client").default_value_if("client", ArgPredicate::IsPresent, "-")
+}))]
 #[expect(clippy::struct_excessive_bools, reason = "each is a flag of its own")]
 pub struct Show {
     #[command(flatten)]
@@ -42,6 +46,11 @@ pub struct Show {
     /// rule that wrote each, what it was one step before, and what the turtle drew for it
     #[arg(long, value_name = "STEPS", conflicts_with_all = ["toml", "changed"])]
     derive: Option<u32>,
+
+    /// What this program reads of files, and the options that --for sets for it; without a source
+    #[arg(long = "for", id = "client", value_name = "CLIENT", add = complete::clients(),
+        conflicts_with_all = ["toml", "changed", "axes", "derive"])]
+    client: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -136,6 +145,9 @@ struct ForecastRow {
 impl Show {
     pub fn run(self) -> anyhow::Result<()> {
         let progress = Progress::new();
+        if let Some(client) = &self.client {
+            return super::client::show(client, self.json);
+        }
         if let Some(named) = self.growing.source.to_str()
             && let Some(forest) = ForestFile::find(named, &progress)?
         {

@@ -104,10 +104,17 @@ fn attempts(path: &Path, exporter: &'static dyn Exporter, options: &Options, lev
     let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let ending = format.ending_of(path).map_or(0, |ending| ending.len() + 1);
     let (stem, ending) = name.split_at(name.len() - ending);
-    let in_files = levels > 1 && format.levels() == LooksIn::Files;
+    let may_be_files = format.options.iter().any(|spec| spec.knob.name == "lods");
+    let in_files = levels > 1 && (format.levels() == LooksIn::Files || may_be_files);
     let level = stem.rsplit_once("_LOD").and_then(|(stem, level)| Some((stem, level.parse().ok()?)));
+    let is_one = in_files && level.is_some_and(|(_, level): (&str, usize)| level < levels);
     let (stem, index) =
         level.filter(|&(_, level): &(_, usize)| in_files && level < levels).unwrap_or((stem, 0));
+    let mut options = options.clone();
+    if may_be_files && is_one {
+        // A format that could hold all levels has one because it was told so.
+        let _ = options.set("lods", "files");
+    }
     let output = |stem: &str| Output::new(exporter, options.clone(), format!("{stem}{ending}").into());
     let in_levels = |output: Output| {
         let outputs = if level.is_some() { output.in_levels(levels) } else { vec![output] };
