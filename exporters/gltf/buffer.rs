@@ -44,6 +44,8 @@ pub(super) struct PrimitiveArrays {
     packing: Option<Packing>,
     pub indices: usize,
     pub wind: WindArrays,
+    /// The cube of packed pivots, where there are some.
+    wind_cube: Option<Cube>,
 }
 
 /// The cube of positions, the range of texture coordinates.
@@ -55,12 +57,26 @@ impl PrimitiveArrays {
         self.packing.map(|(cube, _)| cube)
     }
 
+    /// What packed pivots mean, in the units of the stored positions.
+    pub fn wind_cube(&self) -> Option<[f32; 4]> {
+        let Cube { corner, side } = self.wind_cube.filter(|_| self.wind.packed.is_some())?;
+        // Positions are in the same cube.
+        if self.packing.is_some() {
+            Some([0.0, 0.0, 0.0, 1.0])
+        } else {
+            Some([corner.x, corner.y, corner.z, side])
+        }
+    }
+
     pub fn attributes(&self) -> Attributes {
         Attributes {
             position: self.first,
             normal: Some(self.first + 1),
             texcoord_0: Some(self.first + 2),
             tangent: self.with_tangents.then_some(self.first + 3),
+            color_0: self.wind.packed.map(|[motions, ..]| motions),
+            texcoord_1: self.wind.packed.map(|[_, flat, _]| flat),
+            texcoord_2: self.wind.packed.map(|[.., high]| high),
             wind: self.wind.attributes.map(|[wind, _]| wind),
             wind_pivot: self.wind.attributes.map(|[_, pivot]| pivot),
         }
@@ -69,13 +85,15 @@ impl PrimitiveArrays {
 
 impl Layout {
     /// Lays out the meshes' arrays; `pictures` are those that will be written. With `quantize` the plants'
-    /// vertices are in fewer bits.
+    /// vertices are in fewer bits, with `pack_wind` what tells how they swing.
     pub fn of_meshes(
         stage: &Stage<'_>,
         distinct: &DistinctMeshes<'_>,
         pictures: &[NamedPicture<'_>],
         quantize: bool,
+        pack_wind: bool,
     ) -> Self {
+        let wind_quanta = pack_wind.then(|| Quanta::new(distinct, &[]));
         let mut layout = Self {
             views: Vec::new(),
             accessors: Vec::new(),
@@ -133,18 +151,37 @@ impl Layout {
             let bytes = if kind == ComponentType::U16 { 2 } else { 4 };
             layout.push(mesh.triangles.len() * 3, "SCALAR", kind, bytes, ELEMENT_ARRAY_BUFFER);
             let indices = layout.accessors.len() - 1;
-            let wind = wind.map(|wind| layout.push_wind(mesh, wind, motions)).unwrap_or_default();
-            layout.primitives.push(PrimitiveArrays { first, with_tangents, packing, indices, wind });
+            let quanta = wind_quanta.as_ref();
+            let wind_cube = plant.and_then(|plant| quanta.map(|quanta| quanta.cube_of(plant, piece)));
+            let wind = wind.map(|wind| layout.push_wind(mesh, wind, motions, wind_cube.is_some()));
+            let wind = wind.unwrap_or_default();
+            layout.primitives.push(PrimitiveArrays {
+                first,
+                with_tangents,
+                packing,
+                indices,
+                wind,
+                wind_cube,
+            });
         }
         layout
     }
 
     /// Lays out a mesh's wind behind its other arrays, with targets for some motions: one that this part
     /// lacks is an accessor without a buffer, which is all zero.
-    fn push_wind(&mut self, mesh: &Mesh, wind: &PartWind, motions: Vec<Motion>) -> WindArrays {
+    fn push_wind(&mut self, mesh: &Mesh, wind: &PartWind, motions: Vec<Motion>, pack: bool) -> WindArrays {
         let count = mesh.positions.len();
-        let attributes = [self.push_vertices(count, "VEC4", 16), self.push_vertices(count, "VEC4", 16)];
-        let mut arrays = WindArrays { attributes: Some(attributes), ..WindArrays::default() };
+        let mut arrays = WindArrays::default();
+        if pack {
+            let first = self.accessors.len();
+            self.push_packed(count, "VEC4", ComponentType::U8, 4);
+            self.push_packed(count, "VEC2", ComponentType::U16, 4);
+            self.push_packed(count, "VEC2", ComponentType::U16, 4);
+            arrays.packed = Some([first, first + 1, first + 2]);
+        } else {
+            let vectors = [self.push_vertices(count, "VEC4", 16), self.push_vertices(count, "VEC4", 16)];
+            arrays.attributes = Some(vectors);
+        }
         for &motion in &motions {
             let target = wind.targets.iter().find(|target| target.motion == motion);
             let accessor = match target {
@@ -333,7 +370,7 @@ impl Layout {
             }
             write_triangles(&piece.mesh, out)?;
             let cube = primitive.packing.map(|(cube, _)| cube);
-            piece.wind.map_or(Ok(()), |wind| wind::write(wind, cube, out))?;
+            piece.wind.map_or(Ok(()), |wind| wind::write(wind, cube, primitive.wind_cube, out))?;
         }
         for blob in &self.blobs {
             out.put(blob)?;

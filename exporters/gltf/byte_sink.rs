@@ -6,7 +6,7 @@ use base64::engine::general_purpose::STANDARD;
 use crate::{ExportError, Sink};
 
 /// Takes the buffer's bytes in order.
-pub(super) trait ByteSink {
+pub(crate) trait ByteSink {
     fn put(&mut self, bytes: &[u8]) -> Result<(), ExportError>;
 }
 
@@ -17,7 +17,7 @@ impl ByteSink for Sink<'_> {
 }
 
 /// Writes bytes as base64 into a sink.
-pub(super) struct Base64<'s, 'a> {
+pub(crate) struct Base64<'s, 'a> {
     out: &'s mut Sink<'a>,
     /// Up to two bytes that wait for a third.
     rest: Vec<u8>,

@@ -244,6 +244,10 @@ pub(super) struct Extras {
     /// What camera, sun and ground were asked for with, where that is not the usual.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub linden_setting: Option<String>,
+    /// Where packed pivots of the wind are: `[x, y, z, side]`, a corner and the side of the cube that 0 to 1 means, in
+    /// the units of the stored positions.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub linden_wind_cube: Option<[f32; 4]>,
     /// With which options there are shapes for physics.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub linden_collision: Option<String>,
@@ -256,6 +260,7 @@ impl Extras {
             && self.target_names.is_empty()
             && self.linden_setting.is_none()
             && self.linden_collision.is_none()
+            && self.linden_wind_cube.is_none()
     }
 }
 
@@ -289,6 +294,12 @@ pub(super) struct Attributes {
     pub tangent: Option<usize>,
     #[serde(rename = "TEXCOORD_0", skip_serializing_if = "Option::is_none")]
     pub texcoord_0: Option<usize>,
+    #[serde(rename = "COLOR_0", skip_serializing_if = "Option::is_none")]
+    pub color_0: Option<usize>,
+    #[serde(rename = "TEXCOORD_1", skip_serializing_if = "Option::is_none")]
+    pub texcoord_1: Option<usize>,
+    #[serde(rename = "TEXCOORD_2", skip_serializing_if = "Option::is_none")]
+    pub texcoord_2: Option<usize>,
     #[serde(rename = "_WIND", skip_serializing_if = "Option::is_none")]
     pub wind: Option<usize>,
     #[serde(rename = "_WINDPIVOT", skip_serializing_if = "Option::is_none")]
@@ -471,6 +482,7 @@ pub(super) struct Accessor {
 #[repr(u16)]
 pub(super) enum ComponentType {
     I8 = 5120,
+    U8 = 5121,
     U16 = 5123,
     U32 = 5125,
     F32 = 5126,

@@ -28,6 +28,10 @@ use linden_pipeline::scene::{Translucency, Wrap};
 use linden_pipeline::stage::Stage;
 use serde_json::value::RawValue;
 
+pub(crate) use self::byte_sink::Base64;
+use self::byte_sink::ByteSink;
+pub(crate) use self::estimate::bytes as estimate;
+
 use self::buffer::Layout;
 use self::document::{
     Asset, Buffer, BufferExtensions, DiffuseTransmission, Document, DocumentExtensions, Fallback, Image,
@@ -83,6 +87,13 @@ const LODS: OptionSpec = OptionSpec::choice(
     &["msft", "siblings", "files"],
     "levels of detail: by MSFT_lod, of which many programs show the finest alone; as nodes NAME_LOD0, NAME_LOD1 side by \
      side, which Unity and Unreal group; a file each",
+);
+
+const WIND_AS: OptionSpec = OptionSpec::choice(
+    "wind_as",
+    &["attributes", "packed"],
+    "how shaders are told the wind: _WIND and _WINDPIVOT; or packed, 12 bytes a vertex in COLOR_0, TEXCOORD_1 and \
+     TEXCOORD_2, which engines import (viewers without a shader for it tint by COLOR_0)",
 );
 
 const TRANSLUCENCY: OptionSpec = OptionSpec::switch(
@@ -150,6 +161,7 @@ static GLTF: Format = Format {
         QUANTIZE,
         COMPRESS,
         LODS,
+        WIND_AS,
         TRANSLUCENCY,
         COLLISION,
         MOST,
@@ -157,7 +169,7 @@ static GLTF: Format = Format {
     ],
     holds: HOLDS,
     encoding,
-    estimate: Some(estimate::bytes),
+    estimate: Some(estimate),
 };
 
 static GLB: Format = Format {
@@ -174,6 +186,7 @@ static GLB: Format = Format {
         QUANTIZE,
         COMPRESS,
         LODS,
+        WIND_AS,
         TRANSLUCENCY,
         COLLISION,
         MOST,
@@ -181,10 +194,10 @@ static GLB: Format = Format {
     ],
     holds: HOLDS,
     encoding,
-    estimate: Some(estimate::bytes),
+    estimate: Some(estimate),
 };
 
-fn encoding(options: &Options) -> Encoding {
+pub(crate) fn encoding(options: &Options) -> Encoding {
     if options.is_word("compress", "meshopt") { Encoding::Packed } else { Encoding::Binary }
 }
 
@@ -219,8 +232,13 @@ impl Exporter for Gltf {
             bundle
                 .note("a single stream has no files beside it: buffer and pictures are inside, as data URIs");
         }
-        let mut layout =
-            Layout::of_meshes(stage, &distinct, &pictures, is_quantized(&distinct, options, bundle));
+        let mut layout = Layout::of_meshes(
+            stage,
+            &distinct,
+            &pictures,
+            is_quantized(&distinct, options, bundle),
+            options.is_word("wind_as", "packed"),
+        );
         if embed {
             let sources = embedded(&pictures, &mut layout)?;
             let mut document = document(stage, &distinct, &pictures, sources, options, &mut layout, monitor)?;
@@ -230,7 +248,7 @@ impl Exporter for Gltf {
             let bytes = json.len() as u64 + layout.bytes().div_ceil(3) * 4;
             return bundle.write_main(Some(bytes), monitor, |out| {
                 out.write(&json[..hole])?;
-                let mut encoder = byte_sink::Base64::new(out);
+                let mut encoder = Base64::new(out);
                 layout.write(&distinct, &mut encoder)?;
                 encoder.finish()?;
                 out.write(&json[hole..])
@@ -328,39 +346,73 @@ impl Exporter for Glb {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         let stage = &fit(stage, &GLB, bundle);
+        let binary = Binary::new(stage, GLB.id, options, bundle, monitor)?;
+        bundle.write_main(Some(binary.bytes()), monitor, |out| binary.write(out))
+    }
+}
+
+/// A GLB that is laid out.
+pub(crate) struct Binary<'a> {
+    distinct: DistinctMeshes<'a>,
+    layout: Layout,
+    json: Vec<u8>,
+    length: u32,
+}
+
+impl<'a> Binary<'a> {
+    /// Lays out a stage for a format, with its options; what the user should know goes to the bundle.
+    pub fn new(
+        stage: &'a Stage<'_>,
+        format: &'static str,
+        options: &Options,
+        bundle: &mut Bundle,
+        monitor: &dyn Monitor,
+    ) -> Result<Self, ExportError> {
         collision::note(stage, options, bundle);
         let distinct = distinct(stage, options, bundle, monitor)?;
         note_translucency(&distinct, stage, options, bundle);
         let pictures = pictures(&distinct, options, bundle);
         memory::admit(stage, &pictures, own_bytes(&distinct, &pictures), monitor)?;
-        let mut layout =
-            Layout::of_meshes(stage, &distinct, &pictures, is_quantized(&distinct, options, bundle));
+        let mut layout = Layout::of_meshes(
+            stage,
+            &distinct,
+            &pictures,
+            is_quantized(&distinct, options, bundle),
+            options.is_word("wind_as", "packed"),
+        );
         let sources = embedded(&pictures, &mut layout)?;
         let document = document(stage, &distinct, &pictures, sources, options, &mut layout, monitor)?;
         let mut json = json(&document)?;
         // Both chunks end at a multiple of four (4.4.3): the buffer does anyway.
         json.resize(json.len().next_multiple_of(4), b' ');
-        let binary = layout.bytes();
-        let bytes = 12 + 8 + json.len() as u64 + 8 + binary;
+        let bytes = 12 + 8 + json.len() as u64 + 8 + layout.bytes();
         let too_large = |_| ExportError::TooLarge {
-            format: GLB.id,
+            format,
             amount: format!("{bytes} bytes"),
             limit: "4 GiB",
             advice: "write .gltf instead, or lower the resolution",
         };
         let length = u32::try_from(bytes).map_err(too_large)?;
-        bundle.write_main(Some(bytes), monitor, |out| {
-            out.write(b"glTF")?;
-            // Each fits where the whole does.
-            for word in [2, length, json.len() as u32] {
-                out.write(&word.to_le_bytes())?;
-            }
-            out.write(b"JSON")?;
-            out.write(&json)?;
-            out.write(&(binary as u32).to_le_bytes())?;
-            out.write(b"BIN\0")?;
-            layout.write(&distinct, out)
-        })
+        Ok(Self { distinct, layout, json, length })
+    }
+
+    /// Bytes of the file.
+    pub fn bytes(&self) -> u64 {
+        self.length.into()
+    }
+
+    /// Writes the file.
+    pub fn write(&self, out: &mut impl ByteSink) -> Result<(), ExportError> {
+        out.put(b"glTF")?;
+        // Each fits where the whole does.
+        for word in [2, self.length, self.json.len() as u32] {
+            out.put(&word.to_le_bytes())?;
+        }
+        out.put(b"JSON")?;
+        out.put(&self.json)?;
+        out.put(&(self.layout.bytes() as u32).to_le_bytes())?;
+        out.put(b"BIN\0")?;
+        self.layout.write(&self.distinct, out)
     }
 }
 

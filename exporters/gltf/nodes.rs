@@ -188,11 +188,12 @@ impl Graph<'_> {
             for index in 0..self.distinct.seasons(plant) * levels {
                 let model = &self.distinct.models[self.first_model(plant) + index];
                 let suffix = suffix(index % levels, levels);
-                let primitives = model
-                    .parts
-                    .iter()
-                    .zip(&mut arrays)
-                    .map(|(piece, arrays)| (primitive(piece, arrays), arrays.wind.names()));
+                // All parts of a plant have the same.
+                let mut linden_wind_cube = None;
+                let primitives = model.parts.iter().zip(&mut arrays).map(|(piece, arrays)| {
+                    linden_wind_cube = linden_wind_cube.or(arrays.wind_cube());
+                    (primitive(piece, arrays), arrays.wind.names())
+                });
                 let primitives: Vec<(Primitive, Vec<&'static str>)> = primitives.collect();
                 self.first_mesh.push(self.meshes.len());
                 if is_single {
@@ -200,7 +201,7 @@ impl Graph<'_> {
                         |(piece, (primitive, target_names))| Mesh {
                             name: format!("{}{suffix}", model.full_name(&piece.name)),
                             primitives: vec![primitive],
-                            extras: Extras { target_names, ..Extras::default() },
+                            extras: Extras { target_names, linden_wind_cube, ..Extras::default() },
                         },
                     ));
                 } else {
@@ -208,7 +209,7 @@ impl Graph<'_> {
                     let linden = recipe(&model.scene.recipe);
                     let (primitives, names): (Vec<_>, Vec<_>) = primitives.into_iter().unzip();
                     let target_names = names.into_iter().next().unwrap_or_default();
-                    let extras = Extras { linden, target_names, ..Extras::default() };
+                    let extras = Extras { linden, target_names, linden_wind_cube, ..Extras::default() };
                     self.meshes.push(Mesh {
                         name: format!("{}{suffix}", stage_plant.name),
                         primitives,

@@ -32,6 +32,18 @@ struct Document {
     images: Vec<Image>,
     cameras: Vec<IgnoredAny>,
     nodes: Vec<Node>,
+    meshes: Vec<Mesh>,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(default)]
+struct Mesh {
+    extras: Option<WindExtras>,
+}
+
+#[derive(Deserialize)]
+struct WindExtras {
+    linden_wind_cube: Option<IgnoredAny>,
 }
 
 #[derive(Default, Deserialize)]
@@ -107,6 +119,10 @@ fn in_document(format: &'static Format, json: &mut dyn Read) -> io::Result<Trace
         .with_switch("instances", uses("EXT_mesh_gpu_instancing"))
         .with_switch("quantize", uses("KHR_mesh_quantization"))
         .with("compress", if uses("EXT_meshopt_compression") { "meshopt" } else { "none" });
+    let is_packed = |mesh: &Mesh| mesh.extras.as_ref().is_some_and(|told| told.linden_wind_cube.is_some());
+    if document.meshes.iter().any(is_packed) {
+        traces = traces.with("wind_as", "packed");
+    }
     // Of one level nothing shows; a file for each is told by its name.
     let has_levels = document.nodes.iter().any(|node| node.name.ends_with("_LOD1"));
     if has_levels && !uses("MSFT_lod") {

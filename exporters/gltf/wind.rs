@@ -1,7 +1,11 @@
 //! Wind in glTF: attributes that linden defines, and morph targets.
 //!
 //! `_WIND` is level, phase, sway and flutter; `_WINDPIVOT` the pivot and how far the vertex is from it
-//! (see [`PartWind`]). `COLOR_0` would tint the bark.
+//! (see [`PartWind`]).
+//!
+//! Packed, for engines that read no attributes of others: `COLOR_0` is phase, sway, flutter and 1 in bytes (an alpha
+//! below 1 would cut leaves away), `TEXCOORD_1` x and z of the pivot, `TEXCOORD_2` its y and a sixteenth of the level,
+//! in 16 bits of a cube that the mesh's extras tell. Viewers without a shader for it tint what they show by `COLOR_0`.
 
 use linden_pipeline::stage::Stage;
 use linden_pipeline::wind::{Motion, PartWind};
@@ -16,6 +20,8 @@ use crate::writing::distinct::{DistinctMeshes, MeshPart, PlantModel};
 pub(super) struct WindArrays {
     /// `_WIND` and `_WINDPIVOT`.
     pub attributes: Option<[usize; 2]>,
+    /// `COLOR_0`, `TEXCOORD_1` and `TEXCOORD_2`.
+    pub packed: Option<[usize; 3]>,
     /// The positions of each target.
     pub targets: Vec<usize>,
     /// What they are.
@@ -52,15 +58,47 @@ pub(super) fn motions(stage: &Stage<'_>, distinct: &DistinctMeshes<'_>) -> Vec<V
 
 /// Writes the arrays of a part in the order in which the buffer lays them out; pivots in the units of the positions, which are those of a cube
 /// where they are in fewer bits.
-pub(super) fn write(wind: &PartWind, cube: Option<Cube>, out: &mut impl ByteSink) -> Result<(), ExportError> {
-    out.put(bytemuck::cast_slice(&wind.motions))?;
-    match cube {
-        None => out.put(bytemuck::cast_slice(&wind.pivots))?,
-        Some(cube) => {
-            let pivots: Vec<[f32; 4]> = wind.pivots.iter().map(|&pivot| cube.pivot(pivot)).collect();
-            out.put(bytemuck::cast_slice(&pivots))?;
-        }
+pub(super) fn write(
+    wind: &PartWind,
+    cube: Option<Cube>,
+    packed: Option<Cube>,
+    out: &mut impl ByteSink,
+) -> Result<(), ExportError> {
+    match packed {
+        Some(cube) => write_packed(wind, cube, out)?,
+        None => write_whole(wind, cube, out)?,
     }
     // In the order in which a part has them, which is that of `Motion::ALL`.
     wind.targets.iter().try_for_each(|target| out.put(bytemuck::cast_slice(&target.offsets)))
+}
+
+/// The largest level that packing tells apart.
+const LEVELS: f32 = 16.0;
+
+fn write_packed(wind: &PartWind, cube: Cube, out: &mut impl ByteSink) -> Result<(), ExportError> {
+    let byte = |x: f32| libm::roundf(x.clamp(0.0, 1.0) * 255.0) as u8;
+    let short = |x: f32| libm::roundf(x.clamp(0.0, 1.0) * 65535.0) as u16;
+    let motions: Vec<[u8; 4]> = wind
+        .motions
+        .iter()
+        .map(|&[_, phase, sway, flutter]| [byte(phase), byte(sway), byte(flutter), 255])
+        .collect();
+    out.put(bytemuck::cast_slice(&motions))?;
+    let pivots = || wind.pivots.iter().map(|&pivot| cube.pivot(pivot).map(short));
+    let flat: Vec<[u16; 2]> = pivots().map(|[x, _, z, _]| [x, z]).collect();
+    out.put(bytemuck::cast_slice(&flat))?;
+    let levels = wind.motions.iter().map(|&[level, ..]| short(level / LEVELS));
+    let high: Vec<[u16; 2]> = pivots().zip(levels).map(|([_, y, ..], level)| [y, level]).collect();
+    out.put(bytemuck::cast_slice(&high))
+}
+
+fn write_whole(wind: &PartWind, cube: Option<Cube>, out: &mut impl ByteSink) -> Result<(), ExportError> {
+    out.put(bytemuck::cast_slice(&wind.motions))?;
+    match cube {
+        None => out.put(bytemuck::cast_slice(&wind.pivots)),
+        Some(cube) => {
+            let pivots: Vec<[f32; 4]> = wind.pivots.iter().map(|&pivot| cube.pivot(pivot)).collect();
+            out.put(bytemuck::cast_slice(&pivots))
+        }
+    }
 }

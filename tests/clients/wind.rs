@@ -42,3 +42,36 @@ fn every_client_takes_what_sways() {
     std::fs::remove_file(dir.join("wood.usda")).unwrap();
     run("wind.py", &dir);
 }
+
+#[test]
+fn packed_wind_is_the_wind_within_a_step() {
+    let dir = exported("clients-wind-packed");
+    let scene = dressed(&[("wind", "attributes")]).2;
+    let packed = ("wind_as", "packed");
+    export(&scene, "glb", &[packed], &dir.join("whole.glb")).unwrap();
+    export(&scene, "glb", &[packed, ("quantize", "true")], &dir.join("quantized.glb")).unwrap();
+    run("check.py", &dir);
+    let (document, buffers, _) = gltf::import(dir.join("whole.glb")).unwrap();
+    assert_eq!(document.meshes().count(), scene.parts.len());
+    for (mesh, part) in document.meshes().zip(&scene.parts) {
+        let told: serde_json::Value = serde_json::from_str(mesh.extras().as_ref().unwrap().get()).unwrap();
+        let [x, y, z, side] = [0, 1, 2, 3].map(|i| told["linden_wind_cube"][i].as_f64().unwrap() as f32);
+        let primitive = mesh.primitives().next().unwrap();
+        let reader = primitive.reader(|buffer| Some(&buffers[buffer.index()].0[..]));
+        let colors = reader.read_colors(0).unwrap().into_rgba_f32();
+        let flat = reader.read_tex_coords(1).unwrap().into_f32();
+        let high = reader.read_tex_coords(2).unwrap().into_f32();
+        let wind = part.wind.as_ref().unwrap();
+        for (((color, flat), high), (motion, pivot)) in
+            colors.zip(flat).zip(high).zip(wind.motions.iter().zip(&wind.pivots))
+        {
+            let [level, phase, sway, flutter] = *motion;
+            for (read, told) in color.into_iter().zip([phase, sway, flutter, 1.0]) {
+                assert!((read - told).abs() <= 0.5 / 255.0 + 1e-6, "{color:?} of {motion:?}");
+            }
+            let read = Vec3::new(x, y, z) + side * Vec3::new(flat[0], high[0], flat[1]);
+            assert!(read.distance(Vec3::from_slice(&pivot[..3])) < 1e-4 * side, "{read} of {pivot:?}");
+            assert_eq!((high[1] * 16.0).round(), level);
+        }
+    }
+}
