@@ -6,7 +6,8 @@ use std::path::Path;
 use linden_pipeline::knob::nearest;
 
 use crate::{
-    ExportError, Exporter, Readable, gltf, mtg, obj, organs, plugin, ply, qsm, recipe, stl, traces, usda,
+    ExportError, Exporter, Readable, gltf, html, mtg, obj, organs, plugin, ply, qsm, recipe, stl, traces,
+    usda,
 };
 
 /// Linden's formats. Where two claim an ending, the first has it.
@@ -23,6 +24,7 @@ pub static REGISTRY: &[&dyn Exporter] = &[
     &mtg::Mtg,
     &organs::Organs,
     &stl::Stl,
+    &html::Html,
 ];
 
 /// What is written where nothing says which format: one file that most programs take.
