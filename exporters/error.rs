@@ -182,7 +182,7 @@ const FOREIGN: [(&[&str], &str); 6] = [
     (&["blend"], "Blender reads glb and usda; the program linden-export-blend writes .blend files"),
     (&["usdc"], "usda and usdz hold the same, and usdcat turns them into usdc"),
     (&["abc"], "what reads Alembic reads usda as well"),
-    (&["3mf", "amf"], "slicers read stl, obj and ply; --set junction=watertight makes it one closed solid"),
+    (&["amf"], "slicers read 3mf, stl, obj and ply; --set junction=watertight makes it one closed solid"),
     (&["las", "laz", "e57", "pcd"], "ply-skeleton and qsm hold what is measured of a scan"),
 ];
 

@@ -66,6 +66,7 @@ mod recipe;
 mod registry;
 mod stl;
 mod system;
+mod threemf;
 mod traces;
 mod usda;
 mod workplace;
@@ -182,14 +183,14 @@ mod tests {
         let said = find("gtlf").err().unwrap().to_string();
         assert_eq!(
             said,
-            "no export format is called 'gtlf' (did you mean 'gltf'?); there are: obj, ply, ply-skeleton, gltf, glb, usda, usdz, qsm, mtg, organs, stl, html"
+            "no export format is called 'gtlf' (did you mean 'gltf'?); there are: obj, ply, ply-skeleton, gltf, glb, usda, usdz, qsm, mtg, organs, stl, 3mf, html"
         );
         let said = for_path(Path::new("fir.usdc")).err().unwrap().to_string();
         assert!(said.contains("did you mean '.usda'?") && said.contains(".glb"), "{said}");
         let said = for_path(Path::new("fir.FBX")).err().unwrap().to_string();
         assert!(said.contains("Unity") && said.contains("glb") && !said.contains("did you mean"), "{said}");
-        let said = find("3mf").err().unwrap().to_string();
-        assert!(said.contains("slicers read stl") && !said.contains("did you mean"), "{said}");
+        let said = find("amf").err().unwrap().to_string();
+        assert!(said.contains("slicers read 3mf") && !said.contains("did you mean"), "{said}");
         let said = for_path(Path::new("fir")).err().unwrap().to_string();
         assert!(said.contains("no ending") && !said.contains("did you mean"), "{said}");
     }

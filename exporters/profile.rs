@@ -51,7 +51,7 @@ pub const PROFILES: [Profile; 8] = [
     Profile { id: "three", name: "three.js", formats: &["glb", "gltf"], options: &[("lods", "files"), ("quantize", "true"), ("compress", "meshopt")], knobs: &[], unread: &[SIBLINGS, MSFT], levels: "a file each, into THREE.LOD", colliders: "none are read; OMI extensions arrive in userData", wind: "wind=sway by AnimationMixer; the attributes _wind and _windpivot", axis: "Y up, metres" },
     Profile { id: "bevy", name: "Bevy", formats: &["glb", "gltf"], options: &[("lods", "files")], knobs: &[], unread: &[NO_MESHOPT, NO_QUANTIZE, NO_INSTANCES, SIBLINGS, MSFT], levels: "a file each", colliders: "none are read", wind: "wind=sway as morph targets", axis: "Y up, metres" },
     Profile { id: "omniverse", name: "Omniverse", formats: &["usda", "usdz"], options: &[("lods", "variants"), ("collision", "capsules")], knobs: &[], unread: &[], levels: "variants of the set lod", colliders: "UsdPhysics: capsules, a convex hull", wind: "wind=sway as blend shapes; primvars:wind", axis: "as the file says: Y up, metres" },
-    Profile { id: "print", name: "slicers for 3D printers", formats: &["stl"], options: &[("unit", "mm")], knobs: &[("junction", "watertight"), ("leaf_keep", "0")], unread: &[("unit", "m", "a tree of metres is a few millimetres high")], levels: "a file each", colliders: "none", wind: "none", axis: "Z up, millimetres" },
+    Profile { id: "print", name: "slicers for 3D printers", formats: &["3mf", "stl"], options: &[("unit", "mm")], knobs: &[("junction", "watertight"), ("leaf_keep", "0")], unread: &[("unit", "m", "a tree of metres is a few millimetres high")], levels: "a file each", colliders: "none", wind: "none", axis: "Z up, millimetres" },
 ];
 
 impl Profile {
@@ -153,7 +153,9 @@ mod tests {
         let said = |id: &str, words: &[(&str, &str)], levels| {
             let profile = Profile::find(id).unwrap();
             let mut options = profile.options(glb).unwrap();
-            words.iter().for_each(|(name, value)| options.set(name, value).unwrap());
+            for (name, value) in words {
+                options.set(name, value).unwrap();
+            }
             profile.unread(glb, &options, levels)
         };
         assert_eq!(said("three", &[], 1), [""; 0]);

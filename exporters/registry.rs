@@ -6,8 +6,8 @@ use std::path::Path;
 use linden_pipeline::knob::nearest;
 
 use crate::{
-    ExportError, Exporter, Readable, gltf, html, mtg, obj, organs, plugin, ply, qsm, recipe, stl, traces,
-    usda,
+    ExportError, Exporter, Readable, gltf, html, mtg, obj, organs, plugin, ply, qsm, recipe, stl, threemf,
+    traces, usda,
 };
 
 /// Linden's formats. Where two claim an ending, the first has it.
@@ -24,6 +24,7 @@ pub static REGISTRY: &[&dyn Exporter] = &[
     &mtg::Mtg,
     &organs::Organs,
     &stl::Stl,
+    &threemf::ThreeMf,
     &html::Html,
 ];
 

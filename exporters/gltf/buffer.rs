@@ -296,7 +296,7 @@ impl Layout {
 
     /// A shape behind everything else; gives the accessors of its points and its indices.
     pub fn push_solid(&mut self, solid: &Solid) -> (usize, usize) {
-        let points: Vec<[f32; 3]> = solid.points.iter().map(|point| point.to_array()).collect();
+        let points: Vec<[f32; 3]> = solid.points.iter().map(glam::Vec3::to_array).collect();
         let position = self.push_vectors(&points, "VEC3");
         if let Some(Bounds { min, max }) = solid.bounds() {
             self.accessors[position].min = Some(min.to_array().to_vec());

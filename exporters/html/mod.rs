@@ -204,7 +204,9 @@ mod tests {
         let scene = dress(&recipe, &grow(&recipe, &Quiet).unwrap(), &Quiet).unwrap();
         let exporter = crate::find(id).unwrap();
         let mut values = Options::new(exporter.format());
-        options.iter().for_each(|(name, value)| values.set(name, value).unwrap());
+        for (name, value) in options {
+            values.set(name, value).unwrap();
+        }
         let folder = tempfile::tempdir().unwrap();
         let target = folder.path().join("tree.any");
         let mut bundle = Bundle::create(&target).unwrap();

@@ -38,7 +38,8 @@ pub(super) const LAST_TRACE: &str = "def DomeLight ";
 pub(super) fn write(layer: &mut Layer<'_, '_>, writing: &Writing<'_>, root: &str) -> Result<(), ExportError> {
     let stage = writing.stage;
     let variants = Variants::default();
-    Head { prim: root, name: &stage.name, recipe: &stage.recipe, kind: "assembly", variants }.open(layer)?;
+    Head { prim: root, name: &stage.name, recipe: &stage.recipe, kind: "assembly", variants, bounds: None }
+        .open(layer)?;
     let mut names = Names::default();
     let prims: Vec<String> = stage.plants.iter().map(|plant| names.unique(&plant.name)).collect();
     if let [place] = stage.places.as_slice() {
@@ -92,7 +93,8 @@ fn write_plant(
     let component = Component::new(writing, plant, path);
     let recipe = stage_plant.levels().first().map_or("", |level| level.scene.recipe.as_str());
     let variants = component.variants();
-    Head { prim, name: &stage_plant.name, recipe, kind: "component", variants }.open(layer)?;
+    Head { prim, name: &stage_plant.name, recipe, kind: "component", variants, bounds: component.bounds() }
+        .open(layer)?;
     if let Some(place) = place.filter(|place| !place.is_origin()) {
         layer.lines(&transform(place))?;
         layer.lines("\n")?;

@@ -25,7 +25,7 @@ mod layer;
 mod material;
 mod materialx;
 mod mesh;
-mod package;
+pub(crate) mod package;
 pub(crate) mod payloads;
 mod plant;
 mod skeleton;
@@ -414,8 +414,15 @@ fn write_layer(layer: &mut Layer<'_, '_>, writing: &Writing<'_>) -> Result<(), E
     }
     let component = Component::new(writing, 0, format!("/{root}"));
     let variants = component.variants();
-    Head { prim: &root, name: &stage.name, recipe: &stage.recipe, kind: "component", variants }
-        .open(layer)?;
+    Head {
+        prim: &root,
+        name: &stage.name,
+        recipe: &stage.recipe,
+        kind: "component",
+        variants,
+        bounds: component.bounds(),
+    }
+    .open(layer)?;
     component.write(layer)?;
     layer.close()
 }

@@ -1,4 +1,4 @@
-//! USD in one file (`.usdz`): a ZIP archive whose entries are stored as they are, the layer first, and
+//! USD in one file (`.usdz`), and 3MF: a ZIP archive whose entries are stored as they are, the layer first, and
 //! each beginning at a multiple of 64 bytes, so that readers map them into memory.
 //!
 //! <https://openusd.org/release/spec_usdz.html>. The container is PKWARE's APPNOTE 6.3.10, of which a
@@ -25,7 +25,7 @@ const DATE: u16 = 0x21;
 
 /// An archive that is put together in memory.
 #[derive(Default)]
-pub(super) struct Package {
+pub(crate) struct Package {
     bytes: Vec<u8>,
     entries: Vec<Entry>,
 }
@@ -43,7 +43,7 @@ impl Package {
         Self { bytes: Vec::with_capacity(bytes), entries: Vec::new() }
     }
 
-    /// Adds a file; `name` is ASCII or UTF-8 without folders.
+    /// Adds a file; `name` is ASCII or UTF-8.
     ///
     /// # Errors
     /// [`ExportError::TooLarge`] where 32 bits do not reach.
@@ -113,7 +113,7 @@ impl Package {
 
 /// What `read` finds in the first entry of an archive, where that is stored as it is. Its size is not
 /// looked at: what reads it knows where it ends.
-pub(super) fn first<T>(
+pub(crate) fn first<T>(
     file: &mut dyn Readable,
     read: impl FnOnce(&mut dyn Readable) -> io::Result<Option<T>>,
 ) -> io::Result<Option<T>> {

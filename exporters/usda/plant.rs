@@ -9,7 +9,7 @@ use linden_pipeline::foliage::Placement;
 use linden_pipeline::scene::Bounds;
 
 use super::layer::Layer;
-use super::syntax::{Names, quoted};
+use super::syntax::{Names, quoted, tuple};
 use super::{Writing, collision, instancer, material, mesh, skeleton, wind};
 use crate::writing::distinct::{MeshPart, PlantModel};
 use crate::{ExportError, GENERATOR};
@@ -26,6 +26,8 @@ pub(super) struct Head<'a> {
     pub kind: &'a str,
     /// Sets of variants that the prim itself has, and what is chosen of all there are.
     pub variants: Variants,
+    /// The box of all that it may show: browsers of assets see it without reading a mesh.
+    pub bounds: Option<Bounds>,
 }
 
 /// Sets of variants.
@@ -42,8 +44,10 @@ impl Head<'_> {
         let name = quoted(self.name);
         let recipe = quoted(self.recipe);
         let generator = quoted(GENERATOR);
+        let schemas =
+            if self.bounds.is_some() { "\n    prepend apiSchemas = [\"GeomModelAPI\"]" } else { "" };
         let mut text = format!(
-            r#"def Xform "{prim}" (
+            r#"def Xform "{prim}" ({schemas}
     assetInfo = {{
         string name = {name}
         string version = "1"
@@ -67,6 +71,10 @@ impl Head<'_> {
         }
         text += ")";
         layer.open(&text)?;
+        if let Some(Bounds { min, max }) = self.bounds {
+            let [min, max] = [min, max].map(|corner| tuple(corner.to_array()));
+            layer.lines(&format!("float3[] extentsHint = [{min}, {max}]"))?;
+        }
         layer.lines(&format!("custom string userProperties:linden:recipe = {recipe}\n\n"))
     }
 }
@@ -92,6 +100,12 @@ impl<'a> Component<'a> {
             }
         }
         component
+    }
+
+    /// The box of all its levels and seasons, at rest.
+    pub fn bounds(&self) -> Option<Bounds> {
+        let parts = self.models().flat_map(|model| &model.parts);
+        parts.map(|part| part.copies.as_ref().map_or(part.bounds, |copies| copies.seen)).reduce(Bounds::union)
     }
 
     /// The sets that the plant's prim has.

@@ -48,9 +48,11 @@ fn corners(Bounds { min, max }: Bounds) -> String {
 
 /// A line for each frame from 0 on.
 fn samples(declaration: &str, of_frames: impl Iterator<Item = String>) -> String {
-    let lines: String =
-        (0..).zip(of_frames).map(|(frame, value)| format!("    {frame}: {value},\n")).collect();
-    format!("{declaration}.timeSamples = {{\n{lines}}}\n")
+    let mut text = format!("{declaration}.timeSamples = {{\n");
+    for (frame, value) in (0..).zip(of_frames) {
+        text += &format!("    {frame}: {value},\n");
+    }
+    text + "}\n"
 }
 
 /// The motions that some mesh has a target for.

@@ -96,7 +96,21 @@ fn the_list_names_the_presets_that_are_promised() {
     let ids: Vec<&str> = formats.as_array().unwrap().iter().map(|row| row["id"].as_str().unwrap()).collect();
     assert_eq!(
         ids,
-        ["obj", "ply", "ply-skeleton", "gltf", "glb", "usda", "usdz", "qsm", "mtg", "organs", "stl"]
+        [
+            "obj",
+            "ply",
+            "ply-skeleton",
+            "gltf",
+            "glb",
+            "usda",
+            "usdz",
+            "qsm",
+            "mtg",
+            "organs",
+            "stl",
+            "3mf",
+            "html"
+        ]
     );
 }
 
