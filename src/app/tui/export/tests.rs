@@ -737,7 +737,7 @@ fn text_from_outside_cannot_drive_the_terminal() {
     bench.keys("e j j");
     for keys in ["", "enter", "enter", "x"] {
         bench.keys(keys);
-        let text = bench.text(160, 40);
+        let text = bench.text(160, 60);
         assert!(!text.contains('\u{1b}') && !text.contains('\u{202e}'), "{text}");
         assert!(text.contains("u{1b}"), "{text}");
     }
