@@ -190,7 +190,7 @@ mod tests {
         let said = for_path(Path::new("fir.FBX")).err().unwrap().to_string();
         assert!(said.contains("Unity") && said.contains("glb") && !said.contains("did you mean"), "{said}");
         let said = find("amf").err().unwrap().to_string();
-        assert!(said.contains("slicers read 3mf") && !said.contains("did you mean"), "{said}");
+        assert!(said.contains("slicers read 3mf"), "{said}");
         let said = for_path(Path::new("fir")).err().unwrap().to_string();
         assert!(said.contains("no ending") && !said.contains("did you mean"), "{said}");
     }
