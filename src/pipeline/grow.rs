@@ -11,7 +11,7 @@ use linden_plant::foliage::{self, FoliageError, Organs};
 use linden_skeleton::edit::{AxisPath, AxisPaths, Edit, EditError, Edited, Operation, Origins, Remark, edit};
 use linden_skeleton::generator::{Branched, GeneratorError};
 use linden_skeleton::refine::{RefineError, Room, refine};
-use linden_skeleton::{AxisRule, NO_PARENT, Skeleton, SkeletonError, Wood};
+use linden_skeleton::{AxisRule, NO_PARENT, RadiusSource, Skeleton, SkeletonError, Wood};
 
 use crate::preset::{Form, Preset};
 use crate::provenance::TreeHash;
@@ -485,16 +485,17 @@ fn build(branched: &mut Branched, preset: &Preset, monitor: &dyn Monitor) -> Res
         branching = refine(branching, used, &mut riders, &preset.refinement, room, monitor)?;
         organs.follow(&riders);
     }
-    let mut measured_nodes = 0;
+    let mut fits = Vec::new();
     if let Some(measured) = &branched.measured
-        && let Some((radii, nodes)) = measured.radii(&branching, &preset.wood, monitor)?
+        && let Some(found) = measured.measure(&mut branching, &preset.wood, monitor)?
     {
-        branching.radii = Some(radii);
-        measured_nodes = nodes;
+        fits = found;
     }
     branching.admit_build(&preset.wood, monitor)?;
     let wood = preset.wood.settled(branching.radii.is_some(), branching.edges.is_some());
     let mut skeleton = Skeleton::build_keyed(branching, &wood, preset.wood_key())?;
+    let measured_nodes = fits.iter().filter(|fit| fit.source == RadiusSource::Measured).count();
+    skeleton.fits = fits;
     let side = &preset.refinement.side;
     if !side.add_to(&mut skeleton, preset.wood_key().named("side"), branched.most_nodes, monitor)? {
         branched.notes.push(

@@ -20,7 +20,7 @@ use linden_base::random::Key;
 
 use crate::organs::Organs;
 use crate::publication::Publication;
-use crate::{AxisRule, Branching, Skeleton, Wood};
+use crate::{AxisRule, Branching, RadiusFit, Skeleton, Wood};
 
 pub use crate::obstruction::{FaceEdge, Obstruction, Obstructs};
 
@@ -416,23 +416,24 @@ pub trait Measured: Send + Sync {
     /// Bytes that they take.
     fn bytes(&self) -> u64;
 
-    /// Asks for the memory of [`Measured::radii`] and [`Measured::fit`].
+    /// Asks for the memory of [`Measured::measure`] and [`Measured::fit`].
     ///
     /// # Errors
     /// [`OverMemory`].
     fn admit(&self, branching: &Branching, monitor: &dyn Monitor) -> Result<(), OverMemory>;
 
-    /// Radii of all nodes, metres, and how many of them were measured; `None` where they are to follow the
-    /// wood's rule.
+    /// Gives all nodes radii, metres, and moves them where the wood was measured to be; strands that lie in thicker
+    /// wood may go. What bears out the radius of each node that stays; `None` where radii are to follow the wood's
+    /// rule.
     ///
     /// # Errors
     /// [`Cancelled`].
-    fn radii(
+    fn measure(
         &self,
-        branching: &Branching,
+        branching: &mut Branching,
         wood: &Wood,
         monitor: &dyn Monitor,
-    ) -> Result<Option<(Vec<f32>, usize)>, Cancelled>;
+    ) -> Result<Option<Vec<RadiusFit>>, Cancelled>;
 
     /// How far the tree and the measurements are apart.
     ///
@@ -468,7 +469,7 @@ impl Colonized {
 pub struct Scanned {
     /// Points of the tree: without ground, strays and noise.
     pub points: usize,
-    /// Nodes whose radius was measured on points; the others' follow by the pipe model.
+    /// Nodes whose radius was measured on points; the others' are carried on or guessed.
     pub measured_nodes: usize,
     /// Distances both ways.
     pub fit: Fit,

@@ -7,6 +7,7 @@ mod axes;
 mod cylinders;
 pub mod edit;
 mod fingerprint;
+mod fits;
 pub mod generator;
 mod marks;
 mod measure;
@@ -29,6 +30,7 @@ use linden_base::random::Key;
 
 pub use axes::Forks;
 pub use cylinders::Cylinder;
+pub use fits::{RadiusFit, RadiusSource};
 pub use marks::{Marks, Tips};
 pub use measure::{BREAST_HEIGHT_M, Measures};
 pub use radii::axes_by_tips;
@@ -102,6 +104,9 @@ pub struct Skeleton {
     pub width_steps: WidthSteps,
     /// What editing left behind ([`edit`]); empty as grown.
     pub marks: Marks,
+    /// What bears out each radius, of a tree that was measured and not edited since; empty for others. Nodes beyond
+    /// its end were added later.
+    pub fits: Vec<RadiusFit>,
 }
 
 /// Why a branching is no tree. A generator that returns such a thing has a bug, but callers of the
@@ -244,7 +249,7 @@ impl Skeleton {
         let Built { axes, axis_nodes, radii } =
             radii::build(&positions, &parents, given, edges.as_deref(), wood, key);
         let (width_steps, marks) = (wood.width_steps, Marks::default());
-        Ok(Self { positions, parents, radii, births, axes, axis_nodes, width_steps, marks })
+        Ok(Self { positions, parents, radii, births, axes, axis_nodes, width_steps, marks, fits: Vec::new() })
     }
 
     /// The nodes of an axis, base to apex.

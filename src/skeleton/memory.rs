@@ -1,6 +1,6 @@
 //! How much memory branchings and skeletons take.
 
-use super::{Axis, Branching, Edge, NO_PARENT, Skeleton, Width, Wood};
+use super::{Axis, Branching, Edge, NO_PARENT, RadiusFit, Skeleton, Width, Wood};
 use linden_base::memory::{OverMemory, bytes_of};
 use linden_base::monitor::Monitor;
 
@@ -124,12 +124,13 @@ impl Skeleton {
 
     /// Bytes that it takes, reserved places included.
     pub fn bytes(&self) -> u64 {
-        let Self { positions, parents, radii, births, axes, axis_nodes, width_steps: _, marks } = self;
+        let Self { positions, parents, radii, births, axes, axis_nodes, width_steps: _, marks, fits } = self;
         bytes_of::<[f32; 3]>(positions.capacity())
             + bytes_of::<u32>(
                 parents.capacity() + radii.capacity() + births.capacity() + axis_nodes.capacity(),
             )
             + bytes_of::<Axis>(axes.capacity())
             + marks.bytes()
+            + bytes_of::<RadiusFit>(fits.capacity())
     }
 }

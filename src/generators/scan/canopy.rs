@@ -59,8 +59,10 @@ impl Verdict {
         let bytes = bark.len() as u64 * MEASURING_BYTES_PER_POINT + branching.bytes();
         monitor.admit("measuring the scan", bytes, "thin the points out")?;
         let few = FEW_RINGS * branching.positions.len() as f64;
-        let rings =
-            || Ok::<_, Cancelled>(girth(branching, bark, 2.0, monitor)?.map_or(0, |girth| girth.measured));
+        let rings = || {
+            let girth = girth(&mut branching.clone(), bark, 2.0, monitor)?;
+            Ok::<_, Cancelled>(girth.map_or(0, |girth| girth.measured))
+        };
         if share < LEAST_NEAR && !shows_stem(bark) && (rings()? as f64) < few {
             return Ok(Self::Canopy);
         }

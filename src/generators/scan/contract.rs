@@ -14,12 +14,17 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use glam::DVec3;
+use rayon::prelude::*;
 
 use super::neighbours::Neighbours;
+use super::trunk::Trunk;
 use linden_base::monitor::{Cancelled, Monitor};
 
 /// Links per point: enough to close a ring of points around a stem.
 const LINKS: usize = 12;
+
+/// The weight of a centre that smoothing leaves where it is.
+const FIXED: f64 = 1e9;
 
 /// Other pieces that a point is linked to at most.
 const BRIDGES: usize = 6;
@@ -296,12 +301,16 @@ pub(super) struct Sections {
 
 impl Sections {
     /// Cuts the graph into sections `width` long along the ways from the foot.
-    pub fn new(graph: &Graph, ways: &Ways, roots: &[DVec3], width: f64) -> Self {
+    /// On the bark of `trunks`, each of which stands on one of the roots, the axes of these stand for sections.
+    pub fn new(graph: &Graph, ways: &Ways, roots: &[DVec3], trunks: &[Trunk], width: f64) -> Self {
         let count = graph.points.len() as u32;
+        let place = |p: DVec3| (0..).zip(trunks).find_map(|(n, trunk)| Some((n, trunk.place(p)?.0)));
+        let on_trunk: Vec<Option<(usize, usize)>> = graph.points.par_iter().map(|&p| place(p)).collect();
         let level = |i: u32| (ways.length[i as usize] / width) as u64;
         let mut pieces = Pieces::new(graph.points.len());
         for &(a, b) in &graph.links {
-            if level(a) == level(b) && graph.distance(a, b) <= graph.reach {
+            let is_off = on_trunk[a as usize].is_none() && on_trunk[b as usize].is_none();
+            if is_off && level(a) == level(b) && graph.distance(a, b) <= graph.reach {
                 pieces.join(a, b);
             }
         }
@@ -312,6 +321,24 @@ impl Sections {
         let mut section_of = vec![u32::MAX; graph.points.len()];
         let mut parents = vec![None; roots.len()];
         let mut members: Vec<Vec<DVec3>> = roots.iter().map(|&root| vec![root]).collect();
+        // Of each section the point that is farthest from the foot.
+        let mut ends = roots.to_vec();
+        let mut rings: Vec<u32> = Vec::with_capacity(trunks.len());
+        for trunk in trunks {
+            rings.push(members.len() as u32);
+            for (n, at) in trunk.axis().enumerate() {
+                let below = || (0..roots.len() as u32).find(|&root| roots[root as usize] == trunk.foot());
+                parents.push(if n == 0 { below() } else { Some(members.len() as u32 - 1) });
+                members.push(vec![at]);
+                ends.push(at);
+            }
+        }
+        let first_section = members.len();
+        for (i, place) in on_trunk.iter().enumerate() {
+            if let Some((trunk, ring)) = place {
+                section_of[i] = rings[*trunk] + *ring as u32;
+            }
+        }
         for &i in &order {
             let piece = pieces.of(i) as usize;
             if section_of[piece] == u32::MAX {
@@ -319,11 +346,20 @@ impl Sections {
                 let before = ways.before[i as usize];
                 parents.push((before != i).then(|| section_of[pieces.of(before) as usize]));
                 members.push(Vec::new());
+                ends.push(DVec3::ZERO);
+            }
+            if on_trunk[i as usize].is_some() {
+                continue;
             }
             members[section_of[piece] as usize].push(graph.points[i as usize]);
+            ends[section_of[piece] as usize] = graph.points[i as usize];
         }
         let centres = members.iter_mut().map(|points| middle(points)).collect();
-        let sizes = members.iter().map(|points| points.len() as f64).collect();
+        let size = |(n, points): (usize, &Vec<DVec3>)| {
+            let is_ring = (roots.len()..first_section).contains(&n);
+            if is_ring { FIXED } else { points.len() as f64 }
+        };
+        let sizes = members.iter().enumerate().map(size).collect();
         // Points beyond a section, and no section that hangs on it.
         let mut shards = vec![false; members.len()];
         for &(a, b) in &graph.links {
@@ -336,7 +372,7 @@ impl Sections {
         }
         let mut sections = Self { centres, parents, sizes, shards };
         // The foot is a start as a whole, some sections high: one above the other.
-        for i in roots.len()..sections.centres.len() {
+        for i in first_section..sections.centres.len() {
             if sections.parents[i].is_none() {
                 let centre = sections.centres[i];
                 let away = |j: &u32| sections.centres[*j as usize].distance_squared(centre);
@@ -347,7 +383,25 @@ impl Sections {
                 }
             }
         }
+        sections.end_at(&ends);
         sections
+    }
+
+    /// Lets each section that none hangs on end where its last point is, not in its middle.
+    fn end_at(&mut self, ends: &[DVec3]) {
+        let mut is_last = vec![true; self.parents.len()];
+        for parent in self.parents.iter().flatten() {
+            is_last[*parent as usize] = false;
+        }
+        for (i, &end) in ends.iter().enumerate() {
+            if !is_last[i] || self.shards[i] || self.parents[i].is_none() {
+                continue;
+            }
+            self.centres.push(end);
+            self.parents.push(Some(i as u32));
+            self.sizes.push(1.0);
+            self.shards.push(false);
+        }
     }
 
     /// Moves each centre towards the middle of its neighbours along the way with the most sections

@@ -13,7 +13,7 @@ use linden_skeleton::generator::{
     Settings, TableKey, Task, Traits, Written,
 };
 use linden_skeleton::publication::{Publication, PublicationKind, SPACE_COLONIZATION};
-use linden_skeleton::{Branching, Skeleton, Wood};
+use linden_skeleton::{Branching, RadiusFit, Skeleton, Wood};
 
 use crate::canopy::Verdict;
 use crate::girth::MEASURING_BYTES_PER_POINT;
@@ -253,17 +253,20 @@ impl Measured for Bark {
         monitor.admit("measuring the scan", bytes + branching.bytes(), "thin the points out")
     }
 
-    fn radii(
+    fn measure(
         &self,
-        branching: &Branching,
+        branching: &mut Branching,
         wood: &Wood,
         monitor: &dyn Monitor,
-    ) -> Result<Option<(Vec<f32>, usize)>, Cancelled> {
+    ) -> Result<Option<Vec<RadiusFit>>, Cancelled> {
         if !self.measures {
             return Ok(None);
         }
         let girth = girth(branching, &self.points, wood.radius_exponent, monitor)?;
-        Ok(girth.map(|Girth { radii, measured }| (radii, measured)))
+        Ok(girth.map(|Girth { radii, fits, .. }| {
+            branching.radii = Some(radii);
+            fits
+        }))
     }
 
     fn fit(&self, skeleton: &Skeleton, monitor: &dyn Monitor) -> Result<Option<Fit>, Cancelled> {

@@ -40,7 +40,9 @@
 //! What is lost in length are the tips of twigs; leaves beyond them are taken for twigs and make up for that.
 //! Radii of limbs come out too thin on average, the stem's within a few per cent.
 
+mod allometry;
 mod canopy;
+mod circle;
 mod clean;
 mod contract;
 mod error;
@@ -55,6 +57,7 @@ mod sample;
 mod segments;
 mod settings;
 mod stems;
+mod trunk;
 
 use glam::DVec3;
 use rayon::prelude::*;
@@ -62,6 +65,7 @@ use rayon::prelude::*;
 use self::contract::{Graph, Sections};
 use self::foot::Foot;
 use self::neighbours::Neighbours;
+use self::trunk::Trunk;
 use linden_base::memory::OverMemory;
 use linden_base::monitor::{Cancelled, Monitor};
 
@@ -175,9 +179,12 @@ pub fn foot(points: &[DVec3]) -> Option<DVec3> {
     (!points.is_empty()).then(|| Foot::find(points).root)
 }
 
+/// Details in the height of a tree, at most: finer ones cost time and show no more wood.
+const DETAILS_PER_HEIGHT: f64 = 1000.0;
+
 /// The length of an internode that a scan of a tree `height_m` high shows, metres.
 pub fn detail_m(spacing_m: f64, height_m: f64) -> f64 {
-    (2.0 * spacing_m).max(height_m / 250.0)
+    (2.0 * spacing_m).max(height_m / DETAILS_PER_HEIGHT)
 }
 
 /// How a scan is made ready.
@@ -240,6 +247,10 @@ pub fn prepare_distinct(points: &[DVec3], rule: &ScanRule, monitor: &dyn Monitor
     if thinned.len() < LEAST_POINTS {
         return Err(ScanError::TooFew { distinct: thinned.len() });
     }
+    let mut trunks = Vec::new();
+    for foot in &feet {
+        trunks.extend(Trunk::follow(&bark, foot, spacing_m, monitor)?.map(|trunk| (foot.root, trunk)));
+    }
     let graph = Graph::new(thinned, REACH * detail_m, monitor)?;
     // All around each stem, so that sections lie across it from the start.
     let nearest: Vec<Option<DVec3>> = feet
@@ -256,12 +267,19 @@ pub fn prepare_distinct(points: &[DVec3], rule: &ScanRule, monitor: &dyn Monitor
             let is_foot = away <= foot.radius_m && up <= foot.ground_m;
             (is_foot || Some(p) == *nearest).then_some(up)
         };
-        feet.iter().zip(&nearest).find_map(height)
+        // On the bark of a trunk whose axis is known the way is as long as that.
+        let along = trunks.iter().find_map(|(_, trunk)| trunk.place(p));
+        along.map(|(_, along_m)| along_m).or_else(|| feet.iter().zip(&nearest).find_map(height))
     };
     let ways = graph.ways(start, monitor)?;
     let bridges_m = graph.bridges_m(&ways);
-    let roots: Vec<DVec3> = feet.iter().map(|foot| foot.root).collect();
-    let mut sections = Sections::new(&graph, &ways, &roots, SECTION * detail_m);
+    let foot_of = |foot: &Foot| {
+        let trunk = trunks.iter().find(|(root, _)| *root == foot.root);
+        trunk.map_or(foot.root, |(_, trunk)| trunk.foot())
+    };
+    let roots: Vec<DVec3> = feet.iter().map(foot_of).collect();
+    let trunks: Vec<Trunk> = trunks.into_iter().map(|(_, trunk)| trunk).collect();
+    let mut sections = Sections::new(&graph, &ways, &roots, &trunks, SECTION * detail_m);
     sections.smooth(SMOOTHING);
     let points = sections.points(detail_m);
     Ok(Scan {
@@ -314,8 +332,8 @@ const SMOOTHING: usize = 6;
 /// The suggested influence distance, in steps.
 const INFLUENCE: f64 = 6.0;
 
-/// The suggested kill distance, in steps.
-const KILL: f64 = 2.0;
+/// The suggested kill distance, in steps: twigs end that far short of their last point.
+const KILL: f64 = 1.01;
 
 /// See [`Cubes::drop_noise`].
 const MOST_NOISE: u64 = 25;

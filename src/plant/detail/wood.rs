@@ -109,6 +109,7 @@ impl<'a> Wood<'a> {
             axis_nodes: Vec::with_capacity(kept),
             width_steps: whole.width_steps,
             marks: Marks { tips: whole.marks.tips, ..Marks::default() },
+            fits: Vec::new(),
         };
         // Where a node is in the thinner tree, or else the nearest node below it that stays.
         let mut new = vec![NO_PARENT; keep.len()];

@@ -269,6 +269,7 @@ impl<'a> Workpiece<'a> {
             axis_nodes: Vec::with_capacity(count),
             width_steps: self.grown.width_steps,
             marks: Marks { tips: Some(self.tips), ..Marks::default() },
+            fits: Vec::new(),
         };
         let factor = |n: &u32| {
             let WorkNode { radius_m, origin, .. } = node(n);

@@ -47,6 +47,7 @@ impl Origins {
             axis_nodes: Vec::with_capacity(kept.len()),
             width_steps: skeleton.width_steps,
             marks: Marks { tips: skeleton.marks.tips, ..Marks::default() },
+            fits: Vec::new(),
         };
         let mut origins = Self {
             nodes: kept.iter().map(|&node| self.nodes[node]).collect(),

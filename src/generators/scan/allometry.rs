@@ -1,0 +1,141 @@
+//! Radii where points show none: by the length of wood that a node bears.
+//!
+//! After Real Twig (Morales & `MacFarlane` 2024, *Reducing tree volume overestimation in quantitative structure
+//! models*): radii that were measured are a function of growth length, which never shrinks with it; what was not
+//! measured follows that function.
+
+use linden_skeleton::NO_PARENT;
+
+use super::circle::median;
+
+/// Classes of growth length are this wide, as natural logarithms.
+const CLASS: f64 = 0.4;
+
+/// Measured nodes in a class at least.
+const LEAST_NODES: usize = 4;
+
+/// Where fewer of the nodes of thin wood show a circle, of 1, those that do are such as noise and neighbours have made
+/// round: most of a class is needed to know it.
+const LEAST_SHARE: f64 = 0.15;
+
+/// Wood is thin up to so many standard deviations of its points.
+const THIN: f64 = 7.0;
+
+/// Wood that bears more metres than this is no twig.
+const LONG_M: f64 = 30.0;
+
+/// Between which bounds the exponent lies by which twigs thinner than all that were measured go on.
+const EXPONENTS: (f64, f64) = (0.1, 0.6);
+
+/// The thinnest twig: of slender species half of 1.5 mm.
+const TWIG_M: f64 = 0.000_75;
+
+/// The length of all wood that a node bears, its own segment included, metres.
+pub(crate) fn growth_lengths_m(parents: &[u32], length_m: impl Fn(usize) -> f64) -> Vec<f64> {
+    let mut growth = vec![0.0; parents.len()];
+    for node in (0..parents.len()).rev() {
+        let parent = parents[node];
+        if parent != NO_PARENT {
+            growth[node] += length_m(node);
+            growth[parent as usize] += growth[node];
+        }
+    }
+    growth
+}
+
+/// Radius by growth length.
+pub(crate) struct Allometry {
+    /// Logarithms of growth length and radius, both rising.
+    classes: Vec<(f64, f64)>,
+    exponent: f64,
+    /// Wood that bears less than this was not measured, whatever circles say.
+    pub least_m: f64,
+}
+
+impl Allometry {
+    /// From growth lengths and radii (0 where no circle is believed), metres, and the standard deviation of points;
+    /// `None` for too few.
+    pub fn of(nodes: &[(f64, f64)], error_m: f64) -> Option<Self> {
+        let mut sorted: Vec<(f64, f64)> = nodes.iter().copied().filter(|m| m.0 > 0.0).collect();
+        sorted.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        let class = |m: &(f64, f64)| (libm::log(m.0) / CLASS).floor() as i64;
+        let mut least_m = 0.0_f64;
+        for same in sorted.chunk_by(|a, b| class(a) == class(b)) {
+            let mut radii: Vec<f64> = same.iter().map(|m| m.1).filter(|&r| r > 0.0).collect();
+            let is_rare = (radii.len() as f64) < LEAST_SHARE * same.len() as f64;
+            if is_rare && median(&mut radii).is_none_or(|r| r < THIN * error_m) && same[0].0 < LONG_M {
+                least_m = libm::exp((class(&same[0]) + 1) as f64 * CLASS);
+            }
+        }
+        sorted.retain(|m| m.1 > 0.0 && m.0 >= least_m);
+        // Class after class: (logarithm of length, radius, weight), merged where the radius would shrink.
+        let mut blocks: Vec<(f64, f64, f64)> = Vec::new();
+        let least = LEAST_NODES.min(sorted.len());
+        for same in sorted.chunk_by(|a, b| class(a) == class(b)) {
+            if same.len() < least {
+                continue;
+            }
+            let mut lengths: Vec<f64> = same.iter().map(|m| libm::log(m.0)).collect();
+            let mut radii: Vec<f64> = same.iter().map(|m| m.1).collect();
+            let weight = same.len() as f64;
+            let mut block = (median(&mut lengths)?, libm::log(median(&mut radii)?), weight);
+            while let Some(before) = blocks.pop_if(|before| before.1 > block.1) {
+                let total = before.2 + block.2;
+                let mean = |a: f64, b: f64| (a * before.2 + b * block.2) / total;
+                block = (mean(before.0, block.0), mean(before.1, block.1), total);
+            }
+            blocks.push(block);
+        }
+        let classes: Vec<(f64, f64)> = blocks.iter().map(|b| (b.0, b.1)).collect();
+        let (first, last) = (classes.first()?, classes.last()?);
+        let slope = (last.1 - first.1) / (last.0 - first.0).max(CLASS);
+        Some(Self { exponent: slope.clamp(EXPONENTS.0, EXPONENTS.1), classes, least_m })
+    }
+
+    /// Metres.
+    pub fn radius_m(&self, growth_m: f64) -> f64 {
+        let length = libm::log(growth_m.max(1e-4));
+        let above = self.classes.partition_point(|class| class.0 < length);
+        let on = |class: (f64, f64)| class.1 + self.exponent * (length - class.0);
+        let log = match (above.checked_sub(1).map(|i| self.classes[i]), self.classes.get(above)) {
+            (Some(a), Some(b)) => a.1 + (b.1 - a.1) * (length - a.0) / (b.0 - a.0),
+            (Some(a), None) => on(a),
+            (None, Some(b)) => on(*b),
+            (None, None) => return TWIG_M,
+        };
+        libm::exp(log).max(TWIG_M)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wood_that_bears_more_is_thicker() {
+        // r = 3 mm · GL^0.4, with every seventh node three times too thick.
+        let law = |growth: f64| 0.003 * libm::pow(growth, 0.4);
+        let measured: Vec<(f64, f64)> = (1..2000)
+            .map(|i| {
+                let growth = 0.5 * libm::pow(1.004, f64::from(i));
+                (growth, law(growth) * if i % 7 == 0 { 3.0 } else { 1.0 })
+            })
+            .collect();
+        let found = Allometry::of(&measured, 0.0002).unwrap();
+        let mut last = 0.0;
+        for i in 0..80 {
+            let growth = 0.05 * libm::pow(1.15, f64::from(i));
+            let radius = found.radius_m(growth);
+            assert!(radius >= last && (radius / law(growth) - 1.0).abs() < 0.12, "{growth}: {radius}");
+            last = radius;
+        }
+        assert!(Allometry::of(&[], 0.001).is_none());
+    }
+
+    #[test]
+    fn growth_length_is_all_wood_above() {
+        // 0 - 1 - 2 and 1 - 3, segments of 1, 2 and 4 m.
+        let parents = [NO_PARENT, 0, 1, 1];
+        assert_eq!(growth_lengths_m(&parents, |n| [0.0, 1.0, 2.0, 4.0][n]), [7.0, 7.0, 2.0, 4.0]);
+    }
+}

@@ -1,0 +1,36 @@
+//! How sure the radius of a node is that was measured on a real tree.
+
+use linden_base::words;
+
+words! {
+    /// Where a radius comes from.
+    RadiusSource {
+        /// A circle through points around it.
+        Measured = "measured",
+        /// Measured ones below and above it on the same axis.
+        Carried = "carried",
+        /// The length of wood that it bears.
+        Guessed = "guessed"
+    }
+}
+
+/// What bears out the radius of a node.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RadiusFit {
+    /// Where it comes from.
+    pub source: RadiusSource,
+    /// Points that a circle went through; 0 without one. The other numbers are of that circle, too.
+    pub inliers: u32,
+    /// The median distance of the points from it, metres.
+    pub mad_m: f32,
+    /// How much of the turn they cover.
+    pub arc_rad: f32,
+    /// The standard error of the radius, metres, as far as noise goes.
+    pub se_m: f32,
+}
+
+impl RadiusFit {
+    /// A guess.
+    pub const GUESSED: Self =
+        Self { source: RadiusSource::Guessed, inliers: 0, mad_m: 0.0, arc_rad: 0.0, se_m: 0.0 };
+}
