@@ -8,6 +8,10 @@
 //! much as the cylinder. `tree` counts the trees of a forest from 1; ids, branches and nodes begin again in each, so that
 //! the rows of one are a table for themselves.
 //!
+//! Trees that were measured on a scan have five columns more, of the upper end of each cylinder: the points that a
+//! circle went through, their median distance from it, how much of the turn they cover, the standard error of the
+//! radius, and its source: `measured`, `carried` on between measured ones, or `guessed` by the wood that it bears.
+//!
 //! The recipe is the one line that starts with `# recipe: `, before the header; readers that know no
 //! comments get a bare table with `comments=false`, and the recipe is then lost.
 //!
@@ -17,7 +21,7 @@ use std::io;
 
 use linden_pipeline::Monitor;
 use linden_pipeline::memory::bytes_of;
-use linden_pipeline::skeleton::{Cylinder, Forks};
+use linden_pipeline::skeleton::{Cylinder, Forks, RadiusFit};
 use linden_pipeline::stage::{Place, Stage};
 
 use crate::options::{OptionSpec, Options};
@@ -51,7 +55,10 @@ static FORMAT: Format = Format {
 };
 
 const HEADER: &str = "id,parent,branch,branch_order,position_in_branch,start_x_m,start_y_m,start_z_m,\
-                      axis_x,axis_y,axis_z,length_m,radius_m,birth,node,parent_node,start_radius_m,end_radius_m,tree\n";
+                      axis_x,axis_y,axis_z,length_m,radius_m,birth,node,parent_node,start_radius_m,end_radius_m,tree";
+
+/// And where a tree was measured on points.
+const FIT_HEADER: &str = ",inliers,mad_m,arc_deg,se_m,source";
 
 impl Exporter for Qsm {
     fn format(&self) -> &'static Format {
@@ -84,6 +91,11 @@ impl Exporter for Qsm {
             head = recipe::comments(name, recipe, "metres, up axis: Y; parent 0: none");
         }
         head += HEADER;
+        let is_measured = trees.iter().any(|(_, scene)| !scene.skeleton.fits.is_empty());
+        if is_measured {
+            head += FIT_HEADER;
+        }
+        head += "\n";
         bundle.write_main(None, monitor, |out| {
             out.write(head.as_bytes())?;
             for (tree, (place, scene)) in (1..).zip(&trees) {
@@ -96,6 +108,9 @@ impl Exporter for Qsm {
                         row(text, index as u32, &cylinder, order, skeleton.births[cylinder.node as usize]);
                         text.byte(b',');
                         text.integer(tree);
+                        if is_measured {
+                            fit_columns(text, skeleton.fits.get(cylinder.node as usize), place.scale);
+                        }
                         text.byte(b'\n');
                     }
                 })?;
@@ -103,6 +118,17 @@ impl Exporter for Qsm {
             Ok(())
         })
     }
+}
+
+/// What bears out the radius of the cylinder's upper end; empty fields where it was never measured.
+fn fit_columns(text: &mut Text, fit: Option<&RadiusFit>, scale: f32) {
+    let Some(fit) = fit else { return text.bytes(b",,,,,") };
+    text.byte(b',');
+    text.integer(fit.inliers);
+    text.byte(b',');
+    text.floats([fit.mad_m * scale, fit.arc_rad.to_degrees(), fit.se_m * scale], b",");
+    text.byte(b',');
+    text.slice(fit.source.word().as_bytes());
 }
 
 /// A cylinder where its tree stands.

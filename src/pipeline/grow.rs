@@ -463,6 +463,20 @@ struct Built {
     measured_nodes: usize,
 }
 
+/// What is said of a scan whose trunk shows no circle.
+fn trunk_note(skeleton: &Skeleton) -> Option<String> {
+    let axes = skeleton.trunk();
+    let mut nodes = axes.iter().flat_map(|&axis| skeleton.nodes_of(&skeleton.axes[axis as usize]));
+    let is_measured = |node: &u32| {
+        skeleton.fits.get(*node as usize).is_some_and(|fit| fit.source == RadiusSource::Measured)
+    };
+    (!skeleton.fits.is_empty() && !nodes.any(is_measured)).then(|| {
+        "no circle was believed on the trunk: its diameter is a guess by the wood that it bears; give base_radius \
+         if you know it"
+            .to_owned()
+    })
+}
+
 /// What all generators' branchings go through: refinement, which takes the organs along, then axes
 /// and radii.
 fn build(branched: &mut Branched, preset: &Preset, monitor: &dyn Monitor) -> Result<Built, GrowError> {
@@ -496,6 +510,7 @@ fn build(branched: &mut Branched, preset: &Preset, monitor: &dyn Monitor) -> Res
     let mut skeleton = Skeleton::build_keyed(branching, &wood, preset.wood_key())?;
     let measured_nodes = fits.iter().filter(|fit| fit.source == RadiusSource::Measured).count();
     skeleton.fits = fits;
+    branched.notes.extend(trunk_note(&skeleton));
     let side = &preset.refinement.side;
     if !side.add_to(&mut skeleton, preset.wood_key().named("side"), branched.most_nodes, monitor)? {
         branched.notes.push(

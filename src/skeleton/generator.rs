@@ -486,7 +486,7 @@ pub struct Fit {
     pub points_to_surface: Spread,
     /// From the middle of each segment to the nearest scanned point.
     pub axis_to_points: Spread,
-    /// How far that is from the radius there: wood that no point bears out.
+    /// From places on the bark, evenly by area, to the nearest scanned point: wood that no point bears out.
     pub surface_to_points: Spread,
 }
 

@@ -125,11 +125,8 @@ fn ground_strays_and_gaps_do_no_harm() {
     let scan = prepared(&points);
     assert_follows_the_axes(&scan);
     assert!(scan.report.ground_points > 4000, "{:?}", scan.report);
-    assert!(
-        scan.report.bridges > 0 && (0.5..0.8).contains(&scan.report.longest_bridge_m),
-        "{:?}",
-        scan.report
-    );
+    // The stem is led across its gap by its circles.
+    assert!(scan.report.longest_bridge_m < 0.5, "{:?}", scan.report);
     let in_gap = scan.points.iter().filter(|p| (1.0..1.6).contains(&p.y)).count();
     assert!(in_gap >= 4, "{in_gap}");
 }

@@ -34,6 +34,7 @@ fn scanned(what: &str, hits: &[Hit], sd_m: f64, settings: &[(&str, &str)]) -> (G
 struct Bounds {
     length: (f64, f64),
     surface_mm: (f64, f64),
+    volume: (f64, f64),
 }
 
 fn assert_comes_back(truth: &Sizes, hits: &[Hit], sd_m: f64, what: &str, bounds: &Bounds) {
@@ -42,7 +43,6 @@ fn assert_comes_back(truth: &Sizes, hits: &[Hit], sd_m: f64, what: &str, bounds:
         let part = back / truth;
         assert!((low..=high).contains(&part), "{what}: {name} is {back}, {part:.3} of {truth}");
     };
-    // The tips of twigs are lost: a section has no centre beyond its last points.
     within("length", back.length_m, truth.length_m, bounds.length.0, bounds.length.1);
     within("the stem's length", back.order_m[0], truth.order_m[0], 0.9, 1.1);
     within("first-order length", back.order_m[1], truth.order_m[1], 0.8, 1.2);
@@ -52,7 +52,7 @@ fn assert_comes_back(truth: &Sizes, hits: &[Hit], sd_m: f64, what: &str, bounds:
     for (back, truth) in back.stem_m.iter().zip(truth.stem_m).take(3) {
         within("a stem radius", *back, truth, 0.92, 1.03);
     }
-    within("volume", back.volume_m3, truth.volume_m3, 0.55, 1.1);
+    within("volume", back.volume_m3, truth.volume_m3, bounds.volume.0, bounds.volume.1);
     let colonized = grown.colonized.unwrap();
     assert_eq!(colonized.unreached, 0, "{what}");
     let fit = colonized.scan.unwrap().fit;
@@ -67,7 +67,7 @@ fn assert_all_come_back(id: &str, settings: &[(&str, &str)]) {
     let truth = sizes(&tree.0);
     println!("{}", line(id, &truth, None));
     let hits = bark(&tree, SPACING_M, key());
-    let bare = Bounds { length: (0.86, 0.97), surface_mm: (30.0, 90.0) };
+    let bare = Bounds { length: (0.93, 1.04), surface_mm: (20.0, 60.0), volume: (0.9, 1.1) };
     assert_comes_back(&truth, &hits, 0.0, "exact", &bare);
     assert_comes_back(&truth, &hits, 0.003, "3 mm", &bare);
     assert_comes_back(&truth, &hits, 0.01, "10 mm", &bare);
@@ -76,7 +76,7 @@ fn assert_all_come_back(id: &str, settings: &[(&str, &str)]) {
     let mut leafy = hits.clone();
     leafy.extend(leaves(&tree.0, 4, 20, 0.04, key().named("leaves")));
     // Leaves beyond the tips are taken for twigs.
-    let leafy_bounds = Bounds { length: (0.9, 1.08), surface_mm: (35.0, 95.0) };
+    let leafy_bounds = Bounds { length: (0.95, 1.6), surface_mm: (35.0, 120.0), volume: (0.8, 1.6) };
     assert_comes_back(&truth, &leafy, 0.003, "leaves", &leafy_bounds);
     let all = with_gaps(&seen(&leafy, SENSORS_M, key()), CENTRE, SENSORS_M);
     assert_comes_back(&truth, &all, 0.003, "all of it", &leafy_bounds);
@@ -135,7 +135,7 @@ fn dust_is_dropped_and_said() {
     assert_eq!(dropped(&kept), 0);
     // Strays that thinning itself finds are left out either way.
     let truth = sizes(&tree.0).length_m;
-    assert!(with.length_m / truth < 0.97 && with.length_m <= without.length_m, "{with:?} {without:?}");
+    assert!(with.length_m / truth < 1.02 && with.length_m <= without.length_m, "{with:?} {without:?}");
 }
 
 #[test]

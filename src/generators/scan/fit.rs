@@ -35,16 +35,14 @@ pub fn fit(points: &[Vec3], skeleton: &Skeleton, monitor: &dyn Monitor) -> Resul
     let tree = Neighbours::new(&scanned, monitor)?;
     let nodes: Vec<u32> =
         (0..).zip(parents).filter(|(_, parent)| **parent != NO_PARENT).map(|(n, _)| n).collect();
-    let back: Vec<f64> = nodes
-        .par_iter()
-        .map(|&node| {
-            monitor.check()?;
-            let parent = parents[node as usize];
-            let ends = [parent, node].map(|n| positions[n as usize].as_dvec3());
-            Ok(tree.nearest_squared(ends[0].midpoint(ends[1])).sqrt())
-        })
-        .collect::<Result<_, Cancelled>>()?;
-    let back_to_surface = nodes.iter().zip(&back).map(|(&n, d)| (d - radius_m(n, 0.5)).abs()).collect();
+    let ends = |node: u32| [parents[node as usize], node].map(|n| positions[n as usize].as_dvec3());
+    let away = |places: &[DVec3]| -> Result<Vec<f64>, Cancelled> {
+        let one = |&p: &DVec3| monitor.check().map(|()| tree.nearest_squared(p).sqrt());
+        places.par_iter().map(one).collect()
+    };
+    let middles: Vec<DVec3> = nodes.iter().map(|&node| ends(node)[0].midpoint(ends(node)[1])).collect();
+    let back = away(&middles)?;
+    let back_to_surface = away(&on_surface(&nodes, ends, &radius_m))?;
     let spreads =
         [Spread::of(to_axis), Spread::of(to_surface), Spread::of(back), Spread::of(back_to_surface)];
     let [Some(points_to_axis), Some(points_to_surface), Some(axis_to_points), Some(surface_to_points)] =
@@ -53,6 +51,40 @@ pub fn fit(points: &[Vec3], skeleton: &Skeleton, monitor: &dyn Monitor) -> Resul
         return Ok(None);
     };
     Ok(Some(Fit { points_to_axis, points_to_surface, axis_to_points, surface_to_points }))
+}
+
+/// Places on the bark, about as many, for the way from there to the points.
+const SURFACE_SAMPLE: f64 = 40_000.0;
+
+/// Places on the bark, evenly by area: thick wood has as many as it has bark.
+fn on_surface(
+    nodes: &[u32],
+    ends: impl Fn(u32) -> [DVec3; 2],
+    radius_m: &impl Fn(u32, f64) -> f64,
+) -> Vec<DVec3> {
+    /// The golden angle: turns that never repeat.
+    const TURN_RAD: f64 = 2.399_963_229_728_653;
+    let area = |&node: &u32| ends(node)[0].distance(ends(node)[1]) * radius_m(node, 0.5);
+    let total: f64 = nodes.iter().map(area).sum();
+    let mut places = Vec::new();
+    let mut owed = 0.5;
+    for &node in nodes {
+        let [from, to] = ends(node);
+        let share = area(&node) / total.max(f64::MIN_POSITIVE) * SURFACE_SAMPLE;
+        let Some(along) = (to - from).try_normalize().filter(|_| share > 0.0) else { continue };
+        let (u, v) = along.any_orthonormal_pair();
+        let mut next = 1.0 - owed;
+        owed += share;
+        while owed >= 1.0 {
+            owed -= 1.0;
+            let t = (next / share).clamp(0.0, 1.0);
+            next += 1.0;
+            let turn = TURN_RAD * places.len() as f64;
+            let out = u * libm::cos(turn) + v * libm::sin(turn);
+            places.push(from.lerp(to, t) + out * radius_m(node, t));
+        }
+    }
+    places
 }
 
 /// Points that [`share_near`] looks at.
@@ -125,7 +157,10 @@ mod tests {
                 && near(fit.points_to_axis.p95_m, 0.3)
         );
         assert!(near(fit.points_to_surface.mean_m, (99.0 * 0.2 + 0.4) / 100.0));
-        assert!(near(fit.axis_to_points.mean_m, 0.3) && near(fit.surface_to_points.p95_m, 0.2));
+        assert!(near(fit.axis_to_points.mean_m, 0.3));
+        // From bark all around to points on one side, about: between 0.2 and 0.4 m, as much of each by area.
+        let back = fit.surface_to_points;
+        assert!((0.29..0.32).contains(&back.mean_m) && (0.38..0.42).contains(&back.p95_m), "{back:?}");
         assert_eq!(super::fit(&[], &skeleton, &Quiet), Ok(None));
     }
 }

@@ -3,7 +3,7 @@
 //! Sections of a cloud that was seen from one side have their middles near the bark. A stem is thick enough for
 //! circles: from one that is found above the foot the next are looked for up and down along the axis that the
 //! last ones make, each near what the one before lets expect, and their centres are the axis. It ends where no circle
-//! is believed over a metre: at a fork, or where the stem gets lost in its crown.
+//! is believed over some of its height: at a fork, or where the stem gets lost in its crown.
 
 use glam::DVec3;
 
@@ -34,9 +34,8 @@ const ROUND: f64 = 0.1;
 /// and its radius is this sure.
 const SURE: f64 = 0.1;
 
-/// Without a circle over so many metres or radii, whichever is more, the trunk has ended.
-const LOST_M: f64 = 1.0;
-const LOST_RADII: f64 = 5.0;
+/// Without a circle over this part of the height the trunk has ended.
+const LOST: f64 = 0.15;
 
 /// A trunk has at least so many circles.
 const LEAST_RINGS: usize = 5;
@@ -173,7 +172,7 @@ impl<'a> Slices<'a> {
         let is_near = |p: &&DVec3| (p.x - foot.root.x).abs().max((p.z - foot.root.z).abs()) < reach;
         let mut points: Vec<DVec3> = points.iter().filter(is_near).copied().collect();
         points.sort_by(|a, b| a.y.total_cmp(&b.y));
-        let thick_m = (foot.height_m / SLICES).clamp(0.04, 0.25).max(3.0 * spacing_m);
+        let thick_m = (foot.height_m / SLICES).max(3.0 * spacing_m);
         Self { points, foot, thick_m, spacing_m }
     }
 
@@ -201,9 +200,9 @@ impl<'a> Slices<'a> {
         let at = self.foot.root + DVec3::Y * (part * self.foot.height_m);
         let reach_m = (1.5 * self.foot.radius_m).max(1.2 * STOUTEST * self.foot.height_m);
         let (flat, [u, v]) = self.flat(at, DVec3::Y, 1.5 * self.thick_m, reach_m);
-        let near_m = (0.5 * self.spacing_m).clamp(0.004, 0.02);
+        let near_m = (0.5 * self.spacing_m).clamp(0.0003 * self.foot.height_m, 0.002 * self.foot.height_m);
         let key = Key::new(0x7472_756e).child((part * 1000.0) as u64);
-        let radii = [(2.0 * self.spacing_m).max(0.01), STOUTEST * self.foot.height_m];
+        let radii = [(2.0 * self.spacing_m).max(0.001 * self.foot.height_m), STOUTEST * self.foot.height_m];
         let circle = consensus(&flat, near_m, radii, key).filter(is_believed)?;
         let ring = Ring {
             at: at + u * circle.centre.0 + v * circle.centre.1,
@@ -259,9 +258,7 @@ impl<'a> Slices<'a> {
             } else {
                 rings.push(Ring { at, radius_m, se_m: f64::INFINITY });
                 lost += 1;
-                if lost as f64 * self.thick_m
-                    > LOST_M.max(LOST_RADII * radius_m).min(0.08 * self.foot.height_m)
-                {
+                if lost as f64 * self.thick_m > LOST * self.foot.height_m {
                     break;
                 }
             }

@@ -11,7 +11,9 @@ use linden_base::monitor::{Holding, Monitor};
 use linden_plant::canopy::{Canopy, canopy, projection};
 use linden_plant::detail::{DetailError, Finest};
 use linden_plant::surface::{Stretch, SurfaceError, Survey, Tubes, survey};
-use linden_skeleton::{BREAST_HEIGHT_M, Measures, Skeleton, Streams, ratio_of_orders};
+use linden_skeleton::{
+    BREAST_HEIGHT_M, Measures, RadiusFit, RadiusSource, Skeleton, Streams, ratio_of_orders,
+};
 
 use super::{Corners, ReportError};
 use crate::dress::finest;
@@ -41,6 +43,8 @@ pub(super) struct WoodOfTubes {
     pub base_diameter_m: f64,
     /// Of the trunk at breast height, where it gets there.
     pub dbh_m: Option<f64>,
+    /// Of the trunk, from its foot to its top.
+    pub stem_volume_m3: f64,
 }
 
 /// Mean and standard deviation of angles, degrees.
@@ -92,6 +96,9 @@ pub(super) struct Figures<'a> {
     pub angles: Angles,
     /// By the order of the lateral, from 1 on.
     pub angles_by_order: Vec<Angles>,
+    /// The circle around the node of the trunk that is nearest to breast height.
+    pub breast_fit: Option<RadiusFit>,
+    pub breast_source: Option<RadiusSource>,
     floor_m: f64,
     crown_base_m: Option<f64>,
 }
@@ -137,6 +144,7 @@ impl<'a> Figures<'a> {
                 angles.iter().filter(|(of, _)| *of == order).map(|(_, angle)| *angle).collect();
             Angles::of(&some)
         };
+        let breast = breast_fit(&skeleton).filter(|_| wood_of_tubes.dbh_m.is_some());
         Ok(Self {
             grown,
             recipe_hash: recipe.hash(),
@@ -153,6 +161,8 @@ impl<'a> Figures<'a> {
             tubes: wood_of_tubes,
             angles: Angles::of(&angles.iter().map(|(_, angle)| *angle).collect::<Vec<_>>()),
             angles_by_order: (1..=measures.max_order).map(of_order).collect(),
+            breast_fit: breast.filter(|fit| fit.source == RadiusSource::Measured),
+            breast_source: breast.map(|fit| fit.source),
             floor_m,
             crown_base_m,
             canopy,
@@ -164,6 +174,27 @@ impl<'a> Figures<'a> {
     pub fn height_with_leaves_m(&self) -> f64 {
         let top = self.canopy.corners.iter().map(|at| at.y - self.floor_m).fold(0.0, f64::max);
         top.max(self.measures.height_m)
+    }
+
+    /// Of the thickest stem, from the upright, degrees.
+    pub fn stem_lean_deg(&self) -> f64 {
+        let nodes = trunk_nodes(&self.skeleton);
+        let place = |node: &u32| self.skeleton.positions[*node as usize].as_dvec3();
+        let (Some(foot), Some(top)) = (nodes.first().map(place), nodes.last().map(place)) else { return 0.0 };
+        (top - foot).try_normalize().map_or(0.0, |along| libm::acos(along.y.clamp(-1.0, 1.0)).to_degrees())
+    }
+
+    /// `None` where nothing was measured.
+    pub fn measured_volume_share(&self) -> Option<f64> {
+        let fits = &self.skeleton.fits;
+        let is_measured =
+            |node: u32| fits.get(node as usize).is_some_and(|f| f.source == RadiusSource::Measured);
+        let (mut measured, mut all) = (0.0, 0.0);
+        for cylinder in self.skeleton.cylinders().iter().filter(|_| !fits.is_empty()) {
+            all += cylinder.volume_m3();
+            measured += if is_measured(cylinder.node) { cylinder.volume_m3() } else { 0.0 };
+        }
+        (all > 0.0).then(|| measured / all)
     }
 
     pub fn sum_of_orders(&self, of: impl Fn(&WoodOfOrder) -> f64) -> f64 {
@@ -227,6 +258,27 @@ impl<'a> Figures<'a> {
     }
 }
 
+/// The nodes of the thickest stem, from its foot up.
+fn trunk_nodes(skeleton: &Skeleton) -> Vec<u32> {
+    let axes = skeleton.trunk();
+    axes.iter().flat_map(|&axis| skeleton.nodes_of(&skeleton.axes[axis as usize])).copied().collect()
+}
+
+/// What bears out the radius at breast height.
+fn breast_fit(skeleton: &Skeleton) -> Option<RadiusFit> {
+    let mut climbed_m = 0.0;
+    let mut nearest: Option<(f64, u32)> = None;
+    for pair in trunk_nodes(skeleton).windows(2) {
+        let [a, b] = [pair[0], pair[1]].map(|n| skeleton.positions[n as usize].as_dvec3());
+        climbed_m += a.distance(b);
+        let off_m = (climbed_m - BREAST_HEIGHT_M).abs();
+        if nearest.is_none_or(|(least, _)| off_m < least) {
+            nearest = Some((off_m, pair[1]));
+        }
+    }
+    skeleton.fits.get(nearest?.1 as usize).copied()
+}
+
 /// How the wood branches.
 struct BranchFigures {
     tips: usize,
@@ -276,6 +328,9 @@ impl WoodOfTubes {
             order.area_m2 += TAU * radius_m * stretch.length_m;
             wood.by_diameter_m3[DIAMETERS_M.partition_point(|&end| end <= 2.0 * radius_m)] += volume_m3;
             // Axes come in order, and so do those of the trunk.
+            if trunk.binary_search(&stretch.axis).is_ok() {
+                wood.stem_volume_m3 += volume_m3;
+            }
             if !stretch.is_end && trunk.binary_search(&stretch.axis).is_ok() {
                 let [lower, upper] = stretch.radii_m;
                 if climbed_m == 0.0 && wood.base_diameter_m == 0.0 {

@@ -208,6 +208,21 @@ numbers! {
     dbh_m: Option<f64>, Stem "at breast height" ["m"] Wood
         "diameter at breast height: trunk_diameter_m where that is at 1.3 m, null for a shorter stem"
         ("West 2015, Tree and Forest Measurement") = |f| f.tubes.dbh_m;
+    dbh_se_m: Option<f64>, Stem "its standard error" ["m"] Wood
+        "standard error of dbh_m, as far as noise and the part of the turn that was seen go: twice that of the radius of the circle through the points around the nearest node; null where that was not measured on a scan"
+        ("Chernov 2010, Circular and Linear Regression") = |f| f.breast_fit.map(|fit| 2.0 * f64::from(fit.se_m));
+    dbh_arc_deg: Option<f64>, Stem "seen of its turn" ["°"] Wood
+        "how much of the turn the points of that circle cover; null where there is none"
+        ("") = |f| f.breast_fit.map(|fit| f64::from(fit.arc_rad).to_degrees());
+    dbh_source: Option<String>, Stem "is" [""] Wood
+        "where dbh_m of a scan is from: measured on points, carried on between nodes that were, or guessed by the wood that the stem bears; null for what is no scan"
+        ("") = |f| f.breast_source.map(|source| source.word().to_owned());
+    stem_lean_deg: f64, Stem "lean" ["°"] Wood
+        "the angle between the upright and the line from the foot of the stem that is thickest there to its top"
+        ("West 2015") = |f| f.stem_lean_deg();
+    stem_volume_m3: f64, Stem "volume" ["m³"] Wood
+        "wood_volume_m3 of the stem that is thickest at its foot, from there to its top"
+        ("West 2015") = |f| f.tubes.stem_volume_m3;
     base_diameter_m: f64, Stem "at the foot" ["m"] Wood
         "of the stem that is thickest at its foot, there, as its tube has it, with its flare"
         ("") = |f| f.tubes.base_diameter_m;
@@ -267,6 +282,10 @@ numbers! {
     wood_volume_by_diameter_m3: Vec<f64>, Wood "volume by diameter" ["m³"] Wood
         "wood_volume_m3 of cylinders of a diameter below 1, 2, 4, 7, 10, 20, 50 cm, and from 50 cm on: each class begins where the one before ends; from 7 cm on wood counts as merchantable"
         ("Pretzsch 2009") = |f| f.tubes.by_diameter_m3.clone();
+
+    measured_volume_share: Option<f64>, Wood "share measured" [""] Wood
+        "the share of cylinder_volume_m3 whose radii were measured on the points of a scan; the others were carried on or guessed; null for what is no scan"
+        ("Morales & MacFarlane 2024, Reducing tree volume overestimation in quantitative structure models") = |f| f.measured_volume_share();
 
     axes: usize, Branching "axes" [""] Wood
         "chains of segments from a base to an apex: stems and laterals"
