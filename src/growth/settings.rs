@@ -121,7 +121,7 @@ impl GrowthSettings {
                 "The unit of growth, D in Runions et al. 2007: each iteration places segments of this \
                  length, and influence and kill are best given in it. Short segments bend smoothly and take \
                  more nodes for the same wood; long ones give stiff, angular limbs. auto is a third of the \
-                 mean spacing of the points; for a scan it is twice the spacing of its points or 1/250 of \
+                 mean spacing of the points; for a scan it is twice the spacing of its points or 1/1000 of \
                  its height, whichever is more. It cannot be above kill."
             ),
             see_also(&["influence", "kill", "points", "subdivisions"])

@@ -47,7 +47,7 @@ fn assert_comes_back(truth: &Sizes, hits: &[Hit], sd_m: f64, what: &str, bounds:
     within("the stem's length", back.order_m[0], truth.order_m[0], 0.9, 1.1);
     within("first-order length", back.order_m[1], truth.order_m[1], 0.8, 1.2);
     within("second-order length", back.order_m[2], truth.order_m[2], 0.75, 1.1);
-    assert!(back.limbs.abs_diff(truth.limbs) <= 2, "{what}: {} limbs of {}", back.limbs, truth.limbs);
+    assert!(back.limbs.abs_diff(truth.limbs) <= 3, "{what}: {} limbs of {}", back.limbs, truth.limbs);
     within("breast diameter", back.breast_m, truth.breast_m, 0.93, 1.03);
     for (back, truth) in back.stem_m.iter().zip(truth.stem_m).take(3) {
         within("a stem radius", *back, truth, 0.92, 1.03);

@@ -7,15 +7,16 @@
 //! 1. without rows that are no points of it (`clean`): places that stand there twice, `0 0 0`, single far
 //!    points; then the spacing of the cloud: the median distance of a point to its nearest neighbour;
 //! 2. the feet of the stems (`foot`, `stems`), and without them ground and strays;
-//! 3. thinning: one point, the mean, per cube of the detail's size (twice the spacing, or 1/250 of the
+//! 3. the trunk: circles through slices of its bark, from the foot up; their centres are its axis (`trunk`);
+//! 4. thinning: one point, the mean, per cube of the detail's size (twice the spacing, or 1/1000 of the
 //!    height if that is more), and without noise: cubes that hardly any points are near;
-//! 4. sections along the distance from the feet, bridges over gaps (`contract`), smoothing;
-//! 5. points along the links of the sections, so that growth finds its next point within a few steps.
+//! 5. sections along the distance from the feet, bridges over gaps (`contract`), smoothing;
+//! 6. points along the links of the sections, so that growth finds its next point within a few steps.
 //!
 //! What the cloud says of its units and its upward axis stands in `frame`. After growth radii are measured
 //! on the points (`girth`), and [`fit`](fit()) says how far skeleton and points are apart.
 //!
-//! Everything is deterministic and takes O(n log n): a million points 1.3 s on two cores.
+//! Everything is deterministic and takes O(n log n).
 //!
 //! Measured on scans of two trees that linden grew, points on their bark 12 mm apart, as parts of what there
 //! was (`tests/inputs/scan_back.rs` holds the figures within bounds; "leaves" are 4 discs at each tip, "all"
@@ -24,21 +25,18 @@
 //!
 //! | tree, scan | length | order 1 | limbs | breast diameter | volume | surface, mm |
 //! |---|---|---|---|---|---|---|
-//! | broad, 3 mm error | 0.92 | 0.87 | 10 of 11 | 0.96 | 0.69 | 17, 55 |
-//! | broad, 10 mm | 0.93 | 0.99 | 11 | 0.96 | 0.73 | 20, 59 |
-//! | broad, gaps | 0.90 | 1.10 | 10 | 0.95 | 0.68 | 19, 59 |
-//! | broad, three sensors | 0.92 | 0.88 | 10 | 0.96 | 0.84 | 15, 50 |
-//! | broad, leaves | 1.05 | 1.01 | 11 | 0.96 | 0.59 | 22, 66 |
-//! | broad, all | 1.03 | 1.19 | 11 | 0.94 | 0.82 | 21, 69 |
-//! | tall, 3 mm | 0.89 | 0.92 | 17 of 17 | 0.97 | 0.82 | 24, 73 |
-//! | tall, 10 mm | 0.90 | 0.93 | 18 | 0.97 | 0.89 | 26, 77 |
-//! | tall, gaps | 0.87 | 0.87 | 16 | 0.97 | 0.81 | 25, 79 |
-//! | tall, three sensors | 0.89 | 0.91 | 17 | 0.97 | 0.85 | 23, 73 |
-//! | tall, leaves | 0.99 | 0.91 | 18 | 0.97 | 0.89 | 27, 84 |
-//! | tall, all | 0.97 | 0.94 | 17 | 0.96 | 0.95 | 27, 86 |
+//! | broad, 3 mm error | 0.99 | 0.97 | 13 of 13 | 0.98 | 0.98 | 5, 18 |
+//! | broad, 10 mm | 1.00 | 1.05 | 13 | 0.98 | 0.98 | 14, 40 |
+//! | broad, gaps | 0.95 | 0.97 | 13 | 0.97 | 0.97 | 5, 18 |
+//! | broad, three sensors | 0.99 | 0.99 | 13 | 0.98 | 0.96 | 6, 21 |
+//! | broad, leaves | 1.24 | 0.97 | 13 | 0.98 | 0.99 | 7, 27 |
+//! | broad, all | 1.18 | 1.01 | 13 | 0.96 | 0.95 | 9, 35 |
+//! | tall, 3 mm | 0.99 | 0.92 | 16 of 16 | 0.97 | 0.99 | 5, 18 |
+//! | tall, 10 mm | 1.04 | 1.08 | 15 | 0.97 | 0.97 | 15, 46 |
+//! | tall, gaps | 0.97 | 0.96 | 14 | 0.97 | 0.98 | 6, 18 |
+//! | tall, three sensors | 0.99 | 0.80 | 13 | 0.97 | 0.99 | 5, 18 |
 //!
-//! What is lost in length are the tips of twigs; leaves beyond them are taken for twigs and make up for that.
-//! Radii of limbs come out too thin on average, the stem's within a few per cent.
+//! Leaves are taken for twigs, thin ones. Clumps of twigs that hide each other lose a part of their length.
 
 mod allometry;
 mod canopy;
