@@ -213,8 +213,9 @@ fn solve(mut m: [[f64; 4]; 3]) -> Option<[f64; 3]> {
         }
         for j in (0..3).filter(|&j| j != i) {
             let factor = m[j][i] / m[i][i];
-            for k in i..4 {
-                m[j][k] -= factor * m[i][k];
+            let pivot = m[i];
+            for (number, pivot) in m[j].iter_mut().zip(pivot).skip(i) {
+                *number -= factor * pivot;
             }
         }
     }

@@ -15,35 +15,15 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
 use super::allometry::{Allometry, growth_lengths_m};
-use super::circle::{self, Circle, Flat, LEAST_POINTS, SD_PER_MAD, median};
-use super::segments::{Nearest, Segments};
+use super::circle::{Circle, LEAST_POINTS, SD_PER_MAD, median};
+use super::segments::Segments;
+use super::stretch::{ByNode, STATION_M, STATION_RADII, Seen, Stretch};
 use linden_base::monitor::{Cancelled, Monitor};
 use linden_skeleton::{Axis, Branching, NO_PARENT, RadiusFit, RadiusSource, axes_by_tips, count_tips};
 
 /// Bytes for each point of what measures a tree: the nearest segments of all points, and the search for points
 /// near segments.
 pub(crate) const MEASURING_BYTES_PER_POINT: u64 = 120;
-
-/// Points with which a stretch is long enough.
-const ENOUGH_POINTS: usize = 80;
-
-/// Points of a stretch that are looked at.
-const MOST_POINTS: usize = 240;
-
-/// How far a stretch reaches to either side of its node: at least, and at most while points are few.
-const REACH_M: (f64, f64) = (0.04, 0.3);
-
-/// From one circle to the next along an axis, at least: metres, and radii of the last. Nodes between two believed
-/// ones that are no farther apart lie in what was looked at.
-const STATION_M: f64 = 0.04;
-const STATION_RADII: f64 = 0.5;
-
-/// And as many radii at least, up to so many metres.
-const REACH_RADII: f64 = 1.0;
-const FARTHEST_M: f64 = 0.5;
-
-/// Where a lateral starts: the distance from where it leaves its parent, in radii of that.
-const BASE: f64 = 1.3;
 
 /// Half of the points lie nearer to a believed circle than this part of its radius.
 const ROUND: f64 = 0.12;
@@ -149,7 +129,7 @@ impl Round {
         let mut looked = vec![false; positions.len()];
         // Order by order: where a lateral leaves thick wood, the bark around its start is its parent's.
         for order in 0..=axes.iter().map(|axis| axis.order).max().unwrap_or(0) {
-            let found: Vec<(u32, Option<(Circle, DVec3)>)> = axes
+            let found: Vec<Seen> = axes
                 .par_iter()
                 .filter(|axis| axis.order == order)
                 .map(|axis| {
@@ -207,7 +187,8 @@ impl Round {
                     let (_, centre) = self.circles[node as usize]?;
                     let by = centre - given[node as usize].as_dvec3();
                     let most_m = 1.5 * circle.radius_m;
-                    Some(((circle.se_m + 0.02 * circle.radius_m).powi(-2), by.clamp_length_max(most_m)))
+                    let error_m = circle.se_m + 0.02 * circle.radius_m;
+                    Some((1.0 / (error_m * error_m), by.clamp_length_max(most_m)))
                 })
                 .collect();
             for (i, &node) in nodes.iter().enumerate() {
@@ -261,16 +242,16 @@ impl Round {
                 })
             };
             if !bears[index] && nodes.iter().all(is_buried) {
-                nodes.iter().for_each(|&node| keep[node as usize] = false);
+                for &node in nodes {
+                    keep[node as usize] = false;
+                }
             } else {
                 bears[under] = true;
             }
         }
         let mut index = vec![NO_PARENT; parents.len()];
-        let mut kept = 0;
-        for node in (0..parents.len()).filter(|&node| keep[node]) {
+        for (kept, node) in (0..).zip((0..parents.len()).filter(|&node| keep[node])) {
             index[node] = kept;
-            kept += 1;
         }
         let renamed = |parent: u32| if parent == NO_PARENT { parent } else { index[parent as usize] };
         let Branching { positions, parents, births, edges, .. } = branching;
@@ -278,7 +259,9 @@ impl Round {
         positions.retain(|_| marks.next().is_some_and(|&kept| kept));
         let mut marks = keep.iter();
         parents.retain(|_| marks.next().is_some_and(|&kept| kept));
-        parents.iter_mut().for_each(|parent| *parent = renamed(*parent));
+        for parent in &mut *parents {
+            *parent = renamed(*parent);
+        }
         let mut marks = keep.iter();
         births.retain(|_| marks.next().is_some_and(|&kept| kept));
         if let Some(edges) = edges {
@@ -372,156 +355,6 @@ impl Round {
         }
         let measured = fits.iter().filter(|fit| fit.source == RadiusSource::Measured).count();
         Some(Girth { radii: radii.iter().map(|&r| r as f32).collect(), fits, measured })
-    }
-}
-
-/// Indices of points by the node that their nearest segment ends in.
-struct ByNode {
-    starts: Vec<u32>,
-    points: Vec<u32>,
-}
-
-impl ByNode {
-    fn new(nearest: &[Nearest], nodes: usize) -> Self {
-        // What lies beyond the end of a twig is not beside it.
-        let beside = || nearest.iter().zip(0_u32..).filter(|(n, _)| n.t > 0.0 && n.t < 1.0);
-        let mut starts = vec![0_u32; nodes + 1];
-        for (n, _) in beside() {
-            starts[n.node as usize + 1] += 1;
-        }
-        for i in 0..nodes {
-            starts[i + 1] += starts[i];
-        }
-        let mut next = starts.clone();
-        let mut points = vec![0; starts[nodes] as usize];
-        for (n, index) in beside() {
-            let slot = &mut next[n.node as usize];
-            points[*slot as usize] = index;
-            *slot += 1;
-        }
-        Self { starts, points }
-    }
-
-    fn of(&self, node: u32) -> &[u32] {
-        &self.points[self.starts[node as usize] as usize..self.starts[node as usize + 1] as usize]
-    }
-}
-
-/// An axis and the points beside it.
-struct Stretch<'a> {
-    nodes: &'a [u32],
-    /// Places of the nodes, and where the segments that end in them begin.
-    at: Vec<DVec3>,
-    from: Vec<DVec3>,
-    /// Metres along the axis to each node.
-    along_m: Vec<f64>,
-    /// Nodes at the start that lie in the wood that the axis leaves from.
-    inside: usize,
-    bark: &'a [Vec3],
-    by_node: &'a ByNode,
-}
-
-impl<'a> Stretch<'a> {
-    fn new(
-        axis: &Axis,
-        nodes: &'a [u32],
-        branching: &Branching,
-        (bark, by_node): (&'a [Vec3], &'a ByNode),
-        thick_m: impl Fn(u32) -> f64,
-    ) -> Self {
-        let place = |n: u32| branching.positions[n as usize].as_dvec3();
-        let at: Vec<DVec3> = nodes.iter().map(|&n| place(n)).collect();
-        let base = if axis.parent == NO_PARENT { at[0] } else { place(axis.parent) };
-        let from: Vec<DVec3> = std::iter::once(base).chain(at.iter().copied()).take(at.len()).collect();
-        let mut along_m = Vec::with_capacity(at.len());
-        let mut sum = 0.0;
-        for (a, b) in from.iter().zip(&at) {
-            sum += a.distance(*b);
-            along_m.push(sum);
-        }
-        let inside = match axis.parent {
-            NO_PARENT => 0,
-            fork => at.iter().take_while(|p| p.distance(base) < BASE * thick_m(fork)).count(),
-        };
-        Self { nodes, at, from, along_m, inside, bark, by_node }
-    }
-
-    /// The nodes whose segments reach within `reach_m` of the `i`-th, along the axis.
-    fn around(&self, i: usize, reach_m: f64) -> std::ops::Range<usize> {
-        let at_m = self.along_m[i];
-        let from = self.along_m.partition_point(|&along| along < at_m - reach_m).max(self.inside);
-        let to = self.along_m.partition_point(|&along| along <= at_m + reach_m);
-        from..(to + 1).min(self.nodes.len()).max(from)
-    }
-
-    /// The direction of the axis at the `i`-th node, over some of its length.
-    fn direction(&self, i: usize, reach_m: f64) -> Option<DVec3> {
-        let range = self.around(i, reach_m.max(1e-6));
-        let to = range.end.max(i + 1) - 1;
-        (self.at[to] - self.from[range.start.min(i)]).try_normalize()
-    }
-
-    /// Nodes with the circles around them, one every few centimetres or half a radius.
-    fn circles(&self, monitor: &dyn Monitor) -> Result<Vec<(u32, Option<(Circle, DVec3)>)>, Cancelled> {
-        let mut found = Vec::new();
-        let mut next_m = 0.0;
-        for i in 0..self.nodes.len() {
-            if self.along_m[i] < next_m {
-                continue;
-            }
-            // Thousands of points may lie beside one node.
-            monitor.check()?;
-            let circle = self.circle(i);
-            let radius_m = circle.map_or(0.0, |(circle, _)| circle.radius_m);
-            next_m = self.along_m[i] + STATION_M.max(STATION_RADII * radius_m.min(FARTHEST_M));
-            found.push((self.nodes[i], circle));
-        }
-        Ok(found)
-    }
-
-    /// The circle around the `i`-th node, through the points of as long a stretch as it takes; and its centre.
-    fn circle(&self, i: usize) -> Option<(Circle, DVec3)> {
-        if i < self.inside {
-            return None;
-        }
-        let count = |reach_m: f64| {
-            self.around(i, reach_m).map(|k| self.by_node.of(self.nodes[k]).len()).sum::<usize>()
-        };
-        let mut reach_m = REACH_M.0;
-        while reach_m < REACH_M.1 && count(reach_m) < ENOUGH_POINTS {
-            reach_m *= 1.4;
-        }
-        if count(reach_m) < LEAST_POINTS {
-            return None;
-        }
-        let found = self.fit(i, reach_m)?;
-        // Thick wood shows little of its turn in a short stretch, and its axis turns slowly.
-        let wanted_m = (REACH_RADII * found.0.radius_m).min(FARTHEST_M);
-        if wanted_m > 1.2 * reach_m { self.fit(i, wanted_m) } else { Some(found) }
-    }
-
-    fn fit(&self, i: usize, reach_m: f64) -> Option<(Circle, DVec3)> {
-        let middle = self.at[i];
-        let (u, v) = self.direction(i, reach_m)?.any_orthonormal_pair();
-        let range = self.around(i, reach_m);
-        let count: usize = range.clone().map(|k| self.by_node.of(self.nodes[k]).len()).sum();
-        let stride = count.div_ceil(MOST_POINTS).max(1);
-        let mut flat: Vec<Flat> = Vec::with_capacity(count / stride + 1);
-        let mut n = 0;
-        for k in range {
-            // Each point is seen along its part of the axis, which may bend, from the axis there.
-            let Some(along) = self.direction(k, 0.5 * reach_m) else { continue };
-            for &p in self.by_node.of(self.nodes[k]) {
-                n += 1;
-                if n % stride == 0 {
-                    let away = (self.bark[p as usize].as_dvec3() - self.at[k]).reject_from_normalized(along);
-                    flat.push((away.dot(u), away.dot(v)));
-                }
-            }
-        }
-        let found = circle::fit(&flat)?;
-        let centre = middle + u * found.centre.0 + v * found.centre.1;
-        Some((found, centre))
     }
 }
 
@@ -643,11 +476,10 @@ mod tests {
     fn an_axis_near_the_bark_of_a_half_seen_pole_goes_to_its_middle() {
         let (mut branching, bark) = pole(0.1, PI, 0.06);
         let Girth { radii, .. } = girth(&mut branching, &bark, 2.0, &Quiet).unwrap().unwrap();
-        for i in 3..27 {
-            let p = branching.positions[i];
-            assert!(p.x.abs() < 0.015 && p.z.abs() < 0.01, "{i}: {p}");
+        for (p, radius) in branching.positions.iter().zip(radii).take(27).skip(3) {
+            assert!(p.x.abs() < 0.015 && p.z.abs() < 0.01, "{p}");
             let expected = radius_m(f64::from(p.y)) as f32;
-            assert!((radii[i] / expected - 1.0).abs() < 0.08, "{i}: {} {expected}", radii[i]);
+            assert!((radius / expected - 1.0).abs() < 0.08, "{p}: {radius} {expected}");
         }
     }
 

@@ -55,6 +55,7 @@ mod sample;
 mod segments;
 mod settings;
 mod stems;
+mod stretch;
 mod trunk;
 
 use glam::DVec3;

@@ -144,7 +144,10 @@ fn smooth(rings: &mut [Ring]) {
     for (i, ring) in rings.iter_mut().enumerate() {
         let reach = 2.min(i).min(given.len() - 1 - i);
         let around = &given[i - reach..=i + reach];
-        let weight = |r: &&Ring| if r.se_m.is_finite() { (r.se_m + 0.01 * r.radius_m).powi(-2) } else { 0.0 };
+        let weight = |r: &&Ring| {
+            let error_m = r.se_m + 0.01 * r.radius_m;
+            if r.se_m.is_finite() { 1.0 / (error_m * error_m) } else { 0.0 }
+        };
         let total: f64 = around.iter().map(|r| weight(&r)).sum();
         if total > 0.0 {
             let mean =

@@ -1,0 +1,182 @@
+//! Stretches of axes, and circles through the points around them.
+
+use glam::{DVec3, Vec3};
+use linden_base::monitor::{Cancelled, Monitor};
+use linden_skeleton::{Axis, Branching, NO_PARENT};
+
+use super::circle::{self, Circle, Flat, LEAST_POINTS};
+use super::segments::Nearest;
+
+/// Points with which a stretch is long enough.
+const ENOUGH_POINTS: usize = 80;
+
+/// Points of a stretch that are looked at.
+const MOST_POINTS: usize = 240;
+
+/// How far a stretch reaches to either side of its node: at least, and at most while points are few.
+const REACH_M: (f64, f64) = (0.04, 0.3);
+
+/// From one circle to the next along an axis, at least: metres, and radii of the last. Nodes between two believed
+/// ones that are no farther apart lie in what was looked at.
+pub const STATION_M: f64 = 0.04;
+pub const STATION_RADII: f64 = 0.5;
+
+/// And as many radii at least, up to so many metres.
+const REACH_RADII: f64 = 1.0;
+const FARTHEST_M: f64 = 0.5;
+
+/// Where a lateral starts: the distance from where it leaves its parent, in radii of that.
+const BASE: f64 = 1.3;
+
+/// A node with the circle around it and the middle of that.
+pub type Seen = (u32, Option<(Circle, DVec3)>);
+
+/// Indices of points by the node that their nearest segment ends in.
+pub struct ByNode {
+    starts: Vec<u32>,
+    points: Vec<u32>,
+}
+
+impl ByNode {
+    pub fn new(nearest: &[Nearest], nodes: usize) -> Self {
+        // What lies beyond the end of a twig is not beside it.
+        let beside = || nearest.iter().zip(0_u32..).filter(|(n, _)| n.t > 0.0 && n.t < 1.0);
+        let mut starts = vec![0_u32; nodes + 1];
+        for (n, _) in beside() {
+            starts[n.node as usize + 1] += 1;
+        }
+        for i in 0..nodes {
+            starts[i + 1] += starts[i];
+        }
+        let mut next = starts.clone();
+        let mut points = vec![0; starts[nodes] as usize];
+        for (n, index) in beside() {
+            let slot = &mut next[n.node as usize];
+            points[*slot as usize] = index;
+            *slot += 1;
+        }
+        Self { starts, points }
+    }
+
+    pub fn of(&self, node: u32) -> &[u32] {
+        &self.points[self.starts[node as usize] as usize..self.starts[node as usize + 1] as usize]
+    }
+}
+
+/// An axis and the points beside it.
+pub struct Stretch<'a> {
+    nodes: &'a [u32],
+    /// Places of the nodes, and where the segments that end in them begin.
+    at: Vec<DVec3>,
+    from: Vec<DVec3>,
+    /// Metres along the axis to each node.
+    along_m: Vec<f64>,
+    /// Nodes at the start that lie in the wood that the axis leaves from.
+    inside: usize,
+    bark: &'a [Vec3],
+    by_node: &'a ByNode,
+}
+
+impl<'a> Stretch<'a> {
+    pub fn new(
+        axis: &Axis,
+        nodes: &'a [u32],
+        branching: &Branching,
+        (bark, by_node): (&'a [Vec3], &'a ByNode),
+        thick_m: impl Fn(u32) -> f64,
+    ) -> Self {
+        let place = |n: u32| branching.positions[n as usize].as_dvec3();
+        let at: Vec<DVec3> = nodes.iter().map(|&n| place(n)).collect();
+        let base = if axis.parent == NO_PARENT { at[0] } else { place(axis.parent) };
+        let from: Vec<DVec3> = std::iter::once(base).chain(at.iter().copied()).take(at.len()).collect();
+        let mut along_m = Vec::with_capacity(at.len());
+        let mut sum = 0.0;
+        for (a, b) in from.iter().zip(&at) {
+            sum += a.distance(*b);
+            along_m.push(sum);
+        }
+        let inside = match axis.parent {
+            NO_PARENT => 0,
+            fork => at.iter().take_while(|p| p.distance(base) < BASE * thick_m(fork)).count(),
+        };
+        Self { nodes, at, from, along_m, inside, bark, by_node }
+    }
+
+    /// The nodes whose segments reach within `reach_m` of the `i`-th, along the axis.
+    fn around(&self, i: usize, reach_m: f64) -> std::ops::Range<usize> {
+        let at_m = self.along_m[i];
+        let from = self.along_m.partition_point(|&along| along < at_m - reach_m).max(self.inside);
+        let to = self.along_m.partition_point(|&along| along <= at_m + reach_m);
+        from..(to + 1).min(self.nodes.len()).max(from)
+    }
+
+    /// The direction of the axis at the `i`-th node, over some of its length.
+    fn direction(&self, i: usize, reach_m: f64) -> Option<DVec3> {
+        let range = self.around(i, reach_m.max(1e-6));
+        let to = range.end.max(i + 1) - 1;
+        (self.at[to] - self.from[range.start.min(i)]).try_normalize()
+    }
+
+    /// Nodes with the circles around them, one every few centimetres or half a radius.
+    pub fn circles(&self, monitor: &dyn Monitor) -> Result<Vec<Seen>, Cancelled> {
+        let mut found = Vec::new();
+        let mut next_m = 0.0;
+        for i in 0..self.nodes.len() {
+            if self.along_m[i] < next_m {
+                continue;
+            }
+            // Thousands of points may lie beside one node.
+            monitor.check()?;
+            let circle = self.circle(i);
+            let radius_m = circle.map_or(0.0, |(circle, _)| circle.radius_m);
+            next_m = self.along_m[i] + STATION_M.max(STATION_RADII * radius_m.min(FARTHEST_M));
+            found.push((self.nodes[i], circle));
+        }
+        Ok(found)
+    }
+
+    /// The circle around the `i`-th node, through the points of as long a stretch as it takes; and its centre.
+    fn circle(&self, i: usize) -> Option<(Circle, DVec3)> {
+        if i < self.inside {
+            return None;
+        }
+        let count = |reach_m: f64| {
+            self.around(i, reach_m).map(|k| self.by_node.of(self.nodes[k]).len()).sum::<usize>()
+        };
+        let mut reach_m = REACH_M.0;
+        while reach_m < REACH_M.1 && count(reach_m) < ENOUGH_POINTS {
+            reach_m *= 1.4;
+        }
+        if count(reach_m) < LEAST_POINTS {
+            return None;
+        }
+        let found = self.fit(i, reach_m)?;
+        // Thick wood shows little of its turn in a short stretch, and its axis turns slowly.
+        let wanted_m = (REACH_RADII * found.0.radius_m).min(FARTHEST_M);
+        if wanted_m > 1.2 * reach_m { self.fit(i, wanted_m) } else { Some(found) }
+    }
+
+    fn fit(&self, i: usize, reach_m: f64) -> Option<(Circle, DVec3)> {
+        let middle = self.at[i];
+        let (u, v) = self.direction(i, reach_m)?.any_orthonormal_pair();
+        let range = self.around(i, reach_m);
+        let count: usize = range.clone().map(|k| self.by_node.of(self.nodes[k]).len()).sum();
+        let stride = count.div_ceil(MOST_POINTS).max(1);
+        let mut flat: Vec<Flat> = Vec::with_capacity(count / stride + 1);
+        let mut n = 0;
+        for k in range {
+            // Each point is seen along its part of the axis, which may bend, from the axis there.
+            let Some(along) = self.direction(k, 0.5 * reach_m) else { continue };
+            for &p in self.by_node.of(self.nodes[k]) {
+                n += 1;
+                if n % stride == 0 {
+                    let away = (self.bark[p as usize].as_dvec3() - self.at[k]).reject_from_normalized(along);
+                    flat.push((away.dot(u), away.dot(v)));
+                }
+            }
+        }
+        let found = circle::fit(&flat)?;
+        let centre = middle + u * found.centre.0 + v * found.centre.1;
+        Some((found, centre))
+    }
+}
