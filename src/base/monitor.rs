@@ -66,6 +66,8 @@ pub enum Phase {
     Sweep,
     /// Contouring wood into one solid; unit: blocks of cells.
     Solidify,
+    /// Casting the rays of a simulated scanner; unit: rows of pulses.
+    Scan,
     /// Growing and measuring many trees; unit: trees.
     Measure,
     /// Writing files; unit: bytes.
@@ -87,6 +89,7 @@ impl Phase {
             Self::Sprout => ("leafing", "axes"),
             Self::Sweep => ("surfacing", "axes"),
             Self::Solidify => ("making one solid", "blocks"),
+            Self::Scan => ("scanning", "rows"),
             Self::Measure => ("measuring", "trees"),
             Self::Write => ("writing", "bytes"),
         }

@@ -21,6 +21,7 @@
 //! | [`forest`], [`forecast`] | many trees; how large a tree will be |
 //! | [`export`] | formats, bundles of files, exporters of one's own |
 //! | [`raster`] | pictures |
+//! | [`scanner`] | a simulated laser scanner |
 //! | [`trust`] | which files a document may name |
 //! | [`lsystem`], [`colonization`], [`scan`] | the generators |
 //! | [`skeleton`], [`surface`], [`foliage`], [`texture`], [`wind`], [`stage`] | what trees are made of |
@@ -37,6 +38,7 @@ pub mod trust;
 pub use linden_exporters as export;
 pub use linden_pipeline::*;
 pub use linden_raster as raster;
+pub use linden_scanner as scanner;
 
 pub use error::Error;
 pub use source::{grammar, read, read_allowing, tree};

@@ -23,6 +23,7 @@ mod outputs;
 mod placing;
 mod preview;
 mod recipe;
+mod scan;
 mod scene;
 mod schema;
 mod sheet;
@@ -104,6 +105,7 @@ Examples:
   linden export left.obj right.obj -o both.glb
   linden forest fir:3 simple -o wood.glb --area 60 --scene
   linden export scan.xyz -o tree.glb --set step=0.05
+  linden scan oak --positions 4 -o scan.ply --truth truth.csv
   linden recipe tree.glb
   linden verify tree.glb
   linden lint tree.glb --profile mobile --deny warnings
@@ -126,6 +128,7 @@ enum CliCommand {
     Preview(preview::Preview),
     Sheet(sheet::Sheet),
     Export(export::Export),
+    Scan(scan::Scan),
     Recipe(recipe::Recipe),
     Verify(verify::Verify),
     Lint(lint::Lint),
@@ -437,6 +440,7 @@ impl CliCommand {
             Self::Preview(command) => command.run(),
             Self::Sheet(command) => command.run(),
             Self::Export(command) => command.run(),
+            Self::Scan(command) => command.run(),
             Self::Recipe(command) => command.run(),
             Self::Verify(command) => command.run(),
             Self::Lint(command) => command.run(),

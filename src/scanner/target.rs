@@ -1,0 +1,198 @@
+//! The triangles that are scanned, and what each of them is.
+
+use glam::{DVec3, Vec3};
+use linden_pipeline::foliage::Shaper;
+use linden_pipeline::grow::Grown;
+use linden_pipeline::memory::bytes_of;
+use linden_pipeline::mesh::{Bounds, Mesh};
+use linden_pipeline::surface::{Junction, Tubes, count, sweep};
+use linden_pipeline::{Monitor, Skeleton};
+
+use crate::ScannerError;
+use crate::stand::Stand;
+
+/// What a pulse fell on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WhatIsHit {
+    /// The ground.
+    Ground,
+    /// Wood.
+    Wood,
+    /// A leaf, blossom or fruit.
+    Leaf,
+}
+
+impl WhatIsHit {
+    /// Its number in files: 0, 1, 2.
+    pub const fn number(self) -> u8 {
+        match self {
+            Self::Ground => 0,
+            Self::Wood => 1,
+            Self::Leaf => 2,
+        }
+    }
+}
+
+/// What a point lies on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Truth {
+    /// Of the trees of a target, counted from 1; 0 for ground.
+    pub tree: u32,
+    /// What it is.
+    pub what: WhatIsHit,
+    /// Index among [`Skeleton::axes`] of the wood, or of the wood that bears the leaf; -1 for ground.
+    pub axis: i32,
+    /// The order of that axis, 0 for a stem; -1 for ground.
+    pub order: i32,
+}
+
+impl Truth {
+    /// Of the ground.
+    pub const GROUND: Self = Self { tree: 0, what: WhatIsHit::Ground, axis: -1, order: -1 };
+}
+
+/// Level ground: a disc.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ground {
+    /// Its middle.
+    pub middle: DVec3,
+    /// Metres.
+    pub radius_m: f64,
+}
+
+/// Triangles with their truths.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Target {
+    /// Corners, metres.
+    pub triangles: Vec<[Vec3; 3]>,
+    /// Of each triangle, an index into `truths`.
+    pub owners: Vec<u32>,
+    /// What triangles are.
+    pub truths: Vec<Truth>,
+    trees: u32,
+    /// The lowest foot.
+    foot: Option<Vec3>,
+}
+
+impl Target {
+    /// Adds a tree where it stands, with its leaves or without. Wood that would be one solid is scanned as the tubes that it
+    /// is made of: from outside they look alike.
+    ///
+    /// # Errors
+    /// [`ScannerError`]: too large, or cancelled.
+    pub fn add(
+        &mut self,
+        grown: &Grown,
+        tubes: &Tubes,
+        leaves: bool,
+        monitor: &dyn Monitor,
+    ) -> Result<(), ScannerError> {
+        let skeleton = &grown.skeleton;
+        let mut tubes = *tubes;
+        if tubes.junction == Junction::Watertight {
+            tubes.junction = Junction::Overlap;
+        }
+        self.trees += 1;
+        let mesh = sweep(skeleton, &tubes, monitor)?;
+        let of_axes = count(skeleton, &tubes, monitor)?;
+        self.admit(mesh.triangles.len(), monitor)?;
+        let mut at = 0;
+        for (axis, amount) in (0..).zip(of_axes) {
+            let triangles = mesh.triangles.get(at..at + amount.triangles).unwrap_or_default();
+            at += amount.triangles;
+            self.add_mesh(&mesh, triangles, self.truth(skeleton, axis, WhatIsHit::Wood));
+        }
+        drop(mesh);
+        if leaves {
+            self.add_leaves(grown, monitor)?;
+        }
+        let feet = skeleton.axes.iter().filter_map(|axis| skeleton.nodes_of(axis).first()).take(1);
+        for &foot in feet {
+            let foot = skeleton.positions[foot as usize];
+            self.foot = Some(self.foot.filter(|lowest| lowest.y <= foot.y).unwrap_or(foot));
+        }
+        Ok(())
+    }
+
+    fn add_leaves(&mut self, grown: &Grown, monitor: &dyn Monitor) -> Result<(), ScannerError> {
+        const PER_CHECK: usize = 4096;
+        let (organs, skeleton) = (&*grown.organs, &*grown.skeleton);
+        let mut axis_of = vec![0; skeleton.positions.len()];
+        for (index, axis) in (0..).zip(&skeleton.axes) {
+            for &node in skeleton.nodes_of(axis) {
+                axis_of[node as usize] = index;
+            }
+        }
+        let mut shaper = Shaper::default();
+        let mut mesh = Mesh::default();
+        for organ in 0..organs.len() {
+            if organ.is_multiple_of(PER_CHECK) {
+                monitor.check()?;
+                self.admit(PER_CHECK, monitor)?;
+            }
+            mesh.positions.clear();
+            mesh.normals.clear();
+            mesh.uvs.clear();
+            mesh.triangles.clear();
+            shaper.add(organs, organ, &mut mesh);
+            let axis = axis_of.get(organs.growth(organ).node as usize).copied().unwrap_or(0);
+            self.add_mesh(&mesh, &mesh.triangles, self.truth(skeleton, axis, WhatIsHit::Leaf));
+        }
+        Ok(())
+    }
+
+    fn truth(&self, skeleton: &Skeleton, axis: u32, what: WhatIsHit) -> Truth {
+        let order = skeleton.axes.get(axis as usize).map_or(0, |axis| axis.order);
+        Truth { tree: self.trees, what, axis: axis as i32, order: order as i32 }
+    }
+
+    fn add_mesh(&mut self, mesh: &Mesh, triangles: &[[u32; 3]], truth: Truth) {
+        if self.truths.last() != Some(&truth) {
+            self.truths.push(truth);
+        }
+        let owner = self.truths.len() as u32 - 1;
+        self.triangles.extend(triangles.iter().map(|t| t.map(|v| mesh.positions[v as usize])));
+        self.owners.resize(self.triangles.len(), owner);
+    }
+
+    /// Asks for memory for so many more triangles, and for the tree of boxes around all of them.
+    fn admit(&self, more: usize, monitor: &dyn Monitor) -> Result<(), ScannerError> {
+        let bytes = bytes_of::<[u8; Self::BYTES_EACH]>(self.triangles.len() + more);
+        Ok(monitor.admit("scanning a surface", bytes, "lower sides or scan without leaves")?)
+    }
+
+    /// Of a triangle: here, among the rays', and in the tree of boxes while that is built.
+    const BYTES_EACH: usize = 300;
+
+    /// The box around all triangles.
+    pub fn bounds(&self) -> Option<Bounds> {
+        Bounds::of(self.triangles.iter().flatten().copied())
+    }
+
+    /// The same with the ground.
+    pub fn bounds_with(&self, ground: Option<Ground>) -> Option<Bounds> {
+        let bounds = self.bounds()?;
+        Some(ground.map_or(bounds, |Ground { middle, radius_m }| {
+            let out = DVec3::new(radius_m, 0.0, radius_m);
+            let (min, max) = ((middle - out).as_vec3(), (middle + out).as_vec3());
+            bounds.union(Bounds { min, max })
+        }))
+    }
+
+    /// Where the lowest tree stands.
+    pub fn foot(&self) -> Option<DVec3> {
+        self.foot.map(Vec3::as_dvec3)
+    }
+
+    /// Ground at the foot of the lowest tree, as wide as the trees and a metre, and not under the stands.
+    pub fn ground(&self, stands: &[Stand]) -> Option<Ground> {
+        let (bounds, foot) = (self.bounds()?, self.foot()?);
+        let middle = (bounds.min + bounds.max).as_dvec3() * 0.5;
+        let middle = DVec3::new(middle.x, foot.y, middle.z);
+        let off = |stand: &Stand| DVec3::new(stand.eye.x, middle.y, stand.eye.z).distance(middle);
+        let nearest = stands.iter().map(off).fold(f64::INFINITY, f64::min);
+        let size = bounds.size().as_dvec3();
+        let radius_m = (0.5 * libm::hypot(size.x, size.z) + 1.0).min(0.9 * nearest);
+        Some(Ground { middle, radius_m })
+    }
+}
