@@ -262,7 +262,12 @@ impl<'a> Reader<'a> {
                 return self.replaced(Recipe::new(preset));
             }
             InputKind::ObjMesh | InputKind::PlyMesh => Preset::of_mesh(&id, &name),
-            InputKind::PlyPoints | InputKind::XyzPoints => Preset::of_points(&id, &name),
+            InputKind::PlyPoints
+            | InputKind::XyzPoints
+            | InputKind::LasPoints
+            | InputKind::E57Points
+            | InputKind::PcdPoints
+            | InputKind::PtxPoints => Preset::of_points(&id, &name),
         };
         let mut recipe = Recipe::new(preset);
         let input = self.input(&name, bytes).with_context(reading)?;

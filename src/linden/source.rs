@@ -89,7 +89,12 @@ pub fn read_allowing<P: AsRef<Path>>(path: impl AsRef<Path>, folders: &[P]) -> R
             return Ok(Tree::of(Recipe::new(preset)).sparing(vec![path.to_owned()]).noting(notes));
         }
         InputKind::ObjMesh | InputKind::PlyMesh => Preset::of_mesh(&id, &name),
-        InputKind::PlyPoints | InputKind::XyzPoints => Preset::of_points(&id, &name),
+        InputKind::PlyPoints
+        | InputKind::XyzPoints
+        | InputKind::LasPoints
+        | InputKind::E57Points
+        | InputKind::PcdPoints
+        | InputKind::PtxPoints => Preset::of_points(&id, &name),
     };
     let mut recipe = Recipe::new(preset);
     if recipe.preset.files().contains(&name.as_str()) {

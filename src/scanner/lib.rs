@@ -115,7 +115,9 @@ pub enum ScannerError {
     #[error("there is nothing to scan: no tree was given, or one without any wood")]
     Nothing,
     /// It would not end.
-    #[error("the scan would send {pulses} pulses, more than {MOST_PULSES}; take a larger step or fewer positions")]
+    #[error(
+        "the scan would send {pulses} pulses, more than {MOST_PULSES}; take a larger step or fewer positions"
+    )]
     TooFine {
         /// How many there would be.
         pulses: u64,
@@ -154,17 +156,23 @@ pub fn scan(
     let mut scan = Scan { points: Vec::new(), truths, stands: Vec::new(), pulses };
     let mut done = 0;
     for (number, (stand, grid)) in (0..).zip(stands.iter().zip(&grids)) {
-        let caster = Caster { rays: &rays, stand, settings, number, key: key.named("pulse").child(number.into()) };
+        let caster =
+            Caster { rays: &rays, stand, settings, number, key: key.named("pulse").child(number.into()) };
         // A batch of rows at a time: between two of them memory is asked for and progress said.
         let batch = (rayon::current_num_threads() as u64 * 16).max(16);
         for first in (0..grid.rows).step_by(batch as usize) {
             monitor.check()?;
             let rows = first..(first + batch).min(grid.rows);
             done += rows.end - rows.start;
-            let of_rows: Vec<Vec<ScanPoint>> = rows.into_par_iter().map(|row| caster.row(grid, row)).collect();
+            let of_rows: Vec<Vec<ScanPoint>> =
+                rows.into_par_iter().map(|row| caster.row(grid, row)).collect();
             let more: usize = of_rows.iter().map(Vec::len).sum();
             let held = bytes_of::<ScanPoint>(2 * (scan.points.len() + more));
-            monitor.admit("scanning", rays.bytes().saturating_add(held), "take a larger step or fewer positions")?;
+            monitor.admit(
+                "scanning",
+                rays.bytes().saturating_add(held),
+                "take a larger step or fewer positions",
+            )?;
             scan.points.extend(of_rows.into_iter().flatten());
             monitor.advance(Phase::Scan, done, Some(total));
         }

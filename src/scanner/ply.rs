@@ -22,7 +22,14 @@ pub fn header(scan: &Scan, comment: &str) -> String {
     }
     text += &format!("element vertex {}\n", scan.points.len());
     for property in [
-        "float x", "float y", "float z", "int tree", "uchar part", "int axis", "int order", "ushort stand",
+        "float x",
+        "float y",
+        "float z",
+        "int tree",
+        "uchar part",
+        "int axis",
+        "int order",
+        "ushort stand",
         "uchar echo",
     ] {
         text += &format!("property {property}\n");

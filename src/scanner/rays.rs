@@ -54,7 +54,11 @@ impl<'a> Rays<'a> {
     ) -> Result<Self, ScannerError> {
         monitor.check()?;
         let count = target.triangles.len();
-        monitor.admit("scanning a surface", bytes_of::<[u8; 300]>(count), "lower sides or scan without leaves")?;
+        monitor.admit(
+            "scanning a surface",
+            bytes_of::<[u8; 300]>(count),
+            "lower sides or scan without leaves",
+        )?;
         let corners = target.triangles.iter().flatten().copied();
         let far = corners.chain(stands.iter().map(|stand| stand.eye.as_vec3()));
         let slack = Vec3::splat(SLACK * far.map(|p| p.abs().max_element()).fold(1.0, f32::max));

@@ -31,11 +31,7 @@ impl Stand {
     ///
     /// # Errors
     /// [`ScannerError::Nothing`].
-    pub fn around(
-        target: &Target,
-        settings: &ScannerSettings,
-        key: Key,
-    ) -> Result<Vec<Self>, ScannerError> {
+    pub fn around(target: &Target, settings: &ScannerSettings, key: Key) -> Result<Vec<Self>, ScannerError> {
         let bounds = target.bounds().ok_or(ScannerError::Nothing)?;
         let foot = target.foot().ok_or(ScannerError::Nothing)?;
         let away_m = settings.distance * f64::from(bounds.size().y);

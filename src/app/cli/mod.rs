@@ -90,7 +90,8 @@ struct Cli {
 
 const EXAMPLES: &str = "\
 SOURCE is a preset's id ('linden list'), or a file told by its content: a .toml preset, a grammar
-(.txt, .l), a closed mesh (.obj, .ply: a crown envelope), points (.ply, .xyz: as from a scanner),
+(.txt, .l), a closed mesh (.obj, .ply: a crown envelope), points (.ply, .xyz, .csv,
+.las, .laz, .e57, .pcd, .pts, .ptx: as from a scanner),
 a recipe (.json), or anything that linden wrote, which carries its recipe. '-' is standard input
 or output.
 

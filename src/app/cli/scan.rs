@@ -115,13 +115,16 @@ impl Scan {
             return Err(usage(format!("-o {shown}: scans are written as PLY; name it like scan.ply")));
         }
         if self.truth.as_deref().is_some_and(|truth| is_dash(truth) && is_dash(&output)) {
-            return Err(usage("only one of -o and --truth can be standard output: name a file for the other"));
+            return Err(usage(
+                "only one of -o and --truth can be standard output: name a file for the other",
+            ));
         }
         // All places are tried before anything grows.
         let targets = std::iter::once(&output).chain(&self.truth).map(PathBuf::as_path);
         let folders = self.placing.folders(targets)?;
         let mut points_file = self.placing.bundle(&output).map_err(explained)?;
-        let mut truth_file = self.truth.as_deref().map(|path| self.placing.bundle(path)).transpose().map_err(explained)?;
+        let mut truth_file =
+            self.truth.as_deref().map(|path| self.placing.bundle(path)).transpose().map_err(explained)?;
         let grown = super::grown(&source, &progress)?;
         let scan = self.scanned(&source, &grown, &pairs, &settings, &progress)?;
         progress.clear();
@@ -138,10 +141,16 @@ impl Scan {
         done.map_err(if is_dash(&output) { as_sole_output } else { explained })?;
         if let Some(file) = &mut truth_file {
             let text = truth_table(&source, &grown);
-            let done = file.write_main(Some(text.len() as u64), &progress, |sink| sink.write(text.as_bytes()));
-            done.map_err(if self.truth.as_deref().is_some_and(is_dash) { as_sole_output } else { explained })?;
+            let done =
+                file.write_main(Some(text.len() as u64), &progress, |sink| sink.write(text.as_bytes()));
+            done.map_err(if self.truth.as_deref().is_some_and(is_dash) {
+                as_sole_output
+            } else {
+                explained
+            })?;
         }
-        let written = commit_all(std::iter::once(points_file).chain(truth_file).collect()).map_err(explained)?;
+        let written =
+            commit_all(std::iter::once(points_file).chain(truth_file).collect()).map_err(explained)?;
         folders.into_iter().for_each(linden_exporters::MadeFolders::keep);
         progress.clear();
         let (points, stands) = (indicatif::HumanCount(scan.points.len() as u64), scan.stands.len());
@@ -206,7 +215,8 @@ impl Scan {
 /// A row for each tree.
 fn truth_table(source: &Source, grown: &Grown) -> String {
     // Ids of presets are words; what is not cannot be quoted wrongly either.
-    let id: String = source.recipe.preset.id.chars().filter(|c| !matches!(c, ',' | '"' | '\n' | '\r')).collect();
+    let id: String =
+        source.recipe.preset.id.chars().filter(|c| !matches!(c, ',' | '"' | '\n' | '\r')).collect();
     let seed = source.recipe.preset.seed;
     let sizes = TreeSizes::of(&grown.skeleton);
     format!("tree,source,seed,{}\n1,{id},{seed},{}\n", TreeSizes::header(), sizes.row())

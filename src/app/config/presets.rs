@@ -228,7 +228,12 @@ fn read(path: &Path, id: &str) -> Result<(Preset, Result<(), Complaint>), Compla
         InputKind::ObjMesh | InputKind::PlyMesh => {
             return Ok((Preset::of_mesh(id, &name), Ok(())));
         }
-        InputKind::PlyPoints | InputKind::XyzPoints => {
+        InputKind::PlyPoints
+        | InputKind::XyzPoints
+        | InputKind::LasPoints
+        | InputKind::E57Points
+        | InputKind::PcdPoints
+        | InputKind::PtxPoints => {
             return Ok((Preset::of_points(id, &name), Ok(())));
         }
     };

@@ -7,8 +7,8 @@ use glam::DVec3;
 use xxhash_rust::xxh3::xxh3_128;
 
 use super::{
-    InputError, InputKind, PlyData, TriangleMesh, Up, UserPicture, picture, read_obj, read_picture, read_ply,
-    read_xyz, sniff,
+    InputError, InputKind, PlyData, TriangleMesh, Up, UserPicture, picture, read_e57, read_las, read_obj,
+    read_pcd, read_picture, read_ply, read_ptx, read_xyz, sniff,
 };
 use crate::memory::bytes_of;
 use crate::monitor::Monitor;
@@ -114,7 +114,7 @@ impl Input {
         }
     }
 
-    /// Reads a mesh (OBJ, PLY with faces), points (PLY without, XYZ) or a picture (PNG, JPEG, WebP,
+    /// Reads a mesh (OBJ, PLY with faces), points (PLY without, XYZ, LAS, E57, PCD, PTX) or a picture (PNG, JPEG, WebP,
     /// TGA). The file's name decides only where its content does not: between two kinds, and that it is TGA.
     ///
     /// # Errors
@@ -137,8 +137,12 @@ impl Input {
                 (Up::Y, geometry)
             }
             InputKind::XyzPoints => (Up::Z, Geometry::Points(Arc::new(read_xyz(bytes, monitor)?))),
+            InputKind::LasPoints => (Up::Z, Geometry::Points(Arc::new(read_las(bytes, monitor)?))),
+            InputKind::E57Points => (Up::Z, Geometry::Points(Arc::new(read_e57(bytes, monitor)?))),
+            InputKind::PcdPoints => (Up::Z, Geometry::Points(Arc::new(read_pcd(bytes, monitor)?))),
+            InputKind::PtxPoints => (Up::Z, Geometry::Points(Arc::new(read_ptx(bytes, monitor)?))),
             InputKind::Preset | InputKind::Grammar | InputKind::Recipe | InputKind::TreeParameters => {
-                let looks = "is a preset, grammar, recipe or parameters of a tree; expected a mesh (OBJ, PLY), points (PLY, XYZ) or a picture";
+                let looks = "is a preset, grammar, recipe or parameters of a tree; expected a mesh (OBJ, PLY), points (PLY, XYZ, LAS, E57, PCD, PTX) or a picture";
                 return Err(InputError::Unknown { looks });
             }
         };

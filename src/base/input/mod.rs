@@ -1,7 +1,7 @@
 //! What users bring: crown meshes, scanned points and pictures, as bytes.
 //!
-//! [`sniff`] tells by the content what a file is; [`read_obj`], [`read_ply`] and [`read_xyz`] read
-//! geometry, [`read_picture`] pixels. Bytes come in, values go out: no file is opened here. Nothing that a
+//! [`sniff`] tells by the content what a file is; [`read_obj`] and [`read_ply`] read meshes, [`read_ply`], [`read_xyz`],
+//! [`read_las`], [`read_e57`], [`read_pcd`] and [`read_ptx`] points, [`read_picture`] pixels. Bytes come in, values go out: no file is opened here. Nothing that a
 //! header or an index claims is believed before the bytes for it have been seen, so memory stays within a
 //! small multiple of the file (of a picture: of its pixels, which are asked for), and any sequence of bytes
 //! gives a value or an [`InputError`].
@@ -9,19 +9,28 @@
 //! Positions are `f64` as the file has them; [`Up::to_y_up`] turns them and [`recenter`] takes them
 //! near the origin, where growth's `f32` resolves tenths of a millimetre.
 
+mod e57;
 mod inputs;
+mod las;
 mod obj;
+mod pcd;
 mod picture;
 mod ply;
+mod ptx;
 mod sniff;
+mod table;
 mod xyz;
 
 use glam::DVec3;
 
+pub use e57::read_e57;
 pub use inputs::{Geometry, Input, Inputs};
+pub use las::read_las;
 pub use obj::read_obj;
+pub use pcd::read_pcd;
 pub use picture::{A_PICTURE, UserPicture, UserPictureError, read_picture};
 pub use ply::{PlyColumns, PlyData, read_ply, read_ply_with};
+pub use ptx::read_ptx;
 pub use sniff::{InputKind, sniff};
 pub use xyz::read_xyz;
 
@@ -62,7 +71,7 @@ pub enum InputError {
     /// A line is not what it must be.
     #[error("reading {format}, line {line}: expected {expected}, found {found}")]
     Line {
-        /// `OBJ`, `PLY`, `XYZ`.
+        /// `OBJ`, `PLY`, `XYZ`, `LAS` …
         format: &'static str,
         /// From 1.
         line: usize,
@@ -86,7 +95,7 @@ pub enum InputError {
     /// The file as a whole does not hold what it must.
     #[error("reading {format}: {problem}")]
     Whole {
-        /// `OBJ`, `PLY`, `XYZ`.
+        /// `OBJ`, `PLY`, `XYZ`, `LAS` …
         format: &'static str,
         /// What is wrong, and what to do.
         problem: String,
@@ -107,7 +116,7 @@ pub enum InputError {
 pub enum Up {
     /// As inside linden; the habit of OBJ and PLY.
     Y,
-    /// The habit of surveying: XYZ.
+    /// The habit of surveying: XYZ, LAS, E57.
     Z,
 }
 

@@ -1,6 +1,7 @@
 //! Tells what a file is by what it holds; its name only decides between what the content leaves open.
 
-use super::{InputError, lines, ply, text_of, xyz};
+use super::table::Layout;
+use super::{InputError, lines, ply, ptx, text_of, xyz};
 
 /// What a file is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,15 +20,29 @@ pub enum InputKind {
     PlyMesh,
     /// A PLY file without faces: attraction points.
     PlyPoints,
-    /// Rows of numbers: attraction points.
+    /// Rows of numbers, CSV and PTS among them: attraction points.
     XyzPoints,
+    /// LAS or LAZ: points of a survey.
+    LasPoints,
+    /// E57: the stands of a scanner.
+    E57Points,
+    /// PCD: points of the Point Cloud Library.
+    PcdPoints,
+    /// PTX: the stands of a scanner as text.
+    PtxPoints,
 }
+
+/// Openings of files of points that are told by them alone.
+const CLOUDS: &[(&[u8], InputKind)] = &[
+    (b"LASF", InputKind::LasPoints),
+    (b"ASTM-E57", InputKind::E57Points),
+    (b"# .PCD", InputKind::PcdPoints),
+    (b"VERSION 0.7\nFIELDS", InputKind::PcdPoints),
+    (b"VERSION .7\nFIELDS", InputKind::PcdPoints),
+];
 
 /// Openings of files that users may try, and what to say.
 const FOREIGN: &[(&[u8], &str)] = &[
-    (b"LASF", "is a LAS or LAZ point cloud; export it as PLY or XYZ"),
-    (b"ASTM-E57", "is an E57 point cloud; export it as PLY or XYZ"),
-    (b"# .PCD", "is a PCD point cloud; export it as PLY or XYZ"),
     (b"glTF", "is a glTF binary; export the mesh as OBJ or PLY"),
     (b"Kaydara FBX", "is an FBX file; export the mesh as OBJ or PLY"),
     (b"BLENDER", "is a Blender file; export the mesh as OBJ or PLY"),
@@ -64,6 +79,9 @@ pub fn sniff(bytes: &[u8], file_name: &str) -> Result<InputKind, InputError> {
         let faces = ply::announces_faces(bytes)?;
         return Ok(if faces { InputKind::PlyMesh } else { InputKind::PlyPoints });
     }
+    if let Some((_, kind)) = CLOUDS.iter().find(|(opening, _)| bytes.starts_with(opening)) {
+        return Ok(*kind);
+    }
     if is_arbaro(bytes) {
         return Ok(InputKind::TreeParameters);
     }
@@ -79,6 +97,9 @@ pub fn sniff(bytes: &[u8], file_name: &str) -> Result<InputKind, InputError> {
         // JSON has no single quotes: this is a dict of Python's.
         let is_dict = rest.trim_start().starts_with('\'');
         return Ok(if is_dict { InputKind::TreeParameters } else { InputKind::Recipe });
+    }
+    if ptx::is_ptx(text) {
+        return Ok(InputKind::PtxPoints);
     }
     let mut assigns = false;
     for (_, line) in lines(text) {
@@ -121,7 +142,7 @@ enum Evidence {
 }
 
 fn evidence(line: &str) -> Evidence {
-    if xyz::position(line).is_ok() {
+    if xyz::position(line).is_ok() || !line.contains('=') && Layout::of_header(line).is_some() {
         return Evidence::For(InputKind::XyzPoints);
     }
     let (keyword, rest) = line.split_once([' ', '\t']).unwrap_or((line, ""));
@@ -177,7 +198,10 @@ mod tests {
 
     #[test]
     fn content_decides() {
-        use InputKind::{Grammar, ObjMesh, PlyMesh, PlyPoints, Preset, Recipe, TreeParameters, XyzPoints};
+        use InputKind::{
+            E57Points, Grammar, LasPoints, ObjMesh, PcdPoints, PlyMesh, PlyPoints, Preset, PtxPoints, Recipe,
+            TreeParameters, XyzPoints,
+        };
         let ply = "ply\nformat ascii 1.0\nelement vertex 0\nelement face ";
         for (text, expected) in [
             ("# a preset\nname = \"oak\"\n[growth]\n", Preset),
@@ -200,6 +224,11 @@ mod tests {
             ("//X;Y;Z\n1;2;3;4\n", XyzPoints),
             ("12\na title\n1.0 2.0 3.0\n", XyzPoints),
             ("x,y,z\n1,2,3\n", XyzPoints),
+            ("tree;x;y;z\noak;1,5;2;3\n", XyzPoints),
+            ("LASF\0\0", LasPoints),
+            ("ASTM-E57\u{1}\0", E57Points),
+            ("# .PCD v0.7\nFIELDS x y z\n", PcdPoints),
+            ("2\n2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n1 2 3 0.5\n", PtxPoints),
         ] {
             assert_eq!(kind(text), expected, "{text}");
         }
@@ -217,8 +246,7 @@ mod tests {
         assert_eq!(sniff(b"", "a.obj"), Err(InputError::Empty));
         assert_eq!(sniff(b"\n \n", "a.obj"), Err(InputError::Empty));
         for (bytes, part) in [
-            (&b"LASF\0\0\x01"[..], "LAS"),
-            (b"\x01\x02\0\x03", "binary"),
+            (&b"\x01\x02\0\x03"[..], "binary"),
             (b"hello world\nhow are you\n", "is text"),
             (b"\xff\xfe1\0 \0", "UTF-16"),
             (b"glTF\x02\0\0\0", "glTF"),

@@ -1,35 +1,46 @@
-//! Reads points as rows of numbers: `x y z`, with any further columns.
+//! Reads points as rows of numbers: `x y z`, with any further columns; CSV and PTS are such files too.
 
 use glam::DVec3;
 
+use super::table::Layout;
 use super::{InputError, ROWS_PER_CHECK, coordinate, lines, make_room, quoted, text_of};
 use crate::monitor::Monitor;
 
 /// Reads rows of three or more numbers between spaces, tabs, commas or semicolons; columns after
 /// the third are passed over, as are blank lines and comments (`#`, `//`). Before the first row
-/// there may be a line with the number of rows, and one line of any text (a header, a title).
+/// there may be a line with the number of rows, and one line of any text (a header, a title). A header or comment that
+/// names `x`, `y` and `z` says which columns they are. A comma between digits is a decimal one where other signs part the
+/// columns. After as many rows as were announced another number may announce more (PTS).
 ///
 /// # Errors
-/// [`InputError`] with the line: not UTF-8, fewer than three numbers, numbers that are not finite,
-/// decimal commas; fewer rows than announced; no rows at all; no memory; cancelled.
+/// [`InputError`] with the line: not UTF-8, fewer than three numbers, numbers that are not finite;
+/// fewer rows than announced; no rows at all; no memory; cancelled.
 pub fn read_xyz(bytes: &[u8], monitor: &dyn Monitor) -> Result<Vec<DVec3>, InputError> {
     let mut points = Vec::new();
     let mut announced = None;
     let mut header_seen = false;
+    let (mut header, mut layout): (Option<Layout>, Option<Layout>) = (None, None);
     for (line, row) in lines(text_of(bytes)?) {
         if line % ROWS_PER_CHECK == 0 {
             monitor.check()?;
         }
         let row = row.trim();
-        if row.is_empty() || is_comment(row) {
+        if row.is_empty() {
             continue;
         }
-        match position(row) {
+        if points.is_empty() && header.is_none() {
+            header = Layout::of_header(row);
+        }
+        if is_comment(row) {
+            continue;
+        }
+        if points.is_empty() {
+            layout =
+                header.and_then(|header| header.with_row(row)).or_else(|| Layout::of_decimal_commas(row));
+            layout = layout.filter(|layout| !layout.is_usual());
+        }
+        match layout.map_or_else(|| position(row), |layout| layout.position(row)) {
             Ok(point) => {
-                if points.is_empty() && has_decimal_commas(row) {
-                    let expected = "decimal points (1.5), not decimal commas (1,5)";
-                    return Err(error(line, expected, row));
-                }
                 make_room(&points, points.capacity(), 0, monitor)?;
                 points.push(point);
             }
@@ -39,6 +50,9 @@ pub fn read_xyz(bytes: &[u8], monitor: &dyn Monitor) -> Result<Vec<DVec3>, Input
                 announced = row.parse::<u64>().ok();
             }
             Err(_) if points.is_empty() && !header_seen && is_words(row) => header_seen = true,
+            Err(_) if announced == Some(points.len() as u64) && row.parse::<u64>().is_ok() => {
+                announced = row.parse::<u64>().ok().and_then(|more| more.checked_add(points.len() as u64));
+            }
             Err(expected) => return Err(error(line, &expected, row)),
         }
     }
@@ -83,18 +97,6 @@ pub(super) fn position(row: &str) -> Result<DVec3, String> {
     Ok(DVec3::from(position))
 }
 
-/// Whether each of three columns has a comma between digits, with other separators around.
-fn has_decimal_commas(row: &str) -> bool {
-    let decimal = |column: &&str| {
-        let ends = column.split_once(',');
-        ends.is_some_and(|(whole, part)| {
-            whole.ends_with(|c: char| c.is_ascii_digit()) && starts_as_number(part)
-        })
-    };
-    let columns = row.split([' ', '\t', ';']).filter(|column| !column.is_empty());
-    columns.take(3).filter(decimal).count() == 3
-}
-
 /// Whether a line is a header and no broken row: its first word is no number, not even `nan`.
 fn is_words(row: &str) -> bool {
     let first = row.split([' ', '\t', ',', ';']).next().unwrap_or_default();
@@ -130,6 +132,12 @@ mod tests {
             "2\n1.5 -2 3\n4 0.005 -6.25\n",
             "2\na title\n1.5 -2 3 7\n4 0.005 -6.25 7\n",
             "1.5 -2 3\r4 0.005 -6.25\r",
+            "1,5;-2;3,0\n4,0;0,005;-6,25\n",
+            "1,5 -2,0 3,0\n4,0 0,005 -6,25\n",
+            "id,z,x,y\n1,3,1.5,-2\n2,-6.25,4,0.005\n",
+            "//R G B X Y Z\n0 0 0 1.5 -2 3\n0 0 0 4 0.005 -6.25\n",
+            "name;\"X [m]\";\"Y [m]\";\"Z [m]\"\noak;1,5;-2;3\noak;4;0,005;-6,25\n",
+            "1\n1.5 -2 3 0.5\n1\n4 0.005 -6.25 0.5\n",
         ] {
             assert_eq!(read(text).as_deref(), Ok(&expected[..]), "{text:?}");
         }
@@ -146,8 +154,8 @@ mod tests {
             ("1 2 3\nC 1 2 3\n", 2, "a number in column 1"),
             ("a b c\nd e f\n1 2 3\n", 2, "a number in column 1"),
             ("1 2 3\n2e10 0 0\n", 2, "a coordinate within ±1e9 in column 1"),
-            ("1,5;2,25;3,0\n", 1, "decimal points (1.5), not decimal commas (1,5)"),
-            ("1,5 2,25 3,0\n", 1, "decimal points (1.5), not decimal commas (1,5)"),
+            ("id,x,y,z\n1,2,3,4\n1,2,,4\n", 3, "a number in column 3"),
+            ("1,5;2,25;3,0\n1,5;2.5.5;3\n", 2, "a number in column 2"),
         ] {
             let found = read(text).unwrap_err();
             let InputError::Line { line: at, expected: said, .. } = &found else { panic!("{found}") };

@@ -23,8 +23,10 @@ use crate::wrap::clipped;
 /// Rows of the list of files, at most.
 const MOST_ROWS: u16 = 12;
 /// Endings of files that trees grow from, which alone are listed beside directories.
-const ENDINGS: [&str; 12] =
-    ["toml", "json", "l", "txt", "obj", "ply", "glb", "gltf", "usda", "usdz", "xyz", "csv"];
+const ENDINGS: [&str; 19] = [
+    "toml", "json", "l", "txt", "obj", "ply", "glb", "gltf", "usda", "usdz", "xyz", "csv", "las", "laz",
+    "e57", "pcd", "pts", "ptx", "asc",
+];
 
 /// The line of a path.
 pub struct OpenLine {

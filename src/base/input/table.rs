@@ -1,0 +1,141 @@
+//! How the rows of a table of points are to be read: which columns are x, y and z, and what a decimal comma is.
+
+use glam::DVec3;
+
+use super::coordinate;
+
+/// The layout of a table that is not just `x y z` and further columns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Layout {
+    /// Where x, y and z stand.
+    columns: [usize; 3],
+    /// What stands between columns; `None`: white space.
+    delimiter: Option<char>,
+    /// `1,5` is one and a half.
+    decimal_comma: bool,
+    /// Columns that the header names.
+    named: usize,
+}
+
+impl Layout {
+    /// The layout that a header tells: a line that names x, y and z. `//X Y Z` of `CloudCompare` is one too.
+    pub fn of_header(row: &str) -> Option<Self> {
+        let row = row.trim_start_matches(['/', '#']).trim();
+        let delimiter = delimiter(row, false);
+        let names: Vec<String> = fields(row, delimiter).map(plain).collect();
+        let find = |name: &str| names.iter().position(|found| found == name);
+        Some(Self {
+            columns: [find("x")?, find("y")?, find("z")?],
+            delimiter,
+            decimal_comma: false,
+            named: names.len(),
+        })
+    }
+
+    /// The same for the rows below the header: their decimal commas may tell that what parts columns is another sign. `None`
+    /// for a row of another number of columns, which the header says nothing of.
+    pub fn with_row(self, row: &str) -> Option<Self> {
+        let layout = match Self::of_decimal_commas(row) {
+            Some(found) => Self { columns: self.columns, ..found },
+            None => Self { delimiter: delimiter(row, false), ..self },
+        };
+        (fields(row, layout.delimiter).count() == self.named).then_some(Self { named: self.named, ..layout })
+    }
+
+    /// Whether x, y and z come first, as without a header.
+    pub fn is_usual(&self) -> bool {
+        self.columns == [0, 1, 2] && !self.decimal_comma
+    }
+
+    /// The layout of rows with decimal commas, if this is one: between other separators, digits on both sides of a comma.
+    pub fn of_decimal_commas(row: &str) -> Option<Self> {
+        let delimiter = delimiter(row, true);
+        let is_decimal = |field: &str| {
+            let parts = field.split_once(',');
+            parts.is_some_and(|(whole, part)| {
+                whole.ends_with(|c: char| c.is_ascii_digit())
+                    && part.starts_with(|c: char| c.is_ascii_digit())
+            })
+        };
+        let fields: Vec<&str> = fields(row, delimiter).collect();
+        let decimals = fields.iter().take(3).filter(|field| is_decimal(field)).count();
+        // Between semicolons a comma can be nothing else; between blanks, all three must have one.
+        let is_one = fields.len() >= 3 && decimals >= if delimiter == Some(';') { 1 } else { 3 };
+        is_one.then_some(Self { columns: [0, 1, 2], delimiter, decimal_comma: true, named: 0 })
+    }
+
+    /// The point of a row, or what was expected.
+    pub fn position(&self, row: &str) -> Result<DVec3, String> {
+        let mut position = [0.0; 3];
+        let fields: Vec<&str> = fields(row, self.delimiter).collect();
+        for (x, &column) in position.iter_mut().zip(&self.columns) {
+            let field = fields.get(column).copied().unwrap_or_default().trim_matches('"');
+            let found =
+                if self.decimal_comma { coordinate(&field.replace(',', ".")) } else { coordinate(field) };
+            *x = found.map_err(|expected| format!("{expected} in column {}", column + 1))?;
+        }
+        Ok(DVec3::from(position))
+    }
+}
+
+/// What parts the columns of a row.
+fn delimiter(row: &str, decimal_comma: bool) -> Option<char> {
+    let candidates: &[char] = if decimal_comma { &[';', '\t'] } else { &[';', ',', '\t'] };
+    candidates.iter().copied().find(|&sign| row.contains(sign))
+}
+
+fn fields(row: &str, delimiter: Option<char>) -> impl Iterator<Item = &str> {
+    // With a sign between columns an empty one counts; between blanks there is none.
+    let is_blank = delimiter.is_none();
+    let parts = row.split(move |c: char| delimiter.map_or(c.is_whitespace(), |sign| c == sign));
+    parts.map(str::trim).filter(move |field| !is_blank || !field.is_empty())
+}
+
+/// A name without quotes and unit, in small letters: `"X [m]"` and `x_m` are x.
+fn plain(name: &str) -> String {
+    let name = name.trim_matches('"').trim().to_ascii_lowercase();
+    let end = name.find([' ', '[', '(', '_']).unwrap_or(name.len());
+    match &name[end..] {
+        "" | "_m" => name[..end].to_owned(),
+        rest if rest.trim_start().starts_with(['[', '(']) => name[..end].to_owned(),
+        _ => name,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn headers_tell_the_columns() {
+        for (header, row, expected) in [
+            ("id,x,y,z,intensity", "7,1.5,2,3,9", [1.5, 2.0, 3.0]),
+            ("\"Z [m]\";\"X [m]\";\"Y [m]\"", "3;1,5;2,25", [1.5, 2.25, 3.0]),
+            ("//X Y Z R G B", "1 2 3 0 0 0", [1.0, 2.0, 3.0]),
+            ("tree\tx_m\ty_m\tz_m", "oak 7\t1\t2\t3", [1.0, 2.0, 3.0]),
+            ("name,,x,y,z", "a,,1,2,3", [1.0, 2.0, 3.0]),
+        ] {
+            let layout = Layout::of_header(header).unwrap().with_row(row).unwrap();
+            assert_eq!(layout.position(row), Ok(DVec3::from(expected)), "{header}");
+        }
+        assert_eq!(Layout::of_header("columns: x y z").unwrap().with_row("1 2 3"), None);
+        for header in ["a title", "1 2 3", "x y", "xx yy zz"] {
+            assert_eq!(Layout::of_header(header), None, "{header}");
+        }
+    }
+
+    #[test]
+    fn commas_between_digits_are_decimal_where_nothing_else_fits() {
+        for (row, is_decimal) in [
+            ("1,5;2,5;3,5", true),
+            ("1,5;2;3", true),
+            ("1,5 2,5 3,5 7", true),
+            ("1,5\t2,5\t3,5", true),
+            ("1,2,3", false),
+            ("1.5, 2.5, 3.5", false),
+            ("1;2;3", false),
+        ] {
+            assert_eq!(Layout::of_decimal_commas(row).is_some(), is_decimal, "{row}");
+        }
+    }
+}
