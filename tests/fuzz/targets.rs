@@ -8,7 +8,7 @@ use linden::dress::dress;
 use linden::grow::outline;
 use linden::grow::{GrowError, grow};
 use linden::input::read_picture;
-use linden::input::{read_obj, read_ply, read_xyz, sniff};
+use linden::input::{read_e57, read_las, read_obj, read_pcd, read_ply, read_ptx, read_xyz, sniff};
 use linden::lsystem::{Grammar, TurtleSettings, derive_string, forecast, text};
 use linden::monitor::Phase;
 use linden::preset::{Colonization, KNOBS, Preset, ScanSettings, Space, builtin_file};
@@ -43,6 +43,7 @@ pub const TARGETS: &[Target] = &[
     Target { name: "obj", run: obj, rounds: 3000, words: words::INPUT },
     Target { name: "ply", run: ply, rounds: 3000, words: words::INPUT },
     Target { name: "xyz", run: xyz, rounds: 3000, words: words::INPUT },
+    Target { name: "cloud", run: cloud, rounds: 3000, words: words::INPUT },
     Target { name: "picture", run: picture, rounds: 3000, words: words::PICTURE },
     Target { name: "knob", run: knob, rounds: 6000, words: words::KNOB },
     Target { name: "terminal", run: terminal, rounds: 10_000, words: words::TERMINAL },
@@ -239,6 +240,21 @@ fn ply(bytes: &[u8]) -> String {
 /// Points as text.
 fn xyz(bytes: &[u8]) -> String {
     match read_xyz(bytes, &reading()) {
+        Ok(points) => sound_mesh(&points, &[]),
+        Err(error) => drop(said(&error)),
+    }
+    told_by_content(bytes)
+}
+
+/// Points of scanners and surveys: the first byte of what a file opens with says of which format.
+fn cloud(bytes: &[u8]) -> String {
+    let points = match bytes.first() {
+        Some(b'L') => read_las(bytes, &reading()),
+        Some(b'A') => read_e57(bytes, &reading()),
+        Some(b'#') => read_pcd(bytes, &reading()),
+        _ => read_ptx(bytes, &reading()),
+    };
+    match points {
         Ok(points) => sound_mesh(&points, &[]),
         Err(error) => drop(said(&error)),
     }

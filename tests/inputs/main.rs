@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "what the tests share may fail them too")]
 #![allow(clippy::format_push_string, clippy::format_collect, reason = "the files written here are small")]
 
+mod clouds;
 mod envelope;
 mod obj;
 mod ply;
