@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::program::Folder;
 
-const COMMANDS: [&str; 20] = [
+const COMMANDS: [&str; 21] = [
     "open",
     "list",
     "show",
@@ -16,6 +16,7 @@ const COMMANDS: [&str; 20] = [
     "preview",
     "sheet",
     "export",
+    "scan",
     "recipe",
     "verify",
     "lint",

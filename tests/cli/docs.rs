@@ -94,7 +94,7 @@ fn fault(line: &str) -> Option<String> {
             }
         }
     }
-    let takes_source = ["show", "stats", "sweep", "preview", "export", "open", "sheet", "forest"];
+    let takes_source = ["show", "stats", "sweep", "preview", "export", "scan", "open", "sheet", "forest"];
     if let [command, source, ..] = &words[..]
         && takes_source.contains(&command.as_str())
     {

@@ -27,6 +27,7 @@ mod program;
 mod provenance;
 mod reading;
 mod same_wood;
+mod scan;
 mod seasons;
 mod sweep;
 mod user_pictures;

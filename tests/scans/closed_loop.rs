@@ -75,6 +75,7 @@ fn row(subject: &Subject, survey: Survey) -> Row {
     let mut tubes = recipe.preset.dressing.tubes;
     tubes.sides = 64;
     tubes.features.twig_taper = 0.0;
+    tubes.width_smoothing = 0.0;
     let mut target = Target::default();
     target.add(&grown, &tubes, false, &Quiet).unwrap();
     let mut settings = ScannerSettings::default();

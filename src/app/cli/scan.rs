@@ -30,8 +30,8 @@ const POINTS_PER_PIECE: usize = 1 << 16;
 /// tree, the part (0 ground, 1 wood, 2 leaf), the axis and its order, the stand and the echo. 'linden export scan.ply -o
 /// back.glb' grows a tree into it.
 ///
-/// The wood is scanned with sides=64 and without twig_taper, so that it holds what its cylinders do ('linden export SOURCE
-/// -o truth.csv' has them), unless --set turns these.
+/// The wood is scanned with sides=64, twig_taper=0 and width_smoothing=0, so that it is what its cylinders are ('linden export
+/// SOURCE -o truth.csv' has them), unless --set turns these.
 #[derive(Args)]
 pub struct Scan {
     #[command(flatten)]
@@ -192,6 +192,9 @@ impl Scan {
         }
         if !is_turned("twig_taper") {
             tubes.features.twig_taper = 0.0;
+        }
+        if !is_turned("width_smoothing") {
+            tubes.width_smoothing = 0.0;
         }
         if self.leaves && grown.organs.is_empty() {
             super::notes(&[format!("{} has no leaves to scan", source.shown)], progress);
