@@ -27,7 +27,7 @@ pub struct Stand {
 }
 
 impl Stand {
-    /// The stands that the settings ask for, evenly round the middle of the trees, the first in a direction of its own.
+    /// The stands that the settings ask for, evenly round the foot of the lowest tree, the first in any direction.
     ///
     /// # Errors
     /// [`ScannerError::Nothing`].
