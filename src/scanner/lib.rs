@@ -12,7 +12,7 @@
 //! | [`rays`] | the first triangle on a ray |
 //! | [`stand`] | where the instrument stands, which directions it looks in |
 //! | [`pulse`] | one pulse: the rays of its beam, their echoes, the error of their range |
-//! | [`ply`] | points with their truth as PLY |
+//! | [`ply`], [`laz`] | points with their truth as PLY, as LAZ |
 //! | [`sizes`] | what a forester measures on a tree, for the table of truth |
 //!
 //! ```
@@ -29,6 +29,7 @@
 //! # }
 //! ```
 
+pub mod laz;
 pub mod ply;
 pub mod pulse;
 pub mod rays;
@@ -111,6 +112,9 @@ pub enum ScannerError {
         /// What may be.
         expected: &'static str,
     },
+    /// The crate las refuses to write the points.
+    #[error("writing the scan as LAZ: {0}; write it as PLY")]
+    Laz(String),
     /// There is nothing to look at.
     #[error("there is nothing to scan: no tree was given, or one without any wood")]
     Nothing,

@@ -66,7 +66,7 @@ fn what_cannot_be_scanned_is_said() {
         (&["--positions", "65", "-o", "a.ply"], "--positions 65: expected a whole number from 1 to 64"),
         (&["--noise", "-1", "-o", "a.ply"], "--noise -1: expected 0 to 1000 mm"),
         (&["--beam", "nan", "-o", "a.ply"], "--beam NaN: expected 0 to 100 mrad"),
-        (&["-o", "a.obj"], "scans are written as PLY"),
+        (&["-o", "a.obj"], "scans are written as PLY or LAZ"),
         (&["-o", "-", "--truth", "-"], "only one of -o and --truth"),
         (&["--step", "0.001", "--positions", "64", "--distance", "0.1", "-o", "a.ply"], "pulses, more than"),
         (&["-o", "no/such/a.ply"], "--mkdir"),

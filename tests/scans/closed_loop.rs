@@ -168,7 +168,7 @@ fn tuning_and_judging_share_no_species_and_no_seed() {
 #[ignore = "minutes: prints the table of docs/scans.md"]
 fn table() {
     let survey = |positions, distance, step_deg| Survey { positions, distance, step_deg };
-    let surveys = [survey(1, 1.0, 0.06), survey(4, 1.0, 0.06), survey(4, 1.0, 0.12), survey(4, 2.0, 0.06)];
+    let surveys = [survey(4, 1.0, 0.12), survey(1, 1.0, 0.12), survey(4, 1.0, 0.24), survey(4, 2.0, 0.12)];
     print!("{}", head());
     for survey in surveys {
         let mut rows = Vec::new();

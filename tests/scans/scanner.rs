@@ -5,7 +5,7 @@ use linden::preset::builtin;
 use linden::recipe::Recipe;
 use linden::scanner::rays::{Rays, meet};
 use linden::scanner::stand::{Grid, Stand};
-use linden::scanner::{Scan, ScannerSettings, Target, WhatIsHit, ply, scan};
+use linden::scanner::{Scan, ScannerSettings, Target, WhatIsHit, laz, ply, scan};
 use linden::{DVec3, Quiet, Vec3};
 use linden_tests::presets::recipe;
 
@@ -71,7 +71,7 @@ fn the_first_hit_is_the_nearest_of_all_triangles() {
         let grid = Grid::of(stand, target.bounds().unwrap(), &settings, key);
         for (row, column) in (0..grid.rows).flat_map(|row| (0..grid.columns).map(move |column| (row, column)))
         {
-            if (row + column) % 3 != 0 {
+            if (row + column) % 9 != 0 {
                 continue;
             }
             let direction = grid.direction(row, column);
@@ -81,7 +81,7 @@ fn the_first_hit_is_the_nearest_of_all_triangles() {
             if found.is_some() { hits += 1 } else { misses += 1 }
         }
     }
-    assert!(hits > 200 && misses > 200, "{hits} {misses}");
+    assert!(hits > 60 && misses > 60, "{hits} {misses}");
 }
 
 #[test]
@@ -210,5 +210,21 @@ fn the_file_is_read_back() {
         let (tree, part) = (truth.tree as f32, f32::from(truth.what.number()));
         let (stand, echo) = (f32::from(point.stand), f32::from(point.echo));
         assert_eq!(found, [tree, part, truth.axis as f32, truth.order as f32, stand, echo]);
+    }
+}
+
+#[test]
+fn the_packed_file_holds_the_same_points_upright_and_the_same_bytes_each_time() {
+    let target = target(true);
+    let mut settings = exact();
+    settings.ground = true;
+    let scan = scan(&target, &settings, &Quiet).unwrap();
+    let bytes = laz::file(&scan, "test", &Quiet).unwrap();
+    assert_eq!(bytes, laz::file(&scan, "test", &Quiet).unwrap());
+    let found = linden::input::read_las(&bytes, &Quiet).unwrap();
+    assert_eq!(found.len(), scan.points.len());
+    for (found, point) in found.iter().zip(&scan.points) {
+        let Vec3 { x, y, z } = point.position;
+        assert!(found.distance(Vec3::new(x, -z, y).as_dvec3()) < 1e-4, "{found} {point:?}");
     }
 }

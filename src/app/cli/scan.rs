@@ -7,7 +7,7 @@ use clap::Args;
 use linden::grow::Grown;
 use linden::knob::printable;
 use linden::scanner::sizes::TreeSizes;
-use linden::scanner::{self, ScannerError, ScannerSettings, Target, ply};
+use linden::scanner::{self, ScannerError, ScannerSettings, Target, laz, ply};
 use linden_exporters::commit_all;
 
 use super::GrowArgs;
@@ -26,7 +26,7 @@ const POINTS_PER_PIECE: usize = 1 << 16;
 /// Scan a source as a laser scanner would
 ///
 /// Grows the tree, sets up a scanner at several places around it and sends pulses at its wood; what stands behind
-/// something is not seen. The file is a binary PLY, Y up, in metres: of each point the place as measured, and in truth the
+/// something is not seen. The file is a binary PLY, Y up, or a LAZ, Z up, in metres: of each point the place as measured, and in truth the
 /// tree, the part (0 ground, 1 wood, 2 leaf), the axis and its order, the stand and the echo. 'linden export scan.ply -o
 /// back.glb' grows a tree into it.
 ///
@@ -37,7 +37,7 @@ pub struct Scan {
     #[command(flatten)]
     growing: GrowArgs,
 
-    /// Write the points to this PLY file, or into this directory; - is standard output
+    /// Write the points to this file, .ply or .laz, or as PLY into this directory; - is standard output
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
 
@@ -109,10 +109,11 @@ impl Scan {
         } else {
             self.output.clone()
         };
-        let is_ply = output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("ply"));
-        if !is_dash(&output) && !is_ply {
+        let has_ending = |ending: &str| output.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending));
+        let is_laz = has_ending("laz");
+        if !is_dash(&output) && !is_laz && !has_ending("ply") {
             let shown = crate::paths::show(&output);
-            return Err(usage(format!("-o {shown}: scans are written as PLY; name it like scan.ply")));
+            return Err(usage(format!("-o {shown}: scans are written as PLY or LAZ; name it like scan.ply")));
         }
         if self.truth.as_deref().is_some_and(|truth| is_dash(truth) && is_dash(&output)) {
             return Err(usage(
@@ -129,9 +130,13 @@ impl Scan {
         let scan = self.scanned(&source, &grown, &pairs, &settings, &progress)?;
         progress.clear();
         let comment = self.comment(&source);
+        let packed = is_laz.then(|| laz::file(&scan, &comment, &progress)).transpose()?;
         let header = ply::header(&scan, &comment);
-        let bytes = header.len() + scan.points.len() * ply::ROW;
+        let bytes = packed.as_ref().map_or(header.len() + scan.points.len() * ply::ROW, Vec::len);
         let done = points_file.write_main(Some(bytes as u64), &progress, |sink| {
+            if let Some(packed) = &packed {
+                return sink.write(packed);
+            }
             sink.write(header.as_bytes())?;
             (0..scan.points.len()).step_by(POINTS_PER_PIECE).try_for_each(|first| {
                 let end = scan.points.len().min(first + POINTS_PER_PIECE);
