@@ -34,8 +34,8 @@ pub fn file(scan: &Scan, comment: &str, monitor: &dyn Monitor) -> Result<Vec<u8>
     format.is_compressed = true;
     builder.point_format = format;
     builder.date = None;
-    builder.system_identifier = "linden scan".to_owned();
-    builder.generating_software = "linden".to_owned();
+    "linden scan".clone_into(&mut builder.system_identifier);
+    "linden".clone_into(&mut builder.generating_software);
     let axis = Transform { scale: 1e-4, offset: 0.0 };
     builder.transforms = Vector { x: axis, y: axis, z: axis };
     builder.vlrs = vec![descriptors(), note(comment)];

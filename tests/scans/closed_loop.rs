@@ -100,7 +100,8 @@ fn percent(back: f64, truth: f64) -> String {
 }
 
 fn head() -> String {
-    let classes: String = CLASS_NAMES.iter().map(|name| format!(" {} |", name.replace('_', "–"))).collect();
+    let mut classes = CLASS_NAMES.map(|name| name.replace('_', "–")).join(" | ");
+    classes = format!(" {classes} |");
     format!(
         "| tree | seed | for | stands | distance | step | points | height | DBH | volume | length |{0}{0}\n|{1}\n",
         classes,

@@ -30,8 +30,8 @@ const POINTS_PER_PIECE: usize = 1 << 16;
 /// tree, the part (0 ground, 1 wood, 2 leaf), the axis and its order, the stand and the echo. 'linden export scan.ply -o
 /// back.glb' grows a tree into it.
 ///
-/// The wood is scanned with sides=64, twig_taper=0 and width_smoothing=0, so that it is what its cylinders are ('linden export
-/// SOURCE -o truth.csv' has them), unless --set turns these.
+/// The wood is scanned with 64 sides, neither tapering twigs nor smoothed widths, so that it is what its cylinders are
+/// ('linden export SOURCE -o truth.csv' has them), unless --set turns these.
 #[derive(Args)]
 pub struct Scan {
     #[command(flatten)]
@@ -85,8 +85,8 @@ pub struct Scan {
     ground: bool,
 
     /// The root of the scanner's random choices; the tree's is --seed
-    #[arg(long, value_name = "N", default_value_t = ScannerSettings::default().seed)]
-    scan_seed: u64,
+    #[arg(long = "scan-seed", value_name = "N", default_value_t = ScannerSettings::default().seed)]
+    drawn_from: u64,
 
     #[command(flatten)]
     placing: Placing,
@@ -178,7 +178,7 @@ impl Scan {
         settings.beam_rad = 1e-3 * self.beam;
         settings.registration_m = 1e-3 * self.registration;
         settings.ground = self.ground;
-        settings.seed = self.scan_seed;
+        settings.seed = self.drawn_from;
         settings
     }
 
@@ -211,9 +211,9 @@ impl Scan {
 
     /// What the file says of itself.
     fn comment(&self, source: &Source) -> String {
-        let Self { positions, distance, step, noise, beam, registration, scan_seed, .. } = self;
+        let Self { positions, distance, step, noise, beam, registration, drawn_from, .. } = self;
         format!(
-            "linden scan {} seed {}: positions {positions}, distance {distance}, step {step} deg, noise {noise} mm, beam {beam} mrad, registration {registration} mm, scan-seed {scan_seed}",
+            "linden scan {} seed {}: positions {positions}, distance {distance}, step {step} deg, noise {noise} mm, beam {beam} mrad, registration {registration} mm, scan-seed {drawn_from}",
             printable(&source.recipe.preset.id),
             source.recipe.preset.seed
         )

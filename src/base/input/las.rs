@@ -147,7 +147,9 @@ mod tests {
         bytes.extend([0; 48]);
         assert_eq!(bytes.len(), 227);
         for (raw, class) in records {
-            raw.iter().for_each(|x| bytes.extend(x.to_le_bytes()));
+            for number in raw {
+                bytes.extend(number.to_le_bytes());
+            }
             bytes.extend([0, 0, 0b1001, *class, 0, 0, 0, 0]);
         }
         bytes

@@ -375,7 +375,8 @@ mod tests {
     #[test]
     fn three_encodings_hold_the_same_points() {
         let points = points(50);
-        let rows: String = points.iter().map(|p| format!("7 {} {} {} 0 0 0\n", p.x, p.y, p.z)).collect();
+        let rows: Vec<String> = points.iter().map(|p| format!("7 {} {} {} 0 0 0\n", p.x, p.y, p.z)).collect();
+        let rows = rows.concat();
         let ascii = [header(51, "ascii"), rows.into_bytes(), b"7 nan nan nan 0 0 0\n".to_vec()].concat();
         for (name, bytes) in [("ascii", ascii), ("binary", binary(&points)), ("lzf", compressed(&points))] {
             assert_eq!(read_pcd(&bytes, &Quiet).unwrap(), points, "{name}");
