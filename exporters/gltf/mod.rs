@@ -13,6 +13,7 @@ mod document;
 mod estimate;
 mod meshopt;
 mod nodes;
+mod options;
 mod quantize;
 mod recipe;
 mod setting;
@@ -39,6 +40,10 @@ use self::document::{
     ShapeList, Texture, TextureExtensions, TextureInfo, TextureTransform,
 };
 use self::nodes::{SceneGraph, Standing};
+use self::options::{
+    COMPRESS, INSTANCES, LODS, PICTURE_FORMAT, PICTURES, QUANTIZE, TRANSLUCENCY, WIND_AS, is_quantized,
+    note_translucency,
+};
 use self::quantize::Range;
 use crate::collision::{COLLISION, MOST};
 use crate::options::{OptionSpec, Options};
@@ -53,56 +58,6 @@ pub(crate) struct Gltf;
 /// One binary file.
 pub(crate) struct Glb;
 
-const PICTURES: OptionSpec = OptionSpec::switch("pictures", true, "with bark pictures; without, one colour");
-
-const INSTANCES: OptionSpec = OptionSpec::switch(
-    "instances",
-    false,
-    "leaves (in a forest whole trees) as few meshes in many places, by EXT_mesh_gpu_instancing; fewer \
-     programs read that",
-);
-
-const QUANTIZE: OptionSpec = OptionSpec::switch(
-    "quantize",
-    false,
-    "vertices in fewer bits (KHR_mesh_quantization): half the size, positions to a 65535th of the height",
-);
-
-const COMPRESS: OptionSpec = OptionSpec::choice(
-    "compress",
-    &["none", "meshopt"],
-    "meshopt: vertices and indices in fewer bytes, without loss (EXT_meshopt_compression); best together \
-     with quantize; engines on the web read it, Blender does not",
-);
-
-const PICTURE_FORMAT: OptionSpec = OptionSpec::choice(
-    "picture_format",
-    &["png", "jpeg", "webp"],
-    "jpeg: colours of bark in a fifth of the bytes, with some loss; webp: those of leaves too, without loss, in \
-     a tenth fewer bytes (EXT_texture_webp, which the reader must know); normals stay PNG",
-);
-
-const LODS: OptionSpec = OptionSpec::choice(
-    "lods",
-    &["msft", "siblings", "files"],
-    "levels of detail: by MSFT_lod, of which many programs show the finest alone; as nodes NAME_LOD0, NAME_LOD1 side by \
-     side, which Unity and Unreal group; a file each",
-);
-
-const WIND_AS: OptionSpec = OptionSpec::choice(
-    "wind_as",
-    &["attributes", "packed"],
-    "how shaders are told the wind: _WIND and _WINDPIVOT; or packed, 12 bytes a vertex in COLOR_0, TEXCOORD_1 and \
-     TEXCOORD_2, which engines import (viewers without a shader for it tint by COLOR_0)",
-);
-
-const TRANSLUCENCY: OptionSpec = OptionSpec::switch(
-    "translucency",
-    false,
-    "light passes through leaves (KHR_materials_diffuse_transmission, a release candidate: Babylon.js and path \
-     tracers know it, others leave it out)",
-);
-
 /// What lets light through. Never required: without it foliage is reflective alone.
 const DIFFUSE_TRANSMISSION: &str = "KHR_materials_diffuse_transmission";
 
@@ -111,40 +66,6 @@ const WEBP: &str = "EXT_texture_webp";
 
 /// Variants of glTF change materials alone, and leaves have other shapes each season.
 const HOLDS: Holds = Holds { seasons: LooksIn::Files, ..Holds::SCENE };
-
-/// Whether vertices are to be in fewer bits. Targets of the sway loop move positions by lengths, which the
-/// bits of a cube cannot hold.
-fn is_quantized(distinct: &DistinctMeshes<'_>, options: &Options, bundle: &mut Bundle) -> bool {
-    let sways = distinct.parts().filter_map(|piece| piece.wind).any(|wind| !wind.targets.is_empty());
-    if options.is_on("quantize") && sways {
-        bundle.note(
-            "quantize is left out: the sway loop moves vertices by lengths that fewer bits cannot hold; \
-             wind=attributes can be quantized",
-        );
-    }
-    options.is_on("quantize") && !sways
-}
-
-/// Says where `translucency`, or the knob that is for it, changes nothing.
-fn note_translucency(
-    distinct: &DistinctMeshes<'_>,
-    stage: &Stage<'_>,
-    options: &Options,
-    bundle: &mut Bundle,
-) {
-    let is_translucent = distinct.materials.iter().any(|named| named.material.translucency.is_some());
-    match options.is_on("translucency") {
-        true if !is_translucent => {
-            bundle.note("translucency changes nothing: there are no leaves that light passes through");
-        }
-        false if stage.turned.iter().any(|name| name == "leaf_translucency") => {
-            bundle.note(
-                "leaf_translucency changes nothing in it: glTF says it with the option translucency=true",
-            );
-        }
-        _ => {}
-    }
-}
 
 static GLTF: Format = Format {
     id: "gltf",

@@ -1,0 +1,92 @@
+//! The options of both kinds of files, and where they change nothing.
+
+use linden_pipeline::stage::Stage;
+
+use crate::Bundle;
+use crate::options::{OptionSpec, Options};
+use crate::writing::distinct::DistinctMeshes;
+
+pub const PICTURES: OptionSpec =
+    OptionSpec::switch("pictures", true, "with bark pictures; without, one colour");
+
+pub const INSTANCES: OptionSpec = OptionSpec::switch(
+    "instances",
+    false,
+    "leaves (in a forest whole trees) as few meshes in many places, by EXT_mesh_gpu_instancing; fewer \
+     programs read that",
+);
+
+pub const QUANTIZE: OptionSpec = OptionSpec::switch(
+    "quantize",
+    false,
+    "vertices in fewer bits (KHR_mesh_quantization): half the size, positions to a 65535th of the height",
+);
+
+pub const COMPRESS: OptionSpec = OptionSpec::choice(
+    "compress",
+    &["none", "meshopt"],
+    "meshopt: vertices and indices in fewer bytes, without loss (EXT_meshopt_compression); best together \
+     with quantize; engines on the web read it, Blender does not",
+);
+
+pub const PICTURE_FORMAT: OptionSpec = OptionSpec::choice(
+    "picture_format",
+    &["png", "jpeg", "webp"],
+    "jpeg: colours of bark in a fifth of the bytes, with some loss; webp: those of leaves too, without loss, in \
+     a tenth fewer bytes (EXT_texture_webp, which the reader must know); normals stay PNG",
+);
+
+pub const LODS: OptionSpec = OptionSpec::choice(
+    "lods",
+    &["msft", "siblings", "files"],
+    "levels of detail: by MSFT_lod, of which many programs show the finest alone; as nodes NAME_LOD0, NAME_LOD1 side by \
+     side, which Unity and Unreal group; a file each",
+);
+
+pub const WIND_AS: OptionSpec = OptionSpec::choice(
+    "wind_as",
+    &["attributes", "packed"],
+    "how shaders are told the wind: _WIND and _WINDPIVOT; or packed, 12 bytes a vertex in COLOR_0, TEXCOORD_1 and \
+     TEXCOORD_2, which engines import (viewers without a shader for it tint by COLOR_0)",
+);
+
+pub const TRANSLUCENCY: OptionSpec = OptionSpec::switch(
+    "translucency",
+    false,
+    "light passes through leaves (KHR_materials_diffuse_transmission, a release candidate: Babylon.js and path \
+     tracers know it, others leave it out)",
+);
+
+/// Whether vertices are to be in fewer bits. Targets of the sway loop move positions by lengths, which the
+/// bits of a cube cannot hold.
+pub fn is_quantized(distinct: &DistinctMeshes<'_>, options: &Options, bundle: &mut Bundle) -> bool {
+    let sways = distinct.parts().filter_map(|piece| piece.wind).any(|wind| !wind.targets.is_empty());
+    if options.is_on("quantize") && sways {
+        bundle.note(
+            "quantize is left out: the sway loop moves vertices by lengths that fewer bits cannot hold; \
+             wind=attributes can be quantized",
+        );
+    }
+    options.is_on("quantize") && !sways
+}
+
+/// Says where `translucency`, or the knob that is for it, changes nothing.
+pub fn note_translucency(
+    distinct: &DistinctMeshes<'_>,
+    stage: &Stage<'_>,
+    options: &Options,
+    bundle: &mut Bundle,
+) {
+    let is_translucent = distinct.materials.iter().any(|named| named.material.translucency.is_some());
+    match options.is_on("translucency") {
+        true if !is_translucent => {
+            bundle.note("translucency changes nothing: there are no leaves that light passes through");
+        }
+        false if stage.turned.iter().any(|name| name == "leaf_translucency") => {
+            bundle.note(
+                "leaf_translucency changes nothing in it: glTF says it with the option translucency=true",
+            );
+        }
+        _ => {}
+    }
+}
