@@ -277,9 +277,11 @@ impl Wardrobe {
             return Ok((vec![wood], Vec::new()));
         }
         let counts = surface::count(skeleton, tubes, monitor)?;
+        // Of each triangle its bark, whether it is thin, and whether it is thick.
+        let marks = 3 * wood.mesh.triangles.len() as u64;
         monitor.admit(
             PARTING,
-            wood.bytes() + wood_parts::bytes_for(&wood) + std::mem::size_of_val(&counts[..]) as u64,
+            wood.bytes() + wood_parts::bytes_for(&wood) + std::mem::size_of_val(&counts[..]) as u64 + marks,
             "lower sides, or let all wood have one bark (limb_radius=0, moss=0)",
         )?;
         let limits_m: Vec<f32> = self.thin_barks.iter().map(|(_, radius_m, _)| *radius_m).collect();

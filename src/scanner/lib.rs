@@ -22,7 +22,8 @@
 //! let recipe = Recipe::new(builtin("simple").unwrap().load()?);
 //! let mut target = Target::default();
 //! target.add(&grow(&recipe, &Quiet)?, &recipe.preset.dressing.tubes, false, &Quiet)?;
-//! let settings = ScannerSettings { positions: 2, step_deg: 1.0, ..ScannerSettings::default() };
+//! let mut settings = ScannerSettings::default();
+//! (settings.positions, settings.step_deg) = (2, 1.0);
 //! let scan = scan(&target, &settings, &Quiet)?;
 //! assert!(scan.points.iter().all(|point| scan.truth(point).tree == 1));
 //! # Ok(())

@@ -155,8 +155,9 @@ fn check(recipe: &Recipe, grown: &Grown, scene: &Scene) {
             shapes[row] = Some(of);
         }
     }
+    // Meshes are called after the plant and the part.
     let part_of = |name: &str| {
-        let parts = scene.parts.iter().enumerate().filter(|(_, part)| name.starts_with(&part.name));
+        let parts = scene.parts.iter().enumerate().filter(|(_, part)| name.contains(&part.name));
         parts.max_by_key(|(_, part)| part.name.len()).unwrap().0
     };
     let mut next: Vec<usize> = scene.parts.iter().map(|part| part.mesh.positions.len()).collect();

@@ -40,7 +40,7 @@ const STEMS: &str = "id = \"stems\"\n[weber-penn]\nscale = 4\nbranches = [1, 6, 
 const POLE: &str = "id = \"pole\"\n[weber-penn]\nlevels = 2\nscale = 3\ncurve_v = [60, 60]\nbase_splits = 1\nsplit_angle = [30]\n";
 
 /// Nine years in the light; and of buds by priority, in whorls, that bend and grow up again from old buds.
-const LIT: &str = "id = \"lit\"\n[self-organizing]\nyears = 9\nvigor = 1.7\nleader = 0.6\nshed = 0.3\nshed_patience = 1\nmature_leader = 0.5\n\
+const LIT: &str = "id = \"lit\"\n[self-organizing]\nyears = 9\nvigor = 1.7\nleader = [0.6]\nshed = 0.3\nshed_patience = 1\nmature_leader = 0.5\n\
                    mature_from = 3\nmature_to = 6\nbud_years = 0\nmax_nodes = 20000\n";
 
 const WHORLS: &str = "id = \"whorls\"\n[self-organizing]\nyears = 8\nvigor = 2.4\nsharing = \"priority\"\nphyllotaxis = \"whorled\"\nwhorl = 3\n\

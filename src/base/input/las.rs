@@ -18,6 +18,8 @@ use crate::monitor::{Monitor, Phase};
 
 /// Points that are decompressed at once.
 const POINTS_PER_PIECE: u64 = 1 << 16;
+/// And bytes of their records, of which some files claim many.
+const BYTES_PER_PIECE: u64 = 1 << 24;
 
 /// Classes of the format's table that are noise.
 const NOISE: [u8; 2] = [7, 18];
@@ -54,9 +56,9 @@ fn read_all(
         let damaged = |problem: &dyn std::fmt::Display| {
             whole(&format!("record {done} of {total} and those after it: {problem}; it may be cut off"))
         };
-        let found = reader
-            .fill_points(POINTS_PER_PIECE.min(total - done), &mut piece)
-            .map_err(|error| damaged(&error))?;
+        let most = (BYTES_PER_PIECE / piece.record_len().max(1) as u64).clamp(1, POINTS_PER_PIECE);
+        let found =
+            reader.fill_points(most.min(total - done), &mut piece).map_err(|error| damaged(&error))?;
         if found == 0 {
             return Err(damaged(&"the data end"));
         }
@@ -97,8 +99,19 @@ fn check_header(bytes: &[u8]) -> Result<(), InputError> {
     if start > bytes.len() as u64 {
         return Err(whole("its points begin behind its end; it is cut off"));
     }
+    if start < SHORTEST as u64 {
+        return Err(whole("its points begin within its header; it is damaged"));
+    }
     let is_compressed = bytes[104] & 0xc0 != 0;
     if !is_compressed {
+        // A record of each point, whatever the crate would make room for.
+        let record = number(bytes, 105, 2).unwrap_or(0);
+        let is_newest = bytes[25] >= 4;
+        let long = if is_newest { number(bytes, 247, 8).unwrap_or(0) } else { 0 };
+        let points = long.max(number(bytes, 107, 4).unwrap_or(0));
+        if record.saturating_mul(points) > bytes.len() as u64 - start {
+            return Err(whole(&format!("it announces {points} points and has fewer; it is cut off")));
+        }
         return Ok(());
     }
     let end = bytes.len() as u64 - 8;

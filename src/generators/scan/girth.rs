@@ -23,7 +23,7 @@ use linden_skeleton::{Axis, Branching, NO_PARENT, RadiusFit, RadiusSource, axes_
 
 /// Bytes for each point of what measures a tree: the nearest segments of all points, and the search for points
 /// near segments.
-pub(crate) const MEASURING_BYTES_PER_POINT: u64 = 120;
+pub(crate) const MEASURING_BYTES_PER_POINT: u64 = 208;
 
 /// Half of the points lie nearer to a believed circle than this part of its radius.
 const ROUND: f64 = 0.12;

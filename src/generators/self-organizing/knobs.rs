@@ -158,7 +158,7 @@ impl SelfOrganizing {
             "",
             "how far shoots turn up, for each order; below 0 down",
             upward,
-            details("0.1 to 0.2 for most; from 0.4 on crowns stay poor."),
+            details("0.1 to 0.2 for most; from 0.4 on shoots crowd round the stem, and crowns stay poor."),
             see_also(&["sideways", "light_pull"])
         ),
         field!(
