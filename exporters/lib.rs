@@ -54,6 +54,7 @@ mod estimate;
 mod format;
 mod gltf;
 mod html;
+mod markup;
 mod mtg;
 mod obj;
 mod options;

@@ -52,6 +52,8 @@ pub struct Options {
     format: &'static Format,
     /// As many as `format.options`, in its order.
     values: Vec<Value>,
+    /// Which of them a user set, in the same order.
+    asked: Vec<bool>,
 }
 
 impl Options {
@@ -61,7 +63,9 @@ impl Options {
             // A default that its own kind refuses is a fault in a table; the tests parse them all.
             spec.knob.kind.parse(spec.default).unwrap_or(Value::Auto)
         };
-        Self { format, values: format.options.iter().map(default).collect() }
+        let values: Vec<Value> = format.options.iter().map(default).collect();
+        let asked = vec![false; values.len()];
+        Self { format, values, asked }
     }
 
     /// Sets an option from what a user typed.
@@ -69,6 +73,23 @@ impl Options {
     /// # Errors
     /// [`ExportError::UnknownOption`] with the nearest name, [`ExportError::OptionValue`] with the range.
     pub fn set(&mut self, name: &str, text: &str) -> Result<(), ExportError> {
+        let index = self.change(name, text)?;
+        self.asked[index] = true;
+        Ok(())
+    }
+
+    /// The same on behalf of nobody: where it has no effect, nothing is said.
+    pub(crate) fn suit(&mut self, name: &str, text: &str) -> Result<(), ExportError> {
+        self.change(name, text).map(|_| ())
+    }
+
+    /// Whether an option was [`set`](Self::set).
+    pub fn is_asked(&self, name: &str) -> bool {
+        self.format.options.iter().zip(&self.asked).any(|(spec, asked)| *asked && spec.knob.name == name)
+    }
+
+    /// Changes an option; gives its place in the table.
+    fn change(&mut self, name: &str, text: &str) -> Result<usize, ExportError> {
         let names = || self.format.options.iter().map(|spec| spec.knob.name);
         let Some(index) = names().position(|known| known == name) else {
             return Err(ExportError::UnknownOption {
@@ -84,7 +105,7 @@ impl Options {
             option: knob.name,
             problem,
         })?;
-        Ok(())
+        Ok(index)
     }
 
     /// Names and values, in the table's order.

@@ -82,7 +82,7 @@ impl Profile {
     pub fn options(&self, format: &'static Format) -> Result<Options, ExportError> {
         let mut options = Options::new(format);
         for (name, value) in self.options_of(format) {
-            options.set(name, value)?;
+            options.suit(name, value)?;
         }
         Ok(options)
     }

@@ -43,11 +43,7 @@ fn in_svg(file: &mut dyn Readable) -> io::Result<Option<String>> {
     let escaped = metadata
         .strip_prefix(b"<metadata>linden recipe: ")
         .and_then(|rest| rest.strip_suffix(b"</metadata>"));
-    Ok(escaped.and_then(text).map(|text| {
-        [("&quot;", "\""), ("&lt;", "<"), ("&gt;", ">"), ("&amp;", "&")]
-            .into_iter()
-            .fold(text, |text, (name, letter)| text.replace(name, letter))
-    }))
+    Ok(escaped.and_then(text).map(|text| crate::markup::unescaped(&text)))
 }
 
 /// What was read, if it is a JSON object; a file that ends early carries none.
@@ -126,6 +122,16 @@ pub(crate) fn text(bytes: &[u8]) -> Option<String> {
 /// The lines in which a recipe may stand.
 pub(crate) fn lines(file: &mut dyn Readable) -> impl Iterator<Item = io::Result<Vec<u8>>> {
     (0..MOST_LINES).map_while(|_| line(file).transpose())
+}
+
+/// What stands behind a beginning in one of the first lines: the first that begins so.
+pub(crate) fn line_behind(file: &mut dyn Readable, beginning: &str) -> io::Result<Option<String>> {
+    for line in lines(file) {
+        if let Some(rest) = line?.strip_prefix(beginning.as_bytes()) {
+            return Ok(text(rest));
+        }
+    }
+    Ok(None)
 }
 
 /// A number of four bytes, the least first.

@@ -10,9 +10,10 @@ use std::io;
 use linden_pipeline::stage::{Motion, Stage};
 use linden_pipeline::{Monitor, Vec3};
 
+use crate::markup::{escaped, unescaped};
 use crate::usda::package::{self, Package};
 use crate::writing::distinct::{DistinctMeshes, MeshPart};
-use crate::writing::{fit, mean_digits, memory, pictures::srgb, records};
+use crate::writing::{fit, listed, mean_digits, memory, pictures::srgb, records, turned_colors};
 use crate::{
     Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, LooksIn, OptionSpec, Options,
     Readable, Sink, recipe,
@@ -65,11 +66,11 @@ impl Exporter for ThreeMf {
     }
 
     fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {
-        package::first(file, |file| Ok(line_behind(file, RECIPE)?.map(|text| unescaped(&text))))
+        package::first(file, |file| Ok(told(file, RECIPE)?.map(|text| unescaped(&text))))
     }
 
     fn traces(&self, file: &mut dyn Readable) -> io::Result<crate::Traces> {
-        let told = package::first(file, |file| line_behind(file, "<metadata name=\"linden:scale\">"))?;
+        let told = package::first(file, |file| told(file, "<metadata name=\"linden:scale\">"))?;
         let traces = crate::Traces::none(&FORMAT);
         Ok(match told {
             Some(scale) => traces.with(SCALE.knob.name, &scale),
@@ -85,6 +86,13 @@ impl Exporter for ThreeMf {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         let stage = &fit(stage, &FORMAT, bundle);
+        let colors = turned_colors(stage);
+        if !colors.is_empty() {
+            bundle.note(format!(
+                "3mf has one colour for each part, and no pictures: what else is to be seen of {} is left out",
+                listed(&colors)
+            ));
+        }
         let distinct = DistinctMeshes::of(stage, monitor)?;
         let text = distinct.placed(stage).flat_map(|(_, plant)| &plant.parts).map(text_bytes).sum::<u64>();
         let welding = memory::largest(&distinct, memory::per_vertex::<(u32, u32, Vec3)>);
@@ -225,22 +233,10 @@ fn welded(positions: &[Vec3], triangles: &[[u32; 3]]) -> (Vec<Vec3>, Vec<[u32; 3
     (points, triangles.iter().map(of).filter(|triangle| !is_flat(triangle)).collect())
 }
 
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
-fn unescaped(text: &str) -> String {
-    text.replace("&quot;", "\"").replace("&gt;", ">").replace("&lt;", "<").replace("&amp;", "&")
-}
-
 /// What a metadata of a name holds, in the first lines of a model.
-fn line_behind(file: &mut dyn Readable, beginning: &str) -> io::Result<Option<String>> {
-    for line in recipe::lines(file) {
-        if let Some(rest) = line?.strip_prefix(beginning.as_bytes()) {
-            return Ok(recipe::text(rest).and_then(|text| Some(text.strip_suffix(END)?.to_owned())));
-        }
-    }
-    Ok(None)
+fn told(file: &mut dyn Readable, beginning: &str) -> io::Result<Option<String>> {
+    let line = recipe::line_behind(file, beginning)?;
+    Ok(line.and_then(|line| Some(line.strip_suffix(END)?.to_owned())))
 }
 
 #[cfg(test)]
@@ -254,12 +250,5 @@ mod tests {
         let (points, triangles) = welded(&positions, &[[0, 1, 3], [2, 4, 3], [0, 2, 1]]);
         assert_eq!(points, [at(0.0), at(1.0), at(2.0)]);
         assert_eq!(triangles, [[0, 1, 2], [0, 1, 2]]);
-    }
-
-    #[test]
-    fn what_was_escaped_comes_back() {
-        for text in ["{\"a\":\"<&>\"}", "&quot;", "plain"] {
-            assert_eq!(unescaped(&escaped(text)), text);
-        }
     }
 }

@@ -49,7 +49,7 @@ use crate::collision::{COLLISION, MOST};
 use crate::options::{OptionSpec, Options};
 use crate::writing::distinct::{DistinctMeshes, NamedMaterial};
 use crate::writing::pictures::{self, NamedPicture};
-use crate::writing::{fit, instances, memory};
+use crate::writing::{fit, instances, memory, note_asked};
 use crate::{Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, LooksIn, Readable, Traces};
 
 /// JSON, with a buffer and pictures beside it.
@@ -143,6 +143,7 @@ impl Exporter for Gltf {
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
         let stage = &fit(stage, &GLTF, bundle);
+        note_asked(stage, options, bundle);
         collision::note(stage, options, bundle);
         let distinct = distinct(stage, options, bundle, monitor)?;
         note_translucency(&distinct, stage, options, bundle);
@@ -289,6 +290,7 @@ impl<'a> Binary<'a> {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<Self, ExportError> {
+        note_asked(stage, options, bundle);
         collision::note(stage, options, bundle);
         let distinct = distinct(stage, options, bundle, monitor)?;
         note_translucency(&distinct, stage, options, bundle);

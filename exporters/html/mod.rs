@@ -12,6 +12,7 @@ use linden_pipeline::Monitor;
 use linden_pipeline::stage::Stage;
 
 use crate::gltf::{self, Base64, Binary};
+use crate::markup::escaped;
 use crate::options::{OptionSpec, Options};
 use crate::writing::fit;
 use crate::{
@@ -79,13 +80,13 @@ impl Exporter for Html {
         if !recipe::begins(file, b"<!DOCTYPE html>\n")? {
             return Ok(None);
         }
-        let found = line_behind(file, RECIPE)?;
+        let found = recipe::line_behind(file, RECIPE)?;
         Ok(found.and_then(|line| Some(line.strip_suffix("</script>")?.replace("\\u003c", "<"))))
     }
 
     fn traces(&self, file: &mut dyn Readable) -> io::Result<Traces> {
         let mut traces = Traces::none(&FORMAT);
-        let told = line_behind(file, OPTIONS)?.unwrap_or_default();
+        let told = recipe::line_behind(file, OPTIONS)?.unwrap_or_default();
         for (name, value) in told.trim_end_matches("\">").split(' ').filter_map(|word| word.split_once('=')) {
             traces = traces.with(name, value);
         }
@@ -114,21 +115,6 @@ impl Exporter for Html {
             out.write(foot.as_bytes())
         })
     }
-}
-
-/// What stands behind a beginning in the first lines of a page.
-fn line_behind(file: &mut dyn Readable, beginning: &str) -> io::Result<Option<String>> {
-    for line in recipe::lines(file) {
-        if let Some(rest) = line?.strip_prefix(beginning.as_bytes()) {
-            return Ok(recipe::text(rest));
-        }
-    }
-    Ok(None)
-}
-
-/// Text between tags.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
 fn head(name: &str, recipe: &str, options: &Options) -> String {

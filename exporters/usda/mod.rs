@@ -49,7 +49,7 @@ use crate::collision::{COLLISION, Colliders, MOST, told};
 use crate::options::{OptionSpec, Options};
 use crate::writing::distinct::{DistinctMeshes, MeshPart};
 use crate::writing::pictures::{self, NamedPicture};
-use crate::writing::{fit, instances, memory};
+use crate::writing::{fit, instances, memory, note_asked};
 use crate::{
     Bundle, Encoding, ExportError, Exporter, Format, GENERATOR, Holds, Readable, Sink, Traces, recipe, traces,
 };
@@ -148,6 +148,7 @@ impl<'a> Writing<'a> {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<Self, ExportError> {
+        note_asked(stage, options, bundle);
         let mut distinct = DistinctMeshes::in_setting(stage, monitor)?;
         let is_ar = options.is_word("flavor", "ar");
         let with_instances = options.is_on("instances") && !is_ar;

@@ -66,7 +66,7 @@ const SHOWN: [&str; 40] = [
 ];
 
 /// `a, b and c`.
-fn listed(names: &[&str]) -> String {
+pub(crate) fn listed(names: &[&str]) -> String {
     match names {
         [] => String::new(),
         [one] => (*one).to_owned(),
@@ -139,7 +139,7 @@ pub fn fit<'a>(stage: &Stage<'a>, format: &Format, bundle: &mut Bundle) -> Stage
         note_seasons(stage, format, bundle);
         return stage.in_season(0);
     }
-    let shown: Vec<&str> = turned(&|_, _| true).into_iter().filter(|name| SHOWN.contains(name)).collect();
+    let shown = turned_colors(stage);
     if !holds.colors && !shown.is_empty() {
         let others = holders(|holds| holds.colors);
         bundle.note(format!(
@@ -182,6 +182,12 @@ pub fn fit<'a>(stage: &Stage<'a>, format: &Format, bundle: &mut Bundle) -> Stage
         ));
     }
     if note_seasons(stage, format, bundle) { stage.in_season(0) } else { stage.clone() }
+}
+
+/// The knobs of colours and pictures that were turned for a stage, in the order of all knobs.
+pub(crate) fn turned_colors(stage: &Stage<'_>) -> Vec<&'static str> {
+    let is_turned = |name: &str| SHOWN.contains(&name) && stage.turned.iter().any(|turned| turned == name);
+    KNOBS.iter().map(|row| row.knob.name).filter(|name| is_turned(name)).collect()
 }
 
 /// Notes that a format holds one season of several; whether it is so.

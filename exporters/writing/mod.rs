@@ -83,6 +83,7 @@
 //! # }
 //! ```
 
+mod asked;
 pub mod distinct;
 mod fit;
 pub mod instances;
@@ -92,7 +93,9 @@ pub mod pictures;
 pub mod records;
 pub mod validate;
 
+pub(crate) use self::asked::note_asked;
 pub use self::fit::fit;
+pub(crate) use self::fit::{listed, turned_colors};
 pub use self::names::{identifier, one_word};
 pub use crate::estimate::mean_digits;
 pub use crate::recipe::{comments, in_comments as recipe_in_comments};

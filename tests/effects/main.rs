@@ -64,6 +64,11 @@ impl Dressed {
         Ok(Self { seasons, notes })
     }
 
+    /// How many levels it has.
+    fn levels(&self) -> usize {
+        self.seasons[0].1.len()
+    }
+
     /// As `linden export` writes it: a file for each level and season where the format holds one.
     fn export(&self, exporter: &dyn Exporter, options: &Options, turned: &[&str], scene: bool) -> Export {
         let mut stage = Stage::of(&self.seasons[0].1[0].scene);
@@ -81,12 +86,12 @@ impl Dressed {
         let count = |looks: LooksIn, count: usize| if looks == LooksIn::Files { count } else { 1 };
         let mut export = Export { notes: self.notes.clone(), ..Export::default() };
         for season in 0..count(format.seasons(), stage.seasons()) {
-            for level in 0..count(format.levels(), stage.levels()) {
+            for level in 0..count(format.levels_with(options), stage.levels()) {
                 let mut part = stage.clone();
                 if format.seasons() == LooksIn::Files {
                     part = part.in_season(season);
                 }
-                if format.levels() == LooksIn::Files {
+                if format.levels_with(options) == LooksIn::Files {
                     part = part.at_level(level);
                 }
                 let folder = tempfile::tempdir().unwrap();
@@ -257,13 +262,6 @@ fn every_knob_of_an_outline_has_an_effect_or_a_note_that_names_it() {
     assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
-/// Options that hang on what a tree or an export may not have (levels, wind, shapes for physics): that they then change
-/// nothing is not said yet.
-const UNSAID_OPTIONS: [&str; 4] = ["lods", "wind_as", "collision_most", "collision_as"];
-
-/// Knobs that show in pictures and normals, of which 3MF has none: not said yet.
-const UNSAID_KNOBS: [&str; 3] = ["bark_lenticels", "leaf_colors", "leaf_normals"];
-
 /// Turns knobs that have an effect somewhere, and writes all formats.
 #[test]
 fn what_a_format_cannot_hold_of_a_knob_is_noted() {
@@ -288,8 +286,7 @@ fn what_a_format_cannot_hold_of_a_knob_is_noted() {
             for ((exporter, options), before) in formats.iter().zip(&exports) {
                 let after = after.export(*exporter, options, &[name], false);
                 let id = exporter.format().id;
-                let is_known = id == "3mf" && UNSAID_KNOBS.contains(&name);
-                if after.files == before.files && !after.says(name) && !before.says(name) && !is_known {
+                if after.files == before.files && !after.says(name) && !before.says(name) {
                     faults.push(format!("{id}: {name}={value} changes nothing, and nothing is said"));
                 }
                 if row.section == Section::Tree || !row.section.covers() {
@@ -358,14 +355,16 @@ fn every_option_of_a_format_has_an_effect_or_a_note_that_names_it() {
             let format = exporter.format();
             let plain = Options::new(format);
             let before = dressed.export(*exporter, &plain, &[], false);
-            for spec in format.options.iter().filter(|spec| !UNSAID_OPTIONS.contains(&spec.knob.name)) {
+            for spec in format.options {
                 let name = spec.knob.name;
                 let now = spec.knob.kind.parse(spec.default).unwrap();
                 for value in values(&spec.knob.kind, &now) {
                     let mut options = plain.clone();
                     options.set(name, &value).unwrap();
                     let after = dressed.export(*exporter, &options, &[], false);
-                    if after.files == before.files && !after.says(name) {
+                    // One level in a file each is one file.
+                    let is_alone = name == "lods" && value == "files" && dressed.levels() == 1;
+                    if after.files == before.files && !after.says(name) && !is_alone {
                         faults.push(format!(
                             "{}: {}.{name}={value} changes nothing, and nothing is said",
                             plant.name, format.id
