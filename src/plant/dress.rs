@@ -75,7 +75,8 @@ linden_base::from_cancellable!(
 
 /// For messages about memory.
 const BLOWING: &str = "computing the wind";
-const PARTING: &str = "parting the wood by its thickness";
+const PARTING: &str = "parting the wood by its bark";
+const PARTING_ADVICE: &str = "lower sides, or let all wood have one bark (limb_radius=0, moss=0)";
 const BLOWING_ADVICE: &str = "use wind=attributes, a budget of triangles, or no wind";
 
 /// Parts and materials of leaves are called so, and of the cards in place of them.
@@ -243,6 +244,10 @@ impl Wardrobe {
             materials.extend(has_dead(body.skeleton).then(dead));
         }
         if let Some(trunk) = parts.first().filter(|part| part.material == 0 && !is_thick.is_empty()) {
+            let parted: u64 = parts.iter().map(Part::bytes).sum();
+            monitor
+                .admit(PARTING, parted + moss::bytes_to_cut(trunk), PARTING_ADVICE)
+                .map_err(SurfaceError::from)?;
             let mossy = Mossy::on(specimen, foot_m(body.skeleton), body.skeleton.foot_radius_m());
             let cut = mossy.cut(trunk, &is_thick, materials.len());
             parts.splice(..1, cut);
@@ -277,12 +282,12 @@ impl Wardrobe {
             return Ok((vec![wood], Vec::new()));
         }
         let counts = surface::count(skeleton, tubes, monitor)?;
-        // Of each triangle its bark, whether it is thin, and whether it is thick.
-        let marks = 3 * wood.mesh.triangles.len() as u64;
+        // Of each triangle whether it is thin, and whether it is thick: moss grows there.
+        let marks = 2 * wood.mesh.triangles.len() as u64;
         monitor.admit(
             PARTING,
             wood.bytes() + wood_parts::bytes_for(&wood) + std::mem::size_of_val(&counts[..]) as u64 + marks,
-            "lower sides, or let all wood have one bark (limb_radius=0, moss=0)",
+            PARTING_ADVICE,
         )?;
         let limits_m: Vec<f32> = self.thin_barks.iter().map(|(_, radius_m, _)| *radius_m).collect();
         let mut classes = surface::classes(&wood.mesh, &counts, skeleton, &limits_m, monitor)?;

@@ -133,6 +133,11 @@ impl<'a> Mossy<'a> {
     }
 }
 
+/// Bytes that [`Mossy::cut`] takes at most, the parts among them.
+pub(crate) fn bytes_to_cut(trunk: &Part) -> u64 {
+    wood_parts::bytes_for(trunk) + trunk.mesh.triangles.len() as u64
+}
+
 /// Bytes of all steps' pictures.
 pub(crate) fn bytes(materials: &[Material]) -> u64 {
     let pictures = materials.iter().filter_map(|material| material.base_color_picture.as_ref());

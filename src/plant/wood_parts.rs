@@ -19,7 +19,8 @@ pub(crate) fn cut(whole: &Part, classes: &[u8], names: &[&str]) -> Vec<Part> {
     for class in 0..=names.len() as u8 {
         let of_class = || whole.mesh.triangles.iter().zip(classes).filter(|(_, of)| **of == class);
         let mut vertices: Vec<u32> = Vec::new();
-        let mut triangles: Vec<[u32; 3]> = of_class().map(|(corners, _)| *corners).collect();
+        let mut triangles: Vec<[u32; 3]> = Vec::with_capacity(of_class().count());
+        triangles.extend(of_class().map(|(corners, _)| *corners));
         index.fill(u32::MAX);
         let fans = further_fans(&triangles, &is_border);
         let mut of_fans = BTreeMap::new();
@@ -106,7 +107,9 @@ fn further_fans(triangles: &[[u32; 3]], is_border: &[bool]) -> BTreeMap<(usize, 
 }
 
 fn taken<T: Copy>(all: &[T], vertices: &[u32]) -> Vec<T> {
-    vertices.iter().filter_map(|&vertex| all.get(vertex as usize).copied()).collect()
+    let mut taken = Vec::with_capacity(vertices.len().min(all.len()));
+    taken.extend(vertices.iter().filter_map(|&vertex| all.get(vertex as usize).copied()));
+    taken
 }
 
 fn blown(wind: &PartWind, vertices: &[u32]) -> PartWind {

@@ -159,7 +159,35 @@ pub enum SkeletonError {
     },
 }
 
+/// Takes out all items that are not to be kept.
+pub(crate) fn compact<T>(items: &mut Vec<T>, keep: &[bool]) {
+    let mut keep = keep.iter();
+    items.retain(|_| keep.next().is_some_and(|&keep| keep));
+}
+
 impl Branching {
+    /// Takes out all nodes that are not to be kept, with what grows on them: that must not be kept either.
+    pub fn retain(&mut self, keep: &[bool]) {
+        let Self { positions, parents, births, radii, edges } = self;
+        let mut index = vec![NO_PARENT; parents.len()];
+        let kept = (0..parents.len()).filter(|&node| keep[node]);
+        for (new, node) in (0..).zip(kept) {
+            index[node] = new;
+        }
+        compact(parents, keep);
+        for parent in parents.iter_mut().filter(|parent| **parent != NO_PARENT) {
+            *parent = index[*parent as usize];
+        }
+        compact(positions, keep);
+        compact(births, keep);
+        if let Some(radii) = radii {
+            compact(radii, keep);
+        }
+        if let Some(edges) = edges {
+            compact(edges, keep);
+        }
+    }
+
     /// Whether the arrays describe a tree with at least one segment.
     ///
     /// # Errors

@@ -210,7 +210,7 @@ impl Round {
 
     /// Takes out laterals that lie in the wood that bears them from end to end.
     fn drop_buried(&self, branching: &mut Branching, radii: &[f32]) {
-        let Branching { positions, parents, .. } = &*branching;
+        let Branching { positions, .. } = &*branching;
         let mut axis_of = vec![0_u32; positions.len()];
         let mut place = vec![0_usize; positions.len()];
         for (index, axis) in (0..).zip(&self.axes) {
@@ -249,25 +249,7 @@ impl Round {
                 bears[under] = true;
             }
         }
-        let mut index = vec![NO_PARENT; parents.len()];
-        for (kept, node) in (0..).zip((0..parents.len()).filter(|&node| keep[node])) {
-            index[node] = kept;
-        }
-        let renamed = |parent: u32| if parent == NO_PARENT { parent } else { index[parent as usize] };
-        let Branching { positions, parents, births, edges, .. } = branching;
-        let mut marks = keep.iter();
-        positions.retain(|_| marks.next().is_some_and(|&kept| kept));
-        let mut marks = keep.iter();
-        parents.retain(|_| marks.next().is_some_and(|&kept| kept));
-        for parent in &mut *parents {
-            *parent = renamed(*parent);
-        }
-        let mut marks = keep.iter();
-        births.retain(|_| marks.next().is_some_and(|&kept| kept));
-        if let Some(edges) = edges {
-            let mut marks = keep.iter();
-            edges.retain(|_| marks.next().is_some_and(|&kept| kept));
-        }
+        branching.retain(&keep);
     }
 
     /// Radii of all nodes; `None` where no circle is believed.

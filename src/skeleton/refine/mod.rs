@@ -21,7 +21,7 @@ use rayon::prelude::*;
 
 use super::axes::successors;
 use super::radii::pipe::count_tips;
-use super::{Branching, Edge, NO_PARENT, SideWood, Wood};
+use super::{Branching, Edge, NO_PARENT, SideWood, Wood, compact};
 use linden_base::memory::{OverMemory, bytes_of};
 use linden_base::monitor::{Cancelled, Monitor, Phase};
 use linden_base::random::Key;
@@ -376,11 +376,6 @@ fn on_chord(below: Vec3, here: Vec3, above: Vec3) -> Vec3 {
     let (before, after) = (below.distance(here), here.distance(above));
     let whole = before + after;
     if whole > 0.0 { below + (above - below) * (before / whole) } else { here }
-}
-
-fn compact<T>(items: &mut Vec<T>, keep: &[bool]) {
-    let mut keep = keep.iter();
-    items.retain(|_| keep.next().is_some_and(|&keep| keep));
 }
 
 #[cfg(test)]
