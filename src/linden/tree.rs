@@ -59,7 +59,7 @@ impl Tree {
     /// With another seed: another tree of the same kind.
     #[must_use]
     pub fn seed(mut self, seed: u64) -> Self {
-        self.recipe.preset.seed = seed;
+        self.recipe.preset.set_seed(seed);
         self
     }
 

@@ -162,7 +162,7 @@ impl Recipe {
 
     /// The inputs of growth besides the generator's settings.
     pub const fn task(&self) -> Task<'_> {
-        Task { seed: self.preset.seed, inputs: &self.inputs, wood: self.preset.wood }
+        Task { seed: self.preset.seed(), inputs: &self.inputs, wood: self.preset.wood }
     }
 
     /// Does something with what says how this recipe's tree looks; lines of the recipe know of no tree.
@@ -185,17 +185,26 @@ impl Recipe {
         recipe: &dyn Fn(&Dressing, &Organs) -> String,
         work: impl FnOnce(&Specimen<'_>) -> R,
     ) -> R {
-        let Preset { id, name, seed, dressing, .. } = &self.preset;
+        let Preset { id, name, dressing, .. } = &self.preset;
         let name = printable(if name.trim().is_empty() { id } else { name });
         let Self { inputs, drawn, wanted, .. } = self;
-        work(&Specimen { name: &name, seed: *seed, dressing, inputs, drawn, wanted: *wanted, recipe })
+        work(&Specimen {
+            name: &name,
+            seed: self.preset.seed(),
+            dressing,
+            inputs,
+            drawn,
+            wanted: *wanted,
+            recipe,
+        })
     }
 
     fn in_dressing(&self, dressing: &Dressing) -> Cow<'_, Self> {
         if *dressing == self.preset.dressing {
             return Cow::Borrowed(self);
         }
-        let preset = Preset { dressing: dressing.clone(), ..self.preset.clone() };
+        let mut preset = self.preset.clone();
+        preset.dressing = dressing.clone();
         Cow::Owned(self.with_preset(preset))
     }
 
@@ -210,7 +219,7 @@ impl Recipe {
     /// let mut other = fir.clone();
     /// other.preset.name = "Abies alba".to_owned();
     /// assert_eq!(other.hash(), fir.hash());
-    /// other.preset.seed += 1;
+    /// other.preset.set_seed(fir.preset.seed() + 1);
     /// assert_ne!(other.hash(), fir.hash());
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```

@@ -61,7 +61,7 @@ impl Subject {
         let line = |_: &Dressing, _: &Organs| self.recipe.to_line();
         work(&Specimen {
             name: &preset.name,
-            seed: preset.seed,
+            seed: preset.seed(),
             dressing: &self.dressing,
             inputs: &self.recipe.inputs,
             drawn: &DrawnPictures::default(),

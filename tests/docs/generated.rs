@@ -136,7 +136,15 @@ fn the_knobs_are_those_of_the_program() {
          by.\nLengths are metres. `17D` is seventeen steps. The dimensions of crowns are with their\n\
          [shapes](crowns.md#shapes), what a part may have with the [parts](crowns.md#parts).\n\
          `linden show SOURCE` lists the knobs of one source with their values, `linden list --knobs KNOB` says of one what \
-         stands here.\n"
+         stands here.\n\n\
+         ## Spreads\n\n\
+         A knob of numbers may say what each seed draws its value from instead: `\"9 ± 1\"` is a normal distribution by its \
+         mean and\nstandard deviation (cut at three of them, and at the knob's range), `\"7..12\"` is uniform. `+-` and `+/-` \
+         are read as `±`. In a list, each number may\nhave one: `\"45±5 60 50..70\"`.\n\n\
+         ```sh\nlinden sheet fir --seeds 6 --set crown_height='9 ± 1' -o firs.png\n\
+         linden forest fir:40 --set 'crown_height=7..12' -o wood.glb --area 60 --scene\n```\n\n\
+         The same seed draws the same value, on every machine; each knob draws for itself. Files and recipes keep the \
+         spread, and `linden show SOURCE` says\nwhat was drawn from which. A value that is given takes the spread away.\n"
     );
     let mut explained: Vec<Knob> = Vec::new();
     for table in tables {

@@ -101,7 +101,7 @@ fn each_plant_is_of_the_size_that_its_sources_give() {
         let builtin = builtins().iter().find(|builtin| builtin.id == plant.id).unwrap();
         for seed in 1..=10 {
             let mut recipe = recipe(builtin);
-            recipe.preset.seed = seed;
+            recipe.preset.set_seed(seed);
             if seed > IN_LEAF {
                 recipe.preset.dressing.foliage = FoliageSettings::default();
             }

@@ -143,7 +143,7 @@ impl Cite {
         let recipe = &source.recipe;
         Ok(Citation {
             program,
-            seed: recipe.preset.seed,
+            seed: recipe.preset.seed(),
             hash: Hashes {
                 recipe: hash_text(recipe.hash()),
                 skeleton: Some(hash_text(tree.skeleton)),

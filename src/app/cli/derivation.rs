@@ -16,7 +16,7 @@ pub(super) fn show(preset: &Preset, steps: u32, as_json: bool, progress: &Progre
         let generator = preset.grows_by().id();
         return Err(usage(format!("--derive is for grammars, and {} grows by {generator}", preset.id)));
     };
-    let settings = TurtleSettings { derivations: steps, ..lsystem.turtle(preset.seed) };
+    let settings = TurtleSettings { derivations: steps, ..lsystem.turtle(preset.seed()) };
     if as_json {
         let traced = trace(&lsystem.grammar, &settings, progress)?;
         return super::print_json(&Word::of(&lsystem.grammar, steps, lsystem.derivations, traced));

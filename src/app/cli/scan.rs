@@ -215,7 +215,7 @@ impl Scan {
         format!(
             "linden scan {} seed {}: positions {positions}, distance {distance}, step {step} deg, noise {noise} mm, beam {beam} mrad, registration {registration} mm, scan-seed {drawn_from}",
             printable(&source.recipe.preset.id),
-            source.recipe.preset.seed
+            source.recipe.preset.seed()
         )
     }
 }
@@ -225,7 +225,7 @@ fn truth_table(source: &Source, grown: &Grown) -> String {
     // Ids of presets are words; what is not cannot be quoted wrongly either.
     let id: String =
         source.recipe.preset.id.chars().filter(|c| !matches!(c, ',' | '"' | '\n' | '\r')).collect();
-    let seed = source.recipe.preset.seed;
+    let seed = source.recipe.preset.seed();
     let sizes = TreeSizes::of(&grown.skeleton);
     format!("tree,source,seed,{}\n1,{id},{seed},{}\n", TreeSizes::header(), sizes.row())
 }

@@ -81,7 +81,7 @@ fn document() -> Value {
         let mut keys: Map<String, Value> = KNOBS
             .iter()
             .filter(|knob| knob.section == section)
-            .map(|knob| (knob.knob.name.to_owned(), of(&knob.knob)))
+            .map(|knob| (knob.knob.name.to_owned(), of_drawn(&knob.knob, section)))
             .collect();
         match section {
             Section::Tree => {
@@ -115,6 +115,20 @@ fn document() -> Value {
     properties.insert(EDITS.to_owned(), edits());
     let one_of: Vec<Value> =
         generators::all().iter().map(|generator| json!({ "required": [generator.id()] })).collect();
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "linden preset",
+        "type": "object",
+        "required": ["id"],
+        "oneOf": one_of,
+        "properties": properties,
+        "additionalProperties": false,
+        "$defs": definitions(),
+    })
+}
+
+/// What other parts of the schema refer to, and what editors of export options need.
+fn definitions() -> Value {
     let formats: Map<String, Value> = REGISTRY
         .iter()
         .map(|exporter| exporter.format())
@@ -133,14 +147,12 @@ fn document() -> Value {
         })
         .collect();
     json!({
-        "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "linden preset",
-        "type": "object",
-        "required": ["id"],
-        "oneOf": one_of,
-        "properties": properties,
-        "additionalProperties": false,
-        "$defs": { "export options": { "type": "object", "properties": formats } },
+        "export options": { "type": "object", "properties": formats },
+        "spread": {
+            "type": "string", "pattern": "[.][.]|±|[+]/?-",
+            "description": "what each seed draws the number from: mean ± standard deviation, or low..high; in a list, \
+                            of each number",
+        },
     })
 }
 
@@ -182,7 +194,8 @@ fn edits() -> Value {
 
 /// Keys of a kind of leaves: knobs, and the files that it may need.
 fn leaf_keys() -> Map<String, Value> {
-    let knobs = LEAF_KNOBS.iter().map(|row| (row.knob.name.to_owned(), of(&row.knob)));
+    let section = Section::Foliage;
+    let knobs = LEAF_KNOBS.iter().map(|row| (row.knob.name.to_owned(), of_drawn(&row.knob, section)));
     knobs.chain(files(&LeafKind::FILES)).chain([(KIND_NAME.to_owned(), kind_name())]).collect()
 }
 
@@ -226,6 +239,28 @@ fn of_tables(tables: &Tables) -> Value {
         item["oneOf"] = tables.one_of.iter().map(|key| json!({ "required": [key] })).collect();
     }
     json!({ "type": "array", "items": item, "maxItems": tables.most })
+}
+
+/// The same for a knob of a tree: numbers may be spreads, from which each seed draws.
+fn of_drawn(knob: &Knob, section: Section) -> Value {
+    let mut schema = of(knob);
+    let is_number = matches!(
+        knob.kind,
+        Kind::Real { .. } | Kind::Integer { .. } | Kind::Length { .. } | Kind::Reals { .. }
+    );
+    if section == Section::Tree || !is_number {
+        return schema;
+    }
+    let description = schema["description"].take();
+    if let Value::Object(keys) = &mut schema {
+        keys.remove("description");
+    }
+    let mut values = match &mut schema["anyOf"] {
+        Value::Array(values) => std::mem::take(values),
+        _ => vec![schema],
+    };
+    values.push(json!({ "$ref": "#/$defs/spread" }));
+    json!({ "anyOf": values, "description": description })
 }
 
 /// A knob's values as documents have them.

@@ -127,9 +127,9 @@ impl Sheet {
                 let all = seconds * (trees / (done + self.seeds as f64 - 1.0)).max(1.0);
                 announced = announce(all, &format!("{trees} trees, {} each", outlook.amount()));
             }
-            let first = source.recipe.preset.seed;
+            let first = source.recipe.preset.seed();
             for step in 0..self.seeds {
-                source.recipe.preset.seed = first.wrapping_add(step);
+                source.recipe.preset.set_seed(first.wrapping_add(step));
                 let grown = super::grown_beside(&source, &holding, &progress)?;
                 let say = &mut |notes: &[String]| super::notes(notes, &progress);
                 sheet.lay(&source.recipe, &grown, say, &holding).with_context(|| source.shown.clone())?;

@@ -114,6 +114,9 @@ struct KnobRow {
     kind: Option<usize>,
     section: &'static str,
     value: String,
+    /// What each seed draws it from.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    spread: Option<String>,
     unit: &'static str,
     range: String,
     /// Whether the unit belongs behind the value (`auto` and `17D` have none).
@@ -201,6 +204,7 @@ impl Show {
                 section: knob.section.key(),
                 is_number: matches!(value, Value::Real(_) | Value::Integer(_) | Value::Vector(_)),
                 value: value.to_string(),
+                spread: preset.spread(&knob).map(ToString::to_string),
                 unit: knob.knob.unit,
                 range: knob.knob.kind.to_string(),
                 help: knob.knob.help,
@@ -303,7 +307,14 @@ fn page(recipe: &Recipe, knobs: &[KnobRow], forecast: Option<&ForecastRow>, only
                 value.trim_end(),
                 row.help
             ));
-            text.push_str(&format!("  {:name_width$}  {:value_width$}  {}\n", "", "", row.range));
+            let spread = row.spread.as_ref().map(|spread| format!("; each seed draws from {spread}"));
+            text.push_str(&format!(
+                "  {:name_width$}  {:value_width$}  {}{}\n",
+                "",
+                "",
+                row.range,
+                spread.unwrap_or_default()
+            ));
         }
         for (_, key, help) in files {
             let value = preset.file(key).map_or_else(|| "none".to_owned(), |file| with_extent(recipe, file));

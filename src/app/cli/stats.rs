@@ -102,7 +102,7 @@ impl Stats {
         let report = Report::of(&source.recipe, &grown, &progress).with_context(|| source.shown.clone())?;
         let stats = StatsReport {
             source: source.shown.clone(),
-            seed: source.recipe.preset.seed,
+            seed: source.recipe.preset.seed(),
             generator: source.recipe.preset.grows_by().id(),
             report,
             scan: grown.colonized.as_ref().and_then(|colonized| colonized.scan).as_ref().map(Scan::of),

@@ -92,7 +92,7 @@ fn derived(request: &WordRequest, watcher: &Watcher<'_>) -> Result<DerivedWord, 
     let preset = &request.recipe.preset;
     let no_grammar = || NoWord { why: "this tree grows without a grammar".to_owned(), fits: None };
     let lsystem = preset.settings::<LSystem>().ok_or_else(|| Some(no_grammar()))?;
-    let settings = TurtleSettings { derivations: request.step, ..lsystem.turtle(preset.seed) };
+    let settings = TurtleSettings { derivations: request.step, ..lsystem.turtle(preset.seed()) };
     let traced = trace(&lsystem.grammar, &settings, watcher).map_err(|error| match error {
         LsystemError::Cancelled(_) => None,
         error => {

@@ -102,7 +102,7 @@ fn grows_alike(one: &Recipe, other: &Recipe) -> bool {
         let [one, other] = [one, other].map(|recipe| recipe.inputs.get(file).map(|input| input.hash));
         one.is_some() && one == other
     };
-    (a.seed, &a.generator, &a.refinement, a.wood) == (b.seed, &b.generator, &b.refinement, b.wood)
+    (a.seed(), &a.generator, &a.refinement, a.wood) == (b.seed(), &b.generator, &b.refinement, b.wood)
         && a.generator.inputs().into_iter().all(has_same_file)
 }
 
@@ -234,7 +234,7 @@ mod tests {
         };
         let edited = with(&|preset| preset.edit("cut stem/3 0.5").unwrap());
         let leafier = with(&|preset| preset.set("leaf_length", "0.2").unwrap());
-        let reseeded = with(&|preset| preset.seed += 1);
+        let reseeded = with(&|preset| preset.set_seed(preset.seed() + 1));
         let mut grower = Grower::default();
         let wood = Arc::clone(&grown(&mut grower, &first).grown.as_grown.skeleton);
         for (recipe, is_same_wood) in [(&edited, true), (&leafier, true), (&reseeded, false), (&first, false)]

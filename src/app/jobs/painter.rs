@@ -341,7 +341,7 @@ fn blown_at(
 ) -> Result<(Skeleton, Organs), Option<String>> {
     let preset = &shown.recipe.preset;
     let blow = Blow { strength: wind_strength(preset), ..preset.dressing.wind.blow };
-    blown(&blow, preset.seed, &shown.grown.skeleton, &shown.grown.organs, frame, watcher).map_err(|_| None)
+    blown(&blow, preset.seed(), &shown.grown.skeleton, &shown.grown.organs, frame, watcher).map_err(|_| None)
 }
 
 /// The parts at a frame of their loop.

@@ -177,10 +177,10 @@ fn sheet(
     let mut drawing = SheetDrawing::new(plan, 1, recipe.preset.dressing.detail.levels())?;
     admit(format_of(bundle), drawing.size(), 0, monitor)?;
     let holding = Holding::new(monitor, drawing.bytes());
-    let first = recipe.preset.seed;
+    let first = recipe.preset.seed();
     let mut said: Vec<String> = Vec::new();
     for step in 0..plan.seeds {
-        recipe.preset.seed = first.wrapping_add(step);
+        recipe.preset.set_seed(first.wrapping_add(step));
         let grown = grow(&recipe, &holding)?;
         said.extend_from_slice(&grown.notes);
         let say = &mut |notes: &[String]| said.extend_from_slice(notes);

@@ -161,7 +161,7 @@ impl SheetDrawing {
         let preset = &recipe.preset;
         let mut lines = vec![printable(&preset.name)];
         if self.plan.seeds > 1 {
-            lines.push(format!("seed {}", preset.seed));
+            lines.push(format!("seed {}", preset.seed()));
         }
         if self.plan.lods {
             lines.push(format!("level {level}, {} triangles", HumanCount(sitter.triangles())));

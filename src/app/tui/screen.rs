@@ -133,7 +133,7 @@ fn title(model: &Model, area: Rect, buffer: &mut Buffer) {
     } else if tree.is_modified() {
         row.put("● modified", theme.modified, 2);
     }
-    let mut figures = vec![format!("seed {}", preset.seed)];
+    let mut figures = vec![format!("seed {}", preset.seed())];
     if let Some(shown) = &tree.shown {
         let m = &shown.measures;
         figures.push(format!("{} nodes", thousands(shown.grown.skeleton.positions.len() as u64)));

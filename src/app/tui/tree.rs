@@ -149,7 +149,7 @@ impl Tree {
 
     /// Whether a knob differs from the document.
     pub fn is_turned(&self, knob: &PresetKnob) -> bool {
-        knob.read(&self.saved.preset) != knob.read(&self.current.preset)
+        self.saved.preset.differs(knob, &self.current.preset)
     }
 
     /// The names of the knobs that differ from the document.
@@ -358,9 +358,9 @@ impl Tree {
         let mut set = Vec::new();
         // A choice (the crown's shape) brings knobs along: what comes after it in the table is
         // compared with what the choice made of it.
-        for (row, value) in self.current.preset.all_knobs() {
-            if row.read(&preset).as_ref() != Some(&value) {
-                let text = value.to_string();
+        for (row, _) in self.current.preset.all_knobs() {
+            if preset.differs(&row, &self.current.preset) {
+                let text = self.current.preset.text_of(&row)?;
                 preset.set(row.knob.name, &text).ok()?;
                 set.push((row.knob.name, text));
             }

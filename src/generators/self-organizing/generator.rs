@@ -150,6 +150,7 @@ mod tests {
             ("years", "15"),
             ("internode", "0.2"),
             ("vigor", "2.2"),
+            ("decline", "10"),
             ("sharing", "priority"),
             ("leader", "0.54 0.5"),
             ("mature_leader", "0.48"),
@@ -196,7 +197,7 @@ mod tests {
         assert_ne!(hash(&SelfOrganizing { reiteration: 2, ..by_order.clone() }), hash(&by_order));
         // What is called idle changes nothing.
         let idle =
-            SelfOrganizing { whorl: 3, priority_share: 1.0, mature_from: 3, reiteration: 2, ..base.clone() };
+            SelfOrganizing { whorl: 3, priority_share: 1.0, mature_from: 3, decline_from: 3, reiteration: 2, ..base.clone() };
         assert_eq!(hash(&idle), plain);
     }
 

@@ -47,6 +47,26 @@ impl SelfOrganizing {
             see_also(&["shade", "leader", "longest_shoot"])
         ),
         field!(
+            "decline",
+            real_or_auto(1.0, 1e4),
+            "years",
+            "time in which the vigor of a tree older than decline_from halves; auto: it stays",
+            decline_years,
+            details(
+                "Height has no limit of its own, and a birch of 80 years would stand 60 m high. Trees slow down as \
+                 they get tall; with vigor near 1 what grows hardly makes up for what is shed."
+            ),
+            see_also(&["decline_from", "vigor", "years"])
+        ),
+        field!(
+            "decline_from",
+            integer(0, 1000),
+            "years",
+            "age from which vigor declines",
+            decline_from,
+            see_also(&["decline", "vigor"])
+        ),
+        field!(
             "sharing",
             Kind::Choice(Sharing::WORDS),
             "",
@@ -337,6 +357,7 @@ impl SelfOrganizing {
             "mature_from" | "mature_to" if is_priority || self.mature_leader.is_none() => {
                 Some("leader does not change: mature_leader is auto, or sharing priority")
             }
+            "decline_from" if self.decline_years.is_none() => Some("decline is auto: vigor stays"),
             "divergence" if self.phyllotaxis != Phyllotaxis::Spiral => Some("phyllotaxis is not spiral"),
             "whorl" if self.phyllotaxis != Phyllotaxis::Whorled => Some("phyllotaxis is not whorled"),
             "shed_grace" | "shed_patience" if self.shed == 0.0 => Some("shed is 0"),

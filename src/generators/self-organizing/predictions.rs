@@ -97,7 +97,7 @@ fn what_is_shared_is_vigor_times_the_light_of_all_buds() {
             };
             let given: f64 = (0..nodes.len()).map(bud).sum();
             let all: u64 = (0..nodes.len()).map(light).sum();
-            let expected = settings.vigor * all as f64 / f64::from(FULL_LIGHT);
+            let expected = settings.vigor_in(year) * all as f64 / f64::from(FULL_LIGHT);
             assert_eq!(all, sums.total(0));
             assert!((given / expected - 1.0).abs() < 1e-12, "{sharing:?} {given} {expected}");
         }
@@ -380,4 +380,21 @@ fn heights_and_sizes_are_near_those_of_another_program() {
     println!("{height} m, {living} nodes");
     assert!((5.5..9.5).contains(&height), "{height}");
     assert!((1000..4200).contains(&living), "{living}");
+}
+
+#[test]
+fn vigor_halves_in_equal_times_and_old_trees_slow_down() {
+    let settings = SelfOrganizing { decline_from: 20, decline_years: Some(15.0), ..measured() };
+    for (year, share) in [(1, 1.0), (20, 1.0), (35, 0.5), (50, 0.25), (65, 0.125)] {
+        assert!((settings.vigor_in(year) / settings.vigor - share).abs() < 1e-12, "{year}");
+    }
+    let height = |years: u32, settings: &SelfOrganizing| {
+        let grown = grown(&SelfOrganizing { years, ..settings.clone() }, 3);
+        grown.branching.positions.iter().map(|place| place.y).fold(0.0, f32::max)
+    };
+    let (from, to) = (20, 40);
+    let (steady, declining) = (measured(), settings);
+    assert_eq!(height(from, &steady), height(from, &declining), "the same tree until then");
+    let [steady, declining] = [steady, declining].map(|settings| height(to, &settings) - height(from, &settings));
+    assert!(declining > 0.0 && declining < 0.8 * steady, "{declining} m of {steady} m");
 }

@@ -40,6 +40,10 @@ pub struct SelfOrganizing {
     pub internode_m: f64,
     /// Internodes that a bud in full light may grow in a year: α.
     pub vigor: f64,
+    /// The age up to which vigor stays, years.
+    pub decline_from: u32,
+    /// Years in which the vigor of older trees halves.
+    pub decline_years: Option<f64>,
     /// How light is shared.
     pub sharing: Sharing,
     /// λ of Borchert & Honda: the weight of an axis against its laterals.
@@ -127,6 +131,8 @@ impl Default for SelfOrganizing {
             years: 20,
             internode_m: 0.1,
             vigor: 2.0,
+            decline_from: 0,
+            decline_years: None,
             sharing: Sharing::BorchertHonda,
             leader: vec![0.54],
             mature_leader: None,

@@ -29,7 +29,7 @@ impl Shares {
         };
         match settings.sharing {
             Sharing::BorchertHonda => shares.fork_by_fork(nodes, sums, settings, year),
-            Sharing::Priority => shares.axis_by_axis(nodes, sums, settings),
+            Sharing::Priority => shares.axis_by_axis(nodes, sums, settings, year),
         }
         shares
     }
@@ -42,7 +42,7 @@ impl Shares {
             let parent = nodes.parents[node];
             let below = parent as usize;
             let flow = if parent == NO_PARENT {
-                income(sums, node, settings)
+                income(sums, node, settings, year)
             } else if nodes.is(node, LATERAL) {
                 part(lateral[below], sums.total(node), sums.lateral[below])
             } else {
@@ -61,12 +61,12 @@ impl Shares {
     /// The priority model (Pałubicki et al. 2009, section 4.3): along an axis the apex comes first, then laterals
     /// by the mean light of their buds; entry i of N has the weight `1 − (1 − least)·i/(κN)`, from i = κN on `least`,
     /// and shares are as light times weight. The lateral buds of a node are one entry.
-    fn axis_by_axis(&mut self, nodes: &Nodes, sums: &Sums, settings: &SelfOrganizing) {
+    fn axis_by_axis(&mut self, nodes: &Nodes, sums: &Sums, settings: &SelfOrganizing, year: u32) {
         let children = Children::new(nodes);
         let mut entries = Vec::new();
         for first in 0..nodes.len() {
             if nodes.parents[first] == NO_PARENT {
-                self.flow[first] = income(sums, first, settings);
+                self.flow[first] = income(sums, first, settings, year);
             } else if !nodes.is(first, LATERAL) {
                 continue;
             }
@@ -121,9 +121,9 @@ impl Shares {
     }
 }
 
-/// What a whole tree gets.
-fn income(sums: &Sums, foot: usize, settings: &SelfOrganizing) -> f64 {
-    settings.vigor * (sums.total(foot) as f64 / f64::from(FULL_LIGHT))
+/// What a whole tree gets in a year.
+fn income(sums: &Sums, foot: usize, settings: &SelfOrganizing, year: u32) -> f64 {
+    settings.vigor_in(year) * (sums.total(foot) as f64 / f64::from(FULL_LIGHT))
 }
 
 /// `whole·light/all`, the whole where they are equal.
@@ -132,6 +132,13 @@ fn part(whole: f64, light: u64, all: u64) -> f64 {
 }
 
 impl SelfOrganizing {
+    /// α in a year: from a certain age on, halved again and again in equal times.
+    pub(crate) fn vigor_in(&self, year: u32) -> f64 {
+        let old = year.saturating_sub(self.decline_from);
+        let Some(half_years) = self.decline_years.filter(|_| old > 0) else { return self.vigor };
+        self.vigor * libm::exp2(-f64::from(old) / half_years)
+    }
+
     /// λ of an order in a year.
     pub(crate) fn leader_in(&self, year: u32, order: u8) -> f64 {
         let young = of_order(&self.leader, order);

@@ -2,9 +2,7 @@
 
 use super::error::{ForestError, Loner};
 use super::planned::PlannedTree;
-use crate::preset::{
-    Colonization, CrownPart, GrowthSettings, LSystem, MOST_PARTS, Preset, Role, Solid, Space,
-};
+use crate::preset::{Colonization, CrownPart, GrowthSettings, LSystem, MOST_PARTS, Role, Solid, Space};
 use linden_base::knob::printable;
 use linden_plant::stage::Place;
 
@@ -53,7 +51,8 @@ pub(super) fn together(tree: &PlannedTree, places: &[Place]) -> Result<PlannedTr
     let max_nodes = colonization.growth.max_nodes.saturating_mul(stems as u32);
     let growth = GrowthSettings { max_nodes, ..colonization.growth.clone() };
     let grown = Colonization { parts, points, growth, ..colonization.clone() };
-    let preset = Preset { generator: Box::new(grown), ..preset.clone() };
+    let mut preset = preset.clone();
+    preset.generator = Box::new(grown);
     let recipe = tree.recipe.with_preset(preset);
     Ok(PlannedTree { recipe, stems, ..tree.clone() })
 }

@@ -171,7 +171,7 @@ impl Forest {
             for number in 0..self.layout.distinct {
                 let mut recipe = kind.recipe.clone();
                 // 32 bits, so that people can type it.
-                recipe.preset.seed = key.named("tree").child(index as u64).child(number).bits() >> 32;
+                recipe.preset.set_seed(key.named("tree").child(index as u64).child(number).bits() >> 32);
                 let number = before as u64 * self.layout.distinct + number + 1;
                 trees.push(PlannedTree {
                     name: format!("{kind_name} {number}"),
@@ -242,7 +242,7 @@ mod tests {
             assert!(plan.places[..i].iter().all(|b| a.position.distance(b.position) >= 4.9999));
             assert!((0.8..=1.2).contains(&a.scale));
         }
-        let mut seeds: Vec<u64> = plan.trees.iter().map(|tree| tree.recipe.preset.seed).collect();
+        let mut seeds: Vec<u64> = plan.trees.iter().map(|tree| tree.recipe.preset.seed()).collect();
         seeds.sort_unstable();
         seeds.dedup();
         assert_eq!(seeds.len(), 6);

@@ -103,7 +103,12 @@ impl Preset {
         let bears_leaves = foliage.kinds().any(|kind| kind.form != Form::None) || self.places_organs();
         let wanders = self.refines("wander") && (self.refinement.sway > 0.0 || self.refinement.gnarl > 0.0);
         let tapers = self.settled_width().is_none_or(|width| matches!(width, Width::Taper | Width::Order));
-        self.generator.draws() || bears_leaves || wanders || tapers || wind.wind != Wind::Off
+        self.has_spreads()
+            || self.generator.draws()
+            || bears_leaves
+            || wanders
+            || tapers
+            || wind.wind != Wind::Off
     }
 
     fn places_organs(&self) -> bool {

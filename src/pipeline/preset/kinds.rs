@@ -37,6 +37,11 @@ static ROWS: LazyLock<Vec<Vec<PresetKnob>>> = LazyLock::new(|| {
     ADDRESSES.iter().enumerate().map(rows).collect()
 });
 
+/// The rows of a further kind by its number from 0, in the order of [`LEAF_KNOBS`].
+pub(super) fn kind_rows(kind: usize) -> &'static [PresetKnob] {
+    ROWS.get(kind).map_or(&[], Vec::as_slice)
+}
+
 /// Why a kind of foliage was not added, named or taken away.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]

@@ -4,8 +4,7 @@
 
 use std::sync::LazyLock;
 
-use linden_base::field;
-use linden_base::knob::{Field, Knob, Value, integer};
+use linden_base::knob::{Field, FieldValue, Knob, Spread, Value, integer};
 use linden_plant::settings::{BarkSettings, DetailSettings, FoliageSettings, LeafKind, WindSettings};
 use linden_plant::surface::Tubes;
 use linden_skeleton::Wood;
@@ -149,6 +148,17 @@ impl PresetKnob {
         })
     }
 
+    /// Reads a spread of this knob.
+    ///
+    /// # Errors
+    /// What was expected instead, without the knob's name.
+    pub(super) fn parse_spread(&self, text: &str) -> Result<Spread, String> {
+        if self.section == Section::Tree {
+            return Err("the seed is what draws spreads, and has none itself; give one number".to_owned());
+        }
+        Spread::parse(&self.knob.kind, text)
+    }
+
     /// Sets the knob to a value that its kind has checked.
     pub(super) fn write(&self, preset: &mut Preset, value: Value) {
         match &self.access {
@@ -174,20 +184,27 @@ impl PresetKnob {
 }
 
 /// What stands before all tables.
-const TREE: Field<Preset> = field!(
-    "seed",
-    integer(0, u64::MAX),
-    "",
-    "the root of all random choices: another seed, another tree",
-    seed,
-    details(
+const TREE: Field<Preset> = Field {
+    knob: Knob::new(
+        "seed",
+        integer(0, u64::MAX),
+        "",
+        "the root of all random choices: another seed, another tree",
+    )
+    .details(
         "Points of a crown, choices of a grammar, tapers and leaves all draw from it, each with a key \
-         of its own, so that turning a knob of leaves moves no branch. The same seed gives the same files \
-         on every machine, with any number of threads. A grammar without chance grows the same plant from \
-         every seed."
-    ),
-    see_also(&["angle_jitter", "points", "sway", "bark_seed"])
-);
+         of its own, so that turning a knob of leaves moves no branch; knobs with a spread, as '4 ± 0.6', draw their \
+         value. The same seed gives the same files on every machine, with any number of threads. A grammar \
+         without chance grows the same plant from every seed.",
+    )
+    .see_also(&["angle_jitter", "points", "sway", "bark_seed"]),
+    read: |preset| preset.seed().to_value(),
+    write: |preset, value| {
+        if let Some(seed) = u64::from_value(value) {
+            preset.set_seed(seed);
+        }
+    },
+};
 
 /// The rows that stand before the generators'.
 pub(super) fn before() -> impl Iterator<Item = PresetKnob> {

@@ -17,6 +17,7 @@ mod parameters;
 #[cfg(test)]
 mod part_tests;
 mod read;
+mod spreads;
 mod tags;
 mod write;
 
@@ -24,7 +25,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use linden_base::document::NamesFiles;
-use linden_base::knob::{Knob, Value, nearest, printable};
+use linden_base::knob::{Knob, Spread, Value, nearest, printable};
 use linden_base::random::Key;
 use linden_plant::settings::Dressing;
 use linden_skeleton::Wood;
@@ -56,6 +57,8 @@ pub use mention::mention;
 pub use read::Heading;
 pub use tags::{MOST_TAGS, check_tag};
 
+use spreads::KnobSpread;
+
 /// Everything that says how a tree grows and looks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Preset {
@@ -73,8 +76,8 @@ pub struct Preset {
     pub about: String,
     /// Words that it is found by. See [`check_tag`].
     pub tags: Vec<String>,
-    /// The root of all random choices.
-    pub seed: u64,
+    /// See [`Preset::seed`].
+    seed: u64,
     /// How it grows.
     pub generator: Box<dyn Settings>,
     /// Refinement of its axes after growth.
@@ -85,6 +88,8 @@ pub struct Preset {
     pub edits: Vec<WoodEdit>,
     /// How it looks.
     pub dressing: Dressing,
+    /// Of knobs that each seed draws anew.
+    spreads: Vec<KnobSpread>,
 }
 
 /// A mistake in turning a knob.
@@ -241,7 +246,8 @@ impl Preset {
     }
 
     /// Turns a knob, as `--set name=text` does. The preset is unchanged when it fails. A knob of a further kind of
-    /// foliage is named by its kind: `also.1.leaf_keep`, or by what that is called: `blossom.leaf_keep`.
+    /// foliage is named by its kind: `also.1.leaf_keep`, or by what that is called: `blossom.leaf_keep`. A knob of
+    /// numbers takes a [`Spread`], from which each seed draws: `9 ± 1`, `2..5`.
     ///
     /// ```
     /// let mut fir = linden_pipeline::preset::builtin("fir")?.load()?;
@@ -276,10 +282,18 @@ impl Preset {
             });
         };
         let knob = *knob;
-        let value = knob.knob.kind.parse(text).map_err(|problem| {
-            let hint = self.hint(&knob, text, Asked::Directly);
-            KnobError::Value { name: knob.knob.name, unit: knob.knob.unit, problem: problem + &hint }
-        })?;
+        let fault = |problem| KnobError::Value { name: knob.knob.name, unit: knob.knob.unit, problem };
+        if Spread::is_meant(text) {
+            let spread = knob.parse_spread(text).map_err(fault)?;
+            self.put_spread(&knob, spread);
+            return Ok(());
+        }
+        let value = knob
+            .knob
+            .kind
+            .parse(text)
+            .map_err(|problem| fault(problem + &self.hint(&knob, text, Asked::Directly)))?;
+        self.drop_spread(&knob);
         knob.write(self, value);
         Ok(())
     }

@@ -32,7 +32,7 @@ impl Preset {
         preset.name = species.as_deref().map_or_else(|| id.to_owned(), printable);
         preset.summary = format!("parameters of {}, grown by Weber and Penn", program.name());
         preset.source = format!("a file of {}", program.name());
-        preset.seed = seed.unwrap_or(preset.seed);
+        preset.set_seed(seed.unwrap_or(preset.seed()));
         let ParameterLook { flare, lobes, lobe_depth, leaf_width, leaf_outline } = look;
         let features = &mut preset.dressing.tubes.features;
         features.flare = flare as f32;

@@ -1,15 +1,16 @@
 //! From a document to a preset.
 
 use linden_base::document::{Datum, Entry, Fault, NamesFiles, Node, Table};
-use linden_base::knob::{did_you_mean, excerpt, nearest};
+use linden_base::knob::{Spread, did_you_mean, excerpt, nearest};
 use linden_lsystem::Grammar;
-use linden_plant::settings::{self, BarkSettings, Dressing, LeafKind};
+use linden_plant::settings::{self, BarkSettings, Dressing, LEAF_KNOBS, LeafKind};
 use linden_skeleton::Wood;
 use linden_skeleton::generator::{Asked, Generator, Settings};
 use linden_skeleton::refine::Refinement;
 
 use super::edits::{self, EDITS};
-use super::knobs::{KNOBS, Section};
+use super::kinds::kind_rows;
+use super::knobs::{KNOBS, PresetKnob, Section};
 use super::tags::{self, TAGS};
 use super::{Colonization, LSystem, Preset, ScanSettings, Space, former};
 use crate::generators;
@@ -70,6 +71,7 @@ impl Preset {
             wood: Wood::default(),
             edits: Vec::new(),
             dressing: Dressing::default(),
+            spreads: Vec::new(),
         }
     }
 }
@@ -172,6 +174,8 @@ fn read(mut document: Node, text: Option<&str>) -> Result<Preset, Fault> {
             None => turn(&mut preset, Section::Tree, entry)?,
         }
     }
+    // The seed may have come last.
+    preset.redraw();
     Ok(preset)
 }
 
@@ -226,6 +230,15 @@ fn materials(preset: &Preset, section: Section) -> Vec<&'static str> {
 fn turn(preset: &mut Preset, section: Section, entry: &Entry) -> Result<(), Fault> {
     let is_taken = match section {
         Section::Bark => preset.dressing.bark.take_file(entry)?,
+        Section::Foliage if entry.key == settings::ALSO => {
+            let mut entry = entry.clone();
+            let spreads = take_spreads(&mut entry.node)?;
+            let is_taken = settings::read(&mut preset.dressing.foliage, &entry)?;
+            for (row, spread) in spreads {
+                preset.put_spread(&row, spread);
+            }
+            is_taken
+        }
         Section::Foliage => settings::read(&mut preset.dressing.foliage, entry)?,
         _ => false,
     };
@@ -235,6 +248,10 @@ fn turn(preset: &mut Preset, section: Section, entry: &Entry) -> Result<(), Faul
     let knobs = preset.knobs();
     let found = knobs.iter().find(|(knob, _)| knob.section == section && knob.knob.is_called(&entry.key));
     if let Some((knob, _)) = found {
+        if let Some(spread) = spread(knob, entry)? {
+            preset.put_spread(knob, spread);
+            return Ok(());
+        }
         let value =
             entry.node.value(&entry.key, &knob.knob.kind).map_err(|fault| match &entry.node.datum {
                 Datum::Text(word) => {
@@ -251,6 +268,35 @@ fn turn(preset: &mut Preset, section: Section, entry: &Entry) -> Result<(), Faul
         return Ok(());
     }
     Err(Fault::new(entry.place, unknown(preset, section, &entry.key)))
+}
+
+/// The spread of a knob that an entry gives it, if it is one.
+fn spread(knob: &PresetKnob, entry: &Entry) -> Result<Option<Spread>, Fault> {
+    let Datum::Text(text) = &entry.node.datum else { return Ok(None) };
+    if !Spread::is_meant(text) {
+        return Ok(None);
+    }
+    let fault = |problem| Fault::new(entry.node.place, format!("knob '{}': {problem}", entry.key));
+    knob.parse_spread(text).map(Some).map_err(fault)
+}
+
+/// Takes the spreads out of the further kinds of foliage, and leaves the values in their middles.
+fn take_spreads(kinds: &mut Node) -> Result<Vec<(PresetKnob, Spread)>, Fault> {
+    let mut taken = Vec::new();
+    let Datum::List(kinds) = &mut kinds.datum else { return Ok(taken) };
+    for (number, kind) in kinds.iter_mut().enumerate() {
+        let Datum::Table(entries) = &mut kind.datum else { continue };
+        for entry in entries {
+            let rows = kind_rows(number).iter().zip(&LEAF_KNOBS);
+            let mut named = rows.filter(|(_, field)| field.knob.is_called(&entry.key));
+            let Some((row, _)) = named.next() else { continue };
+            if let Some(spread) = spread(row, entry)? {
+                entry.node.datum = Datum::Text(spread.middle().to_string());
+                taken.push((*row, spread));
+            }
+        }
+    }
+    Ok(taken)
 }
 
 /// Says why a key is none, and what to do.

@@ -4,12 +4,13 @@ use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 
 use linden_base::document::NamesFiles;
-use linden_base::knob::Value;
+use linden_base::knob::{Spread, Value};
 use linden_plant::settings::{ALSO, KIND_NAME, LeafKind};
 use linden_skeleton::generator::Written;
 
 use super::Preset;
 use super::edits::{EDITS, WrittenEdit};
+use super::kinds::kind_rows;
 use super::knobs::Section;
 use super::tags::TAGS;
 
@@ -105,7 +106,8 @@ impl Knobs<'_> {
         }
         for (knob, value) in self.preset.knobs() {
             if knob.section == self.section {
-                map.serialize_entry(knob.knob.name, &Plain(value))?;
+                let spread = self.preset.spread_of(&knob, &value);
+                map.serialize_entry(knob.knob.name, &Turned { spread, value: &value })?;
             }
         }
         // Tables come after values.
@@ -116,7 +118,8 @@ impl Knobs<'_> {
         }
         let kinds = &self.preset.dressing.foliage.also;
         if self.section == Section::Foliage && !kinds.is_empty() {
-            map.serialize_entry(ALSO, &kinds.iter().map(Kind).collect::<Vec<_>>())?;
+            let kind = |(number, leaves)| Kind { preset: self.preset, number, leaves };
+            map.serialize_entry(ALSO, &kinds.iter().enumerate().map(kind).collect::<Vec<_>>())?;
         }
         Ok(())
     }
@@ -139,23 +142,44 @@ impl Serialize for Rows<'_> {
     }
 }
 
-/// A further kind of leaves.
-struct Kind<'a>(&'a LeafKind);
+/// A further kind of leaves, with its number from 0.
+struct Kind<'a> {
+    preset: &'a Preset,
+    number: usize,
+    leaves: &'a LeafKind,
+}
 
 impl Serialize for Kind<'_> {
     /// All keys, also those that stand at their default.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
-        if let Some(name) = &self.0.name {
+        let Self { preset, number, leaves } = self;
+        if let Some(name) = &leaves.name {
             map.serialize_entry(KIND_NAME, name)?;
         }
-        for (knob, value) in self.0.knobs() {
-            map.serialize_entry(knob.name, &Plain(value))?;
+        for (row, (knob, value)) in kind_rows(*number).iter().zip(leaves.knobs()) {
+            let spread = preset.spread_of(row, &value);
+            map.serialize_entry(knob.name, &Turned { spread, value: &value })?;
         }
-        for (key, file) in self.0.named_files() {
+        for (key, file) in leaves.named_files() {
             map.serialize_entry(key, file)?;
         }
         map.end()
+    }
+}
+
+/// A knob as documents have it: its spread, or its value.
+struct Turned<'a> {
+    spread: Option<&'a Spread>,
+    value: &'a Value,
+}
+
+impl Serialize for Turned<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.spread {
+            Some(spread) => serializer.collect_str(spread),
+            None => Plain(self.value.clone()).serialize(serializer),
+        }
     }
 }
 

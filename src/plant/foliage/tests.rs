@@ -517,7 +517,7 @@ fn instances_expand_to_what_is_baked() {
     let tree = twigs(20, 6);
     let mut subject =
         recipe("leaf_form = \"curved\"\nleaf_jitter = 40\nleaf_size_spread = 0.4\nleaf_up = -0.3");
-    subject.recipe.preset.seed = 5;
+    subject.recipe.preset.set_seed(5);
     let organs = grown(&subject, &tree);
     let baked = &meshes(&organs, 1, &Quiet).unwrap()[0];
     let dressed = DressedOrgans::new(Arc::clone(&organs), Arc::clone(&organs.shapes), Vec::new(), &[]);

@@ -210,7 +210,7 @@ fn all_levels_swing_alike() {
 fn pictures_that_move_show_what_the_targets_say() {
     for id in ["fir", "abop-flower"] {
         let (recipe, tree) = grown(id, &[("wind", "sway"), ("wind_strength", "0.8")]);
-        let (blow, seed) = (&recipe.dressing.wind.blow, recipe.recipe.preset.seed);
+        let (blow, seed) = (&recipe.dressing.wind.blow, recipe.recipe.preset.seed());
         let scene = recipe.dress(&tree);
         let wood = &scene.parts[0];
         let frames = wood.wind.as_ref().unwrap().sway.as_ref().unwrap().frames();

@@ -135,7 +135,7 @@ impl Plan {
             recipe.preset.set(name, value).map_err(usage).with_context(naming)?;
         }
         if let Some(seed) = item.seed {
-            recipe.preset.seed = seed;
+            recipe.preset.set_seed(seed);
         }
         let line = recipe.to_line();
         let outputs = item.formats.iter().map(|id| {

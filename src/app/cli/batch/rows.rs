@@ -68,7 +68,7 @@ impl Row {
         Self {
             index: tree.index,
             source: tree.source.clone(),
-            seed: tree.recipe.preset.seed,
+            seed: tree.recipe.preset.seed(),
             set: tree.set.clone(),
             define: tree.define.clone(),
             key: key(tree),

@@ -120,7 +120,7 @@ impl Plan {
             rest /= axis.values.len();
         }
         values.reverse();
-        Item { number: index + 1, values, seed: self.base.preset.seed.wrapping_add(step as u64) }
+        Item { number: index + 1, values, seed: self.base.preset.seed().wrapping_add(step as u64) }
     }
 
     /// The recipe of an item.
@@ -129,7 +129,7 @@ impl Plan {
         for (axis, value) in self.axes.iter().zip(&item.values) {
             axis.turn(&mut recipe, value)?;
         }
-        recipe.preset.seed = item.seed;
+        recipe.preset.set_seed(item.seed);
         Ok(recipe)
     }
 }
@@ -224,7 +224,7 @@ impl Sweep {
         super::notes(&found.notes, progress);
         let mut base = found.recipe;
         if let Some(seed) = self.growing.seed {
-            base.preset.seed = seed;
+            base.preset.set_seed(seed);
         }
         let mut axes = Vec::new();
         for (name, text) in super::defines(&self.growing.defines)? {

@@ -39,7 +39,7 @@ impl ExportKnobs {
     pub fn row(&self, row: usize) -> Option<(&PresetKnob, Value, bool)> {
         let knob = self.rows.get(row)?;
         let value = knob.read(&self.turned)?;
-        let differs = knob.read(&self.tree.preset).as_ref() != Some(&value);
+        let differs = self.turned.differs(knob, &self.tree.preset);
         Some((knob, value, differs))
     }
 
@@ -59,7 +59,10 @@ impl ExportKnobs {
     /// The names and values that are not the tree's.
     pub fn turned(&self) -> impl Iterator<Item = (&'static str, String)> {
         let rows = (0..self.rows.len()).filter_map(|row| self.row(row));
-        rows.filter(|(.., differs)| *differs).map(|(knob, value, _)| (knob.knob.name, value.to_string()))
+        let text =
+            |knob: &PresetKnob, value: &Value| self.turned.text_of(knob).unwrap_or_else(|| value.to_string());
+        rows.filter(|(.., differs)| *differs)
+            .map(move |(knob, value, _)| (knob.knob.name, text(knob, &value)))
     }
 
     /// Whether all is as on screen.

@@ -286,7 +286,7 @@ fn a_tree_that_still_grows_is_ordered_without_one_that_is_older() {
     let order = ExportBench::order(bench.keys("x"));
     let (recipe, shown) = tree_of(&order);
     assert!(shown.is_none());
-    assert_eq!(recipe.preset.seed, 99);
+    assert_eq!(recipe.preset.seed(), 99);
 }
 
 #[test]

@@ -258,9 +258,9 @@ pub const COMMANDS: &[Command] = &[
                 }
                 return;
             };
-            let saved = model.tree.as_ref().and_then(|tree| row.read(&tree.saved().preset));
+            let saved = model.tree.as_ref().and_then(|tree| tree.saved().preset.text_of(&row));
             match saved {
-                Some(value) => turn(model, row.knob.name, &value.to_string()),
+                Some(text) => turn(model, row.knob.name, &text),
                 None => model.say_warning("the saved preset does not have this knob"),
             }
         },

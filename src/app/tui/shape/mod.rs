@@ -259,13 +259,16 @@ fn open(model: &mut Model) {
         let line = kinds::KindLine::new(model, kind);
         return model.dialogs.open(line);
     }
-    let of_tree = selected(model).map(|(row, value)| (row.knob.name, row.knob.kind, value));
-    let of_forest = || forest::selected(model).map(|(knob, value)| (knob.name, knob.kind, value));
-    let Some((name, kind, value)) = of_tree.or_else(of_forest) else { return };
+    let text_of = |row: &PresetKnob| model.tree.as_ref()?.wanted().preset.text_of(row);
+    let of_tree = selected(model).map(|(row, value)| {
+        (row.knob.name, row.knob.kind, text_of(&row).unwrap_or_else(|| value.to_string()))
+    });
+    let of_forest = || forest::selected(model).map(|(knob, value)| (knob.name, knob.kind, value.to_string()));
+    let Some((name, kind, text)) = of_tree.or_else(of_forest) else { return };
     if kind == Kind::Switch {
         return nudge(model, true, Nudge::Usual);
     }
-    model.dialogs.open(ValueLine::new(name, &value.to_string()));
+    model.dialogs.open(ValueLine::new(name, &text));
 }
 
 /// Lists only what differs from the document, or all again. The cursor stays where it can.

@@ -228,7 +228,9 @@ impl FormView<'_> {
             line.paint(if long { whole } else { field }, buffer, view, theme);
             return;
         }
-        let text = clipped(&with_unit(row_knob, value), field.width.into());
+        let drawn_from = self.tree.wanted().preset.spread(row_knob);
+        let drawn_from = drawn_from.map_or_else(String::new, |spread| format!(" of {spread}"));
+        let text = clipped(&(with_unit(row_knob, value) + &drawn_from), field.width.into());
         let style = base.patch(if turned && !self.tree.compares { theme.modified } else { theme.value });
         buffer.set_stringn(field.x, field.y, text, field.width.into(), style);
         if let (Kind::Color { .. }, Value::Color([r, g, b])) = (row_knob.knob.kind, value)
@@ -366,8 +368,18 @@ impl FormView<'_> {
         if self.tree.is_turned(row_knob)
             && let Some(other) = row_knob.read(self.other)
         {
+            let spread = self.other.spread(row_knob);
             let whose = if self.tree.compares { "yours" } else { "saved" };
-            range.push(Span::styled(format!(" · {whose}: {}", with_unit(row_knob, &other)), theme.modified));
+            range.push(Span::styled(
+                format!(
+                    " · {whose}: {}",
+                    spread.map_or_else(|| with_unit(row_knob, &other), ToString::to_string)
+                ),
+                theme.modified,
+            ));
+        }
+        if let Some(spread) = self.tree.wanted().preset.spread(row_knob) {
+            range.push(Span::styled(format!(" · each seed draws from {spread}"), theme.value));
         }
         if *value == Value::Auto
             && let Some(now) = resolved(self.tree, row_knob)

@@ -28,7 +28,7 @@ mod tests {
             }
             let grown = |seed| {
                 let mut preset = preset.clone();
-                preset.seed = seed;
+                preset.set_seed(seed);
                 Arc::clone(&grow(&Recipe::new(preset), &Quiet).unwrap().skeleton)
             };
             let first = grown(1);

@@ -314,7 +314,7 @@ pub fn thumbnail(model: &mut Model, thumbnail: Thumbnail) {
 /// The seed of what is on screen.
 fn seed(model: &Model) -> Option<u64> {
     let of_forest = model.forest.as_ref().map(|forest| forest.wanted().layout.seed);
-    model.tree.as_ref().map(|tree| tree.preset().seed).or(of_forest)
+    model.tree.as_ref().map(|tree| tree.preset().seed()).or(of_forest)
 }
 
 /// Rolls the dice again, or back: the next seed is as unlike this one as any other.

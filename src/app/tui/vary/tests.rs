@@ -104,7 +104,7 @@ fn text(model: &mut Model) -> String {
 }
 
 fn seed(model: &Model) -> u64 {
-    model.tree.as_ref().unwrap().preset().seed
+    model.tree.as_ref().unwrap().preset().seed()
 }
 
 fn values(model: &Model) -> Vec<String> {
