@@ -196,8 +196,14 @@ mod tests {
         let by_order = SelfOrganizing { upward: vec![0.3, 0.0], ..base.clone() };
         assert_ne!(hash(&SelfOrganizing { reiteration: 2, ..by_order.clone() }), hash(&by_order));
         // What is called idle changes nothing.
-        let idle =
-            SelfOrganizing { whorl: 3, priority_share: 1.0, mature_from: 3, decline_from: 3, reiteration: 2, ..base.clone() };
+        let idle = SelfOrganizing {
+            whorl: 3,
+            priority_share: 1.0,
+            mature_from: 3,
+            decline_from: 3,
+            reiteration: 2,
+            ..base.clone()
+        };
         assert_eq!(hash(&idle), plain);
     }
 

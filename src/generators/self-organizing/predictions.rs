@@ -395,6 +395,7 @@ fn vigor_halves_in_equal_times_and_old_trees_slow_down() {
     let (from, to) = (20, 40);
     let (steady, declining) = (measured(), settings);
     assert_eq!(height(from, &steady), height(from, &declining), "the same tree until then");
-    let [steady, declining] = [steady, declining].map(|settings| height(to, &settings) - height(from, &settings));
+    let [steady, declining] =
+        [steady, declining].map(|settings| height(to, &settings) - height(from, &settings));
     assert!(declining > 0.0 && declining < 0.8 * steady, "{declining} m of {steady} m");
 }
