@@ -38,7 +38,7 @@ pub fn line(number: &Number, report: &Report, is_solid: bool) -> Option<(&'stati
 }
 
 /// Four digits that count, no more than six after the point.
-fn rounded(real: f64) -> String {
+pub fn rounded(real: f64) -> String {
     if real == 0.0 {
         return "0".to_owned();
     }

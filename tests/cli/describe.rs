@@ -5,12 +5,13 @@ use std::path::Path;
 
 use crate::program::Folder;
 
-const COMMANDS: [&str; 21] = [
+const COMMANDS: [&str; 22] = [
     "open",
     "list",
     "show",
     "stats",
     "sweep",
+    "calibrate",
     "batch",
     "bench",
     "preview",

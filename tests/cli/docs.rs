@@ -1,7 +1,7 @@
 //! The commands that the documents print are ones that the program understands.
 
 use linden::forest::{FOREST_KNOBS, builtin_forests};
-use linden::knob::{Kind, Knob};
+use linden::knob::{Kind, Knob, Spread};
 use linden::preset::{KNOBS, builtins};
 use linden_exporters::REGISTRY;
 
@@ -87,6 +87,11 @@ fn fault(line: &str) -> Option<String> {
         match knob(name).map(|knob| knob.kind) {
             None => return Some(format!("no knob is called {name}")),
             Some(Kind::Choice(known)) if name == "crown" && known.contains(&value) => {}
+            Some(kind) if Spread::is_meant(value) => {
+                if let Err(problem) = Spread::parse(&kind, value) {
+                    return Some(format!("{name}: {problem}"));
+                }
+            }
             Some(kind) => {
                 if let Err(problem) = kind.parse(value) {
                     return Some(format!("{name}: {problem}"));
@@ -94,7 +99,8 @@ fn fault(line: &str) -> Option<String> {
             }
         }
     }
-    let takes_source = ["show", "stats", "sweep", "preview", "export", "scan", "open", "sheet", "forest"];
+    let takes_source =
+        ["show", "stats", "sweep", "calibrate", "preview", "export", "scan", "open", "sheet", "forest"];
     if let [command, source, ..] = &words[..]
         && takes_source.contains(&command.as_str())
     {

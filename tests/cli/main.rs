@@ -6,6 +6,7 @@ mod bad_input;
 mod batch;
 mod bench;
 mod cache;
+mod calibrate;
 mod clients;
 mod completions;
 mod describe;

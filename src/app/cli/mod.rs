@@ -5,6 +5,7 @@ mod axes;
 mod batch;
 mod bench;
 mod cache;
+mod calibrate;
 mod cite;
 mod client;
 mod complete;
@@ -111,6 +112,7 @@ Examples:
   linden verify tree.glb
   linden lint tree.glb --profile mobile --deny warnings
   linden cite tree.glb --format bibtex
+  linden calibrate so-oak --against oaks.csv
   linden sweep abop-honda-a --define r1=0.6:0.9:0.1 --seeds 2 -o table.csv
   linden batch trees.toml --shard 0/4 --out trees
   linden doctor
@@ -124,6 +126,7 @@ enum CliCommand {
     Show(show::Show),
     Stats(stats::Stats),
     Sweep(sweep::Sweep),
+    Calibrate(calibrate::Calibrate),
     Batch(batch::Batch),
     Bench(bench::Bench),
     Preview(preview::Preview),
@@ -436,6 +439,7 @@ impl CliCommand {
             Self::Show(command) => command.run(),
             Self::Stats(command) => command.run(),
             Self::Sweep(command) => command.run(),
+            Self::Calibrate(command) => command.run(),
             Self::Batch(command) => command.run(),
             Self::Bench(command) => command.run(),
             Self::Preview(command) => command.run(),

@@ -8,6 +8,7 @@
 
 mod figures;
 mod reading;
+mod sample;
 mod table;
 
 use linden_base::monitor::{Cancelled, Monitor};
@@ -21,6 +22,7 @@ use figures::Figures;
 
 pub use figures::DIAMETERS_M;
 pub use reading::{Corners, Reading};
+pub use sample::{Parting, Sample};
 pub use table::{Group, NUMBERS, Number, Of, Report};
 
 /// Why a tree was not measured.

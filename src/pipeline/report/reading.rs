@@ -55,6 +55,15 @@ impl Reading {
         }
     }
 
+    /// The number that it is; `None` for words, lists and what does not apply.
+    pub fn number(&self) -> Option<f64> {
+        match self {
+            Self::Count(count) => Some(*count as f64),
+            Self::Real(real) => Some(*real),
+            _ => None,
+        }
+    }
+
     /// As a field of a table: empty where it does not apply, the items of lists joined by `;`. Numbers are the
     /// shortest that are read back as they are.
     ///
