@@ -53,8 +53,8 @@ fn an_export_with_a_spread_grows_again() {
 #[test]
 fn trees_do_not_part_from_themselves() {
     let folder = Folder::new();
-    let lines: String = heights(&folder).iter().map(|height| format!("{height}\n")).collect();
-    folder.write("firs.csv", format!("height_m\n{lines}"));
+    let lines: Vec<String> = heights(&folder).iter().map(f64::to_string).collect();
+    folder.write("firs.csv", format!("height_m\n{}\n", lines.join("\n")));
     let row = json(&folder, "firs.csv");
     let height = of(&row, "height_m");
     assert_eq!((height["distance"].as_f64(), height["p"].as_f64()), (Some(0.0), Some(1.0)));
@@ -68,8 +68,9 @@ fn trees_twice_as_tall_part_in_any_unit() {
     let folder = Folder::new();
     let heights = heights(&folder);
     let mean = heights.iter().sum::<f64>() / 24.0;
-    let lines: String = heights.iter().map(|height| format!("Abies,{},\n", 2.0 * height / 0.3048)).collect();
-    folder.write("firs.csv", format!("species,Height_ft,dbh_cm\n{lines}Abies,,40\n"));
+    let lines: Vec<String> =
+        heights.iter().map(|height| format!("Abies,{},", 2.0 * height / 0.3048)).collect();
+    folder.write("firs.csv", format!("species,Height_ft,dbh_cm\n{}\nAbies,,40\n", lines.join("\n")));
     let calibration = json(&folder, "firs.csv");
     let height = of(&calibration, "height_m");
     assert_eq!(height["parts"], true);

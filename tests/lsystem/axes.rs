@@ -90,7 +90,7 @@ fn all_grammars_have_the_axes_of_their_brackets() {
     for row in builtins() {
         let preset = row.load().unwrap();
         let Some(lsystem) = preset.settings::<LSystem>() else { continue };
-        let mut settings = lsystem.turtle(preset.seed);
+        let mut settings = lsystem.turtle(preset.seed());
         // A shrub's stems are one string each.
         if lsystem.stems > 1 {
             settings.habit = linden::lsystem::Stems::One;
