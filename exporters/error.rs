@@ -174,13 +174,21 @@ pub enum ExportError {
         /// What to do instead.
         advice: &'static str,
     },
+    /// A layer has what its binary form has no words for here: a fault of linden's.
+    #[error(
+        "cannot write USD as binary: linden has no words for '{}'; write .usda instead, and please report this",
+        printable(statement)
+    )]
+    Statement {
+        /// As text has it.
+        statement: String,
+    },
 }
 
 /// Formats of the field that linden does not write, and what the programs that read them take instead.
-const FOREIGN: [(&[&str], &str); 6] = [
+const FOREIGN: [(&[&str], &str); 5] = [
     (&["fbx", "dae", "3ds"], "Blender, Unity, Unreal Engine, Maya and Houdini read glb or usda as well"),
     (&["blend"], "Blender reads glb and usda; the program linden-export-blend writes .blend files"),
-    (&["usdc"], "usda and usdz hold the same, and usdcat turns them into usdc"),
     (&["abc"], "what reads Alembic reads usda as well"),
     (&["amf"], "slicers read 3mf, stl, obj and ply; --set junction=watertight makes it one closed solid"),
     (&["las", "laz", "e57", "pcd"], "ply-skeleton and qsm hold what is measured of a scan"),

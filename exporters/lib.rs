@@ -70,6 +70,7 @@ mod system;
 mod threemf;
 mod traces;
 mod usda;
+mod usdc;
 mod workplace;
 pub mod writing;
 
@@ -184,9 +185,9 @@ mod tests {
         let said = find("gtlf").err().unwrap().to_string();
         assert_eq!(
             said,
-            "no export format is called 'gtlf' (did you mean 'gltf'?); there are: obj, ply, ply-skeleton, gltf, glb, usda, usdz, qsm, mtg, organs, stl, 3mf, html"
+            "no export format is called 'gtlf' (did you mean 'gltf'?); there are: obj, ply, ply-skeleton, gltf, glb, usda, usdc, usdz, qsm, mtg, organs, stl, 3mf, html"
         );
-        let said = for_path(Path::new("fir.usdc")).err().unwrap().to_string();
+        let said = for_path(Path::new("fir.usdd")).err().unwrap().to_string();
         assert!(said.contains("did you mean '.usda'?") && said.contains(".glb"), "{said}");
         let said = for_path(Path::new("fir.FBX")).err().unwrap().to_string();
         assert!(said.contains("Unity") && said.contains("glb") && !said.contains("did you mean"), "{said}");

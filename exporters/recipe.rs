@@ -239,11 +239,38 @@ mod tests {
             ("glb", &[("instances", "true")]),
             ("glb", &[("quantize", "true"), ("compress", "meshopt")]),
             ("usda", &[("skeleton", "false"), ("pictures", "false")]),
+            ("usdc", &[("skeleton", "false"), ("pictures", "false")]),
             ("usdz", &[("flavor", "ar")]),
+            ("usdz", &[("layer", "binary")]),
         ] {
             let (_dir, file) = written(&scene, crate::find(id).unwrap(), set);
             let found = recipe_in(&mut BufReader::new(file)).unwrap();
             assert_eq!(found.as_ref(), Some(&scene.recipe), "{id} {set:?}");
+        }
+    }
+
+    #[test]
+    fn broken_crate_files_are_no_fault() {
+        let (_dir, mut file) = written(&scene(), crate::find("usdc").unwrap(), &[]);
+        let mut whole = Vec::new();
+        file.read_to_end(&mut whole).unwrap();
+        let known = recipe_in(&mut Cursor::new(&whole)).unwrap();
+        assert!(known.is_some());
+        // Cut anywhere, and each byte of the head, the names and the contents turned.
+        for end in (0..whole.len()).step_by(1 + whole.len() / 500) {
+            assert_eq!(recipe_in(&mut Cursor::new(&whole[..end])).unwrap(), None, "{end}");
+        }
+        let sections = whole.windows(7).rposition(|window| window == b"TOKENS\0").unwrap();
+        let word = |at: usize| u64::from_le_bytes(*whole[at..].first_chunk().unwrap()) as usize;
+        let (tokens, size) = (word(sections + 16), word(sections + 24));
+        let places = (0..88).chain(tokens..tokens + size).chain(sections - 8..whole.len());
+        for at in places {
+            for turned in [0x01, 0x80, 0xff] {
+                let mut broken = whole.clone();
+                broken[at] ^= turned;
+                // What is found may have lost a letter; nothing panics, nothing takes all memory.
+                recipe_in(&mut Cursor::new(&broken)).unwrap();
+            }
         }
     }
 
@@ -259,6 +286,8 @@ mod tests {
             b"glTF\x02\0\0\0",
             b"glTF\x02\0\0\0\xff\xff\xff\xff\xff\xff\xff\xffJSON{\"nodes\":[",
             b"glTF\x02\0\0\0\x20\0\0\0\x08\0\0\0BIN\0{}",
+            b"PXR-USDC",
+            &[&b"PXR-USDC\0\x08\0\0\0\0\0\0"[..], &[0xff; 80]].concat(),
             b"PK\x03\x04",
             b"PK\x03\x04\x0a\0\0\0\0\0\0\0\x21\0\0\0\0\0\0\0\0\0\0\0\0\0\xff\xff\xff\xff",
             b"#usda 1.0\n  string recipe = \"{",

@@ -19,6 +19,7 @@ pub static REGISTRY: &[&dyn Exporter] = &[
     &gltf::Gltf,
     &gltf::Glb,
     &usda::Usda,
+    &usda::Usdc,
     &usda::Usdz,
     &qsm::Qsm,
     &mtg::Mtg,

@@ -4,7 +4,7 @@
 use linden_pipeline::Vec3;
 use linden_pipeline::scene::Bounds;
 
-use super::layer::{Layer, vector};
+use super::layer::Layer;
 use super::syntax::{quoted, tuple};
 use crate::ExportError;
 use crate::collision::{Capsule, Colliders, Solid};
@@ -71,14 +71,14 @@ uniform token subdivisionScheme = "none""#,
         tuple(min.to_array()),
         tuple(max.to_array()),
     ))?;
-    layer.array("int[] faceVertexCounts", triangles.len(), None, |text, _| text.byte(b'3'))?;
+    layer.array("int[] faceVertexCounts", triangles.len(), None, |_| 3)?;
     let corners = triangles.as_flattened();
-    layer.array("int[] faceVertexIndices", corners.len(), None, |text, i| text.integer(corners[i]))?;
-    layer.array("point3f[] points", points.len(), None, |text, i| vector(text, points[i].to_array()))?;
+    layer.array("int[] faceVertexIndices", corners.len(), None, |i| corners[i])?;
+    layer.array("point3f[] points", points.len(), None, |i| points[i].to_array())?;
     // Flat sides: a normal each.
-    layer.array("normal3f[] normals", triangles.len(), Some("uniform"), |text, i| {
+    layer.array("normal3f[] normals", triangles.len(), Some("uniform"), |i| {
         let [a, b, c] = triangles[i].map(|corner| points[corner as usize]);
-        vector(text, (b - a).cross(c - a).normalize_or(Vec3::Y).to_array());
+        (b - a).cross(c - a).normalize_or(Vec3::Y).to_array()
     })?;
     layer.close()?;
     layer.lines("\n")

@@ -12,7 +12,22 @@ use crate::{Amounts, Options};
 const WIND: f64 = 38.0;
 const TARGET: f64 = 34.0;
 
-/// Bytes with these options, in one file or several.
+/// Bytes with these options, in one file or several, as binary: numbers take four bytes, indices one and a bit.
+pub(super) fn binary_bytes(amounts: &Amounts, options: &Options) -> u64 {
+    let is_full = !options.is_word("flavor", "ar");
+    let amounts = if options.is_on("instances") && is_full { amounts.instanced() } else { *amounts };
+    let Amounts { vertices, triangles, nodes, axes, .. } = amounts;
+    let curves = if options.is_on("skeleton") && is_full { 20.0 * (nodes + axes) as f64 } else { 0.0 };
+    let meshes = 27.0 * vertices as f64 + 3.2 * triangles as f64 + 33.0 * amounts.placements as f64;
+    let moved = 12.0 * amounts.wind_vectors() as f64 + 13.0 * amounts.target_vectors() as f64;
+    let materialx = if options.is_on("materialx") && is_full { 400 * amounts.foliage_materials } else { 0 };
+    let shapes = if is_full { 160 * collision::expected(amounts.axes, options) } else { 0 };
+    let around = amounts.recipe_bytes + 4000 + 300 * amounts.foliage_materials + materialx + shapes;
+    let pictures = if options.is_on("pictures") { amounts.picture_bytes } else { 0 };
+    (meshes + moved + curves) as u64 + around + pictures
+}
+
+/// Bytes with these options, in one file or several, as text.
 pub(super) fn bytes(amounts: &Amounts, options: &Options) -> u64 {
     // What augmented reality refuses is left out.
     let is_full = !options.is_word("flavor", "ar");

@@ -3,7 +3,7 @@
 use linden_pipeline::foliage::Placement;
 use linden_pipeline::scene::Bounds;
 
-use super::layer::{Layer, vector};
+use super::layer::Layer;
 use super::syntax::tuple;
 use crate::ExportError;
 
@@ -26,14 +26,12 @@ pub(super) fn write(
     let paths: Vec<String> = prototypes.iter().map(|path| format!("<{path}>")).collect();
     layer.lines(&format!("rel prototypes = [{}]", paths.join(", ")))?;
     let count = placed.len();
-    layer.array("int[] protoIndices", count, None, |text, i| text.integer(placed[i].0))?;
-    layer.array("point3f[] positions", count, None, |text, i| {
-        vector(text, placed[i].1.position.to_array());
-    })?;
-    layer.array("quath[] orientations", count, None, |text, i| {
+    layer.array("int[] protoIndices", count, None, |i| placed[i].0)?;
+    layer.array("point3f[] positions", count, None, |i| placed[i].1.position.to_array())?;
+    layer.array("quath[] orientations", count, None, |i| {
         let turn = placed[i].1.rotation;
-        vector(text, [turn.w, turn.x, turn.y, turn.z].map(to_half));
+        [turn.w, turn.x, turn.y, turn.z].map(to_half)
     })?;
-    layer.array("float3[] scales", count, None, |text, i| vector(text, [placed[i].1.scale; 3]))?;
+    layer.array("float3[] scales", count, None, |i| [placed[i].1.scale; 3])?;
     layer.lines("\n")
 }

@@ -1,83 +1,184 @@
-//! A layer as it is written: prims within prims, each indented under its own.
+//! A layer as it is written: prims within prims. What writes them hands on statements and arrays, of which either text
+//! or a crate file is made: the two hold the same.
 
+use linden_pipeline::Monitor;
+
+use crate::usdc::Crate;
 use crate::writing::records::{self, Text};
 use crate::{ExportError, Sink};
 
-/// The text of a layer, up to some depth.
-pub(super) struct Layer<'s, 'a> {
-    out: &'s mut Sink<'a>,
-    depth: usize,
+/// A layer, up to some depth.
+pub(super) struct Layer<'s, 'a>(Form<'s, 'a>);
+
+enum Form<'s, 'a> {
+    /// Each prim indented under its own.
+    Text {
+        out: &'s mut Sink<'a>,
+        depth: usize,
+    },
+    Binary(Box<Crate<'s>>),
 }
 
 impl<'s, 'a> Layer<'s, 'a> {
     pub fn new(out: &'s mut Sink<'a>) -> Self {
-        Self { out, depth: 0 }
+        Self(Form::Text { out, depth: 0 })
+    }
+
+    /// The bytes of the crate file of what `write` writes.
+    pub fn binary(
+        monitor: &'s dyn Monitor,
+        write: impl FnOnce(&mut Self) -> Result<(), ExportError>,
+    ) -> Result<Vec<u8>, ExportError> {
+        let mut layer = Self(Form::Binary(Box::new(Crate::new(monitor))));
+        write(&mut layer)?;
+        match layer.0 {
+            Form::Binary(file) => Ok(file.finish()),
+            Form::Text { .. } => Ok(Vec::new()),
+        }
     }
 
     /// Whole lines, each indented; empty ones stay empty.
     pub fn lines(&mut self, text: &str) -> Result<(), ExportError> {
+        let (out, depth) = match &mut self.0 {
+            Form::Text { out, depth } => (out, *depth),
+            Form::Binary(file) => return file.statements(text),
+        };
         let mut indented = String::with_capacity(text.len() + 1024);
         for line in text.lines() {
             if !line.is_empty() {
-                indented.extend(std::iter::repeat_n("    ", self.depth));
+                indented.extend(std::iter::repeat_n("    ", depth));
                 indented.push_str(line);
             }
             indented.push('\n');
         }
-        self.out.write(indented.as_bytes())
+        out.write(indented.as_bytes())
     }
 
     /// Begins what braces hold: `head` stands before them.
     pub fn open(&mut self, head: &str) -> Result<(), ExportError> {
+        if let Form::Binary(file) = &mut self.0 {
+            return file.statements(&format!("{head} {{"));
+        }
         self.lines(head)?;
         self.lines("{")?;
-        self.depth += 1;
+        self.deepen();
         Ok(())
     }
 
     /// Begins a variant or a set of them, which have their brace in the line of their name.
     pub fn open_inline(&mut self, head: &str) -> Result<(), ExportError> {
         self.lines(&format!("{head} {{"))?;
-        self.depth += 1;
+        self.deepen();
         Ok(())
+    }
+
+    fn deepen(&mut self) {
+        if let Form::Text { depth, .. } = &mut self.0 {
+            *depth += 1;
+        }
     }
 
     /// Ends what was opened last.
     pub fn close(&mut self) -> Result<(), ExportError> {
-        self.depth -= 1;
+        if let Form::Text { depth, .. } = &mut self.0 {
+            *depth -= 1;
+        }
         self.lines("}")
     }
 
-    /// An attribute of many elements: `item` formats one. `interpolation` is for primvars and the like.
-    pub fn array(
+    /// An attribute of many elements: `item` gives one. `interpolation` is for primvars and the like.
+    pub fn array<T: Element>(
         &mut self,
         declaration: &str,
         count: usize,
         interpolation: Option<&str>,
-        item: impl Fn(&mut Text, usize) + Sync,
+        item: impl Fn(usize) -> T + Sync,
     ) -> Result<(), ExportError> {
         // Editors and diff choke on a line of a hundred megabytes.
         const PER_LINE: usize = 64;
-        let pad = "    ".repeat(self.depth);
-        self.out.write(format!("{pad}{declaration} = [").as_bytes())?;
-        records::write(self.out, count, |text, range| {
+        let (out, depth) = match &mut self.0 {
+            Form::Text { out, depth } => (out, *depth),
+            Form::Binary(file) => {
+                let mut bytes = Vec::with_capacity(count * size_of::<T>());
+                (0..count).for_each(|i| item(i).append(&mut bytes));
+                return file.array(declaration, count * T::ELEMENTS, interpolation, bytes);
+            }
+        };
+        let pad = "    ".repeat(depth);
+        out.write(format!("{pad}{declaration} = [").as_bytes())?;
+        records::write(out, count, |text, range| {
             for i in range {
                 if i > 0 {
                     text.bytes(if i % PER_LINE == 0 { b",\n" } else { b", " });
                 }
-                item(text, i);
+                item(i).format(text);
             }
         })?;
         let metadata = interpolation
             .map(|word| format!(" (\n{pad}    interpolation = \"{word}\"\n{pad})"))
             .unwrap_or_default();
-        self.out.write(format!("]{metadata}\n").as_bytes())
+        out.write(format!("]{metadata}\n").as_bytes())
+    }
+}
+
+/// What arrays are of.
+pub(super) trait Element: Copy {
+    /// Elements of the array that it is.
+    const ELEMENTS: usize = 1;
+
+    fn format(self, text: &mut Text);
+
+    /// Appends its numbers as they lie in memory.
+    fn append(self, bytes: &mut Vec<u8>);
+}
+
+impl Element for u32 {
+    fn format(self, text: &mut Text) {
+        text.integer(self);
+    }
+
+    fn append(self, bytes: &mut Vec<u8>) {
+        bytes.extend(self.to_le_bytes());
+    }
+}
+
+impl Element for f32 {
+    fn format(self, text: &mut Text) {
+        text.float(self);
+    }
+
+    fn append(self, bytes: &mut Vec<u8>) {
+        bytes.extend(self.to_le_bytes());
     }
 }
 
 /// `(x, y, …)`.
-pub(super) fn vector<const N: usize>(text: &mut Text, numbers: [f32; N]) {
-    text.byte(b'(');
-    text.floats(numbers, b", ");
-    text.byte(b')');
+impl<const N: usize> Element for [f32; N] {
+    fn format(self, text: &mut Text) {
+        text.byte(b'(');
+        text.floats(self, b", ");
+        text.byte(b')');
+    }
+
+    fn append(self, bytes: &mut Vec<u8>) {
+        bytes.extend(self.iter().flat_map(|x| x.to_le_bytes()));
+    }
+}
+
+/// The corners of a triangle.
+impl Element for [u32; 3] {
+    const ELEMENTS: usize = 3;
+
+    fn format(self, text: &mut Text) {
+        let [a, b, c] = self;
+        text.integer(a);
+        text.bytes(b", ");
+        text.integer(b);
+        text.bytes(b", ");
+        text.integer(c);
+    }
+
+    fn append(self, bytes: &mut Vec<u8>) {
+        bytes.extend(self.iter().flat_map(|corner| corner.to_le_bytes()));
+    }
 }

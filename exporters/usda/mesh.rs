@@ -1,7 +1,7 @@
 //! A mesh with its normals and texture coordinates.
 
 use super::indexed::indexed;
-use super::layer::{Layer, vector};
+use super::layer::Layer;
 use super::syntax::tuple;
 use super::wind;
 use crate::ExportError;
@@ -36,18 +36,11 @@ color3f[] primvars:displayColor = [{}] (
     layer.open(&format!("def Mesh \"{name}\" (\n    prepend apiSchemas = [{schemas}]\n)"))?;
     layer.lines(&head)?;
     let vertex = Some("vertex");
-    layer.array("int[] faceVertexCounts", mesh.triangles.len(), None, |text, _| text.byte(b'3'))?;
-    layer.array("int[] faceVertexIndices", mesh.triangles.len(), None, |text, i| {
-        let [a, b, c] = mesh.triangles[i];
-        text.integer(a);
-        text.bytes(b", ");
-        text.integer(b);
-        text.bytes(b", ");
-        text.integer(c);
-    })?;
+    layer.array("int[] faceVertexCounts", mesh.triangles.len(), None, |_| 3)?;
+    layer.array("int[] faceVertexIndices", mesh.triangles.len(), None, |i| mesh.triangles[i])?;
     let count = mesh.positions.len();
-    layer.array("point3f[] points", count, None, |text, i| vector(text, mesh.positions[i].to_array()))?;
-    layer.array("normal3f[] normals", count, vertex, |text, i| vector(text, mesh.normals[i].to_array()))?;
+    layer.array("point3f[] points", count, None, |i| mesh.positions[i].to_array())?;
+    layer.array("normal3f[] normals", count, vertex, |i| mesh.normals[i].to_array())?;
     primvar::<2>(layer, "texCoord2f[] primvars:st", bytemuck::cast_slice(&mesh.uvs))?;
     if let Some(wind) = wind {
         wind::write(layer, wind, parent, &format!("{parent}/{name}"))?;
@@ -65,9 +58,9 @@ pub(super) fn primvar<const N: usize>(
     let vertex = Some("vertex");
     if let Some((once, indices)) = indexed(values) {
         let name = declaration.rsplit(' ').next().unwrap_or_default();
-        layer.array(declaration, once.len(), vertex, |text, i| vector(text, once[i]))?;
-        layer.array(&format!("int[] {name}:indices"), indices.len(), None, |text, i| text.integer(indices[i]))
+        layer.array(declaration, once.len(), vertex, |i| once[i])?;
+        layer.array(&format!("int[] {name}:indices"), indices.len(), None, |i| indices[i])
     } else {
-        layer.array(declaration, values.len(), vertex, |text, i| vector(text, values[i]))
+        layer.array(declaration, values.len(), vertex, |i| values[i])
     }
 }

@@ -1,4 +1,5 @@
-//! OpenUSD as text (`.usda`; `.usd` too, because readers tell text from binary by content).
+//! OpenUSD as text (`.usda`; `.usd` too, because readers tell text from binary by content), and in binary (`.usdc`),
+//! which is the same layer in another form: see [`layer`].
 //!
 //! ```text
 //! /fir                  Xform, component, the recipe
@@ -16,6 +17,7 @@
 //! inside the wood, and a renderer that drew it would show it through every gap.
 
 mod assembly;
+mod binary;
 mod collision;
 mod estimate;
 mod extent;
@@ -41,12 +43,15 @@ use linden_pipeline::scene::{Mesh, Wrap};
 use linden_pipeline::stage::{Stage, Surroundings};
 use linden_pipeline::{Monitor, Vec3};
 
+pub(crate) use self::binary::Usdc;
 use self::layer::Layer;
 use self::package::Package;
 use self::plant::{Component, Head};
-use self::syntax::{identifier, quoted, unquoted};
+pub(crate) use self::syntax::quoted;
+use self::syntax::{identifier, unquoted};
 use crate::collision::{COLLISION, Colliders, MOST, told};
 use crate::options::{OptionSpec, Options};
+use crate::usdc::Names;
 use crate::writing::distinct::{DistinctMeshes, MeshPart};
 use crate::writing::pictures::{self, NamedPicture};
 use crate::writing::{fit, instances, memory, note_asked};
@@ -105,12 +110,17 @@ static PACKAGE: Format = Format {
     extensions: &["usdz"],
     media_type: "model/vnd.usdz+zip",
     self_contained: true,
-    help: "USD text and its pictures in one file, for phones and handing on",
+    help: "USD and its pictures in one file, for phones and handing on",
     options: &[
         OptionSpec::choice(
             "flavor",
             &["full", "ar"],
             "ar leaves out what augmented reality on phones refuses: curves, instancers, lights, setting",
+        ),
+        OptionSpec::choice(
+            "layer",
+            &["text", "binary"],
+            "what is in the package beside the pictures: usda, or usdc in a quarter of the bytes",
         ),
         OptionSpec::switch("pictures", true, "pictures in the package; without, one colour"),
         OptionSpec::switch("skeleton", true, "the skeleton too, as guide curves: one per axis"),
@@ -121,8 +131,14 @@ static PACKAGE: Format = Format {
         MOST,
     ],
     holds: Holds::SCENE,
-    encoding: |_| Encoding::Text,
-    estimate: Some(estimate::bytes),
+    encoding: |options| if is_binary(options) { Encoding::Binary } else { Encoding::Text },
+    estimate: Some(|amounts, options| {
+        if is_binary(options) {
+            estimate::binary_bytes(amounts, options)
+        } else {
+            estimate::bytes(amounts, options)
+        }
+    }),
 };
 
 /// What all writers of prims need.
@@ -241,22 +257,50 @@ impl Exporter for Usda {
         bundle: &mut Bundle,
         monitor: &dyn Monitor,
     ) -> Result<(), ExportError> {
-        let stage = &fit(stage, &FORMAT, bundle);
-        let mut writing = Writing::new(stage, options, bundle, monitor)?;
-        if !writing.pictures.is_empty() && !bundle.takes_side_files() {
-            bundle.note(
-                "USD keeps pictures in files beside it: left out of a single stream, one colour instead",
-            );
-            writing.pictures.clear();
-        }
-        memory::admit(stage, &writing.pictures, own_bytes(&writing.distinct), monitor)?;
-        let mut files = Vec::with_capacity(writing.pictures.len());
-        for (named, png) in writing.pictures.iter().zip(pictures::compress(&writing.pictures)?) {
-            files.push(bundle.write_picture(&named.suffix, png, monitor)?);
-        }
-        writing.name_files(files);
-        bundle.write_main(None, monitor, |out| write_layer(&mut Layer::new(out), &writing))
+        write_beside(&FORMAT, stage, options, bundle, monitor, |writing, bundle| {
+            bundle.write_main(None, monitor, |out| write_layer(&mut Layer::new(out), writing))
+        })
     }
+}
+
+/// Writes a layer and its pictures beside it.
+fn write_beside(
+    format: &'static Format,
+    stage: &Stage<'_>,
+    options: &Options,
+    bundle: &mut Bundle,
+    monitor: &dyn Monitor,
+    write: impl FnOnce(&Writing<'_>, &mut Bundle) -> Result<(), ExportError>,
+) -> Result<(), ExportError> {
+    let stage = &fit(stage, format, bundle);
+    let mut writing = Writing::new(stage, options, bundle, monitor)?;
+    if !writing.pictures.is_empty() && !bundle.takes_side_files() {
+        bundle.note("USD keeps pictures in files beside it: left out of a single stream, one colour instead");
+        writing.pictures.clear();
+    }
+    // A binary layer is held whole, in memory that grows.
+    let is_binary = (format.encoding)(options) == Encoding::Binary;
+    let held = if is_binary { 2 * layer_bytes(&writing, true) } else { 0 };
+    memory::admit(stage, &writing.pictures, own_bytes(&writing.distinct) + held, monitor)?;
+    let mut files = Vec::with_capacity(writing.pictures.len());
+    for (named, png) in writing.pictures.iter().zip(pictures::compress(&writing.pictures)?) {
+        files.push(bundle.write_picture(&named.suffix, png, monitor)?);
+    }
+    writing.name_files(files);
+    write(&writing, bundle)
+}
+
+/// What a layer takes, rather more than less.
+fn layer_bytes(writing: &Writing<'_>, is_binary: bool) -> u64 {
+    let distinct = &writing.distinct;
+    let nodes = distinct.models.iter().map(|model| model.scene.skeleton.positions.len() as u64).sum::<u64>();
+    let placements = distinct.placements() as u64;
+    if is_binary {
+        let meshes = distinct.parts().map(binary::mesh_bytes).sum::<u64>();
+        return meshes + binary::BYTES_PER_NODE * nodes + binary::PLACEMENT_BYTES * placements;
+    }
+    let meshes = distinct.parts().map(text_bytes).sum::<u64>();
+    meshes + CURVE_BYTES_PER_NODE * nodes + PLACEMENT_BYTES * placements
 }
 
 impl Exporter for Usdz {
@@ -265,11 +309,19 @@ impl Exporter for Usdz {
     }
 
     fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {
+        if let Some(names) = binary_names(file)? {
+            return Ok(names.recipe());
+        }
+        file.rewind()?;
         package::first(file, in_layer)
     }
 
     /// The layer is stored as it is, and what `flavor=ar` leaves out is what the other options do.
     fn traces(&self, file: &mut dyn Readable) -> io::Result<Traces> {
+        if let Some(names) = binary_names(file)? {
+            return Ok(binary::traces(&PACKAGE, &names).with("layer", "binary"));
+        }
+        file.rewind()?;
         in_text(&PACKAGE, file)
     }
 
@@ -287,25 +339,43 @@ impl Exporter for Usdz {
         }
         let mut writing = Writing::new(&stage, options, bundle, monitor)?;
         // The package is held whole: sizes and sums stand before the data.
-        let nodes = writing.distinct.models.iter().map(|model| model.scene.skeleton.positions.len() as u64);
-        let text = writing.distinct.parts().map(text_bytes).sum::<u64>()
-            + CURVE_BYTES_PER_NODE * nodes.sum::<u64>()
-            + PLACEMENT_BYTES * writing.distinct.placements() as u64;
-        memory::admit(&stage, &writing.pictures, own_bytes(&writing.distinct) + text, monitor)?;
+        let is_binary = is_binary(options);
+        let layer = layer_bytes(&writing, is_binary);
+        let held = if is_binary { 3 * layer } else { layer };
+        memory::admit(&stage, &writing.pictures, own_bytes(&writing.distinct) + held, monitor)?;
         let files = writing.pictures.iter().map(|named| named.suffix.trim_start_matches('_').to_owned());
         writing.name_files(files.collect());
         let pictures = pictures::compress(&writing.pictures)?;
         let files: usize = pictures.iter().map(|png| png.len()).sum();
-        let mut package = Package::with_capacity(text as usize + files);
-        package.push_with("tree.usda", |bytes| {
-            Sink::gather("the USD layer", bytes, monitor, |out| write_layer(&mut Layer::new(out), &writing))
-        })?;
+        let mut package = Package::with_capacity(layer as usize + files);
+        if is_binary {
+            package.push("tree.usdc", &Layer::binary(monitor, |layer| write_layer(layer, &writing))?)?;
+        } else {
+            package.push_with("tree.usda", |bytes| {
+                Sink::gather("the USD layer", bytes, monitor, |out| {
+                    write_layer(&mut Layer::new(out), &writing)
+                })
+            })?;
+        }
         for (file, png) in writing.files.iter().zip(pictures) {
             package.push(file, png)?;
         }
         let bytes = package.finish()?;
         bundle.write_main(Some(bytes.len() as u64), monitor, |out| out.write(&bytes))
     }
+}
+
+/// The names in the binary layer that a package begins with; `None` where it begins with text.
+fn binary_names(file: &mut dyn Readable) -> io::Result<Option<Names>> {
+    match package::first(file, Names::read) {
+        // Text that is shorter than a crate file's head.
+        Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => Ok(None),
+        read => read,
+    }
+}
+
+fn is_binary(options: &Options) -> bool {
+    options.is_word("layer", "binary")
 }
 
 fn in_text(format: &'static Format, file: &mut dyn Readable) -> io::Result<Traces> {

@@ -4,7 +4,7 @@ use glam::Vec3;
 use linden_pipeline::scene::Bounds;
 use linden_pipeline::skeleton::{Axis, NO_PARENT, Skeleton};
 
-use super::layer::{Layer, vector};
+use super::layer::Layer;
 use super::syntax::tuple;
 use crate::ExportError;
 
@@ -42,16 +42,12 @@ uniform token wrap = "nonperiodic""#,
     layer.open(&format!("def BasisCurves \"{name}\""))?;
     layer.lines(&head)?;
     let node = |i: usize| nodes[i] as usize;
-    layer.array("int[] curveVertexCounts", axes.len(), None, |text, i| text.integer(axes[i].1))?;
-    layer.array("point3f[] points", nodes.len(), None, |text, i| {
-        vector(text, skeleton.positions[node(i)].to_array());
-    })?;
-    layer.array("float[] widths", nodes.len(), Some("vertex"), |text, i| text.float(2.0 * radii[i]))?;
-    layer.array("int[] primvars:linden:order", axes.len(), Some("uniform"), |text, i| {
-        text.integer(axes[i].0.order);
-    })?;
-    layer.array("int[] primvars:linden:birth", nodes.len(), Some("vertex"), |text, i| {
-        text.integer(skeleton.births[node(i)].min(i32::MAX as u32));
+    layer.array("int[] curveVertexCounts", axes.len(), None, |i| axes[i].1)?;
+    layer.array("point3f[] points", nodes.len(), None, |i| skeleton.positions[node(i)].to_array())?;
+    layer.array("float[] widths", nodes.len(), Some("vertex"), |i| 2.0 * radii[i])?;
+    layer.array("int[] primvars:linden:order", axes.len(), Some("uniform"), |i| axes[i].0.order)?;
+    layer.array("int[] primvars:linden:birth", nodes.len(), Some("vertex"), |i| {
+        skeleton.births[node(i)].min(i32::MAX as u32)
     })?;
     layer.close()?;
     layer.lines("\n")

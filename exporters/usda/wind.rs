@@ -11,7 +11,7 @@ use linden_pipeline::scene::Bounds;
 use linden_pipeline::wind::{Motion, PartWind, Sway};
 
 use super::extent;
-use super::layer::{Layer, vector};
+use super::layer::Layer;
 use super::mesh::primvar;
 use super::syntax::tuple;
 use crate::ExportError;
@@ -151,10 +151,10 @@ rel skel:skeleton = <{geometry}/WindRig>\n",
         // What stays where it is (the foot, the wood's inner ends) need not be said.
         let moved: Vec<u32> =
             (0..).zip(&target.offsets).filter(|(_, o)| **o != Vec3::ZERO).map(|(i, _)| i).collect();
-        layer.array("uniform vector3f[] offsets", moved.len(), None, |text, i| {
-            vector(text, target.offsets[moved[i] as usize].to_array());
+        layer.array("uniform vector3f[] offsets", moved.len(), None, |i| {
+            target.offsets[moved[i] as usize].to_array()
         })?;
-        layer.array("uniform int[] pointIndices", moved.len(), None, |text, i| text.integer(moved[i]))?;
+        layer.array("uniform int[] pointIndices", moved.len(), None, |i| moved[i])?;
         layer.close()?;
     }
     Ok(())

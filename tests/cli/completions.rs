@@ -72,7 +72,7 @@ fn bash_completes_commands_presets_knobs_values_and_formats() {
     assert_eq!(at("linden export fir --set glb.quan"), ["glb.quantize="]);
     assert_eq!(at("linden sweep abop-honda-a --define r"), ["r1=", "r2="]);
     assert_eq!(at("linden export fir --set glb.quantize=t"), ["true"]);
-    assert_eq!(at("linden export fir --format usd"), ["usda", "usdz"]);
+    assert_eq!(at("linden export fir --format usd"), ["usda", "usdc", "usdz"]);
     assert_eq!(at("linden preview fir --graphics=si"), ["sixel"]);
     assert_eq!(at("linden preview fir --graphics si"), ["sixel"]);
     has("linden export fir --seasons ", "autumn");

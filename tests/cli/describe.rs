@@ -105,6 +105,7 @@ fn the_list_names_the_presets_that_are_promised() {
             "gltf",
             "glb",
             "usda",
+            "usdc",
             "usdz",
             "qsm",
             "mtg",

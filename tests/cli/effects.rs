@@ -33,7 +33,7 @@ fn a_knob_that_changes_nothing_is_named_with_what_it_waits_for() {
         ),
         (
             &["export", "simple", "-o", "x.ply", "--wind=sway"],
-            "ply holds no wind: wind is left out; gltf, glb, usda, usdz and html hold it",
+            "ply holds no wind: wind is left out; gltf, glb, usda, usdc, usdz and html hold it",
         ),
         (
             &["export", "simple", "-o", "x.csv", "--lods", "3"],

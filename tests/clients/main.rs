@@ -6,6 +6,7 @@
 mod assembly;
 mod collision;
 mod compressed;
+mod crates;
 mod cylinders;
 mod foliage;
 mod instances;

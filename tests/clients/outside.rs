@@ -51,6 +51,7 @@ fn every_client_takes_every_format() {
         ("gltf", "tree.gltf", &[]),
         ("glb", "tree.glb", &[]),
         ("usda", "tree.usda", &[]),
+        ("usdc", "tree.usdc", &[]),
         ("usdz", "tree.usdz", &[]),
         ("stl", "tree.stl", &[]),
     ] {
@@ -77,6 +78,9 @@ fn every_client_takes_every_option() {
         ("glb", "webp.glb", &[("picture_format", "webp")]),
         ("gltf", "webp.gltf", &[("picture_format", "webp")]),
         ("usdz", "ar.usdz", &[("flavor", "ar")]),
+        ("usdz", "binary.usdz", &[("layer", "binary")]),
+        ("usdz", "binary_ar.usdz", &[("layer", "binary"), ("flavor", "ar")]),
+        ("usdc", "plain.usdc", &[("pictures", "false"), ("skeleton", "false")]),
         ("obj", "odd name #2.obj", &[]),
         ("usda", "odd name #2.usda", &[]),
         ("usda", "plain.usda", &[("pictures", "false"), ("skeleton", "false")]),

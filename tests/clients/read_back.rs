@@ -219,6 +219,7 @@ fn text_is_the_same_on_any_number_of_threads() {
     for (format, name, options) in [
         ("obj", "tree.obj", &[("lines", "true")][..]),
         ("usda", "tree.usda", &[]),
+        ("usdc", "tree.usdc", &[]),
         ("ply", "tree.ply", &[("encoding", "ascii")]),
         ("ply-skeleton", "tree.ply", &[("encoding", "ascii")]),
         ("qsm", "tree.csv", &[]),

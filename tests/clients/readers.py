@@ -46,7 +46,7 @@ class Tree:
 
 
 def read(path: Path) -> Tree:
-    reader = {".obj": obj, ".ply": ply, ".gltf": gltf, ".glb": gltf, ".usda": usda, ".usdz": usda, ".stl": stl}[path.suffix]
+    reader = {".obj": obj, ".ply": ply, ".gltf": gltf, ".glb": gltf, ".usda": usda, ".usdc": usda, ".usdz": usda, ".stl": stl}[path.suffix]
     return reader(path)
 
 
@@ -345,7 +345,7 @@ def entries(path):
     with zipfile.ZipFile(path) as package:
         assert package.testzip() is None, "an entry's sum is wrong"
         infos = package.infolist()
-        assert infos[0].filename.endswith(".usda"), "the layer is not first"
+        assert infos[0].filename.endswith((".usda", ".usdc")), "the layer is not first"
         data = path.read_bytes()
         for info in infos:
             assert info.compress_type == zipfile.ZIP_STORED, f"{info.filename} is compressed"

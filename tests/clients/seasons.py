@@ -33,7 +33,7 @@ def main():
     expected = json.loads((folder / "expected.json").read_text())
     chosen = expected.pop("chosen")
     files = [path for path in folder.iterdir() if path.suffix.startswith(".usd")]
-    assert len(files) == 2, files
+    assert len(files) == 3, files
     for path in files:
         stage = Usd.Stage.Open(str(path))
         sets = stage.GetDefaultPrim().GetVariantSets()

@@ -80,9 +80,10 @@ fn every_season_is_a_variant_with_the_same_wood() {
         assert_eq!(year.seasons[0].0.name, shown, "the recipe's own season is chosen");
         expected.insert("chosen".to_owned(), shown.into());
         fs::write(dir.join("expected.json"), serde_json::to_vec(&expected).unwrap()).unwrap();
-        for format in ["usda", "usdz"] {
+        for format in ["usda", "usdc", "usdz"] {
             export_stage(&stage, format, &[], &dir.join(format!("tree.{format}"))).unwrap();
         }
+        run("crates.py", &dir);
         run("seasons.py", &dir);
         if name != "levels" {
             continue;

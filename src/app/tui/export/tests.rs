@@ -169,7 +169,7 @@ impl ExportBench {
     }
 
     fn click(&mut self, wanted: Target) -> Effects {
-        let (_, view) = self.screen(100, 48);
+        let (_, view) = self.screen(100, 52);
         let (area, _) = *view.regions.iter().rev().find(|(_, target)| *target == wanted).unwrap();
         let kind = MouseEventKind::Down(MouseButton::Left);
         let (column, row) = (area.x + 1, area.y);

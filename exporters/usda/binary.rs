@@ -1,0 +1,112 @@
+//! The same layers in binary (`.usdc`).
+
+use std::io;
+
+use linden_pipeline::Monitor;
+use linden_pipeline::stage::{Stage, Surroundings};
+
+use super::layer::Layer;
+use super::{COLLISION, INSTANCES, LODS, MATERIALX, MOST, estimate, write_beside, write_layer};
+use crate::options::{OptionSpec, Options};
+use crate::usdc::Names;
+use crate::writing::distinct::MeshPart;
+use crate::{Bundle, Encoding, ExportError, Exporter, Format, Holds, Readable, Traces};
+
+/// OpenUSD in binary.
+pub(crate) struct Usdc;
+
+static FORMAT: Format = Format {
+    id: "usdc",
+    name: "OpenUSD (binary)",
+    extensions: &["usdc"],
+    media_type: "model/vnd.usdc",
+    self_contained: false,
+    help: "what usda holds in a quarter of its bytes, which programs map into memory; pictures lie beside it",
+    options: &[
+        OptionSpec::switch("pictures", true, "bark pictures beside the file; without, one colour"),
+        OptionSpec::switch("skeleton", true, "the skeleton too, as guide curves: one per axis"),
+        INSTANCES,
+        MATERIALX,
+        LODS,
+        COLLISION,
+        MOST,
+    ],
+    holds: Holds::SCENE,
+    encoding: |_| Encoding::Binary,
+    estimate: Some(estimate::binary_bytes),
+};
+
+impl Exporter for Usdc {
+    fn format(&self) -> &'static Format {
+        &FORMAT
+    }
+
+    fn recipe(&self, file: &mut dyn Readable) -> io::Result<Option<String>> {
+        Ok(Names::read(file)?.and_then(|names| names.recipe()))
+    }
+
+    fn traces(&self, file: &mut dyn Readable) -> io::Result<Traces> {
+        Ok(Names::read(file)?.map_or_else(|| Traces::none(&FORMAT), |names| traces(&FORMAT, &names)))
+    }
+
+    fn write(
+        &self,
+        stage: &Stage<'_>,
+        options: &Options,
+        bundle: &mut Bundle,
+        monitor: &dyn Monitor,
+    ) -> Result<(), ExportError> {
+        write_beside(&FORMAT, stage, options, bundle, monitor, |writing, bundle| {
+            let bytes = Layer::binary(monitor, |layer| write_layer(layer, writing))?;
+            bundle.write_main(Some(bytes.len() as u64), monitor, |out| out.write(&bytes))
+        })
+    }
+}
+
+/// What the names in a layer show of how it was written.
+pub(super) fn traces(format: &'static Format, names: &Names) -> Traces {
+    let camera = names.has("Camera");
+    let told = names.strings().find_map(|text| Surroundings::parse(text).ok());
+    let setting = camera.then(|| told.unwrap_or_default());
+    let traces = Traces::none(format)
+        .with_switch("pictures", names.has("UsdUVTexture"))
+        .with_switch("skeleton", names.has("BasisCurves"));
+    let is_told = |(shapes, most): &(&str, &str)| {
+        let mut options = Options::new(format);
+        options.set(COLLISION.knob.name, shapes).and_then(|()| options.set(MOST.knob.name, most)).is_ok()
+    };
+    let told = names.strings().filter_map(|text| text.split_once(' ')).find(is_told);
+    let traces = match told.filter(|_| names.has("PhysicsCollisionAPI")) {
+        Some((shapes, most)) => traces.with(COLLISION.knob.name, shapes).with(MOST.knob.name, most),
+        None => traces,
+    };
+    // Without leaves it does not show.
+    let is_translucent = names.has("ND_standard_surface_surfaceshader");
+    let traces =
+        if is_translucent { traces.with_switch("materialx", true) } else { traces.with_either("materialx") };
+    // What covers the ground is instanced whatever the options.
+    let has_instances = names.has("PointInstancer");
+    let traces = if has_instances && names.has_beginning("Ground_") {
+        traces.with_either("instances")
+    } else {
+        traces.with_switch("instances", has_instances)
+    };
+    Traces { setting, seasons: names.has("season"), ..traces }
+}
+
+/// What a mesh takes in a crate file, rather more than less: vectors as they are, texture coordinates each once, indices
+/// hardly compressed.
+pub(super) fn mesh_bytes(piece: &MeshPart<'_>) -> u64 {
+    let mesh = &piece.mesh;
+    let (vertices, triangles) = (mesh.positions.len() as u64, mesh.triangles.len() as u64);
+    let moved = piece.wind.map_or(0, |wind| {
+        let offsets = wind.targets.iter().map(|target| target.offsets.len() as u64).sum::<u64>();
+        2 * 21 * vertices + 17 * offsets
+    });
+    4096 + 37 * vertices + 14 * triangles + moved
+}
+
+/// What a node of the skeleton takes.
+pub(super) const BYTES_PER_NODE: u64 = 32;
+/// What a copy's place takes.
+pub(super) const PLACEMENT_BYTES: u64 = 40;
