@@ -78,6 +78,8 @@ fn value(knob: &PresetKnob, dice: &mut Dice) -> String {
     match knob.knob.kind {
         Kind::Real { min, max, .. } => match dice.below(10) {
             0 => "auto".to_owned(),
+            1 => format!("{}..{}", number(min, max, dice), number(min, max, dice)),
+            2 => format!("{} ± {}", number(min, max, dice), number(min, max, dice)),
             _ => number(min, max, dice).to_string(),
         },
         Kind::Integer { min, max } => match dice.below(5) {
@@ -106,7 +108,11 @@ fn value(knob: &PresetKnob, dice: &mut Dice) -> String {
         }
         Kind::Reals { min, max, most } => {
             let count = 1 + dice.below(most.min(4));
-            (0..count).map(|_| number(min, max, dice).to_string()).collect::<Vec<_>>().join(" ")
+            let one = |_| match dice.below(8) {
+                0 => format!("{}±{}", number(min, max, dice), number(min, max, dice)),
+                _ => number(min, max, dice).to_string(),
+            };
+            (0..count).map(one).collect::<Vec<_>>().join(" ")
         }
         Kind::Words(words) => match dice.below(words.len() + 1) {
             0 => "none".to_owned(),
